@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Sets up, builds and runs the main job on a bare Debian 12: the Sedov blast wave, coupled.
+#   bash examples/run.sh [--no-install] [sedov options, such as --cells 30; see sedov --help]
+set -euo pipefail
+source "$(dirname "$0")/../cmake/setup.sh"
+
+no_install=0
+arguments=()
+while [ $# -gt 0 ]; do
+  case $1 in
+    --help|-h) sed -n '2,3s/^# //p' "$0"; exit 0 ;;
+    --no-install) no_install=1 ;;
+    *) arguments+=("$1") ;;
+  esac
+  shift
+done
+
+say "libinsitu: the main job"
+ensure_packages "${packages[@]}"
+configure_and_build release -DINSITU_BUILD_TESTS=OFF -- sedov
+cd "$project"
+./build/release/bin/sedov --scene examples/sedov/scene.yaml --output out/sedov "${arguments[@]}"
+say "written: out/sedov (frames, probe and tracer tables, summary.json)"

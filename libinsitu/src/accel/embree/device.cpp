@@ -1,0 +1,46 @@
+#include "accel/embree/device.h"
+
+#include <string>
+
+#include "core/status.h"
+
+namespace insitu::accel::embree {
+
+namespace {
+
+bool count_memory(void* user, ssize_t bytes, bool) {
+  static_cast<core::Memory*>(user)->add(INSITU_MEMORY_EMBREE, std::int64_t(bytes));
+  return true;
+}
+
+const char* error_name(RTCError error) {
+  switch (error) {
+  case RTC_ERROR_OUT_OF_MEMORY: return "out of memory";
+  case RTC_ERROR_UNSUPPORTED_CPU: return "unsupported processor";
+  case RTC_ERROR_INVALID_ARGUMENT: return "invalid argument";
+  case RTC_ERROR_INVALID_OPERATION: return "invalid operation";
+  case RTC_ERROR_CANCELLED: return "cancelled";
+  default: return "unknown error";
+  }
+}
+
+} // namespace
+
+Device::Device(core::Memory& memory) : device_(rtcNewDevice(nullptr)) {
+  if (!device_)
+    throw core::Error(INSITU_ERROR_INTERNAL,
+                      std::string("Embree: no device: ") + error_name(rtcGetDeviceError(nullptr)));
+  rtcSetDeviceMemoryMonitorFunction(device_, count_memory, &memory);
+}
+
+Device::~Device() { rtcReleaseDevice(device_); }
+
+void Device::check(const char* what) const {
+  const RTCError error = rtcGetDeviceError(device_);
+  if (error != RTC_ERROR_NONE)
+    throw core::Error(error == RTC_ERROR_OUT_OF_MEMORY ? INSITU_ERROR_MEMORY
+                                                       : INSITU_ERROR_INTERNAL,
+                      std::string("Embree, ") + what + ": " + error_name(error));
+}
+
+} // namespace insitu::accel::embree

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "math/hd.h"
+#include "math/vec.h"
+
+namespace insitu::accel {
+
+/// A box of floats in the tree's local frame.
+struct Box {
+  float lower[3] = {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
+                    std::numeric_limits<float>::infinity()};
+  float upper[3] = {-std::numeric_limits<float>::infinity(),
+                    -std::numeric_limits<float>::infinity(),
+                    -std::numeric_limits<float>::infinity()};
+
+  INSITU_HD void extend(const Box& b) {
+    for (int a = 0; a < 3; ++a) {
+      lower[a] = b.lower[a] < lower[a] ? b.lower[a] : lower[a];
+      upper[a] = b.upper[a] > upper[a] ? b.upper[a] : upper[a];
+    }
+  }
+  INSITU_HD float half_area() const {
+    const float x = upper[0] - lower[0], y = upper[1] - lower[1], z = upper[2] - lower[2];
+    return x * y + y * z + z * x;
+  }
+};
+
+/// A float at or below (above) the double: rounding to nearest errs by half an ulp at most, and
+/// 2^-22 of the value is more than an ulp.
+INSITU_HD inline float round_down(double x) {
+  const float f = float(x);
+  return f - std::fabs(f) * 0x1p-22f - 0x1p-120f;
+}
+INSITU_HD inline float round_up(double x) {
+  const float f = float(x);
+  return f + std::fabs(f) * 0x1p-22f + 0x1p-120f;
+}
+
+/// An 8-wide node of 80 bytes. Child boxes are quantised, outwards, to 8 bits on a grid whose
+/// spacing is a power of two per axis: lower + 2^(exponent - 127) * byte, exact but for one
+/// rounding, which encoding has checked. Inner children lie at first_child in order; the cells of
+/// leaf children at first_cell + (meta >> 3), meta & 7 of them. meta is 0 for no child.
+struct alignas(16) Node {
+  float lower[3];
+  std::uint8_t exponent[3];
+  std::uint8_t inner; ///< bit i: child i is a node
+  std::uint32_t first_child;
+  std::uint32_t first_cell;
+  std::uint8_t meta[8];
+  std::uint8_t child_lower[3][8];
+  std::uint8_t child_upper[3][8];
+
+  INSITU_HD float scale(int axis) const {
+    return std::bit_cast<float>(std::uint32_t(exponent[axis]) << 23);
+  }
+  INSITU_HD bool is_inner(int child) const { return (inner >> child) & 1; }
+  INSITU_HD std::uint32_t child_node(int child) const {
+    return first_child + std::uint32_t(std::popcount(unsigned(inner) & ((1u << child) - 1u)));
+  }
+  INSITU_HD std::uint32_t child_cells(int child) const {
+    return first_cell + (std::uint32_t(meta[child]) >> 3);
+  }
+  INSITU_HD int child_cell_count(int child) const { return meta[child] & 7; }
+  INSITU_HD Box child_box(int child) const {
+    Box b;
+    for (int a = 0; a < 3; ++a) {
+      const float s = scale(a);
+      b.lower[a] = lower[a] + s * float(child_lower[a][child]);
+      b.upper[a] = lower[a] + s * float(child_upper[a][child]);
+    }
+    return b;
+  }
+};
+static_assert(sizeof(Node) == 80);
+
+constexpr int most_leaf_cells = 4; // 8 leaf children: offsets of at most 28 fit meta's 5 bits
+
+/// Quantises the children's boxes into the node, outwards. Children whose meta is 0 get an inverted
+/// box.
+INSITU_HD inline void encode_boxes(Node& node, const Box* children) {
+  Box all;
+  for (int c = 0; c < 8; ++c)
+    if (node.meta[c])
+      all.extend(children[c]);
+  for (int a = 0; a < 3; ++a) {
+    const float lo = all.lower[a], extent = all.upper[a] - lo;
+    node.lower[a] = lo;
+    // The smallest power of two with extent / 2^e <= 254; the spare step takes the roundings. Not
+    // below lo's ulp, or steps would vanish in the sum.
+    const float at_least = (std::fabs(lo) + std::fabs(all.upper[a])) * 0x1p-23f;
+    float unit = extent * (1.0f / 253.0f);
+    unit = unit > at_least ? unit : at_least;
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(unit) + 0x7fffffu;
+    std::uint32_t e = bits >> 23;
+    e = e < 1 ? 1 : (e > 254 ? 254 : e);
+    node.exponent[a] = std::uint8_t(e);
+    const float s = std::bit_cast<float>(e << 23), inverse = 1.0f / s;
+    for (int c = 0; c < 8; ++c) {
+      if (!node.meta[c]) {
+        node.child_lower[a][c] = 255;
+        node.child_upper[a][c] = 0;
+        continue;
+      }
+      float l = std::floor((children[c].lower[a] - lo) * inverse);
+      float u = std::ceil((children[c].upper[a] - lo) * inverse);
+      l = l < 0.0f ? 0.0f : (l > 255.0f ? 255.0f : l);
+      u = u < 0.0f ? 0.0f : (u > 255.0f ? 255.0f : u);
+      while (l > 0.0f && lo + s * l > children[c].lower[a])
+        l -= 1.0f;
+      while (u < 255.0f && lo + s * u < children[c].upper[a])
+        u += 1.0f;
+      node.child_lower[a][c] = std::uint8_t(l);
+      node.child_upper[a][c] = std::uint8_t(u);
+    }
+  }
+}
+
+} // namespace insitu::accel

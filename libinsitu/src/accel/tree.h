@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "accel/node.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "mesh/view.h"
+
+namespace insitu::accel {
+
+enum class Builder { automatic, morton, surface_area };
+
+/// The bounding-volume hierarchy of the `bvh` method over the owning cells of all pieces: 8-wide
+/// quantised nodes, breadth first, so that children follow their parents and a level is a range.
+class Tree {
+public:
+  explicit Tree(core::Memory& memory);
+  ~Tree();
+
+  /// Builds anew over all owning cells. Buffers of an earlier build are reused.
+  void build(const mesh::MeshView& mesh, const core::Threads& threads, Builder builder);
+
+  /// Fits the boxes to moved vertices, bottom up; the topology must be the one that was built.
+  void refit(const mesh::MeshView& mesh, const core::Threads& threads);
+
+  /// Expected work of a query, as the surface-area sum over nodes relative to the root's; in units of
+  /// its value right after the last build.
+  double cost_ratio() const { return built_cost_ > 0.0 ? cost_ / built_cost_ : 1.0; }
+
+  bool empty() const { return nodes_.empty(); }
+  std::int64_t cell_count() const { return std::int64_t(cells_.size()); }
+  /// The box of all owning cells, in mesh coordinates (rounded outwards); lower > upper if empty.
+  math::Vec3d bounds_min() const;
+  math::Vec3d bounds_max() const;
+  /// Bytes of nodes and leaves.
+  std::int64_t bytes() const { return std::int64_t(nodes_.bytes() + cells_.bytes()); }
+
+  // For traversals.
+  const Node* nodes() const { return nodes_.data(); }
+  std::uint32_t node_count() const { return std::uint32_t(nodes_.size()); }
+  const std::uint32_t* cells() const { return cells_.data(); } ///< flat ids
+  const math::Vec3d& origin() const { return origin_; }        ///< of the local frame
+  /// Levels, root first: nodes of level l are [levels()[l], levels()[l + 1]).
+  const std::vector<std::uint32_t>& levels() const { return levels_; }
+
+  /// Gives the builder's scratch back (it is kept between builds, since touching fresh pages costs
+  /// more than building).
+  void release_scratch();
+
+private:
+  struct Scratch; ///< Embree's device and build memory
+  void gather_primitives(const mesh::MeshView& mesh, const core::Threads& threads);
+  void flatten(const void* root, const core::Threads& threads);
+  void measure_cost(const core::Threads& threads);
+
+  core::Memory* memory_;
+  core::Buffer<Node> nodes_;
+  core::Buffer<std::uint32_t> cells_;
+  core::Buffer<Box> boxes_;          ///< per node; scratch of refits
+  std::unique_ptr<Scratch> scratch_;
+  std::vector<std::uint32_t> levels_;
+  math::Vec3d origin_;
+  Box bounds_;
+  double cost_ = 0.0;
+  double built_cost_ = 0.0;
+};
+
+} // namespace insitu::accel

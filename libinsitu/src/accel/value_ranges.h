@@ -1,0 +1,37 @@
+#pragma once
+
+#include "accel/tree.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "mesh/view.h"
+
+namespace insitu::accel {
+
+/// Value ranges of one scalar over a tree's children, in side arrays of their own: made when a frame
+/// asks for them, and refreshed when values change. Rounded outwards to float.
+class ValueRanges {
+public:
+  /// component -1: the magnitude of a vector field.
+  ValueRanges(const Tree& tree, const mesh::MeshView& mesh, const mesh::FieldView& field,
+              int component, const core::Threads& threads, core::Memory& memory);
+
+  /// May a cell below this child take a value in [lo, hi]? Conservative. Cells with a NaN at a vertex
+  /// keep the range of their other vertices.
+  bool may_contain(std::uint32_t node, int child, float lo, float hi) const {
+    const Range& r = ranges_[node];
+    return r.lower[child] <= hi && r.upper[child] >= lo;
+  }
+
+  /// Over all owning cells; min() > max() if there is no value.
+  float min() const { return min_; }
+  float max() const { return max_; }
+
+private:
+  struct Range {
+    float lower[8], upper[8];
+  };
+  core::Buffer<Range> ranges_;
+  float min_, max_;
+};
+
+} // namespace insitu::accel

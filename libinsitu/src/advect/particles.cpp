@@ -1,0 +1,131 @@
+#include "advect/particles.h"
+
+#include <numeric>
+#include <string>
+
+#include "core/status.h"
+
+namespace insitu::advect {
+
+std::int64_t Counts::sum() const {
+  return std::accumulate(by_ending.begin(), by_ending.end(), std::int64_t(0));
+}
+
+Counts& Counts::operator+=(const Counts& b) {
+  seeded += b.seeded;
+  for (std::size_t e = 0; e < by_ending.size(); ++e)
+    by_ending[e] += b.by_ending[e];
+  return *this;
+}
+
+const char* ending_name(insitu_ending ending) {
+  switch (ending) {
+  case INSITU_END_ALIVE:
+    return "alive";
+  case INSITU_END_LEFT:
+    return "left";
+  case INSITU_END_STAGNATED:
+    return "stagnated";
+  case INSITU_END_EXPIRED:
+    return "expired";
+  case INSITU_END_STEP_LIMIT:
+    return "step_limit";
+  case INSITU_END_SEED_OUTSIDE:
+    return "seed_outside";
+  case INSITU_END_NOT_FINITE:
+    return "not_finite";
+  case INSITU_END_KILLED:
+    return "killed";
+  case INSITU_END_COUNT:
+    break;
+  }
+  return "unknown";
+}
+
+Particles::Particles(core::Memory& memory)
+    : ids(memory, INSITU_MEMORY_TRACER), positions(memory, INSITU_MEMORY_TRACER),
+      cells(memory, INSITU_MEMORY_TRACER), times(memory, INSITU_MEMORY_TRACER),
+      seeding_times(memory, INSITU_MEMORY_TRACER), lengths(memory, INSITU_MEMORY_TRACER),
+      steps(memory, INSITU_MEMORY_TRACER), endings(memory, INSITU_MEMORY_TRACER),
+      fresh(memory, INSITU_MEMORY_TRACER) {}
+
+template <class F>
+void Particles::for_each_array(F&& f) {
+  f(ids);
+  f(positions);
+  f(cells);
+  f(times);
+  f(seeding_times);
+  f(lengths);
+  f(steps);
+  f(endings);
+  f(fresh);
+}
+
+void Particles::seed(std::span<const math::Vec3d> points, double time) {
+  const std::size_t first = size();
+  for_each_array([&](auto& array) { array.resize(first + points.size()); });
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const std::size_t i = first + p;
+    ids[i] = seeded_++;
+    positions[i] = points[p];
+    cells[i] = -1;
+    times[i] = seeding_times[i] = time;
+    lengths[i] = steps[i] = 0.0;
+    endings[i] = INSITU_END_ALIVE;
+    fresh[i] = 1;
+  }
+}
+
+void Particles::kill() {
+  for (std::uint8_t& ending : endings)
+    if (ending == INSITU_END_ALIVE)
+      ending = INSITU_END_KILLED;
+}
+
+void Particles::drop_ended() {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (endings[i] != INSITU_END_ALIVE) {
+      ++dropped_.by_ending[endings[i]];
+      continue;
+    }
+    for_each_array([&](auto& array) { array[kept] = array[i]; });
+    ++kept;
+  }
+  for_each_array([&](auto& array) { array.resize(kept); });
+}
+
+Counts Particles::counts() const {
+  Counts c = dropped_;
+  c.seeded = seeded_;
+  for (const std::uint8_t ending : endings)
+    if (ending < INSITU_END_COUNT)
+      ++c.by_ending[ending];
+  if (c.sum() != c.seeded)
+    throw core::Error(INSITU_ERROR_INTERNAL, "tracer: " + std::to_string(c.seeded) +
+                                                 " particles were seeded, but " +
+                                                 std::to_string(c.sum()) + " are accounted for");
+  return c;
+}
+
+State Particles::state(std::size_t i) const {
+  State s;
+  s.x = positions[i];
+  s.time = times[i];
+  s.step = steps[i];
+  s.length = lengths[i];
+  s.fresh = fresh[i] != 0;
+  return s;
+}
+
+void Particles::set_state(std::size_t i, const State& s, std::int64_t cell) {
+  positions[i] = s.x;
+  times[i] = s.time;
+  steps[i] = s.step;
+  lengths[i] = s.length;
+  fresh[i] = s.fresh;
+  cells[i] = cell;
+}
+
+} // namespace insitu::advect

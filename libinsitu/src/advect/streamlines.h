@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "advect/integrate.h"
+#include "advect/particles.h"
+#include "advect/polylines.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "mesh/view.h"
+#include "query/sampler.h"
+
+namespace insitu::advect {
+
+enum class Direction : std::uint8_t { forward, backward, both };
+
+struct StreamlineSettings {
+  IntegratorSettings integrator; ///< ends_at_rest counts as true
+  insitu_accuracy accuracy = INSITU_STANDARD;
+  Direction direction = Direction::forward;
+  double duration = std::numeric_limits<double>::infinity(); ///< then the line has expired
+  double length = std::numeric_limits<double>::infinity();   ///< the same
+  /// Vertices are recorded when the line has gone this far from the one before, in cells; the first
+  /// and the last always.
+  double spacing = 0.05;
+};
+
+struct Streamlines {
+  Polylines lines; ///< line l: seed l (both: seed l / 2, forward for even l, backward for odd l)
+  Counts counts;   ///< a line is a particle
+  Work work;
+};
+
+/// Lines from the seeds through the velocity as it is now: dx/ds = v(x), with s = 0 at the seed
+/// (`times` holds s, negative backwards; `particles` the seed's number). velocity has three
+/// components, else Error(INSITU_ERROR_FIELD). The answer does not depend on the thread count.
+Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldView& velocity,
+                              std::span<const math::Vec3d> seeds,
+                              const StreamlineSettings& settings, const core::Threads& threads,
+                              core::Memory& memory);
+
+} // namespace insitu::advect

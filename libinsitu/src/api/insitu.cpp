@@ -1,0 +1,275 @@
+#include "insitu/insitu.h"
+
+#include "api/entry.h"
+#include "scene/frames.h"
+
+using namespace insitu;
+using api::guarded;
+using api::require;
+using api::with_mesh;
+using api::with_session;
+
+namespace insitu::api {
+
+// Never destroyed: a solver may close its sessions from a static destructor.
+Handles<Session>& sessions() {
+  static auto* handles = new Handles<Session>;
+  return *handles;
+}
+
+Handles<MeshRef>& mesh_refs() {
+  static auto* handles = new Handles<MeshRef>;
+  return *handles;
+}
+
+std::string& last_message() {
+  thread_local std::string message;
+  return message;
+}
+
+insitu_status fail(insitu_status status, const std::string& message) noexcept {
+  try {
+    last_message() = message;
+  } catch (...) { // no memory for the message; the status says it
+  }
+  return status;
+}
+
+} // namespace insitu::api
+
+extern "C" {
+
+const char* insitu_status_name(insitu_status status) {
+  switch (status) {
+  case INSITU_OK: return "INSITU_OK";
+  case INSITU_ERROR_ARGUMENT: return "INSITU_ERROR_ARGUMENT";
+  case INSITU_ERROR_HANDLE: return "INSITU_ERROR_HANDLE";
+  case INSITU_ERROR_BUSY: return "INSITU_ERROR_BUSY";
+  case INSITU_ERROR_ORDER: return "INSITU_ERROR_ORDER";
+  case INSITU_ERROR_MESH: return "INSITU_ERROR_MESH";
+  case INSITU_ERROR_FIELD: return "INSITU_ERROR_FIELD";
+  case INSITU_ERROR_SCENE: return "INSITU_ERROR_SCENE";
+  case INSITU_ERROR_FILE: return "INSITU_ERROR_FILE";
+  case INSITU_ERROR_MEMORY: return "INSITU_ERROR_MEMORY";
+  case INSITU_ERROR_UNSUPPORTED: return "INSITU_ERROR_UNSUPPORTED";
+  case INSITU_ERROR_CONVERSION: return "INSITU_ERROR_CONVERSION";
+  case INSITU_ERROR_ACTION: return "INSITU_ERROR_ACTION";
+  case INSITU_ERROR_INTERNAL: return "INSITU_ERROR_INTERNAL";
+  }
+  return "unknown status";
+}
+
+insitu_status insitu_version(int* major, int* minor, int* patch) {
+  if (major)
+    *major = INSITU_VERSION_MAJOR;
+  if (minor)
+    *minor = INSITU_VERSION_MINOR;
+  if (patch)
+    *patch = INSITU_VERSION_PATCH;
+  return INSITU_OK;
+}
+
+const char* insitu_last_message(void) { return api::last_message().c_str(); }
+
+insitu_status insitu_session_open(const insitu_session_options* options, insitu_session* session) {
+  return guarded([&] {
+    require(session, "session");
+    *session = nullptr;
+    const insitu_session_options defaults = insitu_session_options_default();
+    if (!options)
+      options = &defaults;
+    if (options->size != sizeof *options)
+      throw core::Error(INSITU_ERROR_ARGUMENT,
+                        "options: make them with insitu_session_options_default()");
+    *session = reinterpret_cast<insitu_session>(
+        api::sessions().add(std::make_shared<api::Session>(*options)));
+  });
+}
+
+insitu_status insitu_session_close(insitu_session* session) {
+  return guarded([&] {
+    require(session, "session");
+    if (!*session)
+      return;
+    const auto handle = reinterpret_cast<std::uintptr_t>(*session);
+    const auto found = api::sessions().find(handle);
+    if (!found)
+      throw core::Error(INSITU_ERROR_HANDLE, "session: not open, or closed already");
+    const api::Occupied occupied(*found);
+    *session = nullptr;
+    api::sessions().remove(handle);
+    for (const auto& m : found->meshes())
+      api::mesh_refs().remove(reinterpret_cast<std::uintptr_t>(m->handle));
+    const std::string failures = found->finish();
+    if (!failures.empty())
+      throw core::Error(INSITU_ERROR_FILE, failures);
+  });
+}
+
+insitu_status insitu_session_mesh(insitu_session session, const char* name, insitu_mesh* mesh) {
+  if (mesh)
+    *mesh = nullptr;
+  return with_session(session, [&](api::Session& s) {
+    require(name, "name");
+    require(mesh, "mesh");
+    api::SessionMesh& m = s.mesh(name);
+    if (!m.handle)
+      m.handle = reinterpret_cast<insitu_mesh>(
+          api::mesh_refs().add(std::make_shared<api::MeshRef>(api::MeshRef{
+              api::sessions().find(reinterpret_cast<std::uintptr_t>(session)), &m})));
+    *mesh = m.handle;
+  });
+}
+
+insitu_status insitu_session_execute(insitu_session session, int64_t cycle, double time) {
+  return with_session(session, [&](api::Session& s) {
+    if (!(time - time == 0.0))
+      throw core::Error(INSITU_ERROR_ARGUMENT, "time: not finite");
+    const std::string failures = s.execute(cycle, time);
+    if (!failures.empty())
+      throw core::Error(INSITU_ERROR_ACTION, failures);
+  });
+}
+
+insitu_status insitu_mesh_points(insitu_mesh mesh, int32_t piece, const insitu_array* arrays,
+                                 int32_t array_count) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    m.mesh().set_points(piece, arrays, array_count);
+  });
+}
+
+insitu_status insitu_mesh_cells(insitu_mesh mesh, int32_t piece, const insitu_cells* cells) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    m.mesh().set_cells(piece, cells);
+  });
+}
+
+insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece, const insitu_block* block) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    m.mesh().set_block(piece, block);
+  });
+}
+
+insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, const char* name,
+                                insitu_association association, const insitu_array* arrays,
+                                int32_t array_count) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    require(name, "name");
+    m.mesh().set_field(piece, name, association, arrays, array_count);
+  });
+}
+
+insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* name) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    require(name, "name");
+    m.mesh().remove_field(name);
+  });
+}
+
+insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece, const insitu_array* array,
+                                 insitu_ghost_convention convention) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    m.mesh().set_ghosts(piece, array, convention);
+  });
+}
+
+insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame* frame) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    require(frame, "frame");
+    scene::check_mesh_frame(*frame);
+    m.frame = *frame;
+  });
+}
+
+insitu_status insitu_mesh_changed(insitu_mesh mesh, uint32_t what) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    if (what & ~std::uint32_t(INSITU_CHANGED_ALL))
+      throw core::Error(INSITU_ERROR_ARGUMENT,
+                        "what: " + std::to_string(what) + ", a sum of INSITU_CHANGED_* expected");
+    m.mesh().set_changed(what);
+  });
+}
+
+insitu_status insitu_mesh_commit(insitu_mesh mesh, insitu_commit_report* report) {
+  return with_mesh(mesh, [&](api::Session& s, query::CommittedMesh& m) {
+    if (report && report->size != sizeof *report)
+      throw core::Error(INSITU_ERROR_ARGUMENT,
+                        "report: make it with insitu_commit_report_default()");
+    api::hand_out(s.commit(m), report, "report");
+  });
+}
+
+insitu_status insitu_mesh_validate(insitu_mesh mesh, insitu_validation* validation) {
+  return with_mesh(mesh, [&](api::Session& s, query::CommittedMesh& m) {
+    const mesh::Validation found = m.validate(s.context().threads);
+    insitu_validation counts = found.counts;
+    api::hand_out(counts, validation, "validation");
+    if (!found.findings.empty())
+      throw core::Error(INSITU_ERROR_MESH, found.findings);
+  });
+}
+
+insitu_status insitu_mesh_audit(insitu_mesh mesh, insitu_audit_entry* entries, int32_t* count) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    require(count, "count");
+    const std::vector<insitu_audit_entry> all = m.mesh().audit();
+    for (std::size_t i = 0; entries && i < all.size() && std::int64_t(i) < *count; ++i)
+      entries[i] = all[i];
+    *count = std::int32_t(all.size());
+  });
+}
+
+insitu_status insitu_mesh_locate(insitu_mesh mesh, const insitu_locate_args* args) {
+  return with_mesh(mesh, [&](api::Session& s, query::CommittedMesh& m) {
+    require(args, "args");
+    s.locate(m, *args);
+  });
+}
+
+insitu_status insitu_mesh_sample(insitu_mesh mesh, const insitu_sample_args* args) {
+  return with_mesh(mesh, [&](api::Session& s, query::CommittedMesh& m) {
+    require(args, "args");
+    s.sample(m, *args);
+  });
+}
+
+insitu_status insitu_mesh_sample_point(insitu_mesh mesh, const char* field, const double point[3],
+                                       double* values, int32_t* found) {
+  return with_mesh(mesh, [&](api::Session& s, query::CommittedMesh& m) {
+    require(field, "field");
+    require(point, "point");
+    require(values, "values");
+    const bool inside = s.sample_point(m, field, point, values);
+    if (found)
+      *found = inside;
+  });
+}
+
+insitu_status insitu_mesh_field_info(insitu_mesh mesh, const char* name, int32_t* components,
+                                     insitu_association* association) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    require(name, "name");
+    const mesh::FieldView field = m.mesh().field(name);
+    if (components)
+      *components = field.components;
+    if (association)
+      *association = field.association;
+  });
+}
+
+insitu_status insitu_session_report(insitu_session session, insitu_report* report) {
+  return with_session(session, [&](api::Session& s) {
+    require(report, "report");
+    api::hand_out(s.report(), report, "report");
+  });
+}
+
+insitu_status insitu_session_write_summary(insitu_session session, const char* path,
+                                           double solver_s) {
+  return with_session(session, [&](api::Session& s) {
+    require(path, "path");
+    s.write_summary(path, solver_s);
+  });
+}
+
+} // extern "C"

@@ -1,0 +1,118 @@
+#include "api/session.h"
+
+#include "core/status.h"
+#include "core/timer.h"
+#include "scene/parse.h"
+
+namespace insitu::api {
+
+using core::Error;
+
+namespace {
+
+core::Log log_of(const insitu_session_options& o) { return {o.log_level, o.log, o.log_user}; }
+
+} // namespace
+
+Session::Session(const insitu_session_options& options)
+    : context_(options.threads, log_of(options)), strict_(options.strict != 0),
+      default_scene_(options.default_scene != 0), output_(options.output ? options.output : ""),
+      communicator_(options.communicator), fortran_communicator_(options.fortran_communicator) {
+  if (options.threads < 0)
+    throw Error(INSITU_ERROR_ARGUMENT, "threads: " + std::to_string(options.threads) +
+                                           ", 0 (all) or more expected");
+  if (options.scene && options.scene_text)
+    throw Error(INSITU_ERROR_ARGUMENT, "scene and scene_text are both given, at most one expected");
+  if (options.scene)
+    runner_ = std::make_unique<scene::Runner>(scene::parse_scene_file(options.scene), output_,
+                                              context_, statistics_);
+  else if (options.scene_text)
+    runner_ = std::make_unique<scene::Runner>(
+        scene::parse_scene_text(options.scene_text, "scene"), output_, context_, statistics_);
+}
+
+Session::~Session() = default;
+
+SessionMesh& Session::mesh(const std::string& name) {
+  if (name.empty())
+    throw Error(INSITU_ERROR_ARGUMENT, "a mesh's name is empty");
+  for (const auto& m : meshes_)
+    if (m->mesh.mesh().name() == name)
+      return *m;
+  return *meshes_.emplace_back(std::make_unique<SessionMesh>(name, context_.memory));
+}
+
+insitu_commit_report Session::commit(query::CommittedMesh& mesh) {
+  if (runner_)
+    mesh.set_builder(runner_->builder());
+  const insitu_commit_report report =
+      mesh.commit(context_.threads, context_.log, context_.memory, strict_);
+  statistics_.commit_s += report.seconds;
+  switch (report.action) {
+  case INSITU_KEEP: ++statistics_.keeps; break;
+  case INSITU_REFIT: ++statistics_.refits; break;
+  case INSITU_REBUILD: ++statistics_.rebuilds; break;
+  }
+  return report;
+}
+
+/// The first scalar field of the first mesh that has one.
+void Session::make_default_runner() {
+  for (const auto& m : meshes_)
+    for (const std::string& name : m->mesh.mesh().field_names())
+      if (m->mesh.mesh().field(name).components == 1) {
+        runner_ = std::make_unique<scene::Runner>(
+            scene::default_scene(name, m->mesh.mesh().name()), output_, context_, statistics_);
+        return;
+      }
+  throw Error(INSITU_ERROR_FIELD, "the default scene needs a scalar field, and no mesh has one");
+}
+
+std::string Session::execute(std::int64_t cycle, double time) {
+  std::vector<query::CommittedMesh*> meshes;
+  for (const auto& m : meshes_) {
+    commit(m->mesh);
+    meshes.push_back(&m->mesh);
+  }
+  ++statistics_.executions;
+  if (!runner_ && default_scene_)
+    make_default_runner();
+  return runner_ ? runner_->execute(meshes, cycle, time) : std::string();
+}
+
+std::string Session::finish() { return runner_ ? runner_->finish() : std::string(); }
+
+insitu_report Session::report() const {
+  insitu_report r = insitu_report_default();
+  const scene::Statistics& s = statistics_;
+  r.executions = s.executions;
+  r.commit_s = s.commit_s;
+  r.query_s = s.query_s;
+  r.advect_s = s.advect_s;
+  r.render_s = s.render_s;
+  r.output_s = s.output_s;
+  r.keeps = s.keeps;
+  r.refits = s.refits;
+  r.rebuilds = s.rebuilds;
+  for (const auto& m : meshes_)
+    r.bytes_borrowed += m->mesh.mesh().bytes_borrowed();
+  r.bytes_held = context_.memory.current();
+  r.bytes_peak = context_.memory.peak();
+  for (int p = 0; p < INSITU_MEMORY_COUNT; ++p)
+    r.bytes_by_purpose[p] = context_.memory.current(insitu_purpose(p));
+  r.points_located = s.points_located;
+  r.points_outside = s.points_outside;
+  if (runner_) {
+    const advect::Counts counts = runner_->particle_counts();
+    r.particles_seeded = counts.seeded;
+    for (std::size_t e = 0; e < counts.by_ending.size(); ++e)
+      r.particles[e] = counts.by_ending[e];
+  }
+  r.frames = s.frames;
+  r.probe_rows = s.probe_rows;
+  r.files = s.files;
+  r.failures = s.failures;
+  return r;
+}
+
+} // namespace insitu::api

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/context.h"
+#include "query/committed_mesh.h"
+#include "scene/runner.h"
+
+namespace insitu::api {
+
+/// A mesh of a session, with the handle that the caller holds.
+struct SessionMesh {
+  SessionMesh(const std::string& name, core::Memory& memory) : mesh(name, memory) {}
+  query::CommittedMesh mesh;
+  insitu_mesh handle = nullptr;
+};
+
+/// Everything behind an insitu_session. Methods throw core::Error.
+class Session {
+public:
+  explicit Session(const insitu_session_options& options);
+  ~Session();
+
+  SessionMesh& mesh(const std::string& name);
+  std::vector<std::unique_ptr<SessionMesh>>& meshes() { return meshes_; }
+
+  insitu_commit_report commit(query::CommittedMesh& mesh);
+  /// Returns what failed, one line each.
+  std::string execute(std::int64_t cycle, double time);
+  /// Ends tracers and closes files; returns what failed.
+  std::string finish();
+
+  void locate(query::CommittedMesh& mesh, const insitu_locate_args& args);
+  void sample(query::CommittedMesh& mesh, const insitu_sample_args& args);
+  bool sample_point(query::CommittedMesh& mesh, const std::string& field, const double* point,
+                    double* values);
+
+  insitu_report report() const;
+  void write_summary(const std::string& path, double solver_seconds) const;
+
+  core::Context& context() { return context_; }
+  /// One thread at a time; see the guard in insitu.cpp.
+  std::atomic<bool> busy{false};
+
+private:
+  std::vector<query::Location> locate_all(query::CommittedMesh& mesh,
+                                          const insitu_locate_args& args);
+  void make_default_runner();
+
+  core::Context context_;
+  bool strict_;
+  bool default_scene_;
+  std::string output_;
+  const void* communicator_; ///< kept for the parallel version
+  std::int32_t fortran_communicator_;
+  scene::Statistics statistics_;
+  std::vector<std::unique_ptr<SessionMesh>> meshes_;
+  std::unique_ptr<scene::Runner> runner_;
+};
+
+} // namespace insitu::api

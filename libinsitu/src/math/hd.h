@@ -1,0 +1,8 @@
+#pragma once
+
+/// Marks a function that is compiled for the host and, under nvcc, for the device.
+#if defined(__CUDACC__)
+#define INSITU_HD __host__ __device__
+#else
+#define INSITU_HD
+#endif

@@ -1,0 +1,111 @@
+#include "mesh/external_array.h"
+
+#include <cstdlib>
+
+#include "core/status.h"
+
+namespace insitu::mesh {
+
+using core::Error;
+
+int size_of(insitu_type type) {
+  switch (type) {
+  case INSITU_FLOAT32:
+  case INSITU_INT32: return 4;
+  case INSITU_FLOAT64:
+  case INSITU_INT64: return 8;
+  case INSITU_UINT8: return 1;
+  }
+  return 0;
+}
+
+const char* type_name(insitu_type type) {
+  switch (type) {
+  case INSITU_FLOAT32: return "float32";
+  case INSITU_FLOAT64: return "float64";
+  case INSITU_INT32: return "int32";
+  case INSITU_INT64: return "int64";
+  case INSITU_UINT8: return "uint8";
+  }
+  return "unknown";
+}
+
+std::int64_t ExternalArray::bytes() const { return layout.count * components * size_of(type); }
+
+ExternalArray adopt(const insitu_array* array, const std::string& name) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(INSITU_ERROR_ARGUMENT, name + ": " + what);
+  };
+  if (!array)
+    refuse("the array is null");
+  if (array->size != sizeof(insitu_array))
+    refuse("size is " + std::to_string(array->size) + ", " + std::to_string(sizeof(insitu_array)) +
+           " expected; make it with insitu_array_default()");
+  const int item = size_of(array->type);
+  if (item == 0)
+    refuse("unknown type " + std::to_string(int(array->type)));
+  if (array->memory != INSITU_HOST)
+    throw Error(INSITU_ERROR_UNSUPPORTED, name + ": device memory needs a build with CUDA");
+  if (array->components < 1)
+    refuse(std::to_string(array->components) + " components, at least 1 expected");
+
+  ExternalArray out;
+  out.data = static_cast<const std::byte*>(array->data);
+  out.type = array->type;
+  out.components = array->components;
+  out.component_stride = array->component_stride ? array->component_stride : item;
+  if (array->converted)
+    out.converted = array->converted;
+
+  ItemLayout& layout = out.layout;
+  std::int64_t extent[3] = {array->count, 1, 1};
+  if (array->extent[0] != 0 || array->extent[1] != 0 || array->extent[2] != 0) {
+    std::int64_t product = 1;
+    for (int a = 0; a < 3; ++a) {
+      extent[a] = array->extent[a] == 0 ? 1 : array->extent[a];
+      if (extent[a] < 0 || extent[a] > (std::int64_t(1) << 40) ||
+          product > (std::int64_t(1) << 48) / extent[a])
+        refuse("extent " + std::to_string(array->extent[a]) + " along axis " + std::to_string(a));
+      product *= extent[a];
+    }
+    if (array->count != 0 && array->count != product)
+      refuse("count " + std::to_string(array->count) + " but the extents hold " +
+             std::to_string(product));
+    layout.count = product;
+  } else {
+    if (array->count < 0 || array->count > (std::int64_t(1) << 48))
+      refuse("count " + std::to_string(array->count));
+    layout.count = array->count;
+  }
+  if (layout.count > 0 && !array->data)
+    refuse("data is null, " + std::to_string(layout.count) + " items expected");
+
+  const std::int64_t packed = array->component_stride ? item : std::int64_t(item) * out.components;
+  layout.stride[0] = array->stride[0] ? array->stride[0] : packed;
+  layout.stride[1] = array->stride[1] ? array->stride[1] : extent[0] * layout.stride[0];
+  layout.stride[2] = array->stride[2] ? array->stride[2] : extent[1] * layout.stride[1];
+  for (int a = 0; a < 3; ++a)
+    if (std::abs(layout.stride[a]) > (std::int64_t(1) << 62) / std::max<std::int64_t>(extent[a], 1))
+      refuse("stride " + std::to_string(layout.stride[a]) + " along axis " + std::to_string(a));
+  layout.extent[0] = extent[0];
+  layout.extent[1] = extent[1];
+  layout.linear = (extent[1] == 1 || layout.stride[1] == extent[0] * layout.stride[0]) &&
+                  (extent[2] == 1 ||
+                   (extent[1] == 1 ? layout.stride[2] == extent[0] * layout.stride[0]
+                                   : layout.stride[2] == extent[1] * layout.stride[1]));
+  return out;
+}
+
+void require_real(const ExternalArray& array, const std::string& name) {
+  if (array.type != INSITU_FLOAT32 && array.type != INSITU_FLOAT64)
+    throw Error(INSITU_ERROR_ARGUMENT,
+                name + ": type " + type_name(array.type) + ", float32 or float64 expected");
+}
+
+void require_integer(const ExternalArray& array, const std::string& name) {
+  if (array.type != INSITU_INT32 && array.type != INSITU_INT64)
+    throw Error(INSITU_ERROR_ARGUMENT,
+                name + ": type " + type_name(array.type) + ", int32 or int64 expected");
+}
+
+} // namespace insitu::mesh

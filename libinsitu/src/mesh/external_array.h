@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+
+#include "mesh/array_view.h"
+
+namespace insitu::mesh {
+
+/// A checked insitu_array: what the caller gave, with extents and strides made explicit.
+struct ExternalArray {
+  const std::byte* data = nullptr;
+  insitu_type type = INSITU_FLOAT64;
+  int components = 0;
+  std::int64_t component_stride = 0;
+  ItemLayout layout;
+  std::string converted; ///< empty: borrowed; else why it is a copy
+
+  bool given() const { return components > 0; }
+  std::int64_t bytes() const;
+};
+
+int size_of(insitu_type type);
+const char* type_name(insitu_type type);
+
+/// Checks and adopts; `name` is what messages call it. Throws core::Error.
+ExternalArray adopt(const insitu_array* array, const std::string& name);
+
+/// Throws unless the array holds float32 or float64.
+void require_real(const ExternalArray& array, const std::string& name);
+/// Throws unless the array holds int32 or int64.
+void require_integer(const ExternalArray& array, const std::string& name);
+
+} // namespace insitu::mesh

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "mesh/external_array.h"
+#include "mesh/view.h"
+
+namespace insitu::mesh {
+
+/// What a solver registered: pieces, fields, ghosts. Holds pointers, never values, but for the
+/// earlier step that pathlines need. Registrations may be incomplete until update().
+class Mesh {
+public:
+  Mesh(std::string name, core::Memory& memory);
+  Mesh(const Mesh&) = delete;
+  Mesh& operator=(const Mesh&) = delete;
+
+  const std::string& name() const { return name_; }
+
+  // Registration; each throws core::Error and then changes nothing.
+  void set_points(std::int32_t piece, const insitu_array* arrays, std::int32_t array_count);
+  void set_cells(std::int32_t piece, const insitu_cells* cells);
+  void set_block(std::int32_t piece, const insitu_block* block);
+  void set_field(std::int32_t piece, const std::string& name, insitu_association association,
+                 const insitu_array* arrays, std::int32_t array_count);
+  void remove_field(const std::string& name);
+  void set_ghosts(std::int32_t piece, const insitu_array* array,
+                  insitu_ghost_convention convention);
+  void set_changed(std::uint32_t what) { pending_ |= what; }
+  std::uint32_t pending() const { return pending_; }
+  void clear_pending() { pending_ = 0; }
+
+  /// Checks that the registrations fit each other and makes the views. Throws core::Error.
+  void update();
+
+  /// The views of the last update().
+  const MeshView& view() const { return view_; }
+  void set_free_of_folds(bool free) { view_.free_of_folds = free; }
+
+  /// The field of that name; throws INSITU_ERROR_FIELD with the nearest name.
+  FieldView field(const std::string& name) const;
+  bool has_field(const std::string& name) const;
+  std::vector<std::string> field_names() const;
+
+  /// Keeps copies of the coordinates and of these fields as the earlier step, for pathlines; called
+  /// at the end of a step.
+  void keep_earlier(const std::vector<std::string>& fields, const core::Threads& threads);
+  void release_earlier();
+  /// The copy of a field, if one was kept; valid until the next keep or release.
+  std::optional<FieldView> earlier_field(const std::string& name) const;
+  /// Shows (or hides) the kept coordinates in view(), once the solver moved its own and committed.
+  /// They stay hidden if no vertex moved.
+  void expose_earlier(bool expose, const core::Threads& threads);
+
+  /// The copy audit, in a fixed order.
+  std::vector<insitu_audit_entry> audit() const;
+  std::int64_t bytes_borrowed() const;
+
+private:
+  struct Piece {
+    bool has_cells = false, has_points = false, is_block = false;
+    PieceView view;
+    std::vector<ExternalArray> points;
+    ExternalArray connectivity, types, offsets, ghosts, axes[3];
+  };
+  struct FieldPiece {
+    std::vector<ExternalArray> arrays;
+    std::vector<const std::byte*> components;
+    ItemLayout layout;
+    bool is_float32 = false;
+  };
+  struct Field {
+    std::string name;
+    insitu_association association = INSITU_VERTEX;
+    int components = 0;
+    std::vector<FieldPiece> pieces;
+    std::vector<FieldPieceView> views;
+  };
+
+  Piece& piece_for(std::int32_t piece);
+  const Field* find(const std::string& name) const;
+  void check_piece(std::size_t p) const;
+  void check_field(const Field& field) const;
+  template <class Visit>
+  void for_each_array(Visit&& visit) const;
+
+  std::string name_;
+  std::uint32_t pending_ = INSITU_CHANGED_ALL;
+  std::vector<Piece> pieces_;
+  std::vector<std::unique_ptr<Field>> fields_;
+  // Views.
+  std::vector<PieceView> piece_views_;
+  std::vector<std::int64_t> first_cell_{0}, first_vertex_{0};
+  MeshView view_;
+  // The earlier step.
+  struct EarlierField {
+    explicit EarlierField(core::Memory& memory) : values(memory, INSITU_MEMORY_EARLIER) {}
+    std::string name;
+    insitu_association association = INSITU_VERTEX;
+    int components = 0;
+    core::Buffer<double> values;
+    std::vector<const std::byte*> bases;
+    std::vector<FieldPieceView> views;
+  };
+  core::Memory* memory_;
+  core::Buffer<math::Vec3d> earlier_points_;
+  std::vector<std::unique_ptr<EarlierField>> earlier_fields_;
+};
+
+} // namespace insitu::mesh

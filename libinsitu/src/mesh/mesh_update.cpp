@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <cstring>
+
+#include "core/status.h"
+#include "mesh/mesh.h"
+
+namespace insitu::mesh {
+
+using core::Error;
+
+void Mesh::check_piece(std::size_t index) const {
+  const Piece& p = pieces_[index];
+  const std::string name = "mesh '" + name_ + "', piece " + std::to_string(index);
+  if (!p.has_cells)
+    throw Error(INSITU_ERROR_ORDER, name + ": has no cells; call insitu_mesh_cells or _block first");
+  if (!p.view.implicit_points && !p.has_points)
+    throw Error(INSITU_ERROR_ORDER, name + ": has no points; call insitu_mesh_points first");
+  const std::int64_t points = p.view.points.layout.count;
+  if (p.is_block && !p.view.implicit_points && points != p.view.vertex_count)
+    throw Error(INSITU_ERROR_MESH, name + ": the block has " + std::to_string(p.view.vertex_count) +
+                                       " vertices, but " + std::to_string(points) +
+                                       " points are given");
+  if (p.view.ghosts && p.view.ghost_layout.count < p.view.cell_count)
+    throw Error(INSITU_ERROR_MESH, name + ": " + std::to_string(p.view.ghost_layout.count) +
+                                       " ghost values for " + std::to_string(p.view.cell_count) +
+                                       " cells");
+}
+
+void Mesh::check_field(const Field& field) const {
+  const std::string name = "mesh '" + name_ + "', field '" + field.name + "'";
+  for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    if (p >= field.pieces.size() || field.pieces[p].components.empty())
+      throw Error(INSITU_ERROR_FIELD, name + ": piece " + std::to_string(p) + " has no values");
+    const bool cells = field.association == INSITU_CELL;
+    const std::int64_t expected =
+        cells ? pieces_[p].view.cell_count : piece_views_[p].vertex_count;
+    if (field.pieces[p].layout.count != expected)
+      throw Error(INSITU_ERROR_FIELD, name + ", piece " + std::to_string(p) + ": " +
+                                          std::to_string(field.pieces[p].layout.count) +
+                                          " values for " + std::to_string(expected) +
+                                          (cells ? " cells" : " vertices"));
+  }
+}
+
+void Mesh::update() {
+  for (std::size_t p = 0; p < pieces_.size(); ++p)
+    check_piece(p);
+  piece_views_.clear();
+  first_cell_.assign(1, 0);
+  first_vertex_.assign(1, 0);
+  for (const Piece& p : pieces_) {
+    piece_views_.push_back(p.view);
+    if (!p.is_block)
+      piece_views_.back().vertex_count = p.view.points.layout.count;
+    first_cell_.push_back(first_cell_.back() + p.view.cell_count);
+    first_vertex_.push_back(first_vertex_.back() + piece_views_.back().vertex_count);
+  }
+  for (const auto& field : fields_) {
+    check_field(*field);
+    field->views.clear();
+    for (const FieldPiece& p : field->pieces)
+      field->views.push_back({p.components.data(), p.layout, p.is_float32});
+  }
+  view_.pieces = piece_views_.data();
+  view_.first_cell = first_cell_.data();
+  view_.first_vertex = first_vertex_.data();
+  view_.piece_count = std::int32_t(pieces_.size());
+}
+
+namespace {
+constexpr std::int64_t copy_grain = 1 << 14;
+}
+
+void Mesh::keep_earlier(const std::vector<std::string>& names, const core::Threads& threads) {
+  std::erase_if(earlier_fields_, [&](const auto& e) {
+    return std::find(names.begin(), names.end(), e->name) == names.end();
+  });
+  for (const std::string& name : names) {
+    const FieldView from = field(name);
+    const auto known = std::find_if(earlier_fields_.begin(), earlier_fields_.end(),
+                                    [&](const auto& e) { return e->name == name; });
+    EarlierField& to = known != earlier_fields_.end()
+                           ? **known
+                           : *earlier_fields_.emplace_back(
+                                 std::make_unique<EarlierField>(*memory_));
+    const std::vector<std::int64_t>& first =
+        from.association == INSITU_CELL ? first_cell_ : first_vertex_;
+    const int n = from.components;
+    to.name = name;
+    to.association = from.association;
+    to.components = n;
+    to.values.resize_discard(std::size_t(first.back() * n));
+    to.bases.assign(std::size_t(n) * pieces_.size(), nullptr);
+    to.views.clear();
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+      double* values = to.values.data() + first[p] * n;
+      const std::byte** bases = to.bases.data() + p * std::size_t(n);
+      for (int c = 0; c < n; ++c)
+        bases[c] = reinterpret_cast<const std::byte*>(values + c);
+      const std::int64_t count = first[p + 1] - first[p];
+      const std::int64_t stride = n * std::int64_t(sizeof(double));
+      to.views.push_back({bases, {count, {count, 1}, {stride, count * stride, count * stride}}});
+      threads.parallel_for(count, copy_grain, [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t i = begin; i < end; ++i)
+          for (int c = 0; c < n; ++c)
+            values[i * n + c] = from.pieces[p].load(i, c);
+      });
+    }
+  }
+  earlier_points_.resize_discard(std::size_t(first_vertex_.back()));
+  for (std::size_t p = 0; p < pieces_.size(); ++p)
+    threads.parallel_for(piece_views_[p].vertex_count, copy_grain,
+                         [&](std::int64_t begin, std::int64_t end) {
+                           for (std::int64_t i = begin; i < end; ++i)
+                             earlier_points_[std::size_t(first_vertex_[p] + i)] =
+                                 piece_views_[p].point(i);
+                         });
+}
+
+void Mesh::expose_earlier(bool expose, const core::Threads& threads) {
+  view_.earlier_points = nullptr;
+  view_.largest_displacement = 0.0;
+  if (!expose || earlier_points_.size() != std::size_t(first_vertex_.back()))
+    return;
+  double largest = 0.0;
+  for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    const std::int64_t count = piece_views_[p].vertex_count;
+    std::vector<double> most(std::size_t((count + copy_grain - 1) / copy_grain), 0.0);
+    threads.parallel_for(count, copy_grain, [&](std::int64_t begin, std::int64_t end) {
+      double m = 0.0;
+      for (std::int64_t i = begin; i < end; ++i) {
+        const math::Vec3d now = piece_views_[p].point(i);
+        const math::Vec3d& then = earlier_points_[std::size_t(first_vertex_[p] + i)];
+        for (int a = 0; a < 3; ++a) {
+          const double d = now[a] < then[a] ? then[a] - now[a] : now[a] - then[a];
+          m = d > m ? d : m;
+        }
+      }
+      most[std::size_t(begin / copy_grain)] = m;
+    });
+    for (const double m : most)
+      largest = m > largest ? m : largest;
+  }
+  if (largest == 0.0)
+    return; // nothing moved: the current coordinates are the earlier ones
+  view_.earlier_points = earlier_points_.data();
+  view_.largest_displacement = largest;
+}
+
+void Mesh::release_earlier() {
+  earlier_points_.release();
+  earlier_fields_.clear();
+  view_.earlier_points = nullptr;
+  view_.largest_displacement = 0.0;
+}
+
+std::optional<FieldView> Mesh::earlier_field(const std::string& name) const {
+  for (const auto& e : earlier_fields_)
+    if (e->name == name)
+      return FieldView{e->name.c_str(), e->association, e->components, e->views.data()};
+  return std::nullopt;
+}
+
+template <class Visit>
+void Mesh::for_each_array(Visit&& visit) const {
+  const auto several = [&](const std::vector<ExternalArray>& arrays, const std::string& name) {
+    for (std::size_t i = 0; i < arrays.size(); ++i)
+      visit(arrays[i], arrays.size() == 1 ? name : name + " component " + std::to_string(i));
+  };
+  for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    const std::string piece = "piece " + std::to_string(p) + " ";
+    const Piece& from = pieces_[p];
+    several(from.points, piece + "points");
+    const std::pair<const ExternalArray*, const char*> others[] = {
+        {&from.connectivity, "connectivity"}, {&from.types, "types"},
+        {&from.offsets, "offsets"},           {&from.ghosts, "ghosts"},
+        {&from.axes[0], "axis 0"},            {&from.axes[1], "axis 1"},
+        {&from.axes[2], "axis 2"}};
+    for (const auto& [array, name] : others)
+      if (array->given())
+        visit(*array, piece + name);
+    for (const auto& field : fields_)
+      if (p < field->pieces.size())
+        several(field->pieces[p].arrays, piece + "field '" + field->name + "'");
+  }
+}
+
+std::vector<insitu_audit_entry> Mesh::audit() const {
+  std::vector<insitu_audit_entry> entries;
+  for_each_array([&](const ExternalArray& array, const std::string& name) {
+    insitu_audit_entry e{};
+    e.size = sizeof e;
+    std::strncpy(e.name, name.c_str(), sizeof e.name - 1);
+    std::strncpy(e.reason, array.converted.c_str(), sizeof e.reason - 1);
+    e.data = array.data;
+    e.bytes = array.bytes();
+    e.borrowed = array.converted.empty();
+    entries.push_back(e);
+  });
+  return entries;
+}
+
+std::int64_t Mesh::bytes_borrowed() const {
+  std::int64_t sum = 0;
+  for_each_array([&](const ExternalArray& array, const std::string&) {
+    if (array.converted.empty())
+      sum += array.bytes();
+  });
+  return sum;
+}
+
+} // namespace insitu::mesh

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+
+#include "mesh/array_view.h"
+#include "mesh/shape.h"
+
+namespace insitu::mesh {
+
+/// The interface through which every kernel, tree and face table sees cells:
+///
+///   Shape shape(cell), int vertex_ids(cell, ids[8]), Vec3d point(id), bool owns(cell)
+///
+/// PieceView fills it in for unstructured and implicit structured pieces; a polyhedral piece fills
+/// in the same four. Kernels are templates over it.
+template <class C>
+concept CellSource = requires(const C& c, std::int64_t cell, std::int64_t* ids) {
+  { c.shape(cell) } -> std::same_as<Shape>;
+  { c.vertex_ids(cell, ids) } -> std::same_as<int>;
+  { c.point(cell) } -> std::same_as<math::Vec3d>;
+  { c.owns(cell) } -> std::same_as<bool>;
+};
+
+enum class CellLayout : std::uint8_t { uniform, mixed, padded, block };
+
+/// A piece as kernels see it: plain data over the solver's arrays.
+struct PieceView {
+  // Cells.
+  CellLayout layout = CellLayout::uniform;
+  Shape uniform_shape = Shape::none; ///< UNIFORM, PADDED (8 ids) and blocks
+  std::int64_t cell_count = 0;
+  std::int64_t vertex_count = 0;
+  IndexView connectivity;         ///< UNIFORM, PADDED: stride between cells
+  std::int64_t id_stride = 0;     ///< bytes between the ids of a cell
+  IndexView offsets;              ///< MIXED
+  const std::byte* types = nullptr; ///< MIXED
+  std::int64_t types_stride = 1;
+  std::int64_t index_base = 0;
+  // Implicit blocks: vertices along i, j, k.
+  std::int64_t block_vertices[3] = {0, 0, 0};
+  bool implicit_points = false; ///< uniform or rectilinear: coordinates from the axes
+  double origin[3] = {0, 0, 0};
+  double spacing[3] = {0, 0, 0};
+  const std::byte* axis[3] = {nullptr, nullptr, nullptr}; ///< rectilinear
+  std::int64_t axis_stride[3] = {0, 0, 0};
+  bool axis_is_float32 = false;
+  // Geometry, ghosts.
+  PointsView points;
+  const std::byte* ghosts = nullptr;
+  ItemLayout ghost_layout;
+  std::uint8_t ghost_mask = 0; ///< bits that take a cell out
+
+  INSITU_HD Shape shape(std::int64_t cell) const {
+    if (layout == CellLayout::uniform || layout == CellLayout::block)
+      return uniform_shape;
+    if (layout == CellLayout::mixed)
+      return Shape(load_as<std::uint8_t>(types + cell * types_stride));
+    int n = 0;
+    while (n < 8 && padded_id(cell, n) >= 0)
+      ++n;
+    return n == 8   ? uniform_shape
+           : n == 6 ? Shape::wedge
+           : n == 5 ? Shape::pyramid
+           : n == 4 ? Shape::tetrahedron
+                    : Shape::none;
+  }
+
+  /// The cell's vertex ids, 0-based, in VTK's order; returns how many.
+  INSITU_HD int vertex_ids(std::int64_t cell, std::int64_t* ids) const {
+    if (layout == CellLayout::block) {
+      const std::int64_t ci = block_vertices[0] - 1, cj = block_vertices[1] - 1;
+      const std::int64_t row = cell / ci;
+      const std::int64_t i = cell - row * ci, j = row % cj, k = row / cj;
+      const std::int64_t dj = block_vertices[0], dk = block_vertices[0] * block_vertices[1];
+      const std::int64_t v = i + dj * j + dk * k;
+      ids[0] = v;
+      ids[1] = v + 1;
+      ids[2] = v + 1 + dj;
+      ids[3] = v + dj;
+      ids[4] = v + dk;
+      ids[5] = v + dk + 1;
+      ids[6] = v + dk + 1 + dj;
+      ids[7] = v + dk + dj;
+      return 8;
+    }
+    const int n = vertex_count_of(shape(cell));
+    const std::byte* base =
+        layout == CellLayout::mixed
+            ? connectivity.data + (offsets.load(cell) - index_base_of_offsets()) * id_stride
+            : connectivity.data + cell * connectivity.stride;
+    for (int v = 0; v < n; ++v)
+      ids[v] = load_index(base + v * id_stride, connectivity.is_int32) - index_base;
+    return n;
+  }
+
+  INSITU_HD math::Vec3d point(std::int64_t id) const {
+    if (!implicit_points)
+      return points.load(id);
+    const std::int64_t row = id / block_vertices[0];
+    const std::int64_t ijk[3] = {id - row * block_vertices[0], row % block_vertices[1],
+                                 row / block_vertices[1]};
+    math::Vec3d p;
+    for (int a = 0; a < 3; ++a)
+      p[a] = axis[a] ? load_real(axis[a] + ijk[a] * axis_stride[a], axis_is_float32)
+                     : origin[a] + double(ijk[a]) * spacing[a];
+    return p;
+  }
+
+  /// False for ghost and blanked cells: they never own a point and are never drawn.
+  INSITU_HD bool owns(std::int64_t cell) const {
+    return !ghosts ||
+           (load_as<std::uint8_t>(ghosts + ghost_layout.offset(cell)) & ghost_mask) == 0;
+  }
+
+  INSITU_HD std::int64_t padded_id(std::int64_t cell, int v) const {
+    return load_index(connectivity.data + cell * connectivity.stride + v * id_stride,
+                      connectivity.is_int32) -
+           index_base;
+  }
+  INSITU_HD static int vertex_count_of(Shape s) { return mesh::vertex_count(s); }
+  INSITU_HD std::int64_t index_base_of_offsets() const { return index_base; }
+};
+
+} // namespace insitu::mesh

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+
+#include "math/hd.h"
+
+namespace insitu::mesh {
+
+/// Cell shapes; values and point order are VTK's.
+enum class Shape : std::uint8_t {
+  none = 0,
+  tetrahedron = 10,
+  voxel = 11,
+  hexahedron = 12,
+  wedge = 13,
+  pyramid = 14,
+};
+
+INSITU_HD constexpr int vertex_count(Shape shape) {
+  switch (shape) {
+  case Shape::tetrahedron: return 4;
+  case Shape::pyramid: return 5;
+  case Shape::wedge: return 6;
+  case Shape::voxel:
+  case Shape::hexahedron: return 8;
+  case Shape::none: break;
+  }
+  return 0;
+}
+
+INSITU_HD constexpr bool is_shape(int value) { return value >= 10 && value <= 14; }
+
+INSITU_HD constexpr const char* shape_name(Shape shape) {
+  switch (shape) {
+  case Shape::tetrahedron: return "tetrahedron";
+  case Shape::pyramid: return "pyramid";
+  case Shape::wedge: return "wedge";
+  case Shape::voxel: return "voxel";
+  case Shape::hexahedron: return "hexahedron";
+  case Shape::none: break;
+  }
+  return "none";
+}
+
+} // namespace insitu::mesh

@@ -1,0 +1,210 @@
+#include "mesh/validate.h"
+
+#include <cmath>
+#include <vector>
+
+namespace insitu::mesh {
+
+namespace {
+
+using math::Vec3d;
+
+/// Corner tripods: at each corner, its three neighbours, right-handed in a cell that is the right
+/// way round by VTK's rule (face normals outwards; the wedge's triangle 0 1 2 faces away from 3 4 5).
+struct Tripod {
+  int corner, a, b, c;
+};
+constexpr Tripod tetrahedron_tripods[] = {{0, 1, 2, 3}};
+constexpr Tripod hexahedron_tripods[] = {{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6}, {3, 0, 2, 7},
+                                         {4, 7, 5, 0}, {5, 4, 6, 1}, {6, 5, 7, 2}, {7, 6, 4, 3}};
+constexpr Tripod voxel_tripods[] = {{0, 1, 2, 4}, {1, 3, 0, 5}, {3, 2, 1, 7}, {2, 0, 3, 6},
+                                    {4, 6, 5, 0}, {5, 4, 7, 1}, {7, 5, 6, 3}, {6, 7, 4, 2}};
+constexpr Tripod wedge_tripods[] = {{0, 2, 1, 3}, {1, 0, 2, 4}, {2, 1, 0, 5},
+                                    {3, 4, 5, 0}, {4, 5, 3, 1}, {5, 3, 4, 2}};
+constexpr Tripod pyramid_tripods[] = {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}};
+
+struct Tripods {
+  const Tripod* first;
+  int count;
+};
+Tripods tripods(Shape shape) {
+  switch (shape) {
+  case Shape::tetrahedron: return {tetrahedron_tripods, 1};
+  case Shape::pyramid: return {pyramid_tripods, 4};
+  case Shape::wedge: return {wedge_tripods, 6};
+  case Shape::voxel: return {voxel_tripods, 8};
+  default: return {hexahedron_tripods, 8};
+  }
+}
+
+/// What one chunk of cells showed; chunks are joined in order.
+struct Findings {
+  insitu_validation counts = insitu_validation_default();
+  std::vector<std::string> lines;
+  void add(std::string line) {
+    if (lines.size() < 4)
+      lines.push_back(std::move(line));
+  }
+};
+
+class PieceValidator {
+public:
+  PieceValidator(const PieceView& piece, std::string name) : p_(piece), name_(std::move(name)) {}
+
+  void cell(std::int64_t cell, Findings& f) const {
+    if (!p_.owns(cell)) { // never read by any kernel, so it may hold garbage
+      ++f.counts.ghost_cells;
+      return;
+    }
+    if (!structure_is_sound(cell, f))
+      return;
+    std::int64_t ids[8];
+    const Shape shape = p_.shape(cell);
+    const int n = p_.vertex_ids(cell, ids);
+    for (int v = 0; v < n; ++v)
+      if (ids[v] < 0 || ids[v] >= p_.vertex_count) {
+        ++f.counts.index_errors;
+        f.add(at(cell) + "vertex " + std::to_string(v) + " has id " +
+              std::to_string(ids[v] + p_.index_base) + ", " + std::to_string(p_.index_base) +
+              " to " + std::to_string(p_.vertex_count - 1 + p_.index_base) + " expected");
+        return;
+      }
+    Vec3d x[8];
+    for (int v = 0; v < n; ++v) {
+      x[v] = p_.point(ids[v]);
+      for (int a = 0; a < 3; ++a)
+        if (!std::isfinite(x[v][a])) {
+          ++f.counts.coordinate_errors;
+          f.add(at(cell) + "vertex id " + std::to_string(ids[v] + p_.index_base) + ": coordinate " +
+                "xyz"[a] + " is " + (std::isnan(x[v][a]) ? "NaN" : "infinite"));
+          return;
+        }
+    }
+    geometry(shape, n, x, f);
+  }
+
+private:
+  std::string at(std::int64_t cell) const { return name_ + ", cell " + std::to_string(cell) + ": "; }
+
+  /// The shape is known and the ids lie within connectivity.
+  bool structure_is_sound(std::int64_t cell, Findings& f) const {
+    const auto refuse = [&](const std::string& what) {
+      ++f.counts.shape_errors;
+      f.add(at(cell) + what);
+      return false;
+    };
+    if (p_.layout == CellLayout::mixed) {
+      const int type = load_as<std::uint8_t>(p_.types + cell * p_.types_stride);
+      if (!is_shape(type))
+        return refuse("type " + std::to_string(type) + ", 10 to 14 expected");
+      const std::int64_t start = p_.offsets.load(cell) - p_.index_base;
+      const int n = vertex_count(Shape(type));
+      if (start < 0 || start > p_.connectivity.count - n)
+        return refuse("its " + std::to_string(n) + " ids start at " +
+                      std::to_string(start + p_.index_base) + " of " +
+                      std::to_string(p_.connectivity.count) + " in connectivity");
+      // With an offset more than cells (or the next cell's start), the count is checked as well.
+      if (cell + 1 < p_.offsets.count) {
+        const std::int64_t end = p_.offsets.load(cell + 1) - p_.index_base;
+        if (end - start != n)
+          return refuse(std::to_string(end - start) + " ids between its offsets, " +
+                        std::to_string(n) + " expected for a " + shape_name(Shape(type)));
+      }
+    } else if (p_.layout == CellLayout::padded) {
+      int n = 0;
+      while (n < 8 && p_.padded_id(cell, n) >= 0)
+        ++n;
+      if (n != 4 && n != 5 && n != 6 && n != 8)
+        return refuse(std::to_string(n) + " ids before the padding, 4, 5, 6 or 8 expected");
+      for (int v = n; v < 8; ++v)
+        if (p_.padded_id(cell, v) + p_.index_base != -1 && p_.padded_id(cell, v) >= 0)
+          return refuse("an id follows the padding");
+    }
+    return true;
+  }
+
+  static void geometry(Shape shape, int n, const Vec3d* x, Findings& f) {
+    double size = 0.0;
+    bool coincident = false;
+    for (int v = 1; v < n; ++v) {
+      const Vec3d e = x[v] - x[0];
+      size = std::fmax(size, dot(e, e));
+      for (int w = 0; w < v; ++w)
+        coincident |= x[v] == x[w];
+    }
+    size = std::sqrt(size);
+    const double zero = 1e-14 * size * size * size; // rounding of a triple product at this scale
+    int positive = 0, negative = 0;
+    const Tripods all = tripods(shape);
+    for (int k = 0; k < all.count; ++k) {
+      const Tripod& t = all.first[k];
+      const double volume =
+          dot(x[t.a] - x[t.corner], cross(x[t.b] - x[t.corner], x[t.c] - x[t.corner]));
+      positive += volume > zero;
+      negative += volume < -zero;
+    }
+    f.counts.collapsed_cells += coincident;
+    if (positive && negative)
+      ++f.counts.folded_cells;
+    else if (negative)
+      ++f.counts.inverted_cells;
+    else if (!positive)
+      ++f.counts.zero_volume_cells;
+  }
+
+  const PieceView& p_;
+  std::string name_;
+};
+
+void join(insitu_validation& to, const insitu_validation& from) {
+  to.cells += from.cells;
+  to.index_errors += from.index_errors;
+  to.shape_errors += from.shape_errors;
+  to.coordinate_errors += from.coordinate_errors;
+  to.inverted_cells += from.inverted_cells;
+  to.zero_volume_cells += from.zero_volume_cells;
+  to.folded_cells += from.folded_cells;
+  to.collapsed_cells += from.collapsed_cells;
+  to.ghost_cells += from.ghost_cells;
+}
+
+} // namespace
+
+Validation validate(const std::string& mesh_name, const MeshView& mesh,
+                    const core::Threads& threads) {
+  constexpr std::int64_t grain = 4096;
+  Validation out;
+  out.counts = insitu_validation_default();
+  std::size_t lines = 0;
+  for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
+    const PieceView& piece = mesh.pieces[p];
+    const PieceValidator validator(piece,
+                                   "mesh '" + mesh_name + "', piece " + std::to_string(p));
+    std::vector<Findings> chunks(std::size_t((piece.cell_count + grain - 1) / grain));
+    threads.parallel_for(piece.cell_count, grain, [&](std::int64_t begin, std::int64_t end) {
+      Findings& f = chunks[std::size_t(begin / grain)];
+      f.counts.cells = end - begin;
+      for (std::int64_t cell = begin; cell < end; ++cell)
+        validator.cell(cell, f);
+    });
+    for (const Findings& f : chunks) {
+      join(out.counts, f.counts);
+      for (const std::string& line : f.lines)
+        if (lines++ < 4)
+          out.findings += (out.findings.empty() ? "" : "\n") + line;
+    }
+  }
+  const insitu_validation& c = out.counts;
+  const std::int64_t errors = c.index_errors + c.shape_errors + c.coordinate_errors;
+  if (errors > std::int64_t(lines < 4 ? lines : 4))
+    out.findings += "\n(" + std::to_string(errors) + " cells with errors in all)";
+  if (c.inverted_cells + c.zero_volume_cells + c.folded_cells + c.collapsed_cells > 0)
+    out.warning = "mesh '" + mesh_name + "': of " + std::to_string(c.cells) + " cells " +
+                  std::to_string(c.inverted_cells) + " are inverted, " +
+                  std::to_string(c.zero_volume_cells) + " have no volume, " +
+                  std::to_string(c.folded_cells) + " are folded, " +
+                  std::to_string(c.collapsed_cells) + " have coincident vertices";
+  return out;
+}
+
+} // namespace insitu::mesh

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mesh/piece.h"
+
+namespace insitu::mesh {
+
+/// A field on one piece: component c of item i lies at component[c] + layout.offset(i).
+struct FieldPieceView {
+  const std::byte* const* component = nullptr;
+  ItemLayout layout;
+  bool is_float32 = false;
+
+  INSITU_HD double load(std::int64_t item, int c) const {
+    return load_real(component[c] + layout.offset(item), is_float32);
+  }
+};
+
+/// A field over all pieces of a mesh; plain data, valid until the next commit.
+struct FieldView {
+  const char* name = "";
+  insitu_association association = INSITU_VERTEX;
+  int components = 0;
+  const FieldPieceView* pieces = nullptr;
+};
+
+/// All pieces of a committed mesh as kernels see them; plain data, valid until the next commit.
+/// Cells are numbered flat over the pieces: flat = first_cell[piece] + cell; so are vertices.
+struct MeshView {
+  const PieceView* pieces = nullptr;
+  const std::int64_t* first_cell = nullptr;   ///< [piece_count + 1]
+  const std::int64_t* first_vertex = nullptr; ///< [piece_count + 1]
+  std::int32_t piece_count = 0;
+  /// The vertices' coordinates at the earlier step, flat, or null (kept for pathlines only).
+  const math::Vec3d* earlier_points = nullptr;
+  /// How far a vertex is from its earlier place, at most, along any axis.
+  double largest_displacement = 0.0;
+  /// No cell folds or is inverted, so a cell that holds a point strictly inside is its only owner.
+  bool free_of_folds = false;
+
+  INSITU_HD std::int64_t cell_count() const { return first_cell[piece_count]; }
+  INSITU_HD std::int64_t vertex_count() const { return first_vertex[piece_count]; }
+
+  /// The piece that holds a flat cell id.
+  INSITU_HD std::int32_t piece_of(std::int64_t flat_cell) const {
+    std::int32_t lo = 0, hi = piece_count - 1;
+    while (lo < hi) {
+      const std::int32_t mid = (lo + hi + 1) / 2;
+      if (first_cell[mid] <= flat_cell)
+        lo = mid;
+      else
+        hi = mid - 1;
+    }
+    return lo;
+  }
+};
+
+/// The vertices of one cell, gathered.
+struct CellVertices {
+  Shape shape = Shape::none;
+  int count = 0;
+  std::int32_t piece = 0;
+  std::int64_t ids[8]; ///< within the piece
+  math::Vec3d x[8];
+};
+
+/// Gathers a cell. alpha blends the earlier (0) and the current (1) coordinates; it must be 1 if
+/// the mesh keeps no earlier points.
+INSITU_HD inline void gather(const MeshView& mesh, std::int64_t flat_cell, CellVertices& out,
+                             double alpha = 1.0) {
+  out.piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat_cell);
+  const PieceView& piece = mesh.pieces[out.piece];
+  const std::int64_t cell = flat_cell - mesh.first_cell[out.piece];
+  out.shape = piece.shape(cell);
+  out.count = piece.vertex_ids(cell, out.ids);
+  for (int v = 0; v < out.count; ++v)
+    out.x[v] = piece.point(out.ids[v]);
+  if (alpha != 1.0) {
+    const math::Vec3d* earlier = mesh.earlier_points + mesh.first_vertex[out.piece];
+    for (int v = 0; v < out.count; ++v)
+      out.x[v] = (1.0 - alpha) * earlier[out.ids[v]] + alpha * out.x[v];
+  }
+}
+
+} // namespace insitu::mesh

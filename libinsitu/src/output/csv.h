@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace insitu::output {
+
+/// Appends the shortest decimal that reads back as the same number: "0.1", "1e-300", "-0", "inf".
+/// NaN appends nothing: a missing value is an empty cell, which spreadsheets, pandas and ParaView
+/// read as missing.
+void append_number(std::string& text, double value);
+void append_number(std::string& text, float value);
+void append_number(std::string& text, std::int64_t value);
+
+/// Appends a text cell, quoted as in RFC 4180 where it holds a comma, a quote or a blank at an end.
+/// Line breaks become blanks, so a row is always one line.
+void append_text(std::string& text, std::string_view value);
+
+/// Builds one table in memory, row by row: `csv.cell(1).cell(2.5).end_row()`.
+class CsvRows {
+public:
+  explicit CsvRows(std::size_t columns) : columns_(columns) {}
+
+  CsvRows& cell(double value);
+  CsvRows& cell(float value);
+  CsvRows& cell(std::int64_t value);
+  CsvRows& cell(int value) { return cell(std::int64_t(value)); }
+  CsvRows& cell(std::string_view value);
+  CsvRows& cell(const char* value) { return cell(std::string_view(value)); }
+  /// Throws core::Error (INSITU_ERROR_INTERNAL) if the row has not as many cells as the table columns.
+  void end_row();
+
+  /// The whole rows so far; a row that was not ended is not part of it.
+  std::string_view text() const { return std::string_view(text_).substr(0, whole_); }
+  void clear();
+
+private:
+  std::string& next();
+
+  std::size_t columns_;
+  std::size_t cells_ = 0;
+  std::size_t whole_ = 0;
+  std::string text_;
+};
+
+/// One line of column names, with its line end.
+std::string csv_header(const std::vector<std::string>& columns);
+
+/// Writes a whole table atomically (columns, then `rows`), replacing what was there.
+void write_csv(const std::string& path, const std::vector<std::string>& columns,
+               const CsvRows& rows);
+
+/// A table that grows over a run and over restarts of it.
+///
+/// The header is written once, when the file is made. `flush` hands the system whole rows in one
+/// append, so readers see whole rows; should a kill or a full disk cut that append short, the next
+/// flush or the next opening removes the partial last line. An existing file must have the same
+/// columns. One writer at a time: a second one on the same file, of this process or another, is
+/// refused where the file system has locks. Failures are core::Error (INSITU_ERROR_FILE) that name
+/// the file and the reason; the rows not written stay in `rows` and go out with the next flush.
+class AppendTable {
+public:
+  AppendTable(std::string path, std::vector<std::string> columns);
+  ~AppendTable();
+  AppendTable(const AppendTable&) = delete;
+  AppendTable& operator=(const AppendTable&) = delete;
+
+  CsvRows& rows() { return rows_; }
+  /// Appends the whole rows of `rows` to the file. Called by the destructor too, where errors are lost.
+  void flush();
+
+  const std::string& path() const { return path_; }
+
+private:
+  void append(std::string_view text);
+
+  std::string path_;
+  CsvRows rows_;
+  int descriptor_ = -1;
+};
+
+} // namespace insitu::output

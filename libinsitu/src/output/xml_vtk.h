@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace insitu::output {
+
+enum class VtkScalar { float32, float64, int8, uint8, int32, int64 };
+
+/// A named array of a VTK file: `tuples` items of `components` values, interleaved, in the caller's
+/// memory until the file is written.
+struct VtkArray {
+  std::string name;
+  VtkScalar scalar = VtkScalar::float64;
+  int components = 1;
+  const void* data = nullptr;
+  std::size_t tuples = 0;
+};
+
+/// `values` holds components values a tuple. Throws core::Error (INSITU_ERROR_INTERNAL) if its size
+/// is no multiple of that.
+VtkArray vtk_array(std::string name, std::span<const double> values, int components = 1);
+VtkArray vtk_array(std::string name, std::span<const float> values, int components = 1);
+VtkArray vtk_array(std::string name, std::span<const std::int64_t> values, int components = 1);
+VtkArray vtk_array(std::string name, std::span<const std::int32_t> values, int components = 1);
+VtkArray vtk_array(std::string name, std::span<const std::uint8_t> values, int components = 1);
+
+/// What every file holds: points as x, y, z interleaved (float32 or float64), data on points and on
+/// cells, and, if has_time, the time as field data "TimeValue", which ParaView shows.
+struct VtkDataSet {
+  VtkArray points;
+  std::vector<VtkArray> point_data;
+  std::vector<VtkArray> cell_data;
+  bool has_time = false;
+  double time = 0;
+};
+
+/// Particles (no lines: each point is a vertex cell) or tracks (polylines over the points).
+struct VtkPolyData : VtkDataSet {
+  /// For polylines: where each line ends in line_points, ascending. A line may be of one point.
+  std::span<const std::int64_t> line_ends;
+  /// The point ids of all lines, one after another; empty means 0, 1, 2, ...: points stored line by
+  /// line.
+  std::span<const std::int64_t> line_points;
+};
+
+/// Cells by VTK numbering: connectivity, where each cell ends in it, and its type.
+struct VtkUnstructured : VtkDataSet {
+  std::span<const std::int64_t> connectivity;
+  std::span<const std::int64_t> cell_ends;
+  std::span<const std::uint8_t> cell_types;
+};
+
+/// Write a file atomically: VTK XML 1.0, UInt64 headers, arrays appended raw in this machine's byte
+/// order (named in the file), so nothing is copied or encoded. Throw core::Error: INSITU_ERROR_ARGUMENT
+/// naming the array whose count does not fit, INSITU_ERROR_FILE if the file cannot be written.
+void write_vtp(const std::string& path, const VtkPolyData& data);
+void write_vtu(const std::string& path, const VtkUnstructured& data);
+
+/// The index of a series of files over time (`.pvd`), rewritten atomically at every `add`, so a viewer
+/// can open it while the simulation runs.
+class PvdSeries {
+public:
+  /// With `resume` the entries that an earlier run wrote there are kept; an index that was not
+  /// written by this class is an error (core::Error, INSITU_ERROR_FILE) then, else it is replaced.
+  explicit PvdSeries(std::string path, bool resume = false);
+
+  /// `file` is relative to the index. Entries of an earlier run at this time or later, and one of the
+  /// same name, go: a run that restarted writes them again.
+  void add(double time, const std::string& file);
+
+  const std::vector<std::pair<double, std::string>>& entries() const { return entries_; }
+
+private:
+  std::string path_;
+  std::vector<std::pair<double, std::string>> entries_;
+};
+
+} // namespace insitu::output

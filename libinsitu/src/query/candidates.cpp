@@ -1,0 +1,134 @@
+#include "query/candidates.h"
+
+// Three x86 targets are enough: each one more costs compile time and gains little here.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "query/candidates.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/cache_control.h>
+#include <hwy/highway.h>
+
+#include "cells/kernels_simd.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace insitu::query::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Bit c: the query's box meets child c's box.
+HWY_INLINE unsigned overlapping_children(const accel::Node& node, const QueryBoxes& queries,
+                                         std::uint32_t query) {
+  const hn::CappedTag<float, 8> d;
+  const hn::Rebind<std::int32_t, decltype(d)> di;
+  const hn::Rebind<std::uint8_t, decltype(d)> db;
+  unsigned bits = 0;
+  for (std::size_t c = 0; c < 8; c += hn::Lanes(d)) {
+    auto hit = hn::Eq(hn::Zero(d), hn::Zero(d));
+    for (int a = 0; a < 3; ++a) {
+      const auto base = hn::Set(d, node.lower[a]), scale = hn::Set(d, node.scale(a));
+      const auto lo = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(db, node.child_lower[a] + c)));
+      const auto hi = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(db, node.child_upper[a] + c)));
+      // The product is exact, so this is the decoding that encode_boxes checked, fused or not.
+      const auto lower = hn::Add(base, hn::Mul(scale, lo));
+      const auto upper = hn::Add(base, hn::Mul(scale, hi));
+      hit = hn::And(hit, hn::And(hn::Le(lower, hn::Set(d, queries.upper[a][query])),
+                                 hn::Le(hn::Set(d, queries.lower[a][query]), upper)));
+    }
+    std::uint8_t byte[8] = {};
+    hn::StoreMaskBits(d, hit, byte);
+    bits |= unsigned(byte[0]) << c;
+  }
+  return bits;
+}
+
+void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
+                            TraversalScratch& scratch) {
+  const accel::Node* nodes = tree.nodes();
+  if (scratch.level.size() < std::size_t(queries.count))
+    scratch.level.resize(batch_size);
+  for (int q = 0; q < queries.count; ++q)
+    scratch.level[std::size_t(q)] = {0, std::uint32_t(q)};
+  auto tasks = std::size_t(queries.count);
+  std::size_t found = 0;
+  while (tasks > 0) {
+    // A task adds at most eight children; one check here spares one for each.
+    if (scratch.next.size() < tasks * 8)
+      scratch.next.resize(tasks * 8);
+    if (scratch.candidates.size() < found + tasks * 8 * accel::most_leaf_cells)
+      scratch.candidates.resize(2 * found + tasks * 8 * accel::most_leaf_cells);
+    NodeTask* next = scratch.next.data();
+    Candidate* candidates = scratch.candidates.data();
+    std::size_t n = 0;
+    for (std::size_t t = 0; t < tasks; ++t) {
+      const NodeTask task = scratch.level[t];
+      const accel::Node& node = nodes[task.node];
+      for (unsigned bits = overlapping_children(node, queries, task.query); bits;
+           bits &= bits - 1) {
+        const int c = std::countr_zero(bits);
+        if (node.is_inner(c)) {
+          const std::uint32_t child = node.child_node(c);
+          hwy::Prefetch(nodes + child);
+          hwy::Prefetch(reinterpret_cast<const char*>(nodes + child) + 64);
+          next[n++] = {child, task.query};
+        } else {
+          const std::uint32_t slot = node.child_cells(c);
+          const int cells = node.child_cell_count(c);
+          hwy::Prefetch(tree.cells() + slot);
+          for (int k = 0; k < cells; ++k)
+            candidates[found++] = {slot + std::uint32_t(k), task.query};
+        }
+      }
+    }
+    scratch.level.swap(scratch.next);
+    tasks = n;
+  }
+  scratch.found = found;
+}
+
+void invert_target(mesh::Shape shape, InverseBlock& block) {
+  using cells::HWY_NAMESPACE::Pack;
+  using PackVec = cells::HWY_NAMESPACE::Vec3<Pack>;
+  const cells::HWY_NAMESPACE::PackTag d;
+  const int lanes = int(hn::Lanes(d)), vertices = mesh::vertex_count(shape);
+  for (int i = 0; i < block.count; i += lanes) {
+    const auto load = [&](const double* p) HWY_ATTR { return Pack(hn::Load(d, p + i)); };
+    PackVec x[8];
+    for (int v = 0; v < vertices; ++v)
+      x[v] = {load(block.vertex[v][0]), load(block.vertex[v][1]), load(block.vertex[v][2])};
+    const PackVec p{load(block.point[0]), load(block.point[1]), load(block.point[2])};
+    const auto found = cells::HWY_NAMESPACE::inverse_map(shape, x, p);
+    hn::Store(found.r.x.v, d, block.parametric[0] + i);
+    hn::Store(found.r.y.v, d, block.parametric[1] + i);
+    hn::Store(found.r.z.v, d, block.parametric[2] + i);
+    hn::Store(found.margin.v, d, block.margin + i);
+    hn::Store(select(found.converged, Pack(1.0), Pack(0.0)).v, d, block.converged + i);
+  }
+}
+
+} // namespace insitu::query::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace insitu::query {
+
+HWY_EXPORT(find_candidates_target);
+HWY_EXPORT(invert_target);
+
+void find_candidates(const accel::Tree& tree, const QueryBoxes& queries,
+                     TraversalScratch& scratch) {
+  HWY_DYNAMIC_DISPATCH(find_candidates_target)(tree, queries, scratch);
+}
+
+void invert(mesh::Shape shape, InverseBlock& block) {
+  // The last pack's idle lanes repeat the first pair, so that they converge.
+  for (int i = block.count; i % 8 != 0; ++i)
+    for (int a = 0; a < 3; ++a) {
+      block.point[a][i] = block.point[a][0];
+      for (int v = 0; v < mesh::vertex_count(shape); ++v)
+        block.vertex[v][a][i] = block.vertex[v][a][0];
+    }
+  HWY_DYNAMIC_DISPATCH(invert_target)(shape, block);
+}
+
+} // namespace insitu::query
+#endif

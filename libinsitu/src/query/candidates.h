@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "accel/tree.h"
+#include "mesh/shape.h"
+
+/// The two inner loops of a batch query, compiled per SIMD target and dispatched at run time.
+namespace insitu::query {
+
+constexpr int batch_size = 256;
+constexpr int block_size = 64;
+
+/// A batch of at most batch_size query boxes in the tree's local frame.
+struct QueryBoxes {
+  int count = 0;
+  alignas(64) float lower[3][batch_size];
+  alignas(64) float upper[3][batch_size];
+};
+
+struct NodeTask {
+  std::uint32_t node;
+  std::uint32_t query;
+};
+
+/// A cell whose leaf box holds a query. slot is its place in tree.cells().
+struct Candidate {
+  std::uint32_t slot;
+  std::uint32_t query;
+};
+
+/// Kept between batches; the vectors only grow.
+struct TraversalScratch {
+  std::vector<NodeTask> level, next;
+  std::vector<Candidate> candidates;
+  std::size_t found = 0; ///< candidates of the last batch
+};
+
+/// Takes the whole batch through the tree level by level, so that the misses of a level overlap;
+/// the candidates are scratch.candidates[0, scratch.found).
+void find_candidates(const accel::Tree& tree, const QueryBoxes& queries, TraversalScratch& scratch);
+
+/// At most block_size (cell, point) pairs of one shape, transposed.
+struct InverseBlock {
+  int count = 0;
+  alignas(64) double vertex[8][3][block_size];
+  alignas(64) double point[3][block_size];
+  alignas(64) double parametric[3][block_size]; ///< out
+  alignas(64) double margin[block_size];        ///< out; see cells::InverseMap
+  alignas(64) double converged[block_size];     ///< out: 1 or 0
+};
+
+/// Inverts the maps of a block; the same bits as cells::inverse_map one by one.
+void invert(mesh::Shape shape, InverseBlock& block);
+
+} // namespace insitu::query

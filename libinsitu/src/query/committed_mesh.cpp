@@ -1,0 +1,94 @@
+#include "query/committed_mesh.h"
+
+#include <algorithm>
+
+#include "core/status.h"
+#include "core/timer.h"
+
+namespace insitu::query {
+
+CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
+    : mesh_(name, memory), tree_(memory) {}
+
+void CommittedMesh::require_committed() const {
+  if (!committed_)
+    throw core::Error(INSITU_ERROR_ORDER,
+                      "mesh '" + mesh_.name() + "' is not committed; call insitu_mesh_commit first");
+  if (mesh_.pending() != 0)
+    throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() +
+                                              "' changed since its commit; call "
+                                              "insitu_mesh_commit first");
+}
+
+mesh::Validation CommittedMesh::validate(const core::Threads& threads) {
+  committed_ = false; // the views may change under the tree
+  mesh_.update();
+  if (mesh_.pending() == 0)
+    mesh_.set_changed(INSITU_CHANGED_FIELDS); // the next commit is cheap, but has to come
+  return mesh::validate(mesh_.name(), mesh_.view(), threads);
+}
+
+insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const core::Log& log,
+                                           const core::Memory& memory, bool strict) {
+  const core::Timer timer;
+  insitu_commit_report report = insitu_commit_report_default();
+  const std::uint32_t pending = mesh_.pending();
+  const std::int64_t bytes_before = memory.current();
+  if (committed_ && pending == 0) {
+    report.seconds = timer.seconds();
+  } else {
+    committed_ = false;
+    mesh_.update();
+    if (strict)
+      for (const insitu_audit_entry& e : mesh_.audit())
+        if (!e.borrowed)
+          throw core::Error(INSITU_ERROR_CONVERSION, "mesh '" + mesh_.name() + "', " + e.name +
+                                                         ": strict mode refuses a copy (" +
+                                                         e.reason + ")");
+    bool rebuild = (pending & INSITU_CHANGED_TOPOLOGY) != 0;
+    if (rebuild) {
+      const mesh::Validation validation = mesh::validate(mesh_.name(), mesh_.view(), threads);
+      report.validated = 1;
+      if (!validation.findings.empty())
+        throw core::Error(INSITU_ERROR_MESH, validation.findings);
+      if (!validation.warning.empty())
+        log.warning(validation.warning);
+      mesh_.set_free_of_folds(mesh_.view().piece_count == 1 &&
+                              validation.counts.folded_cells == 0 &&
+                              validation.counts.zero_volume_cells == 0 &&
+                              (validation.counts.inverted_cells == 0 ||
+                               validation.counts.inverted_cells +
+                                       validation.counts.ghost_cells ==
+                                   validation.counts.cells));
+      ++topology_version_;
+    } else if (pending & INSITU_CHANGED_GEOMETRY) {
+      tree_.refit(mesh_.view(), threads);
+      report.action = INSITU_REFIT;
+      report.cost_ratio = tree_.cost_ratio();
+      rebuild = tree_.cost_ratio() > rebuild_ratio;
+    }
+    if (rebuild) {
+      tree_.build(mesh_.view(), threads, builder_);
+      report.action = INSITU_REBUILD;
+      report.cost_ratio = 1.0;
+      commits_since_build_ = 0;
+    }
+    if (pending & (INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_TOPOLOGY))
+      ++tree_version_;
+    ++fields_version_;
+    mesh_.clear_pending();
+    committed_ = true;
+  }
+  // The builder's scratch is worth keeping only while rebuilds come often.
+  constexpr int patience = 4;
+  if (report.action != INSITU_REBUILD && ++commits_since_build_ == patience)
+    tree_.release_scratch();
+  report.seconds = timer.seconds();
+  report.cells = mesh_.view().cell_count();
+  report.vertices = mesh_.view().vertex_count();
+  report.bytes = tree_.bytes();
+  report.bytes_allocated = std::max<std::int64_t>(0, memory.current() - bytes_before);
+  return report;
+}
+
+} // namespace insitu::query

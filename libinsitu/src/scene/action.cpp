@@ -1,0 +1,68 @@
+#include "scene/action.h"
+
+#include <cstdio>
+
+#include "core/status.h"
+#include "core/suggest.h"
+
+namespace insitu::scene {
+
+namespace {
+
+std::string at(const std::string& file, int line) {
+  return line > 0 ? file + ":" + std::to_string(line) + ": " : std::string();
+}
+
+} // namespace
+
+query::CommittedMesh& find_mesh(MeshList meshes, const Name& name, const std::string& scene_file) {
+  if (meshes.empty())
+    throw core::Error(INSITU_ERROR_SCENE, "the session has no mesh");
+  if (name.empty())
+    return *meshes.front();
+  std::vector<std::string> names;
+  for (query::CommittedMesh* m : meshes) {
+    if (m->mesh().name() == name.text)
+      return *m;
+    names.push_back(m->mesh().name());
+  }
+  throw core::Error(INSITU_ERROR_SCENE, at(scene_file, name.line) + "the session has no mesh '" +
+                                            name.text + "'" + core::did_you_mean(name.text, names));
+}
+
+mesh::FieldView find_field(const query::CommittedMesh& mesh, const Name& name,
+                           const std::string& scene_file) {
+  try {
+    return mesh.mesh().field(name.text);
+  } catch (const core::Error& e) {
+    throw core::Error(e.status(), at(scene_file, name.line) + e.what());
+  }
+}
+
+insitu_accuracy to_api(Accuracy accuracy) {
+  switch (accuracy) {
+  case Accuracy::fast: return INSITU_FAST;
+  case Accuracy::standard: return INSITU_STANDARD;
+  case Accuracy::exact: break;
+  }
+  return INSITU_EXACT;
+}
+
+std::vector<std::string> component_names(const mesh::FieldView& field) {
+  if (field.components == 1)
+    return {field.name};
+  std::vector<std::string> names;
+  for (int c = 0; c < field.components; ++c)
+    names.push_back(std::string(field.name) + "_" +
+                    (field.components <= 3 ? std::string(1, "xyz"[c]) : std::to_string(c)));
+  return names;
+}
+
+std::string cycle_path(const Environment& environment, const std::string& name, std::int64_t cycle,
+                       const std::string& extension) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "_%06lld", static_cast<long long>(cycle));
+  return environment.output + "/" + name + digits + extension;
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "core/context.h"
+#include "query/committed_mesh.h"
+#include "scene/description.h"
+#include "scene/statistics.h"
+
+/// What the parts of a runner share.
+namespace insitu::scene {
+
+using MeshList = std::span<query::CommittedMesh* const>;
+
+/// One cycle, as actions see it.
+struct Step {
+  MeshList meshes;
+  std::int64_t cycle;
+  double time;
+  bool first; ///< the first execution of the session
+  double earlier_time; ///< of the execution before
+};
+
+/// Something a scene asks for: a probe, a tracer, a frame. A failed action throws core::Error from
+/// execute() and is tried again when it is next due.
+class Action {
+public:
+  virtual ~Action() = default;
+  virtual const char* kind() const = 0;
+  virtual const std::string& name() const = 0;
+  virtual const Trigger& trigger() const = 0;
+  virtual const Name& mesh_name() const = 0;
+  /// Called at every cycle; due: the trigger says so.
+  virtual void execute(query::CommittedMesh& mesh, const Step& step, bool due) = 0;
+  /// The session closes.
+  virtual void finish() {}
+};
+
+/// What every action is made with.
+struct Environment {
+  core::Context& context;
+  Statistics& statistics;
+  std::string scene_file; ///< for messages
+  std::string output;     ///< folder
+};
+
+/// The mesh of that name (the first one if empty); throws INSITU_ERROR_SCENE.
+query::CommittedMesh& find_mesh(MeshList meshes, const Name& name, const std::string& scene_file);
+
+/// The field of that name, with "file:line: " before the message if there is none.
+mesh::FieldView find_field(const query::CommittedMesh& mesh, const Name& name,
+                           const std::string& scene_file);
+
+/// Points of a scene in the mesh's coordinates.
+struct ScenePoints {
+  std::vector<math::Vec3d> mesh_points;
+  std::vector<std::string> names; ///< or empty
+};
+ScenePoints resolve_points(const PointSource& source, const FrameOfReference& frame,
+                           const query::CommittedMesh& mesh, const std::string& scene_file);
+
+/// Minimum, maximum or mean of a field (of a vector field's magnitudes) over owning cells, or over
+/// the vertices they use. NaN values are left out; NaN if nothing is left.
+double reduce_field(const query::CommittedMesh& mesh, const mesh::FieldView& field,
+                    Reduction reduction, const core::Threads& threads);
+
+insitu_accuracy to_api(Accuracy accuracy);
+
+/// "velocity_x" and so on for the components of a field.
+std::vector<std::string> component_names(const mesh::FieldView& field);
+
+/// `<output>/<name>_<cycle, six digits><extension>`
+std::string cycle_path(const Environment& environment, const std::string& name, std::int64_t cycle,
+                       const std::string& extension);
+
+} // namespace insitu::scene

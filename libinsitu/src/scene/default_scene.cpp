@@ -1,0 +1,59 @@
+#include "scene/description.h"
+
+namespace insitu::scene {
+
+SceneDescription default_scene(const std::string& scalar_field, const std::string& mesh) {
+  SceneDescription scene;
+  scene.file = "default scene";
+  scene.trigger.every = 10;
+  Frame frame;
+  frame.name = "frame";
+  frame.mesh.text = mesh;
+  frame.volume.emplace().field.text = scalar_field;
+  frame.scalar_bar = true;
+  frame.time_label = true;
+  frame.trigger = scene.trigger;
+  scene.frames.push_back(frame);
+  return scene;
+}
+
+const char* accuracy_name(Accuracy accuracy) {
+  switch (accuracy) {
+  case Accuracy::fast:
+    return "fast";
+  case Accuracy::standard:
+    return "standard";
+  default:
+    return "exact";
+  }
+}
+
+const char* locator_method_name(LocatorMethod method) {
+  switch (method) {
+  case LocatorMethod::automatic:
+    return "auto";
+  case LocatorMethod::bvh:
+    return "bvh";
+  case LocatorMethod::user_geometry:
+    return "user_geometry";
+  case LocatorMethod::replicated_faces:
+    return "replicated_faces";
+  case LocatorMethod::shared_faces:
+    return "shared_faces";
+  default:
+    return "shared_bilinear_faces";
+  }
+}
+
+const char* locator_builder_name(LocatorBuilder builder) {
+  switch (builder) {
+  case LocatorBuilder::automatic:
+    return "auto";
+  case LocatorBuilder::morton:
+    return "morton";
+  default:
+    return "surface_area";
+  }
+}
+
+} // namespace insitu::scene

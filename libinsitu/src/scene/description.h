@@ -1,0 +1,266 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "math/vec.h"
+#include "scene/trigger.h"
+
+/// What a scene asks for, as plain data: made by parse_scene_file() or default_scene(), executed by
+/// the runner. Every member stands here with the default that a scene file gets where it says
+/// nothing; SCENE.md describes the keys. Numbers are finite and within the limits of SCENE.md.
+/// Names of fields and meshes are as written: only the runner knows the mesh, so each has its line
+/// for "file:line: ..." messages. Lines count from 1; 0 is "not in a file".
+namespace insitu::scene {
+
+/// The name of something that must exist when the scene runs: a field, a mesh. Empty where not
+/// given.
+struct Name {
+  std::string text;
+  int line = 0;
+  bool empty() const { return text.empty(); }
+};
+
+enum class Accuracy { fast, standard, exact };
+
+// ---------------------------------------------------------------------------------------- points
+
+/// The frame that positions are given in. `mesh` is the mesh's own coordinates, whatever they are.
+struct FrameOfReference {
+  enum class Kind { mesh, cartesian, geocentric, geodetic, east_north_up, utm };
+  Kind kind = Kind::mesh;
+  double longitude = 0, latitude = 0, height = 0; ///< east_north_up: the origin (degrees, metres)
+  bool depth = false; ///< geodetic: the third number is a depth, positive down
+  int zone = 0;       ///< utm: 1 to 60
+  bool north = true;  ///< utm: the hemisphere
+  int line = 0;
+};
+
+struct PointList {
+  std::vector<math::Vec3d> points;
+};
+struct PointFile {
+  std::string path; ///< resolved against the scene file's folder; read by read_points_file()
+};
+/// `count` points in equal steps from `from` to `to`, both included; a single one lies in the
+/// middle.
+struct Line {
+  math::Vec3d from, to;
+  std::int64_t count = 2;
+};
+/// As a line, along the shortest path on the ellipsoid where the frame is geodetic (the third
+/// number in equal steps), and straight in every other frame.
+struct Transect {
+  math::Vec3d from, to;
+  std::int64_t count = 2;
+};
+/// counts[0] x counts[1] points of the parallelogram origin + s u + t v with s and t from 0 to 1 in
+/// equal steps.
+struct Plane {
+  math::Vec3d origin, u, v;
+  std::array<std::int64_t, 2> counts{2, 2};
+};
+/// counts[0] x counts[1] x counts[2] points of the box, in equal steps from face to face, x
+/// fastest.
+struct Box {
+  math::Vec3d min, max;
+  std::array<std::int64_t, 3> counts{2, 2, 2};
+};
+/// `count` points spread evenly through the ball.
+struct Sphere {
+  math::Vec3d center;
+  double radius = 1;
+  std::int64_t count = 1;
+};
+using PointSource = std::variant<PointList, PointFile, Line, Transect, Plane, Box, Sphere>;
+
+// ---------------------------------------------------------------------------------------- probes
+
+enum class TableFormat { csv, vtp, json };
+
+struct Probe {
+  std::string name; ///< of the output file; unique in the scene
+  Name mesh;        ///< empty: the first mesh of the session
+  PointSource points;
+  int points_line = 0;
+  FrameOfReference frame;
+  std::vector<Name> fields; ///< empty: all fields of the mesh
+  Accuracy accuracy = Accuracy::exact;
+  std::vector<TableFormat> output{TableFormat::csv};
+  Trigger trigger; ///< its own, or else the scene's
+  int line = 0;
+};
+
+// ---------------------------------------------------------------------------------------- tracers
+
+enum class TracerKind { streamline, pathline, streakline };
+enum class IntegrationMethod { rk4, dopri5 };
+
+/// Lengths of steps are in the solver's time. A step, a smallest or a largest step that is not
+/// given follows from the cell's size and the velocity in it.
+struct IntegratorOptions {
+  IntegrationMethod method = IntegrationMethod::dopri5;
+  std::optional<double> step;     ///< rk4: of every step; dopri5: of the first
+  double tolerance = 1e-6;        ///< dopri5: error of a particle's position per unit time
+  std::optional<double> min_step; ///< dopri5
+  std::optional<double> max_step; ///< dopri5
+  std::int64_t max_steps = 10000; ///< of one particle in one cycle
+};
+
+/// Where a particle stops of its own: it "expired".
+struct TracerLimits {
+  std::optional<double>
+      duration; ///< time along the line; of path- and streaklines: the particle's age
+  std::optional<double> length; ///< length of the line
+};
+
+struct Tracer {
+  std::string name; ///< of the output files; unique in the scene
+  Name mesh;        ///< empty: the first mesh of the session
+  PointSource seeds;
+  int seeds_line = 0;
+  FrameOfReference frame;
+  TracerKind kind = TracerKind::pathline;
+  Name velocity; ///< a field of three components
+  IntegratorOptions integrator;
+  TracerLimits until;
+  std::vector<Name> fields; ///< recorded along the tracks; empty: none
+  Accuracy accuracy = Accuracy::standard;
+  std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp
+  Trigger trigger; ///< its own, or else the scene's: streamlines are computed, tracks are written
+  int line = 0;
+};
+
+// ---------------------------------------------------------------------------------------- frames
+
+/// Each from 0 to 1, as displayed.
+struct Color {
+  double red = 0, green = 0, blue = 0;
+  friend bool operator==(const Color&, const Color&) = default;
+};
+
+/// The number drawn of a field: its only component, one of several, or a vector's magnitude.
+struct Component {
+  int index = -1; ///< -1: the value of a scalar field, the magnitude of a vector field
+  bool magnitude() const { return index < 0; }
+};
+
+/// A built-in colour map by name, or a file in ParaView's JSON format.
+struct ColorMap {
+  std::string name = "viridis"; ///< built-in, or the file's name as written
+  std::string path; ///< of a file, resolved against the scene file's folder; empty: built-in
+  int line = 0;
+};
+
+struct ValueRange {
+  double low = 0, high = 1; ///< low < high
+};
+
+/// The direction is that of a view from `azimuth` degrees around +z, from +x, and `elevation`
+/// degrees above the xy plane, towards the mesh's centre from a distance that shows the whole mesh
+/// at zoom 1; or a placed camera.
+struct Camera {
+  double azimuth = 30, elevation = 20, zoom = 1;
+  std::optional<math::Vec3d> position; ///< placed; azimuth, elevation and zoom then mean nothing
+  std::optional<math::Vec3d> look_at;  ///< nothing: the mesh's centre
+  math::Vec3d up{0, 0, 1};
+  double fov = 30;                    ///< vertical field of view, degrees
+  double orbit_azimuth_per_frame = 0; ///< degrees that the camera goes on around the axis through
+                                      ///< what it looks at along `up` with each frame written
+  int line = 0;
+};
+
+struct OpacityPoint {
+  double value = 0, opacity = 0;
+};
+
+struct Volume {
+  Name field;
+  Component component;
+  ColorMap colors;
+  std::optional<ValueRange> range; ///< nothing: the field's range at each frame
+  std::vector<OpacityPoint>
+      opacity; ///< by value; empty: from 0 at the range's low end to 1 at its high end
+  std::optional<double> unit_distance; ///< length over which a ray loses the stated opacity;
+                                       ///< nothing: a hundredth of the mesh's diagonal
+  int line = 0;
+};
+
+/// Colours of a surface by a field.
+struct ColorBy {
+  Name field;
+  Component component;
+  ColorMap colors;
+  std::optional<ValueRange> range;
+};
+
+struct Isosurface {
+  Name field;
+  Component component;
+  std::vector<double> values;
+  double opacity = 1;
+  std::variant<Color, ColorBy> color = Color{0.8, 0.8, 0.8};
+  int line = 0;
+};
+
+enum class FrameEffect { lighting };
+
+struct Frame {
+  std::string name;                    ///< of the images, `name_000120.png`; unique in the scene
+  Name mesh;                           ///< empty: the first mesh of the session
+  std::array<int, 2> size{1024, 1024}; ///< width, height
+  Color background{1, 1, 1};
+  Camera camera;
+  std::optional<Volume> volume; ///< a frame has a volume, isosurfaces, or both
+  std::vector<Isosurface> isosurfaces;
+  bool scalar_bar = false;
+  bool time_label = false;
+  std::vector<FrameEffect> effects;
+  Accuracy accuracy = Accuracy::standard;
+  double step = 1; ///< factor on the ray step that `accuracy` chooses
+  Trigger trigger; ///< its own, or else the scene's
+  int line = 0;
+};
+
+// ---------------------------------------------------------------------------------------- scene
+
+/// Names as in the section on methods of DESIGN.md. All are known here; a build may lack some.
+enum class LocatorMethod {
+  automatic,
+  bvh,
+  user_geometry,
+  replicated_faces,
+  shared_faces,
+  shared_bilinear_faces
+};
+enum class LocatorBuilder { automatic, morton, surface_area };
+
+struct LocatorOptions {
+  LocatorMethod method = LocatorMethod::automatic;
+  LocatorBuilder builder = LocatorBuilder::automatic;
+  int line = 0;
+};
+
+struct SceneDescription {
+  std::string file;           ///< for messages
+  std::string output = "out"; ///< folder, relative to the working directory
+  LocatorOptions locator;
+  Trigger trigger; ///< default of the items below, which hold the one that counts for them
+  std::vector<Probe> probes;
+  std::vector<Tracer> tracers;
+  std::vector<Frame> frames;
+};
+
+/// The scene of a session that names none: the volume of `scalar_field` of `mesh` (empty: the
+/// first) from an automatic camera with scalar bar and time label, one frame every tenth cycle.
+SceneDescription default_scene(const std::string& scalar_field, const std::string& mesh = {});
+
+const char* accuracy_name(Accuracy accuracy);
+const char* locator_method_name(LocatorMethod method);
+const char* locator_builder_name(LocatorBuilder builder);
+
+} // namespace insitu::scene

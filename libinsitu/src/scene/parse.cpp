@@ -1,0 +1,199 @@
+#include "scene/parse.h"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "core/status.h"
+#include "scene/parse_parts.h"
+
+namespace insitu::scene {
+namespace {
+
+constexpr std::int64_t scene_version = 1;
+
+constexpr std::size_t longest_name = 100;
+
+void parse_version(const MapReader& map) {
+  const auto version = map.require("insitu");
+  if (!version) {
+    return;
+  }
+  const auto number = version->integer(1, std::numeric_limits<std::int32_t>::max());
+  if (number && *number != scene_version) {
+    version->fail("version " + std::to_string(*number) +
+                  " of the scene format is not known to this library (" +
+                  std::to_string(scene_version) + ")");
+  }
+}
+
+template <class Item>
+void parse_list(const MapReader& map, const char* key, ParseContext& context,
+                Item (*parse)(const Cursor&, ParseContext&), std::vector<Item>& out) {
+  const auto list = map.find(key);
+  const auto items = list ? list->items() : std::nullopt;
+  for (const Cursor& item : items ? *items : std::vector<Cursor>{}) {
+    out.push_back(parse(item, context));
+  }
+}
+
+} // namespace
+
+SceneDescription parse_scene_file(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    throw core::Error(INSITU_ERROR_FILE, "scene file '" + path + "' is a folder");
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    throw core::Error(INSITU_ERROR_FILE, "scene file '" + path + "' cannot be opened");
+  }
+  // One byte beyond the limit is enough for read_document() to refuse what is too long, without
+  // reading it all.
+  std::string text(largest_document + 4, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad()) {
+    throw core::Error(INSITU_ERROR_FILE, "scene file '" + path + "' cannot be read");
+  }
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return parse_scene_text(text, path, std::filesystem::path(path).parent_path().string());
+}
+
+SceneDescription parse_scene_text(std::string_view text, const std::string& name,
+                                  const std::string& base_folder) {
+  const YamlNodePtr root = read_document(text, name);
+  Problems problems(name);
+  SceneDescription scene;
+  scene.file = name;
+  const MapReader map(Cursor(*root, "", problems), {"insitu", "output", "locator", "every", "when",
+                                                    "probes", "tracers", "frames"});
+  parse_version(map);
+  if (const auto output = map.find("output")) {
+    assign(scene.output, output->text());
+  }
+  if (const auto locator = map.find("locator")) {
+    scene.locator = parse_locator(*locator);
+  }
+  scene.trigger = parse_trigger(map, {});
+  ParseContext context{base_folder, scene.trigger, {}};
+  parse_list(map, "probes", context, parse_probe, scene.probes);
+  parse_list(map, "tracers", context, parse_tracer, scene.tracers);
+  parse_list(map, "frames", context, parse_frame, scene.frames);
+  problems.throw_if_any();
+  return scene;
+}
+
+std::string resolve_path(const std::string& path, const std::string& base_folder) {
+  return (std::filesystem::path(base_folder) / path).lexically_normal().string();
+}
+
+Trigger parse_trigger(const MapReader& map, const Trigger& fallback) {
+  const auto every = map.find("every");
+  const auto when = map.find("when");
+  if (!every && !when) {
+    return fallback;
+  }
+  Trigger trigger;
+  if (every) {
+    trigger.line = every->line();
+    assign(trigger.every, every->integer(1, most_cycles));
+  }
+  if (when) {
+    trigger.line = when->line();
+    if (const auto text = when->text()) {
+      try {
+        trigger.when = Expression(*text);
+      } catch (const ExpressionError& error) {
+        when->fail(describe(error, *text));
+      }
+    }
+  }
+  return trigger;
+}
+
+LocatorOptions parse_locator(const Cursor& cursor) {
+  LocatorOptions options;
+  options.line = cursor.line();
+  const MapReader map(cursor, {"method", "builder"});
+  if (const auto method = map.find("method")) {
+    assign(options.method, method->choice<LocatorMethod>(
+                               {{"auto", LocatorMethod::automatic},
+                                {"bvh", LocatorMethod::bvh},
+                                {"user_geometry", LocatorMethod::user_geometry},
+                                {"replicated_faces", LocatorMethod::replicated_faces},
+                                {"shared_faces", LocatorMethod::shared_faces},
+                                {"shared_bilinear_faces", LocatorMethod::shared_bilinear_faces}}));
+  }
+  if (const auto builder = map.find("builder")) {
+    assign(options.builder,
+           builder->choice<LocatorBuilder>({{"auto", LocatorBuilder::automatic},
+                                            {"morton", LocatorBuilder::morton},
+                                            {"surface_area", LocatorBuilder::surface_area}}));
+  }
+  return options;
+}
+
+std::optional<Accuracy> parse_accuracy(const Cursor& cursor) {
+  return cursor.choice<Accuracy>(
+      {{"fast", Accuracy::fast}, {"standard", Accuracy::standard}, {"exact", Accuracy::exact}});
+}
+
+void parse_item_name(const MapReader& map, ParseContext& context, std::string& name) {
+  const auto cursor = map.require("name");
+  const auto text = cursor ? cursor->text() : std::nullopt;
+  if (!text) {
+    return;
+  }
+  // The name becomes a file's, so it must stay in the output folder on every file system.
+  const bool fits = text->size() <= longest_name && text->front() != '.' && text->front() != ' ' &&
+                    text->back() != ' ' &&
+                    text->find_first_of("/\\:*?\"<>|\n\r\t") == std::string::npos;
+  if (!fits) {
+    cursor->fail(quote(*text) + " cannot name a file: at most " + std::to_string(longest_name) +
+                 " bytes without / \\ : * ? \" < > |, not beginning with '.' nor with a space at "
+                 "either end");
+  } else if (!context.names.insert(*text).second) {
+    cursor->fail("the name " + quote(*text) + " is already used in this scene");
+  }
+  name = *text;
+}
+
+std::optional<Name> parse_name(const Cursor& cursor) {
+  auto text = cursor.text();
+  return text ? std::optional<Name>({std::move(*text), cursor.line()}) : std::nullopt;
+}
+
+std::vector<Name> parse_names(const Cursor& cursor) {
+  std::vector<Name> names;
+  std::set<std::string> seen;
+  const auto items = cursor.items();
+  for (const Cursor& item : items ? *items : std::vector<Cursor>{}) {
+    auto name = parse_name(item);
+    if (name && !seen.insert(name->text).second) {
+      item.fail(quote(name->text) + " is given twice");
+    } else if (name) {
+      names.push_back(std::move(*name));
+    }
+  }
+  return names;
+}
+
+std::vector<TableFormat> parse_output(const Cursor& cursor,
+                                      std::initializer_list<Choice<TableFormat>> formats) {
+  std::vector<TableFormat> output;
+  const auto items = cursor.items();
+  if (items && items->empty()) {
+    cursor.fail("at least one format expected");
+  }
+  for (const Cursor& item : items ? *items : std::vector<Cursor>{}) {
+    const auto format = item.choice(formats);
+    if (format && std::find(output.begin(), output.end(), *format) != output.end()) {
+      item.fail(quote(item.node().text) + " is given twice");
+    } else if (format) {
+      output.push_back(*format);
+    }
+  }
+  return output;
+}
+
+} // namespace insitu::scene

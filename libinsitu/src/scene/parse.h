@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "scene/description.h"
+
+namespace insitu::scene {
+
+/// Reads the scene file at `path`; names of files in it are relative to its folder. Throws
+/// core::Error(INSITU_ERROR_FILE) where the file cannot be read, and else as parse_scene_text().
+SceneDescription parse_scene_file(const std::string& path);
+
+/// Reads a scene from `text`. `name` stands for the file in messages, and names of files in the
+/// scene are relative to `base_folder` (empty: the working directory). No file is opened. Throws
+/// core::Error(INSITU_ERROR_SCENE) with all problems of the scene (Problems::most at most), one a
+/// line: "name:line: ...".
+SceneDescription parse_scene_text(std::string_view text, const std::string& name,
+                                  const std::string& base_folder = {});
+
+} // namespace insitu::scene

@@ -1,0 +1,131 @@
+#include "scene/parse_parts.h"
+
+namespace insitu::scene {
+namespace {
+
+enum class TracerEffect {}; // none in this version
+
+IntegratorOptions parse_integrator(const Cursor& cursor) {
+  IntegratorOptions options;
+  const MapReader map(cursor, {"method", "step", "tolerance", "min_step", "max_step", "max_steps"});
+  if (const auto method = map.find("method")) {
+    assign(options.method,
+           method->choice<IntegrationMethod>(
+               {{"rk4", IntegrationMethod::rk4}, {"dopri5", IntegrationMethod::dopri5}}));
+  }
+  if (const auto step = map.find("step")) {
+    assign(options.step, step->number(positive));
+  }
+  if (const auto tolerance = map.find("tolerance")) {
+    assign(options.tolerance, tolerance->number(positive));
+  }
+  if (const auto step = map.find("min_step")) {
+    assign(options.min_step, step->number(positive));
+  }
+  if (const auto step = map.find("max_step")) {
+    assign(options.max_step, step->number(positive));
+  }
+  if (const auto steps = map.find("max_steps")) {
+    assign(options.max_steps, steps->integer(1, most_steps));
+  }
+  if (options.method == IntegrationMethod::rk4) {
+    for (const char* key : {"tolerance", "min_step", "max_step"}) {
+      if (const auto value = map.find(key)) {
+        value->fail("rk4 has fixed steps; this key belongs to dopri5");
+      }
+    }
+  } else if (options.min_step && options.max_step && *options.min_step > *options.max_step) {
+    cursor.fail("'min_step' is larger than 'max_step'");
+  } else if (options.step && ((options.min_step && *options.step < *options.min_step) ||
+                              (options.max_step && *options.step > *options.max_step))) {
+    cursor.fail("'step' does not lie between 'min_step' and 'max_step'");
+  }
+  return options;
+}
+
+TracerLimits parse_limits(const Cursor& cursor) {
+  TracerLimits limits;
+  const MapReader map(cursor, {"duration", "length"});
+  if (const auto duration = map.find("duration")) {
+    assign(limits.duration, duration->number(positive));
+  }
+  if (const auto length = map.find("length")) {
+    assign(limits.length, length->number(positive));
+  }
+  return limits;
+}
+
+/// What probes and tracers have in common.
+template <class Item>
+void parse_common(const MapReader& map, ParseContext& context, const char* points_key,
+                  PointSource& points, int& points_line, Item& item) {
+  item.line = map.cursor().line();
+  parse_item_name(map, context, item.name);
+  if (const auto mesh = map.find("mesh")) {
+    assign(item.mesh, parse_name(*mesh));
+  }
+  if (const auto frame = map.find("frame")) {
+    item.frame = parse_frame_of_reference(*frame);
+  }
+  if (const auto source = map.require(points_key)) {
+    points_line = source->line();
+    points = parse_points(*source, context, item.frame);
+  }
+  if (const auto fields = map.find("fields")) {
+    item.fields = parse_names(*fields);
+  }
+  if (const auto accuracy = map.find("accuracy")) {
+    assign(item.accuracy, parse_accuracy(*accuracy));
+  }
+  item.trigger = parse_trigger(map, context.trigger);
+}
+
+} // namespace
+
+Probe parse_probe(const Cursor& cursor, ParseContext& context) {
+  Probe probe;
+  const MapReader map(
+      cursor, {"name", "mesh", "points", "frame", "fields", "accuracy", "output", "every", "when"});
+  parse_common(map, context, "points", probe.points, probe.points_line, probe);
+  if (const auto output = map.find("output")) {
+    probe.output = parse_output(
+        *output,
+        {{"csv", TableFormat::csv}, {"vtp", TableFormat::vtp}, {"json", TableFormat::json}});
+  }
+  return probe;
+}
+
+Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
+  Tracer tracer;
+  const MapReader map(cursor,
+                      {"name", "mesh", "seeds", "frame", "kind", "velocity", "integrator", "until",
+                       "effects", "fields", "accuracy", "output", "every", "when"});
+  parse_common(map, context, "seeds", tracer.seeds, tracer.seeds_line, tracer);
+  if (const auto kind = map.find("kind")) {
+    assign(tracer.kind, kind->choice<TracerKind>({{"streamline", TracerKind::streamline},
+                                                  {"pathline", TracerKind::pathline},
+                                                  {"streakline", TracerKind::streakline}}));
+  }
+  if (const auto velocity = map.require("velocity")) {
+    assign(tracer.velocity, parse_name(*velocity));
+  }
+  if (const auto integrator = map.find("integrator")) {
+    tracer.integrator = parse_integrator(*integrator);
+  }
+  if (const auto until = map.find("until")) {
+    tracer.until = parse_limits(*until);
+  }
+  if (const auto effects = map.find("effects")) {
+    parse_effects<TracerEffect>(*effects, {{"diffusion", {}},
+                                           {"settling", {}},
+                                           {"inertia", {}},
+                                           {"boundary", {}},
+                                           {"age_limit", {}}});
+  }
+  if (const auto output = map.find("output")) {
+    tracer.output = parse_output(*output, {{"csv", TableFormat::csv}, {"vtp", TableFormat::vtp}});
+  }
+  return tracer;
+}
+
+} // namespace insitu::scene

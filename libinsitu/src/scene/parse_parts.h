@@ -1,0 +1,102 @@
+#pragma once
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "scene/cursor.h"
+#include "scene/description.h"
+
+/// The sections of a scene; included by the parse_*.cpp only. Each function returns what it could
+/// read, and notes the problems in the cursor's Problems.
+namespace insitu::scene {
+
+/// What the sections share.
+struct ParseContext {
+  std::string base_folder;
+  Trigger trigger;             ///< the scene's
+  std::set<std::string> names; ///< of the probes, tracers and frames so far
+};
+
+/// Counts of points, of pixels along a side, of cycles and steps beyond these are slips.
+constexpr std::int64_t most_points = 1'000'000'000;
+constexpr std::int64_t largest_image_side = 16384;
+constexpr std::int64_t most_cycles = 1'000'000'000;
+constexpr std::int64_t most_steps = 1'000'000'000;
+constexpr std::size_t most_isovalues = 256;
+
+std::string resolve_path(const std::string& path, const std::string& base_folder);
+
+/// `every` and `when` of the map, or `fallback` where it has neither.
+Trigger parse_trigger(const MapReader& map, const Trigger& fallback);
+LocatorOptions parse_locator(const Cursor& cursor);
+std::optional<Accuracy> parse_accuracy(const Cursor& cursor);
+/// `name`: required, fit for a file name, and not yet in use.
+void parse_item_name(const MapReader& map, ParseContext& context, std::string& name);
+std::optional<Name> parse_name(const Cursor& cursor);
+std::vector<Name> parse_names(const Cursor& cursor);
+/// A list of the words `formats`, at least one.
+std::vector<TableFormat> parse_output(const Cursor& cursor,
+                                      std::initializer_list<Choice<TableFormat>> formats);
+
+FrameOfReference parse_frame_of_reference(const Cursor& cursor);
+PointSource parse_points(const Cursor& cursor, const ParseContext& context,
+                         const FrameOfReference& frame);
+
+Probe parse_probe(const Cursor& cursor, ParseContext& context);
+Tracer parse_tracer(const Cursor& cursor, ParseContext& context);
+Frame parse_frame(const Cursor& cursor, ParseContext& context);
+
+Color parse_color(const Cursor& cursor, const Color& fallback);
+Camera parse_camera(const Cursor& cursor);
+Volume parse_volume(const Cursor& cursor, const ParseContext& context);
+std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseContext& context);
+
+/// An effect's name, and whether this version has it.
+template <class T>
+struct EffectChoice {
+  const char* name;
+  std::optional<T> effect;
+};
+
+/// A list of effects, each a name or a map of a name and its options. Notes unknown and repeated
+/// ones and those that this version does not have.
+template <class T>
+std::vector<T> parse_effects(const Cursor& cursor, const std::vector<EffectChoice<T>>& known) {
+  std::vector<T> effects;
+  std::set<std::string> seen;
+  std::vector<std::string> names;
+  for (const auto& one : known) {
+    names.emplace_back(one.name);
+  }
+  const auto items = cursor.items();
+  for (const Cursor& item : items ? *items : std::vector<Cursor>{}) {
+    const bool with_options = item.is_map() && item.node().entries.size() == 1;
+    const std::string name = with_options     ? item.node().entries[0].key
+                             : item.is_text() ? item.node().text
+                                              : std::string();
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (name.empty()) {
+      item.expected("an effect's name, or a map of one name and its options");
+    } else if (found == names.end()) {
+      std::string all;
+      for (const std::string& one : names) {
+        all += (all.empty() ? "" : ", ") + one;
+      }
+      item.fail("effect " + quote(name) + " is unknown" + core::did_you_mean(name, names) +
+                " (effects: " + all + ")");
+    } else if (!known[static_cast<std::size_t>(found - names.begin())].effect) {
+      item.fail("effect '" + name + "' is not available in this version");
+    } else if (!seen.insert(name).second) {
+      item.fail("effect '" + name + "' is given twice");
+    } else if (with_options) {
+      item.fail("effect '" + name + "' has no options");
+    } else {
+      effects.push_back(*known[static_cast<std::size_t>(found - names.begin())].effect);
+    }
+  }
+  return effects;
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,179 @@
+#include "scene/probe_action.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/timer.h"
+#include "output/atomic_file.h"
+
+namespace insitu::scene {
+
+/// What a probe found, row by row.
+struct ProbeAction::Answers {
+  std::vector<query::Location> locations;
+  std::vector<mesh::FieldView> fields;
+  std::vector<std::string> columns; ///< of the values
+  std::vector<double> values;       ///< [point][column], NaN outside
+};
+
+ProbeAction::ProbeAction(const Probe& probe, const Environment& environment)
+    : probe_(probe), environment_(environment) {}
+
+ProbeAction::Answers ProbeAction::sample(const query::CommittedMesh& mesh,
+                                         std::span<const mesh::FieldView> fields) {
+  const core::Timer timer;
+  Answers a;
+  a.fields.assign(fields.begin(), fields.end());
+  for (const mesh::FieldView& f : fields)
+    for (std::string& column : component_names(f))
+      a.columns.push_back(std::move(column));
+  const std::vector<math::Vec3d>& points = points_->mesh_points;
+  const std::size_t n = points.size(), width = a.columns.size();
+  a.locations.resize(n);
+  a.values.assign(n * width, std::numeric_limits<double>::quiet_NaN());
+  const query::Sampler sampler = mesh.sampler();
+  query::LocateOptions options;
+  options.accuracy = to_api(probe_.accuracy);
+  sampler.locate(environment_.context.threads, points, a.locations, options);
+  environment_.context.threads.parallel_for(
+      std::int64_t(n), 1024, [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = std::size_t(begin); i < std::size_t(end); ++i)
+          if (a.locations[i])
+            sampler.interpolate(a.fields, a.locations[i], a.values.data() + i * width);
+      });
+  Statistics& s = environment_.statistics;
+  s.points_located += std::int64_t(n);
+  s.points_outside += std::count_if(a.locations.begin(), a.locations.end(),
+                                    [](const query::Location& l) { return !l; });
+  s.query_s += timer.seconds();
+  return a;
+}
+
+void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due) {
+  if (!due)
+    return;
+  if (!points_)
+    points_ = resolve_points(probe_.points, probe_.frame, mesh, environment_.scene_file);
+  std::vector<mesh::FieldView> fields;
+  if (probe_.fields.empty())
+    for (const std::string& name : mesh.mesh().field_names())
+      fields.push_back(mesh.mesh().field(name));
+  for (const Name& name : probe_.fields)
+    fields.push_back(find_field(mesh, name, environment_.scene_file));
+  const Answers answers = sample(mesh, fields);
+  const core::Timer timer;
+  for (const TableFormat format : probe_.output)
+    switch (format) {
+    case TableFormat::csv: write_table(mesh, step, answers); break;
+    case TableFormat::vtp: write_vtp(step, answers); break;
+    case TableFormat::json: write_json(step, answers); break;
+    }
+  environment_.statistics.output_s += timer.seconds();
+}
+
+void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step,
+                              const Answers& answers) {
+  const mesh::MeshView& view = mesh.mesh().view();
+  const bool pieces = view.piece_count > 1, names = !points_->names.empty();
+  if (!table_) {
+    std::vector<std::string> columns{"cycle", "time", "point"};
+    if (names)
+      columns.push_back("name");
+    columns.push_back("cell");
+    if (pieces)
+      columns.push_back("piece");
+    columns.insert(columns.end(), {"r", "s", "t"});
+    columns.insert(columns.end(), answers.columns.begin(), answers.columns.end());
+    table_ = std::make_unique<output::AppendTable>(
+        environment_.output + "/" + probe_.name + ".csv", std::move(columns));
+    ++environment_.statistics.files;
+  }
+  output::CsvRows& rows = table_->rows();
+  const std::size_t width = answers.columns.size();
+  for (std::size_t i = 0; i < answers.locations.size(); ++i) {
+    const query::Location& at = answers.locations[i];
+    rows.cell(step.cycle).cell(step.time).cell(std::int64_t(i));
+    if (names)
+      rows.cell(points_->names[i]);
+    const std::int32_t piece = at ? view.piece_of(at.cell) : -1;
+    rows.cell(at ? at.cell - view.first_cell[piece] : std::int64_t(-1));
+    if (pieces)
+      rows.cell(int(piece));
+    for (int c = 0; c < 3; ++c)
+      rows.cell(at ? at.parametric[c] : std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t c = 0; c < width; ++c)
+      rows.cell(answers.values[i * width + c]);
+    rows.end_row();
+  }
+  table_->flush();
+  environment_.statistics.probe_rows += std::int64_t(answers.locations.size());
+}
+
+void ProbeAction::write_vtp(const Step& step, const Answers& answers) {
+  const std::size_t n = answers.locations.size(), width = answers.columns.size();
+  std::vector<std::int64_t> cells(n);
+  for (std::size_t i = 0; i < n; ++i)
+    cells[i] = answers.locations[i].cell;
+  std::vector<std::vector<double>> columns(width, std::vector<double>(n));
+  for (std::size_t c = 0; c < width; ++c)
+    for (std::size_t i = 0; i < n; ++i)
+      columns[c][i] = answers.values[i * width + c];
+  output::VtkPolyData data;
+  data.points = output::vtk_array(
+      "points", std::span(&points_->mesh_points.data()->x, 3 * n), 3);
+  data.point_data.push_back(output::vtk_array("cell", std::span<const std::int64_t>(cells)));
+  for (std::size_t c = 0; c < width; ++c)
+    data.point_data.push_back(
+        output::vtk_array(answers.columns[c], std::span<const double>(columns[c])));
+  data.has_time = true;
+  data.time = step.time;
+  const std::string path = cycle_path(environment_, probe_.name, step.cycle, ".vtp");
+  output::write_vtp(path, data);
+  if (!series_)
+    series_ = std::make_unique<output::PvdSeries>(environment_.output + "/" + probe_.name + ".pvd");
+  series_->add(step.time, path.substr(environment_.output.size() + 1));
+  ++environment_.statistics.files;
+}
+
+void ProbeAction::write_json(const Step& step, const Answers& answers) {
+  // Numbers as in CSV; what CSV leaves empty and what JSON cannot say is null.
+  const auto number = [](double v) {
+    std::string text;
+    if (std::isfinite(v))
+      output::append_number(text, v);
+    return text.empty() ? std::string("null") : text;
+  };
+  const std::size_t width = answers.columns.size();
+  std::string text = "{\"cycle\": " + std::to_string(step.cycle) +
+                     ", \"time\": " + number(step.time) + ", \"columns\": [\"cell\"";
+  for (const std::string& c : answers.columns) {
+    text += ", \"";
+    for (const char ch : c) { // field names are the solver's: anything may stand in them
+      if (ch == '"' || ch == '\\')
+        text += '\\';
+      text += static_cast<unsigned char>(ch) < 0x20 ? ' ' : ch;
+    }
+    text += '"';
+  }
+  text += "], \"points\": [";
+  for (std::size_t i = 0; i < answers.locations.size(); ++i) {
+    text += (i ? ",\n  [" : "\n  [") + std::to_string(answers.locations[i].cell);
+    for (std::size_t c = 0; c < width; ++c)
+      text += ", " + number(answers.values[i * width + c]);
+    text += "]";
+  }
+  text += "\n]}\n";
+  output::AtomicFile file(cycle_path(environment_, probe_.name, step.cycle, ".json"));
+  file.write(text);
+  file.commit();
+  ++environment_.statistics.files;
+}
+
+void ProbeAction::finish() {
+  if (table_)
+    table_->flush();
+  table_.reset();
+}
+
+} // namespace insitu::scene

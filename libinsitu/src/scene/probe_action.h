@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "output/csv.h"
+#include "output/xml_vtk.h"
+#include "scene/action.h"
+
+namespace insitu::scene {
+
+/// Samples fields at fixed points whenever due. CSV: one table that grows, with the columns
+/// cycle, time, point, [name,] cell, [piece,] r, s, t, fields; cell is -1 and the values are empty
+/// outside. name stands where the points have names, piece where the mesh has several.
+class ProbeAction final : public Action {
+public:
+  ProbeAction(const Probe& probe, const Environment& environment);
+
+  const char* kind() const override { return "probe"; }
+  const std::string& name() const override { return probe_.name; }
+  const Trigger& trigger() const override { return probe_.trigger; }
+  const Name& mesh_name() const override { return probe_.mesh; }
+  void execute(query::CommittedMesh& mesh, const Step& step, bool due) override;
+  void finish() override;
+
+private:
+  struct Answers;
+  Answers sample(const query::CommittedMesh& mesh, std::span<const mesh::FieldView> fields);
+  void write_table(const query::CommittedMesh& mesh, const Step& step, const Answers& answers);
+  void write_vtp(const Step& step, const Answers& answers);
+  void write_json(const Step& step, const Answers& answers);
+
+  Probe probe_;
+  Environment environment_;
+  std::optional<ScenePoints> points_;
+  std::unique_ptr<output::AppendTable> table_;
+  std::unique_ptr<output::PvdSeries> series_;
+};
+
+} // namespace insitu::scene

@@ -1,0 +1,122 @@
+#include "scene/runner.h"
+
+#include <algorithm>
+
+#include "core/status.h"
+#include "scene/frame_action.h"
+#include "scene/probe_action.h"
+#include "scene/tracer_action.h"
+
+namespace insitu::scene {
+
+namespace {
+
+accel::Builder builder_of(const SceneDescription& scene) {
+  switch (scene.locator.builder) {
+  case LocatorBuilder::morton: return accel::Builder::morton;
+  case LocatorBuilder::surface_area: return accel::Builder::surface_area;
+  case LocatorBuilder::automatic: break;
+  }
+  return accel::Builder::automatic;
+}
+
+} // namespace
+
+Runner::Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
+               Statistics& statistics)
+    : environment_{context, statistics, scene.file, output.empty() ? scene.output : output},
+      builder_(builder_of(scene)) {
+  if (scene.locator.method != LocatorMethod::automatic &&
+      scene.locator.method != LocatorMethod::bvh)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      scene.file + ":" + std::to_string(scene.locator.line) + ": locator method '" +
+                          locator_method_name(scene.locator.method) +
+                          "' is not in this version; bvh is");
+  for (const Probe& p : scene.probes)
+    actions_.push_back(std::make_unique<ProbeAction>(p, environment_));
+  for (const Tracer& t : scene.tracers)
+    actions_.push_back(make_tracer_action(t, environment_));
+  for (const Frame& f : scene.frames)
+    actions_.push_back(make_frame_action(f, environment_));
+}
+
+Runner::~Runner() = default;
+
+bool Runner::is_due(const Action& action, const query::CommittedMesh& mesh,
+                    const Step& step) const {
+  return action.trigger().due(
+      step.cycle, step.time, [&](Reduction reduction, const std::string& field) {
+        return reduce_field(mesh, find_field(mesh, {field, action.trigger().line},
+                                             environment_.scene_file),
+                            reduction, environment_.context.threads);
+      });
+}
+
+std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
+  const Step step{meshes, cycle, time, !executed_, earlier_time_};
+  std::string failures;
+  for (const auto& action : actions_) {
+    try {
+      query::CommittedMesh& mesh = find_mesh(meshes, action->mesh_name(), environment_.scene_file);
+      action->execute(mesh, step, is_due(*action, mesh, step));
+    } catch (const std::exception& e) {
+      const std::string what =
+          std::string(action->kind()) + " '" + action->name() + "': " + e.what();
+      failures += (failures.empty() ? "" : "\n") + what;
+      ++environment_.statistics.failures;
+      if (std::find(reported_.begin(), reported_.end(), what) == reported_.end()) {
+        environment_.context.log.error("cycle " + std::to_string(cycle) + ": " + what +
+                                       " (skipped)");
+        reported_.push_back(what);
+      }
+    }
+  }
+  keep_earlier(meshes);
+  executed_ = true;
+  earlier_time_ = time;
+  return failures;
+}
+
+/// Copies what pathlines will need of this step, and only then.
+void Runner::keep_earlier(MeshList meshes) {
+  for (query::CommittedMesh* mesh : meshes) {
+    std::vector<std::string> names;
+    for (const auto& action : actions_) {
+      const auto* tracer = dynamic_cast<const TracerAction*>(action.get());
+      if (!tracer)
+        continue;
+      const std::string name = tracer->needs_earlier();
+      const Name& of = tracer->mesh_name();
+      const bool here = of.empty() ? mesh == meshes.front() : of.text == mesh->mesh().name();
+      if (here && !name.empty() && mesh->mesh().has_field(name) &&
+          std::find(names.begin(), names.end(), name) == names.end())
+        names.push_back(name);
+    }
+    if (names.empty())
+      mesh->mesh().release_earlier();
+    else
+      mesh->mesh().keep_earlier(names, environment_.context.threads);
+  }
+}
+
+std::string Runner::finish() {
+  std::string failures;
+  for (const auto& action : actions_) {
+    try {
+      action->finish();
+    } catch (const std::exception& e) {
+      failures += std::string(action->kind()) + " '" + action->name() + "': " + e.what() + "\n";
+    }
+  }
+  return failures;
+}
+
+advect::Counts Runner::particle_counts() const {
+  advect::Counts sum;
+  for (const auto& action : actions_)
+    if (const auto* tracer = dynamic_cast<const TracerAction*>(action.get()))
+      sum += tracer->counts();
+  return sum;
+}
+
+} // namespace insitu::scene

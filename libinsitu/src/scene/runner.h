@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "advect/particles.h"
+#include "scene/action.h"
+
+namespace insitu::scene {
+
+/// Executes a scene, cycle by cycle. Holds the tracers' particles and the open tables.
+class Runner {
+public:
+  /// output: overrides the scene's folder if not empty. Throws core::Error for what this build lacks.
+  Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
+         Statistics& statistics);
+  ~Runner();
+
+  /// Does what is due. The meshes are committed. Failures are logged, counted and skipped; the
+  /// returned text holds one line each, empty if all went well.
+  std::string execute(MeshList meshes, std::int64_t cycle, double time);
+
+  /// Ends tracers and closes tables. Returns failures like execute().
+  std::string finish();
+
+  /// Particles of all tracers.
+  advect::Counts particle_counts() const;
+
+  accel::Builder builder() const { return builder_; }
+  const std::string& output() const { return environment_.output; }
+
+private:
+  bool is_due(const Action& action, const query::CommittedMesh& mesh, const Step& step) const;
+  void keep_earlier(MeshList meshes);
+
+  Environment environment_;
+  accel::Builder builder_;
+  std::vector<std::unique_ptr<Action>> actions_;
+  std::vector<std::string> reported_; ///< failures logged already, so that a log is not flooded
+  bool executed_ = false;
+  double earlier_time_ = 0.0;
+};
+
+} // namespace insitu::scene

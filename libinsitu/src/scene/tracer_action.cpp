@@ -1,0 +1,71 @@
+#include "scene/tracer_action.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace insitu::scene {
+
+TracerAction::TracerAction(const Tracer& tracer, const Environment& environment)
+    : tracer_(tracer), environment_(environment) {}
+
+bool TracerAction::writes(TableFormat format) const {
+  return std::find(tracer_.output.begin(), tracer_.output.end(), format) != tracer_.output.end();
+}
+
+advect::IntegratorSettings TracerAction::integrator() const {
+  const IntegratorOptions& from = tracer_.integrator;
+  advect::IntegratorSettings to;
+  to.method = from.method == IntegrationMethod::rk4 ? advect::Method::rk4 : advect::Method::dopri5;
+  to.step = from.step.value_or(0.0);
+  to.tolerance = from.tolerance;
+  to.min_step = from.min_step.value_or(0.0);
+  to.max_step = from.max_step.value_or(0.0);
+  to.max_steps = from.max_steps;
+  return to;
+}
+
+const std::vector<math::Vec3d>& TracerAction::seeds(const query::CommittedMesh& mesh) {
+  if (!seeds_)
+    seeds_ = resolve_points(tracer_.seeds, tracer_.frame, mesh, environment_.scene_file).mesh_points;
+  return *seeds_;
+}
+
+std::vector<mesh::FieldView> TracerAction::fields(const query::CommittedMesh& mesh) const {
+  std::vector<mesh::FieldView> out;
+  for (const Name& name : tracer_.fields)
+    out.push_back(find_field(mesh, name, environment_.scene_file));
+  return out;
+}
+
+std::vector<std::string>
+TracerAction::field_columns(std::span<const mesh::FieldView> fields) const {
+  std::vector<std::string> columns;
+  for (const mesh::FieldView& f : fields)
+    for (std::string& c : component_names(f))
+      columns.push_back(std::move(c));
+  return columns;
+}
+
+std::vector<double> TracerAction::sample(const query::CommittedMesh& mesh,
+                                         std::span<const mesh::FieldView> fields,
+                                         std::span<const math::Vec3d> points,
+                                         std::span<const std::int64_t> cells) const {
+  std::size_t width = 0;
+  for (const mesh::FieldView& f : fields)
+    width += std::size_t(f.components);
+  std::vector<double> values(points.size() * width, std::numeric_limits<double>::quiet_NaN());
+  if (width == 0)
+    return values;
+  const query::Sampler sampler = mesh.sampler();
+  query::LocateOptions options;
+  options.accuracy = to_api(tracer_.accuracy);
+  environment_.context.threads.parallel_for(
+      std::int64_t(points.size()), 512, [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = std::size_t(begin); i < std::size_t(end); ++i)
+          if (const query::Location at = sampler.locate(points[i], cells[i], options))
+            sampler.interpolate(fields, at, values.data() + i * width);
+      });
+  return values;
+}
+
+} // namespace insitu::scene

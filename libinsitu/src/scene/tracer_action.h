@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "advect/pathlines.h"
+#include "advect/streamlines.h"
+#include "advect/tracks.h"
+#include "output/csv.h"
+#include "output/xml_vtk.h"
+#include "scene/action.h"
+
+namespace insitu::scene {
+
+/// A tracer of a scene. Path- and streaklines move at every cycle and write when due; streamlines are
+/// traced when due.
+///
+/// CSV of path- and streaklines: one table that grows, with cycle, time, particle, x, y, z, cell,
+/// ending, fields; a row for each living particle when due, and one for each that has ended since.
+/// CSV of streamlines: a table a cycle, with line, vertex, s, x, y, z, cell, ending, fields.
+class TracerAction : public Action {
+public:
+  TracerAction(const Tracer& tracer, const Environment& environment);
+
+  const char* kind() const override { return "tracer"; }
+  const std::string& name() const override { return tracer_.name; }
+  const Trigger& trigger() const override { return tracer_.trigger; }
+  const Name& mesh_name() const override { return tracer_.mesh; }
+
+  virtual advect::Counts counts() const = 0;
+  /// The velocity field whose earlier step is needed at the next cycle; empty if none is.
+  virtual std::string needs_earlier() const { return {}; }
+
+protected:
+  bool writes(TableFormat format) const;
+  advect::IntegratorSettings integrator() const;
+  const std::vector<math::Vec3d>& seeds(const query::CommittedMesh& mesh);
+  std::vector<mesh::FieldView> fields(const query::CommittedMesh& mesh) const;
+  std::vector<std::string> field_columns(std::span<const mesh::FieldView> fields) const;
+  /// The fields' values at points whose cells are known (or -1), [point][column], NaN outside.
+  std::vector<double> sample(const query::CommittedMesh& mesh,
+                             std::span<const mesh::FieldView> fields,
+                             std::span<const math::Vec3d> points,
+                             std::span<const std::int64_t> cells) const;
+
+  Tracer tracer_;
+  Environment environment_;
+
+private:
+  std::optional<std::vector<math::Vec3d>> seeds_;
+};
+
+std::unique_ptr<TracerAction> make_tracer_action(const Tracer& tracer,
+                                                 const Environment& environment);
+
+} // namespace insitu::scene

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Sets up, builds and runs the whole test suite on a bare Debian 12.
+#   bash tests/run.sh [--no-install] [--preset release|debug|asan|tsan] [ctest options]
+set -euo pipefail
+source "$(dirname "$0")/../cmake/setup.sh"
+
+preset=release
+no_install=0
+arguments=()
+while [ $# -gt 0 ]; do
+  case $1 in
+    --help|-h) sed -n '2,3s/^# //p' "$0"; exit 0 ;;
+    --no-install) no_install=1 ;;
+    --preset) preset=$2; shift ;;
+    *) arguments+=("$1") ;;
+  esac
+  shift
+done
+
+say "libinsitu: set-up, build and tests"
+ensure_packages "${packages[@]}" "${test_packages[@]}"
+configure_and_build "$preset" -DINSITU_BUILD_TESTS=ON --
+say "  tests (log: build/$preset/Testing/Temporary/LastTest.log)"
+cd "$project"
+status=0
+ctest --preset "$preset" --parallel "$(nproc)" "${arguments[@]}" || status=$?
+say "written: build/$preset (programs in bin, test log in Testing/Temporary/LastTest.log)"
+exit "$status"

@@ -1,0 +1,78 @@
+// SCENE.md is the reference of the keys: it must have a row for each key that the reader knows, and
+// no other.
+#include <algorithm>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "scene_test.h"
+
+using namespace insitu::scene;
+
+namespace {
+
+/// The keys in the first column of each section's table.
+std::map<std::string, std::set<std::string>> documented() {
+  std::ifstream file(INSITU_SCENE_REFERENCE);
+  std::map<std::string, std::set<std::string>> keys;
+  std::string line, section;
+  while (std::getline(file, line)) {
+    if (line.rfind("## ", 0) == 0) {
+      section = line.substr(3);
+    } else if (line.rfind("| `", 0) == 0) {
+      keys[section].insert(line.substr(3, line.find('`', 3) - 3));
+    }
+  }
+  return keys;
+}
+
+/// The keys that the reader lists when it finds one that it does not know.
+std::set<std::string> known(const std::string& scene) {
+  const std::string message = test::error_of(scene);
+  const std::size_t begin = message.find("(keys: ");
+  std::set<std::string> keys;
+  if (begin == std::string::npos) {
+    return keys;
+  }
+  std::istringstream list(message.substr(begin + 7, message.find(')', begin) - begin - 7));
+  for (std::string key; std::getline(list >> std::ws, key, ',');) {
+    keys.insert(key);
+  }
+  return keys;
+}
+
+} // namespace
+
+TEST(SceneReference, HasEveryKeyOfEverySection) {
+  const std::map<std::string, std::string> scenes = {
+      {"The scene", "zzz: 1"},
+      {"locator", "locator: {zzz: 1}"},
+      {"probes", "probes: [{zzz: 1}]"},
+      {"Points and seeds", "probes: [{points: {zzz: 1}}]"},
+      {"line, transect", "probes: [{points: {line: {zzz: 1}}}]"},
+      {"plane", "probes: [{points: {plane: {zzz: 1}}}]"},
+      {"grid, box", "probes: [{points: {grid: {zzz: 1}}}]"},
+      {"sphere", "probes: [{points: {sphere: {zzz: 1}}}]"},
+      {"frame", "probes: [{frame: {zzz: 1}}]"},
+      {"tracers", "tracers: [{zzz: 1}]"},
+      {"integrator", "tracers: [{integrator: {zzz: 1}}]"},
+      {"until", "tracers: [{until: {zzz: 1}}]"},
+      {"frames", "frames: [{zzz: 1}]"},
+      {"camera", "frames: [{camera: {zzz: 1}}]"},
+      {"orbit", "frames: [{camera: {orbit: {zzz: 1}}}]"},
+      {"volume", "frames: [{volume: {zzz: 1}}]"},
+      {"isosurfaces", "frames: [{isosurfaces: [{zzz: 1}]}]"},
+      {"color", "frames: [{isosurfaces: [{color: {zzz: 1}}]}]"}};
+  const auto sections = documented();
+  for (const auto& [section, scene] : scenes) {
+    const auto found = sections.find(section);
+    ASSERT_NE(found, sections.end()) << section;
+    const auto expected = known(scene);
+    EXPECT_FALSE(expected.empty()) << section;
+    EXPECT_EQ(found->second, expected) << section;
+  }
+  EXPECT_EQ(sections.size(), scenes.size());
+}

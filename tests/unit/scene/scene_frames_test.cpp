@@ -1,0 +1,268 @@
+// Every key of frames: its value read, its default, its errors.
+#include <gtest/gtest.h>
+
+#include "scene_test.h"
+
+using namespace insitu;
+using namespace insitu::scene;
+using test::error_of;
+using test::parse;
+
+namespace {
+
+Frame frame(const std::string& keys) {
+  return parse(test::frame(keys)).frames[0];
+}
+Volume volume(const std::string& keys) {
+  return *parse("frames: [{name: f, volume: {field: rho, " + keys + "}}]").frames[0].volume;
+}
+Isosurface isosurface(const std::string& keys) {
+  return parse("frames: [{name: f, isosurfaces: [{field: p, values: [1], " + keys + "}]}]")
+      .frames[0]
+      .isosurfaces[0];
+}
+std::string frame_error(const std::string& keys) {
+  return error_of(test::frame(keys));
+}
+std::string volume_error(const std::string& keys) {
+  return error_of("frames: [{name: f, volume: {field: rho, " + keys + "}}]");
+}
+std::string isosurface_error(const std::string& keys) {
+  return error_of("frames: [{name: f, isosurfaces: [{field: p, " + keys + "}]}]");
+}
+
+} // namespace
+
+TEST(SceneFrames, Defaults) {
+  const Frame f = parse("frames: [{name: f, volume: {field: rho}}]").frames[0];
+  EXPECT_EQ(f.name, "f");
+  EXPECT_EQ(f.line, 2);
+  EXPECT_TRUE(f.mesh.empty());
+  EXPECT_EQ(f.size, (std::array<int, 2>{1024, 1024}));
+  EXPECT_EQ(f.background, (Color{1, 1, 1}));
+  EXPECT_FALSE(f.scalar_bar || f.time_label);
+  EXPECT_TRUE(f.effects.empty() && f.isosurfaces.empty());
+  EXPECT_EQ(f.accuracy, Accuracy::standard);
+  EXPECT_EQ(f.step, 1);
+  EXPECT_EQ(f.camera.azimuth, 30);
+  EXPECT_EQ(f.camera.elevation, 20);
+  EXPECT_EQ(f.camera.zoom, 1);
+  EXPECT_EQ(f.camera.fov, 30);
+  EXPECT_EQ(f.camera.up, (math::Vec3d{0, 0, 1}));
+  EXPECT_FALSE(f.camera.position || f.camera.look_at);
+  EXPECT_EQ(f.camera.orbit_azimuth_per_frame, 0);
+  EXPECT_EQ(f.volume->field.text, "rho");
+  EXPECT_TRUE(f.volume->component.magnitude());
+  EXPECT_EQ(f.volume->colors.name, "viridis");
+  EXPECT_EQ(f.volume->colors.path, "");
+  EXPECT_FALSE(f.volume->range || f.volume->unit_distance);
+  EXPECT_TRUE(f.volume->opacity.empty());
+}
+
+TEST(SceneFrames, Keys) {
+  const Frame f = frame(
+      "mesh: m, size: [1, 16384], background: [0, 0.5, 1], scalar_bar: true, time_label: True, "
+      "effects: [lighting], accuracy: fast, step: 0.5");
+  EXPECT_EQ(f.mesh.text, "m");
+  EXPECT_EQ(f.size, (std::array<int, 2>{1, 16384}));
+  EXPECT_EQ(f.background, (Color{0, 0.5, 1}));
+  EXPECT_TRUE(f.scalar_bar && f.time_label);
+  EXPECT_EQ(f.effects, std::vector<FrameEffect>{FrameEffect::lighting});
+  EXPECT_EQ(f.accuracy, Accuracy::fast);
+  EXPECT_EQ(f.step, 0.5);
+  EXPECT_EQ(frame("background: '#ff8000'").background, (Color{1, 128 / 255.0, 0}));
+  EXPECT_EQ(frame("background: black").background, (Color{0, 0, 0}));
+}
+
+TEST(SceneFrames, Cameras) {
+  const Camera turned =
+      frame("camera: {azimuth: -45, elevation: 90, zoom: 2, fov: 60, up: [0, 2, 0], "
+            "orbit: {azimuth_per_frame: 1.5}}")
+          .camera;
+  EXPECT_EQ(turned.azimuth, -45);
+  EXPECT_EQ(turned.elevation, 90);
+  EXPECT_EQ(turned.zoom, 2);
+  EXPECT_EQ(turned.fov, 60);
+  EXPECT_EQ(turned.up, (math::Vec3d{0, 2, 0}));
+  EXPECT_EQ(turned.orbit_azimuth_per_frame, 1.5);
+  const Camera placed = frame("camera: {position: [1, 2, 3], look_at: [4, 5, 7]}").camera;
+  EXPECT_EQ(placed.position, (math::Vec3d{1, 2, 3}));
+  EXPECT_EQ(placed.look_at, (math::Vec3d{4, 5, 7}));
+  EXPECT_FALSE(frame("camera: auto").camera.position);
+}
+
+TEST(SceneFrames, CameraErrors) {
+  EXPECT_EQ(frame_error("camera: {azimut: 3}"),
+            "s.yaml:2: key 'azimut' is unknown in frames[0].camera; did you mean 'azimuth'? (keys: "
+            "azimuth, "
+            "elevation, zoom, position, look_at, up, fov, orbit)");
+  EXPECT_EQ(frame_error("camera: {elevation: 91}"),
+            "s.yaml:2: frames[0].camera.elevation: a number from -90 to 90 expected, '91' found");
+  EXPECT_EQ(frame_error("camera: {azimuth: 361}"),
+            "s.yaml:2: frames[0].camera.azimuth: a number from -360 to 360 expected, '361' found");
+  EXPECT_NE(frame_error("camera: {fov: 0}").find("a number above 0 and up to 170 expected"),
+            std::string::npos);
+  EXPECT_NE(frame_error("camera: {zoom: 0}").find("frames[0].camera.zoom"), std::string::npos);
+  EXPECT_EQ(frame_error("camera: {position: [0, 0, 1], zoom: 2}"),
+            "s.yaml:2: frames[0].camera.zoom: a camera has either a position or azimuth, elevation "
+            "and zoom");
+  EXPECT_NE(frame_error("camera: {look_at: [0, 0, 1]}").find("'look_at' needs a 'position'"),
+            std::string::npos);
+  EXPECT_NE(frame_error("camera: {up: [0, 0, 0]}").find("frames[0].camera.up"), std::string::npos);
+  EXPECT_NE(frame_error("camera: {position: [1, 1, 1], look_at: [1, 1, 1]}").find("the same point"),
+            std::string::npos);
+  EXPECT_NE(frame_error("camera: {position: [0, 0, 5], look_at: [0, 0, 0]}")
+                .find("'up' points along the view"),
+            std::string::npos);
+  EXPECT_NE(frame_error("camera: path.json").find("camera paths are not available in this version"),
+            std::string::npos);
+  EXPECT_NE(frame_error("camera: {orbit: {}}")
+                .find("key 'azimuth_per_frame' is missing in frames[0].camera.orbit"),
+            std::string::npos);
+}
+
+TEST(SceneFrames, Volumes) {
+  const Volume v =
+      volume("component: 2, colors: maps/blue.json, range: [-1, 6.5], opacity: [[0, 0], [1, 0.5], "
+             "[1, 1]], unit_distance: 0.25");
+  EXPECT_EQ(v.component.index, 2);
+  EXPECT_EQ(v.colors.name, "maps/blue.json");
+  EXPECT_EQ(v.colors.path, "/base/maps/blue.json");
+  EXPECT_EQ(v.colors.line, 2);
+  EXPECT_EQ(v.range->low, -1);
+  EXPECT_EQ(v.range->high, 6.5);
+  ASSERT_EQ(v.opacity.size(), 3u);
+  EXPECT_EQ(v.opacity[1].value, 1);
+  EXPECT_EQ(v.opacity[1].opacity, 0.5);
+  EXPECT_EQ(v.unit_distance, 0.25);
+  EXPECT_TRUE(volume("component: magnitude").component.magnitude());
+  EXPECT_FALSE(volume("range: auto").range);
+  EXPECT_EQ(volume("colors: plasma").colors.path, "");
+}
+
+TEST(SceneFrames, VolumeErrors) {
+  EXPECT_EQ(volume_error("opactiy: [[0, 0]]"),
+            "s.yaml:2: key 'opactiy' is unknown in frames[0].volume; did you mean 'opacity'? "
+            "(keys: field, "
+            "component, colors, range, opacity, unit_distance)");
+  EXPECT_EQ(error_of("frames: [{name: f, volume: {}}]"),
+            "s.yaml:2: key 'field' is missing in frames[0].volume");
+  EXPECT_EQ(volume_error("component: first"),
+            "s.yaml:2: frames[0].volume.component: magnitude or a component's number from 0 "
+            "expected, 'first' found");
+  EXPECT_NE(volume_error("component: -1").find("an integer from 0 to 1023"), std::string::npos);
+  EXPECT_NE(volume_error("range: [2, 2]").find("the first number must be below the second"),
+            std::string::npos);
+  EXPECT_NE(
+      volume_error("range: [1, 2, 3]").find("a list of 2 numbers expected, a list of 3 found"),
+      std::string::npos);
+  EXPECT_NE(volume_error("range: wide").find("auto or a list of 2 numbers expected, 'wide' found"),
+            std::string::npos);
+  EXPECT_EQ(volume_error("range: [0, .inf]"),
+            "s.yaml:2: frames[0].volume.range[1]: a finite number expected, '.inf' found");
+  EXPECT_NE(volume_error("opacity: []").find("at least one [value, opacity]"), std::string::npos);
+  EXPECT_NE(
+      volume_error("opacity: [[0, 2]]").find("frames[0].volume.opacity[0]: an opacity from 0 to 1"),
+      std::string::npos);
+  EXPECT_NE(
+      volume_error("opacity: [[1, 0], [0, 1]]").find("opacity[1]: the values must not decrease"),
+      std::string::npos);
+  EXPECT_NE(volume_error("unit_distance: 0").find("a number above 0 expected"), std::string::npos);
+  EXPECT_NE(error_of("frames: [{name: f, volume: density}]").find("a map of field, component"),
+            std::string::npos);
+}
+
+TEST(SceneFrames, Isosurfaces) {
+  const Isosurface plain = isosurface("component: magnitude");
+  EXPECT_EQ(plain.field.text, "p");
+  EXPECT_EQ(plain.values, std::vector<double>{1});
+  EXPECT_EQ(plain.opacity, 1);
+  EXPECT_EQ(std::get<Color>(plain.color), (Color{0.8, 0.8, 0.8}));
+  EXPECT_EQ(isosurface("opacity: 0.5").opacity, 0.5);
+  EXPECT_EQ(isosurface("component: 1").component.index, 1);
+  EXPECT_EQ(std::get<Color>(isosurface("color: red").color), (Color{1, 0, 0}));
+  const auto by = std::get<ColorBy>(
+      isosurface("color: {field: t, component: 0, colors: plasma, range: [0, 1]}").color);
+  EXPECT_EQ(by.field.text, "t");
+  EXPECT_EQ(by.component.index, 0);
+  EXPECT_EQ(by.colors.name, "plasma");
+  EXPECT_EQ(by.range->high, 1);
+}
+
+TEST(SceneFrames, IsosurfaceErrors) {
+  EXPECT_EQ(error_of("frames: [{name: f, isosurfaces: [{}]}]"),
+            "s.yaml:2: key 'field' is missing in frames[0].isosurfaces[0]\n"
+            "s.yaml:2: key 'values' is missing in frames[0].isosurfaces[0]");
+  EXPECT_NE(isosurface_error("values: []").find("a list of numbers expected, a list of 0 found"),
+            std::string::npos);
+  EXPECT_NE(isosurface_error("values: 0.5").find("a list of numbers expected, '0.5' found"),
+            std::string::npos);
+  EXPECT_NE(isosurface_error("values: [1], opacity: 1.5").find("a number from 0 to 1"),
+            std::string::npos);
+  EXPECT_NE(isosurface_error("values: [1], color: rde").find("'rde' is not a colour"),
+            std::string::npos);
+  EXPECT_NE(isosurface_error("values: [1], color: rde").find("did you mean 'red'?"),
+            std::string::npos);
+  EXPECT_NE(isosurface_error("values: [1], color: '#12345g'").find("'#12345g' is not a colour"),
+            std::string::npos);
+  EXPECT_NE(isosurface_error("values: [1], color: {colors: plasma}").find("key 'field' is missing"),
+            std::string::npos);
+  std::string many = "0";
+  for (int i = 1; i <= 256; ++i) {
+    many += ", " + std::to_string(i);
+  }
+  EXPECT_NE(isosurface_error("values: [" + many + "]").find("257 isovalues, more than 256"),
+            std::string::npos);
+}
+
+TEST(SceneFrames, Errors) {
+  EXPECT_EQ(frame_error("size: large"), "s.yaml:2: frames[0].size: a list expected, 'large' found");
+  EXPECT_EQ(frame_error("size: [1]"), "s.yaml:2: frames[0].size: a list of 2 integers, width and "
+                                      "height expected, a list of 1 found");
+  EXPECT_EQ(frame_error("size: [0, 16385]"),
+            "s.yaml:2: frames[0].size[0]: an integer from 1 to 16384 expected, '0' found\n"
+            "s.yaml:2: frames[0].size[1]: an integer from 1 to 16384 expected, '16385' found");
+  EXPECT_NE(frame_error("size: [1.5, 2]").find("'1.5' found"), std::string::npos);
+  EXPECT_NE(frame_error("size: ['8', 2]").find("the text '8' found"), std::string::npos);
+  EXPECT_NE(frame_error("background: [0, 0, 2]").find("background[2]: a number from 0 to 1"),
+            std::string::npos);
+  // What follows '#' is a comment to YAML.
+  EXPECT_NE(error_of("frames:\n- name: f\n  volume: {field: r}\n  background: #ff0000\n")
+                .find("within quotes"),
+            std::string::npos);
+  EXPECT_NE(frame_error("scalar_bar: yes").find("true or false expected, 'yes' found"),
+            std::string::npos);
+  EXPECT_NE(frame_error("time_label: 1").find("true or false expected, '1' found"),
+            std::string::npos);
+  EXPECT_NE(frame_error("step: 0").find("frames[0].step: a number from 0.01 to 100 expected"),
+            std::string::npos);
+  EXPECT_EQ(frame_error("accuracy: exat"), "s.yaml:2: frames[0].accuracy: 'exat' is not one of "
+                                           "fast, standard, exact; did you mean 'exact'?");
+  EXPECT_EQ(error_of("frames: [{name: f}]"),
+            "s.yaml:2: frames[0]: the frame draws nothing; give it a 'volume' or 'isosurfaces'");
+  EXPECT_NE(error_of("frames: [{name: f, isosurfaces: []}]").find("draws nothing"),
+            std::string::npos);
+  EXPECT_NE(
+      frame_error("iso: 1").find("key 'iso' is unknown in frames[0]; did you mean 'isosurfaces'?"),
+      std::string::npos);
+}
+
+TEST(SceneFrames, Effects) {
+  for (const char* name :
+       {"shadows", "ambient_occlusion", "single_scattering", "multiple_scattering"}) {
+    EXPECT_EQ(frame_error("\n effects: [" + std::string(name) + "]"),
+              "s.yaml:3: frames[0].effects[0]: effect '" + std::string(name) +
+                  "' is not available in this version");
+  }
+  EXPECT_EQ(frame_error("effects: [lightning]"),
+            "s.yaml:2: frames[0].effects[0]: effect 'lightning' is unknown; did you mean "
+            "'lighting'? (effects: "
+            "lighting, shadows, ambient_occlusion, single_scattering, multiple_scattering)");
+  EXPECT_NE(frame_error("effects: [lighting, lighting]")
+                .find("effects[1]: effect 'lighting' is given twice"),
+            std::string::npos);
+  EXPECT_NE(frame_error("effects: [{lighting: 3}]").find("effect 'lighting' has no options"),
+            std::string::npos);
+  EXPECT_NE(frame_error("effects: [[1]]").find("an effect's name"), std::string::npos);
+  EXPECT_NE(frame_error("effects: lighting").find("a list expected"), std::string::npos);
+}

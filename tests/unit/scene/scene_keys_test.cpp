@@ -1,0 +1,246 @@
+// Every key outside frames: its value read, and its default where it is absent.
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+
+#include "scene_test.h"
+
+using namespace insitu;
+using namespace insitu::scene;
+using test::parse;
+
+TEST(SceneKeys, EmptySceneHasDefaults) {
+  const SceneDescription scene = parse("");
+  EXPECT_EQ(scene.file, "s.yaml");
+  EXPECT_EQ(scene.output, "out");
+  EXPECT_EQ(scene.locator.method, LocatorMethod::automatic);
+  EXPECT_EQ(scene.locator.builder, LocatorBuilder::automatic);
+  EXPECT_EQ(scene.trigger.every, 1);
+  EXPECT_FALSE(scene.trigger.when);
+  EXPECT_TRUE(scene.probes.empty() && scene.tracers.empty() && scene.frames.empty());
+}
+
+TEST(SceneKeys, Top) {
+  const SceneDescription scene = parse("output: results/run 7\nevery: 10\nwhen: max(p) > 2\n");
+  EXPECT_EQ(scene.output, "results/run 7");
+  EXPECT_EQ(scene.trigger.every, 10);
+  ASSERT_TRUE(scene.trigger.when);
+  EXPECT_EQ(scene.trigger.when->text(), "max(p) > 2");
+  EXPECT_EQ(scene.trigger.line, 4);
+}
+
+TEST(SceneKeys, LocatorMethodsAndBuilders) {
+  for (const auto method : {LocatorMethod::automatic, LocatorMethod::bvh,
+                            LocatorMethod::user_geometry, LocatorMethod::replicated_faces,
+                            LocatorMethod::shared_faces, LocatorMethod::shared_bilinear_faces}) {
+    const auto scene = parse("locator: {method: " + std::string(locator_method_name(method)) + "}");
+    EXPECT_EQ(scene.locator.method, method);
+    EXPECT_EQ(scene.locator.line, 2);
+  }
+  for (const auto builder :
+       {LocatorBuilder::automatic, LocatorBuilder::morton, LocatorBuilder::surface_area}) {
+    EXPECT_EQ(parse("locator: {builder: " + std::string(locator_builder_name(builder)) + "}")
+                  .locator.builder,
+              builder);
+  }
+}
+
+TEST(SceneKeys, ItemsInheritTheTriggerOrHaveTheirOwn) {
+  const auto scene =
+      parse("every: 10\nwhen: time > 1\n"
+            "probes: [{name: a, points: [[0, 0, 0]]}, {name: b, points: [[0, 0, 0]], every: 2}]\n"
+            "tracers: [{name: c, seeds: [[0, 0, 0]], velocity: u, when: cycle > 3}]\n"
+            "frames: [{name: d, volume: {field: r}, every: 5, when: time < 9}]\n");
+  EXPECT_EQ(scene.probes[0].trigger.every, 10);
+  EXPECT_EQ(scene.probes[0].trigger.when->text(), "time > 1");
+  EXPECT_EQ(scene.probes[1].trigger.every, 2);
+  EXPECT_FALSE(scene.probes[1].trigger.when);
+  EXPECT_EQ(scene.tracers[0].trigger.every, 1);
+  EXPECT_EQ(scene.tracers[0].trigger.when->text(), "cycle > 3");
+  EXPECT_EQ(scene.frames[0].trigger.every, 5);
+  EXPECT_EQ(scene.frames[0].trigger.when->text(), "time < 9");
+}
+
+TEST(SceneKeys, ProbeDefaults) {
+  const Probe probe = parse("probes:\n- name: gauges\n  points: gauges.csv\n").probes[0];
+  EXPECT_EQ(probe.name, "gauges");
+  EXPECT_TRUE(probe.mesh.empty());
+  EXPECT_EQ(std::get<PointFile>(probe.points).path, "/base/gauges.csv");
+  EXPECT_EQ(probe.points_line, 4);
+  EXPECT_EQ(probe.line, 3);
+  EXPECT_EQ(probe.frame.kind, FrameOfReference::Kind::mesh);
+  EXPECT_TRUE(probe.fields.empty());
+  EXPECT_EQ(probe.accuracy, Accuracy::exact);
+  EXPECT_EQ(probe.output, std::vector<TableFormat>{TableFormat::csv});
+}
+
+TEST(SceneKeys, ProbeKeys) {
+  const Probe probe =
+      parse(test::probe("mesh: ocean,\n fields: [p, u], accuracy: fast, output: [vtp, csv, json]"))
+          .probes[0];
+  EXPECT_EQ(probe.mesh.text, "ocean");
+  EXPECT_EQ(probe.mesh.line, 2);
+  ASSERT_EQ(probe.fields.size(), 2u);
+  EXPECT_EQ(probe.fields[1].text, "u");
+  EXPECT_EQ(probe.fields[1].line, 3);
+  EXPECT_EQ(probe.accuracy, Accuracy::fast);
+  const std::vector<TableFormat> formats{TableFormat::vtp, TableFormat::csv, TableFormat::json};
+  EXPECT_EQ(probe.output, formats);
+  EXPECT_EQ(parse(test::probe("accuracy: standard")).probes[0].accuracy, Accuracy::standard);
+}
+
+TEST(SceneKeys, PathsAreRelativeToTheScene) {
+  const auto path = [](const std::string& name) {
+    return std::get<PointFile>(parse("probes: [{name: p, points: " + name + "}]").probes[0].points)
+        .path;
+  };
+  EXPECT_EQ(path("a.csv"), "/base/a.csv");
+  EXPECT_EQ(path("../b/./a.csv"), "/b/a.csv");
+  EXPECT_EQ(path("/else/a.csv"), "/else/a.csv");
+}
+
+TEST(SceneKeys, PointSources) {
+  const auto points = [](const std::string& value) {
+    return parse("probes: [{name: p, points: " + value + "}]").probes[0].points;
+  };
+  const auto list = std::get<PointList>(points("[[0, 1, 2], [+3.5, -4e1, .5]]"));
+  ASSERT_EQ(list.points.size(), 2u);
+  EXPECT_EQ(list.points[1], (math::Vec3d{3.5, -40, 0.5}));
+  EXPECT_EQ(std::get<PointList>(points("{points: [[1, 2, 3]]}")).points.size(), 1u);
+  EXPECT_EQ(std::get<PointFile>(points("{points: a.csv}")).path, "/base/a.csv");
+  const auto line = std::get<Line>(points("{line: {from: [0, 0, 0], to: [1, 2, 3], count: 7}}"));
+  EXPECT_EQ(line.to, (math::Vec3d{1, 2, 3}));
+  EXPECT_EQ(line.count, 7);
+  const auto transect =
+      std::get<Transect>(points("{transect: {from: [4, 5, 6], to: [1, 2, 3], count: 8}}"));
+  EXPECT_EQ(transect.from, (math::Vec3d{4, 5, 6}));
+  EXPECT_EQ(transect.count, 8);
+  const auto plane = std::get<Plane>(
+      points("{plane: {origin: [1, 1, 1], u: [2, 0, 0], v: [0, 3, 0], counts: [4, 5]}}"));
+  EXPECT_EQ(plane.origin, (math::Vec3d{1, 1, 1}));
+  EXPECT_EQ(plane.u, (math::Vec3d{2, 0, 0}));
+  EXPECT_EQ(plane.v, (math::Vec3d{0, 3, 0}));
+  EXPECT_EQ(plane.counts, (std::array<std::int64_t, 2>{4, 5}));
+  for (const char* name : {"grid", "box"}) {
+    const auto box = std::get<Box>(
+        points("{" + std::string(name) + ": {min: [0, 0, 0], max: [1, 2, 3], counts: [4, 5, 6]}}"));
+    EXPECT_EQ(box.max, (math::Vec3d{1, 2, 3}));
+    EXPECT_EQ(box.counts, (std::array<std::int64_t, 3>{4, 5, 6}));
+  }
+  const auto sphere =
+      std::get<Sphere>(points("{sphere: {center: [1, 2, 3], radius: 4, count: 5}}"));
+  EXPECT_EQ(sphere.center, (math::Vec3d{1, 2, 3}));
+  EXPECT_EQ(sphere.radius, 4);
+  EXPECT_EQ(sphere.count, 5);
+}
+
+TEST(SceneKeys, FramesOfReference) {
+  using Kind = FrameOfReference::Kind;
+  const auto frame = [](const std::string& value) {
+    return parse(test::probe("frame: " + value)).probes[0].frame;
+  };
+  EXPECT_EQ(frame("mesh").kind, Kind::mesh);
+  EXPECT_EQ(frame("cartesian").kind, Kind::cartesian);
+  EXPECT_EQ(frame("geocentric").kind, Kind::geocentric);
+  EXPECT_EQ(frame("geodetic").kind, Kind::geodetic);
+  EXPECT_FALSE(frame("geodetic").depth);
+  EXPECT_FALSE(frame("{geodetic: height}").depth);
+  EXPECT_TRUE(frame("{geodetic: depth}").depth);
+  const auto enu = frame("{enu: [13.4, 52.5, 40]}");
+  EXPECT_EQ(enu.kind, Kind::east_north_up);
+  EXPECT_EQ(enu.longitude, 13.4);
+  EXPECT_EQ(enu.latitude, 52.5);
+  EXPECT_EQ(enu.height, 40);
+  const auto utm = frame("{utm: 33N}");
+  EXPECT_EQ(utm.kind, Kind::utm);
+  EXPECT_EQ(utm.zone, 33);
+  EXPECT_TRUE(utm.north);
+  EXPECT_EQ(frame("{utm: 5S}").zone, 5);
+  EXPECT_FALSE(frame("{utm: 5S}").north);
+}
+
+TEST(SceneKeys, TracerDefaults) {
+  const Tracer tracer = parse("tracers: [{name: t, seeds: [[0, 0, 0]], velocity: u}]").tracers[0];
+  EXPECT_EQ(tracer.kind, TracerKind::pathline);
+  EXPECT_EQ(tracer.velocity.text, "u");
+  EXPECT_EQ(tracer.velocity.line, 2);
+  EXPECT_EQ(tracer.integrator.method, IntegrationMethod::dopri5);
+  EXPECT_EQ(tracer.integrator.tolerance, 1e-6);
+  EXPECT_EQ(tracer.integrator.max_steps, 10000);
+  EXPECT_FALSE(tracer.integrator.step || tracer.integrator.min_step || tracer.integrator.max_step);
+  EXPECT_FALSE(tracer.until.duration || tracer.until.length);
+  EXPECT_TRUE(tracer.fields.empty());
+  EXPECT_EQ(tracer.accuracy, Accuracy::standard);
+  EXPECT_EQ(tracer.output, std::vector<TableFormat>{TableFormat::csv});
+}
+
+TEST(SceneKeys, TracerKeys) {
+  const Tracer tracer =
+      parse(test::tracer("mesh: m, frame: geocentric, kind: streamline, fields: [a, b], "
+                         "integrator: {method: dopri5, step: 0.25, tolerance: 1e-3, "
+                         "min_step: 0.125, max_step: 0.5, max_steps: 77}, "
+                         "until: {duration: 3, length: 4}, effects: [], accuracy: exact, "
+                         "output: [csv, vtp]"))
+          .tracers[0];
+  EXPECT_EQ(tracer.mesh.text, "m");
+  EXPECT_EQ(tracer.frame.kind, FrameOfReference::Kind::geocentric);
+  EXPECT_EQ(tracer.kind, TracerKind::streamline);
+  EXPECT_EQ(tracer.fields[1].text, "b");
+  EXPECT_EQ(tracer.integrator.step, 0.25);
+  EXPECT_EQ(tracer.integrator.tolerance, 1e-3);
+  EXPECT_EQ(tracer.integrator.min_step, 0.125);
+  EXPECT_EQ(tracer.integrator.max_step, 0.5);
+  EXPECT_EQ(tracer.integrator.max_steps, 77);
+  EXPECT_EQ(tracer.until.duration, 3);
+  EXPECT_EQ(tracer.until.length, 4);
+  EXPECT_EQ(tracer.accuracy, Accuracy::exact);
+  EXPECT_EQ(tracer.output.size(), 2u);
+  EXPECT_EQ(parse(test::tracer("kind: streakline")).tracers[0].kind, TracerKind::streakline);
+  EXPECT_EQ(parse(test::tracer("integrator: {method: rk4, step: 2}")).tracers[0].integrator.method,
+            IntegrationMethod::rk4);
+}
+
+TEST(SceneKeys, DefaultScene) {
+  const SceneDescription scene = default_scene("density", "hydro");
+  EXPECT_EQ(scene.trigger.every, 10);
+  ASSERT_EQ(scene.frames.size(), 1u);
+  EXPECT_TRUE(scene.probes.empty() && scene.tracers.empty());
+  const Frame& frame = scene.frames[0];
+  EXPECT_EQ(frame.trigger.every, 10);
+  EXPECT_EQ(frame.mesh.text, "hydro");
+  EXPECT_EQ(frame.volume->field.text, "density");
+  EXPECT_FALSE(frame.camera.position);
+  EXPECT_TRUE(frame.scalar_bar && frame.time_label);
+}
+
+TEST(SceneFile, IsReadWithItsFolder) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "insitu_scene_file";
+  std::filesystem::create_directories(folder);
+  const auto path = folder / "scene.yaml";
+  std::ofstream(path) << "insitu: 1\nprobes: [{name: p, points: a.csv}]\n";
+  const SceneDescription scene = parse_scene_file(path.string());
+  EXPECT_EQ(scene.file, path.string());
+  EXPECT_EQ(std::get<PointFile>(scene.probes[0].points).path, (folder / "a.csv").string());
+  std::ofstream(path) << "insitu: 1\n" << std::string(3 << 20, '#');
+  EXPECT_NE(test::error_of_call([&] { parse_scene_file(path.string()); }).find("more than 1048576"),
+            std::string::npos);
+}
+
+TEST(SceneFile, ThatCannotBeReadIsNamed) {
+  for (const std::string path : {"/nowhere/scene.yaml", "/"}) {
+    try {
+      parse_scene_file(path);
+      FAIL() << path;
+    } catch (const core::Error& error) {
+      EXPECT_EQ(error.status(), INSITU_ERROR_FILE);
+      EXPECT_NE(std::string(error.what()).find("'" + path + "'"), std::string::npos);
+    }
+  }
+}
+
+TEST(SceneFile, TheCorpusOfTheFuzzTestIsValidWhereItShouldBe) {
+  const std::string folder = INSITU_SCENE_CORPUS;
+  for (const char* name : {"design.yaml", "everything.yaml", "aliases.yaml"}) {
+    EXPECT_NO_THROW(parse_scene_file(folder + "/" + name)) << name;
+  }
+}
