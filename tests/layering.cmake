@@ -1,5 +1,6 @@
 # Holds every #include in libinsitu/src to the module order of DESIGN.md, section 2.
 # Run by: cmake -DSOURCE=<libinsitu/src> -P layering.cmake
+cmake_minimum_required(VERSION 3.22)
 set(order core math mesh cells amr accel query advect render output scene api)
 
 # allowed(<module>): the modules to its left; advect and render do not see each other.

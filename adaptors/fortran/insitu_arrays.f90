@@ -1,13 +1,14 @@
 !> From the addresses of a Fortran array's first elements to the c_array that insitu.h takes: any
 !! section, padded or with strides, of rank 1 to 4, in place.
 module insitu_arrays
-  use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_int64_t, c_intptr_t, c_ptr, c_sizeof
-  use, intrinsic :: iso_fortran_env, only: int64
-  use insitu_c, only: c_array
+  use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_int64_t, c_intptr_t, &
+      c_loc, c_null_ptr, c_ptr, c_sizeof
+  use, intrinsic :: iso_fortran_env, only: int64, int8
+  use insitu_c, only: c_array, insitu_uint8
   implicit none
   private
 
-  public :: array_of, bytes_between
+  public :: array_of, nothing, view_of_bytes
 
 contains
 
@@ -54,6 +55,34 @@ contains
       array%extent(:n) = extent(:n)
     end if
   end function array_of
+
+  !> For a pointer that is not associated: what insitu.h refuses as null.
+  function nothing() result(array)
+    type(c_array) :: array
+    array%size = c_sizeof(array)
+    array%count = 1
+  end function nothing
+
+  !> Types of cells, ghost bits: Fortran's int8 for C's uint8, the same bits.
+  function view_of_bytes(a) result(array)
+    integer(int8), pointer, intent(in) :: a(:)
+    type(c_array) :: array
+    type(c_ptr) :: at(0:1)
+    integer :: l(1), n(1)
+
+    if (.not. associated(a)) then
+      array = nothing()
+      return
+    end if
+    at = c_null_ptr
+    l = lbound(a)
+    n = l + min(1, shape(a) - 1)                          ! the neighbours, where there are some
+    if (size(a) > 0) then
+      at(0) = c_loc(a(l(1)))
+      at(1) = c_loc(a(n(1)))
+    end if
+    array = array_of(insitu_uint8, shape(a), at)
+  end function view_of_bytes
 
   integer(c_int64_t) function bytes_between(from, to)
     type(c_ptr), intent(in) :: from, to

@@ -1,13 +1,15 @@
 !> The calls of insitu_mesh that take real32 arrays.
 module insitu_real32
   use, intrinsic :: iso_c_binding, only: c_loc, c_null_ptr, c_ptr
-  use, intrinsic :: iso_fortran_env, only: int32, int64, real64, wp => real32
-  use insitu_arrays, only: array_of
+  use, intrinsic :: iso_fortran_env, only: int32, int64, real32, real64
+  use insitu_arrays, only: array_of, nothing
   use insitu_c, only: c_array, c_block, insitu_block_rectilinear, insitu_cell, insitu_ok, &
       insitu_vertex, wp_type => insitu_float32
   use insitu_core, only: below => mesh_core
   implicit none
   private
+
+  integer, parameter :: wp = real32
 
   type, extends(below), public :: mesh_of_reals
   contains

@@ -2,14 +2,16 @@
 module insitu_real64
   use, intrinsic :: iso_c_binding, only: c_loc, c_null_ptr, c_ptr
   use, intrinsic :: iso_fortran_env, only: int32, int64, real64
-  use insitu_arrays, only: array_of
+  use insitu_arrays, only: array_of, nothing
   use insitu_c, only: c_array, c_block, insitu_block_rectilinear, insitu_cell, insitu_ok, &
       insitu_vertex, wp_type => insitu_float64
   use insitu_real32, only: below => mesh_of_reals
   implicit none
   private
 
-  integer, parameter :: wp = real64  type, extends(below), public :: mesh_of_reals
+  integer, parameter :: wp = real64
+
+  type, extends(below), public :: mesh_of_reals
   contains
     procedure, private :: points_interleaved_r64 => points_interleaved
     procedure, private :: points_1_r64 => points_1

@@ -1,9 +1,10 @@
-// The blast wave miniapp: runs the solver, prints a line per cycle and, at the end, how far the
-// shock got against the similarity solution.
+// The blast wave miniapp, coupled: runs the solver, hands its arrays to libinsitu every cycle, and
+// prints where the time goes; at the end, how far the shock got against the similarity solution.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <insitu/insitu.hpp>
 #include <stdexcept>
 #include <string>
 
@@ -16,14 +17,23 @@ struct Options {
   sedov::Config config;
   double end = 0.0; // time; 0: when the shock is at 5/6 of the cube's edge
   int cycles = 1'000'000;
+  std::string scene, output;
+  bool block = false; // couple as an implicit block, not as hexahedra
+  int library_threads = 0;
+  bool quiet = false;
 };
 
 constexpr const char* usage =
-    "usage: sedov [--cells N] [--end TIME] [--cycles N] [--threads N]\n"
-    "  --cells N    cells along each edge of the cube (45)\n"
-    "  --end TIME   stop at this time (when the shock is at 5/6 of the cube's edge)\n"
-    "  --cycles N   stop after this many cycles\n"
-    "  --threads N  threads of the solver (1); the results do not depend on it\n";
+    "usage: sedov [options]\n"
+    "  --cells N            cells along each edge of the cube (45)\n"
+    "  --end TIME           stop at this time (when the shock is at 5/6 of the cube's edge)\n"
+    "  --cycles N           stop after this many cycles\n"
+    "  --threads N          threads of the solver (1); the results do not depend on it\n"
+    "  --scene FILE         what libinsitu does with the run (nothing)\n"
+    "  --output DIR         where it writes, instead of the scene's folder\n"
+    "  --mesh KIND          couple as 'hexahedra' (default) or as an implicit 'block'\n"
+    "  --library-threads N  threads of libinsitu (all)\n"
+    "  --quiet              no line per cycle\n";
 
 double number(const std::string& option, const char* text) {
   char* end = nullptr;
@@ -45,6 +55,11 @@ Options parse(int argc, char** argv) {
   Options options;
   for (int i = 1; i < argc; i += 2) {
     const std::string option = argv[i];
+    if (option == "--quiet") {
+      options.quiet = true;
+      --i;
+      continue;
+    }
     if (i + 1 == argc)
       throw std::invalid_argument(option + ": no such option, or its value is missing");
     const char* const value = argv[i + 1];
@@ -56,10 +71,74 @@ Options parse(int argc, char** argv) {
       options.cycles = whole_number(option, value);
     else if (option == "--threads")
       options.config.threads = whole_number(option, value);
+    else if (option == "--library-threads")
+      options.library_threads = whole_number(option, value);
+    else if (option == "--scene")
+      options.scene = value;
+    else if (option == "--output")
+      options.output = value;
+    else if (option == "--mesh" &&
+             (std::string(value) == "block" || std::string(value) == "hexahedra"))
+      options.block = std::string(value) == "block";
     else
       throw std::invalid_argument(option + ": no such option");
   }
   return options;
+}
+
+// The coupling: the solver's own arrays, once; they keep their place.
+insitu::Mesh couple(insitu::Session& session, sedov::Solver& solver, bool block) {
+  insitu::Mesh mesh = session.mesh("hydro");
+  const auto [nx, ny, nz] = solver.config().cells;
+  mesh.points(solver.x, solver.y, solver.z);
+  if (block)
+    mesh.block(nx + 1, ny + 1, nz + 1);
+  else
+    mesh.hexahedra(solver.connectivity);
+  mesh.cell_field("density", solver.density);
+  mesh.cell_field("pressure", solver.pressure);
+  mesh.cell_field("energy", solver.energy);
+  mesh.vertex_field("velocity", {solver.u, solver.v, solver.w});
+  return mesh;
+}
+
+// What the library spent, in milliseconds.
+struct Spent {
+  double commit, query, advect, render, output;
+  explicit Spent(const insitu::Report& r)
+      : commit(1e3 * r.commit_s), query(1e3 * r.query_s), advect(1e3 * r.advect_s),
+        render(1e3 * r.render_s), output(1e3 * r.output_s) {}
+  double sum() const { return commit + query + advect + render + output; }
+};
+
+void print_summary(const insitu::Report& r, double solver_seconds) {
+  const Spent spent(r);
+  std::printf(
+      "library %.2f s of %.2f s (%.1f %%): commit %.2f, query %.2f, advect %.2f, render %.2f, "
+      "output %.2f s\n",
+      1e-3 * spent.sum(), 1e-3 * spent.sum() + solver_seconds,
+      100.0 * spent.sum() / (spent.sum() + 1e3 * solver_seconds), r.commit_s, r.query_s, r.advect_s,
+      r.render_s, r.output_s);
+  std::printf("bytes: %.1f MB of the solver's read in place, %.1f MB held (%.1f MB at the peak)\n",
+              1e-6 * double(r.bytes_borrowed), 1e-6 * double(r.bytes_held),
+              1e-6 * double(r.bytes_peak));
+  std::printf("commits: %lld kept, %lld refitted, %lld rebuilt\n", static_cast<long long>(r.keeps),
+              static_cast<long long>(r.refits), static_cast<long long>(r.rebuilds));
+  if (r.particles_seeded > 0)
+    std::printf("particles: %lld seeded = %lld alive + %lld left + %lld stagnated + %lld expired + "
+                "%lld at the step limit + %lld seeded outside + %lld not finite + %lld killed\n",
+                static_cast<long long>(r.particles_seeded),
+                static_cast<long long>(r.particles[INSITU_END_ALIVE]),
+                static_cast<long long>(r.particles[INSITU_END_LEFT]),
+                static_cast<long long>(r.particles[INSITU_END_STAGNATED]),
+                static_cast<long long>(r.particles[INSITU_END_EXPIRED]),
+                static_cast<long long>(r.particles[INSITU_END_STEP_LIMIT]),
+                static_cast<long long>(r.particles[INSITU_END_SEED_OUTSIDE]),
+                static_cast<long long>(r.particles[INSITU_END_NOT_FINITE]),
+                static_cast<long long>(r.particles[INSITU_END_KILLED]));
+  std::printf("%lld frames, %lld probe rows, %lld files, %lld failures\n",
+              static_cast<long long>(r.frames), static_cast<long long>(r.probe_rows),
+              static_cast<long long>(r.files), static_cast<long long>(r.failures));
 }
 
 void run(const Options& options) {
@@ -69,22 +148,43 @@ void run(const Options& options) {
   const double end = options.end > 0.0 ? options.end : exact.shock_time(config.length * 5.0 / 6.0);
 
   sedov::Solver solver(config);
+  insitu::Options session_options;
+  session_options.scene = options.scene;
+  session_options.output = options.output;
+  session_options.threads = options.library_threads;
+  insitu::Session session(session_options);
+  insitu::Mesh mesh = couple(session, solver, options.block);
   const double energy = solver.total_energy();
   std::chrono::duration<double> elapsed{};
-  std::printf("%6s %12s %12s %8s %12s %12s %10s\n", "cycle", "time", "timestep", "shock",
-              "internal", "kinetic", "drift");
+  session.execute(0, 0.0);
+  Spent before(session.report());
+  if (!options.quiet)
+    std::printf("%6s %11s %8s %9s %10s | %8s %8s %8s %8s\n", "cycle", "time", "shock", "drift",
+                "solver ms", "commit", "query", "advect", "render");
   while (solver.time() < end && solver.cycle() < options.cycles) {
     const Clock::time_point begin = Clock::now();
-    const double dt = solver.advance(end - solver.time());
-    elapsed += Clock::now() - begin;
-    std::printf("%6d %12.6e %12.6e %8.5f %12.6e %12.6e %10.2e\n", solver.cycle(), solver.time(), dt,
-                solver.shock_radius(), solver.internal_energy(), solver.kinetic_energy(),
-                solver.total_energy() / energy - 1.0);
+    solver.advance(end - solver.time());
+    const std::chrono::duration<double> step = Clock::now() - begin;
+    elapsed += step;
+    mesh.changed(insitu::geometry | insitu::fields);
+    session.execute(solver.cycle(), solver.time());
+    if (options.quiet)
+      continue;
+    const Spent now(session.report());
+    std::printf("%6d %11.5e %8.5f %9.1e %10.2f | %8.2f %8.2f %8.2f %8.2f\n", solver.cycle(),
+                solver.time(), solver.shock_radius(), solver.total_energy() / energy - 1.0,
+                1e3 * step.count(), now.commit - before.commit, now.query - before.query,
+                now.advect - before.advect, now.render - before.render);
+    before = now;
   }
-  std::printf("%d cycles, %.2f s in the solver, %.2f ms a cycle\n", solver.cycle(), elapsed.count(),
-              1e3 * elapsed.count() / solver.cycle());
+  std::printf("%d cycles, %.2f s in the solver, %.2f ms a cycle; energy drift %.1e\n",
+              solver.cycle(), elapsed.count(), 1e3 * elapsed.count() / solver.cycle(),
+              solver.total_energy() / energy - 1.0);
   std::printf("shock radius %.5f, similarity solution %.5f\n", solver.shock_radius(),
               exact.shock_radius(solver.time()));
+  print_summary(session.report(), elapsed.count());
+  if (!options.output.empty())
+    session.write_summary(options.output + "/summary.json", elapsed.count());
 }
 
 } // namespace
@@ -101,7 +201,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "sedov: %s\n%s", error.what(), usage);
     return EXIT_FAILURE;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
+    std::fprintf(stderr, "sedov: %s\n", error.what());
     return EXIT_FAILURE;
   }
   return EXIT_SUCCESS;

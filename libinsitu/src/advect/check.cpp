@@ -1,5 +1,6 @@
 #include "advect/check.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -24,6 +25,12 @@ void check_velocity(const mesh::FieldView& velocity) {
                                               std::to_string(velocity.components));
 }
 
+IntegratorSettings settings_for(const mesh::FieldView& velocity, IntegratorSettings settings) {
+  if (velocity.association == INSITU_CELL)
+    settings.min_cells = std::max(settings.min_cells, 0.01);
+  return settings;
+}
+
 void check_settings(const IntegratorSettings& s) {
   const auto refuse = [](const std::string& what, double value, const char* wanted) {
     throw core::Error(INSITU_ERROR_ARGUMENT,
@@ -42,6 +49,8 @@ void check_settings(const IntegratorSettings& s) {
     refuse("min_step", s.min_step, ("at most max_step = " + number(s.max_step)).c_str());
   if (s.max_steps < 1)
     refuse("max_steps", double(s.max_steps), "at least 1");
+  if (!(s.min_cells >= 0.0))
+    refuse("min_cells", s.min_cells, "positive");
   if (!(s.exit_tolerance > 0.0))
     refuse("exit_tolerance", s.exit_tolerance, "positive");
 }

@@ -21,9 +21,11 @@ struct IntegratorSettings {
   double tolerance = 1e-6; ///< dopri5: error of the position per unit time, in coordinate units;
                            ///< never more than a hundredth of the speed
   double min_step = 0.0; ///< dopri5: a step this small is taken whatever its error, and counted as
-                         ///< forced (else 1e-6 of a cell): velocities that jump would stop it
+                         ///< forced (else one that crosses at most min_cells of a cell): velocities
+                         ///< that jump would stop it
   double max_step = 0.0; ///< else one cell; not applied to a given rk4 step
   std::int64_t max_steps = 10000; ///< of one particle in one call
+  double min_cells = 1e-6;        ///< see min_step
 
   /// A particle leaves (or meets a velocity that is not finite) when a trial point at most this
   /// fraction of a cell away from it does; it ends at its last position inside.
@@ -93,7 +95,6 @@ inline constexpr int max_trials = 4096;
 /// The cells, at most, crossed by one step whose size follows from the cell.
 inline constexpr double dopri5_cells = 1.0;
 inline constexpr double dopri5_first_cells = 0.1;
-inline constexpr double dopri5_min_cells = 1e-6;
 /// Without an error estimate, rk4 also keeps h |dv| / |dx| of the step before within 1 (it is
 /// stable up to 2.8): near a stagnation point steps measured by cells would grow without bound.
 inline constexpr double rk4_cells = 0.25;
@@ -173,11 +174,6 @@ insitu_ending integrate(F& velocity, const IntegratorSettings& settings, double 
       wanted = speed == 0.0          ? remaining
                : std::isfinite(span) ? 0.01 * span
                                      : (length_of(p.x) + 1.0) / speed * 0.01;
-    double min_step = settings.min_step > 0.0
-                          ? settings.min_step
-                          : std::min(control::dopri5_min_cells * cell_time, 1e-6 * span);
-    if (!std::isfinite(min_step))
-      min_step = 0.0;
     double h = std::min({wanted, limit, remaining});
     if (speed > 0.0)
       h = std::min(h, length_left / speed);
@@ -218,10 +214,15 @@ insitu_ending integrate(F& velocity, const IntegratorSettings& settings, double 
         relative_error = trial.error == 0.0
                              ? control::least_error
                              : std::max(trial.error / tolerance, control::least_error);
-        forced = relative_error > 1.0 && h <= min_step;
+        const bool smallest = settings.min_step > 0.0 ? h <= settings.min_step
+                              : extent.x < infinity
+                                  ? cells_crossed(moved, extent) <= settings.min_cells
+                                  : std::isfinite(span) && h <= 1e-12 * span;
+        forced = relative_error > 1.0 && smallest;
         if (relative_error > 1.0 && !forced)
           factor = std::max({control::smallest_factor,
-                             control::safety * std::pow(relative_error, -1.0 / 4), min_step / h});
+                             control::safety * std::pow(relative_error, -1.0 / 4),
+                             settings.min_step / h});
       }
       if (factor == 1.0)
         break;
@@ -251,6 +252,10 @@ insitu_ending integrate(F& velocity, const IntegratorSettings& settings, double 
                         std::pow(previous_error, control::previous_exponent);
         factor =
             std::clamp(factor, control::smallest_factor, retried ? 1.0 : control::largest_growth);
+        if (forced) { // past the jump: its error says nothing about what follows
+          factor = control::largest_growth;
+          relative_error = 1.0;
+        }
         // A step that was cut short says little about the one that was wanted.
         p.step = cut && !retried ? std::max(wanted, h * factor) : h * factor;
         previous_error = relative_error;

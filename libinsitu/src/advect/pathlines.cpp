@@ -37,6 +37,7 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   result.blended_velocity = field().blends_velocity();
   result.blended_geometry = field().blends_geometry();
 
+  const IntegratorSettings integrator = settings_for(velocity, settings_.integrator);
   Particles& all = particles_;
   constexpr std::int64_t grain = 64;
   const std::int64_t count = std::int64_t(all.size());
@@ -51,7 +52,7 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
       p.time = std::max(p.time, t0);
       const double last = all.seeding_times[i] + settings_.duration;
       v.begin(all.cells[i]);
-      insitu_ending ending = integrate(v, settings_.integrator, std::clamp(last, p.time, t1),
+      insitu_ending ending = integrate(v, integrator, std::clamp(last, p.time, t1),
                                        settings_.length, p, chunk_work, [](const State&) {});
       if (ending == INSITU_END_ALIVE && last <= t1)
         ending = INSITU_END_EXPIRED;

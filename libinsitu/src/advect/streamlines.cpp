@@ -51,8 +51,9 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
                               core::Memory& memory) {
   check_velocity(velocity);
   StreamlineSettings steady = settings;
+  check_settings(settings.integrator);
+  steady.integrator = settings_for(velocity, settings.integrator);
   steady.integrator.ends_at_rest = true;
-  check_settings(steady.integrator);
 
   Streamlines result{Polylines(memory), {}, {}};
   Polylines& lines = result.lines;

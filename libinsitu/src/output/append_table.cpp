@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -16,7 +15,7 @@ namespace insitu::output {
 namespace {
 
 off_t size_of(int descriptor, const std::string& path) {
-  struct stat status{};
+  struct stat status {};
   if (::fstat(descriptor, &status) != 0) {
     throw_file_error("read", path, errno);
   }
@@ -86,8 +85,8 @@ AppendTable::AppendTable(std::string path, std::vector<std::string> columns)
   }
   try {
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-      throw core::Error(INSITU_ERROR_FILE, "cannot write '" + path_ +
-                                               "': another table or another run is writing it");
+      throw core::Error(INSITU_ERROR_FILE,
+                        "cannot write '" + path_ + "': another table or another run is writing it");
     }
     cut_partial_line(descriptor_, path_);
     const std::string header = csv_header(columns);

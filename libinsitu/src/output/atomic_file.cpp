@@ -2,14 +2,13 @@
 
 #include <atomic>
 #include <cerrno>
+#include <fcntl.h>
 #include <filesystem>
 #include <mutex>
 #include <set>
-#include <system_error>
-
-#include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <system_error>
 #include <unistd.h>
 
 #include "core/status.h"
@@ -23,10 +22,12 @@ constexpr std::size_t buffer_bytes = std::size_t(1) << 18;
 
 /// Locks without waiting. Where the file system has no locks this fails, and then nothing is ever
 /// removed as stale there either.
-bool try_lock(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0; }
+bool try_lock(int descriptor) {
+  return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+}
 
 bool is_linked(int descriptor) {
-  struct stat status{};
+  struct stat status {};
   return ::fstat(descriptor, &status) == 0 && status.st_nlink > 0;
 }
 
@@ -55,7 +56,9 @@ int open_part(const std::string& target, std::string& part) {
 
 } // namespace
 
-std::string system_reason(int error) { return std::system_category().message(error); }
+std::string system_reason(int error) {
+  return std::system_category().message(error);
+}
 
 void throw_file_error(const char* doing, const std::string& path, int error) {
   throw core::Error(INSITU_ERROR_FILE,
@@ -140,7 +143,9 @@ AtomicFile::AtomicFile(std::string target) : target_(std::move(target)) {
   }
 }
 
-AtomicFile::~AtomicFile() { discard(); }
+AtomicFile::~AtomicFile() {
+  discard();
+}
 
 void AtomicFile::discard() noexcept {
   if (descriptor_ >= 0) {

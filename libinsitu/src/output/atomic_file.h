@@ -14,15 +14,16 @@ inline constexpr std::string_view part_suffix = ".insitu-part";
 /// folder and the system's reason.
 void make_folder(const std::string& folder);
 
-/// Removes unfinished files in `folder` whose writers have died, and returns how many. A writer holds
-/// a lock on its unfinished file, and the system drops that lock when the writer dies, so files of
-/// living writers, on other nodes and in other containers too, stay. Where the file system has no
-/// locks nothing is removed.
+/// Removes unfinished files in `folder` whose writers have died, and returns how many. A writer
+/// holds a lock on its unfinished file, and the system drops that lock when the writer dies, so
+/// files of living writers, on other nodes and in other containers too, stay. Where the file system
+/// has no locks nothing is removed.
 std::size_t remove_stale_parts(const std::string& folder);
 
-/// A file that appears whole or not at all: bytes go to an unfinished file in the same folder, which
-/// `commit` flushes to the device and renames over the target. Without `commit` (an error, an early
-/// return) the destructor removes the unfinished file and the target keeps what it held before.
+/// A file that appears whole or not at all: bytes go to an unfinished file in the same folder,
+/// which `commit` flushes to the device and renames over the target. Without `commit` (an error, an
+/// early return) the destructor removes the unfinished file and the target keeps what it held
+/// before.
 ///
 /// The first file written to a folder makes the folder if absent, and clears it of what killed runs
 /// left. Every failure (full disk, no permission, a folder in the way) is a core::Error

@@ -22,8 +22,12 @@ void append_shortest(std::string& text, T value) {
 
 } // namespace
 
-void append_number(std::string& text, double value) { append_shortest(text, value); }
-void append_number(std::string& text, float value) { append_shortest(text, value); }
+void append_number(std::string& text, double value) {
+  append_shortest(text, value);
+}
+void append_number(std::string& text, float value) {
+  append_shortest(text, value);
+}
 
 void append_number(std::string& text, std::int64_t value) {
   char digits[24];

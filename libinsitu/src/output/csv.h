@@ -29,7 +29,8 @@ public:
   CsvRows& cell(int value) { return cell(std::int64_t(value)); }
   CsvRows& cell(std::string_view value);
   CsvRows& cell(const char* value) { return cell(std::string_view(value)); }
-  /// Throws core::Error (INSITU_ERROR_INTERNAL) if the row has not as many cells as the table columns.
+  /// Throws core::Error (INSITU_ERROR_INTERNAL) if the row has not as many cells as the table
+  /// columns.
   void end_row();
 
   /// The whole rows so far; a row that was not ended is not part of it.
@@ -68,7 +69,8 @@ public:
   AppendTable& operator=(const AppendTable&) = delete;
 
   CsvRows& rows() { return rows_; }
-  /// Appends the whole rows of `rows` to the file. Called by the destructor too, where errors are lost.
+  /// Appends the whole rows of `rows` to the file. Called by the destructor too, where errors are
+  /// lost.
   void flush();
 
   const std::string& path() const { return path_; }

@@ -14,8 +14,8 @@ std::string system_reason(int error);
 /// The folder part of a path, "." if there is none.
 std::string folder_of(const std::string& path);
 
-/// Writes all bytes, however many calls that takes. Returns 0, or the errno of the call that failed;
-/// `done` receives the bytes that got through.
+/// Writes all bytes, however many calls that takes. Returns 0, or the errno of the call that
+/// failed; `done` receives the bytes that got through.
 int write_all(int descriptor, const char* data, std::size_t bytes, std::size_t* done);
 
 /// Once per process and folder: makes it if absent and removes what killed runs left there.

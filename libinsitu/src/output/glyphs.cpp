@@ -7,9 +7,10 @@ namespace insitu::output {
 
 namespace {
 
-/// Our own drawings. M moves the pen, L draws a line to x y, C a cubic Bezier curve by its two control
-/// points and its end, D a dot. Letters follow one idea: round forms are slightly square, and stems
-/// stand at 0 and at the width, so that fitting those two to pixels makes small text crisp.
+/// Our own drawings. M moves the pen, L draws a line to x y, C a cubic Bezier curve by its two
+/// control points and its end, D a dot. Letters follow one idea: round forms are slightly square,
+/// and stems stand at 0 and at the width, so that fitting those two to pixels makes small text
+/// crisp.
 struct Drawing {
   char32_t code_point;
   float width;
@@ -81,7 +82,8 @@ constexpr Drawing drawings[] = {
      "M 0 7.5 L 4.4 7.5 C 6.5 7.5 7.8 8.8 7.8 10.8 C 7.8 12.8 6.5 14 4.4 14 L 0 14 L 0 0 L 4.6 0 "
      "C 7 0 8.4 1.4 8.4 3.8 C 8.4 6.1 7 7.5 4.6 7.5"},
     {U'C', 9.4f,
-     "M 9.2 10.4 C 8.5 12.8 7 14 5 14 C 1.9 14 0 11.4 0 7 C 0 2.6 1.9 0 5 0 C 7.2 0 8.8 1.3 9.4 3.7"},
+     "M 9.2 10.4 C 8.5 12.8 7 14 5 14 C 1.9 14 0 11.4 0 7 C 0 2.6 1.9 0 5 0 C 7.2 0 8.8 1.3 9.4 "
+     "3.7"},
     {U'D', 9, "M 0 0 L 0 14 L 3.6 14 C 7 14 9 11.4 9 7 C 9 2.6 7 0 3.6 0 L 0 0"},
     {U'E', 7.4f, "M 7.4 14 L 0 14 L 0 0 L 7.4 0 M 0 7.4 L 6.4 7.4"},
     {U'F', 7, "M 7 14 L 0 14 L 0 0 M 0 7.2 L 6.2 7.2"},
@@ -98,8 +100,7 @@ constexpr Drawing drawings[] = {
     {U'O', 10.4f,
      "M 5.2 14 C 8.6 14 10.4 11.2 10.4 7 C 10.4 2.8 8.6 0 5.2 0 C 1.8 0 0 2.8 0 7 "
      "C 0 11.2 1.8 14 5.2 14"},
-    {U'P', 8,
-     "M 0 0 L 0 14 L 4.2 14 C 6.6 14 8 12.5 8 10.2 C 8 7.9 6.6 6.4 4.2 6.4 L 0 6.4"},
+    {U'P', 8, "M 0 0 L 0 14 L 4.2 14 C 6.6 14 8 12.5 8 10.2 C 8 7.9 6.6 6.4 4.2 6.4 L 0 6.4"},
     {U'Q', 10.4f,
      "M 5.2 14 C 8.6 14 10.4 11.2 10.4 7 C 10.4 2.8 8.6 0 5.2 0 C 1.8 0 0 2.8 0 7 "
      "C 0 11.2 1.8 14 5.2 14 M 6.6 3 L 10 -1.4"},
@@ -137,7 +138,8 @@ constexpr Drawing drawings[] = {
     {U'e', 7.4f,
      "M 0 5.2 L 7.4 5.2 C 7.4 8.2 6.1 10 3.8 10 C 1.4 10 0 8.1 0 5 C 0 1.9 1.4 0 3.8 0 "
      "C 5.4 0 6.6 0.8 7.1 2.4"},
-    {U'f', 4.6f, "M 4.6 13.8 C 4.2 13.9 4 14 3.6 14 C 2.2 14 1.6 13 1.6 11.3 L 1.6 0 M 0 10 L 4.2 10"},
+    {U'f', 4.6f,
+     "M 4.6 13.8 C 4.2 13.9 4 14 3.6 14 C 2.2 14 1.6 13 1.6 11.3 L 1.6 0 M 0 10 L 4.2 10"},
     {U'g', 7.4f,
      "M 7.4 10 L 7.4 -0.6 C 7.4 -2.9 6.1 -4 3.8 -4 C 2.2 -4 1.1 -3.5 0.5 -2.4 "
      "M 7.4 5 C 7.4 8 5.8 10 3.5 10 C 1.3 10 0 8.1 0 5 C 0 1.9 1.3 0 3.5 0 C 5.8 0 7.4 2 7.4 5"},
@@ -202,8 +204,8 @@ void add_curve(GlyphStroke& stroke, GlyphPoint b, GlyphPoint c, GlyphPoint d) {
     const float t = float(i) / pieces;
     const float s = 1 - t;
     const float wa = s * s * s, wb = 3 * s * s * t, wc = 3 * s * t * t, wd = t * t * t;
-    stroke.push_back({wa * a.x + wb * b.x + wc * c.x + wd * d.x,
-                      wa * a.y + wb * b.y + wc * c.y + wd * d.y});
+    stroke.push_back(
+        {wa * a.x + wb * b.x + wc * c.x + wd * d.x, wa * a.y + wb * b.y + wc * c.y + wd * d.y});
   }
 }
 

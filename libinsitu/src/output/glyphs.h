@@ -4,8 +4,8 @@
 
 namespace insitu::output {
 
-/// A point of a stroke's centre line. Units: capitals stand from the baseline, 0, to 14; small letters
-/// reach 10; descenders -4; brackets -3 to 15. x runs from 0 to the glyph's width.
+/// A point of a stroke's centre line. Units: capitals stand from the baseline, 0, to 14; small
+/// letters reach 10; descenders -4; brackets -3 to 15. x runs from 0 to the glyph's width.
 struct GlyphPoint {
   float x, y;
 };

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <fstream>
 #include <new>
-
 #include <png.h>
 
 #include "core/status.h"
@@ -16,9 +15,9 @@ namespace insitu::output {
 namespace {
 
 // libpng leaves a function on error by longjmp, which skips destructors. So everything that owns
-// memory lives in the caller's frame, in one of the two structures below, and the functions that call
-// libpng have only pointers and integers of their own. The callbacks that libpng calls, in turn, let
-// no exception out.
+// memory lives in the caller's frame, in one of the two structures below, and the functions that
+// call libpng have only pointers and integers of their own. The callbacks that libpng calls, in
+// turn, let no exception out.
 
 struct Coder {
   png_structp png = nullptr;
@@ -69,7 +68,8 @@ bool encode_with_libpng(Encoder& encoder, const PngImage& image) {
                image.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(encoder.png, encoder.info, PNG_sRGB_INTENT_PERCEPTUAL);
-  // A frame is written while the solver waits: low effort, and the filters that suit smooth shading.
+  // A frame is written while the solver waits: low effort, and the filters that suit smooth
+  // shading.
   png_set_compression_level(encoder.png, 3);
   png_set_filter(encoder.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB | PNG_FILTER_UP);
   png_write_info(encoder.png, encoder.info);

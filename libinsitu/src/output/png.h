@@ -39,8 +39,8 @@ PngImage to_srgb(const core::Image& image, bool keep_alpha);
 void write_png(const std::string& path, const PngImage& image);
 void write_png(const std::string& path, const core::Image& image, bool keep_alpha = false);
 
-/// Reads a PNG file of any kind as 8-bit RGB or RGBA (grey, palette and 16-bit files are converted).
-/// Throws core::Error (INSITU_ERROR_FILE) naming the file and what is wrong with it.
+/// Reads a PNG file of any kind as 8-bit RGB or RGBA (grey, palette and 16-bit files are
+/// converted). Throws core::Error (INSITU_ERROR_FILE) naming the file and what is wrong with it.
 PngImage read_png(const std::string& path);
 
 } // namespace insitu::output

@@ -25,7 +25,7 @@ struct Entity {
   char character;
   std::string_view name;
 };
-constexpr Entity entities[] = {{'&', "&amp;"},   {'<', "&lt;"},   {'>', "&gt;"},
+constexpr Entity entities[] = {{'&', "&amp;"},  {'<', "&lt;"},   {'>', "&gt;"},
                                {'"', "&quot;"}, {'\n', "&#10;"}, {'\r', "&#13;"}};
 
 /// False if the line is not one that PvdSeries writes.

@@ -13,9 +13,9 @@ double linear_of(double code) {
   return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
 }
 
-/// Encoding by comparison. `least[k]` is the smallest float whose code is at least k, so rounding is
-/// to the nearest without evaluating a power per channel; `start` holds, for each interval of floats
-/// that agree in their upper bits, the code of its lower end.
+/// Encoding by comparison. `least[k]` is the smallest float whose code is at least k, so rounding
+/// is to the nearest without evaluating a power per channel; `start` holds, for each interval of
+/// floats that agree in their upper bits, the code of its lower end.
 struct SrgbTable {
   // No code but 0 lies below 2^-13: the smallest bound is 0.5 / 255 / 12.92 = 1.5e-4.
   static constexpr int shift = 15;
@@ -59,7 +59,8 @@ std::uint8_t encode(const SrgbTable& t, float linear) {
   if (linear >= 1.0f) {
     return 255;
   }
-  unsigned code = t.start[(std::bit_cast<std::uint32_t>(linear) >> SrgbTable::shift) - SrgbTable::first];
+  unsigned code =
+      t.start[(std::bit_cast<std::uint32_t>(linear) >> SrgbTable::shift) - SrgbTable::first];
   while (linear >= t.least[code + 1]) {
     ++code;
   }
@@ -75,9 +76,13 @@ std::uint8_t encode_alpha(float alpha) {
 
 } // namespace
 
-std::uint8_t encode_srgb(float linear) { return encode(table(), linear); }
+std::uint8_t encode_srgb(float linear) {
+  return encode(table(), linear);
+}
 
-float decode_srgb(std::uint8_t code) { return float(linear_of(code)); }
+float decode_srgb(std::uint8_t code) {
+  return float(linear_of(code));
+}
 
 PngImage to_srgb(const core::Image& image, bool keep_alpha) {
   PngImage out{image.width, image.height, keep_alpha ? 4 : 3, {}};

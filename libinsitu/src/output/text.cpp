@@ -15,8 +15,8 @@ constexpr float above_units = 16.9f; // from the top of the line box to the bott
 constexpr float stroke_units = 1.55f;
 constexpr float gap_units = 2.7f;
 
-/// The font at one size. Baseline, x-height and capital height are moved to pixel boundaries, and so
-/// are the outer edges of each glyph: without that, stems smear over two pixels at small sizes.
+/// The font at one size. Baseline, x-height and capital height are moved to pixel boundaries, and
+/// so are the outer edges of each glyph: without that, stems smear over two pixels at small sizes.
 class FittedFont {
 public:
   explicit FittedFont(int height) : height_(height), scale_(float(height) / line_units) {
@@ -53,7 +53,7 @@ public:
   /// Pixels right of the glyph's left outer edge.
   float x(const Glyph& g, float units) const {
     const float between = float(width(g)) - stroke;
-    return stroke / 2 + (g.width > 0 ? units / g.width * between : between / 2);
+    return stroke / 2 + (g.width > 0 ? units / g.width * between : 0);
   }
 
   float middle() const { return (y(0) + y(14)) / 2; }
@@ -110,11 +110,9 @@ public:
     for (int y = y0; y <= y1; ++y) {
       for (int x = x0; x <= x1; ++x) {
         const float px = float(x) + 0.5f - a.x, py = float(y) + 0.5f - a.y;
-        const float t =
-            length2 > 0 ? std::clamp((px * dx + py * dy) / length2, 0.0f, 1.0f) : 0.0f;
+        const float t = length2 > 0 ? std::clamp((px * dx + py * dy) / length2, 0.0f, 1.0f) : 0.0f;
         const float ex = px - t * dx, ey = py - t * dy;
-        const float covered =
-            std::clamp(reach - std::sqrt(ex * ex + ey * ey), 0.0f, 1.0f);
+        const float covered = std::clamp(reach - std::sqrt(ex * ex + ey * ey), 0.0f, 1.0f);
         float& value = at(x, y);
         value = std::max(value, covered);
       }
@@ -144,7 +142,8 @@ void blend(float* pixel, const std::array<float, 4>& color, float coverage) {
   pixel[3] = total;
 }
 
-/// Calls visit(glyph, pixels right of the text's start) for each glyph; returns the width of them all.
+/// Calls visit(glyph, pixels right of the text's start) for each glyph; returns the width of them
+/// all.
 template <class Visit>
 int lay_out(const FittedFont& font, std::string_view text, const Visit& visit) {
   int pen = 0;
@@ -207,6 +206,8 @@ int text_width(std::string_view text, int height) {
   return height < 1 ? 0 : lay_out(FittedFont(height), text, [](const Glyph&, int) {});
 }
 
-float text_middle(int height) { return FittedFont(height).middle(); }
+float text_middle(int height) {
+  return FittedFont(height).middle();
+}
 
 } // namespace insitu::output

@@ -18,10 +18,11 @@ struct TextStyle {
   std::array<float, 4> halo_color{0, 0, 0, 0.6f};
 };
 
-/// Draws one line of text over the image, its line box's upper left corner at pixel (x, y); what falls
-/// outside the image is left out, the rim may leave the line box. Text is UTF-8: printable ASCII and
-/// what units need (degree, micro, superscripts 1 2 3 and minus, plus-minus, times, middle dot, minus
-/// sign, en dash); anything else is drawn as a small box. Digits are all equally wide.
+/// Draws one line of text over the image, its line box's upper left corner at pixel (x, y); what
+/// falls outside the image is left out, the rim may leave the line box. Text is UTF-8: printable
+/// ASCII and what units need (degree, micro, superscripts 1 2 3 and minus, plus-minus, times,
+/// middle dot, minus sign, en dash); anything else is drawn as a small box. Digits are all equally
+/// wide.
 void draw_text(core::Image& image, int x, int y, std::string_view text, const TextStyle& style);
 
 /// The width in pixels of what draw_text draws.

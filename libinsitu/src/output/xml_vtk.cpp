@@ -154,10 +154,10 @@ void check_cells(const std::string& path, const char* what, std::span<const std:
                  std::span<const std::int64_t> ids, std::size_t length, std::size_t points) {
   std::int64_t before = 0;
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    if (ends[i] < before) {
-      refuse(path, std::string(what) + " " + std::to_string(i) + " ends at " +
-                       std::to_string(ends[i]) + ", before it begins (" + std::to_string(before) +
-                       ")");
+    if (ends[i] <= before) {
+      refuse(path, std::string(what) + " " + std::to_string(i) + " begins at " +
+                       std::to_string(before) + " and ends at " + std::to_string(ends[i]) +
+                       ": at least one point expected");
     }
     before = ends[i];
   }
@@ -172,6 +172,34 @@ void check_cells(const std::string& path, const char* what, std::span<const std:
     }
   }
 }
+
+/// VTK wants two points a line: those of one get it twice.
+struct Lines {
+  std::vector<std::int64_t> points, ends;
+
+  explicit Lines(const VtkPolyData& data) {
+    std::int64_t begin = 0;
+    for (const std::int64_t end : data.line_ends) {
+      for (std::int64_t i = begin; i < end; ++i) {
+        points.push_back(data.line_points.empty() ? i : data.line_points[std::size_t(i)]);
+      }
+      if (end - begin == 1) {
+        points.push_back(points.back());
+      }
+      ends.push_back(std::int64_t(points.size()));
+      begin = end;
+    }
+  }
+
+  static bool needed(std::span<const std::int64_t> line_ends) {
+    std::int64_t begin = 0;
+    return std::any_of(line_ends.begin(), line_ends.end(), [&](std::int64_t end) {
+      const bool single = end - begin == 1;
+      begin = end;
+      return single;
+    });
+  }
+};
 
 VtkArray make(std::string name, VtkScalar scalar, const void* data, std::size_t values,
               int components) {
@@ -231,12 +259,15 @@ void write_vtp(const std::string& path, const VtkPolyData& data) {
   document.add(count_from("offsets", 1, vertices));
   document.close("Verts");
   document.open("Lines");
-  if (data.line_points.empty()) {
-    document.add(count_from("connectivity", 0, in_lines));
+  const Lines lengthened(Lines::needed(data.line_ends) ? data : VtkPolyData());
+  if (!lengthened.ends.empty()) {
+    document.add(Block{vtk_array("connectivity", lengthened.points)});
+    document.add(Block{vtk_array("offsets", lengthened.ends)});
   } else {
-    document.add(Block{vtk_array("connectivity", data.line_points)});
+    document.add(data.line_points.empty() ? count_from("connectivity", 0, in_lines)
+                                          : Block{vtk_array("connectivity", data.line_points)});
+    document.add(Block{vtk_array("offsets", data.line_ends)});
   }
-  document.add(Block{vtk_array("offsets", data.line_ends)});
   document.close("Lines");
   document.write(path);
 }

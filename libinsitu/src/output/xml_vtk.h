@@ -41,7 +41,8 @@ struct VtkDataSet {
 
 /// Particles (no lines: each point is a vertex cell) or tracks (polylines over the points).
 struct VtkPolyData : VtkDataSet {
-  /// For polylines: where each line ends in line_points, ascending. A line may be of one point.
+  /// For polylines: where each line ends in line_points, ascending. A line has at least
+  /// one point; since VTK wants two, the file holds a single one twice.
   std::span<const std::int64_t> line_ends;
   /// The point ids of all lines, one after another; empty means 0, 1, 2, ...: points stored line by
   /// line.
@@ -56,21 +57,22 @@ struct VtkUnstructured : VtkDataSet {
 };
 
 /// Write a file atomically: VTK XML 1.0, UInt64 headers, arrays appended raw in this machine's byte
-/// order (named in the file), so nothing is copied or encoded. Throw core::Error: INSITU_ERROR_ARGUMENT
-/// naming the array whose count does not fit, INSITU_ERROR_FILE if the file cannot be written.
+/// order (named in the file), so nothing is copied or encoded. Throw core::Error:
+/// INSITU_ERROR_ARGUMENT naming the array whose count does not fit, INSITU_ERROR_FILE if the file
+/// cannot be written.
 void write_vtp(const std::string& path, const VtkPolyData& data);
 void write_vtu(const std::string& path, const VtkUnstructured& data);
 
-/// The index of a series of files over time (`.pvd`), rewritten atomically at every `add`, so a viewer
-/// can open it while the simulation runs.
+/// The index of a series of files over time (`.pvd`), rewritten atomically at every `add`, so a
+/// viewer can open it while the simulation runs.
 class PvdSeries {
 public:
   /// With `resume` the entries that an earlier run wrote there are kept; an index that was not
   /// written by this class is an error (core::Error, INSITU_ERROR_FILE) then, else it is replaced.
   explicit PvdSeries(std::string path, bool resume = false);
 
-  /// `file` is relative to the index. Entries of an earlier run at this time or later, and one of the
-  /// same name, go: a run that restarted writes them again.
+  /// `file` is relative to the index. Entries of an earlier run at this time or later, and one of
+  /// the same name, go: a run that restarted writes them again.
   void add(double time, const std::string& file);
 
   const std::vector<std::pair<double, std::string>>& entries() const { return entries_; }

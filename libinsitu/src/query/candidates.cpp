@@ -49,8 +49,9 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
   for (int q = 0; q < queries.count; ++q)
     scratch.level[std::size_t(q)] = {0, std::uint32_t(q)};
   auto tasks = std::size_t(queries.count);
-  std::size_t found = 0;
+  std::size_t found = 0, visited = 0;
   while (tasks > 0) {
+    visited += tasks;
     // A task adds at most eight children; one check here spares one for each.
     if (scratch.next.size() < tasks * 8)
       scratch.next.resize(tasks * 8);
@@ -83,6 +84,7 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
     tasks = n;
   }
   scratch.found = found;
+  scratch.visited = visited;
 }
 
 void invert_target(mesh::Shape shape, InverseBlock& block) {

@@ -34,7 +34,8 @@ struct Candidate {
 struct TraversalScratch {
   std::vector<NodeTask> level, next;
   std::vector<Candidate> candidates;
-  std::size_t found = 0; ///< candidates of the last batch
+  std::size_t found = 0;   ///< candidates of the last batch
+  std::size_t visited = 0; ///< (node, query) pairs of the last batch, counted a level at a time
 };
 
 /// Takes the whole batch through the tree level by level, so that the misses of a level overlap;

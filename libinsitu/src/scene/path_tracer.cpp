@@ -1,9 +1,14 @@
 #include "core/timer.h"
 #include "scene/tracer_action.h"
+#include "scene/vtp_series.h"
 
 namespace insitu::scene {
 
 namespace {
+
+std::span<const std::int64_t> line_ends(const advect::Polylines& lines) {
+  return lines.offsets.span().subspan(lines.line_count() ? 1 : lines.offsets.size());
+}
 
 /// Pathlines and streaklines: particles that live from cycle to cycle.
 class PathTracer final : public TracerAction {
@@ -23,20 +28,19 @@ public:
   void execute(query::CommittedMesh& mesh, const Step& step, bool due) override {
     const core::Timer timer;
     core::Context& context = environment_.context;
-    const mesh::FieldView velocity =
-        find_field(mesh, tracer_.velocity, environment_.scene_file);
+    const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
     if (!seeded_) {
       particles_.seed(seeds(mesh), step.time);
       seeded_ = true;
       settled_ = step.time;
-    } else if (tracer_.kind == TracerKind::streakline && due) {
+    } else if (tracer_.kind == TracerKind::streakline) { // every cycle releases its own
       particles_.seed(seeds(mesh), step.time);
     }
     // The earlier step serves if it is the step that the particles are at, on the same cells.
     const bool earlier_is_known =
         topology_ == mesh.topology_version() && !step.first && settled_ == step.earlier_time;
-    const auto earlier = earlier_is_known ? mesh.mesh().earlier_field(tracer_.velocity.text)
-                                          : std::nullopt;
+    const auto earlier =
+        earlier_is_known ? mesh.mesh().earlier_field(tracer_.velocity.text) : std::nullopt;
     mesh.mesh().expose_earlier(earlier.has_value(), context.threads);
     const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
     try {
@@ -49,12 +53,11 @@ public:
     hide();
     settled_ = step.time;
     topology_ = mesh.topology_version();
-    const std::size_t first_new = due || writes(TableFormat::vtp)
-                                      ? tracks_.record(particles_.particles())
-                                      : tracks_.size();
+    if (due && writes(TableFormat::vtp))
+      tracks_.record(particles_.particles());
     environment_.statistics.advect_s += timer.seconds();
     if (due)
-      write(mesh, step, first_new);
+      write(mesh, step);
   }
 
   void finish() override {
@@ -76,14 +79,14 @@ private:
     return s;
   }
 
-  void write(const query::CommittedMesh& mesh, const Step& step, std::size_t first_new) {
+  void write(const query::CommittedMesh& mesh, const Step& step) {
     const core::Timer timer;
     if (writes(TableFormat::csv))
       write_table(mesh, step);
-    if (writes(TableFormat::vtp))
-      write_vtp(step);
-    else if (first_new < tracks_.size())
-      tracks_ = advect::Tracks(environment_.context.memory); // the table has it; nothing else reads it
+    if (writes(TableFormat::vtp)) {
+      write_particles(mesh, step);
+      write_tracks(step);
+    }
     environment_.statistics.output_s += timer.seconds();
   }
 
@@ -98,8 +101,7 @@ private:
       ++environment_.statistics.files;
     }
     const advect::Particles& p = particles_.particles();
-    const std::vector<double> values =
-        sample(mesh, recorded, p.positions.span(), p.cells.span());
+    const std::vector<double> values = sample(mesh, recorded, p.positions.span(), p.cells.span());
     const std::size_t width = columns.size();
     written_.resize(std::size_t(particles_.counts().seeded), 0);
     for (std::size_t i = 0; i < p.size(); ++i) {
@@ -118,26 +120,34 @@ private:
     table_->flush();
   }
 
-  void write_vtp(const Step& step) {
-    const advect::Polylines lines = tracks_.lines();
-    const std::size_t n = lines.line_count();
+  /// The particles as they are now, ended ones where they ended; indexed by time.
+  void write_particles(const query::CommittedMesh& mesh, const Step& step) {
+    const advect::Particles& p = particles_.particles();
+    const std::vector<mesh::FieldView> recorded = fields(mesh);
+    const VtkColumns columns(field_columns(recorded),
+                             sample(mesh, recorded, p.positions.span(), p.cells.span()));
     output::VtkPolyData data;
-    data.points = output::vtk_array(
-        "points", std::span<const double>(n ? &lines.points[0].x : nullptr,
-                                          3 * lines.vertex_count()), 3);
+    data.points = vtk_points(p.positions.span());
+    data.point_data.push_back(output::vtk_array("particle", p.ids.span()));
+    data.point_data.push_back(output::vtk_array("cell", p.cells.span()));
+    data.point_data.push_back(output::vtk_array("ending", p.endings.span()));
+    columns.add_to(data.point_data);
+    series_.write(environment_, tracer_.name, step, data);
+  }
+
+  /// All tracks so far, a vertex for each cycle at which the tracer was due; one file, rewritten.
+  void write_tracks(const Step& step) {
+    const advect::Polylines lines = tracks_.lines();
+    output::VtkPolyData data;
+    data.points = vtk_points(lines.points.span());
     data.point_data.push_back(output::vtk_array("time", lines.times.span()));
     data.cell_data.push_back(output::vtk_array("particle", lines.particles.span()));
     data.cell_data.push_back(output::vtk_array("ending", lines.endings.span()));
-    data.line_ends = lines.offsets.span().subspan(n ? 1 : lines.offsets.size());
+    data.line_ends = line_ends(lines);
     data.has_time = true;
     data.time = step.time;
-    const std::string path = cycle_path(environment_, tracer_.name, step.cycle, ".vtp");
-    output::write_vtp(path, data);
+    output::write_vtp(environment_.output + "/" + tracer_.name + "_tracks.vtp", data);
     ++environment_.statistics.files;
-    if (!series_)
-      series_ =
-          std::make_unique<output::PvdSeries>(environment_.output + "/" + tracer_.name + ".pvd");
-    series_->add(step.time, path.substr(environment_.output.size() + 1));
   }
 
   advect::Tracer particles_;
@@ -147,7 +157,7 @@ private:
   std::uint64_t topology_ = 0;
   std::vector<std::uint8_t> written_; ///< [id] 1: the row of its ending is in the table
   std::unique_ptr<output::AppendTable> table_;
-  std::unique_ptr<output::PvdSeries> series_;
+  VtpSeries series_;
 };
 
 /// Streamlines of the velocity as it is when due.
@@ -182,7 +192,7 @@ public:
     if (writes(TableFormat::csv))
       write_csv(step, lines, columns, values);
     if (writes(TableFormat::vtp))
-      write_vtp(step, lines, columns, values);
+      write_vtp(step, lines, VtkColumns(columns, values));
     environment_.statistics.output_s += output_timer.seconds();
   }
 
@@ -206,36 +216,19 @@ private:
     ++environment_.statistics.files;
   }
 
-  void write_vtp(const Step& step, const advect::Polylines& lines,
-                 const std::vector<std::string>& columns, const std::vector<double>& values) {
-    const std::size_t n = lines.vertex_count(), width = columns.size();
-    std::vector<std::vector<double>> data_columns(width, std::vector<double>(n));
-    for (std::size_t c = 0; c < width; ++c)
-      for (std::size_t i = 0; i < n; ++i)
-        data_columns[c][i] = values[i * width + c];
+  void write_vtp(const Step& step, const advect::Polylines& lines, const VtkColumns& columns) {
     output::VtkPolyData data;
-    data.points = output::vtk_array(
-        "points", std::span<const double>(n ? &lines.points[0].x : nullptr, 3 * n), 3);
+    data.points = vtk_points(lines.points.span());
     data.point_data.push_back(output::vtk_array("s", lines.times.span()));
-    for (std::size_t c = 0; c < width; ++c)
-      data.point_data.push_back(
-          output::vtk_array(columns[c], std::span<const double>(data_columns[c])));
+    columns.add_to(data.point_data);
     data.cell_data.push_back(output::vtk_array("line", lines.particles.span()));
     data.cell_data.push_back(output::vtk_array("ending", lines.endings.span()));
-    data.line_ends = lines.offsets.span().subspan(lines.line_count() ? 1 : lines.offsets.size());
-    data.has_time = true;
-    data.time = step.time;
-    const std::string path = cycle_path(environment_, tracer_.name, step.cycle, ".vtp");
-    output::write_vtp(path, data);
-    ++environment_.statistics.files;
-    if (!series_)
-      series_ =
-          std::make_unique<output::PvdSeries>(environment_.output + "/" + tracer_.name + ".pvd");
-    series_->add(step.time, path.substr(environment_.output.size() + 1));
+    data.line_ends = line_ends(lines);
+    series_.write(environment_, tracer_.name, step, data);
   }
 
   advect::Counts counts_;
-  std::unique_ptr<output::PvdSeries> series_;
+  VtpSeries series_;
 };
 
 } // namespace

@@ -65,9 +65,15 @@ void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due
   const core::Timer timer;
   for (const TableFormat format : probe_.output)
     switch (format) {
-    case TableFormat::csv: write_table(mesh, step, answers); break;
-    case TableFormat::vtp: write_vtp(step, answers); break;
-    case TableFormat::json: write_json(step, answers); break;
+    case TableFormat::csv:
+      write_table(mesh, step, answers);
+      break;
+    case TableFormat::vtp:
+      write_vtp(step, answers);
+      break;
+    case TableFormat::json:
+      write_json(step, answers);
+      break;
     }
   environment_.statistics.output_s += timer.seconds();
 }
@@ -85,8 +91,8 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
       columns.push_back("piece");
     columns.insert(columns.end(), {"r", "s", "t"});
     columns.insert(columns.end(), answers.columns.begin(), answers.columns.end());
-    table_ = std::make_unique<output::AppendTable>(
-        environment_.output + "/" + probe_.name + ".csv", std::move(columns));
+    table_ = std::make_unique<output::AppendTable>(environment_.output + "/" + probe_.name + ".csv",
+                                                   std::move(columns));
     ++environment_.statistics.files;
   }
   output::CsvRows& rows = table_->rows();
@@ -111,29 +117,15 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
 }
 
 void ProbeAction::write_vtp(const Step& step, const Answers& answers) {
-  const std::size_t n = answers.locations.size(), width = answers.columns.size();
-  std::vector<std::int64_t> cells(n);
-  for (std::size_t i = 0; i < n; ++i)
-    cells[i] = answers.locations[i].cell;
-  std::vector<std::vector<double>> columns(width, std::vector<double>(n));
-  for (std::size_t c = 0; c < width; ++c)
-    for (std::size_t i = 0; i < n; ++i)
-      columns[c][i] = answers.values[i * width + c];
+  std::vector<std::int64_t> cells;
+  for (const query::Location& at : answers.locations)
+    cells.push_back(at.cell);
+  const VtkColumns columns(answers.columns, answers.values);
   output::VtkPolyData data;
-  data.points = output::vtk_array(
-      "points", std::span(&points_->mesh_points.data()->x, 3 * n), 3);
+  data.points = vtk_points(points_->mesh_points);
   data.point_data.push_back(output::vtk_array("cell", std::span<const std::int64_t>(cells)));
-  for (std::size_t c = 0; c < width; ++c)
-    data.point_data.push_back(
-        output::vtk_array(answers.columns[c], std::span<const double>(columns[c])));
-  data.has_time = true;
-  data.time = step.time;
-  const std::string path = cycle_path(environment_, probe_.name, step.cycle, ".vtp");
-  output::write_vtp(path, data);
-  if (!series_)
-    series_ = std::make_unique<output::PvdSeries>(environment_.output + "/" + probe_.name + ".pvd");
-  series_->add(step.time, path.substr(environment_.output.size() + 1));
-  ++environment_.statistics.files;
+  columns.add_to(data.point_data);
+  series_.write(environment_, probe_.name, step, data);
 }
 
 void ProbeAction::write_json(const Step& step, const Answers& answers) {

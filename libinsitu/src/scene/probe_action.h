@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "output/csv.h"
-#include "output/xml_vtk.h"
 #include "scene/action.h"
+#include "scene/vtp_series.h"
 
 namespace insitu::scene {
 
@@ -34,7 +34,7 @@ private:
   Environment environment_;
   std::optional<ScenePoints> points_;
   std::unique_ptr<output::AppendTable> table_;
-  std::unique_ptr<output::PvdSeries> series_;
+  VtpSeries series_;
 };
 
 } // namespace insitu::scene

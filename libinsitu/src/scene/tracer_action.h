@@ -7,7 +7,6 @@
 #include "advect/streamlines.h"
 #include "advect/tracks.h"
 #include "output/csv.h"
-#include "output/xml_vtk.h"
 #include "scene/action.h"
 
 namespace insitu::scene {

@@ -120,7 +120,7 @@ Answer triangle(const std::array<IntVec, 4>& p, const IntVec& direction) {
   return ahead == 0 ? FaceAnswer{true, 0} : FaceAnswer{false, 1};
 }
 
-Answer patch(const std::array<IntVec, 4>& p, const IntVec& direction) {
+Answer patch(const std::array<IntVec, 4>& p, const IntVec& direction, bool swapped = false) {
   // S(u, v) from the point, along the ray (h) and along two directions across it (f, g): each is
   // k0 + k1 u + k2 v + k3 u v. Corners p00, p10, p11, p01.
   const IntVec& D = direction;
@@ -135,8 +135,12 @@ Answer patch(const std::array<IntVec, 4>& p, const IntVec& direction) {
   const bool planar =
       determinant(subtract(p[1], p[0]), subtract(p[2], p[0]), subtract(p[3], p[0])) == 0;
 
-  if (A == 0 && B == 0)
-    return C != 0 ? Answer(FaceAnswer{}) : Answer();
+  if (A == 0 && B == 0) {
+    if (C != 0)
+      return FaceAnswer{};
+    // Every u has a solution: a planar patch that shrinks to the point along a line v = constant.
+    return swapped ? Answer() : patch({p[0], p[3], p[2], p[1]}, direction, true);
+  }
   const cpp_int discriminant = A == 0 ? cpp_int(0) : cpp_int(B * B - 4 * A * C);
   if (discriminant < 0)
     return FaceAnswer{};
@@ -243,7 +247,8 @@ Containment oracle_contain(mesh::Shape shape, const Vec3d* vertices, const Vec3d
     if (generic)
       return crossings % 2 != 0 ? Containment::inside : Containment::outside;
   }
-  throw std::runtime_error("oracle: no generic ray found, " + describe(shape, vertices, point));
+  throw std::runtime_error("oracle: no generic ray found, seed " + std::to_string(seed) + ", " +
+                           describe(shape, vertices, point));
 }
 
 } // namespace insitu::test

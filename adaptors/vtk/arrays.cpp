@@ -1,0 +1,88 @@
+#include "arrays.h"
+
+#include <vtkAOSDataArrayTemplate.h>
+#include <vtkDoubleArray.h>
+#include <vtkSOADataArrayTemplate.h>
+
+#include <cstring>
+
+namespace insitu::vtk {
+
+namespace {
+
+template <class T>
+bool in_place(vtkDataArray* array, std::vector<Array>& out) {
+  const std::int64_t items = array->GetNumberOfTuples();
+  const int components = array->GetNumberOfComponents();
+  if (auto* aos = vtkAOSDataArrayTemplate<T>::FastDownCast(array)) {
+    out = {Array(static_cast<const T*>(aos->GetPointer(0)), items).components(components)};
+    return true;
+  }
+  if (auto* soa = vtkSOADataArrayTemplate<T>::FastDownCast(array)) {
+    out.clear();
+    for (int c = 0; c < components; ++c)
+      out.emplace_back(static_cast<const T*>(soa->GetComponentArrayPointer(c)), items);
+    return true;
+  }
+  return false;
+}
+
+/// The bytes of an array that lies in one piece of memory; null if it does not.
+const void* contiguous(vtkDataArray* array) {
+  return array->HasStandardMemoryLayout() ? array->GetVoidPointer(0) : nullptr;
+}
+
+} // namespace
+
+const char* reason_to_convert(vtkDataArray* array) {
+  switch (array->GetDataType()) {
+  case VTK_FLOAT:
+  case VTK_DOUBLE: {
+    std::vector<Array> unused;
+    const bool known = in_place<double>(array, unused) || in_place<float>(array, unused);
+    return known ? nullptr : "values are computed, not stored (implicit array)";
+  }
+  case VTK_BIT: return "bits";
+  default: return "integer values";
+  }
+}
+
+std::optional<Adopted> adopt(vtkDataArray* array, bool convert) {
+  Adopted out;
+  out.owner = array;
+  out.reason = reason_to_convert(array);
+  if (out.reason) {
+    if (!convert)
+      return std::nullopt;
+    auto copy = vtkSmartPointer<vtkDoubleArray>::New();
+    copy->DeepCopy(array);
+    out.owner = copy;
+  }
+  if (!in_place<double>(out.owner, out.arrays))
+    in_place<float>(out.owner, out.arrays);
+  for (Array& a : out.arrays)
+    a.converted(out.reason);
+  return out;
+}
+
+bool same_values(vtkDataArray* a, vtkDataArray* b) {
+  if (a == b)
+    return true;
+  if (!a || !b || a->GetDataType() != b->GetDataType() ||
+      a->GetNumberOfTuples() != b->GetNumberOfTuples() ||
+      a->GetNumberOfComponents() != b->GetNumberOfComponents())
+    return false;
+  const auto bytes =
+      static_cast<std::size_t>(a->GetNumberOfValues()) * std::size_t(a->GetDataTypeSize());
+  if (contiguous(a) && contiguous(b))
+    return bytes == 0 || std::memcmp(contiguous(a), contiguous(b), bytes) == 0;
+  for (vtkIdType i = 0; i < a->GetNumberOfTuples(); ++i)
+    for (int c = 0; c < a->GetNumberOfComponents(); ++c) {
+      const double x = a->GetComponent(i, c), y = b->GetComponent(i, c);
+      if (std::memcmp(&x, &y, sizeof x) != 0)
+        return false;
+    }
+  return true;
+}
+
+} // namespace insitu::vtk

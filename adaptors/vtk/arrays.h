@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vtkDataArray.h>
+#include <vtkSmartPointer.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "insitu/insitu.hpp"
+
+namespace insitu::vtk {
+
+/// A VTK array as the library reads it: in place, or from a copy.
+struct Adopted {
+  vtkSmartPointer<vtkDataArray> owner; ///< the array itself, or the copy
+  const char* reason = nullptr;        ///< why it is a copy; null: in place
+  std::vector<Array> arrays;           ///< one, or one a component
+};
+
+/// The array in place if it holds float or double, interleaved or one array a component; else, a
+/// copy as float64 if convert is set, else nothing.
+std::optional<Adopted> adopt(vtkDataArray* array, bool convert);
+
+/// Why an array cannot be read in place; null if it can.
+const char* reason_to_convert(vtkDataArray* array);
+
+/// Whether both hold the same values in the same type and shape.
+bool same_values(vtkDataArray* a, vtkDataArray* b);
+
+} // namespace insitu::vtk

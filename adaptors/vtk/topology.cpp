@@ -1,0 +1,141 @@
+#include "topology.h"
+
+#include <vtkCellArray.h>
+#include <vtkCellTypes.h>
+#include <vtkDoubleArray.h>
+#include <vtkImageData.h>
+#include <vtkMatrix3x3.h>
+#include <vtkPoints.h>
+#include <vtkRectilinearGrid.h>
+#include <vtkStructuredGrid.h>
+#include <vtkUnstructuredGrid.h>
+
+#include <algorithm>
+
+#include "arrays.h"
+
+namespace insitu::vtk {
+
+namespace {
+
+[[noreturn]] void unsupported(const std::string& what) {
+  throw Error(INSITU_ERROR_UNSUPPORTED, what);
+}
+
+template <class Offsets>
+bool evenly_spaced(const Offsets* offsets, vtkIdType cells, int ids) {
+  for (vtkIdType c = 0; c <= cells; ++c)
+    if (offsets[c] != Offsets(c * ids))
+      return false;
+  return true;
+}
+
+void read_cells(vtkUnstructuredGrid* grid, Topology& t) {
+  t.kind = Topology::Kind::cells;
+  t.points = grid->GetPoints() ? grid->GetPoints()->GetData() : nullptr;
+  if (t.cells == 0) {
+    t.one_shape = true;
+    return;
+  }
+  vtkCellArray* cells = grid->GetCells();
+  vtkUnsignedCharArray* types = grid->GetCellTypesArray();
+  const unsigned char* type = types->GetPointer(0);
+  for (vtkIdType c = 0; c < t.cells; ++c)
+    if (type[c] < VTK_TETRA || type[c] > VTK_PYRAMID) {
+      const char* name = vtkCellTypes::GetClassNameFromTypeId(type[c]);
+      unsupported("cell " + std::to_string(c) + " is a " + (name ? name : "cell") + " (VTK type " +
+                  std::to_string(int(type[c])) +
+                  "); tetrahedra, voxels, hexahedra, wedges and pyramids (10 to 14) are supported");
+    }
+  t.connectivity = Watched(cells->GetConnectivityArray());
+  t.offsets = Watched(cells->GetOffsetsArray());
+  t.types = Watched(types);
+  t.shape = static_cast<Shape>(type[0]);
+  const int ids = vertex_count(t.shape);
+  t.one_shape = std::all_of(type, type + t.cells, [&](unsigned char s) { return s == type[0]; }) &&
+                (cells->IsStorage64Bit()
+                     ? evenly_spaced(cells->GetOffsetsArray64()->GetPointer(0), t.cells, ids)
+                     : evenly_spaced(cells->GetOffsetsArray32()->GetPointer(0), t.cells, ids));
+}
+
+void set_vertices(Topology& t, const int* dimensions, vtkDataSet* data) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    t.vertices[a] = dimensions[a];
+    if (dimensions[a] < 2)
+      unsupported(std::string(data->GetClassName()) + ": " + std::to_string(dimensions[0]) + " x " +
+                  std::to_string(dimensions[1]) + " x " + std::to_string(dimensions[2]) +
+                  " points; at least 2 along each axis are needed");
+  }
+}
+
+void read_image(vtkImageData* image, Topology& t) {
+  set_vertices(t, image->GetDimensions(), image);
+  const int* extent = image->GetExtent();
+  const double* spacing = image->GetSpacing();
+  const double* origin = image->GetOrigin();
+  if (image->GetDirectionMatrix()->IsIdentity()) {
+    t.kind = Topology::Kind::uniform;
+    for (std::size_t a = 0; a < 3; ++a) {
+      t.spacing[a] = spacing[a];
+      t.origin[a] = origin[a] + extent[2 * a] * spacing[a];
+    }
+    return;
+  }
+  t.kind = Topology::Kind::curvilinear;
+  t.made_points = "points of a rotated vtkImageData";
+  auto points = vtkSmartPointer<vtkDoubleArray>::New();
+  points->SetNumberOfComponents(3);
+  points->SetNumberOfTuples(image->GetNumberOfPoints());
+  for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
+    points->SetTuple(i, image->GetPoint(i));
+  t.points = points;
+}
+
+} // namespace
+
+bool same(const Watched& before, const Watched& now) {
+  if (before.array == now.array)
+    return before.time == now.time;
+  return same_values(before.array, now.array);
+}
+
+Topology topology_of(vtkDataSet* data) {
+  if (!data)
+    throw Error(INSITU_ERROR_ARGUMENT, "data: null");
+  Topology t;
+  t.cells = data->GetNumberOfCells();
+  if (auto* unstructured = vtkUnstructuredGrid::SafeDownCast(data)) {
+    read_cells(unstructured, t);
+  } else if (auto* structured = vtkStructuredGrid::SafeDownCast(data)) {
+    t.kind = Topology::Kind::curvilinear;
+    set_vertices(t, structured->GetDimensions(), structured);
+    t.points = structured->GetPoints()->GetData();
+  } else if (auto* rectilinear = vtkRectilinearGrid::SafeDownCast(data)) {
+    t.kind = Topology::Kind::rectilinear;
+    set_vertices(t, rectilinear->GetDimensions(), rectilinear);
+    t.axes[0] = Watched(rectilinear->GetXCoordinates());
+    t.axes[1] = Watched(rectilinear->GetYCoordinates());
+    t.axes[2] = Watched(rectilinear->GetZCoordinates());
+  } else if (auto* image = vtkImageData::SafeDownCast(data)) {
+    read_image(image, t);
+  } else {
+    unsupported(std::string(data->GetClassName()) +
+                ": vtkUnstructuredGrid, vtkStructuredGrid, vtkRectilinearGrid and vtkImageData are "
+                "supported");
+  }
+  t.ghosts = Watched(data->GetCellGhostArray());
+  return t;
+}
+
+bool same(const Topology& before, const Topology& now) {
+  bool equal = before.kind == now.kind && before.cells == now.cells &&
+               before.one_shape == now.one_shape && before.vertices == now.vertices &&
+               before.origin == now.origin && before.spacing == now.spacing &&
+               same(before.ghosts, now.ghosts) && same(before.connectivity, now.connectivity) &&
+               same(before.offsets, now.offsets) && same(before.types, now.types);
+  for (int a = 0; equal && a < 3; ++a)
+    equal = same(before.axes[a], now.axes[a]);
+  return equal;
+}
+
+} // namespace insitu::vtk

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <vtkDataArray.h>
+#include <vtkSmartPointer.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "insitu/insitu.hpp"
+
+class vtkDataSet;
+
+namespace insitu::vtk {
+
+/// An array and its modification time when it was read: what tells later whether it changed.
+struct Watched {
+  vtkSmartPointer<vtkDataArray> array;
+  vtkMTimeType time = 0;
+
+  Watched() = default;
+  explicit Watched(vtkDataArray* a) : array(a), time(a ? a->GetMTime() : 0) {}
+};
+
+bool same(const Watched& before, const Watched& now);
+
+/// The cells of a data set, checked, as they are given to a piece, apart from the points' values.
+struct Topology {
+  enum class Kind { none, cells, curvilinear, rectilinear, uniform };
+  Kind kind = Kind::none;
+  vtkIdType cells = 0;
+  // Kind::cells
+  Shape shape = Shape::hexahedron;
+  bool one_shape = false;
+  Watched connectivity, offsets, types;
+  // blocks
+  std::array<std::int64_t, 3> vertices{};
+  std::array<double, 3> origin{}, spacing{};
+  Watched axes[3];
+  // all
+  Watched ghosts;
+  /// Points where there are any; made_points says why they are a copy.
+  vtkSmartPointer<vtkDataArray> points;
+  const char* made_points = nullptr;
+};
+
+/// Throws Error for data sets and cells that are not supported.
+Topology topology_of(vtkDataSet* data);
+
+bool same(const Topology& before, const Topology& now);
+
+} // namespace insitu::vtk

@@ -1,0 +1,384 @@
+/** @file mesh.hpp
+ *  The meshes of a session, for insitu.hpp (which includes this file): Piece and Mesh. */
+#ifndef INSITU_MESH_HPP
+#define INSITU_MESH_HPP
+
+#include <memory>
+
+#include "insitu/array.hpp"
+#include "insitu/types.hpp"
+
+namespace insitu {
+
+namespace detail {
+
+inline void check(insitu_status status) {
+  if (status != INSITU_OK)
+    throw Error(status, insitu_last_message());
+}
+
+/** What the wrapper knows of a mesh: the counts that pointers alone do not carry. Shared by all
+ *  Mesh objects of one mesh. */
+struct MeshState {
+  struct Counts {
+    std::int64_t vertices = -1, cells = -1;
+  };
+  insitu_mesh handle = nullptr;
+  std::vector<Counts> pieces;
+
+  Counts& counts(int piece) {
+    const auto p = static_cast<std::size_t>(piece < 0 ? 0 : piece);
+    if (p >= pieces.size())
+      pieces.resize(p + 1);
+    return pieces[p];
+  }
+};
+
+} // namespace detail
+
+/** One piece of a mesh: vertices, cells, fields, ghosts. Calling again replaces what was given
+ *  before. All arrays are external: see Array for how long they are read. Give points and cells
+ *  before fields and ghosts: bare pointers take their counts from them, and new cells drop the
+ *  ghosts. Every function throws Error; then nothing has changed. */
+class Piece {
+public:
+  /** n vertices as x, y, z: float or double, one unit of length for all. */
+  template <class T, class N, class = std::enable_if_t<detail::is_real<T> && std::is_integral_v<N>>>
+  void points(const T* x, const T* y, const T* z, N n) {
+    points(Array(x, n), Array(y, n), Array(z, n));
+  }
+  /** n vertices, interleaved: [n][3]. */
+  template <class T, class N, class = std::enable_if_t<detail::is_real<T> && std::is_integral_v<N>>>
+  void points(const T* xyz, N n) {
+    points(Array(xyz, n).components(3));
+  }
+  /** Vertices in containers or layouts of any stride; equal type, count and strides. */
+  void points(const Array& x, const Array& y, const Array& z) { give_points({x, y, z}, 1); }
+  /** Interleaved vertices: components(3) is understood. */
+  void points(const Array& xyz) { give_points({xyz}, 3); }
+
+  /** Cells of one shape: connectivity [count][vertex_count(shape)] of int32 or int64, whose ids
+   *  begin with index_base (0 or 1), in VTK's order. */
+  template <class I, class N,
+            class = std::enable_if_t<detail::is_index<I> && std::is_integral_v<N>>>
+  void cells(Shape shape, const I* connectivity, N count, int index_base = 0) {
+    cells(shape, Array(connectivity, count).components(vertex_count(shape)), index_base);
+  }
+  /** The same from a container (its size gives the number of cells) or in any stride. */
+  void cells(Shape shape, Array connectivity, int index_base = 0) {
+    give_cells(INSITU_LAYOUT_UNIFORM, shape, vertex_count(shape), connectivity, index_base);
+  }
+  /** cells() with the shape in the name: (connectivity, count, index_base = 0) with a pointer,
+   *  (connectivity, index_base = 0) with a container or an Array. */
+  template <class C, class... Rest>
+  void hexahedra(C&& connectivity, Rest... rest) {
+    cells(Shape::hexahedron, std::forward<C>(connectivity), rest...);
+  }
+  template <class C, class... Rest>
+  void tetrahedra(C&& connectivity, Rest... rest) {
+    cells(Shape::tetrahedron, std::forward<C>(connectivity), rest...);
+  }
+  template <class C, class... Rest>
+  void wedges(C&& connectivity, Rest... rest) {
+    cells(Shape::wedge, std::forward<C>(connectivity), rest...);
+  }
+  template <class C, class... Rest>
+  void pyramids(C&& connectivity, Rest... rest) {
+    cells(Shape::pyramid, std::forward<C>(connectivity), rest...);
+  }
+
+  /** Cells of several shapes. types: one uint8 a cell, VTK's numbers; offsets: where a cell's ids
+   *  start in connectivity, one a cell or one more; both offsets and connectivity int32 or int64,
+   *  counting from index_base. Containers, or Arrays with a count. */
+  void mixed_cells(const Array& types, const Array& offsets, const Array& connectivity,
+                   int index_base = 0) {
+    insitu_cells c = insitu_cells_default();
+    c.layout = INSITU_LAYOUT_MIXED;
+    c.types = types.get(-1, "types");
+    c.offsets = offsets.get(-1, "offsets");
+    c.connectivity = connectivity.get(-1, "connectivity");
+    c.count = c.types.count;
+    c.index_base = index_base;
+    give(c);
+  }
+  /** Cells of several shapes as [count][8] ids, unused ones -1; the shape follows from the number
+   * of ids: 4, 5, 6 or 8. */
+  template <class I, class N,
+            class = std::enable_if_t<detail::is_index<I> && std::is_integral_v<N>>>
+  void padded_cells(const I* connectivity, N count, int index_base = 0) {
+    padded_cells(Array(connectivity, count).components(8), index_base);
+  }
+  void padded_cells(Array connectivity, int index_base = 0) {
+    give_cells(INSITU_LAYOUT_PADDED, Shape::hexahedron, 8, connectivity, index_base);
+  }
+
+  /** A curvilinear block of ni x nj x nk vertices, at least 2 each, whose points are given by
+   *  points(). Vertex (i, j, k) has the id i + ni*(j + nj*k), cell (i, j, k) the id
+   *  i + (ni-1)*(j + (nj-1)*k); the arrays' strides say how it lies in memory. */
+  void block(std::int64_t ni, std::int64_t nj, std::int64_t nk) {
+    insitu_block b = insitu_block_default();
+    set_extent(b, ni, nj, nk);
+    give(b);
+  }
+  /** A block with evenly spaced vertices; no points. */
+  void uniform_block(const std::array<std::int64_t, 3>& vertices,
+                     const std::array<double, 3>& origin, const std::array<double, 3>& spacing) {
+    insitu_block b = insitu_block_default();
+    b.kind = INSITU_BLOCK_UNIFORM;
+    set_extent(b, vertices[0], vertices[1], vertices[2]);
+    for (std::size_t a = 0; a < 3; ++a) {
+      b.origin[a] = origin[a];
+      b.spacing[a] = spacing[a];
+    }
+    give(b);
+  }
+  /** A block with one array of coordinates an axis: containers, or Arrays with a count; no points.
+   */
+  void rectilinear_block(const Array& x, const Array& y, const Array& z) {
+    insitu_block b = insitu_block_default();
+    b.kind = INSITU_BLOCK_RECTILINEAR;
+    b.coordinates[0] = x.get(-1, "coordinates x");
+    b.coordinates[1] = y.get(-1, "coordinates y");
+    b.coordinates[2] = z.get(-1, "coordinates z");
+    set_extent(b, b.coordinates[0].count, b.coordinates[1].count, b.coordinates[2].count);
+    give(b);
+  }
+
+  /** Values on cells, float or double: a scalar, or with components() a vector. A bare pointer has
+   *  as many items as the piece has cells. */
+  void cell_field(const std::string& name, const Array& values) {
+    give_field(name, INSITU_CELL, &values, 1);
+  }
+  /** A vector on cells, one array a component: {vx, vy, vz}. */
+  void cell_field(const std::string& name, std::initializer_list<Array> components) {
+    give_field(name, INSITU_CELL, components.begin(), components.size());
+  }
+  /** Values on vertices, as for cells. */
+  void vertex_field(const std::string& name, const Array& values) {
+    give_field(name, INSITU_VERTEX, &values, 1);
+  }
+  void vertex_field(const std::string& name, std::initializer_list<Array> components) {
+    give_field(name, INSITU_VERTEX, components.begin(), components.size());
+  }
+
+  /** One uint8 a cell; a ghost cell never owns a point and is never drawn. */
+  void ghosts(const Array& values, GhostConvention convention = GhostConvention::vtk) {
+    const insitu_array a = values.get(counts().cells, "ghosts");
+    detail::check(
+        insitu_mesh_ghosts(handle(), index_, &a, static_cast<insitu_ghost_convention>(convention)));
+  }
+  void no_ghosts() {
+    detail::check(insitu_mesh_ghosts(handle(), index_, nullptr, INSITU_GHOSTS_VTK));
+  }
+
+  int index() const noexcept { return index_; }
+
+protected:
+  Piece(std::shared_ptr<detail::MeshState> state, int index)
+      : state_(std::move(state)), index_(index) {}
+  insitu_mesh handle() const noexcept { return state_ ? state_->handle : nullptr; }
+  const std::shared_ptr<detail::MeshState>& state() const noexcept { return state_; }
+
+private:
+  friend class Mesh;
+
+  detail::MeshState::Counts counts() const {
+    return state_ ? state_->counts(index_) : detail::MeshState::Counts{};
+  }
+  void give_points(std::initializer_list<Array> arrays, int components) {
+    std::vector<insitu_array> out;
+    for (Array a : arrays) {
+      if (a.components() == 1)
+        a.components(components);
+      out.push_back(a.get(counts().vertices, "points"));
+    }
+    detail::check(
+        insitu_mesh_points(handle(), index_, out.data(), static_cast<std::int32_t>(out.size())));
+    state_->counts(index_).vertices = out[0].count;
+  }
+  void give_cells(insitu_layout layout, Shape shape, int ids, Array& connectivity, int index_base) {
+    insitu_cells c = insitu_cells_default();
+    c.layout = layout;
+    c.shape = static_cast<insitu_shape>(shape);
+    c.connectivity = connectivity.components(ids).get(-1, "connectivity");
+    c.count = c.connectivity.count;
+    c.index_base = index_base;
+    give(c);
+  }
+  void give(const insitu_cells& cells) {
+    detail::check(insitu_mesh_cells(handle(), index_, &cells));
+    state_->counts(index_).cells = cells.count;
+  }
+  void give(const insitu_block& block) {
+    detail::check(insitu_mesh_block(handle(), index_, &block));
+    const std::int64_t* n = block.vertices;
+    state_->counts(index_) = {n[0] * n[1] * n[2], (n[0] - 1) * (n[1] - 1) * (n[2] - 1)};
+  }
+  static void set_extent(insitu_block& b, std::int64_t ni, std::int64_t nj, std::int64_t nk) {
+    b.vertices[0] = ni;
+    b.vertices[1] = nj;
+    b.vertices[2] = nk;
+  }
+  void give_field(const std::string& name, insitu_association association, const Array* arrays,
+                  std::size_t number) {
+    const bool cell = association == INSITU_CELL;
+    const std::string what = (cell ? "cell_field '" : "vertex_field '") + name + "'";
+    std::vector<insitu_array> out;
+    for (std::size_t i = 0; i < number; ++i)
+      out.push_back(arrays[i].get(cell ? counts().cells : counts().vertices, what));
+    detail::check(insitu_mesh_field(handle(), index_, name.c_str(), association, out.data(),
+                                    static_cast<std::int32_t>(out.size())));
+  }
+
+  std::shared_ptr<detail::MeshState> state_;
+  int index_;
+};
+
+/** A mesh of a session: its piece 0, further pieces, and queries. Cheap to copy; all copies, and
+ * all that Session::mesh() returns for one name, are the same mesh. Once its session is closed,
+ * each call throws INSITU_ERROR_HANDLE. */
+class Mesh : public Piece {
+public:
+  /** Of no session, until another Mesh is assigned. */
+  Mesh() : Piece(nullptr, 0) {}
+
+  /** Piece p: pieces are numbered from 0 without gaps, in the order of their first use. */
+  Piece piece(int p) const { return Piece(state(), p); }
+
+  /** Says what changed since the last commit; adds up. New arrays and cells say so by themselves.
+   */
+  void changed(Change what) { detail::check(insitu_mesh_changed(handle(), what)); }
+  void remove_field(const std::string& name) {
+    detail::check(insitu_mesh_remove_field(handle(), name.c_str()));
+  }
+  /** The frame of the mesh's coordinates (cartesian unless said). */
+  void frame(const Frame& frame) { detail::check(insitu_mesh_frame(handle(), &frame.get())); }
+
+  /** Brings the structures up to date, and says what was done, how long it took, what it
+   *  allocated. Session::execute commits by itself. Throws INSITU_ERROR_MESH if validation refuses
+   *  the mesh, INSITU_ERROR_FIELD if a field does not fit. */
+  CommitReport commit() {
+    CommitReport report = insitu_commit_report_default();
+    detail::check(insitu_mesh_commit(handle(), &report));
+    return report;
+  }
+  /** Validates the arrays as they are now. A mesh that would be refused is no exception here. */
+  Validation validate() {
+    Validation v{insitu_validation_default(), true, {}};
+    const insitu_status status = insitu_mesh_validate(handle(), &v.counts);
+    if (status != INSITU_OK && status != INSITU_ERROR_MESH)
+      detail::check(status);
+    v.accepted = status == INSITU_OK;
+    if (!v.accepted)
+      v.findings = insitu_last_message();
+    return v;
+  }
+  /** The copy audit: each array, the pointer that is read, and whether it is the caller's own. */
+  std::vector<AuditEntry> audit() const {
+    std::int32_t count = 0;
+    detail::check(insitu_mesh_audit(handle(), nullptr, &count));
+    std::vector<AuditEntry> entries(static_cast<std::size_t>(count));
+    if (count > 0)
+      detail::check(insitu_mesh_audit(handle(), entries.data(), &count));
+    return entries;
+  }
+
+  /** Which cell owns each point, after a commit: of the closed cells that hold it, the lowest
+   *  (piece, cell); no ghost cell. NaN and infinite points are outside. */
+  Locations locate(const Points& points, const LocateOptions& options = {}) const {
+    Locations out;
+    const insitu_locate_args args = locate_args(points, options, out);
+    detail::check(insitu_mesh_locate(handle(), &args));
+    return out;
+  }
+  /** Locates, and interpolates a field: vertex fields by the cell's shape functions, cell fields by
+   *  the owner's value. Outside: NaN. */
+  Samples sample(const std::string& field, const Points& points,
+                 const LocateOptions& options = {}) const {
+    Samples out;
+    out.components = field_info(field).components;
+    out.values.resize(points.size() * static_cast<std::size_t>(out.components));
+    const char* name = field.c_str();
+    double* values = out.values.data();
+    sample_into(1, &name, &values, locate_args(points, options, out));
+    return out;
+  }
+  /** The same for several fields; points are located once. */
+  FieldSamples sample_fields(const std::vector<std::string>& names, const Points& points,
+                             const LocateOptions& options = {}) const {
+    FieldSamples out;
+    std::vector<const char*> c_names;
+    std::vector<double*> values;
+    out.values.reserve(names.size());
+    for (const std::string& name : names) {
+      const int n = field_info(name).components;
+      out.values.push_back(
+          {name, n, std::vector<double>(points.size() * static_cast<std::size_t>(n))});
+      c_names.push_back(name.c_str());
+      values.push_back(out.values.back().values.data());
+    }
+    sample_into(names.size(), c_names.data(), values.data(), locate_args(points, options, out));
+    return out;
+  }
+  /** One point in the mesh's frame, nothing allocated: fills values (one a component of the field;
+   *  NaN outside), returns whether the point is inside. */
+  bool sample_point(const std::string& field, const std::array<double, 3>& point,
+                    View<double> values) const {
+    const int n = field_info(field).components;
+    if (values.size() != static_cast<std::size_t>(n))
+      detail::refuse("values", detail::text(static_cast<std::int64_t>(values.size())) +
+                                   " given, field '" + field + "' has " + detail::text(n) +
+                                   " components");
+    std::int32_t found = 0;
+    detail::check(
+        insitu_mesh_sample_point(handle(), field.c_str(), point.data(), values.data(), &found));
+    return found != 0;
+  }
+  FieldInfo field_info(const std::string& name) const {
+    std::int32_t components = 0;
+    insitu_association association = INSITU_VERTEX;
+    detail::check(insitu_mesh_field_info(handle(), name.c_str(), &components, &association));
+    return {components, static_cast<Association>(association)};
+  }
+
+  /** For calls of insitu.h; belongs to the session. */
+  using Piece::handle;
+
+private:
+  friend class Session;
+
+  explicit Mesh(std::shared_ptr<detail::MeshState> state) : Piece(std::move(state), 0) {}
+
+  static insitu_locate_args locate_args(const Points& points, const LocateOptions& options,
+                                        Locations& out) {
+    const std::size_t n = points.size();
+    out.found.resize(n);
+    out.cells.resize(n);
+    out.pieces.resize(n);
+    out.parametric.resize(3 * n);
+    insitu_locate_args args = insitu_locate_args_default();
+    args.points = points.arrays();
+    args.point_arrays = points.array_count();
+    args.frame = options.frame ? &options.frame->get() : nullptr;
+    args.accuracy = static_cast<insitu_accuracy>(options.accuracy);
+    args.cell_base = options.cell_base;
+    args.cells = out.cells.data();
+    args.pieces = out.pieces.data();
+    args.parametric = out.parametric.data();
+    args.found = out.found.data();
+    return args;
+  }
+  void sample_into(std::size_t number, const char* const* names, double* const* values,
+                   const insitu_locate_args& locate) const {
+    insitu_sample_args args = insitu_sample_args_default();
+    args.locate = locate;
+    args.fields = names;
+    args.field_count = static_cast<std::int32_t>(number);
+    args.values = values;
+    detail::check(insitu_mesh_sample(handle(), &args));
+  }
+};
+
+} // namespace insitu
+
+#endif // INSITU_MESH_HPP

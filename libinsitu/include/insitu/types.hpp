@@ -1,0 +1,135 @@
+/** @file types.hpp
+ *  Enumerations, frames and results, for insitu.hpp (which includes this file). */
+#ifndef INSITU_TYPES_HPP
+#define INSITU_TYPES_HPP
+
+#include "insitu/array.hpp"
+
+namespace insitu {
+
+/** What changed since the last commit; combine with |. */
+enum Change : std::uint32_t {
+  fields = INSITU_CHANGED_FIELDS,     /**< field values */
+  geometry = INSITU_CHANGED_GEOMETRY, /**< vertex coordinates */
+  topology = INSITU_CHANGED_TOPOLOGY, /**< cells, pieces, ghosts (implies the two above) */
+  everything = INSITU_CHANGED_ALL
+};
+
+constexpr Change operator|(Change a, Change b) noexcept {
+  return static_cast<Change>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
+}
+
+enum class Association { vertex = INSITU_VERTEX, cell = INSITU_CELL };
+
+/** VTK's numbers and point order. */
+enum class Shape {
+  tetrahedron = INSITU_TETRAHEDRON,
+  voxel = INSITU_VOXEL,
+  hexahedron = INSITU_HEXAHEDRON,
+  wedge = INSITU_WEDGE,
+  pyramid = INSITU_PYRAMID
+};
+
+/** Vertices of a cell of that shape. */
+constexpr int vertex_count(Shape shape) noexcept {
+  return shape == Shape::tetrahedron ? 4
+         : shape == Shape::pyramid   ? 5
+         : shape == Shape::wedge     ? 6
+                                     : 8;
+}
+
+enum class Accuracy { fast = INSITU_FAST, standard = INSITU_STANDARD, exact = INSITU_EXACT };
+
+/** How ghost arrays count: VTK's bits, or Ascent's 0 real, otherwise ghost. */
+enum class GhostConvention { vtk = INSITU_GHOSTS_VTK, ascent = INSITU_GHOSTS_ASCENT };
+
+using CommitReport = insitu_commit_report;
+using AuditEntry = insitu_audit_entry;
+
+/** A frame of reference, of a mesh or of the points of a query. */
+class Frame {
+public:
+  /** The solver's own coordinates. */
+  static Frame cartesian() noexcept { return Frame(INSITU_FRAME_CARTESIAN); }
+  /** ECEF metres on WGS84. */
+  static Frame geocentric() noexcept { return Frame(INSITU_FRAME_GEOCENTRIC); }
+  /** Longitude and latitude in degrees, height in metres. */
+  static Frame geodetic() noexcept { return Frame(INSITU_FRAME_GEODETIC); }
+  /** Metres east, north and up of an origin given in degrees and metres. */
+  static Frame enu(double longitude, double latitude, double height) noexcept {
+    Frame f(INSITU_FRAME_ENU);
+    f.frame_.origin[0] = longitude;
+    f.frame_.origin[1] = latitude;
+    f.frame_.origin[2] = height;
+    return f;
+  }
+  /** Easting, northing and height in metres in a zone from 1 to 60. */
+  static Frame utm(int zone, bool north) noexcept {
+    Frame f(INSITU_FRAME_UTM);
+    f.frame_.utm_zone = zone;
+    f.frame_.utm_north = north ? 1 : 0;
+    return f;
+  }
+  const insitu_frame& get() const noexcept { return frame_; }
+
+private:
+  explicit Frame(insitu_frame_kind kind) noexcept : frame_(insitu_frame_default()) {
+    frame_.kind = kind;
+  }
+  insitu_frame frame_;
+};
+
+struct LocateOptions {
+  Accuracy accuracy = Accuracy::standard;
+  std::int64_t cell_base = 0;   /**< 0 or 1: what the first cell is called */
+  const Frame* frame = nullptr; /**< of the points; null: the mesh's */
+};
+
+/** Where points lie: one item a point, in the points' order. */
+struct Locations {
+  std::vector<std::uint8_t> found;  /**< [size()] 1 inside the mesh */
+  std::vector<std::int64_t> cells;  /**< [size()] the owner, cell_base - 1 outside */
+  std::vector<std::int32_t> pieces; /**< [size()] its piece, -1 outside */
+  std::vector<double> parametric;   /**< [size()][3] VTK's parametric coordinates, NaN outside */
+
+  std::size_t size() const noexcept { return found.size(); }
+};
+
+/** Locations and the values of one field there. */
+struct Samples : Locations {
+  int components = 1;
+  std::vector<double> values; /**< [size()][components], NaN outside */
+
+  double operator()(std::size_t point, int component = 0) const {
+    return values[point * static_cast<std::size_t>(components) +
+                  static_cast<std::size_t>(component)];
+  }
+};
+
+/** Values of one field. */
+struct FieldValues {
+  std::string name;
+  int components = 1;
+  std::vector<double> values; /**< [points][components], NaN outside */
+};
+
+/** Locations and the values of several fields there. */
+struct FieldSamples : Locations {
+  std::vector<FieldValues> values; /**< in the order asked for */
+};
+
+struct FieldInfo {
+  int components;
+  Association association;
+};
+
+/** What validation found. */
+struct Validation {
+  insitu_validation counts;
+  bool accepted;        /**< false: a commit refuses the mesh */
+  std::string findings; /**< the first errors, if it does */
+};
+
+} // namespace insitu
+
+#endif // INSITU_TYPES_HPP

@@ -1,0 +1,78 @@
+#include "scene/frames.h"
+
+#include <cmath>
+#include <vector>
+
+#include "core/status.h"
+#include "geo/frames.h"
+
+namespace insitu::scene {
+
+insitu_frame to_api(const FrameOfReference& frame, const insitu_frame& mesh) {
+  using Kind = FrameOfReference::Kind;
+  insitu_frame out = insitu_frame_default();
+  switch (frame.kind) {
+  case Kind::mesh: return mesh;
+  case Kind::cartesian: break;
+  case Kind::geocentric: out.kind = INSITU_FRAME_GEOCENTRIC; break;
+  case Kind::geodetic: out.kind = INSITU_FRAME_GEODETIC; break;
+  case Kind::east_north_up:
+    out.kind = INSITU_FRAME_ENU;
+    out.origin[0] = frame.longitude;
+    out.origin[1] = frame.latitude;
+    out.origin[2] = frame.height;
+    break;
+  case Kind::utm:
+    out.kind = INSITU_FRAME_UTM;
+    out.utm_zone = frame.zone;
+    out.utm_north = frame.north;
+    break;
+  }
+  return out;
+}
+
+namespace {
+
+geo::Frame to_geo(const insitu_frame& f, bool depth) {
+  switch (f.kind) {
+  case INSITU_FRAME_CARTESIAN: return geo::Frame::cartesian();
+  case INSITU_FRAME_GEOCENTRIC: return geo::Frame::geocentric();
+  case INSITU_FRAME_GEODETIC: return geo::Frame::geodetic(depth);
+  case INSITU_FRAME_ENU: return geo::Frame::enu(f.origin[0], f.origin[1], f.origin[2]);
+  case INSITU_FRAME_UTM: return geo::Frame::utm(f.utm_zone, f.utm_north != 0, depth);
+  }
+  throw core::Error(INSITU_ERROR_ARGUMENT, "unknown frame " + std::to_string(int(f.kind)));
+}
+
+} // namespace
+
+void convert_points(std::span<math::Vec3d> points, const insitu_frame& from,
+                    const insitu_frame& to, bool depth) {
+  const geo::Frame source = to_geo(from, depth), target = to_geo(to, false);
+  if (source == target)
+    return;
+  geo::validate(source);
+  // Points that are not finite lie outside every mesh; they are no error of the frame's.
+  std::vector<math::Vec3d> finite;
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (std::isfinite(points[i].x) && std::isfinite(points[i].y) && std::isfinite(points[i].z)) {
+      finite.push_back(points[i]);
+      index.push_back(i);
+    }
+  geo::convert(source, target, finite, finite);
+  for (std::size_t k = 0; k < index.size(); ++k)
+    points[index[k]] = finite[k];
+}
+
+void check_mesh_frame(const insitu_frame& frame) {
+  if (frame.size != sizeof frame)
+    throw core::Error(INSITU_ERROR_ARGUMENT, "frame: make it with insitu_frame_default()");
+  geo::validate(to_geo(frame, false));
+  if (frame.kind == INSITU_FRAME_GEODETIC)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      "frame: a mesh in longitude and latitude is not in this version; give it "
+                      "geocentric, in east-north-up metres or in UTM");
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,34 @@
+#include "core/status.h"
+#include "scene/action.h"
+#include "scene/frames.h"
+#include "scene/points.h"
+#include "scene/points_file.h"
+
+namespace insitu::scene {
+
+ScenePoints resolve_points(const PointSource& source, const FrameOfReference& frame,
+                           const query::CommittedMesh& mesh, const std::string& scene_file) {
+  ScenePoints out;
+  FrameOfReference used = frame;
+  if (const auto* file = std::get_if<PointFile>(&source)) {
+    PointTable table = read_points_file(file->path);
+    used = frame_of(table, frame, scene_file);
+    out.mesh_points = std::move(table.points);
+    out.names = std::move(table.names);
+  } else {
+    const std::int64_t n = point_count(source);
+    out.mesh_points.reserve(std::size_t(n));
+    for (std::int64_t i = 0; i < n; ++i)
+      out.mesh_points.push_back(point_at(source, i));
+  }
+  try {
+    convert_points(out.mesh_points, to_api(used, mesh.frame), mesh.frame, used.depth);
+  } catch (const core::Error& e) {
+    throw core::Error(e.status(), (used.line > 0 ? scene_file + ":" + std::to_string(used.line) + ": "
+                                                 : std::string()) +
+                                      e.what());
+  }
+  return out;
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,38 @@
+#include "scene/vtp_series.h"
+
+namespace insitu::scene {
+
+VtkColumns::VtkColumns(std::vector<std::string> names, std::span<const double> values)
+    : names_(std::move(names)) {
+  const std::size_t width = names_.size(), rows = width ? values.size() / width : 0;
+  columns_.assign(width, std::vector<double>(rows));
+  for (std::size_t c = 0; c < width; ++c)
+    for (std::size_t i = 0; i < rows; ++i)
+      columns_[c][i] = values[i * width + c];
+}
+
+void VtkColumns::add_to(std::vector<output::VtkArray>& arrays) const {
+  for (std::size_t c = 0; c < names_.size(); ++c)
+    arrays.push_back(output::vtk_array(names_[c], std::span<const double>(columns_[c])));
+}
+
+output::VtkArray vtk_points(std::span<const math::Vec3d> points) {
+  static_assert(sizeof(math::Vec3d) == 3 * sizeof(double));
+  return output::vtk_array(
+      "points", std::span<const double>(points.empty() ? nullptr : &points[0].x, 3 * points.size()),
+      3);
+}
+
+void VtpSeries::write(const Environment& environment, const std::string& name, const Step& step,
+                      output::VtkPolyData& data) {
+  data.has_time = true;
+  data.time = step.time;
+  const std::string path = cycle_path(environment, name, step.cycle, ".vtp");
+  output::write_vtp(path, data);
+  ++environment.statistics.files;
+  if (!index_)
+    index_ = std::make_unique<output::PvdSeries>(environment.output + "/" + name + ".pvd");
+  index_->add(step.time, path.substr(environment.output.size() + 1));
+}
+
+} // namespace insitu::scene

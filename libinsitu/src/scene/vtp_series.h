@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+
+#include "output/xml_vtk.h"
+#include "scene/action.h"
+
+namespace insitu::scene {
+
+/// Values [row][column] turned into one named array a column, for VTK files.
+class VtkColumns {
+public:
+  VtkColumns(std::vector<std::string> names, std::span<const double> values);
+  void add_to(std::vector<output::VtkArray>& arrays) const;
+
+private:
+  std::vector<std::string> names_;
+  std::vector<std::vector<double>> columns_;
+};
+
+/// Points as a VTK array over the same memory.
+output::VtkArray vtk_points(std::span<const math::Vec3d> points);
+
+/// One .vtp file a cycle and the .pvd index over them.
+class VtpSeries {
+public:
+  /// Writes <output>/<name>_<cycle>.vtp and adds it to <output>/<name>.pvd.
+  void write(const Environment& environment, const std::string& name, const Step& step,
+             output::VtkPolyData& data);
+
+private:
+  std::unique_ptr<output::PvdSeries> index_;
+};
+
+} // namespace insitu::scene

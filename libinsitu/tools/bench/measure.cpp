@@ -1,0 +1,77 @@
+#include "measure.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <sys/resource.h>
+#include <unistd.h>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
+namespace insitu::bench {
+
+Series::Clock::Clock() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
+  cpu = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  wall = std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void Series::add(const Clock& before) {
+  const Clock now;
+  wall_.push_back(now.wall - before.wall);
+  cpu_.push_back(now.cpu - before.cpu);
+}
+
+double Series::at(std::vector<double> values, double quantile) {
+  if (values.empty())
+    return 0.0;
+  std::sort(values.begin(), values.end());
+  const double place = quantile * double(values.size() - 1);
+  const auto below = std::size_t(place);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return std::lerp(values[below], values[above], place - double(below));
+}
+
+std::int64_t heap_bytes() {
+#if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
+  const auto info = mallinfo2();
+  return std::int64_t(info.uordblks) + std::int64_t(info.hblkhd);
+#else
+  return 0;
+#endif
+}
+
+namespace {
+std::int64_t status_bytes(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with(key))
+      return 1024 * std::atoll(line.c_str() + key.size());
+  return 0;
+}
+} // namespace
+
+std::int64_t start_resident_peak() {
+#if defined(__GLIBC__)
+  malloc_trim(0);
+#endif
+  std::ofstream("/proc/self/clear_refs") << "5";
+  return status_bytes("VmRSS:");
+}
+
+std::int64_t resident_peak() {
+  return status_bytes("VmHWM:");
+}
+
+void progress(const std::string& text) {
+  static const bool terminal = isatty(STDERR_FILENO) == 1;
+  if (terminal)
+    std::fprintf(stderr, "\r\033[K%s", text.c_str());
+}
+
+} // namespace insitu::bench

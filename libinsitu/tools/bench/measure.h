@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace insitu::bench {
+
+/// Wall-clock and processor seconds of one measured piece of work, repetition by repetition. On a
+/// shared machine the processor's time tells more.
+class Series {
+public:
+  template <class Work>
+  void time(Work&& work) {
+    const Clock before;
+    work();
+    add(before);
+  }
+  bool empty() const { return wall_.empty(); }
+  double min() const { return at(wall_, 0.0); }
+  double median() const { return at(wall_, 0.5); }
+  double max() const { return at(wall_, 1.0); }
+  double cpu_median() const { return at(cpu_, 0.5); }
+
+private:
+  struct Clock {
+    Clock();
+    double wall, cpu;
+  };
+  void add(const Clock& before);
+  static double at(std::vector<double> values, double quantile);
+  std::vector<double> wall_, cpu_;
+};
+
+/// Bytes the C library has handed out (to a peer; libinsitu counts its own). 0 if unknown.
+std::int64_t heap_bytes();
+/// Starts a new peak of resident memory; returns what is resident now.
+std::int64_t start_resident_peak();
+std::int64_t resident_peak();
+
+/// One line that overwrites itself on standard error, if that is a terminal.
+void progress(const std::string& text);
+
+} // namespace insitu::bench

@@ -1,0 +1,56 @@
+#include "setup.h"
+
+#include "core/random.h"
+#include "measure.h"
+#include "vtk_parts.h"
+
+namespace insitu::bench {
+
+Setup::Setup(const Options& o) : context(o.threads, core::Log()) {
+  progress("making the mesh");
+  mesh = o.mesh_file.empty()
+             ? workload::make_box(o.kind, workload::box_size(o.kind, o.cells), o.jitter)
+             : read_vtu(o.mesh_file);
+  if (mesh.cell_count() == 0)
+    throw UsageError("--mesh " + o.mesh_file + ": the file has no cells");
+  if (o.renumber)
+    mesh = workload::renumbered(mesh);
+  field = workload::vertex_field(mesh);
+}
+
+std::unique_ptr<query::CommittedMesh> Setup::register_mesh() {
+  auto out = std::make_unique<query::CommittedMesh>("bench", context.memory);
+  const insitu_array points =
+      insitu_array_of(mesh.points.data(), INSITU_FLOAT64, mesh.vertex_count(), 3);
+  out->mesh().set_points(0, &points, 1);
+  insitu_cells cells = insitu_cells_default();
+  cells.count = mesh.cell_count();
+  const auto ids = std::int64_t(mesh.connectivity.size());
+  if (mesh.types.empty()) {
+    cells.shape = insitu_shape(mesh.uniform_shape);
+    cells.connectivity = insitu_array_of(mesh.connectivity.data(), INSITU_INT32, cells.count,
+                                         mesh::vertex_count(mesh.uniform_shape));
+  } else {
+    cells.layout = INSITU_LAYOUT_MIXED;
+    cells.connectivity = insitu_array_of(mesh.connectivity.data(), INSITU_INT32, ids, 1);
+    cells.types = insitu_array_of(mesh.types.data(), INSITU_UINT8, cells.count, 1);
+    cells.offsets = insitu_array_of(mesh.offsets.data(), INSITU_INT64, cells.count + 1, 1);
+  }
+  out->mesh().set_cells(0, &cells);
+  const insitu_array values = insitu_array_of(field.data(), INSITU_FLOAT64, mesh.vertex_count(), 1);
+  out->mesh().set_field(0, "f", INSITU_VERTEX, &values, 1);
+  return out;
+}
+
+insitu_commit_report Setup::commit(query::CommittedMesh& committed) {
+  return committed.commit(context.threads, context.log, context.memory, true);
+}
+
+void Setup::wobble() {
+  const double step = sign_ * 0.01 * mesh.cell_size;
+  sign_ = -sign_;
+  for (std::size_t i = 0; i < mesh.points.size(); ++i)
+    mesh.points[i] += i & 1 ? step : -step;
+}
+
+} // namespace insitu::bench

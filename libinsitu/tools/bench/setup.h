@@ -1,0 +1,32 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/context.h"
+#include "options.h"
+#include "query/committed_mesh.h"
+#include "workload/mesh.h"
+
+namespace insitu::bench {
+
+/// A workload mesh as a session would hold it.
+class Setup {
+public:
+  explicit Setup(const Options& options);
+
+  /// A new committed mesh over the arrays, with nothing built.
+  std::unique_ptr<query::CommittedMesh> register_mesh();
+  insitu_commit_report commit(query::CommittedMesh& mesh);
+  /// Moves every vertex a little, there and back in turns, so that a refit has work to do.
+  void wobble();
+
+  core::Context context;
+  workload::Mesh mesh;
+  std::vector<double> field;
+
+private:
+  double sign_ = 1.0;
+};
+
+} // namespace insitu::bench
