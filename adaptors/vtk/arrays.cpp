@@ -1,10 +1,9 @@
 #include "arrays.h"
 
+#include <cstring>
 #include <vtkAOSDataArrayTemplate.h>
 #include <vtkDoubleArray.h>
 #include <vtkSOADataArrayTemplate.h>
-
-#include <cstring>
 
 namespace insitu::vtk {
 
@@ -42,18 +41,20 @@ const char* reason_to_convert(vtkDataArray* array) {
     const bool known = in_place<double>(array, unused) || in_place<float>(array, unused);
     return known ? nullptr : "values are computed, not stored (implicit array)";
   }
-  case VTK_BIT: return "bits";
-  default: return "integer values";
+  case VTK_BIT:
+    return "bits";
+  default:
+    return "integer values";
   }
 }
 
-std::optional<Adopted> adopt(vtkDataArray* array, bool convert) {
+Adopted adopt(vtkDataArray* array, const char* other_reason) {
   Adopted out;
   out.owner = array;
   out.reason = reason_to_convert(array);
+  if (!out.reason)
+    out.reason = other_reason;
   if (out.reason) {
-    if (!convert)
-      return std::nullopt;
     auto copy = vtkSmartPointer<vtkDoubleArray>::New();
     copy->DeepCopy(array);
     out.owner = copy;

@@ -1,11 +1,8 @@
 #pragma once
 
+#include <vector>
 #include <vtkDataArray.h>
 #include <vtkSmartPointer.h>
-
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "insitu/insitu.hpp"
 
@@ -18,9 +15,9 @@ struct Adopted {
   std::vector<Array> arrays;           ///< one, or one a component
 };
 
-/// The array in place if it holds float or double, interleaved or one array a component; else, a
-/// copy as float64 if convert is set, else nothing.
-std::optional<Adopted> adopt(vtkDataArray* array, bool convert);
+/// The array in place if it holds float or double, interleaved or one array a component, and
+/// nothing else speaks against it; else a copy as float64, with the reason.
+Adopted adopt(vtkDataArray* array, const char* other_reason = nullptr);
 
 /// Why an array cannot be read in place; null if it can.
 const char* reason_to_convert(vtkDataArray* array);

@@ -1,5 +1,6 @@
 #include "topology.h"
 
+#include <algorithm>
 #include <vtkCellArray.h>
 #include <vtkCellTypes.h>
 #include <vtkDoubleArray.h>
@@ -10,8 +11,6 @@
 #include <vtkStructuredGrid.h>
 #include <vtkUnstructuredGrid.h>
 
-#include <algorithm>
-
 #include "arrays.h"
 
 namespace insitu::vtk {
@@ -20,6 +19,11 @@ namespace {
 
 [[noreturn]] void unsupported(const std::string& what) {
   throw Error(INSITU_ERROR_UNSUPPORTED, what);
+}
+
+Watched points_of(vtkPointSet* data) {
+  vtkPoints* points = data->GetPoints();
+  return points ? Watched(points->GetData(), points) : Watched();
 }
 
 template <class Offsets>
@@ -32,7 +36,7 @@ bool evenly_spaced(const Offsets* offsets, vtkIdType cells, int ids) {
 
 void read_cells(vtkUnstructuredGrid* grid, Topology& t) {
   t.kind = Topology::Kind::cells;
-  t.points = grid->GetPoints() ? grid->GetPoints()->GetData() : nullptr;
+  t.points = points_of(grid);
   if (t.cells == 0) {
     t.one_shape = true;
     return;
@@ -47,8 +51,8 @@ void read_cells(vtkUnstructuredGrid* grid, Topology& t) {
                   std::to_string(int(type[c])) +
                   "); tetrahedra, voxels, hexahedra, wedges and pyramids (10 to 14) are supported");
     }
-  t.connectivity = Watched(cells->GetConnectivityArray());
-  t.offsets = Watched(cells->GetOffsetsArray());
+  t.connectivity = Watched(cells->GetConnectivityArray(), cells);
+  t.offsets = Watched(cells->GetOffsetsArray(), cells);
   t.types = Watched(types);
   t.shape = static_cast<Shape>(type[0]);
   const int ids = vertex_count(t.shape);
@@ -88,7 +92,7 @@ void read_image(vtkImageData* image, Topology& t) {
   points->SetNumberOfTuples(image->GetNumberOfPoints());
   for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
     points->SetTuple(i, image->GetPoint(i));
-  t.points = points;
+  t.points = Watched(points);
 }
 
 } // namespace
@@ -109,7 +113,7 @@ Topology topology_of(vtkDataSet* data) {
   } else if (auto* structured = vtkStructuredGrid::SafeDownCast(data)) {
     t.kind = Topology::Kind::curvilinear;
     set_vertices(t, structured->GetDimensions(), structured);
-    t.points = structured->GetPoints()->GetData();
+    t.points = points_of(structured);
   } else if (auto* rectilinear = vtkRectilinearGrid::SafeDownCast(data)) {
     t.kind = Topology::Kind::rectilinear;
     set_vertices(t, rectilinear->GetDimensions(), rectilinear);

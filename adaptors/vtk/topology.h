@@ -1,12 +1,11 @@
 #pragma once
 
-#include <vtkDataArray.h>
-#include <vtkSmartPointer.h>
-#include <vtkUnsignedCharArray.h>
-
 #include <array>
 #include <string>
 #include <vector>
+#include <vtkDataArray.h>
+#include <vtkSmartPointer.h>
+#include <vtkUnsignedCharArray.h>
 
 #include "insitu/insitu.hpp"
 
@@ -20,7 +19,12 @@ struct Watched {
   vtkMTimeType time = 0;
 
   Watched() = default;
-  explicit Watched(vtkDataArray* a) : array(a), time(a ? a->GetMTime() : 0) {}
+  /// owner: an object whose modification counts too, or null.
+  explicit Watched(vtkDataArray* a, vtkObject* owner = nullptr)
+      : array(a), time(a ? a->GetMTime() : 0) {
+    if (owner && owner->GetMTime() > time)
+      time = owner->GetMTime();
+  }
 };
 
 bool same(const Watched& before, const Watched& now);
@@ -40,8 +44,8 @@ struct Topology {
   Watched axes[3];
   // all
   Watched ghosts;
-  /// Points where there are any; made_points says why they are a copy.
-  vtkSmartPointer<vtkDataArray> points;
+  /// Not part of same(); made_points says why they are a copy.
+  Watched points;
   const char* made_points = nullptr;
 };
 

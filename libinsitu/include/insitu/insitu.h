@@ -516,7 +516,7 @@ INSITU_API insitu_status insitu_mesh_field_info(insitu_mesh mesh, const char* na
 typedef enum insitu_ending {
   INSITU_END_ALIVE = 0,
   INSITU_END_LEFT = 1,       /**< left the mesh */
-  INSITU_END_STAGNATED = 2,  /**< the velocity is zero, or the step fell under the minimum */
+  INSITU_END_STAGNATED = 2,  /**< came to rest in a steady field, or no step could be found */
   INSITU_END_EXPIRED = 3,    /**< reached its time, length or age */
   INSITU_END_STEP_LIMIT = 4, /**< took the largest number of steps */
   INSITU_END_SEED_OUTSIDE = 5, /**< was seeded outside the mesh */

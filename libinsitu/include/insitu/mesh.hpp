@@ -161,6 +161,11 @@ public:
     give_field(name, INSITU_VERTEX, components.begin(), components.size());
   }
 
+  /** The same with the association as a value: one array, or one array a component. */
+  void field(const std::string& name, Association association, View<const Array> arrays) {
+    give_field(name, static_cast<insitu_association>(association), arrays.data(), arrays.size());
+  }
+
   /** One uint8 a cell; a ghost cell never owns a point and is never drawn. */
   void ghosts(const Array& values, GhostConvention convention = GhostConvention::vtk) {
     const insitu_array a = values.get(counts().cells, "ghosts");

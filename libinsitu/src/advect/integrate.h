@@ -77,9 +77,9 @@ insitu_ending integrate(F& velocity, const IntegratorSettings& settings, double 
 // ---------------------------------------------------------------------------- implementation
 
 namespace control {
-/// The PI controller of Gustafsson (ACM TOMS 17, 1991, eq. 10) for error per unit step, whose order
-/// is 4 for the pair 5(4): h_new = h * safety * e_n^(-0.7/4) * e_(n-1)^(0.4/4), e =
-/// error/tolerance.
+/// The PI controller of Gustafsson (ACM TOMS 17, 1991) for error per unit step, whose order
+/// is 4 for the pair 5(4): h_new = h * safety * e_n^(-0.7/4) * e_(n-1)^(0.4/4),
+/// e = error / tolerance.
 inline constexpr double safety = 0.9;
 inline constexpr double exponent = 0.7 / 4;
 inline constexpr double previous_exponent = 0.4 / 4;

@@ -38,7 +38,7 @@ template <VelocityField F>
 Trial rk4_step(F& velocity, const Vec3d& x, double t, double h, const Vec3d& k1);
 
 /// Dormand and Prince's embedded pair 5(4) with first-same-as-last (J. Comput. Appl. Math. 6, 1980,
-/// table 2, RK5(4)7M), advanced in the higher order. Six evaluations, the last at the end.
+/// their RK5(4)7M), advanced in the higher order. Six evaluations, the last at the end.
 template <VelocityField F>
 Trial dopri5_step(F& velocity, const Vec3d& x, double t, double h, const Vec3d& k1);
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "insitu/insitu.h"
+
 #include "math/hd.h"
 #include "math/vec.h"
 
@@ -43,6 +44,11 @@ INSITU_HD inline double load_real(const std::byte* p, bool is_float32) {
 /// int32 or int64 at p.
 INSITU_HD inline std::int64_t load_index(const std::byte* p, bool is_int32) {
   return is_int32 ? std::int64_t(load_as<std::int32_t>(p)) : load_as<std::int64_t>(p);
+}
+
+/// An index counted from `base`, counted from 0. Wraps around, so that garbage stays out of range.
+INSITU_HD inline std::int64_t from_base(std::int64_t index, std::int64_t base) {
+  return std::int64_t(std::uint64_t(index) - std::uint64_t(base));
 }
 
 /// Three real components of equal layout: vertex coordinates.

@@ -1,6 +1,6 @@
 #include "mesh/external_array.h"
 
-#include <cstdlib>
+#include <algorithm>
 
 #include "core/status.h"
 
@@ -11,28 +11,39 @@ using core::Error;
 int size_of(insitu_type type) {
   switch (type) {
   case INSITU_FLOAT32:
-  case INSITU_INT32: return 4;
+  case INSITU_INT32:
+    return 4;
   case INSITU_FLOAT64:
-  case INSITU_INT64: return 8;
-  case INSITU_UINT8: return 1;
+  case INSITU_INT64:
+    return 8;
+  case INSITU_UINT8:
+    return 1;
   }
   return 0;
 }
 
 const char* type_name(insitu_type type) {
   switch (type) {
-  case INSITU_FLOAT32: return "float32";
-  case INSITU_FLOAT64: return "float64";
-  case INSITU_INT32: return "int32";
-  case INSITU_INT64: return "int64";
-  case INSITU_UINT8: return "uint8";
+  case INSITU_FLOAT32:
+    return "float32";
+  case INSITU_FLOAT64:
+    return "float64";
+  case INSITU_INT32:
+    return "int32";
+  case INSITU_INT64:
+    return "int64";
+  case INSITU_UINT8:
+    return "uint8";
   }
   return "unknown";
 }
 
-std::int64_t ExternalArray::bytes() const { return layout.count * components * size_of(type); }
+std::int64_t ExternalArray::bytes() const {
+  return layout.count * components * size_of(type);
+}
 
 ExternalArray adopt(const insitu_array* array, const std::string& name) {
+  constexpr std::int64_t most_items = std::int64_t(1) << 40; // times 2^16 components of 8 bytes fit
   const auto refuse = [&](const std::string& what) {
     throw Error(INSITU_ERROR_ARGUMENT, name + ": " + what);
   };
@@ -46,8 +57,10 @@ ExternalArray adopt(const insitu_array* array, const std::string& name) {
     refuse("unknown type " + std::to_string(int(array->type)));
   if (array->memory != INSITU_HOST)
     throw Error(INSITU_ERROR_UNSUPPORTED, name + ": device memory needs a build with CUDA");
-  if (array->components < 1)
-    refuse(std::to_string(array->components) + " components, at least 1 expected");
+  constexpr int most_components = 1 << 16;
+  if (array->components < 1 || array->components > most_components)
+    refuse(std::to_string(array->components) + " components, 1 to " +
+           std::to_string(most_components) + " expected");
 
   ExternalArray out;
   out.data = static_cast<const std::byte*>(array->data);
@@ -60,11 +73,14 @@ ExternalArray adopt(const insitu_array* array, const std::string& name) {
   ItemLayout& layout = out.layout;
   std::int64_t extent[3] = {array->count, 1, 1};
   if (array->extent[0] != 0 || array->extent[1] != 0 || array->extent[2] != 0) {
+    // Extents after the last one that is not 0 were left out; a 0 before it is an empty section.
     std::int64_t product = 1;
-    for (int a = 0; a < 3; ++a) {
-      extent[a] = array->extent[a] == 0 ? 1 : array->extent[a];
-      if (extent[a] < 0 || extent[a] > (std::int64_t(1) << 40) ||
-          product > (std::int64_t(1) << 48) / extent[a])
+    bool left_out = true;
+    for (int a = 2; a >= 0; --a) {
+      left_out = left_out && array->extent[a] == 0;
+      extent[a] = left_out ? 1 : array->extent[a];
+      if (extent[a] < 0 || extent[a] > most_items ||
+          (extent[a] > 0 && product > most_items / extent[a]))
         refuse("extent " + std::to_string(array->extent[a]) + " along axis " + std::to_string(a));
       product *= extent[a];
     }
@@ -73,26 +89,34 @@ ExternalArray adopt(const insitu_array* array, const std::string& name) {
              std::to_string(product));
     layout.count = product;
   } else {
-    if (array->count < 0 || array->count > (std::int64_t(1) << 48))
+    if (array->count < 0 || array->count > most_items)
       refuse("count " + std::to_string(array->count));
     layout.count = array->count;
   }
   if (layout.count > 0 && !array->data)
     refuse("data is null, " + std::to_string(layout.count) + " items expected");
 
-  const std::int64_t packed = array->component_stride ? item : std::int64_t(item) * out.components;
-  layout.stride[0] = array->stride[0] ? array->stride[0] : packed;
-  layout.stride[1] = array->stride[1] ? array->stride[1] : extent[0] * layout.stride[0];
-  layout.stride[2] = array->stride[2] ? array->stride[2] : extent[1] * layout.stride[1];
-  for (int a = 0; a < 3; ++a)
-    if (std::abs(layout.stride[a]) > (std::int64_t(1) << 62) / std::max<std::int64_t>(extent[a], 1))
+  // Offsets are sums of four terms, each below 2^61.
+  constexpr std::int64_t farthest = std::int64_t(1) << 61;
+  const auto is_too_far = [](std::int64_t stride, std::int64_t n) {
+    return stride < -farthest / std::max<std::int64_t>(n, 1) ||
+           stride > farthest / std::max<std::int64_t>(n, 1);
+  };
+  if (is_too_far(out.component_stride, out.components))
+    refuse("component_stride " + std::to_string(out.component_stride));
+  std::int64_t next = array->component_stride ? item : std::int64_t(item) * out.components;
+  for (int a = 0; a < 3; ++a) {
+    layout.stride[a] = array->stride[a] ? array->stride[a] : next;
+    if (is_too_far(layout.stride[a], extent[a]))
       refuse("stride " + std::to_string(layout.stride[a]) + " along axis " + std::to_string(a));
+    next = extent[a] * layout.stride[a];
+  }
   layout.extent[0] = extent[0];
   layout.extent[1] = extent[1];
-  layout.linear = (extent[1] == 1 || layout.stride[1] == extent[0] * layout.stride[0]) &&
-                  (extent[2] == 1 ||
-                   (extent[1] == 1 ? layout.stride[2] == extent[0] * layout.stride[0]
-                                   : layout.stride[2] == extent[1] * layout.stride[1]));
+  layout.linear =
+      (extent[1] == 1 || layout.stride[1] == extent[0] * layout.stride[0]) &&
+      (extent[2] == 1 || (extent[1] == 1 ? layout.stride[2] == extent[0] * layout.stride[0]
+                                         : layout.stride[2] == extent[1] * layout.stride[1]));
   return out;
 }
 

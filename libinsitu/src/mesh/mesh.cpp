@@ -11,7 +11,9 @@ using core::Error;
 
 namespace {
 
-std::string piece_text(std::int32_t piece) { return "piece " + std::to_string(piece); }
+std::string piece_text(std::int32_t piece) {
+  return "piece " + std::to_string(piece);
+}
 
 /// Arrays that together hold the components of one quantity: of equal type, count and strides.
 struct Components {
@@ -25,8 +27,9 @@ Components join(const std::vector<ExternalArray>& arrays, const std::string& nam
   out.layout = arrays[0].layout;
   out.is_float32 = arrays[0].type == INSITU_FLOAT32;
   if (arrays.size() == 1) {
+    const std::byte* data = arrays[0].data; // null if there are no items
     for (int c = 0; c < arrays[0].components; ++c)
-      out.base.push_back(arrays[0].data + c * arrays[0].component_stride);
+      out.base.push_back(data ? data + c * arrays[0].component_stride : nullptr);
     return out;
   }
   for (std::size_t i = 0; i < arrays.size(); ++i) {
@@ -37,8 +40,11 @@ Components join(const std::vector<ExternalArray>& arrays, const std::string& nam
                   one + ": " + std::to_string(a.components) +
                       " components; separate arrays hold one component each");
     const ItemLayout &l = a.layout, &first = arrays[0].layout;
+    const bool same_places = l.linear ? l.stride[0] == first.stride[0]
+                                      : std::equal(l.stride, l.stride + 3, first.stride) &&
+                                            std::equal(l.extent, l.extent + 2, first.extent);
     if (a.type != arrays[0].type || l.count != first.count || l.linear != first.linear ||
-        !std::equal(l.stride, l.stride + (l.linear ? 1 : 3), first.stride))
+        !same_places)
       throw Error(INSITU_ERROR_ARGUMENT,
                   one + ": type " + type_name(a.type) + ", count " + std::to_string(l.count) +
                       ", stride " + std::to_string(l.stride[0]) + " differ from array 0's " +
@@ -62,6 +68,14 @@ std::vector<ExternalArray> adopt_all(const insitu_array* arrays, std::int32_t co
   return out;
 }
 
+/// What is registered apart from the cells stays, whichever is registered first.
+void keep_arrays(const PieceView& from, PieceView& to) {
+  to.points = from.points;
+  to.ghosts = from.ghosts;
+  to.ghost_layout = from.ghost_layout;
+  to.ghost_mask = from.ghost_mask;
+}
+
 } // namespace
 
 Mesh::Mesh(std::string name, core::Memory& memory)
@@ -72,9 +86,10 @@ Mesh::Mesh(std::string name, core::Memory& memory)
 
 Mesh::Piece& Mesh::piece_for(std::int32_t piece) {
   if (piece < 0 || std::size_t(piece) > pieces_.size())
-    throw Error(INSITU_ERROR_ARGUMENT, "mesh '" + name_ + "': piece " + std::to_string(piece) +
-                                           "; pieces are numbered from 0 without gaps, the next is " +
-                                           std::to_string(pieces_.size()));
+    throw Error(INSITU_ERROR_ARGUMENT,
+                "mesh '" + name_ + "': piece " + std::to_string(piece) +
+                    "; pieces are numbered from 0 without gaps, the next is " +
+                    std::to_string(pieces_.size()));
   if (std::size_t(piece) == pieces_.size())
     pieces_.emplace_back();
   return pieces_[std::size_t(piece)];
@@ -166,12 +181,11 @@ void Mesh::set_cells(std::int32_t piece, const insitu_cells* cells) {
   }
 
   Piece& p = piece_for(piece);
-  v.points = p.view.points;
+  keep_arrays(p.view, v);
   p.view = v;
   p.connectivity = connectivity;
   p.types = types;
   p.offsets = offsets;
-  p.ghosts = {};
   for (ExternalArray& axis : p.axes)
     axis = {};
   p.has_cells = true;
@@ -220,9 +234,9 @@ void Mesh::set_block(std::int32_t piece, const insitu_block* block) {
   }
   v.implicit_points = block->kind != INSITU_BLOCK_CURVILINEAR;
   Piece& p = piece_for(piece);
-  v.points = p.view.points;
+  keep_arrays(p.view, v);
   p.view = v;
-  p.connectivity = p.types = p.offsets = p.ghosts = {};
+  p.connectivity = p.types = p.offsets = {};
   std::copy(axes, axes + 3, p.axes);
   p.has_cells = p.is_block = true;
   pending_ |= INSITU_CHANGED_ALL;
@@ -230,8 +244,7 @@ void Mesh::set_block(std::int32_t piece, const insitu_block* block) {
 
 void Mesh::set_field(std::int32_t piece, const std::string& name, insitu_association association,
                      const insitu_array* arrays, std::int32_t array_count) {
-  const std::string text =
-      "mesh '" + name_ + "', " + piece_text(piece) + ", field '" + name + "'";
+  const std::string text = "mesh '" + name_ + "', " + piece_text(piece) + ", field '" + name + "'";
   if (name.empty())
     throw Error(INSITU_ERROR_ARGUMENT, "mesh '" + name_ + "': a field's name is empty");
   if (association != INSITU_VERTEX && association != INSITU_CELL)
@@ -245,8 +258,8 @@ void Mesh::set_field(std::int32_t piece, const std::string& name, insitu_associa
       (known->association != association || known->components != components))
     throw Error(INSITU_ERROR_ARGUMENT,
                 text + ": " + std::to_string(components) + " components on " +
-                    (association == INSITU_CELL ? "cells" : "vertices") + ", but other pieces have " +
-                    std::to_string(known->components) + " on " +
+                    (association == INSITU_CELL ? "cells" : "vertices") +
+                    ", but other pieces have " + std::to_string(known->components) + " on " +
                     (known->association == INSITU_CELL ? "cells" : "vertices"));
   (void)piece_for(piece);
   Field* field = const_cast<Field*>(known);
@@ -300,7 +313,9 @@ const Mesh::Field* Mesh::find(const std::string& name) const {
   return nullptr;
 }
 
-bool Mesh::has_field(const std::string& name) const { return find(name) != nullptr; }
+bool Mesh::has_field(const std::string& name) const {
+  return find(name) != nullptr;
+}
 
 std::vector<std::string> Mesh::field_names() const {
   std::vector<std::string> names;

@@ -31,9 +31,9 @@ struct PieceView {
   Shape uniform_shape = Shape::none; ///< UNIFORM, PADDED (8 ids) and blocks
   std::int64_t cell_count = 0;
   std::int64_t vertex_count = 0;
-  IndexView connectivity;         ///< UNIFORM, PADDED: stride between cells
-  std::int64_t id_stride = 0;     ///< bytes between the ids of a cell
-  IndexView offsets;              ///< MIXED
+  IndexView connectivity;           ///< UNIFORM, PADDED: stride between cells
+  std::int64_t id_stride = 0;       ///< bytes between the ids of a cell
+  IndexView offsets;                ///< MIXED
   const std::byte* types = nullptr; ///< MIXED
   std::int64_t types_stride = 1;
   std::int64_t index_base = 0;
@@ -57,7 +57,7 @@ struct PieceView {
     if (layout == CellLayout::mixed)
       return Shape(load_as<std::uint8_t>(types + cell * types_stride));
     int n = 0;
-    while (n < 8 && padded_id(cell, n) >= 0)
+    while (n < 8 && from_base(padded_id(cell, n), index_base) >= 0)
       ++n;
     return n == 8   ? uniform_shape
            : n == 6 ? Shape::wedge
@@ -87,10 +87,10 @@ struct PieceView {
     const int n = vertex_count_of(shape(cell));
     const std::byte* base =
         layout == CellLayout::mixed
-            ? connectivity.data + (offsets.load(cell) - index_base_of_offsets()) * id_stride
+            ? connectivity.data + from_base(offsets.load(cell), index_base) * id_stride
             : connectivity.data + cell * connectivity.stride;
     for (int v = 0; v < n; ++v)
-      ids[v] = load_index(base + v * id_stride, connectivity.is_int32) - index_base;
+      ids[v] = from_base(load_index(base + v * id_stride, connectivity.is_int32), index_base);
     return n;
   }
 
@@ -109,17 +109,15 @@ struct PieceView {
 
   /// False for ghost and blanked cells: they never own a point and are never drawn.
   INSITU_HD bool owns(std::int64_t cell) const {
-    return !ghosts ||
-           (load_as<std::uint8_t>(ghosts + ghost_layout.offset(cell)) & ghost_mask) == 0;
+    return !ghosts || (load_as<std::uint8_t>(ghosts + ghost_layout.offset(cell)) & ghost_mask) == 0;
   }
 
+  /// Id v of 8 in the padded layout, as the solver counts; -1 is padding.
   INSITU_HD std::int64_t padded_id(std::int64_t cell, int v) const {
     return load_index(connectivity.data + cell * connectivity.stride + v * id_stride,
-                      connectivity.is_int32) -
-           index_base;
+                      connectivity.is_int32);
   }
   INSITU_HD static int vertex_count_of(Shape s) { return mesh::vertex_count(s); }
-  INSITU_HD std::int64_t index_base_of_offsets() const { return index_base; }
 };
 
 } // namespace insitu::mesh

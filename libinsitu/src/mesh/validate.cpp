@@ -10,7 +10,8 @@ namespace {
 using math::Vec3d;
 
 /// Corner tripods: at each corner, its three neighbours, right-handed in a cell that is the right
-/// way round by VTK's rule (face normals outwards; the wedge's triangle 0 1 2 faces away from 3 4 5).
+/// way round by VTK's rule (face normals outwards; the wedge's triangle 0 1 2 faces away from 3 4
+/// 5).
 struct Tripod {
   int corner, a, b, c;
 };
@@ -29,11 +30,16 @@ struct Tripods {
 };
 Tripods tripods(Shape shape) {
   switch (shape) {
-  case Shape::tetrahedron: return {tetrahedron_tripods, 1};
-  case Shape::pyramid: return {pyramid_tripods, 4};
-  case Shape::wedge: return {wedge_tripods, 6};
-  case Shape::voxel: return {voxel_tripods, 8};
-  default: return {hexahedron_tripods, 8};
+  case Shape::tetrahedron:
+    return {tetrahedron_tripods, 1};
+  case Shape::pyramid:
+    return {pyramid_tripods, 4};
+  case Shape::wedge:
+    return {wedge_tripods, 6};
+  case Shape::voxel:
+    return {voxel_tripods, 8};
+  default:
+    return {hexahedron_tripods, 8};
   }
 }
 
@@ -64,9 +70,10 @@ public:
     for (int v = 0; v < n; ++v)
       if (ids[v] < 0 || ids[v] >= p_.vertex_count) {
         ++f.counts.index_errors;
-        f.add(at(cell) + "vertex " + std::to_string(v) + " has id " +
-              std::to_string(ids[v] + p_.index_base) + ", " + std::to_string(p_.index_base) +
-              " to " + std::to_string(p_.vertex_count - 1 + p_.index_base) + " expected");
+        const std::int64_t given = from_base(ids[v], -p_.index_base);
+        f.add(at(cell) + "vertex " + std::to_string(v) + " has id " + std::to_string(given) + ", " +
+              std::to_string(p_.index_base) + " to " +
+              std::to_string(p_.vertex_count - 1 + p_.index_base) + " expected");
         return;
       }
     Vec3d x[8];
@@ -84,7 +91,9 @@ public:
   }
 
 private:
-  std::string at(std::int64_t cell) const { return name_ + ", cell " + std::to_string(cell) + ": "; }
+  std::string at(std::int64_t cell) const {
+    return name_ + ", cell " + std::to_string(cell) + ": ";
+  }
 
   /// The shape is known and the ids lie within connectivity.
   bool structure_is_sound(std::int64_t cell, Findings& f) const {
@@ -97,49 +106,47 @@ private:
       const int type = load_as<std::uint8_t>(p_.types + cell * p_.types_stride);
       if (!is_shape(type))
         return refuse("type " + std::to_string(type) + ", 10 to 14 expected");
-      const std::int64_t start = p_.offsets.load(cell) - p_.index_base;
+      const std::int64_t given = p_.offsets.load(cell), start = from_base(given, p_.index_base);
       const int n = vertex_count(Shape(type));
       if (start < 0 || start > p_.connectivity.count - n)
-        return refuse("its " + std::to_string(n) + " ids start at " +
-                      std::to_string(start + p_.index_base) + " of " +
-                      std::to_string(p_.connectivity.count) + " in connectivity");
+        return refuse("its " + std::to_string(n) + " ids start at " + std::to_string(given) +
+                      " of " + std::to_string(p_.connectivity.count) + " in connectivity");
       // With an offset more than cells (or the next cell's start), the count is checked as well.
       if (cell + 1 < p_.offsets.count) {
-        const std::int64_t end = p_.offsets.load(cell + 1) - p_.index_base;
-        if (end - start != n)
-          return refuse(std::to_string(end - start) + " ids between its offsets, " +
-                        std::to_string(n) + " expected for a " + shape_name(Shape(type)));
+        const std::int64_t ids = from_base(p_.offsets.load(cell + 1), given);
+        if (ids != n)
+          return refuse(std::to_string(ids) + " ids between its offsets, " + std::to_string(n) +
+                        " expected for a " + shape_name(Shape(type)));
       }
     } else if (p_.layout == CellLayout::padded) {
       int n = 0;
-      while (n < 8 && p_.padded_id(cell, n) >= 0)
+      while (n < 8 && from_base(p_.padded_id(cell, n), p_.index_base) >= 0)
         ++n;
       if (n != 4 && n != 5 && n != 6 && n != 8)
         return refuse(std::to_string(n) + " ids before the padding, 4, 5, 6 or 8 expected");
       for (int v = n; v < 8; ++v)
-        if (p_.padded_id(cell, v) + p_.index_base != -1 && p_.padded_id(cell, v) >= 0)
-          return refuse("an id follows the padding");
+        if (p_.padded_id(cell, v) != -1)
+          return refuse("place " + std::to_string(v) + " holds " +
+                        std::to_string(p_.padded_id(cell, v)) + ", -1 expected after its " +
+                        std::to_string(n) + " ids");
     }
     return true;
   }
 
   static void geometry(Shape shape, int n, const Vec3d* x, Findings& f) {
-    double size = 0.0;
     bool coincident = false;
-    for (int v = 1; v < n; ++v) {
-      const Vec3d e = x[v] - x[0];
-      size = std::fmax(size, dot(e, e));
+    for (int v = 1; v < n; ++v)
       for (int w = 0; w < v; ++w)
         coincident |= x[v] == x[w];
-    }
-    size = std::sqrt(size);
-    const double zero = 1e-14 * size * size * size; // rounding of a triple product at this scale
     int positive = 0, negative = 0;
     const Tripods all = tripods(shape);
     for (int k = 0; k < all.count; ++k) {
       const Tripod& t = all.first[k];
-      const double volume =
-          dot(x[t.a] - x[t.corner], cross(x[t.b] - x[t.corner], x[t.c] - x[t.corner]));
+      const Vec3d a = x[t.a] - x[t.corner], b = x[t.b] - x[t.corner], c = x[t.c] - x[t.corner];
+      // Zero to rounding: against the edges' lengths, since cells may be needles or sheets.
+      const double volume = dot(a, cross(b, c));
+      const double zero =
+          1e-14 * std::sqrt(dot(a, a)) * std::sqrt(dot(b, b)) * std::sqrt(dot(c, c));
       positive += volume > zero;
       negative += volume < -zero;
     }
@@ -178,8 +185,7 @@ Validation validate(const std::string& mesh_name, const MeshView& mesh,
   std::size_t lines = 0;
   for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
     const PieceView& piece = mesh.pieces[p];
-    const PieceValidator validator(piece,
-                                   "mesh '" + mesh_name + "', piece " + std::to_string(p));
+    const PieceValidator validator(piece, "mesh '" + mesh_name + "', piece " + std::to_string(p));
     std::vector<Findings> chunks(std::size_t((piece.cell_count + grain - 1) / grain));
     threads.parallel_for(piece.cell_count, grain, [&](std::int64_t begin, std::int64_t end) {
       Findings& f = chunks[std::size_t(begin / grain)];

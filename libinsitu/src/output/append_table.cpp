@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <fcntl.h>
 #include <sys/file.h>
@@ -74,9 +75,42 @@ std::string first_line(int descriptor, const std::string& path) {
   }
 }
 
+/// Cuts the file before its first row, after the header, whose first cell is a number of at least
+/// `from`. Returns whether any row is left.
+bool cut_rows_from(int descriptor, const std::string& path, std::int64_t from) {
+  const auto header = off_t(first_line(descriptor, path).size());
+  const off_t size = size_of(descriptor, path);
+  std::string carry; // the part of a row at the end of a block
+  off_t row = header;
+  char block[1 << 16];
+  for (off_t at = header; at < size;) {
+    const std::size_t count = read_at(descriptor, path, block, sizeof block, at);
+    if (count == 0) {
+      break;
+    }
+    at += off_t(count);
+    carry.append(block, count);
+    std::size_t begin = 0;
+    for (std::size_t end; (end = carry.find('\n', begin)) != std::string::npos; begin = end + 1) {
+      std::int64_t first = 0;
+      const auto parsed = std::from_chars(carry.data() + begin, carry.data() + end, first);
+      if (parsed.ec == std::errc() && first >= from) {
+        if (::ftruncate(descriptor, row) != 0) {
+          throw_file_error("cut the rows of an earlier run from", path, errno);
+        }
+        return row > header;
+      }
+      row += off_t(end + 1 - begin);
+    }
+    carry.erase(0, begin);
+  }
+  return row > header;
+}
+
 } // namespace
 
-AppendTable::AppendTable(std::string path, std::vector<std::string> columns)
+AppendTable::AppendTable(std::string path, std::vector<std::string> columns,
+                         std::optional<std::int64_t> from)
     : path_(std::move(path)), rows_(columns.size()) {
   prepare_folder(folder_of(path_));
   descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
@@ -90,6 +124,10 @@ AppendTable::AppendTable(std::string path, std::vector<std::string> columns)
     }
     cut_partial_line(descriptor_, path_);
     const std::string header = csv_header(columns);
+    // A run that starts anew, with other columns perhaps, owes nothing to a table without rows.
+    if (from && !cut_rows_from(descriptor_, path_, *from) && ::ftruncate(descriptor_, 0) != 0) {
+      throw_file_error("start anew", path_, errno);
+    }
     std::string found = first_line(descriptor_, path_);
     if (found.empty()) {
       append(header);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -63,7 +64,10 @@ void write_csv(const std::string& path, const std::vector<std::string>& columns,
 /// the file and the reason; the rows not written stay in `rows` and go out with the next flush.
 class AppendTable {
 public:
-  AppendTable(std::string path, std::vector<std::string> columns);
+  /// from: rows of an earlier run whose first cell (a cycle) is at least this go, with all after
+  /// them, since a run that restarted writes them again; nothing: all rows stay.
+  AppendTable(std::string path, std::vector<std::string> columns,
+              std::optional<std::int64_t> from = std::nullopt);
   ~AppendTable();
   AppendTable(const AppendTable&) = delete;
   AppendTable& operator=(const AppendTable&) = delete;

@@ -264,7 +264,8 @@ BatchScratch& batch_scratch() {
 } // namespace
 
 Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions& options) const {
-  if (hint >= 0 && mesh_->free_of_folds) {
+  if (hint >= 0 && mesh_->free_of_folds && hint < mesh_->cell_count() &&
+      mesh_->pieces[0].owns(hint)) { // free_of_folds implies one piece
     mesh::CellVertices cell;
     mesh::gather(*mesh_, hint, cell, options.alpha);
     const auto map = cells::inverse_map(cell.shape, cell.x, p);

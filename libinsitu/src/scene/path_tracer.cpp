@@ -97,7 +97,7 @@ private:
       std::vector<std::string> header{"cycle", "time", "particle", "x", "y", "z", "cell", "ending"};
       header.insert(header.end(), columns.begin(), columns.end());
       table_ = std::make_unique<output::AppendTable>(
-          environment_.output + "/" + tracer_.name + ".csv", std::move(header));
+          environment_.output + "/" + tracer_.name + ".csv", std::move(header), step.cycle);
       ++environment_.statistics.files;
     }
     const advect::Particles& p = particles_.particles();

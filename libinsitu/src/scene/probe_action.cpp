@@ -92,7 +92,7 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
     columns.insert(columns.end(), {"r", "s", "t"});
     columns.insert(columns.end(), answers.columns.begin(), answers.columns.end());
     table_ = std::make_unique<output::AppendTable>(environment_.output + "/" + probe_.name + ".csv",
-                                                   std::move(columns));
+                                                   std::move(columns), step.cycle);
     ++environment_.statistics.files;
   }
   output::CsvRows& rows = table_->rows();

@@ -1,4 +1,5 @@
 #include "core/status.h"
+#include "geo/geodesic.h"
 #include "scene/action.h"
 #include "scene/frames.h"
 #include "scene/points.h"
@@ -15,6 +16,9 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
     used = frame_of(table, frame, scene_file);
     out.mesh_points = std::move(table.points);
     out.names = std::move(table.names);
+  } else if (const auto* transect = std::get_if<Transect>(&source);
+             transect && to_api(used, mesh.frame).kind == INSITU_FRAME_GEODETIC) {
+    out.mesh_points = geo::geodesic(transect->from, transect->to, transect->count);
   } else {
     const std::int64_t n = point_count(source);
     out.mesh_points.reserve(std::size_t(n));

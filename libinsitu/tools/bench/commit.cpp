@@ -49,7 +49,7 @@ Report commit(const Options& o) {
   progress("checking");
   setup.wobble();
   committed->mesh().set_changed(INSITU_CHANGED_GEOMETRY);
-  setup.field = workload::vertex_field(setup.mesh);
+  setup.update_field();
   setup.commit(*committed);
   const workload::Queries queries =
       workload::make_queries(setup.mesh, workload::Pattern::uniform, 0);

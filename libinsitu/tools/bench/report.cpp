@@ -88,13 +88,14 @@ std::string table(const Report& r) {
   for (const auto& [name, value] : r.numbers)
     out += format("  %-24s %10.4g\n", name.c_str(), value);
   out += "\n";
-  out += format("  %-22s %8s %8s %9s %9s %9s %9s %6s %6s %10s\n", "", "build s", "refit s", "Mq/s",
+  out += format("  %-22s %8s %8s %9s %9s %9s %9s %6s %6s %10s\n", "", "build ms", "refit ms", "Mq/s",
                 "sample", "B/cell", "peak", "lost", "wrong", "max error");
   const auto row = [&](const Figures& f) {
     const double cells = double(f.cells);
     out +=
-        format("  %-22s %8.3f %8s %9.3f %9.3f %9.1f %9.1f %6lld %6s %10.2g\n", f.name.c_str(),
-               f.build.median(), f.refit.empty() ? "-" : format("%.4f", f.refit.median()).c_str(),
+        format("  %-22s %8.2f %8s %9.3f %9.3f %9.1f %9.1f %6lld %6s %10.2g\n", f.name.c_str(),
+               1e3 * f.build.median(),
+              f.refit.empty() ? "-" : format("%.2f", 1e3 * f.refit.median()).c_str(),
                f.mqps(f.locate), f.mqps(f.sample), double(f.bytes) / cells,
                double(f.bytes_peak) / cells, static_cast<long long>(f.verdict.lost),
                f.tells_cells ? std::to_string(f.verdict.wrong).c_str() : "-", f.verdict.max_error);

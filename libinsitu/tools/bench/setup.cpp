@@ -53,4 +53,9 @@ void Setup::wobble() {
     mesh.points[i] += i & 1 ? step : -step;
 }
 
+void Setup::update_field() {
+  for (std::size_t v = 0; v < field.size(); ++v)
+    field[v] = workload::field(mesh.point(std::int64_t(v)));
+}
+
 } // namespace insitu::bench

@@ -20,6 +20,8 @@ public:
   insitu_commit_report commit(query::CommittedMesh& mesh);
   /// Moves every vertex a little, there and back in turns, so that a refit has work to do.
   void wobble();
+  /// Fits the field's values to moved vertices, in place.
+  void update_field();
 
   core::Context context;
   workload::Mesh mesh;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/status.h"
+#include "geo/geodesic.h"
 
 namespace {
 
@@ -257,3 +258,17 @@ TEST(Frames, ConvertInPlace) {
 }
 
 } // namespace
+
+TEST(Geodesic, StepsAreEqualAndMeridiansAreMeridians) {
+  // From the equator to 60 N and past the pole would be shorter over it: (0, 80) to (180, 80) crosses it.
+  const auto over = insitu::geo::geodesic({0, 80, 0}, {180, 80, -100}, 3);
+  ASSERT_EQ(over.size(), 3u);
+  EXPECT_NEAR(over[1].y, 90.0, 1e-9);
+  EXPECT_NEAR(over[1].z, -50.0, 1e-12);
+  // Along the equator: equal steps of longitude, across the date line.
+  const auto equator = insitu::geo::geodesic({170, 0, 0}, {-170, 0, 0}, 5);
+  EXPECT_NEAR(equator[1].x, 175.0, 1e-9);
+  EXPECT_NEAR(std::fabs(equator[2].x), 180.0, 1e-9);
+  EXPECT_NEAR(equator[3].x, -175.0, 1e-9);
+  EXPECT_THROW(insitu::geo::geodesic({0, 91, 0}, {0, 0, 0}, 2), insitu::core::Error);
+}

@@ -4,9 +4,9 @@
 #ifndef INSITU_VTK_HPP
 #define INSITU_VTK_HPP
 
-#include "insitu/insitu.hpp"
-
 #include <vtkSmartPointer.h>
+
+#include "insitu/insitu.hpp"
 
 class vtkDataSet;
 class vtkPolyData;
@@ -30,7 +30,7 @@ struct AttachOptions {
   /** Names of point and cell arrays; empty: all. */
   std::vector<std::string> arrays = {};
   /** Whether arrays that cannot be read in place (integers, implicit arrays) are converted to
-   *  float64; if not, they are left out. A strict session refuses them either way it can see. */
+   *  float64; if not, they are left out. A strict session refuses what was converted. */
   bool convert = true;
 };
 
@@ -43,10 +43,10 @@ public:
   ~Attachment();
 
   /** The next state of the same piece: of the same data set, or of another one. What is equal is
-   *  not given again, so a moving mesh is refitted and not rebuilt. An array that is the same object
-   *  as before counts as changed if its modification time is newer, another object if its values
-   *  differ. Returns what changed; on an error the earlier state stays attached as far as it was
-   *  not replaced. */
+   *  not given again, so a moving mesh is refitted and not rebuilt. An array that is the same
+   * object as before counts as changed if its modification time is newer, another object if its
+   * values differ. Returns what changed; on an error the earlier state stays attached as far as it
+   * was not replaced. */
   Change update(vtkDataSet* data);
 
   /** Arrays that were converted (also marked so in Mesh::audit), and arrays left out. */
@@ -75,22 +75,21 @@ private:
  *  of each. points: interleaved, one a sample. Everything is copied. */
 INSITU_VTK_API vtkSmartPointer<vtkPolyData> sampled_points(View<const double> points,
                                                            const FieldSamples& samples);
-INSITU_VTK_API vtkSmartPointer<vtkPolyData> sampled_points(View<const double> points,
-                                                           const std::string& field,
-                                                           const Samples& samples);
+INSITU_VTK_API vtkSmartPointer<vtkPolyData>
+sampled_points(View<const double> points, const std::string& field, const Samples& samples);
 
-/** Lines over points: line l takes the points from ends[l - 1] (0 for the first) to ends[l] - 1. values: one
- *  item a point. */
+/** Lines over points: line l takes the points from ends[l - 1] (0 for the first) to ends[l] - 1.
+ * values: one item a point. */
 INSITU_VTK_API vtkSmartPointer<vtkPolyData> tracks(View<const double> points,
                                                    View<const std::int64_t> ends,
                                                    const std::vector<FieldValues>& values = {});
 
-/** Writes .vtp, .vtu, .vts, .vtr or .vti; the extension must fit the data. The file appears whole or
- *  not at all (it is renamed once it is complete). Throws INSITU_ERROR_FILE. */
+/** Writes .vtp, .vtu, .vts, .vtr or .vti; the extension must fit the data. The file appears whole
+ * or not at all (it is renamed once it is complete). Throws INSITU_ERROR_FILE. */
 INSITU_VTK_API void write(const std::string& path, vtkDataSet* data);
 
-/** A .pvd file: the index of a series in time, which ParaView opens. Rewritten at each add, whole or
- *  not at all. */
+/** A .pvd file: the index of a series in time, which ParaView opens. Rewritten at each add, whole
+ * or not at all. */
 class INSITU_VTK_API Series {
 public:
   explicit Series(std::string path) : path_(std::move(path)) {}

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "render/color.h"
+
+namespace insitu::render {
+
+/// In which a colour map is interpolated between its control points. rgb: in sRGB, as stored;
+/// linear: in linear light; diverging: Moreland (2009), "Diverging Color Maps for Scientific
+/// Visualization", through Msh.
+enum class ColorSpace { rgb, hsv, lab, diverging, linear };
+
+/// A control point, in sRGB.
+struct ColorPoint {
+  double x = 0;
+  double r = 0, g = 0, b = 0;
+};
+
+/// Colours over [0, 1]: control points in ascending order, stretched from their first to their last.
+class ColorMap {
+public:
+  /// At least one point, x not descending and finite; throws core::Error (INSITU_ERROR_ARGUMENT).
+  ColorMap(std::string name, ColorSpace space, std::vector<ColorPoint> points,
+           const Color& nan_color = {});
+
+  /// The built-in map of this name; throws INSITU_ERROR_SCENE with the nearest name.
+  static ColorMap built_in(std::string_view name);
+  static std::vector<std::string> built_in_names();
+
+  /// Linear RGB at u; outside [0, 1] the colour of the end.
+  Color at(double u) const;
+  /// Linear RGB of a value that is not a number.
+  const Color& nan_color() const { return nan_color_; }
+  const std::string& name() const { return name_; }
+  const std::vector<ColorPoint>& points() const { return points_; }
+
+private:
+  std::string name_;
+  ColorSpace space_;
+  std::vector<ColorPoint> points_;
+  Color nan_color_;
+};
+
+/// ParaView's JSON: a list of {Name, ColorSpace, RGBPoints [x, r, g, b, ...], NanColor}, or one such
+/// map. `name` picks one of several; empty: the first that has RGBPoints. `source` is what messages
+/// call the text. Throws core::Error (INSITU_ERROR_SCENE) naming the map, the key and what was found.
+ColorMap parse_color_map(const std::string& text, const std::string& source,
+                         const std::string& name = {});
+/// The same from a file; INSITU_ERROR_FILE if it cannot be read.
+ColorMap load_color_map(const std::string& path, const std::string& name = {});
+
+} // namespace insitu::render

@@ -1,0 +1,196 @@
+#include "render/isosurface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "accel/ray_traversal.h"
+#include "core/status.h"
+
+namespace insitu::render {
+
+namespace {
+
+using math::Vec3d;
+
+bool same_scalar(const ScalarField& a, const ScalarField& b) {
+  return a.field.pieces == b.field.pieces && a.field.association == b.field.association &&
+         range_component(a) == range_component(b);
+}
+
+void check(const IsosurfaceSettings& s) {
+  const std::string name = std::string("isosurface of '") + s.field.field.name + "': ";
+  if (s.values.empty())
+    throw core::Error(INSITU_ERROR_ARGUMENT, name + "no value given");
+  for (const double v : s.values)
+    if (!std::isfinite(v))
+      throw core::Error(INSITU_ERROR_ARGUMENT, name + "a value is not finite");
+  if (!(s.opacity >= 0 && s.opacity <= 1))
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      name + "opacity " + std::to_string(s.opacity) + "; 0 to 1 expected");
+  if (s.field.component >= s.field.field.components)
+    throw core::Error(INSITU_ERROR_FIELD, name + "component " + std::to_string(s.field.component) +
+                                              " asked for, " +
+                                              std::to_string(s.field.field.components) + " held");
+}
+
+} // namespace
+
+bool IsosurfaceTracer::Group::needs(std::uint32_t node, int child) const {
+  for (const Level& level : levels)
+    if (ranges->may_contain(node, child, level.low, level.high))
+      return true;
+  return false;
+}
+
+IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
+                                   const std::vector<IsosurfaceSettings>& settings,
+                                   const Lighting& lighting, const core::Threads& threads,
+                                   core::Memory& memory)
+    : sampler_(sampler), lighting_(lighting) {
+  for (const IsosurfaceSettings& s : settings) {
+    check(s);
+    auto group = std::find_if(groups_.begin(), groups_.end(),
+                              [&](const Group& g) { return same_scalar(g.source, s.field); });
+    if (group == groups_.end()) {
+      group = groups_.emplace(groups_.end());
+      group->source = group->field = s.field;
+    }
+    if (s.ranges && s.field.field.association == INSITU_VERTEX)
+      group->ranges = s.ranges;
+    for (const double v : s.values) {
+      group->levels.push_back({v, accel::round_down(v), accel::round_up(v),
+                               std::int32_t(surfaces_.size()), &s});
+      surfaces_.push_back(&s);
+    }
+  }
+  for (Group& group : groups_) {
+    if (group.source.field.association == INSITU_CELL) {
+      group.average =
+          std::make_unique<VertexAverage>(sampler.mesh(), group.source, threads, memory);
+      group.field = group.average->field();
+    }
+    if (!group.ranges) {
+      group.owned_ranges = std::make_unique<accel::ValueRanges>(
+          sampler.tree(), sampler.mesh(), group.field.field, range_component(group.field), threads,
+          memory);
+      group.ranges = group.owned_ranges.get();
+    }
+  }
+}
+
+void IsosurfaceTracer::test_cell(std::int64_t flat, const RaySpace& space, double& t_max,
+                                 std::vector<SurfaceHit>& hits, SurfaceCounts& counts) const {
+  ++counts.cells_tested;
+  mesh::CellVertices cell;
+  mesh::gather(sampler_.mesh(), flat, cell);
+  std::optional<CellRoots> roots;
+  for (const Group& group : groups_) {
+    double values[8], low = HUGE_VAL, high = -HUGE_VAL;
+    for (int v = 0; v < cell.count; ++v) {
+      values[v] = group.field.load(cell.piece, cell.ids[v]);
+      low = std::min(low, values[v]);
+      high = std::max(high, values[v]);
+    }
+    for (const Level& level : group.levels) {
+      if (!(low <= level.value && level.value <= high))
+        continue;
+      if (!roots)
+        roots.emplace(cell, space, 0.0, t_max);
+      if (!roots->meets())
+        return;
+      const bool opaque = level.settings->opacity >= 1;
+      const auto found = [&](const LevelHit& root) {
+        if (root.t > t_max)
+          return false;
+        SurfaceHit hit;
+        hit.t = root.t;
+        hit.cell = flat;
+        hit.surface = level.surface;
+        hit.opacity = float(level.settings->opacity);
+        hit.extent = roots->extent();
+        hit.parametric = root.parametric;
+        hit.gradient = root.gradient;
+        hits.push_back(hit);
+        if (opaque)
+          t_max = root.t;
+        return !opaque;
+      };
+      roots->find(values, level.value, found);
+    }
+  }
+  if (roots)
+    counts.evaluations += roots->evaluations();
+}
+
+void IsosurfaceTracer::shade(const Ray& ray, const IsosurfaceSettings& settings,
+                             SurfaceHit& hit) const {
+  if (const Color* constant = std::get_if<Color>(&settings.color)) {
+    hit.color = *constant;
+  } else {
+    const ColorByField& by = std::get<ColorByField>(settings.color);
+    hit.color = by.function.color(by.field.at(sampler_.mesh(), {hit.cell, hit.parametric}));
+  }
+  if (!lighting_.enabled)
+    return;
+  const double length = std::sqrt(dot(hit.gradient, hit.gradient));
+  // Without a direction the surface is taken to face the viewer.
+  const double cosine = length > 0 && std::isfinite(length)
+                            ? std::fabs(dot(hit.gradient, ray.direction)) / length
+                            : 1.0;
+  hit.color = float(lighting_.ambient + lighting_.diffuse * cosine) * hit.color;
+}
+
+void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits,
+                             SurfaceCounts& counts) const {
+  hits.clear();
+  const RaySpace space(ray);
+  double t_max = std::numeric_limits<double>::max();
+  accel::for_each_cell_along_ray(
+      sampler_.tree(), ray.origin, ray.direction, 0.0, t_max,
+      [&](std::uint32_t node, int child) {
+        for (const Group& group : groups_)
+          if (group.needs(node, child))
+            return true;
+        return false;
+      },
+      [&](std::int64_t flat) {
+        test_cell(flat, space, t_max, hits, counts);
+        return t_max;
+      });
+  std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
+    if (a.t != b.t)
+      return a.t < b.t;
+    return a.surface != b.surface ? a.surface < b.surface : a.cell < b.cell;
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const SurfaceHit& hit = hits[i];
+    if (hit.t > t_max)
+      break;
+    bool twin = false;
+    for (std::size_t k = kept; k-- > 0 && !twin;) {
+      SurfaceHit& other = hits[k];
+      if (hit.t - other.t > 1e-9 * std::max(hit.extent, other.extent))
+        break;
+      if (other.surface != hit.surface || other.cell == hit.cell)
+        continue;
+      twin = true;
+      if (hit.cell < other.cell)
+        other = hit;
+    }
+    if (!twin)
+      hits[kept++] = hit;
+  }
+  hits.resize(kept);
+  // Twins may have moved an opaque hit; nothing shows behind the first.
+  for (std::size_t i = 0; i < hits.size(); ++i)
+    if (hits[i].opacity >= 1) {
+      hits.resize(i + 1);
+      break;
+    }
+  for (SurfaceHit& hit : hits)
+    shade(ray, *surfaces_[std::size_t(hit.surface)], hit);
+}
+
+} // namespace insitu::render

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "accel/value_ranges.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "query/sampler.h"
+#include "render/cell_roots.h"
+#include "render/scalar_field.h"
+#include "render/transfer_function.h"
+#include "render/vertex_average.h"
+
+namespace insitu::render {
+
+/// Colours of a surface by a field, of vertices or cells; the function's opacity is not used.
+struct ColorByField {
+  ScalarField field;
+  TransferFunction function;
+};
+
+/// Surfaces on which a field takes these values. A cell field is averaged to the vertices first
+/// (VertexAverage), for the time of the frame.
+struct IsosurfaceSettings {
+  ScalarField field;
+  std::vector<double> values;
+  double opacity = 1;
+  std::variant<Color, ColorByField> color = Color{0.6f, 0.6f, 0.6f}; ///< linear
+  /// Value ranges of a vertex field that the caller keeps between frames, or null: made for this one.
+  const accel::ValueRanges* ranges = nullptr;
+};
+
+/// A headlight: ambient + diffuse |cos|, on both sides alike.
+struct Lighting {
+  bool enabled = true; ///< false: surfaces keep their plain colours
+  double ambient = 0.3;
+  double diffuse = 0.7;
+};
+
+/// One crossing of a ray with a surface; color is shaded.
+struct SurfaceHit {
+  double t = 0;
+  std::int64_t cell = -1;
+  std::int32_t surface = 0; ///< counted over all settings' values
+  float opacity = 1;
+  double extent = 0; ///< of the ray in the cell, to tell hits apart
+  math::Vec3d parametric, gradient;
+  Color color;
+};
+
+struct SurfaceCounts {
+  std::int64_t cells_tested = 0;
+  std::int64_t evaluations = 0; ///< of fields inside cells, each with an inverse map
+};
+
+/// Intersects rays with all surfaces of a frame in one traversal, pruned by the fields' value ranges.
+class IsosurfaceTracer {
+public:
+  /// Makes what is missing: averages of cell fields, value ranges. The settings must outlive it.
+  IsosurfaceTracer(const query::Sampler& sampler, const std::vector<IsosurfaceSettings>& settings,
+                   const Lighting& lighting, const core::Threads& threads, core::Memory& memory);
+
+  /// The ray's hits in depth order, up to and including the first opaque one. Of hits of one surface
+  /// at one place (of cells that overlap, or on an edge) the lowest cell id counts.
+  void trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts) const;
+
+private:
+  struct Level {
+    double value = 0;
+    float low = 0, high = 0; ///< the value in floats, outwards
+    std::int32_t surface = 0;
+    const IsosurfaceSettings* settings = nullptr;
+  };
+  /// All levels of one scalar field.
+  struct Group {
+    ScalarField source, field; ///< as asked for, and at the vertices
+    std::unique_ptr<VertexAverage> average;
+    std::unique_ptr<accel::ValueRanges> owned_ranges;
+    const accel::ValueRanges* ranges = nullptr;
+    std::vector<Level> levels;
+    bool needs(std::uint32_t node, int child) const;
+  };
+  void test_cell(std::int64_t flat, const RaySpace& space, double& t_max,
+                 std::vector<SurfaceHit>& hits, SurfaceCounts& counts) const;
+  void shade(const Ray& ray, const IsosurfaceSettings& settings, SurfaceHit& hit) const;
+
+  query::Sampler sampler_;
+  Lighting lighting_;
+  std::vector<Group> groups_;
+  std::vector<const IsosurfaceSettings*> surfaces_; ///< by SurfaceHit::surface
+};
+
+} // namespace insitu::render

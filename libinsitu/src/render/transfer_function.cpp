@@ -1,0 +1,100 @@
+#include "render/transfer_function.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/status.h"
+
+namespace insitu::render {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw core::Error(INSITU_ERROR_ARGUMENT, "transfer function: " + message);
+}
+
+float corrected(double opacity, double exponent) {
+  return opacity >= 1.0 ? 1.0f : float(-std::expm1(exponent * std::log1p(-opacity)));
+}
+
+} // namespace
+
+TransferFunction::TransferFunction(ColorMap colors, double low, double high,
+                                   std::vector<OpacityPoint> opacity)
+    : colors_(std::move(colors)), low_(low), high_(high), opacity_(std::move(opacity)) {
+  if (!std::isfinite(low) || !std::isfinite(high) || low > high)
+    refuse("the range must be finite and ascending, [" + std::to_string(low) + ", " +
+           std::to_string(high) + "] given");
+  if (opacity_.empty())
+    opacity_ = {{low, 0.0}, {high, 1.0}};
+  for (std::size_t i = 0; i < opacity_.size(); ++i) {
+    const OpacityPoint& p = opacity_[i];
+    if (!std::isfinite(p.value))
+      refuse("the value of opacity point " + std::to_string(i) + " is not finite");
+    if (!(p.opacity >= 0.0 && p.opacity <= 1.0))
+      refuse("opacity point " + std::to_string(i) + " is " + std::to_string(p.opacity) +
+             "; 0 to 1 expected");
+    if (i > 0 && p.value < opacity_[i - 1].value)
+      refuse("opacity point " + std::to_string(i) + " at " + std::to_string(p.value) +
+             " lies below the one before it at " + std::to_string(opacity_[i - 1].value));
+  }
+}
+
+Color TransferFunction::color(double value) const {
+  if (std::isnan(value))
+    return colors_.nan_color();
+  if (value <= low_ && low_ < high_)
+    return colors_.at(0.0);
+  if (value >= high_)
+    return colors_.at(1.0);
+  return colors_.at(low_ < high_ ? (value - low_) / (high_ - low_) : 0.0);
+}
+
+double TransferFunction::opacity(double value) const {
+  if (std::isnan(value))
+    return nan_opacity_;
+  const auto above =
+      std::upper_bound(opacity_.begin(), opacity_.end(), value,
+                       [](double v, const OpacityPoint& p) { return v < p.value; });
+  if (above == opacity_.begin())
+    return opacity_.front().opacity;
+  if (above == opacity_.end())
+    return opacity_.back().opacity;
+  const OpacityPoint& a = *(above - 1);
+  return a.opacity +
+         (above->opacity - a.opacity) * ((value - a.value) / (above->value - a.value));
+}
+
+Classifier::Classifier(const TransferFunction& function, double step, double unit_distance) {
+  if (!(step > 0.0) || !(unit_distance > 0.0))
+    refuse("the ray step and the unit distance must be positive, " + std::to_string(step) +
+           " and " + std::to_string(unit_distance) + " given");
+  const double exponent = step / unit_distance;
+  const double low = function.low(), high = function.high();
+  const double first = function.opacity_points().front().value;
+  const double last = function.opacity_points().back().value;
+  // A range without extent: everything above it is the table's end.
+  const auto scale = [](double a, double b) { return b > a ? table_size / (b - a) : HUGE_VAL; };
+  color_low_ = low;
+  color_scale_ = scale(low, high);
+  alpha_low_ = first;
+  alpha_scale_ = scale(first, last);
+  for (int i = 0; i <= table_size; ++i) {
+    const double u = double(i) / table_size;
+    color_.push_back(function.colors().at(u));
+    const double value = i == table_size ? last : first + u * (last - first);
+    // The value's own step belongs to the interval above it, so the first entry is the limit from
+    // below the range.
+    alpha_.push_back(corrected(i == 0 ? function.opacity_points().front().opacity
+                                      : function.opacity(value),
+                               exponent));
+  }
+  nan_color_ = function.colors().nan_color();
+  nan_alpha_ = corrected(function.nan_opacity(), exponent);
+}
+
+float Classifier::partial(float alpha, double fraction) {
+  return corrected(double(alpha), fraction);
+}
+
+} // namespace insitu::render

@@ -1,0 +1,109 @@
+#include "options.h"
+
+#include <charconv>
+#include <cstring>
+
+namespace insitu_replay {
+
+const char* const help_text =
+    R"(usage: insitu-replay [--scene SCENE.yaml | --probe POINTS.csv] [options] FILE...
+
+Runs a scene over mesh files as if they were the steps of a running simulation: the same probes,
+tracers and frames, in the same files.
+
+FILE is a VTK XML file: .vtu (tetrahedra, voxels, hexahedra, wedges, pyramids), .vts, .vtr, .vti, or
+a .pvd index of such files; each is one step, in the order given. The parts of a step in a .pvd are
+the pieces of the mesh.
+
+  --scene FILE     the scene
+  --probe FILE     no scene: all fields at the points of a CSV file (columns x,y,z), in probe.csv
+                   (with neither: the default scene, the first scalar field as a volume)
+  --out DIR        output folder; overrides the scene's
+  --mesh NAME      what the scene calls the mesh (default: mesh)
+  --threads N      at most N threads (default: all that the process may use)
+  --strict         refuse arrays that would have to be converted, such as integer fields
+  --validate       check the meshes, print what was found, run nothing
+  --summary FILE   write times, memory and counts as JSON at the end
+  --version
+  --help
+
+The cycle is the field data CYCLE of a file, or else its place in the order, from 0; the time is the
+.pvd's timestep, or else the field data TimeValue or TIME, or else the cycle. A mesh that keeps its
+cells from one file to the next is refitted, not rebuilt.
+
+Exit code: 0 done; 1 a file, mesh or scene is bad, and nothing after it was done; 2 wrong usage;
+3 done, but a probe, tracer or frame failed and was skipped.
+)";
+
+ReplayOptions parse_arguments(int argc, char** argv) {
+  ReplayOptions o;
+  bool only_files = false;
+  for (int i = 1; i < argc; ++i) {
+    std::string key = argv[i];
+    if (only_files || key.size() < 2 || key[0] != '-') {
+      o.files.push_back(key);
+      continue;
+    }
+    if (key == "--") {
+      only_files = true;
+      continue;
+    }
+    std::string value;
+    bool has_value = false;
+    if (const auto equals = key.find('='); equals != std::string::npos) {
+      value = key.substr(equals + 1);
+      key.resize(equals);
+      has_value = true;
+    }
+    const auto take = [&]() -> const std::string& {
+      if (!has_value) {
+        if (i + 1 >= argc)
+          throw UsageError(key + ": a value is missing");
+        value = argv[++i];
+        has_value = true;
+      }
+      if (value.empty())
+        throw UsageError(key + ": the value is empty");
+      return value;
+    };
+    const bool is_switch = key == "--help" || key == "-h" || key == "--version" ||
+                           key == "--strict" || key == "--validate";
+    if (is_switch && has_value)
+      throw UsageError(key + ": takes no value");
+    if (key == "--help" || key == "-h") {
+      o.help = true;
+    } else if (key == "--version") {
+      o.version = true;
+    } else if (key == "--strict") {
+      o.strict = true;
+    } else if (key == "--validate") {
+      o.validate = true;
+    } else if (key == "--scene") {
+      o.scene = take();
+    } else if (key == "--probe") {
+      o.probe = take();
+    } else if (key == "--out") {
+      o.out = take();
+    } else if (key == "--mesh") {
+      o.mesh = take();
+    } else if (key == "--summary") {
+      o.summary = take();
+    } else if (key == "--threads") {
+      const std::string& text = take();
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), o.threads);
+      if (error != std::errc() || end != text.data() + text.size() || o.threads < 0)
+        throw UsageError("--threads: '" + text + "' is not a number of threads");
+    } else {
+      throw UsageError(key + ": unknown option");
+    }
+  }
+  if (o.help || o.version)
+    return o;
+  if (o.files.empty())
+    throw UsageError("no mesh files given");
+  if (!o.scene.empty() && !o.probe.empty())
+    throw UsageError("--scene and --probe: give one of both");
+  return o;
+}
+
+} // namespace insitu_replay

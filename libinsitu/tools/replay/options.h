@@ -1,0 +1,26 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace insitu_replay {
+
+/// A command line that makes no sense; exit code 2.
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct ReplayOptions {
+  bool help = false, version = false, strict = false, validate = false;
+  std::string scene, probe, out, summary;
+  std::string mesh = "mesh";
+  int threads = 0;
+  std::vector<std::string> files;
+};
+
+ReplayOptions parse_arguments(int argc, char** argv);
+
+extern const char* const help_text;
+
+} // namespace insitu_replay

@@ -1,0 +1,152 @@
+!> The argument structs and constants of insitu_c.f90 are those of insitu.h, member by member.
+program layout_test
+  use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_intptr_t, c_loc, c_ptr, c_sizeof
+  use, intrinsic :: iso_fortran_env, only: error_unit, int64
+  use insitu_c
+  implicit none
+
+  interface
+    function layout_of(which, numbers) bind(c) result(count)
+      import :: c_int, c_int64_t
+      integer(c_int), value :: which
+      integer(c_int64_t), intent(out) :: numbers(*)
+      integer(c_int) :: count
+    end function layout_of
+    function constants(numbers) bind(c) result(count)
+      import :: c_int, c_int64_t
+      integer(c_int64_t), intent(out) :: numbers(*)
+      integer(c_int) :: count
+    end function constants
+  end interface
+
+  type(c_session_options), target :: options
+  type(c_array), target :: array
+  type(c_cells), target :: cells
+  type(c_block), target :: block
+  type(c_frame), target :: frame
+  type(insitu_commit_report), target :: commit
+  type(insitu_validation), target :: validation
+  type(c_audit_entry), target :: audit
+  type(c_locate_args), target :: locate
+  type(c_sample_args), target :: sample
+  type(insitu_report), target :: report
+  integer :: failures = 0
+
+  call compare('options', 0, c_sizeof(options), [ &
+      c_loc(options%size), c_loc(options%scene), c_loc(options%scene_text), c_loc(options%output), &
+      c_loc(options%default_scene), c_loc(options%threads), c_loc(options%strict), &
+      c_loc(options%log_level), c_loc(options%log), c_loc(options%log_user), &
+      c_loc(options%communicator), c_loc(options%fortran_communicator)])
+  call compare('array', 1, c_sizeof(array), [ &
+      c_loc(array%size), c_loc(array%data), c_loc(array%type), c_loc(array%components), &
+      c_loc(array%count), c_loc(array%extent), c_loc(array%stride), &
+      c_loc(array%component_stride), c_loc(array%memory), c_loc(array%converted)])
+  call compare('cells', 2, c_sizeof(cells), [ &
+      c_loc(cells%size), c_loc(cells%layout), c_loc(cells%shape), c_loc(cells%count), &
+      c_loc(cells%connectivity), c_loc(cells%types), c_loc(cells%offsets), &
+      c_loc(cells%index_base)])
+  call compare('block', 3, c_sizeof(block), [ &
+      c_loc(block%size), c_loc(block%kind), c_loc(block%vertices), c_loc(block%origin), &
+      c_loc(block%spacing), c_loc(block%coordinates)])
+  call compare('frame', 4, c_sizeof(frame), [ &
+      c_loc(frame%size), c_loc(frame%kind), c_loc(frame%origin), c_loc(frame%utm_zone), &
+      c_loc(frame%utm_north)])
+  call compare('commit', 5, c_sizeof(commit), [ &
+      c_loc(commit%size), c_loc(commit%action), c_loc(commit%validated), c_loc(commit%seconds), &
+      c_loc(commit%cells), c_loc(commit%vertices), c_loc(commit%bytes), &
+      c_loc(commit%bytes_allocated), c_loc(commit%cost_ratio)])
+  call compare('validation', 6, c_sizeof(validation), [ &
+      c_loc(validation%size), c_loc(validation%cells), c_loc(validation%index_errors), &
+      c_loc(validation%shape_errors), c_loc(validation%coordinate_errors), &
+      c_loc(validation%inverted_cells), c_loc(validation%zero_volume_cells), &
+      c_loc(validation%folded_cells), c_loc(validation%collapsed_cells), &
+      c_loc(validation%ghost_cells)])
+  call compare('audit', 7, c_sizeof(audit), [ &
+      c_loc(audit%size), c_loc(audit%name), c_loc(audit%data), c_loc(audit%bytes), &
+      c_loc(audit%borrowed), c_loc(audit%reason)])
+  call compare('locate', 8, c_sizeof(locate), [ &
+      c_loc(locate%size), c_loc(locate%points), c_loc(locate%point_arrays), c_loc(locate%frame), &
+      c_loc(locate%accuracy), c_loc(locate%cell_base), c_loc(locate%cells), &
+      c_loc(locate%pieces), c_loc(locate%parametric), c_loc(locate%found)])
+  call compare('sample', 9, c_sizeof(sample), [ &
+      c_loc(sample%size), c_loc(sample%locate), c_loc(sample%fields), c_loc(sample%field_count), &
+      c_loc(sample%values)])
+  call compare('report', 10, c_sizeof(report), [ &
+      c_loc(report%size), c_loc(report%executions), c_loc(report%commit_s), &
+      c_loc(report%query_s), c_loc(report%advect_s), c_loc(report%render_s), &
+      c_loc(report%output_s), c_loc(report%keeps), c_loc(report%refits), c_loc(report%rebuilds), &
+      c_loc(report%bytes_borrowed), c_loc(report%bytes_held), c_loc(report%bytes_peak), &
+      c_loc(report%bytes_by_purpose), c_loc(report%points_located), &
+      c_loc(report%points_outside), c_loc(report%particles_seeded), c_loc(report%particles), &
+      c_loc(report%frames), c_loc(report%probe_rows), c_loc(report%files), &
+      c_loc(report%failures)])
+  call compare_constants()
+  if (failures > 0) error stop 1
+
+contains
+
+  subroutine compare(what, which, size_here, members)
+    character(len=*), intent(in) :: what
+    integer, intent(in) :: which
+    integer(int64), intent(in) :: size_here
+    type(c_ptr), intent(in) :: members(:)
+    integer(c_int64_t) :: there(40), here
+    character(len=24) :: member
+    integer :: count, i
+
+    count = layout_of(int(which, c_int), there)
+    if (count /= size(members) + 1) then
+      failures = failures + 1
+      write (error_unit, '(2a, i0, a, i0)') what, ': members in C ', count - 1, ', here ', size(members)
+      return
+    end if
+    call expect_equal(what, 'size', size_here, there(1))
+    do i = 1, size(members)
+      here = transfer(members(i), 0_c_intptr_t) - transfer(members(1), 0_c_intptr_t)
+      write (member, '(a, i0)') 'offset of member ', i
+      call expect_equal(what, trim(member), here, there(i + 1))
+    end do
+  end subroutine compare
+
+  subroutine expect_equal(struct, what, here, there)
+    character(len=*), intent(in) :: struct, what
+    integer(c_int64_t), intent(in) :: here, there
+    if (here == there) return
+    failures = failures + 1
+    write (error_unit, '(4a, 2(i0, a))') struct, ', ', what, ': ', there, ' in C, ', here, ' here'
+  end subroutine expect_equal
+
+  subroutine compare_constants()
+    integer(c_int64_t) :: there(100)
+    integer :: count
+
+    associate (here => [ &
+        insitu_ok, insitu_error_argument, insitu_error_handle, insitu_error_busy, &
+        insitu_error_order, insitu_error_mesh, insitu_error_field, insitu_error_scene, &
+        insitu_error_file, insitu_error_memory, insitu_error_unsupported, &
+        insitu_error_conversion, insitu_error_action, insitu_error_internal, insitu_float32, &
+        insitu_float64, insitu_int32, insitu_int64, insitu_uint8, insitu_host, insitu_device, &
+        insitu_vertex, insitu_cell, insitu_tetrahedron, insitu_voxel, insitu_hexahedron, &
+        insitu_wedge, insitu_pyramid, insitu_fast, insitu_standard, insitu_exact, &
+        insitu_nothing, insitu_fields, insitu_geometry, insitu_topology, insitu_all, &
+        insitu_log_error, insitu_log_warning, insitu_log_info, insitu_log_debug, &
+        insitu_layout_uniform, insitu_layout_mixed, insitu_layout_padded, insitu_block_uniform, &
+        insitu_block_rectilinear, insitu_block_curvilinear, insitu_ghosts_vtk, &
+        insitu_ghosts_ascent, insitu_frame_cartesian, insitu_frame_geocentric, &
+        insitu_frame_geodetic, insitu_frame_enu, insitu_frame_utm, insitu_keep, insitu_refit, &
+        insitu_rebuild, insitu_end_alive, insitu_end_left, insitu_end_stagnated, &
+        insitu_end_expired, insitu_end_step_limit, insitu_end_seed_outside, &
+        insitu_end_not_finite, insitu_end_killed, insitu_end_count, insitu_memory_tree, &
+        insitu_memory_build, insitu_memory_ranges, insitu_memory_earlier, insitu_memory_query, &
+        insitu_memory_tracer, insitu_memory_frame, insitu_memory_converted, &
+        insitu_memory_embree, insitu_memory_count])
+      count = constants(there)
+      if (count == size(here)) then
+        if (all(there(:count) == here)) return
+      end if
+    end associate
+    failures = failures + 1
+    write (error_unit, '(a)') 'constants differ from insitu.h'
+  end subroutine compare_constants
+
+end program layout_test
