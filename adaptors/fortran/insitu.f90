@@ -119,7 +119,7 @@ contains
   !> scene: path of a scene file; scene_text: the scene itself; output: folder that overrides the
   !! scene's; default_scene: without a scene, draw the first scalar field every tenth cycle; threads:
   !! at most so many; strict: refuse arrays that would have to be copied; communicator: an MPI
-  !! communicator, kept (serial in this version).
+  !! communicator, kept (serial in this version). A blank text is as if it were absent.
   subroutine session_open(self, scene, ierr, scene_text, output, default_scene, threads, strict, &
                           log_level, communicator)
     class(insitu_session), intent(inout) :: self
@@ -140,15 +140,15 @@ contains
       return
     end if
     options%size = c_sizeof(options)
-    if (present(scene)) then
+    if (given(scene)) then
       scene_c = to_c(scene)
       options%scene = c_loc(scene_c)
     end if
-    if (present(scene_text)) then
+    if (given(scene_text)) then
       text_c = to_c(scene_text)
       options%scene_text = c_loc(text_c)
     end if
-    if (present(output)) then
+    if (given(output)) then
       output_c = to_c(output)
       options%output = c_loc(output_c)
     end if
@@ -161,6 +161,12 @@ contains
     call keep_message(self%text, status)
     ierr = int(status)
   end subroutine session_open
+
+  pure logical function given(text)
+    character(len=*), intent(in), optional :: text
+    given = .false.
+    if (present(text)) given = len_trim(text) > 0
+  end function given
 
   !> Closing a session that is not open is fine.
   subroutine session_close(self, ierr)

@@ -83,26 +83,35 @@ vtkSmartPointer<vtkPolyData> poly_data(View<const double> points) {
   return out;
 }
 
-/// Cells over consecutive points; ends[c] is where cell c ends.
-template <class End>
-vtkSmartPointer<vtkCellArray> consecutive(std::size_t cells, std::size_t points, End&& end) {
-  vtkNew<vtkTypeInt64Array> offsets, ids;
-  offsets->SetNumberOfValues(static_cast<vtkIdType>(cells) + 1);
-  ids->SetNumberOfValues(static_cast<vtkIdType>(points));
-  offsets->SetValue(0, 0);
-  for (std::size_t c = 0; c < cells; ++c)
-    offsets->SetValue(static_cast<vtkIdType>(c) + 1, end(c));
-  for (vtkIdType i = 0; i < ids->GetNumberOfValues(); ++i)
-    ids->SetValue(i, i);
-  auto out = vtkSmartPointer<vtkCellArray>::New();
-  out->SetData(offsets, ids);
-  return out;
-}
+/// Cells [begins[c], ends[c]) over consecutive points.
+struct Ranges {
+  std::vector<std::int64_t> begins, ends;
+
+  void add(std::int64_t begin, std::int64_t end) {
+    begins.push_back(begin);
+    ends.push_back(end);
+  }
+  vtkSmartPointer<vtkCellArray> cells() const {
+    vtkNew<vtkTypeInt64Array> offsets, ids;
+    offsets->InsertNextValue(0);
+    for (std::size_t c = 0; c < ends.size(); ++c) {
+      for (std::int64_t i = begins[c]; i < ends[c]; ++i)
+        ids->InsertNextValue(i);
+      offsets->InsertNextValue(ids->GetNumberOfValues());
+    }
+    auto out = vtkSmartPointer<vtkCellArray>::New();
+    out->SetData(offsets, ids);
+    return out;
+  }
+};
 
 vtkSmartPointer<vtkPolyData> located(View<const double> points, const Locations& at) {
   const std::size_t n = point_count(points);
   auto out = poly_data(points);
-  out->SetVerts(consecutive(n, n, [](std::size_t c) { return static_cast<std::int64_t>(c) + 1; }));
+  Ranges vertices;
+  for (std::int64_t i = 0; i < static_cast<std::int64_t>(n); ++i)
+    vertices.add(i, i + 1);
+  out->SetVerts(vertices.cells());
   add<vtkUnsignedCharArray>(out, "found", at.found, 1, n);
   add<vtkTypeInt64Array>(out, "cell", at.cells, 1, n);
   add<vtkTypeInt32Array>(out, "piece", at.pieces, 1, n);
@@ -177,16 +186,22 @@ vtkSmartPointer<vtkPolyData> tracks(View<const double> points, View<const std::i
                                     const std::vector<FieldValues>& values) {
   const std::size_t n = point_count(points);
   std::int64_t last = 0;
+  Ranges lines, vertices;
   for (std::size_t l = 0; l < ends.size(); ++l) {
     if (ends[l] < last || ends[l] > static_cast<std::int64_t>(n))
       throw Error(INSITU_ERROR_ARGUMENT, "ends: line " + std::to_string(l) + " ends at " +
                                              std::to_string(ends[l]) + ", " + std::to_string(last) +
                                              " to " + std::to_string(n) + " expected");
+    if (ends[l] - last > 1)
+      lines.add(last, ends[l]);
+    else if (ends[l] - last == 1)
+      vertices.add(last, ends[l]);
     last = ends[l];
   }
   expect_items("ends, points of all lines", static_cast<std::size_t>(last), n);
   auto out = poly_data(points);
-  out->SetLines(consecutive(ends.size(), n, [&](std::size_t l) { return ends[l]; }));
+  out->SetLines(lines.cells());
+  out->SetVerts(vertices.cells());
   for (const FieldValues& f : values)
     add<vtkDoubleArray>(out, f.name, f.values, f.components, n);
   return out;

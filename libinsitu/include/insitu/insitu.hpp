@@ -1,16 +1,22 @@
+// clang-format off
 /** @file insitu.hpp
- *  libinsitu for C++17 and later: a header-only layer over insitu.h that owns the handles, knows
- * the types and throws insitu::Error. The rules of insitu.h hold: arrays are external and read in
- *  place, a commit is the only moment work happens, a session is used by one thread at a time.
+ *  libinsitu for C++17 and later: a header-only layer over insitu.h that owns the handles, knows the
+ *  types and throws insitu::Error. The rules of insitu.h hold: arrays are external and read in place,
+ *  a commit is the only moment work happens, a session is used by one thread at a time.
  *
- *      insitu::Session session({.scene = "scene.yaml"});        // C++17: set the members one by
- * one insitu::Mesh mesh = session.mesh("hydro"); mesh.points(x.data(), y.data(), z.data(),
- * vertex_count); // once; again when they move elsewhere mesh.hexahedra(connectivity.data(),
- * cell_count); mesh.cell_field("density", rho.data()); mesh.vertex_field("velocity", {vx.data(),
- * vy.data(), vz.data()}); while (time < end) { advance(dt); mesh.changed(insitu::geometry |
- * insitu::fields); session.execute(cycle, time);
+ *      insitu::Session session({.scene = "scene.yaml"});          // C++17: set the members one by one
+ *      insitu::Mesh mesh = session.mesh("hydro");
+ *      mesh.points(x.data(), y.data(), z.data(), vertex_count);   // once; again when they move elsewhere
+ *      mesh.hexahedra(connectivity.data(), cell_count);
+ *      mesh.cell_field("density", rho.data());
+ *      mesh.vertex_field("velocity", {vx.data(), vy.data(), vz.data()});
+ *      while (time < end) {
+ *        advance(dt);
+ *        mesh.changed(insitu::geometry | insitu::fields);
+ *        session.execute(cycle, time);
  *      }
- *      auto pressure = mesh.sample("pressure", points);         // any time after a commit */
+ *      auto pressure = mesh.sample("pressure", points);           // any time after a commit */
+// clang-format on
 #ifndef INSITU_INSITU_HPP
 #define INSITU_INSITU_HPP
 

@@ -80,26 +80,28 @@ static_assert(sizeof(Node) == 80);
 
 constexpr int most_leaf_cells = 4; // 8 leaf children: offsets of at most 28 fit meta's 5 bits
 
+/// The biased exponent of the smallest power of two with extent / 2^e <= 254; the spare step takes the
+/// roundings. Not below lo's ulp, or steps would vanish in the sum.
+INSITU_HD inline std::uint8_t grid_exponent(float lo, float hi) {
+  const float at_least = (std::fabs(lo) + std::fabs(hi)) * 0x1p-23f;
+  float unit = (hi - lo) * (1.0f / 253.0f);
+  unit = unit > at_least ? unit : at_least;
+  const std::uint32_t e = (std::bit_cast<std::uint32_t>(unit) + 0x7fffffu) >> 23;
+  return std::uint8_t(e < 1 ? 1 : (e > 254 ? 254 : e));
+}
+
 /// Quantises the children's boxes into the node, outwards. Children whose meta is 0 get an inverted
-/// box.
+/// box. (accel/fit.h does the same faster.)
 INSITU_HD inline void encode_boxes(Node& node, const Box* children) {
   Box all;
   for (int c = 0; c < 8; ++c)
     if (node.meta[c])
       all.extend(children[c]);
   for (int a = 0; a < 3; ++a) {
-    const float lo = all.lower[a], extent = all.upper[a] - lo;
+    const float lo = all.lower[a];
     node.lower[a] = lo;
-    // The smallest power of two with extent / 2^e <= 254; the spare step takes the roundings. Not
-    // below lo's ulp, or steps would vanish in the sum.
-    const float at_least = (std::fabs(lo) + std::fabs(all.upper[a])) * 0x1p-23f;
-    float unit = extent * (1.0f / 253.0f);
-    unit = unit > at_least ? unit : at_least;
-    const std::uint32_t bits = std::bit_cast<std::uint32_t>(unit) + 0x7fffffu;
-    std::uint32_t e = bits >> 23;
-    e = e < 1 ? 1 : (e > 254 ? 254 : e);
-    node.exponent[a] = std::uint8_t(e);
-    const float s = std::bit_cast<float>(e << 23), inverse = 1.0f / s;
+    node.exponent[a] = grid_exponent(lo, all.upper[a]);
+    const float s = node.scale(a), inverse = 1.0f / s;
     for (int c = 0; c < 8; ++c) {
       if (!node.meta[c]) {
         node.child_lower[a][c] = 255;

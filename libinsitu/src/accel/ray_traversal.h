@@ -30,7 +30,7 @@ void for_each_cell_along_ray(const Tree& tree, const math::Vec3d& origin,
   const math::Vec3d o = origin - tree.origin();
   double inverse[3], slack[3];
   for (int a = 0; a < 3; ++a) {
-    inverse[a] = 1.0 / direction[a]; // may be infinite; handled below
+    inverse[a] = 1.0 / direction[a]; // may be infinite; see below
     slack[a] = std::fabs(o[a]) * 0x1p-48;
   }
   while (size > 0) {
@@ -58,12 +58,10 @@ void for_each_cell_along_ray(const Tree& tree, const math::Vec3d& origin,
             near = far + 1.0;
           continue;
         }
-        double t0 = lo * inverse[a], t1 = hi * inverse[a];
-        if (t0 > t1) {
-          const double t = t0;
-          t0 = t1;
-          t1 = t;
-        }
+        // By the direction's sign, not by size: 0 times an infinite inverse is NaN, which the
+        // comparisons below pass over.
+        double t0 = (direction[a] > 0.0 ? lo : hi) * inverse[a];
+        double t1 = (direction[a] > 0.0 ? hi : lo) * inverse[a];
         t0 -= std::fabs(t0) * 0x1p-50;
         t1 += std::fabs(t1) * 0x1p-50;
         near = t0 > near ? t0 : near;

@@ -26,8 +26,8 @@ public:
   /// Fits the boxes to moved vertices, bottom up; the topology must be the one that was built.
   void refit(const mesh::MeshView& mesh, const core::Threads& threads);
 
-  /// Expected work of a query, as the surface-area sum over nodes relative to the root's; in units of
-  /// its value right after the last build.
+  /// Expected work of a query, as the surface-area sum over nodes relative to the root's; in units
+  /// of its value right after the last build.
   double cost_ratio() const { return built_cost_ > 0.0 ? cost_ / built_cost_ : 1.0; }
 
   bool empty() const { return nodes_.empty(); }
@@ -54,12 +54,12 @@ private:
   struct Scratch; ///< Embree's device and build memory
   void gather_primitives(const mesh::MeshView& mesh, const core::Threads& threads);
   void flatten(const void* root, const core::Threads& threads);
-  void measure_cost(const core::Threads& threads);
+  void set_cost(const std::vector<double>& areas);
 
   core::Memory* memory_;
   core::Buffer<Node> nodes_;
   core::Buffer<std::uint32_t> cells_;
-  core::Buffer<Box> boxes_;          ///< per node; scratch of refits
+  core::Buffer<Box> boxes_; ///< per node; scratch of refits
   std::unique_ptr<Scratch> scratch_;
   std::vector<std::uint32_t> levels_;
   math::Vec3d origin_;

@@ -25,7 +25,7 @@ Handles<MeshRef>& mesh_refs();
 /// The calling thread's last message.
 std::string& last_message();
 
-insitu_status fail(insitu_status status, const std::string& message) noexcept;
+insitu_status fail(insitu_status status, const char* message) noexcept;
 
 /// Runs body; turns exceptions into a status and a message.
 template <class Body>
@@ -46,13 +46,18 @@ insitu_status guarded(Body&& body) noexcept {
   }
 }
 
-/// Marks the session as in use for a scope; throws if another thread is inside.
+/// Marks the session as in use for a scope; throws if another thread is inside, or closed it since
+/// the handle was looked up.
 class Occupied {
 public:
   explicit Occupied(Session& session) : session_(session) {
     if (session_.busy.exchange(true, std::memory_order_acquire))
       throw core::Error(INSITU_ERROR_BUSY,
                         "another thread is inside this session; one thread at a time may call it");
+    if (session_.closed) {
+      session_.busy.store(false, std::memory_order_release);
+      throw core::Error(INSITU_ERROR_HANDLE, "session: closed by another thread just now");
+    }
   }
   ~Occupied() { session_.busy.store(false, std::memory_order_release); }
   Occupied(const Occupied&) = delete;

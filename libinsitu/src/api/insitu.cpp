@@ -27,7 +27,7 @@ std::string& last_message() {
   return message;
 }
 
-insitu_status fail(insitu_status status, const std::string& message) noexcept {
+insitu_status fail(insitu_status status, const char* message) noexcept {
   try {
     last_message() = message;
   } catch (...) { // no memory for the message; the status says it
@@ -97,6 +97,7 @@ insitu_status insitu_session_close(insitu_session* session) {
       throw core::Error(INSITU_ERROR_HANDLE, "session: not open, or closed already");
     const api::Occupied occupied(*found);
     *session = nullptr;
+    found->closed = true;
     api::sessions().remove(handle);
     for (const auto& m : found->meshes())
       api::mesh_refs().remove(reinterpret_cast<std::uintptr_t>(m->handle));

@@ -10,7 +10,9 @@ using core::Error;
 
 namespace {
 
-core::Log log_of(const insitu_session_options& o) { return {o.log_level, o.log, o.log_user}; }
+core::Log log_of(const insitu_session_options& o) {
+  return {o.log_level, o.log, o.log_user};
+}
 
 } // namespace
 
@@ -19,16 +21,16 @@ Session::Session(const insitu_session_options& options)
       default_scene_(options.default_scene != 0), output_(options.output ? options.output : ""),
       communicator_(options.communicator), fortran_communicator_(options.fortran_communicator) {
   if (options.threads < 0)
-    throw Error(INSITU_ERROR_ARGUMENT, "threads: " + std::to_string(options.threads) +
-                                           ", 0 (all) or more expected");
+    throw Error(INSITU_ERROR_ARGUMENT,
+                "threads: " + std::to_string(options.threads) + ", 0 (all) or more expected");
   if (options.scene && options.scene_text)
     throw Error(INSITU_ERROR_ARGUMENT, "scene and scene_text are both given, at most one expected");
   if (options.scene)
     runner_ = std::make_unique<scene::Runner>(scene::parse_scene_file(options.scene), output_,
                                               context_, statistics_);
   else if (options.scene_text)
-    runner_ = std::make_unique<scene::Runner>(
-        scene::parse_scene_text(options.scene_text, "scene"), output_, context_, statistics_);
+    runner_ = std::make_unique<scene::Runner>(scene::parse_scene_text(options.scene_text, "scene"),
+                                              output_, context_, statistics_);
 }
 
 Session::~Session() = default;
@@ -49,9 +51,15 @@ insitu_commit_report Session::commit(query::CommittedMesh& mesh) {
       mesh.commit(context_.threads, context_.log, context_.memory, strict_);
   statistics_.commit_s += report.seconds;
   switch (report.action) {
-  case INSITU_KEEP: ++statistics_.keeps; break;
-  case INSITU_REFIT: ++statistics_.refits; break;
-  case INSITU_REBUILD: ++statistics_.rebuilds; break;
+  case INSITU_KEEP:
+    ++statistics_.keeps;
+    break;
+  case INSITU_REFIT:
+    ++statistics_.refits;
+    break;
+  case INSITU_REBUILD:
+    ++statistics_.rebuilds;
+    break;
   }
   return report;
 }
@@ -61,11 +69,25 @@ void Session::make_default_runner() {
   for (const auto& m : meshes_)
     for (const std::string& name : m->mesh.mesh().field_names())
       if (m->mesh.mesh().field(name).components == 1) {
-        runner_ = std::make_unique<scene::Runner>(
-            scene::default_scene(name, m->mesh.mesh().name()), output_, context_, statistics_);
+        runner_ = std::make_unique<scene::Runner>(scene::default_scene(name, m->mesh.mesh().name()),
+                                                  output_, context_, statistics_);
         return;
       }
   throw Error(INSITU_ERROR_FIELD, "the default scene needs a scalar field, and no mesh has one");
+}
+
+std::string Session::try_default_runner() {
+  try {
+    make_default_runner();
+    return {};
+  } catch (const Error& e) {
+    ++statistics_.failures;
+    if (default_failure_ != e.what()) {
+      default_failure_ = e.what();
+      context_.log.error(default_failure_);
+    }
+    return e.what();
+  }
 }
 
 std::string Session::execute(std::int64_t cycle, double time) {
@@ -76,11 +98,14 @@ std::string Session::execute(std::int64_t cycle, double time) {
   }
   ++statistics_.executions;
   if (!runner_ && default_scene_)
-    make_default_runner();
+    if (std::string failure = try_default_runner(); !failure.empty())
+      return failure;
   return runner_ ? runner_->execute(meshes, cycle, time) : std::string();
 }
 
-std::string Session::finish() { return runner_ ? runner_->finish() : std::string(); }
+std::string Session::finish() {
+  return runner_ ? runner_->finish() : std::string();
+}
 
 insitu_report Session::report() const {
   insitu_report r = insitu_report_default();

@@ -42,13 +42,16 @@ public:
   void write_summary(const std::string& path, double solver_seconds) const;
 
   core::Context& context() { return context_; }
-  /// One thread at a time; see the guard in insitu.cpp.
+  /// One thread at a time; see Occupied in entry.h.
   std::atomic<bool> busy{false};
+  bool closed = false; ///< read and written while busy
 
 private:
   std::vector<query::Location> locate_all(query::CommittedMesh& mesh,
                                           const insitu_locate_args& args);
   void make_default_runner();
+  /// Makes it; returns what is in the way, logged once.
+  std::string try_default_runner();
 
   core::Context context_;
   bool strict_;
@@ -59,6 +62,7 @@ private:
   scene::Statistics statistics_;
   std::vector<std::unique_ptr<SessionMesh>> meshes_;
   std::unique_ptr<scene::Runner> runner_;
+  std::string default_failure_; ///< the last one logged
 };
 
 } // namespace insitu::api

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "advect/particles.h"
 #include "api/session.h"
 #include "output/atomic_file.h"
@@ -16,7 +18,8 @@ public:
   explicit JsonObject(int depth) : indent_(std::size_t(depth) * 2, ' ') {}
   void add(const char* key, double value) {
     std::string number;
-    output::append_number(number, value);
+    if (std::isfinite(value)) // JSON has no other numbers
+      output::append_number(number, value);
     raw(key, number.empty() ? "null" : number);
   }
   void add(const char* key, std::int64_t value) { raw(key, std::to_string(value)); }

@@ -1,6 +1,7 @@
 #include "mesh/mesh.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/status.h"
 #include "core/suggest.h"
@@ -217,13 +218,18 @@ void Mesh::set_block(std::int32_t piece, const insitu_block* block) {
     v.vertex_count *= n;
     v.origin[a] = block->origin[a];
     v.spacing[a] = block->spacing[a];
-    if (block->kind == INSITU_BLOCK_UNIFORM && !(block->spacing[a] != 0.0))
-      refuse("spacing along axis " + std::to_string(a) + " is 0 or NaN");
+    if (block->kind == INSITU_BLOCK_UNIFORM &&
+        (block->spacing[a] == 0.0 || !std::isfinite(block->spacing[a])))
+      refuse("spacing along axis " + std::to_string(a) + " is " +
+             std::to_string(block->spacing[a]));
     if (block->kind != INSITU_BLOCK_RECTILINEAR)
       continue;
     const std::string one = name + ", coordinates of axis " + std::to_string(a);
     axes[a] = adopt(&block->coordinates[a], one);
     require_real(axes[a], one);
+    if (axes[a].components != 1)
+      refuse("coordinates of axis " + std::to_string(a) + ": " +
+             std::to_string(axes[a].components) + " components, 1 expected");
     if (axes[a].layout.count < n || !axes[a].layout.linear || axes[a].type != axes[0].type)
       refuse("coordinates of axis " + std::to_string(a) + ": " +
              std::to_string(axes[a].layout.count) + " values for " + std::to_string(n) +

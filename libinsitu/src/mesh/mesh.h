@@ -54,8 +54,8 @@ public:
   void release_earlier();
   /// The copy of a field, if one was kept; valid until the next keep or release.
   std::optional<FieldView> earlier_field(const std::string& name) const;
-  /// Shows (or hides) the kept coordinates in view(), once the solver moved its own and committed.
-  /// They stay hidden if no vertex moved.
+  /// Shows (or hides) the kept coordinates in view(), once the solver moved its own and committed;
+  /// the next commit hides them. They stay hidden if no vertex moved.
   void expose_earlier(bool expose, const core::Threads& threads);
 
   /// The copy audit, in a fixed order.

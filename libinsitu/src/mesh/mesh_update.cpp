@@ -12,7 +12,8 @@ void Mesh::check_piece(std::size_t index) const {
   const Piece& p = pieces_[index];
   const std::string name = "mesh '" + name_ + "', piece " + std::to_string(index);
   if (!p.has_cells)
-    throw Error(INSITU_ERROR_ORDER, name + ": has no cells; call insitu_mesh_cells or _block first");
+    throw Error(INSITU_ERROR_ORDER,
+                name + ": has no cells; call insitu_mesh_cells or _block first");
   if (!p.view.implicit_points && !p.has_points)
     throw Error(INSITU_ERROR_ORDER, name + ": has no points; call insitu_mesh_points first");
   const std::int64_t points = p.view.points.layout.count;
@@ -32,8 +33,7 @@ void Mesh::check_field(const Field& field) const {
     if (p >= field.pieces.size() || field.pieces[p].components.empty())
       throw Error(INSITU_ERROR_FIELD, name + ": piece " + std::to_string(p) + " has no values");
     const bool cells = field.association == INSITU_CELL;
-    const std::int64_t expected =
-        cells ? pieces_[p].view.cell_count : piece_views_[p].vertex_count;
+    const std::int64_t expected = cells ? pieces_[p].view.cell_count : piece_views_[p].vertex_count;
     if (field.pieces[p].layout.count != expected)
       throw Error(INSITU_ERROR_FIELD, name + ", piece " + std::to_string(p) + ": " +
                                           std::to_string(field.pieces[p].layout.count) +
@@ -65,6 +65,8 @@ void Mesh::update() {
   view_.first_cell = first_cell_.data();
   view_.first_vertex = first_vertex_.data();
   view_.piece_count = std::int32_t(pieces_.size());
+  view_.earlier_points = nullptr; // of cells that may be others by now, until they are shown again
+  view_.largest_displacement = 0.0;
 }
 
 namespace {
@@ -79,10 +81,10 @@ void Mesh::keep_earlier(const std::vector<std::string>& names, const core::Threa
     const FieldView from = field(name);
     const auto known = std::find_if(earlier_fields_.begin(), earlier_fields_.end(),
                                     [&](const auto& e) { return e->name == name; });
-    EarlierField& to = known != earlier_fields_.end()
-                           ? **known
-                           : *earlier_fields_.emplace_back(
-                                 std::make_unique<EarlierField>(*memory_));
+    EarlierField& to =
+        known != earlier_fields_.end()
+            ? **known
+            : *earlier_fields_.emplace_back(std::make_unique<EarlierField>(*memory_));
     const std::vector<std::int64_t>& first =
         from.association == INSITU_CELL ? first_cell_ : first_vertex_;
     const int n = from.components;
@@ -109,12 +111,11 @@ void Mesh::keep_earlier(const std::vector<std::string>& names, const core::Threa
   }
   earlier_points_.resize_discard(std::size_t(first_vertex_.back()));
   for (std::size_t p = 0; p < pieces_.size(); ++p)
-    threads.parallel_for(piece_views_[p].vertex_count, copy_grain,
-                         [&](std::int64_t begin, std::int64_t end) {
-                           for (std::int64_t i = begin; i < end; ++i)
-                             earlier_points_[std::size_t(first_vertex_[p] + i)] =
-                                 piece_views_[p].point(i);
-                         });
+    threads.parallel_for(
+        piece_views_[p].vertex_count, copy_grain, [&](std::int64_t begin, std::int64_t end) {
+          for (std::int64_t i = begin; i < end; ++i)
+            earlier_points_[std::size_t(first_vertex_[p] + i)] = piece_views_[p].point(i);
+        });
 }
 
 void Mesh::expose_earlier(bool expose, const core::Threads& threads) {
@@ -172,9 +173,12 @@ void Mesh::for_each_array(Visit&& visit) const {
     const Piece& from = pieces_[p];
     several(from.points, piece + "points");
     const std::pair<const ExternalArray*, const char*> others[] = {
-        {&from.connectivity, "connectivity"}, {&from.types, "types"},
-        {&from.offsets, "offsets"},           {&from.ghosts, "ghosts"},
-        {&from.axes[0], "axis 0"},            {&from.axes[1], "axis 1"},
+        {&from.connectivity, "connectivity"},
+        {&from.types, "types"},
+        {&from.offsets, "offsets"},
+        {&from.ghosts, "ghosts"},
+        {&from.axes[0], "axis 0"},
+        {&from.axes[1], "axis 1"},
         {&from.axes[2], "axis 2"}};
     for (const auto& [array, name] : others)
       if (array->given())

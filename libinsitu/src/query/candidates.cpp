@@ -1,11 +1,16 @@
 #include "query/candidates.h"
 
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+
 // Three x86 targets are enough: each one more costs compile time and gains little here.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "query/candidates.cpp"
-#include <hwy/foreach_target.h>
 #include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include "cells/kernels_simd.h"
@@ -15,30 +20,79 @@ namespace insitu::query::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Bit c: the query's box meets child c's box.
-HWY_INLINE unsigned overlapping_children(const accel::Node& node, const QueryBoxes& queries,
-                                         std::uint32_t query) {
-  const hn::CappedTag<float, 8> d;
-  const hn::Rebind<std::int32_t, decltype(d)> di;
-  const hn::Rebind<std::uint8_t, decltype(d)> db;
-  unsigned bits = 0;
-  for (std::size_t c = 0; c < 8; c += hn::Lanes(d)) {
-    auto hit = hn::Eq(hn::Zero(d), hn::Zero(d));
-    for (int a = 0; a < 3; ++a) {
-      const auto base = hn::Set(d, node.lower[a]), scale = hn::Set(d, node.scale(a));
-      const auto lo = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(db, node.child_lower[a] + c)));
-      const auto hi = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(db, node.child_upper[a] + c)));
-      // The product is exact, so this is the decoding that encode_boxes checked, fused or not.
-      const auto lower = hn::Add(base, hn::Mul(scale, lo));
-      const auto upper = hn::Add(base, hn::Mul(scale, hi));
-      hit = hn::And(hit, hn::And(hn::Le(lower, hn::Set(d, queries.upper[a][query])),
-                                 hn::Le(hn::Set(d, queries.lower[a][query]), upper)));
-    }
-    std::uint8_t byte[8] = {};
-    hn::StoreMaskBits(d, hit, byte);
-    bits |= unsigned(byte[0]) << c;
+/// Bit c: the query's box meets child c's box, or misses it by less than a step of the node's grid.
+///
+/// The query is taken to the node's grid and compared there, in bytes, with all children at once.
+/// A point p of child c has decoded lower[c] <= p, where decoding rounds once, by half a step at
+/// most (a step is no less than an ulp of the node's coordinates). So lower[c] <= t + 1/2 for p's
+/// place t on the grid, and as lower[c] is an integer, lower[c] <= nearest(t + 1/16); the sixteenth
+/// takes the roundings of t. Likewise upper[c] >= nearest(t - 1/16). A lower byte is never above
+/// 254 and an absent child's is 255, so the query's upper byte stops at 254.
+HWY_INLINE unsigned overlapping_children(const accel::Node& node, const float* bounds) {
+  alignas(16)
+      std::uint8_t grid[16] = {}; // lower: least upper byte; upper: 255 - greatest lower byte
+#if HWY_MAX_BYTES >= 32
+  const hn::FixedTag<float, 8> d;
+  const hn::RebindToUnsigned<decltype(d)> du;
+  const hn::FixedTag<std::uint8_t, 8> d8;
+  alignas(32) static constexpr float sign[8] = {1, 1, 1, 0, -1, -1, -1, 0};
+  alignas(32) static constexpr float bias[8] = {-0.0625f,  -0.0625f,  -0.0625f,  0,
+                                                254.9375f, 254.9375f, 254.9375f, 0};
+  alignas(32) static constexpr float least[8] = {0, 0, 0, 0, 1, 1, 1, 0};
+  alignas(32) static constexpr std::uint32_t shift[8] = {0, 8, 16, 24, 0, 8, 16, 24};
+  std::uint32_t exponents;
+  std::memcpy(&exponents, node.exponent, sizeof exponents); // and `inner`, in an unused lane
+  const auto e = hn::And(hn::Shr(hn::Set(du, exponents), hn::Load(du, shift)), hn::Set(du, 255u));
+  const auto inverse = hn::BitCast(d, hn::ShiftLeft<23>(hn::Sub(hn::Set(du, 254u), e)));
+  const auto t = hn::Mul(hn::Sub(hn::Load(d, bounds), hn::LoadDup128(d, node.lower)), inverse);
+  const auto z = hn::Add(hn::Mul(t, hn::Load(d, sign)), hn::Load(d, bias));
+  const auto clamped = hn::Min(hn::Max(z, hn::Load(d, least)), hn::Set(d, 255.0f));
+  hn::StoreU(hn::DemoteTo(d8, hn::NearestInt(clamped)), d8, grid);
+#else
+  for (int a = 0; a < 3; ++a) {
+    const float inverse = std::bit_cast<float>((254u - node.exponent[a]) << 23);
+    const float l = (bounds[a] - node.lower[a]) * inverse - 0.0625f;
+    const float u = 254.9375f - (bounds[4 + a] - node.lower[a]) * inverse;
+    grid[a] = std::uint8_t(std::nearbyint(l > 0.0f ? (l < 255.0f ? l : 255.0f) : 0.0f));
+    grid[4 + a] = std::uint8_t(std::nearbyint(u > 1.0f ? (u < 255.0f ? u : 255.0f) : 1.0f));
   }
-  return bits;
+#endif
+  // Bytes 16 to 79 of the node: two ids, meta, lower x, y, z, upper x, y, z, eight bytes each.
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(&node) + 16;
+  static_assert(offsetof(accel::Node, child_lower) == 32 && sizeof(accel::Node) == 80);
+  std::uint64_t mask = 0;
+#if HWY_TARGET != HWY_SCALAR
+  const hn::CappedTag<std::uint8_t, 64> db;
+  alignas(64) static constexpr std::uint8_t places[64] = {
+      0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80,
+      0x80, 0x80, 0x80, 4,    4,    4,    4,    4,    4,    4,    4,    5,    5,
+      5,    5,    5,    5,    5,    5,    6,    6,    6,    6,    6,    6,    6,
+      6,    0,    0,    0,    0,    0,    0,    0,    0,    1,    1,    1,    1,
+      1,    1,    1,    1,    2,    2,    2,    2,    2,    2,    2,    2};
+  alignas(64) static constexpr std::uint8_t flip[64] = {
+      0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,
+      0,   0,   255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255,
+      255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255};
+  const auto query = hn::LoadDup128(db, grid);
+  for (std::size_t i = 0; i < 64; i += hn::MaxLanes(db)) {
+    const auto least_byte = hn::TableLookupBytesOr0(query, hn::Load(db, places + i));
+    const auto child = hn::Xor(hn::LoadU(db, bytes + i), hn::Load(db, flip + i));
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(db, hn::Ge(child, least_byte), bits);
+    std::uint64_t part;
+    std::memcpy(&part, bits, sizeof part);
+    mask |= part << i;
+  }
+#else
+  for (int i = 16; i < 64; ++i) {
+    const bool lower = i < 40;
+    const int axis = (lower ? i - 16 : i - 40) / 8;
+    const std::uint8_t child = lower ? std::uint8_t(255 - bytes[i]) : bytes[i];
+    mask |= std::uint64_t(child >= grid[lower ? 4 + axis : axis]) << i;
+  }
+#endif
+  mask &= mask >> 8;
+  return unsigned((mask >> 16) & (mask >> 32) & (mask >> 48) & 0xff);
 }
 
 void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
@@ -63,7 +117,7 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
     for (std::size_t t = 0; t < tasks; ++t) {
       const NodeTask task = scratch.level[t];
       const accel::Node& node = nodes[task.node];
-      for (unsigned bits = overlapping_children(node, queries, task.query); bits;
+      for (unsigned bits = overlapping_children(node, queries.bounds[task.query]); bits;
            bits &= bits - 1) {
         const int c = std::countr_zero(bits);
         if (node.is_inner(c)) {

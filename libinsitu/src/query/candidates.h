@@ -12,11 +12,18 @@ namespace insitu::query {
 constexpr int batch_size = 256;
 constexpr int block_size = 64;
 
-/// A batch of at most batch_size query boxes in the tree's local frame.
+/// A batch of at most batch_size query boxes in the tree's local frame: lower x, y, z, unused,
+/// upper x, y, z, unused.
 struct QueryBoxes {
   int count = 0;
-  alignas(64) float lower[3][batch_size];
-  alignas(64) float upper[3][batch_size];
+  alignas(32) float bounds[batch_size][8] = {};
+
+  void set(int query, const float* lower, const float* upper) {
+    for (int a = 0; a < 3; ++a) {
+      bounds[query][a] = lower[a];
+      bounds[query][4 + a] = upper[a];
+    }
+  }
 };
 
 struct NodeTask {
@@ -42,10 +49,12 @@ struct TraversalScratch {
 /// the candidates are scratch.candidates[0, scratch.found).
 void find_candidates(const accel::Tree& tree, const QueryBoxes& queries, TraversalScratch& scratch);
 
-/// At most block_size (cell, point) pairs of one shape, transposed.
+/// At most block_size (cell, point) pairs of one shape, transposed. Rows are a cache line longer
+/// than they need be, so that a cell's numbers do not fall into few sets of the cache.
 struct InverseBlock {
+  static constexpr int row = block_size + 8;
   int count = 0;
-  alignas(64) double vertex[8][3][block_size];
+  alignas(64) double vertex[8][3][row];
   alignas(64) double point[3][block_size];
   alignas(64) double parametric[3][block_size]; ///< out
   alignas(64) double margin[block_size];        ///< out; see cells::InverseMap

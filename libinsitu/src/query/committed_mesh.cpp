@@ -64,13 +64,12 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
     } else if (pending & INSITU_CHANGED_GEOMETRY) {
       tree_.refit(mesh_.view(), threads);
       report.action = INSITU_REFIT;
-      report.cost_ratio = tree_.cost_ratio();
       rebuild = tree_.cost_ratio() > rebuild_ratio;
     }
     if (rebuild) {
+      mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until built: a build that fails leaves no tree
       tree_.build(mesh_.view(), threads, builder_);
       report.action = INSITU_REBUILD;
-      report.cost_ratio = 1.0;
       commits_since_build_ = 0;
     }
     if (pending & (INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_TOPOLOGY))
@@ -84,6 +83,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
   if (report.action != INSITU_REBUILD && ++commits_since_build_ == patience)
     tree_.release_scratch();
   report.seconds = timer.seconds();
+  report.cost_ratio = tree_.cost_ratio();
   report.cells = mesh_.view().cell_count();
   report.vertices = mesh_.view().vertex_count();
   report.bytes = tree_.bytes();

@@ -18,8 +18,9 @@ namespace {
 
 using math::Vec3d;
 
-/// Where Newton's parametric coordinates are closer than this to the cell's boundary, the exact test
-/// decides. Newton errs by rounding times the condition of the map: 1e-6 serves conditions up to 1e9.
+/// Where Newton's parametric coordinates are closer than this to the cell's boundary, the exact
+/// test decides. Newton errs by rounding times the condition of the map: 1e-6 serves conditions up
+/// to 1e9.
 constexpr double tie_zone = 1e-6;
 
 /// Whether the closed cell holds p, given what the inverse map said; r: where.
@@ -139,10 +140,7 @@ public:
       float lower[3], upper[3];
       if (!query_.box(points_[i], lower, upper))
         continue;
-      for (int a = 0; a < 3; ++a) {
-        s_.boxes.lower[a][q] = lower[a];
-        s_.boxes.upper[a][q] = upper[a];
-      }
+      s_.boxes.set(q, lower, upper);
       s_.index[q] = std::uint32_t(i);
       ++s_.boxes.count;
     }
@@ -198,17 +196,14 @@ private:
   }
 
   template <class Source>
-  void add(const Source& source, mesh::Shape shape, const Candidate& candidate,
-           std::int64_t cell) {
+  void add(const Source& source, mesh::Shape shape, const Candidate& candidate, std::int64_t cell) {
     InverseBlock& b = s_.block;
-    Vec3d x[8];
-    const int n = source.gather(cell, x);
     const int at = b.count++;
-    for (int v = 0; v < n; ++v) {
-      b.vertex[v][0][at] = x[v].x;
-      b.vertex[v][1][at] = x[v].y;
-      b.vertex[v][2][at] = x[v].z;
-    }
+    source.gather(cell, [&](int v, const Vec3d& x) {
+      b.vertex[v][0][at] = x.x;
+      b.vertex[v][1][at] = x.y;
+      b.vertex[v][2][at] = x.z;
+    });
     const Vec3d& p = points_[s_.index[candidate.query]];
     b.point[0][at] = p.x;
     b.point[1][at] = p.y;
@@ -229,7 +224,8 @@ private:
       if (out_[i].cell >= 0 && flat >= out_[i].cell)
         continue;
       const cells::InverseMap<double> map{
-          {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]}, b.margin[k],
+          {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]},
+          b.margin[k],
           b.converged[k] != 0.0};
       Vec3d r = map.r;
       if (!(map.converged && map.margin > tie_zone)) {
@@ -291,13 +287,11 @@ void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> l
 
 void Sampler::locate(const core::Threads& threads, std::span<const Vec3d> points,
                      std::span<Location> locations, const LocateOptions& options) const {
-  threads.parallel_for(std::int64_t(points.size()), 16 * batch_size,
-                       [&](std::int64_t begin, std::int64_t end) {
-                         locate_serial(points.subspan(std::size_t(begin), std::size_t(end - begin)),
-                                       locations.subspan(std::size_t(begin),
-                                                         std::size_t(end - begin)),
-                                       options);
-                       });
+  threads.parallel_for(
+      std::int64_t(points.size()), 16 * batch_size, [&](std::int64_t begin, std::int64_t end) {
+        locate_serial(points.subspan(std::size_t(begin), std::size_t(end - begin)),
+                      locations.subspan(std::size_t(begin), std::size_t(end - begin)), options);
+      });
 }
 
 void Sampler::interpolate(const mesh::FieldView& field, const Location& at, double* values) const {

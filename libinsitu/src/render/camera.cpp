@@ -13,7 +13,9 @@ using math::Vec3d;
 
 constexpr double degree = 3.14159265358979323846 / 180.0;
 
-double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
+double length(const Vec3d& v) {
+  return std::sqrt(dot(v, v));
+}
 
 } // namespace
 
@@ -33,12 +35,11 @@ Camera Camera::around(const Vec3d& low, const Vec3d& high, double azimuth, doubl
   const Vec3d towards{across * std::cos(azimuth * degree), across * std::sin(azimuth * degree),
                       std::sin(elevation * degree)};
   camera.position = camera.look_at + distance * towards;
-  camera.up = across == 0.0 ? Vec3d{elevation > 0 ? -std::cos(azimuth * degree)
-                                                  : std::cos(azimuth * degree),
-                                    elevation > 0 ? -std::sin(azimuth * degree)
-                                                  : std::sin(azimuth * degree),
-                                    0}
-                            : Vec3d{0, 0, 1};
+  camera.up =
+      across == 0.0
+          ? Vec3d{elevation > 0 ? -std::cos(azimuth * degree) : std::cos(azimuth * degree),
+                  elevation > 0 ? -std::sin(azimuth * degree) : std::sin(azimuth * degree), 0}
+          : Vec3d{0, 0, 1};
   return camera;
 }
 
@@ -50,8 +51,7 @@ Camera Camera::orbited(double degrees) const {
   const Vec3d axis = up / size, arm = position - look_at;
   const double c = std::cos(degrees * degree), s = std::sin(degrees * degree);
   // Rodrigues' rotation.
-  turned.position =
-      look_at + c * arm + s * cross(axis, arm) + ((1 - c) * dot(axis, arm)) * axis;
+  turned.position = look_at + c * arm + s * cross(axis, arm) + ((1 - c) * dot(axis, arm)) * axis;
   return turned;
 }
 

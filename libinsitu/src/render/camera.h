@@ -19,9 +19,9 @@ struct Camera {
   double orthographic_height = 0;
 
   /// A camera towards the middle of a box from `azimuth` degrees around +z, counted from +x, and
-  /// `elevation` degrees above the xy plane, so far away that the sphere around the box just fits an
-  /// image of that aspect (width / height) at zoom 1. Up is +z; from above or below, away from the
-  /// viewer who came up (or down) at that azimuth.
+  /// `elevation` degrees above the xy plane, so far away that the sphere around the box just fits
+  /// an image of that aspect (width / height) at zoom 1. Up is +z; from above or below, away from
+  /// the viewer who came up (or down) at that azimuth.
   static Camera around(const math::Vec3d& low, const math::Vec3d& high, double azimuth,
                        double elevation, double zoom = 1, double fov = 30, double aspect = 1);
 

@@ -16,7 +16,9 @@ constexpr double agreement = 1.0 / 64; // of a cubic with the field, of the valu
 constexpr int most_halvings = 6;
 constexpr double root_tolerance = 1e-11; // of the ray's length in the cell
 
-bool above(double f) { return f >= 0.0; }
+bool above(double f) {
+  return f >= 0.0;
+}
 
 /// A cubic on [0, 1] in Bernstein form.
 struct Cubic {
@@ -61,8 +63,8 @@ CellRoots::CellRoots(const mesh::CellVertices& cell, const RaySpace& space, doub
     // One too short to tell does no harm.
     if (n > 2 && b - a > 1e-9 * extent_) {
       const Ray& ray = space.ray();
-      const auto map = cells::inverse_map(cell.shape, cell.x,
-                                          ray.origin + (0.5 * (a + b)) * ray.direction);
+      const auto map =
+          cells::inverse_map(cell.shape, cell.x, ray.origin + (0.5 * (a + b)) * ray.direction);
       if (!(map.converged && map.margin > -1e-9))
         continue;
     }
@@ -90,9 +92,8 @@ CellRoots::Point CellRoots::evaluate(double t) {
   p.t = t;
   const Vec3d x = space_.ray().origin + t * space_.ray().direction;
   const auto map = cells::inverse_map(cell_.shape, cell_.x, x);
-  p.parametric = map.converged && map.margin > -1e-6
-                     ? map.r
-                     : cells::robust_inverse(cell_.shape, cell_.x, x);
+  p.parametric =
+      map.converged && map.margin > -1e-6 ? map.r : cells::robust_inverse(cell_.shape, cell_.x, x);
   double weights[8];
   cells::shape_functions(cell_.shape, p.parametric, weights);
   // Relative to vertex 0, so that a constant field is constant to the last bit.
@@ -129,7 +130,9 @@ void CellRoots::find(const double* values, double level,
   }
 }
 
-bool CellRoots::report(const Point& p) { return (*found_)({p.t, p.parametric, p.gradient}); }
+bool CellRoots::report(const Point& p) {
+  return (*found_)({p.t, p.parametric, p.gradient});
+}
 
 // Both ends' sides are settled; the roots strictly between follow.
 bool CellRoots::search(const Point& a, const Point& b, int depth) {

@@ -16,15 +16,15 @@ struct LevelHit {
 
 /// Finds where a vertex field, along a ray within one cell, passes a level.
 ///
-/// The ray's stretch inside the cell ends on faces, where the field is known from the face's vertices
-/// alone, to the same bits in both cells that share it. A value at or above the level counts as
-/// above, so a change of side between two faces is seen by exactly one cell, and no ray slips through
-/// a surface between cells. In between the field is tracked by cubics that match values and
-/// derivatives at both ends (exact in cells that are parallelepipeds or tetrahedra) and are halved
-/// until they also meet the field in the middle; each change of side is then bracketed between the
-/// cubic's extrema and refined by Newton's method within the bracket. Pairs of roots closer than the
-/// cubic's remaining error (agreement of a stretch: 1/64 of the values' spread in the cell, of its
-/// halves 16 times better) can be missed, single ones cannot.
+/// The ray's stretch inside the cell ends on faces, where the field is known from the face's
+/// vertices alone, to the same bits in both cells that share it. A value at or above the level
+/// counts as above, so a change of side between two faces is seen by exactly one cell, and no ray
+/// slips through a surface between cells. In between the field is tracked by cubics that match
+/// values and derivatives at both ends (exact in cells that are parallelepipeds or tetrahedra) and
+/// are halved until they also meet the field in the middle; each change of side is then bracketed
+/// between the cubic's extrema and refined by Newton's method within the bracket. Pairs of roots
+/// closer than the cubic's remaining error (agreement of a stretch: 1/64 of the values' spread in
+/// the cell, of its halves 16 times better) can be missed, single ones cannot.
 class CellRoots {
 public:
   /// Prepares a cell for a ray; only stretches that meet [t_near, t_far] count, and nothing before

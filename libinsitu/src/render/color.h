@@ -9,8 +9,12 @@ struct Color {
   float r = 0, g = 0, b = 0;
 };
 
-inline Color operator+(const Color& a, const Color& b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
-inline Color operator*(float s, const Color& a) { return {s * a.r, s * a.g, s * a.b}; }
+inline Color operator+(const Color& a, const Color& b) {
+  return {a.r + b.r, a.g + b.g, a.b + b.b};
+}
+inline Color operator*(float s, const Color& a) {
+  return {s * a.r, s * a.g, s * a.b};
+}
 
 /// IEC 61966-2-1 (1999): the value shown for a stored one.
 inline double linear_of_srgb(double s) {

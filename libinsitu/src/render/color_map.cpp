@@ -83,9 +83,9 @@ ColorMap ColorMap::built_in(std::string_view name) {
   std::string known;
   for (const std::string& other : built_in_names())
     known += (known.empty() ? "" : ", ") + other;
-  throw core::Error(INSITU_ERROR_SCENE,
-                    "no built-in colour map is called '" + std::string(name) + "' (" + known +
-                        ", or a .json file)" + core::did_you_mean(name, built_in_names()));
+  throw core::Error(INSITU_ERROR_SCENE, "no built-in colour map is called '" + std::string(name) +
+                                            "' (" + known + ", or a .json file)" +
+                                            core::did_you_mean(name, built_in_names()));
 }
 
 std::vector<std::string> ColorMap::built_in_names() {

@@ -19,7 +19,8 @@ struct ColorPoint {
   double r = 0, g = 0, b = 0;
 };
 
-/// Colours over [0, 1]: control points in ascending order, stretched from their first to their last.
+/// Colours over [0, 1]: control points in ascending order, stretched from their first to their
+/// last.
 class ColorMap {
 public:
   /// At least one point, x not descending and finite; throws core::Error (INSITU_ERROR_ARGUMENT).
@@ -44,9 +45,10 @@ private:
   Color nan_color_;
 };
 
-/// ParaView's JSON: a list of {Name, ColorSpace, RGBPoints [x, r, g, b, ...], NanColor}, or one such
-/// map. `name` picks one of several; empty: the first that has RGBPoints. `source` is what messages
-/// call the text. Throws core::Error (INSITU_ERROR_SCENE) naming the map, the key and what was found.
+/// ParaView's JSON: a list of {Name, ColorSpace, RGBPoints [x, r, g, b, ...], NanColor}, or one
+/// such map. `name` picks one of several; empty: the first that has RGBPoints. `source` is what
+/// messages call the text. Throws core::Error (INSITU_ERROR_SCENE) naming the map, the key and what
+/// was found.
 ColorMap parse_color_map(const std::string& text, const std::string& source,
                          const std::string& name = {});
 /// The same from a file; INSITU_ERROR_FILE if it cannot be read.

@@ -1,6 +1,5 @@
 #include <fstream>
 #include <sstream>
-
 #include <yaml-cpp/yaml.h>
 
 #include "core/status.h"
@@ -21,8 +20,8 @@ struct SpaceName {
 };
 // CIELAB's other paths are near enough to Lab's to be drawn by it; "Step" is not.
 constexpr SpaceName space_names[] = {
-    {"RGB", ColorSpace::rgb},   {"Lab", ColorSpace::lab},    {"Diverging", ColorSpace::diverging},
-    {"HSV", ColorSpace::hsv},   {"CIELAB", ColorSpace::lab}, {"Linear", ColorSpace::linear},
+    {"RGB", ColorSpace::rgb}, {"Lab", ColorSpace::lab},    {"Diverging", ColorSpace::diverging},
+    {"HSV", ColorSpace::hsv}, {"CIELAB", ColorSpace::lab}, {"Linear", ColorSpace::linear},
 };
 
 std::string text_of(const YAML::Node& node) {

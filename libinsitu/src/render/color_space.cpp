@@ -67,9 +67,9 @@ Vec3d lab_of_msh(const Vec3d& msh) {
 double adjusted_hue(const Vec3d& saturated, double unsaturated_m) {
   if (saturated.x >= unsaturated_m - 0.1)
     return saturated.z;
-  const double spin =
-      saturated.y * std::sqrt(unsaturated_m * unsaturated_m - saturated.x * saturated.x) /
-      (saturated.x * std::sin(saturated.y));
+  const double spin = saturated.y *
+                      std::sqrt(unsaturated_m * unsaturated_m - saturated.x * saturated.x) /
+                      (saturated.x * std::sin(saturated.y));
   return saturated.z > -pi / 3 ? saturated.z + spin : saturated.z - spin;
 }
 

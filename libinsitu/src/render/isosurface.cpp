@@ -13,6 +13,9 @@ namespace {
 
 using math::Vec3d;
 
+/// Hits of one surface in two cells, nearer than this times the ray's length in them, are one.
+constexpr double twin_distance = 1e-9;
+
 bool same_scalar(const ScalarField& a, const ScalarField& b) {
   return a.field.pieces == b.field.pieces && a.field.association == b.field.association &&
          range_component(a) == range_component(b);
@@ -59,8 +62,8 @@ IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
     if (s.ranges && s.field.field.association == INSITU_VERTEX)
       group->ranges = s.ranges;
     for (const double v : s.values) {
-      group->levels.push_back({v, accel::round_down(v), accel::round_up(v),
-                               std::int32_t(surfaces_.size()), &s});
+      group->levels.push_back(
+          {v, accel::round_down(v), accel::round_up(v), std::int32_t(surfaces_.size()), &s});
       surfaces_.push_back(&s);
     }
   }
@@ -71,9 +74,9 @@ IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
       group.field = group.average->field();
     }
     if (!group.ranges) {
-      group.owned_ranges = std::make_unique<accel::ValueRanges>(
-          sampler.tree(), sampler.mesh(), group.field.field, range_component(group.field), threads,
-          memory);
+      group.owned_ranges =
+          std::make_unique<accel::ValueRanges>(sampler.tree(), sampler.mesh(), group.field.field,
+                                               range_component(group.field), threads, memory);
       group.ranges = group.owned_ranges.get();
     }
   }
@@ -82,9 +85,15 @@ IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
 void IsosurfaceTracer::test_cell(std::int64_t flat, const RaySpace& space, double& t_max,
                                  std::vector<SurfaceHit>& hits, SurfaceCounts& counts) const {
   ++counts.cells_tested;
+  const mesh::MeshView& mesh = sampler_.mesh();
   mesh::CellVertices cell;
-  mesh::gather(sampler_.mesh(), flat, cell);
-  std::optional<CellRoots> roots;
+  cell.piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
+  const mesh::PieceView& piece = mesh.pieces[cell.piece];
+  const std::int64_t local = flat - mesh.first_cell[cell.piece];
+  cell.shape = piece.shape(local);
+  cell.count = piece.vertex_ids(local, cell.ids);
+  std::optional<CellRoots>
+      roots; // most cells below a candidate leaf end before their points are read
   for (const Group& group : groups_) {
     double values[8], low = HUGE_VAL, high = -HUGE_VAL;
     for (int v = 0; v < cell.count; ++v) {
@@ -95,13 +104,16 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, const RaySpace& space, doubl
     for (const Level& level : group.levels) {
       if (!(low <= level.value && level.value <= high))
         continue;
-      if (!roots)
+      if (!roots) {
+        for (int v = 0; v < cell.count; ++v)
+          cell.x[v] = piece.point(cell.ids[v]);
         roots.emplace(cell, space, 0.0, t_max);
+      }
       if (!roots->meets())
         return;
       const bool opaque = level.settings->opacity >= 1;
       const auto found = [&](const LevelHit& root) {
-        if (root.t > t_max)
+        if (root.t > t_max + twin_distance * roots->extent())
           return false;
         SurfaceHit hit;
         hit.t = root.t;
@@ -113,7 +125,7 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, const RaySpace& space, doubl
         hit.gradient = root.gradient;
         hits.push_back(hit);
         if (opaque)
-          t_max = root.t;
+          t_max = std::min(t_max, root.t);
         return !opaque;
       };
       roots->find(values, level.value, found);
@@ -166,12 +178,12 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits,
   std::size_t kept = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const SurfaceHit& hit = hits[i];
-    if (hit.t > t_max)
-      break;
+    if (hit.t > t_max + twin_distance * hit.extent)
+      continue;
     bool twin = false;
     for (std::size_t k = kept; k-- > 0 && !twin;) {
       SurfaceHit& other = hits[k];
-      if (hit.t - other.t > 1e-9 * std::max(hit.extent, other.extent))
+      if (hit.t - other.t > twin_distance * std::max(hit.extent, other.extent))
         break;
       if (other.surface != hit.surface || other.cell == hit.cell)
         continue;
@@ -183,7 +195,7 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits,
       hits[kept++] = hit;
   }
   hits.resize(kept);
-  // Twins may have moved an opaque hit; nothing shows behind the first.
+  // Nothing shows behind the first opaque hit.
   for (std::size_t i = 0; i < hits.size(); ++i)
     if (hits[i].opacity >= 1) {
       hits.resize(i + 1);

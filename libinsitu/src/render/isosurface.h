@@ -29,7 +29,8 @@ struct IsosurfaceSettings {
   std::vector<double> values;
   double opacity = 1;
   std::variant<Color, ColorByField> color = Color{0.6f, 0.6f, 0.6f}; ///< linear
-  /// Value ranges of a vertex field that the caller keeps between frames, or null: made for this one.
+  /// Value ranges of a vertex field that the caller keeps between frames, or null: made for this
+  /// one.
   const accel::ValueRanges* ranges = nullptr;
 };
 
@@ -56,15 +57,16 @@ struct SurfaceCounts {
   std::int64_t evaluations = 0; ///< of fields inside cells, each with an inverse map
 };
 
-/// Intersects rays with all surfaces of a frame in one traversal, pruned by the fields' value ranges.
+/// Intersects rays with all surfaces of a frame in one traversal, pruned by the fields' value
+/// ranges.
 class IsosurfaceTracer {
 public:
   /// Makes what is missing: averages of cell fields, value ranges. The settings must outlive it.
   IsosurfaceTracer(const query::Sampler& sampler, const std::vector<IsosurfaceSettings>& settings,
                    const Lighting& lighting, const core::Threads& threads, core::Memory& memory);
 
-  /// The ray's hits in depth order, up to and including the first opaque one. Of hits of one surface
-  /// at one place (of cells that overlap, or on an edge) the lowest cell id counts.
+  /// The ray's hits in depth order, up to and including the first opaque one. Of hits of one
+  /// surface at one place (of cells that overlap, or on an edge) the lowest cell id counts.
   void trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts) const;
 
 private:

@@ -12,7 +12,9 @@ namespace {
 using math::Vec3d;
 
 /// Antisymmetric to the last bit.
-double edge_function(const Vec3d& a, const Vec3d& b) { return a.x * b.y - a.y * b.x; }
+double edge_function(const Vec3d& a, const Vec3d& b) {
+  return a.x * b.y - a.y * b.x;
+}
 
 bool lower(const Vec3d& a, const Vec3d& b) {
   if (a.x != b.x)
@@ -43,8 +45,8 @@ bool cross_triangle(const cells::Face& face, const Vec3d* x, const Vec3d* q, Cro
   return true;
 }
 
-/// (u, v) of the ray in the projected patch; up to two solutions of a quadratic, ascending by how far
-/// they lie outside the unit square.
+/// (u, v) of the ray in the projected patch; up to two solutions of a quadratic, ascending by how
+/// far they lie outside the unit square.
 int invert_bilinear(const Vec3d& p00, const Vec3d& p10, const Vec3d& p11, const Vec3d& p01,
                     double (&uv)[2][2]) {
   const Vec3d e = p10 - p00, f = p01 - p00, g = (p00 - p10) + (p11 - p01), h = -p00;
@@ -191,8 +193,7 @@ int face_crossings(const mesh::CellVertices& cell, const RaySpace& space, Crossi
     else
       n += cross_quad(face, cell.x, q, out + n);
   }
-  std::stable_sort(out, out + n,
-                   [](const Crossing& a, const Crossing& b) { return a.t < b.t; });
+  std::stable_sort(out, out + n, [](const Crossing& a, const Crossing& b) { return a.t < b.t; });
   return n;
 }
 

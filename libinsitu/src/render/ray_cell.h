@@ -44,10 +44,11 @@ constexpr int most_crossings = 12;
 
 /// The ray's crossings with the cell's triangles and bilinear quads, ascending in t; returns how
 /// many. Both cells at a face compute the same bits for it: vertices are put into ray space one by
-/// one, and faces are evaluated in an order that depends on coordinates alone. Inside tests use edge
-/// functions, which two faces at an edge get with exactly opposite signs, so rays do not slip through
-/// (Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", section 3); patches whose
-/// projection folds are solved with a tolerance, which can report a crossing twice but loses none.
+/// one, and faces are evaluated in an order that depends on coordinates alone. Inside tests use
+/// edge functions, which two faces at an edge get with exactly opposite signs, so rays do not slip
+/// through (Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", section 3); patches
+/// whose projection folds are solved with a tolerance, which can report a crossing twice but loses
+/// none.
 int face_crossings(const mesh::CellVertices& cell, const RaySpace& space, Crossing* out);
 
 } // namespace insitu::render

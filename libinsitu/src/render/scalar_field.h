@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "cells/kernels.h"
+#include "core/parallel.h"
 #include "mesh/view.h"
 #include "query/sampler.h"
 
@@ -38,7 +39,7 @@ struct ScalarField {
       return load(piece, cell);
     const mesh::PieceView& cells_of = mesh.pieces[piece];
     std::int64_t ids[8];
-    double weight[8];
+    double weight[8] = {};
     const int n = cells_of.vertex_ids(cell, ids);
     cells::shape_functions(cells_of.shape(cell), location.parametric, weight);
     double sum = weight[0] * load(piece, ids[0]);
@@ -47,6 +48,14 @@ struct ScalarField {
     return sum;
   }
 };
+
+/// The least and the greatest value in owning cells or at their vertices, NaN left out; low > high
+/// if there is none.
+struct ScalarRange {
+  double low = HUGE_VAL, high = -HUGE_VAL;
+};
+ScalarRange scalar_range(const mesh::MeshView& mesh, const ScalarField& scalar,
+                         const core::Threads& threads);
 
 /// ValueRanges' component for the same number: its magnitude of one component would be |value|.
 inline int range_component(const ScalarField& f) {

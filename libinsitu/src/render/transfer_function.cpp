@@ -53,16 +53,14 @@ Color TransferFunction::color(double value) const {
 double TransferFunction::opacity(double value) const {
   if (std::isnan(value))
     return nan_opacity_;
-  const auto above =
-      std::upper_bound(opacity_.begin(), opacity_.end(), value,
-                       [](double v, const OpacityPoint& p) { return v < p.value; });
+  const auto above = std::upper_bound(opacity_.begin(), opacity_.end(), value,
+                                      [](double v, const OpacityPoint& p) { return v < p.value; });
   if (above == opacity_.begin())
     return opacity_.front().opacity;
   if (above == opacity_.end())
     return opacity_.back().opacity;
   const OpacityPoint& a = *(above - 1);
-  return a.opacity +
-         (above->opacity - a.opacity) * ((value - a.value) / (above->value - a.value));
+  return a.opacity + (above->opacity - a.opacity) * ((value - a.value) / (above->value - a.value));
 }
 
 Classifier::Classifier(const TransferFunction& function, double step, double unit_distance) {
@@ -85,9 +83,8 @@ Classifier::Classifier(const TransferFunction& function, double step, double uni
     const double value = i == table_size ? last : first + u * (last - first);
     // The value's own step belongs to the interval above it, so the first entry is the limit from
     // below the range.
-    alpha_.push_back(corrected(i == 0 ? function.opacity_points().front().opacity
-                                      : function.opacity(value),
-                               exponent));
+    alpha_.push_back(corrected(
+        i == 0 ? function.opacity_points().front().opacity : function.opacity(value), exponent));
   }
   nan_color_ = function.colors().nan_color();
   nan_alpha_ = corrected(function.nan_opacity(), exponent);

@@ -15,10 +15,11 @@ struct OpacityPoint {
 /// points and constant beyond them (no points: from 0 at low to 1 at high).
 class TransferFunction {
 public:
-  /// Throws core::Error (INSITU_ERROR_ARGUMENT) unless low and high are finite, low <= high, and the
-  /// points ascend with opacities from 0 to 1. With low = high, values below take the map's first
-  /// colour and the rest its last.
-  TransferFunction(ColorMap colors, double low, double high, std::vector<OpacityPoint> opacity = {});
+  /// Throws core::Error (INSITU_ERROR_ARGUMENT) unless low and high are finite, low <= high, and
+  /// the points ascend with opacities from 0 to 1. With low = high, values below take the map's
+  /// first colour and the rest its last.
+  TransferFunction(ColorMap colors, double low, double high,
+                   std::vector<OpacityPoint> opacity = {});
 
   Color color(double value) const;
   double opacity(double value) const;
@@ -46,7 +47,8 @@ struct ColorSample {
 /// A transfer function made ready for samples that stand for `step` of ray each: opacities, which
 /// hold for unit_distance, become 1 - (1 - a)^(step / unit_distance). Values are classified after
 /// interpolation, by tables of table_size intervals (colours over [low, high], opacities over their
-/// points), linear in between; so a sudden step of opacity is smeared over 1/table_size of that range.
+/// points), linear in between; so a sudden step of opacity is smeared over 1/table_size of that
+/// range.
 class Classifier {
 public:
   static constexpr int table_size = 4096;

@@ -26,8 +26,8 @@ ScalarField VertexAverage::field() const {
   return {{name_, INSITU_VERTEX, 1, views_.data()}, 0};
 }
 
-// Cells around each vertex are listed first, each list in ascending order, so that sums do not depend
-// on which thread came first.
+// Cells around each vertex are listed first, each list in ascending order, so that sums do not
+// depend on which thread came first.
 void VertexAverage::average_piece(const mesh::MeshView& mesh, const ScalarField& cell_field,
                                   std::int32_t p, const core::Threads& threads,
                                   core::Memory& memory) {
@@ -74,7 +74,8 @@ void VertexAverage::average_piece(const mesh::MeshView& mesh, const ScalarField&
       double sum = 0.0;
       for (const std::uint32_t* cell = first; cell != last; ++cell)
         sum += cell_field.load(p, *cell);
-      out[v] = first == last ? std::numeric_limits<double>::quiet_NaN() : sum / double(last - first);
+      out[v] =
+          first == last ? std::numeric_limits<double>::quiet_NaN() : sum / double(last - first);
     }
   });
 }

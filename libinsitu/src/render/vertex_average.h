@@ -8,9 +8,9 @@
 
 namespace insitu::render {
 
-/// A cell field made continuous: at each vertex the plain average of the owning cells around it (NaN
-/// where there is none). An isosurface needs it, since a field that is constant in each cell has
-/// none. Values are the same for any number of threads. Vertices are those of one piece: at the
+/// A cell field made continuous: at each vertex the plain average of the owning cells around it
+/// (NaN where there is none). An isosurface needs it, since a field that is constant in each cell
+/// has none. Values are the same for any number of threads. Vertices are those of one piece: at the
 /// border of two pieces each has its own, so an isosurface may show a step there. 8 bytes a vertex,
 /// and while it is made 8 bytes more per vertex and 4 per corner of a cell.
 class VertexAverage {

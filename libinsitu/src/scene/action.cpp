@@ -39,11 +39,48 @@ mesh::FieldView find_field(const query::CommittedMesh& mesh, const Name& name,
   }
 }
 
+OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat) {
+  if (flat < 0 || flat >= mesh.cell_count())
+    return {};
+  const std::int32_t piece = mesh.piece_of(flat);
+  return {piece, flat - mesh.first_cell[piece]};
+}
+
+void require_columns(const output::AppendTable& table, const std::vector<std::string>& open,
+                     const std::vector<std::string>& now) {
+  if (open == now)
+    return;
+  const auto line = [](const std::vector<std::string>& columns) {
+    const std::string text = output::csv_header(columns);
+    return "'" + text.substr(0, text.size() - 1) + "'";
+  };
+  throw core::Error(INSITU_ERROR_FIELD, "the table '" + table.path() + "' has the columns " +
+                                            line(open) + "; this cycle has " + line(now) +
+                                            ": fields or pieces changed during the run");
+}
+
+void flush_table(output::AppendTable& table) {
+  constexpr std::size_t most_waiting = std::size_t(1) << 26;
+  try {
+    table.flush();
+  } catch (const core::Error& e) {
+    const std::size_t waiting = table.rows().text().size();
+    if (waiting <= most_waiting)
+      throw;
+    table.rows().clear();
+    throw core::Error(e.status(), std::string(e.what()) + "; rows of " + std::to_string(waiting) +
+                                      " bytes that waited for room are lost");
+  }
+}
+
 insitu_accuracy to_api(Accuracy accuracy) {
   switch (accuracy) {
-  case Accuracy::fast: return INSITU_FAST;
-  case Accuracy::standard: return INSITU_STANDARD;
-  case Accuracy::exact: break;
+  case Accuracy::fast:
+    return INSITU_FAST;
+  case Accuracy::standard:
+    return INSITU_STANDARD;
+  case Accuracy::exact:
+    break;
   }
   return INSITU_EXACT;
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/context.h"
+#include "output/csv.h"
 #include "query/committed_mesh.h"
 #include "scene/description.h"
 #include "scene/statistics.h"
@@ -19,7 +20,7 @@ struct Step {
   MeshList meshes;
   std::int64_t cycle;
   double time;
-  bool first; ///< the first execution of the session
+  bool first;          ///< the first execution of the session
   double earlier_time; ///< of the execution before
 };
 
@@ -65,6 +66,22 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
 /// the vertices they use. NaN values are left out; NaN if nothing is left.
 double reduce_field(const query::CommittedMesh& mesh, const mesh::FieldView& field,
                     Reduction reduction, const core::Threads& threads);
+
+/// A flat cell id in the solver's numbering; -1 outside.
+struct OwnCell {
+  std::int32_t piece = -1;
+  std::int64_t cell = -1;
+};
+OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat);
+
+/// Throws INSITU_ERROR_FIELD if a table that is open cannot take these columns any more: fields or
+/// pieces changed during the run.
+void require_columns(const output::AppendTable& table, const std::vector<std::string>& open,
+                     const std::vector<std::string>& now);
+
+/// Writes the rows. Rows that cannot be written wait for the next flush, but not without limit: a
+/// disk that stays full must not fill the memory too.
+void flush_table(output::AppendTable& table);
 
 insitu_accuracy to_api(Accuracy accuracy);
 

@@ -1,3 +1,4 @@
+#include "core/status.h"
 #include "core/timer.h"
 #include "scene/tracer_action.h"
 #include "scene/vtp_series.h"
@@ -6,9 +7,47 @@ namespace insitu::scene {
 
 namespace {
 
-std::span<const std::int64_t> line_ends(const advect::Polylines& lines) {
-  return lines.offsets.span().subspan(lines.line_count() ? 1 : lines.offsets.size());
-}
+/// The lines that have a vertex, for VTK files: those of seeds outside have none, and only end in
+/// the tables and reports.
+struct DrawnLines {
+  explicit DrawnLines(const advect::Polylines& lines) {
+    for (std::size_t l = 0; l < lines.line_count(); ++l) {
+      if (lines.offsets[l] == lines.offsets[l + 1])
+        continue;
+      ends.push_back(lines.offsets[l + 1]);
+      particles.push_back(lines.particles[l]);
+      endings.push_back(lines.endings[l]);
+    }
+  }
+  void add_to(output::VtkPolyData& data, const char* particle_name) const {
+    data.cell_data.push_back(
+        output::vtk_array(particle_name, std::span<const std::int64_t>(particles)));
+    data.cell_data.push_back(output::vtk_array("ending", std::span<const std::uint8_t>(endings)));
+    data.line_ends = ends;
+  }
+  std::vector<std::int64_t> ends, particles;
+  std::vector<std::uint8_t> endings;
+};
+
+/// The cells of points as the solver numbers them, for VTK files.
+struct OwnCells {
+  OwnCells(const mesh::MeshView& mesh, std::span<const std::int64_t> flat)
+      : several(mesh.piece_count > 1) {
+    for (const std::int64_t f : flat) {
+      const OwnCell own = own_cell(mesh, f);
+      cells.push_back(own.cell);
+      pieces.push_back(own.piece);
+    }
+  }
+  void add_to(std::vector<output::VtkArray>& arrays) const {
+    arrays.push_back(output::vtk_array("cell", std::span<const std::int64_t>(cells)));
+    if (several)
+      arrays.push_back(output::vtk_array("piece", std::span<const std::int32_t>(pieces)));
+  }
+  bool several;
+  std::vector<std::int64_t> cells;
+  std::vector<std::int32_t> pieces;
+};
 
 /// Pathlines and streaklines: particles that live from cycle to cycle.
 class PathTracer final : public TracerAction {
@@ -33,6 +72,10 @@ public:
       particles_.seed(seeds(mesh), step.time);
       seeded_ = true;
       settled_ = step.time;
+    } else if (!(step.time >= settled_)) {
+      throw core::Error(INSITU_ERROR_ARGUMENT, "time went back from " + std::to_string(settled_) +
+                                                   " to " + std::to_string(step.time) +
+                                                   "; the particles wait where they are");
     } else if (tracer_.kind == TracerKind::streakline) { // every cycle releases its own
       particles_.seed(seeds(mesh), step.time);
     }
@@ -56,14 +99,36 @@ public:
     if (due && writes(TableFormat::vtp))
       tracks_.record(particles_.particles());
     environment_.statistics.advect_s += timer.seconds();
-    if (due)
-      write(mesh, step);
+    const core::Timer output_timer;
+    last_ = {step.cycle, step.time};
+    if (writes(TableFormat::csv))
+      write_table(mesh, step, due);
+    if (due && writes(TableFormat::vtp)) {
+      write_particles(mesh, step);
+      write_tracks();
+    } else if (!writes(TableFormat::vtp)) {
+      particles_.drop_ended(); // in the table, and needed no more
+    }
+    environment_.statistics.output_s += output_timer.seconds();
   }
 
+  /// The solver's arrays may be gone: what needs no field is written.
   void finish() override {
     particles_.finish();
-    if (table_)
+    if (!seeded_)
+      return;
+    if (writes(TableFormat::vtp)) {
+      tracks_.record(particles_.particles());
+      write_tracks();
+    }
+    if (writes(TableFormat::csv) && table_) {
+      const advect::Particles& p = particles_.particles();
+      written_.resize(std::size_t(particles_.counts().seeded), 0);
+      for (std::size_t i = 0; i < p.size(); ++i)
+        if (!written_[std::size_t(p.ids[i])])
+          add_row(i, OwnCell{}, {});
       table_->flush();
+    }
     table_.reset();
   }
 
@@ -79,45 +144,67 @@ private:
     return s;
   }
 
-  void write(const query::CommittedMesh& mesh, const Step& step) {
-    const core::Timer timer;
-    if (writes(TableFormat::csv))
-      write_table(mesh, step);
-    if (writes(TableFormat::vtp)) {
-      write_particles(mesh, step);
-      write_tracks(step);
+  /// Rows of the particles that have ended since the last call and, when due, of the living.
+  void write_table(const query::CommittedMesh& mesh, const Step& step, bool due) {
+    const advect::Particles& p = particles_.particles();
+    written_.resize(std::size_t(particles_.counts().seeded), 0);
+    std::vector<std::size_t> rows;
+    std::vector<math::Vec3d> points;
+    std::vector<std::int64_t> cells;
+    for (std::size_t i = 0; i < p.size(); ++i)
+      if (!written_[std::size_t(p.ids[i])] && (due || p.endings[i] != INSITU_END_ALIVE)) {
+        rows.push_back(i);
+        points.push_back(p.positions[i]);
+        cells.push_back(p.cells[i]);
+      }
+    if (rows.empty() && !due)
+      return;
+    const std::vector<mesh::FieldView> recorded = fields(mesh);
+    const std::vector<double> values = sample(mesh, recorded, points, cells);
+    open_table(mesh, recorded, step);
+    const std::size_t width = rows.empty() ? 0 : values.size() / rows.size();
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      add_row(rows[r], own_cell(mesh.mesh().view(), cells[r]),
+              std::span(values).subspan(r * width, width));
+      written_[std::size_t(p.ids[rows[r]])] = p.endings[rows[r]] != INSITU_END_ALIVE;
     }
-    environment_.statistics.output_s += timer.seconds();
+    if (due)
+      flush_table(*table_);
   }
 
-  void write_table(const query::CommittedMesh& mesh, const Step& step) {
-    const std::vector<mesh::FieldView> recorded = fields(mesh);
-    const std::vector<std::string> columns = field_columns(recorded);
-    if (!table_) {
-      std::vector<std::string> header{"cycle", "time", "particle", "x", "y", "z", "cell", "ending"};
-      header.insert(header.end(), columns.begin(), columns.end());
-      table_ = std::make_unique<output::AppendTable>(
-          environment_.output + "/" + tracer_.name + ".csv", std::move(header), step.cycle);
-      ++environment_.statistics.files;
+  void open_table(const query::CommittedMesh& mesh, std::span<const mesh::FieldView> recorded,
+                  const Step& step) {
+    std::vector<std::string> columns{"cycle", "time", "particle", "x", "y", "z", "cell"};
+    const bool several = mesh.mesh().view().piece_count > 1;
+    if (several)
+      columns.push_back("piece");
+    columns.push_back("ending");
+    for (std::string& c : field_columns(recorded))
+      columns.push_back(std::move(c));
+    if (table_) {
+      require_columns(*table_, columns_, columns);
+      return;
     }
+    table_ = std::make_unique<output::AppendTable>(
+        environment_.output + "/" + tracer_.name + ".csv", columns, step.cycle);
+    ++environment_.statistics.files;
+    columns_ = std::move(columns);
+    several_ = several;
+  }
+
+  /// values: of the fields, or nothing if they are not known.
+  void add_row(std::size_t i, const OwnCell& own, std::span<const double> values) {
     const advect::Particles& p = particles_.particles();
-    const std::vector<double> values = sample(mesh, recorded, p.positions.span(), p.cells.span());
-    const std::size_t width = columns.size();
-    written_.resize(std::size_t(particles_.counts().seeded), 0);
-    for (std::size_t i = 0; i < p.size(); ++i) {
-      const auto id = std::size_t(p.ids[i]);
-      if (written_[id])
-        continue; // its last row stands
-      written_[id] = p.endings[i] != INSITU_END_ALIVE;
-      output::CsvRows& row = table_->rows();
-      row.cell(step.cycle).cell(p.times[i]).cell(p.ids[i]);
-      row.cell(p.positions[i].x).cell(p.positions[i].y).cell(p.positions[i].z).cell(p.cells[i]);
-      row.cell(advect::ending_name(insitu_ending(p.endings[i])));
-      for (std::size_t c = 0; c < width; ++c)
-        row.cell(values[i * width + c]);
-      row.end_row();
-    }
-    table_->flush();
+    output::CsvRows& row = table_->rows();
+    row.cell(last_.cycle).cell(p.times[i]).cell(p.ids[i]);
+    row.cell(p.positions[i].x).cell(p.positions[i].y).cell(p.positions[i].z).cell(own.cell);
+    if (several_)
+      row.cell(int(own.piece));
+    row.cell(advect::ending_name(insitu_ending(p.endings[i])));
+    const std::size_t first = several_ ? 9 : 8;
+    for (std::size_t c = first; c < columns_.size(); ++c)
+      row.cell(values.empty() ? std::numeric_limits<double>::quiet_NaN() : values[c - first]);
+    row.end_row();
   }
 
   /// The particles as they are now, ended ones where they ended; indexed by time.
@@ -129,23 +216,24 @@ private:
     output::VtkPolyData data;
     data.points = vtk_points(p.positions.span());
     data.point_data.push_back(output::vtk_array("particle", p.ids.span()));
-    data.point_data.push_back(output::vtk_array("cell", p.cells.span()));
+    const OwnCells cells(mesh.mesh().view(), p.cells.span());
+    cells.add_to(data.point_data);
     data.point_data.push_back(output::vtk_array("ending", p.endings.span()));
     columns.add_to(data.point_data);
     series_.write(environment_, tracer_.name, step, data);
   }
 
-  /// All tracks so far, a vertex for each cycle at which the tracer was due; one file, rewritten.
-  void write_tracks(const Step& step) {
+  /// All tracks so far, a vertex for each cycle at which the tracer was due and one where a
+  /// particle ended; one file, rewritten.
+  void write_tracks() {
     const advect::Polylines lines = tracks_.lines();
+    const DrawnLines drawn(lines);
     output::VtkPolyData data;
     data.points = vtk_points(lines.points.span());
     data.point_data.push_back(output::vtk_array("time", lines.times.span()));
-    data.cell_data.push_back(output::vtk_array("particle", lines.particles.span()));
-    data.cell_data.push_back(output::vtk_array("ending", lines.endings.span()));
-    data.line_ends = line_ends(lines);
+    drawn.add_to(data, "particle");
     data.has_time = true;
-    data.time = step.time;
+    data.time = last_.time;
     output::write_vtp(environment_.output + "/" + tracer_.name + "_tracks.vtp", data);
     ++environment_.statistics.files;
   }
@@ -155,8 +243,14 @@ private:
   bool seeded_ = false;
   double settled_ = 0.0; ///< the time that the particles are at
   std::uint64_t topology_ = 0;
+  struct {
+    std::int64_t cycle = 0;
+    double time = 0.0;
+  } last_;                            ///< the last execution
   std::vector<std::uint8_t> written_; ///< [id] 1: the row of its ending is in the table
   std::unique_ptr<output::AppendTable> table_;
+  std::vector<std::string> columns_; ///< of the table
+  bool several_ = false;             ///< the table has a column for pieces
   VtpSeries series_;
 };
 
@@ -190,23 +284,30 @@ public:
     const std::vector<double> values =
         sample(mesh, recorded, lines.points.span(), lines.cells.span());
     if (writes(TableFormat::csv))
-      write_csv(step, lines, columns, values);
+      write_csv(mesh.mesh().view(), step, lines, columns, values);
     if (writes(TableFormat::vtp))
       write_vtp(step, lines, VtkColumns(columns, values));
     environment_.statistics.output_s += output_timer.seconds();
   }
 
 private:
-  void write_csv(const Step& step, const advect::Polylines& lines,
+  void write_csv(const mesh::MeshView& mesh, const Step& step, const advect::Polylines& lines,
                  const std::vector<std::string>& columns, const std::vector<double>& values) {
-    std::vector<std::string> header{"line", "vertex", "s", "x", "y", "z", "cell", "ending"};
+    const bool several = mesh.piece_count > 1;
+    std::vector<std::string> header{"line", "vertex", "s", "x", "y", "z", "cell"};
+    if (several)
+      header.push_back("piece");
+    header.push_back("ending");
     header.insert(header.end(), columns.begin(), columns.end());
     output::CsvRows rows(header.size());
     for (std::size_t l = 0; l < lines.line_count(); ++l)
       for (auto v = std::size_t(lines.offsets[l]); v < std::size_t(lines.offsets[l + 1]); ++v) {
         rows.cell(lines.particles[l]).cell(std::int64_t(v) - lines.offsets[l]);
         rows.cell(lines.times[v]).cell(lines.points[v].x).cell(lines.points[v].y);
-        rows.cell(lines.points[v].z).cell(lines.cells[v]);
+        const OwnCell own = own_cell(mesh, lines.cells[v]);
+        rows.cell(lines.points[v].z).cell(own.cell);
+        if (several)
+          rows.cell(int(own.piece));
         rows.cell(advect::ending_name(insitu_ending(lines.endings[l])));
         for (std::size_t c = 0; c < columns.size(); ++c)
           rows.cell(values[v * columns.size() + c]);
@@ -217,13 +318,12 @@ private:
   }
 
   void write_vtp(const Step& step, const advect::Polylines& lines, const VtkColumns& columns) {
+    const DrawnLines drawn(lines);
     output::VtkPolyData data;
     data.points = vtk_points(lines.points.span());
     data.point_data.push_back(output::vtk_array("s", lines.times.span()));
     columns.add_to(data.point_data);
-    data.cell_data.push_back(output::vtk_array("line", lines.particles.span()));
-    data.cell_data.push_back(output::vtk_array("ending", lines.endings.span()));
-    data.line_ends = line_ends(lines);
+    drawn.add_to(data, "line");
     series_.write(environment_, tracer_.name, step, data);
   }
 

@@ -53,12 +53,14 @@ ProbeAction::Answers ProbeAction::sample(const query::CommittedMesh& mesh,
 void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due) {
   if (!due)
     return;
+  const core::Timer preparing;
   if (!points_)
     points_ = resolve_points(probe_.points, probe_.frame, mesh, environment_.scene_file);
-  std::vector<mesh::FieldView> fields;
-  if (probe_.fields.empty())
+  if (probe_.fields.empty()) // all of the first time: a table keeps its columns
     for (const std::string& name : mesh.mesh().field_names())
-      fields.push_back(mesh.mesh().field(name));
+      probe_.fields.push_back({name, probe_.line});
+  environment_.statistics.query_s += preparing.seconds();
+  std::vector<mesh::FieldView> fields;
   for (const Name& name : probe_.fields)
     fields.push_back(find_field(mesh, name, environment_.scene_file));
   const Answers answers = sample(mesh, fields);
@@ -69,10 +71,10 @@ void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due
       write_table(mesh, step, answers);
       break;
     case TableFormat::vtp:
-      write_vtp(step, answers);
+      write_vtp(mesh, step, answers);
       break;
     case TableFormat::json:
-      write_json(step, answers);
+      write_json(mesh, step, answers);
       break;
     }
   environment_.statistics.output_s += timer.seconds();
@@ -82,15 +84,18 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
                               const Answers& answers) {
   const mesh::MeshView& view = mesh.mesh().view();
   const bool pieces = view.piece_count > 1, names = !points_->names.empty();
-  if (!table_) {
-    std::vector<std::string> columns{"cycle", "time", "point"};
-    if (names)
-      columns.push_back("name");
-    columns.push_back("cell");
-    if (pieces)
-      columns.push_back("piece");
-    columns.insert(columns.end(), {"r", "s", "t"});
-    columns.insert(columns.end(), answers.columns.begin(), answers.columns.end());
+  std::vector<std::string> columns{"cycle", "time", "point"};
+  if (names)
+    columns.push_back("name");
+  columns.push_back("cell");
+  if (pieces)
+    columns.push_back("piece");
+  columns.insert(columns.end(), {"r", "s", "t"});
+  columns.insert(columns.end(), answers.columns.begin(), answers.columns.end());
+  if (table_) {
+    require_columns(*table_, columns_, columns);
+  } else {
+    columns_ = columns;
     table_ = std::make_unique<output::AppendTable>(environment_.output + "/" + probe_.name + ".csv",
                                                    std::move(columns), step.cycle);
     ++environment_.statistics.files;
@@ -102,33 +107,44 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
     rows.cell(step.cycle).cell(step.time).cell(std::int64_t(i));
     if (names)
       rows.cell(points_->names[i]);
-    const std::int32_t piece = at ? view.piece_of(at.cell) : -1;
-    rows.cell(at ? at.cell - view.first_cell[piece] : std::int64_t(-1));
+    const OwnCell own = own_cell(view, at.cell);
+    rows.cell(own.cell);
     if (pieces)
-      rows.cell(int(piece));
+      rows.cell(int(own.piece));
     for (int c = 0; c < 3; ++c)
       rows.cell(at ? at.parametric[c] : std::numeric_limits<double>::quiet_NaN());
     for (std::size_t c = 0; c < width; ++c)
       rows.cell(answers.values[i * width + c]);
     rows.end_row();
   }
-  table_->flush();
+  flush_table(*table_);
   environment_.statistics.probe_rows += std::int64_t(answers.locations.size());
 }
 
-void ProbeAction::write_vtp(const Step& step, const Answers& answers) {
+void ProbeAction::write_vtp(const query::CommittedMesh& mesh, const Step& step,
+                            const Answers& answers) {
+  const mesh::MeshView& view = mesh.mesh().view();
   std::vector<std::int64_t> cells;
-  for (const query::Location& at : answers.locations)
-    cells.push_back(at.cell);
+  std::vector<std::int32_t> pieces;
+  for (const query::Location& at : answers.locations) {
+    const OwnCell own = own_cell(view, at.cell);
+    cells.push_back(own.cell);
+    pieces.push_back(own.piece);
+  }
   const VtkColumns columns(answers.columns, answers.values);
   output::VtkPolyData data;
   data.points = vtk_points(points_->mesh_points);
   data.point_data.push_back(output::vtk_array("cell", std::span<const std::int64_t>(cells)));
+  if (view.piece_count > 1)
+    data.point_data.push_back(output::vtk_array("piece", std::span<const std::int32_t>(pieces)));
   columns.add_to(data.point_data);
   series_.write(environment_, probe_.name, step, data);
 }
 
-void ProbeAction::write_json(const Step& step, const Answers& answers) {
+void ProbeAction::write_json(const query::CommittedMesh& mesh, const Step& step,
+                             const Answers& answers) {
+  const mesh::MeshView& view = mesh.mesh().view();
+  const bool pieces = view.piece_count > 1;
   // Numbers as in CSV; what CSV leaves empty and what JSON cannot say is null.
   const auto number = [](double v) {
     std::string text;
@@ -138,7 +154,8 @@ void ProbeAction::write_json(const Step& step, const Answers& answers) {
   };
   const std::size_t width = answers.columns.size();
   std::string text = "{\"cycle\": " + std::to_string(step.cycle) +
-                     ", \"time\": " + number(step.time) + ", \"columns\": [\"cell\"";
+                     ", \"time\": " + number(step.time) + ", \"columns\": [\"cell\"" +
+                     (pieces ? ", \"piece\"" : "");
   for (const std::string& c : answers.columns) {
     text += ", \"";
     for (const char ch : c) { // field names are the solver's: anything may stand in them
@@ -150,7 +167,10 @@ void ProbeAction::write_json(const Step& step, const Answers& answers) {
   }
   text += "], \"points\": [";
   for (std::size_t i = 0; i < answers.locations.size(); ++i) {
-    text += (i ? ",\n  [" : "\n  [") + std::to_string(answers.locations[i].cell);
+    const OwnCell own = own_cell(view, answers.locations[i].cell);
+    text += (i ? ",\n  [" : "\n  [") + std::to_string(own.cell);
+    if (pieces)
+      text += ", " + std::to_string(own.piece);
     for (std::size_t c = 0; c < width; ++c)
       text += ", " + number(answers.values[i * width + c]);
     text += "]";

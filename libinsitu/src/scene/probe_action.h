@@ -11,7 +11,8 @@ namespace insitu::scene {
 
 /// Samples fields at fixed points whenever due. CSV: one table that grows, with the columns
 /// cycle, time, point, [name,] cell, [piece,] r, s, t, fields; cell is -1 and the values are empty
-/// outside. name stands where the points have names, piece where the mesh has several.
+/// outside. name stands where the points have names, piece where the mesh has several. Where the
+/// scene names no fields, those that the mesh has when the probe is due first are sampled.
 class ProbeAction final : public Action {
 public:
   ProbeAction(const Probe& probe, const Environment& environment);
@@ -27,13 +28,14 @@ private:
   struct Answers;
   Answers sample(const query::CommittedMesh& mesh, std::span<const mesh::FieldView> fields);
   void write_table(const query::CommittedMesh& mesh, const Step& step, const Answers& answers);
-  void write_vtp(const Step& step, const Answers& answers);
-  void write_json(const Step& step, const Answers& answers);
+  void write_vtp(const query::CommittedMesh& mesh, const Step& step, const Answers& answers);
+  void write_json(const query::CommittedMesh& mesh, const Step& step, const Answers& answers);
 
   Probe probe_;
   Environment environment_;
   std::optional<ScenePoints> points_;
   std::unique_ptr<output::AppendTable> table_;
+  std::vector<std::string> columns_; ///< of the table
   VtpSeries series_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/status.h"
+#include "core/timer.h"
 #include "scene/frame_action.h"
 #include "scene/probe_action.h"
 #include "scene/tracer_action.h"
@@ -13,9 +14,12 @@ namespace {
 
 accel::Builder builder_of(const SceneDescription& scene) {
   switch (scene.locator.builder) {
-  case LocatorBuilder::morton: return accel::Builder::morton;
-  case LocatorBuilder::surface_area: return accel::Builder::surface_area;
-  case LocatorBuilder::automatic: break;
+  case LocatorBuilder::morton:
+    return accel::Builder::morton;
+  case LocatorBuilder::surface_area:
+    return accel::Builder::surface_area;
+  case LocatorBuilder::automatic:
+    break;
   }
   return accel::Builder::automatic;
 }
@@ -44,34 +48,55 @@ Runner::~Runner() = default;
 
 bool Runner::is_due(const Action& action, const query::CommittedMesh& mesh,
                     const Step& step) const {
-  return action.trigger().due(
+  const core::Timer timer;
+  const bool due = action.trigger().due(
       step.cycle, step.time, [&](Reduction reduction, const std::string& field) {
-        return reduce_field(mesh, find_field(mesh, {field, action.trigger().line},
-                                             environment_.scene_file),
-                            reduction, environment_.context.threads);
+        return reduce_field(
+            mesh, find_field(mesh, {field, action.trigger().line}, environment_.scene_file),
+            reduction, environment_.context.threads);
       });
+  environment_.statistics.query_s += timer.seconds();
+  return due;
+}
+
+/// Counts a failure, and logs it unless it was logged before. Texts that carry the cycle or a
+/// number differ each time, so that of one action the first few are logged.
+void Runner::report(const std::string& what, const std::string& of, std::int64_t cycle) {
+  constexpr std::size_t most = 8;
+  ++environment_.statistics.failures;
+  std::set<std::string>& known = reported_[of];
+  if (known.size() > most || !known.insert(what).second)
+    return;
+  environment_.context.log.error(
+      "cycle " + std::to_string(cycle) + ": " +
+      (known.size() <= most
+           ? what + " (skipped)"
+           : of + ": fails again and again; its failures are counted from here on"));
 }
 
 std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   const Step step{meshes, cycle, time, !executed_, earlier_time_};
   std::string failures;
+  const auto failed = [&](const std::string& of, const std::exception& e) {
+    const std::string what = of + ": " + e.what();
+    failures += (failures.empty() ? "" : "\n") + what;
+    report(what, of, cycle);
+  };
   for (const auto& action : actions_) {
     try {
       query::CommittedMesh& mesh = find_mesh(meshes, action->mesh_name(), environment_.scene_file);
       action->execute(mesh, step, is_due(*action, mesh, step));
     } catch (const std::exception& e) {
-      const std::string what =
-          std::string(action->kind()) + " '" + action->name() + "': " + e.what();
-      failures += (failures.empty() ? "" : "\n") + what;
-      ++environment_.statistics.failures;
-      if (std::find(reported_.begin(), reported_.end(), what) == reported_.end()) {
-        environment_.context.log.error("cycle " + std::to_string(cycle) + ": " + what +
-                                       " (skipped)");
-        reported_.push_back(what);
-      }
+      failed(std::string(action->kind()) + " '" + action->name() + "'", e);
     }
   }
-  keep_earlier(meshes);
+  try {
+    keep_earlier(meshes);
+  } catch (const std::exception& e) { // no memory: pathlines take the next velocity as steady
+    for (query::CommittedMesh* mesh : meshes)
+      mesh->mesh().release_earlier();
+    failed("the earlier step", e);
+  }
   executed_ = true;
   earlier_time_ = time;
   return failures;
@@ -79,6 +104,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
 
 /// Copies what pathlines will need of this step, and only then.
 void Runner::keep_earlier(MeshList meshes) {
+  const core::Timer timer;
   for (query::CommittedMesh* mesh : meshes) {
     std::vector<std::string> names;
     for (const auto& action : actions_) {
@@ -97,6 +123,7 @@ void Runner::keep_earlier(MeshList meshes) {
     else
       mesh->mesh().keep_earlier(names, environment_.context.threads);
   }
+  environment_.statistics.advect_s += timer.seconds();
 }
 
 std::string Runner::finish() {

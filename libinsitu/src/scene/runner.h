@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -12,7 +14,8 @@ namespace insitu::scene {
 /// Executes a scene, cycle by cycle. Holds the tracers' particles and the open tables.
 class Runner {
 public:
-  /// output: overrides the scene's folder if not empty. Throws core::Error for what this build lacks.
+  /// output: overrides the scene's folder if not empty. Throws core::Error for what this build
+  /// lacks.
   Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
          Statistics& statistics);
   ~Runner();
@@ -33,11 +36,13 @@ public:
 private:
   bool is_due(const Action& action, const query::CommittedMesh& mesh, const Step& step) const;
   void keep_earlier(MeshList meshes);
+  void report(const std::string& what, const std::string& of, std::int64_t cycle);
 
   Environment environment_;
   accel::Builder builder_;
   std::vector<std::unique_ptr<Action>> actions_;
-  std::vector<std::string> reported_; ///< failures logged already, so that a log is not flooded
+  std::map<std::string, std::set<std::string>>
+      reported_; ///< failures logged, by action, so that a log is not flooded
   bool executed_ = false;
   double earlier_time_ = 0.0;
 };

@@ -11,12 +11,14 @@
 
 namespace insitu::scene {
 
-/// A tracer of a scene. Path- and streaklines move at every cycle and write when due; streamlines are
-/// traced when due.
+/// A tracer of a scene. Path- and streaklines move at every cycle and write when due; streamlines
+/// are traced when due.
 ///
 /// CSV of path- and streaklines: one table that grows, with cycle, time, particle, x, y, z, cell,
-/// ending, fields; a row for each living particle when due, and one for each that has ended since.
-/// CSV of streamlines: a table a cycle, with line, vertex, s, x, y, z, cell, ending, fields.
+/// [piece,] ending, fields; a row for each living particle when due, and a last one for each that
+/// ends, in the cycle in which it does; those that are alive when the session closes end as killed,
+/// their fields empty. Streamlines: a table a cycle, with line, vertex, s, x, y, z, cell, [piece,]
+/// ending, fields. piece stands where the mesh has several.
 class TracerAction : public Action {
 public:
   TracerAction(const Tracer& tracer, const Environment& environment);

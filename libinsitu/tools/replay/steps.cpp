@@ -27,9 +27,9 @@ namespace {
 class QuietWindow : public vtkOutputWindow {
 public:
   static QuietWindow* New();
-  vtkTypeMacro(QuietWindow, vtkOutputWindow);
+  vtkTypeMacro(QuietWindow, vtkOutputWindow)
 
-  void DisplayText(const char* text) override {
+      void DisplayText(const char* text) override {
     if (first.empty() && text)
       first = text;
   }
@@ -41,7 +41,7 @@ protected:
 
 vtkStandardNewMacro(QuietWindow)
 
-QuietWindow* window = nullptr;
+    QuietWindow* window = nullptr;
 
 /// VTK's "ERROR: In file, line n\nvtkClass (0x...): message\n\n" without all but the message.
 std::string first_message() {

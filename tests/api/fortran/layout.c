@@ -3,9 +3,10 @@
 
 #include "insitu/insitu.h"
 
-#define AT(type, member) (int64_t)offsetof(type, member)
+#define AT(type, member) (int64_t) offsetof(type, member)
 
-/** The size of struct number `which`, then the offsets of its members in order; returns how many. */
+/** The size of struct number `which`, then the offsets of its members in order; returns how many.
+ */
 int layout_of(int which, int64_t* out) {
   const int64_t options[] = {sizeof(insitu_session_options),
                              AT(insitu_session_options, size),
@@ -20,20 +21,18 @@ int layout_of(int which, int64_t* out) {
                              AT(insitu_session_options, log_user),
                              AT(insitu_session_options, communicator),
                              AT(insitu_session_options, fortran_communicator)};
-  const int64_t array[] = {sizeof(insitu_array),         AT(insitu_array, size),
-                           AT(insitu_array, data),       AT(insitu_array, type),
-                           AT(insitu_array, components), AT(insitu_array, count),
-                           AT(insitu_array, extent),     AT(insitu_array, stride),
-                           AT(insitu_array, component_stride),
-                           AT(insitu_array, memory),     AT(insitu_array, converted)};
-  const int64_t cells[] = {sizeof(insitu_cells),         AT(insitu_cells, size),
-                           AT(insitu_cells, layout),     AT(insitu_cells, shape),
-                           AT(insitu_cells, count),      AT(insitu_cells, connectivity),
-                           AT(insitu_cells, types),      AT(insitu_cells, offsets),
-                           AT(insitu_cells, index_base)};
-  const int64_t block[] = {sizeof(insitu_block),       AT(insitu_block, size),
-                           AT(insitu_block, kind),     AT(insitu_block, vertices),
-                           AT(insitu_block, origin),   AT(insitu_block, spacing),
+  const int64_t array[] = {
+      sizeof(insitu_array),     AT(insitu_array, size),       AT(insitu_array, data),
+      AT(insitu_array, type),   AT(insitu_array, components), AT(insitu_array, count),
+      AT(insitu_array, extent), AT(insitu_array, stride),     AT(insitu_array, component_stride),
+      AT(insitu_array, memory), AT(insitu_array, converted)};
+  const int64_t cells[] = {
+      sizeof(insitu_cells),    AT(insitu_cells, size),    AT(insitu_cells, layout),
+      AT(insitu_cells, shape), AT(insitu_cells, count),   AT(insitu_cells, connectivity),
+      AT(insitu_cells, types), AT(insitu_cells, offsets), AT(insitu_cells, index_base)};
+  const int64_t block[] = {sizeof(insitu_block),         AT(insitu_block, size),
+                           AT(insitu_block, kind),       AT(insitu_block, vertices),
+                           AT(insitu_block, origin),     AT(insitu_block, spacing),
                            AT(insitu_block, coordinates)};
   const int64_t frame[] = {sizeof(insitu_frame),       AT(insitu_frame, size),
                            AT(insitu_frame, kind),     AT(insitu_frame, origin),
@@ -59,24 +58,19 @@ int layout_of(int which, int64_t* out) {
                                 AT(insitu_validation, folded_cells),
                                 AT(insitu_validation, collapsed_cells),
                                 AT(insitu_validation, ghost_cells)};
-  const int64_t audit[] = {sizeof(insitu_audit_entry),         AT(insitu_audit_entry, size),
-                           AT(insitu_audit_entry, name),       AT(insitu_audit_entry, data),
-                           AT(insitu_audit_entry, bytes),      AT(insitu_audit_entry, borrowed),
+  const int64_t audit[] = {sizeof(insitu_audit_entry),    AT(insitu_audit_entry, size),
+                           AT(insitu_audit_entry, name),  AT(insitu_audit_entry, data),
+                           AT(insitu_audit_entry, bytes), AT(insitu_audit_entry, borrowed),
                            AT(insitu_audit_entry, reason)};
-  const int64_t locate[] = {sizeof(insitu_locate_args),
-                            AT(insitu_locate_args, size),
-                            AT(insitu_locate_args, points),
-                            AT(insitu_locate_args, point_arrays),
-                            AT(insitu_locate_args, frame),
-                            AT(insitu_locate_args, accuracy),
-                            AT(insitu_locate_args, cell_base),
-                            AT(insitu_locate_args, cells),
-                            AT(insitu_locate_args, pieces),
-                            AT(insitu_locate_args, parametric),
+  const int64_t locate[] = {sizeof(insitu_locate_args),        AT(insitu_locate_args, size),
+                            AT(insitu_locate_args, points),    AT(insitu_locate_args, point_arrays),
+                            AT(insitu_locate_args, frame),     AT(insitu_locate_args, accuracy),
+                            AT(insitu_locate_args, cell_base), AT(insitu_locate_args, cells),
+                            AT(insitu_locate_args, pieces),    AT(insitu_locate_args, parametric),
                             AT(insitu_locate_args, found)};
-  const int64_t sample[] = {sizeof(insitu_sample_args),           AT(insitu_sample_args, size),
-                            AT(insitu_sample_args, locate),       AT(insitu_sample_args, fields),
-                            AT(insitu_sample_args, field_count),  AT(insitu_sample_args, values)};
+  const int64_t sample[] = {sizeof(insitu_sample_args),          AT(insitu_sample_args, size),
+                            AT(insitu_sample_args, locate),      AT(insitu_sample_args, fields),
+                            AT(insitu_sample_args, field_count), AT(insitu_sample_args, values)};
   const int64_t report[] = {sizeof(insitu_report),
                             AT(insitu_report, size),
                             AT(insitu_report, executions),
@@ -103,12 +97,11 @@ int layout_of(int which, int64_t* out) {
   const struct {
     const int64_t* numbers;
     size_t count;
-  } structs[] = {{options, sizeof options / 8}, {array, sizeof array / 8},
-                 {cells, sizeof cells / 8},     {block, sizeof block / 8},
-                 {frame, sizeof frame / 8},     {commit, sizeof commit / 8},
-                 {validation, sizeof validation / 8}, {audit, sizeof audit / 8},
-                 {locate, sizeof locate / 8},   {sample, sizeof sample / 8},
-                 {report, sizeof report / 8}};
+  } structs[] = {
+      {options, sizeof options / 8},       {array, sizeof array / 8},  {cells, sizeof cells / 8},
+      {block, sizeof block / 8},           {frame, sizeof frame / 8},  {commit, sizeof commit / 8},
+      {validation, sizeof validation / 8}, {audit, sizeof audit / 8},  {locate, sizeof locate / 8},
+      {sample, sizeof sample / 8},         {report, sizeof report / 8}};
   for (size_t i = 0; i < structs[which].count; ++i)
     out[i] = structs[which].numbers[i];
   return (int)structs[which].count;

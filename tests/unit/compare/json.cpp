@@ -12,6 +12,12 @@ Verdict compare(const std::string& a, const std::string& b, const JsonOptions& o
   return compare_json(a, "a.json", b, "b.json", options);
 }
 
+JsonOptions within(double relative, double absolute) {
+  JsonOptions options;
+  options.tolerance = {relative, absolute};
+  return options;
+}
+
 std::string text_of(const Verdict& verdict) {
   std::string text;
   for (const std::string& line : verdict.lines) {
@@ -34,7 +40,7 @@ TEST(Json, NumbersByTolerancePathsNamed) {
   EXPECT_FALSE(verdict.same);
   EXPECT_NE(text_of(verdict).find("steps[1].time: 1 -> 1.1 (by 0.1"), std::string::npos)
       << text_of(verdict);
-  EXPECT_TRUE(compare(a, b, {.tolerance = {0.1, 0}}).same);
+  EXPECT_TRUE(compare(a, b, within(0.1, 0)).same);
   JsonOptions options;
   options.keys = {{"time", {0, 0.2}}};
   EXPECT_TRUE(compare(a, b, options).same);
@@ -48,9 +54,9 @@ TEST(Json, NumbersByTolerancePathsNamed) {
 }
 
 TEST(Json, KindsAreNotMixed) {
-  EXPECT_FALSE(compare("{\"a\": 1}", "{\"a\": \"1\"}", {.tolerance = {1, 1}}).same);
-  EXPECT_FALSE(compare("{\"a\": null}", "{\"a\": 0}", {.tolerance = {1, 1}}).same);
-  EXPECT_FALSE(compare("{\"a\": true}", "{\"a\": false}", {.tolerance = {1, 1}}).same);
+  EXPECT_FALSE(compare("{\"a\": 1}", "{\"a\": \"1\"}", within(1, 1)).same);
+  EXPECT_FALSE(compare("{\"a\": null}", "{\"a\": 0}", within(1, 1)).same);
+  EXPECT_FALSE(compare("{\"a\": true}", "{\"a\": false}", within(1, 1)).same);
   EXPECT_FALSE(compare("{\"a\": []}", "{\"a\": {}}").same);
   EXPECT_FALSE(compare("{\"a\": \"\"}", "{\"a\": null}").same);
   EXPECT_TRUE(compare("{\"a\": NaN}", "{\"a\": null}").same);

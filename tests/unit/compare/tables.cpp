@@ -12,6 +12,12 @@ Verdict compare(const std::string& a, const std::string& b, const TableOptions& 
   return compare_tables(parse_csv(a, "a.csv"), parse_csv(b, "b.csv"), options);
 }
 
+TableOptions within(double relative, double absolute) {
+  TableOptions options;
+  options.tolerance = {relative, absolute};
+  return options;
+}
+
 std::string text_of(const Verdict& verdict) {
   std::string text;
   for (const std::string& line : verdict.lines) {
@@ -53,11 +59,11 @@ TEST(ParseCsv, BrokenTablesAreNamed) {
 TEST(Tables, ToleranceIsRelativePlusAbsolute) {
   const std::string a = "p\n100\n", b = "p\n101\n";
   EXPECT_FALSE(compare(a, b).same);
-  EXPECT_TRUE(compare(a, b, {.tolerance = {0.01, 0}}).same);
-  EXPECT_FALSE(compare(a, b, {.tolerance = {0.0099, 0}}).same);
-  EXPECT_TRUE(compare(a, b, {.tolerance = {0, 1}}).same);
-  EXPECT_FALSE(compare(a, b, {.tolerance = {0, 0.99}}).same);
-  EXPECT_TRUE(compare(a, b, {.tolerance = {0.005, 0.5}}).same);
+  EXPECT_TRUE(compare(a, b, within(0.01, 0)).same);
+  EXPECT_FALSE(compare(a, b, within(0.0099, 0)).same);
+  EXPECT_TRUE(compare(a, b, within(0, 1)).same);
+  EXPECT_FALSE(compare(a, b, within(0, 0.99)).same);
+  EXPECT_TRUE(compare(a, b, within(0.005, 0.5)).same);
   EXPECT_TRUE(compare("p\n1.50\n", "p\n1.5\n").same); // numbers, not their texts
   EXPECT_TRUE(compare("p\n1e400\n", "p\ninf\n").same);
 }
@@ -80,9 +86,9 @@ TEST(Tables, ColumnsHaveTheirOwn) {
 TEST(Tables, MissingValuesEqualEachOtherOnly) {
   EXPECT_TRUE(compare("p,q\n,1\n", "p,q\nnan,1\n").same);
   EXPECT_TRUE(compare("p,q\nNaN,1\n", "p,q\nnan,1\n").same);
-  EXPECT_FALSE(compare("p,q\n,1\n", "p,q\n0,1\n", {.tolerance = {1, 1e9}}).same);
-  EXPECT_FALSE(compare("p\ninf\n", "p\n-inf\n", {.tolerance = {1, 1e9}}).same);
-  EXPECT_FALSE(compare("p\ninf\n", "p\n1e9\n", {.tolerance = {1, 1e9}}).same);
+  EXPECT_FALSE(compare("p,q\n,1\n", "p,q\n0,1\n", within(1, 1e9)).same);
+  EXPECT_FALSE(compare("p\ninf\n", "p\n-inf\n", within(1, 1e9)).same);
+  EXPECT_FALSE(compare("p\ninf\n", "p\n1e9\n", within(1, 1e9)).same);
 }
 
 TEST(Tables, TheWorstRowIsNamed) {
@@ -92,16 +98,16 @@ TEST(Tables, TheWorstRowIsNamed) {
   EXPECT_SAYS(verdict, "column 'p' moved in 3 of 4 rows");
   EXPECT_SAYS(verdict, "row 3 (line 4): 4 -> 4.5 (by 0.5, relative 0.111)");
   // With a relative tolerance, the row furthest beyond it: 2 -> 2.3 is more for its size.
-  const Verdict relative = compare("p\n2\n8\n", "p\n2.3\n8.5\n", {.tolerance = {0.01, 0}});
+  const Verdict relative = compare("p\n2\n8\n", "p\n2.3\n8.5\n", within(0.01, 0));
   EXPECT_SAYS(relative, "row 1 (line 2)");
 }
 
 TEST(Tables, TextIsComparedAsText) {
   const Verdict verdict =
-      compare("end,n\nleft,1\nalive,2\n", "end,n\nleft,1\nexpired,2\n", {.tolerance = {1, 1}});
+      compare("end,n\nleft,1\nalive,2\n", "end,n\nleft,1\nexpired,2\n", within(1, 1));
   EXPECT_FALSE(verdict.same);
   EXPECT_SAYS(verdict, "'alive' -> 'expired'");
-  EXPECT_FALSE(compare("p\nx\n", "p\n1\n", {.tolerance = {1, 1e9}}).same);
+  EXPECT_FALSE(compare("p\nx\n", "p\n1\n", within(1, 1e9)).same);
 }
 
 TEST(Tables, MissingRowsAndColumnsAreNamed) {

@@ -1,9 +1,8 @@
 // External arrays: every type, stride, order of dimensions and record is read in place, and every
 // wrong one is refused by name.
 #include <climits>
-#include <random>
-
 #include <gtest/gtest.h>
+#include <random>
 
 #include "core/status.h"
 #include "fixtures/arrays.h"

@@ -7,16 +7,16 @@
 
 namespace insitu::accel::embree {
 
-/// What Embree's build makes, in memory of the RTCBVH.
+/// A node of Embree's build, in memory of the RTCBVH. Its children are nodes, or, at the bottom,
+/// single cells: what Embree takes for a leaf of up to eight cells is a node here.
 struct BuildNode {
-  std::uint32_t count; ///< inner: children; leaf: cells
-  bool leaf;
-};
-struct BuildLeaf : BuildNode {
-  std::uint32_t cells[most_leaf_cells]; ///< flat ids
-};
-struct BuildInner : BuildNode {
-  BuildNode* child[8];
+  std::uint32_t count = 0; ///< of children
+  bool bottom = false;
+  std::uint8_t single = 0; ///< bit i: child i is a bottom node of one cell
+  union {
+    BuildNode* child[8];
+    std::uint32_t cell[8]; ///< flat ids
+  };
   Box box[8]; ///< of the children
 };
 

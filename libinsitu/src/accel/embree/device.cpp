@@ -15,12 +15,18 @@ bool count_memory(void* user, ssize_t bytes, bool) {
 
 const char* error_name(RTCError error) {
   switch (error) {
-  case RTC_ERROR_OUT_OF_MEMORY: return "out of memory";
-  case RTC_ERROR_UNSUPPORTED_CPU: return "unsupported processor";
-  case RTC_ERROR_INVALID_ARGUMENT: return "invalid argument";
-  case RTC_ERROR_INVALID_OPERATION: return "invalid operation";
-  case RTC_ERROR_CANCELLED: return "cancelled";
-  default: return "unknown error";
+  case RTC_ERROR_OUT_OF_MEMORY:
+    return "out of memory";
+  case RTC_ERROR_UNSUPPORTED_CPU:
+    return "unsupported processor";
+  case RTC_ERROR_INVALID_ARGUMENT:
+    return "invalid argument";
+  case RTC_ERROR_INVALID_OPERATION:
+    return "invalid operation";
+  case RTC_ERROR_CANCELLED:
+    return "cancelled";
+  default:
+    return "unknown error";
   }
 }
 
@@ -33,7 +39,9 @@ Device::Device(core::Memory& memory) : device_(rtcNewDevice(nullptr)) {
   rtcSetDeviceMemoryMonitorFunction(device_, count_memory, &memory);
 }
 
-Device::~Device() { rtcReleaseDevice(device_); }
+Device::~Device() {
+  rtcReleaseDevice(device_);
+}
 
 void Device::check(const char* what) const {
   const RTCError error = rtcGetDeviceError(device_);

@@ -1,0 +1,165 @@
+#include "output/overlay.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "output/text.h"
+
+namespace insitu::output {
+
+namespace {
+
+/// The shade, linear, that reads well on a background; and its opposite.
+TextStyle style_on(const render::Color& background, int height) {
+  // Rec. 709's luminance; 0.18 is the middle grey.
+  const float luminance = 0.2126f * background.r + 0.7152f * background.g + 0.0722f * background.b;
+  const bool light = luminance > 0.18f;
+  const float ink = light ? 0.005f : 0.9f, rim = light ? 1.0f : 0.0f;
+  TextStyle style;
+  style.height = height;
+  style.color = {ink, ink, ink, 1};
+  style.halo_width = std::max(1.0f, 0.08f * float(height));
+  style.halo_color = {rim, rim, rim, 0.5f};
+  return style;
+}
+
+int text_height(const core::Image& image) {
+  return std::clamp(std::min(image.width, image.height) / 36, 10, 40);
+}
+
+/// Lays a colour over a rectangle, cut at the image's border.
+void fill(core::Image& image, int x0, int y0, int x1, int y1, const render::Color& c) {
+  for (int y = std::max(y0, 0); y < std::min(y1, image.height); ++y)
+    for (int x = std::max(x0, 0); x < std::min(x1, image.width); ++x) {
+      float* p = image.pixel(x, y);
+      p[0] = c.r;
+      p[1] = c.g;
+      p[2] = c.b;
+      p[3] = 1;
+    }
+}
+
+/// By to_chars: the solver may have set a locale whose decimals have commas.
+std::string printed(double value, std::chars_format format, int digits) {
+  char text[400];
+  return {text, std::to_chars(text, text + sizeof text, value, format, digits).ptr};
+}
+
+/// 1.5e-07 -> 1.5e-7.
+std::string short_exponent(std::string text) {
+  const std::size_t e = text.find('e');
+  if (e == std::string::npos)
+    return text;
+  const bool negative = text[e + 1] == '-';
+  std::size_t first = e + 2;
+  while (first + 1 < text.size() && text[first] == '0')
+    ++first;
+  return text.substr(0, e + 1) + (negative ? "-" : "") + text.substr(first);
+}
+
+} // namespace
+
+std::vector<double> tick_values(double low, double high, int most) {
+  const double span = high - low;
+  if (!std::isfinite(low) || !std::isfinite(high) ||
+      !(span > 1e-12 * std::max(std::fabs(low), std::fabs(high))))
+    return {low};
+  most = std::max(most, 2);
+  for (int exponent = int(std::floor(std::log10(span / most))) - 1;; ++exponent)
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      const double spacing = factor * std::pow(10.0, exponent);
+      const double first = std::ceil(low / spacing - 1e-9),
+                   last = std::floor(high / spacing + 1e-9);
+      const double count = last - first + 1;
+      if (count > most)
+        continue;
+      if (count < 2)
+        return {low, high}; // no two round values fit
+      std::vector<double> ticks;
+      for (double i = first; i <= last; ++i) {
+        // Dividing by a power of ten gives the number nearest to the decimal, multiplying may not.
+        const double tick = exponent < 0 ? i * factor / std::pow(10.0, -exponent) : i * spacing;
+        ticks.push_back(std::clamp(tick, low, high));
+      }
+      return ticks;
+    }
+}
+
+std::vector<std::string> tick_labels(const std::vector<double>& values) {
+  double largest = 0;
+  for (const double v : values)
+    largest = std::max(largest, std::fabs(v));
+  const bool scientific = largest != 0 && (largest >= 1e5 || largest < 1e-3);
+  std::vector<std::string> labels;
+  for (int digits = 0; digits <= 15; ++digits) {
+    labels.clear();
+    bool told_apart = true;
+    for (const double v : values) {
+      const std::string text =
+          v == 0 ? "0"
+                 : printed(v, scientific ? std::chars_format::scientific : std::chars_format::fixed,
+                           digits);
+      double read = 0;
+      std::from_chars(text.data(), text.data() + text.size(), read);
+      // Within a millionth of the largest, the label is the value.
+      told_apart &= std::fabs(read - v) <= 1e-6 * largest;
+      labels.push_back(scientific ? short_exponent(text) : text);
+    }
+    if (told_apart &&
+        (values.size() < 2 || std::adjacent_find(labels.begin(), labels.end()) == labels.end()))
+      break;
+    // A range whose ends are no round numbers is labelled to a few digits only.
+    if (digits >= 4 && std::adjacent_find(labels.begin(), labels.end()) == labels.end())
+      break;
+  }
+  return labels;
+}
+
+void draw_scalar_bar(core::Image& image, const render::TransferFunction& function,
+                     const std::string& title, const Overlay& overlay) {
+  const int height = text_height(image);
+  const TextStyle style = style_on(overlay.background, height);
+  const int bar_height = image.height / 2, bar_width = std::max(height * 4 / 5, 6);
+  if (bar_height < 2 * height)
+    return; // too small to be read
+  const double low = function.low(), high = function.high();
+  const std::vector<double> ticks =
+      tick_values(low, high, std::clamp(bar_height / (3 * height), 2, 9));
+  const std::vector<std::string> labels = tick_labels(ticks);
+  int widest = 0;
+  for (const std::string& label : labels)
+    widest = std::max(widest, text_width(label, height));
+  const int gap = std::max(height / 3, 2), margin = height;
+  const int left = image.width - margin - widest - 2 * gap - bar_width;
+  const int top = (image.height - bar_height) / 2;
+  const render::Color frame{style.color[0], style.color[1], style.color[2]};
+  fill(image, left - 1, top - 1, left + bar_width + 1, top + bar_height + 1, frame);
+  for (int y = 0; y < bar_height; ++y)
+    fill(image, left, top + y, left + bar_width, top + y + 1,
+         function.colors().at(1.0 - (y + 0.5) / bar_height));
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    const double u = high > low ? (ticks[i] - low) / (high - low) : 0.5;
+    const double y = top + (1.0 - u) * bar_height;
+    const int row = std::clamp(int(std::lround(y - 0.5)), top, top + bar_height - 1);
+    fill(image, left + bar_width, row, left + bar_width + gap, row + 1, frame);
+    draw_text(image, left + bar_width + 2 * gap, int(std::lround(y - text_middle(height))),
+              labels[i], style);
+  }
+  if (!title.empty()) {
+    // Above the bar, ending at the right margin if it is wider than bar and labels.
+    const int right = image.width - margin;
+    const int x = std::max(std::min(left, right - text_width(title, height)), gap);
+    draw_text(image, x, top - height - gap - height / 2, title, style);
+  }
+}
+
+void draw_time_label(core::Image& image, double time, std::int64_t cycle, const Overlay& overlay) {
+  const int height = text_height(image);
+  std::string label = "time " + printed(time, std::chars_format::general, 6);
+  if (cycle >= 0)
+    label = "cycle " + std::to_string(cycle) + "  " + label;
+  draw_text(image, height, image.height - 2 * height, label, style_on(overlay.background, height));
+}
+
+} // namespace insitu::output

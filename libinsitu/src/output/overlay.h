@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "render/transfer_function.h"
+
+namespace insitu::output {
+
+/// What is written over a frame beside the mesh. Sizes follow the image's height; text is dark on a
+/// light background and light on a dark one, with a rim in the other shade.
+struct Overlay {
+  render::Color background{1, 1, 1}; ///< the frame's, linear: chooses the text's shade
+};
+
+/// A vertical bar at the right edge with the function's colours over [low, high], ticks at round
+/// values, their labels and, above it, the title (the field's name; may be empty). Where the
+/// function has opacities, they are not shown: the bar is a key to colours.
+void draw_scalar_bar(core::Image& image, const render::TransferFunction& function,
+                     const std::string& title, const Overlay& overlay = {});
+
+/// "time 0.25" or, with a cycle from 0 up, "cycle 120  time 0.25", at the lower left.
+void draw_time_label(core::Image& image, double time, std::int64_t cycle = -1,
+                     const Overlay& overlay = {});
+
+/// Round values (1, 2 or 5 times a power of ten apart), ascending, within [low, high]; at most
+/// `most` of them, at least 2. With no range to speak of: low alone.
+std::vector<double> tick_values(double low, double high, int most);
+
+/// A label for each value: as many digits as tell neighbours apart, in scientific notation for
+/// large and small ones; the same notation for all.
+std::vector<std::string> tick_labels(const std::vector<double>& values);
+
+} // namespace insitu::output

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/image.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "query/sampler.h"
+#include "render/camera.h"
+#include "render/isosurface.h"
+#include "render/volume.h"
+
+namespace insitu::render {
+
+/// All that a frame shows. What is not asked for is neither computed nor allocated: value ranges
+/// and vertex averages are made for isosurfaces only.
+struct FrameSettings {
+  int width = 1024, height = 1024;
+  Camera camera;
+  Color background{1, 1, 1}; ///< linear
+  float background_alpha = 1;
+  std::optional<VolumeSettings> volume;
+  std::vector<IsosurfaceSettings> isosurfaces;
+  Lighting lighting; ///< of surfaces
+};
+
+struct FrameStatistics {
+  std::int64_t rays = 0;
+  std::int64_t samples = 0; ///< located for the volume
+  double step = 0;          ///< of the volume; 0 without one
+  std::int64_t cells_tested = 0;
+  std::int64_t evaluations = 0; ///< of fields inside cells, for isosurfaces
+  std::int64_t hits = 0;        ///< of isosurfaces
+  double prepare_seconds = 0;   ///< averages, value ranges, tables
+  double seconds = 0;           ///< all
+};
+
+/// Draws the mesh as committed. Tiles of 16 x 16 pixels run in parallel; the image is the same to
+/// the byte for any number of threads. Throws core::Error, INSITU_ERROR_ARGUMENT or
+/// INSITU_ERROR_FIELD, if the settings do not fit. Memory made for the frame is counted and given
+/// back.
+core::Image render_frame(const query::Sampler& sampler, const FrameSettings& settings,
+                         const core::Threads& threads, core::Memory& memory,
+                         FrameStatistics* statistics = nullptr);
+
+} // namespace insitu::render

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "render/camera.h"
+#include "render/isosurface.h"
+
+namespace insitu::render {
+
+/// Opacity from which on a ray is not followed further.
+constexpr float saturated = 0.999f;
+
+/// What a ray has gathered, front to back, and where it stands.
+struct RayState {
+  Ray ray;
+  Color color; ///< times alpha
+  float alpha = 0;
+  std::int64_t next = 0, end = 0; ///< lattice indices of its volume samples
+  std::vector<SurfaceHit> hits;
+  std::size_t next_hit = 0;
+
+  bool is_saturated() const { return alpha >= saturated; }
+  void blend(const Color& c, float a) {
+    const float weight = (1.0f - alpha) * a;
+    color = color + weight * c;
+    alpha += weight;
+  }
+  void blend_next_hit() {
+    const SurfaceHit& hit = hits[next_hit++];
+    blend(hit.color, hit.opacity);
+  }
+};
+
+} // namespace insitu::render

@@ -1,0 +1,132 @@
+// The report and its JSON: figures that can be checked against what the test knows.
+#include <chrono>
+#include <gtest/gtest.h>
+#include <limits>
+#include <numeric>
+#include <yaml-cpp/yaml.h>
+
+#include "coupled.h"
+
+namespace {
+
+using runs::Coupled;
+
+const std::string scene = R"(
+insitu: 1
+probes:
+  - {name: p, points: {line: {from: [0, 0, 0], to: [1.5, 1.5, 1.5], count: 100}}, output: [csv, json]}
+tracers:
+  - {name: t, velocity: velocity, seeds: {sphere: {center: [0.3, 0.3, 0.3], radius: 0.2, count: 50}}}
+frames:
+  - {name: f, size: [48, 32], volume: {field: density}, every: 4}
+)";
+
+TEST(Report, MemoryAndTimeAddUp) {
+  const test::Folder folder;
+  const auto begin = std::chrono::steady_clock::now();
+  Coupled run({.scene = scene, .output = folder.path()});
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  run.run(8);
+  const insitu::Report r = run.session.report();
+  const double wall =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+
+  EXPECT_EQ(r.executions, 9);
+  EXPECT_EQ(r.keeps + r.refits + r.rebuilds, 9);
+  for (const double s : {r.commit_s, r.query_s, r.advect_s, r.render_s, r.output_s})
+    EXPECT_GT(s, 0.0);
+  EXPECT_LT(r.commit_s + r.query_s + r.advect_s + r.render_s + r.output_s, wall);
+
+  const auto cells = std::int64_t(run.solver.density.size()),
+             vertices = std::int64_t(run.solver.x.size());
+  EXPECT_EQ(r.bytes_borrowed, cells * (8 * 4 + 2 * 8) + vertices * 6 * 8);
+  EXPECT_EQ(std::accumulate(std::begin(r.bytes_by_purpose), std::end(r.bytes_by_purpose),
+                            std::int64_t(0)),
+            r.bytes_held);
+  EXPECT_GE(r.bytes_peak, r.bytes_held);
+  EXPECT_GT(r.bytes_by_purpose[INSITU_MEMORY_TREE], cells * 4);
+  EXPECT_LT(r.bytes_by_purpose[INSITU_MEMORY_TREE], cells * 100);
+  EXPECT_GT(r.bytes_by_purpose[INSITU_MEMORY_EARLIER], vertices * 48 - 1);
+  EXPECT_GT(r.bytes_by_purpose[INSITU_MEMORY_TRACER], 50 * 24);
+  EXPECT_EQ(r.bytes_by_purpose[INSITU_MEMORY_CONVERTED], 0);
+  for (const auto& entry : run.mesh.audit())
+    EXPECT_EQ(entry.borrowed, 1) << entry.name;
+
+  EXPECT_EQ(r.points_located, 9 * 100);
+  EXPECT_GT(r.points_outside, 0);
+  EXPECT_LT(r.points_outside, r.points_located);
+  EXPECT_EQ(r.particles_seeded, 50);
+  EXPECT_EQ(r.probe_rows, 900);
+  EXPECT_EQ(r.frames, 3);
+  EXPECT_EQ(r.files, 1 + 9 + 1 + 3);
+  EXPECT_EQ(r.files, std::int64_t(folder.count()));
+  EXPECT_EQ(r.failures, 0);
+}
+
+TEST(Report, MemoryDoesNotGrowFromCycleToCycle) {
+  const test::Folder folder;
+  Coupled run({.scene = scene, .output = folder.path()});
+  ASSERT_TRUE(run.execute());
+  run.run(8);
+  const insitu::Report before = run.session.report();
+  run.run(32);
+  const insitu::Report after = run.session.report();
+  EXPECT_LE(after.bytes_held, before.bytes_held);
+  EXPECT_LE(after.bytes_peak, before.bytes_peak * 11 / 10);
+}
+
+// Particles that have ended are in the table, and needed no more.
+TEST(Report, AStreaklineOfShortLivesHoldsAsMuchAsItsLivingParticles) {
+  const test::Folder folder;
+  Coupled run({.scene = "insitu: 1\ntracers:\n  - {name: t, kind: streakline, velocity: velocity, "
+                        "every: 50, until: {duration: 0.001}, seeds: {sphere: {center: "
+                        "[0.3, 0.3, 0.3], radius: 0.2, count: 200}}}\n",
+               .output = folder.path(),
+               .cells = 6});
+  ASSERT_TRUE(run.execute());
+  run.run(10);
+  const std::int64_t before =
+      run.session.report().bytes_by_purpose[INSITU_MEMORY_TRACER];
+  run.run(60);
+  const insitu::Report r = run.session.report();
+  EXPECT_EQ(r.particles_seeded, 61 * 200);
+  EXPECT_LE(r.bytes_by_purpose[INSITU_MEMORY_TRACER], before);
+}
+
+TEST(Report, TheSummaryIsJson) {
+  const test::Folder folder;
+  Coupled run({.scene = scene, .output = folder.path()});
+  ASSERT_TRUE(run.execute());
+  run.run(4);
+  run.session.write_summary(folder / "summary.json", 2.0);
+  const insitu::Report r = run.session.report();
+  const YAML::Node json = YAML::LoadFile(folder / "summary.json"); // JSON is YAML
+  EXPECT_EQ(json["executions"].as<int>(), 5);
+  EXPECT_EQ(json["commits"]["refit"].as<std::int64_t>(), r.refits);
+  EXPECT_EQ(json["seconds"]["commit"].as<double>(), r.commit_s);
+  const double library = json["seconds"]["library"].as<double>();
+  EXPECT_NEAR(json["seconds"]["library_share"].as<double>(), library / (library + 2.0), 1e-12);
+  EXPECT_EQ(json["bytes"]["held"].as<std::int64_t>(), r.bytes_held);
+  std::int64_t held = 0, particles = 0;
+  for (const auto& purpose : json["bytes"]["held_by_purpose"])
+    held += purpose.second.as<std::int64_t>();
+  EXPECT_EQ(held, r.bytes_held);
+  for (const auto& ending : json["particles"])
+    if (ending.first.as<std::string>() != "seeded")
+      particles += ending.second.as<std::int64_t>();
+  EXPECT_EQ(particles, json["particles"]["seeded"].as<std::int64_t>());
+  EXPECT_EQ(json["failures"].as<int>(), 0);
+}
+
+TEST(Report, NumbersThatJsonLacksAreNull) {
+  const test::Folder folder;
+  Coupled run({.scene = "insitu: 1\n", .output = folder.path()});
+  run.session.write_summary(folder / "infinite.json", std::numeric_limits<double>::infinity());
+  const std::string text = test::content(folder / "infinite.json");
+  EXPECT_NE(text.find("\"solver\": null"), std::string::npos) << text;
+  EXPECT_EQ(text.find("inf"), std::string::npos) << text;
+  run.session.write_summary(folder / "nan.json", std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(test::content(folder / "nan.json").find("solver"), std::string::npos);
+}
+
+} // namespace
