@@ -44,8 +44,8 @@ module insitu_real32
     generic :: points => points_interleaved_r32, points_1_r32, points_2_r32
     generic :: curvilinear_block => curvilinear_interleaved_r32, curvilinear_3_r32
     generic :: rectilinear_block => rectilinear_r32
-    generic :: vertex_field => vertex_1_r32, vertex_2_r32, vertex_3_r32, vertex_4_r32, vertex_uvw_1_r32, &
-        vertex_uvw_2_r32, vertex_uvw_3_r32
+    generic :: vertex_field => vertex_1_r32, vertex_2_r32, vertex_3_r32, vertex_4_r32, &
+        vertex_uvw_1_r32, vertex_uvw_2_r32, vertex_uvw_3_r32
     generic :: cell_field => cell_1_r32, cell_2_r32, cell_3_r32, cell_4_r32, cell_uvw_1_r32, &
         cell_uvw_2_r32, cell_uvw_3_r32
     generic :: locate => locate_interleaved_r32, locate_1_r32, locate_interleaved_int32_r32, &

@@ -44,8 +44,8 @@ module insitu_real64
     generic :: points => points_interleaved_r64, points_1_r64, points_2_r64
     generic :: curvilinear_block => curvilinear_interleaved_r64, curvilinear_3_r64
     generic :: rectilinear_block => rectilinear_r64
-    generic :: vertex_field => vertex_1_r64, vertex_2_r64, vertex_3_r64, vertex_4_r64, vertex_uvw_1_r64, &
-        vertex_uvw_2_r64, vertex_uvw_3_r64
+    generic :: vertex_field => vertex_1_r64, vertex_2_r64, vertex_3_r64, vertex_4_r64, &
+        vertex_uvw_1_r64, vertex_uvw_2_r64, vertex_uvw_3_r64
     generic :: cell_field => cell_1_r64, cell_2_r64, cell_3_r64, cell_4_r64, cell_uvw_1_r64, &
         cell_uvw_2_r64, cell_uvw_3_r64
     generic :: locate => locate_interleaved_r64, locate_1_r64, locate_interleaved_int32_r64, &

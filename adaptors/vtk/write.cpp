@@ -9,6 +9,7 @@
 #include <vtkDataSet.h>
 #include <vtkDoubleArray.h>
 #include <vtkErrorCode.h>
+#include <vtkExecutive.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -118,24 +119,11 @@ vtkSmartPointer<vtkPolyData> located(View<const double> points, const Locations&
   return out;
 }
 
-/// Keeps a VTK object's errors from being printed, and remembers the first.
-class Errors {
-public:
-  explicit Errors(vtkObject* from) {
-    command_->SetClientData(this);
-    command_->SetCallback([](vtkObject*, unsigned long, void* self, void* text) {
-      auto& message = static_cast<Errors*>(self)->first_;
-      if (message.empty() && text)
-        message = static_cast<const char*>(text);
-    });
-    from->AddObserver(vtkCommand::ErrorEvent, command_);
-  }
-  const std::string& first() const { return first_; }
-
-private:
-  vtkNew<vtkCallbackCommand> command_;
-  std::string first_;
-};
+/// Errors of a VTK object are no longer printed; its error code tells.
+void silence(vtkObject* object) {
+  vtkNew<vtkCallbackCommand> nothing;
+  object->AddObserver(vtkCommand::ErrorEvent, nothing);
+}
 
 std::string number(double value) {
   char text[32];
@@ -219,7 +207,8 @@ void write(const std::string& path, vtkDataSet* data) {
     throw Error(INSITU_ERROR_ARGUMENT,
                 path + ": a " + data->GetClassName() + " is written to a " + expected + " file");
   const std::string part = part_name(path);
-  const Errors errors(writer);
+  silence(writer);
+  silence(writer->GetExecutive());
   writer->SetInputData(data);
   writer->SetFileName(part.c_str());
   const bool written = writer->Write() != 0 && writer->GetErrorCode() == vtkErrorCode::NoError;

@@ -29,8 +29,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// takes the roundings of t. Likewise upper[c] >= nearest(t - 1/16). A lower byte is never above
 /// 254 and an absent child's is 255, so the query's upper byte stops at 254.
 HWY_INLINE unsigned overlapping_children(const accel::Node& node, const float* bounds) {
-  alignas(16)
-      std::uint8_t grid[16] = {}; // lower: least upper byte; upper: 255 - greatest lower byte
+  // Bytes 0 to 2: what an upper byte must reach; 4 to 6: what 255 - a lower byte must reach.
+  std::uint64_t grid = 0;
 #if HWY_MAX_BYTES >= 32
   const hn::FixedTag<float, 8> d;
   const hn::RebindToUnsigned<decltype(d)> du;
@@ -47,14 +47,16 @@ HWY_INLINE unsigned overlapping_children(const accel::Node& node, const float* b
   const auto t = hn::Mul(hn::Sub(hn::Load(d, bounds), hn::LoadDup128(d, node.lower)), inverse);
   const auto z = hn::Add(hn::Mul(t, hn::Load(d, sign)), hn::Load(d, bias));
   const auto clamped = hn::Min(hn::Max(z, hn::Load(d, least)), hn::Set(d, 255.0f));
-  hn::StoreU(hn::DemoteTo(d8, hn::NearestInt(clamped)), d8, grid);
+  const hn::FixedTag<std::uint64_t, 1> d64;
+  grid = hn::GetLane(hn::BitCast(d64, hn::DemoteTo(d8, hn::NearestInt(clamped))));
 #else
   for (int a = 0; a < 3; ++a) {
     const float inverse = std::bit_cast<float>((254u - node.exponent[a]) << 23);
     const float l = (bounds[a] - node.lower[a]) * inverse - 0.0625f;
     const float u = 254.9375f - (bounds[4 + a] - node.lower[a]) * inverse;
-    grid[a] = std::uint8_t(std::nearbyint(l > 0.0f ? (l < 255.0f ? l : 255.0f) : 0.0f));
-    grid[4 + a] = std::uint8_t(std::nearbyint(u > 1.0f ? (u < 255.0f ? u : 255.0f) : 1.0f));
+    const float upper = std::nearbyint(l > 0.0f ? (l < 255.0f ? l : 255.0f) : 0.0f);
+    const float lower = std::nearbyint(u > 1.0f ? (u < 255.0f ? u : 255.0f) : 1.0f);
+    grid |= std::uint64_t(upper) << (8 * a) | std::uint64_t(lower) << (8 * (4 + a));
   }
 #endif
   // Bytes 16 to 79 of the node: two ids, meta, lower x, y, z, upper x, y, z, eight bytes each.
@@ -63,24 +65,24 @@ HWY_INLINE unsigned overlapping_children(const accel::Node& node, const float* b
   std::uint64_t mask = 0;
 #if HWY_TARGET != HWY_SCALAR
   const hn::CappedTag<std::uint8_t, 64> db;
+  // clang-format off
+#define INSITU_EIGHT(x) x, x, x, x, x, x, x, x
   alignas(64) static constexpr std::uint8_t places[64] = {
-      0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80,
-      0x80, 0x80, 0x80, 4,    4,    4,    4,    4,    4,    4,    4,    5,    5,
-      5,    5,    5,    5,    5,    5,    6,    6,    6,    6,    6,    6,    6,
-      6,    0,    0,    0,    0,    0,    0,    0,    0,    1,    1,    1,    1,
-      1,    1,    1,    1,    2,    2,    2,    2,    2,    2,    2,    2};
+      INSITU_EIGHT(0x80), INSITU_EIGHT(0x80), INSITU_EIGHT(4), INSITU_EIGHT(5),
+      INSITU_EIGHT(6), INSITU_EIGHT(0), INSITU_EIGHT(1), INSITU_EIGHT(2)};
   alignas(64) static constexpr std::uint8_t flip[64] = {
-      0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,
-      0,   0,   255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255,
-      255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255};
-  const auto query = hn::LoadDup128(db, grid);
+      INSITU_EIGHT(0), INSITU_EIGHT(0), INSITU_EIGHT(255), INSITU_EIGHT(255),
+      INSITU_EIGHT(255), INSITU_EIGHT(0), INSITU_EIGHT(0), INSITU_EIGHT(0)};
+#undef INSITU_EIGHT
+  // clang-format on
+  const auto query = hn::BitCast(db, hn::Set(hn::Repartition<std::uint64_t, decltype(db)>(), grid));
   for (std::size_t i = 0; i < 64; i += hn::MaxLanes(db)) {
     const auto least_byte = hn::TableLookupBytesOr0(query, hn::Load(db, places + i));
     const auto child = hn::Xor(hn::LoadU(db, bytes + i), hn::Load(db, flip + i));
     std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(db, hn::Ge(child, least_byte), bits);
-    std::uint64_t part;
-    std::memcpy(&part, bits, sizeof part);
+    hn::StoreMaskBits(db, hn::Eq(hn::Max(child, least_byte), child), bits);
+    std::uint64_t part = 0;
+    std::memcpy(&part, bits, hn::MaxLanes(db) / 8); // as wide as it was stored
     mask |= part << i;
   }
 #else
@@ -88,7 +90,7 @@ HWY_INLINE unsigned overlapping_children(const accel::Node& node, const float* b
     const bool lower = i < 40;
     const int axis = (lower ? i - 16 : i - 40) / 8;
     const std::uint8_t child = lower ? std::uint8_t(255 - bytes[i]) : bytes[i];
-    mask |= std::uint64_t(child >= grid[lower ? 4 + axis : axis]) << i;
+    mask |= std::uint64_t(child >= ((grid >> (8 * (lower ? 4 + axis : axis))) & 255)) << i;
   }
 #endif
   mask &= mask >> 8;

@@ -101,9 +101,10 @@ void VolumeMarcher::start(RayState& ray) const {
     return;
   if (!ray.hits.empty() && ray.hits.back().opacity >= 1)
     far = std::min(far, ray.hits.back().t + 0.5 * step_);
-  // One more at either end, since points just outside cost little and answer for themselves.
-  ray.next = std::max<std::int64_t>(0, std::int64_t(std::floor(near / step_ - 0.5)));
-  ray.end = std::int64_t(std::floor(far / step_ + 0.5)) + 1;
+  // A sample rounded to the wrong side of the bounds answers for itself.
+  const double slack = 1e-9 * (near + far) / step_;
+  ray.next = std::max<std::int64_t>(0, std::int64_t(std::ceil(near / step_ - 0.5 - slack)));
+  ray.end = std::int64_t(std::floor(far / step_ - 0.5 + slack)) + 1;
 }
 
 void VolumeMarcher::add_sample(RayState& ray, std::int64_t index, const ColorSample& sample) const {
@@ -137,27 +138,34 @@ std::int64_t VolumeMarcher::march(std::span<RayState> rays) const {
     // are left. How many depends on the rays alone.
     const std::int64_t chunk =
         std::clamp<std::int64_t>(2048 / std::int64_t(s.active.size()), 8, 64);
+    // Side by side before front to back: neighbouring rays share more cells than a ray's samples
+    // do.
     s.points.clear();
-    for (const std::uint32_t r : s.active) {
-      const RayState& ray = rays[r];
-      for (std::int64_t i = ray.next; i < std::min(ray.next + chunk, ray.end); ++i)
-        s.points.push_back(ray.ray.origin + ((double(i) + 0.5) * step_) * ray.ray.direction);
-    }
+    for (std::int64_t k = 0; k < chunk; ++k)
+      for (const std::uint32_t r : s.active) {
+        const RayState& ray = rays[r];
+        if (ray.next + k < ray.end)
+          s.points.push_back(ray.ray.origin +
+                             ((double(ray.next + k) + 0.5) * step_) * ray.ray.direction);
+      }
     s.locations.resize(s.points.size());
     sampler_.locate_serial(s.points, s.locations, options_);
     taken += std::int64_t(s.points.size());
-    std::size_t at = 0, kept = 0;
-    for (const std::uint32_t r : s.active) {
-      RayState& ray = rays[r];
-      const std::int64_t last = std::min(ray.next + chunk, ray.end);
-      const std::size_t after = at + std::size_t(last - ray.next);
-      for (; ray.next < last && !ray.is_saturated(); ++ray.next) {
-        const query::Location& location = s.locations[at++];
-        add_sample(ray, ray.next,
-                   location ? classifier_(field_.at(sampler_.mesh(), location)) : ColorSample{});
+    const query::Location* location = s.locations.data();
+    for (std::int64_t k = 0; k < chunk; ++k)
+      for (const std::uint32_t r : s.active) {
+        RayState& ray = rays[r];
+        if (ray.next + k >= ray.end)
+          continue;
+        const query::Location& at = *location++;
+        if (!ray.is_saturated())
+          add_sample(ray, ray.next + k,
+                     at ? classifier_(field_.at(sampler_.mesh(), at)) : ColorSample{});
       }
-      at = after;
-      if (ray.next < ray.end && !ray.is_saturated())
+    std::size_t kept = 0;
+    for (const std::uint32_t r : s.active) {
+      rays[r].next += chunk;
+      if (rays[r].next < rays[r].end && !rays[r].is_saturated())
         s.active[kept++] = r;
     }
     s.active.resize(kept);

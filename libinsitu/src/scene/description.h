@@ -185,6 +185,7 @@ struct Volume {
   std::optional<ValueRange> range; ///< nothing: the field's range at each frame
   std::vector<OpacityPoint>
       opacity; ///< by value; empty: from 0 at the range's low end to 1 at its high end
+  bool smooth = false; ///< a cell field is averaged to the vertices first
   std::optional<double> unit_distance; ///< length over which a ray loses the stated opacity;
                                        ///< nothing: a hundredth of the mesh's diagonal
   int line = 0;

@@ -62,8 +62,9 @@ public:
     settings.lighting.enabled =
         std::find(frame_.effects.begin(), frame_.effects.end(), FrameEffect::lighting) !=
         frame_.effects.end();
+    std::optional<render::VertexAverage> average; // for as long as the frame is drawn
     if (frame_.volume)
-      settings.volume = volume(mesh, *frame_.volume);
+      settings.volume = volume(mesh, *frame_.volume, average);
     for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
       settings.isosurfaces.push_back(isosurface(mesh, frame_.isosurfaces[i], surface_colors_[i]));
     core::Image image =
@@ -127,9 +128,17 @@ private:
     return {colors, low, high, std::move(points)};
   }
 
-  render::VolumeSettings volume(const query::CommittedMesh& mesh, const Volume& from) const {
-    const render::ScalarField field = scalar(mesh, from.field, from.component);
-    render::VolumeSettings to{field, transfer(mesh, field, *volume_colors_, from.range, from.opacity),
+  render::VolumeSettings volume(const query::CommittedMesh& mesh, const Volume& from,
+                                std::optional<render::VertexAverage>& average) const {
+    render::ScalarField field = scalar(mesh, from.field, from.component);
+    const render::TransferFunction function =
+        transfer(mesh, field, *volume_colors_, from.range, from.opacity);
+    if (from.smooth && field.field.association == INSITU_CELL) {
+      average.emplace(mesh.mesh().view(), field, environment_.context.threads,
+                      environment_.context.memory);
+      field = average->field();
+    }
+    render::VolumeSettings to{field, function,
                               frame_.step * step_of(frame_.accuracy), std::nullopt,
                               from.unit_distance.value_or(0.0), to_api(frame_.accuracy)};
     return to;
@@ -173,8 +182,7 @@ private:
     output::Overlay overlay;
     overlay.background = settings.background;
     if (frame_.scalar_bar && settings.volume)
-      output::draw_scalar_bar(image, settings.volume->function, settings.volume->field.field.name,
-                              overlay);
+      output::draw_scalar_bar(image, settings.volume->function, frame_.volume->field.text, overlay);
     else if (frame_.scalar_bar)
       for (const render::IsosurfaceSettings& surface : settings.isosurfaces)
         if (const auto* by = std::get_if<render::ColorByField>(&surface.color)) {

@@ -216,7 +216,7 @@ Volume parse_volume(const Cursor& cursor, const ParseContext& context) {
   Volume volume;
   volume.line = cursor.line();
   const MapReader map(cursor,
-                      {"field", "component", "colors", "range", "opacity", "unit_distance"});
+                      {"field", "component", "colors", "range", "opacity", "unit_distance", "smooth"});
   if (const auto field = map.require("field")) {
     assign(volume.field, parse_name(*field));
   }
@@ -231,6 +231,9 @@ Volume parse_volume(const Cursor& cursor, const ParseContext& context) {
   }
   if (const auto opacity = map.find("opacity")) {
     volume.opacity = parse_opacity(*opacity);
+  }
+  if (const auto smooth = map.find("smooth")) {
+    assign(volume.smooth, smooth->boolean());
   }
   if (const auto distance = map.find("unit_distance")) {
     assign(volume.unit_distance, distance->number(positive));

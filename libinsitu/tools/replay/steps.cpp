@@ -10,6 +10,7 @@
 #include <vtkDataArray.h>
 #include <vtkDataSet.h>
 #include <vtkFieldData.h>
+#include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
@@ -194,6 +195,7 @@ void silence_vtk() {
   static const vtkNew<QuietWindow> quiet;
   window = quiet;
   vtkOutputWindow::SetInstance(quiet);
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
 }
 
 } // namespace insitu_replay

@@ -59,7 +59,8 @@ program float_environment_test
 
   call expect_same('as started', as_started, usual)
   call expect_same('odd', odd, usual)
-  call expect('cells of points inside', all(usual%cells(:box_cells) == [(int(i, int64), i=1, box_cells)]))
+  call expect('cells of points inside', &
+              all(usual%cells(:box_cells) == [(int(i, int64), i=1, box_cells)]))
   call expect('no cells of points outside', all(usual%cells(box_cells + 1:) == 0))
   call expect('denormal values come through', all(usual%values(:box_cells) > 0_int64 .and. &
                                                   usual%values(:box_cells) < 2_int64**52))

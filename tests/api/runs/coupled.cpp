@@ -116,7 +116,9 @@ Coupled::Coupled(const Setup& setup)
   mesh.vertex_field("velocity", {solver.u, solver.v, solver.w});
 }
 
-bool Coupled::execute() { return session.execute(solver.cycle(), solver.time()); }
+bool Coupled::execute() {
+  return session.execute(solver.cycle(), solver.time());
+}
 
 bool Coupled::step(insitu::Change changed) {
   solver.advance();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "insitu/insitu.hpp"
+
 #include "solver.h"
 #include "unit/output/folder.h"
 
@@ -35,8 +36,8 @@ struct Table {
 Table parse_table(const std::string& text);
 
 struct Setup {
-  std::string scene; ///< text; empty: none
-  std::string output;
+  std::string scene = {}; ///< text; empty: none
+  std::string output = {};
   int cells = 10;
   int threads = 1;
   bool block = false;

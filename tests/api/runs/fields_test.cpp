@@ -47,9 +47,9 @@ TEST(Fields, OneThatComesLaterDoesNotDisturbATable) {
   run.session.close();
   const runs::Table t = runs::parse_table(test::content(folder / "all.csv"));
   EXPECT_EQ(t.rows.size(), 3u);
-  EXPECT_EQ(t.columns, (std::vector<std::string>{"cycle", "time", "point", "cell", "r", "s", "t",
-                                                 "density", "pressure", "velocity_x", "velocity_y",
-                                                 "velocity_z"}));
+  EXPECT_EQ(t.columns,
+            (std::vector<std::string>{"cycle", "time", "point", "cell", "r", "s", "t", "density",
+                                      "pressure", "velocity_x", "velocity_y", "velocity_z"}));
 }
 
 // One that goes, or comes back in another shape, is an error of the actions that use it alone.

@@ -1,4 +1,5 @@
-// The same run by other means gives the same bytes: threads, kind of mesh, refit or rebuild, builder.
+// The same run by other means gives the same bytes: threads, kind of mesh, refit or rebuild,
+// builder.
 #include <gtest/gtest.h>
 #include <iostream>
 #include <string>
@@ -61,8 +62,8 @@ frames:
 )";
 
 std::string scene(const std::string& locator = "auto") {
-  return "insitu: 1\nlocator: {builder: " + locator + "}\n" + of_one_step + "tracers:" +
-         streamlines + paths + frames;
+  return "insitu: 1\nlocator: {builder: " + locator + "}\n" + of_one_step +
+         "tracers:" + streamlines + paths + frames;
 }
 
 void expect_same(const Files& a, const Files& b, const std::string& what) {
@@ -98,7 +99,8 @@ TEST(Identity, AnyNumberOfThreads) {
 }
 
 TEST(Identity, HexahedraAndAnImplicitBlock) {
-  expect_same(reference(), runs::run_to_files({.scene = scene(), .threads = 2, .block = true}, cycles),
+  expect_same(reference(),
+              runs::run_to_files({.scene = scene(), .threads = 2, .block = true}, cycles),
               "as a block");
 }
 
@@ -111,8 +113,7 @@ TEST(Identity, RefitAndRebuild) {
   // Pathlines are left out: at a change of topology they may not look back.
   const std::string text = "insitu: 1\n" + of_one_step + "tracers:" + streamlines + frames;
   const Files refitted = runs::run_to_files({.scene = text}, cycles);
-  const Files rebuilt =
-      runs::run_to_files({.scene = text}, cycles, insitu::everything);
+  const Files rebuilt = runs::run_to_files({.scene = text}, cycles, insitu::everything);
   EXPECT_GT(refitted.size(), 10u);
   expect_same(refitted, rebuilt, "rebuilt at every cycle");
 }

@@ -85,8 +85,7 @@ TEST(Report, AStreaklineOfShortLivesHoldsAsMuchAsItsLivingParticles) {
                .cells = 6});
   ASSERT_TRUE(run.execute());
   run.run(10);
-  const std::int64_t before =
-      run.session.report().bytes_by_purpose[INSITU_MEMORY_TRACER];
+  const std::int64_t before = run.session.report().bytes_by_purpose[INSITU_MEMORY_TRACER];
   run.run(60);
   const insitu::Report r = run.session.report();
   EXPECT_EQ(r.particles_seeded, 61 * 200);

@@ -1,4 +1,5 @@
-// A bad scene, folder or disk costs what needs it, is told, and leaves the solver and the rest alone.
+// A bad scene, folder or disk costs what needs it, is told, and leaves the solver and the rest
+// alone.
 #include <csignal>
 #include <filesystem>
 #include <gtest/gtest.h>
@@ -80,9 +81,8 @@ TEST(Survives, AFieldThatDoesNotExist) {
   EXPECT_EQ(session.report().failures, 3);
   session.close();
   const runs::Files files = runs::files_of(folder / "out");
-  EXPECT_EQ(runs::names_of(files),
-            (std::vector<std::string>{"g_000000.png", "g_000001.png", "g_000002.png", "p.csv",
-                                      "t.csv"}));
+  EXPECT_EQ(runs::names_of(files), (std::vector<std::string>{"g_000000.png", "g_000001.png",
+                                                             "g_000002.png", "p.csv", "t.csv"}));
   EXPECT_EQ(runs::parse_table(files.at("p.csv")).rows.size(), 3u);
 }
 
@@ -147,8 +147,8 @@ TEST(Survives, AFullDisk) {
     const SmallDisk disk(1500);
     EXPECT_EQ(insitu_session_execute(run.session.handle(), 0, 0.0), INSITU_ERROR_ACTION);
   }
-  expect_in(insitu_last_message(), {"probe 'p'", "tracer 't'", "frame 'f'", "p.csv", "f_000000.png",
-                                    "File too large"});
+  expect_in(insitu_last_message(),
+            {"probe 'p'", "tracer 't'", "frame 'f'", "p.csv", "f_000000.png", "File too large"});
   EXPECT_EQ(unfinished(folder.path()), 0u);
   for (const auto& [name, content] : runs::files_of(folder.path())) {
     EXPECT_TRUE(name.ends_with(".csv")) << name << " is there, of " << content.size() << " bytes";

@@ -152,9 +152,9 @@ tracers:
   const std::vector<double> f0(1, 7.0), f1(2, 9.0), one(12, 1.0), zero(12, 0.0);
   mesh.piece(0).uniform_block({2, 2, 2}, {0, 0, 0}, {1, 1, 1});
   mesh.piece(0).cell_field("f", f0);
-  mesh.piece(0).vertex_field("velocity", {insitu::Array(one.data(), 8),
-                                          insitu::Array(zero.data(), 8),
-                                          insitu::Array(zero.data(), 8)});
+  mesh.piece(0).vertex_field(
+      "velocity",
+      {insitu::Array(one.data(), 8), insitu::Array(zero.data(), 8), insitu::Array(zero.data(), 8)});
   mesh.piece(1).uniform_block({3, 2, 2}, {1, 0, 0}, {0.5, 1, 1});
   mesh.piece(1).cell_field("f", f1);
   mesh.piece(1).vertex_field("velocity", {one, zero, zero});

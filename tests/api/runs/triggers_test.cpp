@@ -1,5 +1,6 @@
 // When things happen: every, when, both, and what a cycle without them costs.
 #include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <set>
 
@@ -34,9 +35,9 @@ TEST(Triggers, EveryAndWhen) {
   const auto mean_speed = [&] {
     double sum = 0.0, most = 0.0;
     for (std::size_t i = 0; i < run.solver.u.size(); ++i) {
-      const double s = std::sqrt(run.solver.u[i] * run.solver.u[i] +
-                                 run.solver.v[i] * run.solver.v[i] +
-                                 run.solver.w[i] * run.solver.w[i]);
+      const double s =
+          std::sqrt(run.solver.u[i] * run.solver.u[i] + run.solver.v[i] * run.solver.v[i] +
+                    run.solver.w[i] * run.solver.w[i]);
       sum += s;
       most = std::max(most, s);
     }

@@ -1,5 +1,5 @@
-!> The heat example coupled: the library reads the solver's own memory, step after step, and answers with
-!! the solver's numbering.
+!> The heat example coupled: the library reads the solver's own memory, step after step, and answers
+!! with the solver's numbering.
 program heat_coupling_check
   use, intrinsic :: iso_c_binding, only: c_associated, c_loc
   use, intrinsic :: iso_fortran_env, only: error_unit, int64, real64

@@ -124,7 +124,7 @@ TEST(SceneFrames, CameraErrors) {
 TEST(SceneFrames, Volumes) {
   const Volume v =
       volume("component: 2, colors: maps/blue.json, range: [-1, 6.5], opacity: [[0, 0], [1, 0.5], "
-             "[1, 1]], unit_distance: 0.25");
+             "[1, 1]], unit_distance: 0.25, smooth: true");
   EXPECT_EQ(v.component.index, 2);
   EXPECT_EQ(v.colors.name, "maps/blue.json");
   EXPECT_EQ(v.colors.path, "/base/maps/blue.json");
@@ -135,6 +135,7 @@ TEST(SceneFrames, Volumes) {
   EXPECT_EQ(v.opacity[1].value, 1);
   EXPECT_EQ(v.opacity[1].opacity, 0.5);
   EXPECT_EQ(v.unit_distance, 0.25);
+  EXPECT_TRUE(v.smooth);
   EXPECT_TRUE(volume("component: magnitude").component.magnitude());
   EXPECT_FALSE(volume("range: auto").range);
   EXPECT_EQ(volume("colors: plasma").colors.path, "");
@@ -144,7 +145,7 @@ TEST(SceneFrames, VolumeErrors) {
   EXPECT_EQ(volume_error("opactiy: [[0, 0]]"),
             "s.yaml:2: key 'opactiy' is unknown in frames[0].volume; did you mean 'opacity'? "
             "(keys: field, "
-            "component, colors, range, opacity, unit_distance)");
+            "component, colors, range, opacity, unit_distance, smooth)");
   EXPECT_EQ(error_of("frames: [{name: f, volume: {}}]"),
             "s.yaml:2: key 'field' is missing in frames[0].volume");
   EXPECT_EQ(volume_error("component: first"),

@@ -1,0 +1,246 @@
+/// insitu-replay as a program: files in, files out, exit codes, messages.
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <map>
+#include <sstream>
+#include <sys/wait.h>
+#include <vtkDoubleArray.h>
+#include <vtkFieldData.h>
+#include <vtkIntArray.h>
+
+#include "insitu/vtk.hpp"
+
+#include "../vtk/meshes.h"
+
+namespace fs = std::filesystem;
+using namespace vtk_meshes;
+
+namespace {
+
+struct Outcome {
+  int code;
+  std::string out, err;
+};
+
+std::string contents(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+using Row = std::map<std::string, double>; ///< by column; NaN where empty
+
+struct Replay : testing::Test {
+  fs::path folder = fs::path(testing::TempDir()) /
+                    (std::string("insitu_replay_") +
+                     testing::UnitTest::GetInstance()->current_test_info()->name());
+  void SetUp() override {
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    put("points.csv", "x,y,z\n0.4,0.3,0.2\n1.5,1.5,1.5\n9,9,9\n");
+    put("scene.yaml", "insitu: 1\nprobes:\n  - {name: g, points: points.csv, fields: [linear]}\n");
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  std::string path(const std::string& name) const { return (folder / name).string(); }
+  void put(const std::string& name, const std::string& text) const {
+    std::ofstream(path(name)) << text;
+  }
+  /// A 2^3 mesh whose field is linear + add, with cycle and time as field data where not negative.
+  void mesh(const std::string& name, double add, int cycle = -1, double time = -1.0,
+            int type = VTK_HEXAHEDRON) const {
+    const auto grid = unstructured(2, {type}, 0.1);
+    auto* values = vtkDoubleArray::SafeDownCast(grid->GetPointData()->GetArray("linear"));
+    for (vtkIdType i = 0; i < values->GetNumberOfValues(); ++i)
+      values->SetValue(i, values->GetValue(i) + add);
+    if (cycle >= 0) {
+      vtkNew<vtkIntArray> array;
+      array->SetName("CYCLE");
+      array->InsertNextValue(cycle);
+      grid->GetFieldData()->AddArray(array);
+    }
+    if (time >= 0.0) {
+      vtkNew<vtkDoubleArray> array;
+      array->SetName("TimeValue");
+      array->InsertNextValue(time);
+      grid->GetFieldData()->AddArray(array);
+    }
+    insitu::vtk::write(path(name), grid);
+  }
+  Outcome run(const std::string& arguments) const {
+    const std::string command = "cd '" + folder.string() + "' && '" REPLAY_PROGRAM "' " +
+                                arguments + " > out.txt 2> err.txt";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(path("out.txt")),
+            contents(path("err.txt"))};
+  }
+  std::vector<Row> rows(const std::string& name) const {
+    std::ifstream in(path(name));
+    std::string line, cell;
+    std::vector<std::string> columns;
+    std::getline(in, line);
+    for (std::istringstream header(line); std::getline(header, cell, ',');)
+      columns.push_back(cell);
+    std::vector<Row> out;
+    while (std::getline(in, line)) {
+      std::istringstream cells(line + ",");
+      Row& row = out.emplace_back();
+      for (const std::string& column : columns) {
+        std::getline(cells, cell, ',');
+        row[column] = cell.empty() ? NAN : std::strtod(cell.c_str(), nullptr);
+      }
+    }
+    return out;
+  }
+};
+
+} // namespace
+
+TEST_F(Replay, StepsBecomeRowsAndAPipeIsQuiet) {
+  mesh("m_0.vtu", 0.0, 10, 0.5);
+  mesh("m_1.vtu", 100.0, 20, 0.75);
+  const Outcome o = run("--scene scene.yaml --out res m_0.vtu m_1.vtu");
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_EQ(o.out, "");
+  EXPECT_EQ(o.err, "");
+  const std::vector<Row> r = rows("res/g.csv");
+  ASSERT_EQ(r.size(), 6u);
+  EXPECT_EQ(r[0].at("cycle"), 10);
+  EXPECT_EQ(r[0].at("time"), 0.5);
+  EXPECT_EQ(r[5].at("cycle"), 20);
+  EXPECT_EQ(r[5].at("time"), 0.75);
+  EXPECT_NEAR(r[0].at("linear"), linear({0.4, 0.3, 0.2}), 1e-10);
+  EXPECT_NEAR(r[4].at("linear"), linear({1.5, 1.5, 1.5}) + 100.0, 1e-10);
+  EXPECT_EQ(r[1].at("cell"), 7);
+  EXPECT_TRUE(std::isnan(r[2].at("linear")));
+}
+
+TEST_F(Replay, OrderCountsWhereFilesSayNothing) {
+  mesh("a.vtu", 0.0);
+  mesh("b.vtu", 1.0);
+  EXPECT_EQ(run("--scene=scene.yaml --out=res a.vtu b.vtu").code, 0);
+  const std::vector<Row> r = rows("res/g.csv");
+  ASSERT_EQ(r.size(), 6u);
+  EXPECT_EQ(r[0].at("cycle"), 0);
+  EXPECT_EQ(r[3].at("cycle"), 1);
+  EXPECT_EQ(r[3].at("time"), 1.0);
+}
+
+TEST_F(Replay, EqualCellsAreNotRebuilt) {
+  for (int i = 0; i < 4; ++i)
+    mesh("m_" + std::to_string(i) + ".vtu", i, i, i, i < 3 ? VTK_HEXAHEDRON : VTK_WEDGE);
+  const Outcome o = run("--scene scene.yaml --summary sum.json m_0.vtu m_1.vtu m_2.vtu m_3.vtu");
+  EXPECT_EQ(o.code, 0) << o.err;
+  const std::string summary = contents(path("sum.json"));
+  EXPECT_NE(summary.find("\"rebuild\": 2"), std::string::npos) << summary;
+  EXPECT_NE(summary.find("\"keep\": 2"), std::string::npos) << summary;
+}
+
+TEST_F(Replay, IndexFilesWithParts) {
+  mesh("left.vtu", 0.0);
+  const auto right = structured(2, 0.1);
+  for (vtkIdType i = 0; i < right->GetNumberOfPoints(); ++i) {
+    Point p = point_of(right, i);
+    p[0] += 2.0;
+    right->GetPoints()->SetPoint(i, p.data());
+  }
+  insitu::vtk::write(path("right.vts"), right);
+  insitu::vtk::Series series(path("run.pvd"));
+  for (const double time : {0.25, 0.5}) {
+    series.add(time, "left.vtu", 0);
+    series.add(time, "right.vts", 1);
+  }
+  put("points.csv", "x,y,z\n0.4,0.3,0.2\n2.4,0.3,0.2\n");
+  const Outcome o = run("--probe points.csv --out res run.pvd");
+  EXPECT_EQ(o.code, 0) << o.err;
+  const std::vector<Row> r = rows("res/probe.csv");
+  ASSERT_EQ(r.size(), 4u);
+  EXPECT_EQ(r[2].at("time"), 0.5);
+  EXPECT_EQ(r[2].at("cycle"), 1);
+  EXPECT_EQ(r[3].at("piece"), 1);
+  EXPECT_EQ(r[3].at("cell"), 0);
+  EXPECT_NEAR(r[3].at("linear"), linear({0.4, 0.3, 0.2}), 1e-10); // its own field, not moved
+}
+
+TEST_F(Replay, ErrorsNameTheFile) {
+  mesh("good.vtu", 0.0);
+  EXPECT_EQ(run("--scene scene.yaml absent.vtu").code, 1);
+  EXPECT_EQ(contents(path("err.txt")), "insitu-replay: absent.vtu: no such file\n");
+
+  const std::string whole = contents(path("good.vtu"));
+  put("half.vtu", whole.substr(0, whole.size() / 2));
+  Outcome o = run("--scene scene.yaml good.vtu half.vtu");
+  EXPECT_EQ(o.code, 1);
+  EXPECT_EQ(o.err.rfind("insitu-replay: half.vtu: cannot be read", 0), 0u) << o.err;
+  put("words.vtu", "not XML");
+  o = run("--scene scene.yaml words.vtu");
+  EXPECT_EQ(o.code, 1);
+  EXPECT_EQ(o.err.rfind("insitu-replay: words.vtu: ", 0), 0u) << o.err;
+
+  const auto bad = unstructured(2, {VTK_HEXAHEDRON}, 0.1);
+  const vtkIdType ids[3] = {0, 1, 2};
+  bad->InsertNextCell(VTK_TRIANGLE, 3, ids);
+  vtkDoubleArray::SafeDownCast(bad->GetCellData()->GetArray("number"))->InsertNextValue(0);
+  insitu::vtk::write(path("triangle.vtu"), bad);
+  o = run("--scene scene.yaml triangle.vtu");
+  EXPECT_EQ(o.code, 1);
+  EXPECT_NE(o.err.find("triangle.vtu: cell 8 is a vtkTriangle"), std::string::npos) << o.err;
+
+  o = run("--scene scene.yaml notes.txt");
+  EXPECT_EQ(o.code, 1);
+  EXPECT_NE(o.err.find("notes.txt: unknown kind of file"), std::string::npos) << o.err;
+  put("empty.pvd", "<VTKFile type=\"Collection\"><Collection/></VTKFile>");
+  EXPECT_EQ(run("--scene scene.yaml empty.pvd").code, 1);
+
+  put("typo.yaml", "insitu: 1\nprobs: []\n");
+  o = run("--scene typo.yaml good.vtu");
+  EXPECT_EQ(o.code, 1);
+  EXPECT_NE(o.err.find("typo.yaml"), std::string::npos) << o.err;
+  EXPECT_NE(o.err.find("probes"), std::string::npos) << o.err;
+}
+
+TEST_F(Replay, TimeMayNotRunBackwards) {
+  mesh("m_9.vtu", 0.0, 9, 9.0);
+  mesh("m_10.vtu", 0.0, 10, 10.0);
+  const Outcome o = run("--scene scene.yaml m_10.vtu m_9.vtu");
+  EXPECT_EQ(o.code, 1);
+  EXPECT_NE(o.err.find("note: the numbers in the files' names do not ascend"), std::string::npos);
+  EXPECT_NE(o.err.find("m_9.vtu: time 9"), std::string::npos) << o.err;
+}
+
+TEST_F(Replay, FailedActionsAreTold) {
+  mesh("m.vtu", 0.0);
+  put("scene.yaml", "insitu: 1\nprobes:\n  - {name: g, points: points.csv, fields: [liner]}\n");
+  const Outcome o = run("--scene scene.yaml m.vtu");
+  EXPECT_EQ(o.code, 3);
+  EXPECT_NE(o.err.find("liner"), std::string::npos) << o.err;
+}
+
+TEST_F(Replay, Validate) {
+  mesh("good.vtu", 0.0);
+  const auto grid = unstructured(2, {VTK_HEXAHEDRON}, 0.0);
+  grid->GetPoints()->SetPoint(4, NAN, 0, 0);
+  insitu::vtk::write(path("nan.vtu"), grid);
+  EXPECT_EQ(run("--validate good.vtu").code, 0);
+  const Outcome o = run("--validate good.vtu nan.vtu");
+  EXPECT_EQ(o.code, 1);
+  EXPECT_NE(o.out.find("good.vtu: accepted, 8 cells"), std::string::npos) << o.out;
+  EXPECT_NE(o.out.find("nan.vtu: refused"), std::string::npos) << o.out;
+}
+
+TEST_F(Replay, Usage) {
+  Outcome o = run("--help");
+  EXPECT_EQ(o.code, 0);
+  EXPECT_EQ(o.out.rfind("usage: insitu-replay", 0), 0u);
+  EXPECT_EQ(run("--version").code, 0);
+  for (const char* wrong : {"", "--scene", "--threads=x a.vtu", "--treads 3 a.vtu", "--help=1",
+                            "--scene a --probe b c.vtu"}) {
+    o = run(wrong);
+    EXPECT_EQ(o.code, 2) << wrong;
+    EXPECT_NE(o.err.find("--help"), std::string::npos) << o.err;
+  }
+}
