@@ -20,8 +20,6 @@ packages=(
 test_packages=(
   "libgtest-dev:unit tests"
   "libboost-dev:exact rational oracle in tests"
-  "clang:fuzz targets"
-  "libclang-rt-14-dev:fuzz targets"
   "pkg-config:test of the installed package"
 )
 

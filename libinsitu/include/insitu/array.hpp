@@ -20,11 +20,18 @@
 #include <span>
 #endif
 
+/** An exception is caught in another library than the one that throws it. */
+#if defined(__GNUC__)
+#define INSITU_VISIBLE __attribute__((visibility("default")))
+#else
+#define INSITU_VISIBLE
+#endif
+
 namespace insitu {
 
 /** What every failed call throws. what() is the library's message: it names the argument and the
  *  numbers. */
-class Error : public std::runtime_error {
+class INSITU_VISIBLE Error : public std::runtime_error {
 public:
   Error(insitu_status status, const std::string& message)
       : std::runtime_error(message.empty() ? insitu_status_name(status) : message),

@@ -13,9 +13,12 @@ namespace insitu::api {
 template <class T>
 class Handles {
 public:
+  /// Handles of different kinds are of different residues, so one is never taken for the other.
+  explicit Handles(std::uintptr_t residue) : next_(residue) {}
+
   std::uintptr_t add(std::shared_ptr<T> object) {
     const std::lock_guard lock(mutex_);
-    // Multiples of 16 from the bottom of the address space: no valid pointer, and never null.
+    // Counted in steps of 16 from the bottom of the address space: no valid pointer, and never null.
     next_ += 16;
     objects_.emplace(next_, std::move(object));
     return next_;
@@ -38,7 +41,7 @@ public:
 private:
   mutable std::mutex mutex_;
   std::map<std::uintptr_t, std::shared_ptr<T>> objects_;
-  std::uintptr_t next_ = 0;
+  std::uintptr_t next_;
 };
 
 } // namespace insitu::api

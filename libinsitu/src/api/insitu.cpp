@@ -13,12 +13,12 @@ namespace insitu::api {
 
 // Never destroyed: a solver may close its sessions from a static destructor.
 Handles<Session>& sessions() {
-  static auto* handles = new Handles<Session>;
+  static auto* handles = new Handles<Session>(0);
   return *handles;
 }
 
 Handles<MeshRef>& mesh_refs() {
-  static auto* handles = new Handles<MeshRef>;
+  static auto* handles = new Handles<MeshRef>(8);
   return *handles;
 }
 

@@ -47,8 +47,16 @@ SessionMesh& Session::mesh(const std::string& name) {
 insitu_commit_report Session::commit(query::CommittedMesh& mesh) {
   if (runner_)
     mesh.set_builder(runner_->builder());
-  const insitu_commit_report report =
-      mesh.commit(context_.threads, context_.log, context_.memory, strict_);
+  const insitu_commit_report report = [&] {
+    try {
+      return mesh.commit(context_.threads, context_.log, context_.memory, strict_);
+    } catch (const Error& e) { // the tree knows pieces and cells, not whose
+      const std::string what = e.what(), name = "mesh '" + mesh.mesh().name() + "'";
+      if (what.find(name) != std::string::npos)
+        throw;
+      throw Error(e.status(), name + ", " + what);
+    }
+  }();
   statistics_.commit_s += report.seconds;
   switch (report.action) {
   case INSITU_KEEP:

@@ -144,11 +144,10 @@ private:
       const Tripod& t = all.first[k];
       const Vec3d a = x[t.a] - x[t.corner], b = x[t.b] - x[t.corner], c = x[t.c] - x[t.corner];
       // Zero to rounding: against the edges' lengths, since cells may be needles or sheets.
-      const double volume = dot(a, cross(b, c));
-      const double zero =
-          1e-14 * std::sqrt(dot(a, a)) * std::sqrt(dot(b, b)) * std::sqrt(dot(c, c));
-      positive += volume > zero;
-      negative += volume < -zero;
+      const double volume = dot(a, cross(b, c)), squared = volume * volume;
+      const double zero = 1e-28 * (dot(a, a) * dot(b, b) * dot(c, c));
+      positive += volume > 0.0 && squared > zero;
+      negative += volume < 0.0 && squared > zero;
     }
     f.counts.collapsed_cells += coincident;
     if (positive && negative)

@@ -1,9 +1,6 @@
 #include "query/candidates.h"
 
 #include <bit>
-#include <cmath>
-#include <cstddef>
-#include <cstring>
 
 // Three x86 targets are enough: each one more costs compile time and gains little here.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
@@ -20,82 +17,45 @@ namespace insitu::query::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Bit c: the query's box meets child c's box, or misses it by less than a step of the node's grid.
-///
-/// The query is taken to the node's grid and compared there, in bytes, with all children at once.
-/// A point p of child c has decoded lower[c] <= p, where decoding rounds once, by half a step at
-/// most (a step is no less than an ulp of the node's coordinates). So lower[c] <= t + 1/2 for p's
-/// place t on the grid, and as lower[c] is an integer, lower[c] <= nearest(t + 1/16); the sixteenth
-/// takes the roundings of t. Likewise upper[c] >= nearest(t - 1/16). A lower byte is never above
-/// 254 and an absent child's is 255, so the query's upper byte stops at 254.
-HWY_INLINE unsigned overlapping_children(const accel::Node& node, const float* bounds) {
-  // Bytes 0 to 2: what an upper byte must reach; 4 to 6: what 255 - a lower byte must reach.
-  std::uint64_t grid = 0;
-#if HWY_MAX_BYTES >= 32
-  const hn::FixedTag<float, 8> d;
-  const hn::RebindToUnsigned<decltype(d)> du;
-  const hn::FixedTag<std::uint8_t, 8> d8;
-  alignas(32) static constexpr float sign[8] = {1, 1, 1, 0, -1, -1, -1, 0};
-  alignas(32) static constexpr float bias[8] = {-0.0625f,  -0.0625f,  -0.0625f,  0,
-                                                254.9375f, 254.9375f, 254.9375f, 0};
-  alignas(32) static constexpr float least[8] = {0, 0, 0, 0, 1, 1, 1, 0};
-  alignas(32) static constexpr std::uint32_t shift[8] = {0, 8, 16, 24, 0, 8, 16, 24};
-  std::uint32_t exponents;
-  std::memcpy(&exponents, node.exponent, sizeof exponents); // and `inner`, in an unused lane
-  const auto e = hn::And(hn::Shr(hn::Set(du, exponents), hn::Load(du, shift)), hn::Set(du, 255u));
-  const auto inverse = hn::BitCast(d, hn::ShiftLeft<23>(hn::Sub(hn::Set(du, 254u), e)));
-  const auto t = hn::Mul(hn::Sub(hn::Load(d, bounds), hn::LoadDup128(d, node.lower)), inverse);
-  const auto z = hn::Add(hn::Mul(t, hn::Load(d, sign)), hn::Load(d, bias));
-  const auto clamped = hn::Min(hn::Max(z, hn::Load(d, least)), hn::Set(d, 255.0f));
-  const hn::FixedTag<std::uint64_t, 1> d64;
-  grid = hn::GetLane(hn::BitCast(d64, hn::DemoteTo(d8, hn::NearestInt(clamped))));
-#else
-  for (int a = 0; a < 3; ++a) {
-    const float inverse = std::bit_cast<float>((254u - node.exponent[a]) << 23);
-    const float l = (bounds[a] - node.lower[a]) * inverse - 0.0625f;
-    const float u = 254.9375f - (bounds[4 + a] - node.lower[a]) * inverse;
-    const float upper = std::nearbyint(l > 0.0f ? (l < 255.0f ? l : 255.0f) : 0.0f);
-    const float lower = std::nearbyint(u > 1.0f ? (u < 255.0f ? u : 255.0f) : 1.0f);
-    grid |= std::uint64_t(upper) << (8 * a) | std::uint64_t(lower) << (8 * (4 + a));
+/// A node's child boxes, decoded: kept while consecutive queries are at the same node, as the upper
+/// levels' are.
+class ChildBoxes {
+public:
+  /// The product of decoding is exact, so this is the sum that encode_boxes checked, fused or not.
+  HWY_INLINE void decode(const accel::Node& node) {
+    for (int a = 0; a < 3; ++a) {
+      const auto base = hn::Set(d, node.lower[a]), scale = hn::Set(d, node.scale(a));
+      for (std::size_t c = 0; c < 8; c += hn::MaxLanes(d)) {
+        const auto lo = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(db, node.child_lower[a] + c)));
+        const auto hi = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(db, node.child_upper[a] + c)));
+        hn::Store(hn::Add(base, hn::Mul(scale, lo)), d, lower_[a] + c);
+        hn::Store(hn::Add(base, hn::Mul(scale, hi)), d, upper_[a] + c);
+      }
+    }
   }
-#endif
-  // Bytes 16 to 79 of the node: two ids, meta, lower x, y, z, upper x, y, z, eight bytes each.
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(&node) + 16;
-  static_assert(offsetof(accel::Node, child_lower) == 32 && sizeof(accel::Node) == 80);
-  std::uint64_t mask = 0;
-#if HWY_TARGET != HWY_SCALAR
-  const hn::CappedTag<std::uint8_t, 64> db;
-  // clang-format off
-#define INSITU_EIGHT(x) x, x, x, x, x, x, x, x
-  alignas(64) static constexpr std::uint8_t places[64] = {
-      INSITU_EIGHT(0x80), INSITU_EIGHT(0x80), INSITU_EIGHT(4), INSITU_EIGHT(5),
-      INSITU_EIGHT(6), INSITU_EIGHT(0), INSITU_EIGHT(1), INSITU_EIGHT(2)};
-  alignas(64) static constexpr std::uint8_t flip[64] = {
-      INSITU_EIGHT(0), INSITU_EIGHT(0), INSITU_EIGHT(255), INSITU_EIGHT(255),
-      INSITU_EIGHT(255), INSITU_EIGHT(0), INSITU_EIGHT(0), INSITU_EIGHT(0)};
-#undef INSITU_EIGHT
-  // clang-format on
-  const auto query = hn::BitCast(db, hn::Set(hn::Repartition<std::uint64_t, decltype(db)>(), grid));
-  for (std::size_t i = 0; i < 64; i += hn::MaxLanes(db)) {
-    const auto least_byte = hn::TableLookupBytesOr0(query, hn::Load(db, places + i));
-    const auto child = hn::Xor(hn::LoadU(db, bytes + i), hn::Load(db, flip + i));
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(db, hn::Eq(hn::Max(child, least_byte), child), bits);
-    std::uint64_t part = 0;
-    std::memcpy(&part, bits, hn::MaxLanes(db) / 8); // as wide as it was stored
-    mask |= part << i;
+
+  /// Bit c: the query's box meets child c's.
+  HWY_INLINE unsigned overlapping(const float* bounds) const {
+    unsigned bits = 0;
+    for (std::size_t c = 0; c < 8; c += hn::MaxLanes(d)) {
+      const auto axis = [&](int a) HWY_ATTR {
+        return hn::And(hn::Le(hn::Load(d, lower_[a] + c), hn::Set(d, bounds[4 + a])),
+                       hn::Ge(hn::Load(d, upper_[a] + c), hn::Set(d, bounds[a])));
+      };
+      std::uint8_t byte[8] = {};
+      hn::StoreMaskBits(d, hn::And(axis(0), hn::And(axis(1), axis(2))), byte);
+      bits |= unsigned(byte[0]) << c;
+    }
+    return bits;
   }
-#else
-  for (int i = 16; i < 64; ++i) {
-    const bool lower = i < 40;
-    const int axis = (lower ? i - 16 : i - 40) / 8;
-    const std::uint8_t child = lower ? std::uint8_t(255 - bytes[i]) : bytes[i];
-    mask |= std::uint64_t(child >= ((grid >> (8 * (lower ? 4 + axis : axis))) & 255)) << i;
-  }
-#endif
-  mask &= mask >> 8;
-  return unsigned((mask >> 16) & (mask >> 32) & (mask >> 48) & 0xff);
-}
+
+private:
+  static constexpr hn::CappedTag<float, 8> d{};
+  static constexpr hn::Rebind<std::int32_t, hn::CappedTag<float, 8>> di{};
+  static constexpr hn::Rebind<std::uint8_t, hn::CappedTag<float, 8>> db{};
+  alignas(32) float lower_[3][8];
+  alignas(32) float upper_[3][8];
+};
 
 void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
                             TraversalScratch& scratch) {
@@ -106,6 +66,8 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
     scratch.level[std::size_t(q)] = {0, std::uint32_t(q)};
   auto tasks = std::size_t(queries.count);
   std::size_t found = 0, visited = 0;
+  ChildBoxes children;
+  std::uint32_t decoded = ~0u;
   while (tasks > 0) {
     visited += tasks;
     // A task adds at most eight children; one check here spares one for each.
@@ -119,7 +81,11 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
     for (std::size_t t = 0; t < tasks; ++t) {
       const NodeTask task = scratch.level[t];
       const accel::Node& node = nodes[task.node];
-      for (unsigned bits = overlapping_children(node, queries.bounds[task.query]); bits;
+      if (task.node != decoded) {
+        children.decode(node);
+        decoded = task.node;
+      }
+      for (unsigned bits = children.overlapping(queries.bounds[task.query]); bits;
            bits &= bits - 1) {
         const int c = std::countr_zero(bits);
         if (node.is_inner(c)) {

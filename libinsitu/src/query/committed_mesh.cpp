@@ -7,17 +7,36 @@
 
 namespace insitu::query {
 
+namespace {
+
+/// All cells are the right way round, or all are inverted.
+bool is_free_of_folds(const mesh::MeshView& mesh, const insitu_validation& counts) {
+  return mesh.piece_count == 1 && counts.folded_cells == 0 && counts.zero_volume_cells == 0 &&
+         (counts.inverted_cells == 0 || counts.inverted_cells + counts.ghost_cells == counts.cells);
+}
+
+} // namespace
+
 CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
     : mesh_(name, memory), tree_(memory) {}
 
 void CommittedMesh::require_committed() const {
   if (!committed_)
-    throw core::Error(INSITU_ERROR_ORDER,
-                      "mesh '" + mesh_.name() + "' is not committed; call insitu_mesh_commit first");
+    throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() +
+                                              "' is not committed; call insitu_mesh_commit first");
   if (mesh_.pending() != 0)
     throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() +
                                               "' changed since its commit; call "
                                               "insitu_mesh_commit first");
+}
+
+void CommittedMesh::look_for_folds(const core::Threads& threads) {
+  require_committed();
+  if (folds_are_known_)
+    return;
+  const mesh::Validation validation = mesh::validate(mesh_.name(), mesh_.view(), threads);
+  folds_are_known_ = true;
+  mesh_.set_free_of_folds(is_free_of_folds(mesh_.view(), validation.counts));
 }
 
 mesh::Validation CommittedMesh::validate(const core::Threads& threads) {
@@ -53,16 +72,13 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
         throw core::Error(INSITU_ERROR_MESH, validation.findings);
       if (!validation.warning.empty())
         log.warning(validation.warning);
-      mesh_.set_free_of_folds(mesh_.view().piece_count == 1 &&
-                              validation.counts.folded_cells == 0 &&
-                              validation.counts.zero_volume_cells == 0 &&
-                              (validation.counts.inverted_cells == 0 ||
-                               validation.counts.inverted_cells +
-                                       validation.counts.ghost_cells ==
-                                   validation.counts.cells));
+      folds_are_known_ = true;
+      mesh_.set_free_of_folds(is_free_of_folds(mesh_.view(), validation.counts));
       ++topology_version_;
     } else if (pending & INSITU_CHANGED_GEOMETRY) {
       tree_.refit(mesh_.view(), threads);
+      folds_are_known_ = false;
+      mesh_.set_free_of_folds(false);
       report.action = INSITU_REFIT;
       rebuild = tree_.cost_ratio() > rebuild_ratio;
     }

@@ -35,6 +35,10 @@ public:
   bool committed() const { return committed_ && mesh_.pending() == 0; }
   /// Throws INSITU_ERROR_ORDER unless committed.
   void require_committed() const;
+  /// Hinted queries answer fastest once it is known that no cell folds. Topology commits find out;
+  /// after the vertices moved, this does, in about three refits' time (once a step): for callers
+  /// with many hints.
+  void look_for_folds(const core::Threads& threads);
   Sampler sampler() const { return {mesh_.view(), tree_}; }
 
   /// Grow with each commit that changed values, or cells and coordinates: for caches made from them.
@@ -49,6 +53,7 @@ private:
   accel::Tree tree_;
   accel::Builder builder_ = accel::Builder::automatic;
   bool committed_ = false;
+  bool folds_are_known_ = false;
   int commits_since_build_ = 0;
   std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0;
 };

@@ -27,9 +27,10 @@ constexpr double tie_zone = 1e-6;
 bool holds(mesh::Shape shape, const Vec3d* x, const Vec3d& p, const cells::InverseMap<double>& map,
            insitu_accuracy accuracy, Vec3d& r) {
   r = map.r;
-  if (map.converged && map.margin > tie_zone)
+  // Exactly, Newton proves nothing: a folded cell may map to p and surround it twice.
+  if (accuracy != INSITU_EXACT && map.converged && map.margin > tie_zone)
     return true;
-  if (map.converged && map.margin < -tie_zone && accuracy != INSITU_EXACT)
+  if (accuracy != INSITU_EXACT && map.converged && map.margin < -tie_zone)
     return false;
   if (!cells::holds(cells::contain_exact(shape, x, p).where))
     return false;
@@ -228,7 +229,8 @@ private:
           b.margin[k],
           b.converged[k] != 0.0};
       Vec3d r = map.r;
-      if (!(map.converged && map.margin > tie_zone)) {
+      if (!(map.converged && map.margin > tie_zone) ||
+          query_.options.accuracy == INSITU_EXACT) {
         Vec3d x[8];
         for (int v = 0; v < mesh::vertex_count(shape); ++v)
           x[v] = {b.vertex[v][0][k], b.vertex[v][1][k], b.vertex[v][2][k]};
@@ -265,7 +267,9 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
     mesh::CellVertices cell;
     mesh::gather(*mesh_, hint, cell, options.alpha);
     const auto map = cells::inverse_map(cell.shape, cell.x, p);
-    if (map.converged && map.margin > tie_zone)
+    if (map.converged && map.margin > tie_zone &&
+        (options.accuracy != INSITU_EXACT ||
+         cells::contain_exact(cell.shape, cell.x, p).where == cells::Containment::inside))
       return {hint, map.r};
   }
   return Query{*mesh_, *tree_, options}.locate(p);

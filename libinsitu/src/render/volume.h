@@ -18,7 +18,7 @@ struct VolumeSettings {
   /// The distance between samples along a ray: step_factor times typical_cell_size(), or `step`
   /// itself where it is given.
   double step_factor = 0.5;
-  std::optional<double> step;
+  std::optional<double> step = std::nullopt;
   /// Length of ray over which the function's opacities hold; 0: a hundredth of the mesh's diagonal.
   double unit_distance = 0;
   insitu_accuracy accuracy = INSITU_STANDARD; ///< of locating the samples

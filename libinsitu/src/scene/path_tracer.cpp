@@ -84,6 +84,7 @@ public:
         topology_ == mesh.topology_version() && !step.first && settled_ == step.earlier_time;
     const auto earlier =
         earlier_is_known ? mesh.mesh().earlier_field(tracer_.velocity.text) : std::nullopt;
+    mesh.look_for_folds(context.threads); // particles ask with hints
     mesh.mesh().expose_earlier(earlier.has_value(), context.threads);
     const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
     try {
@@ -272,6 +273,7 @@ public:
       settings.duration = *tracer_.until.duration;
     if (tracer_.until.length)
       settings.length = *tracer_.until.length;
+    mesh.look_for_folds(environment_.context.threads); // particles ask with hints
     const advect::Streamlines streamlines = advect::trace_streamlines(
         mesh.sampler(), find_field(mesh, tracer_.velocity, environment_.scene_file), seeds(mesh),
         settings, environment_.context.threads, environment_.context.memory);

@@ -111,8 +111,7 @@ TEST(Owner, OnTwistedCells) {
         const std::int64_t expected = test::owner(view, p);
         const bool in_domain = p.x >= from.low.x && p.x <= from.high.x && p.y >= from.low.y &&
                                p.y <= from.high.y && p.z >= from.low.z && p.z <= from.high.z;
-        if (in_domain)
-          ASSERT_GE(expected, 0) << test::text(p);
+        ASSERT_TRUE(expected >= 0 || !in_domain) << test::text(p);
         ASSERT_EQ(m.sampler().locate(p, -1, {INSITU_EXACT, 1.0}).cell, expected)
             << kind_name(kind) << ", jitter " << jitter << ", point " << test::text(p);
         const query::Location standard = m.sampler().locate(p);
@@ -139,23 +138,35 @@ TEST(Owner, OnCollapsedCells) {
     const fixtures::Committed m(test::make_mesh(options, random));
     EXPECT_FALSE(m.warnings.empty());
     const mesh::MeshView& view = m.mesh.mesh().view();
-    // Parametric coordinates are found by least squares where the map is singular.
-    check_owners(m, test::hard_points(view, 1000, 9), "collapsed", 0);
-    int far = 0;
-    const std::vector<Vec3d> points = test::inner_points(view, 1000, 10);
-    check_owners(m, points, "collapsed", 0);
+    std::vector<Vec3d> points = test::hard_points(view, 1000, 9);
+    const std::vector<Vec3d> inner = test::inner_points(view, 1000, 10);
+    points.insert(points.end(), inner.begin(), inner.end());
+    int differ = 0;
     for (const Vec3d& p : points) {
-      const query::Location at = m.sampler().locate(p);
-      mesh::CellVertices cell;
-      mesh::gather(view, at.cell, cell);
-      const Vec3d e = cells::map_to_physical(cell.shape, cell.x, at.parametric) - p;
-      far += !(dot(e, e) <= 1e-20);
-      for (int a = 0; a < 3; ++a) {
-        ASSERT_GE(at.parametric[a], -1e-2);
-        ASSERT_LE(at.parametric[a], 1.01);
+      const std::int64_t expected = test::owner(view, p);
+      const query::Location at = m.sampler().locate(p, -1, {INSITU_EXACT, 1.0}),
+                            standard = m.sampler().locate(p);
+      ASSERT_EQ(at.cell, expected) << "jitter " << jitter << ", point " << test::text(p);
+      ASSERT_EQ(bool(standard), expected >= 0)
+          << "jitter " << jitter << ", point " << test::text(p);
+      differ += standard.cell != expected;
+      if (expected < 0)
+        continue;
+      // Parametric coordinates are found by least squares where the map is singular.
+      for (const query::Location& found : {at, standard}) {
+        mesh::CellVertices cell;
+        mesh::gather(view, found.cell, cell);
+        const Vec3d e = cells::map_to_physical(cell.shape, cell.x, found.parametric) - p;
+        ASSERT_LE(std::sqrt(dot(e, e)), 1e-7) << "jitter " << jitter << ", point " << test::text(p);
+        for (int a = 0; a < 3; ++a) {
+          ASSERT_GE(found.parametric[a], -1e-2);
+          ASSERT_LE(found.parametric[a], 1.01);
+        }
       }
     }
-    EXPECT_EQ(far, 0) << "jitter " << jitter;
+    // Near the singular edges Newton's parametric coordinates err by the root of rounding, so that
+    // standard may miss that a cell of lower id touches the point.
+    EXPECT_LE(differ, int(points.size()) / 50) << "jitter " << jitter;
   }
 }
 

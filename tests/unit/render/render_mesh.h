@@ -15,8 +15,8 @@ namespace insitu::test {
 using math::Vec3d;
 using mesh::Shape;
 
-/// n^3 blocks of [0,1]^3; inner vertices move by up to jitter / n. Neighbouring blocks are cut along
-/// the same diagonals.
+/// n^3 blocks of [0,1]^3; inner vertices move by up to jitter / n. Neighbouring blocks are cut
+/// along the same diagonals.
 inline TestMesh box_cells(int n, Shape shape, double jitter) {
   TestMesh mesh;
   const int m = n + 1;
@@ -122,7 +122,9 @@ private:
 /// Grey as linear light, with this opacity over all values.
 inline render::TransferFunction constant_function(double opacity, double grey = 1.0) {
   const double s = render::srgb_of_linear(grey);
-  return {render::ColorMap("grey", render::ColorSpace::rgb, {{0, s, s, s}}), 0.0, 1.0,
+  return {render::ColorMap("grey", render::ColorSpace::rgb, {{0, s, s, s}}),
+          0.0,
+          1.0,
           {{0.0, opacity}}};
 }
 

@@ -1,0 +1,106 @@
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "core/status.h"
+#include "render/camera.h"
+
+namespace insitu::render {
+namespace {
+
+using math::Vec3d;
+
+double distance(const Vec3d& a, const Vec3d& b) {
+  return std::sqrt(dot(a - b, a - b));
+}
+
+/// Where the ray passes the plane through look_at across the view.
+Vec3d on_plane(const Ray& ray, const Camera& c) {
+  const Vec3d n = c.look_at - c.position;
+  const double t = dot(c.look_at - ray.origin, n) / dot(ray.direction, n);
+  return ray.origin + t * ray.direction;
+}
+
+TEST(Camera, PixelCentresOfAPerspectiveImage) {
+  Camera c;
+  c.position = {0, 0, 5};
+  c.look_at = {0, 0, 0};
+  c.up = {0, 3, 0};
+  c.fov = 90; // 10 high at the origin
+  const RayGenerator rays(c, 20, 10);
+  const Vec3d first = on_plane(rays(0, 0), c); // upper left: pixels are 1 x 1
+  EXPECT_NEAR(first.x, -9.5, 1e-12);
+  EXPECT_NEAR(first.y, 4.5, 1e-12);
+  const Vec3d last = on_plane(rays(19, 9), c);
+  EXPECT_NEAR(last.x, 9.5, 1e-12);
+  EXPECT_NEAR(last.y, -4.5, 1e-12);
+  for (const int x : {0, 7, 19})
+    EXPECT_NEAR(dot(rays(x, 3).direction, rays(x, 3).direction), 1.0, 1e-14);
+}
+
+TEST(Camera, OrthographicRaysAreParallel) {
+  Camera c;
+  c.position = {5, 0, 0};
+  c.look_at = {0, 0, 0};
+  c.up = {0, 0, 1};
+  c.orthographic_height = 4;
+  const RayGenerator rays(c, 4, 4);
+  const Ray corner = rays(0, 0), other = rays(3, 3);
+  EXPECT_EQ(corner.direction, other.direction);
+  EXPECT_NEAR(distance(corner.origin, {5, -1.5, 1.5}), 0, 1e-12); // +y is to the right
+  EXPECT_NEAR(distance(other.origin, {5, 1.5, -1.5}), 0, 1e-12);
+}
+
+TEST(Camera, AroundABoxShowsAllOfIt) {
+  const Vec3d low{-1, 2, 3}, high{2, 4, 9};
+  for (const double aspect : {0.5, 1.0, 2.0})
+    for (const double elevation : {-90.0, -30.0, 0.0, 20.0, 89.0, 90.0})
+      for (const double azimuth : {0.0, 30.0, 200.0}) {
+        const Camera c = Camera::around(low, high, azimuth, elevation, 1, 30, aspect);
+        const int height = 200, width = int(height * aspect);
+        const RayGenerator rays(c, width, height);
+        const Vec3d forward = (c.look_at - c.position) / distance(c.look_at, c.position);
+        const Ray centre = rays(width / 2, height / 2), left = rays(0, height / 2),
+                  top = rays(width / 2, 0);
+        EXPECT_NEAR(dot(centre.direction, forward), 1.0, 1e-4);
+        for (int corner = 0; corner < 8; ++corner) {
+          const Vec3d p{corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
+                        corner & 4 ? high.z : low.z};
+          const Vec3d d = (p - c.position) / distance(p, c.position);
+          // Within the cone that touches the nearer border (half a pixel more).
+          const double limit = std::max(dot(left.direction, forward), dot(top.direction, forward));
+          EXPECT_GT(dot(d, forward), limit - 0.004);
+        }
+      }
+}
+
+TEST(Camera, AzimuthElevationZoomOrbit) {
+  const Vec3d low{0, 0, 0}, high{2, 2, 2}, middle{1, 1, 1};
+  const Camera x = Camera::around(low, high, 0, 0);
+  EXPECT_GT(x.position.x, 1);
+  EXPECT_NEAR(x.position.y, 1, 1e-12);
+  EXPECT_NEAR(x.position.z, 1, 1e-12);
+  const Camera y = Camera::around(low, high, 90, 30, 2);
+  EXPECT_NEAR(y.position.x, 1, 1e-12);
+  EXPECT_NEAR(2 * distance(y.position, middle), distance(x.position, middle), 1e-12);
+  EXPECT_NEAR((y.position.z - 1) / distance(y.position, middle), 0.5, 1e-12);
+  const Camera turned = x.orbited(90);
+  const Camera expected = Camera::around(low, high, 90, 0);
+  EXPECT_NEAR(distance(turned.position, expected.position), 0, 1e-12);
+}
+
+TEST(Camera, RefusesWhatHasNoDirection) {
+  Camera c;
+  c.look_at = c.position;
+  EXPECT_THROW(RayGenerator(c, 4, 4), core::Error);
+  c.look_at = {0, 5, 1};
+  EXPECT_THROW(RayGenerator(c, 4, 4), core::Error); // up along the view
+  c.look_at = {0, 0, 0};
+  EXPECT_NO_THROW(RayGenerator(c, 4, 4));
+  EXPECT_THROW(RayGenerator(c, 0, 4), core::Error);
+  c.fov = 180;
+  EXPECT_THROW(RayGenerator(c, 4, 4), core::Error);
+}
+
+} // namespace
+} // namespace insitu::render

@@ -1,0 +1,147 @@
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <gtest/gtest.h>
+
+#include "core/status.h"
+#include "render/color_map.h"
+#include "render/color_space.h"
+
+namespace insitu::render {
+namespace {
+
+std::string message_of(const std::string& text, const std::string& name = {}) {
+  try {
+    parse_color_map(text, "maps.json", name);
+  } catch (const core::Error& e) {
+    EXPECT_EQ(e.status(), INSITU_ERROR_SCENE);
+    return e.what();
+  }
+  return "no error";
+}
+
+void expect_srgb(const Color& c, double r, double g, double b, double tolerance = 1e-6) {
+  EXPECT_NEAR(c.r, linear_of_srgb(r), tolerance);
+  EXPECT_NEAR(c.g, linear_of_srgb(g), tolerance);
+  EXPECT_NEAR(c.b, linear_of_srgb(b), tolerance);
+}
+
+TEST(ColorMap, ReadsParaViewsList) {
+  const std::string text = R"([
+    {"Name": "categories", "Annotations": ["a", "b"], "IndexedColors": [0, 0, 0]},
+    {"Name": "ramp", "ColorSpace": "RGB", "Creator": "someone", "NanColor": [1, 1, 0],
+     "RGBPoints": [-1.0, 0.0, 0.0, 0.5,  0.0, 0.2, 0.4, 0.6,  3.0, 1.0, 1.0, 1.0]},
+    {"Name": "other", "RGBPoints": [0, 1, 0, 0, 1, 0, 1, 0]}
+  ])";
+  const ColorMap map = parse_color_map(text, "maps.json");
+  EXPECT_EQ(map.name(), "ramp"); // the first with RGBPoints
+  expect_srgb(map.at(0), 0, 0, 0.5);
+  expect_srgb(map.at(0.25), 0.2, 0.4, 0.6);
+  expect_srgb(map.at(0.125), 0.1, 0.2, 0.55);
+  expect_srgb(map.at(1), 1, 1, 1);
+  expect_srgb(map.at(-5), 0, 0, 0.5);
+  expect_srgb(map.at(5), 1, 1, 1);
+  expect_srgb(map.nan_color(), 1, 1, 0);
+  expect_srgb(map.at(std::nan("")), 1, 1, 0);
+  expect_srgb(parse_color_map(text, "maps.json", "other").at(0.5), 0.5, 0.5, 0);
+}
+
+TEST(ColorMap, ErrorsNameWhatIsWrong) {
+  EXPECT_EQ(message_of(R"([{"Name": "m", "ColorSpace": "RGB", "RGBPoints": [0, 0, 0, 0, 1]}])"),
+            "colour map maps.json, map 'm': RGBPoints: 4 numbers a point expected (x, r, g, b), 5 "
+            "given");
+  EXPECT_EQ(message_of(R"([{"Name": "m", "RGBPoints": [0, 0, 2, 0]}])"),
+            "colour map maps.json, map 'm': RGBPoints[2] is 2; 0 to 1 expected");
+  EXPECT_EQ(message_of(R"([{"Name": "m", "RGBPoints": [1, 0, 0, 0, 0, 1, 1, 1]}])"),
+            "colour map maps.json, map 'm': RGBPoints[4] is 0, below the point before it");
+  EXPECT_EQ(message_of(R"([{"Name": "m", "RGBPoints": [0, "red", 0, 0]}])"),
+            "colour map maps.json, map 'm': RGBPoints[1] is not a number ('red')");
+  EXPECT_EQ(
+      message_of(R"([{"Name": "m", "ColorSpace": "Divergng", "RGBPoints": [0, 0, 0, 0]}])"),
+      "colour map maps.json, map 'm': ColorSpace 'Divergng' is not known (RGB, Lab, Diverging, "
+      "HSV, Linear); did you mean 'Diverging'?");
+  EXPECT_EQ(message_of(R"([{"Name": "warm", "RGBPoints": [0, 0, 0, 0]}])", "wram"),
+            "colour map maps.json: no map is called 'wram'; did you mean 'warm'?");
+  EXPECT_EQ(message_of("[]"), "colour map maps.json: the list is empty");
+  EXPECT_EQ(message_of("3"),
+            "colour map maps.json: a list of maps expected, as ParaView exports it");
+  EXPECT_EQ(message_of(R"({"Name": "m"})"),
+            "colour map maps.json, map 'm': RGBPoints: a list [x, r, g, b, ...] expected");
+  EXPECT_NE(message_of("[{\"Name\": \n\n }").find("line 3"), std::string::npos);
+  try {
+    ColorMap::built_in("virdis");
+    FAIL();
+  } catch (const core::Error& e) {
+    EXPECT_NE(std::string(e.what()).find("did you mean 'viridis'?"), std::string::npos) << e.what();
+  }
+  try {
+    load_color_map("/nowhere/map.json");
+    FAIL();
+  } catch (const core::Error& e) {
+    EXPECT_EQ(e.status(), INSITU_ERROR_FILE);
+    EXPECT_NE(std::string(e.what()).find("/nowhere/map.json"), std::string::npos);
+  }
+}
+
+TEST(ColorMap, LabRoundTripAndWhite) {
+  const math::Vec3d white = lab_of_srgb({1, 1, 1});
+  EXPECT_NEAR(white.x, 100, 1e-3);
+  EXPECT_NEAR(white.y, 0, 1e-2);
+  EXPECT_NEAR(white.z, 0, 1e-2);
+  // sRGB red in CIELAB under D65, as colour scientists list it.
+  const math::Vec3d red = lab_of_srgb({1, 0, 0});
+  EXPECT_NEAR(red.x, 53.24, 0.01);
+  EXPECT_NEAR(red.y, 80.09, 0.01);
+  EXPECT_NEAR(red.z, 67.20, 0.01);
+  for (const double r : {0.0, 0.3, 1.0})
+    for (const double g : {0.02, 0.7})
+      for (const double b : {0.1, 0.9}) {
+        const math::Vec3d back = linear_of_lab(lab_of_srgb({r, g, b}));
+        EXPECT_NEAR(back.x, linear_of_srgb(r), 1e-6);
+        EXPECT_NEAR(back.y, linear_of_srgb(g), 1e-6);
+        EXPECT_NEAR(back.z, linear_of_srgb(b), 1e-6);
+      }
+}
+
+TEST(ColorMap, SpacesTakeTheirPaths) {
+  // Every space keeps the ends.
+  for (const ColorSpace space : {ColorSpace::rgb, ColorSpace::hsv, ColorSpace::lab,
+                                 ColorSpace::diverging, ColorSpace::linear}) {
+    const ColorMap map("m", space, {{0, 0.2, 0.3, 0.8}, {1, 0.7, 0.1, 0.2}});
+    expect_srgb(map.at(0), 0.2, 0.3, 0.8, 2e-5);
+    expect_srgb(map.at(1), 0.7, 0.1, 0.2, 2e-5);
+    expect_srgb(map.at(1e-9), 0.2, 0.3, 0.8, 2e-5);
+    expect_srgb(map.at(1 - 1e-9), 0.7, 0.1, 0.2, 2e-5);
+  }
+  // Hue from blue to red goes the short way, over magenta.
+  expect_srgb(ColorMap("m", ColorSpace::hsv, {{0, 0, 0, 1}, {1, 1, 0, 0}}).at(0.5), 1, 0, 1, 1e-5);
+  // Grey ramps have their middle where the space says.
+  const auto grey = [](ColorSpace space) {
+    return ColorMap("m", space, {{0, 0, 0, 0}, {1, 1, 1, 1}}).at(0.5).g;
+  };
+  EXPECT_NEAR(grey(ColorSpace::linear), 0.5, 1e-6);
+  EXPECT_NEAR(grey(ColorSpace::rgb), 0.2140, 1e-4);
+  EXPECT_NEAR(grey(ColorSpace::lab), 0.1842, 1e-4); // Y at L* = 50
+  // Moreland's diverging path has an unsaturated middle of at least M = 88.
+  const Color middle = ColorMap::built_in("cool_warm").at(0.5);
+  EXPECT_NEAR(middle.r, middle.g, 0.02);
+  EXPECT_NEAR(middle.g, middle.b, 0.02);
+  EXPECT_GT(middle.g, 0.65);
+}
+
+TEST(ColorMap, PerceptualBuiltInsRiseInLightness) {
+  for (const char* name : {"viridis", "inferno", "grey"}) {
+    double last = -1;
+    for (int i = 0; i <= 64; ++i) {
+      const Color c = ColorMap::built_in(name).at(i / 64.0);
+      const double luminance = 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;
+      EXPECT_GT(luminance, last) << name << " at " << i;
+      last = luminance;
+    }
+  }
+  for (const std::string& name : ColorMap::built_in_names())
+    EXPECT_EQ(ColorMap::built_in(name).name(), name);
+}
+
+} // namespace
+} // namespace insitu::render
