@@ -43,6 +43,9 @@ void read_cells(vtkUnstructuredGrid* grid, Topology& t) {
   }
   vtkCellArray* cells = grid->GetCells();
   vtkUnsignedCharArray* types = grid->GetCellTypesArray();
+  if (!types || types->GetNumberOfValues() != t.cells)
+    throw Error(INSITU_ERROR_MESH, std::to_string(types ? types->GetNumberOfValues() : 0) +
+                                       " cell types for " + std::to_string(t.cells) + " cells");
   const unsigned char* type = types->GetPointer(0);
   for (vtkIdType c = 0; c < t.cells; ++c)
     if (type[c] < VTK_TETRA || type[c] > VTK_PYRAMID) {
@@ -60,6 +63,10 @@ void read_cells(vtkUnstructuredGrid* grid, Topology& t) {
                 (cells->IsStorage64Bit()
                      ? evenly_spaced(cells->GetOffsetsArray64()->GetPointer(0), t.cells, ids)
                      : evenly_spaced(cells->GetOffsetsArray32()->GetPointer(0), t.cells, ids));
+  const vtkIdType given = t.connectivity.array->GetNumberOfValues();
+  if (t.one_shape && given < t.cells * ids)
+    throw Error(INSITU_ERROR_MESH, std::to_string(t.cells) + " cells of " + std::to_string(ids) +
+                                       " ids, but connectivity holds " + std::to_string(given));
 }
 
 void set_vertices(Topology& t, const int* dimensions, vtkDataSet* data) {

@@ -1,8 +1,7 @@
 #include <atomic>
+#include <gtest/gtest.h>
 #include <thread>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 #include "insitu/insitu.h"
 

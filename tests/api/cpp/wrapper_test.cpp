@@ -350,7 +350,7 @@ TEST(WrapperSession, TheLogReachesTheFunction) {
   };
   // A field that is not there: the probe fails, is logged and skipped.
   options.scene_text = "insitu: 1\nprobes:\n  - {name: q, points: [[0, 0, 0]], fields: [absent]}\n";
-  options.output = testing::TempDir() + "/insitu_wrapper";
+  options.output = testing::TempDir() + "insitu_wrapper";
   insitu::Session session(options);
   Two two;
   insitu::Mesh mesh = session.mesh("m");

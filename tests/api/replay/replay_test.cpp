@@ -8,6 +8,7 @@
 #include <map>
 #include <sstream>
 #include <sys/wait.h>
+#include <unistd.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
 #include <vtkIntArray.h>
@@ -36,7 +37,7 @@ using Row = std::map<std::string, double>; ///< by column; NaN where empty
 
 struct Replay : testing::Test {
   fs::path folder = fs::path(testing::TempDir()) /
-                    (std::string("insitu_replay_") +
+                    ("insitu_replay_" + std::to_string(getpid()) + "_" +
                      testing::UnitTest::GetInstance()->current_test_info()->name());
   void SetUp() override {
     fs::remove_all(folder);

@@ -179,7 +179,7 @@ TEST(Particles, TheMaterialCarriesThem) {
   std::cout << "largest drift of a parametric coordinate over " << cycles << " cycles: " << drift
             << "; the particles moved by up to " << moved << " cells\n";
   EXPECT_GT(moved, 1.0);
-  EXPECT_LT(drift, 0.01);
+  EXPECT_LT(drift, 0.001);
 }
 
 } // namespace

@@ -12,6 +12,7 @@
 #include <vtkRectilinearGrid.h>
 #include <vtkSOADataArrayTemplate.h>
 #include <vtkStringArray.h>
+#include <vtkTypeInt64Array.h>
 #include <vtkUnsignedCharArray.h>
 
 #include "insitu/vtk.hpp"
@@ -270,6 +271,35 @@ TEST_F(VtkAttach, OtherCellsAndDataSetsAreRefusedByName) {
   EXPECT_NE(what.find("3 x 3 x 1"), std::string::npos) << what;
   EXPECT_EQ(status_of([&] { (void)insitu::vtk::attach(mesh, nullptr); }), INSITU_ERROR_ARGUMENT);
   EXPECT_TRUE(mesh.audit().empty()); // nothing of the refused sets was given
+}
+
+TEST_F(VtkAttach, ArraysThatAreTooShortAreRefused) {
+  vtkNew<vtkUnstructuredGrid> grid;
+  grid->SetPoints(grid_points(2, 0.0));
+  vtkNew<vtkUnsignedCharArray> types;
+  types->InsertNextValue(VTK_HEXAHEDRON);
+  types->InsertNextValue(VTK_HEXAHEDRON);
+  vtkNew<vtkTypeInt64Array> offsets, ids;
+  for (const int o : {0, 8, 16})
+    offsets->InsertNextValue(o);
+  for (int i = 0; i < 12; ++i)
+    ids->InsertNextValue(i);
+  vtkNew<vtkCellArray> cells;
+  cells->SetData(offsets, ids);
+  grid->SetCells(types, cells);
+  std::string what;
+  EXPECT_EQ(status_of([&] { (void)insitu::vtk::attach(mesh, grid); }, &what), INSITU_ERROR_MESH);
+  EXPECT_NE(what.find("connectivity holds 12"), std::string::npos) << what;
+  types->SetNumberOfValues(1);
+  EXPECT_EQ(status_of([&] { (void)insitu::vtk::attach(mesh, grid); }, &what), INSITU_ERROR_MESH);
+  EXPECT_NE(what.find("1 cell types for 2 cells"), std::string::npos) << what;
+
+  // Field values and ghosts are counted at the commit.
+  const auto whole = unstructured(2, {VTK_HEXAHEDRON}, 0.0);
+  whole->GetCellData()->GetArray("number")->SetNumberOfTuples(7);
+  const auto attachment = insitu::vtk::attach(mesh, whole);
+  EXPECT_EQ(status_of([&] { mesh.commit(); }, &what), INSITU_ERROR_FIELD);
+  EXPECT_NE(what.find("7 values for 8 cells"), std::string::npos) << what;
 }
 
 TEST_F(VtkAttach, UpdateSaysWhatChanged) {

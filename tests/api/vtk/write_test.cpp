@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <unistd.h>
 #include <vtkCellArray.h>
 #include <vtkPolyData.h>
 #include <vtkXMLDataElement.h>
@@ -20,7 +21,7 @@ using namespace vtk_meshes;
 namespace {
 
 struct VtkWrite : testing::Test {
-  fs::path folder = fs::path(testing::TempDir()) / "insitu_vtk_write";
+  fs::path folder = fs::path(testing::TempDir()) / ("insitu_vtk_write_" + std::to_string(getpid()));
   void SetUp() override {
     fs::remove_all(folder);
     fs::create_directories(folder);
