@@ -127,7 +127,6 @@ private:
     insitu_commit_report report = insitu_commit_report_default();
     if (!check(insitu_mesh_commit(mesh_, &report)))
       return;
-    if (std::getenv("DBG")) std::fprintf(stderr, "report %ld %ld %ld %g %d\n", long(report.cells), long(report.vertices), long(report.bytes), report.cost_ratio, int(report.action));
     require(report.cells >= 0 && report.vertices >= 0 && report.bytes >= 0 &&
                 report.cost_ratio >= 0,
             "a report");

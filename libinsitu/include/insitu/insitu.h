@@ -323,7 +323,8 @@ typedef enum insitu_ghost_convention {
   INSITU_GHOSTS_ASCENT = 1 /**< 0 real, otherwise ghost */
 } insitu_ghost_convention;
 
-/** One uint8 a cell. A ghost cell never owns a point and is never drawn. array null: none. */
+/** One uint8 a cell. A ghost cell never owns a point and is never drawn. array null: none. They stay
+ *  when the cells are given again. */
 INSITU_API insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece,
                                             const insitu_array* array,
                                             insitu_ghost_convention convention);

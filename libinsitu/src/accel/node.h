@@ -78,7 +78,7 @@ struct alignas(16) Node {
 };
 static_assert(sizeof(Node) == 80);
 
-constexpr int most_leaf_cells = 4; // 8 leaf children: offsets of at most 28 fit meta's 5 bits
+constexpr int most_leaf_cells = 1; ///< what the builders make; the format could hold four
 
 /// The biased exponent of the smallest power of two with extent / 2^e <= 254; the spare step takes the
 /// roundings. Not below lo's ulp, or steps would vanish in the sum.

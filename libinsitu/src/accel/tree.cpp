@@ -278,7 +278,8 @@ void Tree::set_cost(const std::vector<double>& areas) {
   for (const double area : areas)
     total += area;
   const double root = bounds_.half_area();
-  cost_ = root > 0.0 ? total / root : 0.0;
+  const double cost = total / root;
+  cost_ = std::isfinite(cost) ? cost : 0.0; // areas that no float holds: unknown
 }
 
 } // namespace insitu::accel

@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include "cells/kernels_simd.h"
+#include "query/bit_tables.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace insitu::query::HWY_NAMESPACE {
@@ -57,8 +58,35 @@ private:
   alignas(32) float upper_[3][8];
 };
 
+/// Writes {base + offsets[c], query} for every set bit c of hits, in order; returns how many. Up to
+/// eight items at `out` are written whatever hits is: branches on it would be guessed wrongly too
+/// often.
+template <class Item>
+HWY_INLINE std::size_t append(unsigned hits, const std::uint8_t* offsets, std::uint32_t base,
+                              std::uint32_t query, Item* out) {
+  static_assert(sizeof(Item) == 8);
+#if HWY_MAX_BYTES >= 32
+  const hn::FixedTag<std::uint8_t, 8> d8;
+  const hn::FixedTag<std::uint32_t, 8> d32;
+  const hn::FixedTag<std::uint32_t, 4> d32_half;
+  const hn::FixedTag<std::uint64_t, 4> d64;
+  const auto chosen =
+      hn::TableLookupBytes(hn::LoadU(d8, offsets), hn::LoadU(d8, set_bits[hits].data()));
+  const auto ids = hn::Add(hn::PromoteTo(d32, chosen), hn::Set(d32, base));
+  const auto high = hn::Set(d64, std::uint64_t(query) << 32);
+  auto* words = reinterpret_cast<std::uint64_t*>(out); // little-endian: the first member is low
+  hn::StoreU(hn::Or(hn::PromoteTo(d64, hn::LowerHalf(d32_half, ids)), high), d64, words);
+  hn::StoreU(hn::Or(hn::PromoteTo(d64, hn::UpperHalf(d32_half, ids)), high), d64, words + 4);
+#else
+  for (unsigned rest = hits; rest; rest &= rest - 1)
+    *out++ = {base + offsets[std::countr_zero(rest)], query};
+#endif
+  return std::size_t(std::popcount(hits));
+}
+
 void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
                             TraversalScratch& scratch) {
+  static_assert(accel::most_leaf_cells == 1, "a leaf child is one candidate below");
   const accel::Node* nodes = tree.nodes();
   if (scratch.level.size() < std::size_t(queries.count))
     scratch.level.resize(batch_size);
@@ -73,34 +101,30 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
     // A task adds at most eight children; one check here spares one for each.
     if (scratch.next.size() < tasks * 8)
       scratch.next.resize(tasks * 8);
-    if (scratch.candidates.size() < found + tasks * 8 * accel::most_leaf_cells)
-      scratch.candidates.resize(2 * found + tasks * 8 * accel::most_leaf_cells);
+    if (scratch.candidates.size() < found + tasks * 8)
+      scratch.candidates.resize(2 * found + tasks * 8);
+    const NodeTask* level = scratch.level.data();
     NodeTask* next = scratch.next.data();
     Candidate* candidates = scratch.candidates.data();
+    constexpr std::size_t ahead = 24; // nodes are asked for so many tasks early
     std::size_t n = 0;
     for (std::size_t t = 0; t < tasks; ++t) {
-      const NodeTask task = scratch.level[t];
+      const auto* later = reinterpret_cast<const char*>(
+          nodes + level[t + ahead < tasks ? t + ahead : tasks - 1].node);
+      hwy::Prefetch(later);
+      hwy::Prefetch(later + 64);
+      const NodeTask task = level[t];
       const accel::Node& node = nodes[task.node];
       if (task.node != decoded) {
         children.decode(node);
         decoded = task.node;
       }
-      for (unsigned bits = children.overlapping(queries.bounds[task.query]); bits;
-           bits &= bits - 1) {
-        const int c = std::countr_zero(bits);
-        if (node.is_inner(c)) {
-          const std::uint32_t child = node.child_node(c);
-          hwy::Prefetch(nodes + child);
-          hwy::Prefetch(reinterpret_cast<const char*>(nodes + child) + 64);
-          next[n++] = {child, task.query};
-        } else {
-          const std::uint32_t slot = node.child_cells(c);
-          const int cells = node.child_cell_count(c);
-          hwy::Prefetch(tree.cells() + slot);
-          for (int k = 0; k < cells; ++k)
-            candidates[found++] = {slot + std::uint32_t(k), task.query};
-        }
-      }
+      const unsigned hits = children.overlapping(queries.bounds[task.query]);
+      const unsigned leaves = ~unsigned(node.inner) & 0xff;
+      n += append(hits & node.inner, bits_below[node.inner].data(), node.first_child, task.query,
+                  next + n);
+      found += append(hits & leaves, bits_below[leaves].data(), node.first_cell, task.query,
+                      candidates + found);
     }
     scratch.level.swap(scratch.next);
     tasks = n;

@@ -219,27 +219,45 @@ private:
     if (b.count == 0)
       return;
     invert(shape, b);
+    // Sorted first, without branches that half of the candidates would take: certainly inside,
+    // certainly outside, or to be looked at again.
+    const bool exact = query_.options.accuracy == INSITU_EXACT;
+    std::uint8_t inside[block_size], unsure[block_size];
+    int inside_count = 0, unsure_count = 0;
     for (int k = 0; k < b.count; ++k) {
-      const std::uint32_t i = s_.index[s_.pairs[k].query];
-      const auto flat = std::int64_t(s_.pairs[k].slot);
-      if (out_[i].cell >= 0 && flat >= out_[i].cell)
-        continue;
+      const bool converged = b.converged[k] != 0.0;
+      const bool in = converged & (b.margin[k] > tie_zone);
+      const bool out = converged & (b.margin[k] < -tie_zone) & !exact;
+      inside[inside_count] = unsure[unsure_count] = std::uint8_t(k);
+      inside_count += in;
+      unsure_count += !(in | out);
+    }
+    for (int n = 0; n < inside_count; ++n) {
+      const int k = inside[n];
+      claim(k, {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]});
+    }
+    for (int n = 0; n < unsure_count; ++n) {
+      const int k = unsure[n];
+      Vec3d x[8], r;
+      for (int v = 0; v < mesh::vertex_count(shape); ++v)
+        x[v] = {b.vertex[v][0][k], b.vertex[v][1][k], b.vertex[v][2][k]};
       const cells::InverseMap<double> map{
           {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]},
           b.margin[k],
           b.converged[k] != 0.0};
-      Vec3d r = map.r;
-      if (!(map.converged && map.margin > tie_zone) ||
-          query_.options.accuracy == INSITU_EXACT) {
-        Vec3d x[8];
-        for (int v = 0; v < mesh::vertex_count(shape); ++v)
-          x[v] = {b.vertex[v][0][k], b.vertex[v][1][k], b.vertex[v][2][k]};
-        if (!holds(shape, x, points_[i], map, query_.options.accuracy, r))
-          continue;
-      }
-      out_[i] = {flat, r};
+      const Vec3d& p = points_[s_.index[s_.pairs[k].query]];
+      if (holds(shape, x, p, map, query_.options.accuracy, r))
+        claim(k, r);
     }
     b.count = 0;
+  }
+
+  /// The block's pair k: the cell holds the point at r. The lowest id stays.
+  void claim(int k, const Vec3d& r) {
+    Location& best = out_[s_.index[s_.pairs[k].query]];
+    const auto flat = std::int64_t(s_.pairs[k].slot);
+    if (best.cell < 0 || flat < best.cell)
+      best = {flat, r};
   }
 
   void retry(std::size_t candidate, std::uint32_t i) {

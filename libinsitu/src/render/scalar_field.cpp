@@ -1,6 +1,7 @@
 #include "render/scalar_field.h"
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 
 namespace insitu::render {
@@ -14,7 +15,9 @@ ScalarRange scalar_range(const mesh::MeshView& mesh, const ScalarField& scalar,
     const std::int64_t cells = mesh.first_cell[p + 1] - mesh.first_cell[p];
     threads.parallel_for(cells, 16384, [&](std::int64_t begin, std::int64_t end) {
       ScalarRange part;
-      const auto add = [&](double v) { // comparisons leave NaN out
+      const auto add = [&](double v) {
+        if (!std::isfinite(v))
+          return;
         part.low = v < part.low ? v : part.low;
         part.high = v > part.high ? v : part.high;
       };

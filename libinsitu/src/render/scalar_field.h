@@ -49,8 +49,8 @@ struct ScalarField {
   }
 };
 
-/// The least and the greatest value in owning cells or at their vertices, NaN left out; low > high
-/// if there is none.
+/// The least and the greatest finite value in owning cells or at their vertices; low > high if there
+/// is none.
 struct ScalarRange {
   double low = HUGE_VAL, high = -HUGE_VAL;
 };

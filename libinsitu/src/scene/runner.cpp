@@ -1,6 +1,7 @@
 #include "scene/runner.h"
 
 #include <algorithm>
+#include <new>
 
 #include "core/status.h"
 #include "core/timer.h"
@@ -78,7 +79,8 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   const Step step{meshes, cycle, time, !executed_, earlier_time_};
   std::string failures;
   const auto failed = [&](const std::string& of, const std::exception& e) {
-    const std::string what = of + ": " + e.what();
+    const bool memory = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
+    const std::string what = of + ": " + (memory ? "out of memory" : e.what());
     failures += (failures.empty() ? "" : "\n") + what;
     report(what, of, cycle);
   };

@@ -1,6 +1,9 @@
 // Fields that change without the mesh, come, go, or change their shape during a run.
 #include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
+#include <yaml-cpp/yaml.h>
 
 #include "coupled.h"
 
@@ -100,6 +103,55 @@ TEST(Fields, TheDefaultSceneWithoutAScalarFieldIsNoReasonToStop) {
   EXPECT_TRUE(run.session.execute(10, 10.0)) << insitu_last_message();
   EXPECT_EQ(runs::names_of(runs::files_of(folder.path())),
             (std::vector<std::string>{"frame_000010.png"}));
+}
+
+// NaN, infinite, huge, tiny and constant values, in every place that reads them.
+TEST(Fields, StrangeValuesAreWrittenAsTheyAreAndEndParticles) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::string scene = R"(
+insitu: 1
+probes:
+  - {name: p, points: [[0.31, 0.41, 0.51]], fields: [density, velocity], output: [csv, json, vtp]}
+tracers:
+  - {name: t, velocity: velocity, seeds: [[0.31, 0.41, 0.51], [0.1, 0.1, 0.1]]}
+  - {name: l, kind: streamline, velocity: velocity, seeds: [[0.31, 0.41, 0.51]]}
+frames:
+  - {name: v, size: [32, 32], volume: {field: density}, scalar_bar: true}
+  - {name: s, size: [32, 32], volume: {field: density, smooth: true}}
+  - {name: i, size: [32, 32], isosurfaces: [{field: velocity, component: 0, values: [0.5],
+     color: {field: density}}]}
+)";
+  for (const double value : {nan, infinity, -infinity, 1e308, -1e308, 5e-324, 0.0, 1.0}) {
+    SCOPED_TRACE(value);
+    const test::Folder folder;
+    Coupled run({.scene = scene, .output = folder.path(), .cells = 6});
+    ASSERT_TRUE(run.execute()) << insitu_last_message();
+    std::fill(run.solver.density.begin(), run.solver.density.end(), value);
+    std::fill(run.solver.u.begin(), run.solver.u.end(), value);
+    run.mesh.changed(insitu::fields);
+    EXPECT_TRUE(run.session.execute(1, 1.0)) << insitu_last_message();
+    for (std::size_t i = 0; i < run.solver.density.size(); i += 2)
+      run.solver.density[i] = 1.0;
+    for (std::size_t i = 0; i < run.solver.u.size(); i += 2)
+      run.solver.u[i] = 1.0;
+    run.mesh.changed(insitu::fields);
+    EXPECT_TRUE(run.session.execute(2, 2.0)) << insitu_last_message();
+    const insitu::Report r = run.session.report();
+    if (!std::isfinite(value)) {
+      EXPECT_EQ(r.particles[INSITU_END_NOT_FINITE], 2 + 2); // pathlines; streamlines of cycles 1, 2
+    } else if (std::abs(value) == 1e308) {
+      EXPECT_EQ(r.particles[INSITU_END_ALIVE], 0);
+    }
+    run.session.close();
+    const runs::Table p = runs::parse_table(test::content(folder / "p.csv"));
+    ASSERT_EQ(p.rows.size(), 3u);
+    const double written = p.number(1, "density");
+    EXPECT_TRUE(written == value || (std::isnan(written) && std::isnan(value))) << written;
+    const YAML::Node json = YAML::LoadFile(folder / "p_000001.json");
+    EXPECT_EQ(json["points"][0][1].IsNull(), !std::isfinite(value));
+    EXPECT_EQ(runs::names_of(runs::files_of(folder.path()), ".png").size(), 9u);
+  }
 }
 
 } // namespace

@@ -6,8 +6,10 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "core/status.h"
 #include "coupled.h"
 #include "output/atomic_file.h"
+#include "scene/action.h"
 
 namespace {
 
@@ -167,6 +169,31 @@ TEST(Survives, AFullDisk) {
   EXPECT_EQ(p.text(200, "cycle"), "1");
   EXPECT_EQ(runs::parse_table(files.at("t.csv")).rows.size(), 600u);
   EXPECT_EQ(files.count("f_000001.png"), 1u);
+}
+
+// Rows wait for room on the disk, but not until they fill the memory.
+TEST(Survives, ADiskThatStaysFull) {
+  const test::Folder folder;
+  insitu::output::AppendTable table(folder / "t.csv", {"cycle", "text"});
+  const std::string megabyte(std::size_t(1) << 20, 'x');
+  const SmallDisk disk(1000);
+  std::size_t most = 0;
+  int lost = 0;
+  for (int cycle = 0; cycle < 150; ++cycle) {
+    table.rows().cell(cycle).cell(megabyte).end_row();
+    try {
+      insitu::scene::flush_table(table);
+      ADD_FAILURE() << "a megabyte went into a kilobyte";
+    } catch (const insitu::core::Error& e) {
+      EXPECT_EQ(e.status(), INSITU_ERROR_FILE);
+      lost += std::string(e.what()).find("are lost") != std::string::npos;
+    }
+    most = std::max(most, table.rows().text().size());
+  }
+  EXPECT_EQ(lost, 2);
+  EXPECT_LT(most, std::size_t(66) << 20);
+  EXPECT_EQ(test::content(folder / "t.csv"), "cycle,text\n");
+  table.rows().clear();
 }
 
 TEST(Survives, ADiskThatIsFullWhenTheSessionCloses) {

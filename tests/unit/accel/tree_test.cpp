@@ -153,10 +153,16 @@ TEST(Tree, OfCellsInOnePlace) {
   }
 }
 
-TEST(Tree, FarFromZeroAndOfAnyAspect) {
-  for (const double offset : {1e7, -1e12, 1e-20})
-    for (const Vec3d scale : {Vec3d{1, 1, 1}, Vec3d{1, 1e-4, 1e4}, Vec3d{1e-3, 1e-3, 1e-3}}) {
+TEST(Tree, FarFromZeroAndOfAnyAspectAndSize) {
+  for (const double offset : {1e7, -1e12, 1e-20, 0.0})
+    for (const Vec3d scale : {Vec3d{1, 1, 1}, Vec3d{1, 1e-4, 1e4}, Vec3d{1e-3, 1e-3, 1e-3},
+                              Vec3d{1e26, 1e26, 1e26}, Vec3d{1e-26, 1e-26, 1e-26}}) {
+      if (offset != 0 && scale.x < 1e-20)
+        continue; // below the offset's rounding
       fixtures::Committed m(box(test::MeshKind::hexahedra, 5, offset, scale));
+      check_tree(m.mesh.tree(), m.mesh.mesh().view());
+      EXPECT_EQ(m.commit().cost_ratio, 1.0); // whether floats hold the boxes' areas or not
+      EXPECT_EQ(m.commit(INSITU_CHANGED_GEOMETRY).action, INSITU_REFIT);
       check_tree(m.mesh.tree(), m.mesh.mesh().view());
     }
 }

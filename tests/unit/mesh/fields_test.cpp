@@ -324,3 +324,68 @@ TEST(Views, ReadWithinTheArraysAlone) {
         }
       }
 }
+
+namespace {
+
+/// Commits, refits and locates with coordinates in guarded memory: item i at first + i stride, its
+/// components `component` bytes apart.
+template <class Real>
+void check_guarded(test::MeshKind kind, std::int64_t first, std::int64_t stride,
+                   std::int64_t component, std::size_t size, fixtures::GuardedBytes::At where) {
+  const fixtures::SolverArrays arrays{box(kind, 4)};
+  const fixtures::GuardedBytes memory(size, where);
+  for (std::int64_t v = 0; v < arrays.vertex_count(); ++v)
+    for (std::int64_t c = 0; c < 3; ++c) {
+      const auto x = Real(arrays.points[std::size_t(3 * v + c)]);
+      std::memcpy(memory.data() + first + v * stride + c * component, &x, sizeof x);
+    }
+  std::vector<std::int64_t> wide(arrays.ids.begin(), arrays.ids.end());
+  const fixtures::GuardedBytes ids = fixtures::GuardedBytes::copy_of(wide, where);
+  insitu_array points =
+      insitu_array_of(memory.data() + first, sizeof(Real) == 4 ? INSITU_FLOAT32 : INSITU_FLOAT64,
+                      arrays.vertex_count(), 3);
+  points.stride[0] = stride;
+  points.component_stride = component;
+  insitu_cells cells = arrays.cells();
+  cells.connectivity.data = ids.data();
+  cells.connectivity.type = INSITU_INT64;
+  fixtures::Committed m;
+  m.mesh.mesh().set_points(0, &points, 1);
+  m.mesh.mesh().set_cells(0, &cells);
+  m.commit();
+  ASSERT_EQ(m.commit(INSITU_CHANGED_GEOMETRY).action, INSITU_REFIT);
+  std::vector<Vec3d> at(std::size_t(arrays.vertex_count()));
+  for (std::size_t v = 0; v < at.size(); ++v)
+    at[v] = m.mesh.mesh().view().pieces[0].point(std::int64_t(v));
+  std::vector<query::Location> found(at.size());
+  m.sampler().locate(m.threads, at, found);
+  for (const query::Location& f : found)
+    ASSERT_TRUE(f);
+}
+
+template <class Real>
+void check_guarded_layouts() {
+  using At = fixtures::GuardedBytes::At;
+  constexpr auto item = std::int64_t(sizeof(Real));
+  for (const auto kind : {test::MeshKind::hexahedra, test::MeshKind::tetrahedra,
+                          test::MeshKind::wedges, test::MeshKind::pyramids}) {
+    const auto n = fixtures::SolverArrays(box(kind, 4)).vertex_count();
+    for (const At where : {At::end, At::start}) {
+      for (const std::int64_t record : {3 * item, 3 * item + 1, 4 * item, 7 * item + 3}) {
+        const std::int64_t size = (n - 1) * record + 3 * item; // no padding after the last
+        check_guarded<Real>(kind, 0, record, item, std::size_t(size), where);
+        check_guarded<Real>(kind, (n - 1) * record, -record, item, std::size_t(size), where);
+        // Components from z to x.
+        check_guarded<Real>(kind, 2 * item, record, -item, std::size_t(size), where);
+      }
+      check_guarded<Real>(kind, 0, item, n * item, std::size_t(3 * n * item), where);
+    }
+  }
+}
+
+} // namespace
+
+TEST(Views, ReadCoordinatesOfAnyLayoutWithinThem) {
+  check_guarded_layouts<double>();
+  check_guarded_layouts<float>();
+}

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace insitu::query {
+
+using BitTable = std::array<std::array<std::uint8_t, 8>, 256>;
+
+/// set_bits[m][i]: the place of the i-th set bit of m; 0 beyond the last.
+inline constexpr BitTable set_bits = [] {
+  BitTable table{};
+  for (unsigned m = 0; m < 256; ++m)
+    for (unsigned bit = 0, i = 0; bit < 8; ++bit)
+      if ((m >> bit) & 1)
+        table[m][i++] = std::uint8_t(bit);
+  return table;
+}();
+
+/// bits_below[m][c]: how many bits of m are set below bit c.
+inline constexpr BitTable bits_below = [] {
+  BitTable table{};
+  for (unsigned m = 0; m < 256; ++m)
+    for (unsigned c = 1; c < 8; ++c)
+      table[m][c] = std::uint8_t(table[m][c - 1] + ((m >> (c - 1)) & 1));
+  return table;
+}();
+
+} // namespace insitu::query
