@@ -301,11 +301,11 @@ static inline insitu_block insitu_block_default(void) {
 INSITU_API insitu_status insitu_mesh_points(insitu_mesh mesh, int32_t piece,
                                             const insitu_array* arrays, int32_t array_count);
 
-/** The cells of a piece, by connectivity. */
+/** The cells of a piece, by connectivity. Drops ghosts given before: they were of other cells. */
 INSITU_API insitu_status insitu_mesh_cells(insitu_mesh mesh, int32_t piece,
                                            const insitu_cells* cells);
 
-/** The cells of a piece, as an implicit block. */
+/** The cells of a piece, as an implicit block. Drops ghosts given before. */
 INSITU_API insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece,
                                            const insitu_block* block);
 
