@@ -120,11 +120,14 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
         decoded = task.node;
       }
       const unsigned hits = children.overlapping(queries.bounds[task.query]);
-      const unsigned leaves = ~unsigned(node.inner) & 0xff;
-      n += append(hits & node.inner, bits_below[node.inner].data(), node.first_child, task.query,
-                  next + n);
-      found += append(hits & leaves, bits_below[leaves].data(), node.first_cell, task.query,
-                      candidates + found);
+      // Whether there are any is mostly a matter of the level, and guessed rightly.
+      if (const unsigned inner = hits & node.inner)
+        n += append(inner, bits_below[node.inner].data(), node.first_child, task.query, next + n);
+      if (const unsigned leaves = hits & ~unsigned(node.inner)) {
+        hwy::Prefetch(tree.cells() + node.first_cell);
+        found += append(leaves, bits_below[~unsigned(node.inner) & 0xff].data(), node.first_cell,
+                        task.query, candidates + found);
+      }
     }
     scratch.level.swap(scratch.next);
     tasks = n;

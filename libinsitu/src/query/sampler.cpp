@@ -226,7 +226,7 @@ private:
     int inside_count = 0, unsure_count = 0;
     for (int k = 0; k < b.count; ++k) {
       const bool converged = b.converged[k] != 0.0;
-      const bool in = converged & (b.margin[k] > tie_zone);
+      const bool in = converged & (b.margin[k] > tie_zone) & !exact;
       const bool out = converged & (b.margin[k] < -tie_zone) & !exact;
       inside[inside_count] = unsure[unsure_count] = std::uint8_t(k);
       inside_count += in;
