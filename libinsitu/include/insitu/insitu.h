@@ -34,15 +34,20 @@
 #define INSITU_API __attribute__((visibility("default")))
 #endif
 
+/* Enumerations are ints. In C++ that has to be said, or a value that is none of theirs, which the
+ * library tells the caller about, would be undefined behaviour before it could. */
 #ifdef __cplusplus
+#define INSITU_INT : int
 extern "C" {
+#else
+#define INSITU_INT
 #endif
 
 /* ---------------------------------------------------------------------------------------------
  * Status, enumerations. Values are fixed; gaps are for later members.
  * ------------------------------------------------------------------------------------------- */
 
-typedef enum insitu_status {
+typedef enum insitu_status INSITU_INT {
   INSITU_OK = 0,
   INSITU_ERROR_ARGUMENT = 1,    /**< an argument is null, negative, of a wrong type or count */
   INSITU_ERROR_HANDLE = 2,      /**< a handle is null, released, or of another kind */
@@ -59,7 +64,7 @@ typedef enum insitu_status {
   INSITU_ERROR_INTERNAL = 100
 } insitu_status;
 
-typedef enum insitu_type {
+typedef enum insitu_type INSITU_INT {
   INSITU_FLOAT32 = 1,
   INSITU_FLOAT64 = 2,
   INSITU_INT32 = 3,
@@ -67,12 +72,12 @@ typedef enum insitu_type {
   INSITU_UINT8 = 5
 } insitu_type;
 
-typedef enum insitu_memory { INSITU_HOST = 0, INSITU_DEVICE = 1 } insitu_memory;
+typedef enum insitu_memory INSITU_INT { INSITU_HOST = 0, INSITU_DEVICE = 1 } insitu_memory;
 
-typedef enum insitu_association { INSITU_VERTEX = 0, INSITU_CELL = 1 } insitu_association;
+typedef enum insitu_association INSITU_INT { INSITU_VERTEX = 0, INSITU_CELL = 1 } insitu_association;
 
 /** Cell shapes: VTK's numbers and point order. */
-typedef enum insitu_shape {
+typedef enum insitu_shape INSITU_INT {
   INSITU_TETRAHEDRON = 10,
   INSITU_VOXEL = 11,
   INSITU_HEXAHEDRON = 12,
@@ -81,10 +86,10 @@ typedef enum insitu_shape {
 } insitu_shape;
 
 /** What an answer is worth (and costs). */
-typedef enum insitu_accuracy {
+typedef enum insitu_accuracy INSITU_INT {
   INSITU_FAST = 0,     /**< as standard in this version; reserved for planar faces in float */
-  INSITU_STANDARD = 1, /**< bilinear faces, inverse map in double, closed by a tolerance */
-  INSITU_EXACT = 2     /**< standard, with the boundary decided by exact predicates */
+  INSITU_STANDARD = 1, /**< bilinear faces, inverse map in double; close to a face the exact test */
+  INSITU_EXACT = 2     /**< every candidate cell decided by exact arithmetic */
 } insitu_accuracy;
 
 /** What changed since the last commit; combine with |. */
@@ -96,7 +101,7 @@ enum {
   INSITU_CHANGED_ALL = 7
 };
 
-typedef enum insitu_log_level {
+typedef enum insitu_log_level INSITU_INT {
   INSITU_LOG_ERROR = 1,
   INSITU_LOG_WARNING = 2,
   INSITU_LOG_INFO = 3,
@@ -231,7 +236,7 @@ static inline insitu_array insitu_array_of(const void* data, insitu_type type, i
   return a;
 }
 
-typedef enum insitu_layout {
+typedef enum insitu_layout INSITU_INT {
   INSITU_LAYOUT_UNIFORM = 0, /**< one shape for all cells; connectivity [count][vertices of shape] */
   INSITU_LAYOUT_MIXED = 1,   /**< types[count], offsets[count] or [count + 1], connectivity[...] */
   INSITU_LAYOUT_PADDED = 2   /**< connectivity [count][8], unused ids -1; the shape follows from the
@@ -264,7 +269,7 @@ static inline insitu_cells insitu_cells_default(void) {
   return c;
 }
 
-typedef enum insitu_block_kind {
+typedef enum insitu_block_kind INSITU_INT {
   INSITU_BLOCK_UNIFORM = 0,     /**< origin and spacing */
   INSITU_BLOCK_RECTILINEAR = 1, /**< one coordinate array an axis */
   INSITU_BLOCK_CURVILINEAR = 2  /**< points given by insitu_mesh_points */
@@ -318,7 +323,7 @@ INSITU_API insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, cons
 INSITU_API insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* name);
 
 /** How a ghost array counts. */
-typedef enum insitu_ghost_convention {
+typedef enum insitu_ghost_convention INSITU_INT {
   INSITU_GHOSTS_VTK = 0,   /**< bits: 1 duplicate, 8 refined, 32 hidden: the cell owns no point */
   INSITU_GHOSTS_ASCENT = 1 /**< 0 real, otherwise ghost */
 } insitu_ghost_convention;
@@ -329,7 +334,7 @@ INSITU_API insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece,
                                             const insitu_array* array,
                                             insitu_ghost_convention convention);
 
-typedef enum insitu_frame_kind {
+typedef enum insitu_frame_kind INSITU_INT {
   INSITU_FRAME_CARTESIAN = 0,  /**< the solver's own coordinates */
   INSITU_FRAME_GEOCENTRIC = 1, /**< ECEF metres on WGS84 */
   INSITU_FRAME_GEODETIC = 2,   /**< longitude, latitude in degrees, height in metres */
@@ -363,7 +368,7 @@ INSITU_API insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame*
  *  a new array or cells says so by itself. */
 INSITU_API insitu_status insitu_mesh_changed(insitu_mesh mesh, uint32_t what);
 
-typedef enum insitu_action {
+typedef enum insitu_action INSITU_INT {
   INSITU_KEEP = 0,   /**< nothing had to be done, or value ranges were refreshed */
   INSITU_REFIT = 1,  /**< boxes were refitted to moved vertices */
   INSITU_REBUILD = 2 /**< the tree was built anew */
@@ -514,7 +519,7 @@ INSITU_API insitu_status insitu_mesh_field_info(insitu_mesh mesh, const char* na
  * ------------------------------------------------------------------------------------------- */
 
 /** Why a particle ended. */
-typedef enum insitu_ending {
+typedef enum insitu_ending INSITU_INT {
   INSITU_END_ALIVE = 0,
   INSITU_END_LEFT = 1,       /**< left the mesh */
   INSITU_END_STAGNATED = 2,  /**< came to rest in a steady field, or no step could be found */
@@ -527,7 +532,7 @@ typedef enum insitu_ending {
 } insitu_ending;
 
 /** What the memory is for. */
-typedef enum insitu_purpose {
+typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_TREE = 0,      /**< nodes and leaves */
   INSITU_MEMORY_BUILD = 1,     /**< kept scratch of the builder */
   INSITU_MEMORY_RANGES = 2,    /**< value ranges */
@@ -582,6 +587,7 @@ INSITU_API insitu_status insitu_session_report(insitu_session session, insitu_re
 INSITU_API insitu_status insitu_session_write_summary(insitu_session session, const char* path,
                                                       double solver_s);
 
+#undef INSITU_INT
 #ifdef __cplusplus
 }
 #endif

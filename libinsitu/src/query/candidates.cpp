@@ -1,6 +1,7 @@
 #include "query/candidates.h"
 
 #include <bit>
+#include <cstring>
 
 // Three x86 targets are enough: each one more costs compile time and gains little here.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
@@ -57,6 +58,16 @@ private:
   alignas(32) float lower_[3][8];
   alignas(32) float upper_[3][8];
 };
+
+/// Bit c: meta[c] is not 0.
+HWY_INLINE unsigned present_children(const accel::Node& node) {
+  std::uint64_t meta;
+  std::memcpy(&meta, node.meta, sizeof meta);
+  // The high bit of every byte that is not 0, then these eight bits side by side.
+  constexpr std::uint64_t low = 0x7f7f7f7f7f7f7f7full;
+  const std::uint64_t high = (((meta & low) + low) | meta) & ~low;
+  return unsigned(((high >> 7) * 0x0102040810204080ull) >> 56);
+}
 
 /// Writes {base + offsets[c], query} for every set bit c of hits, in order; returns how many. Up to
 /// eight items at `out` are written whatever hits is: branches on it would be guessed wrongly too
@@ -123,10 +134,12 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
       // Whether there are any is mostly a matter of the level, and guessed rightly.
       if (const unsigned inner = hits & node.inner)
         n += append(inner, bits_below[node.inner].data(), node.first_child, task.query, next + n);
-      if (const unsigned leaves = hits & ~unsigned(node.inner)) {
+      if (hits & ~unsigned(node.inner)) {
+        // A box as wide as the node meets its absent children as well.
+        const unsigned leaves = present_children(node) & ~unsigned(node.inner);
         hwy::Prefetch(tree.cells() + node.first_cell);
-        found += append(leaves, bits_below[~unsigned(node.inner) & 0xff].data(), node.first_cell,
-                        task.query, candidates + found);
+        found += append(hits & leaves, bits_below[leaves].data(), node.first_cell, task.query,
+                        candidates + found);
       }
     }
     scratch.level.swap(scratch.next);

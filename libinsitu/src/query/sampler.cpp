@@ -47,10 +47,13 @@ struct Query {
   /// The query's box in the tree's frame, rounded outwards; wider while the mesh is between two
   /// steps, since boxes hold the current one. False for points that are not finite.
   bool box(const Vec3d& p, float* lower, float* upper) const {
-    const double wider =
-        options.alpha == 1.0 ? 0.0 : (1.0 - options.alpha) * mesh.largest_displacement * 1.0000001;
+    const double moved = options.alpha == 1.0 ? 0.0 : mesh.largest_displacement;
     for (int a = 0; a < 3; ++a) {
       const double d = p[a] - tree.origin()[a];
+      // The second term is the blend's rounding, at the size of the coordinates.
+      const double wider = moved == 0.0 ? 0.0
+                                        : (1.0 - options.alpha) * moved * 1.0000001 +
+                                              0x1p-50 * (std::fabs(p[a]) + moved);
       if (!(std::fabs(d) <= 3e37))
         return false;
       lower[a] = accel::round_down(d - wider);

@@ -6,6 +6,7 @@ using math::Vec3d;
 using test::all_kinds;
 using test::box;
 using test::check_owners;
+using test::same_bits;
 
 TEST(Owner, OfPointsWithinFacesEdgesAndVertices) {
   for (const auto kind : all_kinds) {
@@ -107,12 +108,17 @@ TEST(Owner, OnTwistedCells) {
       for (int i = 0; i < 1500; ++i)
         points.push_back(random.uniform(from.low, from.high));
       int differ = 0;
-      for (const Vec3d& p : points) {
+      std::vector<query::Location> batch(points.size());
+      m.sampler().locate(m.threads, points, batch, {INSITU_EXACT, 1.0});
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec3d& p = points[i];
         const std::int64_t expected = test::owner(view, p);
         const bool in_domain = p.x >= from.low.x && p.x <= from.high.x && p.y >= from.low.y &&
                                p.y <= from.high.y && p.z >= from.low.z && p.z <= from.high.z;
         ASSERT_TRUE(expected >= 0 || !in_domain) << test::text(p);
         ASSERT_EQ(m.sampler().locate(p, -1, {INSITU_EXACT, 1.0}).cell, expected)
+            << kind_name(kind) << ", jitter " << jitter << ", point " << test::text(p);
+        ASSERT_EQ(batch[i].cell, expected)
             << kind_name(kind) << ", jitter " << jitter << ", point " << test::text(p);
         const query::Location standard = m.sampler().locate(p);
         ASSERT_EQ(bool(standard), expected >= 0) << test::text(p);
@@ -142,10 +148,14 @@ TEST(Owner, OnCollapsedCells) {
     const std::vector<Vec3d> inner = test::inner_points(view, 1000, 10);
     points.insert(points.end(), inner.begin(), inner.end());
     int differ = 0;
-    for (const Vec3d& p : points) {
+    std::vector<query::Location> batch(points.size());
+    m.sampler().locate(m.threads, points, batch, {INSITU_EXACT, 1.0});
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3d& p = points[i];
       const std::int64_t expected = test::owner(view, p);
       const query::Location at = m.sampler().locate(p, -1, {INSITU_EXACT, 1.0}),
                             standard = m.sampler().locate(p);
+      ASSERT_TRUE(same_bits(batch[i], at)) << "jitter " << jitter << ", point " << test::text(p);
       ASSERT_EQ(at.cell, expected) << "jitter " << jitter << ", point " << test::text(p);
       ASSERT_EQ(bool(standard), expected >= 0)
           << "jitter " << jitter << ", point " << test::text(p);
