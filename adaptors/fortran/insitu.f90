@@ -132,7 +132,7 @@ contains
     character(len=:), allocatable, target :: scene_c, text_c, output_c
     integer(c_int) :: status
 
-    if (.not. associated(self%text)) allocate (self%text)
+    if (.not. associated(self%text)) self%text => next_text()
     self%text = ''
     if (c_associated(self%handle)) then
       self%text = 'open: the session is open already'
@@ -161,6 +161,17 @@ contains
     call keep_message(self%text, status)
     ierr = int(status)
   end subroutine session_open
+
+  !> Room for a session's message, which its meshes refer to even after it is closed; so it is
+  !! never given back. More sessions than there are texts share them.
+  function next_text() result(text)
+    character(len=message_length), pointer :: text
+    character(len=message_length), target, save :: texts(64)
+    integer, save :: last = 0
+
+    last = mod(last, size(texts)) + 1
+    text => texts(last)
+  end function next_text
 
   pure logical function given(text)
     character(len=*), intent(in), optional :: text
