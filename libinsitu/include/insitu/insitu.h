@@ -306,11 +306,12 @@ static inline insitu_block insitu_block_default(void) {
 INSITU_API insitu_status insitu_mesh_points(insitu_mesh mesh, int32_t piece,
                                             const insitu_array* arrays, int32_t array_count);
 
-/** The cells of a piece, by connectivity. Drops ghosts given before: they were of other cells. */
+/** The cells of a piece, by connectivity. Ghosts given before stay; give new ones, or
+ *  none, if they do not fit the new cells. */
 INSITU_API insitu_status insitu_mesh_cells(insitu_mesh mesh, int32_t piece,
                                            const insitu_cells* cells);
 
-/** The cells of a piece, as an implicit block. Drops ghosts given before. */
+/** The cells of a piece, as an implicit block. Ghosts given before stay. */
 INSITU_API insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece,
                                            const insitu_block* block);
 

@@ -38,8 +38,8 @@ struct MeshState {
 
 /** One piece of a mesh: vertices, cells, fields, ghosts. Calling again replaces what was given
  *  before. All arrays are external: see Array for how long they are read. Give points and cells
- *  before fields and ghosts: bare pointers take their counts from them, and new cells drop the
- *  ghosts. Every function throws Error; then nothing has changed. */
+ *  before fields and ghosts: bare pointers take their counts from them. Ghosts stay when
+ *  cells are given again. Every function throws Error; then nothing has changed. */
 class Piece {
 public:
   /** n vertices as x, y, z: float or double, one unit of length for all. */

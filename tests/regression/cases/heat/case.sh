@@ -3,6 +3,6 @@ program=heat
 arguments=(--cycles 60 --resolution 8 --library-threads 2 --quiet)
 tolerances=(--tolerance-relative 1e-9 --tolerance-absolute 1e-11
             # Adaptive steps turn last bits, which compilers differ in, into more: 5e-9 of a line was seen.
-            --column s:1e-6:1e-9 --column x:1e-6:1e-9 --column y:1e-6:1e-9 --column z:1e-6:1e-9
+            --column s:1e-7:1e-10 --column x:1e-7:1e-10 --column y:1e-7:1e-10 --column z:1e-7:1e-10
             --max-pixel 2 --max-share 0.002 --min-similarity 0.99
             --ignore-column seconds --ignore-column bytes)
