@@ -19,5 +19,6 @@ say "libinsitu: the main job"
 ensure_packages "${packages[@]}"
 configure_and_build release -DINSITU_BUILD_TESTS=OFF -- sedov
 cd "$project"
-./build/release/bin/sedov --scene examples/sedov/scene.yaml --output out/sedov "${arguments[@]}"
+./build/release/bin/sedov --scene examples/sedov/scene.yaml --output out/sedov \
+  --material 1000 "${arguments[@]}"
 say "written: out/sedov (frames, probe and tracer tables, summary.json)"

@@ -49,6 +49,9 @@ module insitu
       insitu_log_error, insitu_log_warning, insitu_log_info, insitu_log_debug, &
       insitu_ghosts_vtk, insitu_ghosts_ascent, &
       insitu_keep, insitu_refit, insitu_rebuild, &
+      insitu_builder_none, insitu_builder_morton, insitu_builder_surface_area, &
+      insitu_reason_outside, insitu_reason_certified, insitu_reason_exact, &
+      insitu_reason_on_face, insitu_reason_on_edge, insitu_reason_on_vertex, &
       insitu_end_alive, insitu_end_left, insitu_end_stagnated, insitu_end_expired, &
       insitu_end_step_limit, insitu_end_seed_outside, insitu_end_not_finite, insitu_end_killed, &
       insitu_memory_tree, insitu_memory_build, insitu_memory_ranges, insitu_memory_earlier, &

@@ -58,6 +58,16 @@ module insitu_c
   ! insitu_action
   integer(c_int), parameter :: insitu_keep = 0, insitu_refit = 1, insitu_rebuild = 2
 
+  ! insitu_builder
+  integer(c_int), parameter :: &
+      insitu_builder_none = 0, insitu_builder_morton = 1, insitu_builder_surface_area = 2
+
+  ! insitu_reason: what locate answers, and the indices of located_by_reason in insitu_report
+  integer, parameter :: &
+      insitu_reason_outside = 0, insitu_reason_certified = 1, insitu_reason_exact = 2, &
+      insitu_reason_on_face = 3, insitu_reason_on_edge = 4, insitu_reason_on_vertex = 5, &
+      insitu_reason_count = 6
+
   ! insitu_ending and insitu_purpose, as indices into the arrays of insitu_report: the values of
   ! insitu.h plus 1
   integer, parameter :: &
@@ -133,6 +143,7 @@ module insitu_c
     real(c_double) :: seconds = 0.0_c_double
     integer(c_int64_t) :: cells = 0, vertices = 0, bytes = 0, bytes_allocated = 0
     real(c_double) :: cost_ratio = 1.0_c_double
+    integer(c_int) :: builder = insitu_builder_none
   end type insitu_commit_report
 
   type, bind(c) :: insitu_validation
@@ -141,6 +152,7 @@ module insitu_c
     integer(c_int64_t) :: index_errors = 0, shape_errors = 0, coordinate_errors = 0
     integer(c_int64_t) :: inverted_cells = 0, zero_volume_cells = 0, folded_cells = 0
     integer(c_int64_t) :: collapsed_cells = 0, ghost_cells = 0
+    integer(c_int64_t) :: coincident_vertices = 0, crowded_faces = 0, split_faces = 0
   end type insitu_validation
 
   type, bind(c) :: c_audit_entry
@@ -163,6 +175,7 @@ module insitu_c
     type(c_ptr) :: pieces = c_null_ptr
     type(c_ptr) :: parametric = c_null_ptr
     type(c_ptr) :: found = c_null_ptr
+    type(c_ptr) :: reasons = c_null_ptr
   end type c_locate_args
 
   type, bind(c) :: c_sample_args
@@ -173,8 +186,8 @@ module insitu_c
     type(c_ptr) :: values = c_null_ptr
   end type c_sample_args
 
-  !> Totals since the session was opened; particles and bytes_by_purpose are indexed by
-  !! insitu_end_* and insitu_memory_*.
+  !> Totals since the session was opened; particles, bytes_by_purpose and located_by_reason are
+  !! indexed by insitu_end_*, insitu_memory_* and insitu_reason_*.
   type, bind(c) :: insitu_report
     integer(c_size_t) :: size = 0
     integer(c_int64_t) :: executions = 0
@@ -188,6 +201,7 @@ module insitu_c
     integer(c_int64_t) :: particles(insitu_end_count) = 0
     integer(c_int64_t) :: frames = 0, probe_rows = 0, files = 0
     integer(c_int64_t) :: failures = 0
+    integer(c_int64_t) :: located_by_reason(0:insitu_reason_count - 1) = 0
   end type insitu_report
 
   include 'insitu_c_functions.inc'

@@ -120,8 +120,8 @@ contains
                                   size(arrays, kind=c_int32_t)), ierr)
   end subroutine give_field
 
-  !> cells, found, pieces: one item a point; parametric: (3, points).
-  subroutine find_cells(self, points, cells, ierr, found, pieces, parametric, frame, accuracy)
+  !> cells, found, pieces, reasons: one item a point; parametric: (3, points).
+  subroutine find_cells(self, points, cells, ierr, found, pieces, parametric, frame, accuracy, reasons)
     class(mesh_core), intent(in) :: self
     type(c_array), intent(in), target :: points(:)
     integer(int64), intent(out), contiguous, target :: cells(:)
@@ -131,14 +131,17 @@ contains
     real(real64), intent(out), contiguous, optional, target :: parametric(:,:)
     character(len=*), intent(in), optional :: frame
     integer, intent(in), optional :: accuracy
+    integer, intent(out), optional :: reasons(:)
     type(c_locate_args) :: args
     type(c_frame), target :: point_frame
     integer(c_int32_t), allocatable, target :: owners(:)
+    integer(c_int8_t), allocatable, target :: why(:)
 
     call fill(self, 'locate', points, args, point_frame, ierr, frame, accuracy)
     call expect_room(self, 'locate: cells', size(cells), points, ierr)
     if (present(found)) call expect_room(self, 'locate: found', size(found), points, ierr)
     if (present(pieces)) call expect_room(self, 'locate: pieces', size(pieces), points, ierr)
+    if (present(reasons)) call expect_room(self, 'locate: reasons', size(reasons), points, ierr)
     if (present(parametric)) then
       call expect_room(self, 'locate: parametric', size(parametric, 2), points, ierr)
       if (size(parametric, 1) /= 3) then
@@ -151,12 +154,21 @@ contains
     if (present(parametric)) then
       if (size(parametric) > 0) args%parametric = c_loc(parametric)
     end if
-    allocate (owners(size(cells)))
-    if (present(pieces) .and. size(owners) > 0) args%pieces = c_loc(owners)
+    if (size(cells) > 0) then
+      if (present(pieces)) then
+        allocate (owners(size(cells)))
+        args%pieces = c_loc(owners)
+      end if
+      if (present(reasons)) then
+        allocate (why(size(cells)))
+        args%reasons = c_loc(why)
+      end if
+    end if
     call self%finish(c_mesh_locate(self%handle, args), ierr)
     if (ierr /= insitu_ok) return
     if (present(found)) found = cells > 0
-    if (present(pieces)) pieces = int(owners) + 1
+    if (allocated(owners)) pieces = int(owners) + 1
+    if (allocated(why)) reasons = int(why)
   end subroutine find_cells
 
   !> values: `room` contiguous numbers, the components of an item adjacent.

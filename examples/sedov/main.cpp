@@ -5,9 +5,11 @@
 #include <cstdlib>
 #include <exception>
 #include <insitu/insitu.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "material.h"
 #include "sedov_taylor.h"
 #include "solver.h"
 
@@ -20,6 +22,7 @@ struct Options {
   std::string scene, output;
   bool block = false; // couple as an implicit block, not as hexahedra
   int library_threads = 0;
+  int material = 0; // points carried by the material, located again every cycle
   bool quiet = false;
 };
 
@@ -33,6 +36,9 @@ constexpr const char* usage =
     "  --output DIR         where it writes, instead of the scene's folder\n"
     "  --mesh KIND          couple as 'hexahedra' (default) or as an implicit 'block'\n"
     "  --library-threads N  threads of libinsitu (all)\n"
+    "  --material N         locate N points that the material carries, every cycle, and say how "
+    "far\n"
+    "                       the answers are off what is known of them (0)\n"
     "  --quiet              no line per cycle\n";
 
 double number(const std::string& option, const char* text) {
@@ -73,6 +79,8 @@ Options parse(int argc, char** argv) {
       options.config.threads = whole_number(option, value);
     else if (option == "--library-threads")
       options.library_threads = whole_number(option, value);
+    else if (option == "--material")
+      options.material = whole_number(option, value);
     else if (option == "--scene")
       options.scene = value;
     else if (option == "--output")
@@ -102,6 +110,31 @@ insitu::Mesh couple(insitu::Session& session, sedov::Solver& solver, bool block)
   return mesh;
 }
 
+// Where the library says that the material's points are, against where they must be.
+class MaterialCheck {
+public:
+  MaterialCheck(int count, const sedov::Solver& solver)
+      : points_(static_cast<std::size_t>(count), solver.cell_count(), 1) {}
+
+  void locate(const insitu::Mesh& mesh, const sedov::Solver& solver) {
+    points_.move(solver);
+    const insitu::Locations found = mesh.locate(points_.positions);
+    worst_.join(points_.compare(solver, found.cells, found.parametric));
+    ++times_;
+  }
+  void print() const {
+    std::printf("material: %zu points located %d times: %lld lost, %lld in another cell at worst; "
+                "(r, s, t) off by at most %.1e, %.1f roundings of a coordinate\n",
+                points_.cells.size(), times_, static_cast<long long>(worst_.lost),
+                static_cast<long long>(worst_.changed), worst_.largest, worst_.roundings);
+  }
+
+private:
+  sedov::MaterialPoints points_;
+  sedov::Drift worst_;
+  int times_ = 0;
+};
+
 // What the library spent, in milliseconds.
 struct Spent {
   double commit, query, advect, render, output;
@@ -124,6 +157,15 @@ void print_summary(const insitu::Report& r, double solver_seconds) {
               1e-6 * double(r.bytes_peak));
   std::printf("commits: %lld kept, %lld refitted, %lld rebuilt\n", static_cast<long long>(r.keeps),
               static_cast<long long>(r.refits), static_cast<long long>(r.rebuilds));
+  const auto located = [&](insitu_reason reason) {
+    return static_cast<long long>(r.located_by_reason[reason]);
+  };
+  std::printf(
+      "located: %lld certified inside, %lld inside by exact arithmetic, %lld on faces, %lld on "
+      "edges, %lld on vertices, %lld outside\n",
+      located(INSITU_REASON_CERTIFIED), located(INSITU_REASON_EXACT),
+      located(INSITU_REASON_ON_FACE), located(INSITU_REASON_ON_EDGE),
+      located(INSITU_REASON_ON_VERTEX), located(INSITU_REASON_OUTSIDE));
   if (r.particles_seeded > 0)
     std::printf("particles: %lld seeded = %lld alive + %lld left + %lld stagnated + %lld expired + "
                 "%lld at the step limit + %lld seeded outside + %lld not finite + %lld killed\n",
@@ -157,6 +199,11 @@ void run(const Options& options) {
   const double energy = solver.total_energy();
   std::chrono::duration<double> elapsed{};
   session.execute(0, 0.0);
+  std::optional<MaterialCheck> material;
+  if (options.material > 0) {
+    material.emplace(options.material, solver);
+    material->locate(mesh, solver);
+  }
   Spent before(session.report());
   if (!options.quiet)
     std::printf("%6s %11s %8s %9s %10s | %8s %8s %8s %8s\n", "cycle", "time", "shock", "drift",
@@ -168,6 +215,8 @@ void run(const Options& options) {
     elapsed += step;
     mesh.changed(insitu::geometry | insitu::fields);
     session.execute(solver.cycle(), solver.time());
+    if (material)
+      material->locate(mesh, solver);
     if (options.quiet)
       continue;
     const Spent now(session.report());
@@ -183,6 +232,8 @@ void run(const Options& options) {
   std::printf("shock radius %.5f, similarity solution %.5f\n", solver.shock_radius(),
               exact.shock_radius(solver.time()));
   print_summary(session.report(), elapsed.count());
+  if (material)
+    material->print();
   if (!options.output.empty())
     session.write_summary(options.output + "/summary.json", elapsed.count());
 }

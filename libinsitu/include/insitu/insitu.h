@@ -85,11 +85,12 @@ typedef enum insitu_shape INSITU_INT {
   INSITU_PYRAMID = 14
 } insitu_shape;
 
-/** What an answer is worth (and costs). */
+/** What an answer is worth (and costs). In this version all three answer exactly, by a certificate in
+ *  floating point or else by exact arithmetic; the reasons tell which. */
 typedef enum insitu_accuracy INSITU_INT {
-  INSITU_FAST = 0,     /**< as standard in this version; reserved for planar faces in float */
-  INSITU_STANDARD = 1, /**< bilinear faces, inverse map in double; close to a face the exact test */
-  INSITU_EXACT = 2     /**< every candidate cell decided by exact arithmetic */
+  INSITU_FAST = 0,     /**< reserved for planar faces in float */
+  INSITU_STANDARD = 1, /**< bilinear faces */
+  INSITU_EXACT = 2     /**< the rule of one owner, whatever it costs */
 } insitu_accuracy;
 
 /** What changed since the last commit; combine with |. */
@@ -375,6 +376,13 @@ typedef enum insitu_action INSITU_INT {
   INSITU_REBUILD = 2 /**< the tree was built anew */
 } insitu_action;
 
+/** How the tree that answers was built. */
+typedef enum insitu_builder INSITU_INT {
+  INSITU_BUILDER_NONE = 0,        /**< there is none: no cell may own points */
+  INSITU_BUILDER_MORTON = 1,      /**< in Morton order: fast */
+  INSITU_BUILDER_SURFACE_AREA = 2 /**< by surface area: dearer, and cheaper to ask */
+} insitu_builder;
+
 typedef struct insitu_commit_report {
   size_t size;
   insitu_action action;
@@ -385,6 +393,7 @@ typedef struct insitu_commit_report {
   int64_t bytes;           /**< held by the mesh's structures after the commit */
   int64_t bytes_allocated; /**< newly allocated by this commit */
   double cost_ratio;       /**< cost of the refitted tree over that of the last build (1 if built) */
+  insitu_builder builder;  /**< of the tree that answers after the commit */
 } insitu_commit_report;
 
 static inline insitu_commit_report insitu_commit_report_default(void) {
@@ -395,12 +404,14 @@ static inline insitu_commit_report insitu_commit_report_default(void) {
   r.seconds = 0.0;
   r.cells = r.vertices = r.bytes = r.bytes_allocated = 0;
   r.cost_ratio = 1.0;
+  r.builder = INSITU_BUILDER_NONE;
   return r;
 }
 
 /** Brings the structures up to date: topology -> rebuild; geometry -> refit, or rebuild once the
- *  refitted tree costs too much; fields -> value ranges; nothing -> nothing. The first commit
- *  validates the mesh, and so does one after a change of topology. report may be null. */
+ *  refitted tree costs too much; fields -> value ranges; nothing -> nothing. Once enough points were
+ *  located to pay for it, a geometry or fields commit also rebuilds by surface area. The
+ *  first commit validates the mesh, and so does one after a change of topology. report may be null. */
 INSITU_API insitu_status insitu_mesh_commit(insitu_mesh mesh, insitu_commit_report* report);
 
 /** What validation found, by kind. Errors refuse a mesh; warnings are counted. */
@@ -412,9 +423,16 @@ typedef struct insitu_validation {
   int64_t coordinate_errors; /**< vertices, used by a cell, that are NaN or infinite */
   int64_t inverted_cells;    /**< warning: volume < 0 */
   int64_t zero_volume_cells; /**< warning: volume 0 to rounding */
-  int64_t folded_cells;      /**< warning: the map's Jacobian changes sign at a corner */
+  int64_t folded_cells;      /**< warning: the map's Jacobian changes sign somewhere in the cell */
   int64_t collapsed_cells;   /**< warning: two vertices of a cell coincide */
   int64_t ghost_cells;
+  /* What does not conform; counted if there are no errors. A point there belongs to the lowest of the
+   * cells that hold it, all the same, and a gap between cells is outside. */
+  int64_t coincident_vertices; /**< vertices at the place of another, bit for bit: seams. Faces are
+                                *   matched by place, so these alone lose and double no point. */
+  int64_t crowded_faces;       /**< faces of three cells or more: cells overlap */
+  int64_t split_faces; /**< quads against two triangles or against the same corners in another order:
+                        *   the sliver between belongs to both cells or to none */
 } insitu_validation;
 
 static inline insitu_validation insitu_validation_default(void) {
@@ -422,11 +440,12 @@ static inline insitu_validation insitu_validation_default(void) {
   v.size = sizeof v;
   v.cells = v.index_errors = v.shape_errors = v.coordinate_errors = v.inverted_cells = 0;
   v.zero_volume_cells = v.folded_cells = v.collapsed_cells = v.ghost_cells = 0;
+  v.coincident_vertices = v.crowded_faces = v.split_faces = 0;
   return v;
 }
 
-/** Validates the arrays as they are now. INSITU_ERROR_MESH, with the first findings in the
- *  message, if the mesh would be refused; the counts are filled in either case. */
+/** Validates the arrays as they are now, and faces against each other, which a commit does not. INSITU_ERROR_MESH, with the first findings in the message, if the
+ *  mesh would be refused; the counts are filled in either case. */
 INSITU_API insitu_status insitu_mesh_validate(insitu_mesh mesh, insitu_validation* validation);
 
 /** One line of the copy audit. */
@@ -445,11 +464,26 @@ INSITU_API insitu_status insitu_mesh_audit(insitu_mesh mesh, insitu_audit_entry*
                                            int32_t* count);
 
 /* ---------------------------------------------------------------------------------------------
- * Queries. Any number of times after a commit, until the solver changes the arrays.
+ * Queries. Any number of times after a commit, until the solver changes the arrays. The checked build
+ * (or INSITU_CHECKED=1 in the environment when the session is opened) answers a query, or a commit that
+ * was not told, by INSITU_ERROR_ORDER if coordinates, cells or ghosts are not what was committed.
  * ------------------------------------------------------------------------------------------- */
 
+/** Why a point has the owner that it has. */
+typedef enum insitu_reason INSITU_INT {
+  INSITU_REASON_OUTSIDE = 0,   /**< no cell that may own points holds it */
+  INSITU_REASON_CERTIFIED = 1, /**< strictly inside its owner, proven in floating point */
+  INSITU_REASON_EXACT = 2,     /**< strictly inside its owner, by exact arithmetic */
+  INSITU_REASON_ON_FACE = 3,   /**< on a face of its owner, which has the lowest id of the cells there */
+  INSITU_REASON_ON_EDGE = 4,   /**< the same, on an edge */
+  INSITU_REASON_ON_VERTEX = 5, /**< the same, on a vertex */
+  INSITU_REASON_COUNT = 6
+} insitu_reason;
+
 /** points: one array of 3 components, or three of 1 (float32 or float64). Outputs are the caller's,
- *  one item a point, in the points' order; each may be null. They must not overlap the points. */
+ *  one item a point, in the points' order; each may be null. An output that shares memory with
+ *  another, with the points, or with what the query reads of the mesh (coordinates, cells, ghosts,
+ *  the fields sampled; where these have no gaps between their items) is INSITU_ERROR_ARGUMENT. */
 typedef struct insitu_locate_args {
   size_t size;
   const insitu_array* points;
@@ -461,6 +495,7 @@ typedef struct insitu_locate_args {
   int32_t* pieces;    /**< [count] its piece, -1 outside */
   double* parametric; /**< [count][3] VTK's parametric coordinates, NaN outside */
   uint8_t* found;     /**< [count] 1 inside */
+  uint8_t* reasons;   /**< [count] why: an insitu_reason */
 } insitu_locate_args;
 
 static inline insitu_locate_args insitu_locate_args_default(void) {
@@ -475,6 +510,7 @@ static inline insitu_locate_args insitu_locate_args_default(void) {
   a.pieces = NULL;
   a.parametric = NULL;
   a.found = NULL;
+  a.reasons = NULL;
   return a;
 }
 
@@ -561,6 +597,8 @@ typedef struct insitu_report {
   int64_t particles[INSITU_END_COUNT]; /**< sums up to particles_seeded */
   int64_t frames, probe_rows, files;
   int64_t failures; /**< actions that were skipped */
+  int64_t located_by_reason[INSITU_REASON_COUNT]; /**< every point located for whatever purpose:
+                                 queries, probes, tracers and samples of frames, of all meshes */
 } insitu_report;
 
 static inline insitu_report insitu_report_default(void) {
@@ -578,6 +616,8 @@ static inline insitu_report insitu_report_default(void) {
   for (i = 0; i < INSITU_END_COUNT; ++i)
     r.particles[i] = 0;
   r.frames = r.probe_rows = r.files = r.failures = 0;
+  for (i = 0; i < INSITU_REASON_COUNT; ++i)
+    r.located_by_reason[i] = 0;
   return r;
 }
 

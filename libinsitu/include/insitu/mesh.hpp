@@ -371,6 +371,10 @@ private:
     args.pieces = out.pieces.data();
     args.parametric = out.parametric.data();
     args.found = out.found.data();
+    if (options.reasons) {
+      out.reasons.resize(n);
+      args.reasons = reinterpret_cast<std::uint8_t*>(out.reasons.data());
+    }
     return args;
   }
   void sample_into(std::size_t number, const char* const* names, double* const* values,

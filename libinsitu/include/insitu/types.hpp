@@ -40,6 +40,16 @@ constexpr int vertex_count(Shape shape) noexcept {
 
 enum class Accuracy { fast = INSITU_FAST, standard = INSITU_STANDARD, exact = INSITU_EXACT };
 
+/** Why a point has the owner that it has; see insitu_reason. */
+enum class Reason : std::uint8_t {
+  outside = INSITU_REASON_OUTSIDE,
+  certified = INSITU_REASON_CERTIFIED,
+  exact = INSITU_REASON_EXACT,
+  on_face = INSITU_REASON_ON_FACE,
+  on_edge = INSITU_REASON_ON_EDGE,
+  on_vertex = INSITU_REASON_ON_VERTEX
+};
+
 /** How ghost arrays count: VTK's bits, or Ascent's 0 real, otherwise ghost. */
 enum class GhostConvention { vtk = INSITU_GHOSTS_VTK, ascent = INSITU_GHOSTS_ASCENT };
 
@@ -83,6 +93,7 @@ struct LocateOptions {
   Accuracy accuracy = Accuracy::standard;
   std::int64_t cell_base = 0;   /**< 0 or 1: what the first cell is called */
   const Frame* frame = nullptr; /**< of the points; null: the mesh's */
+  bool reasons = false;         /**< fill Locations::reasons */
 };
 
 /** Where points lie: one item a point, in the points' order. */
@@ -91,6 +102,7 @@ struct Locations {
   std::vector<std::int64_t> cells;  /**< [size()] the owner, cell_base - 1 outside */
   std::vector<std::int32_t> pieces; /**< [size()] its piece, -1 outside */
   std::vector<double> parametric;   /**< [size()][3] VTK's parametric coordinates, NaN outside */
+  std::vector<Reason> reasons;      /**< [size()] why, if asked for; else empty */
 
   std::size_t size() const noexcept { return found.size(); }
 };

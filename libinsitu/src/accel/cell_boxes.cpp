@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "accel/cell_layouts.h"
+
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "accel/cell_boxes.cpp"
@@ -15,108 +17,139 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr double largest = 1e37; // coordinates beyond do not fit a float box with its margins
 
-/// Four adjacent numbers as double.
-template <class D>
-HWY_INLINE hn::Vec<D> load_double(D d, const double* p) {
-  return hn::LoadU(d, p);
+/// Numbers `first` and on of three, as double; nothing is read past the third.
+template <std::size_t first, class D>
+HWY_INLINE hn::Vec<D> load_some(D d, const double* p) {
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (hn::MaxLanes(d) == 4)
+    return hn::MaskedLoad(hn::FirstN(d, 3), d, p);
+  else if constexpr (hn::MaxLanes(d) == 2 && first == 0)
+    return hn::LoadU(d, p);
+  else
+#endif
+    return hn::Set(d, p[first]);
 }
-template <class D>
-HWY_INLINE hn::Vec<D> load_double(D d, const float* p) {
-  return hn::PromoteTo(d, hn::LoadU(hn::Rebind<float, D>(), p));
+template <std::size_t first, class D>
+HWY_INLINE hn::Vec<D> load_some(D d, const float* p) {
+#if HWY_TARGET != HWY_SCALAR
+  const hn::Rebind<float, D> df;
+  if constexpr (hn::MaxLanes(d) == 4)
+    return hn::PromoteTo(d, hn::MaskedLoad(hn::FirstN(df, 3), df, p));
+  else if constexpr (hn::MaxLanes(d) == 2 && first == 0)
+    return hn::PromoteTo(d, hn::LoadU(df, p));
+  else
+#endif
+    return hn::Set(d, double(p[first]));
 }
 
-/// Interleaved coordinates: x, y, z and whatever follows in one register (two on SSE2).
-template <class Index, class Real, int count>
+/// Coordinates `first` and on of a box of interleaved ones, as many as fit a register; false if one
+/// is not finite or too large. origin: from coordinate `first` on. lower and upper: four floats.
+template <class Layout, class Real, std::size_t first>
+HWY_INLINE bool fit_some(const std::byte* base, const std::int64_t* offsets, int count,
+                         const double* origin, float* lower, float* upper) {
+  const hn::CappedTag<double, 4> d;
+  const hn::Rebind<float, decltype(d)> df;
+  const auto load = [&](int v) HWY_ATTR {
+    return load_some<first>(d, reinterpret_cast<const Real*>(base + offsets[v]));
+  };
+  auto lo = load(0), hi = lo, sum = lo;
+  const auto add = [&](int v) HWY_ATTR {
+    const auto x = load(v);
+    lo = hn::Min(lo, x);
+    hi = hn::Max(hi, x);
+    sum = hn::Add(sum, x); // keeps a NaN, which min and max may lose
+  };
+  for (int v = 1; v < Layout::least; ++v)
+    add(v);
+  if constexpr (Layout::most > Layout::least)
+    for (int v = Layout::least; v < count; ++v)
+      add(v);
+  const auto from = hn::Load(d, origin);
+  lo = hn::Sub(lo, from);
+  hi = hn::Sub(hi, from);
+  const auto fits =
+      hn::And(hn::And(hn::Gt(lo, hn::Set(d, -largest)), hn::Lt(hi, hn::Set(d, largest))),
+              hn::Eq(hn::Sub(sum, sum), hn::Zero(d)));
+  // accel::round_down and round_up.
+  const auto margin = hn::Set(df, 0x1p-22f), least = hn::Set(df, 0x1p-120f);
+  const auto l = hn::DemoteTo(df, lo), u = hn::DemoteTo(df, hi);
+  hn::StoreU(hn::Sub(hn::Sub(l, hn::Mul(hn::Abs(l), margin)), least), df, lower + first);
+  hn::StoreU(hn::Add(hn::Add(u, hn::Mul(hn::Abs(u), margin)), least), df, upper + first);
+  return hn::AllTrue(d, fits);
+}
+
+/// Interleaved coordinates: x, y, z in one register (two on SSE2).
+template <class Layout, class Real>
 std::int64_t interleaved_boxes(const CellBoxes::Arrays& m, const std::uint32_t* cells,
                                std::uint32_t n, Box* boxes) {
-  const hn::CappedTag<double, 4> d;
-  constexpr std::size_t lanes = hn::MaxLanes(d), parts = 4 / lanes;
-  const hn::Rebind<float, decltype(d)> df;
-  alignas(32) Real padded[4];
-  alignas(32) double origin[4] = {m.origin.x, m.origin.y, m.origin.z, 0.0};
-  for (int a = 0; a < 4; ++a)
-    padded[a] = Real(m.padded[a]);
-  const auto id = [&](const std::byte* ids, int v) HWY_ATTR {
-    return std::int64_t(mesh::load_as<Index>(ids + v * m.id_stride)) - m.base;
-  };
-  constexpr std::uint32_t ids_ahead = 32, points_ahead = 12;
+  const math::Vec3d& o = m.origin;
+  alignas(32) const double origins[3][4] = {
+      {o.x, o.y, o.z, 0.0}, {o.y, o.z, o.z, 0.0}, {o.z, o.z, o.z, 0.0}};
+  constexpr std::uint32_t layout_ahead = 32, points_ahead = 12;
   std::int64_t refused = -1;
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (i + ids_ahead < n)
-      __builtin_prefetch(m.ids + cells[i + ids_ahead] * m.cell_stride);
-    if (i + points_ahead < n) {
-      const std::byte* ids = m.ids + cells[i + points_ahead] * m.cell_stride;
-      for (int v = 0; v < count; v += 2)
-        __builtin_prefetch(m.component[0] + id(ids, v) * m.point_stride);
+    std::int64_t offsets[8];
+    // Cells in the solver's order need no help.
+    if (i + layout_ahead < n && cells[i + layout_ahead] - cells[i] != layout_ahead)
+      Layout::prefetch(m, std::int64_t(cells[i + layout_ahead]) - m.first);
+    if (i + points_ahead < n && cells[i + points_ahead] - cells[i] != points_ahead) {
+      const int later =
+          Layout::offsets(m, std::int64_t(cells[i + points_ahead]) - m.first, offsets);
+      for (int v = 0; v < later; v += 2)
+        __builtin_prefetch(m.component[0] + offsets[v]);
     }
-    const std::byte* ids = m.ids + cells[i] * m.cell_stride;
-    const auto point = [&](int v) HWY_ATTR {
-      const std::int64_t at = id(ids, v);
-      return at == m.last ? padded
-                          : reinterpret_cast<const Real*>(m.component[0] + at * m.point_stride);
+    const int count = Layout::offsets(m, std::int64_t(cells[i]) - m.first, offsets);
+    alignas(16) float corners[8];
+    const auto fit = [&]<std::size_t first>() HWY_ATTR {
+      return fit_some<Layout, Real, first>(m.component[0], offsets, count, origins[first], corners,
+                                           corners + 4);
     };
-    alignas(16) float lower[4], upper[4];
-    bool good = true;
-    const Real* p[count];
-    for (int v = 0; v < count; ++v)
-      p[v] = point(v);
-    for (std::size_t part = 0; part < parts; ++part) {
-      const std::size_t o = part * lanes;
-      auto lo = load_double(d, p[0] + o), hi = lo, sum = lo;
-      for (int v = 1; v < count; ++v) {
-        const auto x = load_double(d, p[v] + o);
-        lo = hn::Min(lo, x);
-        hi = hn::Max(hi, x);
-        sum = hn::Add(sum, x); // keeps a NaN, which min and max may lose
-      }
-      const auto from = hn::Load(d, origin + o);
-      lo = hn::Sub(lo, from);
-      hi = hn::Sub(hi, from);
-      const auto fits =
-          hn::And(hn::And(hn::Gt(lo, hn::Set(d, -largest)), hn::Lt(hi, hn::Set(d, largest))),
-                  hn::Eq(hn::Sub(sum, sum), hn::Zero(d)));
-      alignas(32) std::uint8_t bits[8] = {};
-      hn::StoreMaskBits(d, fits, bits);
-      const unsigned wanted = (o + lanes > 3 ? (1u << (3 - o)) : (1u << lanes)) - 1u;
-      good &= (unsigned(bits[0]) & wanted) == wanted;
-      // accel::round_down and round_up.
-      const auto margin = hn::Set(df, 0x1p-22f), least = hn::Set(df, 0x1p-120f);
-      const auto l = hn::DemoteTo(df, lo), u = hn::DemoteTo(df, hi);
-      hn::StoreU(hn::Sub(hn::Sub(l, hn::Mul(hn::Abs(l), margin)), least), df, lower + o);
-      hn::StoreU(hn::Add(hn::Add(u, hn::Mul(hn::Abs(u), margin)), least), df, upper + o);
-    }
+    constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<double, 4>());
+    bool good = count >= Layout::least && fit.template operator()<0>();
+    if constexpr (lanes == 1)
+      good = good && fit.template operator()<1>();
+    if constexpr (lanes <= 2)
+      good = good && fit.template operator()<2>();
     if (!good) {
       boxes[i] = Box{};
       refused = refused < 0 || cells[i] < refused ? std::int64_t(cells[i]) : refused;
       continue;
     }
     for (int a = 0; a < 3; ++a) {
-      boxes[i].lower[a] = lower[a];
-      boxes[i].upper[a] = upper[a];
+      boxes[i].lower[a] = corners[a];
+      boxes[i].upper[a] = corners[4 + a];
     }
   }
   return refused;
 }
 
 template <class Index, class Real>
-CellBoxes::Loop choose_count(int count) {
+CellBoxes::Loop choose_layout(mesh::CellLayout layout, int count) {
+  if (layout == mesh::CellLayout::mixed)
+    return &interleaved_boxes<MixedLayout<Index>, Real>;
+  if (layout == mesh::CellLayout::padded)
+    return &interleaved_boxes<PaddedLayout<Index>, Real>;
   switch (count) {
   case 4:
-    return &interleaved_boxes<Index, Real, 4>;
+    return &interleaved_boxes<UniformLayout<Index, 4>, Real>;
   case 5:
-    return &interleaved_boxes<Index, Real, 5>;
+    return &interleaved_boxes<UniformLayout<Index, 5>, Real>;
   case 6:
-    return &interleaved_boxes<Index, Real, 6>;
+    return &interleaved_boxes<UniformLayout<Index, 6>, Real>;
   default:
-    return &interleaved_boxes<Index, Real, 8>;
+    return &interleaved_boxes<UniformLayout<Index, 8>, Real>;
   }
 }
 
-CellBoxes::Loop interleaved_loop(bool is_int32, bool is_float32, int count) {
-  return is_int32 ? (is_float32 ? choose_count<std::int32_t, float>(count)
-                                : choose_count<std::int32_t, double>(count))
-                  : (is_float32 ? choose_count<std::int64_t, float>(count)
-                                : choose_count<std::int64_t, double>(count));
+CellBoxes::Loop interleaved_loop(mesh::CellLayout layout, bool is_int32, bool is_float32,
+                                 int count) {
+  if (layout == mesh::CellLayout::block)
+    return is_float32 ? &interleaved_boxes<BlockLayout, float>
+                      : &interleaved_boxes<BlockLayout, double>;
+  return is_int32 ? (is_float32 ? choose_layout<std::int32_t, float>(layout, count)
+                                : choose_layout<std::int32_t, double>(layout, count))
+                  : (is_float32 ? choose_layout<std::int64_t, float>(layout, count)
+                                : choose_layout<std::int64_t, double>(layout, count));
 }
 
 } // namespace insitu::accel::HWY_NAMESPACE
@@ -163,22 +196,79 @@ bool is_empty(const Box& b) {
 }
 
 /// Separate coordinate arrays, or records that are too short for the interleaved loop.
-template <class Index, class Real>
+template <class Layout, class Real>
 std::int64_t separate_boxes(const CellBoxes::Arrays& m, const std::uint32_t* cells, std::uint32_t n,
                             Box* boxes) {
+  constexpr std::uint32_t layout_ahead = 32, points_ahead = 12;
   std::int64_t refused = -1;
   for (std::uint32_t i = 0; i < n; ++i) {
-    const std::byte* ids = m.ids + cells[i] * m.cell_stride;
+    std::int64_t offsets[8];
+    if (i + layout_ahead < n && cells[i + layout_ahead] - cells[i] != layout_ahead)
+      Layout::prefetch(m, std::int64_t(cells[i + layout_ahead]) - m.first);
+    if (i + points_ahead < n && cells[i + points_ahead] - cells[i] != points_ahead) {
+      const int later =
+          Layout::offsets(m, std::int64_t(cells[i + points_ahead]) - m.first, offsets);
+      for (int v = 0; v < later; v += 2)
+        for (int a = 0; a < 3; ++a)
+          __builtin_prefetch(m.component[a] + offsets[v]);
+    }
+    const int count = Layout::offsets(m, std::int64_t(cells[i]) - m.first, offsets);
     const auto point = [&](int v) {
-      const std::int64_t o =
-          (std::int64_t(mesh::load_as<Index>(ids + v * m.id_stride)) - m.base) * m.point_stride;
-      return math::Vec3d{double(mesh::load_as<Real>(m.component[0] + o)),
-                         double(mesh::load_as<Real>(m.component[1] + o)),
-                         double(mesh::load_as<Real>(m.component[2] + o))};
+      return math::Vec3d{double(mesh::load_as<Real>(m.component[0] + offsets[v])),
+                         double(mesh::load_as<Real>(m.component[1] + offsets[v])),
+                         double(mesh::load_as<Real>(m.component[2] + offsets[v]))};
     };
-    Extent extent(point(0));
-    for (int v = 1; v < m.count; ++v)
-      extent.add(point(v));
+    boxes[i] = Box{};
+    if (count >= Layout::least) {
+      Extent extent(point(0));
+      for (int v = 1; v < Layout::least; ++v)
+        extent.add(point(v));
+      for (int v = Layout::least; v < count; ++v)
+        extent.add(point(v));
+      boxes[i] = extent.box(m.origin);
+    }
+    if (is_empty(boxes[i]))
+      refused = refused < 0 || cells[i] < refused ? std::int64_t(cells[i]) : refused;
+  }
+  return refused;
+}
+
+template <class Index, class Real>
+CellBoxes::Loop choose_separate(mesh::CellLayout layout, int count) {
+  if (layout == mesh::CellLayout::mixed)
+    return &separate_boxes<MixedLayout<Index>, Real>;
+  if (layout == mesh::CellLayout::padded)
+    return &separate_boxes<PaddedLayout<Index>, Real>;
+  switch (count) {
+  case 4:
+    return &separate_boxes<UniformLayout<Index, 4>, Real>;
+  case 5:
+    return &separate_boxes<UniformLayout<Index, 5>, Real>;
+  case 6:
+    return &separate_boxes<UniformLayout<Index, 6>, Real>;
+  default:
+    return &separate_boxes<UniformLayout<Index, 8>, Real>;
+  }
+}
+
+CellBoxes::Loop separate_loop(mesh::CellLayout layout, bool is_int32, bool is_float32, int count) {
+  if (layout == mesh::CellLayout::block)
+    return is_float32 ? &separate_boxes<BlockLayout, float> : &separate_boxes<BlockLayout, double>;
+  return is_int32 ? (is_float32 ? choose_separate<std::int32_t, float>(layout, count)
+                                : choose_separate<std::int32_t, double>(layout, count))
+                  : (is_float32 ? choose_separate<std::int64_t, float>(layout, count)
+                                : choose_separate<std::int64_t, double>(layout, count));
+}
+
+std::int64_t general_boxes(const CellBoxes::Arrays& m, const std::uint32_t* cells, std::uint32_t n,
+                           Box* boxes) {
+  std::int64_t refused = -1;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    mesh::CellVertices cell;
+    mesh::gather(*m.mesh, cells[i], cell);
+    Extent extent(cell.x[0]);
+    for (int v = 1; v < cell.count; ++v)
+      extent.add(cell.x[v]);
     boxes[i] = extent.box(m.origin);
     if (is_empty(boxes[i]))
       refused = refused < 0 || cells[i] < refused ? std::int64_t(cells[i]) : refused;
@@ -189,54 +279,70 @@ std::int64_t separate_boxes(const CellBoxes::Arrays& m, const std::uint32_t* cel
 } // namespace
 
 CellBoxes::CellBoxes(const mesh::MeshView& mesh, const math::Vec3d& origin) : mesh_(&mesh) {
-  arrays_.origin = origin;
-  if (mesh.piece_count != 1)
-    return;
-  const mesh::PieceView& p = mesh.pieces[0];
-  if (p.layout != mesh::CellLayout::uniform || p.implicit_points || !p.points.layout.linear)
-    return;
-  Arrays& m = arrays_;
-  m.ids = p.connectivity.data;
-  m.cell_stride = p.connectivity.stride;
-  m.id_stride = p.id_stride;
-  m.base = p.index_base;
-  m.point_stride = p.points.layout.stride[0];
-  m.last = p.points.layout.count - 1;
-  m.count = mesh::vertex_count(p.uniform_shape);
+  for (std::int32_t p = 0; p < mesh.piece_count; ++p)
+    pieces_.push_back(choose(mesh, p, origin));
+}
+
+CellBoxes::Piece CellBoxes::choose(const mesh::MeshView& mesh, std::int32_t piece,
+                                   const math::Vec3d& origin) {
+  const mesh::PieceView& p = mesh.pieces[piece];
+  const mesh::ItemLayout& layout = p.points.layout;
+  Arrays m;
+  m.first = mesh.first_cell[piece];
+  m.origin = origin;
+  m.mesh = &mesh;
+  const bool block = p.layout == mesh::CellLayout::block;
+  if (p.implicit_points || (!layout.linear && !block))
+    return {m, &general_boxes};
+  if (block) {
+    m.point_stride = layout.stride[0];
+    for (int a = 0; a < 2; ++a)
+      m.block_cells[a] = std::uint32_t(p.block_vertices[a] - 1);
+    m.block_stride[0] = layout.stride[0];
+    m.block_stride[1] = layout.linear ? p.block_vertices[0] * layout.stride[0] : layout.stride[1];
+    m.block_stride[2] = layout.linear ? p.block_vertices[1] * m.block_stride[1] : layout.stride[2];
+    if (!layout.linear &&
+        (layout.extent[0] != p.block_vertices[0] || layout.extent[1] != p.block_vertices[1]))
+      return {m, &general_boxes};
+  } else {
+    m.ids = p.connectivity.data;
+    m.cell_stride = p.connectivity.stride;
+    m.id_stride = p.id_stride;
+    m.base = p.index_base;
+    m.types = p.types;
+    m.types_stride = p.types_stride;
+    m.offsets = p.offsets.data;
+    m.offset_stride = p.offsets.stride;
+    m.offset_is_int32 = p.offsets.is_int32;
+    m.point_stride = layout.stride[0];
+  }
   for (int a = 0; a < 3; ++a)
     m.component[a] = p.points.component[a];
   const bool is_int32 = p.connectivity.is_int32, is_float32 = p.points.is_float32;
   const std::int64_t size = is_float32 ? 4 : 8;
-  const bool interleaved = m.component[1] - m.component[0] == size &&
-                           m.component[2] - m.component[1] == size && m.point_stride >= 3 * size &&
-                           m.last >= 0;
-  if (interleaved) {
-    const math::Vec3d x = p.points.load(m.last);
-    for (int a = 0; a < 3; ++a)
-      m.padded[a] = x[a];
-    loop_ = HWY_DYNAMIC_DISPATCH(interleaved_loop)(is_int32, is_float32, m.count);
-  } else {
-    loop_ = is_int32 ? (is_float32 ? &separate_boxes<std::int32_t, float>
-                                   : &separate_boxes<std::int32_t, double>)
-                     : (is_float32 ? &separate_boxes<std::int64_t, float>
-                                   : &separate_boxes<std::int64_t, double>);
-  }
+  const bool interleaved =
+      m.component[1] - m.component[0] == size && m.component[2] - m.component[1] == size;
+  const int count = mesh::vertex_count(p.uniform_shape);
+  return {m, interleaved
+                 ? HWY_DYNAMIC_DISPATCH(interleaved_loop)(p.layout, is_int32, is_float32, count)
+                 : separate_loop(p.layout, is_int32, is_float32, count)};
 }
 
 std::int64_t CellBoxes::compute(const std::uint32_t* flat_cells, std::uint32_t n,
                                 Box* boxes) const {
-  if (loop_)
-    return loop_(arrays_, flat_cells, n, boxes);
+  if (pieces_.size() == 1)
+    return pieces_[0].loop(pieces_[0].arrays, flat_cells, n, boxes);
   std::int64_t refused = -1;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    mesh::CellVertices cell;
-    mesh::gather(*mesh_, flat_cells[i], cell);
-    Extent extent(cell.x[0]);
-    for (int v = 1; v < cell.count; ++v)
-      extent.add(cell.x[v]);
-    boxes[i] = extent.box(arrays_.origin);
-    if (is_empty(boxes[i]))
-      refused = refused < 0 || flat_cells[i] < refused ? std::int64_t(flat_cells[i]) : refused;
+  for (std::uint32_t begin = 0, end = 0; begin < n; begin = end) {
+    const std::int32_t p = mesh_->piece_of(flat_cells[begin]);
+    const std::int64_t first = mesh_->first_cell[p], last = mesh_->first_cell[p + 1];
+    while (end < n && flat_cells[end] >= first && flat_cells[end] < last)
+      ++end;
+    const Piece& piece = pieces_[std::size_t(p)];
+    const std::int64_t bad =
+        piece.loop(piece.arrays, flat_cells + begin, end - begin, boxes + begin);
+    if (bad >= 0 && (refused < 0 || bad < refused))
+      refused = bad;
   }
   return refused;
 }

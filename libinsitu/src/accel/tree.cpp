@@ -1,45 +1,37 @@
 #include "accel/tree.h"
 
 #include <algorithm>
-#include <atomic>
 
 #include "accel/cell_boxes.h"
 #include "accel/embree/builder.h"
 #include "accel/fit.h"
+#include "accel/morton/topology.h"
+#include "accel/owners.h"
 #include "core/status.h"
 
 namespace insitu::accel {
 
 namespace {
 
-constexpr std::int64_t grain = 4096;     ///< cells a task
 constexpr std::int64_t node_grain = 512; ///< nodes a task
-
-[[noreturn]] void refuse_cell(const mesh::MeshView& mesh, std::int64_t flat) {
-  const std::int32_t piece = mesh.piece_of(flat);
-  throw core::Error(INSITU_ERROR_MESH, "piece " + std::to_string(piece) + ", cell " +
-                                           std::to_string(flat - mesh.first_cell[piece]) +
-                                           ": a vertex coordinate is not finite or beyond 1e37");
-}
-
-/// Keeps the lowest of the offending cells, so that the message does not depend on threads.
-void lower_to(std::atomic<std::int64_t>& first, std::int64_t cell) {
-  std::int64_t now = first.load();
-  while (cell < now && !first.compare_exchange_weak(now, cell)) {
-  }
-}
-
-constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
 
 } // namespace
 
-struct Tree::Scratch {
-  explicit Scratch(core::Memory& memory)
+struct Tree::Embree {
+  explicit Embree(core::Memory& memory)
       : device(memory), bvh(rtcNewBVH(device.handle())), primitives(memory, INSITU_MEMORY_BUILD) {}
-  ~Scratch() { rtcReleaseBVH(bvh); }
+  ~Embree() { rtcReleaseBVH(bvh); }
   embree::Device device;
   RTCBVH bvh;
   core::Buffer<RTCBuildPrimitive> primitives;
+};
+
+struct Tree::Morton {
+  explicit Morton(core::Memory& memory)
+      : boxes(memory, INSITU_MEMORY_BUILD), order(memory, INSITU_MEMORY_BUILD),
+        scratch(memory, INSITU_MEMORY_BUILD) {}
+  core::Buffer<Box> boxes; ///< by flat id
+  core::Buffer<morton::CodedCell> order, scratch;
 };
 
 Tree::Tree(core::Memory& memory)
@@ -49,7 +41,8 @@ Tree::Tree(core::Memory& memory)
 Tree::~Tree() = default;
 
 void Tree::release_scratch() {
-  scratch_.reset();
+  embree_.reset();
+  morton_.reset();
 }
 
 math::Vec3d Tree::bounds_min() const {
@@ -69,99 +62,69 @@ void Tree::build(const mesh::MeshView& mesh, const core::Threads& threads, Build
   cells_.resize_discard(0);
   levels_.clear();
   bounds_ = Box{};
-  if (!scratch_)
-    scratch_ = std::make_unique<Scratch>(*memory_);
-  gather_primitives(mesh, threads);
-  const std::size_t count = scratch_->primitives.size();
-  if (count == 0)
+  const Owners owners(mesh, threads);
+  origin_ = owners.origin();
+  if (owners.count() == 0)
     return;
-  threads.run([&] {
-    const embree::BuildNode* root =
-        embree::build(scratch_->device, scratch_->bvh, scratch_->primitives.data(), count,
-                      builder != Builder::surface_area);
-    flatten(root, threads);
-  });
+  builder_ = builder == Builder::surface_area ? builder : Builder::morton;
+  if (builder_ == Builder::surface_area)
+    build_by_surface_area(owners, threads);
+  else
+    build_in_morton_order(mesh, owners, threads);
   built_cost_ = cost_;
 }
 
-/// One primitive an owning cell, in the frame of the mesh's first vertex's neighbourhood: the
-/// centre of the vertices' box, so that floats resolve the mesh and not its distance from zero.
-void Tree::gather_primitives(const mesh::MeshView& mesh, const core::Threads& threads) {
-  const std::int64_t cells = mesh.cell_count();
-  core::Buffer<RTCBuildPrimitive>& primitives = scratch_->primitives;
-  const std::int64_t chunks = (cells + grain - 1) / grain;
-  std::vector<std::int64_t> start(std::size_t(chunks) + 1, 0);
-  std::vector<math::Vec3d> low(start.size()), high(start.size());
-  const auto owns = [&](std::int64_t flat) {
-    const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
-    return mesh.pieces[p].owns(flat - mesh.first_cell[p]);
-  };
-
-  // The local frame's origin: the middle of one vertex of each owning cell is middle enough.
-  threads.parallel_for(cells, grain, [&](std::int64_t begin, std::int64_t end) {
-    const auto chunk = std::size_t(begin / grain);
-    std::int64_t n = 0;
-    math::Vec3d lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
-    for (std::int64_t flat = begin; flat < end; ++flat) {
-      if (!owns(flat))
-        continue;
-      ++n;
-      const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
-      std::int64_t ids[8];
-      mesh.pieces[p].vertex_ids(flat - mesh.first_cell[p], ids);
-      const math::Vec3d x = mesh.pieces[p].point(ids[0]);
-      for (int a = 0; a < 3; ++a) {
-        if (!(std::fabs(x[a]) <= 1e37)) // refused below; it must not move the frame off the others
-          continue;
-        lo[a] = std::min(lo[a], x[a]);
-        hi[a] = std::max(hi[a], x[a]);
-      }
-    }
-    start[chunk + 1] = n;
-    low[chunk] = lo;
-    high[chunk] = hi;
+void Tree::build_by_surface_area(const Owners& owners, const core::Threads& threads) {
+  morton_.reset();
+  if (!embree_)
+    embree_ = std::make_unique<Embree>(*memory_);
+  core::Buffer<RTCBuildPrimitive>& primitives = embree_->primitives;
+  primitives.resize_discard(std::size_t(owners.count()));
+  owners.for_boxes(threads, nullptr,
+                   [&](std::int64_t, std::int64_t rank, const std::uint32_t* ids, const Box* boxes,
+                       std::uint32_t n) {
+                     for (std::uint32_t i = 0; i < n; ++i) {
+                       const Box& b = boxes[i];
+                       primitives[std::size_t(rank) + i] = {b.lower[0], b.lower[1], b.lower[2],
+                                                            0,          b.upper[0], b.upper[1],
+                                                            b.upper[2], ids[i]};
+                     }
+                   });
+  threads.run([&] {
+    flatten(embree::build(embree_->device, embree_->bvh, primitives.data(), primitives.size()),
+            threads);
   });
-  math::Vec3d lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
-  for (std::size_t c = 0; c < std::size_t(chunks); ++c) {
-    start[c + 1] += start[c];
-    for (int a = 0; a < 3; ++a) {
-      lo[a] = std::min(lo[a], low[c][a]);
-      hi[a] = std::max(hi[a], high[c][a]);
-    }
-  }
-  const std::int64_t owners = chunks ? start[std::size_t(chunks)] : 0;
-  primitives.resize_discard(std::size_t(owners));
-  if (owners == 0)
-    return;
-  origin_ = {0.5 * lo.x + 0.5 * hi.x, 0.5 * lo.y + 0.5 * hi.y, 0.5 * lo.z + 0.5 * hi.z};
-  for (int a = 0; a < 3; ++a)
-    if (lo[a] > hi[a])
-      origin_[a] = 0.0;
+}
 
-  const CellBoxes boxes(mesh, origin_);
-  std::atomic<std::int64_t> bad{none};
-  threads.parallel_for(cells, grain, [&](std::int64_t begin, std::int64_t end) {
-    constexpr std::uint32_t few = 128;
-    std::uint32_t ids[few];
-    Box cell_boxes[few];
-    RTCBuildPrimitive* out = primitives.data() + start[std::size_t(begin / grain)];
-    for (std::int64_t flat = begin; flat < end;) {
-      std::uint32_t n = 0;
-      for (; flat < end && n < few; ++flat)
-        if (owns(flat))
-          ids[n++] = std::uint32_t(flat);
-      const std::int64_t refused = boxes.compute(ids, n, cell_boxes);
-      if (refused >= 0)
-        lower_to(bad, refused);
-      for (std::uint32_t i = 0; i < n; ++i) {
-        const Box& b = cell_boxes[i];
-        *out++ = {b.lower[0], b.lower[1], b.lower[2], 0,
-                  b.upper[0], b.upper[1], b.upper[2], ids[i]};
-      }
-    }
+void Tree::build_in_morton_order(const mesh::MeshView& mesh, const Owners& owners,
+                                 const core::Threads& threads) {
+  embree_.reset();
+  if (!morton_)
+    morton_ = std::make_unique<Morton>(*memory_);
+  const std::int64_t n = owners.count();
+  core::Buffer<Box>& boxes = morton_->boxes;
+  boxes.resize_discard(std::size_t(mesh.cell_count()));
+  morton_->order.resize_discard(std::size_t(n));
+  morton_->scratch.resize_discard(std::size_t(n));
+
+  std::vector<morton::Centres> centres(std::size_t(owners.chunks()));
+  owners.for_boxes(threads, boxes.data(),
+                   [&](std::int64_t chunk, std::int64_t rank, const std::uint32_t* ids,
+                       const Box* some, std::uint32_t count) {
+                     centres[std::size_t(chunk)].add(morton::Centres(some, count));
+                     for (std::uint32_t i = 0; i < count; ++i)
+                       morton_->order[std::size_t(rank) + i].cell = ids[i];
+                   });
+  morton::Centres all;
+  for (const morton::Centres& c : centres) // in order of chunks: sums do not depend on threads
+    all.add(c);
+  morton::CodedCell* order = morton_->order.data();
+  morton::order(order, morton_->scratch.data(), n, boxes.data(), all, threads);
+  morton::make_nodes(order, morton_->scratch.data(), std::uint32_t(n), boxes.data(), threads,
+                     nodes_, cells_, levels_);
+  fit_levels(threads, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t slot) {
+    return fit_nodes(nodes_.data(), begin, end, boxes.data(), &cells_[slot], boxes_.data());
   });
-  if (bad != none)
-    refuse_cell(mesh, bad);
 }
 
 void Tree::flatten(const void* root_pointer, const core::Threads& threads) {
@@ -170,7 +133,7 @@ void Tree::flatten(const void* root_pointer, const core::Threads& threads) {
   for (std::uint32_t c = 0; c < root->count; ++c)
     bounds_.extend(root->box[c]);
 
-  cells_.resize_discard(scratch_->primitives.size());
+  cells_.resize_discard(embree_->primitives.size());
   std::vector<const BuildNode*> level{root}, next;
   std::vector<std::uint32_t> first_child, first_cell;
   std::vector<double> areas;
@@ -238,33 +201,37 @@ void Tree::refit(const mesh::MeshView& mesh, const core::Threads& threads) {
   if (nodes_.empty())
     return;
   const CellBoxes boxes(mesh, origin_);
+  RefusedCells refused;
+  fit_levels(threads, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t slot) {
+    // A few nodes at a time: the boxes of their cells, which are adjacent, then theirs.
+    constexpr std::uint32_t few = 64;
+    Box cells[few * 8 * most_leaf_cells];
+    double area = 0.0;
+    for (std::uint32_t next = begin; begin < end; begin = next) {
+      next = std::min(begin + few, end);
+      const std::uint32_t slot_end =
+          next < nodes_.size() ? nodes_[next].first_cell : std::uint32_t(cells_.size());
+      refused.note(boxes.compute(&cells_[slot], slot_end - slot, cells));
+      slot = slot_end;
+      area += fit_nodes(nodes_.data(), begin, next, cells, nullptr, boxes_.data());
+    }
+    return area;
+  });
+  refused.check(mesh);
+}
+
+template <class Fit>
+void Tree::fit_levels(const core::Threads& threads, Fit&& fit) {
   boxes_.resize_discard(nodes_.size());
   std::vector<double> areas;
-  std::atomic<std::int64_t> bad{none};
   for (std::size_t l = levels_.size() - 1; l-- > 0;) {
     const std::uint32_t first = levels_[l], n = levels_[l + 1] - first;
     const std::size_t first_area = areas.size();
     areas.resize(first_area + (n + node_grain - 1) / node_grain);
     threads.parallel_for(n, node_grain, [&](std::int64_t begin, std::int64_t end) {
-      // A few nodes at a time: the boxes of their cells, which are adjacent, then theirs.
-      constexpr std::uint32_t few = 32;
-      Box cells[few * 8 * most_leaf_cells];
-      double area = 0.0;
-      const std::uint32_t stop = first + std::uint32_t(end);
-      for (std::uint32_t i = first + std::uint32_t(begin); i < stop; i += few) {
-        const std::uint32_t j = std::min(i + few, stop);
-        const std::uint32_t slot = nodes_[i].first_cell;
-        const std::uint32_t slot_end =
-            j < nodes_.size() ? nodes_[j].first_cell : std::uint32_t(cells_.size());
-        const std::int64_t refused = boxes.compute(&cells_[slot], slot_end - slot, cells);
-        if (refused >= 0)
-          lower_to(bad, refused);
-        area += fit_nodes(nodes_.data(), i, j, cells, slot, boxes_.data());
-      }
-      areas[first_area + std::size_t(begin / node_grain)] = area;
+      const std::uint32_t i = first + std::uint32_t(begin), j = first + std::uint32_t(end);
+      areas[first_area + std::size_t(begin / node_grain)] = fit(i, j, nodes_[i].first_cell);
     });
-    if (bad != none)
-      refuse_cell(mesh, bad);
   }
   bounds_ = boxes_[0];
   set_cost(areas);

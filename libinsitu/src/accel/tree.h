@@ -11,6 +11,8 @@
 
 namespace insitu::accel {
 
+class Owners;
+
 enum class Builder { automatic, morton, surface_area };
 
 /// The bounding-volume hierarchy of the `bvh` method over the owning cells of all pieces: 8-wide
@@ -20,7 +22,8 @@ public:
   explicit Tree(core::Memory& memory);
   ~Tree();
 
-  /// Builds anew over all owning cells. Buffers of an earlier build are reused.
+  /// Builds anew over all owning cells, unless told otherwise in Morton order. Buffers of an
+  /// earlier build of the kind are reused.
   void build(const mesh::MeshView& mesh, const core::Threads& threads, Builder builder);
 
   /// Fits the boxes to moved vertices, bottom up; the topology must be the one that was built.
@@ -29,6 +32,11 @@ public:
   /// Expected work of a query, as the surface-area sum over nodes relative to the root's; in units
   /// of its value right after the last build.
   double cost_ratio() const { return built_cost_ > 0.0 ? cost_ / built_cost_ : 1.0; }
+
+  /// The same sum itself, to compare trees over the same cells.
+  double cost() const { return cost_; }
+  /// How it was built.
+  Builder builder() const { return builder_; }
 
   bool empty() const { return nodes_.empty(); }
   std::int64_t cell_count() const { return std::int64_t(cells_.size()); }
@@ -51,19 +59,28 @@ public:
   void release_scratch();
 
 private:
-  struct Scratch; ///< Embree's device and build memory
-  void gather_primitives(const mesh::MeshView& mesh, const core::Threads& threads);
+  struct Embree; ///< scratch of the builders
+  struct Morton;
+  void build_by_surface_area(const Owners& owners, const core::Threads& threads);
+  void build_in_morton_order(const mesh::MeshView& mesh, const Owners& owners,
+                             const core::Threads& threads);
   void flatten(const void* root, const core::Threads& threads);
+  /// Encodes all nodes, bottom up. fit(begin, end, slot): encodes some of a level, whose cells
+  /// start at the slot, and returns their children's area.
+  template <class Fit>
+  void fit_levels(const core::Threads& threads, Fit&& fit);
   void set_cost(const std::vector<double>& areas);
 
   core::Memory* memory_;
   core::Buffer<Node> nodes_;
   core::Buffer<std::uint32_t> cells_;
   core::Buffer<Box> boxes_; ///< per node; scratch of refits
-  std::unique_ptr<Scratch> scratch_;
+  std::unique_ptr<Embree> embree_;
+  std::unique_ptr<Morton> morton_;
   std::vector<std::uint32_t> levels_;
   math::Vec3d origin_;
   Box bounds_;
+  Builder builder_ = Builder::morton;
   double cost_ = 0.0;
   double built_cost_ = 0.0;
 };

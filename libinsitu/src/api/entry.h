@@ -79,16 +79,22 @@ insitu_status with_session(insitu_session handle, Body&& body) noexcept {
   });
 }
 
+/// body(session, mesh), with the mesh as the session keeps it.
 template <class Body>
-insitu_status with_mesh(insitu_mesh handle, Body&& body) noexcept {
+insitu_status with_session_mesh(insitu_mesh handle, Body&& body) noexcept {
   return guarded([&] {
     const auto ref = mesh_refs().find(reinterpret_cast<std::uintptr_t>(handle));
     if (!ref)
       throw core::Error(INSITU_ERROR_HANDLE, handle ? "mesh: its session is closed, or it never was"
                                                     : "mesh: the handle is null");
     const Occupied occupied(*ref->session);
-    body(*ref->session, ref->mesh->mesh);
+    body(*ref->session, *ref->mesh);
   });
+}
+
+template <class Body>
+insitu_status with_mesh(insitu_mesh handle, Body&& body) noexcept {
+  return with_session_mesh(handle, [&](Session& s, SessionMesh& m) { body(s, m.mesh); });
 }
 
 /// Throws unless the pointer argument is given.

@@ -8,6 +8,7 @@ using api::guarded;
 using api::require;
 using api::with_mesh;
 using api::with_session;
+using api::with_session_mesh;
 
 namespace insitu::api {
 
@@ -41,20 +42,34 @@ extern "C" {
 
 const char* insitu_status_name(insitu_status status) {
   switch (status) {
-  case INSITU_OK: return "INSITU_OK";
-  case INSITU_ERROR_ARGUMENT: return "INSITU_ERROR_ARGUMENT";
-  case INSITU_ERROR_HANDLE: return "INSITU_ERROR_HANDLE";
-  case INSITU_ERROR_BUSY: return "INSITU_ERROR_BUSY";
-  case INSITU_ERROR_ORDER: return "INSITU_ERROR_ORDER";
-  case INSITU_ERROR_MESH: return "INSITU_ERROR_MESH";
-  case INSITU_ERROR_FIELD: return "INSITU_ERROR_FIELD";
-  case INSITU_ERROR_SCENE: return "INSITU_ERROR_SCENE";
-  case INSITU_ERROR_FILE: return "INSITU_ERROR_FILE";
-  case INSITU_ERROR_MEMORY: return "INSITU_ERROR_MEMORY";
-  case INSITU_ERROR_UNSUPPORTED: return "INSITU_ERROR_UNSUPPORTED";
-  case INSITU_ERROR_CONVERSION: return "INSITU_ERROR_CONVERSION";
-  case INSITU_ERROR_ACTION: return "INSITU_ERROR_ACTION";
-  case INSITU_ERROR_INTERNAL: return "INSITU_ERROR_INTERNAL";
+  case INSITU_OK:
+    return "INSITU_OK";
+  case INSITU_ERROR_ARGUMENT:
+    return "INSITU_ERROR_ARGUMENT";
+  case INSITU_ERROR_HANDLE:
+    return "INSITU_ERROR_HANDLE";
+  case INSITU_ERROR_BUSY:
+    return "INSITU_ERROR_BUSY";
+  case INSITU_ERROR_ORDER:
+    return "INSITU_ERROR_ORDER";
+  case INSITU_ERROR_MESH:
+    return "INSITU_ERROR_MESH";
+  case INSITU_ERROR_FIELD:
+    return "INSITU_ERROR_FIELD";
+  case INSITU_ERROR_SCENE:
+    return "INSITU_ERROR_SCENE";
+  case INSITU_ERROR_FILE:
+    return "INSITU_ERROR_FILE";
+  case INSITU_ERROR_MEMORY:
+    return "INSITU_ERROR_MEMORY";
+  case INSITU_ERROR_UNSUPPORTED:
+    return "INSITU_ERROR_UNSUPPORTED";
+  case INSITU_ERROR_CONVERSION:
+    return "INSITU_ERROR_CONVERSION";
+  case INSITU_ERROR_ACTION:
+    return "INSITU_ERROR_ACTION";
+  case INSITU_ERROR_INTERNAL:
+    return "INSITU_ERROR_INTERNAL";
   }
   return "unknown status";
 }
@@ -69,7 +84,9 @@ insitu_status insitu_version(int* major, int* minor, int* patch) {
   return INSITU_OK;
 }
 
-const char* insitu_last_message(void) { return api::last_message().c_str(); }
+const char* insitu_last_message(void) {
+  return api::last_message().c_str();
+}
 
 insitu_status insitu_session_open(const insitu_session_options* options, insitu_session* session) {
   return guarded([&] {
@@ -115,9 +132,8 @@ insitu_status insitu_session_mesh(insitu_session session, const char* name, insi
     require(mesh, "mesh");
     api::SessionMesh& m = s.mesh(name);
     if (!m.handle)
-      m.handle = reinterpret_cast<insitu_mesh>(
-          api::mesh_refs().add(std::make_shared<api::MeshRef>(api::MeshRef{
-              api::sessions().find(reinterpret_cast<std::uintptr_t>(session)), &m})));
+      m.handle = reinterpret_cast<insitu_mesh>(api::mesh_refs().add(std::make_shared<api::MeshRef>(
+          api::MeshRef{api::sessions().find(reinterpret_cast<std::uintptr_t>(session)), &m})));
     *mesh = m.handle;
   });
 }
@@ -140,15 +156,13 @@ insitu_status insitu_mesh_points(insitu_mesh mesh, int32_t piece, const insitu_a
 }
 
 insitu_status insitu_mesh_cells(insitu_mesh mesh, int32_t piece, const insitu_cells* cells) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
-    m.mesh().set_cells(piece, cells);
-  });
+  return with_mesh(
+      mesh, [&](api::Session&, query::CommittedMesh& m) { m.mesh().set_cells(piece, cells); });
 }
 
 insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece, const insitu_block* block) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
-    m.mesh().set_block(piece, block);
-  });
+  return with_mesh(
+      mesh, [&](api::Session&, query::CommittedMesh& m) { m.mesh().set_block(piece, block); });
 }
 
 insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, const char* name,
@@ -192,7 +206,7 @@ insitu_status insitu_mesh_changed(insitu_mesh mesh, uint32_t what) {
 }
 
 insitu_status insitu_mesh_commit(insitu_mesh mesh, insitu_commit_report* report) {
-  return with_mesh(mesh, [&](api::Session& s, query::CommittedMesh& m) {
+  return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
     if (report && report->size != sizeof *report)
       throw core::Error(INSITU_ERROR_ARGUMENT,
                         "report: make it with insitu_commit_report_default()");
@@ -221,14 +235,14 @@ insitu_status insitu_mesh_audit(insitu_mesh mesh, insitu_audit_entry* entries, i
 }
 
 insitu_status insitu_mesh_locate(insitu_mesh mesh, const insitu_locate_args* args) {
-  return with_mesh(mesh, [&](api::Session& s, query::CommittedMesh& m) {
+  return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
     require(args, "args");
     s.locate(m, *args);
   });
 }
 
 insitu_status insitu_mesh_sample(insitu_mesh mesh, const insitu_sample_args* args) {
-  return with_mesh(mesh, [&](api::Session& s, query::CommittedMesh& m) {
+  return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
     require(args, "args");
     s.sample(m, *args);
   });
@@ -236,7 +250,7 @@ insitu_status insitu_mesh_sample(insitu_mesh mesh, const insitu_sample_args* arg
 
 insitu_status insitu_mesh_sample_point(insitu_mesh mesh, const char* field, const double point[3],
                                        double* values, int32_t* found) {
-  return with_mesh(mesh, [&](api::Session& s, query::CommittedMesh& m) {
+  return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
     require(field, "field");
     require(point, "point");
     require(values, "values");

@@ -10,6 +10,14 @@ using core::Error;
 
 namespace {
 
+static_assert(query::reason_count == INSITU_REASON_COUNT &&
+              int(query::Reason::outside) == INSITU_REASON_OUTSIDE &&
+              int(query::Reason::certified) == INSITU_REASON_CERTIFIED &&
+              int(query::Reason::exact) == INSITU_REASON_EXACT &&
+              int(query::Reason::on_face) == INSITU_REASON_ON_FACE &&
+              int(query::Reason::on_edge) == INSITU_REASON_ON_EDGE &&
+              int(query::Reason::on_vertex) == INSITU_REASON_ON_VERTEX);
+
 core::Log log_of(const insitu_session_options& o) {
   return {o.log_level, o.log, o.log_user};
 }
@@ -19,7 +27,8 @@ core::Log log_of(const insitu_session_options& o) {
 Session::Session(const insitu_session_options& options)
     : context_(options.threads, log_of(options)), strict_(options.strict != 0),
       default_scene_(options.default_scene != 0), output_(options.output ? options.output : ""),
-      communicator_(options.communicator), fortran_communicator_(options.fortran_communicator) {
+      communicator_(options.communicator), fortran_communicator_(options.fortran_communicator),
+      query_points_(context_.memory, INSITU_MEMORY_QUERY) {
   if (options.threads < 0)
     throw Error(INSITU_ERROR_ARGUMENT,
                 "threads: " + std::to_string(options.threads) + ", 0 (all) or more expected");
@@ -44,7 +53,11 @@ SessionMesh& Session::mesh(const std::string& name) {
   return *meshes_.emplace_back(std::make_unique<SessionMesh>(name, context_.memory));
 }
 
-insitu_commit_report Session::commit(query::CommittedMesh& mesh) {
+insitu_commit_report Session::commit(SessionMesh& to) {
+  query::CommittedMesh& mesh = to.mesh;
+  const std::uint32_t said = mesh.mesh().pending();
+  if (checked_)
+    to.watch.expect_unchanged(said, context_.threads);
   if (runner_)
     mesh.set_builder(runner_->builder());
   const insitu_commit_report report = [&] {
@@ -57,6 +70,8 @@ insitu_commit_report Session::commit(query::CommittedMesh& mesh) {
       throw Error(e.status(), name + ", " + what);
     }
   }();
+  if (checked_ && (said & (INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_TOPOLOGY)))
+    to.watch.remember(mesh.mesh(), context_.threads);
   statistics_.commit_s += report.seconds;
   switch (report.action) {
   case INSITU_KEEP:
@@ -101,7 +116,7 @@ std::string Session::try_default_runner() {
 std::string Session::execute(std::int64_t cycle, double time) {
   std::vector<query::CommittedMesh*> meshes;
   for (const auto& m : meshes_) {
-    commit(m->mesh);
+    commit(*m);
     meshes.push_back(&m->mesh);
   }
   ++statistics_.executions;
@@ -145,6 +160,11 @@ insitu_report Session::report() const {
   r.probe_rows = s.probe_rows;
   r.files = s.files;
   r.failures = s.failures;
+  for (const auto& m : meshes_) {
+    const auto totals = m->mesh.locate_counts().totals();
+    for (std::size_t reason = 0; reason < totals.size(); ++reason)
+      r.located_by_reason[reason] += totals[reason];
+  }
   return r;
 }
 

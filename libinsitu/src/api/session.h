@@ -2,10 +2,14 @@
 
 #include <atomic>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "api/array_watch.h"
+#include "api/query_args.h"
 #include "core/context.h"
+#include "core/memory.h"
 #include "query/committed_mesh.h"
 #include "scene/runner.h"
 
@@ -15,6 +19,7 @@ namespace insitu::api {
 struct SessionMesh {
   SessionMesh(const std::string& name, core::Memory& memory) : mesh(name, memory) {}
   query::CommittedMesh mesh;
+  ArrayWatch watch; ///< used by checked sessions
   insitu_mesh handle = nullptr;
 };
 
@@ -27,15 +32,15 @@ public:
   SessionMesh& mesh(const std::string& name);
   std::vector<std::unique_ptr<SessionMesh>>& meshes() { return meshes_; }
 
-  insitu_commit_report commit(query::CommittedMesh& mesh);
+  insitu_commit_report commit(SessionMesh& mesh);
   /// Returns what failed, one line each.
   std::string execute(std::int64_t cycle, double time);
   /// Ends tracers and closes files; returns what failed.
   std::string finish();
 
-  void locate(query::CommittedMesh& mesh, const insitu_locate_args& args);
-  void sample(query::CommittedMesh& mesh, const insitu_sample_args& args);
-  bool sample_point(query::CommittedMesh& mesh, const std::string& field, const double* point,
+  void locate(SessionMesh& mesh, const insitu_locate_args& args);
+  void sample(SessionMesh& mesh, const insitu_sample_args& args);
+  bool sample_point(SessionMesh& mesh, const std::string& field, const double* point,
                     double* values);
 
   insitu_report report() const;
@@ -47,8 +52,12 @@ public:
   bool closed = false; ///< read and written while busy
 
 private:
-  std::vector<query::Location> locate_all(query::CommittedMesh& mesh,
-                                          const insitu_locate_args& args);
+  /// The mesh, if it may be queried.
+  const query::CommittedMesh& committed(SessionMesh& mesh);
+  /// Locates the points, a slice at a time, and writes what args asks for and the fields' values.
+  void answer(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+              const QueryPoints& points, std::span<const mesh::FieldView> fields,
+              double* const* values);
   void make_default_runner();
   /// Makes it; returns what is in the way, logged once.
   std::string try_default_runner();
@@ -56,10 +65,12 @@ private:
   core::Context context_;
   bool strict_;
   bool default_scene_;
+  bool checked_ = is_checked();
   std::string output_;
   const void* communicator_; ///< kept for the parallel version
   std::int32_t fortran_communicator_;
   scene::Statistics statistics_;
+  core::Buffer<math::Vec3d> query_points_; ///< scratch of queries, kept from one to the next
   std::vector<std::unique_ptr<SessionMesh>> meshes_;
   std::unique_ptr<scene::Runner> runner_;
   std::string default_failure_; ///< the last one logged

@@ -12,6 +12,9 @@ namespace {
 constexpr const char* purpose_names[INSITU_MEMORY_COUNT] = {
     "tree", "build", "ranges", "earlier_step", "query", "tracers", "frames", "converted", "embree"};
 
+constexpr const char* reason_names[INSITU_REASON_COUNT] = {"outside", "certified", "exact",
+                                                           "on_face", "on_edge",   "on_vertex"};
+
 /// A JSON object, written line by line.
 class JsonObject {
 public:
@@ -38,7 +41,7 @@ private:
 
 void Session::write_summary(const std::string& path, double solver_seconds) const {
   const insitu_report r = report();
-  JsonObject json(1), seconds(2), commits(2), bytes(2), purposes(3), particles(2);
+  JsonObject json(1), seconds(2), commits(2), bytes(2), purposes(3), particles(2), reasons(2);
   json.add("executions", r.executions);
   const double library = r.commit_s + r.query_s + r.advect_s + r.render_s + r.output_s;
   seconds.add("commit", r.commit_s);
@@ -70,6 +73,9 @@ void Session::write_summary(const std::string& path, double solver_seconds) cons
   json.raw("particles", particles.text());
   json.add("points_located", r.points_located);
   json.add("points_outside", r.points_outside);
+  for (int k = 0; k < INSITU_REASON_COUNT; ++k)
+    reasons.add(reason_names[k], r.located_by_reason[k]);
+  json.raw("located_by_reason", reasons.text());
   json.add("frames", r.frames);
   json.add("probe_rows", r.probe_rows);
   json.add("files", r.files);

@@ -101,6 +101,26 @@ INSITU_HD constexpr FaceTable face_table(mesh::Shape shape) {
   return {};
 }
 
+/// Side k of a face, from its vertex k to the next, among the shape's edges; reversed: it runs from
+/// the edge's second vertex to its first.
+struct FaceSide {
+  int edge = -1;
+  bool reversed = false;
+};
+INSITU_HD constexpr FaceSide face_side(mesh::Shape shape, int face, int k) {
+  const FaceTable table = face_table(shape);
+  const Face& f = table.faces[face];
+  const int from = f.vertices[k], to = f.vertices[(k + 1) % f.vertex_count];
+  for (int e = 0; e < table.edge_count; ++e) {
+    const auto& v = table.edges[e].vertices;
+    if (v[0] == from && v[1] == to)
+      return {e, false};
+    if (v[0] == to && v[1] == from)
+      return {e, true};
+  }
+  return {};
+}
+
 /// Four local vertices of a quad in cyclic order: p00, p10, p11, p01 of its patch.
 struct Quad {
   std::uint8_t vertices[4] = {};

@@ -1,57 +1,157 @@
 // Physical point -> parametric coordinates. Included like shape_functions.inl.
 
 /// What an inverse map found. margin: the smallest slack of the reference cell's inequalities at r
-/// (0 on the boundary, negative outside), in parametric units.
+/// (0 on the boundary, negative outside), in parametric units; of a pyramid in r (1-t), s (1-t), t.
+///
+/// error is the certificate: an exact preimage of the point exists whose margin differs from
+/// `margin` by less than it (all real arithmetic, for the doubles given). It is infinite where none
+/// can be given. So margin > error proves a preimage in the interior of the reference cell: the
+/// point is inside if the map is one-to-one, as on a mesh that validation found free of folds.
+/// margin < -error proves nothing but for tetrahedra, since a curved map may have a second
+/// preimage; what proves the outside is `filter`, contain_lanes.inl.
 template <class T>
 struct InverseMap {
   Vec3<T> r;
   T margin;
   decltype(T(0.0) < T(0.0)) converged;
+  T error;
 };
 
-/// Newton's method for x(q) = p, where `map(q, x, a, b, c)` gives x and its three derivatives. Lanes
-/// that have converged are frozen, so a pack gives the same bits as scalars one by one. The iterate is
-/// kept within `reach` of the reference cell, which bounds it where the Jacobian is singular.
+template <class T>
+INSITU_HD inline T largest_of(const Vec3<T>& a) {
+  return larger(absolute(a.x), larger(absolute(a.y), absolute(a.z)));
+}
+template <class T>
+INSITU_HD inline Vec3<T> absolute_of(const Vec3<T>& a) {
+  return {absolute(a.x), absolute(a.y), absolute(a.z)};
+}
+
+/// Newton's step at a point, from the columns of the Jacobian and the residual f.
+template <class T>
+struct NewtonStep {
+  Vec3<T> f, bc, ca, ab; // the rows of the Jacobian's adjugate
+  T inverse_det;         // 0 where singular
+  Vec3<T> step;
+  decltype(T(0.0) < T(0.0)) singular;
+};
+template <class T>
+INSITU_HD inline NewtonStep<T> newton_step(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c,
+                                           const Vec3<T>& f) {
+  const T zero(0.0), one(1.0);
+  NewtonStep<T> n;
+  n.f = f;
+  n.bc = cross(b, c);
+  n.ca = cross(c, a);
+  n.ab = cross(a, b);
+  const T det = dot(a, n.bc);
+  n.singular = det == zero;
+  n.inverse_det = select(n.singular, zero, one / select(n.singular, one, det));
+  n.step = {dot(f, n.bc) * n.inverse_det, dot(f, n.ca) * n.inverse_det,
+            dot(f, n.ab) * n.inverse_det};
+  return n;
+}
+
+/// The computed inverse A of the Jacobian against rounding, given a bound `scale` on the sum of the
+/// map's coefficients in each component (the cell's own size, relative to vertex 0):
+/// reach: the largest row sum of |A| scale, so what a rounding of the residual does to coordinates;
+/// contraction: a bound on the row sums of |1 - A J|. With |r|, |s|, |t| <= 2 columns are at most
+/// 4 scale each; Cramer's rule then errs by less than 2^13 roundings of scale.x scale.y scale.z /
+/// det, and the columns themselves by 2^10 roundings of `reach`. sound: no overflow or underflow
+/// had a part in it.
+template <class T>
+struct InverseQuality {
+  T reach, contraction;
+  decltype(T(0.0) < T(0.0)) sound;
+};
+template <class T>
+INSITU_HD inline InverseQuality<T> inverse_quality(const NewtonStep<T>& n, const Vec3<T>& scale) {
+  const T inv = absolute(n.inverse_det);
+  const T rows = larger(dot(absolute_of(n.bc), scale),
+                        larger(dot(absolute_of(n.ca), scale), dot(absolute_of(n.ab), scale)));
+  InverseQuality<T> q;
+  q.reach = rows * inv;
+  q.contraction = T(0x1p-40) * (scale.x * scale.y * scale.z * inv) + T(0x1p-43) * q.reach;
+  const T low = smaller(scale.x, smaller(scale.y, scale.z));
+  const T high = larger(scale.x, larger(scale.y, scale.z));
+  q.sound = (low > T(0x1p-150)) & (high < T(0x1p300)) & (q.contraction < T(0.25)) & (!n.singular);
+  return q;
+}
+
+/// Newton's method for x(q) = p, where `map(q, x, a, b, c)` gives x and its three derivatives.
+/// Lanes that are done are frozen, so a pack gives the same bits as scalars one by one. A lane is
+/// given up at a step out of [-2, 3], or past a pyramid's apex (`apex`): points of a sound cell
+/// take none. scale: see inverse_quality. error: of the answer, in the maximum norm.
+///
+/// The certificate is the last step's. With A the computed inverse of the Jacobian at q, eta >=
+/// |A (x(q) - p)| and kappa >= |1 - A J| within 2 eta of q (the maximum norm), kappa < 1/4,
+/// Banach's theorem for q - A (x(q) - p) gives one preimage there, and it differs from the answer,
+/// q + step, by at most kappa eta / (1 - kappa) and roundings. kappa is the rounding of A and, from
+/// the second derivatives, at most 2 eta 43 reach / w, where w is 1, or in a pyramid 1 - t.
 template <class T, class Map>
-INSITU_HD inline decltype(T(0.0) < T(0.0)) newton(const Map& map, const Vec3<T>& p, Vec3<T>& q) {
-  constexpr int most_iterations = 24;
-  const T lowest(-2.0), highest(3.0), small(1e-8), zero(0.0), one(1.0);
-  auto done = zero < zero;
+INSITU_HD inline decltype(T(0.0) < T(0.0))
+newton(const Map& map, const Vec3<T>& p, const Vec3<T>& scale, bool apex, Vec3<T>& q, T& error) {
+  constexpr int most_iterations = 12;
+  // Quadratic convergence: a step below 1e-8 leaves an error at rounding, which near an apex is
+  // that of w. A singular Jacobian makes a zero step, which proves nothing.
+  const T lowest(-2.0), highest(3.0), small(1e-8), zero(0.0), two(2.0);
+  auto converged = zero < zero, left = converged;
+  NewtonStep<T> n;
+  T size;
   for (int i = 0; i < most_iterations; ++i) {
     Vec3<T> x, a, b, c;
     map(q, x, a, b, c);
-    const Vec3<T> f = p - x;
-    const Vec3<T> bc = cross(b, c);
-    const T det = dot(a, bc);
-    const auto singular = det == zero;
-    const T inv = select(singular, zero, one / select(singular, one, det));
-    const Vec3<T> step{dot(f, bc) * inv, dot(f, cross(c, a)) * inv, dot(f, cross(a, b)) * inv};
-    const T size = larger(absolute(step.x), larger(absolute(step.y), absolute(step.z)));
-    const Vec3<T> next{smaller(larger(q.x + step.x, lowest), highest),
-                       smaller(larger(q.y + step.y, lowest), highest),
-                       smaller(larger(q.z + step.z, lowest), highest)};
-    q = {select(done, q.x, next.x), select(done, q.y, next.y), select(done, q.z, next.z)};
-    // Quadratic convergence: a step below 1e-8 leaves an error at rounding. A singular Jacobian
-    // makes a zero step, which proves nothing.
-    done = done | ((!singular) & (size < small));
+    n = newton_step(a, b, c, p - x);
+    size = largest_of(n.step);
+    const Vec3<T> next = q + n.step;
+    auto out = !((smaller(next.x, smaller(next.y, next.z)) > lowest) &
+                 (larger(next.x, larger(next.y, next.z)) < highest));
+    if (apex)
+      out = out | !(next.z > zero);
+    left = left | out;
+    converged = (!left) & (!n.singular) & (size < (apex ? small * q.z : small));
+    const auto done = converged | left;
     if (all_of(done))
       break;
+    q = {select(done, q.x, next.x), select(done, q.y, next.y), select(done, q.z, next.z)};
   }
-  return done;
+  const InverseQuality<T> quality = inverse_quality(n, scale);
+  const T w = apex ? q.z : T(1.0);
+  const T eta = size + T(0x1p-43) * quality.reach;
+  const T kappa = quality.contraction + T(0x1p7) * quality.reach * eta / w;
+  const auto near = apex ? (absolute(q.x) < two * w) & (absolute(q.y) < two * w) & (w < two)
+                         : largest_of(q) < two;
+  const Vec3<T> f = absolute_of(n.f);
+  const auto certified = converged & quality.sound & near & (kappa < T(0.25)) & (w > T(8.0) * eta) &
+                         (f.x < scale.x) & (f.y < scale.y) & (f.z < scale.z);
+  error = select(certified, two * kappa * eta + T(0x1p-43) * quality.reach, T(HUGE_VAL));
+  q = {select(converged, q.x + n.step.x, q.x), select(converged, q.y + n.step.y, q.y),
+       select(converged, q.z + n.step.z, q.z)};
+  return converged;
 }
 
 template <class T>
 INSITU_HD inline InverseMap<T> inverse_tetrahedron(const Vec3<T>* x, const Vec3<T>& p) {
-  const T zero(0.0), one(1.0);
+  const T one(1.0);
   const Vec3<T> a = x[1] - x[0], b = x[2] - x[0], c = x[3] - x[0], f = p - x[0];
-  const Vec3<T> bc = cross(b, c);
-  const T det = dot(a, bc);
-  const auto singular = det == zero;
-  const T inv = one / select(singular, one, det);
+  const NewtonStep<T> n = newton_step(a, b, c, f);
+  // Once more with what is left, for slivers, where Cramer's rule loses digits.
+  const Vec3<T> g = f - (n.step.x * a + n.step.y * b + n.step.z * c);
+  const Vec3<T> step{dot(g, n.bc) * n.inverse_det, dot(g, n.ca) * n.inverse_det,
+                     dot(g, n.ab) * n.inverse_det};
   InverseMap<T> out;
-  out.r = {dot(f, bc) * inv, dot(f, cross(c, a)) * inv, dot(f, cross(a, b)) * inv};
-  out.margin = smaller(smaller(out.r.x, out.r.y), smaller(out.r.z, one - out.r.x - out.r.y - out.r.z));
-  out.converged = !singular;
+  out.r = n.step + step;
+  out.margin =
+      smaller(smaller(out.r.x, out.r.y), smaller(out.r.z, one - out.r.x - out.r.y - out.r.z));
+  out.converged = !n.singular;
+  // Linear: kappa is the rounding of the inverse alone. Roundings of g are those of f and of three
+  // products, the size of f. The margin's sum has three coordinates.
+  const Vec3<T> scale = absolute_of(a) + absolute_of(b) + absolute_of(c) + absolute_of(f);
+  const InverseQuality<T> quality = inverse_quality(n, scale);
+  const T size = largest_of(n.step);
+  const auto certified = quality.sound & (size < T(2.0));
+  out.error = select(certified,
+                     T(8.0) * quality.contraction * largest_of(step) + T(0x1p-41) * quality.reach,
+                     T(HUGE_VAL));
   return out;
 }
 
@@ -65,17 +165,19 @@ INSITU_HD inline InverseMap<T> inverse_hexahedron(Shape shape, const Vec3<T>* x,
                 e5 = x[5] - x0, e6 = x[6 + swap] - x0, e7 = x[7 - swap] - x0;
   const Vec3<T> crs = e2 - e1 - e3, crt = e5 - e1 - e4, cst = e7 - e3 - e4;
   const Vec3<T> crst = e6 - e2 - (e5 - e1) - (e7 - e3) + e4;
-  const auto map = [&](const Vec3<T>& q, Vec3<T>& v, Vec3<T>& a, Vec3<T>& b,
-                       Vec3<T>& c) INSITU_LAMBDA {
-    const Vec3<T> rs_t = crs + q.z * crst; // coefficient of r s
-    a = e1 + q.y * rs_t + q.z * crt;
-    b = e3 + q.x * rs_t + q.z * cst;
-    c = e4 + q.x * (crt + q.y * crst) + q.y * cst;
-    v = q.x * a + q.y * (e3 + q.z * cst) + q.z * e4;
-  };
+  const auto map = [&](const Vec3<T>& q, Vec3<T>& v, Vec3<T>& a, Vec3<T>& b, Vec3<T>& c)
+                       INSITU_LAMBDA {
+                         const Vec3<T> rs_t = crs + q.z * crst; // coefficient of r s
+                         a = e1 + q.y * rs_t + q.z * crt;
+                         b = e3 + q.x * rs_t + q.z * cst;
+                         c = e4 + q.x * (crt + q.y * crst) + q.y * cst;
+                         v = q.x * a + q.y * (e3 + q.z * cst) + q.z * e4;
+                       };
+  const Vec3<T> scale = absolute_of(e1) + absolute_of(e3) + absolute_of(e4) + absolute_of(crs) +
+                        absolute_of(crt) + absolute_of(cst) + absolute_of(crst);
   InverseMap<T> out;
   out.r = {T(0.5), T(0.5), T(0.5)};
-  out.converged = newton(map, p - x0, out.r);
+  out.converged = newton(map, p - x0, scale, false, out.r, out.error);
   const T one(1.0);
   const auto slack = [&](const T& u) INSITU_LAMBDA { return smaller(u, one - u); };
   out.margin = smaller(slack(out.r.x), smaller(slack(out.r.y), slack(out.r.z)));
@@ -87,17 +189,20 @@ INSITU_HD inline InverseMap<T> inverse_wedge(const Vec3<T>* x, const Vec3<T>& p)
   const Vec3<T> x0 = x[0];
   const Vec3<T> e1 = x[1] - x0, e2 = x[2] - x0, e3 = x[3] - x0;
   const Vec3<T> crt = (x[4] - x0) - e1 - e3, cst = (x[5] - x0) - e2 - e3;
-  const auto map = [&](const Vec3<T>& q, Vec3<T>& v, Vec3<T>& a, Vec3<T>& b,
-                       Vec3<T>& c) INSITU_LAMBDA {
-    a = e1 + q.z * crt;
-    b = e2 + q.z * cst;
-    c = e3 + q.x * crt + q.y * cst;
-    v = q.x * a + q.y * b + q.z * e3;
-  };
+  const auto map = [&](const Vec3<T>& q, Vec3<T>& v, Vec3<T>& a, Vec3<T>& b, Vec3<T>& c)
+                       INSITU_LAMBDA {
+                         a = e1 + q.z * crt;
+                         b = e2 + q.z * cst;
+                         c = e3 + q.x * crt + q.y * cst;
+                         v = q.x * a + q.y * b + q.z * e3;
+                       };
+  const Vec3<T> scale =
+      absolute_of(e1) + absolute_of(e2) + absolute_of(e3) + absolute_of(crt) + absolute_of(cst);
   const T one(1.0);
   InverseMap<T> out;
   out.r = {T(1.0 / 3.0), T(1.0 / 3.0), T(0.5)};
-  out.converged = newton(map, p - x0, out.r);
+  out.converged = newton(map, p - x0, scale, false, out.r, out.error);
+  out.error = T(2.0) * out.error; // of 1 - r - s
   out.margin = smaller(smaller(out.r.x, out.r.y),
                        smaller(one - out.r.x - out.r.y, smaller(out.r.z, one - out.r.z)));
   return out;
@@ -111,36 +216,43 @@ INSITU_HD inline InverseMap<T> inverse_pyramid(const Vec3<T>* x, const Vec3<T>& 
   const T zero(0.0), one(1.0), tiny(1e-300);
   const Vec3<T> ea = x[0] - x[4], eb = x[1] - x[0], ec = x[3] - x[0];
   const Vec3<T> ed = (x[2] - x[0]) - eb - ec;
-  const auto map = [&](const Vec3<T>& q, Vec3<T>& v, Vec3<T>& a, Vec3<T>& b,
-                       Vec3<T>& c) INSITU_LAMBDA {
-    const T w = select(absolute(q.z) < tiny, tiny, q.z);
-    const T r = q.x / w, s = q.y / w;
-    a = eb + s * ed;
-    b = ec + r * ed;
-    c = ea - (r * s) * ed;
-    v = q.x * eb + q.y * ec + q.z * ea + (q.x * s) * ed;
-  };
+  const auto map = [&](const Vec3<T>& q, Vec3<T>& v, Vec3<T>& a, Vec3<T>& b, Vec3<T>& c)
+                       INSITU_LAMBDA {
+                         const T w = one / select(absolute(q.z) < tiny, tiny, q.z);
+                         const T r = q.x * w, s = q.y * w;
+                         a = eb + s * ed;
+                         b = ec + r * ed;
+                         c = ea - (r * s) * ed;
+                         v = q.x * eb + q.y * ec + q.z * ea + (q.x * s) * ed;
+                       };
+  const Vec3<T> scale = absolute_of(ea) + absolute_of(eb) + absolute_of(ec) + absolute_of(ed);
   Vec3<T> q{T(0.25), T(0.25), T(0.5)};
   const Vec3<T> f = p - x[4];
   InverseMap<T> out;
-  out.converged = newton(map, f, q);
+  out.converged = newton(map, f, scale, true, q, out.error);
+  out.error = T(2.0) * out.error; // of w - u
   const auto apex = (f.x == zero) & (f.y == zero) & (f.z == zero);
   out.converged = out.converged | apex;
+  out.error = select(apex, zero, out.error);
   q = {select(apex, zero, q.x), select(apex, zero, q.y), select(apex, zero, q.z)};
   const auto flat = absolute(q.z) < tiny;
   const T w = select(flat, one, q.z);
   out.r = {select(flat, T(0.5), q.x / w), select(flat, T(0.5), q.y / w), one - q.z};
-  out.margin = smaller(smaller(q.x, q.z - q.x), smaller(smaller(q.y, q.z - q.y),
-                                                        smaller(q.z, one - q.z)));
+  out.margin =
+      smaller(smaller(q.x, q.z - q.x), smaller(smaller(q.y, q.z - q.y), smaller(q.z, one - q.z)));
   return out;
 }
 
 template <class T>
 INSITU_HD inline InverseMap<T> inverse_map(Shape shape, const Vec3<T>* x, const Vec3<T>& p) {
   switch (shape) {
-  case Shape::tetrahedron: return inverse_tetrahedron(x, p);
-  case Shape::pyramid: return inverse_pyramid(x, p);
-  case Shape::wedge: return inverse_wedge(x, p);
-  default: return inverse_hexahedron(shape, x, p);
+  case Shape::tetrahedron:
+    return inverse_tetrahedron(x, p);
+  case Shape::pyramid:
+    return inverse_pyramid(x, p);
+  case Shape::wedge:
+    return inverse_wedge(x, p);
+  default:
+    return inverse_hexahedron(shape, x, p);
   }
 }

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <cmath>
+#include <utility>
+
+#include "cells/faces.h"
 #include "math/number.h"
+#include "math/predicates.h"
 #include "math/vec.h"
 #include "mesh/shape.h"
 
@@ -9,6 +14,7 @@
 namespace insitu::cells {
 
 #define INSITU_LAMBDA INSITU_HD // lambdas inside kernels carry their target's attribute
+#define INSITU_INLINE INSITU_HD inline
 
 using math::absolute;
 using math::all_of;
@@ -19,10 +25,53 @@ using math::Vec3;
 using mesh::Shape;
 using mesh::vertex_count;
 
+#include "cells/inverse_map.inl"
 #include "cells/shape_functions.inl"
 
-#include "cells/inverse_map.inl"
+/// What contain_lanes.inl needs of a number: its sign bit, and products that may be fused.
+struct SignBit {
+  bool on;
+};
+INSITU_HD inline SignBit signs(double a) {
+  return {std::signbit(a)};
+}
+INSITU_HD inline bool lane_mask(SignBit a) {
+  return a.on;
+}
+INSITU_HD inline SignBit operator|(SignBit a, SignBit b) {
+  return {a.on || b.on};
+}
+INSITU_HD inline SignBit operator&(SignBit a, SignBit b) {
+  return {a.on && b.on};
+}
+INSITU_HD inline SignBit operator^(SignBit a, SignBit b) {
+  return {a.on != b.on};
+}
+INSITU_HD inline SignBit operator!(SignBit a) {
+  return {!a.on};
+}
+INSITU_HD inline SignBit and_not(SignBit a, SignBit b) {
+  return {!a.on && b.on};
+}
+INSITU_HD inline SignBit or_and(SignBit a, SignBit b, SignBit c) {
+  return {a.on || (b.on && c.on)};
+}
+INSITU_HD inline SignBit xor3(SignBit a, SignBit b, SignBit c) {
+  return a ^ b ^ c;
+}
+INSITU_HD inline SignBit choose(SignBit m, SignBit a, SignBit b) {
+  return m.on ? a : b;
+}
+INSITU_HD inline double mul_add(double a, double b, double c) {
+  return a * b + c;
+}
+INSITU_HD inline double neg_mul_add(double a, double b, double c) {
+  return c - a * b;
+}
 
+#include "cells/contain_lanes.inl"
+
+#undef INSITU_INLINE
 #undef INSITU_LAMBDA
 
 } // namespace insitu::cells

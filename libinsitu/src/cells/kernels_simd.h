@@ -8,8 +8,11 @@
 #endif
 
 #include <hwy/highway.h>
+#include <utility>
 
+#include "cells/faces.h"
 #include "math/hd.h"
+#include "math/predicates.h"
 #include "math/vec.h"
 #include "mesh/shape.h"
 
@@ -33,24 +36,107 @@ struct Pack {
   HWY_INLINE explicit Pack(hn::Vec<PackTag> a) : v(a) {}
 };
 
-HWY_INLINE Pack operator+(const Pack& a, const Pack& b) { return Pack(hn::Add(a.v, b.v)); }
-HWY_INLINE Pack operator-(const Pack& a, const Pack& b) { return Pack(hn::Sub(a.v, b.v)); }
-HWY_INLINE Pack operator*(const Pack& a, const Pack& b) { return Pack(hn::Mul(a.v, b.v)); }
-HWY_INLINE Pack operator/(const Pack& a, const Pack& b) { return Pack(hn::Div(a.v, b.v)); }
-HWY_INLINE Pack operator-(const Pack& a) { return Pack(hn::Neg(a.v)); }
-HWY_INLINE PackMask operator<(const Pack& a, const Pack& b) { return {hn::Lt(a.v, b.v)}; }
-HWY_INLINE PackMask operator>(const Pack& a, const Pack& b) { return {hn::Lt(b.v, a.v)}; }
-HWY_INLINE PackMask operator==(const Pack& a, const Pack& b) { return {hn::Eq(a.v, b.v)}; }
-HWY_INLINE PackMask operator|(const PackMask& a, const PackMask& b) { return {hn::Or(a.m, b.m)}; }
-HWY_INLINE PackMask operator&(const PackMask& a, const PackMask& b) { return {hn::And(a.m, b.m)}; }
-HWY_INLINE PackMask operator!(const PackMask& a) { return {hn::Not(a.m)}; }
-HWY_INLINE bool all_of(const PackMask& a) { return hn::AllTrue(PackTag(), a.m); }
+HWY_INLINE Pack operator+(const Pack& a, const Pack& b) {
+  return Pack(hn::Add(a.v, b.v));
+}
+HWY_INLINE Pack operator-(const Pack& a, const Pack& b) {
+  return Pack(hn::Sub(a.v, b.v));
+}
+HWY_INLINE Pack operator*(const Pack& a, const Pack& b) {
+  return Pack(hn::Mul(a.v, b.v));
+}
+HWY_INLINE Pack operator/(const Pack& a, const Pack& b) {
+  return Pack(hn::Div(a.v, b.v));
+}
+HWY_INLINE Pack operator-(const Pack& a) {
+  return Pack(hn::Neg(a.v));
+}
+HWY_INLINE PackMask operator<(const Pack& a, const Pack& b) {
+  return {hn::Lt(a.v, b.v)};
+}
+HWY_INLINE PackMask operator>(const Pack& a, const Pack& b) {
+  return {hn::Lt(b.v, a.v)};
+}
+HWY_INLINE PackMask operator==(const Pack& a, const Pack& b) {
+  return {hn::Eq(a.v, b.v)};
+}
+HWY_INLINE PackMask operator|(const PackMask& a, const PackMask& b) {
+  return {hn::Or(a.m, b.m)};
+}
+HWY_INLINE PackMask operator&(const PackMask& a, const PackMask& b) {
+  return {hn::And(a.m, b.m)};
+}
+HWY_INLINE PackMask operator!(const PackMask& a) {
+  return {hn::Not(a.m)};
+}
+HWY_INLINE bool all_of(const PackMask& a) {
+  return hn::AllTrue(PackTag(), a.m);
+}
 HWY_INLINE Pack select(const PackMask& m, const Pack& a, const Pack& b) {
   return Pack(hn::IfThenElse(m.m, a.v, b.v));
 }
-HWY_INLINE Pack absolute(const Pack& a) { return Pack(hn::Abs(a.v)); }
-HWY_INLINE Pack smaller(const Pack& a, const Pack& b) { return select(a < b, a, b); }
-HWY_INLINE Pack larger(const Pack& a, const Pack& b) { return select(a > b, a, b); }
+HWY_INLINE Pack absolute(const Pack& a) {
+  return Pack(hn::Abs(a.v));
+}
+/// a < b ? a : b and a > b ? a : b, with a scalar's bits for NaN and zeros; x86's minimum is that.
+HWY_INLINE Pack smaller(const Pack& a, const Pack& b) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+  return Pack(hn::Min(a.v, b.v));
+#else
+  return select(a < b, a, b);
+#endif
+}
+HWY_INLINE Pack larger(const Pack& a, const Pack& b) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+  return Pack(hn::Max(a.v, b.v));
+#else
+  return select(a > b, a, b);
+#endif
+}
+
+/// The sign bits of a pack; the other bits mean nothing.
+struct PackSigns {
+  hn::Vec<PackTag> v;
+};
+HWY_INLINE PackSigns signs(const Pack& a) {
+  return {a.v};
+}
+HWY_INLINE PackSigns operator|(const PackSigns& a, const PackSigns& b) {
+  return {hn::Or(a.v, b.v)};
+}
+HWY_INLINE PackSigns operator&(const PackSigns& a, const PackSigns& b) {
+  return {hn::And(a.v, b.v)};
+}
+HWY_INLINE PackSigns operator^(const PackSigns& a, const PackSigns& b) {
+  return {hn::Xor(a.v, b.v)};
+}
+HWY_INLINE PackSigns operator!(const PackSigns& a) {
+  return {hn::Not(a.v)};
+}
+/// b where not a.
+HWY_INLINE PackSigns and_not(const PackSigns& a, const PackSigns& b) {
+  return {hn::AndNot(a.v, b.v)};
+}
+HWY_INLINE PackSigns or_and(const PackSigns& a, const PackSigns& b, const PackSigns& c) {
+  return {hn::Or(a.v, hn::And(b.v, c.v))};
+}
+HWY_INLINE PackSigns xor3(const PackSigns& a, const PackSigns& b, const PackSigns& c) {
+  return {hn::Xor(a.v, hn::Xor(b.v, c.v))};
+}
+HWY_INLINE PackSigns choose(const PackSigns& m, const PackSigns& a, const PackSigns& b) {
+  return {hn::IfVecThenElse(m.v, a.v, b.v)};
+}
+HWY_INLINE PackMask lane_mask(const PackSigns& a) {
+  const hn::RebindToSigned<PackTag> d;
+  return {hn::MaskFromVec(hn::BitCast(PackTag(), hn::BroadcastSignBit(hn::BitCast(d, a.v))))};
+}
+/// a b + c and c - a b, fused where the target can: for bounds and signs, not for answers.
+HWY_INLINE Pack mul_add(const Pack& a, const Pack& b, const Pack& c) {
+  return Pack(hn::MulAdd(a.v, b.v, c.v));
+}
+HWY_INLINE Pack neg_mul_add(const Pack& a, const Pack& b, const Pack& c) {
+  return Pack(hn::NegMulAdd(a.v, b.v, c.v));
+}
 
 /// Three packs, with operators of this target (math::Vec3's are compiled for the baseline).
 template <class T>
@@ -88,11 +174,13 @@ using mesh::Shape;
 using mesh::vertex_count;
 
 #define INSITU_LAMBDA HWY_ATTR
+#define INSITU_INLINE HWY_INLINE
 
+#include "cells/contain_lanes.inl"
+#include "cells/inverse_map.inl"
 #include "cells/shape_functions.inl"
 
-#include "cells/inverse_map.inl"
-
+#undef INSITU_INLINE
 #undef INSITU_LAMBDA
 
 } // namespace insitu::cells::HWY_NAMESPACE

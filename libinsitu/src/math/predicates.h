@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "math/expansion.h"
+#include "math/number.h"
 #include "math/vec.h"
 
 /// Signs of determinants, certified by an error bound or given as `undecided`; host and device.
@@ -54,9 +55,7 @@ INSITU_HD constexpr int certified_sign(T value, T bound) {
 
 namespace detail {
 
-INSITU_HD inline double absolute(double x) {
-  return std::fabs(x);
-}
+using math::absolute;
 INSITU_HD constexpr double nonzero(double x) {
   return x != 0.0 ? 1.0 : 0.0;
 }

@@ -42,6 +42,22 @@ std::int64_t ExternalArray::bytes() const {
   return layout.count * components * size_of(type);
 }
 
+ExternalArray::Range ExternalArray::range() const {
+  const auto base = reinterpret_cast<std::uintptr_t>(data);
+  if (layout.count == 0)
+    return {base, base};
+  const std::int64_t last[4] = {
+      layout.linear ? layout.count - 1 : layout.extent[0] - 1,
+      layout.linear ? 0 : layout.extent[1] - 1,
+      layout.linear ? 0 : layout.count / (layout.extent[0] * layout.extent[1]) - 1, components - 1};
+  const std::int64_t stride[4] = {layout.stride[0], layout.stride[1], layout.stride[2],
+                                  component_stride};
+  std::int64_t low = 0, high = size_of(type);
+  for (int a = 0; a < 4; ++a)
+    (stride[a] < 0 ? low : high) += last[a] * stride[a];
+  return {base + std::uintptr_t(low), base + std::uintptr_t(high)};
+}
+
 ExternalArray adopt(const insitu_array* array, const std::string& name) {
   constexpr std::int64_t most_items = std::int64_t(1) << 40; // times 2^16 components of 8 bytes fit
   const auto refuse = [&](const std::string& what) {

@@ -16,7 +16,16 @@ struct ExternalArray {
   std::string converted; ///< empty: borrowed; else why it is a copy
 
   bool given() const { return components > 0; }
-  std::int64_t bytes() const;
+  std::int64_t bytes() const; ///< of the items
+
+  /// The smallest range of addresses that holds all items.
+  struct Range {
+    std::uintptr_t begin, end;
+    bool meets(const Range& other) const {
+      return begin < other.end && other.begin < end; // an empty range meets nothing
+    }
+  };
+  Range range() const;
 };
 
 int size_of(insitu_type type);

@@ -13,6 +13,9 @@
 
 namespace insitu::mesh {
 
+/// Trees keep flat cell ids in 32 bits.
+constexpr std::int64_t most_cells = 0xffffffff;
+
 /// What a solver registered: pieces, fields, ghosts. Holds pointers, never values, but for the
 /// earlier step that pathlines need. Registrations may be incomplete until update().
 class Mesh {
@@ -58,7 +61,12 @@ public:
   /// the next commit hides them. They stay hidden if no vertex moved.
   void expose_earlier(bool expose, const core::Threads& threads);
 
-  /// The copy audit, in a fixed order.
+  /// Every registered array, in a fixed order, by the name that the audit gives it.
+  enum class ArrayKind { geometry, topology, field };
+  using ArrayVisitor =
+      core::FunctionRef<void(const ExternalArray&, const std::string& name, ArrayKind)>;
+  void visit_arrays(ArrayVisitor visit) const;
+  /// The copy audit, in the same order.
   std::vector<insitu_audit_entry> audit() const;
   std::int64_t bytes_borrowed() const;
 
@@ -87,8 +95,6 @@ private:
   const Field* find(const std::string& name) const;
   void check_piece(std::size_t p) const;
   void check_field(const Field& field) const;
-  template <class Visit>
-  void for_each_array(Visit&& visit) const;
 
   std::string name_;
   std::uint32_t pending_ = INSITU_CHANGED_ALL;

@@ -49,6 +49,15 @@ void Mesh::update() {
   first_cell_.assign(1, 0);
   first_vertex_.assign(1, 0);
   for (const Piece& p : pieces_) {
+    // Before anything is done to each of them, and before sums could overflow.
+    if (p.view.cell_count > most_cells - first_cell_.back())
+      throw Error(INSITU_ERROR_UNSUPPORTED,
+                  "mesh '" + name_ + "', piece " + std::to_string(piece_views_.size()) + ": " +
+                      std::to_string(p.view.cell_count) + " cells after the " +
+                      std::to_string(first_cell_.back()) +
+                      " of the pieces before; a mesh holds at "
+                      "most " +
+                      std::to_string(most_cells));
     piece_views_.push_back(p.view);
     if (!p.is_block)
       piece_views_.back().vertex_count = p.view.points.layout.count;
@@ -162,36 +171,36 @@ std::optional<FieldView> Mesh::earlier_field(const std::string& name) const {
   return std::nullopt;
 }
 
-template <class Visit>
-void Mesh::for_each_array(Visit&& visit) const {
-  const auto several = [&](const std::vector<ExternalArray>& arrays, const std::string& name) {
+void Mesh::visit_arrays(ArrayVisitor visit) const {
+  const auto several = [&](const std::vector<ExternalArray>& arrays, const std::string& name,
+                           ArrayKind kind) {
     for (std::size_t i = 0; i < arrays.size(); ++i)
-      visit(arrays[i], arrays.size() == 1 ? name : name + " component " + std::to_string(i));
+      visit(arrays[i], arrays.size() == 1 ? name : name + " component " + std::to_string(i), kind);
   };
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
     const std::string piece = "piece " + std::to_string(p) + " ";
     const Piece& from = pieces_[p];
-    several(from.points, piece + "points");
-    const std::pair<const ExternalArray*, const char*> others[] = {
+    several(from.points, piece + "points", ArrayKind::geometry);
+    const std::pair<const ExternalArray*, const char*> cells[] = {
         {&from.connectivity, "connectivity"},
         {&from.types, "types"},
         {&from.offsets, "offsets"},
-        {&from.ghosts, "ghosts"},
-        {&from.axes[0], "axis 0"},
-        {&from.axes[1], "axis 1"},
-        {&from.axes[2], "axis 2"}};
-    for (const auto& [array, name] : others)
+        {&from.ghosts, "ghosts"}};
+    for (const auto& [array, name] : cells)
       if (array->given())
-        visit(*array, piece + name);
+        visit(*array, piece + name, ArrayKind::topology);
+    for (int a = 0; a < 3; ++a)
+      if (from.axes[a].given())
+        visit(from.axes[a], piece + "axis " + std::to_string(a), ArrayKind::geometry);
     for (const auto& field : fields_)
       if (p < field->pieces.size())
-        several(field->pieces[p].arrays, piece + "field '" + field->name + "'");
+        several(field->pieces[p].arrays, piece + "field '" + field->name + "'", ArrayKind::field);
   }
 }
 
 std::vector<insitu_audit_entry> Mesh::audit() const {
   std::vector<insitu_audit_entry> entries;
-  for_each_array([&](const ExternalArray& array, const std::string& name) {
+  visit_arrays([&](const ExternalArray& array, const std::string& name, ArrayKind) {
     insitu_audit_entry e{};
     e.size = sizeof e;
     std::strncpy(e.name, name.c_str(), sizeof e.name - 1);
@@ -206,7 +215,7 @@ std::vector<insitu_audit_entry> Mesh::audit() const {
 
 std::int64_t Mesh::bytes_borrowed() const {
   std::int64_t sum = 0;
-  for_each_array([&](const ExternalArray& array, const std::string&) {
+  visit_arrays([&](const ExternalArray& array, const std::string&, ArrayKind) {
     if (array.converted.empty())
       sum += array.bytes();
   });

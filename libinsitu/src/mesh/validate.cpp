@@ -1,47 +1,17 @@
 #include "mesh/validate.h"
 
+#include <bit>
 #include <cmath>
 #include <vector>
+
+#include "mesh/cell_signs.h"
+#include "mesh/folds.h"
 
 namespace insitu::mesh {
 
 namespace {
 
 using math::Vec3d;
-
-/// Corner tripods: at each corner, its three neighbours, right-handed in a cell that is the right
-/// way round by VTK's rule (face normals outwards; the wedge's triangle 0 1 2 faces away from 3 4
-/// 5).
-struct Tripod {
-  int corner, a, b, c;
-};
-constexpr Tripod tetrahedron_tripods[] = {{0, 1, 2, 3}};
-constexpr Tripod hexahedron_tripods[] = {{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6}, {3, 0, 2, 7},
-                                         {4, 7, 5, 0}, {5, 4, 6, 1}, {6, 5, 7, 2}, {7, 6, 4, 3}};
-constexpr Tripod voxel_tripods[] = {{0, 1, 2, 4}, {1, 3, 0, 5}, {3, 2, 1, 7}, {2, 0, 3, 6},
-                                    {4, 6, 5, 0}, {5, 4, 7, 1}, {7, 5, 6, 3}, {6, 7, 4, 2}};
-constexpr Tripod wedge_tripods[] = {{0, 2, 1, 3}, {1, 0, 2, 4}, {2, 1, 0, 5},
-                                    {3, 4, 5, 0}, {4, 5, 3, 1}, {5, 3, 4, 2}};
-constexpr Tripod pyramid_tripods[] = {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}};
-
-struct Tripods {
-  const Tripod* first;
-  int count;
-};
-Tripods tripods(Shape shape) {
-  switch (shape) {
-  case Shape::tetrahedron:
-    return {tetrahedron_tripods, 1};
-  case Shape::pyramid:
-    return {pyramid_tripods, 4};
-  case Shape::wedge:
-    return {wedge_tripods, 6};
-  case Shape::voxel:
-    return {voxel_tripods, 8};
-  default:
-    return {hexahedron_tripods, 8};
-  }
-}
 
 /// What one chunk of cells showed; chunks are joined in order.
 struct Findings {
@@ -53,11 +23,12 @@ struct Findings {
   }
 };
 
-class PieceValidator {
+/// One chunk of a piece's cells.
+class ChunkValidator {
 public:
-  PieceValidator(const PieceView& piece, std::string name) : p_(piece), name_(std::move(name)) {}
+  ChunkValidator(const PieceView& piece, const std::string& name) : p_(piece), name_(name) {}
 
-  void cell(std::int64_t cell, Findings& f) const {
+  void cell(std::int64_t cell, Findings& f) {
     if (!p_.owns(cell)) { // never read by any kernel, so it may hold garbage
       ++f.counts.ghost_cells;
       return;
@@ -77,17 +48,40 @@ public:
         return;
       }
     Vec3d x[8];
+    bool finite = true;
     for (int v = 0; v < n; ++v) {
       x[v] = p_.point(ids[v]);
-      for (int a = 0; a < 3; ++a)
-        if (!std::isfinite(x[v][a])) {
-          ++f.counts.coordinate_errors;
-          f.add(at(cell) + "vertex id " + std::to_string(ids[v] + p_.index_base) + ": coordinate " +
-                "xyz"[a] + " is " + (std::isnan(x[v][a]) ? "NaN" : "infinite"));
-          return;
-        }
+      finite &= std::isfinite(x[v].x) & std::isfinite(x[v].y) & std::isfinite(x[v].z);
     }
-    geometry(shape, n, x, f);
+    if (!finite)
+      return refuse_coordinates(cell, n, ids, x, f);
+    if (shape != shape_ || block_.count == CellBlock::size)
+      flush(f);
+    shape_ = shape;
+    for (int v = 0; v < n; ++v)
+      for (int a = 0; a < 3; ++a)
+        block_.vertex[v][a][block_.count] = x[v][a];
+    ++block_.count;
+  }
+
+  /// Looks at the geometry of the cells that wait for it.
+  void flush(Findings& f) {
+    if (block_.count == 0)
+      return;
+    const CellSigns s = cell_signs(shape_, block_);
+    std::uint64_t folded = s.positive & s.negative;
+    for (std::uint64_t open = s.unsure & (s.positive ^ s.negative); open; open &= open - 1) {
+      const int k = std::countr_zero(open);
+      Vec3d x[8];
+      for (int v = 0; v < vertex_count(shape_); ++v)
+        x[v] = {block_.vertex[v][0][k], block_.vertex[v][1][k], block_.vertex[v][2][k]};
+      folded |= std::uint64_t(jacobian_changes_sign(shape_, x)) << k;
+    }
+    f.counts.folded_cells += std::popcount(folded);
+    f.counts.inverted_cells += std::popcount(s.negative & ~folded);
+    f.counts.zero_volume_cells += block_.count - std::popcount(s.positive | s.negative);
+    f.counts.collapsed_cells += std::popcount(s.coincident);
+    block_.count = 0;
   }
 
 private:
@@ -133,33 +127,22 @@ private:
     return true;
   }
 
-  static void geometry(Shape shape, int n, const Vec3d* x, Findings& f) {
-    bool coincident = false;
-    for (int v = 1; v < n; ++v)
-      for (int w = 0; w < v; ++w)
-        coincident |= x[v] == x[w];
-    int positive = 0, negative = 0;
-    const Tripods all = tripods(shape);
-    for (int k = 0; k < all.count; ++k) {
-      const Tripod& t = all.first[k];
-      const Vec3d a = x[t.a] - x[t.corner], b = x[t.b] - x[t.corner], c = x[t.c] - x[t.corner];
-      // Zero to rounding: against the edges' lengths, since cells may be needles or sheets.
-      const double volume = dot(a, cross(b, c)), squared = volume * volume;
-      const double zero = 1e-28 * (dot(a, a) * dot(b, b) * dot(c, c));
-      positive += volume > 0.0 && squared > zero;
-      negative += volume < 0.0 && squared > zero;
-    }
-    f.counts.collapsed_cells += coincident;
-    if (positive && negative)
-      ++f.counts.folded_cells;
-    else if (negative)
-      ++f.counts.inverted_cells;
-    else if (!positive)
-      ++f.counts.zero_volume_cells;
+  void refuse_coordinates(std::int64_t cell, int n, const std::int64_t* ids, const Vec3d* x,
+                          Findings& f) const {
+    for (int v = 0; v < n; ++v)
+      for (int a = 0; a < 3; ++a)
+        if (!std::isfinite(x[v][a])) {
+          ++f.counts.coordinate_errors;
+          f.add(at(cell) + "vertex id " + std::to_string(ids[v] + p_.index_base) + ": coordinate " +
+                "xyz"[a] + " is " + (std::isnan(x[v][a]) ? "NaN" : "infinite"));
+          return;
+        }
   }
 
   const PieceView& p_;
-  std::string name_;
+  const std::string& name_;
+  Shape shape_ = Shape::none;
+  CellBlock block_; ///< cells of shape_
 };
 
 void join(insitu_validation& to, const insitu_validation& from) {
@@ -184,13 +167,15 @@ Validation validate(const std::string& mesh_name, const MeshView& mesh,
   std::size_t lines = 0;
   for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
     const PieceView& piece = mesh.pieces[p];
-    const PieceValidator validator(piece, "mesh '" + mesh_name + "', piece " + std::to_string(p));
+    const std::string name = "mesh '" + mesh_name + "', piece " + std::to_string(p);
     std::vector<Findings> chunks(std::size_t((piece.cell_count + grain - 1) / grain));
     threads.parallel_for(piece.cell_count, grain, [&](std::int64_t begin, std::int64_t end) {
       Findings& f = chunks[std::size_t(begin / grain)];
       f.counts.cells = end - begin;
+      ChunkValidator validator(piece, name);
       for (std::int64_t cell = begin; cell < end; ++cell)
         validator.cell(cell, f);
+      validator.flush(f);
     });
     for (const Findings& f : chunks) {
       join(out.counts, f.counts);

@@ -13,8 +13,9 @@ struct Validation {
   std::string warning;  ///< one line that counts what is odd; empty if nothing is
 };
 
-/// Looks at every cell and every vertex that a cell uses. Reads no coordinate through an id that is
-/// out of range. The same report for any thread count.
+/// Looks at every cell and every vertex that a cell uses, for folds anywhere in it. Reads no
+/// coordinate through an id that is out of range. The same report for any thread count. Faces are
+/// not matched (cells/conformity.h).
 Validation validate(const std::string& mesh_name, const MeshView& mesh,
                     const core::Threads& threads);
 

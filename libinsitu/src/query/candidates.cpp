@@ -11,7 +11,6 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "cells/kernels_simd.h"
 #include "query/bit_tables.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -95,16 +94,48 @@ HWY_INLINE std::size_t append(unsigned hits, const std::uint8_t* offsets, std::u
   return std::size_t(std::popcount(hits));
 }
 
+/// The node from which the batch's own way begins: down from the root while one child, a node,
+/// holds all that the batch meets. Batches of neighbours spare most levels this way. False: it
+/// meets nothing.
+HWY_INLINE bool find_entry(const accel::Node* nodes, const QueryBoxes& queries,
+                           std::uint32_t& entry) {
+  const hn::CappedTag<float, 4> d;
+  alignas(16) float all[8];
+  for (std::size_t o = 0; o < 4; o += hn::MaxLanes(d)) {
+    auto lower = hn::Load(d, queries.bounds[0] + o), upper = hn::Load(d, queries.bounds[0] + 4 + o);
+    for (int q = 1; q < queries.count; ++q) {
+      lower = hn::Min(lower, hn::Load(d, queries.bounds[q] + o));
+      upper = hn::Max(upper, hn::Load(d, queries.bounds[q] + 4 + o));
+    }
+    hn::Store(lower, d, all + o);
+    hn::Store(upper, d, all + 4 + o);
+  }
+  ChildBoxes children;
+  entry = 0;
+  for (;;) {
+    const accel::Node& node = nodes[entry];
+    children.decode(node);
+    const unsigned hits = children.overlapping(all) & present_children(node);
+    if (hits == 0)
+      return false;
+    if (!std::has_single_bit(hits) || !(hits & node.inner))
+      return true;
+    entry = node.child_node(std::countr_zero(hits));
+  }
+}
+
 void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
                             TraversalScratch& scratch) {
   static_assert(accel::most_leaf_cells == 1, "a leaf child is one candidate below");
   const accel::Node* nodes = tree.nodes();
   if (scratch.level.size() < std::size_t(queries.count))
     scratch.level.resize(batch_size);
-  for (int q = 0; q < queries.count; ++q)
-    scratch.level[std::size_t(q)] = {0, std::uint32_t(q)};
-  auto tasks = std::size_t(queries.count);
+  std::uint32_t entry = 0;
   std::size_t found = 0, visited = 0;
+  const bool any = queries.count > 0 && find_entry(nodes, queries, entry);
+  for (int q = 0; q < queries.count; ++q)
+    scratch.level[std::size_t(q)] = {entry, std::uint32_t(q)};
+  auto tasks = any ? std::size_t(queries.count) : 0;
   ChildBoxes children;
   std::uint32_t decoded = ~0u;
   while (tasks > 0) {
@@ -149,26 +180,6 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
   scratch.visited = visited;
 }
 
-void invert_target(mesh::Shape shape, InverseBlock& block) {
-  using cells::HWY_NAMESPACE::Pack;
-  using PackVec = cells::HWY_NAMESPACE::Vec3<Pack>;
-  const cells::HWY_NAMESPACE::PackTag d;
-  const int lanes = int(hn::Lanes(d)), vertices = mesh::vertex_count(shape);
-  for (int i = 0; i < block.count; i += lanes) {
-    const auto load = [&](const double* p) HWY_ATTR { return Pack(hn::Load(d, p + i)); };
-    PackVec x[8];
-    for (int v = 0; v < vertices; ++v)
-      x[v] = {load(block.vertex[v][0]), load(block.vertex[v][1]), load(block.vertex[v][2])};
-    const PackVec p{load(block.point[0]), load(block.point[1]), load(block.point[2])};
-    const auto found = cells::HWY_NAMESPACE::inverse_map(shape, x, p);
-    hn::Store(found.r.x.v, d, block.parametric[0] + i);
-    hn::Store(found.r.y.v, d, block.parametric[1] + i);
-    hn::Store(found.r.z.v, d, block.parametric[2] + i);
-    hn::Store(found.margin.v, d, block.margin + i);
-    hn::Store(select(found.converged, Pack(1.0), Pack(0.0)).v, d, block.converged + i);
-  }
-}
-
 } // namespace insitu::query::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -176,22 +187,10 @@ HWY_AFTER_NAMESPACE();
 namespace insitu::query {
 
 HWY_EXPORT(find_candidates_target);
-HWY_EXPORT(invert_target);
 
 void find_candidates(const accel::Tree& tree, const QueryBoxes& queries,
                      TraversalScratch& scratch) {
   HWY_DYNAMIC_DISPATCH(find_candidates_target)(tree, queries, scratch);
-}
-
-void invert(mesh::Shape shape, InverseBlock& block) {
-  // The last pack's idle lanes repeat the first pair, so that they converge.
-  for (int i = block.count; i % 8 != 0; ++i)
-    for (int a = 0; a < 3; ++a) {
-      block.point[a][i] = block.point[a][0];
-      for (int v = 0; v < mesh::vertex_count(shape); ++v)
-        block.vertex[v][a][i] = block.vertex[v][a][0];
-    }
-  HWY_DYNAMIC_DISPATCH(invert_target)(shape, block);
 }
 
 } // namespace insitu::query

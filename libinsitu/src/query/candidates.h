@@ -4,13 +4,11 @@
 #include <vector>
 
 #include "accel/tree.h"
-#include "mesh/shape.h"
 
-/// The two inner loops of a batch query, compiled per SIMD target and dispatched at run time.
+/// A batch's way through the tree, compiled per SIMD target and dispatched at run time.
 namespace insitu::query {
 
 constexpr int batch_size = 256;
-constexpr int block_size = 64;
 
 /// A batch of at most batch_size query boxes in the tree's local frame: lower x, y, z, unused,
 /// upper x, y, z, unused.
@@ -48,20 +46,5 @@ struct TraversalScratch {
 /// Takes the whole batch through the tree level by level, so that the misses of a level overlap;
 /// the candidates are scratch.candidates[0, scratch.found).
 void find_candidates(const accel::Tree& tree, const QueryBoxes& queries, TraversalScratch& scratch);
-
-/// At most block_size (cell, point) pairs of one shape, transposed. Rows are a cache line longer
-/// than they need be, so that a cell's numbers do not fall into few sets of the cache.
-struct InverseBlock {
-  static constexpr int row = block_size + 8;
-  int count = 0;
-  alignas(64) double vertex[8][3][row];
-  alignas(64) double point[3][block_size];
-  alignas(64) double parametric[3][block_size]; ///< out
-  alignas(64) double margin[block_size];        ///< out; see cells::InverseMap
-  alignas(64) double converged[block_size];     ///< out: 1 or 0
-};
-
-/// Inverts the maps of a block; the same bits as cells::inverse_map one by one.
-void invert(mesh::Shape shape, InverseBlock& block);
 
 } // namespace insitu::query

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cells/conformity.h"
 #include "core/status.h"
 #include "core/timer.h"
 
@@ -18,7 +19,7 @@ bool is_free_of_folds(const mesh::MeshView& mesh, const insitu_validation& count
 } // namespace
 
 CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
-    : mesh_(name, memory), tree_(memory) {}
+    : mesh_(name, memory), tree_(memory), order_(memory) {}
 
 void CommittedMesh::require_committed() const {
   if (!committed_)
@@ -44,7 +45,23 @@ mesh::Validation CommittedMesh::validate(const core::Threads& threads) {
   mesh_.update();
   if (mesh_.pending() == 0)
     mesh_.set_changed(INSITU_CHANGED_FIELDS); // the next commit is cheap, but has to come
-  return mesh::validate(mesh_.name(), mesh_.view(), threads);
+  mesh::Validation found = mesh::validate(mesh_.name(), mesh_.view(), threads);
+  if (found.findings.empty()) {
+    const cells::Conformity c = cells::check_conformity(mesh_.view(), threads);
+    found.counts.coincident_vertices = c.coincident_vertices;
+    found.counts.crowded_faces = c.crowded_faces;
+    found.counts.split_faces = c.split_faces;
+  }
+  return found;
+}
+
+/// Tells the policy what was asked of the tree since the last commit.
+void CommittedMesh::note_queries() {
+  std::int64_t located = 0;
+  for (const std::int64_t n : locate_counts_.totals())
+    located += n;
+  policy_.served(located - located_before_, tree_.cost_ratio());
+  located_before_ = located;
 }
 
 insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const core::Log& log,
@@ -64,8 +81,10 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
           throw core::Error(INSITU_ERROR_CONVERSION, "mesh '" + mesh_.name() + "', " + e.name +
                                                          ": strict mode refuses a copy (" +
                                                          e.reason + ")");
+    note_queries();
     bool rebuild = (pending & INSITU_CHANGED_TOPOLOGY) != 0;
     if (rebuild) {
+      policy_.topology_changed();
       const mesh::Validation validation = mesh::validate(mesh_.name(), mesh_.view(), threads);
       report.validated = 1;
       if (!validation.findings.empty())
@@ -80,15 +99,19 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
       folds_are_known_ = false;
       mesh_.set_free_of_folds(false);
       report.action = INSITU_REFIT;
-      rebuild = tree_.cost_ratio() > rebuild_ratio;
+      rebuild = policy_.rebuild_is_due(tree_.cost_ratio());
     }
+    rebuild = rebuild || policy_.surface_area_is_due();
     if (rebuild) {
       mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until built: a build that fails leaves no tree
-      tree_.build(mesh_.view(), threads, builder_);
+      const accel::Builder builder = policy_.builder();
+      const core::Timer build_timer;
+      tree_.build(mesh_.view(), threads, builder);
+      policy_.built(builder, build_timer.seconds(), tree_.cell_count(), tree_.cost());
       report.action = INSITU_REBUILD;
       commits_since_build_ = 0;
     }
-    if (pending & (INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_TOPOLOGY))
+    if (rebuild || (pending & INSITU_CHANGED_GEOMETRY))
       ++tree_version_;
     ++fields_version_;
     mesh_.clear_pending();
@@ -100,6 +123,9 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
     tree_.release_scratch();
   report.seconds = timer.seconds();
   report.cost_ratio = tree_.cost_ratio();
+  report.builder = tree_.empty()                                     ? INSITU_BUILDER_NONE
+                   : tree_.builder() == accel::Builder::surface_area ? INSITU_BUILDER_SURFACE_AREA
+                                                                     : INSITU_BUILDER_MORTON;
   report.cells = mesh_.view().cell_count();
   report.vertices = mesh_.view().vertex_count();
   report.bytes = tree_.bytes();

@@ -7,7 +7,9 @@
 #include "core/log.h"
 #include "mesh/mesh.h"
 #include "mesh/validate.h"
+#include "query/order.h"
 #include "query/sampler.h"
+#include "query/tree_policy.h"
 
 namespace insitu::query {
 
@@ -19,13 +21,15 @@ public:
   mesh::Mesh& mesh() { return mesh_; }
   const mesh::Mesh& mesh() const { return mesh_; }
   const accel::Tree& tree() const { return tree_; }
-  void set_builder(accel::Builder builder) { builder_ = builder; }
+  /// automatic: as the policy finds; otherwise how every tree is built from now on.
+  void set_builder(accel::Builder builder) { policy_.set_builder(builder); }
   /// The frame of the mesh's coordinates (an attribute; conversions are geo's).
   insitu_frame frame = insitu_frame_default();
 
-  /// Brings the tree up to date with what changed: topology -> validate, rebuild; geometry -> refit,
-  /// and rebuild once the refitted tree costs rebuild_ratio times the built one; fields -> nothing
-  /// here. strict refuses converted arrays. Throws core::Error; the mesh then is not committed.
+  /// Brings the tree up to date with what changed: topology -> validate, rebuild; geometry ->
+  /// refit, or rebuild when that is due (see TreePolicy); fields -> nothing here, or a better tree
+  /// when that is due. strict refuses converted arrays. Throws core::Error; the mesh then is not
+  /// committed.
   insitu_commit_report commit(const core::Threads& threads, const core::Log& log,
                               const core::Memory& memory, bool strict);
 
@@ -39,19 +43,25 @@ public:
   /// after the vertices moved, this does, in about three refits' time (once a step): for callers
   /// with many hints.
   void look_for_folds(const core::Threads& threads);
-  Sampler sampler() const { return {mesh_.view(), tree_}; }
+  Sampler sampler() const { return {mesh_.view(), tree_, &order_, &locate_counts_}; }
+  /// Of all samplers of this mesh, since it was made.
+  const LocateCounts& locate_counts() const { return locate_counts_; }
 
-  /// Grow with each commit that changed values, or cells and coordinates: for caches made from them.
+  /// Grow with each commit that changed values, or cells and coordinates: for caches made from
+  /// them.
   std::uint64_t fields_version() const { return fields_version_; }
   std::uint64_t tree_version() const { return tree_version_; }
   std::uint64_t topology_version() const { return topology_version_; }
 
-  static constexpr double rebuild_ratio = 1.3;
-
 private:
+  void note_queries();
+
   mesh::Mesh mesh_;
   accel::Tree tree_;
-  accel::Builder builder_ = accel::Builder::automatic;
+  mutable SpatialOrder order_; ///< scratch of queries
+  mutable LocateCounts locate_counts_;
+  TreePolicy policy_;
+  std::int64_t located_before_ = 0; ///< points, when the policy was last told
   bool committed_ = false;
   bool folds_are_known_ = false;
   int commits_since_build_ = 0;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <atomic>
 #include <cstdint>
 #include <span>
 
@@ -13,6 +15,8 @@ class Tree;
 
 namespace insitu::query {
 
+class SpatialOrder;
+
 /// The owner of a point: flat cell id (see mesh::MeshView), or -1 outside, and VTK's parametric
 /// coordinates in it.
 struct Location {
@@ -21,43 +25,92 @@ struct Location {
   explicit operator bool() const { return cell >= 0; }
 };
 
+/// Why a point has the owner that it has; the values of insitu_reason.
+enum class Reason : std::uint8_t {
+  outside,   ///< no owning cell holds it
+  certified, ///< strictly inside its owner, proven in floating point
+  exact,     ///< strictly inside its owner, by exact arithmetic
+  on_face,   ///< on a face of its owner: the lowest id of the cells there
+  on_edge,   ///< the same, on an edge
+  on_vertex, ///< the same, on a vertex
+};
+constexpr int reason_count = 6;
+
 struct LocateOptions {
+  /// In this version every accuracy answers exactly; see insitu_accuracy.
   insitu_accuracy accuracy = INSITU_STANDARD;
   /// Coordinates between the earlier (0) and the current step (1); needs MeshView::earlier_points
   /// unless 1.
   double alpha = 1.0;
 };
 
+/// How many points were located for which reason. Thread-safe.
+class LocateCounts {
+public:
+  void add(const std::int64_t (&by_reason)[reason_count]);
+  void add(Reason reason);
+  std::array<std::int64_t, reason_count> totals() const;
+
+private:
+  /// A few copies, a cache line each, so that threads do not wait for each other.
+  struct alignas(64) Copy {
+    std::atomic<std::int64_t> by_reason[reason_count] = {};
+  };
+  static constexpr std::size_t copy_count = 16;
+  Copy& mine();
+  Copy copies_[copy_count];
+};
+
 /// Answers point queries on a committed mesh. Cheap to copy; valid until the next commit. All calls
-/// are const and thread-safe, and their answers do not depend on threads, hints or batching.
+/// are const, and their answers do not depend on threads, hints or batching. All but the parallel
+/// batch are thread-safe.
 class Sampler {
 public:
-  Sampler(const mesh::MeshView& mesh, const accel::Tree& tree) : mesh_(&mesh), tree_(&tree) {}
+  /// order, counts: may be null; then batches are taken in their own order, and nothing is counted.
+  Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrder* order = nullptr,
+          LocateCounts* counts = nullptr)
+      : mesh_(&mesh), tree_(&tree), order_(order), counts_(counts) {}
 
   const mesh::MeshView& mesh() const { return *mesh_; }
   const accel::Tree& tree() const { return *tree_; }
 
   /// The lowest flat cell id of the closed cells that hold p. hint: a cell to try first, or -1;
   /// it changes the time, not the answer.
-  Location locate(const math::Vec3d& p, std::int64_t hint = -1,
-                  const LocateOptions& options = {}) const;
+  Location locate(const math::Vec3d& p, std::int64_t hint = -1, const LocateOptions& options = {},
+                  Reason* reason = nullptr) const;
 
-  /// The same for a batch, in parallel; points and locations have the same size.
+  /// The same for a batch, in parallel; points and locations have the same size, and reasons has it
+  /// or is empty. reasons say how this call decided.
   void locate(const core::Threads& threads, std::span<const math::Vec3d> points,
-              std::span<Location> locations, const LocateOptions& options = {}) const;
+              std::span<Location> locations, const LocateOptions& options = {},
+              std::span<std::uint8_t> reasons = {}) const;
 
-  /// The same on the calling thread alone (for callers that are inside a parallel_for).
+  /// Receives the answer of points[i]; from any thread, once for each i, in any order.
+  using Put = core::FunctionRef<void(std::size_t i, const Location& at, Reason reason)>;
+
+  /// The same, each answer given to put as soon as it is there, while the owner's data is still in
+  /// the cache. Points whose neighbours lie far apart in space are taken in spatial order, which is
+  /// why the memory behind `order` serves one call at a time.
+  void visit(const core::Threads& threads, std::span<const math::Vec3d> points,
+             const LocateOptions& options, Put put) const;
+
+  /// The same on the calling thread alone (for callers that are inside a parallel_for), in the
+  /// points' order.
   void locate_serial(std::span<const math::Vec3d> points, std::span<Location> locations,
-                     const LocateOptions& options = {}) const;
+                     const LocateOptions& options = {}, std::span<std::uint8_t> reasons = {}) const;
 
   /// The field's components at a location (which must be inside): shape functions for vertex
   /// fields, the cell's value for cell fields.
   void interpolate(const mesh::FieldView& field, const Location& at, double* values) const;
 
-  /// Like interpolate for a vertex-gathered evaluation of several fields at one location: the cell
-  /// is gathered once. values holds the fields' components one after the other.
+  /// Several fields at one location, the cell's ids and weights found once. values holds the
+  /// fields' components one after the other.
   void interpolate(std::span<const mesh::FieldView> fields, const Location& at,
                    double* values) const;
+
+  /// The same into an array a field, each [count][components of the field]: item `item` of each.
+  void interpolate(std::span<const mesh::FieldView> fields, const Location& at, std::size_t item,
+                   double* const* values) const;
 
   /// The gradient, in physical space, of one component of a vertex field within the location's
   /// cell (zero for cell fields). alpha as in LocateOptions.
@@ -65,8 +118,14 @@ public:
                        double alpha = 1.0) const;
 
 private:
+  template <class ValuesOf>
+  void interpolate_to(std::span<const mesh::FieldView> fields, const Location& at,
+                      ValuesOf&& values_of) const;
+
   const mesh::MeshView* mesh_;
   const accel::Tree* tree_;
+  SpatialOrder* order_;
+  LocateCounts* counts_;
 };
 
 } // namespace insitu::query

@@ -10,8 +10,15 @@
 
 namespace insitu::bench {
 
+/// What a command prints, and its figures.
+struct Output {
+  std::string text, json;
+  int exit_code = 0;
+};
 Report commit(const Options& options);
 Report locate(const Options& options);
+Output run_torture(const Options& options);
+Output scale(const Options& options);
 
 /// The answers to a set of queries: cells as ids or -1, and the field (NaN outside).
 struct Answers {
@@ -25,5 +32,25 @@ struct Answers {
 void sample(const core::Threads& threads, const query::CommittedMesh& mesh,
             std::span<const math::Vec3d> points, Answers& answers,
             const query::LocateOptions& options);
+
+/// Points located one a call, in microseconds; hinted: by the answer before.
+struct Latency {
+  double single = 0.0, single_exact = 0.0, hinted = 0.0;
+  std::int64_t found = 0; ///< so that no call is optimised away
+};
+Latency time_single_points(const query::Sampler& sampler, std::span<const math::Vec3d> points);
+
+/// A sample of one field, and of options.fields at once, through a session of insitu.h of its own.
+struct FieldTimes {
+  Series one, all;
+};
+FieldTimes time_fields(const Options& options, const workload::Mesh& mesh,
+                       const std::vector<double>& field, std::span<const math::Vec3d> points);
+
+/// What the queries make the tree do, on average.
+struct Work {
+  double nodes = 0.0, candidates = 0.0; ///< a query
+};
+Work count_work(const accel::Tree& tree, std::span<const math::Vec3d> points);
 
 } // namespace insitu::bench

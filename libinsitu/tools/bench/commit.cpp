@@ -61,7 +61,7 @@ Report commit(const Options& o) {
   });
   r.ours.sample.time(
       [&] { sample(context.threads, *committed, queries.points, answers, options); });
-  r.ours.verdict = check(setup.mesh, queries, answers.cells, answers.values, {});
+  r.ours.verdict = check(setup.mesh, queries, {}, answers.cells, answers.values);
 
   r.ours.name = "libinsitu";
   r.ours.cells = setup.mesh.cell_count();

@@ -4,35 +4,48 @@
 
 #include "commands.h"
 
+namespace {
+
+using namespace insitu::bench;
+
+/// Before the work, not after it.
+void require_writable(const std::string& option, const std::string& file) {
+  if (!file.empty() && !std::ofstream(file, std::ios::app))
+    throw UsageError(option + " " + file + ": cannot be written");
+}
+
+Output run(const Options& options) {
+  if (options.command == Command::torture)
+    return run_torture(options);
+  if (options.command == Command::scale)
+    return scale(options);
+  const Report report = options.command == Command::commit ? commit(options) : locate(options);
+  return {table(report), json(report, options), 0};
+}
+
+} // namespace
+
 int main(int argc, char** argv) {
-  using namespace insitu::bench;
   try {
     const Options options = parse(argc, argv);
     if (options.command == Command::help) {
       std::fputs(help_text(), stdout);
       return 0;
     }
-    if (!options.json_file.empty() && options.json_file != "-" &&
-        !std::ofstream(options.json_file, std::ios::app))
-      throw UsageError("--json " + options.json_file + ": cannot be written");
-    const Report report = options.command == Command::commit ? commit(options) : locate(options);
+    if (options.json_file != "-")
+      require_writable("--json", options.json_file);
+    require_writable("--csv", options.csv_file);
+    require_writable("--svg", options.svg_file);
+    const Output out = run(options);
     progress("");
     if (options.json_file == "-") {
-      std::fputs(json(report, options).c_str(), stdout);
-      return 0;
+      std::fputs(out.json.c_str(), stdout);
+      return out.exit_code;
     }
-    std::fputs(table(report).c_str(), stdout);
-    if (!options.json_file.empty()) {
-      std::ofstream file(options.json_file, std::ios::trunc);
-      file << json(report, options);
-      file.close();
-      if (!file) {
-        std::fprintf(stderr, "insitu-bench: --json %s: writing failed\n",
-                     options.json_file.c_str());
-        return 1;
-      }
-    }
-    return 0;
+    std::fputs(out.text.c_str(), stdout);
+    if (!options.json_file.empty())
+      write_file("--json", options.json_file, out.json);
+    return out.exit_code;
   } catch (const UsageError& e) {
     std::fprintf(stderr, "insitu-bench: %s\n", e.what());
     return 2;

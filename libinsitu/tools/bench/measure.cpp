@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <stdexcept>
 #include <sys/resource.h>
 #include <unistd.h>
 #if defined(__GLIBC__)
@@ -66,6 +67,14 @@ std::int64_t start_resident_peak() {
 
 std::int64_t resident_peak() {
   return status_bytes("VmHWM:");
+}
+
+void write_file(const std::string& option, const std::string& file, const std::string& text) {
+  std::ofstream out(file, std::ios::trunc);
+  out << text;
+  out.close();
+  if (!out)
+    throw std::runtime_error(option + " " + file + ": writing failed");
 }
 
 void progress(const std::string& text) {

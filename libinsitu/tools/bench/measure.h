@@ -22,6 +22,10 @@ public:
   double max() const { return at(wall_, 1.0); }
   double cpu_median() const { return at(cpu_, 0.5); }
 
+  /// The median's part in a ratio: of processor time on one thread, which others on the machine
+  /// change least; of wall-clock time on several.
+  double for_ratio(int threads) const { return threads == 1 ? cpu_median() : median(); }
+
 private:
   struct Clock {
     Clock();
@@ -37,6 +41,9 @@ std::int64_t heap_bytes();
 /// Starts a new peak of resident memory; returns what is resident now.
 std::int64_t start_resident_peak();
 std::int64_t resident_peak();
+
+/// Throws std::runtime_error naming the option if the file cannot be written.
+void write_file(const std::string& option, const std::string& file, const std::string& text);
 
 /// One line that overwrites itself on standard error, if that is a terminal.
 void progress(const std::string& text);

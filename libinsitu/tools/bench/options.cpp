@@ -1,6 +1,8 @@
 #include "options.h"
 
+#include <algorithm>
 #include <charconv>
+#include <optional>
 #include <string_view>
 
 namespace insitu::bench {
@@ -25,6 +27,17 @@ T number(std::string_view option, std::string_view text, T lowest, T highest) {
   return value;
 }
 
+std::vector<std::int64_t> numbers(std::string_view option, std::string_view list,
+                                  std::int64_t lowest, std::int64_t highest) {
+  std::vector<std::int64_t> values;
+  for (std::size_t at = 0; at <= list.size();) {
+    const std::size_t comma = std::min(list.find(',', at), list.size());
+    values.push_back(number<std::int64_t>(option, list.substr(at, comma - at), lowest, highest));
+    at = comma + 1;
+  }
+  return values;
+}
+
 template <class T>
 T choice(std::string_view option, std::string_view text, const std::optional<T>& value,
          const char* choices) {
@@ -36,19 +49,28 @@ T choice(std::string_view option, std::string_view text, const std::optional<T>&
 
 } // namespace
 
+const char* name(Command command) {
+  constexpr const char* names[] = {"help", "commit", "locate", "torture", "scale"};
+  return names[int(command)];
+}
+
 Options parse(int argc, char** argv) {
   Options o;
+  const std::string commands = "commit, locate, torture or scale";
   if (argc < 2)
-    throw UsageError("a command expected: commit or locate");
+    throw UsageError("a command expected: " + commands);
   const std::string_view command = argv[1];
   if (command == "--help" || command == "-h" || command == "help")
     return o;
-  if (command == "commit")
-    o.command = Command::commit;
-  else if (command == "locate")
-    o.command = Command::locate;
-  else
-    throw UsageError("'" + std::string(command) + "' is no command: commit or locate expected");
+  for (const Command c : {Command::commit, Command::locate, Command::torture, Command::scale})
+    if (command == name(c))
+      o.command = c;
+  if (o.command == Command::help)
+    throw UsageError("'" + std::string(command) + "' is no command: " + commands + " expected");
+  if (o.command == Command::scale) {
+    o.cells = {10'000, 30'000, 100'000, 300'000, 1'000'000, 3'000'000, 10'000'000, 30'000'000};
+    o.repetitions = 3;
+  }
 
   for (int i = 2; i < argc; ++i) {
     const std::string_view option = argv[i];
@@ -57,26 +79,49 @@ Options parse(int argc, char** argv) {
         throw UsageError(std::string(option) + ": a value expected");
       return argv[++i];
     };
+    /// A value of one of these commands' options.
+    const auto only = [&](Command a, Command b) {
+      if (o.command != a && o.command != b)
+        throw UsageError(std::string(option) + ": not an option of " + name(o.command));
+    };
     if (option == "--help" || option == "-h") {
       o.command = Command::help;
       return o;
     } else if (option == "--shape") {
       const auto v = value();
       o.kind = choice(option, v, workload::kind_from_name(v), "hex, tet, wedge, pyramid or mixed");
+    } else if (option == "--kind") {
+      const auto v = value();
+      o.spacing =
+          choice(option, v, workload::spacing_from_name(v), "even, graded, layers or sparse");
     } else if (option == "--cells") {
-      o.cells = number<std::int64_t>(option, value(), 1, 200'000'000);
+      o.cells = numbers(option, value(), 1, 200'000'000);
     } else if (option == "--jitter") {
       o.jitter = number<double>(option, value(), 0.0, 0.5);
     } else if (option == "--mesh") {
+      only(Command::commit, Command::locate);
       o.mesh_file = value();
-    } else if (option == "--renumber") {
-      o.renumber = true;
-    } else if (option == "--queries") {
+    } else if (option == "--numbering") {
       const auto v = value();
-      o.pattern =
-          choice(option, v, workload::pattern_from_name(v), "uniform, random, sorted or march");
+      o.shuffled = choice(option, v,
+                          v == "shuffled"  ? std::optional(true)
+                          : v == "natural" ? std::optional(false)
+                                           : std::nullopt,
+                          "natural or shuffled");
+    } else if (option == "--queries") {
+      only(Command::locate, Command::locate);
+      const auto v = value();
+      o.pattern = choice(option, v, workload::pattern_from_name(v),
+                         "uniform, random, sorted, march, vertices, edges or faces");
     } else if (option == "--points") {
+      only(Command::locate, Command::torture);
       o.points = number<std::int64_t>(option, value(), 1, 1'000'000'000);
+    } else if (option == "--fields") {
+      only(Command::locate, Command::locate);
+      o.fields = number<int>(option, value(), 1, 100);
+    } else if (option == "--overlap-hints") {
+      only(Command::torture, Command::torture);
+      o.overlap_hints = true;
     } else if (option == "--threads") {
       o.threads = number<int>(option, value(), 0, 4096);
     } else if (option == "--accuracy") {
@@ -89,51 +134,29 @@ Options parse(int argc, char** argv) {
       o.repetitions = number<int>(option, value(), 1, 1000);
     } else if (option == "--json") {
       o.json_file = value();
+    } else if (option == "--csv") {
+      only(Command::scale, Command::scale);
+      o.csv_file = value();
+    } else if (option == "--svg") {
+      only(Command::scale, Command::scale);
+      o.svg_file = value();
     } else if (option == "--peers") {
       o.peers = true;
+    } else if (option == "--peer-points") {
+      only(Command::locate, Command::locate);
+      o.peer_points = number<std::int64_t>(option, value(), 1, 1'000'000'000);
+    } else if (option == "--peer") {
+      o.peers = true;
+      o.peer_names.emplace_back(value());
     } else {
       throw UsageError("'" + std::string(option) + "' is no option; see insitu-bench --help");
     }
   }
+  if (o.cells.empty())
+    o.cells = {1'000'000};
+  if (o.cells.size() > 1 && o.command != Command::scale)
+    throw UsageError("--cells: a list is for scale only");
   return o;
-}
-
-const char* help_text() {
-  return R"(insitu-bench commit|locate [options]
-
-Times libinsitu on the standard workload and checks its answers.
-  commit   building and refitting the acceleration structure, cold and warm
-  locate   point queries, with Newton's parametric coordinates, and sampling of one field
-
-The mesh
-  --shape hex|tet|wedge|pyramid|mixed   cells of the unit box [hex]
-  --cells N         the box with the number of cells nearest to N [1000000]
-  --jitter J        interior vertices move by up to J of a cell, 0 to 0.5 [0.2]
-  --mesh FILE.vtu   a mesh from a file instead (where built with VTK)
-  --renumber        cells and vertices in random order
-The queries
-  --queries uniform|random|sorted|march [uniform]
-                    every cell's centre in cell order | random cells, random points |
-                    these in Morton order | along view rays, half a cell apart
-  --points Q        how many, but for uniform [as many as cells]
-  --accuracy standard|exact [standard]
-The run
-  --threads T       0: all that the process may use [1]
-  --repetitions R   medians of R repetitions [5]
-  --peers           also the peers of VTK, on one thread, interleaved with ours
-  --json FILE       writes the figures; - for standard output, instead of the table
-
-Figures
-  build_s      rebuild in Morton order into warm buffers
-  refit_s      boxes fitted to moved vertices
-  mqps         million points a second, located: cell and parametric coordinates
-  mqps_sample  the same, located and one vertex field interpolated
-  bytes        the tree; bytes_peak: with the builder's scratch
-  lost         points that no cell claimed
-  wrong        points answered by a cell that does not hold them, by exact arithmetic
-  max_error    largest |sampled - exact| of the field x + 2 y + 3 z
-Exit code: 0; 1 if the run failed; 2 if the arguments cannot be used.
-)";
 }
 
 } // namespace insitu::bench

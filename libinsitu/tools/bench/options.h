@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "insitu/insitu.h"
 
@@ -11,22 +12,28 @@
 
 namespace insitu::bench {
 
-enum class Command { help, commit, locate };
+enum class Command { help, commit, locate, torture, scale };
+const char* name(Command command);
 
 struct Options {
   Command command = Command::help;
   workload::Kind kind = workload::Kind::hexahedra;
-  std::int64_t cells = 1'000'000;
+  workload::Spacing spacing = workload::Spacing::even;
+  std::vector<std::int64_t> cells; ///< sizes of meshes: one, but for scale
   double jitter = 0.2;
-  std::string mesh_file; ///< replaces kind, cells and jitter
-  bool renumber = false;
+  std::string mesh_file; ///< replaces kind, spacing, cells and jitter
+  bool shuffled = false;
   workload::Pattern pattern = workload::Pattern::uniform;
-  std::int64_t points = 0; ///< 0: as many as cells
+  std::int64_t points = 0; ///< 0: as many as cells (torture: 2000 a case)
+  int fields = 1;
+  bool overlap_hints = false; ///< torture: a hint may win where cells overlap
   int threads = 1;
   insitu_accuracy accuracy = INSITU_STANDARD;
   int repetitions = 5;
   bool peers = false;
-  std::string json_file;
+  std::vector<std::string> peer_names; ///< only these; empty: all
+  std::int64_t peer_points = 0;        ///< so many of the points for peers; 0: all
+  std::string json_file, csv_file, svg_file;
 };
 
 /// Arguments that cannot be used; what() names the argument.

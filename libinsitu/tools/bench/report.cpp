@@ -1,18 +1,39 @@
 #include "report.h"
 
 #include <cmath>
-#include <cstdio>
+
+#include "format.h"
 
 namespace insitu::bench {
 
 namespace {
 
-template <class... A>
-std::string format(const char* pattern, A... a) {
-  char text[512];
-  std::snprintf(text, sizeof text, pattern, a...);
-  return text;
+std::string seconds(const Series& s) {
+  return s.empty() ? "null" : number(s.median());
 }
+
+std::string figures_json(const Figures& f, const std::string& indent) {
+  const auto line = [&](const char* key, const std::string& value) {
+    return indent + "\"" + key + "\": " + value + ",\n";
+  };
+  return line("cells", std::to_string(f.cells)) + line("queries", std::to_string(f.queries)) +
+         line("threads", std::to_string(f.threads)) + line("build_s", seconds(f.build)) +
+         line("refit_s", seconds(f.refit)) + line("mqps", number(f.mqps(f.locate))) +
+         line("mqps_sample", number(f.mqps(f.sample))) + line("bytes", std::to_string(f.bytes)) +
+         line("bytes_peak", std::to_string(f.bytes_peak)) +
+         line("lost", std::to_string(f.verdict.lost)) +
+         line("wrong", f.tells_cells ? std::to_string(f.verdict.wrong) : "null") +
+         line("not_lowest", f.tells_cells ? std::to_string(f.verdict.not_lowest) : "null") +
+         indent + "\"max_error\": " + number(f.verdict.max_error);
+}
+
+std::string series_row(const std::string& name, const Series& s, std::int64_t items) {
+  const double rate = s.median() > 0.0 ? 1e-6 * double(items) / s.median() : 0.0;
+  return format("  %-24s %10.3f %10.3f %10.3f %10.3f %12.3f\n", name.c_str(), 1e3 * s.min(),
+                1e3 * s.median(), 1e3 * s.max(), 1e3 * s.cpu_median(), rate);
+}
+
+} // namespace
 
 std::string grouped(std::int64_t n) {
   std::string digits = std::to_string(n);
@@ -38,37 +59,12 @@ std::string quoted(const std::string& s) {
   return out + "\"";
 }
 
-std::string seconds(const Series& s) {
-  return s.empty() ? "null" : number(s.median());
-}
-
-std::string figures_json(const Figures& f, const std::string& indent) {
-  const auto line = [&](const char* key, const std::string& value) {
-    return indent + "\"" + key + "\": " + value + ",\n";
-  };
-  return line("cells", std::to_string(f.cells)) + line("queries", std::to_string(f.queries)) +
-         line("threads", std::to_string(f.threads)) + line("build_s", seconds(f.build)) +
-         line("refit_s", seconds(f.refit)) + line("mqps", number(f.mqps(f.locate))) +
-         line("mqps_sample", number(f.mqps(f.sample))) + line("bytes", std::to_string(f.bytes)) +
-         line("bytes_peak", std::to_string(f.bytes_peak)) +
-         line("lost", std::to_string(f.verdict.lost)) +
-         line("wrong", f.tells_cells ? std::to_string(f.verdict.wrong) : "null") + indent +
-         "\"max_error\": " + number(f.verdict.max_error);
-}
-
-std::string series_row(const std::string& name, const Series& s, std::int64_t items) {
-  const double rate = s.median() > 0.0 ? 1e-6 * double(items) / s.median() : 0.0;
-  return format("  %-24s %10.3f %10.3f %10.3f %10.3f %12.3f\n", name.c_str(), 1e3 * s.min(),
-                1e3 * s.median(), 1e3 * s.max(), 1e3 * s.cpu_median(), rate);
-}
-
-} // namespace
-
 std::string describe(const Options& o, std::int64_t cells, int threads) {
   std::string out = grouped(cells) + " cells";
-  out += o.mesh_file.empty() ? format(" (%s, jitter %g%s)", workload::name(o.kind), o.jitter,
-                                      o.renumber ? ", renumbered" : "")
-                             : " (" + o.mesh_file + (o.renumber ? ", renumbered)" : ")");
+  out += o.mesh_file.empty() ? format(" (%s, %s, jitter %g", workload::name(o.kind),
+                                      workload::name(o.spacing), o.jitter)
+                             : " (" + o.mesh_file;
+  out += o.shuffled ? ", shuffled)" : ")";
   out += format(", %d thread%s", threads, threads == 1 ? "" : "s");
   if (o.command == Command::locate)
     out += format(", %s queries, %s", workload::name(o.pattern),
@@ -82,23 +78,30 @@ std::string table(const Report& r) {
                 "processor", "M items/s");
   for (const auto& [name, series] : r.timings) {
     const bool points = name.starts_with("locate") || name.starts_with("sample");
-    out += series_row(name, series, points ? r.ours.queries : r.ours.cells);
+    std::int64_t items = points ? r.ours.queries : r.ours.cells;
+    for (const Figures& peer : r.peers)
+      if (name == "locate_" + peer.name)
+        items = peer.queries;
+    out += series_row(name, series, items);
   }
   out += "\n";
   for (const auto& [name, value] : r.numbers)
-    out += format("  %-24s %10.4g\n", name.c_str(), value);
+    out += format("  %-34s %10.4g\n", name.c_str(), value);
   out += "\n";
-  out += format("  %-22s %8s %8s %9s %9s %9s %9s %6s %6s %10s\n", "", "build ms", "refit ms", "Mq/s",
-                "sample", "B/cell", "peak", "lost", "wrong", "max error");
+  out += format("  %-22s %8s %8s %9s %6s %9s %9s %9s %6s %6s %9s %10s\n", "", "build ms",
+                "refit ms", "Mq/s", "ratio", "sample", "B/cell", "peak", "lost", "wrong",
+                "notlowest", "max error");
   const auto row = [&](const Figures& f) {
     const double cells = double(f.cells);
-    out +=
-        format("  %-22s %8.2f %8s %9.3f %9.3f %9.1f %9.1f %6lld %6s %10.2g\n", f.name.c_str(),
-               1e3 * f.build.median(),
-              f.refit.empty() ? "-" : format("%.2f", 1e3 * f.refit.median()).c_str(),
-               f.mqps(f.locate), f.mqps(f.sample), double(f.bytes) / cells,
-               double(f.bytes_peak) / cells, static_cast<long long>(f.verdict.lost),
-               f.tells_cells ? std::to_string(f.verdict.wrong).c_str() : "-", f.verdict.max_error);
+    const auto count = [&](std::int64_t n) { return f.tells_cells ? std::to_string(n) : "-"; };
+    const double rate = f.mqps(f.locate);
+    out += format("  %-22s %8.2f %8s %9.3f %6s %9.3f %9.1f %9.1f %6lld %6s %9s %10.2g\n",
+                  f.name.c_str(), 1e3 * f.build.median(),
+                  f.refit.empty() ? "-" : format("%.2f", 1e3 * f.refit.median()).c_str(), rate,
+                  &f == &r.ours ? "" : format("%.2f", r.ratio(f, r.ours.locate)).c_str(),
+                  f.mqps(f.sample), double(f.bytes) / cells, double(f.bytes_peak) / cells,
+                  static_cast<long long>(f.verdict.lost), count(f.verdict.wrong).c_str(),
+                  count(f.verdict.not_lowest).c_str(), f.verdict.max_error);
   };
   row(r.ours);
   for (const Figures& peer : r.peers)
@@ -110,11 +113,14 @@ std::string table(const Report& r) {
 
 std::string json(const Report& r, const Options& o) {
   std::string out = "{\n";
-  out += "  \"command\": " + quoted(o.command == Command::commit ? "commit" : "locate") + ",\n";
+  out += "  \"command\": " + quoted(name(o.command)) + ",\n";
   out +=
       "  \"mesh\": " + quoted(o.mesh_file.empty() ? workload::name(o.kind) : o.mesh_file) + ",\n";
-  if (o.mesh_file.empty())
+  if (o.mesh_file.empty()) {
+    out += "  \"kind\": " + quoted(workload::name(o.spacing)) + ",\n";
     out += "  \"jitter\": " + number(o.jitter) + ",\n";
+  }
+  out += std::string("  \"numbering\": ") + (o.shuffled ? "\"shuffled\"" : "\"natural\"") + ",\n";
   out += "  \"pattern\": " + quoted(workload::name(o.pattern)) + ",\n";
   out += "  \"accuracy\": " + quoted(o.accuracy == INSITU_EXACT ? "exact" : "standard") + ",\n";
   out += "  \"repetitions\": " + std::to_string(o.repetitions) + ",\n";

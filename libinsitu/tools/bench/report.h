@@ -35,10 +35,22 @@ struct Report {
   std::vector<std::pair<std::string, Series>> timings; ///< all that was timed, by JSON key
   std::vector<std::pair<std::string, double>> numbers; ///< further figures, by JSON key
   std::vector<std::string> notes;
+
+  /// A peer's time a point over ours; ours: located by us, of all our points.
+  double ratio(const Figures& peer, const Series& ours_located) const {
+    return peer.locate.for_ratio(ours.threads) / double(peer.queries) /
+           (ours_located.for_ratio(ours.threads) / double(ours.queries));
+  }
 };
 
 /// The mesh and conditions, for titles.
 std::string describe(const Options& options, std::int64_t cells, int threads);
+
+/// Text as a JSON string, and a number as JSON has it (null unless finite).
+std::string quoted(const std::string& text);
+std::string number(double value);
+/// With commas between groups of three digits.
+std::string grouped(std::int64_t n);
 
 std::string table(const Report& report);
 std::string json(const Report& report, const Options& options);

@@ -9,20 +9,17 @@ namespace insitu::bench {
 Setup::Setup(const Options& o) : context(o.threads, core::Log()) {
   progress("making the mesh");
   mesh = o.mesh_file.empty()
-             ? workload::make_box(o.kind, workload::box_size(o.kind, o.cells), o.jitter)
+             ? workload::make_box(o.kind, workload::box_size(o.kind, o.cells[0], o.spacing),
+                                  o.jitter, o.spacing)
              : read_vtu(o.mesh_file);
   if (mesh.cell_count() == 0)
     throw UsageError("--mesh " + o.mesh_file + ": the file has no cells");
-  if (o.renumber)
+  if (o.shuffled)
     mesh = workload::renumbered(mesh);
   field = workload::vertex_field(mesh);
 }
 
-std::unique_ptr<query::CommittedMesh> Setup::register_mesh() {
-  auto out = std::make_unique<query::CommittedMesh>("bench", context.memory);
-  const insitu_array points =
-      insitu_array_of(mesh.points.data(), INSITU_FLOAT64, mesh.vertex_count(), 3);
-  out->mesh().set_points(0, &points, 1);
+insitu_cells cells_of(const workload::Mesh& mesh) {
   insitu_cells cells = insitu_cells_default();
   cells.count = mesh.cell_count();
   const auto ids = std::int64_t(mesh.connectivity.size());
@@ -36,6 +33,15 @@ std::unique_ptr<query::CommittedMesh> Setup::register_mesh() {
     cells.types = insitu_array_of(mesh.types.data(), INSITU_UINT8, cells.count, 1);
     cells.offsets = insitu_array_of(mesh.offsets.data(), INSITU_INT64, cells.count + 1, 1);
   }
+  return cells;
+}
+
+std::unique_ptr<query::CommittedMesh> Setup::register_mesh() {
+  auto out = std::make_unique<query::CommittedMesh>("bench", context.memory);
+  const insitu_array points =
+      insitu_array_of(mesh.points.data(), INSITU_FLOAT64, mesh.vertex_count(), 3);
+  out->mesh().set_points(0, &points, 1);
+  const insitu_cells cells = cells_of(mesh);
   out->mesh().set_cells(0, &cells);
   const insitu_array values = insitu_array_of(field.data(), INSITU_FLOAT64, mesh.vertex_count(), 1);
   out->mesh().set_field(0, "f", INSITU_VERTEX, &values, 1);
@@ -47,7 +53,7 @@ insitu_commit_report Setup::commit(query::CommittedMesh& committed) {
 }
 
 void Setup::wobble() {
-  const double step = sign_ * 0.01 * mesh.cell_size;
+  const double step = sign_ * 0.01 * mesh.smallest_edge;
   sign_ = -sign_;
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
     mesh.points[i] += i & 1 ? step : -step;

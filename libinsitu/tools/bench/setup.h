@@ -10,6 +10,9 @@
 
 namespace insitu::bench {
 
+/// The mesh's own arrays, which must outlive what they are given to.
+insitu_cells cells_of(const workload::Mesh& mesh);
+
 /// A workload mesh as a session would hold it.
 class Setup {
 public:

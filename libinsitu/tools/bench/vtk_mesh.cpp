@@ -57,7 +57,7 @@ workload::Mesh read_vtu(const std::string& file) {
   for (vtkIdType v = 0; v < grid->GetNumberOfPoints(); ++v)
     grid->GetPoint(v, &mesh.points[std::size_t(3 * v)]);
   if (mesh.cell_count() > 0)
-    mesh.cell_size = std::cbrt(box_volume / double(mesh.cell_count()));
+    mesh.cell_size = mesh.smallest_edge = std::cbrt(box_volume / double(mesh.cell_count()));
 
   bool uniform = mesh.cell_count() > 0;
   for (const std::uint8_t type : mesh.types)

@@ -23,15 +23,18 @@ public:
   virtual bool tells_cells() const { return true; }
   /// Builds anew.
   virtual void build() = 0;
-  /// Cells (-1: none); parametric coordinates are computed and dropped.
-  virtual void locate(std::span<const math::Vec3d> points, std::span<std::int64_t> cells) = 0;
+  /// Cells (-1: none) and parametric coordinates; empty: these are computed and dropped.
+  virtual void locate(std::span<const math::Vec3d> points, std::span<std::int64_t> cells,
+                      std::span<math::Vec3d> parametric = {}) = 0;
   /// The same, and the field.
   virtual void sample(std::span<const math::Vec3d> points, std::span<std::int64_t> cells,
                       std::span<double> values) = 0;
 };
 
-/// The peers, over the mesh's own arrays; none without VTK.
+/// The peers, over the mesh's own arrays; none without VTK. names: only these; empty: all. Throws
+/// UsageError for an unknown name.
 std::vector<std::unique_ptr<Peer>> make_peers(const workload::Mesh& mesh,
-                                              const std::vector<double>& field);
+                                              const std::vector<double>& field,
+                                              const std::vector<std::string>& names = {});
 
 } // namespace insitu::bench

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdlib>
 #include <vtkAbstractCellLocator.h>
 #include <vtkCellLocator.h>
@@ -11,6 +12,7 @@
 #include <vtkProbeFilter.h>
 #include <vtkStaticCellLocator.h>
 
+#include "options.h"
 #include "vtk_mesh.h"
 #include "vtk_parts.h"
 
@@ -32,20 +34,24 @@ public:
     locator_->SetDataSet(grid_);
     locator_->BuildLocator();
   }
-  void locate(std::span<const Vec3d> points, std::span<std::int64_t> cells) override {
-    run(points, cells, nullptr);
+  void locate(std::span<const Vec3d> points, std::span<std::int64_t> cells,
+              std::span<Vec3d> parametric) override {
+    run(points, cells, parametric, nullptr);
   }
   void sample(std::span<const Vec3d> points, std::span<std::int64_t> cells,
               std::span<double> values) override {
-    run(points, cells, values.data());
+    run(points, cells, {}, values.data());
   }
 
 private:
-  void run(std::span<const Vec3d> points, std::span<std::int64_t> cells, double* values) {
+  void run(std::span<const Vec3d> points, std::span<std::int64_t> cells,
+           std::span<Vec3d> parametric, double* values) {
     vtkNew<vtkGenericCell> cell;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      double x[3] = {points[i].x, points[i].y, points[i].z}, parametric[3], weights[8] = {};
-      cells[i] = locator_->FindCell(x, 0.0, cell, parametric, weights);
+      double x[3] = {points[i].x, points[i].y, points[i].z}, r[3], weights[8] = {};
+      cells[i] = locator_->FindCell(x, 0.0, cell, r, weights);
+      if (!parametric.empty())
+        parametric[i] = {r[0], r[1], r[2]};
       if (!values)
         continue;
       values[i] = 0.0;
@@ -73,7 +79,8 @@ public:
     probe_->SetSourceData(grid_);
     grid_->BuildLocator(); // what its default strategy walks from
   }
-  void locate(std::span<const Vec3d> points, std::span<std::int64_t> cells) override {
+  void locate(std::span<const Vec3d> points, std::span<std::int64_t> cells,
+              std::span<Vec3d>) override {
     std::vector<double> values(points.size());
     sample(points, cells, values);
   }
@@ -105,18 +112,30 @@ private:
 } // namespace
 
 std::vector<std::unique_ptr<Peer>> make_peers(const workload::Mesh& mesh,
-                                              const std::vector<double>& field) {
+                                              const std::vector<double>& field,
+                                              const std::vector<std::string>& names) {
   // (vtkSMPTools.h of VTK 9.1 is not C++20, so its threads are limited from outside.)
   setenv("VTK_SMP_MAX_THREADS", "1", 1);
   const auto grid = make_grid(mesh, field);
-  std::vector<std::unique_ptr<Peer>> peers;
-  peers.push_back(std::make_unique<LocatorPeer<vtkStaticCellLocator>>("vtkStaticCellLocator", grid,
-                                                                      field.data()));
-  peers.push_back(
+  std::vector<std::unique_ptr<Peer>> all, peers;
+  all.push_back(std::make_unique<LocatorPeer<vtkStaticCellLocator>>("vtkStaticCellLocator", grid,
+                                                                    field.data()));
+  all.push_back(
       std::make_unique<LocatorPeer<vtkCellTreeLocator>>("vtkCellTreeLocator", grid, field.data()));
-  peers.push_back(
+  all.push_back(
       std::make_unique<LocatorPeer<vtkCellLocator>>("vtkCellLocator", grid, field.data()));
-  peers.push_back(std::make_unique<ProbePeer>(grid));
+  all.push_back(std::make_unique<ProbePeer>(grid));
+  if (names.empty())
+    return all;
+  for (const std::string& name : names) {
+    const auto at = std::find_if(all.begin(), all.end(),
+                                 [&](const auto& peer) { return peer && peer->name() == name; });
+    if (at == all.end())
+      throw UsageError("--peer " + name +
+                       ": vtkStaticCellLocator, vtkCellTreeLocator, vtkCellLocator or "
+                       "vtkProbeFilter expected, once each");
+    peers.push_back(std::move(*at));
+  }
   return peers;
 }
 

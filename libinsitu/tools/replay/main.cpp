@@ -155,7 +155,9 @@ private:
     std::cout << steps_[s].files.front() << ": " << (v.accepted ? "accepted" : "refused") << ", "
               << plural(c.cells, "cell") << ", " << c.ghost_cells << " ghost, " << c.inverted_cells
               << " inverted, " << c.zero_volume_cells << " of zero volume, " << c.folded_cells
-              << " folded, " << c.collapsed_cells << " collapsed\n";
+              << " folded, " << c.collapsed_cells << " collapsed; " << c.coincident_vertices
+              << " vertices coincide, " << c.crowded_faces << " faces of more than two cells, "
+              << c.split_faces << " quads against other faces\n";
     if (!v.accepted)
       std::cout << v.findings << "\n";
     return v.accepted;

@@ -1,7 +1,6 @@
 /* The C API, as a C99 solver sees it: a mesh of two hexahedra; the answers; the errors. Every
  * failed expectation is printed and counted; the exit status is their number. */
 #include <insitu/insitu.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -121,6 +120,61 @@ static void test_answers(void) {
   EXPECT(insitu_session_close(&session) == INSITU_OK); /* null is fine */
 }
 
+/* Why: inside, and on each kind of thing that two cells, or a cell and the outside, share. */
+static void test_reasons(void) {
+  static const double query[10][3] = {
+      {0.25, 0.5, 0.75}, {1.5, 0.5, 0.5}, /* centres and the like */
+      {1, 0.5, 0.5},     {0.5, 0.25, 0},  /* the face between the two; a face of the boundary */
+      {1, 0.25, 1},      {0.5, 0, 0},     /* edges of two cells and of one */
+      {1, 1, 1},         {2, 0, 1},       /* vertices of two cells and of one */
+      {2.5, 0.5, 0.5},   {NAN, 0, 0}};    /* outside */
+  static const int64_t owners[10] = {0, 1, 0, 0, 0, 0, 0, 1, -1, -1};
+  static const insitu_reason kinds[10] = {INSITU_REASON_CERTIFIED, INSITU_REASON_CERTIFIED,
+                                          INSITU_REASON_ON_FACE,   INSITU_REASON_ON_FACE,
+                                          INSITU_REASON_ON_EDGE,   INSITU_REASON_ON_EDGE,
+                                          INSITU_REASON_ON_VERTEX, INSITU_REASON_ON_VERTEX,
+                                          INSITU_REASON_OUTSIDE,   INSITU_REASON_OUTSIDE};
+  insitu_session session = open_session();
+  insitu_mesh mesh = register_mesh(session);
+  insitu_array where = insitu_array_of(query, INSITU_FLOAT64, 10, 3);
+  insitu_locate_args args = insitu_locate_args_default();
+  insitu_report report = insitu_report_default();
+  int64_t owner[10], sum = 0;
+  uint8_t reasons[10];
+  int i, exact;
+
+  EXPECT(args.reasons == NULL);
+  EXPECT(insitu_mesh_commit(mesh, NULL) == INSITU_OK);
+  args.points = &where;
+  args.cells = owner;
+  args.reasons = reasons;
+  for (exact = 0; exact < 2; ++exact) {
+    args.accuracy = exact ? INSITU_EXACT : INSITU_STANDARD;
+    memset(reasons, 99, sizeof reasons);
+    EXPECT(insitu_mesh_locate(mesh, &args) == INSITU_OK);
+    for (i = 0; i < 10; ++i) {
+      /* Inside, it is the library's choice how it makes sure. */
+      const int same = reasons[i] == kinds[i] || (i < 2 && reasons[i] == INSITU_REASON_EXACT);
+      if (owner[i] != owners[i] || !same) {
+        printf("point %d: cell %d, reason %d\n", i, (int)owner[i], reasons[i]);
+        ++failures;
+      }
+    }
+  }
+  EXPECT(insitu_session_report(session, &report) == INSITU_OK);
+  for (i = 0; i < INSITU_REASON_COUNT; ++i)
+    sum += report.located_by_reason[i];
+  EXPECT(sum == 20 && report.points_located == 20);
+  EXPECT(report.located_by_reason[INSITU_REASON_OUTSIDE] == 4);
+  EXPECT(report.located_by_reason[INSITU_REASON_CERTIFIED] +
+             report.located_by_reason[INSITU_REASON_EXACT] ==
+         4);
+  EXPECT(report.located_by_reason[INSITU_REASON_ON_FACE] == 4);
+  EXPECT(report.located_by_reason[INSITU_REASON_ON_EDGE] == 4);
+  EXPECT(report.located_by_reason[INSITU_REASON_ON_VERTEX] == 4);
+  EXPECT(insitu_session_close(&session) == INSITU_OK);
+}
+
 static void test_audit(void) {
   insitu_session session = open_session();
   insitu_mesh mesh = register_mesh(session);
@@ -170,8 +224,9 @@ static void test_errors(void) {
   EXPECT_ERROR(insitu_mesh_commit(mesh, (insitu_commit_report*)&(size_t){3}), INSITU_ERROR_ARGUMENT,
                "insitu_commit_report_default");
   EXPECT_ERROR(insitu_mesh_points(mesh, 0, NULL, 1), INSITU_ERROR_ARGUMENT, "null");
-  EXPECT_ERROR(insitu_mesh_points(mesh, 1, (a = insitu_array_of(points, INSITU_FLOAT64, 12, 3), &a), 1),
-               INSITU_ERROR_ARGUMENT, "without gaps");
+  EXPECT_ERROR(
+      insitu_mesh_points(mesh, 1, (a = insitu_array_of(points, INSITU_FLOAT64, 12, 3), &a), 1),
+      INSITU_ERROR_ARGUMENT, "without gaps");
   a.type = (insitu_type)77;
   EXPECT_ERROR(insitu_mesh_points(mesh, 0, &a, 1), INSITU_ERROR_ARGUMENT, "unknown type 77");
   a = insitu_array_of(NULL, INSITU_FLOAT64, 12, 3);
@@ -267,6 +322,7 @@ static void test_errors(void) {
 
 int main(void) {
   test_answers();
+  test_reasons();
   test_audit();
   test_errors();
   if (failures)

@@ -282,6 +282,18 @@ TEST_F(Wrapper, SeveralFieldsAtOnce) {
   }
 }
 
+TEST_F(Wrapper, ReasonsOfASample) {
+  give();
+  mesh.commit();
+  insitu::LocateOptions options;
+  options.reasons = true;
+  const std::vector<double> points{1.0, 0.5, 0.5, 2.0, 1.0, 0.5, 7.0, 0.0, 0.0};
+  const insitu::Samples s = mesh.sample("p", points, options);
+  EXPECT_EQ(s.reasons,
+            (std::vector<insitu::Reason>{insitu::Reason::on_face, insitu::Reason::on_edge,
+                                         insitu::Reason::outside}));
+}
+
 TEST_F(Wrapper, FramesOfPoints) {
   give();
   mesh.frame(insitu::Frame::enu(9.0, 48.0, 300.0));

@@ -1,6 +1,6 @@
 !> A host with its own floating-point environment: traps on invalid, zero and overflow, denormals
 !! flushed, rounding downwards. The library must neither trap nor change it, and must answer bit for bit
-!! as it does for a host with the default one.
+!! as it does for a host with the default one; and so on every SIMD target that it can dispatch to.
 !!
 !!   float_environment_test [trap | flush]
 !!
@@ -8,12 +8,16 @@
 program float_environment_test
   use, intrinsic :: ieee_arithmetic
   use, intrinsic :: ieee_exceptions
+  use, intrinsic :: iso_c_binding, only: c_char, c_int
   use, intrinsic :: iso_fortran_env, only: int32, int64, real64
   use checks
   use insitu
   implicit none
 
-  integer, parameter :: points_asked = box_cells + 4
+  !> Centres of cells, vertices (each on up to eight cells), and some that are no place in the mesh;
+  !! again and again, so that worker threads get their share and packs every alignment.
+  integer, parameter :: places = box_cells + box_vertices + 4
+  integer, parameter :: points_asked = 151 * places
   type(ieee_flag_type), parameter :: trapped(3) = [ieee_invalid, ieee_divide_by_zero, ieee_overflow]
 
   type :: environment_type
@@ -22,15 +26,31 @@ program float_environment_test
   end type environment_type
 
   type :: answers_type
-    integer(int64) :: cells(points_asked)
-    integer(int64) :: parametric(3 * points_asked), values(points_asked)    ! as bits
+    integer(int64), allocatable :: cells(:)
+    integer, allocatable :: reasons(:)
+    integer(int64), allocatable :: parametric(:), values(:)    ! as bits
   end type answers_type
+
+  interface
+    !> How many SIMD targets this machine has; `use_simd_target` takes their numbers from 0, and 0 is
+    !! the one that the library chooses by itself.
+    function simd_targets() bind(c) result(count)
+      import :: c_int
+      integer(c_int) :: count
+    end function simd_targets
+    subroutine use_simd_target(number, name) bind(c)
+      import :: c_char, c_int
+      integer(c_int), value :: number
+      character(kind=c_char), intent(out) :: name(16)
+    end subroutine use_simd_target
+  end interface
 
   real(real64), target :: xyz(3, box_vertices), f(box_vertices), tiny_field(box_vertices)
   integer(int32), target :: connectivity(8, box_cells)
   real(real64) :: points(3, points_asked)
   type(environment_type) :: start
-  type(answers_type) :: as_started, usual, odd
+  type(answers_type) :: as_started, usual, odd, on_target
+  character(kind=c_char) :: name(16)
   logical :: underflow_control
   character(len=8) :: expected
   integer :: i
@@ -44,29 +64,56 @@ program float_environment_test
   call fill()
   call ieee_set_flag(ieee_all, .false.)
   as_started = answers('as started')
-
-  call ieee_set_halting_mode(trapped, .false.)
-  if (underflow_control) call ieee_set_underflow_mode(gradual=.true.)
+  call set_usual_environment()
   usual = answers('usual')
-
-  if (underflow_control) call ieee_set_underflow_mode(gradual=.false.)
-  call ieee_set_rounding_mode(ieee_down)
-  call ieee_set_flag(ieee_all, .false.)
-  call ieee_set_halting_mode(trapped, .true.)
+  call set_odd_environment()
   odd = answers('odd')
-  call ieee_set_halting_mode(trapped, .false.)
-  call ieee_set_rounding_mode(ieee_nearest)
-
+  call set_usual_environment()
   call expect_same('as started', as_started, usual)
   call expect_same('odd', odd, usual)
+  do i = 1, simd_targets() - 1
+    call use_simd_target(int(i, c_int), name)
+    if (expected == 'trap') call ieee_set_halting_mode(trapped, .true.)
+    on_target = answers(name_of(name))
+    call set_odd_environment()
+    odd = answers(name_of(name) // ', odd')
+    call set_usual_environment()
+    call expect_same(name_of(name), on_target, usual)
+    call expect_same(name_of(name) // ', odd', odd, usual)
+  end do
   call expect('cells of points inside', &
               all(usual%cells(:box_cells) == [(int(i, int64), i=1, box_cells)]))
-  call expect('no cells of points outside', all(usual%cells(box_cells + 1:) == 0))
+  call expect('cells of vertices', all(usual%cells(box_cells + 1:places - 4) > 0) .and. &
+              all(usual%reasons(box_cells + 1:places - 4) == insitu_reason_on_vertex))
+  call expect('no cells of points outside', all(usual%cells(places - 3:places) == 0))
   call expect('denormal values come through', all(usual%values(:box_cells) > 0_int64 .and. &
                                                   usual%values(:box_cells) < 2_int64**52))
   call finish_checks()
 
 contains
+
+  function name_of(name) result(text)
+    character(kind=c_char), intent(in) :: name(16)
+    character(len=:), allocatable :: text
+    integer :: k
+    text = ''
+    do k = 1, size(name)
+      if (name(k) /= ' ') text = text // name(k)
+    end do
+  end function name_of
+
+  subroutine set_usual_environment()
+    call ieee_set_halting_mode(trapped, .false.)
+    call ieee_set_rounding_mode(ieee_nearest)
+    if (underflow_control) call ieee_set_underflow_mode(gradual=.true.)
+  end subroutine set_usual_environment
+
+  subroutine set_odd_environment()
+    if (underflow_control) call ieee_set_underflow_mode(gradual=.false.)
+    call ieee_set_rounding_mode(ieee_down)
+    call ieee_set_flag(ieee_all, .false.)
+    call ieee_set_halting_mode(trapped, .true.)
+  end subroutine set_odd_environment
 
   !> A curved box; a field of denormals; query points inside, outside, far away, infinite and NaN.
   subroutine fill()
@@ -81,10 +128,14 @@ contains
     do i = 1, box_cells
       points(:, i) = sum(xyz(:, connectivity(:, i)), dim=2) / 8.0_real64
     end do
-    points(:, box_cells + 1) = [-1.0_real64, 0.0_real64, 0.0_real64]
-    points(:, box_cells + 2) = [1.0e300_real64, -1.0e300_real64, 1.0e300_real64]
-    points(:, box_cells + 3) = [0.5_real64, infinity, 0.5_real64]
-    points(:, box_cells + 4) = [nan, 0.5_real64, 0.5_real64]
+    points(:, box_cells + 1:places - 4) = xyz
+    points(:, places - 3) = [-1.0_real64, 0.0_real64, 0.0_real64]
+    points(:, places - 2) = [1.0e300_real64, -1.0e300_real64, 1.0e300_real64]
+    points(:, places - 1) = [0.5_real64, infinity, 0.5_real64]
+    points(:, places) = [nan, 0.5_real64, 0.5_real64]
+    do i = places + 1, points_asked
+      points(:, i) = points(:, i - places)
+    end do
   end subroutine fill
 
   !> The same calls in whatever environment holds; each must leave it as it was.
@@ -94,9 +145,14 @@ contains
     type(environment_type) :: before
     type(insitu_session) :: session
     type(insitu_mesh) :: mesh
-    real(real64) :: parametric(3, points_asked), values(points_asked), at_one(1)
+    real(real64), allocatable :: parametric(:,:), values(:)
+    real(real64) :: at_one(1)
+    integer(int64), allocatable :: standard(:)
     integer :: ierr
 
+    allocate (standard(points_asked))
+    allocate (all_of%cells(points_asked), all_of%reasons(points_asked))
+    allocate (parametric(3, points_asked), values(points_asked))
     before = environment()
     call session%open(ierr=ierr, threads=2, output='float_environment_out', scene_text= &
         'insitu: 1' // new_line('a') // 'probes: [{name: gauge, points: [[0.5, 0.3, 1.0], ' // &
@@ -110,13 +166,17 @@ contains
     call mesh%commit(ierr)
     call expect_ok(what // ': commit', session, ierr)
     call expect_kept(what // ', commit', before)
-    call mesh%locate(points, all_of%cells, ierr, parametric=parametric, accuracy=insitu_exact)
+    call mesh%locate(points, all_of%cells, ierr, parametric=parametric, &
+                     accuracy=insitu_exact, reasons=all_of%reasons)
     call expect_ok(what // ': locate', session, ierr)
     call expect_kept(what // ', locate', before)
+    call mesh%locate(points, standard, ierr)
+    call expect(what // ': standard is exact', ierr == insitu_ok .and. all(standard == all_of%cells))
+    call expect_kept(what // ', locate in standard', before)
     call mesh%sample('tiny', points, values, ierr)
     call expect_ok(what // ': sample', session, ierr)
     call expect_kept(what // ', sample', before)
-    call mesh%sample_point('f', points(:, points_asked), at_one, ierr)
+    call mesh%sample_point('f', points(:, places), at_one, ierr)
     call expect_ok(what // ': sample_point', session, ierr)
     call expect_kept(what // ', sample_point', before)
     call session%execute(1, 0.0_real64, ierr)
@@ -128,8 +188,8 @@ contains
     call expect_kept(what // ', an error', before)
     call session%close(ierr)
     call expect_kept(what // ', close', before)
-    all_of%parametric = transfer(parametric, all_of%parametric)
-    all_of%values = transfer(values, all_of%values)
+    all_of%parametric = transfer(parametric, [0_int64])
+    all_of%values = transfer(values, [0_int64])
   end function answers
 
   function environment() result(now)
@@ -163,6 +223,7 @@ contains
     character(len=*), intent(in) :: what
     type(answers_type), intent(in) :: found, expected
     call expect(what // ': cells', all(found%cells == expected%cells))
+    call expect(what // ': reasons', all(found%reasons == expected%reasons))
     call expect(what // ': parametric coordinates', all(found%parametric == expected%parametric))
     call expect(what // ': values', all(found%values == expected%values))
   end subroutine expect_same

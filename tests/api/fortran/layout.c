@@ -46,7 +46,8 @@ int layout_of(int which, int64_t* out) {
                             AT(insitu_commit_report, vertices),
                             AT(insitu_commit_report, bytes),
                             AT(insitu_commit_report, bytes_allocated),
-                            AT(insitu_commit_report, cost_ratio)};
+                            AT(insitu_commit_report, cost_ratio),
+                            AT(insitu_commit_report, builder)};
   const int64_t validation[] = {sizeof(insitu_validation),
                                 AT(insitu_validation, size),
                                 AT(insitu_validation, cells),
@@ -57,7 +58,10 @@ int layout_of(int which, int64_t* out) {
                                 AT(insitu_validation, zero_volume_cells),
                                 AT(insitu_validation, folded_cells),
                                 AT(insitu_validation, collapsed_cells),
-                                AT(insitu_validation, ghost_cells)};
+                                AT(insitu_validation, ghost_cells),
+                                AT(insitu_validation, coincident_vertices),
+                                AT(insitu_validation, crowded_faces),
+                                AT(insitu_validation, split_faces)};
   const int64_t audit[] = {sizeof(insitu_audit_entry),    AT(insitu_audit_entry, size),
                            AT(insitu_audit_entry, name),  AT(insitu_audit_entry, data),
                            AT(insitu_audit_entry, bytes), AT(insitu_audit_entry, borrowed),
@@ -67,7 +71,7 @@ int layout_of(int which, int64_t* out) {
                             AT(insitu_locate_args, frame),     AT(insitu_locate_args, accuracy),
                             AT(insitu_locate_args, cell_base), AT(insitu_locate_args, cells),
                             AT(insitu_locate_args, pieces),    AT(insitu_locate_args, parametric),
-                            AT(insitu_locate_args, found)};
+                            AT(insitu_locate_args, found),     AT(insitu_locate_args, reasons)};
   const int64_t sample[] = {sizeof(insitu_sample_args),          AT(insitu_sample_args, size),
                             AT(insitu_sample_args, locate),      AT(insitu_sample_args, fields),
                             AT(insitu_sample_args, field_count), AT(insitu_sample_args, values)};
@@ -93,7 +97,8 @@ int layout_of(int which, int64_t* out) {
                             AT(insitu_report, frames),
                             AT(insitu_report, probe_rows),
                             AT(insitu_report, files),
-                            AT(insitu_report, failures)};
+                            AT(insitu_report, failures),
+                            AT(insitu_report, located_by_reason)};
   const struct {
     const int64_t* numbers;
     size_t count;
@@ -122,7 +127,10 @@ int constants(int64_t* out) {
       INSITU_LAYOUT_PADDED, INSITU_BLOCK_UNIFORM, INSITU_BLOCK_RECTILINEAR,
       INSITU_BLOCK_CURVILINEAR, INSITU_GHOSTS_VTK, INSITU_GHOSTS_ASCENT, INSITU_FRAME_CARTESIAN,
       INSITU_FRAME_GEOCENTRIC, INSITU_FRAME_GEODETIC, INSITU_FRAME_ENU, INSITU_FRAME_UTM,
-      INSITU_KEEP, INSITU_REFIT, INSITU_REBUILD,
+      INSITU_KEEP, INSITU_REFIT, INSITU_REBUILD, INSITU_BUILDER_NONE, INSITU_BUILDER_MORTON,
+      INSITU_BUILDER_SURFACE_AREA, INSITU_REASON_OUTSIDE, INSITU_REASON_CERTIFIED,
+      INSITU_REASON_EXACT, INSITU_REASON_ON_FACE, INSITU_REASON_ON_EDGE, INSITU_REASON_ON_VERTEX,
+      INSITU_REASON_COUNT,
       /* indices in Fortran: one more */
       INSITU_END_ALIVE + 1, INSITU_END_LEFT + 1, INSITU_END_STAGNATED + 1, INSITU_END_EXPIRED + 1,
       INSITU_END_STEP_LIMIT + 1, INSITU_END_SEED_OUTSIDE + 1, INSITU_END_NOT_FINITE + 1,

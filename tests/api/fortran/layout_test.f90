@@ -54,20 +54,21 @@ program layout_test
   call compare('commit', 5, c_sizeof(commit), [ &
       c_loc(commit%size), c_loc(commit%action), c_loc(commit%validated), c_loc(commit%seconds), &
       c_loc(commit%cells), c_loc(commit%vertices), c_loc(commit%bytes), &
-      c_loc(commit%bytes_allocated), c_loc(commit%cost_ratio)])
+      c_loc(commit%bytes_allocated), c_loc(commit%cost_ratio), c_loc(commit%builder)])
   call compare('validation', 6, c_sizeof(validation), [ &
       c_loc(validation%size), c_loc(validation%cells), c_loc(validation%index_errors), &
       c_loc(validation%shape_errors), c_loc(validation%coordinate_errors), &
       c_loc(validation%inverted_cells), c_loc(validation%zero_volume_cells), &
       c_loc(validation%folded_cells), c_loc(validation%collapsed_cells), &
-      c_loc(validation%ghost_cells)])
+      c_loc(validation%ghost_cells), c_loc(validation%coincident_vertices), &
+      c_loc(validation%crowded_faces), c_loc(validation%split_faces)])
   call compare('audit', 7, c_sizeof(audit), [ &
       c_loc(audit%size), c_loc(audit%name), c_loc(audit%data), c_loc(audit%bytes), &
       c_loc(audit%borrowed), c_loc(audit%reason)])
   call compare('locate', 8, c_sizeof(locate), [ &
       c_loc(locate%size), c_loc(locate%points), c_loc(locate%point_arrays), c_loc(locate%frame), &
       c_loc(locate%accuracy), c_loc(locate%cell_base), c_loc(locate%cells), &
-      c_loc(locate%pieces), c_loc(locate%parametric), c_loc(locate%found)])
+      c_loc(locate%pieces), c_loc(locate%parametric), c_loc(locate%found), c_loc(locate%reasons)])
   call compare('sample', 9, c_sizeof(sample), [ &
       c_loc(sample%size), c_loc(sample%locate), c_loc(sample%fields), c_loc(sample%field_count), &
       c_loc(sample%values)])
@@ -79,7 +80,7 @@ program layout_test
       c_loc(report%bytes_by_purpose), c_loc(report%points_located), &
       c_loc(report%points_outside), c_loc(report%particles_seeded), c_loc(report%particles), &
       c_loc(report%frames), c_loc(report%probe_rows), c_loc(report%files), &
-      c_loc(report%failures)])
+      c_loc(report%failures), c_loc(report%located_by_reason)])
   call compare_constants()
   if (failures > 0) error stop 1
 
@@ -134,7 +135,10 @@ contains
         insitu_block_rectilinear, insitu_block_curvilinear, insitu_ghosts_vtk, &
         insitu_ghosts_ascent, insitu_frame_cartesian, insitu_frame_geocentric, &
         insitu_frame_geodetic, insitu_frame_enu, insitu_frame_utm, insitu_keep, insitu_refit, &
-        insitu_rebuild, insitu_end_alive, insitu_end_left, insitu_end_stagnated, &
+        insitu_rebuild, insitu_builder_none, insitu_builder_morton, insitu_builder_surface_area, &
+        insitu_reason_outside, insitu_reason_certified, insitu_reason_exact, &
+        insitu_reason_on_face, insitu_reason_on_edge, insitu_reason_on_vertex, &
+        insitu_reason_count, insitu_end_alive, insitu_end_left, insitu_end_stagnated, &
         insitu_end_expired, insitu_end_step_limit, insitu_end_seed_outside, &
         insitu_end_not_finite, insitu_end_killed, insitu_end_count, insitu_memory_tree, &
         insitu_memory_build, insitu_memory_ranges, insitu_memory_earlier, insitu_memory_query, &

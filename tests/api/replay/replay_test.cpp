@@ -12,6 +12,7 @@
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
 #include <vtkIntArray.h>
+#include <vtkXMLUnstructuredGridWriter.h>
 
 #include "insitu/vtk.hpp"
 
@@ -118,6 +119,123 @@ TEST_F(Replay, StepsBecomeRowsAndAPipeIsQuiet) {
   EXPECT_NEAR(r[4].at("linear"), linear({1.5, 1.5, 1.5}) + 100.0, 1e-10);
   EXPECT_EQ(r[1].at("cell"), 7);
   EXPECT_TRUE(std::isnan(r[2].at("linear")));
+}
+
+/// The grid's cells as plain arrays, given through insitu.hpp: a way of its own into the library.
+struct PlainMesh {
+  std::vector<double> xyz;
+  std::vector<std::uint8_t> types;
+  std::vector<std::int64_t> offsets, connectivity;
+  insitu::Session session;
+  insitu::Mesh mesh = session.mesh("plain");
+
+  explicit PlainMesh(vtkUnstructuredGrid* grid) {
+    for (vtkIdType i = 0; i < grid->GetNumberOfPoints(); ++i)
+      for (const double x : point_of(grid, i))
+        xyz.push_back(x);
+    for (vtkIdType c = 0; c < grid->GetNumberOfCells(); ++c) {
+      offsets.push_back(std::int64_t(connectivity.size()));
+      types.push_back(std::uint8_t(grid->GetCellType(c)));
+      vtkIdType n = 0;
+      const vtkIdType* ids = nullptr;
+      grid->GetCellPoints(c, n, ids);
+      connectivity.insert(connectivity.end(), ids, ids + n);
+    }
+    mesh.points(xyz);
+    mesh.mixed_cells(types, offsets, connectivity);
+    mesh.commit();
+  }
+};
+
+/// Random points, inside and outside; then for many cells their vertices, and the middles of edges
+/// and faces, each as it is and one step of the last digit off.
+std::vector<double> places(vtkUnstructuredGrid* grid, int n) {
+  Random random(4711);
+  std::vector<double> out;
+  for (int q = 0; q < 1200; ++q)
+    out.push_back((n + 0.2) * random() - 0.1);
+  const auto add = [&](const std::vector<vtkIdType>& ids) {
+    double p[3] = {0, 0, 0};
+    for (const vtkIdType id : ids)
+      for (int a = 0; a < 3; ++a)
+        p[a] += point_of(grid, id)[std::size_t(a)] / double(ids.size());
+    out.insert(out.end(), p, p + 3);
+    const auto axis = int(3 * random());
+    p[axis] = std::nextafter(p[axis], random() < 0.5 ? -1e9 : 1e9);
+    out.insert(out.end(), p, p + 3);
+  };
+  for (vtkIdType c = 0; c < grid->GetNumberOfCells(); c += 3) {
+    vtkCell* cell = grid->GetCell(c);
+    add({cell->GetPointId(int(random() * double(cell->GetNumberOfPoints())))});
+    vtkCell* edge = cell->GetEdge(int(random() * cell->GetNumberOfEdges()));
+    add({edge->GetPointId(0), edge->GetPointId(1)});
+    vtkCell* face = cell->GetFace(int(random() * cell->GetNumberOfFaces()));
+    std::vector<vtkIdType> ids;
+    for (vtkIdType i = 0; i < face->GetNumberOfPoints(); ++i)
+      ids.push_back(face->GetPointId(i));
+    add(ids);
+  }
+  return out;
+}
+
+TEST_F(Replay, OwnersAndCoordinatesAreTheApis) {
+  const struct {
+    const char* name;
+    std::vector<int> types;
+    double jitter;
+  } meshes[] = {{"tetrahedra", {VTK_TETRA}, 0.2},
+                {"voxels", {VTK_VOXEL}, 0.0},
+                {"hexahedra", {VTK_HEXAHEDRON}, 0.2},
+                {"wedges", {VTK_WEDGE}, 0.15},
+                {"pyramids", {VTK_PYRAMID}, 0.1},
+                {"hexahedra_and_pyramids", {VTK_HEXAHEDRON, VTK_PYRAMID}, 0.15},
+                {"all", {VTK_HEXAHEDRON, VTK_TETRA, VTK_VOXEL, VTK_PYRAMID, VTK_WEDGE}, 0.1}};
+  constexpr int n = 4;
+  for (const auto& of : meshes) {
+    SCOPED_TRACE(of.name);
+    const auto grid = unstructured(n, of.types, of.jitter);
+    vtkNew<vtkXMLUnstructuredGridWriter> writer; // VTK's own, not the adaptor's
+    writer->SetFileName(path("mesh.vtu").c_str());
+    writer->SetInputData(grid);
+    ASSERT_EQ(writer->Write(), 1);
+    const std::vector<double> xyz = places(grid, n);
+    std::string text = "x,y,z\n";
+    for (std::size_t i = 0; i < xyz.size(); ++i) {
+      char number[40];
+      std::snprintf(number, sizeof number, "%.17g%c", xyz[i], i % 3 == 2 ? '\n' : ',');
+      text += number;
+    }
+    put("points.csv", text);
+    const PlainMesh plain(grid);
+    for (const insitu::Accuracy accuracy : {insitu::Accuracy::standard, insitu::Accuracy::exact}) {
+      const std::string word = accuracy == insitu::Accuracy::exact ? "exact" : "standard";
+      put("scene.yaml", "insitu: 1\nprobes:\n  - {name: g, points: points.csv, fields: [number], "
+                        "accuracy: " +
+                            word + "}\n");
+      const Outcome o = run("--scene scene.yaml --out " + word + " mesh.vtu");
+      ASSERT_EQ(o.code, 0) << o.err;
+      const std::vector<Row> r = rows(word + "/g.csv");
+      insitu::LocateOptions options;
+      options.accuracy = accuracy;
+      const insitu::Locations expected = plain.mesh.locate(xyz, options);
+      ASSERT_EQ(r.size(), expected.size());
+      std::size_t inside = 0;
+      for (std::size_t i = 0; i < r.size(); ++i) {
+        ASSERT_EQ(r[i].at("cell"), double(expected.cells[i])) << "point " << i;
+        inside += expected.found[i];
+        if (!expected.found[i])
+          continue;
+        EXPECT_EQ(r[i].at("number"), 3.0 * double(expected.cells[i]) + 1.0);
+        const char* const names[3] = {"r", "s", "t"}; // printed so that nothing is lost
+        for (std::size_t a = 0; a < 3; ++a)
+          EXPECT_EQ(r[i].at(names[a]), expected.parametric[3 * i + a]) << "point " << i;
+      }
+      EXPECT_GT(inside, r.size() / 2);
+      EXPECT_LT(inside, r.size());
+    }
+    fs::remove_all(folder / "standard");
+    fs::remove_all(folder / "exact");
+  }
 }
 
 TEST_F(Replay, OrderCountsWhereFilesSayNothing) {

@@ -5,6 +5,7 @@
 #include "cases.h"
 #include "cells/contain_exact.h"
 #include "cells/contain_filter.h"
+#include "lanes.h"
 #include "math/predicates_exact.h"
 
 namespace insitu::test {
@@ -95,6 +96,53 @@ BENCHMARK_CAPTURE(contain, on_planar_face, Where::on_planar_face, 0.0);
 BENCHMARK_CAPTURE(contain, on_twisted_face, Where::on_twisted_face, 0.25);
 BENCHMARK_CAPTURE(contain, on_edge, Where::on_edge, 0.25);
 BENCHMARK_CAPTURE(contain, on_vertex, Where::on_vertex, 0.25);
+
+/// Blocks of (cell, point) pairs, points anywhere in the cells' boxes, through a kernel over packs
+/// on the best target; time per pair.
+template <class Out>
+void over_packs(benchmark::State& state, Shape shape, double jitter,
+                void (*kernel)(Shape, const LaneBlock&, Out*)) {
+  Random random(502);
+  std::vector<LaneBlock> blocks(32);
+  for (LaneBlock& block : blocks)
+    while (block.count < LaneBlock::size) {
+      Vertices v = unit_cell(shape);
+      Vec3d low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+      for (int i = 0; i < mesh::vertex_count(shape); ++i) {
+        Vec3d& p = v[std::size_t(i)];
+        p += random.uniform({-jitter, -jitter, -jitter}, {jitter, jitter, jitter});
+        for (int a = 0; a < 3; ++a) {
+          low[a] = std::fmin(low[a], p[a]);
+          high[a] = std::fmax(high[a], p[a]);
+        }
+      }
+      block.add(shape, v.data(), random.uniform(low, high));
+    }
+  Out out[LaneBlock::size];
+  std::int64_t pairs = 0;
+  for (auto _ : state)
+    for (const LaneBlock& block : blocks) {
+      kernel(shape, block, out);
+      benchmark::DoNotOptimize(out[0]);
+      pairs += block.count;
+    }
+  state.counters["per_pair"] =
+      benchmark::Counter(double(pairs), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+const bool over_packs_registered = [] {
+  for (const Shape shape : all_shapes)
+    for (const double jitter : {0.0, 0.2, 0.4}) {
+      char name[64];
+      std::snprintf(name, sizeof name, "/%s/jitter:%.1f", mesh::shape_name(shape), jitter);
+      benchmark::RegisterBenchmark((std::string("filter_packs") + name).c_str(),
+                                   over_packs<cells::FilterResult>, shape, jitter, filter_lanes);
+      benchmark::RegisterBenchmark((std::string("invert_packs") + name).c_str(),
+                                   over_packs<cells::InverseMap<double>>, shape, jitter,
+                                   invert_lanes);
+    }
+  return true;
+}();
 
 template <class Predicate>
 void predicate(benchmark::State& state, Predicate stage) {

@@ -1,12 +1,13 @@
 // The tree as a structure: what it holds, what its boxes hold, how it follows moving vertices.
 #include <gtest/gtest.h>
 
+#include "check_tree.h"
 #include "core/status.h"
 #include "fixtures/committed.h"
 
 using namespace insitu;
-using accel::Box;
 using accel::Builder;
+using accel::check_tree;
 using accel::Node;
 using accel::Tree;
 using math::Vec3d;
@@ -25,74 +26,6 @@ test::TestMesh box(test::MeshKind kind, int size, double offset = 0, Vec3d scale
   options.offset = offset;
   options.scale = scale;
   return test::make_mesh(options, random);
-}
-
-void expect_holds(const Tree& tree, const Box& b, const Vec3d& p, std::int64_t cell) {
-  for (int a = 0; a < 3; ++a) {
-    const double local = p[a] - tree.origin()[a];
-    ASSERT_LE(double(b.lower[a]), local) << "cell " << cell;
-    ASSERT_GE(double(b.upper[a]), local) << "cell " << cell;
-  }
-}
-
-/// Every cell that owns points lies in one leaf, within the boxes of all its ancestors; levels are
-/// ranges in order.
-void check_tree(const Tree& tree, const mesh::MeshView& view) {
-  std::vector<int> seen(std::size_t(view.cell_count()), 0);
-  const std::vector<std::uint32_t>& levels = tree.levels();
-  ASSERT_GE(levels.size(), tree.empty() ? 0u : 2u);
-  if (!tree.empty()) {
-    ASSERT_EQ(levels.front(), 0u);
-    ASSERT_EQ(levels[1], 1u);
-    ASSERT_EQ(levels.back(), tree.node_count());
-  }
-  std::vector<int> parents(tree.node_count(), 0);
-  std::vector<std::vector<Box>> ancestors(tree.node_count()); // of the nodes of the next level
-  for (std::size_t l = 0; l + 1 < levels.size(); ++l)
-    for (std::uint32_t n = levels[l]; n < levels[l + 1]; ++n) {
-      const Node& node = tree.nodes()[n];
-      int children = 0;
-      for (int c = 0; c < 8; ++c) {
-        if (!node.meta[c])
-          continue;
-        ++children;
-        std::vector<Box> above = ancestors[n];
-        above.push_back(node.child_box(c));
-        if (node.is_inner(c)) {
-          const std::uint32_t child = node.child_node(c);
-          ASSERT_GE(child, levels[l + 1]);
-          ASSERT_LT(child, levels[l + 2]);
-          ++parents[child];
-          ancestors[child] = above;
-          continue;
-        }
-        ASSERT_GE(node.child_cell_count(c), 1);
-        ASSERT_LE(node.child_cell_count(c), accel::most_leaf_cells);
-        for (int k = 0; k < node.child_cell_count(c); ++k) {
-          const std::int64_t flat = tree.cells()[node.child_cells(c) + std::uint32_t(k)];
-          ASSERT_LT(flat, view.cell_count());
-          ++seen[std::size_t(flat)];
-          mesh::CellVertices cell;
-          mesh::gather(view, flat, cell);
-          for (int v = 0; v < cell.count; ++v) {
-            for (const Box& b : above)
-              expect_holds(tree, b, cell.x[v], flat);
-            for (int a = 0; a < 3; ++a) {
-              ASSERT_GE(cell.x[v][a], tree.bounds_min()[a]);
-              ASSERT_LE(cell.x[v][a], tree.bounds_max()[a]);
-            }
-          }
-        }
-      }
-      ASSERT_GE(children, 1);
-    }
-  for (std::uint32_t n = 1; n < tree.node_count(); ++n)
-    ASSERT_EQ(parents[n], 1);
-  for (std::size_t c = 0; c < seen.size(); ++c) {
-    const std::int32_t p = view.piece_of(std::int64_t(c));
-    ASSERT_EQ(seen[c], view.pieces[p].owns(std::int64_t(c) - view.first_cell[p]) ? 1 : 0)
-        << "cell " << c;
-  }
 }
 
 std::vector<Vec3d> random_points(const Tree& tree, std::size_t count, std::uint64_t seed) {
@@ -283,7 +216,7 @@ TEST(Commit, RefitsUntilTheTreeCostsTooMuch) {
     action = report.action;
     if (action == INSITU_REFIT) {
       EXPECT_GE(report.cost_ratio, last);
-      EXPECT_LE(report.cost_ratio, query::CommittedMesh::rebuild_ratio);
+      EXPECT_LE(report.cost_ratio, query::TreePolicy::rebuild_ratio);
       last = report.cost_ratio;
       // Nothing changed: nothing done, the ratio is still the refitted tree's.
       EXPECT_EQ(m.commit().action, INSITU_KEEP);

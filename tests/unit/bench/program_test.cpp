@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -43,11 +44,13 @@ const char* const keys[] = {"cells", "queries", "threads",    "build_s", "refit_
                             "bytes", "lost",    "bytes_peak", "wrong",   "max_error"};
 
 TEST(BenchProgram, HelpExplains) {
-  for (const char* arguments : {"--help", "commit --help", "locate -h"}) {
+  for (const char* arguments : {"--help", "commit --help", "locate -h", "torture -h", "scale -h"}) {
     const Outcome r = run(arguments, "2>/dev/null");
     EXPECT_EQ(r.exit_code, 0);
-    for (const char* option : {"--shape", "--cells", "--jitter", "--queries", "--threads",
-                               "--accuracy", "--repetitions", "--json", "--peers", "--mesh"})
+    for (const char* option :
+         {"--shape", "--cells", "--jitter", "--queries", "--threads", "--accuracy", "--repetitions",
+          "--json", "--peers", "--mesh", "--kind", "--numbering", "--fields", "--peer-points",
+          "--csv", "--svg"})
       EXPECT_NE(r.out.find(option), std::string::npos) << option;
   }
 }
@@ -65,6 +68,14 @@ TEST(BenchProgram, UnusableArgumentsEndWithTwoAndNameTheArgument) {
                {"locate --jitter 0.9", "--jitter"},
                {"locate --queries all", "--queries"},
                {"locate --accuracy good", "--accuracy"},
+               {"locate --kind odd", "--kind"},
+               {"locate --numbering upwards", "--numbering"},
+               {"locate --fields 0", "--fields"},
+               {"locate --cells 10,20", "--cells"},
+               {"scale --cells 10,,20", "--cells"},
+               {"scale --queries random", "--queries"},
+               {"commit --svg x.svg", "--svg"},
+               {"scale --cells 10 --svg /nonexistent/folder/x.svg", "--svg"},
                {"commit --threads 1.5", "--threads"},
                {"commit --repetitions 0", "--repetitions"},
                {"commit --colour red", "--colour"},
@@ -79,11 +90,12 @@ TEST(BenchProgram, UnusableArgumentsEndWithTwoAndNameTheArgument) {
 
 TEST(BenchProgram, LocateAnswersRightlyOnEveryShapeAndPattern) {
   for (const char* shape : {"hex", "tet", "wedge", "pyramid", "mixed"})
-    for (const char* pattern : {"uniform", "random", "sorted", "march"})
+    for (const char* pattern :
+         {"uniform", "random", "sorted", "march", "vertices", "edges", "faces"})
       for (const char* accuracy : {"standard", "exact"}) {
         const Outcome r = run("locate --cells 500 --repetitions 1 --json - --shape " +
                                   std::string(shape) + " --queries " + pattern + " --accuracy " +
-                                  accuracy + (accuracy[0] == 'e' ? " --renumber" : ""),
+                                  accuracy + (accuracy[0] == 'e' ? " --numbering shuffled" : ""),
                               "");
         ASSERT_EQ(r.exit_code, 0) << r.out;
         for (const char* key : keys)
@@ -94,8 +106,77 @@ TEST(BenchProgram, LocateAnswersRightlyOnEveryShapeAndPattern) {
         EXPECT_GT(number(r.out, "bytes"), 0.0);
         EXPECT_EQ(number(r.out, "lost"), 0.0) << shape << ' ' << pattern;
         EXPECT_EQ(number(r.out, "wrong"), 0.0) << shape << ' ' << pattern;
+        EXPECT_EQ(number(r.out, "not_lowest"), 0.0) << shape << ' ' << pattern;
         EXPECT_LT(number(r.out, "max_error"), 1e-12) << shape << ' ' << pattern;
+        EXPECT_GT(number(r.out, "single_us"), 0.0);
+        EXPECT_EQ(std::isfinite(number(r.out, "exact_over_standard")), accuracy[0] == 's');
       }
+}
+
+TEST(BenchProgram, LocateAnswersRightlyOnEveryKindOfMesh) {
+  for (const char* kind : {"even", "graded", "layers", "sparse"})
+    for (const char* pattern : {"random", "march", "faces"}) {
+      const Outcome r = run(std::string("locate --cells 3000 --repetitions 1 --json - --kind ") +
+                                kind + " --queries " + pattern,
+                            "");
+      ASSERT_EQ(r.exit_code, 0) << r.out;
+      EXPECT_NE(r.out.find(std::string("\"kind\": \"") + kind + "\""), std::string::npos);
+      EXPECT_NEAR(number(r.out, "cells"), 3000.0, 700.0) << kind; // a cubic number, about
+      EXPECT_EQ(number(r.out, "lost"), 0.0) << kind << ' ' << pattern;
+      EXPECT_EQ(number(r.out, "wrong"), 0.0) << kind << ' ' << pattern;
+      EXPECT_EQ(number(r.out, "not_lowest"), 0.0) << kind << ' ' << pattern;
+    }
+}
+
+TEST(BenchProgram, FurtherFiguresOfLocate) {
+  const Outcome random =
+      run("locate --cells 500 --repetitions 1 --queries random --fields 5 --json -", "");
+  ASSERT_EQ(random.exit_code, 0) << random.out;
+  for (const char* key : {"sort_ns", "mqps_unsorted", "fields_over_one", "hinted_us"})
+    EXPECT_GT(number(random.out, key), 0.0) << key;
+  double reasons = 0.0;
+  for (const char* reason : {"outside", "certified", "exact", "on_face", "on_edge", "on_vertex"})
+    reasons += number(random.out, std::string("reason_") + reason);
+  EXPECT_EQ(reasons, number(random.out, "queries"));
+  const Outcome faces = run("locate --cells 500 --repetitions 1 --queries faces --json -", "");
+  EXPECT_GT(number(faces.out, "boundary_over_random"), 0.0);
+}
+
+TEST(BenchProgram, ScaleWritesATableAndAPlot) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("insitu_bench_scale_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const std::string csv = (folder / "a.csv").string(), svg = (folder / "a.svg").string();
+  const Outcome r =
+      run("scale --cells 500,1000 --repetitions 1 --json - --csv " + csv + " --svg " + svg, "");
+  ASSERT_EQ(r.exit_code, 0) << r.out;
+  EXPECT_EQ(number(r.out, "cells"), 512.0);
+  EXPECT_GT(number(r.out, "random_ns"), 0.0);
+  std::ifstream table(csv);
+  std::string line;
+  int rows = 0;
+  const auto commas = [&] { return std::count(line.begin(), line.end(), ','); };
+  ASSERT_TRUE(std::getline(table, line));
+  const auto columns = commas();
+  for (; std::getline(table, line); ++rows)
+    EXPECT_EQ(commas(), columns) << line;
+  EXPECT_GE(rows, 4); // two meshes, two batches at least
+  std::stringstream plot;
+  plot << std::ifstream(svg).rdbuf();
+  EXPECT_EQ(plot.str().find("<svg"), 0u);
+  EXPECT_NE(plot.str().find("</svg>"), std::string::npos);
+  EXPECT_EQ(plot.str().find("nan"), std::string::npos);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(BenchProgram, TortureScoresEveryMethod) {
+  const Outcome r = run("torture --points 30 --json -", "");
+  ASSERT_LE(r.exit_code, 1) << r.out;
+  EXPECT_EQ(r.exit_code != 0, number(r.out, "failures") > 0.0);
+  for (const char* method : {"standard_batch", "standard_single", "standard_hinted", "exact_batch",
+                             "exact_single", "exact_hinted"})
+    EXPECT_NE(r.out.find("\"" + std::string(method) + "\": {\"lost\": "), std::string::npos);
+  EXPECT_EQ(r.out.find("vtkStaticCellLocator") != std::string::npos, INSITU_BENCH_HAS_VTK != 0);
 }
 
 TEST(BenchProgram, CommitReportsEveryPhase) {

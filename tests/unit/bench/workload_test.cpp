@@ -217,7 +217,7 @@ TEST(Workload, MarchedPointsAreHalfACellApartAndInside) {
 
 TEST(Workload, BoundaryPointsTouchTheirFeature) {
   const Mesh mesh = make_box(Kind::mixed, 6, 0.2);
-  const Queries vertices = make_boundary_queries(mesh, Feature::vertices, 300);
+  const Queries vertices = make_queries(mesh, Pattern::vertices, 300);
   for (std::size_t i = 0; i < vertices.points.size(); ++i) {
     Vec3d x[8];
     const int n = mesh.gather(vertices.made_in[i], x);
@@ -225,8 +225,8 @@ TEST(Workload, BoundaryPointsTouchTheirFeature) {
     EXPECT_EQ(cells::contain_exact(mesh.shape(vertices.made_in[i]), x, vertices.points[i]).where,
               cells::Containment::on_vertex);
   }
-  for (const Feature feature : {Feature::edges, Feature::faces}) {
-    const Queries q = make_boundary_queries(mesh, feature, 300);
+  for (const Pattern feature : {Pattern::edges, Pattern::faces}) {
+    const Queries q = make_queries(mesh, feature, 300);
     ASSERT_EQ(q.points.size(), 300u);
     for (std::size_t i = 0; i < q.points.size();
          ++i) { // a nudge towards the cell's middle is inside

@@ -48,10 +48,10 @@ void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pr
 } // namespace
 
 const BuildNode* build(const Device& device, RTCBVH bvh, RTCBuildPrimitive* primitives,
-                       std::size_t count, bool fast) {
+                       std::size_t count) {
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
   arguments.byteSize = sizeof arguments;
-  arguments.buildQuality = fast ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM;
+  arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
   arguments.maxBranchingFactor = 8;
   arguments.maxDepth = 48;
   // Eight cells fill a node of ours, so they cost what one does and splitting them gains nothing.

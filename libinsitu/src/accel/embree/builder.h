@@ -20,9 +20,9 @@ struct BuildNode {
   Box box[8]; ///< of the children
 };
 
-/// Builds 8-wide over the primitives, which the build reorders. fast: in Morton order; otherwise by
-/// binned surface area. Throws core::Error.
+/// Builds 8-wide, by binned surface area, over the primitives, which the build reorders. Throws
+/// core::Error.
 const BuildNode* build(const Device& device, RTCBVH bvh, RTCBuildPrimitive* primitives,
-                       std::size_t count, bool fast);
+                       std::size_t count);
 
 } // namespace insitu::accel::embree

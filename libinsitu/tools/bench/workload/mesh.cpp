@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/random.h"
+#include "workload/lattice.h"
 
 namespace insitu::workload {
 
@@ -59,8 +60,9 @@ bool splits_x_faces(Kind kind, int i, int n) {
 
 class Builder {
 public:
-  Builder(Kind kind, int n, double jitter) : kind_(kind), n_(n) {
-    const auto cells = std::size_t(box_cell_count(kind, n));
+  Builder(Kind kind, int n, double jitter, Spacing spacing)
+      : kind_(kind), n_(n), lattice_(spacing, n, jitter) {
+    const auto cells = std::size_t(filled_share(spacing) * double(box_cell_count(kind, n)));
     if (kind == Kind::mixed) {
       mesh_.types.reserve(cells);
       mesh_.offsets.reserve(cells + 1);
@@ -73,27 +75,53 @@ public:
       mesh_.connectivity.reserve(cells * std::size_t(mesh::vertex_count(mesh_.uniform_shape)));
     }
     mesh_.cell_size = 1.0 / n;
-    grid(jitter);
-    for (int k = 0; k < n; ++k)
-      for (int j = 0; j < n; ++j)
-        for (int i = 0; i < n; ++i)
-          hexahedron(i, j, k);
+    mesh_.smallest_edge = lattice_.smallest_step();
+    // Corners first, so that the centres' ids come behind them.
+    walk(
+        [&](int i, int j, int k) {
+          const Vec3d x = lattice_.corner(i, j, k);
+          mesh_.points.insert(mesh_.points.end(), {x.x, x.y, x.z});
+        },
+        [](int, const std::int32_t*) {});
+    walk([](int, int, int) {}, [&](int i, const std::int32_t* v) { hexahedron(i, v); });
   }
   Mesh take() { return std::move(mesh_); }
 
 private:
-  void grid(double jitter) {
-    const std::int64_t m = n_ + 1;
-    mesh_.points.resize(std::size_t(3 * m * m * m));
-    for (std::int64_t v = 0; v < m * m * m; ++v) {
-      const std::int64_t ijk[3] = {v % m, v / m % m, v / (m * m)};
-      const bool interior = std::all_of(ijk, ijk + 3, [&](auto x) { return x > 0 && x < n_; });
-      for (int c = 0; c < 3; ++c) {
-        double& x = mesh_.points[std::size_t(3 * v + c)];
-        x = double(ijk[c]) / n_;
-        if (interior)
-          x += jitter / n_ * (2.0 * core::random_unit(1, std::uint64_t(v), std::uint64_t(c)) - 1.0);
-      }
+  /// Calls on_corner(i, j, k) for every corner of a block that is there, in the order of their ids,
+  /// and on_block(i, ids of its corners) for every such block.
+  template <class OnCorner, class OnBlock>
+  void walk(OnCorner&& on_corner, OnBlock&& on_block) const {
+    const auto n = std::size_t(n_), m = n + 1;
+    std::vector<std::uint8_t> behind, ahead; // the blocks before and after a plane of corners
+    std::vector<std::int32_t> ids(m * m), before;
+    std::int32_t next = 0;
+    lattice_.fill_plane(-1, ahead);
+    for (int k = 0; k <= n_; ++k) {
+      behind.swap(ahead);
+      lattice_.fill_plane(k, ahead);
+      before = ids;
+      std::fill(ids.begin(), ids.end(), -1);
+      for (std::size_t j = 0; j < n; ++j)
+        for (std::size_t i = 0; i < n; ++i)
+          if (behind[i + n * j] || ahead[i + n * j])
+            for (const std::size_t at :
+                 {i + m * j, i + 1 + m * j, i + m * (j + 1), i + 1 + m * (j + 1)})
+              ids[at] = 0;
+      for (std::size_t at = 0; at < m * m; ++at)
+        if (ids[at] == 0) {
+          ids[at] = next++;
+          on_corner(int(at % m), int(at / m), k);
+        }
+      for (std::size_t j = 0; j < n; ++j)
+        for (std::size_t i = 0; i < n; ++i) {
+          if (!behind[i + n * j])
+            continue;
+          const std::size_t at = i + m * j;
+          const std::int32_t v[8] = {before[at], before[at + 1], before[at + m + 1], before[at + m],
+                                     ids[at],    ids[at + 1],    ids[at + m + 1],    ids[at + m]};
+          on_block(int(i), v);
+        }
     }
   }
 
@@ -115,13 +143,7 @@ private:
     }
   }
 
-  void hexahedron(int i, int j, int k) {
-    const std::int64_t m = n_ + 1, first = i + m * (j + m * k);
-    const std::int64_t at[8] = {
-        first,         first + 1,         first + m + 1,         first + m,
-        first + m * m, first + m * m + 1, first + m * m + m + 1, first + m * m + m};
-    std::int32_t v[8];
-    std::copy_n(at, 8, v);
+  void hexahedron(int i, const std::int32_t* v) {
     switch (cut_at(kind_, i)) {
     case Cut::none:
       add(Shape::hexahedron, v);
@@ -161,6 +183,7 @@ private:
 
   Kind kind_;
   int n_;
+  Lattice lattice_;
   Mesh mesh_;
 };
 
@@ -175,6 +198,18 @@ std::optional<Kind> kind_from_name(std::string_view text) {
   for (int k = 0; k < 5; ++k)
     if (text == name(Kind(k)))
       return Kind(k);
+  return std::nullopt;
+}
+
+const char* name(Spacing spacing) {
+  constexpr const char* names[] = {"even", "graded", "layers", "sparse"};
+  return names[int(spacing)];
+}
+
+std::optional<Spacing> spacing_from_name(std::string_view text) {
+  for (int s = 0; s < 4; ++s)
+    if (text == name(Spacing(s)))
+      return Spacing(s);
   return std::nullopt;
 }
 
@@ -193,8 +228,8 @@ int Mesh::gather(std::int64_t cell, Vec3d* x) const {
   return n;
 }
 
-Mesh make_box(Kind kind, int n, double jitter) {
-  return Builder(kind, n, jitter).take();
+Mesh make_box(Kind kind, int n, double jitter, Spacing spacing) {
+  return Builder(kind, n, jitter, spacing).take();
 }
 
 std::int64_t box_cell_count(Kind kind, int n) {
@@ -217,8 +252,9 @@ std::int64_t box_cell_count(Kind kind, int n) {
   return across * n * n;
 }
 
-int box_size(Kind kind, std::int64_t cells) {
+int box_size(Kind kind, std::int64_t cells, Spacing spacing) {
   int n = 1;
+  cells = std::int64_t(double(cells) / filled_share(spacing));
   while (box_cell_count(kind, n + 1) <= cells)
     ++n;
   const std::int64_t below = box_cell_count(kind, n), above = box_cell_count(kind, n + 1);
@@ -246,6 +282,7 @@ Mesh renumbered(const Mesh& mesh) {
   Mesh out;
   out.uniform_shape = mesh.uniform_shape;
   out.cell_size = mesh.cell_size;
+  out.smallest_edge = mesh.smallest_edge;
   out.points.resize(mesh.points.size());
   for (std::size_t v = 0; v < new_vertex.size(); ++v)
     std::copy_n(&mesh.points[3 * v], 3, &out.points[3 * std::size_t(new_vertex[v])]);

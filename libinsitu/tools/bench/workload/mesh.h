@@ -10,7 +10,7 @@
 
 /// The standard workload: meshes and points that are the same in every program that is compared.
 /// Random numbers are core::random_bits and core::random_unit, with a seed a purpose: 1 jitter, 2
-/// random queries, 3 to 5 boundary sets, 6 renumbering.
+/// random queries, 3 to 5 boundary sets, 6 renumbering, 8 islands.
 namespace insitu::workload {
 
 enum class Kind { hexahedra, tetrahedra, wedges, pyramids, mixed };
@@ -18,6 +18,18 @@ enum class Kind { hexahedra, tetrahedra, wedges, pyramids, mixed };
 /// "hex", "tet", "wedge", "pyramid", "mixed".
 const char* name(Kind kind);
 std::optional<Kind> kind_from_name(std::string_view name);
+
+/// How the box is divided into the hexahedra that cells are cut from.
+///  - even: n equal steps along each axis.
+///  - graded: steps that grow geometrically from one end to the other, 1e4-fold, along each axis.
+///  - layers: even in x and y, thin in z: steps that grow from 1e-6 / n to 1e-4 / n, so that cells
+///    are 1e4 to 1e6 times as wide as thick.
+///  - sparse: the blocks of an even box that lie in one of 24 balls, about 5 % of the box.
+enum class Spacing { even, graded, layers, sparse };
+
+/// "even", "graded", "layers", "sparse".
+const char* name(Spacing spacing);
+std::optional<Spacing> spacing_from_name(std::string_view name);
 
 /// A mesh in arrays as a solver keeps them. Cells of one shape have no types and no offsets: cell c
 /// has its ids from vertex_count(uniform_shape) * c. Otherwise cell c has its ids at
@@ -28,8 +40,11 @@ struct Mesh {
   std::vector<std::uint8_t> types;
   std::vector<std::int64_t> offsets;
   mesh::Shape uniform_shape = mesh::Shape::none;
-  /// The edge of the hexahedra that the cells were cut from; twice the step of marched queries.
+  /// The mean edge in x of the hexahedra that the cells were cut from; twice the step of marched
+  /// queries.
   double cell_size = 0.0;
+  /// The shortest edge of those before the jitter.
+  double smallest_edge = 0.0;
 
   std::int64_t cell_count() const;
   std::int64_t vertex_count() const { return std::int64_t(points.size() / 3); }
@@ -48,9 +63,9 @@ struct Mesh {
   int gather(std::int64_t cell, math::Vec3d* x) const;
 };
 
-/// Box [0, 1]^3 of n^3 hexahedra whose interior vertices are jittered by up to jitter / n a
-/// component, cut into cells of the kind, x fastest. Every cell has a positive volume by VTK's rule
-/// as long as the jitter does not fold it.
+/// Box [0, 1]^3 (thinner for layers) of n^3 hexahedra whose interior vertices are jittered by up to
+/// `jitter` of the shorter neighbouring step a component, cut into cells of the kind, x fastest.
+/// Every cell has a positive volume by VTK's rule as long as the jitter does not fold it.
 ///  - tetrahedra: six a hexahedron, about its diagonal 0-6.
 ///  - wedges: two a hexahedron, cut along 0-2 and 4-6.
 ///  - pyramids: six a hexahedron, about its vertices' average, a vertex of its own.
@@ -58,11 +73,12 @@ struct Mesh {
 ///    wedges, centre, tetrahedra, centre, wedges, hexahedra, hexahedra; where `centre` is cut about
 ///    the vertices' average, into a pyramid a face or, where the neighbour's face is cut into
 ///    triangles, two tetrahedra.
-Mesh make_box(Kind kind, int n, double jitter);
+Mesh make_box(Kind kind, int n, double jitter, Spacing spacing = Spacing::even);
 
-/// The n whose box of that kind has the number of cells nearest to `cells`; at least 1.
-int box_size(Kind kind, std::int64_t cells);
-/// How many cells the box has.
+/// The n whose box of that kind has the number of cells nearest to `cells` (about, for sparse); at
+/// least 1.
+int box_size(Kind kind, std::int64_t cells, Spacing spacing = Spacing::even);
+/// How many cells the full box has.
 std::int64_t box_cell_count(Kind kind, int n);
 
 /// The field of all checks, x + 2 y + 3 z.

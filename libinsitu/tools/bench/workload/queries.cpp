@@ -18,13 +18,10 @@ using mesh::Shape;
 
 struct Bounds {
   Vec3d lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
-  explicit Bounds(const Mesh& mesh) {
-    for (std::int64_t v = 0; v < mesh.vertex_count(); ++v) {
-      const Vec3d p = mesh.point(v);
-      for (int a = 0; a < 3; ++a) {
-        lo[a] = std::min(lo[a], p[a]);
-        hi[a] = std::max(hi[a], p[a]);
-      }
+  void add(const Vec3d& p) {
+    for (int a = 0; a < 3; ++a) {
+      lo[a] = std::min(lo[a], p[a]);
+      hi[a] = std::max(hi[a], p[a]);
     }
   }
 };
@@ -64,36 +61,21 @@ Queries random(const Mesh& mesh, std::int64_t count) {
   return q;
 }
 
-/// The low 21 bits, two apart.
+/// The low 11 bits, two apart.
 std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffffull;
-  x = (x | x << 16) & 0x1f0000ff0000ffull;
-  x = (x | x << 8) & 0x100f00f00f00f00full;
-  x = (x | x << 4) & 0x10c30c30c30c30c3ull;
-  return (x | x << 2) & 0x1249249249249249ull;
+  x = (x | x << 16) & 0xff0000ff;
+  x = (x | x << 8) & 0xf00f00f00f;
+  x = (x | x << 4) & 0xc30c30c30c3;
+  return (x | x << 2) & 0x9249249249;
 }
 
-Queries in_morton_order(const Mesh& mesh, const Queries& from) {
-  const Bounds box(mesh);
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(from.points.size());
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    std::uint64_t code = 0;
-    for (int a = 0; a < 3; ++a) {
-      const double extent = box.hi[a] - box.lo[a];
-      const double u = extent > 0.0 ? (from.points[i][a] - box.lo[a]) / extent : 0.0;
-      const double step = std::clamp(u, 0.0, 1.0) * 0x1p21;
-      code |= spread(std::min<std::uint64_t>(std::uint64_t(step), 0x1fffff)) << a;
-    }
-    keys[i] = {code, std::uint32_t(i)};
-  }
-  std::sort(keys.begin(), keys.end());
+Queries in_morton_order(const Queries& from) {
   Queries q;
-  q.points.reserve(keys.size());
-  q.made_in.reserve(keys.size());
-  for (const auto& key : keys) {
-    q.points.push_back(from.points[key.second]);
-    q.made_in.push_back(from.made_in[key.second]);
+  q.points.reserve(from.points.size());
+  q.made_in.reserve(from.points.size());
+  for (const std::uint32_t i : morton_order(from.points)) {
+    q.points.push_back(from.points[i]);
+    q.made_in.push_back(from.made_in[i]);
   }
   return q;
 }
@@ -109,7 +91,9 @@ Queries march(const Mesh& mesh, std::int64_t count) {
   const Vec3d eye{1.6, 1.3, 2.2}, target{0.5, 0.5, 0.5};
   const Vec3d forward = unit(target - eye), right = unit(cross(forward, Vec3d{0.0, 1.0, 0.0})),
               up = cross(right, forward);
-  const Bounds box(mesh);
+  Bounds box;
+  for (std::int64_t v = 0; v < mesh.vertex_count(); ++v)
+    box.add(mesh.point(v));
   const Vec3d extent = box.hi - box.lo;
   const double largest = std::max(extent.x, std::max(extent.y, extent.z));
   const double step = 0.5 * mesh.cell_size / (largest > 0.0 ? largest : 1.0);
@@ -139,15 +123,86 @@ Queries march(const Mesh& mesh, std::int64_t count) {
   return q;
 }
 
+Queries on_boundary(const Mesh& mesh, Pattern feature, std::int64_t count) {
+  Queries q;
+  const std::uint64_t seed = feature == Pattern::vertices ? 3 : feature == Pattern::edges ? 4 : 5;
+  const auto cells = std::uint64_t(mesh.cell_count());
+  for (std::uint64_t i = 0; cells > 0 && i < std::uint64_t(count); ++i) {
+    const auto cell = std::int64_t(core::random_bits(seed, i, 0) % cells);
+    Vec3d x[8], p;
+    const int vertices = mesh.gather(cell, x);
+    const cells::FaceTable table = cells::face_table(mesh.shape(cell));
+    const std::uint64_t pick = core::random_bits(seed, i, 1);
+    double u = core::random_unit(seed, i, 2), v = core::random_unit(seed, i, 3);
+    if (feature == Pattern::vertices) {
+      p = x[pick % std::uint64_t(vertices)];
+    } else if (feature == Pattern::edges) {
+      const cells::Edge& e = table.edges[pick % std::uint64_t(table.edge_count)];
+      p = (1.0 - u) * x[e.vertices[0]] + u * x[e.vertices[1]];
+    } else {
+      const cells::Face& f = table.faces[pick % std::uint64_t(table.face_count)];
+      const Vec3d &a = x[f.vertices[0]], &b = x[f.vertices[1]], &c = x[f.vertices[2]];
+      if (f.vertex_count == 4) {
+        p = (1.0 - u) * (1.0 - v) * a + u * (1.0 - v) * b + u * v * c +
+            (1.0 - u) * v * x[f.vertices[3]];
+      } else {
+        if (u + v > 1.0) {
+          u = 1.0 - u;
+          v = 1.0 - v;
+        }
+        p = (1.0 - u - v) * a + u * b + v * c;
+      }
+    }
+    q.points.push_back(p);
+    q.made_in.push_back(std::int32_t(cell));
+  }
+  return q;
+}
+
 } // namespace
 
+std::vector<std::uint32_t> morton_order(std::span<const Vec3d> points) {
+  Bounds box;
+  for (const Vec3d& p : points)
+    box.add(p);
+  constexpr int bits = 11, index_bits = 31;
+  constexpr std::size_t buckets = 1u << bits;
+  double scale[3];
+  for (int a = 0; a < 3; ++a)
+    scale[a] = box.hi[a] > box.lo[a] ? double(buckets) / (box.hi[a] - box.lo[a]) : 0.0;
+  std::vector<std::uint64_t> keys(points.size()), sorted(points.size());
+  std::vector<std::size_t> begin(3 * buckets, 0);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    std::uint64_t code = 0;
+    for (int a = 0; a < 3; ++a) {
+      const auto step = std::uint64_t((points[i][a] - box.lo[a]) * scale[a]);
+      code |= spread(std::min<std::uint64_t>(step, buckets - 1)) << a;
+    }
+    keys[i] = code << index_bits | i;
+    for (std::size_t pass = 0; pass < 3; ++pass)
+      ++begin[pass * buckets + (code >> (pass * bits)) % buckets];
+  }
+  for (std::size_t pass = 0; pass < 3; ++pass) {
+    std::size_t* const at = &begin[pass * buckets];
+    std::exclusive_scan(at, at + buckets, at, std::size_t(0));
+    for (const std::uint64_t key : keys)
+      sorted[at[(key >> (index_bits + pass * bits)) % buckets]++] = key;
+    keys.swap(sorted);
+  }
+  std::vector<std::uint32_t> order(points.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    order[i] = std::uint32_t(keys[i] & ((1u << index_bits) - 1));
+  return order;
+}
+
 const char* name(Pattern pattern) {
-  constexpr const char* names[] = {"uniform", "random", "sorted", "march"};
+  constexpr const char* names[] = {"uniform",  "random", "sorted", "march",
+                                   "vertices", "edges",  "faces"};
   return names[int(pattern)];
 }
 
 std::optional<Pattern> pattern_from_name(std::string_view text) {
-  for (int p = 0; p < 4; ++p)
+  for (int p = 0; p < 7; ++p)
     if (text == name(Pattern(p)))
       return Pattern(p);
   return std::nullopt;
@@ -176,47 +231,15 @@ Queries make_queries(const Mesh& mesh, Pattern pattern, std::int64_t count) {
   case Pattern::random:
     return random(mesh, count);
   case Pattern::sorted:
-    return in_morton_order(mesh, random(mesh, count));
+    return in_morton_order(random(mesh, count));
   case Pattern::march:
+    return march(mesh, count);
+  case Pattern::vertices:
+  case Pattern::edges:
+  case Pattern::faces:
     break;
   }
-  return march(mesh, count);
-}
-
-Queries make_boundary_queries(const Mesh& mesh, Feature feature, std::int64_t count) {
-  Queries q;
-  const auto seed = std::uint64_t(feature);
-  const auto cells = std::uint64_t(mesh.cell_count());
-  for (std::uint64_t i = 0; cells > 0 && i < std::uint64_t(count); ++i) {
-    const auto cell = std::int64_t(core::random_bits(seed, i, 0) % cells);
-    Vec3d x[8], p;
-    const int vertices = mesh.gather(cell, x);
-    const cells::FaceTable table = cells::face_table(mesh.shape(cell));
-    const std::uint64_t pick = core::random_bits(seed, i, 1);
-    double u = core::random_unit(seed, i, 2), v = core::random_unit(seed, i, 3);
-    if (feature == Feature::vertices) {
-      p = x[pick % std::uint64_t(vertices)];
-    } else if (feature == Feature::edges) {
-      const cells::Edge& e = table.edges[pick % std::uint64_t(table.edge_count)];
-      p = (1.0 - u) * x[e.vertices[0]] + u * x[e.vertices[1]];
-    } else {
-      const cells::Face& f = table.faces[pick % std::uint64_t(table.face_count)];
-      const Vec3d &a = x[f.vertices[0]], &b = x[f.vertices[1]], &c = x[f.vertices[2]];
-      if (f.vertex_count == 4) {
-        p = (1.0 - u) * (1.0 - v) * a + u * (1.0 - v) * b + u * v * c +
-            (1.0 - u) * v * x[f.vertices[3]];
-      } else {
-        if (u + v > 1.0) {
-          u = 1.0 - u;
-          v = 1.0 - v;
-        }
-        p = (1.0 - u - v) * a + u * b + v * c;
-      }
-    }
-    q.points.push_back(p);
-    q.made_in.push_back(std::int32_t(cell));
-  }
-  return q;
+  return on_boundary(mesh, pattern, count);
 }
 
 } // namespace insitu::workload

@@ -5,4 +5,5 @@ arguments=(--cells 12 --cycles 40 --library-threads 2 --quiet)
 # cells, endings and counts are whole numbers or words, and have to be equal.
 tolerances=(--tolerance-relative 1e-9 --tolerance-absolute 1e-11
             --max-pixel 2 --max-share 0.002 --min-similarity 0.99
-            --ignore-column seconds --ignore-column bytes)
+            --ignore-column seconds --ignore-column bytes --ignore-column located_by_reason
+            --ignore-column commits) # when to rebuild is decided by measured times

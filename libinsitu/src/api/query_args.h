@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "insitu/insitu.h"
+
+#include "math/vec.h"
+#include "mesh/external_array.h"
+#include "mesh/mesh.h"
+
+namespace insitu::api {
+
+/// The points of a query, read in place.
+class QueryPoints {
+public:
+  /// Checks the arguments; throws core::Error.
+  explicit QueryPoints(const insitu_locate_args& args);
+
+  std::int64_t count() const { return arrays_.front().layout.count; }
+  /// Points [first, first + out.size()) as doubles.
+  void gather(std::int64_t first, std::span<math::Vec3d> out, const core::Threads& threads) const;
+  const std::vector<mesh::ExternalArray>& arrays() const { return arrays_; }
+
+private:
+  std::vector<mesh::ExternalArray> arrays_;
+};
+
+/// Where a query writes.
+class QueryOutputs {
+public:
+  /// The outputs of a locate.
+  QueryOutputs(const insitu_locate_args& args, std::int64_t count);
+  void add(const void* data, std::int64_t bytes, std::string name);
+
+  /// Throws INSITU_ERROR_ARGUMENT, naming both, if an output shares memory with another, with the
+  /// points, or with an array without gaps between its items of what the query reads of the mesh:
+  /// coordinates, cells, ghosts and these fields.
+  void refuse_overlaps(const QueryPoints& points, const mesh::Mesh& mesh,
+                       std::span<const char* const> fields) const;
+
+private:
+  struct Output {
+    mesh::ExternalArray::Range range;
+    std::string name;
+  };
+  std::vector<Output> outputs_;
+};
+
+} // namespace insitu::api

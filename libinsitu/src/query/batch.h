@@ -1,0 +1,66 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "query/candidates.h"
+#include "query/gather.h"
+#include "query/pairs.h"
+#include "query/point_query.h"
+
+namespace insitu::query {
+
+/// What one thread needs for batches; kept for the thread's life, since it is small.
+struct BatchScratch {
+  QueryBoxes boxes;
+  TraversalScratch traversal;
+  std::vector<std::int64_t> cells;    ///< of the candidates, shape by shape
+  std::vector<std::uint8_t> queries;  ///< of the candidates, shape by shape
+  std::vector<std::int64_t> unsorted; ///< cells in the tree's order
+  PairBlock block;
+};
+
+/// Answers batches of at most batch_size points: all of them through the tree, then blocks of
+/// (cell, point) pairs of one shape through the containment filter; what it leaves open goes
+/// through the exact test, one by one. Last the owners' parametric coordinates. On meshes free of
+/// folds, and where few points have more than one candidate, Newton goes first instead: its
+/// certificate proves as much, and its coordinates are wanted anyway. Either way the answers are
+/// PointQuery's.
+class BatchLocator {
+public:
+  BatchLocator(const PointQuery& query, BatchScratch& scratch);
+
+  void run(std::span<const math::Vec3d> points);
+
+  // Of the batch's points, until the next run.
+  std::span<const Location> locations() const { return {best_, std::size_t(count_)}; }
+  std::span<const Reason> reasons() const { return {reason_, std::size_t(count_)}; }
+
+private:
+  void order_by_shape();
+  void claim(int query, std::int64_t cell, Reason reason);
+  void decide_by_filter(mesh::Shape shape, const std::int64_t* cells, const std::uint8_t* queries);
+  void decide_by_newton(mesh::Shape shape, const std::int64_t* cells, const std::uint8_t* queries);
+  void decide_rest(mesh::Shape shape, std::uint64_t open, const std::int64_t* cells,
+                   const std::uint8_t* queries);
+  void find_parametric();
+  void set_points(const std::uint8_t* queries);
+  math::Vec3d block_point(int k) const;
+  void block_vertices(mesh::Shape shape, int k, math::Vec3d* x) const;
+
+  /// Calls f(shape, first, n) for blocks of cells of one shape within order_by_shape's runs.
+  template <class F>
+  void for_each_block(F&& f);
+
+  const PointQuery& query_;
+  CellGather gather_;
+  BatchScratch& s_;
+  std::span<const math::Vec3d> points_;
+  std::size_t run_end_[5] = {}; ///< of the candidates of shapes 10 to 14
+  int count_ = 0;
+  Location best_[batch_size];
+  Reason reason_[batch_size];
+  bool located_[batch_size]; ///< the parametric coordinates are known
+};
+
+} // namespace insitu::query

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "accel/tree.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "math/vec.h"
+
+namespace insitu::query {
+
+/// Whether most neighbours in the batch lie so many cells apart that sorting the batch costs less
+/// than the misses of taking it as it is. Looks at a few dozen pairs.
+bool is_incoherent(std::span<const math::Vec3d> points, const accel::Tree& tree);
+
+/// Puts batches of points into spatial order. The memory is kept between batches.
+class SpatialOrder {
+public:
+  explicit SpatialOrder(core::Memory& memory)
+      : items_(memory, INSITU_MEMORY_QUERY), sorted_(memory, INSITU_MEMORY_QUERY) {}
+
+  struct Item {
+    std::uint32_t point;
+    std::uint32_t code; ///< Morton code on a grid of the tree's box
+  };
+
+  /// The points' numbers in Morton order (Morton 1966), equal codes in their own order; at most
+  /// 2^32 points. Valid until the next call. The same for any thread count.
+  std::span<const Item> sort(const core::Threads& threads, std::span<const math::Vec3d> points,
+                             const accel::Tree& tree);
+
+  /// Gives the memory back.
+  void release() {
+    items_.release();
+    sorted_.release();
+  }
+
+private:
+  core::Buffer<Item> items_, sorted_;
+};
+
+} // namespace insitu::query

@@ -1,0 +1,81 @@
+#include "options.h"
+
+namespace insitu::bench {
+
+const char* help_text() {
+  return R"(insitu-bench commit|locate|torture|scale [options]
+
+Times libinsitu on the standard workload, checks its answers and holds them against VTK's.
+  commit   building and refitting the acceleration structure, cold and warm
+  locate   point queries, with Newton's parametric coordinates, and sampling of fields
+  torture  who loses or misplaces how many points on small meshes of all hard cases
+  scale    cost of build and queries by number of cells, and of queries by size of the batch
+
+The mesh (commit, locate, scale)
+  --shape hex|tet|wedge|pyramid|mixed   cells of the unit box [hex]
+  --kind even|graded|layers|sparse [even]
+                    equal steps | edge lengths that grow 1e4-fold along each axis |
+                    cells 1e4 to 1e6 times as wide as thick | 24 balls, about 5 % of the box
+  --cells N         the box with the number of cells nearest to N [1000000]; scale: N1,N2,...
+                    [10000 to 30000000 in half decades]
+  --jitter J        interior vertices move by up to J of a cell, 0 to 0.5 [0.2]
+  --numbering natural|shuffled   x fastest, or cells and vertices numbered at random [natural]
+  --mesh FILE.vtu   a mesh from a file instead (commit, locate; where built with VTK)
+The queries (locate)
+  --queries uniform|random|sorted|march|vertices|edges|faces [uniform]
+                    every cell's centre in cell order | random cells, random points |
+                    these in Morton order | along view rays, half a cell apart |
+                    on vertices, edges, faces of random cells, as rounding leaves them
+  --points Q        how many, but for uniform [as many as cells; torture: 2000 a case]
+  --accuracy standard|exact [standard]
+  --fields N        also samples N vertex fields at once against one, through insitu.h [1]
+The run
+  --threads T       0: all that the process may use [1]
+  --repetitions R   medians of R repetitions [5; scale: 3]
+  --peers           locate: also the peers of VTK, on one thread, interleaved with ours
+  --peer NAME       the same, this one only (may be repeated): vtkStaticCellLocator,
+                    vtkCellTreeLocator, vtkCellLocator, vtkProbeFilter
+  --peer-points Q   peers answer the first Q points only (they can be very slow on graded meshes)
+  --json FILE       writes the figures; - for standard output, instead of the table
+  --csv FILE, --svg FILE   scale: the table, and a plot of it
+
+Figures of commit and locate
+  build_s      rebuild in Morton order into warm buffers
+  refit_s      boxes fitted to moved vertices
+  mqps         million points a second, located: cell and parametric coordinates
+  mqps_sample  the same, located and one vertex field interpolated
+  bytes        the tree; bytes_peak: with the builder's scratch
+  lost         points that no cell claimed, though one holds them
+  wrong        points answered by a cell that does not hold them, by exact arithmetic
+  not_lowest   (vertices, edges, faces) points answered by another than the lowest id that holds
+               them, by exact arithmetic: a tie the one-owner rule decides
+  max_error    largest |sampled - exact| of the field x + 2 y + 3 z
+Further figures of locate; ratios are of medians of processor time on one thread, else of wall time
+  exact_over_standard   time of exact over time of standard, same points, same run
+  sorted_inside         1: the library puts this batch into spatial order before it locates it
+  mqps_unsorted         (random, sorted) the same points taken in their own order
+  sort_ns               (random, sorted) the library's sort of the random points, a point
+  boundary_over_random  (vertices, edges, faces) time over that of as many random points
+  fields_over_one       (--fields N) time of sampling N fields at once over one
+  single_us, single_exact_us, hinted_us   one point a call; with the answer before as a hint
+  nodes_per_query, candidates_per_query   work in the tree
+  reason_...            points by why they have their owner (insitu_reason)
+  ratio_PEER            the peer's time over ours; ratio_unsorted_PEER: over that of mqps_unsorted
+
+Torture
+  Cases: jittered and twisted cells of all shapes, offsets of 1e7, aspect ratios of 1e6, slivers,
+  collapsed hexahedra, inverted, folded, flat and doubled cells, reflex angles, tilted planar quads,
+  neighbours that do not match, float32 coordinates. Points: inside, on faces, edges and vertices,
+  and one unit in the last place beside these. The truth is the lowest id of the cells that hold the
+  point by exact arithmetic, all cells asked. Ours answers in standard and exact, each as a batch,
+  one by one and with hints; the worst of the three is printed: lost / wrong / not lowest, and
+  the largest distance from the point to where the answer maps, over the cell's diameter.
+  --overlap-hints   where cells of neighbours that do not match overlap, a hinted answer need not be
+                    the lowest id (it is counted all the same)
+
+Exit code: 0; 1 if the run failed, or torture found that ours lost or misplaced a point, gave a false
+reason, or answered differently by another way; 2 if the arguments cannot be used.
+)";
+}
+
+} // namespace insitu::bench

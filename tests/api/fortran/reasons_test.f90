@@ -1,0 +1,95 @@
+!> Why points have their owners: centres, faces, edges and vertices of a box of dyadic cells, outside.
+program reasons_test
+  use, intrinsic :: iso_fortran_env, only: int32, int64, real32, real64
+  use checks
+  use insitu
+  implicit none
+
+  integer, parameter :: n = box_cells
+  real(real64), target :: xyz(3, box_vertices)
+  integer(int32), target :: connectivity(8, n)
+  type(insitu_session) :: session
+  type(insitu_mesh) :: mesh
+  integer :: ierr
+
+  xyz = box_points()
+  connectivity = box_hexahedra()
+  call session%open(ierr=ierr, threads=2)
+  call session%mesh('box', mesh, ierr)
+  call mesh%points(xyz, ierr)
+  call mesh%hexahedra(connectivity, ierr)
+  call mesh%commit(ierr)
+  call expect_ok('commit', session, ierr)
+  call ask()
+  call session%close(ierr)
+  call finish_checks()
+
+contains
+
+  !> The mean of the first `corners` vertices of each cell: 1 a vertex, 2 an edge, 4 a face, 8 inside.
+  function means(corners) result(points)
+    integer, intent(in) :: corners
+    real(real64) :: points(3, n)
+    integer :: c
+    do c = 1, n
+      points(:, c) = sum(xyz(:, connectivity(:corners, c)), dim=2) / real(corners, real64)
+    end do
+  end function means
+
+  subroutine ask()
+    integer, parameter :: corners(4) = [8, 4, 2, 1]
+    integer, parameter :: reason(4) = &
+        [insitu_reason_certified, insitu_reason_on_face, insitu_reason_on_edge, insitu_reason_on_vertex]
+    integer(int64) :: cells(5 * n)
+    integer(int32) :: narrow(5 * n)
+    integer :: reasons(5 * n), again(5 * n), short(n), expected, i
+    real(real64) :: points(3, 5 * n)
+    real(real32) :: x(5 * n), y(5 * n), z(5 * n)
+    type(insitu_report) :: report
+
+    do i = 1, 4
+      points(:, n * (i - 1) + 1:n * i) = means(corners(i))
+    end do
+    points(:, 4 * n + 1:) = means(8) + 100.0_real64
+    reasons = -1
+    call mesh%locate(points, cells, ierr, reasons=reasons)
+    call expect_ok('locate', session, ierr)
+    do i = 1, 4
+      associate (found => reasons(n * (i - 1) + 1:n * i))
+        expected = reason(i)
+        ! How an interior point is made sure of is the library's affair.
+        if (i == 1) where (found == insitu_reason_exact) found = insitu_reason_certified
+        call expect('reasons of the means of corners', all(found == expected))
+      end associate
+    end do
+    call expect('cells of centres', all(cells(:n) == [(int(i, int64), i=1, n)]))
+    call expect('outside', all(reasons(4 * n + 1:) == insitu_reason_outside) .and. &
+                all(cells(4 * n + 1:) == 0_int64))
+
+    ! The other ways to give points and to take ids say the same.
+    call mesh%locate(points, narrow, ierr, reasons=again)
+    where (again(:n) == insitu_reason_exact) again(:n) = insitu_reason_certified
+    call expect('32-bit ids', ierr == insitu_ok .and. all(again == reasons) .and. all(narrow == cells))
+    x = real(points(1, :), real32)                  ! exact: few digits
+    y = real(points(2, :), real32)
+    z = real(points(3, :), real32)
+    call mesh%locate(x, y, z, cells, ierr, reasons=again)
+    where (again(:n) == insitu_reason_exact) again(:n) = insitu_reason_certified
+    call expect('three arrays', ierr == insitu_ok .and. all(again == reasons))
+    call mesh%locate(x, y, z, narrow, ierr, reasons=again)
+    where (again(:n) == insitu_reason_exact) again(:n) = insitu_reason_certified
+    call expect('three arrays, 32-bit ids', ierr == insitu_ok .and. all(again == reasons))
+
+    call session%report(report, ierr)
+    call expect('report', report%located_by_reason(insitu_reason_outside) == 4 * n .and. &
+                report%located_by_reason(insitu_reason_certified) + &
+                report%located_by_reason(insitu_reason_exact) == 4 * n .and. &
+                report%located_by_reason(insitu_reason_on_face) == 4 * n .and. &
+                report%located_by_reason(insitu_reason_on_edge) == 4 * n .and. &
+                report%located_by_reason(insitu_reason_on_vertex) == 4 * n)
+
+    call mesh%locate(points, cells, ierr, reasons=short)
+    call expect_error('too little room', session, ierr, insitu_error_argument, 'reasons|24|120')
+  end subroutine ask
+
+end program reasons_test
