@@ -35,6 +35,14 @@ public:
     }
   }
 
+  /// Box `to` becomes another's box `child`.
+  HWY_INLINE void take(int to, const ChildBoxes& from, int child) {
+    for (int a = 0; a < 3; ++a) {
+      lower_[a][to] = from.lower_[a][child];
+      upper_[a][to] = from.upper_[a][child];
+    }
+  }
+
   /// Bit c: the query's box meets child c's.
   HWY_INLINE unsigned overlapping(const float* bounds) const {
     unsigned bits = 0;
@@ -54,8 +62,8 @@ private:
   static constexpr hn::CappedTag<float, 8> d{};
   static constexpr hn::Rebind<std::int32_t, hn::CappedTag<float, 8>> di{};
   static constexpr hn::Rebind<std::uint8_t, hn::CappedTag<float, 8>> db{};
-  alignas(32) float lower_[3][8];
-  alignas(32) float upper_[3][8];
+  alignas(32) float lower_[3][8] = {};
+  alignas(32) float upper_[3][8] = {};
 };
 
 /// Bit c: meta[c] is not 0.
@@ -94,11 +102,16 @@ HWY_INLINE std::size_t append(unsigned hits, const std::uint8_t* offsets, std::u
   return std::size_t(std::popcount(hits));
 }
 
-/// The node from which the batch's own way begins: down from the root while one child, a node,
-/// holds all that the batch meets. Batches of neighbours spare most levels this way. False: it
-/// meets nothing.
-HWY_INLINE bool find_entry(const accel::Node* nodes, const QueryBoxes& queries,
-                           std::uint32_t& entry) {
+/// The nodes from which a batch goes on, with their boxes: down from the root, level by level,
+/// while at most eight nodes meet the box of the whole batch. Batches of neighbours spare half of
+/// the levels this way.
+struct Entry {
+  std::uint32_t node[8] = {0};
+  int count = 1; ///< 1 at first: the root, whose box need not be tested
+  ChildBoxes boxes;
+};
+
+HWY_INLINE void find_entry(const accel::Node* nodes, const QueryBoxes& queries, Entry& entry) {
   const hn::CappedTag<float, 4> d;
   alignas(16) float all[8];
   for (std::size_t o = 0; o < 4; o += hn::MaxLanes(d)) {
@@ -111,31 +124,50 @@ HWY_INLINE bool find_entry(const accel::Node* nodes, const QueryBoxes& queries,
     hn::Store(upper, d, all + 4 + o);
   }
   ChildBoxes children;
-  entry = 0;
-  for (;;) {
-    const accel::Node& node = nodes[entry];
-    children.decode(node);
-    const unsigned hits = children.overlapping(all) & present_children(node);
-    if (hits == 0)
-      return false;
-    if (!std::has_single_bit(hits) || !(hits & node.inner))
-      return true;
-    entry = node.child_node(std::countr_zero(hits));
+  while (entry.count > 0) {
+    Entry next;
+    next.count = 0;
+    for (int i = 0; i < entry.count; ++i) {
+      const accel::Node& node = nodes[entry.node[i]];
+      children.decode(node);
+      const unsigned hits = children.overlapping(all) & present_children(node);
+      if ((hits & ~unsigned(node.inner)) || next.count + std::popcount(hits) > 8)
+        return;
+      for (unsigned rest = hits; rest; rest &= rest - 1) {
+        const int c = std::countr_zero(rest);
+        next.boxes.take(next.count, children, c);
+        next.node[next.count++] = node.child_node(c);
+      }
+    }
+    entry = next;
   }
+}
+
+/// The first level's tasks, node by node.
+HWY_INLINE std::size_t enter(const Entry& entry, const QueryBoxes& queries, NodeTask* tasks) {
+  std::uint8_t hits[batch_size];
+  for (int q = 0; q < queries.count; ++q)
+    hits[q] = std::uint8_t(entry.node[0] == 0 ? 1 : entry.boxes.overlapping(queries.bounds[q]));
+  std::size_t n = 0;
+  for (int i = 0; i < entry.count; ++i)
+    for (int q = 0; q < queries.count; ++q) {
+      tasks[n] = {entry.node[i], std::uint32_t(q)};
+      n += (hits[q] >> i) & 1;
+    }
+  return n;
 }
 
 void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
                             TraversalScratch& scratch) {
   static_assert(accel::most_leaf_cells == 1, "a leaf child is one candidate below");
   const accel::Node* nodes = tree.nodes();
-  if (scratch.level.size() < std::size_t(queries.count))
-    scratch.level.resize(batch_size);
-  std::uint32_t entry = 0;
-  std::size_t found = 0, visited = 0;
-  const bool any = queries.count > 0 && find_entry(nodes, queries, entry);
-  for (int q = 0; q < queries.count; ++q)
-    scratch.level[std::size_t(q)] = {entry, std::uint32_t(q)};
-  auto tasks = any ? std::size_t(queries.count) : 0;
+  if (scratch.level.size() < 8 * batch_size + 1)
+    scratch.level.resize(8 * batch_size + 1); // enter writes one more than it keeps
+  Entry entry;
+  if (queries.count == 0)
+    entry.count = 0;
+  find_entry(nodes, queries, entry);
+  std::size_t tasks = enter(entry, queries, scratch.level.data()), found = 0, visited = 0;
   ChildBoxes children;
   std::uint32_t decoded = ~0u;
   while (tasks > 0) {

@@ -62,7 +62,7 @@ private:
 };
 
 /// Answers point queries on a committed mesh. Cheap to copy; valid until the next commit. All calls
-/// are const, and their answers do not depend on threads, hints or batching. All but the parallel
+/// are const, and their answers do not depend on threads or batching. All but the parallel
 /// batch are thread-safe.
 class Sampler {
 public:
@@ -75,7 +75,8 @@ public:
   const accel::Tree& tree() const { return *tree_; }
 
   /// The lowest flat cell id of the closed cells that hold p. hint: a cell to try first, or -1;
-  /// it changes the time, not the answer.
+  /// it changes the time, not the answer, unless cells overlap without folding: then the hint's cell
+  /// may answer.
   Location locate(const math::Vec3d& p, std::int64_t hint = -1, const LocateOptions& options = {},
                   Reason* reason = nullptr) const;
 
