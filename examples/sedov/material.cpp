@@ -2,28 +2,31 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
+
+#include "hexahedron.h"
 
 namespace sedov {
 
 namespace {
 
-// The cell's eight corners in VTK's order, as the solver has them.
+// The cell's eight corners, numbered by bits.
 struct Cell {
   double x[8][3];
 
   Cell(const Solver& solver, std::int64_t cell) {
     const std::int32_t* ids = &solver.connectivity[8 * static_cast<std::size_t>(cell)];
-    for (int v = 0; v < 8; ++v) {
-      const auto id = static_cast<std::size_t>(ids[v]);
+    for (std::size_t v = 0; v < 8; ++v) {
+      const auto id = static_cast<std::size_t>(ids[vtk_corner[v]]);
       x[v][0] = solver.x[id];
       x[v][1] = solver.y[id];
       x[v][2] = solver.z[id];
     }
   }
 
-  static constexpr int corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
-                                       {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  // Of corner v along axis a: the linear function that is 1 there and 0 at the other end.
+  static double linear(int v, int a, double r) { return v >> a & 1 ? r : 1.0 - r; }
 
   // The trilinear map; relative to corner 0, which keeps digits.
   void map(const double* r, double* out) const {
@@ -32,7 +35,7 @@ struct Cell {
       for (int v = 1; v < 8; ++v) {
         double weight = 1.0;
         for (int b = 0; b < 3; ++b)
-          weight *= corner[v][b] ? r[b] : 1.0 - r[b];
+          weight *= linear(v, b, r[b]);
         sum += weight * (x[v][a] - x[0][a]);
       }
       out[a] = x[0][a] + sum;
@@ -45,10 +48,10 @@ struct Cell {
     double d[3][3] = {}; // d[b]: derivative along parametric axis b
     for (int v = 0; v < 8; ++v)
       for (int b = 0; b < 3; ++b) {
-        double weight = corner[v][b] ? 1.0 : -1.0;
+        double weight = v >> b & 1 ? 1.0 : -1.0;
         for (int o = 0; o < 3; ++o)
           if (o != b)
-            weight *= corner[v][o] ? r[o] : 1.0 - r[o];
+            weight *= linear(v, o, r[o]);
         for (int a = 0; a < 3; ++a)
           d[b][a] += weight * (x[v][a] - x[0][a]);
       }

@@ -84,7 +84,7 @@ table() {
   echo "\`insitu-bench torture\` on the small meshes of hard cases:" \
     "points lost / answered by a cell that does not hold them / by another than the lowest id that does, by method:"
   echo
-  "$bench" torture --overlap-hints > "$out/torture.txt" || true
+  "$bench" torture > "$out/torture.txt" || true
   awk '/^ +cells +owned/ { for (i = 3; i <= NF; ++i) head = head " | " $i; columns = NF - 2 }
     /On the valid meshes/ { print "| points on valid meshes | number |" substr(head, 3) " |"
       line = "|---|---|"; for (i = 0; i < columns; ++i) line = line "---|"; print line; inside = 1; next }

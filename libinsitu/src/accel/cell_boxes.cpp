@@ -2,9 +2,6 @@
 
 #include <algorithm>
 
-#include "accel/cell_layouts.h"
-
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "accel/cell_boxes.cpp"
 #include <hwy/foreach_target.h>
@@ -80,25 +77,17 @@ HWY_INLINE bool fit_some(const std::byte* base, const std::int64_t* offsets, int
 
 /// Interleaved coordinates: x, y, z in one register (two on SSE2).
 template <class Layout, class Real>
-std::int64_t interleaved_boxes(const CellBoxes::Arrays& m, const std::uint32_t* cells,
+std::int64_t interleaved_boxes(const CellBoxes::Piece& piece, const std::uint32_t* cells,
                                std::uint32_t n, Box* boxes) {
-  const math::Vec3d& o = m.origin;
+  const mesh::CellArrays& m = piece.arrays;
+  const math::Vec3d& o = piece.origin;
   alignas(32) const double origins[3][4] = {
       {o.x, o.y, o.z, 0.0}, {o.y, o.z, o.z, 0.0}, {o.z, o.z, o.z, 0.0}};
-  constexpr std::uint32_t layout_ahead = 32, points_ahead = 12;
   std::int64_t refused = -1;
   for (std::uint32_t i = 0; i < n; ++i) {
     std::int64_t offsets[8];
-    // Cells in the solver's order need no help.
-    if (i + layout_ahead < n && cells[i + layout_ahead] - cells[i] != layout_ahead)
-      Layout::prefetch(m, std::int64_t(cells[i + layout_ahead]) - m.first);
-    if (i + points_ahead < n && cells[i + points_ahead] - cells[i] != points_ahead) {
-      const int later =
-          Layout::offsets(m, std::int64_t(cells[i + points_ahead]) - m.first, offsets);
-      for (int v = 0; v < later; v += 2)
-        __builtin_prefetch(m.component[0] + offsets[v]);
-    }
-    const int count = Layout::offsets(m, std::int64_t(cells[i]) - m.first, offsets);
+    mesh::ask_ahead<Layout>(m, piece.first, cells, i, n);
+    const int count = Layout::offsets(m, std::int64_t(cells[i]) - piece.first, offsets);
     alignas(16) float corners[8];
     const auto fit = [&]<std::size_t first>() HWY_ATTR {
       return fit_some<Layout, Real, first>(m.component[0], offsets, count, origins[first], corners,
@@ -123,33 +112,10 @@ std::int64_t interleaved_boxes(const CellBoxes::Arrays& m, const std::uint32_t* 
   return refused;
 }
 
-template <class Index, class Real>
-CellBoxes::Loop choose_layout(mesh::CellLayout layout, int count) {
-  if (layout == mesh::CellLayout::mixed)
-    return &interleaved_boxes<MixedLayout<Index>, Real>;
-  if (layout == mesh::CellLayout::padded)
-    return &interleaved_boxes<PaddedLayout<Index>, Real>;
-  switch (count) {
-  case 4:
-    return &interleaved_boxes<UniformLayout<Index, 4>, Real>;
-  case 5:
-    return &interleaved_boxes<UniformLayout<Index, 5>, Real>;
-  case 6:
-    return &interleaved_boxes<UniformLayout<Index, 6>, Real>;
-  default:
-    return &interleaved_boxes<UniformLayout<Index, 8>, Real>;
-  }
-}
-
-CellBoxes::Loop interleaved_loop(mesh::CellLayout layout, bool is_int32, bool is_float32,
-                                 int count) {
-  if (layout == mesh::CellLayout::block)
-    return is_float32 ? &interleaved_boxes<BlockLayout, float>
-                      : &interleaved_boxes<BlockLayout, double>;
-  return is_int32 ? (is_float32 ? choose_layout<std::int32_t, float>(layout, count)
-                                : choose_layout<std::int32_t, double>(layout, count))
-                  : (is_float32 ? choose_layout<std::int64_t, float>(layout, count)
-                                : choose_layout<std::int64_t, double>(layout, count));
+CellBoxes::Loop interleaved_loop(const mesh::CellArrays& arrays) {
+  return mesh::with_layout(arrays, []<class Layout, class Real>() -> CellBoxes::Loop {
+    return &interleaved_boxes<Layout, Real>;
+  });
 }
 
 } // namespace insitu::accel::HWY_NAMESPACE
@@ -195,24 +161,16 @@ bool is_empty(const Box& b) {
   return !(b.lower[0] <= b.upper[0]);
 }
 
-/// Separate coordinate arrays, or records that are too short for the interleaved loop.
+/// Coordinates in arrays of their own.
 template <class Layout, class Real>
-std::int64_t separate_boxes(const CellBoxes::Arrays& m, const std::uint32_t* cells, std::uint32_t n,
-                            Box* boxes) {
-  constexpr std::uint32_t layout_ahead = 32, points_ahead = 12;
+std::int64_t separate_boxes(const CellBoxes::Piece& piece, const std::uint32_t* cells,
+                            std::uint32_t n, Box* boxes) {
+  const mesh::CellArrays& m = piece.arrays;
   std::int64_t refused = -1;
   for (std::uint32_t i = 0; i < n; ++i) {
     std::int64_t offsets[8];
-    if (i + layout_ahead < n && cells[i + layout_ahead] - cells[i] != layout_ahead)
-      Layout::prefetch(m, std::int64_t(cells[i + layout_ahead]) - m.first);
-    if (i + points_ahead < n && cells[i + points_ahead] - cells[i] != points_ahead) {
-      const int later =
-          Layout::offsets(m, std::int64_t(cells[i + points_ahead]) - m.first, offsets);
-      for (int v = 0; v < later; v += 2)
-        for (int a = 0; a < 3; ++a)
-          __builtin_prefetch(m.component[a] + offsets[v]);
-    }
-    const int count = Layout::offsets(m, std::int64_t(cells[i]) - m.first, offsets);
+    mesh::ask_ahead<Layout>(m, piece.first, cells, i, n);
+    const int count = Layout::offsets(m, std::int64_t(cells[i]) - piece.first, offsets);
     const auto point = [&](int v) {
       return math::Vec3d{double(mesh::load_as<Real>(m.component[0] + offsets[v])),
                          double(mesh::load_as<Real>(m.component[1] + offsets[v])),
@@ -225,7 +183,7 @@ std::int64_t separate_boxes(const CellBoxes::Arrays& m, const std::uint32_t* cel
         extent.add(point(v));
       for (int v = Layout::least; v < count; ++v)
         extent.add(point(v));
-      boxes[i] = extent.box(m.origin);
+      boxes[i] = extent.box(piece.origin);
     }
     if (is_empty(boxes[i]))
       refused = refused < 0 || cells[i] < refused ? std::int64_t(cells[i]) : refused;
@@ -233,43 +191,16 @@ std::int64_t separate_boxes(const CellBoxes::Arrays& m, const std::uint32_t* cel
   return refused;
 }
 
-template <class Index, class Real>
-CellBoxes::Loop choose_separate(mesh::CellLayout layout, int count) {
-  if (layout == mesh::CellLayout::mixed)
-    return &separate_boxes<MixedLayout<Index>, Real>;
-  if (layout == mesh::CellLayout::padded)
-    return &separate_boxes<PaddedLayout<Index>, Real>;
-  switch (count) {
-  case 4:
-    return &separate_boxes<UniformLayout<Index, 4>, Real>;
-  case 5:
-    return &separate_boxes<UniformLayout<Index, 5>, Real>;
-  case 6:
-    return &separate_boxes<UniformLayout<Index, 6>, Real>;
-  default:
-    return &separate_boxes<UniformLayout<Index, 8>, Real>;
-  }
-}
-
-CellBoxes::Loop separate_loop(mesh::CellLayout layout, bool is_int32, bool is_float32, int count) {
-  if (layout == mesh::CellLayout::block)
-    return is_float32 ? &separate_boxes<BlockLayout, float> : &separate_boxes<BlockLayout, double>;
-  return is_int32 ? (is_float32 ? choose_separate<std::int32_t, float>(layout, count)
-                                : choose_separate<std::int32_t, double>(layout, count))
-                  : (is_float32 ? choose_separate<std::int64_t, float>(layout, count)
-                                : choose_separate<std::int64_t, double>(layout, count));
-}
-
-std::int64_t general_boxes(const CellBoxes::Arrays& m, const std::uint32_t* cells, std::uint32_t n,
-                           Box* boxes) {
+std::int64_t general_boxes(const CellBoxes::Piece& piece, const std::uint32_t* cells,
+                           std::uint32_t n, Box* boxes) {
   std::int64_t refused = -1;
   for (std::uint32_t i = 0; i < n; ++i) {
     mesh::CellVertices cell;
-    mesh::gather(*m.mesh, cells[i], cell);
+    mesh::gather(*piece.mesh, cells[i], cell);
     Extent extent(cell.x[0]);
     for (int v = 1; v < cell.count; ++v)
       extent.add(cell.x[v]);
-    boxes[i] = extent.box(m.origin);
+    boxes[i] = extent.box(piece.origin);
     if (is_empty(boxes[i]))
       refused = refused < 0 || cells[i] < refused ? std::int64_t(cells[i]) : refused;
   }
@@ -279,59 +210,27 @@ std::int64_t general_boxes(const CellBoxes::Arrays& m, const std::uint32_t* cell
 } // namespace
 
 CellBoxes::CellBoxes(const mesh::MeshView& mesh, const math::Vec3d& origin) : mesh_(&mesh) {
-  for (std::int32_t p = 0; p < mesh.piece_count; ++p)
-    pieces_.push_back(choose(mesh, p, origin));
-}
-
-CellBoxes::Piece CellBoxes::choose(const mesh::MeshView& mesh, std::int32_t piece,
-                                   const math::Vec3d& origin) {
-  const mesh::PieceView& p = mesh.pieces[piece];
-  const mesh::ItemLayout& layout = p.points.layout;
-  Arrays m;
-  m.first = mesh.first_cell[piece];
-  m.origin = origin;
-  m.mesh = &mesh;
-  const bool block = p.layout == mesh::CellLayout::block;
-  if (p.implicit_points || (!layout.linear && !block))
-    return {m, &general_boxes};
-  if (block) {
-    m.point_stride = layout.stride[0];
-    for (int a = 0; a < 2; ++a)
-      m.block_cells[a] = std::uint32_t(p.block_vertices[a] - 1);
-    m.block_stride[0] = layout.stride[0];
-    m.block_stride[1] = layout.linear ? p.block_vertices[0] * layout.stride[0] : layout.stride[1];
-    m.block_stride[2] = layout.linear ? p.block_vertices[1] * m.block_stride[1] : layout.stride[2];
-    if (!layout.linear &&
-        (layout.extent[0] != p.block_vertices[0] || layout.extent[1] != p.block_vertices[1]))
-      return {m, &general_boxes};
-  } else {
-    m.ids = p.connectivity.data;
-    m.cell_stride = p.connectivity.stride;
-    m.id_stride = p.id_stride;
-    m.base = p.index_base;
-    m.types = p.types;
-    m.types_stride = p.types_stride;
-    m.offsets = p.offsets.data;
-    m.offset_stride = p.offsets.stride;
-    m.offset_is_int32 = p.offsets.is_int32;
-    m.point_stride = layout.stride[0];
+  for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
+    Piece piece;
+    piece.first = mesh.first_cell[p];
+    piece.origin = origin;
+    piece.mesh = &mesh;
+    if (!mesh::CellArrays::make(mesh.pieces[p], piece.arrays))
+      piece.loop = &general_boxes;
+    else if (piece.arrays.interleaved)
+      piece.loop = HWY_DYNAMIC_DISPATCH(interleaved_loop)(piece.arrays);
+    else
+      piece.loop = mesh::with_layout(piece.arrays, []<class Layout, class Real>() -> Loop {
+        return &separate_boxes<Layout, Real>;
+      });
+    pieces_.push_back(piece);
   }
-  for (int a = 0; a < 3; ++a)
-    m.component[a] = p.points.component[a];
-  const bool is_int32 = p.connectivity.is_int32, is_float32 = p.points.is_float32;
-  const std::int64_t size = is_float32 ? 4 : 8;
-  const bool interleaved =
-      m.component[1] - m.component[0] == size && m.component[2] - m.component[1] == size;
-  const int count = mesh::vertex_count(p.uniform_shape);
-  return {m, interleaved
-                 ? HWY_DYNAMIC_DISPATCH(interleaved_loop)(p.layout, is_int32, is_float32, count)
-                 : separate_loop(p.layout, is_int32, is_float32, count)};
 }
 
 std::int64_t CellBoxes::compute(const std::uint32_t* flat_cells, std::uint32_t n,
                                 Box* boxes) const {
   if (pieces_.size() == 1)
-    return pieces_[0].loop(pieces_[0].arrays, flat_cells, n, boxes);
+    return pieces_[0].loop(pieces_[0], flat_cells, n, boxes);
   std::int64_t refused = -1;
   for (std::uint32_t begin = 0, end = 0; begin < n; begin = end) {
     const std::int32_t p = mesh_->piece_of(flat_cells[begin]);
@@ -339,8 +238,7 @@ std::int64_t CellBoxes::compute(const std::uint32_t* flat_cells, std::uint32_t n
     while (end < n && flat_cells[end] >= first && flat_cells[end] < last)
       ++end;
     const Piece& piece = pieces_[std::size_t(p)];
-    const std::int64_t bad =
-        piece.loop(piece.arrays, flat_cells + begin, end - begin, boxes + begin);
+    const std::int64_t bad = piece.loop(piece, flat_cells + begin, end - begin, boxes + begin);
     if (bad >= 0 && (refused < 0 || bad < refused))
       refused = bad;
   }

@@ -31,7 +31,7 @@ struct Tree::Morton {
       : boxes(memory, INSITU_MEMORY_BUILD), order(memory, INSITU_MEMORY_BUILD),
         scratch(memory, INSITU_MEMORY_BUILD) {}
   core::Buffer<Box> boxes; ///< by flat id
-  core::Buffer<morton::CodedCell> order, scratch;
+  core::Buffer<morton::Coded> order, scratch;
 };
 
 Tree::Tree(core::Memory& memory)
@@ -113,12 +113,12 @@ void Tree::build_in_morton_order(const mesh::MeshView& mesh, const Owners& owner
                        const Box* some, std::uint32_t count) {
                      centres[std::size_t(chunk)].add(morton::Centres(some, count));
                      for (std::uint32_t i = 0; i < count; ++i)
-                       morton_->order[std::size_t(rank) + i].cell = ids[i];
+                       morton_->order[std::size_t(rank) + i].id = ids[i];
                    });
   morton::Centres all;
   for (const morton::Centres& c : centres) // in order of chunks: sums do not depend on threads
     all.add(c);
-  morton::CodedCell* order = morton_->order.data();
+  morton::Coded* order = morton_->order.data();
   morton::order(order, morton_->scratch.data(), n, boxes.data(), all, threads);
   morton::make_nodes(order, morton_->scratch.data(), std::uint32_t(n), boxes.data(), threads,
                      nodes_, cells_, levels_);

@@ -49,7 +49,7 @@ bool is_checked() {
 }
 
 void ArrayWatch::remember(const mesh::Mesh& mesh, const core::Threads& threads) {
-  forget();
+  arrays_.clear();
   mesh_ = mesh.name();
   mesh.visit_arrays(
       [&](const mesh::ExternalArray& array, const std::string& name, mesh::Mesh::ArrayKind kind) {

@@ -18,7 +18,6 @@ bool is_checked();
 class ArrayWatch {
 public:
   void remember(const mesh::Mesh& mesh, const core::Threads& threads);
-  void forget() { arrays_.clear(); }
 
   /// Throws INSITU_ERROR_ORDER, naming the mesh and the array, if one changed. said: what the
   /// solver said has changed (INSITU_CHANGED_*), and may. Reads every array whole.

@@ -18,8 +18,7 @@ public:
 
   std::uintptr_t add(std::shared_ptr<T> object) {
     const std::lock_guard lock(mutex_);
-    // Counted in steps of 16 from the bottom of the address space: no valid pointer, and never
-    // null.
+    // Steps of 16 from the bottom of the address space: no valid pointer, and never null.
     next_ += 16;
     objects_.emplace(next_, std::move(object));
     return next_;

@@ -216,7 +216,7 @@ insitu_status insitu_mesh_commit(insitu_mesh mesh, insitu_commit_report* report)
 
 insitu_status insitu_mesh_validate(insitu_mesh mesh, insitu_validation* validation) {
   return with_mesh(mesh, [&](api::Session& s, query::CommittedMesh& m) {
-    const mesh::Validation found = m.validate(s.context().threads);
+    const cells::Validation found = m.validate(s.context().threads);
     insitu_validation counts = found.counts;
     api::hand_out(counts, validation, "validation");
     if (!found.findings.empty())

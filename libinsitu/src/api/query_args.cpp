@@ -1,7 +1,5 @@
 #include "api/query_args.h"
 
-#include <algorithm>
-
 #include "core/status.h"
 
 namespace insitu::api {
@@ -81,12 +79,7 @@ void QueryOutputs::refuse_overlaps(const QueryPoints& points, const mesh::Mesh& 
                                                      : "the points, array " + std::to_string(k));
   }
   using Kind = mesh::Mesh::ArrayKind;
-  mesh.visit_arrays([&](const mesh::ExternalArray& array, const std::string& name, Kind kind) {
-    const auto is_named = [&](const char* field) {
-      return name.find("field '" + std::string(field) + "'") != std::string::npos;
-    };
-    if (kind == Kind::field && std::none_of(fields.begin(), fields.end(), is_named))
-      return; // answers may become a field of the mesh
+  const auto check = [&](const mesh::ExternalArray& array, const std::string& name, Kind) {
     const mesh::ExternalArray::Range range = array.range();
     // Between the items of a strided array there may be room that is meant for answers.
     if (range.end - range.begin > std::uintptr_t(array.bytes()))
@@ -94,7 +87,13 @@ void QueryOutputs::refuse_overlaps(const QueryPoints& points, const mesh::Mesh& 
     for (const Output& out : outputs_)
       if (out.range.meets(range))
         refuse(out.name, "the array '" + name + "' of mesh '" + mesh.name() + "'");
+  };
+  mesh.visit_arrays([&](const mesh::ExternalArray& array, const std::string& name, Kind kind) {
+    if (kind != Kind::field) // answers may become a field of the mesh
+      check(array, name, kind);
   });
+  for (const char* const field : fields)
+    mesh.visit_field_arrays(field, check);
 }
 
 } // namespace insitu::api

@@ -70,6 +70,7 @@ INSITU_HD inline double neg_mul_add(double a, double b, double c) {
 }
 
 #include "cells/contain_lanes.inl"
+#include "cells/jacobian_signs.inl"
 
 #undef INSITU_INLINE
 #undef INSITU_LAMBDA

@@ -7,6 +7,8 @@
 #define INSITU_CELLS_KERNELS_SIMD_H
 #endif
 
+#include <cmath>
+#include <cstdint>
 #include <hwy/highway.h>
 #include <utility>
 
@@ -35,6 +37,16 @@ struct Pack {
   HWY_INLINE explicit Pack(double a) : v(hn::Set(PackTag(), a)) {}
   HWY_INLINE explicit Pack(hn::Vec<PackTag> a) : v(a) {}
 };
+
+HWY_INLINE Pack load_pack(const double* p) {
+  return Pack(hn::Load(PackTag(), p));
+}
+/// A bit a lane.
+HWY_INLINE unsigned lane_bits(const PackMask& mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(PackTag(), mask.m, bytes);
+  return bytes[0];
+}
 
 HWY_INLINE Pack operator+(const Pack& a, const Pack& b) {
   return Pack(hn::Add(a.v, b.v));
@@ -178,6 +190,7 @@ using mesh::vertex_count;
 
 #include "cells/contain_lanes.inl"
 #include "cells/inverse_map.inl"
+#include "cells/jacobian_signs.inl"
 #include "cells/shape_functions.inl"
 
 #undef INSITU_INLINE

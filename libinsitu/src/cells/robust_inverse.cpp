@@ -11,7 +11,8 @@ namespace {
 
 using math::Vec3d;
 
-/// The nearest point of the reference cell, axis by axis (simplices: scaled back to the slanted face).
+/// The nearest point of the reference cell, axis by axis (simplices: scaled back to the slanted
+/// face).
 Vec3d clamp_to_reference(Shape shape, Vec3d r) {
   for (int a = 0; a < 3; ++a)
     r[a] = std::clamp(r[a], 0.0, 1.0);
@@ -87,8 +88,8 @@ math::Vec3d robust_inverse(Shape shape, const Vec3d* x, const Vec3d& p) {
   for (int v = 1; v < vertex_count(shape); ++v)
     size = std::max(size, dot(x[v] - x[0], x[v] - x[0]));
   for (int k = 0; k < 27; ++k) {
-    const Vec3d start = clamp_to_reference(
-        shape, {starts[k % 3], starts[k / 3 % 3], starts[k / 9]});
+    const Vec3d start =
+        clamp_to_reference(shape, {starts[k % 3], starts[k / 3 % 3], starts[k / 9]});
     const Attempt attempt = descend(shape, x, p, start);
     if (attempt.residual < best.residual)
       best = attempt;

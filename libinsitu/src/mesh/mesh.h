@@ -66,6 +66,8 @@ public:
   using ArrayVisitor =
       core::FunctionRef<void(const ExternalArray&, const std::string& name, ArrayKind)>;
   void visit_arrays(ArrayVisitor visit) const;
+  /// The same of one field alone; of none if there is no such field.
+  void visit_field_arrays(const std::string& name, ArrayVisitor visit) const;
   /// The copy audit, in the same order.
   std::vector<insitu_audit_entry> audit() const;
   std::int64_t bytes_borrowed() const;
@@ -93,6 +95,7 @@ private:
 
   Piece& piece_for(std::int32_t piece);
   const Field* find(const std::string& name) const;
+  static void visit_field_piece(const Field& field, std::size_t p, ArrayVisitor visit);
   void check_piece(std::size_t p) const;
   void check_field(const Field& field) const;
 

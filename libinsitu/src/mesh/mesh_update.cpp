@@ -171,16 +171,38 @@ std::optional<FieldView> Mesh::earlier_field(const std::string& name) const {
   return std::nullopt;
 }
 
+namespace {
+
+std::string piece_name(std::size_t p) {
+  return "piece " + std::to_string(p) + " ";
+}
+
+/// Arrays of one thing: one, or one a component.
+void visit_components(const std::vector<ExternalArray>& arrays, const std::string& name,
+                      Mesh::ArrayKind kind, Mesh::ArrayVisitor visit) {
+  for (std::size_t i = 0; i < arrays.size(); ++i)
+    visit(arrays[i], arrays.size() == 1 ? name : name + " component " + std::to_string(i), kind);
+}
+
+} // namespace
+
+void Mesh::visit_field_piece(const Field& field, std::size_t p, ArrayVisitor visit) {
+  if (p < field.pieces.size())
+    visit_components(field.pieces[p].arrays, piece_name(p) + "field '" + field.name + "'",
+                     ArrayKind::field, visit);
+}
+
+void Mesh::visit_field_arrays(const std::string& name, ArrayVisitor visit) const {
+  if (const Field* field = find(name))
+    for (std::size_t p = 0; p < pieces_.size(); ++p)
+      visit_field_piece(*field, p, visit);
+}
+
 void Mesh::visit_arrays(ArrayVisitor visit) const {
-  const auto several = [&](const std::vector<ExternalArray>& arrays, const std::string& name,
-                           ArrayKind kind) {
-    for (std::size_t i = 0; i < arrays.size(); ++i)
-      visit(arrays[i], arrays.size() == 1 ? name : name + " component " + std::to_string(i), kind);
-  };
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
-    const std::string piece = "piece " + std::to_string(p) + " ";
+    const std::string piece = piece_name(p);
     const Piece& from = pieces_[p];
-    several(from.points, piece + "points", ArrayKind::geometry);
+    visit_components(from.points, piece + "points", ArrayKind::geometry, visit);
     const std::pair<const ExternalArray*, const char*> cells[] = {
         {&from.connectivity, "connectivity"},
         {&from.types, "types"},
@@ -193,8 +215,7 @@ void Mesh::visit_arrays(ArrayVisitor visit) const {
       if (from.axes[a].given())
         visit(from.axes[a], piece + "axis " + std::to_string(a), ArrayKind::geometry);
     for (const auto& field : fields_)
-      if (p < field->pieces.size())
-        several(field->pieces[p].arrays, piece + "field '" + field->name + "'", ArrayKind::field);
+      visit_field_piece(*field, p, visit);
   }
 }
 

@@ -100,17 +100,18 @@ template <class F>
 void BatchLocator::for_each_block(F&& f) {
   std::size_t begin = 0;
   for (int i = 0; i < shape_count; ++i)
-    for (; begin < run_end_[i]; begin += std::size_t(s_.block.count)) {
+    for (; begin < run_end_[i]; begin += std::size_t(s_.block.cells.count)) {
       const std::size_t left = run_end_[i] - begin;
-      s_.block.count = int(std::min<std::size_t>(left, block_size));
-      gather_.fill(&s_.cells[begin], s_.block.count, int(left) - s_.block.count, s_.block);
+      s_.block.cells.count = int(std::min<std::size_t>(left, cells::CellBlock::size));
+      gather_.fill(&s_.cells[begin], s_.block.cells.count, int(left) - s_.block.cells.count,
+                   s_.block.cells);
       set_points(&s_.queries[begin]);
       f(mesh::Shape(first_shape + i), &s_.cells[begin], &s_.queries[begin]);
     }
 }
 
 void BatchLocator::set_points(const std::uint8_t* queries) {
-  for (int k = 0; k < s_.block.count; ++k) {
+  for (int k = 0; k < s_.block.cells.count; ++k) {
     const Vec3d& p = points_[queries[k]];
     s_.block.point[0][k] = p.x;
     s_.block.point[1][k] = p.y;
@@ -120,11 +121,6 @@ void BatchLocator::set_points(const std::uint8_t* queries) {
 
 Vec3d BatchLocator::block_point(int k) const {
   return {s_.block.point[0][k], s_.block.point[1][k], s_.block.point[2][k]};
-}
-
-void BatchLocator::block_vertices(mesh::Shape shape, int k, Vec3d* x) const {
-  for (int v = 0; v < mesh::vertex_count(shape); ++v)
-    x[v] = {s_.block.vertex[v][0][k], s_.block.vertex[v][1][k], s_.block.vertex[v][2][k]};
 }
 
 /// The cell holds the query's point. The lowest id stays.
@@ -140,7 +136,7 @@ void BatchLocator::claim(int query, std::int64_t cell, Reason reason) {
 void BatchLocator::decide_by_filter(mesh::Shape shape, const std::int64_t* cells,
                                     const std::uint8_t* queries) {
   contain(shape, s_.block);
-  const std::uint64_t all = s_.block.all();
+  const std::uint64_t all = s_.block.cells.all();
   for_each_bit(s_.block.inside & all,
                [&](int k) { claim(queries[k], cells[k], Reason::certified); });
   decide_rest(shape, all & ~(s_.block.inside | s_.block.outside), cells, queries);
@@ -151,7 +147,7 @@ void BatchLocator::decide_by_newton(mesh::Shape shape, const std::int64_t* cells
   PairBlock& b = s_.block;
   invert(shape, b);
   std::uint64_t inside = 0;
-  for (int k = 0; k < b.count; ++k)
+  for (int k = 0; k < b.cells.count; ++k)
     inside |= std::uint64_t(b.margin[k] > b.error[k]) << k;
   for_each_bit(inside, [&](int k) {
     const int q = queries[k];
@@ -161,7 +157,7 @@ void BatchLocator::decide_by_newton(mesh::Shape shape, const std::int64_t* cells
       located_[q] = true;
     }
   });
-  decide_rest(shape, b.all() & ~inside, cells, queries);
+  decide_rest(shape, b.cells.all() & ~inside, cells, queries);
 }
 
 void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std::int64_t* cells,
@@ -171,7 +167,7 @@ void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std:
     if (best.cell >= 0 && best.cell <= cells[k])
       return;
     Vec3d x[8];
-    block_vertices(shape, k, x);
+    s_.block.cells.get(shape, k, x);
     if (const Reason why = decide(shape, x, block_point(k)); why != Reason::outside)
       claim(queries[k], cells[k], why);
   });
@@ -201,14 +197,14 @@ void BatchLocator::find_parametric() {
   for_each_block([&](mesh::Shape shape, const std::int64_t*, const std::uint8_t* queries) {
     const PairBlock& b = s_.block;
     invert(shape, s_.block);
-    for (int k = 0; k < b.count; ++k) {
+    for (int k = 0; k < b.cells.count; ++k) {
       Vec3d& r = best_[queries[k]].parametric;
       if (is_plausible((b.converged >> k) & 1, b.margin[k])) {
         r = {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]};
         continue;
       }
       Vec3d x[8];
-      block_vertices(shape, k, x);
+      s_.block.cells.get(shape, k, x);
       r = cells::robust_inverse(shape, x, block_point(k));
     }
   });

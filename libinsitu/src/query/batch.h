@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "cells/gather.h"
 #include "query/candidates.h"
-#include "query/gather.h"
 #include "query/pairs.h"
 #include "query/point_query.h"
 
@@ -46,14 +46,13 @@ private:
   void find_parametric();
   void set_points(const std::uint8_t* queries);
   math::Vec3d block_point(int k) const;
-  void block_vertices(mesh::Shape shape, int k, math::Vec3d* x) const;
 
   /// Calls f(shape, first, n) for blocks of cells of one shape within order_by_shape's runs.
   template <class F>
   void for_each_block(F&& f);
 
   const PointQuery& query_;
-  CellGather gather_;
+  cells::CellGather gather_;
   BatchScratch& s_;
   std::span<const math::Vec3d> points_;
   std::size_t run_end_[5] = {}; ///< of the candidates of shapes 10 to 14

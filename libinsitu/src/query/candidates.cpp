@@ -3,8 +3,6 @@
 #include <bit>
 #include <cstring>
 
-// Three x86 targets are enough: each one more costs compile time and gains little here.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "query/candidates.cpp"
 #include <hwy/cache_control.h>

@@ -8,16 +8,6 @@
 
 namespace insitu::query {
 
-namespace {
-
-/// All cells are the right way round, or all are inverted.
-bool is_free_of_folds(const mesh::MeshView& mesh, const insitu_validation& counts) {
-  return mesh.piece_count == 1 && counts.folded_cells == 0 && counts.zero_volume_cells == 0 &&
-         (counts.inverted_cells == 0 || counts.inverted_cells + counts.ghost_cells == counts.cells);
-}
-
-} // namespace
-
 CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
     : mesh_(name, memory), tree_(memory), order_(memory) {}
 
@@ -35,17 +25,16 @@ void CommittedMesh::look_for_folds(const core::Threads& threads) {
   require_committed();
   if (folds_are_known_)
     return;
-  const mesh::Validation validation = mesh::validate(mesh_.name(), mesh_.view(), threads);
   folds_are_known_ = true;
-  mesh_.set_free_of_folds(is_free_of_folds(mesh_.view(), validation.counts));
+  mesh_.set_free_of_folds(cells::is_free_of_folds(mesh_.view(), threads));
 }
 
-mesh::Validation CommittedMesh::validate(const core::Threads& threads) {
+cells::Validation CommittedMesh::validate(const core::Threads& threads) {
   committed_ = false; // the views may change under the tree
   mesh_.update();
   if (mesh_.pending() == 0)
     mesh_.set_changed(INSITU_CHANGED_FIELDS); // the next commit is cheap, but has to come
-  mesh::Validation found = mesh::validate(mesh_.name(), mesh_.view(), threads);
+  cells::Validation found = cells::validate(mesh_.name(), mesh_.view(), threads);
   if (found.findings.empty()) {
     const cells::Conformity c = cells::check_conformity(mesh_.view(), threads);
     found.counts.coincident_vertices = c.coincident_vertices;
@@ -85,14 +74,14 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
     bool rebuild = (pending & INSITU_CHANGED_TOPOLOGY) != 0;
     if (rebuild) {
       policy_.topology_changed();
-      const mesh::Validation validation = mesh::validate(mesh_.name(), mesh_.view(), threads);
+      const cells::Validation validation = cells::validate(mesh_.name(), mesh_.view(), threads);
       report.validated = 1;
       if (!validation.findings.empty())
         throw core::Error(INSITU_ERROR_MESH, validation.findings);
       if (!validation.warning.empty())
         log.warning(validation.warning);
       folds_are_known_ = true;
-      mesh_.set_free_of_folds(is_free_of_folds(mesh_.view(), validation.counts));
+      mesh_.set_free_of_folds(cells::is_free_of_folds(mesh_.view(), validation.counts));
       ++topology_version_;
     } else if (pending & INSITU_CHANGED_GEOMETRY) {
       tree_.refit(mesh_.view(), threads);

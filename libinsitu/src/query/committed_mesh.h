@@ -4,9 +4,9 @@
 #include <string>
 
 #include "accel/tree.h"
+#include "cells/validate.h"
 #include "core/log.h"
 #include "mesh/mesh.h"
-#include "mesh/validate.h"
 #include "query/order.h"
 #include "query/sampler.h"
 #include "query/tree_policy.h"
@@ -34,7 +34,7 @@ public:
                               const core::Memory& memory, bool strict);
 
   /// Validates the arrays as they are; the mesh need not be committed.
-  mesh::Validation validate(const core::Threads& threads);
+  cells::Validation validate(const core::Threads& threads);
 
   bool committed() const { return committed_ && mesh_.pending() == 0; }
   /// Throws INSITU_ERROR_ORDER unless committed.

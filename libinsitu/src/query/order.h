@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "accel/morton/sort.h"
 #include "accel/tree.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -18,26 +19,22 @@ bool is_incoherent(std::span<const math::Vec3d> points, const accel::Tree& tree)
 class SpatialOrder {
 public:
   explicit SpatialOrder(core::Memory& memory)
-      : items_(memory, INSITU_MEMORY_QUERY), sorted_(memory, INSITU_MEMORY_QUERY) {}
+      : items_(memory, INSITU_MEMORY_QUERY), scratch_(memory, INSITU_MEMORY_QUERY) {}
 
-  struct Item {
-    std::uint32_t point;
-    std::uint32_t code; ///< Morton code on a grid of the tree's box
-  };
-
-  /// The points' numbers in Morton order (Morton 1966), equal codes in their own order; at most
-  /// 2^32 points. Valid until the next call. The same for any thread count.
-  std::span<const Item> sort(const core::Threads& threads, std::span<const math::Vec3d> points,
-                             const accel::Tree& tree);
+  /// The points' numbers with their codes on a grid of the tree's box, in the order of these, equal
+  /// codes in the points' own; at most 2^32 points. Valid until the next call. The same for any
+  /// thread count.
+  std::span<const accel::morton::Coded>
+  sort(const core::Threads& threads, std::span<const math::Vec3d> points, const accel::Tree& tree);
 
   /// Gives the memory back.
   void release() {
     items_.release();
-    sorted_.release();
+    scratch_.release();
   }
 
 private:
-  core::Buffer<Item> items_, sorted_;
+  core::Buffer<accel::morton::Coded> items_, scratch_;
 };
 
 } // namespace insitu::query

@@ -1,9 +1,5 @@
 #include "query/pairs.h"
 
-#include <cstring>
-
-// Three x86 targets are enough: each one more costs compile time and gains little here.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "query/pairs.cpp"
 #include <hwy/foreach_target.h>
@@ -19,28 +15,20 @@ namespace simd = cells::HWY_NAMESPACE;
 using simd::Pack;
 using PackVec = simd::Vec3<Pack>;
 
-HWY_INLINE std::uint64_t bits_of(const simd::PackMask& mask) {
-  std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(simd::PackTag(), mask.m, bytes);
-  return bytes[0];
-}
-
-HWY_INLINE Pack load(const double* p) {
-  return Pack(hn::Load(simd::PackTag(), p));
-}
-
 HWY_INLINE void load_pairs(const PairBlock& block, int i, int vertices, PackVec* x, PackVec& p) {
   for (int v = 0; v < vertices; ++v)
-    x[v] = {load(block.vertex[v][0] + i), load(block.vertex[v][1] + i),
-            load(block.vertex[v][2] + i)};
-  p = {load(block.point[0] + i), load(block.point[1] + i), load(block.point[2] + i)};
+    x[v] = {simd::load_pack(block.cells.vertex[v][0] + i),
+            simd::load_pack(block.cells.vertex[v][1] + i),
+            simd::load_pack(block.cells.vertex[v][2] + i)};
+  p = {simd::load_pack(block.point[0] + i), simd::load_pack(block.point[1] + i),
+       simd::load_pack(block.point[2] + i)};
 }
 
 void invert_target(mesh::Shape shape, PairBlock& block) {
   const simd::PackTag d;
   const int lanes = int(hn::Lanes(d)), vertices = mesh::vertex_count(shape);
   block.converged = 0;
-  for (int i = 0; i < block.count; i += lanes) {
+  for (int i = 0; i < block.cells.count; i += lanes) {
     PackVec x[8], p;
     load_pairs(block, i, vertices, x, p);
     const auto found = simd::inverse_map(shape, x, p);
@@ -49,20 +37,20 @@ void invert_target(mesh::Shape shape, PairBlock& block) {
     hn::Store(found.r.z.v, d, block.parametric[2] + i);
     hn::Store(found.margin.v, d, block.margin + i);
     hn::Store(found.error.v, d, block.error + i);
-    block.converged |= bits_of(found.converged) << i;
+    block.converged |= std::uint64_t(simd::lane_bits(found.converged)) << i;
   }
 }
 
 void contain_target(mesh::Shape shape, PairBlock& block) {
   const int lanes = int(hn::Lanes(simd::PackTag())), vertices = mesh::vertex_count(shape);
   block.inside = block.outside = 0;
-  for (int i = 0; i < block.count; i += lanes) {
+  for (int i = 0; i < block.cells.count; i += lanes) {
     PackVec x[8], p;
     load_pairs(block, i, vertices, x, p);
     simd::PackMask inside, outside;
     simd::filter(shape, x, p, inside, outside);
-    block.inside |= bits_of(inside) << i;
-    block.outside |= bits_of(outside) << i;
+    block.inside |= std::uint64_t(simd::lane_bits(inside)) << i;
+    block.outside |= std::uint64_t(simd::lane_bits(outside)) << i;
   }
 }
 
@@ -77,14 +65,11 @@ HWY_EXPORT(contain_target);
 
 namespace {
 
-/// The last pack's idle lanes repeat the first pair, so that they converge.
 void fill_up(mesh::Shape shape, PairBlock& block) {
-  for (int i = block.count; i % 8 != 0; ++i)
-    for (int a = 0; a < 3; ++a) {
+  block.cells.fill_up(shape);
+  for (int i = block.cells.count; i % 8 != 0; ++i)
+    for (int a = 0; a < 3; ++a)
       block.point[a][i] = block.point[a][0];
-      for (int v = 0; v < mesh::vertex_count(shape); ++v)
-        block.vertex[v][a][i] = block.vertex[v][a][0];
-    }
 }
 
 } // namespace

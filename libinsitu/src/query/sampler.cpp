@@ -133,8 +133,8 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
   constexpr std::size_t slice = std::size_t(1) << 22;
   for (std::size_t from = 0; from < points.size(); from += slice) {
     const std::span<const Vec3d> part = points.subspan(from, std::min(slice, points.size() - from));
-    const std::span<const SpatialOrder::Item> sorted =
-        sorts ? order_->sort(threads, part, *tree_) : std::span<const SpatialOrder::Item>();
+    const auto sorted =
+        sorts ? order_->sort(threads, part, *tree_) : std::span<const accel::morton::Coded>();
     threads.parallel_for(
         std::int64_t(part.size()), grain, [&](std::int64_t begin, std::int64_t end) {
           Batches batches(query, counts_);
@@ -143,9 +143,9 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
             const std::size_t n = std::min<std::size_t>(batch_size, std::size_t(end) - first);
             if (sorts) {
               for (std::size_t i = 0; i < n; ++i)
-                batch[i] = part[sorted[first + i].point];
+                batch[i] = part[sorted[first + i].id];
               batches.run({batch, n}, [&](std::size_t i, const Location& at, Reason reason) {
-                put(from + sorted[first + i].point, at, reason);
+                put(from + sorted[first + i].id, at, reason);
               });
             } else {
               batches.run(part.subspan(first, n),

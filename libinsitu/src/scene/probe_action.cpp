@@ -35,13 +35,12 @@ ProbeAction::Answers ProbeAction::sample(const query::CommittedMesh& mesh,
   const query::Sampler sampler = mesh.sampler();
   query::LocateOptions options;
   options.accuracy = to_api(probe_.accuracy);
-  sampler.locate(environment_.context.threads, points, a.locations, options);
-  environment_.context.threads.parallel_for(
-      std::int64_t(n), 1024, [&](std::int64_t begin, std::int64_t end) {
-        for (auto i = std::size_t(begin); i < std::size_t(end); ++i)
-          if (a.locations[i])
-            sampler.interpolate(a.fields, a.locations[i], a.values.data() + i * width);
-      });
+  sampler.visit(environment_.context.threads, points, options,
+                [&](std::size_t i, const query::Location& at, query::Reason) {
+                  a.locations[i] = at;
+                  if (at)
+                    sampler.interpolate(a.fields, at, a.values.data() + i * width);
+                });
   Statistics& s = environment_.statistics;
   s.points_located += std::int64_t(n);
   s.points_outside += std::count_if(a.locations.begin(), a.locations.end(),

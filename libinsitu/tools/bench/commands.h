@@ -28,7 +28,7 @@ struct Answers {
   std::vector<double> values;
 };
 
-/// Locates, then interpolates "f": what a sample of one field costs.
+/// Locates and interpolates "f", as insitu_mesh_sample does; leaves answers.locations.
 void sample(const core::Threads& threads, const query::CommittedMesh& mesh,
             std::span<const math::Vec3d> points, Answers& answers,
             const query::LocateOptions& options);

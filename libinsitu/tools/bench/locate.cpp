@@ -13,17 +13,14 @@ void sample(const core::Threads& threads, const query::CommittedMesh& mesh,
             const query::LocateOptions& options) {
   const query::Sampler sampler = mesh.sampler();
   const mesh::FieldView field = mesh.mesh().field("f");
-  sampler.locate(threads, points, answers.locations, options);
-  threads.parallel_for(std::int64_t(points.size()), 4096,
-                       [&](std::int64_t begin, std::int64_t end) {
-                         for (auto i = std::size_t(begin); i < std::size_t(end); ++i) {
-                           answers.cells[i] = answers.locations[i].cell;
-                           if (answers.locations[i])
-                             sampler.interpolate(field, answers.locations[i], &answers.values[i]);
-                           else
-                             answers.values[i] = std::numeric_limits<double>::quiet_NaN();
-                         }
-                       });
+  sampler.visit(threads, points, options,
+                [&](std::size_t i, const query::Location& at, query::Reason) {
+                  answers.cells[i] = at.cell;
+                  if (at)
+                    sampler.interpolate(field, at, &answers.values[i]);
+                  else
+                    answers.values[i] = std::numeric_limits<double>::quiet_NaN();
+                });
 }
 
 Work count_work(const accel::Tree& tree, std::span<const math::Vec3d> points) {

@@ -119,9 +119,6 @@ Options parse(int argc, char** argv) {
     } else if (option == "--fields") {
       only(Command::locate, Command::locate);
       o.fields = number<int>(option, value(), 1, 100);
-    } else if (option == "--overlap-hints") {
-      only(Command::torture, Command::torture);
-      o.overlap_hints = true;
     } else if (option == "--threads") {
       o.threads = number<int>(option, value(), 0, 4096);
     } else if (option == "--accuracy") {

@@ -26,7 +26,6 @@ struct Options {
   workload::Pattern pattern = workload::Pattern::uniform;
   std::int64_t points = 0; ///< 0: as many as cells (torture: 2000 a case)
   int fields = 1;
-  bool overlap_hints = false; ///< torture: a hint may win where cells overlap
   int threads = 1;
   insitu_accuracy accuracy = INSITU_STANDARD;
   int repetitions = 5;

@@ -103,6 +103,15 @@ struct Checked : testing::Test {
     double value = 0;
     return insitu_mesh_sample_point(box.mesh, "pressure", p, &value, nullptr);
   }
+  /// The commit is refused while only `other` is said to have changed, and not once `what` is too.
+  static void expect_good_only_after(const Box& box, std::uint32_t other, std::uint32_t what,
+                                     const char* array) {
+    EXPECT_EQ(insitu_mesh_changed(box.mesh, other), INSITU_OK);
+    EXPECT_REFUSED(insitu_mesh_commit(box.mesh, nullptr), INSITU_ERROR_ORDER, array);
+    EXPECT_EQ(insitu_mesh_changed(box.mesh, what), INSITU_OK);
+    EXPECT_EQ(insitu_mesh_commit(box.mesh, nullptr), INSITU_OK) << message();
+    EXPECT_EQ(locate(box), INSITU_OK) << message();
+  }
 };
 
 TEST_F(Checked, AVertexThatMovedIsFoundOut) {
@@ -116,22 +125,15 @@ TEST_F(Checked, AVertexThatMovedIsFoundOut) {
   // Saying nothing, or that it was the fields, does not make it good.
   EXPECT_REFUSED(insitu_mesh_commit(box.mesh, nullptr), INSITU_ERROR_ORDER, "piece 0 points");
   EXPECT_REFUSED(insitu_session_execute(box.session, 0, 0.0), INSITU_ERROR_ORDER, "piece 0 points");
-  EXPECT_EQ(insitu_mesh_changed(box.mesh, INSITU_CHANGED_FIELDS), INSITU_OK);
-  EXPECT_REFUSED(insitu_mesh_commit(box.mesh, nullptr), INSITU_ERROR_ORDER, "piece 0 points");
-  EXPECT_EQ(insitu_mesh_changed(box.mesh, INSITU_CHANGED_GEOMETRY), INSITU_OK);
-  EXPECT_EQ(insitu_mesh_commit(box.mesh, nullptr), INSITU_OK) << message();
-  EXPECT_EQ(locate(box), INSITU_OK) << message();
+  expect_good_only_after(box, INSITU_CHANGED_FIELDS, INSITU_CHANGED_GEOMETRY, "piece 0 points");
 }
 
 TEST_F(Checked, AConnectivityThatChangedIsFoundOut) {
   Box box;
   std::swap(box.connectivity[8 * 20 + 1], box.connectivity[8 * 20 + 3]);
   EXPECT_REFUSED(locate(box), INSITU_ERROR_ORDER, "piece 0 connectivity", "items 0 to 23");
-  EXPECT_EQ(insitu_mesh_changed(box.mesh, INSITU_CHANGED_GEOMETRY), INSITU_OK);
-  EXPECT_REFUSED(insitu_mesh_commit(box.mesh, nullptr), INSITU_ERROR_ORDER, "piece 0 connectivity");
-  EXPECT_EQ(insitu_mesh_changed(box.mesh, INSITU_CHANGED_TOPOLOGY), INSITU_OK);
-  EXPECT_EQ(insitu_mesh_commit(box.mesh, nullptr), INSITU_OK) << message();
-  EXPECT_EQ(locate(box), INSITU_OK) << message();
+  expect_good_only_after(box, INSITU_CHANGED_GEOMETRY, INSITU_CHANGED_TOPOLOGY,
+                         "piece 0 connectivity");
 }
 
 TEST_F(Checked, ArraysGivenAnewAndFieldsAreNoChange) {

@@ -61,6 +61,23 @@ inline Vertices unit_cell(Shape shape) {
   return {};
 }
 
+struct Bounds {
+  Vec3d low, high;
+  bool holds(const Vec3d& p) const {
+    return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z &&
+           p.z <= high.z;
+  }
+};
+inline Bounds bounds_of(Shape shape, const Vec3d* vertices) {
+  Bounds b{vertices[0], vertices[0]};
+  for (int i = 1; i < mesh::vertex_count(shape); ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      b.low[axis] = std::fmin(b.low[axis], vertices[i][axis]);
+      b.high[axis] = std::fmax(b.high[axis], vertices[i][axis]);
+    }
+  return b;
+}
+
 /// The point of a face at (u, v), as rounding leaves it.
 inline Vec3d face_point(const cells::Face& face, const Vec3d* vertices, double u, double v) {
   const auto& f = face.vertices;
@@ -86,14 +103,10 @@ inline Vec3d adversarial_point(Shape shape, const Vec3d* vertices, Random& rando
   const cells::FaceTable table = cells::face_table(shape);
   const auto fraction = [&] { return dyadic ? random.below(9) / 8.0 : random.uniform(0.0, 1.0); };
   const cells::Face& face = table.faces[random.below(table.face_count)];
-  Vec3d low = vertices[0], high = vertices[0], mean{};
-  for (int i = 0; i < table.vertex_count; ++i) {
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::fmin(low[axis], vertices[i][axis]);
-      high[axis] = std::fmax(high[axis], vertices[i][axis]);
-    }
+  const auto [low, high] = bounds_of(shape, vertices);
+  Vec3d mean{};
+  for (int i = 0; i < table.vertex_count; ++i)
     mean += vertices[i] / static_cast<double>(table.vertex_count);
-  }
   switch (random.below(8)) {
   case 0: {
     const double u = fraction(), v = fraction() * (face.vertex_count == 3 ? 1 - u : 1);
@@ -178,5 +191,9 @@ struct MeshOptions {
 };
 
 TestMesh make_mesh(const MeshOptions& options, Random& random);
+inline TestMesh make_mesh(const MeshOptions& options, std::uint64_t seed) {
+  Random random(seed);
+  return make_mesh(options, random);
+}
 
 } // namespace insitu::test

@@ -148,12 +148,7 @@ Vertices make_cell(Shape shape, const Kind& kind, Random& random) {
 }
 
 Vec3d point_in_box(Shape shape, const Vertices& v, Random& random) {
-  Vec3d low = v[0], high = v[0];
-  for (int i = 1; i < mesh::vertex_count(shape); ++i)
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::fmin(low[a], v[std::size_t(i)][a]);
-      high[a] = std::fmax(high[a], v[std::size_t(i)][a]);
-    }
+  const auto [low, high] = bounds_of(shape, v.data());
   return random.uniform(low, high);
 }
 

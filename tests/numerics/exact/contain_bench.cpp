@@ -107,15 +107,9 @@ void over_packs(benchmark::State& state, Shape shape, double jitter,
   for (LaneBlock& block : blocks)
     while (block.count < LaneBlock::size) {
       Vertices v = unit_cell(shape);
-      Vec3d low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-      for (int i = 0; i < mesh::vertex_count(shape); ++i) {
-        Vec3d& p = v[std::size_t(i)];
+      for (Vec3d& p : v)
         p += random.uniform({-jitter, -jitter, -jitter}, {jitter, jitter, jitter});
-        for (int a = 0; a < 3; ++a) {
-          low[a] = std::fmin(low[a], p[a]);
-          high[a] = std::fmax(high[a], p[a]);
-        }
-      }
+      const auto [low, high] = bounds_of(shape, v.data());
       block.add(shape, v.data(), random.uniform(low, high));
     }
   Out out[LaneBlock::size];

@@ -1,6 +1,5 @@
 #include "lanes.h"
 
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "numerics/exact/lanes.cpp"
 #include <hwy/foreach_target.h>

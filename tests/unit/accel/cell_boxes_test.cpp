@@ -1,10 +1,12 @@
-// Cell boxes by the typed loops, beside the cells' gathered vertices, for every layout and number
-// type; coordinates end where memory does.
+// Cell boxes and blocks of cells by the typed loops, beside the cells gathered one by one, for
+// every layout and number type; coordinates end where memory does.
 #include <cmath>
+#include <cstring>
 #include <gtest/gtest.h>
 #include <vector>
 
 #include "accel/cell_boxes.h"
+#include "cells/gather.h"
 #include "core/random.h"
 #include "fixtures/arrays.h"
 
@@ -89,6 +91,30 @@ struct Cells {
   }
 };
 
+void expect_blocks(const mesh::MeshView& view) {
+  const cells::CellGather gather(view, 1.0);
+  for (int shape = 10; shape <= 14; ++shape) {
+    std::vector<std::int64_t> ids; // not in the solver's order
+    for (std::int64_t i = 0, n = view.cell_count(); i < n; ++i)
+      if (gather.shape(i * 7 % n) == mesh::Shape(shape))
+        ids.push_back(i * 7 % n);
+    cells::CellBlock block{};
+    for (std::size_t first = 0; first < ids.size(); first += cells::CellBlock::size) {
+      block.count = int(std::min<std::size_t>(ids.size() - first, cells::CellBlock::size));
+      gather.fill(&ids[first], block.count, int(ids.size() - first) - block.count, block);
+      for (int k = 0; k < block.count; ++k) {
+        mesh::CellVertices cell;
+        mesh::gather(view, ids[first + std::size_t(k)], cell);
+        ASSERT_EQ(int(cell.shape), shape);
+        math::Vec3d x[8];
+        block.get(cell.shape, k, x);
+        ASSERT_EQ(std::memcmp(x, cell.x, std::size_t(cell.count) * sizeof *x), 0)
+            << "cell " << ids[first + std::size_t(k)];
+      }
+    }
+  }
+}
+
 void expect_boxes(const std::vector<mesh::PieceView>& pieces) {
   std::vector<std::int64_t> first_cell{0}, first_vertex{0};
   for (const mesh::PieceView& p : pieces) {
@@ -100,6 +126,7 @@ void expect_boxes(const std::vector<mesh::PieceView>& pieces) {
   view.first_cell = first_cell.data();
   view.first_vertex = first_vertex.data();
   view.piece_count = std::int32_t(pieces.size());
+  expect_blocks(view);
 
   const auto n = std::uint32_t(view.cell_count());
   const math::Vec3d origin{1.5, -2.25, 0.125};
@@ -193,7 +220,7 @@ void expect_layouts() {
   }
 }
 
-TEST(CellBoxes, OfEveryLayoutAndType) {
+TEST(CellLoops, OfEveryLayoutAndType) {
   expect_layouts<double, std::int32_t>();
   expect_layouts<double, std::int64_t>();
   expect_layouts<float, std::int32_t>();

@@ -17,11 +17,7 @@ using math::Vec3d;
 namespace {
 
 test::TestMesh box(test::MeshKind kind, int size) {
-  test::Random random(71);
-  test::MeshOptions options;
-  options.kind = kind;
-  options.size = size;
-  return test::make_mesh(options, random);
+  return test::make_mesh({.kind = kind, .size = size}, 71);
 }
 
 /// Arrays of one tetrahedron per entry, each with four vertices of its own.
@@ -161,12 +157,7 @@ TEST(Morton, GradedByPowersStaysShallow) {
 TEST(Morton, GradedMeshes) {
   for (const double grade : {1e4, 1e8}) {
     test::TestMesh mesh = box(test::MeshKind::hexahedra, 24);
-    Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-    for (const Vec3d& p : mesh.vertices)
-      for (int a = 0; a < 3; ++a) {
-        low[a] = std::min(low[a], p[a]);
-        high[a] = std::max(high[a], p[a]);
-      }
+    const Vec3d low = mesh.low, high = mesh.high;
     for (Vec3d& p : mesh.vertices)
       for (int a = 0; a < 3; ++a)
         p[a] = (std::pow(grade, (p[a] - low[a]) / (high[a] - low[a])) - 1.0) / (grade - 1.0);

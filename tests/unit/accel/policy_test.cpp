@@ -1,4 +1,5 @@
 // When trees are built anew, and how: by what was measured and asked.
+#include <cstring>
 #include <gtest/gtest.h>
 
 #include "fixtures/committed.h"
@@ -127,6 +128,13 @@ TEST(Commit, ReportsTheBuilderAndChangesItWhenQueriesPayForIt) {
   EXPECT_EQ(m.commit(INSITU_CHANGED_TOPOLOGY).builder, INSITU_BUILDER_MORTON);
   m.mesh.set_builder(Builder::surface_area);
   EXPECT_EQ(m.commit(INSITU_CHANGED_TOPOLOGY).builder, INSITU_BUILDER_SURFACE_AREA);
-  fixtures::Committed none;
-  EXPECT_EQ(insitu_commit_report_default().builder, INSITU_BUILDER_NONE);
+}
+
+TEST(Commit, ReportsNoBuilderWhereNoCellMayOwnPoints) {
+  fixtures::Committed m(test::make_mesh({.size = 2}, 75));
+  const std::vector<std::uint8_t> bits(std::size_t(m.arrays.cell_count()), 1);
+  const insitu_array ghosts =
+      insitu_array_of(bits.data(), INSITU_UINT8, std::int64_t(bits.size()), 1);
+  m.mesh.mesh().set_ghosts(0, &ghosts, INSITU_GHOSTS_VTK);
+  EXPECT_EQ(m.commit().builder, INSITU_BUILDER_NONE);
 }

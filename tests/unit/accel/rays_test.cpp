@@ -69,13 +69,8 @@ struct Walk {
 };
 
 test::TestMesh box(test::MeshKind kind, double offset, double scale) {
-  test::Random random(51);
-  test::MeshOptions options;
-  options.kind = kind;
-  options.size = 5;
-  options.offset = offset;
-  options.scale = {scale, scale, scale};
-  return test::make_mesh(options, random);
+  return test::make_mesh(
+      {.kind = kind, .size = 5, .offset = offset, .scale = {scale, scale, scale}}, 51);
 }
 
 } // namespace

@@ -19,13 +19,7 @@ constexpr test::MeshKind all_kinds[] = {test::MeshKind::hexahedra,  test::MeshKi
                                         test::MeshKind::tetrahedra, test::MeshKind::mixed};
 
 test::TestMesh box(test::MeshKind kind, int size, double offset = 0, Vec3d scale = {1, 1, 1}) {
-  test::Random random(41);
-  test::MeshOptions options;
-  options.kind = kind;
-  options.size = size;
-  options.offset = offset;
-  options.scale = scale;
-  return test::make_mesh(options, random);
+  return test::make_mesh({.kind = kind, .size = size, .offset = offset, .scale = scale}, 41);
 }
 
 std::vector<Vec3d> random_points(const Tree& tree, std::size_t count, std::uint64_t seed) {

@@ -24,13 +24,7 @@ struct Fixture {
   std::vector<double> values;
 
   Fixture(insitu_association association, int components, double scale)
-      : m([] {
-          test::Random random(61);
-          test::MeshOptions options;
-          options.kind = test::MeshKind::mixed;
-          options.size = 6;
-          return test::make_mesh(options, random);
-        }()) {
+      : m(test::make_mesh({.kind = test::MeshKind::mixed, .size = 6}, 61)) {
     const std::int64_t n =
         association == INSITU_CELL ? m.arrays.cell_count() : m.arrays.vertex_count();
     test::Random random(62);

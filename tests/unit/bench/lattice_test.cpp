@@ -1,10 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <map>
 #include <set>
 
-#include "cells/faces.h"
+#include "count_faces.h"
 #include "workload/lattice.h"
 #include "workload/queries.h"
 
@@ -88,18 +87,8 @@ TEST(Lattice, SparseCellsAreThoseOfTheFullBox) {
 TEST(Lattice, NoFaceIsSharedByMoreThanTwoCells) {
   for (const Spacing spacing : all_spacings) {
     const Mesh mesh = make_box(Kind::mixed, spacing == Spacing::sparse ? 20 : 6, 0.2, spacing);
-    std::map<std::set<std::int32_t>, int> faces;
-    for (std::int64_t c = 0; c < mesh.cell_count(); ++c) {
-      const cells::FaceTable table = cells::face_table(mesh.shape(c));
-      for (int f = 0; f < table.face_count; ++f) {
-        std::set<std::int32_t> ids;
-        for (int v = 0; v < table.faces[f].vertex_count; ++v)
-          ids.insert(mesh.ids(c)[table.faces[f].vertices[v]]);
-        ++faces[ids];
-      }
-    }
     int shared = 0;
-    for (const auto& [ids, count] : faces) {
+    for (const auto& [ids, count] : count_faces(mesh)) {
       EXPECT_LE(count, 2);
       shared += count == 2;
     }

@@ -8,6 +8,7 @@
 #include "cells/contain_exact.h"
 #include "cells/faces.h"
 #include "core/random.h"
+#include "count_faces.h"
 #include "workload/mesh.h"
 #include "workload/queries.h"
 
@@ -43,22 +44,6 @@ double volume(const Mesh& mesh, std::int64_t cell) {
                   signed_tetrahedron(a, b, d) + signed_tetrahedron(b, c, d));
   }
   return sum;
-}
-
-/// Faces by their sorted vertex ids, and how often each is met.
-std::map<std::vector<std::int32_t>, int> count_faces(const Mesh& mesh) {
-  std::map<std::vector<std::int32_t>, int> count;
-  for (std::int64_t c = 0; c < mesh.cell_count(); ++c) {
-    const cells::FaceTable table = cells::face_table(mesh.shape(c));
-    for (int f = 0; f < table.face_count; ++f) {
-      std::vector<std::int32_t> ids;
-      for (int v = 0; v < table.faces[f].vertex_count; ++v)
-        ids.push_back(mesh.ids(c)[table.faces[f].vertices[v]]);
-      std::sort(ids.begin(), ids.end());
-      ++count[ids];
-    }
-  }
-  return count;
 }
 
 bool on_box(const Mesh& mesh, const std::vector<std::int32_t>& face) {

@@ -11,11 +11,7 @@ using math::Vec3d;
 namespace {
 
 test::TestMesh box(test::MeshKind kind, int size) {
-  test::Random random(21);
-  test::MeshOptions options;
-  options.kind = kind;
-  options.size = size;
-  return test::make_mesh(options, random);
+  return test::make_mesh({.kind = kind, .size = size}, 21);
 }
 
 std::string message_of(const std::function<void()>& call, insitu_status status) {

@@ -12,11 +12,7 @@ using math::Vec3d;
 namespace {
 
 test::TestMesh mixed_mesh() {
-  test::Random random(11);
-  test::MeshOptions options;
-  options.kind = test::MeshKind::mixed;
-  options.size = 3;
-  return test::make_mesh(options, random);
+  return test::make_mesh({.kind = test::MeshKind::mixed, .size = 3}, 11);
 }
 
 std::vector<mesh::CellVertices> gather_all(const mesh::MeshView& view) {

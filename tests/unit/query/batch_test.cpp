@@ -52,8 +52,8 @@ TEST(Order, IsMortonsAndStableForAnyThreadCount) {
     std::vector<std::uint32_t> numbers;
     const Vec3d low = tree.bounds_min(), size = tree.bounds_max() - low;
     for (std::size_t i = 0; i < sorted.size(); ++i) {
-      numbers.push_back(sorted[i].point);
-      const Vec3d& p = points[sorted[i].point];
+      numbers.push_back(sorted[i].id);
+      const Vec3d& p = points[sorted[i].id];
       std::uint32_t place[3];
       for (int a = 0; a < 3; ++a) {
         const double t = std::floor((p[a] - low[a]) * (128.0 / size[a]));
@@ -62,8 +62,7 @@ TEST(Order, IsMortonsAndStableForAnyThreadCount) {
       ASSERT_EQ(sorted[i].code, interleaved(place[0], place[1], place[2])) << test::text(p);
       if (i > 0) {
         ASSERT_TRUE(sorted[i - 1].code < sorted[i].code ||
-                    (sorted[i - 1].code == sorted[i].code &&
-                     sorted[i - 1].point < sorted[i].point));
+                    (sorted[i - 1].code == sorted[i].code && sorted[i - 1].id < sorted[i].id));
       }
     }
     if (first.empty())

@@ -25,14 +25,8 @@ inline const char* kind_name(MeshKind kind) {
 
 inline TestMesh box(MeshKind kind, int size, double jitter = 0.2, double offset = 0,
                     Vec3d scale = {1, 1, 1}, std::uint64_t seed = 71) {
-  Random random(seed);
-  MeshOptions options;
-  options.kind = kind;
-  options.size = size;
-  options.jitter = jitter;
-  options.offset = offset;
-  options.scale = scale;
-  return make_mesh(options, random);
+  return make_mesh({.kind = kind, .size = size, .jitter = jitter, .offset = offset, .scale = scale},
+                   seed);
 }
 
 /// By the definition: the lowest of all cells that hold the point, -1 if none does.

@@ -2,16 +2,10 @@
 
 #include <cstdint>
 
+#include "accel/morton/sort.h"
 #include "accel/node.h"
-#include "core/parallel.h"
 
 namespace insitu::accel::morton {
-
-/// A cell and the place of its centre along a Morton curve.
-struct CodedCell {
-  std::uint32_t code;
-  std::uint32_t cell; ///< flat id
-};
 
 /// Where the centres of a set of cells lie, times two, and the sum of the cells' extents.
 struct Centres {
@@ -27,11 +21,11 @@ struct Centres {
   }
 };
 
-/// Gives each of n cells its code on a grid over their centres, whose steps are in proportion to
-/// the cells' extents and fine enough for most cells to have one of their own, and sorts them by
-/// it. Cells that come in ascending order stay so where codes are equal. boxes: by flat id.
-/// scratch: as many items, overwritten. The result does not depend on the thread count.
-void order(CodedCell* cells, CodedCell* scratch, std::int64_t n, const Box* boxes,
-           const Centres& centres, const core::Threads& threads);
+/// Gives each of n cells (ids are flat ones) its code on a grid over their centres, whose steps are
+/// in proportion to the cells' extents and fine enough for most cells to have one of their own, and
+/// sorts them by it. Cells that come in ascending order stay so where codes are equal. boxes: by
+/// flat id. scratch: as many items, overwritten. The result does not depend on the thread count.
+void order(Coded* cells, Coded* scratch, std::int64_t n, const Box* boxes, const Centres& centres,
+           const core::Threads& threads);
 
 } // namespace insitu::accel::morton

@@ -30,7 +30,7 @@ static_assert(sizeof(Parts) <= sizeof(Node::child_lower) + sizeof(Node::child_up
 
 class Topology {
 public:
-  Topology(CodedCell* cells, CodedCell* scratch, const Box* boxes, const core::Threads& threads)
+  Topology(Coded* cells, Coded* scratch, const Box* boxes, const core::Threads& threads)
       : cells_(cells), scratch_(scratch), boxes_(boxes), threads_(threads) {}
 
   /// How many of a node's children are nodes, and how many are cells.
@@ -90,7 +90,7 @@ public:
 
   /// Prefetches what opening a waiting node of few cells will read.
   void ask_for(const Node& node) const {
-    constexpr std::uint32_t line = 64 / sizeof(CodedCell), few = 16 * line;
+    constexpr std::uint32_t line = 64 / sizeof(Coded), few = 16 * line;
     const std::uint32_t begin = node.first_child, end = node.first_cell;
     if (end - begin > width && end - begin <= few)
       for (std::uint32_t i = begin; i < end; i += line)
@@ -126,7 +126,7 @@ private:
     const std::uint32_t last = cells_[end - 1].code;
     const std::uint32_t bit = std::bit_floor(cells_[begin].code ^ last);
     const std::uint32_t from = last & ~(bit - 1);
-    const CodedCell* base = cells_ + begin;
+    const Coded* base = cells_ + begin;
     for (std::uint32_t rest = end - begin; rest > 1;) {
       const std::uint32_t half = rest / 2;
       base += base[half - 1].code < from ? half : 0;
@@ -138,7 +138,7 @@ private:
   void order_anew(std::uint32_t begin, std::uint32_t end) const {
     Centres centres;
     for (std::uint32_t i = begin; i < end; ++i)
-      centres.add(Centres(&boxes_[cells_[i].cell], 1));
+      centres.add(Centres(&boxes_[cells_[i].id], 1));
     if (centres.are_one_point())
       code_by_rank(begin, end);
     else
@@ -151,15 +151,15 @@ private:
       cells_[i].code = (i - begin) / width;
   }
 
-  CodedCell* cells_;
-  CodedCell* scratch_;
+  Coded* cells_;
+  Coded* scratch_;
   const Box* boxes_;
   const core::Threads& threads_;
 };
 
 } // namespace
 
-void make_nodes(CodedCell* cells, CodedCell* scratch, std::uint32_t count, const Box* boxes,
+void make_nodes(Coded* cells, Coded* scratch, std::uint32_t count, const Box* boxes,
                 const core::Threads& threads, core::Buffer<Node>& nodes,
                 core::Buffer<std::uint32_t>& slots, std::vector<std::uint32_t>& levels) {
   const Topology topology(cells, scratch, boxes, threads);
@@ -210,7 +210,7 @@ void make_nodes(CodedCell* cells, CodedCell* scratch, std::uint32_t count, const
         node.first_cell = slot;
         for (unsigned c = 0; c < width && node.meta[c]; ++c) {
           if (!node.is_inner(int(c))) {
-            slots[slot++] = cells[node.inner ? parts.begin[c] : parts.begin[0] + c].cell;
+            slots[slot++] = cells[node.inner ? parts.begin[c] : parts.begin[0] + c].id;
             continue;
           }
           nodes[inner].first_child = parts.begin[c];

@@ -15,7 +15,7 @@ namespace insitu::accel::morton {
 /// their own, which writes to `cells` and `scratch`. Ranges of cells with one centre are halved.
 /// Depth stays below 64. levels: the first node of each, and the end. slots: the cells in the
 /// order of the nodes' leaf children. The result does not depend on the thread count.
-void make_nodes(CodedCell* cells, CodedCell* scratch, std::uint32_t count, const Box* boxes,
+void make_nodes(Coded* cells, Coded* scratch, std::uint32_t count, const Box* boxes,
                 const core::Threads& threads, core::Buffer<Node>& nodes,
                 core::Buffer<std::uint32_t>& slots, std::vector<std::uint32_t>& levels);
 

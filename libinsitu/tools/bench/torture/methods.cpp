@@ -41,8 +41,11 @@ Answers ours(const query::Sampler& sampler, const core::Threads& threads,
   } else {
     std::int64_t before = -1;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const std::int64_t hint =
-          way == Way::single ? -1 : hint_for(i, points[i], before, sampler.mesh().cell_count());
+      std::int64_t hint = -1;
+      if (way == Way::hinted) {
+        hint = hint_for(i, points[i], before, sampler.mesh().cell_count());
+        out.hints.push_back(hint);
+      }
       found[i] = sampler.locate(points[i].at, hint, options, &out.reasons[i]);
       before = found[i].cell;
     }
@@ -74,7 +77,6 @@ std::vector<Method> answer_by_all(const Case& c, const std::vector<Point>& point
   for (int column = 0; column < 2; ++column)
     for (int way = 0; way < 3; ++way)
       out.push_back({columns[std::size_t(column)] + "_" + ways[way], column,
-                     Way(way) == Way::hinted,
                      ours(mesh.sampler(), context.threads, points,
                           column == 0 ? INSITU_STANDARD : INSITU_EXACT, Way(way))});
 
@@ -87,10 +89,10 @@ std::vector<Method> answer_by_all(const Case& c, const std::vector<Point>& point
       continue;
     peer->build();
     Answers answers{
-        std::vector<std::int64_t>(points.size()), std::vector<Vec3d>(points.size()), {}};
+        std::vector<std::int64_t>(points.size()), std::vector<Vec3d>(points.size()), {}, {}};
     peer->locate(at, answers.cells, answers.parametric);
     columns.emplace_back(peer->name());
-    out.push_back({peer->name(), int(columns.size()) - 1, false, std::move(answers)});
+    out.push_back({peer->name(), int(columns.size()) - 1, std::move(answers)});
   }
   return out;
 }

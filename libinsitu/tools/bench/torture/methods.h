@@ -11,18 +11,19 @@
 
 namespace insitu::bench::torture {
 
-/// What a method answers: cells (-1: none), parametric coordinates and, ours, why.
+/// What a method answers: cells (-1: none), parametric coordinates and, ours, why; if asked with
+/// hints, these.
 struct Answers {
   std::vector<std::int64_t> cells;
   std::vector<math::Vec3d> parametric;
   std::vector<query::Reason> reasons;
+  std::vector<std::int64_t> hints;
 };
 
 /// A way to locate points.
 struct Method {
   std::string name; ///< JSON key
   int column;       ///< 0: standard, 1: exact, from 2 on: peers
-  bool hinted;
   Answers answers;
 };
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "cells/faces.h"
 #include "cells/kernels.h"
 #include "core/random.h"
+#include "math/morton.h"
 
 namespace insitu::workload {
 
@@ -59,14 +59,6 @@ Queries random(const Mesh& mesh, std::int64_t count) {
     q.made_in[i] = std::int32_t(cell);
   }
   return q;
-}
-
-/// The low 11 bits, two apart.
-std::uint64_t spread(std::uint64_t x) {
-  x = (x | x << 16) & 0xff0000ff;
-  x = (x | x << 8) & 0xf00f00f00f;
-  x = (x | x << 4) & 0xc30c30c30c3;
-  return (x | x << 2) & 0x9249249249;
 }
 
 Queries in_morton_order(const Queries& from) {
@@ -165,30 +157,21 @@ std::vector<std::uint32_t> morton_order(std::span<const Vec3d> points) {
   Bounds box;
   for (const Vec3d& p : points)
     box.add(p);
-  constexpr int bits = 11, index_bits = 31;
-  constexpr std::size_t buckets = 1u << bits;
+  constexpr int index_bits = 31;
+  constexpr double steps = 1 << 11;
   double scale[3];
   for (int a = 0; a < 3; ++a)
-    scale[a] = box.hi[a] > box.lo[a] ? double(buckets) / (box.hi[a] - box.lo[a]) : 0.0;
-  std::vector<std::uint64_t> keys(points.size()), sorted(points.size());
-  std::vector<std::size_t> begin(3 * buckets, 0);
+    scale[a] = box.hi[a] > box.lo[a] ? steps / (box.hi[a] - box.lo[a]) : 0.0;
+  std::vector<std::uint64_t> keys(points.size());
   for (std::size_t i = 0; i < keys.size(); ++i) {
     std::uint64_t code = 0;
     for (int a = 0; a < 3; ++a) {
-      const auto step = std::uint64_t((points[i][a] - box.lo[a]) * scale[a]);
-      code |= spread(std::min<std::uint64_t>(step, buckets - 1)) << a;
+      const double step = std::min((points[i][a] - box.lo[a]) * scale[a], steps - 1.0);
+      code |= math::spread_bits(std::uint64_t(step)) << a;
     }
     keys[i] = code << index_bits | i;
-    for (std::size_t pass = 0; pass < 3; ++pass)
-      ++begin[pass * buckets + (code >> (pass * bits)) % buckets];
   }
-  for (std::size_t pass = 0; pass < 3; ++pass) {
-    std::size_t* const at = &begin[pass * buckets];
-    std::exclusive_scan(at, at + buckets, at, std::size_t(0));
-    for (const std::uint64_t key : keys)
-      sorted[at[(key >> (index_bits + pass * bits)) % buckets]++] = key;
-    keys.swap(sorted);
-  }
+  std::sort(keys.begin(), keys.end());
   std::vector<std::uint32_t> order(points.size());
   for (std::size_t i = 0; i < order.size(); ++i)
     order[i] = std::uint32_t(keys[i] & ((1u << index_bits) - 1));

@@ -41,7 +41,7 @@ Queries make_queries(const Mesh& mesh, Pattern pattern, std::int64_t count);
 /// The parametric point of random query i in a cell of that shape.
 math::Vec3d random_parametric(mesh::Shape shape, std::uint64_t i);
 
-/// The places of the points in Morton order over their box: stable, 11 bits an axis, by radix sort.
+/// The places of the points in Morton order over their box: stable, 11 bits an axis.
 std::vector<std::uint32_t> morton_order(std::span<const math::Vec3d> points);
 
 } // namespace insitu::workload

@@ -1,9 +1,9 @@
 // Every kind of finding: which cell, what was expected, how many; the same for any thread count.
 #include <gtest/gtest.h>
 
+#include "cells/validate.h"
 #include "core/status.h"
 #include "fixtures/committed.h"
-#include "mesh/validate.h"
 
 using namespace insitu;
 using math::Vec3d;
@@ -26,7 +26,7 @@ struct Spoiled : fixtures::Committed {
               return test::make_mesh(options, random);
             }(),
             thread_limit) {}
-  mesh::Validation validate() { return mesh.validate(threads); }
+  cells::Validation validate() { return mesh.validate(threads); }
   void use(const insitu_cells& cells) { mesh.mesh().set_cells(0, &cells); }
 };
 
@@ -39,7 +39,7 @@ void expect_in(const std::string& text, const std::string& message) {
 TEST(Validation, AcceptsAGoodMesh) {
   for (const auto kind : {test::MeshKind::hexahedra, test::MeshKind::mixed}) {
     Spoiled m(0, kind);
-    const mesh::Validation v = m.validate();
+    const cells::Validation v = m.validate();
     EXPECT_EQ(v.counts.cells, m.arrays.cell_count());
     EXPECT_EQ(v.findings, "");
     EXPECT_EQ(v.warning, "");
@@ -54,7 +54,7 @@ TEST(Validation, NamesTheFirstBadIdWhateverTheThreads) {
     for (const std::size_t cell : {9000u, 123u, 5000u, 8500u, 123u, 10647u})
       m.arrays.ids[8 * cell + 3] = cell == 5000 ? -7 : std::int32_t(m.arrays.vertex_count());
     m.arrays.points[3 * std::size_t(m.arrays.ids[8 * 2535])] = NAN; // an inner vertex
-    const mesh::Validation v = m.validate();
+    const cells::Validation v = m.validate();
     EXPECT_EQ(v.counts.index_errors, 5);
     EXPECT_EQ(v.counts.coordinate_errors, 8);
     expect_in("mesh 'test', piece 0, cell 123: vertex 3 has id 12167, 0 to 12166 expected",
@@ -71,7 +71,7 @@ TEST(Validation, IdsCountFromTheirBase) {
   insitu_cells cells = m.arrays.cells();
   cells.index_base = 1; // so id 0 is out of range
   m.use(cells);
-  const mesh::Validation v = m.validate();
+  const cells::Validation v = m.validate();
   EXPECT_EQ(v.counts.index_errors, 1);
   expect_in("cell 0: vertex 0 has id 0, 1 to 12167 expected", v.findings);
 }
@@ -86,7 +86,7 @@ TEST(Validation, SurvivesTheEndsOfTheNumberRange) {
   for (const int base : {0, 1}) {
     cells.index_base = base;
     m.use(cells);
-    const mesh::Validation v = m.validate();
+    const cells::Validation v = m.validate();
     EXPECT_EQ(v.counts.index_errors, 2 + base);
     expect_in("cell 5: vertex 0 has id -9223372036854775808", v.findings);
     expect_in("cell 6: vertex 0 has id 9223372036854775807", v.findings);
@@ -97,7 +97,7 @@ TEST(Validation, NamesCoordinatesThatAreNotFinite) {
   Spoiled m;
   const auto vertex = std::size_t(m.arrays.ids[8 * 77 + 6]);
   m.arrays.points[3 * vertex + 2] = -INFINITY;
-  const mesh::Validation v = m.validate();
+  const cells::Validation v = m.validate();
   EXPECT_EQ(v.counts.coordinate_errors, 8);
   expect_in("vertex id " + std::to_string(vertex) + ": coordinate z is infinite", v.findings);
   EXPECT_THROW(m.commit(INSITU_CHANGED_GEOMETRY), core::Error);
@@ -129,7 +129,7 @@ TEST(Validation, DoesNotReadGhostCells) {
   }
   const insitu_array bits = insitu_array_of(ghosts.data(), INSITU_UINT8, m.arrays.cell_count(), 1);
   m.mesh.mesh().set_ghosts(0, &bits, INSITU_GHOSTS_VTK);
-  const mesh::Validation v = m.validate();
+  const cells::Validation v = m.validate();
   EXPECT_EQ(v.findings, "");
   EXPECT_EQ(v.counts.ghost_cells, 3);
   m.commit();
@@ -160,7 +160,7 @@ TEST(Validation, ChecksTypesAndOffsets) {
     cells.connectivity = insitu_array_of(ids.data(), INSITU_INT64, std::int64_t(ids.size()), 1);
     cells.offsets.count = m.arrays.cell_count() + n_plus_1;
     m.use(cells);
-    const mesh::Validation v = m.validate();
+    const cells::Validation v = m.validate();
     EXPECT_EQ(v.counts.shape_errors, errors) << v.findings;
     EXPECT_EQ(v.counts.index_errors + v.counts.coordinate_errors, 0) << v.findings;
     return v.findings;
@@ -194,7 +194,7 @@ TEST(Validation, ChecksThePadding) {
     cells.index_base = base;
     cells.connectivity = insitu_array_of(ids.data(), INSITU_INT64, 1, 8);
     m.use(cells);
-    const mesh::Validation v = m.validate();
+    const cells::Validation v = m.validate();
     EXPECT_EQ(v.counts.shape_errors, v.findings.empty() ? 0 : 1);
     return v.findings;
   };

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "cells/folds.h"
 #include "cells/kernels.h"
 #include "fixtures/committed.h"
-#include "mesh/folds.h"
 
 using namespace insitu;
 using math::Vec3d;
@@ -56,7 +56,7 @@ TEST(Folds, AreFoundWhereTheJacobianChangesSign) {
     for (const double jitter : {0.2, 0.35, 0.5})
       for (int i = 0; i < 600; ++i) {
         const test::Vertices v = random_cell(shape, jitter, random);
-        const bool changes = mesh::jacobian_changes_sign(shape, v.data());
+        const bool changes = cells::jacobian_changes_sign(shape, v.data());
         const Range coarse = sampled(shape, v.data(), 8);
         if (coarse.least < -1e-12 && coarse.greatest > 1e-12) {
           ASSERT_TRUE(changes) << test::describe(shape, v.data(), {});
@@ -82,11 +82,11 @@ TEST(Folds, DoNotDependOnOrientationScaleOrPlace) {
   for (const Shape shape : test::all_shapes)
     for (int i = 0; i < 300; ++i) {
       const test::Vertices v = random_cell(shape, 0.35, random);
-      const bool changes = mesh::jacobian_changes_sign(shape, v.data());
+      const bool changes = cells::jacobian_changes_sign(shape, v.data());
       test::Vertices w = v;
       for (Vec3d& p : w)
         p = {-p.x, p.y * 0x1p-40, p.z * 0x1p40};
-      EXPECT_EQ(mesh::jacobian_changes_sign(shape, w.data()), changes);
+      EXPECT_EQ(cells::jacobian_changes_sign(shape, w.data()), changes);
     }
 }
 
@@ -102,7 +102,7 @@ TEST(Folds, AreCountedByValidation) {
         const test::Vertices v = random_cell(shape, jitter, random);
         const Range corners = sampled(shape, v.data(), 1);
         const bool mixed = corners.least < 0 && corners.greatest > 0;
-        const bool folds = mesh::jacobian_changes_sign(shape, v.data());
+        const bool folds = cells::jacobian_changes_sign(shape, v.data());
         folded += folds || mixed;
         between_corners += folds && !mixed;
         // The wedge of unit_cell is VTK's, whose shape functions turn it the other way.
@@ -126,15 +126,15 @@ TEST(Folds, CollapsedAndFlatCellsHaveNone) {
   test::Vertices v = test::unit_cell(Shape::hexahedron);
   v[3] = v[0]; // an edge fell on its neighbour: the Jacobian is 0 there
   v[7] = v[4];
-  EXPECT_FALSE(mesh::jacobian_changes_sign(Shape::hexahedron, v.data()));
+  EXPECT_FALSE(cells::jacobian_changes_sign(Shape::hexahedron, v.data()));
   v = test::unit_cell(Shape::hexahedron);
   for (int k : {5, 6, 7})
     v[std::size_t(k)] = v[4];
-  EXPECT_FALSE(mesh::jacobian_changes_sign(Shape::hexahedron, v.data()));
+  EXPECT_FALSE(cells::jacobian_changes_sign(Shape::hexahedron, v.data()));
   for (const Shape shape : test::all_shapes) {
     test::Vertices flat = test::unit_cell(shape);
     for (Vec3d& p : flat)
       p.z = 0.0;
-    EXPECT_FALSE(mesh::jacobian_changes_sign(shape, flat.data()));
+    EXPECT_FALSE(cells::jacobian_changes_sign(shape, flat.data()));
   }
 }

@@ -1,17 +1,26 @@
-#include "mesh/validate.h"
+#include "cells/validate.h"
 
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <vector>
 
-#include "mesh/cell_signs.h"
-#include "mesh/folds.h"
+#include "cells/cell_signs.h"
+#include "cells/folds.h"
+#include "cells/gather.h"
 
-namespace insitu::mesh {
+namespace insitu::cells {
 
 namespace {
 
 using math::Vec3d;
+using mesh::CellLayout;
+using mesh::from_base;
+using mesh::MeshView;
+using mesh::PieceView;
+using mesh::Shape;
+
+constexpr std::int64_t grain = 4096;
 
 /// What one chunk of cells showed; chunks are joined in order.
 struct Findings {
@@ -22,6 +31,24 @@ struct Findings {
       lines.push_back(std::move(line));
   }
 };
+
+/// Counts what the geometry of a block of cells shows.
+void count_signs(Shape shape, CellBlock& block, insitu_validation& counts) {
+  if (block.count == 0)
+    return;
+  const CellSigns s = cell_signs(shape, block);
+  std::uint64_t folded = s.positive & s.negative;
+  for (std::uint64_t open = s.unsure & (s.positive ^ s.negative); open; open &= open - 1) {
+    const int k = std::countr_zero(open);
+    Vec3d x[8];
+    block.get(shape, k, x);
+    folded |= std::uint64_t(jacobian_changes_sign(shape, x)) << k;
+  }
+  counts.folded_cells += std::popcount(folded);
+  counts.inverted_cells += std::popcount(s.negative & ~folded);
+  counts.zero_volume_cells += block.count - std::popcount(s.positive | s.negative);
+  counts.collapsed_cells += std::popcount(s.coincident);
+}
 
 /// One chunk of a piece's cells.
 class ChunkValidator {
@@ -58,29 +85,12 @@ public:
     if (shape != shape_ || block_.count == CellBlock::size)
       flush(f);
     shape_ = shape;
-    for (int v = 0; v < n; ++v)
-      for (int a = 0; a < 3; ++a)
-        block_.vertex[v][a][block_.count] = x[v][a];
-    ++block_.count;
+    block_.set(n, block_.count++, x);
   }
 
   /// Looks at the geometry of the cells that wait for it.
   void flush(Findings& f) {
-    if (block_.count == 0)
-      return;
-    const CellSigns s = cell_signs(shape_, block_);
-    std::uint64_t folded = s.positive & s.negative;
-    for (std::uint64_t open = s.unsure & (s.positive ^ s.negative); open; open &= open - 1) {
-      const int k = std::countr_zero(open);
-      Vec3d x[8];
-      for (int v = 0; v < vertex_count(shape_); ++v)
-        x[v] = {block_.vertex[v][0][k], block_.vertex[v][1][k], block_.vertex[v][2][k]};
-      folded |= std::uint64_t(jacobian_changes_sign(shape_, x)) << k;
-    }
-    f.counts.folded_cells += std::popcount(folded);
-    f.counts.inverted_cells += std::popcount(s.negative & ~folded);
-    f.counts.zero_volume_cells += block_.count - std::popcount(s.positive | s.negative);
-    f.counts.collapsed_cells += std::popcount(s.coincident);
+    count_signs(shape_, block_, f.counts);
     block_.count = 0;
   }
 
@@ -97,11 +107,11 @@ private:
       return false;
     };
     if (p_.layout == CellLayout::mixed) {
-      const int type = load_as<std::uint8_t>(p_.types + cell * p_.types_stride);
-      if (!is_shape(type))
+      const int type = mesh::load_as<std::uint8_t>(p_.types + cell * p_.types_stride);
+      if (!mesh::is_shape(type))
         return refuse("type " + std::to_string(type) + ", 10 to 14 expected");
       const std::int64_t given = p_.offsets.load(cell), start = from_base(given, p_.index_base);
-      const int n = vertex_count(Shape(type));
+      const int n = mesh::vertex_count(Shape(type));
       if (start < 0 || start > p_.connectivity.count - n)
         return refuse("its " + std::to_string(n) + " ids start at " + std::to_string(given) +
                       " of " + std::to_string(p_.connectivity.count) + " in connectivity");
@@ -110,7 +120,7 @@ private:
         const std::int64_t ids = from_base(p_.offsets.load(cell + 1), given);
         if (ids != n)
           return refuse(std::to_string(ids) + " ids between its offsets, " + std::to_string(n) +
-                        " expected for a " + shape_name(Shape(type)));
+                        " expected for a " + mesh::shape_name(Shape(type)));
       }
     } else if (p_.layout == CellLayout::padded) {
       int n = 0;
@@ -142,7 +152,7 @@ private:
   const PieceView& p_;
   const std::string& name_;
   Shape shape_ = Shape::none;
-  CellBlock block_; ///< cells of shape_
+  CellBlock block_{}; ///< cells of shape_
 };
 
 void join(insitu_validation& to, const insitu_validation& from) {
@@ -161,7 +171,6 @@ void join(insitu_validation& to, const insitu_validation& from) {
 
 Validation validate(const std::string& mesh_name, const MeshView& mesh,
                     const core::Threads& threads) {
-  constexpr std::int64_t grain = 4096;
   Validation out;
   out.counts = insitu_validation_default();
   std::size_t lines = 0;
@@ -197,4 +206,46 @@ Validation validate(const std::string& mesh_name, const MeshView& mesh,
   return out;
 }
 
-} // namespace insitu::mesh
+bool is_free_of_folds(const MeshView& mesh, const insitu_validation& counts) {
+  return mesh.piece_count == 1 && counts.folded_cells == 0 && counts.zero_volume_cells == 0 &&
+         (counts.inverted_cells == 0 || counts.inverted_cells + counts.ghost_cells == counts.cells);
+}
+
+bool is_free_of_folds(const MeshView& mesh, const core::Threads& threads) {
+  if (mesh.piece_count != 1)
+    return false;
+  const PieceView& piece = mesh.pieces[0];
+  const CellGather gather(mesh, 1.0);
+  std::atomic<bool> some_right{false}, some_inverted{false}, bad{false};
+  threads.parallel_for(piece.cell_count, grain, [&](std::int64_t begin, std::int64_t end) {
+    CellBlock block;
+    std::int64_t ids[CellBlock::size];
+    insitu_validation counts = insitu_validation_default();
+    for (std::int64_t cell = begin; cell < end && !bad;) {
+      Shape shape = Shape::none;
+      int n = 0;
+      for (; cell < end && n < CellBlock::size; ++cell) {
+        if (!piece.owns(cell))
+          continue;
+        if (const Shape here = gather.shape(cell); n == 0)
+          shape = here;
+        else if (here != shape)
+          break;
+        ids[n++] = cell;
+      }
+      gather.fill(ids, n, 0, block);
+      block.count = n;
+      counts.cells += n;
+      count_signs(shape, block, counts);
+      if (counts.folded_cells + counts.zero_volume_cells > 0)
+        bad = true;
+    }
+    if (counts.inverted_cells > 0)
+      some_inverted = true;
+    if (counts.inverted_cells < counts.cells)
+      some_right = true;
+  });
+  return !bad && !(some_right && some_inverted);
+}
+
+} // namespace insitu::cells

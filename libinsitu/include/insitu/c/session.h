@@ -1,0 +1,78 @@
+/** @file session.h
+ *  Sessions: opening, meshes by name, what a scene asks for each cycle. */
+#ifndef INSITU_C_SESSION_H
+#define INSITU_C_SESSION_H
+
+#include "insitu/c/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum insitu_log_level INSITU_INT {
+  INSITU_LOG_ERROR = 1,
+  INSITU_LOG_WARNING = 2,
+  INSITU_LOG_INFO = 3,
+  INSITU_LOG_DEBUG = 4
+} insitu_log_level;
+
+/** Receives the library's messages, on the thread that called the library. Must not call back. */
+typedef void (*insitu_log_function)(insitu_log_level level, const char* message, void* user);
+
+typedef struct insitu_session_options {
+  size_t size;
+  const char* scene;      /**< path of a scene file; null: none */
+  const char* scene_text; /**< the scene itself, as text; at most one of both. With neither, the
+                               default scene if default_scene is not 0, else nothing is executed */
+  const char* output;     /**< output folder, overrides the scene's; null: the scene's */
+  int32_t default_scene;  /**< 1: with no scene, draw the first scalar field every tenth cycle */
+  int32_t threads;        /**< at most so many threads; 0: all that the process's affinity allows */
+  int32_t strict;         /**< 1: refuse arrays that would have to be copied or converted */
+  insitu_log_level log_level; /**< messages up to this level reach the log */
+  insitu_log_function log;    /**< null: errors and warnings go to stderr */
+  void* log_user;
+  const void* communicator;     /**< address of an MPI_Comm, kept; serial in this version */
+  int32_t fortran_communicator; /**< the same as a Fortran integer; used if communicator is null */
+} insitu_session_options;
+
+static inline insitu_session_options insitu_session_options_default(void) {
+  insitu_session_options o;
+  o.size = sizeof o;
+  o.scene = NULL;
+  o.scene_text = NULL;
+  o.output = NULL;
+  o.default_scene = 0;
+  o.threads = 0;
+  o.strict = 0;
+  o.log_level = INSITU_LOG_WARNING;
+  o.log = NULL;
+  o.log_user = NULL;
+  o.communicator = NULL;
+  o.fortran_communicator = 0;
+  return o;
+}
+
+/** Opens a session. options may be null (the defaults). A bad scene is an error here, with file,
+ *  line, key and the nearest valid key in the message; *session is then null. */
+INSITU_API insitu_status insitu_session_open(const insitu_session_options* options,
+                                             insitu_session* session);
+
+/** Ends tracers, closes files, releases the session and its meshes, and sets *session to null.
+ *  A null *session is fine. */
+INSITU_API insitu_status insitu_session_close(insitu_session* session);
+
+/** The mesh of that name, made empty on first use. */
+INSITU_API insitu_status insitu_session_mesh(insitu_session session, const char* name,
+                                             insitu_mesh* mesh);
+
+/** Commits every mesh, then does what the scene asks for at this cycle: probes, tracers, frames.
+ *  cycle: the solver's step number; time: its physical time (not decreasing while tracers live).
+ *  An action that fails is logged and skipped; the others are done; the status is then
+ *  INSITU_ERROR_ACTION and the message tells which. */
+INSITU_API insitu_status insitu_session_execute(insitu_session session, int64_t cycle, double time);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* INSITU_C_SESSION_H */

@@ -1,0 +1,43 @@
+#include "mesh/cell_arrays.h"
+
+namespace insitu::mesh {
+
+bool CellArrays::make(const PieceView& p, CellArrays& m) {
+  const ItemLayout& layout = p.points.layout;
+  const bool block = p.layout == CellLayout::block;
+  if (p.implicit_points || (!layout.linear && !block))
+    return false;
+  m.layout = p.layout;
+  if (block) {
+    if (!layout.linear &&
+        (layout.extent[0] != p.block_vertices[0] || layout.extent[1] != p.block_vertices[1]))
+      return false;
+    for (int a = 0; a < 2; ++a)
+      m.block_cells[a] = std::uint32_t(p.block_vertices[a] - 1);
+    m.block_stride[0] = layout.stride[0];
+    m.block_stride[1] = layout.linear ? p.block_vertices[0] * layout.stride[0] : layout.stride[1];
+    m.block_stride[2] = layout.linear ? p.block_vertices[1] * m.block_stride[1] : layout.stride[2];
+  } else {
+    m.uniform_count = vertex_count(p.uniform_shape);
+    m.ids = p.connectivity.data;
+    m.ids_are_int32 = p.connectivity.is_int32;
+    m.cell_stride = p.connectivity.stride;
+    m.id_stride = p.id_stride;
+    m.base = p.index_base;
+    m.types = p.types;
+    m.types_stride = p.types_stride;
+    m.offsets = p.offsets.data;
+    m.offset_stride = p.offsets.stride;
+    m.offset_is_int32 = p.offsets.is_int32;
+  }
+  m.point_stride = layout.stride[0];
+  m.points_are_float32 = p.points.is_float32;
+  for (int a = 0; a < 3; ++a)
+    m.component[a] = p.points.component[a];
+  const std::int64_t size = m.points_are_float32 ? 4 : 8;
+  m.interleaved =
+      m.component[1] - m.component[0] == size && m.component[2] - m.component[1] == size;
+  return true;
+}
+
+} // namespace insitu::mesh
