@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 
 #include "cells/robust_inverse.h"
 
@@ -24,75 +23,99 @@ void for_each_bit(std::uint64_t bits, F&& f) {
 } // namespace
 
 BatchLocator::BatchLocator(const PointQuery& query, BatchScratch& scratch)
-    : query_(query), gather_(query.mesh, query.options.alpha), s_(scratch) {}
+    : query_(query), rule_(query.box_rule()), gather_(query.mesh, query.options.alpha),
+      s_(scratch) {}
 
 void BatchLocator::run(std::span<const Vec3d> points) {
   points_ = points;
   count_ = int(points.size());
-  // Points of no box keep their place: an empty box meets nothing.
-  s_.boxes.count = count_;
   for (int q = 0; q < count_; ++q) {
-    float lower[3], upper[3];
-    if (!query_.box(points[std::size_t(q)], lower, upper))
-      for (int a = 0; a < 3; ++a) {
-        lower[a] = std::numeric_limits<float>::infinity();
-        upper[a] = -lower[a];
-      }
-    s_.boxes.set(q, lower, upper);
     best_[q] = {};
     reason_[q] = Reason::outside;
     located_[q] = false;
   }
   if (query_.tree.empty())
     return;
+  set_boxes(rule_, points, s_.boxes);
   find_candidates(query_.tree, s_.boxes, s_.traversal);
-  const std::size_t found = s_.traversal.found;
+  if (query_.mesh.free_of_folds && query_.options.alpha == 1.0)
+    try_deepest();
   order_by_shape();
-  // At more candidates a point than this, inverting the maps of all of them costs more than
-  // filtering them.
-  const bool few = 4 * found <= 5 * points.size();
-  const bool newton_first = few && query_.mesh.free_of_folds && query_.options.alpha == 1.0;
   for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const std::uint8_t* queries) {
-    newton_first ? decide_by_newton(shape, cells, queries)
-                 : decide_by_filter(shape, cells, queries);
+    decide_by_filter(shape, cells, queries);
   });
   find_parametric();
 }
 
-/// The candidates' cells, those of a shape side by side, and their ids asked for.
+/// The cells that cell_of(query) names, none where it is negative; those of a shape side by side.
+template <class CellOf>
+void BatchLocator::order_by_query(CellOf&& cell_of) {
+  s_.make_room(batch_size + 1);
+  if (gather_.one_shape()) {
+    std::size_t n = 0;
+    for (int q = 0; q < count_; ++q) {
+      s_.cells[n] = cell_of(q);
+      s_.queries[n] = std::uint8_t(q);
+      n += s_.cells[n] >= 0;
+    }
+    set_one_run(n);
+    return;
+  }
+  const auto shape_of = [&](std::int64_t cell) { return int(gather_.shape(cell)) - first_shape; };
+  std::size_t end[shape_count + 1] = {};
+  for (int q = 0; q < count_; ++q)
+    if (const std::int64_t cell = cell_of(q); cell >= 0)
+      ++end[shape_of(cell) + 1];
+  for (int i = 0; i < shape_count; ++i)
+    end[i + 1] += end[i];
+  for (int q = 0; q < count_; ++q)
+    if (const std::int64_t cell = cell_of(q); cell >= 0) {
+      const std::size_t at = end[shape_of(cell)]++;
+      s_.cells[at] = cell;
+      s_.queries[at] = std::uint8_t(q);
+    }
+  std::copy_n(end, shape_count, run_end_);
+}
+
+/// All n cells have the mesh's one shape.
+void BatchLocator::set_one_run(std::size_t n) {
+  const int shape = n > 0 ? int(gather_.shape(0)) - first_shape : 0;
+  for (int i = 0; i < shape_count; ++i)
+    run_end_[i] = i < shape ? 0 : n;
+}
+
+/// The candidates' cells, but those that a query's owner comes before, those of a shape side by
+/// side.
 void BatchLocator::order_by_shape() {
   const std::size_t found = s_.traversal.found;
   const Candidate* candidates = s_.traversal.candidates.data();
-  if (const std::size_t room = std::max<std::size_t>(2 * found, batch_size);
-      s_.cells.size() < found || s_.cells.empty()) {
-    s_.cells.resize(room);
-    s_.queries.resize(room);
-    s_.unsorted.resize(room);
-  }
+  const std::uint32_t* tree_cells = query_.tree.cells();
+  s_.make_room(found + 1);
   if (gather_.one_shape()) {
-    const std::uint32_t* tree_cells = query_.tree.cells();
+    std::size_t n = 0;
     for (std::size_t c = 0; c < found; ++c) {
-      s_.cells[c] = std::int64_t(tree_cells[candidates[c].slot]);
-      s_.queries[c] = std::uint8_t(candidates[c].query);
-      gather_.prefetch_ids(s_.cells[c]);
+      s_.cells[n] = std::int64_t(tree_cells[candidates[c].slot]);
+      s_.queries[n] = candidates[c].query;
+      gather_.prefetch_ids(s_.cells[n]);
+      n += could_own(s_.cells[n], candidates[c].query);
     }
-    const int shape = found ? int(gather_.shape(0)) - first_shape : 0;
-    for (int i = 0; i < shape_count; ++i)
-      run_end_[i] = i < shape ? 0 : found;
+    set_one_run(n);
     return;
   }
   std::size_t start[shape_count + 1] = {};
   for (std::size_t c = 0; c < found; ++c) {
-    s_.unsorted[c] = std::int64_t(query_.tree.cells()[candidates[c].slot]);
-    ++start[int(gather_.shape(s_.unsorted[c])) - first_shape + 1];
+    s_.unsorted[c] = std::int64_t(tree_cells[candidates[c].slot]);
+    if (could_own(s_.unsorted[c], candidates[c].query))
+      ++start[int(gather_.shape(s_.unsorted[c])) - first_shape + 1];
   }
   for (int i = 0; i < shape_count; ++i)
     start[i + 1] += start[i];
-  for (std::size_t c = 0; c < found; ++c) {
-    const std::size_t at = start[int(gather_.shape(s_.unsorted[c])) - first_shape]++;
-    s_.cells[at] = s_.unsorted[c];
-    s_.queries[at] = std::uint8_t(candidates[c].query);
-  }
+  for (std::size_t c = 0; c < found; ++c)
+    if (could_own(s_.unsorted[c], candidates[c].query)) {
+      const std::size_t at = start[int(gather_.shape(s_.unsorted[c])) - first_shape]++;
+      s_.cells[at] = s_.unsorted[c];
+      s_.queries[at] = candidates[c].query;
+    }
   std::copy_n(start, shape_count, run_end_);
 }
 
@@ -125,10 +148,9 @@ Vec3d BatchLocator::block_point(int k) const {
 
 /// The cell holds the query's point. The lowest id stays.
 void BatchLocator::claim(int query, std::int64_t cell, Reason reason) {
-  Location& best = best_[query];
-  if (best.cell >= 0 && best.cell <= cell)
+  if (!could_own(cell, query))
     return;
-  best.cell = cell;
+  best_[query].cell = cell;
   reason_[query] = reason;
   located_[query] = false;
 }
@@ -142,29 +164,43 @@ void BatchLocator::decide_by_filter(mesh::Shape shape, const std::int64_t* cells
   decide_rest(shape, all & ~(s_.block.inside | s_.block.outside), cells, queries);
 }
 
-void BatchLocator::decide_by_newton(mesh::Shape shape, const std::int64_t* cells,
-                                    const std::uint8_t* queries) {
-  PairBlock& b = s_.block;
-  invert(shape, b);
-  std::uint64_t inside = 0;
-  for (int k = 0; k < b.cells.count; ++k)
-    inside |= std::uint64_t(b.margin[k] > b.error[k]) << k;
-  for_each_bit(inside, [&](int k) {
-    const int q = queries[k];
-    claim(q, cells[k], Reason::certified);
-    if (best_[q].cell == cells[k]) {
-      best_[q].parametric = {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]};
-      located_[q] = true;
-    }
+/// Each query's deepest candidate, by Newton; claimed where the certificate puts it inside.
+void BatchLocator::try_deepest() {
+  const Candidate* candidates = s_.traversal.candidates.data();
+  const std::size_t found = s_.traversal.found;
+  constexpr int number_bits = 24;
+  constexpr std::uint32_t number = (1u << number_bits) - 1;
+  if (found >= number)
+    return;
+  std::uint32_t deepest[batch_size] = {}; // depth, and below it 1 + the candidate's number
+  for (std::size_t c = 0; c < found; ++c) {
+    std::uint32_t& most = deepest[candidates[c].query];
+    most = std::max(most, std::uint32_t(candidates[c].depth) << number_bits | std::uint32_t(c + 1));
+  }
+  std::int64_t cell[batch_size];
+  for (int q = 0; q < count_; ++q) {
+    const std::uint32_t c = deepest[q] & number;
+    cell[q] = c > 0 ? std::int64_t(query_.tree.cells()[candidates[c - 1].slot]) : -1;
+    gather_.prefetch_ids(std::max(cell[q], std::int64_t(0)));
+  }
+  order_by_query([&](int q) { return cell[q]; });
+  for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const std::uint8_t* queries) {
+    const PairBlock& b = s_.block;
+    invert(shape, s_.block);
+    for (int k = 0; k < b.cells.count; ++k)
+      if (b.margin[k] > b.error[k]) {
+        const int q = queries[k];
+        best_[q] = {cells[k], {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]}};
+        reason_[q] = Reason::certified;
+        located_[q] = true;
+      }
   });
-  decide_rest(shape, b.cells.all() & ~inside, cells, queries);
 }
 
 void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std::int64_t* cells,
                                const std::uint8_t* queries) {
   for_each_bit(open, [&](int k) {
-    const Location& best = best_[queries[k]];
-    if (best.cell >= 0 && best.cell <= cells[k])
+    if (!could_own(cells[k], queries[k]))
       return;
     Vec3d x[8];
     s_.block.cells.get(shape, k, x);
@@ -173,27 +209,9 @@ void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std:
   });
 }
 
-/// The owners that Newton has not seen yet become the candidates, one a query.
+/// The owners that Newton has not seen yet.
 void BatchLocator::find_parametric() {
-  std::size_t left[shape_count + 1] = {};
-  const auto shape_of = [&](int q) {
-    return gather_.one_shape() ? int(gather_.shape(0)) - first_shape
-                               : int(gather_.shape(best_[q].cell)) - first_shape;
-  };
-  for (int q = 0; q < count_; ++q)
-    if (best_[q] && !located_[q])
-      ++left[shape_of(q) + 1];
-  for (int i = 0; i < shape_count; ++i)
-    left[i + 1] += left[i];
-  if (left[shape_count] == 0)
-    return;
-  for (int q = 0; q < count_; ++q)
-    if (best_[q] && !located_[q]) {
-      const std::size_t at = left[shape_of(q)]++;
-      s_.cells[at] = best_[q].cell;
-      s_.queries[at] = std::uint8_t(q);
-    }
-  std::copy_n(left, shape_count, run_end_);
+  order_by_query([&](int q) { return located_[q] ? -1 : best_[q].cell; });
   for_each_block([&](mesh::Shape shape, const std::int64_t*, const std::uint8_t* queries) {
     const PairBlock& b = s_.block;
     invert(shape, s_.block);

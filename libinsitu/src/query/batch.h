@@ -18,14 +18,22 @@ struct BatchScratch {
   std::vector<std::uint8_t> queries;  ///< of the candidates, shape by shape
   std::vector<std::int64_t> unsorted; ///< cells in the tree's order
   PairBlock block;
+
+  /// For n candidates.
+  void make_room(std::size_t n) {
+    if (cells.size() >= n)
+      return;
+    cells.resize(2 * n);
+    queries.resize(2 * n);
+    unsorted.resize(2 * n);
+  }
 };
 
 /// Answers batches of at most batch_size points: all of them through the tree, then blocks of
 /// (cell, point) pairs of one shape through the containment filter; what it leaves open goes
 /// through the exact test, one by one. Last the owners' parametric coordinates. On meshes free of
-/// folds, and where few points have more than one candidate, Newton goes first instead: its
-/// certificate proves as much, and its coordinates are wanted anyway. Either way the answers are
-/// PointQuery's.
+/// folds each point's likeliest candidate is tried before, by Newton: where the certificate proves
+/// it, only those of lower ids are left to refute. Either way the answers are PointQuery's.
 class BatchLocator {
 public:
   BatchLocator(const PointQuery& query, BatchScratch& scratch);
@@ -37,10 +45,17 @@ public:
   std::span<const Reason> reasons() const { return {reason_, std::size_t(count_)}; }
 
 private:
+  template <class CellOf>
+  void order_by_query(CellOf&& cell_of);
   void order_by_shape();
+  void set_one_run(std::size_t n);
+  void try_deepest();
+  /// The cell's id is lower than that of what owns the query so far; -1, none, is above all.
+  bool could_own(std::int64_t cell, int query) const {
+    return std::uint64_t(cell) < std::uint64_t(best_[query].cell);
+  }
   void claim(int query, std::int64_t cell, Reason reason);
   void decide_by_filter(mesh::Shape shape, const std::int64_t* cells, const std::uint8_t* queries);
-  void decide_by_newton(mesh::Shape shape, const std::int64_t* cells, const std::uint8_t* queries);
   void decide_rest(mesh::Shape shape, std::uint64_t open, const std::int64_t* cells,
                    const std::uint8_t* queries);
   void find_parametric();
@@ -52,6 +67,7 @@ private:
   void for_each_block(F&& f);
 
   const PointQuery& query_;
+  const BoxRule rule_;
   cells::CellGather gather_;
   BatchScratch& s_;
   std::span<const math::Vec3d> points_;

@@ -23,6 +23,7 @@ public:
   /// The product of decoding is exact, so this is the sum that encode_boxes checked, fused or not.
   HWY_INLINE void decode(const accel::Node& node) {
     for (int a = 0; a < 3; ++a) {
+      steps_a_unit_[a] = std::bit_cast<float>((254u - node.exponent[a]) << 23);
       const auto base = hn::Set(d, node.lower[a]), scale = hn::Set(d, node.scale(a));
       for (std::size_t c = 0; c < 8; c += hn::MaxLanes(d)) {
         const auto lo = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(db, node.child_lower[a] + c)));
@@ -56,12 +57,27 @@ public:
     return bits;
   }
 
+  /// How far inside child c's box the query lies: Candidate::depth.
+  HWY_INLINE void depths(const float* bounds, std::uint8_t* depth) const {
+    for (std::size_t c = 0; c < 8; c += hn::MaxLanes(d)) {
+      const auto axis = [&](int a) HWY_ATTR {
+        const auto x = hn::Set(d, bounds[a]);
+        return hn::Mul(
+            hn::Min(hn::Sub(x, hn::Load(d, lower_[a] + c)), hn::Sub(hn::Load(d, upper_[a] + c), x)),
+            hn::Set(d, steps_a_unit_[a]));
+      };
+      const auto least = hn::Min(axis(0), hn::Min(axis(1), axis(2)));
+      hn::StoreU(hn::DemoteTo(db, hn::ConvertTo(di, least)), db, depth + c);
+    }
+  }
+
 private:
   static constexpr hn::CappedTag<float, 8> d{};
   static constexpr hn::Rebind<std::int32_t, hn::CappedTag<float, 8>> di{};
   static constexpr hn::Rebind<std::uint8_t, hn::CappedTag<float, 8>> db{};
   alignas(32) float lower_[3][8] = {};
   alignas(32) float upper_[3][8] = {};
+  float steps_a_unit_[3] = {};
 };
 
 /// Bit c: meta[c] is not 0.
@@ -74,28 +90,40 @@ HWY_INLINE unsigned present_children(const accel::Node& node) {
   return unsigned(((high >> 7) * 0x0102040810204080ull) >> 56);
 }
 
-/// Writes {base + offsets[c], query} for every set bit c of hits, in order; returns how many. Up to
-/// eight items at `out` are written whatever hits is: branches on it would be guessed wrongly too
-/// often.
-template <class Item>
+/// Writes an item {base + offsets[c], high, marks[c]} for every set bit c of hits, in order; the
+/// high word is high + 256 * marks[c]. Returns how many. Up to eight items at `out` are written
+/// whatever hits is: branches on it would be guessed wrongly too often.
+template <bool marked, class Item>
 HWY_INLINE std::size_t append(unsigned hits, const std::uint8_t* offsets, std::uint32_t base,
-                              std::uint32_t query, Item* out) {
+                              std::uint32_t high, const std::uint8_t* marks, Item* out) {
   static_assert(sizeof(Item) == 8);
+  auto* words = reinterpret_cast<std::uint64_t*>(out); // little-endian: the first member is low
 #if HWY_MAX_BYTES >= 32
   const hn::FixedTag<std::uint8_t, 8> d8;
   const hn::FixedTag<std::uint32_t, 8> d32;
   const hn::FixedTag<std::uint32_t, 4> d32_half;
   const hn::FixedTag<std::uint64_t, 4> d64;
-  const auto chosen =
-      hn::TableLookupBytes(hn::LoadU(d8, offsets), hn::LoadU(d8, set_bits[hits].data()));
+  const auto places = hn::LoadU(d8, set_bits[hits].data());
+  const auto chosen = hn::TableLookupBytes(hn::LoadU(d8, offsets), places);
   const auto ids = hn::Add(hn::PromoteTo(d32, chosen), hn::Set(d32, base));
-  const auto high = hn::Set(d64, std::uint64_t(query) << 32);
-  auto* words = reinterpret_cast<std::uint64_t*>(out); // little-endian: the first member is low
-  hn::StoreU(hn::Or(hn::PromoteTo(d64, hn::LowerHalf(d32_half, ids)), high), d64, words);
-  hn::StoreU(hn::Or(hn::PromoteTo(d64, hn::UpperHalf(d32_half, ids)), high), d64, words + 4);
+  const auto word = [&](auto ids_half, auto marks_half) HWY_ATTR {
+    auto highs = hn::Set(d64, std::uint64_t(high) << 32);
+    if constexpr (marked)
+      highs = hn::Or(highs, hn::ShiftLeft<40>(hn::PromoteTo(d64, marks_half)));
+    return hn::Or(hn::PromoteTo(d64, ids_half), highs);
+  };
+  auto chosen_marks = ids;
+  if constexpr (marked)
+    chosen_marks = hn::PromoteTo(d32, hn::TableLookupBytes(hn::LoadU(d8, marks), places));
+  hn::StoreU(word(hn::LowerHalf(d32_half, ids), hn::LowerHalf(d32_half, chosen_marks)), d64, words);
+  hn::StoreU(word(hn::UpperHalf(d32_half, ids), hn::UpperHalf(d32_half, chosen_marks)), d64,
+             words + 4);
 #else
-  for (unsigned rest = hits; rest; rest &= rest - 1)
-    *out++ = {base + offsets[std::countr_zero(rest)], query};
+  for (unsigned rest = hits; rest; rest &= rest - 1) {
+    const int c = std::countr_zero(rest);
+    const std::uint64_t mark = marked ? marks[c] : 0;
+    *words++ = (base + offsets[c]) | (std::uint64_t(high) | mark << 8) << 32;
+  }
 #endif
   return std::size_t(std::popcount(hits));
 }
@@ -194,13 +222,16 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
       const unsigned hits = children.overlapping(queries.bounds[task.query]);
       // Whether there are any is mostly a matter of the level, and guessed rightly.
       if (const unsigned inner = hits & node.inner)
-        n += append(inner, bits_below[node.inner].data(), node.first_child, task.query, next + n);
+        n += append<false>(inner, bits_below[node.inner].data(), node.first_child, task.query,
+                           nullptr, next + n);
       if (hits & ~unsigned(node.inner)) {
         // A box as wide as the node meets its absent children as well.
         const unsigned leaves = present_children(node) & ~unsigned(node.inner);
         hwy::Prefetch(tree.cells() + node.first_cell);
-        found += append(hits & leaves, bits_below[leaves].data(), node.first_cell, task.query,
-                        candidates + found);
+        std::uint8_t depth[8];
+        children.depths(queries.bounds[task.query], depth);
+        found += append<true>(hits & leaves, bits_below[leaves].data(), node.first_cell, task.query,
+                              depth, candidates + found);
       }
     }
     scratch.level.swap(scratch.next);

@@ -4,35 +4,22 @@
 #include <vector>
 
 #include "accel/tree.h"
+#include "query/query_boxes.h"
 
 /// A batch's way through the tree, compiled per SIMD target and dispatched at run time.
 namespace insitu::query {
-
-constexpr int batch_size = 256;
-
-/// A batch of at most batch_size query boxes in the tree's local frame: lower x, y, z, unused,
-/// upper x, y, z, unused.
-struct QueryBoxes {
-  int count = 0;
-  alignas(32) float bounds[batch_size][8] = {};
-
-  void set(int query, const float* lower, const float* upper) {
-    for (int a = 0; a < 3; ++a) {
-      bounds[query][a] = lower[a];
-      bounds[query][4 + a] = upper[a];
-    }
-  }
-};
 
 struct NodeTask {
   std::uint32_t node;
   std::uint32_t query;
 };
 
-/// A cell whose leaf box holds a query. slot is its place in tree.cells().
+/// A cell whose leaf box holds a query. slot is its place in tree.cells(); depth, 0 to 255, how far
+/// inside the box the query lies, in steps of the node's grid: a guess at which cell holds it.
 struct Candidate {
   std::uint32_t slot;
-  std::uint32_t query;
+  std::uint8_t query, depth;
+  std::uint16_t unused;
 };
 
 /// Kept between batches; the vectors only grow.

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "accel/tree.h"
 #include "cells/contain_exact.h"
 #include "cells/kernels.h"
 #include "cells/robust_inverse.h"
@@ -11,18 +10,21 @@ namespace insitu::query {
 
 using math::Vec3d;
 
-bool PointQuery::box(const Vec3d& p, float* lower, float* upper) const {
-  const double moved = options.alpha == 1.0 ? 0.0 : mesh.largest_displacement;
+BoxRule::BoxRule(const Vec3d& origin_, double alpha, double moved) : origin(origin_) {
+  if (alpha == 1.0 || moved == 0.0)
+    return;
+  // The blend's rounding, at the size of the coordinates, and that of the first term.
+  wider_relative = 0x1p-50;
+  wider = (1.0 - alpha) * moved * 1.0000001 + wider_relative * moved;
+}
+
+bool BoxRule::box(const Vec3d& p, float* lower, float* upper) const {
   bool finite = true;
   for (int a = 0; a < 3; ++a) {
-    const double d = p[a] - tree.origin()[a];
-    // The second term is the blend's rounding, at the size of the coordinates.
-    const double wider = moved == 0.0 ? 0.0
-                                      : (1.0 - options.alpha) * moved * 1.0000001 +
-                                            0x1p-50 * (std::fabs(p[a]) + moved);
-    finite &= std::fabs(d) <= 3e37;
-    lower[a] = accel::round_down(d - wider);
-    upper[a] = accel::round_up(d + wider);
+    const double d = p[a] - origin[a], w = wider + wider_relative * std::fabs(p[a]);
+    finite &= std::fabs(d) <= farthest;
+    lower[a] = accel::round_down(d - w);
+    upper[a] = accel::round_up(d + w);
   }
   return finite;
 }
@@ -52,7 +54,7 @@ Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
   Location best;
   reason = Reason::outside;
   float lower[3], upper[3];
-  if (tree.empty() || !box(p, lower, upper))
+  if (tree.empty() || !box_rule().box(p, lower, upper))
     return best;
   mesh::CellVertices owner;
   std::uint32_t stack[64 * 8];

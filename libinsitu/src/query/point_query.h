@@ -1,20 +1,32 @@
 #pragma once
 
+#include "accel/tree.h"
 #include "query/sampler.h"
 
 /// What single and batched queries share: the query's box, the decision, the coordinates.
 namespace insitu::query {
+
+/// What box a point has in a tree's frame: rounded outwards, and wider while the mesh is between
+/// two steps, since the tree's boxes hold the current one.
+struct BoxRule {
+  static constexpr double farthest = 3e37; ///< coordinates beyond any mesh's
+  math::Vec3d origin;
+  double wider = 0.0, wider_relative = 0.0; ///< the second in parts of a coordinate
+
+  /// moved: the largest displacement of a vertex between the steps
+  explicit BoxRule(const math::Vec3d& origin, double alpha = 1.0, double moved = 0.0);
+  /// False for points that are not finite or beyond any mesh.
+  bool box(const math::Vec3d& p, float* lower, float* upper) const;
+};
 
 struct PointQuery {
   const mesh::MeshView& mesh;
   const accel::Tree& tree;
   LocateOptions options;
 
-  /// The query's box in the tree's frame, rounded outwards; wider while the mesh is between two
-  /// steps, since boxes hold the current one. False for points that are not finite or beyond any
-  /// mesh.
-  bool box(const math::Vec3d& p, float* lower, float* upper) const;
-
+  BoxRule box_rule() const {
+    return BoxRule(tree.origin(), options.alpha, mesh.largest_displacement);
+  }
   /// One point, depth first.
   Location locate(const math::Vec3d& p, Reason& reason) const;
 };

@@ -75,8 +75,8 @@ public:
   const accel::Tree& tree() const { return *tree_; }
 
   /// The lowest flat cell id of the closed cells that hold p. hint: a cell to try first, or -1;
-  /// it changes the time, not the answer, unless cells overlap without folding: then the hint's cell
-  /// may answer.
+  /// it changes the time, not the answer, unless cells overlap without folding: then the hint's
+  /// cell may answer.
   Location locate(const math::Vec3d& p, std::int64_t hint = -1, const LocateOptions& options = {},
                   Reason* reason = nullptr) const;
 

@@ -26,18 +26,11 @@ void sample(const core::Threads& threads, const query::CommittedMesh& mesh,
 Work count_work(const accel::Tree& tree, std::span<const math::Vec3d> points) {
   query::TraversalScratch scratch;
   query::QueryBoxes boxes;
+  const query::BoxRule rule(tree.origin());
   std::uint64_t nodes = 0, candidates = 0;
   for (std::size_t first = 0; first < points.size(); first += query::batch_size) {
-    boxes.count = int(std::min<std::size_t>(query::batch_size, points.size() - first));
-    for (int q = 0; q < boxes.count; ++q) {
-      float lower[3], upper[3];
-      for (int a = 0; a < 3; ++a) {
-        const double d = points[first + std::size_t(q)][a] - tree.origin()[a];
-        lower[a] = accel::round_down(d);
-        upper[a] = accel::round_up(d);
-      }
-      boxes.set(q, lower, upper);
-    }
+    const std::size_t n = std::min<std::size_t>(query::batch_size, points.size() - first);
+    query::set_boxes(rule, points.subspan(first, n), boxes);
     query::find_candidates(tree, boxes, scratch);
     nodes += scratch.visited;
     candidates += scratch.found;

@@ -1,10 +1,14 @@
 // Batches: sorted inside or not, counted, and each answer with its reason.
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
+#include <random>
 
 #include "query/order.h"
+#include "query/query_boxes.h"
 #include "query_test.h"
 
 using namespace insitu;
@@ -195,4 +199,43 @@ TEST(Reasons, ExactArithmeticIsNamed) {
     exact += reason == Reason::exact;
   }
   EXPECT_GT(exact, 10);
+}
+
+TEST(Batch, BoxesAreTheRulesToTheLastBit) {
+  const double none = std::numeric_limits<double>::quiet_NaN(),
+               infinite = std::numeric_limits<double>::infinity();
+  const Vec3d special[] = {{0, 0, 0},         {-0.0, 1, 2},       {none, 0, 0},    {0, infinite, 0},
+                           {0, 0, -infinite}, {1e300, 0, 0},      {0, -2.9e37, 0}, {0, 0, 3.1e37},
+                           {1e-300, 1, 1},    {5e-324, -1e-45, 1}};
+  std::vector<Vec3d> points(std::begin(special), std::end(special));
+  std::mt19937_64 engine(33);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * (double(engine() >> 11) * 0x1p-53);
+  };
+  while (points.size() < std::size_t(query::batch_size)) {
+    const double size = std::pow(10.0, uniform(-12, 12));
+    points.push_back({uniform(-size, size), uniform(-1, 1), uniform(0, size)});
+  }
+  for (const auto& rule : {query::BoxRule({0, 0, 0}), query::BoxRule({1e7, -0.3, 2}),
+                           query::BoxRule({1e7, -0.3, 2}, 0.25, 0.01)})
+    for (const std::size_t n : {std::size_t(1), points.size() - 1, points.size()}) {
+      query::QueryBoxes boxes;
+      query::set_boxes(rule, std::span(points).first(n), boxes);
+      ASSERT_EQ(boxes.count, int(n));
+      for (std::size_t q = 0; q < n; ++q) {
+        float lower[3], upper[3];
+        const bool has_box = rule.box(points[q], lower, upper);
+        for (int a = 0; a < 3; ++a) {
+          const float *low = &boxes.bounds[q][a], *high = &boxes.bounds[q][4 + a];
+          if (has_box) {
+            EXPECT_EQ(std::memcmp(low, &lower[a], sizeof *low), 0) << test::text(points[q]);
+            EXPECT_EQ(std::memcmp(high, &upper[a], sizeof *high), 0) << test::text(points[q]);
+            EXPECT_LE(double(*low), points[q][a] - rule.origin[a]);
+            EXPECT_GE(double(*high), points[q][a] - rule.origin[a]);
+          } else {
+            EXPECT_GT(*low, *high) << test::text(points[q]);
+          }
+        }
+      }
+    }
 }

@@ -1,0 +1,73 @@
+#include "query/query_boxes.h"
+
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "query/query_boxes.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace insitu::query::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_MAX_BYTES >= 32
+
+/// BoxRule::box with x, y, z in one register.
+void set_boxes_target(const BoxRule& rule, std::span<const math::Vec3d> points, QueryBoxes& boxes) {
+  const hn::FixedTag<double, 4> d;
+  const hn::FixedTag<float, 4> df;
+  const auto xyz = hn::FirstN(d, 3);
+  const auto round_up = [&](hn::Vec<decltype(d)> x) HWY_ATTR {
+    const auto f = hn::DemoteTo(df, x);
+    const auto step = hn::Mul(hn::Abs(f), hn::Set(df, 0x1p-22f));
+    return hn::Add(hn::Add(f, step), hn::Set(df, 0x1p-120f));
+  };
+  const auto origin = hn::MaskedLoad(xyz, d, &rule.origin.x);
+  const auto wider = hn::Set(d, rule.wider), relative = hn::Set(d, rule.wider_relative);
+  const auto farthest = hn::Set(d, BoxRule::farthest);
+  const auto none = hn::Set(df, -std::numeric_limits<float>::infinity());
+  boxes.count = int(points.size());
+  for (std::size_t q = 0; q < points.size(); ++q) {
+    const auto p = hn::MaskedLoad(xyz, d, &points[q].x);
+    const auto from = hn::Sub(p, origin), w = hn::Add(wider, hn::Mul(relative, hn::Abs(p)));
+    const bool finite = hn::AllTrue(d, hn::Le(hn::Abs(from), farthest));
+    // Down is the other way up.
+    const auto lower = hn::Neg(round_up(hn::Sub(w, from))), upper = round_up(hn::Add(from, w));
+    hn::Store(finite ? lower : hn::Neg(none), df, boxes.bounds[q]);
+    hn::Store(finite ? upper : none, df, boxes.bounds[q] + 4);
+  }
+}
+
+#else
+
+void set_boxes_target(const BoxRule& rule, std::span<const math::Vec3d> points, QueryBoxes& boxes) {
+  boxes.count = int(points.size());
+  for (std::size_t q = 0; q < points.size(); ++q) {
+    float* b = boxes.bounds[q];
+    b[3] = b[7] = 0.0f;
+    if (!rule.box(points[q], b, b + 4))
+      for (int a = 0; a < 3; ++a) {
+        b[a] = std::numeric_limits<float>::infinity();
+        b[4 + a] = -b[a];
+      }
+  }
+}
+
+#endif
+
+} // namespace insitu::query::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace insitu::query {
+
+HWY_EXPORT(set_boxes_target);
+
+void set_boxes(const BoxRule& rule, std::span<const math::Vec3d> points, QueryBoxes& boxes) {
+  HWY_DYNAMIC_DISPATCH(set_boxes_target)(rule, points, boxes);
+}
+
+} // namespace insitu::query
+#endif

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <span>
+
+#include "math/vec.h"
+#include "query/point_query.h"
+
+namespace insitu::query {
+
+constexpr int batch_size = 256;
+
+/// A batch of at most batch_size query boxes in the tree's local frame: lower x, y, z, unused,
+/// upper x, y, z, unused. A box that is none meets nothing.
+struct QueryBoxes {
+  int count = 0;
+  alignas(32) float bounds[batch_size][8];
+};
+
+/// The boxes of at most batch_size points by the rule. Compiled per SIMD target and dispatched at
+/// run time.
+void set_boxes(const BoxRule& rule, std::span<const math::Vec3d> points, QueryBoxes& boxes);
+
+} // namespace insitu::query
