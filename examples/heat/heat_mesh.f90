@@ -157,7 +157,8 @@ contains
     end do
 
     allocate (mesh%star(3 * mesh%ncolumns))
-    next = mesh%star_start(:mesh%nv)
+    allocate (next(mesh%nv))
+    next(:) = mesh%star_start(:mesh%nv)
     do c = 1, mesh%ncolumns
       do i = 1, 3
         v = mesh%triangle(i, c)
