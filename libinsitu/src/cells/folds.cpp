@@ -89,7 +89,7 @@ bool pyramid_changes(const Vec3d* x, double tolerance) {
   double value[4];
   pyramid_determinant(x, value);
   const auto [least, greatest] = std::minmax_element(value, value + 4);
-  return *least<-tolerance&& * greatest> tolerance;
+  return -*least > tolerance && *greatest > tolerance;
 }
 
 } // namespace

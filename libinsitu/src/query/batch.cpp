@@ -38,85 +38,57 @@ void BatchLocator::run(std::span<const Vec3d> points) {
     return;
   set_boxes(rule_, points, s_.boxes);
   find_candidates(query_.tree, s_.boxes, s_.traversal);
-  if (query_.mesh.free_of_folds && query_.options.alpha == 1.0)
-    try_deepest();
-  order_by_shape();
+  const bool one_to_one = query_.mesh.free_of_folds && query_.options.alpha == 1.0;
+  if (one_to_one && try_deepest() == s_.traversal.found)
+    return; // no candidate is left
+  const Candidate* candidates = s_.traversal.candidates.data();
+  order_by_shape(
+      s_.traversal.found,
+      [&](std::size_t c) {
+        const std::int64_t cell = query_.tree.cells()[candidates[c].slot];
+        return could_own(cell, candidates[c].query) ? cell : -1;
+      },
+      [&](std::size_t c) { return candidates[c].query; });
   for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const std::uint8_t* queries) {
     decide_by_filter(shape, cells, queries);
   });
   find_parametric();
 }
 
-/// The cells that cell_of(query) names, none where it is negative; those of a shape side by side.
-template <class CellOf>
-void BatchLocator::order_by_query(CellOf&& cell_of) {
-  s_.make_room(batch_size + 1);
+/// Pairs i of [0, n), cell_of(i) and query_of(i), none where the cell is negative; those of a shape
+/// side by side. The cells' ids are asked for.
+template <class CellOf, class QueryOf>
+void BatchLocator::order_by_shape(std::size_t n, CellOf&& cell_of, QueryOf&& query_of) {
+  s_.make_room(n + 1); // one more is written than is kept
   if (gather_.one_shape()) {
-    std::size_t n = 0;
-    for (int q = 0; q < count_; ++q) {
-      s_.cells[n] = cell_of(q);
-      s_.queries[n] = std::uint8_t(q);
-      n += s_.cells[n] >= 0;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::int64_t cell = cell_of(i);
+      s_.cells[kept] = cell;
+      s_.queries[kept] = std::uint8_t(query_of(i));
+      gather_.prefetch_ids(std::max(cell, std::int64_t(0)));
+      kept += cell >= 0;
     }
-    set_one_run(n);
+    const int shape = kept > 0 ? int(gather_.shape(0)) - first_shape : 0;
+    for (int i = 0; i < shape_count; ++i)
+      run_end_[i] = i < shape ? 0 : kept;
     return;
   }
-  const auto shape_of = [&](std::int64_t cell) { return int(gather_.shape(cell)) - first_shape; };
   std::size_t end[shape_count + 1] = {};
-  for (int q = 0; q < count_; ++q)
-    if (const std::int64_t cell = cell_of(q); cell >= 0)
-      ++end[shape_of(cell) + 1];
+  for (std::size_t i = 0; i < n; ++i) {
+    s_.unsorted[i] = cell_of(i);
+    if (s_.unsorted[i] >= 0)
+      ++end[int(gather_.shape(s_.unsorted[i])) - first_shape + 1];
+  }
   for (int i = 0; i < shape_count; ++i)
     end[i + 1] += end[i];
-  for (int q = 0; q < count_; ++q)
-    if (const std::int64_t cell = cell_of(q); cell >= 0) {
-      const std::size_t at = end[shape_of(cell)]++;
+  for (std::size_t i = 0; i < n; ++i)
+    if (const std::int64_t cell = s_.unsorted[i]; cell >= 0) {
+      const std::size_t at = end[int(gather_.shape(cell)) - first_shape]++;
       s_.cells[at] = cell;
-      s_.queries[at] = std::uint8_t(q);
+      s_.queries[at] = std::uint8_t(query_of(i));
     }
   std::copy_n(end, shape_count, run_end_);
-}
-
-/// All n cells have the mesh's one shape.
-void BatchLocator::set_one_run(std::size_t n) {
-  const int shape = n > 0 ? int(gather_.shape(0)) - first_shape : 0;
-  for (int i = 0; i < shape_count; ++i)
-    run_end_[i] = i < shape ? 0 : n;
-}
-
-/// The candidates' cells, but those that a query's owner comes before, those of a shape side by
-/// side.
-void BatchLocator::order_by_shape() {
-  const std::size_t found = s_.traversal.found;
-  const Candidate* candidates = s_.traversal.candidates.data();
-  const std::uint32_t* tree_cells = query_.tree.cells();
-  s_.make_room(found + 1);
-  if (gather_.one_shape()) {
-    std::size_t n = 0;
-    for (std::size_t c = 0; c < found; ++c) {
-      s_.cells[n] = std::int64_t(tree_cells[candidates[c].slot]);
-      s_.queries[n] = candidates[c].query;
-      gather_.prefetch_ids(s_.cells[n]);
-      n += could_own(s_.cells[n], candidates[c].query);
-    }
-    set_one_run(n);
-    return;
-  }
-  std::size_t start[shape_count + 1] = {};
-  for (std::size_t c = 0; c < found; ++c) {
-    s_.unsorted[c] = std::int64_t(tree_cells[candidates[c].slot]);
-    if (could_own(s_.unsorted[c], candidates[c].query))
-      ++start[int(gather_.shape(s_.unsorted[c])) - first_shape + 1];
-  }
-  for (int i = 0; i < shape_count; ++i)
-    start[i + 1] += start[i];
-  for (std::size_t c = 0; c < found; ++c)
-    if (could_own(s_.unsorted[c], candidates[c].query)) {
-      const std::size_t at = start[int(gather_.shape(s_.unsorted[c])) - first_shape]++;
-      s_.cells[at] = s_.unsorted[c];
-      s_.queries[at] = candidates[c].query;
-    }
-  std::copy_n(start, shape_count, run_end_);
 }
 
 template <class F>
@@ -164,26 +136,28 @@ void BatchLocator::decide_by_filter(mesh::Shape shape, const std::int64_t* cells
   decide_rest(shape, all & ~(s_.block.inside | s_.block.outside), cells, queries);
 }
 
-/// Each query's deepest candidate, by Newton; claimed where the certificate puts it inside.
-void BatchLocator::try_deepest() {
+/// Each query's deepest candidate, by Newton; claimed where the certificate puts it inside. Returns
+/// how many are.
+std::size_t BatchLocator::try_deepest() {
   const Candidate* candidates = s_.traversal.candidates.data();
   const std::size_t found = s_.traversal.found;
   constexpr int number_bits = 24;
   constexpr std::uint32_t number = (1u << number_bits) - 1;
   if (found >= number)
-    return;
+    return 0;
   std::uint32_t deepest[batch_size] = {}; // depth, and below it 1 + the candidate's number
   for (std::size_t c = 0; c < found; ++c) {
     std::uint32_t& most = deepest[candidates[c].query];
     most = std::max(most, std::uint32_t(candidates[c].depth) << number_bits | std::uint32_t(c + 1));
   }
-  std::int64_t cell[batch_size];
-  for (int q = 0; q < count_; ++q) {
-    const std::uint32_t c = deepest[q] & number;
-    cell[q] = c > 0 ? std::int64_t(query_.tree.cells()[candidates[c - 1].slot]) : -1;
-    gather_.prefetch_ids(std::max(cell[q], std::int64_t(0)));
-  }
-  order_by_query([&](int q) { return cell[q]; });
+  order_by_shape(
+      std::size_t(count_),
+      [&](std::size_t q) {
+        const std::uint32_t c = deepest[q] & number;
+        return c > 0 ? std::int64_t(query_.tree.cells()[candidates[c - 1].slot]) : -1;
+      },
+      [](std::size_t q) { return q; });
+  std::size_t tried = 0, proven = 0;
   for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const std::uint8_t* queries) {
     const PairBlock& b = s_.block;
     invert(shape, s_.block);
@@ -193,8 +167,14 @@ void BatchLocator::try_deepest() {
         best_[q] = {cells[k], {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]}};
         reason_[q] = Reason::certified;
         located_[q] = true;
+        ++proven;
       }
+    tried += std::size_t(b.cells.count);
+    // Points on faces, as a batch often has throughout, cannot be proven so: no further blocks.
+    if (2 * proven < tried)
+      std::fill_n(run_end_, shape_count, 0);
   });
+  return proven;
 }
 
 void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std::int64_t* cells,
@@ -211,7 +191,9 @@ void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std:
 
 /// The owners that Newton has not seen yet.
 void BatchLocator::find_parametric() {
-  order_by_query([&](int q) { return located_[q] ? -1 : best_[q].cell; });
+  order_by_shape(
+      std::size_t(count_), [&](std::size_t q) { return located_[q] ? -1 : best_[q].cell; },
+      [](std::size_t q) { return q; });
   for_each_block([&](mesh::Shape shape, const std::int64_t*, const std::uint8_t* queries) {
     const PairBlock& b = s_.block;
     invert(shape, s_.block);

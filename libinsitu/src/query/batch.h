@@ -45,11 +45,9 @@ public:
   std::span<const Reason> reasons() const { return {reason_, std::size_t(count_)}; }
 
 private:
-  template <class CellOf>
-  void order_by_query(CellOf&& cell_of);
-  void order_by_shape();
-  void set_one_run(std::size_t n);
-  void try_deepest();
+  template <class CellOf, class QueryOf>
+  void order_by_shape(std::size_t n, CellOf&& cell_of, QueryOf&& query_of);
+  std::size_t try_deepest();
   /// The cell's id is lower than that of what owns the query so far; -1, none, is above all.
   bool could_own(std::int64_t cell, int query) const {
     return std::uint64_t(cell) < std::uint64_t(best_[query].cell);

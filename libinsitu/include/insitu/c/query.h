@@ -3,8 +3,8 @@
  *
  *  Any number of times after a commit, until the solver changes the arrays. The checked build (or
  *  INSITU_CHECKED=1 in the environment when the session is opened) answers a query, or a commit
- * that was not told, by INSITU_ERROR_ORDER if coordinates, cells or ghosts are not what was
- * committed. */
+ *  that was not told, by INSITU_ERROR_ORDER if coordinates, cells or ghosts are not what was
+ *  committed. */
 #ifndef INSITU_C_QUERY_H
 #define INSITU_C_QUERY_H
 
