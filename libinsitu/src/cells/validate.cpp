@@ -3,6 +3,7 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "cells/cell_signs.h"
@@ -218,28 +219,32 @@ bool is_free_of_folds(const MeshView& mesh, const core::Threads& threads) {
   const CellGather gather(mesh, 1.0);
   std::atomic<bool> some_right{false}, some_inverted{false}, bad{false};
   threads.parallel_for(piece.cell_count, grain, [&](std::int64_t begin, std::int64_t end) {
+    constexpr int first = int(Shape::tetrahedron), shapes = 5;
     CellBlock block;
-    std::int64_t ids[CellBlock::size];
+    std::int64_t ids[shapes][CellBlock::size]; // waiting, by shape
+    int waiting[shapes] = {};
     insitu_validation counts = insitu_validation_default();
-    for (std::int64_t cell = begin; cell < end && !bad;) {
-      Shape shape = Shape::none;
-      int n = 0;
-      for (; cell < end && n < CellBlock::size; ++cell) {
-        if (!piece.owns(cell))
-          continue;
-        if (const Shape here = gather.shape(cell); n == 0)
-          shape = here;
-        else if (here != shape)
-          break;
-        ids[n++] = cell;
-      }
-      gather.fill(ids, n, 0, block);
-      block.count = n;
-      counts.cells += n;
-      count_signs(shape, block, counts);
+    const auto look = [&](int shape) {
+      block.count = std::exchange(waiting[shape], 0);
+      gather.fill(ids[shape], block.count, 0, block);
+      count_signs(Shape(first + shape), block, counts);
+    };
+    for (std::int64_t cell = begin; cell < end && !bad; ++cell) {
+      if (!piece.owns(cell))
+        continue;
+      const int shape = int(gather.shape(cell)) - first;
+      ids[shape][waiting[shape]++] = cell;
+      ++counts.cells;
+      if (waiting[shape] < CellBlock::size)
+        continue;
+      look(shape);
       if (counts.folded_cells + counts.zero_volume_cells > 0)
         bad = true;
     }
+    for (int shape = 0; shape < shapes && !bad; ++shape)
+      look(shape);
+    if (counts.folded_cells + counts.zero_volume_cells > 0)
+      bad = true;
     if (counts.inverted_cells > 0)
       some_inverted = true;
     if (counts.inverted_cells < counts.cells)
