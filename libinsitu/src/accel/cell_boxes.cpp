@@ -1,18 +1,19 @@
 #include "accel/cell_boxes.h"
 
-#include <algorithm>
+#include "accel/extent.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "accel/cell_boxes.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "mesh/offsets_simd.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace insitu::accel::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-constexpr double largest = 1e37; // coordinates beyond do not fit a float box with its margins
+namespace at = mesh::HWY_NAMESPACE;
 
 /// Numbers `first` and on of three, as double; nothing is read past the third.
 template <std::size_t first, class D>
@@ -42,12 +43,12 @@ HWY_INLINE hn::Vec<D> load_some(D d, const float* p) {
 /// Coordinates `first` and on of a box of interleaved ones, as many as fit a register; false if one
 /// is not finite or too large. origin: from coordinate `first` on. lower and upper: four floats.
 template <class Layout, class Real, std::size_t first>
-HWY_INLINE bool fit_some(const std::byte* base, const std::int64_t* offsets, int count,
-                         const double* origin, float* lower, float* upper) {
+HWY_INLINE bool fit_some(const std::int64_t* places, int count, const double* origin, float* lower,
+                         float* upper) {
   const hn::CappedTag<double, 4> d;
   const hn::Rebind<float, decltype(d)> df;
   const auto load = [&](int v) HWY_ATTR {
-    return load_some<first>(d, reinterpret_cast<const Real*>(base + offsets[v]));
+    return load_some<first>(d, reinterpret_cast<const Real*>(places[v]));
   };
   auto lo = load(0), hi = lo, sum = lo;
   const auto add = [&](int v) HWY_ATTR {
@@ -78,20 +79,18 @@ HWY_INLINE bool fit_some(const std::byte* base, const std::int64_t* offsets, int
 /// Interleaved coordinates: x, y, z in one register (two on SSE2).
 template <class Layout, class Real>
 std::int64_t interleaved_boxes(const CellBoxes::Piece& piece, const std::uint32_t* cells,
-                               std::uint32_t n, Box* boxes) {
-  const mesh::CellArrays& m = piece.arrays;
+                               std::uint32_t n, std::uint32_t more, Box* boxes) {
   const math::Vec3d& o = piece.origin;
   alignas(32) const double origins[3][4] = {
       {o.x, o.y, o.z, 0.0}, {o.y, o.z, o.z, 0.0}, {o.z, o.z, o.z, 0.0}};
   std::int64_t refused = -1;
+  at::PlacesAhead<Layout, true> ahead(piece.arrays, piece.first, cells, n + more);
   for (std::uint32_t i = 0; i < n; ++i) {
-    std::int64_t offsets[8];
-    mesh::ask_ahead<Layout>(m, piece.first, cells, i, n);
-    const int count = Layout::offsets(m, std::int64_t(cells[i]) - piece.first, offsets);
+    int count;
+    const std::int64_t* places = ahead.next(i, count);
     alignas(16) float corners[8];
     const auto fit = [&]<std::size_t first>() HWY_ATTR {
-      return fit_some<Layout, Real, first>(m.component[0], offsets, count, origins[first], corners,
-                                           corners + 4);
+      return fit_some<Layout, Real, first>(places, count, origins[first], corners, corners + 4);
     };
     constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<double, 4>());
     bool good = count >= Layout::least && fit.template operator()<0>();
@@ -112,65 +111,16 @@ std::int64_t interleaved_boxes(const CellBoxes::Piece& piece, const std::uint32_
   return refused;
 }
 
-CellBoxes::Loop interleaved_loop(const mesh::CellArrays& arrays) {
-  return mesh::with_layout(arrays, []<class Layout, class Real>() -> CellBoxes::Loop {
-    return &interleaved_boxes<Layout, Real>;
-  });
-}
-
-} // namespace insitu::accel::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
-namespace insitu::accel {
-
-namespace {
-
-HWY_EXPORT(interleaved_loop);
-
-constexpr double largest = 1e37;
-
-/// The box of gathered vertices.
-class Extent {
-public:
-  explicit Extent(const math::Vec3d& p) : lo_(p), hi_(p), sum_(p) {}
-  void add(const math::Vec3d& p) {
-    for (int a = 0; a < 3; ++a) {
-      lo_[a] = p[a] < lo_[a] ? p[a] : lo_[a];
-      hi_[a] = p[a] > hi_[a] ? p[a] : hi_[a];
-    }
-    sum_ += p; // keeps a NaN, which the comparisons may lose
-  }
-  Box box(const math::Vec3d& origin) const {
-    Box b;
-    for (int a = 0; a < 3; ++a) {
-      const double l = lo_[a] - origin[a], u = hi_[a] - origin[a];
-      if (!(l > -largest && u < largest && sum_[a] - sum_[a] == 0.0))
-        return Box{};
-      b.lower[a] = round_down(l);
-      b.upper[a] = round_up(u);
-    }
-    return b;
-  }
-
-private:
-  math::Vec3d lo_, hi_, sum_;
-};
-
-bool is_empty(const Box& b) {
-  return !(b.lower[0] <= b.upper[0]);
-}
-
 /// Coordinates in arrays of their own.
 template <class Layout, class Real>
 std::int64_t separate_boxes(const CellBoxes::Piece& piece, const std::uint32_t* cells,
-                            std::uint32_t n, Box* boxes) {
+                            std::uint32_t n, std::uint32_t more, Box* boxes) {
   const mesh::CellArrays& m = piece.arrays;
   std::int64_t refused = -1;
+  at::PlacesAhead<Layout, false> ahead(m, piece.first, cells, n + more);
   for (std::uint32_t i = 0; i < n; ++i) {
-    std::int64_t offsets[8];
-    mesh::ask_ahead<Layout>(m, piece.first, cells, i, n);
-    const int count = Layout::offsets(m, std::int64_t(cells[i]) - piece.first, offsets);
+    int count;
+    const std::int64_t* offsets = ahead.next(i, count);
     const auto point = [&](int v) {
       return math::Vec3d{double(mesh::load_as<Real>(m.component[0] + offsets[v])),
                          double(mesh::load_as<Real>(m.component[1] + offsets[v])),
@@ -191,8 +141,24 @@ std::int64_t separate_boxes(const CellBoxes::Piece& piece, const std::uint32_t* 
   return refused;
 }
 
+CellBoxes::Loop choose_loop(const mesh::CellArrays& arrays) {
+  return mesh::with_layout(arrays, [&]<class Layout, class Real>() -> CellBoxes::Loop {
+    return arrays.interleaved ? &interleaved_boxes<Layout, Real> : &separate_boxes<Layout, Real>;
+  });
+}
+
+} // namespace insitu::accel::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace insitu::accel {
+
+namespace {
+
+HWY_EXPORT(choose_loop);
+
 std::int64_t general_boxes(const CellBoxes::Piece& piece, const std::uint32_t* cells,
-                           std::uint32_t n, Box* boxes) {
+                           std::uint32_t n, std::uint32_t, Box* boxes) {
   std::int64_t refused = -1;
   for (std::uint32_t i = 0; i < n; ++i) {
     mesh::CellVertices cell;
@@ -217,20 +183,16 @@ CellBoxes::CellBoxes(const mesh::MeshView& mesh, const math::Vec3d& origin) : me
     piece.mesh = &mesh;
     if (!mesh::CellArrays::make(mesh.pieces[p], piece.arrays))
       piece.loop = &general_boxes;
-    else if (piece.arrays.interleaved)
-      piece.loop = HWY_DYNAMIC_DISPATCH(interleaved_loop)(piece.arrays);
     else
-      piece.loop = mesh::with_layout(piece.arrays, []<class Layout, class Real>() -> Loop {
-        return &separate_boxes<Layout, Real>;
-      });
+      piece.loop = HWY_DYNAMIC_DISPATCH(choose_loop)(piece.arrays);
     pieces_.push_back(piece);
   }
 }
 
 std::int64_t CellBoxes::compute(const std::uint32_t* flat_cells, std::uint32_t n,
-                                Box* boxes) const {
+                                std::uint32_t more, Box* boxes) const {
   if (pieces_.size() == 1)
-    return pieces_[0].loop(pieces_[0], flat_cells, n, boxes);
+    return pieces_[0].loop(pieces_[0], flat_cells, n, more, boxes);
   std::int64_t refused = -1;
   for (std::uint32_t begin = 0, end = 0; begin < n; begin = end) {
     const std::int32_t p = mesh_->piece_of(flat_cells[begin]);
@@ -238,7 +200,7 @@ std::int64_t CellBoxes::compute(const std::uint32_t* flat_cells, std::uint32_t n
     while (end < n && flat_cells[end] >= first && flat_cells[end] < last)
       ++end;
     const Piece& piece = pieces_[std::size_t(p)];
-    const std::int64_t bad = piece.loop(piece, flat_cells + begin, end - begin, boxes + begin);
+    const std::int64_t bad = piece.loop(piece, flat_cells + begin, end - begin, 0, boxes + begin);
     if (bad >= 0 && (refused < 0 || bad < refused))
       refused = bad;
   }

@@ -14,12 +14,15 @@ class CellBoxes {
 public:
   CellBoxes(const mesh::MeshView& mesh, const math::Vec3d& origin);
 
-  /// The boxes of n flat cells. Returns the lowest of the cells with a coordinate that is not
-  /// finite or too large for a float (its box is empty), or -1.
-  std::int64_t compute(const std::uint32_t* flat_cells, std::uint32_t n, Box* boxes) const;
+  /// The boxes of n flat cells; `more` behind them come next, and are asked for early. Returns the
+  /// lowest of the cells with a coordinate that is not finite or too large for a float (its box is
+  /// empty), or -1.
+  std::int64_t compute(const std::uint32_t* flat_cells, std::uint32_t n, std::uint32_t more,
+                       Box* boxes) const;
 
   struct Piece;
-  using Loop = std::int64_t (*)(const Piece&, const std::uint32_t*, std::uint32_t, Box*);
+  using Loop = std::int64_t (*)(const Piece&, const std::uint32_t* cells, std::uint32_t n,
+                                std::uint32_t more, Box*);
   /// What the loops over a piece need.
   struct Piece {
     mesh::CellArrays arrays;

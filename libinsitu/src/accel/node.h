@@ -80,14 +80,19 @@ static_assert(sizeof(Node) == 80);
 
 constexpr int most_leaf_cells = 1; ///< what the builders make; the format could hold four
 
-/// The biased exponent of the smallest power of two with extent / 2^e <= 254; the spare step takes the
-/// roundings. Not below lo's ulp, or steps would vanish in the sum.
+/// The biased exponent of the smallest power of two with extent / 2^e <= 254; the spare step takes
+/// the roundings. Not below lo's ulp, or steps would vanish in the sum.
 INSITU_HD inline std::uint8_t grid_exponent(float lo, float hi) {
   const float at_least = (std::fabs(lo) + std::fabs(hi)) * 0x1p-23f;
   float unit = (hi - lo) * (1.0f / 253.0f);
   unit = unit > at_least ? unit : at_least;
   const std::uint32_t e = (std::bit_cast<std::uint32_t>(unit) + 0x7fffffu) >> 23;
   return std::uint8_t(e < 1 ? 1 : (e > 254 ? 254 : e));
+}
+
+/// One over the grid's spacing; exact, but zero for the largest, which only boxes beyond 1e37 need.
+INSITU_HD inline float inverse_scale(std::uint8_t exponent) {
+  return std::bit_cast<float>((254u - std::uint32_t(exponent)) << 23);
 }
 
 /// Quantises the children's boxes into the node, outwards. Children whose meta is 0 get an inverted
@@ -101,7 +106,7 @@ INSITU_HD inline void encode_boxes(Node& node, const Box* children) {
     const float lo = all.lower[a];
     node.lower[a] = lo;
     node.exponent[a] = grid_exponent(lo, all.upper[a]);
-    const float s = node.scale(a), inverse = 1.0f / s;
+    const float s = node.scale(a), inverse = inverse_scale(node.exponent[a]);
     for (int c = 0; c < 8; ++c) {
       if (!node.meta[c]) {
         node.child_lower[a][c] = 255;

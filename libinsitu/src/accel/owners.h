@@ -61,7 +61,7 @@ public:
           break;
         const bool in_place = by_flat_id && ids[n - 1] - ids[0] == n - 1;
         Box* boxes = in_place ? by_flat_id + ids[0] : local;
-        refused.note(compute.compute(ids, n, boxes));
+        refused.note(compute.compute(ids, n, 0, boxes));
         if (by_flat_id && !in_place)
           for (std::uint32_t i = 0; i < n; ++i)
             by_flat_id[ids[i]] = local[i];

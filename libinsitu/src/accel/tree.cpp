@@ -7,6 +7,7 @@
 #include "accel/fit.h"
 #include "accel/morton/topology.h"
 #include "accel/owners.h"
+#include "accel/subtrees.h"
 #include "core/status.h"
 
 namespace insitu::accel {
@@ -122,7 +123,7 @@ void Tree::build_in_morton_order(const mesh::MeshView& mesh, const Owners& owner
   morton::order(order, morton_->scratch.data(), n, boxes.data(), all, threads);
   morton::make_nodes(order, morton_->scratch.data(), std::uint32_t(n), boxes.data(), threads,
                      nodes_, cells_, levels_);
-  fit_levels(threads, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t slot) {
+  fit_bottom_up(threads, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t slot) {
     return fit_nodes(nodes_.data(), begin, end, boxes.data(), &cells_[slot], boxes_.data());
   });
 }
@@ -202,16 +203,19 @@ void Tree::refit(const mesh::MeshView& mesh, const core::Threads& threads) {
     return;
   const CellBoxes boxes(mesh, origin_);
   RefusedCells refused;
-  fit_levels(threads, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t slot) {
+  fit_bottom_up(threads, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t slot) {
     // A few nodes at a time: the boxes of their cells, which are adjacent, then theirs.
     constexpr std::uint32_t few = 64;
     Box cells[few * 8 * most_leaf_cells];
     double area = 0.0;
+    const auto first_slot = [&](std::uint32_t node) {
+      return node < nodes_.size() ? nodes_[node].first_cell : std::uint32_t(cells_.size());
+    };
+    const std::uint32_t last_slot = first_slot(end);
     for (std::uint32_t next = begin; begin < end; begin = next) {
       next = std::min(begin + few, end);
-      const std::uint32_t slot_end =
-          next < nodes_.size() ? nodes_[next].first_cell : std::uint32_t(cells_.size());
-      refused.note(boxes.compute(&cells_[slot], slot_end - slot, cells));
+      const std::uint32_t slot_end = first_slot(next);
+      refused.note(boxes.compute(&cells_[slot], slot_end - slot, last_slot - slot_end, cells));
       slot = slot_end;
       area += fit_nodes(nodes_.data(), begin, next, cells, nullptr, boxes_.data());
     }
@@ -221,18 +225,13 @@ void Tree::refit(const mesh::MeshView& mesh, const core::Threads& threads) {
 }
 
 template <class Fit>
-void Tree::fit_levels(const core::Threads& threads, Fit&& fit) {
+void Tree::fit_bottom_up(const core::Threads& threads, Fit&& fit) {
   boxes_.resize_discard(nodes_.size());
-  std::vector<double> areas;
-  for (std::size_t l = levels_.size() - 1; l-- > 0;) {
-    const std::uint32_t first = levels_[l], n = levels_[l + 1] - first;
-    const std::size_t first_area = areas.size();
-    areas.resize(first_area + (n + node_grain - 1) / node_grain);
-    threads.parallel_for(n, node_grain, [&](std::int64_t begin, std::int64_t end) {
-      const std::uint32_t i = first + std::uint32_t(begin), j = first + std::uint32_t(end);
-      areas[first_area + std::size_t(begin / node_grain)] = fit(i, j, nodes_[i].first_cell);
-    });
-  }
+  const Subtrees subtrees(nodes_.data(), levels_);
+  std::vector<double> areas(subtrees.parts(), 0.0);
+  subtrees.bottom_up(threads, [&](std::size_t part, std::uint32_t begin, std::uint32_t end) {
+    areas[part] += fit(begin, end, nodes_[begin].first_cell);
+  });
   bounds_ = boxes_[0];
   set_cost(areas);
 }

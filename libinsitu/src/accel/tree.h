@@ -68,7 +68,7 @@ private:
   /// Encodes all nodes, bottom up. fit(begin, end, slot): encodes some of a level, whose cells
   /// start at the slot, and returns their children's area.
   template <class Fit>
-  void fit_levels(const core::Threads& threads, Fit&& fit);
+  void fit_bottom_up(const core::Threads& threads, Fit&& fit);
   void set_cost(const std::vector<double>& areas);
 
   core::Memory* memory_;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "accel/subtrees.h"
+
 namespace insitu::accel {
 
 namespace {
@@ -49,31 +51,28 @@ ValueRanges::ValueRanges(const Tree& tree, const mesh::MeshView& mesh, const mes
       add(ids[v]);
   };
 
-  const std::vector<std::uint32_t>& levels = tree.levels();
   const Node* nodes = tree.nodes();
-  for (std::size_t l = levels.size() - 1; l-- > 0;) {
-    threads.parallel_for(levels[l + 1] - levels[l], 512, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t i = begin; i < end; ++i) {
-        const std::size_t at = levels[l] + std::size_t(i);
-        const Node& node = nodes[at];
-        for (int c = 0; c < 8; ++c) {
-          float lo = infinity, hi = -infinity;
-          if (node.meta[c] && node.is_inner(c)) {
-            const Range& below = ranges_[node.child_node(c)];
-            for (int k = 0; k < 8; ++k) {
-              lo = below.lower[k] < lo ? below.lower[k] : lo;
-              hi = below.upper[k] > hi ? below.upper[k] : hi;
-            }
-          } else if (node.meta[c]) {
-            for (int k = 0; k < node.child_cell_count(c); ++k)
-              cell_range(tree.cells()[node.child_cells(c) + std::uint32_t(k)], lo, hi);
+  const Subtrees subtrees(nodes, tree.levels());
+  subtrees.bottom_up(threads, [&](std::size_t, std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t at = begin; at < end; ++at) {
+      const Node& node = nodes[at];
+      for (int c = 0; c < 8; ++c) {
+        float lo = infinity, hi = -infinity;
+        if (node.meta[c] && node.is_inner(c)) {
+          const Range& below = ranges_[node.child_node(c)];
+          for (int k = 0; k < 8; ++k) {
+            lo = below.lower[k] < lo ? below.lower[k] : lo;
+            hi = below.upper[k] > hi ? below.upper[k] : hi;
           }
-          ranges_[at].lower[c] = lo;
-          ranges_[at].upper[c] = hi;
+        } else if (node.meta[c]) {
+          for (int k = 0; k < node.child_cell_count(c); ++k)
+            cell_range(tree.cells()[node.child_cells(c) + std::uint32_t(k)], lo, hi);
         }
+        ranges_[at].lower[c] = lo;
+        ranges_[at].upper[c] = hi;
       }
-    });
-  }
+    }
+  });
   for (int c = 0; c < 8; ++c) {
     min_ = ranges_[0].lower[c] < min_ ? ranges_[0].lower[c] : min_;
     max_ = ranges_[0].upper[c] > max_ ? ranges_[0].upper[c] : max_;

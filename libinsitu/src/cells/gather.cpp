@@ -7,17 +7,23 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "mesh/offsets_simd.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace insitu::cells::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
+namespace at = mesh::HWY_NAMESPACE;
 
 constexpr int ahead = 24; // a cell's vertices are asked for so many cells early
 
-template <class Layout>
+template <class Layout, bool interleaved>
 HWY_INLINE void ask_ahead(const mesh::CellArrays& m, const std::int64_t* cells, int i, int end) {
-  if (i + ahead < end)
-    mesh::prefetch_points<Layout>(m, cells[i + ahead]);
+  if (i + ahead >= end)
+    return;
+  std::int64_t places[8];
+  const int count = at::vertex_places<Layout, interleaved>(m, cells[i + ahead], places);
+  at::prefetch_points<interleaved>(m, places, count);
 }
 
 #if HWY_MAX_BYTES >= 32
@@ -38,17 +44,17 @@ void interleaved_loop(const mesh::CellArrays& m, const std::int64_t* cells, int 
                       CellBlock& block) {
   const hn::FixedTag<double, 4> d;
   for (int i = 0; i < n; i += 4) {
-    std::int64_t offsets[4][8];
+    std::int64_t places[4][8];
     int count = 0;
     for (int k = 0; k < 4; ++k) {
-      ask_ahead<Layout>(m, cells, i + k, n + more);
-      count = Layout::offsets(m, cells[std::min(i + k, n - 1)], offsets[k]);
+      ask_ahead<Layout, true>(m, cells, i + k, n + more);
+      count = at::vertex_places<Layout, true>(m, cells[std::min(i + k, n - 1)], places[k]);
     }
     if constexpr (Layout::least == Layout::most)
       count = Layout::most;
     for (int v = 0; v < count; ++v) {
       const auto row = [&](int k) HWY_ATTR {
-        return load_three(reinterpret_cast<const Real*>(m.component[0] + offsets[k][v]));
+        return load_three(reinterpret_cast<const Real*>(places[k][v]));
       };
       const auto a = row(0), b = row(1), c = row(2), e = row(3);
       const auto xz = hn::InterleaveLower(d, a, b), y_ = hn::InterleaveUpper(d, a, b);
@@ -67,9 +73,9 @@ template <class Layout, class Real>
 void separate_loop(const mesh::CellArrays& m, const std::int64_t* cells, int n, int more,
                    CellBlock& block) {
   for (int i = 0; i < n; ++i) {
-    ask_ahead<Layout>(m, cells, i, n + more);
+    ask_ahead<Layout, false>(m, cells, i, n + more);
     std::int64_t offsets[8];
-    const int count = Layout::offsets(m, cells[i], offsets);
+    const int count = at::vertex_places<Layout, false>(m, cells[i], offsets);
     for (int v = 0; v < count; ++v)
       for (int a = 0; a < 3; ++a)
         block.vertex[v][a][i] = double(mesh::load_as<Real>(m.component[a] + offsets[v]));

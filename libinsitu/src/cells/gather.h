@@ -26,7 +26,7 @@ public:
     const std::int32_t p = mesh_->piece_count == 1 ? 0 : mesh_->piece_of(flat);
     return mesh_->pieces[p].shape(flat - mesh_->first_cell[p]);
   }
-  void prefetch_ids(std::int64_t flat) const {
+  INSITU_PREFETCH void prefetch_ids(std::int64_t flat) const {
     if (arrays_.ids)
       __builtin_prefetch(arrays_.ids + flat * arrays_.cell_stride);
   }

@@ -1,5 +1,7 @@
 #include "mesh/cell_arrays.h"
 
+#include <utility>
+
 namespace insitu::mesh {
 
 bool CellArrays::make(const PieceView& p, CellArrays& m) {
@@ -24,6 +26,8 @@ bool CellArrays::make(const PieceView& p, CellArrays& m) {
     m.cell_stride = p.connectivity.stride;
     m.id_stride = p.id_stride;
     m.base = p.index_base;
+    m.ids_are_packed = m.ids_are_int32 && m.id_stride == 4 && std::in_range<std::int32_t>(m.base) &&
+                       std::in_range<std::int32_t>(layout.stride[0]);
     m.types = p.types;
     m.types_stride = p.types_stride;
     m.offsets = p.offsets.data;

@@ -1,6 +1,12 @@
 #pragma once
 
+#include <type_traits>
+
 #include "mesh/view.h"
+
+/// For functions that do nothing but prefetch: in GCC's analysis they have no effects, and calls of
+/// those that are not inlined by then are dropped (12.2; every one of ours was).
+#define INSITU_PREFETCH [[gnu::always_inline]] inline
 
 /// A piece's arrays for loops over many cells, whose number types and layout are chosen once and
 /// not for each cell.
@@ -9,7 +15,8 @@ namespace insitu::mesh {
 struct CellArrays {
   CellLayout layout = CellLayout::uniform;
   bool ids_are_int32 = true, points_are_float32 = false;
-  int uniform_count = 0; ///< vertices of a cell of UNIFORM layout
+  int uniform_count = 0;       ///< vertices of a cell of UNIFORM layout
+  bool ids_are_packed = false; ///< int32 ids side by side; they and the stride of points fit SIMD
   const std::byte* ids = nullptr;
   std::int64_t cell_stride = 0, id_stride = 0, base = 0;
   const std::byte* types = nullptr;   ///< MIXED
@@ -31,9 +38,11 @@ struct CellArrays {
 //   offsets(m, cell, out)   bytes from component[] to the cell's vertices, in VTK's order; how many
 //   prefetch(m, cell)       asks for what offsets() reads
 //   least, most             vertices of a cell
+// mesh/offsets_simd.h does the same for loops of SIMD.
 
 template <class Index, int count>
 struct UniformLayout {
+  static constexpr bool may_be_packed = std::is_same_v<Index, std::int32_t>;
   static constexpr int least = count, most = count;
   static int offsets(const CellArrays& m, std::int64_t cell, std::int64_t* out) {
     const std::byte* ids = m.ids + cell * m.cell_stride;
@@ -41,7 +50,7 @@ struct UniformLayout {
       out[v] = (std::int64_t(load_as<Index>(ids + v * m.id_stride)) - m.base) * m.point_stride;
     return count;
   }
-  static void prefetch(const CellArrays& m, std::int64_t cell) {
+  INSITU_PREFETCH static void prefetch(const CellArrays& m, std::int64_t cell) {
     __builtin_prefetch(m.ids + cell * m.cell_stride);
   }
 };
@@ -60,7 +69,7 @@ struct MixedLayout {
       out[v] = (std::int64_t(load_as<Index>(ids + v * m.id_stride)) - m.base) * m.point_stride;
     return count;
   }
-  static void prefetch(const CellArrays& m, std::int64_t cell) {
+  INSITU_PREFETCH static void prefetch(const CellArrays& m, std::int64_t cell) {
     __builtin_prefetch(m.types + cell * m.types_stride);
     __builtin_prefetch(m.offsets + cell * m.offset_stride);
   }
@@ -81,7 +90,7 @@ struct PaddedLayout {
     }
     return count;
   }
-  static void prefetch(const CellArrays& m, std::int64_t cell) {
+  INSITU_PREFETCH static void prefetch(const CellArrays& m, std::int64_t cell) {
     __builtin_prefetch(m.ids + cell * m.cell_stride);
   }
 };
@@ -104,37 +113,8 @@ struct BlockLayout {
       out[4 + v] = out[v] + s[2];
     return 8;
   }
-  static void prefetch(const CellArrays&, std::int64_t) {}
+  INSITU_PREFETCH static void prefetch(const CellArrays&, std::int64_t) {}
 };
-
-/// Asks for the coordinates of a cell's vertices. Vertices 2 v and 2 v + 1 are neighbours in many
-/// meshes: interleaved, the first one's beginning and the second one's end are the lines that both
-/// lie in; else one of them stands for both.
-template <class Layout>
-void prefetch_points(const CellArrays& m, std::int64_t cell) {
-  std::int64_t offsets[8];
-  const int count = Layout::offsets(m, cell, offsets);
-  if (m.interleaved) {
-    for (int v = 0; v < count; ++v)
-      __builtin_prefetch(m.component[v & 1 ? 2 : 0] + offsets[v]);
-    return;
-  }
-  for (int v = 0; v < count; v += count == 4 ? 1 : 2)
-    for (int a = 0; a < 3; ++a)
-      __builtin_prefetch(m.component[a] + offsets[v]);
-}
-
-/// Asks for what comes soon after cells[i] in a loop over n flat cells of a piece whose first is
-/// `first`; cells in the solver's order need no help.
-template <class Layout>
-void ask_ahead(const CellArrays& m, std::int64_t first, const std::uint32_t* cells, std::uint32_t i,
-               std::uint32_t n) {
-  constexpr std::uint32_t layout_ahead = 32, points_ahead = 12;
-  if (i + layout_ahead < n && cells[i + layout_ahead] - cells[i] != layout_ahead)
-    Layout::prefetch(m, std::int64_t(cells[i + layout_ahead]) - first);
-  if (i + points_ahead < n && cells[i + points_ahead] - cells[i] != points_ahead)
-    prefetch_points<Layout>(m, std::int64_t(cells[i + points_ahead]) - first);
-}
 
 /// f.operator()<Layout, Real>() for the arrays' layout and numbers: picks a loop out of a template.
 template <class F>

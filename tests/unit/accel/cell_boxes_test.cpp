@@ -144,7 +144,7 @@ void expect_boxes(const std::vector<mesh::PieceView>& pieces) {
           if (!std::isfinite(cell.x[v][a]) && (refused < 0 || ids[i] < refused))
             refused = ids[i];
     }
-    ASSERT_EQ(CellBoxes(view, origin).compute(ids.data(), n, boxes.data()), refused);
+    ASSERT_EQ(CellBoxes(view, origin).compute(ids.data(), n, 0, boxes.data()), refused);
     for (std::uint32_t i = 0; i < n; ++i) {
       mesh::CellVertices cell;
       mesh::gather(view, ids[i], cell);

@@ -126,7 +126,7 @@ void expect_boxes_of_vertices(bool interleaved, mesh::Shape shape) {
   for (std::uint32_t c = 0; c < cells; ++c)
     ids.push_back((c * 7) % cells);
   std::vector<Box> boxes(cells);
-  EXPECT_EQ(CellBoxes(view, origin).compute(ids.data(), cells, boxes.data()), -1);
+  EXPECT_EQ(CellBoxes(view, origin).compute(ids.data(), cells, 0, boxes.data()), -1);
   for (std::size_t i = 0; i < cells; ++i)
     for (int a = 0; a < 3; ++a) {
       double lo = 1e300, hi = -1e300;
@@ -151,7 +151,7 @@ void expect_boxes_of_vertices(bool interleaved, mesh::Shape shape) {
       for (std::size_t i = connectivity.size(); i-- > 0;)
         if (connectivity[i] == vertex)
           lowest = std::int64_t(i) / count;
-      EXPECT_EQ(CellBoxes(view, origin).compute(ids.data(), cells, boxes.data()), lowest) << bad;
+      EXPECT_EQ(CellBoxes(view, origin).compute(ids.data(), cells, 0, boxes.data()), lowest) << bad;
       points.at(vertex, a) = good;
     }
 }

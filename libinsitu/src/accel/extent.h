@@ -1,0 +1,41 @@
+#pragma once
+
+#include "accel/node.h"
+
+namespace insitu::accel {
+
+inline constexpr double largest =
+    1e37; ///< coordinates beyond do not fit a float box with its margins
+
+/// The box of gathered vertices.
+class Extent {
+public:
+  explicit Extent(const math::Vec3d& p) : lo_(p), hi_(p), sum_(p) {}
+  void add(const math::Vec3d& p) {
+    for (int a = 0; a < 3; ++a) {
+      lo_[a] = p[a] < lo_[a] ? p[a] : lo_[a];
+      hi_[a] = p[a] > hi_[a] ? p[a] : hi_[a];
+    }
+    sum_ += p; // keeps a NaN, which the comparisons may lose
+  }
+  Box box(const math::Vec3d& origin) const {
+    Box b;
+    for (int a = 0; a < 3; ++a) {
+      const double l = lo_[a] - origin[a], u = hi_[a] - origin[a];
+      if (!(l > -largest && u < largest && sum_[a] - sum_[a] == 0.0))
+        return Box{};
+      b.lower[a] = round_down(l);
+      b.upper[a] = round_up(u);
+    }
+    return b;
+  }
+
+private:
+  math::Vec3d lo_, hi_, sum_;
+};
+
+inline bool is_empty(const Box& b) {
+  return !(b.lower[0] <= b.upper[0]);
+}
+
+} // namespace insitu::accel
