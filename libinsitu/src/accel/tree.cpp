@@ -215,6 +215,9 @@ void Tree::refit(const mesh::MeshView& mesh, const core::Threads& threads) {
     for (std::uint32_t next = begin; begin < end; begin = next) {
       next = std::min(begin + few, end);
       const std::uint32_t slot_end = first_slot(next);
+      for (const auto* line = reinterpret_cast<const std::byte*>(&nodes_[begin]);
+           line < reinterpret_cast<const std::byte*>(&nodes_[next - 1] + 1); line += 64)
+        __builtin_prefetch(line, 1); // fitted once their cells' boxes are there
       refused.note(boxes.compute(&cells_[slot], slot_end - slot, last_slot - slot_end, cells));
       slot = slot_end;
       area += fit_nodes(nodes_.data(), begin, next, cells, nullptr, boxes_.data());

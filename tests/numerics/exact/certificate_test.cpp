@@ -6,6 +6,7 @@
 
 #include "cases.h"
 #include "cells/contain_exact.h"
+#include "fixtures/simd_targets.h"
 #include "lanes.h"
 
 namespace insitu::test {
@@ -291,8 +292,8 @@ TEST(InverseMap, PacksGiveTheBitsOfScalarsOnEveryTarget) {
         scalars.push_back(cells::inverse_map(shape, v.data(), p));
         block.add(shape, v.data(), p);
       }
-      for (const std::int64_t target : lane_targets()) {
-        use_lane_target(target);
+      for (const std::int64_t target : fixtures::simd_targets()) {
+        fixtures::use_simd_target(target);
         cells::InverseMap<double> lanes[LaneBlock::size];
         invert_lanes(shape, block, lanes);
         for (std::size_t k = 0; k < LaneBlock::size; ++k, ++done) {
@@ -310,7 +311,7 @@ TEST(InverseMap, PacksGiveTheBitsOfScalarsOnEveryTarget) {
                                                       << ", lane " << k << ", target " << target;
         }
       }
-      use_lane_target(0);
+      fixtures::use_simd_target(0);
     }
   EXPECT_GT(done, 10000u);
 }

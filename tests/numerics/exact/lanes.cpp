@@ -76,16 +76,5 @@ void invert_lanes(mesh::Shape shape, const LaneBlock& block, cells::InverseMap<d
   HWY_DYNAMIC_DISPATCH(invert_target)(shape, block, out);
 }
 
-std::vector<std::int64_t> lane_targets() {
-  std::vector<std::int64_t> targets;
-  for (std::int64_t bits = hwy::SupportedTargets() & HWY_TARGETS; bits != 0; bits &= bits - 1)
-    targets.push_back(bits & -bits);
-  return targets;
-}
-void use_lane_target(std::int64_t target) {
-  hwy::SetSupportedTargetsForTest(target);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-}
-
 } // namespace insitu::test
 #endif

@@ -32,8 +32,4 @@ void filter_lanes(mesh::Shape shape, const LaneBlock& block, cells::FilterResult
 /// cells::inverse_map of each pair, likewise.
 void invert_lanes(mesh::Shape shape, const LaneBlock& block, cells::InverseMap<double>* out);
 
-/// The targets that this machine can run, as bits of HWY_*; and to use one only (0: the best).
-std::vector<std::int64_t> lane_targets();
-void use_lane_target(std::int64_t target);
-
 } // namespace insitu::test

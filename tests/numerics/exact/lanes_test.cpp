@@ -5,6 +5,7 @@
 
 #include "cases.h"
 #include "cells/contain_exact.h"
+#include "fixtures/simd_targets.h"
 #include "lanes.h"
 #include "oracle.h"
 
@@ -91,13 +92,13 @@ void run_blocks(Shape shape, int blocks, Make&& make, Check&& check) {
       c = make();
       block.add(shape, c.vertices.data(), c.point);
     }
-    for (const std::int64_t target : lane_targets()) {
-      use_lane_target(target);
+    for (const std::int64_t target : fixtures::simd_targets()) {
+      fixtures::use_simd_target(target);
       filter_lanes(shape, block, results);
       for (std::size_t k = 0; k < cases.size(); ++k)
         check(cases[k], results[k], target);
     }
-    use_lane_target(0);
+    fixtures::use_simd_target(0);
     if (testing::Test::HasFatalFailure())
       return;
   }

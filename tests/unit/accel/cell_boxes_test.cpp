@@ -3,12 +3,14 @@
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
+#include <optional>
 #include <vector>
 
 #include "accel/cell_boxes.h"
 #include "cells/gather.h"
 #include "core/random.h"
 #include "fixtures/arrays.h"
+#include "fixtures/simd_targets.h"
 
 namespace insitu::accel {
 namespace {
@@ -43,50 +45,58 @@ struct Points {
   }
 };
 
-/// Cells of all shapes, in arrays of one layout.
+constexpr std::uint8_t shapes[] = {12, 10, 13, 14, 11};
+constexpr int counts[] = {8, 4, 6, 5, 8};
+
+/// Cells in arrays of one layout: of one kind of the above, or, unless they are UNIFORM, of all. A
+/// cell's ids are `stride` indices apart. They end where memory does.
 template <class Index>
 struct Cells {
-  std::vector<Index> ids;
-  std::vector<Index> offsets;
-  std::vector<std::uint8_t> types;
+  std::optional<fixtures::GuardedBytes> ids, offsets, types;
   mesh::PieceView piece;
 
-  Cells(mesh::CellLayout layout, Index base) {
-    constexpr std::uint8_t shapes[] = {12, 10, 13, 14, 11};
-    constexpr int counts[] = {8, 4, 6, 5, 8};
+  Cells(mesh::CellLayout layout, Index base, std::size_t only = 2, std::size_t stride = 1) {
     constexpr std::int64_t n = 300;
+    std::vector<Index> all_ids, all_offsets;
+    std::vector<std::uint8_t> all_types;
     for (std::int64_t c = 0; c < n; ++c) {
       const std::size_t kind = layout == mesh::CellLayout::uniform
-                                   ? 2
+                                   ? only
                                    : core::random_bits(96, std::uint64_t(c), 0) %
                                          (layout == mesh::CellLayout::padded ? 4 : 5);
-      offsets.push_back(Index(Index(ids.size()) + base));
-      types.push_back(shapes[kind]);
+      all_offsets.push_back(Index(Index(all_ids.size()) + base));
+      all_types.push_back(shapes[kind]);
+      const auto add = [&](Index id) {
+        all_ids.resize(all_ids.empty() ? 0 : all_ids.size() + stride - 1, Index(1 << 30));
+        all_ids.push_back(id);
+      };
       for (int v = 0; v < 8; ++v) {
         if (v < counts[kind])
-          ids.push_back(Index(
+          add(Index(
               Index(core::random_bits(97, std::uint64_t(8 * c + v), 0) % std::uint64_t(vertices)) +
               base));
         else if (layout == mesh::CellLayout::padded)
-          ids.push_back(-1);
+          add(-1);
       }
     }
-    offsets.push_back(Index(Index(ids.size()) + base));
+    all_offsets.push_back(Index(Index(all_ids.size()) + base));
+    const std::int64_t index_bytes = sizeof(Index), id_bytes = index_bytes * std::int64_t(stride);
     piece.layout = layout;
     piece.uniform_shape =
-        layout == mesh::CellLayout::uniform ? mesh::Shape::wedge : mesh::Shape::hexahedron;
+        layout == mesh::CellLayout::uniform ? mesh::Shape(shapes[only]) : mesh::Shape::hexahedron;
     piece.cell_count = n;
     piece.vertex_count = vertices;
-    const std::int64_t a_cell = layout == mesh::CellLayout::uniform  ? 6
-                                : layout == mesh::CellLayout::padded ? 8
-                                                                     : 1;
+    const std::int64_t a_cell = layout == mesh::CellLayout::uniform  ? counts[only] * id_bytes
+                                : layout == mesh::CellLayout::padded ? 8 * id_bytes
+                                                                     : index_bytes;
+    ids.emplace(fixtures::GuardedBytes::copy_of(all_ids));
+    offsets.emplace(fixtures::GuardedBytes::copy_of(all_offsets));
+    types.emplace(fixtures::GuardedBytes::copy_of(all_types));
     const bool is_int32 = sizeof(Index) == 4;
-    piece.connectivity = {reinterpret_cast<const std::byte*>(ids.data()), std::int64_t(ids.size()),
-                          a_cell * std::int64_t(sizeof(Index)), is_int32};
-    piece.id_stride = sizeof(Index);
-    piece.offsets = {reinterpret_cast<const std::byte*>(offsets.data()),
-                     std::int64_t(offsets.size()), sizeof(Index), is_int32};
-    piece.types = reinterpret_cast<const std::byte*>(types.data());
+    piece.connectivity = {ids->data(), std::int64_t(all_ids.size()), a_cell, is_int32};
+    piece.id_stride = id_bytes;
+    piece.offsets = {offsets->data(), std::int64_t(all_offsets.size()), index_bytes, is_int32};
+    piece.types = types->data();
     piece.index_base = base;
   }
 };
@@ -175,17 +185,21 @@ void expect_layouts() {
   for (const bool interleaved : {true, false}) {
     Points<Real> points(interleaved);
     std::vector<mesh::PieceView> pieces;
-    for (const Index base : {Index(0), Index(1)})
-      for (const auto layout :
-           {mesh::CellLayout::uniform, mesh::CellLayout::mixed, mesh::CellLayout::padded}) {
-        Cells<Index> cells(layout, base);
+    for (const Index base : {Index(0), Index(1)}) {
+      const auto expect = [&](Cells<Index> cells) {
         cells.piece.points = points.view();
         expect_boxes({cells.piece});
         const Real good = points.at(17, 1);
         points.at(17, 1) = Real(NAN);
         expect_boxes({cells.piece});
         points.at(17, 1) = good;
-      }
+      };
+      expect({mesh::CellLayout::mixed, base});
+      expect({mesh::CellLayout::padded, base});
+      for (std::size_t kind = 0; kind < std::size(shapes); ++kind)
+        for (const std::size_t stride : {1, 3})
+          expect({mesh::CellLayout::uniform, base, kind, stride});
+    }
     Cells<Index> mixed(mesh::CellLayout::mixed, 1), uniform(mesh::CellLayout::uniform, 0);
     mixed.piece.points = uniform.piece.points = points.view();
 
@@ -221,10 +235,15 @@ void expect_layouts() {
 }
 
 TEST(CellLoops, OfEveryLayoutAndType) {
-  expect_layouts<double, std::int32_t>();
-  expect_layouts<double, std::int64_t>();
-  expect_layouts<float, std::int32_t>();
-  expect_layouts<float, std::int64_t>();
+  for (const std::int64_t target : fixtures::simd_targets()) {
+    fixtures::use_simd_target(target);
+    SCOPED_TRACE(hwy::TargetName(target));
+    expect_layouts<double, std::int32_t>();
+    expect_layouts<double, std::int64_t>();
+    expect_layouts<float, std::int32_t>();
+    expect_layouts<float, std::int64_t>();
+  }
+  fixtures::use_simd_target(0);
 }
 
 } // namespace
