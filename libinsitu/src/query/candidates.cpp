@@ -1,7 +1,9 @@
 #include "query/candidates.h"
 
 #include <bit>
+#include <cstddef>
 #include <cstring>
+#include <utility>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "query/candidates.cpp"
@@ -90,49 +92,135 @@ HWY_INLINE unsigned present_children(const accel::Node& node) {
   return unsigned(((high >> 7) * 0x0102040810204080ull) >> 56);
 }
 
-/// Writes an item {base + offsets[c], high, marks[c]} for every set bit c of hits, in order; the
-/// high word is high + 256 * marks[c]. Returns how many. Up to eight items at `out` are written
-/// whatever hits is: branches on it would be guessed wrongly too often.
-template <bool marked, class Item>
-HWY_INLINE std::size_t append(unsigned hits, const std::uint8_t* offsets, std::uint32_t base,
-                              std::uint32_t high, const std::uint8_t* marks, Item* out) {
-  static_assert(sizeof(Item) == 8);
-  auto* words = reinterpret_cast<std::uint64_t*>(out); // little-endian: the first member is low
+/// The chosen of eight bytes side by side; all eight of `out` are written.
+HWY_INLINE void compress(const std::uint8_t* from, unsigned chosen, std::uint8_t* out) {
 #if HWY_MAX_BYTES >= 32
-  const hn::FixedTag<std::uint8_t, 8> d8;
-  const hn::FixedTag<std::uint32_t, 8> d32;
-  const hn::FixedTag<std::uint32_t, 4> d32_half;
-  const hn::FixedTag<std::uint64_t, 4> d64;
-  const auto places = hn::LoadU(d8, set_bits[hits].data());
-  const auto chosen = hn::TableLookupBytes(hn::LoadU(d8, offsets), places);
-  const auto ids = hn::Add(hn::PromoteTo(d32, chosen), hn::Set(d32, base));
-  const auto word = [&](auto ids_half, auto marks_half) HWY_ATTR {
-    auto highs = hn::Set(d64, std::uint64_t(high) << 32);
-    if constexpr (marked)
-      highs = hn::Or(highs, hn::ShiftLeft<40>(hn::PromoteTo(d64, marks_half)));
-    return hn::Or(hn::PromoteTo(d64, ids_half), highs);
+  const hn::FixedTag<std::uint8_t, 8> d;
+  const auto places = hn::LoadU(d, set_bits[chosen].data());
+  hn::StoreU(hn::TableLookupBytes(hn::LoadU(d, from), places), d, out);
+#else
+  for (int i = 0; i < 8; ++i)
+    out[i] = from[set_bits[chosen][std::size_t(i)]];
+#endif
+}
+
+#if HWY_MAX_BYTES >= 32
+using Quads = hn::FixedTag<std::uint64_t, 4>;
+using Ids = hn::FixedTag<std::uint32_t, 8>;
+
+/// The bytes at `places`, as numbers.
+HWY_INLINE hn::Vec<Ids> choose(const std::uint8_t* from,
+                               hn::Vec<hn::FixedTag<std::uint8_t, 8>> places) {
+  return hn::PromoteTo(
+      Ids(), hn::TableLookupBytes(hn::LoadU(hn::FixedTag<std::uint8_t, 8>(), from), places));
+}
+
+/// Eight items of two words: low[i], and the i-th of two quads of others.
+HWY_INLINE void store_pairs(hn::Vec<Ids> low, hn::Vec<Quads> high0, hn::Vec<Quads> high1,
+                            void* out) {
+  const hn::Half<Ids> half;
+  auto* words = static_cast<std::uint64_t*>(out); // little-endian: the first member is low
+  hn::StoreU(hn::Or(hn::PromoteTo(Quads(), hn::LowerHalf(half, low)), high0), Quads(), words);
+  hn::StoreU(hn::Or(hn::PromoteTo(Quads(), hn::UpperHalf(half, low)), high1), Quads(), words + 4);
+}
+#endif
+
+/// Candidates {base + offsets[c], query, depth[c]} for every set bit c of hits, in order. Returns
+/// how many. Eight at `out` are written whatever hits is: branches on it would be guessed wrongly
+/// too often.
+HWY_INLINE std::size_t append(unsigned hits, const std::uint8_t* offsets, std::uint32_t base,
+                              std::uint8_t query, const std::uint8_t* depth, Candidate* out) {
+#if HWY_MAX_BYTES >= 32
+  static_assert(sizeof(Candidate) == 8 && offsetof(Candidate, depth) == 5);
+  const auto places = hn::LoadU(hn::FixedTag<std::uint8_t, 8>(), set_bits[hits].data());
+  const auto slots = hn::Add(choose(offsets, places), hn::Set(Ids(), base));
+  const auto depths = choose(depth, places);
+  const auto high = [&](auto half) HWY_ATTR {
+    return hn::Or(hn::Set(Quads(), std::uint64_t(query) << 32),
+                  hn::ShiftLeft<40>(hn::PromoteTo(Quads(), half)));
   };
-  auto chosen_marks = ids;
-  if constexpr (marked)
-    chosen_marks = hn::PromoteTo(d32, hn::TableLookupBytes(hn::LoadU(d8, marks), places));
-  hn::StoreU(word(hn::LowerHalf(d32_half, ids), hn::LowerHalf(d32_half, chosen_marks)), d64, words);
-  hn::StoreU(word(hn::UpperHalf(d32_half, ids), hn::UpperHalf(d32_half, chosen_marks)), d64,
-             words + 4);
+  const hn::Half<Ids> half;
+  store_pairs(slots, high(hn::LowerHalf(half, depths)), high(hn::UpperHalf(half, depths)), out);
 #else
   for (unsigned rest = hits; rest; rest &= rest - 1) {
     const int c = std::countr_zero(rest);
-    const std::uint64_t mark = marked ? marks[c] : 0;
-    *words++ = (base + offsets[c]) | (std::uint64_t(high) | mark << 8) << 32;
+    *out++ = {base + offsets[c], query, depth[c], 0};
   }
 #endif
   return std::size_t(std::popcount(hits));
 }
 
+/// Where the next level's runs go; there is room for all.
+struct RunWriter {
+  NodeRun* runs;
+  std::uint8_t* queries;
+  std::size_t run_count = 0, query_count = 0;
+
+  explicit RunWriter(TraversalLevel& level)
+      : runs(level.runs.data()), queries(level.queries.data()) {}
+
+  /// Bit i of byte j becomes bit j of byte i (Warren 2012, section 7-3).
+  static HWY_INLINE std::uint64_t transpose(std::uint64_t x) {
+    std::uint64_t t = (x ^ (x >> 7)) & 0x00aa00aa00aa00aaull;
+    x ^= t ^ (t << 7);
+    t = (x ^ (x >> 14)) & 0x0000cccc0000ccccull;
+    x ^= t ^ (t << 14);
+    t = (x ^ (x >> 28)) & 0x00000000f0f0f0f0ull;
+    return x ^ t ^ (t << 28);
+  }
+
+  /// Of n queries, query[i] goes on to node[c] for every set bit c of hits[i]; a run for each c.
+  /// Both arrays have room for eight more.
+  HWY_INLINE void add(const std::uint8_t* query, std::uint8_t* hits, std::size_t n,
+                      const std::uint32_t* node) {
+    std::uint64_t chosen[batch_size / 8]; // byte c of the k-th: bits of eight queries
+    const std::size_t eights = (n + 7) / 8;
+    std::memset(hits + n, 0, 8);
+    for (std::size_t k = 0; k < eights; ++k) {
+      std::memcpy(&chosen[k], hits + 8 * k, 8);
+      chosen[k] = transpose(chosen[k]);
+    }
+    for (unsigned c = 0; c < 8; ++c) {
+      const std::size_t begin = query_count;
+      for (std::size_t k = 0; k < eights; ++k) {
+        const auto some = unsigned(chosen[k] >> (8 * c)) & 255u;
+        compress(query + 8 * k, some, queries + query_count);
+        query_count += std::size_t(std::popcount(some));
+      }
+      runs[run_count] = {node[c], std::uint32_t(begin)};
+      run_count += query_count != begin;
+    }
+  }
+
+  /// One query goes on to the nodes first + offsets[c].
+  HWY_INLINE void add_one(std::uint8_t query, unsigned hits, const std::uint8_t* offsets,
+                          std::uint32_t first) {
+    std::memset(queries + query_count, query, 8);
+#if HWY_MAX_BYTES >= 32
+    const auto places = hn::LoadU(hn::FixedTag<std::uint8_t, 8>(), set_bits[hits].data());
+    const auto begins = hn::ShiftLeft<32>(hn::Iota(Quads(), query_count));
+    store_pairs(hn::Add(choose(offsets, places), hn::Set(Ids(), first)), begins,
+                hn::Add(begins, hn::Set(Quads(), 4ull << 32)), runs + run_count);
+#else
+    NodeRun* run = runs + run_count;
+    for (unsigned rest = hits, i = 0; rest; rest &= rest - 1, ++i)
+      *run++ = {first + offsets[std::countr_zero(rest)], std::uint32_t(query_count) + i};
+#endif
+    query_count += std::size_t(std::popcount(hits));
+    run_count += std::size_t(std::popcount(hits));
+  }
+
+  /// The end of the last run.
+  void close() {
+    runs[run_count] = {0, std::uint32_t(query_count)};
+  }
+};
+
 /// The nodes from which a batch goes on, with their boxes: down from the root, level by level,
 /// while at most eight nodes meet the box of the whole batch. Batches of neighbours spare half of
 /// the levels this way.
 struct Entry {
-  std::uint32_t node[8] = {0};
+  std::uint32_t node[8] = {};
   int count = 1; ///< 1 at first: the root, whose box need not be tested
   ChildBoxes boxes;
 };
@@ -169,76 +257,95 @@ HWY_INLINE void find_entry(const accel::Node* nodes, const QueryBoxes& queries, 
   }
 }
 
-/// The first level's tasks, node by node.
-HWY_INLINE std::size_t enter(const Entry& entry, const QueryBoxes& queries, NodeTask* tasks) {
-  std::uint8_t hits[batch_size];
-  for (int q = 0; q < queries.count; ++q)
+/// The first level's runs.
+HWY_INLINE void enter(const Entry& entry, const QueryBoxes& queries, RunWriter& to) {
+  std::uint8_t all[batch_size + 8], hits[batch_size + 8];
+  for (int q = 0; q < queries.count; ++q) {
+    all[q] = std::uint8_t(q);
     hits[q] = std::uint8_t(entry.node[0] == 0 ? 1 : entry.boxes.overlapping(queries.bounds[q]));
-  std::size_t n = 0;
-  for (int i = 0; i < entry.count; ++i)
-    for (int q = 0; q < queries.count; ++q) {
-      tasks[n] = {entry.node[i], std::uint32_t(q)};
-      n += (hits[q] >> i) & 1;
-    }
-  return n;
+  }
+  const unsigned entries = (1u << entry.count) - 1u;
+  for (int q = 0; q < queries.count; ++q)
+    hits[q] &= std::uint8_t(entries);
+  to.add(all, hits, std::size_t(queries.count), entry.node);
+}
+
+/// The nodes of a node's children; those of leaf children mean nothing.
+HWY_INLINE void child_nodes(const accel::Node& node, std::uint32_t* to) {
+  const hn::CappedTag<std::uint32_t, 8> d;
+  const hn::Rebind<std::uint8_t, decltype(d)> db;
+  for (std::size_t c = 0; c < 8; c += hn::MaxLanes(d)) {
+    const auto below = hn::PromoteTo(d, hn::LoadU(db, bits_below[node.inner].data() + c));
+    hn::StoreU(hn::Add(below, hn::Set(d, node.first_child)), d, to + c);
+  }
 }
 
 void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
                             TraversalScratch& scratch) {
   static_assert(accel::most_leaf_cells == 1, "a leaf child is one candidate below");
   const accel::Node* nodes = tree.nodes();
-  if (scratch.level.size() < 8 * batch_size + 1)
-    scratch.level.resize(8 * batch_size + 1); // enter writes one more than it keeps
-  Entry entry;
+  scratch.found = scratch.visited = 0;
   if (queries.count == 0)
-    entry.count = 0;
+    return;
+  scratch.level.make_room(8, 8 * batch_size);
+  RunWriter first(scratch.level);
+  Entry entry;
   find_entry(nodes, queries, entry);
-  std::size_t tasks = enter(entry, queries, scratch.level.data()), found = 0, visited = 0;
+  enter(entry, queries, first);
+  first.close();
+  std::size_t run_count = first.run_count, found = 0;
   ChildBoxes children;
-  std::uint32_t decoded = ~0u;
-  while (tasks > 0) {
-    visited += tasks;
-    // A task adds at most eight children; one check here spares one for each.
-    if (scratch.next.size() < tasks * 8)
-      scratch.next.resize(tasks * 8);
+  while (run_count > 0) {
+    const NodeRun* runs = scratch.level.runs.data();
+    const std::uint8_t* at = scratch.level.queries.data();
+    const std::size_t tasks = runs[run_count].begin;
+    scratch.visited += tasks;
+    // A query adds at most eight; one check here spares one for each.
+    scratch.next.make_room(8 * run_count, 8 * tasks);
     if (scratch.candidates.size() < found + tasks * 8)
       scratch.candidates.resize(2 * found + tasks * 8);
-    const NodeTask* level = scratch.level.data();
-    NodeTask* next = scratch.next.data();
     Candidate* candidates = scratch.candidates.data();
-    constexpr std::size_t ahead = 24; // nodes are asked for so many tasks early
-    std::size_t n = 0;
-    for (std::size_t t = 0; t < tasks; ++t) {
+    RunWriter next(scratch.next);
+    constexpr std::size_t ahead = 24; // nodes are asked for so many runs early
+    for (std::size_t r = 0; r < run_count; ++r) {
       const auto* later = reinterpret_cast<const char*>(
-          nodes + level[t + ahead < tasks ? t + ahead : tasks - 1].node);
+          nodes + runs[r + ahead < run_count ? r + ahead : run_count - 1].node);
       hwy::Prefetch(later);
       hwy::Prefetch(later + 64);
-      const NodeTask task = level[t];
-      const accel::Node& node = nodes[task.node];
-      if (task.node != decoded) {
-        children.decode(node);
-        decoded = task.node;
-      }
-      const unsigned hits = children.overlapping(queries.bounds[task.query]);
-      // Whether there are any is mostly a matter of the level, and guessed rightly.
-      if (const unsigned inner = hits & node.inner)
-        n += append<false>(inner, bits_below[node.inner].data(), node.first_child, task.query,
-                           nullptr, next + n);
-      if (hits & ~unsigned(node.inner)) {
-        // A box as wide as the node meets its absent children as well.
-        const unsigned leaves = present_children(node) & ~unsigned(node.inner);
+      const accel::Node& node = nodes[runs[r].node];
+      const std::uint8_t* query = at + runs[r].begin;
+      const std::size_t n = runs[r + 1].begin - runs[r].begin;
+      children.decode(node);
+      // A box as wide as the node meets its absent children as well.
+      const unsigned inner = node.inner, leaves = present_children(node) & ~inner;
+      const std::uint8_t* places = bits_below[leaves].data();
+      if (leaves)
         hwy::Prefetch(tree.cells() + node.first_cell);
-        std::uint8_t depth[8];
-        children.depths(queries.bounds[task.query], depth);
-        found += append<true>(hits & leaves, bits_below[leaves].data(), node.first_cell, task.query,
-                              depth, candidates + found);
+      std::uint8_t hits[batch_size + 8];
+      for (std::size_t i = 0; i < n; ++i) {
+        const float* bounds = queries.bounds[query[i]];
+        const unsigned met = children.overlapping(bounds);
+        hits[i] = std::uint8_t(met & inner);
+        if (met & leaves) { // mostly a matter of the level, and guessed rightly
+          std::uint8_t depth[8];
+          children.depths(bounds, depth);
+          found +=
+              append(met & leaves, places, node.first_cell, query[i], depth, candidates + found);
+        }
+      }
+      if (inner && n == 1) {
+        next.add_one(query[0], hits[0], bits_below[inner].data(), node.first_child);
+      } else if (inner) {
+        std::uint32_t below[8];
+        child_nodes(node, below);
+        next.add(query, hits, n, below);
       }
     }
-    scratch.level.swap(scratch.next);
-    tasks = n;
+    next.close();
+    run_count = next.run_count;
+    std::swap(scratch.level, scratch.next);
   }
   scratch.found = found;
-  scratch.visited = visited;
 }
 
 } // namespace insitu::query::HWY_NAMESPACE
