@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace insitu::accel::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-namespace at = mesh::HWY_NAMESPACE;
+namespace mesh_simd = mesh::HWY_NAMESPACE;
 
 /// Numbers `first` and on of three, as double; nothing is read past the third.
 template <std::size_t first, class D>
@@ -65,9 +65,9 @@ HWY_INLINE bool fit_some(const std::int64_t* places, int count, const double* or
   const auto from = hn::Load(d, origin);
   lo = hn::Sub(lo, from);
   hi = hn::Sub(hi, from);
-  const auto fits =
-      hn::And(hn::And(hn::Gt(lo, hn::Set(d, -largest)), hn::Lt(hi, hn::Set(d, largest))),
-              hn::Eq(hn::Sub(sum, sum), hn::Zero(d)));
+  const auto fits = hn::And(hn::And(hn::Gt(lo, hn::Set(d, -largest_coordinate)),
+                                    hn::Lt(hi, hn::Set(d, largest_coordinate))),
+                            hn::Eq(hn::Sub(sum, sum), hn::Zero(d)));
   // accel::round_down and round_up.
   const auto margin = hn::Set(df, 0x1p-22f), least = hn::Set(df, 0x1p-120f);
   const auto l = hn::DemoteTo(df, lo), u = hn::DemoteTo(df, hi);
@@ -84,7 +84,7 @@ std::int64_t interleaved_boxes(const CellBoxes::Piece& piece, const std::uint32_
   alignas(32) const double origins[3][4] = {
       {o.x, o.y, o.z, 0.0}, {o.y, o.z, o.z, 0.0}, {o.z, o.z, o.z, 0.0}};
   std::int64_t refused = -1;
-  at::PlacesAhead<Layout, true> ahead(piece.arrays, piece.first, cells, n + more);
+  mesh_simd::PlacesAhead<Layout, true> ahead(piece.arrays, piece.first, cells, n + more);
   for (std::uint32_t i = 0; i < n; ++i) {
     int count;
     const std::int64_t* places = ahead.next(i, count);
@@ -117,7 +117,7 @@ std::int64_t separate_boxes(const CellBoxes::Piece& piece, const std::uint32_t* 
                             std::uint32_t n, std::uint32_t more, Box* boxes) {
   const mesh::CellArrays& m = piece.arrays;
   std::int64_t refused = -1;
-  at::PlacesAhead<Layout, false> ahead(m, piece.first, cells, n + more);
+  mesh_simd::PlacesAhead<Layout, false> ahead(m, piece.first, cells, n + more);
   for (std::uint32_t i = 0; i < n; ++i) {
     int count;
     const std::int64_t* offsets = ahead.next(i, count);

@@ -4,8 +4,8 @@
 
 namespace insitu::accel {
 
-inline constexpr double largest =
-    1e37; ///< coordinates beyond do not fit a float box with its margins
+/// Coordinates beyond do not fit a float box with its margins.
+inline constexpr double largest_coordinate = 1e37;
 
 /// The box of gathered vertices.
 class Extent {
@@ -22,7 +22,7 @@ public:
     Box b;
     for (int a = 0; a < 3; ++a) {
       const double l = lo_[a] - origin[a], u = hi_[a] - origin[a];
-      if (!(l > -largest && u < largest && sum_[a] - sum_[a] == 0.0))
+      if (!(l > -largest_coordinate && u < largest_coordinate && sum_[a] - sum_[a] == 0.0))
         return Box{};
       b.lower[a] = round_down(l);
       b.upper[a] = round_up(u);

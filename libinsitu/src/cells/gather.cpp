@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace insitu::cells::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-namespace at = mesh::HWY_NAMESPACE;
+namespace mesh_simd = mesh::HWY_NAMESPACE;
 
 constexpr int ahead = 24; // a cell's vertices are asked for so many cells early
 
@@ -22,8 +22,8 @@ HWY_INLINE void ask_ahead(const mesh::CellArrays& m, const std::int64_t* cells, 
   if (i + ahead >= end)
     return;
   std::int64_t places[8];
-  const int count = at::vertex_places<Layout, interleaved>(m, cells[i + ahead], places);
-  at::prefetch_points<interleaved>(m, places, count);
+  const int count = mesh_simd::vertex_places<Layout, interleaved>(m, cells[i + ahead], places);
+  mesh_simd::prefetch_points<interleaved>(m, places, count);
 }
 
 #if HWY_MAX_BYTES >= 32
@@ -48,7 +48,7 @@ void interleaved_loop(const mesh::CellArrays& m, const std::int64_t* cells, int 
     int count = 0;
     for (int k = 0; k < 4; ++k) {
       ask_ahead<Layout, true>(m, cells, i + k, n + more);
-      count = at::vertex_places<Layout, true>(m, cells[std::min(i + k, n - 1)], places[k]);
+      count = mesh_simd::vertex_places<Layout, true>(m, cells[std::min(i + k, n - 1)], places[k]);
     }
     if constexpr (Layout::least == Layout::most)
       count = Layout::most;
@@ -75,7 +75,7 @@ void separate_loop(const mesh::CellArrays& m, const std::int64_t* cells, int n, 
   for (int i = 0; i < n; ++i) {
     ask_ahead<Layout, false>(m, cells, i, n + more);
     std::int64_t offsets[8];
-    const int count = at::vertex_places<Layout, false>(m, cells[i], offsets);
+    const int count = mesh_simd::vertex_places<Layout, false>(m, cells[i], offsets);
     for (int v = 0; v < count; ++v)
       for (int a = 0; a < 3; ++a)
         block.vertex[v][a][i] = double(mesh::load_as<Real>(m.component[a] + offsets[v]));

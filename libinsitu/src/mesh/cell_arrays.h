@@ -5,7 +5,7 @@
 #include "mesh/view.h"
 
 /// For functions that do nothing but prefetch: in GCC's analysis they have no effects, and calls of
-/// those that are not inlined by then are dropped (12.2; every one of ours was).
+/// those that are not inlined by then are dropped (seen with 12.2).
 #define INSITU_PREFETCH [[gnu::always_inline]] inline
 
 /// A piece's arrays for loops over many cells, whose number types and layout are chosen once and

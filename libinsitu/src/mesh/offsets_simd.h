@@ -29,17 +29,19 @@ HWY_INLINE int offsets_from(const CellArrays& m, std::int64_t origin, std::int64
       const hn::Rebind<std::int32_t, decltype(d)> d_ids;
       const hn::Repartition<std::int32_t, decltype(d)> d_even;
       constexpr int lanes = int(hn::MaxLanes(d));
-      const auto* ids = reinterpret_cast<const std::int32_t*>(m.ids + cell * m.cell_stride);
+      const std::byte* ids = m.ids + cell * m.cell_stride;
       const auto base = hn::Set(d_ids, std::int32_t(m.base));
       const auto stride = hn::BitCast(d_even, hn::Set(d, m.point_stride));
       const auto from = hn::Set(d, origin);
       int v = 0;
       for (; v + lanes <= count; v += lanes) {
-        const auto id = hn::PromoteTo(d, hn::Sub(hn::LoadU(d_ids, ids + v), base));
+        const auto id = hn::PromoteTo(
+            d, hn::Sub(hn::LoadU(d_ids, reinterpret_cast<const std::int32_t*>(ids + 4 * v)), base));
         hn::StoreU(hn::Add(hn::MulEven(hn::BitCast(d_even, id), stride), from), d, out + v);
       }
       for (; v < count; ++v)
-        out[v] = origin + (std::int64_t(ids[v]) - m.base) * m.point_stride;
+        out[v] =
+            origin + (std::int64_t(load_as<std::int32_t>(ids + 4 * v)) - m.base) * m.point_stride;
       return count;
     }
 #endif

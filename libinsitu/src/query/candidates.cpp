@@ -25,7 +25,7 @@ public:
   /// The product of decoding is exact, so this is the sum that encode_boxes checked, fused or not.
   HWY_INLINE void decode(const accel::Node& node) {
     for (int a = 0; a < 3; ++a) {
-      steps_a_unit_[a] = std::bit_cast<float>((254u - node.exponent[a]) << 23);
+      steps_a_unit_[a] = accel::inverse_scale(node.exponent[a]);
       const auto base = hn::Set(d, node.lower[a]), scale = hn::Set(d, node.scale(a));
       for (std::size_t c = 0; c < 8; c += hn::MaxLanes(d)) {
         const auto lo = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(db, node.child_lower[a] + c)));
@@ -259,14 +259,13 @@ HWY_INLINE void find_entry(const accel::Node* nodes, const QueryBoxes& queries, 
 
 /// The first level's runs.
 HWY_INLINE void enter(const Entry& entry, const QueryBoxes& queries, RunWriter& to) {
+  const unsigned entries = (1u << entry.count) - 1u;
   std::uint8_t all[batch_size + 8], hits[batch_size + 8];
   for (int q = 0; q < queries.count; ++q) {
     all[q] = std::uint8_t(q);
-    hits[q] = std::uint8_t(entry.node[0] == 0 ? 1 : entry.boxes.overlapping(queries.bounds[q]));
+    const bool at_root = entry.node[0] == 0;
+    hits[q] = std::uint8_t((at_root ? 1u : entry.boxes.overlapping(queries.bounds[q])) & entries);
   }
-  const unsigned entries = (1u << entry.count) - 1u;
-  for (int q = 0; q < queries.count; ++q)
-    hits[q] &= std::uint8_t(entries);
   to.add(all, hits, std::size_t(queries.count), entry.node);
 }
 
