@@ -259,13 +259,14 @@ HWY_INLINE void find_entry(const accel::Node* nodes, const QueryBoxes& queries, 
 
 /// The first level's runs.
 HWY_INLINE void enter(const Entry& entry, const QueryBoxes& queries, RunWriter& to) {
-  const unsigned entries = (1u << entry.count) - 1u;
   std::uint8_t all[batch_size + 8], hits[batch_size + 8];
   for (int q = 0; q < queries.count; ++q) {
     all[q] = std::uint8_t(q);
-    const bool at_root = entry.node[0] == 0;
-    hits[q] = std::uint8_t((at_root ? 1u : entry.boxes.overlapping(queries.bounds[q])) & entries);
+    hits[q] = std::uint8_t(entry.node[0] == 0 ? 1 : entry.boxes.overlapping(queries.bounds[q]));
   }
+  const unsigned entries = (1u << entry.count) - 1u;
+  for (int q = 0; q < queries.count; ++q)
+    hits[q] &= std::uint8_t(entries);
   to.add(all, hits, std::size_t(queries.count), entry.node);
 }
 
