@@ -95,7 +95,7 @@ table() {
       line = "| " name " | " $(NF - 2 * columns - 1) " |"; for (i = 0; i < columns; ++i) line = line " " $(NF - 2 * columns + 1 + 2 * i) " |"
       print line }' "$out/torture.txt"
   echo
-  sed -nE 's/^  (Ours lost.*|[0-9]+ FAILED|[0-9]+ hinted answers.*)$/\1/p; s/^  ([0-9]+ FAILED):$/\1/p' "$out/torture.txt"
+  sed -nE 's/^  (Ours lost.*|[0-9]+ FAILED|[0-9]+ answers are not.*)$/\1/p; s/^  ([0-9]+ FAILED):$/\1/p' "$out/torture.txt"
 }
 
 if [ -z "$readme" ]; then

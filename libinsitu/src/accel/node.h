@@ -41,6 +41,13 @@ INSITU_HD inline float round_up(double x) {
   return f + std::fabs(f) * 0x1p-22f + 0x1p-120f;
 }
 
+/// One over the grid's spacing; exact, but zero for the largest, which only boxes beyond 1e37 need.
+INSITU_HD inline float inverse_scale(std::uint8_t exponent) {
+  return std::bit_cast<float>((254u - std::uint32_t(exponent)) << 23);
+}
+
+constexpr float whole_steps = 0x1p23f; ///< a float below 2^22 plus this ends in its nearest integer
+
 /// An 8-wide node of 80 bytes. Child boxes are quantised, outwards, to 8 bits on a grid whose
 /// spacing is a power of two per axis: lower + 2^(exponent - 127) * byte, exact but for one
 /// rounding, which encoding has checked. Inner children lie at first_child in order; the cells of
@@ -75,6 +82,19 @@ struct alignas(16) Node {
     }
     return b;
   }
+  /// How far a box [lower, upper] reaches into a child's, in steps of the grid, 0 to 255.
+  INSITU_HD std::uint8_t depth(int child, const float* box_lower, const float* box_upper) const {
+    const Box b = child_box(child);
+    float least = 255.0f;
+    for (int a = 0; a < 3; ++a) {
+      const float from_lower = box_upper[a] - b.lower[a], to_upper = b.upper[a] - box_lower[a];
+      const float to_face = (from_lower < to_upper ? from_lower : to_upper);
+      const float steps = to_face * inverse_scale(exponent[a]);
+      least = steps < least ? steps : least;
+    }
+    least = least > 0.0f ? least : 0.0f;
+    return std::uint8_t(std::bit_cast<std::uint32_t>(least + whole_steps) & 255u);
+  }
 };
 static_assert(sizeof(Node) == 80);
 
@@ -88,11 +108,6 @@ INSITU_HD inline std::uint8_t grid_exponent(float lo, float hi) {
   unit = unit > at_least ? unit : at_least;
   const std::uint32_t e = (std::bit_cast<std::uint32_t>(unit) + 0x7fffffu) >> 23;
   return std::uint8_t(e < 1 ? 1 : (e > 254 ? 254 : e));
-}
-
-/// One over the grid's spacing; exact, but zero for the largest, which only boxes beyond 1e37 need.
-INSITU_HD inline float inverse_scale(std::uint8_t exponent) {
-  return std::bit_cast<float>((254u - std::uint32_t(exponent)) << 23);
 }
 
 /// Quantises the children's boxes into the node, outwards. Children whose meta is 0 get an inverted

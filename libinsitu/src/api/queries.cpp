@@ -17,6 +17,49 @@ namespace {
 /// the scratch that any number of points needs.
 constexpr std::int64_t slice = std::int64_t(1) << 20;
 
+/// Writes answers where the caller wants them, an array at a time. first: added to the items.
+void put_answers(const query::Answered& answered, std::size_t first, const mesh::MeshView& view,
+                 const insitu_locate_args& args) {
+  const auto put = [&](auto* to, auto&& value) {
+    for (std::size_t k = 0; to && k < answered.locations.size(); ++k)
+      to[first + answered.item(k)] = value(k);
+  };
+  const auto piece_of = [&](const query::Location& at) {
+    return !at ? -1 : view.piece_count == 1 ? 0 : view.piece_of(at.cell);
+  };
+  put(args.cells, [&](std::size_t k) {
+    const query::Location& at = answered.locations[k];
+    return (at ? at.cell - view.first_cell[piece_of(at)] : -1) + args.cell_base;
+  });
+  put(args.pieces, [&](std::size_t k) { return piece_of(answered.locations[k]); });
+  put(args.found, [&](std::size_t k) { return std::uint8_t(answered.locations[k] ? 1 : 0); });
+  put(args.reasons, [&](std::size_t k) { return std::uint8_t(answered.reasons[k]); });
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t k = 0; args.parametric && k < answered.locations.size(); ++k) {
+    const query::Location& at = answered.locations[k];
+    double* const to = args.parametric + 3 * (first + answered.item(k));
+    for (int c = 0; c < 3; ++c)
+      to[c] = at ? at.parametric[c] : nan;
+  }
+}
+
+/// The same of interpolated values.
+void put_values(const query::Answered& answered, std::size_t first, const query::Sampler& sampler,
+                std::span<const mesh::FieldView> fields, double* const* values) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t k = 0; k < answered.locations.size(); ++k) {
+    const std::size_t i = first + answered.item(k);
+    if (const query::Location& at = answered.locations[k]) {
+      sampler.interpolate(fields, at, i, values);
+      continue;
+    }
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      const auto components = std::size_t(fields[f].components);
+      std::fill_n(values[f] + i * components, components, nan);
+    }
+  }
+}
+
 } // namespace
 
 const query::CommittedMesh& Session::committed(SessionMesh& mesh) {
@@ -32,38 +75,25 @@ void Session::answer(const query::CommittedMesh& mesh, const insitu_locate_args&
   const std::int64_t n = points.count();
   // A conversion that fails must do so before anything is answered.
   const std::int64_t most = args.frame ? n : std::min(n, slice);
-  query_points_.resize_discard(std::size_t(most));
+  const math::Vec3d* const in_place = args.frame ? nullptr : points.in_place();
+  if (!in_place)
+    query_points_.resize_discard(std::size_t(most));
   query::LocateOptions options;
   options.accuracy = args.accuracy;
   const mesh::MeshView& view = mesh.mesh().view();
   const query::Sampler sampler = mesh.sampler();
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const std::int64_t outside = mesh.locate_counts().totals()[std::size_t(query::Reason::outside)];
   for (std::int64_t first = 0; first < n; first += most) {
-    const std::span where(query_points_.data(), std::size_t(std::min(most, n - first)));
-    points.gather(first, where, context_.threads);
+    const auto count = std::size_t(std::min(most, n - first));
+    if (!in_place)
+      points.gather(first, {query_points_.data(), count}, context_.threads);
     if (args.frame)
-      scene::convert_points(where, *args.frame, mesh.frame);
-    sampler.visit(context_.threads, where, options,
-                  [&](std::size_t k, const query::Location& at, query::Reason reason) {
-                    const std::size_t i = std::size_t(first) + k;
-                    const std::int32_t piece = at ? view.piece_of(at.cell) : -1;
-                    if (args.cells)
-                      args.cells[i] = (at ? at.cell - view.first_cell[piece] : -1) + args.cell_base;
-                    if (args.pieces)
-                      args.pieces[i] = piece;
-                    if (args.found)
-                      args.found[i] = at ? 1 : 0;
-                    if (args.reasons)
-                      args.reasons[i] = std::uint8_t(reason);
-                    for (int c = 0; args.parametric && c < 3; ++c)
-                      args.parametric[3 * i + std::size_t(c)] = at ? at.parametric[c] : nan;
-                    if (at)
-                      return sampler.interpolate(fields, at, i, values);
-                    for (std::size_t f = 0; f < fields.size(); ++f) {
-                      const auto components = std::size_t(fields[f].components);
-                      std::fill_n(values[f] + i * components, components, nan);
-                    }
+      scene::convert_points({query_points_.data(), count}, *args.frame, mesh.frame);
+    sampler.visit(context_.threads, {in_place ? in_place + first : query_points_.data(), count},
+                  options, [&](const query::Answered& answered) {
+                    put_answers(answered, std::size_t(first), view, args);
+                    if (!fields.empty())
+                      put_values(answered, std::size_t(first), sampler, fields, values);
                   });
   }
   statistics_.points_located += n;

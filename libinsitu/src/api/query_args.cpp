@@ -33,6 +33,15 @@ QueryPoints::QueryPoints(const insitu_locate_args& args) {
   }
 }
 
+const math::Vec3d* QueryPoints::in_place() const {
+  const mesh::ExternalArray& a = arrays_.front();
+  const bool same = arrays_.size() == 1 && a.type == INSITU_FLOAT64 &&
+                    a.component_stride == sizeof(double) && a.layout.linear &&
+                    a.layout.stride[0] == sizeof(math::Vec3d) &&
+                    reinterpret_cast<std::uintptr_t>(a.data) % alignof(math::Vec3d) == 0;
+  return same ? reinterpret_cast<const math::Vec3d*>(a.data) : nullptr;
+}
+
 void QueryPoints::gather(std::int64_t first, std::span<math::Vec3d> out,
                          const core::Threads& threads) const {
   constexpr std::int64_t grain = 4096;

@@ -13,13 +13,15 @@
 
 namespace insitu::api {
 
-/// The points of a query, read in place.
+/// The points of a query.
 class QueryPoints {
 public:
   /// Checks the arguments; throws core::Error.
   explicit QueryPoints(const insitu_locate_args& args);
 
   std::int64_t count() const { return arrays_.front().layout.count; }
+  /// The points where they are, or null if they lie otherwise than Vec3d's.
+  const math::Vec3d* in_place() const;
   /// Points [first, first + out.size()) as doubles.
   void gather(std::int64_t first, std::span<math::Vec3d> out, const core::Threads& threads) const;
   const std::vector<mesh::ExternalArray>& arrays() const { return arrays_; }

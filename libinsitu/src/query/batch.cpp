@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
+#include <numeric>
 
 #include "cells/robust_inverse.h"
 
@@ -31,6 +33,7 @@ void BatchLocator::run(std::span<const Vec3d> points) {
   count_ = int(points.size());
   for (int q = 0; q < count_; ++q) {
     best_[q] = {};
+    below_[q] = std::numeric_limits<std::int64_t>::max();
     reason_[q] = Reason::outside;
     located_[q] = false;
   }
@@ -38,9 +41,8 @@ void BatchLocator::run(std::span<const Vec3d> points) {
     return;
   set_boxes(rule_, points, s_.boxes);
   find_candidates(query_.tree, s_.boxes, s_.traversal);
-  const bool one_to_one = query_.mesh.free_of_folds && query_.options.alpha == 1.0;
-  if (one_to_one && try_deepest() == s_.traversal.found)
-    return; // no candidate is left
+  if (const int tries = query_.tries(); tries > 0 && try_likeliest(tries))
+    return;
   const Candidate* candidates = s_.traversal.candidates.data();
   order_by_shape(
       s_.traversal.found,
@@ -49,7 +51,7 @@ void BatchLocator::run(std::span<const Vec3d> points) {
         return could_own(cell, candidates[c].query) ? cell : -1;
       },
       [&](std::size_t c) { return candidates[c].query; });
-  for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const std::uint8_t* queries) {
+  for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const QueryId* queries) {
     decide_by_filter(shape, cells, queries);
   });
   find_parametric();
@@ -65,7 +67,7 @@ void BatchLocator::order_by_shape(std::size_t n, CellOf&& cell_of, QueryOf&& que
     for (std::size_t i = 0; i < n; ++i) {
       const std::int64_t cell = cell_of(i);
       s_.cells[kept] = cell;
-      s_.queries[kept] = std::uint8_t(query_of(i));
+      s_.queries[kept] = QueryId(query_of(i));
       gather_.prefetch_ids(std::max(cell, std::int64_t(0)));
       kept += cell >= 0;
     }
@@ -86,7 +88,7 @@ void BatchLocator::order_by_shape(std::size_t n, CellOf&& cell_of, QueryOf&& que
     if (const std::int64_t cell = s_.unsorted[i]; cell >= 0) {
       const std::size_t at = end[int(gather_.shape(cell)) - first_shape]++;
       s_.cells[at] = cell;
-      s_.queries[at] = std::uint8_t(query_of(i));
+      s_.queries[at] = QueryId(query_of(i));
     }
   std::copy_n(end, shape_count, run_end_);
 }
@@ -105,7 +107,7 @@ void BatchLocator::for_each_block(F&& f) {
     }
 }
 
-void BatchLocator::set_points(const std::uint8_t* queries) {
+void BatchLocator::set_points(const QueryId* queries) {
   for (int k = 0; k < s_.block.cells.count; ++k) {
     const Vec3d& p = points_[queries[k]];
     s_.block.point[0][k] = p.x;
@@ -122,13 +124,13 @@ Vec3d BatchLocator::block_point(int k) const {
 void BatchLocator::claim(int query, std::int64_t cell, Reason reason) {
   if (!could_own(cell, query))
     return;
-  best_[query].cell = cell;
+  best_[query].cell = below_[query] = cell;
   reason_[query] = reason;
   located_[query] = false;
 }
 
 void BatchLocator::decide_by_filter(mesh::Shape shape, const std::int64_t* cells,
-                                    const std::uint8_t* queries) {
+                                    const QueryId* queries) {
   contain(shape, s_.block);
   const std::uint64_t all = s_.block.cells.all();
   for_each_bit(s_.block.inside & all,
@@ -136,49 +138,66 @@ void BatchLocator::decide_by_filter(mesh::Shape shape, const std::int64_t* cells
   decide_rest(shape, all & ~(s_.block.inside | s_.block.outside), cells, queries);
 }
 
-/// Each query's deepest candidate, by Newton; claimed where the certificate puts it inside. Returns
-/// how many are.
-std::size_t BatchLocator::try_deepest() {
-  const Candidate* candidates = s_.traversal.candidates.data();
-  const std::size_t found = s_.traversal.found;
-  constexpr int number_bits = 24;
-  constexpr std::uint32_t number = (1u << number_bits) - 1;
-  if (found >= number)
-    return 0;
-  std::uint32_t deepest[batch_size] = {}; // depth, and below it 1 + the candidate's number
-  for (std::size_t c = 0; c < found; ++c) {
-    std::uint32_t& most = deepest[candidates[c].query];
-    most = std::max(most, std::uint32_t(candidates[c].depth) << number_bits | std::uint32_t(c + 1));
+/// Each query's likeliest candidates, one after the other, by Newton, until a certificate puts one
+/// inside. Candidates of which no answer can come are taken out; true if none is left.
+bool BatchLocator::try_likeliest(int tries) {
+  TraversalScratch& t = s_.traversal;
+  Candidate* const candidates = t.candidates.data();
+  const bool enough = query_.proof_is_enough();
+  std::uint64_t tried[batch_size]; // ranks from this on; of queries that have their answer, all
+  QueryId open[batch_size];
+  std::fill_n(tried, count_, ~std::uint64_t(0));
+  std::iota(open, open + count_, QueryId(0));
+  auto open_count = std::size_t(count_);
+  for (; tries > 0 && open_count > 0; --tries) {
+    std::uint64_t next[batch_size];
+    std::fill_n(next, count_, 0); // no candidate's rank
+    for (std::size_t c = 0; c < t.found; ++c) {
+      const QueryId q = candidates[c].query;
+      const std::uint64_t rank = candidates[c].rank();
+      next[q] = std::max(next[q], rank < tried[q] ? rank : 0);
+    }
+    order_by_shape(
+        open_count,
+        [&](std::size_t k) {
+          const std::uint64_t rank = next[open[k]];
+          return rank ? std::int64_t(query_.tree.cells()[slot_of_rank(rank)]) : -1;
+        },
+        [&](std::size_t k) { return open[k]; });
+    for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const QueryId* queries) {
+      const PairBlock& b = s_.block;
+      invert(shape, s_.block);
+      for (int k = 0; k < b.cells.count; ++k)
+        if (b.margin[k] > b.error[k]) {
+          const int q = queries[k];
+          best_[q] = {cells[k], {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]}};
+          below_[q] = enough ? 0 : cells[k];
+          reason_[q] = Reason::certified;
+          located_[q] = true;
+        }
+    });
+    std::size_t left = 0;
+    for (std::size_t k = 0; k < open_count; ++k) {
+      const QueryId q = open[k];
+      open[left] = q;
+      tried[q] = located_[q] ? 0 : next[q];
+      left += tried[q] > 0;
+    }
+    open_count = left;
+    if (!enough)
+      continue;
+    std::size_t found = 0;
+    for (std::size_t c = 0; c < t.found; ++c) {
+      candidates[found] = candidates[c];
+      found += below_[candidates[c].query] > 0;
+    }
+    t.found = found;
   }
-  order_by_shape(
-      std::size_t(count_),
-      [&](std::size_t q) {
-        const std::uint32_t c = deepest[q] & number;
-        return c > 0 ? std::int64_t(query_.tree.cells()[candidates[c - 1].slot]) : -1;
-      },
-      [](std::size_t q) { return q; });
-  std::size_t tried = 0, proven = 0;
-  for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const std::uint8_t* queries) {
-    const PairBlock& b = s_.block;
-    invert(shape, s_.block);
-    for (int k = 0; k < b.cells.count; ++k)
-      if (b.margin[k] > b.error[k]) {
-        const int q = queries[k];
-        best_[q] = {cells[k], {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]}};
-        reason_[q] = Reason::certified;
-        located_[q] = true;
-        ++proven;
-      }
-    tried += std::size_t(b.cells.count);
-    // Points on faces, as a batch often has throughout, cannot be proven so: no further blocks.
-    if (2 * proven < tried)
-      std::fill_n(run_end_, shape_count, 0);
-  });
-  return proven;
+  return t.found == 0;
 }
 
 void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std::int64_t* cells,
-                               const std::uint8_t* queries) {
+                               const QueryId* queries) {
   for_each_bit(open, [&](int k) {
     if (!could_own(cells[k], queries[k]))
       return;
@@ -194,7 +213,7 @@ void BatchLocator::find_parametric() {
   order_by_shape(
       std::size_t(count_), [&](std::size_t q) { return located_[q] ? -1 : best_[q].cell; },
       [](std::size_t q) { return q; });
-  for_each_block([&](mesh::Shape shape, const std::int64_t*, const std::uint8_t* queries) {
+  for_each_block([&](mesh::Shape shape, const std::int64_t*, const QueryId* queries) {
     const PairBlock& b = s_.block;
     invert(shape, s_.block);
     for (int k = 0; k < b.cells.count; ++k) {

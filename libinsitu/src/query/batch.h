@@ -15,7 +15,7 @@ struct BatchScratch {
   QueryBoxes boxes;
   TraversalScratch traversal;
   std::vector<std::int64_t> cells;    ///< of the candidates, shape by shape
-  std::vector<std::uint8_t> queries;  ///< of the candidates, shape by shape
+  std::vector<QueryId> queries;       ///< of the candidates, shape by shape
   std::vector<std::int64_t> unsorted; ///< cells in the tree's order
   PairBlock block;
 
@@ -31,9 +31,10 @@ struct BatchScratch {
 
 /// Answers batches of at most batch_size points: all of them through the tree, then blocks of
 /// (cell, point) pairs of one shape through the containment filter; what it leaves open goes
-/// through the exact test, one by one. Last the owners' parametric coordinates. On meshes free of
-/// folds each point's likeliest candidate is tried before, by Newton: where the certificate proves
-/// it, only those of lower ids are left to refute. Either way the answers are PointQuery's.
+/// through the exact test, one by one. Last the owners' parametric coordinates. Where
+/// PointQuery::tries says so, likeliest candidates are tried before, by Newton: if a
+/// certificate proves one, only those of lower ids are left to refute, or none
+/// (PointQuery::proof_is_enough). The answers are PointQuery's.
 class BatchLocator {
 public:
   BatchLocator(const PointQuery& query, BatchScratch& scratch);
@@ -47,17 +48,14 @@ public:
 private:
   template <class CellOf, class QueryOf>
   void order_by_shape(std::size_t n, CellOf&& cell_of, QueryOf&& query_of);
-  std::size_t try_deepest();
-  /// The cell's id is lower than that of what owns the query so far; -1, none, is above all.
-  bool could_own(std::int64_t cell, int query) const {
-    return std::uint64_t(cell) < std::uint64_t(best_[query].cell);
-  }
+  bool try_likeliest(int tries);
+  bool could_own(std::int64_t cell, int query) const { return cell < below_[query]; }
   void claim(int query, std::int64_t cell, Reason reason);
-  void decide_by_filter(mesh::Shape shape, const std::int64_t* cells, const std::uint8_t* queries);
+  void decide_by_filter(mesh::Shape shape, const std::int64_t* cells, const QueryId* queries);
   void decide_rest(mesh::Shape shape, std::uint64_t open, const std::int64_t* cells,
-                   const std::uint8_t* queries);
+                   const QueryId* queries);
   void find_parametric();
-  void set_points(const std::uint8_t* queries);
+  void set_points(const QueryId* queries);
   math::Vec3d block_point(int k) const;
 
   /// Calls f(shape, first, n) for blocks of cells of one shape within order_by_shape's runs.
@@ -72,6 +70,7 @@ private:
   std::size_t run_end_[5] = {}; ///< of the candidates of shapes 10 to 14
   int count_ = 0;
   Location best_[batch_size];
+  std::int64_t below_[batch_size]; ///< cells of lower ids may still own the query
   Reason reason_[batch_size];
   bool located_[batch_size]; ///< the parametric coordinates are known
 };

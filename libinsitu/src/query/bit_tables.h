@@ -17,6 +17,20 @@ inline constexpr BitTable set_bits = [] {
   return table;
 }();
 
+/// The same as places of bytes for items of two.
+inline constexpr auto set_bit_pairs = [] {
+  struct alignas(16) Row {
+    std::uint8_t byte[16];
+  };
+  std::array<Row, 256> table{};
+  for (std::size_t m = 0; m < 256; ++m)
+    for (std::size_t i = 0; i < 8; ++i) {
+      table[m].byte[2 * i] = std::uint8_t(2 * set_bits[m][i]);
+      table[m].byte[2 * i + 1] = std::uint8_t(2 * set_bits[m][i] + 1);
+    }
+  return table;
+}();
+
 /// bits_below[m][c]: how many bits of m are set below bit c.
 inline constexpr BitTable bits_below = [] {
   BitTable table{};

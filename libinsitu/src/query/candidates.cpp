@@ -1,5 +1,6 @@
 #include "query/candidates.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstring>
@@ -59,23 +60,30 @@ public:
     return bits;
   }
 
-  /// How far inside child c's box the query lies: Candidate::depth.
-  HWY_INLINE void depths(const float* bounds, std::uint8_t* depth) const {
+  /// Node::depth of all children, and the bits of `overlapping` (the distances' signs are exact).
+  HWY_INLINE unsigned overlapping(const float* bounds, std::uint8_t* depth) const {
+    unsigned bits = 0;
     for (std::size_t c = 0; c < 8; c += hn::MaxLanes(d)) {
       const auto axis = [&](int a) HWY_ATTR {
-        const auto x = hn::Set(d, bounds[a]);
-        return hn::Mul(
-            hn::Min(hn::Sub(x, hn::Load(d, lower_[a] + c)), hn::Sub(hn::Load(d, upper_[a] + c), x)),
-            hn::Set(d, steps_a_unit_[a]));
+        const auto from_lower = hn::Sub(hn::Set(d, bounds[4 + a]), hn::Load(d, lower_[a] + c));
+        const auto to_upper = hn::Sub(hn::Load(d, upper_[a] + c), hn::Set(d, bounds[a]));
+        return hn::Mul(hn::Min(from_lower, to_upper), hn::Set(d, steps_a_unit_[a]));
       };
       const auto least = hn::Min(axis(0), hn::Min(axis(1), axis(2)));
-      hn::StoreU(hn::DemoteTo(db, hn::ConvertTo(di, least)), db, depth + c);
+      const auto whole = hn::Add(hn::Min(hn::Max(least, hn::Zero(d)), hn::Set(d, 255.0f)),
+                                 hn::Set(d, accel::whole_steps));
+      hn::StoreU(hn::TruncateTo(db, hn::BitCast(du, whole)), db, depth + c);
+      std::uint8_t byte[8] = {};
+      hn::StoreMaskBits(d, hn::Ge(least, hn::Zero(d)), byte);
+      bits |= unsigned(byte[0]) << c;
     }
+    return bits;
   }
 
 private:
   static constexpr hn::CappedTag<float, 8> d{};
   static constexpr hn::Rebind<std::int32_t, hn::CappedTag<float, 8>> di{};
+  static constexpr hn::Rebind<std::uint32_t, hn::CappedTag<float, 8>> du{};
   static constexpr hn::Rebind<std::uint8_t, hn::CappedTag<float, 8>> db{};
   alignas(32) float lower_[3][8] = {};
   alignas(32) float upper_[3][8] = {};
@@ -92,12 +100,14 @@ HWY_INLINE unsigned present_children(const accel::Node& node) {
   return unsigned(((high >> 7) * 0x0102040810204080ull) >> 56);
 }
 
-/// The chosen of eight bytes side by side; all eight of `out` are written.
-HWY_INLINE void compress(const std::uint8_t* from, unsigned chosen, std::uint8_t* out) {
+/// The chosen of eight queries side by side; all eight of `out` are written.
+HWY_INLINE void compress(const QueryId* from, unsigned chosen, QueryId* out) {
 #if HWY_MAX_BYTES >= 32
-  const hn::FixedTag<std::uint8_t, 8> d;
-  const auto places = hn::LoadU(d, set_bits[chosen].data());
-  hn::StoreU(hn::TableLookupBytes(hn::LoadU(d, from), places), d, out);
+  const hn::FixedTag<QueryId, 8> dq;
+  const hn::FixedTag<std::uint8_t, 16> db;
+  const auto places = hn::Load(db, set_bit_pairs[chosen].byte);
+  hn::StoreU(hn::BitCast(dq, hn::TableLookupBytes(hn::BitCast(db, hn::LoadU(dq, from)), places)),
+             dq, out);
 #else
   for (int i = 0; i < 8; ++i)
     out[i] = from[set_bits[chosen][std::size_t(i)]];
@@ -129,15 +139,15 @@ HWY_INLINE void store_pairs(hn::Vec<Ids> low, hn::Vec<Quads> high0, hn::Vec<Quad
 /// how many. Eight at `out` are written whatever hits is: branches on it would be guessed wrongly
 /// too often.
 HWY_INLINE std::size_t append(unsigned hits, const std::uint8_t* offsets, std::uint32_t base,
-                              std::uint8_t query, const std::uint8_t* depth, Candidate* out) {
+                              QueryId query, const std::uint8_t* depth, Candidate* out) {
 #if HWY_MAX_BYTES >= 32
-  static_assert(sizeof(Candidate) == 8 && offsetof(Candidate, depth) == 5);
+  static_assert(sizeof(Candidate) == 8 && offsetof(Candidate, depth) == 6);
   const auto places = hn::LoadU(hn::FixedTag<std::uint8_t, 8>(), set_bits[hits].data());
   const auto slots = hn::Add(choose(offsets, places), hn::Set(Ids(), base));
   const auto depths = choose(depth, places);
   const auto high = [&](auto half) HWY_ATTR {
     return hn::Or(hn::Set(Quads(), std::uint64_t(query) << 32),
-                  hn::ShiftLeft<40>(hn::PromoteTo(Quads(), half)));
+                  hn::ShiftLeft<48>(hn::PromoteTo(Quads(), half)));
   };
   const hn::Half<Ids> half;
   store_pairs(slots, high(hn::LowerHalf(half, depths)), high(hn::UpperHalf(half, depths)), out);
@@ -153,7 +163,7 @@ HWY_INLINE std::size_t append(unsigned hits, const std::uint8_t* offsets, std::u
 /// Where the next level's runs go; there is room for all.
 struct RunWriter {
   NodeRun* runs;
-  std::uint8_t* queries;
+  QueryId* queries;
   std::size_t run_count = 0, query_count = 0;
 
   explicit RunWriter(TraversalLevel& level)
@@ -171,11 +181,13 @@ struct RunWriter {
 
   /// Of n queries, query[i] goes on to node[c] for every set bit c of hits[i]; a run for each c.
   /// Both arrays have room for eight more.
-  HWY_INLINE void add(const std::uint8_t* query, std::uint8_t* hits, std::size_t n,
+  HWY_INLINE void add(const QueryId* query, std::uint8_t* hits, std::size_t n,
                       const std::uint32_t* node) {
+    std::memset(hits + n, 0, 8);
+    if (n <= 8)
+      return add_eight(query, hits, node);
     std::uint64_t chosen[batch_size / 8]; // byte c of the k-th: bits of eight queries
     const std::size_t eights = (n + 7) / 8;
-    std::memset(hits + n, 0, 8);
     for (std::size_t k = 0; k < eights; ++k) {
       std::memcpy(&chosen[k], hits + 8 * k, 8);
       chosen[k] = transpose(chosen[k]);
@@ -192,10 +204,25 @@ struct RunWriter {
     }
   }
 
+  /// The same of eight at most; the others have no hits.
+  HWY_INLINE void add_eight(const QueryId* query, const std::uint8_t* hits,
+                            const std::uint32_t* node) {
+    std::uint64_t chosen;
+    std::memcpy(&chosen, hits, 8);
+    chosen = transpose(chosen);
+    for (unsigned c = 0; c < 8; ++c) {
+      const auto some = unsigned(chosen >> (8 * c)) & 255u;
+      compress(query, some, queries + query_count);
+      runs[run_count] = {node[c], std::uint32_t(query_count)};
+      query_count += std::size_t(std::popcount(some));
+      run_count += some != 0;
+    }
+  }
+
   /// One query goes on to the nodes first + offsets[c].
-  HWY_INLINE void add_one(std::uint8_t query, unsigned hits, const std::uint8_t* offsets,
+  HWY_INLINE void add_one(QueryId query, unsigned hits, const std::uint8_t* offsets,
                           std::uint32_t first) {
-    std::memset(queries + query_count, query, 8);
+    std::fill_n(queries + query_count, 8, query);
 #if HWY_MAX_BYTES >= 32
     const auto places = hn::LoadU(hn::FixedTag<std::uint8_t, 8>(), set_bits[hits].data());
     const auto begins = hn::ShiftLeft<32>(hn::Iota(Quads(), query_count));
@@ -259,14 +286,14 @@ HWY_INLINE void find_entry(const accel::Node* nodes, const QueryBoxes& queries, 
 
 /// The first level's runs.
 HWY_INLINE void enter(const Entry& entry, const QueryBoxes& queries, RunWriter& to) {
-  std::uint8_t all[batch_size + 8], hits[batch_size + 8];
-  for (int q = 0; q < queries.count; ++q) {
-    all[q] = std::uint8_t(q);
-    hits[q] = std::uint8_t(entry.node[0] == 0 ? 1 : entry.boxes.overlapping(queries.bounds[q]));
-  }
+  QueryId all[batch_size + 8];
+  std::uint8_t hits[batch_size + 8];
+  for (int q = 0; q < queries.count; ++q)
+    all[q] = QueryId(q);
   const unsigned entries = (1u << entry.count) - 1u;
   for (int q = 0; q < queries.count; ++q)
-    hits[q] &= std::uint8_t(entries);
+    hits[q] = std::uint8_t(
+        entry.node[0] == 0 ? 1u : entry.boxes.overlapping(queries.bounds[q]) & entries);
   to.add(all, hits, std::size_t(queries.count), entry.node);
 }
 
@@ -297,7 +324,7 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
   ChildBoxes children;
   while (run_count > 0) {
     const NodeRun* runs = scratch.level.runs.data();
-    const std::uint8_t* at = scratch.level.queries.data();
+    const QueryId* at = scratch.level.queries.data();
     const std::size_t tasks = runs[run_count].begin;
     scratch.visited += tasks;
     // A query adds at most eight; one check here spares one for each.
@@ -313,7 +340,7 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
       hwy::Prefetch(later);
       hwy::Prefetch(later + 64);
       const accel::Node& node = nodes[runs[r].node];
-      const std::uint8_t* query = at + runs[r].begin;
+      const QueryId* query = at + runs[r].begin;
       const std::size_t n = runs[r + 1].begin - runs[r].begin;
       children.decode(node);
       // A box as wide as the node meets its absent children as well.
@@ -322,16 +349,17 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
       if (leaves)
         hwy::Prefetch(tree.cells() + node.first_cell);
       std::uint8_t hits[batch_size + 8];
-      for (std::size_t i = 0; i < n; ++i) {
-        const float* bounds = queries.bounds[query[i]];
-        const unsigned met = children.overlapping(bounds);
-        hits[i] = std::uint8_t(met & inner);
-        if (met & leaves) { // mostly a matter of the level, and guessed rightly
+      if (leaves) {
+        for (std::size_t i = 0; i < n; ++i) {
           std::uint8_t depth[8];
-          children.depths(bounds, depth);
+          const unsigned met = children.overlapping(queries.bounds[query[i]], depth);
+          hits[i] = std::uint8_t(met & inner);
           found +=
               append(met & leaves, places, node.first_cell, query[i], depth, candidates + found);
         }
+      } else {
+        for (std::size_t i = 0; i < n; ++i)
+          hits[i] = std::uint8_t(children.overlapping(queries.bounds[query[i]]) & inner);
       }
       if (inner && n == 1) {
         next.add_one(query[0], hits[0], bits_below[inner].data(), node.first_child);

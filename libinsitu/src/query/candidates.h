@@ -17,8 +17,8 @@ struct NodeRun {
 
 /// The nodes of a level that queries have come to, each once.
 struct TraversalLevel {
-  std::vector<NodeRun> runs;         ///< and one behind the last, where it ends; with room for more
-  std::vector<std::uint8_t> queries; ///< with room for eight more
+  std::vector<NodeRun> runs;    ///< and one behind the last, where it ends; with room for more
+  std::vector<QueryId> queries; ///< with room for eight more
 
   void make_room(std::size_t run_count, std::size_t query_count) {
     if (runs.size() < run_count + 8)
@@ -28,13 +28,19 @@ struct TraversalLevel {
   }
 };
 
-/// A cell whose leaf box holds a query. slot is its place in tree.cells(); depth, 0 to 255, how far
-/// inside the box the query lies, in steps of the node's grid: a guess at which cell holds it.
+/// A cell whose leaf box holds a query. slot is its place in tree.cells(); depth is the node's for
+/// the query: a guess at which cell holds it.
 struct Candidate {
   std::uint32_t slot;
-  std::uint8_t query, depth;
-  std::uint16_t unused;
+  QueryId query;
+  std::uint8_t depth, unused;
+
+  /// Of a query's candidates, the one to try first has the largest; the same in any order.
+  std::uint64_t rank() const { return std::uint64_t(depth) << 32 | (0xffffffffu - slot); }
 };
+inline std::uint32_t slot_of_rank(std::uint64_t rank) {
+  return 0xffffffffu - std::uint32_t(rank);
+}
 
 /// Kept between batches; the vectors only grow.
 struct TraversalScratch {

@@ -1,10 +1,14 @@
 #include "query/point_query.h"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "cells/contain_exact.h"
 #include "cells/kernels.h"
 #include "cells/robust_inverse.h"
+#include "query/candidates.h"
 
 namespace insitu::query {
 
@@ -50,44 +54,93 @@ Vec3d parametric_in(mesh::Shape shape, const Vec3d* x, const Vec3d& p) {
   return is_plausible(map.converged, map.margin) ? map.r : cells::robust_inverse(shape, x, p);
 }
 
-Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
-  Location best;
-  reason = Reason::outside;
-  float lower[3], upper[3];
-  if (tree.empty() || !box_rule().box(p, lower, upper))
-    return best;
-  mesh::CellVertices owner;
+namespace {
+
+bool meet(const accel::Box& b, const float* lower, const float* upper) {
+  bool yes = true;
+  for (int a = 0; a < 3; ++a)
+    yes &= b.lower[a] <= upper[a] && lower[a] <= b.upper[a];
+  return yes;
+}
+
+/// All candidates of a box; the memory is the thread's, until the next call.
+std::span<const Candidate> find_candidates(const accel::Tree& tree, const float* lower,
+                                           const float* upper) {
+  thread_local std::vector<Candidate> candidates;
+  candidates.clear();
   std::uint32_t stack[64 * 8];
   int size = 0;
   stack[size++] = 0;
   while (size > 0) {
     const accel::Node& node = tree.nodes()[stack[--size]];
     for (int c = 0; c < 8; ++c) {
-      if (!node.meta[c])
-        continue;
-      const accel::Box b = node.child_box(c);
-      if (!(b.lower[0] <= upper[0] && lower[0] <= b.upper[0] && b.lower[1] <= upper[1] &&
-            lower[1] <= b.upper[1] && b.lower[2] <= upper[2] && lower[2] <= b.upper[2]))
+      if (!node.meta[c] || !meet(node.child_box(c), lower, upper))
         continue;
       if (node.is_inner(c)) {
         stack[size++] = node.child_node(c);
         continue;
       }
-      for (int k = 0; k < node.child_cell_count(c); ++k) {
-        const auto flat = std::int64_t(tree.cells()[node.child_cells(c) + std::uint32_t(k)]);
-        if (best && flat > best.cell)
-          continue;
-        mesh::CellVertices cell;
-        mesh::gather(mesh, flat, cell, options.alpha);
-        if (const Reason why = decide(cell.shape, cell.x, p); why != Reason::outside) {
-          best.cell = flat;
-          reason = why;
-          owner = cell;
-        }
-      }
+      for (int k = 0; k < node.child_cell_count(c); ++k)
+        candidates.push_back(
+            {node.child_cells(c) + std::uint32_t(k), 0, node.depth(c, lower, upper), 0});
     }
   }
-  if (best)
+  return candidates;
+}
+
+} // namespace
+
+int PointQuery::tries() const {
+  constexpr int most = 3;
+  if (!mesh.free_of_folds || options.alpha != 1.0)
+    return 0;
+  const mesh::PieceView& cells = mesh.pieces[0]; // free_of_folds implies one piece
+  const bool only_tetrahedra =
+      cells.layout == mesh::CellLayout::uniform && cells.uniform_shape == mesh::Shape::tetrahedron;
+  return only_tetrahedra ? 0 : most;
+}
+
+Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
+  Location best;
+  reason = Reason::outside;
+  float lower[3], upper[3];
+  if (tree.empty() || !box_rule().box(p, lower, upper))
+    return best;
+  const std::span<const Candidate> candidates = find_candidates(tree, lower, upper);
+  mesh::CellVertices cell;
+  std::uint64_t tried = ~std::uint64_t(0);
+  for (int left = tries(); left > 0 && !best; --left) {
+    std::uint64_t rank = 0; // no candidate's
+    for (const Candidate& c : candidates)
+      rank = std::max(rank, c.rank() < tried ? c.rank() : 0);
+    if (rank == 0)
+      break;
+    tried = rank;
+    const std::int64_t flat = tree.cells()[slot_of_rank(rank)];
+    mesh::gather(mesh, flat, cell);
+    const auto map = cells::inverse_map(cell.shape, cell.x, p);
+    if (map.margin > map.error) {
+      best = {flat, map.r};
+      reason = Reason::certified;
+    }
+  }
+  if (best && proof_is_enough())
+    return best;
+  mesh::CellVertices owner;
+  bool located = bool(best);
+  for (const Candidate& c : candidates) {
+    const std::int64_t flat = tree.cells()[c.slot];
+    if (best && flat >= best.cell)
+      continue;
+    mesh::gather(mesh, flat, cell, options.alpha);
+    if (const Reason why = decide(cell.shape, cell.x, p); why != Reason::outside) {
+      best.cell = flat;
+      reason = why;
+      owner = cell;
+      located = false;
+    }
+  }
+  if (best && !located)
     best.parametric = parametric_in(owner.shape, owner.x, p);
   return best;
 }

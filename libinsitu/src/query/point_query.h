@@ -27,6 +27,13 @@ struct PointQuery {
   BoxRule box_rule() const {
     return BoxRule(tree.origin(), options.alpha, mesh.largest_displacement);
   }
+  /// On a mesh free of folds so many candidates, those in whose boxes the point lies deepest, are
+  /// tried first by Newton's method: a certificate proves that the cell holds the point in its
+  /// interior. Not in tetrahedra, whose boxes tell little: the deepest holds the point in 29 of 100
+  /// cases, against 87 in jittered hexahedra.
+  int tries() const;
+  /// A cell so proven answers alone; else those of lower ids are looked at as well.
+  bool proof_is_enough() const { return options.accuracy != INSITU_EXACT; }
   /// One point, depth first.
   Location locate(const math::Vec3d& p, Reason& reason) const;
 };

@@ -26,17 +26,18 @@ void set_boxes_target(const BoxRule& rule, std::span<const math::Vec3d> points, 
   };
   const auto origin = hn::MaskedLoad(xyz, d, &rule.origin.x);
   const auto wider = hn::Set(d, rule.wider), relative = hn::Set(d, rule.wider_relative);
-  const auto farthest = hn::Set(d, BoxRule::farthest);
+  const auto farthest = hn::Set(df, float(BoxRule::farthest));
   const auto none = hn::Set(df, -std::numeric_limits<float>::infinity());
   boxes.count = int(points.size());
   for (std::size_t q = 0; q < points.size(); ++q) {
     const auto p = hn::MaskedLoad(xyz, d, &points[q].x);
     const auto from = hn::Sub(p, origin), w = hn::Add(wider, hn::Mul(relative, hn::Abs(p)));
-    const bool finite = hn::AllTrue(d, hn::Le(hn::Abs(from), farthest));
+    // A box that is none along one axis meets nothing.
+    const auto finite = hn::Le(hn::Abs(hn::DemoteTo(df, from)), farthest);
     // Down is the other way up.
     const auto lower = hn::Neg(round_up(hn::Sub(w, from))), upper = round_up(hn::Add(from, w));
-    hn::Store(finite ? lower : hn::Neg(none), df, boxes.bounds[q]);
-    hn::Store(finite ? upper : none, df, boxes.bounds[q] + 4);
+    hn::Store(hn::IfThenElse(finite, lower, hn::Neg(none)), df, boxes.bounds[q]);
+    hn::Store(hn::IfThenElse(finite, upper, none), df, boxes.bounds[q] + 4);
   }
 }
 

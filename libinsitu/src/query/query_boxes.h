@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "math/vec.h"
@@ -7,7 +8,11 @@
 
 namespace insitu::query {
 
-constexpr int batch_size = 256;
+constexpr int batch_size = 1024;
+
+/// A query's number in its batch.
+using QueryId = std::uint16_t;
+static_assert(batch_size <= 1 << 16);
 
 /// A batch of at most batch_size query boxes in the tree's local frame: lower x, y, z, unused,
 /// upper x, y, z, unused. A box that is none meets nothing.

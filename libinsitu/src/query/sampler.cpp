@@ -33,15 +33,12 @@ public:
   Batches(const Batches&) = delete;
   Batches& operator=(const Batches&) = delete;
 
-  /// put(i, location, reason) receives the answers of points[i].
-  template <class Put>
-  void run(std::span<const Vec3d> points, Put&& put) {
+  /// The answers of at most batch_size points; valid until the next run.
+  Answered run(std::span<const Vec3d> points) {
     locator_.run(points);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Reason reason = locator_.reasons()[i];
+    for (const Reason reason : locator_.reasons())
       ++by_reason_[int(reason)];
-      put(i, locator_.locations()[i], reason);
-    }
+    return {locator_.locations(), locator_.reasons()};
   }
 
 private:
@@ -49,6 +46,15 @@ private:
   LocateCounts* counts_;
   std::int64_t by_reason_[reason_count] = {};
 };
+
+/// reasons may be empty.
+void store(const Answered& answered, std::span<Location> locations,
+           std::span<std::uint8_t> reasons) {
+  for (std::size_t k = 0; k < answered.locations.size(); ++k)
+    locations[answered.item(k)] = answered.locations[k];
+  for (std::size_t k = 0; k < answered.reasons.size() && !reasons.empty(); ++k)
+    reasons[answered.item(k)] = std::uint8_t(answered.reasons[k]);
+}
 
 } // namespace
 
@@ -106,27 +112,23 @@ void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> l
   Batches batches(query, counts_);
   for (std::size_t first = 0; first < points.size(); first += batch_size) {
     const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
-    batches.run(points.subspan(first, n), [&](std::size_t i, const Location& at, Reason reason) {
-      locations[first + i] = at;
-      if (!reasons.empty())
-        reasons[first + i] = std::uint8_t(reason);
-    });
+    Answered answered = batches.run(points.subspan(first, n));
+    answered.first = first;
+    store(answered, locations, reasons);
   }
 }
 
 void Sampler::locate(const core::Threads& threads, std::span<const Vec3d> points,
                      std::span<Location> locations, const LocateOptions& options,
                      std::span<std::uint8_t> reasons) const {
-  visit(threads, points, options, [&](std::size_t i, const Location& at, Reason reason) {
-    locations[i] = at;
-    if (!reasons.empty())
-      reasons[i] = std::uint8_t(reason);
-  });
+  visit(threads, points, options,
+        [&](const Answered& answered) { store(answered, locations, reasons); });
 }
 
 void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
                     const LocateOptions& options, Put put) const {
-  constexpr std::int64_t grain = 16 * batch_size;
+  constexpr std::int64_t grain = 4096;
+  static_assert(grain % batch_size == 0);
   const PointQuery query{*mesh_, *tree_, options};
   const bool sorts = order_ && is_incoherent(points, *tree_);
   // So many at a time that numbers of points fit 32 bits and the memory stays bounded.
@@ -141,18 +143,18 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
           Vec3d batch[batch_size];
           for (auto first = std::size_t(begin); first < std::size_t(end); first += batch_size) {
             const std::size_t n = std::min<std::size_t>(batch_size, std::size_t(end) - first);
+            Answered answered;
             if (sorts) {
               for (std::size_t i = 0; i < n; ++i)
                 batch[i] = part[sorted[first + i].id];
-              batches.run({batch, n}, [&](std::size_t i, const Location& at, Reason reason) {
-                put(from + sorted[first + i].id, at, reason);
-              });
+              answered = batches.run({batch, n});
+              answered.first = from;
+              answered.order = &sorted[first];
             } else {
-              batches.run(part.subspan(first, n),
-                          [&](std::size_t i, const Location& at, Reason reason) {
-                            put(from + first + i, at, reason);
-                          });
+              answered = batches.run(part.subspan(first, n));
+              answered.first = from + first;
             }
+            put(answered);
           }
         });
   }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "accel/morton/sort.h"
 #include "core/parallel.h"
 #include "math/vec.h"
 #include "mesh/view.h"
@@ -37,11 +38,21 @@ enum class Reason : std::uint8_t {
 constexpr int reason_count = 6;
 
 struct LocateOptions {
-  /// In this version every accuracy answers exactly; see insitu_accuracy.
+  /// They differ only where cells overlap without folding; see insitu_accuracy.
   insitu_accuracy accuracy = INSITU_STANDARD;
   /// Coordinates between the earlier (0) and the current step (1); needs MeshView::earlier_points
   /// unless 1.
   double alpha = 1.0;
+};
+
+/// Answers of some points of a batch: those of points[item(k)], for k below locations.size().
+struct Answered {
+  std::span<const Location> locations;
+  std::span<const Reason> reasons;
+  std::size_t first = 0;                       ///< added to the items
+  const accel::morton::Coded* order = nullptr; ///< [locations.size()] of the items; null: 0, 1, ...
+
+  std::size_t item(std::size_t k) const { return first + (order ? order[k].id : k); }
 };
 
 /// How many points were located for which reason. Thread-safe.
@@ -76,7 +87,7 @@ public:
 
   /// The lowest flat cell id of the closed cells that hold p. hint: a cell to try first, or -1;
   /// it changes the time, not the answer, unless cells overlap without folding: then the hint's
-  /// cell may answer.
+  /// cell may answer, and in standard any that holds p.
   Location locate(const math::Vec3d& p, std::int64_t hint = -1, const LocateOptions& options = {},
                   Reason* reason = nullptr) const;
 
@@ -86,10 +97,10 @@ public:
               std::span<Location> locations, const LocateOptions& options = {},
               std::span<std::uint8_t> reasons = {}) const;
 
-  /// Receives the answer of points[i]; from any thread, once for each i, in any order.
-  using Put = core::FunctionRef<void(std::size_t i, const Location& at, Reason reason)>;
+  /// Receives answers; from any thread, each point's once, in any order.
+  using Put = core::FunctionRef<void(const Answered& answered)>;
 
-  /// The same, each answer given to put as soon as it is there, while the owner's data is still in
+  /// The same, answers given to put as soon as they are there, while the owners' data is still in
   /// the cache. Points whose neighbours lie far apart in space are taken in spatial order, which is
   /// why the memory behind `order` serves one call at a time.
   void visit(const core::Threads& threads, std::span<const math::Vec3d> points,

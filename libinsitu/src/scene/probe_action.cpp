@@ -36,10 +36,13 @@ ProbeAction::Answers ProbeAction::sample(const query::CommittedMesh& mesh,
   query::LocateOptions options;
   options.accuracy = to_api(probe_.accuracy);
   sampler.visit(environment_.context.threads, points, options,
-                [&](std::size_t i, const query::Location& at, query::Reason) {
-                  a.locations[i] = at;
-                  if (at)
-                    sampler.interpolate(a.fields, at, a.values.data() + i * width);
+                [&](const query::Answered& answered) {
+                  for (std::size_t k = 0; k < answered.locations.size(); ++k) {
+                    const std::size_t i = answered.item(k);
+                    a.locations[i] = answered.locations[k];
+                    if (a.locations[i])
+                      sampler.interpolate(a.fields, a.locations[i], a.values.data() + i * width);
+                  }
                 });
   Statistics& s = environment_.statistics;
   s.points_located += std::int64_t(n);

@@ -70,8 +70,8 @@ Torture
   point by exact arithmetic, all cells asked. Ours answers in standard and exact, each as a batch,
   one by one and with hints; the worst of the three is printed: lost / wrong / not lowest, and
   the largest distance from the point to where the answer maps, over the cell's diameter.
-  Where cells overlap without folding, a hinted answer may be the hint's cell (it is counted all the
-  same).
+  Where cells overlap without folding, the answer may be the hint's cell, or in standard any that is
+  proven to hold the point (it is counted all the same).
 
 Exit code: 0; 1 if the run failed, or torture found that ours lost or misplaced a point, gave a false
 reason, or answered differently by another way; 2 if the arguments cannot be used.

@@ -13,14 +13,17 @@ void sample(const core::Threads& threads, const query::CommittedMesh& mesh,
             const query::LocateOptions& options) {
   const query::Sampler sampler = mesh.sampler();
   const mesh::FieldView field = mesh.mesh().field("f");
-  sampler.visit(threads, points, options,
-                [&](std::size_t i, const query::Location& at, query::Reason) {
-                  answers.cells[i] = at.cell;
-                  if (at)
-                    sampler.interpolate(field, at, &answers.values[i]);
-                  else
-                    answers.values[i] = std::numeric_limits<double>::quiet_NaN();
-                });
+  sampler.visit(threads, points, options, [&](const query::Answered& answered) {
+    for (std::size_t k = 0; k < answered.locations.size(); ++k) {
+      const query::Location& at = answered.locations[k];
+      const std::size_t i = answered.item(k);
+      answers.cells[i] = at.cell;
+      if (at)
+        sampler.interpolate(field, at, &answers.values[i]);
+      else
+        answers.values[i] = std::numeric_limits<double>::quiet_NaN();
+    }
+  });
 }
 
 Work count_work(const accel::Tree& tree, std::span<const math::Vec3d> points) {

@@ -76,7 +76,10 @@ TEST(Tree, OfCellsInOnePlace) {
     fixtures::Committed m(same, 0, builder);
     check_tree(m.mesh.tree(), m.mesh.mesh().view());
     EXPECT_LE(m.mesh.tree().levels().size(), 50u);
-    EXPECT_EQ(m.sampler().locate({0.5, 0.5, 0.5}).cell, 0);
+    query::LocateOptions options;
+    options.accuracy = INSITU_EXACT;
+    EXPECT_EQ(m.sampler().locate({0.5, 0.5, 0.5}, -1, options).cell, 0);
+    EXPECT_GE(m.sampler().locate({0.5, 0.5, 0.5}).cell, 0);
   }
 }
 

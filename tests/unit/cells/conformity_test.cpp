@@ -48,18 +48,23 @@ void expect_lowest_holder(const test::TestMesh& mesh, std::uint64_t seed, int& n
     const Vec3d p = random.uniform({-0.1, -0.1, 0.8}, {1.1, 1.1, 1.5});
     std::int64_t lowest = -1;
     int holders = 0;
-    for (std::size_t c = mesh.cells.size(); c-- > 0;) {
-      const test::Vertices v = mesh.cell_vertices(mesh.cells[c]);
-      if (cells::holds(cells::contain_exact(mesh.cells[c].shape, v.data(), p).where)) {
-        lowest = std::int64_t(c);
+    const auto holds = [&](std::int64_t cell) {
+      const test::MeshCell& c = mesh.cells[std::size_t(cell)];
+      return cells::holds(cells::contain_exact(c.shape, mesh.cell_vertices(c).data(), p).where);
+    };
+    for (auto c = std::int64_t(mesh.cells.size()); c-- > 0;)
+      if (holds(c)) {
+        lowest = c;
         ++holders;
       }
-    }
-    for (const insitu_accuracy accuracy : {INSITU_STANDARD, INSITU_EXACT}) {
-      query::LocateOptions options;
-      options.accuracy = accuracy;
-      ASSERT_EQ(m.sampler().locate(p, -1, options).cell, lowest) << "seed " << seed << ", " << i;
-    }
+    query::LocateOptions options;
+    options.accuracy = INSITU_EXACT;
+    ASSERT_EQ(m.sampler().locate(p, -1, options).cell, lowest) << "seed " << seed << ", " << i;
+    // Of several that overlap, standard may answer any.
+    options.accuracy = INSITU_STANDARD;
+    const std::int64_t any = m.sampler().locate(p, -1, options).cell;
+    ASSERT_TRUE(any == lowest || (holders > 1 && any >= 0 && holds(any)))
+        << "seed " << seed << ", " << i << ": cell " << any << ", lowest " << lowest;
     const bool covered = // whatever stands on the hexahedron
         std::fabs(p.x - 0.5) < 0.2 && std::fabs(p.y - 0.5) < 0.2 && p.z < 1.3;
     none += covered && holders == 0;

@@ -76,6 +76,66 @@ TEST(SameAnswers, ForAnyThreadCountBatchAndHint) {
     }
 }
 
+TEST(SameAnswers, StandardAndExactWhereNothingOverlaps) {
+  for (const auto kind : all_kinds) {
+    const fixtures::Committed m(box(kind, 8));
+    const std::vector<Vec3d> points = many_points(m, 6000);
+    expect_same(locate_all(m, points, {INSITU_STANDARD, 1.0}),
+                locate_all(m, points, {INSITU_EXACT, 1.0}), points, kind_name(kind));
+  }
+}
+
+// Standard may answer any of the cells, but always the same one; exact answers the lowest.
+TEST(SameAnswers, WhereCellsOverlapWithoutFolding) {
+  for (const auto kind : all_kinds) {
+    test::TestMesh twice = box(kind, 5);
+    const auto vertices = int(twice.vertices.size());
+    const std::size_t cells = twice.cells.size();
+    for (int v = 0; v < vertices; ++v)
+      twice.vertices.push_back(twice.vertices[std::size_t(v)] + Vec3d{0.3, 0.4, 0.2});
+    for (std::size_t c = 0; c < cells; ++c) {
+      test::MeshCell copy = twice.cells[c];
+      for (int& v : copy.vertices)
+        v = v >= 0 ? v + vertices : v;
+      twice.cells.push_back(copy);
+    }
+    int others = 0;
+    std::vector<query::Location> first;
+    for (const int threads : {1, 4}) {
+      const fixtures::Committed m(twice, threads);
+      const mesh::MeshView& view = m.mesh.mesh().view();
+      const std::vector<Vec3d> points = many_points(m, 4000);
+      const std::vector<query::Location> found = locate_all(m, points);
+      if (first.empty())
+        first = found;
+      expect_same(found, first, points, kind_name(kind));
+      if (threads > 1)
+        continue;
+      const std::vector<query::Location> exact = locate_all(m, points, {INSITU_EXACT, 1.0});
+      std::vector<query::Location> one(1);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        ASSERT_EQ(exact[i].cell, test::owner(view, points[i])) << kind_name(kind) << ", " << i;
+        ASSERT_TRUE(same_bits(m.sampler().locate(points[i]), found[i]))
+            << kind_name(kind) << ", alone, point " << i << " " << test::text(points[i]);
+        m.sampler().locate_serial(std::span(points).subspan(i, 1), one);
+        ASSERT_TRUE(same_bits(one[0], found[i])) << kind_name(kind) << ", batch of one, " << i;
+        if (found[i].cell == exact[i].cell)
+          continue;
+        ++others;
+        mesh::CellVertices cell;
+        ASSERT_GE(found[i].cell, 0) << kind_name(kind) << ", point " << i;
+        mesh::gather(view, found[i].cell, cell);
+        ASSERT_EQ(cells::contain_exact(cell.shape, cell.x, points[i]).where,
+                  cells::Containment::inside)
+            << kind_name(kind) << ", point " << i;
+      }
+    }
+    if (kind != test::MeshKind::tetrahedra) {
+      EXPECT_GT(others, 100) << kind_name(kind) << ": the case is not there";
+    }
+  }
+}
+
 // Hints must not bring back a cell that owns nothing, nor one under a fold that came later.
 TEST(SameAnswers, WhateverTheHintAndWhateverMoves) {
   fixtures::Committed m(box(test::MeshKind::hexahedra, 5, 0.1));

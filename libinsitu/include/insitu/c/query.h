@@ -14,12 +14,15 @@
 extern "C" {
 #endif
 
-/** What an answer is worth (and costs). In this version all three answer exactly, by a certificate
- *  in floating point or else by exact arithmetic; the reasons tell which. */
+/** What an answer is worth (and costs). All of them answer a cell that holds the point, by a
+ *  certificate in floating point or else by exact arithmetic; the reasons tell which. They differ
+ *  only where cells of one piece overlap without folding: there standard may answer any cell that
+ *  holds the point in its interior, always the same one between two commits, and exact answers the
+ *  lowest id. */
 typedef enum insitu_accuracy INSITU_INT {
-  INSITU_FAST = 0,     /**< reserved for planar faces in float */
-  INSITU_STANDARD = 1, /**< bilinear faces */
-  INSITU_EXACT = 2     /**< the rule of one owner, whatever it costs */
+  INSITU_FAST = 0,     /**< reserved for planar faces in float; in this version as standard */
+  INSITU_STANDARD = 1, /**< a cell proven to hold the point answers alone */
+  INSITU_EXACT = 2     /**< the lowest id of all that hold the point */
 } insitu_accuracy;
 
 /** Why a point has the owner that it has. */
@@ -68,7 +71,7 @@ static inline insitu_locate_args insitu_locate_args_default(void) {
 }
 
 /** Which cell owns each point. Of the closed cells that hold a point, the lowest (piece, cell)
- *  owns it; ghost cells own nothing. NaN and infinite points are outside. */
+ *  owns it (for standard see insitu_accuracy); ghost cells own nothing. NaN and infinite points are outside. */
 INSITU_API insitu_status insitu_mesh_locate(insitu_mesh mesh, const insitu_locate_args* args);
 
 typedef struct insitu_sample_args {
