@@ -153,6 +153,7 @@ module insitu_c
     integer(c_int64_t) :: inverted_cells = 0, zero_volume_cells = 0, folded_cells = 0
     integer(c_int64_t) :: collapsed_cells = 0, ghost_cells = 0
     integer(c_int64_t) :: coincident_vertices = 0, crowded_faces = 0, split_faces = 0
+    integer(c_int64_t) :: hanging_vertices = 0, covered_vertices = 0
   end type insitu_validation
 
   type, bind(c) :: c_audit_entry

@@ -22,7 +22,7 @@ struct Conformity {
 };
 
 /// Looks at the faces of all cells that can own points. Hanging vertices, on a neighbour's edge or
-/// face, are not looked for. Needs memory for the vertices' order and the faces, some 40 bytes a
+/// face, are another search (query/hanging_vertices.h). Needs memory for the vertices' order and the faces, some 40 bytes a
 /// vertex and 32 a face of a cell; takes about as long as a build. The mesh must be valid
 /// (validate.h).
 Conformity check_conformity(const mesh::MeshView& mesh, const core::Threads& threads);

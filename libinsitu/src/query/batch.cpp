@@ -167,14 +167,17 @@ bool BatchLocator::try_likeliest(int tries) {
     for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const QueryId* queries) {
       const PairBlock& b = s_.block;
       invert(shape, s_.block);
-      for (int k = 0; k < b.cells.count; ++k)
+      for (int k = 0; k < b.cells.count; ++k) {
+        const int q = queries[k];
+        if (is_on_boundary(b.margin[k], b.error[k]))
+          next[q] = 0; // no use in further tries
         if (b.margin[k] > b.error[k]) {
-          const int q = queries[k];
           best_[q] = {cells[k], {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]}};
           below_[q] = enough ? 0 : cells[k];
           reason_[q] = Reason::certified;
           located_[q] = true;
         }
+      }
     });
     std::size_t left = 0;
     for (std::size_t k = 0; k < open_count; ++k) {

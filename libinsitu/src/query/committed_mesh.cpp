@@ -5,6 +5,7 @@
 #include "cells/conformity.h"
 #include "core/status.h"
 #include "core/timer.h"
+#include "query/hanging_vertices.h"
 
 namespace insitu::query {
 
@@ -40,6 +41,9 @@ cells::Validation CommittedMesh::validate(const core::Threads& threads) {
     found.counts.coincident_vertices = c.coincident_vertices;
     found.counts.crowded_faces = c.crowded_faces;
     found.counts.split_faces = c.split_faces;
+    const HangingVertices v = find_hanging_vertices(mesh_.view(), threads);
+    found.counts.hanging_vertices = v.hanging;
+    found.counts.covered_vertices = v.covered;
   }
   return found;
 }
@@ -49,7 +53,8 @@ void CommittedMesh::note_queries() {
   std::int64_t located = 0;
   for (const std::int64_t n : locate_counts_.totals())
     located += n;
-  policy_.served(located - located_before_, tree_.cost_ratio());
+  located_lately_ = located - located_before_;
+  policy_.served(located_lately_, tree_.cost_ratio());
   located_before_ = located;
 }
 
@@ -105,6 +110,9 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
     ++fields_version_;
     mesh_.clear_pending();
     committed_ = true;
+    // A search costs a cell about what it saves two points (Sampler), and steps are much alike.
+    if ((pending & INSITU_CHANGED_GEOMETRY) && located_lately_ > 2 * tree_.cell_count())
+      look_for_folds(threads);
   }
   // The builder's scratch is worth keeping only while rebuilds come often.
   constexpr int patience = 4;

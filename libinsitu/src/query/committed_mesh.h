@@ -39,9 +39,9 @@ public:
   bool committed() const { return committed_ && mesh_.pending() == 0; }
   /// Throws INSITU_ERROR_ORDER unless committed.
   void require_committed() const;
-  /// Hinted queries answer fastest once it is known that no cell folds. Topology commits find out;
-  /// after the vertices moved, this does, in about three refits' time (once a step): for callers
-  /// with many hints.
+  /// Queries, hinted ones above all, answer fastest once it is known that no cell folds. Topology
+  /// commits find out; after the vertices moved, this does, in about three refits' time (once a
+  /// step): for callers with many hints. A commit calls it if the step before located many points.
   void look_for_folds(const core::Threads& threads);
   Sampler sampler() const { return {mesh_.view(), tree_, &order_, &locate_counts_}; }
   /// Of all samplers of this mesh, since it was made.
@@ -62,6 +62,7 @@ private:
   mutable LocateCounts locate_counts_;
   TreePolicy policy_;
   std::int64_t located_before_ = 0; ///< points, when the policy was last told
+  std::int64_t located_lately_ = 0; ///< points, between the last two commits that changed something
   bool committed_ = false;
   bool folds_are_known_ = false;
   int commits_since_build_ = 0;

@@ -123,6 +123,8 @@ Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
       best = {flat, map.r};
       reason = Reason::certified;
     }
+    if (is_on_boundary(map.margin, map.error))
+      break;
   }
   if (best && proof_is_enough())
     return best;

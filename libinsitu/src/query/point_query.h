@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "accel/tree.h"
 #include "query/sampler.h"
 
@@ -40,6 +42,12 @@ struct PointQuery {
 
 /// Whether the closed cell holds the point, and why: exact. x: the cell's vertices.
 Reason decide(mesh::Shape shape, const math::Vec3d* x, const math::Vec3d& p);
+
+/// Whether the point is on the cell's boundary as far as Newton's certificate tells, so that no
+/// other cell will be proven to hold it either.
+inline bool is_on_boundary(double margin, double error) {
+  return std::fabs(margin) <= error && error < 1e-6;
+}
 
 /// Whether what Newton found in a cell that holds the point is where it lies.
 inline bool is_plausible(bool converged, double margin) {

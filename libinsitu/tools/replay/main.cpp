@@ -157,7 +157,9 @@ private:
               << " inverted, " << c.zero_volume_cells << " of zero volume, " << c.folded_cells
               << " folded, " << c.collapsed_cells << " collapsed; " << c.coincident_vertices
               << " vertices coincide, " << c.crowded_faces << " faces of more than two cells, "
-              << c.split_faces << " quads against other faces\n";
+              << c.split_faces << " quads against other faces, " << c.hanging_vertices
+              << " vertices on faces or edges of other cells, " << c.covered_vertices
+              << " inside other cells\n";
     if (!v.accepted)
       std::cout << v.findings << "\n";
     return v.accepted;

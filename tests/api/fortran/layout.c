@@ -61,7 +61,9 @@ int layout_of(int which, int64_t* out) {
                                 AT(insitu_validation, ghost_cells),
                                 AT(insitu_validation, coincident_vertices),
                                 AT(insitu_validation, crowded_faces),
-                                AT(insitu_validation, split_faces)};
+                                AT(insitu_validation, split_faces),
+                                AT(insitu_validation, hanging_vertices),
+                                AT(insitu_validation, covered_vertices)};
   const int64_t audit[] = {sizeof(insitu_audit_entry),    AT(insitu_audit_entry, size),
                            AT(insitu_audit_entry, name),  AT(insitu_audit_entry, data),
                            AT(insitu_audit_entry, bytes), AT(insitu_audit_entry, borrowed),

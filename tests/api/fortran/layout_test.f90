@@ -61,7 +61,8 @@ program layout_test
       c_loc(validation%inverted_cells), c_loc(validation%zero_volume_cells), &
       c_loc(validation%folded_cells), c_loc(validation%collapsed_cells), &
       c_loc(validation%ghost_cells), c_loc(validation%coincident_vertices), &
-      c_loc(validation%crowded_faces), c_loc(validation%split_faces)])
+      c_loc(validation%crowded_faces), c_loc(validation%split_faces), &
+      c_loc(validation%hanging_vertices), c_loc(validation%covered_vertices)])
   call compare('audit', 7, c_sizeof(audit), [ &
       c_loc(audit%size), c_loc(audit%name), c_loc(audit%data), c_loc(audit%bytes), &
       c_loc(audit%borrowed), c_loc(audit%reason)])

@@ -85,6 +85,9 @@ typedef struct insitu_validation {
   int64_t crowded_faces;       /**< faces of three cells or more: cells overlap */
   int64_t split_faces; /**< quads against two triangles, or against the same corners in another
                             order: both cells, or none, hold the sliver between */
+  int64_t
+      hanging_vertices; /**< vertices on a face or edge (to 1e-9) of a cell that has none there */
+  int64_t covered_vertices; /**< vertices in the interior of a cell: cells overlap */
 } insitu_validation;
 
 static inline insitu_validation insitu_validation_default(void) {
@@ -93,6 +96,7 @@ static inline insitu_validation insitu_validation_default(void) {
   v.cells = v.index_errors = v.shape_errors = v.coordinate_errors = v.inverted_cells = 0;
   v.zero_volume_cells = v.folded_cells = v.collapsed_cells = v.ghost_cells = 0;
   v.coincident_vertices = v.crowded_faces = v.split_faces = 0;
+  v.hanging_vertices = v.covered_vertices = 0;
   return v;
 }
 
