@@ -90,14 +90,16 @@ std::span<const Candidate> find_candidates(const accel::Tree& tree, const float*
 
 } // namespace
 
+bool trying_pays(const mesh::MeshView& mesh) {
+  if (mesh.piece_count != 1)
+    return false;
+  const mesh::PieceView& cells = mesh.pieces[0];
+  return cells.layout != mesh::CellLayout::uniform ||
+         cells.uniform_shape != mesh::Shape::tetrahedron;
+}
+
 int PointQuery::tries() const {
-  constexpr int most = 3;
-  if (!mesh.free_of_folds || options.alpha != 1.0)
-    return 0;
-  const mesh::PieceView& cells = mesh.pieces[0]; // free_of_folds implies one piece
-  const bool only_tetrahedra =
-      cells.layout == mesh::CellLayout::uniform && cells.uniform_shape == mesh::Shape::tetrahedron;
-  return only_tetrahedra ? 0 : most;
+  return mesh.free_of_folds && options.alpha == 1.0 && trying_pays(mesh) ? 3 : 0;
 }
 
 Location PointQuery::locate(const Vec3d& p, Reason& reason) const {

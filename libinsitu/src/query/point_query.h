@@ -21,6 +21,11 @@ struct BoxRule {
   bool box(const math::Vec3d& p, float* lower, float* upper) const;
 };
 
+/// Whether a mesh free of folds, of one piece, is worth the tries of PointQuery. Tetrahedra are
+/// not: their boxes tell little. The one where a point lies deepest holds it in 29 of 100 cases,
+/// against 87 in jittered hexahedra.
+bool trying_pays(const mesh::MeshView& mesh);
+
 struct PointQuery {
   const mesh::MeshView& mesh;
   const accel::Tree& tree;
@@ -31,8 +36,7 @@ struct PointQuery {
   }
   /// On a mesh free of folds so many candidates, those in whose boxes the point lies deepest, are
   /// tried first by Newton's method: a certificate proves that the cell holds the point in its
-  /// interior. Not in tetrahedra, whose boxes tell little: the deepest holds the point in 29 of 100
-  /// cases, against 87 in jittered hexahedra.
+  /// interior.
   int tries() const;
   /// A cell so proven answers alone; else those of lower ids are looked at as well.
   bool proof_is_enough() const { return options.accuracy != INSITU_EXACT; }
