@@ -139,7 +139,8 @@ void BatchLocator::decide_by_filter(mesh::Shape shape, const std::int64_t* cells
 }
 
 /// Each query's likeliest candidates, one after the other, by Newton, until a certificate puts one
-/// inside. Candidates of which no answer can come are taken out; true if none is left.
+/// inside. True if no other candidate is left; in standard those of points that have their answer
+/// are taken out.
 bool BatchLocator::try_likeliest(int tries) {
   TraversalScratch& t = s_.traversal;
   Candidate* const candidates = t.candidates.data();
@@ -148,7 +149,7 @@ bool BatchLocator::try_likeliest(int tries) {
   QueryId open[batch_size];
   std::fill_n(tried, count_, ~std::uint64_t(0));
   std::iota(open, open + count_, QueryId(0));
-  auto open_count = std::size_t(count_);
+  std::size_t open_count = std::size_t(count_), proven = 0;
   for (; tries > 0 && open_count > 0; --tries) {
     std::uint64_t next[batch_size];
     std::fill_n(next, count_, 0); // no candidate's rank
@@ -176,6 +177,7 @@ bool BatchLocator::try_likeliest(int tries) {
           below_[q] = enough ? 0 : cells[k];
           reason_[q] = Reason::certified;
           located_[q] = true;
+          ++proven;
         }
       }
     });
@@ -192,11 +194,11 @@ bool BatchLocator::try_likeliest(int tries) {
     std::size_t found = 0;
     for (std::size_t c = 0; c < t.found; ++c) {
       candidates[found] = candidates[c];
-      found += below_[candidates[c].query] > 0;
+      found += !located_[candidates[c].query];
     }
     t.found = found;
   }
-  return t.found == 0;
+  return enough ? t.found == 0 : t.found == proven;
 }
 
 void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std::int64_t* cells,

@@ -180,6 +180,38 @@ TEST(SameAnswers, WhateverTheHintAndWhateverMoves) {
   EXPECT_TRUE(view.free_of_folds);
 }
 
+// Commits look for folds by themselves where many points are asked, and the answers stay.
+TEST(SameAnswers, AfterCommitsThatLookForFolds) {
+  for (const auto kind : {test::MeshKind::hexahedra, test::MeshKind::tetrahedra}) {
+    fixtures::Committed m(box(kind, 6));
+    const mesh::MeshView& view = m.mesh.mesh().view();
+    const auto many = int(3 * view.cell_count());
+    for (const bool ask_many : {false, true}) {
+      const std::vector<Vec3d> points = test::inner_points(view, ask_many ? many : 100, 26);
+      locate_all(m, points);
+      for (std::size_t i = 2; i < m.arrays.points.size(); i += 3)
+        m.arrays.points[i] += 0.01; // up
+      ASSERT_EQ(m.commit(INSITU_CHANGED_GEOMETRY).action, INSITU_REFIT);
+      EXPECT_EQ(view.free_of_folds, ask_many && kind == test::MeshKind::hexahedra)
+          << kind_name(kind);
+      const std::vector<Vec3d> asked = many_points(m, 2000);
+      const std::vector<query::Location> found = locate_all(m, asked);
+      for (std::size_t i = 0; i < asked.size(); ++i)
+        ASSERT_EQ(found[i].cell, test::owner(view, asked[i])) << kind_name(kind) << ", " << i;
+    }
+    // A vertex of the inside goes far into the next cells.
+    const std::vector<Vec3d> points = test::inner_points(view, many, 27);
+    locate_all(m, points);
+    m.arrays.points[3 * (3 + 7 * (3 + 7 * 3))] += 1.4;
+    ASSERT_EQ(m.commit(INSITU_CHANGED_GEOMETRY).action, INSITU_REFIT);
+    EXPECT_FALSE(view.free_of_folds);
+    const std::vector<Vec3d> asked = many_points(m, 2000);
+    const std::vector<query::Location> found = locate_all(m, asked);
+    for (std::size_t i = 0; i < asked.size(); ++i)
+      ASSERT_EQ(found[i].cell, test::owner(view, asked[i])) << kind_name(kind) << ", " << i;
+  }
+}
+
 TEST(SameAnswers, ForABlockAndForItsHexahedra) {
   const test::TestMesh from = box(test::MeshKind::hexahedra, 6, 0.3, -2);
   const fixtures::Committed unstructured(from);
