@@ -289,7 +289,8 @@ public:
   }
 
   /** Which cell owns each point, after a commit: of the closed cells that hold it, the lowest
-   *  (piece, cell); no ghost cell. NaN and infinite points are outside. */
+   *  (piece, cell), but see insitu_accuracy for standard; no ghost cell. NaN and infinite points
+   *  are outside. */
   Locations locate(const Points& points, const LocateOptions& options = {}) const {
     Locations out;
     const insitu_locate_args args = locate_args(points, options, out);

@@ -19,8 +19,7 @@ namespace insitu::query::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A node's child boxes, decoded: kept while consecutive queries are at the same node, as the upper
-/// levels' are.
+/// A node's child boxes, decoded once for all queries at the node.
 class ChildBoxes {
 public:
   /// The product of decoding is exact, so this is the sum that encode_boxes checked, fused or not.

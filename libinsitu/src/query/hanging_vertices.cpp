@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <memory>
 #include <vector>
 
 #include "accel/tree.h"
-#include "cells/contain_exact.h"
 #include "cells/kernels.h"
 #include "query/candidates.h"
 
@@ -26,14 +24,10 @@ Touch touch(const mesh::CellVertices& cell, const Vec3d& p) {
   constexpr double near = 1e-9; // rounding, also far from zero; neighbours 1e9 times as thin differ
   if (const auto map = cells::inverse_map(cell.shape, cell.x, p); map.converged)
     return map.margin < -near ? Touch::none : map.margin <= near ? Touch::hanging : Touch::covered;
-  switch (cells::contain_exact(cell.shape, cell.x, p).where) {
-  case cells::Containment::outside:
+  const Reason why = decide(cell.shape, cell.x, p);
+  if (why == Reason::outside)
     return Touch::none;
-  case cells::Containment::inside:
-    return Touch::covered;
-  default:
-    return Touch::hanging;
-  }
+  return why == Reason::certified || why == Reason::exact ? Touch::covered : Touch::hanging;
 }
 
 /// One byte a vertex, 1 if a cell that owns points has it.

@@ -85,8 +85,8 @@ typedef struct insitu_validation {
   int64_t crowded_faces;       /**< faces of three cells or more: cells overlap */
   int64_t split_faces; /**< quads against two triangles, or against the same corners in another
                             order: both cells, or none, hold the sliver between */
-  int64_t
-      hanging_vertices; /**< vertices on a face or edge (to 1e-9) of a cell that has none there */
+  int64_t hanging_vertices; /**< vertices on a face or edge of a cell that has no corner there, to
+                                 1e-9 of the cell */
   int64_t covered_vertices; /**< vertices in the interior of a cell: cells overlap */
 } insitu_validation;
 

@@ -71,7 +71,8 @@ static inline insitu_locate_args insitu_locate_args_default(void) {
 }
 
 /** Which cell owns each point. Of the closed cells that hold a point, the lowest (piece, cell)
- *  owns it (for standard see insitu_accuracy); ghost cells own nothing. NaN and infinite points are outside. */
+ *  owns it (for standard see insitu_accuracy); ghost cells own nothing. NaN and infinite points are
+ *  outside. */
 INSITU_API insitu_status insitu_mesh_locate(insitu_mesh mesh, const insitu_locate_args* args);
 
 typedef struct insitu_sample_args {
