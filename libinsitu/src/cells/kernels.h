@@ -13,7 +13,7 @@
 /// text per SIMD target.
 namespace insitu::cells {
 
-#define INSITU_LAMBDA INSITU_HD // lambdas inside kernels carry their target's attribute
+#define INSITU_LAMBDA // under nvcc a lambda inside a kernel is compiled for where the kernel is
 #define INSITU_INLINE INSITU_HD inline
 
 using math::absolute;

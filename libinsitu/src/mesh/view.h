@@ -41,6 +41,9 @@ struct MeshView {
   double largest_displacement = 0.0;
   /// No cell folds or is inverted, so a cell that holds a point strictly inside is its only owner.
   bool free_of_folds = false;
+  /// As far as a search for overlaps tells (query/), no two cells share interior: with
+  /// free_of_folds, a cell that holds a point strictly inside answers alone in `exact` as well.
+  bool covers_once = false;
 
   INSITU_HD std::int64_t cell_count() const { return first_cell[piece_count]; }
   INSITU_HD std::int64_t vertex_count() const { return first_vertex[piece_count]; }

@@ -1,0 +1,19 @@
+// The device backends of a build without CUDA.
+#include "accel/device_locator.h"
+#include "core/status.h"
+
+namespace insitu::accel {
+
+std::string why_unavailable(Backend backend) {
+  return backend == Backend::cpu
+             ? ""
+             : std::string("built without CUDA (configure with -DINSITU_WITH_CUDA=ON") +
+                   (backend == Backend::optix ? " and -DINSITU_OPTIX_ROOT=<SDK>)" : ")");
+}
+
+std::unique_ptr<DeviceLocator> make_device_locator(Backend backend, Method, core::Memory&) {
+  throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                    std::string("backend ") + name(backend) + ": " + why_unavailable(backend));
+}
+
+} // namespace insitu::accel

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "accel/locator.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "mesh/mesh.h"
+
+namespace insitu::accel {
+
+class FaceTable;
+
+/// Where queries are answered for the whole batch at once, on a device. Points and outputs lie in
+/// host memory, or all in device memory; then the work is queued on the stream, and only points
+/// that the device leaves undecided make the call wait (`exact` and `standard`; `fast` never
+/// waits).
+struct DeviceQuery {
+  const double* points = nullptr; ///< [count][3]
+  std::int64_t count = 0;
+  bool on_device = false;
+  insitu_accuracy accuracy = INSITU_STANDARD;
+  void* stream = nullptr; ///< cudaStream_t; null: the default stream
+
+  // Outputs, each [count] or null.
+  std::int64_t* cells = nullptr; ///< flat ids, -1 outside
+  double* parametric = nullptr;  ///< [count][3]; NaN outside
+  std::uint8_t* reasons = nullptr;
+  /// One field a span item: values[f] is [count][components], NaN outside.
+  std::span<const mesh::FieldView> fields = {};
+  double* const* values = nullptr; ///< a host array of pointers
+};
+
+/// How a query was decided.
+struct DeviceCounts {
+  std::int64_t candidates_kept = 0; ///< the ray's candidate was certified and answered alone
+  std::int64_t by_tree = 0;         ///< went through the device's tree
+  std::int64_t settled_on_host = 0; ///< undecided there: exact arithmetic on the host
+};
+
+struct DeviceReport {
+  std::int64_t bytes = 0;        ///< device memory of the structures and copies, held
+  std::int64_t peak_bytes = 0;   ///< the most during the last build
+  std::int64_t bytes_copied = 0; ///< of the solver's host arrays that have a copy on the device
+  std::int64_t primitives = 0;   ///< cells of the tree, or of rays: triangles or cells
+  double tree_seconds = 0.0, rays_seconds = 0.0; ///< of the last build or refit, on the device
+};
+
+/// A mesh on a device with its structures: the `bvh` method in CUDA, or a ray method in OptiX
+/// beside it.
+class DeviceLocator {
+public:
+  virtual ~DeviceLocator() = default;
+  /// Brings arrays and structures up to date. what: INSITU_CHANGED_*, topology at first. faces: as
+  /// in RayLocator::build. Arrays in device memory are read in place, others copied. Throws
+  /// core::Error.
+  virtual void commit(const mesh::Mesh& mesh, std::uint32_t what, const FaceTable* faces,
+                      const core::Threads& threads) = 0;
+  /// The answers of query::Sampler on the same mesh; `fast` answers by the papers' rules in float.
+  virtual DeviceCounts locate(const DeviceQuery& query) const = 0;
+  virtual DeviceReport report() const = 0;
+};
+
+/// Empty if the backend can be used here, else why not ("no CUDA device: ...", "driver too old for
+/// this OptiX (ABI 105)", "built without CUDA").
+std::string why_unavailable(Backend backend);
+
+/// Throws INSITU_ERROR_UNSUPPORTED with why_unavailable().
+std::unique_ptr<DeviceLocator> make_device_locator(Backend backend, Method method,
+                                                   core::Memory& memory);
+
+} // namespace insitu::accel

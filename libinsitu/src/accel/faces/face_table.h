@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "accel/faces/face_triangle.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "mesh/view.h"
+
+namespace insitu::accel {
+
+/// Faces of the owning cells, shared ones once, and their triangles for the face methods.
+class FaceTable {
+public:
+  explicit FaceTable(core::Memory& memory);
+
+  /// Finds and matches the faces: by ids, the same triangle or the same cyclic quad. Two cells
+  /// share a face; further ones with the same face get one of their own (crowded()). Throws
+  /// INSITU_ERROR_MESH above 2^32 - 1 vertices.
+  void build(const mesh::MeshView& mesh, const core::Threads& threads);
+
+  std::int64_t face_count() const;
+  std::int64_t boundary_faces() const; ///< of one cell alone
+  std::int64_t crowded_faces() const;  ///< of three cells or more
+  std::int64_t bytes() const;
+
+  /// The triangles of a face method, for the coordinates as they are now: curved quads have
+  /// bounding tetrahedra (`shared_bilinear_faces`), else two triangles along the diagonal of the
+  /// quad's canonical corner. After the vertices moved the same table gives the triangles anew;
+  /// their number may differ for shared_bilinear_faces, since planar quads are recognised exactly.
+  void triangles(const mesh::MeshView& mesh, const core::Threads& threads, Method method,
+                 core::Buffer<FaceTriangle>& out) const;
+
+  /// The largest distance of two vertices of a cell, as a float rounded up.
+  static float longest_distance(const mesh::MeshView& mesh, const core::Threads& threads);
+
+private:
+  struct Face {
+    std::uint32_t vertices[4]; ///< cyclic, outward from `cell`; [3] is `none` for triangles
+    std::uint32_t cell, other; ///< `none` on the boundary
+  };
+  core::Buffer<Face> faces_;
+  std::int64_t boundary_ = 0, crowded_ = 0;
+};
+
+} // namespace insitu::accel
