@@ -59,7 +59,7 @@ insitu_commit_report Session::commit(SessionMesh& to) {
   if (checked_)
     to.watch.expect_unchanged(said, context_.threads);
   if (runner_)
-    mesh.set_builder(runner_->builder());
+    mesh.set_builder(runner_->locator().builder);
   const insitu_commit_report report = [&] {
     try {
       return mesh.commit(context_.threads, context_.log, context_.memory, strict_);
