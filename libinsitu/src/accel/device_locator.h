@@ -68,8 +68,9 @@ public:
 /// this OptiX (ABI 105)", "built without CUDA").
 std::string why_unavailable(Backend backend);
 
-/// Throws INSITU_ERROR_UNSUPPORTED with why_unavailable().
+/// Throws INSITU_ERROR_UNSUPPORTED with why_unavailable(). group: as in make_embree_locator.
 std::unique_ptr<DeviceLocator> make_device_locator(Backend backend, Method method,
-                                                   core::Memory& memory);
+                                                   core::Memory& memory,
+                                                   std::int64_t group = std::int64_t(1) << 20);
 
 } // namespace insitu::accel

@@ -21,6 +21,7 @@ struct SessionMesh {
   query::CommittedMesh mesh;
   ArrayWatch watch; ///< used by checked sessions
   insitu_mesh handle = nullptr;
+  bool locator_chosen = false; ///< by the caller, before the scene
 };
 
 /// Everything behind an insitu_session. Methods throw core::Error.
@@ -38,6 +39,8 @@ public:
   /// Ends tracers and closes files; returns what failed.
   std::string finish();
 
+  /// locator null: the scene's.
+  void choose_locator(SessionMesh& mesh, const insitu_locator* locator);
   void locate(SessionMesh& mesh, const insitu_locate_args& args);
   void sample(SessionMesh& mesh, const insitu_sample_args& args);
   bool sample_point(SessionMesh& mesh, const std::string& field, const double* point,
