@@ -11,6 +11,10 @@ std::string why_unavailable(Backend backend) {
                    (backend == Backend::optix ? " and -DINSITU_OPTIX_ROOT=<SDK>)" : ")");
 }
 
+void copy_from_device(std::byte*, const std::byte*, std::size_t) {
+  throw core::Error(INSITU_ERROR_UNSUPPORTED, "device memory: " + why_unavailable(Backend::cuda));
+}
+
 std::unique_ptr<DeviceLocator> make_device_locator(Backend backend, Method, core::Memory&,
                                                    std::int64_t) {
   throw core::Error(INSITU_ERROR_UNSUPPORTED,

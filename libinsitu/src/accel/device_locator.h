@@ -29,6 +29,11 @@ struct DeviceQuery {
   std::int64_t* cells = nullptr; ///< flat ids, -1 outside
   double* parametric = nullptr;  ///< [count][3]; NaN outside
   std::uint8_t* reasons = nullptr;
+  // What callers see instead of flat ids, where asked for:
+  bool by_piece = false;         ///< cells count within their piece
+  std::int64_t cell_base = 0;    ///< added to cells, outside too
+  std::int32_t* pieces = nullptr;
+  std::uint8_t* found = nullptr;
   /// One field a span item: values[f] is [count][components], NaN outside.
   std::span<const mesh::FieldView> fields = {};
   double* const* values = nullptr; ///< a host array of pointers
@@ -57,12 +62,17 @@ public:
   /// Brings arrays and structures up to date. what: INSITU_CHANGED_*, topology at first. faces: as
   /// in RayLocator::build. Arrays in device memory are read in place, others copied. Throws
   /// core::Error.
-  virtual void commit(const mesh::Mesh& mesh, std::uint32_t what, const FaceTable* faces,
-                      const core::Threads& threads) = 0;
+  /// host: the mesh as the host can read it, its own view or a mesh::HostMirror's; read by methods
+  /// that use faces alone.
+  virtual void commit(const mesh::Mesh& mesh, const mesh::MeshView& host, std::uint32_t what,
+                      const FaceTable* faces, const core::Threads& threads) = 0;
   /// The answers of query::Sampler on the same mesh; `fast` answers by the papers' rules in float.
   virtual DeviceCounts locate(const DeviceQuery& query) const = 0;
   virtual DeviceReport report() const = 0;
 };
+
+/// Copies from device memory to the host's. Throws core::Error.
+void copy_from_device(std::byte* to, const std::byte* from, std::size_t bytes);
 
 /// Empty if the backend can be used here, else why not ("no CUDA device: ...", "driver too old for
 /// this OptiX (ABI 105)", "built without CUDA").

@@ -85,7 +85,7 @@ void Session::choose_locator(SessionMesh& to, const insitu_locator* locator) {
 insitu_commit_report Session::commit(SessionMesh& to) {
   query::CommittedMesh& mesh = to.mesh;
   const std::uint32_t said = mesh.mesh().pending();
-  if (checked_)
+  if (checks(to))
     to.watch.expect_unchanged(said, context_.threads);
   if (runner_) {
     mesh.set_builder(runner_->locator().builder);
@@ -102,7 +102,7 @@ insitu_commit_report Session::commit(SessionMesh& to) {
       throw Error(e.status(), name + ", " + what);
     }
   }();
-  if (checked_ && (said & (INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_TOPOLOGY)))
+  if (checks(to) && (said & (INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_TOPOLOGY)))
     to.watch.remember(mesh.mesh(), context_.threads);
   statistics_.commit_s += report.seconds;
   switch (report.action) {

@@ -55,12 +55,24 @@ public:
   bool closed = false; ///< read and written while busy
 
 private:
+  /// Whether its arrays are watched: not in device memory, which the host does not read.
+  bool checks(const SessionMesh& mesh) const { return checked_ && !mesh.mesh.lies_on_device(); }
   /// The mesh, if it may be queried.
   const query::CommittedMesh& committed(SessionMesh& mesh);
   /// Locates the points, a slice at a time, and writes what args asks for and the fields' values.
   void answer(const query::CommittedMesh& mesh, const insitu_locate_args& args,
               const QueryPoints& points, std::span<const mesh::FieldView> fields,
               double* const* values);
+  void answer_in_device_memory(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+                               const QueryPoints& points, std::span<const mesh::FieldView> fields,
+                               double* const* values);
+  void answer_by_device(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+                        const QueryPoints& points, std::span<const mesh::FieldView> fields,
+                        double* const* values);
+  /// Calls visit(first, points) for slices of points, as doubles in the mesh's frame.
+  void for_each_slice(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+                      const QueryPoints& points,
+                      core::FunctionRef<void(std::int64_t, std::span<const math::Vec3d>)> visit);
   void make_default_runner();
   /// Makes it; returns what is in the way, logged once.
   std::string try_default_runner();
