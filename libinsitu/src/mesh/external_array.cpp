@@ -71,8 +71,12 @@ ExternalArray adopt(const insitu_array* array, const std::string& name) {
   const int item = size_of(array->type);
   if (item == 0)
     refuse("unknown type " + std::to_string(int(array->type)));
-  if (array->memory != INSITU_HOST)
+  if (array->memory != INSITU_HOST && array->memory != INSITU_DEVICE)
+    refuse("unknown memory " + std::to_string(int(array->memory)));
+#if !defined(INSITU_HAVE_CUDA)
+  if (array->memory == INSITU_DEVICE)
     throw Error(INSITU_ERROR_UNSUPPORTED, name + ": device memory needs a build with CUDA");
+#endif
   constexpr int most_components = 1 << 16;
   if (array->components < 1 || array->components > most_components)
     refuse(std::to_string(array->components) + " components, 1 to " +
@@ -82,6 +86,7 @@ ExternalArray adopt(const insitu_array* array, const std::string& name) {
   out.data = static_cast<const std::byte*>(array->data);
   out.type = array->type;
   out.components = array->components;
+  out.memory = array->memory;
   out.component_stride = array->component_stride ? array->component_stride : item;
   if (array->converted)
     out.converted = array->converted;

@@ -13,6 +13,7 @@ struct ExternalArray {
   int components = 0;
   std::int64_t component_stride = 0;
   ItemLayout layout;
+  insitu_memory memory = INSITU_HOST;
   std::string converted; ///< empty: borrowed; else why it is a copy
 
   bool given() const { return components > 0; }

@@ -33,7 +33,8 @@ typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_FRAME = 6,     /**< images */
   INSITU_MEMORY_CONVERTED = 7, /**< arrays that adaptors had to convert */
   INSITU_MEMORY_EMBREE = 8,    /**< what Embree holds */
-  INSITU_MEMORY_COUNT = 9
+  INSITU_MEMORY_DEVICE = 9,    /**< on devices: copies of arrays, trees, scratch */
+  INSITU_MEMORY_COUNT = 10
 } insitu_purpose;
 
 /** Totals since the session was opened. Seconds are wall-clock seconds in the library. */

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "accel/cuda/device_mesh.h"
+#include "accel/node.h"
+
+namespace insitu::accel::cuda {
+
+struct TreeNode;
+
+/// The tree as kernels see it.
+struct TreeView {
+  const TreeNode* nodes = nullptr; ///< null if no cell owns points
+  const std::uint32_t* cells = nullptr;
+  math::Vec3d origin;
+};
+
+/// The hierarchy of the `bvh` method, built and fitted on the device: 8-wide quantised nodes,
+/// breadth first, over the owning cells in Morton order.
+class DeviceTree {
+public:
+  explicit DeviceTree(core::Memory& memory);
+
+  /// Both throw INSITU_ERROR_MESH for a cell whose coordinates no float holds; they return when
+  /// done.
+  void build(const DeviceMesh& mesh, cudaStream_t stream);
+  /// For moved vertices of the same topology.
+  void refit(const DeviceMesh& mesh, cudaStream_t stream);
+  /// Scratch is kept between builds, as on the CPU.
+  void release_scratch();
+
+  TreeView view() const;
+  std::int64_t cell_count() const { return cell_count_; }
+  std::int64_t node_count() const { return levels_.empty() ? 0 : levels_.back(); }
+  int depth() const { return levels_.empty() ? 0 : int(levels_.size()) - 1; }
+  std::int64_t bytes() const;         ///< of nodes and cells
+  std::int64_t scratch_bytes() const; ///< kept
+
+private:
+  struct Item;
+  std::int64_t collect_owners(const DeviceMesh& mesh, cudaStream_t stream);
+  void sort_cells(const DeviceMesh& mesh, cudaStream_t stream);
+  void make_topology(cudaStream_t stream);
+  void fit(const DeviceMesh& mesh, bool from_boxes, cudaStream_t stream);
+  void check_refused(const DeviceMesh& mesh, cudaStream_t stream);
+  template <class F>
+  void with_scratch(const char* what, F&& call); ///< CUB's two calls
+
+  DeviceBuffer<TreeNode> nodes_;
+  DeviceBuffer<std::uint32_t> cells_;
+  std::vector<std::uint32_t> levels_; ///< first nodes, root first, and the number of nodes
+  math::Vec3d origin_;
+  std::int64_t cell_count_ = 0;
+  // Scratch.
+  DeviceBuffer<Box> boxes_;      ///< of cells, in the order of their ids
+  DeviceBuffer<Box> node_boxes_; ///< of nodes; also of refits
+  DeviceBuffer<std::uint64_t> codes_[2];
+  DeviceBuffer<std::uint32_t> order_, splits_;
+  DeviceBuffer<std::byte> items_, cub_;
+  DeviceBuffer<std::uint32_t> counters_;
+};
+
+} // namespace insitu::accel::cuda
