@@ -2,7 +2,7 @@
 
 #include <cuda_runtime_api.h>
 #include <dlfcn.h>
-
+#include <utility>
 #include <optix_function_table_definition.h>
 #include <optix_stubs.h>
 
@@ -108,8 +108,8 @@ void check(OptixResult result, const std::string& action) {
   std::string text = "OptiX, " + action + ": " + optixGetErrorName(result);
   if (const std::string message = Context::get().take_message(); !message.empty())
     text += " (" + message + ")";
-  const bool memory = result == OPTIX_ERROR_DEVICE_OUT_OF_MEMORY ||
-                      result == OPTIX_ERROR_HOST_OUT_OF_MEMORY;
+  const bool memory =
+      result == OPTIX_ERROR_DEVICE_OUT_OF_MEMORY || result == OPTIX_ERROR_HOST_OUT_OF_MEMORY;
   throw core::Error(memory ? INSITU_ERROR_MEMORY : INSITU_ERROR_INTERNAL, text);
 }
 

@@ -1,9 +1,8 @@
 #pragma once
 
 #include <mutex>
-#include <string>
-
 #include <optix.h>
+#include <string>
 
 #include "insitu/insitu.h"
 

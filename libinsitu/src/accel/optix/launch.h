@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "accel/cuda/device_mesh.h"
 #include "accel/faces/face_triangle.h"
 #include "math/vec.h"
 #include "mesh/view.h"
@@ -11,7 +12,7 @@ namespace insitu::accel::optix {
 
 /// What the rays are asked for. Each is compiled by itself, with nothing that it does not need.
 enum class Ask : std::uint32_t {
-  candidates,  ///< of each point, for who verifies them
+  candidates,  ///< cells that may hold the points, for who verifies them
   cells,       ///< the answers of `fast`: owners alone
   cell_values, ///< and values of cell fields: no coordinates are found for them
   interpolated ///< and parametric coordinates, and values of any field
@@ -38,11 +39,10 @@ struct Launch {
 
   // Outputs by point; null where not asked for.
   std::uint32_t* candidates; ///< flat ids or `none`
-  std::uint32_t* others;     ///< the cell on the other side of the face that was hit, or `none`
   std::int64_t* cells;       ///< -1 outside
   double* parametric;        ///< [][3], NaN outside
   std::uint8_t* reasons;
-  const mesh::FieldView* fields;
+  const cuda::DeviceField* fields;
   std::int32_t field_count;
   double* const* values; ///< by field: [][components], NaN outside
 };

@@ -50,6 +50,8 @@ __device__ inline unsigned ray_flags() {
 /// coordinates in it, where they are known.
 __device__ inline void write_inside(unsigned i, std::uint32_t cell, const mesh::CellVertices* x,
                                     const math::Vec3d& r) {
+  if (launch.candidates)
+    launch.candidates[i] = cell;
   if (launch.cells)
     launch.cells[i] = cell;
   if (launch.reasons)
@@ -65,6 +67,8 @@ __device__ inline void write_inside(unsigned i, std::uint32_t cell, const mesh::
 }
 
 __device__ inline void write_outside(unsigned i) {
+  if (launch.candidates)
+    launch.candidates[i] = none;
   if (launch.cells)
     launch.cells[i] = -1;
   if (launch.reasons)
@@ -82,16 +86,14 @@ extern "C" __global__ void __raygen__query() {
   const unsigned i = optixGetLaunchIndex().x;
   const math::Vec3d p = query_point(i);
   const PointRay ray = point_ray(p, launch.origin, launch.length);
-  unsigned cell = none, other = none;
+  unsigned cell = none;
   // No ray starts at a point that is not finite, or so far out that floats end.
   if (can_start(ray))
     optixTrace(launch.tree, float3{ray.origin.x, ray.origin.y, ray.origin.z},
                float3{ray.direction.x, ray.direction.y, ray.direction.z}, 0.0f, ray.length, 0.0f,
-               OptixVisibilityMask(255), ray_flags(), 0, 1, 0, cell, other);
+               OptixVisibilityMask(255), ray_flags(), 0, 1, 0, cell);
   if (ask() == Ask::candidates) {
     launch.candidates[i] = cell;
-    if (launch.others)
-      launch.others[i] = other;
     return;
   }
   if (method() == Method::user_geometry) {
@@ -135,8 +137,6 @@ extern "C" __global__ void __closesthit__face() {
         return patch_side(v, math::Vec3f{p.x, p.y, p.z}) > 0.0f;
       });
   optixSetPayload_0(cell);
-  if (ask() == Ask::candidates)
-    optixSetPayload_1(cell == triangle.front ? triangle.back : triangle.front);
 }
 
 /// user_geometry: whether the cell holds the point; the first that does ends the ray.

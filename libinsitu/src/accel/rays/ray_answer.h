@@ -40,11 +40,11 @@ INSITU_HD inline math::Vec3d parametric_of(const cells::InverseMap<double>& map)
   return r;
 }
 
-/// Item `item` of arrays [count][components], one a field, or nothing if values is null.
+/// Item `item` of arrays [count][components], one a field. Field: mesh::FieldView, or a device's.
+template <class Field>
 INSITU_HD inline void write_fields(const mesh::CellVertices& x, const mesh::MeshView& mesh,
-                                   std::int64_t flat, const math::Vec3d& r,
-                                   const mesh::FieldView* fields, int field_count,
-                                   double* const* values, std::size_t item) {
+                                   std::int64_t flat, const math::Vec3d& r, const Field* fields,
+                                   int field_count, double* const* values, std::size_t item) {
   double weights[8];
   if (field_count > 0)
     cells::shape_functions(x.shape, r, weights);
@@ -65,9 +65,10 @@ INSITU_HD inline void write_fields(const mesh::CellVertices& x, const mesh::Mesh
 }
 
 /// The same of cell fields alone, for which no vertex is read.
+template <class Field>
 INSITU_HD inline void write_cell_fields(const mesh::MeshView& mesh, std::int64_t flat,
-                                        const mesh::FieldView* fields, int field_count,
-                                        double* const* values, std::size_t item) {
+                                        const Field* fields, int field_count, double* const* values,
+                                        std::size_t item) {
   const int p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
   for (int f = 0; f < field_count; ++f)
     for (int c = 0; c < fields[f].components; ++c)
@@ -75,8 +76,9 @@ INSITU_HD inline void write_cell_fields(const mesh::MeshView& mesh, std::int64_t
           fields[f].pieces[p].load(flat - mesh.first_cell[p], c);
 }
 
-INSITU_HD inline void write_no_fields(const mesh::FieldView* fields, int field_count,
-                                      double* const* values, std::size_t item) {
+template <class Field>
+INSITU_HD inline void write_no_fields(const Field* fields, int field_count, double* const* values,
+                                      std::size_t item) {
   for (int f = 0; f < field_count; ++f)
     for (int c = 0; c < fields[f].components; ++c)
       values[f][item * std::size_t(fields[f].components) + c] = not_a_number();
