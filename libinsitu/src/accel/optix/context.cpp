@@ -2,9 +2,9 @@
 
 #include <cuda_runtime_api.h>
 #include <dlfcn.h>
-#include <utility>
 #include <optix_function_table_definition.h>
 #include <optix_stubs.h>
+#include <utility>
 
 #include "core/status.h"
 

@@ -49,11 +49,42 @@ __global__ void distance_kernel(mesh::MeshView mesh, const std::uint32_t* cells,
     atomicMax(longest, __float_as_uint(length));
 }
 
-__global__ void difference_kernel(const std::uint32_t* a, const std::uint32_t* b,
-                                  std::int64_t words, std::uint32_t* differ) {
+/// Where a fourth vertex is against a triangle, in parts of the edges: a sine, about.
+struct Corner {
+  const float* vertices;
+
+  __device__ math::Vec3d at(std::uint32_t v) const {
+    const float* x = vertices + 3 * std::size_t(v);
+    return {x[0], x[1], x[2]};
+  }
+  __device__ double height(const FaceTriangle& t, std::uint32_t fourth) const {
+    const math::Vec3d o = at(t.vertices[0]), a = at(t.vertices[1]) - o, b = at(t.vertices[2]) - o,
+                      c = at(fourth) - o;
+    const double size = sqrt(dot(a, a) * dot(b, b) * dot(c, c));
+    return size > 0.0 ? dot(cross(a, b), c) / size : 0.0;
+  }
+};
+
+__global__ void turned_kernel(const FaceTriangle* triangles, std::int64_t n, const float* vertices,
+                              std::uint32_t* turned) {
+  constexpr double unresolved = 1e-5;
   const std::int64_t i = thread_index();
-  if (i < words && a[i] != b[i])
-    *differ = 1;
+  if (i >= n)
+    return;
+  const FaceTriangle t = triangles[i];
+  const Corner corner{vertices};
+  if (t.corner != none) { // its normal points out of the tetrahedron
+    if (corner.height(t, t.corner) > unresolved)
+      *turned = 1;
+    return;
+  }
+  if (i + 1 == n)
+    return;
+  const FaceTriangle u = triangles[i + 1]; // perhaps the other half of a planar quad
+  const bool halves = u.corner == none && u.front == t.front && u.back == t.back &&
+                      u.vertices[0] == t.vertices[0] && u.vertices[1] == t.vertices[2];
+  if (halves && fabs(corner.height(t, u.vertices[2])) > unresolved)
+    *turned = 1;
 }
 
 /// A number in device memory: starts at 0.
@@ -90,17 +121,14 @@ float longest_distance(const mesh::MeshView& mesh, const std::uint32_t* cells, s
   return std::bit_cast<float>(read(scratch, stream));
 }
 
-bool same_triangles(const FaceTriangle* a, const FaceTriangle* b, std::int64_t n,
-                    cuda::DeviceBuffer<std::uint32_t>& scratch, cudaStream_t stream) {
+bool quads_turned(const FaceTriangle* triangles, std::int64_t n, const float* vertices,
+                  cuda::DeviceBuffer<std::uint32_t>& scratch, cudaStream_t stream) {
   if (n == 0)
-    return true;
-  const std::int64_t words = n * std::int64_t(sizeof(FaceTriangle) / sizeof(std::uint32_t));
+    return false;
   reset(scratch, stream);
-  difference_kernel<<<blocks_of(words), block, 0, stream>>>(
-      reinterpret_cast<const std::uint32_t*>(a), reinterpret_cast<const std::uint32_t*>(b), words,
-      scratch.data());
-  cuda::check_launch("comparing triangles");
-  return read(scratch, stream) == 0;
+  turned_kernel<<<blocks_of(n), block, 0, stream>>>(triangles, n, vertices, scratch.data());
+  cuda::check_launch("looking for quads that turned");
+  return read(scratch, stream) != 0;
 }
 
 } // namespace insitu::accel::optix

@@ -21,8 +21,10 @@ void fill_cell_boxes(const mesh::MeshView& mesh, const math::Vec3d& origin,
 float longest_distance(const mesh::MeshView& mesh, const std::uint32_t* cells, std::int64_t n,
                        cuda::DeviceBuffer<std::uint32_t>& scratch, cudaStream_t stream);
 
-/// Whether two lists of triangles are the same; waits.
-bool same_triangles(const FaceTriangle* a, const FaceTriangle* b, std::int64_t n,
-                    cuda::DeviceBuffer<std::uint32_t>& scratch, cudaStream_t stream);
+/// Whether triangles of shared_bilinear_faces cease to be right for moved vertices: a bounding
+/// tetrahedron turned inside out, or a planar quad is no more. Slight changes that floats do not
+/// resolve do not count. Waits.
+bool quads_turned(const FaceTriangle* triangles, std::int64_t n, const float* vertices,
+                  cuda::DeviceBuffer<std::uint32_t>& scratch, cudaStream_t stream);
 
 } // namespace insitu::accel::optix

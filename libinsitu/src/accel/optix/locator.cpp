@@ -34,8 +34,7 @@ public:
 private:
   void commit_rays(const mesh::Mesh& mesh, bool rebuild, const FaceTable* faces,
                    const core::Threads& threads);
-  /// Uploads the triangles of the coordinates as they are; false if they are those that are there.
-  bool upload_triangles(const mesh::MeshView& mesh, const FaceTable& faces,
+  void upload_triangles(const mesh::Mesh& mesh, const FaceTable& faces,
                         const core::Threads& threads);
   Launch launch_of(Ask ask) const;
   void run(Launch launch, std::span<double* const> values, std::int64_t count,
@@ -102,16 +101,20 @@ void OptixLocator::commit_rays(const mesh::Mesh& mesh, bool rebuild, const FaceT
   };
   const Primitives::FillBoxes fill_boxes(fill);
   if (uses_faces(method_)) {
-    // The halves of quads may stay as they are when vertices move; what bounds a patch may not.
-    if (rebuild || method_ == Method::shared_bilinear_faces)
-      rebuild |= upload_triangles(mesh.view(), *faces, threads);
     primitives.vertices = mesh_.vertices(stream_.get());
     vertices_ = reinterpret_cast<const math::Vec3f*>(primitives.vertices);
+    // Faces keep their halves when vertices move; what bounds a patch may turn.
+    if (!rebuild && method_ == Method::shared_bilinear_faces)
+      rebuild = quads_turned(triangles_.data(), std::int64_t(triangles_.size()),
+                             primitives.vertices, scratch_, stream_.get());
+    if (rebuild)
+      upload_triangles(mesh, *faces, threads);
     primitives.vertex_count = mesh_.vertex_count();
     primitives.triangles = triangles_.data();
     primitives.count = std::int64_t(triangles_.size());
     length_ = longest_distance(mesh_.view(), tree_.view().cells, tree_.cell_count(), scratch_,
-                               stream_.get());
+                               stream_.get()) *
+              1.0001f; // the ray's own rounding
   } else {
     primitives.boxes = &fill_boxes;
     primitives.count = tree_.cell_count();
@@ -127,26 +130,28 @@ void OptixLocator::commit_rays(const mesh::Mesh& mesh, bool rebuild, const FaceT
   rays_seconds_ = timer.seconds();
 }
 
-bool OptixLocator::upload_triangles(const mesh::MeshView& mesh, const FaceTable& faces,
+/// The triangles of the coordinates as they are.
+void OptixLocator::upload_triangles(const mesh::Mesh& mesh, const FaceTable& faces,
                                     const core::Threads& threads) {
+  mesh.visit_arrays(
+      [&](const mesh::ExternalArray& array, const std::string& which, mesh::Mesh::ArrayKind kind) {
+        if (kind != mesh::Mesh::ArrayKind::field && array.memory != INSITU_HOST)
+          throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                            std::string("locator ") + name(method_) + ": " + which +
+                                " is in device memory; faces are found on the host");
+      });
   core::Buffer<FaceTriangle> fresh(*memory_, INSITU_MEMORY_BUILD);
-  faces.triangles(mesh, threads, method_, fresh);
+  faces.triangles(mesh.view(), threads, method_, fresh);
   if (fresh.size() > none)
     throw core::Error(INSITU_ERROR_MESH, std::string("locator ") + name(method_) + ": " +
                                              std::to_string(fresh.size()) +
                                              " triangles, at most 4294967295");
-  cuda::DeviceBuffer<FaceTriangle> uploaded(*memory_);
-  uploaded.resize_discard(fresh.size());
-  cuda::check(cudaMemcpyAsync(uploaded.data(), fresh.data(), fresh.size() * sizeof(FaceTriangle),
+  triangles_.release(); // or both lists would be held at once
+  triangles_.resize_discard(fresh.size());
+  cuda::check(cudaMemcpyAsync(triangles_.data(), fresh.data(), fresh.size() * sizeof(FaceTriangle),
                               cudaMemcpyHostToDevice, stream_.get()),
               "copying triangles");
-  const bool same = uploaded.size() == triangles_.size() &&
-                    same_triangles(uploaded.data(), triangles_.data(), std::int64_t(fresh.size()),
-                                   scratch_, stream_.get());
   stream_.wait("copying triangles");
-  if (!same)
-    triangles_ = std::move(uploaded);
-  return !same;
 }
 
 Launch OptixLocator::launch_of(Ask ask) const {

@@ -129,12 +129,15 @@ extern "C" __global__ void __closesthit__face() {
   }
   const std::uint32_t cell =
       cell_of_hit(triangle, optixIsTriangleBackFaceHit(), [](const FaceTriangle& t) {
-        math::Vec3f v[4];
-        for (int k = 0; k < 3; ++k)
-          v[k] = launch.vertices[t.vertices[k]];
-        v[3] = launch.vertices[t.corner];
+        // The ray's own vertices, so that the tetrahedron is the one that it hit.
+        const std::uint32_t ids[4] = {t.vertices[0], t.vertices[1], t.vertices[2], t.corner};
+        math::Vec3d quad[4];
+        for (int k = 0; k < 4; ++k) {
+          const math::Vec3f& x = launch.vertices[ids[k]];
+          quad[k] = {x.x, x.y, x.z};
+        }
         const float3 p = optixGetWorldRayOrigin();
-        return patch_side(v, math::Vec3f{p.x, p.y, p.z}) > 0.0f;
+        return is_beside(quad, math::Vec3d{p.x, p.y, p.z});
       });
   optixSetPayload_0(cell);
 }
