@@ -200,8 +200,9 @@ TEST_F(Optix, AnswersOnTheDeviceAsOnTheHost) {
         for (int a = 0; a < 3; ++a)
           ASSERT_NEAR(r[3 * i + std::size_t(a)], exact[i].parametric[a], 1e-6) << i;
       }
-      if (accuracy != INSITU_FAST)
+      if (accuracy != INSITU_FAST) {
         EXPECT_EQ(other, 0u);
+      }
     }
   }
   EXPECT_EQ(cudaStreamDestroy(stream), cudaSuccess);

@@ -9,8 +9,8 @@
 #include "accel/faces/face_table.h"
 #include "accel/optix/context.h"
 #include "accel/optix/kernels.h"
+#include "accel/optix/launch_streams.h"
 #include "accel/optix/pipeline.h"
-#include "accel/optix/queries_in_flight.h"
 #include "accel/optix/structure.h"
 #include "core/status.h"
 #include "core/timer.h"
@@ -59,12 +59,13 @@ private:
   mutable std::mutex mutex_;
   mutable cuda::Workspace workspace_;
   mutable cuda::DeviceBuffer<std::uint32_t> candidates_;
-  mutable QueriesInFlight in_flight_;
+  mutable LaunchStreams streams_;
 };
 
 OptixLocator::OptixLocator(Method method, core::Memory& memory, std::int64_t group)
     : method_(method), memory_(&memory), mesh_(memory), tree_(memory), triangles_(memory),
-      scratch_(memory), rays_(memory, group), workspace_(memory), candidates_(memory) {
+      scratch_(memory), rays_(memory, group), workspace_(memory), candidates_(memory),
+      streams_(memory) {
   Context::get();
 }
 
@@ -74,7 +75,7 @@ void OptixLocator::commit(const mesh::Mesh& mesh, std::uint32_t what, const Face
     throw core::Error(INSITU_ERROR_ARGUMENT,
                       std::string("locator ") + name(method_) + " needs the mesh's faces");
   std::lock_guard lock(mutex_);
-  in_flight_.wait();
+  streams_.wait();
   const bool rebuild = !committed_ || (what & INSITU_CHANGED_TOPOLOGY);
   const bool moved = rebuild || (what & INSITU_CHANGED_GEOMETRY);
   threads_ = &threads;
@@ -172,19 +173,14 @@ Launch OptixLocator::launch_of(Ask ask) const {
 void OptixLocator::run(Launch launch, std::span<double* const> values, std::int64_t count,
                        cudaStream_t stream) const {
   const Pipeline& pipeline = Pipeline::get(method_, Ask(launch.ask), rays_.two_level());
-  const std::size_t bytes = sizeof(Launch) + values.size_bytes();
-  void* memory = nullptr;
-  cuda::check(cudaMallocAsync(&memory, bytes, stream), "making room for a launch");
-  launch.values = reinterpret_cast<double* const*>(static_cast<std::byte*>(memory) + sizeof launch);
-  std::vector<std::byte> host(bytes);
-  std::memcpy(host.data(), &launch, sizeof launch);
+  std::vector<std::byte> parameters(sizeof(Launch) + values.size_bytes());
+  std::byte* place = streams_.place(parameters.size(), stream);
+  launch.values = reinterpret_cast<double* const*>(place + sizeof launch);
+  std::memcpy(parameters.data(), &launch, sizeof launch);
   if (!values.empty())
-    std::memcpy(host.data() + sizeof launch, values.data(), values.size_bytes());
-  // From pageable memory: it has been read when the call returns.
-  cuda::check(cudaMemcpyAsync(memory, host.data(), bytes, cudaMemcpyHostToDevice, stream),
-              "copying a launch");
-  pipeline.launch(memory, std::uint32_t(count), stream);
-  cuda::check(cudaFreeAsync(memory, stream), "releasing a launch");
+    std::memcpy(parameters.data() + sizeof launch, values.data(), values.size_bytes());
+  pipeline.launch(streams_.put(parameters, stream), std::uint32_t(count), stream);
+  streams_.launched(stream);
 }
 
 /// Points and outputs on the device: one launch does all, and nothing waits.
@@ -209,7 +205,6 @@ void OptixLocator::answer_fast(const DeviceQuery& query) const {
       values[f] = query.values[f] + first * query.fields[f].components;
     run(launch, values, std::min(most_rays, query.count - first), stream);
   }
-  in_flight_.add(stream);
 }
 
 DeviceCounts OptixLocator::locate(const DeviceQuery& query) const {
@@ -239,7 +234,8 @@ DeviceCounts OptixLocator::locate(const DeviceQuery& query) const {
 DeviceReport OptixLocator::report() const {
   DeviceReport r;
   r.bytes = mesh_.bytes() + tree_.bytes() + tree_.scratch_bytes() + triangles_.bytes() +
-            scratch_.bytes() + rays_.bytes() + workspace_.device_bytes() + candidates_.bytes();
+            scratch_.bytes() + rays_.bytes() + workspace_.device_bytes() + candidates_.bytes() +
+            streams_.bytes();
   r.peak_bytes = std::max(r.bytes, peak_bytes_);
   r.bytes_copied = mesh_.bytes_copied();
   r.primitives = rays_.count();
