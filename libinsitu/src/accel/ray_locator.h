@@ -27,14 +27,17 @@ struct RayLocatorReport {
 class RayLocator {
 public:
   virtual ~RayLocator() = default;
-  /// Builds over all owning cells. faces: of this mesh, for methods that use them, else null.
-  /// Throws core::Error.
+  /// Builds over all owning cells. faces: of this mesh, for methods that use them, else null. Both
+  /// are read by the other calls, too. Throws core::Error.
   virtual void build(const mesh::MeshView& mesh, const FaceTable* faces,
                      const core::Threads& threads) = 0;
   /// Follows moved vertices; the cells are those that were built.
   virtual void refit(const mesh::MeshView& mesh, const core::Threads& threads) = 0;
-  /// cells[i]: the flat id of the cell that the rule tells for points[i], or -1. Thread-safe.
-  virtual void find(std::span<const math::Vec3d> points, std::span<std::int64_t> cells) const = 0;
+  /// cells[i]: the flat id of the cell that the rule tells for points[i], or -1. beyond: of the
+  /// same size, or empty: the cell on the other side of the face that the ray hit, or -1.
+  /// Thread-safe.
+  virtual void find(std::span<const math::Vec3d> points, std::span<std::int64_t> cells,
+                    std::span<std::int64_t> beyond = {}) const = 0;
   virtual RayLocatorReport report() const = 0;
 };
 

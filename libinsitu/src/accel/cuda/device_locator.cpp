@@ -5,7 +5,7 @@
 #include "accel/cuda/bvh_locator.h"
 #include "core/status.h"
 #if defined(INSITU_HAVE_OPTIX)
-#include "accel/optix/optix_locator.h"
+#include "accel/optix/locator.h"
 #endif
 
 namespace insitu::accel {
@@ -41,7 +41,7 @@ std::string why_unavailable(Backend backend) {
   if (backend == Backend::cuda || !why.empty())
     return why;
 #if defined(INSITU_HAVE_OPTIX)
-  return optix::why_unavailable();
+  return why_no_optix();
 #else
   return "built without OptiX (configure with -DINSITU_OPTIX_ROOT=<SDK>)";
 #endif
@@ -59,7 +59,7 @@ std::unique_ptr<DeviceLocator> make_device_locator(Backend backend, Method metho
     refuse(why);
 #if defined(INSITU_HAVE_OPTIX)
   if (backend == Backend::optix)
-    return optix::make_optix_locator(method, memory);
+    return make_optix_locator(method, memory);
 #endif
   return cuda::make_bvh_locator(memory);
 }

@@ -8,11 +8,6 @@ namespace insitu::accel::embree {
 
 namespace {
 
-bool count_memory(void* user, ssize_t bytes, bool) {
-  static_cast<core::Memory*>(user)->add(INSITU_MEMORY_EMBREE, std::int64_t(bytes));
-  return true;
-}
-
 const char* error_name(RTCError error) {
   switch (error) {
   case RTC_ERROR_OUT_OF_MEMORY:
@@ -32,11 +27,21 @@ const char* error_name(RTCError error) {
 
 } // namespace
 
-Device::Device(core::Memory& memory) : device_(rtcNewDevice(nullptr)) {
+bool Device::count(void* device, ssize_t bytes, bool) {
+  auto& d = *static_cast<Device*>(device);
+  d.memory_.add(INSITU_MEMORY_EMBREE, std::int64_t(bytes));
+  const std::int64_t now = d.bytes_.fetch_add(std::int64_t(bytes)) + std::int64_t(bytes);
+  std::int64_t peak = d.peak_;
+  while (now > peak && !d.peak_.compare_exchange_weak(peak, now)) {
+  }
+  return true;
+}
+
+Device::Device(core::Memory& memory) : memory_(memory), device_(rtcNewDevice(nullptr)) {
   if (!device_)
     throw core::Error(INSITU_ERROR_INTERNAL,
                       std::string("Embree: no device: ") + error_name(rtcGetDeviceError(nullptr)));
-  rtcSetDeviceMemoryMonitorFunction(device_, count_memory, &memory);
+  rtcSetDeviceMemoryMonitorFunction(device_, count, this);
 }
 
 Device::~Device() {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
+
 #include "core/memory.h"
 
 // The one place that knows which Embree is installed; both offer what is used here under the same
@@ -24,8 +27,29 @@ public:
   /// Throws the device's pending error, if any; `what` says what was being done.
   void check(const char* what) const;
 
+  /// Bytes that it holds, and the most since reset_peak().
+  std::int64_t bytes() const { return bytes_; }
+  std::int64_t peak_bytes() const { return peak_; }
+  void reset_peak() { peak_ = bytes_.load(); }
+
 private:
+  static bool count(void* device, ssize_t bytes, bool);
+
+  core::Memory& memory_;
+  std::atomic<std::int64_t> bytes_{0}, peak_{0};
   RTCDevice device_;
 };
+
+/// rtcIntersect1 as both releases have it. Rays in one direction each share little, so packets gain
+/// nothing.
+inline void intersect(RTCScene scene, RTCRayHit& ray) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcIntersect1(scene, &ray, nullptr);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &ray);
+#endif
+}
 
 } // namespace insitu::accel::embree

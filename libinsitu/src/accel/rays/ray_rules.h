@@ -56,6 +56,20 @@ INSITU_HD inline T patch_side(const math::Vec3<T>* v, const math::Vec3<T>& p) {
   return a * c - b * d;
 }
 
+/// Whether the point lies in the quad's corner tetrahedron, beside the diagonal v0-v2: what
+/// cell_of_hit asks. The tetrahedron is asked for as well, since rounding may make it flat: then a
+/// ray from afar hits its back, and patch_side says nothing.
+template <class T>
+INSITU_HD inline bool is_beside(const math::Vec3<T>* v, const math::Vec3<T>& p) {
+  const math::Vec3<T> r0 = v[0] - p, r1 = v[1] - p, r2 = v[2] - p, r3 = v[3] - p;
+  const math::Vec3<T> n0 = cross(r0, r1), n1 = cross(r2, r3);
+  const T a = -dot(r1, n1), b = dot(r0, n1), c = -dot(r3, n0), d = dot(r2, n0);
+  const T zero(0);
+  const bool in_tetrahedron = (a > zero && b > zero && c > zero && d > zero) ||
+                              (a < zero && b < zero && c < zero && d < zero);
+  return in_tetrahedron && a * c > b * d;
+}
+
 /// The cell that the closest hit tells, or `none`: the papers' rule (Morrical 2020, sections 6.2
 /// and 7.1), with the side of the patch asked for instead of a ray's crossing, which it may do
 /// twice. beside(triangle): whether the point lies between the triangle and its quad's patch; asked
