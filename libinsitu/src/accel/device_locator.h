@@ -51,6 +51,8 @@ struct DeviceReport {
   std::int64_t peak_bytes = 0;   ///< the most during the last build
   std::int64_t bytes_copied = 0; ///< of the solver's host arrays that have a copy on the device
   std::int64_t primitives = 0;   ///< cells of the tree, or of rays: triangles or cells
+  std::int64_t ray_groups = 0; ///< of a two-level structure; 1: one level, 0: no rays
+  std::int64_t ray_bytes = 0, ray_peak_bytes = 0; ///< of the rays' structure and its triangles alone
   double tree_seconds = 0.0, rays_seconds = 0.0; ///< of the last build or refit, on the device
 };
 

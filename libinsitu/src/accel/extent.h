@@ -10,15 +10,15 @@ inline constexpr double largest_coordinate = 1e37;
 /// The box of gathered vertices.
 class Extent {
 public:
-  explicit Extent(const math::Vec3d& p) : lo_(p), hi_(p), sum_(p) {}
-  void add(const math::Vec3d& p) {
+  INSITU_HD explicit Extent(const math::Vec3d& p) : lo_(p), hi_(p), sum_(p) {}
+  INSITU_HD void add(const math::Vec3d& p) {
     for (int a = 0; a < 3; ++a) {
       lo_[a] = p[a] < lo_[a] ? p[a] : lo_[a];
       hi_[a] = p[a] > hi_[a] ? p[a] : hi_[a];
     }
     sum_ += p; // keeps a NaN, which the comparisons may lose
   }
-  Box box(const math::Vec3d& origin) const {
+  INSITU_HD Box box(const math::Vec3d& origin) const {
     Box b;
     for (int a = 0; a < 3; ++a) {
       const double l = lo_[a] - origin[a], u = hi_[a] - origin[a];
@@ -34,7 +34,7 @@ private:
   math::Vec3d lo_, hi_, sum_;
 };
 
-inline bool is_empty(const Box& b) {
+INSITU_HD inline bool is_empty(const Box& b) {
   return !(b.lower[0] <= b.upper[0]);
 }
 

@@ -31,6 +31,10 @@ struct ItemLayout {
 /// Unaligned read of a scalar: solvers may pack records, so strides need not be multiples of it.
 template <class T>
 INSITU_HD inline T load_as(const std::byte* p) {
+#if defined(__CUDA_ARCH__) // where it would read byte by byte
+  if (reinterpret_cast<std::uintptr_t>(p) % sizeof(T) == 0)
+    return *reinterpret_cast<const T*>(p);
+#endif
   T value;
   std::memcpy(&value, p, sizeof value);
   return value;

@@ -5,9 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "cells/contain_exact.h"
 #include "cells/kernels.h"
-#include "cells/robust_inverse.h"
 #include "query/candidates.h"
 
 namespace insitu::query {
@@ -31,27 +29,6 @@ bool BoxRule::box(const Vec3d& p, float* lower, float* upper) const {
     upper[a] = accel::round_up(d + w);
   }
   return finite;
-}
-
-Reason decide(mesh::Shape shape, const Vec3d* x, const Vec3d& p) {
-  const cells::ExactResult result = cells::contain_exact(shape, x, p);
-  switch (result.where) {
-  case cells::Containment::inside:
-    return result.exact_used ? Reason::exact : Reason::certified;
-  case cells::Containment::on_face:
-    return Reason::on_face;
-  case cells::Containment::on_edge:
-    return Reason::on_edge;
-  case cells::Containment::on_vertex:
-    return Reason::on_vertex;
-  default:
-    return Reason::outside;
-  }
-}
-
-Vec3d parametric_in(mesh::Shape shape, const Vec3d* x, const Vec3d& p) {
-  const auto map = cells::inverse_map(shape, x, p);
-  return is_plausible(map.converged, map.margin) ? map.r : cells::robust_inverse(shape, x, p);
 }
 
 namespace {

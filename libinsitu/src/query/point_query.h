@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "accel/tree.h"
+#include "cells/decide.h"
 #include "query/sampler.h"
 
 /// What single and batched queries share: the query's box, the decision, the coordinates.
@@ -44,21 +45,14 @@ struct PointQuery {
   Location locate(const math::Vec3d& p, Reason& reason) const;
 };
 
-/// Whether the closed cell holds the point, and why: exact. x: the cell's vertices.
-Reason decide(mesh::Shape shape, const math::Vec3d* x, const math::Vec3d& p);
+using cells::decide;
+using cells::is_plausible;
+using cells::parametric_in;
 
 /// Whether the point is on the cell's boundary as far as Newton's certificate tells, so that no
 /// other cell will be proven to hold it either.
 inline bool is_on_boundary(double margin, double error) {
   return std::fabs(margin) <= error && error < 1e-6;
 }
-
-/// Whether what Newton found in a cell that holds the point is where it lies.
-inline bool is_plausible(bool converged, double margin) {
-  return converged && margin >= -1e-3;
-}
-
-/// The parametric coordinates of a point in a cell that holds it.
-math::Vec3d parametric_in(mesh::Shape shape, const math::Vec3d* x, const math::Vec3d& p);
 
 } // namespace insitu::query

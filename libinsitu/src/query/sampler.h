@@ -6,6 +6,7 @@
 #include <span>
 
 #include "accel/morton/sort.h"
+#include "cells/decide.h"
 #include "core/parallel.h"
 #include "math/vec.h"
 #include "mesh/view.h"
@@ -26,16 +27,8 @@ struct Location {
   explicit operator bool() const { return cell >= 0; }
 };
 
-/// Why a point has the owner that it has; the values of insitu_reason.
-enum class Reason : std::uint8_t {
-  outside,   ///< no owning cell holds it
-  certified, ///< strictly inside its owner, proven in floating point
-  exact,     ///< strictly inside its owner, by exact arithmetic
-  on_face,   ///< on a face of its owner: the lowest id of the cells there
-  on_edge,   ///< the same, on an edge
-  on_vertex, ///< the same, on a vertex
-};
-constexpr int reason_count = 6;
+using cells::Reason;
+using cells::reason_count;
 
 struct LocateOptions {
   /// They differ only where cells overlap without folding; see insitu_accuracy.

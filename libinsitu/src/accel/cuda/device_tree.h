@@ -39,10 +39,8 @@ public:
   std::int64_t scratch_bytes() const; ///< kept
 
 private:
-  struct Item;
   std::int64_t collect_owners(const DeviceMesh& mesh, cudaStream_t stream);
-  void sort_cells(const DeviceMesh& mesh, cudaStream_t stream);
-  void make_topology(cudaStream_t stream);
+  void make_topology(std::uint32_t n, const std::uint32_t* order, cudaStream_t stream);
   void fit(const DeviceMesh& mesh, bool from_boxes, cudaStream_t stream);
   void check_refused(const DeviceMesh& mesh, cudaStream_t stream);
   template <class F>
@@ -54,7 +52,7 @@ private:
   math::Vec3d origin_;
   std::int64_t cell_count_ = 0;
   // Scratch.
-  DeviceBuffer<Box> boxes_;      ///< of cells, in the order of their ids
+  DeviceBuffer<Box> boxes_;      ///< of cells, by flat id
   DeviceBuffer<Box> node_boxes_; ///< of nodes; also of refits
   DeviceBuffer<std::uint64_t> codes_[2];
   DeviceBuffer<std::uint32_t> order_, splits_;

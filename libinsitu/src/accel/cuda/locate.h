@@ -26,7 +26,7 @@ private:
 };
 
 /// Most points of a slice.
-constexpr std::uint32_t host_slice = 1u << 20, device_slice = 1u << 24;
+constexpr std::uint32_t host_slice = 1u << 20, device_slice = 1u << 22;
 
 /// What a ray method finds for some points in device memory: flat ids or `none`, on the device, in
 /// the order of the points, written on the stream. The array may be reused for the next slice on

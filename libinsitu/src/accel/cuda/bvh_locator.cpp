@@ -1,0 +1,76 @@
+#include "accel/cuda/bvh_locator.h"
+
+#include <algorithm>
+
+#include "accel/cuda/locate.h"
+#include "core/status.h"
+#include "core/timer.h"
+
+namespace insitu::accel::cuda {
+
+namespace {
+
+class BvhLocator final : public DeviceLocator {
+public:
+  explicit BvhLocator(core::Memory& memory) : mesh_(memory), tree_(memory), workspace_(memory) {}
+
+  void commit(const mesh::Mesh& mesh, std::uint32_t what, const FaceTable*,
+              const core::Threads& threads) override {
+    threads_ = &threads;
+    built_ = built_ && !(what & (INSITU_CHANGED_TOPOLOGY | INSITU_CHANGED_GEOMETRY));
+    mesh_.commit(mesh, what, stream_.get());
+    report_.tree_seconds = 0.0;
+    if (!built_) {
+      const core::Timer timer;
+      if (what & INSITU_CHANGED_TOPOLOGY)
+        tree_.build(mesh_, stream_.get());
+      else
+        tree_.refit(mesh_, stream_.get());
+      report_.tree_seconds = timer.seconds();
+      if (what & INSITU_CHANGED_TOPOLOGY)
+        report_.peak_bytes = bytes();
+      built_ = true;
+    }
+    // Scratch is worth keeping only while rebuilds come often.
+    constexpr int patience = 4;
+    commits_since_build_ = what & INSITU_CHANGED_TOPOLOGY ? 0 : commits_since_build_ + 1;
+    if (commits_since_build_ == patience)
+      tree_.release_scratch();
+  }
+
+  DeviceCounts locate(const DeviceQuery& query) const override {
+    if (!built_)
+      throw core::Error(INSITU_ERROR_ORDER, "the mesh is not committed on the device");
+    return locate_points(mesh_, &tree_, workspace_, *threads_, query, nullptr);
+  }
+
+  DeviceReport report() const override {
+    DeviceReport report = report_;
+    report.bytes = bytes();
+    report.bytes_copied = mesh_.bytes_copied();
+    report.primitives = tree_.cell_count();
+    return report;
+  }
+
+private:
+  std::int64_t bytes() const {
+    return mesh_.bytes() + tree_.bytes() + tree_.scratch_bytes() + workspace_.device_bytes();
+  }
+
+  Stream stream_;
+  DeviceMesh mesh_;
+  DeviceTree tree_;
+  mutable Workspace workspace_;
+  const core::Threads* threads_ = nullptr; ///< of the last commit: the session's
+  bool built_ = false;
+  int commits_since_build_ = 0;
+  DeviceReport report_;
+};
+
+} // namespace
+
+std::unique_ptr<DeviceLocator> make_bvh_locator(core::Memory& memory) {
+  return std::make_unique<BvhLocator>(memory);
+}
+
+} // namespace insitu::accel::cuda

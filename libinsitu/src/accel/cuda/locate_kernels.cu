@@ -1,0 +1,203 @@
+#include "accel/cuda/answer.cuh"
+#include "accel/cuda/launch.h"
+#include "accel/cuda/traverse.cuh"
+
+namespace insitu::accel::cuda {
+
+namespace {
+
+constexpr int block = 128;
+
+/// Appends what the filter leaves undecided of one point.
+class OpenList {
+public:
+  __device__ OpenList(const Lists& lists, std::uint32_t point) : lists_(lists), point_(point) {}
+  __device__ void add(std::uint32_t cell) {
+    if (place_ == none)
+      place_ = atomicAdd(lists_.counters + Lists::open, 1u);
+    const std::uint32_t at = atomicAdd(lists_.counters + Lists::pair, 1u);
+    if (at < lists_.pair_room)
+      lists_.pairs[at] = {place_, cell};
+    else
+      full_ = true;
+  }
+  /// True if the host has to look at the point.
+  __device__ bool close(std::uint32_t best) {
+    if (place_ == none)
+      return false;
+    lists_.open_points[place_] = {full_ ? none : point_, best};
+    if (full_)
+      lists_.again_points[atomicAdd(lists_.counters + Lists::again, 1u)] = point_;
+    return true;
+  }
+
+private:
+  const Lists& lists_;
+  std::uint32_t point_, place_ = none;
+  bool full_ = false;
+};
+
+/// The list's best candidate below a rank, or -1. alone: the deepest; else the lowest id.
+template <bool alone>
+__device__ inline int next_candidate(const CandidateList& list, unsigned tried,
+                                     std::uint32_t best) {
+  int next = -1;
+  for (int k = 0; k < list.count; ++k) {
+    if ((tried >> k) & 1u || list.cell[k] >= best)
+      continue;
+    if (next < 0 || (alone ? list.depth[k] > list.depth[next] : list.cell[k] < list.cell[next]))
+      next = k;
+  }
+  return next;
+}
+
+template <bool alone, bool map, Shape S>
+__global__ void __launch_bounds__(block) locate_kernel(const __grid_constant__ LocateArguments a) {
+  const std::int64_t thread = global_thread();
+  if (thread >= a.count)
+    return;
+  const std::uint32_t i = a.subset ? a.subset[thread] : std::uint32_t(thread);
+  const Vec3d p = point_of(a, i);
+  std::uint32_t best = none;
+  bool proven = false;
+  mesh::CellVertices cell;
+  if (a.candidates) {
+    const std::uint32_t candidate = a.candidates[i];
+    if (candidate != none) {
+      gather_cell<S>(a, candidate, cell);
+      if (prove<S>(cell, p) == cells::FilterResult::inside) {
+        best = candidate;
+        proven = alone;
+      }
+    }
+    atomicAdd(a.lists.counters + (proven ? Lists::kept : Lists::asked), 1u);
+  }
+  OpenList open(a.lists, i);
+  if (!proven) {
+    Traversal traversal(a.tree, p);
+    while (!traversal.finished() && !proven) {
+      CandidateList list;
+      traversal.run(list);
+      unsigned tried = 0, undecided = 0;
+      for (int k; !proven && (k = next_candidate<alone>(list, tried, best)) >= 0;) {
+        tried |= 1u << k;
+        gather_cell<S>(a, list.cell[k], cell);
+        const cells::FilterResult result = prove<S>(cell, p);
+        if (result == cells::FilterResult::inside) {
+          best = list.cell[k]; // in exact no lower one is left in the list
+          proven = alone;
+        } else if (result == cells::FilterResult::undecided) {
+          undecided |= 1u << k;
+        }
+      }
+      if (!proven)
+        for (int k = 0; k < list.count; ++k)
+          if ((undecided >> k) & 1u && list.cell[k] < best)
+            open.add(list.cell[k]);
+    }
+  }
+  if (!open.close(best))
+    finish<map, S>(a, i, best, cells::Reason::certified, p);
+}
+
+template <bool map>
+__global__ void __launch_bounds__(block)
+finish_kernel(const __grid_constant__ LocateArguments a, const OwnedPoint* owned,
+              std::uint32_t count) {
+  const std::int64_t i = global_thread();
+  if (i >= count)
+    return;
+  const OwnedPoint o = owned[i];
+  finish<map, Shape::none>(a, o.point, o.cell, o.reason, point_of(a, o.point));
+}
+
+__global__ void finish_at_kernel(const __grid_constant__ LocateArguments a, const OwnedPoint* owned,
+                                 const Vec3d* parametric, std::uint32_t count) {
+  const std::int64_t i = global_thread();
+  if (i >= count)
+    return;
+  const OwnedPoint o = owned[i];
+  mesh::CellVertices cell;
+  mesh::gather(a.mesh, o.cell, cell);
+  write_answer(a, o.point, o.cell, cell, o.reason, parametric[i]);
+}
+
+template <bool hard>
+__global__ void gather_kernel(const __grid_constant__ LocateArguments a, std::uint32_t first,
+                              std::uint32_t count, PairData* out) {
+  const std::int64_t i = global_thread();
+  if (i >= count)
+    return;
+  std::uint32_t flat, point;
+  if constexpr (hard) {
+    flat = a.lists.hard_points[first + i].cell;
+    point = a.lists.hard_points[first + i].point;
+  } else {
+    flat = a.lists.pairs[first + i].cell;
+    point = a.lists.open_points[a.lists.pairs[first + i].open].point;
+  }
+  mesh::CellVertices cell;
+  mesh::gather(a.mesh, flat, cell);
+  for (int v = 0; v < cell.count; ++v)
+    out[i].x[v] = cell.x[v];
+  if (point != none)
+    out[i].p = point_of(a, point);
+  out[i].cell = flat;
+  out[i].shape = cell.shape;
+}
+
+} // namespace
+
+void launch_locate(const LocateArguments& a, cudaStream_t stream) {
+  if (a.count == 0)
+    return;
+  with_shape(a.shape, [&]<Shape S>() {
+    const auto launch = [&](auto kernel) {
+      kernel<<<blocks_for(a.count, block), block, 0, stream>>>(a);
+    };
+    if (a.alone)
+      a.out.needs_map ? launch(locate_kernel<true, true, S>)
+                      : launch(locate_kernel<true, false, S>);
+    else
+      a.out.needs_map ? launch(locate_kernel<false, true, S>)
+                      : launch(locate_kernel<false, false, S>);
+  });
+  check_launch("locating points");
+}
+
+void launch_finish(const LocateArguments& a, const OwnedPoint* owned, std::uint32_t count,
+                   cudaStream_t stream) {
+  if (count == 0)
+    return;
+  if (a.out.needs_map)
+    finish_kernel<true><<<blocks_for(count, block), block, 0, stream>>>(a, owned, count);
+  else
+    finish_kernel<false><<<blocks_for(count, block), block, 0, stream>>>(a, owned, count);
+  check_launch("writing answers");
+}
+
+void launch_finish_at(const LocateArguments& a, const OwnedPoint* owned, const Vec3d* parametric,
+                      std::uint32_t count, cudaStream_t stream) {
+  if (count == 0)
+    return;
+  finish_at_kernel<<<blocks_for(count, block), block, 0, stream>>>(a, owned, parametric, count);
+  check_launch("writing answers");
+}
+
+void launch_gather_pairs(const LocateArguments& a, std::uint32_t first, std::uint32_t count,
+                         PairData* out, cudaStream_t stream) {
+  if (count == 0)
+    return;
+  gather_kernel<false><<<blocks_for(count, block), block, 0, stream>>>(a, first, count, out);
+  check_launch("gathering undecided cells");
+}
+
+void launch_gather_hard(const LocateArguments& a, std::uint32_t first, std::uint32_t count,
+                        PairData* out, cudaStream_t stream) {
+  if (count == 0)
+    return;
+  gather_kernel<true><<<blocks_for(count, block), block, 0, stream>>>(a, first, count, out);
+  check_launch("gathering cells for damped iterations");
+}
+
+} // namespace insitu::accel::cuda

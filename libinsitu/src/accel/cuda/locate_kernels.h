@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <cuda_runtime_api.h>
+
+#include "accel/cuda/device_mesh.h"
+#include "accel/cuda/device_tree.h"
+#include "cells/decide.h"
+
+/// The kernels behind locate_points(), and what they hand to the host.
+namespace insitu::accel::cuda {
+
+constexpr int most_fields = 32; ///< of one launch
+
+/// Where answers go, on the device; null for what is not wanted.
+struct Outputs {
+  std::int64_t* cells = nullptr;
+  double* parametric = nullptr;
+  std::uint8_t* reasons = nullptr;
+  const DeviceField* fields = nullptr;
+  int field_count = 0;
+  bool needs_map = false; ///< parametric coordinates or vertex fields are wanted
+  double* values[most_fields] = {};
+};
+
+/// A point left open, with the lowest cell that is proven to hold it so far.
+struct OpenPoint {
+  std::uint32_t point; ///< `none`: asked again, with others
+  std::uint32_t best;
+};
+/// One that may hold an open point, by its place in the list of those.
+struct OpenPair {
+  std::uint32_t open, cell;
+};
+/// The point of a slice and the cell that holds it.
+struct OwnedPoint {
+  std::uint32_t point, cell;
+  cells::Reason reason;
+};
+
+/// Lists that kernels append to.
+struct Lists {
+  enum Counter { open, pair, again, hard, kept, asked, counter_count };
+  std::uint32_t* counters = nullptr;
+  OpenPoint* open_points = nullptr; ///< [points of the slice]
+  OpenPair* pairs = nullptr;        ///< [pair_room]
+  std::uint32_t pair_room = 0;
+  std::uint32_t* again_points = nullptr; ///< [points]: there was no room for their pairs
+  OwnedPoint* hard_points = nullptr;     ///< [points]: Newton's method does not find them
+};
+
+struct LocateArguments {
+  mesh::MeshView mesh;
+  mesh::PieceView piece; ///< the mesh's only one, where shape is not none
+  mesh::Shape shape = mesh::Shape::none;
+  TreeView tree;
+  const double* points = nullptr;
+  std::uint32_t count = 0;
+  const std::uint32_t* subset = nullptr;     ///< [count] numbers of points, or null: all
+  const std::uint32_t* candidates = nullptr; ///< by point, or null
+  bool alone = false; ///< a cell proven to hold the point strictly inside answers alone
+  Outputs out;
+  Lists lists;
+};
+
+void launch_locate(const LocateArguments& arguments, cudaStream_t stream);
+/// `fast`: the first cell in float; the candidates, if given, as they are.
+void launch_locate_fast(const LocateArguments& arguments, cudaStream_t stream);
+
+/// Vertices of a cell and the point that it may hold, for the host.
+struct PairData {
+  math::Vec3d x[8];
+  math::Vec3d p;
+  std::uint32_t cell;
+  mesh::Shape shape;
+};
+/// Of pairs [first, first + count) of the lists.
+void launch_gather_pairs(const LocateArguments& arguments, std::uint32_t first, std::uint32_t count,
+                         PairData* out, cudaStream_t stream);
+/// The same of hard points.
+void launch_gather_hard(const LocateArguments& arguments, std::uint32_t first, std::uint32_t count,
+                        PairData* out, cudaStream_t stream);
+/// Writes the answers of points whose owners (or `none`) are known; may leave hard points.
+void launch_finish(const LocateArguments& arguments, const OwnedPoint* owned, std::uint32_t count,
+                   cudaStream_t stream);
+/// The same of points whose parametric coordinates are known as well.
+void launch_finish_at(const LocateArguments& arguments, const OwnedPoint* owned,
+                      const math::Vec3d* parametric, std::uint32_t count, cudaStream_t stream);
+
+} // namespace insitu::accel::cuda

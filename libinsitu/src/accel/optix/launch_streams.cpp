@@ -1,0 +1,65 @@
+#include "accel/optix/launch_streams.h"
+
+#include <algorithm>
+
+namespace insitu::accel::optix {
+
+LaunchStreams::~LaunchStreams() {
+  clear();
+}
+
+void LaunchStreams::clear() noexcept {
+  for (const Entry& e : entries_) {
+    (void)cudaEventSynchronize(e.done);
+    (void)cudaEventDestroy(e.done);
+  }
+  entries_.clear();
+}
+
+LaunchStreams::Entry& LaunchStreams::find(cudaStream_t stream) {
+  const auto at = std::find_if(entries_.begin(), entries_.end(),
+                               [&](const Entry& e) { return e.stream == stream; });
+  if (at != entries_.end())
+    return *at;
+  if (entries_.size() >= most)
+    clear();
+  cudaEvent_t event;
+  cuda::check(cudaEventCreateWithFlags(&event, cudaEventDisableTiming), "making an event");
+  return entries_.emplace_back(Entry{stream, event, cuda::DeviceBuffer<std::byte>(*memory_)});
+}
+
+std::byte* LaunchStreams::place(std::size_t bytes, cudaStream_t stream) {
+  Entry& entry = find(stream);
+  entry.parameters.resize_discard(bytes);
+  return entry.parameters.data();
+}
+
+std::byte* LaunchStreams::put(const std::vector<std::byte>& parameters, cudaStream_t stream) {
+  Entry& entry = find(stream);
+  entry.parameters.resize_discard(parameters.size());
+  // Another stream may have had this handle before.
+  cuda::check(cudaStreamWaitEvent(stream, entry.done, 0), "waiting for a launch");
+  // From pageable memory: it has been read when the call returns.
+  cuda::check(cudaMemcpyAsync(entry.parameters.data(), parameters.data(), parameters.size(),
+                              cudaMemcpyHostToDevice, stream),
+              "copying a launch");
+  return entry.parameters.data();
+}
+
+void LaunchStreams::launched(cudaStream_t stream) {
+  cuda::check(cudaEventRecord(find(stream).done, stream), "recording an event");
+}
+
+void LaunchStreams::wait() {
+  for (const Entry& e : entries_)
+    cuda::check(cudaEventSynchronize(e.done), "waiting for queries");
+}
+
+std::int64_t LaunchStreams::bytes() const {
+  std::int64_t sum = 0;
+  for (const Entry& e : entries_)
+    sum += e.parameters.bytes();
+  return sum;
+}
+
+} // namespace insitu::accel::optix

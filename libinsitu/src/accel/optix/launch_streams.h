@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cuda_runtime_api.h>
+#include <vector>
+
+#include "accel/cuda/device_buffer.h"
+
+namespace insitu::accel::optix {
+
+/// The streams on which launches were queued, each with memory for a launch's parameters: a stream
+/// runs in order, so the next launch may overwrite those of the one before. A commit waits for all,
+/// since it changes what they read. One thread at a time.
+class LaunchStreams {
+public:
+  explicit LaunchStreams(core::Memory& memory) : memory_(&memory) {}
+  LaunchStreams(const LaunchStreams&) = delete;
+  LaunchStreams& operator=(const LaunchStreams&) = delete;
+  ~LaunchStreams();
+
+  /// Queues a copy of a launch's parameters; returns where on the device they are.
+  std::byte* put(const std::vector<std::byte>& parameters, cudaStream_t stream);
+  /// The launch that reads them has been queued.
+  void launched(cudaStream_t stream);
+  void wait();
+  std::int64_t bytes() const;
+
+  /// Where the next parameters of that size will be put.
+  std::byte* place(std::size_t bytes, cudaStream_t stream);
+
+private:
+  struct Entry {
+    cudaStream_t stream;
+    cudaEvent_t done;
+    cuda::DeviceBuffer<std::byte> parameters;
+  };
+  Entry& find(cudaStream_t stream);
+  void clear() noexcept;
+
+  static constexpr std::size_t most = 64; ///< streams that are remembered
+  core::Memory* memory_;
+  std::vector<Entry> entries_;
+};
+
+} // namespace insitu::accel::optix

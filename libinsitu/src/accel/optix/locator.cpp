@@ -1,0 +1,265 @@
+#include "accel/optix/locator.h"
+
+#include <algorithm>
+#include <cstring>
+#include <mutex>
+
+#include "accel/cuda/device_tree.h"
+#include "accel/cuda/locate.h"
+#include "accel/faces/face_table.h"
+#include "accel/optix/context.h"
+#include "accel/optix/kernels.h"
+#include "accel/optix/launch_streams.h"
+#include "accel/optix/pipeline.h"
+#include "accel/optix/structure.h"
+#include "core/status.h"
+#include "core/timer.h"
+
+namespace insitu::accel {
+namespace optix {
+namespace {
+
+constexpr float vanishing = 1e-10f;         ///< the length of rays that ask boxes
+constexpr std::int64_t most_rays = 1 << 30; ///< of a launch
+
+class OptixLocator final : public DeviceLocator {
+public:
+  OptixLocator(Method method, core::Memory& memory, std::int64_t group);
+
+  void commit(const mesh::Mesh& mesh, std::uint32_t what, const FaceTable* faces,
+              const core::Threads& threads) override;
+  DeviceCounts locate(const DeviceQuery& query) const override;
+  DeviceReport report() const override;
+
+private:
+  void commit_rays(const mesh::Mesh& mesh, bool rebuild, const FaceTable* faces,
+                   const core::Threads& threads);
+  void upload_triangles(const mesh::Mesh& mesh, const FaceTable& faces,
+                        const core::Threads& threads);
+  Launch launch_of(Ask ask) const;
+  void run(Launch launch, std::span<double* const> values, std::int64_t count,
+           cudaStream_t stream) const;
+  void answer_fast(const DeviceQuery& query) const;
+
+  const Method method_;
+  core::Memory* memory_;
+  cuda::Stream stream_;
+  cuda::DeviceMesh mesh_;
+  cuda::DeviceTree tree_;
+  cuda::DeviceBuffer<FaceTriangle> triangles_;
+  cuda::DeviceBuffer<std::uint32_t> scratch_;
+  Structure rays_;
+  float length_ = vanishing;
+  bool committed_ = false;
+  double tree_seconds_ = 0.0, rays_seconds_ = 0.0;
+  std::int64_t peak_bytes_ = 0;
+  const core::Threads* threads_ = nullptr; ///< of the last commit: settle points on the host
+  const math::Vec3f* vertices_ = nullptr;
+  // Of queries, one at a time.
+  mutable std::mutex mutex_;
+  mutable cuda::Workspace workspace_;
+  mutable cuda::DeviceBuffer<std::uint32_t> candidates_;
+  mutable LaunchStreams streams_;
+};
+
+OptixLocator::OptixLocator(Method method, core::Memory& memory, std::int64_t group)
+    : method_(method), memory_(&memory), mesh_(memory), tree_(memory), triangles_(memory),
+      scratch_(memory), rays_(memory, group), workspace_(memory), candidates_(memory),
+      streams_(memory) {
+  Context::get();
+}
+
+void OptixLocator::commit(const mesh::Mesh& mesh, std::uint32_t what, const FaceTable* faces,
+                          const core::Threads& threads) {
+  if (uses_faces(method_) && !faces)
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      std::string("locator ") + name(method_) + " needs the mesh's faces");
+  std::lock_guard lock(mutex_);
+  streams_.wait();
+  const bool rebuild = !committed_ || (what & INSITU_CHANGED_TOPOLOGY);
+  const bool moved = rebuild || (what & INSITU_CHANGED_GEOMETRY);
+  threads_ = &threads;
+  committed_ = false;
+  mesh_.commit(mesh, rebuild ? std::uint32_t(INSITU_CHANGED_ALL) : what, stream_.get());
+  if (moved) {
+    const core::Timer timer;
+    if (rebuild)
+      tree_.build(mesh_, stream_.get());
+    else
+      tree_.refit(mesh_, stream_.get());
+    tree_seconds_ = timer.seconds();
+    commit_rays(mesh, rebuild, faces, threads);
+  }
+  committed_ = true;
+}
+
+void OptixLocator::commit_rays(const mesh::Mesh& mesh, bool rebuild, const FaceTable* faces,
+                               const core::Threads& threads) {
+  Primitives primitives;
+  const auto fill = [&](Box* boxes, std::int64_t first, std::int64_t n) {
+    fill_cell_boxes(mesh_.view(), mesh_.origin(), tree_.view().cells, first, n, boxes,
+                    stream_.get());
+  };
+  const Primitives::FillBoxes fill_boxes(fill);
+  if (uses_faces(method_)) {
+    primitives.vertices = mesh_.vertices(stream_.get());
+    vertices_ = reinterpret_cast<const math::Vec3f*>(primitives.vertices);
+    // Faces keep their halves when vertices move; what bounds a patch may turn.
+    if (!rebuild && method_ == Method::shared_bilinear_faces)
+      rebuild = quads_turned(triangles_.data(), std::int64_t(triangles_.size()),
+                             primitives.vertices, scratch_, stream_.get());
+    if (rebuild)
+      upload_triangles(mesh, *faces, threads);
+    primitives.vertex_count = mesh_.vertex_count();
+    primitives.triangles = triangles_.data();
+    primitives.count = std::int64_t(triangles_.size());
+    length_ = longest_distance(mesh_.view(), tree_.view().cells, tree_.cell_count(), scratch_,
+                               stream_.get()) *
+              1.0001f; // the ray's own rounding
+  } else {
+    primitives.boxes = &fill_boxes;
+    primitives.count = tree_.cell_count();
+  }
+  const core::Timer timer;
+  if (rebuild) {
+    const std::int64_t others = mesh_.bytes() + tree_.bytes() + triangles_.bytes();
+    rays_.build(primitives, stream_.get());
+    peak_bytes_ = others + rays_.peak_bytes();
+  } else {
+    rays_.refit(primitives, stream_.get());
+  }
+  rays_seconds_ = timer.seconds();
+}
+
+/// The triangles of the coordinates as they are.
+void OptixLocator::upload_triangles(const mesh::Mesh& mesh, const FaceTable& faces,
+                                    const core::Threads& threads) {
+  mesh.visit_arrays(
+      [&](const mesh::ExternalArray& array, const std::string& which, mesh::Mesh::ArrayKind kind) {
+        if (kind != mesh::Mesh::ArrayKind::field && array.memory != INSITU_HOST)
+          throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                            std::string("locator ") + name(method_) + ": " + which +
+                                " is in device memory; faces are found on the host");
+      });
+  core::Buffer<FaceTriangle> fresh(*memory_, INSITU_MEMORY_BUILD);
+  faces.triangles(mesh.view(), threads, method_, fresh);
+  if (fresh.size() > none)
+    throw core::Error(INSITU_ERROR_MESH, std::string("locator ") + name(method_) + ": " +
+                                             std::to_string(fresh.size()) +
+                                             " triangles, at most 4294967295");
+  triangles_.release(); // or both lists would be held at once
+  triangles_.resize_discard(fresh.size());
+  cuda::check(cudaMemcpyAsync(triangles_.data(), fresh.data(), fresh.size() * sizeof(FaceTriangle),
+                              cudaMemcpyHostToDevice, stream_.get()),
+              "copying triangles");
+  stream_.wait("copying triangles");
+}
+
+Launch OptixLocator::launch_of(Ask ask) const {
+  Launch launch{};
+  launch.method = std::uint32_t(method_);
+  launch.ask = std::uint32_t(ask);
+  launch.tree = rays_.handle();
+  launch.origin = mesh_.origin();
+  launch.length = length_;
+  launch.triangles = triangles_.data();
+  launch.vertices = vertices_;
+  launch.owners = method_ == Method::user_geometry ? tree_.view().cells : nullptr;
+  launch.mesh = mesh_.view();
+  return launch;
+}
+
+/// values: pointers of the device, a field each.
+void OptixLocator::run(Launch launch, std::span<double* const> values, std::int64_t count,
+                       cudaStream_t stream) const {
+  const Pipeline& pipeline = Pipeline::get(method_, Ask(launch.ask), rays_.two_level());
+  std::vector<std::byte> parameters(sizeof(Launch) + values.size_bytes());
+  std::byte* place = streams_.place(parameters.size(), stream);
+  launch.values = reinterpret_cast<double* const*>(place + sizeof launch);
+  std::memcpy(parameters.data(), &launch, sizeof launch);
+  if (!values.empty())
+    std::memcpy(parameters.data() + sizeof launch, values.data(), values.size_bytes());
+  pipeline.launch(streams_.put(parameters, stream), std::uint32_t(count), stream);
+  streams_.launched(stream);
+}
+
+/// Points and outputs on the device: one launch does all, and nothing waits.
+void OptixLocator::answer_fast(const DeviceQuery& query) const {
+  const auto stream = static_cast<cudaStream_t>(query.stream);
+  bool interpolates = query.parametric != nullptr;
+  for (const mesh::FieldView& field : query.fields)
+    interpolates |= field.association == INSITU_VERTEX;
+  Launch launch = launch_of(interpolates           ? Ask::interpolated
+                            : query.fields.empty() ? Ask::cells
+                                                   : Ask::cell_values);
+  if (!query.fields.empty())
+    launch.fields = mesh_.fields(query.fields, stream);
+  launch.field_count = std::int32_t(query.fields.size());
+  std::vector<double*> values(query.fields.size());
+  for (std::int64_t first = 0; first < query.count; first += most_rays) {
+    launch.points = query.points + 3 * first;
+    launch.cells = query.cells ? query.cells + first : nullptr;
+    launch.parametric = query.parametric ? query.parametric + 3 * first : nullptr;
+    launch.reasons = query.reasons ? query.reasons + first : nullptr;
+    for (std::size_t f = 0; f < values.size(); ++f)
+      values[f] = query.values[f] + first * query.fields[f].components;
+    run(launch, values, std::min(most_rays, query.count - first), stream);
+  }
+}
+
+DeviceCounts OptixLocator::locate(const DeviceQuery& query) const {
+  std::lock_guard lock(mutex_);
+  if (!committed_)
+    throw core::Error(INSITU_ERROR_ORDER,
+                      std::string("locator ") + name(method_) + " on optix: not committed");
+  if (query.count == 0)
+    return {};
+  const bool fast = query.accuracy == INSITU_FAST;
+  if (fast && query.on_device) {
+    answer_fast(query);
+    return {};
+  }
+  const auto find = [&](const double* points, std::uint32_t count, cudaStream_t stream) {
+    candidates_.resize_discard(count);
+    Launch launch = launch_of(fast ? Ask::cells : Ask::candidates);
+    launch.points = points;
+    launch.candidates = candidates_.data();
+    run(launch, {}, count, stream);
+    return static_cast<const std::uint32_t*>(candidates_.data());
+  };
+  const cuda::CandidatesOf candidates(find);
+  return cuda::locate_points(mesh_, &tree_, workspace_, *threads_, query, &candidates);
+}
+
+DeviceReport OptixLocator::report() const {
+  DeviceReport r;
+  r.bytes = mesh_.bytes() + tree_.bytes() + tree_.scratch_bytes() + triangles_.bytes() +
+            scratch_.bytes() + rays_.bytes() + workspace_.device_bytes() + candidates_.bytes() +
+            streams_.bytes();
+  r.peak_bytes = std::max(r.bytes, peak_bytes_);
+  r.bytes_copied = mesh_.bytes_copied();
+  r.primitives = rays_.count();
+  r.ray_groups = rays_.group_count();
+  r.ray_bytes = rays_.bytes() + triangles_.bytes();
+  r.ray_peak_bytes = rays_.peak_bytes() + triangles_.bytes();
+  r.tree_seconds = tree_seconds_;
+  r.rays_seconds = rays_seconds_;
+  return r;
+}
+
+} // namespace
+} // namespace optix
+
+std::unique_ptr<DeviceLocator> make_optix_locator(Method method, core::Memory& memory,
+                                                  std::int64_t group) {
+  if (!has(Backend::optix, method))
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      std::string("backend optix has no method ") + name(method));
+  return std::make_unique<optix::OptixLocator>(method, memory, group);
+}
+
+std::string why_no_optix() {
+  return optix::Context::why_unavailable();
+}
+
+} // namespace insitu::accel

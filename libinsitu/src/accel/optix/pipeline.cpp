@@ -1,0 +1,136 @@
+#include "accel/optix/pipeline.h"
+
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <optix_stack_size.h>
+#include <optix_stubs.h>
+
+#include "accel/cuda/device_buffer.h"
+#include "accel/optix/context.h"
+#include "optix_programs.inc" // programs.cu in OptiX-IR, as an array
+
+namespace insitu::accel::optix {
+namespace {
+
+/// A record of the binding table: its programs, no data of its own.
+struct alignas(OPTIX_SBT_RECORD_ALIGNMENT) Record {
+  char header[OPTIX_SBT_RECORD_HEADER_SIZE];
+};
+
+OptixPipelineCompileOptions pipeline_options(Method method, bool two_level) {
+  OptixPipelineCompileOptions options{};
+  options.traversableGraphFlags = two_level
+                                      ? OPTIX_TRAVERSABLE_GRAPH_FLAG_ALLOW_SINGLE_LEVEL_INSTANCING
+                                      : OPTIX_TRAVERSABLE_GRAPH_FLAG_ALLOW_SINGLE_GAS;
+  options.numPayloadValues = 1;   // the cell
+  options.numAttributeValues = 2; // a triangle's own, the least
+  options.exceptionFlags = OPTIX_EXCEPTION_FLAG_NONE;
+  options.pipelineLaunchParamsVariableName = "launch_parameters";
+  options.usesPrimitiveTypeFlags = method == Method::user_geometry
+                                       ? OPTIX_PRIMITIVE_TYPE_FLAGS_CUSTOM
+                                       : OPTIX_PRIMITIVE_TYPE_FLAGS_TRIANGLE;
+  return options;
+}
+
+OptixModule make_module(Method method, Ask ask, const OptixPipelineCompileOptions& pipeline) {
+  const auto method_value = std::uint32_t(method), ask_value = std::uint32_t(ask);
+  OptixModuleCompileBoundValueEntry bound[2] = {};
+  bound[0] = {offsetof(Launch, method), sizeof method_value, &method_value, "method"};
+  bound[1] = {offsetof(Launch, ask), sizeof ask_value, &ask_value, "ask"};
+  OptixModuleCompileOptions options{};
+  options.optLevel = OPTIX_COMPILE_OPTIMIZATION_DEFAULT;
+  options.debugLevel = OPTIX_COMPILE_DEBUG_LEVEL_NONE;
+  options.boundValues = bound;
+  options.numBoundValues = 2;
+  char log[2048];
+  std::size_t log_size = sizeof log;
+  OptixModule module = nullptr;
+  check(optixModuleCreate(Context::get().handle(), &options, &pipeline,
+                          reinterpret_cast<const char*>(optix_programs), sizeof optix_programs, log,
+                          &log_size, &module),
+        std::string("compiling the programs of ") + name(method));
+  return module;
+}
+
+} // namespace
+
+const Pipeline& Pipeline::get(Method method, Ask ask, bool two_level) {
+  static std::mutex mutex;
+  static const Pipeline* made[method_count][ask_count][2] = {};
+  std::lock_guard lock(mutex);
+  const Pipeline*& pipeline = made[int(method)][int(ask)][two_level];
+  if (!pipeline)
+    pipeline = new Pipeline(method, ask, two_level);
+  return *pipeline;
+}
+
+Pipeline::Pipeline(Method method, Ask ask, bool two_level) {
+  compile(method, ask, two_level);
+  make_table();
+}
+
+void Pipeline::compile(Method method, Ask ask, bool two_level) {
+  OptixDeviceContext context = Context::get().handle();
+  const OptixPipelineCompileOptions options = pipeline_options(method, two_level);
+  OptixModule module = make_module(method, ask, options);
+
+  OptixProgramGroupDesc kinds[3] = {};
+  kinds[0].kind = OPTIX_PROGRAM_GROUP_KIND_RAYGEN;
+  kinds[0].raygen = {module, "__raygen__query"};
+  kinds[1].kind = OPTIX_PROGRAM_GROUP_KIND_MISS; // no program: the payload stays as it was
+  kinds[2].kind = OPTIX_PROGRAM_GROUP_KIND_HITGROUP;
+  if (method == Method::user_geometry) {
+    kinds[2].hitgroup.moduleIS = module;
+    kinds[2].hitgroup.entryFunctionNameIS = "__intersection__cell";
+  } else {
+    kinds[2].hitgroup.moduleCH = module;
+    kinds[2].hitgroup.entryFunctionNameCH = "__closesthit__face";
+  }
+  const OptixProgramGroupOptions group_options{};
+  char log[2048];
+  std::size_t log_size = sizeof log;
+  check(optixProgramGroupCreate(context, kinds, 3, &group_options, log, &log_size, groups_),
+        std::string("making the program groups of ") + name(method));
+
+  OptixPipelineLinkOptions link{};
+  link.maxTraceDepth = 1;
+  log_size = sizeof log;
+  check(optixPipelineCreate(context, &options, &link, groups_, 3, log, &log_size, &pipeline_),
+        std::string("linking the programs of ") + name(method));
+
+  OptixStackSizes sizes{};
+  for (OptixProgramGroup group : groups_)
+    check(optixUtilAccumulateStackSizes(group, &sizes, pipeline_), "asking for stack sizes");
+  unsigned from_traversal = 0, from_state = 0, continuation = 0;
+  check(optixUtilComputeStackSizes(&sizes, 1, 0, 0, &from_traversal, &from_state, &continuation),
+        "computing stack sizes");
+  check(optixPipelineSetStackSize(pipeline_, from_traversal, from_state, continuation,
+                                  two_level ? 2 : 1),
+        "setting stack sizes");
+}
+
+void Pipeline::make_table() {
+  Record records[3];
+  for (int g = 0; g < 3; ++g)
+    check(optixSbtRecordPackHeader(groups_[g], &records[g]), "packing the binding table");
+  void* on_device = cuda::allocate_device(sizeof records); // the process's, as the pipeline is
+  cuda::check(cudaMemcpy(on_device, records, sizeof records, cudaMemcpyHostToDevice),
+              "copying the binding table");
+  const auto base = reinterpret_cast<CUdeviceptr>(on_device);
+  table_.raygenRecord = base;
+  table_.missRecordBase = base + sizeof(Record);
+  table_.missRecordStrideInBytes = sizeof(Record);
+  table_.missRecordCount = 1;
+  table_.hitgroupRecordBase = base + 2 * sizeof(Record);
+  table_.hitgroupRecordStrideInBytes = sizeof(Record);
+  table_.hitgroupRecordCount = 1;
+}
+
+void Pipeline::launch(const void* parameters, std::uint32_t count, cudaStream_t stream) const {
+  check(optixLaunch(pipeline_, stream, reinterpret_cast<CUdeviceptr>(parameters), sizeof(Launch),
+                    &table_, count, 1, 1),
+        "launching " + std::to_string(count) + " rays");
+}
+
+} // namespace insitu::accel::optix

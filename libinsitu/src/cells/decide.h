@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "cells/contain_exact.h"
+#include "math/hd.h"
+
+/// What every locator decides of a point and one cell: whether the cell holds it, and where in it.
+namespace insitu::cells {
+
+/// Why a point has the owner that it has; the values of insitu_reason.
+enum class Reason : std::uint8_t {
+  outside,   ///< no owning cell holds it
+  certified, ///< strictly inside its owner, proven in floating point
+  exact,     ///< strictly inside its owner, by exact arithmetic
+  on_face,   ///< on a face of its owner: the lowest id of the cells there
+  on_edge,   ///< the same, on an edge
+  on_vertex, ///< the same, on a vertex
+};
+constexpr int reason_count = 6;
+
+/// Whether the closed cell holds the point, and why: exact. x: the cell's vertices.
+Reason decide(mesh::Shape shape, const math::Vec3d* x, const math::Vec3d& p);
+
+/// Whether what Newton found in a cell that holds the point is where it lies.
+INSITU_HD inline bool is_plausible(bool converged, double margin) {
+  return converged && margin >= -1e-3;
+}
+
+/// The parametric coordinates of a point in a cell that holds it.
+math::Vec3d parametric_in(mesh::Shape shape, const math::Vec3d* x, const math::Vec3d& p);
+
+} // namespace insitu::cells

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cmath>
+#include <cuda_runtime_api.h>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "accel/device_locator.h"
+#include "accel/faces/face_table.h"
+#include "fixtures/committed.h"
+
+/// What tests of ray methods on a device need: meshes with their faces, points that try to break
+/// them, device memory, and the CPU's exact answers.
+namespace insitu::test {
+
+inline const accel::Method ray_methods[] = {
+    accel::Method::user_geometry, accel::Method::replicated_faces, accel::Method::shared_faces,
+    accel::Method::shared_bilinear_faces};
+
+/// Device memory that holds a vector's values.
+template <class T>
+class OnDevice {
+public:
+  explicit OnDevice(std::size_t n) : size_(n) {
+    if (cudaMalloc(&data_, n * sizeof(T)) != cudaSuccess)
+      throw std::bad_alloc();
+    (void)cudaMemset(data_, 0xee, n * sizeof(T));
+  }
+  explicit OnDevice(const std::vector<T>& values) : OnDevice(values.size()) {
+    (void)cudaMemcpy(data_, values.data(), values.size() * sizeof(T), cudaMemcpyHostToDevice);
+  }
+  OnDevice(const OnDevice&) = delete;
+  OnDevice& operator=(const OnDevice&) = delete;
+  ~OnDevice() { (void)cudaFree(data_); }
+  T* data() const { return static_cast<T*>(data_); }
+  std::vector<T> read() const {
+    std::vector<T> out(size_);
+    (void)cudaMemcpy(out.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost);
+    return out;
+  }
+
+private:
+  void* data_ = nullptr;
+  std::size_t size_;
+};
+
+/// Random points of the box and around it, on faces, edges and vertices, and such that are nowhere.
+inline std::vector<math::Vec3d> hard_points(const TestMesh& mesh, int count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<math::Vec3d> points;
+  const math::Vec3d size = mesh.high - mesh.low;
+  for (int i = 0; i < count; ++i) {
+    const MeshCell& cell = mesh.cells[std::size_t(random.below(int(mesh.cells.size())))];
+    const Vertices x = mesh.cell_vertices(cell);
+    if (i % 3 == 0)
+      points.push_back(random.uniform(mesh.low - 0.1 * size, mesh.high + 0.1 * size));
+    else
+      points.push_back(adversarial_point(cell.shape, x.data(), random, i % 2 == 0));
+  }
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = HUGE_VAL;
+  for (const double bad : {nan, inf, -inf, 1e300, -1e39, 3e37})
+    for (int a = 0; a < 3; ++a) {
+      math::Vec3d p = 0.5 * (mesh.low + mesh.high);
+      p[a] = bad;
+      points.push_back(p);
+    }
+  return points;
+}
+
+/// A mesh with the tree on the CPU and its faces.
+struct RayMesh {
+  explicit RayMesh(const TestMesh& mesh) : on_cpu(mesh), faces(on_cpu.memory) {
+    faces.build(view(), on_cpu.threads);
+  }
+  const mesh::MeshView& view() const { return on_cpu.mesh.mesh().view(); }
+
+  void commit(accel::DeviceLocator& locator, std::uint32_t what = INSITU_CHANGED_ALL) {
+    locator.commit(on_cpu.mesh.mesh(), what, &faces, on_cpu.threads);
+  }
+  std::vector<query::Location> exact(const std::vector<math::Vec3d>& points) const {
+    std::vector<query::Location> out(points.size());
+    on_cpu.sampler().locate(on_cpu.threads, points, out, {.accuracy = INSITU_EXACT});
+    return out;
+  }
+
+  fixtures::Committed on_cpu;
+  accel::FaceTable faces;
+};
+
+/// The cells that the locator tells for points in host memory.
+inline std::vector<std::int64_t> cells_of(const accel::DeviceLocator& locator,
+                                          const std::vector<math::Vec3d>& points,
+                                          insitu_accuracy accuracy,
+                                          accel::DeviceCounts* counts = nullptr) {
+  std::vector<std::int64_t> cells(points.size(), -7);
+  accel::DeviceQuery query;
+  query.points = &points[0].x;
+  query.count = std::int64_t(points.size());
+  query.accuracy = accuracy;
+  query.cells = cells.data();
+  const accel::DeviceCounts c = locator.locate(query);
+  if (counts)
+    *counts = c;
+  return cells;
+}
+
+} // namespace insitu::test
