@@ -20,7 +20,7 @@ void Locators::decide(const mesh::Mesh& mesh, const core::Log& log) {
   pick_ = pick;
 }
 
-void Locators::commit(const mesh::Mesh& mesh, const mesh::MeshView& host, std::uint32_t what,
+void Locators::commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_t what,
                       const core::Threads& threads) {
   const bool anew = pending_ || (what & INSITU_CHANGED_TOPOLOGY);
   if (pending_) {
@@ -31,7 +31,7 @@ void Locators::commit(const mesh::Mesh& mesh, const mesh::MeshView& host, std::u
   const bool on_cpu = pick_.backend == Backend::cpu;
   const bool by_rays = pick_.method != Method::bvh;
   if (anew && by_rays)
-    faces_.build(host, threads);
+    faces_.build(host(), threads);
   if (!on_cpu) {
     if (!device_)
       device_ = accel::make_device_locator(pick_.backend, pick_.method, *memory_);
@@ -40,9 +40,9 @@ void Locators::commit(const mesh::Mesh& mesh, const mesh::MeshView& host, std::u
     if (!rays_)
       rays_ = accel::make_embree_locator(pick_.method, *memory_);
     if (anew)
-      rays_->build(host, &faces_, threads);
+      rays_->build(mesh.view(), &faces_, threads);
     else if (what & INSITU_CHANGED_GEOMETRY)
-      rays_->refit(host, threads);
+      rays_->refit(mesh.view(), threads);
   }
   pending_ = false;
 }

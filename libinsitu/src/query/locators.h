@@ -30,9 +30,9 @@ public:
 
   /// Decides what the next commit makes; throws as pick_locator.
   void decide(const mesh::Mesh& mesh, const core::Log& log);
-  /// Brings the structures up to date. what: INSITU_CHANGED_*. host: the mesh as the host can read
-  /// it. Throws core::Error; then there are none.
-  void commit(const mesh::Mesh& mesh, const mesh::MeshView& host, std::uint32_t what,
+  /// Brings the structures up to date. what: INSITU_CHANGED_*. Throws core::Error; then there are
+  /// none.
+  void commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_t what,
               const core::Threads& threads);
 
   /// Null unless these answer.

@@ -52,6 +52,7 @@ public:
   }
 
   Sizes build(double& build_seconds) override {
+    const auto host = host_view();
     double faces_seconds = 0.0;
     if (uses_faces(method_)) {
       const core::Timer timer;
@@ -62,11 +63,12 @@ public:
     if (backend_ == accel::Backend::optix) {
       const auto whole =
           accel::make_device_locator(backend_, method_, memory_, std::int64_t(1) << 40);
-      whole->commit(mesh_, INSITU_CHANGED_ALL, &faces_, context_.threads);
-      sizes.peak_whole = whole->report().peak_bytes;
+      whole->commit(mesh_, host, INSITU_CHANGED_ALL, &faces_, context_.threads);
+      sizes.peak_whole = whole->report().ray_peak_bytes;
     }
-    locator_->commit(mesh_, INSITU_CHANGED_ALL, &faces_, context_.threads);
-    locator_->commit(mesh_, INSITU_CHANGED_ALL, &faces_, context_.threads); // buffers are warm now
+    locator_->commit(mesh_, host, INSITU_CHANGED_ALL, &faces_, context_.threads);
+    locator_->commit(mesh_, host, INSITU_CHANGED_ALL, &faces_,
+                     context_.threads); // buffers are warm now
     const accel::DeviceReport r = locator_->report();
     build_seconds =
         backend_ == accel::Backend::optix ? faces_seconds + r.rays_seconds : r.tree_seconds;
@@ -77,7 +79,8 @@ public:
   }
 
   double refit() override {
-    locator_->commit(mesh_, INSITU_CHANGED_GEOMETRY, &faces_, context_.threads);
+    const auto host = host_view();
+    locator_->commit(mesh_, host, INSITU_CHANGED_GEOMETRY, &faces_, context_.threads);
     const accel::DeviceReport r = locator_->report();
     return backend_ == accel::Backend::optix ? r.rays_seconds : r.tree_seconds;
   }
@@ -118,6 +121,10 @@ public:
   }
 
 private:
+  auto host_view() const {
+    return [this]() -> const mesh::MeshView& { return mesh_.view(); };
+  }
+
   accel::Backend backend_;
   accel::Method method_;
   core::Context& context_;
