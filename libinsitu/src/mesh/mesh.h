@@ -45,6 +45,7 @@ public:
   /// The views of the last update().
   const MeshView& view() const { return view_; }
   void set_free_of_folds(bool free) { view_.free_of_folds = free; }
+  void set_covers_once(bool once) { view_.covers_once = once; }
 
   /// The field of that name; throws INSITU_ERROR_FIELD with the nearest name.
   FieldView field(const std::string& name) const;
