@@ -80,7 +80,7 @@ module insitu
     character(len=128) :: reason = ''         !< why these, in words
     integer(int64) :: primitives = 0          !< cells, or triangles of the face methods
     integer(int64) :: bytes = 0, bytes_peak = 0, bytes_copied = 0
-    integer(int64) :: kept = 0, by_neighbor = 0, by_tree = 0, settled_on_host = 0
+    integer(int64) :: kept = 0, by_neighbour = 0, by_tree = 0, settled_on_host = 0
   end type insitu_locator_info
 
   !> A mesh of a session; it lives as long as the session does. Copies are the same mesh.
@@ -373,7 +373,7 @@ contains
     info%bytes_peak = raw%bytes_peak
     info%bytes_copied = raw%bytes_copied
     info%kept = raw%kept
-    info%by_neighbor = raw%by_neighbor
+    info%by_neighbour = raw%by_neighbour
     info%by_tree = raw%by_tree
     info%settled_on_host = raw%settled_on_host
   end subroutine locator_info

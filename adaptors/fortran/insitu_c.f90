@@ -177,7 +177,7 @@ module insitu_c
     integer(c_int) :: backend = insitu_backend_auto
     character(kind=c_char) :: reason(128)
     integer(c_int64_t) :: primitives = 0, bytes = 0, bytes_peak = 0, bytes_copied = 0
-    integer(c_int64_t) :: kept = 0, by_neighbor = 0, by_tree = 0, settled_on_host = 0
+    integer(c_int64_t) :: kept = 0, by_neighbour = 0, by_tree = 0, settled_on_host = 0
   end type c_locator_info
 
   type, bind(c) :: c_audit_entry

@@ -5,6 +5,7 @@
 #include "cells/conformity.h"
 #include "core/status.h"
 #include "core/timer.h"
+#include "mesh/host_mirror.h"
 #include "query/hanging_vertices.h"
 #include "query/overlaps.h"
 #include "query/point_query.h"
@@ -12,17 +13,7 @@
 namespace insitu::query {
 
 CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
-    : memory_(&memory), mesh_(name, memory), tree_(memory), order_(memory) {}
-
-void CommittedMesh::set_locator(accel::Method method) {
-  if (method == method_)
-    return;
-  method_ = method;
-  rays_.reset();
-  faces_.reset();
-  if (method != accel::Method::bvh)
-    mesh_.set_changed(INSITU_CHANGED_TOPOLOGY);
-}
+    : mesh_(name, memory), tree_(memory), locators_(memory), order_(memory) {}
 
 void CommittedMesh::require_committed() const {
   if (!committed_)
@@ -40,39 +31,49 @@ void CommittedMesh::look_for_folds(const core::Threads& threads) {
     return;
   folds_are_known_ = true;
   mesh_.set_free_of_folds(cells::is_free_of_folds(mesh_.view(), threads));
-  look_for_overlaps(threads);
 }
 
-/// Worth its time only to rays: their candidates may then answer alone in `exact`.
+/// Worth its time only to candidates: they may then answer alone in `exact`.
 void CommittedMesh::look_for_overlaps(const core::Threads& threads) {
-  if (!rays_ || !mesh_.view().free_of_folds)
-    return;
-  if (faces_) {
-    mesh_.set_covers_once(covers_once(mesh_.view(), *faces_, tree_, threads));
-    return;
-  }
-  accel::FaceTable faces(*memory_);
-  faces.build(mesh_.view(), threads);
-  mesh_.set_covers_once(covers_once(mesh_.view(), faces, tree_, threads));
+  if (locators_.pick().method != accel::Method::bvh)
+    mesh_.set_covers_once(covers_once(mesh_.view(), locators_.faces(), tree_, threads));
 }
 
-/// Builds for a new topology, refits for moved vertices.
-void CommittedMesh::update_rays(bool topology, const core::Threads& threads) {
-  if (method_ == accel::Method::bvh)
-    return;
-  mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until done, as for the tree
-  if (!topology) {
-    rays_->refit(mesh_.view(), threads);
-    return;
+/// Structures of the locator beside the tree, which stands.
+void CommittedMesh::update_locators(std::uint32_t pending, const core::Threads& threads) {
+  const auto view = [this]() -> const mesh::MeshView& { return mesh_.view(); };
+  const bool anew = locators_.pending() || (pending & INSITU_CHANGED_TOPOLOGY);
+  if (anew)
+    locators_.make_faces(view, threads);
+  const bool moved = (pending & INSITU_CHANGED_GEOMETRY) != 0;
+  // Without it candidates prove nothing; on a device that is worth it to many points alone.
+  if (!folds_are_known_ && (locators_.rays() || (locators_.device() && many_were_located()))) {
+    folds_are_known_ = true;
+    mesh_.set_free_of_folds(cells::is_free_of_folds(mesh_.view(), threads));
   }
-  rays_.reset(); // before the faces that it reads
-  faces_.reset();
-  if (accel::uses_faces(method_)) {
-    faces_ = std::make_unique<accel::FaceTable>(*memory_);
-    faces_->build(mesh_.view(), threads);
-  }
-  rays_ = accel::make_embree_locator(method_, *memory_);
-  rays_->build(mesh_.view(), faces_.get(), threads);
+  if ((anew || moved) && folds_are_known_)
+    look_for_overlaps(threads);
+  locators_.commit(mesh_, view, pending, threads);
+}
+
+bool CommittedMesh::many_were_located() const {
+  return located_lately_ > 2 * mesh_.view().cell_count();
+}
+
+insitu_locator_info CommittedMesh::locator_info() const {
+  if (!committed_)
+    throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() +
+                                              "' is not committed; call insitu_mesh_commit first");
+  return locators_.info(tree_);
+}
+
+void CommittedMesh::note(const accel::DeviceCounts& counts,
+                         std::span<const std::uint8_t> reasons) const {
+  locators_.note(counts);
+  std::int64_t by_reason[reason_count] = {};
+  for (const std::uint8_t reason : reasons)
+    ++by_reason[reason];
+  locate_counts_.add(by_reason);
 }
 
 cells::Validation CommittedMesh::validate(const core::Threads& threads) {
@@ -103,15 +104,88 @@ void CommittedMesh::note_queries() {
   located_before_ = located;
 }
 
+void CommittedMesh::validate_topology(const mesh::MeshView& view, const core::Threads& threads,
+                                      const core::Log& log) {
+  const cells::Validation validation = cells::validate(mesh_.name(), view, threads);
+  if (!validation.findings.empty())
+    throw core::Error(INSITU_ERROR_MESH, validation.findings);
+  if (!validation.warning.empty())
+    log.warning(validation.warning);
+  folds_are_known_ = true;
+  mesh_.set_free_of_folds(cells::is_free_of_folds(view, validation.counts));
+  ++topology_version_;
+}
+
+void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& report,
+                                   const core::Threads& threads, const core::Log& log) {
+  const bool topology = (pending & INSITU_CHANGED_TOPOLOGY) || tree_is_stale_;
+  const bool geometry = (pending & INSITU_CHANGED_GEOMETRY) != 0;
+  bool rebuild = topology;
+  if (topology) {
+    policy_.topology_changed();
+    validate_topology(mesh_.view(), threads, log);
+    report.validated = 1;
+  } else if (geometry) {
+    tree_.refit(mesh_.view(), threads);
+    report.action = INSITU_REFIT;
+    rebuild = policy_.rebuild_is_due(tree_.cost_ratio());
+  }
+  rebuild = rebuild || policy_.surface_area_is_due();
+  if (rebuild) {
+    mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until built: a build that fails leaves no tree
+    const accel::Builder builder = policy_.builder();
+    const core::Timer build_timer;
+    tree_.build(mesh_.view(), threads, builder);
+    policy_.built(builder, build_timer.seconds(), tree_.cell_count(), tree_.cost());
+    report.action = INSITU_REBUILD;
+    commits_since_build_ = 0;
+  }
+  tree_is_stale_ = false;
+  update_locators(pending, threads);
+  if (rebuild || geometry)
+    ++tree_version_;
+}
+
+/// The host reads a copy, and only to validate and to find faces; there is no tree but the
+/// device's.
+void CommittedMesh::commit_on_device(std::uint32_t pending, insitu_commit_report& report,
+                                     const core::Threads& threads, const core::Log& log) {
+  std::unique_ptr<mesh::HostMirror> mirror;
+  const auto view = [&]() -> const mesh::MeshView& {
+    if (!mirror)
+      mirror = std::make_unique<mesh::HostMirror>(
+          mesh_, [](std::byte* to, const std::byte* from, std::size_t bytes) {
+            accel::copy_from_device(to, from, bytes);
+          });
+    return mirror->view();
+  };
+  tree_is_stale_ = true;
+  const bool topology = (pending & INSITU_CHANGED_TOPOLOGY) != 0;
+  if (topology) {
+    validate_topology(view(), threads, log);
+    report.validated = 1;
+  } else if (!folds_are_known_ && many_were_located()) {
+    folds_are_known_ = true;
+    mesh_.set_free_of_folds(cells::is_free_of_folds(view(), threads));
+  }
+  report.action = topology || locators_.pending()       ? INSITU_REBUILD
+                  : (pending & INSITU_CHANGED_GEOMETRY) ? INSITU_REFIT
+                                                        : INSITU_KEEP;
+  if (report.action == INSITU_REBUILD)
+    locators_.make_faces(view, threads);
+  locators_.commit(mesh_, view, pending, threads);
+  if (report.action != INSITU_KEEP)
+    ++tree_version_;
+}
+
 insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const core::Log& log,
                                            const core::Memory& memory, bool strict) {
   const core::Timer timer;
   insitu_commit_report report = insitu_commit_report_default();
   const std::uint32_t pending = mesh_.pending();
   const std::int64_t bytes_before = memory.current();
-  if (committed_ && pending == 0) {
-    report.seconds = timer.seconds();
-  } else {
+  locators_.decide(mesh_, log);
+  if (!committed_ || pending != 0 || locators_.pending()) {
     committed_ = false;
     mesh_.update();
     if (strict)
@@ -121,52 +195,22 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
                                                          ": strict mode refuses a copy (" +
                                                          e.reason + ")");
     note_queries();
-    const bool topology = (pending & INSITU_CHANGED_TOPOLOGY) != 0;
     const bool geometry = (pending & INSITU_CHANGED_GEOMETRY) != 0;
-    bool rebuild = topology;
-    if (topology || geometry)
-      mesh_.set_covers_once(false);
-    if (topology) {
-      policy_.topology_changed();
-      const cells::Validation validation = cells::validate(mesh_.name(), mesh_.view(), threads);
-      report.validated = 1;
-      if (!validation.findings.empty())
-        throw core::Error(INSITU_ERROR_MESH, validation.findings);
-      if (!validation.warning.empty())
-        log.warning(validation.warning);
-      folds_are_known_ = true;
-      mesh_.set_free_of_folds(cells::is_free_of_folds(mesh_.view(), validation.counts));
-      ++topology_version_;
-    } else if (geometry) {
-      tree_.refit(mesh_.view(), threads);
+    if (geometry || (pending & INSITU_CHANGED_TOPOLOGY)) {
       folds_are_known_ = false;
       mesh_.set_free_of_folds(false);
-      report.action = INSITU_REFIT;
-      rebuild = policy_.rebuild_is_due(tree_.cost_ratio());
+      mesh_.set_covers_once(false);
     }
-    rebuild = rebuild || policy_.surface_area_is_due();
-    if (rebuild) {
-      mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until built: a build that fails leaves no tree
-      const accel::Builder builder = policy_.builder();
-      const core::Timer build_timer;
-      tree_.build(mesh_.view(), threads, builder);
-      policy_.built(builder, build_timer.seconds(), tree_.cell_count(), tree_.cost());
-      report.action = INSITU_REBUILD;
-      commits_since_build_ = 0;
-    }
-    if (topology || geometry)
-      update_rays(topology, threads);
-    if (topology)
-      look_for_overlaps(threads);
-    if (rebuild || geometry)
-      ++tree_version_;
+    if (lies_on_device())
+      commit_on_device(pending, report, threads, log);
+    else
+      commit_on_host(pending, report, threads, log);
     ++fields_version_;
     mesh_.clear_pending();
     committed_ = true;
     // Steps are much alike. A search took 60 to 70 ns a hexahedron and saved 30 to 60 a point; 20
     // to 30 a wedge, and saved 50.
-    if (geometry &&
-        (rays_ || (located_lately_ > 2 * tree_.cell_count() && trying_pays(mesh_.view()))))
+    if (geometry && !lies_on_device() && many_were_located() && trying_pays(mesh_.view()))
       look_for_folds(threads);
   }
   // The builder's scratch is worth keeping only while rebuilds come often.
@@ -175,12 +219,12 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
     tree_.release_scratch();
   report.seconds = timer.seconds();
   report.cost_ratio = tree_.cost_ratio();
-  report.builder = tree_.empty()                                     ? INSITU_BUILDER_NONE
+  report.builder = tree_.empty() || lies_on_device()                 ? INSITU_BUILDER_NONE
                    : tree_.builder() == accel::Builder::surface_area ? INSITU_BUILDER_SURFACE_AREA
                                                                      : INSITU_BUILDER_MORTON;
   report.cells = mesh_.view().cell_count();
   report.vertices = mesh_.view().vertex_count();
-  report.bytes = tree_.bytes();
+  report.bytes = locators_.info(tree_).bytes;
   report.bytes_allocated = std::max<std::int64_t>(0, memory.current() - bytes_before);
   return report;
 }

@@ -4,12 +4,11 @@
 #include <memory>
 #include <string>
 
-#include "accel/faces/face_table.h"
-#include "accel/ray_locator.h"
 #include "accel/tree.h"
 #include "cells/validate.h"
 #include "core/log.h"
 #include "mesh/mesh.h"
+#include "query/locators.h"
 #include "query/order.h"
 #include "query/sampler.h"
 #include "query/tree_policy.h"
@@ -26,14 +25,18 @@ public:
   const accel::Tree& tree() const { return tree_; }
   /// automatic: as the policy finds; otherwise how every tree is built from now on.
   void set_builder(accel::Builder builder) { policy_.set_builder(builder); }
-  /// How batches of points are located from the next commit on, which rebuilds everything; the tree
-  /// is kept whatever the method.
-  void set_locator(accel::Method method);
-  accel::Method locator() const { return method_; }
-  /// The ray method's structures, or null: `bvh`, or not built yet.
-  const accel::RayLocator* rays() const { return rays_.get(); }
-  /// The faces, or null unless the method uses them.
-  const accel::FaceTable* faces() const { return faces_.get(); }
+  /// How batches of points are located from the next commit on; the tree is kept whatever the
+  /// choice, but for a mesh in device memory.
+  void set_locator(const LocatorChoice& choice) { locators_.choose(choice); }
+  const Locators& locators() const { return locators_; }
+  /// Answers whole batches, or null.
+  const accel::DeviceLocator* device() const { return locators_.device(); }
+  /// The mesh's arrays are in device memory, at least one of them: only device() answers.
+  bool lies_on_device() const { return mesh_.lies_on_device(); }
+  /// Throws INSITU_ERROR_ORDER before the first commit.
+  insitu_locator_info locator_info() const;
+  /// What device() did. reasons: of its answers, if they are on the host; they are counted.
+  void note(const accel::DeviceCounts& counts, std::span<const std::uint8_t> reasons = {}) const;
   /// The frame of the mesh's coordinates (an attribute; conversions are geo's).
   insitu_frame frame = insitu_frame_default();
 
@@ -55,12 +58,9 @@ public:
   /// step): for callers with many hints. A commit calls it if the step before located many points,
   /// or with a ray method, whose candidates are worth little before.
   void look_for_folds(const core::Threads& threads);
-  Sampler sampler() const {
-    return {mesh_.view(), tree_, &order_, &locate_counts_, rays_.get(), &ray_counts_};
-  }
+  Sampler sampler() const { return {mesh_.view(), tree_, &order_, &locate_counts_, &locators_}; }
   /// Of all samplers of this mesh, since it was made.
   const LocateCounts& locate_counts() const { return locate_counts_; }
-  const RayCounts& ray_counts() const { return ray_counts_; }
 
   /// Grow with each commit that changed values, or cells and coordinates: for caches made from
   /// them.
@@ -70,23 +70,27 @@ public:
 
 private:
   void note_queries();
-  void update_rays(bool topology, const core::Threads& threads);
+  void commit_on_host(std::uint32_t pending, insitu_commit_report& report,
+                      const core::Threads& threads, const core::Log& log);
+  void commit_on_device(std::uint32_t pending, insitu_commit_report& report,
+                        const core::Threads& threads, const core::Log& log);
+  void validate_topology(const mesh::MeshView& view, const core::Threads& threads,
+                         const core::Log& log);
+  void update_locators(std::uint32_t pending, const core::Threads& threads);
   void look_for_overlaps(const core::Threads& threads);
+  bool many_were_located() const;
 
-  core::Memory* memory_;
   mesh::Mesh mesh_;
   accel::Tree tree_;
-  accel::Method method_ = accel::Method::bvh;
-  std::unique_ptr<accel::FaceTable> faces_;
-  std::unique_ptr<accel::RayLocator> rays_; ///< after faces_, which it reads
-  mutable SpatialOrder order_;              ///< scratch of queries
+  Locators locators_;
+  mutable SpatialOrder order_; ///< scratch of queries
   mutable LocateCounts locate_counts_;
-  mutable RayCounts ray_counts_;
   TreePolicy policy_;
   std::int64_t located_before_ = 0; ///< points, when the policy was last told
   std::int64_t located_lately_ = 0; ///< points, between the last two commits that changed something
   bool committed_ = false;
   bool folds_are_known_ = false;
+  bool tree_is_stale_ = false; ///< the mesh was in device memory meanwhile
   int commits_since_build_ = 0;
   std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0;
 };

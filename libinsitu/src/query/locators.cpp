@@ -20,6 +20,13 @@ void Locators::decide(const mesh::Mesh& mesh, const core::Log& log) {
   pick_ = pick;
 }
 
+void Locators::make_faces(accel::HostView host, const core::Threads& threads) {
+  if (pick_.method != Method::bvh)
+    faces_.build(host(), threads);
+  else
+    faces_ = accel::FaceTable(*memory_);
+}
+
 void Locators::commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_t what,
                       const core::Threads& threads) {
   const bool anew = pending_ || (what & INSITU_CHANGED_TOPOLOGY);
@@ -30,8 +37,6 @@ void Locators::commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_
   pending_ = true; // until done: what fails leaves nothing that answers
   const bool on_cpu = pick_.backend == Backend::cpu;
   const bool by_rays = pick_.method != Method::bvh;
-  if (anew && by_rays)
-    faces_.build(host(), threads);
   if (!on_cpu) {
     if (!device_)
       device_ = accel::make_device_locator(pick_.backend, pick_.method, *memory_);
@@ -74,7 +79,7 @@ insitu_locator_info Locators::info(const accel::Tree& tree) const {
     info.bytes_copied = r.bytes_copied;
   }
   info.kept = ray_counts_.kept;
-  info.by_neighbor = ray_counts_.by_neighbour;
+  info.by_neighbour = ray_counts_.by_neighbour;
   info.by_tree = ray_counts_.by_tree;
   info.settled_on_host = settled_on_host_;
   return info;

@@ -7,6 +7,7 @@
 #include "accel/tree.h"
 #include "cells/kernels.h"
 #include "query/batch.h"
+#include "query/locators.h"
 #include "query/order.h"
 #include "query/point_query.h"
 #include "query/ray_batch.h"
@@ -25,17 +26,17 @@ BatchScratch& batch_scratch() {
 /// Runs batches over points in their own or another order, and counts.
 class Batches {
 public:
-  /// counts, rays, ray_counts: or null.
-  Batches(const PointQuery& query, LocateCounts* counts, const accel::RayLocator* rays,
-          RayCounts* ray_counts)
-      : locator_(query, batch_scratch()), counts_(counts), ray_counts_(ray_counts) {
-    if (rays)
-      by_rays_ = std::make_unique<RayBatch>(query, *rays, batch_scratch(), locator_);
+  /// counts, locators: or null.
+  Batches(const PointQuery& query, LocateCounts* counts, const Locators* locators)
+      : locator_(query, batch_scratch()), counts_(counts),
+        ray_counts_(locators ? &locators->ray_counts() : nullptr) {
+    if (locators && locators->rays())
+      by_rays_ = std::make_unique<RayBatch>(query, *locators->rays(), batch_scratch(), locator_);
   }
   ~Batches() {
     if (counts_)
       counts_->add(by_reason_);
-    if (by_rays_ && ray_counts_) {
+    if (by_rays_) {
       ray_counts_->kept += by_rays_->kept;
       ray_counts_->by_neighbour += by_rays_->by_neighbour;
       ray_counts_->by_tree += by_rays_->by_tree;
@@ -127,7 +128,7 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
 void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> locations,
                             const LocateOptions& options, std::span<std::uint8_t> reasons) const {
   const PointQuery query{*mesh_, *tree_, options};
-  Batches batches(query, counts_, rays_, ray_counts_);
+  Batches batches(query, counts_, locators_);
   for (std::size_t first = 0; first < points.size(); first += batch_size) {
     const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
     Answered answered = batches.run(points.subspan(first, n));
@@ -145,6 +146,8 @@ void Sampler::locate(const core::Threads& threads, std::span<const Vec3d> points
 
 void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
                     const LocateOptions& options, Put put) const {
+  if (locators_ && locators_->device() && options.alpha == 1.0)
+    return visit_on_device(threads, points, options, put);
   constexpr std::int64_t grain = 4096;
   static_assert(grain % batch_size == 0);
   const PointQuery query{*mesh_, *tree_, options};
@@ -157,7 +160,7 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
         sorts ? order_->sort(threads, part, *tree_) : std::span<const accel::morton::Coded>();
     threads.parallel_for(
         std::int64_t(part.size()), grain, [&](std::int64_t begin, std::int64_t end) {
-          Batches batches(query, counts_, rays_, ray_counts_);
+          Batches batches(query, counts_, locators_);
           Vec3d batch[batch_size];
           for (auto first = std::size_t(begin); first < std::size_t(end); first += batch_size) {
             const std::size_t n = std::min<std::size_t>(batch_size, std::size_t(end) - first);
@@ -175,6 +178,42 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
             put(answered);
           }
         });
+  }
+}
+
+/// The device answers slices, which are given on in parallel.
+void Sampler::visit_on_device(const core::Threads& threads, std::span<const Vec3d> points,
+                              const LocateOptions& options, Put put) const {
+  constexpr std::size_t slice = std::size_t(1) << 20;
+  const std::size_t most = std::min(slice, points.size());
+  std::vector<std::int64_t> cells(most);
+  std::vector<Vec3d> parametric(most);
+  std::vector<std::uint8_t> reasons(most);
+  for (std::size_t from = 0; from < points.size(); from += slice) {
+    const std::size_t n = std::min(slice, points.size() - from);
+    accel::DeviceQuery query;
+    query.points = &points[from].x;
+    query.count = std::int64_t(n);
+    query.accuracy = options.accuracy;
+    query.cells = cells.data();
+    query.parametric = &parametric.data()->x;
+    query.reasons = reasons.data();
+    locators_->note(locators_->device()->locate(query));
+    threads.parallel_for(std::int64_t(n), std::int64_t(batch_size),
+                         [&](std::int64_t begin, std::int64_t end) {
+                           Location locations[batch_size];
+                           Reason why[batch_size];
+                           std::int64_t by_reason[reason_count] = {};
+                           const auto first = std::size_t(begin), count = std::size_t(end - begin);
+                           for (std::size_t k = 0; k < count; ++k) {
+                             locations[k] = {cells[first + k], parametric[first + k]};
+                             why[k] = Reason(reasons[first + k]);
+                             ++by_reason[reasons[first + k]];
+                           }
+                           if (counts_)
+                             counts_->add(by_reason);
+                           put({{locations, count}, {why, count}, from + first, nullptr});
+                         });
   }
 }
 

@@ -12,12 +12,12 @@
 #include "mesh/view.h"
 
 namespace insitu::accel {
-class RayLocator;
 class Tree;
-} // namespace insitu::accel
+}
 
 namespace insitu::query {
 
+class Locators;
 class SpatialOrder;
 
 /// The owner of a point: flat cell id (see mesh::MeshView), or -1 outside, and VTK's parametric
@@ -79,13 +79,11 @@ struct RayCounts {
 class Sampler {
 public:
   /// order, counts: may be null; then batches are taken in their own order, and nothing is counted.
-  /// rays: batches go by this ray method first (RayBatch); null: by the tree alone, as single
-  /// points always do. The answers are the same but in `fast`.
+  /// locators: batches go by its ray method first (RayBatch), parallel ones by its device; null: by
+  /// the tree alone, as single points always do. The answers are the same but in `fast`.
   Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrder* order = nullptr,
-          LocateCounts* counts = nullptr, const accel::RayLocator* rays = nullptr,
-          RayCounts* ray_counts = nullptr)
-      : mesh_(&mesh), tree_(&tree), order_(order), counts_(counts), rays_(rays),
-        ray_counts_(ray_counts) {}
+          LocateCounts* counts = nullptr, const Locators* locators = nullptr)
+      : mesh_(&mesh), tree_(&tree), order_(order), counts_(counts), locators_(locators) {}
 
   const mesh::MeshView& mesh() const { return *mesh_; }
   const accel::Tree& tree() const { return *tree_; }
@@ -135,6 +133,8 @@ public:
                        double alpha = 1.0) const;
 
 private:
+  void visit_on_device(const core::Threads& threads, std::span<const math::Vec3d> points,
+                       const LocateOptions& options, Put put) const;
   template <class ValuesOf>
   void interpolate_to(std::span<const mesh::FieldView> fields, const Location& at,
                       ValuesOf&& values_of) const;
@@ -143,8 +143,7 @@ private:
   const accel::Tree* tree_;
   SpatialOrder* order_;
   LocateCounts* counts_;
-  const accel::RayLocator* rays_;
-  RayCounts* ray_counts_;
+  const Locators* locators_;
 };
 
 } // namespace insitu::query

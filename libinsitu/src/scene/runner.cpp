@@ -73,6 +73,10 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   for (const auto& action : actions_) {
     try {
       query::CommittedMesh& mesh = find_mesh(meshes, action->mesh_name(), environment_.scene_file);
+      if (mesh.lies_on_device())
+        throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                          "mesh '" + mesh.mesh().name() +
+                              "' lies in device memory; scenes read host memory");
       action->execute(mesh, step, is_due(*action, mesh, step));
     } catch (const std::exception& e) {
       failed(std::string(action->kind()) + " '" + action->name() + "'", e);
@@ -106,6 +110,8 @@ void Runner::keep_earlier(MeshList meshes) {
           std::find(names.begin(), names.end(), name) == names.end())
         names.push_back(name);
     }
+    if (mesh->lies_on_device())
+      continue;
     if (names.empty())
       mesh->mesh().release_earlier();
     else

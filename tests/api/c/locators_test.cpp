@@ -113,7 +113,7 @@ TEST_F(Locators, EveryMethodGivesTheSameOwners) {
     EXPECT_EQ(owners(), expected) << "method " << method;
     EXPECT_EQ(owners(INSITU_STANDARD), expected) << "method " << method;
     const insitu_locator_info after = info();
-    EXPECT_EQ(after.kept + after.by_neighbor + after.by_tree - before.kept - before.by_neighbor -
+    EXPECT_EQ(after.kept + after.by_neighbour + after.by_tree - before.kept - before.by_neighbour -
                   before.by_tree,
               std::int64_t(2 * expected.size()));
     EXPECT_GT(after.kept, before.kept);

@@ -114,7 +114,7 @@ int layout_of(int which, int64_t* out) {
                           AT(insitu_locator_info, bytes_peak),
                           AT(insitu_locator_info, bytes_copied),
                           AT(insitu_locator_info, kept),
-                          AT(insitu_locator_info, by_neighbor),
+                          AT(insitu_locator_info, by_neighbour),
                           AT(insitu_locator_info, by_tree),
                           AT(insitu_locator_info, settled_on_host)};
   const struct {

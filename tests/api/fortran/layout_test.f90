@@ -90,7 +90,7 @@ program layout_test
   call compare('locator_info', 12, c_sizeof(info), [ &
       c_loc(info%size), c_loc(info%method), c_loc(info%backend), c_loc(info%reason), &
       c_loc(info%primitives), c_loc(info%bytes), c_loc(info%bytes_peak), &
-      c_loc(info%bytes_copied), c_loc(info%kept), c_loc(info%by_neighbor), c_loc(info%by_tree), &
+      c_loc(info%bytes_copied), c_loc(info%kept), c_loc(info%by_neighbour), c_loc(info%by_tree), &
       c_loc(info%settled_on_host)])
   call compare_constants()
   if (failures > 0) error stop 1

@@ -55,13 +55,13 @@ void expect_same(const Answers& a, const Answers& wanted, const std::vector<Vec3
 
 /// Every ray method against what stands, which answers by bvh.
 void check(fixtures::Committed& m, const std::vector<Vec3d>& points, const std::string& what) {
-  m.mesh.set_locator(Method::bvh);
+  m.mesh.set_locator({Method::bvh, accel::Backend::cpu});
   m.commit();
   const Answers exact = ask(m, points, INSITU_EXACT), standard = ask(m, points, INSITU_STANDARD);
   for (std::size_t i = 0; i < points.size(); i += 5)
     ASSERT_EQ(exact.at[i].cell, test::owner(m.sampler().mesh(), points[i])) << what;
   for (const Method method : ray_methods) {
-    m.mesh.set_locator(method);
+    m.mesh.set_locator({method, accel::Backend::cpu});
     m.commit();
     ASSERT_NE(m.mesh.rays(), nullptr);
     const std::string name = what + ", " + accel::name(method);
@@ -188,7 +188,7 @@ TEST(Rays, FollowMovedVertices) {
     for (const Method method : ray_methods) {
       const TestMesh from = box(kind, 6, 0.0); // planar at first: the move bends faces
       fixtures::Committed m(from, 2), fresh(from, 2);
-      m.mesh.set_locator(method);
+      m.mesh.set_locator({method, accel::Backend::cpu});
       m.commit();
       test::Random random(7);
       for (int step = 0; step < 4; ++step) {
@@ -202,10 +202,10 @@ TEST(Rays, FollowMovedVertices) {
             std::string(accel::name(method)) + ", step " + std::to_string(step);
         expect_same(ask(m, points, INSITU_EXACT), ask(fresh, points, INSITU_EXACT), points, what);
         EXPECT_TRUE(m.sampler().mesh().covers_once) << what;
-        const std::int64_t before = m.mesh.ray_counts().kept;
+        const std::int64_t before = m.mesh.locators().ray_counts().kept;
         const auto inner = test::inner_points(m.sampler().mesh(), 1000, 3);
         ask(m, inner, INSITU_EXACT);
-        EXPECT_GT(m.mesh.ray_counts().kept - before, 850) << what; // refitted, not lost
+        EXPECT_GT(m.mesh.locators().ray_counts().kept - before, 850) << what; // refitted, not lost
       }
     }
 }
@@ -217,7 +217,7 @@ TEST(Rays, DoNotDependOnBatchesOrThreads) {
       Answers first;
       for (const int threads : {1, 2, 4}) {
         fixtures::Committed m(from, threads);
-        m.mesh.set_locator(method);
+        m.mesh.set_locator({method, accel::Backend::cpu});
         m.commit();
         const auto points = points_of(m.sampler().mesh(), 3000, 61);
         const Answers a = ask(m, points, accuracy);
@@ -244,7 +244,7 @@ TEST(Rays, FastIsWrongAsOftenAsThePaperSays) {
     fixtures::Committed m(from, 2);
     const auto points = test::inner_points(m.sampler().mesh(), 20000, 71);
     const Answers exact = ask(m, points, INSITU_EXACT);
-    m.mesh.set_locator(method);
+    m.mesh.set_locator({method, accel::Backend::cpu});
     m.commit();
     const Answers fast = ask(m, points, INSITU_FAST);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -278,9 +278,9 @@ TEST(Rays, FastIsWrongAsOftenAsThePaperSays) {
 TEST(Rays, CountHowPointsWereAnswered) {
   for (const Method method : ray_methods) {
     fixtures::Committed m(box(MeshKind::hexahedra, 10), 2);
-    m.mesh.set_locator(method);
+    m.mesh.set_locator({method, accel::Backend::cpu});
     m.commit();
-    const query::RayCounts& counts = m.mesh.ray_counts();
+    const query::RayCounts& counts = m.mesh.locators().ray_counts();
     const auto points = test::inner_points(m.sampler().mesh(), 10000, 81);
     EXPECT_TRUE(m.sampler().mesh().covers_once);
     ask(m, points, INSITU_EXACT);
@@ -297,7 +297,7 @@ TEST(Rays, KnowWhereCellsOverlap) {
   const auto covers_once = [](const TestMesh& from, Method method = Method::shared_faces) {
     fixtures::Committed m(from, 2);
     EXPECT_FALSE(m.sampler().mesh().covers_once) << "not looked for with bvh";
-    m.mesh.set_locator(method);
+    m.mesh.set_locator({method, accel::Backend::cpu});
     m.commit();
     return m.sampler().mesh().covers_once;
   };

@@ -62,7 +62,7 @@ typedef struct insitu_locator_info {
   int64_t bytes_copied; /**< of host arrays, on the device */
   /* Points, since the mesh was made, of batches by a ray method or on a device: */
   int64_t kept;            /**< answered by the cell that the ray told, once certified */
-  int64_t by_neighbor;     /**< by the cell across the face that the ray hit */
+  int64_t by_neighbour;     /**< by the cell across the face that the ray hit */
   int64_t by_tree;         /**< by the tree: the fallback of ray methods, all points of `bvh` */
   int64_t settled_on_host; /**< left undecided by a device; exact arithmetic on the host */
 } insitu_locator_info;
@@ -76,7 +76,7 @@ static inline insitu_locator_info insitu_locator_info_default(void) {
   for (k = 0; k < 128; ++k)
     i.reason[k] = 0;
   i.primitives = i.bytes = i.bytes_peak = i.bytes_copied = 0;
-  i.kept = i.by_neighbor = i.by_tree = i.settled_on_host = 0;
+  i.kept = i.by_neighbour = i.by_tree = i.settled_on_host = 0;
   return i;
 }
 

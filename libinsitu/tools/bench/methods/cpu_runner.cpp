@@ -1,5 +1,6 @@
 #include "accel/faces/face_table.h"
 #include "accel/ray_locator.h"
+#include "core/timer.h"
 #include "methods/runner.h"
 #include "query/committed_mesh.h"
 #include "setup.h"
