@@ -240,7 +240,8 @@ private:
   cudaStream_t stream_;
 };
 
-/// The shape that all cells have, if kernels are made for it.
+} // namespace
+
 mesh::Shape only_shape(const mesh::MeshView& mesh) {
   if (mesh.piece_count != 1 || (mesh.pieces[0].layout != mesh::CellLayout::uniform &&
                                 mesh.pieces[0].layout != mesh::CellLayout::block))
@@ -249,6 +250,8 @@ mesh::Shape only_shape(const mesh::MeshView& mesh) {
   return shape == mesh::Shape::tetrahedron || shape == mesh::Shape::hexahedron ? shape
                                                                                : mesh::Shape::none;
 }
+
+namespace {
 
 /// One query of at most most_fields fields.
 class Locate {

@@ -63,6 +63,9 @@ struct LocateArguments {
   Lists lists;
 };
 
+/// The shape that all cells of a mesh (seen from the host) have, if kernels are made for it.
+mesh::Shape only_shape(const mesh::MeshView& mesh);
+
 void launch_locate(const LocateArguments& arguments, cudaStream_t stream);
 /// `fast`: the first cell in float; the candidates, if given, as they are.
 void launch_locate_fast(const LocateArguments& arguments, cudaStream_t stream);
