@@ -195,8 +195,11 @@ TEST_F(Optix, AnswersOnTheDeviceAsOnTheHost) {
           continue;
         }
         const Vec3d p = points[i];
-        ASSERT_NEAR(f[2 * i], p.x + 2 * p.y + 3 * p.z, 1e-9) << i;
+        const bool fast = accuracy == INSITU_FAST; // in float
+        ASSERT_NEAR(f[2 * i], p.x + 2 * p.y + 3 * p.z, fast ? 1e-3 : 1e-9) << i;
         ASSERT_EQ(g[i], double(told[i]) + 0.5) << i;
+        if (fast) // near a pyramid's apex coordinates say little
+          continue;
         for (int a = 0; a < 3; ++a)
           ASSERT_NEAR(r[3 * i + std::size_t(a)], exact[i].parametric[a], 1e-6) << i;
       }
