@@ -49,6 +49,10 @@ module insitu
       insitu_log_error, insitu_log_warning, insitu_log_info, insitu_log_debug, &
       insitu_ghosts_vtk, insitu_ghosts_ascent, &
       insitu_keep, insitu_refit, insitu_rebuild, &
+      insitu_method_auto, insitu_method_bvh, insitu_method_user_geometry, &
+      insitu_method_replicated_faces, insitu_method_shared_faces, &
+      insitu_method_shared_bilinear_faces, &
+      insitu_backend_auto, insitu_backend_cpu, insitu_backend_cuda, insitu_backend_optix, &
       insitu_builder_none, insitu_builder_morton, insitu_builder_surface_area, &
       insitu_reason_outside, insitu_reason_certified, insitu_reason_exact, &
       insitu_reason_on_face, insitu_reason_on_edge, insitu_reason_on_vertex, &
@@ -69,6 +73,16 @@ module insitu
     type(c_ptr) :: address = c_null_ptr  !< what is read
   end type insitu_audit_entry
 
+  !> What answers a mesh's queries since the last commit, and how they were decided.
+  type, public :: insitu_locator_info
+    integer :: method = insitu_method_auto    !< insitu_method_*
+    integer :: backend = insitu_backend_auto  !< insitu_backend_*
+    character(len=128) :: reason = ''         !< why these, in words
+    integer(int64) :: primitives = 0          !< cells, or triangles of the face methods
+    integer(int64) :: bytes = 0, bytes_peak = 0, bytes_copied = 0
+    integer(int64) :: kept = 0, by_neighbor = 0, by_tree = 0, settled_on_host = 0
+  end type insitu_locator_info
+
   !> A mesh of a session; it lives as long as the session does. Copies are the same mesh.
   type, extends(below), public :: insitu_mesh
   contains
@@ -80,6 +94,8 @@ module insitu
     procedure :: validate
     procedure :: audit
     procedure :: sample_point
+    procedure :: locator => choose_locator
+    procedure :: locator_info
   end type insitu_mesh
 
   type, public :: insitu_session
@@ -323,6 +339,44 @@ contains
     call self%finish(c_mesh_commit(self%handle, result), ierr)
     if (present(report)) report = result
   end subroutine commit
+
+  !> Chooses the locator, before the scene's choice; the next commit makes it.
+  !! insitu_error_unsupported if an explicit choice cannot be had here.
+  subroutine choose_locator(self, method, ierr, backend)
+    class(insitu_mesh), intent(in) :: self
+    integer, intent(in) :: method
+    integer, intent(out) :: ierr
+    integer, intent(in), optional :: backend
+    type(c_locator) :: choice
+
+    choice%size = c_sizeof(choice)
+    choice%method = int(method, c_int)
+    if (present(backend)) choice%backend = int(backend, c_int)
+    call self%finish(c_mesh_locator(self%handle, choice), ierr)
+  end subroutine choose_locator
+
+  !> insitu_error_order before the first commit.
+  subroutine locator_info(self, info, ierr)
+    class(insitu_mesh), intent(in) :: self
+    type(insitu_locator_info), intent(out) :: info
+    integer, intent(out) :: ierr
+    type(c_locator_info), target :: raw
+
+    raw%size = c_sizeof(raw)
+    call self%finish(c_mesh_locator_info(self%handle, raw), ierr)
+    if (ierr /= insitu_ok) return
+    info%method = int(raw%method)
+    info%backend = int(raw%backend)
+    info%reason = from_c(c_loc(raw%reason))
+    info%primitives = raw%primitives
+    info%bytes = raw%bytes
+    info%bytes_peak = raw%bytes_peak
+    info%bytes_copied = raw%bytes_copied
+    info%kept = raw%kept
+    info%by_neighbor = raw%by_neighbor
+    info%by_tree = raw%by_tree
+    info%settled_on_host = raw%settled_on_host
+  end subroutine locator_info
 
   !> insitu_error_mesh if the mesh would be refused; the counts are filled in either case. A commit
   !! has to follow before the next query.

@@ -35,6 +35,15 @@ module insitu_c
   ! insitu_accuracy
   integer(c_int), parameter :: insitu_fast = 0, insitu_standard = 1, insitu_exact = 2
 
+  ! insitu_method, insitu_backend
+  integer(c_int), parameter :: &
+      insitu_method_auto = 0, insitu_method_bvh = 1, insitu_method_user_geometry = 2, &
+      insitu_method_replicated_faces = 3, insitu_method_shared_faces = 4, &
+      insitu_method_shared_bilinear_faces = 5
+  integer(c_int), parameter :: &
+      insitu_backend_auto = 0, insitu_backend_cpu = 1, insitu_backend_cuda = 2, &
+      insitu_backend_optix = 3
+
   ! INSITU_CHANGED_*; combine with ior. Short names, as a solver writes them every step.
   integer, parameter :: &
       insitu_nothing = 0, insitu_fields = 1, insitu_geometry = 2, insitu_topology = 4, insitu_all = 7
@@ -156,6 +165,21 @@ module insitu_c
     integer(c_int64_t) :: hanging_vertices = 0, covered_vertices = 0
   end type insitu_validation
 
+  type, bind(c) :: c_locator
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: method = insitu_method_auto
+    integer(c_int) :: backend = insitu_backend_auto
+  end type c_locator
+
+  type, bind(c) :: c_locator_info
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: method = insitu_method_auto
+    integer(c_int) :: backend = insitu_backend_auto
+    character(kind=c_char) :: reason(128)
+    integer(c_int64_t) :: primitives = 0, bytes = 0, bytes_peak = 0, bytes_copied = 0
+    integer(c_int64_t) :: kept = 0, by_neighbor = 0, by_tree = 0, settled_on_host = 0
+  end type c_locator_info
+
   type, bind(c) :: c_audit_entry
     integer(c_size_t) :: size = 0
     character(kind=c_char) :: name(64)
@@ -177,6 +201,8 @@ module insitu_c
     type(c_ptr) :: parametric = c_null_ptr
     type(c_ptr) :: found = c_null_ptr
     type(c_ptr) :: reasons = c_null_ptr
+    integer(c_int) :: memory = insitu_host
+    type(c_ptr) :: stream = c_null_ptr
   end type c_locate_args
 
   type, bind(c) :: c_sample_args

@@ -24,6 +24,7 @@
 #include "insitu/c/array.h"
 #include "insitu/c/base.h"
 #include "insitu/c/commit.h"
+#include "insitu/c/locator.h"
 #include "insitu/c/mesh.h"
 #include "insitu/c/query.h"
 #include "insitu/c/report.h"

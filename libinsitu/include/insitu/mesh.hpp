@@ -259,6 +259,21 @@ public:
   /** The frame of the mesh's coordinates (cartesian unless said). */
   void frame(const Frame& frame) { detail::check(insitu_mesh_frame(handle(), &frame.get())); }
 
+  /** Chooses the locator, before the scene's choice; the next commit makes it. Throws
+   *  INSITU_ERROR_UNSUPPORTED if an explicit choice cannot be had here. */
+  void locator(Method method, Backend backend = Backend::automatic) {
+    insitu_locator l = insitu_locator_default();
+    l.method = static_cast<insitu_method>(method);
+    l.backend = static_cast<insitu_backend>(backend);
+    detail::check(insitu_mesh_locator(handle(), &l));
+  }
+  /** What answers since the last commit, why, and how points were decided. */
+  LocatorInfo locator_info() const {
+    LocatorInfo info = insitu_locator_info_default();
+    detail::check(insitu_mesh_locator_info(handle(), &info));
+    return info;
+  }
+
   /** Brings the structures up to date, and says what was done, how long it took, what it
    *  allocated. Session::execute commits by itself. Throws INSITU_ERROR_MESH if validation refuses
    *  the mesh, INSITU_ERROR_FIELD if a field does not fit. */

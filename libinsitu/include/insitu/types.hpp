@@ -40,6 +40,22 @@ constexpr int vertex_count(Shape shape) noexcept {
 
 enum class Accuracy { fast = INSITU_FAST, standard = INSITU_STANDARD, exact = INSITU_EXACT };
 
+/** How points find their cells, and where; see insitu_method and insitu_backend. */
+enum class Method {
+  automatic = INSITU_METHOD_AUTO,
+  bvh = INSITU_METHOD_BVH,
+  user_geometry = INSITU_METHOD_USER_GEOMETRY,
+  replicated_faces = INSITU_METHOD_REPLICATED_FACES,
+  shared_faces = INSITU_METHOD_SHARED_FACES,
+  shared_bilinear_faces = INSITU_METHOD_SHARED_BILINEAR_FACES
+};
+enum class Backend {
+  automatic = INSITU_BACKEND_AUTO,
+  cpu = INSITU_BACKEND_CPU,
+  cuda = INSITU_BACKEND_CUDA,
+  optix = INSITU_BACKEND_OPTIX
+};
+
 /** Why a point has the owner that it has; see insitu_reason. */
 enum class Reason : std::uint8_t {
   outside = INSITU_REASON_OUTSIDE,
@@ -55,6 +71,7 @@ enum class GhostConvention { vtk = INSITU_GHOSTS_VTK, ascent = INSITU_GHOSTS_ASC
 
 using CommitReport = insitu_commit_report;
 using AuditEntry = insitu_audit_entry;
+using LocatorInfo = insitu_locator_info;
 
 /** A frame of reference, of a mesh or of the points of a query. */
 class Frame {

@@ -11,7 +11,12 @@ std::string why_unavailable(Backend backend) {
                    (backend == Backend::optix ? " and -DINSITU_OPTIX_ROOT=<SDK>)" : ")");
 }
 
-std::unique_ptr<DeviceLocator> make_device_locator(Backend backend, Method, core::Memory&) {
+void copy_from_device(std::byte*, const std::byte*, std::size_t) {
+  throw core::Error(INSITU_ERROR_UNSUPPORTED, "device memory: " + why_unavailable(Backend::cuda));
+}
+
+std::unique_ptr<DeviceLocator> make_device_locator(Backend backend, Method, core::Memory&,
+                                                   std::int64_t) {
   throw core::Error(INSITU_ERROR_UNSUPPORTED,
                     std::string("backend ") + name(backend) + ": " + why_unavailable(backend));
 }

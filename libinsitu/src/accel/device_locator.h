@@ -29,6 +29,11 @@ struct DeviceQuery {
   std::int64_t* cells = nullptr; ///< flat ids, -1 outside
   double* parametric = nullptr;  ///< [count][3]; NaN outside
   std::uint8_t* reasons = nullptr;
+  // What callers see instead of flat ids, where asked for:
+  bool by_piece = false;      ///< cells count within their piece
+  std::int64_t cell_base = 0; ///< added to cells, outside too
+  std::int32_t* pieces = nullptr;
+  std::uint8_t* found = nullptr;
   /// One field a span item: values[f] is [count][components], NaN outside.
   std::span<const mesh::FieldView> fields = {};
   double* const* values = nullptr; ///< a host array of pointers
@@ -46,10 +51,15 @@ struct DeviceReport {
   std::int64_t peak_bytes = 0;   ///< the most during the last build
   std::int64_t bytes_copied = 0; ///< of the solver's host arrays that have a copy on the device
   std::int64_t primitives = 0;   ///< cells of the tree, or of rays: triangles or cells
-  std::int64_t ray_groups = 0; ///< of a two-level structure; 1: one level, 0: no rays
-  std::int64_t ray_bytes = 0, ray_peak_bytes = 0; ///< of the rays' structure and its triangles alone
-  double tree_seconds = 0.0, rays_seconds = 0.0; ///< of the last build or refit, on the device
+  // Of the structures alone, without the mesh's copies:
+  std::int64_t tree_bytes = 0, tree_peak_bytes = 0;
+  std::int64_t ray_bytes = 0, ray_peak_bytes = 0; ///< with triangles
+  std::int64_t ray_groups = 0;                    ///< of a two-level structure; 1: one level
+  double tree_seconds = 0.0, rays_seconds = 0.0;  ///< of the last build or refit, on the device
 };
+
+/// The mesh as the host can read it: its own view, or a mesh::HostMirror's.
+using HostView = core::FunctionRef<const mesh::MeshView&()>;
 
 /// A mesh on a device with its structures: the `bvh` method in CUDA, or a ray method in OptiX
 /// beside it.
@@ -59,19 +69,24 @@ public:
   /// Brings arrays and structures up to date. what: INSITU_CHANGED_*, topology at first. faces: as
   /// in RayLocator::build. Arrays in device memory are read in place, others copied. Throws
   /// core::Error.
-  virtual void commit(const mesh::Mesh& mesh, std::uint32_t what, const FaceTable* faces,
-                      const core::Threads& threads) = 0;
+  /// host: asked for when faces or triangles are made, by methods that use faces.
+  virtual void commit(const mesh::Mesh& mesh, HostView host, std::uint32_t what,
+                      const FaceTable* faces, const core::Threads& threads) = 0;
   /// The answers of query::Sampler on the same mesh; `fast` answers by the papers' rules in float.
   virtual DeviceCounts locate(const DeviceQuery& query) const = 0;
   virtual DeviceReport report() const = 0;
 };
 
+/// Copies from device memory to the host's. Throws core::Error.
+void copy_from_device(std::byte* to, const std::byte* from, std::size_t bytes);
+
 /// Empty if the backend can be used here, else why not ("no CUDA device: ...", "driver too old for
 /// this OptiX (ABI 105)", "built without CUDA").
 std::string why_unavailable(Backend backend);
 
-/// Throws INSITU_ERROR_UNSUPPORTED with why_unavailable().
+/// Throws INSITU_ERROR_UNSUPPORTED with why_unavailable(). group: as in make_embree_locator.
 std::unique_ptr<DeviceLocator> make_device_locator(Backend backend, Method method,
-                                                   core::Memory& memory);
+                                                   core::Memory& memory,
+                                                   std::int64_t group = std::int64_t(1) << 20);
 
 } // namespace insitu::accel

@@ -36,6 +36,9 @@ constexpr bool has(Backend backend, Method method) {
   return backend == Backend::cpu || (backend == Backend::cuda) == (method == Method::bvh);
 }
 
+/// How the tree of `bvh` is built.
+enum class Builder : std::uint8_t { automatic, morton, surface_area };
+
 /// No cell (outside the mesh) or no vertex, in 32-bit flat ids.
 constexpr std::uint32_t none = 0xffffffffu;
 

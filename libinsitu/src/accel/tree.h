@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "accel/locator.h"
 #include "accel/node.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -12,8 +13,6 @@
 namespace insitu::accel {
 
 class Owners;
-
-enum class Builder { automatic, morton, surface_area };
 
 /// The bounding-volume hierarchy of the `bvh` method over the owning cells of all pieces: 8-wide
 /// quantised nodes, breadth first, so that children follow their parents and a level is a range.

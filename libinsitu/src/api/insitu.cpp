@@ -196,6 +196,19 @@ insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame* frame) {
   });
 }
 
+insitu_status insitu_mesh_locator(insitu_mesh mesh, const insitu_locator* locator) {
+  return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
+    s.choose_locator(m, locator);
+  });
+}
+
+insitu_status insitu_mesh_locator_info(insitu_mesh mesh, insitu_locator_info* info) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    require(info, "info");
+    api::hand_out(m.locator_info(), info, "info");
+  });
+}
+
 insitu_status insitu_mesh_changed(insitu_mesh mesh, uint32_t what) {
   return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
     if (what & ~std::uint32_t(INSITU_CHANGED_ALL))

@@ -64,39 +64,50 @@ void put_values(const query::Answered& answered, std::size_t first, const query:
 
 const query::CommittedMesh& Session::committed(SessionMesh& mesh) {
   mesh.mesh.require_committed();
-  if (checked_)
+  if (checks(mesh))
     mesh.watch.expect_unchanged(INSITU_CHANGED_NOTHING, context_.threads);
   return mesh.mesh;
 }
 
-void Session::answer(const query::CommittedMesh& mesh, const insitu_locate_args& args,
-                     const QueryPoints& points, std::span<const mesh::FieldView> fields,
-                     double* const* values) {
+void Session::for_each_slice(
+    const query::CommittedMesh& mesh, const insitu_locate_args& args, const QueryPoints& points,
+    core::FunctionRef<void(std::int64_t, std::span<const math::Vec3d>)> visit) {
   const std::int64_t n = points.count();
   // A conversion that fails must do so before anything is answered.
   const std::int64_t most = args.frame ? n : std::min(n, slice);
   const math::Vec3d* const in_place = args.frame ? nullptr : points.in_place();
   if (!in_place)
     query_points_.resize_discard(std::size_t(most));
-  query::LocateOptions options;
-  options.accuracy = args.accuracy;
-  const mesh::MeshView& view = mesh.mesh().view();
-  const query::Sampler sampler = mesh.sampler();
-  const std::int64_t outside = mesh.locate_counts().totals()[std::size_t(query::Reason::outside)];
   for (std::int64_t first = 0; first < n; first += most) {
     const auto count = std::size_t(std::min(most, n - first));
     if (!in_place)
       points.gather(first, {query_points_.data(), count}, context_.threads);
     if (args.frame)
       scene::convert_points({query_points_.data(), count}, *args.frame, mesh.frame);
-    sampler.visit(context_.threads, {in_place ? in_place + first : query_points_.data(), count},
-                  options, [&](const query::Answered& answered) {
-                    put_answers(answered, std::size_t(first), view, args);
-                    if (!fields.empty())
-                      put_values(answered, std::size_t(first), sampler, fields, values);
-                  });
+    visit(first, {in_place ? in_place + first : query_points_.data(), count});
   }
-  statistics_.points_located += n;
+}
+
+void Session::answer(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+                     const QueryPoints& points, std::span<const mesh::FieldView> fields,
+                     double* const* values) {
+  if (args.memory == INSITU_DEVICE)
+    return answer_in_device_memory(mesh, args, points, fields, values);
+  if (mesh.device())
+    return answer_by_device(mesh, args, points, fields, values);
+  query::LocateOptions options;
+  options.accuracy = args.accuracy;
+  const mesh::MeshView& view = mesh.mesh().view();
+  const query::Sampler sampler = mesh.sampler();
+  const std::int64_t outside = mesh.locate_counts().totals()[std::size_t(query::Reason::outside)];
+  for_each_slice(mesh, args, points, [&](std::int64_t first, std::span<const math::Vec3d> some) {
+    sampler.visit(context_.threads, some, options, [&](const query::Answered& answered) {
+      put_answers(answered, std::size_t(first), view, args);
+      if (!fields.empty())
+        put_values(answered, std::size_t(first), sampler, fields, values);
+    });
+  });
+  statistics_.points_located += points.count();
   statistics_.points_outside +=
       mesh.locate_counts().totals()[std::size_t(query::Reason::outside)] - outside;
 }
@@ -141,17 +152,26 @@ void Session::sample(SessionMesh& to, const insitu_sample_args& args) {
 bool Session::sample_point(SessionMesh& to, const std::string& field, const double* point,
                            double* values) {
   to.mesh.require_committed();
-  if (checked_)
+  if (checks(to))
     to.watch.expect_unchanged_chunk();
   const query::CommittedMesh& mesh = to.mesh;
   const mesh::FieldView view = mesh.mesh().field(field);
+  if (mesh.lies_on_device()) { // one point is a dear batch there
+    insitu_locate_args args = insitu_locate_args_default();
+    std::uint8_t found = 0;
+    args.found = &found;
+    const insitu_array one = insitu_array_of(point, INSITU_FLOAT64, 1, 3);
+    args.points = &one;
+    answer_by_device(mesh, args, QueryPoints(args), std::span(&view, 1), &values);
+    return found != 0;
+  }
+  ++statistics_.points_located;
   const query::Sampler sampler = mesh.sampler();
   const query::Location at = sampler.locate({point[0], point[1], point[2]});
   if (at)
     sampler.interpolate(view, at, values);
   else
     std::fill_n(values, view.components, std::numeric_limits<double>::quiet_NaN());
-  ++statistics_.points_located;
   statistics_.points_outside += !at;
   return bool(at);
 }

@@ -20,7 +20,15 @@ QueryPoints::QueryPoints(const insitu_locate_args& args) {
   if (args.cell_base != 0 && args.cell_base != 1)
     throw Error(INSITU_ERROR_ARGUMENT,
                 "cell_base: " + std::to_string(args.cell_base) + ", 0 or 1 expected");
+  if (args.memory != INSITU_HOST && args.memory != INSITU_DEVICE)
+    throw Error(INSITU_ERROR_ARGUMENT,
+                "memory: unknown value " + std::to_string(int(args.memory)));
   for (int i = 0; i < args.point_arrays; ++i) {
+    if (args.points[i].memory != args.memory)
+      throw Error(INSITU_ERROR_ARGUMENT,
+                  std::string("points lie in ") +
+                      (args.points[i].memory == INSITU_DEVICE ? "device" : "host") +
+                      " memory, the answers (memory) in the other; both in one expected");
     arrays_.push_back(mesh::adopt(args.points + i, "points"));
     const mesh::ExternalArray& a = arrays_.back();
     mesh::require_real(a, "points");

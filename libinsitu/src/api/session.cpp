@@ -17,6 +17,11 @@ static_assert(query::reason_count == INSITU_REASON_COUNT &&
               int(query::Reason::on_face) == INSITU_REASON_ON_FACE &&
               int(query::Reason::on_edge) == INSITU_REASON_ON_EDGE &&
               int(query::Reason::on_vertex) == INSITU_REASON_ON_VERTEX);
+static_assert(int(accel::Method::bvh) + 1 == INSITU_METHOD_BVH &&
+              int(accel::Method::shared_bilinear_faces) + 1 ==
+                  INSITU_METHOD_SHARED_BILINEAR_FACES &&
+              accel::method_count == INSITU_METHOD_SHARED_BILINEAR_FACES &&
+              int(accel::Backend::optix) + 1 == INSITU_BACKEND_OPTIX);
 
 core::Log log_of(const insitu_session_options& o) {
   return {o.log_level, o.log, o.log_user};
@@ -53,13 +58,40 @@ SessionMesh& Session::mesh(const std::string& name) {
   return *meshes_.emplace_back(std::make_unique<SessionMesh>(name, context_.memory));
 }
 
+void Session::choose_locator(SessionMesh& to, const insitu_locator* locator) {
+  query::LocatorChoice choice;
+  if (locator) {
+    if (locator->size != sizeof *locator)
+      throw Error(INSITU_ERROR_ARGUMENT, "locator: make it with insitu_locator_default()");
+    if (locator->method < INSITU_METHOD_AUTO ||
+        locator->method > INSITU_METHOD_SHARED_BILINEAR_FACES)
+      throw Error(INSITU_ERROR_ARGUMENT,
+                  "locator: unknown method " + std::to_string(int(locator->method)));
+    if (locator->backend < INSITU_BACKEND_AUTO || locator->backend > INSITU_BACKEND_OPTIX)
+      throw Error(INSITU_ERROR_ARGUMENT,
+                  "locator: unknown backend " + std::to_string(int(locator->backend)));
+    if (locator->method != INSITU_METHOD_AUTO)
+      choice.method = accel::Method(locator->method - INSITU_METHOD_BVH);
+    if (locator->backend != INSITU_BACKEND_AUTO)
+      choice.backend = accel::Backend(locator->backend - INSITU_BACKEND_CPU);
+  } else if (runner_) {
+    choice = runner_->locator().choice;
+  }
+  query::pick_locator(choice, to.mesh.lies_on_device()); // throws before anything is changed
+  to.mesh.set_locator(choice);
+  to.locator_chosen = locator != nullptr;
+}
+
 insitu_commit_report Session::commit(SessionMesh& to) {
   query::CommittedMesh& mesh = to.mesh;
   const std::uint32_t said = mesh.mesh().pending();
-  if (checked_)
+  if (checks(to))
     to.watch.expect_unchanged(said, context_.threads);
-  if (runner_)
-    mesh.set_builder(runner_->builder());
+  if (runner_) {
+    mesh.set_builder(runner_->locator().builder);
+    if (!to.locator_chosen)
+      mesh.set_locator(runner_->locator().choice);
+  }
   const insitu_commit_report report = [&] {
     try {
       return mesh.commit(context_.threads, context_.log, context_.memory, strict_);
@@ -70,7 +102,7 @@ insitu_commit_report Session::commit(SessionMesh& to) {
       throw Error(e.status(), name + ", " + what);
     }
   }();
-  if (checked_ && (said & (INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_TOPOLOGY)))
+  if (checks(to) && (said & (INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_TOPOLOGY)))
     to.watch.remember(mesh.mesh(), context_.threads);
   statistics_.commit_s += report.seconds;
   switch (report.action) {

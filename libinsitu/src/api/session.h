@@ -21,6 +21,7 @@ struct SessionMesh {
   query::CommittedMesh mesh;
   ArrayWatch watch; ///< used by checked sessions
   insitu_mesh handle = nullptr;
+  bool locator_chosen = false; ///< by the caller, before the scene
 };
 
 /// Everything behind an insitu_session. Methods throw core::Error.
@@ -38,6 +39,8 @@ public:
   /// Ends tracers and closes files; returns what failed.
   std::string finish();
 
+  /// locator null: the scene's.
+  void choose_locator(SessionMesh& mesh, const insitu_locator* locator);
   void locate(SessionMesh& mesh, const insitu_locate_args& args);
   void sample(SessionMesh& mesh, const insitu_sample_args& args);
   bool sample_point(SessionMesh& mesh, const std::string& field, const double* point,
@@ -52,12 +55,24 @@ public:
   bool closed = false; ///< read and written while busy
 
 private:
+  /// Whether its arrays are watched: not in device memory, which the host does not read.
+  bool checks(const SessionMesh& mesh) const { return checked_ && !mesh.mesh.lies_on_device(); }
   /// The mesh, if it may be queried.
   const query::CommittedMesh& committed(SessionMesh& mesh);
   /// Locates the points, a slice at a time, and writes what args asks for and the fields' values.
   void answer(const query::CommittedMesh& mesh, const insitu_locate_args& args,
               const QueryPoints& points, std::span<const mesh::FieldView> fields,
               double* const* values);
+  void answer_in_device_memory(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+                               const QueryPoints& points, std::span<const mesh::FieldView> fields,
+                               double* const* values);
+  void answer_by_device(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+                        const QueryPoints& points, std::span<const mesh::FieldView> fields,
+                        double* const* values);
+  /// Calls visit(first, points) for slices of points, as doubles in the mesh's frame.
+  void for_each_slice(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+                      const QueryPoints& points,
+                      core::FunctionRef<void(std::int64_t, std::span<const math::Vec3d>)> visit);
   void make_default_runner();
   /// Makes it; returns what is in the way, logged once.
   std::string try_default_runner();

@@ -42,9 +42,13 @@ public:
   /// Checks that the registrations fit each other and makes the views. Throws core::Error.
   void update();
 
+  /// Whether an array lies in device memory: then the host reads none of the mesh.
+  bool lies_on_device() const;
+
   /// The views of the last update().
   const MeshView& view() const { return view_; }
   void set_free_of_folds(bool free) { view_.free_of_folds = free; }
+  void set_covers_once(bool once) { view_.covers_once = once; }
 
   /// The field of that name; throws INSITU_ERROR_FIELD with the nearest name.
   FieldView field(const std::string& name) const;

@@ -42,6 +42,14 @@ void Mesh::check_field(const Field& field) const {
   }
 }
 
+bool Mesh::lies_on_device() const {
+  bool on_device = false;
+  visit_arrays([&](const ExternalArray& array, const std::string&, ArrayKind) {
+    on_device = on_device || array.memory == INSITU_DEVICE;
+  });
+  return on_device;
+}
+
 void Mesh::update() {
   for (std::size_t p = 0; p < pieces_.size(); ++p)
     check_piece(p);

@@ -13,8 +13,6 @@ using math::Vec3d;
 
 namespace {
 
-constexpr int first_shape = int(mesh::Shape::tetrahedron), shape_count = 5;
-
 /// Calls f(k) for every set bit k.
 template <class F>
 void for_each_bit(std::uint64_t bits, F&& f) {
@@ -25,11 +23,11 @@ void for_each_bit(std::uint64_t bits, F&& f) {
 } // namespace
 
 BatchLocator::BatchLocator(const PointQuery& query, BatchScratch& scratch)
-    : query_(query), rule_(query.box_rule()), gather_(query.mesh, query.options.alpha),
-      s_(scratch) {}
+    : query_(query), rule_(query.box_rule()), s_(scratch),
+      pairs_(query.mesh, query.options.alpha, scratch) {}
 
-void BatchLocator::run(std::span<const Vec3d> points) {
-  points_ = points;
+void BatchLocator::run(std::span<const Vec3d> points, std::span<const Location> known) {
+  pairs_.set_points(points);
   count_ = int(points.size());
   for (int q = 0; q < count_; ++q) {
     best_[q] = {};
@@ -37,87 +35,31 @@ void BatchLocator::run(std::span<const Vec3d> points) {
     reason_[q] = Reason::outside;
     located_[q] = false;
   }
+  for (std::size_t q = 0; q < known.size(); ++q)
+    if (known[q]) {
+      best_[q] = known[q];
+      below_[q] = known[q].cell;
+      reason_[q] = Reason::certified;
+      located_[q] = true;
+    }
   if (query_.tree.empty())
     return;
   set_boxes(rule_, points, s_.boxes);
   find_candidates(query_.tree, s_.boxes, s_.traversal);
-  if (const int tries = query_.tries(); tries > 0 && try_likeliest(tries))
+  if (const int tries = known.empty() ? query_.tries() : 0; tries > 0 && try_likeliest(tries))
     return;
   const Candidate* candidates = s_.traversal.candidates.data();
-  order_by_shape(
+  pairs_.order(
       s_.traversal.found,
       [&](std::size_t c) {
         const std::int64_t cell = query_.tree.cells()[candidates[c].slot];
         return could_own(cell, candidates[c].query) ? cell : -1;
       },
       [&](std::size_t c) { return candidates[c].query; });
-  for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const QueryId* queries) {
+  pairs_.for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const QueryId* queries) {
     decide_by_filter(shape, cells, queries);
   });
   find_parametric();
-}
-
-/// Pairs i of [0, n), cell_of(i) and query_of(i), none where the cell is negative; those of a shape
-/// side by side. The cells' ids are asked for.
-template <class CellOf, class QueryOf>
-void BatchLocator::order_by_shape(std::size_t n, CellOf&& cell_of, QueryOf&& query_of) {
-  s_.make_room(n + 1); // one more is written than is kept
-  if (gather_.one_shape()) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::int64_t cell = cell_of(i);
-      s_.cells[kept] = cell;
-      s_.queries[kept] = QueryId(query_of(i));
-      gather_.prefetch_ids(std::max(cell, std::int64_t(0)));
-      kept += cell >= 0;
-    }
-    const int shape = kept > 0 ? int(gather_.shape(0)) - first_shape : 0;
-    for (int i = 0; i < shape_count; ++i)
-      run_end_[i] = i < shape ? 0 : kept;
-    return;
-  }
-  std::size_t end[shape_count + 1] = {};
-  for (std::size_t i = 0; i < n; ++i) {
-    s_.unsorted[i] = cell_of(i);
-    if (s_.unsorted[i] >= 0)
-      ++end[int(gather_.shape(s_.unsorted[i])) - first_shape + 1];
-  }
-  for (int i = 0; i < shape_count; ++i)
-    end[i + 1] += end[i];
-  for (std::size_t i = 0; i < n; ++i)
-    if (const std::int64_t cell = s_.unsorted[i]; cell >= 0) {
-      const std::size_t at = end[int(gather_.shape(cell)) - first_shape]++;
-      s_.cells[at] = cell;
-      s_.queries[at] = QueryId(query_of(i));
-    }
-  std::copy_n(end, shape_count, run_end_);
-}
-
-template <class F>
-void BatchLocator::for_each_block(F&& f) {
-  std::size_t begin = 0;
-  for (int i = 0; i < shape_count; ++i)
-    for (; begin < run_end_[i]; begin += std::size_t(s_.block.cells.count)) {
-      const std::size_t left = run_end_[i] - begin;
-      s_.block.cells.count = int(std::min<std::size_t>(left, cells::CellBlock::size));
-      gather_.fill(&s_.cells[begin], s_.block.cells.count, int(left) - s_.block.cells.count,
-                   s_.block.cells);
-      set_points(&s_.queries[begin]);
-      f(mesh::Shape(first_shape + i), &s_.cells[begin], &s_.queries[begin]);
-    }
-}
-
-void BatchLocator::set_points(const QueryId* queries) {
-  for (int k = 0; k < s_.block.cells.count; ++k) {
-    const Vec3d& p = points_[queries[k]];
-    s_.block.point[0][k] = p.x;
-    s_.block.point[1][k] = p.y;
-    s_.block.point[2][k] = p.z;
-  }
-}
-
-Vec3d BatchLocator::block_point(int k) const {
-  return {s_.block.point[0][k], s_.block.point[1][k], s_.block.point[2][k]};
 }
 
 /// The cell holds the query's point. The lowest id stays.
@@ -158,29 +100,30 @@ bool BatchLocator::try_likeliest(int tries) {
       const std::uint64_t rank = candidates[c].rank();
       next[q] = std::max(next[q], rank < tried[q] ? rank : 0);
     }
-    order_by_shape(
+    pairs_.order(
         open_count,
         [&](std::size_t k) {
           const std::uint64_t rank = next[open[k]];
           return rank ? std::int64_t(query_.tree.cells()[slot_of_rank(rank)]) : -1;
         },
         [&](std::size_t k) { return open[k]; });
-    for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const QueryId* queries) {
-      const PairBlock& b = s_.block;
-      invert(shape, s_.block);
-      for (int k = 0; k < b.cells.count; ++k) {
-        const int q = queries[k];
-        if (is_on_boundary(b.margin[k], b.error[k]))
-          next[q] = 0; // no use in further tries
-        if (b.margin[k] > b.error[k]) {
-          best_[q] = {cells[k], {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]}};
-          below_[q] = enough ? 0 : cells[k];
-          reason_[q] = Reason::certified;
-          located_[q] = true;
-          ++proven;
-        }
-      }
-    });
+    pairs_.for_each_block(
+        [&](mesh::Shape shape, const std::int64_t* cells, const QueryId* queries) {
+          const PairBlock& b = s_.block;
+          invert(shape, s_.block);
+          for (int k = 0; k < b.cells.count; ++k) {
+            const int q = queries[k];
+            if (is_on_boundary(b.margin[k], b.error[k]))
+              next[q] = 0; // no use in further tries
+            if (b.margin[k] > b.error[k]) {
+              best_[q] = {cells[k], b.parametric_of(k)};
+              below_[q] = enough ? 0 : cells[k];
+              reason_[q] = Reason::certified;
+              located_[q] = true;
+              ++proven;
+            }
+          }
+        });
     std::size_t left = 0;
     for (std::size_t k = 0; k < open_count; ++k) {
       const QueryId q = open[k];
@@ -208,28 +151,28 @@ void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std:
       return;
     Vec3d x[8];
     s_.block.cells.get(shape, k, x);
-    if (const Reason why = decide(shape, x, block_point(k)); why != Reason::outside)
+    if (const Reason why = decide(shape, x, s_.block.point_of(k)); why != Reason::outside)
       claim(queries[k], cells[k], why);
   });
 }
 
 /// The owners that Newton has not seen yet.
 void BatchLocator::find_parametric() {
-  order_by_shape(
+  pairs_.order(
       std::size_t(count_), [&](std::size_t q) { return located_[q] ? -1 : best_[q].cell; },
       [](std::size_t q) { return q; });
-  for_each_block([&](mesh::Shape shape, const std::int64_t*, const QueryId* queries) {
+  pairs_.for_each_block([&](mesh::Shape shape, const std::int64_t*, const QueryId* queries) {
     const PairBlock& b = s_.block;
     invert(shape, s_.block);
     for (int k = 0; k < b.cells.count; ++k) {
       Vec3d& r = best_[queries[k]].parametric;
       if (is_plausible((b.converged >> k) & 1, b.margin[k])) {
-        r = {b.parametric[0][k], b.parametric[1][k], b.parametric[2][k]};
+        r = b.parametric_of(k);
         continue;
       }
       Vec3d x[8];
       s_.block.cells.get(shape, k, x);
-      r = cells::robust_inverse(shape, x, block_point(k));
+      r = cells::robust_inverse(shape, x, s_.block.point_of(k));
     }
   });
 }

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
+#include "accel/faces/face_table.h"
+#include "accel/ray_locator.h"
 #include "accel/tree.h"
 #include "cells/validate.h"
 #include "core/log.h"
@@ -23,6 +26,14 @@ public:
   const accel::Tree& tree() const { return tree_; }
   /// automatic: as the policy finds; otherwise how every tree is built from now on.
   void set_builder(accel::Builder builder) { policy_.set_builder(builder); }
+  /// How batches of points are located from the next commit on, which rebuilds everything; the tree
+  /// is kept whatever the method.
+  void set_locator(accel::Method method);
+  accel::Method locator() const { return method_; }
+  /// The ray method's structures, or null: `bvh`, or not built yet.
+  const accel::RayLocator* rays() const { return rays_.get(); }
+  /// The faces, or null unless the method uses them.
+  const accel::FaceTable* faces() const { return faces_.get(); }
   /// The frame of the mesh's coordinates (an attribute; conversions are geo's).
   insitu_frame frame = insitu_frame_default();
 
@@ -41,11 +52,15 @@ public:
   void require_committed() const;
   /// Queries, hinted ones above all, answer fastest once it is known that no cell folds. Topology
   /// commits find out; after the vertices moved, this does, in about three refits' time (once a
-  /// step): for callers with many hints. A commit calls it if the step before located many points.
+  /// step): for callers with many hints. A commit calls it if the step before located many points,
+  /// or with a ray method, whose candidates are worth little before.
   void look_for_folds(const core::Threads& threads);
-  Sampler sampler() const { return {mesh_.view(), tree_, &order_, &locate_counts_}; }
+  Sampler sampler() const {
+    return {mesh_.view(), tree_, &order_, &locate_counts_, rays_.get(), &ray_counts_};
+  }
   /// Of all samplers of this mesh, since it was made.
   const LocateCounts& locate_counts() const { return locate_counts_; }
+  const RayCounts& ray_counts() const { return ray_counts_; }
 
   /// Grow with each commit that changed values, or cells and coordinates: for caches made from
   /// them.
@@ -55,11 +70,18 @@ public:
 
 private:
   void note_queries();
+  void update_rays(bool topology, const core::Threads& threads);
+  void look_for_overlaps(const core::Threads& threads);
 
+  core::Memory* memory_;
   mesh::Mesh mesh_;
   accel::Tree tree_;
-  mutable SpatialOrder order_; ///< scratch of queries
+  accel::Method method_ = accel::Method::bvh;
+  std::unique_ptr<accel::FaceTable> faces_;
+  std::unique_ptr<accel::RayLocator> rays_; ///< after faces_, which it reads
+  mutable SpatialOrder order_;              ///< scratch of queries
   mutable LocateCounts locate_counts_;
+  mutable RayCounts ray_counts_;
   TreePolicy policy_;
   std::int64_t located_before_ = 0; ///< points, when the policy was last told
   std::int64_t located_lately_ = 0; ///< points, between the last two commits that changed something

@@ -17,6 +17,11 @@ struct PairBlock {
   alignas(64) double error[row];         ///< by invert; see cells::InverseMap
   std::uint64_t converged;               ///< by invert: bit k is pair k's
   std::uint64_t inside, outside;         ///< by contain: proven; neither: undecided
+
+  math::Vec3d point_of(int k) const { return {point[0][k], point[1][k], point[2][k]}; }
+  math::Vec3d parametric_of(int k) const {
+    return {parametric[0][k], parametric[1][k], parametric[2][k]};
+  }
 };
 
 /// Inverts the maps of a block; the same bits as cells::inverse_map one by one.

@@ -40,7 +40,7 @@ struct PointQuery {
   /// interior.
   int tries() const;
   /// A cell so proven answers alone; else those of lower ids are looked at as well.
-  bool proof_is_enough() const { return options.accuracy != INSITU_EXACT; }
+  bool proof_is_enough() const { return options.accuracy != INSITU_EXACT || mesh.covers_once; }
   /// One point, depth first.
   Location locate(const math::Vec3d& p, Reason& reason) const;
 };

@@ -9,6 +9,7 @@
 #include "query/batch.h"
 #include "query/order.h"
 #include "query/point_query.h"
+#include "query/ray_batch.h"
 
 namespace insitu::query {
 
@@ -24,26 +25,43 @@ BatchScratch& batch_scratch() {
 /// Runs batches over points in their own or another order, and counts.
 class Batches {
 public:
-  Batches(const PointQuery& query, LocateCounts* counts)
-      : locator_(query, batch_scratch()), counts_(counts) {}
+  /// counts, rays, ray_counts: or null.
+  Batches(const PointQuery& query, LocateCounts* counts, const accel::RayLocator* rays,
+          RayCounts* ray_counts)
+      : locator_(query, batch_scratch()), counts_(counts), ray_counts_(ray_counts) {
+    if (rays)
+      by_rays_ = std::make_unique<RayBatch>(query, *rays, batch_scratch(), locator_);
+  }
   ~Batches() {
     if (counts_)
       counts_->add(by_reason_);
+    if (by_rays_ && ray_counts_) {
+      ray_counts_->kept += by_rays_->kept;
+      ray_counts_->by_neighbour += by_rays_->by_neighbour;
+      ray_counts_->by_tree += by_rays_->by_tree;
+    }
   }
   Batches(const Batches&) = delete;
   Batches& operator=(const Batches&) = delete;
 
   /// The answers of at most batch_size points; valid until the next run.
   Answered run(std::span<const Vec3d> points) {
-    locator_.run(points);
-    for (const Reason reason : locator_.reasons())
+    const Answered answered = by_rays_ ? by_rays_->run(points) : by_tree(points);
+    for (const Reason reason : answered.reasons)
       ++by_reason_[int(reason)];
-    return {locator_.locations(), locator_.reasons()};
+    return answered;
   }
 
 private:
+  Answered by_tree(std::span<const Vec3d> points) {
+    locator_.run(points);
+    return {locator_.locations(), locator_.reasons()};
+  }
+
   BatchLocator locator_;
   LocateCounts* counts_;
+  RayCounts* ray_counts_;
+  std::unique_ptr<RayBatch> by_rays_;
   std::int64_t by_reason_[reason_count] = {};
 };
 
@@ -109,7 +127,7 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
 void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> locations,
                             const LocateOptions& options, std::span<std::uint8_t> reasons) const {
   const PointQuery query{*mesh_, *tree_, options};
-  Batches batches(query, counts_);
+  Batches batches(query, counts_, rays_, ray_counts_);
   for (std::size_t first = 0; first < points.size(); first += batch_size) {
     const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
     Answered answered = batches.run(points.subspan(first, n));
@@ -139,7 +157,7 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
         sorts ? order_->sort(threads, part, *tree_) : std::span<const accel::morton::Coded>();
     threads.parallel_for(
         std::int64_t(part.size()), grain, [&](std::int64_t begin, std::int64_t end) {
-          Batches batches(query, counts_);
+          Batches batches(query, counts_, rays_, ray_counts_);
           Vec3d batch[batch_size];
           for (auto first = std::size_t(begin); first < std::size_t(end); first += batch_size) {
             const std::size_t n = std::min<std::size_t>(batch_size, std::size_t(end) - first);

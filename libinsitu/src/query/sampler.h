@@ -12,8 +12,9 @@
 #include "mesh/view.h"
 
 namespace insitu::accel {
+class RayLocator;
 class Tree;
-}
+} // namespace insitu::accel
 
 namespace insitu::query {
 
@@ -65,15 +66,26 @@ private:
   Copy copies_[copy_count];
 };
 
+/// How batches by a ray method were answered, in points. Thread-safe.
+struct RayCounts {
+  std::atomic<std::int64_t> kept{0};         ///< the cell that the rays told, proven (fast: told)
+  std::atomic<std::int64_t> by_neighbour{0}; ///< the cell beyond the face that was hit, proven
+  std::atomic<std::int64_t> by_tree{0};      ///< through the tree, outside ones included
+};
+
 /// Answers point queries on a committed mesh. Cheap to copy; valid until the next commit. All calls
 /// are const, and their answers do not depend on threads or batching. All but the parallel
 /// batch are thread-safe.
 class Sampler {
 public:
   /// order, counts: may be null; then batches are taken in their own order, and nothing is counted.
+  /// rays: batches go by this ray method first (RayBatch); null: by the tree alone, as single
+  /// points always do. The answers are the same but in `fast`.
   Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrder* order = nullptr,
-          LocateCounts* counts = nullptr)
-      : mesh_(&mesh), tree_(&tree), order_(order), counts_(counts) {}
+          LocateCounts* counts = nullptr, const accel::RayLocator* rays = nullptr,
+          RayCounts* ray_counts = nullptr)
+      : mesh_(&mesh), tree_(&tree), order_(order), counts_(counts), rays_(rays),
+        ray_counts_(ray_counts) {}
 
   const mesh::MeshView& mesh() const { return *mesh_; }
   const accel::Tree& tree() const { return *tree_; }
@@ -131,6 +143,8 @@ private:
   const accel::Tree* tree_;
   SpatialOrder* order_;
   LocateCounts* counts_;
+  const accel::RayLocator* rays_;
+  RayCounts* ray_counts_;
 };
 
 } // namespace insitu::query

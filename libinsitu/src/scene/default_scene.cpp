@@ -28,32 +28,4 @@ const char* accuracy_name(Accuracy accuracy) {
   }
 }
 
-const char* locator_method_name(LocatorMethod method) {
-  switch (method) {
-  case LocatorMethod::automatic:
-    return "auto";
-  case LocatorMethod::bvh:
-    return "bvh";
-  case LocatorMethod::user_geometry:
-    return "user_geometry";
-  case LocatorMethod::replicated_faces:
-    return "replicated_faces";
-  case LocatorMethod::shared_faces:
-    return "shared_faces";
-  default:
-    return "shared_bilinear_faces";
-  }
-}
-
-const char* locator_builder_name(LocatorBuilder builder) {
-  switch (builder) {
-  case LocatorBuilder::automatic:
-    return "auto";
-  case LocatorBuilder::morton:
-    return "morton";
-  default:
-    return "surface_area";
-  }
-}
-
 } // namespace insitu::scene

@@ -7,7 +7,9 @@
 #include <variant>
 #include <vector>
 
+#include "accel/locator.h"
 #include "math/vec.h"
+#include "query/locator_choice.h"
 #include "scene/trigger.h"
 
 /// What a scene asks for, as plain data: made by parse_scene_file() or default_scene(), executed by
@@ -184,7 +186,7 @@ struct Volume {
   ColorMap colors;
   std::optional<ValueRange> range; ///< nothing: the field's range at each frame
   std::vector<OpacityPoint>
-      opacity; ///< by value; empty: from 0 at the range's low end to 1 at its high end
+      opacity;         ///< by value; empty: from 0 at the range's low end to 1 at its high end
   bool smooth = false; ///< a cell field is averaged to the vertices first
   std::optional<double> unit_distance; ///< length over which a ray loses the stated opacity;
                                        ///< nothing: a hundredth of the mesh's diagonal
@@ -229,20 +231,9 @@ struct Frame {
 
 // ---------------------------------------------------------------------------------------- scene
 
-/// Names as in the section on methods of DESIGN.md. All are known here; a build may lack some.
-enum class LocatorMethod {
-  automatic,
-  bvh,
-  user_geometry,
-  replicated_faces,
-  shared_faces,
-  shared_bilinear_faces
-};
-enum class LocatorBuilder { automatic, morton, surface_area };
-
 struct LocatorOptions {
-  LocatorMethod method = LocatorMethod::automatic;
-  LocatorBuilder builder = LocatorBuilder::automatic;
+  query::LocatorChoice choice;
+  accel::Builder builder = accel::Builder::automatic;
   int line = 0;
 };
 
@@ -261,7 +252,5 @@ struct SceneDescription {
 SceneDescription default_scene(const std::string& scalar_field, const std::string& mesh = {});
 
 const char* accuracy_name(Accuracy accuracy);
-const char* locator_method_name(LocatorMethod method);
-const char* locator_builder_name(LocatorBuilder builder);
 
 } // namespace insitu::scene

@@ -114,21 +114,30 @@ Trigger parse_trigger(const MapReader& map, const Trigger& fallback) {
 LocatorOptions parse_locator(const Cursor& cursor) {
   LocatorOptions options;
   options.line = cursor.line();
-  const MapReader map(cursor, {"method", "builder"});
+  const MapReader map(cursor, {"method", "backend", "builder"});
+  using Method = std::optional<accel::Method>;
+  using Backend = std::optional<accel::Backend>;
   if (const auto method = map.find("method")) {
-    assign(options.method, method->choice<LocatorMethod>(
-                               {{"auto", LocatorMethod::automatic},
-                                {"bvh", LocatorMethod::bvh},
-                                {"user_geometry", LocatorMethod::user_geometry},
-                                {"replicated_faces", LocatorMethod::replicated_faces},
-                                {"shared_faces", LocatorMethod::shared_faces},
-                                {"shared_bilinear_faces", LocatorMethod::shared_bilinear_faces}}));
+    assign(
+        options.choice.method,
+        method->choice<Method>({{"auto", Method()},
+                                {"bvh", accel::Method::bvh},
+                                {"user_geometry", accel::Method::user_geometry},
+                                {"replicated_faces", accel::Method::replicated_faces},
+                                {"shared_faces", accel::Method::shared_faces},
+                                {"shared_bilinear_faces", accel::Method::shared_bilinear_faces}}));
+  }
+  if (const auto backend = map.find("backend")) {
+    assign(options.choice.backend, backend->choice<Backend>({{"auto", Backend()},
+                                                             {"cpu", accel::Backend::cpu},
+                                                             {"cuda", accel::Backend::cuda},
+                                                             {"optix", accel::Backend::optix}}));
   }
   if (const auto builder = map.find("builder")) {
     assign(options.builder,
-           builder->choice<LocatorBuilder>({{"auto", LocatorBuilder::automatic},
-                                            {"morton", LocatorBuilder::morton},
-                                            {"surface_area", LocatorBuilder::surface_area}}));
+           builder->choice<accel::Builder>({{"auto", accel::Builder::automatic},
+                                            {"morton", accel::Builder::morton},
+                                            {"surface_area", accel::Builder::surface_area}}));
   }
   return options;
 }

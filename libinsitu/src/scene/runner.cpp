@@ -11,32 +11,18 @@
 
 namespace insitu::scene {
 
-namespace {
-
-accel::Builder builder_of(const SceneDescription& scene) {
-  switch (scene.locator.builder) {
-  case LocatorBuilder::morton:
-    return accel::Builder::morton;
-  case LocatorBuilder::surface_area:
-    return accel::Builder::surface_area;
-  case LocatorBuilder::automatic:
-    break;
-  }
-  return accel::Builder::automatic;
-}
-
-} // namespace
-
 Runner::Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
                Statistics& statistics)
     : environment_{context, statistics, scene.file, output.empty() ? scene.output : output},
-      builder_(builder_of(scene)) {
-  if (scene.locator.method != LocatorMethod::automatic &&
-      scene.locator.method != LocatorMethod::bvh)
-    throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                      scene.file + ":" + std::to_string(scene.locator.line) + ": locator method '" +
-                          locator_method_name(scene.locator.method) +
-                          "' is not in this version; bvh is");
+      locator_(scene.locator) {
+  if (locator_.choice.backend || locator_.choice.method) { // what can never be had is said at once
+    try {
+      query::pick_locator(locator_.choice, false);
+    } catch (const core::Error& e) {
+      throw core::Error(e.status(),
+                        scene.file + ":" + std::to_string(locator_.line) + ": " + e.what());
+    }
+  }
   for (const Probe& p : scene.probes)
     actions_.push_back(std::make_unique<ProbeAction>(p, environment_));
   for (const Tracer& t : scene.tracers)

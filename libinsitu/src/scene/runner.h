@@ -30,7 +30,7 @@ public:
   /// Particles of all tracers.
   advect::Counts particle_counts() const;
 
-  accel::Builder builder() const { return builder_; }
+  const LocatorOptions& locator() const { return locator_; }
   const std::string& output() const { return environment_.output; }
 
 private:
@@ -39,7 +39,7 @@ private:
   void report(const std::string& what, const std::string& of, std::int64_t cycle);
 
   Environment environment_;
-  accel::Builder builder_;
+  LocatorOptions locator_;
   std::vector<std::unique_ptr<Action>> actions_;
   std::map<std::string, std::set<std::string>>
       reported_; ///< failures logged, by action, so that a log is not flooded

@@ -19,6 +19,7 @@ Report commit(const Options& options);
 Report locate(const Options& options);
 Output run_torture(const Options& options);
 Output scale(const Options& options);
+Output methods(const Options& options);
 
 /// The answers to a set of queries: cells as ids or -1, and the field (NaN outside).
 struct Answers {

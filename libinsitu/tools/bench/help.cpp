@@ -3,16 +3,17 @@
 namespace insitu::bench {
 
 const char* help_text() {
-  return R"(insitu-bench commit|locate|torture|scale [options]
+  return R"(insitu-bench commit|locate|torture|scale|methods [options]
 
 Times libinsitu on the standard workload, checks its answers and holds them against VTK's.
   commit   building and refitting the acceleration structure, cold and warm
   locate   point queries, with Newton's parametric coordinates, and sampling of fields
   torture  who loses or misplaces how many points on small meshes of all hard cases
   scale    cost of build and queries by number of cells, and of queries by size of the batch
+  methods  every locator method on every backend that is here: Morrical 2020, tables 1 to 3
 
 The mesh (commit, locate, scale)
-  --shape hex|tet|wedge|pyramid|mixed   cells of the unit box [hex]
+  --shape hex|tet|wedge|pyramid|mixed   cells of the unit box [hex; methods: tet, hex, wedge, mixed]
   --kind even|graded|layers|sparse [even]
                     equal steps | edge lengths that grow 1e4-fold along each axis |
                     cells 1e4 to 1e6 times as wide as thick | 24 balls, about 5 % of the box
@@ -26,12 +27,15 @@ The queries (locate)
                     every cell's centre in cell order | random cells, random points |
                     these in Morton order | along view rays, half a cell apart |
                     on vertices, edges, faces of random cells, as rounding leaves them
-  --points Q        how many, but for uniform [as many as cells; torture: 2000 a case]
+  --points Q        how many, but for uniform [as many as cells; torture: 2000 a case; methods: random
+                    ones, of which a processor answers a million at most]
   --accuracy standard|exact [standard]
   --fields N        also samples N vertex fields at once against one, through insitu.h [1]
+The methods
+  --backend cpu|cuda|optix, --method NAME   these only (may be repeated); NAME as in a scene's locator
 The run
   --threads T       0: all that the process may use [1]
-  --repetitions R   medians of R repetitions [5; scale: 3]
+  --repetitions R   medians of R repetitions [5; scale, methods: 3]
   --peers           locate: also the peers of VTK, on one thread, interleaved with ours
   --peer NAME       the same, this one only (may be repeated): vtkStaticCellLocator,
                     vtkCellTreeLocator, vtkCellLocator, vtkProbeFilter
@@ -73,7 +77,13 @@ Torture
   Where cells overlap without folding, the answer may be the hint's cell, or in standard any that is
   proven to hold the point (it is counted all the same).
 
-Exit code: 0; 1 if the run failed, or torture found that ours lost or misplaced a point, gave a false
+Methods
+  A table each: memory, with builds all at once and in groups; uniform and random samples a second, in
+  fast (the papers' rules in float), standard and exact, for ids alone, a cell's value and an
+  interpolated one; how many random points were answered otherwise than by exact bvh on the CPU; joules,
+  from NVML or RAPL where they can be read. Points and answers of a device stay in its memory.
+
+Exit code: 0; 1 if the run failed, methods found an `exact` answer that is not bvh's, or torture found that ours lost or misplaced a point, gave a false
 reason, or answered differently by another way; 2 if the arguments cannot be used.
 )";
 }

@@ -19,6 +19,8 @@ Output run(const Options& options) {
     return run_torture(options);
   if (options.command == Command::scale)
     return scale(options);
+  if (options.command == Command::methods)
+    return methods(options);
   const Report report = options.command == Command::commit ? commit(options) : locate(options);
   return {table(report), json(report, options), 0};
 }

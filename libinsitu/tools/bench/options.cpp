@@ -5,6 +5,8 @@
 #include <optional>
 #include <string_view>
 
+#include "accel/locator.h"
+
 namespace insitu::bench {
 
 namespace {
@@ -50,23 +52,26 @@ T choice(std::string_view option, std::string_view text, const std::optional<T>&
 } // namespace
 
 const char* name(Command command) {
-  constexpr const char* names[] = {"help", "commit", "locate", "torture", "scale"};
+  constexpr const char* names[] = {"help", "commit", "locate", "torture", "scale", "methods"};
   return names[int(command)];
 }
 
 Options parse(int argc, char** argv) {
   Options o;
-  const std::string commands = "commit, locate, torture or scale";
+  const std::string commands = "commit, locate, torture, scale or methods";
   if (argc < 2)
     throw UsageError("a command expected: " + commands);
   const std::string_view command = argv[1];
   if (command == "--help" || command == "-h" || command == "help")
     return o;
-  for (const Command c : {Command::commit, Command::locate, Command::torture, Command::scale})
+  for (const Command c :
+       {Command::commit, Command::locate, Command::torture, Command::scale, Command::methods})
     if (command == name(c))
       o.command = c;
   if (o.command == Command::help)
     throw UsageError("'" + std::string(command) + "' is no command: " + commands + " expected");
+  if (o.command == Command::methods)
+    o.repetitions = 3;
   if (o.command == Command::scale) {
     o.cells = {10'000, 30'000, 100'000, 300'000, 1'000'000, 3'000'000, 10'000'000, 30'000'000};
     o.repetitions = 3;
@@ -90,6 +95,7 @@ Options parse(int argc, char** argv) {
     } else if (option == "--shape") {
       const auto v = value();
       o.kind = choice(option, v, workload::kind_from_name(v), "hex, tet, wedge, pyramid or mixed");
+      o.kind_given = true;
     } else if (option == "--kind") {
       const auto v = value();
       o.spacing =
@@ -114,8 +120,26 @@ Options parse(int argc, char** argv) {
       o.pattern = choice(option, v, workload::pattern_from_name(v),
                          "uniform, random, sorted, march, vertices, edges or faces");
     } else if (option == "--points") {
-      only(Command::locate, Command::torture);
+      if (o.command != Command::methods)
+        only(Command::locate, Command::torture);
       o.points = number<std::int64_t>(option, value(), 1, 1'000'000'000);
+    } else if (option == "--backend") {
+      only(Command::methods, Command::methods);
+      const auto v = value();
+      o.backends.push_back(choice(
+          option, v,
+          v == "cpu" || v == "cuda" || v == "optix" ? std::optional(std::string(v)) : std::nullopt,
+          "cpu, cuda or optix"));
+    } else if (option == "--method") {
+      only(Command::methods, Command::methods);
+      const auto v = value();
+      std::optional<std::string> known;
+      for (int m = 0; m < accel::method_count; ++m)
+        if (v == accel::name(accel::Method(m)))
+          known = v;
+      o.methods.push_back(choice(option, v, known,
+                                 "bvh, user_geometry, replicated_faces, shared_faces or "
+                                 "shared_bilinear_faces"));
     } else if (option == "--fields") {
       only(Command::locate, Command::locate);
       o.fields = number<int>(option, value(), 1, 100);

@@ -12,12 +12,13 @@
 
 namespace insitu::bench {
 
-enum class Command { help, commit, locate, torture, scale };
+enum class Command { help, commit, locate, torture, scale, methods };
 const char* name(Command command);
 
 struct Options {
   Command command = Command::help;
   workload::Kind kind = workload::Kind::hexahedra;
+  bool kind_given = false; ///< methods measures several shapes unless one is given
   workload::Spacing spacing = workload::Spacing::even;
   std::vector<std::int64_t> cells; ///< sizes of meshes: one, but for scale
   double jitter = 0.2;
@@ -32,6 +33,7 @@ struct Options {
   bool peers = false;
   std::vector<std::string> peer_names; ///< only these; empty: all
   std::int64_t peer_points = 0;        ///< so many of the points for peers; 0: all
+  std::vector<std::string> backends, methods; ///< methods: only these; empty: all
   std::string json_file, csv_file, svg_file;
 };
 

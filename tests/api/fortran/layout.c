@@ -73,7 +73,8 @@ int layout_of(int which, int64_t* out) {
                             AT(insitu_locate_args, frame),     AT(insitu_locate_args, accuracy),
                             AT(insitu_locate_args, cell_base), AT(insitu_locate_args, cells),
                             AT(insitu_locate_args, pieces),    AT(insitu_locate_args, parametric),
-                            AT(insitu_locate_args, found),     AT(insitu_locate_args, reasons)};
+                            AT(insitu_locate_args, found),     AT(insitu_locate_args, reasons),
+                            AT(insitu_locate_args, memory),    AT(insitu_locate_args, stream)};
   const int64_t sample[] = {sizeof(insitu_sample_args),          AT(insitu_sample_args, size),
                             AT(insitu_sample_args, locate),      AT(insitu_sample_args, fields),
                             AT(insitu_sample_args, field_count), AT(insitu_sample_args, values)};
@@ -101,14 +102,37 @@ int layout_of(int which, int64_t* out) {
                             AT(insitu_report, files),
                             AT(insitu_report, failures),
                             AT(insitu_report, located_by_reason)};
+  const int64_t locator[] = {sizeof(insitu_locator), AT(insitu_locator, size),
+                             AT(insitu_locator, method), AT(insitu_locator, backend)};
+  const int64_t info[] = {sizeof(insitu_locator_info),
+                          AT(insitu_locator_info, size),
+                          AT(insitu_locator_info, method),
+                          AT(insitu_locator_info, backend),
+                          AT(insitu_locator_info, reason),
+                          AT(insitu_locator_info, primitives),
+                          AT(insitu_locator_info, bytes),
+                          AT(insitu_locator_info, bytes_peak),
+                          AT(insitu_locator_info, bytes_copied),
+                          AT(insitu_locator_info, kept),
+                          AT(insitu_locator_info, by_neighbor),
+                          AT(insitu_locator_info, by_tree),
+                          AT(insitu_locator_info, settled_on_host)};
   const struct {
     const int64_t* numbers;
     size_t count;
-  } structs[] = {
-      {options, sizeof options / 8},       {array, sizeof array / 8},  {cells, sizeof cells / 8},
-      {block, sizeof block / 8},           {frame, sizeof frame / 8},  {commit, sizeof commit / 8},
-      {validation, sizeof validation / 8}, {audit, sizeof audit / 8},  {locate, sizeof locate / 8},
-      {sample, sizeof sample / 8},         {report, sizeof report / 8}};
+  } structs[] = {{options, sizeof options / 8},
+                 {array, sizeof array / 8},
+                 {cells, sizeof cells / 8},
+                 {block, sizeof block / 8},
+                 {frame, sizeof frame / 8},
+                 {commit, sizeof commit / 8},
+                 {validation, sizeof validation / 8},
+                 {audit, sizeof audit / 8},
+                 {locate, sizeof locate / 8},
+                 {sample, sizeof sample / 8},
+                 {report, sizeof report / 8},
+                 {locator, sizeof locator / 8},
+                 {info, sizeof info / 8}};
   for (size_t i = 0; i < structs[which].count; ++i)
     out[i] = structs[which].numbers[i];
   return (int)structs[which].count;
@@ -123,10 +147,13 @@ int constants(int64_t* out) {
       INSITU_ERROR_INTERNAL, INSITU_FLOAT32, INSITU_FLOAT64, INSITU_INT32, INSITU_INT64,
       INSITU_UINT8, INSITU_HOST, INSITU_DEVICE, INSITU_VERTEX, INSITU_CELL, INSITU_TETRAHEDRON,
       INSITU_VOXEL, INSITU_HEXAHEDRON, INSITU_WEDGE, INSITU_PYRAMID, INSITU_FAST, INSITU_STANDARD,
-      INSITU_EXACT, INSITU_CHANGED_NOTHING, INSITU_CHANGED_FIELDS, INSITU_CHANGED_GEOMETRY,
-      INSITU_CHANGED_TOPOLOGY, INSITU_CHANGED_ALL, INSITU_LOG_ERROR, INSITU_LOG_WARNING,
-      INSITU_LOG_INFO, INSITU_LOG_DEBUG, INSITU_LAYOUT_UNIFORM, INSITU_LAYOUT_MIXED,
-      INSITU_LAYOUT_PADDED, INSITU_BLOCK_UNIFORM, INSITU_BLOCK_RECTILINEAR,
+      INSITU_EXACT, INSITU_METHOD_AUTO, INSITU_METHOD_BVH, INSITU_METHOD_USER_GEOMETRY,
+      INSITU_METHOD_REPLICATED_FACES, INSITU_METHOD_SHARED_FACES,
+      INSITU_METHOD_SHARED_BILINEAR_FACES, INSITU_BACKEND_AUTO, INSITU_BACKEND_CPU,
+      INSITU_BACKEND_CUDA, INSITU_BACKEND_OPTIX, INSITU_CHANGED_NOTHING, INSITU_CHANGED_FIELDS,
+      INSITU_CHANGED_GEOMETRY, INSITU_CHANGED_TOPOLOGY, INSITU_CHANGED_ALL, INSITU_LOG_ERROR,
+      INSITU_LOG_WARNING, INSITU_LOG_INFO, INSITU_LOG_DEBUG, INSITU_LAYOUT_UNIFORM,
+      INSITU_LAYOUT_MIXED, INSITU_LAYOUT_PADDED, INSITU_BLOCK_UNIFORM, INSITU_BLOCK_RECTILINEAR,
       INSITU_BLOCK_CURVILINEAR, INSITU_GHOSTS_VTK, INSITU_GHOSTS_ASCENT, INSITU_FRAME_CARTESIAN,
       INSITU_FRAME_GEOCENTRIC, INSITU_FRAME_GEODETIC, INSITU_FRAME_ENU, INSITU_FRAME_UTM,
       INSITU_KEEP, INSITU_REFIT, INSITU_REBUILD, INSITU_BUILDER_NONE, INSITU_BUILDER_MORTON,

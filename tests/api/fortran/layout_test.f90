@@ -30,6 +30,8 @@ program layout_test
   type(c_locate_args), target :: locate
   type(c_sample_args), target :: sample
   type(insitu_report), target :: report
+  type(c_locator), target :: locator
+  type(c_locator_info), target :: info
   integer :: failures = 0
 
   call compare('options', 0, c_sizeof(options), [ &
@@ -69,7 +71,8 @@ program layout_test
   call compare('locate', 8, c_sizeof(locate), [ &
       c_loc(locate%size), c_loc(locate%points), c_loc(locate%point_arrays), c_loc(locate%frame), &
       c_loc(locate%accuracy), c_loc(locate%cell_base), c_loc(locate%cells), &
-      c_loc(locate%pieces), c_loc(locate%parametric), c_loc(locate%found), c_loc(locate%reasons)])
+      c_loc(locate%pieces), c_loc(locate%parametric), c_loc(locate%found), c_loc(locate%reasons), &
+      c_loc(locate%memory), c_loc(locate%stream)])
   call compare('sample', 9, c_sizeof(sample), [ &
       c_loc(sample%size), c_loc(sample%locate), c_loc(sample%fields), c_loc(sample%field_count), &
       c_loc(sample%values)])
@@ -82,6 +85,13 @@ program layout_test
       c_loc(report%points_outside), c_loc(report%particles_seeded), c_loc(report%particles), &
       c_loc(report%frames), c_loc(report%probe_rows), c_loc(report%files), &
       c_loc(report%failures), c_loc(report%located_by_reason)])
+  call compare('locator', 11, c_sizeof(locator), [ &
+      c_loc(locator%size), c_loc(locator%method), c_loc(locator%backend)])
+  call compare('locator_info', 12, c_sizeof(info), [ &
+      c_loc(info%size), c_loc(info%method), c_loc(info%backend), c_loc(info%reason), &
+      c_loc(info%primitives), c_loc(info%bytes), c_loc(info%bytes_peak), &
+      c_loc(info%bytes_copied), c_loc(info%kept), c_loc(info%by_neighbor), c_loc(info%by_tree), &
+      c_loc(info%settled_on_host)])
   call compare_constants()
   if (failures > 0) error stop 1
 
@@ -130,6 +140,10 @@ contains
         insitu_float64, insitu_int32, insitu_int64, insitu_uint8, insitu_host, insitu_device, &
         insitu_vertex, insitu_cell, insitu_tetrahedron, insitu_voxel, insitu_hexahedron, &
         insitu_wedge, insitu_pyramid, insitu_fast, insitu_standard, insitu_exact, &
+        insitu_method_auto, insitu_method_bvh, insitu_method_user_geometry, &
+        insitu_method_replicated_faces, insitu_method_shared_faces, &
+        insitu_method_shared_bilinear_faces, insitu_backend_auto, insitu_backend_cpu, &
+        insitu_backend_cuda, insitu_backend_optix, &
         insitu_nothing, insitu_fields, insitu_geometry, insitu_topology, insitu_all, &
         insitu_log_error, insitu_log_warning, insitu_log_info, insitu_log_debug, &
         insitu_layout_uniform, insitu_layout_mixed, insitu_layout_padded, insitu_block_uniform, &

@@ -21,10 +21,35 @@ program reasons_test
   call mesh%commit(ierr)
   call expect_ok('commit', session, ierr)
   call ask()
+  call choose()
   call session%close(ierr)
   call finish_checks()
 
 contains
+
+  !> Another locator gives the same owners; what cannot be had is said.
+  subroutine choose()
+    integer(int64) :: cells(n)
+    type(insitu_locator_info) :: info
+    integer :: i
+
+    call mesh%locator(insitu_method_shared_bilinear_faces, ierr, backend=insitu_backend_cpu)
+    call expect_ok('locator', session, ierr)
+    call mesh%commit(ierr)
+    call expect_ok('commit with another locator', session, ierr)
+    call mesh%locate(means(8), cells, ierr, accuracy=insitu_exact)
+    call expect('cells of centres by rays', &
+                ierr == insitu_ok .and. all(cells == [(int(i, int64), i=1, n)]))
+    call mesh%locator_info(info, ierr)
+    call expect_ok('locator_info', session, ierr)
+    call expect('the method', info%method == insitu_method_shared_bilinear_faces)
+    call expect('the backend', info%backend == insitu_backend_cpu)
+    call expect('the reason', trim(info%reason) == 'as asked for')
+    call expect('counts', info%kept > 0 .and. info%bytes > 0)
+    call mesh%locator(insitu_method_shared_faces, ierr, backend=insitu_backend_cuda)
+    call expect_error('no such method there', session, ierr, insitu_error_unsupported, &
+                      'shared_faces|cuda')
+  end subroutine choose
 
   !> The mean of the first `corners` vertices of each cell: 1 a vertex, 2 an edge, 4 a face, 8 inside.
   function means(corners) result(points)

@@ -62,7 +62,7 @@ TEST(SceneErrors, Locator) {
              "locator.builder: 'mortn' is not one of auto, morton, "
              "surface_area; did you mean 'morton'?");
   EXPECT_HAS(error_of("locator: {biulder: auto}"), "did you mean 'builder'?");
-  EXPECT_HAS(error_of("locator: bvh"), "locator: a map of method, builder expected, 'bvh' found");
+  EXPECT_HAS(error_of("locator: bvh"), "locator: a map of method, backend, builder expected, 'bvh' found");
 }
 
 TEST(SceneErrors, When) {

@@ -13,8 +13,8 @@ TEST(SceneKeys, EmptySceneHasDefaults) {
   const SceneDescription scene = parse("");
   EXPECT_EQ(scene.file, "s.yaml");
   EXPECT_EQ(scene.output, "out");
-  EXPECT_EQ(scene.locator.method, LocatorMethod::automatic);
-  EXPECT_EQ(scene.locator.builder, LocatorBuilder::automatic);
+  EXPECT_EQ(scene.locator.choice, query::LocatorChoice());
+  EXPECT_EQ(scene.locator.builder, accel::Builder::automatic);
   EXPECT_EQ(scene.trigger.every, 1);
   EXPECT_FALSE(scene.trigger.when);
   EXPECT_TRUE(scene.probes.empty() && scene.tracers.empty() && scene.frames.empty());
@@ -29,20 +29,24 @@ TEST(SceneKeys, Top) {
   EXPECT_EQ(scene.trigger.line, 4);
 }
 
-TEST(SceneKeys, LocatorMethodsAndBuilders) {
-  for (const auto method : {LocatorMethod::automatic, LocatorMethod::bvh,
-                            LocatorMethod::user_geometry, LocatorMethod::replicated_faces,
-                            LocatorMethod::shared_faces, LocatorMethod::shared_bilinear_faces}) {
-    const auto scene = parse("locator: {method: " + std::string(locator_method_name(method)) + "}");
-    EXPECT_EQ(scene.locator.method, method);
+TEST(SceneKeys, LocatorMethodsBackendsAndBuilders) {
+  for (int m = 0; m < accel::method_count; ++m) {
+    const auto method = accel::Method(m);
+    const auto scene = parse("locator: {method: " + std::string(name(method)) + "}");
+    EXPECT_EQ(scene.locator.choice, (query::LocatorChoice{method, {}}));
     EXPECT_EQ(scene.locator.line, 2);
   }
-  for (const auto builder :
-       {LocatorBuilder::automatic, LocatorBuilder::morton, LocatorBuilder::surface_area}) {
-    EXPECT_EQ(parse("locator: {builder: " + std::string(locator_builder_name(builder)) + "}")
-                  .locator.builder,
-              builder);
+  for (int b = 0; b < accel::backend_count; ++b) {
+    const auto backend = accel::Backend(b);
+    EXPECT_EQ(parse("locator: {backend: " + std::string(name(backend)) + "}").locator.choice,
+              (query::LocatorChoice{{}, backend}));
   }
+  EXPECT_EQ(parse("locator: {method: auto, backend: auto}").locator.choice, query::LocatorChoice());
+  using accel::Builder;
+  for (const auto& [word, builder] : {std::pair{"auto", Builder::automatic},
+                                      {"morton", Builder::morton},
+                                      {"surface_area", Builder::surface_area}})
+    EXPECT_EQ(parse("locator: {builder: " + std::string(word) + "}").locator.builder, builder);
 }
 
 TEST(SceneKeys, ItemsInheritTheTriggerOrHaveTheirOwn) {

@@ -20,7 +20,8 @@ extern "C" {
  *  holds the point in its interior, always the same one between two commits, and exact answers the
  *  lowest id. */
 typedef enum insitu_accuracy INSITU_INT {
-  INSITU_FAST = 0,     /**< reserved for planar faces in float; in this version as standard */
+  INSITU_FAST = 0,     /**< ray methods and devices: by the papers' rules in float, nothing is proven,
+                            and near faces another cell or none may answer; else as standard */
   INSITU_STANDARD = 1, /**< a cell proven to hold the point answers alone */
   INSITU_EXACT = 2     /**< the lowest id of all that hold the point */
 } insitu_accuracy;
@@ -52,6 +53,13 @@ typedef struct insitu_locate_args {
   double* parametric; /**< [count][3] VTK's parametric coordinates, NaN outside */
   uint8_t* found;     /**< [count] 1 inside */
   uint8_t* reasons;   /**< [count] why: an insitu_reason */
+  /** Where outputs lie; the points lie there too. INSITU_DEVICE needs a locator on a device: then
+   *  values of a sample are device memory as well, and `pieces` and `frame` are not had. */
+  insitu_memory memory;
+  /** INSITU_DEVICE: a cudaStream_t (null: the default stream), in whose order points are read and
+   *  outputs written. The call waits for points that need the host's exact arithmetic, and only then:
+   *  never in INSITU_FAST. */
+  void* stream;
 } insitu_locate_args;
 
 static inline insitu_locate_args insitu_locate_args_default(void) {
@@ -67,6 +75,8 @@ static inline insitu_locate_args insitu_locate_args_default(void) {
   a.parametric = NULL;
   a.found = NULL;
   a.reasons = NULL;
+  a.memory = INSITU_HOST;
+  a.stream = NULL;
   return a;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "accel/cuda/caller_ids.h"
 #include "accel/cuda/locate.h"
 #include "core/status.h"
 #include "core/timer.h"
@@ -14,7 +15,7 @@ class BvhLocator final : public DeviceLocator {
 public:
   explicit BvhLocator(core::Memory& memory) : mesh_(memory), tree_(memory), workspace_(memory) {}
 
-  void commit(const mesh::Mesh& mesh, std::uint32_t what, const FaceTable*,
+  void commit(const mesh::Mesh& mesh, HostView, std::uint32_t what, const FaceTable*,
               const core::Threads& threads) override {
     threads_ = &threads;
     built_ = built_ && !(what & (INSITU_CHANGED_TOPOLOGY | INSITU_CHANGED_GEOMETRY));
@@ -27,8 +28,10 @@ public:
       else
         tree_.refit(mesh_, stream_.get());
       report_.tree_seconds = timer.seconds();
-      if (what & INSITU_CHANGED_TOPOLOGY)
+      if (what & INSITU_CHANGED_TOPOLOGY) {
         report_.peak_bytes = bytes();
+        report_.tree_peak_bytes = tree_.bytes() + tree_.scratch_bytes();
+      }
       built_ = true;
     }
     // Scratch is worth keeping only while rebuilds come often.
@@ -41,7 +44,11 @@ public:
   DeviceCounts locate(const DeviceQuery& query) const override {
     if (!built_)
       throw core::Error(INSITU_ERROR_ORDER, "the mesh is not committed on the device");
-    return locate_points(mesh_, &tree_, workspace_, *threads_, query, nullptr);
+    CallerIds ids(mesh_, query);
+    const DeviceCounts counts =
+        locate_points(mesh_, &tree_, workspace_, *threads_, ids.flat(), nullptr);
+    ids.finish();
+    return counts;
   }
 
   DeviceReport report() const override {
@@ -49,6 +56,7 @@ public:
     report.bytes = bytes();
     report.bytes_copied = mesh_.bytes_copied();
     report.primitives = tree_.cell_count();
+    report.tree_bytes = tree_.bytes();
     return report;
   }
 

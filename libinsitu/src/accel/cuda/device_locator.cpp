@@ -3,6 +3,7 @@
 #include <cuda_runtime_api.h>
 
 #include "accel/cuda/bvh_locator.h"
+#include "accel/cuda/device_buffer.h"
 #include "core/status.h"
 #if defined(INSITU_HAVE_OPTIX)
 #include "accel/optix/locator.h"
@@ -47,8 +48,12 @@ std::string why_unavailable(Backend backend) {
 #endif
 }
 
+void copy_from_device(std::byte* to, const std::byte* from, std::size_t bytes) {
+  cuda::check(cudaMemcpy(to, from, bytes, cudaMemcpyDeviceToHost), "copying from the device");
+}
+
 std::unique_ptr<DeviceLocator> make_device_locator(Backend backend, Method method,
-                                                   core::Memory& memory) {
+                                                   core::Memory& memory, std::int64_t group) {
   const auto refuse = [&](const std::string& why) {
     throw core::Error(INSITU_ERROR_UNSUPPORTED,
                       std::string("backend ") + name(backend) + ": " + why);
@@ -59,8 +64,9 @@ std::unique_ptr<DeviceLocator> make_device_locator(Backend backend, Method metho
     refuse(why);
 #if defined(INSITU_HAVE_OPTIX)
   if (backend == Backend::optix)
-    return make_optix_locator(method, memory);
+    return make_optix_locator(method, memory, group);
 #endif
+  (void)group; // of ray methods alone
   return cuda::make_bvh_locator(memory);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <mutex>
 
+#include "accel/cuda/caller_ids.h"
 #include "accel/cuda/device_tree.h"
 #include "accel/cuda/locate.h"
 #include "accel/faces/face_table.h"
@@ -25,19 +26,19 @@ class OptixLocator final : public DeviceLocator {
 public:
   OptixLocator(Method method, core::Memory& memory, std::int64_t group);
 
-  void commit(const mesh::Mesh& mesh, std::uint32_t what, const FaceTable* faces,
+  void commit(const mesh::Mesh& mesh, HostView host, std::uint32_t what, const FaceTable* faces,
               const core::Threads& threads) override;
   DeviceCounts locate(const DeviceQuery& query) const override;
   DeviceReport report() const override;
 
 private:
-  void commit_rays(const mesh::Mesh& mesh, bool rebuild, const FaceTable* faces,
+  void commit_rays(HostView host, bool rebuild, const FaceTable* faces,
                    const core::Threads& threads);
-  void upload_triangles(const mesh::Mesh& mesh, const FaceTable& faces,
-                        const core::Threads& threads);
+  void upload_triangles(HostView host, const FaceTable& faces, const core::Threads& threads);
   Launch launch_of(Ask ask) const;
   void run(Launch& launch, cudaStream_t stream) const;
   void answer_fast(const DeviceQuery& query) const;
+  DeviceCounts answer(const DeviceQuery& query) const;
 
   const Method method_;
   core::Memory* memory_;
@@ -67,8 +68,8 @@ OptixLocator::OptixLocator(Method method, core::Memory& memory, std::int64_t gro
   Context::get();
 }
 
-void OptixLocator::commit(const mesh::Mesh& mesh, std::uint32_t what, const FaceTable* faces,
-                          const core::Threads& threads) {
+void OptixLocator::commit(const mesh::Mesh& mesh, HostView host, std::uint32_t what,
+                          const FaceTable* faces, const core::Threads& threads) {
   if (uses_faces(method_) && !faces)
     throw core::Error(INSITU_ERROR_ARGUMENT,
                       std::string("locator ") + name(method_) + " needs the mesh's faces");
@@ -86,12 +87,12 @@ void OptixLocator::commit(const mesh::Mesh& mesh, std::uint32_t what, const Face
     else
       tree_.refit(mesh_, stream_.get());
     tree_seconds_ = timer.seconds();
-    commit_rays(mesh, rebuild, faces, threads);
+    commit_rays(host, rebuild, faces, threads);
   }
   committed_ = true;
 }
 
-void OptixLocator::commit_rays(const mesh::Mesh& mesh, bool rebuild, const FaceTable* faces,
+void OptixLocator::commit_rays(HostView host, bool rebuild, const FaceTable* faces,
                                const core::Threads& threads) {
   Primitives primitives;
   const auto fill = [&](Box* boxes, std::int64_t first, std::int64_t n) {
@@ -107,7 +108,7 @@ void OptixLocator::commit_rays(const mesh::Mesh& mesh, bool rebuild, const FaceT
       rebuild = quads_turned(triangles_.data(), std::int64_t(triangles_.size()),
                              primitives.vertices, scratch_, stream_.get());
     if (rebuild)
-      upload_triangles(mesh, *faces, threads);
+      upload_triangles(host, *faces, threads);
     primitives.vertex_count = mesh_.vertex_count();
     primitives.triangles = triangles_.data();
     primitives.count = std::int64_t(triangles_.size());
@@ -130,17 +131,10 @@ void OptixLocator::commit_rays(const mesh::Mesh& mesh, bool rebuild, const FaceT
 }
 
 /// The triangles of the coordinates as they are.
-void OptixLocator::upload_triangles(const mesh::Mesh& mesh, const FaceTable& faces,
+void OptixLocator::upload_triangles(HostView host, const FaceTable& faces,
                                     const core::Threads& threads) {
-  mesh.visit_arrays(
-      [&](const mesh::ExternalArray& array, const std::string& which, mesh::Mesh::ArrayKind kind) {
-        if (kind != mesh::Mesh::ArrayKind::field && array.memory != INSITU_HOST)
-          throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                            std::string("locator ") + name(method_) + ": " + which +
-                                " is in device memory; faces are found on the host");
-      });
   core::Buffer<FaceTriangle> fresh(*memory_, INSITU_MEMORY_BUILD);
-  faces.triangles(mesh.view(), threads, method_, fresh);
+  faces.triangles(host(), threads, method_, fresh);
   if (fresh.size() > none)
     throw core::Error(INSITU_ERROR_MESH, std::string("locator ") + name(method_) + ": " +
                                              std::to_string(fresh.size()) +
@@ -214,13 +208,20 @@ void OptixLocator::answer_fast(const DeviceQuery& query) const {
   }
 }
 
-DeviceCounts OptixLocator::locate(const DeviceQuery& query) const {
+DeviceCounts OptixLocator::locate(const DeviceQuery& asked) const {
   std::lock_guard lock(mutex_);
   if (!committed_)
     throw core::Error(INSITU_ERROR_ORDER,
                       std::string("locator ") + name(method_) + " on optix: not committed");
-  if (query.count == 0)
+  if (asked.count == 0)
     return {};
+  cuda::CallerIds ids(mesh_, asked);
+  const DeviceCounts counts = answer(ids.flat());
+  ids.finish();
+  return counts;
+}
+
+DeviceCounts OptixLocator::answer(const DeviceQuery& query) const {
   const bool fast = query.accuracy == INSITU_FAST;
   if (fast && query.on_device) {
     answer_fast(query);
@@ -247,6 +248,8 @@ DeviceReport OptixLocator::report() const {
   r.peak_bytes = std::max(r.bytes, peak_bytes_);
   r.bytes_copied = mesh_.bytes_copied();
   r.primitives = rays_.count();
+  r.tree_bytes = tree_.bytes();
+  r.tree_peak_bytes = tree_.bytes() + tree_.scratch_bytes();
   r.ray_groups = rays_.group_count();
   r.ray_bytes = rays_.bytes() + triangles_.bytes();
   r.ray_peak_bytes = rays_.peak_bytes() + triangles_.bytes();

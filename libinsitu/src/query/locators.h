@@ -1,0 +1,63 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "accel/device_locator.h"
+#include "accel/faces/face_table.h"
+#include "accel/ray_locator.h"
+#include "accel/tree.h"
+#include "core/log.h"
+#include "query/locator_choice.h"
+#include "query/sampler.h"
+
+namespace insitu::query {
+
+/// The structures of a mesh's locator beside the tree on the host: faces, a ray method, a device.
+class Locators {
+public:
+  explicit Locators(core::Memory& memory) : memory_(&memory), faces_(memory) {}
+
+  /// Takes effect at the next commit.
+  void choose(const LocatorChoice& choice) {
+    pending_ = pending_ || choice != choice_;
+    choice_ = choice;
+  }
+  /// Whether the next commit has structures to make, whatever changed.
+  bool pending() const { return pending_; }
+  const LocatorPick& pick() const { return pick_; }
+
+  /// Decides what the next commit makes; throws as pick_locator.
+  void decide(const mesh::Mesh& mesh, const core::Log& log);
+  /// Brings the structures up to date. what: INSITU_CHANGED_*. Throws core::Error; then there are
+  /// none.
+  void commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_t what,
+              const core::Threads& threads);
+
+  /// Null unless these answer.
+  const accel::RayLocator* rays() const { return rays_.get(); }
+  const accel::DeviceLocator* device() const { return device_.get(); }
+  /// Made for methods that use faces, and to find out whether cells overlap; empty else.
+  const accel::FaceTable& faces() const { return faces_; }
+
+  /// Counts of this mesh, since it was made.
+  RayCounts& ray_counts() const { return ray_counts_; }
+  void note(const accel::DeviceCounts& counts) const;
+  /// tree: of the host, which counts where it stands.
+  insitu_locator_info info(const accel::Tree& tree) const;
+
+private:
+  core::Memory* memory_;
+  LocatorChoice choice_;
+  LocatorPick pick_;
+  bool pending_ = true;
+  std::string said_; ///< the last fallback that was logged
+  accel::FaceTable faces_;
+  std::unique_ptr<accel::RayLocator> rays_;
+  std::unique_ptr<accel::DeviceLocator> device_;
+  mutable RayCounts ray_counts_;
+  mutable std::atomic<std::int64_t> settled_on_host_{0};
+};
+
+} // namespace insitu::query

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "accel/faces/face_table.h"
+#include "accel/tree.h"
+#include "core/parallel.h"
+#include "mesh/view.h"
+
+namespace insitu::query {
+
+/// Whether a search finds no two cells that share interior (MeshView::covers_once): one piece, free
+/// of folds, neighbours on either side of every face that they share, and no vertex of a boundary
+/// face in or on a cell that does not have it. Vertices are told apart by ids, so parts that touch
+/// without sharing vertices are taken to overlap. Not found: boundaries that cross with no vertex
+/// of either inside the other. faces, tree: of this mesh. Costs locating the boundary's vertices.
+bool covers_once(const mesh::MeshView& mesh, const accel::FaceTable& faces, const accel::Tree& tree,
+                 const core::Threads& threads);
+
+} // namespace insitu::query

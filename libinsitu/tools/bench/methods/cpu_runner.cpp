@@ -1,0 +1,110 @@
+#include "accel/faces/face_table.h"
+#include "accel/ray_locator.h"
+#include "methods/runner.h"
+#include "query/committed_mesh.h"
+#include "setup.h"
+
+namespace insitu::bench {
+
+void MethodMesh::register_with(mesh::Mesh& to) const {
+  const insitu_array points =
+      insitu_array_of(mesh.points.data(), INSITU_FLOAT64, mesh.vertex_count(), 3);
+  to.set_points(0, &points, 1);
+  const insitu_cells cells = cells_of(mesh);
+  to.set_cells(0, &cells);
+  const insitu_array f =
+      insitu_array_of(vertex_field.data(), INSITU_FLOAT64, mesh.vertex_count(), 1);
+  to.set_field(0, "f", INSITU_VERTEX, &f, 1);
+  const insitu_array c = insitu_array_of(cell_field.data(), INSITU_FLOAT64, mesh.cell_count(), 1);
+  to.set_field(0, "c", INSITU_CELL, &c, 1);
+}
+
+namespace {
+
+class CpuRunner final : public MethodRunner {
+public:
+  CpuRunner(accel::Method method, MethodMesh& mesh, core::Context& context)
+      : method_(method), context_(context), committed_("bench", context.memory) {
+    mesh.register_with(committed_.mesh());
+    committed_.set_locator({method, accel::Backend::cpu});
+    committed_.commit(context.threads, context.log, context.memory, true);
+  }
+
+  Sizes build(double& build_seconds) override {
+    const mesh::MeshView& view = committed_.mesh().view();
+    if (method_ == accel::Method::bvh) {
+      core::Memory memory;
+      accel::Tree tree(memory);
+      tree.build(view, context_.threads, accel::Builder::morton); // touches pages
+      const core::Timer timer;
+      tree.build(view, context_.threads, accel::Builder::morton);
+      build_seconds = timer.seconds();
+      return {tree.cell_count(), tree.bytes(), memory.peak(), 0};
+    }
+    core::Memory for_faces;
+    accel::FaceTable faces(for_faces);
+    const core::Timer timer;
+    if (uses_faces(method_))
+      faces.build(view, context_.threads);
+    const double face_seconds = timer.seconds();
+    Sizes sizes;
+    for (const std::int64_t group : {std::int64_t(1) << 40, std::int64_t(1) << 20}) {
+      core::Memory memory;
+      const auto rays = accel::make_embree_locator(method_, memory, group);
+      const core::Timer build_timer;
+      rays->build(view, &faces, context_.threads);
+      build_seconds = face_seconds + build_timer.seconds();
+      const accel::RayLocatorReport r = rays->report();
+      const std::int64_t peak_whole = sizes.peak;
+      sizes = {r.primitives, r.bytes, r.peak_bytes, peak_whole};
+    }
+    return sizes;
+  }
+
+  double refit() override {
+    committed_.mesh().set_changed(INSITU_CHANGED_GEOMETRY);
+    return committed_.commit(context_.threads, context_.log, context_.memory, true).seconds;
+  }
+
+  void set_points(std::span<const math::Vec3d> points) override {
+    points_ = points;
+    cells_.resize(points.size());
+    values_.resize(points.size());
+  }
+
+  void answer(Wanted wanted, insitu_accuracy accuracy) override {
+    const query::Sampler sampler = committed_.sampler();
+    query::LocateOptions options;
+    options.accuracy = accuracy;
+    const mesh::FieldView field = committed_.mesh().field(wanted == Wanted::cell_value ? "c" : "f");
+    sampler.visit(context_.threads, points_, options, [&](const query::Answered& answered) {
+      for (std::size_t k = 0; k < answered.locations.size(); ++k) {
+        const query::Location& at = answered.locations[k];
+        const std::size_t i = answered.item(k);
+        if (wanted == Wanted::ids)
+          cells_[i] = at.cell;
+        else if (at)
+          sampler.interpolate(field, at, &values_[i]);
+      }
+    });
+  }
+
+  void ids(std::vector<std::int64_t>& out) override { out = cells_; }
+
+private:
+  accel::Method method_;
+  core::Context& context_;
+  query::CommittedMesh committed_;
+  std::span<const math::Vec3d> points_;
+  std::vector<std::int64_t> cells_;
+  std::vector<double> values_;
+};
+
+} // namespace
+
+std::unique_ptr<MethodRunner> make_cpu_runner(accel::Method method, MethodMesh& mesh,
+                                              core::Context& context) {
+  return std::make_unique<CpuRunner>(method, mesh, context);
+}
+
+} // namespace insitu::bench

@@ -1,0 +1,271 @@
+// Faces against a map of all of them; triangles against where the cells are.
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <map>
+#include <numeric>
+
+#include "accel/faces/face_table.h"
+#include "cells/faces.h"
+#include "fixtures/committed.h"
+
+using namespace insitu;
+using accel::FaceTable;
+using accel::FaceTriangle;
+using accel::Method;
+using accel::none;
+using math::Vec3d;
+using test::MeshKind;
+using test::TestMesh;
+
+namespace {
+
+constexpr MeshKind all_kinds[] = {MeshKind::hexahedra, MeshKind::voxels,     MeshKind::wedges,
+                                  MeshKind::pyramids,  MeshKind::tetrahedra, MeshKind::mixed};
+
+/// Sorted, and a quad's corner opposite to the lowest; none behind triangles.
+using Key = std::array<std::uint32_t, 5>;
+
+bool key_of(std::vector<std::uint32_t> cycle, Key& key) {
+  cycle.erase(std::unique(cycle.begin(), cycle.end()), cycle.end());
+  while (cycle.size() > 1 && cycle.front() == cycle.back())
+    cycle.pop_back();
+  if (cycle.size() < 3 || (cycle.size() == 4 && (cycle[0] == cycle[2] || cycle[1] == cycle[3])))
+    return false;
+  key.fill(none);
+  const auto low = std::size_t(std::min_element(cycle.begin(), cycle.end()) - cycle.begin());
+  if (cycle.size() == 4)
+    key[4] = cycle[(low + 2) % 4];
+  std::sort(cycle.begin(), cycle.end());
+  std::copy(cycle.begin(), cycle.end(), key.begin());
+  return true;
+}
+
+using Oracle = std::map<Key, std::vector<std::uint32_t>>;
+
+Oracle brute_force(const mesh::MeshView& view) {
+  Oracle faces;
+  for (std::int64_t flat = 0; flat < view.cell_count(); ++flat) {
+    mesh::CellVertices cell;
+    mesh::gather(view, flat, cell);
+    if (!view.pieces[cell.piece].owns(flat - view.first_cell[cell.piece]))
+      continue;
+    const cells::FaceTable table = cells::face_table(cell.shape);
+    for (int f = 0; f < table.face_count; ++f) {
+      std::vector<std::uint32_t> cycle;
+      for (int k = 0; k < table.faces[f].vertex_count; ++k)
+        cycle.push_back(
+            std::uint32_t(view.first_vertex[cell.piece] + cell.ids[table.faces[f].vertices[k]]));
+      if (Key key; key_of(cycle, key))
+        faces[key].push_back(std::uint32_t(flat));
+    }
+  }
+  return faces;
+}
+
+void expect_faces(const mesh::MeshView& view, const core::Threads& threads,
+                  const std::string& what) {
+  core::Memory memory;
+  FaceTable table(memory);
+  table.build(view, threads);
+  Oracle wanted = brute_force(view);
+  std::int64_t boundary = 0, crowded = 0, faces = 0;
+  for (const auto& [key, cells] : wanted) {
+    boundary += cells.size() == 1;
+    crowded += cells.size() > 2;
+    faces += cells.size() < 3 ? 1 : std::int64_t(cells.size()) - 1;
+  }
+  EXPECT_EQ(table.boundary_faces(), boundary) << what;
+  EXPECT_EQ(table.crowded_faces(), crowded) << what;
+  EXPECT_EQ(table.face_count(), faces) << what;
+  for (const FaceTable::Face& face : table.faces()) {
+    Key key;
+    const int n = face.vertices[3] == none ? 3 : 4;
+    ASSERT_TRUE(key_of({face.vertices, face.vertices + n}, key)) << what;
+    auto at = wanted.find(key);
+    ASSERT_TRUE(at != wanted.end() && !at->second.empty()) << what;
+    auto& cells = at->second;
+    const auto take = [&](std::uint32_t cell) {
+      const auto place = std::find(cells.begin(), cells.end(), cell);
+      ASSERT_NE(place, cells.end()) << what << ", cell " << cell;
+      cells.erase(place);
+    };
+    take(face.cell);
+    if (face.other != none)
+      take(face.other);
+    if (cells.empty())
+      wanted.erase(at);
+  }
+  EXPECT_TRUE(wanted.empty()) << what;
+}
+
+Vec3d middle(const mesh::MeshView& view, std::uint32_t flat) {
+  mesh::CellVertices cell;
+  mesh::gather(view, flat, cell);
+  return std::accumulate(cell.x, cell.x + cell.count, Vec3d{}) / double(cell.count);
+}
+
+/// Positive: in front of the triangle.
+double side(const mesh::MeshView& view, const FaceTriangle& t, const Vec3d& p) {
+  const auto x = [&](std::uint32_t v) { return view.pieces[0].point(v); };
+  const Vec3d a = x(t.vertices[0]);
+  return dot(cross(x(t.vertices[1]) - a, x(t.vertices[2]) - a), p - a);
+}
+
+/// The other order of a wedge, that of its shape functions.
+TestMesh with_turned_wedges(TestMesh mesh) {
+  for (test::MeshCell& cell : mesh.cells)
+    if (cell.shape == mesh::Shape::wedge) {
+      std::swap(cell.vertices[1], cell.vertices[2]);
+      std::swap(cell.vertices[4], cell.vertices[5]);
+    }
+  return mesh;
+}
+
+} // namespace
+
+TEST(FaceTable, HasEachFaceOnceWithItsCells) {
+  for (const MeshKind kind : all_kinds) {
+    for (const int threads : {1, 4}) {
+      const fixtures::Committed m(test::make_mesh({.kind = kind, .size = 7}, 5), threads);
+      expect_faces(m.mesh.mesh().view(), m.threads, "kind " + std::to_string(int(kind)));
+    }
+  }
+}
+
+TEST(FaceTable, SurvivesWhatMeshesDo) {
+  test::Random random(17);
+  for (const MeshKind kind : all_kinds) {
+    TestMesh from = test::make_mesh({.kind = kind, .size = 5}, 6);
+    const auto cells = from.cells.size();
+    for (std::size_t c = 0; c < cells; c += 3) {
+      test::MeshCell& cell = from.cells[c];
+      const int n = mesh::vertex_count(cell.shape);
+      if (random.below(2) == 0) // collapsed edges, diagonals, cells
+        cell.vertices[std::size_t(random.below(n))] = cell.vertices[std::size_t(random.below(n))];
+      else // twice, three times
+        for (int k = random.below(3); k >= 0; --k)
+          from.cells.push_back(from.cells[std::size_t(random.below(int(cells)))]);
+    }
+    from.vertices.insert(from.vertices.begin() + 4, {9, 9, 9}); // isolated; and ids move by one
+    // Not committed: validation may refuse it.
+    core::Memory memory;
+    const core::Threads threads(2);
+    mesh::Mesh mesh("odd", memory);
+    const fixtures::SolverArrays arrays(from);
+    const insitu_array points = arrays.point_array();
+    const insitu_cells c = arrays.cells();
+    mesh.set_points(0, &points, 1);
+    mesh.set_cells(0, &c);
+    std::vector<std::uint8_t> ghosts(from.cells.size());
+    for (std::size_t i = 0; i < ghosts.size(); ++i)
+      ghosts[i] = i % 5 == 2;
+    mesh.update();
+    expect_faces(mesh.view(), threads, "odd " + std::to_string(int(kind)));
+    const insitu_array g = insitu_array_of(ghosts.data(), INSITU_UINT8, c.count, 1);
+    mesh.set_ghosts(0, &g, INSITU_GHOSTS_ASCENT);
+    // A second piece: its ids come after.
+    mesh.set_points(1, &points, 1);
+    mesh.set_cells(1, &c);
+    mesh.update();
+    expect_faces(mesh.view(), threads, "ghosts, two pieces " + std::to_string(int(kind)));
+  }
+}
+
+TEST(FaceTable, IsTheSameForAnyThreadCount) {
+  const fixtures::Committed m(test::make_mesh({.kind = MeshKind::mixed, .size = 20}, 7));
+  core::Memory memory;
+  FaceTable one(memory), many(memory);
+  one.build(m.mesh.mesh().view(), core::Threads(1));
+  many.build(m.mesh.mesh().view(), core::Threads(4));
+  ASSERT_EQ(one.face_count(), many.face_count());
+  EXPECT_EQ(0, std::memcmp(one.faces().data(), many.faces().data(), one.faces().size_bytes()));
+}
+
+TEST(FaceTable, CountsWhatDoesNotFit) {
+  const auto table = [](const std::vector<test::MeshCell>& cells) {
+    TestMesh from;
+    test::Random random(1);
+    for (int v = 0; v < 24; ++v)
+      from.vertices.push_back(random.uniform({0, 0, 0}, {1, 1, 1}));
+    from.cells = cells;
+    core::Memory memory;
+    mesh::Mesh mesh("fit", memory);
+    const fixtures::SolverArrays arrays(from);
+    const insitu_array points = arrays.point_array();
+    const insitu_cells c = arrays.cells();
+    mesh.set_points(0, &points, 1);
+    mesh.set_cells(0, &c);
+    mesh.update();
+    FaceTable faces(memory);
+    faces.build(mesh.view(), core::Threads(1));
+    return std::array<std::int64_t, 4>{faces.boundary_faces(), faces.crowded_faces(),
+                                       faces.turned_faces(), faces.split_faces()};
+  };
+  using Four = std::array<std::int64_t, 4>;
+  using mesh::Shape;
+  const test::MeshCell hex{Shape::hexahedron, {0, 1, 2, 3, 4, 5, 6, 7}};
+  EXPECT_EQ(table({hex}), (Four{6, 0, 0, 0}));
+  EXPECT_EQ(table({hex, {Shape::hexahedron, {4, 5, 6, 7, 8, 9, 10, 11}}}), (Four{10, 0, 0, 0}));
+  EXPECT_EQ(table({hex, hex}), (Four{0, 0, 6, 0})) << "twice";
+  EXPECT_EQ(table({hex, hex, hex}), (Four{0, 6, 6, 0})) << "three times";
+  EXPECT_EQ(table({hex, {Shape::hexahedron, {4, 6, 5, 7, 8, 9, 10, 11}}}), (Four{12, 0, 0, 2}))
+      << "corners in another order, counted from either side";
+  for (const auto& [a, b] :
+       {std::pair<std::array<int, 8>, std::array<int, 8>>{{4, 5, 6, 8}, {4, 6, 7, 8}},
+        {{4, 5, 7, 8}, {5, 6, 7, 8}}})
+    EXPECT_EQ(table({hex, {Shape::tetrahedron, a}, {Shape::tetrahedron, b}})[3], 1)
+        << "a quad against two triangles";
+}
+
+TEST(FaceTable, TrianglesFaceTheirCells) {
+  for (const MeshKind kind : all_kinds)
+    for (const bool turned : {false, true}) {
+      TestMesh from = test::make_mesh({.kind = kind, .size = 5, .jitter = 0.03}, 8);
+      if (turned)
+        from = with_turned_wedges(from);
+      const fixtures::Committed m(from);
+      const mesh::MeshView& view = m.mesh.mesh().view();
+      core::Memory memory;
+      FaceTable table(memory);
+      table.build(view, m.threads);
+      core::Buffer<FaceTriangle> triangles(memory, INSITU_MEMORY_BUILD);
+      std::int64_t flat_triangles = 0, sides = 0;
+      for (const FaceTable::Face& f : table.faces()) {
+        flat_triangles += f.vertices[3] == none ? 1 : 2;
+        sides += (f.vertices[3] == none ? 1 : 2) * (f.other == none ? 1 : 2);
+      }
+      for (const Method method :
+           {Method::replicated_faces, Method::shared_faces, Method::shared_bilinear_faces}) {
+        table.triangles(view, m.threads, method, triangles);
+        std::int64_t curved = 0;
+        for (const FaceTriangle& t : triangles) {
+          if (t.front != none) {
+            ASSERT_GT(side(view, t, middle(view, t.front)), 0) << name(method);
+          }
+          if (t.back != none) {
+            ASSERT_LT(side(view, t, middle(view, t.back)), 0) << name(method);
+          }
+          if (t.corner != none) {
+            ++curved;
+            ASSERT_LT(side(view, t, view.pieces[0].point(t.corner)), 0) << "out of the tetrahedron";
+          }
+          ASSERT_TRUE(t.back == none || method != Method::replicated_faces);
+        }
+        const auto count = std::int64_t(triangles.size());
+        EXPECT_EQ(count, method == Method::replicated_faces ? sides : flat_triangles + curved / 2);
+        const bool bends = kind != MeshKind::tetrahedra && kind != MeshKind::voxels;
+        EXPECT_EQ(curved > 0, bends && method == Method::shared_bilinear_faces);
+      }
+    }
+}
+
+TEST(FaceTable, KnowsTheLongestDistance) {
+  TestMesh from = test::make_mesh({.kind = MeshKind::hexahedra, .size = 2, .jitter = 0}, 9);
+  from.vertices.push_back({50, 0, 0}); // of no cell
+  const fixtures::Committed m(from);
+  const float longest = FaceTable::longest_distance(m.mesh.mesh().view(), m.threads);
+  EXPECT_GE(double(longest), std::sqrt(3.0));
+  EXPECT_LE(double(longest), std::sqrt(3.0) * 1.000001);
+}

@@ -1,0 +1,109 @@
+// The rules of the ray methods as plain code, against exact containment.
+#include <gtest/gtest.h>
+
+#include "accel/faces/face_table.h"
+#include "accel/rays/ray_rules.h"
+#include "cells/contain_exact.h"
+#include "fixtures/committed.h"
+
+using namespace insitu;
+using accel::FaceTriangle;
+using math::Vec3d;
+
+namespace {
+
+/// Two hexahedra whose common face is bent.
+test::TestMesh two_cells(std::uint64_t seed) {
+  test::Random random(seed);
+  test::TestMesh mesh;
+  for (int k = 0; k < 3; ++k)
+    for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}})
+      mesh.vertices.push_back(Vec3d{double(x), double(y), double(k)} +
+                              (k == 1 ? 0.3 : 0.0) * random.uniform({-1, -1, -1}, {1, 1, 1}));
+  mesh.cells = {{mesh::Shape::hexahedron, {0, 1, 2, 3, 4, 5, 6, 7}},
+                {mesh::Shape::hexahedron, {4, 5, 6, 7, 8, 9, 10, 11}}};
+  return mesh;
+}
+
+} // namespace
+
+TEST(RayRules, TheSideOfThePatchTellsTheCell) {
+  int checked = 0;
+  for (std::uint64_t seed = 1; seed < 40; ++seed) {
+    const fixtures::Committed m(two_cells(seed), 1);
+    const mesh::MeshView& view = m.mesh.mesh().view();
+    core::Memory memory;
+    accel::FaceTable table(memory);
+    table.build(view, m.threads);
+    core::Buffer<FaceTriangle> triangles(memory, INSITU_MEMORY_BUILD);
+    table.triangles(view, m.threads, accel::Method::shared_bilinear_faces, triangles);
+    mesh::CellVertices cells[2];
+    for (int c = 0; c < 2; ++c)
+      mesh::gather(view, c, cells[c]);
+    test::Random random(seed);
+    for (const FaceTriangle& t : triangles) {
+      if (t.corner == accel::none || t.front == accel::none || t.back == accel::none)
+        continue;
+      const std::uint32_t ids[4] = {t.vertices[0], t.vertices[1], t.vertices[2], t.corner};
+      Vec3d quad[4];
+      for (int k = 0; k < 4; ++k)
+        quad[k] = view.pieces[0].point(ids[k]);
+      for (int i = 0; i < 100; ++i) {
+        double w[4], sum = 0;
+        for (double& x : w)
+          sum += x = random.uniform(0.001, 1);
+        Vec3d p{};
+        for (int k = 0; k < 4; ++k)
+          p += (w[k] / sum) * quad[k];
+        const auto holds = [&](std::uint32_t c) {
+          return cells::contain_exact(cells[c].shape, cells[c].x, p).where ==
+                 cells::Containment::inside;
+        };
+        if (holds(0) == holds(1)) // out at the sides
+          continue;
+        const auto beside = [&](const FaceTriangle&) { return accel::is_beside(quad, p); };
+        const std::uint32_t told = accel::cell_of_hit(t, true, beside);
+        ASSERT_EQ(told, holds(0) ? 0u : 1u) << "seed " << seed;
+        ASSERT_EQ(accel::patch_side(quad, p) > 0, told == t.front);
+        ++checked;
+      }
+    }
+  }
+  EXPECT_GT(checked, 5000);
+}
+
+TEST(RayRules, AHitFromBehindDoesNotMakeAFlatQuadCurved) {
+  // Corners flat to rounding: from a point far behind, patch_side is noise of either sign.
+  test::Random random(3);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3d u = random.uniform({0.5, -1, -1}, {1, 1, 1}),
+                v = random.uniform({-1, 0.5, -1}, {1, 1, 1});
+    const Vec3d at = random.uniform({1, 1, 1}, {2, 2, 2}), n = cross(u, v);
+    const Vec3d quad[4] = {at, at + u, at + u + v, at + v};
+    const Vec3d p = at + 0.5 * u + 0.3 * v + random.uniform(0.1, 1) * n;
+    EXPECT_FALSE(accel::is_beside(quad, p));
+  }
+}
+
+TEST(RayRules, FrontAndBackOfAPlainTriangle) {
+  const FaceTriangle t{{0, 1, 2}, accel::none, 5, 6};
+  const auto beside = [](const FaceTriangle&) -> bool {
+    ADD_FAILURE() << "asked for nothing";
+    return true;
+  };
+  EXPECT_EQ(accel::cell_of_hit(t, false, beside), 5u);
+  EXPECT_EQ(accel::cell_of_hit(t, true, beside), 6u);
+}
+
+TEST(RayRules, DirectionsVaryAndHaveLengthOne) {
+  test::Random random(4);
+  Vec3d sum{};
+  constexpr int many = 20000;
+  for (int i = 0; i < many; ++i) {
+    const math::Vec3f d = accel::ray_direction(random.uniform({-1, -1, -1}, {1, 1, 1}));
+    ASSERT_NEAR(dot(d, d), 1.0f, 1e-5f);
+    sum += Vec3d{d.x, d.y, d.z} / double(many);
+  }
+  for (int a = 0; a < 3; ++a)
+    EXPECT_NEAR(sum[a], 0, 0.03);
+}
