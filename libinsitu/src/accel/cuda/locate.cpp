@@ -286,12 +286,17 @@ private:
     slice.lists = &work_.lists[place];
     LocateArguments& a = slice.arguments;
     if (candidates_)
-      a.candidates = (*candidates_)(a.points, a.count, slice.stream);
+      set_candidates(a, slice.stream);
     if (query_.accuracy != INSITU_FAST) {
       slice.lists->make_room(a.count);
       a.lists = slice.lists->view(0);
     }
     start(slice, query_.accuracy);
+  }
+  void set_candidates(LocateArguments& a, cudaStream_t stream) const {
+    const Candidates found = (*candidates_)(a.points, a.count, stream);
+    a.candidates = found.cells;
+    a.others = found.others;
   }
   void settle(InFlight& slice) {
     if (query_.accuracy != INSITU_FAST)

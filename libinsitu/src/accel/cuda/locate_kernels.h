@@ -58,6 +58,7 @@ struct LocateArguments {
   std::uint32_t count = 0;
   const std::uint32_t* subset = nullptr;     ///< [count] numbers of points, or null: all
   const std::uint32_t* candidates = nullptr; ///< by point, or null
+  const std::uint32_t* others = nullptr;     ///< the same, next
   bool alone = false; ///< a cell proven to hold the point strictly inside answers alone
   Outputs out;
   Lists lists;

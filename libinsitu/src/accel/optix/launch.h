@@ -18,6 +18,9 @@ enum class Ask : std::uint32_t {
 };
 constexpr int ask_count = 4;
 
+/// Set beside the number of a triangle whose back was hit.
+constexpr std::uint32_t hit_back = 0x80000000u;
+
 /// Pointers are the device's. The first three have the pipeline's values: its module is compiled
 /// for these (bound values).
 struct Launch {
@@ -35,6 +38,7 @@ struct Launch {
   /// The cells that were found, or `none`; null if not wanted. What else is wanted of `fast`, and
   /// the mesh and the points, are the query's.
   std::uint32_t* candidates;
+  std::uint32_t* others; ///< of Ask::candidates: cells beyond the faces that were hit
   cuda::LocateArguments query;
 };
 

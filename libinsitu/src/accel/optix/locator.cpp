@@ -135,10 +135,10 @@ void OptixLocator::upload_triangles(HostView host, const FaceTable& faces,
                                     const core::Threads& threads) {
   core::Buffer<FaceTriangle> fresh(*memory_, INSITU_MEMORY_BUILD);
   faces.triangles(host(), threads, method_, fresh);
-  if (fresh.size() > none)
+  if (fresh.size() > hit_back)
     throw core::Error(INSITU_ERROR_MESH, std::string("locator ") + name(method_) + ": " +
                                              std::to_string(fresh.size()) +
-                                             " triangles, at most 4294967295");
+                                             " triangles, at most 2147483648");
   triangles_.release(); // or both lists would be held at once
   triangles_.resize_discard(fresh.size());
   cuda::check(cudaMemcpyAsync(triangles_.data(), fresh.data(), fresh.size() * sizeof(FaceTriangle),
@@ -218,6 +218,8 @@ DeviceCounts OptixLocator::locate(const DeviceQuery& asked) const {
   cuda::CallerIds ids(mesh_, asked);
   const DeviceCounts counts = answer(ids.flat());
   ids.finish();
+  if (asked.on_device)
+    streams_.launched(static_cast<cudaStream_t>(asked.stream)); // with what the ids took
   return counts;
 }
 
@@ -228,13 +230,15 @@ DeviceCounts OptixLocator::answer(const DeviceQuery& query) const {
     return {};
   }
   const auto find = [&](const double* points, std::uint32_t count, cudaStream_t stream) {
-    candidates_.resize_discard(count);
+    const bool shares = !fast && uses_faces(method_) && method_ != Method::replicated_faces;
+    candidates_.resize_discard(std::size_t(count) * (shares ? 2 : 1));
     Launch launch = launch_of(fast ? Ask::cells : Ask::candidates);
     launch.query.points = points;
     launch.query.count = count;
     launch.candidates = candidates_.data();
+    launch.others = shares ? candidates_.data() + count : nullptr;
     run(launch, stream);
-    return static_cast<const std::uint32_t*>(candidates_.data());
+    return cuda::Candidates{launch.candidates, launch.others};
   };
   const cuda::CandidatesOf candidates(find);
   return cuda::locate_points(mesh_, &tree_, workspace_, *threads_, query, &candidates);

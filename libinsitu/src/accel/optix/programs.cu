@@ -47,6 +47,10 @@ __device__ inline unsigned ray_flags() {
   }
 }
 
+__device__ inline bool shares_faces() {
+  return method() == Method::shared_faces || method() == Method::shared_bilinear_faces;
+}
+
 template <Shape S>
 __device__ inline FastMap look_into(std::uint32_t flat, const Vec3d& p, mesh::CellVertices& cell) {
   cuda::gather_cell<S>(launch.query, flat, cell);
@@ -101,6 +105,23 @@ __device__ inline void write_nothing(unsigned i) {
     cuda::write_outside(launch.query.out, i);
 }
 
+/// The cell on the side of the face that the ray has hit, or `none`.
+__device__ inline std::uint32_t cell_of(const FaceTriangle& triangle, bool back,
+                                        const PointRay& ray) {
+  if (method() == Method::shared_faces)
+    return back ? triangle.back : triangle.front;
+  return cell_of_hit(triangle, back, [&](const FaceTriangle& t) {
+    // The ray's own vertices, so that the tetrahedron is the one that it hit.
+    const std::uint32_t ids[4] = {t.vertices[0], t.vertices[1], t.vertices[2], t.corner};
+    Vec3d quad[4];
+    for (int k = 0; k < 4; ++k) {
+      const Vec3f& x = launch.vertices[ids[k]];
+      quad[k] = {x.x, x.y, x.z};
+    }
+    return is_beside(quad, Vec3d{ray.origin.x, ray.origin.y, ray.origin.z});
+  });
+}
+
 /// Whether floats can trace the ray; NaN, infinite and distant points have none.
 __device__ inline bool can_start(const PointRay& ray) {
   constexpr float farthest = 1e37f;
@@ -119,10 +140,21 @@ extern "C" __global__ void __raygen__query() {
     optixTrace(launch.tree, float3{ray.origin.x, ray.origin.y, ray.origin.z},
                float3{ray.direction.x, ray.direction.y, ray.direction.z}, 0.0f, ray.length, 0.0f,
                OptixVisibilityMask(255), ray_flags(), 0, 1, 0, found);
-  if (found == none)
+  if (found == none) {
+    if (ask() == Ask::candidates && launch.others)
+      launch.others[i] = none;
     return write_nothing(i);
+  }
   if (method() == Method::user_geometry)
     return; // the intersection program has written
+  if (shares_faces()) {
+    const FaceTriangle& triangle = launch.triangles[found & ~optix::hit_back];
+    found = cell_of(triangle, found & optix::hit_back, ray);
+    if (ask() == Ask::candidates)
+      launch.others[i] = found == triangle.front ? triangle.back : triangle.front;
+    if (found == none)
+      return write_nothing(i);
+  }
   // Behind culled faces lies what is outside: one test of the point in the cell. Who verifies
   // candidates does it anyway.
   const bool test = method() == Method::replicated_faces && ask() != Ask::candidates;
@@ -135,25 +167,14 @@ extern "C" __global__ void __raygen__query() {
   write_inside(i, found, cell, at.r);
 }
 
-/// The face methods: the cell on the side of the face that the ray has hit.
+/// The face methods: what was hit. The ray generation program does the rest, so that no more than
+/// this goes through the traversal.
 extern "C" __global__ void __closesthit__face() {
-  const FaceTriangle& triangle = launch.triangles[optixGetPrimitiveIndex()];
-  if (method() == Method::replicated_faces)
-    return optixSetPayload_0(triangle.front);
-  const bool back = optixIsTriangleBackFaceHit();
-  if (method() == Method::shared_faces)
-    return optixSetPayload_0(back ? triangle.back : triangle.front);
-  optixSetPayload_0(cell_of_hit(triangle, back, [](const FaceTriangle& t) {
-    // The ray's own vertices, so that the tetrahedron is the one that it hit.
-    const std::uint32_t ids[4] = {t.vertices[0], t.vertices[1], t.vertices[2], t.corner};
-    Vec3d quad[4];
-    for (int k = 0; k < 4; ++k) {
-      const Vec3f& x = launch.vertices[ids[k]];
-      quad[k] = {x.x, x.y, x.z};
-    }
-    const float3 p = optixGetWorldRayOrigin();
-    return is_beside(quad, Vec3d{p.x, p.y, p.z});
-  }));
+  const unsigned primitive = optixGetPrimitiveIndex();
+  if (shares_faces())
+    optixSetPayload_0(optixIsTriangleBackFaceHit() ? primitive | optix::hit_back : primitive);
+  else
+    optixSetPayload_0(launch.triangles[primitive].front);
 }
 
 /// user_geometry: whether the cell holds the point; the first that does ends the ray.
