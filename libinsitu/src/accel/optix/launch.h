@@ -16,7 +16,6 @@ enum class Ask : std::uint32_t {
   cell_values, ///< and values of cell fields: no coordinates are found for them
   interpolated ///< and parametric coordinates, and values of any field
 };
-constexpr int ask_count = 4;
 
 /// Set beside the number of a triangle whose back was hit.
 constexpr std::uint32_t hit_back = 0x80000000u;

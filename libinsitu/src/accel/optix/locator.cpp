@@ -36,7 +36,8 @@ private:
                    const core::Threads& threads);
   void upload_triangles(HostView host, const FaceTable& faces, const core::Threads& threads);
   Launch launch_of(Ask ask) const;
-  void run(Launch& launch, cudaStream_t stream) const;
+  const Pipeline& pipeline_of(const Launch& launch) const;
+  void run(const Launch& launch, cudaStream_t stream) const;
   void answer_fast(const DeviceQuery& query) const;
   DeviceCounts answer(const DeviceQuery& query) const;
 
@@ -88,6 +89,7 @@ void OptixLocator::commit(const mesh::Mesh& mesh, HostView host, std::uint32_t w
       tree_.refit(mesh_, stream_.get());
     tree_seconds_ = timer.seconds();
     commit_rays(host, rebuild, faces, threads);
+    pipeline_of(launch_of(Ask::candidates)); // compiled now, not within the first query
   }
   committed_ = true;
 }
@@ -135,10 +137,10 @@ void OptixLocator::upload_triangles(HostView host, const FaceTable& faces,
                                     const core::Threads& threads) {
   core::Buffer<FaceTriangle> fresh(*memory_, INSITU_MEMORY_BUILD);
   faces.triangles(host(), threads, method_, fresh);
-  if (fresh.size() > hit_back)
+  if (fresh.size() >= hit_back)
     throw core::Error(INSITU_ERROR_MESH, std::string("locator ") + name(method_) + ": " +
                                              std::to_string(fresh.size()) +
-                                             " triangles, at most 2147483648");
+                                             " triangles, at most 2147483647");
   triangles_.release(); // or both lists would be held at once
   triangles_.resize_discard(fresh.size());
   cuda::check(cudaMemcpyAsync(triangles_.data(), fresh.data(), fresh.size() * sizeof(FaceTriangle),
@@ -169,10 +171,12 @@ Launch OptixLocator::launch_of(Ask ask) const {
   return launch;
 }
 
-void OptixLocator::run(Launch& launch, cudaStream_t stream) const {
-  const Pipeline& pipeline =
-      Pipeline::get({method_, Ask(launch.ask), mesh::Shape(launch.shape), rays_.two_level()});
-  pipeline.launch(streams_.put(launch, stream), launch.query.count, stream);
+const Pipeline& OptixLocator::pipeline_of(const Launch& launch) const {
+  return Pipeline::get({method_, Ask(launch.ask), mesh::Shape(launch.shape), rays_.two_level()});
+}
+
+void OptixLocator::run(const Launch& launch, cudaStream_t stream) const {
+  pipeline_of(launch).launch(streams_.put(launch, stream), launch.query.count, stream);
   streams_.launched(stream);
 }
 
