@@ -70,14 +70,17 @@ inline std::vector<math::Vec3d> hard_points(const TestMesh& mesh, int count, std
 
 /// A mesh with the tree on the CPU and its faces.
 struct RayMesh {
+  RayMesh(const RayMesh&) = delete;
+  RayMesh& operator=(const RayMesh&) = delete;
   explicit RayMesh(const TestMesh& mesh) : on_cpu(mesh), faces(on_cpu.memory) {
     faces.build(view(), on_cpu.threads);
   }
   const mesh::MeshView& view() const { return on_cpu.mesh.mesh().view(); }
 
   void commit(accel::DeviceLocator& locator, std::uint32_t what = INSITU_CHANGED_ALL) {
-    locator.commit(on_cpu.mesh.mesh(), what, &faces, on_cpu.threads);
+    locator.commit(on_cpu.mesh.mesh(), host(), what, &faces, on_cpu.threads);
   }
+  accel::HostView host() const { return host_; }
   std::vector<query::Location> exact(const std::vector<math::Vec3d>& points) const {
     std::vector<query::Location> out(points.size());
     on_cpu.sampler().locate(on_cpu.threads, points, out, {.accuracy = INSITU_EXACT});
@@ -86,6 +89,13 @@ struct RayMesh {
 
   fixtures::Committed on_cpu;
   accel::FaceTable faces;
+
+private:
+  struct View {
+    const RayMesh* mesh;
+    const mesh::MeshView& operator()() const { return mesh->view(); }
+  };
+  View host_{this};
 };
 
 /// The cells that the locator tells for points in host memory.

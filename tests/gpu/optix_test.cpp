@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "accel/optix/locator.h"
+#include "core/status.h"
 #include "gpu_mesh.h"
 
 using namespace insitu;
@@ -195,8 +196,11 @@ TEST_F(Optix, AnswersOnTheDeviceAsOnTheHost) {
           continue;
         }
         const Vec3d p = points[i];
-        ASSERT_NEAR(f[2 * i], p.x + 2 * p.y + 3 * p.z, 1e-9) << i;
+        const bool fast = accuracy == INSITU_FAST; // in float
+        ASSERT_NEAR(f[2 * i], p.x + 2 * p.y + 3 * p.z, fast ? 1e-3 : 1e-9) << i;
         ASSERT_EQ(g[i], double(told[i]) + 0.5) << i;
+        if (fast) // near a pyramid's apex coordinates say little
+          continue;
         for (int a = 0; a < 3; ++a)
           ASSERT_NEAR(r[3 * i + std::size_t(a)], exact[i].parametric[a], 1e-6) << i;
       }
@@ -232,7 +236,7 @@ TEST_F(Optix, FastIsWrongAsOftenAsItsRuleIs) {
   }
 }
 
-TEST_F(Optix, GhostsOwnNothing) {
+TEST_F(Optix, SmallMeshWithGhosts) {
   const test::TestMesh from =
       test::make_mesh({.kind = test::MeshKind::hexahedra, .size = 6, .jitter = 0.2}, 61);
   test::RayMesh mesh(from);
@@ -250,4 +254,56 @@ TEST_F(Optix, GhostsOwnNothing) {
     mesh.commit(*locator);
     expect_exact(mesh, *locator, points, name(method));
   }
+}
+
+TEST_F(Optix, SmallMeshOnTheDeviceIsReadInPlace) {
+  const test::TestMesh from =
+      test::make_mesh({.kind = test::MeshKind::hexahedra, .size = 5, .jitter = 0.3}, 71);
+  test::RayMesh mesh(from);
+  const test::OnDevice<double> points_there(mesh.on_cpu.arrays.points);
+  const test::OnDevice<std::int32_t> ids_there(mesh.on_cpu.arrays.ids);
+  insitu_array x = mesh.on_cpu.arrays.point_array();
+  x.data = points_there.data();
+  x.memory = INSITU_DEVICE;
+  insitu_cells c = mesh.on_cpu.arrays.cells();
+  c.connectivity.data = ids_there.data();
+  c.connectivity.memory = INSITU_DEVICE;
+  mesh::Mesh there("there", mesh.on_cpu.memory);
+  there.set_points(0, &x, 1);
+  there.set_cells(0, &c);
+  there.update();
+  const std::vector<Vec3d> points = test::hard_points(from, 3000, 72);
+  for (const Method method : test::ray_methods) {
+    const auto locator = accel::make_optix_locator(method, mesh.on_cpu.memory);
+    locator->commit(there, mesh.host(), INSITU_CHANGED_ALL, &mesh.faces, mesh.on_cpu.threads);
+    EXPECT_EQ(locator->report().bytes_copied, 0);
+    expect_exact(mesh, *locator, points, name(method));
+  }
+}
+
+TEST_F(Optix, ProvenCandidatesAnswerAloneWhereCellsCoverOnce) {
+  const test::TestMesh from =
+      test::make_mesh({.kind = test::MeshKind::mixed, .size = 6, .jitter = 0.2}, 81);
+  test::RayMesh mesh(from);
+  mesh.on_cpu.mesh.mesh().set_covers_once(true);
+  const std::vector<Vec3d> points = test::hard_points(from, 5000, 82);
+  for (const Method method : test::ray_methods) {
+    const auto locator = accel::make_optix_locator(method, mesh.on_cpu.memory);
+    mesh.commit(*locator);
+    expect_exact(mesh, *locator, points, name(method));
+    accel::DeviceCounts counts;
+    test::cells_of(*locator, points, INSITU_EXACT, &counts);
+    EXPECT_GT(counts.candidates_kept, 1000) << name(method);
+  }
+}
+
+TEST_F(Optix, RefusesWhatItCannotAnswer) {
+  const test::TestMesh from = test::make_mesh({.size = 2}, 91);
+  test::RayMesh mesh(from);
+  EXPECT_THROW(accel::make_optix_locator(Method::bvh, mesh.on_cpu.memory), core::Error);
+  const auto locator = accel::make_optix_locator(Method::shared_faces, mesh.on_cpu.memory);
+  EXPECT_THROW(test::cells_of(*locator, {{1, 1, 1}}, INSITU_EXACT), core::Error);
+  EXPECT_THROW(locator->commit(mesh.on_cpu.mesh.mesh(), mesh.host(), INSITU_CHANGED_ALL, nullptr,
+                               mesh.on_cpu.threads),
+               core::Error);
 }

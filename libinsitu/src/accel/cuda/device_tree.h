@@ -4,11 +4,10 @@
 #include <vector>
 
 #include "accel/cuda/device_mesh.h"
+#include "accel/cuda/tree_node.h"
 #include "accel/node.h"
 
 namespace insitu::accel::cuda {
-
-struct TreeNode;
 
 /// The tree as kernels see it.
 struct TreeView {

@@ -240,7 +240,8 @@ private:
   cudaStream_t stream_;
 };
 
-/// The shape that all cells have, if kernels are made for it.
+} // namespace
+
 mesh::Shape only_shape(const mesh::MeshView& mesh) {
   if (mesh.piece_count != 1 || (mesh.pieces[0].layout != mesh::CellLayout::uniform &&
                                 mesh.pieces[0].layout != mesh::CellLayout::block))
@@ -249,6 +250,8 @@ mesh::Shape only_shape(const mesh::MeshView& mesh) {
   return shape == mesh::Shape::tetrahedron || shape == mesh::Shape::hexahedron ? shape
                                                                                : mesh::Shape::none;
 }
+
+namespace {
 
 /// One query of at most most_fields fields.
 class Locate {
@@ -283,12 +286,17 @@ private:
     slice.lists = &work_.lists[place];
     LocateArguments& a = slice.arguments;
     if (candidates_)
-      a.candidates = (*candidates_)(a.points, a.count, slice.stream);
+      set_candidates(a, slice.stream);
     if (query_.accuracy != INSITU_FAST) {
       slice.lists->make_room(a.count);
       a.lists = slice.lists->view(0);
     }
     start(slice, query_.accuracy);
+  }
+  void set_candidates(LocateArguments& a, cudaStream_t stream) const {
+    const Candidates found = (*candidates_)(a.points, a.count, stream);
+    a.candidates = found.cells;
+    a.others = found.others;
   }
   void settle(InFlight& slice) {
     if (query_.accuracy != INSITU_FAST)

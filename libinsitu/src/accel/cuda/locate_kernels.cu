@@ -37,6 +37,19 @@ private:
   bool full_ = false;
 };
 
+/// Counts a point whose candidate was kept, or that asks the tree: once a warp, or all would wait for
+/// one number.
+__device__ inline void count_kept(const Lists& lists, bool kept) {
+  const unsigned here = __activemask(), those = __ballot_sync(here, kept);
+  const unsigned lane = threadIdx.x % 32;
+  if (lane != unsigned(__ffs(int(here))) - 1)
+    return;
+  if (those)
+    atomicAdd(lists.counters + Lists::kept, unsigned(__popc(those)));
+  if (here & ~those)
+    atomicAdd(lists.counters + Lists::asked, unsigned(__popc(here & ~those)));
+}
+
 /// The list's best candidate below a rank, or -1. alone: the deepest; else the lowest id.
 template <bool alone>
 __device__ inline int next_candidate(const CandidateList& list, unsigned tried,
@@ -62,15 +75,19 @@ __global__ void __launch_bounds__(block) locate_kernel(const __grid_constant__ L
   bool proven = false;
   mesh::CellVertices cell;
   if (a.candidates) {
-    const std::uint32_t candidate = a.candidates[i];
-    if (candidate != none) {
+#pragma unroll 1
+    for (int k = 0; k < 2 && best == none; ++k) {
+      const std::uint32_t* likely = k == 0 ? a.candidates : a.others;
+      const std::uint32_t candidate = likely ? likely[i] : none;
+      if (candidate == none)
+        continue;
       gather_cell<S>(a, candidate, cell);
       if (prove<S>(cell, p) == cells::FilterResult::inside) {
         best = candidate;
         proven = alone;
       }
     }
-    atomicAdd(a.lists.counters + (proven ? Lists::kept : Lists::asked), 1u);
+    count_kept(a.lists, proven);
   }
   OpenList open(a.lists, i);
   if (!proven) {

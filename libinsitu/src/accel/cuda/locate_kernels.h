@@ -58,10 +58,14 @@ struct LocateArguments {
   std::uint32_t count = 0;
   const std::uint32_t* subset = nullptr;     ///< [count] numbers of points, or null: all
   const std::uint32_t* candidates = nullptr; ///< by point, or null
+  const std::uint32_t* others = nullptr;     ///< the same, next
   bool alone = false; ///< a cell proven to hold the point strictly inside answers alone
   Outputs out;
   Lists lists;
 };
+
+/// The shape that all cells of a mesh (seen from the host) have, if kernels are made for it.
+mesh::Shape only_shape(const mesh::MeshView& mesh);
 
 void launch_locate(const LocateArguments& arguments, cudaStream_t stream);
 /// `fast`: the first cell in float; the candidates, if given, as they are.

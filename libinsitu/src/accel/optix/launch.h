@@ -2,10 +2,9 @@
 
 #include <cstdint>
 
-#include "accel/cuda/device_mesh.h"
+#include "accel/cuda/locate_kernels.h"
 #include "accel/faces/face_triangle.h"
 #include "math/vec.h"
-#include "mesh/view.h"
 
 /// What a launch of programs.cu is given; host and device see the same bytes.
 namespace insitu::accel::optix {
@@ -17,34 +16,29 @@ enum class Ask : std::uint32_t {
   cell_values, ///< and values of cell fields: no coordinates are found for them
   interpolated ///< and parametric coordinates, and values of any field
 };
-constexpr int ask_count = 4;
 
-/// Pointers are the device's. The first two have the pipeline's values: its modules are compiled
+/// Set beside the number of a triangle whose back was hit.
+constexpr std::uint32_t hit_back = 0x80000000u;
+
+/// Pointers are the device's. The first three have the pipeline's values: its module is compiled
 /// for these (bound values).
 struct Launch {
   std::uint32_t method;
   std::uint32_t ask;
+  std::uint32_t shape;     ///< of all cells, as cuda::with_shape has it; else Shape::none
+  float length;            ///< of the rays
   unsigned long long tree; ///< OptixTraversableHandle
+  math::Vec3d origin;      ///< of the local frame
 
-  // The rays.
-  const double* points; ///< [][3]
-  math::Vec3d origin;   ///< of the local frame
-  float length;
-
-  // The primitives.
   const FaceTriangle* triangles; ///< face methods
   const math::Vec3f* vertices;   ///< in the local frame, by flat id
-  const std::uint32_t* owners;   ///< user_geometry: the flat cell of a primitive; null: the same
-  mesh::MeshView mesh;
+  const std::uint32_t* owners;   ///< user_geometry: the flat cell of a primitive
 
-  // Outputs by point; null where not asked for.
-  std::uint32_t* candidates; ///< flat ids or `none`
-  std::int64_t* cells;       ///< -1 outside
-  double* parametric;        ///< [][3], NaN outside
-  std::uint8_t* reasons;
-  const cuda::DeviceField* fields;
-  std::int32_t field_count;
-  double* const* values; ///< by field: [][components], NaN outside
+  /// The cells that were found, or `none`; null if not wanted. What else is wanted of `fast`, and
+  /// the mesh and the points, are the query's.
+  std::uint32_t* candidates;
+  std::uint32_t* others; ///< of Ask::candidates: cells beyond the faces that were hit
+  cuda::LocateArguments query;
 };
 
 } // namespace insitu::accel::optix

@@ -25,22 +25,16 @@ LaunchStreams::Entry& LaunchStreams::find(cudaStream_t stream) {
     clear();
   cudaEvent_t event;
   cuda::check(cudaEventCreateWithFlags(&event, cudaEventDisableTiming), "making an event");
-  return entries_.emplace_back(Entry{stream, event, cuda::DeviceBuffer<std::byte>(*memory_)});
+  return entries_.emplace_back(Entry{stream, event, cuda::DeviceBuffer<Launch>(*memory_)});
 }
 
-std::byte* LaunchStreams::place(std::size_t bytes, cudaStream_t stream) {
+const Launch* LaunchStreams::put(const Launch& parameters, cudaStream_t stream) {
   Entry& entry = find(stream);
-  entry.parameters.resize_discard(bytes);
-  return entry.parameters.data();
-}
-
-std::byte* LaunchStreams::put(const std::vector<std::byte>& parameters, cudaStream_t stream) {
-  Entry& entry = find(stream);
-  entry.parameters.resize_discard(parameters.size());
+  entry.parameters.resize_discard(1);
   // Another stream may have had this handle before.
   cuda::check(cudaStreamWaitEvent(stream, entry.done, 0), "waiting for a launch");
   // From pageable memory: it has been read when the call returns.
-  cuda::check(cudaMemcpyAsync(entry.parameters.data(), parameters.data(), parameters.size(),
+  cuda::check(cudaMemcpyAsync(entry.parameters.data(), &parameters, sizeof parameters,
                               cudaMemcpyHostToDevice, stream),
               "copying a launch");
   return entry.parameters.data();

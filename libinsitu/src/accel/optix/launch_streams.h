@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "accel/cuda/device_buffer.h"
+#include "accel/optix/launch.h"
 
 namespace insitu::accel::optix {
 
@@ -18,20 +19,17 @@ public:
   ~LaunchStreams();
 
   /// Queues a copy of a launch's parameters; returns where on the device they are.
-  std::byte* put(const std::vector<std::byte>& parameters, cudaStream_t stream);
+  const Launch* put(const Launch& parameters, cudaStream_t stream);
   /// The launch that reads them has been queued.
   void launched(cudaStream_t stream);
   void wait();
   std::int64_t bytes() const;
 
-  /// Where the next parameters of that size will be put.
-  std::byte* place(std::size_t bytes, cudaStream_t stream);
-
 private:
   struct Entry {
     cudaStream_t stream;
     cudaEvent_t done;
-    cuda::DeviceBuffer<std::byte> parameters;
+    cuda::DeviceBuffer<Launch> parameters;
   };
   Entry& find(cudaStream_t stream);
   void clear() noexcept;

@@ -1,7 +1,6 @@
 #include "accel/optix/locator.h"
 
 #include <algorithm>
-#include <cstring>
 #include <mutex>
 
 #include "accel/cuda/caller_ids.h"
@@ -37,8 +36,8 @@ private:
                    const core::Threads& threads);
   void upload_triangles(HostView host, const FaceTable& faces, const core::Threads& threads);
   Launch launch_of(Ask ask) const;
-  void run(Launch launch, std::span<double* const> values, std::int64_t count,
-           cudaStream_t stream) const;
+  const Pipeline& pipeline_of(const Launch& launch) const;
+  void run(const Launch& launch, cudaStream_t stream) const;
   void answer_fast(const DeviceQuery& query) const;
   DeviceCounts answer(const DeviceQuery& query) const;
 
@@ -90,6 +89,7 @@ void OptixLocator::commit(const mesh::Mesh& mesh, HostView host, std::uint32_t w
       tree_.refit(mesh_, stream_.get());
     tree_seconds_ = timer.seconds();
     commit_rays(host, rebuild, faces, threads);
+    pipeline_of(launch_of(Ask::candidates)); // compiled now, not within the first query
   }
   committed_ = true;
 }
@@ -137,10 +137,10 @@ void OptixLocator::upload_triangles(HostView host, const FaceTable& faces,
                                     const core::Threads& threads) {
   core::Buffer<FaceTriangle> fresh(*memory_, INSITU_MEMORY_BUILD);
   faces.triangles(host(), threads, method_, fresh);
-  if (fresh.size() > none)
+  if (fresh.size() >= hit_back)
     throw core::Error(INSITU_ERROR_MESH, std::string("locator ") + name(method_) + ": " +
                                              std::to_string(fresh.size()) +
-                                             " triangles, at most 4294967295");
+                                             " triangles, at most 2147483647");
   triangles_.release(); // or both lists would be held at once
   triangles_.resize_discard(fresh.size());
   cuda::check(cudaMemcpyAsync(triangles_.data(), fresh.data(), fresh.size() * sizeof(FaceTriangle),
@@ -150,54 +150,65 @@ void OptixLocator::upload_triangles(HostView host, const FaceTable& faces,
 }
 
 Launch OptixLocator::launch_of(Ask ask) const {
+  const mesh::MeshView& view = mesh_.host_view();
   Launch launch{};
   launch.method = std::uint32_t(method_);
   launch.ask = std::uint32_t(ask);
+  launch.length = length_;
   launch.tree = rays_.handle();
   launch.origin = mesh_.origin();
-  launch.length = length_;
   launch.triangles = triangles_.data();
   launch.vertices = vertices_;
-  launch.owners = method_ == Method::user_geometry ? tree_.view().cells : nullptr;
-  launch.mesh = mesh_.view();
+  launch.owners = tree_.view().cells;
+  launch.query.mesh = mesh_.view();
+  launch.query.shape = cuda::only_shape(view);
+  if (view.piece_count > 0)
+    launch.query.piece = view.pieces[0];
+  // Programs that look into no cell are the same for all shapes.
+  const bool looks = method_ == Method::user_geometry || ask == Ask::interpolated ||
+                     (method_ == Method::replicated_faces && ask != Ask::candidates);
+  launch.shape = std::uint32_t(looks ? launch.query.shape : mesh::Shape::none);
   return launch;
 }
 
-/// values: pointers of the device, a field each.
-void OptixLocator::run(Launch launch, std::span<double* const> values, std::int64_t count,
-                       cudaStream_t stream) const {
-  const Pipeline& pipeline = Pipeline::get(method_, Ask(launch.ask), rays_.two_level());
-  std::vector<std::byte> parameters(sizeof(Launch) + values.size_bytes());
-  std::byte* place = streams_.place(parameters.size(), stream);
-  launch.values = reinterpret_cast<double* const*>(place + sizeof launch);
-  std::memcpy(parameters.data(), &launch, sizeof launch);
-  if (!values.empty())
-    std::memcpy(parameters.data() + sizeof launch, values.data(), values.size_bytes());
-  pipeline.launch(streams_.put(parameters, stream), std::uint32_t(count), stream);
+const Pipeline& OptixLocator::pipeline_of(const Launch& launch) const {
+  return Pipeline::get({method_, Ask(launch.ask), mesh::Shape(launch.shape), rays_.two_level()});
+}
+
+void OptixLocator::run(const Launch& launch, cudaStream_t stream) const {
+  pipeline_of(launch).launch(streams_.put(launch, stream), launch.query.count, stream);
   streams_.launched(stream);
 }
 
 /// Points and outputs on the device: one launch does all, and nothing waits.
 void OptixLocator::answer_fast(const DeviceQuery& query) const {
   const auto stream = static_cast<cudaStream_t>(query.stream);
-  bool interpolates = query.parametric != nullptr;
-  for (const mesh::FieldView& field : query.fields)
-    interpolates |= field.association == INSITU_VERTEX;
-  Launch launch = launch_of(interpolates           ? Ask::interpolated
-                            : query.fields.empty() ? Ask::cells
-                                                   : Ask::cell_values);
-  if (!query.fields.empty())
-    launch.fields = mesh_.fields(query.fields, stream);
-  launch.field_count = std::int32_t(query.fields.size());
-  std::vector<double*> values(query.fields.size());
-  for (std::int64_t first = 0; first < query.count; first += most_rays) {
-    launch.points = query.points + 3 * first;
-    launch.cells = query.cells ? query.cells + first : nullptr;
-    launch.parametric = query.parametric ? query.parametric + 3 * first : nullptr;
-    launch.reasons = query.reasons ? query.reasons + first : nullptr;
-    for (std::size_t f = 0; f < values.size(); ++f)
-      values[f] = query.values[f] + first * query.fields[f].components;
-    run(launch, values, std::min(most_rays, query.count - first), stream);
+  const std::size_t field_count = query.fields.size();
+  for (std::size_t at = 0; at == 0 || at < field_count; at += cuda::most_fields) {
+    const auto fields =
+        query.fields.subspan(at, std::min<std::size_t>(cuda::most_fields, field_count - at));
+    bool interpolates = at == 0 && query.parametric != nullptr;
+    for (const mesh::FieldView& field : fields)
+      interpolates |= field.association == INSITU_VERTEX;
+    Launch launch = launch_of(interpolates     ? Ask::interpolated
+                              : fields.empty() ? Ask::cells
+                                               : Ask::cell_values);
+    cuda::Outputs& out = launch.query.out;
+    out.fields = mesh_.fields(fields, stream);
+    out.field_count = int(fields.size());
+    out.needs_map = interpolates;
+    for (std::int64_t first = 0; first < query.count; first += most_rays) {
+      launch.query.points = query.points + 3 * first;
+      launch.query.count = std::uint32_t(std::min(most_rays, query.count - first));
+      if (at == 0) {
+        out.cells = query.cells ? query.cells + first : nullptr;
+        out.parametric = query.parametric ? query.parametric + 3 * first : nullptr;
+        out.reasons = query.reasons ? query.reasons + first : nullptr;
+      }
+      for (std::size_t f = 0; f < fields.size(); ++f)
+        out.values[f] = query.values[at + f] + first * fields[f].components;
+      run(launch, stream);
+    }
   }
 }
 
@@ -211,6 +222,8 @@ DeviceCounts OptixLocator::locate(const DeviceQuery& asked) const {
   cuda::CallerIds ids(mesh_, asked);
   const DeviceCounts counts = answer(ids.flat());
   ids.finish();
+  if (asked.on_device)
+    streams_.launched(static_cast<cudaStream_t>(asked.stream)); // with what the ids took
   return counts;
 }
 
@@ -221,12 +234,15 @@ DeviceCounts OptixLocator::answer(const DeviceQuery& query) const {
     return {};
   }
   const auto find = [&](const double* points, std::uint32_t count, cudaStream_t stream) {
-    candidates_.resize_discard(count);
+    const bool shares = !fast && uses_faces(method_) && method_ != Method::replicated_faces;
+    candidates_.resize_discard(std::size_t(count) * (shares ? 2 : 1));
     Launch launch = launch_of(fast ? Ask::cells : Ask::candidates);
-    launch.points = points;
+    launch.query.points = points;
+    launch.query.count = count;
     launch.candidates = candidates_.data();
-    run(launch, {}, count, stream);
-    return static_cast<const std::uint32_t*>(candidates_.data());
+    launch.others = shares ? candidates_.data() + count : nullptr;
+    run(launch, stream);
+    return cuda::Candidates{launch.candidates, launch.others};
   };
   const cuda::CandidatesOf candidates(find);
   return cuda::locate_points(mesh_, &tree_, workspace_, *threads_, query, &candidates);

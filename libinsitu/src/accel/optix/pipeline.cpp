@@ -1,7 +1,7 @@
 #include "accel/optix/pipeline.h"
 
 #include <cstddef>
-#include <memory>
+#include <map>
 #include <mutex>
 #include <optix_stack_size.h>
 #include <optix_stubs.h>
@@ -18,62 +18,65 @@ struct alignas(OPTIX_SBT_RECORD_ALIGNMENT) Record {
   char header[OPTIX_SBT_RECORD_HEADER_SIZE];
 };
 
-OptixPipelineCompileOptions pipeline_options(Method method, bool two_level) {
+OptixPipelineCompileOptions pipeline_options(const Variant& variant) {
   OptixPipelineCompileOptions options{};
-  options.traversableGraphFlags = two_level
+  options.traversableGraphFlags = variant.two_level
                                       ? OPTIX_TRAVERSABLE_GRAPH_FLAG_ALLOW_SINGLE_LEVEL_INSTANCING
                                       : OPTIX_TRAVERSABLE_GRAPH_FLAG_ALLOW_SINGLE_GAS;
   options.numPayloadValues = 1;   // the cell
   options.numAttributeValues = 2; // a triangle's own, the least
   options.exceptionFlags = OPTIX_EXCEPTION_FLAG_NONE;
   options.pipelineLaunchParamsVariableName = "launch_parameters";
-  options.usesPrimitiveTypeFlags = method == Method::user_geometry
+  options.usesPrimitiveTypeFlags = variant.method == Method::user_geometry
                                        ? OPTIX_PRIMITIVE_TYPE_FLAGS_CUSTOM
                                        : OPTIX_PRIMITIVE_TYPE_FLAGS_TRIANGLE;
   return options;
 }
 
-OptixModule make_module(Method method, Ask ask, const OptixPipelineCompileOptions& pipeline) {
-  const auto method_value = std::uint32_t(method), ask_value = std::uint32_t(ask);
-  OptixModuleCompileBoundValueEntry bound[2] = {};
-  bound[0] = {offsetof(Launch, method), sizeof method_value, &method_value, "method"};
-  bound[1] = {offsetof(Launch, ask), sizeof ask_value, &ask_value, "ask"};
+OptixModule make_module(const Variant& variant, const OptixPipelineCompileOptions& pipeline) {
+  const auto method = std::uint32_t(variant.method), ask = std::uint32_t(variant.ask),
+             shape = std::uint32_t(variant.shape);
+  const OptixModuleCompileBoundValueEntry bound[] = {
+      {offsetof(Launch, method), sizeof method, &method, "method"},
+      {offsetof(Launch, ask), sizeof ask, &ask, "ask"},
+      {offsetof(Launch, shape), sizeof shape, &shape, "shape"}};
   OptixModuleCompileOptions options{};
   options.optLevel = OPTIX_COMPILE_OPTIMIZATION_DEFAULT;
   options.debugLevel = OPTIX_COMPILE_DEBUG_LEVEL_NONE;
   options.boundValues = bound;
-  options.numBoundValues = 2;
+  options.numBoundValues = 3;
   char log[2048];
   std::size_t log_size = sizeof log;
   OptixModule module = nullptr;
   check(optixModuleCreate(Context::get().handle(), &options, &pipeline,
                           reinterpret_cast<const char*>(optix_programs), sizeof optix_programs, log,
                           &log_size, &module),
-        std::string("compiling the programs of ") + name(method));
+        std::string("compiling the programs of ") + name(variant.method));
   return module;
 }
 
 } // namespace
 
-const Pipeline& Pipeline::get(Method method, Ask ask, bool two_level) {
+const Pipeline& Pipeline::get(const Variant& variant) {
   static std::mutex mutex;
-  static const Pipeline* made[method_count][ask_count][2] = {};
+  static auto& made = *new std::map<Variant, const Pipeline*>;
   std::lock_guard lock(mutex);
-  const Pipeline*& pipeline = made[int(method)][int(ask)][two_level];
+  const Pipeline*& pipeline = made[variant];
   if (!pipeline)
-    pipeline = new Pipeline(method, ask, two_level);
+    pipeline = new Pipeline(variant);
   return *pipeline;
 }
 
-Pipeline::Pipeline(Method method, Ask ask, bool two_level) {
-  compile(method, ask, two_level);
+Pipeline::Pipeline(const Variant& variant) {
+  compile(variant);
   make_table();
 }
 
-void Pipeline::compile(Method method, Ask ask, bool two_level) {
+void Pipeline::compile(const Variant& variant) {
   OptixDeviceContext context = Context::get().handle();
-  const OptixPipelineCompileOptions options = pipeline_options(method, two_level);
-  OptixModule module = make_module(method, ask, options);
+  const Method method = variant.method;
+  const OptixPipelineCompileOptions options = pipeline_options(variant);
+  OptixModule module = make_module(variant, options);
 
   OptixProgramGroupDesc kinds[3] = {};
   kinds[0].kind = OPTIX_PROGRAM_GROUP_KIND_RAYGEN;
@@ -106,7 +109,7 @@ void Pipeline::compile(Method method, Ask ask, bool two_level) {
   check(optixUtilComputeStackSizes(&sizes, 1, 0, 0, &from_traversal, &from_state, &continuation),
         "computing stack sizes");
   check(optixPipelineSetStackSize(pipeline_, from_traversal, from_state, continuation,
-                                  two_level ? 2 : 1),
+                                  variant.two_level ? 2 : 1),
         "setting stack sizes");
 }
 

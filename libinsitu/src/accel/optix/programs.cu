@@ -1,15 +1,21 @@
 // The device programs of the ray methods (Morrical 2020, sections 5 to 7), compiled to OptiX-IR.
-// What they decide is in accel/rays/ and cells/; these bring the ray, the hit and the outputs.
-// method and ask are known when the driver compiles a module, so the branches on them are gone.
+// What they decide is in accel/rays/ and accel/cuda/fast_cell.h; these bring the ray, the hit and
+// the outputs. method, ask and shape are known when the driver compiles a module, so the branches
+// on them are gone.
 #include <optix.h>
 
+#include "accel/cuda/answer.cuh"
+#include "accel/cuda/fast_cell.h"
 #include "accel/locator.h"
 #include "accel/optix/launch.h"
-#include "accel/rays/ray_answer.h"
 #include "accel/rays/ray_rules.h"
 
 using namespace insitu;
 using namespace insitu::accel;
+using cuda::FastMap;
+using math::Vec3d;
+using math::Vec3f;
+using mesh::Shape;
 using optix::Ask;
 
 static_assert(sizeof(optix::Launch) % sizeof(std::uint64_t) == 0);
@@ -28,11 +34,6 @@ __device__ inline Ask ask() {
   return Ask(launch.ask);
 }
 
-__device__ inline math::Vec3d query_point(unsigned i) {
-  const double* p = launch.points + 3 * std::size_t(i);
-  return {p[0], p[1], p[2]};
-}
-
 /// The flags of a method's rays. Nothing has an any-hit program.
 __device__ inline unsigned ray_flags() {
   switch (method()) {
@@ -46,114 +47,145 @@ __device__ inline unsigned ray_flags() {
   }
 }
 
-/// Writes what was asked for of a point in a cell. x, r: the cell gathered and the point's
-/// coordinates in it, where they are known.
-__device__ inline void write_inside(unsigned i, std::uint32_t cell, const mesh::CellVertices* x,
-                                    const math::Vec3d& r) {
-  if (launch.candidates)
-    launch.candidates[i] = cell;
-  if (launch.cells)
-    launch.cells[i] = cell;
-  if (launch.reasons)
-    launch.reasons[i] = certified_reason;
-  if (ask() == Ask::interpolated) {
-    if (launch.parametric)
-      for (int a = 0; a < 3; ++a)
-        launch.parametric[3 * std::size_t(i) + a] = r[a];
-    write_fields(*x, launch.mesh, cell, r, launch.fields, launch.field_count, launch.values, i);
-  } else if (ask() == Ask::cell_values) {
-    write_cell_fields(launch.mesh, cell, launch.fields, launch.field_count, launch.values, i);
+__device__ inline bool shares_faces() {
+  return method() == Method::shared_faces || method() == Method::shared_bilinear_faces;
+}
+
+template <Shape S>
+__device__ inline FastMap look_into(std::uint32_t flat, const Vec3d& p, mesh::CellVertices& cell) {
+  cuda::gather_cell<S>(launch.query, flat, cell);
+  constexpr int most = S == Shape::none ? 8 : mesh::vertex_count(S);
+  Vec3f x[8];
+#pragma unroll
+  for (int v = 0; v < most; ++v)
+    if (S != Shape::none || v < cell.count) {
+      const Vec3d d = cell.x[v] - p;
+      x[v] = {float(d.x), float(d.y), float(d.z)};
+    }
+  return cuda::fast_inverse(S == Shape::none ? cell.shape : S, x);
+}
+
+/// Gathers the cell, and finds the point's coordinates in it in float.
+__device__ inline FastMap look_into(std::uint32_t flat, const Vec3d& p, mesh::CellVertices& cell) {
+  switch (Shape(launch.shape)) {
+  case Shape::tetrahedron:
+    return look_into<Shape::tetrahedron>(flat, p, cell);
+  case Shape::hexahedron:
+    return look_into<Shape::hexahedron>(flat, p, cell);
+  default:
+    return look_into<Shape::none>(flat, p, cell);
   }
 }
 
-__device__ inline void write_outside(unsigned i) {
+/// Writes what was asked for of a point in a cell; cell, r: the cell looked into, if it was.
+__device__ inline void write_inside(unsigned i, std::uint32_t flat, mesh::CellVertices& cell,
+                                    const Vec3f& r) {
+  if (launch.candidates)
+    launch.candidates[i] = flat;
+  const cuda::Outputs& out = launch.query.out;
+  if (ask() == Ask::candidates) {
+    return;
+  } else if (ask() == Ask::cells) {
+    if (out.cells)
+      out.cells[i] = flat;
+    if (out.reasons)
+      out.reasons[i] = std::uint8_t(cells::Reason::certified);
+    return;
+  }
+  if (ask() == Ask::cell_values)
+    cell.piece = launch.query.mesh.piece_count == 1 ? 0 : launch.query.mesh.piece_of(flat);
+  cuda::write_answer(launch.query, i, flat, cell, cells::Reason::certified,
+                     {double(r.x), double(r.y), double(r.z)});
+}
+
+__device__ inline void write_nothing(unsigned i) {
   if (launch.candidates)
     launch.candidates[i] = none;
-  if (launch.cells)
-    launch.cells[i] = -1;
-  if (launch.reasons)
-    launch.reasons[i] = outside_reason;
-  if (ask() == Ask::interpolated && launch.parametric)
-    for (int a = 0; a < 3; ++a)
-      launch.parametric[3 * std::size_t(i) + a] = not_a_number();
-  if (ask() == Ask::interpolated || ask() == Ask::cell_values)
-    write_no_fields(launch.fields, launch.field_count, launch.values, i);
+  if (ask() != Ask::candidates)
+    cuda::write_outside(launch.query.out, i);
+}
+
+/// The cell on the side of the face that the ray has hit, or `none`.
+__device__ inline std::uint32_t cell_of(const FaceTriangle& triangle, bool back,
+                                        const PointRay& ray) {
+  if (method() == Method::shared_faces)
+    return back ? triangle.back : triangle.front;
+  return cell_of_hit(triangle, back, [&](const FaceTriangle& t) {
+    // The ray's own vertices, so that the tetrahedron is the one that it hit.
+    const std::uint32_t ids[4] = {t.vertices[0], t.vertices[1], t.vertices[2], t.corner};
+    Vec3d quad[4];
+    for (int k = 0; k < 4; ++k) {
+      const Vec3f& x = launch.vertices[ids[k]];
+      quad[k] = {x.x, x.y, x.z};
+    }
+    return is_beside(quad, Vec3d{ray.origin.x, ray.origin.y, ray.origin.z});
+  });
+}
+
+/// Whether floats can trace the ray; NaN, infinite and distant points have none.
+__device__ inline bool can_start(const PointRay& ray) {
+  constexpr float farthest = 1e37f;
+  const Vec3f& o = ray.origin;
+  return fabsf(o.x) < farthest && fabsf(o.y) < farthest && fabsf(o.z) < farthest;
 }
 
 } // namespace
 
 extern "C" __global__ void __raygen__query() {
   const unsigned i = optixGetLaunchIndex().x;
-  const math::Vec3d p = query_point(i);
+  const Vec3d p = cuda::point_of(launch.query, i);
   const PointRay ray = point_ray(p, launch.origin, launch.length);
-  unsigned cell = none;
-  // No ray starts at a point that is not finite, or so far out that floats end.
+  unsigned found = none;
   if (can_start(ray))
     optixTrace(launch.tree, float3{ray.origin.x, ray.origin.y, ray.origin.z},
                float3{ray.direction.x, ray.direction.y, ray.direction.z}, 0.0f, ray.length, 0.0f,
-               OptixVisibilityMask(255), ray_flags(), 0, 1, 0, cell);
-  if (ask() == Ask::candidates) {
-    launch.candidates[i] = cell;
-    return;
+               OptixVisibilityMask(255), ray_flags(), 0, 1, 0, found);
+  if (found == none) {
+    if (ask() == Ask::candidates && launch.others)
+      launch.others[i] = none;
+    return write_nothing(i);
   }
-  if (method() == Method::user_geometry) {
-    if (cell == none) // else the intersection program has written
-      write_outside(i);
-    return;
+  if (method() == Method::user_geometry)
+    return; // the intersection program has written
+  if (shares_faces()) {
+    const FaceTriangle& triangle = launch.triangles[found & ~optix::hit_back];
+    found = cell_of(triangle, found & optix::hit_back, ray);
+    if (ask() == Ask::candidates)
+      launch.others[i] = found == triangle.front ? triangle.back : triangle.front;
+    if (found == none)
+      return write_nothing(i);
   }
-  if (cell == none) {
-    write_outside(i);
-    return;
-  }
-  // Behind culled faces lies what is outside: one test of the point in the cell.
-  const bool test = method() == Method::replicated_faces;
-  if (!test && ask() != Ask::interpolated) {
-    write_inside(i, cell, nullptr, {});
-    return;
-  }
-  mesh::CellVertices x;
-  mesh::gather(launch.mesh, cell, x);
-  const auto map = cells::inverse_map(x.shape, x.x, p);
-  if (test && !holds(map))
-    write_outside(i);
-  else
-    write_inside(i, cell, &x, parametric_of(map));
+  // Behind culled faces lies what is outside: one test of the point in the cell. Who verifies
+  // candidates does it anyway.
+  const bool test = method() == Method::replicated_faces && ask() != Ask::candidates;
+  mesh::CellVertices cell;
+  FastMap at{};
+  if (test || ask() == Ask::interpolated)
+    at = look_into(found, p, cell);
+  if (test && !(at.margin >= cuda::fast_margin))
+    return write_nothing(i);
+  write_inside(i, found, cell, at.r);
 }
 
-/// The face methods: the cell on the side of the face that the ray has hit.
+/// The face methods: what was hit. The ray generation program does the rest, so that no more than
+/// this goes through the traversal.
 extern "C" __global__ void __closesthit__face() {
-  const FaceTriangle& triangle = launch.triangles[optixGetPrimitiveIndex()];
-  if (method() == Method::replicated_faces) {
-    optixSetPayload_0(triangle.front);
-    return;
-  }
-  const std::uint32_t cell =
-      cell_of_hit(triangle, optixIsTriangleBackFaceHit(), [](const FaceTriangle& t) {
-        // The ray's own vertices, so that the tetrahedron is the one that it hit.
-        const std::uint32_t ids[4] = {t.vertices[0], t.vertices[1], t.vertices[2], t.corner};
-        math::Vec3d quad[4];
-        for (int k = 0; k < 4; ++k) {
-          const math::Vec3f& x = launch.vertices[ids[k]];
-          quad[k] = {x.x, x.y, x.z};
-        }
-        const float3 p = optixGetWorldRayOrigin();
-        return is_beside(quad, math::Vec3d{p.x, p.y, p.z});
-      });
-  optixSetPayload_0(cell);
+  const unsigned primitive = optixGetPrimitiveIndex();
+  if (shares_faces())
+    optixSetPayload_0(optixIsTriangleBackFaceHit() ? primitive | optix::hit_back : primitive);
+  else
+    optixSetPayload_0(launch.triangles[primitive].front);
 }
 
 /// user_geometry: whether the cell holds the point; the first that does ends the ray.
 extern "C" __global__ void __intersection__cell() {
-  const unsigned primitive = optixGetPrimitiveIndex();
-  const std::uint32_t cell = launch.owners ? launch.owners[primitive] : primitive;
+  const std::uint32_t flat = launch.owners[optixGetPrimitiveIndex()];
   const unsigned i = optixGetLaunchIndex().x;
-  mesh::CellVertices x;
-  mesh::gather(launch.mesh, cell, x);
-  const auto map = cells::inverse_map(x.shape, x.x, query_point(i));
-  if (!holds(map))
+  mesh::CellVertices cell;
+  const FastMap at = look_into(flat, cuda::point_of(launch.query, i), cell);
+  if (!(at.margin >= cuda::fast_margin))
     return;
-  if (ask() != Ask::candidates)
-    write_inside(i, cell, &x, parametric_of(map));
-  optixSetPayload_0(cell);
+  write_inside(i, flat, cell, at.r);
+  optixSetPayload_0(flat);
   optixReportIntersection(optixGetRayTmin(), 0);
 }

@@ -75,6 +75,9 @@ void Structure::clear() {
   peak_bytes_ = 0;
   top_.release();
   instances_.release();
+  output_.release();
+  temporary_.release();
+  boxes_.release();
 }
 
 std::int64_t Structure::bytes() const {
