@@ -18,30 +18,49 @@ constexpr cells::FaceTable tables[] = {
     cells::face_table(mesh::Shape::hexahedron), cells::face_table(mesh::Shape::wedge),
     cells::face_table(mesh::Shape::pyramid)};
 
-/// Turns the cycle so that the lowest vertex comes first.
-void start_at_lowest(const std::uint32_t* v, std::uint32_t n, Face& out) {
-  std::uint32_t low = 0;
-  for (std::uint32_t k = 1; k < n; ++k)
-    low = v[k] < v[low] ? k : low;
-  for (std::uint32_t k = 0; k < n; ++k)
-    out.vertices[k] = v[low + k < n ? low + k : low + k - n];
-  if (n == 3)
-    out.vertices[3] = none;
+/// The cycle from its lowest vertex on.
+inline void set_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, Face& out) {
+  const std::uint32_t twice[] = {a, b, c, a, b};
+  const int low = a < b ? (a < c ? 0 : 2) : (b < c ? 1 : 2);
+  std::copy_n(twice + low, 3, out.vertices);
+  out.vertices[3] = none;
+}
+inline void set_quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d,
+                     Face& out) {
+  const std::uint32_t twice[] = {a, b, c, d, a, b, c};
+  const int low = std::min(a, b) < std::min(c, d) ? int(b < a) : 2 + int(d < c);
+  std::copy_n(twice + low, 4, out.vertices);
+}
+
+/// With repeated vertices: neighbours that coincide are one; false if that leaves no area.
+bool collapsed_quad(const std::uint32_t* v, Face& out) {
+  std::uint32_t left[4];
+  int m = 0;
+  for (int k = 0; k < 4; ++k)
+    if (m == 0 || left[m - 1] != v[k])
+      left[m++] = v[k];
+  m -= m > 1 && left[m - 1] == left[0];
+  if (m != 3) // of four, two opposite ones coincide
+    return false;
+  set_triangle(left[0], left[1], left[2], out);
+  return true;
 }
 
 /// A face by its flat vertices, the lowest first; false if repeated vertices leave no area of it.
-bool half_face(const cells::Face& face, const std::uint32_t* ids, Face& out) {
-  std::uint32_t v[4];
-  std::uint32_t n = 0;
-  for (int k = 0; k < face.vertex_count; ++k) { // neighbours that coincide are one
-    const std::uint32_t id = ids[face.vertices[k]];
-    if (n == 0 || v[n - 1] != id)
-      v[n++] = id;
+inline bool half_face(const cells::Face& face, const std::uint32_t* ids, Face& out) {
+  const auto& at = face.vertices;
+  const std::uint32_t v[4] = {ids[at[0]], ids[at[1]], ids[at[2]], ids[at[3]]};
+  bool distinct = (v[0] != v[1]) & (v[1] != v[2]) & (v[2] != v[0]);
+  if (face.vertex_count == 3) {
+    if (!distinct)
+      return false;
+    set_triangle(v[0], v[1], v[2], out);
+    return true;
   }
-  n -= n > 1 && v[n - 1] == v[0];
-  if (n < 3 || (n == 4 && (v[0] == v[2] || v[1] == v[3])))
-    return false;
-  start_at_lowest(v, n, out);
+  distinct &= (v[3] != v[0]) & (v[3] != v[1]) & (v[3] != v[2]);
+  if (!distinct)
+    return collapsed_quad(v, out);
+  set_quad(v[0], v[1], v[2], v[3], out);
   return true;
 }
 

@@ -33,21 +33,35 @@ void for_each_cell(const mesh::MeshView& mesh, std::int64_t begin, std::int64_t 
 /// Whether the cell's faces, as its table turns them, face inwards: an inverted cell, or a wedge in
 /// the order of its shape functions. By the flux of the position through the faces, three volumes,
 /// about: the sign is right for every cell whose volume is not nearly nothing.
-bool turns_inwards(const mesh::CellVertices& cell) {
-  const cells::FaceTable table = cells::face_table(cell.shape);
+template <mesh::Shape S>
+bool turns_inwards(const Vec3d* x) {
+  constexpr cells::FaceTable table = cells::face_table(S);
   double flux = 0.0;
   for (int f = 0; f < table.face_count; ++f) {
     const auto& v = table.faces[f].vertices;
-    const Vec3d a = cell.x[v[0]] - cell.x[0], b = cell.x[v[1]] - cell.x[0],
-                c = cell.x[v[2]] - cell.x[0];
+    const Vec3d a = x[v[0]] - x[0], b = x[v[1]] - x[0], c = x[v[2]] - x[0];
     if (table.faces[f].vertex_count == 3) {
-      flux += dot(a, cross(b, c)) * 4.0;
+      flux += 4.0 * dot(a, cross(b, c));
     } else {
-      const Vec3d d = cell.x[v[3]] - cell.x[0];
+      const Vec3d d = x[v[3]] - x[0];
       flux += dot(a + b + c + d, cross(c - a, d - b));
     }
   }
   return flux < 0.0;
+}
+bool turns_inwards(const mesh::CellVertices& cell) {
+  switch (cell.shape) {
+  case mesh::Shape::tetrahedron:
+    return turns_inwards<mesh::Shape::tetrahedron>(cell.x);
+  case mesh::Shape::voxel:
+    return turns_inwards<mesh::Shape::voxel>(cell.x);
+  case mesh::Shape::wedge:
+    return turns_inwards<mesh::Shape::wedge>(cell.x);
+  case mesh::Shape::pyramid:
+    return turns_inwards<mesh::Shape::pyramid>(cell.x);
+  default:
+    return turns_inwards<mesh::Shape::hexahedron>(cell.x);
+  }
 }
 
 /// How a face is cut, in one byte.
