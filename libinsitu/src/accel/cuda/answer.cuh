@@ -34,10 +34,9 @@ __device__ inline void gather_cell(const LocateArguments& a, std::uint32_t flat,
       const std::byte* base = piece.connectivity.data + flat * piece.connectivity.stride;
 #pragma unroll
       for (int v = 0; v < n; ++v)
-        out.ids[v] =
-            mesh::from_base(mesh::load_index(base + v * piece.id_stride,
-                                             piece.connectivity.is_int32),
-                            piece.index_base);
+        out.ids[v] = mesh::from_base(
+            mesh::load_index(base + v * piece.id_stride, piece.connectivity.is_int32),
+            piece.index_base);
     }
 #pragma unroll
     for (int v = 0; v < n; ++v)

@@ -33,9 +33,9 @@ class CountedBuffer {
   static_assert(std::is_trivially_copyable_v<T>);
 
 public:
-  explicit CountedBuffer(core::Memory& memory,
-                         insitu_purpose purpose = on_device ? INSITU_MEMORY_DEVICE
-                                                            : INSITU_MEMORY_QUERY)
+  explicit CountedBuffer(core::Memory& memory, insitu_purpose purpose = on_device
+                                                                            ? INSITU_MEMORY_DEVICE
+                                                                            : INSITU_MEMORY_QUERY)
       : memory_(&memory), purpose_(purpose) {}
   CountedBuffer(CountedBuffer&& b) noexcept
       : memory_(b.memory_), purpose_(b.purpose_), data_(std::exchange(b.data_, nullptr)),
@@ -74,8 +74,7 @@ public:
   bool empty() const { return size_ == 0; }
   std::int64_t bytes() const { return std::int64_t(capacity_ * sizeof(T)); }
   T& operator[](std::size_t i) const // of pinned memory
-    requires(!on_device)
-  {
+      requires(!on_device) {
     return data_[i];
   }
 

@@ -73,16 +73,16 @@ void DeviceMesh::copy_ranges(const mesh::Mesh& mesh, std::uint32_t what, cudaStr
   };
   std::vector<Needed> needed;
   device_ranges_.clear();
-  mesh.visit_arrays([&](const mesh::ExternalArray& array, const std::string&,
-                        mesh::Mesh::ArrayKind kind) {
-    const mesh::ExternalArray::Range range = array.range();
-    if (range.begin == range.end)
-      return;
-    if (array.memory == INSITU_DEVICE)
-      device_ranges_.push_back(range);
-    else
-      needed.push_back({range, changes_of(kind)});
-  });
+  mesh.visit_arrays(
+      [&](const mesh::ExternalArray& array, const std::string&, mesh::Mesh::ArrayKind kind) {
+        const mesh::ExternalArray::Range range = array.range();
+        if (range.begin == range.end)
+          return;
+        if (array.memory == INSITU_DEVICE)
+          device_ranges_.push_back(range);
+        else
+          needed.push_back({range, changes_of(kind)});
+      });
   std::sort(needed.begin(), needed.end(),
             [](const Needed& a, const Needed& b) { return a.range.begin < b.range.begin; });
   std::vector<Needed> merged;
@@ -222,10 +222,10 @@ const DeviceField* DeviceMesh::fields(std::span<const mesh::FieldView> fields,
     for (std::size_t p = 0; p < pieces; ++p) {
       views.push_back(field.pieces[p]);
       for (int c = 0; c < field.components; ++c)
-        components.push_back(field.pieces[p].layout.count > 0
-                                 ? on_device(field.pieces[p].component[c],
-                                             std::string("field '") + field.name + "'")
-                                 : nullptr);
+        components.push_back(
+            field.pieces[p].layout.count > 0
+                ? on_device(field.pieces[p].component[c], std::string("field '") + field.name + "'")
+                : nullptr);
     }
   }
   constexpr std::size_t most_tables = 64; // whoever asks for more gets them made anew

@@ -1,5 +1,3 @@
-#include "accel/cuda/device_tree.h"
-
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_reduce.cuh>
 #include <cub/device/device_scan.cuh>
@@ -7,6 +5,7 @@
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
+#include "accel/cuda/device_tree.h"
 #include "accel/cuda/launch.h"
 #include "accel/cuda/topology.cuh"
 #include "accel/cuda/tree_node.h"
@@ -208,8 +207,9 @@ __global__ void fit_kernel(TreeNode* nodes, std::uint32_t begin, std::uint32_t e
 } // namespace
 
 DeviceTree::DeviceTree(core::Memory& memory)
-    : nodes_(memory), cells_(memory), boxes_(memory), node_boxes_(memory),
-      codes_{DeviceBuffer<std::uint64_t>(memory), DeviceBuffer<std::uint64_t>(memory)},
+    : nodes_(memory), cells_(memory), boxes_(memory),
+      node_boxes_(memory), codes_{DeviceBuffer<std::uint64_t>(memory),
+                                  DeviceBuffer<std::uint64_t>(memory)},
       order_(memory), splits_(memory), items_(memory), cub_(memory), counters_(memory) {}
 
 TreeView DeviceTree::view() const {
@@ -296,7 +296,8 @@ void DeviceTree::build(const DeviceMesh& mesh, cudaStream_t stream) {
   }
   const auto n = std::uint32_t(count);
   const std::int64_t all = mesh.cell_count();
-  const std::uint32_t* ids = order_.size() == std::size_t(3 * all) ? order_.data() + 2 * all : nullptr;
+  const std::uint32_t* ids =
+      order_.size() == std::size_t(3 * all) ? order_.data() + 2 * all : nullptr;
   boxes_.resize_discard(std::size_t(all));
   boxes_kernel<<<blocks_for(n), threads_a_block, 0, stream>>>(
       mesh.view(), ids, n, origin_, boxes_.data(), counters_.data() + refused);

@@ -103,9 +103,9 @@ INSITU_HD inline FastMap fast_inverse(mesh::Shape shape, const math::Vec3f* x) {
             found ? least(least(least(q.x, q.z - q.x), least(q.y, q.z - q.y)), slack(q.z)) : NAN};
   }
   const bool voxel = shape == Shape::voxel;
-  const Vec3f e1 = x[1] - x[0], e2 = (voxel ? x[3] : x[2]) - x[0], e3 = (voxel ? x[2] : x[3]) - x[0],
-              e4 = x[4] - x[0], e5 = x[5] - x[0], e6 = (voxel ? x[7] : x[6]) - x[0],
-              e7 = (voxel ? x[6] : x[7]) - x[0];
+  const Vec3f e1 = x[1] - x[0], e2 = (voxel ? x[3] : x[2]) - x[0],
+              e3 = (voxel ? x[2] : x[3]) - x[0], e4 = x[4] - x[0], e5 = x[5] - x[0],
+              e6 = (voxel ? x[7] : x[6]) - x[0], e7 = (voxel ? x[6] : x[7]) - x[0];
   const Vec3f crs = e2 - e1 - e3, crt = e5 - e1 - e4, cst = e7 - e3 - e4;
   const Vec3f crst = e6 - e2 - (e5 - e1) - (e7 - e3) + e4;
   Vec3f q{0.5f, 0.5f, 0.5f};

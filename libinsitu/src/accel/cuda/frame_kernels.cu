@@ -68,8 +68,8 @@ math::Vec3d middle_of_cells(const mesh::MeshView& mesh, std::int64_t cells, core
   math::Vec3d middle{};
   if (cells == 0)
     return middle;
-  const auto firsts = thrust::make_transform_iterator(
-      thrust::counting_iterator<std::int64_t>(0), FirstVertex{mesh});
+  const auto firsts = thrust::make_transform_iterator(thrust::counting_iterator<std::int64_t>(0),
+                                                      FirstVertex{mesh});
   DeviceBuffer<Bounds> result(memory);
   DeviceBuffer<std::byte> scratch(memory);
   result.resize_discard(1);

@@ -79,8 +79,8 @@ struct Staging {
 struct Workspace::Impl {
   explicit Impl(core::Memory& memory)
       : lists{SliceLists(memory), SliceLists(memory)}, staging{Staging(memory), Staging(memory)},
-        pair_data(memory), pair_host(memory), owned(memory), owned_host(memory),
-        parametric(memory), parametric_host(memory) {}
+        pair_data(memory), pair_host(memory), owned(memory), owned_host(memory), parametric(memory),
+        parametric_host(memory) {}
 
   std::mutex mutex;
   Stream streams[2];
@@ -185,10 +185,9 @@ private:
       const PairData* data = fetch(launch_gather_pairs, first, n);
       threads_.parallel_for(n, pair_grain, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t k = begin; k < end; ++k)
-          decided[std::size_t(k)] =
-              open[pair[first + std::size_t(k)].open].point == none
-                  ? cells::Reason::outside
-                  : cells::decide(data[k].shape, data[k].x, data[k].p);
+          decided[std::size_t(k)] = open[pair[first + std::size_t(k)].open].point == none
+                                        ? cells::Reason::outside
+                                        : cells::decide(data[k].shape, data[k].x, data[k].p);
       });
       for (std::uint32_t k = 0; k < n; ++k) {
         const OpenPair& of = pair[first + k];
@@ -226,10 +225,10 @@ private:
           work_.parametric_host[std::size_t(k)] =
               cells::robust_inverse(data[k].shape, data[k].x, data[k].p);
       });
-      copy_to_device(work_.parametric.data(), work_.parametric_host.data(),
-                     n * sizeof(math::Vec3d), stream_);
-      launch_finish_at(slice_.arguments, slice_.lists->hard.data() + first,
-                       work_.parametric.data(), n, stream_);
+      copy_to_device(work_.parametric.data(), work_.parametric_host.data(), n * sizeof(math::Vec3d),
+                     stream_);
+      launch_finish_at(slice_.arguments, slice_.lists->hard.data() + first, work_.parametric.data(),
+                       n, stream_);
       wait();
     }
   }
@@ -266,8 +265,7 @@ public:
       common_.piece = view.pieces[0];
     if (tree)
       common_.tree = tree->view();
-    common_.alone =
-        view.free_of_folds && (query.accuracy != INSITU_EXACT || view.covers_once);
+    common_.alone = view.free_of_folds && (query.accuracy != INSITU_EXACT || view.covers_once);
     common_.out.field_count = int(query.fields.size());
     common_.out.needs_map = query.parametric != nullptr;
     for (const mesh::FieldView& field : query.fields)

@@ -119,8 +119,8 @@ __global__ void __launch_bounds__(block) locate_kernel(const __grid_constant__ L
 
 template <bool map>
 __global__ void __launch_bounds__(block)
-finish_kernel(const __grid_constant__ LocateArguments a, const OwnedPoint* owned,
-              std::uint32_t count) {
+    finish_kernel(const __grid_constant__ LocateArguments a, const OwnedPoint* owned,
+                  std::uint32_t count) {
   const std::int64_t i = global_thread();
   if (i >= count)
     return;

@@ -89,8 +89,7 @@ private:
         const int inside = min(int(to[a]) - l, u - int(from[a]));
         depth = fminf(depth, __fdividef(float(2 * inside), float(u - l)));
       }
-      list.cell[list.count] =
-          __ldg(tree_.cells + links.y + __popc(leaves & ((1u << c) - 1u)));
+      list.cell[list.count] = __ldg(tree_.cells + links.y + __popc(leaves & ((1u << c) - 1u)));
       list.depth[list.count++] = depth;
     }
     step(links.x, inner, hits & inner);
