@@ -63,7 +63,7 @@ void check(fixtures::Committed& m, const std::vector<Vec3d>& points, const std::
   for (const Method method : ray_methods) {
     m.mesh.set_locator({method, accel::Backend::cpu});
     m.commit();
-    ASSERT_NE(m.mesh.rays(), nullptr);
+    ASSERT_NE(m.mesh.locators().rays(), nullptr);
     const std::string name = what + ", " + accel::name(method);
     expect_same(ask(m, points, INSITU_EXACT), exact, points, name + ", exact");
     if (m.sampler().mesh().covers_once)
