@@ -180,7 +180,8 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
                                                                      : INSITU_BUILDER_MORTON;
   report.cells = mesh_.view().cell_count();
   report.vertices = mesh_.view().vertex_count();
-  report.bytes = tree_.bytes();
+  report.bytes =
+      tree_.bytes() + (faces_ ? faces_->bytes() : 0) + (rays_ ? rays_->report().bytes : 0);
   report.bytes_allocated = std::max<std::int64_t>(0, memory.current() - bytes_before);
   return report;
 }
