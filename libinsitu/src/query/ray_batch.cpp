@@ -38,6 +38,7 @@ Answered RayBatch::run(std::span<const Vec3d> points) {
 }
 
 void RayBatch::answer_by_rule() {
+  constexpr double farthest = -0.5; // beyond, Newton's method has found another part of the map
   pairs_.order(
       std::size_t(count_), [&](std::size_t q) { return cells_[q]; },
       [](std::size_t q) { return q; });
@@ -48,7 +49,7 @@ void RayBatch::answer_by_rule() {
       const int q = queries[k];
       best_[q] = {cells[k], b.parametric_of(k)};
       reason_[q] = b.margin[k] > b.error[k] ? Reason::certified : Reason::on_face;
-      if (!is_plausible((b.converged >> k) & 1, b.margin[k])) {
+      if (((b.converged >> k) & 1) == 0 || !(b.margin[k] >= farthest)) {
         Vec3d x[8];
         b.cells.get(shape, k, x);
         best_[q].parametric = cells::robust_inverse(shape, x, b.point_of(k));

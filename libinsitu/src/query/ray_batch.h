@@ -13,7 +13,8 @@ namespace insitu::query {
 /// face that was hit, as in BatchLocator::try_likeliest; what is left goes through the tree.
 /// So the answers are BatchLocator's. In `fast` the rule alone answers: the reason is `certified`
 /// where Newton's method proves the cell, and else `on_face`, since the point is on the cell's
-/// boundary or beside a face that the rule takes for another.
+/// boundary or beside a face that the rule takes for another; coordinates then lie out of the cell
+/// by as much.
 ///
 /// The tree answers everything while the mesh is between two steps, and in `standard` and `exact`
 /// where cells may fold, since no certificate proves anything there.

@@ -210,6 +210,42 @@ TEST(Rays, FollowMovedVertices) {
     }
 }
 
+TEST(Rays, LeavePointsBetweenStepsToTheTree) {
+  fixtures::Committed m(box(MeshKind::hexahedra, 5), 2);
+  m.mesh.set_locator({Method::shared_bilinear_faces, accel::Backend::cpu});
+  m.commit();
+  m.mesh.mesh().keep_earlier({}, m.threads);
+  test::Random random(9);
+  for (double& x : m.arrays.points)
+    x += random.uniform(-0.05, 0.05);
+  m.commit(INSITU_CHANGED_GEOMETRY);
+  m.mesh.mesh().expose_earlier(true, m.threads);
+  const auto points = test::inner_points(m.sampler().mesh(), 1000, 5);
+  for (const insitu_accuracy accuracy : {INSITU_FAST, INSITU_STANDARD, INSITU_EXACT}) {
+    std::vector<Location> at(points.size());
+    m.sampler().locate(m.threads, points, at, {accuracy, 0.5});
+    for (std::size_t i = 0; i < points.size(); ++i)
+      ASSERT_EQ(at[i].cell, test::owner(m.sampler().mesh(), points[i], 0.5));
+  }
+  EXPECT_EQ(m.mesh.locators().ray_counts().by_tree, 3000);
+}
+
+TEST(Rays, FindNothingWhereNoCellOwnsPoints) {
+  const TestMesh from = box(MeshKind::hexahedra, 3);
+  for (const Method method : ray_methods) {
+    fixtures::Committed m(from, 2);
+    const std::vector<std::uint8_t> ghosts(from.cells.size(), 1);
+    const insitu_array g = insitu_array_of(ghosts.data(), INSITU_UINT8, m.arrays.cell_count(), 1);
+    m.mesh.mesh().set_ghosts(0, &g, INSITU_GHOSTS_ASCENT);
+    m.mesh.set_locator({method, accel::Backend::cpu});
+    m.commit(INSITU_CHANGED_ALL);
+    const std::vector<Vec3d> points(100, {1.5, 1.5, 1.5});
+    for (const insitu_accuracy accuracy : {INSITU_FAST, INSITU_STANDARD, INSITU_EXACT})
+      for (const Location& at : ask(m, points, accuracy).at)
+        ASSERT_FALSE(at);
+  }
+}
+
 TEST(Rays, DoNotDependOnBatchesOrThreads) {
   const TestMesh from = box(MeshKind::mixed, 7);
   for (const Method method : ray_methods)

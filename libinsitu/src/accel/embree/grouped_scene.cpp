@@ -10,8 +10,10 @@ void GroupedScene::build(std::int64_t n, std::int64_t group, const core::Threads
   clear();
   group_ = group;
   scene_ = rtcNewScene(device_.handle());
-  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-  // To Embree this quality means a hierarchy for each geometry; REFIT builds that by surface area.
+  device_.check("making a scene");
+  // To Embree, low quality means a hierarchy for each geometry, which REFIT builds by surface area;
+  // only a dynamic scene keeps what it takes to refit them.
+  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
   rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_LOW);
   for (std::int64_t begin = 0; begin < n; begin += group) {
     RTCGeometry geometry = make(begin, std::min(n, begin + group));
