@@ -15,9 +15,9 @@ namespace insitu::accel {
 class FaceTable;
 
 /// Where queries are answered for the whole batch at once, on a device. Points and outputs lie in
-/// host memory, or all in device memory; then the work is queued on the stream, and only points
-/// that the device leaves undecided make the call wait (`exact` and `standard`; `fast` never
-/// waits).
+/// host memory, or all in device memory; then the work is queued on the stream. `fast` waits for
+/// nothing; `exact` and `standard` wait for the stream, to learn which points are left undecided,
+/// and queue what follows for those: answers are there once the stream has been waited for.
 struct DeviceQuery {
   const double* points = nullptr; ///< [count][3]
   std::int64_t count = 0;
@@ -34,6 +34,19 @@ struct DeviceQuery {
   double* const* values = nullptr; ///< a host array of pointers
 };
 
+/// Particles in device memory that are moved through a steady velocity on the device. The work is
+/// queued on the stream; nothing waits.
+struct DeviceTracers {
+  double* positions = nullptr;     ///< [count][3], moved in place
+  std::uint32_t* cells = nullptr;  ///< [count] where they are: `none` at first, flat ids after
+  std::uint8_t* endings = nullptr; ///< [count] insitu_ending; those alive are moved
+  std::int64_t count = 0;
+  mesh::FieldView velocity; ///< of three components
+  double step = 0.0;        ///< negative: backwards
+  std::int64_t steps = 0;
+  void* stream = nullptr; ///< cudaStream_t; null: the default stream
+};
+
 /// How a query was decided.
 struct DeviceCounts {
   std::int64_t candidates_kept = 0; ///< the ray's candidate was certified and answered alone
@@ -46,8 +59,9 @@ struct DeviceReport {
   std::int64_t peak_bytes = 0;   ///< the most during the last build
   std::int64_t bytes_copied = 0; ///< of the solver's host arrays that have a copy on the device
   std::int64_t primitives = 0;   ///< cells of the tree, or of rays: triangles or cells
-  std::int64_t ray_groups = 0; ///< of a two-level structure; 1: one level, 0: no rays
-  std::int64_t ray_bytes = 0, ray_peak_bytes = 0; ///< of the rays' structure and its triangles alone
+  std::int64_t ray_groups = 0;   ///< of a two-level structure; 1: one level, 0: no rays
+  std::int64_t ray_bytes = 0,
+               ray_peak_bytes = 0;               ///< of the rays' structure and its triangles alone
   double tree_seconds = 0.0, rays_seconds = 0.0; ///< of the last build or refit, on the device
 };
 
@@ -63,6 +77,11 @@ public:
                       const core::Threads& threads) = 0;
   /// The answers of query::Sampler on the same mesh; `fast` answers by the papers' rules in float.
   virtual DeviceCounts locate(const DeviceQuery& query) const = 0;
+  /// Moves tracers by steps of Kutta's method of order 4, as advect::rk4_step does. One that a
+  /// step takes out of the mesh, or to a velocity that is not finite, ends where it was before that
+  /// step. A point that double leaves undecided is in the lowest cell where Newton's method puts
+  /// it.
+  virtual void advance(const DeviceTracers& tracers) const;
   virtual DeviceReport report() const = 0;
 };
 

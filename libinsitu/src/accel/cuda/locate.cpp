@@ -6,6 +6,7 @@
 
 #include "accel/cuda/locate_kernels.h"
 #include "cells/robust_inverse.h"
+#include "core/status.h"
 
 namespace insitu::accel::cuda {
 
@@ -431,6 +432,24 @@ DeviceCounts locate_points(const DeviceMesh& mesh, const DeviceTree* tree, Works
       counts = one;
   }
   return counts;
+}
+
+void advance_tracers(const DeviceMesh& mesh, const DeviceTree& tree, const DeviceTracers& tracers) {
+  if (tracers.velocity.components != 3)
+    throw core::Error(INSITU_ERROR_FIELD, std::string("field '") + tracers.velocity.name +
+                                              "': " + std::to_string(tracers.velocity.components) +
+                                              " components; a velocity has 3");
+  const auto stream = static_cast<cudaStream_t>(tracers.stream);
+  LocateArguments a;
+  const mesh::MeshView& view = mesh.host_view();
+  a.mesh = mesh.view();
+  a.shape = only_shape(view);
+  if (view.piece_count > 0)
+    a.piece = view.pieces[0];
+  a.tree = tree.view();
+  a.alone = view.free_of_folds;
+  a.out.fields = mesh.fields(std::span(&tracers.velocity, 1), stream);
+  launch_advance(a, tracers, stream);
 }
 
 } // namespace insitu::accel::cuda

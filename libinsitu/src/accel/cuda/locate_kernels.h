@@ -5,6 +5,7 @@
 
 #include "accel/cuda/device_mesh.h"
 #include "accel/cuda/device_tree.h"
+#include "accel/device_locator.h"
 #include "cells/decide.h"
 
 /// The kernels behind locate_points(), and what they hand to the host.
@@ -72,6 +73,10 @@ struct LocateArguments {
 void launch_locate(const LocateArguments& arguments, cudaStream_t stream);
 /// `fast`: the first cell in float; the candidates, if given, as they are.
 void launch_locate_fast(const LocateArguments& arguments, cudaStream_t stream);
+
+/// Tracers of `count`; arguments.out.fields is the velocity.
+void launch_advance(const LocateArguments& arguments, const DeviceTracers& tracers,
+                    cudaStream_t stream);
 
 /// Vertices of a cell and the point that it may hold, for the host.
 struct PairData {
