@@ -24,7 +24,9 @@ public:
   explicit OnDevice(const std::vector<T>& host) : OnDevice(host.size()) {
     cudaMemcpy(data_, host.data(), host.size() * sizeof(T), cudaMemcpyHostToDevice);
   }
-  explicit OnDevice(std::size_t n) : size_(n) { cudaMalloc(&data_, n * sizeof(T)); }
+  explicit OnDevice(std::size_t n) : size_(n) {
+    cudaMalloc(reinterpret_cast<void**>(&data_), n * sizeof(T));
+  }
   ~OnDevice() { cudaFree(data_); }
   OnDevice(const OnDevice&) = delete;
   OnDevice& operator=(const OnDevice&) = delete;

@@ -60,6 +60,31 @@ struct Timed {
     std::printf("  %-9s standard values %8.1f M/s from and to host memory\n", name,
                 double(points.size()) / seconds * 1e-6);
   }
+  /// Steps of tracers through the field, all in device memory.
+  void run_tracers(const mesh::FieldView& velocity, const std::vector<math::Vec3d>& seeds) const {
+    constexpr int steps = 100;
+    const std::vector<double> flat(&seeds[0].x, &seeds[0].x + 3 * seeds.size());
+    const test::OnDevice<double> positions(flat);
+    const test::OnDevice<std::uint32_t> cells(
+        std::vector<std::uint32_t>(seeds.size(), accel::none));
+    const test::OnDevice<std::uint8_t> endings(std::vector<std::uint8_t>(seeds.size(), 0));
+    accel::DeviceTracers tracers;
+    tracers.positions = positions.data();
+    tracers.cells = cells.data();
+    tracers.endings = endings.data();
+    tracers.count = std::int64_t(seeds.size());
+    tracers.velocity = velocity;
+    tracers.step = 2e-3;
+    tracers.steps = 1;
+    locator->advance(tracers);
+    cudaDeviceSynchronize();
+    tracers.steps = steps;
+    const core::Timer timer;
+    locator->advance(tracers);
+    cudaDeviceSynchronize();
+    std::printf("  %zu tracers: %.1f M steps of RK4 a second\n", seeds.size(),
+                double(seeds.size()) * steps / timer.seconds() * 1e-6);
+  }
   template <class F>
   static double median(F&& f) {
     f();
@@ -106,6 +131,16 @@ int main(int argc, char** argv) {
     mesh.set_cells(0, &cells);
     x = insitu_array_of(values.data(), INSITU_FLOAT64, from.vertex_count(), 1);
     mesh.set_field(0, "f", INSITU_VERTEX, &x, 1);
+    std::vector<double> swirl(3 * std::size_t(from.vertex_count()));
+    for (std::int64_t v = 0; v < from.vertex_count(); ++v) {
+      const math::Vec3d p = from.point(v);
+      double* to = &swirl[3 * std::size_t(v)];
+      to[0] = 0.5 - p.y;
+      to[1] = p.x - 0.5;
+      to[2] = 0.0;
+    }
+    x = insitu_array_of(swirl.data(), INSITU_FLOAT64, from.vertex_count(), 3);
+    mesh.set_field(0, "v", INSITU_VERTEX, &x, 1);
     mesh.update();
     mesh.set_free_of_folds(true); // by its making
     Timed timed{accel::make_device_locator(accel::Backend::cuda, accel::Method::bvh, memory),
@@ -126,6 +161,8 @@ int main(int argc, char** argv) {
     std::printf("  refit %.2f ms, commit %.2f ms, held %.1f bytes a cell, of them copies %.1f\n",
                 report.tree_seconds * 1e3, seconds * 1e3, double(report.bytes) / cell_count,
                 double(report.bytes_copied) / cell_count);
+    timed.run_tracers(mesh.field("v"),
+                      workload::make_queries(from, workload::Pattern::random, 1000000).points);
     for (const auto& [pattern, count] :
          {std::pair(workload::Pattern::random, 10000000),
           std::pair(workload::Pattern::sorted, 10000000), std::pair(workload::Pattern::uniform, 0),

@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <gtest/gtest.h>
 
+#include "advect/mesh_velocity.h"
 #include "core/status.h"
 #include "gpu_mesh.h"
 #include "workload/mesh.h"
@@ -497,6 +498,72 @@ TEST_F(Cuda, ArraysAndPointsInDeviceMemory) {
   got.values = {values.read()};
   expect_same(got, expected, points, "on a stream");
   cudaStreamDestroy(stream);
+}
+
+TEST_F(Cuda, TracersMoveAsOnTheCpu) {
+  for (const auto kind : {test::MeshKind::hexahedra, test::MeshKind::mixed}) {
+    const test::TestMesh from = one_shape(kind, 8, 0.2, 97);
+    GpuMesh mesh(from);
+    for (std::size_t v = 0; v < from.vertices.size(); ++v) { // around the middle, and upwards
+      const Vec3d r = from.vertices[v] - 0.5 * (from.low + from.high);
+      mesh.vectors[3 * v] = -r.y;
+      mesh.vectors[3 * v + 1] = r.x;
+      mesh.vectors[3 * v + 2] = 0.3;
+    }
+    mesh.commit();
+    const mesh::FieldView field = mesh.on_cpu.mesh.mesh().field("v");
+    test::Random random(98);
+    std::vector<Vec3d> seeds;
+    for (int i = 0; i < 5000; ++i)
+      seeds.push_back(random.uniform(from.low - Vec3d{0.5, 0.5, 0.5}, from.high));
+    constexpr int steps = 100;
+    constexpr double h = 0.05;
+    std::vector<Vec3d> expected = seeds;
+    std::vector<std::uint8_t> expected_endings;
+    const query::Sampler sampler = mesh.on_cpu.sampler();
+    for (Vec3d& x : expected) {
+      advect::MeshVelocity velocity(sampler, field, nullptr, 0, 0, INSITU_STANDARD);
+      velocity.begin(-1);
+      Vec3d k1;
+      int ending = velocity(x, 0, k1) == advect::Sampled::inside ? INSITU_END_ALIVE
+                                                                 : INSITU_END_SEED_OUTSIDE;
+      for (int n = 0; n < steps && ending == INSITU_END_ALIVE; ++n) {
+        const advect::Trial trial = advect::rk4_step(velocity, x, 0, h, k1);
+        if (trial.sampled != advect::Sampled::inside) {
+          ending = INSITU_END_LEFT;
+          break;
+        }
+        x = trial.x;
+        k1 = trial.v;
+      }
+      expected_endings.push_back(std::uint8_t(ending));
+    }
+    const test::OnDevice<double> positions(
+        std::vector<double>(&seeds[0].x, &seeds[0].x + 3 * seeds.size()));
+    const test::OnDevice<std::uint32_t> cells(
+        std::vector<std::uint32_t>(seeds.size(), accel::none));
+    const test::OnDevice<std::uint8_t> endings(std::vector<std::uint8_t>(seeds.size(), 0));
+    accel::DeviceTracers tracers;
+    tracers.positions = positions.data();
+    tracers.cells = cells.data();
+    tracers.endings = endings.data();
+    tracers.count = std::int64_t(seeds.size());
+    tracers.velocity = field;
+    tracers.step = h;
+    tracers.steps = steps / 4; // in parts, as a solver's steps are
+    for (int part = 0; part < 4; ++part)
+      mesh.locator->advance(tracers);
+    const std::vector<double> got = positions.read();
+    const std::vector<std::uint8_t> got_endings = endings.read();
+    EXPECT_EQ(got_endings, expected_endings);
+    int wrong = 0;
+    for (std::size_t i = 0; i < seeds.size(); ++i)
+      for (int a = 0; a < 3; ++a)
+        wrong += !same_bits(got[3 * i + std::size_t(a)], expected[i][a]);
+    EXPECT_EQ(wrong, 0);
+    EXPECT_GT(std::count(got_endings.begin(), got_endings.end(), INSITU_END_ALIVE), 500);
+    EXPECT_GT(std::count(got_endings.begin(), got_endings.end(), INSITU_END_LEFT), 500);
+  }
 }
 
 TEST_F(Cuda, RefusesWhatNoFloatHolds) {

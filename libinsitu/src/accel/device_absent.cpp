@@ -21,4 +21,8 @@ std::unique_ptr<DeviceLocator> make_device_locator(Backend backend, Method, core
                     std::string("backend ") + name(backend) + ": " + why_unavailable(backend));
 }
 
+void DeviceLocator::advance(const DeviceTracers&) const {
+  throw core::Error(INSITU_ERROR_UNSUPPORTED, "tracers on the device: backend cuda has them");
+}
+
 } // namespace insitu::accel

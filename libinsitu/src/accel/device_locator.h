@@ -15,9 +15,9 @@ namespace insitu::accel {
 class FaceTable;
 
 /// Where queries are answered for the whole batch at once, on a device. Points and outputs lie in
-/// host memory, or all in device memory; then the work is queued on the stream, and only points
-/// that the device leaves undecided make the call wait (`exact` and `standard`; `fast` never
-/// waits).
+/// host memory, or all in device memory; then the work is queued on the stream. `fast` waits for
+/// nothing; `exact` and `standard` wait for the stream, to learn which points are left undecided,
+/// and queue what follows for those: answers are there once the stream has been waited for.
 struct DeviceQuery {
   const double* points = nullptr; ///< [count][3]
   std::int64_t count = 0;
@@ -37,6 +37,19 @@ struct DeviceQuery {
   /// One field a span item: values[f] is [count][components], NaN outside.
   std::span<const mesh::FieldView> fields = {};
   double* const* values = nullptr; ///< a host array of pointers
+};
+
+/// Particles in device memory that are moved through a steady velocity on the device. The work is
+/// queued on the stream; nothing waits.
+struct DeviceTracers {
+  double* positions = nullptr;     ///< [count][3], moved in place
+  std::uint32_t* cells = nullptr;  ///< [count] where they are: `none` at first, flat ids after
+  std::uint8_t* endings = nullptr; ///< [count] insitu_ending; those alive are moved
+  std::int64_t count = 0;
+  mesh::FieldView velocity; ///< of three components
+  double step = 0.0;        ///< negative: backwards
+  std::int64_t steps = 0;
+  void* stream = nullptr; ///< cudaStream_t; null: the default stream
 };
 
 /// How a query was decided.
@@ -74,6 +87,11 @@ public:
                       const FaceTable* faces, const core::Threads& threads) = 0;
   /// The answers of query::Sampler on the same mesh; `fast` answers by the papers' rules in float.
   virtual DeviceCounts locate(const DeviceQuery& query) const = 0;
+  /// Moves tracers by steps of Kutta's method of order 4, as advect::rk4_step does. One that a
+  /// step takes out of the mesh, or to a velocity that is not finite, ends where it was before that
+  /// step. A point that double leaves undecided is in the lowest cell where Newton's method puts
+  /// it.
+  virtual void advance(const DeviceTracers& tracers) const;
   virtual DeviceReport report() const = 0;
 };
 

@@ -8,19 +8,7 @@ namespace insitu::cells {
 using math::Vec3d;
 
 Reason decide(mesh::Shape shape, const Vec3d* x, const Vec3d& p) {
-  const ExactResult result = contain_exact(shape, x, p);
-  switch (result.where) {
-  case Containment::inside:
-    return result.exact_used ? Reason::exact : Reason::certified;
-  case Containment::on_face:
-    return Reason::on_face;
-  case Containment::on_edge:
-    return Reason::on_edge;
-  case Containment::on_vertex:
-    return Reason::on_vertex;
-  default:
-    return Reason::outside;
-  }
+  return reason_of(contain_exact(shape, x, p));
 }
 
 Vec3d parametric_in(mesh::Shape shape, const Vec3d* x, const Vec3d& p) {

@@ -20,6 +20,22 @@ enum class Reason : std::uint8_t {
 };
 constexpr int reason_count = 6;
 
+/// The reason that a result of contain_exact is.
+INSITU_HD inline Reason reason_of(const ExactResult& result) {
+  switch (result.where) {
+  case Containment::inside:
+    return result.exact_used ? Reason::exact : Reason::certified;
+  case Containment::on_face:
+    return Reason::on_face;
+  case Containment::on_edge:
+    return Reason::on_edge;
+  case Containment::on_vertex:
+    return Reason::on_vertex;
+  default:
+    return Reason::outside;
+  }
+}
+
 /// Whether the closed cell holds the point, and why: exact. x: the cell's vertices.
 Reason decide(mesh::Shape shape, const math::Vec3d* x, const math::Vec3d& p);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 #include "math/expansion.h"
 #include "math/number.h"
@@ -207,5 +208,36 @@ INSITU_HD inline int bilinear_side_double_double(const Vec3d& p00, const Vec3d& 
   return certified_sign((a * c - b * d).hi,
                         bilinear_bound(a.hi, b.hi, c.hi, d.hi, error, double_double_factor));
 }
+
+/// How far a predicate had to go.
+enum class Stage : std::uint8_t { filter, double_double, exact };
+
+/// The first two stages in turn. Where they cannot tell a sign it is given as 0, and all that
+/// follows from it means nothing: `failed`.
+struct DoubleDoublePredicates {
+  Stage deepest = Stage::filter;
+  bool failed = false;
+
+  INSITU_HD int orient2d(double ax, double ay, double bx, double by, double cx, double cy) {
+    const int sign = orient2d_filter(ax, ay, bx, by, cx, cy);
+    return sign != undecided ? sign : note(orient2d_double_double(ax, ay, bx, by, cx, cy));
+  }
+  INSITU_HD int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+    const int sign = orient3d_filter(a, b, c, d);
+    return sign != undecided ? sign : note(orient3d_double_double(a, b, c, d));
+  }
+  INSITU_HD int bilinear_side(const Vec3d& p00, const Vec3d& p10, const Vec3d& p11,
+                              const Vec3d& p01, const Vec3d& q) {
+    const int sign = bilinear_side_filter(p00, p10, p11, p01, q);
+    return sign != undecided ? sign : note(bilinear_side_double_double(p00, p10, p11, p01, q));
+  }
+
+private:
+  INSITU_HD int note(int sign) {
+    deepest = Stage::double_double;
+    failed = failed || sign == undecided;
+    return sign == undecided ? 0 : sign;
+  }
+};
 
 } // namespace insitu::math

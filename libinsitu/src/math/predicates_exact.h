@@ -11,8 +11,6 @@
 /// double-double, then integers of as many bits as it takes. Host only.
 namespace insitu::math {
 
-enum class Stage : std::uint8_t { filter, double_double, exact };
-
 namespace detail {
 
 struct ExactVec3 {

@@ -16,64 +16,106 @@ __device__ inline Vec3d point_of(const LocateArguments& a, std::uint32_t i) {
   return {p[0], p[1], p[2]};
 }
 
-/// S: the only shape of the only piece, whose view lies among the kernel's arguments; or none.
+/// A cell's place: of the mesh's only piece, whose view lies among the kernel's arguments where S
+/// is the shape of all cells; or S is none.
+struct CellPlace {
+  const mesh::PieceView& piece;
+  std::int32_t number; ///< of the piece
+  std::int64_t cell;
+};
 template <Shape S>
-__device__ inline void gather_cell(const LocateArguments& a, std::uint32_t flat,
-                                   mesh::CellVertices& out) {
-  if constexpr (S == Shape::none) {
-    mesh::gather(a.mesh, flat, out);
+__device__ inline CellPlace place_of(const LocateArguments& a, std::uint32_t flat) {
+  if constexpr (S != Shape::none) {
+    return {a.piece, 0, flat};
   } else {
-    constexpr int n = mesh::vertex_count(S);
-    const mesh::PieceView& piece = a.piece;
-    out.shape = S;
-    out.count = n;
-    out.piece = 0;
+    const std::int32_t p = a.mesh.piece_count == 1 ? 0 : a.mesh.piece_of(flat);
+    return {a.mesh.pieces[p], p, flat - a.mesh.first_cell[p]};
+  }
+}
+
+/// Calls f.operator()<Shape>() for the cell's shape; S: see CellPlace.
+template <Shape S, class F>
+__device__ inline auto for_shape(const CellPlace& at, F&& f) {
+  if constexpr (S != Shape::none) {
+    return f.template operator()<S>();
+  } else {
+    switch (at.piece.shape(at.cell)) {
+    case Shape::tetrahedron:
+      return f.template operator()<Shape::tetrahedron>();
+    case Shape::voxel:
+      return f.template operator()<Shape::voxel>();
+    case Shape::wedge:
+      return f.template operator()<Shape::wedge>();
+    case Shape::pyramid:
+      return f.template operator()<Shape::pyramid>();
+    default:
+      return f.template operator()<Shape::hexahedron>();
+    }
+  }
+}
+
+/// Vertices in registers: their number is known to the compiler.
+template <Shape S>
+struct Gathered {
+  static constexpr int count = mesh::vertex_count(S);
+  std::int64_t ids[count];
+  Vec3d x[count];
+
+  __device__ explicit Gathered(const CellPlace& at) {
+    const mesh::PieceView& piece = at.piece;
     if (S == Shape::hexahedron && piece.layout == mesh::CellLayout::block) {
-      piece.vertex_ids(flat, out.ids);
-    } else {
-      const std::byte* base = piece.connectivity.data + flat * piece.connectivity.stride;
+      std::int64_t all[8];
+      piece.vertex_ids(at.cell, all);
 #pragma unroll
-      for (int v = 0; v < n; ++v)
-        out.ids[v] = mesh::from_base(
+      for (int v = 0; v < count; ++v)
+        ids[v] = all[v];
+    } else {
+      const std::byte* base =
+          piece.layout == mesh::CellLayout::mixed
+              ? piece.connectivity.data +
+                    mesh::from_base(piece.offsets.load(at.cell), piece.index_base) * piece.id_stride
+              : piece.connectivity.data + at.cell * piece.connectivity.stride;
+#pragma unroll
+      for (int v = 0; v < count; ++v)
+        ids[v] = mesh::from_base(
             mesh::load_index(base + v * piece.id_stride, piece.connectivity.is_int32),
             piece.index_base);
     }
 #pragma unroll
-    for (int v = 0; v < n; ++v)
-      out.x[v] = piece.point(out.ids[v]);
+    for (int v = 0; v < count; ++v)
+      x[v] = piece.point(ids[v]);
   }
+};
+
+/// What plain double tells of a point and a cell.
+enum class Proof : std::uint8_t { outside, inside, undecided, on_vertex };
+
+template <Shape S>
+__device__ inline Proof prove(const LocateArguments& a, std::uint32_t flat, const Vec3d& p) {
+  const CellPlace at = place_of<S>(a, flat);
+  return for_shape<S>(at, [&]<Shape Of>() {
+    const Gathered<Of> cell(at);
+    const cells::FilterResult result = cells::contain_filter<Of>(cell.x, p);
+    if (result != cells::FilterResult::undecided)
+      return result == cells::FilterResult::inside ? Proof::inside : Proof::outside;
+    bool on_vertex = false;
+#pragma unroll
+    for (int v = 0; v < Gathered<Of>::count; ++v)
+      on_vertex = on_vertex || cell.x[v] == p;
+    return on_vertex ? Proof::on_vertex : Proof::undecided;
+  });
 }
 
 template <Shape S>
-__device__ inline cells::FilterResult prove(const mesh::CellVertices& cell, const Vec3d& p) {
-  if constexpr (S != Shape::none) {
-    return cells::contain_filter<S>(cell.x, p);
-  } else {
-    switch (cell.shape) {
-    case Shape::tetrahedron:
-      return cells::contain_filter<Shape::tetrahedron>(cell.x, p);
-    case Shape::voxel:
-      return cells::contain_filter<Shape::voxel>(cell.x, p);
-    case Shape::hexahedron:
-      return cells::contain_filter<Shape::hexahedron>(cell.x, p);
-    case Shape::wedge:
-      return cells::contain_filter<Shape::wedge>(cell.x, p);
-    case Shape::pyramid:
-      return cells::contain_filter<Shape::pyramid>(cell.x, p);
-    default:
-      return cells::FilterResult::outside;
-    }
-  }
-}
-
-template <Shape S>
-__device__ inline cells::InverseMap<double> invert(const mesh::CellVertices& cell, const Vec3d& p) {
+__device__ inline cells::InverseMap<double> invert(const Vec3d* x, const Vec3d& p) {
   if constexpr (S == Shape::tetrahedron)
-    return cells::inverse_tetrahedron(cell.x, p);
-  else if constexpr (S == Shape::hexahedron)
-    return cells::inverse_hexahedron(S, cell.x, p);
+    return cells::inverse_tetrahedron(x, p);
+  else if constexpr (S == Shape::pyramid)
+    return cells::inverse_pyramid(x, p);
+  else if constexpr (S == Shape::wedge)
+    return cells::inverse_wedge(x, p);
   else
-    return cells::inverse_map(cell.shape, cell.x, p);
+    return cells::inverse_hexahedron(S, x, p);
 }
 
 __device__ inline double not_a_number() {
@@ -95,39 +137,50 @@ __device__ inline void write_outside(const Outputs& out, std::uint32_t i) {
   }
 }
 
-/// r: looked at if out.needs_map. The sums are the CPU's (query::Sampler::interpolate), term by
-/// term.
-__device__ inline void write_answer(const LocateArguments& a, std::uint32_t i, std::uint32_t flat,
-                                    const mesh::CellVertices& cell, cells::Reason reason,
-                                    const Vec3d& r) {
-  const Outputs& out = a.out;
+__device__ inline void write_owner(const Outputs& out, std::uint32_t i, std::uint32_t flat,
+                                   cells::Reason reason) {
   if (out.cells)
     out.cells[i] = flat;
   if (out.reasons)
     out.reasons[i] = std::uint8_t(reason);
+}
+
+__device__ inline void write_cell_values(const Outputs& out, std::uint32_t i, const CellPlace& at) {
+  for (int f = 0; f < out.field_count; ++f) {
+    const DeviceField& field = out.fields[f];
+    if (field.association != INSITU_CELL)
+      continue;
+    const mesh::FieldPieceView& from = field.pieces[at.number];
+    for (int c = 0; c < field.components; ++c)
+      out.values[f][std::size_t(i) * field.components + c] = from.load(at.cell, c);
+  }
+}
+
+/// The sums are the CPU's (query::Sampler::interpolate), term by term.
+template <Shape S>
+__device__ inline void write_answer(const Outputs& out, std::uint32_t i, std::uint32_t flat,
+                                    const CellPlace& at, const Gathered<S>& cell,
+                                    cells::Reason reason, const Vec3d& r) {
+  write_owner(out, i, flat, reason);
   if (out.parametric)
     for (int d = 0; d < 3; ++d)
       out.parametric[3 * std::size_t(i) + d] = r[d];
   if (out.field_count == 0)
     return;
+  write_cell_values(out, i, at);
   double weight[8];
-  if (out.needs_map)
-    cells::shape_functions(cell.shape, r, weight);
+  cells::shape_functions(S, r, weight);
   for (int f = 0; f < out.field_count; ++f) {
     const DeviceField& field = out.fields[f];
-    const mesh::FieldPieceView& from = field.pieces[cell.piece];
-    double* values = out.values[f] + std::size_t(i) * field.components;
+    if (field.association == INSITU_CELL)
+      continue;
+    const mesh::FieldPieceView& from = field.pieces[at.number];
     for (int c = 0; c < field.components; ++c) {
-      if (field.association == INSITU_CELL) {
-        values[c] = from.load(flat - (cell.piece ? a.mesh.first_cell[cell.piece] : 0), c);
-        continue;
-      }
       double sum = weight[0] * from.load(cell.ids[0], c);
 #pragma unroll
-      for (int v = 1; v < 8; ++v)
-        if (v < cell.count)
-          sum += weight[v] * from.load(cell.ids[v], c);
-      values[c] = sum;
+      for (int v = 1; v < Gathered<S>::count; ++v)
+        sum += weight[v] * from.load(cell.ids[v], c);
+      out.values[f][std::size_t(i) * field.components + c] = sum;
     }
   }
 }
@@ -138,20 +191,21 @@ __device__ inline void finish(const LocateArguments& a, std::uint32_t i, std::ui
                               cells::Reason reason, const Vec3d& p) {
   if (flat == none)
     return write_outside(a.out, i);
-  mesh::CellVertices cell;
-  Vec3d r{};
-  if constexpr (map) {
-    gather_cell<S>(a, flat, cell);
-    const auto found = invert<S>(cell, p);
-    if (!cells::is_plausible(found.converged, found.margin)) {
-      a.lists.hard_points[atomicAdd(a.lists.counters + Lists::hard, 1u)] = {i, flat, reason};
-      return;
-    }
-    r = found.r;
+  if constexpr (!map) {
+    write_owner(a.out, i, flat, reason);
+    if (a.out.field_count > 0)
+      write_cell_values(a.out, i, place_of<S>(a, flat));
   } else {
-    cell.piece = a.out.field_count > 0 && a.mesh.piece_count > 1 ? a.mesh.piece_of(flat) : 0;
+    const CellPlace at = place_of<S>(a, flat);
+    for_shape<S>(at, [&]<Shape Of>() {
+      const Gathered<Of> cell(at);
+      const auto found = invert<Of>(cell.x, p);
+      if (cells::is_plausible(found.converged, found.margin))
+        write_answer(a.out, i, flat, at, cell, reason, found.r);
+      else
+        a.lists.hard_points[atomicAdd(a.lists.counters + Lists::hard, 1u)] = {i, flat, reason};
+    });
   }
-  write_answer(a, i, flat, cell, reason, r);
 }
 
 /// Calls f.operator()<Shape>() for the shape that kernels are made for.

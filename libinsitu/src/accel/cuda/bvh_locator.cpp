@@ -18,6 +18,8 @@ public:
   void commit(const mesh::Mesh& mesh, HostView, std::uint32_t what, const FaceTable*,
               const core::Threads& threads) override {
     threads_ = &threads;
+    // Queries and tracers that were queued still read what changes; the solver may still write it.
+    check(cudaDeviceSynchronize(), "waiting for the device");
     built_ = built_ && !(what & (INSITU_CHANGED_TOPOLOGY | INSITU_CHANGED_GEOMETRY));
     mesh_.commit(mesh, what, stream_.get());
     report_.tree_seconds = 0.0;
@@ -49,6 +51,12 @@ public:
         locate_points(mesh_, &tree_, workspace_, *threads_, ids.flat(), nullptr);
     ids.finish();
     return counts;
+  }
+
+  void advance(const DeviceTracers& tracers) const override {
+    if (!built_)
+      throw core::Error(INSITU_ERROR_ORDER, "the mesh is not committed on the device");
+    advance_tracers(mesh_, tree_, tracers);
   }
 
   DeviceReport report() const override {

@@ -70,4 +70,8 @@ std::unique_ptr<DeviceLocator> make_device_locator(Backend backend, Method metho
   return cuda::make_bvh_locator(memory);
 }
 
+void DeviceLocator::advance(const DeviceTracers&) const {
+  throw core::Error(INSITU_ERROR_UNSUPPORTED, "tracers on the device: backend cuda has them");
+}
+
 } // namespace insitu::accel

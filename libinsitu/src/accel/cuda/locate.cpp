@@ -6,6 +6,7 @@
 
 #include "accel/cuda/locate_kernels.h"
 #include "cells/robust_inverse.h"
+#include "core/status.h"
 
 namespace insitu::accel::cuda {
 
@@ -33,14 +34,16 @@ void copy_in_parallel(const core::Threads& threads, void* to, const void* from, 
 /// Lists of one slice in flight.
 struct SliceLists {
   explicit SliceLists(core::Memory& memory)
-      : counters(memory), open(memory), pairs(memory), again{DeviceBuffer<std::uint32_t>(memory),
-                                                             DeviceBuffer<std::uint32_t>(memory)},
+      : counters(memory), open(memory), pairs(memory),
+        left(memory), again{DeviceBuffer<std::uint32_t>(memory),
+                            DeviceBuffer<std::uint32_t>(memory)},
         hard(memory), counted(memory) {}
   void make_room(std::uint32_t points) {
     counters.resize_discard(Lists::counter_count);
     counted.resize_discard(Lists::counter_count);
     open.resize_discard(points);
     pairs.resize_discard(pair_room);
+    left.resize_discard(pair_room);
     again[0].resize_discard(points);
     again[1].resize_discard(points);
     hard.resize_discard(points);
@@ -50,18 +53,19 @@ struct SliceLists {
     lists.counters = counters.data();
     lists.open_points = open.data();
     lists.pairs = pairs.data();
+    lists.left_pairs = left.data();
     lists.pair_room = pair_room;
     lists.again_points = again[round % 2].data();
     lists.hard_points = hard.data();
     return lists;
   }
   std::int64_t bytes() const {
-    return counters.bytes() + open.bytes() + pairs.bytes() + again[0].bytes() + again[1].bytes() +
-           hard.bytes();
+    return counters.bytes() + open.bytes() + pairs.bytes() + left.bytes() + again[0].bytes() +
+           again[1].bytes() + hard.bytes();
   }
   DeviceBuffer<std::uint32_t> counters;
   DeviceBuffer<OpenPoint> open;
-  DeviceBuffer<OpenPair> pairs;
+  DeviceBuffer<OpenPair> pairs, left;
   DeviceBuffer<std::uint32_t> again[2];
   DeviceBuffer<OwnedPoint> hard;
   PinnedBuffer<std::uint32_t> counted;
@@ -79,8 +83,8 @@ struct Staging {
 struct Workspace::Impl {
   explicit Impl(core::Memory& memory)
       : lists{SliceLists(memory), SliceLists(memory)}, staging{Staging(memory), Staging(memory)},
-        pair_data(memory), pair_host(memory), owned(memory), owned_host(memory), parametric(memory),
-        parametric_host(memory) {}
+        pair_data(memory), pair_host(memory), decided(memory), decided_host(memory),
+        parametric(memory), parametric_host(memory) {}
 
   std::mutex mutex;
   Stream streams[2];
@@ -88,8 +92,8 @@ struct Workspace::Impl {
   Staging staging[2];
   DeviceBuffer<PairData> pair_data;
   PinnedBuffer<PairData> pair_host;
-  DeviceBuffer<OwnedPoint> owned;
-  PinnedBuffer<OwnedPoint> owned_host;
+  DeviceBuffer<cells::Reason> decided;
+  PinnedBuffer<cells::Reason> decided_host;
   DeviceBuffer<math::Vec3d> parametric;
   PinnedBuffer<math::Vec3d> parametric_host;
 };
@@ -98,7 +102,7 @@ Workspace::Workspace(core::Memory& memory) : impl_(std::make_unique<Impl>(memory
 Workspace::~Workspace() = default;
 
 std::int64_t Workspace::device_bytes() const {
-  std::int64_t sum = impl_->pair_data.bytes() + impl_->owned.bytes() + impl_->parametric.bytes();
+  std::int64_t sum = impl_->pair_data.bytes() + impl_->decided.bytes() + impl_->parametric.bytes();
   for (int k = 0; k < 2; ++k)
     sum += impl_->lists[k].bytes() + impl_->staging[k].device.bytes();
   return sum;
@@ -142,7 +146,7 @@ public:
       slice_.arguments.subset = slice_.arguments.lists.again_points;
       slice_.arguments.count = again;
       slice_.arguments.lists = slice_.lists->view(round);
-      const std::size_t bytes = 3 * sizeof(std::uint32_t); // open, pair, again
+      const std::size_t bytes = Lists::hard * sizeof(std::uint32_t); // but those of hard points
       check(cudaMemsetAsync(slice_.lists->counters.data(), 0, bytes, stream_), "locating points");
       launch_locate(slice_.arguments, stream_);
       read_counters();
@@ -170,46 +174,45 @@ private:
   }
 
   /// Decides the open points' pairs, exactly; the lowest id that holds a point is its owner.
+  /// Returns how many points needed the host.
   std::int64_t settle_open() {
-    const std::uint32_t points = counted(Lists::open);
+    const std::uint32_t points = counted(Lists::open), again = counted(Lists::again);
     const std::uint32_t pairs = std::min(counted(Lists::pair), pair_room);
-    std::vector<OpenPoint> open(points);
-    std::vector<OpenPair> pair(pairs);
-    copy_to_host(open.data(), slice_.lists->open.data(), points * sizeof(OpenPoint), stream_);
-    copy_to_host(pair.data(), slice_.lists->pairs.data(), pairs * sizeof(OpenPair), stream_);
-    wait();
-    std::vector<cells::Reason> reason(points, cells::Reason::certified);
-    std::vector<cells::Reason> decided(pair_slice);
-    for (std::uint32_t first = 0; first < pairs; first += pair_slice) {
-      const std::uint32_t n = std::min(pair_slice, pairs - first);
-      const PairData* data = fetch(launch_gather_pairs, first, n);
-      threads_.parallel_for(n, pair_grain, [&](std::int64_t begin, std::int64_t end) {
-        for (std::int64_t k = begin; k < end; ++k)
-          decided[std::size_t(k)] = open[pair[first + std::size_t(k)].open].point == none
-                                        ? cells::Reason::outside
-                                        : cells::decide(data[k].shape, data[k].x, data[k].p);
-      });
-      for (std::uint32_t k = 0; k < n; ++k) {
-        const OpenPair& of = pair[first + k];
-        if (decided[k] != cells::Reason::outside && of.cell < open[of.open].best) {
-          open[of.open].best = of.cell;
-          reason[of.open] = decided[k];
-        }
-      }
-    }
-    work_.owned_host.resize_discard(points);
-    std::uint32_t count = 0;
-    for (std::uint32_t i = 0; i < points; ++i)
-      if (open[i].point != none)
-        work_.owned_host[count++] = {open[i].point, open[i].best, reason[i]};
-    work_.owned.resize_discard(points);
-    copy_to_device(work_.owned.data(), work_.owned_host.data(), count * sizeof(OwnedPoint),
-                   stream_);
-    launch_finish(slice_.arguments, work_.owned.data(), count, stream_);
-    const std::uint32_t again = counted(Lists::again);
+    launch_decide_pairs(slice_.arguments, pairs, stream_);
+    read_counters();
+    const std::int64_t settled = settle_left(counted(Lists::left), points);
+    launch_finish(slice_.arguments, points, stream_);
     read_counters(); // hard points may have come
     slice_.lists->counted[Lists::again] = again;
-    return count;
+    return settled;
+  }
+
+  /// The pairs that the device cannot decide, by exact arithmetic.
+  std::int64_t settle_left(std::uint32_t pairs, std::uint32_t points) {
+    if (pairs == 0)
+      return 0;
+    std::vector<OpenPair> left(pairs);
+    copy_to_host(left.data(), slice_.lists->left.data(), pairs * sizeof(OpenPair), stream_);
+    work_.decided.resize_discard(pair_slice);
+    work_.decided_host.resize_discard(pair_slice);
+    for (std::uint32_t first = 0; first < pairs; first += pair_slice) {
+      const std::uint32_t n = std::min(pair_slice, pairs - first);
+      const PairData* data = fetch(launch_gather_left, first, n);
+      threads_.parallel_for(n, pair_grain, [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t k = begin; k < end; ++k)
+          work_.decided_host[std::size_t(k)] = cells::decide(data[k].shape, data[k].x, data[k].p);
+      });
+      copy_to_device(work_.decided.data(), work_.decided_host.data(), n, stream_);
+      launch_take_decided(slice_.arguments, first, n, work_.decided.data(), stream_);
+    }
+    wait();
+    std::vector<bool> seen(points, false);
+    std::int64_t settled = 0;
+    for (const OpenPair& pair : left) {
+      settled += !seen[pair.open];
+      seen[pair.open] = true;
+    }
+    return settled;
   }
 
   /// Parametric coordinates that Newton's method did not find.
@@ -437,6 +440,24 @@ DeviceCounts locate_points(const DeviceMesh& mesh, const DeviceTree* tree, Works
       counts = one;
   }
   return counts;
+}
+
+void advance_tracers(const DeviceMesh& mesh, const DeviceTree& tree, const DeviceTracers& tracers) {
+  if (tracers.velocity.components != 3)
+    throw core::Error(INSITU_ERROR_FIELD, std::string("field '") + tracers.velocity.name +
+                                              "': " + std::to_string(tracers.velocity.components) +
+                                              " components; a velocity has 3");
+  const auto stream = static_cast<cudaStream_t>(tracers.stream);
+  LocateArguments a;
+  const mesh::MeshView& view = mesh.host_view();
+  a.mesh = mesh.view();
+  a.shape = only_shape(view);
+  if (view.piece_count > 0)
+    a.piece = view.pieces[0];
+  a.tree = tree.view();
+  a.alone = view.free_of_folds;
+  a.out.fields = mesh.fields(std::span(&tracers.velocity, 1), stream);
+  launch_advance(a, tracers, stream);
 }
 
 } // namespace insitu::accel::cuda

@@ -50,4 +50,7 @@ DeviceCounts locate_points(const DeviceMesh& mesh, const DeviceTree* tree, Works
                            const core::Threads& threads, const DeviceQuery& query,
                            const CandidatesOf* candidates);
 
+/// DeviceLocator::advance().
+void advance_tracers(const DeviceMesh& mesh, const DeviceTree& tree, const DeviceTracers& tracers);
+
 } // namespace insitu::accel::cuda

@@ -10,16 +10,30 @@ namespace {
 constexpr int block = 128;
 
 template <Shape S>
-__device__ inline FastMap fast_map(const mesh::CellVertices& cell, const Vec3d& p) {
-  math::Vec3f x[8];
-  constexpr int most = S == Shape::none ? 8 : mesh::vertex_count(S);
+__device__ inline FastMap fast_map(const Gathered<S>& cell, const Vec3d& p) {
+  math::Vec3f x[Gathered<S>::count];
 #pragma unroll
-  for (int v = 0; v < most; ++v)
-    if (S != Shape::none || v < cell.count) {
-      const Vec3d d = cell.x[v] - p;
-      x[v] = {float(d.x), float(d.y), float(d.z)};
-    }
-  return fast_inverse(S == Shape::none ? cell.shape : S, x);
+  for (int v = 0; v < Gathered<S>::count; ++v) {
+    const Vec3d d = cell.x[v] - p;
+    x[v] = {float(d.x), float(d.y), float(d.z)};
+  }
+  return fast_inverse(S, x);
+}
+
+/// Writes the answer if the cell holds the point, or whatever it does.
+template <Shape S>
+__device__ inline bool answer_from(const LocateArguments& a, std::uint32_t i, std::uint32_t flat,
+                                   const Vec3d& p, bool always) {
+  const CellPlace at = place_of<S>(a, flat);
+  return for_shape<S>(at, [&]<Shape Of>() {
+    const Gathered<Of> cell(at);
+    const FastMap map = fast_map(cell, p);
+    if (!always && !(map.margin >= fast_margin))
+      return false;
+    write_answer(a.out, i, flat, at, cell, cells::Reason::certified,
+                 {double(map.r.x), double(map.r.y), double(map.r.z)});
+    return true;
+  });
 }
 
 /// The deepest candidate that is left, or -1.
@@ -38,38 +52,30 @@ __global__ void __launch_bounds__(block) fast_kernel(const __grid_constant__ Loc
     return;
   const auto i = std::uint32_t(thread);
   const Vec3d p = point_of(a, i);
-  mesh::CellVertices cell;
-  FastMap at{};
-  std::uint32_t found = none;
+  bool found = false;
   if constexpr (from_candidates) {
-    found = a.candidates[i];
-    if (found != none) {
-      if (a.out.needs_map) {
-        gather_cell<S>(a, found, cell);
-        at = fast_map<S>(cell, p);
-      } else {
-        cell.piece = a.mesh.piece_count == 1 ? 0 : a.mesh.piece_of(found);
-      }
+    const std::uint32_t candidate = a.candidates[i];
+    found = candidate != none;
+    if (found && a.out.needs_map) {
+      answer_from<S>(a, i, candidate, p, true);
+    } else if (found) {
+      write_owner(a.out, i, candidate, cells::Reason::certified);
+      write_cell_values(a.out, i, place_of<S>(a, candidate));
     }
   } else {
     Traversal traversal(a.tree, p);
-    while (!traversal.finished() && found == none) {
+    while (!traversal.finished() && !found) {
       CandidateList list;
       traversal.run(list);
       unsigned tried = 0;
-      for (int k; found == none && (k = deepest(list, tried)) >= 0;) {
+      for (int k; !found && (k = deepest(list, tried)) >= 0;) {
         tried |= 1u << k;
-        gather_cell<S>(a, list.cell[k], cell);
-        at = fast_map<S>(cell, p);
-        if (at.margin >= fast_margin)
-          found = list.cell[k];
+        found = answer_from<S>(a, i, list.cell[k], p, false);
       }
     }
   }
-  if (found == none)
-    return write_outside(a.out, i);
-  write_answer(a, i, found, cell, cells::Reason::certified,
-               {double(at.r.x), double(at.r.y), double(at.r.z)});
+  if (!found)
+    write_outside(a.out, i);
 }
 
 } // namespace

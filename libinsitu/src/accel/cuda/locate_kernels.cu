@@ -22,10 +22,10 @@ public:
       full_ = true;
   }
   /// True if the host has to look at the point.
-  __device__ bool close(std::uint32_t best) {
+  __device__ bool close(unsigned long long best) {
     if (place_ == none)
       return false;
-    lists_.open_points[place_] = {full_ ? none : point_, best};
+    lists_.open_points[place_] = {full_ ? none : point_, 0, best};
     if (full_)
       lists_.again_points[atomicAdd(lists_.counters + Lists::again, 1u)] = point_;
     return true;
@@ -72,17 +72,14 @@ __global__ void __launch_bounds__(block) locate_kernel(const __grid_constant__ L
   const std::uint32_t i = a.subset ? a.subset[thread] : std::uint32_t(thread);
   const Vec3d p = point_of(a, i);
   std::uint32_t best = none;
+  cells::Reason reason = cells::Reason::certified;
   bool proven = false;
-  mesh::CellVertices cell;
   if (a.candidates) {
 #pragma unroll 1
     for (int k = 0; k < 2 && best == none; ++k) {
       const std::uint32_t* likely = k == 0 ? a.candidates : a.others;
       const std::uint32_t candidate = likely ? likely[i] : none;
-      if (candidate == none)
-        continue;
-      gather_cell<S>(a, candidate, cell);
-      if (prove<S>(cell, p) == cells::FilterResult::inside) {
+      if (candidate != none && prove<S>(a, candidate, p) == Proof::inside) {
         best = candidate;
         proven = alone;
       }
@@ -98,14 +95,14 @@ __global__ void __launch_bounds__(block) locate_kernel(const __grid_constant__ L
       unsigned tried = 0, undecided = 0;
       for (int k; !proven && (k = next_candidate<alone>(list, tried, best)) >= 0;) {
         tried |= 1u << k;
-        gather_cell<S>(a, list.cell[k], cell);
-        const cells::FilterResult result = prove<S>(cell, p);
-        if (result == cells::FilterResult::inside) {
-          best = list.cell[k]; // in exact no lower one is left in the list
-          proven = alone;
-        } else if (result == cells::FilterResult::undecided) {
+        const Proof proof = prove<S>(a, list.cell[k], p);
+        if (proof == Proof::undecided)
           undecided |= 1u << k;
-        }
+        if (proof != Proof::inside && proof != Proof::on_vertex)
+          continue;
+        best = list.cell[k]; // in exact no lower one is left in the list
+        reason = proof == Proof::inside ? cells::Reason::certified : cells::Reason::on_vertex;
+        proven = alone && proof == Proof::inside;
       }
       if (!proven)
         for (int k = 0; k < list.count; ++k)
@@ -113,54 +110,8 @@ __global__ void __launch_bounds__(block) locate_kernel(const __grid_constant__ L
             open.add(list.cell[k]);
     }
   }
-  if (!open.close(best))
-    finish<map, S>(a, i, best, cells::Reason::certified, p);
-}
-
-template <bool map>
-__global__ void __launch_bounds__(block)
-    finish_kernel(const __grid_constant__ LocateArguments a, const OwnedPoint* owned,
-                  std::uint32_t count) {
-  const std::int64_t i = global_thread();
-  if (i >= count)
-    return;
-  const OwnedPoint o = owned[i];
-  finish<map, Shape::none>(a, o.point, o.cell, o.reason, point_of(a, o.point));
-}
-
-__global__ void finish_at_kernel(const __grid_constant__ LocateArguments a, const OwnedPoint* owned,
-                                 const Vec3d* parametric, std::uint32_t count) {
-  const std::int64_t i = global_thread();
-  if (i >= count)
-    return;
-  const OwnedPoint o = owned[i];
-  mesh::CellVertices cell;
-  mesh::gather(a.mesh, o.cell, cell);
-  write_answer(a, o.point, o.cell, cell, o.reason, parametric[i]);
-}
-
-template <bool hard>
-__global__ void gather_kernel(const __grid_constant__ LocateArguments a, std::uint32_t first,
-                              std::uint32_t count, PairData* out) {
-  const std::int64_t i = global_thread();
-  if (i >= count)
-    return;
-  std::uint32_t flat, point;
-  if constexpr (hard) {
-    flat = a.lists.hard_points[first + i].cell;
-    point = a.lists.hard_points[first + i].point;
-  } else {
-    flat = a.lists.pairs[first + i].cell;
-    point = a.lists.open_points[a.lists.pairs[first + i].open].point;
-  }
-  mesh::CellVertices cell;
-  mesh::gather(a.mesh, flat, cell);
-  for (int v = 0; v < cell.count; ++v)
-    out[i].x[v] = cell.x[v];
-  if (point != none)
-    out[i].p = point_of(a, point);
-  out[i].cell = flat;
-  out[i].shape = cell.shape;
+  if (!open.close(best == none ? no_cell : as_best(best, reason)))
+    finish<map, S>(a, i, best, reason, p);
 }
 
 } // namespace
@@ -180,41 +131,6 @@ void launch_locate(const LocateArguments& a, cudaStream_t stream) {
                       : launch(locate_kernel<false, false, S>);
   });
   check_launch("locating points");
-}
-
-void launch_finish(const LocateArguments& a, const OwnedPoint* owned, std::uint32_t count,
-                   cudaStream_t stream) {
-  if (count == 0)
-    return;
-  if (a.out.needs_map)
-    finish_kernel<true><<<blocks_for(count, block), block, 0, stream>>>(a, owned, count);
-  else
-    finish_kernel<false><<<blocks_for(count, block), block, 0, stream>>>(a, owned, count);
-  check_launch("writing answers");
-}
-
-void launch_finish_at(const LocateArguments& a, const OwnedPoint* owned, const Vec3d* parametric,
-                      std::uint32_t count, cudaStream_t stream) {
-  if (count == 0)
-    return;
-  finish_at_kernel<<<blocks_for(count, block), block, 0, stream>>>(a, owned, parametric, count);
-  check_launch("writing answers");
-}
-
-void launch_gather_pairs(const LocateArguments& a, std::uint32_t first, std::uint32_t count,
-                         PairData* out, cudaStream_t stream) {
-  if (count == 0)
-    return;
-  gather_kernel<false><<<blocks_for(count, block), block, 0, stream>>>(a, first, count, out);
-  check_launch("gathering undecided cells");
-}
-
-void launch_gather_hard(const LocateArguments& a, std::uint32_t first, std::uint32_t count,
-                        PairData* out, cudaStream_t stream) {
-  if (count == 0)
-    return;
-  gather_kernel<true><<<blocks_for(count, block), block, 0, stream>>>(a, first, count, out);
-  check_launch("gathering cells for damped iterations");
 }
 
 } // namespace insitu::accel::cuda

@@ -5,6 +5,7 @@
 
 #include "accel/cuda/device_mesh.h"
 #include "accel/cuda/device_tree.h"
+#include "accel/device_locator.h"
 #include "cells/decide.h"
 
 /// The kernels behind locate_points(), and what they hand to the host.
@@ -23,11 +24,16 @@ struct Outputs {
   double* values[most_fields] = {};
 };
 
-/// A point left open, with the lowest cell that is proven to hold it so far.
+/// A point left open, with the lowest cell that is known to hold it so far, and why it does.
 struct OpenPoint {
   std::uint32_t point; ///< `none`: asked again, with others
-  std::uint32_t best;
+  std::uint32_t unused;
+  unsigned long long best; ///< the cell, and the reason in the low byte
 };
+constexpr unsigned long long no_cell = ~0ull;
+constexpr unsigned long long as_best(std::uint32_t cell, cells::Reason reason) {
+  return (unsigned long long)(cell) << 8 | (unsigned long long)(reason);
+}
 /// One that may hold an open point, by its place in the list of those.
 struct OpenPair {
   std::uint32_t open, cell;
@@ -40,10 +46,11 @@ struct OwnedPoint {
 
 /// Lists that kernels append to.
 struct Lists {
-  enum Counter { open, pair, again, hard, kept, asked, counter_count };
+  enum Counter { open, pair, again, left, hard, kept, asked, counter_count };
   std::uint32_t* counters = nullptr;
   OpenPoint* open_points = nullptr; ///< [points of the slice]
   OpenPair* pairs = nullptr;        ///< [pair_room]
+  OpenPair* left_pairs = nullptr;   ///< [pair_room] that double-double does not decide either
   std::uint32_t pair_room = 0;
   std::uint32_t* again_points = nullptr; ///< [points]: there was no room for their pairs
   OwnedPoint* hard_points = nullptr;     ///< [points]: Newton's method does not find them
@@ -71,6 +78,10 @@ void launch_locate(const LocateArguments& arguments, cudaStream_t stream);
 /// `fast`: the first cell in float; the candidates, if given, as they are.
 void launch_locate_fast(const LocateArguments& arguments, cudaStream_t stream);
 
+/// Tracers of `count`; arguments.out.fields is the velocity.
+void launch_advance(const LocateArguments& arguments, const DeviceTracers& tracers,
+                    cudaStream_t stream);
+
 /// Vertices of a cell and the point that it may hold, for the host.
 struct PairData {
   math::Vec3d x[8];
@@ -78,16 +89,21 @@ struct PairData {
   std::uint32_t cell;
   mesh::Shape shape;
 };
-/// Of pairs [first, first + count) of the lists.
-void launch_gather_pairs(const LocateArguments& arguments, std::uint32_t first, std::uint32_t count,
-                         PairData* out, cudaStream_t stream);
-/// The same of hard points.
+/// Decides [0, count) of the pairs in double-double; what that cannot is left.
+void launch_decide_pairs(const LocateArguments& arguments, std::uint32_t count,
+                         cudaStream_t stream);
+/// Of left pairs [first, first + count).
+void launch_gather_left(const LocateArguments& arguments, std::uint32_t first, std::uint32_t count,
+                        PairData* out, cudaStream_t stream);
+/// What the host decided of them; `outside` where the cell does not hold the point.
+void launch_take_decided(const LocateArguments& arguments, std::uint32_t first, std::uint32_t count,
+                         const cells::Reason* decided, cudaStream_t stream);
+/// The same as launch_gather_left of hard points.
 void launch_gather_hard(const LocateArguments& arguments, std::uint32_t first, std::uint32_t count,
                         PairData* out, cudaStream_t stream);
-/// Writes the answers of points whose owners (or `none`) are known; may leave hard points.
-void launch_finish(const LocateArguments& arguments, const OwnedPoint* owned, std::uint32_t count,
-                   cudaStream_t stream);
-/// The same of points whose parametric coordinates are known as well.
+/// Writes the answers of `count` open points; may leave hard points.
+void launch_finish(const LocateArguments& arguments, std::uint32_t count, cudaStream_t stream);
+/// Writes the answers of points whose parametric coordinates are known as well.
 void launch_finish_at(const LocateArguments& arguments, const OwnedPoint* owned,
                       const math::Vec3d* parametric, std::uint32_t count, cudaStream_t stream);
 

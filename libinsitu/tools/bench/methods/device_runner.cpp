@@ -28,7 +28,7 @@ public:
       return;
     cudaFree(data_);
     data_ = nullptr;
-    check(cudaMalloc(&data_, n * sizeof(T)), "device memory");
+    check(cudaMalloc(reinterpret_cast<void**>(&data_), n * sizeof(T)), "device memory");
     size_ = n;
   }
   T* data() const { return data_; }
@@ -52,7 +52,7 @@ public:
   }
 
   Sizes build(double& build_seconds) override {
-    const auto host = host_view();
+    const auto host = [this]() -> const mesh::MeshView& { return mesh_.view(); };
     double faces_seconds = 0.0;
     if (uses_faces(method_)) {
       const core::Timer timer;
@@ -79,7 +79,7 @@ public:
   }
 
   double refit() override {
-    const auto host = host_view();
+    const auto host = [this]() -> const mesh::MeshView& { return mesh_.view(); };
     locator_->commit(mesh_, host, INSITU_CHANGED_GEOMETRY, &faces_, context_.threads);
     const accel::DeviceReport r = locator_->report();
     return backend_ == accel::Backend::optix ? r.rays_seconds : r.tree_seconds;
@@ -121,10 +121,6 @@ public:
   }
 
 private:
-  auto host_view() const {
-    return [this]() -> const mesh::MeshView& { return mesh_.view(); };
-  }
-
   accel::Backend backend_;
   accel::Method method_;
   core::Context& context_;
