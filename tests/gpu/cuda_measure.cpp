@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
     Timed timed{accel::make_device_locator(accel::Backend::cuda, accel::Method::bvh, memory),
                 mesh.field("f")};
     const auto commit = [&](std::uint32_t what) {
-      timed.locator->commit(mesh, what, nullptr, threads);
+      timed.locator->commit(mesh, test::view_of(mesh), what, nullptr, threads);
       return timed.locator->report();
     };
     double seconds = Timed::median([&] { commit(INSITU_CHANGED_ALL); });

@@ -152,7 +152,8 @@ struct GpuMesh {
     on_cpu.commit();
   }
   void commit(std::uint32_t what = INSITU_CHANGED_ALL) {
-    locator->commit(on_cpu.mesh.mesh(), what, nullptr, on_cpu.threads);
+    locator->commit(on_cpu.mesh.mesh(), test::view_of(on_cpu.mesh.mesh()), what, nullptr,
+                    on_cpu.threads);
   }
   std::vector<mesh::FieldView> fields() const {
     return {on_cpu.mesh.mesh().field("v"), on_cpu.mesh.mesh().field("s")};
@@ -384,7 +385,8 @@ TEST_F(Cuda, LocatesInBlocks) {
     }
     committed.commit();
     const auto locator = make_locator(committed.memory);
-    locator->commit(committed.mesh.mesh(), INSITU_CHANGED_ALL, nullptr, committed.threads);
+    locator->commit(committed.mesh.mesh(), test::view_of(committed.mesh.mesh()), INSITU_CHANGED_ALL,
+                    nullptr, committed.threads);
     for (const auto accuracy : {INSITU_EXACT, INSITU_STANDARD})
       expect_same(on_gpu(*locator, points, accuracy, {}),
                   on_cpu(committed.sampler(), committed.threads, points, accuracy, {}), points,
@@ -463,7 +465,7 @@ TEST_F(Cuda, ArraysAndPointsInDeviceMemory) {
   m.set_field(0, "v", INSITU_VERTEX, &a, 1);
   m.update();
   const auto locator = make_locator(mesh.on_cpu.memory);
-  locator->commit(m, INSITU_CHANGED_ALL, nullptr, mesh.on_cpu.threads);
+  locator->commit(m, test::view_of(m), INSITU_CHANGED_ALL, nullptr, mesh.on_cpu.threads);
   EXPECT_EQ(locator->report().bytes_copied, 0);
   const mesh::FieldView fields[] = {m.field("v")};
   const mesh::FieldView host_fields[] = {mesh.on_cpu.mesh.mesh().field("v")};
@@ -585,7 +587,8 @@ TEST_F(Cuda, MemoryIsCountedAndGivenBack) {
     const test::TestMesh from = one_shape(test::MeshKind::hexahedra, 8, 0.2, 96);
     fixtures::Committed committed(from);
     const auto locator = make_locator(memory);
-    locator->commit(committed.mesh.mesh(), INSITU_CHANGED_ALL, nullptr, committed.threads);
+    locator->commit(committed.mesh.mesh(), test::view_of(committed.mesh.mesh()), INSITU_CHANGED_ALL,
+                    nullptr, committed.threads);
     test::cells_of(*locator, from.vertices, INSITU_EXACT);
     EXPECT_EQ(memory.current(INSITU_MEMORY_DEVICE), locator->report().bytes);
     EXPECT_GT(locator->report().bytes_copied, 0);
@@ -610,7 +613,8 @@ TEST_F(Cuda, BigMeshAnswersAsTheCpu) {
   committed.mesh.mesh().set_cells(0, &cells);
   committed.commit();
   const auto locator = make_locator(committed.memory);
-  locator->commit(committed.mesh.mesh(), INSITU_CHANGED_ALL, nullptr, committed.threads);
+  locator->commit(committed.mesh.mesh(), test::view_of(committed.mesh.mesh()), INSITU_CHANGED_ALL,
+                  nullptr, committed.threads);
   for (const auto& [pattern, count] :
        {std::pair(workload::Pattern::random, 10000000),
         std::pair(workload::Pattern::vertices, 333333), std::pair(workload::Pattern::edges, 333333),

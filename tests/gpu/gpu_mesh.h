@@ -68,6 +68,15 @@ inline std::vector<math::Vec3d> hard_points(const TestMesh& mesh, int count, std
   return points;
 }
 
+/// The mesh as it is, as an accel::HostView.
+struct OwnView {
+  const mesh::Mesh* mesh;
+  const mesh::MeshView& operator()() const { return mesh->view(); }
+};
+inline OwnView view_of(const mesh::Mesh& mesh) {
+  return {&mesh};
+}
+
 /// A mesh with the tree on the CPU and its faces.
 struct RayMesh {
   RayMesh(const RayMesh&) = delete;

@@ -1,5 +1,4 @@
-#include "accel/cuda/answer.cuh"
-#include "accel/cuda/fast_cell.h"
+#include "accel/cuda/fast_map.cuh"
 #include "accel/cuda/launch.h"
 #include "accel/cuda/traverse.cuh"
 
@@ -8,17 +7,6 @@ namespace insitu::accel::cuda {
 namespace {
 
 constexpr int block = 128;
-
-template <Shape S>
-__device__ inline FastMap fast_map(const Gathered<S>& cell, const Vec3d& p) {
-  math::Vec3f x[Gathered<S>::count];
-#pragma unroll
-  for (int v = 0; v < Gathered<S>::count; ++v) {
-    const Vec3d d = cell.x[v] - p;
-    x[v] = {float(d.x), float(d.y), float(d.z)};
-  }
-  return fast_inverse(S, x);
-}
 
 /// Writes the answer if the cell holds the point, or whatever it does.
 template <Shape S>

@@ -4,15 +4,13 @@
 // on them are gone.
 #include <optix.h>
 
-#include "accel/cuda/answer.cuh"
-#include "accel/cuda/fast_cell.h"
+#include "accel/cuda/fast_map.cuh"
 #include "accel/locator.h"
 #include "accel/optix/launch.h"
 #include "accel/rays/ray_rules.h"
 
 using namespace insitu;
 using namespace insitu::accel;
-using cuda::FastMap;
 using math::Vec3d;
 using math::Vec3f;
 using mesh::Shape;
@@ -51,51 +49,48 @@ __device__ inline bool shares_faces() {
   return method() == Method::shared_faces || method() == Method::shared_bilinear_faces;
 }
 
-template <Shape S>
-__device__ inline FastMap look_into(std::uint32_t flat, const Vec3d& p, mesh::CellVertices& cell) {
-  cuda::gather_cell<S>(launch.query, flat, cell);
-  constexpr int most = S == Shape::none ? 8 : mesh::vertex_count(S);
-  Vec3f x[8];
-#pragma unroll
-  for (int v = 0; v < most; ++v)
-    if (S != Shape::none || v < cell.count) {
-      const Vec3d d = cell.x[v] - p;
-      x[v] = {float(d.x), float(d.y), float(d.z)};
-    }
-  return cuda::fast_inverse(S == Shape::none ? cell.shape : S, x);
-}
-
-/// Gathers the cell, and finds the point's coordinates in it in float.
-__device__ inline FastMap look_into(std::uint32_t flat, const Vec3d& p, mesh::CellVertices& cell) {
-  switch (Shape(launch.shape)) {
-  case Shape::tetrahedron:
-    return look_into<Shape::tetrahedron>(flat, p, cell);
-  case Shape::hexahedron:
-    return look_into<Shape::hexahedron>(flat, p, cell);
-  default:
-    return look_into<Shape::none>(flat, p, cell);
-  }
-}
-
-/// Writes what was asked for of a point in a cell; cell, r: the cell looked into, if it was.
-__device__ inline void write_inside(unsigned i, std::uint32_t flat, mesh::CellVertices& cell,
-                                    const Vec3f& r) {
+/// Writes what was asked for but interpolated values.
+__device__ inline void write_cell(unsigned i, std::uint32_t flat, const cuda::CellPlace& at) {
   if (launch.candidates)
     launch.candidates[i] = flat;
-  const cuda::Outputs& out = launch.query.out;
-  if (ask() == Ask::candidates) {
+  if (ask() == Ask::candidates)
     return;
-  } else if (ask() == Ask::cells) {
-    if (out.cells)
-      out.cells[i] = flat;
-    if (out.reasons)
-      out.reasons[i] = std::uint8_t(cells::Reason::certified);
-    return;
-  }
+  cuda::write_owner(launch.query.out, i, flat, cells::Reason::certified);
   if (ask() == Ask::cell_values)
-    cell.piece = launch.query.mesh.piece_count == 1 ? 0 : launch.query.mesh.piece_of(flat);
-  cuda::write_answer(launch.query, i, flat, cell, cells::Reason::certified,
-                     {double(r.x), double(r.y), double(r.z)});
+    cuda::write_cell_values(launch.query.out, i, at);
+}
+
+/// Writes what was asked for of a point in a cell; with `test`, only if floats put it there.
+template <Shape S>
+__device__ inline bool answer(unsigned i, std::uint32_t flat, const Vec3d& p, bool test) {
+  const cuda::CellPlace at = cuda::place_of<S>(launch.query, flat);
+  if (!test && ask() != Ask::interpolated) {
+    write_cell(i, flat, at);
+    return true;
+  }
+  return cuda::for_shape<S>(at, [&]<Shape Of>() {
+    const cuda::Gathered<Of> cell(at);
+    const cuda::FastMap map = cuda::fast_map(cell, p);
+    if (test && !(map.margin >= cuda::fast_margin))
+      return false;
+    if (ask() == Ask::interpolated)
+      cuda::write_answer(launch.query.out, i, flat, at, cell, cells::Reason::certified,
+                         {double(map.r.x), double(map.r.y), double(map.r.z)});
+    else
+      write_cell(i, flat, at);
+    return true;
+  });
+}
+
+__device__ inline bool answer(unsigned i, std::uint32_t flat, const Vec3d& p, bool test) {
+  switch (Shape(launch.shape)) {
+  case Shape::tetrahedron:
+    return answer<Shape::tetrahedron>(i, flat, p, test);
+  case Shape::hexahedron:
+    return answer<Shape::hexahedron>(i, flat, p, test);
+  default:
+    return answer<Shape::none>(i, flat, p, test);
+  }
 }
 
 __device__ inline void write_nothing(unsigned i) {
@@ -158,13 +153,8 @@ extern "C" __global__ void __raygen__query() {
   // Behind culled faces lies what is outside: one test of the point in the cell. Who verifies
   // candidates does it anyway.
   const bool test = method() == Method::replicated_faces && ask() != Ask::candidates;
-  mesh::CellVertices cell;
-  FastMap at{};
-  if (test || ask() == Ask::interpolated)
-    at = look_into(found, p, cell);
-  if (test && !(at.margin >= cuda::fast_margin))
-    return write_nothing(i);
-  write_inside(i, found, cell, at.r);
+  if (!answer(i, found, p, test))
+    write_nothing(i);
 }
 
 /// The face methods: what was hit. The ray generation program does the rest, so that no more than
@@ -181,11 +171,8 @@ extern "C" __global__ void __closesthit__face() {
 extern "C" __global__ void __intersection__cell() {
   const std::uint32_t flat = launch.owners[optixGetPrimitiveIndex()];
   const unsigned i = optixGetLaunchIndex().x;
-  mesh::CellVertices cell;
-  const FastMap at = look_into(flat, cuda::point_of(launch.query, i), cell);
-  if (!(at.margin >= cuda::fast_margin))
+  if (!answer(i, flat, cuda::point_of(launch.query, i), true))
     return;
-  write_inside(i, flat, cell, at.r);
   optixSetPayload_0(flat);
   optixReportIntersection(optixGetRayTmin(), 0);
 }
