@@ -21,7 +21,7 @@ say "libinsitu: set-up, build and tests"
 ensure_packages "${packages[@]}" "${test_packages[@]}"
 # CUDA code is compiled wherever nvcc is; what needs a card is skipped without one.
 configure_and_build "$preset" -DINSITU_BUILD_TESTS=ON -DINSITU_WITH_CUDA=AUTO \
-  -DCMAKE_CUDA_ARCHITECTURES=75 --
+  -DCMAKE_CUDA_ARCHITECTURES=75-virtual --
 say "  tests (log: build/$preset/Testing/Temporary/LastTest.log)"
 cd "$project"
 status=0

@@ -28,7 +28,7 @@ The queries (locate)
                     these in Morton order | along view rays, half a cell apart |
                     on vertices, edges, faces of random cells, as rounding leaves them
   --points Q        how many, but for uniform [as many as cells; torture: 2000 a case; methods: random
-                    ones, of which a processor answers a million at most]
+                    ones; a processor answers a million by bvh, 100000 by rays]
   --accuracy standard|exact [standard]
   --fields N        also samples N vertex fields at once against one, through insitu.h [1]
 The methods

@@ -45,14 +45,16 @@ std::string full_name(const Row& row) {
   return std::string(name(row.backend)) + " " + name(row.method);
 }
 
-/// Medians of a few runs each.
+/// Medians of a few runs each; of one where it takes long.
 Rates time_rates(MethodRunner& runner, std::size_t points, int repetitions) {
   Rates rates;
   for (int a = 0; a < accuracy_count; ++a)
     for (int w = 0; w < wanted_count; ++w) {
       Series series;
+      const core::Timer timer;
       runner.answer(Wanted(w), accuracies[a]); // touches buffers
-      for (int i = 0; i < repetitions; ++i)
+      const int times = timer.seconds() > 0.25 ? 1 : repetitions;
+      for (int i = 0; i < times; ++i)
         series.time([&] { runner.answer(Wanted(w), accuracies[a]); });
       rates.of[a][w] = 1e-6 * double(points) / series.median();
     }
@@ -71,8 +73,13 @@ double joules_a_million(MethodRunner& runner, EnergyMeter& meter, std::size_t po
   return (meter.joules() - before) / millions;
 }
 
-/// Processors answer no more random points than this: their ray methods are slow.
-constexpr std::size_t most_for_processors = 1'000'000;
+/// Ray methods are slow on processors: they answer the first of the points only, and bvh there the
+/// first million.
+std::size_t most_points(Backend backend, Method method) {
+  if (backend != Backend::cpu)
+    return std::size_t(-1);
+  return method == Method::bvh ? 1'000'000 : 100'000;
+}
 
 class Bench {
 public:
@@ -130,14 +137,16 @@ private:
       return row;
     progress(std::string(workload::name(kind)) + ", " + full_name(row));
     const bool cpu = backend == Backend::cpu;
+    const auto first_of = [&](const std::vector<math::Vec3d>& points) {
+      return std::span(points).first(std::min(points.size(), most_points(backend, method)));
+    };
     const auto runner = cpu ? make_cpu_runner(method, mesh_, context_)
                             : make_device_runner(backend, method, mesh_, context_);
     row.sizes = runner->build(row.build_s);
     row.refit_s = runner->refit();
-    runner->set_points(uniform_);
-    row.uniform = time_rates(*runner, uniform_.size(), o_.repetitions);
-    const std::span<const math::Vec3d> random = std::span(random_).first(
-        cpu ? std::min(random_.size(), most_for_processors) : random_.size());
+    runner->set_points(first_of(uniform_));
+    row.uniform = time_rates(*runner, first_of(uniform_).size(), o_.repetitions);
+    const std::span<const math::Vec3d> random = first_of(random_);
     runner->set_points(random);
     row.random = time_rates(*runner, random.size(), o_.repetitions);
     row.points = std::int64_t(random.size());
