@@ -66,13 +66,8 @@ bool turns_inwards(const mesh::CellVertices& cell) {
 
 /// How a face is cut, in one byte.
 struct Cut {
-  enum Kind : std::uint8_t {
-    triangle,
-    planar,
-    curved,
-    opposite
-  };                        ///< opposite: the tetrahedron's
-                            ///< other sign
+  /// opposite: curved, and the corner tetrahedron has the other sign.
+  enum Kind : std::uint8_t { triangle, planar, curved, opposite };
   std::uint8_t first : 2;   ///< the canonical corner, among the face's
   std::uint8_t kind : 2;    ///< of Kind
   std::uint8_t inwards : 1; ///< the face turns inwards from its cell

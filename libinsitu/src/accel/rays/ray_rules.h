@@ -46,19 +46,10 @@ INSITU_HD inline PointRay point_ray(const math::Vec3d& p, const math::Vec3d& fra
   return {{float(d.x), float(d.y), float(d.z)}, ray_direction(p), length};
 }
 
-/// Which side of the bilinear patch of quad v0, v1, v2, v3 a point of its corner tetrahedron is on:
-/// positive beside the diagonal v0-v2 (DESIGN.md, section 5). T: float, or double.
-template <class T>
-INSITU_HD inline T patch_side(const math::Vec3<T>* v, const math::Vec3<T>& p) {
-  const math::Vec3<T> r0 = v[0] - p, r1 = v[1] - p, r2 = v[2] - p, r3 = v[3] - p;
-  const math::Vec3<T> n0 = cross(r0, r1), n1 = cross(r2, r3);
-  const T a = -dot(r1, n1), b = dot(r0, n1), c = -dot(r3, n0), d = dot(r2, n0);
-  return a * c - b * d;
-}
-
-/// Whether the point lies in the quad's corner tetrahedron, beside the diagonal v0-v2: what
+/// Whether the point lies in the corner tetrahedron of quad v0, v1, v2, v3, and there on the side
+/// of the bilinear patch where the diagonal v0-v2 is, a c > b d (DESIGN.md, section 5): what
 /// cell_of_hit asks. The tetrahedron is asked for as well, since rounding may make it flat: then a
-/// ray from afar hits its back, and patch_side says nothing.
+/// ray from afar hits its back, and the products say nothing. T: float, or double.
 template <class T>
 INSITU_HD inline bool is_beside(const math::Vec3<T>* v, const math::Vec3<T>& p) {
   const math::Vec3<T> r0 = v[0] - p, r1 = v[1] - p, r2 = v[2] - p, r3 = v[3] - p;
