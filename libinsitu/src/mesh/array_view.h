@@ -28,16 +28,27 @@ struct ItemLayout {
   }
 };
 
-/// Unaligned read of a scalar: solvers may pack records, so strides need not be multiples of it.
+#if defined(__CUDACC__)
+/// Byte by byte; rare, and kept out of the kernels' loops.
 template <class T>
-INSITU_HD inline T load_as(const std::byte* p) {
-#if defined(__CUDA_ARCH__) // where it would read byte by byte
-  if (reinterpret_cast<std::uintptr_t>(p) % sizeof(T) == 0)
-    return *reinterpret_cast<const T*>(p);
-#endif
+__device__ __noinline__ T load_unaligned(const std::byte* p) {
   T value;
   std::memcpy(&value, p, sizeof value);
   return value;
+}
+#endif
+
+/// Unaligned read of a scalar: solvers may pack records, so strides need not be multiples of it.
+template <class T>
+INSITU_HD inline T load_as(const std::byte* p) {
+#if defined(__CUDA_ARCH__)
+  return reinterpret_cast<std::uintptr_t>(p) % sizeof(T) == 0 ? *reinterpret_cast<const T*>(p)
+                                                              : load_unaligned<T>(p);
+#else
+  T value;
+  std::memcpy(&value, p, sizeof value);
+  return value;
+#endif
 }
 
 /// float32 or float64 at p, as double.

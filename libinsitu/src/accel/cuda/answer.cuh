@@ -54,7 +54,31 @@ __device__ inline auto for_shape(const CellPlace& at, F&& f) {
   }
 }
 
-/// Vertices in registers: their number is known to the compiler.
+/// Whether all reads of a cell's ids and coordinates are aligned, and places follow from strides.
+__device__ inline bool reads_plainly(const mesh::PieceView& piece) {
+  const auto bits = [](const auto* p) { return reinterpret_cast<std::uintptr_t>(p); };
+  const mesh::PointsView& points = piece.points;
+  const std::uintptr_t ids =
+      bits(piece.connectivity.data) | std::uintptr_t(piece.connectivity.stride | piece.id_stride);
+  const std::uintptr_t coordinates = bits(points.component[0]) | bits(points.component[1]) |
+                                     bits(points.component[2]) |
+                                     std::uintptr_t(points.layout.stride[0]);
+  return !piece.implicit_points && points.layout.linear &&
+         piece.layout != mesh::CellLayout::block &&
+         ids % (piece.connectivity.is_int32 ? 4u : 8u) == 0 &&
+         coordinates % (points.is_float32 ? 4u : 8u) == 0;
+}
+
+/// The general way, in a function of its own, so that kernels stay small.
+static __device__ __noinline__ void gather_any(const mesh::PieceView& piece, std::int64_t cell,
+                                               std::int64_t* ids, Vec3d* x) {
+  const int count = piece.vertex_ids(cell, ids);
+  for (int v = 0; v < count; ++v)
+    x[v] = piece.point(ids[v]);
+}
+
+/// Vertices in registers: their number is known to the compiler, and the choice among number types
+/// is made once a cell.
 template <Shape S>
 struct Gathered {
   static constexpr int count = mesh::vertex_count(S);
@@ -63,27 +87,44 @@ struct Gathered {
 
   __device__ explicit Gathered(const CellPlace& at) {
     const mesh::PieceView& piece = at.piece;
-    if (S == Shape::hexahedron && piece.layout == mesh::CellLayout::block) {
-      std::int64_t all[8];
-      piece.vertex_ids(at.cell, all);
+    if (!reads_plainly(piece)) {
+      std::int64_t any_ids[8];
+      Vec3d any_x[8];
+      gather_any(piece, at.cell, any_ids, any_x);
 #pragma unroll
-      for (int v = 0; v < count; ++v)
-        ids[v] = all[v];
-    } else {
-      const std::byte* base =
-          piece.layout == mesh::CellLayout::mixed
-              ? piece.connectivity.data +
-                    mesh::from_base(piece.offsets.load(at.cell), piece.index_base) * piece.id_stride
-              : piece.connectivity.data + at.cell * piece.connectivity.stride;
-#pragma unroll
-      for (int v = 0; v < count; ++v)
-        ids[v] = mesh::from_base(
-            mesh::load_index(base + v * piece.id_stride, piece.connectivity.is_int32),
-            piece.index_base);
+      for (int v = 0; v < count; ++v) {
+        ids[v] = any_ids[v];
+        x[v] = any_x[v];
+      }
+      return;
     }
+    const std::byte* base =
+        piece.layout == mesh::CellLayout::mixed
+            ? piece.connectivity.data +
+                  mesh::from_base(piece.offsets.load(at.cell), piece.index_base) * piece.id_stride
+            : piece.connectivity.data + at.cell * piece.connectivity.stride;
+    piece.connectivity.is_int32 ? load_ids<std::int32_t>(piece, base)
+                                : load_ids<std::int64_t>(piece, base);
+    piece.points.is_float32 ? load_points<float>(piece.points) : load_points<double>(piece.points);
+  }
+
+private:
+  template <class Index>
+  __device__ void load_ids(const mesh::PieceView& piece, const std::byte* base) {
 #pragma unroll
     for (int v = 0; v < count; ++v)
-      x[v] = piece.point(ids[v]);
+      ids[v] = std::int64_t(*reinterpret_cast<const Index*>(base + v * piece.id_stride)) -
+               piece.index_base;
+  }
+  template <class Real>
+  __device__ void load_points(const mesh::PointsView& points) {
+#pragma unroll
+    for (int v = 0; v < count; ++v) {
+      const std::int64_t o = ids[v] * points.layout.stride[0];
+      x[v] = {double(*reinterpret_cast<const Real*>(points.component[0] + o)),
+              double(*reinterpret_cast<const Real*>(points.component[1] + o)),
+              double(*reinterpret_cast<const Real*>(points.component[2] + o))};
+    }
   }
 };
 
