@@ -226,6 +226,45 @@ TEST_F(GpuApi, SmallDeviceArraysInPlace) {
   expect_answers(sample_host(device), sample_host(host_));
 }
 
+TEST_F(GpuApi, SmallTracersGoOnTheDevice) {
+  // u = (y - 1/2, 1/2 - x, 0): a turn about the box's middle, which linear cells hold exactly.
+  std::vector<double> velocity;
+  for (std::size_t i = 0; i < mesh_.points.size(); i += 3)
+    velocity.insert(velocity.end(), {mesh_.points[i + 1] - 0.5, 0.5 - mesh_.points[i], 0.0});
+  const insitu_array u = insitu_array_of(velocity.data(), INSITU_FLOAT64, mesh_.vertex_count(), 3);
+  REQUIRE_OK(insitu_mesh_field(host_, 0, "u", INSITU_VERTEX, &u, 1));
+  choose(host_, INSITU_METHOD_BVH, INSITU_BACKEND_CUDA);
+  std::vector<double> seeds;
+  for (int i = 0; i < 100; ++i)
+    seeds.insert(seeds.end(), {0.5 + 0.004 * i, 0.5, 0.01 + 0.009 * i});
+  seeds.insert(seeds.end(), {0.99, 0.99, 0.5, 3.0, 3.0, 3.0}); // one will leave, one is outside
+  const std::size_t n = seeds.size() / 3;
+  const OnDevice<double> positions(seeds);
+  const OnDevice<std::uint32_t> cells(std::vector<std::uint32_t>(n, 0xffffffffu));
+  const OnDevice<std::uint8_t> endings(std::vector<std::uint8_t>(n, INSITU_END_ALIVE));
+  insitu_advance_args args = insitu_advance_args_default();
+  args.velocity = "u";
+  args.positions = positions.data();
+  args.cells = cells.data();
+  args.endings = endings.data();
+  args.count = std::int64_t(n);
+  args.steps = 400;
+  args.step = 2.0 * 3.14159265358979323846 / 400.0; // once around
+  REQUIRE_OK(insitu_mesh_advance(host_, &args));
+  const std::vector<double> at = positions.host();
+  const std::vector<std::uint8_t> end = endings.host();
+  for (std::size_t i = 0; i < 100; ++i) {
+    EXPECT_EQ(end[i], INSITU_END_ALIVE) << i;
+    for (std::size_t a = 0; a < 3; ++a) // RK4: 2 pi h^4 / 120 of the radius
+      EXPECT_NEAR(at[3 * i + a], seeds[3 * i + a], 4e-9) << i;
+  }
+  EXPECT_EQ(end[100], INSITU_END_LEFT);
+  EXPECT_EQ(end[101], INSITU_END_SEED_OUTSIDE);
+  args.velocity = "f";
+  EXPECT_EQ(insitu_mesh_advance(host_, &args), INSITU_ERROR_ARGUMENT);
+  EXPECT_NE(std::string(insitu_last_message()).find("1 components"), std::string::npos);
+}
+
 TEST_F(GpuApi, Refusals) {
   // Device arguments without a device locator, and what is not had with them.
   const insitu_array points = on_device(points_.data(), INSITU_FLOAT64, std::int64_t(count_), 3);

@@ -50,7 +50,7 @@ check() {
 }
 
 for test in "$programs"/gpu_*_test; do
-  check "$(basename "$test")" "$test" --gtest_brief=1
+  check "$(basename "$test")" "$test"
 done
 if command -v compute-sanitizer > /dev/null; then
   for test in "$programs"/gpu_*_test; do
@@ -62,6 +62,7 @@ else
 fi
 check methods "$programs/insitu-bench" methods --points 10000000 --threads 0 \
   --json "$out/methods.json"
-cat "$out/methods.log" 2>/dev/null
+check methods_check "$programs/insitu-bench" methods --check --points 10000000 --threads 0
+cat "$out/methods.log" "$out/methods_check.log" 2>/dev/null
 say "written: $out"
 exit $failed

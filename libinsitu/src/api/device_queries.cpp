@@ -4,6 +4,7 @@
 #include "accel/device_locator.h"
 #include "api/session.h"
 #include "core/status.h"
+#include "core/timer.h"
 #include "scene/frames.h"
 
 namespace insitu::api {
@@ -85,6 +86,35 @@ void Session::answer_by_device(const query::CommittedMesh& mesh, const insitu_lo
         std::count(q.reasons, q.reasons + slice.size(), std::uint8_t(INSITU_REASON_OUTSIDE));
   });
   statistics_.points_located += n;
+}
+
+void Session::advance(SessionMesh& to, const insitu_advance_args& args) {
+  const core::Timer timer;
+  if (args.size != sizeof args)
+    throw Error(INSITU_ERROR_ARGUMENT, "args: make them with insitu_advance_args_default()");
+  const query::CommittedMesh& mesh = committed(to);
+  if (!mesh.device())
+    refuse(
+        "advance: particles in device memory need a locator on a device; insitu_mesh_locator and "
+        "a commit make one");
+  const auto require = [](bool holds, const std::string& what) {
+    if (!holds)
+      throw Error(INSITU_ERROR_ARGUMENT, what);
+  };
+  require(args.velocity, "velocity: null");
+  require(args.count >= 0 && args.steps >= 0, "count " + std::to_string(args.count) + ", steps " +
+                                                  std::to_string(args.steps) +
+                                                  ": 0 or more expected");
+  require(args.step - args.step == 0.0, "step: not finite");
+  require(args.count == 0 || (args.positions && args.cells && args.endings),
+          "positions, cells or endings: null");
+  const mesh::FieldView velocity = mesh.mesh().field(args.velocity);
+  require(velocity.components == 3, std::string("velocity: field '") + args.velocity + "' has " +
+                                        std::to_string(velocity.components) +
+                                        " components, 3 expected");
+  mesh.device()->advance({args.positions, args.cells, args.endings, args.count, velocity, args.step,
+                          args.steps, args.stream});
+  statistics_.advect_s += timer.seconds();
 }
 
 } // namespace insitu::api

@@ -209,6 +209,13 @@ insitu_status insitu_mesh_locator_info(insitu_mesh mesh, insitu_locator_info* in
   });
 }
 
+insitu_status insitu_mesh_advance(insitu_mesh mesh, const insitu_advance_args* args) {
+  return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
+    require(args, "args");
+    s.advance(m, *args);
+  });
+}
+
 insitu_status insitu_mesh_changed(insitu_mesh mesh, uint32_t what) {
   return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
     if (what & ~std::uint32_t(INSITU_CHANGED_ALL))

@@ -43,6 +43,7 @@ public:
   void choose_locator(SessionMesh& mesh, const insitu_locator* locator);
   void locate(SessionMesh& mesh, const insitu_locate_args& args);
   void sample(SessionMesh& mesh, const insitu_sample_args& args);
+  void advance(SessionMesh& mesh, const insitu_advance_args& args);
   bool sample_point(SessionMesh& mesh, const std::string& field, const double* point,
                     double* values);
 

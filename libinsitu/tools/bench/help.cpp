@@ -33,6 +33,7 @@ The queries (locate)
   --fields N        also samples N vertex fields at once against one, through insitu.h [1]
 The methods
   --backend cpu|cuda|optix, --method NAME   these only (may be repeated); NAME as in a scene's locator
+  --check           compares answers alone, on all points, of pyramids and twisted hexahedra as well
 The run
   --threads T       0: all that the process may use [1]
   --repetitions R   medians of R repetitions [5; scale, methods: 3]
@@ -80,7 +81,8 @@ Torture
 Methods
   A table each: memory, with builds all at once and in groups; uniform and random samples a second, in
   fast (the papers' rules in float), standard and exact, for ids alone, a cell's value and an
-  interpolated one; how many random points were answered otherwise than by exact bvh on the CPU; joules,
+  interpolated one; how many points were answered otherwise than by exact bvh on the CPU, of the random ones
+  and of a tenth as many on faces, edges and vertices; joules,
   from NVML or RAPL where they can be read. Points and answers of a device stay in its memory.
 
 Exit code: 0; 1 if the run failed, methods found an `exact` answer that is not bvh's, or torture found that ours lost or misplaced a point, gave a false

@@ -123,6 +123,9 @@ Options parse(int argc, char** argv) {
       if (o.command != Command::methods)
         only(Command::locate, Command::torture);
       o.points = number<std::int64_t>(option, value(), 1, 1'000'000'000);
+    } else if (option == "--check") {
+      only(Command::methods, Command::methods);
+      o.check = true;
     } else if (option == "--backend") {
       only(Command::methods, Command::methods);
       const auto v = value();

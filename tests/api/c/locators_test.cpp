@@ -169,6 +169,17 @@ TEST_F(Locators, DeviceMemoryNeedsADevice) {
   EXPECT_EQ(insitu_mesh_locate(handle_, &args), INSITU_ERROR_ARGUMENT);
 }
 
+TEST_F(Locators, AdvancingNeedsADevice) {
+  insitu_advance_args args = insitu_advance_args_default();
+  args.velocity = "f";
+  EXPECT_EQ(insitu_mesh_advance(handle_, &args), INSITU_ERROR_ORDER);
+  REQUIRE_OK(insitu_mesh_commit(handle_, nullptr));
+  EXPECT_EQ(insitu_mesh_advance(handle_, &args), INSITU_ERROR_UNSUPPORTED);
+  EXPECT_EQ(insitu_mesh_advance(handle_, nullptr), INSITU_ERROR_ARGUMENT);
+  args.size = 1;
+  EXPECT_EQ(insitu_mesh_advance(handle_, &args), INSITU_ERROR_ARGUMENT);
+}
+
 TEST_F(Locators, OfAScene) {
   // A ray method without a backend falls back to Embree, and says so, where OptiX cannot be used.
   open("insitu: 1\nlocator: {method: shared_faces}\n");

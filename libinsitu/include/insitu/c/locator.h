@@ -62,7 +62,7 @@ typedef struct insitu_locator_info {
   int64_t bytes_copied; /**< of host arrays, on the device */
   /* Points, since the mesh was made, of batches by a ray method or on a device: */
   int64_t kept;            /**< answered by the cell that the ray told, once certified */
-  int64_t by_neighbour;     /**< by the cell across the face that the ray hit */
+  int64_t by_neighbour;    /**< by the cell across the face that the ray hit */
   int64_t by_tree;         /**< by the tree: the fallback of ray methods, all points of `bvh` */
   int64_t settled_on_host; /**< left undecided by a device; exact arithmetic on the host */
 } insitu_locator_info;
@@ -82,6 +82,40 @@ static inline insitu_locator_info insitu_locator_info_default(void) {
 
 /** INSITU_ERROR_ORDER before the first commit. */
 INSITU_API insitu_status insitu_mesh_locator_info(insitu_mesh mesh, insitu_locator_info* info);
+
+/** Particles in device memory, and how to move them. */
+typedef struct insitu_advance_args {
+  size_t size;
+  const char* velocity; /**< a field of 3 components, taken as steady */
+  double* positions;    /**< [count][3], in the mesh's frame; moved in place */
+  uint32_t* cells;  /**< [count] where they are, for the library: 0xffffffff at first, and after a
+                         change of topology */
+  uint8_t* endings; /**< [count] an insitu_ending; those INSITU_END_ALIVE are moved */
+  int64_t count;
+  double step;   /**< of time; negative: backwards */
+  int64_t steps; /**< so many */
+  void* stream;  /**< a cudaStream_t; null: the default stream */
+} insitu_advance_args;
+
+static inline insitu_advance_args insitu_advance_args_default(void) {
+  insitu_advance_args a;
+  a.size = sizeof a;
+  a.velocity = NULL;
+  a.positions = NULL;
+  a.cells = NULL;
+  a.endings = NULL;
+  a.count = 0;
+  a.step = 0.0;
+  a.steps = 1;
+  a.stream = NULL;
+  return a;
+}
+
+/** Moves particles by steps of Kutta's fourth order, on the device that answers the mesh's queries;
+ *  queued on the stream. A particle that a step would take out of the mesh, or to a velocity that
+ * is not finite, ends where it was before that step. INSITU_ERROR_UNSUPPORTED with a locator on the
+ *  CPU: a scene's tracers run there. */
+INSITU_API insitu_status insitu_mesh_advance(insitu_mesh mesh, const insitu_advance_args* args);
 
 #ifdef __cplusplus
 }

@@ -29,9 +29,19 @@ public:
   void commit(const mesh::Mesh& mesh, HostView host, std::uint32_t what, const FaceTable* faces,
               const core::Threads& threads) override;
   DeviceCounts locate(const DeviceQuery& query) const override;
+  void advance(const DeviceTracers& tracers) const override {
+    std::lock_guard lock(mutex_);
+    require_committed();
+    cuda::advance_tracers(mesh_, tree_, tracers);
+  }
   DeviceReport report() const override;
 
 private:
+  void require_committed() const {
+    if (!committed_)
+      throw core::Error(INSITU_ERROR_ORDER,
+                        std::string("locator ") + name(method_) + " on optix: not committed");
+  }
   void commit_rays(HostView host, bool rebuild, const FaceTable* faces,
                    const core::Threads& threads);
   void upload_triangles(HostView host, const FaceTable& faces, const core::Threads& threads);
@@ -214,9 +224,7 @@ void OptixLocator::answer_fast(const DeviceQuery& query) const {
 
 DeviceCounts OptixLocator::locate(const DeviceQuery& asked) const {
   std::lock_guard lock(mutex_);
-  if (!committed_)
-    throw core::Error(INSITU_ERROR_ORDER,
-                      std::string("locator ") + name(method_) + " on optix: not committed");
+  require_committed();
   if (asked.count == 0)
     return {};
   cuda::CallerIds ids(mesh_, asked);

@@ -8,7 +8,7 @@
 
 #include "accel/cuda/device_buffer.h"
 #include "accel/optix/context.h"
-#include "optix_programs.inc" // programs.cu in OptiX-IR, as an array
+#include "accel/optix/programs.inc" // programs.cu in OptiX-IR, as an array
 
 namespace insitu::accel::optix {
 namespace {

@@ -3,6 +3,7 @@
 
 #include "accel/device_locator.h"
 #include "accel/faces/face_table.h"
+#include "cells/validate.h"
 #include "core/timer.h"
 #include "methods/runner.h"
 
@@ -46,8 +47,9 @@ public:
         faces_(memory_) {
     mesh.register_with(mesh_);
     mesh_.update();
-    mesh_.set_free_of_folds(true); // the standard workload's meshes, which tests validate
-    mesh_.set_covers_once(true);
+    const bool free = cells::is_free_of_folds(mesh_.view(), context.threads);
+    mesh_.set_free_of_folds(free);
+    mesh_.set_covers_once(free); // by their making
     locator_ = accel::make_device_locator(backend, method, memory_);
   }
 

@@ -30,14 +30,16 @@ struct Rates {
 struct Row {
   Backend backend;
   Method method;
-  workload::Kind kind;
+  std::string mesh;
   std::string absent; ///< why there are no figures
   Sizes sizes;
   double build_s = 0.0, refit_s = 0.0;
   Rates uniform, random;
-  std::int64_t points = 0; ///< random ones that were answered
-  std::int64_t other[accuracy_count] =
-      {};                       ///< of them, answered otherwise than by exact bvh on the CPU
+  /// How many points were asked, and how many of them were answered otherwise than by exact bvh on
+  /// the CPU: random ones, and ones on faces, edges and vertices.
+  struct Answers {
+    std::int64_t points = 0, other[accuracy_count] = {};
+  } inside, boundary;
   std::optional<double> joules; ///< a million random queries, ids, fast
 };
 
@@ -87,16 +89,30 @@ public:
 
   std::vector<Row> run() {
     using workload::Kind;
-    const std::vector<Kind> kinds =
-        o_.kind_given ? std::vector{o_.kind}
-                      : std::vector{Kind::tetrahedra, Kind::hexahedra, Kind::wedges, Kind::mixed};
+    struct Case {
+      Kind kind;
+      double jitter;
+      std::string name;
+    };
+    std::vector<Case> cases;
+    const auto add = [&](Kind kind) { cases.push_back({kind, o_.jitter, workload::name(kind)}); };
+    if (o_.kind_given) {
+      add(o_.kind);
+    } else {
+      for (const Kind kind : {Kind::tetrahedra, Kind::hexahedra, Kind::wedges, Kind::mixed})
+        add(kind);
+      if (o_.check) {
+        add(Kind::pyramids);
+        cases.push_back({Kind::hexahedra, 0.35, "hex, twisted"}); // one in twenty folds
+      }
+    }
     std::vector<Row> rows;
-    for (const Kind kind : kinds) {
-      make(kind);
+    for (const Case& c : cases) {
+      make(c.kind, c.jitter, c.name);
       for (int b = 0; b < accel::backend_count; ++b)
         for (int m = 0; m < accel::method_count; ++m)
           if (has(Backend(b), Method(m)) && wanted(Backend(b), Method(m)))
-            rows.push_back(measure(Backend(b), Method(m), kind));
+            rows.push_back(measure(Backend(b), Method(m), c.name));
     }
     return rows;
   }
@@ -112,62 +128,85 @@ private:
     return in(o_.backends, name(b)) && in(o_.methods, name(m));
   }
 
-  void make(workload::Kind kind) {
-    progress(std::string("making the mesh of ") + workload::name(kind));
-    mesh_.mesh = workload::make_box(kind, workload::box_size(kind, o_.cells[0], o_.spacing),
-                                    o_.jitter, o_.spacing);
+  void make(workload::Kind kind, double jitter, const std::string& name) {
+    using workload::Pattern;
+    progress("making the mesh of " + name);
+    mesh_.mesh = workload::make_box(kind, workload::box_size(kind, o_.cells[0], o_.spacing), jitter,
+                                    o_.spacing);
     mesh_.vertex_field = workload::vertex_field(mesh_.mesh);
     mesh_.cell_field.resize(std::size_t(mesh_.mesh.cell_count()));
     for (std::size_t c = 0; c < mesh_.cell_field.size(); ++c)
       mesh_.cell_field[c] = double(c);
-    uniform_ = workload::make_queries(mesh_.mesh, workload::Pattern::uniform, 0).points;
-    random_ = workload::make_queries(mesh_.mesh, workload::Pattern::random,
-                                     o_.points > 0 ? o_.points : mesh_.mesh.cell_count())
-                  .points;
+    const std::int64_t count = o_.points > 0 ? o_.points : mesh_.mesh.cell_count();
+    uniform_ = workload::make_queries(mesh_.mesh, Pattern::uniform, 0).points;
+    random_ = workload::make_queries(mesh_.mesh, Pattern::random, count).points;
+    boundary_.clear();
+    for (const Pattern pattern : {Pattern::faces, Pattern::edges, Pattern::vertices}) {
+      const auto some = workload::make_queries(mesh_.mesh, pattern, count / 30).points;
+      boundary_.insert(boundary_.end(), some.begin(), some.end());
+    }
     const auto truth = make_cpu_runner(Method::bvh, mesh_, context_);
-    truth->set_points(random_);
-    truth->answer(Wanted::ids, INSITU_EXACT);
-    truth->ids(owners_);
+    owners_of(*truth, random_, INSITU_EXACT, owners_);
+    owners_of(*truth, boundary_, INSITU_EXACT, boundary_owners_);
   }
 
-  Row measure(Backend backend, Method method, workload::Kind kind) {
-    Row row{backend, method, kind, accel::why_unavailable(backend), {}, 0.0, 0.0, {}, {},
-            0,       {},     {}};
+  static void owners_of(MethodRunner& runner, std::span<const math::Vec3d> points,
+                        insitu_accuracy accuracy, std::vector<std::int64_t>& owners) {
+    runner.set_points(points);
+    runner.answer(Wanted::ids, accuracy);
+    runner.ids(owners);
+  }
+
+  Row::Answers compare(MethodRunner& runner, std::span<const math::Vec3d> points,
+                       const std::vector<std::int64_t>& owners) const {
+    Row::Answers answers;
+    answers.points = std::int64_t(points.size());
+    std::vector<std::int64_t> ids;
+    for (int a = 0; a < accuracy_count; ++a) {
+      owners_of(runner, points, accuracies[a], ids);
+      for (std::size_t i = 0; i < points.size(); ++i)
+        answers.other[a] += ids[i] != owners[i];
+    }
+    return answers;
+  }
+
+  Row measure(Backend backend, Method method, const std::string& mesh) {
+    Row row;
+    row.backend = backend;
+    row.method = method;
+    row.mesh = mesh;
+    row.absent = accel::why_unavailable(backend);
     if (!row.absent.empty())
       return row;
-    progress(std::string(workload::name(kind)) + ", " + full_name(row));
+    progress(mesh + ", " + full_name(row));
     const bool cpu = backend == Backend::cpu;
     const auto first_of = [&](const std::vector<math::Vec3d>& points) {
-      return std::span(points).first(std::min(points.size(), most_points(backend, method)));
+      const std::size_t most = o_.check ? points.size() : most_points(backend, method);
+      return std::span(points).first(std::min(points.size(), most));
     };
     const auto runner = cpu ? make_cpu_runner(method, mesh_, context_)
                             : make_device_runner(backend, method, mesh_, context_);
     row.sizes = runner->build(row.build_s);
-    row.refit_s = runner->refit();
-    runner->set_points(first_of(uniform_));
-    row.uniform = time_rates(*runner, first_of(uniform_).size(), o_.repetitions);
-    const std::span<const math::Vec3d> random = first_of(random_);
-    runner->set_points(random);
-    row.random = time_rates(*runner, random.size(), o_.repetitions);
-    row.points = std::int64_t(random.size());
-    std::vector<std::int64_t> ids;
-    for (int a = 0; a < accuracy_count; ++a) {
-      runner->answer(Wanted::ids, accuracies[a]);
-      runner->ids(ids);
-      for (std::size_t i = 0; i < random.size(); ++i)
-        row.other[a] += ids[i] != owners_[i];
+    if (!o_.check) {
+      row.refit_s = runner->refit();
+      runner->set_points(first_of(uniform_));
+      row.uniform = time_rates(*runner, first_of(uniform_).size(), o_.repetitions);
+      runner->set_points(first_of(random_));
+      row.random = time_rates(*runner, first_of(random_).size(), o_.repetitions);
+      EnergyMeter& meter = cpu ? processor_ : card_;
+      if (meter.works())
+        row.joules = joules_a_million(*runner, meter, first_of(random_).size());
     }
-    EnergyMeter& meter = cpu ? processor_ : card_;
-    if (meter.works())
-      row.joules = joules_a_million(*runner, meter, random.size());
+    row.inside = compare(*runner, first_of(random_), owners_);
+    row.boundary = compare(*runner, first_of(boundary_), boundary_owners_);
     return row;
   }
 
   const Options& o_;
   core::Context context_;
   MethodMesh mesh_;
-  std::vector<math::Vec3d> uniform_, random_;
-  std::vector<std::int64_t> owners_; ///< of random points, by exact bvh on the CPU
+  std::vector<math::Vec3d> uniform_, random_, boundary_;
+  std::vector<std::int64_t> owners_, boundary_owners_; ///< by exact bvh on the CPU
   EnergyMeter processor_{EnergyMeter::Of::processor}, card_{EnergyMeter::Of::card};
 };
 
@@ -180,11 +219,14 @@ template <class Cells>
 std::string table_of(const std::vector<Row>& rows, const std::string& title,
                      const std::string& columns, Cells&& cells) {
   std::string text = "\n" + title + "\n";
+  std::string mesh;
   for (const Row& row : rows) {
-    if (&row == &rows.front() || row.kind != (&row - 1)->kind)
-      text += format("  %-29s %s\n", workload::name(row.kind), columns.c_str());
-    text += format("    %-27s ", full_name(row).c_str()) +
-            (row.absent.empty() ? cells(row) : "  " + row.absent) + "\n";
+    if (!row.absent.empty())
+      continue; // said once, below the tables
+    if (row.mesh != mesh)
+      text += format("  %-29s %s\n", row.mesh.c_str(), columns.c_str());
+    mesh = row.mesh;
+    text += format("    %-27s ", full_name(row).c_str()) + cells(row) + "\n";
   }
   return text;
 }
@@ -200,11 +242,8 @@ std::string rates_table(const std::vector<Row>& rows, const std::string& title, 
       });
 }
 
-std::string text_of(const std::vector<Row>& rows, const Bench& bench, const Options& o) {
-  std::string text = format("insitu-bench methods: about %s cells, jitter %g",
-                            grouped(o.cells[0]).c_str(), o.jitter);
-  const std::string device = device_name();
-  text += device.empty() ? "\n" : "; " + device + "\n";
+std::string timing_tables(const std::vector<Row>& rows) {
+  std::string text;
   text += table_of(
       rows,
       "Memory (Morrical 2020, table 1): bytes; peak while building, all at once and in "
@@ -217,12 +256,11 @@ std::string text_of(const std::vector<Row>& rows, const Bench& bench, const Opti
   text += rates_table(rows, "Uniform (table 2): a point a cell, million samples a second",
                       &Row::uniform);
   text += rates_table(rows, "Random (table 3): million samples a second", &Row::random);
-  text += table_of(rows, "Random points answered otherwise than by exact bvh on the CPU",
-                   "      points       fast   standard      exact", [](const Row& r) {
-                     return format("%12s %10s %10s %10s", grouped(r.points).c_str(),
-                                   grouped(r.other[0]).c_str(), grouped(r.other[1]).c_str(),
-                                   grouped(r.other[2]).c_str());
-                   });
+  return text;
+}
+
+std::string energy_table(const std::vector<Row>& rows, const Bench& bench) {
+  std::string text;
   text += table_of(rows, "Energy (section 9.4): joules a million random queries, ids, fast", "",
                    [](const Row& r) {
                      return r.joules ? format("%10.4f", *r.joules) : std::string("         -");
@@ -231,8 +269,36 @@ std::string text_of(const std::vector<Row>& rows, const Bench& bench, const Opti
     text += "  Processor: " + bench.processor().why() + ".\n";
   if (!bench.card().works())
     text += "  Card: " + bench.card().why() + ".\n";
+  return text;
+}
+
+std::string text_of(const std::vector<Row>& rows, const Bench& bench, const Options& o) {
+  std::string text = format("insitu-bench methods: about %s cells, jitter %g",
+                            grouped(o.cells[0]).c_str(), o.jitter);
+  const std::string device = device_name();
+  text += device.empty() ? "\n" : "; " + device + "\n";
+  if (!o.check)
+    text += timing_tables(rows);
+  text += table_of(
+      rows,
+      "Points answered otherwise than by exact bvh on the CPU: random ones; ones on faces, "
+      "edges and vertices",
+      "      random       fast   standard      exact    boundary       fast   standard      exact",
+      [](const Row& r) {
+        const auto columns = [](const Row::Answers& a) {
+          return format("%12s %10s %10s %10s", grouped(a.points).c_str(),
+                        grouped(a.other[0]).c_str(), grouped(a.other[1]).c_str(),
+                        grouped(a.other[2]).c_str());
+        };
+        return columns(r.inside) + columns(r.boundary);
+      });
+  if (!o.check)
+    text += energy_table(rows, bench);
+  for (int b = 0; b < accel::backend_count; ++b)
+    if (const std::string why = accel::why_unavailable(Backend(b)); !why.empty())
+      text += std::string("\nNot here: ") + name(Backend(b)) + ", " + why + ".";
   for (const bool on_device : {false, true}) {
-    text += on_device ? "auto, mesh in device memory: " : "\nauto, mesh in host memory: ";
+    text += on_device ? "auto, mesh in device memory: " : "\n\nauto, mesh in host memory: ";
     try {
       const query::LocatorPick pick = query::pick_locator({}, on_device);
       text +=
@@ -248,9 +314,8 @@ std::string json_of(const std::vector<Row>& rows, const Options& o) {
   std::string text = "{\"command\": \"methods\", \"cells\": " + std::to_string(o.cells[0]) +
                      ", \"device\": " + quoted(device_name()) + ", \"rows\": [";
   for (const Row& r : rows) {
-    text += (&r == &rows.front() ? "\n" : ",\n") + std::string("  {\"shape\": ") +
-            quoted(workload::name(r.kind)) + ", \"backend\": " + quoted(name(r.backend)) +
-            ", \"method\": " + quoted(name(r.method));
+    text += (&r == &rows.front() ? "\n" : ",\n") + std::string("  {\"shape\": ") + quoted(r.mesh) +
+            ", \"backend\": " + quoted(name(r.backend)) + ", \"method\": " + quoted(name(r.method));
     if (!r.absent.empty()) {
       text += ", \"absent\": " + quoted(r.absent) + "}";
       continue;
@@ -260,9 +325,12 @@ std::string json_of(const std::vector<Row>& rows, const Options& o) {
             ", \"peak_whole\": " + std::to_string(r.sizes.peak_whole) +
             ", \"peak_groups\": " + std::to_string(r.sizes.peak) +
             ", \"build_s\": " + number(r.build_s) + ", \"refit_s\": " + number(r.refit_s) +
-            ", \"random_points\": " + std::to_string(r.points);
+            ", \"random_points\": " + std::to_string(r.inside.points) +
+            ", \"boundary_points\": " + std::to_string(r.boundary.points);
     for (int a = 0; a < accuracy_count; ++a) {
-      text += std::string(", \"other_") + accuracy_names[a] + "\": " + std::to_string(r.other[a]);
+      text += std::string(", \"other_") + accuracy_names[a] +
+              "\": " + std::to_string(r.inside.other[a]) + ", \"boundary_other_" +
+              accuracy_names[a] + "\": " + std::to_string(r.boundary.other[a]);
       for (int w = 0; w < wanted_count; ++w)
         text += std::string(", \"uniform_") + accuracy_names[a] + "_" + wanted_names[w] +
                 "\": " + number(r.uniform.of[a][w]) + ", \"random_" + accuracy_names[a] + "_" +
@@ -280,7 +348,7 @@ Output methods(const Options& options) {
   const std::vector<Row> rows = bench.run();
   Output out{text_of(rows, bench, options), json_of(rows, options), 0};
   for (const Row& r : rows)
-    if (r.other[2] > 0) // exact is exact
+    if (r.inside.other[2] + r.boundary.other[2] > 0) // exact is exact
       out.exit_code = 1;
   return out;
 }
