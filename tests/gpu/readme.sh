@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Puts the tables of `insitu-bench methods`, from files, between the README's <!-- methods --> marks.
-#   bash tests/gpu/readme.sh CPU.log GPU.log    (what tests/gpu/run.sh wrote, or any output of it)
+# Puts tables of `insitu-bench methods`, from files, between the README's <!-- methods --> marks.
+#   bash tests/gpu/readme.sh tests/gpu/measured/*
 set -euo pipefail
 [ $# -ge 1 ] || { sed -n '2,3s/^# //p' "$0" >&2; exit 2; }
 readme=$(dirname "$0")/../../README.md

@@ -72,11 +72,11 @@ public:
     locator_->commit(mesh_, host, INSITU_CHANGED_ALL, &faces_,
                      context_.threads); // buffers are warm now
     const accel::DeviceReport r = locator_->report();
-    build_seconds =
-        backend_ == accel::Backend::optix ? faces_seconds + r.rays_seconds : r.tree_seconds;
+    const bool by_rays = backend_ == accel::Backend::optix;
+    build_seconds = by_rays ? faces_seconds + r.rays_seconds : r.tree_seconds;
     sizes.primitives = r.primitives;
-    sizes.bytes = r.bytes;
-    sizes.peak = r.peak_bytes;
+    sizes.bytes = by_rays ? r.ray_bytes : r.tree_bytes;
+    sizes.peak = by_rays ? r.ray_peak_bytes : r.tree_peak_bytes;
     return sizes;
   }
 
