@@ -14,14 +14,16 @@
 extern "C" {
 #endif
 
-/** What an answer is worth (and costs). All of them answer a cell that holds the point, by a
- *  certificate in floating point or else by exact arithmetic; the reasons tell which. They differ
- *  only where cells of one piece overlap without folding: there standard may answer any cell that
- *  holds the point in its interior, always the same one between two commits, and exact answers the
- *  lowest id. */
+/** What an answer is worth (and costs). All but INSITU_FAST by a ray method or on a device answer a
+ *  cell that holds the point, by a certificate in floating point or else by exact arithmetic; the
+ *  reasons tell which. Standard and exact differ only where cells of one piece overlap without
+ *  folding: there standard may answer any cell that holds the point in its interior, always the
+ * same one between two commits, and exact answers the lowest id (but see DESIGN.md, section 6, for
+ * ray methods where cells cross). */
 typedef enum insitu_accuracy INSITU_INT {
-  INSITU_FAST = 0,     /**< ray methods and devices: by the papers' rules in float, nothing is proven,
-                            and near faces another cell or none may answer; else as standard */
+  INSITU_FAST = 0,     /**< by a ray method or on a device: the papers' rules in float. Nothing is
+                            proven; near faces another cell or none may answer, and its parametric
+                            coordinates may lie outside of it. Else as standard */
   INSITU_STANDARD = 1, /**< a cell proven to hold the point answers alone */
   INSITU_EXACT = 2     /**< the lowest id of all that hold the point */
 } insitu_accuracy;
@@ -57,8 +59,8 @@ typedef struct insitu_locate_args {
    *  values of a sample are device memory as well, and `pieces` and `frame` are not had. */
   insitu_memory memory;
   /** INSITU_DEVICE: a cudaStream_t (null: the default stream), in whose order points are read and
-   *  outputs written. The call waits for points that need the host's exact arithmetic, and only then:
-   *  never in INSITU_FAST. */
+   *  outputs written. The call waits for points that need the host's exact arithmetic, and only
+   * then: never in INSITU_FAST. */
   void* stream;
 } insitu_locate_args;
 
