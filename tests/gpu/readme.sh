@@ -7,7 +7,8 @@ readme=$(dirname "$0")/../../README.md
 text=$(mktemp)
 trap 'rm -f "$text"' EXIT
 for log; do
-  printf '\n```\n%s\n```\n' "$(cat "$log")"
+  printf '\n<details><summary>%s</summary>\n\n```\n%s\n```\n\n</details>\n' \
+    "$(sed -n 2p "$log")" "$(cat "$log")"
 done > "$text"
 awk -v text="$text" '
   /^<!-- methods -->$/ { print; while ((getline line < text) > 0) print line; print ""; skip = 1 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "accel/device_locator.h"
@@ -260,11 +261,12 @@ std::string timing_tables(const std::vector<Row>& rows) {
 }
 
 std::string energy_table(const std::vector<Row>& rows, const Bench& bench) {
-  std::string text;
-  text += table_of(rows, "Energy (section 9.4): joules a million random queries, ids, fast", "",
-                   [](const Row& r) {
-                     return r.joules ? format("%10.4f", *r.joules) : std::string("         -");
-                   });
+  std::vector<Row> measured;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(measured),
+               [](const Row& r) { return r.joules.has_value(); });
+  std::string text =
+      table_of(measured, "Energy (section 9.4): joules a million random queries, ids, fast", "",
+               [](const Row& r) { return format("%10.4f", *r.joules); });
   if (!bench.processor().works())
     text += "  Processor: " + bench.processor().why() + ".\n";
   if (!bench.card().works())
