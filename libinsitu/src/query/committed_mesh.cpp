@@ -12,6 +12,17 @@
 
 namespace insitu::query {
 
+namespace {
+
+std::unique_ptr<mesh::HostMirror> make_mirror(const mesh::Mesh& mesh) {
+  return std::make_unique<mesh::HostMirror>(
+      mesh, [](std::byte* to, const std::byte* from, std::size_t bytes) {
+        accel::copy_from_device(to, from, bytes);
+      });
+}
+
+} // namespace
+
 CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
     : mesh_(name, memory), tree_(memory), locators_(memory), order_(memory) {}
 
@@ -81,13 +92,15 @@ cells::Validation CommittedMesh::validate(const core::Threads& threads) {
   mesh_.update();
   if (mesh_.pending() == 0)
     mesh_.set_changed(INSITU_CHANGED_FIELDS); // the next commit is cheap, but has to come
-  cells::Validation found = cells::validate(mesh_.name(), mesh_.view(), threads);
+  const std::unique_ptr<mesh::HostMirror> mirror = lies_on_device() ? make_mirror(mesh_) : nullptr;
+  const mesh::MeshView& view = mirror ? mirror->view() : mesh_.view();
+  cells::Validation found = cells::validate(mesh_.name(), view, threads);
   if (found.findings.empty()) {
-    const cells::Conformity c = cells::check_conformity(mesh_.view(), threads);
+    const cells::Conformity c = cells::check_conformity(view, threads);
     found.counts.coincident_vertices = c.coincident_vertices;
     found.counts.crowded_faces = c.crowded_faces;
     found.counts.split_faces = c.split_faces;
-    const HangingVertices v = find_hanging_vertices(mesh_.view(), threads);
+    const HangingVertices v = find_hanging_vertices(view, threads);
     found.counts.hanging_vertices = v.hanging;
     found.counts.covered_vertices = v.covered;
   }
@@ -153,10 +166,7 @@ void CommittedMesh::commit_on_device(std::uint32_t pending, insitu_commit_report
   std::unique_ptr<mesh::HostMirror> mirror;
   const auto view = [&]() -> const mesh::MeshView& {
     if (!mirror)
-      mirror = std::make_unique<mesh::HostMirror>(
-          mesh_, [](std::byte* to, const std::byte* from, std::size_t bytes) {
-            accel::copy_from_device(to, from, bytes);
-          });
+      mirror = make_mirror(mesh_);
     return mirror->view();
   };
   tree_is_stale_ = true;
