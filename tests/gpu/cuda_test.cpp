@@ -176,27 +176,6 @@ struct GpuMesh {
   std::unique_ptr<accel::DeviceLocator> locator;
 };
 
-struct Case {
-  const char* name;
-  test::MeshOptions options;
-};
-const Case cases[] = {
-    {"tetrahedra", {.kind = test::MeshKind::tetrahedra, .size = 5, .jitter = 0.25}},
-    {"hexahedra", {.kind = test::MeshKind::hexahedra, .size = 9, .jitter = 0.2}},
-    {"flat hexahedra", {.kind = test::MeshKind::hexahedra, .size = 6, .jitter = 0.0}},
-    {"twisted", {.kind = test::MeshKind::hexahedra, .size = 8, .jitter = 0.4}},
-    {"folded", {.kind = test::MeshKind::hexahedra, .size = 6, .jitter = 0.9}},
-    {"wedges", {.kind = test::MeshKind::wedges, .size = 6, .jitter = 0.25}},
-    {"pyramids", {.kind = test::MeshKind::pyramids, .size = 5, .jitter = 0.25}},
-    {"voxels", {.kind = test::MeshKind::voxels, .size = 7}},
-    {"mixed", {.kind = test::MeshKind::mixed, .size = 6, .jitter = 0.3}},
-    {"long", {.kind = test::MeshKind::mixed, .size = 6, .jitter = 0.3, .scale = {1, 200, 0.01}}},
-    {"far", {.kind = test::MeshKind::mixed, .size = 6, .jitter = 0.3, .offset = 6.4e6}},
-    {"collapsed", {.kind = test::MeshKind::hexahedra, .size = 7, .jitter = 0.2, .collapse = 0.2}},
-    {"snapped", {.kind = test::MeshKind::mixed, .size = 6, .jitter = 0.3, .snap = 0.125}},
-    {"one", {.kind = test::MeshKind::hexahedra, .size = 1, .jitter = 0.0}},
-};
-
 test::TestMesh one_shape(test::MeshKind kind, int size, double jitter, std::uint64_t seed) {
   return test::make_mesh({.kind = kind, .size = size, .jitter = jitter}, seed);
 }
@@ -204,7 +183,7 @@ test::TestMesh one_shape(test::MeshKind kind, int size, double jitter, std::uint
 } // namespace
 
 TEST_F(Cuda, AnswersAsTheCpuOnEveryShape) {
-  for (const Case& c : cases) {
+  for (const test::Case& c : test::cases) {
     const test::TestMesh from = test::make_mesh(c.options, 11);
     GpuMesh mesh(from);
     mesh.commit();
@@ -253,7 +232,7 @@ TEST_F(Cuda, AnswersWhateverIsAsked) {
 }
 
 TEST_F(Cuda, FollowsMovedVertices) {
-  for (const Case& c : cases) {
+  for (const test::Case& c : test::cases) {
     const test::TestMesh from = test::make_mesh(c.options, 31);
     GpuMesh mesh(from);
     mesh.commit();
@@ -417,7 +396,7 @@ TEST_F(Cuda, ManyPointsOnVertices) {
 }
 
 TEST_F(Cuda, FastAnswersAlmostAlike) {
-  for (const Case& c : cases) {
+  for (const test::Case& c : test::cases) {
     if (std::string(c.name) == "folded" || c.options.collapse > 0)
       continue;
     const test::TestMesh from = test::make_mesh(c.options, 81);

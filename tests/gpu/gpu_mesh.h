@@ -68,6 +68,28 @@ inline std::vector<math::Vec3d> hard_points(const TestMesh& mesh, int count, std
   return points;
 }
 
+/// A mesh of every kind of cell, and of hard ones.
+struct Case {
+  const char* name;
+  MeshOptions options;
+};
+inline const Case cases[] = {
+    {"tetrahedra", {.kind = MeshKind::tetrahedra, .size = 5, .jitter = 0.25}},
+    {"hexahedra", {.kind = MeshKind::hexahedra, .size = 9, .jitter = 0.2}},
+    {"flat hexahedra", {.kind = MeshKind::hexahedra, .size = 6, .jitter = 0.0}},
+    {"twisted", {.kind = MeshKind::hexahedra, .size = 8, .jitter = 0.4}},
+    {"folded", {.kind = MeshKind::hexahedra, .size = 6, .jitter = 0.9}},
+    {"wedges", {.kind = MeshKind::wedges, .size = 6, .jitter = 0.25}},
+    {"pyramids", {.kind = MeshKind::pyramids, .size = 5, .jitter = 0.25}},
+    {"voxels", {.kind = MeshKind::voxels, .size = 7}},
+    {"mixed", {.kind = MeshKind::mixed, .size = 6, .jitter = 0.3}},
+    {"long", {.kind = MeshKind::mixed, .size = 6, .jitter = 0.3, .scale = {1, 200, 0.01}}},
+    {"far", {.kind = MeshKind::mixed, .size = 6, .jitter = 0.3, .offset = 6.4e6}},
+    {"collapsed", {.kind = MeshKind::hexahedra, .size = 7, .jitter = 0.2, .collapse = 0.2}},
+    {"snapped", {.kind = MeshKind::mixed, .size = 6, .jitter = 0.3, .snap = 0.125}},
+    {"one", {.kind = MeshKind::hexahedra, .size = 1, .jitter = 0.0}},
+};
+
 /// The mesh as it is, as an accel::HostView.
 struct OwnView {
   const mesh::Mesh* mesh;
