@@ -184,10 +184,10 @@ TEST_F(GpuApi, SmallDeviceArraysInPlace) {
   EXPECT_EQ(info.bytes_copied, 0) << "arrays on the device are read in place";
   EXPECT_STREQ(info.reason, "the mesh lies in device memory");
 
-  insitu_validation found = insitu_validation_default();
-  REQUIRE_OK(insitu_mesh_validate(device, &found));
-  EXPECT_EQ(found.cells, mesh_.cell_count());
-  EXPECT_EQ(found.folded_cells, 0);
+  insitu_validation valid = insitu_validation_default();
+  REQUIRE_OK(insitu_mesh_validate(device, &valid));
+  EXPECT_EQ(valid.cells, mesh_.cell_count());
+  EXPECT_EQ(valid.folded_cells, 0);
   REQUIRE_OK(insitu_mesh_commit(device, nullptr));
   expect_answers(sample_host(device), expected); // host points, host answers
 
