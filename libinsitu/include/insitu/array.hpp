@@ -209,6 +209,12 @@ public:
     }
     return count(extent[0] * extent[1] * extent[2]);
   }
+  /** The memory is a device's: the mesh then answers there (see insitu_mesh_locator), and queries
+   * whose points and answers stay there are made through insitu.h. */
+  Array& on_device() noexcept {
+    array_.memory = INSITU_DEVICE;
+    return *this;
+  }
   /** Says that this is a copy that an adaptor had to make, and why (a string that lives on). */
   Array& converted(const char* reason) noexcept {
     array_.converted = reason;

@@ -101,6 +101,27 @@ TEST_F(Wrapper, ArraysAreReadInPlace) {
   EXPECT_EQ(p(0.5, 0.5, 0.5), 7.0);
 }
 
+TEST_F(Wrapper, Locators) {
+  give();
+  mesh.commit();
+  const double expected = p(0.3, 0.4, 0.5);
+  EXPECT_EQ(mesh.locator_info().method, INSITU_METHOD_BVH);
+  mesh.locator(insitu::Method::shared_bilinear_faces, insitu::Backend::cpu);
+  mesh.commit();
+  EXPECT_EQ(mesh.locator_info().method, INSITU_METHOD_SHARED_BILINEAR_FACES);
+  EXPECT_STREQ(mesh.locator_info().reason, "as asked for");
+  EXPECT_EQ(p(0.3, 0.4, 0.5), expected);
+  const std::vector<std::array<double, 3>> points{{0.25, 0.5, 0.75}, {1.5, 0.5, 0.5}, {5, 0, 0}};
+  EXPECT_EQ(mesh.locate(points).cells, (std::vector<std::int64_t>{0, 1, -1}));
+  try {
+    mesh.locator(insitu::Method::bvh, insitu::Backend::optix);
+    ADD_FAILURE() << "optix has no bvh";
+  } catch (const insitu::Error& e) {
+    EXPECT_EQ(e.status(), INSITU_ERROR_UNSUPPORTED);
+  }
+  EXPECT_EQ(insitu::Array(two.x).on_device().get(-1, "x").memory, INSITU_DEVICE);
+}
+
 TEST_F(Wrapper, ChangedGeometryIsRefitted) {
   give();
   mesh.commit();
