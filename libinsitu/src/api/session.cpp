@@ -77,7 +77,7 @@ void Session::choose_locator(SessionMesh& to, const insitu_locator* locator) {
   } else if (runner_) {
     choice = runner_->locator().choice;
   }
-  query::pick_locator(choice, to.mesh.lies_on_device()); // throws before anything is changed
+  query::pick_locator(choice, to.mesh.mesh().lies_on_device()); // throws before anything is changed
   to.mesh.set_locator(choice);
   to.locator_chosen = locator != nullptr;
 }

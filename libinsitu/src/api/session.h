@@ -57,7 +57,9 @@ public:
 
 private:
   /// Whether its arrays are watched: not in device memory, which the host does not read.
-  bool checks(const SessionMesh& mesh) const { return checked_ && !mesh.mesh.lies_on_device(); }
+  bool checks(const SessionMesh& mesh) const {
+    return checked_ && !mesh.mesh.mesh().lies_on_device();
+  }
   /// The mesh, if it may be queried.
   const query::CommittedMesh& committed(SessionMesh& mesh);
   /// Locates the points, a slice at a time, and writes what args asks for and the fields' values.

@@ -92,7 +92,8 @@ cells::Validation CommittedMesh::validate(const core::Threads& threads) {
   mesh_.update();
   if (mesh_.pending() == 0)
     mesh_.set_changed(INSITU_CHANGED_FIELDS); // the next commit is cheap, but has to come
-  const std::unique_ptr<mesh::HostMirror> mirror = lies_on_device() ? make_mirror(mesh_) : nullptr;
+  const std::unique_ptr<mesh::HostMirror> mirror =
+      mesh_.lies_on_device() ? make_mirror(mesh_) : nullptr;
   const mesh::MeshView& view = mirror ? mirror->view() : mesh_.view();
   cells::Validation found = cells::validate(mesh_.name(), view, threads);
   if (found.findings.empty()) {
@@ -194,9 +195,10 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
   insitu_commit_report report = insitu_commit_report_default();
   const std::uint32_t pending = mesh_.pending();
   const std::int64_t bytes_before = memory.current();
-  locators_.decide(mesh_, log);
   if (!committed_ || pending != 0 || locators_.pending()) {
     committed_ = false;
+    on_device_ = mesh_.lies_on_device();
+    locators_.decide(on_device_, mesh_.name(), log);
     mesh_.update();
     if (strict)
       for (const insitu_audit_entry& e : mesh_.audit())

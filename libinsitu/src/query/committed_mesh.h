@@ -31,8 +31,9 @@ public:
   const Locators& locators() const { return locators_; }
   /// Answers whole batches, or null.
   const accel::DeviceLocator* device() const { return locators_.device(); }
-  /// The mesh's arrays are in device memory, at least one of them: only device() answers.
-  bool lies_on_device() const { return mesh_.lies_on_device(); }
+  /// At the last commit one of the mesh's arrays at least was in device memory: only device()
+  /// answers.
+  bool lies_on_device() const { return on_device_; }
   /// Throws INSITU_ERROR_ORDER before the first commit.
   insitu_locator_info locator_info() const;
   /// What device() did. reasons: of its answers, if they are on the host; they are counted.
@@ -89,6 +90,7 @@ private:
   std::int64_t located_before_ = 0; ///< points, when the policy was last told
   std::int64_t located_lately_ = 0; ///< points, between the last two commits that changed something
   bool committed_ = false;
+  bool on_device_ = false; ///< asked for with every point, so kept
   bool folds_are_known_ = false;
   bool tree_is_stale_ = false; ///< the mesh was in device memory meanwhile
   int commits_since_build_ = 0;

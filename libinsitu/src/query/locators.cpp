@@ -10,11 +10,11 @@ namespace insitu::query {
 using accel::Backend;
 using accel::Method;
 
-void Locators::decide(const mesh::Mesh& mesh, const core::Log& log) {
-  const LocatorPick pick = pick_locator(choice_, mesh.lies_on_device());
+void Locators::decide(bool on_device, const std::string& mesh_name, const core::Log& log) {
+  const LocatorPick pick = pick_locator(choice_, on_device);
   if (!pick.fallback.empty() && pick.fallback != said_) {
     said_ = pick.fallback;
-    log.warning("mesh '" + mesh.name() + "', " + pick.fallback);
+    log.warning("mesh '" + mesh_name + "', " + pick.fallback);
   }
   pending_ = pending_ || pick.method != pick_.method || pick.backend != pick_.backend;
   pick_ = pick;

@@ -29,7 +29,7 @@ public:
   const LocatorPick& pick() const { return pick_; }
 
   /// Decides what the next commit makes; throws as pick_locator.
-  void decide(const mesh::Mesh& mesh, const core::Log& log);
+  void decide(bool on_device, const std::string& mesh_name, const core::Log& log);
   /// Finds faces anew, if rays ask for them or for knowing overlaps; before commit().
   void make_faces(accel::HostView host, const core::Threads& threads);
   /// Brings the structures up to date. what: INSITU_CHANGED_*. Throws core::Error; then there are

@@ -55,12 +55,12 @@ typedef struct insitu_locate_args {
   double* parametric; /**< [count][3] VTK's parametric coordinates, NaN outside */
   uint8_t* found;     /**< [count] 1 inside */
   uint8_t* reasons;   /**< [count] why: an insitu_reason */
-  /** Where outputs lie; the points lie there too. INSITU_DEVICE needs a locator on a device: then
-   *  values of a sample are device memory as well, and `pieces` and `frame` are not had. */
+  /** Where all outputs lie, the values of a sample too, and the points. INSITU_DEVICE needs a
+   * locator on a device, one packed float64 array of points, and no frame. */
   insitu_memory memory;
   /** INSITU_DEVICE: a cudaStream_t (null: the default stream), in whose order points are read and
-   *  outputs written. The call waits for points that need the host's exact arithmetic, and only
-   * then: never in INSITU_FAST. */
+   *  outputs written. The call waits, to learn which points need the host's exact arithmetic; in
+   *  INSITU_FAST it does not, but when fields are asked for the first time after a commit. */
   void* stream;
 } insitu_locate_args;
 

@@ -5,6 +5,7 @@
 
 #include "accel/cuda/frame_kernels.h"
 #include "core/status.h"
+#include "mesh/host_mirror.h"
 
 namespace insitu::accel::cuda {
 
@@ -153,20 +154,11 @@ void DeviceMesh::translate_pieces(const mesh::MeshView& from) {
   first_cell_.assign(from.first_cell, from.first_cell + n + 1);
   first_vertex_.assign(from.first_vertex, from.first_vertex + n + 1);
   for (std::size_t i = 0; i < n; ++i) {
-    mesh::PieceView& piece = pieces_[i];
     const std::string name = "piece " + std::to_string(i);
-    const auto translate = [&](const std::byte*& p, std::int64_t count, const char* array) {
-      p = p && count > 0 ? on_device(p, name + " " + array) : nullptr;
-    };
-    const bool block = piece.layout == mesh::CellLayout::block;
-    translate(piece.connectivity.data, block ? 0 : piece.connectivity.count, "connectivity");
-    translate(piece.offsets.data, piece.offsets.count, "offsets");
-    translate(piece.types, piece.cell_count, "types");
-    for (const std::byte*& axis : piece.axis)
-      translate(axis, 1, "axis");
-    for (const std::byte*& component : piece.points.component)
-      translate(component, piece.points.layout.count, "points");
-    translate(piece.ghosts, piece.ghost_layout.count, "ghosts");
+    mesh::for_each_array(pieces_[i],
+                         [&](const std::byte*& p, std::int64_t count, const char* array) {
+                           p = p && count > 0 ? on_device(p, name + " " + array) : nullptr;
+                         });
   }
   host_view_ = from;
   host_view_.pieces = pieces_.data();

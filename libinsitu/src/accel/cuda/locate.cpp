@@ -2,101 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
-#include <vector>
 
-#include "accel/cuda/locate_kernels.h"
-#include "cells/robust_inverse.h"
+#include "accel/cuda/settle.h"
 #include "core/status.h"
 
 namespace insitu::accel::cuda {
-
-namespace {
-
-constexpr std::uint32_t pair_room = 1u << 20;  ///< undecided pairs of a round
-constexpr std::uint32_t pair_slice = 1u << 15; ///< of them at a time on the host
-constexpr std::int64_t pair_grain = 64;
-
-void copy_to_host(void* to, const void* from, std::size_t bytes, cudaStream_t stream) {
-  check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream), "copying answers");
-}
-void copy_to_device(void* to, const void* from, std::size_t bytes, cudaStream_t stream) {
-  check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, stream), "copying points");
-}
-
-/// Host memory to pinned or back, by all threads.
-void copy_in_parallel(const core::Threads& threads, void* to, const void* from, std::size_t bytes) {
-  threads.parallel_for(std::int64_t(bytes), 1 << 20, [&](std::int64_t begin, std::int64_t end) {
-    std::memcpy(static_cast<std::byte*>(to) + begin, static_cast<const std::byte*>(from) + begin,
-                std::size_t(end - begin));
-  });
-}
-
-/// Lists of one slice in flight.
-struct SliceLists {
-  explicit SliceLists(core::Memory& memory)
-      : counters(memory), open(memory), pairs(memory),
-        left(memory), again{DeviceBuffer<std::uint32_t>(memory),
-                            DeviceBuffer<std::uint32_t>(memory)},
-        hard(memory), counted(memory) {}
-  void make_room(std::uint32_t points) {
-    counters.resize_discard(Lists::counter_count);
-    counted.resize_discard(Lists::counter_count);
-    open.resize_discard(points);
-    pairs.resize_discard(pair_room);
-    left.resize_discard(pair_room);
-    again[0].resize_discard(points);
-    again[1].resize_discard(points);
-    hard.resize_discard(points);
-  }
-  Lists view(int round) const {
-    Lists lists;
-    lists.counters = counters.data();
-    lists.open_points = open.data();
-    lists.pairs = pairs.data();
-    lists.left_pairs = left.data();
-    lists.pair_room = pair_room;
-    lists.again_points = again[round % 2].data();
-    lists.hard_points = hard.data();
-    return lists;
-  }
-  std::int64_t bytes() const {
-    return counters.bytes() + open.bytes() + pairs.bytes() + left.bytes() + again[0].bytes() +
-           again[1].bytes() + hard.bytes();
-  }
-  DeviceBuffer<std::uint32_t> counters;
-  DeviceBuffer<OpenPoint> open;
-  DeviceBuffer<OpenPair> pairs, left;
-  DeviceBuffer<std::uint32_t> again[2];
-  DeviceBuffer<OwnedPoint> hard;
-  PinnedBuffer<std::uint32_t> counted;
-};
-
-/// Points and answers of one slice on their way between host and device.
-struct Staging {
-  explicit Staging(core::Memory& memory) : host(memory), device(memory) {}
-  PinnedBuffer<std::byte> host;
-  DeviceBuffer<std::byte> device;
-};
-
-} // namespace
-
-struct Workspace::Impl {
-  explicit Impl(core::Memory& memory)
-      : lists{SliceLists(memory), SliceLists(memory)}, staging{Staging(memory), Staging(memory)},
-        pair_data(memory), pair_host(memory), decided(memory), decided_host(memory),
-        parametric(memory), parametric_host(memory) {}
-
-  std::mutex mutex;
-  Stream streams[2];
-  SliceLists lists[2];
-  Staging staging[2];
-  DeviceBuffer<PairData> pair_data;
-  PinnedBuffer<PairData> pair_host;
-  DeviceBuffer<cells::Reason> decided;
-  PinnedBuffer<cells::Reason> decided_host;
-  DeviceBuffer<math::Vec3d> parametric;
-  PinnedBuffer<math::Vec3d> parametric_host;
-};
 
 Workspace::Workspace(core::Memory& memory) : impl_(std::make_unique<Impl>(memory)) {}
 Workspace::~Workspace() = default;
@@ -110,12 +20,13 @@ std::int64_t Workspace::device_bytes() const {
 
 namespace {
 
-/// A slice that has been queued.
-struct InFlight {
-  LocateArguments arguments;
-  cudaStream_t stream;
-  SliceLists* lists;
-};
+/// Host memory to pinned or back, by all threads.
+void copy_in_parallel(const core::Threads& threads, void* to, const void* from, std::size_t bytes) {
+  threads.parallel_for(std::int64_t(bytes), 1 << 20, [&](std::int64_t begin, std::int64_t end) {
+    std::memcpy(static_cast<std::byte*>(to) + begin, static_cast<const std::byte*>(from) + begin,
+                std::size_t(end - begin));
+  });
+}
 
 /// Queues the locating of a slice, and the counts of what is left to do.
 void start(const InFlight& slice, insitu_accuracy accuracy) {
@@ -126,121 +37,6 @@ void start(const InFlight& slice, insitu_accuracy accuracy) {
   launch_locate(slice.arguments, slice.stream);
   copy_to_host(slice.lists->counted.data(), slice.lists->counters.data(), bytes, slice.stream);
 }
-
-/// What the device leaves to the host.
-class Settler {
-public:
-  Settler(Workspace::Impl& work, const core::Threads& threads, InFlight& slice)
-      : work_(work), threads_(threads), slice_(slice), stream_(slice.stream) {}
-
-  void run(DeviceCounts& counts) {
-    wait();
-    counts.candidates_kept += counted(Lists::kept);
-    counts.by_tree += slice_.arguments.candidates ? counted(Lists::asked) : slice_.arguments.count;
-    for (int round = 1; counted(Lists::open) > 0; ++round) {
-      counts.settled_on_host += settle_open();
-      const std::uint32_t again = counted(Lists::again);
-      if (again == 0)
-        break;
-      // Once more, with the list of pairs empty. The first of them have room.
-      slice_.arguments.subset = slice_.arguments.lists.again_points;
-      slice_.arguments.count = again;
-      slice_.arguments.lists = slice_.lists->view(round);
-      const std::size_t bytes = Lists::hard * sizeof(std::uint32_t); // but those of hard points
-      check(cudaMemsetAsync(slice_.lists->counters.data(), 0, bytes, stream_), "locating points");
-      launch_locate(slice_.arguments, stream_);
-      read_counters();
-    }
-    settle_hard();
-  }
-
-private:
-  std::uint32_t counted(Lists::Counter c) const { return slice_.lists->counted[c]; }
-  void wait() { check(cudaStreamSynchronize(stream_), "locating points"); }
-  void read_counters() {
-    copy_to_host(slice_.lists->counted.data(), slice_.lists->counters.data(),
-                 Lists::counter_count * sizeof(std::uint32_t), stream_);
-    wait();
-  }
-  /// Brings the vertices of some pairs to the host: of open ones or hard ones.
-  template <class Launch>
-  const PairData* fetch(Launch launch, std::uint32_t first, std::uint32_t n) {
-    work_.pair_data.resize_discard(pair_slice);
-    work_.pair_host.resize_discard(pair_slice);
-    launch(slice_.arguments, first, n, work_.pair_data.data(), stream_);
-    copy_to_host(work_.pair_host.data(), work_.pair_data.data(), n * sizeof(PairData), stream_);
-    wait();
-    return work_.pair_host.data();
-  }
-
-  /// Decides the open points' pairs, exactly; the lowest id that holds a point is its owner.
-  /// Returns how many points needed the host.
-  std::int64_t settle_open() {
-    const std::uint32_t points = counted(Lists::open), again = counted(Lists::again);
-    const std::uint32_t pairs = std::min(counted(Lists::pair), pair_room);
-    launch_decide_pairs(slice_.arguments, pairs, stream_);
-    read_counters();
-    const std::int64_t settled = settle_left(counted(Lists::left), points);
-    launch_finish(slice_.arguments, points, stream_);
-    read_counters(); // hard points may have come
-    slice_.lists->counted[Lists::again] = again;
-    return settled;
-  }
-
-  /// The pairs that the device cannot decide, by exact arithmetic.
-  std::int64_t settle_left(std::uint32_t pairs, std::uint32_t points) {
-    if (pairs == 0)
-      return 0;
-    std::vector<OpenPair> left(pairs);
-    copy_to_host(left.data(), slice_.lists->left.data(), pairs * sizeof(OpenPair), stream_);
-    work_.decided.resize_discard(pair_slice);
-    work_.decided_host.resize_discard(pair_slice);
-    for (std::uint32_t first = 0; first < pairs; first += pair_slice) {
-      const std::uint32_t n = std::min(pair_slice, pairs - first);
-      const PairData* data = fetch(launch_gather_left, first, n);
-      threads_.parallel_for(n, pair_grain, [&](std::int64_t begin, std::int64_t end) {
-        for (std::int64_t k = begin; k < end; ++k)
-          work_.decided_host[std::size_t(k)] = cells::decide(data[k].shape, data[k].x, data[k].p);
-      });
-      copy_to_device(work_.decided.data(), work_.decided_host.data(), n, stream_);
-      launch_take_decided(slice_.arguments, first, n, work_.decided.data(), stream_);
-    }
-    wait();
-    std::vector<bool> seen(points, false);
-    std::int64_t settled = 0;
-    for (const OpenPair& pair : left) {
-      settled += !seen[pair.open];
-      seen[pair.open] = true;
-    }
-    return settled;
-  }
-
-  /// Parametric coordinates that Newton's method did not find.
-  void settle_hard() {
-    const std::uint32_t total = counted(Lists::hard);
-    for (std::uint32_t first = 0; first < total; first += pair_slice) {
-      const std::uint32_t n = std::min(pair_slice, total - first);
-      const PairData* data = fetch(launch_gather_hard, first, n);
-      work_.parametric_host.resize_discard(pair_slice);
-      work_.parametric.resize_discard(pair_slice);
-      threads_.parallel_for(n, pair_grain, [&](std::int64_t begin, std::int64_t end) {
-        for (std::int64_t k = begin; k < end; ++k)
-          work_.parametric_host[std::size_t(k)] =
-              cells::robust_inverse(data[k].shape, data[k].x, data[k].p);
-      });
-      copy_to_device(work_.parametric.data(), work_.parametric_host.data(), n * sizeof(math::Vec3d),
-                     stream_);
-      launch_finish_at(slice_.arguments, slice_.lists->hard.data() + first, work_.parametric.data(),
-                       n, stream_);
-      wait();
-    }
-  }
-
-  Workspace::Impl& work_;
-  const core::Threads& threads_;
-  InFlight& slice_;
-  cudaStream_t stream_;
-};
 
 } // namespace
 
@@ -301,7 +97,7 @@ private:
   }
   void settle(InFlight& slice) {
     if (query_.accuracy != INSITU_FAST)
-      return Settler(work_, threads_, slice).run(counts_);
+      return settle_slice(work_, threads_, slice, counts_);
     (candidates_ ? counts_.candidates_kept : counts_.by_tree) += slice.arguments.count;
   }
 
