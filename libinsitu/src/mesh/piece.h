@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "mesh/array_view.h"
+#include "mesh/gridlet.h"
 #include "mesh/shape.h"
 
 namespace insitu::mesh {
@@ -22,13 +23,13 @@ concept CellSource = requires(const C& c, std::int64_t cell, std::int64_t* ids) 
   { c.owns(cell) } -> std::same_as<bool>;
 };
 
-enum class CellLayout : std::uint8_t { uniform, mixed, padded, block };
+enum class CellLayout : std::uint8_t { uniform, mixed, padded, block, gridlets };
 
 /// A piece as kernels see it: plain data over the solver's arrays.
 struct PieceView {
   // Cells.
   CellLayout layout = CellLayout::uniform;
-  Shape uniform_shape = Shape::none; ///< UNIFORM, PADDED (8 ids) and blocks
+  Shape uniform_shape = Shape::none; ///< UNIFORM, PADDED (8 ids), blocks and gridlets
   std::int64_t cell_count = 0;
   std::int64_t vertex_count = 0;
   IndexView connectivity;           ///< UNIFORM, PADDED: stride between cells
@@ -45,6 +46,8 @@ struct PieceView {
   const std::byte* axis[3] = {nullptr, nullptr, nullptr}; ///< rectilinear
   std::int64_t axis_stride[3] = {0, 0, 0};
   bool axis_is_float32 = false;
+  // Gridlets of a dual mesh: cell c is cell c & 511 of gridlet c >> 9, a voxel if it owns points.
+  const GridletsView* gridlets = nullptr;
   // Geometry, ghosts.
   PointsView points;
   const std::byte* ghosts = nullptr;
@@ -52,7 +55,8 @@ struct PieceView {
   std::uint8_t ghost_mask = 0; ///< bits that take a cell out
 
   INSITU_HD Shape shape(std::int64_t cell) const {
-    if (layout == CellLayout::uniform || layout == CellLayout::block)
+    if (layout == CellLayout::uniform || layout == CellLayout::block ||
+        layout == CellLayout::gridlets)
       return uniform_shape;
     if (layout == CellLayout::mixed)
       return Shape(load_as<std::uint8_t>(types + cell * types_stride));
@@ -84,6 +88,8 @@ struct PieceView {
       ids[7] = v + dk + dj;
       return 8;
     }
+    if (layout == CellLayout::gridlets)
+      return gridlets->vertex_ids(cell, ids);
     const int n = vertex_count_of(shape(cell));
     const std::byte* base =
         layout == CellLayout::mixed
@@ -95,6 +101,8 @@ struct PieceView {
   }
 
   INSITU_HD math::Vec3d point(std::int64_t id) const {
+    if (layout == CellLayout::gridlets)
+      return gridlets->point(id);
     if (!implicit_points)
       return points.load(id);
     const std::int64_t row = id / block_vertices[0];
@@ -107,8 +115,10 @@ struct PieceView {
     return p;
   }
 
-  /// False for ghost and blanked cells: they never own a point and are never drawn.
+  /// False for ghost, blanked and empty cells: they never own a point and are never drawn.
   INSITU_HD bool owns(std::int64_t cell) const {
+    if (layout == CellLayout::gridlets)
+      return gridlets->is_full(cell);
     return !ghosts || (load_as<std::uint8_t>(ghosts + ghost_layout.offset(cell)) & ghost_mask) == 0;
   }
 

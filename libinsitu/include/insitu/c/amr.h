@@ -1,0 +1,134 @@
+/** @file amr.h
+ *  Adaptive meshes: cell-centred patches of levels, or leaves of octrees, as the solver stores
+ *  them. Values are given by insitu_mesh_field with INSITU_CELL; extents and strides of the arrays
+ *  say ghost layers and C order. Between cell centres they are interpolated on the dual mesh, which
+ *  a commit of INSITU_CHANGED_TOPOLOGY (a regrid) builds; other commits keep it. */
+#ifndef INSITU_C_AMR_H
+#define INSITU_C_AMR_H
+
+#include "insitu/c/mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { INSITU_AMR_MOST_LEVELS = 31 };
+
+/** What an adaptive mesh's samples are between cell centres. */
+typedef enum insitu_reconstruction INSITU_INT {
+  INSITU_DUAL = 0,   /**< continuous: the dual mesh's interpolant, the cells' values at their
+                          centres; from the outermost centres to the boundary the value is kept */
+  INSITU_NEAREST = 1 /**< the value of the cell that holds the point */
+} insitu_reconstruction;
+
+/** The lattices of an adaptive mesh's levels. Cell (i, j, k) of a level spans from origin +
+ *  (i, j, k) * h to one h more along each axis; h is the level's spacing. */
+typedef struct insitu_amr {
+  size_t size;
+  double origin[3];      /**< the lower corner of cell (0, 0, 0) of every level */
+  double spacing[3];     /**< of the coarsest level; positive */
+  int32_t level_count;   /**< 1 to INSITU_AMR_MOST_LEVELS */
+  const int32_t* ratios; /**< [level_count - 1] from the coarsest on: 2 or 4; null: all 2; copied */
+  int32_t finest_first;  /**< 0: level 0 is the coarsest; 1: level 0 is the finest */
+  insitu_reconstruction reconstruction; /**< of samples, probes, tracers; frames take the dual */
+} insitu_amr;
+
+static inline insitu_amr insitu_amr_default(void) {
+  insitu_amr a;
+  int i;
+  a.size = sizeof a;
+  for (i = 0; i < 3; ++i) {
+    a.origin[i] = 0.0;
+    a.spacing[i] = 1.0;
+  }
+  a.level_count = 1;
+  a.ratios = NULL;
+  a.finest_first = 0;
+  a.reconstruction = INSITU_DUAL;
+  return a;
+}
+
+/** Makes the mesh an adaptive one: its pieces are patches or leaves. Before its first piece;
+ *  again to change the lattice or the reconstruction. */
+INSITU_API insitu_status insitu_mesh_amr(insitu_mesh mesh, const insitu_amr* amr);
+
+/** A patch: the cells lower to lower + cells - 1 of a level; cell (i, j, k) of it has the id
+ *  i + cells[0]*(j + cells[1]*k). Coarse cells under finer patches are masked by the library. */
+typedef struct insitu_patch {
+  size_t size;
+  int32_t level;
+  int64_t lower[3];
+  int64_t cells[3];
+} insitu_patch;
+
+static inline insitu_patch insitu_patch_default(void) {
+  insitu_patch p;
+  int i;
+  p.size = sizeof p;
+  p.level = 0;
+  for (i = 0; i < 3; ++i)
+    p.lower[i] = p.cells[i] = 0;
+  return p;
+}
+
+/** A piece that is a patch. */
+INSITU_API insitu_status insitu_mesh_patch(insitu_mesh mesh, int32_t piece,
+                                           const insitu_patch* patch);
+
+/** Leaves of octrees: a level and the lower corner's index each. */
+typedef struct insitu_leaves {
+  size_t size;
+  insitu_array levels;  /**< uint8, int32 or int64, one a leaf */
+  insitu_array corners; /**< int32 or int64: 3 components a leaf;
+                             component_stride serves separate columns */
+  int32_t
+      corner_bits;   /**< -1: a corner counts cells of the leaf's own level; otherwise cells of
+                          1/2^corner_bits of the coarsest level's spacing (p4est: P8EST_MAXLEVEL) */
+  int64_t offset[3]; /**< added to corners, in the same cells: where a tree lies in the forest */
+} insitu_leaves;
+
+static inline insitu_leaves insitu_leaves_default(void) {
+  insitu_leaves l;
+  int i;
+  l.size = sizeof l;
+  l.levels = insitu_array_default();
+  l.corners = insitu_array_default();
+  l.corner_bits = -1;
+  for (i = 0; i < 3; ++i)
+    l.offset[i] = 0;
+  return l;
+}
+
+/** A piece that is a list of leaves. */
+INSITU_API insitu_status insitu_mesh_leaves(insitu_mesh mesh, int32_t piece,
+                                            const insitu_leaves* leaves);
+
+/** What an adaptive mesh's last regrid made, in cells. */
+typedef struct insitu_amr_info {
+  size_t size;
+  int64_t leaves, masked; /**< masked: under finer cells */
+  int64_t gridlets;       /**< small grids of cubes */
+  int64_t cubes;          /**< dual cells in them */
+  int64_t stitching;      /**< other dual cells */
+  int64_t folded;         /**< of these, folded before the repair */
+  int64_t repaired;       /**< leaves that were split for the dual mesh alone */
+  int64_t bytes;          /**< of the dual mesh, values and tree left out */
+  double build_s;
+} insitu_amr_info;
+
+static inline insitu_amr_info insitu_amr_info_default(void) {
+  insitu_amr_info i;
+  i.size = sizeof i;
+  i.leaves = i.masked = i.gridlets = i.cubes = i.stitching = i.folded = i.repaired = i.bytes = 0;
+  i.build_s = 0.0;
+  return i;
+}
+
+/** INSITU_ERROR_ORDER unless the mesh is adaptive and committed. */
+INSITU_API insitu_status insitu_mesh_amr_info(insitu_mesh mesh, insitu_amr_info* info);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* INSITU_C_AMR_H */

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "amr/leaf_map.h"
+#include "mesh/view.h"
+
+namespace insitu::amr {
+
+/// Counts of a dual mesh, in cells unless said otherwise.
+struct DualCounts {
+  std::int64_t leaves = 0, masked = 0;
+  std::int64_t gridlets = 0; ///< gridlets
+  std::int64_t cubes = 0;    ///< full cells of gridlets
+  std::int64_t empty = 0;    ///< other cells of gridlets
+  std::int64_t scalars = 0;  ///< vertices of gridlets
+  std::int64_t tetrahedra = 0, pyramids = 0, wedges = 0, hexahedra = 0,
+               collapsed = 0;    ///< stitching
+  std::int64_t boundary = 0;     ///< of these, cells between the dual and the domain's boundary
+  std::int64_t folded = 0;       ///< stitching cells that fold before the repair
+  std::int64_t repaired = 0;     ///< virtual leaves that the repair made
+  std::int64_t still_folded = 0; ///< after it; 0
+  std::int64_t stitching() const { return tetrahedra + pyramids + wedges + hexahedra + collapsed; }
+};
+
+/// The dual mesh of an adaptive mesh (Moran and Ellsworth 2011; Wald 2020; Zellmann 2023, section
+/// 4.1): a vertex at the centre of every leaf, a cell at every corner of the finest leaves there.
+/// Cells among leaves of one depth are cubes and lie in gridlets, the others are stitching cells.
+/// Between the outermost centres and the domain's boundary lie cells whose vertices are the centres
+/// and their projections to the boundary, with the same values.
+class DualMesh {
+public:
+  explicit DualMesh(core::Memory& memory);
+  ~DualMesh();
+
+  /// Builds anew, at a regrid. Throws what LeafMap::build throws.
+  void build(const mesh::AmrView& mesh, const core::Threads& threads);
+
+  const LeafMap& leaves() const;
+  const DualCounts& counts() const;
+  std::int64_t bytes() const; ///< of gridlets, stitching cells and the map, without values
+
+  /// Piece 0: the gridlets (CellLayout::gridlets). Piece 1: stitching cells (PADDED, int32 ids,
+  /// points of their own). Valid until the next build.
+  const mesh::MeshView& view() const;
+
+  /// Where the value of a vertex of piece 1 comes from: one leaf, or of a virtual leaf the sum of
+  /// weight * value over some. Vertices of piece 0 are leaves (GridletsView::leaves).
+  struct Terms {
+    const std::uint32_t* leaves = nullptr;
+    const double* weights = nullptr; ///< null: one term of weight 1
+    int count = 0;
+  };
+  Terms terms(std::int64_t vertex) const;
+};
+
+} // namespace insitu::amr

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "mesh/adaptive.h"
+
+namespace insitu::amr {
+
+/// Which leaf lies at a place of a depth's lattice: bricks of 8x8x8 entries, a table of bricks a
+/// depth. A leaf is a cell that no finer cell covers; its id is its flat cell id. Cells under finer
+/// ones are masked here and nowhere else.
+class LeafMap {
+public:
+  static constexpr std::uint32_t nothing = 0xffffffff; ///< outside, or in a coarser leaf
+  static constexpr std::uint32_t refined = 0xfffffffe; ///< finer cells lie here
+  static constexpr int side = 8;
+
+  explicit LeafMap(core::Memory& memory);
+  ~LeafMap();
+
+  /// Builds anew. Throws INSITU_ERROR_MESH that names pieces and cells: cells of one depth at one
+  /// place; finer cells that cover a coarser one in part only (a leaf needs all of its place).
+  void build(const mesh::AmrView& mesh, const core::Threads& threads);
+
+  const mesh::Lattice& lattice() const;
+  /// Depths that hold leaves: [0, depth_count()).
+  int depth_count() const;
+  std::int64_t leaf_count() const;   ///< masked cells left out
+  std::int64_t masked_count() const; ///< cells under finer ones
+  std::int64_t bytes() const;
+
+  /// The leaf's id at an index of a depth, or nothing or refined.
+  std::uint32_t at(int depth, const std::int64_t* index) const;
+
+  /// A leaf, with its place.
+  struct Leaf {
+    std::uint32_t id = nothing;
+    mesh::AmrCell cell;
+    explicit operator bool() const { return id != nothing; }
+  };
+  /// The leaf that covers this cell of a depth: of its depth or coarser; none outside, or where the
+  /// place is refined.
+  Leaf cover(int depth, const std::int64_t* index) const;
+  /// The leaf that owns a point: cells are closed below and open above, and the last ones closed
+  /// (`nearest` reconstruction). None outside and for points that are not finite.
+  Leaf find(const math::Vec3d& p) const;
+};
+
+} // namespace insitu::amr

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+
+#include "mesh/array_view.h"
+#include "mesh/lattice.h"
+
+namespace insitu::mesh {
+
+/// A piece of an adaptive mesh, as the solver stores it: a patch of cells of one level, or leaves
+/// of octrees. Plain data over the solver's arrays.
+struct AmrPieceView {
+  bool is_patch = true;
+  std::int64_t cell_count = 0;
+  // A patch: the cells [lower, lower + size) of one depth, i fastest.
+  int depth = 0;
+  std::int64_t lower[3] = {0, 0, 0};
+  std::int64_t size[3] = {0, 0, 0};
+  // Leaves: a level each, and the index of the lower corner.
+  const std::byte* levels = nullptr; ///< int8 (uint8), int32 or int64
+  std::int64_t levels_stride = 0;
+  int level_bytes = 4;
+  const std::byte* corner[3] = {nullptr, nullptr, nullptr};
+  std::int64_t corner_stride = 0;
+  bool corner_is_int32 = true;
+  int corner_depth = -1;              ///< the lattice that corners count in; -1: the leaf's own
+  std::int64_t offset[3] = {0, 0, 0}; ///< added to corners, counted as they are
+
+  std::int64_t raw_level(std::int64_t cell) const {
+    const std::byte* p = levels + cell * levels_stride;
+    return level_bytes == 1 ? std::int64_t(load_as<std::int8_t>(p))
+                            : load_index(p, level_bytes == 4);
+  }
+  std::int64_t raw_corner(std::int64_t cell, int axis) const {
+    return load_index(corner[axis] + cell * corner_stride, corner_is_int32);
+  }
+};
+
+/// A cell's place: its depth and its index on the depth's lattice.
+struct AmrCell {
+  int depth = 0;
+  std::int64_t index[3] = {0, 0, 0};
+};
+
+/// All pieces of an adaptive mesh, checked apart from each other: indices are in range, but patches
+/// may lie on or under others. Cells are numbered flat over the pieces. Valid until the next update
+/// of the registrations.
+struct AmrView {
+  static constexpr int most_levels = Lattice::most_depth + 1;
+  Lattice lattice;
+  int level_count = 1;
+  bool finest_first = false;               ///< leaves' raw levels count from the finest
+  std::int8_t depth_of[most_levels] = {0}; ///< of level l, 0 the coarsest
+  const AmrPieceView* pieces = nullptr;
+  const std::int64_t* first_cell = nullptr; ///< [piece_count + 1]
+  std::int32_t piece_count = 0;
+
+  std::int64_t cell_count() const { return first_cell[piece_count]; }
+  int finest_depth() const { return depth_of[level_count - 1]; }
+
+  /// Where a cell of a piece lies.
+  AmrCell cell(const AmrPieceView& piece, std::int64_t cell) const {
+    AmrCell c;
+    if (piece.is_patch) {
+      c.depth = piece.depth;
+      const std::int64_t row = cell / piece.size[0];
+      c.index[0] = piece.lower[0] + cell - row * piece.size[0];
+      c.index[1] = piece.lower[1] + row % piece.size[1];
+      c.index[2] = piece.lower[2] + row / piece.size[1];
+      return c;
+    }
+    const std::int64_t raw = piece.raw_level(cell);
+    c.depth = depth_of[finest_first ? level_count - 1 - raw : raw];
+    const int shift = piece.corner_depth < 0 ? 0 : piece.corner_depth - c.depth;
+    for (int a = 0; a < 3; ++a)
+      c.index[a] = (piece.raw_corner(cell, a) + piece.offset[a]) >> shift;
+    return c;
+  }
+};
+
+} // namespace insitu::mesh
