@@ -8,6 +8,7 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "insitu/c/amr.h"
 #include "mesh/external_array.h"
 #include "mesh/view.h"
 
@@ -15,6 +16,15 @@ namespace insitu::mesh {
 
 /// Trees keep flat cell ids in 32 bits.
 constexpr std::int64_t most_cells = 0xffffffff;
+
+/// Cells in place of the solver's own: an adaptive mesh's dual cells.
+class StandIn {
+public:
+  virtual ~StandIn() = default;
+  virtual const MeshView& view() const = 0;
+  /// A field of the solver's on these cells; valid until the next commit.
+  virtual FieldView field(const FieldView& own) = 0;
+};
 
 /// What a solver registered: pieces, fields, ghosts. Holds pointers, never values, but for the
 /// earlier step that pathlines need. Registrations may be incomplete until update().
@@ -45,13 +55,28 @@ public:
   /// Whether an array lies in device memory: then the host reads none of the mesh.
   bool lies_on_device() const;
 
-  /// The views of the last update().
-  const MeshView& view() const { return view_; }
+  /// The views of the last update(): of the stand-in's cells if there is one, and of the solver's
+  /// own.
+  const MeshView& view() const { return stand_in_ ? stand_in_->view() : view_; }
+  const MeshView& own_view() const { return view_; }
+  /// From now on view() and field() are the stand-in's; null: the solver's own.
+  void set_stand_in(StandIn* stand_in) { stand_in_ = stand_in; }
+  bool has_stand_in() const { return stand_in_ != nullptr; }
   void set_free_of_folds(bool free) { view_.free_of_folds = free; }
   void set_covers_once(bool once) { view_.covers_once = once; }
 
-  /// The field of that name; throws INSITU_ERROR_FIELD with the nearest name.
+  // TEMPORARY
+  bool is_adaptive() const { return false; }
+  const AmrView& adaptive() const { static AmrView v; return v; }
+  insitu_reconstruction reconstruction() const { return INSITU_DUAL; }
+
+  /// Which cells of an adaptive mesh are no leaves: a bit a flat cell, or null; kept by the caller.
+  void set_masked(const std::uint64_t* masked);
+
+  /// The field of that name, on view()'s cells and on own_view()'s; throws INSITU_ERROR_FIELD with
+  /// the nearest name.
   FieldView field(const std::string& name) const;
+  FieldView own_field(const std::string& name) const;
   bool has_field(const std::string& name) const;
   std::vector<std::string> field_names() const;
 
@@ -111,6 +136,7 @@ private:
   std::vector<PieceView> piece_views_;
   std::vector<std::int64_t> first_cell_{0}, first_vertex_{0};
   MeshView view_;
+  StandIn* stand_in_ = nullptr;
   // The earlier step.
   struct EarlierField {
     explicit EarlierField(core::Memory& memory) : values(memory, INSITU_MEMORY_EARLIER) {}
