@@ -47,7 +47,7 @@ module insitu
       insitu_fast, insitu_standard, insitu_exact, &
       insitu_nothing, insitu_fields, insitu_geometry, insitu_topology, insitu_all, &
       insitu_log_error, insitu_log_warning, insitu_log_info, insitu_log_debug, &
-      insitu_ghosts_vtk, insitu_ghosts_ascent, &
+      insitu_ghosts_vtk, insitu_ghosts_ascent, insitu_dual, insitu_nearest, &
       insitu_keep, insitu_refit, insitu_rebuild, &
       insitu_method_auto, insitu_method_bvh, insitu_method_user_geometry, &
       insitu_method_replicated_faces, insitu_method_shared_faces, &
@@ -87,6 +87,9 @@ module insitu
   type, extends(below), public :: insitu_mesh
   contains
     procedure :: uniform_block
+    procedure :: adaptive
+    procedure :: patch
+    procedure :: drop_pieces
     procedure :: remove_field
     procedure :: ghosts
     procedure :: changed
@@ -436,5 +439,7 @@ contains
     call self%finish(c_mesh_sample_point(self%handle, to_c(field), point, values, inside), ierr)
     if (present(found)) found = inside /= 0
   end subroutine sample_point
+
+  include 'insitu_adaptive.inc'
 
 end module insitu

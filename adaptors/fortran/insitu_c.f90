@@ -59,6 +59,9 @@ module insitu_c
       insitu_block_uniform = 0, insitu_block_rectilinear = 1, insitu_block_curvilinear = 2
   integer(c_int), parameter :: insitu_ghosts_vtk = 0, insitu_ghosts_ascent = 1
 
+  ! insitu_reconstruction
+  integer(c_int), parameter :: insitu_dual = 0, insitu_nearest = 1
+
   ! insitu_frame_kind
   integer(c_int), parameter :: &
       insitu_frame_cartesian = 0, insitu_frame_geocentric = 1, insitu_frame_geodetic = 2, &
@@ -116,6 +119,8 @@ module insitu_c
     integer(c_int64_t) :: component_stride = 0
     integer(c_int) :: memory = insitu_host
     type(c_ptr) :: converted = c_null_ptr
+    integer(c_int32_t) :: indirect = 0
+    integer(c_int64_t) :: offset = 0
   end type c_array
 
   type, bind(c) :: c_cells
@@ -137,6 +142,36 @@ module insitu_c
     real(c_double) :: spacing(3) = 1.0_c_double
     type(c_array) :: coordinates(3)
   end type c_block
+
+  type, bind(c) :: c_amr
+    integer(c_size_t) :: size = 0
+    real(c_double) :: origin(3) = 0.0_c_double
+    real(c_double) :: spacing(3) = 1.0_c_double
+    integer(c_int32_t) :: level_count = 1
+    type(c_ptr) :: ratios = c_null_ptr
+    integer(c_int32_t) :: finest_first = 0
+    integer(c_int) :: reconstruction = insitu_dual
+  end type c_amr
+
+  type, bind(c) :: c_patch
+    integer(c_size_t) :: size = 0
+    integer(c_int32_t) :: level = 0
+    integer(c_int64_t) :: lower(3) = 0, cells(3) = 0
+  end type c_patch
+
+  type, bind(c) :: c_leaves
+    integer(c_size_t) :: size = 0
+    type(c_array) :: levels, corners
+    integer(c_int32_t) :: corner_bits = -1
+    integer(c_int64_t) :: offset(3) = 0
+  end type c_leaves
+
+  type, bind(c) :: insitu_amr_info
+    integer(c_size_t) :: size = 0
+    integer(c_int64_t) :: leaves = 0, masked = 0, gridlets = 0, cubes = 0, stitching = 0
+    integer(c_int64_t) :: folded = 0, repaired = 0, bytes = 0
+    real(c_double) :: build_s = 0.0_c_double
+  end type insitu_amr_info
 
   type, bind(c) :: c_frame
     integer(c_size_t) :: size = 0

@@ -22,6 +22,7 @@ module insitu_core
     procedure :: give_points
     procedure :: give_cells
     procedure :: give_block
+    procedure :: give_leaves
     procedure :: give_field
     procedure :: find_cells
     procedure :: find_values
@@ -108,6 +109,21 @@ contains
     where (sized%coordinates%size == 0) sized%coordinates%size = c_sizeof(sized%coordinates(1))
     call self%finish(c_mesh_block(self%handle, piece_index(piece), sized), ierr)
   end subroutine give_block
+
+  subroutine give_leaves(self, leaves, ierr, corner_bits, offset, piece)
+    class(mesh_core), intent(in) :: self
+    type(c_leaves), intent(in) :: leaves
+    integer, intent(out) :: ierr
+    integer, intent(in), optional :: corner_bits, piece
+    integer(int64), intent(in), optional :: offset(3)
+    type(c_leaves) :: sized
+
+    sized = leaves
+    sized%size = c_sizeof(sized)
+    if (present(corner_bits)) sized%corner_bits = int(corner_bits, c_int32_t)
+    if (present(offset)) sized%offset = offset
+    call self%finish(c_mesh_leaves(self%handle, piece_index(piece), sized), ierr)
+  end subroutine give_leaves
 
   subroutine give_field(self, name, association, arrays, ierr, piece)
     class(mesh_core), intent(in) :: self

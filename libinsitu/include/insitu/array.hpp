@@ -148,6 +148,8 @@ inline std::string text(std::int64_t number) {
  *      mesh.cell_field("density", Array(&zones[0].rho).stride(sizeof(Zone)));
  *      mesh.vertex_field("velocity", Array(v).components(3)); // x, y, z of an item side by side
  *      mesh.cell_field("T", Array(&t[g][g][g]).block({ni, nj, nk}, {8, 8 * mi, 8 * mi * mj}));
+ *      mesh.cell_field("T", Array::behind<double>(&leaf[0].data, offsetof(Zone, T))
+ *                               .stride(sizeof(Leaf))); // one record a cell, behind a pointer each
  *
  *  The memory is external: read in place from the next commit to the return of the last call that
  *  uses the mesh in that step. A temporary container is refused at compile time. */
@@ -177,6 +179,17 @@ public:
     values_ = static_cast<std::int64_t>(N);
   }
   Array(std::nullptr_t) = delete;
+
+  /** Items of type T in records of their own: item i lies offset bytes behind pointer i, and
+   * stride() is from one pointer to the next. Of fields and leaves, in host memory. */
+  template <class T, class Pointer, class = std::enable_if_t<detail::is_number<T>>>
+  static Array behind(Pointer* const* pointers, std::size_t offset) noexcept {
+    Array a(static_cast<const T*>(nullptr));
+    a.array_.data = pointers;
+    a.array_.indirect = 1;
+    a.array_.offset = static_cast<std::int64_t>(offset);
+    return a;
+  }
 
   /** Number of items. */
   Array& count(std::int64_t items) noexcept {

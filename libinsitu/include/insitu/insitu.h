@@ -21,6 +21,7 @@
 #ifndef INSITU_H
 #define INSITU_H
 
+#include "insitu/c/amr.h"
 #include "insitu/c/array.h"
 #include "insitu/c/base.h"
 #include "insitu/c/commit.h"

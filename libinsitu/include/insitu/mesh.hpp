@@ -3,6 +3,7 @@
 #ifndef INSITU_MESH_HPP
 #define INSITU_MESH_HPP
 
+#include <algorithm>
 #include <memory>
 
 #include "insitu/array.hpp"
@@ -144,6 +145,29 @@ public:
     give(b);
   }
 
+  /** A patch of an adaptive mesh (see Mesh::adaptive): the cells lower to lower + cells - 1 of a
+   *  level; cell (i, j, k) of it has the id i + cells[0]*(j + cells[1]*k). */
+  void patch(int level, const std::array<std::int64_t, 3>& lower,
+             const std::array<std::int64_t, 3>& cells) {
+    insitu_patch p = insitu_patch_default();
+    p.level = level;
+    std::copy(lower.begin(), lower.end(), p.lower);
+    std::copy(cells.begin(), cells.end(), p.cells);
+    detail::check(insitu_mesh_patch(handle(), index_, &p));
+    state_->counts(index_) = {0, cells[0] * cells[1] * cells[2]};
+  }
+  /** Leaves of octrees of an adaptive mesh: a level (uint8, int32 or int64) and a lower corner's
+   *  index (3 components of int32 or int64) each; containers, or Arrays with a count. */
+  void leaves(const Array& levels, Array corners, const LeafLattice& lattice = {}) {
+    insitu_leaves l = insitu_leaves_default();
+    l.levels = levels.get(-1, "levels");
+    l.corners = corners.components(3).get(l.levels.count, "corners");
+    l.corner_bits = lattice.corner_bits;
+    std::copy(lattice.offset.begin(), lattice.offset.end(), l.offset);
+    detail::check(insitu_mesh_leaves(handle(), index_, &l));
+    state_->counts(index_) = {0, l.levels.count};
+  }
+
   /** Values on cells, float or double: a scalar, or with components() a vector. A bare pointer has
    *  as many items as the piece has cells. */
   void cell_field(const std::string& name, const Array& values) {
@@ -249,6 +273,28 @@ public:
 
   /** Piece p: pieces are numbered from 0 without gaps, in the order of their first use. */
   Piece piece(int p) const { return Piece(state(), p); }
+
+  /** Makes the mesh an adaptive one, of patches or leaves; before its first piece. Again to change
+   *  the lattice or the reconstruction. */
+  void adaptive(const AmrLevels& levels) {
+    insitu_amr a = insitu_amr_default();
+    std::copy(levels.origin.begin(), levels.origin.end(), a.origin);
+    std::copy(levels.spacing.begin(), levels.spacing.end(), a.spacing);
+    a.level_count =
+        levels.ratios.empty() ? levels.count : static_cast<int>(levels.ratios.size()) + 1;
+    a.ratios = levels.ratios.empty() ? nullptr : levels.ratios.data();
+    a.finest_first = levels.finest_first ? 1 : 0;
+    a.reconstruction = static_cast<insitu_reconstruction>(levels.reconstruction);
+    detail::check(insitu_mesh_amr(handle(), &a));
+  }
+  /** What an adaptive mesh's last regrid made. INSITU_ERROR_ORDER before its commit. */
+  AmrInfo amr_info() const {
+    AmrInfo info = insitu_amr_info_default();
+    detail::check(insitu_mesh_amr_info(handle(), &info));
+    return info;
+  }
+  /** Drops the pieces from `first` on: a regrid may leave fewer patches. */
+  void drop_pieces(int first) { detail::check(insitu_mesh_drop_pieces(handle(), first)); }
 
   /** Says what changed since the last commit; adds up. New arrays and cells say so by themselves.
    */

@@ -69,6 +69,28 @@ enum class Reason : std::uint8_t {
 /** How ghost arrays count: VTK's bits, or Ascent's 0 real, otherwise ghost. */
 enum class GhostConvention { vtk = INSITU_GHOSTS_VTK, ascent = INSITU_GHOSTS_ASCENT };
 
+/** What an adaptive mesh's samples are between cell centres; see insitu_reconstruction. */
+enum class Reconstruction { dual = INSITU_DUAL, nearest = INSITU_NEAREST };
+
+/** The lattices of an adaptive mesh's levels; see insitu_amr. */
+struct AmrLevels {
+  std::array<double, 3> origin{
+      {0.0, 0.0, 0.0}}; /**< lower corner of cell (0, 0, 0) of every level */
+  std::array<double, 3> spacing{{1.0, 1.0, 1.0}}; /**< of the coarsest level; positive */
+  std::vector<std::int32_t> ratios =
+      {};                    /**< from the coarsest on, one less than the levels: 2 or 4 */
+  int count = 1;             /**< of levels, if ratios is empty: all are 2 then */
+  bool finest_first = false; /**< level 0 is the finest */
+  Reconstruction reconstruction = Reconstruction::dual;
+};
+
+/** How the corners of leaves count; see insitu_leaves. */
+struct LeafLattice {
+  int corner_bits = -1;                          /**< -1: in cells of the leaf's own level */
+  std::array<std::int64_t, 3> offset{{0, 0, 0}}; /**< added to corners */
+};
+
+using AmrInfo = insitu_amr_info;
 using CommitReport = insitu_commit_report;
 using AuditEntry = insitu_audit_entry;
 using LocatorInfo = insitu_locator_info;

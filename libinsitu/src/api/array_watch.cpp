@@ -30,7 +30,7 @@ std::uint64_t hash_of(const mesh::ExternalArray& a, std::size_t chunk) {
   for (std::int64_t i = begin; i < end; ++i)
     for (int c = 0; c < a.components; ++c) {
       std::uint64_t value = 0;
-      std::memcpy(&value, a.data + a.layout.offset(i) + c * a.component_stride, size);
+      std::memcpy(&value, a.at(i, c), size);
       hash = mix(hash, value);
     }
   return hash;

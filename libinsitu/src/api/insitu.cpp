@@ -182,6 +182,11 @@ insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* name) {
   });
 }
 
+insitu_status insitu_mesh_drop_pieces(insitu_mesh mesh, int32_t first) {
+  return with_mesh(mesh,
+                   [&](api::Session&, query::CommittedMesh& m) { m.mesh().drop_pieces(first); });
+}
+
 insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece, const insitu_array* array,
                                  insitu_ghost_convention convention) {
   return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {

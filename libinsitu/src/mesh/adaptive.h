@@ -25,14 +25,22 @@ struct AmrPieceView {
   bool corner_is_int32 = true;
   int corner_depth = -1;              ///< the lattice that corners count in; -1: the leaf's own
   std::int64_t offset[3] = {0, 0, 0}; ///< added to corners, counted as they are
+  // Leaves kept as records: the arrays hold pointers, and what they mean lies so many bytes behind.
+  bool levels_indirect = false, corner_indirect = false;
+  std::int64_t levels_behind = 0, corner_behind[3] = {0, 0, 0};
 
   INSITU_HD std::int64_t raw_level(std::int64_t cell) const {
     const std::byte* p = levels + cell * levels_stride;
+    if (levels_indirect)
+      p = load_as<const std::byte*>(p) + levels_behind;
     return level_bytes == 1 ? std::int64_t(load_as<std::int8_t>(p))
                             : load_index(p, level_bytes == 4);
   }
   INSITU_HD std::int64_t raw_corner(std::int64_t cell, int axis) const {
-    return load_index(corner[axis] + cell * corner_stride, corner_is_int32);
+    const std::byte* p = corner[axis] + cell * corner_stride;
+    if (corner_indirect)
+      p = load_as<const std::byte*>(p) + corner_behind[axis];
+    return load_index(p, corner_is_int32);
   }
 };
 

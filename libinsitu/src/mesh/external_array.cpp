@@ -52,13 +52,39 @@ ExternalArray::Range ExternalArray::range() const {
       layout.linear ? 0 : layout.count / (layout.extent[0] * layout.extent[1]) - 1, components - 1};
   const std::int64_t stride[4] = {layout.stride[0], layout.stride[1], layout.stride[2],
                                   component_stride};
-  std::int64_t low = 0, high = size_of(type);
-  for (int a = 0; a < 4; ++a)
+  std::int64_t low = 0, high = indirect ? std::int64_t(sizeof(void*)) : size_of(type);
+  for (int a = 0; a < (indirect ? 3 : 4); ++a)
     (stride[a] < 0 ? low : high) += last[a] * stride[a];
   return {base + std::uintptr_t(low), base + std::uintptr_t(high)};
 }
 
-ExternalArray adopt(const insitu_array* array, const std::string& name) {
+namespace {
+
+/// Throws what is wrong with an array of pointers, before its places are worked out.
+void check_pointers(const insitu_array& array, const std::string& name, Pointers pointers) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(INSITU_ERROR_ARGUMENT, name + ": " + what);
+  };
+  if (array.indirect != 0 && array.indirect != 1)
+    refuse("indirect " + std::to_string(array.indirect) + ", 0 or 1 expected");
+  if (!array.indirect) {
+    if (array.offset != 0)
+      refuse("offset " + std::to_string(array.offset) +
+             " is for indirect arrays; add it to data instead");
+    return;
+  }
+  if (pointers == Pointers::refused)
+    refuse("indirect; only fields and leaves may lie behind pointers");
+  if (array.memory != INSITU_HOST)
+    refuse("indirect, in device memory; pointers are followed on the host only");
+  constexpr std::int64_t farthest = std::int64_t(1) << 61;
+  if (array.offset < -farthest || array.offset > farthest)
+    refuse("offset " + std::to_string(array.offset));
+}
+
+} // namespace
+
+ExternalArray adopt(const insitu_array* array, const std::string& name, Pointers pointers) {
   constexpr std::int64_t most_items = std::int64_t(1) << 40; // times 2^16 components of 8 bytes fit
   const auto refuse = [&](const std::string& what) {
     throw Error(INSITU_ERROR_ARGUMENT, name + ": " + what);
@@ -81,6 +107,7 @@ ExternalArray adopt(const insitu_array* array, const std::string& name) {
   if (array->components < 1 || array->components > most_components)
     refuse(std::to_string(array->components) + " components, 1 to " +
            std::to_string(most_components) + " expected");
+  check_pointers(*array, name, pointers);
 
   ExternalArray out;
   out.data = static_cast<const std::byte*>(array->data);
@@ -90,6 +117,8 @@ ExternalArray adopt(const insitu_array* array, const std::string& name) {
   out.component_stride = array->component_stride ? array->component_stride : item;
   if (array->converted)
     out.converted = array->converted;
+  out.indirect = array->indirect != 0;
+  out.offset = array->offset;
 
   ItemLayout& layout = out.layout;
   std::int64_t extent[3] = {array->count, 1, 1};
@@ -125,7 +154,9 @@ ExternalArray adopt(const insitu_array* array, const std::string& name) {
   };
   if (is_too_far(out.component_stride, out.components))
     refuse("component_stride " + std::to_string(out.component_stride));
-  std::int64_t next = array->component_stride ? item : std::int64_t(item) * out.components;
+  std::int64_t next = out.indirect              ? std::int64_t(sizeof(void*))
+                      : array->component_stride ? item
+                                                : std::int64_t(item) * out.components;
   for (int a = 0; a < 3; ++a) {
     layout.stride[a] = array->stride[a] ? array->stride[a] : next;
     if (is_too_far(layout.stride[a], extent[a]))
@@ -138,6 +169,13 @@ ExternalArray adopt(const insitu_array* array, const std::string& name) {
       (extent[1] == 1 || layout.stride[1] == extent[0] * layout.stride[0]) &&
       (extent[2] == 1 || (extent[1] == 1 ? layout.stride[2] == extent[0] * layout.stride[0]
                                          : layout.stride[2] == extent[1] * layout.stride[1]));
+  if (out.indirect) { // not linear, so that the usual case asks nothing more
+    if (!layout.linear)
+      refuse("indirect: pointers must be evenly spaced");
+    layout.extent[0] = layout.count;
+    layout.extent[1] = 1;
+    layout.linear = false;
+  }
   return out;
 }
 

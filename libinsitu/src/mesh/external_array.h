@@ -15,11 +15,18 @@ struct ExternalArray {
   ItemLayout layout;
   insitu_memory memory = INSITU_HOST;
   std::string converted; ///< empty: borrowed; else why it is a copy
+  bool indirect = false; ///< `data` holds pointers, and the items lie `offset` bytes behind them
+  std::int64_t offset = 0;
 
   bool given() const { return components > 0; }
+  /// Component c of item i.
+  const std::byte* at(std::int64_t i, int c) const {
+    const std::byte* item = data + layout.offset(i);
+    return (indirect ? load_as<const std::byte*>(item) + offset : item) + c * component_stride;
+  }
   std::int64_t bytes() const; ///< of the items
 
-  /// The smallest range of addresses that holds all items.
+  /// The smallest range of addresses that holds all items; of items behind pointers, the pointers.
   struct Range {
     std::uintptr_t begin, end;
     bool meets(const Range& other) const {
@@ -32,8 +39,12 @@ struct ExternalArray {
 int size_of(insitu_type type);
 const char* type_name(insitu_type type);
 
+/// Who reads an array follows pointers to its items, or cannot.
+enum class Pointers { refused, followed };
+
 /// Checks and adopts; `name` is what messages call it. Throws core::Error.
-ExternalArray adopt(const insitu_array* array, const std::string& name);
+ExternalArray adopt(const insitu_array* array, const std::string& name,
+                    Pointers pointers = Pointers::refused);
 
 /// Throws unless the array holds float32 or float64.
 void require_real(const ExternalArray& array, const std::string& name);

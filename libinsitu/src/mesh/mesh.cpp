@@ -19,6 +19,7 @@ std::string piece_text(std::int32_t piece) {
 /// Arrays that together hold the components of one quantity: of equal type, count and strides.
 struct Components {
   std::vector<const std::byte*> base;
+  std::vector<std::int64_t> behind; ///< where in the records, if the items lie behind pointers
   ItemLayout layout;
   bool is_float32;
 };
@@ -30,7 +31,12 @@ Components join(const std::vector<ExternalArray>& arrays, const std::string& nam
   if (arrays.size() == 1) {
     const std::byte* data = arrays[0].data; // null if there are no items
     for (int c = 0; c < arrays[0].components; ++c)
-      out.base.push_back(data ? data + c * arrays[0].component_stride : nullptr);
+      if (arrays[0].indirect) {
+        out.base.push_back(data);
+        out.behind.push_back(arrays[0].offset + c * arrays[0].component_stride);
+      } else {
+        out.base.push_back(data ? data + c * arrays[0].component_stride : nullptr);
+      }
     return out;
   }
   for (std::size_t i = 0; i < arrays.size(); ++i) {
@@ -44,6 +50,9 @@ Components join(const std::vector<ExternalArray>& arrays, const std::string& nam
     const bool same_places = l.linear ? l.stride[0] == first.stride[0]
                                       : std::equal(l.stride, l.stride + 3, first.stride) &&
                                             std::equal(l.extent, l.extent + 2, first.extent);
+    if (a.indirect != arrays[0].indirect)
+      throw Error(INSITU_ERROR_ARGUMENT, one + ": " + (a.indirect ? "" : "not ") +
+                                             "indirect, unlike array 0; all or none expected");
     if (a.type != arrays[0].type || l.count != first.count || l.linear != first.linear ||
         !same_places)
       throw Error(INSITU_ERROR_ARGUMENT,
@@ -52,18 +61,21 @@ Components join(const std::vector<ExternalArray>& arrays, const std::string& nam
                       type_name(arrays[0].type) + ", " + std::to_string(first.count) + ", " +
                       std::to_string(first.stride[0]));
     out.base.push_back(a.data);
+    if (a.indirect)
+      out.behind.push_back(a.offset);
   }
   return out;
 }
 
 std::vector<ExternalArray> adopt_all(const insitu_array* arrays, std::int32_t count,
-                                     const std::string& name) {
+                                     const std::string& name, Pointers pointers) {
   if (!arrays || count < 1)
     throw Error(INSITU_ERROR_ARGUMENT,
                 name + ": " + (arrays ? std::to_string(count) + " arrays" : "arrays is null"));
   std::vector<ExternalArray> out;
   for (std::int32_t i = 0; i < count; ++i) {
-    out.push_back(adopt(arrays + i, count == 1 ? name : name + ", array " + std::to_string(i)));
+    out.push_back(
+        adopt(arrays + i, count == 1 ? name : name + ", array " + std::to_string(i), pointers));
     require_real(out.back(), name);
   }
   return out;
@@ -98,7 +110,8 @@ Mesh::Piece& Mesh::piece_for(std::int32_t piece) {
 
 void Mesh::set_points(std::int32_t piece, const insitu_array* arrays, std::int32_t array_count) {
   const std::string name = "mesh '" + name_ + "', " + piece_text(piece) + " points";
-  std::vector<ExternalArray> adopted = adopt_all(arrays, array_count, name);
+  refuse_if_adaptive(name);
+  std::vector<ExternalArray> adopted = adopt_all(arrays, array_count, name, Pointers::refused);
   const Components joined = join(adopted, name);
   if (joined.base.size() != 3)
     throw Error(INSITU_ERROR_ARGUMENT, name + ": " + std::to_string(joined.base.size()) +
@@ -120,6 +133,7 @@ void Mesh::set_cells(std::int32_t piece, const insitu_cells* cells) {
   const auto refuse = [&](const std::string& what) {
     throw Error(INSITU_ERROR_ARGUMENT, name + ": " + what);
   };
+  refuse_if_adaptive(name);
   if (!cells || cells->size != sizeof(insitu_cells))
     refuse("make the argument with insitu_cells_default()");
   if (cells->count < 0 || cells->count > (std::int64_t(1) << 40))
@@ -199,6 +213,7 @@ void Mesh::set_block(std::int32_t piece, const insitu_block* block) {
   const auto refuse = [&](const std::string& what) {
     throw Error(INSITU_ERROR_ARGUMENT, name + ": " + what);
   };
+  refuse_if_adaptive(name);
   if (!block || block->size != sizeof(insitu_block))
     refuse("make the argument with insitu_block_default()");
   if (block->kind < INSITU_BLOCK_UNIFORM || block->kind > INSITU_BLOCK_CURVILINEAR)
@@ -256,7 +271,7 @@ void Mesh::set_field(std::int32_t piece, const std::string& name, insitu_associa
   if (association != INSITU_VERTEX && association != INSITU_CELL)
     throw Error(INSITU_ERROR_ARGUMENT,
                 text + ": unknown association " + std::to_string(int(association)));
-  std::vector<ExternalArray> adopted = adopt_all(arrays, array_count, text);
+  std::vector<ExternalArray> adopted = adopt_all(arrays, array_count, text, Pointers::followed);
   Components joined = join(adopted, text);
   const Field* known = find(name);
   const auto components = int(joined.base.size());
@@ -277,6 +292,8 @@ void Mesh::set_field(std::int32_t piece, const std::string& name, insitu_associa
   field->pieces.resize(std::max(field->pieces.size(), std::size_t(piece) + 1));
   FieldPiece& to = field->pieces[std::size_t(piece)];
   to.components = std::move(joined.base);
+  to.behind = std::move(joined.behind);
+  to.pointers_checked = to.behind.empty();
   to.layout = joined.layout;
   to.is_float32 = joined.is_float32;
   to.arrays = std::move(adopted);
@@ -292,6 +309,7 @@ void Mesh::remove_field(const std::string& name) {
 void Mesh::set_ghosts(std::int32_t piece, const insitu_array* array,
                       insitu_ghost_convention convention) {
   const std::string name = "mesh '" + name_ + "', " + piece_text(piece) + " ghosts";
+  refuse_if_adaptive(name);
   if (convention != INSITU_GHOSTS_VTK && convention != INSITU_GHOSTS_ASCENT)
     throw Error(INSITU_ERROR_ARGUMENT,
                 name + ": unknown convention " + std::to_string(int(convention)));

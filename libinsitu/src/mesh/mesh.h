@@ -8,7 +8,8 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "insitu/c/amr.h"
+#include "mesh/adaptive.h"
+#include "mesh/adaptive_piece.h"
 #include "mesh/external_array.h"
 #include "mesh/view.h"
 
@@ -45,13 +46,23 @@ public:
   void remove_field(const std::string& name);
   void set_ghosts(std::int32_t piece, const insitu_array* array,
                   insitu_ghost_convention convention);
+  // Of an adaptive mesh; the first makes it one (mesh_adaptive.cpp).
+  void set_amr(const insitu_amr* amr);
+  void set_patch(std::int32_t piece, const insitu_patch* patch);
+  void set_leaves(std::int32_t piece, const insitu_leaves* leaves);
+  void drop_pieces(std::int32_t first);
   void set_changed(std::uint32_t what) { pending_ |= what; }
   std::uint32_t pending() const { return pending_; }
   void clear_pending() { pending_ = 0; }
 
-  /// Checks that the registrations fit each other and makes the views. Throws core::Error.
-  void update();
+  /// Checks that the registrations fit each other and makes the views. Throws core::Error. Passes
+  /// over leaves and pointers, when they are due, run on `threads`, or on the caller if null.
+  void update(const core::Threads* threads = nullptr);
 
+  bool is_adaptive() const { return amr_.has_value(); }
+  /// The pieces of an adaptive mesh as of the last update(), each checked by itself.
+  const AmrView& adaptive() const { return amr_view_; }
+  insitu_reconstruction reconstruction() const { return amr_ ? amr_->reconstruction : INSITU_DUAL; }
   /// Whether an array lies in device memory: then the host reads none of the mesh.
   bool lies_on_device() const;
 
@@ -64,11 +75,6 @@ public:
   bool has_stand_in() const { return stand_in_ != nullptr; }
   void set_free_of_folds(bool free) { view_.free_of_folds = free; }
   void set_covers_once(bool once) { view_.covers_once = once; }
-
-  // TEMPORARY
-  bool is_adaptive() const { return false; }
-  const AmrView& adaptive() const { static AmrView v; return v; }
-  insitu_reconstruction reconstruction() const { return INSITU_DUAL; }
 
   /// Which cells of an adaptive mesh are no leaves: a bit a flat cell, or null; kept by the caller.
   void set_masked(const std::uint64_t* masked);
@@ -107,12 +113,15 @@ private:
     PieceView view;
     std::vector<ExternalArray> points;
     ExternalArray connectivity, types, offsets, ghosts, axes[3];
+    AmrPiece amr;
   };
   struct FieldPiece {
     std::vector<ExternalArray> arrays;
     std::vector<const std::byte*> components;
+    std::vector<std::int64_t> behind; ///< see FieldPieceView
     ItemLayout layout;
     bool is_float32 = false;
+    bool pointers_checked = true;
   };
   struct Field {
     std::string name;
@@ -122,11 +131,19 @@ private:
     std::vector<FieldPieceView> views;
   };
 
+  void set_views();
+  void make_leaves_views();
   Piece& piece_for(std::int32_t piece);
   const Field* find(const std::string& name) const;
   static void visit_field_piece(const Field& field, std::size_t p, ArrayVisitor visit);
   void check_piece(std::size_t p) const;
   void check_field(const Field& field) const;
+  void check_pointers(Field& field, const core::Threads* threads) const;
+  void update_fields(const core::Threads* threads);
+  // Adaptive meshes.
+  void refuse_if_adaptive(const std::string& name) const;
+  const AmrLevels& levels_for(const std::string& name) const;
+  void update_adaptive(const core::Threads* threads);
 
   std::string name_;
   std::uint32_t pending_ = INSITU_CHANGED_ALL;
@@ -137,6 +154,12 @@ private:
   std::vector<std::int64_t> first_cell_{0}, first_vertex_{0};
   MeshView view_;
   StandIn* stand_in_ = nullptr;
+  // Of an adaptive mesh.
+  std::optional<AmrLevels> amr_;
+  std::vector<AmrPieceView> amr_pieces_;
+  AmrView amr_view_;
+  std::vector<LeavesView> leaves_views_;
+  const std::uint64_t* masked_ = nullptr;
   // The earlier step.
   struct EarlierField {
     explicit EarlierField(core::Memory& memory) : values(memory, INSITU_MEMORY_EARLIER) {}

@@ -33,7 +33,12 @@ void Mesh::check_field(const Field& field) const {
     if (p >= field.pieces.size() || field.pieces[p].components.empty())
       throw Error(INSITU_ERROR_FIELD, name + ": piece " + std::to_string(p) + " has no values");
     const bool cells = field.association == INSITU_CELL;
-    const std::int64_t expected = cells ? pieces_[p].view.cell_count : piece_views_[p].vertex_count;
+    if (amr_ && !cells)
+      throw Error(INSITU_ERROR_FIELD, name + ": on vertices; an adaptive mesh has values of cells "
+                                             "(INSITU_CELL)");
+    const std::int64_t expected = amr_    ? amr_pieces_[p].cell_count
+                                  : cells ? pieces_[p].view.cell_count
+                                          : piece_views_[p].vertex_count;
     if (field.pieces[p].layout.count != expected)
       throw Error(INSITU_ERROR_FIELD, name + ", piece " + std::to_string(p) + ": " +
                                           std::to_string(field.pieces[p].layout.count) +
@@ -50,7 +55,11 @@ bool Mesh::lies_on_device() const {
   return on_device;
 }
 
-void Mesh::update() {
+void Mesh::update(const core::Threads* threads) {
+  if (amr_) {
+    update_adaptive(threads);
+    return;
+  }
   for (std::size_t p = 0; p < pieces_.size(); ++p)
     check_piece(p);
   piece_views_.clear();
@@ -72,18 +81,28 @@ void Mesh::update() {
     first_cell_.push_back(first_cell_.back() + p.view.cell_count);
     first_vertex_.push_back(first_vertex_.back() + piece_views_.back().vertex_count);
   }
-  for (const auto& field : fields_) {
-    check_field(*field);
-    field->views.clear();
-    for (const FieldPiece& p : field->pieces)
-      field->views.push_back({p.components.data(), p.layout, p.is_float32});
-  }
+  update_fields(threads);
+  set_views();
+}
+
+void Mesh::set_views() {
   view_.pieces = piece_views_.data();
   view_.first_cell = first_cell_.data();
   view_.first_vertex = first_vertex_.data();
   view_.piece_count = std::int32_t(pieces_.size());
   view_.earlier_points = nullptr; // of cells that may be others by now, until they are shown again
   view_.largest_displacement = 0.0;
+}
+
+void Mesh::update_fields(const core::Threads* threads) {
+  for (const auto& field : fields_) {
+    check_field(*field);
+    check_pointers(*field, threads);
+    field->views.clear();
+    for (const FieldPiece& p : field->pieces)
+      field->views.push_back({p.components.data(), p.layout, p.is_float32,
+                              p.behind.empty() ? nullptr : p.behind.data()});
+  }
 }
 
 namespace {
@@ -215,10 +234,9 @@ void Mesh::visit_arrays(ArrayVisitor visit) const {
     const Piece& from = pieces_[p];
     visit_components(from.points, piece + "points", ArrayKind::geometry, visit);
     const std::pair<const ExternalArray*, const char*> cells[] = {
-        {&from.connectivity, "connectivity"},
-        {&from.types, "types"},
-        {&from.offsets, "offsets"},
-        {&from.ghosts, "ghosts"}};
+        {&from.connectivity, "connectivity"}, {&from.types, "types"},
+        {&from.offsets, "offsets"},           {&from.ghosts, "ghosts"},
+        {&from.amr.levels, "levels"},         {&from.amr.corners, "corners"}};
     for (const auto& [array, name] : cells)
       if (array->given())
         visit(*array, piece + name, ArrayKind::topology);

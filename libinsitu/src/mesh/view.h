@@ -9,14 +9,21 @@
 
 namespace insitu::mesh {
 
-/// A field on one piece: component c of item i lies at component[c] + layout.offset(i).
+/// A field on one piece: component c of item i lies at component[c] + layout.offset(i), or
+/// behind[c] bytes behind the pointer there.
 struct FieldPieceView {
   const std::byte* const* component = nullptr;
   ItemLayout layout;
   bool is_float32 = false;
+  const std::int64_t* behind = nullptr; ///< null: no pointers; otherwise layout is not linear
 
   INSITU_HD double load(std::int64_t item, int c) const {
-    return load_real(component[c] + layout.offset(item), is_float32);
+    return load_real(layout.linear ? component[c] + item * layout.stride[0] : far_item(item, c),
+                     is_float32);
+  }
+  INSITU_HD const std::byte* far_item(std::int64_t item, int c) const {
+    return behind ? load_as<const std::byte*>(component[c] + item * layout.stride[0]) + behind[c]
+                  : component[c] + layout.offset(item);
   }
 };
 

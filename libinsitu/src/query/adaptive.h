@@ -18,6 +18,10 @@ public:
   /// At a regrid: brings the mesh's views to the leaves, and the dual in their place. Throws
   /// INSITU_ERROR_MESH; the mesh then must not be used.
   void build(mesh::Mesh& mesh, const core::Threads& threads);
+  /// Whether it was built for the mesh's reconstruction.
+  bool fits(const mesh::Mesh& mesh) const {
+    return (dual_ != nullptr) == (mesh.reconstruction() == INSITU_DUAL);
+  }
   /// The solver's values changed.
   void fields_changed();
 

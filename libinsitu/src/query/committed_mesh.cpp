@@ -89,7 +89,7 @@ void CommittedMesh::note(const accel::DeviceCounts& counts,
 
 cells::Validation CommittedMesh::validate(const core::Threads& threads) {
   committed_ = false; // the views may change under the tree
-  mesh_.update();
+  mesh_.update(&threads);
   if (mesh_.pending() == 0)
     mesh_.set_changed(INSITU_CHANGED_FIELDS); // the next commit is cheap, but has to come
   const std::unique_ptr<mesh::HostMirror> mirror =
@@ -170,7 +170,8 @@ void CommittedMesh::build_tree(insitu_commit_report& report, const core::Threads
 /// The cells are a lattice's, or made from it, so they need no validation and never move.
 void CommittedMesh::commit_adaptive(std::uint32_t pending, insitu_commit_report& report,
                                     const core::Threads& threads) {
-  const bool regrid = !adaptive_ || (pending & ~std::uint32_t(INSITU_CHANGED_FIELDS)) != 0;
+  const bool regrid = !adaptive_ || !adaptive_->fits(mesh_) ||
+                      (pending & ~std::uint32_t(INSITU_CHANGED_FIELDS)) != 0;
   if (regrid) {
     policy_.topology_changed();
     mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until there are leaves
@@ -183,6 +184,8 @@ void CommittedMesh::commit_adaptive(std::uint32_t pending, insitu_commit_report&
   } else {
     adaptive_->fields_changed();
   }
+  locators_.commit(
+      mesh_, [this]() -> const mesh::MeshView& { return mesh_.view(); }, pending, threads);
   if (regrid || policy_.surface_area_is_due()) {
     build_tree(report, threads);
     ++tree_version_;
@@ -262,7 +265,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
     locators_.decide(on_device_, mesh_.name(), log);
     if (mesh_.is_adaptive())
       require_adaptive_locator();
-    mesh_.update();
+    mesh_.update(&threads);
     if (strict)
       for (const insitu_audit_entry& e : mesh_.audit())
         if (!e.borrowed)

@@ -25,7 +25,8 @@ int layout_of(int which, int64_t* out) {
       sizeof(insitu_array),     AT(insitu_array, size),       AT(insitu_array, data),
       AT(insitu_array, type),   AT(insitu_array, components), AT(insitu_array, count),
       AT(insitu_array, extent), AT(insitu_array, stride),     AT(insitu_array, component_stride),
-      AT(insitu_array, memory), AT(insitu_array, converted)};
+      AT(insitu_array, memory), AT(insitu_array, converted),  AT(insitu_array, indirect),
+      AT(insitu_array, offset)};
   const int64_t cells[] = {
       sizeof(insitu_cells),    AT(insitu_cells, size),    AT(insitu_cells, layout),
       AT(insitu_cells, shape), AT(insitu_cells, count),   AT(insitu_cells, connectivity),
@@ -117,6 +118,20 @@ int layout_of(int which, int64_t* out) {
                           AT(insitu_locator_info, by_neighbour),
                           AT(insitu_locator_info, by_tree),
                           AT(insitu_locator_info, settled_on_host)};
+  const int64_t amr[] = {sizeof(insitu_amr),           AT(insitu_amr, size),
+                         AT(insitu_amr, origin),       AT(insitu_amr, spacing),
+                         AT(insitu_amr, level_count),  AT(insitu_amr, ratios),
+                         AT(insitu_amr, finest_first), AT(insitu_amr, reconstruction)};
+  const int64_t patch[] = {sizeof(insitu_patch), AT(insitu_patch, size), AT(insitu_patch, level),
+                           AT(insitu_patch, lower), AT(insitu_patch, cells)};
+  const int64_t leaves[] = {sizeof(insitu_leaves),          AT(insitu_leaves, size),
+                            AT(insitu_leaves, levels),      AT(insitu_leaves, corners),
+                            AT(insitu_leaves, corner_bits), AT(insitu_leaves, offset)};
+  const int64_t amr_info[] = {
+      sizeof(insitu_amr_info),        AT(insitu_amr_info, size),     AT(insitu_amr_info, leaves),
+      AT(insitu_amr_info, masked),    AT(insitu_amr_info, gridlets), AT(insitu_amr_info, cubes),
+      AT(insitu_amr_info, stitching), AT(insitu_amr_info, folded),   AT(insitu_amr_info, repaired),
+      AT(insitu_amr_info, bytes),     AT(insitu_amr_info, build_s)};
   const struct {
     const int64_t* numbers;
     size_t count;
@@ -132,7 +147,11 @@ int layout_of(int which, int64_t* out) {
                  {sample, sizeof sample / 8},
                  {report, sizeof report / 8},
                  {locator, sizeof locator / 8},
-                 {info, sizeof info / 8}};
+                 {info, sizeof info / 8},
+                 {amr, sizeof amr / 8},
+                 {patch, sizeof patch / 8},
+                 {leaves, sizeof leaves / 8},
+                 {amr_info, sizeof amr_info / 8}};
   for (size_t i = 0; i < structs[which].count; ++i)
     out[i] = structs[which].numbers[i];
   return (int)structs[which].count;
@@ -154,12 +173,12 @@ int constants(int64_t* out) {
       INSITU_CHANGED_GEOMETRY, INSITU_CHANGED_TOPOLOGY, INSITU_CHANGED_ALL, INSITU_LOG_ERROR,
       INSITU_LOG_WARNING, INSITU_LOG_INFO, INSITU_LOG_DEBUG, INSITU_LAYOUT_UNIFORM,
       INSITU_LAYOUT_MIXED, INSITU_LAYOUT_PADDED, INSITU_BLOCK_UNIFORM, INSITU_BLOCK_RECTILINEAR,
-      INSITU_BLOCK_CURVILINEAR, INSITU_GHOSTS_VTK, INSITU_GHOSTS_ASCENT, INSITU_FRAME_CARTESIAN,
-      INSITU_FRAME_GEOCENTRIC, INSITU_FRAME_GEODETIC, INSITU_FRAME_ENU, INSITU_FRAME_UTM,
-      INSITU_KEEP, INSITU_REFIT, INSITU_REBUILD, INSITU_BUILDER_NONE, INSITU_BUILDER_MORTON,
-      INSITU_BUILDER_SURFACE_AREA, INSITU_REASON_OUTSIDE, INSITU_REASON_CERTIFIED,
-      INSITU_REASON_EXACT, INSITU_REASON_ON_FACE, INSITU_REASON_ON_EDGE, INSITU_REASON_ON_VERTEX,
-      INSITU_REASON_COUNT,
+      INSITU_BLOCK_CURVILINEAR, INSITU_GHOSTS_VTK, INSITU_GHOSTS_ASCENT, INSITU_DUAL,
+      INSITU_NEAREST, INSITU_FRAME_CARTESIAN, INSITU_FRAME_GEOCENTRIC, INSITU_FRAME_GEODETIC,
+      INSITU_FRAME_ENU, INSITU_FRAME_UTM, INSITU_KEEP, INSITU_REFIT, INSITU_REBUILD,
+      INSITU_BUILDER_NONE, INSITU_BUILDER_MORTON, INSITU_BUILDER_SURFACE_AREA,
+      INSITU_REASON_OUTSIDE, INSITU_REASON_CERTIFIED, INSITU_REASON_EXACT, INSITU_REASON_ON_FACE,
+      INSITU_REASON_ON_EDGE, INSITU_REASON_ON_VERTEX, INSITU_REASON_COUNT,
       /* indices in Fortran: one more */
       INSITU_END_ALIVE + 1, INSITU_END_LEFT + 1, INSITU_END_STAGNATED + 1, INSITU_END_EXPIRED + 1,
       INSITU_END_STEP_LIMIT + 1, INSITU_END_SEED_OUTSIDE + 1, INSITU_END_NOT_FINITE + 1,

@@ -32,6 +32,10 @@ program layout_test
   type(insitu_report), target :: report
   type(c_locator), target :: locator
   type(c_locator_info), target :: info
+  type(c_amr), target :: amr
+  type(c_patch), target :: patch
+  type(c_leaves), target :: leaves
+  type(insitu_amr_info), target :: amr_info
   integer :: failures = 0
 
   call compare('options', 0, c_sizeof(options), [ &
@@ -42,7 +46,8 @@ program layout_test
   call compare('array', 1, c_sizeof(array), [ &
       c_loc(array%size), c_loc(array%data), c_loc(array%type), c_loc(array%components), &
       c_loc(array%count), c_loc(array%extent), c_loc(array%stride), &
-      c_loc(array%component_stride), c_loc(array%memory), c_loc(array%converted)])
+      c_loc(array%component_stride), c_loc(array%memory), c_loc(array%converted), &
+      c_loc(array%indirect), c_loc(array%offset)])
   call compare('cells', 2, c_sizeof(cells), [ &
       c_loc(cells%size), c_loc(cells%layout), c_loc(cells%shape), c_loc(cells%count), &
       c_loc(cells%connectivity), c_loc(cells%types), c_loc(cells%offsets), &
@@ -92,6 +97,19 @@ program layout_test
       c_loc(info%primitives), c_loc(info%bytes), c_loc(info%bytes_peak), &
       c_loc(info%bytes_copied), c_loc(info%kept), c_loc(info%by_neighbour), c_loc(info%by_tree), &
       c_loc(info%settled_on_host)])
+  call compare('amr', 13, c_sizeof(amr), [ &
+      c_loc(amr%size), c_loc(amr%origin), c_loc(amr%spacing), c_loc(amr%level_count), &
+      c_loc(amr%ratios), c_loc(amr%finest_first), c_loc(amr%reconstruction)])
+  call compare('patch', 14, c_sizeof(patch), [ &
+      c_loc(patch%size), c_loc(patch%level), c_loc(patch%lower), c_loc(patch%cells)])
+  call compare('leaves', 15, c_sizeof(leaves), [ &
+      c_loc(leaves%size), c_loc(leaves%levels), c_loc(leaves%corners), &
+      c_loc(leaves%corner_bits), c_loc(leaves%offset)])
+  call compare('amr info', 16, c_sizeof(amr_info), [ &
+      c_loc(amr_info%size), c_loc(amr_info%leaves), c_loc(amr_info%masked), &
+      c_loc(amr_info%gridlets), c_loc(amr_info%cubes), c_loc(amr_info%stitching), &
+      c_loc(amr_info%folded), c_loc(amr_info%repaired), c_loc(amr_info%bytes), &
+      c_loc(amr_info%build_s)])
   call compare_constants()
   if (failures > 0) error stop 1
 
@@ -148,7 +166,8 @@ contains
         insitu_log_error, insitu_log_warning, insitu_log_info, insitu_log_debug, &
         insitu_layout_uniform, insitu_layout_mixed, insitu_layout_padded, insitu_block_uniform, &
         insitu_block_rectilinear, insitu_block_curvilinear, insitu_ghosts_vtk, &
-        insitu_ghosts_ascent, insitu_frame_cartesian, insitu_frame_geocentric, &
+        insitu_ghosts_ascent, insitu_dual, insitu_nearest, insitu_frame_cartesian, &
+        insitu_frame_geocentric, &
         insitu_frame_geodetic, insitu_frame_enu, insitu_frame_utm, insitu_keep, insitu_refit, &
         insitu_rebuild, insitu_builder_none, insitu_builder_morton, insitu_builder_surface_area, &
         insitu_reason_outside, insitu_reason_certified, insitu_reason_exact, &

@@ -25,7 +25,13 @@ typedef enum insitu_memory INSITU_INT { INSITU_HOST = 0, INSITU_DEVICE = 1 } ins
  *  count is the product of the extents and item ids run i fastest. Strides may be negative.
  *  Validity: read between the commit and the return of the last call that uses the mesh in this
  *  step, hence also by insitu_session_execute. Memory may be freed or moved once the mesh is
- *  released or the array replaced. Nothing is read past the last item. */
+ *  released or the array replaced. Nothing is read past the last item.
+ *
+ *  Items behind pointers, for solvers that keep one record a cell: with indirect 1, data is an
+ * array of pointers, stride[0] bytes apart, and component c of item i lies offset +
+ * c*component_stride bytes behind pointer i. Fields and the arrays of insitu_leaves may lie so, in
+ * host memory. The pointers are read together with the values; a commit of INSITU_CHANGED_TOPOLOGY,
+ * and the first one after the array was given, refuses a null pointer by its index. */
 typedef struct insitu_array {
   size_t size;
   const void* data;
@@ -37,6 +43,8 @@ typedef struct insitu_array {
   int64_t component_stride; /**< bytes; 0: the components of an item are adjacent */
   insitu_memory memory;
   const char* converted; /**< null, or why an adaptor had to make this copy (for the audit) */
+  int32_t indirect;      /**< 1: data holds pointers to the items' records; stride[0] 0: packed */
+  int64_t offset;        /**< bytes from where a pointer points to the item; 0 unless indirect */
 } insitu_array;
 
 static inline insitu_array insitu_array_default(void) {
@@ -52,6 +60,8 @@ static inline insitu_array insitu_array_default(void) {
   a.component_stride = 0;
   a.memory = INSITU_HOST;
   a.converted = NULL;
+  a.indirect = 0;
+  a.offset = 0;
   return a;
 }
 

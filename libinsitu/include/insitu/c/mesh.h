@@ -2,8 +2,9 @@
  *  Meshes, as the caller gives them: points, cells or blocks, fields, ghosts, a frame.
  *
  *  A mesh is a list of pieces, numbered from 0 without gaps; most meshes have piece 0 alone. A
- *  piece is a set of cells over vertices, or an implicit block of hexahedra. Calling again replaces
- *  what was given before. Nothing is read before the commit. */
+ *  piece is a set of cells over vertices, or an implicit block of hexahedra; those of an adaptive
+ *  mesh are patches or leaves instead (insitu/c/amr.h). Calling again replaces what was given
+ * before. Nothing is read before the commit. */
 #ifndef INSITU_C_MESH_H
 #define INSITU_C_MESH_H
 
@@ -113,6 +114,10 @@ INSITU_API insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, cons
                                            const insitu_array* arrays, int32_t array_count);
 
 INSITU_API insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* name);
+
+/** Drops the pieces from `first` on, with all that was given for them: a regrid may leave fewer
+ *  patches. first: 0 to the number of pieces. */
+INSITU_API insitu_status insitu_mesh_drop_pieces(insitu_mesh mesh, int32_t first);
 
 /** How a ghost array counts. */
 typedef enum insitu_ghost_convention INSITU_INT {

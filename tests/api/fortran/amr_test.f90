@@ -1,0 +1,98 @@
+!> Adaptive meshes: patches with ghost layers and leaves in both orders, in place; what is refused.
+program amr_test
+  use, intrinsic :: iso_c_binding, only: c_loc
+  use, intrinsic :: iso_fortran_env, only: int32, int64, int8, real64
+  use checks
+  use insitu
+  implicit none
+
+  type(insitu_session) :: session
+  integer :: ierr
+
+  call session%open(ierr=ierr, threads=2)
+  call patches()
+  call leaves()
+  call session%close(ierr)
+  call finish_checks()
+
+contains
+
+  subroutine patches()
+    type(insitu_mesh) :: mesh
+    real(real64), target :: coarse(-1:6, -1:6, -1:6), fine(2, 2, 2)
+    real(real64), parameter :: origin(3) = 0.0_real64, spacing(3) = 1.0_real64
+
+    coarse = 1.0_real64
+    fine = 2.0_real64
+    call session%mesh('patches', mesh, ierr)
+    call mesh%patch(0, [0, 0, 0], [4, 4, 4], ierr)
+    call expect_error('patch first', session, ierr, insitu_error_order, 'insitu_mesh_amr')
+    call mesh%adaptive(origin, spacing, 2, ierr, ratios=[3])
+    call expect_error('ratio', session, ierr, insitu_error_argument, 'ratio 3')
+    call mesh%adaptive(origin, spacing, 2, ierr, ratios=[2, 2])
+    call expect_error('ratios', session, ierr, insitu_error_argument, 'one ratio less')
+    call mesh%adaptive(origin, -spacing, 2, ierr)
+    call expect_error('spacing', session, ierr, insitu_error_argument, 'spacing along axis 0')
+    call mesh%adaptive(origin, spacing, 2, ierr, finest_first=.false., reconstruction=insitu_nearest)
+    call expect_ok('adaptive', session, ierr)
+    call mesh%patch(0, [0, 0, 0], [4, 4, 4], ierr)
+    call expect_ok('coarse patch', session, ierr)
+    call mesh%patch(1, [2, 2, 2], [2, 2, 2], ierr, piece=2)
+    call expect_ok('fine patch', session, ierr)
+    call mesh%patch(2, [2, 2, 2], [2, 2, 2], ierr, piece=2)
+    call expect_error('level', session, ierr, insitu_error_argument, 'level 2')
+    call mesh%cell_field('rho', coarse(0:3, 0:3, 0:3), ierr)
+    call expect_ok('coarse field', session, ierr)
+    call mesh%cell_field('rho', fine, ierr, piece=2)
+    call expect_ok('fine field', session, ierr)
+    call mesh%commit(ierr)
+    call expect_ok('commit', session, ierr)
+    call expect_borrowed(session, mesh, "piece 0 field 'rho'", c_loc(coarse(0, 0, 0)))
+    call mesh%drop_pieces(2, ierr)
+    call expect_ok('drop_pieces', session, ierr)
+    call mesh%commit(ierr)
+    call expect_ok('commit of fewer', session, ierr)
+  end subroutine patches
+
+  subroutine leaves()
+    type(insitu_mesh) :: mesh
+    integer(int8), target :: levels(8)
+    integer(int32), target :: wide(8), corners(3, 8)
+    integer(int64), target :: columns(10, 3)
+    integer(int32) :: i
+
+    call session%mesh('leaves', mesh, ierr)
+    call mesh%adaptive([0.0_real64, 0.0_real64, 0.0_real64], [1.0_real64, 1.0_real64, 1.0_real64], &
+                       2, ierr)
+    levels = 1_int8
+    wide = 1
+    columns = -1_int64
+    do i = 1, 8
+      corners(:, i) = [iand(i - 1, 1), iand((i - 1) / 2, 1), (i - 1) / 4]
+    end do
+    columns(2:9, :) = transpose(int(corners, int64))
+    call mesh%leaves(levels, corners, ierr)
+    call expect_ok('leaves', session, ierr)
+    call mesh%commit(ierr)
+    call expect_ok('commit of leaves', session, ierr)
+    call expect_borrowed(session, mesh, 'piece 0 levels', c_loc(levels))
+    call expect_borrowed(session, mesh, 'piece 0 corners', c_loc(corners))
+    corners = 4 * corners
+    call mesh%leaves(wide, corners, ierr, corner_bits=3, offset=[8_int64, 0_int64, -8_int64])
+    call expect_ok('leaves of finer corners', session, ierr)
+    call mesh%commit(ierr)
+    call expect_ok('commit of finer corners', session, ierr)
+    corners(2, 6) = corners(2, 6) + 1
+    call mesh%changed(insitu_topology)
+    call mesh%commit(ierr)
+    call expect_error('corner', session, ierr, insitu_error_mesh, 'piece 0, leaf 5|multiples of 4')
+    call mesh%leaves(levels, columns(2:9, :), ierr, columns=.true.)
+    call expect_ok('columns', session, ierr)
+    call mesh%commit(ierr)
+    call expect_ok('commit of columns', session, ierr)
+    call expect_borrowed(session, mesh, 'piece 0 corners', c_loc(columns(2, 1)))
+    call mesh%leaves(levels(1:7), columns(2:9, :), ierr, columns=.true.)
+    call expect_error('numbers', session, ierr, insitu_error_argument, '7 levels, but 8 corners')
+  end subroutine leaves
+
+end program amr_test
