@@ -101,12 +101,20 @@ namespace insitu::cells {
 HWY_EXPORT(choose_loop);
 
 CellGather::CellGather(const mesh::MeshView& mesh, double alpha) : mesh_(&mesh), alpha_(alpha) {
-  if (mesh.piece_count != 1)
+  if (mesh.piece_count == 1)
+    only_ = 0;
+  else if (mesh.piece_count == 2 && mesh.pieces[0].gridlets)
+    only_ = 1;
+  else
     return;
-  const mesh::CellLayout layout = mesh.pieces[0].layout;
-  one_shape_ = layout == mesh::CellLayout::uniform || layout == mesh::CellLayout::block;
-  if (alpha == 1.0 && mesh::CellArrays::make(mesh.pieces[0], arrays_))
+  const mesh::PieceView& piece = mesh.pieces[only_];
+  one_shape_ = only_ == 0 && (piece.layout == mesh::CellLayout::uniform ||
+                              piece.layout == mesh::CellLayout::block);
+  if (alpha == 1.0 && mesh::CellArrays::make(piece, arrays_)) {
     loop_ = HWY_DYNAMIC_DISPATCH(choose_loop)(arrays_);
+    // Cells come by flat ids. Only those of the piece are asked for.
+    arrays_.ids -= mesh.first_cell[only_] * arrays_.cell_stride;
+  }
 }
 
 void CellGather::fill(const std::int64_t* cells, int n, int more, CellBlock& block) const {

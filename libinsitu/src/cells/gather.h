@@ -8,7 +8,8 @@
 namespace insitu::cells {
 
 /// Gathers cells of one shape into the columns of a block. Meshes of one piece with arrays of its
-/// own go through loops typed by their numbers and layout, chosen once.
+/// own, but for a first piece of gridlets, whose cells are not gathered, go through loops typed by
+/// their numbers and layout, chosen once.
 class CellGather {
 public:
   /// Columns [0, n) from cells[0, n); cells[n, n + more) come next, and are asked for early.
@@ -23,7 +24,7 @@ public:
   mesh::Shape shape(std::int64_t flat) const {
     if (one_shape_)
       return mesh_->pieces[0].uniform_shape;
-    const std::int32_t p = mesh_->piece_count == 1 ? 0 : mesh_->piece_of(flat);
+    const std::int32_t p = only_ >= 0 ? only_ : mesh_->piece_of(flat);
     return mesh_->pieces[p].shape(flat - mesh_->first_cell[p]);
   }
   INSITU_PREFETCH void prefetch_ids(std::int64_t flat) const {
@@ -36,6 +37,7 @@ private:
   const mesh::MeshView* mesh_;
   double alpha_;
   bool one_shape_ = false;
+  std::int32_t only_ = -1; ///< the only piece with cells to gather
   Loop loop_ = nullptr;
   mesh::CellArrays arrays_;
 };

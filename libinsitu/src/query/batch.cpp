@@ -45,15 +45,9 @@ void BatchLocator::run(std::span<const Vec3d> points, std::span<const Location> 
     }
   if (query_.tree.empty())
     return;
-  const bool gridlets = query_.first_stored_cell() > 0;
-  if (gridlets && locate_in_gridlets(points) == count_)
-    return;
   set_boxes(rule_, points, s_.boxes);
-  for (int q = 0; gridlets && q < count_; ++q)
-    if (located_[q])
-      s_.boxes.clear(q);
   find_candidates(query_.tree, s_.boxes, s_.traversal);
-  if (gridlets)
+  if (query_.first_stored_cell() > 0)
     claim_in_gridlets(points);
   if (const int tries = known.empty() ? query_.tries() : 0; tries > 0 && try_likeliest(tries))
     return;
@@ -69,23 +63,6 @@ void BatchLocator::run(std::span<const Vec3d> points, std::span<const Location> 
     decide_by_filter(shape, cells, queries);
   });
   find_parametric();
-}
-
-/// Points strictly inside cells of gridlets need no tree. Returns how many there are.
-int BatchLocator::locate_in_gridlets(std::span<const Vec3d> points) {
-  GridletFinder find(*gridlets_of(query_.mesh));
-  int found = 0;
-  for (int q = 0; q < count_; ++q) {
-    const Location at = find(points[std::size_t(q)]);
-    if (!at)
-      continue;
-    best_[q] = at;
-    below_[q] = 0;
-    reason_[q] = Reason::certified;
-    located_[q] = true;
-    ++found;
-  }
-  return found;
 }
 
 /// Takes gridlets out of the candidates, and claims their cells.

@@ -60,7 +60,11 @@ public:
   /// step): for callers with many hints. A commit calls it if the step before located many points,
   /// or with a ray method, whose candidates are worth little before.
   void look_for_folds(const core::Threads& threads);
-  Sampler sampler() const { return {mesh_.view(), tree_, &order_, &locate_counts_, &locators_}; }
+  Sampler sampler() const {
+    return {mesh_.view(), tree_,
+            &order_,      &locate_counts_,
+            &locators_,   adaptive_ && !mesh_.has_stand_in() ? &adaptive_->leaves() : nullptr};
+  }
   /// A location as the solver counts cells, flat over the pieces of mesh().own_view(): the same but
   /// on the dual of an adaptive mesh, where it is the leaf that holds p.
   Location own(const Location& at, const math::Vec3d& p) const {

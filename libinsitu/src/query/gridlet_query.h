@@ -78,62 +78,106 @@ inline Location locate_in_gridlet(const mesh::GridletsView& all, std::int64_t gr
   return {};
 }
 
+/// A vertex field's components in a cell of a gridlet. Vertices along i lie side by side.
+inline void interpolate_in_gridlet(const mesh::GridletsView& all, const mesh::FieldView& field,
+                                   std::int64_t cell, const math::Vec3d& r, double* values) {
+  const mesh::Gridlet& g = all.gridlets[cell >> mesh::Gridlet::cell_bits];
+  const std::int64_t v =
+      mesh::GridletsView::first_vertex(g, int(cell & (mesh::Gridlet::most_cells - 1)));
+  const std::int64_t dj = g.size[0] + 1, dk = dj * (g.size[1] + 1);
+  const mesh::FieldPieceView& from = field.pieces[0];
+  const double i1 = r.x, i0 = 1.0 - i1, j1 = r.y, j0 = 1.0 - j1, k1 = r.z, k0 = 1.0 - k1;
+  const std::int64_t stride = from.layout.stride[0];
+  for (int c = 0; c < field.components; ++c) {
+    const std::byte* const base = from.component[c] + v * stride;
+    const auto row = [&](std::int64_t vertices) {
+      const std::byte* const at = base + vertices * stride;
+      return from.is_float32
+                 ? i0 * double(mesh::load_as<float>(at)) +
+                       i1 * double(mesh::load_as<float>(at + stride))
+                 : i0 * mesh::load_as<double>(at) + i1 * mesh::load_as<double>(at + stride);
+    };
+    values[c] = k0 * (j0 * row(0) + j1 * row(dj)) + k1 * (j0 * row(dk) + j1 * row(dk + dj));
+  }
+}
+
 /// Finds gridlets by their places. Remembers the last one, since neighbours mostly lie in one
 /// (Zellmann 2023, section 5.2).
 class GridletFinder {
 public:
   /// hint: a cell whose gridlet is tried first, or -1.
-  explicit GridletFinder(const mesh::GridletsView& all, std::int64_t hint = -1)
-      : all_(&all), last_(hint < 0 ? -1 : hint >> mesh::Gridlet::cell_bits) {}
+  explicit GridletFinder(const mesh::GridletsView& all, std::int64_t hint = -1) : all_(&all) {
+    for (int a = 0; a < 3; ++a)
+      per_unit_[a] = 1.0 / all.lattice.spacing[a];
+    if (hint >= 0)
+      take(hint >> mesh::Gridlet::cell_bits);
+  }
 
   /// The cell of a gridlet that holds p strictly inside; or none, and then it may be in any cell.
+  /// What it answers does not depend on the points before.
   Location operator()(const math::Vec3d& p) {
-    if (const Location at = inside(last_, p))
+    if (const Location at = inside(p))
       return at;
     for (int d = 0; d < all_->depth_count; ++d) {
+      const int depth = all_->depths[d];
+      const double scale = double(std::int64_t(1) << depth);
       std::int64_t lower[3];
       bool near = true;
       for (int a = 0; a < 3; ++a) {
-        const double steps =
-            (p[a] - all_->lattice.origin[a]) / all_->lattice.width(a, all_->depths[d]) - 0.5;
-        near &= std::fabs(steps) < double(mesh::Lattice::largest_index);
-        lower[a] = near ? std::int64_t(std::floor(steps)) : 0;
+        const double steps = (p[a] - all_->lattice.origin[a]) * (per_unit_[a] * scale) + 0x1p31;
+        near &= steps > 0x1p30 && steps < 0x1.8p31;
+        // Cells of the dual begin at centres; rounded down.
+        lower[a] = near ? std::int64_t(steps - 0.5) - (std::int64_t(1) << 31) : 0;
       }
-      const std::int64_t found = near ? all_->find(all_->depths[d], lower) : -1;
+      const std::int64_t found = near ? all_->find(depth, lower) : -1;
       if (found < 0 || found == last_)
         continue;
-      if (const Location at = inside(found, p)) {
-        last_ = found;
+      take(found);
+      if (const Location at = inside(p))
         return at;
-      }
     }
     return {};
   }
 
 private:
-  /// Almost all points of a gridlet's box, and none else.
-  Location inside(std::int64_t gridlet, const math::Vec3d& p) const {
-    if (gridlet < 0)
-      return {};
+  void take(std::int64_t gridlet) {
     const mesh::Gridlet& g = all_->gridlets[gridlet];
-    Location found{gridlet << mesh::Gridlet::cell_bits, {}};
-    for (int a = 0, shift = 0; a < 3; ++a, shift += 3) {
-      const double start = all_->coordinate(g, a, 0);
-      const double steps = (p[a] - start) / all_->lattice.width(a, g.depth);
-      if (!(steps > 0.0 && steps < g.size[a]))
+    last_ = gridlet;
+    const double scale = double(std::int64_t(1) << g.depth);
+    for (int a = 0; a < 3; ++a) {
+      start_[a] = all_->coordinate(g, a, 0);
+      steps_a_unit_[a] = per_unit_[a] * scale;
+      // Some units in the last place of the coordinates, in steps.
+      const double rounding = 0x1p-49 * (std::fabs(start_[a]) * steps_a_unit_[a] + 16.0);
+      least_[a] = rounding;
+      most_[a] = g.size[a] - rounding;
+    }
+  }
+
+  /// Almost all points strictly inside of the gridlet's cells, and none else.
+  Location inside(const math::Vec3d& p) const {
+    if (last_ < 0)
+      return {};
+    Location found{last_ << mesh::Gridlet::cell_bits, {}};
+    bool sure = true;
+    for (int a = 0; a < 3; ++a) {
+      const double steps = (p[a] - start_[a]) * steps_a_unit_[a];
+      if (!(steps > least_[a] && steps < most_[a]))
         return {};
       const int i = int(steps);
-      const double low = all_->coordinate(g, a, i), high = all_->coordinate(g, a, i + 1);
-      if (!(low < p[a] && p[a] < high))
-        return {};
-      found.cell += std::int64_t(i) << shift;
-      found.parametric[a] = (p[a] - low) / (high - low);
+      const double part = steps - i;
+      sure &= part > least_[a] && part < 1.0 - least_[a];
+      found.cell += i << (3 * a);
+      found.parametric[a] = part;
     }
-    return all_->is_full(found.cell) ? found : Location{};
+    return sure && all_->is_full(found.cell) ? found : Location{};
   }
 
   const mesh::GridletsView* all_;
-  std::int64_t last_;
+  std::int64_t last_ = -1;
+  double per_unit_[3]; ///< cells of depth 0
+  // Of the last gridlet:
+  double start_[3], steps_a_unit_[3], least_[3], most_[3];
 };
 
 } // namespace insitu::query

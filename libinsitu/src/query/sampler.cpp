@@ -7,7 +7,9 @@
 #include "accel/tree.h"
 #include "cells/kernels.h"
 #include "query/batch.h"
+#include "query/direct_batch.h"
 #include "query/gridlet_query.h"
+#include "query/leaf_query.h"
 #include "query/locators.h"
 #include "query/order.h"
 #include "query/point_query.h"
@@ -27,12 +29,18 @@ BatchScratch& batch_scratch() {
 /// Runs batches over points in their own or another order, and counts.
 class Batches {
 public:
-  /// counts, locators: or null.
-  Batches(const PointQuery& query, LocateCounts* counts, const Locators* locators)
+  /// counts, locators, leaves: or null.
+  Batches(const PointQuery& query, LocateCounts* counts, const Locators* locators,
+          const amr::LeafMap* leaves)
       : locator_(query, batch_scratch()), counts_(counts),
         ray_counts_(locators ? &locators->ray_counts() : nullptr) {
     if (locators && locators->rays())
       by_rays_ = std::make_unique<RayBatch>(query, *locators->rays(), batch_scratch(), locator_);
+    else if (leaves)
+      by_leaves_ = std::make_unique<DirectBatch<LeafFinder>>(LeafFinder(*leaves), locator_);
+    else if (query.first_stored_cell() > 0)
+      by_gridlets_ = std::make_unique<DirectBatch<GridletFinder>>(
+          GridletFinder(*gridlets_of(query.mesh)), locator_);
   }
   ~Batches() {
     if (counts_)
@@ -48,7 +56,10 @@ public:
 
   /// The answers of at most batch_size points; valid until the next run.
   Answered run(std::span<const Vec3d> points) {
-    const Answered answered = by_rays_ ? by_rays_->run(points) : by_tree(points);
+    const Answered answered = by_rays_       ? by_rays_->run(points)
+                              : by_gridlets_ ? by_gridlets_->run(points)
+                              : by_leaves_   ? by_leaves_->run(points)
+                                             : by_tree(points);
     for (const Reason reason : answered.reasons)
       ++by_reason_[int(reason)];
     return answered;
@@ -64,6 +75,8 @@ private:
   LocateCounts* counts_;
   RayCounts* ray_counts_;
   std::unique_ptr<RayBatch> by_rays_;
+  std::unique_ptr<DirectBatch<GridletFinder>> by_gridlets_;
+  std::unique_ptr<DirectBatch<LeafFinder>> by_leaves_;
   std::int64_t by_reason_[reason_count] = {};
 };
 
@@ -117,6 +130,11 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
     if ((at = find(p)))
       why = Reason::certified;
   }
+  if (leaves_) {
+    LeafFinder find(*leaves_);
+    if ((at = find(p)))
+      why = Reason::certified;
+  }
   if (!at && hint >= 0 && mesh_->free_of_folds && hint < mesh_->cell_count() && owns(hint)) {
     mesh::CellVertices cell;
     mesh::gather(*mesh_, hint, cell, options.alpha);
@@ -138,7 +156,7 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
 void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> locations,
                             const LocateOptions& options, std::span<std::uint8_t> reasons) const {
   const PointQuery query{*mesh_, *tree_, options};
-  Batches batches(query, counts_, locators_);
+  Batches batches(query, counts_, locators_, leaves_);
   for (std::size_t first = 0; first < points.size(); first += batch_size) {
     const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
     Answered answered = batches.run(points.subspan(first, n));
@@ -170,7 +188,7 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
         sorts ? order_->sort(threads, part, *tree_) : std::span<const accel::morton::Coded>();
     threads.parallel_for(
         std::int64_t(part.size()), grain, [&](std::int64_t begin, std::int64_t end) {
-          Batches batches(query, counts_, locators_);
+          Batches batches(query, counts_, locators_, leaves_);
           Vec3d batch[batch_size];
           for (auto first = std::size_t(begin); first < std::size_t(end); first += batch_size) {
             const std::size_t n = std::min<std::size_t>(batch_size, std::size_t(end) - first);
@@ -251,6 +269,11 @@ void Sampler::interpolate_to(std::span<const mesh::FieldView> fields, const Loca
   const std::int32_t piece = mesh_->piece_count == 1 ? 0 : mesh_->piece_of(at.cell);
   const mesh::PieceView& cells_of = mesh_->pieces[piece];
   const std::int64_t cell = at.cell - mesh_->first_cell[piece];
+  if (cells_of.gridlets) {
+    for (std::size_t f = 0; f < fields.size(); ++f)
+      interpolate_in_gridlet(*cells_of.gridlets, fields[f], cell, at.parametric, values_of(f));
+    return;
+  }
   double weight[8];
   std::int64_t ids[8];
   int n = 0;
