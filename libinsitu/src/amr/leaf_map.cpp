@@ -60,16 +60,17 @@ LeafMap::Leaf LeafMap::descend(const std::int64_t* finest) const {
   return leaf;
 }
 
-LeafMap::Leaf LeafMap::find(const math::Vec3d& p) const {
+/// The cell of the finest depth that holds a point, closed below and open above, and a bit an axis
+/// along which it lies on the cell's lower face. False far outside and where it is not finite.
+bool LeafMap::finest_index(const math::Vec3d& p, std::int64_t* index, int* on_face) const {
   if (depth_count() == 0)
-    return {};
+    return false;
   const int finest = depth_count() - 1;
-  std::int64_t index[3];
-  int on_face = 0;
+  *on_face = 0;
   for (int a = 0; a < 3; ++a) {
     const double t = (p[a] - lattice_.origin[a]) / lattice_.width(a, finest);
     if (!(std::abs(t) <= 2.0 * double(mesh::Lattice::largest_index)))
-      return {};
+      return false;
     // The division rounds; faces are where the lattice says.
     std::int64_t i = std::int64_t(std::floor(t));
     while (p[a] < lattice_.place(a, finest, 2 * i))
@@ -77,8 +78,16 @@ LeafMap::Leaf LeafMap::find(const math::Vec3d& p) const {
     while (p[a] >= lattice_.place(a, finest, 2 * i + 2))
       ++i;
     index[a] = i;
-    on_face |= p[a] == lattice_.place(a, finest, 2 * i) ? 1 << a : 0;
+    *on_face |= p[a] == lattice_.place(a, finest, 2 * i) ? 1 << a : 0;
   }
+  return true;
+}
+
+LeafMap::Leaf LeafMap::find(const math::Vec3d& p) const {
+  std::int64_t index[3];
+  int on_face;
+  if (!finest_index(p, index, &on_face))
+    return {};
   Leaf leaf = descend(index);
   for (int low = 1; !leaf && low < 8; ++low) {
     if ((low & ~on_face) != 0)
@@ -86,6 +95,24 @@ LeafMap::Leaf LeafMap::find(const math::Vec3d& p) const {
     const std::int64_t below[3] = {index[0] - (low & 1), index[1] - (low >> 1 & 1),
                                    index[2] - (low >> 2)};
     leaf = descend(below);
+  }
+  return leaf;
+}
+
+LeafMap::Leaf LeafMap::lowest(const math::Vec3d& p) const {
+  std::int64_t index[3];
+  int on_face;
+  if (!finest_index(p, index, &on_face))
+    return {};
+  Leaf leaf;
+  for (int low = 0; low < 8; ++low) {
+    if ((low & ~on_face) != 0)
+      continue;
+    const std::int64_t below[3] = {index[0] - (low & 1), index[1] - (low >> 1 & 1),
+                                   index[2] - (low >> 2)};
+    const Leaf other = descend(below);
+    if (other && other.id < leaf.id) // none has the highest id
+      leaf = other;
   }
   return leaf;
 }

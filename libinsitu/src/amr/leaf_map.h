@@ -51,8 +51,11 @@ public:
   /// The leaf that owns a point: cells are closed below and open above, and the last ones closed
   /// (`nearest` reconstruction). None outside and for points that are not finite.
   Leaf find(const math::Vec3d& p) const;
+  /// Of the closed leaves that hold a point, the one with the lowest id; none as find().
+  Leaf lowest(const math::Vec3d& p) const;
 
 private:
+  bool finest_index(const math::Vec3d& p, std::int64_t* index, int* on_face) const;
   Leaf descend(const std::int64_t* finest) const;
 
   mesh::Lattice lattice_;

@@ -7,7 +7,7 @@
 namespace insitu::query {
 
 /// Answers batches on lattices: first by the points' places, without a tree, then through it those
-/// that are not strictly inside of a cell so found. Find: Location(point), an owner proven by the
+/// without an owner, unless Find::finds_all. Find: Location(point, reason), an owner proven by the
 /// arithmetic of boxes, or none.
 template <class Find>
 class DirectBatch {
@@ -17,13 +17,12 @@ public:
   Answered run(std::span<const math::Vec3d> points) {
     std::size_t left = 0;
     for (std::size_t q = 0; q < points.size(); ++q) {
-      locations_[q] = find_(points[q]);
-      reasons_[q] = Reason::certified;
+      locations_[q] = find_(points[q], reasons_[q]);
       rest_[left] = points[q];
       rest_at_[left] = QueryId(q);
       left += !locations_[q];
     }
-    if (left > 0) {
+    if (!Find::finds_all && left > 0) {
       locator_.run({rest_, left});
       for (std::size_t k = 0; k < left; ++k) {
         locations_[rest_at_[k]] = locator_.locations()[k];

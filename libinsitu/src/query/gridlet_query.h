@@ -113,9 +113,12 @@ public:
       take(hint >> mesh::Gridlet::cell_bits);
   }
 
+  static constexpr bool finds_all = false;
+
   /// The cell of a gridlet that holds p strictly inside; or none, and then it may be in any cell.
   /// What it answers does not depend on the points before.
-  Location operator()(const math::Vec3d& p) {
+  Location operator()(const math::Vec3d& p, Reason& reason) {
+    reason = Reason::certified;
     if (const Location at = inside(p))
       return at;
     for (int d = 0; d < all_->depth_count; ++d) {

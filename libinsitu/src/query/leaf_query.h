@@ -8,8 +8,8 @@
 
 namespace insitu::query {
 
-/// Finds the leaves of an adaptive mesh that hold points strictly inside (`nearest`
-/// reconstruction). Remembers the last brick of leaves, since neighbours mostly lie in one.
+/// Finds the leaves of an adaptive mesh that own points (`nearest` reconstruction). Remembers the
+/// last brick of leaves, since neighbours mostly lie in one.
 class LeafFinder {
 public:
   explicit LeafFinder(const amr::LeafMap& leaves) : leaves_(&leaves), lattice_(leaves.lattice()) {
@@ -17,15 +17,33 @@ public:
       per_unit_[a] = 1.0 / lattice_.spacing[a];
   }
 
-  /// None on faces, outside, and for points that are not finite.
-  Location operator()(const math::Vec3d& p) {
+  static constexpr bool finds_all = true;
+
+  /// The lowest closed leaf that holds p; none outside, and for points that are not finite.
+  Location operator()(const math::Vec3d& p, Reason& reason) {
+    reason = Reason::certified;
     if (const Location at = inside(p))
       return at;
-    const amr::LeafMap::Leaf leaf = leaves_->find(p);
-    if (!leaf)
+    const amr::LeafMap::Leaf leaf = leaves_->lowest(p);
+    if (!leaf) {
+      reason = Reason::outside;
       return {};
+    }
     take(leaf.cell);
-    return inside(p);
+    if (const Location at = inside(p))
+      return at;
+    Location found{std::int64_t(leaf.id), {}};
+    int faces = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double low = lattice_.place(a, leaf.cell.depth, 2 * leaf.cell.index[a]);
+      const double high = lattice_.place(a, leaf.cell.depth, 2 * leaf.cell.index[a] + 2);
+      found.parametric[a] = (p[a] - low) / (high - low);
+      faces += p[a] == low || p[a] == high;
+    }
+    constexpr Reason why[] = {Reason::certified, Reason::on_face, Reason::on_edge,
+                              Reason::on_vertex};
+    reason = why[faces];
+    return found;
   }
 
 private:

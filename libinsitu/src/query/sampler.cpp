@@ -127,14 +127,10 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
   Location at;
   if (const mesh::GridletsView* const gridlets = gridlets_of(*mesh_)) {
     GridletFinder find(*gridlets, hint < mesh_->first_cell[1] ? hint : -1);
-    if ((at = find(p)))
-      why = Reason::certified;
+    at = find(p, why);
   }
-  if (leaves_) {
-    LeafFinder find(*leaves_);
-    if ((at = find(p)))
-      why = Reason::certified;
-  }
+  if (leaves_)
+    at = LeafFinder(*leaves_)(p, why);
   if (!at && hint >= 0 && mesh_->free_of_folds && hint < mesh_->cell_count() && owns(hint)) {
     mesh::CellVertices cell;
     mesh::gather(*mesh_, hint, cell, options.alpha);
@@ -144,7 +140,7 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
       why = Reason::certified;
     }
   }
-  if (!at)
+  if (!at && !leaves_)
     at = PointQuery{*mesh_, *tree_, options}.locate(p, why);
   if (counts_)
     counts_->add(why);
