@@ -1,5 +1,6 @@
 #include "amr/dual_mesh.h"
 
+#include "amr/balance.h"
 #include "amr/enumerate.h"
 #include "amr/stitching.h"
 #include "core/status.h"
@@ -11,9 +12,11 @@ using mesh::Gridlet;
 struct DualMesh::State {
   explicit State(core::Memory& memory)
       : map(memory), gridlets(memory, INSITU_MEMORY_AMR), full(memory, INSITU_MEMORY_AMR),
-        leaves(memory, INSITU_MEMORY_AMR), stitching(memory) {}
+        leaves(memory, INSITU_MEMORY_AMR), stitching(memory), values(memory), memory_(memory) {}
 
   void clear();
+  std::vector<DualPart> enumerate(const mesh::AmrView& mesh, VirtualLeaves& made,
+                                  const core::Threads& threads);
   void gather(const std::vector<DualPart>& parts, const core::Threads& threads);
   void make_view();
 
@@ -23,10 +26,15 @@ struct DualMesh::State {
   core::Buffer<std::uint64_t> full;
   core::Buffer<std::uint32_t> leaves;
   Stitching stitching;
+  VirtualValues values;
+  std::int64_t first_virtual = 0; ///< id
   mesh::GridletsView gridlets_view;
   mesh::PieceView pieces[2];
   std::int64_t first_cell[3] = {0, 0, 0}, first_vertex[3] = {0, 0, 0};
   mesh::MeshView view;
+
+private:
+  core::Memory& memory_;
 };
 
 namespace {
@@ -72,7 +80,33 @@ void DualMesh::State::clear() {
   full.resize_discard(0);
   leaves.resize_discard(0);
   stitching.clear();
+  values.clear();
   make_view();
+}
+
+/// All dual cells. Where depths differ by more than one around a corner they may fold: then leaves
+/// are split virtually and the cells made anew.
+std::vector<DualPart> DualMesh::State::enumerate(const mesh::AmrView& mesh, VirtualLeaves& made,
+                                                 const core::Threads& threads) {
+  const std::int64_t real = mesh.cell_count();
+  std::vector<DualPart> parts = enumerate_all(map.store(), real, Check::steep, threads);
+  bool steep = false;
+  for (const DualPart& part : parts) {
+    steep |= !part.steep.empty();
+    counts.folded += part.folded;
+  }
+  made.first = first_virtual = real;
+  if (!steep)
+    return parts;
+  made = balance(map.store(), parts, real);
+  counts.repaired = std::int64_t(made.leaves.size());
+  BrickStore split(memory_);
+  overlay(map.store(), made, split, threads);
+  parts = enumerate_all(split, real, Check::split, threads);
+  for (const DualPart& part : parts)
+    counts.still_folded += part.folded;
+  values.build(map.store(), made, threads);
+  return parts;
 }
 
 /// Copies the parts' gridlets together.
@@ -138,16 +172,13 @@ void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads) {
   s.clear();
   try {
     s.map.build(mesh, threads);
-    const std::vector<DualPart> parts =
-        enumerate_all(s.map.store(), mesh.cell_count(), Check::steep, threads);
+    VirtualLeaves made;
+    const std::vector<DualPart> parts = s.enumerate(mesh, made, threads);
     s.gather(parts, threads);
-    s.stitching.build(parts, mesh, {mesh.cell_count(), {}, {}}, threads);
+    s.stitching.build(parts, mesh, made, threads);
     s.counts.leaves = s.map.leaf_count();
     s.counts.masked = s.map.masked_count();
     count_cells(parts, s.counts);
-    for (const DualPart& part : parts)
-      s.counts.folded += part.folded;
-    s.counts.still_folded = s.counts.folded;
     s.make_view();
     s.view.free_of_folds = s.view.covers_once = s.counts.still_folded == 0;
   } catch (...) {
@@ -164,7 +195,7 @@ const DualCounts& DualMesh::counts() const {
 }
 std::int64_t DualMesh::bytes() const {
   const State& s = *state_;
-  return s.map.bytes() + s.stitching.bytes() +
+  return s.map.bytes() + s.stitching.bytes() + s.values.bytes() +
          std::int64_t(s.gridlets.bytes() + s.full.bytes() + s.leaves.bytes());
 }
 const mesh::MeshView& DualMesh::view() const {
@@ -172,7 +203,11 @@ const mesh::MeshView& DualMesh::view() const {
 }
 
 DualMesh::Terms DualMesh::terms(std::int64_t vertex) const {
-  return {state_->stitching.leaves() + vertex, nullptr, 1};
+  const std::uint32_t* leaf = state_->stitching.leaves() + vertex;
+  if (*leaf < state_->first_virtual)
+    return {leaf, nullptr, 1};
+  const std::int64_t n = *leaf - state_->first_virtual;
+  return {state_->values.leaves(n), state_->values.weights(n), state_->values.count(n)};
 }
 
 } // namespace insitu::amr

@@ -104,7 +104,7 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
   for (std::size_t p = 0; p < parts.size(); ++p)
     first[p + 1] = first[p] + std::int64_t(parts[p].cells.size());
   Numbering numbering(
-      first.back() == 0 ? 0 : mesh.cell_count() + std::int64_t(virtual_leaves.cells.size()));
+      first.back() == 0 ? 0 : mesh.cell_count() + std::int64_t(virtual_leaves.leaves.size()));
   for_cells(parts, threads, [&](const DualCell& c) {
     for (int v = 0; v < mesh::vertex_count(c.shape); ++v)
       numbering.add_leaf(c.vertices[v].leaf);
@@ -140,7 +140,7 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
         if (leaf != cell_of) {
           cell_of = leaf;
           if (leaf >= mesh.cell_count())
-            cell = virtual_leaves.cells[std::size_t(leaf - mesh.cell_count())];
+            cell = virtual_leaves.leaves[std::size_t(leaf - mesh.cell_count())].cell;
           else
             cell = cell_at(mesh, leaf);
         }

@@ -4,16 +4,10 @@
 
 #include "amr/dual_cells.h"
 #include "amr/enumerate.h"
+#include "amr/virtual_leaves.h"
 #include "mesh/piece.h"
 
 namespace insitu::amr {
-
-/// Leaves that only the dual mesh has: numbered from `first` on, with their places.
-struct VirtualLeaves {
-  std::int64_t first = 0;
-  std::vector<mesh::AmrCell> cells;
-  std::vector<std::uint32_t> parents; ///< the real leaf that each lies in
-};
 
 /// Stitching cells as a PADDED piece: int32 ids, -1 for padding, and the vertices' points and
 /// leaves. Vertices are numbered in the order of their leaves, those of virtual leaves last.
