@@ -1,7 +1,6 @@
 #include "amr/dual_mesh.h"
 
-#include "amr/balance.h"
-#include "amr/enumerate.h"
+#include "amr/dual_parts.h"
 #include "amr/stitching.h"
 #include "core/status.h"
 
@@ -10,16 +9,15 @@ namespace insitu::amr {
 using mesh::Gridlet;
 
 struct DualMesh::State {
-  explicit State(core::Memory& memory)
-      : map(memory), gridlets(memory, INSITU_MEMORY_AMR), full(memory, INSITU_MEMORY_AMR),
-        leaves(memory, INSITU_MEMORY_AMR), stitching(memory), values(memory), memory_(memory) {}
+  explicit State(core::Memory& m)
+      : memory(m), map(m), gridlets(m, INSITU_MEMORY_AMR), full(m, INSITU_MEMORY_AMR),
+        leaves(m, INSITU_MEMORY_AMR), stitching(m), values(m) {}
 
   void clear();
-  std::vector<DualPart> enumerate(const mesh::AmrView& mesh, VirtualLeaves& made,
-                                  const core::Threads& threads);
   void gather(const std::vector<DualPart>& parts, const core::Threads& threads);
   void make_view();
 
+  core::Memory& memory;
   LeafMap map;
   DualCounts counts;
   core::Buffer<Gridlet> gridlets;
@@ -32,22 +30,9 @@ struct DualMesh::State {
   mesh::PieceView pieces[2];
   std::int64_t first_cell[3] = {0, 0, 0}, first_vertex[3] = {0, 0, 0};
   mesh::MeshView view;
-
-private:
-  core::Memory& memory_;
 };
 
 namespace {
-
-std::vector<DualPart> enumerate_all(const BrickStore& store, std::int64_t real, Check check,
-                                    const core::Threads& threads) {
-  const std::int64_t n = store.brick_count();
-  std::vector<DualPart> parts(std::size_t((n + bricks_a_part - 1) / bricks_a_part));
-  threads.parallel_for(n, bricks_a_part, [&](std::int64_t begin, std::int64_t end) {
-    enumerate(store, begin, end, real, check, parts[std::size_t(begin / bricks_a_part)]);
-  });
-  return parts;
-}
 
 void count_cells(const std::vector<DualPart>& parts, DualCounts& counts) {
   for (const DualPart& part : parts) {
@@ -82,31 +67,6 @@ void DualMesh::State::clear() {
   stitching.clear();
   values.clear();
   make_view();
-}
-
-/// All dual cells. Where depths differ by more than one around a corner they may fold: then leaves
-/// are split virtually and the cells made anew.
-std::vector<DualPart> DualMesh::State::enumerate(const mesh::AmrView& mesh, VirtualLeaves& made,
-                                                 const core::Threads& threads) {
-  const std::int64_t real = mesh.cell_count();
-  std::vector<DualPart> parts = enumerate_all(map.store(), real, Check::steep, threads);
-  bool steep = false;
-  for (const DualPart& part : parts) {
-    steep |= !part.steep.empty();
-    counts.folded += part.folded;
-  }
-  made.first = first_virtual = real;
-  if (!steep)
-    return parts;
-  made = balance(map.store(), parts, real);
-  counts.repaired = std::int64_t(made.leaves.size());
-  BrickStore split(memory_);
-  overlay(map.store(), made, split, threads);
-  parts = enumerate_all(split, real, Check::split, threads);
-  for (const DualPart& part : parts)
-    counts.still_folded += part.folded;
-  values.build(map.store(), made, threads);
-  return parts;
 }
 
 /// Copies the parts' gridlets together.
@@ -172,13 +132,17 @@ void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads) {
   s.clear();
   try {
     s.map.build(mesh, threads);
-    VirtualLeaves made;
-    const std::vector<DualPart> parts = s.enumerate(mesh, made, threads);
-    s.gather(parts, threads);
-    s.stitching.build(parts, mesh, made, threads);
+    s.first_virtual = mesh.cell_count();
+    const DualParts dual = make_dual_parts(s.map.store(), s.first_virtual, s.memory, threads);
+    s.gather(dual.parts, threads);
+    s.stitching.build(dual.parts, mesh, dual.made, threads);
+    s.values.build(s.map.store(), dual.made, threads);
     s.counts.leaves = s.map.leaf_count();
     s.counts.masked = s.map.masked_count();
-    count_cells(parts, s.counts);
+    count_cells(dual.parts, s.counts);
+    s.counts.folded = dual.folded;
+    s.counts.repaired = std::int64_t(dual.made.leaves.size());
+    s.counts.still_folded = dual.still_folded;
     s.make_view();
     s.view.free_of_folds = s.view.covers_once = s.counts.still_folded == 0;
   } catch (...) {

@@ -61,22 +61,24 @@ bool touches_virtual(const Corner& corner, std::int64_t real) {
   return false;
 }
 
-void add_cell(const Corner& corner, std::int64_t real, Check check, DualPart& part) {
+void add_cell(const Corner& corner, std::int64_t real, Check check, DualCells& cells,
+              DualPart& part) {
   DualCell cell;
-  if (!dual_cell(corner, cell))
+  if (!cells.make(corner, cell))
     return;
   part.cells.push_back(cell);
   if (check == Check::steep ? corner.most_up > 1 : touches_virtual(corner, real))
-    part.folded += folds(corner);
+    part.folded += cells.folds();
 }
 
 } // namespace
 
-void enumerate(const BrickStore& store, std::int64_t begin, std::int64_t end, std::int64_t real,
+void enumerate(const BrickStore& store, std::span<const std::uint32_t> bricks, std::int64_t real,
                Check check, DualPart& part) {
   Neighborhood around;
   Corner corner;
-  for (std::int64_t b = begin; b < end; ++b) {
+  DualCells cells;
+  for (const std::uint32_t b : bricks) {
     if (!around.load(store, b, real))
       continue;
     add_gridlet(around, real, part); // before corners: they note coarser leaves in the entries
@@ -87,7 +89,7 @@ void enumerate(const BrickStore& store, std::int64_t begin, std::int64_t end, st
             continue;
           if (corner.most_up > 1)
             part.steep.push_back(corner);
-          add_cell(corner, real, check, part);
+          add_cell(corner, real, check, cells, part);
         }
   }
   part.empty -= part.cubes;

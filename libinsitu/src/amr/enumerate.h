@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "amr/dual_cells.h"
@@ -21,12 +22,9 @@ struct DualPart {
 /// Which corners are looked at for folds.
 enum class Check { steep, split }; ///< steep: depths differ by more than one; split: virtual leaves
 
-/// Bricks a part; parts do not depend on the thread count.
-constexpr std::int64_t bricks_a_part = 32;
-
-/// The dual mesh of the bricks [begin, end). Leaves with ids from `real` on are virtual: they lie
+/// The dual mesh of some bricks. Leaves with ids from `real` on are virtual: they lie
 /// in stitching cells only.
-void enumerate(const BrickStore& store, std::int64_t begin, std::int64_t end, std::int64_t real,
+void enumerate(const BrickStore& store, std::span<const std::uint32_t> bricks, std::int64_t real,
                Check check, DualPart& part);
 
 } // namespace insitu::amr

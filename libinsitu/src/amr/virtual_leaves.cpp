@@ -20,10 +20,11 @@ struct Neighbor {
 
 class Neighbors {
 public:
-  Neighbors(const BrickStore& store, const mesh::AmrCell& leaf) : store_(store), leaf_(leaf) {
+  Neighbors() = default;
+  Neighbors(const BrickStore& store, const mesh::AmrCell& leaf) : leaf_(leaf) {
     for (int a = 0; a < 3; ++a)
       for (int side = 0; side < 2; ++side)
-        across(a, side);
+        across(store, a, side);
   }
   int count() const { return count_; }
   const Neighbor& operator[](int n) const { return list_[n]; }
@@ -38,17 +39,17 @@ private:
     n.weight = 1.0 / math::dot(n.offset, n.offset);
   }
 
-  void across(int axis, int side) {
+  void across(const BrickStore& store, int axis, int side) {
     std::int64_t index[3] = {leaf_.index[0], leaf_.index[1], leaf_.index[2]};
     index[axis] += side ? 1 : -1;
-    const std::uint32_t entry = store_.at(leaf_.depth, index);
+    const std::uint32_t entry = store.at(leaf_.depth, index);
     int up = 0;
     if (BrickStore::is_leaf(entry))
       add(entry, leaf_.depth, index);
     else if (entry != BrickStore::nothing)
       for (int quarter = 0; quarter < 4; ++quarter)
-        descend(axis, side, quarter, index);
-    else if (const std::uint32_t id = store_.above(leaf_.depth, index, &up);
+        descend(store, axis, side, quarter, index);
+    else if (const std::uint32_t id = store.above(leaf_.depth, index, &up);
              id != BrickStore::nothing) {
       const std::int64_t coarse[3] = {index[0] >> up, index[1] >> up, index[2] >> up};
       add(id, leaf_.depth - up, coarse);
@@ -56,7 +57,7 @@ private:
   }
 
   /// The leaf in a quarter of the face that touches the face's middle.
-  void descend(int axis, int side, int quarter, const std::int64_t* from) {
+  void descend(const BrickStore& store, int axis, int side, int quarter, const std::int64_t* from) {
     std::int64_t index[3] = {from[0], from[1], from[2]};
     const int b = (axis + 1) % 3, c = (axis + 2) % 3;
     int on_b = quarter & 1, on_c = quarter >> 1;
@@ -64,7 +65,7 @@ private:
       index[axis] = 2 * index[axis] + (side ? 0 : 1);
       index[b] = 2 * index[b] + on_b;
       index[c] = 2 * index[c] + on_c;
-      const std::uint32_t entry = store_.at(depth, index);
+      const std::uint32_t entry = store.at(depth, index);
       if (BrickStore::is_leaf(entry))
         add(entry, depth, index);
       if (BrickStore::is_leaf(entry) || entry == BrickStore::nothing)
@@ -74,8 +75,7 @@ private:
     }
   }
 
-  const BrickStore& store_;
-  const mesh::AmrCell& leaf_;
+  mesh::AmrCell leaf_;
   Neighbor list_[24];
   int count_ = 0;
 };
@@ -133,6 +133,10 @@ void fit_gradient(const Neighbors& near, Vec3d* gradient) {
     }
 }
 
+bool same_real(const VirtualLeaves& leaves, std::size_t v) {
+  return leaves.leaves[v].real_id == leaves.leaves[v - 1].real_id;
+}
+
 } // namespace
 
 void VirtualValues::clear() {
@@ -145,22 +149,32 @@ void VirtualValues::build(const BrickStore& store, const VirtualLeaves& leaves,
                           const core::Threads& threads) {
   const std::int64_t n = std::int64_t(leaves.leaves.size());
   constexpr std::int64_t grain = 256;
+  clear();
+  if (n == 0)
+    return;
   first_.resize_discard(std::size_t(n + 1));
   first_[0] = 0;
   threads.parallel_for(n, grain, [&](std::int64_t begin, std::int64_t end) {
+    // Virtual leaves of one real leaf often follow each other.
     for (std::size_t v = std::size_t(begin); v < std::size_t(end); ++v)
-      first_[v + 1] = 1 + Neighbors(store, leaves.leaves[v].real).count();
+      first_[v + 1] = v > std::size_t(begin) && same_real(leaves, v)
+                          ? first_[v]
+                          : 1 + Neighbors(store, leaves.leaves[v].real).count();
   });
   for (std::size_t v = 0; v < std::size_t(n); ++v)
     first_[v + 1] += first_[v];
   leaves_.resize_discard(std::size_t(first_[std::size_t(n)]));
   weights_.resize_discard(leaves_.size());
   threads.parallel_for(n, grain, [&](std::int64_t begin, std::int64_t end) {
+    Neighbors near;
+    Vec3d gradient[24];
     for (std::size_t v = std::size_t(begin); v < std::size_t(end); ++v) {
       const VirtualLeaves::Leaf& leaf = leaves.leaves[v];
-      const Neighbors near(store, leaf.real);
-      Vec3d gradient[24], offset;
-      fit_gradient(near, gradient);
+      if (v == std::size_t(begin) || !same_real(leaves, v)) {
+        near = Neighbors(store, leaf.real);
+        fit_gradient(near, gradient);
+      }
+      Vec3d offset;
       const double size = std::ldexp(1.0, leaf.real.depth - leaf.cell.depth);
       for (int a = 0; a < 3; ++a)
         offset[a] = (double(leaf.cell.index[a]) + 0.5) * size - (double(leaf.real.index[a]) + 0.5);
