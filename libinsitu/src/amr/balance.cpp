@@ -64,17 +64,25 @@ mesh::AmrCell cell(int depth, const std::int64_t* index) {
 
 } // namespace
 
-VirtualLeaves balance(const BrickStore& store, const std::vector<DualPart>& parts,
+VirtualLeaves balance(const BrickStore& store, const std::vector<SteepCorner>& corners,
                       std::int64_t first_id) {
   std::vector<Splits> splits(std::size_t(store.depth_count()) + 1);
-  for (const DualPart& part : parts)
-    for (const Corner& c : part.steep)
-      for (int o = 0; o < 8; ++o)
-        if ((c.inside >> o & 1) && c.up[o] > 1)
-          splits[std::size_t(c.depth - 2)].push_back(
-              {{c.cell(o, 0) >> 2, c.cell(o, 1) >> 2, c.cell(o, 2) >> 2},
-               c.id[o],
-               c.depth - c.up[o]});
+  for (const SteepCorner& c : corners)
+    for (int o = 0; o < 8; ++o) {
+      if ((c.octants >> o & 1) == 0)
+        continue;
+      // The cell two depths above has to be split, whatever real leaf it is in.
+      const int depth = c.depth - 2;
+      Split s = {{}, 0, depth};
+      for (int a = 0; a < 3; ++a)
+        s.index[a] = (c.index[a] - 1 + (o >> a & 1)) >> 2;
+      int up = 0;
+      s.leaf = store.at(depth, s.index);
+      if (s.leaf == BrickStore::nothing)
+        s.leaf = store.above(depth, s.index, &up);
+      s.leaf_depth -= up;
+      splits[std::size_t(depth)].push_back(s);
+    }
   for (int d = store.depth_count() - 1; d >= 0; --d) {
     Splits& own = splits[std::size_t(d)];
     normalize(own);

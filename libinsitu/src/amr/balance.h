@@ -7,10 +7,11 @@
 
 namespace insitu::amr {
 
-/// Splits coarse leaves, for the dual mesh alone, until depths differ by one at most around every
-/// corner: the 2:1 balance of octrees over faces, edges and corners. Given are the corners around
-/// which they differ by more. Where they differ by one at most, dual cells do not fold.
-VirtualLeaves balance(const BrickStore& store, const std::vector<DualPart>& parts,
+/// Splits coarse leaves, for the dual mesh alone, until depths differ by one at most around the
+/// given corners and around all corners of the leaves that this makes: the 2:1 balance of octrees
+/// over faces, edges and corners, where it is needed. Where depths differ by one at most, no dual
+/// cell folds.
+VirtualLeaves balance(const BrickStore& store, const std::vector<SteepCorner>& corners,
                       std::int64_t first_id);
 
 /// A copy of a map in which the virtual leaves take the places of those that they split.

@@ -61,20 +61,27 @@ bool touches_virtual(const Corner& corner, std::int64_t real) {
   return false;
 }
 
-void add_cell(const Corner& corner, std::int64_t real, Check check, DualCells& cells,
-              DualPart& part) {
+void add_cell(const Corner& corner, std::int64_t real, DualCells& cells, DualPart& part) {
   DualCell cell;
   if (!cells.make(corner, cell))
     return;
   part.cells.push_back(cell);
-  if (check == Check::steep ? corner.most_up > 1 : touches_virtual(corner, real))
-    part.folded += cells.folds();
+  const bool folded = (corner.most_up > 1 || touches_virtual(corner, real)) && cells.folds();
+  part.folded += folded;
+  if (corner.most_up <= 1)
+    return;
+  SteepCorner steep = {
+      {corner.index[0], corner.index[1], corner.index[2]}, std::int8_t(corner.depth), 0, folded};
+  for (int o = 0; o < 8; ++o)
+    if ((corner.inside >> o & 1) && corner.up[o] > 1)
+      steep.octants |= std::uint8_t(1 << o);
+  part.steep.push_back(steep);
 }
 
 } // namespace
 
 void enumerate(const BrickStore& store, std::span<const std::uint32_t> bricks, std::int64_t real,
-               Check check, DualPart& part) {
+               DualPart& part) {
   Neighborhood around;
   Corner corner;
   DualCells cells;
@@ -85,11 +92,8 @@ void enumerate(const BrickStore& store, std::span<const std::uint32_t> bricks, s
     for (int k = 0; k < 9; ++k)
       for (int j = 0; j < 9; ++j)
         for (unsigned row = around.mixed(j, k); row != 0; row &= row - 1) {
-          if (!around.take(store, std::countr_zero(row), j, k, corner))
-            continue;
-          if (corner.most_up > 1)
-            part.steep.push_back(corner);
-          add_cell(corner, real, check, cells, part);
+          if (around.take(store, std::countr_zero(row), j, k, corner))
+            add_cell(corner, real, cells, part);
         }
   }
   part.empty -= part.cubes;

@@ -8,23 +8,29 @@
 
 namespace insitu::amr {
 
+/// A corner around which depths differ by more than one: its cell may fold.
+struct SteepCorner {
+  std::int64_t index[3];
+  std::int8_t depth;
+  std::uint8_t octants; ///< those whose leaf lies two depths above or more
+  bool folded;
+};
+
 /// What some bricks of a map make of the dual mesh.
 struct DualPart {
   std::vector<mesh::Gridlet> gridlets; ///< `first` counts from the part's own
   std::vector<std::uint64_t> full;     ///< 8 words a gridlet
   std::vector<std::uint32_t> leaves;   ///< vertices of gridlets
   std::vector<DualCell> cells;
+  std::vector<SteepCorner> steep;
   std::int64_t cubes = 0, empty = 0;
-  std::int64_t folded = 0;   ///< of cells around corners where depths differ by more than one
-  std::vector<Corner> steep; ///< those corners
+  std::int64_t folded = 0; ///< cells
 };
-
-/// Which corners are looked at for folds.
-enum class Check { steep, split }; ///< steep: depths differ by more than one; split: virtual leaves
 
 /// The dual mesh of some bricks. Leaves with ids from `real` on are virtual: they lie
 /// in stitching cells only.
+/// Looks for folds where depths differ by more than one and where virtual leaves are.
 void enumerate(const BrickStore& store, std::span<const std::uint32_t> bricks, std::int64_t real,
-               Check check, DualPart& part);
+               DualPart& part);
 
 } // namespace insitu::amr
