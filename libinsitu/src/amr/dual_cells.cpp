@@ -135,6 +135,13 @@ bool vertex_keys(const Corner& corner, VertexKey* keys, int* source) {
 
 } // namespace
 
+bool folds(Shape shape, const Vec3d* x) {
+  if (shape == Shape::tetrahedron)
+    return !(math::dot(math::cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]) > 0.0);
+  // Turned inside out as a whole: its volume by the divergence theorem is negative.
+  return cells::jacobian_changes_sign(shape, x) || !(signed_volume(shape, x) > 0.0);
+}
+
 /// Which octants share a leaf, and the shape that this leaves of a hexahedron.
 ///
 /// There are never fewer than four vertices: an octant o whose leaf is of the corner's depth is
@@ -208,10 +215,7 @@ bool DualCells::look_for_folds() const {
       x[v][a] = double((place << up) - 2 * corner.index[a]);
     }
   }
-  if (c.shape == Shape::tetrahedron)
-    return !(math::dot(math::cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]) > 0.0);
-  // Turned inside out as a whole: its volume by the divergence theorem is negative.
-  return cells::jacobian_changes_sign(c.shape, x) || !(signed_volume(c.shape, x) > 0.0);
+  return amr::folds(c.shape, x);
 }
 
 } // namespace insitu::amr

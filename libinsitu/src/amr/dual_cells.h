@@ -32,6 +32,9 @@ struct DualCell {
   bool boundary;
 };
 
+/// Whether a cell folds or is turned inside out.
+bool folds(mesh::Shape shape, const math::Vec3d* x);
+
 /// Makes the dual cells of corners; remembers the shapes of the last ones, of which there are few.
 class DualCells {
 public:

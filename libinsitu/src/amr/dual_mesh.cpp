@@ -133,10 +133,11 @@ void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads) {
   try {
     s.map.build(mesh, threads);
     s.first_virtual = mesh.cell_count();
-    const DualParts dual = make_dual_parts(s.map.store(), s.first_virtual, s.memory, threads);
+    const DualParts dual =
+        make_dual_parts(s.map.store(), s.map.lattice(), s.first_virtual, s.memory, threads);
     s.gather(dual.parts, threads);
     s.stitching.build(dual.parts, mesh, dual.made, threads);
-    s.values.build(s.map.store(), dual.made, threads);
+    s.values.build(s.map.store(), dual.made, s.stitching.means(), threads);
     s.counts.leaves = s.map.leaf_count();
     s.counts.masked = s.map.masked_count();
     count_cells(dual.parts, s.counts);

@@ -13,13 +13,13 @@ namespace {
 constexpr std::int64_t bricks_a_part = 32;
 
 /// The parts of some bricks.
-std::vector<DualPart> enumerate_parts(const BrickStore& store,
+std::vector<DualPart> enumerate_parts(const BrickStore& store, const mesh::Lattice& lattice,
                                       const std::vector<std::uint32_t>& bricks, std::int64_t real,
                                       const core::Threads& threads) {
   const std::int64_t n = std::int64_t(bricks.size());
   std::vector<DualPart> parts(std::size_t((n + bricks_a_part - 1) / bricks_a_part));
   threads.parallel_for(n, bricks_a_part, [&](std::int64_t begin, std::int64_t end) {
-    enumerate(store, {bricks.data() + begin, std::size_t(end - begin)}, real,
+    enumerate(store, lattice, {bricks.data() + begin, std::size_t(end - begin)}, real,
               parts[std::size_t(begin / bricks_a_part)]);
   });
   return parts;
@@ -86,13 +86,13 @@ std::int64_t add_corners(const std::vector<DualPart>& parts, bool all,
 
 } // namespace
 
-DualParts make_dual_parts(const BrickStore& store, std::int64_t real, core::Memory& memory,
-                          const core::Threads& threads) {
+DualParts make_dual_parts(const BrickStore& store, const mesh::Lattice& lattice, std::int64_t real,
+                          core::Memory& memory, const core::Threads& threads) {
   DualParts dual;
   dual.made.first = real;
   std::vector<std::uint32_t> bricks(std::size_t(store.brick_count()));
   std::iota(bricks.begin(), bricks.end(), 0u);
-  dual.parts = enumerate_parts(store, bricks, real, threads);
+  dual.parts = enumerate_parts(store, lattice, bricks, real, threads);
   std::vector<SteepCorner> corners;
   dual.folded = dual.still_folded = add_corners(dual.parts, false, corners);
   // A split can leave a cell folded that has another coarse leaf. Every round splits more; after
@@ -103,7 +103,7 @@ DualParts make_dual_parts(const BrickStore& store, std::int64_t real, core::Memo
     BrickStore split(memory);
     overlay(store, dual.made, split, threads);
     bricks = drop_changed(store, dual.made, split, dual.parts);
-    std::vector<DualPart> again = enumerate_parts(split, bricks, real, threads);
+    std::vector<DualPart> again = enumerate_parts(split, lattice, bricks, real, threads);
     const std::size_t before = corners.size();
     const bool all = round == most_local_rounds;
     dual.still_folded = add_corners(again, all, corners);

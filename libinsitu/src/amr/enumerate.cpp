@@ -61,12 +61,16 @@ bool touches_virtual(const Corner& corner, std::int64_t real) {
   return false;
 }
 
-void add_cell(const Corner& corner, std::int64_t real, DualCells& cells, DualPart& part) {
+void add_cell(const Corner& corner, const mesh::Lattice& lattice, std::int64_t real,
+              DualCells& cells, DualPart& part) {
   DualCell cell;
-  if (!cells.make(corner, cell))
-    return;
-  part.cells.push_back(cell);
-  const bool folded = (corner.most_up > 1 || touches_virtual(corner, real)) && cells.folds();
+  bool folded = false;
+  if (cells.make(corner, cell)) {
+    part.cells.push_back(cell);
+    folded = (corner.most_up > 1 || touches_virtual(corner, real)) && cells.folds();
+  } else {
+    folded = split_reentrant(corner, lattice, part.cells, part.means);
+  }
   part.folded += folded;
   if (corner.most_up <= 1)
     return;
@@ -80,8 +84,8 @@ void add_cell(const Corner& corner, std::int64_t real, DualCells& cells, DualPar
 
 } // namespace
 
-void enumerate(const BrickStore& store, std::span<const std::uint32_t> bricks, std::int64_t real,
-               DualPart& part) {
+void enumerate(const BrickStore& store, const mesh::Lattice& lattice,
+               std::span<const std::uint32_t> bricks, std::int64_t real, DualPart& part) {
   Neighborhood around;
   Corner corner;
   DualCells cells;
@@ -93,7 +97,7 @@ void enumerate(const BrickStore& store, std::span<const std::uint32_t> bricks, s
       for (int j = 0; j < 9; ++j)
         for (unsigned row = around.mixed(j, k); row != 0; row &= row - 1) {
           if (around.take(store, std::countr_zero(row), j, k, corner))
-            add_cell(corner, real, cells, part);
+            add_cell(corner, lattice, real, cells, part);
         }
   }
   part.empty -= part.cubes;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "amr/dual_cells.h"
+#include "amr/reentrant.h"
 #include "mesh/gridlet.h"
 
 namespace insitu::amr {
@@ -22,6 +23,7 @@ struct DualPart {
   std::vector<std::uint64_t> full;     ///< 8 words a gridlet
   std::vector<std::uint32_t> leaves;   ///< vertices of gridlets
   std::vector<DualCell> cells;
+  std::vector<MeanVertex> means; ///< vertices of cells
   std::vector<SteepCorner> steep;
   std::int64_t cubes = 0, empty = 0;
   std::int64_t folded = 0; ///< cells
@@ -30,7 +32,7 @@ struct DualPart {
 /// The dual mesh of some bricks. Leaves with ids from `real` on are virtual: they lie
 /// in stitching cells only.
 /// Looks for folds where depths differ by more than one and where virtual leaves are.
-void enumerate(const BrickStore& store, std::span<const std::uint32_t> bricks, std::int64_t real,
-               DualPart& part);
+void enumerate(const BrickStore& store, const mesh::Lattice& lattice,
+               std::span<const std::uint32_t> bricks, std::int64_t real, DualPart& part);
 
 } // namespace insitu::amr

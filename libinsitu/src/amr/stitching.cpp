@@ -1,5 +1,6 @@
 #include "amr/stitching.h"
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <string>
@@ -10,6 +11,8 @@
 namespace insitu::amr {
 
 namespace {
+
+using math::Vec3d;
 
 /// Sets bits that many threads share; most are set already.
 template <class Word>
@@ -92,6 +95,23 @@ void for_cells(const std::vector<DualPart>& parts, const core::Threads& threads,
   });
 }
 
+bool before(const Vec3d& a, const Vec3d& b) {
+  return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+}
+
+/// All parts' means, one for each place.
+std::vector<MeanVertex> merge_means(const std::vector<DualPart>& parts) {
+  std::vector<MeanVertex> means;
+  for (const DualPart& part : parts)
+    means.insert(means.end(), part.means.begin(), part.means.end());
+  std::sort(means.begin(), means.end(),
+            [](const MeanVertex& a, const MeanVertex& b) { return before(a.x, b.x); });
+  means.erase(std::unique(means.begin(), means.end(),
+                          [](const MeanVertex& a, const MeanVertex& b) { return a.x == b.x; }),
+              means.end());
+  return means;
+}
+
 } // namespace
 
 Stitching::Stitching(core::Memory& memory)
@@ -101,6 +121,7 @@ Stitching::Stitching(core::Memory& memory)
 void Stitching::clear() {
   ids_.resize_discard(0);
   points_.resize_discard(0);
+  means_.clear();
   leaves_.resize_discard(0);
 }
 
@@ -114,14 +135,18 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
       first.back() == 0 ? 0 : mesh.cell_count() + std::int64_t(virtual_leaves.leaves.size()));
   for_cells(parts, threads, [&](const DualCell& c) {
     for (int v = 0; v < mesh::vertex_count(c.shape); ++v)
-      numbering.add_leaf(c.vertices[v].leaf);
+      if (c.vertices[v].moves != mean_moves)
+        numbering.add_leaf(c.vertices[v].leaf);
   });
   numbering.count_leaves();
   for_cells(parts, threads, [&](const DualCell& c) {
     for (int v = 0; v < mesh::vertex_count(c.shape); ++v)
-      numbering.add(c.vertices[v]);
+      if (c.vertices[v].moves != mean_moves)
+        numbering.add(c.vertices[v]);
   });
-  const std::int64_t vertices = numbering.count_vertices();
+  const std::int64_t of_leaves = numbering.count_vertices();
+  means_ = merge_means(parts);
+  const std::int64_t vertices = of_leaves + std::int64_t(means_.size());
   if (vertices > INT32_MAX)
     throw core::Error(INSITU_ERROR_MESH, "the stitching cells of an adaptive mesh have " +
                                              std::to_string(vertices) +
@@ -130,11 +155,19 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
   ids_.resize_discard(std::size_t(8 * first.back()));
   threads.parallel_for(std::int64_t(parts.size()), 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t p = begin; p < end; ++p) {
+      const DualPart& part = parts[std::size_t(p)];
+      const auto number = [&](const VertexKey& key) {
+        if (key.moves != mean_moves)
+          return std::int64_t(numbering.number(key));
+        const auto at = std::lower_bound(
+            means_.begin(), means_.end(), part.means[key.leaf],
+            [](const MeanVertex& a, const MeanVertex& b) { return before(a.x, b.x); });
+        return of_leaves + (at - means_.begin());
+      };
       std::int32_t* id = ids_.data() + 8 * first[std::size_t(p)];
-      for (const DualCell& c : parts[std::size_t(p)].cells)
+      for (const DualCell& c : part.cells)
         for (int v = 0; v < 8; ++v)
-          *id++ =
-              v < mesh::vertex_count(c.shape) ? std::int32_t(numbering.number(c.vertices[v])) : -1;
+          *id++ = v < mesh::vertex_count(c.shape) ? std::int32_t(number(c.vertices[v])) : -1;
     }
   });
   points_.resize_discard(std::size_t(3 * vertices));
@@ -157,6 +190,13 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
               mesh.lattice.place(a, cell.depth, halves(cell.index[a], moves, a));
       });
   });
+  const std::int64_t first_mean = mesh.cell_count() + std::int64_t(virtual_leaves.leaves.size());
+  for (std::size_t m = 0; m < means_.size(); ++m) {
+    const std::size_t v = std::size_t(of_leaves) + m;
+    leaves_[v] = std::uint32_t(first_mean + std::int64_t(m));
+    for (int a = 0; a < 3; ++a)
+      points_[3 * v + std::size_t(a)] = means_[m].x[a];
+  }
 }
 
 mesh::PieceView Stitching::piece() const {

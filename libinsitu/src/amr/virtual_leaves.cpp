@@ -146,11 +146,11 @@ void VirtualValues::clear() {
 }
 
 void VirtualValues::build(const BrickStore& store, const VirtualLeaves& leaves,
-                          const core::Threads& threads) {
+                          std::span<const MeanVertex> means, const core::Threads& threads) {
   const std::int64_t n = std::int64_t(leaves.leaves.size());
   constexpr std::int64_t grain = 256;
   clear();
-  if (n == 0)
+  if (n == 0 && means.empty())
     return;
   first_.resize_discard(std::size_t(n + 1));
   first_[0] = 0;
@@ -190,6 +190,29 @@ void VirtualValues::build(const BrickStore& store, const VirtualLeaves& leaves,
       weights_[at] = own;
     }
   });
+  add_means(leaves, means);
+}
+
+void VirtualValues::add_means(const VirtualLeaves& leaves, std::span<const MeanVertex> means) {
+  std::vector<std::uint32_t> ids;
+  std::vector<double> weights;
+  for (const MeanVertex& mean : means) {
+    ids.clear();
+    weights.clear();
+    for (int m = 0; m < mean.count; ++m) {
+      const double share = 1.0 / mean.count;
+      const std::int64_t made = std::int64_t(mean.leaves[m]) - leaves.first;
+      for (int t = 0; t < (made < 0 ? 1 : count(made)); ++t) {
+        ids.push_back(made < 0 ? mean.leaves[m] : this->leaves(made)[t]);
+        weights.push_back(made < 0 ? share : share * this->weights(made)[t]);
+      }
+    }
+    for (std::size_t t = 0; t < ids.size(); ++t) {
+      leaves_.push_back(ids[t]);
+      weights_.push_back(weights[t]);
+    }
+    first_.push_back(std::int64_t(leaves_.size()));
+  }
 }
 
 } // namespace insitu::amr

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "amr/brick_store.h"
+#include "amr/reentrant.h"
 
 namespace insitu::amr {
 
@@ -30,13 +32,16 @@ public:
       : first_(memory, INSITU_MEMORY_AMR), leaves_(memory, INSITU_MEMORY_AMR),
         weights_(memory, INSITU_MEMORY_AMR) {}
 
-  void build(const BrickStore& store, const VirtualLeaves& leaves, const core::Threads& threads);
+  /// Means follow the virtual leaves: the terms of the leaves that they are over, each with an
+  /// equal share.
+  void build(const BrickStore& store, const VirtualLeaves& leaves,
+             std::span<const MeanVertex> means, const core::Threads& threads);
   void clear();
   std::int64_t bytes() const {
     return std::int64_t(first_.bytes() + leaves_.bytes() + weights_.bytes());
   }
 
-  /// The terms of virtual leaf n, counted from 0.
+  /// The terms of virtual leaf or mean n, counted from 0.
   int count(std::int64_t n) const {
     return int(first_[std::size_t(n + 1)] - first_[std::size_t(n)]);
   }
@@ -46,6 +51,8 @@ public:
   const double* weights(std::int64_t n) const { return weights_.data() + first_[std::size_t(n)]; }
 
 private:
+  void add_means(const VirtualLeaves& leaves, std::span<const MeanVertex> means);
+
   core::Buffer<std::int64_t> first_;
   core::Buffer<std::uint32_t> leaves_;
   core::Buffer<double> weights_;

@@ -124,6 +124,8 @@ private:
 
   void read_cells() {
     const mesh::MeshView& view = dual_.view();
+    if (view.pieces[1].vertex_count > 0) // volumes of small meshes far from the origin
+      near_ = view.pieces[1].point(0);
     for (std::int64_t flat = 0; flat < view.cell_count(); ++flat) {
       mesh::CellVertices g;
       const std::int32_t p = view.piece_of(flat);
@@ -136,8 +138,7 @@ private:
       c.stitching = g.piece == 1;
       c.in_piece = flat - view.first_cell[p];
       for (int v = 0; v < g.count; ++v) {
-        c.x[v] = g.x[v] -
-                 Vec3d{view_.lattice.origin[0], view_.lattice.origin[1], view_.lattice.origin[2]};
+        c.x[v] = g.x[v] - near_;
         c.vertices[v] = places_.try_emplace(g.x[v], std::int64_t(places_.size())).first->second;
       }
       cells_.push_back(c);
@@ -205,7 +206,6 @@ private:
 
   /// A face in one plane of the lattice with leaves on one side of it only, at its middle.
   bool on_boundary(const Vec3d* x, int count) const {
-    const Vec3d origin{view_.lattice.origin[0], view_.lattice.origin[1], view_.lattice.origin[2]};
     Vec3d middle{0, 0, 0};
     for (int v = 0; v < count; ++v)
       middle += (1.0 / count) * x[v];
@@ -217,7 +217,7 @@ private:
         continue;
       // Off the leaves' own faces along the other axes, which the middle may lie on.
       const double h = 1e-5 * view_.lattice.width(a, view_.finest_depth());
-      Vec3d low = origin + middle, high = low;
+      Vec3d low = near_ + middle, high = low;
       low[a] -= h;
       high[a] += h;
       for (int b = 0; b < 3; ++b)
@@ -332,6 +332,7 @@ private:
   std::vector<Cell> cells_;
   std::map<Vec3d, std::int64_t, PointLess> places_;
   DualFacts facts_;
+  Vec3d near_{0, 0, 0};
 };
 
 } // namespace

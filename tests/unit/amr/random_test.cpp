@@ -25,7 +25,7 @@ bool two_wide(test::AmrMesh& mesh) {
 
 std::string problem_of(const Recipe& recipe, test::Expect expect, Sums* sums = nullptr) {
   test::AmrMesh mesh = test::make_mesh(recipe);
-  expect.linear &= two_wide(mesh);
+  expect.linear &= test::is_box(recipe) && two_wide(mesh);
   core::Memory memory;
   amr::DualMesh dual(memory);
   dual.build(mesh.view(), core::Threads(1));
@@ -73,11 +73,25 @@ TEST(RandomDual, LevelDifferencesOfOneDoNotFold) {
   run({1, 1, 3, 2}, 20, {});
 }
 
+TEST(RandomDual, ReentrantDomains) {
+  for (int levels = 1; levels <= 3; ++levels) {
+    run({1, 3, 3, levels}, 25, {});
+    run({1, 4, 2, levels}, 25, {});
+  }
+  run({1, 3, 2, 5}, 15, {});
+}
+
 TEST(RandomDual, Octrees) {
-  run({1, 0, 2, 4}, 30, {});
+  run({1, 0, 2, 4}, 40, {});
+  run({1, 0, 2, 5}, 15, {});
+}
+
+TEST(RandomDual, LevelDifferencesUpToSix) {
+  run({1, 5, 1, 7}, 20, {});
+  run({1, 5, 2, 7}, 10, {});
 }
 
 TEST(RandomDual, Patches) {
-  run({1, 1, 2, 3}, 20, {});
+  run({1, 1, 2, 3}, 25, {});
   run({1, 2, 2, 3}, 10, {});
 }
