@@ -22,7 +22,9 @@ constexpr std::uint32_t mean_moves = 27;
 /// over each of the six faces of the octants' hexahedron, or what of it lies inside, a pyramid. A
 /// face that is re-entrant itself is shared with the next such corner; it has a vertex where the
 /// domain's edge crosses it, and triangles around that, under tetrahedra. All other faces are those
-/// of the neighbours' cells. Adds cells and vertices; returns whether one of the cells folds.
+/// of the neighbours' cells; but where the domain ends in the middle of a leaf's face, without a
+/// leaf of that depth beside it, a plane quad of the leaf's own value may meet two triangles. Adds
+/// cells and vertices; returns whether one of the cells folds.
 bool split_reentrant(const Corner& corner, const mesh::Lattice& lattice,
                      std::vector<DualCell>& cells, std::vector<MeanVertex>& means);
 

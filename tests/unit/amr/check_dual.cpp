@@ -192,7 +192,7 @@ private:
         continue;
       ++facts_.unmatched;
       facts_.enclosed += use.turn * flux(use.x, key.count);
-      if (expect_.covers_leaves && !on_boundary(use.x, key.count))
+      if (expect_.conforming && !on_boundary(use.x, key.count))
         fail("an unmatched face inside the domain");
     }
     const double scale = 1e-12 * std::max(facts_.leaves, 1e-300);
