@@ -74,6 +74,27 @@ private:
 
   static bool at_corner(const Vertex& v) { return v.x == Vec3d{0, 0, 0}; }
 
+  /// Whether the corner lies in the polygon's plane: large leaves reach across it.
+  static bool is_flat(const Polygon& p) {
+    for (int a = 0; a < 3; ++a)
+      if (std::all_of(p.vertices, p.vertices + p.count,
+                      [a](const Vertex& v) { return v.x[a] == 0.0; }))
+        return true;
+    return false;
+  }
+
+  /// If the corner lies between two leaves' vertices, the value there is as on the line.
+  static void interpolate(Vertex u, Vertex w, MeanVertex& mean) {
+    if (math::dot(u.x, u.x) > math::dot(w.x, w.x))
+      std::swap(u, w);
+    for (int nearer = 1; nearer < 8; nearer *= 2)
+      if (w.x == double(-nearer) * u.x && u.key.moves != mean_moves && w.key.moves != mean_moves) {
+        std::fill_n(mean.leaves, nearer, u.key.leaf);
+        mean.leaves[nearer] = w.key.leaf;
+        mean.count = std::uint8_t(nearer + 1);
+      }
+  }
+
   /// The vertex at the corner: that of a large leaf whose face has its middle there, or a new one.
   Vertex find_apex() {
     for (const Polygon& p : polygons_)
@@ -81,21 +102,26 @@ private:
         if (at_corner(p.vertices[i]))
           return p.vertices[i];
     MeanVertex mean = {};
-    for (int o = 0; o < 8; ++o)
-      if (inside(o))
-        mean.leaves[mean.count++] = corner_.id[o];
+    for (const Polygon& p : polygons_)
+      for (int i = 0; i < p.count && mean.count == 0 && is_flat(p); ++i)
+        interpolate(p.vertices[i], p.vertices[(i + 1) % p.count], mean);
+    if (mean.count == 0)
+      for (int o = 0; o < 8; ++o)
+        if (inside(o))
+          mean.leaves[mean.count++] = corner_.id[o];
     for (int a = 0; a < 3; ++a)
       mean.x[a] = lattice_.place(a, corner_.depth, 2 * corner_.index[a]);
     return add(mean, {0, 0, 0});
   }
 
-  /// The pyramid or the tetrahedron over a polygon; nothing over one that the apex is a vertex of:
-  /// it is flat, and a face of another cone.
+  /// The pyramid or the tetrahedron over a polygon; nothing over one in a plane with the apex.
   void add_cone(const Polygon& p, const Vertex& apex) {
+    if (is_flat(p))
+      return;
     DualCell cell = {};
     Vec3d x[5];
     for (int i = 0; i < p.count; ++i) {
-      if (at_corner(p.vertices[i]))
+      if (at_corner(p.vertices[i])) // in a plane of the lattice, then
         return;
       cell.vertices[i] = p.vertices[i].key;
       x[i] = p.vertices[i].x;

@@ -100,14 +100,15 @@ private:
 
 /// Refines where chance says, most eagerly near one corner of a cell, so that level differences
 /// get large.
-void octree(AmrMesh& mesh, Random& random, int level, int levels, Index at) {
+void octree(AmrMesh& mesh, Random& random, int level, int levels, Index at, double left_out = 0) {
   if (level + 1 == levels || !random.chance(level == 0 ? 0.7 : 0.35)) {
-    mesh.add_leaf(level, at);
+    if (!random.chance(left_out))
+      mesh.add_leaf(level, at);
     return;
   }
   for (int o = 0; o < 8; ++o)
     octree(mesh, random, level + 1, levels,
-           {2 * at[0] + (o & 1), 2 * at[1] + (o >> 1 & 1), 2 * at[2] + (o >> 2)});
+           {2 * at[0] + (o & 1), 2 * at[1] + (o >> 1 & 1), 2 * at[2] + (o >> 2)}, left_out);
 }
 
 /// Refines the cells that touch one of some points, so that depths differ as much as they can.
@@ -185,12 +186,13 @@ AmrMesh make_mesh(const Recipe& recipe) {
           towards(mesh, points, 0, recipe.levels, {shift[0] + i, shift[1] + j, shift[2] + k});
     return mesh;
   }
-  if (recipe.kind == 0 || recipe.kind == 3) {
+  if (recipe.kind == 0 || recipe.kind == 3 || recipe.kind == 6) {
     for (std::int64_t k = 0; k < n[2]; ++k)
       for (std::int64_t j = 0; j < n[1]; ++j)
         for (std::int64_t i = 0; i < n[0]; ++i)
-          if (recipe.kind == 0 || random.chance(0.7))
-            octree(mesh, random, 0, recipe.levels, {shift[0] + i, shift[1] + j, shift[2] + k});
+          if (recipe.kind != 3 || random.chance(0.7))
+            octree(mesh, random, 0, recipe.levels, {shift[0] + i, shift[1] + j, shift[2] + k},
+                   recipe.kind == 6 ? 0.3 : 0.0);
     return mesh;
   }
   // Patches side by side along x; of kind 4, each of a height of its own.

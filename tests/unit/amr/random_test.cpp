@@ -81,6 +81,12 @@ TEST(RandomDual, ReentrantDomains) {
   run({1, 3, 2, 5}, 15, {});
 }
 
+TEST(RandomDual, LeavesLeftOut) {
+  run({1, 6, 3, 1}, 25, {});
+  for (int levels = 2; levels <= 4; ++levels)
+    run({1, 6, 2, levels}, 25, {.conforming = false});
+}
+
 TEST(RandomDual, Octrees) {
   run({1, 0, 2, 4}, 40, {});
   run({1, 0, 2, 5}, 15, {});
