@@ -12,20 +12,12 @@ namespace {
 using math::Vec3d;
 using mesh::Shape;
 
-constexpr int vtk_octant[8] = {0, 1, 3, 2, 4, 5, 7, 6};
-
-/// Octants in the order of a shape's vertices.
-struct Collapsed {
-  Shape shape = Shape::hexahedron;
-  int distinct = 8;
-  int octants[8] = {0, 1, 3, 2, 4, 5, 7, 6};
-};
-
-int octant_of(int a, int on_a, int b, int on_b, int c, int on_c) {
-  return on_a << a | on_b << b | on_c << c;
+std::uint8_t octant_of(int a, int on_a, int b, int on_b, int c, int on_c) {
+  return std::uint8_t(on_a << a | on_b << b | on_c << c);
 }
 
 /// One face is a point: the apex over the opposite one.
+template <class Collapsed>
 bool as_pyramid(const int* of, Collapsed& r) {
   for (int face = 0; face < 6; ++face) {
     const int a = face >> 1, side = face & 1, b = (a + 1) % 3, c = (a + 2) % 3;
@@ -48,6 +40,7 @@ bool as_pyramid(const int* of, Collapsed& r) {
 }
 
 /// Two edges of one face, parallel to axis a, are points: triangles at both ends of the third axis.
+template <class Collapsed>
 bool as_wedge(const int* of, Collapsed& r) {
   for (int a = 0; a < 3; ++a)
     for (int turn = 1; turn <= 2; ++turn)
@@ -72,44 +65,20 @@ bool as_wedge(const int* of, Collapsed& r) {
 }
 
 /// An octant whose three neighbours along the axes are other leaves, and the three.
+template <class Collapsed>
 bool as_tetrahedron(const int* of, Collapsed& r) {
   for (int o = 0; o < 8; ++o) {
     if (of[o] == of[o ^ 1] || of[o] == of[o ^ 2] || of[o] == of[o ^ 4])
       continue;
     const bool odd = std::popcount(unsigned(o)) & 1;
     r.shape = Shape::tetrahedron;
-    r.octants[0] = o;
-    r.octants[1] = o ^ 1;
-    r.octants[odd ? 3 : 2] = o ^ 2;
-    r.octants[odd ? 2 : 3] = o ^ 4;
+    r.octants[0] = std::uint8_t(o);
+    r.octants[1] = std::uint8_t(o ^ 1);
+    r.octants[odd ? 3 : 2] = std::uint8_t(o ^ 2);
+    r.octants[odd ? 2 : 3] = std::uint8_t(o ^ 4);
     return true;
   }
   return false;
-}
-
-/// Which octants share a leaf, and the shape that this leaves of a hexahedron.
-///
-/// There are never fewer than four vertices: an octant o whose leaf is of the corner's depth is
-/// alone in it, and no leaf holds two of its neighbours along the axes, since a box that holds the
-/// octants o^x and o^y holds o. Nor are there other patterns of four than the tetrahedron's.
-Collapsed collapse(const VertexKey* keys) {
-  Collapsed r;
-  int of[8];
-  r.distinct = 0;
-  for (int o = 0; o < 8; ++o) {
-    of[o] = o;
-    for (int p = 0; p < o && of[o] == o; ++p)
-      if (keys[p] == keys[o])
-        of[o] = of[p];
-    r.distinct += of[o] == o;
-  }
-  if (r.distinct == 4)
-    as_tetrahedron(of, r);
-  else if (r.distinct == 5)
-    as_pyramid(of, r);
-  else if (r.distinct == 6)
-    as_wedge(of, r);
-  return r;
 }
 
 /// Six times the volume inside bilinear faces, by the divergence theorem: a quad counts as much as
@@ -166,42 +135,87 @@ bool vertex_keys(const Corner& corner, VertexKey* keys, int* source) {
 
 } // namespace
 
-bool dual_cell(const Corner& corner, DualCell& cell) {
-  VertexKey keys[8];
-  int source[8];
-  if (!vertex_keys(corner, keys, source))
+bool folds(Shape shape, const Vec3d* x) {
+  if (shape == Shape::tetrahedron)
+    return !(math::dot(math::cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]) > 0.0);
+  // Turned inside out as a whole: its volume by the divergence theorem is negative.
+  return cells::jacobian_changes_sign(shape, x) || !(signed_volume(shape, x) > 0.0);
+}
+
+/// Which octants share a leaf, and the shape that this leaves of a hexahedron.
+///
+/// There are never fewer than four vertices: an octant o whose leaf is of the corner's depth is
+/// alone in it, and no leaf holds two of its neighbours along the axes, since a box that holds the
+/// octants o^x and o^y holds o. Nor are there other patterns of four than the tetrahedron's.
+DualCells::Collapsed DualCells::collapse(const VertexKey* keys) {
+  Collapsed r = {Shape::hexahedron, 0, {0, 1, 3, 2, 4, 5, 7, 6}};
+  int of[8];
+  for (int o = 0; o < 8; ++o) {
+    of[o] = o;
+    for (int p = 0; p < o && of[o] == o; ++p)
+      if (keys[p] == keys[o])
+        of[o] = of[p];
+    r.distinct = std::uint8_t(r.distinct + (of[o] == o));
+  }
+  if (r.distinct == 4)
+    as_tetrahedron(of, r);
+  else if (r.distinct == 5)
+    as_pyramid(of, r);
+  else if (r.distinct == 6)
+    as_wedge(of, r);
+  return r;
+}
+
+bool DualCells::make(const Corner& corner, DualCell& cell) {
+  corner_ = &corner;
+  last_ = nullptr;
+  if (!vertex_keys(corner, keys_, source_))
     return false;
-  const Collapsed c = collapse(keys);
+  // Leaves nest, so depths and the corner's place in the coarsest leaf tell all but the leaves'
+  // ids.
+  constexpr int most_up = 5;
+  if (corner.most_up > most_up) {
+    other_ = {0, collapse(keys_), Folds::unknown};
+    last_ = &other_;
+  } else {
+    std::uint64_t pattern = corner.inside;
+    for (int o = 0; o < 8; ++o)
+      pattern = pattern << 4 | corner.up[o];
+    for (const std::int64_t i : corner.index)
+      pattern = pattern << most_up | (std::uint64_t(i) & ((1u << corner.most_up) - 1));
+    last_ = &known_[pattern * 0x9e3779b97f4a7c15ull >> 56];
+    if (last_->pattern != pattern)
+      *last_ = {pattern, collapse(keys_), Folds::unknown};
+  }
+  const Collapsed& c = last_->shape;
   cell.shape = c.shape;
-  cell.distinct = std::uint8_t(c.distinct);
+  cell.distinct = c.distinct;
   cell.boundary = corner.inside != 0xff;
   for (int v = 0; v < mesh::vertex_count(c.shape); ++v)
-    cell.vertices[v] = keys[c.octants[v]];
+    cell.vertices[v] = keys_[c.octants[v]];
   return true;
 }
 
-bool folds(const Corner& corner) {
-  VertexKey keys[8];
-  int source[8];
-  if (!vertex_keys(corner, keys, source))
-    return false;
-  const Collapsed c = collapse(keys);
+bool DualCells::folds() {
+  if (last_ && last_->folds == Folds::unknown)
+    last_->folds = look_for_folds() ? Folds::yes : Folds::no;
+  return last_ && last_->folds == Folds::yes;
+}
+
+bool DualCells::look_for_folds() const {
+  const Corner& corner = *corner_;
+  const Collapsed& c = last_->shape;
   // In half cells of the corner's depth, from the corner: small integers. Whether a cell folds does
   // not depend on the spacing.
   Vec3d x[8];
   for (int v = 0; v < mesh::vertex_count(c.shape); ++v) {
-    const int o = c.octants[v], s = source[o], up = corner.up[s];
+    const int o = c.octants[v], s = source_[o], up = corner.up[s];
     for (int a = 0; a < 3; ++a) {
-      const std::int64_t place = halves(corner.cell(s, a) >> up, keys[o].moves, a);
+      const std::int64_t place = halves(corner.cell(s, a) >> up, keys_[o].moves, a);
       x[v][a] = double((place << up) - 2 * corner.index[a]);
     }
   }
-  if (c.shape == Shape::tetrahedron)
-    return !(math::dot(math::cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]) > 0.0);
-  if (cells::jacobian_changes_sign(c.shape, x))
-    return true;
-  // Turned inside out as a whole: its volume by the divergence theorem is negative.
-  return !(signed_volume(c.shape, x) > 0.0);
+  return amr::folds(c.shape, x);
 }
 
 } // namespace insitu::amr

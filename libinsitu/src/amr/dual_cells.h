@@ -32,12 +32,42 @@ struct DualCell {
   bool boundary;
 };
 
-/// The dual cell of a corner: its vertices are the leaves' centres. Where octants lie outside and
-/// the others form a box, those stand in that mirror them, moved to the domain's boundary. False
-/// if they form no box.
-bool dual_cell(const Corner& corner, DualCell& cell);
+/// Whether a cell folds or is turned inside out.
+bool folds(mesh::Shape shape, const math::Vec3d* x);
 
-/// Whether the corner's cell folds or is turned inside out.
-bool folds(const Corner& corner);
+/// Makes the dual cells of corners; remembers the shapes of the last ones, of which there are few.
+class DualCells {
+public:
+  /// The dual cell of a corner: its vertices are the leaves' centres. Where octants lie outside and
+  /// the others form a box, those stand in that mirror them, moved to the domain's boundary. False
+  /// if they form no box.
+  bool make(const Corner& corner, DualCell& cell);
+
+  /// Whether the cell of the last corner that one was made for folds or is turned inside out.
+  bool folds();
+
+private:
+  /// What a hexahedron is when octants share a leaf.
+  struct Collapsed {
+    mesh::Shape shape;
+    std::uint8_t distinct;   ///< vertices
+    std::uint8_t octants[8]; ///< in the order of the shape's vertices
+  };
+  enum class Folds : std::uint8_t { unknown, no, yes };
+  struct Known {
+    std::uint64_t pattern = 0; ///< all that shape and folds depend on; 0: none
+    Collapsed shape;
+    Folds folds;
+  };
+  static Collapsed collapse(const VertexKey* keys);
+  bool look_for_folds() const;
+
+  const Corner* corner_ = nullptr;
+  VertexKey keys_[8];
+  int source_[8];
+  Known other_; ///< a pattern that is not kept
+  Known* last_ = nullptr;
+  Known known_[256];
+};
 
 } // namespace insitu::amr

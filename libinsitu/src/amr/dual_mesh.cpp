@@ -1,6 +1,6 @@
 #include "amr/dual_mesh.h"
 
-#include "amr/enumerate.h"
+#include "amr/dual_parts.h"
 #include "amr/stitching.h"
 #include "core/status.h"
 
@@ -9,20 +9,23 @@ namespace insitu::amr {
 using mesh::Gridlet;
 
 struct DualMesh::State {
-  explicit State(core::Memory& memory)
-      : map(memory), gridlets(memory, INSITU_MEMORY_AMR), full(memory, INSITU_MEMORY_AMR),
-        leaves(memory, INSITU_MEMORY_AMR), stitching(memory) {}
+  explicit State(core::Memory& m)
+      : memory(m), map(m), gridlets(m, INSITU_MEMORY_AMR), full(m, INSITU_MEMORY_AMR),
+        leaves(m, INSITU_MEMORY_AMR), stitching(m), values(m) {}
 
   void clear();
   void gather(const std::vector<DualPart>& parts, const core::Threads& threads);
   void make_view();
 
+  core::Memory& memory;
   LeafMap map;
   DualCounts counts;
   core::Buffer<Gridlet> gridlets;
   core::Buffer<std::uint64_t> full;
   core::Buffer<std::uint32_t> leaves;
   Stitching stitching;
+  VirtualValues values;
+  std::int64_t first_virtual = 0; ///< id
   mesh::GridletsView gridlets_view;
   mesh::PieceView pieces[2];
   std::int64_t first_cell[3] = {0, 0, 0}, first_vertex[3] = {0, 0, 0};
@@ -30,16 +33,6 @@ struct DualMesh::State {
 };
 
 namespace {
-
-std::vector<DualPart> enumerate_all(const BrickStore& store, std::int64_t real, Check check,
-                                    const core::Threads& threads) {
-  const std::int64_t n = store.brick_count();
-  std::vector<DualPart> parts(std::size_t((n + bricks_a_part - 1) / bricks_a_part));
-  threads.parallel_for(n, bricks_a_part, [&](std::int64_t begin, std::int64_t end) {
-    enumerate(store, begin, end, real, check, parts[std::size_t(begin / bricks_a_part)]);
-  });
-  return parts;
-}
 
 void count_cells(const std::vector<DualPart>& parts, DualCounts& counts) {
   for (const DualPart& part : parts) {
@@ -72,6 +65,7 @@ void DualMesh::State::clear() {
   full.resize_discard(0);
   leaves.resize_discard(0);
   stitching.clear();
+  values.clear();
   make_view();
 }
 
@@ -138,16 +132,18 @@ void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads) {
   s.clear();
   try {
     s.map.build(mesh, threads);
-    const std::vector<DualPart> parts =
-        enumerate_all(s.map.store(), mesh.cell_count(), Check::steep, threads);
-    s.gather(parts, threads);
-    s.stitching.build(parts, mesh, {mesh.cell_count(), {}, {}}, threads);
+    s.first_virtual = mesh.cell_count();
+    const DualParts dual =
+        make_dual_parts(s.map.store(), s.map.lattice(), s.first_virtual, s.memory, threads);
+    s.gather(dual.parts, threads);
+    s.stitching.build(dual.parts, mesh, dual.made, threads);
+    s.values.build(s.map.store(), dual.made, s.stitching.means(), threads);
     s.counts.leaves = s.map.leaf_count();
     s.counts.masked = s.map.masked_count();
-    count_cells(parts, s.counts);
-    for (const DualPart& part : parts)
-      s.counts.folded += part.folded;
-    s.counts.still_folded = s.counts.folded;
+    count_cells(dual.parts, s.counts);
+    s.counts.folded = dual.folded;
+    s.counts.repaired = std::int64_t(dual.made.leaves.size());
+    s.counts.still_folded = dual.still_folded;
     s.make_view();
     s.view.free_of_folds = s.view.covers_once = s.counts.still_folded == 0;
   } catch (...) {
@@ -164,7 +160,7 @@ const DualCounts& DualMesh::counts() const {
 }
 std::int64_t DualMesh::bytes() const {
   const State& s = *state_;
-  return s.map.bytes() + s.stitching.bytes() +
+  return s.map.bytes() + s.stitching.bytes() + s.values.bytes() +
          std::int64_t(s.gridlets.bytes() + s.full.bytes() + s.leaves.bytes());
 }
 const mesh::MeshView& DualMesh::view() const {
@@ -172,7 +168,11 @@ const mesh::MeshView& DualMesh::view() const {
 }
 
 DualMesh::Terms DualMesh::terms(std::int64_t vertex) const {
-  return {state_->stitching.leaves() + vertex, nullptr, 1};
+  const std::uint32_t* leaf = state_->stitching.leaves() + vertex;
+  if (*leaf < state_->first_virtual)
+    return {leaf, nullptr, 1};
+  const std::int64_t n = *leaf - state_->first_virtual;
+  return {state_->values.leaves(n), state_->values.weights(n), state_->values.count(n)};
 }
 
 } // namespace insitu::amr

@@ -61,33 +61,43 @@ bool touches_virtual(const Corner& corner, std::int64_t real) {
   return false;
 }
 
-void add_cell(const Corner& corner, std::int64_t real, Check check, DualPart& part) {
+void add_cell(const Corner& corner, const mesh::Lattice& lattice, std::int64_t real,
+              DualCells& cells, DualPart& part) {
   DualCell cell;
-  if (!dual_cell(corner, cell))
+  bool folded = false;
+  if (cells.make(corner, cell)) {
+    part.cells.push_back(cell);
+    folded = (corner.most_up > 1 || touches_virtual(corner, real)) && cells.folds();
+  } else {
+    folded = split_reentrant(corner, lattice, part.cells, part.means);
+  }
+  part.folded += folded;
+  if (corner.most_up <= 1)
     return;
-  part.cells.push_back(cell);
-  if (check == Check::steep ? corner.most_up > 1 : touches_virtual(corner, real))
-    part.folded += folds(corner);
+  SteepCorner steep = {
+      {corner.index[0], corner.index[1], corner.index[2]}, std::int8_t(corner.depth), 0, folded};
+  for (int o = 0; o < 8; ++o)
+    if ((corner.inside >> o & 1) && corner.up[o] > 1)
+      steep.octants |= std::uint8_t(1 << o);
+  part.steep.push_back(steep);
 }
 
 } // namespace
 
-void enumerate(const BrickStore& store, std::int64_t begin, std::int64_t end, std::int64_t real,
-               Check check, DualPart& part) {
+void enumerate(const BrickStore& store, const mesh::Lattice& lattice,
+               std::span<const std::uint32_t> bricks, std::int64_t real, DualPart& part) {
   Neighborhood around;
   Corner corner;
-  for (std::int64_t b = begin; b < end; ++b) {
+  DualCells cells;
+  for (const std::uint32_t b : bricks) {
     if (!around.load(store, b, real))
       continue;
     add_gridlet(around, real, part); // before corners: they note coarser leaves in the entries
     for (int k = 0; k < 9; ++k)
       for (int j = 0; j < 9; ++j)
         for (unsigned row = around.mixed(j, k); row != 0; row &= row - 1) {
-          if (!around.take(store, std::countr_zero(row), j, k, corner))
-            continue;
-          if (corner.most_up > 1)
-            part.steep.push_back(corner);
-          add_cell(corner, real, check, part);
+          if (around.take(store, std::countr_zero(row), j, k, corner))
+            add_cell(corner, lattice, real, cells, part);
         }
   }
   part.empty -= part.cubes;

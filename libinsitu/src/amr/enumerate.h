@@ -1,11 +1,21 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "amr/dual_cells.h"
+#include "amr/reentrant.h"
 #include "mesh/gridlet.h"
 
 namespace insitu::amr {
+
+/// A corner around which depths differ by more than one: its cell may fold.
+struct SteepCorner {
+  std::int64_t index[3];
+  std::int8_t depth;
+  std::uint8_t octants; ///< those whose leaf lies two depths above or more
+  bool folded;
+};
 
 /// What some bricks of a map make of the dual mesh.
 struct DualPart {
@@ -13,20 +23,16 @@ struct DualPart {
   std::vector<std::uint64_t> full;     ///< 8 words a gridlet
   std::vector<std::uint32_t> leaves;   ///< vertices of gridlets
   std::vector<DualCell> cells;
+  std::vector<MeanVertex> means; ///< vertices of cells
+  std::vector<SteepCorner> steep;
   std::int64_t cubes = 0, empty = 0;
-  std::int64_t folded = 0;   ///< of cells around corners where depths differ by more than one
-  std::vector<Corner> steep; ///< those corners
+  std::int64_t folded = 0; ///< cells
 };
 
-/// Which corners are looked at for folds.
-enum class Check { steep, split }; ///< steep: depths differ by more than one; split: virtual leaves
-
-/// Bricks a part; parts do not depend on the thread count.
-constexpr std::int64_t bricks_a_part = 32;
-
-/// The dual mesh of the bricks [begin, end). Leaves with ids from `real` on are virtual: they lie
+/// The dual mesh of some bricks. Leaves with ids from `real` on are virtual: they lie
 /// in stitching cells only.
-void enumerate(const BrickStore& store, std::int64_t begin, std::int64_t end, std::int64_t real,
-               Check check, DualPart& part);
+/// Looks for folds where depths differ by more than one and where virtual leaves are.
+void enumerate(const BrickStore& store, const mesh::Lattice& lattice,
+               std::span<const std::uint32_t> bricks, std::int64_t real, DualPart& part);
 
 } // namespace insitu::amr

@@ -1,5 +1,6 @@
 #include "amr/stitching.h"
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <string>
@@ -11,12 +12,21 @@ namespace insitu::amr {
 
 namespace {
 
+using math::Vec3d;
+
 /// Sets bits that many threads share; most are set already.
 template <class Word>
 void set_bits(Word& word, Word bits) {
   const std::atomic_ref<Word> shared(word);
   if ((shared.load(std::memory_order_relaxed) & bits) != bits)
     shared.fetch_or(bits, std::memory_order_relaxed);
+}
+
+/// How many bits are set; inline, where std::popcount calls a function for lack of an instruction.
+inline std::uint32_t count_bits(std::uint64_t w) {
+  w -= w >> 1 & 0x5555555555555555ull;
+  w = (w & 0x3333333333333333ull) + (w >> 2 & 0x3333333333333333ull);
+  return std::uint32_t(((w + (w >> 4)) & 0x0f0f0f0f0f0f0f0full) * 0x0101010101010101ull >> 56);
 }
 
 /// Numbers vertices without sorting: a bit for each leaf that has some, and for each of those, in
@@ -31,7 +41,7 @@ public:
     std::uint32_t sum = 0;
     for (std::size_t w = 0; w < words_.size(); ++w) {
       before_[w] = sum;
-      sum += std::uint32_t(std::popcount(words_[w]));
+      sum += count_bits(words_[w]);
     }
     moves_.assign(sum, 0);
     first_.resize(sum);
@@ -42,13 +52,13 @@ public:
     std::int64_t sum = 0;
     for (std::size_t r = 0; r < moves_.size(); ++r) {
       first_[r] = std::uint32_t(sum);
-      sum += std::popcount(moves_[r]);
+      sum += count_bits(moves_[r]);
     }
     return sum;
   }
   std::uint32_t number(const VertexKey& key) const {
     const std::size_t r = rank(key.leaf);
-    return first_[r] + std::uint32_t(std::popcount(moves_[r] & ((1u << key.moves) - 1)));
+    return first_[r] + count_bits(moves_[r] & ((1u << key.moves) - 1));
   }
 
   std::int64_t word_count() const { return std::int64_t(words_.size()); }
@@ -67,7 +77,7 @@ public:
 private:
   std::size_t rank(std::uint32_t leaf) const {
     const std::uint64_t below = (std::uint64_t(1) << leaf % 64) - 1;
-    return before_[leaf / 64] + std::size_t(std::popcount(words_[leaf / 64] & below));
+    return before_[leaf / 64] + count_bits(words_[leaf / 64] & below);
   }
 
   std::vector<std::uint64_t> words_;
@@ -85,6 +95,23 @@ void for_cells(const std::vector<DualPart>& parts, const core::Threads& threads,
   });
 }
 
+bool before(const Vec3d& a, const Vec3d& b) {
+  return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+}
+
+/// All parts' means, one for each place.
+std::vector<MeanVertex> merge_means(const std::vector<DualPart>& parts) {
+  std::vector<MeanVertex> means;
+  for (const DualPart& part : parts)
+    means.insert(means.end(), part.means.begin(), part.means.end());
+  std::sort(means.begin(), means.end(),
+            [](const MeanVertex& a, const MeanVertex& b) { return before(a.x, b.x); });
+  means.erase(std::unique(means.begin(), means.end(),
+                          [](const MeanVertex& a, const MeanVertex& b) { return a.x == b.x; }),
+              means.end());
+  return means;
+}
+
 } // namespace
 
 Stitching::Stitching(core::Memory& memory)
@@ -94,6 +121,7 @@ Stitching::Stitching(core::Memory& memory)
 void Stitching::clear() {
   ids_.resize_discard(0);
   points_.resize_discard(0);
+  means_.clear();
   leaves_.resize_discard(0);
 }
 
@@ -104,17 +132,21 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
   for (std::size_t p = 0; p < parts.size(); ++p)
     first[p + 1] = first[p] + std::int64_t(parts[p].cells.size());
   Numbering numbering(
-      first.back() == 0 ? 0 : mesh.cell_count() + std::int64_t(virtual_leaves.cells.size()));
+      first.back() == 0 ? 0 : mesh.cell_count() + std::int64_t(virtual_leaves.leaves.size()));
   for_cells(parts, threads, [&](const DualCell& c) {
     for (int v = 0; v < mesh::vertex_count(c.shape); ++v)
-      numbering.add_leaf(c.vertices[v].leaf);
+      if (c.vertices[v].moves != mean_moves)
+        numbering.add_leaf(c.vertices[v].leaf);
   });
   numbering.count_leaves();
   for_cells(parts, threads, [&](const DualCell& c) {
     for (int v = 0; v < mesh::vertex_count(c.shape); ++v)
-      numbering.add(c.vertices[v]);
+      if (c.vertices[v].moves != mean_moves)
+        numbering.add(c.vertices[v]);
   });
-  const std::int64_t vertices = numbering.count_vertices();
+  const std::int64_t of_leaves = numbering.count_vertices();
+  means_ = merge_means(parts);
+  const std::int64_t vertices = of_leaves + std::int64_t(means_.size());
   if (vertices > INT32_MAX)
     throw core::Error(INSITU_ERROR_MESH, "the stitching cells of an adaptive mesh have " +
                                              std::to_string(vertices) +
@@ -123,11 +155,19 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
   ids_.resize_discard(std::size_t(8 * first.back()));
   threads.parallel_for(std::int64_t(parts.size()), 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t p = begin; p < end; ++p) {
+      const DualPart& part = parts[std::size_t(p)];
+      const auto number = [&](const VertexKey& key) {
+        if (key.moves != mean_moves)
+          return std::int64_t(numbering.number(key));
+        const auto at = std::lower_bound(
+            means_.begin(), means_.end(), part.means[key.leaf],
+            [](const MeanVertex& a, const MeanVertex& b) { return before(a.x, b.x); });
+        return of_leaves + (at - means_.begin());
+      };
       std::int32_t* id = ids_.data() + 8 * first[std::size_t(p)];
-      for (const DualCell& c : parts[std::size_t(p)].cells)
+      for (const DualCell& c : part.cells)
         for (int v = 0; v < 8; ++v)
-          *id++ =
-              v < mesh::vertex_count(c.shape) ? std::int32_t(numbering.number(c.vertices[v])) : -1;
+          *id++ = v < mesh::vertex_count(c.shape) ? std::int32_t(number(c.vertices[v])) : -1;
     }
   });
   points_.resize_discard(std::size_t(3 * vertices));
@@ -140,7 +180,7 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
         if (leaf != cell_of) {
           cell_of = leaf;
           if (leaf >= mesh.cell_count())
-            cell = virtual_leaves.cells[std::size_t(leaf - mesh.cell_count())];
+            cell = virtual_leaves.leaves[std::size_t(leaf - mesh.cell_count())].cell;
           else
             cell = cell_at(mesh, leaf);
         }
@@ -150,6 +190,13 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
               mesh.lattice.place(a, cell.depth, halves(cell.index[a], moves, a));
       });
   });
+  const std::int64_t first_mean = mesh.cell_count() + std::int64_t(virtual_leaves.leaves.size());
+  for (std::size_t m = 0; m < means_.size(); ++m) {
+    const std::size_t v = std::size_t(of_leaves) + m;
+    leaves_[v] = std::uint32_t(first_mean + std::int64_t(m));
+    for (int a = 0; a < 3; ++a)
+      points_[3 * v + std::size_t(a)] = means_[m].x[a];
+  }
 }
 
 mesh::PieceView Stitching::piece() const {

@@ -4,19 +4,14 @@
 
 #include "amr/dual_cells.h"
 #include "amr/enumerate.h"
+#include "amr/virtual_leaves.h"
 #include "mesh/piece.h"
 
 namespace insitu::amr {
 
-/// Leaves that only the dual mesh has: numbered from `first` on, with their places.
-struct VirtualLeaves {
-  std::int64_t first = 0;
-  std::vector<mesh::AmrCell> cells;
-  std::vector<std::uint32_t> parents; ///< the real leaf that each lies in
-};
-
 /// Stitching cells as a PADDED piece: int32 ids, -1 for padding, and the vertices' points and
-/// leaves. Vertices are numbered in the order of their leaves, those of virtual leaves last.
+/// leaves. Vertices are numbered in the order of their leaves, those of virtual leaves and means
+/// last.
 class Stitching {
 public:
   explicit Stitching(core::Memory& memory);
@@ -30,13 +25,16 @@ public:
     return std::int64_t(ids_.bytes() + points_.bytes() + leaves_.bytes());
   }
   mesh::PieceView piece() const;
-  /// A vertex's leaf.
+  /// The vertices in re-entrant corners; of the last build.
+  std::span<const MeanVertex> means() const { return means_; }
+  /// A vertex's leaf; means are numbered like further virtual leaves.
   const std::uint32_t* leaves() const { return leaves_.data(); }
 
 private:
   core::Buffer<std::int32_t> ids_;
   core::Buffer<double> points_;
   core::Buffer<std::uint32_t> leaves_;
+  std::vector<MeanVertex> means_;
 };
 
 } // namespace insitu::amr

@@ -83,7 +83,7 @@ std::string Recipe::name() const {
 }
 
 bool is_box(const Recipe& recipe) {
-  return recipe.kind < 3;
+  return recipe.kind < 3 || recipe.kind == 5;
 }
 
 namespace {
@@ -100,14 +100,33 @@ private:
 
 /// Refines where chance says, most eagerly near one corner of a cell, so that level differences
 /// get large.
-void octree(AmrMesh& mesh, Random& random, int level, int levels, Index at) {
+void octree(AmrMesh& mesh, Random& random, int level, int levels, Index at, double left_out = 0) {
   if (level + 1 == levels || !random.chance(level == 0 ? 0.7 : 0.35)) {
-    mesh.add_leaf(level, at);
+    if (!random.chance(left_out))
+      mesh.add_leaf(level, at);
     return;
   }
   for (int o = 0; o < 8; ++o)
     octree(mesh, random, level + 1, levels,
-           {2 * at[0] + (o & 1), 2 * at[1] + (o >> 1 & 1), 2 * at[2] + (o >> 2)});
+           {2 * at[0] + (o & 1), 2 * at[1] + (o >> 1 & 1), 2 * at[2] + (o >> 2)}, left_out);
+}
+
+/// Refines the cells that touch one of some points, so that depths differ as much as they can.
+void towards(AmrMesh& mesh, const std::vector<Index>& points, int level, int levels, Index at) {
+  const int shift = levels - 1 - level;
+  const bool touched = std::any_of(points.begin(), points.end(), [&](const Index& p) {
+    bool in = true;
+    for (std::size_t a = 0; a < 3; ++a)
+      in &= p[a] >= at[a] << shift && p[a] <= (at[a] + 1) << shift;
+    return in;
+  });
+  if (level + 1 == levels || !touched) {
+    mesh.add_leaf(level, at);
+    return;
+  }
+  for (int o = 0; o < 8; ++o)
+    towards(mesh, points, level + 1, levels,
+            {2 * at[0] + (o & 1), 2 * at[1] + (o >> 1 & 1), 2 * at[2] + (o >> 2)});
 }
 
 /// Blocks of `block` cells of a level, some of them refined, level by level; a coarse cell under
@@ -156,12 +175,24 @@ AmrMesh make_mesh(const Recipe& recipe) {
     n[a] = 1 + random.below(recipe.roots);
     shift[a] = random.below(40) - 20;
   }
-  if (recipe.kind == 0 || recipe.kind == 3) {
+  if (recipe.kind == 5) { // points off the coarse lattices for the most part
+    std::vector<Index> points(std::size_t(1 + random.below(2)));
+    for (Index& p : points)
+      for (std::size_t a = 0; a < 3; ++a)
+        p[a] = (shift[a] << (recipe.levels - 1)) + random.below(int(n[a] << (recipe.levels - 1)));
     for (std::int64_t k = 0; k < n[2]; ++k)
       for (std::int64_t j = 0; j < n[1]; ++j)
         for (std::int64_t i = 0; i < n[0]; ++i)
-          if (recipe.kind == 0 || random.chance(0.7))
-            octree(mesh, random, 0, recipe.levels, {shift[0] + i, shift[1] + j, shift[2] + k});
+          towards(mesh, points, 0, recipe.levels, {shift[0] + i, shift[1] + j, shift[2] + k});
+    return mesh;
+  }
+  if (recipe.kind == 0 || recipe.kind == 3 || recipe.kind == 6) {
+    for (std::int64_t k = 0; k < n[2]; ++k)
+      for (std::int64_t j = 0; j < n[1]; ++j)
+        for (std::int64_t i = 0; i < n[0]; ++i)
+          if (recipe.kind != 3 || random.chance(0.7))
+            octree(mesh, random, 0, recipe.levels, {shift[0] + i, shift[1] + j, shift[2] + k},
+                   recipe.kind == 6 ? 0.3 : 0.0);
     return mesh;
   }
   // Patches side by side along x; of kind 4, each of a height of its own.

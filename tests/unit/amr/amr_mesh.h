@@ -52,8 +52,9 @@ std::vector<Leaf> leaves_of(AmrMesh& mesh);
 /// One of the random meshes.
 struct Recipe {
   std::uint64_t seed = 1;
-  int kind =
-      0; ///< 0: octree, 1: patches of ratio 2, 2: of 4 and 2, 3: with holes, 4: unions of both
+  int kind = 0; ///< 0: octree, 1: patches of ratio 2, 2: of 4 and 2, 3: with holes, 4: side by side
+                ///< in other heights, 5: octrees refined towards some points,
+                ///< 6: octrees with leaves left out
   int roots = 2; ///< at most, along an axis
   int levels = 3;
   std::string name() const;

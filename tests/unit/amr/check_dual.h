@@ -17,8 +17,11 @@ struct DualFacts {
 };
 
 struct Expect {
-  bool covers_leaves = true; ///< all of the domain, and unmatched faces lie on its boundary
+  bool covers_leaves = true; ///< all of the domain
+  bool conforming = true;    ///< unmatched faces lie on the domain's boundary
   bool no_folds = true;
+  bool linear =
+      true; ///< virtual leaves meet linear fields: their leaves have neighbours all around
 };
 
 DualFacts check_dual(AmrMesh& mesh, const amr::DualMesh& dual, const Expect& expect);

@@ -1,4 +1,5 @@
 // Dual meshes that are known by heart.
+#include <cstring>
 #include <gtest/gtest.h>
 
 #include "check_dual.h"
@@ -17,6 +18,34 @@ amr::DualCounts build(AmrMesh& mesh, const Expect& expect = {}) {
   EXPECT_EQ(test::check_dual(mesh, dual, expect).problem, "");
   EXPECT_EQ(memory.current(INSITU_MEMORY_AMR), dual.bytes());
   return dual.counts();
+}
+
+/// All bytes that a dual mesh holds and shows.
+std::string bytes_of(AmrMesh& mesh, int threads) {
+  core::Memory memory;
+  amr::DualMesh dual(memory);
+  dual.build(mesh.view(), core::Threads(threads));
+  std::string bytes;
+  const auto add = [&](const void* p, std::size_t n) {
+    bytes.append(static_cast<const char*>(p), n);
+  };
+  const mesh::MeshView& view = dual.view();
+  const mesh::GridletsView& g = *view.pieces[0].gridlets;
+  add(g.gridlets, std::size_t(g.count) * sizeof *g.gridlets);
+  add(g.full, std::size_t(g.count) * 64);
+  add(g.leaves, std::size_t(view.pieces[0].vertex_count) * 4);
+  const mesh::PieceView& s = view.pieces[1];
+  add(s.connectivity.data, std::size_t(s.cell_count) * 32);
+  add(s.points.component[0], std::size_t(s.vertex_count) * 24);
+  for (std::int64_t v = 0; v < s.vertex_count; ++v) {
+    const amr::DualMesh::Terms t = dual.terms(v);
+    add(t.leaves, std::size_t(t.count) * 4);
+    if (t.weights)
+      add(t.weights, std::size_t(t.count) * 8);
+  }
+  const amr::DualCounts n = dual.counts();
+  add(&n, sizeof n);
+  return bytes;
 }
 
 } // namespace
@@ -58,4 +87,74 @@ TEST(DualMesh, OneCellRefined) {
   EXPECT_EQ(n.wedges, 0);
   EXPECT_EQ(n.collapsed, 12);
   EXPECT_EQ(n.folded, 0);
+}
+
+TEST(DualMesh, OneCellRefinedFourTimesInPlace) {
+  for (const std::int64_t wide : {3, 5}) {
+    AmrMesh mesh;
+    mesh.depth_of = {0, 4};
+    mesh.add_patch(0, {0, 0, 0}, {wide, wide, wide});
+    mesh.add_patch(1, {16 * (wide / 2), 16 * (wide / 2), 16 * (wide / 2)}, {16, 16, 16});
+    const amr::DualCounts n = build(mesh);
+    EXPECT_GT(n.folded, 0);
+    EXPECT_GT(n.repaired, 0);
+    EXPECT_EQ(n.still_folded, 0);
+    std::printf("%lld folded, %lld virtual leaves\n", (long long)n.folded, (long long)n.repaired);
+  }
+}
+
+TEST(DualMesh, HolesAndSteps) {
+  AmrMesh ring, stairs, touching, corner;
+  for (std::int64_t n = 0; n < 27; ++n) // a cube without its middle
+    if (n != 13)
+      ring.add_leaf(0, {n % 3, n / 3 % 3, n / 9});
+  {
+    SCOPED_TRACE("ring");
+    build(ring);
+  }
+  for (std::int64_t n = 0; n < 4; ++n)
+    stairs.add_patch(0, {n, 0, 0}, {1, 4 - n, 2});
+  {
+    SCOPED_TRACE("stairs");
+    build(stairs);
+  }
+  touching.add_leaf(0, {0, 0, 0}); // along an edge, and at a corner
+  touching.add_leaf(0, {1, 1, 0});
+  touching.add_leaf(0, {2, 2, 1});
+  {
+    SCOPED_TRACE("touching");
+    build(touching);
+  }
+  corner.depth_of = {0, 1}; // fine leaves on part of a coarse one's face
+  corner.add_leaf(0, {0, 0, 0});
+  corner.add_leaf(1, {2, 0, 0});
+  corner.add_leaf(1, {2, 1, 1});
+  {
+    SCOPED_TRACE("corner");
+    // A plane face of the coarse leaf's cells meets two triangles: all of the leaf's value.
+    build(corner, {.conforming = false});
+  }
+}
+
+TEST(DualMesh, AnyThreadCountGivesTheSame) {
+  for (int kind = 0; kind <= 5; ++kind)
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      AmrMesh mesh = test::make_mesh({seed, kind, 2, kind == 5 ? 6 : kind == 2 ? 3 : 4});
+      EXPECT_EQ(bytes_of(mesh, 1) == bytes_of(mesh, 2), true) << kind << ", seed " << seed;
+    }
+}
+
+TEST(DualMesh, BlocksCompress) {
+  // The paper's accounting (Zellmann 2023, table 1): hexahedra of 8 ids and vertices of 4 floats
+  // against gridlets of 32 bytes and a scalar a vertex.
+  AmrMesh mesh;
+  mesh.depth_of = {0, 1};
+  mesh.add_patch(0, {0, 0, 0}, {32, 32, 32});
+  mesh.add_patch(1, {16, 16, 16}, {32, 32, 16});
+  core::Memory memory;
+  amr::DualMesh dual(memory);
+  dual.build(mesh.view(), core::Threads(2));
+  const amr::DualCounts& n = dual.counts();
+  const double plain = 32.0 * double(n.cubes) + 16.0 * double(n.leaves);
+  EXPECT_GT(plain / (32.0 * double(n.gridlets) + 4.0 * double(n.scalars)), 7.5);
 }

@@ -12,8 +12,20 @@ struct Sums {
   std::int64_t meshes = 0, stitching = 0, folded = 0, repaired = 0, still = 0;
 };
 
-std::string problem_of(const Recipe& recipe, const test::Expect& expect, Sums* sums = nullptr) {
+/// Whether the mesh has two coarsest cells along every axis.
+bool two_wide(test::AmrMesh& mesh) {
+  test::Index lower = {INT64_MAX, INT64_MAX, INT64_MAX}, upper = {INT64_MIN, INT64_MIN, INT64_MIN};
+  for (const test::Leaf& l : test::leaves_of(mesh))
+    for (std::size_t a = 0; a < 3; ++a) {
+      lower[a] = std::min(lower[a], l.index[a] >> l.depth);
+      upper[a] = std::max(upper[a], l.index[a] >> l.depth);
+    }
+  return lower[0] < upper[0] && lower[1] < upper[1] && lower[2] < upper[2];
+}
+
+std::string problem_of(const Recipe& recipe, test::Expect expect, Sums* sums = nullptr) {
   test::AmrMesh mesh = test::make_mesh(recipe);
+  expect.linear &= test::is_box(recipe) && two_wide(mesh);
   core::Memory memory;
   amr::DualMesh dual(memory);
   dual.build(mesh.view(), core::Threads(1));
@@ -61,11 +73,31 @@ TEST(RandomDual, LevelDifferencesOfOneDoNotFold) {
   run({1, 1, 3, 2}, 20, {});
 }
 
+TEST(RandomDual, ReentrantDomains) {
+  for (int levels = 1; levels <= 3; ++levels) {
+    run({1, 3, 3, levels}, 25, {});
+    run({1, 4, 2, levels}, 25, {});
+  }
+  run({1, 3, 2, 5}, 15, {});
+}
+
+TEST(RandomDual, LeavesLeftOut) {
+  run({1, 6, 3, 1}, 25, {});
+  for (int levels = 2; levels <= 4; ++levels)
+    run({1, 6, 2, levels}, 25, {.conforming = false});
+}
+
 TEST(RandomDual, Octrees) {
-  run({1, 0, 2, 4}, 30, {.no_folds = false});
+  run({1, 0, 2, 4}, 40, {});
+  run({1, 0, 2, 5}, 15, {});
+}
+
+TEST(RandomDual, LevelDifferencesUpToSix) {
+  run({1, 5, 1, 7}, 20, {});
+  run({1, 5, 2, 7}, 10, {});
 }
 
 TEST(RandomDual, Patches) {
-  run({1, 1, 2, 3}, 20, {.no_folds = false});
-  run({1, 2, 2, 3}, 10, {.no_folds = false});
+  run({1, 1, 2, 3}, 25, {});
+  run({1, 2, 2, 3}, 10, {});
 }
