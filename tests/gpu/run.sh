@@ -2,7 +2,8 @@
 # Builds and runs everything that only a GPU can show: tests, memory checks, tables.
 #   bash tests/gpu/run.sh [--optix SDK] [--no-install] [--programs FOLDER] [--out FOLDER]
 #     --optix SDK        folder of the OptiX SDK (or $OPTIX_ROOT): the ray methods too
-#     --programs FOLDER  runs programs that were built elsewhere (gpu_* tests and insitu-bench)
+#     --programs FOLDER  runs programs that were built elsewhere: gpu_* tests, insitu-bench, and a file
+#                        `commit` that names what they were built from
 #     --out FOLDER       where logs and tables go [build/gpu/out]
 set -uo pipefail
 source "$(dirname "$0")/../../cmake/setup.sh"
@@ -13,7 +14,7 @@ programs=
 out=$project/build/gpu/out
 while [ $# -gt 0 ]; do
   case $1 in
-    --help|-h) sed -n '2,6s/^# \?//p' "$0"; exit 0 ;;
+    --help|-h) sed -n '2,7s/^# \?//p' "$0"; exit 0 ;;
     --no-install) no_install=1 ;;
     --optix) optix=$2; shift ;;
     --programs) programs=$(cd "$2" && pwd); shift ;;
@@ -28,11 +29,14 @@ if [ -z "$programs" ]; then
   ensure_packages "${packages[@]}" "${test_packages[@]}" || exit
   configure_and_build gpu ${optix:+-DINSITU_OPTIX_ROOT=$optix} -- gpu_tests insitu-bench || exit
   programs=$project/build/gpu/bin
+  git -C "$project" describe --always --dirty > "$programs/commit" 2>/dev/null
 fi
+commit=$(cat "$programs/commit" 2>/dev/null)
 mkdir -p "$out"
 failed=0
 
 card=$(nvidia-smi --query-gpu=name,driver_version --format=csv,noheader 2>/dev/null | head -1)
+card=${card/, /, driver }
 say "  card: ${card:-none found}; $(date -I)"
 
 # check NAME COMMAND...: runs it with output to a log, and says how it went.
@@ -52,17 +56,28 @@ check() {
 for test in "$programs"/gpu_*_test; do
   check "$(basename "$test")" "$test"
 done
-if command -v compute-sanitizer > /dev/null; then
-  for test in "$programs"/gpu_*_test; do
-    check "memcheck_$(basename "$test")" compute-sanitizer --error-exitcode 9 "$test" \
-      --gtest_brief=1 --gtest_filter='*Small*'
-  done
+if [ -z "$card" ] || ! command -v compute-sanitizer > /dev/null; then
+  say "  no compute-sanitizer or no card: memory is not checked"
 else
-  say "  no compute-sanitizer: memory is not checked"
+  optix_too=$(compute-sanitizer --help | grep -o -m 1 -e "--check-optix " | tr -d " ")
+  for test in "$programs"/gpu_*_test; do
+    check "memcheck_$(basename "$test")" compute-sanitizer --error-exitcode 9 ${optix_too:+"$optix_too"} "$test"
+  done
 fi
-check methods "$programs/insitu-bench" methods --points 10000000 --threads 0 \
-  --json "$out/methods.json"
-check methods_check "$programs/insitu-bench" methods --check --points 10000000 --threads 0
-cat "$out/methods.log" "$out/methods_check.log" 2>/dev/null
-say "written: $out"
+
+# table FILE TITLE ARGUMENTS...: what insitu-bench prints, under two lines that say what ran where.
+table() {
+  local file=$1 title=$2
+  shift 2
+  {
+    echo "insitu-bench $*, $(date -I)${commit:+, at commit $commit}"
+    echo "$title: $(nproc) cores; ${card:-no card}"
+    "$programs/insitu-bench" "$@" --json "${file%.txt}.json"
+  } > "$file"
+}
+check methods table "$out/card.txt" "Locator methods" methods --points 10000000 --threads 0
+check methods_check table "$out/card_check.txt" "Every method against exact bvh" \
+  methods --check --points 10000000 --threads 0
+cat "$out/card.txt" "$out/card_check.txt"
+say "written: $out; $SECONDS s in all"
 exit $failed

@@ -173,6 +173,26 @@ std::int64_t general_boxes(const CellBoxes::Piece& piece, const std::uint32_t* c
   return refused;
 }
 
+std::int64_t gridlet_boxes(const CellBoxes::Piece& piece, const std::uint32_t* cells,
+                           std::uint32_t n, std::uint32_t, Box* boxes) {
+  const mesh::GridletsView& all = *piece.mesh->pieces[piece.index].gridlets;
+  std::int64_t refused = -1;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const mesh::Gridlet& g = all.gridlets[(cells[i] - piece.first) >> mesh::Gridlet::cell_bits];
+    math::Vec3d low, high;
+    for (int a = 0; a < 3; ++a) {
+      low[a] = all.coordinate(g, a, 0);
+      high[a] = all.coordinate(g, a, g.size[a]);
+    }
+    Extent extent(low);
+    extent.add(high);
+    boxes[i] = extent.box(piece.origin);
+    if (is_empty(boxes[i]))
+      refused = refused < 0 || cells[i] < refused ? std::int64_t(cells[i]) : refused;
+  }
+  return refused;
+}
+
 } // namespace
 
 CellBoxes::CellBoxes(const mesh::MeshView& mesh, const math::Vec3d& origin) : mesh_(&mesh) {
@@ -181,7 +201,10 @@ CellBoxes::CellBoxes(const mesh::MeshView& mesh, const math::Vec3d& origin) : me
     piece.first = mesh.first_cell[p];
     piece.origin = origin;
     piece.mesh = &mesh;
-    if (!mesh::CellArrays::make(mesh.pieces[p], piece.arrays))
+    piece.index = p;
+    if (mesh.pieces[p].gridlets)
+      piece.loop = &gridlet_boxes;
+    else if (!mesh::CellArrays::make(mesh.pieces[p], piece.arrays))
       piece.loop = &general_boxes;
     else
       piece.loop = HWY_DYNAMIC_DISPATCH(choose_loop)(piece.arrays);

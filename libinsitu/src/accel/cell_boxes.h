@@ -7,7 +7,7 @@
 
 namespace insitu::accel {
 
-/// Computes cell boxes in a local frame, outwards. The choice among number types and array layouts
+/// Computes boxes of cells, and of gridlets by their first cells, in a local frame, outwards. The choice among number types and array layouts
 /// is made once a piece, at construction; points that have no arrays of their own, or whose blocks
 /// are not evenly spaced, take the general way.
 class CellBoxes {
@@ -29,6 +29,7 @@ public:
     std::int64_t first = 0; ///< flat id of its first cell
     math::Vec3d origin;
     const mesh::MeshView* mesh = nullptr; ///< for the general way
+    std::int32_t index = 0;               ///< of the piece in it
     Loop loop = nullptr;
   };
 

@@ -20,7 +20,7 @@ void RefusedCells::check(const mesh::MeshView& mesh) const {
 /// The middle of one vertex of some cells of each chunk is middle enough.
 Owners::Owners(const mesh::MeshView& mesh, const core::Threads& threads) : mesh_(&mesh) {
   for (std::int32_t p = 0; p < mesh.piece_count; ++p)
-    has_ghosts_ |= mesh.pieces[p].ghosts != nullptr;
+    selects_ |= mesh.pieces[p].may_not_own();
   const std::int64_t cells = mesh.cell_count();
   const auto chunks = std::size_t((cells + grain - 1) / grain);
   start_.assign(chunks + 1, 0);
@@ -29,8 +29,8 @@ Owners::Owners(const mesh::MeshView& mesh, const core::Threads& threads) : mesh_
     constexpr std::int64_t every = 128;
     std::int64_t n = 0;
     math::Vec3d lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
-    for (std::int64_t flat = begin; flat < end; flat += has_ghosts_ ? 1 : every) {
-      if (has_ghosts_ && (!owns(flat) || n++ % every != 0))
+    for (std::int64_t flat = begin; flat < end; flat = selects_ ? next(flat) : flat + every) {
+      if (selects_ && (!owns(flat) || n++ % every != 0))
         continue;
       const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
       std::int64_t ids[8];
@@ -44,7 +44,7 @@ Owners::Owners(const mesh::MeshView& mesh, const core::Threads& threads) : mesh_
       }
     }
     const auto chunk = std::size_t(begin / grain);
-    start_[chunk + 1] = has_ghosts_ ? n : end - begin;
+    start_[chunk + 1] = selects_ ? n : end - begin;
     low[chunk] = lo;
     high[chunk] = hi;
   });

@@ -27,7 +27,8 @@ private:
   std::atomic<std::int64_t> first_{std::numeric_limits<std::int64_t>::max()};
 };
 
-/// The cells of all pieces that own points, counted, with the origin of a frame in their midst, so
+/// What a tree holds: the cells of all pieces that own points, gridlets as wholes that go by their
+/// first cells; counted, with the origin of a frame in their midst, so
 /// that floats resolve the mesh and not its distance from zero.
 class Owners {
 public:
@@ -39,7 +40,7 @@ public:
   static constexpr std::int64_t grain = 4096; ///< flat ids a chunk
   std::int64_t chunks() const { return std::int64_t(start_.size()) - 1; }
 
-  /// In parallel, over all owning cells: put(chunk, rank, ids, boxes, n) for n of them, of flat ids
+  /// In parallel, over all of them: put(chunk, rank, ids, boxes, n) for n of them, of flat ids
   /// `ids`, the first of them the rank-th; a chunk's come in order. The boxes are also left in
   /// `by_flat_id`, unless it is null. Throws if a box is refused.
   template <class Put>
@@ -54,9 +55,11 @@ public:
       std::int64_t rank = start_[std::size_t(chunk)];
       for (std::int64_t flat = begin; flat < end;) {
         std::uint32_t n = 0;
-        for (; flat < end && n < few; ++flat)
-          if (!has_ghosts_ || owns(flat))
-            ids[n++] = std::uint32_t(flat);
+        while (flat < end && n < few) {
+          ids[n] = std::uint32_t(flat);
+          n += !selects_ || owns(flat);
+          flat = selects_ ? next(flat) : flat + 1;
+        }
         if (n == 0)
           break;
         const bool in_place = by_flat_id && ids[n - 1] - ids[0] == n - 1;
@@ -75,11 +78,19 @@ public:
 private:
   bool owns(std::int64_t flat) const {
     const std::int32_t p = mesh_->piece_count == 1 ? 0 : mesh_->piece_of(flat);
-    return mesh_->pieces[p].owns(flat - mesh_->first_cell[p]);
+    const mesh::PieceView& piece = mesh_->pieces[p];
+    const std::int64_t cell = flat - mesh_->first_cell[p], most = piece.cells_an_item();
+    return most > 1 ? cell % most == 0 : piece.owns(cell);
+  }
+  /// The next flat id that may stand for something.
+  std::int64_t next(std::int64_t flat) const {
+    const std::int32_t p = mesh_->piece_count == 1 ? 0 : mesh_->piece_of(flat);
+    const std::int64_t most = mesh_->pieces[p].cells_an_item();
+    return flat + most - (flat - mesh_->first_cell[p]) % most;
   }
 
   const mesh::MeshView* mesh_;
-  bool has_ghosts_ = false;
+  bool selects_ = false;            ///< not every flat id stands for something
   std::vector<std::int64_t> start_; ///< ranks at the chunks' beginnings
   math::Vec3d origin_;
 };

@@ -30,9 +30,10 @@ struct Tree::Embree {
 struct Tree::Morton {
   explicit Morton(core::Memory& memory)
       : boxes(memory, INSITU_MEMORY_BUILD), order(memory, INSITU_MEMORY_BUILD),
-        scratch(memory, INSITU_MEMORY_BUILD) {}
-  core::Buffer<Box> boxes; ///< by flat id
+        scratch(memory, INSITU_MEMORY_BUILD), flat_ids(memory, INSITU_MEMORY_BUILD) {}
+  core::Buffer<Box> boxes; ///< by flat id, or by rank
   core::Buffer<morton::Coded> order, scratch;
+  core::Buffer<std::uint32_t> flat_ids; ///< by rank, where boxes are
 };
 
 Tree::Tree(core::Memory& memory)
@@ -104,17 +105,26 @@ void Tree::build_in_morton_order(const mesh::MeshView& mesh, const Owners& owner
     morton_ = std::make_unique<Morton>(*memory_);
   const std::int64_t n = owners.count();
   core::Buffer<Box>& boxes = morton_->boxes;
-  boxes.resize_discard(std::size_t(mesh.cell_count()));
+  // Boxes lie by flat id; where most of these stand for nothing, by rank, and ids are set last.
+  const bool by_rank = n < mesh.cell_count() / 4;
+  core::Buffer<std::uint32_t>& flat_ids = morton_->flat_ids;
+  flat_ids.resize_discard(by_rank ? std::size_t(n) : 0);
+  boxes.resize_discard(std::size_t(by_rank ? n : mesh.cell_count()));
   morton_->order.resize_discard(std::size_t(n));
   morton_->scratch.resize_discard(std::size_t(n));
 
   std::vector<morton::Centres> centres(std::size_t(owners.chunks()));
-  owners.for_boxes(threads, boxes.data(),
+  owners.for_boxes(threads, by_rank ? nullptr : boxes.data(),
                    [&](std::int64_t chunk, std::int64_t rank, const std::uint32_t* ids,
                        const Box* some, std::uint32_t count) {
                      centres[std::size_t(chunk)].add(morton::Centres(some, count));
+                     const auto first = std::size_t(rank);
                      for (std::uint32_t i = 0; i < count; ++i)
-                       morton_->order[std::size_t(rank) + i].id = ids[i];
+                       morton_->order[first + i].id = by_rank ? std::uint32_t(first) + i : ids[i];
+                     if (by_rank) {
+                       std::copy_n(some, count, &boxes[first]);
+                       std::copy_n(ids, count, &flat_ids[first]);
+                     }
                    });
   morton::Centres all;
   for (const morton::Centres& c : centres) // in order of chunks: sums do not depend on threads
@@ -126,6 +136,9 @@ void Tree::build_in_morton_order(const mesh::MeshView& mesh, const Owners& owner
   fit_bottom_up(threads, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t slot) {
     return fit_nodes(nodes_.data(), begin, end, boxes.data(), &cells_[slot], boxes_.data());
   });
+  if (by_rank)
+    for (std::uint32_t& cell : cells_)
+      cell = flat_ids[cell];
 }
 
 void Tree::flatten(const void* root_pointer, const core::Threads& threads) {

@@ -45,8 +45,15 @@ ValueRanges::ValueRanges(const Tree& tree, const mesh::MeshView& mesh, const mes
     };
     if (field.association == INSITU_CELL)
       return add(cell);
+    const mesh::PieceView& piece = mesh.pieces[p];
+    if (piece.gridlets) {
+      const mesh::Gridlet& g = piece.gridlets->gridlets[cell >> mesh::Gridlet::cell_bits];
+      for (std::int64_t v = g.first, end = v + g.vertex_count(); v < end; ++v)
+        add(v);
+      return;
+    }
     std::int64_t ids[8];
-    const int n = mesh.pieces[p].vertex_ids(cell, ids);
+    const int n = piece.vertex_ids(cell, ids);
     for (int v = 0; v < n; ++v)
       add(ids[v]);
   };

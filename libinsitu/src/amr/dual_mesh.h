@@ -53,6 +53,10 @@ public:
     int count = 0;
   };
   Terms terms(std::int64_t vertex) const;
+
+private:
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 } // namespace insitu::amr

@@ -1,9 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <vector>
 
+#include "amr/brick_store.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/adaptive.h"
@@ -15,26 +14,30 @@ namespace insitu::amr {
 /// ones are masked here and nowhere else.
 class LeafMap {
 public:
-  static constexpr std::uint32_t nothing = 0xffffffff; ///< outside, or in a coarser leaf
-  static constexpr std::uint32_t refined = 0xfffffffe; ///< finer cells lie here
+  static constexpr std::uint32_t nothing = BrickStore::nothing; ///< outside, or in a coarser leaf
+  static constexpr std::uint32_t refined = BrickStore::refined; ///< finer cells lie here
   static constexpr int side = 8;
 
-  explicit LeafMap(core::Memory& memory);
-  ~LeafMap();
+  explicit LeafMap(core::Memory& memory) : store_(memory) {}
 
   /// Builds anew. Throws INSITU_ERROR_MESH that names pieces and cells: cells of one depth at one
   /// place; finer cells that cover a coarser one in part only (a leaf needs all of its place).
+  /// After a throw the map is empty.
   void build(const mesh::AmrView& mesh, const core::Threads& threads);
 
-  const mesh::Lattice& lattice() const;
+  const mesh::Lattice& lattice() const { return lattice_; }
   /// Depths that hold leaves: [0, depth_count()).
-  int depth_count() const;
-  std::int64_t leaf_count() const;   ///< masked cells left out
-  std::int64_t masked_count() const; ///< cells under finer ones
-  std::int64_t bytes() const;
+  int depth_count() const { return store_.depth_count(); }
+  std::int64_t leaf_count() const { return leaf_count_; }     ///< masked cells left out
+  std::int64_t masked_count() const { return masked_count_; } ///< cells under finer ones
+  std::int64_t bytes() const { return store_.bytes(); }
 
   /// The leaf's id at an index of a depth, or nothing or refined.
-  std::uint32_t at(int depth, const std::int64_t* index) const;
+  std::uint32_t at(int depth, const std::int64_t* index) const {
+    const std::uint32_t entry = store_.at(depth, index);
+    return entry == BrickStore::refined_in_part ? refined : entry;
+  }
+  const BrickStore& store() const { return store_; }
 
   /// A leaf, with its place.
   struct Leaf {
@@ -48,6 +51,13 @@ public:
   /// The leaf that owns a point: cells are closed below and open above, and the last ones closed
   /// (`nearest` reconstruction). None outside and for points that are not finite.
   Leaf find(const math::Vec3d& p) const;
+
+private:
+  Leaf descend(const std::int64_t* finest) const;
+
+  mesh::Lattice lattice_;
+  BrickStore store_;
+  std::int64_t leaf_count_ = 0, masked_count_ = 0;
 };
 
 } // namespace insitu::amr

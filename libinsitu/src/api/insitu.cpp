@@ -1,3 +1,4 @@
+#include "insitu/c/amr.h"
 #include "insitu/insitu.h"
 
 #include "api/entry.h"
@@ -249,6 +250,13 @@ insitu_status insitu_mesh_validate(insitu_mesh mesh, insitu_validation* validati
   });
 }
 
+insitu_status insitu_mesh_amr_info(insitu_mesh mesh, insitu_amr_info* info) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    require(info, "info");
+    api::hand_out(m.amr_info(), info, "info");
+  });
+}
+
 insitu_status insitu_mesh_audit(insitu_mesh mesh, insitu_audit_entry* entries, int32_t* count) {
   return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
     require(count, "count");
@@ -289,7 +297,7 @@ insitu_status insitu_mesh_field_info(insitu_mesh mesh, const char* name, int32_t
                                      insitu_association* association) {
   return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
     require(name, "name");
-    const mesh::FieldView field = m.mesh().field(name);
+    const mesh::FieldView field = m.mesh().own_field(name);
     if (components)
       *components = field.components;
     if (association)

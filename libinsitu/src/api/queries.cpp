@@ -43,6 +43,20 @@ void put_answers(const query::Answered& answered, std::size_t first, const mesh:
   }
 }
 
+/// The same of cells that are not the solver's own.
+void put_own_answers(const query::CommittedMesh& mesh, const query::Answered& answered,
+                     std::span<const math::Vec3d> points, std::size_t first,
+                     const insitu_locate_args& args) {
+  if (!args.cells && !args.pieces && !args.parametric) // found and reasons are the same
+    return put_answers(answered, first, mesh.mesh().own_view(), args);
+  std::vector<query::Location> own(answered.locations.size());
+  for (std::size_t k = 0; k < own.size(); ++k)
+    own[k] = mesh.own(answered.locations[k], points[answered.item(k)]);
+  query::Answered as_own = answered;
+  as_own.locations = own;
+  put_answers(as_own, first, mesh.mesh().own_view(), args);
+}
+
 /// The same of interpolated values.
 void put_values(const query::Answered& answered, std::size_t first, const query::Sampler& sampler,
                 std::span<const mesh::FieldView> fields, double* const* values) {
@@ -97,12 +111,16 @@ void Session::answer(const query::CommittedMesh& mesh, const insitu_locate_args&
     return answer_by_device(mesh, args, points, fields, values);
   query::LocateOptions options;
   options.accuracy = args.accuracy;
-  const mesh::MeshView& view = mesh.mesh().view();
+  const mesh::MeshView& view = mesh.mesh().own_view();
   const query::Sampler sampler = mesh.sampler();
+  const bool counts_otherwise = mesh.mesh().has_stand_in();
   const std::int64_t outside = mesh.locate_counts().totals()[std::size_t(query::Reason::outside)];
   for_each_slice(mesh, args, points, [&](std::int64_t first, std::span<const math::Vec3d> some) {
     sampler.visit(context_.threads, some, options, [&](const query::Answered& answered) {
-      put_answers(answered, std::size_t(first), view, args);
+      if (counts_otherwise)
+        put_own_answers(mesh, answered, some, std::size_t(first), args);
+      else
+        put_answers(answered, std::size_t(first), view, args);
       if (!fields.empty())
         put_values(answered, std::size_t(first), sampler, fields, values);
     });

@@ -10,8 +10,8 @@ namespace insitu::api {
 namespace {
 
 constexpr const char* purpose_names[INSITU_MEMORY_COUNT] = {
-    "tree",    "build",  "ranges",    "earlier_step", "query",
-    "tracers", "frames", "converted", "embree",       "device"};
+    "tree",   "build",     "ranges", "earlier_step", "query", "tracers",
+    "frames", "converted", "embree", "device",       "amr",   "gathered_fields"};
 
 constexpr const char* reason_names[INSITU_REASON_COUNT] = {"outside", "certified", "exact",
                                                            "on_face", "on_edge",   "on_vertex"};

@@ -29,14 +29,14 @@ struct AmrPieceView {
   bool levels_indirect = false, corner_indirect = false;
   std::int64_t levels_behind = 0, corner_behind[3] = {0, 0, 0};
 
-  std::int64_t raw_level(std::int64_t cell) const {
+  INSITU_HD std::int64_t raw_level(std::int64_t cell) const {
     const std::byte* p = levels + cell * levels_stride;
     if (levels_indirect)
       p = load_as<const std::byte*>(p) + levels_behind;
     return level_bytes == 1 ? std::int64_t(load_as<std::int8_t>(p))
                             : load_index(p, level_bytes == 4);
   }
-  std::int64_t raw_corner(std::int64_t cell, int axis) const {
+  INSITU_HD std::int64_t raw_corner(std::int64_t cell, int axis) const {
     const std::byte* p = corner[axis] + cell * corner_stride;
     if (corner_indirect)
       p = load_as<const std::byte*>(p) + corner_behind[axis];
@@ -63,11 +63,11 @@ struct AmrView {
   const std::int64_t* first_cell = nullptr; ///< [piece_count + 1]
   std::int32_t piece_count = 0;
 
-  std::int64_t cell_count() const { return first_cell[piece_count]; }
+  INSITU_HD std::int64_t cell_count() const { return first_cell[piece_count]; }
   int finest_depth() const { return depth_of[level_count - 1]; }
 
   /// Where a cell of a piece lies.
-  AmrCell cell(const AmrPieceView& piece, std::int64_t cell) const {
+  INSITU_HD AmrCell cell(const AmrPieceView& piece, std::int64_t cell) const {
     AmrCell c;
     if (piece.is_patch) {
       c.depth = piece.depth;
@@ -83,6 +83,25 @@ struct AmrView {
     for (int a = 0; a < 3; ++a)
       c.index[a] = (piece.raw_corner(cell, a) + piece.offset[a]) >> shift;
     return c;
+  }
+};
+
+/// A piece's cells as voxels, for `nearest` reconstruction. Vertex v of cell c has the id 8 c + v.
+struct LeavesView {
+  const AmrView* mesh = nullptr;
+  std::int32_t piece = 0;
+  const std::uint64_t* masked = nullptr; ///< a bit a flat cell: under finer cells; null: none
+
+  INSITU_HD bool is_leaf(std::int64_t cell) const {
+    const std::int64_t flat = mesh->first_cell[piece] + cell;
+    return !masked || !((masked[flat >> 6] >> (flat & 63)) & 1);
+  }
+  INSITU_HD math::Vec3d point(std::int64_t vertex) const {
+    const AmrCell c = mesh->cell(mesh->pieces[piece], vertex >> 3);
+    math::Vec3d p;
+    for (int a = 0; a < 3; ++a)
+      p[a] = mesh->lattice.place(a, c.depth, 2 * (c.index[a] + ((vertex >> a) & 1)));
+    return p;
   }
 };
 

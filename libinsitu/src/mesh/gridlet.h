@@ -17,6 +17,10 @@ struct Gridlet {
   std::uint8_t depth;
   std::uint8_t size[3]; ///< cells
   std::uint32_t first;  ///< the first of its (size + 1)^3 vertices, i fastest
+
+  INSITU_HD std::int64_t vertex_count() const {
+    return std::int64_t(size[0] + 1) * (size[1] + 1) * (size[2] + 1);
+  }
 };
 static_assert(sizeof(Gridlet) == 20);
 
@@ -29,6 +33,32 @@ struct GridletsView {
   const std::uint32_t* leaves = nullptr; ///< a vertex's; no_leaf: empty
   /// A bit a cell, [count][8]: word k is layer k, bit i + 8 j. Set: all its vertices have leaves.
   const std::uint64_t* full = nullptr;
+  // Where gridlets are: a hash table of their numbers, by depth and by the 8^3 cells that they lie
+  // in, at most one a place.
+  static constexpr std::uint32_t no_gridlet = 0xffffffff;
+  const std::uint32_t* slots = nullptr; ///< [slot_mask + 1]
+  std::uint32_t slot_mask = 0;
+  int depth_count = 0; ///< that have gridlets
+  std::uint8_t depths[Lattice::most_depth + 1] = {};
+
+  /// Where the search for a place begins; linear probing follows.
+  INSITU_HD static std::uint32_t hash(int depth, const std::int64_t* lower) {
+    std::uint64_t h = std::uint64_t(depth);
+    for (int a = 0; a < 3; ++a)
+      h = (h ^ std::uint64_t(lower[a] >> 3)) * 0x9e3779b97f4a7c15ull;
+    return std::uint32_t(h >> 32);
+  }
+  /// The gridlet in whose place the cell with this lower corner lies, or -1.
+  INSITU_HD std::int64_t find(int depth, const std::int64_t* lower) const {
+    for (std::uint32_t at = hash(depth, lower) & slot_mask; slots[at] != no_gridlet;
+         at = (at + 1) & slot_mask) {
+      const Gridlet& g = gridlets[slots[at]];
+      if (g.depth == depth && g.lower[0] >> 3 == lower[0] >> 3 &&
+          g.lower[1] >> 3 == lower[1] >> 3 && g.lower[2] >> 3 == lower[2] >> 3)
+        return slots[at];
+    }
+    return -1;
+  }
 
   INSITU_HD bool is_full(std::int64_t cell) const { return (full[cell >> 6] >> (cell & 63)) & 1; }
   /// The vertex at the lower corner of a cell.
@@ -59,6 +89,16 @@ struct GridletsView {
     const std::int64_t at = vertex - g.first, ni = g.size[0] + 1, nj = g.size[1] + 1;
     return {coordinate(g, 0, int(at % ni)), coordinate(g, 1, int(at / ni % nj)),
             coordinate(g, 2, int(at / (ni * nj)))};
+  }
+  /// Where the vertices of a cell lie, in the order of a voxel's.
+  INSITU_HD void points(std::int64_t cell, math::Vec3d* x) const {
+    const Gridlet& g = gridlets[cell >> Gridlet::cell_bits];
+    for (int a = 0; a < 3; ++a) {
+      const int i = int(cell >> (3 * a)) & 7;
+      const double lower = coordinate(g, a, i), upper = coordinate(g, a, i + 1);
+      for (int v = 0; v < 8; ++v)
+        x[v][a] = (v >> a) & 1 ? upper : lower;
+    }
   }
   /// Along an axis, vertex i's coordinate.
   INSITU_HD double coordinate(const Gridlet& g, int axis, int i) const {

@@ -301,7 +301,7 @@ void Mesh::set_field(std::int32_t piece, const std::string& name, insitu_associa
 }
 
 void Mesh::remove_field(const std::string& name) {
-  (void)field(name); // throws if there is none
+  (void)own_field(name); // throws if there is none
   std::erase_if(fields_, [&](const auto& f) { return f->name == name; });
   pending_ |= INSITU_CHANGED_FIELDS;
 }
@@ -349,6 +349,11 @@ std::vector<std::string> Mesh::field_names() const {
 }
 
 FieldView Mesh::field(const std::string& name) const {
+  const FieldView own = own_field(name);
+  return stand_in_ ? stand_in_->field(own) : own;
+}
+
+FieldView Mesh::own_field(const std::string& name) const {
   const Field* f = find(name);
   if (!f) {
     const std::vector<std::string> names = field_names();

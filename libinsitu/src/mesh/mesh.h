@@ -18,6 +18,15 @@ namespace insitu::mesh {
 /// Trees keep flat cell ids in 32 bits.
 constexpr std::int64_t most_cells = 0xffffffff;
 
+/// Cells in place of the solver's own: an adaptive mesh's dual cells.
+class StandIn {
+public:
+  virtual ~StandIn() = default;
+  virtual const MeshView& view() const = 0;
+  /// A field of the solver's on these cells; valid until the next commit.
+  virtual FieldView field(const FieldView& own) = 0;
+};
+
 /// What a solver registered: pieces, fields, ghosts. Holds pointers, never values, but for the
 /// earlier step that pathlines need. Registrations may be incomplete until update().
 class Mesh {
@@ -54,20 +63,26 @@ public:
   /// The pieces of an adaptive mesh as of the last update(), each checked by itself.
   const AmrView& adaptive() const { return amr_view_; }
   insitu_reconstruction reconstruction() const { return amr_ ? amr_->reconstruction : INSITU_DUAL; }
-  /// The solver's own values, of the last update(); of an adaptive mesh those of adaptive()'s
-  /// cells.
-  FieldView source_field(const std::string& name) const;
-
   /// Whether an array lies in device memory: then the host reads none of the mesh.
   bool lies_on_device() const;
 
-  /// The views of the last update().
-  const MeshView& view() const { return view_; }
+  /// The views of the last update(): of the stand-in's cells if there is one, and of the solver's
+  /// own.
+  const MeshView& view() const { return stand_in_ ? stand_in_->view() : view_; }
+  const MeshView& own_view() const { return view_; }
+  /// From now on view() and field() are the stand-in's; null: the solver's own.
+  void set_stand_in(StandIn* stand_in) { stand_in_ = stand_in; }
+  bool has_stand_in() const { return stand_in_ != nullptr; }
   void set_free_of_folds(bool free) { view_.free_of_folds = free; }
   void set_covers_once(bool once) { view_.covers_once = once; }
 
-  /// The field of that name; throws INSITU_ERROR_FIELD with the nearest name.
+  /// Which cells of an adaptive mesh are no leaves: a bit a flat cell, or null; kept by the caller.
+  void set_masked(const std::uint64_t* masked);
+
+  /// The field of that name, on view()'s cells and on own_view()'s; throws INSITU_ERROR_FIELD with
+  /// the nearest name.
   FieldView field(const std::string& name) const;
+  FieldView own_field(const std::string& name) const;
   bool has_field(const std::string& name) const;
   std::vector<std::string> field_names() const;
 
@@ -116,6 +131,8 @@ private:
     std::vector<FieldPieceView> views;
   };
 
+  void set_views();
+  void make_leaves_views();
   Piece& piece_for(std::int32_t piece);
   const Field* find(const std::string& name) const;
   static void visit_field_piece(const Field& field, std::size_t p, ArrayVisitor visit);
@@ -136,10 +153,13 @@ private:
   std::vector<PieceView> piece_views_;
   std::vector<std::int64_t> first_cell_{0}, first_vertex_{0};
   MeshView view_;
+  StandIn* stand_in_ = nullptr;
   // Of an adaptive mesh.
   std::optional<AmrLevels> amr_;
   std::vector<AmrPieceView> amr_pieces_;
   AmrView amr_view_;
+  std::vector<LeavesView> leaves_views_;
+  const std::uint64_t* masked_ = nullptr;
   // The earlier step.
   struct EarlierField {
     explicit EarlierField(core::Memory& memory) : values(memory, INSITU_MEMORY_EARLIER) {}

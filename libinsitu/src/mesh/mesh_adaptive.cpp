@@ -99,8 +99,6 @@ void Mesh::update_adaptive(const core::Threads* threads) {
 
   amr_pieces_ = std::move(views);
   first_cell_ = std::move(first);
-  first_vertex_.assign(pieces_.size() + 1, 0);
-  piece_views_.clear();
   for (const auto& field : fields_)
     for (const FieldPiece& piece : field->pieces)
       for (const ExternalArray& array : piece.arrays)
@@ -117,17 +115,34 @@ void Mesh::update_adaptive(const core::Threads* threads) {
   amr_view_.pieces = amr_pieces_.data();
   amr_view_.first_cell = first_cell_.data();
   amr_view_.piece_count = std::int32_t(pieces_.size());
-  // No cells over vertices.
-  static constexpr std::int64_t none[1] = {0};
-  view_ = {};
-  view_.first_cell = view_.first_vertex = none;
+  make_leaves_views();
 }
 
-FieldView Mesh::source_field(const std::string& name) const {
-  const Field* f = find(name);
-  if (!f)
-    throw Error(INSITU_ERROR_FIELD, "mesh '" + name_ + "' has no field '" + name + "'");
-  return {f->name.c_str(), f->association, f->components, f->views.data()};
+/// Its cells as voxels.
+void Mesh::make_leaves_views() {
+  if (pending_ & INSITU_CHANGED_TOPOLOGY)
+    masked_ = nullptr; // other cells
+  leaves_views_.clear();
+  piece_views_.clear();
+  first_vertex_.assign(1, 0);
+  for (std::size_t p = 0; p < amr_pieces_.size(); ++p)
+    leaves_views_.push_back({&amr_view_, std::int32_t(p), masked_});
+  for (std::size_t p = 0; p < amr_pieces_.size(); ++p) {
+    PieceView& view = piece_views_.emplace_back();
+    view.layout = CellLayout::leaves;
+    view.uniform_shape = Shape::voxel;
+    view.cell_count = amr_pieces_[p].cell_count;
+    view.vertex_count = 8 * view.cell_count;
+    view.leaves = &leaves_views_[p];
+    first_vertex_.push_back(first_vertex_.back() + view.vertex_count);
+  }
+  set_views();
+}
+
+void Mesh::set_masked(const std::uint64_t* masked) {
+  masked_ = masked;
+  for (LeavesView& leaves : leaves_views_)
+    leaves.masked = masked;
 }
 
 void Mesh::check_pointers(Field& field, const core::Threads* threads) const {

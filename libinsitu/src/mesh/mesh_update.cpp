@@ -82,6 +82,10 @@ void Mesh::update(const core::Threads* threads) {
     first_vertex_.push_back(first_vertex_.back() + piece_views_.back().vertex_count);
   }
   update_fields(threads);
+  set_views();
+}
+
+void Mesh::set_views() {
   view_.pieces = piece_views_.data();
   view_.first_cell = first_cell_.data();
   view_.first_vertex = first_vertex_.data();
@@ -106,6 +110,8 @@ constexpr std::int64_t copy_grain = 1 << 14;
 }
 
 void Mesh::keep_earlier(const std::vector<std::string>& names, const core::Threads& threads) {
+  const MeshView& now = view();
+  const auto pieces = std::size_t(now.piece_count);
   std::erase_if(earlier_fields_, [&](const auto& e) {
     return std::find(names.begin(), names.end(), e->name) == names.end();
   });
@@ -117,16 +123,15 @@ void Mesh::keep_earlier(const std::vector<std::string>& names, const core::Threa
         known != earlier_fields_.end()
             ? **known
             : *earlier_fields_.emplace_back(std::make_unique<EarlierField>(*memory_));
-    const std::vector<std::int64_t>& first =
-        from.association == INSITU_CELL ? first_cell_ : first_vertex_;
+    const std::int64_t* first = from.association == INSITU_CELL ? now.first_cell : now.first_vertex;
     const int n = from.components;
     to.name = name;
     to.association = from.association;
     to.components = n;
-    to.values.resize_discard(std::size_t(first.back() * n));
-    to.bases.assign(std::size_t(n) * pieces_.size(), nullptr);
+    to.values.resize_discard(std::size_t(first[pieces] * n));
+    to.bases.assign(std::size_t(n) * pieces, nullptr);
     to.views.clear();
-    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    for (std::size_t p = 0; p < pieces; ++p) {
       double* values = to.values.data() + first[p] * n;
       const std::byte** bases = to.bases.data() + p * std::size_t(n);
       for (int c = 0; c < n; ++c)
@@ -141,6 +146,8 @@ void Mesh::keep_earlier(const std::vector<std::string>& names, const core::Threa
       });
     }
   }
+  if (stand_in_) // its vertices stay where they are
+    return;
   earlier_points_.resize_discard(std::size_t(first_vertex_.back()));
   for (std::size_t p = 0; p < pieces_.size(); ++p)
     threads.parallel_for(

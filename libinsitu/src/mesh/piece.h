@@ -3,6 +3,7 @@
 #include <concepts>
 #include <cstdint>
 
+#include "mesh/adaptive.h"
 #include "mesh/array_view.h"
 #include "mesh/gridlet.h"
 #include "mesh/shape.h"
@@ -23,13 +24,13 @@ concept CellSource = requires(const C& c, std::int64_t cell, std::int64_t* ids) 
   { c.owns(cell) } -> std::same_as<bool>;
 };
 
-enum class CellLayout : std::uint8_t { uniform, mixed, padded, block, gridlets };
+enum class CellLayout : std::uint8_t { uniform, mixed, padded, block, gridlets, leaves };
 
 /// A piece as kernels see it: plain data over the solver's arrays.
 struct PieceView {
   // Cells.
   CellLayout layout = CellLayout::uniform;
-  Shape uniform_shape = Shape::none; ///< UNIFORM, PADDED (8 ids), blocks and gridlets
+  Shape uniform_shape = Shape::none; ///< of all cells but MIXED; PADDED: of 8 ids
   std::int64_t cell_count = 0;
   std::int64_t vertex_count = 0;
   IndexView connectivity;           ///< UNIFORM, PADDED: stride between cells
@@ -48,6 +49,7 @@ struct PieceView {
   bool axis_is_float32 = false;
   // Gridlets of a dual mesh: cell c is cell c & 511 of gridlet c >> 9, a voxel if it owns points.
   const GridletsView* gridlets = nullptr;
+  const LeavesView* leaves = nullptr; ///< cells of an adaptive mesh as they are: voxels
   // Geometry, ghosts.
   PointsView points;
   const std::byte* ghosts = nullptr;
@@ -55,8 +57,7 @@ struct PieceView {
   std::uint8_t ghost_mask = 0; ///< bits that take a cell out
 
   INSITU_HD Shape shape(std::int64_t cell) const {
-    if (layout == CellLayout::uniform || layout == CellLayout::block ||
-        layout == CellLayout::gridlets)
+    if (layout != CellLayout::mixed && layout != CellLayout::padded)
       return uniform_shape;
     if (layout == CellLayout::mixed)
       return Shape(load_as<std::uint8_t>(types + cell * types_stride));
@@ -90,6 +91,11 @@ struct PieceView {
     }
     if (layout == CellLayout::gridlets)
       return gridlets->vertex_ids(cell, ids);
+    if (layout == CellLayout::leaves) {
+      for (int v = 0; v < 8; ++v)
+        ids[v] = 8 * cell + v;
+      return 8;
+    }
     const int n = vertex_count_of(shape(cell));
     const std::byte* base =
         layout == CellLayout::mixed
@@ -103,6 +109,8 @@ struct PieceView {
   INSITU_HD math::Vec3d point(std::int64_t id) const {
     if (layout == CellLayout::gridlets)
       return gridlets->point(id);
+    if (layout == CellLayout::leaves)
+      return leaves->point(id);
     if (!implicit_points)
       return points.load(id);
     const std::int64_t row = id / block_vertices[0];
@@ -119,7 +127,19 @@ struct PieceView {
   INSITU_HD bool owns(std::int64_t cell) const {
     if (layout == CellLayout::gridlets)
       return gridlets->is_full(cell);
+    if (layout == CellLayout::leaves)
+      return leaves->is_leaf(cell);
     return !ghosts || (load_as<std::uint8_t>(ghosts + ghost_layout.offset(cell)) & ghost_mask) == 0;
+  }
+
+  /// False only if all cells own points.
+  INSITU_HD bool may_not_own() const {
+    return ghosts || layout == CellLayout::gridlets || (leaves && leaves->masked);
+  }
+
+  /// What trees hold: cells, but whole gridlets, which go by the id of their first cell.
+  INSITU_HD std::int64_t cells_an_item() const {
+    return layout == CellLayout::gridlets ? Gridlet::most_cells : 1;
   }
 
   /// Id v of 8 in the padded layout, as the solver counts; -1 is padding.

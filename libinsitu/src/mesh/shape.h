@@ -18,26 +18,39 @@ enum class Shape : std::uint8_t {
 
 INSITU_HD constexpr int vertex_count(Shape shape) {
   switch (shape) {
-  case Shape::tetrahedron: return 4;
-  case Shape::pyramid: return 5;
-  case Shape::wedge: return 6;
+  case Shape::tetrahedron:
+    return 4;
+  case Shape::pyramid:
+    return 5;
+  case Shape::wedge:
+    return 6;
   case Shape::voxel:
-  case Shape::hexahedron: return 8;
-  case Shape::none: break;
+  case Shape::hexahedron:
+    return 8;
+  case Shape::none:
+    break;
   }
   return 0;
 }
 
-INSITU_HD constexpr bool is_shape(int value) { return value >= 10 && value <= 14; }
+INSITU_HD constexpr bool is_shape(int value) {
+  return value >= 10 && value <= 14;
+}
 
 INSITU_HD constexpr const char* shape_name(Shape shape) {
   switch (shape) {
-  case Shape::tetrahedron: return "tetrahedron";
-  case Shape::pyramid: return "pyramid";
-  case Shape::wedge: return "wedge";
-  case Shape::voxel: return "voxel";
-  case Shape::hexahedron: return "hexahedron";
-  case Shape::none: break;
+  case Shape::tetrahedron:
+    return "tetrahedron";
+  case Shape::pyramid:
+    return "pyramid";
+  case Shape::wedge:
+    return "wedge";
+  case Shape::voxel:
+    return "voxel";
+  case Shape::hexahedron:
+    return "hexahedron";
+  case Shape::none:
+    break;
   }
   return "none";
 }

@@ -78,6 +78,14 @@ struct CellVertices {
   math::Vec3d x[8];
 };
 
+/// The coordinates of the vertices in out.ids, those of the piece's cell.
+INSITU_HD inline void gather_points(const PieceView& piece, std::int64_t cell, CellVertices& out) {
+  if (piece.gridlets) // ids alone would have to be searched for
+    return piece.gridlets->points(cell, out.x);
+  for (int v = 0; v < out.count; ++v)
+    out.x[v] = piece.point(out.ids[v]);
+}
+
 /// Gathers a cell. alpha blends the earlier (0) and the current (1) coordinates; it must be 1 if
 /// the mesh keeps no earlier points.
 INSITU_HD inline void gather(const MeshView& mesh, std::int64_t flat_cell, CellVertices& out,
@@ -87,8 +95,7 @@ INSITU_HD inline void gather(const MeshView& mesh, std::int64_t flat_cell, CellV
   const std::int64_t cell = flat_cell - mesh.first_cell[out.piece];
   out.shape = piece.shape(cell);
   out.count = piece.vertex_ids(cell, out.ids);
-  for (int v = 0; v < out.count; ++v)
-    out.x[v] = piece.point(out.ids[v]);
+  gather_points(piece, cell, out);
   if (alpha != 1.0) {
     const math::Vec3d* earlier = mesh.earlier_points + mesh.first_vertex[out.piece];
     for (int v = 0; v < out.count; ++v)

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "cells/robust_inverse.h"
+#include "query/gridlet_query.h"
 
 namespace insitu::query {
 
@@ -44,8 +45,16 @@ void BatchLocator::run(std::span<const Vec3d> points, std::span<const Location> 
     }
   if (query_.tree.empty())
     return;
+  const bool gridlets = query_.first_stored_cell() > 0;
+  if (gridlets && locate_in_gridlets(points) == count_)
+    return;
   set_boxes(rule_, points, s_.boxes);
+  for (int q = 0; gridlets && q < count_; ++q)
+    if (located_[q])
+      s_.boxes.clear(q);
   find_candidates(query_.tree, s_.boxes, s_.traversal);
+  if (gridlets)
+    claim_in_gridlets(points);
   if (const int tries = known.empty() ? query_.tries() : 0; tries > 0 && try_likeliest(tries))
     return;
   const Candidate* candidates = s_.traversal.candidates.data();
@@ -60,6 +69,49 @@ void BatchLocator::run(std::span<const Vec3d> points, std::span<const Location> 
     decide_by_filter(shape, cells, queries);
   });
   find_parametric();
+}
+
+/// Points strictly inside cells of gridlets need no tree. Returns how many there are.
+int BatchLocator::locate_in_gridlets(std::span<const Vec3d> points) {
+  GridletFinder find(*gridlets_of(query_.mesh));
+  int found = 0;
+  for (int q = 0; q < count_; ++q) {
+    const Location at = find(points[std::size_t(q)]);
+    if (!at)
+      continue;
+    best_[q] = at;
+    below_[q] = 0;
+    reason_[q] = Reason::certified;
+    located_[q] = true;
+    ++found;
+  }
+  return found;
+}
+
+/// Takes gridlets out of the candidates, and claims their cells.
+void BatchLocator::claim_in_gridlets(std::span<const Vec3d> points) {
+  TraversalScratch& t = s_.traversal;
+  Candidate* const candidates = t.candidates.data();
+  const std::int64_t first = query_.first_stored_cell();
+  const mesh::GridletsView& gridlets = *gridlets_of(query_.mesh);
+  std::size_t kept = 0;
+  for (std::size_t c = 0; c < t.found; ++c) {
+    const std::int64_t flat = query_.tree.cells()[candidates[c].slot];
+    const int q = candidates[c].query;
+    if (flat >= first) {
+      candidates[kept++] = candidates[c];
+      continue;
+    }
+    Reason why;
+    const Location at =
+        locate_in_gridlet(gridlets, flat >> mesh::Gridlet::cell_bits, points[std::size_t(q)], why);
+    if (!at || !could_own(at.cell, q))
+      continue;
+    claim(q, at.cell, why);
+    best_[q] = at;
+    located_[q] = true;
+  }
+  t.found = kept;
 }
 
 /// The cell holds the query's point. The lowest id stays.

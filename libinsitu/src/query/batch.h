@@ -27,6 +27,8 @@ public:
   std::span<const Reason> reasons() const { return {reason_, std::size_t(count_)}; }
 
 private:
+  int locate_in_gridlets(std::span<const math::Vec3d> points);
+  void claim_in_gridlets(std::span<const math::Vec3d> points);
   bool try_likeliest(int tries);
   bool could_own(std::int64_t cell, int query) const { return cell < below_[query]; }
   void claim(int query, std::int64_t cell, Reason reason);

@@ -24,7 +24,7 @@ std::unique_ptr<mesh::HostMirror> make_mirror(const mesh::Mesh& mesh) {
 } // namespace
 
 CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
-    : mesh_(name, memory), tree_(memory), locators_(memory), order_(memory) {}
+    : mesh_(name, memory), tree_(memory), locators_(memory), order_(memory), memory_(&memory) {}
 
 void CommittedMesh::require_committed() const {
   if (!committed_)
@@ -89,11 +89,13 @@ void CommittedMesh::note(const accel::DeviceCounts& counts,
 
 cells::Validation CommittedMesh::validate(const core::Threads& threads) {
   committed_ = false; // the views may change under the tree
-  mesh_.update();
+  mesh_.update(&threads);
   if (mesh_.pending() == 0)
     mesh_.set_changed(INSITU_CHANGED_FIELDS); // the next commit is cheap, but has to come
   const std::unique_ptr<mesh::HostMirror> mirror =
       mesh_.lies_on_device() ? make_mirror(mesh_) : nullptr;
+  if (mesh_.is_adaptive())
+    return validate_leaves(threads);
   const mesh::MeshView& view = mirror ? mirror->view() : mesh_.view();
   cells::Validation found = cells::validate(mesh_.name(), view, threads);
   if (found.findings.empty()) {
@@ -106,6 +108,31 @@ cells::Validation CommittedMesh::validate(const core::Threads& threads) {
     found.counts.covered_vertices = v.covered;
   }
   return found;
+}
+
+cells::Validation CommittedMesh::validate_leaves(const core::Threads& threads) {
+  cells::Validation found;
+  found.counts = insitu_validation_default();
+  found.counts.cells = mesh_.adaptive().cell_count();
+  amr::LeafMap leaves(*memory_);
+  try {
+    leaves.build(mesh_.adaptive(), threads);
+    found.counts.ghost_cells = leaves.masked_count();
+  } catch (const core::Error& e) {
+    found.findings = e.what();
+  }
+  return found;
+}
+
+void CommittedMesh::require_adaptive_locator() const {
+  const std::string name = "mesh '" + mesh_.name() + "' is adaptive: ";
+  if (on_device_)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED, name + "its arrays in device memory are not read");
+  if (locators_.pick().method != accel::Method::bvh ||
+      locators_.pick().backend != accel::Backend::cpu)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED, name + "it is located by bvh on the CPU, not by " +
+                                                    accel::name(locators_.pick().method) + " on " +
+                                                    accel::name(locators_.pick().backend));
 }
 
 /// Tells the policy what was asked of the tree since the last commit.
@@ -130,6 +157,50 @@ void CommittedMesh::validate_topology(const mesh::MeshView& view, const core::Th
   ++topology_version_;
 }
 
+void CommittedMesh::build_tree(insitu_commit_report& report, const core::Threads& threads) {
+  mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until built: a build that fails leaves no tree
+  const accel::Builder builder = policy_.builder();
+  const core::Timer timer;
+  tree_.build(mesh_.view(), threads, builder);
+  policy_.built(builder, timer.seconds(), tree_.cell_count(), tree_.cost());
+  report.action = INSITU_REBUILD;
+  commits_since_build_ = 0;
+}
+
+/// The cells are a lattice's, or made from it, so they need no validation and never move.
+void CommittedMesh::commit_adaptive(std::uint32_t pending, insitu_commit_report& report,
+                                    const core::Threads& threads) {
+  const bool regrid = !adaptive_ || !adaptive_->fits(mesh_) ||
+                      (pending & ~std::uint32_t(INSITU_CHANGED_FIELDS)) != 0;
+  if (regrid) {
+    policy_.topology_changed();
+    mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until there are leaves
+    mesh_.release_earlier();                    // of other cells
+    if (!adaptive_)
+      adaptive_ = std::make_unique<Adaptive>(*memory_);
+    adaptive_->build(mesh_, threads);
+    report.validated = 1;
+    ++topology_version_;
+  } else {
+    adaptive_->fields_changed();
+  }
+  locators_.commit(
+      mesh_, [this]() -> const mesh::MeshView& { return mesh_.view(); }, pending, threads);
+  if (regrid || policy_.surface_area_is_due()) {
+    build_tree(report, threads);
+    ++tree_version_;
+  }
+}
+
+insitu_amr_info CommittedMesh::amr_info() const {
+  if (!committed_ || !adaptive_)
+    throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() +
+                                              (committed_ ? "' is not an adaptive mesh"
+                                                          : "' is not committed; call "
+                                                            "insitu_mesh_commit first"));
+  return adaptive_->info();
+}
+
 void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& report,
                                    const core::Threads& threads, const core::Log& log) {
   const bool topology = (pending & INSITU_CHANGED_TOPOLOGY) || tree_is_stale_;
@@ -145,15 +216,8 @@ void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& 
     rebuild = policy_.rebuild_is_due(tree_.cost_ratio());
   }
   rebuild = rebuild || policy_.surface_area_is_due();
-  if (rebuild) {
-    mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until built: a build that fails leaves no tree
-    const accel::Builder builder = policy_.builder();
-    const core::Timer build_timer;
-    tree_.build(mesh_.view(), threads, builder);
-    policy_.built(builder, build_timer.seconds(), tree_.cell_count(), tree_.cost());
-    report.action = INSITU_REBUILD;
-    commits_since_build_ = 0;
-  }
+  if (rebuild)
+    build_tree(report, threads);
   tree_is_stale_ = false;
   update_locators(pending, threads);
   if (rebuild || geometry)
@@ -199,7 +263,9 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
     committed_ = false;
     on_device_ = mesh_.lies_on_device();
     locators_.decide(on_device_, mesh_.name(), log);
-    mesh_.update();
+    if (mesh_.is_adaptive())
+      require_adaptive_locator();
+    mesh_.update(&threads);
     if (strict)
       for (const insitu_audit_entry& e : mesh_.audit())
         if (!e.borrowed)
@@ -213,7 +279,9 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
       mesh_.set_free_of_folds(false);
       mesh_.set_covers_once(false);
     }
-    if (lies_on_device())
+    if (mesh_.is_adaptive())
+      commit_adaptive(pending, report, threads);
+    else if (lies_on_device())
       commit_on_device(pending, report, threads, log);
     else
       commit_on_host(pending, report, threads, log);

@@ -8,6 +8,7 @@
 #include "cells/validate.h"
 #include "core/log.h"
 #include "mesh/mesh.h"
+#include "query/adaptive.h"
 #include "query/locators.h"
 #include "query/order.h"
 #include "query/sampler.h"
@@ -60,6 +61,13 @@ public:
   /// or with a ray method, whose candidates are worth little before.
   void look_for_folds(const core::Threads& threads);
   Sampler sampler() const { return {mesh_.view(), tree_, &order_, &locate_counts_, &locators_}; }
+  /// A location as the solver counts cells, flat over the pieces of mesh().own_view(): the same but
+  /// on the dual of an adaptive mesh, where it is the leaf that holds p.
+  Location own(const Location& at, const math::Vec3d& p) const {
+    return adaptive_ ? adaptive_->own(at, p) : at;
+  }
+  /// Throws INSITU_ERROR_ORDER unless adaptive and committed.
+  insitu_amr_info amr_info() const;
   /// Of all samplers of this mesh, since it was made.
   const LocateCounts& locate_counts() const { return locate_counts_; }
 
@@ -75,6 +83,11 @@ private:
                       const core::Threads& threads, const core::Log& log);
   void commit_on_device(std::uint32_t pending, insitu_commit_report& report,
                         const core::Threads& threads, const core::Log& log);
+  void commit_adaptive(std::uint32_t pending, insitu_commit_report& report,
+                       const core::Threads& threads);
+  void build_tree(insitu_commit_report& report, const core::Threads& threads);
+  cells::Validation validate_leaves(const core::Threads& threads);
+  void require_adaptive_locator() const;
   void validate_topology(const mesh::MeshView& view, const core::Threads& threads,
                          const core::Log& log);
   void update_locators(std::uint32_t pending, const core::Threads& threads);
@@ -84,8 +97,10 @@ private:
   mesh::Mesh mesh_;
   accel::Tree tree_;
   Locators locators_;
-  mutable SpatialOrder order_; ///< scratch of queries
+  std::unique_ptr<Adaptive> adaptive_; ///< of adaptive meshes
+  mutable SpatialOrder order_;         ///< scratch of queries
   mutable LocateCounts locate_counts_;
+  core::Memory* memory_;
   TreePolicy policy_;
   std::int64_t located_before_ = 0; ///< points, when the policy was last told
   std::int64_t located_lately_ = 0; ///< points, between the last two commits that changed something

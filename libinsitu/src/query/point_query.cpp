@@ -7,6 +7,7 @@
 
 #include "cells/kernels.h"
 #include "query/candidates.h"
+#include "query/gridlet_query.h"
 
 namespace insitu::query {
 
@@ -79,6 +80,26 @@ int PointQuery::tries() const {
   return mesh.free_of_folds && options.alpha == 1.0 && trying_pays(mesh) ? 3 : 0;
 }
 
+/// The lowest of the candidates' cells in gridlets that hold p: the owner, since other cells have
+/// higher ids.
+Location PointQuery::locate_in_gridlets(std::span<const Candidate> candidates, const Vec3d& p,
+                                        Reason& reason) const {
+  const mesh::GridletsView* const gridlets = gridlets_of(mesh);
+  Location best;
+  for (const Candidate& c : candidates) {
+    const std::int64_t flat = tree.cells()[c.slot];
+    Reason why;
+    if (flat >= mesh.first_cell[1] || (best && flat > best.cell))
+      continue;
+    const Location at = locate_in_gridlet(*gridlets, flat >> mesh::Gridlet::cell_bits, p, why);
+    if (at && !(best && best.cell < at.cell)) {
+      best = at;
+      reason = why;
+    }
+  }
+  return best;
+}
+
 Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
   Location best;
   reason = Reason::outside;
@@ -86,6 +107,10 @@ Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
   if (tree.empty() || !box_rule().box(p, lower, upper))
     return best;
   const std::span<const Candidate> candidates = find_candidates(tree, lower, upper);
+  const std::int64_t first = first_stored_cell();
+  if (first > 0)
+    if (const Location at = locate_in_gridlets(candidates, p, reason))
+      return at;
   mesh::CellVertices cell;
   std::uint64_t tried = ~std::uint64_t(0);
   for (int left = tries(); left > 0 && !best; --left) {
@@ -111,7 +136,7 @@ Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
   bool located = bool(best);
   for (const Candidate& c : candidates) {
     const std::int64_t flat = tree.cells()[c.slot];
-    if (best && flat >= best.cell)
+    if (flat < first || (best && flat >= best.cell))
       continue;
     mesh::gather(mesh, flat, cell, options.alpha);
     if (const Reason why = decide(cell.shape, cell.x, p); why != Reason::outside) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <span>
 
 #include "accel/tree.h"
 #include "cells/decide.h"
@@ -27,6 +28,8 @@ struct BoxRule {
 /// against 87 in jittered hexahedra.
 bool trying_pays(const mesh::MeshView& mesh);
 
+struct Candidate;
+
 struct PointQuery {
   const mesh::MeshView& mesh;
   const accel::Tree& tree;
@@ -41,8 +44,16 @@ struct PointQuery {
   int tries() const;
   /// A cell so proven answers alone; else those of lower ids are looked at as well.
   bool proof_is_enough() const { return options.accuracy != INSITU_EXACT || mesh.covers_once; }
+  /// Cells below are gridlets', whose candidates stand for whole gridlets.
+  std::int64_t first_stored_cell() const {
+    return mesh.piece_count > 0 && mesh.pieces[0].gridlets ? mesh.first_cell[1] : 0;
+  }
   /// One point, depth first.
   Location locate(const math::Vec3d& p, Reason& reason) const;
+
+private:
+  Location locate_in_gridlets(std::span<const Candidate> candidates, const math::Vec3d& p,
+                              Reason& reason) const;
 };
 
 using cells::decide;

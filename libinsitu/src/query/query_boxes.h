@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "math/vec.h"
@@ -19,6 +20,14 @@ static_assert(batch_size <= 1 << 16);
 struct QueryBoxes {
   int count = 0;
   alignas(32) float bounds[batch_size][8];
+
+  /// Makes a query's box none.
+  void clear(int query) {
+    for (int a = 0; a < 3; ++a) {
+      bounds[query][a] = std::numeric_limits<float>::infinity();
+      bounds[query][4 + a] = -std::numeric_limits<float>::infinity();
+    }
+  }
 };
 
 /// The boxes of at most batch_size points by the rule. Compiled per SIMD target and dispatched at

@@ -7,6 +7,7 @@
 #include "accel/tree.h"
 #include "cells/kernels.h"
 #include "query/batch.h"
+#include "query/gridlet_query.h"
 #include "query/locators.h"
 #include "query/order.h"
 #include "query/point_query.h"
@@ -115,6 +116,11 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
       at = {hint, map.r};
       why = Reason::certified;
     }
+  }
+  if (const mesh::GridletsView* const gridlets = gridlets_of(*mesh_)) {
+    GridletFinder find(*gridlets, hint < mesh_->first_cell[1] ? hint : -1);
+    if ((at = find(p)))
+      why = Reason::certified;
   }
   if (!at)
     at = PointQuery{*mesh_, *tree_, options}.locate(p, why);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "accel/gridlet_rays.h"
 #include "accel/ray_traversal.h"
 #include "core/status.h"
 
@@ -105,8 +106,7 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, const RaySpace& space, doubl
       if (!(low <= level.value && level.value <= high))
         continue;
       if (!roots) {
-        for (int v = 0; v < cell.count; ++v)
-          cell.x[v] = piece.point(cell.ids[v]);
+        mesh::gather_points(piece, local, cell);
         roots.emplace(cell, space, 0.0, t_max);
       }
       if (!roots->meets())
@@ -167,7 +167,16 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits,
         return false;
       },
       [&](std::int64_t flat) {
-        test_cell(flat, space, t_max, hits, counts);
+        const mesh::MeshView& mesh = sampler_.mesh();
+        const mesh::PieceView& piece = mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(flat)];
+        if (!piece.gridlets) {
+          test_cell(flat, space, t_max, hits, counts);
+          return t_max;
+        }
+        const std::int64_t first = mesh.first_cell[&piece - mesh.pieces];
+        accel::for_each_cell_along_ray(
+            *piece.gridlets, (flat - first) >> mesh::Gridlet::cell_bits, ray.origin, ray.direction,
+            0.0, t_max, [&](int local) { test_cell(flat + local, space, t_max, hits, counts); });
         return t_max;
       });
   std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {

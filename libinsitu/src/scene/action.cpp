@@ -30,13 +30,27 @@ query::CommittedMesh& find_mesh(MeshList meshes, const Name& name, const std::st
                                             name.text + "'" + core::did_you_mean(name.text, names));
 }
 
-mesh::FieldView find_field(const query::CommittedMesh& mesh, const Name& name,
-                           const std::string& scene_file) {
+namespace {
+
+template <class Find>
+mesh::FieldView at_line_of(const Name& name, const std::string& scene_file, Find&& find) {
   try {
-    return mesh.mesh().field(name.text);
+    return find();
   } catch (const core::Error& e) {
     throw core::Error(e.status(), at(scene_file, name.line) + e.what());
   }
+}
+
+} // namespace
+
+mesh::FieldView find_field(const query::CommittedMesh& mesh, const Name& name,
+                           const std::string& scene_file) {
+  return at_line_of(name, scene_file, [&] { return mesh.mesh().field(name.text); });
+}
+
+mesh::FieldView find_own_field(const query::CommittedMesh& mesh, const Name& name,
+                               const std::string& scene_file) {
+  return at_line_of(name, scene_file, [&] { return mesh.mesh().own_field(name.text); });
 }
 
 OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat) {
@@ -44,6 +58,10 @@ OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat) {
     return {};
   const std::int32_t piece = mesh.piece_of(flat);
   return {piece, flat - mesh.first_cell[piece]};
+}
+
+OwnCell own_cell(const query::CommittedMesh& mesh, std::int64_t flat, const math::Vec3d& at) {
+  return own_cell(mesh.mesh().own_view(), mesh.own({flat, {}}, at).cell);
 }
 
 void require_columns(const output::AppendTable& table, const std::vector<std::string>& open,

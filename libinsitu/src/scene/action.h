@@ -53,6 +53,9 @@ query::CommittedMesh& find_mesh(MeshList meshes, const Name& name, const std::st
 /// The field of that name, with "file:line: " before the message if there is none.
 mesh::FieldView find_field(const query::CommittedMesh& mesh, const Name& name,
                            const std::string& scene_file);
+/// The same on the solver's own cells (those of an adaptive mesh, not of its dual).
+mesh::FieldView find_own_field(const query::CommittedMesh& mesh, const Name& name,
+                               const std::string& scene_file);
 
 /// Points of a scene in the mesh's coordinates.
 struct ScenePoints {
@@ -64,15 +67,18 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
 
 /// Minimum, maximum or mean of a field (of a vector field's magnitudes) over owning cells, or over
 /// the vertices they use. NaN values are left out; NaN if nothing is left.
-double reduce_field(const query::CommittedMesh& mesh, const mesh::FieldView& field,
-                    Reduction reduction, const core::Threads& threads);
+double reduce_field(const query::CommittedMesh& mesh, const Name& field,
+                    const std::string& scene_file, Reduction reduction,
+                    const core::Threads& threads);
 
-/// A flat cell id in the solver's numbering; -1 outside.
+/// A flat cell id of mesh.mesh().own_view() in the solver's numbering; -1 outside.
 struct OwnCell {
   std::int32_t piece = -1;
   std::int64_t cell = -1;
 };
 OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat);
+/// The same of a cell of mesh.mesh().view() that holds the point.
+OwnCell own_cell(const query::CommittedMesh& mesh, std::int64_t flat, const math::Vec3d& at);
 
 /// Throws INSITU_ERROR_FIELD if a table that is open cannot take these columns any more: fields or
 /// pieces changed during the run.

@@ -31,10 +31,11 @@ struct DrawnLines {
 
 /// The cells of points as the solver numbers them, for VTK files.
 struct OwnCells {
-  OwnCells(const mesh::MeshView& mesh, std::span<const std::int64_t> flat)
-      : several(mesh.piece_count > 1) {
-    for (const std::int64_t f : flat) {
-      const OwnCell own = own_cell(mesh, f);
+  OwnCells(const query::CommittedMesh& mesh, std::span<const std::int64_t> flat,
+           std::span<const math::Vec3d> points)
+      : several(mesh.mesh().own_view().piece_count > 1) {
+    for (std::size_t i = 0; i < flat.size(); ++i) {
+      const OwnCell own = own_cell(mesh, flat[i], points[i]);
       cells.push_back(own.cell);
       pieces.push_back(own.piece);
     }
@@ -165,7 +166,7 @@ private:
     open_table(mesh, recorded, step);
     const std::size_t width = rows.empty() ? 0 : values.size() / rows.size();
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      add_row(rows[r], own_cell(mesh.mesh().view(), cells[r]),
+      add_row(rows[r], own_cell(mesh, cells[r], points[r]),
               std::span(values).subspan(r * width, width));
       written_[std::size_t(p.ids[rows[r]])] = p.endings[rows[r]] != INSITU_END_ALIVE;
     }
@@ -176,7 +177,7 @@ private:
   void open_table(const query::CommittedMesh& mesh, std::span<const mesh::FieldView> recorded,
                   const Step& step) {
     std::vector<std::string> columns{"cycle", "time", "particle", "x", "y", "z", "cell"};
-    const bool several = mesh.mesh().view().piece_count > 1;
+    const bool several = mesh.mesh().own_view().piece_count > 1;
     if (several)
       columns.push_back("piece");
     columns.push_back("ending");
@@ -217,7 +218,7 @@ private:
     output::VtkPolyData data;
     data.points = vtk_points(p.positions.span());
     data.point_data.push_back(output::vtk_array("particle", p.ids.span()));
-    const OwnCells cells(mesh.mesh().view(), p.cells.span());
+    const OwnCells cells(mesh, p.cells.span(), p.positions.span());
     cells.add_to(data.point_data);
     data.point_data.push_back(output::vtk_array("ending", p.endings.span()));
     columns.add_to(data.point_data);
@@ -286,16 +287,16 @@ public:
     const std::vector<double> values =
         sample(mesh, recorded, lines.points.span(), lines.cells.span());
     if (writes(TableFormat::csv))
-      write_csv(mesh.mesh().view(), step, lines, columns, values);
+      write_csv(mesh, step, lines, columns, values);
     if (writes(TableFormat::vtp))
       write_vtp(step, lines, VtkColumns(columns, values));
     environment_.statistics.output_s += output_timer.seconds();
   }
 
 private:
-  void write_csv(const mesh::MeshView& mesh, const Step& step, const advect::Polylines& lines,
+  void write_csv(const query::CommittedMesh& mesh, const Step& step, const advect::Polylines& lines,
                  const std::vector<std::string>& columns, const std::vector<double>& values) {
-    const bool several = mesh.piece_count > 1;
+    const bool several = mesh.mesh().own_view().piece_count > 1;
     std::vector<std::string> header{"line", "vertex", "s", "x", "y", "z", "cell"};
     if (several)
       header.push_back("piece");
@@ -306,7 +307,7 @@ private:
       for (auto v = std::size_t(lines.offsets[l]); v < std::size_t(lines.offsets[l + 1]); ++v) {
         rows.cell(lines.particles[l]).cell(std::int64_t(v) - lines.offsets[l]);
         rows.cell(lines.times[v]).cell(lines.points[v].x).cell(lines.points[v].y);
-        const OwnCell own = own_cell(mesh, lines.cells[v]);
+        const OwnCell own = own_cell(mesh, lines.cells[v], lines.points[v]);
         rows.cell(lines.points[v].z).cell(own.cell);
         if (several)
           rows.cell(int(own.piece));

@@ -11,7 +11,7 @@ namespace insitu::scene {
 
 /// What a probe found, row by row.
 struct ProbeAction::Answers {
-  std::vector<query::Location> locations;
+  std::vector<query::Location> locations; ///< as the solver counts cells
   std::vector<mesh::FieldView> fields;
   std::vector<std::string> columns; ///< of the values
   std::vector<double> values;       ///< [point][column], NaN outside
@@ -42,6 +42,7 @@ ProbeAction::Answers ProbeAction::sample(const query::CommittedMesh& mesh,
                     a.locations[i] = answered.locations[k];
                     if (a.locations[i])
                       sampler.interpolate(a.fields, a.locations[i], a.values.data() + i * width);
+                    a.locations[i] = mesh.own(a.locations[i], points[i]);
                   }
                 });
   Statistics& s = environment_.statistics;
@@ -84,7 +85,7 @@ void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due
 
 void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step,
                               const Answers& answers) {
-  const mesh::MeshView& view = mesh.mesh().view();
+  const mesh::MeshView& view = mesh.mesh().own_view();
   const bool pieces = view.piece_count > 1, names = !points_->names.empty();
   std::vector<std::string> columns{"cycle", "time", "point"};
   if (names)
@@ -125,7 +126,7 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
 
 void ProbeAction::write_vtp(const query::CommittedMesh& mesh, const Step& step,
                             const Answers& answers) {
-  const mesh::MeshView& view = mesh.mesh().view();
+  const mesh::MeshView& view = mesh.mesh().own_view();
   std::vector<std::int64_t> cells;
   std::vector<std::int32_t> pieces;
   for (const query::Location& at : answers.locations) {
@@ -145,7 +146,7 @@ void ProbeAction::write_vtp(const query::CommittedMesh& mesh, const Step& step,
 
 void ProbeAction::write_json(const query::CommittedMesh& mesh, const Step& step,
                              const Answers& answers) {
-  const mesh::MeshView& view = mesh.mesh().view();
+  const mesh::MeshView& view = mesh.mesh().own_view();
   const bool pieces = view.piece_count > 1;
   // Numbers as in CSV; what CSV leaves empty and what JSON cannot say is null.
   const auto number = [](double v) {

@@ -36,10 +36,12 @@ double magnitude(const mesh::FieldPieceView& values, int components, std::int64_
 
 } // namespace
 
-double reduce_field(const query::CommittedMesh& mesh, const mesh::FieldView& field,
-                    Reduction reduction, const core::Threads& threads) {
+double reduce_field(const query::CommittedMesh& mesh, const Name& name,
+                    const std::string& scene_file, Reduction reduction,
+                    const core::Threads& threads) {
   constexpr std::int64_t grain = 1 << 14;
-  const mesh::MeshView& view = mesh.mesh().view();
+  const mesh::FieldView field = find_own_field(mesh, name, scene_file);
+  const mesh::MeshView& view = mesh.mesh().own_view();
   Partial all;
   for (std::int32_t p = 0; p < view.piece_count; ++p) {
     const mesh::PieceView& piece = view.pieces[p];
@@ -75,9 +77,12 @@ double reduce_field(const query::CommittedMesh& mesh, const mesh::FieldView& fie
   if (all.count == 0)
     return std::numeric_limits<double>::quiet_NaN();
   switch (reduction) {
-  case Reduction::min: return all.min;
-  case Reduction::max: return all.max;
-  case Reduction::mean: break;
+  case Reduction::min:
+    return all.min;
+  case Reduction::max:
+    return all.max;
+  case Reduction::mean:
+    break;
   }
   return all.sum / double(all.count);
 }

@@ -38,9 +38,8 @@ bool Runner::is_due(const Action& action, const query::CommittedMesh& mesh,
   const core::Timer timer;
   const bool due = action.trigger().due(
       step.cycle, step.time, [&](Reduction reduction, const std::string& field) {
-        return reduce_field(
-            mesh, find_field(mesh, {field, action.trigger().line}, environment_.scene_file),
-            reduction, environment_.context.threads);
+        return reduce_field(mesh, {field, action.trigger().line}, environment_.scene_file,
+                            reduction, environment_.context.threads);
       });
   environment_.statistics.query_s += timer.seconds();
   return due;

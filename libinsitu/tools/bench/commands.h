@@ -20,6 +20,7 @@ Report locate(const Options& options);
 Output run_torture(const Options& options);
 Output scale(const Options& options);
 Output methods(const Options& options);
+Output amr(const Options& options);
 
 /// The answers to a set of queries: cells as ids or -1, and the field (NaN outside).
 struct Answers {

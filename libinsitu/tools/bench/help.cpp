@@ -3,13 +3,15 @@
 namespace insitu::bench {
 
 const char* help_text() {
-  return R"(insitu-bench commit|locate|torture|scale|methods [options]
+  return R"(insitu-bench commit|locate|torture|scale|methods|amr [options]
 
 Times libinsitu on the standard workload, checks its answers and holds them against VTK's.
   commit   building and refitting the acceleration structure, cold and warm
   locate   point queries, with Newton's parametric coordinates, and sampling of fields
   torture  who loses or misplaces how many points on small meshes of all hard cases
   scale    cost of build and queries by number of cells, and of queries by size of the batch
+  amr      an adaptive mesh: the dual mesh with gridlets beside the same as plain hexahedra, and
+           the solver's own cells (`nearest`)
   methods  every locator method on every backend that is here: Morrical 2020, tables 1 to 3
 
 The mesh (commit, locate, scale)
@@ -17,7 +19,7 @@ The mesh (commit, locate, scale)
   --kind even|graded|layers|sparse [even]
                     equal steps | edge lengths that grow 1e4-fold along each axis |
                     cells 1e4 to 1e6 times as wide as thick | 24 balls, about 5 % of the box
-  --cells N         the box with the number of cells nearest to N [1000000]; scale: N1,N2,...
+  --cells N         the box with the number of cells nearest to N [1000000; amr: 4018176]; scale: N1,N2,...
                     [10000 to 30000000 in half decades]
   --jitter J        interior vertices move by up to J of a cell, 0 to 0.5 [0.2]
   --numbering natural|shuffled   x fastest, or cells and vertices numbered at random [natural]
@@ -36,7 +38,7 @@ The methods
   --check           compares answers alone, on all points, of pyramids and twisted hexahedra as well
 The run
   --threads T       0: all that the process may use [1]
-  --repetitions R   medians of R repetitions [5; scale, methods: 3]
+  --repetitions R   medians of R repetitions [5; scale, methods, amr: 3]
   --peers           locate: also the peers of VTK, on one thread, interleaved with ours
   --peer NAME       the same, this one only (may be repeated): vtkStaticCellLocator,
                     vtkCellTreeLocator, vtkCellLocator, vtkProbeFilter

@@ -21,6 +21,8 @@ Output run(const Options& options) {
     return scale(options);
   if (options.command == Command::methods)
     return methods(options);
+  if (options.command == Command::amr)
+    return amr(options);
   const Report report = options.command == Command::commit ? commit(options) : locate(options);
   return {table(report), json(report, options), 0};
 }

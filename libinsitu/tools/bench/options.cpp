@@ -52,26 +52,29 @@ T choice(std::string_view option, std::string_view text, const std::optional<T>&
 } // namespace
 
 const char* name(Command command) {
-  constexpr const char* names[] = {"help", "commit", "locate", "torture", "scale", "methods"};
+  constexpr const char* names[] = {"help",  "commit",  "locate", "torture",
+                                   "scale", "methods", "amr"};
   return names[int(command)];
 }
 
 Options parse(int argc, char** argv) {
   Options o;
-  const std::string commands = "commit, locate, torture, scale or methods";
+  const std::string commands = "commit, locate, torture, scale, methods or amr";
   if (argc < 2)
     throw UsageError("a command expected: " + commands);
   const std::string_view command = argv[1];
   if (command == "--help" || command == "-h" || command == "help")
     return o;
-  for (const Command c :
-       {Command::commit, Command::locate, Command::torture, Command::scale, Command::methods})
+  for (const Command c : {Command::commit, Command::locate, Command::torture, Command::scale,
+                          Command::methods, Command::amr})
     if (command == name(c))
       o.command = c;
   if (o.command == Command::help)
     throw UsageError("'" + std::string(command) + "' is no command: " + commands + " expected");
-  if (o.command == Command::methods)
+  if (o.command == Command::methods || o.command == Command::amr)
     o.repetitions = 3;
+  if (o.command == Command::amr)
+    o.cells = {4'018'176};
   if (o.command == Command::scale) {
     o.cells = {10'000, 30'000, 100'000, 300'000, 1'000'000, 3'000'000, 10'000'000, 30'000'000};
     o.repetitions = 3;

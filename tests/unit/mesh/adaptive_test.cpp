@@ -254,9 +254,9 @@ TEST_F(Adaptive, QuadrantsAreReadInPlace) {
     EXPECT_EQ(c.depth, 3);
     EXPECT_EQ(c.index[0], 40 + i % 8);
     EXPECT_EQ(c.index[2], 4);
-    EXPECT_EQ(mesh.source_field("density").pieces[0].load(i, 0), i);
+    EXPECT_EQ(mesh.own_field("density").pieces[0].load(i, 0), i);
     for (int a = 0; a < 3; ++a)
-      EXPECT_EQ(mesh.source_field("velocity").pieces[0].load(i, a), 10 * (a + 1) + i);
+      EXPECT_EQ(mesh.own_field("velocity").pieces[0].load(i, a), 10 * (a + 1) + i);
   }
   const std::vector<insitu_audit_entry> audit = mesh.audit();
   ASSERT_EQ(audit.size(), 4u);
@@ -268,7 +268,7 @@ TEST_F(Adaptive, QuadrantsAreReadInPlace) {
   }
   EXPECT_STREQ(audit[0].name, "piece 0 levels");
   EXPECT_EQ(mesh.bytes_borrowed(), 64 * (1 + 12 + 8 + 24));
-  expect_refused(INSITU_ERROR_FIELD, {"no field 'mass'"}, [&] { (void)mesh.source_field("mass"); });
+  expect_refused(INSITU_ERROR_FIELD, {"no field 'mass'"}, [&] { (void)mesh.own_field("mass"); });
 }
 
 TEST_F(Adaptive, LeavesInRecordsBehindPointersAndInColumns) {
@@ -417,7 +417,7 @@ TEST_F(Adaptive, PointersAreCheckedAtTopologyCommitsAndWhenNew) {
   refused(); // still new
   forest.quadrants[17000].data = &forest.records[0];
   mesh.update(&threads);
-  EXPECT_EQ(mesh.source_field("density").pieces[0].load(17000, 0), 0.0);
+  EXPECT_EQ(mesh.own_field("density").pieces[0].load(17000, 0), 0.0);
   forest.quadrants[17000].data = nullptr;
   mesh.update(&threads); // fields alone
   mesh.set_changed(INSITU_CHANGED_TOPOLOGY);

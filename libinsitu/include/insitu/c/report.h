@@ -34,7 +34,9 @@ typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_CONVERTED = 7, /**< arrays that adaptors had to convert */
   INSITU_MEMORY_EMBREE = 8,    /**< what Embree holds */
   INSITU_MEMORY_DEVICE = 9,    /**< on devices: copies of arrays, trees, scratch */
-  INSITU_MEMORY_COUNT = 10
+  INSITU_MEMORY_AMR = 10,      /**< dual meshes of adaptive meshes */
+  INSITU_MEMORY_GATHERED = 11, /**< fields of adaptive meshes at the dual's vertices */
+  INSITU_MEMORY_COUNT = 12
 } insitu_purpose;
 
 /** Totals since the session was opened. Seconds are wall-clock seconds in the library. */

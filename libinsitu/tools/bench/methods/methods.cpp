@@ -265,8 +265,8 @@ std::string energy_table(const std::vector<Row>& rows, const Bench& bench) {
   std::copy_if(rows.begin(), rows.end(), std::back_inserter(measured),
                [](const Row& r) { return r.joules.has_value(); });
   std::string text =
-      table_of(measured, "Energy (section 9.4): joules a million random queries, ids, fast", "",
-               [](const Row& r) { return format("%10.4f", *r.joules); });
+      table_of(measured, "Energy (section 9.4): joules a million random queries, ids, fast",
+               "    joules", [](const Row& r) { return format("%10.4f", *r.joules); });
   if (!bench.processor().works())
     text += "  Processor: " + bench.processor().why() + ".\n";
   if (!bench.card().works())
@@ -296,11 +296,12 @@ std::string text_of(const std::vector<Row>& rows, const Bench& bench, const Opti
       });
   if (!o.check)
     text += energy_table(rows, bench);
+  text += "\n";
   for (int b = 0; b < accel::backend_count; ++b)
     if (const std::string why = accel::why_unavailable(Backend(b)); !why.empty())
-      text += std::string("\nNot here: ") + name(Backend(b)) + ", " + why + ".";
+      text += std::string("Not here: ") + name(Backend(b)) + ", " + why + ".\n";
   for (const bool on_device : {false, true}) {
-    text += on_device ? "auto, mesh in device memory: " : "\n\nauto, mesh in host memory: ";
+    text += on_device ? "auto, mesh in device memory: " : "auto, mesh in host memory: ";
     try {
       const query::LocatorPick pick = query::pick_locator({}, on_device);
       text +=

@@ -1,0 +1,207 @@
+#include "amr/dual_cells.h"
+
+#include <bit>
+
+#include "cells/faces.h"
+#include "cells/folds.h"
+
+namespace insitu::amr {
+
+namespace {
+
+using math::Vec3d;
+using mesh::Shape;
+
+constexpr int vtk_octant[8] = {0, 1, 3, 2, 4, 5, 7, 6};
+
+/// Octants in the order of a shape's vertices.
+struct Collapsed {
+  Shape shape = Shape::hexahedron;
+  int distinct = 8;
+  int octants[8] = {0, 1, 3, 2, 4, 5, 7, 6};
+};
+
+int octant_of(int a, int on_a, int b, int on_b, int c, int on_c) {
+  return on_a << a | on_b << b | on_c << c;
+}
+
+/// One face is a point: the apex over the opposite one.
+bool as_pyramid(const int* of, Collapsed& r) {
+  for (int face = 0; face < 6; ++face) {
+    const int a = face >> 1, side = face & 1, b = (a + 1) % 3, c = (a + 2) % 3;
+    const auto at = [&](int on_a, int on_b, int on_c) {
+      return octant_of(a, on_a, b, on_b, c, on_c);
+    };
+    const int apex = of[at(side, 0, 0)];
+    if (of[at(side, 1, 0)] != apex || of[at(side, 0, 1)] != apex || of[at(side, 1, 1)] != apex)
+      continue;
+    // The base turns counterclockwise as the apex sees it.
+    r.shape = Shape::pyramid;
+    r.octants[0] = at(1 - side, 0, 0);
+    r.octants[side ? 1 : 3] = at(1 - side, 1, 0);
+    r.octants[2] = at(1 - side, 1, 1);
+    r.octants[side ? 3 : 1] = at(1 - side, 0, 1);
+    r.octants[4] = at(side, 0, 0);
+    return true;
+  }
+  return false;
+}
+
+/// Two edges of one face, parallel to axis a, are points: triangles at both ends of the third axis.
+bool as_wedge(const int* of, Collapsed& r) {
+  for (int a = 0; a < 3; ++a)
+    for (int turn = 1; turn <= 2; ++turn)
+      for (int side = 0; side < 2; ++side) {
+        const int b = (a + turn) % 3, c = (a + 3 - turn) % 3;
+        const auto at = [&](int on_a, int on_b, int on_c) {
+          return octant_of(a, on_a, b, on_b, c, on_c);
+        };
+        if (of[at(0, side, 0)] != of[at(1, side, 0)] || of[at(0, side, 1)] != of[at(1, side, 1)])
+          continue;
+        // The first triangle's normal points away from the second one.
+        const bool swap = (turn == 1) == (side == 1);
+        r.shape = Shape::wedge;
+        for (int end = 0; end < 2; ++end) {
+          r.octants[3 * end + (swap ? 1 : 0)] = at(0, 1 - side, end);
+          r.octants[3 * end + (swap ? 0 : 1)] = at(1, 1 - side, end);
+          r.octants[3 * end + 2] = at(0, side, end);
+        }
+        return true;
+      }
+  return false;
+}
+
+/// An octant whose three neighbours along the axes are other leaves, and the three.
+bool as_tetrahedron(const int* of, Collapsed& r) {
+  for (int o = 0; o < 8; ++o) {
+    if (of[o] == of[o ^ 1] || of[o] == of[o ^ 2] || of[o] == of[o ^ 4])
+      continue;
+    const bool odd = std::popcount(unsigned(o)) & 1;
+    r.shape = Shape::tetrahedron;
+    r.octants[0] = o;
+    r.octants[1] = o ^ 1;
+    r.octants[odd ? 3 : 2] = o ^ 2;
+    r.octants[odd ? 2 : 3] = o ^ 4;
+    return true;
+  }
+  return false;
+}
+
+/// Which octants share a leaf, and the shape that this leaves of a hexahedron.
+///
+/// There are never fewer than four vertices: an octant o whose leaf is of the corner's depth is
+/// alone in it, and no leaf holds two of its neighbours along the axes, since a box that holds the
+/// octants o^x and o^y holds o. Nor are there other patterns of four than the tetrahedron's.
+Collapsed collapse(const VertexKey* keys) {
+  Collapsed r;
+  int of[8];
+  r.distinct = 0;
+  for (int o = 0; o < 8; ++o) {
+    of[o] = o;
+    for (int p = 0; p < o && of[o] == o; ++p)
+      if (keys[p] == keys[o])
+        of[o] = of[p];
+    r.distinct += of[o] == o;
+  }
+  if (r.distinct == 4)
+    as_tetrahedron(of, r);
+  else if (r.distinct == 5)
+    as_pyramid(of, r);
+  else if (r.distinct == 6)
+    as_wedge(of, r);
+  return r;
+}
+
+/// Six times the volume inside bilinear faces, by the divergence theorem: a quad counts as much as
+/// the mean of its two pairs of triangles.
+double signed_volume(Shape shape, const Vec3d* x) {
+  const cells::FaceTable table = cells::face_table(shape);
+  const auto triple = [&](const cells::Face& f, int i, int j, int k) {
+    return math::dot(x[f.vertices[i]], math::cross(x[f.vertices[j]], x[f.vertices[k]]));
+  };
+  double sum = 0.0;
+  for (int n = 0; n < table.face_count; ++n) {
+    const cells::Face& f = table.faces[n];
+    sum += f.vertex_count == 3 ? triple(f, 0, 1, 2)
+                               : 0.5 * (triple(f, 0, 1, 2) + triple(f, 0, 2, 3) +
+                                        triple(f, 0, 1, 3) + triple(f, 1, 2, 3));
+  }
+  return sum;
+}
+
+/// Every octant's vertex; false if the octants inside form no box.
+bool vertex_keys(const Corner& corner, VertexKey* keys, int* source) {
+  constexpr std::uint32_t weight[3] = {1, 3, 9};
+  constexpr unsigned upper[3] = {0xaa, 0xcc, 0xf0}; // octants on the high side of an axis
+  if (corner.inside == 0xff) {
+    for (int o = 0; o < 8; ++o) {
+      keys[o] = {corner.id[o], 0};
+      source[o] = o;
+    }
+    return true;
+  }
+  int fixed = 0, side = 0; // axes along which all octants inside lie on one side, and which
+  unsigned box = 0xff;
+  for (int a = 0; a < 3; ++a) {
+    if ((corner.inside & ~upper[a] & 0xff) == 0) {
+      fixed |= 1 << a;
+      side |= 1 << a;
+      box &= upper[a];
+    } else if ((corner.inside & upper[a]) == 0) {
+      fixed |= 1 << a;
+      box &= ~upper[a];
+    }
+  }
+  if (corner.inside != box)
+    return false;
+  for (int o = 0; o < 8; ++o) {
+    source[o] = (o & ~fixed) | side;
+    keys[o] = {corner.id[source[o]], 0};
+    for (int a = 0; a < 3; ++a) // to the face on the octant's side
+      if ((o ^ source[o]) >> a & 1)
+        keys[o].moves += weight[a] * (o >> a & 1 ? 2 : 1);
+  }
+  return true;
+}
+
+} // namespace
+
+bool dual_cell(const Corner& corner, DualCell& cell) {
+  VertexKey keys[8];
+  int source[8];
+  if (!vertex_keys(corner, keys, source))
+    return false;
+  const Collapsed c = collapse(keys);
+  cell.shape = c.shape;
+  cell.distinct = std::uint8_t(c.distinct);
+  cell.boundary = corner.inside != 0xff;
+  for (int v = 0; v < mesh::vertex_count(c.shape); ++v)
+    cell.vertices[v] = keys[c.octants[v]];
+  return true;
+}
+
+bool folds(const Corner& corner) {
+  VertexKey keys[8];
+  int source[8];
+  if (!vertex_keys(corner, keys, source))
+    return false;
+  const Collapsed c = collapse(keys);
+  // In half cells of the corner's depth, from the corner: small integers. Whether a cell folds does
+  // not depend on the spacing.
+  Vec3d x[8];
+  for (int v = 0; v < mesh::vertex_count(c.shape); ++v) {
+    const int o = c.octants[v], s = source[o], up = corner.up[s];
+    for (int a = 0; a < 3; ++a) {
+      const std::int64_t place = halves(corner.cell(s, a) >> up, keys[o].moves, a);
+      x[v][a] = double((place << up) - 2 * corner.index[a]);
+    }
+  }
+  if (c.shape == Shape::tetrahedron)
+    return !(math::dot(math::cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]) > 0.0);
+  if (cells::jacobian_changes_sign(c.shape, x))
+    return true;
+  // Turned inside out as a whole: its volume by the divergence theorem is negative.
+  return !(signed_volume(c.shape, x) > 0.0);
+}
+
+} // namespace insitu::amr

@@ -1,0 +1,159 @@
+#include "query/dual_stand_in.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+namespace insitu::query {
+
+namespace {
+
+constexpr std::int64_t grain = 1 << 13; ///< vertices a task
+
+/// Reads values of cells by flat id, neighbours of which mostly lie in one piece.
+class CellValues {
+public:
+  CellValues(const mesh::MeshView& mesh, const mesh::FieldView& field)
+      : mesh_(&mesh), field_(&field) {}
+  double load(std::int64_t flat, int component) {
+    if (flat < mesh_->first_cell[piece_] || flat >= mesh_->first_cell[piece_ + 1])
+      piece_ = mesh_->piece_of(flat);
+    return field_->pieces[piece_].load(flat - mesh_->first_cell[piece_], component);
+  }
+
+private:
+  const mesh::MeshView* mesh_;
+  const mesh::FieldView* field_;
+  std::int32_t piece_ = 0;
+};
+
+} // namespace
+
+struct DualStandIn::Gathered {
+  explicit Gathered(core::Memory& memory) : bytes(memory, INSITU_MEMORY_GATHERED) {}
+
+  std::string name;
+  int components = 0;
+  bool fresh = false;
+  core::Buffer<std::byte> bytes; ///< [vertex of any piece][component]
+  std::vector<const std::byte*> bases;
+  std::vector<mesh::FieldPieceView> views;
+};
+
+DualStandIn::DualStandIn(core::Memory& memory)
+    : memory_(&memory), dual_(memory), slots_(memory, INSITU_MEMORY_AMR) {}
+
+DualStandIn::~DualStandIn() = default;
+
+void DualStandIn::build(const mesh::Mesh& mesh, const core::Threads& threads) {
+  own_ = &mesh.own_view();
+  threads_ = &threads;
+  fields_.clear();
+  dual_.build(mesh.adaptive(), threads);
+  view_ = dual_.view();
+  pieces_.assign(view_.pieces, view_.pieces + view_.piece_count);
+  view_.pieces = pieces_.data();
+  gridlets_ = *pieces_[0].gridlets;
+  pieces_[0].gridlets = &gridlets_;
+  make_table();
+}
+
+void DualStandIn::make_table() {
+  const std::uint32_t size = std::bit_ceil(std::uint32_t(2 * gridlets_.count + 1));
+  slots_.resize_discard(size);
+  std::fill(slots_.begin(), slots_.end(), mesh::GridletsView::no_gridlet);
+  gridlets_.slots = slots_.data();
+  gridlets_.slot_mask = size - 1;
+  gridlets_.depth_count = 0;
+  bool has_depth[mesh::Lattice::most_depth + 1] = {};
+  for (std::int64_t i = 0; i < gridlets_.count; ++i) {
+    const mesh::Gridlet& g = gridlets_.gridlets[i];
+    const std::int64_t lower[3] = {g.lower[0], g.lower[1], g.lower[2]};
+    std::uint32_t at = mesh::GridletsView::hash(g.depth, lower) & gridlets_.slot_mask;
+    while (slots_[at] != mesh::GridletsView::no_gridlet)
+      at = (at + 1) & gridlets_.slot_mask;
+    slots_[at] = std::uint32_t(i);
+    has_depth[g.depth] = true;
+  }
+  for (int d = mesh::Lattice::most_depth; d >= 0; --d) // the finest hold most
+    if (has_depth[d])
+      gridlets_.depths[gridlets_.depth_count++] = std::uint8_t(d);
+}
+
+void DualStandIn::fields_changed() {
+  for (const auto& f : fields_)
+    f->fresh = false;
+}
+
+std::int64_t DualStandIn::value_bytes() const {
+  std::int64_t sum = 0;
+  for (const auto& f : fields_)
+    sum += std::int64_t(f->bytes.bytes());
+  return sum;
+}
+
+mesh::FieldView DualStandIn::field(const mesh::FieldView& own) {
+  const std::lock_guard lock(mutex_);
+  const auto known = std::find_if(fields_.begin(), fields_.end(),
+                                  [&](const auto& f) { return f->name == own.name; });
+  Gathered& g = known != fields_.end()
+                    ? **known
+                    : *fields_.emplace_back(std::make_unique<Gathered>(*memory_));
+  if (!g.fresh) {
+    g.name = own.name;
+    gather(own, g);
+    g.fresh = true;
+  }
+  return {g.name.c_str(), INSITU_VERTEX, g.components, g.views.data()};
+}
+
+void DualStandIn::gather(const mesh::FieldView& own, Gathered& to) const {
+  const mesh::MeshView& dual = dual_.view();
+  const int n = to.components = own.components;
+  bool all_float32 = true;
+  for (std::int32_t p = 0; p < own_->piece_count; ++p)
+    all_float32 = all_float32 && own.pieces[p].is_float32;
+  const std::int64_t size = all_float32 ? 4 : 8, stride = n * size;
+  to.bytes.resize_discard(std::size_t(dual.vertex_count() * stride));
+  to.bases.assign(std::size_t(n) * std::size_t(dual.piece_count), nullptr);
+  to.views.clear();
+  for (std::int32_t p = 0; p < dual.piece_count; ++p) {
+    std::byte* const base = to.bytes.data() + dual.first_vertex[p] * stride;
+    const std::byte** bases = to.bases.data() + p * n;
+    for (int c = 0; c < n; ++c)
+      bases[c] = base + c * size;
+    const std::int64_t count = dual.first_vertex[p + 1] - dual.first_vertex[p];
+    to.views.push_back(
+        {bases, {count, {count, 1}, {stride, count * stride, count * stride}}, all_float32});
+    const auto put = [&](std::int64_t vertex, int c, double value) {
+      std::byte* const at = base + vertex * stride + c * size;
+      if (all_float32)
+        *reinterpret_cast<float*>(at) = float(value);
+      else
+        *reinterpret_cast<double*>(at) = value;
+    };
+    const mesh::GridletsView* const gridlets = dual.pieces[p].gridlets;
+    threads_->parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
+      CellValues values(*own_, own);
+      for (std::int64_t v = begin; v < end; ++v) {
+        if (gridlets) {
+          const std::uint32_t leaf = gridlets->leaves[v];
+          for (int c = 0; c < n; ++c)
+            put(v, c,
+                leaf == mesh::GridletsView::no_leaf ? std::numeric_limits<double>::quiet_NaN()
+                                                    : values.load(leaf, c));
+          continue;
+        }
+        const amr::DualMesh::Terms terms = dual_.terms(v);
+        for (int c = 0; c < n; ++c) {
+          double sum = 0.0;
+          for (int t = 0; t < terms.count; ++t)
+            sum += (terms.weights ? terms.weights[t] : 1.0) * values.load(terms.leaves[t], c);
+          put(v, c, sum);
+        }
+      }
+    });
+  }
+}
+
+} // namespace insitu::query

@@ -1,0 +1,295 @@
+#include "workload/amr.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "commands.h"
+#include "format.h"
+
+namespace insitu::bench {
+
+namespace {
+
+using core::Threads;
+
+constexpr int raster = 160; ///< points along an edge
+
+/// One way to keep one mesh.
+struct Row {
+  std::string name;
+  std::int64_t leaves = 0;
+  Series build;            ///< a regrid: from the solver's arrays to ready to sample one field
+  Series fields;           ///< a commit of new values, up to ready
+  Series random, coherent; ///< a sample of one field at every point
+  std::int64_t random_points = 0, coherent_points = 0;
+  std::int64_t bytes = 0, bytes_values = 0, bytes_tree = 0;
+  std::int64_t lost = 0;
+  double error = 0.0; ///< at the cells' centres
+  std::optional<insitu_amr_info> info;
+  double compression = 0.0;
+};
+
+/// Bytes of the cubes as hexahedra with vertices over those as gridlets (Zellmann 2023, table 2).
+double compression(const mesh::MeshView& dual, std::int64_t cubes) {
+  const mesh::GridletsView& g = *dual.pieces[0].gridlets;
+  std::vector<std::uint32_t> bound;
+  std::int64_t scalars = 0;
+  for (std::int64_t i = 0; i < g.count; ++i) {
+    const std::int64_t first = g.gridlets[i].first, n = g.gridlets[i].vertex_count();
+    scalars += n;
+    for (std::int64_t v = first; v < first + n; ++v)
+      if (g.leaves[v] != mesh::GridletsView::no_leaf)
+        bound.push_back(g.leaves[v]);
+  }
+  std::sort(bound.begin(), bound.end());
+  const auto vertices = std::unique(bound.begin(), bound.end()) - bound.begin();
+  return (16.0 * double(vertices) + 32.0 * double(cubes)) /
+         (32.0 * double(g.count) + 4.0 * double(scalars));
+}
+
+/// The dual as a solver of unstructured meshes would hand it over: every cube a hexahedron.
+struct PlainDual {
+  std::vector<double> points, values;
+  std::vector<std::int32_t> connectivity; ///< [cell][8], -1 behind the last
+};
+
+PlainDual plain_dual(const query::CommittedMesh& mesh) {
+  const mesh::MeshView& dual = mesh.mesh().view();
+  const mesh::FieldView field = mesh.mesh().field("f");
+  const mesh::PieceView &gridlets = dual.pieces[0], &stitching = dual.pieces[1];
+  PlainDual out;
+  // A vertex a leaf for cubes, then those of stitching cells.
+  std::vector<std::int32_t> number(std::size_t(mesh.mesh().own_view().cell_count()), -1);
+  const auto vertex = [&](const math::Vec3d& p, double value) {
+    for (int a = 0; a < 3; ++a)
+      out.points.push_back(p[a]);
+    out.values.push_back(value);
+    return std::int32_t(out.values.size() - 1);
+  };
+  mesh::CellVertices cell;
+  for (std::int64_t c = 0; c < gridlets.cell_count; ++c) {
+    if (!gridlets.owns(c))
+      continue;
+    mesh::gather(dual, c, cell);
+    constexpr int order[8] = {0, 1, 3, 2, 4, 5, 7, 6}; // a voxel's as a hexahedron's
+    for (const int v : order) {
+      std::int32_t& n = number[gridlets.gridlets->leaves[cell.ids[v]]];
+      if (n < 0)
+        n = vertex(cell.x[v], field.pieces[0].load(cell.ids[v], 0));
+      out.connectivity.push_back(n);
+    }
+  }
+  const auto first = std::int32_t(out.values.size());
+  for (std::int64_t v = 0; v < stitching.vertex_count; ++v)
+    vertex(stitching.point(v), field.pieces[1].load(v, 0));
+  for (std::int64_t c = 0; c < stitching.cell_count; ++c) {
+    std::int64_t ids[8];
+    const int n = stitching.vertex_ids(c, ids);
+    for (int v = 0; v < 8; ++v)
+      out.connectivity.push_back(v < n ? first + std::int32_t(ids[v]) : -1);
+  }
+  return out;
+}
+
+class Bench {
+public:
+  explicit Bench(const Options& o)
+      : o_(o), context_(o.threads, core::Log()), blocks_(workload::make_amr(o.cells[0])),
+        leaves_(workload::leaves_of(blocks_)),
+        random_(workload::random_amr_points(o.points > 0 ? o.points : 1'000'000)),
+        raster_(workload::raster_amr_points(raster)) {
+    for (std::size_t i = 0; i < leaves_.levels.size(); ++i) {
+      math::Vec3d p;
+      for (int a = 0; a < 3; ++a)
+        p[a] = (leaves_.corners[3 * i + std::size_t(a)] + 0.5) * blocks_.width(leaves_.levels[i]);
+      centres_.push_back(p);
+    }
+  }
+
+  std::vector<Row> run() {
+    std::vector<Row> rows;
+    progress("patches, dual");
+    auto patches = make(INSITU_DUAL, true);
+    rows.push_back(measure("patches, dual mesh", *patches));
+    {
+      progress("plain dual");
+      const PlainDual plain = plain_dual(*patches);
+      patches.reset();
+      auto mesh = std::make_unique<query::CommittedMesh>("plain", context_.memory);
+      const auto count = std::int64_t(plain.values.size());
+      const insitu_array points = insitu_array_of(plain.points.data(), INSITU_FLOAT64, count, 3);
+      mesh->mesh().set_points(0, &points, 1);
+      insitu_cells cells = insitu_cells_default();
+      cells.layout = INSITU_LAYOUT_PADDED;
+      cells.count = std::int64_t(plain.connectivity.size() / 8);
+      cells.connectivity = insitu_array_of(plain.connectivity.data(), INSITU_INT32, cells.count, 8);
+      mesh->mesh().set_cells(0, &cells);
+      const insitu_array values = insitu_array_of(plain.values.data(), INSITU_FLOAT64, count, 1);
+      mesh->mesh().set_field(0, "f", INSITU_VERTEX, &values, 1);
+      Row row = measure("the same as plain hexahedra", *mesh);
+      row.leaves = rows[0].leaves;
+      row.bytes += std::int64_t(8 * plain.points.size() + 4 * plain.connectivity.size());
+      row.bytes_values = 8 * count;
+      rows.push_back(row);
+    }
+    progress("patches, nearest");
+    rows.push_back(measure("patches, nearest", *make(INSITU_NEAREST, true)));
+    progress("leaves, dual");
+    rows.push_back(measure("octree leaves, dual mesh", *make(INSITU_DUAL, false)));
+    progress("leaves, nearest");
+    rows.push_back(measure("octree leaves, nearest", *make(INSITU_NEAREST, false)));
+    return rows;
+  }
+
+  const Threads& threads() const { return context_.threads; }
+
+private:
+  std::unique_ptr<query::CommittedMesh> make(insitu_reconstruction reconstruction,
+                                             bool as_patches) {
+    auto out = std::make_unique<query::CommittedMesh>("amr", context_.memory);
+    mesh::Mesh& mesh = out->mesh();
+    insitu_amr amr = insitu_amr_default();
+    for (double& h : amr.spacing)
+      h = blocks_.spacing;
+    amr.level_count = blocks_.level_count;
+    amr.reconstruction = reconstruction;
+    mesh.set_amr(&amr);
+    if (!as_patches) {
+      insitu_leaves leaves = insitu_leaves_default();
+      const auto n = std::int64_t(leaves_.levels.size());
+      leaves.levels = insitu_array_of(leaves_.levels.data(), INSITU_INT32, n, 1);
+      leaves.corners = insitu_array_of(leaves_.corners.data(), INSITU_INT32, n, 3);
+      mesh.set_leaves(0, &leaves);
+      const insitu_array values = insitu_array_of(leaves_.values.data(), INSITU_FLOAT64, n, 1);
+      mesh.set_field(0, "f", INSITU_CELL, &values, 1);
+      return out;
+    }
+    const std::int64_t n = blocks_.cells_a_block();
+    for (std::size_t b = 0; b < blocks_.blocks.size(); ++b) {
+      insitu_patch patch = insitu_patch_default();
+      patch.level = blocks_.blocks[b].level;
+      for (int a = 0; a < 3; ++a) {
+        patch.lower[a] = blocks_.blocks[b].lower[a];
+        patch.cells[a] = blocks_.side;
+      }
+      const auto piece = std::int32_t(b);
+      mesh.set_patch(piece, &patch);
+      const insitu_array values =
+          insitu_array_of(blocks_.values.data() + b * std::size_t(n), INSITU_FLOAT64, n, 1);
+      mesh.set_field(piece, "f", INSITU_CELL, &values, 1);
+    }
+    return out;
+  }
+
+  Row measure(const std::string& name, query::CommittedMesh& mesh) {
+    Row row;
+    row.name = name;
+    const auto commit = [&](std::uint32_t what) {
+      mesh.mesh().set_changed(what);
+      mesh.commit(context_.threads, context_.log, context_.memory, true);
+      (void)mesh.mesh().field("f"); // gathered when asked for
+    };
+    commit(INSITU_CHANGED_ALL); // touches pages
+    for (int i = 0; i < o_.repetitions; ++i) {
+      row.build.time([&] { commit(INSITU_CHANGED_ALL); });
+      row.fields.time([&] { commit(INSITU_CHANGED_FIELDS); });
+    }
+    const mesh::Mesh& m = mesh.mesh();
+    if (m.is_adaptive()) {
+      row.info = mesh.amr_info();
+      row.leaves = row.info->leaves;
+      row.bytes = row.info->bytes;
+      if (m.has_stand_in())
+        row.compression = compression(m.view(), row.info->cubes);
+      row.bytes_values = context_.memory.current(INSITU_MEMORY_GATHERED);
+    }
+    row.bytes_tree = mesh.tree().bytes();
+    sample_all(mesh, random_, row.random);
+    row.random_points = std::int64_t(random_.size());
+    row.lost = sample_all(mesh, raster_, row.coherent);
+    row.coherent_points = std::int64_t(raster_.size());
+    Answers at_centres(centres_.size());
+    sample(context_.threads, mesh, centres_, at_centres, {});
+    for (std::size_t i = 0; i < centres_.size(); ++i) {
+      const double error = std::fabs(at_centres.values[i] - leaves_.values[i]);
+      row.error = error <= row.error ? row.error : error; // keeps a NaN
+    }
+    return row;
+  }
+
+  /// Returns how many points had no value.
+  std::int64_t sample_all(const query::CommittedMesh& mesh, std::span<const math::Vec3d> points,
+                          Series& series) {
+    Answers answers(points.size());
+    sample(context_.threads, mesh, points, answers, {}); // touches pages
+    for (int i = 0; i < o_.repetitions; ++i)
+      series.time([&] { sample(context_.threads, mesh, points, answers, {}); });
+    return std::count_if(answers.values.begin(), answers.values.end(),
+                         [](double v) { return std::isnan(v); });
+  }
+
+  const Options& o_;
+  core::Context context_;
+  workload::AmrMesh blocks_;
+  workload::AmrLeaves leaves_;
+  std::vector<math::Vec3d> random_, raster_, centres_;
+};
+
+double mqps(std::int64_t points, const Series& s) {
+  return 1e-6 * double(points) / s.median();
+}
+
+} // namespace
+
+Output amr(const Options& options) {
+  Bench bench(options);
+  const std::vector<Row> rows = bench.run();
+  Output out;
+  out.text = format("adaptive mesh of %s leaves in 3 levels, %d thread%s, medians of %d\n\n",
+                    grouped(rows[0].leaves).c_str(), bench.threads().count(),
+                    bench.threads().count() == 1 ? "" : "s", options.repetitions);
+  out.text += format("%-28s %8s %9s %8s %8s %8s %8s %8s %6s %9s\n", "", "build s", "Mleaves/s",
+                     "fields s", "random", "raster", "MB", "tree MB", "lost", "error");
+  out.json = "{\n";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Row& r = rows[i];
+    const double random = mqps(r.random_points, r.random);
+    const double coherent = mqps(r.coherent_points, r.coherent);
+    out.text += format("%-28s %8.3f %9.2f %8.3f %8.2f %8.2f %8.1f %8.1f %6lld %9.1e\n",
+                       r.name.c_str(), r.build.median(), 1e-6 * double(r.leaves) / r.build.median(),
+                       r.fields.median(), random, coherent, 1e-6 * double(r.bytes + r.bytes_values),
+                       1e-6 * double(r.bytes_tree), static_cast<long long>(r.lost), r.error);
+    out.json += format("  %s: {\"leaves\": %lld, \"build_s\": %s, \"fields_s\": %s, "
+                       "\"mqps\": %s, \"mqps_raster\": %s, \"bytes\": %lld, ",
+                       quoted(r.name).c_str(), static_cast<long long>(r.leaves),
+                       number(r.build.median()).c_str(), number(r.fields.median()).c_str(),
+                       number(random).c_str(), number(coherent).c_str(),
+                       static_cast<long long>(r.bytes + r.bytes_values + r.bytes_tree));
+    if (r.info)
+      out.json +=
+          format("\"compression\": %s, \"gridlets\": %lld, \"cubes\": %lld, "
+                 "\"stitching\": %lld, \"folded\": %lld, \"repaired\": %lld, ",
+                 number(r.compression).c_str(), static_cast<long long>(r.info->gridlets),
+                 static_cast<long long>(r.info->cubes), static_cast<long long>(r.info->stitching),
+                 static_cast<long long>(r.info->folded), static_cast<long long>(r.info->repaired));
+    out.json +=
+        format("\"lost\": %lld, \"max_error_at_centres\": %s}%s\n", static_cast<long long>(r.lost),
+               number(r.error).c_str(), i + 1 < rows.size() ? "," : "");
+  }
+  out.json += "}\n";
+  const insitu_amr_info& info = *rows[0].info;
+  out.text += format("\ndual mesh of the patches: %s gridlets of %s cubes, %s stitching cells, "
+                     "%s folded, %s leaves split\n",
+                     grouped(info.gridlets).c_str(), grouped(info.cubes).c_str(),
+                     grouped(info.stitching).c_str(), grouped(info.folded).c_str(),
+                     grouped(info.repaired).c_str());
+  out.text += format("cubes as gridlets take 1 : %.2f of their bytes as hexahedra (Zellmann 2023, "
+                     "table 2: 1 : 7.5 to 1 : 8.3)\n",
+                     rows[0].compression);
+  out.text += "million samples a second of one field at random points and on a raster of 160^3; "
+              "error: at the cells' centres\n";
+  return out;
+}
+
+} // namespace insitu::bench

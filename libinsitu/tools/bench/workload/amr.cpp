@@ -1,0 +1,127 @@
+#include "workload/amr.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/random.h"
+#include "workload/mesh.h"
+
+namespace insitu::workload {
+
+namespace {
+
+constexpr double box = 256.0;
+
+/// Which blocks of a level there are; n along each axis.
+struct Level {
+  explicit Level(int blocks) : n(blocks), there(std::size_t(n) * n * n, 0) {}
+  std::uint8_t& at(int i, int j, int k) {
+    return there[std::size_t(i) + std::size_t(n) * (std::size_t(j) + std::size_t(n) * k)];
+  }
+  /// How far a block's centre is from the sphere.
+  double distance(int i, int j, int k) const {
+    const double h = box / n;
+    const math::Vec3d c{(i + 0.5) * h - box / 2, (j + 0.5) * h - box / 2, (k + 0.5) * h - box / 2};
+    return std::fabs(std::sqrt(dot(c, c)) - 90.0);
+  }
+  template <class F>
+  void for_each(F&& f) {
+    for (int k = 0; k < n; ++k)
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i)
+          f(i, j, k);
+  }
+  int n;
+  std::vector<std::uint8_t> there;
+};
+
+} // namespace
+
+math::Vec3d AmrMesh::centre(const Block& b, std::int64_t cell) const {
+  const double h = width(b.level);
+  return {(double(b.lower[0] + cell % side) + 0.5) * h,
+          (double(b.lower[1] + cell / side % side) + 0.5) * h,
+          (double(b.lower[2] + cell / side / side) + 0.5) * h};
+}
+
+AmrMesh make_amr(std::int64_t cells) {
+  AmrMesh mesh;
+  mesh.side = std::max(2, 2 * int(std::lround(8.0 * std::cbrt(double(cells) / 4'018'176.0))));
+  mesh.spacing = box / (4.0 * mesh.side);
+  Level coarse(4), middle(8), fine(16);
+  coarse.for_each([&](int i, int j, int k) { coarse.at(i, j, k) = 1; });
+  fine.for_each([&](int i, int j, int k) {
+    if (fine.distance(i, j, k) < 15.0)
+      fine.at(i, j, k) = middle.at(i / 2, j / 2, k / 2) = 1;
+  });
+  middle.for_each([&](int i, int j, int k) {
+    if (middle.distance(i, j, k) < 40.0)
+      middle.at(i, j, k) = 1;
+  });
+  Level* const levels[] = {&coarse, &middle, &fine};
+  for (int l = 0; l < 3; ++l)
+    levels[l]->for_each([&](int i, int j, int k) {
+      if (levels[l]->at(i, j, k))
+        mesh.blocks.push_back({l,
+                               {std::int64_t(i) * mesh.side, std::int64_t(j) * mesh.side,
+                                std::int64_t(k) * mesh.side}});
+    });
+  mesh.values.reserve(std::size_t(mesh.cell_count()));
+  for (const AmrMesh::Block& b : mesh.blocks)
+    for (std::int64_t c = 0; c < mesh.cells_a_block(); ++c)
+      mesh.values.push_back(field(mesh.centre(b, c)) / box);
+  return mesh;
+}
+
+AmrLeaves leaves_of(const AmrMesh& mesh) {
+  AmrLeaves out;
+  const int half = mesh.side / 2;
+  // Blocks of the next level cover octants of a block.
+  std::vector<std::int64_t> finer;
+  const auto key = [](int level, std::int64_t i, std::int64_t j, std::int64_t k) {
+    return ((std::int64_t(level) << 20 | i) << 20 | j) << 20 | k;
+  };
+  for (const AmrMesh::Block& b : mesh.blocks)
+    finer.push_back(
+        key(b.level, b.lower[0] / mesh.side, b.lower[1] / mesh.side, b.lower[2] / mesh.side));
+  std::sort(finer.begin(), finer.end());
+  for (std::size_t n = 0; n < mesh.blocks.size(); ++n) {
+    const AmrMesh::Block& b = mesh.blocks[n];
+    for (std::int64_t c = 0; c < mesh.cells_a_block(); ++c) {
+      const std::int64_t ijk[3] = {c % mesh.side, c / mesh.side % mesh.side,
+                                   c / mesh.side / mesh.side};
+      std::int64_t child[3];
+      for (int a = 0; a < 3; ++a)
+        child[a] = 2 * (b.lower[a] / mesh.side) + ijk[a] / half;
+      if (std::binary_search(finer.begin(), finer.end(),
+                             key(b.level + 1, child[0], child[1], child[2])))
+        continue;
+      out.levels.push_back(b.level);
+      for (int a = 0; a < 3; ++a)
+        out.corners.push_back(std::int32_t(b.lower[a] + ijk[a]));
+      out.values.push_back(mesh.values[n * std::size_t(mesh.cells_a_block()) + std::size_t(c)]);
+    }
+  }
+  return out;
+}
+
+std::vector<math::Vec3d> random_amr_points(std::int64_t count) {
+  std::vector<math::Vec3d> points(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (unsigned a = 0; a < 3; ++a)
+      points[i][int(a)] = box * core::random_unit(7, i, a);
+  return points;
+}
+
+std::vector<math::Vec3d> raster_amr_points(int n) {
+  std::vector<math::Vec3d> points;
+  points.reserve(std::size_t(n) * std::size_t(n) * std::size_t(n));
+  const double h = box / n;
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i)
+        points.push_back({(i + 0.5) * h, (j + 0.5) * h, (k + 0.5) * h});
+  return points;
+}
+
+} // namespace insitu::workload

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "math/vec.h"
+
+/// The standard adaptive mesh: blocks about a sphere, three levels, ratio 2.
+namespace insitu::workload {
+
+struct AmrMesh {
+  struct Block {
+    int level = 0;
+    std::int64_t lower[3] = {0, 0, 0}; ///< of its first cell, on its level
+  };
+  int level_count = 3;
+  int side = 16;        ///< cells along an edge of a block
+  double spacing = 4.0; ///< of level 0; the box is [0, 256]^3
+  std::vector<Block> blocks;
+  std::vector<double> values; ///< [block][cell], i fastest: field() / 256 at the cell's centre
+
+  std::int64_t cells_a_block() const { return std::int64_t(side) * side * side; }
+  std::int64_t cell_count() const { return std::int64_t(blocks.size()) * cells_a_block(); }
+  double width(int level) const { return spacing / double(1 << level); }
+  math::Vec3d centre(const Block& block, std::int64_t cell) const;
+};
+
+/// With the number of cells nearest to `cells` (masked ones left out); 4,018,176 for blocks of
+/// 16^3.
+AmrMesh make_amr(std::int64_t cells);
+
+/// The same cells as leaves of octrees: those without finer ones, block by block.
+struct AmrLeaves {
+  std::vector<std::int32_t> levels, corners; ///< corners interleaved, each on its level
+  std::vector<double> values;
+};
+AmrLeaves leaves_of(const AmrMesh& mesh);
+
+/// count points at random in the box, seed 7; and the raster of n^3 points, x fastest.
+std::vector<math::Vec3d> random_amr_points(std::int64_t count);
+std::vector<math::Vec3d> raster_amr_points(int n);
+
+} // namespace insitu::workload

@@ -1,0 +1,338 @@
+#include "check_dual.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <unordered_map>
+
+#include "cells/faces.h"
+#include "cells/folds.h"
+#include "cells/kernels.h"
+#include "core/random.h"
+
+namespace insitu::test {
+
+namespace {
+
+using math::Vec3d;
+using mesh::Shape;
+
+struct Cell {
+  Shape shape;
+  int count;
+  std::int64_t vertices[8]; ///< by place: equal bits, equal vertex
+  Vec3d x[8];
+  bool stitching;
+  std::int64_t in_piece;
+};
+
+struct PointLess {
+  bool operator()(const Vec3d& a, const Vec3d& b) const {
+    return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+  }
+};
+
+/// The integral of the Jacobian: two Gauss points an axis are exact for a trilinear map. Wedges and
+/// pyramids have the map of the hexahedron that they are collapsed from.
+double volume(const Cell& c) {
+  if (c.shape == Shape::tetrahedron)
+    return math::dot(math::cross(c.x[1] - c.x[0], c.x[2] - c.x[0]), c.x[3] - c.x[0]) / 6.0;
+  static constexpr int of_pyramid[8] = {0, 1, 2, 3, 4, 4, 4, 4};
+  static constexpr int of_wedge[8] = {0, 2, 1, 1, 3, 5, 4, 4}; // VTK's wedge stands on its head
+  Vec3d x[8];
+  for (int v = 0; v < 8; ++v)
+    x[v] = c.x[c.shape == Shape::pyramid ? of_pyramid[v]
+               : c.shape == Shape::wedge ? of_wedge[v]
+                                         : v];
+  const Shape shape = c.shape == Shape::voxel ? Shape::voxel : Shape::hexahedron;
+  double sum = 0.0;
+  for (int g = 0; g < 8; ++g) {
+    const double h = 0.5 / std::sqrt(3.0);
+    Vec3d j[3];
+    cells::jacobian(
+        shape, x, Vec3d{0.5 + (g & 1 ? h : -h), 0.5 + (g & 2 ? h : -h), 0.5 + (g & 4 ? h : -h)}, j);
+    sum += math::dot(j[0], math::cross(j[1], j[2])) / 8.0;
+  }
+  return sum;
+}
+
+/// A face by its vertices in cyclic order from the lowest on, and towards its lower neighbour.
+struct FaceKey {
+  int count = 0;
+  std::int64_t v[4] = {-1, -1, -1, -1};
+  auto operator<=>(const FaceKey&) const = default;
+};
+struct FaceUse {
+  int count = 0, turn = 0;
+  Vec3d x[4];
+};
+
+/// Returns +1 or -1, the turn that was taken; 0: the face is an edge or a point.
+int face_key(const Cell& c, const cells::Face& f, FaceKey& key, Vec3d* x) {
+  std::int64_t v[4];
+  Vec3d p[4];
+  int n = 0;
+  for (int i = 0; i < f.vertex_count; ++i) {
+    const std::int64_t id = c.vertices[f.vertices[i]];
+    if (n > 0 && (v[n - 1] == id || (i + 1 == f.vertex_count && v[0] == id)))
+      continue;
+    p[n] = c.x[f.vertices[i]];
+    v[n++] = id;
+  }
+  if (n < 3)
+    return 0;
+  const int low = int(std::min_element(v, v + n) - v);
+  const int turn = v[(low + 1) % n] < v[(low + n - 1) % n] ? 1 : -1;
+  key.count = n;
+  for (int i = 0; i < n; ++i) {
+    const int from = (low + turn * i + n) % n;
+    key.v[i] = v[from];
+    x[i] = p[from];
+  }
+  return turn;
+}
+
+/// The flux of x/3 through a bilinear face: the mean over its two pairs of triangles.
+double flux(const Vec3d* x, int count) {
+  const auto triple = [&](int i, int j, int k) {
+    return math::dot(x[i], math::cross(x[j], x[k])) / 6.0;
+  };
+  return count == 3 ? triple(0, 1, 2)
+                    : 0.5 * (triple(0, 1, 2) + triple(0, 2, 3) + triple(0, 1, 3) + triple(1, 2, 3));
+}
+
+class Checker {
+public:
+  Checker(AmrMesh& mesh, const amr::DualMesh& dual, const Expect& expect)
+      : dual_(dual), view_(mesh.view()), expect_(expect), leaves_(leaves_of(mesh)) {}
+
+  DualFacts run() {
+    read_cells();
+    volumes();
+    faces();
+    values();
+    counts();
+    return facts_;
+  }
+
+private:
+  void fail(const std::string& what) {
+    if (facts_.problem.empty())
+      facts_.problem = what;
+  }
+
+  void read_cells() {
+    const mesh::MeshView& view = dual_.view();
+    for (std::int64_t flat = 0; flat < view.cell_count(); ++flat) {
+      mesh::CellVertices g;
+      const std::int32_t p = view.piece_of(flat);
+      if (!view.pieces[p].owns(flat - view.first_cell[p]))
+        continue;
+      mesh::gather(view, flat, g);
+      Cell c;
+      c.shape = g.shape;
+      c.count = g.count;
+      c.stitching = g.piece == 1;
+      c.in_piece = flat - view.first_cell[p];
+      for (int v = 0; v < g.count; ++v) {
+        c.x[v] = g.x[v] -
+                 Vec3d{view_.lattice.origin[0], view_.lattice.origin[1], view_.lattice.origin[2]};
+        c.vertices[v] = places_.try_emplace(g.x[v], std::int64_t(places_.size())).first->second;
+      }
+      cells_.push_back(c);
+      if (c.stitching)
+        check_folds(c, g);
+    }
+    facts_.cells = std::int64_t(cells_.size());
+  }
+
+  void check_folds(const Cell& c, const mesh::CellVertices& g) {
+    // Positive Jacobians in every cell and faces that match in pairs, and on the boundary lie in
+    // it, make the cover single: the cells' maps, put together, are a local homeomorphism from the
+    // complex of cells to the domain that is proper over the boundary, so every point has the same
+    // number of preimages, and the volumes say that it is one.
+    if (!expect_.no_folds)
+      return;
+    if (cells::jacobian_changes_sign(c.shape, g.x))
+      fail("a stitching cell folds");
+    if (!(volume(c) > 0.0))
+      fail("a stitching cell is inside out");
+  }
+
+  void volumes() {
+    for (const Cell& c : cells_)
+      facts_.volume += volume(c);
+    for (const Leaf& l : leaves_)
+      facts_.leaves += view_.lattice.width(0, l.depth) * view_.lattice.width(1, l.depth) *
+                       view_.lattice.width(2, l.depth);
+  }
+
+  void faces() {
+    std::map<FaceKey, FaceUse> uses;
+    for (const Cell& c : cells_) {
+      const cells::FaceTable table = cells::face_table(c.shape);
+      for (int f = 0; f < table.face_count; ++f) {
+        FaceKey key;
+        FaceUse use;
+        const int turn = face_key(c, table.faces[f], key, use.x);
+        if (turn == 0)
+          continue;
+        FaceUse& all = uses.try_emplace(key, use).first->second;
+        ++all.count;
+        all.turn += turn;
+      }
+    }
+    for (const auto& [key, use] : uses) {
+      if (use.count > 2 || (use.count == 2 && use.turn != 0))
+        fail("a face of " + std::to_string(use.count) + " cells, turns add up to " +
+             std::to_string(use.turn));
+      if (use.count != 1)
+        continue;
+      ++facts_.unmatched;
+      facts_.enclosed += use.turn * flux(use.x, key.count);
+      if (expect_.covers_leaves && !on_boundary(use.x, key.count))
+        fail("an unmatched face inside the domain");
+    }
+    const double scale = 1e-12 * std::max(facts_.leaves, 1e-300);
+    if (std::abs(facts_.volume - facts_.enclosed) > scale)
+      fail("cells of volume " + std::to_string(facts_.volume) + " inside faces that enclose " +
+           std::to_string(facts_.enclosed));
+    if (expect_.covers_leaves && std::abs(facts_.volume - facts_.leaves) > scale)
+      fail("cells of volume " + std::to_string(facts_.volume) + " in leaves of " +
+           std::to_string(facts_.leaves));
+  }
+
+  /// A face in one plane of the lattice with leaves on one side of it only, at its middle.
+  bool on_boundary(const Vec3d* x, int count) const {
+    const Vec3d origin{view_.lattice.origin[0], view_.lattice.origin[1], view_.lattice.origin[2]};
+    Vec3d middle{0, 0, 0};
+    for (int v = 0; v < count; ++v)
+      middle += (1.0 / count) * x[v];
+    for (int a = 0; a < 3; ++a) {
+      bool flat = true;
+      for (int v = 1; v < count; ++v)
+        flat &= x[v][a] == x[0][a];
+      if (!flat)
+        continue;
+      // Off the leaves' own faces along the other axes, which the middle may lie on.
+      const double h = 1e-5 * view_.lattice.width(a, view_.finest_depth());
+      Vec3d low = origin + middle, high = low;
+      low[a] -= h;
+      high[a] += h;
+      for (int b = 0; b < 3; ++b)
+        if (b != a) {
+          const double nudge = 1e-6 * view_.lattice.width(b, view_.finest_depth());
+          low[b] += nudge;
+          high[b] += nudge;
+        }
+      if (bool(dual_.leaves().find(low)) != bool(dual_.leaves().find(high)))
+        return true;
+    }
+    return false;
+  }
+
+  double linear(const Vec3d& p) const { return 0.7 - 1.3 * p.x + 2.1 * p.y + 0.4 * p.z; }
+
+  /// At centres the leaves' values; a linear field is reproduced where all vertices are centres.
+  void values() {
+    std::unordered_map<std::uint32_t, Vec3d> centre;
+    for (const Leaf& l : leaves_) {
+      Vec3d& c = centre[l.id];
+      for (int a = 0; a < 3; ++a)
+        c[a] = view_.lattice.centre(a, l.depth, l.index[std::size_t(a)]);
+    }
+    const mesh::GridletsView& gridlets = *dual_.view().pieces[0].gridlets;
+    const mesh::PieceView& piece = dual_.view().pieces[1];
+    for (const Cell& c : cells_) {
+      std::int64_t ids[8];
+      double f[8];
+      bool all_centres = true;
+      dual_.view().pieces[c.stitching].vertex_ids(c.in_piece, ids);
+      for (int v = 0; v < c.count; ++v) {
+        if (!c.stitching) {
+          const auto at = centre.find(gridlets.leaves[ids[v]]);
+          if (at == centre.end() || !(at->second == gridlets.point(ids[v])))
+            fail("a gridlet's vertex is not its leaf's centre");
+          continue;
+        }
+        const amr::DualMesh::Terms t = dual_.terms(ids[v]);
+        const Vec3d x = piece.point(ids[v]);
+        f[v] = 0.0;
+        double weights = 0.0;
+        for (int n = 0; n < t.count; ++n) {
+          const double w = t.weights ? t.weights[n] : 1.0;
+          const auto at = centre.find(t.leaves[n]);
+          if (at == centre.end()) {
+            fail("a term of no leaf");
+            return;
+          }
+          f[v] += w * linear(at->second);
+          weights += w;
+        }
+        if (std::abs(weights - 1.0) > 1e-9)
+          fail("weights add up to " + std::to_string(weights));
+        all_centres &= std::abs(f[v] - linear(x)) < 1e-9;
+        if (t.weights == nullptr && !is_moved(x) && !(centre.at(t.leaves[0]) == x))
+          fail("a vertex is not its leaf's centre");
+      }
+      if (c.stitching && all_centres)
+        check_linear(c, f, piece, ids);
+    }
+  }
+
+  bool is_moved(const Vec3d& x) const { // to the boundary: a leaf lies on one side only
+    const amr::LeafMap::Leaf l = dual_.leaves().find(x);
+    if (!l)
+      return true;
+    for (int a = 0; a < 3; ++a)
+      if (x[a] != view_.lattice.centre(a, l.cell.depth, l.cell.index[a]))
+        return true;
+    return false;
+  }
+
+  void check_linear(const Cell& c, const double* f, const mesh::PieceView& piece,
+                    const std::int64_t* ids) {
+    Vec3d x[8];
+    for (int v = 0; v < c.count; ++v)
+      x[v] = piece.point(ids[v]);
+    Vec3d r = {core::random_unit(7, std::uint64_t(c.in_piece), 0) / 3,
+               core::random_unit(7, std::uint64_t(c.in_piece), 1) / 3,
+               core::random_unit(7, std::uint64_t(c.in_piece), 2) / 3};
+    double n[8], value = 0.0;
+    cells::shape_functions(c.shape, r, n);
+    for (int v = 0; v < c.count; ++v)
+      value += n[v] * f[v];
+    if (std::abs(value - linear(cells::map_to_physical(c.shape, x, r))) > 1e-9)
+      fail("a linear field is not reproduced");
+  }
+
+  void counts() {
+    const amr::DualCounts& n = dual_.counts();
+    std::int64_t cubes = 0, stitching = 0;
+    for (const Cell& c : cells_)
+      ++(c.stitching ? stitching : cubes);
+    if (n.cubes != cubes || n.stitching() != stitching ||
+        n.leaves != std::int64_t(leaves_.size()) || n.leaves + n.masked != view_.cell_count() ||
+        n.scalars != dual_.view().pieces[0].vertex_count)
+      fail("counts do not agree with the cells");
+    if (expect_.no_folds && n.still_folded != 0)
+      fail("still folded: " + std::to_string(n.still_folded));
+  }
+
+  const amr::DualMesh& dual_;
+  const mesh::AmrView& view_;
+  Expect expect_;
+  std::vector<Leaf> leaves_;
+  std::vector<Cell> cells_;
+  std::map<Vec3d, std::int64_t, PointLess> places_;
+  DualFacts facts_;
+};
+
+} // namespace
+
+DualFacts check_dual(AmrMesh& mesh, const amr::DualMesh& dual, const Expect& expect) {
+  return Checker(mesh, dual, expect).run();
+}
+
+} // namespace insitu::test

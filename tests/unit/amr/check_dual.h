@@ -1,0 +1,26 @@
+// What holds for every dual mesh, against plain loops over all of its cells.
+#pragma once
+
+#include <string>
+
+#include "amr/dual_mesh.h"
+#include "amr_mesh.h"
+
+namespace insitu::test {
+
+struct DualFacts {
+  std::string problem; ///< the first one; empty: none
+  std::int64_t cells = 0, unmatched = 0;
+  double volume = 0.0;   ///< of all cells
+  double enclosed = 0.0; ///< by unmatched faces
+  double leaves = 0.0;   ///< volume of the leaves
+};
+
+struct Expect {
+  bool covers_leaves = true; ///< all of the domain, and unmatched faces lie on its boundary
+  bool no_folds = true;
+};
+
+DualFacts check_dual(AmrMesh& mesh, const amr::DualMesh& dual, const Expect& expect);
+
+} // namespace insitu::test
