@@ -56,6 +56,7 @@ void DualStandIn::build(const mesh::Mesh& mesh, const core::Threads& threads) {
   gridlets_ = *pieces_[0].gridlets;
   pieces_[0].gridlets = &gridlets_;
   make_table();
+  view_.covers_once = view_.free_of_folds; // faces match, so no fold means single cover
 }
 
 void DualStandIn::make_table() {

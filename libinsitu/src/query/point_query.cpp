@@ -69,6 +69,8 @@ std::span<const Candidate> find_candidates(const accel::Tree& tree, const float*
 } // namespace
 
 bool trying_pays(const mesh::MeshView& mesh) {
+  if (gridlets_of(mesh))
+    return true; // few cells lie outside of gridlets, and most of these are hexahedra
   if (mesh.piece_count != 1)
     return false;
   const mesh::PieceView& cells = mesh.pieces[0];
@@ -107,7 +109,7 @@ Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
   if (tree.empty() || !box_rule().box(p, lower, upper))
     return best;
   const std::span<const Candidate> candidates = find_candidates(tree, lower, upper);
-  const std::int64_t first = first_stored_cell();
+  const std::uint32_t first = std::uint32_t(first_stored_cell());
   if (first > 0)
     if (const Location at = locate_in_gridlets(candidates, p, reason))
       return at;
@@ -116,7 +118,8 @@ Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
   for (int left = tries(); left > 0 && !best; --left) {
     std::uint64_t rank = 0; // no candidate's
     for (const Candidate& c : candidates)
-      rank = std::max(rank, c.rank() < tried ? c.rank() : 0);
+      if (tree.cells()[c.slot] >= first)
+        rank = std::max(rank, c.rank() < tried ? c.rank() : 0);
     if (rank == 0)
       break;
     tried = rank;

@@ -103,12 +103,21 @@ std::array<std::int64_t, reason_count> LocateCounts::totals() const {
   return sum;
 }
 
+bool Sampler::owns(std::int64_t flat) const {
+  const std::int32_t piece = mesh_->piece_count == 1 ? 0 : mesh_->piece_of(flat);
+  return mesh_->pieces[piece].owns(flat - mesh_->first_cell[piece]);
+}
+
 Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions& options,
                          Reason* reason) const {
   Reason why = Reason::outside;
   Location at;
-  if (hint >= 0 && mesh_->free_of_folds && hint < mesh_->cell_count() &&
-      mesh_->pieces[0].owns(hint)) { // free_of_folds implies one piece
+  if (const mesh::GridletsView* const gridlets = gridlets_of(*mesh_)) {
+    GridletFinder find(*gridlets, hint < mesh_->first_cell[1] ? hint : -1);
+    if ((at = find(p)))
+      why = Reason::certified;
+  }
+  if (!at && hint >= 0 && mesh_->free_of_folds && hint < mesh_->cell_count() && owns(hint)) {
     mesh::CellVertices cell;
     mesh::gather(*mesh_, hint, cell, options.alpha);
     const auto map = cells::inverse_map(cell.shape, cell.x, p);
@@ -116,11 +125,6 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
       at = {hint, map.r};
       why = Reason::certified;
     }
-  }
-  if (const mesh::GridletsView* const gridlets = gridlets_of(*mesh_)) {
-    GridletFinder find(*gridlets, hint < mesh_->first_cell[1] ? hint : -1);
-    if ((at = find(p)))
-      why = Reason::certified;
   }
   if (!at)
     at = PointQuery{*mesh_, *tree_, options}.locate(p, why);
