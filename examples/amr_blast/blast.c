@@ -15,7 +15,8 @@ blast_config blast_config_default(void) {
   c.coarsest = 2;
   c.finest = 5;
   c.gamma = 1.4;
-  c.courant = 0.8;
+  c.order = 2;
+  c.courant = 0.45;
   c.refine = 0.08;
   c.coarsen = 0.03;
   c.margin = 2;
@@ -36,8 +37,7 @@ void blast_ball_initial(const double x[3], const void* ball, double w[GAS_VALUES
   w[4] = square < b->radius * b->radius ? b->pressure : b->ambient_pressure;
 }
 
-/* From the conserved values; 0 if density or pressure is not positive. */
-static int update_primitives(blast_cell* cell, double gamma) {
+int blast_update_primitives(blast_cell* cell, double gamma) {
   double w[GAS_VALUES];
   int a;
   gas_primitive(cell->u, gamma, w);
@@ -50,7 +50,7 @@ static int update_primitives(blast_cell* cell, double gamma) {
   return 1;
 }
 
-static void primitives(const blast_cell* cell, double w[GAS_VALUES]) {
+void blast_primitives(const blast_cell* cell, double w[GAS_VALUES]) {
   int a;
   w[0] = cell->density;
   for (a = 0; a < 3; ++a)
@@ -59,10 +59,10 @@ static void primitives(const blast_cell* cell, double w[GAS_VALUES]) {
 }
 
 static double volume(const blast_solver* s, size_t i) {
-  return s->sizes[i] * s->sizes[i] * s->sizes[i];
+  return s->work[i].size * s->work[i].size * s->work[i].size;
 }
 
-/* The conserved values' mean over the cell, by samples[]^3 midpoints. */
+/* The conserved values' mean over the cell, by SAMPLES^3 midpoints. */
 static void fill(const blast_solver* s, size_t i) {
   enum { SAMPLES = 4 };
   blast_cell* const cell = s->cells[i];
@@ -74,7 +74,7 @@ static void fill(const blast_solver* s, size_t i) {
   for (n = 0; n < SAMPLES * SAMPLES * SAMPLES; ++n) {
     const int at[3] = {n % SAMPLES, n / SAMPLES % SAMPLES, n / (SAMPLES * SAMPLES)};
     for (k = 0; k < 3; ++k)
-      x[k] = centre[k] + s->sizes[i] * ((at[k] + 0.5) / SAMPLES - 0.5);
+      x[k] = centre[k] + s->work[i].size * ((at[k] + 0.5) / SAMPLES - 0.5);
     s->config.initial(x, s->config.data, w);
     gas_conserved(w, s->config.gamma, u);
     for (k = 0; k < GAS_VALUES; ++k)
@@ -87,7 +87,7 @@ static int fill_all(const blast_solver* s) {
   int good = 1;
   for (i = 0; i < (size_t)s->forest->local_num_quadrants; ++i) {
     fill(s, i);
-    good = update_primitives(s->cells[i], s->config.gamma) && good;
+    good = blast_update_primitives(s->cells[i], s->config.gamma) && good;
   }
   return good;
 }
@@ -95,8 +95,9 @@ static int fill_all(const blast_solver* s) {
 static int is_sound(const blast_config* c) {
   return c->trees[0] > 0 && c->trees[1] > 0 && c->trees[2] > 0 && c->tree_size > 0.0 &&
          c->coarsest >= 0 && c->finest >= c->coarsest && c->finest < P8EST_QMAXLEVEL &&
-         c->gamma > 1.0 && c->courant > 0.0 && c->courant < 1.0 && c->coarsen <= c->refine &&
-         c->margin >= 0 && c->initial;
+         c->gamma > 1.0 && (c->order == 1 || c->order == 2) && c->courant > 0.0 &&
+         c->courant < (c->order == 1 ? 1.0 : 0.51) && c->coarsen <= c->refine && c->margin >= 0 &&
+         c->initial;
 }
 
 blast_solver* blast_new(const blast_config* config, sc_MPI_Comm comm) {
@@ -130,64 +131,9 @@ void blast_free(blast_solver* s) {
   if (s->connectivity)
     p8est_connectivity_destroy(s->connectivity);
   free(s->cells);
-  free(s->sizes);
+  free(s->work);
   free(s->faces);
   free(s);
-}
-
-static double step_length(const blast_solver* s, double longest) {
-  double fastest = 0.0; /* how many cells waves cross in a unit of time */
-  size_t i;
-  for (i = 0; i < (size_t)s->forest->local_num_quadrants; ++i) {
-    double w[GAS_VALUES], rate;
-    primitives(s->cells[i], w);
-    rate = (fabs(w[1]) + fabs(w[2]) + fabs(w[3]) + 3.0 * gas_sound_speed(w, s->config.gamma)) /
-           s->sizes[i];
-    fastest = fmax(fastest, rate);
-  }
-  return fmin(longest, s->config.courant / fastest);
-}
-
-static void exchange(const blast_solver* s, const blast_face* f) {
-  double flux[GAS_VALUES], l[GAS_VALUES], u[GAS_VALUES];
-  int k;
-  if (f->lower)
-    primitives(f->lower, l);
-  if (f->upper)
-    primitives(f->upper, u);
-  if (f->lower && f->upper)
-    gas_flux(l, u, f->axis, s->config.gamma, flux);
-  else if (f->lower)
-    gas_wall_flux(l, f->axis, 1, s->config.gamma, flux);
-  else
-    gas_wall_flux(u, f->axis, -1, s->config.gamma, flux);
-  for (k = 0; k < GAS_VALUES; ++k) {
-    const double crossing = f->area * flux[k];
-    if (f->lower)
-      f->lower->gain[k] -= crossing;
-    if (f->upper)
-      f->upper->gain[k] += crossing;
-  }
-}
-
-double blast_step(blast_solver* s, double longest) {
-  const double dt = step_length(s, longest);
-  size_t i;
-  int k;
-  for (i = 0; i < s->face_count; ++i)
-    exchange(s, s->faces + i);
-  for (i = 0; i < (size_t)s->forest->local_num_quadrants; ++i) {
-    blast_cell* const cell = s->cells[i];
-    for (k = 0; k < GAS_VALUES; ++k) {
-      cell->u[k] += dt / volume(s, i) * cell->gain[k];
-      cell->gain[k] = 0.0;
-    }
-    if (!update_primitives(cell, s->config.gamma))
-      return -1.0;
-  }
-  s->time += dt;
-  ++s->cycle;
-  return dt;
 }
 
 /* Neumaier's sums, so that the totals are no less exact than what is summed. */

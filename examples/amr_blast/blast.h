@@ -1,7 +1,8 @@
-/* Finite volumes for the Euler equations on a p8est forest: first order (Godunov's method with HLLC
- * fluxes), one step for all levels, refined where density or pressure jump. What one cell loses
- * through a face its neighbour gains, across hanging faces too, so mass and energy are conserved to
- * rounding. One process. */
+/* Finite volumes for the Euler equations on a p8est forest, one step for all levels: limited linear
+ * reconstruction, HLLC fluxes (HLL beside shocks, which HLLC lets run ahead along the grid), Heun's
+ * method in time; or all of first order. Refined where density or pressure jump. What one cell
+ * loses through a face its neighbour gains, across hanging faces too, so mass and energy are
+ * conserved to rounding. One process. */
 #ifndef AMR_BLAST_H
 #define AMR_BLAST_H
 
@@ -24,7 +25,8 @@ typedef struct blast_config {
   int coarsest;     /* levels that cells may have: a tree's own is 0 */
   int finest;
   double gamma;   /* ratio of heats */
-  double courant; /* below 1 */
+  int order;      /* 1 or 2 */
+  double courant; /* below 1, for order 2 at most 0.5 */
   double refine;  /* where density or pressure differ by this share between neighbours ... */
   double coarsen; /* ... and where they differ less than this in eight siblings */
   int margin;     /* cells around those that are refined too */
@@ -47,16 +49,27 @@ typedef struct blast_cell {
   double density, pressure, velocity[3];
   double level;
   double u[GAS_VALUES];
-  double gain[GAS_VALUES]; /* through its faces, in a unit of time */
-  double jump;             /* largest to a neighbour */
-  int wanted;              /* 1: finer, -1: coarser */
+  double jump;   /* largest to a neighbour, of density or pressure; at the last regrid */
+  int wanted;    /* above 0: finer, -1: coarser */
+  size_t number; /* in the order of the lists below */
 } blast_cell;
+
+/* What a step needs of a cell, apart from the record, which p8est copies about. */
+typedef struct blast_work {
+  double size;                 /* edge */
+  double gain[GAS_VALUES];     /* through its faces, in a unit of time */
+  double before[GAS_VALUES];   /* u at the beginning of the step */
+  double slope[3][GAS_VALUES]; /* of the primitive values, limited */
+  double other[3][GAS_VALUES]; /* towards the upper neighbours, until slope is limited */
+  int is_steep;                /* pressure jumps to a neighbour as in a shock */
+} blast_work;
 
 /* A face, or a quarter of one where the neighbour is finer. */
 typedef struct blast_face {
   blast_cell *lower, *upper; /* null: a wall */
-  double area;
+  double size;               /* edge */
   int axis;
+  int quarter; /* which, bit 0 along the first of the other two axes; -1: a whole face */
 } blast_face;
 
 typedef struct blast_solver {
@@ -64,7 +77,7 @@ typedef struct blast_solver {
   p8est_connectivity_t* connectivity;
   p8est_t* forest;
   blast_cell** cells; /* [forest->local_num_quadrants], in p8est's order */
-  double* sizes;      /* their edges */
+  blast_work* work;   /* the same */
   blast_face* faces;
   size_t face_count, face_room;
   double time;
@@ -89,6 +102,10 @@ void blast_totals(const blast_solver* solver, double totals[GAS_VALUES]);
 
 /* The centre of cell i. */
 void blast_centre(const blast_solver* solver, size_t i, double centre[3]);
+
+/* Of the record: from u; 0 if density or pressure is not positive. */
+int blast_update_primitives(blast_cell* cell, double gamma);
+void blast_primitives(const blast_cell* cell, double w[GAS_VALUES]);
 
 /* grid.c: lists of cells and faces, from the forest as it is; 0 if there is no memory. */
 int blast_list_cells(blast_solver* solver);

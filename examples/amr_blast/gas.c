@@ -82,6 +82,22 @@ void gas_flux(const double lower[GAS_VALUES], const double upper[GAS_VALUES], in
     flux[i] /= s - contact;
 }
 
+/* HLL (Harten, Lax and van Leer 1983) with the same wave speeds. */
+void gas_diffusive_flux(const double lower[GAS_VALUES], const double upper[GAS_VALUES], int axis,
+                        double gamma, double flux[GAS_VALUES]) {
+  double sl, sr, ul[GAS_VALUES], ur[GAS_VALUES], fl[GAS_VALUES], fr[GAS_VALUES];
+  int i;
+  wave_speeds(lower, upper, axis + 1, gamma, &sl, &sr);
+  sl = fmin(sl, 0.0);
+  sr = fmax(sr, 0.0);
+  gas_conserved(lower, gamma, ul);
+  gas_conserved(upper, gamma, ur);
+  physical_flux(lower, ul, axis + 1, fl);
+  physical_flux(upper, ur, axis + 1, fr);
+  for (i = 0; i < GAS_VALUES; ++i)
+    flux[i] = ((sr * fl[i] - sl * fr[i]) + sl * sr * (ur[i] - ul[i])) / (sr - sl);
+}
+
 void gas_wall_flux(const double w[GAS_VALUES], int axis, int outward, double gamma,
                    double flux[GAS_VALUES]) {
   double mirrored[GAS_VALUES];

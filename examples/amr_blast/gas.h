@@ -18,6 +18,10 @@ double gas_sound_speed(const double w[GAS_VALUES], double gamma);
 void gas_flux(const double lower[GAS_VALUES], const double upper[GAS_VALUES], int axis,
               double gamma, double flux[GAS_VALUES]);
 
+/* The same with more diffusion: contacts are smeared, and shocks along the grid stay straight. */
+void gas_diffusive_flux(const double lower[GAS_VALUES], const double upper[GAS_VALUES], int axis,
+                        double gamma, double flux[GAS_VALUES]);
+
 /* The same at a wall that reflects: the state beyond is the mirrored one, so that neither mass nor
  * energy crosses. outward: 1 if the wall is at the state's upper side, -1 at its lower side. */
 void gas_wall_flux(const double w[GAS_VALUES], int axis, int outward, double gamma,

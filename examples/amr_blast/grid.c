@@ -33,13 +33,15 @@ void blast_centre(const blast_solver* s, size_t i, double centre[3]) {
 }
 
 /* One face of the list; half of it may be a wall. Without room, nothing: face_count says so. */
-static void add_face(blast_solver* s, blast_cell* lower, blast_cell* upper, double size, int axis) {
+static void add_face(blast_solver* s, blast_cell* lower, blast_cell* upper, double size, int axis,
+                     int quarter) {
   if (s->face_count < s->face_room) {
     blast_face* const f = s->faces + s->face_count;
     f->lower = lower;
     f->upper = upper;
-    f->area = size * size;
+    f->size = size;
     f->axis = axis;
+    f->quarter = quarter;
   }
   ++s->face_count;
 }
@@ -62,17 +64,17 @@ static void visit_face(p8est_iter_face_info_t* info, void* user) {
   }
   if (!lower || !upper) {
     const p8est_quadrant_t* const q = first->is.full.quad;
-    add_face(s, lower ? cell_of(q) : NULL, upper ? cell_of(q) : NULL, size_of(s, q), axis);
+    add_face(s, lower ? cell_of(q) : NULL, upper ? cell_of(q) : NULL, size_of(s, q), axis, -1);
   } else if (!lower->is_hanging && !upper->is_hanging) {
     add_face(s, cell_of(lower->is.full.quad), cell_of(upper->is.full.quad),
-             size_of(s, lower->is.full.quad), axis);
+             size_of(s, lower->is.full.quad), axis, -1);
   } else {
     for (i = 0; i < P8EST_HALF; ++i) {
       const p8est_quadrant_t* const l =
           lower->is_hanging ? lower->is.hanging.quad[i] : lower->is.full.quad;
       const p8est_quadrant_t* const u =
           upper->is_hanging ? upper->is.hanging.quad[i] : upper->is.full.quad;
-      add_face(s, cell_of(l), cell_of(u), size_of(s, lower->is_hanging ? l : u), axis);
+      add_face(s, cell_of(l), cell_of(u), size_of(s, lower->is_hanging ? l : u), axis, i);
     }
   }
 }
@@ -89,7 +91,7 @@ int blast_list_cells(blast_solver* s) {
   size_t i, k = 0;
   int good = 1, pass;
   s->cells = enlarged(s->cells, n, sizeof *s->cells, &good);
-  s->sizes = enlarged(s->sizes, n, sizeof *s->sizes, &good);
+  s->work = enlarged(s->work, n, sizeof *s->work, &good);
   if (!good)
     return 0;
   for (t = 0; t < s->connectivity->num_trees; ++t) {
@@ -97,10 +99,10 @@ int blast_list_cells(blast_solver* s) {
     for (i = 0; i < tree->quadrants.elem_count; ++i, ++k) {
       const p8est_quadrant_t* const q = p8est_quadrant_array_index(&tree->quadrants, i);
       s->cells[k] = cell_of(q);
-      s->sizes[k] = size_of(s, q);
+      s->cells[k]->number = k;
       s->cells[k]->level = q->level;
-      s->cells[k]->jump = 0.0;
-      memset(s->cells[k]->gain, 0, sizeof s->cells[k]->gain);
+      memset(s->work + k, 0, sizeof s->work[k]);
+      s->work[k].size = size_of(s, q);
     }
   }
   for (pass = 0; good && pass < 2; ++pass) { /* the first may find too little room */
