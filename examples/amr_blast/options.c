@@ -10,7 +10,7 @@ static const char usage[] =
     "  --finest N           level of the finest cells (5)\n"
     "  --trees N            unit cubes along y and z, and N + 1 along x (2)\n"
     "  --walls KIND         'reflecting' (default) or 'periodic'\n"
-    "  --end TIME           stop at this time (0.6)\n"
+    "  --end TIME           stop at this time (0.3)\n"
     "  --cycles N           stop after this many cycles\n"
     "  --regrid N           cycles from one regrid to the next (4)\n"
     "  --scene FILE         what libinsitu does with the run (nothing)\n"
@@ -97,7 +97,7 @@ static int parse_one(const char* option, const char* text, options* o) {
 int parse_options(int argc, char** argv, options* out) {
   int i, status = -1;
   out->config = blast_config_default();
-  out->end = 0.6;
+  out->end = 0.3;
   out->cycles = 1000000000;
   out->regrid = 4;
   out->scene = out->output = NULL;
