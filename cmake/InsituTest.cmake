@@ -18,3 +18,8 @@ function(insitu_add_test name)
   endif()
   set_tests_properties(${name} PROPERTIES TIMEOUT ${T_TIMEOUT} LABELS "${T_LABELS}")
 endfunction()
+
+# insitu_mpi_tests(test ...): tests that start MPI by themselves. It keeps memory to the end.
+function(insitu_mpi_tests)
+  set_tests_properties(${ARGN} PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
+endfunction()

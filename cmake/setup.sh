@@ -15,6 +15,8 @@ packages=(
   "libyaml-cpp-dev:scene files"
   "libpng-dev:frames"
   "libgeographiclib-dev:frames of reference on Earth"
+  "libp4est-dev:p4est adaptor and the amr_blast miniapp"
+  "mpi-default-dev:headers that those of p4est need"
   "libvtk9-dev:VTK adaptor, insitu-replay, second opinion in tests"
 )
 test_packages=(

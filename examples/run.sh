@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets up, builds and runs the main job on a bare Debian 12: the Sedov blast wave, coupled.
+# Sets up, builds and runs the main jobs on a bare Debian 12: the Sedov blast wave, and a blast on an adaptive grid.
 #   bash examples/run.sh [--no-install] [sedov options, such as --cells 30; see sedov --help]
 set -euo pipefail
 source "$(dirname "$0")/../cmake/setup.sh"
@@ -15,10 +15,12 @@ while [ $# -gt 0 ]; do
   shift
 done
 
-say "libinsitu: the main job"
+say "libinsitu: the main jobs"
 ensure_packages "${packages[@]}"
-configure_and_build release -DINSITU_BUILD_TESTS=OFF -- sedov
+configure_and_build release -DINSITU_BUILD_TESTS=OFF -- sedov amr_blast
 cd "$project"
 ./build/release/bin/sedov --scene examples/sedov/scene.yaml --output out/sedov \
   --material 1000 "${arguments[@]}"
 say "written: out/sedov (frames, probe and tracer tables, summary.json)"
+./build/release/bin/amr_blast --scene examples/amr_blast/scene.yaml --output out/amr_blast --quiet
+say "written: out/amr_blast (the same)"

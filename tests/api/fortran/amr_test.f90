@@ -20,11 +20,14 @@ contains
   subroutine patches()
     type(insitu_mesh) :: mesh
     real(real64), target :: coarse(-1:6, -1:6, -1:6), fine(2, 2, 2)
+    type(insitu_amr_info) :: info
     real(real64), parameter :: origin(3) = 0.0_real64, spacing(3) = 1.0_real64
 
     coarse = 1.0_real64
     fine = 2.0_real64
     call session%mesh('patches', mesh, ierr)
+    call mesh%amr_info(info, ierr)
+    call expect('nothing was made yet', ierr == insitu_error_order)
     call mesh%patch(0, [0, 0, 0], [4, 4, 4], ierr)
     call expect_error('patch first', session, ierr, insitu_error_order, 'insitu_mesh_amr')
     call mesh%adaptive(origin, spacing, 2, ierr, ratios=[3])
@@ -48,6 +51,9 @@ contains
     call mesh%commit(ierr)
     call expect_ok('commit', session, ierr)
     call expect_borrowed(session, mesh, "piece 0 field 'rho'", c_loc(coarse(0, 0, 0)))
+    call mesh%amr_info(info, ierr)
+    call expect_ok('amr_info', session, ierr)
+    call expect('64 coarse cells, one of them under 8 fine ones', info%leaves == 71 .and. info%masked == 1)
     call mesh%drop_pieces(2, ierr)
     call expect_ok('drop_pieces', session, ierr)
     call mesh%commit(ierr)

@@ -8,6 +8,7 @@
 
 #include "insitu/insitu.hpp"
 
+class vtkDataObject;
 class vtkDataSet;
 class vtkPolyData;
 
@@ -70,6 +71,41 @@ private:
  *    the point array is taken. */
 [[nodiscard]] INSITU_VTK_API Attachment attach(Mesh& mesh, vtkDataSet* data,
                                                const AttachOptions& options = {});
+
+/** The same for an adaptive mesh: it is the whole mesh, whose pieces are patches or leaves. */
+class INSITU_VTK_API AdaptiveAttachment {
+public:
+  AdaptiveAttachment(AdaptiveAttachment&&) noexcept;
+  AdaptiveAttachment& operator=(AdaptiveAttachment&&) noexcept;
+  ~AdaptiveAttachment();
+
+  /** The next state, of the same data object or another one. Equal cells are not given again, so
+   *  that nothing is rebuilt; equal arrays neither (see Attachment::update). Returns what changed.
+   */
+  Change update(vtkDataObject* data);
+
+  const std::vector<Note>& converted() const;
+  const std::vector<Note>& skipped() const;
+
+private:
+  friend INSITU_VTK_API AdaptiveAttachment attach_adaptive(Mesh&, vtkDataObject*,
+                                                           const AttachOptions&);
+  struct State;
+  explicit AdaptiveAttachment(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/** Gives an adaptive data object to an empty mesh; nothing is committed. Cell arrays of float and
+ *  double are read in place; those that some grid lacks are left out.
+ *  - vtkOverlappingAMR: a patch a grid that is here, of levels whose spacing halves or quarters.
+ *    Cells under finer grids (blanked, REFINEDCELL) are masked by the library; layers of
+ *    DUPLICATECELL around a grid are left out, and must leave a box; HIDDENCELL:
+ *    INSITU_ERROR_UNSUPPORTED.
+ *  - vtkHyperTreeGrid of three dimensions and branch factor 2, with equal trees: a list of leaves,
+ *    whose levels and corners are copies. Masked leaves and those that are ghosts are left out:
+ * they are holes. */
+[[nodiscard]] INSITU_VTK_API AdaptiveAttachment attach_adaptive(Mesh& mesh, vtkDataObject* data,
+                                                                const AttachOptions& options = {});
 
 /** Points as vertices of a vtkPolyData, with their samples as point data, and found, cell and piece
  *  of each. points: interleaved, one a sample. Everything is copied. */

@@ -1,0 +1,159 @@
+/// p8est forests as adaptive meshes: placed, read in place, refused when they are no brick.
+#include <cstddef>
+#include <gtest/gtest.h>
+#include <insitu/p4est.h>
+#include <map>
+#include <p8est_extended.h>
+#include <string>
+#include <vector>
+
+#include "fixtures/mpi.h"
+
+namespace {
+
+struct Record {
+  float weight;
+  double rho, velocity[3];
+};
+
+/// Refines towards the brick's middle corner.
+int towards_origin(p8est_t*, p4est_topidx_t tree, p8est_quadrant_t* q) {
+  return tree == 0 && q->level < 4 && q->x == 0 && q->y == 0 && q->z == 0;
+}
+
+void number(p8est_t* forest, p4est_topidx_t tree, p8est_quadrant_t* q) {
+  const double n = ++*static_cast<int*>(forest->user_pointer);
+  *static_cast<Record*>(q->p.user_data) = {float(tree), n, {double(q->x), double(q->y), n}};
+}
+
+struct Forest {
+  explicit Forest(p8est_connectivity_t* c, std::size_t data_size = sizeof(Record))
+      : connectivity(c), forest(p8est_new_ext(sc_MPI_COMM_SELF, c, 0, 1, 1, data_size,
+                                              data_size ? number : nullptr, &count)) {}
+  ~Forest() {
+    p8est_destroy(forest);
+    p8est_connectivity_destroy(connectivity);
+  }
+  Forest(const Forest&) = delete;
+  Forest& operator=(const Forest&) = delete;
+  void refine() {
+    p8est_refine(forest, 1, towards_origin, number);
+    p8est_balance(forest, P8EST_CONNECT_FULL, number);
+  }
+  const p8est_quadrant_t* quadrants(p4est_topidx_t tree) const {
+    return reinterpret_cast<const p8est_quadrant_t*>(
+        p8est_tree_array_index(forest->trees, tree)->quadrants.array);
+  }
+  int count = 0;
+  p8est_connectivity_t* connectivity;
+  p8est_t* forest;
+};
+
+struct P4est : testing::Test {
+  insitu_session session = nullptr;
+  insitu_mesh mesh = nullptr;
+  void SetUp() override {
+    ASSERT_EQ(insitu_session_open(nullptr, &session), INSITU_OK);
+    ASSERT_EQ(insitu_session_mesh(session, "forest", &mesh), INSITU_OK);
+  }
+  void TearDown() override { EXPECT_EQ(insitu_session_close(&session), INSITU_OK); }
+  std::map<std::string, insitu_audit_entry> audit() const {
+    std::int32_t n = 0;
+    EXPECT_EQ(insitu_mesh_audit(mesh, nullptr, &n), INSITU_OK);
+    std::vector<insitu_audit_entry> entries(std::size_t(n), insitu_audit_entry{});
+    EXPECT_EQ(insitu_mesh_audit(mesh, entries.data(), &n), INSITU_OK);
+    std::map<std::string, insitu_audit_entry> by_name;
+    for (const insitu_audit_entry& e : entries) {
+      EXPECT_TRUE(e.borrowed) << e.name;
+      by_name[e.name] = e;
+    }
+    return by_name;
+  }
+  insitu_status give_density(p8est_t* forest) {
+    return insitu_p4est_field(mesh, forest, "rho", INSITU_FLOAT64, offsetof(Record, rho), 1);
+  }
+  void expect_refused(insitu_status status, insitu_status expected, const char* words) {
+    EXPECT_EQ(status, expected) << insitu_p4est_message();
+    EXPECT_NE(std::string(insitu_p4est_message()).find(words), std::string::npos)
+        << insitu_p4est_message();
+  }
+};
+
+} // namespace
+
+TEST_F(P4est, ABrickIsReadInPlace) {
+  Forest f(p8est_connectivity_new_brick(2, 1, 3, 0, 1, 0));
+  const auto give = [&] {
+    ASSERT_EQ(insitu_p4est_mesh(mesh, f.forest, nullptr, nullptr), INSITU_OK)
+        << insitu_p4est_message();
+    ASSERT_EQ(give_density(f.forest), INSITU_OK) << insitu_p4est_message();
+    ASSERT_EQ(insitu_p4est_field(mesh, f.forest, "velocity", INSITU_FLOAT64,
+                                 offsetof(Record, velocity), 3),
+              INSITU_OK)
+        << insitu_p4est_message();
+    ASSERT_EQ(insitu_mesh_commit(mesh, nullptr), INSITU_OK) << insitu_last_message();
+    const auto entries = audit();
+    EXPECT_EQ(entries.size(), 6u * 4u);
+    for (p4est_topidx_t t = 0; t < 6; ++t) {
+      const p8est_quadrant_t* const q = f.quadrants(t);
+      const std::string piece = "piece " + std::to_string(t) + " ";
+      EXPECT_EQ(entries.at(piece + "levels").data, &q->level);
+      EXPECT_EQ(entries.at(piece + "corners").data, &q->x);
+      EXPECT_EQ(entries.at(piece + "field 'rho'").data, &q->p);
+    }
+  };
+  give();
+  f.refine();
+  give();
+}
+
+TEST_F(P4est, OtherForestsAreRefusedByName) {
+  Forest turned(p8est_connectivity_new_rotcubes());
+  expect_refused(insitu_p4est_mesh(mesh, turned.forest, nullptr, nullptr), INSITU_ERROR_UNSUPPORTED,
+                 "only bricks");
+  Forest shell(p8est_connectivity_new_shell());
+  expect_refused(insitu_p4est_mesh(mesh, shell.forest, nullptr, nullptr), INSITU_ERROR_UNSUPPORTED,
+                 "at one place");
+  Forest bent(p8est_connectivity_new_brick(2, 2, 1, 0, 0, 0));
+  bent.connectivity->vertices[3 * 4 + 1] += 0.25;
+  expect_refused(insitu_p4est_mesh(mesh, bent.forest, nullptr, nullptr), INSITU_ERROR_UNSUPPORTED,
+                 "corner");
+  EXPECT_EQ(insitu_mesh_drop_pieces(mesh, 0), INSITU_OK); // none was given
+  std::int32_t n = 1;
+  EXPECT_EQ(insitu_mesh_audit(mesh, nullptr, &n), INSITU_OK);
+  EXPECT_EQ(n, 0);
+}
+
+TEST_F(P4est, BadArgumentsAreRefusedByNumber) {
+  Forest f(p8est_connectivity_new_unitcube());
+  const double origin[3] = {0, 0, 0}, flat[3] = {1, 0, 1}, size[3] = {1, 1, 1};
+  expect_refused(insitu_p4est_mesh(mesh, nullptr, nullptr, nullptr), INSITU_ERROR_ARGUMENT, "null");
+  expect_refused(insitu_p4est_mesh(mesh, f.forest, origin, nullptr), INSITU_ERROR_ARGUMENT,
+                 "tree_size");
+  expect_refused(insitu_p4est_mesh(mesh, f.forest, origin, flat), INSITU_ERROR_ARGUMENT,
+                 "spacing along axis 1 is 0");
+  expect_refused(insitu_p4est_mesh(nullptr, f.forest, origin, size), INSITU_ERROR_HANDLE, "null");
+  ASSERT_EQ(insitu_p4est_mesh(mesh, f.forest, origin, size), INSITU_OK);
+  EXPECT_STREQ(insitu_p4est_message(), "");
+  expect_refused(
+      insitu_p4est_field(mesh, f.forest, "v", INSITU_FLOAT64, offsetof(Record, velocity) + 8, 3),
+      INSITU_ERROR_ARGUMENT, "bytes 24 to 48");
+  expect_refused(insitu_p4est_field(mesh, f.forest, "v", INSITU_INT32, 0, 1), INSITU_ERROR_ARGUMENT,
+                 "float32 or float64");
+  expect_refused(insitu_p4est_field(mesh, f.forest, "v", INSITU_FLOAT64, 8, 0),
+                 INSITU_ERROR_ARGUMENT, "0 components");
+  Forest bare(p8est_connectivity_new_unitcube(), 0);
+  expect_refused(insitu_p4est_field(mesh, bare.forest, "v", INSITU_FLOAT64, 0, 1),
+                 INSITU_ERROR_ARGUMENT, "record, which has 0");
+}
+
+TEST_F(P4est, FewerTreesLeaveFewerPieces) {
+  Forest many(p8est_connectivity_new_brick(2, 2, 2, 0, 0, 0));
+  Forest one(p8est_connectivity_new_unitcube());
+  for (p8est_t* const forest : {many.forest, one.forest}) {
+    ASSERT_EQ(insitu_p4est_mesh(mesh, forest, nullptr, nullptr), INSITU_OK);
+    ASSERT_EQ(give_density(forest), INSITU_OK);
+    ASSERT_EQ(insitu_mesh_commit(mesh, nullptr), INSITU_OK) << insitu_last_message();
+  }
+  EXPECT_EQ(audit().size(), 3u);
+}

@@ -1,0 +1,270 @@
+/// What attach_adaptive() gives to the mesh: patches and leaves, values in place, ghosts, refusals,
+/// updates.
+
+#include <functional>
+#include <gtest/gtest.h>
+#include <vtkAMRBox.h>
+#include <vtkCellData.h>
+#include <vtkDataSetAttributes.h>
+#include <vtkDoubleArray.h>
+#include <vtkFloatArray.h>
+#include <vtkHyperTree.h>
+#include <vtkHyperTreeGrid.h>
+#include <vtkHyperTreeGridNonOrientedCursor.h>
+#include <vtkImageData.h>
+#include <vtkIntArray.h>
+#include <vtkNew.h>
+#include <vtkOverlappingAMR.h>
+#include <vtkUniformGrid.h>
+#include <vtkUnsignedCharArray.h>
+
+#include "insitu/vtk.hpp"
+
+#include "meshes.h"
+
+namespace {
+
+struct VtkAdaptive : testing::Test {
+  insitu::Session session;
+  insitu::Mesh mesh = session.mesh("amr");
+
+  const void* address_of(const std::string& name) const {
+    for (const insitu::AuditEntry& e : mesh.audit())
+      if (e.name == name && e.borrowed)
+        return e.data;
+    return nullptr;
+  }
+  double at(const std::string& field, const std::array<double, 3>& point) const {
+    double value = 0.0;
+    EXPECT_TRUE(mesh.sample_point(field, point, {&value, 1})) << point[0];
+    return value;
+  }
+};
+
+void expect_refused(insitu_status status, const char* words, const std::function<void()>& call) {
+  try {
+    call();
+    FAIL() << "not refused";
+  } catch (const insitu::Error& e) {
+    EXPECT_EQ(e.status(), status) << e.what();
+    EXPECT_NE(std::string(e.what()).find(words), std::string::npos) << e.what();
+  }
+}
+
+/// n^3 cells of a level from `lower` on, with the linear field at their centres.
+vtkSmartPointer<vtkUniformGrid> grid_of(int n, const std::array<int, 3>& lower, double h) {
+  auto grid = vtkSmartPointer<vtkUniformGrid>::New();
+  grid->SetDimensions(n + 1, n + 1, n + 1);
+  grid->SetSpacing(h, h, h);
+  grid->SetOrigin(h * lower[0], h * lower[1], h * lower[2]);
+  vtkNew<vtkDoubleArray> values;
+  values->SetName("f");
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i)
+        values->InsertNextValue(vtk_meshes::linear(
+            {h * (lower[0] + i + 0.5), h * (lower[1] + j + 0.5), h * (lower[2] + k + 0.5)}));
+  grid->GetCellData()->AddArray(values);
+  return grid;
+}
+
+/// 4^3 cells, and 4^3 of half their edge over the middle eight of them.
+vtkSmartPointer<vtkOverlappingAMR> some_levels(unsigned int levels, double fine_spacing = 0.5) {
+  auto amr = vtkSmartPointer<vtkOverlappingAMR>::New();
+  const int blocks[] = {1, 1};
+  amr->Initialize(int(levels), blocks);
+  amr->SetGridDescription(VTK_XYZ_GRID);
+  const double origin[3] = {0, 0, 0};
+  amr->SetOrigin(origin);
+  for (unsigned int l = 0; l < levels; ++l) {
+    const double h = l == 0 ? 1.0 : fine_spacing;
+    const double spacing[3] = {h, h, h};
+    const int first = l == 0 ? 0 : 2;
+    const int low[3] = {first, first, first}, high[3] = {first + 3, first + 3, first + 3};
+    amr->SetSpacing(l, spacing);
+    amr->SetAMRBox(l, 0, vtkAMRBox(low, high));
+    amr->SetDataSet(l, 0, grid_of(4, {first, first, first}, h));
+  }
+  return amr;
+}
+
+vtkSmartPointer<vtkOverlappingAMR> two_levels() {
+  return some_levels(2);
+}
+
+vtkDoubleArray* values_of(vtkOverlappingAMR* amr, unsigned int level) {
+  return vtkDoubleArray::SafeDownCast(amr->GetDataSet(level, 0)->GetCellData()->GetArray("f"));
+}
+
+/// Two trees side by side along x; the second is refined, and the first of its children again.
+struct Trees {
+  Trees() {
+    grid->SetDimensions(3, 2, 2);
+    grid->SetBranchFactor(2);
+    vtkNew<vtkDoubleArray> x, y;
+    for (const double c : {0.0, 1.0, 2.0})
+      x->InsertNextValue(c);
+    for (const double c : {0.0, 1.0})
+      y->InsertNextValue(c);
+    grid->SetXCoordinates(x);
+    grid->SetYCoordinates(y);
+    grid->SetZCoordinates(y);
+    vtkNew<vtkHyperTreeGridNonOrientedCursor> cursor;
+    vtkIdType nodes = 0;
+    for (vtkIdType tree = 0; tree < 2; ++tree) {
+      grid->InitializeNonOrientedCursor(cursor, tree, true);
+      cursor->SetGlobalIndexStart(nodes);
+      if (tree == 1) {
+        cursor->SubdivideLeaf();
+        cursor->ToChild(0);
+        cursor->SubdivideLeaf();
+        cursor->ToParent();
+      }
+      nodes += cursor->GetTree()->GetNumberOfVertices();
+    }
+    values->SetName("f");
+    values->SetNumberOfTuples(nodes);
+    for (vtkIdType n = 0; n < nodes; ++n)
+      values->SetValue(n, double(n));
+    grid->GetCellData()->AddArray(values);
+  }
+  vtkNew<vtkHyperTreeGrid> grid;
+  vtkNew<vtkDoubleArray> values;
+};
+
+} // namespace
+
+TEST_F(VtkAdaptive, GridsOfLevelsAreReadInPlace) {
+  const auto amr = two_levels();
+  auto attached = insitu::vtk::attach_adaptive(mesh, amr);
+  mesh.commit();
+  EXPECT_EQ(address_of("piece 0 field 'f'"), values_of(amr, 0)->GetPointer(0));
+  EXPECT_EQ(address_of("piece 1 field 'f'"), values_of(amr, 1)->GetPointer(0));
+  EXPECT_TRUE(attached.converted().empty());
+  for (const std::array<double, 3>& p :
+       {std::array<double, 3>{0.5, 0.5, 0.5}, {1.25, 1.75, 2.75}, {3.5, 1.5, 0.5}, {2, 2, 2}})
+    EXPECT_NEAR(at("f", p), vtk_meshes::linear(p), 1e-14);
+  EXPECT_EQ(attached.update(amr), insitu::Change{});
+  values_of(amr, 1)->SetValue(0, 7.0);
+  values_of(amr, 1)->Modified();
+  EXPECT_EQ(attached.update(amr), insitu::fields);
+  mesh.commit();
+  EXPECT_DOUBLE_EQ(at("f", {1.25, 1.25, 1.25}), 7.0);
+}
+
+TEST_F(VtkAdaptive, LayersOfDuplicatesAreLeftOut) {
+  const auto amr = two_levels();
+  // The fine grid with a layer around it, as solvers keep them.
+  const int low[3] = {1, 1, 1}, high[3] = {6, 6, 6};
+  amr->SetAMRBox(1, 0, vtkAMRBox(low, high));
+  const auto wide = grid_of(6, {1, 1, 1}, 0.5);
+  vtkNew<vtkUnsignedCharArray> ghosts;
+  ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
+  for (int c = 0; c < 216; ++c) {
+    const int i = c % 6, j = c / 6 % 6, k = c / 36;
+    const bool inside = i % 5 != 0 && j % 5 != 0 && k % 5 != 0;
+    ghosts->InsertNextValue(inside ? 0 : vtkDataSetAttributes::DUPLICATECELL);
+  }
+  wide->GetCellData()->AddArray(ghosts);
+  amr->SetDataSet(1, 0, wide);
+  auto attached = insitu::vtk::attach_adaptive(mesh, amr);
+  mesh.commit();
+  EXPECT_EQ(address_of("piece 1 field 'f'"), values_of(amr, 1)->GetPointer(1 + 6 + 36));
+  EXPECT_NEAR(at("f", {1.25, 2.75, 1.75}), vtk_meshes::linear({1.25, 2.75, 1.75}), 1e-14);
+  EXPECT_FALSE(attached.skipped().empty());
+  ghosts->SetValue(43 + 1, vtkDataSetAttributes::DUPLICATECELL);
+  expect_refused(INSITU_ERROR_UNSUPPORTED, "63 cells that are no duplicates",
+                 [&] { (void)attached.update(amr); });
+  ghosts->SetValue(43 + 1, vtkDataSetAttributes::HIDDENCELL);
+  expect_refused(INSITU_ERROR_UNSUPPORTED, "cell (2, 1, 1) is hidden",
+                 [&] { (void)attached.update(amr); });
+}
+
+TEST_F(VtkAdaptive, ARegridMayLeaveFewerGrids) {
+  auto attached = insitu::vtk::attach_adaptive(mesh, two_levels());
+  mesh.commit();
+  const auto coarse = some_levels(1);
+  EXPECT_EQ(attached.update(coarse), insitu::everything);
+  mesh.commit();
+  EXPECT_EQ(address_of("piece 1 field 'f'"), nullptr);
+  EXPECT_NEAR(at("f", {1.5, 1.5, 2.5}), vtk_meshes::linear({1.5, 1.5, 2.5}), 1e-14);
+}
+
+TEST_F(VtkAdaptive, ArraysThatSomeGridLacksAreLeftOut) {
+  const auto amr = two_levels();
+  vtkNew<vtkFloatArray> extra;
+  extra->SetName("extra");
+  extra->SetNumberOfTuples(64);
+  extra->Fill(1.0);
+  amr->GetDataSet(0, 0)->GetCellData()->AddArray(extra);
+  vtkNew<vtkIntArray> numbers;
+  numbers->SetName("number");
+  numbers->SetNumberOfTuples(64);
+  numbers->Fill(3);
+  for (unsigned int l = 0; l < 2; ++l)
+    amr->GetDataSet(l, 0)->GetCellData()->AddArray(numbers);
+  auto attached = insitu::vtk::attach_adaptive(mesh, amr);
+  mesh.commit();
+  ASSERT_EQ(attached.skipped().size(), 1u);
+  EXPECT_EQ(attached.skipped()[0].reason, "1 of 2 grids have it alike");
+  ASSERT_EQ(attached.converted().size(), 1u);
+  EXPECT_EQ(attached.converted()[0].reason, "integer values");
+  EXPECT_DOUBLE_EQ(at("number", {2, 2, 2}), 3.0);
+}
+
+TEST_F(VtkAdaptive, LeavesOfHyperTrees) {
+  Trees trees;
+  auto attached = insitu::vtk::attach_adaptive(mesh, trees.grid);
+  EXPECT_EQ(mesh.commit().action, INSITU_REBUILD);
+  EXPECT_EQ(attached.converted().size(), 1u); // levels and corners
+  // Nodes: 0, the first tree; 1, the second's root; its children 2 to 9; those of the first, 10 on.
+  EXPECT_DOUBLE_EQ(at("f", {0.5, 0.5, 0.5}), 0.0);
+  EXPECT_DOUBLE_EQ(at("f", {1.75, 0.25, 0.25}), 3.0);
+  EXPECT_DOUBLE_EQ(at("f", {1.25, 0.25, 0.75}), 6.0);
+  EXPECT_DOUBLE_EQ(at("f", {1.125, 0.125, 0.125}), 10.0);
+  EXPECT_DOUBLE_EQ(at("f", {1.125, 0.375, 0.375}), 16.0);
+  // Values are read where they are.
+  EXPECT_EQ(attached.update(trees.grid), insitu::Change{});
+  trees.values->SetValue(16, -2.0);
+  mesh.changed(insitu::fields);
+  mesh.commit();
+  EXPECT_DOUBLE_EQ(at("f", {1.125, 0.375, 0.375}), -2.0);
+}
+
+TEST_F(VtkAdaptive, MaskedLeavesAndGhostsAreHoles) {
+  Trees trees;
+  vtkNew<vtkUnsignedCharArray> ghosts;
+  ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
+  ghosts->SetNumberOfTuples(trees.values->GetNumberOfTuples());
+  ghosts->Fill(0);
+  ghosts->SetValue(0, vtkDataSetAttributes::DUPLICATECELL); // the whole first tree
+  trees.grid->GetCellData()->AddArray(ghosts);
+  auto attached = insitu::vtk::attach_adaptive(mesh, trees.grid);
+  mesh.commit();
+  double value = 0.0;
+  EXPECT_FALSE(mesh.sample_point("f", {0.5, 0.5, 0.5}, {&value, 1}));
+  EXPECT_DOUBLE_EQ(at("f", {1.75, 0.25, 0.25}), 3.0);
+}
+
+TEST_F(VtkAdaptive, WhatIsNotSupportedIsRefusedByName) {
+  const auto refused = [&](vtkDataObject* data, insitu_status status, const char* words) {
+    expect_refused(status, words, [&] { (void)insitu::vtk::attach_adaptive(mesh, data); });
+  };
+  vtkNew<vtkImageData> image;
+  refused(image, INSITU_ERROR_UNSUPPORTED, "vtkImageData");
+  refused(nullptr, INSITU_ERROR_ARGUMENT, "null");
+  refused(some_levels(2, 1.0 / 3.0), INSITU_ERROR_UNSUPPORTED, "spacing 0.333333 of level 1");
+  Trees trees;
+  trees.grid->SetBranchFactor(3);
+  refused(trees.grid, INSITU_ERROR_UNSUPPORTED, "branch factor 3");
+  Trees stretched;
+  vtkNew<vtkDoubleArray> x;
+  for (const double c : {0.0, 1.0, 2.5})
+    x->InsertNextValue(c);
+  stretched.grid->SetXCoordinates(x);
+  refused(stretched.grid, INSITU_ERROR_UNSUPPORTED, "trees must be equal");
+  insitu::vtk::AttachOptions options;
+  options.piece = 1;
+  expect_refused(INSITU_ERROR_ARGUMENT, "piece: 1",
+                 [&] { (void)insitu::vtk::attach_adaptive(mesh, two_levels(), options); });
+}
