@@ -1,0 +1,133 @@
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+#include "render/isosurface.h"
+#include "render/volume.h"
+#include "unit/query/registered_amr.h"
+
+/// Surfaces and volumes of adaptive meshes: gridlets and stitching cells side by side.
+namespace insitu::test {
+namespace {
+
+using math::Vec3d;
+
+Vec3d direction(double u, double v) {
+  const double z = 2 * u - 1, s = std::sqrt(std::max(0.0, 1 - z * z)), a = 2 * M_PI * v;
+  return {s * std::cos(a), s * std::sin(a), z};
+}
+
+/// The mesh's box.
+struct Bounds {
+  explicit Bounds(const query::Sampler& s)
+      : low(s.tree().bounds_min()), high(s.tree().bounds_max()) {
+    centre = 0.5 * (low + high);
+    size = std::sqrt(dot(high - low, high - low));
+  }
+  Vec3d low, high, centre;
+  double size;
+};
+
+class AdaptiveFrames : public testing::TestWithParam<Recipe> {};
+
+/// The surface of a linear field is a plane, which every ray across it meets once: no cracks
+/// between gridlets and stitching cells, and the depth is right.
+TEST_P(AdaptiveFrames, APlaneHasNoCracks) {
+  const auto linear = [](const Vec3d& p) { return p.x + 0.3 * p.y - 0.2 * p.z; };
+  RegisteredAmr mesh(GetParam(), INSITU_DUAL, linear);
+  const query::Sampler sampler = mesh.committed.sampler();
+  const Bounds box(sampler);
+  const double value = linear(box.centre);
+  const std::vector<render::IsosurfaceSettings> settings{
+      {{mesh.committed.mesh.mesh().field("f"), 0}, {value}, 0.5}};
+  const render::IsosurfaceTracer tracer(sampler, settings, {}, mesh.committed.threads,
+                                        mesh.committed.memory);
+  const auto distance = [&](const Vec3d& p) { return linear(p) - value; };
+  std::vector<render::SurfaceHit> hits;
+  render::SurfaceCounts counts;
+  int crossing = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const auto r = [&](int c) { return core::random_unit(5, std::uint64_t(i), std::uint64_t(c)); };
+    const Vec3d from = box.centre + box.size * direction(r(0), r(1));
+    const Vec3d to = box.centre + (0.15 * r(4) * box.size) * direction(r(2), r(3));
+    const Vec3d d = to - from;
+    const render::Ray ray{from, d / std::sqrt(dot(d, d))};
+    tracer.trace(ray, hits, counts);
+    const double slope = linear(ray.direction);
+    const double t = -distance(from) / slope;
+    const Vec3d at = from + t * ray.direction;
+    // Where the dual proper is, away from the cells that keep values up to the boundary.
+    const query::Location there = sampler.locate(at);
+    if (!there || std::fabs(slope) < 0.05)
+      continue;
+    mesh::CellVertices cell;
+    mesh::gather(sampler.mesh(), there.cell, cell);
+    bool proper = true;
+    for (int v = 0; v < cell.count; ++v)
+      proper &=
+          std::fabs(settings[0].field.load(cell.piece, cell.ids[v]) - linear(cell.x[v])) < 1e-11;
+    if (!proper)
+      continue;
+    ++crossing;
+    int near = 0;
+    for (const render::SurfaceHit& hit : hits)
+      near += std::fabs(hit.t - t) < 1e-7 * box.size;
+    ASSERT_EQ(near, 1) << GetParam().name() << " ray " << i;
+  }
+  if (mesh.committed.mesh.amr_info().cubes > 100) {
+    EXPECT_GT(crossing, 500) << GetParam().name();
+  }
+}
+
+/// A homogeneous medium absorbs by the length of ray inside, whatever the cells.
+TEST_P(AdaptiveFrames, AUniformVolumeIsUniform) {
+  RegisteredAmr mesh(GetParam(), INSITU_DUAL, [](const Vec3d&) { return 1.0; });
+  if (!is_box(GetParam()))
+    return; // rays through holes are another length
+  const query::Sampler sampler = mesh.committed.sampler();
+  const Bounds box(sampler);
+  const render::TransferFunction function(render::ColorMap::built_in("viridis"), 0.0, 2.0,
+                                          {{0.0, 0.02}, {2.0, 0.02}});
+  render::VolumeSettings settings{{mesh.committed.mesh.mesh().field("f"), 0}, function};
+  settings.step = box.size / 500;
+  settings.unit_distance = box.size / 100;
+  const render::VolumeMarcher marcher(sampler, settings);
+  for (int i = 0; i < 50; ++i) {
+    const auto r = [&](int c) { return core::random_unit(6, std::uint64_t(i), std::uint64_t(c)); };
+    const Vec3d from = box.centre + box.size * direction(r(0), r(1));
+    const Vec3d to = box.low + Vec3d{r(2) * (box.high - box.low).x, r(3) * (box.high - box.low).y,
+                                     r(4) * (box.high - box.low).z};
+    const Vec3d d = to - from;
+    render::RayState state;
+    state.ray = {from, d / std::sqrt(dot(d, d))};
+    double near = 0, far = HUGE_VAL;
+    for (int a = 0; a < 3; ++a) {
+      const double t0 = (box.low[a] - from[a]) / state.ray.direction[a];
+      const double t1 = (box.high[a] - from[a]) / state.ray.direction[a];
+      near = std::max(near, std::min(t0, t1));
+      far = std::min(far, std::max(t0, t1));
+    }
+    marcher.start(state);
+    marcher.march({&state, 1});
+    const double length = (far - near) / settings.unit_distance;
+    const double expected = 1.0 - std::pow(1.0 - 0.02, length);
+    // A step more or less at each end.
+    EXPECT_NEAR(double(state.alpha), expected, 2 * 0.02 * *settings.step / settings.unit_distance)
+        << GetParam().name() << " ray " << i;
+  }
+}
+
+std::vector<Recipe> recipes() {
+  std::vector<Recipe> all;
+  for (int kind = 0; kind < 3; ++kind)
+    for (std::uint64_t seed = 1; seed <= 3; ++seed)
+      all.push_back({.seed = seed, .kind = kind, .roots = 3, .levels = 3});
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, AdaptiveFrames, testing::ValuesIn(recipes()), [](const auto& of) {
+  return "kind" + std::to_string(of.param.kind) + "_seed" + std::to_string(of.param.seed);
+});
+
+} // namespace
+} // namespace insitu::test
