@@ -26,15 +26,28 @@ struct DualCounts {
 
 /// The dual mesh of an adaptive mesh (Moran and Ellsworth 2011; Wald 2020; Zellmann 2023, section
 /// 4.1): a vertex at the centre of every leaf, a cell at every corner of the finest leaves there.
-/// Cells among leaves of one depth are cubes and lie in gridlets, the others are stitching cells.
+/// Cells among leaves of one depth are cubes and lie in gridlets (Zellmann 2023, section 4.2), the
+/// others are stitching cells.
+///
 /// Between the outermost centres and the domain's boundary lie cells whose vertices are the centres
-/// and their projections to the boundary, with the same values.
+/// and their projections to the boundary, with the same values, so that the cells cover the domain.
+/// At re-entrant corners the domain is filled with pyramids and tetrahedra from the corner, which
+/// has the mean of the leaves' values (reentrant.h). Only where a domain ends in the middle of
+/// leaves' faces, without a leaf of their depth beside them, may faces in its planes not match one
+/// to one; cells cover such domains once, too, but the interpolant may jump at those planes.
+///
+/// Where depths differ by more than one around a corner, cells can fold. Coarse leaves around such
+/// cells are split virtually, for the dual mesh alone, until none folds: then every Jacobian is
+/// positive and faces match in pairs, so cells cover every point once. A virtual leaf's value is
+/// linear in the real one's and its neighbours' (virtual_leaves.h).
 class DualMesh {
 public:
   explicit DualMesh(core::Memory& memory);
   ~DualMesh();
 
-  /// Builds anew, at a regrid. Throws what LeafMap::build throws.
+  /// Builds anew, at a regrid; the result does not depend on the thread count. Throws what
+  /// LeafMap::build throws, and INSITU_ERROR_MESH for more vertices than ids can number; then the
+  /// dual mesh is empty.
   void build(const mesh::AmrView& mesh, const core::Threads& threads);
 
   const LeafMap& leaves() const;
@@ -45,8 +58,10 @@ public:
   /// points of their own). Valid until the next build.
   const mesh::MeshView& view() const;
 
-  /// Where the value of a vertex of piece 1 comes from: one leaf, or of a virtual leaf the sum of
-  /// weight * value over some. Vertices of piece 0 are leaves (GridletsView::leaves).
+  /// Where the value of a vertex of piece 1 comes from: one leaf, or for a virtual leaf and in a
+  /// re-entrant corner the sum of weight * value over some, which may name a leaf more than once.
+  /// A vertex on the domain's boundary has the value of the leaf that it was moved from. Vertices
+  /// of piece 0 are leaves (GridletsView::leaves).
   struct Terms {
     const std::uint32_t* leaves = nullptr;
     const double* weights = nullptr; ///< null: one term of weight 1

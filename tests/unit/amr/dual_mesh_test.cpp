@@ -1,7 +1,9 @@
 // Dual meshes that are known by heart.
+#include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
 
+#include "cells/kernels.h"
 #include "check_dual.h"
 
 using namespace insitu;
@@ -101,6 +103,50 @@ TEST(DualMesh, OneCellRefinedFourTimesInPlace) {
     EXPECT_EQ(n.still_folded, 0);
     std::printf("%lld folded, %lld virtual leaves\n", (long long)n.folded, (long long)n.repaired);
   }
+}
+
+TEST(DualMesh, SplitLeavesKeepTheirValues) {
+  AmrMesh mesh;
+  mesh.depth_of = {0, 2};
+  mesh.add_patch(0, {0, 0, 0}, {3, 3, 3});
+  mesh.add_patch(1, {4, 4, 4}, {4, 4, 4});
+  core::Memory memory;
+  amr::DualMesh dual(memory);
+  dual.build(mesh.view(), core::Threads(1));
+  const auto value = [](std::uint32_t leaf) { return core::random_unit(3, leaf, 0); };
+  const mesh::PieceView& piece = dual.view().pieces[1];
+  int found = 0;
+  for (std::int64_t c = 0; c < piece.cell_count; ++c) {
+    std::int64_t ids[8];
+    math::Vec3d x[8];
+    double f[8], n[8], at_middle = 0.0;
+    bool split = piece.vertex_ids(c, ids) == 8;
+    for (int v = 0; split && v < 8; ++v) {
+      const amr::DualMesh::Terms t = dual.terms(ids[v]);
+      split = t.weights != nullptr && t.leaves[0] == dual.terms(ids[0]).leaves[0];
+      x[v] = piece.point(ids[v]);
+      f[v] = 0.0;
+      for (int m = 0; split && m < t.count; ++m)
+        f[v] += t.weights[m] * value(t.leaves[m]);
+    }
+    const math::Vec3d middle = {0.5, 0.5, 0.5};
+    if (!split)
+      continue;
+    const math::Vec3d p = cells::map_to_physical(piece.shape(c), x, middle);
+    const amr::LeafMap::Leaf leaf = dual.leaves().find(p);
+    bool centre = bool(leaf);
+    for (int a = 0; a < 3; ++a)
+      centre &=
+          std::abs(p[a] - mesh.lattice.centre(a, leaf.cell.depth, leaf.cell.index[a])) < 1e-12;
+    if (!centre)
+      continue;
+    ++found;
+    cells::shape_functions(piece.shape(c), middle, n);
+    for (int v = 0; v < 8; ++v)
+      at_middle += n[v] * f[v];
+    EXPECT_NEAR(at_middle, value(leaf.id), 1e-14);
+  }
+  EXPECT_GT(found, 0);
 }
 
 TEST(DualMesh, HolesAndSteps) {
