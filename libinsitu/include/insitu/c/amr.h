@@ -49,7 +49,10 @@ static inline insitu_amr insitu_amr_default(void) {
 }
 
 /** Makes the mesh an adaptive one: its pieces are patches or leaves. Before its first piece;
- *  again to change the lattice or the reconstruction. */
+ *  again to change the lattice or the reconstruction (which alone rebuilds nothing).
+ *  INSITU_ERROR_ARGUMENT: a number out of range. INSITU_ERROR_ORDER: the mesh has points, cells or
+ *  ghosts. On an adaptive mesh insitu_mesh_points, _cells, _block and _ghosts are
+ *  INSITU_ERROR_ORDER. */
 INSITU_API insitu_status insitu_mesh_amr(insitu_mesh mesh, const insitu_amr* amr);
 
 /** A patch: the cells lower to lower + cells - 1 of a level; cell (i, j, k) of it has the id
@@ -71,7 +74,10 @@ static inline insitu_patch insitu_patch_default(void) {
   return p;
 }
 
-/** A piece that is a patch. */
+/** A piece that is a patch, or another place for it. Its fields have cells[0]*cells[1]*cells[2]
+ *  values. Indices lie in -2^30 to 2^30 - 1. INSITU_ERROR_ORDER before insitu_mesh_amr;
+ *  INSITU_ERROR_ARGUMENT: a level or cells that cannot be. How patches fit each other is checked by
+ *  the commit (INSITU_ERROR_MESH). A regrid that leaves fewer patches: insitu_mesh_drop_pieces. */
 INSITU_API insitu_status insitu_mesh_patch(insitu_mesh mesh, int32_t piece,
                                            const insitu_patch* patch);
 
@@ -99,7 +105,11 @@ static inline insitu_leaves insitu_leaves_default(void) {
   return l;
 }
 
-/** A piece that is a list of leaves. */
+/** A piece that is a list of leaves; none at all is fine. The arrays are external, in host memory
+ *  (see insitu_array; they may lie behind pointers), and are read by the commits that say
+ *  INSITU_CHANGED_TOPOLOGY, as this call does. Every leaf is checked then: INSITU_ERROR_MESH names
+ *  the first whose level or corner cannot be. INSITU_ERROR_ORDER before insitu_mesh_amr;
+ *  INSITU_ERROR_ARGUMENT: arrays that do not fit. */
 INSITU_API insitu_status insitu_mesh_leaves(insitu_mesh mesh, int32_t piece,
                                             const insitu_leaves* leaves);
 
