@@ -106,9 +106,9 @@ static inline insitu_leaves insitu_leaves_default(void) {
 }
 
 /** A piece that is a list of leaves; none at all is fine. The arrays are external, in host memory
- *  (see insitu_array; they may lie behind pointers), and are read by the commits that say
- *  INSITU_CHANGED_TOPOLOGY, as this call does. Every leaf is checked then: INSITU_ERROR_MESH names
- *  the first whose level or corner cannot be. INSITU_ERROR_ORDER before insitu_mesh_amr;
+ *  (see insitu_array; they may lie behind pointers). A commit of INSITU_CHANGED_TOPOLOGY, which
+ *  this call says too, checks every leaf: INSITU_ERROR_MESH names the first whose level or corner
+ *  cannot be. INSITU_ERROR_ORDER before insitu_mesh_amr;
  *  INSITU_ERROR_ARGUMENT: arrays that do not fit. */
 INSITU_API insitu_status insitu_mesh_leaves(insitu_mesh mesh, int32_t piece,
                                             const insitu_leaves* leaves);
