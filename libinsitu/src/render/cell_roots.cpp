@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cells/decide.h"
 #include "cells/kernels.h"
 #include "cells/robust_inverse.h"
 
@@ -62,10 +63,10 @@ CellRoots::CellRoots(const mesh::CellVertices& cell, const RaySpace& space, doub
     // More than one way in and out, or an edge met twice: a stretch counts if its middle is inside.
     // One too short to tell does no harm.
     if (n > 2 && b - a > 1e-9 * extent_) {
-      const Ray& ray = space.ray();
-      const auto map =
-          cells::inverse_map(cell.shape, cell.x, ray.origin + (0.5 * (a + b)) * ray.direction);
-      if (!(map.converged && map.margin > -1e-9))
+      const Vec3d middle = space.ray().origin + (0.5 * (a + b)) * space.ray().direction;
+      const auto map = cells::inverse_map(cell.shape, cell.x, middle);
+      const bool sure = map.converged && map.margin > -1e-9; // Newton may fail in collapsed cells
+      if (!sure && cells::decide(cell.shape, cell.x, middle) == cells::Reason::outside)
         continue;
     }
     stretch_[stretches_++] = {k, k + 1};

@@ -95,13 +95,30 @@ double outside(double u, double v) {
   return std::max(std::max(-u, u - 1), std::max(-v, v - 1));
 }
 
-int cross_quad(const cells::Face& face, const Vec3d* x, const Vec3d* q, Crossing* out) {
-  double edges[4];
-  bool positive = true, negative = true;
+/// A quad without the corners that lie at the next one's place, as collapsed cells have them.
+cells::Face without_repeats(const cells::Face& face, const Vec3d* x) {
+  cells::Face out = face;
+  out.vertex_count = 0;
   for (int k = 0; k < 4; ++k) {
-    edges[k] = edge_function(q[face.vertices[k]], q[face.vertices[(k + 1) & 3]]);
-    positive &= edges[k] >= 0;
-    negative &= edges[k] <= 0;
+    const Vec3d &a = x[face.vertices[k]], &b = x[face.vertices[(k + 1) & 3]];
+    if (a.x != b.x || a.y != b.y || a.z != b.z)
+      out.vertices[out.vertex_count++] = face.vertices[k];
+  }
+  return out;
+}
+
+int cross_quad(const cells::Face& face, const Vec3d* x, const Vec3d* q, Crossing* out) {
+  bool positive = true, negative = true, zero = false;
+  for (int k = 0; k < 4; ++k) {
+    const double edge = edge_function(q[face.vertices[k]], q[face.vertices[(k + 1) & 3]]);
+    positive &= edge >= 0;
+    negative &= edge <= 0;
+    zero |= edge == 0;
+  }
+  if (zero) { // as of a vertex with itself
+    const cells::Face reduced = without_repeats(face, x);
+    if (reduced.vertex_count < 4)
+      return reduced.vertex_count == 3 && cross_triangle(reduced, x, q, out[0]) ? 1 : 0;
   }
   const bool around = positive || negative;
   if (!around) {

@@ -29,7 +29,8 @@ The queries (locate)
                     every cell's centre in cell order | random cells, random points |
                     these in Morton order | along view rays, half a cell apart |
                     on vertices, edges, faces of random cells, as rounding leaves them
-  --points Q        how many, but for uniform [as many as cells; torture: 2000 a case; methods: random
+  --points Q        how many, but for uniform [as many as cells; torture: 2000 a case; amr: 1000000
+                    random ones, beside a raster of 160^3; methods: random
                     ones; a processor answers a million by bvh, 100000 by rays]
   --accuracy standard|exact [standard]
   --fields N        also samples N vertex fields at once against one, through insitu.h [1]
@@ -86,6 +87,14 @@ Methods
   interpolated one; how many points were answered otherwise than by exact bvh on the CPU, of the random ones
   and of a tenth as many on faces, edges and vertices; joules,
   from NVML or RAPL where they can be read. Points and answers of a device stay in its memory.
+
+Amr
+  The mesh: blocks about a sphere in three levels, 4,018,176 leaves, as patches and as octree leaves. A row each:
+  a regrid from the solver's arrays to ready to sample, a commit of new values, million samples a second at
+  random points and on a raster, megabytes of the cells with one field and of the tree, points without a
+  value, the largest error at the cells' centres. JSON keys: leaves, build_s, fields_s, mqps, mqps_raster, bytes,
+  compression (of cubes, as in Zellmann 2023, table 2), gridlets, cubes, stitching, folded, repaired, lost,
+  max_error_at_centres.
 
 Exit code: 0; 1 if the run failed, methods found an `exact` answer that is not bvh's, or torture found that ours lost or misplaced a point, gave a false
 reason, or answered differently by another way; 2 if the arguments cannot be used.

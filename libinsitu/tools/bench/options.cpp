@@ -123,7 +123,7 @@ Options parse(int argc, char** argv) {
       o.pattern = choice(option, v, workload::pattern_from_name(v),
                          "uniform, random, sorted, march, vertices, edges or faces");
     } else if (option == "--points") {
-      if (o.command != Command::methods)
+      if (o.command != Command::methods && o.command != Command::amr)
         only(Command::locate, Command::torture);
       o.points = number<std::int64_t>(option, value(), 1, 1'000'000'000);
     } else if (option == "--check") {
