@@ -212,6 +212,10 @@ const DeviceField* DeviceMesh::fields(std::span<const mesh::FieldView> fields,
   for (const mesh::FieldView& field : fields) {
     heads.push_back({field.association, field.components, nullptr});
     for (std::size_t p = 0; p < pieces; ++p) {
+      if (field.pieces[p].behind)
+        throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                          std::string("field '") + field.name +
+                              "': items behind pointers are not read on a device");
       views.push_back(field.pieces[p]);
       for (int c = 0; c < field.components; ++c)
         components.push_back(
