@@ -7,9 +7,9 @@
 
 namespace insitu::accel {
 
-/// Computes boxes of cells, and of gridlets by their first cells, in a local frame, outwards. The choice among number types and array layouts
-/// is made once a piece, at construction; points that have no arrays of their own, or whose blocks
-/// are not evenly spaced, take the general way.
+/// Computes boxes of cells, and of gridlets by their first cells, in a local frame, outwards. The
+/// choice among number types and array layouts is made once a piece, at construction; points that
+/// have no arrays of their own, or whose blocks are not evenly spaced, take the general way.
 class CellBoxes {
 public:
   CellBoxes(const mesh::MeshView& mesh, const math::Vec3d& origin);

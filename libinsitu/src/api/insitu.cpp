@@ -1,5 +1,6 @@
-#include "insitu/c/amr.h"
 #include "insitu/insitu.h"
+
+#include "insitu/c/amr.h"
 
 #include "api/entry.h"
 #include "scene/frames.h"
@@ -203,9 +204,8 @@ insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame* frame) {
 }
 
 insitu_status insitu_mesh_locator(insitu_mesh mesh, const insitu_locator* locator) {
-  return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
-    s.choose_locator(m, locator);
-  });
+  return with_session_mesh(
+      mesh, [&](api::Session& s, api::SessionMesh& m) { s.choose_locator(m, locator); });
 }
 
 insitu_status insitu_mesh_locator_info(insitu_mesh mesh, insitu_locator_info* info) {

@@ -56,7 +56,7 @@ void Adaptive::mask(const mesh::AmrView& mesh, const core::Threads& threads) {
 Location Adaptive::own(const Location& at, const math::Vec3d& p) const {
   if (!at || !dual_)
     return at;
-  const amr::LeafMap::Leaf leaf = leaves().find(p);
+  const amr::LeafMap::Leaf leaf = leaves().lowest(p);
   if (!leaf) // between the boundary and its rounding
     return {};
   const mesh::Lattice& lattice = leaves().lattice();

@@ -31,9 +31,9 @@ struct Options {
   insitu_accuracy accuracy = INSITU_STANDARD;
   int repetitions = 5;
   bool peers = false;
-  std::vector<std::string> peer_names; ///< only these; empty: all
-  std::int64_t peer_points = 0;        ///< so many of the points for peers; 0: all
-  bool check = false; ///< methods: answers alone, on all points
+  std::vector<std::string> peer_names;        ///< only these; empty: all
+  std::int64_t peer_points = 0;               ///< so many of the points for peers; 0: all
+  bool check = false;                         ///< methods: answers alone, on all points
   std::vector<std::string> backends, methods; ///< methods: only these; empty: all
   std::string json_file, csv_file, svg_file;
 };

@@ -30,7 +30,7 @@ typedef struct insitu_amr {
   int32_t level_count;   /**< 1 to INSITU_AMR_MOST_LEVELS */
   const int32_t* ratios; /**< [level_count - 1] from the coarsest on: 2 or 4; null: all 2; copied */
   int32_t finest_first;  /**< 0: level 0 is the coarsest; 1: level 0 is the finest */
-  insitu_reconstruction reconstruction; /**< of samples, probes, tracers; frames take the dual */
+  insitu_reconstruction reconstruction; /**< of samples, probes, tracers and frames */
 } insitu_amr;
 
 static inline insitu_amr insitu_amr_default(void) {
@@ -49,7 +49,7 @@ static inline insitu_amr insitu_amr_default(void) {
 }
 
 /** Makes the mesh an adaptive one: its pieces are patches or leaves. Before its first piece;
- *  again to change the lattice or the reconstruction (which alone rebuilds nothing).
+ *  again to change the lattice or the reconstruction, for which the next commit builds anew.
  *  INSITU_ERROR_ARGUMENT: a number out of range. INSITU_ERROR_ORDER: the mesh has points, cells or
  *  ghosts. On an adaptive mesh insitu_mesh_points, _cells, _block and _ghosts are
  *  INSITU_ERROR_ORDER. */
