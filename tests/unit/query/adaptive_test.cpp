@@ -1,6 +1,8 @@
 #include <cmath>
+#include <cstdlib>
 #include <gtest/gtest.h>
 
+#include "cells/faces.h"
 #include "core/random.h"
 #include "query/gridlet_query.h"
 #include "unit/query/registered_amr.h"
@@ -126,6 +128,53 @@ TEST_P(Adaptive, LinearFieldsAreReproduced) {
   }
   if (mesh.committed.mesh.amr_info().cubes > 0) {
     EXPECT_GT(inside, 100) << GetParam().name();
+  }
+}
+
+/// To both sides of faces of dual cells, boundary cells too, of a field that no cell shares with
+/// another: the values differ by no more than the step times the slope.
+TEST_P(Adaptive, TheInterpolantHasNoJumps) {
+  if (GetParam().kind == 3)
+    return; // may end in the middle of leaves' faces; see DualMesh
+  const auto rough = [](const Vec3d& p) {
+    return std::sin(40 * p.x) + std::cos(31 * p.y + 7 * p.z);
+  };
+  RegisteredAmr mesh(GetParam(), INSITU_DUAL, rough);
+  const query::Sampler sampler = mesh.committed.sampler();
+  const mesh::FieldView field = mesh.committed.mesh.mesh().field("f");
+  const mesh::MeshView& view = sampler.mesh();
+  const std::uint64_t seed = 100 + GetParam().seed;
+  const std::int64_t first = view.first_cell[1], stitching = view.cell_count() - first;
+  const char* const more = std::getenv("INSITU_TEST_POINTS");
+  const int count = more ? std::atoi(more) : 4000;
+  int compared = 0;
+  for (int i = 0; i < count; ++i) {
+    const auto r = [&](int c) {
+      return core::random_unit(seed, std::uint64_t(i), std::uint64_t(c));
+    };
+    mesh::CellVertices cell;
+    mesh::gather(view, first + std::int64_t(r(0) * double(stitching)), cell);
+    const cells::FaceTable table = cells::face_table(cell.shape);
+    const cells::Face& face = table.faces[int(r(1) * table.face_count)];
+    const auto at = [&](int k) { return cell.x[face.vertices[k]]; };
+    const double u = r(2), v = r(3);
+    const Vec3d p =
+        face.vertex_count == 3
+            ? at(0) + u * v * (at(1) - at(0)) + u * (1 - v) * (at(2) - at(0))
+            : (1 - u) * ((1 - v) * at(0) + v * at(3)) + u * ((1 - v) * at(1) + v * at(2));
+    const Vec3d step = 1e-9 * Vec3d{r(4) - 0.5, r(5) - 0.5, r(6) - 0.5};
+    const query::Location a = sampler.locate(p - step), b = sampler.locate(p + step);
+    if (!a || !b)
+      continue; // across the domain's boundary
+    double fa, fb;
+    sampler.interpolate(field, a, &fa);
+    sampler.interpolate(field, b, &fb);
+    ++compared;
+    // Cells are 0.05 wide and wider, values below 2; thin corners of stitching cells are steeper.
+    ASSERT_NEAR(fa, fb, 1e-5) << GetParam().name() << " point " << i;
+  }
+  if (stitching > 0) {
+    EXPECT_GT(compared, count / 10) << GetParam().name();
   }
 }
 
