@@ -146,7 +146,7 @@ TEST_P(Adaptive, TheInterpolantHasNoJumps) {
   const std::uint64_t seed = 100 + GetParam().seed;
   const std::int64_t first = view.first_cell[1], stitching = view.cell_count() - first;
   const char* const more = std::getenv("INSITU_TEST_POINTS");
-  const int count = more ? std::atoi(more) : 4000;
+  const int count = more ? std::atoi(more) : 90000;
   int compared = 0;
   for (int i = 0; i < count; ++i) {
     const auto r = [&](int c) {
