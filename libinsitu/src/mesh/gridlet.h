@@ -33,32 +33,6 @@ struct GridletsView {
   const std::uint32_t* leaves = nullptr; ///< a vertex's; no_leaf: empty
   /// A bit a cell, [count][8]: word k is layer k, bit i + 8 j. Set: all its vertices have leaves.
   const std::uint64_t* full = nullptr;
-  // Where gridlets are: a hash table of their numbers, by depth and by the 8^3 cells that they lie
-  // in, at most one a place.
-  static constexpr std::uint32_t no_gridlet = 0xffffffff;
-  const std::uint32_t* slots = nullptr; ///< [slot_mask + 1]
-  std::uint32_t slot_mask = 0;
-  int depth_count = 0; ///< that have gridlets
-  std::uint8_t depths[Lattice::most_depth + 1] = {};
-
-  /// Where the search for a place begins; linear probing follows.
-  INSITU_HD static std::uint32_t hash(int depth, const std::int64_t* lower) {
-    std::uint64_t h = std::uint64_t(depth);
-    for (int a = 0; a < 3; ++a)
-      h = (h ^ std::uint64_t(lower[a] >> 3)) * 0x9e3779b97f4a7c15ull;
-    return std::uint32_t(h >> 32);
-  }
-  /// The gridlet in whose place the cell with this lower corner lies, or -1.
-  INSITU_HD std::int64_t find(int depth, const std::int64_t* lower) const {
-    for (std::uint32_t at = hash(depth, lower) & slot_mask; slots[at] != no_gridlet;
-         at = (at + 1) & slot_mask) {
-      const Gridlet& g = gridlets[slots[at]];
-      if (g.depth == depth && g.lower[0] >> 3 == lower[0] >> 3 &&
-          g.lower[1] >> 3 == lower[1] >> 3 && g.lower[2] >> 3 == lower[2] >> 3)
-        return slots[at];
-    }
-    return -1;
-  }
 
   INSITU_HD bool is_full(std::int64_t cell) const { return (full[cell >> 6] >> (cell & 63)) & 1; }
   /// The vertex at the lower corner of a cell.

@@ -82,7 +82,7 @@ insitu_amr_info Adaptive::info() const {
     info.stitching = counts.stitching();
     info.folded = counts.folded;
     info.repaired = counts.repaired;
-    info.bytes = dual_->dual().bytes() + std::int64_t(masked_.bytes());
+    info.bytes = dual_->dual().bytes() + dual_->places().bytes() + std::int64_t(masked_.bytes());
   }
   return info;
 }

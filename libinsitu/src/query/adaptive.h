@@ -25,6 +25,8 @@ public:
   /// The solver's values changed.
   void fields_changed();
 
+  /// The places of the dual's gridlets; null for `nearest`, where leaves() tells all.
+  const GridletPlaces* gridlets() const { return dual_ ? &dual_->places() : nullptr; }
   const amr::LeafMap& leaves() const { return dual_ ? dual_->dual().leaves() : *leaves_; }
   /// A location as the solver counts cells: the leaf that holds p, with p's place in it, flat over
   /// the solver's pieces.

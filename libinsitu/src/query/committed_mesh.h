@@ -61,9 +61,7 @@ public:
   /// or with a ray method, whose candidates are worth little before.
   void look_for_folds(const core::Threads& threads);
   Sampler sampler() const {
-    return {mesh_.view(), tree_,
-            &order_,      &locate_counts_,
-            &locators_,   adaptive_ && !mesh_.has_stand_in() ? &adaptive_->leaves() : nullptr};
+    return {mesh_.view(), tree_, &order_, &locate_counts_, &locators_, adaptive_.get()};
   }
   /// A location as the solver counts cells, flat over the pieces of mesh().own_view(): the same but
   /// on the dual of an adaptive mesh, where it is the leaf that holds p.

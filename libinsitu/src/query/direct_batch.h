@@ -6,39 +6,45 @@
 
 namespace insitu::query {
 
+/// What one thread needs for them; kept for the thread's life, since it is small.
+struct DirectScratch {
+  Location locations[batch_size];
+  Reason reasons[batch_size];
+  math::Vec3d rest[batch_size]; ///< points that are left
+  QueryId rest_at[batch_size];  ///< their numbers
+};
+
 /// Answers batches on lattices: first by the points' places, without a tree, then through it those
 /// without an owner, unless Find::finds_all. Find: Location(point, reason), an owner proven by the
 /// arithmetic of boxes, or none.
 template <class Find>
 class DirectBatch {
 public:
-  DirectBatch(const Find& find, BatchLocator& locator) : find_(find), locator_(locator) {}
+  DirectBatch(const Find& find, BatchLocator& locator, DirectScratch& scratch)
+      : find_(find), locator_(locator), s_(scratch) {}
 
   Answered run(std::span<const math::Vec3d> points) {
     std::size_t left = 0;
     for (std::size_t q = 0; q < points.size(); ++q) {
-      locations_[q] = find_(points[q], reasons_[q]);
-      rest_[left] = points[q];
-      rest_at_[left] = QueryId(q);
-      left += !locations_[q];
+      s_.locations[q] = find_(points[q], s_.reasons[q]);
+      s_.rest[left] = points[q];
+      s_.rest_at[left] = QueryId(q);
+      left += !s_.locations[q];
     }
     if (!Find::finds_all && left > 0) {
-      locator_.run({rest_, left});
+      locator_.run({s_.rest, left});
       for (std::size_t k = 0; k < left; ++k) {
-        locations_[rest_at_[k]] = locator_.locations()[k];
-        reasons_[rest_at_[k]] = locator_.reasons()[k];
+        s_.locations[s_.rest_at[k]] = locator_.locations()[k];
+        s_.reasons[s_.rest_at[k]] = locator_.reasons()[k];
       }
     }
-    return {{locations_, points.size()}, {reasons_, points.size()}};
+    return {{s_.locations, points.size()}, {s_.reasons, points.size()}};
   }
 
 private:
   Find find_;
   BatchLocator& locator_;
-  Location locations_[batch_size];
-  Reason reasons_[batch_size];
-  math::Vec3d rest_[batch_size]; ///< points that are left
-  QueryId rest_at_[batch_size];  ///< their numbers
+  DirectScratch& s_;
 };
 
 } // namespace insitu::query

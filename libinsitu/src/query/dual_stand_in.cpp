@@ -1,7 +1,6 @@
 #include "query/dual_stand_in.h"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 
 namespace insitu::query {
@@ -40,8 +39,7 @@ struct DualStandIn::Gathered {
   std::vector<mesh::FieldPieceView> views;
 };
 
-DualStandIn::DualStandIn(core::Memory& memory)
-    : memory_(&memory), dual_(memory), slots_(memory, INSITU_MEMORY_AMR) {}
+DualStandIn::DualStandIn(core::Memory& memory) : memory_(&memory), dual_(memory), places_(memory) {}
 
 DualStandIn::~DualStandIn() = default;
 
@@ -50,35 +48,7 @@ void DualStandIn::build(const mesh::Mesh& mesh, const core::Threads& threads) {
   threads_ = &threads;
   fields_.clear();
   dual_.build(mesh.adaptive(), threads);
-  view_ = dual_.view();
-  pieces_.assign(view_.pieces, view_.pieces + view_.piece_count);
-  view_.pieces = pieces_.data();
-  gridlets_ = *pieces_[0].gridlets;
-  pieces_[0].gridlets = &gridlets_;
-  make_table();
-  view_.covers_once = view_.free_of_folds; // faces match, so no fold means single cover
-}
-
-void DualStandIn::make_table() {
-  const std::uint32_t size = std::bit_ceil(std::uint32_t(2 * gridlets_.count + 1));
-  slots_.resize_discard(size);
-  std::fill(slots_.begin(), slots_.end(), mesh::GridletsView::no_gridlet);
-  gridlets_.slots = slots_.data();
-  gridlets_.slot_mask = size - 1;
-  gridlets_.depth_count = 0;
-  bool has_depth[mesh::Lattice::most_depth + 1] = {};
-  for (std::int64_t i = 0; i < gridlets_.count; ++i) {
-    const mesh::Gridlet& g = gridlets_.gridlets[i];
-    const std::int64_t lower[3] = {g.lower[0], g.lower[1], g.lower[2]};
-    std::uint32_t at = mesh::GridletsView::hash(g.depth, lower) & gridlets_.slot_mask;
-    while (slots_[at] != mesh::GridletsView::no_gridlet)
-      at = (at + 1) & gridlets_.slot_mask;
-    slots_[at] = std::uint32_t(i);
-    has_depth[g.depth] = true;
-  }
-  for (int d = mesh::Lattice::most_depth; d >= 0; --d) // the finest hold most
-    if (has_depth[d])
-      gridlets_.depths[gridlets_.depth_count++] = std::uint8_t(d);
+  places_.build(*dual_.view().pieces[0].gridlets, dual_.leaves());
 }
 
 void DualStandIn::fields_changed() {

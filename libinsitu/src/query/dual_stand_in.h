@@ -7,6 +7,7 @@
 
 #include "amr/dual_mesh.h"
 #include "mesh/mesh.h"
+#include "query/gridlet_places.h"
 
 namespace insitu::query {
 
@@ -17,29 +18,27 @@ public:
   explicit DualStandIn(core::Memory& memory);
   ~DualStandIn() override;
 
-  /// At a regrid. Throws INSITU_ERROR_MESH; the stand-in then must not be used.
+  /// At a regrid. Throws INSITU_ERROR_MESH; the stand-in then must not be used. The mesh and the
+  /// threads must outlive it: fields are gathered later.
   void build(const mesh::Mesh& mesh, const core::Threads& threads);
   /// The solver's values changed: what was gathered is stale.
   void fields_changed();
 
   const amr::DualMesh& dual() const { return dual_; }
+  const GridletPlaces& places() const { return places_; }
   std::int64_t value_bytes() const;
 
-  const mesh::MeshView& view() const override { return view_; }
+  const mesh::MeshView& view() const override { return dual_.view(); }
   /// Thread-safe.
   mesh::FieldView field(const mesh::FieldView& own) override;
 
 private:
   struct Gathered;
-  void make_table();
   void gather(const mesh::FieldView& own, Gathered& to) const;
 
   core::Memory* memory_;
   amr::DualMesh dual_;
-  mesh::GridletsView gridlets_; ///< the dual's, with the table of their places
-  core::Buffer<std::uint32_t> slots_;
-  std::vector<mesh::PieceView> pieces_;
-  mesh::MeshView view_;
+  GridletPlaces places_;
   const mesh::MeshView* own_ = nullptr;
   const core::Threads* threads_ = nullptr;
   mutable std::mutex mutex_;

@@ -5,6 +5,7 @@
 
 #include "cells/decide.h"
 #include "mesh/view.h"
+#include "query/gridlet_places.h"
 #include "query/sampler.h"
 
 /// Points in gridlets: without a tree, and exactly, since the cells are boxes whose faces are
@@ -106,9 +107,10 @@ inline void interpolate_in_gridlet(const mesh::GridletsView& all, const mesh::Fi
 class GridletFinder {
 public:
   /// hint: a cell whose gridlet is tried first, or -1.
-  explicit GridletFinder(const mesh::GridletsView& all, std::int64_t hint = -1) : all_(&all) {
+  explicit GridletFinder(const GridletPlaces& places, std::int64_t hint = -1)
+      : places_(&places), all_(&places.gridlets()) {
     for (int a = 0; a < 3; ++a)
-      per_unit_[a] = 1.0 / all.lattice.spacing[a];
+      per_unit_[a] = 1.0 / all_->lattice.spacing[a];
     if (hint >= 0)
       take(hint >> mesh::Gridlet::cell_bits);
   }
@@ -121,8 +123,8 @@ public:
     reason = Reason::certified;
     if (const Location at = inside(p))
       return at;
-    for (int d = 0; d < all_->depth_count; ++d) {
-      const int depth = all_->depths[d];
+    for (int d = 0; d < places_->depth_count(); ++d) {
+      const int depth = places_->depth(d);
       const double scale = double(std::int64_t(1) << depth);
       std::int64_t lower[3];
       bool near = true;
@@ -132,7 +134,7 @@ public:
         // Cells of the dual begin at centres; rounded down.
         lower[a] = near ? std::int64_t(steps - 0.5) - (std::int64_t(1) << 31) : 0;
       }
-      const std::int64_t found = near ? all_->find(depth, lower) : -1;
+      const std::int64_t found = near ? places_->find(depth, lower) : -1;
       if (found < 0 || found == last_)
         continue;
       take(found);
@@ -176,6 +178,7 @@ private:
     return sure && all_->is_full(found.cell) ? found : Location{};
   }
 
+  const GridletPlaces* places_;
   const mesh::GridletsView* all_;
   std::int64_t last_ = -1;
   double per_unit_[3]; ///< cells of depth 0

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "accel/tree.h"
 #include "cells/kernels.h"
+#include "query/adaptive.h"
 #include "query/batch.h"
 #include "query/direct_batch.h"
 #include "query/gridlet_query.h"
@@ -26,21 +28,25 @@ BatchScratch& batch_scratch() {
   return *scratch;
 }
 
+DirectScratch& direct_scratch() {
+  thread_local std::unique_ptr<DirectScratch> scratch = std::make_unique<DirectScratch>();
+  return *scratch;
+}
+
 /// Runs batches over points in their own or another order, and counts.
 class Batches {
 public:
-  /// counts, locators, leaves: or null.
+  /// counts, locators, adaptive: or null.
   Batches(const PointQuery& query, LocateCounts* counts, const Locators* locators,
-          const amr::LeafMap* leaves)
+          const Adaptive* adaptive)
       : locator_(query, batch_scratch()), counts_(counts),
         ray_counts_(locators ? &locators->ray_counts() : nullptr) {
     if (locators && locators->rays())
       by_rays_ = std::make_unique<RayBatch>(query, *locators->rays(), batch_scratch(), locator_);
-    else if (leaves)
-      by_leaves_ = std::make_unique<DirectBatch<LeafFinder>>(LeafFinder(*leaves), locator_);
-    else if (query.first_stored_cell() > 0)
-      by_gridlets_ = std::make_unique<DirectBatch<GridletFinder>>(
-          GridletFinder(*gridlets_of(query.mesh)), locator_);
+    else if (adaptive && adaptive->gridlets())
+      by_gridlets_.emplace(GridletFinder(*adaptive->gridlets()), locator_, direct_scratch());
+    else if (adaptive)
+      by_leaves_.emplace(LeafFinder(adaptive->leaves()), locator_, direct_scratch());
   }
   ~Batches() {
     if (counts_)
@@ -75,8 +81,8 @@ private:
   LocateCounts* counts_;
   RayCounts* ray_counts_;
   std::unique_ptr<RayBatch> by_rays_;
-  std::unique_ptr<DirectBatch<GridletFinder>> by_gridlets_;
-  std::unique_ptr<DirectBatch<LeafFinder>> by_leaves_;
+  std::optional<DirectBatch<GridletFinder>> by_gridlets_;
+  std::optional<DirectBatch<LeafFinder>> by_leaves_;
   std::int64_t by_reason_[reason_count] = {};
 };
 
@@ -125,12 +131,11 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
                          Reason* reason) const {
   Reason why = Reason::outside;
   Location at;
-  if (const mesh::GridletsView* const gridlets = gridlets_of(*mesh_)) {
-    GridletFinder find(*gridlets, hint < mesh_->first_cell[1] ? hint : -1);
-    at = find(p, why);
-  }
-  if (leaves_)
-    at = LeafFinder(*leaves_)(p, why);
+  const GridletPlaces* const gridlets = adaptive_ ? adaptive_->gridlets() : nullptr;
+  if (gridlets)
+    at = GridletFinder(*gridlets, hint < mesh_->first_cell[1] ? hint : -1)(p, why);
+  else if (adaptive_)
+    at = LeafFinder(adaptive_->leaves())(p, why);
   if (!at && hint >= 0 && mesh_->free_of_folds && hint < mesh_->cell_count() && owns(hint)) {
     mesh::CellVertices cell;
     mesh::gather(*mesh_, hint, cell, options.alpha);
@@ -140,7 +145,7 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
       why = Reason::certified;
     }
   }
-  if (!at && !leaves_)
+  if (!at && (gridlets || !adaptive_))
     at = PointQuery{*mesh_, *tree_, options}.locate(p, why);
   if (counts_)
     counts_->add(why);
@@ -152,7 +157,7 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
 void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> locations,
                             const LocateOptions& options, std::span<std::uint8_t> reasons) const {
   const PointQuery query{*mesh_, *tree_, options};
-  Batches batches(query, counts_, locators_, leaves_);
+  Batches batches(query, counts_, locators_, adaptive_);
   for (std::size_t first = 0; first < points.size(); first += batch_size) {
     const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
     Answered answered = batches.run(points.subspan(first, n));
@@ -184,7 +189,7 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
         sorts ? order_->sort(threads, part, *tree_) : std::span<const accel::morton::Coded>();
     threads.parallel_for(
         std::int64_t(part.size()), grain, [&](std::int64_t begin, std::int64_t end) {
-          Batches batches(query, counts_, locators_, leaves_);
+          Batches batches(query, counts_, locators_, adaptive_);
           Vec3d batch[batch_size];
           for (auto first = std::size_t(begin); first < std::size_t(end); first += batch_size) {
             const std::size_t n = std::min<std::size_t>(batch_size, std::size_t(end) - first);

@@ -15,12 +15,9 @@ namespace insitu::accel {
 class Tree;
 }
 
-namespace insitu::amr {
-class LeafMap;
-}
-
 namespace insitu::query {
 
+class Adaptive;
 class Locators;
 class SpatialOrder;
 
@@ -85,12 +82,12 @@ public:
   /// order, counts: may be null; then batches are taken in their own order, and nothing is counted.
   /// locators: batches go by its ray method first (RayBatch), parallel ones by its device; null: by
   /// the tree alone, as single points always do. The answers are the same but in `fast`.
-  /// leaves: the mesh's cells are these leaves; or null.
+  /// adaptive: of which these are the cells, most of which then need no tree; or null.
   Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrder* order = nullptr,
           LocateCounts* counts = nullptr, const Locators* locators = nullptr,
-          const amr::LeafMap* leaves = nullptr)
+          const Adaptive* adaptive = nullptr)
       : mesh_(&mesh), tree_(&tree), order_(order), counts_(counts), locators_(locators),
-        leaves_(leaves) {}
+        adaptive_(adaptive) {}
 
   const mesh::MeshView& mesh() const { return *mesh_; }
   const accel::Tree& tree() const { return *tree_; }
@@ -152,7 +149,7 @@ private:
   SpatialOrder* order_;
   LocateCounts* counts_;
   const Locators* locators_;
-  const amr::LeafMap* leaves_;
+  const Adaptive* adaptive_;
 };
 
 } // namespace insitu::query
