@@ -126,16 +126,16 @@ public:
     for (int d = 0; d < places_->depth_count(); ++d) {
       const int depth = places_->depth(d);
       const double scale = double(std::int64_t(1) << depth);
-      std::int64_t lower[3];
+      std::int64_t index[3]; // of the dual cell there: these begin at centres
       bool near = true;
       for (int a = 0; a < 3; ++a) {
-        const double steps = (p[a] - all_->lattice.origin[a]) * (per_unit_[a] * scale) + 0x1p31;
-        near &= steps > 0x1p30 && steps < 0x1.8p31;
-        // Cells of the dual begin at centres; rounded down.
-        lower[a] = near ? std::int64_t(steps - 0.5) - (std::int64_t(1) << 31) : 0;
+        const double steps = (p[a] - all_->lattice.origin[a]) * (per_unit_[a] * scale) - 0.5;
+        near &= std::fabs(steps) < double(2 * mesh::Lattice::largest_index);
+        index[a] = near ? std::int64_t(steps) : 0;
+        index[a] -= steps < double(index[a]);
       }
-      const std::int64_t found = near ? places_->find(depth, lower) : -1;
-      if (found < 0 || found == last_)
+      const std::int64_t found = near ? places_->find(depth, index) : -1;
+      if (found < 0 || found == last_ || !has_cell(found, index))
         continue;
       take(found);
       if (const Location at = inside(p))
@@ -145,6 +145,18 @@ public:
   }
 
 private:
+  bool has_cell(std::int64_t gridlet, const std::int64_t* index) const {
+    const mesh::Gridlet& g = all_->gridlets[gridlet];
+    std::int64_t cell = gridlet << mesh::Gridlet::cell_bits;
+    for (int a = 0; a < 3; ++a) {
+      const std::int64_t i = index[a] - g.lower[a];
+      if (i < 0 || i >= g.size[a])
+        return false;
+      cell += i << (3 * a);
+    }
+    return all_->is_full(cell);
+  }
+
   void take(std::int64_t gridlet) {
     const mesh::Gridlet& g = all_->gridlets[gridlet];
     last_ = gridlet;
@@ -152,8 +164,10 @@ private:
     for (int a = 0; a < 3; ++a) {
       start_[a] = all_->coordinate(g, a, 0);
       steps_a_unit_[a] = per_unit_[a] * scale;
-      // Some units in the last place of the coordinates, in steps.
-      const double rounding = 0x1p-49 * (std::fabs(start_[a]) * steps_a_unit_[a] + 16.0);
+      // Some units in the last place of the coordinates, of zero's and of the lattice's origin, in
+      // steps: nearer to a face, an index found by either may be the neighbour's.
+      const double far = std::fabs(start_[a]) + std::fabs(start_[a] - all_->lattice.origin[a]);
+      const double rounding = 0x1p-49 * (far * steps_a_unit_[a] + 16.0);
       least_[a] = rounding;
       most_[a] = g.size[a] - rounding;
     }

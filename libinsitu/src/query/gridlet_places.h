@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+
+#include "amr/leaf_map.h"
+#include "mesh/gridlet.h"
+
+namespace insitu::query {
+
+/// Where the gridlets of a dual mesh are: at most one in the place of each brick of its leaf map.
+class GridletPlaces {
+public:
+  explicit GridletPlaces(core::Memory& memory) : in_brick_(memory, INSITU_MEMORY_AMR) {}
+
+  /// The arguments must outlive the object, or its next build.
+  void build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves);
+
+  const mesh::GridletsView& gridlets() const { return *gridlets_; }
+  std::int64_t bytes() const { return std::int64_t(in_brick_.bytes()); }
+
+  /// Depths that have gridlets, the finest first.
+  int depth_count() const { return depth_count_; }
+  int depth(int i) const { return depths_[i]; }
+
+  /// The gridlet in whose place the cell of a depth lies, or -1.
+  std::int64_t find(int depth, const std::int64_t* index) const {
+    const std::uint32_t brick = store_->find(depth, amr::BrickStore::key_of(index));
+    return brick == amr::BrickTable::none ? -1 : std::int64_t(in_brick_[brick]);
+  }
+
+private:
+  const mesh::GridletsView* gridlets_ = nullptr;
+  const amr::BrickStore* store_ = nullptr;
+  core::Buffer<std::int32_t> in_brick_; ///< gridlets, or -1
+  int depth_count_ = 0;
+  std::uint8_t depths_[mesh::Lattice::most_depth + 1] = {};
+};
+
+} // namespace insitu::query
