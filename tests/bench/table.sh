@@ -1,16 +1,18 @@
 #!/usr/bin/env bash
-# Makes the README's table of measured figures: libinsitu beside VTK's locators, each row one run.
-#   bash tests/bench/table.sh [cells] [--readme]
-# cells: 1000000, about ten minutes; the large rows take eight times as many. --readme: puts the table
-# between the README's <!-- measured --> marks instead of printing it. INSITU_BENCH: another binary.
+# Makes the README's tables of measured figures: libinsitu beside VTK's locators, each row one run, and adaptive meshes.
+#   bash tests/bench/table.sh [cells] [--amr] [--readme]
+# cells: 1000000, about ten minutes; the large rows take eight times as many. --amr: adaptive meshes alone, a minute.
+# --readme: puts the tables between the README's <!-- measured --> and <!-- amr --> marks instead of printing them.
+# INSITU_BENCH: another binary.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 bench=${INSITU_BENCH:-build/release/bin/insitu-bench}
-cells=1000000 readme=
+cells=1000000 readme= amr_alone=
 for argument; do
   case $argument in
     --readme) readme=1 ;;
-    *[!0-9]* | '') sed -n '2,5s/^# //p' "$0" >&2; exit 2 ;;
+    --amr) amr_alone=1 ;;
+    *[!0-9]* | '') sed -n '2,6s/^# //p' "$0" >&2; exit 2 ;;
     *) cells=$argument ;;
   esac
 done
@@ -98,14 +100,30 @@ table() {
   sed -nE 's/^  (Ours lost.*|[0-9]+ FAILED|[0-9]+ answers are not.*)$/\1/p; s/^  ([0-9]+ FAILED):$/\1/p' "$out/torture.txt"
 }
 
-if [ -z "$readme" ]; then
-  table
-  exit
+amr() {
+  echo "\`insitu-bench amr\`, $(date -u +%Y-%m-%d) on $(nproc) cores, $(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo)." \
+    "Build: from the solver's arrays to ready to sample; fields: a commit of new values."
+  echo
+  echo '```'
+  "$bench" amr 2> /dev/null
+  echo '```'
+}
+
+# fill MARK FUNCTION: puts what the function prints between the README's marks.
+fill() {
+  grep -q "^<!-- $1 -->\$" README.md && grep -q "^<!-- /$1 -->\$" README.md ||
+    { echo "README.md has no lines <!-- $1 --> and <!-- /$1 -->" >&2; exit 2; }
+  "$2" > "$out/$1.md"
+  awk -v file="$out/$1.md" -v begin="<!-- $1 -->" -v end="<!-- /$1 -->" '$0 == end { skip = 0 } !skip
+    $0 == begin { print ""; while ((getline line < file) > 0) print line; print ""; skip = 1 }' README.md > "$out/README.md"
+  cp "$out/README.md" README.md
+  echo "README.md: $1 written"
+}
+
+if [ -n "$readme" ]; then
+  [ -n "$amr_alone" ] || fill measured table
+  fill amr amr
+else
+  [ -n "$amr_alone" ] || { table; echo; }
+  amr
 fi
-grep -q '^<!-- measured -->$' README.md && grep -q '^<!-- /measured -->$' README.md ||
-  { echo "README.md has no lines <!-- measured --> and <!-- /measured -->" >&2; exit 2; }
-table > "$out/table.md"
-awk -v file="$out/table.md" '/^<!-- \/measured -->$/ { skip = 0 } !skip
-  /^<!-- measured -->$/ { print ""; while ((getline line < file) > 0) print line; print ""; skip = 1 }' README.md > "$out/README.md"
-cp "$out/README.md" README.md
-echo "README.md: table written"
