@@ -6,29 +6,9 @@
 #include <insitu/insitu.hpp>
 #include <limits>
 
+#include "two.h"
+
 namespace {
-
-double linear(double x, double y, double z) {
-  return 1.0 + 2.0 * x - 3.0 * y + 0.5 * z;
-}
-
-/// Two hexahedra side by side along x, with a linear vertex field and a cell field.
-struct Two {
-  std::vector<double> x, y, z, xyz, pressure, density{10.0, 20.0};
-  std::vector<int> ids{0, 1, 4, 3, 6, 7, 10, 9, 1, 2, 5, 4, 7, 8, 11, 10};
-  Two() {
-    for (int k = 0; k < 2; ++k)
-      for (int j = 0; j < 2; ++j)
-        for (int i = 0; i < 3; ++i) {
-          x.push_back(i);
-          y.push_back(j);
-          z.push_back(k);
-          for (const int c : {i, j, k})
-            xyz.push_back(c);
-          pressure.push_back(linear(i, j, k));
-        }
-  }
-};
 
 template <class Call>
 insitu_status status_of(Call&& call, std::string* what = nullptr) {
@@ -372,45 +352,3 @@ TEST_F(Wrapper, SessionsMoveAndMeshesEndWithThem) {
   EXPECT_EQ(moved.handle(), nullptr);
   EXPECT_EQ(status_of([&] { mesh.commit(); }), INSITU_ERROR_HANDLE);
 }
-
-TEST(WrapperSession, TheLogReachesTheFunction) {
-  std::vector<std::string> messages;
-  insitu::Options options;
-  options.log_level = insitu::LogLevel::debug;
-  options.log = [&](insitu::LogLevel, const char* message) {
-    messages.emplace_back(message);
-    throw std::runtime_error("dropped");
-  };
-  // A field that is not there: the probe fails, is logged and skipped.
-  options.scene_text = "insitu: 1\nprobes:\n  - {name: q, points: [[0, 0, 0]], fields: [absent]}\n";
-  options.output = testing::TempDir() + "insitu_wrapper";
-  insitu::Session session(options);
-  Two two;
-  insitu::Mesh mesh = session.mesh("m");
-  mesh.points(two.xyz);
-  mesh.hexahedra(two.ids);
-  mesh.vertex_field("p", two.pressure);
-  EXPECT_FALSE(session.execute(0, 0.0));
-  EXPECT_TRUE(std::any_of(messages.begin(), messages.end(), [](const std::string& m) {
-    return m.find("absent") != std::string::npos;
-  }));
-  EXPECT_EQ(session.report().failures, 1);
-  EXPECT_EQ(session.report().executions, 1);
-}
-
-TEST(WrapperSession, Version) {
-  EXPECT_EQ(insitu::version(),
-            (std::array<int, 3>{INSITU_VERSION_MAJOR, INSITU_VERSION_MINOR, INSITU_VERSION_PATCH}));
-}
-
-#if __cplusplus >= 202002L
-TEST(WrapperSession, DesignatedInitialisersAndSpans) {
-  insitu::Session session({.output = "out", .threads = 1});
-  insitu::Mesh mesh = session.mesh("m");
-  Two two;
-  mesh.points(std::span<const double>(two.xyz));
-  mesh.hexahedra(std::span<int>(two.ids));
-  mesh.vertex_field("p", std::span<double>(two.pressure));
-  EXPECT_EQ(mesh.commit().cells, 2);
-}
-#endif

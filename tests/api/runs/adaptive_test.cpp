@@ -1,4 +1,5 @@
 // A run on an adaptive mesh: probes, tracers, triggers and frames as on any other.
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -100,7 +101,13 @@ runs::Files run(const std::string& output, int threads, insitu::Reconstruction r
   return runs::files_of(output);
 }
 
-double density(const double* p, double time) {
+/// Where the scene's line has the point of a row.
+std::array<double, 3> line_point(const runs::Table& line, std::size_t row) {
+  const double s = line.number(row, "point") / 8;
+  return {0.2 + 0.63 * s, 0.3 + 0.41 * s, 0.4 + 0.22 * s};
+}
+
+double density(const std::array<double, 3>& p, double time) {
   return p[0] + 2 * p[1] + 3 * p[2] + time;
 }
 
@@ -110,8 +117,7 @@ TEST(AdaptiveRuns, ProbesTracersAndTriggersAreRight) {
   const runs::Table line = runs::parse_table(files.at("line.csv"));
   ASSERT_EQ(line.rows.size(), 6u * 9u);
   for (std::size_t i = 0; i < line.rows.size(); ++i) {
-    const double s = line.number(i, "point") / 8;
-    const double p[3] = {0.2 + 0.63 * s, 0.3 + 0.41 * s, 0.4 + 0.22 * s};
+    const std::array<double, 3> p = line_point(line, i);
     EXPECT_NEAR(line.number(i, "density"), density(p, line.number(i, "time")), 1e-12);
     EXPECT_NEAR(line.number(i, "velocity_x"), 0.5 - p[1], 1e-13);
     // The cell is the solver's: of the fine patch where that lies.
@@ -125,8 +131,9 @@ TEST(AdaptiveRuns, ProbesTracersAndTriggersAreRight) {
     std::int64_t ijk[3];
     const char* const names[3] = {"r", "s", "t"};
     for (int a = 0; a < 3; ++a) {
-      ijk[a] = std::int64_t(p[a] / h) - lower[a];
-      EXPECT_NEAR(line.number(i, names[a]), p[a] / h - std::floor(p[a] / h), 1e-9);
+      const double cells = p[std::size_t(a)] / h;
+      ijk[a] = std::int64_t(cells) - lower[a];
+      EXPECT_NEAR(line.number(i, names[a]), cells - std::floor(cells), 1e-9);
     }
     EXPECT_EQ(line.number(i, "cell"), double(ijk[0] + 8 * (ijk[1] + 8 * ijk[2]))) << i;
   }
@@ -167,12 +174,12 @@ TEST(AdaptiveRuns, NearestKeepsTheCellsValues) {
   const runs::Table line = runs::parse_table(files.at("line.csv"));
   ASSERT_EQ(line.rows.size(), 6u * 9u);
   for (std::size_t i = 0; i < line.rows.size(); ++i) {
-    const double s = line.number(i, "point") / 8;
-    const double p[3] = {0.2 + 0.63 * s, 0.3 + 0.41 * s, 0.4 + 0.22 * s};
+    const std::array<double, 3> p = line_point(line, i);
     const bool fine = line.number(i, "piece") == 1;
     const double h = fine ? 0.0625 : 0.125;
-    const double centre[3] = {(std::floor(p[0] / h) + 0.5) * h, (std::floor(p[1] / h) + 0.5) * h,
-                              (std::floor(p[2] / h) + 0.5) * h};
+    const std::array<double, 3> centre{(std::floor(p[0] / h) + 0.5) * h,
+                                       (std::floor(p[1] / h) + 0.5) * h,
+                                       (std::floor(p[2] / h) + 0.5) * h};
     EXPECT_NEAR(line.number(i, "density"), density(centre, line.number(i, "time")), 1e-12) << i;
   }
 }
