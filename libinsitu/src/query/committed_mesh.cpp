@@ -1,6 +1,7 @@
 #include "query/committed_mesh.h"
 
 #include <algorithm>
+#include <atomic>
 
 #include "cells/conformity.h"
 #include "core/status.h"
@@ -21,10 +22,16 @@ std::unique_ptr<mesh::HostMirror> make_mirror(const mesh::Mesh& mesh) {
       });
 }
 
+std::uint64_t next_id() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 } // namespace
 
 CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
-    : mesh_(name, memory), tree_(memory), locators_(memory), order_(memory), memory_(&memory) {}
+    : id_(next_id()), mesh_(name, memory), tree_(memory), locators_(memory), order_(memory),
+      memory_(&memory) {}
 
 void CommittedMesh::require_committed() const {
   if (!committed_)

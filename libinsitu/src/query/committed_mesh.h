@@ -73,6 +73,8 @@ public:
   /// Of all samplers of this mesh, since it was made.
   const LocateCounts& locate_counts() const { return locate_counts_; }
 
+  /// Differs from that of every other mesh of the process, past ones included.
+  std::uint64_t id() const { return id_; }
   /// Grow with each commit that changed values, or cells and coordinates: for caches made from
   /// them.
   std::uint64_t fields_version() const { return fields_version_; }
@@ -96,6 +98,7 @@ private:
   void look_for_overlaps(const core::Threads& threads);
   bool many_were_located() const;
 
+  const std::uint64_t id_;
   mesh::Mesh mesh_;
   accel::Tree tree_;
   Locators locators_;

@@ -18,14 +18,14 @@ struct Counters {
 class FrameRenderer {
 public:
   FrameRenderer(const query::Sampler& sampler, const FrameSettings& settings,
-                const core::Threads& threads, core::Memory& memory)
+                Structures& structures)
       : settings_(settings), rays_(settings.camera, settings.width, settings.height) {
     if (sampler.tree().empty())
       return;
     if (settings.volume)
       volume_.emplace(sampler, *settings.volume);
     if (!settings.isosurfaces.empty())
-      surfaces_.emplace(sampler, settings.isosurfaces, settings.lighting, threads, memory);
+      surfaces_.emplace(sampler, settings.isosurfaces, settings.lighting, structures);
   }
 
   double step() const { return volume_ ? volume_->step() : 0.0; }
@@ -89,13 +89,23 @@ private:
 
 } // namespace
 
-core::Image render_frame(const query::Sampler& sampler, const FrameSettings& settings,
+FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
                          const core::Threads& threads, core::Memory& memory,
                          FrameStatistics* statistics) {
+  Structures structures(memory);
+  structures.begin(sampler, 0, 0, threads);
+  return render_frame(sampler, settings, structures, threads, statistics);
+}
+
+FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
+                         Structures& structures, const core::Threads& threads,
+                         FrameStatistics* statistics) {
   const core::Timer timer;
-  const FrameRenderer renderer(sampler, settings, threads, memory);
+  const FrameRenderer renderer(sampler, settings, structures);
   const double prepared = timer.seconds();
-  core::Image image(settings.width, settings.height);
+  FrameImages images;
+  images.color = core::Image(settings.width, settings.height);
+  core::Image& image = images.color;
   const std::int64_t columns = (settings.width + tile_side - 1) / tile_side;
   const std::int64_t rows = (settings.height + tile_side - 1) / tile_side;
   Counters counters;
@@ -114,7 +124,7 @@ core::Image render_frame(const query::Sampler& sampler, const FrameSettings& set
     statistics->prepare_seconds = prepared;
     statistics->seconds = timer.seconds();
   }
-  return image;
+  return images;
 }
 
 } // namespace insitu::render

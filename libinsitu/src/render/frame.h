@@ -8,13 +8,13 @@
 #include "core/parallel.h"
 #include "query/sampler.h"
 #include "render/camera.h"
+#include "render/clip.h"
 #include "render/isosurface.h"
 #include "render/volume.h"
 
 namespace insitu::render {
 
-/// All that a frame shows. What is not asked for is neither computed nor allocated: value ranges
-/// and vertex averages are made for isosurfaces only.
+/// All that a frame shows. What is not asked for is neither computed nor allocated.
 struct FrameSettings {
   int width = 1024, height = 1024;
   Camera camera;
@@ -22,7 +22,19 @@ struct FrameSettings {
   float background_alpha = 1;
   std::optional<VolumeSettings> volume;
   std::vector<IsosurfaceSettings> isosurfaces;
-  Lighting lighting; ///< of surfaces
+  Lighting lighting;
+  std::vector<Clip> clips;
+  bool depth = false, cell = false; ///< images of these too
+};
+
+/// Row 0 at the top, pixel x of row y at y * width + x. depth and cell stay empty unless asked for.
+struct FrameImages {
+  core::Image color;
+  /// Distance along the pixel's ray, in mesh units, to where its opacity reaches a half; infinite
+  /// where it never does.
+  std::vector<float> depth;
+  /// The flat cell (see mesh::MeshView) there, -1 where there is none.
+  std::vector<std::int64_t> cell;
 };
 
 struct FrameStatistics {
@@ -38,9 +50,12 @@ struct FrameStatistics {
 
 /// Draws the mesh as committed. Tiles of 16 x 16 pixels run in parallel; the image is the same to
 /// the byte for any number of threads. Throws core::Error, INSITU_ERROR_ARGUMENT or
-/// INSITU_ERROR_FIELD, if the settings do not fit. Memory made for the frame is counted and given
-/// back.
-core::Image render_frame(const query::Sampler& sampler, const FrameSettings& settings,
+/// INSITU_ERROR_FIELD, if the settings do not fit.
+FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
+                         Structures& structures, const core::Threads& threads,
+                         FrameStatistics* statistics = nullptr);
+/// The same with structures for this frame alone.
+FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
                          const core::Threads& threads, core::Memory& memory,
                          FrameStatistics* statistics = nullptr);
 

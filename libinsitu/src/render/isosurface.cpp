@@ -49,8 +49,7 @@ bool IsosurfaceTracer::Group::needs(std::uint32_t node, int child) const {
 
 IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
                                    const std::vector<IsosurfaceSettings>& settings,
-                                   const Lighting& lighting, const core::Threads& threads,
-                                   core::Memory& memory)
+                                   const Lighting& lighting, Structures& structures)
     : sampler_(sampler), lighting_(lighting) {
   for (const IsosurfaceSettings& s : settings) {
     check(s);
@@ -60,8 +59,6 @@ IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
       group = groups_.emplace(groups_.end());
       group->source = group->field = s.field;
     }
-    if (s.ranges && s.field.field.association == INSITU_VERTEX)
-      group->ranges = s.ranges;
     for (const double v : s.values) {
       group->levels.push_back(
           {v, accel::round_down(v), accel::round_up(v), std::int32_t(surfaces_.size()), &s});
@@ -69,17 +66,9 @@ IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
     }
   }
   for (Group& group : groups_) {
-    if (group.source.field.association == INSITU_CELL) {
-      group.average =
-          std::make_unique<VertexAverage>(sampler.mesh(), group.source, threads, memory);
-      group.field = group.average->field();
-    }
-    if (!group.ranges) {
-      group.owned_ranges =
-          std::make_unique<accel::ValueRanges>(sampler.tree(), sampler.mesh(), group.field.field,
-                                               range_component(group.field), threads, memory);
-      group.ranges = group.owned_ranges.get();
-    }
+    if (group.source.field.association == INSITU_CELL)
+      group.field = structures.average(group.source).field();
+    group.ranges = &structures.value_ranges(group.field);
   }
 }
 

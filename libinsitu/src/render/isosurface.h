@@ -1,18 +1,15 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <variant>
 #include <vector>
 
-#include "accel/value_ranges.h"
-#include "core/memory.h"
-#include "core/parallel.h"
 #include "query/sampler.h"
 #include "render/cell_roots.h"
+#include "render/light.h"
 #include "render/scalar_field.h"
+#include "render/structures.h"
 #include "render/transfer_function.h"
-#include "render/vertex_average.h"
 
 namespace insitu::render {
 
@@ -23,22 +20,12 @@ struct ColorByField {
 };
 
 /// Surfaces on which a field takes these values. A cell field is averaged to the vertices first
-/// (VertexAverage), for the time of the frame.
+/// (VertexAverage).
 struct IsosurfaceSettings {
   ScalarField field;
   std::vector<double> values;
   double opacity = 1;
   std::variant<Color, ColorByField> color = Color{0.6f, 0.6f, 0.6f}; ///< linear
-  /// Value ranges of a vertex field that the caller keeps between frames, or null: made for this
-  /// one.
-  const accel::ValueRanges* ranges = nullptr;
-};
-
-/// A headlight: ambient + diffuse |cos|, on both sides alike.
-struct Lighting {
-  bool enabled = true; ///< false: surfaces keep their plain colours
-  double ambient = 0.3;
-  double diffuse = 0.7;
 };
 
 /// One crossing of a ray with a surface; color is shaded.
@@ -61,9 +48,10 @@ struct SurfaceCounts {
 /// ranges.
 class IsosurfaceTracer {
 public:
-  /// Makes what is missing: averages of cell fields, value ranges. The settings must outlive it.
+  /// Asks structures for averages of cell fields and value ranges. The settings and the structures
+  /// must outlive it.
   IsosurfaceTracer(const query::Sampler& sampler, const std::vector<IsosurfaceSettings>& settings,
-                   const Lighting& lighting, const core::Threads& threads, core::Memory& memory);
+                   const Lighting& lighting, Structures& structures);
 
   /// The ray's hits in depth order, up to and including the first opaque one. Of hits of one
   /// surface at one place (of cells that overlap, or on an edge) the lowest cell id counts.
@@ -79,8 +67,6 @@ private:
   /// All levels of one scalar field.
   struct Group {
     ScalarField source, field; ///< as asked for, and at the vertices
-    std::unique_ptr<VertexAverage> average;
-    std::unique_ptr<accel::ValueRanges> owned_ranges;
     const accel::ValueRanges* ranges = nullptr;
     std::vector<Level> levels;
     bool needs(std::uint32_t node, int child) const;

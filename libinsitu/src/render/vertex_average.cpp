@@ -23,7 +23,7 @@ VertexAverage::VertexAverage(const mesh::MeshView& mesh, const ScalarField& cell
 }
 
 ScalarField VertexAverage::field() const {
-  return {{name_, INSITU_VERTEX, 1, views_.data()}, 0};
+  return {{name_.c_str(), INSITU_VERTEX, 1, views_.data()}, 0};
 }
 
 // Cells around each vertex are listed first, each list in ascending order, so that sums do not

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/memory.h"
@@ -27,7 +28,7 @@ private:
   void average_piece(const mesh::MeshView& mesh, const ScalarField& cell_field, std::int32_t piece,
                      const core::Threads& threads, core::Memory& memory);
 
-  const char* name_;
+  std::string name_;
   core::Buffer<double> values_;
   std::vector<const std::byte*> bases_;
   std::vector<mesh::FieldPieceView> views_;

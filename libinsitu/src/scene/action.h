@@ -8,6 +8,7 @@
 #include "output/csv.h"
 #include "query/committed_mesh.h"
 #include "scene/description.h"
+#include "scene/frame_structures.h"
 #include "scene/statistics.h"
 
 /// What the parts of a runner share.
@@ -43,6 +44,7 @@ public:
 struct Environment {
   core::Context& context;
   Statistics& statistics;
+  FrameStructures& structures;
   std::string scene_file; ///< for messages
   std::string output;     ///< folder
 };

@@ -49,6 +49,9 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context);
 Frame parse_frame(const Cursor& cursor, ParseContext& context);
 
 Color parse_color(const Cursor& cursor, const Color& fallback);
+Component parse_component(const Cursor& cursor);
+ColorMap parse_color_map(const Cursor& cursor, const ParseContext& context);
+std::optional<ValueRange> parse_range(const Cursor& cursor);
 Camera parse_camera(const Cursor& cursor);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);
 std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseContext& context);

@@ -13,7 +13,10 @@ namespace insitu::scene {
 
 Runner::Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
                Statistics& statistics)
-    : environment_{context, statistics, scene.file, output.empty() ? scene.output : output},
+    : structures_(context.memory, context.threads), environment_{context, statistics, structures_,
+                                                                 scene.file,
+                                                                 output.empty() ? scene.output
+                                                                                : output},
       locator_(scene.locator) {
   if (locator_.choice.backend || locator_.choice.method) { // what can never be had is said at once
     try {
@@ -81,6 +84,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
       failed(std::string(action->kind()) + " '" + action->name() + "'", e);
     }
   }
+  structures_.end_cycle(meshes);
   try {
     keep_earlier(meshes);
   } catch (const std::exception& e) { // no memory: pathlines take the next velocity as steady

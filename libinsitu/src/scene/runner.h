@@ -38,6 +38,7 @@ private:
   void keep_earlier(MeshList meshes);
   void report(const std::string& what, const std::string& of, std::int64_t cycle);
 
+  FrameStructures structures_;
   Environment environment_;
   LocatorOptions locator_;
   std::vector<std::unique_ptr<Action>> actions_;

@@ -40,8 +40,9 @@ TEST_P(AdaptiveFrames, APlaneHasNoCracks) {
   const double value = linear(box.centre);
   const std::vector<render::IsosurfaceSettings> settings{
       {{mesh.committed.mesh.mesh().field("f"), 0}, {value}, 0.5}};
-  const render::IsosurfaceTracer tracer(sampler, settings, {}, mesh.committed.threads,
-                                        mesh.committed.memory);
+  render::Structures structures(mesh.committed.memory);
+  structures.begin(sampler, 0, 0, mesh.committed.threads);
+  const render::IsosurfaceTracer tracer(sampler, settings, {}, structures);
   const auto distance = [&](const Vec3d& p) { return linear(p) - value; };
   std::vector<render::SurfaceHit> hits;
   render::SurfaceCounts counts;

@@ -155,14 +155,22 @@ TEST(Frame, MakesNothingThatIsNotAskedFor) {
   mesh.draw(s);
   EXPECT_GT(memory.peak(), before);
   EXPECT_EQ(memory.current(), before);
-  // Ranges that the caller keeps are not made again.
-  const accel::ValueRanges kept(mesh.sampler().tree(), mesh.sampler().mesh(), x.field, 0,
-                                mesh.committed.threads, memory);
-  s.isosurfaces[0].ranges = &kept;
+  // Structures that the caller keeps are not made again.
+  render::Structures kept(memory);
+  kept.begin(mesh.sampler(), 0, 0, mesh.committed.threads);
+  render::render_frame(mesh.sampler(), s, kept, mesh.committed.threads);
+  EXPECT_EQ(kept.counts(), (render::Structures::Counts{0, 1, 0}));
+  kept.end();
   memory.reset_peak();
   const std::int64_t with_kept = memory.current();
-  mesh.draw(s);
+  kept.begin(mesh.sampler(), 0, 0, mesh.committed.threads);
+  render::render_frame(mesh.sampler(), s, kept, mesh.committed.threads);
   EXPECT_EQ(memory.peak(), with_kept);
+  kept.end();
+  // A frame without surfaces gives them back; new values have them made anew.
+  s.isosurfaces.clear();
+  kept.begin(mesh.sampler(), 0, 1, mesh.committed.threads);
+  EXPECT_EQ(memory.current(), before);
 }
 
 } // namespace

@@ -15,8 +15,9 @@ using render::SurfaceHit;
 
 std::vector<SurfaceHit> trace(RenderMesh& mesh, const std::vector<IsosurfaceSettings>& settings,
                               const Ray& ray) {
-  const IsosurfaceTracer tracer(mesh.sampler(), settings, {}, mesh.committed.threads,
-                                mesh.committed.memory);
+  render::Structures structures(mesh.committed.memory);
+  structures.begin(mesh.sampler(), 0, 0, mesh.committed.threads);
+  const IsosurfaceTracer tracer(mesh.sampler(), settings, {}, structures);
   std::vector<SurfaceHit> hits;
   render::SurfaceCounts counts;
   tracer.trace(ray, hits, counts);
@@ -32,8 +33,9 @@ TEST(Isosurface, PlaneIsExactInEveryShape) {
     RenderMesh mesh(4, shape, 0.25);
     const std::vector<IsosurfaceSettings> settings{
         {mesh.field("plane", INSITU_VERTEX, plane), {2.0, 3.0, 4.1}, 0.5}};
-    const IsosurfaceTracer tracer(mesh.sampler(), settings, {}, mesh.committed.threads,
-                                  mesh.committed.memory);
+    render::Structures structures(mesh.committed.memory);
+    structures.begin(mesh.sampler(), 0, 0, mesh.committed.threads);
+    const IsosurfaceTracer tracer(mesh.sampler(), settings, {}, structures);
     const FrameSettings s = box_frame(40);
     const render::RayGenerator rays(s.camera, 40, 40);
     std::vector<SurfaceHit> hits;

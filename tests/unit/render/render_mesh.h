@@ -109,7 +109,8 @@ public:
   core::Image draw(const render::FrameSettings& settings, int threads = 0,
                    render::FrameStatistics* statistics = nullptr) {
     return render::render_frame(sampler(), settings, core::Threads(threads), committed.memory,
-                                statistics);
+                                statistics)
+        .color;
   }
 
   TestMesh cells;

@@ -23,8 +23,9 @@ TEST_P(Sphere, NoRayMissesAndDepthsAreRight) {
   RenderMesh mesh(n, GetParam(), jitter);
   const std::vector<render::IsosurfaceSettings> settings{
       {mesh.field("r2", INSITU_VERTEX, field_at), {radius * radius}, 0.5}};
-  const render::IsosurfaceTracer tracer(mesh.sampler(), settings, {}, mesh.committed.threads,
-                                        mesh.committed.memory);
+  render::Structures structures(mesh.committed.memory);
+  structures.begin(mesh.sampler(), 0, 0, mesh.committed.threads);
+  const render::IsosurfaceTracer tracer(mesh.sampler(), settings, {}, structures);
   // Linear interpolation of |x|^2 over a cell of diameter h lies above it by at most h^2 / 4 at any
   // convex combination (a variance); so the drawn surface lies between two spheres.
   double h2 = 0;

@@ -1,0 +1,73 @@
+#include "render/structures.h"
+
+namespace insitu::render {
+
+void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, std::uint64_t fields,
+                       const core::Threads& threads) {
+  if (!sampler_ || geometry != geometry_ || fields != fields_) {
+    value_ranges_.clear();
+    averages_.clear();
+    scalar_ranges_.clear();
+  }
+  sampler_ = std::make_unique<query::Sampler>(sampler);
+  threads_ = &threads;
+  geometry_ = geometry;
+  fields_ = fields;
+}
+
+template <class T>
+void Structures::drop_unused(Entries<T>& entries) {
+  std::erase_if(entries, [](const auto& entry) { return !entry.second.used; });
+  for (auto& [key, entry] : entries)
+    entry.used = false;
+}
+
+void Structures::end() {
+  drop_unused(value_ranges_);
+  drop_unused(averages_);
+  drop_unused(scalar_ranges_);
+}
+
+Structures::Key Structures::key_of(const ScalarField& field) const {
+  bool is_average = false;
+  for (const auto& [key, entry] : averages_)
+    is_average =
+        is_average || (entry.value && entry.value->field().field.pieces == field.field.pieces);
+  return {field.field.name, field.field.association, range_component(field), is_average};
+}
+
+const VertexAverage& Structures::average(const ScalarField& cell_field) {
+  Entry<VertexAverage>& entry = averages_[key_of(cell_field)];
+  entry.used = true;
+  if (!entry.value) {
+    entry.value =
+        std::make_unique<VertexAverage>(sampler_->mesh(), cell_field, *threads_, *memory_);
+    ++counts_.averages;
+  }
+  return *entry.value;
+}
+
+const accel::ValueRanges& Structures::value_ranges(const ScalarField& vertex_field) {
+  Entry<accel::ValueRanges>& entry = value_ranges_[key_of(vertex_field)];
+  entry.used = true;
+  if (!entry.value) {
+    entry.value =
+        std::make_unique<accel::ValueRanges>(sampler_->tree(), sampler_->mesh(), vertex_field.field,
+                                             range_component(vertex_field), *threads_, *memory_);
+    ++counts_.value_ranges;
+  }
+  return *entry.value;
+}
+
+ScalarRange Structures::scalar_range(const ScalarField& field) {
+  Entry<ScalarRange>& entry = scalar_ranges_[key_of(field)];
+  entry.used = true;
+  if (!entry.value) {
+    entry.value =
+        std::make_unique<ScalarRange>(render::scalar_range(sampler_->mesh(), field, *threads_));
+    ++counts_.scalar_ranges;
+  }
+  return *entry.value;
+}
+
+} // namespace insitu::render

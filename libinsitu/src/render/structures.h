@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <tuple>
+
+#include "accel/value_ranges.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "query/sampler.h"
+#include "render/scalar_field.h"
+#include "render/vertex_average.h"
+
+namespace insitu::render {
+
+/// What frames of one mesh need beyond its tree: made when the first frame asks for it, shared by
+/// all, kept for the next cycle, given back when a cycle has drawn without it. Not thread-safe.
+class Structures {
+public:
+  /// How often each kind was made, for plans and tests: what no frame asks for stays at 0.
+  struct Counts {
+    std::int64_t averages = 0, value_ranges = 0, scalar_ranges = 0;
+    Counts& operator+=(const Counts& b) {
+      averages += b.averages;
+      value_ranges += b.value_ranges;
+      scalar_ranges += b.scalar_ranges;
+      return *this;
+    }
+    friend bool operator==(const Counts&, const Counts&) = default;
+  };
+
+  explicit Structures(core::Memory& memory) : memory_(&memory) {}
+
+  /// What the mesh is now; fields and geometry grow with each commit that changed them. Forgets
+  /// what no longer holds. The threads must outlive the next begin().
+  void begin(const query::Sampler& sampler, std::uint64_t geometry, std::uint64_t fields,
+             const core::Threads& threads);
+  /// Gives back what nobody asked for since begin().
+  void end();
+
+  /// A cell field at the vertices.
+  const VertexAverage& average(const ScalarField& cell_field);
+  /// Of a vertex field, or of an average's field().
+  const accel::ValueRanges& value_ranges(const ScalarField& vertex_field);
+  ScalarRange scalar_range(const ScalarField& field);
+
+  const Counts& counts() const { return counts_; }
+
+private:
+  /// Field, association, component (range_component()), average.
+  using Key = std::tuple<std::string, insitu_association, int, bool>;
+  template <class T>
+  struct Entry {
+    std::unique_ptr<T> value;
+    bool used = false;
+  };
+  template <class T>
+  using Entries = std::map<Key, Entry<T>>;
+  Key key_of(const ScalarField& field) const;
+  template <class T>
+  static void drop_unused(Entries<T>& entries);
+
+  core::Memory* memory_;
+  std::unique_ptr<query::Sampler> sampler_;
+  const core::Threads* threads_ = nullptr;
+  std::uint64_t geometry_ = 0, fields_ = 0;
+  Counts counts_;
+  Entries<VertexAverage> averages_;
+  Entries<accel::ValueRanges> value_ranges_;
+  Entries<ScalarRange> scalar_ranges_;
+};
+
+} // namespace insitu::render

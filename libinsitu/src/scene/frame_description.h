@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "math/vec.h"
+#include "scene/names.h"
+#include "scene/trigger.h"
+
+/// The frames of a scene; see description.h.
+namespace insitu::scene {
+
+/// Each from 0 to 1, as displayed.
+struct Color {
+  double red = 0, green = 0, blue = 0;
+  friend bool operator==(const Color&, const Color&) = default;
+};
+
+/// The number drawn of a field: its only component, one of several, or a vector's magnitude.
+struct Component {
+  int index = -1; ///< -1: the value of a scalar field, the magnitude of a vector field
+  bool magnitude() const { return index < 0; }
+};
+
+/// A built-in colour map by name, or a file in ParaView's JSON format.
+struct ColorMap {
+  std::string name = "viridis"; ///< built-in, or the file's name as written
+  std::string path; ///< of a file, resolved against the scene file's folder; empty: built-in
+  int line = 0;
+};
+
+struct ValueRange {
+  double low = 0, high = 1; ///< low < high
+};
+
+/// The direction is that of a view from `azimuth` degrees around +z, from +x, and `elevation`
+/// degrees above the xy plane, towards the mesh's centre from a distance that shows the whole mesh
+/// at zoom 1; or a placed camera.
+struct Camera {
+  double azimuth = 30, elevation = 20, zoom = 1;
+  std::optional<math::Vec3d> position; ///< placed; azimuth, elevation and zoom then mean nothing
+  std::optional<math::Vec3d> look_at;  ///< nothing: the mesh's centre
+  math::Vec3d up{0, 0, 1};
+  double fov = 30;                    ///< vertical field of view, degrees
+  double orbit_azimuth_per_frame = 0; ///< degrees that the camera goes on around the axis through
+                                      ///< what it looks at along `up` with each frame written
+  int line = 0;
+};
+
+struct OpacityPoint {
+  double value = 0, opacity = 0;
+};
+
+struct Volume {
+  Name field;
+  Component component;
+  ColorMap colors;
+  std::optional<ValueRange> range; ///< nothing: the field's range at each frame
+  std::vector<OpacityPoint>
+      opacity;         ///< by value; empty: from 0 at the range's low end to 1 at its high end
+  bool smooth = false; ///< a cell field is averaged to the vertices first
+  std::optional<double> unit_distance; ///< length over which a ray loses the stated opacity;
+                                       ///< nothing: a hundredth of the mesh's diagonal
+  int line = 0;
+};
+
+/// Colours of a surface by a field.
+struct ColorBy {
+  Name field;
+  Component component;
+  ColorMap colors;
+  std::optional<ValueRange> range;
+};
+
+struct Isosurface {
+  Name field;
+  Component component;
+  std::vector<double> values;
+  double opacity = 1;
+  std::variant<Color, ColorBy> color = Color{0.8, 0.8, 0.8};
+  int line = 0;
+};
+
+enum class FrameEffect { lighting };
+
+struct Frame {
+  std::string name;                    ///< of the images, `name_000120.png`; unique in the scene
+  Name mesh;                           ///< empty: the first mesh of the session
+  std::array<int, 2> size{1024, 1024}; ///< width, height
+  Color background{1, 1, 1};
+  Camera camera;
+  std::optional<Volume> volume; ///< a frame has a volume, isosurfaces, or both
+  std::vector<Isosurface> isosurfaces;
+  bool scalar_bar = false;
+  bool time_label = false;
+  std::vector<FrameEffect> effects;
+  Accuracy accuracy = Accuracy::standard;
+  double step = 1; ///< factor on the ray step that `accuracy` chooses
+  Trigger trigger; ///< its own, or else the scene's
+  int line = 0;
+};
+
+} // namespace insitu::scene

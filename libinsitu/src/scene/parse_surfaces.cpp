@@ -1,0 +1,65 @@
+#include "scene/parse_parts.h"
+
+namespace insitu::scene {
+namespace {
+
+ColorBy parse_color_by(const Cursor& cursor, const ParseContext& context) {
+  ColorBy by;
+  const MapReader map(cursor, {"field", "component", "colors", "range"});
+  if (const auto field = map.require("field")) {
+    assign(by.field, parse_name(*field));
+  }
+  if (const auto component = map.find("component")) {
+    by.component = parse_component(*component);
+  }
+  if (const auto colors = map.find("colors")) {
+    by.colors = parse_color_map(*colors, context);
+  }
+  if (const auto range = map.find("range")) {
+    by.range = parse_range(*range);
+  }
+  return by;
+}
+
+Isosurface parse_isosurface(const Cursor& cursor, const ParseContext& context) {
+  Isosurface surface;
+  surface.line = cursor.line();
+  const MapReader map(cursor, {"field", "component", "values", "opacity", "color"});
+  if (const auto field = map.require("field")) {
+    assign(surface.field, parse_name(*field));
+  }
+  if (const auto component = map.find("component")) {
+    surface.component = parse_component(*component);
+  }
+  if (const auto values = map.require("values")) {
+    assign(surface.values, values->numbers(0));
+    if (surface.values.size() > most_isovalues) {
+      values->fail(std::to_string(surface.values.size()) + " isovalues, more than " +
+                   std::to_string(most_isovalues));
+    }
+  }
+  if (const auto opacity = map.find("opacity")) {
+    assign(surface.opacity, opacity->number({0, 1}));
+  }
+  if (const auto color = map.find("color")) {
+    if (color->is_map()) {
+      surface.color = parse_color_by(*color, context);
+    } else {
+      surface.color = parse_color(*color, std::get<Color>(surface.color));
+    }
+  }
+  return surface;
+}
+
+} // namespace
+
+std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseContext& context) {
+  std::vector<Isosurface> surfaces;
+  const auto items = cursor.items();
+  for (const Cursor& item : items ? *items : std::vector<Cursor>{}) {
+    surfaces.push_back(parse_isosurface(item, context));
+  }
+  return surfaces;
+}
+
+} // namespace insitu::scene
