@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <mutex>
 
 #include "core/timer.h"
@@ -28,10 +29,7 @@ public:
       return;
     if (settings.volume && settings.path_tracing)
       paths_.emplace(sampler, *settings.volume, *settings.path_tracing, settings.camera,
-                     settings.lighting.lights, settings.clips,
-                     structures.majorants(settings.volume->field, settings.volume->function,
-                                          settings.path_tracing->cells_per_macrocell),
-                     threads, structures.memory());
+                     settings.lighting.lights, settings.clips, structures, threads);
     else if (settings.volume)
       volume_.emplace(sampler, *settings.volume);
     if (!settings.isosurfaces.empty())
@@ -59,8 +57,12 @@ public:
         state.next = state.end = 0;
         state.hits.clear(); // keeps its memory
         state.next_hit = 0;
+        state.stays.clear();
+        if (!settings_.clips.empty())
+          clip_ray(settings_.clips, state.ray, 0, HUGE_VAL, state.stays);
         if (surfaces_)
-          surfaces_->trace(state.ray, state.hits, surface_counts);
+          surfaces_->trace(state.ray, state.hits, surface_counts,
+                           settings_.clips.empty() ? nullptr : &state.stays);
         hits += std::int64_t(state.hits.size());
         if (volume_)
           volume_->start(state);
@@ -144,7 +146,7 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
                          counters);
   });
   if (sums)
-    sums->samples += settings.path_tracing->samples;
+    sums->end(settings.path_tracing->samples);
   if (statistics) {
     statistics->paths = counters.paths;
     statistics->rays = std::int64_t(settings.width) * settings.height;

@@ -25,18 +25,25 @@ struct PathSums {
   explicit PathSums(core::Memory& memory) : pixels(memory, INSITU_MEMORY_FRAME) {}
 
   /// Forgets all.
-  void restart() { width = height = 0; }
-  /// Ready for images of this size: starts anew where they were of another.
+  void restart() { is_whole = false; }
+  /// Ready for an image of this size: starts anew where the last one was of another, or broke off.
   void begin(int w, int h) {
-    if (w == width && h == height)
-      return;
-    width = w;
-    height = h;
-    samples = 0;
-    pixels.resize_discard(std::size_t(w) * std::size_t(h));
-    std::fill(pixels.begin(), pixels.end(), Pixel{0, 0, 0, 0});
+    if (!is_whole || w != width || h != height) {
+      width = w;
+      height = h;
+      samples = 0;
+      pixels.resize_discard(std::size_t(w) * std::size_t(h));
+      std::fill(pixels.begin(), pixels.end(), Pixel{0, 0, 0, 0});
+    }
+    is_whole = false;
+  }
+  /// The image is done.
+  void end(int more_samples) {
+    samples += more_samples;
+    is_whole = true;
   }
 
+  bool is_whole = false; ///< every pixel has `samples`
   int width = 0, height = 0;
   std::int64_t samples = 0; ///< in each pixel
   core::Buffer<Pixel> pixels;

@@ -46,11 +46,12 @@ const PathTracingSettings& checked(const PathTracingSettings& s, const VolumeSet
 PathTracer::PathTracer(const query::Sampler& sampler, const VolumeSettings& volume,
                        const PathTracingSettings& settings, const Camera& camera,
                        const std::vector<Light>& lights, const std::vector<Clip>& clips,
-                       const Majorants& majorants, const core::Threads& threads,
-                       core::Memory& memory)
+                       Structures& structures, const core::Threads& threads)
     : settings_(checked(settings, volume)),
       medium_(sampler, volume.field, volume.function, settings.density,
-              unit_distance_of(sampler, volume), majorants, threads, memory),
+              unit_distance_of(sampler, volume),
+              structures.majorants(volume.field, volume.function, settings.cells_per_macrocell),
+              threads, structures.memory()),
       lights_(lights, camera), clips_(clips), low_(sampler.tree().bounds_min()),
       high_(sampler.tree().bounds_max()) {
   options_.accuracy = volume.accuracy;

@@ -9,6 +9,7 @@
 #include "render/path_lights.h"
 #include "render/path_settings.h"
 #include "render/ray_state.h"
+#include "render/structures.h"
 #include "render/volume.h"
 
 namespace insitu::render {
@@ -21,13 +22,13 @@ namespace insitu::render {
 /// Where a ray leaves the medium without a collision it shows the surface or background behind.
 class PathTracer {
 public:
-  /// Of a volume's settings those of marching (steps, lighting) are not used. All references are
-  /// only read here, but for the sampler's mesh, the clips and settings.sums, which must outlive
-  /// it. Throws core::Error (INSITU_ERROR_ARGUMENT or INSITU_ERROR_FIELD) for what is out of range.
+  /// Of a volume's settings those of marching (steps, lighting) are not used. Asks structures for
+  /// majorants. The sampler's mesh, the clips and settings.sums must outlive it. Throws core::Error
+  /// (INSITU_ERROR_ARGUMENT or INSITU_ERROR_FIELD) for what is out of range.
   PathTracer(const query::Sampler& sampler, const VolumeSettings& volume,
              const PathTracingSettings& settings, const Camera& camera,
              const std::vector<Light>& lights, const std::vector<Clip>& clips,
-             const Majorants& majorants, const core::Threads& threads, core::Memory& memory);
+             Structures& structures, const core::Threads& threads);
 
   /// Draws pixels: rays, which come with their surface hits, get colour and alpha, and no hit is
   /// left to blend. pixels: the number of each in the image, which with the sample keys the random

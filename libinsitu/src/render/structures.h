@@ -56,7 +56,7 @@ public:
   const Macrocells& macrocells(const ScalarField& field, double cells_each = 64);
   /// Of macrocells(field); classified anew when the values or the function's opacities change.
   const Majorants& majorants(const ScalarField& field, const TransferFunction& function,
-                            double cells_each = 64);
+                             double cells_each = 64);
 
   core::Memory& memory() const { return *memory_; }
   const Counts& counts() const { return counts_; }

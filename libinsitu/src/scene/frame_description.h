@@ -85,14 +85,33 @@ struct Isosurface {
   int line = 0;
 };
 
+/// Light on surfaces; see render/light.h.
+struct Light {
+  enum class Kind { head, directional, point, dome };
+  Kind kind = Kind::head;
+  math::Vec3d vector; ///< directional: towards the light; point: its position
+  Color color{1, 1, 1};
+  double intensity = 1; ///< factor on the colour as linear light
+};
+
+/// What is cut away; see render/clip.h.
+struct Clip {
+  enum class Kind { plane, box, sphere };
+  Kind kind = Kind::plane;
+  math::Vec3d point;  ///< on the plane; the box's lowest corner; the sphere's centre
+  math::Vec3d vector; ///< the plane's normal, to where things go; the box's highest corner
+  double radius = 0;
+  bool keep_inside = true;
+};
+
 enum class FrameEffect { lighting, single_scattering, multiple_scattering };
 
 /// How a volume is path traced; which light is followed is among the effects.
 struct PathTracing {
-  int samples = 64;               ///< a pixel, in each frame
-  double density = 1;             ///< factor on the extinction
-  double anisotropy = 0;          ///< the mean cosine of scattering
-  int max_bounces = 4096;         ///< then a path is cut off
+  int samples = 64;                ///< a pixel, in each frame
+  double density = 1;              ///< factor on the extinction
+  double anisotropy = 0;           ///< the mean cosine of scattering
+  int max_bounces = 4096;          ///< then a path is cut off
   double cells_per_macrocell = 64; ///< of the grid of majorants, about
   std::int64_t seed = 0;
   bool dome_visible = false; ///< dome lights instead of the background
@@ -108,6 +127,8 @@ struct Frame {
   Camera camera;
   std::optional<Volume> volume; ///< a frame has a volume, isosurfaces, or both
   std::vector<Isosurface> isosurfaces;
+  std::vector<Light> lights; ///< none: a white one from the viewer
+  std::vector<Clip> clips;   ///< what each of them leaves is drawn
   bool scalar_bar = false;
   bool time_label = false;
   std::vector<FrameEffect> effects;

@@ -57,6 +57,8 @@ Camera parse_camera(const Cursor& cursor);
 std::optional<PathTracing> parse_path_tracing(const MapReader& frame,
                                               const std::vector<FrameEffect>& effects);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);
+std::vector<Light> parse_lights(const Cursor& cursor);
+std::vector<Clip> parse_clips(const Cursor& cursor);
 std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseContext& context);
 
 /// An effect's name, and whether this version has it.

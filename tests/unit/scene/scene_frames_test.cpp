@@ -281,8 +281,7 @@ TEST(SceneFrames, PathTracing) {
   const Frame all = frame("effects: [lighting, single_scattering], path_tracing: {samples: 7, "
                           "density: 2.5, anisotropy: -0.5, max_bounces: 9, cells_per_macrocell: 8, "
                           "seed: 12, dome_visible: true, accumulate: true}");
-  EXPECT_EQ(all.effects,
-            (std::vector{FrameEffect::lighting, FrameEffect::single_scattering}));
+  EXPECT_EQ(all.effects, (std::vector{FrameEffect::lighting, FrameEffect::single_scattering}));
   EXPECT_EQ(all.path_tracing->samples, 7);
   EXPECT_EQ(all.path_tracing->density, 2.5);
   EXPECT_EQ(all.path_tracing->anisotropy, -0.5);
