@@ -104,7 +104,13 @@ struct Clip {
   bool keep_inside = true;
 };
 
-enum class FrameEffect { lighting };
+/// Of ambient occlusion.
+struct Occlusion {
+  int samples = 16;               ///< rays a hit
+  std::optional<double> distance; ///< how far they reach; nothing: a tenth of the mesh's diagonal
+};
+
+enum class FrameEffect { lighting, shadows, ambient_occlusion };
 
 struct Frame {
   std::string name;                    ///< of the images, `name_000120.png`; unique in the scene
@@ -119,6 +125,7 @@ struct Frame {
   bool scalar_bar = false;
   bool time_label = false;
   std::vector<FrameEffect> effects;
+  Occlusion occlusion; ///< if among the effects
   Accuracy accuracy = Accuracy::standard;
   double step = 1; ///< factor on the ray step that `accuracy` chooses
   Trigger trigger; ///< its own, or else the scene's
