@@ -6,6 +6,7 @@
 #include "core/timer.h"
 #include "output/overlay.h"
 #include "output/png.h"
+#include "scene/frame_plan.h"
 #include "scene/frame_settings.h"
 
 namespace insitu::scene {
@@ -46,6 +47,10 @@ public:
     ++environment_.statistics.frames;
     ++environment_.statistics.files;
     ++drawn_;
+  }
+
+  void plan(const query::CommittedMesh& mesh, Plan& plan) const override {
+    plan_frame(frame_, mesh, plan);
   }
 
 private:

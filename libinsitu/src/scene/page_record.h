@@ -41,11 +41,13 @@ public:
                  std::span<const double> values);
   void add_tracer(const std::string& name, const advect::Counts& counts);
   void add_failure(const std::string& text) { add_message("error", text); }
-  /// What the frames need and why (shown if it differs from the one before).
+  /// What the items need and why (shown if it differs from the one before).
   void add_plan(const std::string& text);
 
   /// Whether the cycle will have an entry, so that what is dear need not be noted in vain.
   bool wanted(bool due) const { return !refused_ && (due || !messages_.empty()); }
+  /// Whether there was an entry.
+  bool begun() const { return begun_; }
   /// Throws INSITU_ERROR_FILE if the page cannot be written; its entry then waits for the next.
   void end_cycle(std::int64_t cycle, double time, bool due);
   /// The session closes: the page says so.

@@ -54,6 +54,8 @@ ColorMap parse_color_map(const Cursor& cursor, const ParseContext& context);
 std::optional<ValueRange> parse_range(const Cursor& cursor);
 Camera parse_camera(const Cursor& cursor);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);
+std::vector<Light> parse_lights(const Cursor& cursor);
+std::vector<Clip> parse_clips(const Cursor& cursor);
 std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseContext& context);
 
 /// An effect's name, and whether this version has it.

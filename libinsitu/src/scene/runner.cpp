@@ -146,8 +146,11 @@ void Runner::note_tracers() {
 /// Its seconds are in the page's next entry.
 void Runner::end_page_cycle(const Step& step, bool due) {
   const core::Timer timer;
-  if (page_->wanted(due))
+  if (page_->wanted(due)) {
     note_tracers();
+    if (!page_->begun())
+      page_->add_plan(plan(step.meshes).text());
+  }
   page_->end_cycle(step.cycle, step.time, due);
   environment_.statistics.output_s += timer.seconds();
 }
@@ -160,6 +163,23 @@ void Runner::finish_page(const std::string& failures) {
   if (!failures.empty())
     page_->add_failure(failures);
   page_->finish();
+}
+
+Plan Runner::plan(MeshList meshes) const {
+  Plan plan;
+  for (const auto& action : actions_) {
+    const std::string of = std::string(action->kind()) + " '" + action->name() + "'";
+    plan.begin(of, action->mesh_name().text);
+    try {
+      const query::CommittedMesh& mesh =
+          find_mesh(meshes, action->mesh_name(), environment_.scene_file);
+      plan.begin(of, mesh.mesh().name());
+      action->plan(mesh, plan);
+    } catch (const core::Error& e) {
+      plan.skip("all of it", e.what());
+    }
+  }
+  return plan;
 }
 
 std::string Runner::finish() {
