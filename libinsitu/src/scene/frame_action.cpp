@@ -54,7 +54,10 @@ public:
     environment_.statistics.render_s += timer.seconds();
 
     const core::Timer output_timer;
-    output::write_png(cycle_path(environment_, frame_.name, step.cycle, ".png"), image);
+    const std::string path = cycle_path(environment_, frame_.name, step.cycle, ".png");
+    output::write_png(path, image);
+    if (environment_.page)
+      environment_.page->add_frame(frame_.name, "color", path);
     environment_.statistics.output_s += output_timer.seconds();
     ++environment_.statistics.frames;
     ++environment_.statistics.files;

@@ -104,7 +104,19 @@ struct Clip {
   bool keep_inside = true;
 };
 
-enum class FrameEffect { lighting, single_scattering, multiple_scattering };
+/// Of ambient occlusion.
+struct Occlusion {
+  int samples = 16;               ///< rays a hit
+  std::optional<double> distance; ///< how far they reach; nothing: a tenth of the mesh's diagonal
+};
+
+enum class FrameEffect {
+  lighting,
+  shadows,
+  ambient_occlusion,
+  single_scattering,
+  multiple_scattering
+};
 
 /// How a volume is path traced; which light is followed is among the effects.
 struct PathTracing {
@@ -132,6 +144,7 @@ struct Frame {
   bool scalar_bar = false;
   bool time_label = false;
   std::vector<FrameEffect> effects;
+  Occlusion occlusion;                     ///< if among the effects
   std::optional<PathTracing> path_tracing; ///< also there where an effect asks for it
   Accuracy accuracy = Accuracy::standard;
   double step = 1; ///< factor on the ray step that `accuracy` chooses

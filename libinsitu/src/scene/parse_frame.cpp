@@ -62,8 +62,9 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   if (const auto effects = map.find("effects")) {
     frame.effects = parse_effects<FrameEffect>(
         *effects, {{"lighting", FrameEffect::lighting},
-                   {"shadows", {}},
-                   {"ambient_occlusion", {}},
+                   {"shadows", FrameEffect::shadows},
+                   {"ambient_occlusion", FrameEffect::ambient_occlusion,
+                    [&](const Cursor& options) { frame.occlusion = parse_occlusion(options); }},
                    {"single_scattering", FrameEffect::single_scattering},
                    {"multiple_scattering", FrameEffect::multiple_scattering}});
   }
