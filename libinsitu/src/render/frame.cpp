@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 
 #include "core/timer.h"
+#include "render/path_tracer.h"
 #include "render/surfaces.h"
 
 namespace insitu::render {
@@ -16,16 +18,21 @@ constexpr int tile_side = 16;
 struct Counters {
   std::atomic<std::int64_t> samples{0}, cells_tested{0}, evaluations{0}, hits{0}, shadow_rays{0},
       occlusion_rays{0};
+  std::mutex mutex;
+  PathCounts paths; ///< under the mutex
 };
 
 class FrameRenderer {
 public:
   FrameRenderer(const query::Sampler& sampler, const FrameSettings& settings,
-                Structures& structures)
+                Structures& structures, const core::Threads& threads)
       : settings_(settings), rays_(settings.camera, settings.width, settings.height) {
     if (sampler.tree().empty())
       return;
-    if (settings.volume)
+    if (settings.volume && settings.path_tracing)
+      paths_.emplace(sampler, *settings.volume, *settings.path_tracing, settings.camera,
+                     settings.lighting.lights, settings.clips, structures, threads);
+    else if (settings.volume)
       volume_.emplace(sampler, *settings.volume);
     if (!settings.isosurfaces.empty())
       surfaces_.emplace(sampler, settings, structures);
@@ -55,6 +62,8 @@ public:
         if (volume_)
           volume_->start(state);
       }
+    if (paths_)
+      trace_paths(x0, y0, x1, y1, std::span(states.data(), count), counters);
     if (volume_)
       counters.samples += volume_->march(std::span(states.data(), count));
     at = 0;
@@ -80,6 +89,20 @@ private:
   std::size_t pixel_of(int x, int y) const {
     return std::size_t(y) * std::size_t(settings_.width) + std::size_t(x);
   }
+
+  void trace_paths(int x0, int y0, int x1, int y1, std::span<RayState> states,
+                   Counters& counters) const {
+    std::int64_t pixels[tile_side * tile_side];
+    std::size_t at = 0;
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x)
+        pixels[at++] = std::int64_t(y) * settings_.width + x;
+    PathCounts counts;
+    paths_->trace(states, {pixels, at}, counts);
+    const std::lock_guard lock(counters.mutex);
+    counters.paths += counts;
+  }
+
   /// Over the background, with straight alpha.
   void finish(RayState& state, float* pixel) const {
     state.blend(settings_.background, settings_.background_alpha);
@@ -93,6 +116,7 @@ private:
   const FrameSettings& settings_;
   RayGenerator rays_;
   std::optional<VolumeMarcher> volume_;
+  std::optional<PathTracer> paths_;
   std::optional<Surfaces> surfaces_;
 };
 
@@ -110,7 +134,10 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
                          Structures& structures, const core::Threads& threads,
                          FrameStatistics* statistics) {
   const core::Timer timer;
-  const FrameRenderer renderer(sampler, settings, structures);
+  PathSums* const sums = settings.path_tracing ? settings.path_tracing->sums : nullptr;
+  if (sums)
+    sums->begin(settings.width, settings.height);
+  const FrameRenderer renderer(sampler, settings, structures, threads);
   const double prepared = timer.seconds();
   FrameImages images;
   images.color = core::Image(settings.width, settings.height);
@@ -127,7 +154,10 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
       renderer.draw_tile(int(tile % columns) * tile_side, int(tile / columns) * tile_side, images,
                          counters);
   });
+  if (sums)
+    sums->end(settings.path_tracing->samples);
   if (statistics) {
+    statistics->paths = counters.paths;
     statistics->rays = std::int64_t(settings.width) * settings.height;
     statistics->samples = counters.samples;
     statistics->step = renderer.step();

@@ -55,6 +55,9 @@ Component parse_component(const Cursor& cursor);
 ColorMap parse_color_map(const Cursor& cursor, const ParseContext& context);
 std::optional<ValueRange> parse_range(const Cursor& cursor);
 Camera parse_camera(const Cursor& cursor);
+/// Of a frame's map; also there where an effect asks for it.
+std::optional<PathTracing> parse_path_tracing(const MapReader& frame,
+                                              const std::vector<FrameEffect>& effects);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);
 std::vector<Light> parse_lights(const Cursor& cursor);
 Occlusion parse_occlusion(const Cursor& cursor);

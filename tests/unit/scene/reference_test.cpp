@@ -64,6 +64,7 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
       {"camera", "frames: [{camera: {zzz: 1}}]"},
       {"orbit", "frames: [{camera: {orbit: {zzz: 1}}}]"},
       {"volume", "frames: [{volume: {zzz: 1}}]"},
+      {"path_tracing", "frames: [{path_tracing: {zzz: 1}}]"},
       {"isosurfaces", "frames: [{isosurfaces: [{zzz: 1}]}]"},
       {"lights", "frames: [{lights: [{zzz: 1}]}]"},
       {"clip", "frames: [{clip: [{zzz: 1}]}]"},
