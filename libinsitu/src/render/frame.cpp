@@ -56,7 +56,7 @@ public:
           volume_->start(state);
       }
     if (volume_)
-      counters.samples += volume_->march(std::span(states.data(), count));
+      counters.samples += volume_->march(std::span(states.data(), count), x1 - x0);
     at = 0;
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
