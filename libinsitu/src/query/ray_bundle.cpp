@@ -25,8 +25,9 @@ struct RayBundleScratch {
   std::uint32_t wanted[bundle_rays];
   std::uint16_t ray[bundle_rays], slot[bundle_rays];
   // The stretch's cells, shape by shape.
-  std::vector<std::uint32_t> found;
+  std::vector<std::uint32_t> found; ///< their places in the tree
   std::vector<std::int64_t> cells;
+  std::vector<std::int32_t> ranks; ///< their pieces, -1 of odd cells; if RayBundleLocator::ranked_
   std::vector<cells::CellBlock> blocks;
   std::vector<ValueBlock> values;
   struct Run {
@@ -80,8 +81,10 @@ RayBundleLocator::RayBundleLocator(const Sampler& sampler, const LocateOptions& 
   const bool by_rule = options.accuracy == INSITU_FAST && sampler.locators_ &&
                        sampler.locators_->rays(); // not by proof
   const bool by_leaves = sampler.adaptive_ && !sampler.adaptive_->gridlets();
-  usable_ = !sampler.tree().empty() && sampler.mesh().free_of_folds && options.alpha == 1.0 &&
-            query.proof_is_enough() && !by_rule && !by_leaves;
+  const accel::OddSlots& odd = sampler.tree().odd();
+  ranked_ = sampler.mesh().piece_count > 1 || !odd.empty();
+  usable_ = !sampler.tree().empty() && (sampler.mesh().free_of_folds || !odd.empty()) &&
+            options.alpha == 1.0 && query.proof_is_enough() && !by_rule && !by_leaves;
 }
 
 /// Neighbours, four by four, into one group.
@@ -319,7 +322,7 @@ bool RayBundleLocator::enter_all_cells() {
   for (int k = 0; k < depth_; ++k) {
     std::fill_n(slab.best[k], groups_ * bundle_lanes, 0);
     std::fill_n(slab.second[k], groups_ * bundle_lanes, 0);
-    if (mesh.piece_count > 1)
+    if (ranked_)
       std::fill_n(slab.piece[k], groups_ * bundle_lanes, mesh.piece_count);
   }
   const cells::CellGather gather(mesh, 1.0);
@@ -351,9 +354,16 @@ void RayBundleLocator::enter_shape(const cells::CellGather& gather, mesh::Shape 
   int end = begin;
   if (s_.cells.size() < std::size_t(begin) + found.size() + size)
     s_.cells.resize(std::size_t(begin) + found.size() + size);
-  for (const std::uint32_t cell : found)
-    if (gather.one_shape() || gather.shape(cell) == shape)
-      s_.cells[std::size_t(end++)] = cell;
+  s_.ranks.resize(s_.cells.size());
+  const accel::Tree& tree = sampler_.tree();
+  for (const std::uint32_t slot : found) {
+    const std::int64_t cell = tree.cells()[slot];
+    if (!gather.one_shape() && gather.shape(cell) != shape)
+      continue;
+    if (ranked_)
+      s_.ranks[std::size_t(end)] = tree.odd().has(slot) ? -1 : mesh.piece_of(cell);
+    s_.cells[std::size_t(end++)] = cell;
+  }
   if (end == begin)
     return;
   const int past = begin + (end - begin + size - 1) / size * size;
@@ -371,14 +381,10 @@ void RayBundleLocator::enter_shape(const cells::CellGather& gather, mesh::Shape 
       from_->load({&s_.cells[std::size_t(at)], std::size_t(block.count)},
                   s_.values[std::size_t(at / size)]);
     }
-    if (mesh.piece_count == 1) {
+    if (ranked_)
+      enter_cells(shape, block, at, &s_.ranks[std::size_t(at)], s_.slab);
+    else
       enter_cells(shape, block, at, s_.slab);
-      continue;
-    }
-    std::int32_t pieces[size];
-    for (int i = 0; i < block.count; ++i)
-      pieces[i] = mesh.piece_of(s_.cells[std::size_t(at + i)]);
-    enter_cells(shape, block, at, pieces, s_.slab);
   }
 }
 
@@ -437,15 +443,14 @@ void RayBundleLocator::prove_some(mesh::Shape shape, std::span<const std::uint16
       samples.value[i] =
           s_.values[c / cells::CellBlock::size].vertex[0][c % cells::CellBlock::size];
     }
-  const mesh::MeshView& mesh = sampler_.mesh();
   for (int i = 0; i < count; ++i) {
     const int place = places[std::size_t(i)];
     const double margin = samples.margin[i], error = samples.error[i];
     if (margin > error) {
       const std::int64_t cell = s_.cells[samples.cell[i]];
-      // A lower piece's cell that may hold it as well comes first.
-      if (mesh.piece_count > 1 &&
-          slab.piece[index_of(place)][slot_of(place)] < mesh.piece_of(cell)) {
+      // A lower piece's cell that may hold it comes first, and an odd one may as well.
+      if (const std::int32_t lowest = ranked_ ? slab.piece[index_of(place)][slot_of(place)] : 0;
+          ranked_ && (lowest < 0 || lowest < s_.ranks[samples.cell[i]])) {
         leave(place);
         continue;
       }

@@ -85,6 +85,7 @@ private:
   const LocateOptions options_;
   RayBundleScratch& s_;
   bool usable_; ///< a proof is worth something
+  bool ranked_; ///< not if the sample may be in a lower piece or in an odd cell
   double step_ = 0.0;
   std::int64_t first_ = 0;
   int depth_ = 0, rays_ = 0, groups_ = 0;

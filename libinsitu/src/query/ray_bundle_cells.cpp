@@ -81,10 +81,10 @@ HWY_INLINE unsigned children_met(const accel::Node& node, const SlabBox& slab) {
 }
 
 bool find_cells_target(const accel::Tree& tree, const BundleSlab& slab, std::uint32_t least,
-                       std::size_t most, std::vector<std::uint32_t>& cells, std::size_t& count) {
+                       std::size_t most, std::vector<std::uint32_t>& slots, std::size_t& count) {
   const SlabBox box = slab_box(tree, slab);
-  if (cells.size() < most + 64)
-    cells.resize(most + 64);
+  if (slots.size() < most + 64)
+    slots.resize(most + 64);
   count = 0;
   std::uint32_t stack[64 * 8];
   int size = 0;
@@ -100,8 +100,8 @@ bool find_cells_target(const accel::Tree& tree, const BundleSlab& slab, std::uin
         continue;
       }
       for (int k = 0; k < node.child_cell_count(c); ++k) {
-        cells[count] = tree.cells()[node.child_cells(c) + std::uint32_t(k)];
-        count += cells[count] >= least;
+        slots[count] = node.child_cells(c) + std::uint32_t(k);
+        count += tree.cells()[slots[count]] >= least;
       }
     }
     if (count > most)
@@ -327,7 +327,7 @@ HWY_INLINE void enter_shape(const LinearMaps& maps, int count, int first,
     FloatVec affine[12];
     for (int a = 0; a < 12; ++a)
       affine[a] = hn::Set(d, maps.affine[a][i]);
-    const auto slack = hn::Set(d, maps.slack[i]);
+    const auto slack = hn::Set(d, with_pieces && pieces[i] < 0 ? 1e3f : maps.slack[i]);
     const auto number = hn::Set(di, first + i);
     for (; met; met &= met - 1) {
       const int g = std::countr_zero(met);
@@ -409,8 +409,8 @@ HWY_EXPORT(enter_target);
 HWY_EXPORT(enter_pieces_target);
 
 bool find_cells(const accel::Tree& tree, const BundleSlab& slab, std::uint32_t least,
-                std::size_t most, std::vector<std::uint32_t>& cells, std::size_t& count) {
-  return HWY_DYNAMIC_DISPATCH(find_cells_target)(tree, slab, least, most, cells, count);
+                std::size_t most, std::vector<std::uint32_t>& slots, std::size_t& count) {
+  return HWY_DYNAMIC_DISPATCH(find_cells_target)(tree, slab, least, most, slots, count);
 }
 
 void enter_cells(mesh::Shape shape, const cells::CellBlock& block, int first, BundleSlab& slab) {

@@ -37,19 +37,19 @@ struct BundleSlab {
   // What cells have been found for a sample: the likelihood, 15 bits, above the cell's number, 16
   // bits; 0: none. That of slot s at [k][s].
   alignas(64) std::int32_t best[bundle_depth][bundle_rays], second[bundle_depth][bundle_rays];
-  /// The lowest piece of those cells.
+  /// The lowest piece of those cells; -1 with odd cells among them.
   alignas(64) std::int32_t piece[bundle_depth][bundle_rays];
 };
 
-/// The cells whose boxes meet the slab's, flat ids from `least` on; false if there are more than
-/// `most`. The vector is never made smaller.
+/// The places in tree.cells() of cells whose boxes meet the slab's, flat ids from `least` on; false
+/// if there are more than `most`. The vector is never made smaller.
 bool find_cells(const accel::Tree& tree, const BundleSlab& slab, std::uint32_t least,
-                std::size_t most, std::vector<std::uint32_t>& cells, std::size_t& count);
+                std::size_t most, std::vector<std::uint32_t>& slots, std::size_t& count);
 
 /// Enters cells of one shape, numbered from `first` on, for all samples that they might hold: no
 /// sample of a cell is left out, whatever the rounding.
 void enter_cells(mesh::Shape shape, const cells::CellBlock& block, int first, BundleSlab& slab);
-/// The same, and pieces; of a mesh of several.
+/// The same, and pieces, -1 for odd cells: then all samples about it.
 void enter_cells(mesh::Shape shape, const cells::CellBlock& block, int first,
                  const std::int32_t* pieces, BundleSlab& slab);
 

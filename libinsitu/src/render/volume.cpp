@@ -6,6 +6,7 @@
 #include "accel/tree.h"
 #include "core/status.h"
 #include "query/ray_bundle.h"
+#include "render/scalar_values.h"
 
 namespace insitu::render {
 
@@ -36,32 +37,6 @@ double step_of(const query::Sampler& sampler, const VolumeSettings& s) {
                                               std::to_string(s.field.field.components) + " held");
   return step;
 }
-
-/// A scalar as the locator of bundles reads it.
-class ScalarValues final : public query::CellValues {
-public:
-  ScalarValues(const ScalarField& field, const mesh::MeshView& mesh) : field_(field), mesh_(mesh) {}
-  bool is_per_cell() const override { return field_.field.association == INSITU_CELL; }
-  void load(std::span<const std::int64_t> cells, query::ValueBlock& block) const override {
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const std::int32_t p = mesh_.piece_count == 1 ? 0 : mesh_.piece_of(cells[i]);
-      const std::int64_t cell = cells[i] - mesh_.first_cell[p];
-      if (is_per_cell()) {
-        block.vertex[0][i] = field_.load(p, cell);
-        continue;
-      }
-      std::int64_t ids[8];
-      const int n = mesh_.pieces[p].vertex_ids(cell, ids);
-      for (int v = 0; v < n; ++v)
-        block.vertex[v][i] = field_.load(p, ids[v]);
-    }
-  }
-  double at(const query::Location& at) const override { return field_.at(mesh_, at); }
-
-private:
-  const ScalarField& field_;
-  const mesh::MeshView& mesh_;
-};
 
 struct Scratch {
   std::vector<query::LatticeRay> rays;
@@ -135,14 +110,16 @@ void VolumeMarcher::start(RayState& ray) const {
   ray.end = std::int64_t(std::floor(far / step_ - 0.5 + slack)) + 1;
 }
 
-void VolumeMarcher::add_sample(RayState& ray, std::int64_t index, const ColorSample& sample) const {
+void VolumeMarcher::add_sample(RayState& ray, std::int64_t index, const ColorSample& sample,
+                               std::int64_t cell) const {
   // Hits within the sample's stretch part it.
   const double from = double(index) * step_, to = from + step_;
   double used = 0;
   while (ray.next_hit < ray.hits.size() && ray.hits[ray.next_hit].t < to) {
     const double upto = std::clamp((ray.hits[ray.next_hit].t - from) / step_, used, 1.0);
     if (upto > used && sample.alpha > 0)
-      ray.blend(sample.color, Classifier::partial(sample.alpha, upto - used));
+      ray.blend_stretch(sample.color, Classifier::partial(sample.alpha, upto - used),
+                        from + used * step_, from + upto * step_, cell);
     used = upto;
     if (ray.is_saturated())
       return;
@@ -151,7 +128,9 @@ void VolumeMarcher::add_sample(RayState& ray, std::int64_t index, const ColorSam
       return;
   }
   if (sample.alpha > 0)
-    ray.blend(sample.color, used > 0 ? Classifier::partial(sample.alpha, 1 - used) : sample.alpha);
+    ray.blend_stretch(sample.color,
+                      used > 0 ? Classifier::partial(sample.alpha, 1 - used) : sample.alpha,
+                      from + used * step_, to, cell);
 }
 
 std::int64_t VolumeMarcher::march(std::span<RayState> rays, int row) const {
@@ -203,7 +182,8 @@ std::int64_t VolumeMarcher::march_bundle(std::span<RayState> rays, int row) cons
         taken += end - ray.next;
       for (; ray.next < end && !ray.is_saturated(); ++ray.next) {
         const std::size_t i = r * std::size_t(depth) + std::size_t(ray.next - first);
-        add_sample(ray, ray.next, s.locations[i] ? classifier_(s.values[i]) : ColorSample{});
+        add_sample(ray, ray.next, s.locations[i] ? classifier_(s.values[i]) : ColorSample{},
+                   s.locations[i].cell);
       }
       if (ray.next < ray.end && !ray.is_saturated())
         s.active[kept++] = r;

@@ -46,7 +46,8 @@ public:
 
 private:
   std::int64_t march_bundle(std::span<RayState> rays, int row) const;
-  void add_sample(RayState& ray, std::int64_t index, const ColorSample& sample) const;
+  void add_sample(RayState& ray, std::int64_t index, const ColorSample& sample,
+                  std::int64_t cell) const;
 
   query::Sampler sampler_;
   ScalarField field_;

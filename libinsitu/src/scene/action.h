@@ -9,6 +9,8 @@
 #include "query/committed_mesh.h"
 #include "scene/description.h"
 #include "scene/frame_structures.h"
+#include "scene/page_record.h"
+#include "scene/plan.h"
 #include "scene/statistics.h"
 
 /// What the parts of a runner share.
@@ -38,6 +40,9 @@ public:
   virtual void execute(query::CommittedMesh& mesh, const Step& step, bool due) = 0;
   /// The session closes.
   virtual void finish() {}
+  /// Adds what it needs of the mesh beyond the tree, and what it does without. May throw like
+  /// execute().
+  virtual void plan(const query::CommittedMesh& mesh, Plan& plan) const = 0;
 };
 
 /// What every action is made with.
@@ -45,8 +50,9 @@ struct Environment {
   core::Context& context;
   Statistics& statistics;
   FrameStructures& structures;
-  std::string scene_file; ///< for messages
-  std::string output;     ///< folder
+  std::string scene_file;     ///< for messages
+  std::string output;         ///< folder
+  PageRecord* page = nullptr; ///< null: the scene has none
 };
 
 /// The mesh of that name (the first one if empty); throws INSITU_ERROR_SCENE.

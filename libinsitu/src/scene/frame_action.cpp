@@ -6,6 +6,7 @@
 #include "core/timer.h"
 #include "output/overlay.h"
 #include "output/png.h"
+#include "scene/frame_plan.h"
 #include "scene/frame_settings.h"
 
 namespace insitu::scene {
@@ -38,11 +39,18 @@ public:
     environment_.statistics.render_s += timer.seconds();
 
     const core::Timer output_timer;
-    output::write_png(cycle_path(environment_, frame_.name, step.cycle, ".png"), image);
+    const std::string path = cycle_path(environment_, frame_.name, step.cycle, ".png");
+    output::write_png(path, image);
+    if (environment_.page)
+      environment_.page->add_frame(frame_.name, "color", path);
     environment_.statistics.output_s += output_timer.seconds();
     ++environment_.statistics.frames;
     ++environment_.statistics.files;
     ++drawn_;
+  }
+
+  void plan(const query::CommittedMesh& mesh, Plan& plan) const override {
+    plan_frame(frame_, mesh, plan);
   }
 
 private:

@@ -85,7 +85,32 @@ struct Isosurface {
   int line = 0;
 };
 
-enum class FrameEffect { lighting };
+/// Light on surfaces; see render/light.h.
+struct Light {
+  enum class Kind { head, directional, point, dome };
+  Kind kind = Kind::head;
+  math::Vec3d vector; ///< directional: towards the light; point: its position
+  Color color{1, 1, 1};
+  double intensity = 1; ///< factor on the colour as linear light
+};
+
+/// What is cut away; see render/clip.h.
+struct Clip {
+  enum class Kind { plane, box, sphere };
+  Kind kind = Kind::plane;
+  math::Vec3d point;  ///< on the plane; the box's lowest corner; the sphere's centre
+  math::Vec3d vector; ///< the plane's normal, to where things go; the box's highest corner
+  double radius = 0;
+  bool keep_inside = true;
+};
+
+/// Of ambient occlusion.
+struct Occlusion {
+  int samples = 16;               ///< rays a hit
+  std::optional<double> distance; ///< how far they reach; nothing: a tenth of the mesh's diagonal
+};
+
+enum class FrameEffect { lighting, shadows, ambient_occlusion };
 
 struct Frame {
   std::string name;                    ///< of the images, `name_000120.png`; unique in the scene
@@ -95,9 +120,12 @@ struct Frame {
   Camera camera;
   std::optional<Volume> volume; ///< a frame has a volume, isosurfaces, or both
   std::vector<Isosurface> isosurfaces;
+  std::vector<Light> lights; ///< none: a white one from the viewer
+  std::vector<Clip> clips;   ///< what each of them leaves is drawn
   bool scalar_bar = false;
   bool time_label = false;
   std::vector<FrameEffect> effects;
+  Occlusion occlusion; ///< if among the effects
   Accuracy accuracy = Accuracy::standard;
   double step = 1; ///< factor on the ray step that `accuracy` chooses
   Trigger trigger; ///< its own, or else the scene's

@@ -24,9 +24,9 @@ void parse_size(const Cursor& cursor, std::array<int, 2>& size) {
 Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   Frame frame;
   frame.line = cursor.line();
-  const MapReader map(cursor,
-                      {"name", "mesh", "size", "background", "camera", "volume", "isosurfaces",
-                       "scalar_bar", "time_label", "effects", "accuracy", "step", "every", "when"});
+  const MapReader map(cursor, {"name", "mesh", "size", "background", "camera", "volume",
+                               "isosurfaces", "lights", "clip", "scalar_bar", "time_label",
+                               "effects", "accuracy", "step", "every", "when"});
   parse_item_name(map, context, frame.name);
   if (const auto mesh = map.find("mesh")) {
     assign(frame.mesh, parse_name(*mesh));
@@ -47,6 +47,12 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   if (surfaces) {
     frame.isosurfaces = parse_isosurfaces(*surfaces, context);
   }
+  if (const auto lights = map.find("lights")) {
+    frame.lights = parse_lights(*lights);
+  }
+  if (const auto clip = map.find("clip")) {
+    frame.clips = parse_clips(*clip);
+  }
   if (const auto bar = map.find("scalar_bar")) {
     assign(frame.scalar_bar, bar->boolean());
   }
@@ -54,11 +60,13 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
     assign(frame.time_label, label->boolean());
   }
   if (const auto effects = map.find("effects")) {
-    frame.effects = parse_effects<FrameEffect>(*effects, {{"lighting", FrameEffect::lighting},
-                                                          {"shadows", {}},
-                                                          {"ambient_occlusion", {}},
-                                                          {"single_scattering", {}},
-                                                          {"multiple_scattering", {}}});
+    frame.effects = parse_effects<FrameEffect>(
+        *effects, {{"lighting", FrameEffect::lighting},
+                   {"shadows", FrameEffect::shadows},
+                   {"ambient_occlusion", FrameEffect::ambient_occlusion,
+                    [&](const Cursor& options) { frame.occlusion = parse_occlusion(options); }},
+                   {"single_scattering", {}},
+                   {"multiple_scattering", {}}});
   }
   if (const auto accuracy = map.find("accuracy")) {
     assign(frame.accuracy, parse_accuracy(*accuracy));

@@ -53,6 +53,16 @@ ProbeAction::Answers ProbeAction::sample(const query::CommittedMesh& mesh,
   return a;
 }
 
+void ProbeAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
+  std::string fields;
+  for (const Name& name : probe_.fields)
+    fields += (fields.empty() ? "'" : ", '") + name.text + "'";
+  for (const Name& name : probe_.fields)
+    find_field(mesh, name, environment_.scene_file);
+  plan.need("point queries", -1,
+            fields.empty() ? "of all fields" : "of " + fields);
+}
+
 void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due) {
   if (!due)
     return;
@@ -68,6 +78,9 @@ void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due
     fields.push_back(find_field(mesh, name, environment_.scene_file));
   const Answers answers = sample(mesh, fields);
   const core::Timer timer;
+  if (environment_.page)
+    environment_.page->add_probe(probe_.name, answers.columns, points_->mesh_points, points_->names,
+                                 answers.values);
   for (const TableFormat format : probe_.output)
     switch (format) {
     case TableFormat::csv:

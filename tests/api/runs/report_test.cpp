@@ -58,7 +58,7 @@ TEST(Report, MemoryAndTimeAddUp) {
   EXPECT_EQ(r.particles_seeded, 50);
   EXPECT_EQ(r.probe_rows, 900);
   EXPECT_EQ(r.frames, 3);
-  EXPECT_EQ(r.files, 1 + 9 + 1 + 3);
+  EXPECT_EQ(r.files, 1 + 9 + 1 + 3 + 2); // the last two: the page of the run
   EXPECT_EQ(r.files, std::int64_t(folder.count()));
   EXPECT_EQ(r.failures, 0);
 }
@@ -95,6 +95,18 @@ TEST(Report, AStreaklineOfShortLivesHoldsAsMuchAsItsLivingParticles) {
   const insitu::Report r = run.session.report();
   EXPECT_EQ(r.particles_seeded, 61 * 200);
   EXPECT_LE(r.bytes_by_purpose[INSITU_MEMORY_TRACER], before);
+}
+
+TEST(Report, ThePlanIsToldBeforeAnythingIsDone) {
+  const test::Folder folder;
+  Coupled run({.scene = scene, .output = folder.path()});
+  const std::string plan = run.session.plan();
+  EXPECT_NE(plan.find("skipped  lighting"), std::string::npos) << plan;
+  EXPECT_EQ(run.session.report().executions, 0);
+  EXPECT_EQ(run.session.report().files, 0);
+  Coupled bare({.scene = "", .output = folder.path()});
+  EXPECT_EQ(bare.session.plan(), "");
+  EXPECT_EQ(insitu_session_plan(nullptr, nullptr), INSITU_ERROR_HANDLE);
 }
 
 TEST(Report, TheSummaryIsJson) {

@@ -171,6 +171,20 @@ TEST(RayBundle, FoldsCollapsedCellsAndExactAnswers) {
   }
 }
 
+// A few odd cells take the proofs from the samples about them alone.
+TEST(RayBundle, AFewOddCells) {
+  for (const auto kind : {MeshKind::hexahedra, MeshKind::wedges, MeshKind::tetrahedra}) {
+    TestMesh mesh = sound_box(kind, 7, 0.1);
+    mesh.vertices[3 + 8 * (3 + 8 * 3)] += Vec3d{1.4, 0.3, -0.2};
+    const fixtures::Committed m(mesh);
+    EXPECT_FALSE(m.sampler().mesh().free_of_folds) << kind_name(kind);
+    EXPECT_FALSE(m.sampler().tree().odd().empty()) << kind_name(kind);
+    const Counts c =
+        check_views(m.sampler(), 1.0, 60, 1.0, 45, std::string(kind_name(kind)) + ", odd");
+    EXPECT_LT(double(c.left), 0.6 * double(c.samples)) << kind_name(kind);
+  }
+}
+
 TEST(RayBundle, BlocksAndFloat32) {
   // A uniform block in float coordinates' place, and a curvilinear one of float32.
   for (const bool uniform : {true, false}) {
