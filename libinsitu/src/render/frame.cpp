@@ -65,7 +65,7 @@ public:
     if (paths_)
       trace_paths(x0, y0, x1, y1, std::span(states.data(), count), counters);
     if (volume_)
-      counters.samples += volume_->march(std::span(states.data(), count));
+      counters.samples += volume_->march(std::span(states.data(), count), x1 - x0);
     at = 0;
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
