@@ -65,7 +65,7 @@ public:
     if (paths_)
       trace_paths(x0, y0, x1, y1, std::span(states.data(), count), counters);
     if (volume_)
-      counters.samples += volume_->march(std::span(states.data(), count));
+      counters.samples += volume_->march(std::span(states.data(), count), x1 - x0);
     at = 0;
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
@@ -86,6 +86,10 @@ public:
   }
 
 private:
+  std::size_t pixel_of(int x, int y) const {
+    return std::size_t(y) * std::size_t(settings_.width) + std::size_t(x);
+  }
+
   void trace_paths(int x0, int y0, int x1, int y1, std::span<RayState> states,
                    Counters& counters) const {
     std::int64_t pixels[tile_side * tile_side];
@@ -99,9 +103,6 @@ private:
     counters.paths += counts;
   }
 
-  std::size_t pixel_of(int x, int y) const {
-    return std::size_t(y) * std::size_t(settings_.width) + std::size_t(x);
-  }
   /// Over the background, with straight alpha.
   void finish(RayState& state, float* pixel) const {
     state.blend(settings_.background, settings_.background_alpha);
