@@ -29,10 +29,12 @@ public:
       : settings_(settings), rays_(settings.camera, settings.width, settings.height) {
     if (sampler.tree().empty())
       return;
-    if (settings.volume && settings.path_tracing)
-      paths_.emplace(sampler, *settings.volume, *settings.path_tracing, settings.camera,
-                     settings.lighting.lights, settings.clips, structures, threads);
-    else if (settings.volume)
+    if (settings.volume && settings.path_tracing) {
+      PathTracingSettings tracing = *settings.path_tracing;
+      tracing.depth = settings.depth || settings.cell;
+      paths_.emplace(sampler, *settings.volume, tracing, settings.camera, settings.lighting.lights,
+                     settings.clips, structures, threads);
+    } else if (settings.volume)
       volume_.emplace(sampler, *settings.volume);
     if (!settings.isosurfaces.empty())
       surfaces_.emplace(sampler, settings, structures);

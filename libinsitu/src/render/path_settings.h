@@ -60,7 +60,9 @@ struct PathTracingSettings {
   int max_bounces = 4096;
   /// Russian roulette: a path of less throughput goes on with a chance of throughput / roulette.
   double roulette = 0.25;
-  bool shows_dome = false;         ///< dome lights instead of the background behind the medium
+  bool shows_dome = false; ///< dome lights instead of the background behind the medium
+  /// Sets RayState::depth too: where half of the paths (of the first 256) have stopped.
+  bool depth = false;
   double cells_per_macrocell = 64; ///< about, of the grid of majorants
   std::uint64_t seed = 0, cycle = 0;
   /// Adds to these, and draws their mean; null: this frame's samples alone. Not owned. Whoever

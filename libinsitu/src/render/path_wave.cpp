@@ -17,6 +17,9 @@ constexpr std::size_t side_by_side = 1024;
 /// Below this, a shadow ray's share is left to roulette.
 constexpr double faint = 0.125;
 
+/// So many samples of a pixel tell its depth.
+constexpr std::int64_t most_for_depth = 256;
+
 float largest(const Color& c) {
   return std::max({c.r, c.g, c.b});
 }
@@ -45,6 +48,12 @@ void for_each_left(const MacrocellGrid& grid, const std::vector<Clip>& clips,
 } // namespace
 
 struct PathWave::Scratch {
+  /// Where a path first stops, if at all, and in which cell.
+  struct Stop {
+    double t;
+    std::int64_t cell;
+  };
+  std::vector<Stop> stops; ///< [rays][samples, most_for_depth at most], if depth is asked for
   /// Where a ray enters the medium, for all of its samples; from >= to: never.
   std::vector<Stretch> starts;
   std::vector<std::uint32_t> meets; ///< the rays that do
@@ -73,6 +82,10 @@ void PathWave::run() {
   jobs_ = std::int64_t(s_.meets.size()) * settings_.samples;
   s_.sums.assign(rays_.size(), PathSums::Pixel{0, 0, 0, 0});
   counts_.paths += jobs_;
+  if (settings_.depth) {
+    depth_samples_ = std::min<std::int64_t>(settings_.samples, most_for_depth);
+    s_.stops.assign(rays_.size() * std::size_t(depth_samples_), {HUGE_VAL, -1});
+  }
   s_.paths.resize(std::size_t(std::min<std::int64_t>(jobs_, side_by_side)));
   std::size_t going = 0;
   for (Path& path : s_.paths)
@@ -131,6 +144,7 @@ bool PathWave::start_next(Path& path) {
     const RayState& state = rays_[item];
     path = {};
     path.item = item;
+    path.sample = sample;
     path.random = PathRandom(settings_.seed, settings_.cycle, std::uint64_t(pixels_[item]),
                              std::uint64_t(first_sample_ + sample));
     path.ray = state.ray;
@@ -198,6 +212,7 @@ bool PathWave::end_of_ray(Path& path) {
   } else if (path.stop) {
     path.radiance = path.stop->color;
     path.alpha = 1;
+    stop_at(path, path.stop->t, path.stop->cell);
   } else if (settings_.shows_dome) {
     path.radiance = dome;
     path.alpha = 1;
@@ -234,7 +249,8 @@ bool PathWave::dim(Path& path, double share) {
 
 bool PathWave::collide(Path& path, double value) {
   ++counts_.collisions;
-  ++path.bounces;
+  if (++path.bounces == 1)
+    stop_at(path, path.t, path.last_cell);
   path.alpha = 1;
   const Color albedo = medium_.albedo(value);
   const bool ends = settings_.scattering == Scattering::none ||
@@ -299,6 +315,23 @@ void PathWave::locate() {
         sampler.locate(s_.points[i], hints ? s_.paths[i].last_cell : -1, tracer_.options_);
 }
 
+void PathWave::stop_at(const Path& path, double t, std::int64_t cell) {
+  if (path.sample < depth_samples_)
+    s_.stops[std::size_t(path.item * depth_samples_ + path.sample)] = {t, cell};
+}
+
+/// The first stop by which half of the samples have come to theirs.
+void PathWave::set_depth(std::uint32_t item) const {
+  const auto first = s_.stops.begin() + item * depth_samples_;
+  const auto middle = first + (depth_samples_ - 1) / 2;
+  std::nth_element(first, middle, first + depth_samples_,
+                   [](const Scratch::Stop& a, const Scratch::Stop& b) {
+                     return a.t != b.t ? a.t < b.t : a.cell < b.cell;
+                   });
+  rays_[item].depth = middle->t;
+  rays_[item].depth_cell = middle->cell;
+}
+
 void PathWave::finish(const Path& path) {
   PathSums::Pixel& sum = s_.sums[path.item];
   sum.r += double(path.radiance.r);
@@ -323,6 +356,8 @@ void PathWave::store() {
     state.color = {float(sum.r / samples), float(sum.g / samples), float(sum.b / samples)};
     state.alpha = float(sum.alpha / samples);
     state.next_hit = state.hits.size();
+    if (settings_.depth)
+      set_depth(i);
   }
   if (!settings_.shows_dome)
     return;

@@ -22,6 +22,7 @@ struct Path {
   Color throughput, radiance;
   float alpha = 0;
   std::int64_t last_cell = -1;
+  std::int64_t sample = 0; ///< of the frame
   // Of a shadow ray: what to go on with, the light at its end, and the share that got through.
   math::Vec3d at, incoming;
   Color light;
@@ -53,6 +54,8 @@ private:
 
   bool advance(Path& path);
   void locate();
+  void stop_at(const Path& path, double t, std::int64_t cell);
+  void set_depth(std::uint32_t item) const;
   void finish(const Path& path);
   void store();
 
@@ -64,6 +67,7 @@ private:
   PathCounts& counts_;
   Scratch& s_;
   std::int64_t first_sample_ = 0, jobs_ = 0, next_ = 0;
+  std::int64_t depth_samples_ = 0; ///< 0: no depth is asked for
 };
 
 } // namespace insitu::render

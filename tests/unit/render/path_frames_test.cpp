@@ -236,6 +236,37 @@ TEST(PathFrames, DomeIsSeenWhereAskedFor) {
   EXPECT_FLOAT_EQ(image.pixel(1, 1)[1], 0.625f);
 }
 
+/// Half of the light is gone at ln 2 / k into a homogeneous medium; the median of n stops has the
+/// standard error 1 / (k sqrt(n)).
+TEST(PathFrames, DepthIsWhereHalfOfThePathsStop) {
+  RenderMesh mesh(5);
+  const auto x = mesh.field("x", INSITU_VERTEX, x_of);
+  const double k = 3;
+  FrameSettings s = one_ray(8);
+  s.volume = VolumeSettings{x, medium_of({1, 1, 1}, opacity_of(k), opacity_of(k))};
+  s.volume->unit_distance = 1;
+  s.path_tracing->samples = 201;
+  s.depth = s.cell = true;
+  const auto draw = [&] {
+    return render::render_frame(mesh.sampler(), s, mesh.committed.threads, mesh.committed.memory);
+  };
+  const render::FrameImages images = draw();
+  double sum = 0;
+  for (std::size_t i = 0; i < 64; ++i) {
+    sum += images.depth[i];
+    const Vec3d at = s.camera.position + Vec3d{double(images.depth[i]), 0, 0};
+    EXPECT_EQ(images.cell[i], mesh.sampler().locate(at).cell) << i;
+  }
+  EXPECT_NEAR(sum / 64, 1 + std::log(2.0) / k, most_errors / (k * std::sqrt(64.0 * 201)));
+  // A surface in front of that is what is seen; behind a thin medium there is nothing.
+  s.isosurfaces.push_back({x, {0.1}, 1, render::Color{1, 1, 1}});
+  EXPECT_NEAR(draw().depth[9], 1.1, 1e-6);
+  s.isosurfaces.clear();
+  s.path_tracing->density = 0.1;
+  EXPECT_EQ(draw().depth[9], HUGE_VALF);
+  EXPECT_EQ(draw().cell[9], -1);
+}
+
 TEST(PathFrames, HardCases) {
   RenderMesh mesh(5, Shape::hexahedron, 0.2);
   const auto blob = mesh.field("blob", INSITU_VERTEX, blob_of);
