@@ -25,6 +25,11 @@ test_packages=(
   "pkg-config:test of the installed package"
 )
 
+# Beyond what tests/gpu needs: 122 MB to fetch.
+browser_packages=(
+  "chromium:test of the page of a run, without a window"
+)
+
 say() { printf '%s\n' "$*"; }
 
 # step "what" command...: runs it with output to the log; on a terminal shows that it is going on.
