@@ -5,6 +5,8 @@
 
 #include "accel/tree.h"
 #include "core/status.h"
+#include "query/ray_bundle.h"
+#include "render/scalar_values.h"
 
 namespace insitu::render {
 
@@ -37,9 +39,10 @@ double step_of(const query::Sampler& sampler, const VolumeSettings& s) {
 }
 
 struct Scratch {
-  std::vector<std::uint32_t> active;
-  std::vector<Vec3d> points;
+  std::vector<query::LatticeRay> rays;
+  std::vector<std::uint32_t> active, wanted;
   std::vector<query::Location> locations;
+  std::vector<double> values;
 };
 
 Scratch& scratch() {
@@ -107,14 +110,16 @@ void VolumeMarcher::start(RayState& ray) const {
   ray.end = std::int64_t(std::floor(far / step_ - 0.5 + slack)) + 1;
 }
 
-void VolumeMarcher::add_sample(RayState& ray, std::int64_t index, const ColorSample& sample) const {
+void VolumeMarcher::add_sample(RayState& ray, std::int64_t index, const ColorSample& sample,
+                               std::int64_t cell) const {
   // Hits within the sample's stretch part it.
   const double from = double(index) * step_, to = from + step_;
   double used = 0;
   while (ray.next_hit < ray.hits.size() && ray.hits[ray.next_hit].t < to) {
     const double upto = std::clamp((ray.hits[ray.next_hit].t - from) / step_, used, 1.0);
     if (upto > used && sample.alpha > 0)
-      ray.blend(sample.color, Classifier::partial(sample.alpha, upto - used));
+      ray.blend_stretch(sample.color, Classifier::partial(sample.alpha, upto - used),
+                        from + used * step_, from + upto * step_, cell);
     used = upto;
     if (ray.is_saturated())
       return;
@@ -123,49 +128,64 @@ void VolumeMarcher::add_sample(RayState& ray, std::int64_t index, const ColorSam
       return;
   }
   if (sample.alpha > 0)
-    ray.blend(sample.color, used > 0 ? Classifier::partial(sample.alpha, 1 - used) : sample.alpha);
+    ray.blend_stretch(sample.color,
+                      used > 0 ? Classifier::partial(sample.alpha, 1 - used) : sample.alpha,
+                      from + used * step_, to, cell);
 }
 
-std::int64_t VolumeMarcher::march(std::span<RayState> rays) const {
+std::int64_t VolumeMarcher::march(std::span<RayState> rays, int row) const {
+  constexpr std::size_t most = query::RayBundleLocator::most_rays;
+  std::int64_t taken = 0;
+  for (std::size_t first = 0; first < rays.size(); first += most)
+    taken += march_bundle(rays.subspan(first, std::min(most, rays.size() - first)), row);
+  return taken;
+}
+
+std::int64_t VolumeMarcher::march_bundle(std::span<RayState> rays, int row) const {
   Scratch& s = scratch();
+  s.rays.clear();
   s.active.clear();
-  for (std::size_t r = 0; r < rays.size(); ++r)
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    s.rays.push_back({rays[r].ray.origin, rays[r].ray.direction});
     if (rays[r].next < rays[r].end)
       s.active.push_back(std::uint32_t(r));
+  }
+  if (s.active.empty())
+    return 0;
+  query::RayBundleLocator locator(sampler_, options_);
+  locator.set_rays(s.rays, row, step_);
+  const ScalarValues values(field_, sampler_.mesh());
   std::int64_t taken = 0;
   while (!s.active.empty()) {
-    // A few samples of each ray at a time fill the locator's batches; more of each once few rays
-    // are left. How many depends on the rays alone.
-    const std::int64_t chunk =
-        std::clamp<std::int64_t>(2048 / std::int64_t(s.active.size()), 8, 64);
-    // Side by side before front to back: neighbouring rays share more cells than a ray's samples
-    // do.
-    s.points.clear();
-    for (std::int64_t k = 0; k < chunk; ++k)
-      for (const std::uint32_t r : s.active) {
-        const RayState& ray = rays[r];
-        if (ray.next + k < ray.end)
-          s.points.push_back(ray.ray.origin +
-                             ((double(ray.next + k) + 0.5) * step_) * ray.ray.direction);
-      }
-    s.locations.resize(s.points.size());
-    sampler_.locate_serial(s.points, s.locations, options_);
-    taken += std::int64_t(s.points.size());
-    const query::Location* location = s.locations.data();
-    for (std::int64_t k = 0; k < chunk; ++k)
-      for (const std::uint32_t r : s.active) {
-        RayState& ray = rays[r];
-        if (ray.next + k >= ray.end)
-          continue;
-        const query::Location& at = *location++;
-        if (!ray.is_saturated())
-          add_sample(ray, ray.next + k,
-                     at ? classifier_(field_.at(sampler_.mesh(), at)) : ColorSample{});
-      }
+    // All rays over the same stretch, so that their samples share cells; a longer one once few rays
+    // are left. What it is depends on the rays alone.
+    const int depth = s.active.size() < 64 ? 32 : 16;
+    std::int64_t first = rays[s.active[0]].next;
+    for (const std::uint32_t r : s.active)
+      first = std::min(first, rays[r].next);
+    s.wanted.assign(rays.size(), 0);
+    for (const std::uint32_t r : s.active) {
+      const RayState& ray = rays[r];
+      const std::int64_t from = ray.next - first,
+                         to = std::min<std::int64_t>(ray.end - first, depth);
+      for (std::int64_t k = from; k < to; ++k)
+        s.wanted[r] |= std::uint32_t(1) << k;
+    }
+    s.locations.resize(rays.size() * std::size_t(depth));
+    s.values.resize(s.locations.size());
+    locator.locate(first, depth, s.wanted, s.locations, values, s.values);
     std::size_t kept = 0;
     for (const std::uint32_t r : s.active) {
-      rays[r].next += chunk;
-      if (rays[r].next < rays[r].end && !rays[r].is_saturated())
+      RayState& ray = rays[r];
+      const std::int64_t end = std::min(ray.end, first + depth);
+      if (ray.next < end)
+        taken += end - ray.next;
+      for (; ray.next < end && !ray.is_saturated(); ++ray.next) {
+        const std::size_t i = r * std::size_t(depth) + std::size_t(ray.next - first);
+        add_sample(ray, ray.next, s.locations[i] ? classifier_(s.values[i]) : ColorSample{},
+                   s.locations[i].cell);
+      }
+      if (ray.next < ray.end && !ray.is_saturated())
         s.active[kept++] = r;
     }
     s.active.resize(kept);

@@ -40,11 +40,14 @@ public:
   void start(RayState& ray) const;
 
   /// Gathers the samples of all rays, and those of their hits that lie before each ray's last
-  /// sample, in depth order. Returns the number of samples taken.
-  std::int64_t march(std::span<RayState> rays) const;
+  /// sample, in depth order. row: so many rays are a row of neighbouring pixels, one row after the
+  /// other; it changes the time alone. Returns the number of samples taken.
+  std::int64_t march(std::span<RayState> rays, int row = 0) const;
 
 private:
-  void add_sample(RayState& ray, std::int64_t index, const ColorSample& sample) const;
+  std::int64_t march_bundle(std::span<RayState> rays, int row) const;
+  void add_sample(RayState& ray, std::int64_t index, const ColorSample& sample,
+                  std::int64_t cell) const;
 
   query::Sampler sampler_;
   ScalarField field_;
