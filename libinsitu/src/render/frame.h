@@ -11,6 +11,8 @@
 #include "render/clip.h"
 #include "render/isosurface.h"
 #include "render/light.h"
+#include "render/outline.h"
+#include "render/triangle_surfaces.h"
 #include "render/volume.h"
 
 namespace insitu::render {
@@ -23,6 +25,9 @@ struct FrameSettings {
   float background_alpha = 1;
   std::optional<VolumeSettings> volume;
   std::vector<IsosurfaceSettings> isosurfaces;
+  std::optional<BoundarySettings> boundary;
+  std::vector<BodySettings> bodies;
+  std::optional<OutlineSettings> outline;
   Lighting lighting;
   std::vector<Clip> clips;
   bool depth = false, cell = false; ///< images of these too

@@ -13,6 +13,7 @@
 #include "query/sampler.h"
 #include "render/macrocells.h"
 #include "render/scalar_field.h"
+#include "render/triangle_mesh.h"
 #include "render/vertex_average.h"
 
 namespace insitu::render {
@@ -26,6 +27,7 @@ public:
     std::int64_t averages = 0, value_ranges = 0, scalar_ranges = 0;
     std::int64_t macrocells = 0, macrocells_refreshed = 0; ///< built; given new values
     std::int64_t majorants = 0; ///< classified, for the first time or anew
+    std::int64_t boundaries = 0, bodies = 0;
     Counts& operator+=(const Counts& b) {
       averages += b.averages;
       value_ranges += b.value_ranges;
@@ -33,6 +35,8 @@ public:
       macrocells += b.macrocells;
       macrocells_refreshed += b.macrocells_refreshed;
       majorants += b.majorants;
+      boundaries += b.boundaries;
+      bodies += b.bodies;
       return *this;
     }
     friend bool operator==(const Counts&, const Counts&) = default;
@@ -56,6 +60,10 @@ public:
   const Macrocells& macrocells(const ScalarField& field);
   /// Of macrocells(field); classified anew when the values or the function's opacities change.
   const Majorants& majorants(const ScalarField& field, const TransferFunction& function);
+  /// The mesh's boundary faces; kept while the geometry holds.
+  const TriangleMesh& boundary();
+  /// A file's triangles, which say which file; kept while frames draw them.
+  const TriangleMesh& body(const TriangleList& list);
 
   const Counts& counts() const { return counts_; }
 
@@ -93,6 +101,7 @@ private:
   Entries<ScalarRange> scalar_ranges_;
   std::map<Key, MacrocellsEntry> macrocells_;
   std::multimap<Key, MajorantsEntry> majorants_;
+  std::map<std::string, Entry<TriangleMesh>> triangles_; ///< by file; the boundary without a name
 };
 
 } // namespace insitu::render
