@@ -85,6 +85,26 @@ struct Isosurface {
   int line = 0;
 };
 
+/// The mesh's own boundary.
+struct Boundary {
+  double opacity = 1;
+  std::variant<Color, ColorBy> color = Color{0.8, 0.8, 0.8};
+};
+
+/// Triangles of a file.
+struct Body {
+  std::string path; ///< resolved against the scene file's folder
+  double opacity = 1;
+  Color color{0.6, 0.6, 0.6};
+  int line = 0;
+};
+
+/// The mesh's bounding box.
+struct BoxOutline {
+  Color color{0, 0, 0};
+  double width = 1.5; ///< in pixels
+};
+
 /// Light on surfaces; see render/light.h.
 struct Light {
   enum class Kind { head, directional, point, dome };
@@ -137,8 +157,12 @@ struct Frame {
   std::array<int, 2> size{1024, 1024}; ///< width, height
   Color background{1, 1, 1};
   Camera camera;
-  std::optional<Volume> volume; ///< a frame has a volume, isosurfaces, or both
+  /// A frame has at least one of these.
+  std::optional<Volume> volume;
   std::vector<Isosurface> isosurfaces;
+  std::optional<Boundary> boundary;
+  std::vector<Body> bodies;
+  std::optional<BoxOutline> outline;
   std::vector<Light> lights; ///< none: a white one from the viewer
   std::vector<Clip> clips;   ///< what each of them leaves is drawn
   bool scalar_bar = false;

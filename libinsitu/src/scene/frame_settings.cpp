@@ -47,6 +47,10 @@ FrameSettingsMaker::FrameSettingsMaker(const Frame& frame, const Environment& en
     const auto* by = std::get_if<ColorBy>(&surface.color);
     surface_colors_.push_back(by ? std::optional(color_map(by->colors)) : std::nullopt);
   }
+  if (frame_.boundary)
+    if (const auto* by = std::get_if<ColorBy>(&frame_.boundary->color))
+      boundary_colors_ = color_map(by->colors);
+  bodies_ = load_bodies();
 }
 
 render::FrameSettings FrameSettingsMaker::make(const query::CommittedMesh& mesh,
@@ -78,6 +82,11 @@ render::FrameSettings FrameSettingsMaker::make(const query::CommittedMesh& mesh,
   for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
     settings.isosurfaces.push_back(
         isosurface(mesh, structures, frame_.isosurfaces[i], surface_colors_[i]));
+  if (frame_.boundary)
+    settings.boundary = boundary(mesh, structures, *frame_.boundary);
+  settings.bodies = bodies_;
+  if (frame_.outline)
+    settings.outline = {to_linear(frame_.outline->color), frame_.outline->width};
   return settings;
 }
 
@@ -176,6 +185,34 @@ FrameSettingsMaker::isosurface(const query::CommittedMesh& mesh, render::Structu
     to.color = to_linear(std::get<Color>(from.color));
   }
   return to;
+}
+
+render::BoundarySettings FrameSettingsMaker::boundary(const query::CommittedMesh& mesh,
+                                                      render::Structures& structures,
+                                                      const Boundary& from) const {
+  render::BoundarySettings to;
+  to.opacity = from.opacity;
+  if (const auto* by = std::get_if<ColorBy>(&from.color)) {
+    const render::ScalarField field = scalar(mesh, by->field, by->component);
+    to.color =
+        render::ColorByField{field, transfer(structures, field, *boundary_colors_, by->range, {})};
+  } else {
+    to.color = to_linear(std::get<Color>(from.color));
+  }
+  return to;
+}
+
+std::vector<render::BodySettings> FrameSettingsMaker::load_bodies() const {
+  std::vector<render::BodySettings> bodies;
+  for (const Body& from : frame_.bodies) {
+    try {
+      bodies.push_back({std::make_shared<render::TriangleList>(render::read_stl(from.path)),
+                        from.opacity, to_linear(from.color)});
+    } catch (const core::Error& e) {
+      throw core::Error(e.status(), at_line(from.line) + e.what());
+    }
+  }
+  return bodies;
 }
 
 render::Camera FrameSettingsMaker::camera(const query::CommittedMesh& mesh,

@@ -24,9 +24,10 @@ void parse_size(const Cursor& cursor, std::array<int, 2>& size) {
 Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   Frame frame;
   frame.line = cursor.line();
-  const MapReader map(cursor, {"name", "mesh", "size", "background", "camera", "volume",
-                               "isosurfaces", "lights", "clip", "scalar_bar", "time_label",
-                               "effects", "path_tracing", "accuracy", "step", "every", "when"});
+  const MapReader map(cursor, {"name",         "mesh",        "size",       "background", "camera",
+                               "volume",       "isosurfaces", "boundary",   "bodies",     "outline",
+                               "lights",       "clip",        "scalar_bar", "time_label", "effects",
+                               "path_tracing", "accuracy",    "step",       "every",      "when"});
   parse_item_name(map, context, frame.name);
   if (const auto mesh = map.find("mesh")) {
     assign(frame.mesh, parse_name(*mesh));
@@ -46,6 +47,15 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   const auto surfaces = map.find("isosurfaces");
   if (surfaces) {
     frame.isosurfaces = parse_isosurfaces(*surfaces, context);
+  }
+  if (const auto boundary = map.find("boundary")) {
+    frame.boundary = parse_boundary(*boundary, context);
+  }
+  if (const auto bodies = map.find("bodies")) {
+    frame.bodies = parse_bodies(*bodies, context);
+  }
+  if (const auto outline = map.find("outline")) {
+    frame.outline = parse_outline(*outline);
   }
   if (const auto lights = map.find("lights")) {
     frame.lights = parse_lights(*lights);
@@ -75,9 +85,10 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   if (const auto step = map.find("step")) {
     assign(frame.step, step->number({0.01, 100}));
   }
-  if (map && !map.has("volume") &&
+  if (map && !map.has("volume") && !frame.boundary && frame.bodies.empty() && !frame.outline &&
       (!surfaces || (surfaces->is_list() && frame.isosurfaces.empty()))) {
-    cursor.fail("the frame draws nothing; give it a 'volume' or 'isosurfaces'");
+    cursor.fail("the frame draws nothing; give it a 'volume', 'isosurfaces', 'boundary', "
+                "'bodies' or 'outline'");
   }
   frame.trigger = parse_trigger(map, context.trigger);
   return frame;

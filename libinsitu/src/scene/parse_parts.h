@@ -63,6 +63,9 @@ std::vector<Light> parse_lights(const Cursor& cursor);
 Occlusion parse_occlusion(const Cursor& cursor);
 std::vector<Clip> parse_clips(const Cursor& cursor);
 std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseContext& context);
+Boundary parse_boundary(const Cursor& cursor, const ParseContext& context);
+std::vector<Body> parse_bodies(const Cursor& cursor, const ParseContext& context);
+BoxOutline parse_outline(const Cursor& cursor);
 
 /// An effect's name, and whether this version has it.
 template <class T>

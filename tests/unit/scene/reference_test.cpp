@@ -72,6 +72,9 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
       {"box of a clip", "frames: [{clip: [{box: {zzz: 1}}]}]"},
       {"sphere of a clip", "frames: [{clip: [{sphere: {zzz: 1}}]}]"},
       {"ambient_occlusion", "frames: [{effects: [{ambient_occlusion: {zzz: 1}}]}]"},
+      {"boundary", "frames: [{boundary: {zzz: 1}}]"},
+      {"bodies", "frames: [{bodies: [{zzz: 1}]}]"},
+      {"outline", "frames: [{outline: {zzz: 1}}]"},
       {"color", "frames: [{isosurfaces: [{color: {zzz: 1}}]}]"}};
   const auto sections = documented();
   for (const auto& [section, scene] : scenes) {

@@ -240,7 +240,8 @@ TEST(SceneFrames, Errors) {
   EXPECT_EQ(frame_error("accuracy: exat"), "s.yaml:2: frames[0].accuracy: 'exat' is not one of "
                                            "fast, standard, exact; did you mean 'exact'?");
   EXPECT_EQ(error_of("frames: [{name: f}]"),
-            "s.yaml:2: frames[0]: the frame draws nothing; give it a 'volume' or 'isosurfaces'");
+            "s.yaml:2: frames[0]: the frame draws nothing; give it a 'volume', 'isosurfaces', "
+            "'boundary', 'bodies' or 'outline'");
   EXPECT_NE(error_of("frames: [{name: f, isosurfaces: []}]").find("draws nothing"),
             std::string::npos);
   EXPECT_NE(
