@@ -5,7 +5,7 @@
 #include "core/status.h"
 #include "core/timer.h"
 #include "output/overlay.h"
-#include "output/png.h"
+#include "scene/frame_files.h"
 #include "scene/frame_settings.h"
 
 namespace insitu::scene {
@@ -26,26 +26,65 @@ public:
     if (!due)
       return;
     const core::Timer timer;
-    core::Context& context = environment_.context;
     if (mesh.tree().empty())
       throw core::Error(INSITU_ERROR_MESH,
                         "mesh '" + mesh.mesh().name() + "' has no cell that could be drawn");
     render::Structures& structures = environment_.structures.of(mesh);
-    const render::FrameSettings settings = settings_.make(mesh, structures, drawn_);
-    core::Image image =
-        render::render_frame(mesh.sampler(), settings, structures, context.threads).color;
-    draw_overlays(image, settings, step);
+    render::FrameSettings settings = settings_.make(mesh, structures);
     environment_.statistics.render_s += timer.seconds();
-
-    const core::Timer output_timer;
-    output::write_png(cycle_path(environment_, frame_.name, step.cycle, ".png"), image);
-    environment_.statistics.output_s += output_timer.seconds();
-    ++environment_.statistics.frames;
-    ++environment_.statistics.files;
+    if (frame_.cameras.empty())
+      draw(mesh, step, frame_.camera, "", settings, structures);
+    for (const NamedCamera& camera : frame_.cameras)
+      draw(mesh, step, camera.camera, camera.name, settings, structures);
     ++drawn_;
   }
 
 private:
+  void draw(query::CommittedMesh& mesh, const Step& step, const Camera& camera,
+            const std::string& camera_name, render::FrameSettings& settings,
+            render::Structures& structures) {
+    const core::Timer timer;
+    settings.camera = settings_.camera(camera, mesh, step, drawn_);
+    render::FrameImages images =
+        render::render_frame(mesh.sampler(), settings, structures, environment_.context.threads);
+    draw_overlays(images.color, settings, step);
+    if (settings.cell)
+      count_as_the_solver(mesh, settings, images);
+    environment_.statistics.render_s += timer.seconds();
+
+    const core::Timer output_timer;
+    CinemaRow row;
+    row.cycle = step.cycle;
+    row.time = step.time;
+    row.name = frame_.name;
+    row.camera = camera_name;
+    row.view = settings.camera;
+    row.ranges = settings_.ranges(settings);
+    write_frame_files(frame_, environment_, images, row);
+    environment_.statistics.output_s += output_timer.seconds();
+    ++environment_.statistics.frames;
+  }
+
+  /// Cells of an adaptive mesh's dual become the leaves that are seen.
+  void count_as_the_solver(const query::CommittedMesh& mesh, const render::FrameSettings& settings,
+                           render::FrameImages& images) const {
+    if (!mesh.mesh().has_stand_in() || images.cell.empty() || images.depth.empty())
+      return;
+    const render::RayGenerator rays(settings.camera, settings.width, settings.height);
+    environment_.context.threads.parallel_for(
+        settings.height, 16, [&](std::int64_t begin, std::int64_t end) {
+          for (std::int64_t y = begin; y < end; ++y)
+            for (int x = 0; x < settings.width; ++x) {
+              const auto at = std::size_t(y * settings.width + x);
+              if (images.cell[at] < 0)
+                continue;
+              const render::Ray ray = rays(x, int(y));
+              const math::Vec3d p = ray.origin + double(images.depth[at]) * ray.direction;
+              images.cell[at] = mesh.own({images.cell[at], {}}, p).cell;
+            }
+        });
+  }
+
   void draw_overlays(core::Image& image, const render::FrameSettings& settings,
                      const Step& step) const {
     output::Overlay overlay;

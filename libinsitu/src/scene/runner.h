@@ -39,6 +39,7 @@ private:
   void report(const std::string& what, const std::string& of, std::int64_t cycle);
 
   FrameStructures structures_;
+  CinemaTable table_;
   Environment environment_;
   LocatorOptions locator_;
   std::vector<std::unique_ptr<Action>> actions_;

@@ -83,8 +83,9 @@ TEST(Survives, AFieldThatDoesNotExist) {
   EXPECT_EQ(session.report().failures, 3);
   session.close();
   const runs::Files files = runs::files_of(folder / "out");
-  EXPECT_EQ(runs::names_of(files), (std::vector<std::string>{"g_000000.png", "g_000001.png",
-                                                             "g_000002.png", "p.csv", "t.csv"}));
+  EXPECT_EQ(runs::names_of(files),
+            (std::vector<std::string>{"data.csv", "g_000000.png", "g_000001.png", "g_000002.png",
+                                      "p.csv", "t.csv"}));
   EXPECT_EQ(runs::parse_table(files.at("p.csv")).rows.size(), 3u);
 }
 
