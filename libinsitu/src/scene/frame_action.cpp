@@ -97,6 +97,8 @@ private:
           output::draw_scalar_bar(image, by->function, by->field.field.name, overlay);
           break;
         }
+    if (frame_.axes)
+      output::draw_axes(image, render::CameraAxes(settings.camera), overlay);
     if (frame_.time_label)
       output::draw_time_label(image, step.time, step.cycle, overlay);
   }
