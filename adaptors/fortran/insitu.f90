@@ -115,6 +115,7 @@ module insitu
     procedure :: execute_int64
     generic :: execute => execute_int32, execute_int64
     procedure :: report => session_report
+    procedure :: plan => session_plan
     procedure :: write_summary
     procedure :: message
   end type insitu_session
@@ -260,6 +261,24 @@ contains
     call keep_message(self%text, status)
     ierr = int(status)
   end subroutine session_report
+
+  !> What the scene needs of the meshes, which it commits, and what it does without, a line each.
+  subroutine session_plan(self, text, ierr)
+    class(insitu_session), intent(in) :: self
+    character(len=:), allocatable, intent(out) :: text
+    integer, intent(out) :: ierr
+    type(c_ptr) :: found
+    integer(c_int) :: status
+
+    status = c_session_plan(self%handle, found)
+    call keep_message(self%text, status)
+    ierr = int(status)
+    if (ierr == insitu_ok) then
+      text = from_c(found)
+    else
+      text = ''
+    end if
+  end subroutine session_plan
 
   !> The report as JSON; solver_s: the solver's own seconds, for the library's share of the run.
   subroutine write_summary(self, path, ierr, solver_s)

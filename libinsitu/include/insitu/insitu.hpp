@@ -129,6 +129,12 @@ public:
   }
   /** Writes the report as JSON; solver_s: the solver's own seconds, for the library's share of the
    *  run (negative: leave it out). */
+  /// What the scene needs of the meshes, and what it does without; see insitu_session_plan().
+  std::string plan() {
+    const char* text = nullptr;
+    detail::check(insitu_session_plan(session_, &text));
+    return text;
+  }
   void write_summary(const std::string& path, double solver_s = -1.0) const {
     detail::check(insitu_session_write_summary(session_, path.c_str(), solver_s));
   }

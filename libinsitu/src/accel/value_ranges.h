@@ -30,6 +30,11 @@ private:
   struct Range {
     float lower[8], upper[8];
   };
+
+public:
+  static constexpr std::int64_t bytes_a_node = sizeof(Range);
+
+private:
   core::Buffer<Range> ranges_;
   float min_, max_;
 };

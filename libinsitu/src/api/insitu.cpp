@@ -312,6 +312,13 @@ insitu_status insitu_session_report(insitu_session session, insitu_report* repor
   });
 }
 
+insitu_status insitu_session_plan(insitu_session session, const char** text) {
+  return with_session(session, [&](api::Session& s) {
+    require(text, "text");
+    *text = s.plan().c_str();
+  });
+}
+
 insitu_status insitu_session_write_summary(insitu_session session, const char* path,
                                            double solver_s) {
   return with_session(session, [&](api::Session& s) {

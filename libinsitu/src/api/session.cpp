@@ -145,12 +145,25 @@ std::string Session::try_default_runner() {
   }
 }
 
-std::string Session::execute(std::int64_t cycle, double time) {
+std::vector<query::CommittedMesh*> Session::commit_all() {
   std::vector<query::CommittedMesh*> meshes;
   for (const auto& m : meshes_) {
     commit(*m);
     meshes.push_back(&m->mesh);
   }
+  return meshes;
+}
+
+const std::string& Session::plan() {
+  const std::vector<query::CommittedMesh*> meshes = commit_all();
+  if (!runner_ && default_scene_)
+    make_default_runner();
+  plan_ = runner_ ? runner_->plan(meshes).text() : std::string();
+  return plan_;
+}
+
+std::string Session::execute(std::int64_t cycle, double time) {
+  const std::vector<query::CommittedMesh*> meshes = commit_all();
   ++statistics_.executions;
   if (!runner_ && default_scene_)
     if (std::string failure = try_default_runner(); !failure.empty())

@@ -36,6 +36,8 @@ public:
   insitu_commit_report commit(SessionMesh& mesh);
   /// Returns what failed, one line each.
   std::string execute(std::int64_t cycle, double time);
+  /// What the scene needs; kept until the next call.
+  const std::string& plan();
   /// Ends tracers and closes files; returns what failed.
   std::string finish();
 
@@ -76,6 +78,7 @@ private:
   void for_each_slice(const query::CommittedMesh& mesh, const insitu_locate_args& args,
                       const QueryPoints& points,
                       core::FunctionRef<void(std::int64_t, std::span<const math::Vec3d>)> visit);
+  std::vector<query::CommittedMesh*> commit_all();
   void make_default_runner();
   /// Makes it; returns what is in the way, logged once.
   std::string try_default_runner();
@@ -92,6 +95,7 @@ private:
   std::vector<std::unique_ptr<SessionMesh>> meshes_;
   std::unique_ptr<scene::Runner> runner_;
   std::string default_failure_; ///< the last one logged
+  std::string plan_;            ///< the last one
 };
 
 } // namespace insitu::api

@@ -22,9 +22,19 @@ struct Clip {
   bool keep_inside = true; ///< of a box or a sphere; false: its inside goes
 };
 
-/// What stays of a ray within [near, far], in ascending order; all of it without clips. Exact to
-/// the rounding of the crossings.
+/// What stays of a ray within [near, far], in ascending order; all of it without clips, and what
+/// every single one keeps with several. The direction's components may be 0 and the origin
+/// anywhere; far may be infinite. Stretches of no length are left out. Exact to the rounding of the
+/// crossings.
 void clip_ray(const std::vector<Clip>& clips, const Ray& ray, double near, double far,
               std::vector<Stretch>& stays);
+
+/// Whether the distance lies in one of them.
+inline bool stays_at(const std::vector<Stretch>& stays, double t) {
+  for (const Stretch& s : stays)
+    if (s.from <= t && t <= s.to)
+      return true;
+  return false;
+}
 
 } // namespace insitu::render

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 
 #include "core/timer.h"
 
@@ -49,8 +50,12 @@ public:
         state.next = state.end = 0;
         state.hits.clear(); // keeps its memory
         state.next_hit = 0;
+        state.stays.clear();
+        if (!settings_.clips.empty())
+          clip_ray(settings_.clips, state.ray, 0, HUGE_VAL, state.stays);
         if (surfaces_)
-          surfaces_->trace(state.ray, state.hits, surface_counts);
+          surfaces_->trace(state.ray, state.hits, surface_counts,
+                           settings_.clips.empty() ? nullptr : &state.stays);
         hits += std::int64_t(state.hits.size());
         if (volume_)
           volume_->start(state);

@@ -72,9 +72,8 @@ IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
   }
 }
 
-void IsosurfaceTracer::test_cell(std::int64_t flat, const RaySpace& space, double& t_max,
-                                 std::vector<SurfaceHit>& hits, SurfaceCounts& counts) const {
-  ++counts.cells_tested;
+void IsosurfaceTracer::test_cell(std::int64_t flat, Search& search) const {
+  ++search.counts.cells_tested;
   const mesh::MeshView& mesh = sampler_.mesh();
   mesh::CellVertices cell;
   cell.piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
@@ -96,14 +95,16 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, const RaySpace& space, doubl
         continue;
       if (!roots) {
         mesh::gather_points(piece, local, cell);
-        roots.emplace(cell, space, 0.0, t_max);
+        roots.emplace(cell, search.space, search.t_min, search.t_max);
       }
       if (!roots->meets())
         return;
       const bool opaque = level.settings->opacity >= 1;
       const auto found = [&](const LevelHit& root) {
-        if (root.t > t_max + twin_distance * roots->extent())
+        if (root.t > search.t_max + twin_distance * roots->extent())
           return false;
+        if (search.stays && !stays_at(*search.stays, root.t))
+          return true; // cut away: the ray goes on
         SurfaceHit hit;
         hit.t = root.t;
         hit.cell = flat;
@@ -112,16 +113,16 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, const RaySpace& space, doubl
         hit.extent = roots->extent();
         hit.parametric = root.parametric;
         hit.gradient = root.gradient;
-        hits.push_back(hit);
+        search.hits.push_back(hit);
         if (opaque)
-          t_max = std::min(t_max, root.t);
+          search.t_max = std::min(search.t_max, root.t);
         return !opaque;
       };
       roots->find(values, level.value, found);
     }
   }
   if (roots)
-    counts.evaluations += roots->evaluations();
+    search.counts.evaluations += roots->evaluations();
 }
 
 void IsosurfaceTracer::shade(const Ray& ray, const IsosurfaceSettings& settings,
@@ -142,13 +143,20 @@ void IsosurfaceTracer::shade(const Ray& ray, const IsosurfaceSettings& settings,
   hit.color = float(lighting_.ambient + lighting_.diffuse * cosine) * hit.color;
 }
 
-void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits,
-                             SurfaceCounts& counts) const {
+void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,
+                             const std::vector<Stretch>* stays) const {
   hits.clear();
-  const RaySpace space(ray);
-  double t_max = std::numeric_limits<double>::max();
+  if (stays && stays->empty())
+    return;
+  constexpr double farthest = std::numeric_limits<double>::max();
+  Search search{RaySpace(ray),
+                stays,
+                stays ? stays->front().from : 0.0,
+                stays ? std::min(stays->back().to, farthest) : farthest,
+                hits,
+                counts};
   accel::for_each_cell_along_ray(
-      sampler_.tree(), ray.origin, ray.direction, 0.0, t_max,
+      sampler_.tree(), ray.origin, ray.direction, search.t_min, search.t_max,
       [&](std::uint32_t node, int child) {
         for (const Group& group : groups_)
           if (group.needs(node, child))
@@ -159,14 +167,14 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits,
         const mesh::MeshView& mesh = sampler_.mesh();
         const mesh::PieceView& piece = mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(flat)];
         if (!piece.gridlets) {
-          test_cell(flat, space, t_max, hits, counts);
-          return t_max;
+          test_cell(flat, search);
+          return search.t_max;
         }
         const std::int64_t first = mesh.first_cell[&piece - mesh.pieces];
-        accel::for_each_cell_along_ray(
-            *piece.gridlets, (flat - first) >> mesh::Gridlet::cell_bits, ray.origin, ray.direction,
-            0.0, t_max, [&](int local) { test_cell(flat + local, space, t_max, hits, counts); });
-        return t_max;
+        accel::for_each_cell_along_ray(*piece.gridlets, (flat - first) >> mesh::Gridlet::cell_bits,
+                                       ray.origin, ray.direction, search.t_min, search.t_max,
+                                       [&](int local) { test_cell(flat + local, search); });
+        return search.t_max;
       });
   std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
     if (a.t != b.t)
@@ -176,7 +184,7 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits,
   std::size_t kept = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const SurfaceHit& hit = hits[i];
-    if (hit.t > t_max + twin_distance * hit.extent)
+    if (hit.t > search.t_max + twin_distance * hit.extent)
       continue;
     bool twin = false;
     for (std::size_t k = kept; k-- > 0 && !twin;) {

@@ -6,6 +6,7 @@
 
 #include "query/sampler.h"
 #include "render/cell_roots.h"
+#include "render/clip.h"
 #include "render/light.h"
 #include "render/scalar_field.h"
 #include "render/structures.h"
@@ -54,8 +55,10 @@ public:
                    const Lighting& lighting, Structures& structures);
 
   /// The ray's hits in depth order, up to and including the first opaque one. Of hits of one
-  /// surface at one place (of cells that overlap, or on an edge) the lowest cell id counts.
-  void trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts) const;
+  /// surface at one place (of cells that overlap, or on an edge) the lowest cell id counts. stays:
+  /// where the clips let hits be; null without clips.
+  void trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,
+             const std::vector<Stretch>* stays = nullptr) const;
 
 private:
   struct Level {
@@ -71,8 +74,15 @@ private:
     std::vector<Level> levels;
     bool needs(std::uint32_t node, int child) const;
   };
-  void test_cell(std::int64_t flat, const RaySpace& space, double& t_max,
-                 std::vector<SurfaceHit>& hits, SurfaceCounts& counts) const;
+  /// What a trace goes on with from cell to cell.
+  struct Search {
+    RaySpace space;
+    const std::vector<Stretch>* stays;
+    double t_min, t_max;
+    std::vector<SurfaceHit>& hits;
+    SurfaceCounts& counts;
+  };
+  void test_cell(std::int64_t flat, Search& search) const;
   void shade(const Ray& ray, const IsosurfaceSettings& settings, SurfaceHit& hit) const;
 
   query::Sampler sampler_;

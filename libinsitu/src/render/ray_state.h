@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/camera.h"
+#include "render/clip.h"
 #include "render/isosurface.h"
 
 namespace insitu::render {
@@ -17,6 +18,7 @@ struct RayState {
   Color color; ///< times alpha
   float alpha = 0;
   std::int64_t next = 0, end = 0; ///< lattice indices of its volume samples
+  std::vector<Stretch> stays;     ///< what the frame's clips leave of it; empty without clips
   std::vector<SurfaceHit> hits;
   std::size_t next_hit = 0;
 

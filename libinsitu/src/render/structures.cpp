@@ -1,5 +1,7 @@
 #include "render/structures.h"
 
+#include <algorithm>
+
 namespace insitu::render {
 
 void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, std::uint64_t fields,
@@ -8,6 +10,14 @@ void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, st
     value_ranges_.clear();
     averages_.clear();
     scalar_ranges_.clear();
+    for (auto& [key, entry] : macrocells_)
+      entry.is_fresh = false;
+    for (auto& [key, entry] : majorants_)
+      entry.is_fresh = false;
+  }
+  if (geometry != geometry_) {
+    macrocells_.clear();
+    majorants_.clear();
   }
   sampler_ = std::make_unique<query::Sampler>(sampler);
   threads_ = &threads;
@@ -16,7 +26,7 @@ void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, st
 }
 
 template <class T>
-void Structures::drop_unused(Entries<T>& entries) {
+void Structures::drop_unused(T& entries) {
   std::erase_if(entries, [](const auto& entry) { return !entry.second.used; });
   for (auto& [key, entry] : entries)
     entry.used = false;
@@ -26,6 +36,8 @@ void Structures::end() {
   drop_unused(value_ranges_);
   drop_unused(averages_);
   drop_unused(scalar_ranges_);
+  drop_unused(macrocells_);
+  drop_unused(majorants_);
 }
 
 Structures::Key Structures::key_of(const ScalarField& field) const {
@@ -67,6 +79,50 @@ ScalarRange Structures::scalar_range(const ScalarField& field) {
         std::make_unique<ScalarRange>(render::scalar_range(sampler_->mesh(), field, *threads_));
     ++counts_.scalar_ranges;
   }
+  return *entry.value;
+}
+
+const Macrocells& Structures::macrocells(const ScalarField& field) {
+  MacrocellsEntry& entry = macrocells_[key_of(field)];
+  entry.used = true;
+  if (!entry.value) {
+    entry.value = std::make_unique<Macrocells>(*sampler_, field, *threads_, *memory_);
+    ++counts_.macrocells;
+  } else if (!entry.is_fresh) {
+    entry.value->refresh(*sampler_, field, *threads_);
+    ++counts_.macrocells_refreshed;
+  }
+  entry.is_fresh = true;
+  return *entry.value;
+}
+
+const Majorants& Structures::majorants(const ScalarField& field, const TransferFunction& function) {
+  const Macrocells& cells = macrocells(field);
+  const Key key = key_of(field);
+  const auto [first, last] = majorants_.equal_range(key);
+  auto at = std::find_if(first, last, [&](const auto& of) {
+    return of.second.opacity == function.opacity_points() &&
+           of.second.nan_opacity == function.nan_opacity();
+  });
+  if (at == last) // one that nobody has asked for in this cycle gives its memory
+    at = std::find_if(first, last, [](const auto& of) { return !of.second.used; });
+  if (at == last)
+    at = majorants_.emplace(key, MajorantsEntry{});
+  MajorantsEntry& entry = at->second;
+  const bool is_same =
+      entry.opacity == function.opacity_points() && entry.nan_opacity == function.nan_opacity();
+  if (!entry.value)
+    entry.value = std::make_unique<Majorants>(cells, function, *threads_, *memory_);
+  else if (!entry.is_fresh || !is_same)
+    entry.value->refresh(cells, function, *threads_);
+  else {
+    entry.used = true;
+    return *entry.value;
+  }
+  ++counts_.majorants;
+  entry.opacity = function.opacity_points();
+  entry.nan_opacity = function.nan_opacity();
+  entry.used = entry.is_fresh = true;
   return *entry.value;
 }
 

@@ -5,11 +5,13 @@
 #include <memory>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "accel/value_ranges.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "query/sampler.h"
+#include "render/macrocells.h"
 #include "render/scalar_field.h"
 #include "render/vertex_average.h"
 
@@ -22,10 +24,15 @@ public:
   /// How often each kind was made, for plans and tests: what no frame asks for stays at 0.
   struct Counts {
     std::int64_t averages = 0, value_ranges = 0, scalar_ranges = 0;
+    std::int64_t macrocells = 0, macrocells_refreshed = 0; ///< built; given new values
+    std::int64_t majorants = 0; ///< classified, for the first time or anew
     Counts& operator+=(const Counts& b) {
       averages += b.averages;
       value_ranges += b.value_ranges;
       scalar_ranges += b.scalar_ranges;
+      macrocells += b.macrocells;
+      macrocells_refreshed += b.macrocells_refreshed;
+      majorants += b.majorants;
       return *this;
     }
     friend bool operator==(const Counts&, const Counts&) = default;
@@ -45,6 +52,10 @@ public:
   /// Of a vertex field, or of an average's field().
   const accel::ValueRanges& value_ranges(const ScalarField& vertex_field);
   ScalarRange scalar_range(const ScalarField& field);
+  /// Kept while the geometry holds, and given new values in place.
+  const Macrocells& macrocells(const ScalarField& field);
+  /// Of macrocells(field); classified anew when the values or the function's opacities change.
+  const Majorants& majorants(const ScalarField& field, const TransferFunction& function);
 
   const Counts& counts() const { return counts_; }
 
@@ -58,9 +69,19 @@ private:
   };
   template <class T>
   using Entries = std::map<Key, Entry<T>>;
+  struct MacrocellsEntry {
+    std::unique_ptr<Macrocells> value;
+    bool used = false, is_fresh = false;
+  };
+  struct MajorantsEntry {
+    std::unique_ptr<Majorants> value;
+    std::vector<OpacityPoint> opacity; ///< of the function
+    double nan_opacity = 0;
+    bool used = false, is_fresh = false;
+  };
   Key key_of(const ScalarField& field) const;
   template <class T>
-  static void drop_unused(Entries<T>& entries);
+  static void drop_unused(T& entries);
 
   core::Memory* memory_;
   std::unique_ptr<query::Sampler> sampler_;
@@ -70,6 +91,8 @@ private:
   Entries<VertexAverage> averages_;
   Entries<accel::ValueRanges> value_ranges_;
   Entries<ScalarRange> scalar_ranges_;
+  std::map<Key, MacrocellsEntry> macrocells_;
+  std::multimap<Key, MajorantsEntry> majorants_;
 };
 
 } // namespace insitu::render

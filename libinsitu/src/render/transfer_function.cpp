@@ -63,6 +63,22 @@ double TransferFunction::opacity(double value) const {
   return a.opacity + (above->opacity - a.opacity) * ((value - a.value) / (above->value - a.value));
 }
 
+double TransferFunction::max_opacity(double low, double high) const {
+  double most = std::max(opacity(low), opacity(high));
+  auto p = std::partition_point(opacity_.begin(), opacity_.end(),
+                                [&](const OpacityPoint& q) { return q.value <= low; });
+  // Of points of one value, the first is the limit from below and the last the value itself; those
+  // between are never taken.
+  while (p != opacity_.end() && p->value <= high) {
+    auto last = p;
+    while (last + 1 != opacity_.end() && (last + 1)->value == p->value)
+      ++last;
+    most = std::max({most, p->opacity, last->opacity});
+    p = last + 1;
+  }
+  return most;
+}
+
 Classifier::Classifier(const TransferFunction& function, double step, double unit_distance) {
   if (!(step > 0.0) || !(unit_distance > 0.0))
     refuse("the ray step and the unit distance must be positive, " + std::to_string(step) +

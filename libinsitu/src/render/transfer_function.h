@@ -9,6 +9,7 @@ namespace insitu::render {
 
 struct OpacityPoint {
   double value = 0, opacity = 0;
+  friend bool operator==(const OpacityPoint&, const OpacityPoint&) = default;
 };
 
 /// Colour and opacity of a value. Colours stretch over [low, high]; opacity is linear between its
@@ -21,8 +22,14 @@ public:
   TransferFunction(ColorMap colors, double low, double high,
                    std::vector<OpacityPoint> opacity = {});
 
+  /// An opacity below this counts as none: rounding makes as much of values just where opacity
+  /// begins.
+  static constexpr double invisible = 1e-13;
+
   Color color(double value) const;
   double opacity(double value) const;
+  /// The least upper bound of opacity(v) over v in [low, high], low <= high.
+  double max_opacity(double low, double high) const;
   /// Of values that are not numbers, in a volume. Default 0.
   void set_nan_opacity(double opacity) { nan_opacity_ = opacity; }
   double nan_opacity() const { return nan_opacity_; }

@@ -10,6 +10,7 @@
 #include "scene/cinema_table.h"
 #include "scene/description.h"
 #include "scene/frame_structures.h"
+#include "scene/plan.h"
 #include "scene/statistics.h"
 
 /// What the parts of a runner share.
@@ -39,6 +40,9 @@ public:
   virtual void execute(query::CommittedMesh& mesh, const Step& step, bool due) = 0;
   /// The session closes.
   virtual void finish() {}
+  /// Adds what it needs of the mesh beyond the tree, and what it does without. May throw like
+  /// execute().
+  virtual void plan(const query::CommittedMesh& mesh, Plan& plan) const = 0;
 };
 
 /// What every action is made with.

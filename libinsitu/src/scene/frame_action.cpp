@@ -6,6 +6,7 @@
 #include "core/timer.h"
 #include "output/overlay.h"
 #include "scene/frame_files.h"
+#include "scene/frame_plan.h"
 #include "scene/frame_settings.h"
 
 namespace insitu::scene {
@@ -37,6 +38,10 @@ public:
     for (const NamedCamera& camera : frame_.cameras)
       draw(mesh, step, camera.camera, camera.name, settings, structures);
     ++drawn_;
+  }
+
+  void plan(const query::CommittedMesh& mesh, Plan& plan) const override {
+    plan_frame(frame_, mesh, plan);
   }
 
 private:

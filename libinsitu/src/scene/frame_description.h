@@ -106,6 +106,25 @@ struct Isosurface {
   int line = 0;
 };
 
+/// Light on surfaces; see render/light.h.
+struct Light {
+  enum class Kind { head, directional, point, dome };
+  Kind kind = Kind::head;
+  math::Vec3d vector; ///< directional: towards the light; point: its position
+  Color color{1, 1, 1};
+  double intensity = 1; ///< factor on the colour as linear light
+};
+
+/// What is cut away; see render/clip.h.
+struct Clip {
+  enum class Kind { plane, box, sphere };
+  Kind kind = Kind::plane;
+  math::Vec3d point;  ///< on the plane; the box's lowest corner; the sphere's centre
+  math::Vec3d vector; ///< the plane's normal, to where things go; the box's highest corner
+  double radius = 0;
+  bool keep_inside = true;
+};
+
 enum class FrameEffect { lighting };
 
 enum class ImageKind { color, depth, cell };
@@ -126,6 +145,8 @@ struct Frame {
   std::vector<ImageFormat> formats{ImageFormat::png};
   std::optional<Volume> volume; ///< a frame has a volume, isosurfaces, or both
   std::vector<Isosurface> isosurfaces;
+  std::vector<Light> lights; ///< none: a white one from the viewer
+  std::vector<Clip> clips;   ///< what each of them leaves is drawn
   bool scalar_bar = false;
   bool time_label = false;
   bool axes = false; ///< draws where x, y and z point

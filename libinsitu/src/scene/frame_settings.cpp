@@ -14,6 +14,18 @@ render::Color to_linear(const Color& c) {
   return render::linear_of_srgb(c.red, c.green, c.blue);
 }
 
+render::Light to_render(const Light& light) {
+  using Kind = render::Light::Kind;
+  constexpr Kind kinds[] = {Kind::head, Kind::directional, Kind::point, Kind::dome};
+  return {kinds[int(light.kind)], light.vector, float(light.intensity) * to_linear(light.color)};
+}
+
+render::Clip to_render(const Clip& clip) {
+  using Kind = render::Clip::Kind;
+  constexpr Kind kinds[] = {Kind::plane, Kind::box, Kind::sphere};
+  return {kinds[int(clip.kind)], clip.point, clip.vector, clip.radius, clip.keep_inside};
+}
+
 /// How far apart the samples of a volume are, in typical cells.
 double step_of(Accuracy accuracy) {
   switch (accuracy) {
@@ -54,6 +66,10 @@ render::FrameSettings FrameSettingsMaker::make(const query::CommittedMesh& mesh,
   settings.depth = asked(ImageKind::depth) || (settings.cell && mesh.mesh().has_stand_in());
   settings.lighting.enabled = std::find(frame_.effects.begin(), frame_.effects.end(),
                                         FrameEffect::lighting) != frame_.effects.end();
+  for (const Light& light : frame_.lights)
+    settings.lighting.lights.push_back(to_render(light));
+  for (const Clip& clip : frame_.clips)
+    settings.clips.push_back(to_render(clip));
   if (frame_.volume)
     settings.volume = volume(mesh, structures, *frame_.volume);
   for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)

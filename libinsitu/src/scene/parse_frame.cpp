@@ -75,9 +75,10 @@ std::string image_stem(const std::string& name, ImageKind kind) {
 Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   Frame frame;
   frame.line = cursor.line();
-  const MapReader map(cursor, {"name", "mesh", "size", "background", "camera", "cameras", "images",
-                               "format", "volume", "isosurfaces", "scalar_bar", "time_label",
-                               "axes", "effects", "accuracy", "step", "every", "when"});
+  const MapReader map(
+      cursor, {"name", "mesh", "size", "background", "camera", "cameras", "images", "format",
+               "volume", "isosurfaces", "lights", "clip", "scalar_bar", "time_label", "axes",
+               "effects", "accuracy", "step", "every", "when"});
   parse_item_name(map, context, frame.name);
   if (const auto mesh = map.find("mesh")) {
     assign(frame.mesh, parse_name(*mesh));
@@ -113,6 +114,12 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   const auto surfaces = map.find("isosurfaces");
   if (surfaces) {
     frame.isosurfaces = parse_isosurfaces(*surfaces, context);
+  }
+  if (const auto lights = map.find("lights")) {
+    frame.lights = parse_lights(*lights);
+  }
+  if (const auto clip = map.find("clip")) {
+    frame.clips = parse_clips(*clip);
   }
   if (const auto bar = map.find("scalar_bar")) {
     assign(frame.scalar_bar, bar->boolean());

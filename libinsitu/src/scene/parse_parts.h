@@ -58,6 +58,8 @@ Camera parse_camera(const Cursor& cursor);
 /// A map of names and cameras.
 std::vector<NamedCamera> parse_cameras(const Cursor& cursor);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);
+std::vector<Light> parse_lights(const Cursor& cursor);
+std::vector<Clip> parse_clips(const Cursor& cursor);
 std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseContext& context);
 
 /// A list of some of the words, at least one and each once.

@@ -53,6 +53,16 @@ ProbeAction::Answers ProbeAction::sample(const query::CommittedMesh& mesh,
   return a;
 }
 
+void ProbeAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
+  std::string fields;
+  for (const Name& name : probe_.fields)
+    fields += (fields.empty() ? "'" : ", '") + name.text + "'";
+  for (const Name& name : probe_.fields)
+    find_field(mesh, name, environment_.scene_file);
+  plan.need("point queries", -1,
+            fields.empty() ? "of all fields" : "of " + fields);
+}
+
 void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due) {
   if (!due)
     return;

@@ -23,6 +23,7 @@ public:
   const Name& mesh_name() const override { return probe_.mesh; }
   void execute(query::CommittedMesh& mesh, const Step& step, bool due) override;
   void finish() override;
+  void plan(const query::CommittedMesh& mesh, Plan& plan) const override;
 
 private:
   struct Answers;

@@ -123,6 +123,23 @@ void Runner::keep_earlier(MeshList meshes) {
   environment_.statistics.advect_s += timer.seconds();
 }
 
+Plan Runner::plan(MeshList meshes) const {
+  Plan plan;
+  for (const auto& action : actions_) {
+    const std::string of = std::string(action->kind()) + " '" + action->name() + "'";
+    plan.begin(of, action->mesh_name().text);
+    try {
+      const query::CommittedMesh& mesh =
+          find_mesh(meshes, action->mesh_name(), environment_.scene_file);
+      plan.begin(of, mesh.mesh().name());
+      action->plan(mesh, plan);
+    } catch (const core::Error& e) {
+      plan.skip("all of it", e.what());
+    }
+  }
+  return plan;
+}
+
 std::string Runner::finish() {
   std::string failures;
   for (const auto& action : actions_) {

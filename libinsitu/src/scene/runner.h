@@ -24,11 +24,17 @@ public:
   /// returned text holds one line each, empty if all went well.
   std::string execute(MeshList meshes, std::int64_t cycle, double time);
 
+  /// What its items need of the meshes, which are committed, and what they do without.
+  Plan plan(MeshList meshes) const;
+
   /// Ends tracers and closes tables. Returns failures like execute().
   std::string finish();
 
   /// Particles of all tracers.
   advect::Counts particle_counts() const;
+
+  /// How often the structures of frames were made.
+  render::Structures::Counts structure_counts() const { return structures_.counts(); }
 
   const LocatorOptions& locator() const { return locator_; }
   const std::string& output() const { return environment_.output; }

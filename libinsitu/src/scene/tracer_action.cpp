@@ -8,6 +8,27 @@ namespace insitu::scene {
 TracerAction::TracerAction(const Tracer& tracer, const Environment& environment)
     : tracer_(tracer), environment_(environment) {}
 
+void TracerAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
+  const mesh::MeshView& view = mesh.mesh().view();
+  const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
+  const std::string name = "'" + tracer_.velocity.text + "'";
+  if (tracer_.kind == TracerKind::streamline) {
+    plan.skip("earlier step of " + name, "streamlines see one step alone");
+    return;
+  }
+  const std::int64_t items = velocity.association == INSITU_CELL
+                                 ? view.first_cell[view.piece_count]
+                                 : view.first_vertex[view.piece_count];
+  plan.need("earlier step of " + name, items * velocity.components * std::int64_t(sizeof(double)),
+            "particles move between two steps");
+  if (mesh.mesh().is_adaptive())
+    plan.skip("earlier coordinates", "an adaptive mesh does not move its vertices");
+  else
+    plan.need("earlier coordinates",
+              view.first_vertex[view.piece_count] * std::int64_t(sizeof(math::Vec3d)),
+              "the mesh may move under the particles");
+}
+
 bool TracerAction::writes(TableFormat format) const {
   return std::find(tracer_.output.begin(), tracer_.output.end(), format) != tracer_.output.end();
 }

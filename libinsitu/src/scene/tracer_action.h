@@ -28,6 +28,8 @@ public:
   const Trigger& trigger() const override { return tracer_.trigger; }
   const Name& mesh_name() const override { return tracer_.mesh; }
 
+  void plan(const query::CommittedMesh& mesh, Plan& plan) const override;
+
   virtual advect::Counts counts() const = 0;
   /// The velocity field whose earlier step is needed at the next cycle; empty if none is.
   virtual std::string needs_earlier() const { return {}; }

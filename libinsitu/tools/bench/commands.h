@@ -21,6 +21,7 @@ Output run_torture(const Options& options);
 Output scale(const Options& options);
 Output methods(const Options& options);
 Output amr(const Options& options);
+Output effects(const Options& options);
 
 /// The answers to a set of queries: cells as ids or -1, and the field (NaN outside).
 struct Answers {

@@ -3,7 +3,7 @@
 namespace insitu::bench {
 
 const char* help_text() {
-  return R"(insitu-bench commit|locate|torture|scale|methods|amr [options]
+  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects [options]
 
 Times libinsitu on the standard workload, checks its answers and holds them against VTK's.
   commit   building and refitting the acceleration structure, cold and warm
@@ -12,9 +12,10 @@ Times libinsitu on the standard workload, checks its answers and holds them agai
   scale    cost of build and queries by number of cells, and of queries by size of the batch
   amr      an adaptive mesh: the dual mesh with gridlets beside the same as plain hexahedra, and
            the solver's own cells (`nearest`)
+  effects  what each effect of a frame adds to the bare one, in time and memory, alone and together
   methods  every locator method on every backend that is here: Morrical 2020, tables 1 to 3
 
-The mesh (commit, locate, scale)
+The mesh (commit, locate, scale, effects)
   --shape hex|tet|wedge|pyramid|mixed   cells of the unit box [hex; methods: tet, hex, wedge, mixed]
   --kind even|graded|layers|sparse [even]
                     equal steps | edge lengths that grow 1e4-fold along each axis |

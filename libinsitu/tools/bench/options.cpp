@@ -53,25 +53,25 @@ T choice(std::string_view option, std::string_view text, const std::optional<T>&
 
 const char* name(Command command) {
   constexpr const char* names[] = {"help",  "commit",  "locate", "torture",
-                                   "scale", "methods", "amr"};
+                                   "scale", "methods", "amr",    "effects"};
   return names[int(command)];
 }
 
 Options parse(int argc, char** argv) {
   Options o;
-  const std::string commands = "commit, locate, torture, scale, methods or amr";
+  const std::string commands = "commit, locate, torture, scale, methods, amr or effects";
   if (argc < 2)
     throw UsageError("a command expected: " + commands);
   const std::string_view command = argv[1];
   if (command == "--help" || command == "-h" || command == "help")
     return o;
   for (const Command c : {Command::commit, Command::locate, Command::torture, Command::scale,
-                          Command::methods, Command::amr})
+                          Command::methods, Command::amr, Command::effects})
     if (command == name(c))
       o.command = c;
   if (o.command == Command::help)
     throw UsageError("'" + std::string(command) + "' is no command: " + commands + " expected");
-  if (o.command == Command::methods || o.command == Command::amr)
+  if (o.command == Command::methods || o.command == Command::amr || o.command == Command::effects)
     o.repetitions = 3;
   if (o.command == Command::amr)
     o.cells = {4'018'176};

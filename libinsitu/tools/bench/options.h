@@ -12,7 +12,7 @@
 
 namespace insitu::bench {
 
-enum class Command { help, commit, locate, torture, scale, methods, amr };
+enum class Command { help, commit, locate, torture, scale, methods, amr, effects };
 const char* name(Command command);
 
 struct Options {

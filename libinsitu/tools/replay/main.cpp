@@ -72,6 +72,10 @@ public:
         continue;
       }
       try {
+        if (options_.plan) {
+          std::cout << session_.plan();
+          break;
+        }
         if (!session_.execute(cycle_, time_))
           code = skipped; // the log has said what and why
       } catch (const insitu::Error& e) {
@@ -83,7 +87,7 @@ public:
       session_.write_summary(options_.summary);
     const insitu::Report r = session_.report();
     session_.close();
-    if (progress_.terminal() && !options_.validate)
+    if (progress_.terminal() && !options_.validate && !options_.plan)
       say(plural(std::int64_t(steps_.size()), "step") + ": " + plural(r.rebuilds, "rebuild") +
           ", " + plural(r.refits, "refit") + ", " + plural(r.keeps, "keep") + "; " +
           plural(r.probe_rows, "probe row") + ", " + plural(r.frames, "frame"));

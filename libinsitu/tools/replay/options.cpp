@@ -22,6 +22,8 @@ the pieces of the mesh.
   --mesh NAME      what the scene calls the mesh (default: mesh)
   --threads N      at most N threads (default: all that the process may use)
   --strict         refuse arrays that would have to be converted, such as integer fields
+  --plan           print what the scene needs for the first step, what it does without and why,
+                   with bytes; run nothing
   --validate       check the meshes, print what was found, run nothing
   --summary FILE   write times, memory and counts as JSON at the end
   --version
@@ -67,7 +69,7 @@ ReplayOptions parse_arguments(int argc, char** argv) {
       return value;
     };
     const bool is_switch = key == "--help" || key == "-h" || key == "--version" ||
-                           key == "--strict" || key == "--validate";
+                           key == "--strict" || key == "--plan" || key == "--validate";
     if (is_switch && has_value)
       throw UsageError(key + ": takes no value");
     if (key == "--help" || key == "-h") {
@@ -76,6 +78,8 @@ ReplayOptions parse_arguments(int argc, char** argv) {
       o.version = true;
     } else if (key == "--strict") {
       o.strict = true;
+    } else if (key == "--plan") {
+      o.plan = true;
     } else if (key == "--validate") {
       o.validate = true;
     } else if (key == "--scene") {
@@ -101,6 +105,8 @@ ReplayOptions parse_arguments(int argc, char** argv) {
     return o;
   if (o.files.empty())
     throw UsageError("no mesh files given");
+  if (o.plan && o.validate)
+    throw UsageError("--plan and --validate: give one of both");
   if (!o.scene.empty() && !o.probe.empty())
     throw UsageError("--scene and --probe: give one of both");
   return o;

@@ -12,7 +12,7 @@ struct UsageError : std::runtime_error {
 };
 
 struct ReplayOptions {
-  bool help = false, version = false, strict = false, validate = false;
+  bool help = false, version = false, strict = false, plan = false, validate = false;
   std::string scene, probe, out, summary;
   std::string mesh = "mesh";
   int threads = 0;

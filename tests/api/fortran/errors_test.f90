@@ -184,6 +184,7 @@ contains
     type(insitu_session) :: session
     type(insitu_mesh) :: mesh
     type(insitu_report) :: report
+    character(len=:), allocatable :: text
     logical :: there
 
     call session%open(ierr=ierr, scene_text=probe_scene, output='errors_test_out', communicator=0)
@@ -202,6 +203,9 @@ contains
     call expect('one build', report%rebuilds == 1 .and. report%failures == 0)
     call expect('bytes', report%bytes_by_purpose(insitu_memory_tree) > 0 .and. &
                 report%bytes_by_purpose(insitu_memory_converted) == 0)
+    call session%plan(text, ierr)
+    call expect_ok('plan', session, ierr)
+    call expect('the plan names the probe', index(text, "probe '") > 0)
     call session%write_summary('errors_test_out/summary.json', ierr, solver_s=1.0_real64)
     call expect_ok('summary', session, ierr)
     call mesh%remove_field('f', ierr)

@@ -351,6 +351,19 @@ TEST_F(Replay, Validate) {
   EXPECT_NE(o.out.find("nan.vtu: refused"), std::string::npos) << o.out;
 }
 
+/// What the scene needs of the first file's mesh; nothing is written.
+TEST_F(Replay, Plan) {
+  mesh("m.vtu", 0.0);
+  put("scene.yaml", "insitu: 1\nframes:\n  - {name: f, size: [8, 8], isosurfaces: [{field: linear, "
+                    "values: [0.5]}]}\n");
+  const Outcome o = run("--plan --scene scene.yaml --out out m.vtu");
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_NE(o.out.find("frame 'f' of mesh 'mesh'"), std::string::npos) << o.out;
+  EXPECT_NE(o.out.find("needed   value ranges of 'linear'"), std::string::npos) << o.out;
+  EXPECT_NE(o.out.find("skipped  ray marching"), std::string::npos) << o.out;
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
 TEST_F(Replay, Usage) {
   Outcome o = run("--help");
   EXPECT_EQ(o.code, 0);

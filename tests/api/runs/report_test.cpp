@@ -97,6 +97,18 @@ TEST(Report, AStreaklineOfShortLivesHoldsAsMuchAsItsLivingParticles) {
   EXPECT_LE(r.bytes_by_purpose[INSITU_MEMORY_TRACER], before);
 }
 
+TEST(Report, ThePlanIsToldBeforeAnythingIsDone) {
+  const test::Folder folder;
+  Coupled run({.scene = scene, .output = folder.path()});
+  const std::string plan = run.session.plan();
+  EXPECT_NE(plan.find("skipped  lighting"), std::string::npos) << plan;
+  EXPECT_EQ(run.session.report().executions, 0);
+  EXPECT_EQ(run.session.report().files, 0);
+  Coupled bare({.scene = "", .output = folder.path()});
+  EXPECT_EQ(bare.session.plan(), "");
+  EXPECT_EQ(insitu_session_plan(nullptr, nullptr), INSITU_ERROR_HANDLE);
+}
+
 TEST(Report, TheSummaryIsJson) {
   const test::Folder folder;
   Coupled run({.scene = scene, .output = folder.path()});

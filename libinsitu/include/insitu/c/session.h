@@ -71,6 +71,11 @@ INSITU_API insitu_status insitu_session_mesh(insitu_session session, const char*
  *  INSITU_ERROR_ACTION and the message tells which. */
 INSITU_API insitu_status insitu_session_execute(insitu_session session, int64_t cycle, double time);
 
+/** Commits every mesh, then tells what the scene needs of them, with bytes, and what it does
+ *  without, and why: a line each. Nothing of it is done. *text stays valid until the session's next
+ *  plan or its close; "" without a scene. */
+INSITU_API insitu_status insitu_session_plan(insitu_session session, const char** text);
+
 #ifdef __cplusplus
 }
 #endif

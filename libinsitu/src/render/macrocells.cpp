@@ -1,0 +1,262 @@
+#include "render/macrocells.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <limits>
+#include <vector>
+
+#include "accel/tree.h"
+#include "core/status.h"
+
+namespace insitu::render {
+
+namespace {
+
+using math::Vec3d;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double largest_count = 0x1p24;
+
+/// The box of a cell's vertices.
+struct CellBox {
+  explicit CellBox(const mesh::CellVertices& cell) : low(cell.x[0]), high(cell.x[0]) {
+    for (int v = 1; v < cell.count; ++v)
+      for (int a = 0; a < 3; ++a) {
+        low[a] = cell.x[v][a] < low[a] ? cell.x[v][a] : low[a];
+        high[a] = cell.x[v][a] > high[a] ? cell.x[v][a] : high[a];
+      }
+  }
+  Vec3d low, high;
+};
+
+/// Some boxes of cells, each standing for `weight` of them, and how many cells there are in all.
+struct CellSizes {
+  struct One {
+    Vec3d extent;
+    double weight;
+  };
+  std::vector<One> picked;
+  Vec3d mean;
+  double cells = 0;
+
+  explicit CellSizes(const query::Sampler& sampler) {
+    const accel::Tree& tree = sampler.tree();
+    const mesh::MeshView& mesh = sampler.mesh();
+    constexpr std::int64_t most = 4096;
+    const std::int64_t items = tree.cell_count(), count = std::min(items, most);
+    mesh::CellVertices cell;
+    double weights = 0;
+    for (std::int64_t i = 0; i < count; ++i) {
+      const std::int64_t flat = tree.cells()[i * items / count];
+      mesh::gather(mesh, flat, cell);
+      const CellBox box(cell);
+      const mesh::GridletsView* gridlets = mesh.pieces[cell.piece].gridlets;
+      double weight = 1;
+      if (gridlets) {
+        const std::int64_t first = (flat - mesh.first_cell[cell.piece]) >> 6;
+        weight = 0;
+        for (int k = 0; k < mesh::Gridlet::side; ++k)
+          weight += std::popcount(gridlets->full[first + k]);
+      }
+      picked.push_back({box.high - box.low, weight});
+      weights += weight;
+      mean += weight * picked.back().extent;
+    }
+    mean = mean / weights;
+    cells = weights * (double(items) / double(count));
+  }
+
+  /// How many macrocells of this size a cell meets, on average.
+  double coverage(const Vec3d& size) const {
+    double sum = 0, weights = 0;
+    for (const One& one : picked) {
+      double met = one.weight;
+      for (int a = 0; a < 3; ++a)
+        met *= size[a] > 0 ? 1 + one.extent[a] / size[a] : 1.0;
+      sum += met;
+      weights += one.weight;
+    }
+    return sum / weights;
+  }
+};
+
+MacrocellGrid choose_grid(const query::Sampler& sampler, double cells_each) {
+  if (!(cells_each > 0))
+    throw core::Error(INSITU_ERROR_ARGUMENT, "macrocells of " + std::to_string(cells_each) +
+                                                 " cells each; more than 0 expected");
+  MacrocellGrid grid;
+  grid.counts = {1, 1, 1};
+  if (sampler.tree().empty())
+    return grid;
+  const CellSizes sizes(sampler);
+  grid.low = sampler.tree().bounds_min();
+  const Vec3d extent = sampler.tree().bounds_max() - grid.low;
+  // Macrocells have a mean cell's proportions, so the mesh is `across` cells wide.
+  double across[3];
+  for (int a = 0; a < 3; ++a)
+    across[a] = sizes.mean[a] > 0 && extent[a] > sizes.mean[a] ? extent[a] / sizes.mean[a] : 1.0;
+  double left = std::clamp(sizes.cells / cells_each, 1.0, largest_count);
+  int order[3] = {0, 1, 2};
+  std::sort(order, order + 3, [&](int a, int b) { return across[a] < across[b]; });
+  double product = across[0] * across[1] * across[2];
+  for (int i = 0; i < 3; ++i) { // the axes of few cells first: what they cannot take, others do
+    const int a = order[i];
+    const double wanted = across[a] * std::pow(left / product, 1.0 / (3 - i));
+    // No finer than a quarter of a cell, nor than positions are resolved.
+    const double farthest = std::max(std::fabs(grid.low[a]), std::fabs(grid.low[a] + extent[a]));
+    const double finest = std::min(4 * across[a], extent[a] * 0x1p40 / std::max(farthest, 1e-300));
+    grid.counts[a] = int(std::floor(std::max(1.0, std::min({wanted, finest, left}))));
+    left = std::max(1.0, left / grid.counts[a]);
+    product /= across[a];
+  }
+  const auto set_size = [&] {
+    for (int a = 0; a < 3; ++a)
+      grid.size[a] = extent[a] / grid.counts[a];
+  };
+  set_size();
+  // Long oblique cells have boxes that would fill much of a fine grid.
+  constexpr double most_coverage = 256;
+  while (grid.count() > 1 && sizes.coverage(grid.size) > most_coverage) {
+    int widest = 0;
+    for (int a = 1; a < 3; ++a)
+      if (grid.counts[a] > grid.counts[widest])
+        widest = a;
+    grid.counts[widest] = (grid.counts[widest] + 1) / 2;
+    set_size();
+  }
+  return grid;
+}
+
+void lower_to(double& at, double v) {
+  const std::atomic_ref<double> value(at);
+  double now = value.load(std::memory_order_relaxed);
+  while (v < now && !value.compare_exchange_weak(now, v, std::memory_order_relaxed)) {
+  }
+}
+
+void raise_to(double& at, double v) {
+  const std::atomic_ref<double> value(at);
+  double now = value.load(std::memory_order_relaxed);
+  while (v > now && !value.compare_exchange_weak(now, v, std::memory_order_relaxed)) {
+  }
+}
+
+/// What samples in a cell may be: within [lower, upper], or no number.
+struct CellValues {
+  double lower = infinity, upper = -infinity;
+  bool nan = false;
+
+  void add(double v) {
+    nan = nan || v - v != 0;
+    v += 0.0; // one zero, so that it does not matter who comes first
+    lower = v < lower ? v : lower;
+    upper = v > upper ? v : upper;
+  }
+  void finish(bool interpolated) {
+    if (!nan && interpolated) {
+      const double slack =
+          1e-6 * (upper - lower) + 0x1p-48 * std::max(std::fabs(lower), std::fabs(upper));
+      lower -= slack;
+      upper += slack;
+    } else if (nan && lower <= upper && (lower == -infinity || upper == infinity)) {
+      lower = -infinity; // what is between infinite and finite vertices
+      upper = infinity;
+    } else if (nan) { // a NaN at one vertex is one everywhere in the cell
+      lower = infinity;
+      upper = -infinity;
+    }
+  }
+};
+
+/// Which macrocells the boxes of cells meet.
+class Raster {
+public:
+  explicit Raster(const MacrocellGrid& grid) : grid_(grid) {
+    for (int a = 0; a < 3; ++a)
+      scale_[a] = grid.counts[a] > 1 ? 1.0 / grid.size[a] : 0.0;
+  }
+  template <class Visit>
+  void visit(const CellBox& box, Visit&& visit) const {
+    int from[3], to[3];
+    for (int a = 0; a < 3; ++a) {
+      from[a] = layer(a, (box.low[a] - grid_.low[a]) * scale_[a] - Macrocells::margin);
+      to[a] = layer(a, (box.high[a] - grid_.low[a]) * scale_[a] + Macrocells::margin);
+    }
+    for (int k = from[2]; k <= to[2]; ++k)
+      for (int j = from[1]; j <= to[1]; ++j)
+        for (int i = from[0]; i <= to[0]; ++i)
+          visit(std::size_t(grid_.index(i, j, k)));
+  }
+
+private:
+  int layer(int a, double at) const {
+    return at > 0 ? (at < grid_.counts[a] ? int(at) : grid_.counts[a] - 1) : 0;
+  }
+  const MacrocellGrid& grid_;
+  double scale_[3];
+};
+
+} // namespace
+
+bool MacrocellGrid::resolves(const Ray& ray, double far) const {
+  for (int a = 0; a < 3; ++a) {
+    const double largest = std::fabs(ray.origin[a]) + far * std::fabs(ray.direction[a]) +
+                           std::fabs(low[a]) + counts[a] * size[a];
+    if (counts[a] > 1 && !(0x1p-48 * largest < Macrocells::margin * size[a]))
+      return false;
+  }
+  return true;
+}
+
+Macrocells::Macrocells(const query::Sampler& sampler, const ScalarField& field,
+                       const core::Threads& threads, core::Memory& memory, double cells_each)
+    : grid_(choose_grid(sampler, cells_each)), ranges_(memory, INSITU_MEMORY_RANGES),
+      has_nan_(memory, INSITU_MEMORY_RANGES) {
+  ranges_.resize_discard(std::size_t(grid_.count()));
+  has_nan_.resize_discard(std::size_t(grid_.count()));
+  refresh(sampler, field, threads);
+}
+
+void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field,
+                         const core::Threads& threads) {
+  const accel::Tree& tree = sampler.tree();
+  const mesh::MeshView& mesh = sampler.mesh();
+  threads.parallel_for(grid_.count(), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+    std::fill(ranges_.data() + begin, ranges_.data() + end, Range{infinity, -infinity});
+    std::fill(has_nan_.data() + begin, has_nan_.data() + end, std::uint8_t(0));
+  });
+  const Raster raster(grid_);
+  const bool of_cells = field.field.association == INSITU_CELL;
+  const auto add_cell = [&](std::int64_t flat, mesh::CellVertices& cell) {
+    mesh::gather(mesh, flat, cell);
+    CellValues values;
+    if (of_cells)
+      values.add(field.load(cell.piece, flat - mesh.first_cell[cell.piece]));
+    else
+      for (int v = 0; v < cell.count; ++v)
+        values.add(field.load(cell.piece, cell.ids[v]));
+    values.finish(!of_cells);
+    raster.visit(CellBox(cell), [&](std::size_t i) {
+      lower_to(ranges_[i].lower, values.lower);
+      raise_to(ranges_[i].upper, values.upper);
+      if (values.nan)
+        std::atomic_ref(has_nan_[i]).store(1, std::memory_order_relaxed);
+    });
+  };
+  // In the tree's order, in which threads are far apart.
+  threads.parallel_for(tree.cell_count(), 1024, [&](std::int64_t begin, std::int64_t end) {
+    mesh::CellVertices cell;
+    for (std::int64_t at = begin; at < end; ++at) {
+      const std::int64_t flat = tree.cells()[at];
+      const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
+      const mesh::PieceView& piece = mesh.pieces[p];
+      const std::int64_t several = piece.cells_an_item();
+      for (std::int64_t k = 0; k < several; ++k)
+        if (several == 1 || piece.owns(flat - mesh.first_cell[p] + k))
+          add_cell(flat + k, cell);
+    }
+  });
+}
+
+} // namespace insitu::render

@@ -1,0 +1,104 @@
+#include "scene/frame_plan.h"
+
+#include <algorithm>
+
+#include "scene/action.h"
+
+namespace insitu::scene {
+
+namespace {
+
+std::string quoted(const std::string& name) {
+  return "'" + name + "'";
+}
+
+std::string scalar_name(const Name& field, const Component& component, int components) {
+  if (components == 1)
+    return quoted(field.text);
+  return component.magnitude()
+             ? "the magnitude of " + quoted(field.text)
+             : "component " + std::to_string(component.index) + " of " + quoted(field.text);
+}
+
+class FramePlanner {
+public:
+  FramePlanner(const Frame& frame, const query::CommittedMesh& mesh, Plan& plan)
+      : frame_(frame), mesh_(mesh), view_(mesh.mesh().view()), plan_(plan) {}
+
+  void run() {
+    const std::int64_t pixels = std::int64_t(frame_.size[0]) * frame_.size[1];
+    plan_.need("image of " + std::to_string(frame_.size[0]) + " x " +
+                   std::to_string(frame_.size[1]),
+               pixels * std::int64_t(4 * sizeof(float)), "while it is drawn");
+    if (frame_.volume)
+      volume(*frame_.volume);
+    else
+      plan_.skip("ray marching", "no volume is asked for");
+    for (const Isosurface& surface : frame_.isosurfaces)
+      isosurface(surface);
+    if (frame_.isosurfaces.empty())
+      plan_.skip("value ranges of the tree", "no isosurface is asked for");
+    effect(FrameEffect::lighting, "lighting");
+  }
+
+private:
+  void effect(FrameEffect which, const char* name) {
+    if (std::find(frame_.effects.begin(), frame_.effects.end(), which) != frame_.effects.end())
+      plan_.need(name, -1, "an effect of the frame");
+    else
+      plan_.skip(name, "not among the frame's effects");
+  }
+
+  void range(const std::string& what, const std::optional<ValueRange>& given) {
+    if (given)
+      plan_.skip("pass over " + what, "the range is given");
+    else
+      plan_.need("pass over " + what, -1, "the range of the colours is automatic");
+  }
+
+  void average(const std::string& what, const std::string& why) {
+    plan_.need("vertex average of " + what,
+               view_.first_vertex[view_.piece_count] * std::int64_t(sizeof(double)), why);
+  }
+
+  void volume(const Volume& v) {
+    const mesh::FieldView field = find_field(mesh_, v.field, {});
+    const std::string what = scalar_name(v.field, v.component, field.components);
+    plan_.need("ray marching of " + what, -1, "the frame's volume");
+    range(what, v.range);
+    if (v.smooth && field.association == INSITU_CELL)
+      average(what, "a smooth volume of a cell field");
+    else
+      plan_.skip("vertex average of " + what, field.association == INSITU_CELL
+                                                  ? "the volume shows one value a cell"
+                                                  : "a vertex field");
+  }
+
+  void isosurface(const Isosurface& s) {
+    const mesh::FieldView field = find_field(mesh_, s.field, {});
+    const std::string what = scalar_name(s.field, s.component, field.components);
+    if (field.association == INSITU_CELL)
+      average(what, "an isosurface of a cell field");
+    plan_.need("value ranges of " + what,
+               std::int64_t(mesh_.tree().node_count()) * accel::ValueRanges::bytes_a_node,
+               std::to_string(s.values.size()) +
+                   (s.values.size() == 1 ? " isovalue" : " isovalues"));
+    if (const auto* by = std::get_if<ColorBy>(&s.color)) {
+      const mesh::FieldView colors = find_field(mesh_, by->field, {});
+      range(scalar_name(by->field, by->component, colors.components), by->range);
+    }
+  }
+
+  const Frame& frame_;
+  const query::CommittedMesh& mesh_;
+  const mesh::MeshView& view_;
+  Plan& plan_;
+};
+
+} // namespace
+
+void plan_frame(const Frame& frame, const query::CommittedMesh& mesh, Plan& plan) {
+  FramePlanner(frame, mesh, plan).run();
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,370 @@
+#include <cmath>
+#include <cstring>
+#include <gtest/gtest.h>
+
+#include "core/status.h"
+#include "render/macrocells.h"
+#include "unit/query/registered_amr.h"
+#include "unit/render/render_mesh.h"
+
+namespace insitu::test {
+namespace {
+
+using render::MacrocellGrid;
+using render::Macrocells;
+using render::ScalarField;
+
+double random(std::uint64_t a, std::uint64_t b, std::uint64_t c = 0) {
+  return core::random_unit(77, a, b + (c << 32));
+}
+
+/// Every point of every cell is in a macrocell that counts the value there; what a macrocell says
+/// is taken by a vertex of some cell whose box, with its margin, meets it.
+void expect_bounds(const query::Sampler& sampler, const ScalarField& field,
+                   const Macrocells& cells) {
+  const mesh::MeshView& mesh = sampler.mesh();
+  const MacrocellGrid& grid = cells.grid();
+  std::vector<Macrocells::Range> oracle(std::size_t(grid.count()), {HUGE_VAL, -HUGE_VAL});
+  mesh::CellVertices cell;
+  double largest = 0;
+  std::int64_t missed = 0, owned = 0;
+  for (std::int64_t flat = 0; flat < mesh.cell_count(); ++flat) {
+    const std::int32_t p = mesh.piece_of(flat);
+    if (!mesh.pieces[p].owns(flat - mesh.first_cell[p]))
+      continue;
+    ++owned;
+    mesh::gather(mesh, flat, cell);
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (int v = 0; v < cell.count; ++v) {
+      const double f = field.field.association == INSITU_CELL
+                           ? field.load(p, flat - mesh.first_cell[p])
+                           : field.load(p, cell.ids[v]);
+      low = std::min(low, f);
+      high = std::max(high, f);
+    }
+    largest = std::max({largest, std::fabs(low), std::fabs(high)});
+    std::vector<int> met[3]; // layers that its box meets, each looked at
+    for (int a = 0; a < 3; ++a) {
+      double below = HUGE_VAL, above = -HUGE_VAL;
+      for (int v = 0; v < cell.count; ++v) {
+        below = std::min(below, cell.x[v][a]);
+        above = std::max(above, cell.x[v][a]);
+      }
+      const double slack = 1.01 * Macrocells::margin * grid.size[a];
+      for (int i = 0; i < grid.counts[a]; ++i)
+        if ((i == 0 || above >= grid.plane(a, i) - slack) &&
+            (i + 1 == grid.counts[a] || below <= grid.plane(a, i + 1) + slack))
+          met[a].push_back(i);
+    }
+    for (const int k : met[2])
+      for (const int j : met[1])
+        for (const int i : met[0]) {
+          Macrocells::Range& range = oracle[std::size_t(grid.index(i, j, k))];
+          range.lower = std::min(range.lower, low);
+          range.upper = std::max(range.upper, high);
+        }
+    // Points in the cell: convex combinations of its vertices.
+    for (int k = 0; k < 8; ++k) {
+      Vec3d x;
+      double sum = 0;
+      for (int v = 0; v < cell.count; ++v) {
+        const double w = -std::log(1e-9 + random(std::uint64_t(flat), std::uint64_t(k * 8 + v)));
+        x += w * cell.x[v];
+        sum += w;
+      }
+      const Macrocells::Range& range = cells.range(grid.index(x / sum));
+      missed += range.lower > low || range.upper < high;
+    }
+    for (int v = 0; v < cell.count; ++v) {
+      const Macrocells::Range& range = cells.range(grid.index(cell.x[v]));
+      missed += range.lower > low || range.upper < high;
+    }
+  }
+  EXPECT_GT(owned, 0);
+  EXPECT_EQ(missed, 0);
+  std::int64_t wide = 0;
+  for (std::int64_t m = 0; m < grid.count(); ++m) {
+    const Macrocells::Range& is = cells.range(m);
+    const Macrocells::Range& o = oracle[std::size_t(m)];
+    const double slack = o.lower <= o.upper ? 1.1e-6 * (o.upper - o.lower) + 1e-13 * largest : 0;
+    wide += is.lower < o.lower - slack || is.upper > o.upper + slack;
+  }
+  EXPECT_EQ(wide, 0);
+}
+
+class MacrocellShapes : public testing::TestWithParam<std::tuple<Shape, insitu_association>> {};
+
+TEST_P(MacrocellShapes, RangesHoldAndAreNoWiderThanTheirCells) {
+  const auto [shape, association] = GetParam();
+  RenderMesh mesh(6, shape, 0.3);
+  const auto field = mesh.field(
+      "f", association, [](const Vec3d& p) { return std::sin(9 * p.x) * std::cos(7 * p.y) + p.z; });
+  for (const double each : {1e9, 64.0, 4.0, 0.5}) {
+    const Macrocells cells(mesh.sampler(), field, mesh.committed.threads, mesh.committed.memory,
+                           each);
+    expect_bounds(mesh.sampler(), field, cells);
+    EXPECT_LE(double(cells.grid().count()), std::max(1.0, double(mesh.cells.cells.size()) / each));
+    if (each == 1e9)
+      EXPECT_EQ(cells.grid().count(), 1);
+    else
+      EXPECT_GE(double(cells.grid().count()), 0.1 * double(mesh.cells.cells.size()) / each);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, MacrocellShapes,
+                         testing::Combine(testing::Values(Shape::hexahedron, Shape::tetrahedron,
+                                                          Shape::wedge, Shape::pyramid),
+                                          testing::Values(INSITU_VERTEX, INSITU_CELL)));
+
+/// A box of cells, moved and stretched.
+TestMesh placed(int n, Shape shape, const Vec3d& scale, const Vec3d& offset) {
+  TestMesh mesh = box_cells(n, shape, 0.2);
+  for (Vec3d& p : mesh.vertices)
+    for (int a = 0; a < 3; ++a)
+      p[a] = offset[a] + scale[a] * p[a];
+  return mesh;
+}
+
+struct PlacedMesh {
+  explicit PlacedMesh(TestMesh from) : cells(std::move(from)), committed(cells) {}
+  ScalarField field(std::vector<double> of_vertices) {
+    values = std::move(of_vertices);
+    const insitu_array a =
+        insitu_array_of(values.data(), INSITU_FLOAT64, std::int64_t(values.size()), 1);
+    committed.mesh.mesh().set_field(0, "f", INSITU_VERTEX, &a, 1);
+    committed.commit(INSITU_CHANGED_FIELDS);
+    return {committed.mesh.mesh().field("f"), -1};
+  }
+  TestMesh cells;
+  fixtures::Committed committed;
+  std::vector<double> values;
+};
+
+TEST(Macrocells, FarAwayFlatLongAndSingleCells) {
+  struct Case {
+    const char* what;
+    int n;
+    Vec3d scale, offset;
+  };
+  const Case cases[] = {{"far away", 5, {1, 1, 1}, {6.4e6, -6.4e6, 6.4e6}},
+                        {"aspect 1e5", 5, {1e5, 1, 1}, {-3, 0, 0}},
+                        {"aspect 1e5 far away", 5, {1e-2, 1e3, 10}, {6.4e6, 6.4e6, 0}},
+                        {"without thickness", 5, {1, 1, 0}, {0, 0, 2}},
+                        {"a line", 5, {0, 0, 1}, {1, 2, 3}},
+                        {"one cell", 1, {2, 3, 4}, {0, 0, 0}},
+                        {"tiny", 4, {1e-30, 1e-30, 1e-30}, {0, 0, 0}},
+                        {"huge", 4, {1e30, 1e30, 1e30}, {0, 0, 0}}};
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.what);
+    PlacedMesh mesh(placed(c.n, Shape::hexahedron, c.scale, c.offset));
+    std::vector<double> values;
+    for (std::size_t v = 0; v < mesh.cells.vertices.size(); ++v)
+      values.push_back(random(v, 1));
+    const ScalarField field = mesh.field(values);
+    const Macrocells cells(mesh.committed.sampler(), field, mesh.committed.threads,
+                           mesh.committed.memory, 4);
+    expect_bounds(mesh.committed.sampler(), field, cells);
+  }
+}
+
+/// Long cells across the mesh: their boxes fill it, and a fine grid would be all of them in each.
+TEST(Macrocells, ObliqueLongCellsDoNotTakeForever) {
+  TestMesh mesh;
+  constexpr int count = 3000;
+  for (int i = 0; i < count; ++i) {
+    MeshCell cell;
+    cell.shape = Shape::tetrahedron;
+    const Vec3d base{random(std::uint64_t(i), 2), random(std::uint64_t(i), 3), 0};
+    const auto at = std::int32_t(mesh.vertices.size());
+    const double e = 1e-5;
+    const Vec3d corners[4] = {base, base + Vec3d{e, 0, 0}, base + Vec3d{0, e, 0},
+                              Vec3d{1 - base.x, 1 - base.y, 1}};
+    for (int v = 0; v < 4; ++v) {
+      mesh.vertices.push_back(corners[v]);
+      cell.vertices[std::size_t(v)] = at + v;
+    }
+    mesh.cells.push_back(cell);
+  }
+  PlacedMesh placed_mesh(std::move(mesh));
+  const ScalarField field = placed_mesh.field(std::vector<double>(4 * count, 1.0));
+  const Macrocells cells(placed_mesh.committed.sampler(), field, placed_mesh.committed.threads,
+                         placed_mesh.committed.memory, 1e-3);
+  EXPECT_LE(cells.grid().count(), 256 * 64);
+}
+
+TEST(Macrocells, AdaptiveMeshes) {
+  for (int kind = 0; kind < 3; ++kind) {
+    SCOPED_TRACE(kind);
+    RegisteredAmr mesh({.seed = 2, .kind = kind, .roots = 3, .levels = 3}, INSITU_DUAL,
+                       [](const Vec3d& p) { return p.x * p.x - p.y + 3 * p.z; });
+    const ScalarField field{mesh.committed.mesh.mesh().field("f"), 0};
+    const Macrocells cells(mesh.committed.sampler(), field, mesh.committed.threads,
+                           mesh.committed.memory, 16);
+    EXPECT_GT(cells.grid().count(), 8);
+    expect_bounds(mesh.committed.sampler(), field, cells);
+  }
+}
+
+TEST(Macrocells, ValuesThatAreNoNumbersAndBeyondFloat) {
+  PlacedMesh mesh(placed(6, Shape::hexahedron, {1, 1, 1}, {0, 0, 0}));
+  const std::size_t n = mesh.cells.vertices.size();
+  for (const double size : {1e-300, 5e-324, 1e300}) {
+    SCOPED_TRACE(size);
+    std::vector<double> values;
+    for (std::size_t v = 0; v < n; ++v)
+      values.push_back(size * std::floor(3 * random(v, 5)));
+    const ScalarField field = mesh.field(values);
+    const Macrocells cells(mesh.committed.sampler(), field, mesh.committed.threads,
+                           mesh.committed.memory, 4);
+    expect_bounds(mesh.committed.sampler(), field, cells);
+    EXPECT_FALSE(cells.has_nan(0));
+  }
+  // One NaN, in the corner of the mesh: it marks, and its cell counts for no range.
+  std::vector<double> values(n, 2.0);
+  values[0] = std::nan("");
+  values[1] = 7.0;
+  values[n - 1] = HUGE_VAL;
+  const ScalarField field = mesh.field(values);
+  const Macrocells cells(mesh.committed.sampler(), field, mesh.committed.threads,
+                         mesh.committed.memory, 1);
+  const std::int64_t last = cells.grid().count() - 1;
+  EXPECT_TRUE(cells.has_nan(0));
+  EXPECT_NEAR(cells.range(0).upper, 7, 1e-4); // of the cell beside
+  EXPECT_TRUE(cells.has_nan(last));           // infinite times 0
+  EXPECT_EQ(cells.range(last).upper, HUGE_VAL);
+  std::int64_t marked = 0;
+  for (std::int64_t m = 0; m <= last; ++m)
+    marked += cells.has_nan(m);
+  EXPECT_LE(marked, 16);
+  // Nothing but NaN: no range at all.
+  const Macrocells none(mesh.committed.sampler(), mesh.field(std::vector<double>(n, values[0])),
+                        mesh.committed.threads, mesh.committed.memory);
+  EXPECT_GT(none.range(0).lower, none.range(0).upper);
+  EXPECT_TRUE(none.has_nan(0));
+}
+
+TEST(Macrocells, SameForAnyNumberOfThreads) {
+  RenderMesh mesh(14, Shape::tetrahedron, 0.3);
+  const auto field = mesh.field("f", INSITU_VERTEX, [](const Vec3d& p) {
+    return p.x < 0.5 ? (p.y < 0.5 ? -0.0 : 0.0) : std::sin(30 * p.x * p.y); // both zeros
+  });
+  const auto bytes = [&](int threads) {
+    const Macrocells cells(mesh.sampler(), field, core::Threads(threads), mesh.committed.memory, 8);
+    std::vector<char> all(std::size_t(cells.grid().count()) * sizeof(Macrocells::Range));
+    std::memcpy(all.data(), &cells.range(0), all.size());
+    return all;
+  };
+  const std::vector<char> one = bytes(1);
+  for (int i = 0; i < 5; ++i)
+    EXPECT_EQ(bytes(4), one);
+}
+
+TEST(Macrocells, RefreshTakesNewValuesWithoutMemory) {
+  RenderMesh mesh(8);
+  const auto first = mesh.field("f", INSITU_VERTEX, [](const Vec3d& p) { return p.x; });
+  Macrocells cells(mesh.sampler(), first, mesh.committed.threads, mesh.committed.memory, 8);
+  const auto second = mesh.field("f", INSITU_VERTEX, [](const Vec3d& p) { return 5 - p.y; });
+  const std::int64_t before = mesh.committed.memory.current();
+  mesh.committed.memory.reset_peak();
+  cells.refresh(mesh.sampler(), second, mesh.committed.threads);
+  EXPECT_EQ(mesh.committed.memory.current(), before);
+  EXPECT_EQ(mesh.committed.memory.peak(), before);
+  expect_bounds(mesh.sampler(), second, cells);
+  const Macrocells anew(mesh.sampler(), second, mesh.committed.threads, mesh.committed.memory, 8);
+  for (std::int64_t m = 0; m < cells.grid().count(); ++m) {
+    EXPECT_EQ(cells.range(m).lower, anew.range(m).lower);
+    EXPECT_EQ(cells.range(m).upper, anew.range(m).upper);
+  }
+  EXPECT_THROW(Macrocells(mesh.sampler(), second, mesh.committed.threads, mesh.committed.memory, 0),
+               core::Error);
+}
+
+/// Walks and compares with where points of the ray are.
+TEST(Macrocells, RaysPassThroughAllOfTheirMacrocellsInOrder) {
+  const MacrocellGrid grids[] = {{{0, 0, 0}, {0.1, 0.25, 0.2}, {10, 4, 5}},
+                                 {{6.4e6, -6.4e6, 6.4e6}, {0.1, 0.25, 0.2}, {10, 4, 5}},
+                                 {{-1, 2, 3}, {0.5, 0, 1e-5}, {4, 1, 7}},
+                                 {{0, 0, 0}, {1, 1, 1}, {1, 1, 1}}};
+  std::int64_t visits = 0;
+  for (const MacrocellGrid& grid : grids)
+    for (std::uint64_t i = 0; i < 3000; ++i) {
+      const auto r = [&](int k) { return random(i, 100 + std::uint64_t(k)); };
+      Vec3d extent;
+      for (int a = 0; a < 3; ++a)
+        extent[a] = grid.counts[a] * grid.size[a];
+      const auto somewhere = [&](int k, double reach) {
+        Vec3d p;
+        for (int a = 0; a < 3; ++a)
+          p[a] = grid.low[a] + (reach * (r(k + a) - 0.5) + 0.5) * extent[a];
+        return p;
+      };
+      Vec3d from = somewhere(0, 3), to = somewhere(3, 1);
+      if (i % 5 == 1) // along a plane of the grid, and an edge
+        from.x = to.x = grid.plane(0, int(i / 5) % grid.counts[0]);
+      if (i % 10 == 1)
+        from.z = to.z = grid.plane(2, int(i / 5) % (grid.counts[2] + 1));
+      if (i % 5 == 2) { // through its corners
+        from = grid.low;
+        to = grid.low + extent;
+      }
+      if (i % 5 == 3) // beside it, but not quite parallel
+        to.x = from.x + 1e-17 * extent.x;
+      const Vec3d d = to - from;
+      const double length = std::sqrt(dot(d, d));
+      if (!(length > 0))
+        continue;
+      render::Ray ray{from, d / length};
+      const double near = 0.3 * length * r(7), far = near + 2 * length * r(8);
+      if (i % 3 == 0)
+        ray.direction = -ray.direction;
+      double upto = near;
+      std::int64_t count = 0;
+      for_each_macrocell(grid, ray, near, far, [&](std::int64_t m, double t0, double t1) {
+        EXPECT_EQ(t0, upto);
+        EXPECT_LE(t0, t1);
+        EXPECT_GE(m, 0);
+        EXPECT_LT(m, grid.count());
+        upto = t1;
+        ++count;
+        // The points of the stretch are in this macrocell, as far as they can be told.
+        const int at[3] = {int(m % grid.counts[0]), int(m / grid.counts[0] % grid.counts[1]),
+                           int(m / grid.counts[0] / grid.counts[1])};
+        for (const double w : {0.0, 0.5, 1.0})
+          for (int a = 0; a < 3; ++a) {
+            const double t = t0 + w * (t1 - t0), x = ray.origin[a] + t * ray.direction[a];
+            const double slack = 1e-15 * (std::fabs(ray.origin[a]) + t + std::fabs(grid.low[a]));
+            EXPECT_TRUE(at[a] == 0 || x >= grid.plane(a, at[a]) - slack) << i;
+            EXPECT_TRUE(at[a] + 1 == grid.counts[a] || x <= grid.plane(a, at[a] + 1) + slack) << i;
+          }
+        return true;
+      });
+      EXPECT_EQ(upto, far);
+      EXPECT_LE(count, grid.counts[0] + grid.counts[1] + grid.counts[2]);
+      visits += count;
+      int only = 0;
+      for_each_macrocell(grid, ray, near, far, [&](std::int64_t, double, double) {
+        ++only;
+        return false;
+      });
+      EXPECT_EQ(only, 1);
+    }
+  EXPECT_GT(visits, 10000);
+  int infinite = 0;
+  double last = 0;
+  for_each_macrocell(grids[0], {{-1, 0.5, 0.5}, {1, 0, 0}}, 0, HUGE_VAL,
+                     [&](std::int64_t, double, double to) {
+                       ++infinite;
+                       last = to;
+                       return true;
+                     });
+  EXPECT_EQ(infinite, 10);
+  EXPECT_EQ(last, HUGE_VAL);
+  for_each_macrocell(grids[0], {{-1, 0.5, 0.5}, {1, 0, 0}}, 2, 1,
+                     [&](std::int64_t, double, double) {
+                       ADD_FAILURE();
+                       return true;
+                     });
+}
+
+} // namespace
+} // namespace insitu::test

@@ -1,0 +1,99 @@
+// What a plan says is what is made: bytes and counts of a run's structures against its plan.
+#include <filesystem>
+#include <gtest/gtest.h>
+
+#include "../render/render_mesh.h"
+#include "core/context.h"
+#include "scene/parse.h"
+#include "scene/runner.h"
+#include "scene_test.h"
+
+namespace insitu::test {
+namespace {
+
+struct PlannedRun {
+  explicit PlannedRun(const std::string& items)
+      : folder(std::filesystem::temp_directory_path() /
+               ("insitu-plan-" + std::to_string(::getpid()))),
+        context(0, mesh.committed.log),
+        runner(scene::parse_scene_text("insitu: 1\n" + items, "s.yaml"), folder.string(), context,
+               statistics) {
+    mesh.field("p", INSITU_VERTEX, [](const Vec3d& p) { return p.x + p.y * p.z; });
+    mesh.field("c", INSITU_CELL, [](const Vec3d& p) { return p.x - p.y; });
+  }
+  ~PlannedRun() { std::filesystem::remove_all(folder); }
+
+  scene::Plan plan() { return runner.plan(meshes); }
+  std::string execute(std::int64_t cycle) { return runner.execute(meshes, cycle, double(cycle)); }
+
+  RenderMesh mesh{7, Shape::hexahedron, 0.2};
+  std::filesystem::path folder;
+  core::Context context;
+  scene::Statistics statistics;
+  scene::Runner runner;
+  query::CommittedMesh* list[1] = {&mesh.committed.mesh};
+  scene::MeshList meshes{list};
+};
+
+/// Of what stays from one cycle to the next.
+std::int64_t kept_bytes(const scene::Plan& plan) {
+  std::int64_t sum = 0;
+  for (const scene::Plan::Entry& e : plan.entries())
+    if (e.needed && !e.shared && e.bytes > 0 && e.item.rfind("image", 0) != 0)
+      sum += e.bytes;
+  return sum;
+}
+
+const char* const scenes[] = {
+    "frames: [{name: f, size: [8, 8], volume: {field: p}}]",
+    "frames: [{name: f, size: [8, 8], volume: {field: p, range: [0, 1]}}]",
+    "frames: [{name: f, size: [8, 8], volume: {field: c, smooth: true}}]",
+    "frames: [{name: f, size: [8, 8], isosurfaces: [{field: p, values: [0.5]}]}]",
+    "frames: [{name: f, size: [8, 8], isosurfaces: [{field: c, values: [0.1, 0.2]}]}]",
+    "frames: [{name: f, size: [8, 8], volume: {field: c, smooth: true}, isosurfaces: [{field: c, "
+    "values: [0.1]}, {field: p, values: [0.2], color: {field: c}}]}, {name: g, size: [4, 4], "
+    "isosurfaces: [{field: p, values: [0.7]}]}]",
+};
+
+TEST(Plan, TellsTheBytesThatAreHeld) {
+  for (const char* items : scenes) {
+    SCOPED_TRACE(items);
+    PlannedRun run(items);
+    const core::Memory& memory = run.context.memory;
+    const scene::Plan plan = run.plan();
+    EXPECT_EQ(memory.current(), 0) << "a plan makes nothing";
+    for (std::int64_t cycle = 0; cycle < 2; ++cycle) {
+      EXPECT_EQ(run.execute(cycle), "");
+      EXPECT_EQ(memory.current(), kept_bytes(plan)) << plan.text();
+    }
+  }
+}
+
+/// Structures are made once while neither cells nor values change, however many frames use them.
+TEST(Plan, StructuresAreSharedAndKept) {
+  PlannedRun run(scenes[5]);
+  EXPECT_EQ(run.execute(0), "");
+  const render::Structures::Counts once = run.runner.structure_counts();
+  EXPECT_EQ(once.averages, 1);
+  EXPECT_EQ(once.value_ranges, 2);
+  EXPECT_EQ(run.execute(1), "");
+  EXPECT_EQ(run.runner.structure_counts(), once);
+  run.mesh.committed.commit(INSITU_CHANGED_FIELDS);
+  EXPECT_EQ(run.execute(2), "");
+  EXPECT_EQ(run.runner.structure_counts().averages, 2);
+}
+
+TEST(Plan, SaysWhatIsSkippedAndWhy) {
+  PlannedRun run("frames: [{name: f, size: [8, 8], volume: {field: p, range: [0, 1]}}]\n"
+                 "probes: [{name: q, points: [[0, 0, 0]], fields: [p, nix]}]");
+  const std::string text = run.plan().text();
+  for (const char* expected :
+       {"frame 'f' of mesh 'test'", "needed   ray marching of 'p'",
+        "skipped  value ranges of the tree", "no isosurface is asked for", "skipped  pass over 'p'",
+        "skipped  lighting", "probe 'q' of mesh 'test'", "skipped  all of it", "nix",
+        "beside the trees, at most 1.0 kB"})
+    EXPECT_NE(text.find(expected), std::string::npos) << expected << " in\n" << text;
+}
+
+} // namespace
+} // namespace insitu::test

@@ -1,0 +1,91 @@
+// What lights a frame and what is cut away of it: values read, errors.
+#include <gtest/gtest.h>
+
+#include "scene_test.h"
+
+using namespace insitu;
+using namespace insitu::scene;
+
+namespace {
+
+Frame frame(const std::string& keys) {
+  return test::parse(test::frame(keys)).frames[0];
+}
+std::string frame_error(const std::string& keys) {
+  return test::error_of(test::frame(keys));
+}
+bool tells(const std::string& message, const std::string& part) {
+  return message.find(part) != std::string::npos;
+}
+
+} // namespace
+
+TEST(SceneLights, Kinds) {
+  EXPECT_TRUE(frame("size: [1, 1]").lights.empty());
+  const auto lights = frame("lights: [{head: true}, {directional: [0, 0, 2], intensity: 3}, "
+                            "{point: [1, 2, 3], color: red}, {dome: true, color: [0.5, 1, 0]}]")
+                          .lights;
+  ASSERT_EQ(lights.size(), 4u);
+  EXPECT_EQ(lights[0].kind, Light::Kind::head);
+  EXPECT_EQ(lights[0].color, (Color{1, 1, 1}));
+  EXPECT_EQ(lights[0].intensity, 1);
+  EXPECT_EQ(lights[1].kind, Light::Kind::directional);
+  EXPECT_EQ(lights[1].vector, (math::Vec3d{0, 0, 2}));
+  EXPECT_EQ(lights[1].intensity, 3);
+  EXPECT_EQ(lights[2].kind, Light::Kind::point);
+  EXPECT_EQ(lights[2].vector, (math::Vec3d{1, 2, 3}));
+  EXPECT_EQ(lights[2].color, (Color{1, 0, 0}));
+  EXPECT_EQ(lights[3].kind, Light::Kind::dome);
+  EXPECT_EQ(lights[3].color, (Color{0.5, 1, 0}));
+}
+
+TEST(SceneLights, Errors) {
+  EXPECT_EQ(frame_error("lights: [{color: red}]"),
+            "s.yaml:2: frames[0].lights[0]: a light needs 'head', 'directional', 'point' or "
+            "'dome'");
+  EXPECT_EQ(frame_error("lights: [{head: true, dome: true}]"),
+            "s.yaml:2: frames[0].lights[0]: a light has one of 'head' and 'dome', not both");
+  EXPECT_TRUE(tells(frame_error("lights: [{head: false}]"), "head: true expected"));
+  EXPECT_TRUE(tells(frame_error("lights: [{directional: [0, 0, 0]}]"), "is not zero"));
+  EXPECT_TRUE(tells(frame_error("lights: [{point: [0, 0]}]"), "lights[0].point: "));
+  EXPECT_TRUE(tells(frame_error("lights: [{dome: true, intensity: -1}]"), "a number from 0"));
+  EXPECT_TRUE(tells(frame_error("lights: {dome: true}"), "a list expected"));
+  std::string many = "{head: true}";
+  for (int i = 1; i < 65; ++i)
+    many += ", {head: true}";
+  EXPECT_TRUE(tells(frame_error("lights: [" + many + "]"), "65 items, more than 64"));
+}
+
+TEST(SceneClip, Kinds) {
+  EXPECT_TRUE(frame("size: [1, 1]").clips.empty());
+  const auto clips = frame("clip: [{plane: {point: [1, 2, 3], normal: [0, 1, 0]}}, "
+                           "{box: {min: [0, 0, 0], max: [1, 2, 3]}}, "
+                           "{box: {min: [0, 0, 0], max: [1, 2, 3], keep: outside}}, "
+                           "{sphere: {center: [4, 5, 6], radius: 7, keep: outside}}]")
+                         .clips;
+  ASSERT_EQ(clips.size(), 4u);
+  EXPECT_EQ(clips[0].kind, Clip::Kind::plane);
+  EXPECT_EQ(clips[0].point, (math::Vec3d{1, 2, 3}));
+  EXPECT_EQ(clips[0].vector, (math::Vec3d{0, 1, 0}));
+  EXPECT_EQ(clips[1].kind, Clip::Kind::box);
+  EXPECT_EQ(clips[1].vector, (math::Vec3d{1, 2, 3}));
+  EXPECT_TRUE(clips[1].keep_inside);
+  EXPECT_FALSE(clips[2].keep_inside);
+  EXPECT_EQ(clips[3].kind, Clip::Kind::sphere);
+  EXPECT_EQ(clips[3].point, (math::Vec3d{4, 5, 6}));
+  EXPECT_EQ(clips[3].radius, 7);
+  EXPECT_FALSE(clips[3].keep_inside);
+}
+
+TEST(SceneClip, Errors) {
+  EXPECT_EQ(frame_error("clip: [{}]"),
+            "s.yaml:2: frames[0].clip[0]: a clip needs 'plane', 'box' or 'sphere'");
+  EXPECT_TRUE(tells(frame_error("clip: [{plane: {normal: [1, 0, 0]}}]"), "'point'"));
+  EXPECT_TRUE(
+      tells(frame_error("clip: [{plane: {point: [1, 0, 0], normal: [0, 0, 0]}}]"), "is not zero"));
+  EXPECT_TRUE(tells(frame_error("clip: [{box: {min: [0, 0, 2], max: [1, 1, 1]}}]"),
+                    "clip[0].box: min is above max"));
+  EXPECT_TRUE(tells(frame_error("clip: [{sphere: {center: [0, 0, 2], radius: 0}}]"), "radius"));
+  EXPECT_TRUE(tells(frame_error("clip: [{sphere: {center: [0, 0, 2], radius: 1, keep: in}}]"),
+                    "'in' is not one of inside, outside"));
+}
