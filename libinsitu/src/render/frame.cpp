@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/timer.h"
+#include "render/surfaces.h"
 
 namespace insitu::render {
 
@@ -13,7 +14,8 @@ namespace {
 constexpr int tile_side = 16;
 
 struct Counters {
-  std::atomic<std::int64_t> samples{0}, cells_tested{0}, evaluations{0}, hits{0};
+  std::atomic<std::int64_t> samples{0}, cells_tested{0}, evaluations{0}, hits{0}, shadow_rays{0},
+      occlusion_rays{0};
 };
 
 class FrameRenderer {
@@ -26,12 +28,12 @@ public:
     if (settings.volume)
       volume_.emplace(sampler, *settings.volume);
     if (!settings.isosurfaces.empty())
-      surfaces_.emplace(sampler, settings.isosurfaces, settings.lighting, structures);
+      surfaces_.emplace(sampler, settings, structures);
   }
 
   double step() const { return volume_ ? volume_->step() : 0.0; }
 
-  void draw_tile(int x0, int y0, core::Image& image, Counters& counters) const {
+  void draw_tile(int x0, int y0, FrameImages& images, Counters& counters) const {
     thread_local std::vector<RayState> states;
     const int x1 = std::min(x0 + tile_side, settings_.width);
     const int y1 = std::min(y0 + tile_side, settings_.height);
@@ -44,18 +46,11 @@ public:
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
         RayState& state = states[at++];
-        state.ray = rays_(x, y);
-        state.color = {};
-        state.alpha = 0;
-        state.next = state.end = 0;
-        state.hits.clear(); // keeps its memory
-        state.next_hit = 0;
-        state.stays.clear();
+        state.begin(rays_(x, y));
         if (!settings_.clips.empty())
           clip_ray(settings_.clips, state.ray, 0, HUGE_VAL, state.stays);
         if (surfaces_)
-          surfaces_->trace(state.ray, state.hits, surface_counts,
-                           settings_.clips.empty() ? nullptr : &state.stays);
+          surfaces_->trace(state, pixel_of(x, y), surface_counts);
         hits += std::int64_t(state.hits.size());
         if (volume_)
           volume_->start(state);
@@ -68,14 +63,23 @@ public:
         RayState& state = states[at++];
         while (state.next_hit < state.hits.size() && !state.is_saturated())
           state.blend_next_hit();
-        finish(state, image.pixel(x, y));
+        if (settings_.depth)
+          images.depth[pixel_of(x, y)] = float(state.depth);
+        if (settings_.cell)
+          images.cell[pixel_of(x, y)] = state.depth_cell;
+        finish(state, images.color.pixel(x, y));
       }
     counters.cells_tested += surface_counts.cells_tested;
     counters.evaluations += surface_counts.evaluations;
     counters.hits += hits;
+    counters.shadow_rays += surface_counts.shadow_rays;
+    counters.occlusion_rays += surface_counts.occlusion_rays;
   }
 
 private:
+  std::size_t pixel_of(int x, int y) const {
+    return std::size_t(y) * std::size_t(settings_.width) + std::size_t(x);
+  }
   /// Over the background, with straight alpha.
   void finish(RayState& state, float* pixel) const {
     state.blend(settings_.background, settings_.background_alpha);
@@ -89,7 +93,7 @@ private:
   const FrameSettings& settings_;
   RayGenerator rays_;
   std::optional<VolumeMarcher> volume_;
-  std::optional<IsosurfaceTracer> surfaces_;
+  std::optional<Surfaces> surfaces_;
 };
 
 } // namespace
@@ -110,13 +114,17 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
   const double prepared = timer.seconds();
   FrameImages images;
   images.color = core::Image(settings.width, settings.height);
-  core::Image& image = images.color;
+  const std::size_t pixels = std::size_t(settings.width) * std::size_t(settings.height);
+  if (settings.depth)
+    images.depth.resize(pixels);
+  if (settings.cell)
+    images.cell.resize(pixels);
   const std::int64_t columns = (settings.width + tile_side - 1) / tile_side;
   const std::int64_t rows = (settings.height + tile_side - 1) / tile_side;
   Counters counters;
   threads.parallel_for(columns * rows, 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t tile = begin; tile < end; ++tile)
-      renderer.draw_tile(int(tile % columns) * tile_side, int(tile / columns) * tile_side, image,
+      renderer.draw_tile(int(tile % columns) * tile_side, int(tile / columns) * tile_side, images,
                          counters);
   });
   if (statistics) {
@@ -126,6 +134,8 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
     statistics->cells_tested = counters.cells_tested;
     statistics->evaluations = counters.evaluations;
     statistics->hits = counters.hits;
+    statistics->shadow_rays = counters.shadow_rays;
+    statistics->occlusion_rays = counters.occlusion_rays;
     statistics->prepare_seconds = prepared;
     statistics->seconds = timer.seconds();
   }

@@ -107,14 +107,16 @@ void VolumeMarcher::start(RayState& ray) const {
   ray.end = std::int64_t(std::floor(far / step_ - 0.5 + slack)) + 1;
 }
 
-void VolumeMarcher::add_sample(RayState& ray, std::int64_t index, const ColorSample& sample) const {
+void VolumeMarcher::add_sample(RayState& ray, std::int64_t index, const ColorSample& sample,
+                               std::int64_t cell) const {
   // Hits within the sample's stretch part it.
   const double from = double(index) * step_, to = from + step_;
   double used = 0;
   while (ray.next_hit < ray.hits.size() && ray.hits[ray.next_hit].t < to) {
     const double upto = std::clamp((ray.hits[ray.next_hit].t - from) / step_, used, 1.0);
     if (upto > used && sample.alpha > 0)
-      ray.blend(sample.color, Classifier::partial(sample.alpha, upto - used));
+      ray.blend_stretch(sample.color, Classifier::partial(sample.alpha, upto - used),
+                        from + used * step_, from + upto * step_, cell);
     used = upto;
     if (ray.is_saturated())
       return;
@@ -123,7 +125,9 @@ void VolumeMarcher::add_sample(RayState& ray, std::int64_t index, const ColorSam
       return;
   }
   if (sample.alpha > 0)
-    ray.blend(sample.color, used > 0 ? Classifier::partial(sample.alpha, 1 - used) : sample.alpha);
+    ray.blend_stretch(sample.color,
+                      used > 0 ? Classifier::partial(sample.alpha, 1 - used) : sample.alpha,
+                      from + used * step_, to, cell);
 }
 
 std::int64_t VolumeMarcher::march(std::span<RayState> rays) const {
@@ -160,7 +164,7 @@ std::int64_t VolumeMarcher::march(std::span<RayState> rays) const {
         const query::Location& at = *location++;
         if (!ray.is_saturated())
           add_sample(ray, ray.next + k,
-                     at ? classifier_(field_.at(sampler_.mesh(), at)) : ColorSample{});
+                     at ? classifier_(field_.at(sampler_.mesh(), at)) : ColorSample{}, at.cell);
       }
     std::size_t kept = 0;
     for (const std::uint32_t r : s.active) {

@@ -44,7 +44,8 @@ public:
   std::int64_t march(std::span<RayState> rays) const;
 
 private:
-  void add_sample(RayState& ray, std::int64_t index, const ColorSample& sample) const;
+  void add_sample(RayState& ray, std::int64_t index, const ColorSample& sample,
+                  std::int64_t cell) const;
 
   query::Sampler sampler_;
   ScalarField field_;

@@ -10,6 +10,7 @@
 #include "scene/cinema_table.h"
 #include "scene/description.h"
 #include "scene/frame_structures.h"
+#include "scene/page_record.h"
 #include "scene/plan.h"
 #include "scene/statistics.h"
 
@@ -50,9 +51,10 @@ struct Environment {
   core::Context& context;
   Statistics& statistics;
   FrameStructures& structures;
-  CinemaTable& table;     ///< of the frames' files
-  std::string scene_file; ///< for messages
-  std::string output;     ///< folder
+  CinemaTable& table;         ///< of the frames' files
+  std::string scene_file;     ///< for messages
+  std::string output;         ///< folder
+  PageRecord* page = nullptr; ///< null: the scene has none
 };
 
 /// The mesh of that name (the first one if empty); throws INSITU_ERROR_SCENE.

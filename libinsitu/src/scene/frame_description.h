@@ -125,7 +125,13 @@ struct Clip {
   bool keep_inside = true;
 };
 
-enum class FrameEffect { lighting };
+/// Of ambient occlusion.
+struct Occlusion {
+  int samples = 16;               ///< rays a hit
+  std::optional<double> distance; ///< how far they reach; nothing: a tenth of the mesh's diagonal
+};
+
+enum class FrameEffect { lighting, shadows, ambient_occlusion };
 
 enum class ImageKind { color, depth, cell };
 enum class ImageFormat { png, exr };
@@ -151,6 +157,7 @@ struct Frame {
   bool time_label = false;
   bool axes = false; ///< draws where x, y and z point
   std::vector<FrameEffect> effects;
+  Occlusion occlusion; ///< if among the effects
   Accuracy accuracy = Accuracy::standard;
   double step = 1; ///< factor on the ray step that `accuracy` chooses
   Trigger trigger; ///< its own, or else the scene's

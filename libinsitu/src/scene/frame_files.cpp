@@ -84,6 +84,10 @@ void write_frame_files(const Frame& frame, const Environment& environment,
       else
         files.write_png(path, kind, scale);
       ++environment.statistics.files;
+      // Browsers show PNG; of cells they would show numbers as colours.
+      if (environment.page && format == ImageFormat::png && kind != ImageKind::cell)
+        environment.page->add_frame(image_stem(stem, kind),
+                                    kind == ImageKind::depth ? "depth" : "color", path);
       row.image = kind;
       row.format = format;
       row.depth = scale ? std::optional(ValueRange{scale->low, scale->high}) : std::nullopt;

@@ -64,8 +64,16 @@ render::FrameSettings FrameSettingsMaker::make(const query::CommittedMesh& mesh,
   settings.cell = asked(ImageKind::cell);
   // In which of the solver's cells a point of a dual cell lies takes the point.
   settings.depth = asked(ImageKind::depth) || (settings.cell && mesh.mesh().has_stand_in());
-  settings.lighting.enabled = std::find(frame_.effects.begin(), frame_.effects.end(),
-                                        FrameEffect::lighting) != frame_.effects.end();
+  const auto asks_for = [&](FrameEffect effect) {
+    return std::find(frame_.effects.begin(), frame_.effects.end(), effect) != frame_.effects.end();
+  };
+  settings.lighting.shadows = asks_for(FrameEffect::shadows);
+  if (asks_for(FrameEffect::ambient_occlusion)) {
+    settings.lighting.occlusion_samples = frame_.occlusion.samples;
+    settings.lighting.occlusion_distance = frame_.occlusion.distance.value_or(0.0);
+  }
+  settings.lighting.enabled = asks_for(FrameEffect::lighting) || settings.lighting.shadows ||
+                              settings.lighting.occlusion_samples > 0;
   for (const Light& light : frame_.lights)
     settings.lighting.lights.push_back(to_render(light));
   for (const Clip& clip : frame_.clips)

@@ -131,11 +131,13 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
     assign(frame.axes, axes->boolean());
   }
   if (const auto effects = map.find("effects")) {
-    frame.effects = parse_effects<FrameEffect>(*effects, {{"lighting", FrameEffect::lighting},
-                                                          {"shadows", {}},
-                                                          {"ambient_occlusion", {}},
-                                                          {"single_scattering", {}},
-                                                          {"multiple_scattering", {}}});
+    frame.effects = parse_effects<FrameEffect>(
+        *effects, {{"lighting", FrameEffect::lighting},
+                   {"shadows", FrameEffect::shadows},
+                   {"ambient_occlusion", FrameEffect::ambient_occlusion,
+                    [&](const Cursor& options) { frame.occlusion = parse_occlusion(options); }},
+                   {"single_scattering", {}},
+                   {"multiple_scattering", {}}});
   }
   if (const auto accuracy = map.find("accuracy")) {
     assign(frame.accuracy, parse_accuracy(*accuracy));

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scene/cursor.h"
@@ -59,6 +61,7 @@ Camera parse_camera(const Cursor& cursor);
 std::vector<NamedCamera> parse_cameras(const Cursor& cursor);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);
 std::vector<Light> parse_lights(const Cursor& cursor);
+Occlusion parse_occlusion(const Cursor& cursor);
 std::vector<Clip> parse_clips(const Cursor& cursor);
 std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseContext& context);
 
@@ -85,8 +88,13 @@ std::vector<T> parse_words(const Cursor& cursor, std::initializer_list<Choice<T>
 /// An effect's name, and whether this version has it.
 template <class T>
 struct EffectChoice {
+  EffectChoice(const char* of_name, std::optional<T> what,
+               std::function<void(const Cursor&)> read_options = nullptr)
+      : name(of_name), effect(what), options(std::move(read_options)) {}
+
   const char* name;
   std::optional<T> effect;
+  std::function<void(const Cursor&)> options; ///< reads them; empty: it has none
 };
 
 /// A list of effects, each a name or a map of a name and its options. Notes unknown and repeated
@@ -119,10 +127,17 @@ std::vector<T> parse_effects(const Cursor& cursor, const std::vector<EffectChoic
       item.fail("effect '" + name + "' is not available in this version");
     } else if (!seen.insert(name).second) {
       item.fail("effect '" + name + "' is given twice");
-    } else if (with_options) {
-      item.fail("effect '" + name + "' has no options");
     } else {
-      effects.push_back(*known[static_cast<std::size_t>(found - names.begin())].effect);
+      const EffectChoice<T>& choice = known[static_cast<std::size_t>(found - names.begin())];
+      if (with_options && !choice.options) {
+        item.fail("effect '" + name + "' has no options");
+      } else {
+        if (with_options) {
+          choice.options(
+              Cursor(*item.node().entries[0].value, item.path() + "." + name, item.problems()));
+        }
+        effects.push_back(*choice.effect);
+      }
     }
   }
   return effects;

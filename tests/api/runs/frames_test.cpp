@@ -133,7 +133,8 @@ TEST(Frames, ARestartDropsLaterRowsAndASceneThatChangedKeepsOlderColumns) {
 TEST(Frames, ATableThatAnotherRunWritesIsNoReasonToDrawNothing) {
   const test::Folder folder;
   const auto scene = [](const std::string& name) {
-    return "insitu: 1\nframes:\n  - {name: " + name + ", size: [8, 8], volume: {field: density}}\n";
+    return "insitu: 1\npage: false\nframes:\n  - {name: " + name +
+           ", size: [8, 8], volume: {field: density}}\n";
   };
   Coupled first({.scene = scene("a"), .output = folder.path()});
   Coupled second({.scene = scene("b"), .output = folder.path()});
@@ -200,6 +201,36 @@ frames:
   EXPECT_NEAR(side("sphere"), 50 / std::sqrt(3.0), 1);
   // Looks at the cube's corner: only a quarter of the image is left to it.
   EXPECT_NEAR(side("placed"), 24.5, 1);
+}
+
+TEST(Frames, DepthAndCellsAreWrittenToo) {
+  const test::Folder folder;
+  // From x = 3 against an opaque cube that ends at x = 1.
+  Coupled run({.scene = R"(insitu: 1
+frames:
+  - name: f
+    size: [8, 8]
+    images: [color, depth, cell]
+    format: [png, exr]
+    camera: {position: [3, 0.5, 0.5], look_at: [0, 0.5, 0.5], orthographic: 0.5}
+    volume: {field: density, opacity: [[0, 1]]}
+)",
+               .output = folder.path()});
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  const runs::Table t = table_of(folder);
+  ASSERT_EQ(t.rows.size(), 6u);
+  const std::vector<std::string> files{"f_000000.png",       "f_000000.exr",
+                                       "f_depth_000000.png", "f_depth_000000.exr",
+                                       "f_cell_000000.png",  "f_cell_000000.exr"};
+  for (std::size_t row = 0; row < 6; ++row) {
+    EXPECT_EQ(t.text(row, "FILE"), files[row]);
+    EXPECT_TRUE(std::filesystem::exists(folder / files[row]));
+    EXPECT_EQ(t.text(row, "image"), row < 2 ? "color" : row < 4 ? "depth" : "cell");
+    EXPECT_EQ(t.text(row, "depth_low").empty(), row < 2 || row > 3);
+  }
+  // To the first sample within the cube, at most a step of half a cell behind its side.
+  EXPECT_GE(t.number(2, "depth_low"), 2);
+  EXPECT_LE(t.number(2, "depth_high"), 2.06);
 }
 
 TEST(Frames, HardCameras) {

@@ -72,6 +72,7 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
       {"plane of a clip", "frames: [{clip: [{plane: {zzz: 1}}]}]"},
       {"box of a clip", "frames: [{clip: [{box: {zzz: 1}}]}]"},
       {"sphere of a clip", "frames: [{clip: [{sphere: {zzz: 1}}]}]"},
+      {"ambient_occlusion", "frames: [{effects: [{ambient_occlusion: {zzz: 1}}]}]"},
       {"color", "frames: [{isosurfaces: [{color: {zzz: 1}}]}]"}};
   const auto sections = documented();
   for (const auto& [section, scene] : scenes) {

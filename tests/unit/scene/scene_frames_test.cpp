@@ -249,8 +249,17 @@ TEST(SceneFrames, Errors) {
 }
 
 TEST(SceneFrames, Effects) {
-  for (const char* name :
-       {"shadows", "ambient_occlusion", "single_scattering", "multiple_scattering"}) {
+  EXPECT_EQ(frame("effects: [shadows, lighting]").effects,
+            (std::vector{FrameEffect::shadows, FrameEffect::lighting}));
+  EXPECT_EQ(frame("effects: [ambient_occlusion]").occlusion.samples, 16);
+  const Frame occluded = frame("effects: [{ambient_occlusion: {samples: 4, distance: 0.5}}]");
+  EXPECT_EQ(occluded.effects, std::vector{FrameEffect::ambient_occlusion});
+  EXPECT_EQ(occluded.occlusion.samples, 4);
+  EXPECT_EQ(occluded.occlusion.distance, 0.5);
+  EXPECT_EQ(frame_error("effects: [{ambient_occlusion: {samples: 0}}]"),
+            "s.yaml:2: frames[0].effects[0].ambient_occlusion.samples: an integer from 1 to 65536 "
+            "expected, '0' found");
+  for (const char* name : {"single_scattering", "multiple_scattering"}) {
     EXPECT_EQ(frame_error("\n effects: [" + std::string(name) + "]"),
               "s.yaml:3: frames[0].effects[0]: effect '" + std::string(name) +
                   "' is not available in this version");
