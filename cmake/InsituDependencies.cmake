@@ -2,6 +2,7 @@
 find_package(TBB REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(PNG REQUIRED)
+find_package(OpenEXR 3 CONFIG REQUIRED)
 find_package(Embree REQUIRED)
 find_package(GeographicLib REQUIRED)
 find_package(hwy CONFIG REQUIRED)

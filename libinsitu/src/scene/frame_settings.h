@@ -15,10 +15,17 @@ public:
   /// core::Error. frame must outlive this.
   FrameSettingsMaker(const Frame& frame, const Environment& environment);
 
-  /// For the mesh as it is now. drawn: frames so far, for orbits. What settings point to lives
-  /// until the structures' next end().
-  render::FrameSettings make(const query::CommittedMesh& mesh, render::Structures& structures,
-                             std::int64_t drawn) const;
+  /// For the mesh as it is now, but for the camera. What settings point to lives until the
+  /// structures' next end().
+  render::FrameSettings make(const query::CommittedMesh& mesh,
+                             render::Structures& structures) const;
+  /// One of the frame's cameras at a step. drawn: frames so far, for orbits.
+  render::Camera camera(const Camera& camera, const query::CommittedMesh& mesh, const Step& step,
+                        std::int64_t drawn) const;
+
+  /// The ranges that its colours stretch over, by range_label().
+  std::vector<std::pair<std::string, ValueRange>>
+  ranges(const render::FrameSettings& settings) const;
 
 private:
   render::ColorMap color_map(const ColorMap& colors) const;
@@ -39,7 +46,6 @@ private:
   render::BoundarySettings boundary(const query::CommittedMesh& mesh,
                                     render::Structures& structures, const Boundary& from) const;
   std::vector<render::BodySettings> load_bodies() const;
-  render::Camera camera(const query::CommittedMesh& mesh, std::int64_t drawn) const;
 
   const Frame& frame_;
   Environment environment_;
