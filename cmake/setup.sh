@@ -14,6 +14,7 @@ packages=(
   "libhwy-dev:SIMD with run-time dispatch"
   "libyaml-cpp-dev:scene files"
   "libpng-dev:frames"
+  "libopenexr-dev:frames in floating point"
   "libgeographiclib-dev:frames of reference on Earth"
   "libp4est-dev:p4est adaptor and the amr_blast miniapp"
   "mpi-default-dev:headers that those of p4est need"
@@ -23,6 +24,11 @@ test_packages=(
   "libgtest-dev:unit tests"
   "libboost-dev:exact rational oracle in tests"
   "pkg-config:test of the installed package"
+)
+
+# Beyond what tests/gpu needs: 122 MB to fetch.
+browser_packages=(
+  "chromium:test of the page of a run, without a window"
 )
 
 say() { printf '%s\n' "$*"; }

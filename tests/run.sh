@@ -18,7 +18,7 @@ while [ $# -gt 0 ]; do
 done
 
 say "libinsitu: set-up, build and tests"
-ensure_packages "${packages[@]}" "${test_packages[@]}"
+ensure_packages "${packages[@]}" "${test_packages[@]}" "${browser_packages[@]}"
 # CUDA code is compiled wherever nvcc is; what needs a card is skipped without one.
 configure_and_build "$preset" -DINSITU_BUILD_TESTS=ON -DINSITU_WITH_CUDA=AUTO \
   -DCMAKE_CUDA_ARCHITECTURES=75-virtual --
