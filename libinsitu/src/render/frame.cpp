@@ -13,7 +13,7 @@ namespace {
 constexpr int tile_side = 16;
 
 struct Counters {
-  std::atomic<std::int64_t> samples{0}, cells_tested{0}, evaluations{0}, hits{0};
+  std::atomic<std::int64_t> samples{0}, skipped{0}, cells_tested{0}, evaluations{0}, hits{0};
 };
 
 class FrameRenderer {
@@ -24,7 +24,10 @@ public:
     if (sampler.tree().empty())
       return;
     if (settings.volume)
-      volume_.emplace(sampler, *settings.volume);
+      volume_.emplace(sampler, *settings.volume,
+                      volume_structures(sampler, *settings.volume,
+                                        std::int64_t(settings.width) * settings.height, structures),
+                      settings.lighting, !settings.clips.empty());
     if (!settings.isosurfaces.empty())
       surfaces_.emplace(sampler, settings.isosurfaces, settings.lighting, structures);
   }
@@ -60,8 +63,11 @@ public:
         if (volume_)
           volume_->start(state);
       }
-    if (volume_)
-      counters.samples += volume_->march(std::span(states.data(), count));
+    if (volume_) {
+      const VolumeCounts counts = volume_->march(std::span(states.data(), count));
+      counters.samples += counts.samples;
+      counters.skipped += counts.skipped;
+    }
     at = 0;
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
@@ -122,6 +128,7 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
   if (statistics) {
     statistics->rays = std::int64_t(settings.width) * settings.height;
     statistics->samples = counters.samples;
+    statistics->skipped = counters.skipped;
     statistics->step = renderer.step();
     statistics->cells_tested = counters.cells_tested;
     statistics->evaluations = counters.evaluations;

@@ -96,6 +96,14 @@ const Macrocells& Structures::macrocells(const ScalarField& field) {
   return *entry.value;
 }
 
+const Macrocells& Structures::macrocells_with_sizes(const ScalarField& field) {
+  macrocells(field);
+  Macrocells& cells = *macrocells_[key_of(field)].value;
+  if (!cells.has_sizes())
+    cells.measure(*sampler_, *threads_);
+  return cells;
+}
+
 const Majorants& Structures::majorants(const ScalarField& field, const TransferFunction& function) {
   const Macrocells& cells = macrocells(field);
   const Key key = key_of(field);
