@@ -62,6 +62,7 @@ void Tree::build(const mesh::MeshView& mesh, const core::Threads& threads, Build
                           std::to_string(mesh.cell_count()) + " given");
   nodes_.resize_discard(0);
   cells_.resize_discard(0);
+  odd_ = {};
   levels_.clear();
   bounds_ = Box{};
   const Owners owners(mesh, threads);
@@ -212,6 +213,7 @@ void Tree::flatten(const void* root_pointer, const core::Threads& threads) {
 }
 
 void Tree::refit(const mesh::MeshView& mesh, const core::Threads& threads) {
+  odd_ = {};
   if (nodes_.empty())
     return;
   const CellBoxes boxes(mesh, origin_);

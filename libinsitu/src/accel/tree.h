@@ -6,6 +6,7 @@
 
 #include "accel/locator.h"
 #include "accel/node.h"
+#include "accel/odd_slots.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/view.h"
@@ -27,6 +28,13 @@ public:
 
   /// Fits the boxes to moved vertices, bottom up; the topology must be the one that was built.
   void refit(const mesh::MeshView& mesh, const core::Threads& threads);
+
+  /// Marks a few cells, until the next build or refit; see OddSlots.
+  void mark_odd(const mesh::MeshView& mesh, std::span<const std::int64_t> ids,
+                const core::Threads& threads) {
+    odd_ = OddSlots(mesh, ids, cells_.span(), threads);
+  }
+  const OddSlots& odd() const { return odd_; }
 
   /// Expected work of a query, as the surface-area sum over nodes relative to the root's; in units
   /// of its value right after the last build.
@@ -77,6 +85,7 @@ private:
   std::unique_ptr<Embree> embree_;
   std::unique_ptr<Morton> morton_;
   std::vector<std::uint32_t> levels_;
+  OddSlots odd_;
   math::Vec3d origin_;
   Box bounds_;
   Builder builder_ = Builder::morton;

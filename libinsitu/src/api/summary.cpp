@@ -9,10 +9,6 @@ namespace insitu::api {
 
 namespace {
 
-constexpr const char* purpose_names[INSITU_MEMORY_COUNT] = {
-    "tree",   "build",     "ranges", "earlier_step", "query", "tracers",
-    "frames", "converted", "embree", "device",       "amr",   "gathered_fields"};
-
 constexpr const char* reason_names[INSITU_REASON_COUNT] = {"outside", "certified", "exact",
                                                            "on_face", "on_edge",   "on_vertex"};
 
@@ -65,7 +61,7 @@ void Session::write_summary(const std::string& path, double solver_seconds) cons
   bytes.add("held", r.bytes_held);
   bytes.add("peak", r.bytes_peak);
   for (int p = 0; p < INSITU_MEMORY_COUNT; ++p)
-    purposes.add(purpose_names[p], r.bytes_by_purpose[p]);
+    purposes.add(core::purpose_name(insitu_purpose(p)), r.bytes_by_purpose[p]);
   bytes.raw("held_by_purpose", purposes.text());
   json.raw("bytes", bytes.text());
   particles.add("seeded", r.particles_seeded);

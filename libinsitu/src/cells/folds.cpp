@@ -1,8 +1,10 @@
 #include "cells/folds.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "cells/cell_signs.h"
 #include "cells/kernels.h"
 
 namespace insitu::cells {
@@ -107,6 +109,24 @@ bool jacobian_changes_sign(Shape shape, const Vec3d* x) {
   default:
     return false;
   }
+}
+
+CellKinds kinds_of(Shape shape, CellBlock& block) {
+  CellKinds kinds;
+  if (block.count == 0)
+    return kinds;
+  const CellSigns s = cell_signs(shape, block);
+  kinds.folded = s.positive & s.negative;
+  for (std::uint64_t open = s.unsure & (s.positive ^ s.negative); open; open &= open - 1) {
+    const int k = std::countr_zero(open);
+    Vec3d x[8];
+    block.get(shape, k, x);
+    kinds.folded |= std::uint64_t(jacobian_changes_sign(shape, x)) << k;
+  }
+  kinds.inverted = s.negative & ~kinds.folded;
+  kinds.flat = block.all() & ~(s.positive | s.negative);
+  kinds.collapsed = s.coincident;
+  return kinds;
 }
 
 } // namespace insitu::cells

@@ -1,7 +1,8 @@
 #pragma once
 
-#include "math/vec.h"
-#include "mesh/shape.h"
+#include <cstdint>
+
+#include "cells/cell_block.h"
 
 namespace insitu::cells {
 
@@ -12,5 +13,16 @@ namespace insitu::cells {
 /// cell's mean of changing sign inside it.
 /// The coefficients are jacobian_signs.inl's.
 bool jacobian_changes_sign(mesh::Shape shape, const math::Vec3d* x);
+
+/// What the geometry of a block's cells shows, a bit a cell.
+struct CellKinds {
+  std::uint64_t folded = 0;
+  std::uint64_t inverted = 0;  ///< the other way round than VTK's rule, and not folded
+  std::uint64_t flat = 0;      ///< without volume
+  std::uint64_t collapsed = 0; ///< two vertices coincide
+};
+
+/// Coordinates must be finite.
+CellKinds kinds_of(mesh::Shape shape, CellBlock& block);
 
 } // namespace insitu::cells

@@ -1,14 +1,10 @@
 #include "cells/validate.h"
 
-#include <atomic>
 #include <bit>
 #include <cmath>
-#include <utility>
 #include <vector>
 
-#include "cells/cell_signs.h"
 #include "cells/folds.h"
-#include "cells/gather.h"
 
 namespace insitu::cells {
 
@@ -34,21 +30,12 @@ struct Findings {
 };
 
 /// Counts what the geometry of a block of cells shows.
-void count_signs(Shape shape, CellBlock& block, insitu_validation& counts) {
-  if (block.count == 0)
-    return;
-  const CellSigns s = cell_signs(shape, block);
-  std::uint64_t folded = s.positive & s.negative;
-  for (std::uint64_t open = s.unsure & (s.positive ^ s.negative); open; open &= open - 1) {
-    const int k = std::countr_zero(open);
-    Vec3d x[8];
-    block.get(shape, k, x);
-    folded |= std::uint64_t(jacobian_changes_sign(shape, x)) << k;
-  }
-  counts.folded_cells += std::popcount(folded);
-  counts.inverted_cells += std::popcount(s.negative & ~folded);
-  counts.zero_volume_cells += block.count - std::popcount(s.positive | s.negative);
-  counts.collapsed_cells += std::popcount(s.coincident);
+void count_kinds(Shape shape, CellBlock& block, insitu_validation& counts) {
+  const CellKinds kinds = kinds_of(shape, block);
+  counts.folded_cells += std::popcount(kinds.folded);
+  counts.inverted_cells += std::popcount(kinds.inverted);
+  counts.zero_volume_cells += std::popcount(kinds.flat);
+  counts.collapsed_cells += std::popcount(kinds.collapsed);
 }
 
 /// One chunk of a piece's cells.
@@ -91,7 +78,7 @@ public:
 
   /// Looks at the geometry of the cells that wait for it.
   void flush(Findings& f) {
-    count_signs(shape_, block_, f.counts);
+    count_kinds(shape_, block_, f.counts);
     block_.count = 0;
   }
 
@@ -205,52 +192,6 @@ Validation validate(const std::string& mesh_name, const MeshView& mesh,
                   std::to_string(c.folded_cells) + " are folded, " +
                   std::to_string(c.collapsed_cells) + " have coincident vertices";
   return out;
-}
-
-bool is_free_of_folds(const MeshView& mesh, const insitu_validation& counts) {
-  return mesh.piece_count == 1 && counts.folded_cells == 0 && counts.zero_volume_cells == 0 &&
-         (counts.inverted_cells == 0 || counts.inverted_cells + counts.ghost_cells == counts.cells);
-}
-
-bool is_free_of_folds(const MeshView& mesh, const core::Threads& threads) {
-  if (mesh.piece_count != 1)
-    return false;
-  const PieceView& piece = mesh.pieces[0];
-  const CellGather gather(mesh, 1.0);
-  std::atomic<bool> some_right{false}, some_inverted{false}, bad{false};
-  threads.parallel_for(piece.cell_count, grain, [&](std::int64_t begin, std::int64_t end) {
-    constexpr int first = int(Shape::tetrahedron), shapes = 5;
-    CellBlock block;
-    std::int64_t ids[shapes][CellBlock::size]; // waiting, by shape
-    int waiting[shapes] = {};
-    insitu_validation counts = insitu_validation_default();
-    const auto look = [&](int shape) {
-      block.count = std::exchange(waiting[shape], 0);
-      gather.fill(ids[shape], block.count, 0, block);
-      count_signs(Shape(first + shape), block, counts);
-    };
-    for (std::int64_t cell = begin; cell < end && !bad; ++cell) {
-      if (!piece.owns(cell))
-        continue;
-      const int shape = int(gather.shape(cell)) - first;
-      ids[shape][waiting[shape]++] = cell;
-      ++counts.cells;
-      if (waiting[shape] < CellBlock::size)
-        continue;
-      look(shape);
-      if (counts.folded_cells + counts.zero_volume_cells > 0)
-        bad = true;
-    }
-    for (int shape = 0; shape < shapes && !bad; ++shape)
-      look(shape);
-    if (counts.folded_cells + counts.zero_volume_cells > 0)
-      bad = true;
-    if (counts.inverted_cells > 0)
-      some_inverted = true;
-    if (counts.inverted_cells < counts.cells)
-      some_right = true;
-  });
-  return !bad && !(some_right && some_inverted);
 }
 
 } // namespace insitu::cells

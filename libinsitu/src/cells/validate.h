@@ -20,13 +20,4 @@ struct Validation {
 Validation validate(const std::string& mesh_name, const mesh::MeshView& mesh,
                     const core::Threads& threads);
 
-/// No cell that owns points folds or is without volume, all are the right way round or all are
-/// inverted, and there is one piece: so a point strictly inside a cell's image has one preimage
-/// there.
-bool is_free_of_folds(const mesh::MeshView& mesh, const insitu_validation& counts);
-
-/// The same for a mesh whose arrays are known to be valid but for its vertices having moved; looks
-/// at the geometry alone.
-bool is_free_of_folds(const mesh::MeshView& mesh, const core::Threads& threads);
-
 } // namespace insitu::cells

@@ -1,6 +1,7 @@
 #include "core/memory.h"
 
 #include <cstdlib>
+#include <iterator>
 #include <string>
 
 #if defined(__linux__)
@@ -10,6 +11,14 @@
 #include "core/status.h"
 
 namespace insitu::core {
+
+const char* purpose_name(insitu_purpose purpose) {
+  static constexpr const char* names[] = {"tree",   "build",   "ranges", "earlier_step",
+                                          "query",  "tracers", "frames", "converted",
+                                          "embree", "device",  "amr",    "gathered_fields"};
+  static_assert(std::size(names) == INSITU_MEMORY_COUNT);
+  return purpose >= 0 && purpose < INSITU_MEMORY_COUNT ? names[purpose] : "unknown";
+}
 
 void Memory::add(insitu_purpose purpose, std::int64_t bytes) {
   by_purpose_[purpose].fetch_add(bytes, std::memory_order_relaxed);
@@ -25,7 +34,8 @@ void* allocate_bytes(std::size_t bytes) {
   const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
   void* p = rounded < bytes ? nullptr : std::aligned_alloc(alignment, rounded);
   if (!p)
-    throw Error(INSITU_ERROR_MEMORY, "out of memory: " + std::to_string(bytes) + " bytes asked for");
+    throw Error(INSITU_ERROR_MEMORY,
+                "out of memory: " + std::to_string(bytes) + " bytes asked for");
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
   if (alignment == huge_page)
     (void)madvise(p, rounded, MADV_HUGEPAGE); // a wish; failure costs only time
@@ -33,6 +43,8 @@ void* allocate_bytes(std::size_t bytes) {
   return p;
 }
 
-void free_bytes(void* p) noexcept { std::free(p); }
+void free_bytes(void* p) noexcept {
+  std::free(p);
+}
 
 } // namespace insitu::core

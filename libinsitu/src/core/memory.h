@@ -12,6 +12,9 @@
 
 namespace insitu::core {
 
+/// The name of a purpose in files and messages, such as "tree"; "unknown" for another number.
+const char* purpose_name(insitu_purpose purpose);
+
 /// Counts the bytes a session holds, by purpose. Thread-safe.
 class Memory {
 public:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -54,6 +55,8 @@ std::string csv_header(const std::vector<std::string>& columns);
 void write_csv(const std::string& path, const std::vector<std::string>& columns,
                const CsvRows& rows);
 
+class AppendFile;
+
 /// A table that grows over a run and over restarts of it.
 ///
 /// The header is written once, when the file is made. `flush` hands the system whole rows in one
@@ -77,14 +80,11 @@ public:
   /// lost.
   void flush();
 
-  const std::string& path() const { return path_; }
+  const std::string& path() const;
 
 private:
-  void append(std::string_view text);
-
-  std::string path_;
   CsvRows rows_;
-  int descriptor_ = -1;
+  std::unique_ptr<AppendFile> file_;
 };
 
 } // namespace insitu::output

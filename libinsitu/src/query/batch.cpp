@@ -121,6 +121,10 @@ bool BatchLocator::try_likeliest(int tries) {
   std::fill_n(tried, count_, ~std::uint64_t(0));
   std::iota(open, open + count_, QueryId(0));
   std::size_t open_count = std::size_t(count_), proven = 0;
+  if (const accel::OddSlots& odd = query_.tree.odd(); !odd.empty())
+    for (std::size_t c = 0; c < t.found; ++c)
+      if (odd.has(candidates[c].slot))
+        tried[candidates[c].query] = 0;
   for (; tries > 0 && open_count > 0; --tries) {
     std::uint64_t next[batch_size];
     std::fill_n(next, count_, 0); // no candidate's rank

@@ -47,8 +47,15 @@ void CommittedMesh::look_for_folds(const core::Threads& threads) {
   require_committed();
   if (folds_are_known_)
     return;
+  set_odd_cells(cells::find_odd_cells(mesh_.view(), threads), threads);
+}
+
+/// The tree, if it is there, has the mesh's cells.
+void CommittedMesh::set_odd_cells(cells::OddCells odd, const core::Threads& threads) {
   folds_are_known_ = true;
-  mesh_.set_free_of_folds(cells::is_free_of_folds(mesh_.view(), threads));
+  odd_cells_ = std::move(odd);
+  mesh_.set_free_of_folds(odd_cells_.none());
+  tree_.mark_odd(mesh_.view(), odd_cells_.ids, threads);
 }
 
 /// Worth its time only to candidates: they may then answer alone in `exact`.
@@ -66,8 +73,7 @@ void CommittedMesh::update_locators(std::uint32_t pending, const core::Threads& 
   const bool moved = (pending & INSITU_CHANGED_GEOMETRY) != 0;
   // Without it candidates prove nothing; on a device that is worth it to many points alone.
   if (!folds_are_known_ && (locators_.rays() || (locators_.device() && many_were_located()))) {
-    folds_are_known_ = true;
-    mesh_.set_free_of_folds(cells::is_free_of_folds(mesh_.view(), threads));
+    set_odd_cells(cells::find_odd_cells(mesh_.view(), threads), threads);
   }
   if ((anew || moved) && folds_are_known_)
     look_for_overlaps(threads);
@@ -160,7 +166,8 @@ void CommittedMesh::validate_topology(const mesh::MeshView& view, const core::Th
   if (!validation.warning.empty())
     log.warning(validation.warning);
   folds_are_known_ = true;
-  mesh_.set_free_of_folds(cells::is_free_of_folds(view, validation.counts));
+  odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);
+  mesh_.set_free_of_folds(odd_cells_.none());
   ++topology_version_;
 }
 
@@ -223,8 +230,10 @@ void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& 
     rebuild = policy_.rebuild_is_due(tree_.cost_ratio());
   }
   rebuild = rebuild || policy_.surface_area_is_due();
-  if (rebuild)
+  if (rebuild) {
     build_tree(report, threads);
+    tree_.mark_odd(mesh_.view(), odd_cells_.ids, threads);
+  }
   tree_is_stale_ = false;
   update_locators(pending, threads);
   if (rebuild || geometry)
@@ -248,7 +257,8 @@ void CommittedMesh::commit_on_device(std::uint32_t pending, insitu_commit_report
     report.validated = 1;
   } else if (!folds_are_known_ && many_were_located()) {
     folds_are_known_ = true;
-    mesh_.set_free_of_folds(cells::is_free_of_folds(view(), threads));
+    odd_cells_ = cells::find_odd_cells(view(), threads);
+    mesh_.set_free_of_folds(odd_cells_.none());
   }
   report.action = topology || locators_.pending()       ? INSITU_REBUILD
                   : (pending & INSITU_CHANGED_GEOMETRY) ? INSITU_REFIT
@@ -283,6 +293,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
     const bool geometry = (pending & INSITU_CHANGED_GEOMETRY) != 0;
     if (geometry || (pending & INSITU_CHANGED_TOPOLOGY)) {
       folds_are_known_ = false;
+      odd_cells_ = {};
       mesh_.set_free_of_folds(false);
       mesh_.set_covers_once(false);
     }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "accel/tree.h"
+#include "cells/odd_cells.h"
 #include "cells/validate.h"
 #include "core/log.h"
 #include "mesh/mesh.h"
@@ -95,6 +96,7 @@ private:
   void validate_topology(const mesh::MeshView& view, const core::Threads& threads,
                          const core::Log& log);
   void update_locators(std::uint32_t pending, const core::Threads& threads);
+  void set_odd_cells(cells::OddCells odd, const core::Threads& threads);
   void look_for_overlaps(const core::Threads& threads);
   bool many_were_located() const;
 
@@ -112,6 +114,7 @@ private:
   bool committed_ = false;
   bool on_device_ = false; ///< asked for with every point, so kept
   bool folds_are_known_ = false;
+  cells::OddCells odd_cells_;  ///< if so
   bool tree_is_stale_ = false; ///< the mesh was in device memory meanwhile
   int commits_since_build_ = 0;
   std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0;

@@ -79,7 +79,9 @@ bool trying_pays(const mesh::MeshView& mesh) {
 }
 
 int PointQuery::tries() const {
-  return mesh.free_of_folds && options.alpha == 1.0 && trying_pays(mesh) ? 3 : 0;
+  return (mesh.free_of_folds || !tree.odd().empty()) && options.alpha == 1.0 && trying_pays(mesh)
+             ? 3
+             : 0;
 }
 
 /// The lowest of the candidates' cells in gridlets that hold p: the owner, since other cells have
@@ -115,7 +117,12 @@ Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
       return at;
   mesh::CellVertices cell;
   std::uint64_t tried = ~std::uint64_t(0);
-  for (int left = tries(); left > 0 && !best; --left) {
+  int left = tries();
+  if (!tree.odd().empty())
+    for (const Candidate& c : candidates)
+      if (tree.odd().has(c.slot))
+        left = 0;
+  for (; left > 0 && !best; --left) {
     std::uint64_t rank = 0; // no candidate's
     for (const Candidate& c : candidates)
       if (tree.cells()[c.slot] >= first)

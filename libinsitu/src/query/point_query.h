@@ -38,7 +38,8 @@ struct PointQuery {
   BoxRule box_rule() const {
     return BoxRule(tree.origin(), options.alpha, mesh.largest_displacement);
   }
-  /// On a mesh free of folds so many candidates, those in whose boxes the point lies deepest, are
+  /// On a mesh free of folds, and for points that none of a few odd cells may hold
+  /// (accel::OddSlots), so many candidates, those in whose boxes the point lies deepest, are
   /// tried first by Newton's method: a certificate proves that the cell holds the point in its
   /// interior.
   int tries() const;

@@ -136,7 +136,10 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
     at = GridletFinder(*gridlets, hint < mesh_->first_cell[1] ? hint : -1)(p, why);
   else if (adaptive_)
     at = LeafFinder(adaptive_->leaves())(p, why);
-  if (!at && hint >= 0 && mesh_->free_of_folds && hint < mesh_->cell_count() && owns(hint)) {
+  const bool proofs_count =
+      mesh_->free_of_folds ||
+      (!tree_->odd().empty() && options.alpha == 1.0 && !tree_->odd().may_hold(p));
+  if (!at && hint >= 0 && proofs_count && hint < mesh_->cell_count() && owns(hint)) {
     mesh::CellVertices cell;
     mesh::gather(*mesh_, hint, cell, options.alpha);
     const auto map = cells::inverse_map(cell.shape, cell.x, p);

@@ -137,6 +137,7 @@ public:
                        double alpha = 1.0) const;
 
 private:
+  friend class RayBundleLocator;
   bool owns(std::int64_t flat) const;
   void visit_on_device(const core::Threads& threads, std::span<const math::Vec3d> points,
                        const LocateOptions& options, Put put) const;

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 
 #include "core/timer.h"
+#include "render/path_tracer.h"
+#include "render/surfaces.h"
 
 namespace insitu::render {
 
@@ -13,28 +16,34 @@ namespace {
 constexpr int tile_side = 16;
 
 struct Counters {
-  std::atomic<std::int64_t> samples{0}, skipped{0}, cells_tested{0}, evaluations{0}, hits{0};
+  std::atomic<std::int64_t> samples{0}, skipped{0}, cells_tested{0}, evaluations{0}, hits{0},
+      shadow_rays{0}, occlusion_rays{0};
+  std::mutex mutex;
+  PathCounts paths; ///< under the mutex
 };
 
 class FrameRenderer {
 public:
   FrameRenderer(const query::Sampler& sampler, const FrameSettings& settings,
-                Structures& structures)
+                Structures& structures, const core::Threads& threads)
       : settings_(settings), rays_(settings.camera, settings.width, settings.height) {
     if (sampler.tree().empty())
       return;
-    if (settings.volume)
+    if (settings.volume && settings.path_tracing)
+      paths_.emplace(sampler, *settings.volume, *settings.path_tracing, settings.camera,
+                     settings.lighting.lights, settings.clips, structures, threads);
+    else if (settings.volume)
       volume_.emplace(sampler, *settings.volume,
                       volume_structures(sampler, *settings.volume,
                                         std::int64_t(settings.width) * settings.height, structures),
                       settings.lighting, !settings.clips.empty());
     if (!settings.isosurfaces.empty())
-      surfaces_.emplace(sampler, settings.isosurfaces, settings.lighting, structures);
+      surfaces_.emplace(sampler, settings, structures);
   }
 
   double step() const { return volume_ ? volume_->step() : 0.0; }
 
-  void draw_tile(int x0, int y0, core::Image& image, Counters& counters) const {
+  void draw_tile(int x0, int y0, FrameImages& images, Counters& counters) const {
     thread_local std::vector<RayState> states;
     const int x1 = std::min(x0 + tile_side, settings_.width);
     const int y1 = std::min(y0 + tile_side, settings_.height);
@@ -47,24 +56,19 @@ public:
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
         RayState& state = states[at++];
-        state.ray = rays_(x, y);
-        state.color = {};
-        state.alpha = 0;
-        state.next = state.end = 0;
-        state.hits.clear(); // keeps its memory
-        state.next_hit = 0;
-        state.stays.clear();
+        state.begin(rays_(x, y));
         if (!settings_.clips.empty())
           clip_ray(settings_.clips, state.ray, 0, HUGE_VAL, state.stays);
         if (surfaces_)
-          surfaces_->trace(state.ray, state.hits, surface_counts,
-                           settings_.clips.empty() ? nullptr : &state.stays);
+          surfaces_->trace(state, pixel_of(x, y), surface_counts);
         hits += std::int64_t(state.hits.size());
         if (volume_)
           volume_->start(state);
       }
+    if (paths_)
+      trace_paths(x0, y0, x1, y1, std::span(states.data(), count), counters);
     if (volume_) {
-      const VolumeCounts counts = volume_->march(std::span(states.data(), count));
+      const VolumeCounts counts = volume_->march(std::span(states.data(), count), x1 - x0);
       counters.samples += counts.samples;
       counters.skipped += counts.skipped;
     }
@@ -74,14 +78,37 @@ public:
         RayState& state = states[at++];
         while (state.next_hit < state.hits.size() && !state.is_saturated())
           state.blend_next_hit();
-        finish(state, image.pixel(x, y));
+        if (settings_.depth)
+          images.depth[pixel_of(x, y)] = float(state.depth);
+        if (settings_.cell)
+          images.cell[pixel_of(x, y)] = state.depth_cell;
+        finish(state, images.color.pixel(x, y));
       }
     counters.cells_tested += surface_counts.cells_tested;
     counters.evaluations += surface_counts.evaluations;
     counters.hits += hits;
+    counters.shadow_rays += surface_counts.shadow_rays;
+    counters.occlusion_rays += surface_counts.occlusion_rays;
   }
 
 private:
+  std::size_t pixel_of(int x, int y) const {
+    return std::size_t(y) * std::size_t(settings_.width) + std::size_t(x);
+  }
+
+  void trace_paths(int x0, int y0, int x1, int y1, std::span<RayState> states,
+                   Counters& counters) const {
+    std::int64_t pixels[tile_side * tile_side];
+    std::size_t at = 0;
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x)
+        pixels[at++] = std::int64_t(y) * settings_.width + x;
+    PathCounts counts;
+    paths_->trace(states, {pixels, at}, counts);
+    const std::lock_guard lock(counters.mutex);
+    counters.paths += counts;
+  }
+
   /// Over the background, with straight alpha.
   void finish(RayState& state, float* pixel) const {
     state.blend(settings_.background, settings_.background_alpha);
@@ -95,7 +122,8 @@ private:
   const FrameSettings& settings_;
   RayGenerator rays_;
   std::optional<VolumeMarcher> volume_;
-  std::optional<IsosurfaceTracer> surfaces_;
+  std::optional<PathTracer> paths_;
+  std::optional<Surfaces> surfaces_;
 };
 
 } // namespace
@@ -112,20 +140,30 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
                          Structures& structures, const core::Threads& threads,
                          FrameStatistics* statistics) {
   const core::Timer timer;
-  const FrameRenderer renderer(sampler, settings, structures);
+  PathSums* const sums = settings.path_tracing ? settings.path_tracing->sums : nullptr;
+  if (sums)
+    sums->begin(settings.width, settings.height);
+  const FrameRenderer renderer(sampler, settings, structures, threads);
   const double prepared = timer.seconds();
   FrameImages images;
   images.color = core::Image(settings.width, settings.height);
-  core::Image& image = images.color;
+  const std::size_t pixels = std::size_t(settings.width) * std::size_t(settings.height);
+  if (settings.depth)
+    images.depth.resize(pixels);
+  if (settings.cell)
+    images.cell.resize(pixels);
   const std::int64_t columns = (settings.width + tile_side - 1) / tile_side;
   const std::int64_t rows = (settings.height + tile_side - 1) / tile_side;
   Counters counters;
   threads.parallel_for(columns * rows, 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t tile = begin; tile < end; ++tile)
-      renderer.draw_tile(int(tile % columns) * tile_side, int(tile / columns) * tile_side, image,
+      renderer.draw_tile(int(tile % columns) * tile_side, int(tile / columns) * tile_side, images,
                          counters);
   });
+  if (sums)
+    sums->end(settings.path_tracing->samples);
   if (statistics) {
+    statistics->paths = counters.paths;
     statistics->rays = std::int64_t(settings.width) * settings.height;
     statistics->samples = counters.samples;
     statistics->skipped = counters.skipped;
@@ -133,6 +171,8 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
     statistics->cells_tested = counters.cells_tested;
     statistics->evaluations = counters.evaluations;
     statistics->hits = counters.hits;
+    statistics->shadow_rays = counters.shadow_rays;
+    statistics->occlusion_rays = counters.occlusion_rays;
     statistics->prepare_seconds = prepared;
     statistics->seconds = timer.seconds();
   }

@@ -10,6 +10,8 @@
 #include "render/camera.h"
 #include "render/clip.h"
 #include "render/isosurface.h"
+#include "render/light.h"
+#include "render/path_settings.h"
 #include "render/volume.h"
 
 namespace insitu::render {
@@ -21,6 +23,7 @@ struct FrameSettings {
   Color background{1, 1, 1}; ///< linear
   float background_alpha = 1;
   std::optional<VolumeSettings> volume;
+  std::optional<PathTracingSettings> path_tracing; ///< of the volume, instead of marching
   std::vector<IsosurfaceSettings> isosurfaces;
   Lighting lighting;
   std::vector<Clip> clips;
@@ -44,9 +47,11 @@ struct FrameStatistics {
   double step = 0;          ///< of the volume, its finest; 0 without one
   std::int64_t cells_tested = 0;
   std::int64_t evaluations = 0; ///< of fields inside cells, for isosurfaces
-  std::int64_t hits = 0;        ///< of isosurfaces
-  double prepare_seconds = 0;   ///< averages, value ranges, tables
-  double seconds = 0;           ///< all
+  std::int64_t hits = 0;        ///< of surfaces
+  std::int64_t shadow_rays = 0, occlusion_rays = 0;
+  PathCounts paths;           ///< of path tracing
+  double prepare_seconds = 0; ///< averages, value ranges, tables
+  double seconds = 0;         ///< all
 };
 
 /// Draws the mesh as committed. Tiles of 16 x 16 pixels run in parallel; the image is the same to

@@ -49,8 +49,8 @@ bool IsosurfaceTracer::Group::needs(std::uint32_t node, int child) const {
 
 IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
                                    const std::vector<IsosurfaceSettings>& settings,
-                                   const Lighting& lighting, Structures& structures)
-    : sampler_(sampler), lighting_(lighting) {
+                                   Structures& structures)
+    : sampler_(sampler) {
   for (const IsosurfaceSettings& s : settings) {
     check(s);
     auto group = std::find_if(groups_.begin(), groups_.end(),
@@ -125,22 +125,12 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, Search& search) const {
     search.counts.evaluations += roots->evaluations();
 }
 
-void IsosurfaceTracer::shade(const Ray& ray, const IsosurfaceSettings& settings,
-                             SurfaceHit& hit) const {
-  if (const Color* constant = std::get_if<Color>(&settings.color)) {
-    hit.color = *constant;
-  } else {
-    const ColorByField& by = std::get<ColorByField>(settings.color);
-    hit.color = by.function.color(by.field.at(sampler_.mesh(), {hit.cell, hit.parametric}));
-  }
-  if (!lighting_.enabled)
-    return;
-  const double length = std::sqrt(dot(hit.gradient, hit.gradient));
-  // Without a direction the surface is taken to face the viewer.
-  const double cosine = length > 0 && std::isfinite(length)
-                            ? std::fabs(dot(hit.gradient, ray.direction)) / length
-                            : 1.0;
-  hit.color = float(lighting_.ambient + lighting_.diffuse * cosine) * hit.color;
+Color IsosurfaceTracer::color(const SurfaceHit& hit) const {
+  const IsosurfaceSettings& settings = *surfaces_[std::size_t(hit.surface)];
+  if (const Color* constant = std::get_if<Color>(&settings.color))
+    return *constant;
+  const ColorByField& by = std::get<ColorByField>(settings.color);
+  return by.function.color(by.field.at(sampler_.mesh(), {hit.cell, hit.parametric}));
 }
 
 void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,
@@ -207,8 +197,6 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
       hits.resize(i + 1);
       break;
     }
-  for (SurfaceHit& hit : hits)
-    shade(ray, *surfaces_[std::size_t(hit.surface)], hit);
 }
 
 } // namespace insitu::render

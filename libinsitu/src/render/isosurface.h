@@ -7,9 +7,9 @@
 #include "query/sampler.h"
 #include "render/cell_roots.h"
 #include "render/clip.h"
-#include "render/light.h"
 #include "render/scalar_field.h"
 #include "render/structures.h"
+#include "render/surface_hit.h"
 #include "render/transfer_function.h"
 
 namespace insitu::render {
@@ -29,22 +29,6 @@ struct IsosurfaceSettings {
   std::variant<Color, ColorByField> color = Color{0.6f, 0.6f, 0.6f}; ///< linear
 };
 
-/// One crossing of a ray with a surface; color is shaded.
-struct SurfaceHit {
-  double t = 0;
-  std::int64_t cell = -1;
-  std::int32_t surface = 0; ///< counted over all settings' values
-  float opacity = 1;
-  double extent = 0; ///< of the ray in the cell, to tell hits apart
-  math::Vec3d parametric, gradient;
-  Color color;
-};
-
-struct SurfaceCounts {
-  std::int64_t cells_tested = 0;
-  std::int64_t evaluations = 0; ///< of fields inside cells, each with an inverse map
-};
-
 /// Intersects rays with all surfaces of a frame in one traversal, pruned by the fields' value
 /// ranges.
 class IsosurfaceTracer {
@@ -52,13 +36,18 @@ public:
   /// Asks structures for averages of cell fields and value ranges. The settings and the structures
   /// must outlive it.
   IsosurfaceTracer(const query::Sampler& sampler, const std::vector<IsosurfaceSettings>& settings,
-                   const Lighting& lighting, Structures& structures);
+                   Structures& structures);
 
-  /// The ray's hits in depth order, up to and including the first opaque one. Of hits of one
-  /// surface at one place (of cells that overlap, or on an edge) the lowest cell id counts. stays:
-  /// where the clips let hits be; null without clips.
+  /// Of all settings together; see SurfaceHit::surface.
+  std::int32_t surface_count() const { return std::int32_t(surfaces_.size()); }
+
+  /// The ray's hits in depth order, up to and including the first opaque one, without colours. Of
+  /// hits of one surface at one place (of cells that overlap, or on an edge) the lowest cell id
+  /// counts. stays: where hits may be; null: anywhere ahead of the origin.
   void trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,
              const std::vector<Stretch>* stays = nullptr) const;
+  /// The surface's own colour at a hit.
+  Color color(const SurfaceHit& hit) const;
 
 private:
   struct Level {
@@ -83,10 +72,8 @@ private:
     SurfaceCounts& counts;
   };
   void test_cell(std::int64_t flat, Search& search) const;
-  void shade(const Ray& ray, const IsosurfaceSettings& settings, SurfaceHit& hit) const;
 
   query::Sampler sampler_;
-  Lighting lighting_;
   std::vector<Group> groups_;
   std::vector<const IsosurfaceSettings*> surfaces_; ///< by SurfaceHit::surface
 };

@@ -20,7 +20,9 @@ struct Light {
 };
 
 /// How surfaces, and volumes that ask for it, are lit: color * (ambient * open + diffuse * sum over
-/// lights of light * visible * cosine), the same on both sides of a surface.
+/// lights of light * visible * cosine), by the side that is seen: lights behind it do not count,
+/// and both sides look the same under the same light. Without shadows and occlusion all is open and
+/// visible.
 struct Lighting {
   bool enabled = true; ///< false: everything keeps its plain colours
   double ambient = 0.3;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -25,6 +26,24 @@ struct RayState {
   std::vector<Stretch> stays;     ///< what the frame's clips leave of it; empty without clips
   std::vector<SurfaceHit> hits;
   std::size_t next_hit = 0;
+  /// Where alpha reached a half, and the flat cell there; see FrameImages.
+  double depth = HUGE_VAL;
+  std::int64_t depth_cell = -1;
+
+  /// A ray that has gathered nothing yet; vectors keep their memory.
+  void begin(const Ray& r) {
+    ray = r;
+    color = {};
+    alpha = 0;
+    next = end = first = 0;
+    near = far = 0;
+    may_skip = is_thin = false;
+    stays.clear();
+    hits.clear();
+    next_hit = 0;
+    depth = HUGE_VAL;
+    depth_cell = -1;
+  }
 
   bool is_saturated() const { return alpha >= saturated; }
   void blend(const Color& c, float a) {
@@ -32,9 +51,25 @@ struct RayState {
     color = color + weight * c;
     alpha += weight;
   }
+  /// A medium in a cell that absorbs a of the light over a stretch of the ray.
+  void blend_stretch(const Color& c, float a, double from, double to, std::int64_t cell) {
+    const float before = alpha;
+    blend(c, a);
+    if (before < 0.5f && alpha >= 0.5f) {
+      // Transmittance decays exponentially within the stretch.
+      const double x = a < 1 ? std::log(0.5 / (1.0 - before)) / std::log1p(-double(a)) : 0.0;
+      depth = from + std::fmin(x, 1.0) * (to - from);
+      depth_cell = cell;
+    }
+  }
   void blend_next_hit() {
     const SurfaceHit& hit = hits[next_hit++];
+    const bool see_through = alpha < 0.5f;
     blend(hit.color, hit.opacity);
+    if (see_through && alpha >= 0.5f) {
+      depth = hit.t;
+      depth_cell = hit.cell;
+    }
   }
 };
 

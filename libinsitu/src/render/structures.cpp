@@ -82,11 +82,11 @@ ScalarRange Structures::scalar_range(const ScalarField& field) {
   return *entry.value;
 }
 
-const Macrocells& Structures::macrocells(const ScalarField& field) {
-  MacrocellsEntry& entry = macrocells_[key_of(field)];
+const Macrocells& Structures::macrocells(const ScalarField& field, double cells_each) {
+  MacrocellsEntry& entry = macrocells_[{key_of(field), cells_each}];
   entry.used = true;
   if (!entry.value) {
-    entry.value = std::make_unique<Macrocells>(*sampler_, field, *threads_, *memory_);
+    entry.value = std::make_unique<Macrocells>(*sampler_, field, *threads_, *memory_, cells_each);
     ++counts_.macrocells;
   } else if (!entry.is_fresh) {
     entry.value->refresh(*sampler_, field, *threads_);
@@ -98,15 +98,16 @@ const Macrocells& Structures::macrocells(const ScalarField& field) {
 
 const Macrocells& Structures::macrocells_with_sizes(const ScalarField& field) {
   macrocells(field);
-  Macrocells& cells = *macrocells_[key_of(field)].value;
+  Macrocells& cells = *macrocells_[GridKey{key_of(field), 64.0}].value;
   if (!cells.has_sizes())
     cells.measure(*sampler_, *threads_);
   return cells;
 }
 
-const Majorants& Structures::majorants(const ScalarField& field, const TransferFunction& function) {
-  const Macrocells& cells = macrocells(field);
-  const Key key = key_of(field);
+const Majorants& Structures::majorants(const ScalarField& field, const TransferFunction& function,
+                                       double cells_each) {
+  const Macrocells& cells = macrocells(field, cells_each);
+  const GridKey key{key_of(field), cells_each};
   const auto [first, last] = majorants_.equal_range(key);
   auto at = std::find_if(first, last, [&](const auto& of) {
     return of.second.opacity == function.opacity_points() &&

@@ -53,12 +53,14 @@ public:
   const accel::ValueRanges& value_ranges(const ScalarField& vertex_field);
   ScalarRange scalar_range(const ScalarField& field);
   /// Kept while the geometry holds, and given new values in place.
-  const Macrocells& macrocells(const ScalarField& field);
+  const Macrocells& macrocells(const ScalarField& field, double cells_each = 64);
   /// The same, which know their cells' sizes.
   const Macrocells& macrocells_with_sizes(const ScalarField& field);
   /// Of macrocells(field); classified anew when the values or the function's opacities change.
-  const Majorants& majorants(const ScalarField& field, const TransferFunction& function);
+  const Majorants& majorants(const ScalarField& field, const TransferFunction& function,
+                             double cells_each = 64);
 
+  core::Memory& memory() const { return *memory_; }
   const Counts& counts() const { return counts_; }
 
 private:
@@ -93,8 +95,9 @@ private:
   Entries<VertexAverage> averages_;
   Entries<accel::ValueRanges> value_ranges_;
   Entries<ScalarRange> scalar_ranges_;
-  std::map<Key, MacrocellsEntry> macrocells_;
-  std::multimap<Key, MajorantsEntry> majorants_;
+  using GridKey = std::pair<Key, double>; ///< with the cells to a macrocell
+  std::map<GridKey, MacrocellsEntry> macrocells_;
+  std::multimap<GridKey, MajorantsEntry> majorants_;
 };
 
 } // namespace insitu::render

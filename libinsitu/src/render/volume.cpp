@@ -7,6 +7,7 @@
 
 #include "accel/tree.h"
 #include "core/status.h"
+#include "render/scalar_values.h"
 #include "render/volume_scratch.h"
 
 namespace insitu::render {
@@ -208,63 +209,59 @@ std::uint32_t VolumeMarcher::advance(RayState& ray, std::int64_t first, int dept
   return wanted;
 }
 
-/// Locates the wanted samples of the active rays.
-void VolumeMarcher::locate(std::span<RayState> rays, Scratch& s, std::int64_t first,
-                           int depth) const {
-  // Side by side before front to back: neighbouring rays share more cells than a ray's samples do.
-  s.points.clear();
-  for (int k = 0; k < depth; ++k)
-    for (const std::uint32_t r : s.active)
-      if ((s.wanted[r] >> k) & 1)
-        s.points.push_back(rays[r].ray.origin +
-                           ((double(first + k) + 0.5) * step_) * rays[r].ray.direction);
-  s.found.resize(s.points.size());
-  sampler_.locate_serial(s.points, s.found, options_);
-  s.locations.resize(rays.size() * std::size_t(depth));
-  const query::Location* found = s.found.data();
-  for (int k = 0; k < depth; ++k)
-    for (const std::uint32_t r : s.active)
-      if ((s.wanted[r] >> k) & 1)
-        s.locations[r * std::size_t(depth) + std::size_t(k)] = *found++;
-}
-
-VolumeCounts VolumeMarcher::march(std::span<RayState> rays) const {
+VolumeCounts VolumeMarcher::march(std::span<RayState> rays, int row) const {
   VolumeCounts counts;
   counts.samples = march_thin(rays);
   if (levels_) {
     march_levels(rays, counts);
     return counts;
   }
+  constexpr std::size_t most = query::RayBundleLocator::most_rays;
+  for (std::size_t first = 0; first < rays.size(); first += most)
+    march_bundle(rays.subspan(first, std::min(most, rays.size() - first)), row, counts);
+  return counts;
+}
+
+void VolumeMarcher::march_bundle(std::span<RayState> rays, int row, VolumeCounts& counts) const {
   Scratch& s = scratch();
+  s.rays.clear();
   s.active.clear();
-  s.wanted.assign(rays.size(), 0);
   s.last.assign(rays.size(), {});
-  for (std::size_t r = 0; r < rays.size(); ++r)
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    s.rays.push_back({rays[r].ray.origin, rays[r].ray.direction});
     if (rays[r].next < rays[r].end)
       s.active.push_back(std::uint32_t(r));
+  }
+  if (s.active.empty())
+    return;
+  query::RayBundleLocator locator(sampler_, options_);
+  locator.set_rays(s.rays, row, step_);
+  const ScalarValues values(field_, sampler_.mesh());
   while (!s.active.empty()) {
-    // A few samples of each ray at a time fill the locator's batches; more of each once few rays
-    // are left. How many depends on the rays alone. What lies behind the sample that saturates a
+    // All rays over the same stretch, so that their samples share cells; a longer one once few rays
+    // are left. What it is depends on the rays alone. What lies behind the sample that saturates a
     // ray is located in vain.
-    const int depth = std::clamp(2048 / int(s.active.size()), 8, most_depth);
+    const int depth = s.active.size() < 64 ? 32 : 16;
     std::int64_t first = rays[s.active[0]].next;
     for (const std::uint32_t r : s.active)
       first = std::min(first, rays[r].next);
-    for (const std::uint32_t r : s.active) {
-      s.wanted[r] = 0;
-      if (rays[r].next >= first + depth)
-        continue;
-      s.wanted[r] = advance(rays[r], first, depth, counts.skipped);
-      counts.samples += std::popcount(s.wanted[r]);
-    }
-    locate(rays, s, first, depth);
+    s.wanted.assign(rays.size(), 0);
+    for (const std::uint32_t r : s.active)
+      if (rays[r].next < first + depth) {
+        s.wanted[r] = advance(rays[r], first, depth, counts.skipped);
+        counts.samples += std::popcount(s.wanted[r]);
+      }
+    s.locations.resize(rays.size() * std::size_t(depth));
+    s.values.resize(s.locations.size());
+    locator.locate(first, depth, s.wanted, s.locations, values, s.values);
     std::size_t kept = 0;
     for (const std::uint32_t r : s.active) {
       RayState& ray = rays[r];
-      const query::Location* at = s.locations.data() + r * std::size_t(depth);
+      const std::size_t begin = r * std::size_t(depth);
       for (std::uint32_t rest = s.wanted[r]; rest && !ray.is_saturated(); rest &= rest - 1) {
         const int k = std::countr_zero(rest);
-        gather(ray, s.last[r], first + k, at[k]);
+        gather(ray, s.last[r], first + k, s.values[begin + std::size_t(k)],
+               s.locations[begin + std::size_t(k)]);
       }
       if (ray.next < ray.end && !ray.is_saturated())
         s.active[kept++] = r;
@@ -273,7 +270,6 @@ VolumeCounts VolumeMarcher::march(std::span<RayState> rays) const {
     }
     s.active.resize(kept);
   }
-  return counts;
 }
 
 /// The stretch of the ray that a sample stands for: its own of the lattice, `stride` steps from
@@ -289,18 +285,17 @@ Stretch VolumeMarcher::stretch(const RayState& ray, std::int64_t begin, std::int
           to + 0.5 * step_ > whole.to ? whole.to : to};
 }
 
-void VolumeMarcher::gather(RayState& ray, Gathered& last, std::int64_t index,
+void VolumeMarcher::gather(RayState& ray, Gathered& last, std::int64_t index, double value,
                            const query::Location& at) const {
   if (!preintegration_) {
     if (at)
-      add_sample(ray, stretch(ray, index, 1), at, 0);
+      add_value(ray, stretch(ray, index, 1), value, at, 0);
     return;
   }
   if (last.index >= 0 && (index != last.index + 1 || !at))
     finish(ray, last);
   if (!at || ray.is_saturated())
     return;
-  const double value = field_.at(sampler_.mesh(), at);
   const double middle = (double(index) + 0.5) * step_;
   if (last.index < 0 || value - value != 0 || last.value - last.value != 0) {
     finish(ray, last);
@@ -396,15 +391,15 @@ void VolumeMarcher::light(const Ray& ray, const query::Location& at, Color& colo
 
 /// Adds what a stretch gathers. Hits within it part it.
 void VolumeMarcher::add(RayState& ray, const Stretch& stretch, const ColorSample& sample,
-                        std::int64_t) const {
+                        std::int64_t cell) const {
   double from = stretch.from;
   const auto blend = [&](double to) {
     if (!(to > from) || !(sample.alpha > 0))
       return;
     const bool whole = from == stretch.from && to == stretch.to;
-    ray.blend(sample.color,
-              whole ? sample.alpha
-                    : Classifier::partial(sample.alpha, (to - from) / (stretch.to - stretch.from)));
+    const double part = (to - from) / (stretch.to - stretch.from);
+    ray.blend_stretch(sample.color, whole ? sample.alpha : Classifier::partial(sample.alpha, part),
+                      from, to, cell);
   };
   while (ray.next_hit < ray.hits.size() && ray.hits[ray.next_hit].t < stretch.to) {
     const double upto = std::clamp(ray.hits[ray.next_hit].t, from, stretch.to);

@@ -83,8 +83,9 @@ public:
   void start(RayState& ray) const;
 
   /// Gathers the samples of all rays, and those of their hits that lie before each ray's last
-  /// sample, in depth order.
-  VolumeCounts march(std::span<RayState> rays) const;
+  /// sample, in depth order. row: so many rays are a row of neighbouring pixels, one row after the
+  /// other; it changes the time alone.
+  VolumeCounts march(std::span<RayState> rays, int row = 0) const;
 
 private:
   struct Gathered;
@@ -93,7 +94,7 @@ private:
   static Scratch& scratch();
 
   std::uint32_t advance(RayState& ray, std::int64_t first, int depth, std::int64_t& skipped) const;
-  void locate(std::span<RayState> rays, Scratch& s, std::int64_t first, int depth) const;
+  void march_bundle(std::span<RayState> rays, int row, VolumeCounts& counts) const;
   std::int64_t march_thin(std::span<RayState> rays) const;
   void march_levels(std::span<RayState> rays, VolumeCounts& counts) const;
   void plan(RayState& ray, std::size_t most, Scratch& s, VolumeCounts& counts) const;
@@ -107,7 +108,8 @@ private:
   void add_value(RayState& ray, const Stretch& stretch, double value, const query::Location& at,
                  int level) const;
   void light(const Ray& ray, const query::Location& at, Color& color) const;
-  void gather(RayState& ray, Gathered& last, std::int64_t index, const query::Location& at) const;
+  void gather(RayState& ray, Gathered& last, std::int64_t index, double value,
+              const query::Location& at) const;
   void finish(RayState& ray, Gathered& last) const;
   void add(RayState& ray, const Stretch& stretch, const ColorSample& sample,
            std::int64_t cell) const;

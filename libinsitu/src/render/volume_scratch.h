@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "query/ray_bundle.h"
 #include "render/volume.h"
 
 namespace insitu::render {
@@ -24,9 +25,11 @@ struct VolumeMarcher::Scratch {
   std::vector<std::uint32_t> active;
   std::vector<std::uint32_t> wanted; ///< masks, by ray
   std::vector<math::Vec3d> points;
-  std::vector<query::Location> found;     ///< of the points
-  std::vector<query::Location> locations; ///< [ray][depth]
-  std::vector<Gathered> last;             ///< by ray
+  std::vector<query::Location> found; ///< of the points
+  std::vector<query::LatticeRay> rays;
+  std::vector<query::Location> locations; ///< [ray][depth], and the values there
+  std::vector<double> values;
+  std::vector<Gathered> last; ///< by ray
   // With a tolerance.
   struct Run { ///< base steps up to `end` in macrocells of one level
     std::int64_t end;

@@ -9,6 +9,7 @@
 #include "query/committed_mesh.h"
 #include "scene/description.h"
 #include "scene/frame_structures.h"
+#include "scene/page_record.h"
 #include "scene/plan.h"
 #include "scene/statistics.h"
 
@@ -49,8 +50,9 @@ struct Environment {
   core::Context& context;
   Statistics& statistics;
   FrameStructures& structures;
-  std::string scene_file; ///< for messages
-  std::string output;     ///< folder
+  std::string scene_file;     ///< for messages
+  std::string output;         ///< folder
+  PageRecord* page = nullptr; ///< null: the scene has none
 };
 
 /// The mesh of that name (the first one if empty); throws INSITU_ERROR_SCENE.

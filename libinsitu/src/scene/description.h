@@ -141,7 +141,8 @@ struct SceneDescription {
   std::string file;           ///< for messages
   std::string output = "out"; ///< folder, relative to the working directory
   LocatorOptions locator;
-  Trigger trigger; ///< default of the items below, which hold the one that counts for them
+  bool page = true; ///< the page of the run
+  Trigger trigger;  ///< default of the items below, which hold the one that counts for them
   std::vector<Probe> probes;
   std::vector<Tracer> tracers;
   std::vector<Frame> frames;

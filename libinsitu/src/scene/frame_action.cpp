@@ -8,6 +8,7 @@
 #include "output/png.h"
 #include "scene/frame_plan.h"
 #include "scene/frame_settings.h"
+#include "scene/path_accumulation.h"
 
 namespace insitu::scene {
 
@@ -16,7 +17,10 @@ namespace {
 class FrameAction final : public Action {
 public:
   FrameAction(const Frame& frame, const Environment& environment)
-      : frame_(frame), environment_(environment), settings_(frame_, environment_) {}
+      : frame_(frame), environment_(environment), settings_(frame_, environment_) {
+    if (frame_.path_tracing && frame_.path_tracing->accumulate)
+      accumulation_.emplace(environment_.context.memory);
+  }
 
   const char* kind() const override { return "frame"; }
   const std::string& name() const override { return frame_.name; }
@@ -32,14 +36,28 @@ public:
       throw core::Error(INSITU_ERROR_MESH,
                         "mesh '" + mesh.mesh().name() + "' has no cell that could be drawn");
     render::Structures& structures = environment_.structures.of(mesh);
-    const render::FrameSettings settings = settings_.make(mesh, structures, drawn_);
+    render::FrameSettings settings = settings_.make(mesh, structures, drawn_);
+    if (settings.path_tracing)
+      settings.path_tracing->cycle = std::uint64_t(step.cycle);
+    if (accumulation_)
+      accumulation_->use(mesh, settings);
+    render::FrameStatistics done;
     core::Image image =
-        render::render_frame(mesh.sampler(), settings, structures, context.threads).color;
+        render::render_frame(mesh.sampler(), settings, structures, context.threads, &done).color;
+    if (done.paths.cut > 0)
+      context.log.warning("frame '" + frame_.name + "', cycle " + std::to_string(step.cycle) +
+                          ": " + std::to_string(done.paths.cut) + " of " +
+                          std::to_string(done.paths.paths) + " paths were cut off after " +
+                          std::to_string(settings.path_tracing->max_bounces) +
+                          " bounces; a larger max_bounces loses less light");
     draw_overlays(image, settings, step);
     environment_.statistics.render_s += timer.seconds();
 
     const core::Timer output_timer;
-    output::write_png(cycle_path(environment_, frame_.name, step.cycle, ".png"), image);
+    const std::string path = cycle_path(environment_, frame_.name, step.cycle, ".png");
+    output::write_png(path, image);
+    if (environment_.page)
+      environment_.page->add_frame(frame_.name, "color", path);
     environment_.statistics.output_s += output_timer.seconds();
     ++environment_.statistics.frames;
     ++environment_.statistics.files;
@@ -70,6 +88,7 @@ private:
   Frame frame_;
   Environment environment_;
   FrameSettingsMaker settings_;
+  std::optional<PathAccumulation> accumulation_;
   std::int64_t drawn_ = 0; ///< frames so far, for the orbit
 };
 

@@ -107,7 +107,32 @@ struct Clip {
   bool keep_inside = true;
 };
 
-enum class FrameEffect { lighting };
+/// Of ambient occlusion.
+struct Occlusion {
+  int samples = 16;               ///< rays a hit
+  std::optional<double> distance; ///< how far they reach; nothing: a tenth of the mesh's diagonal
+};
+
+enum class FrameEffect {
+  lighting,
+  shadows,
+  ambient_occlusion,
+  single_scattering,
+  multiple_scattering
+};
+
+/// How a volume is path traced; which light is followed is among the effects.
+struct PathTracing {
+  int samples = 64;                ///< a pixel, in each frame
+  double density = 1;              ///< factor on the extinction
+  double anisotropy = 0;           ///< the mean cosine of scattering
+  int max_bounces = 4096;          ///< then a path is cut off
+  double cells_per_macrocell = 64; ///< of the grid of majorants, about
+  std::int64_t seed = 0;
+  bool dome_visible = false; ///< dome lights instead of the background
+  bool accumulate = false;   ///< goes on with the samples of the frame before while all is the same
+  int line = 0;
+};
 
 struct Frame {
   std::string name;                    ///< of the images, `name_000120.png`; unique in the scene
@@ -122,6 +147,8 @@ struct Frame {
   bool scalar_bar = false;
   bool time_label = false;
   std::vector<FrameEffect> effects;
+  Occlusion occlusion;                     ///< if among the effects
+  std::optional<PathTracing> path_tracing; ///< also there where an effect asks for it
   Accuracy accuracy = Accuracy::standard;
   double step = 1; ///< factor on the ray step that `accuracy` chooses
   Trigger trigger; ///< its own, or else the scene's

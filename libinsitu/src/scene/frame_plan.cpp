@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "render/macrocells.h"
+#include "render/path_settings.h"
 #include "scene/action.h"
 
 namespace insitu::scene {
@@ -34,6 +36,8 @@ public:
       volume(*frame_.volume);
     else
       plan_.skip("ray marching", "no volume is asked for");
+    if (!frame_.path_tracing)
+      plan_.skip("path tracing", "no scattering is asked for");
     for (const Isosurface& surface : frame_.isosurfaces)
       isosurface(surface);
     if (frame_.isosurfaces.empty())
@@ -64,7 +68,10 @@ private:
   void volume(const Volume& v) {
     const mesh::FieldView field = find_field(mesh_, v.field, {});
     const std::string what = scalar_name(v.field, v.component, field.components);
-    plan_.need("ray marching of " + what, -1, "the frame's volume");
+    if (frame_.path_tracing)
+      path_tracing(what, *frame_.path_tracing);
+    else
+      plan_.need("ray marching of " + what, -1, "the frame's volume");
     range(what, v.range);
     if (v.smooth && field.association == INSITU_CELL)
       average(what, "a smooth volume of a cell field");
@@ -90,6 +97,20 @@ private:
       plan_.need(item, -1,
                  "to skip what is empty, if a look at some cells tells that it pays; then about " +
                      std::to_string(bytes) + " bytes");
+  }
+
+  void path_tracing(const std::string& what, const PathTracing& p) {
+    plan_.skip("ray marching", "the volume is path traced");
+    plan_.need("path tracing of " + what, -1, std::to_string(p.samples) + " paths a pixel");
+    // Range, mark, opacity and extinction of each; what the mesh's shape adds is not counted.
+    constexpr double bytes_each = sizeof(render::Macrocells::Range) + 1 + 2 * sizeof(float);
+    const double count = std::max(1.0, double(view_.cell_count()) / p.cells_per_macrocell);
+    plan_.need("majorants of " + what, std::int64_t(bytes_each * count), "about; path tracing");
+    if (p.accumulate)
+      plan_.need("sums of samples",
+                 std::int64_t(frame_.size[0]) * frame_.size[1] *
+                     std::int64_t(sizeof(render::PathSums::Pixel)),
+                 "samples accumulate");
   }
 
   void isosurface(const Isosurface& s) {

@@ -57,14 +57,24 @@ render::FrameSettings FrameSettingsMaker::make(const query::CommittedMesh& mesh,
   settings.height = frame_.size[1];
   settings.camera = camera(mesh, drawn);
   settings.background = to_linear(frame_.background);
-  settings.lighting.enabled = std::find(frame_.effects.begin(), frame_.effects.end(),
-                                        FrameEffect::lighting) != frame_.effects.end();
+  const auto asks_for = [&](FrameEffect effect) {
+    return std::find(frame_.effects.begin(), frame_.effects.end(), effect) != frame_.effects.end();
+  };
+  settings.lighting.shadows = asks_for(FrameEffect::shadows);
+  if (asks_for(FrameEffect::ambient_occlusion)) {
+    settings.lighting.occlusion_samples = frame_.occlusion.samples;
+    settings.lighting.occlusion_distance = frame_.occlusion.distance.value_or(0.0);
+  }
+  settings.lighting.enabled = asks_for(FrameEffect::lighting) || settings.lighting.shadows ||
+                              settings.lighting.occlusion_samples > 0;
   for (const Light& light : frame_.lights)
     settings.lighting.lights.push_back(to_render(light));
   for (const Clip& clip : frame_.clips)
     settings.clips.push_back(to_render(clip));
   if (frame_.volume)
     settings.volume = volume(mesh, structures, *frame_.volume);
+  if (frame_.path_tracing)
+    settings.path_tracing = path_tracing(*frame_.path_tracing);
   for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
     settings.isosurfaces.push_back(
         isosurface(mesh, structures, frame_.isosurfaces[i], surface_colors_[i]));
@@ -133,6 +143,24 @@ render::VolumeSettings FrameSettingsMaker::volume(const query::CommittedMesh& me
   to.preintegrated = from.preintegrated;
   to.shading = from.shading;
   to.tolerance = from.tolerance;
+  return to;
+}
+
+render::PathTracingSettings FrameSettingsMaker::path_tracing(const PathTracing& from) const {
+  const auto has = [&](FrameEffect effect) {
+    return std::find(frame_.effects.begin(), frame_.effects.end(), effect) != frame_.effects.end();
+  };
+  render::PathTracingSettings to;
+  to.scattering = has(FrameEffect::multiple_scattering) ? render::Scattering::multiple
+                  : has(FrameEffect::single_scattering) ? render::Scattering::single
+                                                        : render::Scattering::none;
+  to.samples = from.samples;
+  to.density = from.density;
+  to.anisotropy = from.anisotropy;
+  to.max_bounces = from.max_bounces;
+  to.cells_per_macrocell = from.cells_per_macrocell;
+  to.seed = static_cast<std::uint64_t>(from.seed);
+  to.shows_dome = from.dome_visible;
   return to;
 }
 

@@ -35,6 +35,7 @@ private:
   render::IsosurfaceSettings isosurface(const query::CommittedMesh& mesh,
                                         render::Structures& structures, const Isosurface& from,
                                         const std::optional<render::ColorMap>& colors) const;
+  render::PathTracingSettings path_tracing(const PathTracing& from) const;
   render::Camera camera(const query::CommittedMesh& mesh, std::int64_t drawn) const;
 
   const Frame& frame_;

@@ -65,11 +65,14 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
   Problems problems(name);
   SceneDescription scene;
   scene.file = name;
-  const MapReader map(Cursor(*root, "", problems), {"insitu", "output", "locator", "every", "when",
-                                                    "probes", "tracers", "frames"});
+  const MapReader map(Cursor(*root, "", problems), {"insitu", "output", "page", "locator", "every",
+                                                    "when", "probes", "tracers", "frames"});
   parse_version(map);
   if (const auto output = map.find("output")) {
     assign(scene.output, output->text());
+  }
+  if (const auto page = map.find("page")) {
+    assign(scene.page, page->boolean());
   }
   if (const auto locator = map.find("locator")) {
     scene.locator = parse_locator(*locator);

@@ -26,7 +26,7 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   frame.line = cursor.line();
   const MapReader map(cursor, {"name", "mesh", "size", "background", "camera", "volume",
                                "isosurfaces", "lights", "clip", "scalar_bar", "time_label",
-                               "effects", "accuracy", "step", "every", "when"});
+                               "effects", "path_tracing", "accuracy", "step", "every", "when"});
   parse_item_name(map, context, frame.name);
   if (const auto mesh = map.find("mesh")) {
     assign(frame.mesh, parse_name(*mesh));
@@ -60,12 +60,15 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
     assign(frame.time_label, label->boolean());
   }
   if (const auto effects = map.find("effects")) {
-    frame.effects = parse_effects<FrameEffect>(*effects, {{"lighting", FrameEffect::lighting},
-                                                          {"shadows", {}},
-                                                          {"ambient_occlusion", {}},
-                                                          {"single_scattering", {}},
-                                                          {"multiple_scattering", {}}});
+    frame.effects = parse_effects<FrameEffect>(
+        *effects, {{"lighting", FrameEffect::lighting},
+                   {"shadows", FrameEffect::shadows},
+                   {"ambient_occlusion", FrameEffect::ambient_occlusion,
+                    [&](const Cursor& options) { frame.occlusion = parse_occlusion(options); }},
+                   {"single_scattering", FrameEffect::single_scattering},
+                   {"multiple_scattering", FrameEffect::multiple_scattering}});
   }
+  frame.path_tracing = parse_path_tracing(map, frame.effects);
   if (const auto accuracy = map.find("accuracy")) {
     assign(frame.accuracy, parse_accuracy(*accuracy));
   }

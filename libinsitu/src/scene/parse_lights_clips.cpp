@@ -5,6 +5,7 @@ namespace {
 
 constexpr std::size_t most_lights = 64;
 constexpr std::size_t most_clips = 64;
+constexpr std::int64_t most_occlusion_samples = 65536;
 
 /// The map's only key of `kinds`; others are options. Notes a problem where there is none or a
 /// second one.
@@ -156,6 +157,20 @@ std::vector<T> parse_list(const Cursor& cursor, std::size_t most, Parse&& parse)
 
 std::vector<Light> parse_lights(const Cursor& cursor) {
   return parse_list<Light>(cursor, most_lights, parse_light);
+}
+
+Occlusion parse_occlusion(const Cursor& cursor) {
+  Occlusion occlusion;
+  const MapReader map(cursor, {"samples", "distance"});
+  if (const auto samples = map.find("samples")) {
+    if (const auto count = samples->integer(1, most_occlusion_samples)) {
+      occlusion.samples = static_cast<int>(*count);
+    }
+  }
+  if (const auto distance = map.find("distance")) {
+    assign(occlusion.distance, distance->number(positive));
+  }
+  return occlusion;
 }
 
 std::vector<Clip> parse_clips(const Cursor& cursor) {

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scene/cursor.h"
@@ -53,16 +55,25 @@ Component parse_component(const Cursor& cursor);
 ColorMap parse_color_map(const Cursor& cursor, const ParseContext& context);
 std::optional<ValueRange> parse_range(const Cursor& cursor);
 Camera parse_camera(const Cursor& cursor);
+/// Of a frame's map; also there where an effect asks for it.
+std::optional<PathTracing> parse_path_tracing(const MapReader& frame,
+                                              const std::vector<FrameEffect>& effects);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);
 std::vector<Light> parse_lights(const Cursor& cursor);
+Occlusion parse_occlusion(const Cursor& cursor);
 std::vector<Clip> parse_clips(const Cursor& cursor);
 std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseContext& context);
 
 /// An effect's name, and whether this version has it.
 template <class T>
 struct EffectChoice {
+  EffectChoice(const char* of_name, std::optional<T> what,
+               std::function<void(const Cursor&)> read_options = nullptr)
+      : name(of_name), effect(what), options(std::move(read_options)) {}
+
   const char* name;
   std::optional<T> effect;
+  std::function<void(const Cursor&)> options; ///< reads them; empty: it has none
 };
 
 /// A list of effects, each a name or a map of a name and its options. Notes unknown and repeated
@@ -95,10 +106,17 @@ std::vector<T> parse_effects(const Cursor& cursor, const std::vector<EffectChoic
       item.fail("effect '" + name + "' is not available in this version");
     } else if (!seen.insert(name).second) {
       item.fail("effect '" + name + "' is given twice");
-    } else if (with_options) {
-      item.fail("effect '" + name + "' has no options");
     } else {
-      effects.push_back(*known[static_cast<std::size_t>(found - names.begin())].effect);
+      const EffectChoice<T>& choice = known[static_cast<std::size_t>(found - names.begin())];
+      if (with_options && !choice.options) {
+        item.fail("effect '" + name + "' has no options");
+      } else {
+        if (with_options) {
+          choice.options(
+              Cursor(*item.node().entries[0].value, item.path() + "." + name, item.problems()));
+        }
+        effects.push_back(*choice.effect);
+      }
     }
   }
   return effects;

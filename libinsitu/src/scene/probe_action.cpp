@@ -78,6 +78,9 @@ void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due
     fields.push_back(find_field(mesh, name, environment_.scene_file));
   const Answers answers = sample(mesh, fields);
   const core::Timer timer;
+  if (environment_.page)
+    environment_.page->add_probe(probe_.name, answers.columns, points_->mesh_points, points_->names,
+                                 answers.values);
   for (const TableFormat format : probe_.output)
     switch (format) {
     case TableFormat::csv:

@@ -26,6 +26,10 @@ Runner::Runner(const SceneDescription& scene, const std::string& output, core::C
                         scene.file + ":" + std::to_string(locator_.line) + ": " + e.what());
     }
   }
+  if (scene.page) {
+    page_ = std::make_unique<PageRecord>(scene, environment_.output, context, statistics);
+    environment_.page = page_.get();
+  }
   for (const Probe& p : scene.probes)
     actions_.push_back(std::make_unique<ProbeAction>(p, environment_));
   for (const Tracer& t : scene.tracers)
@@ -56,16 +60,18 @@ void Runner::report(const std::string& what, const std::string& of, std::int64_t
   std::set<std::string>& known = reported_[of];
   if (known.size() > most || !known.insert(what).second)
     return;
-  environment_.context.log.error(
-      "cycle " + std::to_string(cycle) + ": " +
-      (known.size() <= most
-           ? what + " (skipped)"
-           : of + ": fails again and again; its failures are counted from here on"));
+  const std::string text =
+      known.size() <= most ? what + " (skipped)"
+                           : of + ": fails again and again; its failures are counted from here on";
+  environment_.context.log.error("cycle " + std::to_string(cycle) + ": " + text);
+  if (page_)
+    page_->add_failure(text);
 }
 
 std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   const Step step{meshes, cycle, time, !executed_, earlier_time_};
   std::string failures;
+  bool any_due = false;
   const auto failed = [&](const std::string& of, const std::exception& e) {
     const bool memory = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
     const std::string what = of + ": " + (memory ? "out of memory" : e.what());
@@ -79,7 +85,9 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
         throw core::Error(INSITU_ERROR_UNSUPPORTED,
                           "mesh '" + mesh.mesh().name() +
                               "' lies in device memory; scenes read host memory");
-      action->execute(mesh, step, is_due(*action, mesh, step));
+      const bool due = is_due(*action, mesh, step);
+      any_due = any_due || due;
+      action->execute(mesh, step, due);
     } catch (const std::exception& e) {
       failed(std::string(action->kind()) + " '" + action->name() + "'", e);
     }
@@ -91,6 +99,12 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
     for (query::CommittedMesh* mesh : meshes)
       mesh->mesh().release_earlier();
     failed("the earlier step", e);
+  }
+  try {
+    if (page_)
+      end_page_cycle(step, any_due);
+  } catch (const std::exception& e) {
+    failed("page", e);
   }
   executed_ = true;
   earlier_time_ = time;
@@ -123,6 +137,34 @@ void Runner::keep_earlier(MeshList meshes) {
   environment_.statistics.advect_s += timer.seconds();
 }
 
+void Runner::note_tracers() {
+  for (const auto& action : actions_)
+    if (const auto* tracer = dynamic_cast<const TracerAction*>(action.get()))
+      page_->add_tracer(tracer->name(), tracer->counts());
+}
+
+/// Its seconds are in the page's next entry.
+void Runner::end_page_cycle(const Step& step, bool due) {
+  const core::Timer timer;
+  if (page_->wanted(due)) {
+    note_tracers();
+    if (!page_->begun())
+      page_->add_plan(plan(step.meshes).text());
+  }
+  page_->end_cycle(step.cycle, step.time, due);
+  environment_.statistics.output_s += timer.seconds();
+}
+
+/// The last entry: what became of the particles, and what failed at the end.
+void Runner::finish_page(const std::string& failures) {
+  if (!page_)
+    return;
+  note_tracers();
+  if (!failures.empty())
+    page_->add_failure(failures);
+  page_->finish();
+}
+
 Plan Runner::plan(MeshList meshes) const {
   Plan plan;
   for (const auto& action : actions_) {
@@ -148,6 +190,11 @@ std::string Runner::finish() {
     } catch (const std::exception& e) {
       failures += std::string(action->kind()) + " '" + action->name() + "': " + e.what() + "\n";
     }
+  }
+  try {
+    finish_page(failures);
+  } catch (const std::exception& e) {
+    failures += std::string("page: ") + e.what() + "\n";
   }
   return failures;
 }

@@ -42,8 +42,12 @@ public:
 private:
   bool is_due(const Action& action, const query::CommittedMesh& mesh, const Step& step) const;
   void keep_earlier(MeshList meshes);
+  void note_tracers();
+  void end_page_cycle(const Step& step, bool due);
+  void finish_page(const std::string& failures);
   void report(const std::string& what, const std::string& of, std::int64_t cycle);
 
+  std::unique_ptr<PageRecord> page_;
   FrameStructures structures_;
   Environment environment_;
   LocatorOptions locator_;

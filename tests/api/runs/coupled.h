@@ -20,6 +20,7 @@ Files files_of(const std::string& folder);
 std::vector<std::string> names_of(const Files& files, const std::string& ending = "");
 
 /// The names of files that are in one folder only or whose bytes differ; empty if there are none.
+/// run.js holds seconds: it must be there, but its bytes differ from run to run.
 std::vector<std::string> differences(const Files& a, const Files& b);
 
 /// A table as written by the library (no quoted cells): the header and rows of text.

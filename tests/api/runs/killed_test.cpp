@@ -72,7 +72,24 @@ bool unfinished(const std::string& name) {
 /// What a look at the folder found.
 struct Seen {
   int files = 0, unfinished = 0, cut_lines = 0;
+  std::vector<int> entries; ///< cycles on the page of the run
 };
+
+/// The cycles of the entries of run.js. Expects a script that runs: each line is whole, or a
+/// comment (output/run_page.h); the last one may be cut.
+std::vector<int> entries_of(const std::string& script) {
+  std::vector<int> cycles;
+  std::istringstream lines(script);
+  std::string line;
+  for (bool header = true; std::getline(lines, line); header = false) {
+    if (header || line.starts_with("//"))
+      continue;
+    EXPECT_TRUE(line.starts_with("insitu.push({\"cycle\":") && line.ends_with("});")) << line;
+    const std::string entry = line.substr(12, line.size() - 14);
+    EXPECT_NO_THROW(cycles.push_back(YAML::Load(entry)["cycle"].as<int>())) << entry;
+  }
+  return cycles;
+}
 
 /// Expects every file that bears its final name to be whole.
 Seen look(const std::string& folder) {
@@ -111,6 +128,10 @@ Seen look(const std::string& folder) {
         EXPECT_TRUE(
             std::filesystem::exists(folder + "/" + content.substr(at, content.find('"', at) - at)));
       }
+    } else if (name == "index.html") {
+      EXPECT_TRUE(content.ends_with("</html>\n"));
+    } else if (name == "run.js") {
+      seen.entries = entries_of(content);
     } else {
       ADD_FAILURE() << "a file that the scene did not ask for";
     }
@@ -156,6 +177,8 @@ TEST(KilledRun, LeavesWholeFilesAndTheNextOneCleansUp) {
   ASSERT_EQ(t.rows.size(), 13u * 216);
   for (std::size_t i = 0; i < t.rows.size(); ++i)
     ASSERT_EQ(t.number(i, "cycle"), double(i / 216));
+  // Nor on the page: each cycle, and the end of the session.
+  EXPECT_EQ(seen.entries, (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 12}));
 }
 
 } // namespace

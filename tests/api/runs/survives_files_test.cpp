@@ -83,15 +83,16 @@ TEST(Survives, AFieldThatDoesNotExist) {
   EXPECT_EQ(session.report().failures, 3);
   session.close();
   const runs::Files files = runs::files_of(folder / "out");
-  EXPECT_EQ(runs::names_of(files), (std::vector<std::string>{"g_000000.png", "g_000001.png",
-                                                             "g_000002.png", "p.csv", "t.csv"}));
+  EXPECT_EQ(runs::names_of(files),
+            (std::vector<std::string>{"g_000000.png", "g_000001.png", "g_000002.png", "index.html",
+                                      "p.csv", "run.js", "t.csv"}));
   EXPECT_EQ(runs::parse_table(files.at("p.csv")).rows.size(), 3u);
 }
 
 TEST(Survives, MessagesThatDifferEachTimeDoNotFloodTheLog) {
   const test::Folder folder;
-  Coupled run({.scene = "insitu: 1\nprobes:\n  - {name: p, points: [[0.1, 0.1, 0.1]], "
-                        "output: [json]}\n",
+  Coupled run({.scene = "insitu: 1\npage: false\nprobes:\n  - {name: p, points: "
+                        "[[0.1, 0.1, 0.1]], output: [json]}\n",
                .output = folder.path(),
                .cells = 4});
   const SmallDisk disk(10); // each failure names the file of its own cycle
@@ -149,15 +150,19 @@ TEST(Survives, AFullDisk) {
     const SmallDisk disk(1500);
     EXPECT_EQ(insitu_session_execute(run.session.handle(), 0, 0.0), INSITU_ERROR_ACTION);
   }
-  expect_in(insitu_last_message(),
-            {"probe 'p'", "tracer 't'", "frame 'f'", "p.csv", "f_000000.png", "File too large"});
+  expect_in(insitu_last_message(), {"probe 'p'", "tracer 't'", "frame 'f'", "p.csv", "f_000000.png",
+                                    "index.html", "File too large"});
   EXPECT_EQ(unfinished(folder.path()), 0u);
   for (const auto& [name, content] : runs::files_of(folder.path())) {
+    if (name == "run.js") { // as it was before what could not be written
+      EXPECT_TRUE(content.empty()) << content;
+      continue;
+    }
     EXPECT_TRUE(name.ends_with(".csv")) << name << " is there, of " << content.size() << " bytes";
     EXPECT_EQ(runs::parse_table(content).rows.size(), 0u) << name;
   }
   const std::int64_t failures = run.session.report().failures;
-  EXPECT_EQ(failures, 4);
+  EXPECT_EQ(failures, 5); // the items and the page
   // There is room again: the rows that waited come first.
   EXPECT_TRUE(run.step()) << insitu_last_message();
   EXPECT_EQ(run.session.report().failures, failures);

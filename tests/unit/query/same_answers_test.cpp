@@ -158,6 +158,7 @@ TEST(SameAnswers, WhateverTheHintAndWhateverMoves) {
   for (const bool looked : {false, true}) {
     if (looked)
       m.mesh.look_for_folds(m.threads);
+    EXPECT_EQ(m.mesh.tree().odd().empty(), !looked);
     for (const Vec3d& p : points) {
       const query::Location plain = m.sampler().locate(p);
       for (std::int64_t hint = 0; hint < view.cell_count(); ++hint) {
@@ -210,6 +211,51 @@ TEST(SameAnswers, AfterCommitsThatLookForFolds) {
     for (std::size_t i = 0; i < asked.size(); ++i)
       ASSERT_EQ(found[i].cell, test::owner(view, asked[i])) << kind_name(kind) << ", " << i;
   }
+}
+
+// Few folded, flat or turned cells do not take the certificates from the others; many do.
+TEST(SameAnswers, BesideAFewOddCells) {
+  int few = 0;
+  for (const double reach : {0.30, 0.33, 0.45}) {
+    fixtures::Committed m(box(test::MeshKind::hexahedra, 12, reach));
+    const mesh::MeshView& view = m.mesh.mesh().view();
+    const cells::Validation v = m.mesh.validate(m.threads);
+    m.commit();
+    const std::int64_t odd = v.counts.folded_cells + v.counts.zero_volume_cells;
+    const cells::OddCells found = cells::find_odd_cells(view, m.threads);
+    EXPECT_EQ(found.few, odd <= cells::OddCells::most) << odd;
+    few += found.few && odd > 0;
+    EXPECT_EQ(std::int64_t(found.ids.size()), found.few ? odd : 0);
+    EXPECT_EQ(found.ids, cells::find_odd_cells(view, v.counts, m.threads).ids);
+    std::vector<Vec3d> asked = many_points(m, 3000);
+    for (const std::int64_t id : found.ids) { // in and about them
+      mesh::CellVertices cell;
+      mesh::gather(view, id, cell);
+      for (int i = 0; i < 100; ++i) {
+        double r[3];
+        for (int a = 0; a < 3; ++a)
+          r[a] = 1.4 * core::random_unit(28, std::uint64_t(i), std::uint64_t(a)) - 0.2;
+        Vec3d p;
+        for (int corner = 0; corner < 8; ++corner) {
+          constexpr int at[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                    {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+          double w = 1;
+          for (int a = 0; a < 3; ++a)
+            w *= at[corner][a] ? r[a] : 1 - r[a];
+          p += w * cell.x[corner];
+        }
+        asked.push_back(p);
+      }
+    }
+    const std::vector<query::Location> batch = locate_all(m, asked);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      const std::int64_t owner = test::owner(view, asked[i]);
+      ASSERT_EQ(batch[i].cell, owner) << "reach " << reach << ", " << i;
+      ASSERT_EQ(m.sampler().locate(asked[i]).cell, owner) << "reach " << reach << ", " << i;
+      ASSERT_EQ(m.sampler().locate(asked[i], owner).cell, owner) << "reach " << reach << ", " << i;
+    }
+  }
+  EXPECT_GT(few, 0);
 }
 
 TEST(SameAnswers, ForABlockAndForItsHexahedra) {

@@ -42,7 +42,7 @@ TEST_P(AdaptiveFrames, APlaneHasNoCracks) {
       {{mesh.committed.mesh.mesh().field("f"), 0}, {value}, 0.5}};
   render::Structures structures(mesh.committed.memory);
   structures.begin(sampler, 0, 0, mesh.committed.threads);
-  const render::IsosurfaceTracer tracer(sampler, settings, {}, structures);
+  const render::IsosurfaceTracer tracer(sampler, settings, structures);
   const auto distance = [&](const Vec3d& p) { return linear(p) - value; };
   std::vector<render::SurfaceHit> hits;
   render::SurfaceCounts counts;

@@ -17,7 +17,7 @@ std::vector<SurfaceHit> trace(RenderMesh& mesh, const std::vector<IsosurfaceSett
                               const Ray& ray) {
   render::Structures structures(mesh.committed.memory);
   structures.begin(mesh.sampler(), 0, 0, mesh.committed.threads);
-  const IsosurfaceTracer tracer(mesh.sampler(), settings, {}, structures);
+  const IsosurfaceTracer tracer(mesh.sampler(), settings, structures);
   std::vector<SurfaceHit> hits;
   render::SurfaceCounts counts;
   tracer.trace(ray, hits, counts);
@@ -35,7 +35,7 @@ TEST(Isosurface, PlaneIsExactInEveryShape) {
         {mesh.field("plane", INSITU_VERTEX, plane), {2.0, 3.0, 4.1}, 0.5}};
     render::Structures structures(mesh.committed.memory);
     structures.begin(mesh.sampler(), 0, 0, mesh.committed.threads);
-    const IsosurfaceTracer tracer(mesh.sampler(), settings, {}, structures);
+    const IsosurfaceTracer tracer(mesh.sampler(), settings, structures);
     const FrameSettings s = box_frame(40);
     const render::RayGenerator rays(s.camera, 40, 40);
     std::vector<SurfaceHit> hits;

@@ -81,6 +81,8 @@ public:
   RenderMesh(int n, Shape shape = Shape::hexahedron, double jitter = 0.0)
       : cells(box_cells(n, shape, jitter)), committed(cells) {}
 
+  explicit RenderMesh(const TestMesh& from) : cells(from), committed(cells) {}
+
   query::Sampler sampler() const { return committed.sampler(); }
 
   /// Registers f(x) at the vertices, or at the cells' vertex averages.

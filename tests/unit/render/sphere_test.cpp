@@ -25,7 +25,7 @@ TEST_P(Sphere, NoRayMissesAndDepthsAreRight) {
       {mesh.field("r2", INSITU_VERTEX, field_at), {radius * radius}, 0.5}};
   render::Structures structures(mesh.committed.memory);
   structures.begin(mesh.sampler(), 0, 0, mesh.committed.threads);
-  const render::IsosurfaceTracer tracer(mesh.sampler(), settings, {}, structures);
+  const render::IsosurfaceTracer tracer(mesh.sampler(), settings, structures);
   // Linear interpolation of |x|^2 over a cell of diameter h lies above it by at most h^2 / 4 at any
   // convex combination (a variance); so the drawn surface lies between two spheres.
   double h2 = 0;

@@ -64,12 +64,14 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
       {"camera", "frames: [{camera: {zzz: 1}}]"},
       {"orbit", "frames: [{camera: {orbit: {zzz: 1}}}]"},
       {"volume", "frames: [{volume: {zzz: 1}}]"},
+      {"path_tracing", "frames: [{path_tracing: {zzz: 1}}]"},
       {"isosurfaces", "frames: [{isosurfaces: [{zzz: 1}]}]"},
       {"lights", "frames: [{lights: [{zzz: 1}]}]"},
       {"clip", "frames: [{clip: [{zzz: 1}]}]"},
       {"plane of a clip", "frames: [{clip: [{plane: {zzz: 1}}]}]"},
       {"box of a clip", "frames: [{clip: [{box: {zzz: 1}}]}]"},
       {"sphere of a clip", "frames: [{clip: [{sphere: {zzz: 1}}]}]"},
+      {"ambient_occlusion", "frames: [{effects: [{ambient_occlusion: {zzz: 1}}]}]"},
       {"color", "frames: [{isosurfaces: [{color: {zzz: 1}}]}]"}};
   const auto sections = documented();
   for (const auto& [section, scene] : scenes) {

@@ -40,7 +40,7 @@ TEST(SceneErrors, Version) {
 
 TEST(SceneErrors, Top) {
   EXPECT_EQ(error_of("framse: []"), "s.yaml:2: key 'framse' is unknown in the scene; did you mean "
-                                    "'frames'? (keys: insitu, output, locator, "
+                                    "'frames'? (keys: insitu, output, page, locator, "
                                     "every, when, probes, tracers, frames)");
   EXPECT_HAS(error_of("output:"), "output: a text expected, nothing found");
   EXPECT_HAS(error_of("every: -1"), "every: an integer from 1 to 1000000000 expected, '-1' found");
@@ -62,7 +62,8 @@ TEST(SceneErrors, Locator) {
              "locator.builder: 'mortn' is not one of auto, morton, "
              "surface_area; did you mean 'morton'?");
   EXPECT_HAS(error_of("locator: {biulder: auto}"), "did you mean 'builder'?");
-  EXPECT_HAS(error_of("locator: bvh"), "locator: a map of method, backend, builder expected, 'bvh' found");
+  EXPECT_HAS(error_of("locator: bvh"),
+             "locator: a map of method, backend, builder expected, 'bvh' found");
 }
 
 TEST(SceneErrors, When) {

@@ -257,12 +257,16 @@ TEST(SceneFrames, Errors) {
 }
 
 TEST(SceneFrames, Effects) {
-  for (const char* name :
-       {"shadows", "ambient_occlusion", "single_scattering", "multiple_scattering"}) {
-    EXPECT_EQ(frame_error("\n effects: [" + std::string(name) + "]"),
-              "s.yaml:3: frames[0].effects[0]: effect '" + std::string(name) +
-                  "' is not available in this version");
-  }
+  EXPECT_EQ(frame("effects: [shadows, lighting]").effects,
+            (std::vector{FrameEffect::shadows, FrameEffect::lighting}));
+  EXPECT_EQ(frame("effects: [ambient_occlusion]").occlusion.samples, 16);
+  const Frame occluded = frame("effects: [{ambient_occlusion: {samples: 4, distance: 0.5}}]");
+  EXPECT_EQ(occluded.effects, std::vector{FrameEffect::ambient_occlusion});
+  EXPECT_EQ(occluded.occlusion.samples, 4);
+  EXPECT_EQ(occluded.occlusion.distance, 0.5);
+  EXPECT_EQ(frame_error("effects: [{ambient_occlusion: {samples: 0}}]"),
+            "s.yaml:2: frames[0].effects[0].ambient_occlusion.samples: an integer from 1 to 65536 "
+            "expected, '0' found");
   EXPECT_EQ(frame_error("effects: [lightning]"),
             "s.yaml:2: frames[0].effects[0]: effect 'lightning' is unknown; did you mean "
             "'lighting'? (effects: "
@@ -274,4 +278,40 @@ TEST(SceneFrames, Effects) {
             std::string::npos);
   EXPECT_NE(frame_error("effects: [[1]]").find("an effect's name"), std::string::npos);
   EXPECT_NE(frame_error("effects: lighting").find("a list expected"), std::string::npos);
+}
+
+TEST(SceneFrames, PathTracing) {
+  EXPECT_FALSE(frame("size: [1, 1]").path_tracing);
+  const PathTracing defaults = *frame("effects: [multiple_scattering]").path_tracing;
+  EXPECT_EQ(defaults.samples, 64);
+  EXPECT_EQ(defaults.density, 1);
+  EXPECT_EQ(defaults.anisotropy, 0);
+  EXPECT_EQ(defaults.max_bounces, 4096);
+  EXPECT_EQ(defaults.cells_per_macrocell, 64);
+  EXPECT_EQ(defaults.seed, 0);
+  EXPECT_FALSE(defaults.dome_visible || defaults.accumulate);
+  EXPECT_TRUE(frame("path_tracing: {}").path_tracing);
+  const Frame all = frame("effects: [lighting, single_scattering], path_tracing: {samples: 7, "
+                          "density: 2.5, anisotropy: -0.5, max_bounces: 9, cells_per_macrocell: 8, "
+                          "seed: 12, dome_visible: true, accumulate: true}");
+  EXPECT_EQ(all.effects, (std::vector{FrameEffect::lighting, FrameEffect::single_scattering}));
+  EXPECT_EQ(all.path_tracing->samples, 7);
+  EXPECT_EQ(all.path_tracing->density, 2.5);
+  EXPECT_EQ(all.path_tracing->anisotropy, -0.5);
+  EXPECT_EQ(all.path_tracing->max_bounces, 9);
+  EXPECT_EQ(all.path_tracing->cells_per_macrocell, 8);
+  EXPECT_EQ(all.path_tracing->seed, 12);
+  EXPECT_TRUE(all.path_tracing->dome_visible && all.path_tracing->accumulate);
+  EXPECT_NE(frame_error("path_tracing: {samples: 0}").find("path_tracing.samples"),
+            std::string::npos);
+  EXPECT_NE(frame_error("path_tracing: {anisotropy: 1}").find("path_tracing.anisotropy"),
+            std::string::npos);
+  EXPECT_NE(frame_error("effects: [single_scattering, multiple_scattering]").find("give one"),
+            std::string::npos);
+  for (const char* keys : {"path_tracing: {}", "effects: [multiple_scattering]"}) {
+    EXPECT_NE(error_of("frames: [{name: f, isosurfaces: [{field: p, values: [1]}], " +
+                       std::string(keys) + "}]")
+                  .find("path tracing needs a 'volume'"),
+              std::string::npos);
+  }
 }

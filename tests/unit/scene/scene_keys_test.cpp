@@ -13,6 +13,7 @@ TEST(SceneKeys, EmptySceneHasDefaults) {
   const SceneDescription scene = parse("");
   EXPECT_EQ(scene.file, "s.yaml");
   EXPECT_EQ(scene.output, "out");
+  EXPECT_TRUE(scene.page);
   EXPECT_EQ(scene.locator.choice, query::LocatorChoice());
   EXPECT_EQ(scene.locator.builder, accel::Builder::automatic);
   EXPECT_EQ(scene.trigger.every, 1);
@@ -21,12 +22,13 @@ TEST(SceneKeys, EmptySceneHasDefaults) {
 }
 
 TEST(SceneKeys, Top) {
-  const SceneDescription scene = parse("output: results/run 7\nevery: 10\nwhen: max(p) > 2\n");
+  const SceneDescription scene = parse("output: results/run 7\npage: false\nevery: 10\nwhen: max(p) > 2\n");
   EXPECT_EQ(scene.output, "results/run 7");
+  EXPECT_FALSE(scene.page);
   EXPECT_EQ(scene.trigger.every, 10);
   ASSERT_TRUE(scene.trigger.when);
   EXPECT_EQ(scene.trigger.when->text(), "max(p) > 2");
-  EXPECT_EQ(scene.trigger.line, 4);
+  EXPECT_EQ(scene.trigger.line, 5);
 }
 
 TEST(SceneKeys, LocatorMethodsBackendsAndBuilders) {

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/parallel.h"
+#include "mesh/view.h"
+
+namespace insitu::accel {
+
+/// A few cells of a tree that a point inside may have several preimages in (cells::OddCells), by
+/// their places in Tree::cells(): points that one of them may hold get no answer from a proof of
+/// another alone.
+class OddSlots {
+public:
+  OddSlots() = default;
+  /// ids: flat, ascending; cells: the tree's.
+  OddSlots(const mesh::MeshView& mesh, std::span<const std::int64_t> ids,
+           std::span<const std::uint32_t> cells, const core::Threads& threads);
+
+  bool empty() const { return slots_.empty(); }
+  bool has(std::uint32_t slot) const {
+    return (filter_ >> (slot & 63) & 1) != 0 &&
+           std::binary_search(slots_.begin(), slots_.end(), slot);
+  }
+  /// Whether p is in the box of one of the cells.
+  bool may_hold(const math::Vec3d& p) const;
+
+private:
+  struct Box {
+    math::Vec3d low, high;
+    bool holds(const math::Vec3d& p) const {
+      return low.x <= p.x && p.x <= high.x && low.y <= p.y && p.y <= high.y && low.z <= p.z &&
+             p.z <= high.z;
+    }
+  };
+  std::uint64_t filter_ = 0; ///< bit (slot & 63) of each
+  std::vector<std::uint32_t> slots_;
+  std::vector<Box> boxes_;
+  Box all_;
+};
+
+} // namespace insitu::accel

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace insitu::output {
+
+/// Builds one line of JSON that may also stand in a script or in a page, whatever texts it holds:
+/// it is ASCII, without line breaks and without "<".
+///
+///   JsonText j;
+///   j.open('{').key("cycle").value(12).key("values").open('[').value(0.5).close().close();
+class JsonText {
+public:
+  /// '{' or '['; close() writes its other half.
+  JsonText& open(char bracket);
+  JsonText& close();
+  JsonText& key(std::string_view name);
+  /// The shortest decimal that reads back as the same number; NaN and infinities, which JSON lacks,
+  /// are null.
+  JsonText& value(double number);
+  /// Seven digits: for plots.
+  JsonText& short_value(double number);
+  JsonText& value(std::int64_t number);
+  JsonText& value(int number) { return value(std::int64_t(number)); }
+  JsonText& value(bool b);
+  /// UTF-8; what is not is U+FFFD.
+  JsonText& value(std::string_view text);
+  JsonText& value(const char* text) { return value(std::string_view(text)); }
+  /// JSON made elsewhere.
+  JsonText& raw(std::string_view json);
+
+  const std::string& text() const { return text_; }
+  bool empty() const { return text_.empty(); }
+
+private:
+  void separate();
+
+  std::string text_;
+  std::string closing_; ///< brackets still open
+  bool first_ = true;   ///< within the innermost bracket, or after a key
+};
+
+/// The code points of UTF-8, U+FFFD for each byte that begins no valid sequence (nor an overlong
+/// one, nor a surrogate).
+std::u32string decode_utf8(std::string_view text);
+
+} // namespace insitu::output

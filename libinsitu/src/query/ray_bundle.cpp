@@ -1,0 +1,489 @@
+#include "query/ray_bundle.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "query/adaptive.h"
+#include "query/gridlet_query.h"
+#include "query/locators.h"
+#include "query/point_query.h"
+
+namespace insitu::query {
+
+using math::Vec3d;
+
+/// Of one thread, kept for its life: some hundred kilobytes, and the vertices of a stretch's cells.
+struct RayBundleScratch {
+  BundleSlab slab;
+  BundleSamples samples;
+  // By slot: a group's rays are neighbours.
+  Vec3d origin[bundle_rays], direction[bundle_rays];
+  std::uint32_t wanted[bundle_rays];
+  std::uint16_t ray[bundle_rays], slot[bundle_rays];
+  // The stretch's cells, shape by shape.
+  std::vector<std::uint32_t> found; ///< their places in the tree
+  std::vector<std::int64_t> cells;
+  std::vector<std::int32_t> ranks; ///< their pieces, -1 of odd cells; if RayBundleLocator::ranked_
+  std::vector<cells::CellBlock> blocks;
+  std::vector<ValueBlock> values;
+  struct Run {
+    mesh::Shape shape;
+    int begin, end;
+  };
+  std::vector<Run> runs;
+  // Samples in the order of their cells, and those that are left.
+  std::vector<std::uint32_t> count;
+  std::vector<std::uint16_t> open, sorted, rest;
+  std::vector<Vec3d> points;
+  std::vector<Location> answers;
+  std::int64_t by_reason[reason_count];
+};
+
+namespace {
+
+RayBundleScratch& bundle_scratch() {
+  thread_local std::unique_ptr<RayBundleScratch> scratch = std::make_unique<RayBundleScratch>();
+  return *scratch;
+}
+
+constexpr int place_of(int k, int slot) {
+  return k * bundle_rays + slot;
+}
+constexpr int slot_of(int place) {
+  return place % bundle_rays;
+}
+constexpr int index_of(int place) {
+  return place / bundle_rays;
+}
+constexpr int cell_of_key(std::int32_t key) {
+  return key & 0xffff;
+}
+
+template <class F>
+void for_each_bit(std::uint32_t bits, F&& f) {
+  for (; bits; bits &= bits - 1)
+    f(std::countr_zero(bits));
+}
+
+Vec3d normalized(const Vec3d& v) {
+  return v / std::sqrt(dot(v, v));
+}
+
+} // namespace
+
+RayBundleLocator::RayBundleLocator(const Sampler& sampler, const LocateOptions& options)
+    : sampler_(sampler), options_(options), s_(bundle_scratch()) {
+  const PointQuery query{sampler.mesh(), sampler.tree(), options};
+  const bool by_rule = options.accuracy == INSITU_FAST && sampler.locators_ &&
+                       sampler.locators_->rays(); // not by proof
+  const bool by_leaves = sampler.adaptive_ && !sampler.adaptive_->gridlets();
+  const accel::OddSlots& odd = sampler.tree().odd();
+  ranked_ = sampler.mesh().piece_count > 1 || !odd.empty();
+  usable_ = !sampler.tree().empty() && (sampler.mesh().free_of_folds || !odd.empty()) &&
+            options.alpha == 1.0 && query.proof_is_enough() && !by_rule && !by_leaves;
+}
+
+/// Neighbours, four by four, into one group.
+void RayBundleLocator::set_rays(std::span<const LatticeRay> rays, int row, double step) {
+  constexpr int side = 4;
+  static_assert(side * side == bundle_lanes);
+  rays_ = int(rays.size());
+  step_ = step;
+  const int across = row > 0 ? (row + side - 1) / side : 0;
+  const int down = row > 0 ? ((rays_ + row - 1) / row + side - 1) / side : 0;
+  const bool tiled = row > 0 && across * down <= bundle_groups;
+  groups_ = tiled ? across * down : (rays_ + bundle_lanes - 1) / bundle_lanes;
+  std::fill_n(s_.ray, bundle_rays, std::uint16_t(bundle_rays));
+  for (int r = 0; r < rays_; ++r) {
+    const int x = tiled ? r % row : 0, y = tiled ? r / row : 0;
+    const int slot =
+        tiled ? (y / side * across + x / side) * bundle_lanes + y % side * side + x % side : r;
+    s_.slot[r] = std::uint16_t(slot);
+    s_.ray[slot] = std::uint16_t(r);
+    s_.origin[slot] = rays[std::size_t(r)].origin;
+    s_.direction[slot] = rays[std::size_t(r)].direction;
+  }
+}
+
+inline Vec3d RayBundleLocator::point(int place) const {
+  const int slot = slot_of(place);
+  return s_.origin[slot] + ((double(first_ + index_of(place)) + 0.5) * step_) * s_.direction[slot];
+}
+
+inline void RayBundleLocator::answer(int place, const Location& at) const {
+  const int i = int(s_.ray[slot_of(place)]) * depth_ + index_of(place);
+  locations_[i] = at;
+  if (from_ && at)
+    values_[i] = from_->at(at);
+}
+
+void RayBundleLocator::locate(std::int64_t first, int depth, std::span<const std::uint32_t> wanted,
+                              std::span<Location> locations) {
+  run(first, depth, wanted, locations.data());
+}
+
+void RayBundleLocator::locate(std::int64_t first, int depth, std::span<const std::uint32_t> wanted,
+                              std::span<Location> locations, const CellValues& from,
+                              std::span<double> values) {
+  from_ = &from;
+  values_ = values.data();
+  run(first, depth, wanted, locations.data());
+  from_ = nullptr;
+}
+
+void RayBundleLocator::run(std::int64_t first, int depth, std::span<const std::uint32_t> wanted,
+                           Location* locations) {
+  first_ = first;
+  depth_ = depth;
+  locations_ = locations;
+  std::fill_n(s_.by_reason, reason_count, 0);
+  s_.rest.clear();
+  if (!take_wanted(wanted))
+    return;
+  if (usable_ && sampler_.adaptive_)
+    locate_in_gridlets();
+  if (usable_ && set_slab() && enter_all_cells()) {
+    prove(false);
+    prove(true);
+  } else {
+    for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
+      for_each_bit(s_.wanted[slot], [&](int k) { leave(place_of(k, slot)); });
+  }
+  locate_rest();
+  if (sampler_.counts_)
+    sampler_.counts_->add(s_.by_reason);
+}
+
+/// False if none is.
+bool RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
+  std::fill_n(s_.wanted, bundle_rays, 0u);
+  const std::uint32_t within = ~std::uint32_t(0) >> (bundle_depth - depth_);
+  std::uint32_t any = 0;
+  for (std::size_t r = 0; r < wanted.size(); ++r) {
+    any |= s_.wanted[s_.slot[r]] = wanted[r] & within;
+    samples_ += std::popcount(wanted[r] & within);
+  }
+  return any != 0;
+}
+
+/// Without the tree, which is then asked for the others alone.
+void RayBundleLocator::locate_in_gridlets() {
+  GridletFinder find(*sampler_.adaptive_->gridlets());
+  for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
+    for_each_bit(s_.wanted[slot], [&](int k) {
+      Reason why;
+      const int place = place_of(k, slot);
+      const Location at = find(point(place), why);
+      if (!at)
+        return;
+      answer(place, at);
+      ++s_.by_reason[int(why)];
+      s_.wanted[slot] &= ~(std::uint32_t(1) << k);
+    });
+}
+
+/// A frame along the rays about the samples' middle. False if there is none.
+bool RayBundleLocator::set_slab() {
+  BundleSlab& slab = s_.slab;
+  Vec3d middle, along, ends[2];
+  int count = 0, low = bundle_depth, high = 0;
+  double far = 0.0;
+  for (int slot = 0; slot < groups_ * bundle_lanes; ++slot) {
+    const std::uint32_t wanted = s_.wanted[slot];
+    if (!wanted)
+      continue;
+    const int first = std::countr_zero(wanted), last = 31 - std::countl_zero(wanted);
+    low = std::min(low, first);
+    high = std::max(high, last);
+    const Vec3d at = 0.5 * (point(place_of(first, slot)) + point(place_of(last, slot)));
+    middle += at;
+    along += s_.direction[slot];
+    ends[count > 0] = at;
+    ++count;
+    for (int a = 0; a < 3; ++a)
+      far = std::max(far, std::fabs(s_.origin[slot][a]));
+  }
+  if (count == 0)
+    return true; // and no samples
+  slab.middle = middle / double(count);
+  slab.axes[2] = normalized(along);
+  const Vec3d across = ends[1] - ends[0];
+  slab.axes[0] = across - dot(across, slab.axes[2]) * slab.axes[2];
+  if (count == 1 || !(dot(slab.axes[0], slab.axes[0]) > 1e-12 * dot(across, across))) {
+    const Vec3d& w = slab.axes[2];
+    slab.axes[0] = std::fabs(w.x) < 0.6 ? cross(w, Vec3d{1, 0, 0}) : cross(w, Vec3d{0, 1, 0});
+  }
+  slab.axes[0] = normalized(slab.axes[0]);
+  slab.axes[1] = cross(slab.axes[2], slab.axes[0]);
+  slab.depth = depth_;
+  slab.groups = groups_;
+  // Of a sample's own coordinates, and of the sums that lead to them.
+  slab.rounding = 0x1p-48 * (far + std::fabs((double(first_) + depth_) * step_));
+  const double sound = dot(slab.axes[0], slab.axes[0]) + dot(slab.axes[2], slab.axes[2]) +
+                       dot(slab.middle, slab.middle) + slab.rounding;
+  if (!std::isfinite(sound))
+    return false;
+  set_groups();
+  return std::isfinite(slab.reach) && slab.reach < 1e30f;
+}
+
+/// The samples in the slab's frame.
+void RayBundleLocator::set_groups() {
+  BundleSlab& slab = s_.slab;
+  constexpr float none = std::numeric_limits<float>::infinity();
+  for (int a = 0; a < 3; ++a) {
+    slab.lower[a] = none;
+    slab.upper[a] = -none;
+  }
+  slab.reach = 0.0f;
+  for (int g = 0; g < bundle_groups; ++g) {
+    slab.wanted[g] = 0;
+    for (int a = 0; a < 2; ++a) {
+      slab.group_lower[a][g] = none;
+      slab.group_upper[a][g] = -none;
+    }
+    float least_w = none, most_w = -none, least_step = none, most_step = -none;
+    for (int slot = g * bundle_lanes; slot < (g + 1) * bundle_lanes; ++slot) {
+      const std::uint32_t wanted = g < groups_ ? s_.wanted[slot] : 0u;
+      for (int a = 0; a < 3; ++a)
+        slab.base[a][slot] = slab.along[a][slot] = 0.0f;
+      if (!wanted)
+        continue;
+      slab.wanted[g] |= wanted;
+      const Vec3d from = point(place_of(0, slot)) - slab.middle, step = step_ * s_.direction[slot];
+      const int first = std::countr_zero(wanted), last = 31 - std::countl_zero(wanted);
+      for (int a = 0; a < 3; ++a) {
+        const float base = float(dot(slab.axes[a], from)), along = float(dot(slab.axes[a], step));
+        slab.base[a][slot] = base;
+        slab.along[a][slot] = along;
+        const float p = base + float(first) * along, q = base + float(last) * along;
+        const float lower = std::min(p, q), upper = std::max(p, q);
+        slab.lower[a] = std::min(slab.lower[a], lower);
+        slab.upper[a] = std::max(slab.upper[a], upper);
+        slab.reach = std::max({slab.reach, std::fabs(base), -lower, upper});
+        if (a < 2) {
+          slab.group_lower[a][g] = std::min(slab.group_lower[a][g], lower);
+          slab.group_upper[a][g] = std::max(slab.group_upper[a][g], upper);
+        } else {
+          least_w = std::min(least_w, base);
+          most_w = std::max(most_w, base);
+          least_step = std::min(least_step, along);
+          most_step = std::max(most_step, along);
+        }
+      }
+    }
+    slab.first_w[g] = least_w;
+    slab.last_w[g] = most_w;
+    slab.first_per_w[g] = 1.0f / most_step;
+    slab.last_per_w[g] = 1.0f / least_step;
+    slab.index_rounding[g] = 0.0f;                 // see below
+    if (!slab.wanted[g] || !(least_step > 0.0f)) { // all indices, where rays do not go along
+      slab.first_w[g] = slab.last_w[g] = slab.first_per_w[g] = slab.last_per_w[g] = 0.0f;
+      slab.index_rounding[g] = float(bundle_depth);
+    }
+  }
+  for (int g = 0; g < groups_; ++g)
+    if (slab.index_rounding[g] == 0.0f)
+      slab.index_rounding[g] =
+          1e-3f + (0x1p-19f * slab.reach + float(slab.rounding)) * slab.last_per_w[g];
+  // The roundings of base + k along.
+  for (int a = 0; a < 3; ++a) {
+    slab.lower[a] -= 0x1p-20f * slab.reach;
+    slab.upper[a] += 0x1p-20f * slab.reach;
+  }
+  for (int g = 0; g < groups_; ++g)
+    for (int a = 0; a < 2; ++a) {
+      slab.group_lower[a][g] -= 0x1p-20f * slab.reach;
+      slab.group_upper[a][g] += 0x1p-20f * slab.reach;
+    }
+}
+
+/// False if cells are too many for it to pay.
+bool RayBundleLocator::enter_all_cells() {
+  BundleSlab& slab = s_.slab;
+  const mesh::MeshView& mesh = sampler_.mesh();
+  int samples = 0;
+  for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
+    samples += std::popcount(s_.wanted[slot]);
+  s_.open.clear();
+  s_.runs.clear();
+  if (samples == 0)
+    return true;
+  const PointQuery query{mesh, sampler_.tree(), options_};
+  std::size_t found = 0;
+  // A cell takes as long as a sample does by itself.
+  if (!find_cells(sampler_.tree(), slab, std::uint32_t(query.first_stored_cell()),
+                  std::size_t(samples) * 3 / 4, s_.found, found))
+    return false;
+  for (int k = 0; k < depth_; ++k) {
+    std::fill_n(slab.best[k], groups_ * bundle_lanes, 0);
+    std::fill_n(slab.second[k], groups_ * bundle_lanes, 0);
+    if (ranked_)
+      std::fill_n(slab.piece[k], groups_ * bundle_lanes, mesh.piece_count);
+  }
+  const cells::CellGather gather(mesh, 1.0);
+  constexpr int first_shape = int(mesh::Shape::tetrahedron), shapes = 5;
+  for (int i = 0; i < shapes; ++i) {
+    const auto shape = mesh::Shape(first_shape + i);
+    if (!gather.one_shape())
+      enter_shape(gather, shape, {s_.found.data(), found});
+    else if (found > 0 && gather.shape(0) == shape)
+      enter_shape(gather, shape, {s_.found.data(), found});
+  }
+  for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
+    for_each_bit(s_.wanted[slot], [&](int k) {
+      if (slab.best[k][slot] != 0)
+        return s_.open.push_back(std::uint16_t(place_of(k, slot)));
+      answer(place_of(k, slot), {});
+      ++s_.by_reason[int(Reason::outside)];
+    });
+  return true;
+}
+
+/// Those of the found cells that have the shape. Cells are numbered block by block, so that a
+/// shape's begin with a block of their own.
+void RayBundleLocator::enter_shape(const cells::CellGather& gather, mesh::Shape shape,
+                                   std::span<const std::uint32_t> found) {
+  constexpr int size = cells::CellBlock::size;
+  const mesh::MeshView& mesh = sampler_.mesh();
+  const int begin = s_.runs.empty() ? 0 : s_.runs.back().end;
+  int end = begin;
+  if (s_.cells.size() < std::size_t(begin) + found.size() + size)
+    s_.cells.resize(std::size_t(begin) + found.size() + size);
+  s_.ranks.resize(s_.cells.size());
+  const accel::Tree& tree = sampler_.tree();
+  for (const std::uint32_t slot : found) {
+    const std::int64_t cell = tree.cells()[slot];
+    if (!gather.one_shape() && gather.shape(cell) != shape)
+      continue;
+    if (ranked_)
+      s_.ranks[std::size_t(end)] = tree.odd().has(slot) ? -1 : mesh.piece_of(cell);
+    s_.cells[std::size_t(end++)] = cell;
+  }
+  if (end == begin)
+    return;
+  const int past = begin + (end - begin + size - 1) / size * size;
+  s_.runs.push_back({shape, begin, past});
+  if (s_.blocks.size() < std::size_t(past / size))
+    s_.blocks.resize(std::size_t(past / size) + 8);
+  for (int at = begin; at < end; at += size) {
+    cells::CellBlock& block = s_.blocks[std::size_t(at / size)];
+    block.count = std::min(end - at, size);
+    gather.fill(&s_.cells[std::size_t(at)], block.count, end - at - block.count, block);
+    block.fill_up(shape);
+    if (from_) {
+      if (s_.values.size() < s_.blocks.size())
+        s_.values.resize(s_.blocks.size());
+      from_->load({&s_.cells[std::size_t(at)], std::size_t(block.count)},
+                  s_.values[std::size_t(at / size)]);
+    }
+    if (ranked_)
+      enter_cells(shape, block, at, &s_.ranks[std::size_t(at)], s_.slab);
+    else
+      enter_cells(shape, block, at, s_.slab);
+  }
+}
+
+/// Each open sample's likeliest cell, or its second, by Newton. Those that neither is proven to
+/// hold are left.
+void RayBundleLocator::prove(bool second) {
+  const auto key = [&](int place) {
+    const BundleSlab& slab = s_.slab;
+    const auto& keys = second ? slab.second : slab.best;
+    return keys[index_of(place)][slot_of(place)];
+  };
+  if (s_.open.empty())
+    return;
+  // Samples in the order of their cells.
+  const auto numbers = std::size_t(s_.runs.back().end);
+  s_.count.assign(numbers + 1, 0);
+  for (const std::uint16_t place : s_.open)
+    ++s_.count[std::size_t(cell_of_key(key(place))) + 1];
+  for (std::size_t c = 0; c < numbers; ++c)
+    s_.count[c + 1] += s_.count[c];
+  s_.sorted.resize(s_.open.size());
+  for (const std::uint16_t place : s_.open)
+    s_.sorted[s_.count[std::size_t(cell_of_key(key(place)))]++] = place;
+  s_.open.clear();
+  std::size_t begin = 0; // counts are now where the next cell's samples begin
+  for (const RayBundleScratch::Run& run : s_.runs) {
+    const std::size_t end = s_.count[std::size_t(run.end) - 1];
+    for (; begin < end; begin = std::min(end, begin + BundleSamples::size))
+      prove_some(run.shape,
+                 {&s_.sorted[begin], std::min<std::size_t>(end - begin, BundleSamples::size)},
+                 second);
+  }
+}
+
+void RayBundleLocator::prove_some(mesh::Shape shape, std::span<const std::uint16_t> places,
+                                  bool second) {
+  BundleSamples& samples = s_.samples;
+  const BundleSlab& slab = s_.slab;
+  const auto& keys = second ? slab.second : slab.best;
+  const int count = int(places.size());
+  for (int i = 0; i < count; ++i) {
+    const int place = places[std::size_t(i)];
+    const Vec3d p = point(place);
+    samples.cell[i] = std::uint16_t(cell_of_key(keys[index_of(place)][slot_of(place)]));
+    for (int a = 0; a < 3; ++a)
+      samples.point[a][i] = p[a];
+  }
+  for (int i = count; i < count + 8; ++i) // what idle lanes read
+    for (int a = 0; a < 3; ++a)
+      samples.point[a][i] = samples.point[a][count - 1];
+  const bool at_vertices = from_ && !from_->is_per_cell();
+  invert(shape, s_.blocks.data(), at_vertices ? s_.values.data() : nullptr, 0, count, samples);
+  if (from_ && !at_vertices)
+    for (int i = 0; i < count; ++i) {
+      const unsigned c = samples.cell[i];
+      samples.value[i] =
+          s_.values[c / cells::CellBlock::size].vertex[0][c % cells::CellBlock::size];
+    }
+  for (int i = 0; i < count; ++i) {
+    const int place = places[std::size_t(i)];
+    const double margin = samples.margin[i], error = samples.error[i];
+    if (margin > error) {
+      const std::int64_t cell = s_.cells[samples.cell[i]];
+      // A lower piece's cell that may hold it comes first, and an odd one may as well.
+      if (const std::int32_t lowest = ranked_ ? slab.piece[index_of(place)][slot_of(place)] : 0;
+          ranked_ && (lowest < 0 || lowest < s_.ranks[samples.cell[i]])) {
+        leave(place);
+        continue;
+      }
+      const int at = int(s_.ray[slot_of(place)]) * depth_ + index_of(place);
+      locations_[at] = {
+          cell, {samples.parametric[0][i], samples.parametric[1][i], samples.parametric[2][i]}};
+      if (from_)
+        values_[at] = samples.value[i];
+      ++s_.by_reason[int(Reason::certified)];
+    } else if (!second && !is_on_boundary(margin, error) &&
+               slab.second[index_of(place)][slot_of(place)] != 0) {
+      s_.open.push_back(std::uint16_t(place));
+    } else {
+      leave(place);
+    }
+  }
+}
+
+inline void RayBundleLocator::leave(int place) {
+  s_.rest.push_back(std::uint16_t(place));
+}
+
+void RayBundleLocator::locate_rest() {
+  if (s_.rest.empty())
+    return;
+  s_.points.clear();
+  for (const std::uint16_t place : s_.rest)
+    s_.points.push_back(point(place));
+  left_ += std::int64_t(s_.rest.size());
+  s_.answers.resize(s_.rest.size());
+  sampler_.locate_serial(s_.points, s_.answers, options_);
+  for (std::size_t i = 0; i < s_.rest.size(); ++i)
+    answer(s_.rest[i], s_.answers[i]);
+}
+
+} // namespace insitu::query

@@ -1,0 +1,67 @@
+#include "render/medium.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/status.h"
+#include "render/path_settings.h"
+
+namespace insitu::render {
+
+namespace {
+
+constexpr int color_intervals = Classifier::table_size;
+
+} // namespace
+
+Medium::Medium(const query::Sampler& sampler, const ScalarField& field,
+               const TransferFunction& function, double density, double unit_distance,
+               const Majorants& majorants, const core::Threads& threads, core::Memory& memory)
+    : sampler_(sampler), field_(field), function_(function), scale_(density / unit_distance),
+      grid_(majorants.grid()), majorants_(memory, INSITU_MEMORY_FRAME) {
+  if (!(density >= 0) || !(unit_distance > 0) || !std::isfinite(scale_))
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      std::string("volume of '") + field.field.name + "': a density of " +
+                          std::to_string(density) + " over a unit distance of " +
+                          std::to_string(unit_distance) +
+                          "; a density of 0 or more and a distance above 0 expected");
+  majorants_.resize_discard(std::size_t(grid_.count()));
+  threads.parallel_for(grid_.count(), 16384, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      const float opacity = majorants.opacity(i);
+      // A little above, for the rounding of values and logarithms; exactly 0 where nothing shows.
+      majorants_[std::size_t(i)] =
+          opacity > 0
+              ? std::nextafter(float(extinction_of_opacity(opacity) * (1 + 1e-9)), HUGE_VALF)
+              : 0.0f;
+    }
+  });
+  if (function_.low() < function_.high())
+    for (int i = 0; i <= color_intervals; ++i)
+      colors_.push_back(function_.colors().at(double(i) / color_intervals));
+}
+
+double Medium::extinction_of_opacity(double opacity) const {
+  return scale_ * -std::log1p(-std::min(opacity, largest_opacity));
+}
+
+double Medium::extinction(double value) const {
+  const double opacity = function_.opacity(value);
+  return opacity > 0 ? extinction_of_opacity(opacity) : 0.0;
+}
+
+Color Medium::albedo(double value) const {
+  if (colors_.empty() || std::isnan(value))
+    return function_.color(value);
+  const double at =
+      color_intervals * ((value - function_.low()) / (function_.high() - function_.low()));
+  if (!(at > 0))
+    return colors_.front();
+  if (at >= color_intervals)
+    return colors_.back();
+  const int i = int(at);
+  const float w = float(at - i);
+  return (1.0f - w) * colors_[std::size_t(i)] + w * colors_[std::size_t(i) + 1];
+}
+
+} // namespace insitu::render

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "core/memory.h"
+
+namespace insitu::render {
+
+/// How far light is followed in a medium. none: what collides shows its colour, as emission and
+/// absorption do, so the mean is what ray marching tends to with ever shorter steps. single: light
+/// scatters once on its way from a light to the viewer; multiple: any number of times.
+enum class Scattering { none, single, multiple };
+
+/// The most opacity that a stretch of unit distance has here, 1 - 2^-24: a transfer function's 1 is
+/// an extinction of 24 ln 2 = 16.6 per unit distance, not an infinite one.
+constexpr double largest_opacity = 1 - 0x1.0p-24;
+
+/// Colours of pixels added up over samples, to go on with in later frames.
+struct PathSums {
+  /// Colour (times alpha) and alpha.
+  struct Pixel {
+    double r, g, b, alpha;
+  };
+  explicit PathSums(core::Memory& memory) : pixels(memory, INSITU_MEMORY_FRAME) {}
+
+  /// Forgets all.
+  void restart() { is_whole = false; }
+  /// Ready for an image of this size: starts anew where the last one was of another, or broke off.
+  void begin(int w, int h) {
+    if (!is_whole || w != width || h != height) {
+      width = w;
+      height = h;
+      samples = 0;
+      pixels.resize_discard(std::size_t(w) * std::size_t(h));
+      std::fill(pixels.begin(), pixels.end(), Pixel{0, 0, 0, 0});
+    }
+    is_whole = false;
+  }
+  /// The image is done.
+  void end(int more_samples) {
+    samples += more_samples;
+    is_whole = true;
+  }
+
+  bool is_whole = false; ///< every pixel has `samples`
+  int width = 0, height = 0;
+  std::int64_t samples = 0; ///< in each pixel
+  core::Buffer<Pixel> pixels;
+};
+
+/// A volume drawn by following light, in place of ray marching.
+struct PathTracingSettings {
+  Scattering scattering = Scattering::multiple;
+  int samples = 64;      ///< paths a pixel, each through the pixel's centre
+  double density = 1;    ///< factor on the extinction
+  double anisotropy = 0; ///< the mean cosine of scattering, in (-1, 1)
+  /// Bounces after which a path is cut off, which makes the image darker by what it missed: paths
+  /// cut are counted (PathCounts::cut).
+  int max_bounces = 4096;
+  /// Russian roulette: a path of less throughput goes on with a chance of throughput / roulette.
+  double roulette = 0.25;
+  bool shows_dome = false;         ///< dome lights instead of the background behind the medium
+  double cells_per_macrocell = 64; ///< about, of the grid of majorants
+  std::uint64_t seed = 0, cycle = 0;
+  /// Adds to these, and draws their mean; null: this frame's samples alone. Not owned. Whoever
+  /// keeps them empties them when what is drawn changes.
+  PathSums* sums = nullptr;
+  /// How points are located, for measurements: the image is the same.
+  enum class Locate { batch, single, last_cell };
+  Locate locate = Locate::batch;
+};
+
+/// What path tracing did.
+struct PathCounts {
+  std::int64_t paths = 0;
+  std::int64_t locations = 0;  ///< tentative collisions, each of which locates a point
+  std::int64_t collisions = 0; ///< real ones
+  std::int64_t scatterings = 0;
+  std::int64_t shadow_rays = 0;
+  std::int64_t macrocells = 0; ///< passed
+  std::int64_t cut = 0;        ///< paths that ended at max_bounces
+  std::int64_t violations = 0; ///< extinctions above their majorant, which bias; 0 always
+
+  PathCounts& operator+=(const PathCounts& b) {
+    paths += b.paths;
+    locations += b.locations;
+    collisions += b.collisions;
+    scatterings += b.scatterings;
+    shadow_rays += b.shadow_rays;
+    macrocells += b.macrocells;
+    cut += b.cut;
+    violations += b.violations;
+    return *this;
+  }
+};
+
+} // namespace insitu::render

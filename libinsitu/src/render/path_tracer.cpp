@@ -1,0 +1,80 @@
+#include "render/path_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "accel/tree.h"
+#include "core/status.h"
+#include "render/path_wave.h"
+
+namespace insitu::render {
+
+namespace {
+
+double unit_distance_of(const query::Sampler& sampler, const VolumeSettings& volume) {
+  if (volume.unit_distance > 0)
+    return volume.unit_distance;
+  if (sampler.tree().empty())
+    return 1.0;
+  const math::Vec3d d = sampler.tree().bounds_max() - sampler.tree().bounds_min();
+  const double diagonal = std::sqrt(dot(d, d));
+  return diagonal > 0 ? 0.01 * diagonal : 0.01;
+}
+
+const PathTracingSettings& checked(const PathTracingSettings& s, const VolumeSettings& volume) {
+  const auto refuse = [](const std::string& message) {
+    throw core::Error(INSITU_ERROR_ARGUMENT, "path tracing: " + message + " given");
+  };
+  if (s.samples < 1)
+    refuse("1 sample a pixel or more expected, " + std::to_string(s.samples));
+  if (!(s.anisotropy > -1 && s.anisotropy < 1))
+    refuse("an anisotropy between -1 and 1 expected, " + std::to_string(s.anisotropy));
+  if (s.max_bounces < 1)
+    refuse("1 bounce or more expected, " + std::to_string(s.max_bounces));
+  if (!(s.roulette >= 0 && s.roulette <= 1))
+    refuse("a threshold of roulette from 0 to 1 expected, " + std::to_string(s.roulette));
+  if (volume.field.component >= volume.field.field.components)
+    throw core::Error(INSITU_ERROR_FIELD,
+                      std::string("volume of '") + volume.field.field.name + "': component " +
+                          std::to_string(volume.field.component) + " asked for, " +
+                          std::to_string(volume.field.field.components) + " held");
+  return s;
+}
+
+} // namespace
+
+PathTracer::PathTracer(const query::Sampler& sampler, const VolumeSettings& volume,
+                       const PathTracingSettings& settings, const Camera& camera,
+                       const std::vector<Light>& lights, const std::vector<Clip>& clips,
+                       Structures& structures, const core::Threads& threads)
+    : settings_(checked(settings, volume)),
+      medium_(sampler, volume.field, volume.function, settings.density,
+              unit_distance_of(sampler, volume),
+              structures.majorants(volume.field, volume.function, settings.cells_per_macrocell),
+              threads, structures.memory()),
+      lights_(lights, camera), clips_(clips), low_(sampler.tree().bounds_min()),
+      high_(sampler.tree().bounds_max()) {
+  options_.accuracy = volume.accuracy;
+}
+
+bool PathTracer::clip_to_bounds(const Ray& ray, double& near, double& far) const {
+  for (int a = 0; a < 3; ++a) {
+    const double o = ray.origin[a], d = ray.direction[a];
+    if (d == 0) {
+      if (o < low_[a] || o > high_[a])
+        return false;
+      continue;
+    }
+    const double t0 = (low_[a] - o) / d, t1 = (high_[a] - o) / d;
+    near = std::max(near, std::min(t0, t1));
+    far = std::min(far, std::max(t0, t1));
+  }
+  return near < far && std::isfinite(far);
+}
+
+void PathTracer::trace(std::span<RayState> rays, std::span<const std::int64_t> pixels,
+                       PathCounts& counts) const {
+  PathWave(*this, rays, pixels, counts).run();
+}
+
+} // namespace insitu::render

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/parallel.h"
+#include "math/vec.h"
+#include "render/camera.h"
+#include "render/light.h"
+#include "render/surface_hit.h"
+
+namespace insitu::render {
+
+/// The point to be lit.
+struct SurfacePoint {
+  math::Vec3d position;
+  math::Vec3d normal;     ///< of length 1, towards the viewer's side
+  math::Vec3d to_viewer;  ///< of length 1
+  double clearance = 0;   ///< how far above the surface rays start that must not meet it again
+  std::uint64_t seed = 0; ///< of its random numbers
+};
+
+/// Lights surfaces as Lighting says, by the side that the viewer sees: a light behind a surface
+/// does not reach it. Shadows and ambient occlusion ask other surfaces through `open`; neither
+/// costs a ray unless asked for.
+class Shader {
+public:
+  /// occlusion_distance: where lighting leaves it to the mesh's size.
+  Shader(const Lighting& lighting, double occlusion_distance);
+
+  /// The part of light that comes through from the ray's origin to t_max.
+  using Open = core::FunctionRef<double(const Ray& ray, double t_max)>;
+
+  /// The factor on a surface's colour.
+  Color operator()(const SurfacePoint& at, const Open& open, SurfaceCounts& counts) const;
+
+  /// Whether rays are sent at other surfaces.
+  bool sends_rays() const { return lighting_.shadows || lighting_.occlusion_samples > 0; }
+
+private:
+  double sky(const SurfacePoint& at, int samples, double distance, std::uint64_t stream,
+             const Open& open) const;
+
+  Lighting lighting_;
+};
+
+} // namespace insitu::render

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "render/frame.h"
+#include "render/isosurface.h"
+#include "render/ray_state.h"
+#include "render/shade.h"
+
+namespace insitu::render {
+
+/// All surfaces of a frame, cut by its clips and lit.
+class Surfaces {
+public:
+  /// The settings and the structures must outlive it.
+  Surfaces(const query::Sampler& sampler, const FrameSettings& settings, Structures& structures);
+
+  /// Sets ray.hits, in depth order, up to and including the first opaque one. ray.stays must be set
+  /// if the frame has clips. pixel: what random numbers depend on.
+  void trace(RayState& ray, std::uint64_t pixel, SurfaceCounts& counts) const;
+
+private:
+  void find(const Ray& ray, const std::vector<Stretch>* stays, std::vector<SurfaceHit>& hits,
+            SurfaceCounts& counts) const;
+  void light(const Ray& ray, std::uint64_t seed, SurfaceHit& hit, SurfaceCounts& counts) const;
+  double open(const Ray& ray, double t_max, SurfaceCounts& counts) const;
+  double clearance(const SurfaceHit& hit, const math::Vec3d& position,
+                   const math::Vec3d& normal) const;
+
+  query::Sampler sampler_;
+  const FrameSettings& settings_;
+  double diagonal_;
+  std::optional<IsosurfaceTracer> isosurfaces_;
+  std::optional<Shader> shader_; ///< none: plain colours
+};
+
+} // namespace insitu::render
