@@ -16,8 +16,8 @@ namespace {
 constexpr int tile_side = 16;
 
 struct Counters {
-  std::atomic<std::int64_t> samples{0}, cells_tested{0}, evaluations{0}, hits{0}, shadow_rays{0},
-      occlusion_rays{0};
+  std::atomic<std::int64_t> samples{0}, skipped{0}, cells_tested{0}, evaluations{0}, hits{0},
+      shadow_rays{0}, occlusion_rays{0};
   std::mutex mutex;
   PathCounts paths; ///< under the mutex
 };
@@ -35,7 +35,10 @@ public:
       paths_.emplace(sampler, *settings.volume, tracing, settings.camera, settings.lighting.lights,
                      settings.clips, structures, threads);
     } else if (settings.volume)
-      volume_.emplace(sampler, *settings.volume);
+      volume_.emplace(sampler, *settings.volume,
+                      volume_structures(sampler, *settings.volume,
+                                        std::int64_t(settings.width) * settings.height, structures),
+                      settings.lighting, !settings.clips.empty());
     if (!settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
         settings.outline)
       surfaces_.emplace(sampler, settings, structures);
@@ -67,8 +70,11 @@ public:
       }
     if (paths_)
       trace_paths(x0, y0, x1, y1, std::span(states.data(), count), counters);
-    if (volume_)
-      counters.samples += volume_->march(std::span(states.data(), count), x1 - x0);
+    if (volume_) {
+      const VolumeCounts counts = volume_->march(std::span(states.data(), count), x1 - x0);
+      counters.samples += counts.samples;
+      counters.skipped += counts.skipped;
+    }
     at = 0;
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
@@ -163,6 +169,7 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
     statistics->paths = counters.paths;
     statistics->rays = std::int64_t(settings.width) * settings.height;
     statistics->samples = counters.samples;
+    statistics->skipped = counters.skipped;
     statistics->step = renderer.step();
     statistics->cells_tested = counters.cells_tested;
     statistics->evaluations = counters.evaluations;

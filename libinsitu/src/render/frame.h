@@ -48,7 +48,8 @@ struct FrameImages {
 struct FrameStatistics {
   std::int64_t rays = 0;
   std::int64_t samples = 0; ///< located for the volume
-  double step = 0;          ///< of the volume; 0 without one
+  std::int64_t skipped = 0; ///< samples in macrocells that nothing shows of
+  double step = 0;          ///< of the volume, its finest; 0 without one
   std::int64_t cells_tested = 0;
   std::int64_t evaluations = 0; ///< of fields inside cells, for isosurfaces
   std::int64_t hits = 0;        ///< of surfaces

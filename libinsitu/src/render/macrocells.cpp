@@ -128,9 +128,10 @@ MacrocellGrid choose_grid(const query::Sampler& sampler, double cells_each) {
   return grid;
 }
 
-void lower_to(double& at, double v) {
-  const std::atomic_ref<double> value(at);
-  double now = value.load(std::memory_order_relaxed);
+template <class T>
+void lower_to(T& at, T v) {
+  const std::atomic_ref<T> value(at);
+  T now = value.load(std::memory_order_relaxed);
   while (v < now && !value.compare_exchange_weak(now, v, std::memory_order_relaxed)) {
   }
 }
@@ -212,15 +213,37 @@ bool MacrocellGrid::resolves(const Ray& ray, double far) const {
 Macrocells::Macrocells(const query::Sampler& sampler, const ScalarField& field,
                        const core::Threads& threads, core::Memory& memory, double cells_each)
     : grid_(choose_grid(sampler, cells_each)), ranges_(memory, INSITU_MEMORY_RANGES),
-      has_nan_(memory, INSITU_MEMORY_RANGES) {
+      has_nan_(memory, INSITU_MEMORY_RANGES), smallest_(memory, INSITU_MEMORY_RANGES) {
   ranges_.resize_discard(std::size_t(grid_.count()));
   has_nan_.resize_discard(std::size_t(grid_.count()));
   refresh(sampler, field, threads);
 }
 
+/// Gathers every owning cell; visit(flat id, cell), from any thread.
+template <class Visit>
+void Macrocells::for_each_cell(const query::Sampler& sampler, const core::Threads& threads,
+                               Visit&& visit) {
+  const accel::Tree& tree = sampler.tree();
+  const mesh::MeshView& mesh = sampler.mesh();
+  // In the tree's order, in which threads are far apart.
+  threads.parallel_for(tree.cell_count(), 1024, [&](std::int64_t begin, std::int64_t end) {
+    mesh::CellVertices cell;
+    for (std::int64_t at = begin; at < end; ++at) {
+      const std::int64_t flat = tree.cells()[at];
+      const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
+      const mesh::PieceView& piece = mesh.pieces[p];
+      const std::int64_t several = piece.cells_an_item();
+      for (std::int64_t k = 0; k < several; ++k)
+        if (several == 1 || piece.owns(flat - mesh.first_cell[p] + k)) {
+          mesh::gather(mesh, flat + k, cell);
+          visit(flat + k, cell);
+        }
+    }
+  });
+}
+
 void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field,
                          const core::Threads& threads) {
-  const accel::Tree& tree = sampler.tree();
   const mesh::MeshView& mesh = sampler.mesh();
   threads.parallel_for(grid_.count(), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
     std::fill(ranges_.data() + begin, ranges_.data() + end, Range{infinity, -infinity});
@@ -228,8 +251,7 @@ void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field
   });
   const Raster raster(grid_);
   const bool of_cells = field.field.association == INSITU_CELL;
-  const auto add_cell = [&](std::int64_t flat, mesh::CellVertices& cell) {
-    mesh::gather(mesh, flat, cell);
+  for_each_cell(sampler, threads, [&](std::int64_t flat, const mesh::CellVertices& cell) {
     CellValues values;
     if (of_cells)
       values.add(field.load(cell.piece, flat - mesh.first_cell[cell.piece]));
@@ -243,19 +265,20 @@ void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field
       if (values.nan)
         std::atomic_ref(has_nan_[i]).store(1, std::memory_order_relaxed);
     });
-  };
-  // In the tree's order, in which threads are far apart.
-  threads.parallel_for(tree.cell_count(), 1024, [&](std::int64_t begin, std::int64_t end) {
-    mesh::CellVertices cell;
-    for (std::int64_t at = begin; at < end; ++at) {
-      const std::int64_t flat = tree.cells()[at];
-      const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
-      const mesh::PieceView& piece = mesh.pieces[p];
-      const std::int64_t several = piece.cells_an_item();
-      for (std::int64_t k = 0; k < several; ++k)
-        if (several == 1 || piece.owns(flat - mesh.first_cell[p] + k))
-          add_cell(flat + k, cell);
-    }
+  });
+}
+
+void Macrocells::measure(const query::Sampler& sampler, const core::Threads& threads) {
+  smallest_.resize_discard(std::size_t(grid_.count()));
+  std::fill(smallest_.begin(), smallest_.end(), std::numeric_limits<float>::infinity());
+  const Raster raster(grid_);
+  for_each_cell(sampler, threads, [&](std::int64_t, const mesh::CellVertices& cell) {
+    const CellBox box(cell);
+    double side = infinity;
+    for (int a = 0; a < 3; ++a)
+      if (box.high[a] > box.low[a])
+        side = std::min(side, box.high[a] - box.low[a]);
+    raster.visit(box, [&](std::size_t i) { lower_to(smallest_[i], float(side)); });
   });
 }
 

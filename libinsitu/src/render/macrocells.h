@@ -64,15 +64,29 @@ public:
   void refresh(const query::Sampler& sampler, const ScalarField& field,
                const core::Threads& threads);
 
+  /// Finds the smallest cells; as long as the geometry holds.
+  void measure(const query::Sampler& sampler, const core::Threads& threads);
+  bool has_sizes() const { return !smallest_.empty(); }
+
   const MacrocellGrid& grid() const { return grid_; }
   const Range& range(std::int64_t i) const { return ranges_[std::size_t(i)]; }
   bool has_nan(std::int64_t i) const { return has_nan_[std::size_t(i)] != 0; }
-  std::int64_t bytes() const { return std::int64_t(ranges_.bytes() + has_nan_.bytes()); }
+  /// The shortest side of the boxes of its cells, sides of no length left out; infinite if there is
+  /// none. After measure().
+  float smallest_cell(std::int64_t i) const { return smallest_[std::size_t(i)]; }
+  std::int64_t bytes() const {
+    return std::int64_t(ranges_.bytes() + has_nan_.bytes() + smallest_.bytes());
+  }
 
 private:
+  template <class Visit>
+  static void for_each_cell(const query::Sampler& sampler, const core::Threads& threads,
+                            Visit&& visit);
+
   MacrocellGrid grid_;
   core::Buffer<Range> ranges_;
   core::Buffer<std::uint8_t> has_nan_;
+  core::Buffer<float> smallest_;
 };
 
 /// The greatest opacity that a transfer function gives to the values of each macrocell: an upper

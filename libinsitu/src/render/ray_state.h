@@ -19,6 +19,10 @@ struct RayState {
   Color color; ///< times alpha
   float alpha = 0;
   std::int64_t next = 0, end = 0; ///< lattice indices of its volume samples
+  std::int64_t first = 0;         ///< of them
+  double near = 0, far = 0;       ///< where it enters and leaves the volume's bounds
+  bool may_skip = false;          ///< by macrocells
+  bool is_thin = false;           ///< takes one sample for all from near to far
   std::vector<Stretch> stays;     ///< what the frame's clips leave of it; empty without clips
   std::vector<SurfaceHit> hits;
   std::size_t next_hit = 0;
@@ -31,7 +35,9 @@ struct RayState {
     ray = r;
     color = {};
     alpha = 0;
-    next = end = 0;
+    next = end = first = 0;
+    near = far = 0;
+    may_skip = is_thin = false;
     stays.clear();
     hits.clear();
     next_hit = 0;

@@ -98,6 +98,14 @@ const Macrocells& Structures::macrocells(const ScalarField& field, double cells_
   return *entry.value;
 }
 
+const Macrocells& Structures::macrocells_with_sizes(const ScalarField& field) {
+  macrocells(field);
+  Macrocells& cells = *macrocells_[GridKey{key_of(field), 64.0}].value;
+  if (!cells.has_sizes())
+    cells.measure(*sampler_, *threads_);
+  return cells;
+}
+
 const Majorants& Structures::majorants(const ScalarField& field, const TransferFunction& function,
                                        double cells_each) {
   const Macrocells& cells = macrocells(field, cells_each);

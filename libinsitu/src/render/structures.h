@@ -58,6 +58,8 @@ public:
   ScalarRange scalar_range(const ScalarField& field);
   /// Kept while the geometry holds, and given new values in place.
   const Macrocells& macrocells(const ScalarField& field, double cells_each = 64);
+  /// The same, which know their cells' sizes.
+  const Macrocells& macrocells_with_sizes(const ScalarField& field);
   /// Of macrocells(field); classified anew when the values or the function's opacities change.
   const Majorants& majorants(const ScalarField& field, const TransferFunction& function,
                              double cells_each = 64);

@@ -63,6 +63,17 @@ double TransferFunction::opacity(double value) const {
   return a.opacity + (above->opacity - a.opacity) * ((value - a.value) / (above->value - a.value));
 }
 
+double TransferFunction::opacity_below(double value) const {
+  const auto above = std::lower_bound(opacity_.begin(), opacity_.end(), value,
+                                      [](const OpacityPoint& p, double v) { return p.value < v; });
+  if (above == opacity_.begin())
+    return opacity_.front().opacity;
+  if (above == opacity_.end())
+    return opacity_.back().opacity;
+  const OpacityPoint& a = *(above - 1);
+  return a.opacity + (above->opacity - a.opacity) * ((value - a.value) / (above->value - a.value));
+}
+
 double TransferFunction::max_opacity(double low, double high) const {
   double most = std::max(opacity(low), opacity(high));
   auto p = std::partition_point(opacity_.begin(), opacity_.end(),
@@ -85,25 +96,44 @@ Classifier::Classifier(const TransferFunction& function, double step, double uni
            " and " + std::to_string(unit_distance) + " given");
   const double exponent = step / unit_distance;
   const double low = function.low(), high = function.high();
-  const double first = function.opacity_points().front().value;
-  const double last = function.opacity_points().back().value;
   // A range without extent: everything above it is the table's end.
-  const auto scale = [](double a, double b) { return b > a ? table_size / (b - a) : HUGE_VAL; };
   color_low_ = low;
-  color_scale_ = scale(low, high);
-  alpha_low_ = first;
-  alpha_scale_ = scale(first, last);
-  for (int i = 0; i <= table_size; ++i) {
-    const double u = double(i) / table_size;
-    color_.push_back(function.colors().at(u));
-    const double value = i == table_size ? last : first + u * (last - first);
-    // The value's own step belongs to the interval above it, so the first entry is the limit from
-    // below the range.
-    alpha_.push_back(corrected(
-        i == 0 ? function.opacity_points().front().opacity : function.opacity(value), exponent));
+  color_scale_ = high > low ? table_size / (high - low) : HUGE_VAL;
+  color_.reserve(table_size + 1);
+  for (int i = 0; i <= table_size; ++i)
+    color_.push_back(function.colors().at(double(i) / table_size));
+
+  const std::vector<OpacityPoint>& points = function.opacity_points();
+  int sloping = 0;
+  for (std::size_t i = 1; i < points.size(); ++i)
+    sloping += points[i].opacity != points[i - 1].opacity && points[i].value > points[i - 1].value;
+  const int each = std::max(64, table_size / std::max(1, sloping));
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const OpacityPoint &p = points[i - 1], &q = points[i];
+    if (!(p.value < q.value))
+      continue;
+    const int count = p.opacity == q.opacity ? 1 : each;
+    stretches_.push_back({p.value, count / (q.value - p.value), int(alpha_.size()), count});
+    for (int k = 0; k <= count; ++k)
+      alpha_.push_back(
+          corrected(p.opacity + (q.opacity - p.opacity) * (double(k) / count), exponent));
   }
+  const float last = corrected(points.back().opacity, exponent);
+  stretches_.push_back({points.back().value, 0.0, int(alpha_.size()), 1});
+  alpha_.insert(alpha_.end(), 2, last);
+  below_ = corrected(points.front().opacity, exponent);
+  // Twice what Majorants call nothing: linear between entries is a little above the curve.
+  least_ = corrected(2 * TransferFunction::invisible, exponent);
   nan_color_ = function.colors().nan_color();
   nan_alpha_ = corrected(function.nan_opacity(), exponent);
+  if (below_ < least_)
+    below_ = 0;
+}
+
+std::size_t Classifier::stretch_of(double value) const {
+  const auto above = std::upper_bound(stretches_.begin(), stretches_.end(), value,
+                                      [](double v, const Stretch& s) { return v < s.value; });
+  return std::size_t(above - stretches_.begin()) - 1;
 }
 
 float Classifier::partial(float alpha, double fraction) {

@@ -28,6 +28,8 @@ public:
 
   Color color(double value) const;
   double opacity(double value) const;
+  /// Its limit from below.
+  double opacity_below(double value) const;
   /// The least upper bound of opacity(v) over v in [low, high], low <= high.
   double max_opacity(double low, double high) const;
   /// Of values that are not numbers, in a volume. Default 0.
@@ -53,9 +55,8 @@ struct ColorSample {
 
 /// A transfer function made ready for samples that stand for `step` of ray each: opacities, which
 /// hold for unit_distance, become 1 - (1 - a)^(step / unit_distance). Values are classified after
-/// interpolation, by tables of table_size intervals (colours over [low, high], opacities over their
-/// points), linear in between; so a sudden step of opacity is smeared over 1/table_size of that
-/// range.
+/// interpolation, by tables, linear in between: one over the colours' range, one for each stretch
+/// between two opacity points, so that a sudden step of opacity stays one.
 class Classifier {
 public:
   static constexpr int table_size = 4096;
@@ -69,29 +70,61 @@ public:
       s.alpha = nan_alpha_;
       return s;
     }
-    s.alpha = lookup(alpha_, (value - alpha_low_) * alpha_scale_);
+    s.alpha = alpha(value);
     if (s.alpha > 0.0f)
-      s.color = lookup(color_, (value - color_low_) * color_scale_);
+      s.color = color(value);
     return s;
+  }
+  float alpha(double value) const {
+    if (!(value >= stretches_.front().value))
+      return below_;
+    std::size_t i = stretches_.size() - 1;
+    if (i < 8)
+      for (; value < stretches_[i].value; --i) {
+      }
+    else
+      i = stretch_of(value);
+    const Stretch& s = stretches_[i];
+    const double at = (value - s.value) * s.scale;
+    const float* table = alpha_.data() + s.first;
+    float a;
+    if (!(at > 0.0)) {
+      a = table[0];
+    } else if (at >= s.count) {
+      a = table[s.count];
+    } else {
+      const int k = int(at);
+      const float w = float(at - k);
+      a = (1.0f - w) * table[k] + w * table[k + 1];
+    }
+    return a >= least_ ? a : 0.0f;
+  }
+  Color color(double value) const {
+    const double at = (value - color_low_) * color_scale_;
+    if (!(at > 0.0))
+      return color_.front();
+    if (at >= table_size)
+      return color_.back();
+    const int i = int(at);
+    const float w = float(at - i);
+    return (1.0f - w) * color_[std::size_t(i)] + w * color_[std::size_t(i) + 1];
   }
   /// The alpha of a part of a step.
   static float partial(float alpha, double fraction);
 
 private:
-  template <class T>
-  static T lookup(const std::vector<T>& table, double at) {
-    if (!(at > 0.0))
-      return table.front();
-    if (at >= table_size)
-      return table.back();
-    const int i = int(at);
-    const float w = float(at - i);
-    return (1.0f - w) * table[std::size_t(i)] + w * table[std::size_t(i) + 1];
-  }
+  /// From one opacity point to the next.
+  struct Stretch {
+    double value, scale;
+    int first, count; ///< table entries: count + 1 from `first`
+  };
+  std::size_t stretch_of(double value) const;
 
   std::vector<Color> color_;
   std::vector<float> alpha_;
-  double color_low_, color_scale_, alpha_low_, alpha_scale_;
+  std::vector<Stretch> stretches_; ///< ascending; the last is all beyond the last point
+  double color_low_, color_scale_;
+  float below_, least_;
   Color nan_color_;
   float nan_alpha_;
 };

@@ -1,93 +1,93 @@
 #include "render/volume.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <string>
 
 #include "accel/tree.h"
 #include "core/status.h"
-#include "query/ray_bundle.h"
 #include "render/scalar_values.h"
+#include "render/volume_scratch.h"
 
 namespace insitu::render {
 
-namespace {
-
 using math::Vec3d;
 
-double diagonal(const query::Sampler& sampler) {
-  if (sampler.tree().empty())
-    return 1.0;
-  const Vec3d d = sampler.tree().bounds_max() - sampler.tree().bounds_min();
-  const double length = std::sqrt(dot(d, d));
-  return length > 0 ? length : 1.0;
-}
+namespace {
 
-double step_of(const query::Sampler& sampler, const VolumeSettings& s) {
+constexpr int most_depth = 32; // bits of a mask
+
+double nominal_step(const query::Sampler& sampler, const VolumeSettings& s) {
   const double step = s.step ? *s.step : s.step_factor * typical_cell_size(sampler);
   // Lattice indices must stay far from what a double counts exactly.
-  if (!(step > 1e-7 * diagonal(sampler)) || !std::isfinite(step))
+  if (!(step > 1e-7 * mesh_diagonal(sampler)) || !std::isfinite(step))
     throw core::Error(INSITU_ERROR_ARGUMENT,
                       std::string("volume of '") + s.field.field.name + "': a ray step of " +
                           std::to_string(step) +
                           "; more than 1e-7 of the mesh's diagonal expected");
+  return step;
+}
+
+double unit_distance_of(const query::Sampler& sampler, const VolumeSettings& s) {
+  return s.unit_distance > 0 ? s.unit_distance : 0.01 * mesh_diagonal(sampler);
+}
+
+} // namespace
+
+void check(const VolumeSettings& s) {
   if (s.field.component >= s.field.field.components)
     throw core::Error(INSITU_ERROR_FIELD, std::string("volume of '") + s.field.field.name +
                                               "': component " + std::to_string(s.field.component) +
                                               " asked for, " +
                                               std::to_string(s.field.field.components) + " held");
-  return step;
+  if (s.preintegrated && s.tolerance)
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      std::string("volume of '") + s.field.field.name +
+                          "': pre-integration takes even steps, a tolerance makes them uneven; one "
+                          "of them expected");
 }
 
-struct Scratch {
-  std::vector<query::LatticeRay> rays;
-  std::vector<std::uint32_t> active, wanted;
-  std::vector<query::Location> locations;
-  std::vector<double> values;
-};
-
-Scratch& scratch() {
+VolumeMarcher::Scratch& VolumeMarcher::scratch() {
   thread_local Scratch s; // some hundred KB, kept for the thread's life
   return s;
 }
 
-} // namespace
-
-double typical_cell_size(const query::Sampler& sampler) {
-  const accel::Tree& tree = sampler.tree();
-  const double across = diagonal(sampler);
-  if (tree.empty())
-    return across;
-  constexpr std::int64_t most = 4096;
-  const std::int64_t count = tree.cell_count(), picked = std::min(count, most);
-  std::vector<double> sizes;
-  sizes.reserve(std::size_t(picked));
-  mesh::CellVertices cell;
-  for (std::int64_t i = 0; i < picked; ++i) {
-    mesh::gather(sampler.mesh(), std::int64_t(tree.cells()[i * count / picked]), cell);
-    Vec3d low = cell.x[0], high = cell.x[0];
-    for (int v = 1; v < cell.count; ++v)
-      for (int a = 0; a < 3; ++a) {
-        low[a] = std::min(low[a], cell.x[v][a]);
-        high[a] = std::max(high[a], cell.x[v][a]);
-      }
-    const Vec3d d = high - low;
-    sizes.push_back(std::cbrt(d.x * d.y * d.z));
-  }
-  const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle > 0 ? std::max(*middle, across / 16384) : across / 256;
-}
-
-VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings& settings)
-    : sampler_(sampler), field_(settings.field), step_(step_of(sampler, settings)),
-      classifier_(settings.function, step_,
-                  settings.unit_distance > 0 ? settings.unit_distance : 0.01 * diagonal(sampler)),
+VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings& settings,
+                             const VolumeStructures& structures, const Lighting& lighting,
+                             bool clipped)
+    : sampler_(sampler), field_(settings.field), function_(settings.function),
+      step_(nominal_step(sampler, settings)), unit_distance_(unit_distance_of(sampler, settings)),
+      clipped_(clipped), majorants_(settings.skip_empty ? structures.majorants : nullptr),
       low_(sampler.tree().bounds_min()), high_(sampler.tree().bounds_max()) {
+  // Trees round their boxes outwards by 2^-22, see accel::round_down. Taken back, but for half a
+  // float's rounding, that is where the mesh ends.
+  const Vec3d& origin = sampler.tree().origin();
+  for (int a = 0; a < 3; ++a) {
+    const double low = low_[a] - origin[a], high = high_[a] - origin[a];
+    inner_low_[a] = origin[a] + low / (1 - std::copysign(0x1p-22, low));
+    inner_high_[a] = origin[a] + high / (1 + std::copysign(0x1p-22, high));
+  }
+  check(settings);
   options_.accuracy = settings.accuracy;
+  if (settings.shading && field_.field.association == INSITU_VERTEX)
+    lighting_ = lighting;
+  if (settings.tolerance) {
+    if (!structures.macrocells)
+      throw core::Error(INSITU_ERROR_ARGUMENT, "a volume with a tolerance needs macrocells");
+    levels_.emplace(*structures.macrocells, settings.function, step_, unit_distance_,
+                    mesh_diagonal(sampler), *settings.tolerance);
+    step_ = levels_->base_step();
+  }
+  for (int level = 0; level < (levels_ ? levels_->count() : 1); ++level)
+    classifiers_.emplace_back(settings.function, double(StepLevels::stride(level)) * step_,
+                              unit_distance_);
+  if (settings.preintegrated && field_.field.association == INSITU_VERTEX)
+    preintegration_.emplace(settings.function, step_, unit_distance_);
 }
 
 void VolumeMarcher::start(RayState& ray) const {
-  double near = 0, far = HUGE_VAL;
+  double near = 0, far = HUGE_VAL, inner_near = 0, inner_far = HUGE_VAL;
   for (int a = 0; a < 3; ++a) {
     const double o = ray.ray.origin[a], d = ray.ray.direction[a];
     if (d == 0) {
@@ -95,102 +95,323 @@ void VolumeMarcher::start(RayState& ray) const {
         far = -1;
       continue;
     }
-    const double t0 = (low_[a] - o) / d, t1 = (high_[a] - o) / d;
-    near = std::max(near, std::min(t0, t1));
-    far = std::min(far, std::max(t0, t1));
+    const double low = (low_[a] - o) / d, high = (high_[a] - o) / d;
+    near = std::max(near, std::min(low, high));
+    far = std::min(far, std::max(low, high));
+    const double inner_low = (inner_low_[a] - o) / d, inner_high = (inner_high_[a] - o) / d;
+    inner_near = std::max(inner_near, std::min(inner_low, inner_high));
+    inner_far = std::min(inner_far, std::max(inner_low, inner_high));
   }
   ray.next = ray.end = 0;
-  if (!(near <= far) || !std::isfinite(far))
+  ray.is_thin = false;
+  if (!(near <= far) || !std::isfinite(far) || (clipped_ && ray.stays.empty()))
     return;
-  if (!ray.hits.empty() && ray.hits.back().opacity >= 1)
-    far = std::min(far, ray.hits.back().t + 0.5 * step_);
-  // A sample rounded to the wrong side of the bounds answers for itself.
-  const double slack = 1e-9 * (near + far) / step_;
-  ray.next = std::max<std::int64_t>(0, std::int64_t(std::ceil(near / step_ - 0.5 - slack)));
-  ray.end = std::int64_t(std::floor(far / step_ - 0.5 + slack)) + 1;
-}
-
-void VolumeMarcher::add_sample(RayState& ray, std::int64_t index, const ColorSample& sample,
-                               std::int64_t cell) const {
-  // Hits within the sample's stretch part it.
-  const double from = double(index) * step_, to = from + step_;
-  double used = 0;
-  while (ray.next_hit < ray.hits.size() && ray.hits[ray.next_hit].t < to) {
-    const double upto = std::clamp((ray.hits[ray.next_hit].t - from) / step_, used, 1.0);
-    if (upto > used && sample.alpha > 0)
-      ray.blend_stretch(sample.color, Classifier::partial(sample.alpha, upto - used),
-                        from + used * step_, from + upto * step_, cell);
-    used = upto;
-    if (ray.is_saturated())
-      return;
-    ray.blend_next_hit();
-    if (ray.is_saturated())
-      return;
+  if (inner_near <= inner_far) {
+    near = inner_near;
+    far = inner_far;
   }
-  if (sample.alpha > 0)
-    ray.blend_stretch(sample.color,
-                      used > 0 ? Classifier::partial(sample.alpha, 1 - used) : sample.alpha,
-                      from + used * step_, to, cell);
+  ray.near = near;
+  ray.far = far;
+  if (clipped_) { // between the stays samples are left out
+    near = std::max(near, ray.stays.front().from);
+    far = std::min(far, ray.stays.back().to);
+  }
+  double last = far;
+  if (!ray.hits.empty() && ray.hits.back().opacity >= 1) {
+    const double behind = preintegration_ ? 1.0 : 0.5; // of the longest step
+    far = std::min(far, ray.hits.back().t);
+    last = std::min(last, far + behind * longest_step());
+  }
+  if (!(near <= last))
+    return;
+  // A sample rounded to the wrong side of the bounds answers for itself.
+  const double slack = 1e-9 * (near + last) / step_;
+  ray.next = std::max<std::int64_t>(0, std::int64_t(std::ceil(near / step_ - 0.5 - slack)));
+  ray.end = std::int64_t(std::floor(last / step_ - 0.5 + slack)) + 1;
+  ray.first = ray.next;
+  ray.may_skip = majorants_ && majorants_->grid().resolves(ray.ray, last);
+  if (ray.next >= ray.end && near < far) { // shorter than a step
+    ray.is_thin = true;
+    ray.near = near;
+    ray.far = far;
+  }
 }
 
-std::int64_t VolumeMarcher::march(std::span<RayState> rays, int row) const {
+/// One sample, in the middle, for rays that pass between two of the lattice.
+std::int64_t VolumeMarcher::march_thin(std::span<RayState> rays) const {
+  Scratch& s = scratch();
+  s.active.clear();
+  s.points.clear();
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    const RayState& ray = rays[r];
+    const double middle = 0.5 * (ray.near + ray.far);
+    if (!ray.is_thin || (clipped_ && !stays_at(ray.stays, middle)))
+      continue;
+    s.active.push_back(std::uint32_t(r));
+    s.points.push_back(ray.ray.origin + middle * ray.ray.direction);
+  }
+  if (s.active.empty())
+    return 0;
+  s.found.resize(s.points.size());
+  sampler_.locate_serial(s.points, s.found, options_);
+  for (std::size_t a = 0; a < s.active.size(); ++a) {
+    RayState& ray = rays[s.active[a]];
+    if (s.found[a])
+      add_sample(ray, {ray.near, ray.far}, s.found[a], 0);
+  }
+  return std::int64_t(s.active.size());
+}
+
+/// Takes the ray's samples from `first` on, `depth` of the lattice, and says which of them are to
+/// be located; sets the ray's next one beyond them.
+std::uint32_t VolumeMarcher::advance(RayState& ray, std::int64_t first, int depth,
+                                     std::int64_t& skipped) const {
+  const std::int64_t stop = std::min(ray.end, first + depth);
+  const auto mask = [&](std::int64_t begin, std::int64_t end) {
+    begin = std::max(begin, ray.next);
+    end = std::min(end, stop);
+    if (begin >= end)
+      return 0u;
+    return std::uint32_t(((std::uint64_t(1) << (end - begin)) - 1) << (begin - first));
+  };
+  std::uint32_t wanted = 0;
+  std::int64_t next = ray.end;
+  if (!ray.may_skip) {
+    wanted = mask(ray.next, stop);
+    next = stop;
+  } else {
+    // Segments between two samples need both, so one more on either side.
+    const std::int64_t wider = preintegration_ ? 1 : 0;
+    std::int64_t at = std::max(ray.first, ray.next - wider);
+    for_each_macrocell(majorants_->grid(), ray.ray, (double(at) + 0.5) * step_,
+                       double(ray.end) * step_, [&](std::int64_t m, double, double to) {
+                         const std::int64_t end =
+                             std::clamp(std::int64_t(std::ceil(to / step_ - 0.5)), at, ray.end);
+                         if (majorants_->opacity(m) > 0) {
+                           wanted |= mask(at - wider, end + wider);
+                           if (end + wider > stop) {
+                             next = std::clamp(at - wider, stop, ray.end);
+                             return false;
+                           }
+                         }
+                         at = end;
+                         return true;
+                       });
+  }
+  skipped += next - ray.next - std::popcount(wanted);
+  ray.next = next;
+  if (clipped_)
+    for (std::uint32_t rest = wanted; rest; rest &= rest - 1) {
+      const int k = std::countr_zero(rest);
+      if (!stays_at(ray.stays, (double(first + k) + 0.5) * step_))
+        wanted &= ~(std::uint32_t(1) << k);
+    }
+  return wanted;
+}
+
+VolumeCounts VolumeMarcher::march(std::span<RayState> rays, int row) const {
+  VolumeCounts counts;
+  counts.samples = march_thin(rays);
+  if (levels_) {
+    march_levels(rays, counts);
+    return counts;
+  }
   constexpr std::size_t most = query::RayBundleLocator::most_rays;
-  std::int64_t taken = 0;
   for (std::size_t first = 0; first < rays.size(); first += most)
-    taken += march_bundle(rays.subspan(first, std::min(most, rays.size() - first)), row);
-  return taken;
+    march_bundle(rays.subspan(first, std::min(most, rays.size() - first)), row, counts);
+  return counts;
 }
 
-std::int64_t VolumeMarcher::march_bundle(std::span<RayState> rays, int row) const {
+void VolumeMarcher::march_bundle(std::span<RayState> rays, int row, VolumeCounts& counts) const {
   Scratch& s = scratch();
   s.rays.clear();
   s.active.clear();
+  s.last.assign(rays.size(), {});
   for (std::size_t r = 0; r < rays.size(); ++r) {
     s.rays.push_back({rays[r].ray.origin, rays[r].ray.direction});
     if (rays[r].next < rays[r].end)
       s.active.push_back(std::uint32_t(r));
   }
   if (s.active.empty())
-    return 0;
+    return;
   query::RayBundleLocator locator(sampler_, options_);
   locator.set_rays(s.rays, row, step_);
   const ScalarValues values(field_, sampler_.mesh());
-  std::int64_t taken = 0;
   while (!s.active.empty()) {
     // All rays over the same stretch, so that their samples share cells; a longer one once few rays
-    // are left. What it is depends on the rays alone.
+    // are left. What it is depends on the rays alone. What lies behind the sample that saturates a
+    // ray is located in vain.
     const int depth = s.active.size() < 64 ? 32 : 16;
     std::int64_t first = rays[s.active[0]].next;
     for (const std::uint32_t r : s.active)
       first = std::min(first, rays[r].next);
     s.wanted.assign(rays.size(), 0);
-    for (const std::uint32_t r : s.active) {
-      const RayState& ray = rays[r];
-      const std::int64_t from = ray.next - first,
-                         to = std::min<std::int64_t>(ray.end - first, depth);
-      for (std::int64_t k = from; k < to; ++k)
-        s.wanted[r] |= std::uint32_t(1) << k;
-    }
+    for (const std::uint32_t r : s.active)
+      if (rays[r].next < first + depth) {
+        s.wanted[r] = advance(rays[r], first, depth, counts.skipped);
+        counts.samples += std::popcount(s.wanted[r]);
+      }
     s.locations.resize(rays.size() * std::size_t(depth));
     s.values.resize(s.locations.size());
     locator.locate(first, depth, s.wanted, s.locations, values, s.values);
     std::size_t kept = 0;
     for (const std::uint32_t r : s.active) {
       RayState& ray = rays[r];
-      const std::int64_t end = std::min(ray.end, first + depth);
-      if (ray.next < end)
-        taken += end - ray.next;
-      for (; ray.next < end && !ray.is_saturated(); ++ray.next) {
-        const std::size_t i = r * std::size_t(depth) + std::size_t(ray.next - first);
-        add_sample(ray, ray.next, s.locations[i] ? classifier_(s.values[i]) : ColorSample{},
-                   s.locations[i].cell);
+      const std::size_t begin = r * std::size_t(depth);
+      for (std::uint32_t rest = s.wanted[r]; rest && !ray.is_saturated(); rest &= rest - 1) {
+        const int k = std::countr_zero(rest);
+        gather(ray, s.last[r], first + k, s.values[begin + std::size_t(k)],
+               s.locations[begin + std::size_t(k)]);
       }
       if (ray.next < ray.end && !ray.is_saturated())
         s.active[kept++] = r;
+      else
+        finish(ray, s.last[r]);
     }
     s.active.resize(kept);
   }
-  return taken;
+}
+
+/// The stretch of the ray that a sample stands for: its own of the lattice, `stride` steps from
+/// `begin` on, and at either end of what the bounds or clips leave of the ray, all up to there.
+Stretch VolumeMarcher::stretch(const RayState& ray, std::int64_t begin, std::int64_t stride) const {
+  const double from = double(begin) * step_, to = double(begin + stride) * step_;
+  Stretch whole{ray.near, ray.far};
+  if (clipped_)
+    for (const Stretch& stay : ray.stays)
+      if (stay.from <= 0.5 * (from + to) && 0.5 * (from + to) <= stay.to)
+        whole = {std::max(whole.from, stay.from), std::min(whole.to, stay.to)};
+  return {from - 0.5 * step_ < whole.from ? whole.from : from,
+          to + 0.5 * step_ > whole.to ? whole.to : to};
+}
+
+void VolumeMarcher::gather(RayState& ray, Gathered& last, std::int64_t index, double value,
+                           const query::Location& at) const {
+  if (!preintegration_) {
+    if (at)
+      add_value(ray, stretch(ray, index, 1), value, at, 0);
+    return;
+  }
+  if (last.index >= 0 && (index != last.index + 1 || !at))
+    finish(ray, last);
+  if (!at || ray.is_saturated())
+    return;
+  const double middle = (double(index) + 0.5) * step_;
+  if (last.index < 0 || value - value != 0 || last.value - last.value != 0) {
+    finish(ray, last);
+    if (!ray.is_saturated())
+      add_value(ray, {stretch(ray, index, 1).from, middle}, value, at, 0);
+  } else {
+    ColorSample segment = (*preintegration_)(last.value, value);
+    if (lighting_ && segment.alpha > 0)
+      light(ray.ray, at, segment.color);
+    add(ray, {middle - step_, middle}, segment, at.cell);
+  }
+  last = {index, value, at};
+}
+
+/// What is behind the last sample, of its value.
+void VolumeMarcher::finish(RayState& ray, Gathered& last) const {
+  if (last.index >= 0 && !ray.is_saturated())
+    add_value(ray, {(double(last.index) + 0.5) * step_, stretch(ray, last.index, 1).to}, last.value,
+              last.at, 0);
+  last.index = -1;
+}
+
+void VolumeMarcher::add_sample(RayState& ray, const Stretch& stretch, const query::Location& at,
+                               int level) const {
+  add_value(ray, stretch, field_.at(sampler_.mesh(), at), at, level);
+}
+
+/// A stretch of one value.
+void VolumeMarcher::add_value(RayState& ray, const Stretch& stretch, double value,
+                              const query::Location& at, int level) const {
+  ColorSample sample = classifiers_[std::size_t(level)](value);
+  if (sample.alpha > 0) {
+    const double length = stretch.to - stretch.from;
+    // The tables are for a whole step; the first and the last sample have stretches of their own.
+    if (std::fabs(length - double(StepLevels::stride(level)) * step_) > 1e-9 * step_) {
+      const double opacity = function_.opacity(value);
+      sample.alpha = opacity < 1
+                         ? float(-std::expm1(length / unit_distance_ * std::log1p(-opacity)))
+                         : float(length > 0);
+    }
+    if (lighting_)
+      light(ray.ray, at, sample.color);
+  }
+  add(ray, stretch, sample, at.cell);
+}
+
+/// As a surface across the gradient would be, seen from the side that the viewer is on.
+void VolumeMarcher::light(const Ray& ray, const query::Location& at, Color& color) const {
+  mesh::CellVertices cell;
+  mesh::gather(sampler_.mesh(), at.cell, cell);
+  double values[8];
+  for (int v = 0; v < cell.count; ++v)
+    values[v] = field_.load(cell.piece, cell.ids[v]);
+  Vec3d normal = cells::gradient(cell.shape, cell.x, values, at.parametric);
+  const double most = std::max({std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)});
+  if (!(most > 0) || !std::isfinite(most))
+    return;               // flat: there is no side to be lit from
+  normal = normal / most; // squares of 1e-300 are none
+  normal = normal / std::sqrt(dot(normal, normal));
+  const double to_viewer = -dot(normal, ray.direction);
+  if (to_viewer < 0)
+    normal = -normal;
+  const auto share = float(lighting_->ambient);
+  Color sum{share, share, share};
+  const auto add_light = [&](const Light& light) {
+    double factor = 1;
+    if (light.kind == Light::Kind::head) {
+      factor = std::fabs(to_viewer);
+    } else if (light.kind != Light::Kind::dome) {
+      const bool is_point = light.kind == Light::Kind::point;
+      Vec3d towards = light.vector;
+      if (is_point) {
+        Vec3d p;
+        double weight[8] = {};
+        cells::shape_functions(cell.shape, at.parametric, weight);
+        for (int v = 0; v < cell.count; ++v)
+          p += weight[v] * cell.x[v];
+        towards = light.vector - p;
+      }
+      const double square = dot(towards, towards);
+      factor = square > 0 ? std::max(0.0, dot(normal, towards) / std::sqrt(square)) : 0.0;
+      if (is_point && square > 0)
+        factor /= square;
+    }
+    sum = sum + float(lighting_->diffuse * factor) * light.color;
+  };
+  if (lighting_->lights.empty())
+    add_light({});
+  for (const Light& light : lighting_->lights)
+    add_light(light);
+  color = {sum.r * color.r, sum.g * color.g, sum.b * color.b};
+}
+
+/// Adds what a stretch gathers. Hits within it part it.
+void VolumeMarcher::add(RayState& ray, const Stretch& stretch, const ColorSample& sample,
+                        std::int64_t cell) const {
+  double from = stretch.from;
+  const auto blend = [&](double to) {
+    if (!(to > from) || !(sample.alpha > 0))
+      return;
+    const bool whole = from == stretch.from && to == stretch.to;
+    const double part = (to - from) / (stretch.to - stretch.from);
+    ray.blend_stretch(sample.color, whole ? sample.alpha : Classifier::partial(sample.alpha, part),
+                      from, to, cell);
+  };
+  while (ray.next_hit < ray.hits.size() && ray.hits[ray.next_hit].t < stretch.to) {
+    const double upto = std::clamp(ray.hits[ray.next_hit].t, from, stretch.to);
+    blend(upto);
+    from = upto;
+    if (ray.is_saturated())
+      return;
+    ray.blend_next_hit();
+    if (ray.is_saturated())
+      return;
+  }
+  blend(stretch.to);
 }
 
 } // namespace insitu::render

@@ -1,15 +1,23 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "query/sampler.h"
+#include "render/light.h"
+#include "render/macrocells.h"
+#include "render/preintegration.h"
 #include "render/ray_state.h"
+#include "render/ray_step.h"
 #include "render/scalar_field.h"
+#include "render/step_levels.h"
 #include "render/transfer_function.h"
 
 namespace insitu::render {
+
+class Structures;
 
 /// A field drawn as a medium that emits and absorbs.
 struct VolumeSettings {
@@ -22,18 +30,53 @@ struct VolumeSettings {
   /// Length of ray over which the function's opacities hold; 0: a hundredth of the mesh's diagonal.
   double unit_distance = 0;
   insitu_accuracy accuracy = INSITU_STANDARD; ///< of locating the samples
+  /// Nothing is looked for where the macrocells say that nothing shows. The image is the same.
+  bool skip_empty = true;
+  /// Between two samples the function is integrated over all values between theirs, instead of
+  /// being asked at the samples alone. Vertex fields only: a cell field has but one value in a
+  /// cell.
+  bool preintegrated = false;
+  /// Colours are lit by the field's gradient, as Lighting says of surfaces.
+  bool shading = false;
+  /// The step varies from macrocell to macrocell so that the error of the opacity and of the colour
+  /// stays below this (see StepLevels); the step above is where it starts from.
+  std::optional<double> tolerance = std::nullopt;
 };
 
-/// The median, over up to 4096 cells evenly picked by id, of the cube root of the cell's bounding
-/// box's volume; at least 1/16384 of the mesh's diagonal, and 1/256 of it for cells without volume.
-double typical_cell_size(const query::Sampler& sampler);
+/// Throws core::Error (INSITU_ERROR_FIELD) unless the field has the component.
+void check(const VolumeSettings& settings);
 
-/// Marches rays through a volume. Sample i of a ray stands for the distances from i * step to
-/// (i + 1) * step and lies in the middle, whatever the mesh; nothing is gathered outside of cells.
+struct VolumeCounts {
+  std::int64_t samples = 0; ///< located
+  std::int64_t skipped = 0; ///< of the lattice, in macrocells that nothing shows of
+};
+
+/// What a frame's volume needs of the structures that frames share. Null where it needs none.
+struct VolumeStructures {
+  const Majorants* majorants = nullptr;   ///< to skip what is empty
+  const Macrocells* macrocells = nullptr; ///< with cells' sizes, for a tolerance
+};
+/// rays: of the frame.
+VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSettings& settings,
+                                   std::int64_t rays, Structures& structures);
+/// Whether macrocells are made for skipping: if the samples that they are likely to save, by a look
+/// at some cells, are more than the cells that have to be read once.
+bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings,
+                   std::int64_t rays);
+
+/// Marches rays through a volume. Sample i of a ray lies at (i + 1/2) * step and stands for the
+/// distances from i * step to (i + 1) * step, whatever the mesh; the first and the last in the
+/// mesh's bounds, or in what clips leave, stand for all up to there; a ray that is within for less
+/// than that takes one sample in the middle. Nothing is gathered outside of cells. With a tolerance
+/// samples stand for 3^level steps, and lie in the middle all the same.
 class VolumeMarcher {
 public:
-  VolumeMarcher(const query::Sampler& sampler, const VolumeSettings& settings);
+  /// The structures must outlive it. clipped: the rays' `stays` say what is left of them.
+  VolumeMarcher(const query::Sampler& sampler, const VolumeSettings& settings,
+                const VolumeStructures& structures = {}, const Lighting& lighting = {},
+                bool clipped = false);
 
+  /// With a tolerance, of the finest samples.
   double step() const { return step_; }
 
   /// Sets the ray's samples: those within the tree's bounds, up to its first opaque hit.
@@ -41,20 +84,49 @@ public:
 
   /// Gathers the samples of all rays, and those of their hits that lie before each ray's last
   /// sample, in depth order. row: so many rays are a row of neighbouring pixels, one row after the
-  /// other; it changes the time alone. Returns the number of samples taken.
-  std::int64_t march(std::span<RayState> rays, int row = 0) const;
+  /// other; it changes the time alone.
+  VolumeCounts march(std::span<RayState> rays, int row = 0) const;
 
 private:
-  std::int64_t march_bundle(std::span<RayState> rays, int row) const;
-  void add_sample(RayState& ray, std::int64_t index, const ColorSample& sample,
-                  std::int64_t cell) const;
+  struct Gathered;
+  struct Planned;
+  struct Scratch;
+  static Scratch& scratch();
+
+  std::uint32_t advance(RayState& ray, std::int64_t first, int depth, std::int64_t& skipped) const;
+  void march_bundle(std::span<RayState> rays, int row, VolumeCounts& counts) const;
+  std::int64_t march_thin(std::span<RayState> rays) const;
+  void march_levels(std::span<RayState> rays, VolumeCounts& counts) const;
+  void plan(RayState& ray, std::size_t most, Scratch& s, VolumeCounts& counts) const;
+  double longest_step() const {
+    return step_ * double(StepLevels::stride(int(classifiers_.size()) - 1));
+  }
+  double middle(std::int64_t begin, int level) const;
+  Stretch stretch(const RayState& ray, std::int64_t begin, std::int64_t stride) const;
+  void add_sample(RayState& ray, const Stretch& stretch, const query::Location& at,
+                  int level) const;
+  void add_value(RayState& ray, const Stretch& stretch, double value, const query::Location& at,
+                 int level) const;
+  void light(const Ray& ray, const query::Location& at, Color& color) const;
+  void gather(RayState& ray, Gathered& last, std::int64_t index, double value,
+              const query::Location& at) const;
+  void finish(RayState& ray, Gathered& last) const;
+  void add(RayState& ray, const Stretch& stretch, const ColorSample& sample,
+           std::int64_t cell) const;
 
   query::Sampler sampler_;
   ScalarField field_;
+  TransferFunction function_;
   query::LocateOptions options_;
-  double step_;
-  Classifier classifier_;
-  math::Vec3d low_, high_;
+  double step_, unit_distance_;
+  bool clipped_;
+  const Majorants* majorants_; ///< null: nothing to skip
+  std::optional<Lighting> lighting_;
+  std::optional<StepLevels> levels_;
+  std::vector<Classifier> classifiers_; ///< by level
+  std::optional<Preintegration> preintegration_;
+  math::Vec3d low_, high_;             ///< nothing is outside of these
+  math::Vec3d inner_low_, inner_high_; ///< and the mesh reaches up to these
 };
 
 } // namespace insitu::render

@@ -86,6 +86,9 @@ struct Volume {
   bool smooth = false; ///< a cell field is averaged to the vertices first
   std::optional<double> unit_distance; ///< length over which a ray loses the stated opacity;
                                        ///< nothing: a hundredth of the mesh's diagonal
+  bool preintegrated = false; ///< all values between two samples count; not with a tolerance
+  bool shading = false;       ///< lit by the field's gradient
+  std::optional<double> tolerance; ///< of opacity and colour; nothing: even steps
   int line = 0;
 };
 

@@ -174,6 +174,9 @@ render::VolumeSettings FrameSettingsMaker::volume(const query::CommittedMesh& me
                             std::nullopt,
                             from.unit_distance.value_or(0.0),
                             to_api(frame_.accuracy)};
+  to.preintegrated = from.preintegrated;
+  to.shading = from.shading;
+  to.tolerance = from.tolerance;
   return to;
 }
 

@@ -31,7 +31,7 @@ Volume parse_volume(const Cursor& cursor, const ParseContext& context) {
   Volume volume;
   volume.line = cursor.line();
   const MapReader map(
-      cursor, {"field", "component", "colors", "range", "opacity", "unit_distance", "smooth"});
+      cursor, {"field", "component", "colors", "range", "opacity", "unit_distance", "smooth", "preintegrated", "shading", "tolerance"});
   if (const auto field = map.require("field")) {
     assign(volume.field, parse_name(*field));
   }
@@ -52,6 +52,19 @@ Volume parse_volume(const Cursor& cursor, const ParseContext& context) {
   }
   if (const auto distance = map.find("unit_distance")) {
     assign(volume.unit_distance, distance->number(positive));
+  }
+  if (const auto preintegrated = map.find("preintegrated")) {
+    assign(volume.preintegrated, preintegrated->boolean());
+  }
+  if (const auto shading = map.find("shading")) {
+    assign(volume.shading, shading->boolean());
+  }
+  if (const auto tolerance = map.find("tolerance")) {
+    assign(volume.tolerance, tolerance->number(positive));
+    if (volume.preintegrated) {
+      tolerance->fail("pre-integration takes even steps, a tolerance makes them uneven; one of "
+                      "them expected");
+    }
   }
   return volume;
 }

@@ -5,7 +5,7 @@
 #include "core/status.h"
 #include "render/macrocells.h"
 #include "unit/query/registered_amr.h"
-#include "unit/render/render_mesh.h"
+#include "unit/render/placed_mesh.h"
 
 namespace insitu::test {
 namespace {
@@ -115,30 +115,6 @@ INSTANTIATE_TEST_SUITE_P(All, MacrocellShapes,
                          testing::Combine(testing::Values(Shape::hexahedron, Shape::tetrahedron,
                                                           Shape::wedge, Shape::pyramid),
                                           testing::Values(INSITU_VERTEX, INSITU_CELL)));
-
-/// A box of cells, moved and stretched.
-TestMesh placed(int n, Shape shape, const Vec3d& scale, const Vec3d& offset) {
-  TestMesh mesh = box_cells(n, shape, 0.2);
-  for (Vec3d& p : mesh.vertices)
-    for (int a = 0; a < 3; ++a)
-      p[a] = offset[a] + scale[a] * p[a];
-  return mesh;
-}
-
-struct PlacedMesh {
-  explicit PlacedMesh(TestMesh from) : cells(std::move(from)), committed(cells) {}
-  ScalarField field(std::vector<double> of_vertices) {
-    values = std::move(of_vertices);
-    const insitu_array a =
-        insitu_array_of(values.data(), INSITU_FLOAT64, std::int64_t(values.size()), 1);
-    committed.mesh.mesh().set_field(0, "f", INSITU_VERTEX, &a, 1);
-    committed.commit(INSITU_CHANGED_FIELDS);
-    return {committed.mesh.mesh().field("f"), -1};
-  }
-  TestMesh cells;
-  fixtures::Committed committed;
-  std::vector<double> values;
-};
 
 TEST(Macrocells, FarAwayFlatLongAndSingleCells) {
   struct Case {

@@ -139,13 +139,21 @@ TEST(SceneFrames, Volumes) {
   EXPECT_TRUE(volume("component: magnitude").component.magnitude());
   EXPECT_FALSE(volume("range: auto").range);
   EXPECT_EQ(volume("colors: plasma").colors.path, "");
+  EXPECT_FALSE(v.preintegrated || v.shading || v.tolerance);
+  const Volume more = volume("preintegrated: true, shading: true");
+  EXPECT_TRUE(more.preintegrated && more.shading);
+  EXPECT_EQ(volume("tolerance: 0.01").tolerance, 0.01);
 }
 
 TEST(SceneFrames, VolumeErrors) {
+  EXPECT_NE(volume_error("tolerance: 0").find("tolerance"), std::string::npos);
+  EXPECT_NE(volume_error("preintegrated: true, tolerance: 0.1").find("one of them expected"),
+            std::string::npos);
   EXPECT_EQ(volume_error("opactiy: [[0, 0]]"),
             "s.yaml:2: key 'opactiy' is unknown in frames[0].volume; did you mean 'opacity'? "
             "(keys: field, "
-            "component, colors, range, opacity, unit_distance, smooth)");
+            "component, colors, range, opacity, unit_distance, smooth, preintegrated, shading, "
+            "tolerance)");
   EXPECT_EQ(error_of("frames: [{name: f, volume: {}}]"),
             "s.yaml:2: key 'field' is missing in frames[0].volume");
   EXPECT_EQ(volume_error("component: first"),

@@ -1,0 +1,47 @@
+#include "render/ray_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "accel/tree.h"
+
+namespace insitu::render {
+
+using math::Vec3d;
+
+double mesh_diagonal(const query::Sampler& sampler) {
+  if (sampler.tree().empty())
+    return 1.0;
+  const Vec3d d = sampler.tree().bounds_max() - sampler.tree().bounds_min();
+  const double length = std::sqrt(dot(d, d));
+  return length > 0 ? length : 1.0;
+}
+
+double typical_cell_size(const query::Sampler& sampler) {
+  const accel::Tree& tree = sampler.tree();
+  const double across = mesh_diagonal(sampler);
+  if (tree.empty())
+    return across;
+  constexpr std::int64_t most = 4096;
+  const std::int64_t count = tree.cell_count(), picked = std::min(count, most);
+  std::vector<double> sizes;
+  sizes.reserve(std::size_t(picked));
+  mesh::CellVertices cell;
+  for (std::int64_t i = 0; i < picked; ++i) {
+    mesh::gather(sampler.mesh(), std::int64_t(tree.cells()[i * count / picked]), cell);
+    Vec3d low = cell.x[0], high = cell.x[0];
+    for (int v = 1; v < cell.count; ++v)
+      for (int a = 0; a < 3; ++a) {
+        low[a] = std::min(low[a], cell.x[v][a]);
+        high[a] = std::max(high[a], cell.x[v][a]);
+      }
+    const Vec3d d = high - low;
+    sizes.push_back(std::cbrt(d.x * d.y * d.z));
+  }
+  const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle > 0 ? std::max(*middle, across / 16384) : across / 256;
+}
+
+} // namespace insitu::render
