@@ -93,7 +93,7 @@ Methods
 
 Render
   The volume of x + 2 y + 3 z. Times on one core are processor time; steps are in units of the default
-  step, half a cell. Error: the root of the mean square difference from the frame with a sixteenth of the
+  step, half a cell. Error: the root of the mean square difference from the frame with an eighth of the
   default step, over linear colours from 0 to 1. Million samples a second located: of one tile in sixteen,
   nothing but answered. VTK draws the cells cut into tetrahedra, on one thread, into 8 bits a colour;
   its window needs a display (xvfb-run gives one); ours held against it is the longest step that is no worse.

@@ -89,7 +89,7 @@ public:
   }
 
 private:
-  static constexpr double converged = 1.0 / 16; ///< of the default step
+  static constexpr double converged = 1.0 / 8; ///< of the default step
 
   render::TransferFunction function(double least, double most) const {
     return {render::ColorMap::built_in("viridis"), low_, high_, {{low_, least}, {high_, most}}};

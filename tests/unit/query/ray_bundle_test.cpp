@@ -1,4 +1,5 @@
 // Samples along bundles of rays: the same answers, bit for bit, as a batch of points.
+#include "fixtures/simd_targets.h"
 #include "query/ray_bundle.h"
 #include "query_test.h"
 #include "registered_amr.h"
@@ -63,6 +64,48 @@ View view_of(const Vec3d& low, const Vec3d& high, double cell, double away, Rand
   return v;
 }
 
+/// Numbers that tell every vertex, or cell, from the others.
+class Numbers final : public query::CellValues {
+public:
+  Numbers(const mesh::MeshView& mesh, bool per_cell) : mesh_(mesh), per_cell_(per_cell) {}
+  bool is_per_cell() const override { return per_cell_; }
+  void load(std::span<const std::int64_t> cells, query::ValueBlock& block) const override {
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      double f[8];
+      const int n = numbers(cells[i], f);
+      for (int v = 0; v < n; ++v)
+        block.vertex[v][i] = f[v];
+    }
+  }
+  double at(const query::Location& at) const override {
+    double f[8], weight[8];
+    if (numbers(at.cell, f) == 1)
+      return f[0];
+    mesh::CellVertices cell;
+    mesh::gather(mesh_, at.cell, cell);
+    cells::shape_functions(cell.shape, at.parametric, weight);
+    double sum = weight[0] * f[0];
+    for (int v = 1; v < cell.count; ++v)
+      sum += weight[v] * f[v];
+    return sum;
+  }
+
+private:
+  int numbers(std::int64_t id, double* f) const {
+    if (per_cell_) {
+      f[0] = std::sqrt(double(id));
+      return 1;
+    }
+    mesh::CellVertices cell;
+    mesh::gather(mesh_, id, cell);
+    for (int v = 0; v < cell.count; ++v)
+      f[v] = std::sqrt(double(cell.ids[v])) - double(cell.piece);
+    return cell.count;
+  }
+  const mesh::MeshView& mesh_;
+  bool per_cell_;
+};
+
 struct Counts {
   std::int64_t samples = 0, left = 0, found = 0, differ = 0;
 };
@@ -83,7 +126,12 @@ void check_view(const query::Sampler& sampler, const View& v, const query::Locat
                                   : ~0u;
     const query::Location untouched{-7, {7, 7, 7}};
     std::vector<query::Location> found(n * std::size_t(depth), untouched);
-    bundle.locate(first, depth, wanted, found);
+    std::vector<double> values(found.size(), -7);
+    const Numbers numbers(sampler.mesh(), part == 1);
+    if (part < 2)
+      bundle.locate(first, depth, wanted, found, numbers, values);
+    else
+      bundle.locate(first, depth, wanted, found);
     std::vector<Vec3d> points;
     for (const LatticeRay& ray : v.rays)
       for (int k = 0; k < depth; ++k)
@@ -100,6 +148,9 @@ void check_view(const query::Sampler& sampler, const View& v, const query::Locat
       ASSERT_TRUE(same_bits(found[i], truth[i]))
           << what << ", sample " << i << " " << text(points[i]) << ": cell " << found[i].cell
           << ", by a batch " << truth[i].cell;
+      if (part < 2 && truth[i]) {
+        ASSERT_EQ(values[i], numbers.at(truth[i])) << what << ", sample " << i;
+      }
     }
   }
   counts.samples += bundle.samples();
@@ -141,6 +192,19 @@ TEST(RayBundle, AnswersAsABatchDoes) {
       // Many samples along an axis lie on faces, and some views have few of them in a cell.
       EXPECT_LT(double(c.left), 0.4 * double(c.samples)) << kind_name(kind) << " " << jitter;
     }
+}
+
+TEST(RayBundle, OnEverySimdTarget) {
+  for (const std::int64_t target : fixtures::simd_targets()) {
+    fixtures::use_simd_target(target);
+    for (const auto kind : {MeshKind::hexahedra, MeshKind::mixed, MeshKind::tetrahedra}) {
+      const fixtures::Committed m(sound_box(kind, 6, 0.15));
+      const Counts c = check_views(m.sampler(), 1.0, 12, 1.5, 46,
+                                   std::string(kind_name(kind)) + ", " + hwy::TargetName(target));
+      EXPECT_LT(double(c.left), 0.5 * double(c.samples)) << kind_name(kind);
+    }
+  }
+  fixtures::use_simd_target(0);
 }
 
 TEST(RayBundle, FarAwayAndFarFromTheOrigin) {
