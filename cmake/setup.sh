@@ -14,6 +14,7 @@ packages=(
   "libhwy-dev:SIMD with run-time dispatch"
   "libyaml-cpp-dev:scene files"
   "libpng-dev:frames"
+  "libopenexr-dev:frames in floating point"
   "libgeographiclib-dev:frames of reference on Earth"
   "libp4est-dev:p4est adaptor and the amr_blast miniapp"
   "mpi-default-dev:headers that those of p4est need"

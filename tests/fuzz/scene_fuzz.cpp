@@ -80,6 +80,14 @@ void check(const scene::SceneDescription& described) {
     }
     require(frame.volume || !frame.isosurfaces.empty(), "something to draw");
     require(frame.camera.fov > 0 && frame.camera.fov < 180 && frame.camera.zoom > 0, "camera");
+    require(!frame.images.empty() && !frame.formats.empty(), "images and their formats");
+    require(frame.background_alpha >= 0 && frame.background_alpha <= 1, "background");
+    for (const scene::NamedCamera& camera : frame.cameras) {
+      check_name(camera.name);
+      for (std::size_t i = 1; i < camera.camera.path.size(); ++i) {
+        require(camera.camera.path[i].at > camera.camera.path[i - 1].at, "a path that ascends");
+      }
+    }
     if (frame.volume) {
       require(!frame.volume->field.empty(), "a volume's field");
       require(!frame.volume->range || frame.volume->range->low < frame.volume->range->high,

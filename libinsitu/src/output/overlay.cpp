@@ -1,6 +1,7 @@
 #include "output/overlay.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 
@@ -58,7 +59,85 @@ std::string short_exponent(std::string text) {
   return text.substr(0, e + 1) + (negative ? "-" : "") + text.substr(first);
 }
 
+/// Lays a colour over a line between two points, in pixels, of that width; its edge is smooth.
+void draw_line(core::Image& image, const double (&from)[2], const double (&to)[2], double width,
+               const std::array<float, 4>& color) {
+  const double reach = 0.5 * width + 0.5;
+  const double d[2] = {to[0] - from[0], to[1] - from[1]};
+  const double length2 = d[0] * d[0] + d[1] * d[1];
+  const auto low = [&](std::size_t a) {
+    return std::max(0, int(std::floor(std::min(from[a], to[a]) - reach)));
+  };
+  const auto high = [&](std::size_t a, int side) {
+    return std::min(side, int(std::ceil(std::max(from[a], to[a]) + reach)));
+  };
+  for (int y = low(1); y < high(1, image.height); ++y)
+    for (int x = low(0); x < high(0, image.width); ++x) {
+      const double at[2] = {x + 0.5 - from[0], y + 0.5 - from[1]};
+      const double t =
+          length2 > 0 ? std::clamp((at[0] * d[0] + at[1] * d[1]) / length2, 0.0, 1.0) : 0.0;
+      const double distance = std::hypot(at[0] - t * d[0], at[1] - t * d[1]);
+      const float alpha = color[3] * float(std::clamp(reach - distance, 0.0, 1.0));
+      float* p = image.pixel(x, y);
+      const float below = p[3] * (1 - alpha), total = alpha + below;
+      if (!(alpha > 0))
+        continue;
+      for (std::size_t c = 0; c < 3; ++c)
+        p[c] = (color[c] * alpha + p[c] * below) / total;
+      p[3] = total;
+    }
+}
+
 } // namespace
+
+AxesPlace axes_place(const core::Image& image) {
+  const int height = text_height(image);
+  const double length = 2.2 * height;
+  if (std::min(image.width, image.height) < 4 * length)
+    return {};
+  return {image.width - length - 2.0 * height, image.height - length - 2.0 * height, length};
+}
+
+void draw_axes(core::Image& image, const render::CameraAxes& camera, const Overlay& overlay) {
+  const AxesPlace place = axes_place(image);
+  if (!(place.length > 0))
+    return;
+  const int height = text_height(image);
+  TextStyle style = style_on(overlay.background, height);
+  const double width = std::max(1.5, 0.13 * height), rim = 2.0 * double(style.halo_width);
+  // Linear; of about the same lightness.
+  constexpr std::array<float, 4> colors[3] = {
+      {0.75f, 0.03f, 0.03f, 1}, {0.03f, 0.4f, 0.03f, 1}, {0.06f, 0.2f, 0.9f, 1}};
+  int order[3] = {0, 1, 2}; // the farthest first
+  std::sort(order, order + 3, [&](int a, int b) { return camera.forward[a] > camera.forward[b]; });
+  for (const int axis : order) {
+    const auto color = colors[axis];
+    const double along[2] = {camera.right[axis], camera.down[axis]};
+    const double from[2] = {place.x, place.y};
+    const auto point = [&](double forth, double aside, double(&to)[2]) {
+      to[0] = place.x + place.length * (forth * along[0] - aside * along[1]);
+      to[1] = place.y + place.length * (forth * along[1] + aside * along[0]);
+    };
+    double tip[2], left[2], right[2];
+    point(1, 0, tip);
+    point(0.78, 0.1, left);
+    point(0.78, -0.1, right);
+    for (const auto& [extra, ink] : {std::pair{rim, style.halo_color}, std::pair{0.0, color}}) {
+      draw_line(image, from, tip, width + extra, ink);
+      draw_line(image, left, tip, width + extra, ink);
+      draw_line(image, right, tip, width + extra, ink);
+    }
+    // Beyond the tip; an arrow that is seen end on has its name above it.
+    const double seen = std::hypot(along[0], along[1]);
+    const double beyond = 0.75 * height;
+    const double name[2] = {seen > 0.05 ? tip[0] + beyond * along[0] / seen : tip[0] - beyond,
+                            seen > 0.05 ? tip[1] + beyond * along[1] / seen : tip[1] - beyond};
+    const char text[2] = {"xyz"[axis], 0};
+    style.color = color;
+    draw_text(image, int(std::lround(name[0] - 0.5 * text_width(text, height))),
+              int(std::lround(name[1] - 0.55 * height)), text, style);
+  }
+}
 
 std::vector<double> tick_values(double low, double high, int most) {
   const double span = high - low;

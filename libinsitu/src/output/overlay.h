@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "render/camera.h"
 #include "render/transfer_function.h"
 
 namespace insitu::output {
@@ -24,6 +25,18 @@ void draw_scalar_bar(core::Image& image, const render::TransferFunction& functio
 /// "time 0.25" or, with a cycle from 0 up, "cycle 120  time 0.25", at the lower left.
 void draw_time_label(core::Image& image, double time, std::int64_t cycle = -1,
                      const Overlay& overlay = {});
+
+/// Where x (red), y (green) and z (blue) point, in parallel projection whatever the camera's, at
+/// the lower right: three arrows of equal length in space from axes_place(), the nearest drawn
+/// last, with their names at their tips. Nothing where the image has no room for them.
+void draw_axes(core::Image& image, const render::CameraAxes& camera, const Overlay& overlay = {});
+
+/// In pixels: where the arrows begin, and how long one is that lies in the image's plane (0: no
+/// room).
+struct AxesPlace {
+  double x = 0, y = 0, length = 0;
+};
+AxesPlace axes_place(const core::Image& image);
 
 /// Round values (1, 2 or 5 times a power of ten apart), ascending, within [low, high]; at most
 /// `most` of them, at least 2. With no range to speak of: low alone.

@@ -53,8 +53,17 @@ void append_bytes(png_structp png, png_bytep data, std::size_t count) {
 
 void no_flush(png_structp) {}
 
+/// What libpng is told to write; text may be null.
+struct Raster {
+  int width, height, bit_depth, color_type;
+  const std::uint8_t* bytes;
+  std::size_t stride;
+  png_textp text = nullptr;
+  int text_count = 0;
+};
+
 /// False if libpng gave up; the reason is then in `encoder.message`.
-bool encode_with_libpng(Encoder& encoder, const PngImage& image) {
+bool encode_with_libpng(Encoder& encoder, const Raster& image) {
   encoder.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &encoder, on_error, on_warning);
   encoder.info = encoder.png == nullptr ? nullptr : png_create_info_struct(encoder.png);
   if (encoder.info == nullptr) {
@@ -64,20 +73,47 @@ bool encode_with_libpng(Encoder& encoder, const PngImage& image) {
     return false;
   }
   png_set_write_fn(encoder.png, &encoder, append_bytes, no_flush);
-  png_set_IHDR(encoder.png, encoder.info, png_uint_32(image.width), png_uint_32(image.height), 8,
-               image.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
-               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_sRGB(encoder.png, encoder.info, PNG_sRGB_INTENT_PERCEPTUAL);
+  png_set_IHDR(encoder.png, encoder.info, png_uint_32(image.width), png_uint_32(image.height),
+               image.bit_depth, image.color_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  if (image.bit_depth == 8) {
+    png_set_sRGB(encoder.png, encoder.info, PNG_sRGB_INTENT_PERCEPTUAL);
+  }
+  if (image.text_count > 0) {
+    png_set_text(encoder.png, encoder.info, image.text, image.text_count);
+  }
   // A frame is written while the solver waits: low effort, and the filters that suit smooth
   // shading.
   png_set_compression_level(encoder.png, 3);
   png_set_filter(encoder.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB | PNG_FILTER_UP);
   png_write_info(encoder.png, encoder.info);
   for (int y = 0; y < image.height; ++y) {
-    png_write_row(encoder.png, image.pixel(0, y));
+    png_write_row(encoder.png, image.bytes + std::size_t(y) * image.stride);
   }
   png_write_end(encoder.png, encoder.info);
   return true;
+}
+
+void encode_to_file(const std::string& path, const Raster& image) {
+  Encoder encoder;
+  if (!encode_with_libpng(encoder, image)) {
+    throw core::Error(INSITU_ERROR_FILE, "cannot write '" + path + "': libpng: " + encoder.message);
+  }
+  AtomicFile file(path);
+  file.write(encoder.bytes.data(), encoder.bytes.size());
+  file.commit();
+}
+
+/// Throws unless `count` numbers make an image of that size and one of two numbers of channels.
+void require_size(const std::string& path, int width, int height, int channels, int few, int many,
+                  std::size_t count, const char* what) {
+  const std::size_t expected = std::size_t(width) * std::size_t(height) * std::size_t(channels);
+  if (width < 1 || height < 1 || (channels != few && channels != many) || count != expected) {
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      "image for '" + path + "': " + std::to_string(width) + " x " +
+                          std::to_string(height) + " pixels of " + std::to_string(channels) +
+                          " channels do not make " + std::to_string(count) + " " + what);
+  }
 }
 
 struct Decoder : Coder {
@@ -134,23 +170,36 @@ bool finish_decoding(Decoder& decoder, png_bytepp rows) {
 } // namespace
 
 void write_png(const std::string& path, const PngImage& image) {
-  const std::size_t expected =
-      std::size_t(image.width) * std::size_t(image.height) * std::size_t(image.channels);
-  if (image.width < 1 || image.height < 1 || (image.channels != 3 && image.channels != 4) ||
-      image.pixels.size() != expected) {
-    throw core::Error(INSITU_ERROR_ARGUMENT,
-                      "image for '" + path + "': " + std::to_string(image.width) + " x " +
-                          std::to_string(image.height) + " pixels of " +
-                          std::to_string(image.channels) + " channels do not make " +
-                          std::to_string(image.pixels.size()) + " bytes");
+  require_size(path, image.width, image.height, image.channels, 3, 4, image.pixels.size(), "bytes");
+  encode_to_file(path,
+                 {image.width, image.height, 8,
+                  image.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
+                  image.pixels.data(), std::size_t(image.width) * std::size_t(image.channels)});
+}
+
+void write_png(const std::string& path, const PngValues& image) {
+  require_size(path, image.width, image.height, image.channels, 1, 3, image.values.size(),
+               "values");
+  std::vector<std::uint8_t> bytes; // the more significant one first
+  bytes.reserve(2 * image.values.size());
+  for (const std::uint16_t value : image.values) {
+    bytes.push_back(std::uint8_t(value >> 8));
+    bytes.push_back(std::uint8_t(value));
   }
-  Encoder encoder;
-  if (!encode_with_libpng(encoder, image)) {
-    throw core::Error(INSITU_ERROR_FILE, "cannot write '" + path + "': libpng: " + encoder.message);
+  std::vector<std::pair<std::string, std::string>> kept = image.text;
+  std::vector<png_text> text;
+  for (auto& [key, value] : kept) {
+    png_text entry{};
+    entry.compression = PNG_TEXT_COMPRESSION_NONE;
+    entry.key = key.data();
+    entry.text = value.data();
+    entry.text_length = value.size();
+    text.push_back(entry);
   }
-  AtomicFile file(path);
-  file.write(encoder.bytes.data(), encoder.bytes.size());
-  file.commit();
+  encode_to_file(path, {image.width, image.height, 16,
+                        image.channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB,
+                        bytes.data(), 2 * std::size_t(image.width) * std::size_t(image.channels),
+                        text.data(), int(text.size())});
 }
 
 void write_png(const std::string& path, const core::Image& image, bool keep_alpha) {

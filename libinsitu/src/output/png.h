@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/image.h"
@@ -38,6 +39,19 @@ PngImage to_srgb(const core::Image& image, bool keep_alpha);
 /// if sizes do not fit, INSITU_ERROR_FILE if it cannot be written.
 void write_png(const std::string& path, const PngImage& image);
 void write_png(const std::string& path, const core::Image& image, bool keep_alpha = false);
+
+/// Numbers of 16 bits in a PNG file: 1 (grey) or 3 (RGB) a pixel; text: keywords (1 to 79 bytes)
+/// and what stands under them.
+struct PngValues {
+  int width = 0;
+  int height = 0;
+  int channels = 1;
+  std::vector<std::uint16_t> values;
+  std::vector<std::pair<std::string, std::string>> text;
+};
+
+/// The same for numbers that are no colours, stored as they are.
+void write_png(const std::string& path, const PngValues& image);
 
 /// Reads a PNG file of any kind as 8-bit RGB or RGBA (grey, palette and 16-bit files are
 /// converted). Throws core::Error (INSITU_ERROR_FILE) naming the file and what is wrong with it.

@@ -43,6 +43,136 @@ Camera Camera::around(const Vec3d& low, const Vec3d& high, double azimuth, doubl
   return camera;
 }
 
+namespace {
+
+/// What of a box is seen along the axes of an image, from its middle.
+struct Seen {
+  double right[8], down[8], forward[8];
+  Seen(const Vec3d& low, const Vec3d& high, const Vec3d& from, const CameraAxes& axes) {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3d p{corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
+                    corner & 4 ? high.z : low.z};
+      right[corner] = dot(p - from, axes.right);
+      down[corner] = dot(p - from, axes.down);
+      forward[corner] = dot(p - from, axes.forward);
+    }
+  }
+};
+
+/// How far before the origin the tip of a wedge of half-slope `slope` must lie to hold corners at
+/// `across` and `forward`.
+double distance_of(const double (&across)[8], const double (&forward)[8], double slope) {
+  double plus = -HUGE_VAL, minus = -HUGE_VAL;
+  for (int corner = 0; corner < 8; ++corner) {
+    plus = std::max(plus, across[corner] - slope * forward[corner]);
+    minus = std::max(minus, -across[corner] - slope * forward[corner]);
+  }
+  return 0.5 * (plus + minus) / slope;
+}
+
+/// How far aside the tip at that distance must be moved for both margins of the picture to be
+/// equal. Their difference falls with the move, so halving finds it.
+double aside_of(const double (&across)[8], const double (&forward)[8], double distance) {
+  const auto difference = [&](double aside) {
+    double plus = -HUGE_VAL, minus = -HUGE_VAL;
+    for (int corner = 0; corner < 8; ++corner) {
+      const double at = (across[corner] - aside) / (forward[corner] + distance);
+      plus = std::max(plus, at);
+      minus = std::max(minus, -at);
+    }
+    return plus - minus;
+  };
+  double low = *std::min_element(across, across + 8), high = *std::max_element(across, across + 8);
+  for (int halvings = 0; halvings < 60; ++halvings) {
+    const double middle = 0.5 * (low + high);
+    (difference(middle) > 0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+struct Extent {
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  explicit Extent(const double (&values)[8]) {
+    for (const double v : values) {
+      low = std::min(low, v);
+      high = std::max(high, v);
+    }
+  }
+};
+
+} // namespace
+
+Camera Camera::fitted(const Vec3d& low, const Vec3d& high, double aspect, double zoom,
+                      double margin) const {
+  Camera camera = *this;
+  const double diagonal = length(high - low);
+  double distance = length(look_at - position);
+  camera.look_at = 0.5 * (low + high);
+  const CameraAxes axes(*this);
+  const Seen seen(low, high, camera.look_at, axes);
+  if (orthographic_height > 0) {
+    // The box's middle is the middle of its picture too.
+    camera.orthographic_height = camera.height_for(low, high, Fit::box, aspect, margin) / zoom;
+  } else if (diagonal > 0.0) {
+    const double slope = (1.0 - margin) * std::tan(0.5 * fov * degree);
+    const double nearest = -Extent(seen.forward).low + 1e-3 * diagonal;
+    distance = std::max({distance_of(seen.right, seen.forward, slope * aspect),
+                         distance_of(seen.down, seen.forward, slope), nearest});
+    camera.look_at += aside_of(seen.right, seen.forward, distance) * axes.right +
+                      aside_of(seen.down, seen.forward, distance) * axes.down;
+    distance /= zoom;
+  }
+  camera.position = camera.look_at - distance * axes.forward;
+  return camera;
+}
+
+double Camera::height_for(const Vec3d& low, const Vec3d& high, Fit fit, double aspect,
+                          double margin) const {
+  const CameraAxes axes(*this);
+  double across = 0, along = 0; // halves
+  if (fit == Fit::box) {
+    const Seen seen(low, high, look_at, axes);
+    const Extent right(seen.right), down(seen.down);
+    across = std::max(-right.low, right.high) / (1.0 - margin);
+    along = std::max(-down.low, down.high) / (1.0 - margin);
+  } else {
+    const Vec3d middle = 0.5 * (low + high) - look_at;
+    const double radius = 0.5 * length(high - low);
+    across = std::fabs(dot(middle, axes.right)) + radius;
+    along = std::fabs(dot(middle, axes.down)) + radius;
+  }
+  const double height = 2.0 * std::max(along, across / aspect);
+  return height > 0.0 ? height : 1.0; // a single point: any height shows it
+}
+
+Camera Camera::with_valid_up() const {
+  const Vec3d view = look_at - position;
+  if (length(cross(view, up)) > 1e-6 * length(view) * length(up))
+    return *this;
+  Camera camera = *this;
+  double least = HUGE_VAL;
+  for (int axis = 2; axis >= 0; --axis)
+    if (std::fabs(view[axis]) < least) {
+      least = std::fabs(view[axis]);
+      camera.up = {0, 0, 0};
+      camera.up[axis] = 1;
+    }
+  return camera;
+}
+
+CameraAxes::CameraAxes(const Camera& camera) {
+  const Vec3d view = camera.look_at - camera.position;
+  const Vec3d across = cross(view, camera.up);
+  const double distance = length(view), side = length(across);
+  if (!(distance > 0.0) || !std::isfinite(distance))
+    throw core::Error(INSITU_ERROR_ARGUMENT, "camera: position and look_at are the same point");
+  if (!(side > 1e-9 * distance * length(camera.up)))
+    throw core::Error(INSITU_ERROR_ARGUMENT, "camera: up points along the view");
+  forward = view / distance;
+  right = across / side;
+  down = cross(forward, right);
+}
+
 Camera Camera::orbited(double degrees) const {
   Camera turned = *this;
   const double size = length(up);
@@ -56,14 +186,8 @@ Camera Camera::orbited(double degrees) const {
 }
 
 RayGenerator::RayGenerator(const Camera& camera, int width, int height)
-    : origin_(camera.position), orthographic_(camera.orthographic_height > 0) {
-  const Vec3d view = camera.look_at - camera.position;
-  const Vec3d across = cross(view, camera.up);
-  const double distance = length(view), side = length(across);
-  if (!(distance > 0.0) || !std::isfinite(distance))
-    throw core::Error(INSITU_ERROR_ARGUMENT, "camera: position and look_at are the same point");
-  if (!(side > 1e-9 * distance * length(camera.up)))
-    throw core::Error(INSITU_ERROR_ARGUMENT, "camera: up points along the view");
+    : axes_(camera), origin_(camera.position), middle_{0.5 * width, 0.5 * height},
+      orthographic_(camera.orthographic_height > 0) {
   if (!orthographic_ && !(camera.fov > 0.0 && camera.fov < 180.0))
     throw core::Error(INSITU_ERROR_ARGUMENT, "camera: a field of view between 0 and 180 degrees "
                                              "expected, " +
@@ -72,21 +196,29 @@ RayGenerator::RayGenerator(const Camera& camera, int width, int height)
     throw core::Error(INSITU_ERROR_ARGUMENT, "frame: a size of at least 1 x 1 expected, " +
                                                  std::to_string(width) + " x " +
                                                  std::to_string(height) + " given");
-  forward_ = view / distance;
-  right_ = across / side;
-  down_ = cross(forward_, right_);
   const double half =
       orthographic_ ? 0.5 * camera.orthographic_height : std::tan(0.5 * camera.fov * degree);
   pixel_ = 2.0 * half / height;
-  corner_ = ((0.5 - 0.5 * width) * pixel_) * right_ + ((0.5 - 0.5 * height) * pixel_) * down_;
+  corner_ =
+      ((0.5 - 0.5 * width) * pixel_) * axes_.right + ((0.5 - 0.5 * height) * pixel_) * axes_.down;
 }
 
 Ray RayGenerator::operator()(int x, int y) const {
-  const Vec3d offset = corner_ + (x * pixel_) * right_ + (y * pixel_) * down_;
+  const Vec3d offset = corner_ + (x * pixel_) * axes_.right + (y * pixel_) * axes_.down;
   if (orthographic_)
-    return {origin_ + offset, forward_};
-  const Vec3d d = forward_ + offset;
+    return {origin_ + offset, axes_.forward};
+  const Vec3d d = axes_.forward + offset;
   return {origin_, d / length(d)};
+}
+
+std::optional<std::array<double, 2>> RayGenerator::project(const Vec3d& point) const {
+  const Vec3d from = point - origin_;
+  const double depth = dot(from, axes_.forward);
+  if (!(depth > 0.0))
+    return std::nullopt;
+  const double scale = 1.0 / (orthographic_ ? pixel_ : pixel_ * depth);
+  return std::array<double, 2>{middle_[0] + scale * dot(from, axes_.right),
+                               middle_[1] + scale * dot(from, axes_.down)};
 }
 
 } // namespace insitu::render

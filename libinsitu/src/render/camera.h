@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <optional>
+
 #include "math/vec.h"
 
 namespace insitu::render {
@@ -7,6 +10,12 @@ namespace insitu::render {
 /// A ray of unit direction, so that distances along it are lengths.
 struct Ray {
   math::Vec3d origin, direction;
+};
+
+/// How an automatic camera makes the mesh fit the image.
+enum class Fit {
+  sphere, ///< the sphere around the mesh's box just fits: the same size from every side
+  box     ///< the box's corners as seen just fit, but for a margin: as large as can be
 };
 
 /// Where a frame is seen from.
@@ -25,8 +34,30 @@ struct Camera {
   static Camera around(const math::Vec3d& low, const math::Vec3d& high, double azimuth,
                        double elevation, double zoom = 1, double fov = 30, double aspect = 1);
 
+  /// The camera moved, without being turned, so that a box fits an image of that aspect and its
+  /// picture is centred; an orthographic camera gets the height too, and stays as far away as it
+  /// is. Zoom divides the distance, or the height. margin: the part of the image's half that stays
+  /// free at its border. What has no extent (a point, a line seen end on) is seen from near.
+  Camera fitted(const math::Vec3d& low, const math::Vec3d& high, double aspect, double zoom = 1,
+                double margin = default_margin) const;
+
+  /// The height of an orthographic camera's view, from where it stands, by which a box fits.
+  double height_for(const math::Vec3d& low, const math::Vec3d& high, Fit fit, double aspect,
+                    double margin = default_margin) const;
+  static constexpr double default_margin = 0.02;
+
+  /// The camera with another up where its own points along the view: the axis farthest from it.
+  Camera with_valid_up() const;
+
   /// The camera turned by `degrees` around the axis through look_at along up.
   Camera orbited(double degrees) const;
+};
+
+/// The axes of an image in space, of unit length and at right angles. Throws core::Error
+/// (INSITU_ERROR_ARGUMENT) if the camera has no direction.
+struct CameraAxes {
+  math::Vec3d right, down, forward;
+  explicit CameraAxes(const Camera& camera);
 };
 
 /// The rays of an image's pixels, through their centres; pixel (0, 0) is the upper left one.
@@ -36,10 +67,16 @@ public:
   RayGenerator(const Camera& camera, int width, int height);
   Ray operator()(int x, int y) const;
 
+  /// Where a point is seen: x and y in pixels, (0, 0) the image's upper left corner; nothing for a
+  /// point that is not before the camera.
+  std::optional<std::array<double, 2>> project(const math::Vec3d& point) const;
+
 private:
-  math::Vec3d origin_, forward_, right_, down_;
+  CameraAxes axes_;
+  math::Vec3d origin_;
   math::Vec3d corner_; ///< from the axis to the centre of pixel (0, 0)
   double pixel_;       ///< its extent, at distance 1 (orthographic: in mesh units)
+  double middle_[2];   ///< of the image, in pixels
   bool orthographic_;
 };
 

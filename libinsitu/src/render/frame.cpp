@@ -34,7 +34,8 @@ public:
                      settings.lighting.lights, settings.clips, structures, threads);
     else if (settings.volume)
       volume_.emplace(sampler, *settings.volume);
-    if (!settings.isosurfaces.empty())
+    if (!settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
+        settings.outline)
       surfaces_.emplace(sampler, settings, structures);
   }
 

@@ -12,6 +12,8 @@
 #include "render/isosurface.h"
 #include "render/light.h"
 #include "render/path_settings.h"
+#include "render/outline.h"
+#include "render/triangle_surfaces.h"
 #include "render/volume.h"
 
 namespace insitu::render {
@@ -25,6 +27,9 @@ struct FrameSettings {
   std::optional<VolumeSettings> volume;
   std::optional<PathTracingSettings> path_tracing; ///< of the volume, instead of marching
   std::vector<IsosurfaceSettings> isosurfaces;
+  std::optional<BoundarySettings> boundary;
+  std::vector<BodySettings> bodies;
+  std::optional<OutlineSettings> outline;
   Lighting lighting;
   std::vector<Clip> clips;
   bool depth = false, cell = false; ///< images of these too

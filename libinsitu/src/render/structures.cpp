@@ -18,6 +18,7 @@ void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, st
   if (geometry != geometry_) {
     macrocells_.clear();
     majorants_.clear();
+    triangles_.erase(std::string());
   }
   sampler_ = std::make_unique<query::Sampler>(sampler);
   threads_ = &threads;
@@ -38,6 +39,7 @@ void Structures::end() {
   drop_unused(scalar_ranges_);
   drop_unused(macrocells_);
   drop_unused(majorants_);
+  drop_unused(triangles_);
 }
 
 Structures::Key Structures::key_of(const ScalarField& field) const {
@@ -124,6 +126,26 @@ const Majorants& Structures::majorants(const ScalarField& field, const TransferF
   entry.opacity = function.opacity_points();
   entry.nan_opacity = function.nan_opacity();
   entry.used = entry.is_fresh = true;
+  return *entry.value;
+}
+
+const TriangleMesh& Structures::boundary() {
+  Entry<TriangleMesh>& entry = triangles_[std::string()];
+  entry.used = true;
+  if (!entry.value) {
+    entry.value = TriangleMesh::boundary(sampler_->mesh(), *threads_, *memory_);
+    ++counts_.boundaries;
+  }
+  return *entry.value;
+}
+
+const TriangleMesh& Structures::body(const TriangleList& list) {
+  Entry<TriangleMesh>& entry = triangles_[list.source];
+  entry.used = true;
+  if (!entry.value) {
+    entry.value = TriangleMesh::body(list, *threads_, *memory_);
+    ++counts_.bodies;
+  }
   return *entry.value;
 }
 

@@ -13,6 +13,7 @@
 #include "query/sampler.h"
 #include "render/macrocells.h"
 #include "render/scalar_field.h"
+#include "render/triangle_mesh.h"
 #include "render/vertex_average.h"
 
 namespace insitu::render {
@@ -26,6 +27,7 @@ public:
     std::int64_t averages = 0, value_ranges = 0, scalar_ranges = 0;
     std::int64_t macrocells = 0, macrocells_refreshed = 0; ///< built; given new values
     std::int64_t majorants = 0; ///< classified, for the first time or anew
+    std::int64_t boundaries = 0, bodies = 0;
     Counts& operator+=(const Counts& b) {
       averages += b.averages;
       value_ranges += b.value_ranges;
@@ -33,6 +35,8 @@ public:
       macrocells += b.macrocells;
       macrocells_refreshed += b.macrocells_refreshed;
       majorants += b.majorants;
+      boundaries += b.boundaries;
+      bodies += b.bodies;
       return *this;
     }
     friend bool operator==(const Counts&, const Counts&) = default;
@@ -57,6 +61,10 @@ public:
   /// Of macrocells(field); classified anew when the values or the function's opacities change.
   const Majorants& majorants(const ScalarField& field, const TransferFunction& function,
                              double cells_each = 64);
+  /// The mesh's boundary faces; kept while the geometry holds.
+  const TriangleMesh& boundary();
+  /// A file's triangles, which say which file; kept while frames draw them.
+  const TriangleMesh& body(const TriangleList& list);
 
   core::Memory& memory() const { return *memory_; }
   const Counts& counts() const { return counts_; }
@@ -96,6 +104,7 @@ private:
   using GridKey = std::pair<Key, double>; ///< with the cells to a macrocell
   std::map<GridKey, MacrocellsEntry> macrocells_;
   std::multimap<GridKey, MajorantsEntry> majorants_;
+  std::map<std::string, Entry<TriangleMesh>> triangles_; ///< by file; the boundary without a name
 };
 
 } // namespace insitu::render

@@ -11,8 +11,8 @@ namespace insitu::render {
 struct SurfaceHit {
   double t = 0;
   std::int64_t cell = -1;     ///< flat; of a body: -1
-  std::int32_t surface = 0;   ///< isovalues of all settings, then the boundary, then bodies
-  std::int32_t triangle = -1; ///< of a triangle mesh
+  std::int32_t surface = 0;   ///< isovalues of all settings, then the boundary, bodies; -1: a line
+  std::int64_t triangle = -1; ///< of a triangle mesh
   float opacity = 1;
   double extent = 0;      ///< of the ray in the cell, to tell hits apart
   math::Vec3d parametric; ///< in the cell; of a triangle: weights of its second and third vertex

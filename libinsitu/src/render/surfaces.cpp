@@ -29,6 +29,14 @@ Surfaces::Surfaces(const query::Sampler& sampler, const FrameSettings& settings,
     : sampler_(sampler), settings_(settings), diagonal_(diagonal_of(sampler)) {
   if (!settings.isosurfaces.empty())
     isosurfaces_.emplace(sampler, settings.isosurfaces, structures);
+  if (isosurfaces_)
+    first_triangle_surface_ = isosurfaces_->surface_count();
+  if (settings.boundary || !settings.bodies.empty())
+    triangles_.emplace(sampler, settings.boundary, settings.bodies, first_triangle_surface_,
+                       structures);
+  if (settings.outline)
+    outline_.emplace(*settings.outline, settings.camera, settings.width, settings.height,
+                     sampler.tree().bounds_min(), sampler.tree().bounds_max());
   if (settings.lighting.enabled)
     shader_.emplace(settings.lighting, 0.1 * diagonal_);
 }
@@ -38,16 +46,22 @@ void Surfaces::find(const Ray& ray, const std::vector<Stretch>* stays,
   hits.clear();
   if (isosurfaces_)
     isosurfaces_->trace(ray, hits, counts, stays);
+  if (triangles_)
+    triangles_->trace(ray, hits, stays);
 }
 
 void Surfaces::trace(RayState& state, std::uint64_t pixel, SurfaceCounts& counts) const {
   find(state.ray, settings_.clips.empty() ? nullptr : &state.stays, state.hits, counts);
   std::uint64_t index = 0;
   for (SurfaceHit& hit : state.hits) {
-    hit.color = isosurfaces_->color(hit);
+    hit.color =
+        hit.surface < first_triangle_surface_ ? isosurfaces_->color(hit) : triangles_->color(hit);
     if (shader_)
       light(state.ray, core::splitmix64(pixel) + index++, hit, counts);
   }
+  if (outline_)
+    outline_->add(int(pixel % std::uint64_t(settings_.width)),
+                  int(pixel / std::uint64_t(settings_.width)), state.ray, state.hits);
 }
 
 void Surfaces::light(const Ray& ray, std::uint64_t seed, SurfaceHit& hit,

@@ -33,6 +33,9 @@ private:
   const FrameSettings& settings_;
   double diagonal_;
   std::optional<IsosurfaceTracer> isosurfaces_;
+  std::int32_t first_triangle_surface_ = 0;
+  std::optional<TriangleSurfaces> triangles_;
+  std::optional<Outline> outline_;
   std::optional<Shader> shader_; ///< none: plain colours
 };
 

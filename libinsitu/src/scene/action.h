@@ -7,6 +7,7 @@
 #include "core/context.h"
 #include "output/csv.h"
 #include "query/committed_mesh.h"
+#include "scene/cinema_table.h"
 #include "scene/description.h"
 #include "scene/frame_structures.h"
 #include "scene/page_record.h"
@@ -50,6 +51,7 @@ struct Environment {
   core::Context& context;
   Statistics& statistics;
   FrameStructures& structures;
+  CinemaTable& table;         ///< of the frames' files
   std::string scene_file;     ///< for messages
   std::string output;         ///< folder
   PageRecord* page = nullptr; ///< null: the scene has none

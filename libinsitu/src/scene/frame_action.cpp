@@ -1,11 +1,12 @@
 #include "scene/frame_action.h"
 
-#include <optional>
+#include <algorithm>
+#include <deque>
 
 #include "core/status.h"
 #include "core/timer.h"
 #include "output/overlay.h"
-#include "output/png.h"
+#include "scene/frame_files.h"
 #include "scene/frame_plan.h"
 #include "scene/frame_settings.h"
 #include "scene/path_accumulation.h"
@@ -19,7 +20,8 @@ public:
   FrameAction(const Frame& frame, const Environment& environment)
       : frame_(frame), environment_(environment), settings_(frame_, environment_) {
     if (frame_.path_tracing && frame_.path_tracing->accumulate)
-      accumulation_.emplace(environment_.context.memory);
+      for (std::size_t i = 0; i < std::max<std::size_t>(1, frame_.cameras.size()); ++i)
+        accumulations_.emplace_back(environment_.context.memory);
   }
 
   const char* kind() const override { return "frame"; }
@@ -31,36 +33,18 @@ public:
     if (!due)
       return;
     const core::Timer timer;
-    core::Context& context = environment_.context;
     if (mesh.tree().empty())
       throw core::Error(INSITU_ERROR_MESH,
                         "mesh '" + mesh.mesh().name() + "' has no cell that could be drawn");
     render::Structures& structures = environment_.structures.of(mesh);
-    render::FrameSettings settings = settings_.make(mesh, structures, drawn_);
+    render::FrameSettings settings = settings_.make(mesh, structures);
+    environment_.statistics.render_s += timer.seconds();
     if (settings.path_tracing)
       settings.path_tracing->cycle = std::uint64_t(step.cycle);
-    if (accumulation_)
-      accumulation_->use(mesh, settings);
-    render::FrameStatistics done;
-    core::Image image =
-        render::render_frame(mesh.sampler(), settings, structures, context.threads, &done).color;
-    if (done.paths.cut > 0)
-      context.log.warning("frame '" + frame_.name + "', cycle " + std::to_string(step.cycle) +
-                          ": " + std::to_string(done.paths.cut) + " of " +
-                          std::to_string(done.paths.paths) + " paths were cut off after " +
-                          std::to_string(settings.path_tracing->max_bounces) +
-                          " bounces; a larger max_bounces loses less light");
-    draw_overlays(image, settings, step);
-    environment_.statistics.render_s += timer.seconds();
-
-    const core::Timer output_timer;
-    const std::string path = cycle_path(environment_, frame_.name, step.cycle, ".png");
-    output::write_png(path, image);
-    if (environment_.page)
-      environment_.page->add_frame(frame_.name, "color", path);
-    environment_.statistics.output_s += output_timer.seconds();
-    ++environment_.statistics.frames;
-    ++environment_.statistics.files;
+    if (frame_.cameras.empty())
+      draw(mesh, step, {"", frame_.camera}, 0, settings, structures);
+    for (std::size_t i = 0; i < frame_.cameras.size(); ++i)
+      draw(mesh, step, frame_.cameras[i], i, settings, structures);
     ++drawn_;
   }
 
@@ -69,6 +53,60 @@ public:
   }
 
 private:
+  /// number: the camera's.
+  void draw(query::CommittedMesh& mesh, const Step& step, const NamedCamera& camera,
+            std::size_t number, render::FrameSettings& settings, render::Structures& structures) {
+    const core::Timer timer;
+    settings.camera = settings_.camera(camera.camera, mesh, step, drawn_);
+    if (!accumulations_.empty())
+      accumulations_[number].use(mesh, settings);
+    render::FrameStatistics done;
+    render::FrameImages images = render::render_frame(mesh.sampler(), settings, structures,
+                                                      environment_.context.threads, &done);
+    if (done.paths.cut > 0)
+      environment_.context.log.warning(
+          "frame '" + frame_.name + "', cycle " + std::to_string(step.cycle) + ": " +
+          std::to_string(done.paths.cut) + " of " + std::to_string(done.paths.paths) +
+          " paths were cut off after " + std::to_string(settings.path_tracing->max_bounces) +
+          " bounces; a larger max_bounces loses less light");
+    draw_overlays(images.color, settings, step);
+    if (settings.cell)
+      count_as_the_solver(mesh, settings, images);
+    environment_.statistics.render_s += timer.seconds();
+
+    const core::Timer output_timer;
+    CinemaRow row;
+    row.cycle = step.cycle;
+    row.time = step.time;
+    row.name = frame_.name;
+    row.camera = camera.name;
+    row.view = settings.camera;
+    row.ranges = settings_.ranges(settings);
+    write_frame_files(frame_, environment_, images, row);
+    environment_.statistics.output_s += output_timer.seconds();
+    ++environment_.statistics.frames;
+  }
+
+  /// Cells of an adaptive mesh's dual become the leaves that are seen.
+  void count_as_the_solver(const query::CommittedMesh& mesh, const render::FrameSettings& settings,
+                           render::FrameImages& images) const {
+    if (!mesh.mesh().has_stand_in() || images.cell.empty() || images.depth.empty())
+      return;
+    const render::RayGenerator rays(settings.camera, settings.width, settings.height);
+    environment_.context.threads.parallel_for(
+        settings.height, 16, [&](std::int64_t begin, std::int64_t end) {
+          for (std::int64_t y = begin; y < end; ++y)
+            for (int x = 0; x < settings.width; ++x) {
+              const auto at = std::size_t(y * settings.width + x);
+              if (images.cell[at] < 0)
+                continue;
+              const render::Ray ray = rays(x, int(y));
+              const math::Vec3d p = ray.origin + double(images.depth[at]) * ray.direction;
+              images.cell[at] = mesh.own({images.cell[at], {}}, p).cell;
+            }
+        });
+  }
+
   void draw_overlays(core::Image& image, const render::FrameSettings& settings,
                      const Step& step) const {
     output::Overlay overlay;
@@ -81,6 +119,8 @@ private:
           output::draw_scalar_bar(image, by->function, by->field.field.name, overlay);
           break;
         }
+    if (frame_.axes)
+      output::draw_axes(image, render::CameraAxes(settings.camera), overlay);
     if (frame_.time_label)
       output::draw_time_label(image, step.time, step.cycle, overlay);
   }
@@ -88,8 +128,8 @@ private:
   Frame frame_;
   Environment environment_;
   FrameSettingsMaker settings_;
-  std::optional<PathAccumulation> accumulation_;
-  std::int64_t drawn_ = 0; ///< frames so far, for the orbit
+  std::deque<PathAccumulation> accumulations_; ///< of the cameras, where asked for
+  std::int64_t drawn_ = 0;                     ///< frames so far, for the orbit
 };
 
 } // namespace

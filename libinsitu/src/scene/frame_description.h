@@ -40,15 +40,36 @@ struct ValueRange {
 /// The direction is that of a view from `azimuth` degrees around +z, from +x, and `elevation`
 /// degrees above the xy plane, towards the mesh's centre from a distance that shows the whole mesh
 /// at zoom 1; or a placed camera.
-struct Camera {
+struct Viewpoint {
   double azimuth = 30, elevation = 20, zoom = 1;
   std::optional<math::Vec3d> position; ///< placed; azimuth, elevation and zoom then mean nothing
   std::optional<math::Vec3d> look_at;  ///< nothing: the mesh's centre
   math::Vec3d up{0, 0, 1};
-  double fov = 30;                    ///< vertical field of view, degrees
+  double fov = 30; ///< vertical field of view, degrees
+};
+
+/// A viewpoint that the camera reaches at a cycle or a time.
+struct CameraKey : Viewpoint {
+  double at = 0;
+};
+
+enum class CameraFit { sphere, box }; ///< as render::Fit
+
+struct Camera : Viewpoint {
+  bool orthographic = false;
+  std::optional<double> orthographic_height; ///< nothing: so that the mesh fits
+  CameraFit fit = CameraFit::sphere;         ///< of what is automatic
   double orbit_azimuth_per_frame = 0; ///< degrees that the camera goes on around the axis through
                                       ///< what it looks at along `up` with each frame written
+  std::vector<CameraKey> path; ///< places ascend; all placed, or none; empty: the camera stands
+  bool path_by_time = false;   ///< else by cycle
   int line = 0;
+};
+
+/// One of several cameras of a frame; its images are `frame_name_000120.png`.
+struct NamedCamera {
+  std::string name;
+  Camera camera;
 };
 
 struct OpacityPoint {
@@ -83,6 +104,26 @@ struct Isosurface {
   double opacity = 1;
   std::variant<Color, ColorBy> color = Color{0.8, 0.8, 0.8};
   int line = 0;
+};
+
+/// The mesh's own boundary.
+struct Boundary {
+  double opacity = 1;
+  std::variant<Color, ColorBy> color = Color{0.8, 0.8, 0.8};
+};
+
+/// Triangles of a file.
+struct Body {
+  std::string path; ///< resolved against the scene file's folder
+  double opacity = 1;
+  Color color{0.6, 0.6, 0.6};
+  int line = 0;
+};
+
+/// The mesh's bounding box.
+struct BoxOutline {
+  Color color{0, 0, 0};
+  double width = 1.5; ///< in pixels
 };
 
 /// Light on surfaces; see render/light.h.
@@ -131,18 +172,33 @@ struct PathTracing {
   int line = 0;
 };
 
+enum class ImageKind { color, depth, cell };
+enum class ImageFormat { png, exr };
+
+/// `name`, `name_depth`, `name_cell`: what files of that image begin with.
+std::string image_stem(const std::string& name, ImageKind kind);
+
 struct Frame {
   std::string name;                    ///< of the images, `name_000120.png`; unique in the scene
   Name mesh;                           ///< empty: the first mesh of the session
   std::array<int, 2> size{1024, 1024}; ///< width, height
   Color background{1, 1, 1};
+  double background_alpha = 1; ///< of what stands behind everything; below 1 the image keeps alpha
   Camera camera;
-  std::optional<Volume> volume; ///< a frame has a volume, isosurfaces, or both
+  std::vector<NamedCamera> cameras; ///< instead of `camera`, unless empty; names are unique
+  std::vector<ImageKind> images{ImageKind::color}; ///< at least one, each once
+  std::vector<ImageFormat> formats{ImageFormat::png};
+  /// A frame has at least one of these.
+  std::optional<Volume> volume;
   std::vector<Isosurface> isosurfaces;
+  std::optional<Boundary> boundary;
+  std::vector<Body> bodies;
+  std::optional<BoxOutline> outline;
   std::vector<Light> lights; ///< none: a white one from the viewer
   std::vector<Clip> clips;   ///< what each of them leaves is drawn
   bool scalar_bar = false;
   bool time_label = false;
+  bool axes = false; ///< draws where x, y and z point
   std::vector<FrameEffect> effects;
   Occlusion occlusion;                     ///< if among the effects
   std::optional<PathTracing> path_tracing; ///< also there where an effect asks for it

@@ -1,8 +1,10 @@
 #include "scene/frame_settings.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/status.h"
+#include "render/camera_path.h"
 
 namespace insitu::scene {
 
@@ -47,16 +49,25 @@ FrameSettingsMaker::FrameSettingsMaker(const Frame& frame, const Environment& en
     const auto* by = std::get_if<ColorBy>(&surface.color);
     surface_colors_.push_back(by ? std::optional(color_map(by->colors)) : std::nullopt);
   }
+  if (frame_.boundary)
+    if (const auto* by = std::get_if<ColorBy>(&frame_.boundary->color))
+      boundary_colors_ = color_map(by->colors);
+  bodies_ = load_bodies();
 }
 
 render::FrameSettings FrameSettingsMaker::make(const query::CommittedMesh& mesh,
-                                               render::Structures& structures,
-                                               std::int64_t drawn) const {
+                                               render::Structures& structures) const {
   render::FrameSettings settings;
   settings.width = frame_.size[0];
   settings.height = frame_.size[1];
-  settings.camera = camera(mesh, drawn);
   settings.background = to_linear(frame_.background);
+  settings.background_alpha = float(frame_.background_alpha);
+  const auto asked = [&](ImageKind kind) {
+    return std::find(frame_.images.begin(), frame_.images.end(), kind) != frame_.images.end();
+  };
+  settings.cell = asked(ImageKind::cell);
+  // In which of the solver's cells a point of a dual cell lies takes the point.
+  settings.depth = asked(ImageKind::depth) || (settings.cell && mesh.mesh().has_stand_in());
   const auto asks_for = [&](FrameEffect effect) {
     return std::find(frame_.effects.begin(), frame_.effects.end(), effect) != frame_.effects.end();
   };
@@ -78,7 +89,30 @@ render::FrameSettings FrameSettingsMaker::make(const query::CommittedMesh& mesh,
   for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
     settings.isosurfaces.push_back(
         isosurface(mesh, structures, frame_.isosurfaces[i], surface_colors_[i]));
+  if (frame_.boundary)
+    settings.boundary = boundary(mesh, structures, *frame_.boundary);
+  settings.bodies = bodies_;
+  if (frame_.outline)
+    settings.outline = {to_linear(frame_.outline->color), frame_.outline->width};
   return settings;
+}
+
+std::vector<std::pair<std::string, ValueRange>>
+FrameSettingsMaker::ranges(const render::FrameSettings& settings) const {
+  std::vector<std::pair<std::string, ValueRange>> all;
+  const auto add = [&](const Name& field, const Component& component,
+                       const render::TransferFunction& function) {
+    all.emplace_back(range_label(field, component), ValueRange{function.low(), function.high()});
+  };
+  if (frame_.volume && settings.volume)
+    add(frame_.volume->field, frame_.volume->component, settings.volume->function);
+  for (std::size_t i = 0; i < frame_.isosurfaces.size() && i < settings.isosurfaces.size(); ++i) {
+    const auto* by = std::get_if<ColorBy>(&frame_.isosurfaces[i].color);
+    const auto* drawn = std::get_if<render::ColorByField>(&settings.isosurfaces[i].color);
+    if (by && drawn)
+      add(by->field, by->component, drawn->function);
+  }
+  return all;
 }
 
 render::ColorMap FrameSettingsMaker::color_map(const ColorMap& colors) const {
@@ -178,22 +212,114 @@ FrameSettingsMaker::isosurface(const query::CommittedMesh& mesh, render::Structu
   return to;
 }
 
-render::Camera FrameSettingsMaker::camera(const query::CommittedMesh& mesh,
-                                          std::int64_t drawn) const {
-  const Camera& from = frame_.camera;
-  const math::Vec3d low = mesh.tree().bounds_min(), high = mesh.tree().bounds_max();
-  render::Camera to;
-  if (from.position) {
-    to.position = *from.position;
-    to.look_at = from.look_at.value_or(0.5 * (low + high));
-    to.up = from.up;
-    to.fov = from.fov;
+render::BoundarySettings FrameSettingsMaker::boundary(const query::CommittedMesh& mesh,
+                                                      render::Structures& structures,
+                                                      const Boundary& from) const {
+  render::BoundarySettings to;
+  to.opacity = from.opacity;
+  if (const auto* by = std::get_if<ColorBy>(&from.color)) {
+    const render::ScalarField field = scalar(mesh, by->field, by->component);
+    to.color =
+        render::ColorByField{field, transfer(structures, field, *boundary_colors_, by->range, {})};
   } else {
-    to = render::Camera::around(low, high, from.azimuth, from.elevation, from.zoom, from.fov,
-                                double(frame_.size[0]) / frame_.size[1]);
+    to.color = to_linear(std::get<Color>(from.color));
   }
+  return to;
+}
+
+std::vector<render::BodySettings> FrameSettingsMaker::load_bodies() const {
+  std::vector<render::BodySettings> bodies;
+  for (const Body& from : frame_.bodies) {
+    try {
+      bodies.push_back({std::make_shared<render::TriangleList>(render::read_stl(from.path)),
+                        from.opacity, to_linear(from.color)});
+    } catch (const core::Error& e) {
+      throw core::Error(e.status(), at_line(from.line) + e.what());
+    }
+  }
+  return bodies;
+}
+
+namespace {
+
+/// What follows from the mesh as it is now.
+struct Bounds {
+  math::Vec3d low, high;
+  double aspect;
+};
+
+double aspect_of(const Frame& frame) {
+  return double(frame.size[0]) / frame.size[1];
+}
+
+render::Camera placed(const Viewpoint& from, const Bounds& bounds) {
+  render::Camera to;
+  to.position = *from.position;
+  to.look_at = from.look_at.value_or(0.5 * (bounds.low + bounds.high));
+  to.up = from.up;
+  to.fov = from.fov;
+  return to;
+}
+
+/// Viewpoints along a path, one number of them at a time.
+template <class Get>
+double along(const Camera& camera, double place, const Get& get) {
+  std::vector<double> at, values;
+  for (const CameraKey& key : camera.path) {
+    at.push_back(key.at);
+    values.push_back(get(key));
+  }
+  return render::smooth(at, values, place);
+}
+
+/// A path of angles goes around the mesh's centre, whatever its bounds become.
+Viewpoint view_along(const Camera& camera, double place) {
+  Viewpoint view = camera;
+  view.azimuth = along(camera, place, [](const CameraKey& k) { return k.azimuth; });
+  view.elevation =
+      std::clamp(along(camera, place, [](const CameraKey& k) { return k.elevation; }), -90.0, 90.0);
+  view.zoom = std::exp(along(camera, place, [](const CameraKey& k) { return std::log(k.zoom); }));
+  constexpr double half_degree = 3.14159265358979323846 / 360.0;
+  view.fov = std::atan(std::exp(along(
+                 camera, place,
+                 [](const CameraKey& k) { return std::log(std::tan(half_degree * k.fov)); }))) /
+             half_degree;
+  return view;
+}
+
+render::Camera placed_along(const Camera& camera, double place, const Bounds& bounds) {
+  std::vector<render::CameraKey> keys;
+  for (const CameraKey& key : camera.path)
+    keys.push_back({key.at, placed(key, bounds)});
+  return render::CameraPath(std::move(keys)).at(place);
+}
+
+} // namespace
+
+render::Camera FrameSettingsMaker::camera(const Camera& from, const query::CommittedMesh& mesh,
+                                          const Step& step, std::int64_t drawn) const {
+  const Bounds bounds{mesh.tree().bounds_min(), mesh.tree().bounds_max(), aspect_of(frame_)};
+  const double place = from.path_by_time ? step.time : double(step.cycle);
+  const bool is_placed = (from.path.empty() ? from.position : from.path[0].position).has_value();
+  const Viewpoint view = from.path.empty() || is_placed ? Viewpoint(from) : view_along(from, place);
+  render::Camera to;
+  if (!is_placed)
+    // An orthographic camera stands before the whole mesh.
+    to = render::Camera::around(bounds.low, bounds.high, view.azimuth, view.elevation,
+                                from.orthographic ? 1.0 : view.zoom, view.fov, bounds.aspect);
+  else
+    to = from.path.empty() ? placed(from, bounds) : placed_along(from, place, bounds);
+  to = to.with_valid_up();
   if (from.orbit_azimuth_per_frame != 0.0)
     to = to.orbited(double(drawn) * from.orbit_azimuth_per_frame);
+  const double zoom = is_placed ? 1.0 : view.zoom;
+  const render::Fit fit = from.fit == CameraFit::box ? render::Fit::box : render::Fit::sphere;
+  if (from.orthographic)
+    to.orthographic_height = from.orthographic_height.value_or(
+                                 to.height_for(bounds.low, bounds.high, fit, bounds.aspect)) /
+                             zoom;
+  if (from.fit == CameraFit::box && !is_placed && !from.orthographic_height)
+    to = to.fitted(bounds.low, bounds.high, bounds.aspect, zoom);
   return to;
 }
 

@@ -11,14 +11,21 @@ namespace insitu::scene {
 /// Turns the description of a frame into what the renderer takes, cycle by cycle.
 class FrameSettingsMaker {
 public:
-  /// Reads the colour maps, so that a wrong one is told when the session opens: throws core::Error.
-  /// frame must outlive this.
+  /// Reads colour maps and bodies, so that a wrong one is told when the session opens: throws
+  /// core::Error. frame must outlive this.
   FrameSettingsMaker(const Frame& frame, const Environment& environment);
 
-  /// For the mesh as it is now. drawn: frames so far, for orbits. What settings point to lives
-  /// until the structures' next end().
-  render::FrameSettings make(const query::CommittedMesh& mesh, render::Structures& structures,
-                             std::int64_t drawn) const;
+  /// For the mesh as it is now, but for the camera. What settings point to lives until the
+  /// structures' next end().
+  render::FrameSettings make(const query::CommittedMesh& mesh,
+                             render::Structures& structures) const;
+  /// One of the frame's cameras at a step. drawn: frames so far, for orbits.
+  render::Camera camera(const Camera& camera, const query::CommittedMesh& mesh, const Step& step,
+                        std::int64_t drawn) const;
+
+  /// The ranges that its colours stretch over, by range_label().
+  std::vector<std::pair<std::string, ValueRange>>
+  ranges(const render::FrameSettings& settings) const;
 
 private:
   render::ColorMap color_map(const ColorMap& colors) const;
@@ -36,12 +43,16 @@ private:
                                         render::Structures& structures, const Isosurface& from,
                                         const std::optional<render::ColorMap>& colors) const;
   render::PathTracingSettings path_tracing(const PathTracing& from) const;
-  render::Camera camera(const query::CommittedMesh& mesh, std::int64_t drawn) const;
+  render::BoundarySettings boundary(const query::CommittedMesh& mesh,
+                                    render::Structures& structures, const Boundary& from) const;
+  std::vector<render::BodySettings> load_bodies() const;
 
   const Frame& frame_;
   Environment environment_;
   std::optional<render::ColorMap> volume_colors_;
   std::vector<std::optional<render::ColorMap>> surface_colors_;
+  std::optional<render::ColorMap> boundary_colors_;
+  std::vector<render::BodySettings> bodies_;
 };
 
 } // namespace insitu::scene

@@ -82,6 +82,18 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
   parse_list(map, "probes", context, parse_probe, scene.probes);
   parse_list(map, "tracers", context, parse_tracer, scene.tracers);
   parse_list(map, "frames", context, parse_frame, scene.frames);
+  const auto refuse_table = [&](const std::string& item, int line) {
+    if (item == "data" && !scene.frames.empty()) {
+      problems.add(line, "the name 'data' would make data.csv, which is the table of the frames; "
+                         "give another one");
+    }
+  };
+  for (const Probe& probe : scene.probes) {
+    refuse_table(probe.name, probe.line);
+  }
+  for (const Tracer& tracer : scene.tracers) {
+    refuse_table(tracer.name, tracer.line);
+  }
   problems.throw_if_any();
   return scene;
 }
@@ -150,17 +162,19 @@ std::optional<Accuracy> parse_accuracy(const Cursor& cursor) {
       {{"fast", Accuracy::fast}, {"standard", Accuracy::standard}, {"exact", Accuracy::exact}});
 }
 
+bool fits_file_name(const std::string& text) {
+  return !text.empty() && text.size() <= longest_name && text.front() != '.' &&
+         text.front() != ' ' && text.back() != ' ' &&
+         text.find_first_of("/\\:*?\"<>|\n\r\t") == std::string::npos;
+}
+
 void parse_item_name(const MapReader& map, ParseContext& context, std::string& name) {
   const auto cursor = map.require("name");
   const auto text = cursor ? cursor->text() : std::nullopt;
   if (!text) {
     return;
   }
-  // The name becomes a file's, so it must stay in the output folder on every file system.
-  const bool fits = text->size() <= longest_name && text->front() != '.' && text->front() != ' ' &&
-                    text->back() != ' ' &&
-                    text->find_first_of("/\\:*?\"<>|\n\r\t") == std::string::npos;
-  if (!fits) {
+  if (!fits_file_name(*text)) {
     cursor->fail(quote(*text) + " cannot name a file: at most " + std::to_string(longest_name) +
                  " bytes without / \\ : * ? \" < > |, not beginning with '.' nor with a space at "
                  "either end");
@@ -192,20 +206,7 @@ std::vector<Name> parse_names(const Cursor& cursor) {
 
 std::vector<TableFormat> parse_output(const Cursor& cursor,
                                       std::initializer_list<Choice<TableFormat>> formats) {
-  std::vector<TableFormat> output;
-  const auto items = cursor.items();
-  if (items && items->empty()) {
-    cursor.fail("at least one format expected");
-  }
-  for (const Cursor& item : items ? *items : std::vector<Cursor>{}) {
-    const auto format = item.choice(formats);
-    if (format && std::find(output.begin(), output.end(), *format) != output.end()) {
-      item.fail(quote(item.node().text) + " is given twice");
-    } else if (format) {
-      output.push_back(*format);
-    }
-  }
-  return output;
+  return parse_words(cursor, formats, "format");
 }
 
 } // namespace insitu::scene

@@ -36,6 +36,8 @@ LocatorOptions parse_locator(const Cursor& cursor);
 std::optional<Accuracy> parse_accuracy(const Cursor& cursor);
 /// `name`: required, fit for a file name, and not yet in use.
 void parse_item_name(const MapReader& map, ParseContext& context, std::string& name);
+/// Whether a text may stand in a file's name: within the folder, on every file system.
+bool fits_file_name(const std::string& text);
 std::optional<Name> parse_name(const Cursor& cursor);
 std::vector<Name> parse_names(const Cursor& cursor);
 /// A list of the words `formats`, at least one.
@@ -58,11 +60,36 @@ Camera parse_camera(const Cursor& cursor);
 /// Of a frame's map; also there where an effect asks for it.
 std::optional<PathTracing> parse_path_tracing(const MapReader& frame,
                                               const std::vector<FrameEffect>& effects);
+/// A map of names and cameras.
+std::vector<NamedCamera> parse_cameras(const Cursor& cursor);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);
 std::vector<Light> parse_lights(const Cursor& cursor);
 Occlusion parse_occlusion(const Cursor& cursor);
 std::vector<Clip> parse_clips(const Cursor& cursor);
 std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseContext& context);
+Boundary parse_boundary(const Cursor& cursor, const ParseContext& context);
+std::vector<Body> parse_bodies(const Cursor& cursor, const ParseContext& context);
+BoxOutline parse_outline(const Cursor& cursor);
+
+/// A list of some of the words, at least one and each once.
+template <class T>
+std::vector<T> parse_words(const Cursor& cursor, std::initializer_list<Choice<T>> words,
+                           const char* what) {
+  std::vector<T> found;
+  const auto items = cursor.items();
+  if (items && items->empty()) {
+    cursor.fail(std::string("at least one ") + what + " expected");
+  }
+  for (const Cursor& item : items ? *items : std::vector<Cursor>{}) {
+    const auto word = item.choice(words);
+    if (word && std::find(found.begin(), found.end(), *word) != found.end()) {
+      item.fail(quote(item.node().text) + " is given twice");
+    } else if (word) {
+      found.push_back(*word);
+    }
+  }
+  return found;
+}
 
 /// An effect's name, and whether this version has it.
 template <class T>

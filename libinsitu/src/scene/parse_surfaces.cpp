@@ -51,7 +51,62 @@ Isosurface parse_isosurface(const Cursor& cursor, const ParseContext& context) {
   return surface;
 }
 
+Body parse_body(const Cursor& cursor, const ParseContext& context) {
+  Body body;
+  body.line = cursor.line();
+  const MapReader map(cursor, {"file", "opacity", "color"});
+  if (const auto file = map.require("file")) {
+    if (const auto path = file->text()) {
+      body.path = resolve_path(*path, context.base_folder);
+    }
+  }
+  if (const auto opacity = map.find("opacity")) {
+    assign(body.opacity, opacity->number({0, 1}));
+  }
+  if (const auto color = map.find("color")) {
+    body.color = parse_color(*color, body.color);
+  }
+  return body;
+}
+
 } // namespace
+
+Boundary parse_boundary(const Cursor& cursor, const ParseContext& context) {
+  Boundary boundary;
+  const MapReader map(cursor, {"opacity", "color"});
+  if (const auto opacity = map.find("opacity")) {
+    assign(boundary.opacity, opacity->number({0, 1}));
+  }
+  if (const auto color = map.find("color")) {
+    if (color->is_map()) {
+      boundary.color = parse_color_by(*color, context);
+    } else {
+      boundary.color = parse_color(*color, std::get<Color>(boundary.color));
+    }
+  }
+  return boundary;
+}
+
+std::vector<Body> parse_bodies(const Cursor& cursor, const ParseContext& context) {
+  std::vector<Body> bodies;
+  const auto items = cursor.items();
+  for (const Cursor& item : items ? *items : std::vector<Cursor>{}) {
+    bodies.push_back(parse_body(item, context));
+  }
+  return bodies;
+}
+
+BoxOutline parse_outline(const Cursor& cursor) {
+  BoxOutline outline;
+  const MapReader map(cursor, {"color", "width"});
+  if (const auto color = map.find("color")) {
+    outline.color = parse_color(*color, outline.color);
+  }
+  if (const auto width = map.find("width")) {
+    assign(outline.width, width->number({0, 100, true}));
+  }
+  return outline;
+}
 
 std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseContext& context) {
   std::vector<Isosurface> surfaces;

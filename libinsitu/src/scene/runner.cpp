@@ -13,10 +13,10 @@ namespace insitu::scene {
 
 Runner::Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
                Statistics& statistics)
-    : structures_(context.memory, context.threads), environment_{context, statistics, structures_,
-                                                                 scene.file,
-                                                                 output.empty() ? scene.output
-                                                                                : output},
+    : structures_(context.memory, context.threads),
+      table_(scene.frames, output.empty() ? scene.output : output),
+      environment_{context, statistics, structures_,
+                   table_,  scene.file, output.empty() ? scene.output : output},
       locator_(scene.locator) {
   if (locator_.choice.backend || locator_.choice.method) { // what can never be had is said at once
     try {
@@ -190,6 +190,11 @@ std::string Runner::finish() {
     } catch (const std::exception& e) {
       failures += std::string(action->kind()) + " '" + action->name() + "': " + e.what() + "\n";
     }
+  }
+  try {
+    table_.finish();
+  } catch (const std::exception& e) {
+    failures += std::string("the table of frames: ") + e.what() + "\n";
   }
   try {
     finish_page(failures);

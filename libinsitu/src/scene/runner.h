@@ -49,6 +49,7 @@ private:
 
   std::unique_ptr<PageRecord> page_;
   FrameStructures structures_;
+  CinemaTable table_;
   Environment environment_;
   LocatorOptions locator_;
   std::vector<std::unique_ptr<Action>> actions_;

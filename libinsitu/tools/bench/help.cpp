@@ -3,7 +3,7 @@
 namespace insitu::bench {
 
 const char* help_text() {
-  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects [options]
+  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects|render [options]
 
 Times libinsitu on the standard workload, checks its answers and holds them against VTK's.
   commit   building and refitting the acceleration structure, cold and warm
@@ -13,9 +13,11 @@ Times libinsitu on the standard workload, checks its answers and holds them agai
   amr      an adaptive mesh: the dual mesh with gridlets beside the same as plain hexahedra, and
            the solver's own cells (`nearest`)
   effects  what each effect of a frame adds to the bare one, in time and memory, alone and together
+  render   frames of a volume: seconds, samples a second and error by step, one core and all; with
+           --peers vtkUnstructuredGridVolumeRayCastMapper's; Rathke 2015, tables 1 to 4
   methods  every locator method on every backend that is here: Morrical 2020, tables 1 to 3
 
-The mesh (commit, locate, scale, effects)
+The mesh (commit, locate, scale, effects, render)
   --shape hex|tet|wedge|pyramid|mixed   cells of the unit box [hex; methods: tet, hex, wedge, mixed]
   --kind even|graded|layers|sparse [even]
                     equal steps | edge lengths that grow 1e4-fold along each axis |
@@ -40,8 +42,8 @@ The methods
   --check           compares answers alone, on all points, of pyramids and twisted hexahedra as well
 The run
   --threads T       0: all that the process may use [1]
-  --repetitions R   medians of R repetitions [5; scale, methods, amr: 3]
-  --peers           locate: also the peers of VTK, on one thread, interleaved with ours
+  --repetitions R   medians of R repetitions [5; scale, methods, amr, effects, render: 3]
+  --peers           render: also VTK's; locate: also the peers of VTK, on one thread, interleaved with ours
   --peer NAME       the same, this one only (may be repeated): vtkStaticCellLocator,
                     vtkCellTreeLocator, vtkCellLocator, vtkProbeFilter
   --peer-points Q   peers answer the first Q points only (they can be very slow on graded meshes)
@@ -88,6 +90,15 @@ Methods
   interpolated one; how many points were answered otherwise than by exact bvh on the CPU, of the random ones
   and of a tenth as many on faces, edges and vertices; joules,
   from NVML or RAPL where they can be read. Points and answers of a device stay in its memory.
+
+Render
+  The volume of x + 2 y + 3 z. Times on one core are processor time; steps are in units of the default
+  step, half a cell. Error: the root of the mean square difference from the frame with a sixteenth of the
+  default step, over linear colours from 0 to 1. Million samples a second located: of one tile in sixteen,
+  nothing but answered. VTK draws the cells cut into tetrahedra, on one thread, into 8 bits a colour;
+  its window needs a display (xvfb-run gives one); ours held against it is the longest step that is no worse.
+  --size N          N x N pixels [512]
+  --out FOLDER      writes the frames there as PNG
 
 Amr
   The mesh: blocks about a sphere in three levels, 4,018,176 leaves, as patches and as octree leaves. A row each:

@@ -23,6 +23,8 @@ Output run(const Options& options) {
     return methods(options);
   if (options.command == Command::amr)
     return amr(options);
+  if (options.command == Command::render)
+    return render(options);
   if (options.command == Command::effects)
     return effects(options);
   const Report report = options.command == Command::commit ? commit(options) : locate(options);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <numeric>
 #include <stdexcept>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -36,6 +37,10 @@ double Series::at(std::vector<double> values, double quantile) {
   const auto below = std::size_t(place);
   const std::size_t above = std::min(below + 1, values.size() - 1);
   return std::lerp(values[below], values[above], place - double(below));
+}
+
+double Series::cpu_sum() const {
+  return std::accumulate(cpu_.begin(), cpu_.end(), 0.0);
 }
 
 std::int64_t heap_bytes() {

@@ -21,6 +21,7 @@ public:
   double median() const { return at(wall_, 0.5); }
   double max() const { return at(wall_, 1.0); }
   double cpu_median() const { return at(cpu_, 0.5); }
+  double cpu_sum() const;
 
   /// The median's part in a ratio: of processor time on one thread, which others on the machine
   /// change least; of wall-clock time on several.

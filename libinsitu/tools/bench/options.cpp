@@ -52,26 +52,27 @@ T choice(std::string_view option, std::string_view text, const std::optional<T>&
 } // namespace
 
 const char* name(Command command) {
-  constexpr const char* names[] = {"help",  "commit",  "locate", "torture",
-                                   "scale", "methods", "amr",    "effects"};
+  constexpr const char* names[] = {"help",    "commit", "locate",  "torture", "scale",
+                                   "methods", "amr",    "effects", "render"};
   return names[int(command)];
 }
 
 Options parse(int argc, char** argv) {
   Options o;
-  const std::string commands = "commit, locate, torture, scale, methods, amr or effects";
+  const std::string commands = "commit, locate, torture, scale, methods, amr, effects or render";
   if (argc < 2)
     throw UsageError("a command expected: " + commands);
   const std::string_view command = argv[1];
   if (command == "--help" || command == "-h" || command == "help")
     return o;
   for (const Command c : {Command::commit, Command::locate, Command::torture, Command::scale,
-                          Command::methods, Command::amr, Command::effects})
+                          Command::methods, Command::amr, Command::effects, Command::render})
     if (command == name(c))
       o.command = c;
   if (o.command == Command::help)
     throw UsageError("'" + std::string(command) + "' is no command: " + commands + " expected");
-  if (o.command == Command::methods || o.command == Command::amr || o.command == Command::effects)
+  if (o.command == Command::methods || o.command == Command::amr || o.command == Command::effects ||
+      o.command == Command::render)
     o.repetitions = 3;
   if (o.command == Command::amr)
     o.cells = {4'018'176};
@@ -167,6 +168,12 @@ Options parse(int argc, char** argv) {
     } else if (option == "--svg") {
       only(Command::scale, Command::scale);
       o.svg_file = value();
+    } else if (option == "--size") {
+      only(Command::render, Command::render);
+      o.size = number<int>(option, value(), 1, 16384);
+    } else if (option == "--out") {
+      only(Command::render, Command::render);
+      o.out_folder = value();
     } else if (option == "--peers") {
       o.peers = true;
     } else if (option == "--peer-points") {

@@ -102,7 +102,7 @@ TEST(Fields, TheDefaultSceneWithoutAScalarFieldIsNoReasonToStop) {
   run.mesh.cell_field("density", run.solver.density);
   EXPECT_TRUE(run.session.execute(10, 10.0)) << insitu_last_message();
   EXPECT_EQ(runs::names_of(runs::files_of(folder.path())),
-            (std::vector<std::string>{"frame_000010.png", "index.html", "run.js"}));
+            (std::vector<std::string>{"data.csv", "frame_000010.png", "index.html", "run.js"}));
 }
 
 // NaN, infinite, huge, tiny and constant values, in every place that reads them.

@@ -84,8 +84,8 @@ TEST(Survives, AFieldThatDoesNotExist) {
   session.close();
   const runs::Files files = runs::files_of(folder / "out");
   EXPECT_EQ(runs::names_of(files),
-            (std::vector<std::string>{"g_000000.png", "g_000001.png", "g_000002.png", "index.html",
-                                      "p.csv", "run.js", "t.csv"}));
+            (std::vector<std::string>{"data.csv", "g_000000.png", "g_000001.png", "g_000002.png",
+                                      "index.html", "p.csv", "run.js", "t.csv"}));
   EXPECT_EQ(runs::parse_table(files.at("p.csv")).rows.size(), 3u);
 }
 

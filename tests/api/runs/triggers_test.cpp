@@ -93,7 +93,8 @@ TEST(Triggers, FramesAreNamedByTheirCycle) {
   ASSERT_TRUE(run.execute());
   run.run(9);
   EXPECT_EQ(runs::names_of(runs::files_of(folder.path())),
-            (std::vector<std::string>{"f_000000.png", "f_000008.png", "index.html", "run.js"}));
+            (std::vector<std::string>{"data.csv", "f_000000.png", "f_000008.png", "index.html",
+                                      "run.js"}));
   EXPECT_EQ(run.session.report().frames, 2);
 }
 

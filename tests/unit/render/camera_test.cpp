@@ -102,5 +102,99 @@ TEST(Camera, RefusesWhatHasNoDirection) {
   EXPECT_THROW(RayGenerator(c, 4, 4), core::Error);
 }
 
+Vec3d corner_of(const Vec3d& low, const Vec3d& high, int corner) {
+  return {corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z};
+}
+
+TEST(Camera, ProjectsToWhereTheRaysCameFrom) {
+  for (const double height : {0.0, 3.0}) {
+    Camera c;
+    c.position = {3, -2, 1.5};
+    c.look_at = {0.2, 0.3, 0.1};
+    c.up = {0, 0.1, 1};
+    c.orthographic_height = height;
+    const RayGenerator rays(c, 31, 17);
+    for (const int x : {0, 7, 30})
+      for (const int y : {0, 9, 16}) {
+        const Ray ray = rays(x, y);
+        const auto at = rays.project(ray.origin + 2.5 * ray.direction);
+        ASSERT_TRUE(at);
+        EXPECT_NEAR((*at)[0], x + 0.5, 1e-10);
+        EXPECT_NEAR((*at)[1], y + 0.5, 1e-10);
+        EXPECT_FALSE(rays.project(ray.origin - 2.5 * ray.direction));
+      }
+  }
+}
+
+/// The box's picture touches the margin on both sides of one direction, and is centred in both.
+TEST(Camera, FitsABoxExactly) {
+  const Vec3d boxes[][2] = {{{-1, 2, 3}, {2, 4, 9}},
+                            {{0, 0, 0}, {100, 1, 1}},
+                            {{-1, -1, 0}, {1, 1, 0}}, // without thickness
+                            {{6.4e6, -6.4e6, 6.4e6}, {6.4e6 + 3, -6.4e6 + 1, 6.4e6 + 2}}};
+  for (const auto& [low, high] : boxes)
+    for (const double aspect : {0.1, 1.0, 8.0})
+      for (const double elevation : {-90.0, -30.0, 20.0, 90.0})
+        for (const double azimuth : {10.0, 200.0})
+          for (const bool orthographic : {false, true}) {
+            Camera c = Camera::around(low, high, azimuth, elevation, 1, 40, aspect);
+            const CameraAxes before(c);
+            c.orthographic_height = orthographic ? 1 : 0;
+            c = c.fitted(low, high, aspect, 1, 0.1);
+            EXPECT_NEAR(distance(before.forward, CameraAxes(c).forward), 0, 1e-8); // not turned
+            const int height = 1000, width = int(1000 * aspect);
+            const RayGenerator rays(c, width, height);
+            double least[2] = {HUGE_VAL, HUGE_VAL}, most[2] = {-HUGE_VAL, -HUGE_VAL};
+            for (int corner = 0; corner < 8; ++corner) {
+              const auto at = rays.project(corner_of(low, high, corner));
+              ASSERT_TRUE(at);
+              for (std::size_t a = 0; a < 2; ++a) {
+                const double part = (*at)[a] / (a == 0 ? width : height) * 2 - 1;
+                least[a] = std::min(least[a], part);
+                most[a] = std::max(most[a], part);
+              }
+            }
+            // 1e-5: at offsets of 6.4e6 a unit in the last place is 1e-9 of a mesh of size 3.
+            EXPECT_NEAR(std::max(most[0], most[1]), 0.9, 1e-5)
+                << aspect << " " << elevation << " " << azimuth << " " << orthographic;
+            EXPECT_NEAR(std::min(least[0], least[1]), -0.9, 1e-5);
+            EXPECT_NEAR(least[0] + most[0], 0, 1e-5);
+            EXPECT_NEAR(least[1] + most[1], 0, 1e-5);
+          }
+}
+
+TEST(Camera, FitsWhatHasNoExtent) {
+  Camera c = Camera::around({0, 0, 0}, {2, 0, 0}, 0, 0); // a line seen end on
+  const Camera line = c.fitted({0, 0, 0}, {2, 0, 0}, 1);
+  EXPECT_GT(line.position.x, 2);
+  const Camera point = Camera::around({1, 1, 1}, {1, 1, 1}, 30, 20).fitted({1, 1, 1}, {1, 1, 1}, 1);
+  EXPECT_TRUE(RayGenerator(point, 4, 4).project({1, 1, 1}));
+  c.orthographic_height = 1;
+  EXPECT_EQ(c.fitted({1, 1, 1}, {1, 1, 1}, 1).orthographic_height, 1);
+}
+
+TEST(Camera, HeightForShowsTheSphereFromEverySide) {
+  const Vec3d low{-1, 2, 3}, high{2, 4, 9};
+  const double diagonal = distance(low, high);
+  for (const double azimuth : {0.0, 33.0, 171.0}) {
+    const Camera c = Camera::around(low, high, azimuth, 20);
+    EXPECT_NEAR(c.height_for(low, high, Fit::sphere, 1), diagonal, 1e-12);
+    EXPECT_NEAR(c.height_for(low, high, Fit::sphere, 0.25), 4 * diagonal, 1e-12);
+    EXPECT_LT(c.height_for(low, high, Fit::box, 1), diagonal * 1.03);
+  }
+}
+
+TEST(Camera, FindsAnotherUp) {
+  Camera c;
+  c.position = {0, 0, 5};
+  c.up = {0, 0, -2};
+  EXPECT_THROW(RayGenerator(c, 4, 4), core::Error);
+  EXPECT_NO_THROW(RayGenerator(c.with_valid_up(), 4, 4));
+  c.up = {0, 0, 0};
+  EXPECT_NO_THROW(RayGenerator(c.with_valid_up(), 4, 4));
+  c.up = {0, 1, 5}; // all but along the view, and good
+  EXPECT_EQ(c.with_valid_up().up, c.up);
+}
+
 } // namespace
 } // namespace insitu::render

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <clocale>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -83,6 +84,74 @@ TEST(Overlay, TimeLabelIsDrawnAndSmallImagesSurvive) {
     draw_time_label(tiny, 1e300);
     draw_scalar_bar(tiny, {render::ColorMap::built_in("grey"), 0, 0}, "a long title of a field");
   }
+}
+
+/// Which axis a pixel belongs to, by the channel that stands out: 0 to 2, or -1.
+int axis_at(const core::Image& image, double x, double y) {
+  const float* p = image.pixel(int(x), int(y));
+  for (int a = 0; a < 3; ++a)
+    if (p[3] > 0 && p[a] > 0.2f + std::max(p[(a + 1) % 3], p[(a + 2) % 3]))
+      return a;
+  return -1;
+}
+
+TEST(Overlay, AxesPointWhereTheCameraSeesThem) {
+  const math::Vec3d units[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  int checked = 0;
+  for (const double height : {0.0, 2.0}) // orthographic too
+    for (const double azimuth : {0.0, 90.0, 35.0, 200.0})
+      for (const double elevation : {0.0, 20.0, -60.0, 90.0}) {
+        render::Camera camera = render::Camera::around({0, 0, 0}, {1, 1, 1}, azimuth, elevation);
+        camera.orthographic_height = height;
+        core::Image image(400, 300);
+        std::fill(image.rgba.begin(), image.rgba.end(), 1.0f);
+        draw_axes(image, render::CameraAxes(camera));
+        const AxesPlace place = axes_place(image);
+        ASSERT_GT(place.length, 20);
+        // Against the camera's own rays: where a short step along each axis goes.
+        const render::RayGenerator rays(camera, 400, 300);
+        const auto middle = *rays.project(camera.look_at);
+        for (int a = 0; a < 3; ++a) {
+          const auto step = *rays.project(camera.look_at + 1e-6 * units[a]);
+          double d[2] = {step[0] - middle[0], step[1] - middle[1]};
+          const double across = std::hypot(d[0], d[1]);
+          const auto x_step =
+              rays.project(camera.look_at + 1e-6 * render::CameraAxes(camera).right);
+          const double scale = place.length / ((*x_step)[0] - middle[0]);
+          if (across * scale < 0.3 * place.length)
+            continue;           // towards the viewer, or nearly so
+          bool covered = false; // by another axis that is seen in the same direction
+          for (int b = 0; b < 3; ++b) {
+            const auto other = *rays.project(camera.look_at + 1e-6 * units[b]);
+            const double e[2] = {other[0] - middle[0], other[1] - middle[1]};
+            covered |= b != a && d[0] * e[0] + d[1] * e[1] > 0.95 * across * std::hypot(e[0], e[1]);
+          }
+          if (covered)
+            continue;
+          ++checked;
+          // Near the tip, where no other axis is.
+          EXPECT_EQ(axis_at(image, place.x + 0.9 * scale * d[0], place.y + 0.9 * scale * d[1]), a)
+              << azimuth << " " << elevation;
+          EXPECT_NE(axis_at(image, place.x - 0.9 * scale * d[0], place.y - 0.9 * scale * d[1]), a)
+              << azimuth << " " << elevation;
+        }
+      }
+  EXPECT_GT(checked, 60);
+}
+
+TEST(Overlay, TheNearestAxisIsDrawnLast) {
+  // Seen along -x: x comes towards the viewer, over the others' beginnings.
+  core::Image image(400, 300);
+  const AxesPlace place = axes_place(image);
+  draw_axes(image, render::CameraAxes(render::Camera::around({0, 0, 0}, {1, 1, 1}, 0, 0)));
+  EXPECT_EQ(axis_at(image, place.x, place.y), 0);
+  core::Image behind(400, 300);
+  draw_axes(behind, render::CameraAxes(render::Camera::around({0, 0, 0}, {1, 1, 1}, 180, 0)));
+  EXPECT_NE(axis_at(behind, place.x, place.y), 0);
+  EXPECT_GT(image.pixel(int(place.x), int(place.y))[3], 0.9f); // on a transparent background too
+  core::Image small(40, 300);
+  draw_axes(small, render::CameraAxes(render::Camera()));
+  EXPECT_EQ(*std::max_element(small.rgba.begin(), small.rgba.end()), 0.0f);
 }
 
 } // namespace

@@ -61,7 +61,9 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
       {"integrator", "tracers: [{integrator: {zzz: 1}}]"},
       {"until", "tracers: [{until: {zzz: 1}}]"},
       {"frames", "frames: [{zzz: 1}]"},
+      {"background", "frames: [{background: {zzz: 1}}]"},
       {"camera", "frames: [{camera: {zzz: 1}}]"},
+      {"path", "frames: [{camera: {path: [{zzz: 1}]}}]"},
       {"orbit", "frames: [{camera: {orbit: {zzz: 1}}}]"},
       {"volume", "frames: [{volume: {zzz: 1}}]"},
       {"path_tracing", "frames: [{path_tracing: {zzz: 1}}]"},
@@ -72,6 +74,9 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
       {"box of a clip", "frames: [{clip: [{box: {zzz: 1}}]}]"},
       {"sphere of a clip", "frames: [{clip: [{sphere: {zzz: 1}}]}]"},
       {"ambient_occlusion", "frames: [{effects: [{ambient_occlusion: {zzz: 1}}]}]"},
+      {"boundary", "frames: [{boundary: {zzz: 1}}]"},
+      {"bodies", "frames: [{bodies: [{zzz: 1}]}]"},
+      {"outline", "frames: [{outline: {zzz: 1}}]"},
       {"color", "frames: [{isosurfaces: [{color: {zzz: 1}}]}]"}};
   const auto sections = documented();
   for (const auto& [section, scene] : scenes) {

@@ -95,7 +95,7 @@ TEST(SceneFrames, CameraErrors) {
   EXPECT_EQ(frame_error("camera: {azimut: 3}"),
             "s.yaml:2: key 'azimut' is unknown in frames[0].camera; did you mean 'azimuth'? (keys: "
             "azimuth, "
-            "elevation, zoom, position, look_at, up, fov, orbit)");
+            "elevation, zoom, position, look_at, up, fov, orthographic, fit, orbit, path)");
   EXPECT_EQ(frame_error("camera: {elevation: 91}"),
             "s.yaml:2: frames[0].camera.elevation: a number from -90 to 90 expected, '91' found");
   EXPECT_EQ(frame_error("camera: {azimuth: 361}"),
@@ -114,7 +114,7 @@ TEST(SceneFrames, CameraErrors) {
   EXPECT_NE(frame_error("camera: {position: [0, 0, 5], look_at: [0, 0, 0]}")
                 .find("'up' points along the view"),
             std::string::npos);
-  EXPECT_NE(frame_error("camera: path.json").find("camera paths are not available in this version"),
+  EXPECT_NE(frame_error("camera: path.json").find("frames[0].camera: auto or a map of azimuth"),
             std::string::npos);
   EXPECT_NE(frame_error("camera: {orbit: {}}")
                 .find("key 'azimuth_per_frame' is missing in frames[0].camera.orbit"),
@@ -240,7 +240,8 @@ TEST(SceneFrames, Errors) {
   EXPECT_EQ(frame_error("accuracy: exat"), "s.yaml:2: frames[0].accuracy: 'exat' is not one of "
                                            "fast, standard, exact; did you mean 'exact'?");
   EXPECT_EQ(error_of("frames: [{name: f}]"),
-            "s.yaml:2: frames[0]: the frame draws nothing; give it a 'volume' or 'isosurfaces'");
+            "s.yaml:2: frames[0]: the frame draws nothing; give it a 'volume', 'isosurfaces', "
+            "'boundary', 'bodies' or 'outline'");
   EXPECT_NE(error_of("frames: [{name: f, isosurfaces: []}]").find("draws nothing"),
             std::string::npos);
   EXPECT_NE(

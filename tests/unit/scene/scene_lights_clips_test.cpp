@@ -89,3 +89,27 @@ TEST(SceneClip, Errors) {
   EXPECT_TRUE(tells(frame_error("clip: [{sphere: {center: [0, 0, 2], radius: 1, keep: in}}]"),
                     "'in' is not one of inside, outside"));
 }
+
+TEST(SceneTriangles, BoundaryBodiesAndOutline) {
+  const Frame f = test::parse("frames: [{name: f, boundary: {}, bodies: [{file: a/b.stl}], "
+                              "outline: {}}]")
+                      .frames[0];
+  EXPECT_EQ(f.boundary->opacity, 1);
+  EXPECT_EQ(std::get<Color>(f.boundary->color), (Color{0.8, 0.8, 0.8}));
+  EXPECT_EQ(f.bodies[0].path, "/base/a/b.stl");
+  EXPECT_EQ(f.bodies[0].opacity, 1);
+  EXPECT_EQ(f.bodies[0].line, 2);
+  EXPECT_EQ(f.outline->color, (Color{0, 0, 0}));
+  EXPECT_EQ(f.outline->width, 1.5);
+  const Frame g = frame("boundary: {opacity: 0.25, color: {field: p}}, bodies: [{file: /c.stl, "
+                        "opacity: 0.5, color: red}], outline: {color: white, width: 3}");
+  EXPECT_EQ(g.boundary->opacity, 0.25);
+  EXPECT_EQ(std::get<ColorBy>(g.boundary->color).field.text, "p");
+  EXPECT_EQ(g.bodies[0].path, "/c.stl");
+  EXPECT_EQ(g.bodies[0].opacity, 0.5);
+  EXPECT_EQ(g.bodies[0].color, (Color{1, 0, 0}));
+  EXPECT_EQ(g.outline->width, 3);
+  EXPECT_TRUE(tells(frame_error("bodies: [{}]"), "'file'"));
+  EXPECT_TRUE(tells(frame_error("outline: {width: 0}"), "a number above 0"));
+  EXPECT_TRUE(tells(frame_error("boundary: {opacity: 2}"), "a number from 0 to 1"));
+}

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <vector>
+
+#include "math/vec.h"
+#include "render/camera.h"
+#include "render/surface_hit.h"
+
+namespace insitu::render {
+
+/// The edges of the mesh's bounding box as lines.
+struct OutlineSettings {
+  Color color{0, 0, 0};
+  double width = 1.5; ///< in pixels
+};
+
+/// Draws lines of a width in pixels, with smooth borders, as hits among those of surfaces: what is
+/// nearer hides them. Lines are nearer by their own width than they are, so that surfaces they lie
+/// on do not. They are neither lit nor cut.
+class Outline {
+public:
+  /// The camera must be one that RayGenerator takes, for an image of that size.
+  Outline(const OutlineSettings& settings, const Camera& camera, int width, int height,
+          const math::Vec3d& low, const math::Vec3d& high);
+
+  /// Adds the lines at pixel (x, y), whose ray this is, to hits in depth order. To be called last:
+  /// SurfaceHit::surface is -1.
+  void add(int x, int y, const Ray& ray, std::vector<SurfaceHit>& hits) const;
+
+private:
+  /// Where a point is seen, in pixels from the image's middle, and how far off along the view.
+  struct Seen {
+    double x, y, depth;
+  };
+  struct Line {
+    Seen a, b;
+  };
+  Seen project(const math::Vec3d& p) const;
+
+  OutlineSettings settings_;
+  math::Vec3d position_, forward_, right_, down_;
+  double middle_x_, middle_y_;
+  double pixel_; ///< its extent, at distance 1 (orthographic: in mesh units)
+  bool orthographic_;
+  std::vector<Line> lines_;
+};
+
+} // namespace insitu::render

@@ -1,0 +1,169 @@
+#include "render/triangle_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "accel/faces/face_table.h"
+#include "cells/faces.h"
+
+namespace insitu::render {
+
+namespace {
+
+using accel::none;
+using math::Vec3d;
+using Face = accel::FaceTable::Face;
+
+bool lower(const Vec3d& a, const Vec3d& b) {
+  if (a.x != b.x)
+    return a.x < b.x;
+  return a.y != b.y ? a.y < b.y : a.z < b.z;
+}
+bool same(const Vec3d& a, const Vec3d& b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+/// A face's corners, the lowest first.
+struct Corners {
+  std::array<Vec3d, 4> x;
+  int count;
+
+  friend bool operator<(const Corners& a, const Corners& b) {
+    if (a.count != b.count)
+      return a.count < b.count;
+    for (std::size_t k = 0; k < std::size_t(a.count); ++k)
+      if (!same(a.x[k], b.x[k]))
+        return lower(a.x[k], b.x[k]);
+    return false;
+  }
+};
+
+int corner_count(const Face& face) {
+  return face.vertices[3] == none ? 3 : 4;
+}
+
+void corners(const mesh::MeshView& mesh, const Face& face, Vec3d* x) {
+  const std::int32_t piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(face.cell);
+  for (int k = 0; k < corner_count(face); ++k)
+    x[k] = mesh.pieces[piece].point(std::int64_t(face.vertices[k]) - mesh.first_vertex[piece]);
+}
+
+/// Removes pairs of faces with the same corners: those of neighbouring pieces, or gridlets, whose
+/// vertices are numbered apart.
+void remove_pairs(const mesh::MeshView& mesh, std::vector<Face>& faces,
+                  const core::Threads& threads) {
+  std::vector<Corners> keys(faces.size());
+  threads.parallel_for(std::int64_t(faces.size()), 1024, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = std::size_t(begin); i < std::size_t(end); ++i) {
+      keys[i].count = corner_count(faces[i]);
+      corners(mesh, faces[i], keys[i].x.data());
+      std::sort(keys[i].x.begin(), keys[i].x.begin() + keys[i].count, lower);
+    }
+  });
+  std::vector<std::uint32_t> order(faces.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    if (keys[a] < keys[b] || keys[b] < keys[a])
+      return keys[a] < keys[b];
+    return a < b;
+  });
+  std::vector<bool> gone(faces.size(), false);
+  for (std::size_t i = 0; i + 1 < order.size(); ++i)
+    if (!(keys[order[i]] < keys[order[i + 1]])) {
+      gone[order[i]] = gone[order[i + 1]] = true;
+      ++i;
+    }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    if (!gone[i])
+      faces[kept++] = faces[i];
+  faces.resize(kept);
+}
+
+} // namespace
+
+TriangleMesh::TriangleMesh(core::Memory& memory)
+    : memory_(&memory), points_(memory, INSITU_MEMORY_FRAME),
+      triangles_(memory, INSITU_MEMORY_FRAME), vertices_(memory, INSITU_MEMORY_FRAME),
+      cells_(memory, INSITU_MEMORY_FRAME) {}
+
+std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
+                                                     const core::Threads& threads,
+                                                     core::Memory& memory) {
+  std::vector<Face> faces;
+  bool apart = mesh.piece_count > 1;
+  for (std::int32_t p = 0; p < mesh.piece_count; ++p)
+    apart = apart || mesh.pieces[p].gridlets;
+  {
+    accel::FaceTable table(memory);
+    table.build(mesh, threads);
+    faces.reserve(std::size_t(table.boundary_faces()));
+    for (const Face& face : table.faces())
+      if (face.other == none)
+        faces.push_back(face);
+  }
+  if (apart)
+    remove_pairs(mesh, faces, threads);
+
+  std::unique_ptr<TriangleMesh> out(new TriangleMesh(memory));
+  std::vector<std::uint32_t> ids;
+  for (const Face& face : faces)
+    ids.insert(ids.end(), face.vertices, face.vertices + corner_count(face));
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  out->vertices_.resize_discard(ids.size());
+  std::copy(ids.begin(), ids.end(), out->vertices_.begin());
+  out->points_.resize_discard(ids.size());
+  const auto place = [&](std::uint32_t id) {
+    return std::uint32_t(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
+  };
+  for (const Face& face : faces) {
+    Vec3d x[4];
+    corners(mesh, face, x);
+    std::uint32_t at[4];
+    const int count = corner_count(face);
+    for (int k = 0; k < count; ++k) {
+      at[k] = place(face.vertices[k]);
+      out->points_[at[k]] = x[k];
+    }
+    if (count == 3) {
+      out->triangles_.push_back({at[0], at[1], at[2]});
+    } else {
+      const cells::Quad q = cells::canonical_order(cells::Face{4, {0, 1, 2, 3}}, x);
+      const auto& v = q.vertices;
+      out->triangles_.push_back({at[v[0]], at[v[1]], at[v[2]]});
+      out->triangles_.push_back({at[v[0]], at[v[2]], at[v[3]]});
+      out->cells_.push_back(face.cell);
+    }
+    out->cells_.push_back(face.cell);
+  }
+  out->build(threads);
+  return out;
+}
+
+std::unique_ptr<TriangleMesh>
+TriangleMesh::body(const TriangleList& list, const core::Threads& threads, core::Memory& memory) {
+  std::unique_ptr<TriangleMesh> out(new TriangleMesh(memory));
+  out->points_.resize_discard(list.corners.size());
+  std::copy(list.corners.begin(), list.corners.end(), out->points_.begin());
+  out->triangles_.resize_discard(list.corners.size() / 3);
+  for (std::uint32_t i = 0; i < out->triangles_.size(); ++i)
+    out->triangles_[i] = {3 * i, 3 * i + 1, 3 * i + 2};
+  out->build(threads);
+  return out;
+}
+
+void TriangleMesh::build(const core::Threads& threads) {
+  triangles_.shrink();
+  cells_.shrink();
+  rays_ =
+      std::make_unique<accel::TriangleRays>(points_.span(), triangles_.span(), threads, *memory_);
+}
+
+std::int64_t TriangleMesh::bytes() const {
+  return std::int64_t(points_.bytes() + triangles_.bytes() + vertices_.bytes() + cells_.bytes()) +
+         rays_->bytes();
+}
+
+} // namespace insitu::render

@@ -1,0 +1,370 @@
+#include "render.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "commands.h"
+#include "format.h"
+#include "output/png.h"
+#include "query/ray_bundle.h"
+#include "render/structures.h"
+
+namespace insitu::bench {
+
+namespace {
+
+using core::Image;
+using math::Vec3d;
+using render::FrameSettings;
+
+/// A frame as it was drawn, some times.
+struct Drawn {
+  std::string name;
+  double factor = 0.0; ///< of the default step
+  Series one, all;     ///< on one thread; on all of the machine's
+  render::FrameStatistics statistics;
+  double error = 0.0; ///< of the converged frame: the root of the mean square over colours
+  Image image;
+};
+
+double rms_error(const Image& a, const Image& b) {
+  double sum = 0.0;
+  const int count = a.width * a.height;
+  for (int i = 0; i < count; ++i)
+    for (int c = 0; c < 3; ++c) {
+      const double d = double(a.pixel(i % a.width, i / a.width)[c]) -
+                       double(b.pixel(i % a.width, i / a.width)[c]);
+      sum += d * d;
+    }
+  return std::sqrt(sum / (3.0 * count));
+}
+
+class Bench {
+public:
+  explicit Bench(const Options& o) : o_(o), setup_(o), all_(0) {
+    const std::vector<double>& f = setup_.field;
+    low_ = *std::min_element(f.begin(), f.end());
+    high_ = *std::max_element(f.begin(), f.end());
+    mesh_ = setup_.register_mesh();
+    setup_.commit(*mesh_);
+  }
+
+  Output run() {
+    const FrameSettings base = frame(function(0.0, 0.02));
+    progress("converged frame");
+    const Image truth = draw(base, converged, nullptr, nullptr).image;
+    save("converged", truth);
+    text_ = "insitu-bench render: " + describe(o_, setup_.mesh.cell_count(), 1) + ", frames of " +
+            std::to_string(o_.size) + " x " + std::to_string(o_.size) + "\n\n";
+    text_ +=
+        format("%-30s %6s %9s %9s %9s %9s %9s %10s\n", "frame", "step", "1 core s", "prepare s",
+               format("%d cores", all_.count()).c_str(), "Msamples", "M/s, core", "error");
+    json_ = "{\n  \"frames\": [";
+    for (const double factor : {2.0, 1.0, 0.5, 0.25})
+      add(measure("volume", base, factor, &truth));
+    rows_.front().name = "volume"; // the one that others are held against
+    const FrameSettings opaque = frame(function(0.0, 0.6)), sparse = frame(band());
+    add(measure("dense: rays end early", opaque, 1.0, nullptr));
+    add(measure("sparse: little shows", sparse, 1.0, nullptr));
+    FrameSettings surface = base;
+    surface.volume.reset();
+    surface.isosurfaces.push_back(
+        {render::ScalarField{mesh_->mesh().field("f"), 0}, {0.5 * (low_ + high_)}, 1});
+    add(measure("isosurface", surface, 1.0, nullptr));
+    json_ += "\n  ]";
+    const double bare = rows_[1].one.for_ratio(1);
+    text_ += format("\nof the volume at the default step: dense %.2f, sparse %.2f of the time; "
+                    "steps of 2: %.2f\n",
+                    rows_[4].one.for_ratio(1) / bare, rows_[5].one.for_ratio(1) / bare,
+                    rows_[0].one.for_ratio(1) / bare);
+    text_ += format("million rays a second on one core (Rathke 2015, table 4): isosurface %.2f, "
+                    "volume %.2f\n",
+                    mrays(rows_[6]), mrays(rows_[1]));
+    fields_only(base);
+    peer(base, truth);
+    groups(base);
+    json_ += "\n}\n";
+    return {text_, json_, 0};
+  }
+
+private:
+  static constexpr double converged = 1.0 / 16; ///< of the default step
+
+  render::TransferFunction function(double least, double most) const {
+    return {render::ColorMap::built_in("viridis"), low_, high_, {{low_, least}, {high_, most}}};
+  }
+  /// A shell that a twentieth of the range shows.
+  render::TransferFunction band() const {
+    const double middle = 0.5 * (low_ + high_), half = 0.025 * (high_ - low_);
+    return {render::ColorMap::built_in("viridis"),
+            low_,
+            high_,
+            {{middle - half, 0.0}, {middle, 0.3}, {middle + half, 0.0}}};
+  }
+  FrameSettings frame(const render::TransferFunction& function) const {
+    FrameSettings s;
+    s.width = s.height = o_.size;
+    const query::Sampler sampler = mesh_->sampler();
+    s.camera = render::Camera::around(sampler.tree().bounds_min(), sampler.tree().bounds_max(), 30,
+                                      20, 1.45);
+    s.background = {0, 0, 0};
+    s.volume = render::VolumeSettings{render::ScalarField{mesh_->mesh().field("f"), 0}, function};
+    s.volume->accuracy = o_.accuracy;
+    const Vec3d size = sampler.tree().bounds_max() - sampler.tree().bounds_min();
+    s.volume->unit_distance = 0.01 * std::sqrt(dot(size, size));
+    return s;
+  }
+  static void set_step(FrameSettings& s, double factor) {
+    if (s.volume)
+      s.volume->step_factor *= factor;
+  }
+  double mrays(const Drawn& d) const {
+    return 1e-6 * double(d.statistics.rays) / d.one.for_ratio(1);
+  }
+
+  Drawn draw(FrameSettings settings, double factor, Series* one, Series* all) {
+    set_step(settings, factor);
+    Drawn out;
+    const core::Threads single(1);
+    const auto render = [&](const core::Threads& threads) {
+      out.image = render::render_frame(mesh_->sampler(), settings, threads, setup_.context.memory,
+                                       &out.statistics)
+                      .color;
+    };
+    if (all)
+      all->time([&] { render(all_); });
+    if (one)
+      one->time([&] { render(single); });
+    if (!one && !all)
+      render(all_);
+    return out;
+  }
+
+  Drawn measure(const std::string& name, const FrameSettings& settings, double factor,
+                const Image* truth) {
+    progress(name + format(", step %g", factor));
+    Series one, all;
+    Drawn out;
+    for (int i = 0; i < o_.repetitions; ++i)
+      out = draw(settings, factor, &one, &all);
+    out.name = name;
+    out.factor = factor;
+    out.one = one;
+    out.all = all;
+    if (truth)
+      out.error = rms_error(out.image, *truth);
+    save(name + format("-%g", factor), out.image);
+    return out;
+  }
+
+  void add(const Drawn& d) {
+    const double one = d.one.for_ratio(1), all = d.all.median();
+    const double rate = d.statistics.samples ? 1e-6 * double(d.statistics.samples) / one : 0.0;
+    text_ += format("%-30s %6g %9.3f %9.3f %9.3f %9.2f %9.2f %10.2e\n", d.name.c_str(), d.factor,
+                    one, d.statistics.prepare_seconds, all, 1e-6 * double(d.statistics.samples),
+                    rate, d.error);
+    json_ += std::string(rows_.empty() ? "" : ",") + "\n    {\"name\": " + quoted(d.name) +
+             ", \"step\": " + number(d.factor) + ", \"one_core_s\": " + number(one) +
+             ", \"all_cores_s\": " + number(all) +
+             ", \"prepare_s\": " + number(d.statistics.prepare_seconds) +
+             ", \"samples\": " + std::to_string(d.statistics.samples) +
+             ", \"rms_error\": " + number(d.error) + "}";
+    rows_.push_back(d);
+  }
+
+  /// What frames keep is not made anew for new values.
+  void fields_only(const FrameSettings& settings) {
+    progress("fields-only commit");
+    render::Structures structures(setup_.context.memory);
+    const core::Threads single(1);
+    const auto cycle = [&] {
+      structures.begin(mesh_->sampler(), mesh_->tree_version(), mesh_->fields_version(), single);
+      (void)render::render_frame(mesh_->sampler(), settings, structures, single);
+      structures.end();
+      return structures.counts();
+    };
+    // So many queries may pay for a better tree, once: the commit after that is looked at.
+    std::uint64_t tree;
+    render::Structures::Counts before, after = cycle();
+    insitu_commit_report report;
+    int commits = 0;
+    do {
+      tree = mesh_->tree_version();
+      before = after;
+      mesh_->mesh().set_changed(INSITU_CHANGED_FIELDS);
+      report = setup_.commit(*mesh_);
+      after = cycle();
+    } while (mesh_->tree_version() != tree && ++commits < 4);
+    const std::int64_t built = std::int64_t(after.averages - before.averages) +
+                               (after.macrocells - before.macrocells) +
+                               std::int64_t(mesh_->tree_version() != tree);
+    text_ +=
+        format("after a commit of new values alone (%.1f us): %lld structures built anew, "
+               "%lld given new values in place\n",
+               1e6 * report.seconds, static_cast<long long>(built),
+               static_cast<long long>(after.macrocells_refreshed - before.macrocells_refreshed));
+    json_ += ",\n  \"built_after_fields_commit\": " + std::to_string(built);
+  }
+
+  /// VTK's frame against ours that is no worse.
+  void peer(const FrameSettings& settings, const Image& truth) {
+    if (!o_.peers)
+      return;
+    progress("vtkUnstructuredGridVolumeRayCastMapper");
+    std::string why;
+    const auto vtk = draw_by_vtk(setup_.mesh, setup_.field, settings, o_.repetitions, why);
+    if (!vtk) {
+      text_ += "\nno frame by VTK: " + why + "\n";
+      return;
+    }
+    save("vtk", vtk->color);
+    const double error = rms_error(vtk->color, truth);
+    text_ += format("\n%s: %s cells after %.2f s of conversion, first frame %.2f s, then %.2f s; "
+                    "error %.2e\n",
+                    vtk->name.c_str(), grouped(vtk->cells).c_str(), vtk->convert_seconds,
+                    vtk->first_seconds, vtk->seconds, error);
+    const Drawn* equal = nullptr;
+    for (int i = 0; i < 4; ++i) // the longest step that is no worse
+      if (!equal && rows_[std::size_t(i)].error <= error)
+        equal = &rows_[std::size_t(i)];
+    json_ += ",\n  \"vtk\": {\"cells\": " + std::to_string(vtk->cells) +
+             ", \"convert_s\": " + number(vtk->convert_seconds) +
+             ", \"first_s\": " + number(vtk->first_seconds) +
+             ", \"frame_s\": " + number(vtk->seconds) + ", \"rms_error\": " + number(error);
+    if (equal) {
+      const double ratio = vtk->seconds / equal->one.for_ratio(1);
+      text_ += format("ours with a step of %g and an error of %.2e is %.1f times as fast\n",
+                      equal->factor, equal->error, ratio);
+      json_ += ", \"ratio_at_equal_error\": " + number(ratio);
+    } else {
+      text_ += "none of ours is as near to the converged frame\n";
+    }
+    json_ += "}";
+  }
+
+  /// Rathke 2015, tables 1 to 3: samples located one by one, in batches, and in bundles of rays by
+  /// the length of the stretch that is asked for at once.
+  void groups(const FrameSettings& settings) {
+    const double steps[] = {2.0, 1.0, 0.5, 0.25};
+    text_ += "\nmillion samples a second located on one core (Rathke 2015, tables 1 to 3)\n";
+    text_ += format("%-34s", "step");
+    for (const double step : steps)
+      text_ += format(" %8g", step);
+    text_ += "\n";
+    json_ += ",\n  \"located_mqps\": {";
+    const int ways[] = {-1, 0, 1, 4, 8, 16, 24, 32};
+    for (const int way : ways) {
+      const std::string name = way < 0    ? "one by one, the last cell first"
+                               : way == 0 ? "batches along rays"
+                                          : "bundles, " + std::to_string(way) + " of a ray at once";
+      text_ += format("%-34s", name.c_str());
+      json_ += std::string(way < 0 ? "" : ",") + "\n    " + quoted(name) + ": [";
+      for (const double step : steps) {
+        progress(name + format(", step %g", step));
+        const double rate = locate_all(settings, step, way);
+        text_ += format(" %8.2f", rate);
+        json_ += std::string(step == steps[0] ? "" : ", ") + number(rate);
+      }
+      text_ += "\n";
+      json_ += "]";
+    }
+    json_ += "\n  }";
+  }
+
+  /// Of every fourth tile each way. Returns millions a second.
+  double locate_all(FrameSettings settings, double factor, int way) {
+    set_step(settings, factor);
+    constexpr int tile = 16, most = query::RayBundleLocator::most_depth;
+    const query::Sampler sampler = mesh_->sampler();
+    const double step = settings.volume->step_factor * render::typical_cell_size(sampler);
+    const render::RayGenerator rays(settings.camera, settings.width, settings.height);
+    const render::VolumeMarcher marcher(sampler, *settings.volume);
+    const query::LocateOptions options{o_.accuracy, 1.0};
+    query::RayBundleLocator bundle(sampler, options);
+    std::int64_t samples = 0;
+
+    std::vector<query::Location> found(std::size_t(tile * tile * most));
+    std::vector<Vec3d> points;
+    for (int y0 = 0; y0 + tile <= settings.height; y0 += 4 * tile)
+      for (int x0 = 0; x0 + tile <= settings.width; x0 += 4 * tile) {
+        std::vector<query::LatticeRay> lattice;
+        std::vector<render::RayState> states(std::size_t(tile * tile));
+        std::int64_t first = INT64_MAX, end = 0;
+        for (int i = 0; i < tile * tile; ++i) {
+          render::RayState& s = states[std::size_t(i)];
+          s.ray = rays(x0 + i % tile, y0 + i / tile);
+          marcher.start(s);
+          lattice.push_back({s.ray.origin, s.ray.direction});
+          if (s.next < s.end)
+            first = std::min(first, s.next);
+          end = std::max(end, s.end);
+        }
+        if (first >= end)
+          continue;
+        time_.time([&] {
+          if (way > 0) {
+            bundle.set_rays(lattice, tile, step);
+            std::vector<std::uint32_t> wanted(lattice.size());
+            for (; first < end; first += way) {
+              for (std::size_t r = 0; r < states.size(); ++r) {
+                wanted[r] = 0;
+                for (int k = 0; k < way; ++k)
+                  if (first + k >= states[r].next && first + k < states[r].end) {
+                    wanted[r] |= std::uint32_t(1) << k;
+                    ++samples;
+                  }
+              }
+              bundle.locate(first, way, wanted, found);
+            }
+            return;
+          }
+          for (const render::RayState& s : states) {
+            points.clear();
+            for (std::int64_t i = s.next; i < s.end; ++i)
+              points.push_back(s.ray.origin + ((double(i) + 0.5) * step) * s.ray.direction);
+            samples += std::int64_t(points.size());
+            if (found.size() < points.size())
+              found.resize(points.size());
+            if (way == 0) {
+              sampler.locate_serial(points, std::span(found).first(points.size()), options);
+              continue;
+            }
+            std::int64_t hint = -1;
+            for (std::size_t i = 0; i < points.size(); ++i) {
+              found[i] = sampler.locate(points[i], hint, options);
+              hint = found[i].cell;
+            }
+          }
+        });
+      }
+    const double seconds = time_.cpu_sum();
+    time_ = {};
+    return 1e-6 * double(samples) / seconds;
+  }
+
+  void save(std::string name, const Image& image) const {
+    if (o_.out_folder.empty())
+      return;
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c == ' ' || c == ':'; }, '_');
+    output::write_png((std::filesystem::path(o_.out_folder) / (name + ".png")).string(), image);
+  }
+
+  const Options& o_;
+  Setup setup_;
+  core::Threads all_;
+  std::unique_ptr<query::CommittedMesh> mesh_;
+  double low_ = 0.0, high_ = 1.0;
+  std::vector<Drawn> rows_;
+  Series time_; ///< of locate_all
+  std::string text_, json_;
+};
+
+} // namespace
+
+Output render(const Options& options) {
+  return Bench(options).run();
+}
+
+} // namespace insitu::bench

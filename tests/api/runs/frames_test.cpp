@@ -1,0 +1,273 @@
+// Frames of a run: cameras, files of every kind, and the table that tells of them.
+#include <cmath>
+#include <gtest/gtest.h>
+#include <set>
+
+#include "coupled.h"
+#include "output/png.h"
+
+namespace {
+
+using runs::Coupled;
+
+runs::Table table_of(const test::Folder& folder) {
+  return runs::parse_table(test::content(folder / "data.csv"));
+}
+
+/// Pixels of a PNG file that are not white.
+int drawn(const std::string& path) {
+  const insitu::output::PngImage image = insitu::output::read_png(path);
+  int count = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const std::uint8_t* p = image.pixel(x, y);
+      count += p[0] < 255 || p[1] < 255 || p[2] < 255;
+    }
+  return count;
+}
+
+TEST(Frames, ATableOfCamerasCyclesAndFiles) {
+  const test::Folder folder;
+  Coupled run({.scene = R"(insitu: 1
+every: 2
+frames:
+  - name: several
+    size: [24, 16]
+    cameras:
+      front: {azimuth: 0, elevation: 0}
+      top: {elevation: 90, azimuth: 30, orthographic: true}
+      around: {path: [{cycle: 0, azimuth: -90}, {cycle: 8, azimuth: 90}], elevation: 10}
+    format: [png, exr]
+    volume: {field: density}
+  - name: single
+    size: [16, 16]
+    every: 4
+    camera: {position: [3, 3, 3], look_at: [0.5, 0.5, 0.5]}
+    isosurfaces: [{field: pressure, values: [0.01], color: {field: velocity, component: 1, range: [-1, 2]}}]
+)",
+               .output = folder.path()});
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  run.run(4);
+  const runs::Table t = table_of(folder);
+  EXPECT_EQ(t.columns, (std::vector<std::string>{"cycle", "time", "name", "camera", "format", "phi",
+                                                 "theta", "camera_x", "camera_y", "camera_z",
+                                                 "density_low", "density_high", "velocity_1_low",
+                                                 "velocity_1_high", "FILE"}));
+  ASSERT_EQ(t.rows.size(), 3u * 3 * 2 + 2); // three cycles of three cameras in two formats
+  std::set<std::string> files;
+  double last_high = 0;
+  for (std::size_t row = 0; row < t.rows.size(); ++row) {
+    const std::string file = t.text(row, "FILE");
+    SCOPED_TRACE(file);
+    EXPECT_TRUE(files.insert(file).second);
+    EXPECT_TRUE(std::filesystem::exists(folder / file));
+    const auto cycle = int(t.number(row, "cycle"));
+    const std::string camera = t.text(row, "camera"), name = t.text(row, "name");
+    char number[16];
+    std::snprintf(number, sizeof number, "_%06d.", cycle);
+    EXPECT_EQ(file, name + (camera.empty() ? "" : "_" + camera) + number + t.text(row, "format"));
+    // Cinema's tools take a column's type from its first row.
+    EXPECT_NE(t.text(row, "time").find_first_of(".e"), std::string::npos);
+    if (camera == "front") {
+      EXPECT_EQ(t.text(row, "phi"), "0.0");
+      EXPECT_EQ(t.text(row, "theta"), "0.0");
+      EXPECT_GT(t.number(row, "camera_x"), 1);
+    } else if (camera == "top") {
+      EXPECT_EQ(t.text(row, "theta"), "90.0");
+      EXPECT_EQ(t.text(row, "phi"), "30.0");
+    } else if (camera == "around") {
+      EXPECT_NEAR(t.number(row, "phi"), -90 + 22.5 * cycle, 1e-6);
+      EXPECT_NEAR(t.number(row, "theta"), 10, 1e-6);
+    }
+    if (name == "several") { // what the colours stretched over
+      EXPECT_EQ(t.text(row, "velocity_1_low"), "");
+      EXPECT_LT(t.number(row, "density_low"), t.number(row, "density_high"));
+      last_high = t.number(row, "density_high");
+    } else {
+      EXPECT_EQ(t.text(row, "density_low"), "");
+      EXPECT_EQ(t.text(row, "velocity_1_low"), "-1.0");
+      EXPECT_EQ(t.text(row, "velocity_1_high"), "2.0");
+    }
+  }
+  EXPECT_EQ(last_high, *std::max_element(run.solver.density.begin(), run.solver.density.end()));
+  EXPECT_EQ(run.session.report().frames, 3 * 3 + 2);
+}
+
+TEST(Frames, ARestartDropsLaterRowsAndASceneThatChangedKeepsOlderColumns) {
+  const test::Folder folder;
+  const std::string scene = "insitu: 1\nframes:\n  - {name: 'a, \"b\"', size: [8, 8], volume: "
+                            "{field: density}";
+  {
+    // The name has what CSV must quote, but a file system takes.
+    std::string named = scene;
+    named.replace(named.find("'a, \"b\"'"), 8, "'a, b'");
+    Coupled run({.scene = named + "}\n", .output = folder.path()});
+    ASSERT_TRUE(run.execute()) << insitu_last_message();
+    run.run(5);
+  }
+  {
+    Coupled run({.scene = "insitu: 1\nframes:\n  - {name: c, size: [8, 8], images: [color], "
+                          "cameras: {x: auto}, volume: {field: pressure}}\n",
+                 .output = folder.path()});
+    while (run.solver.cycle() < 3)
+      run.solver.advance();
+    run.mesh.changed(insitu::geometry | insitu::fields);
+    ASSERT_TRUE(run.execute()) << insitu_last_message();
+  }
+  const std::string text = test::content(folder / "data.csv");
+  EXPECT_EQ(
+      text.substr(0, text.find('\n')),
+      "cycle,time,name,camera,phi,theta,camera_x,camera_y,camera_z,pressure_low,pressure_high,"
+      "density_low,density_high,FILE");
+  std::vector<std::string> lines;
+  for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1)
+    lines.push_back(text.substr(at, text.find('\n', at) - at));
+  ASSERT_EQ(lines.size(), 5u) << text; // cycles 0, 1, 2 of the first run and 3 of the second
+  EXPECT_EQ(lines[3].substr(0, 2), "2,");
+  EXPECT_NE(lines[3].find("\"a, b\","), std::string::npos) << lines[3];
+  EXPECT_TRUE(lines[3].ends_with(",\"a, b_000002.png\"")) << lines[3];
+  EXPECT_EQ(lines[4].substr(0, 2), "3,");
+  EXPECT_TRUE(lines[4].ends_with(",,,c_x_000003.png")) << lines[4];
+}
+
+TEST(Frames, ATableThatAnotherRunWritesIsNoReasonToDrawNothing) {
+  const test::Folder folder;
+  const auto scene = [](const std::string& name) {
+    return "insitu: 1\npage: false\nframes:\n  - {name: " + name +
+           ", size: [8, 8], volume: {field: density}}\n";
+  };
+  Coupled first({.scene = scene("a"), .output = folder.path()});
+  Coupled second({.scene = scene("b"), .output = folder.path()});
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(first.session.execute(i, i));
+    EXPECT_TRUE(second.session.execute(i, i)) << insitu_last_message();
+  }
+  EXPECT_TRUE(first.log.empty());
+  ASSERT_EQ(second.log.size(), 1u);
+  EXPECT_NE(second.log[0].find("data.csv"), std::string::npos) << second.log[0];
+  EXPECT_EQ(second.session.report().failures, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "b_000001.png"));
+  EXPECT_EQ(table_of(folder).rows.size(), 2u);
+}
+
+TEST(Frames, TransparentBackgroundsKeepAlpha) {
+  const test::Folder folder;
+  Coupled run({.scene = R"(insitu: 1
+frames:
+  - {name: clear, size: [32, 32], background: transparent, volume: {field: density, opacity: [[0, 1]]}}
+  - {name: half, size: [32, 32], background: {color: red, alpha: 0.5}, volume: {field: density, opacity: [[0, 0]]}}
+  - {name: full, size: [32, 32], volume: {field: density}}
+)",
+               .output = folder.path()});
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  const auto clear = insitu::output::read_png(folder / "clear_000000.png"),
+             half = insitu::output::read_png(folder / "half_000000.png"),
+             full = insitu::output::read_png(folder / "full_000000.png");
+  ASSERT_EQ(clear.channels, 4);
+  ASSERT_EQ(half.channels, 4);
+  EXPECT_EQ(full.channels, 3);
+  EXPECT_EQ(clear.pixel(0, 0)[3], 0);     // beside the mesh
+  EXPECT_EQ(clear.pixel(16, 16)[3], 255); // an opaque volume
+  for (const int at : {0, 16}) {          // a volume that is not seen
+    EXPECT_EQ(half.pixel(at, at)[0], 255);
+    EXPECT_EQ(half.pixel(at, at)[1], 0);
+    EXPECT_EQ(half.pixel(at, at)[3], 128);
+  }
+}
+
+TEST(Frames, OrthographicCamerasFitAsTheyShould) {
+  const test::Folder folder;
+  // The blast's box is a cube seen along x: a square.
+  Coupled run({.scene = R"(insitu: 1
+frames:
+  - name: f
+    size: [100, 50]
+    cameras:
+      tight: {azimuth: 0, elevation: 0, orthographic: true, fit: box}
+      twice: {azimuth: 0, elevation: 0, orthographic: true, fit: box, zoom: 0.5}
+      near: {azimuth: 0, elevation: 0, fit: box}
+      sphere: {azimuth: 0, elevation: 0, orthographic: true}
+      placed: {position: [9, 0, 0], look_at: [0, 0, 0], orthographic: true, fit: box}
+    volume: {field: density, opacity: [[0, 1]], range: [0, 9]}
+)",
+               .output = folder.path()});
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  const auto side = [&](const std::string& camera) {
+    return std::sqrt(double(drawn(folder / ("f_" + camera + "_000000.png"))));
+  };
+  EXPECT_NEAR(side("tight"), 49, 1); // 2 % of either half stay free
+  EXPECT_NEAR(side("twice"), 24.5, 1);
+  EXPECT_NEAR(side("near"), 49, 1);
+  EXPECT_NEAR(side("sphere"), 50 / std::sqrt(3.0), 1);
+  // Looks at the cube's corner: only a quarter of the image is left to it.
+  EXPECT_NEAR(side("placed"), 24.5, 1);
+}
+
+TEST(Frames, DepthAndCellsAreWrittenToo) {
+  const test::Folder folder;
+  // From x = 3 against an opaque cube that ends at x = 1.
+  Coupled run({.scene = R"(insitu: 1
+frames:
+  - name: f
+    size: [8, 8]
+    images: [color, depth, cell]
+    format: [png, exr]
+    camera: {position: [3, 0.5, 0.5], look_at: [0, 0.5, 0.5], orthographic: 0.5}
+    volume: {field: density, opacity: [[0, 1]]}
+)",
+               .output = folder.path()});
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  const runs::Table t = table_of(folder);
+  ASSERT_EQ(t.rows.size(), 6u);
+  const std::vector<std::string> files{"f_000000.png",       "f_000000.exr",
+                                       "f_depth_000000.png", "f_depth_000000.exr",
+                                       "f_cell_000000.png",  "f_cell_000000.exr"};
+  for (std::size_t row = 0; row < 6; ++row) {
+    EXPECT_EQ(t.text(row, "FILE"), files[row]);
+    EXPECT_TRUE(std::filesystem::exists(folder / files[row]));
+    EXPECT_EQ(t.text(row, "image"), row < 2 ? "color" : row < 4 ? "depth" : "cell");
+    EXPECT_EQ(t.text(row, "depth_low").empty(), row < 2 || row > 3);
+  }
+  // To the first sample within the cube, at most a step of half a cell behind its side.
+  EXPECT_GE(t.number(2, "depth_low"), 2);
+  EXPECT_LE(t.number(2, "depth_high"), 2.06);
+}
+
+TEST(Frames, HardCameras) {
+  const test::Folder folder;
+  Coupled run({.scene = R"(insitu: 1
+frames:
+  - name: f
+    size: [9, 9]
+    cameras:
+      inside: {position: [0.5, 0.5, 0.5], look_at: [2, 0.5, 0.5]}
+      face: {position: [0, 0.5, 0.5], look_at: [1, 0.5, 0.5]}
+      corner: {position: [0, 0, 0], look_at: [1, 1, 1]}
+      far: {position: [0.5e6, 0.5e6, 0.5e6], fov: 1.2e-4}
+      above: {position: [0.5, 0.5, 9]}
+    volume: {field: density, opacity: [[0, 1]], range: [0, 9]}
+  - {name: dot, size: [1, 1], volume: {field: density, opacity: [[0, 1]]}}
+  - {name: row, size: [16383, 1], camera: {fit: box}, volume: {field: density, opacity: [[0, 1]]}}
+  - {name: column, size: [1, 16383], camera: {orthographic: true}, volume: {field: density, opacity: [[0, 1]]}}
+)",
+               .output = folder.path()});
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  for (const char* camera : {"inside", "face", "corner"})
+    EXPECT_EQ(drawn(folder / ("f_" + std::string(camera) + "_000000.png")), 81) << camera;
+  // The field of view of the last one is 1.05e-6 * 866025 * 2 = 1.8 high: the cube all but fills
+  // it.
+  EXPECT_GT(drawn(folder / "f_far_000000.png"), 40);
+  EXPECT_LT(drawn(folder / "f_far_000000.png"), 81);
+  // "Up" points along the view there; another one is taken.
+  EXPECT_GT(drawn(folder / "f_above_000000.png"), 4);
+  EXPECT_EQ(drawn(folder / "dot_000000.png"), 1);
+  // All of the mesh is in the middle pixel of a row; at half a pixel beside it little is left.
+  const int row = drawn(folder / "row_000000.png");
+  EXPECT_GE(row, 1);
+  EXPECT_LE(row, 3);
+  const int column = drawn(folder / "column_000000.png");
+  EXPECT_GE(column, 1);
+  EXPECT_LE(column, 3);
+}
+
+} // namespace
