@@ -19,6 +19,12 @@ struct ColorPoint {
   double r = 0, g = 0, b = 0;
 };
 
+/// Opacity at a place of a colour map, linear between places.
+struct MapOpacity {
+  double u = 0, opacity = 0;
+  friend bool operator==(const MapOpacity&, const MapOpacity&) = default;
+};
+
 /// Colours over [0, 1]: control points in ascending order, stretched from their first to their
 /// last.
 class ColorMap {
@@ -37,16 +43,23 @@ public:
   const Color& nan_color() const { return nan_color_; }
   const std::string& name() const { return name_; }
   const std::vector<ColorPoint>& points() const { return points_; }
+  /// Opacities that came with the map, u not descending, perhaps beyond [0, 1]; empty: none did.
+  const std::vector<MapOpacity>& opacity() const { return opacity_; }
+  void set_opacity(std::vector<MapOpacity> opacity) { opacity_ = std::move(opacity); }
 
 private:
   std::string name_;
   ColorSpace space_;
   std::vector<ColorPoint> points_;
   Color nan_color_;
+  std::vector<MapOpacity> opacity_;
 };
 
-/// ParaView's JSON: a list of {Name, ColorSpace, RGBPoints [x, r, g, b, ...], NanColor}, or one
-/// such map. `name` picks one of several; empty: the first that has RGBPoints. `source` is what
+/// ParaView's JSON: a list of {Name, ColorSpace, RGBPoints [x, r, g, b, ...], NanColor, Points [x,
+/// opacity, midpoint, sharpness, ...]}, or one such map; opacities are placed by RGBPoints' own
+/// range. A map of categories (IndexedColors [r, g, b, ...] instead of RGBPoints) becomes steps of
+/// equal width. `name` picks one of several; empty: the first that has RGBPoints, or else the first
+/// with IndexedColors. `source` is what
 /// messages call the text. Throws core::Error (INSITU_ERROR_SCENE) naming the map, the key and what
 /// was found.
 ColorMap parse_color_map(const std::string& text, const std::string& source,

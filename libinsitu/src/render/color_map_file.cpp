@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 #include <yaml-cpp/yaml.h>
@@ -90,12 +92,102 @@ std::vector<ColorPoint> color_points(const YAML::Node& node, const std::string& 
   return points;
 }
 
+/// A list of groups of `width` finite numbers, those but the first of each from 0 to 1; with
+/// `placed`, the first of each is a place, which does not descend.
+std::vector<double> groups(const YAML::Node& node, const std::string& where, const std::string& key,
+                           std::size_t width, const char* form, bool placed) {
+  if (!node.IsSequence() || node.size() == 0 || node.size() % width != 0)
+    fail(where,
+         key + ": a list " + form + " expected" +
+             (node.IsSequence() ? ", " + std::to_string(node.size()) + " numbers given" : ""));
+  std::vector<double> values;
+  values.reserve(node.size());
+  for (const YAML::Node& item : node) {
+    const std::size_t i = values.size();
+    const std::string which = key + "[" + std::to_string(i) + "]";
+    const double v = number(item, where, which);
+    const bool place = placed && i % width == 0;
+    if (!std::isfinite(v) || (!place && (v < 0 || v > 1)))
+      fail(where, which + " is " + text_of(item) +
+                      (place ? "; a finite number expected" : "; 0 to 1 expected"));
+    if (place && i > 0 && v < values[i - width])
+      fail(where, which + " is " + text_of(item) + ", below the point before it");
+    values.push_back(v);
+  }
+  return values;
+}
+
+/// Colours of categories, as steps of equal width.
+std::vector<ColorPoint> category_points(const YAML::Node& node, const std::string& where) {
+  const std::vector<double> c = groups(node, where, "IndexedColors", 3, "[r, g, b, ...]", false);
+  const std::size_t count = c.size() / 3;
+  std::vector<ColorPoint> points;
+  for (std::size_t i = 0; i < count; ++i)
+    for (const std::size_t end : {i, i + 1})
+      points.push_back({double(end) / double(count), c[3 * i], c[3 * i + 1], c[3 * i + 2]});
+  return points;
+}
+
+/// What ParaView (vtkPiecewiseFunction) makes of a part u of the way between two opacities.
+double between(double from, double to, double u, double midpoint, double sharpness) {
+  if (u < midpoint)
+    u = 0.5 * u / midpoint;
+  else
+    u = midpoint < 1 ? 0.5 + 0.5 * (u - midpoint) / (1 - midpoint) : 0.5;
+  if (sharpness > 0.99)
+    return u < 0.5 ? from : to;
+  if (sharpness >= 0.01) {
+    u = u < 0.5 ? 0.5 * std::pow(2 * u, 1 + 10 * sharpness)
+                : 1 - 0.5 * std::pow(2 * (1 - u), 1 + 10 * sharpness);
+    // A Hermite curve whose slope at both ends falls with the sharpness.
+    const double square = u * u, cube = square * u, slope = (1 - sharpness) * (to - from);
+    const double value = (2 * cube - 3 * square + 1) * from + (3 * square - 2 * cube) * to +
+                         (cube - 2 * square + u) * slope + (cube - square) * slope;
+    return std::clamp(value, std::min(from, to), std::max(from, to));
+  }
+  return from + u * (to - from);
+}
+
+/// Curved parts become this many straight ones.
+constexpr int opacity_parts = 32;
+
+std::vector<MapOpacity> opacity_points(const YAML::Node& node, const std::string& where,
+                                       const std::vector<ColorPoint>& colors) {
+  const std::vector<double> v =
+      groups(node, where, "Points", 4, "[x, opacity, midpoint, sharpness, ...]", true);
+  const bool own = !(colors.back().x > colors.front().x);
+  const double first = own ? v[0] : colors.front().x;
+  const double last = own ? v[v.size() - 4] : colors.back().x;
+  const auto place = [&](double x) { return last > first ? (x - first) / (last - first) : 0.0; };
+  std::vector<MapOpacity> points{{place(v[0]), v[1]}};
+  for (std::size_t i = 4; i < v.size(); i += 4) {
+    const double from = place(v[i - 4]), to = place(v[i]), midpoint = v[i - 2], sharp = v[i - 1];
+    if (sharp > 0.99) { // a step, at the midpoint
+      const double at = from + midpoint * (to - from);
+      points.push_back({at, v[i - 3]});
+      points.push_back({at, v[i + 1]});
+    } else if (midpoint != 0.5 || sharp >= 0.01) {
+      for (int k = 1; k < opacity_parts; ++k) {
+        const double u = double(k) / opacity_parts;
+        points.push_back({from + u * (to - from), between(v[i - 3], v[i + 1], u, midpoint, sharp)});
+      }
+    }
+    points.push_back({to, v[i + 1]});
+  }
+  return points;
+}
+
 ColorMap read_map(const YAML::Node& map, const std::string& source) {
   const std::string name = text_of(map["Name"]);
   const std::string where = name.empty() ? source : source + ", map '" + name + "'";
-  const ColorSpace space = color_space(map, where);
-  return ColorMap(name.empty() ? source : name, space, color_points(map["RGBPoints"], where),
-                  nan_color(map, where));
+  const bool categories = map["IndexedColors"] && !map["RGBPoints"];
+  const ColorSpace space = categories ? ColorSpace::rgb : color_space(map, where);
+  const std::vector<ColorPoint> points = categories ? category_points(map["IndexedColors"], where)
+                                                    : color_points(map["RGBPoints"], where);
+  ColorMap colors(name.empty() ? source : name, space, points, nan_color(map, where));
+  if (map["Points"])
+    colors.set_opacity(opacity_points(map["Points"], where, points));
+  return colors;
 }
 
 } // namespace
@@ -117,13 +209,16 @@ ColorMap parse_color_map(const std::string& text, const std::string& source,
     if (!map.IsMap())
       fail(source, "a list of maps expected, as ParaView exports it");
     names.push_back(text_of(map["Name"]));
-    // A list may hold categorical maps too, which have no RGBPoints.
+    // A list may hold maps of categories too, which have no RGBPoints.
     if (name.empty() ? bool(map["RGBPoints"]) : names.back() == name)
       return read_map(map, source);
   }
+  for (const YAML::Node& map : root)
+    if (name.empty() && map["IndexedColors"])
+      return read_map(map, source);
   if (!name.empty())
     fail(source, "no map is called '" + name + "'" + core::did_you_mean(name, names));
-  fail(source, names.empty() ? "the list is empty" : "no map has RGBPoints");
+  fail(source, names.empty() ? "the list is empty" : "no map has RGBPoints or IndexedColors");
 }
 
 ColorMap load_color_map(const std::string& path, const std::string& name) {

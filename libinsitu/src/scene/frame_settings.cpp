@@ -157,6 +157,9 @@ FrameSettingsMaker::transfer(render::Structures& structures, const render::Scala
   std::vector<render::OpacityPoint> points;
   for (const OpacityPoint& p : opacity)
     points.push_back({p.value, p.opacity});
+  if (opacity.empty() && low < high) // those that came with the colours, if any did
+    for (const render::MapOpacity& p : colors.opacity())
+      points.push_back({low + p.u * (high - low), p.opacity});
   return {colors, low, high, std::move(points)};
 }
 

@@ -46,6 +46,56 @@ TEST(ColorMap, ReadsParaViewsList) {
   expect_srgb(parse_color_map(text, "maps.json", "other").at(0.5), 0.5, 0.5, 0);
 }
 
+TEST(ColorMap, CategoriesAreStepsOfEqualWidth) {
+  const ColorMap map = parse_color_map(
+      R"([{"Name": "c", "Annotations": ["0", "a"], "IndexedColors": [1, 0, 0, 0, 1, 0, 0, 0, 1]}])",
+      "maps.json");
+  expect_srgb(map.at(0), 1, 0, 0);
+  expect_srgb(map.at(0.333), 1, 0, 0);
+  expect_srgb(map.at(0.334), 0, 1, 0);
+  expect_srgb(map.at(0.666), 0, 1, 0);
+  expect_srgb(map.at(0.667), 0, 0, 1);
+  expect_srgb(map.at(1), 0, 0, 1);
+  EXPECT_EQ(message_of(R"([{"IndexedColors": [0, 1]}])"),
+            "colour map maps.json: IndexedColors: a list [r, g, b, ...] expected, 2 numbers given");
+}
+
+TEST(ColorMap, OpacitiesComeWithParaViewsFile) {
+  const auto opacities = [](const std::string& points) {
+    return parse_color_map(R"({"RGBPoints": [-1, 0, 0, 0, 3, 1, 1, 1], "Points": [)" + points +
+                               "]}",
+                           "maps.json")
+        .opacity();
+  };
+  EXPECT_TRUE(parse_color_map(R"({"RGBPoints": [0, 0, 0, 0]})", "maps.json").opacity().empty());
+  // Placed by the range of the colours.
+  EXPECT_EQ(opacities("-1, 0, 0.5, 0, 1, 0.25, 0.5, 0, 3, 1, 0.5, 0"),
+            (std::vector<MapOpacity>{{0, 0}, {0.5, 0.25}, {1, 1}}));
+  // Sharpness 1: a step at the midpoint.
+  EXPECT_EQ(opacities("-1, 0.5, 0.25, 1, 3, 1, 0.5, 0"),
+            (std::vector<MapOpacity>{{0, 0.5}, {0.25, 0.5}, {0.25, 1}, {1, 1}}));
+  // A midpoint aside: half of the rise lies there. Linear on both sides.
+  const auto bent = opacities("-1, 0, 0.25, 0, 3, 0.8, 0.5, 0");
+  for (const MapOpacity& p : bent)
+    EXPECT_NEAR(p.opacity, p.u < 0.25 ? 1.6 * p.u : 0.4 + (p.u - 0.25) * 0.4 / 0.75, 1e-12) << p.u;
+  EXPECT_GT(bent.size(), 10u);
+  // In between, vtkPiecewiseFunction's curve: it rises, and is odd about the middle.
+  const auto curve = opacities("-1, 0, 0.5, 0.5, 3, 1, 0.5, 0");
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    EXPECT_NEAR(curve[i].opacity + curve[curve.size() - 1 - i].opacity, 1, 1e-12);
+    if (i > 0) {
+      EXPECT_GE(curve[i].opacity, curve[i - 1].opacity);
+    }
+  }
+  EXPECT_LT(curve[curve.size() / 4].opacity, 0.05); // flat at first
+  EXPECT_EQ(message_of(R"({"RGBPoints": [0, 0, 0, 0], "Points": [0, 2, 0.5, 0]})"),
+            "colour map maps.json: Points[1] is 2; 0 to 1 expected");
+  EXPECT_EQ(message_of(R"({"RGBPoints": [0, 0, 0, 0], "Points": [1, 0, 0.5, 0, 0, 0, 0.5, 0]})"),
+            "colour map maps.json: Points[4] is 0, below the point before it");
+  EXPECT_EQ(message_of(R"({"RGBPoints": [0, 0, 0, 0], "Points": 3})"),
+            "colour map maps.json: Points: a list [x, opacity, midpoint, sharpness, ...] expected");
+}
+
 TEST(ColorMap, ErrorsNameWhatIsWrong) {
   EXPECT_EQ(message_of(R"([{"Name": "m", "ColorSpace": "RGB", "RGBPoints": [0, 0, 0, 0, 1]}])"),
             "colour map maps.json, map 'm': RGBPoints: 4 numbers a point expected (x, r, g, b), 5 "
