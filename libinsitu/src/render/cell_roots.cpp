@@ -13,39 +13,18 @@ namespace {
 
 using math::Vec3d;
 
-constexpr double agreement = 1.0 / 64; // of a cubic with the field, of the values' spread
-constexpr int most_halvings = 6;
+constexpr int most_halvings = 20;
+/// Where the path through the cell cannot be bounded: it folds or collapses there.
+constexpr int most_halvings_of_folds = 6;
+/// Of a stretch. A root of order two takes about two for each halving; more takes a ray that runs
+/// along the surface.
+constexpr int most_parts = 64;
+constexpr double flat = 1e-10;           // of the values' spread: as good as on the level
 constexpr double root_tolerance = 1e-11; // of the ray's length in the cell
 
 bool above(double f) {
   return f >= 0.0;
 }
-
-/// A cubic on [0, 1] in Bernstein form.
-struct Cubic {
-  double c0, c1, c2, c3;
-  double at(double u) const {
-    const double w = 1 - u;
-    return w * w * (w * c0 + 3 * u * c1) + u * u * (3 * w * c2 + u * c3);
-  }
-  /// Extrema strictly inside, ascending; returns how many.
-  int extrema(double (&u)[2]) const {
-    // The derivative, over 3: d0 (1-u)^2 + 2 d1 u (1-u) + d2 u^2.
-    const double d0 = c1 - c0, d1 = c2 - c1, d2 = c3 - c2;
-    const double a = d0 - 2 * d1 + d2, b = d1 - d0; // a u^2 + 2 b u + d0
-    const double discriminant = b * b - a * d0;
-    if (!(discriminant > 0))
-      return 0;
-    const double s = -(b + std::copysign(std::sqrt(discriminant), b));
-    int n = 0;
-    for (const double root : {s != 0 ? d0 / s : -1.0, a != 0 ? s / a : -1.0})
-      if (root > 0 && root < 1)
-        u[n++] = root;
-    if (n == 2 && u[0] > u[1])
-      std::swap(u[0], u[1]);
-    return n;
-  }
-};
 
 } // namespace
 
@@ -107,7 +86,7 @@ CellRoots::Point CellRoots::evaluate(double t) {
 }
 
 void CellRoots::find(const double* values, double level,
-                     const core::FunctionRef<bool(const LevelHit&)>& found) {
+                     const core::FunctionRef<bool(const LevelHit&)>& found, RootSearch how) {
   double low = values[0], high = values[0];
   for (int v = 0; v < cell_.count; ++v) {
     if (std::isnan(values[v]))
@@ -119,14 +98,19 @@ void CellRoots::find(const double* values, double level,
     return;
   values_ = values;
   level_ = level;
-  spread_ = high - low;
+  span_ = high - low;
+  spread_ = std::max(high - level, level - low);
+  bounds_are_set_ = false;
   found_ = &found;
   for (int s = 0; s < stretches_; ++s) {
     Point a = at_crossing(crossings_[stretch_[s].first]);
     const Point b = at_crossing(crossings_[stretch_[s].last]);
     if (a.t < t_near_)
       a = evaluate(t_near_);
-    if (!search(a, b, 0))
+    parts_ = 0;
+    if (!(how == RootSearch::cubic   ? track(a, b, 0)
+          : how == RootSearch::exact ? search(a, b, 0)
+                                     : search_twice(a, b)))
       return;
   }
 }
@@ -135,58 +119,53 @@ bool CellRoots::report(const Point& p) {
   return (*found_)({p.t, p.parametric, p.gradient});
 }
 
-// Both ends' sides are settled; the roots strictly between follow.
-bool CellRoots::search(const Point& a, const Point& b, int depth) {
-  if (cell_.shape == mesh::Shape::tetrahedron || b.t - a.t <= root_tolerance * extent_) {
-    if (above(a.f) == above(b.f))
-      return true;
-    // Linear, in parametric coordinates too.
-    const double u = a.f / (a.f - b.f);
-    Point root = a;
-    root.t = a.t + u * (b.t - a.t);
-    root.parametric = (1 - u) * a.parametric + u * b.parametric;
-    return report(root);
-  }
-  const double h = b.t - a.t;
-  const double secant = (b.f - a.f) / h;
-  const double slope_a = std::isfinite(a.slope) ? a.slope : secant;
-  const double slope_b = std::isfinite(b.slope) ? b.slope : secant;
-  const Cubic cubic{a.f, a.f + h * slope_a / 3, b.f - h * slope_b / 3, b.f};
-  const double low = std::min({cubic.c0, cubic.c1, cubic.c2, cubic.c3});
-  const double high = std::max({cubic.c0, cubic.c1, cubic.c2, cubic.c3});
-  const double slack = agreement * spread_;
-  if (low > spread_ / 4 || high < -spread_ / 4)
-    return true; // far away, even for a cubic that is badly off
-  const Point m = evaluate(a.t + 0.5 * h);
-  const double error = std::fabs(m.f - cubic.at(0.5));
-  if (error > slack && depth < most_halvings)
-    return search(a, m, depth + 1) && search(m, b, depth + 1);
-  return search_cubic(a, m, error) && search_cubic(m, b, error);
+bool CellRoots::is_linear(const Point& a, const Point& b) const {
+  return cell_.shape == mesh::Shape::tetrahedron || b.t - a.t <= root_tolerance * extent_;
 }
 
-bool CellRoots::search_cubic(const Point& a, const Point& b, double error) {
-  const double h = b.t - a.t;
-  const double secant = (b.f - a.f) / h;
-  const double slope_a = std::isfinite(a.slope) ? a.slope : secant;
-  const double slope_b = std::isfinite(b.slope) ? b.slope : secant;
-  const Cubic cubic{a.f, a.f + h * slope_a / 3, b.f - h * slope_b / 3, b.f};
-  double u[2];
-  const int extrema = cubic.extrema(u);
-  Point from = a;
-  for (int k = 0; k < extrema; ++k) {
-    const double predicted = cubic.at(u[k]);
-    const bool other_side = above(predicted) != above(from.f);
-    // Half the interval leaves a sixteenth of the error; twice that is doubted.
-    if (!other_side && std::fabs(predicted) > error / 8 + 1e-12 * spread_)
-      continue;
-    const Point p = evaluate(a.t + u[k] * h);
-    if (above(p.f) == above(from.f))
-      continue;
-    if (!bracket(from, p))
-      return false;
-    from = p;
-  }
-  return above(from.f) == above(b.f) || bracket(from, b);
+bool CellRoots::report_linear(const Point& a, const Point& b) {
+  if (above(a.f) == above(b.f))
+    return true;
+  // In parametric coordinates too.
+  const double u = a.f / (a.f - b.f);
+  Point root = a;
+  root.t = a.t + u * (b.t - a.t);
+  root.parametric = (1 - u) * a.parametric + u * b.parametric;
+  return report(root);
+}
+
+// Both ends' sides are settled; the roots strictly between follow.
+bool CellRoots::search(const Point& a, const Point& b, int depth) {
+  if (is_linear(a, b))
+    return report_linear(a, b);
+  if (!bounds_)
+    bounds_.emplace(cell_, space_);
+  if (!bounds_are_set_)
+    bounds_->set_values(values_, level_);
+  bounds_are_set_ = true;
+  const PathBounds::Known known = (*bounds_)(a.parametric, b.parametric, b.t - a.t);
+  const bool changes = above(a.f) != above(b.f);
+  if (known.path && !changes && (known.monotone || known.field.low > 0 || known.field.high < 0))
+    return true;
+  const bool is_flat =
+      known.path && known.field.low >= -flat * spread_ && known.field.high <= flat * spread_;
+  if ((known.path && known.monotone) || is_flat || ++parts_ > most_parts ||
+      depth >= (known.path ? most_halvings : most_halvings_of_folds))
+    return !changes || bracket(a, b);
+  const Point m = evaluate(a.t + 0.5 * (b.t - a.t));
+  return search(a, m, depth + 1) && search(m, b, depth + 1);
+}
+
+bool CellRoots::search_twice(Point a, Point b) {
+  if (above(a.f) == above(b.f))
+    return true;
+  const auto secant = [&] {
+    const double t = a.t + (b.t - a.t) * (a.f / (a.f - b.f));
+    return std::clamp(t, a.t, b.t);
+  };
+  const Point p = evaluate(secant());
+  (above(p.f) == above(a.f) ? a : b) = p;
+  return report(evaluate(secant()));
 }
 
 // Newton's method, kept inside a bracket that a bisection halves when it would leave.

@@ -49,7 +49,7 @@ bool IsosurfaceTracer::Group::needs(std::uint32_t node, int child) const {
 
 IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
                                    const std::vector<IsosurfaceSettings>& settings,
-                                   Structures& structures)
+                                   Structures& structures, bool lit)
     : sampler_(sampler) {
   for (const IsosurfaceSettings& s : settings) {
     check(s);
@@ -62,13 +62,16 @@ IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
     for (const double v : s.values) {
       group->levels.push_back(
           {v, accel::round_down(v), accel::round_up(v), std::int32_t(surfaces_.size()), &s});
-      surfaces_.push_back(&s);
+      surfaces_.push_back({&s, std::size_t(group - groups_.begin()), v});
     }
   }
   for (Group& group : groups_) {
     if (group.source.field.association == INSITU_CELL)
       group.field = structures.average(group.source).field();
     group.ranges = &structures.value_ranges(group.field);
+    for (const Level& level : group.levels)
+      if (lit && level.settings->normals == Normals::smooth)
+        group.gradients = &structures.gradients(group.field);
   }
 }
 
@@ -118,7 +121,7 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, Search& search) const {
           search.t_max = std::min(search.t_max, root.t);
         return !opaque;
       };
-      roots->find(values, level.value, found);
+      roots->find(values, level.value, found, level.settings->search);
     }
   }
   if (roots)
@@ -126,11 +129,58 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, Search& search) const {
 }
 
 Color IsosurfaceTracer::color(const SurfaceHit& hit) const {
-  const IsosurfaceSettings& settings = *surfaces_[std::size_t(hit.surface)];
+  const IsosurfaceSettings& settings = *surfaces_[std::size_t(hit.surface)].settings;
   if (const Color* constant = std::get_if<Color>(&settings.color))
     return *constant;
   const ColorByField& by = std::get<ColorByField>(settings.color);
   return by.function.color(by.field.at(sampler_.mesh(), {hit.cell, hit.parametric}));
+}
+
+Vec3d IsosurfaceTracer::gradient(const SurfaceHit& hit, const Vec3d& p,
+                                 SurfaceCounts& counts) const {
+  const Surface& surface = surfaces_[std::size_t(hit.surface)];
+  switch (surface.settings->normals) {
+  case Normals::smooth:
+    return groups_[surface.group].gradients->at(sampler_.mesh(), hit.cell, hit.parametric);
+  case Normals::central:
+    return central_gradient(hit, p, counts);
+  case Normals::cell:
+    break;
+  }
+  return hit.gradient;
+}
+
+/// One-sided where the mesh ends.
+Vec3d IsosurfaceTracer::central_gradient(const SurfaceHit& hit, const Vec3d& p,
+                                         SurfaceCounts& counts) const {
+  const Surface& surface = surfaces_[std::size_t(hit.surface)];
+  const ScalarField& field = groups_[surface.group].field;
+  mesh::CellVertices cell;
+  mesh::gather(sampler_.mesh(), hit.cell, cell);
+  Vec3d low = cell.x[0], high = cell.x[0];
+  for (int v = 1; v < cell.count; ++v)
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], cell.x[v][a]);
+      high[a] = std::max(high[a], cell.x[v][a]);
+    }
+  const Vec3d size = high - low;
+  const double half = 0.5 * std::cbrt(size.x * size.y * size.z);
+  Vec3d gradient;
+  for (int a = 0; a < 3 && half > 0; ++a) {
+    double values[2] = {surface.value, surface.value}, length = 0;
+    for (int side = 0; side < 2; ++side) {
+      Vec3d q = p;
+      q[a] += side == 0 ? -half : half;
+      ++counts.evaluations;
+      if (const query::Location at = sampler_.locate(q, hit.cell)) {
+        values[side] = field.at(sampler_.mesh(), at);
+        length += half;
+      }
+    }
+    if (length > 0)
+      gradient[a] = (values[1] - values[0]) / length;
+  }
+  return gradient;
 }
 
 void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,

@@ -20,6 +20,11 @@ struct ColorByField {
   TransferFunction function;
 };
 
+/// What a surface's normals are taken from: the gradient in the cell that is hit; gradients
+/// averaged at the vertices and interpolated (VertexGradients); or central differences half a cell
+/// apart, with six points located for each hit (Rathke et al. 2015).
+enum class Normals { cell, smooth, central };
+
 /// Surfaces on which a field takes these values. A cell field is averaged to the vertices first
 /// (VertexAverage).
 struct IsosurfaceSettings {
@@ -27,16 +32,18 @@ struct IsosurfaceSettings {
   std::vector<double> values;
   double opacity = 1;
   std::variant<Color, ColorByField> color = Color{0.6f, 0.6f, 0.6f}; ///< linear
+  Normals normals = Normals::cell;
+  RootSearch search = RootSearch::cubic;
 };
 
 /// Intersects rays with all surfaces of a frame in one traversal, pruned by the fields' value
 /// ranges.
 class IsosurfaceTracer {
 public:
-  /// Asks structures for averages of cell fields and value ranges. The settings and the structures
-  /// must outlive it.
+  /// Asks structures for averages of cell fields, value ranges, and, if hits will be lit, gradients
+  /// of smooth surfaces. The settings and the structures must outlive it.
   IsosurfaceTracer(const query::Sampler& sampler, const std::vector<IsosurfaceSettings>& settings,
-                   Structures& structures);
+                   Structures& structures, bool lit = true);
 
   /// Of all settings together; see SurfaceHit::surface.
   std::int32_t surface_count() const { return std::int32_t(surfaces_.size()); }
@@ -48,6 +55,8 @@ public:
              const std::vector<Stretch>* stays = nullptr) const;
   /// The surface's own colour at a hit.
   Color color(const SurfaceHit& hit) const;
+  /// The field's gradient at a hit, which lies at p, as the surface's normals are chosen.
+  math::Vec3d gradient(const SurfaceHit& hit, const math::Vec3d& p, SurfaceCounts& counts) const;
 
 private:
   struct Level {
@@ -60,6 +69,7 @@ private:
   struct Group {
     ScalarField source, field; ///< as asked for, and at the vertices
     const accel::ValueRanges* ranges = nullptr;
+    const VertexGradients* gradients = nullptr; ///< if a surface asks for them
     std::vector<Level> levels;
     bool needs(std::uint32_t node, int child) const;
   };
@@ -75,7 +85,14 @@ private:
 
   query::Sampler sampler_;
   std::vector<Group> groups_;
-  std::vector<const IsosurfaceSettings*> surfaces_; ///< by SurfaceHit::surface
+  struct Surface {
+    const IsosurfaceSettings* settings;
+    std::size_t group;
+    double value;
+  };
+  math::Vec3d central_gradient(const SurfaceHit& hit, const math::Vec3d& p,
+                               SurfaceCounts& counts) const;
+  std::vector<Surface> surfaces_; ///< by SurfaceHit::surface
 };
 
 } // namespace insitu::render

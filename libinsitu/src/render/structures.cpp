@@ -9,6 +9,7 @@ void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, st
   if (!sampler_ || geometry != geometry_ || fields != fields_) {
     value_ranges_.clear();
     averages_.clear();
+    gradients_.clear();
     scalar_ranges_.clear();
     for (auto& [key, entry] : macrocells_)
       entry.is_fresh = false;
@@ -39,6 +40,7 @@ void Structures::end() {
   drop_unused(scalar_ranges_);
   drop_unused(macrocells_);
   drop_unused(majorants_);
+  drop_unused(gradients_);
   drop_unused(triangles_);
 }
 
@@ -134,6 +136,17 @@ const Majorants& Structures::majorants(const ScalarField& field, const TransferF
   entry.opacity = function.opacity_points();
   entry.nan_opacity = function.nan_opacity();
   entry.used = entry.is_fresh = true;
+  return *entry.value;
+}
+
+const VertexGradients& Structures::gradients(const ScalarField& vertex_field) {
+  Entry<VertexGradients>& entry = gradients_[key_of(vertex_field)];
+  entry.used = true;
+  if (!entry.value) {
+    entry.value =
+        std::make_unique<VertexGradients>(sampler_->mesh(), vertex_field, *threads_, *memory_);
+    ++counts_.gradients;
+  }
   return *entry.value;
 }
 

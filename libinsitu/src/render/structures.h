@@ -15,6 +15,7 @@
 #include "render/scalar_field.h"
 #include "render/triangle_mesh.h"
 #include "render/vertex_average.h"
+#include "render/vertex_gradients.h"
 
 namespace insitu::render {
 
@@ -27,7 +28,7 @@ public:
     std::int64_t averages = 0, value_ranges = 0, scalar_ranges = 0;
     std::int64_t macrocells = 0, macrocells_refreshed = 0; ///< built; given new values
     std::int64_t majorants = 0; ///< classified, for the first time or anew
-    std::int64_t boundaries = 0, bodies = 0;
+    std::int64_t boundaries = 0, bodies = 0, gradients = 0;
     Counts& operator+=(const Counts& b) {
       averages += b.averages;
       value_ranges += b.value_ranges;
@@ -37,6 +38,7 @@ public:
       majorants += b.majorants;
       boundaries += b.boundaries;
       bodies += b.bodies;
+      gradients += b.gradients;
       return *this;
     }
     friend bool operator==(const Counts&, const Counts&) = default;
@@ -63,6 +65,8 @@ public:
   /// Of macrocells(field); classified anew when the values or the function's opacities change.
   const Majorants& majorants(const ScalarField& field, const TransferFunction& function,
                              double cells_each = 64);
+  /// Of a vertex field, or of an average's field().
+  const VertexGradients& gradients(const ScalarField& vertex_field);
   /// The mesh's boundary faces; kept while the geometry holds.
   const TriangleMesh& boundary();
   /// A file's triangles, which say which file; kept while frames draw them.
@@ -106,6 +110,7 @@ private:
   using GridKey = std::pair<Key, double>; ///< with the cells to a macrocell
   std::map<GridKey, MacrocellsEntry> macrocells_;
   std::multimap<GridKey, MajorantsEntry> majorants_;
+  Entries<VertexGradients> gradients_;
   std::map<std::string, Entry<TriangleMesh>> triangles_; ///< by file; the boundary without a name
 };
 

@@ -28,7 +28,7 @@ Surfaces::Surfaces(const query::Sampler& sampler, const FrameSettings& settings,
                    Structures& structures)
     : sampler_(sampler), settings_(settings), diagonal_(diagonal_of(sampler)) {
   if (!settings.isosurfaces.empty())
-    isosurfaces_.emplace(sampler, settings.isosurfaces, structures);
+    isosurfaces_.emplace(sampler, settings.isosurfaces, structures, settings.lighting.enabled);
   if (isosurfaces_)
     first_triangle_surface_ = isosurfaces_->surface_count();
   if (settings.boundary || !settings.bodies.empty())
@@ -70,7 +70,9 @@ void Surfaces::light(const Ray& ray, std::uint64_t seed, SurfaceHit& hit,
   at.position = ray.origin + hit.t * ray.direction;
   at.to_viewer = -ray.direction;
   // Scaled first: gradients may be as small as their field's values.
-  const Vec3d& g = hit.gradient;
+  const Vec3d g = hit.surface < first_triangle_surface_
+                      ? isosurfaces_->gradient(hit, at.position, counts)
+                      : hit.gradient;
   const double largest = std::max({std::fabs(g.x), std::fabs(g.y), std::fabs(g.z)});
   if (largest > 0 && std::isfinite(largest)) {
     const Vec3d n = g / largest;

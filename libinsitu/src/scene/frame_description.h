@@ -100,12 +100,18 @@ struct ColorBy {
   std::optional<ValueRange> range;
 };
 
+/// See render/isosurface.h.
+enum class Normals { cell, smooth, central };
+enum class RootSearch { neubauer, cubic, exact };
+
 struct Isosurface {
   Name field;
   Component component;
   std::vector<double> values;
   double opacity = 1;
   std::variant<Color, ColorBy> color = Color{0.8, 0.8, 0.8};
+  Normals normals = Normals::cell;
+  RootSearch search = RootSearch::cubic;
   int line = 0;
 };
 

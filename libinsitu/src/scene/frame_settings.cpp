@@ -209,6 +209,12 @@ FrameSettingsMaker::isosurface(const query::CommittedMesh& mesh, render::Structu
   to.field = scalar(mesh, from.field, from.component);
   to.values = from.values;
   to.opacity = from.opacity;
+  constexpr render::Normals normals[] = {render::Normals::cell, render::Normals::smooth,
+                                         render::Normals::central};
+  to.normals = normals[int(from.normals)];
+  constexpr render::RootSearch searches[] = {render::RootSearch::neubauer,
+                                             render::RootSearch::cubic, render::RootSearch::exact};
+  to.search = searches[int(from.search)];
   if (const auto* by = std::get_if<ColorBy>(&from.color)) {
     const render::ScalarField field = scalar(mesh, by->field, by->component);
     to.color = render::ColorByField{field, transfer(structures, field, *colors, by->range, {})};

@@ -24,7 +24,8 @@ ColorBy parse_color_by(const Cursor& cursor, const ParseContext& context) {
 Isosurface parse_isosurface(const Cursor& cursor, const ParseContext& context) {
   Isosurface surface;
   surface.line = cursor.line();
-  const MapReader map(cursor, {"field", "component", "values", "opacity", "color"});
+  const MapReader map(cursor,
+                      {"field", "component", "values", "opacity", "color", "normals", "search"});
   if (const auto field = map.require("field")) {
     assign(surface.field, parse_name(*field));
   }
@@ -47,6 +48,16 @@ Isosurface parse_isosurface(const Cursor& cursor, const ParseContext& context) {
     } else {
       surface.color = parse_color(*color, std::get<Color>(surface.color));
     }
+  }
+  if (const auto normals = map.find("normals")) {
+    assign(surface.normals, normals->choice<Normals>({{"cell", Normals::cell},
+                                                      {"smooth", Normals::smooth},
+                                                      {"central", Normals::central}}));
+  }
+  if (const auto search = map.find("search")) {
+    assign(surface.search, search->choice<RootSearch>({{"neubauer", RootSearch::neubauer},
+                                                       {"cubic", RootSearch::cubic},
+                                                       {"exact", RootSearch::exact}}));
   }
   return surface;
 }

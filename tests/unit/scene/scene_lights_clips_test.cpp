@@ -113,3 +113,17 @@ TEST(SceneTriangles, BoundaryBodiesAndOutline) {
   EXPECT_TRUE(tells(frame_error("outline: {width: 0}"), "a number above 0"));
   EXPECT_TRUE(tells(frame_error("boundary: {opacity: 2}"), "a number from 0 to 1"));
 }
+
+TEST(SceneTriangles, NormalsAndSearchOfIsosurfaces) {
+  const auto surface = [](const std::string& keys) {
+    return test::parse("frames: [{name: f, isosurfaces: [{field: p, values: [1]" + keys + "}]}]")
+        .frames[0]
+        .isosurfaces[0];
+  };
+  EXPECT_EQ(surface("").normals, Normals::cell);
+  EXPECT_EQ(surface("").search, RootSearch::cubic);
+  EXPECT_EQ(surface(", search: exact").search, RootSearch::exact);
+  EXPECT_EQ(surface(", normals: smooth").normals, Normals::smooth);
+  EXPECT_EQ(surface(", normals: central").normals, Normals::central);
+  EXPECT_EQ(surface(", search: neubauer").search, RootSearch::neubauer);
+}
