@@ -51,7 +51,7 @@ public:
 
   std::vector<Row> run() {
     std::vector<Row> rows;
-    for (const Family& family : {volumes(), surfaces()}) {
+    for (const Family& family : {volumes(), surfaces(), paths()}) {
       Family all = family;
       all.effects.push_back({"all together", [&](FrameSettings& s) {
                                for (const Effect& effect : family.effects)
@@ -89,28 +89,84 @@ private:
   Family volumes() const {
     Family f{"volume", frame(), {}};
     f.bare.volume = render::VolumeSettings{field(), function()};
-    f.effects.push_back({"half the step", [](FrameSettings& s) { s.volume->step_factor *= 0.5; }});
-    f.effects.push_back({"isosurface inside", [this](FrameSettings& s) {
-                           s.isosurfaces.push_back({field(), {0.8}, 0.5});
-                         }});
+    f.bare.volume->skip_empty = false;
+    f.effects = {{"space skipping", [](FrameSettings& s) { s.volume->skip_empty = true; }},
+                 {"half the step", [](FrameSettings& s) { s.volume->step_factor *= 0.5; }},
+                 {"error bound 0.01", [](FrameSettings& s) { s.volume->tolerance = 0.01; }},
+                 {"pre-integration", [](FrameSettings& s) { s.volume->preintegrated = true; }},
+                 {"gradient lighting",
+                  [](FrameSettings& s) {
+                    s.volume->shading = true;
+                    s.lighting.enabled = true;
+                  }},
+                 {"clip plane", [](FrameSettings& s) { s.clips.push_back(middle()); }},
+                 {"isosurface inside",
+                  [this](FrameSettings& s) {
+                    s.isosurfaces.push_back({field(), {0.8}, 0.5});
+                  }},
+                 {"images of depth and cell", [](FrameSettings& s) { s.depth = s.cell = true; }}};
     return f;
   }
 
   Family surfaces() const {
     Family f{"isosurface", frame(), {}};
     f.bare.isosurfaces.push_back({field(), {0.5}, 1});
-    f.effects.push_back({"lighting", [](FrameSettings& s) { s.lighting.enabled = true; }});
-    f.effects.push_back({"colours by field", [this](FrameSettings& s) {
-                           for (render::IsosurfaceSettings& i : s.isosurfaces)
-                             i.color = render::ColorByField{field(), function()};
-                         }});
-    f.effects.push_back({"transparent", [](FrameSettings& s) {
-                           for (render::IsosurfaceSettings& i : s.isosurfaces)
-                             i.opacity = 0.5;
-                         }});
-    f.effects.push_back(
-        {"second isovalue", [](FrameSettings& s) { s.isosurfaces[0].values.push_back(0.7); }});
+    f.effects = {
+        {"lighting", [](FrameSettings& s) { s.lighting.enabled = true; }},
+        {"shadows",
+         [](FrameSettings& s) {
+           s.lighting.enabled = s.lighting.shadows = true;
+           s.lighting.lights = {{render::Light::Kind::directional, {1, 1, 2}, {1, 1, 1}}};
+         }},
+        {"ambient occlusion, 16 rays",
+         [](FrameSettings& s) {
+           s.lighting.enabled = true;
+           s.lighting.occlusion_samples = 16;
+         }},
+        {"colours by field",
+         [this](FrameSettings& s) {
+           for (render::IsosurfaceSettings& i : s.isosurfaces)
+             i.color = render::ColorByField{field(), function()};
+         }},
+        {"transparent",
+         [](FrameSettings& s) {
+           for (render::IsosurfaceSettings& i : s.isosurfaces)
+             i.opacity = 0.5;
+         }},
+        {"second isovalue", [](FrameSettings& s) { s.isosurfaces[0].values.push_back(0.7); }},
+        {"clip plane", [](FrameSettings& s) { s.clips.push_back(middle()); }},
+        {"boundary, transparent",
+         [](FrameSettings& s) {
+           s.boundary = render::BoundarySettings{0.2, {}};
+         }},
+        {"outline", [](FrameSettings& s) { s.outline = render::OutlineSettings{}; }},
+        {"images of depth and cell", [](FrameSettings& s) { s.depth = s.cell = true; }}};
     return f;
+  }
+
+  /// Of four paths a pixel, so that a frame takes about as long as one by marching.
+  Family paths() const {
+    Family f{"path tracing", frame(), {}};
+    f.bare.volume = render::VolumeSettings{field(), function()};
+    f.bare.path_tracing = render::PathTracingSettings{};
+    f.bare.path_tracing->samples = 4;
+    f.bare.path_tracing->scattering = render::Scattering::none;
+    f.bare.lighting.lights = {{render::Light::Kind::directional, {1, 1, 2}, {1, 1, 1}},
+                              {render::Light::Kind::dome, {}, {0.3f, 0.3f, 0.3f}}};
+    f.effects = {
+        {"single scattering",
+         [](FrameSettings& s) { s.path_tracing->scattering = render::Scattering::single; }},
+        {"multiple scattering",
+         [](FrameSettings& s) { s.path_tracing->scattering = render::Scattering::multiple; }},
+        {"twice the samples", [](FrameSettings& s) { s.path_tracing->samples *= 2; }}};
+    return f;
+  }
+
+  static render::Clip middle() {
+    render::Clip clip;
+    clip.point = {0.5, 0.5, 0.5};
+    clip.vector = {0, 1, 0};
+    return clip;
   }
 
   /// With and without in turns, all structures made anew.
@@ -147,13 +203,13 @@ Output effects(const Options& o) {
   out.text = bench.title() +
              "\nMedians; an effect's price is what it adds to the bare frame, which is "
              "drawn in turns with it.\n\n";
-  out.text += format("%-11s %-28s %9s %9s %8s %10s\n", "frame", "effect", "bare s", "with s",
+  out.text += format("%-12s %-28s %9s %9s %8s %10s\n", "frame", "effect", "bare s", "with s",
                      "time", "memory");
   out.json = "[";
   for (const Row& row : rows) {
     const double bare = row.bare.for_ratio(o.threads), with = row.with.for_ratio(o.threads);
     const double megabytes = 1e-6 * double(row.bytes_with - row.bytes_bare);
-    out.text += format("%-11s %-28s %9.3f %9.3f %+7.1f%% %+7.2f MB\n", row.family.c_str(),
+    out.text += format("%-12s %-28s %9.3f %9.3f %+7.1f%% %+7.2f MB\n", row.family.c_str(),
                        row.effect.c_str(), bare, with, 100 * (with / bare - 1), megabytes);
     out.json += std::string(out.json.size() > 1 ? "," : "") +
                 "\n  {\"frame\": " + quoted(row.family) + ", \"effect\": " + quoted(row.effect) +
