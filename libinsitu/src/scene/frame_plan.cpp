@@ -32,6 +32,8 @@ public:
     plan_.need("image of " + std::to_string(frame_.size[0]) + " x " +
                    std::to_string(frame_.size[1]),
                pixels * std::int64_t(4 * sizeof(float)), "while it is drawn");
+    image(ImageKind::depth, "image of depth", pixels * std::int64_t(sizeof(float)));
+    image(ImageKind::cell, "image of cells", pixels * std::int64_t(sizeof(std::int64_t)));
     if (frame_.volume)
       volume(*frame_.volume);
     else
@@ -42,7 +44,14 @@ public:
       isosurface(surface);
     if (frame_.isosurfaces.empty())
       plan_.skip("value ranges of the tree", "no isosurface is asked for");
+    triangles();
     effect(FrameEffect::lighting, "lighting");
+    effect(FrameEffect::shadows, "shadows");
+    effect(FrameEffect::ambient_occlusion, "ambient occlusion");
+    if (frame_.clips.empty())
+      plan_.skip("clips", "none is asked for");
+    else
+      plan_.need("clips", -1, std::to_string(frame_.clips.size()) + " of them");
   }
 
 private:
@@ -51,6 +60,28 @@ private:
       plan_.need(name, -1, "an effect of the frame");
     else
       plan_.skip(name, "not among the frame's effects");
+  }
+
+  void image(ImageKind kind, const char* name, std::int64_t bytes) {
+    if (std::find(frame_.images.begin(), frame_.images.end(), kind) != frame_.images.end())
+      plan_.need(name, bytes, "while it is drawn");
+    else
+      plan_.skip(name, "not among the frame's images");
+  }
+
+  void triangles() {
+    if (frame_.boundary) {
+      plan_.need("boundary faces", -1, "found once, kept while the geometry holds");
+      if (const auto* by = std::get_if<ColorBy>(&frame_.boundary->color))
+        range(scalar_name(by->field, by->component, find_field(mesh_, by->field, {}).components),
+              by->range);
+    } else {
+      plan_.skip("boundary faces", "no boundary is asked for");
+    }
+    for (const Body& body : frame_.bodies)
+      plan_.need("triangles of " + quoted(body.path), -1, "a body");
+    if (frame_.outline)
+      plan_.need("outline", -1, "twelve lines");
   }
 
   void range(const std::string& what, const std::optional<ValueRange>& given) {
@@ -79,7 +110,8 @@ private:
       plan_.skip("vertex average of " + what, field.association == INSITU_CELL
                                                   ? "the volume shows one value a cell"
                                                   : "a vertex field");
-    macrocells(what, v);
+    if (!frame_.path_tracing)
+      macrocells(what, v);
   }
 
   void macrocells(const std::string& what, const Volume& v) {
@@ -122,6 +154,14 @@ private:
                std::int64_t(mesh_.tree().node_count()) * accel::ValueRanges::bytes_a_node,
                std::to_string(s.values.size()) +
                    (s.values.size() == 1 ? " isovalue" : " isovalues"));
+    const std::string gradients = "vertex gradients of " + what;
+    if (s.normals == Normals::smooth)
+      plan_.need(gradients,
+                 view_.first_vertex[view_.piece_count] * std::int64_t(sizeof(math::Vec3d)),
+                 "smooth normals");
+    else
+      plan_.skip(gradients, s.normals == Normals::cell ? "normals are the cells' own gradients"
+                                                       : "normals are central differences");
     if (const auto* by = std::get_if<ColorBy>(&s.color)) {
       const mesh::FieldView colors = find_field(mesh_, by->field, {});
       range(scalar_name(by->field, by->component, colors.components), by->range);

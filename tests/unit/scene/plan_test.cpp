@@ -50,6 +50,8 @@ const char* const scenes[] = {
     "frames: [{name: f, size: [8, 8], volume: {field: c, smooth: true}}]",
     "frames: [{name: f, size: [8, 8], isosurfaces: [{field: p, values: [0.5]}]}]",
     "frames: [{name: f, size: [8, 8], isosurfaces: [{field: c, values: [0.1, 0.2]}]}]",
+    "frames: [{name: f, size: [8, 8], effects: [lighting, shadows], isosurfaces: [{field: p, "
+    "values: [0.4], normals: smooth}]}]",
     "frames: [{name: f, size: [8, 8], volume: {field: c, smooth: true}, isosurfaces: [{field: c, "
     "values: [0.1]}, {field: p, values: [0.2], color: {field: c}}]}, {name: g, size: [4, 4], "
     "isosurfaces: [{field: p, values: [0.7]}]}]",
@@ -71,7 +73,7 @@ TEST(Plan, TellsTheBytesThatAreHeld) {
 
 /// Structures are made once while neither cells nor values change, however many frames use them.
 TEST(Plan, StructuresAreSharedAndKept) {
-  PlannedRun run(scenes[5]);
+  PlannedRun run(scenes[6]);
   EXPECT_EQ(run.execute(0), "");
   const render::Structures::Counts once = run.runner.structure_counts();
   EXPECT_EQ(once.averages, 1);
