@@ -1,18 +1,21 @@
 #!/usr/bin/env bash
-# Makes the README's tables of measured figures: libinsitu beside VTK's locators, each row one run, and adaptive meshes.
-#   bash tests/bench/table.sh [cells] [--amr] [--readme]
-# cells: 1000000, about ten minutes; the large rows take eight times as many. --amr: adaptive meshes alone, a minute.
-# --readme: puts the tables between the README's <!-- measured --> and <!-- amr --> marks instead of printing them.
+# Makes the README's tables of measured figures: libinsitu beside VTK's locators, each row one run, adaptive meshes, and
+# what effects of frames cost.
+#   bash tests/bench/table.sh [cells] [--amr|--effects] [--readme]
+# cells: 1000000, about ten minutes; the large rows take eight times as many. --amr: adaptive meshes alone, a minute;
+# --effects: effects alone, five minutes.
+# --readme: puts the tables between the README's <!-- measured -->, <!-- amr --> and <!-- effects --> marks instead of
+# printing them.
 # INSITU_BENCH: another binary.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 bench=${INSITU_BENCH:-build/release/bin/insitu-bench}
-cells=1000000 readme= amr_alone=
+cells=1000000 readme= parts="measured amr effects"
 for argument; do
   case $argument in
     --readme) readme=1 ;;
-    --amr) amr_alone=1 ;;
-    *[!0-9]* | '') sed -n '2,6s/^# //p' "$0" >&2; exit 2 ;;
+    --amr|--effects) parts=${argument#--} ;;
+    *[!0-9]* | '') sed -n '2,9s/^# //p' "$0" >&2; exit 2 ;;
     *) cells=$argument ;;
   esac
 done
@@ -45,7 +48,7 @@ row() {
         error, verror, 1e3 * build, 1e3 * refit, bytes / n, vbytes / n }'
 }
 
-table() {
+measured() {
   echo "Measured $(date -u +%Y-%m-%d) on $(nproc) cores, $(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo);" \
     "one thread; medians of 3; $cells cells, jitter 0.2." \
     "Million queries a second (locate, with parametric coordinates), beside VTK in the same run:" \
@@ -109,21 +112,26 @@ amr() {
   echo '```'
 }
 
-# fill MARK FUNCTION: puts what the function prints between the README's marks.
+effects() {
+  echo "\`insitu-bench effects --cells 125000 --repetitions 3\`, $(date -u +%Y-%m-%d) on $(nproc) cores," \
+    "$(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo)."
+  echo
+  echo '```'
+  "$bench" effects --cells 125000 --repetitions 3 2> /dev/null
+  echo '```'
+}
+
+# fill PART: puts what that function prints between the README's marks of that name.
 fill() {
   grep -q "^<!-- $1 -->\$" README.md && grep -q "^<!-- /$1 -->\$" README.md ||
     { echo "README.md has no lines <!-- $1 --> and <!-- /$1 -->" >&2; exit 2; }
-  "$2" > "$out/$1.md"
+  "$1" > "$out/$1.md"
   awk -v file="$out/$1.md" -v begin="<!-- $1 -->" -v end="<!-- /$1 -->" '$0 == end { skip = 0 } !skip
     $0 == begin { print ""; while ((getline line < file) > 0) print line; print ""; skip = 1 }' README.md > "$out/README.md"
   cp "$out/README.md" README.md
   echo "README.md: $1 written"
 }
 
-if [ -n "$readme" ]; then
-  [ -n "$amr_alone" ] || fill measured table
-  fill amr amr
-else
-  [ -n "$amr_alone" ] || { table; echo; }
-  amr
-fi
+for part in $parts; do
+  if [ -n "$readme" ]; then fill "$part"; else "$part"; echo; fi
+done
