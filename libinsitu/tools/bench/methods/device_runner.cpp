@@ -3,7 +3,7 @@
 
 #include "accel/device_locator.h"
 #include "accel/faces/face_table.h"
-#include "cells/validate.h"
+#include "cells/odd_cells.h"
 #include "core/timer.h"
 #include "methods/runner.h"
 
@@ -47,7 +47,7 @@ public:
         faces_(memory_) {
     mesh.register_with(mesh_);
     mesh_.update();
-    const bool free = cells::is_free_of_folds(mesh_.view(), context.threads);
+    const bool free = cells::find_odd_cells(mesh_.view(), context.threads).none();
     mesh_.set_free_of_folds(free);
     mesh_.set_covers_once(free); // by their making
     locator_ = accel::make_device_locator(backend, method, memory_);
