@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "output/glyphs.h"
+#include "output/utf8.h"
 
 namespace insitu::output {
 
@@ -74,25 +75,6 @@ private:
   Knot knots_[5];
 };
 
-/// Takes one code point off the front of UTF-8; a broken sequence gives U+FFFD for its first byte.
-char32_t take_code_point(std::string_view& text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned first = byte(0);
-  const std::size_t length = first < 0x80           ? 1
-                             : (first >> 5) == 0x06 ? 2
-                             : (first >> 4) == 0x0e ? 3
-                             : (first >> 3) == 0x1e ? 4
-                                                    : 0;
-  char32_t code = length <= 1 ? first : first & (0xffu >> (length + 1));
-  bool good = length > 0 && length <= text.size();
-  for (std::size_t i = 1; good && i < length; ++i) {
-    good = (byte(i) & 0xc0) == 0x80;
-    code = (code << 6) | (byte(i) & 0x3fu);
-  }
-  text.remove_prefix(good ? length : 1);
-  return good ? code : U'\ufffd';
-}
-
 /// Coverage of the pixels of a rectangle by strokes, each by its distance from the pixel's centre.
 class Coverage {
 public:
@@ -147,8 +129,8 @@ void blend(float* pixel, const std::array<float, 4>& color, float coverage) {
 template <class Visit>
 int lay_out(const FittedFont& font, std::string_view text, const Visit& visit) {
   int pen = 0;
-  while (!text.empty()) {
-    const Glyph& g = glyph(take_code_point(text));
+  for (const char32_t c : decode_utf8(text)) {
+    const Glyph& g = glyph(c);
     visit(g, pen);
     pen += font.width(g) + font.gap;
   }

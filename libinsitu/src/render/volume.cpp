@@ -70,8 +70,12 @@ VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings
   }
   check(settings);
   options_.accuracy = settings.accuracy;
-  if (settings.shading && field_.field.association == INSITU_VERTEX)
-    lighting_ = lighting;
+  if (settings.shading && field_.field.association == INSITU_VERTEX) {
+    Lighting plain = lighting; // a medium gathers no shadows of surfaces
+    plain.shadows = false;
+    plain.occlusion_samples = 0;
+    shader_.emplace(plain, 0.0);
+  }
   if (settings.tolerance) {
     if (!structures.macrocells)
       throw core::Error(INSITU_ERROR_ARGUMENT, "a volume with a tolerance needs macrocells");
@@ -303,7 +307,7 @@ void VolumeMarcher::gather(RayState& ray, Gathered& last, std::int64_t index, do
       add_value(ray, {stretch(ray, index, 1).from, middle}, value, at, 0);
   } else {
     ColorSample segment = (*preintegration_)(last.value, value);
-    if (lighting_ && segment.alpha > 0)
+    if (shader_ && segment.alpha > 0)
       light(ray.ray, at, segment.color);
     add(ray, {middle - step_, middle}, segment, at.cell);
   }
@@ -336,7 +340,7 @@ void VolumeMarcher::add_value(RayState& ray, const Stretch& stretch, double valu
                          ? float(-std::expm1(length / unit_distance_ * std::log1p(-opacity)))
                          : float(length > 0);
     }
-    if (lighting_)
+    if (shader_)
       light(ray.ray, at, sample.color);
   }
   add(ray, stretch, sample, at.cell);
@@ -355,37 +359,16 @@ void VolumeMarcher::light(const Ray& ray, const query::Location& at, Color& colo
     return;               // flat: there is no side to be lit from
   normal = normal / most; // squares of 1e-300 are none
   normal = normal / std::sqrt(dot(normal, normal));
-  const double to_viewer = -dot(normal, ray.direction);
-  if (to_viewer < 0)
+  if (dot(normal, ray.direction) > 0)
     normal = -normal;
-  const auto share = float(lighting_->ambient);
-  Color sum{share, share, share};
-  const auto add_light = [&](const Light& light) {
-    double factor = 1;
-    if (light.kind == Light::Kind::head) {
-      factor = std::fabs(to_viewer);
-    } else if (light.kind != Light::Kind::dome) {
-      const bool is_point = light.kind == Light::Kind::point;
-      Vec3d towards = light.vector;
-      if (is_point) {
-        Vec3d p;
-        double weight[8] = {};
-        cells::shape_functions(cell.shape, at.parametric, weight);
-        for (int v = 0; v < cell.count; ++v)
-          p += weight[v] * cell.x[v];
-        towards = light.vector - p;
-      }
-      const double square = dot(towards, towards);
-      factor = square > 0 ? std::max(0.0, dot(normal, towards) / std::sqrt(square)) : 0.0;
-      if (is_point && square > 0)
-        factor /= square;
-    }
-    sum = sum + float(lighting_->diffuse * factor) * light.color;
-  };
-  if (lighting_->lights.empty())
-    add_light({});
-  for (const Light& light : lighting_->lights)
-    add_light(light);
+  Vec3d position;
+  double weight[8] = {};
+  cells::shape_functions(cell.shape, at.parametric, weight);
+  for (int v = 0; v < cell.count; ++v)
+    position += weight[v] * cell.x[v];
+  SurfaceCounts none; // no rays are sent
+  const Color sum = (*shader_)(
+      {position, normal, -ray.direction}, [](const Ray&, double) { return 1.0; }, none);
   color = {sum.r * color.r, sum.g * color.g, sum.b * color.b};
 }
 

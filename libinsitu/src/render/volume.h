@@ -12,6 +12,7 @@
 #include "render/ray_state.h"
 #include "render/ray_step.h"
 #include "render/scalar_field.h"
+#include "render/shade.h"
 #include "render/step_levels.h"
 #include "render/transfer_function.h"
 
@@ -121,7 +122,7 @@ private:
   double step_, unit_distance_;
   bool clipped_;
   const Majorants* majorants_; ///< null: nothing to skip
-  std::optional<Lighting> lighting_;
+  std::optional<Shader> shader_;
   std::optional<StepLevels> levels_;
   std::vector<Classifier> classifiers_; ///< by level
   std::optional<Preintegration> preintegration_;
