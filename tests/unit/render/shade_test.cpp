@@ -203,12 +203,12 @@ TEST(Shade, OcclusionBesideAWall) {
   s.camera.orthographic_height = 0.3;
   s.lighting.ambient = 1;
   s.lighting.diffuse = 0;
-  s.lighting.occlusion_samples = 16;
+  s.lighting.occlusion_samples = 64;
   s.lighting.occlusion_distance = 0.25;
   s.isosurfaces.push_back({z, {0.3}, 1, Color{1, 1, 1}});
   FrameStatistics statistics;
   const core::Image open = mesh.draw(s, 0, &statistics);
-  EXPECT_EQ(statistics.occlusion_rays, 48 * 48 * 16);
+  EXPECT_EQ(statistics.occlusion_rays, 48 * 48 * 64);
   EXPECT_EQ(statistics.shadow_rays, 0);
   for (int i = 0; i < 48; ++i)
     EXPECT_EQ(open.pixel(i, i)[0], 1.0f); // a plane hides nothing of its own sky
@@ -227,8 +227,8 @@ TEST(Shade, OcclusionBesideAWall) {
     double sum = 0;
     for (int y = 0; y < 48; ++y)
       sum += image.pixel(i, y)[0] / 48;
-    // 48 x 16 samples; independent ones would have a deviation of 0.018 at most, stratified ones less.
-    EXPECT_NEAR(sum, expected, 0.03) << "distance " << d;
+    // 48 x 64 samples; independent ones would have a deviation of 0.009 at most.
+    EXPECT_NEAR(sum, expected, 0.02) << "distance " << d;
     ++columns;
   }
   EXPECT_GT(columns, 30);
