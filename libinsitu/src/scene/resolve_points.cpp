@@ -18,7 +18,13 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
     out.names = std::move(table.names);
   } else if (const auto* transect = std::get_if<Transect>(&source);
              transect && to_api(used, mesh.frame).kind == INSITU_FRAME_GEODETIC) {
-    out.mesh_points = geo::geodesic(transect->from, transect->to, transect->count);
+    math::Vec3d ends[] = {transect->from, transect->to};
+    const geo::Frame units = to_geo(to_api(used, mesh.frame)); // the mesh's may be radians
+    geo::Frame degrees = units;
+    degrees.radians = false;
+    geo::convert(units, degrees, ends, ends);
+    out.mesh_points = geo::geodesic(ends[0], ends[1], transect->count);
+    geo::convert(degrees, units, out.mesh_points, out.mesh_points);
   } else {
     const std::int64_t n = point_count(source);
     out.mesh_points.reserve(std::size_t(n));
@@ -26,7 +32,7 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
       out.mesh_points.push_back(point_at(source, i));
   }
   try {
-    convert_points(out.mesh_points, to_api(used, mesh.frame), mesh.frame, used.depth);
+    convert_points(out.mesh_points, to_api(used, mesh.frame), mesh.frame);
   } catch (const core::Error& e) {
     throw core::Error(e.status(), (used.line > 0 ? scene_file + ":" + std::to_string(used.line) + ": "
                                                  : std::string()) +
