@@ -3,6 +3,7 @@
 
 #include "accuracy/sweeps.h"
 #include "commands.h"
+#include "core/random.h"
 #include "format.h"
 #include "sedov/solver.h"
 #include "setup.h"
