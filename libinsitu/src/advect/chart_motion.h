@@ -73,22 +73,24 @@ public:
   }
 
   /// Between two steps: x may go over to another chart, or by whole turns; its rate goes along.
-  void settle(math::Vec3d& x, math::Vec3d& rate) {
+  /// True for another chart.
+  bool settle(math::Vec3d& x, math::Vec3d& rate) {
     const math::Vec3d p = geo::between_charts(units(), pole_, geo::Pole::none, x);
     const geo::Pole to = suits(p, pole_);
-    if (to == geo::Pole::none && pole_ == geo::Pole::none) {
-      x = normalised(x);
-    } else if (to != pole_) {
-      const math::Vec3d v = geo::chart_metres(units(), pole_, x, rate);
-      const geo::ChartPlace from = geo::place_of(units(), pole_, x);
-      const math::Vec3d y = geo::between_charts(units(), pole_, to, x);
-      const geo::ChartPlace there = geo::place_of(units(), to, y);
-      const math::Vec3d along = v.x * from.east + v.y * from.north;
-      pole_ = to;
-      x = to == geo::Pole::none ? normalised(y) : y;
-      rate =
-          geo::chart_rates(units(), to, x, {dot(along, there.east), dot(along, there.north), v.z});
+    if (to == pole_) {
+      if (to == geo::Pole::none)
+        x = normalised(x);
+      return false;
     }
+    const math::Vec3d v = geo::chart_metres(units(), pole_, x, rate);
+    const geo::ChartPlace from = geo::place_of(units(), pole_, x);
+    const math::Vec3d y = geo::between_charts(units(), pole_, to, x);
+    const geo::ChartPlace there = geo::place_of(units(), to, y);
+    const math::Vec3d along = v.x * from.east + v.y * from.north;
+    pole_ = to;
+    x = to == geo::Pole::none ? normalised(y) : y;
+    rate = geo::chart_rates(units(), to, x, {dot(along, there.east), dot(along, there.north), v.z});
+    return true;
   }
 
   /// The size of a cell's bounding box in the particle's coordinates. An edge far shorter than the

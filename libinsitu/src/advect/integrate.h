@@ -135,7 +135,10 @@ insitu_ending integrate(F& velocity, const IntegratorSettings& settings, double 
   // size in a row say that there is a way past it.
   int closing_in = 0;
   while (elapsed < span) {
-    const double speed = length_of(k1);
+    // A field may change its coordinates between steps (over a pole).
+    if constexpr (requires { velocity.settle(p.x, k1); })
+      velocity.settle(p.x, k1);
+    const double speed = measure(velocity, p.x, k1);
     const double remaining = span - elapsed;
     const Vec3d extent = velocity.extent();
     const double cells_per_time = cells_crossed(k1, extent);
@@ -204,10 +207,10 @@ insitu_ending integrate(F& velocity, const IntegratorSettings& settings, double 
       } else if (const double crossed = by_cell ? cells_crossed(moved, extent) : 0.0;
                  crossed > 2.0 * cells) {
         factor = std::max(cells / crossed, 1e-3); // the velocity grew within the step
-      } else if (chord = length_of(moved); chord > length_left * (1.0 + 1e-12)) {
+      } else if (chord = measure(velocity, p.x, moved); chord > length_left * (1.0 + 1e-12)) {
         factor = std::min(length_left / chord, 1.0 - 1e-12);
       } else if (adaptive) {
-        const double fastest = std::max(speed, length_of(trial.v));
+        const double fastest = std::max(speed, measure(velocity, trial.x, trial.v));
         const double tolerance =
             std::max(std::min(settings.tolerance, control::largest_relative_error * fastest),
                      16.0 * epsilon * fastest);
@@ -239,7 +242,7 @@ insitu_ending integrate(F& velocity, const IntegratorSettings& settings, double 
     p.x = trial.x;
     p.length += chord;
     p.time = elapsed == span ? to : from + direction * elapsed;
-    if (const double change = length_of(trial.v - k1); !adaptive && change > 0.0)
+    if (const double change = measure(velocity, p.x, trial.v - k1); !adaptive && change > 0.0)
       rate_limit = std::max(chord / change, 1e-3 * h);
     k1 = trial.v;
     if (closing_in > 0) {

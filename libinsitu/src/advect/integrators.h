@@ -24,6 +24,25 @@ concept VelocityField = requires(F& f, const Vec3d& x, double t, Vec3d& v) {
   { f.extent() } -> std::convertible_to<Vec3d>;
 };
 
+/// Euclidean length without overflow or underflow in between.
+inline double length_of(const Vec3d& v) {
+  return std::hypot(v.x, v.y, v.z);
+}
+
+/// What a displacement d at the position x measures in the units of lengths and tolerances: for
+/// error vectors per unit time as well, and so for speeds. A field whose coordinates are not
+/// lengths, such as degrees, has a double length(x, d), linear in the size of d; others cost
+/// nothing.
+template <class F>
+double measure(const F& field, const Vec3d& x, const Vec3d& d) {
+  if constexpr (requires {
+                  { field.length(x, d) } -> std::same_as<double>;
+                })
+    return field.length(x, d);
+  else
+    return length_of(d);
+}
+
 /// One trial step.
 struct Trial {
   Vec3d x;            ///< the end; if not inside, the stage that failed
@@ -41,11 +60,6 @@ Trial rk4_step(F& velocity, const Vec3d& x, double t, double h, const Vec3d& k1)
 /// their RK5(4)7M), advanced in the higher order. Six evaluations, the last at the end.
 template <VelocityField F>
 Trial dopri5_step(F& velocity, const Vec3d& x, double t, double h, const Vec3d& k1);
-
-/// Euclidean length without overflow or underflow in between.
-inline double length_of(const Vec3d& v) {
-  return std::hypot(v.x, v.y, v.z);
-}
 
 // ---------------------------------------------------------------------------- implementation
 
@@ -90,7 +104,7 @@ Trial dopri5_step(F& velocity, const Vec3d& x, double t, double h, const Vec3d& 
   if (!stage(1.0, x + ((h * (35.0 / 384)) * k1 + (h * (500.0 / 1113)) * k3 + (h * (125.0 / 192)) * k4
                      + (h * (-2187.0 / 6784)) * k5 + (h * (11.0 / 84)) * k6), trial.v))
     return trial;
-  trial.error = length_of((71.0 / 57600) * k1 + (-71.0 / 16695) * k3 + (71.0 / 1920) * k4
+  trial.error = measure(velocity, x, (71.0 / 57600) * k1 + (-71.0 / 16695) * k3 + (71.0 / 1920) * k4
                         + (-17253.0 / 339200) * k5 + (22.0 / 525) * k6 + (-1.0 / 40) * trial.v);
   // clang-format on
   return trial;

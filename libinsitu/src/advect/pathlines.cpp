@@ -52,10 +52,12 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
       p.time = std::max(p.time, t0);
       const double last = all.seeding_times[i] + settings_.duration;
       v.begin(all.cells[i]);
+      p.x = v.enter(p.x);
       insitu_ending ending = integrate(v, integrator, std::clamp(last, p.time, t1),
                                        settings_.length, p, chunk_work, [](const State&) {});
       if (ending == INSITU_END_ALIVE && last <= t1)
         ending = INSITU_END_EXPIRED;
+      p.x = v.position(p.x);
       all.set_state(i, p, v.cell() >= 0 ? v.cell() : all.cells[i]);
       all.endings[i] = std::uint8_t(ending);
     }

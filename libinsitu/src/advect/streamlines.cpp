@@ -26,20 +26,23 @@ struct Chunk {
 insitu_ending trace(MeshVelocity& velocity, const StreamlineSettings& settings,
                     const math::Vec3d& seed, double to, Chunk& chunk) {
   State p;
-  p.x = seed;
   const std::size_t first = chunk.vertices.size();
   velocity.begin(-1);
+  p.x = velocity.enter(seed);
+  math::Vec3d last; // as the integrator has it; after a change of its coordinates it is far away
   const auto visit = [&](const State& s) {
     if (chunk.vertices.size() == first ||
-        cells_crossed(s.x - chunk.vertices.back().point, velocity.extent()) >= settings.spacing)
-      chunk.vertices.push_back({s.x, s.time, velocity.cell()});
+        cells_crossed(s.x - last, velocity.extent()) >= settings.spacing) {
+      chunk.vertices.push_back({velocity.position(s.x), s.time, velocity.cell()});
+      last = s.x;
+    }
   };
   insitu_ending ending =
       integrate(velocity, settings.integrator, to, settings.length, p, chunk.work, visit);
   if (ending == INSITU_END_ALIVE)
     ending = INSITU_END_EXPIRED;
-  if (chunk.vertices.size() > first && p.x != chunk.vertices.back().point)
-    chunk.vertices.push_back({p.x, p.time, velocity.cell()});
+  if (chunk.vertices.size() > first && p.x != last)
+    chunk.vertices.push_back({velocity.position(p.x), p.time, velocity.cell()});
   return ending;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <optional>
 
 #include "cells/conformity.h"
 #include "core/status.h"
@@ -199,7 +200,11 @@ void CommittedMesh::note_queries() {
 
 void CommittedMesh::validate_topology(const mesh::MeshView& view, const core::Threads& threads,
                                       const core::Log& log) {
-  const cells::Validation validation = cells::validate(mesh_.name(), view, threads);
+  accept(cells::validate(mesh_.name(), view, threads), view, threads, log);
+}
+
+void CommittedMesh::accept(const cells::Validation& validation, const mesh::MeshView& view,
+                           const core::Threads& threads, const core::Log& log) {
   if (!validation.findings.empty())
     throw core::Error(INSITU_ERROR_MESH, validation.findings);
   if (!validation.warning.empty())
@@ -273,20 +278,28 @@ void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& 
                                    const core::Threads& threads, const core::Log& log) {
   bool topology = (pending & INSITU_CHANGED_TOPOLOGY) || tree_is_stale_;
   const bool geometry = (pending & INSITU_CHANGED_GEOMETRY) != 0;
+  std::optional<cells::Validation> own; // nothing is read through ids that were not looked at
   if (frame.kind == INSITU_FRAME_GEODETIC) {
-    if (topology) { // nothing is read through ids that were not looked at
-      const cells::Validation found = cells::validate(mesh_.name(), mesh_.own_view(), threads);
-      if (!found.findings.empty())
-        throw core::Error(INSITU_ERROR_MESH, found.findings);
+    if (topology) {
+      own = cells::validate(mesh_.name(), mesh_.own_view(), threads);
+      if (!own->findings.empty())
+        throw core::Error(INSITU_ERROR_MESH, own->findings);
     }
-    topology = place_on_chart(pending, threads, log) || topology;
+    topology =
+        place_on_chart(topology ? std::uint32_t(INSITU_CHANGED_ALL) : pending, threads, log) ||
+        topology;
+    if (geodetic_->has_copies())
+      own.reset(); // of cells that are hidden
   }
   if (topology)
     pending |= INSITU_CHANGED_TOPOLOGY; // for the locators
   bool rebuild = topology;
   if (topology) {
     policy_.topology_changed();
-    validate_topology(mesh_.view(), threads, log);
+    if (own)
+      accept(*own, mesh_.view(), threads, log);
+    else
+      validate_topology(mesh_.view(), threads, log);
     report.validated = 1;
   } else if (geometry) {
     tree_.refit(mesh_.view(), threads);

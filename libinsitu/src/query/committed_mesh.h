@@ -112,6 +112,8 @@ private:
   bool place_on_chart(std::uint32_t pending, const core::Threads& threads, const core::Log& log);
   void validate_topology(const mesh::MeshView& view, const core::Threads& threads,
                          const core::Log& log);
+  void accept(const cells::Validation& validation, const mesh::MeshView& view,
+              const core::Threads& threads, const core::Log& log);
   void update_locators(std::uint32_t pending, const core::Threads& threads);
   void set_odd_cells(cells::OddCells odd, const core::Threads& threads);
   void look_for_overlaps(const core::Threads& threads);

@@ -29,7 +29,7 @@ Vec3d earth(const Vec3d& p) {
   return out;
 }
 
-TEST(Chart, sines_are_exact_at_right_angles) {
+TEST(Chart, SinesAreExactAtRightAngles) {
   for (int k = -8; k <= 8; ++k) {
     const SinCos at = sin_cos(degrees, 90.0 * k);
     EXPECT_EQ(at.sin, double(std::lround(std::sin(k * std::numbers::pi / 2)))) << k;
@@ -43,7 +43,7 @@ TEST(Chart, sines_are_exact_at_right_angles) {
     }
 }
 
-TEST(Chart, points_go_around_by_all_charts_to_nanometres) {
+TEST(Chart, PointsGoAroundByAllChartsToNanometres) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> part(-1, 1);
   for (const ChartUnits& units : {degrees, radians})
@@ -66,7 +66,7 @@ TEST(Chart, points_go_around_by_all_charts_to_nanometres) {
     }
 }
 
-TEST(Chart, a_pole_lies_at_the_origin_of_its_chart) {
+TEST(Chart, APoleLiesAtTheOriginOfItsChart) {
   for (const double lon : {-180.0, -17.3, 0.0, 90.0, 359.0}) {
     EXPECT_EQ(between_charts(degrees, Pole::none, Pole::north, {lon, 90, 5}), (Vec3d{0, 0, 5}));
     EXPECT_EQ(between_charts(degrees, Pole::none, Pole::south, {lon, -90, 5}), (Vec3d{0, 0, 5}));
@@ -86,7 +86,7 @@ Vec3d measured_rate(Pole pole, const Vec3d& p, const Vec3d& velocity, double dt)
   return (at[1] - at[0]) / (2 * dt);
 }
 
-TEST(Chart, rates_are_those_of_a_straight_line_through_space) {
+TEST(Chart, RatesAreThoseOfAStraightLineThroughSpace) {
   const Vec3d velocity{3, -2, 0.5}; // metres per second, true east, north, up
   for (const double lat : {-89.0, -60.0, 0.0, 35.0, 88.0, 89.99})
     for (const Pole pole : {Pole::none, lat < 0 ? Pole::south : Pole::north}) {
@@ -112,7 +112,7 @@ TEST(Chart, rates_are_those_of_a_straight_line_through_space) {
     }
 }
 
-TEST(Chart, a_turned_chart_is_regular_at_its_pole) {
+TEST(Chart, ATurnedChartIsRegularAtItsPole) {
   // 1 m/s along every meridian: 1/M radians per second, whichever way.
   const double m = radii(1.0).along;
   EXPECT_NEAR(m, radii(-1.0).across, 1e-8);
@@ -126,7 +126,7 @@ TEST(Chart, a_turned_chart_is_regular_at_its_pole) {
     }
 }
 
-TEST(Chart, units_change_nothing_but_numbers) {
+TEST(Chart, UnitsChangeNothingButNumbers) {
   for (const Pole pole : poles) {
     const Vec3d p{0.3, 0.2, 4.0}; // radians, kilometres of depth
     const Vec3d q{p.x / degree, p.y / degree, -4000.0};
@@ -139,7 +139,7 @@ TEST(Chart, units_change_nothing_but_numbers) {
   }
 }
 
-TEST(Chart, longitudes_come_into_the_range_and_stay_as_they_are_within) {
+TEST(Chart, LongitudesComeIntoTheRangeAndStayAsTheyAreWithin) {
   const double below = std::nextafter(180.0, 0.0);
   EXPECT_EQ(longitude_from(-180, degrees, -180.0), -180.0);
   EXPECT_EQ(longitude_from(-180, degrees, 180.0), -180.0);
@@ -164,7 +164,7 @@ TEST(Chart, longitudes_come_into_the_range_and_stay_as_they_are_within) {
     }
 }
 
-TEST(Chart, a_straight_edge_of_a_degree_sags_242_metres) {
+TEST(Chart, AStraightEdgeOfADegreeSags242Metres) {
   // In space, halfway along an edge of a degree in longitude and in latitude. That is the reason
   // why a geodetic mesh is not located geocentric.
   const auto sag = [](const Vec3d& a, const Vec3d& b) {

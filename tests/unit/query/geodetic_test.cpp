@@ -141,7 +141,7 @@ void expect_one_owner(const Earth& earth, const ChartUnits& units, const std::st
 
 } // namespace
 
-TEST(Geodetic, LatticesNeedNoCopies) {
+TEST(GeodeticMesh, LatticesNeedNoCopies) {
   for (const double west : {-180.0, 0.0, -30.0, 170.0, -540.0})
     for (const bool in_radians : {false, true}) {
       const ChartUnits units{in_radians, in_radians, in_radians};
@@ -156,7 +156,7 @@ TEST(Geodetic, LatticesNeedNoCopies) {
     }
 }
 
-TEST(Geodetic, CellsThatWrapAround) {
+TEST(GeodeticMesh, CellsThatWrapAround) {
   for (const double west : {-180.0, 0.0, 13.0}) {
     Lattice l{.west = west, .east = west + 360, .wraps = true};
     const Earth earth(lattice(l));
@@ -170,7 +170,7 @@ TEST(Geodetic, CellsThatWrapAround) {
   }
 }
 
-TEST(Geodetic, GlobesOfWedges) {
+TEST(GeodeticMesh, GlobesOfWedges) {
   for (const double tilt : {0.0, 0.3, 1.1, std::atan(2.0) / 2, 0.5535743588970452}) // the last
     for (const double first : {-180.0, 0.0}) { // ones: the pole on an edge of a triangle
       Globe g{.tilt = tilt, .first = first, .pole_longitude = first + 77};
@@ -183,7 +183,7 @@ TEST(Geodetic, GlobesOfWedges) {
     }
 }
 
-TEST(Geodetic, UnitsDepthsAndPieces) {
+TEST(GeodeticMesh, UnitsDepthsAndPieces) {
   const ChartUnits other{.radians = true, .kilometres = true, .down = true};
   Globe g{.tilt = 0.3};
   const Earth plain(globe(g)), pieces(globe(g), degrees, 3);
@@ -204,7 +204,7 @@ TEST(Geodetic, UnitsDepthsAndPieces) {
 }
 
 // Every surface cell holds a drifter at depth 0, wherever: the vertical number is never touched.
-TEST(Geodetic, DepthZeroIsInside) {
+TEST(GeodeticMesh, DepthZeroIsInside) {
   for (const bool down : {false, true}) {
     const ChartUnits units{.down = down};
     const Earth earth(globe({.units = units, .subdivisions = 4, .tilt = 0.4}), units);
@@ -215,7 +215,7 @@ TEST(Geodetic, DepthZeroIsInside) {
   }
 }
 
-TEST(Geodetic, CellsOfAspect1e5) {
+TEST(GeodeticMesh, CellsOfAspect1e5) {
   // Layers of metres over cells of hundreds of kilometres.
   const Earth earth(globe({.subdivisions = 3, .tilt = 0.2, .levels = {-7, -4, -1, 0}}));
   test::Random random(10);
@@ -241,7 +241,7 @@ std::vector<double> one_vector(const test::TestMesh& from, const Vec3d& v) {
   return out;
 }
 
-TEST(Geodetic, VectorsTurnWithEast) {
+TEST(GeodeticMesh, VectorsTurnWithEast) {
   const Vec3d v{0.6, -0.5, 0.2};
   for (const double tilt : {0.0, 0.3}) {
     const test::TestMesh from = globe({.subdivisions = 4, .tilt = tilt, .pole_longitude = 55});
@@ -278,7 +278,7 @@ TEST(Geodetic, VectorsTurnWithEast) {
   }
 }
 
-TEST(Geodetic, MovingMeshes) {
+TEST(GeodeticMesh, MovingMeshes) {
   const Globe g{.subdivisions = 3, .tilt = 0.3};
   const test::TestMesh from = globe(g);
   Earth earth(from);
@@ -306,7 +306,7 @@ TEST(Geodetic, MovingMeshes) {
   expect_one_owner(earth, degrees, "turned");
 }
 
-TEST(Geodetic, GhostsOwnNothing) {
+TEST(GeodeticMesh, GhostsOwnNothing) {
   const test::TestMesh from = lattice({.west = 0, .east = 360, .wraps = true});
   Earth earth(from);
   std::vector<std::uint8_t> ghosts(from.cells.size(), 0);
@@ -322,7 +322,7 @@ TEST(Geodetic, GhostsOwnNothing) {
   EXPECT_GE(earth.owner({-17, 10, -5}), 0);
 }
 
-TEST(Geodetic, FewerPointsThanTheWholeEarth) {
+TEST(GeodeticMesh, FewerPointsThanTheWholeEarth) {
   // A region across the date line, given three ways.
   for (const double jump : {0.0, -360.0}) {
     const Earth earth(lattice({.west = 170, .south = -20, .east = 190, .north = 15, .jump = jump}));
@@ -341,7 +341,7 @@ TEST(Geodetic, FewerPointsThanTheWholeEarth) {
   }
 }
 
-TEST(Geodetic, RayMethodsAnswerAlike) {
+TEST(GeodeticMesh, RayMethodsAnswerAlike) {
   const test::TestMesh from = globe({.subdivisions = 3, .tilt = 0.3});
   const Earth plain(from);
   Earth rays(from);
@@ -362,7 +362,7 @@ TEST(Geodetic, RayMethodsAnswerAlike) {
   }
 }
 
-TEST(Geodetic, WhatIsRefusedSaysWhy) {
+TEST(GeodeticMesh, WhatIsRefusedSaysWhy) {
   const auto error = [](const test::TestMesh& from, const ChartUnits& units = {}) {
     try {
       Earth earth(from, units);
