@@ -36,9 +36,9 @@ contains
   function atlantic() result(basin)
     type(basin_type) :: basin
 
-    basin%latitude = real([12, 18, 22, 26, 30, 34, 38, 42, 46, 50, 54, 58, 60], real64)
-    basin%west = real([-60, -63, -70, -79, -81, -77, -75, -69, -60, -55, -55, -51, -47], real64)
-    basin%east = real([-17, -17, -17, -15, -10, -7, -9, -9, -3, -5, -10, -6, -4], real64)
+    allocate (basin%latitude, source=real([12, 18, 22, 26, 30, 34, 38, 42, 46, 50, 54, 58, 60], real64))
+    allocate (basin%west, source=real([-60, -63, -70, -79, -81, -77, -75, -69, -60, -55, -55, -51, -47], real64))
+    allocate (basin%east, source=real([-17, -17, -17, -15, -10, -7, -9, -9, -3, -5, -10, -6, -4], real64))
   end function atlantic
 
   !> A box with a flat bottom.
@@ -46,9 +46,9 @@ contains
     real(real64), intent(in) :: west, east, south, north
     type(basin_type) :: basin
 
-    basin%latitude = [south, north]
-    basin%west = [west, west]
-    basin%east = [east, east]
+    allocate (basin%latitude, source=[south, north])
+    allocate (basin%west, source=[west, west])
+    allocate (basin%east, source=[east, east])
     basin%coast_depth = basin%depth
     basin%ridge_height = 0.0_real64
   end function box

@@ -169,8 +169,8 @@ contains
     do k = 1, mesh%nlevels
       do c = 1, mesh%ncolumns
         cell = cell + 1
-        mesh%connectivity(1:3, cell) = int(mesh%triangle(:, c) + k * mesh%nv, int32)
-        mesh%connectivity(4:6, cell) = int(mesh%triangle(:, c) + (k - 1) * mesh%nv, int32)
+        mesh%connectivity(1:3, cell) = int(mesh%triangle(:, c) + (k - 1) * mesh%nv, int32)
+        mesh%connectivity(4:6, cell) = int(mesh%triangle(:, c) + k * mesh%nv, int32)
       end do
     end do
   end subroutine extrude
