@@ -15,9 +15,7 @@ namespace insitu::advect {
 /// are metres per second east, north and up; depth 0 stays exactly 0 where nothing moves up.
 class ChartMotion {
 public:
-  /// chart: or null, for meshes whose coordinates are lengths; then nothing else may be called.
   explicit ChartMotion(const query::ChartImage* chart) : chart_(chart) {}
-  explicit operator bool() const { return chart_ != nullptr; }
 
   /// A position in the mesh's frame, in the coordinates of the chart that suits it.
   math::Vec3d enter(const math::Vec3d& position) {
@@ -48,6 +46,30 @@ public:
     else
       out = {x.x + chart_->offset(pole_), x.y, x.z};
     return true;
+  }
+
+  /// A point near a, in the coordinates that a's image is in: a straight way from the image.
+  math::Vec3d along(const math::Vec3d& a, const math::Vec3d& image, const math::Vec3d& b) const {
+    const geo::Pole pole = pole_of_image(image);
+    if (pole == pole_)
+      return {b.x + (image.x - a.x), b.y, b.z};
+    math::Vec3d q = geo::between_charts(units(), pole_, pole, b);
+    q.x += chart_->offset(pole);
+    if (pole == geo::Pole::none)
+      q.x += units().turn() * std::round((image.x - q.x) / units().turn());
+    return q;
+  }
+  /// The way back, of a point near a's image.
+  math::Vec3d from_image(const math::Vec3d& a, const math::Vec3d& image,
+                         const math::Vec3d& q) const {
+    const geo::Pole pole = pole_of_image(image);
+    if (pole == pole_)
+      return {q.x - (image.x - a.x), q.y, q.z};
+    math::Vec3d b =
+        geo::between_charts(units(), pole, pole_, {q.x - chart_->offset(pole), q.y, q.z});
+    if (pole_ == geo::Pole::none)
+      b.x += units().turn() * std::round((a.x - b.x) / units().turn());
+    return b;
   }
 
   /// The rate of x. velocity: at the image, along the east and north of the image's chart.
@@ -123,6 +145,11 @@ public:
 
 private:
   const geo::ChartUnits& units() const { return chart_->units; }
+  /// Images on turned charts lie more than half a turn east of all others.
+  geo::Pole pole_of_image(const math::Vec3d& image) const {
+    const double turns = (image.x - chart_->west) / units().turn();
+    return turns <= 1.5 ? geo::Pole::none : turns < 13.0 / 6 ? geo::Pole::north : geo::Pole::south;
+  }
   math::Vec3d normalised(const math::Vec3d& p) const {
     return {geo::longitude_from(chart_->west, units(), p.x), p.y, p.z};
   }

@@ -2,6 +2,7 @@
 
 #include "advect/integrate.h"
 #include "mesh/view.h"
+#include "query/sampler.h"
 
 namespace insitu::advect {
 
@@ -11,6 +12,9 @@ void check_velocity(const mesh::FieldView& velocity);
 /// The settings for this velocity. A cell field jumps at every face, and is itself no better than a
 /// cell: unless the smallest step was given, it is a hundredth of a cell.
 IntegratorSettings settings_for(const mesh::FieldView& velocity, IntegratorSettings settings);
+
+/// Throws Error(INSITU_ERROR_UNSUPPORTED) for what cannot be done on a geodetic mesh.
+void check_chart(const query::Sampler& sampler, const IntegratorSettings& settings);
 
 /// Throws Error(INSITU_ERROR_ARGUMENT) for a negative, NaN or contradictory setting.
 void check_settings(const IntegratorSettings& settings);

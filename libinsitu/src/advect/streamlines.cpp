@@ -1,8 +1,10 @@
 #include "advect/streamlines.h"
 
 #include <algorithm>
+#include <type_traits>
 #include <vector>
 
+#include "advect/chart_velocity.h"
 #include "advect/check.h"
 #include "advect/mesh_velocity.h"
 
@@ -23,8 +25,9 @@ struct Chunk {
 };
 
 /// Appends one line to the chunk's vertices.
-insitu_ending trace(MeshVelocity& velocity, const StreamlineSettings& settings,
-                    const math::Vec3d& seed, double to, Chunk& chunk) {
+template <class Velocity>
+insitu_ending trace(Velocity& velocity, const StreamlineSettings& settings, const math::Vec3d& seed,
+                    double to, Chunk& chunk) {
   State p;
   const std::size_t first = chunk.vertices.size();
   velocity.begin(-1);
@@ -68,19 +71,26 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
 
   constexpr std::int64_t grain = 16;
   std::vector<Chunk> chunks(std::size_t((count + grain - 1) / grain));
-  threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
-    Chunk& chunk = chunks[std::size_t(begin / grain)];
-    MeshVelocity field(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy);
-    for (std::int64_t l = begin; l < end; ++l) {
-      const std::size_t seed = std::size_t(l / per_seed);
-      const bool backward = settings.direction == Direction::backward || l % per_seed == 1;
-      const std::size_t before = chunk.vertices.size();
-      lines.endings[std::size_t(l)] = std::uint8_t(trace(
-          field, steady, seeds[seed], backward ? -settings.duration : settings.duration, chunk));
-      lines.particles[std::size_t(l)] = std::int64_t(seed);
-      lines.offsets[std::size_t(l) + 1] = std::int64_t(chunk.vertices.size() - before);
-    }
-  });
+  const auto trace_all = [&]<class Velocity>(std::type_identity<Velocity>) {
+    threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
+      Chunk& chunk = chunks[std::size_t(begin / grain)];
+      Velocity field(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy);
+      for (std::int64_t l = begin; l < end; ++l) {
+        const std::size_t seed = std::size_t(l / per_seed);
+        const bool backward = settings.direction == Direction::backward || l % per_seed == 1;
+        const std::size_t before = chunk.vertices.size();
+        lines.endings[std::size_t(l)] = std::uint8_t(trace(
+            field, steady, seeds[seed], backward ? -settings.duration : settings.duration, chunk));
+        lines.particles[std::size_t(l)] = std::int64_t(seed);
+        lines.offsets[std::size_t(l) + 1] = std::int64_t(chunk.vertices.size() - before);
+      }
+    });
+  };
+  check_chart(sampler, steady.integrator);
+  if (sampler.chart())
+    trace_all(std::type_identity<ChartVelocity>());
+  else
+    trace_all(std::type_identity<MeshVelocity>());
 
   lines.offsets[0] = 0;
   for (std::size_t l = 0; l < std::size_t(count); ++l) {
