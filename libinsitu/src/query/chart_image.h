@@ -12,7 +12,7 @@ namespace insitu::query {
 /// chart turned to that pole, set down far to the east of all other cells. So it is located once,
 /// and in one tree.
 struct ChartImage {
-  geo::ChartUnits units;
+  geo::ChartUnits units = {};
   double west = 0.0;
   /// From these latitudes on (northwards; southwards) the turned charts are used: beyond any, if no
   /// cell holds the pole.

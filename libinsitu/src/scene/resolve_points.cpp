@@ -11,6 +11,12 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
                            const query::CommittedMesh& mesh, const std::string& scene_file) {
   ScenePoints out;
   FrameOfReference used = frame;
+  if (std::holds_alternative<Sphere>(source) &&
+      to_api(used, mesh.frame).kind == INSITU_FRAME_GEODETIC)
+    throw core::Error(INSITU_ERROR_SCENE,
+                      scene_file + (used.line > 0 ? ":" + std::to_string(used.line) : "") +
+                          ": a sphere has no meaning in longitude and latitude, which the mesh is "
+                          "in; give it in another frame");
   if (const auto* file = std::get_if<PointFile>(&source)) {
     PointTable table = read_points_file(file->path);
     used = frame_of(table, frame, scene_file);

@@ -1,10 +1,16 @@
 // Meshes in longitude, latitude and depth: every point has one owner, over the seam and the poles.
+#include <algorithm>
+#include <initializer_list>
+
+#include "core/status.h"
 #include "fixtures/earth_meshes.h"
 #include "query_test.h"
 
 using namespace insitu;
 using fixtures::Globe;
+using fixtures::globe;
 using fixtures::Lattice;
+using fixtures::lattice;
 using geo::ChartUnits;
 using geo::Pole;
 using math::Vec3d;
@@ -50,39 +56,75 @@ struct Earth : fixtures::Committed {
   std::int64_t owner(const Vec3d& p, std::int64_t hint = -1) const {
     return mesh.own(sampler().locate(p, hint), p).cell;
   }
-  /// All of the solver's cells that hold p, by the definition: their longitudes taken as near to
-  /// p's as they go, or on the chart turned to a pole where p's image is there.
-  std::vector<std::int64_t> holders(const Vec3d& p) const {
-    const ChartUnits& units = image().units;
+  /// The solver's cells that own points, as they lie on a chart.
+  struct Placed {
+    std::int64_t flat;
+    mesh::CellVertices c;
+    Vec3d low, high;
+  };
+  std::vector<Placed> placed(Pole pole) const {
     const mesh::MeshView& view = mesh.mesh().own_view();
-    const Pole pole = image().pole_at(p.y);
-    const Vec3d q = geo::between_charts(units, Pole::none, pole, p);
-    std::vector<std::int64_t> out;
+    std::vector<Placed> out;
     for (std::int64_t flat = 0; flat < view.cell_count(); ++flat) {
-      mesh::CellVertices c;
-      if (!view.pieces[view.piece_of(flat)].owns(flat - view.first_cell[view.piece_of(flat)]))
+      const std::int32_t piece = view.piece_of(flat);
+      if (!view.pieces[piece].owns(flat - view.first_cell[piece]))
         continue;
-      mesh::gather(view, flat, c);
-      Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-      for (int v = 0; v < c.count; ++v) {
-        Vec3d& x = c.x[v];
-        if (pole == Pole::none)
-          x.x += units.turn() * std::round((q.x - x.x) / units.turn());
-        else
-          x = geo::between_charts(units, Pole::none, pole, x);
+      Placed cell{flat, {}, {1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
+      mesh::gather(view, flat, cell.c);
+      for (int v = 0; v < cell.c.count; ++v) {
+        Vec3d& x = cell.c.x[v];
+        if (pole != Pole::none)
+          x = image().turned(pole, x);
         for (int a = 0; a < 3; ++a) {
-          low[a] = std::min(low[a], x[a]);
-          high[a] = std::max(high[a], x[a]);
+          cell.low[a] = std::min(cell.low[a], x[a]);
+          cell.high[a] = std::max(cell.high[a], x[a]);
         }
       }
-      bool may = high.x - low.x < units.turn() / 2;
-      for (int a = 0; a < 3; ++a)
-        may &= q[a] >= low[a] - 1e-9 && q[a] <= high[a] + 1e-9;
-      if (may && cells::holds(cells::contain_exact(c.shape, c.x, q).where))
-        out.push_back(flat);
+      out.push_back(cell);
     }
     return out;
   }
+};
+
+/// Which cells hold a point, by the definition: their longitudes taken as near to its own as they
+/// go, or on the chart turned to a pole where its image is there.
+class Holders {
+public:
+  explicit Holders(const Earth& earth)
+      : image_(earth.image()), cells_{earth.placed(Pole::none), earth.placed(Pole::north),
+                                      earth.placed(Pole::south)} {}
+
+  std::vector<std::int64_t> of(const Vec3d& p) const {
+    const double turn = image_.units.turn();
+    const Pole pole = image_.pole_at(p.y);
+    const Vec3d q = pole == Pole::none ? p : image_.turned(pole, p);
+    std::vector<std::int64_t> out;
+    for (const Earth::Placed& cell : cells_[int(pole)]) {
+      bool may = true;
+      for (int a = pole == Pole::none ? 1 : 0; a < 3; ++a)
+        may &= q[a] >= cell.low[a] - 1e-9 && q[a] <= cell.high[a] + 1e-9;
+      if (!may)
+        continue;
+      mesh::CellVertices c = cell.c;
+      if (pole == Pole::none) {
+        double low = 1e300, high = -1e300;
+        for (int v = 0; v < c.count; ++v) {
+          c.x[v].x += turn * std::round((q.x - c.x[v].x) / turn);
+          low = std::min(low, c.x[v].x);
+          high = std::max(high, c.x[v].x);
+        }
+        if (high - low >= turn / 2 || q.x < low - 1e-9 || q.x > high + 1e-9)
+          continue;
+      }
+      if (cells::holds(cells::contain_exact(c.shape, c.x, q).where))
+        out.push_back(cell.flat);
+    }
+    return out;
+  }
+
+private:
+  query::ChartImage image_;
+  std::vector<Earth::Placed> cells_[3];
 };
 
 /// Evenly over the sphere, at one of some heights.
@@ -117,9 +159,10 @@ void expect_one_owner(const Earth& earth, const ChartUnits& units, const std::st
     p = fixtures::in_units(units, p);
   std::vector<query::Location> batch(points.size());
   earth.sampler().locate(earth.threads, points, batch);
+  const Holders held(earth);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3d& p = points[i];
-    const std::vector<std::int64_t> holders = earth.holders(p);
+    const std::vector<std::int64_t> holders = held.of(p);
     const std::int64_t owner = earth.mesh.own(batch[i], p).cell;
     ASSERT_FALSE(holders.empty()) << what << ": no cell holds " << test::text(p);
     ASSERT_GE(owner, 0) << what << ": lost " << p.x << " " << p.y << " " << p.z;
@@ -131,10 +174,10 @@ void expect_one_owner(const Earth& earth, const ChartUnits& units, const std::st
     for (const int turns : {-1, 1}) { // the same place by another name, when that rounds to it
       const Vec3d q{p.x + turns * units.turn(), p.y, p.z};
       const Vec3d a = earth.image()(p), b = earth.image()(q);
-      if (a == b)
+      if (a == b) {
         ASSERT_EQ(earth.owner(q), owner) << what << ": " << p.x << " " << p.y;
-      else
-        ASSERT_GE(earth.owner(q), 0) << what << ": " << q.x << " " << q.y;
+      }
+      ASSERT_GE(earth.owner(q), 0) << what << ": " << q.x << " " << q.y;
     }
   }
 }
@@ -331,12 +374,13 @@ TEST(GeodeticMesh, FewerPointsThanTheWholeEarth) {
       EXPECT_GE(earth.owner({lon, 3, -7}), 0) << lon;
     for (const double lon : {169.999, -169.999, 0.0, 10.0, -190.001})
       EXPECT_EQ(earth.owner({lon, 3, -7}), -1) << lon;
-    for (const double bad : {NAN, INFINITY, -INFINITY, 1e300})
+    for (const double bad : {double(NAN), double(INFINITY), -double(INFINITY), 1e300})
       for (int a = 0; a < 3; ++a) {
         Vec3d p{175, 3, -7};
         p[a] = bad;
-        if (a > 0 || !(std::abs(bad) == 1e300))
+        if (a > 0 || std::abs(bad) != 1e300) {
           EXPECT_EQ(earth.owner(p), -1) << a << " " << bad;
+        }
       }
   }
 }
