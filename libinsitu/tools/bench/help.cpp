@@ -103,7 +103,7 @@ Render
 
 Accuracy
   --quick, --full   small meshes for a look, or large ones [--quick]
-  --sweep NAME      only this one (may be repeated): locate, newton, volume, path_tracing, amr, update, effects
+  --sweep NAME      only this one (may be repeated): locate, newton, advect, volume, path_tracing, amr, update, effects
   --out FOLDER      report.html, to be read from the top, and NAME.csv and NAME.svg of each sweep [accuracy]
   Errors are against a reference that is exact or far better converged; the default is marked in each plot, and its
   time and counted work over the least of a setting as accurate (the front) are printed.
