@@ -213,7 +213,7 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_FALSE(timed.every);
   EXPECT_EQ(parse(test::tracer("release: {every: 7}")).tracers[0].release.every, 7);
   const SceneDescription seeded =
-      parse("insitu: 1\nprobes: [{name: p, mesh: m, points: [[1, 2, 3]], frame: geocentric}]\n"
+      parse("probes: [{name: p, mesh: m, points: [[1, 2, 3]], frame: geocentric}]\n"
             "tracers: [{name: t, velocity: u, seeds: {probe: p}}]");
   EXPECT_EQ(std::get<PointList>(seeded.tracers[0].seeds).points[0].y, 2);
   EXPECT_EQ(seeded.tracers[0].frame.kind, FrameOfReference::Kind::geocentric);
