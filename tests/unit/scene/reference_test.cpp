@@ -60,6 +60,8 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
       {"tracers", "tracers: [{zzz: 1}]"},
       {"integrator", "tracers: [{integrator: {zzz: 1}}]"},
       {"until", "tracers: [{until: {zzz: 1}}]"},
+      {"release", "tracers: [{release: {zzz: 1}}]"},
+      {"seeds of a probe", "tracers: [{seeds: {probe: a, zzz: 1}}]"},
       {"frames", "frames: [{zzz: 1}]"},
       {"background", "frames: [{background: {zzz: 1}}]"},
       {"camera", "frames: [{camera: {zzz: 1}}]"},
