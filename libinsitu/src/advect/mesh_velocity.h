@@ -33,8 +33,14 @@ public:
   }
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
-    alpha_ = t1_ > t0_ ? std::clamp((t - t0_) / (t1_ - t0_), 0.0, 1.0) : 1.0;
-    const query::Location at = sampler_->locate(x, hint_, {accuracy_, moves_ ? alpha_ : 1.0});
+    query::Location at;
+    return sample(x, t, v, at);
+  }
+
+  /// The same, and where x lies.
+  Sampled sample(const math::Vec3d& x, double t, math::Vec3d& v, query::Location& at) {
+    alpha_ = alpha(t);
+    at = sampler_->locate(x, hint_, {accuracy_, moves_ ? alpha_ : 1.0});
     if (!at)
       return Sampled::outside;
     hint_ = at.cell;
@@ -48,6 +54,32 @@ public:
   }
 
   void accepted() { cell_ = hint_; }
+
+  /// How much of the current step there is at time t; of the geometry it is 1 if nothing moved.
+  double alpha(double t) const {
+    return t1_ > t0_ ? std::clamp((t - t0_) / (t1_ - t0_), 0.0, 1.0) : 1.0;
+  }
+  double geometry_alpha(double t) const { return moves_ ? alpha(t) : 1.0; }
+  const query::Sampler& sampler() const { return *sampler_; }
+  double interval() const { return t1_ - t0_; }
+
+  /// The gradient of a component at a place and time, and the change with time of the velocity at a
+  /// place in a cell (0 if the earlier velocity is unknown).
+  math::Vec3d gradient(const query::Location& at, int component, double t) const {
+    const math::Vec3d now = sampler_->gradient(fields_[0], component, at, geometry_alpha(t));
+    if (!blends_)
+      return now;
+    const double a = alpha(t);
+    return a * now + (1.0 - a) * sampler_->gradient(fields_[1], component, at, geometry_alpha(t));
+  }
+  math::Vec3d rate_of_change(const query::Location& at) const {
+    if (!blends_)
+      return {};
+    double u[6];
+    sampler_->interpolate(std::span(fields_, 2), at, u);
+    return math::Vec3d{u[0] - u[3], u[1] - u[4], u[2] - u[5]} / interval();
+  }
+  insitu_accuracy accuracy() const { return accuracy_; }
 
   /// The cell of the particle's position (flat id), or -1 if it was never inside.
   std::int64_t cell() const { return cell_; }

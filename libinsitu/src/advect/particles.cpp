@@ -1,5 +1,6 @@
 #include "advect/particles.h"
 
+#include <limits>
 #include <numeric>
 #include <string>
 
@@ -36,6 +37,10 @@ const char* ending_name(insitu_ending ending) {
     return "not_finite";
   case INSITU_END_KILLED:
     return "killed";
+  case INSITU_END_STOPPED:
+    return "stopped";
+  case INSITU_END_REMOVED:
+    return "removed";
   case INSITU_END_COUNT:
     break;
   }
@@ -47,7 +52,8 @@ Particles::Particles(core::Memory& memory)
       cells(memory, INSITU_MEMORY_TRACER), times(memory, INSITU_MEMORY_TRACER),
       seeding_times(memory, INSITU_MEMORY_TRACER), lengths(memory, INSITU_MEMORY_TRACER),
       steps(memory, INSITU_MEMORY_TRACER), endings(memory, INSITU_MEMORY_TRACER),
-      fresh(memory, INSITU_MEMORY_TRACER) {}
+      fresh(memory, INSITU_MEMORY_TRACER), walk_steps(memory, INSITU_MEMORY_TRACER),
+      velocities(memory, INSITU_MEMORY_TRACER) {}
 
 template <class F>
 void Particles::for_each_array(F&& f) {
@@ -60,6 +66,10 @@ void Particles::for_each_array(F&& f) {
   f(steps);
   f(endings);
   f(fresh);
+  if (keeps_walk_steps_)
+    f(walk_steps);
+  if (keeps_velocities_)
+    f(velocities);
 }
 
 void Particles::seed(std::span<const math::Vec3d> points, double time) {
@@ -74,6 +84,10 @@ void Particles::seed(std::span<const math::Vec3d> points, double time) {
     lengths[i] = steps[i] = 0.0;
     endings[i] = INSITU_END_ALIVE;
     fresh[i] = 1;
+    if (keeps_walk_steps_)
+      walk_steps[i] = 0;
+    if (keeps_velocities_)
+      velocities[i] = {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
   }
 }
 
@@ -126,6 +140,23 @@ void Particles::set_state(std::size_t i, const State& s, std::int64_t cell) {
   lengths[i] = s.length;
   fresh[i] = s.fresh;
   cells[i] = cell;
+}
+
+Carried Particles::carried(std::size_t i) const {
+  Carried c;
+  c.id = ids[i];
+  if (keeps_walk_steps_)
+    c.walk_steps = walk_steps[i];
+  if (keeps_velocities_)
+    c.velocity = velocities[i];
+  return c;
+}
+
+void Particles::set_carried(std::size_t i, const Carried& carried) {
+  if (keeps_walk_steps_)
+    walk_steps[i] = carried.walk_steps;
+  if (keeps_velocities_)
+    velocities[i] = carried.velocity;
 }
 
 } // namespace insitu::advect

@@ -1,11 +1,13 @@
 #include "advect/pathlines.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "advect/check.h"
 #include "advect/mesh_velocity.h"
+#include "advect/mover.h"
 #include "core/status.h"
 
 namespace insitu::advect {
@@ -13,6 +15,15 @@ namespace insitu::advect {
 Tracer::Tracer(const TracerSettings& settings, core::Memory& memory)
     : settings_(settings), particles_(memory) {
   check_settings(settings_.integrator);
+}
+
+void Tracer::set_effects(const Effects& effects) {
+  check_effects(effects);
+  effects_ = effects;
+  if (effects_.diffusion)
+    particles_.keep_walk_steps();
+  if (effects_.inertia)
+    particles_.keep_velocities();
 }
 
 void Tracer::seed(std::span<const math::Vec3d> points, double time) {
@@ -38,12 +49,19 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   result.blended_geometry = field().blends_geometry();
 
   const IntegratorSettings integrator = settings_for(velocity, settings_.integrator);
+  const std::optional<EffectSetup> setup =
+      effects_.any() ? std::optional<EffectSetup>(std::in_place, effects_, sampler, threads)
+                     : std::nullopt;
   Particles& all = particles_;
   constexpr std::int64_t grain = 64;
   const std::int64_t count = std::int64_t(all.size());
   std::vector<Work> work(std::size_t((count + grain - 1) / grain));
+  std::vector<EffectWork> effect_work(setup ? work.size() : 0);
   threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
     MeshVelocity v = field();
+    std::optional<Mover> mover;
+    if (setup)
+      mover.emplace(*setup, v, integrator, settings_.length);
     Work& chunk_work = work[std::size_t(begin / grain)];
     for (std::size_t i = std::size_t(begin); i < std::size_t(end); ++i) {
       if (all.endings[i] != INSITU_END_ALIVE || all.times[i] > t1)
@@ -51,15 +69,31 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
       State p = all.state(i);
       p.time = std::max(p.time, t0);
       const double last = all.seeding_times[i] + settings_.duration;
-      v.begin(all.cells[i]);
-      insitu_ending ending = integrate(v, integrator, std::clamp(last, p.time, t1),
-                                       settings_.length, p, chunk_work, [](const State&) {});
+      const double to = std::clamp(last, p.time, t1);
+      insitu_ending ending = INSITU_END_ALIVE;
+      std::int64_t cell = -1;
+      if (mover) {
+        Carried carried = all.carried(i);
+        ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
+        all.set_carried(i, carried);
+        cell = mover->cell();
+      } else {
+        v.begin(all.cells[i]);
+        ending = integrate(v, integrator, to, settings_.length, p, chunk_work, [](const State&) {});
+        cell = v.cell();
+      }
       if (ending == INSITU_END_ALIVE && last <= t1)
         ending = INSITU_END_EXPIRED;
-      all.set_state(i, p, v.cell() >= 0 ? v.cell() : all.cells[i]);
+      if (ending == INSITU_END_ALIVE && mover && mover->removes(p, p.time - all.seeding_times[i]))
+        ending = INSITU_END_REMOVED;
+      all.set_state(i, p, cell >= 0 ? cell : all.cells[i]);
       all.endings[i] = std::uint8_t(ending);
     }
+    if (mover)
+      effect_work[std::size_t(begin / grain)] = mover->effect_work();
   });
+  for (const EffectWork& w : effect_work)
+    result.effects += w;
   for (const Work& w : work)
     result.work += w;
   result.counts = particles_.counts();

@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "advect/effects.h"
 #include "advect/integrate.h"
 #include "advect/particles.h"
 #include "core/memory.h"
@@ -24,6 +25,7 @@ struct TracerSettings {
 struct Advance {
   Counts counts; ///< after it
   Work work;
+  EffectWork effects;
   bool blended_velocity = false; ///< false: the current velocity was used throughout
   bool blended_geometry =
       false; ///< false: the mesh did not move, or its earlier points are unknown
@@ -34,6 +36,11 @@ struct Advance {
 class Tracer {
 public:
   Tracer(const TracerSettings& settings, core::Memory& memory);
+
+  /// What particles feel in the next advances; its fields must be of their steps. Which effects
+  /// there are must be known before the first seed. Throws Error(INSITU_ERROR_FIELD or _ARGUMENT)
+  /// for fields of the wrong number of components and for values out of range.
+  void set_effects(const Effects& effects);
 
   /// Adds particles at points (in mesh coordinates) that begin at `time`: at most the next
   /// advance's end, or they wait for the one that reaches it. Whether a point is inside is found
@@ -63,6 +70,7 @@ public:
 
 private:
   TracerSettings settings_;
+  Effects effects_;
   Particles particles_;
 };
 

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cmath>
+#include <span>
+
+#include "advect/effects.h"
+#include "advect/mesh_velocity.h"
+
+namespace insitu::advect {
+
+/// The velocity on a mesh with what drifts add to it. Integrators see the sum, so its error is
+/// controlled like any flow's.
+class DriftVelocity {
+public:
+  /// The arguments must outlive the object.
+  DriftVelocity(MeshVelocity& flow, std::span<const Drift> drifts)
+      : flow_(&flow), drifts_(drifts) {}
+
+  Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
+    query::Location at;
+    return sample(x, t, v, at);
+  }
+
+  Sampled sample(const math::Vec3d& x, double t, math::Vec3d& v, query::Location& at) {
+    if (const Sampled s = flow_->sample(x, t, v, at); s != Sampled::inside)
+      return s;
+    for (const Drift& drift : drifts_)
+      v += velocity_of(drift, at, flow_->alpha(t));
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) ? Sampled::inside
+                                                                          : Sampled::not_finite;
+  }
+
+  void accepted() { flow_->accepted(); }
+  math::Vec3d extent() { return flow_->extent(); }
+  MeshVelocity& flow() { return *flow_; }
+
+private:
+  math::Vec3d velocity_of(const Drift& drift, const query::Location& at, double alpha) const {
+    if (!drift.field)
+      return drift.constant;
+    double u[3];
+    drift.field->value(flow_->sampler(), at, alpha, u);
+    if (drift.field->now.components == 1)
+      return (drift.factor * u[0]) * drift.direction;
+    return drift.factor * math::Vec3d{u[0], u[1], u[2]};
+  }
+
+  MeshVelocity* flow_;
+  std::span<const Drift> drifts_;
+};
+
+} // namespace insitu::advect
