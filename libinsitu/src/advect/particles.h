@@ -50,6 +50,7 @@ public:
   void drop_ended();
 
   std::size_t size() const { return ids.size(); }
+  std::int64_t seeded() const { return seeded_; }
 
   /// Recounted from the particles. Throws Error(INSITU_ERROR_INTERNAL) if they do not sum up to
   /// what was seeded.

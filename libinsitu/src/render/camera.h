@@ -3,14 +3,13 @@
 #include <array>
 #include <optional>
 
+#include "cells/ray_cell.h"
 #include "math/vec.h"
 
 namespace insitu::render {
 
-/// A ray of unit direction, so that distances along it are lengths.
-struct Ray {
-  math::Vec3d origin, direction;
-};
+/// Into the scene; its direction has unit length.
+using cells::Ray;
 
 /// How an automatic camera makes the mesh fit the image.
 enum class Fit {

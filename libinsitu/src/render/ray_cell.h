@@ -1,54 +1,12 @@
 #pragma once
 
-#include <cstdint>
-
-#include "math/vec.h"
-#include "mesh/view.h"
-#include "render/camera.h"
+#include "cells/ray_cell.h"
 
 namespace insitu::render {
 
-/// A frame of reference whose third axis is the ray: (0, 0, t) is the point at distance t.
-class RaySpace {
-public:
-  explicit RaySpace(const Ray& ray);
-  math::Vec3d operator()(const math::Vec3d& p) const {
-    const math::Vec3d r = p - ray_.origin;
-    return {dot(r, right_), dot(r, up_), dot(r, ray_.direction)};
-  }
-  const Ray& ray() const { return ray_; }
-
-private:
-  Ray ray_;
-  math::Vec3d right_, up_;
-};
-
-/// Where a ray meets a face of a cell: the distance, and weights of the face's vertices there.
-struct Crossing {
-  double t = 0;
-  int count = 0; ///< 3 or 4
-  std::uint8_t vertices[4] = {};
-  double weights[4] = {};
-
-  double value(const double* at_vertices) const {
-    double sum = weights[0] * at_vertices[vertices[0]];
-    for (int k = 1; k < count; ++k)
-      sum += weights[k] * at_vertices[vertices[k]];
-    return sum;
-  }
-  /// The cell's parametric coordinates of the point.
-  math::Vec3d parametric(mesh::Shape shape) const;
-};
-
-constexpr int most_crossings = 12;
-
-/// The ray's crossings with the cell's triangles and bilinear quads, ascending in t; returns how
-/// many. Both cells at a face compute the same bits for it: vertices are put into ray space one by
-/// one, and faces are evaluated in an order that depends on coordinates alone. Inside tests use
-/// edge functions, which two faces at an edge get with exactly opposite signs, so rays do not slip
-/// through (Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", section 3); patches
-/// whose projection folds are solved with a tolerance, which can report a crossing twice but loses
-/// none.
-int face_crossings(const mesh::CellVertices& cell, const RaySpace& space, Crossing* out);
+using cells::Crossing;
+using cells::face_crossings;
+using cells::most_crossings;
+using cells::RaySpace;
 
 } // namespace insitu::render

@@ -70,16 +70,14 @@ public:
   std::string title() const {
     return "insitu-bench effects: " +
            describe(o_, setup_.mesh.cell_count(), setup_.context.threads.count()) + ", frames of " +
-           std::to_string(side) + " x " + std::to_string(side);
+           std::to_string(o_.size) + " x " + std::to_string(o_.size);
   }
 
 private:
-  static constexpr int side = 512;
-
   render::ScalarField field() const { return {mesh_->mesh().field("f"), 0}; }
   FrameSettings frame() const {
     FrameSettings s;
-    s.width = s.height = side;
+    s.width = s.height = o_.size;
     s.camera = render::Camera::around({0, 0, 0}, {1, 1, 1}, 30, 20);
     s.lighting.enabled = false;
     return s;

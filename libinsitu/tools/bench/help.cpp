@@ -3,7 +3,7 @@
 namespace insitu::bench {
 
 const char* help_text() {
-  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects|render [options]
+  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects|render|accuracy [options]
 
 Times libinsitu on the standard workload, checks its answers and holds them against VTK's.
   commit   building and refitting the acceleration structure, cold and warm
@@ -15,6 +15,7 @@ Times libinsitu on the standard workload, checks its answers and holds them agai
   effects  what each effect of a frame adds to the bare one, in time and memory, alone and together
   render   frames of a volume: seconds, samples a second and error by step, one core and all; with
            --peers vtkUnstructuredGridVolumeRayCastMapper's; Rathke 2015, tables 1 to 4
+  accuracy what each choice that trades accuracy for time costs: tables, plots and a page to read
   methods  every locator method on every backend that is here: Morrical 2020, tables 1 to 3
 
 The mesh (commit, locate, scale, effects, render)
@@ -42,7 +43,7 @@ The methods
   --check           compares answers alone, on all points, of pyramids and twisted hexahedra as well
 The run
   --threads T       0: all that the process may use [1]
-  --repetitions R   medians of R repetitions [5; scale, methods, amr, effects, render: 3]
+  --repetitions R   medians of R repetitions [5; scale, methods, amr, effects, render, accuracy: 3]
   --peers           render: also VTK's; locate: also the peers of VTK, on one thread, interleaved with ours
   --peer NAME       the same, this one only (may be repeated): vtkStaticCellLocator,
                     vtkCellTreeLocator, vtkCellLocator, vtkProbeFilter
@@ -99,6 +100,13 @@ Render
   its window needs a display (xvfb-run gives one); ours held against it is the longest step that is no worse.
   --size N          N x N pixels [512]
   --out FOLDER      writes the frames there as PNG
+
+Accuracy
+  --quick, --full   small meshes for a look, or large ones [--quick]
+  --sweep NAME      only this one (may be repeated): locate, newton, volume, path_tracing, amr, update, effects
+  --out FOLDER      report.html, to be read from the top, and NAME.csv and NAME.svg of each sweep [accuracy]
+  Errors are against a reference that is exact or far better converged; the default is marked in each plot, and its
+  time and counted work over the least of a setting as accurate (the front) are printed.
 
 Amr
   The mesh: blocks about a sphere in three levels, 4,018,176 leaves, as patches and as octree leaves. A row each:

@@ -25,6 +25,8 @@ Output run(const Options& options) {
     return amr(options);
   if (options.command == Command::render)
     return render(options);
+  if (options.command == Command::accuracy)
+    return accuracy_command(options);
   if (options.command == Command::effects)
     return effects(options);
   const Report report = options.command == Command::commit ? commit(options) : locate(options);

@@ -53,26 +53,28 @@ T choice(std::string_view option, std::string_view text, const std::optional<T>&
 
 const char* name(Command command) {
   constexpr const char* names[] = {"help",    "commit", "locate",  "torture", "scale",
-                                   "methods", "amr",    "effects", "render"};
+                                   "methods", "amr",    "effects", "render",  "accuracy"};
   return names[int(command)];
 }
 
 Options parse(int argc, char** argv) {
   Options o;
-  const std::string commands = "commit, locate, torture, scale, methods, amr, effects or render";
+  const std::string commands =
+      "commit, locate, torture, scale, methods, amr, effects, render or accuracy";
   if (argc < 2)
     throw UsageError("a command expected: " + commands);
   const std::string_view command = argv[1];
   if (command == "--help" || command == "-h" || command == "help")
     return o;
-  for (const Command c : {Command::commit, Command::locate, Command::torture, Command::scale,
-                          Command::methods, Command::amr, Command::effects, Command::render})
+  for (const Command c :
+       {Command::commit, Command::locate, Command::torture, Command::scale, Command::methods,
+        Command::amr, Command::effects, Command::render, Command::accuracy})
     if (command == name(c))
       o.command = c;
   if (o.command == Command::help)
     throw UsageError("'" + std::string(command) + "' is no command: " + commands + " expected");
   if (o.command == Command::methods || o.command == Command::amr || o.command == Command::effects ||
-      o.command == Command::render)
+      o.command == Command::render || o.command == Command::accuracy)
     o.repetitions = 3;
   if (o.command == Command::amr)
     o.cells = {4'018'176};
@@ -172,8 +174,14 @@ Options parse(int argc, char** argv) {
       only(Command::render, Command::render);
       o.size = number<int>(option, value(), 1, 16384);
     } else if (option == "--out") {
-      only(Command::render, Command::render);
+      only(Command::render, Command::accuracy);
       o.out_folder = value();
+    } else if (option == "--quick" || option == "--full") {
+      only(Command::accuracy, Command::accuracy);
+      o.full = option == "--full";
+    } else if (option == "--sweep") {
+      only(Command::accuracy, Command::accuracy);
+      o.sweeps.emplace_back(value());
     } else if (option == "--peers") {
       o.peers = true;
     } else if (option == "--peer-points") {

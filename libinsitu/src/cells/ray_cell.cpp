@@ -1,11 +1,11 @@
-#include "render/ray_cell.h"
+#include "cells/ray_cell.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "cells/faces.h"
 
-namespace insitu::render {
+namespace insitu::cells {
 
 namespace {
 
@@ -22,7 +22,7 @@ bool lower(const Vec3d& a, const Vec3d& b) {
   return a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
-bool cross_triangle(const cells::Face& face, const Vec3d* x, const Vec3d* q, Crossing& c) {
+bool cross_triangle(const Face& face, const Vec3d* x, const Vec3d* q, Crossing& c) {
   std::uint8_t v[3] = {face.vertices[0], face.vertices[1], face.vertices[2]};
   const double e0 = edge_function(q[v[1]], q[v[2]]), e1 = edge_function(q[v[2]], q[v[0]]),
                e2 = edge_function(q[v[0]], q[v[1]]);
@@ -77,7 +77,7 @@ int invert_bilinear(const Vec3d& p00, const Vec3d& p10, const Vec3d& p11, const 
   return found;
 }
 
-void set_patch_point(double u, double v, const cells::Quad& quad, const Vec3d* q, Crossing& c) {
+void set_patch_point(double u, double v, const Quad& quad, const Vec3d* q, Crossing& c) {
   u = std::clamp(u, 0.0, 1.0);
   v = std::clamp(v, 0.0, 1.0);
   c.count = 4;
@@ -96,8 +96,8 @@ double outside(double u, double v) {
 }
 
 /// A quad without the corners that lie at the next one's place, as collapsed cells have them.
-cells::Face without_repeats(const cells::Face& face, const Vec3d* x) {
-  cells::Face out = face;
+Face without_repeats(const Face& face, const Vec3d* x) {
+  Face out = face;
   out.vertex_count = 0;
   for (int k = 0; k < 4; ++k) {
     const Vec3d &a = x[face.vertices[k]], &b = x[face.vertices[(k + 1) & 3]];
@@ -107,7 +107,7 @@ cells::Face without_repeats(const cells::Face& face, const Vec3d* x) {
   return out;
 }
 
-int cross_quad(const cells::Face& face, const Vec3d* x, const Vec3d* q, Crossing* out) {
+int cross_quad(const Face& face, const Vec3d* x, const Vec3d* q, Crossing* out) {
   bool positive = true, negative = true, zero = false;
   for (int k = 0; k < 4; ++k) {
     const double edge = edge_function(q[face.vertices[k]], q[face.vertices[(k + 1) & 3]]);
@@ -116,7 +116,7 @@ int cross_quad(const cells::Face& face, const Vec3d* x, const Vec3d* q, Crossing
     zero |= edge == 0;
   }
   if (zero) { // as of a vertex with itself
-    const cells::Face reduced = without_repeats(face, x);
+    const Face reduced = without_repeats(face, x);
     if (reduced.vertex_count < 4)
       return reduced.vertex_count == 3 && cross_triangle(reduced, x, q, out[0]) ? 1 : 0;
   }
@@ -134,7 +134,7 @@ int cross_quad(const cells::Face& face, const Vec3d* x, const Vec3d* q, Crossing
     if (left || right)
       return 0;
   }
-  const cells::Quad quad = cells::canonical_order(face, x);
+  const Quad quad = canonical_order(face, x);
   double uv[2][2];
   const int n = invert_bilinear(q[quad.vertices[0]], q[quad.vertices[1]], q[quad.vertices[2]],
                                 q[quad.vertices[3]], uv);
@@ -201,10 +201,10 @@ int face_crossings(const mesh::CellVertices& cell, const RaySpace& space, Crossi
   }
   if (sides[0] || sides[1] || sides[2] || sides[3])
     return 0;
-  const cells::FaceTable table = cells::face_table(cell.shape);
+  const FaceTable table = face_table(cell.shape);
   int n = 0;
   for (int f = 0; f < table.face_count; ++f) {
-    const cells::Face& face = table.faces[f];
+    const Face& face = table.faces[f];
     if (face.vertex_count == 3)
       n += cross_triangle(face, cell.x, q, out[n]) ? 1 : 0;
     else
@@ -214,4 +214,4 @@ int face_crossings(const mesh::CellVertices& cell, const RaySpace& space, Crossi
   return n;
 }
 
-} // namespace insitu::render
+} // namespace insitu::cells
