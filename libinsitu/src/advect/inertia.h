@@ -32,7 +32,7 @@ struct InertialTrial {
 };
 
 /// Exponential time differencing of order 3 (Cox and Matthews, J. Comput. Phys. 176, 2002, ETD3RK)
-/// for x' = v, v' = A v + b(x, t), with the exponential midpoint rule of order 2 as the embedded
+/// for x' = v, v' = A v + b(x, t), with a line through the first two stages, of order 2, as the embedded
 /// one. As the response time tends to 0 it becomes Kutta's method of order 3 for x' = u. `force`
 /// answers b like a VelocityField; to_x turns a displacement in metres at x into coordinates.
 template <class Force, class ToX>
@@ -55,8 +55,11 @@ InertialTrial inertial_step(Force& force, const ToX& to_x, const Inertia& inerti
   const Vec3d b1 = 4.0 * ba - 3.0 * b0 - bb, b2 = 2.0 * (b0 - 2.0 * ba + bb);
   const Vec3d moved = free + hh * (full.phi(2, b0) + full.phi(3, b1) + 2.0 * full.phi(4, b2));
   trial.v = full.phi(0, v) + h * (full.phi(1, b0) + full.phi(2, b1) + 2.0 * full.phi(3, b2));
-  const Vec3d moved2 = free + hh * full.phi(2, ba);
-  const Vec3d v2 = full.phi(0, v) + h * full.phi(1, ba);
+  // The line through b at the start and the middle: of order 2, and right at the end too, to which
+  // v clings where the response time is short.
+  const Vec3d slope = 2.0 * (ba - b0);
+  const Vec3d moved2 = free + hh * (full.phi(2, b0) + full.phi(3, slope));
+  const Vec3d v2 = full.phi(0, v) + h * (full.phi(1, b0) + full.phi(2, slope));
   trial.x = x + to_x(moved);
   trial.sampled = force(trial.x, t + h, trial.force);
   // An error of the velocity moves the particle for the response time, or for the step.

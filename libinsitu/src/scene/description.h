@@ -12,6 +12,7 @@
 #include "query/locator_choice.h"
 #include "scene/frame_description.h"
 #include "scene/names.h"
+#include "scene/tracer_effects_description.h"
 #include "scene/trigger.h"
 
 /// What a scene asks for, as plain data: made by parse_scene_file() or default_scene(), executed by
@@ -122,6 +123,7 @@ struct Tracer {
   Name velocity; ///< a field of three components
   IntegratorOptions integrator;
   TracerLimits until;
+  TracerEffects effects; ///< of path- and streaklines
   std::vector<Name> fields; ///< recorded along the tracks; empty: none
   Accuracy accuracy = Accuracy::standard;
   std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp

@@ -3,8 +3,6 @@
 namespace insitu::scene {
 namespace {
 
-enum class TracerEffect {}; // none in this version
-
 IntegratorOptions parse_integrator(const Cursor& cursor) {
   IntegratorOptions options;
   const MapReader map(cursor, {"method", "step", "tolerance", "min_step", "max_step", "max_steps"});
@@ -116,11 +114,11 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     tracer.until = parse_limits(*until);
   }
   if (const auto effects = map.find("effects")) {
-    parse_effects<TracerEffect>(*effects, {{"diffusion", {}},
-                                           {"settling", {}},
-                                           {"inertia", {}},
-                                           {"boundary", {}},
-                                           {"age_limit", {}}});
+    tracer.effects = parse_tracer_effects(*effects);
+    if (tracer.kind == TracerKind::streamline && effects->is_list() &&
+        !effects->node().items.empty()) {
+      effects->fail("effects act on path- and streaklines, not on streamlines");
+    }
   }
   if (const auto output = map.find("output")) {
     tracer.output = parse_output(*output, {{"csv", TableFormat::csv}, {"vtp", TableFormat::vtp}});

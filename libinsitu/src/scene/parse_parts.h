@@ -49,6 +49,7 @@ PointSource parse_points(const Cursor& cursor, const ParseContext& context,
                          const FrameOfReference& frame);
 
 Probe parse_probe(const Cursor& cursor, ParseContext& context);
+TracerEffects parse_tracer_effects(const Cursor& cursor);
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context);
 Frame parse_frame(const Cursor& cursor, ParseContext& context);
 

@@ -1,6 +1,7 @@
 #include "core/status.h"
 #include "core/timer.h"
 #include "scene/tracer_action.h"
+#include "scene/tracer_effects.h"
 #include "scene/track_writer.h"
 
 namespace insitu::scene {
@@ -19,15 +20,21 @@ public:
 
   advect::Counts counts() const override { return particles_.counts(); }
 
-  std::string needs_earlier() const override {
-    return particles_.counts().alive() > 0 || tracer_.kind == TracerKind::streakline
-               ? tracer_.velocity.text
-               : std::string();
+  std::vector<std::string> needs_earlier() const override {
+    if (particles_.counts().alive() == 0 && tracer_.kind != TracerKind::streakline)
+      return {};
+    std::vector<std::string> names = effect_fields(tracer_.effects);
+    names.push_back(tracer_.velocity.text);
+    return names;
   }
 
   void execute(query::CommittedMesh& mesh, const Step& step, bool due) override {
     const core::Timer timer;
     const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
+    // The earlier step serves if it is the step that the particles are at, on the same cells.
+    const bool earlier = seeded_ && topology_ == mesh.topology_version() && !step.first &&
+                         settled_ == step.earlier_time;
+    particles_.set_effects(effects_at(tracer_, mesh, step, earlier, environment_.scene_file));
     release(mesh, step);
     advance(mesh, velocity, step);
     environment_.statistics.advect_s += timer.seconds();
@@ -56,6 +63,8 @@ private:
     s.accuracy = to_api(tracer_.accuracy);
     if (tracer_.until.duration)
       s.duration = *tracer_.until.duration;
+    if (tracer_.effects.age_limit)
+      s.duration = std::min(s.duration, *tracer_.effects.age_limit);
     if (tracer_.until.length)
       s.length = *tracer_.until.length;
     return s;

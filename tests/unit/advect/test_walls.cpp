@@ -124,13 +124,15 @@ TEST_F(WallTest, TheWalkMeetsWallsAsTheFlowDoes) {
       EXPECT_TRUE(in_cube(t.positions()[i], 0.0, 1.0));
       const auto ending = t.particles().endings[i];
       ended += ending != INSITU_END_ALIVE;
-      if (ending != INSITU_END_ALIVE)
+      if (ending != INSITU_END_ALIVE) {
         EXPECT_EQ(ending, response == AtBoundary::leave ? INSITU_END_LEFT : INSITU_END_STOPPED);
+      }
     }
-    if (response == AtBoundary::slide)
+    if (response == AtBoundary::slide) {
       EXPECT_EQ(ended, 0);
-    else
+    } else {
       EXPECT_GT(ended, 20);
+    }
     EXPECT_EQ(t.counts().sum(), 100);
   }
 }
