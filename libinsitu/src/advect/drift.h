@@ -31,6 +31,22 @@ public:
   }
 
   void accepted() { flow_->accepted(); }
+
+  // See CellwiseField and ExitingField.
+  bool confine(const math::Vec3d& x, const math::Vec3d& towards, double t) {
+    return flow_->confine(x, towards, t);
+  }
+  void release() { flow_->release(); }
+  double depth(const math::Vec3d& x, double t) { return flow_->depth(x, t); }
+  double last_depth() const { return flow_->last_depth(); }
+  Crossed cross(const math::Vec3d& x, const math::Vec3d& towards, double t) {
+    return flow_->cross(x, towards, t);
+  }
+  std::optional<query::Exit> leave(const math::Vec3d& a, const math::Vec3d& b, double t,
+                                   double dt) {
+    return flow_->leave(a, b, t, dt);
+  }
+
   math::Vec3d extent() { return flow_->extent(); }
   MeshVelocity& flow() { return *flow_; }
 

@@ -60,7 +60,7 @@ Sampled Mover::force(const Vec3d& x, double t, Vec3d& b) {
 
 insitu_ending Mover::fly(State& p, Carried& carried, double to, Work& work) {
   const Inertia& inertia = *effects_->inertia;
-  const bool adaptive = settings_.method == Method::dopri5;
+  const bool adaptive = is_adaptive(settings_.method);
   const auto stage = [this](const Vec3d& x, double t, Vec3d& b) { return force(x, t, b); };
   Vec3d b;
   bool known = false; // b, at p.x

@@ -4,10 +4,13 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 
-#include "advect/integrators.h"
+#include "advect/integrate.h"
+#include "cells/kernels.h"
 #include "mesh/view.h"
+#include "query/face_crossing.h"
 #include "query/sampler.h"
 
 namespace insitu::advect {
@@ -15,42 +18,27 @@ namespace insitu::advect {
 /// The velocity on a mesh between two committed steps, as integrate() asks for it. At time t, with
 /// alpha = (t - t0) / (t1 - t0) in [0, 1], a point is located in (1 - alpha) earlier + alpha
 /// current coordinates, and its velocity is (1 - alpha) earlier + alpha current velocity at that
-/// place; a part of which there is no earlier state is taken as it is now. One object serves one
-/// thread.
+/// place; a part of which there is no earlier state is taken as it is now. The last two cells are
+/// kept with their vertices and velocities: a point proven to be in one of them needs no more. One
+/// object serves one thread.
 class MeshVelocity {
 public:
   /// earlier may be null. The arguments must outlive the object.
   MeshVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
-               const mesh::FieldView* earlier, double t0, double t1, insitu_accuracy accuracy)
-      : sampler_(&sampler), fields_{now, earlier ? *earlier : now}, blends_(earlier && t1 > t0),
-        moves_(sampler.mesh().earlier_points && t1 > t0), t0_(t0), t1_(t1), accuracy_(accuracy) {}
+               const mesh::FieldView* earlier, double t0, double t1, insitu_accuracy accuracy);
+  ~MeshVelocity() { sampler_->count_certified(proven_); }
+  MeshVelocity(const MeshVelocity&) = delete;
+  MeshVelocity& operator=(const MeshVelocity&) = delete;
 
   /// Begins with a new particle; hint: its last cell, or -1.
-  void begin(std::int64_t hint) {
-    const std::int64_t cells = sampler_->mesh().cell_count();
-    hint_ = hint < cells ? hint : -1; // the mesh may have become smaller
-    cell_ = sized_ = -1;
-  }
+  void begin(std::int64_t hint);
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
-    query::Location at;
-    return sample(x, t, v, at);
+    return ask<false>(x, t, v, nullptr);
   }
-
   /// The same, and where x lies.
   Sampled sample(const math::Vec3d& x, double t, math::Vec3d& v, query::Location& at) {
-    alpha_ = alpha(t);
-    at = sampler_->locate(x, hint_, {accuracy_, moves_ ? alpha_ : 1.0});
-    if (!at)
-      return Sampled::outside;
-    hint_ = at.cell;
-    double u[6];
-    sampler_->interpolate(std::span(fields_, blends_ ? 2 : 1), at, u);
-    v = {u[0], u[1], u[2]};
-    if (blends_)
-      v = (1.0 - alpha_) * math::Vec3d{u[3], u[4], u[5]} + alpha_ * v;
-    const bool finite = std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-    return finite ? Sampled::inside : Sampled::not_finite;
+    return ask<true>(x, t, v, &at);
   }
 
   void accepted() { cell_ = hint_; }
@@ -86,33 +74,105 @@ public:
 
   /// The bounding box of that cell; an edge far shorter than the others counts as 1e-6 of the
   /// longest.
-  math::Vec3d extent() {
-    if (sized_ != cell_) {
-      sized_ = cell_;
-      mesh::CellVertices c;
-      mesh::gather(sampler_->mesh(), cell_, c, moves_ ? alpha_ : 1.0);
-      math::Vec3d low = c.x[0], high = c.x[0];
-      for (int i = 1; i < c.count; ++i)
-        for (int a = 0; a < 3; ++a) {
-          low[a] = std::min(low[a], c.x[i][a]);
-          high[a] = std::max(high[a], c.x[i][a]);
-        }
-      extent_ = high - low;
-      const double longest = std::max({extent_.x, extent_.y, extent_.z});
-      const double least = std::max(1e-6 * longest, std::numeric_limits<double>::min());
-      for (int a = 0; a < 3; ++a)
-        extent_[a] = std::max(extent_[a], least);
-    }
-    return extent_;
-  }
+  math::Vec3d extent();
+
+  // For steps that end at faces: see CellwiseField.
+  bool confine(const math::Vec3d& x, const math::Vec3d& towards, double t);
+  void release() { confined_ = false; }
+  double depth(const math::Vec3d& x, double t);
+  double last_depth() const { return depth_; }
+  Crossed cross(const math::Vec3d& x, const math::Vec3d& towards, double t);
+
+  /// See ExitingField. On a moving mesh, the face is where it is when the particle reaches it.
+  std::optional<query::Exit> leave(const math::Vec3d& a, const math::Vec3d& b, double t, double dt);
 
   bool blends_velocity() const { return blends_; }
   bool blends_geometry() const { return moves_; }
 
 private:
+  /// A cell with all that is asked of it.
+  struct Kept {
+    std::int64_t cell = -1;
+    double alpha = 1.0; ///< of vertices.x
+    int values = 0;     ///< of the field: vertices, or 1 of a cell field
+    mesh::CellVertices vertices;
+    math::Vec3d now[8], earlier[8];     ///< coordinates, if the mesh moves
+    math::Vec3d velocity[8], before[8]; ///< at the vertices, now and at the earlier step
+  };
+
+  void set_alpha(double t) {
+    alpha_ = t1_ > t0_ ? std::clamp((t - t0_) / (t1_ - t0_), 0.0, 1.0) : 1.0;
+  }
+  query::LocateOptions options() const { return {accuracy_, moves_ ? alpha_ : 1.0}; }
+  void blend(Kept& k) const {
+    if (moves_ && k.alpha != alpha_) {
+      k.alpha = alpha_;
+      for (int i = 0; i < k.vertices.count; ++i)
+        k.vertices.x[i] =
+            alpha_ == 1.0 ? k.now[i] : (1.0 - alpha_) * k.earlier[i] + alpha_ * k.now[i];
+    }
+  }
+  Sampled value(const Kept& k, const math::Vec3d& r, math::Vec3d& v) const {
+    if (k.values == 1) {
+      v = k.velocity[0];
+      if (blends_)
+        v = (1.0 - alpha_) * k.before[0] + alpha_ * v;
+    } else {
+      double weight[8];
+      cells::shape_functions(k.vertices.shape, r, weight);
+      v = weight[0] * k.velocity[0];
+      for (int i = 1; i < k.values; ++i)
+        v += weight[i] * k.velocity[i];
+      if (blends_) {
+        math::Vec3d u = weight[0] * k.before[0];
+        for (int i = 1; i < k.values; ++i)
+          u += weight[i] * k.before[i];
+        v = (1.0 - alpha_) * u + alpha_ * v;
+      }
+    }
+    return finite(v) ? Sampled::inside : Sampled::not_finite;
+  }
+  static bool finite(const math::Vec3d& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  }
+
+  template <bool tells_where>
+  Sampled ask(const math::Vec3d& x, double t, math::Vec3d& v, query::Location* at) {
+    set_alpha(t);
+    if (confined_)
+      return in_own_cell(x, v, at);
+    if (keeps_) {
+      for (int tries = 0; tries < 2; ++tries) {
+        Kept& k = kept_[last_];
+        if (k.cell >= 0) {
+          blend(k);
+          const auto map = cells::inverse_map(k.vertices.shape, k.vertices.x, x);
+          if (map.margin > map.error) {
+            ++proven_;
+            hint_ = k.cell;
+            if constexpr (tells_where)
+              *at = {k.cell, map.r};
+            return value(k, map.r, v);
+          }
+        }
+        last_ ^= 1;
+      }
+    }
+    return located(x, v, at);
+  }
+
+  // at: where to say where x lies, or null.
+  Sampled located(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
+  Sampled in_own_cell(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
+  void load(Kept& k, std::int64_t cell) const;
+  Kept& keep(std::int64_t cell);
+  bool can_keep(std::int64_t cell) const;
+  static math::Vec3d box_of(const mesh::CellVertices& c);
+
   const query::Sampler* sampler_;
   mesh::FieldView fields_[2]; ///< now, earlier
   bool blends_, moves_;
+  bool keeps_; ///< proofs are enough to know owners
   double t0_, t1_;
   insitu_accuracy accuracy_;
   double alpha_ = 1.0; ///< of the point asked last
@@ -120,6 +180,13 @@ private:
   std::int64_t cell_ = -1;
   std::int64_t sized_ = -1; ///< the cell whose extent is kept
   math::Vec3d extent_;
+  std::int64_t proven_ = 0; ///< points located without the sampler
+
+  Kept kept_[2];
+  int last_ = 0; ///< of kept_, that which answered last
+  bool confined_ = false;
+  Kept own_; ///< the cell that answers while confined
+  double depth_ = 0.0;
 };
 
 } // namespace insitu::advect

@@ -9,6 +9,7 @@ namespace {
 
 /// The part of a cell that a particle goes on along a wall, or back from it, in one step.
 constexpr double contact_cells = 0.1;
+constexpr std::int64_t most_closing_steps = 64;
 
 } // namespace
 
@@ -21,7 +22,7 @@ EffectSetup::EffectSetup(const Effects& given, const query::Sampler& sampler,
     largest = largest_coefficients(*effects.diffusion, sampler.mesh(), threads);
 }
 
-Mover::Mover(const EffectSetup& setup, const MeshVelocity& flow, const IntegratorSettings& settings,
+Mover::Mover(const EffectSetup& setup, MeshVelocity& flow, const IntegratorSettings& settings,
              double max_length)
     : setup_(&setup), effects_(&setup.effects), settings_(settings), max_length_(max_length),
       flow_(flow), velocity_(flow_, effects_->drifts),
@@ -107,7 +108,10 @@ insitu_ending Mover::flow_to(State& p, Carried& carried, double to, Work& work) 
     const std::int64_t steps = work.steps;
     const insitu_ending ending =
         integrate(velocity_, settings, to, max_length_, p, work, [](const State&) {});
-    steps_left_ -= work.steps - steps;
+    // Steps that close in on a wall do not count, as they do not in integrate().
+    const std::int64_t done = work.steps - steps;
+    steps_left_ -=
+        ending == INSITU_END_LEFT ? std::max<std::int64_t>(done - most_closing_steps, 1) : done;
     if (flow_.cell() >= 0)
       spot_cell_ = -1;
     if (ending != INSITU_END_LEFT || !effects_->boundary)
@@ -164,8 +168,8 @@ insitu_ending Mover::touch(State& p, double to, Work& work) {
       }
     }
     const Vec3d d = h * mean - shift;
-    const Vec3d n = walls_.normal(end, d, then);
     const Moved moved = walls_.move(end, d, boundary_, then, p.length);
+    const Vec3d n = walls_.wall();
     at = end;
     p.time = h < to - p.time ? p.time + h : to;
     placed(p, at);

@@ -35,7 +35,7 @@ inline insitu_ending ending_of(Moved moved) {
 class Mover {
 public:
   /// The arguments must outlive the object.
-  Mover(const EffectSetup& setup, const MeshVelocity& flow, const IntegratorSettings& settings,
+  Mover(const EffectSetup& setup, MeshVelocity& flow, const IntegratorSettings& settings,
         double max_length);
   Mover(const Mover&) = delete;
 
@@ -63,7 +63,7 @@ private:
   const Effects* effects_;
   IntegratorSettings settings_;
   double max_length_;
-  MeshVelocity flow_;
+  MeshVelocity& flow_;
   DriftVelocity velocity_;
   EffectWork work_;
   Walls walls_;

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "advect/integrate.h"
-#include "cells/faces.h"
 #include "cells/kernels.h"
+#include "query/face_crossing.h"
 
 namespace insitu::advect {
 
@@ -19,53 +20,7 @@ constexpr int most_contacts = 16;
 /// A displacement is looked at in parts of half a cell, so that it does not jump over a wall.
 constexpr double part_cells = 0.5;
 constexpr int most_parts = 256;
-constexpr int most_trials = 80;
 constexpr double skin_cells = 1e-9;
-
-/// Per face of a cell, a function that is 0 on it and positive inside: the sum of the shape
-/// functions of the vertices that are not the face's. Its gradient is the inward normal, on curved
-/// faces as well.
-struct Faces {
-  mesh::CellVertices cell;
-  cells::FaceTable table;
-  double value[6];
-  Vec3d gradient[6];
-
-  Faces(const mesh::MeshView& mesh, const query::Location& at, double alpha) {
-    mesh::gather(mesh, at.cell, cell, alpha);
-    table = cells::face_table(cell.shape);
-    double weight[8];
-    cells::shape_functions(cell.shape, at.parametric, weight);
-    for (int f = 0; f < table.face_count; ++f) {
-      double off[8];
-      std::fill(off, off + 8, 1.0);
-      for (int k = 0; k < table.faces[f].vertex_count; ++k)
-        off[table.faces[f].vertices[k]] = 0.0;
-      value[f] = 0.0;
-      for (int v = 0; v < cell.count; ++v)
-        value[f] += off[v] * weight[v];
-      gradient[f] = cells::gradient(cell.shape, cell.x, off, at.parametric);
-    }
-  }
-
-  /// The face that x + s d leaves through next after `after`, and s; -1 if there is none.
-  int next(const Vec3d& d, double& s, int after = -1) const {
-    int found = -1;
-    const double passed = after >= 0 ? s : -1.0;
-    s = std::numeric_limits<double>::infinity();
-    for (int f = 0; f < table.face_count; ++f) {
-      const double rate = -math::dot(gradient[f], d);
-      if (!(rate > 0.0))
-        continue;
-      const double at = std::max(value[f], 0.0) / rate;
-      if (at < s && (at > passed || (at == passed && f > after))) {
-        s = at;
-        found = f;
-      }
-    }
-    return found;
-  }
-};
 
 Vec3d unit_or_zero(const Vec3d& v) {
   const double length = length_of(v);
@@ -97,30 +52,6 @@ Vec3d Walls::skin(const Spot& at, double alpha) const {
   return s;
 }
 
-Vec3d Walls::normal(const Spot& at, const Vec3d& direction, double alpha) const {
-  const query::Location here = locate(at.x, at.cell, alpha);
-  if (!here)
-    return {};
-  const Faces faces(sampler_->mesh(), here, alpha);
-  const Vec3d skins = skin(at, alpha), per_metre = scale(at.x);
-  // At an edge, a face between two cells may come first: the wall is the one with nothing behind.
-  Vec3d first;
-  double s = 0.0;
-  for (int face = faces.next(direction, s); face >= 0; face = faces.next(direction, s, face)) {
-    const Vec3d n = unit_or_zero(by_axis(-faces.gradient[face], per_metre));
-    const Vec3d step = s * direction;
-    if (first == Vec3d{})
-      first = n;
-    if (cells_crossed(step, skins) > 16.0)
-      break;
-    const Vec3d out = unit_or_zero(-faces.gradient[face]);
-    const double reach = 4.0 / std::max(cells_crossed(out, skins), 1e-300);
-    if (!locate(at.x + step + reach * out, here.cell, alpha))
-      return n;
-  }
-  return first;
-}
-
 Vec3d Walls::carry(const Spot& at, double alpha0, double alpha1) const {
   const query::Location here = locate(at.x, at.cell, alpha0);
   if (!here || alpha0 == alpha1)
@@ -134,34 +65,6 @@ Vec3d Walls::carry(const Spot& at, double alpha0, double alpha1) const {
   for (int v = 0; v < now.count; ++v)
     x += weight[v] * (now.x[v] - then.x[v]);
   return x;
-}
-
-/// Moves `at` along d, whose end is outside, to within the skin of where d leaves the mesh first
-/// (walls thinner than the parts of d apart). Returns how much of d is left, 0 to 1.
-double Walls::advance_to_wall(Spot& at, const Vec3d& d, double alpha) const {
-  const Vec3d start = at.x, skins = skin(at, alpha);
-  const double width = 1.0 / std::max(cells_crossed(d, skins), 1.0); // of the skin, along d
-  double inside = 0.0, outside = 1.0;
-  for (int trial = 0; trial < most_trials && outside - inside > width; ++trial) {
-    double s = 0.5 * (inside + outside);
-    if (trial % 3 != 2) { // where the last cell's faces say, just before it and just behind
-      const query::Location here = locate(at.x, at.cell, alpha);
-      double ahead;
-      if (here && Faces(sampler_->mesh(), here, alpha).next(d, ahead) >= 0) {
-        const double guess = inside + ahead + (trial % 3 == 0 ? -0.4 : 0.4) * width;
-        if (guess > inside && guess < outside)
-          s = guess;
-      }
-    }
-    const Vec3d x = start + s * d;
-    if (const query::Location found = locate(x, at.cell, alpha)) {
-      inside = s;
-      at = {x, found.cell};
-    } else {
-      outside = s;
-    }
-  }
-  return 1.0 - inside;
 }
 
 /// Takes a particle on a periodic side of the box to the opposite one, if that is inside the mesh.
@@ -189,27 +92,32 @@ bool Walls::pass_side(Spot& at, const Vec3d& d, const BoundaryEffect& boundary,
 
 Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alpha, double& length,
                   Vec3d* carried) {
+  wall_ = {};
   for (int contact = 0; contact < most_contacts; ++contact) {
-    const Vec3d size = extent(at.cell, alpha);
-    const double crossed = cells_crossed(d, size);
-    if (!(crossed > 0.0))
-      return Moved::inside; // nothing left, or NaN
+    const double crossed = cells_crossed(d, extent(at.cell, alpha));
+    if (!(crossed > skin_cells)) // or NaN
+      return Moved::inside;
     const int parts = int(std::clamp(std::ceil(crossed / part_cells), 1.0, double(most_parts)));
     const Vec3d part = d / double(parts);
+    std::optional<query::Exit> exit;
     int k = 0;
     for (; k < parts; ++k) {
       const Vec3d x = at.x + part;
-      const query::Location found = locate(x, at.cell, alpha);
-      if (!found)
-        break;
-      at = {x, found.cell};
-      length += length_of(part);
+      if (const query::Location found = locate(x, at.cell, alpha)) {
+        at = {x, found.cell};
+        length += length_of(part);
+        continue;
+      }
+      exit = query::leave_mesh(*sampler_, at.cell, at.x, x, {accuracy_, alpha});
+      break;
     }
     if (k == parts)
       return Moved::inside;
-    const double left = advance_to_wall(at, part, alpha);
-    length += (1.0 - left) * length_of(part);
-    d = (left + double(parts - k - 1)) * part;
+    if (!exit)
+      break;
+    length += exit->t * length_of(part);
+    d = (1.0 - exit->t + double(parts - k - 1)) * part;
+    at = {exit->inside, exit->owner};
     if (pass_side(at, d, boundary, alpha)) {
       ++work_->contacts;
       continue;
@@ -219,12 +127,14 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
     ++work_->contacts;
     if (boundary.response == AtBoundary::stop)
       return Moved::stopped;
-    const Vec3d n = normal(at, d, alpha);
+    const Vec3d per_metre = scale(at.x);
+    const Vec3d n = unit_or_zero(by_axis(exit->normal, per_metre)); // a covector
+    wall_ = n;
     if (n == Vec3d{})
       break;
+    step_back(at, exit->normal, alpha);
     const bool mirror = boundary.response == AtBoundary::reflect;
     // In metres, where the wall is at right angles to its normal.
-    const Vec3d per_metre = scale(at.x);
     Vec3d rest = over_axis(d, per_metre);
     rest -= ((mirror ? 2.0 : 1.0) * math::dot(rest, n)) * n;
     d = by_axis(rest, per_metre);
@@ -233,6 +143,14 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
   }
   ++work_->pinned;
   return Moved::inside;
+}
+
+/// From the wall into its skin: what goes along the wall would else be out of it by rounding.
+void Walls::step_back(Spot& at, const Vec3d& normal, double alpha) const {
+  const double reach = 1.0 / std::max(cells_crossed(normal, skin(at, alpha)), 1e-300);
+  const Vec3d x = at.x - reach * normal;
+  if (const query::Location found = locate(x, at.cell, alpha))
+    at = {x, found.cell};
 }
 
 Box box_of(const mesh::MeshView& mesh, const core::Threads& threads) {

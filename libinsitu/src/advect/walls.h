@@ -40,9 +40,9 @@ public:
   Moved move(Spot& at, math::Vec3d d, const BoundaryEffect& boundary, double alpha, double& length,
              math::Vec3d* carried = nullptr);
 
-  /// The outward normal (of length 1, in metres) of the face of the spot's cell that the direction
-  /// (in coordinates) meets next; zero if there is none, as in a cell without volume.
-  math::Vec3d normal(const Spot& at, const math::Vec3d& direction, double alpha) const;
+  /// The outward normal (of length 1, in metres) of the wall that move() met last; 0 if it met
+  /// none, or one without area.
+  const math::Vec3d& wall() const { return wall_; }
 
   bool is_inside(const math::Vec3d& x, std::int64_t hint, double alpha) const {
     return bool(locate(x, hint, alpha));
@@ -64,7 +64,7 @@ private:
   query::Location locate(const math::Vec3d& x, std::int64_t hint, double alpha) const {
     return sampler_->locate(x, hint, {accuracy_, alpha});
   }
-  double advance_to_wall(Spot& at, const math::Vec3d& d, double alpha) const;
+  void step_back(Spot& at, const math::Vec3d& normal, double alpha) const;
   bool pass_side(Spot& at, const math::Vec3d& d, const BoundaryEffect& boundary,
                  double alpha) const;
 
@@ -73,6 +73,7 @@ private:
   const Metric* metric_;
   Box box_;
   EffectWork* work_;
+  math::Vec3d wall_;
 };
 
 /// The box of the owning cells' vertices as they are now.

@@ -76,6 +76,12 @@ public:
   void set_free_of_folds(bool free) { view_.free_of_folds = free; }
   void set_covers_once(bool once) { view_.covers_once = once; }
 
+  /// Registers what `from` has, as of its last update(), but for the vertices: those lie at
+  /// points[from.own_view().first_vertex[piece] + id], borrowed. Nothing else is copied but pointers,
+  /// and these are taken anew with each call; what changed is up to set_changed(). Not of adaptive
+  /// meshes.
+  void share(const Mesh& from, const math::Vec3d* points);
+
   /// Which cells of an adaptive mesh are no leaves: a bit a flat cell, or null; kept by the caller.
   void set_masked(const std::uint64_t* masked);
 

@@ -296,6 +296,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
       odd_cells_ = {};
       mesh_.set_free_of_folds(false);
       mesh_.set_covers_once(false);
+      ++geometry_version_;
     }
     if (mesh_.is_adaptive())
       commit_adaptive(pending, report, threads);

@@ -81,6 +81,9 @@ public:
   std::uint64_t fields_version() const { return fields_version_; }
   std::uint64_t tree_version() const { return tree_version_; }
   std::uint64_t topology_version() const { return topology_version_; }
+  /// Grows with each commit of moved vertices or other cells, and not when only the tree is built
+  /// anew.
+  std::uint64_t geometry_version() const { return geometry_version_; }
 
 private:
   void note_queries();
@@ -117,7 +120,8 @@ private:
   cells::OddCells odd_cells_;  ///< if so
   bool tree_is_stale_ = false; ///< the mesh was in device memory meanwhile
   int commits_since_build_ = 0;
-  std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0;
+  std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,
+                geometry_version_ = 0;
 };
 
 } // namespace insitu::query

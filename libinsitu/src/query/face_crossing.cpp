@@ -389,6 +389,17 @@ std::optional<FaceCrossing> leave_cell(const mesh::MeshView& mesh, std::int64_t 
   return best;
 }
 
+FaceCrossing nearest_face(const mesh::CellVertices& vertices, std::int64_t cell,
+                          const Vec3d& parametric) {
+  double n[8];
+  cells::shape_functions(vertices.shape, parametric, n);
+  int nearest = 0;
+  for (int f = 1; f < cells::face_table(vertices.shape).face_count; ++f)
+    if (distance_from(vertices.shape, f, n) < distance_from(vertices.shape, nearest, n))
+      nearest = f;
+  return on_parametric_face(vertices, cell, nearest, n, 0.0);
+}
+
 std::optional<Exit> leave_mesh(const Sampler& sampler, std::int64_t cell, const Vec3d& a,
                                const Vec3d& b, const LocateOptions& options) {
   return Walk(sampler, a, b, options).run(cell);

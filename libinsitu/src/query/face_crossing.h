@@ -25,6 +25,11 @@ std::optional<FaceCrossing> leave_cell(const mesh::MeshView& mesh, std::int64_t 
                                        const math::Vec3d& a, const math::Vec3d& b,
                                        double alpha = 1.0);
 
+/// The face that is nearest to parametric coordinates in or about the cell, its point there, and
+/// its normal; t is 0.
+FaceCrossing nearest_face(const mesh::CellVertices& vertices, std::int64_t cell,
+                          const math::Vec3d& parametric);
+
 /// Where a segment leaves the mesh: the face has a cell on this side and none beyond.
 struct Exit : FaceCrossing {
   math::Vec3d inside; ///< the crossing's point, or one as near as doubles have that a cell owns

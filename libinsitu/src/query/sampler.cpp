@@ -157,6 +157,13 @@ Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions&
   return at;
 }
 
+void Sampler::count_certified(std::int64_t points) const {
+  std::int64_t by_reason[reason_count] = {};
+  by_reason[int(Reason::certified)] = points;
+  if (counts_ && points > 0)
+    counts_->add(by_reason);
+}
+
 void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> locations,
                             const LocateOptions& options, std::span<std::uint8_t> reasons) const {
   const PointQuery query{*mesh_, *tree_, options};

@@ -98,6 +98,9 @@ public:
   Location locate(const math::Vec3d& p, std::int64_t hint = -1, const LocateOptions& options = {},
                   Reason* reason = nullptr) const;
 
+  /// Counts points that a caller has located itself, each proven to be strictly inside its cell.
+  void count_certified(std::int64_t points) const;
+
   /// The same for a batch, in parallel; points and locations have the same size, and reasons has it
   /// or is empty. reasons say how this call decided.
   void locate(const core::Threads& threads, std::span<const math::Vec3d> points,

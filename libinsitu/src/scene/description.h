@@ -75,7 +75,7 @@ using PointSource = std::variant<PointList, PointFile, Line, Transect, Plane, Bo
 
 // ---------------------------------------------------------------------------------------- probes
 
-enum class TableFormat { csv, vtp, json };
+enum class TableFormat { csv, vtp, json, netcdf };
 
 struct Probe {
   std::string name; ///< of the output file; unique in the scene
@@ -126,7 +126,7 @@ struct Tracer {
   TracerEffects effects; ///< of path- and streaklines
   std::vector<Name> fields; ///< recorded along the tracks; empty: none
   Accuracy accuracy = Accuracy::standard;
-  std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp
+  std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp, netcdf (no streamlines)
   Trigger trigger; ///< its own, or else the scene's: streamlines are computed, tracks are written
   int line = 0;
 };

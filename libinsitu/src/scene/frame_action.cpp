@@ -29,10 +29,11 @@ public:
   const Trigger& trigger() const override { return frame_.trigger; }
   const Name& mesh_name() const override { return frame_.mesh; }
 
-  void execute(query::CommittedMesh& mesh, const Step& step, bool due) override {
+  void execute(query::CommittedMesh& own, const Step& step, bool due) override {
     if (!due)
       return;
     const core::Timer timer;
+    const query::CommittedMesh& mesh = frame_.geocentric ? geocentric(own) : own;
     if (mesh.tree().empty())
       throw core::Error(INSITU_ERROR_MESH,
                         "mesh '" + mesh.mesh().name() + "' has no cell that could be drawn");
@@ -53,8 +54,19 @@ public:
   }
 
 private:
+  const query::CommittedMesh& geocentric(const query::CommittedMesh& own) {
+    try {
+      return environment_.structures.geocentric(own, frame_.geocentric->exaggeration);
+    } catch (const core::Error& e) {
+      if (e.status() != INSITU_ERROR_SCENE)
+        throw;
+      throw core::Error(e.status(), environment_.scene_file + ":" +
+                                        std::to_string(frame_.geocentric->line) + ": " + e.what());
+    }
+  }
+
   /// number: the camera's.
-  void draw(query::CommittedMesh& mesh, const Step& step, const NamedCamera& camera,
+  void draw(const query::CommittedMesh& mesh, const Step& step, const NamedCamera& camera,
             std::size_t number, render::FrameSettings& settings, render::Structures& structures) {
     const core::Timer timer;
     settings.camera = settings_.camera(camera.camera, mesh, step, drawn_);

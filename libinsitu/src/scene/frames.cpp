@@ -69,10 +69,6 @@ void check_mesh_frame(const insitu_frame& frame) {
   if (frame.size != sizeof frame)
     throw core::Error(INSITU_ERROR_ARGUMENT, "frame: make it with insitu_frame_default()");
   geo::validate(to_geo(frame, false));
-  if (frame.kind == INSITU_FRAME_GEODETIC)
-    throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                      "frame: a mesh in longitude and latitude is not in this version; give it "
-                      "geocentric, in east-north-up metres or in UTM");
 }
 
 } // namespace insitu::scene

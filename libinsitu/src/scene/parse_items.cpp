@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "scene/parse_parts.h"
 
 namespace insitu::scene {
@@ -86,9 +88,10 @@ Probe parse_probe(const Cursor& cursor, ParseContext& context) {
       cursor, {"name", "mesh", "points", "frame", "fields", "accuracy", "output", "every", "when"});
   parse_common(map, context, "points", probe.points, probe.points_line, probe);
   if (const auto output = map.find("output")) {
-    probe.output = parse_output(
-        *output,
-        {{"csv", TableFormat::csv}, {"vtp", TableFormat::vtp}, {"json", TableFormat::json}});
+    probe.output = parse_output(*output, {{"csv", TableFormat::csv},
+                                          {"vtp", TableFormat::vtp},
+                                          {"json", TableFormat::json},
+                                          {"netcdf", TableFormat::netcdf}});
   }
   return probe;
 }
@@ -121,7 +124,14 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     }
   }
   if (const auto output = map.find("output")) {
-    tracer.output = parse_output(*output, {{"csv", TableFormat::csv}, {"vtp", TableFormat::vtp}});
+    tracer.output = parse_output(
+        *output,
+        {{"csv", TableFormat::csv}, {"vtp", TableFormat::vtp}, {"netcdf", TableFormat::netcdf}});
+    if (tracer.kind == TracerKind::streamline &&
+        std::find(tracer.output.begin(), tracer.output.end(), TableFormat::netcdf) !=
+            tracer.output.end()) {
+      output->fail("netcdf is for path- and streaklines, which are trajectories in time");
+    }
   }
   return tracer;
 }

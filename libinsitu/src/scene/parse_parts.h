@@ -57,12 +57,14 @@ Color parse_color(const Cursor& cursor, const Color& fallback);
 Component parse_component(const Cursor& cursor);
 ColorMap parse_color_map(const Cursor& cursor, const ParseContext& context);
 std::optional<ValueRange> parse_range(const Cursor& cursor);
-Camera parse_camera(const Cursor& cursor);
+/// on_earth: of a geocentric frame.
+Camera parse_camera(const Cursor& cursor, bool on_earth);
+Camera default_camera(bool on_earth);
 /// Of a frame's map; also there where an effect asks for it.
 std::optional<PathTracing> parse_path_tracing(const MapReader& frame,
                                               const std::vector<FrameEffect>& effects);
 /// A map of names and cameras.
-std::vector<NamedCamera> parse_cameras(const Cursor& cursor);
+std::vector<NamedCamera> parse_cameras(const Cursor& cursor, bool on_earth);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);
 std::vector<Light> parse_lights(const Cursor& cursor);
 Occlusion parse_occlusion(const Cursor& cursor);

@@ -49,11 +49,10 @@ public:
     particles_.finish();
     if (!seeded_)
       return;
-    std::string failures;
+    Failures failures;
     for (const auto& writer : writers_)
-      note_failure(failures,
-                   [&] { writer->finish(particles_.particles(), last_.cycle, last_.time); });
-    throw_failures(failures);
+      failures.catch_of([&] { writer->finish(particles_.particles(), last_.cycle, last_.time); });
+    failures.throw_if_any();
   }
 
 private:
@@ -147,6 +146,7 @@ private:
     TrackRows out;
     out.cycle = step.cycle;
     out.pieces = mesh.mesh().own_view().piece_count > 1;
+    out.frame = mesh.frame;
     out.columns = field_columns(recorded);
     out.values = sample(mesh, recorded, points, cells);
     for (std::size_t r = 0; r < indices.size(); ++r) {
@@ -159,30 +159,15 @@ private:
 
   void write(const query::CommittedMesh& mesh, const Step& step, bool due) {
     Cycle cycle(*this, mesh, step, due);
-    std::string failures;
+    Failures failures;
     bool keep = false;
     for (const auto& writer : writers_) {
-      note_failure(failures, [&] { writer->write(cycle); });
+      failures.catch_of([&] { writer->write(cycle); });
       keep = keep || writer->keeps_ended();
     }
-    if (!keep && failures.empty())
+    if (!keep && !failures.any())
       particles_.drop_ended(); // in the tables, and needed no more
-    throw_failures(failures);
-  }
-
-  /// A format that fails does not keep the others from being written.
-  template <class Act>
-  void note_failure(std::string& failures, Act&& act) {
-    try {
-      act();
-    } catch (const core::Error& e) {
-      failures += (failures.empty() ? "" : "; ") + std::string(e.what());
-      failure_ = e.status();
-    }
-  }
-  void throw_failures(const std::string& failures) const {
-    if (!failures.empty())
-      throw core::Error(failure_, failures);
+    failures.throw_if_any();
   }
 
   advect::Tracer particles_;
@@ -194,7 +179,6 @@ private:
     std::int64_t cycle = 0;
     double time = 0.0;
   } last_; ///< the last execution
-  insitu_status failure_ = INSITU_OK;
 };
 
 } // namespace
@@ -206,6 +190,8 @@ std::unique_ptr<TrackWriter> make_track_writer(TableFormat format, const std::st
     return make_track_csv(name, environment);
   case TableFormat::vtp:
     return make_track_vtp(name, environment);
+  case TableFormat::netcdf:
+    return make_track_netcdf(name, environment);
   case TableFormat::json:
     break;
   }

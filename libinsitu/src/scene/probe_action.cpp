@@ -9,21 +9,13 @@
 
 namespace insitu::scene {
 
-/// What a probe found, row by row.
-struct ProbeAction::Answers {
-  std::vector<query::Location> locations; ///< as the solver counts cells
-  std::vector<mesh::FieldView> fields;
-  std::vector<std::string> columns; ///< of the values
-  std::vector<double> values;       ///< [point][column], NaN outside
-};
-
 ProbeAction::ProbeAction(const Probe& probe, const Environment& environment)
-    : probe_(probe), environment_(environment) {}
+    : probe_(probe), environment_(environment), netcdf_(probe.name, environment) {}
 
-ProbeAction::Answers ProbeAction::sample(const query::CommittedMesh& mesh,
-                                         std::span<const mesh::FieldView> fields) {
+ProbeAnswers ProbeAction::sample(const query::CommittedMesh& mesh,
+                                 std::span<const mesh::FieldView> fields) {
   const core::Timer timer;
-  Answers a;
+  ProbeAnswers a;
   a.fields.assign(fields.begin(), fields.end());
   for (const mesh::FieldView& f : fields)
     for (std::string& column : component_names(f))
@@ -59,8 +51,7 @@ void ProbeAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
     fields += (fields.empty() ? "'" : ", '") + name.text + "'";
   for (const Name& name : probe_.fields)
     find_field(mesh, name, environment_.scene_file);
-  plan.need("point queries", -1,
-            fields.empty() ? "of all fields" : "of " + fields);
+  plan.need("point queries", -1, fields.empty() ? "of all fields" : "of " + fields);
 }
 
 void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due) {
@@ -76,28 +67,38 @@ void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due
   std::vector<mesh::FieldView> fields;
   for (const Name& name : probe_.fields)
     fields.push_back(find_field(mesh, name, environment_.scene_file));
-  const Answers answers = sample(mesh, fields);
+  const ProbeAnswers answers = sample(mesh, fields);
   const core::Timer timer;
   if (environment_.page)
     environment_.page->add_probe(probe_.name, answers.columns, points_->mesh_points, points_->names,
                                  answers.values);
+  Failures failures;
   for (const TableFormat format : probe_.output)
-    switch (format) {
-    case TableFormat::csv:
-      write_table(mesh, step, answers);
-      break;
-    case TableFormat::vtp:
-      write_vtp(mesh, step, answers);
-      break;
-    case TableFormat::json:
-      write_json(mesh, step, answers);
-      break;
-    }
+    failures.catch_of([&] { write(format, mesh, step, answers); });
   environment_.statistics.output_s += timer.seconds();
+  failures.throw_if_any();
+}
+
+void ProbeAction::write(TableFormat format, const query::CommittedMesh& mesh, const Step& step,
+                        const ProbeAnswers& answers) {
+  switch (format) {
+  case TableFormat::csv:
+    write_table(mesh, step, answers);
+    break;
+  case TableFormat::vtp:
+    write_vtp(mesh, step, answers);
+    break;
+  case TableFormat::json:
+    write_json(mesh, step, answers);
+    break;
+  case TableFormat::netcdf:
+    netcdf_.write(mesh, step, *points_, answers);
+    break;
+  }
 }
 
 void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step,
-                              const Answers& answers) {
+                              const ProbeAnswers& answers) {
   const mesh::MeshView& view = mesh.mesh().own_view();
   const bool pieces = view.piece_count > 1, names = !points_->names.empty();
   std::vector<std::string> columns{"cycle", "time", "point"};
@@ -138,7 +139,7 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
 }
 
 void ProbeAction::write_vtp(const query::CommittedMesh& mesh, const Step& step,
-                            const Answers& answers) {
+                            const ProbeAnswers& answers) {
   const mesh::MeshView& view = mesh.mesh().own_view();
   std::vector<std::int64_t> cells;
   std::vector<std::int32_t> pieces;
@@ -158,7 +159,7 @@ void ProbeAction::write_vtp(const query::CommittedMesh& mesh, const Step& step,
 }
 
 void ProbeAction::write_json(const query::CommittedMesh& mesh, const Step& step,
-                             const Answers& answers) {
+                             const ProbeAnswers& answers) {
   const mesh::MeshView& view = mesh.mesh().own_view();
   const bool pieces = view.piece_count > 1;
   // Numbers as in CSV; what CSV leaves empty and what JSON cannot say is null.
@@ -199,9 +200,14 @@ void ProbeAction::write_json(const query::CommittedMesh& mesh, const Step& step,
 }
 
 void ProbeAction::finish() {
-  if (table_)
-    table_->flush();
+  Failures failures;
+  failures.catch_of([&] {
+    if (table_)
+      table_->flush();
+  });
+  failures.catch_of([&] { netcdf_.finish(); });
   table_.reset();
+  failures.throw_if_any();
 }
 
 } // namespace insitu::scene

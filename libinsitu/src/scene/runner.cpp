@@ -13,7 +13,7 @@ namespace insitu::scene {
 
 Runner::Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
                Statistics& statistics)
-    : structures_(context.memory, context.threads),
+    : structures_(context),
       table_(scene.frames, output.empty() ? scene.output : output),
       environment_{context, statistics, structures_,
                    table_,  scene.file, output.empty() ? scene.output : output},

@@ -26,9 +26,10 @@ struct TrackRow {
 struct TrackRows {
   std::int64_t cycle = 0;
   std::vector<TrackRow> rows;
-  bool pieces = false;              ///< the mesh has several
-  std::vector<std::string> columns; ///< of the values
-  std::vector<double> values;       ///< [row][column], NaN outside
+  bool pieces = false;                         ///< the mesh has several
+  insitu_frame frame = insitu_frame_default(); ///< of the mesh
+  std::vector<std::string> columns;            ///< of the values
+  std::vector<double> values;                  ///< [row][column], NaN outside
 };
 
 /// A cycle of a tracer, as its writers see it.
@@ -64,6 +65,7 @@ std::unique_ptr<TrackWriter> make_track_writer(TableFormat format, const std::st
 
 // Of the formats.
 std::unique_ptr<TrackWriter> make_track_csv(const std::string& name, const Environment&);
+std::unique_ptr<TrackWriter> make_track_netcdf(const std::string& name, const Environment&);
 std::unique_ptr<TrackWriter> make_track_vtp(const std::string& name, const Environment&);
 
 } // namespace insitu::scene

@@ -64,6 +64,8 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
       {"background", "frames: [{background: {zzz: 1}}]"},
       {"camera", "frames: [{camera: {zzz: 1}}]"},
       {"path", "frames: [{camera: {path: [{zzz: 1}]}}]"},
+      {"geocentric", "frames: [{geocentric: {zzz: 1}}]"},
+      {"look_at", "frames: [{geocentric: {}, camera: {look_at: {zzz: 1}}}]"},
       {"orbit", "frames: [{camera: {orbit: {zzz: 1}}}]"},
       {"volume", "frames: [{volume: {zzz: 1}}]"},
       {"path_tracing", "frames: [{path_tracing: {zzz: 1}}]"},

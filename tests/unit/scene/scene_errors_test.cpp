@@ -108,7 +108,7 @@ TEST(SceneErrors, Probes) {
   EXPECT_HAS(probe_error("mesh: [a]"), "probes[0].mesh: a text expected");
   EXPECT_HAS(probe_error("accuracy: exakt"), "did you mean 'exact'?");
   EXPECT_HAS(probe_error("output: [cvs]"),
-             "probes[0].output[0]: 'cvs' is not one of csv, vtp, json; did you mean "
+             "probes[0].output[0]: 'cvs' is not one of csv, vtp, json, netcdf; did you mean "
              "'csv'?");
   EXPECT_HAS(probe_error("output: csv"), "probes[0].output: a list expected");
   EXPECT_HAS(probe_error("output: []"), "at least one format expected");

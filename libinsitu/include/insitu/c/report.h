@@ -38,7 +38,8 @@ typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_DEVICE = 9,    /**< on devices: copies of arrays, trees, scratch */
   INSITU_MEMORY_AMR = 10,      /**< dual meshes of adaptive meshes */
   INSITU_MEMORY_GATHERED = 11, /**< fields of adaptive meshes at the dual's vertices */
-  INSITU_MEMORY_COUNT = 12
+  INSITU_MEMORY_GEOCENTRIC = 12, /**< vertices of meshes drawn geocentric, heights exaggerated */
+  INSITU_MEMORY_COUNT = 13
 } insitu_purpose;
 
 /** Totals since the session was opened. Seconds are wall-clock seconds in the library. */

@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "format.h"
 #include "setup.h"
+#include "vtk_parts.h"
 #include "workload/queries.h"
 
 namespace insitu::bench::accuracy {
@@ -138,6 +139,40 @@ public:
     return s;
   }
 
+  /// VTK's, where it is there.
+  std::vector<Setting> measure_peers() {
+    std::vector<Setting> out;
+    std::vector<std::int64_t> cells(points_.size());
+    std::vector<double> values(points_.size());
+    for (const auto& peer :
+         make_peers(setup_.mesh, setup_.field, {"vtkStaticCellLocator", "vtkProbeFilter"})) {
+      peer->build();
+      Setting s;
+      s.group = case_.name;
+      s.name = peer->name();
+      s.is_peer = true;
+      s.items = double(points_.size());
+      for (int i = 0; i < extent_.repetitions; ++i)
+        s.time.time([&] { peer->sample(points_, cells, values); });
+      std::int64_t wrong[2] = {0, 0}, not_lowest = 0;
+      double worst = 0.0;
+      for (std::size_t i = 0; i < points_.size(); ++i) {
+        const bool lost = cells[i] < 0 && truth_[i];
+        const bool other = peer->tells_cells() && cells[i] >= 0 && cells[i] != truth_[i].cell;
+        const bool sound = other && holds(setup_.mesh, cells[i], points_[i]);
+        wrong[i >= std::size_t(random_count_)] += lost || (other && !sound);
+        not_lowest += sound;
+        if (cells[i] >= 0)
+          worst = std::max(worst, std::fabs(values[i] - workload::field(points_[i])));
+      }
+      s.error = double(wrong[0]) / double(random_count_);
+      s.more = {double(wrong[1]) / (s.items - double(random_count_)),
+                peer->tells_cells() ? double(not_lowest) / s.items : std::nan(""), worst};
+      out.push_back(std::move(s));
+    }
+    return out;
+  }
+
 private:
   Options options() const {
     Options o;
@@ -189,6 +224,16 @@ std::string advise(const Sweep& s) {
         format(") and take %.1f times the time on this processor.", worst_ratio);
   else
     out += "No setting named a wrong cell.";
+  double slowest = 0.0, fastest = HUGE_VAL;
+  for (const std::string& group : s.groups())
+    if (const Setting* vtk = s.find(group, "vtkStaticCellLocator")) {
+      const double ratio = vtk->seconds() / s.find(group, "bvh, standard")->seconds();
+      fastest = std::min(fastest, ratio);
+      slowest = std::max(slowest, ratio);
+    }
+  if (slowest > 0.0)
+    out += format(" vtkStaticCellLocator takes %.1f to %.1f times the time of bvh in standard.",
+                  fastest, slowest);
   return out;
 }
 
@@ -228,6 +273,8 @@ Sweep sweep_locate(const Extent& extent) {
     for (int m = 1; m < accel::method_count; ++m)
       for (const auto accuracy : {INSITU_FAST, INSITU_STANDARD, INSITU_EXACT})
         s.settings.push_back(at.measure(accel::Method(m), accuracy));
+    for (Setting& peer : at.measure_peers())
+      s.settings.push_back(std::move(peer));
   }
   s.reference = format(
       "The lowest cell that holds the point by exact arithmetic; of 500 points a case, all cells "
@@ -237,7 +284,8 @@ Sweep sweep_locate(const Extent& extent) {
   s.notes = {"Methods by rays are there for ray-tracing hardware; on a processor their work is not "
              "counted in "
              "nodes, so they are on no front of counted work.",
-             "fast differs from standard for the methods by rays alone."};
+             "fast differs from standard for the methods by rays alone.",
+             "Peers locate and interpolate; vtkProbeFilter tells only whether a point was found."};
   return s;
 }
 

@@ -5,7 +5,7 @@
 #include "accuracy/sweeps.h"
 #include "commands.h"
 #include "format.h"
-#include "render/frame.h"
+#include "render.h"
 
 namespace insitu::bench::accuracy {
 
@@ -44,6 +44,7 @@ public:
     s.background = {0, 0, 0};
     s.volume = render::VolumeSettings{{mesh_->mesh().field("f"), 0}, function};
     s.volume->skip_empty = false;
+    s.volume->unit_distance = 0.01 * std::sqrt(3.0); // what 0 means here, which peers do not know
     return s;
   }
 
@@ -66,6 +67,25 @@ public:
     s.work = double(statistics.samples);
     s.more = {dissimilarity(image, truth), double(statistics.skipped)};
     return s;
+  }
+
+  /// VTK's ray cast mapper, if there is one and it has a display; else says why not.
+  void measure_peer(Sweep& to, const std::string& group, const FrameSettings& settings,
+                    const core::Image& truth) {
+    std::string why;
+    const auto vtk = draw_by_vtk(setup_.mesh, setup_.field, settings, extent_.repetitions, why);
+    if (!vtk) {
+      to.notes.push_back("No frame by VTK's ray cast mapper: " + why + ".");
+      return;
+    }
+    Setting s;
+    s.group = group;
+    s.name = "vtkUnstructuredGridVolumeRayCastMapper";
+    s.is_peer = true;
+    s.time.add(vtk->seconds);
+    s.error = rms_error(vtk->color, truth);
+    s.more = {dissimilarity(vtk->color, truth), std::nan("")};
+    to.settings.push_back(std::move(s));
   }
 
   int repetitions() const { return extent_.repetitions; }
@@ -153,6 +173,8 @@ Sweep sweep_volume(const Extent& extent) {
       s.settings.push_back(
           drawing.measure(group, format("error bound, %g", tolerance), settings, truth));
     }
+    if (group == functions[0].first) // 8 bits a colour cannot follow a thin shell
+      drawing.measure_peer(s, group, base, truth);
   }
   s.advice = advise(s);
   return s;

@@ -1,0 +1,209 @@
+#include "advect/mesh_velocity.h"
+
+namespace insitu::advect {
+
+using math::Vec3d;
+
+MeshVelocity::MeshVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
+                           const mesh::FieldView* earlier, double t0, double t1,
+                           insitu_accuracy accuracy)
+    : sampler_(&sampler), fields_{now, earlier ? *earlier : now}, blends_(earlier && t1 > t0),
+      moves_(sampler.mesh().earlier_points && t1 > t0), keeps_(sampler.mesh().free_of_folds),
+      t0_(t0), t1_(t1), accuracy_(accuracy) {}
+
+void MeshVelocity::begin(std::int64_t hint) {
+  const std::int64_t cells = sampler_->mesh().cell_count();
+  hint_ = hint < cells ? hint : -1; // the mesh may have become smaller
+  cell_ = sized_ = -1;
+  confined_ = false;
+  // What is kept of another particle's way must not decide where cells overlap.
+  kept_[0].cell = kept_[1].cell = -1;
+}
+
+/// Cells of gridlets have no vertices of their own to keep.
+bool MeshVelocity::can_keep(std::int64_t cell) const {
+  const mesh::MeshView& mesh = sampler_->mesh();
+  return !mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(cell)].gridlets;
+}
+
+void MeshVelocity::load(Kept& k, std::int64_t cell) const {
+  const mesh::MeshView& mesh = sampler_->mesh();
+  k.cell = cell;
+  k.alpha = 1.0;
+  mesh::gather(mesh, cell, k.vertices);
+  const mesh::CellVertices& c = k.vertices;
+  if (moves_) {
+    const Vec3d* earlier = mesh.earlier_points + mesh.first_vertex[c.piece];
+    for (int i = 0; i < c.count; ++i) {
+      k.now[i] = c.x[i];
+      k.earlier[i] = earlier[c.ids[i]];
+    }
+  }
+  const bool by_cell = fields_[0].association == INSITU_CELL;
+  k.values = by_cell ? 1 : c.count;
+  for (int f = 0; f < (blends_ ? 2 : 1); ++f) {
+    const mesh::FieldPieceView& from = fields_[f].pieces[c.piece];
+    Vec3d* to = f == 0 ? k.velocity : k.before;
+    for (int i = 0; i < k.values; ++i) {
+      const std::int64_t item = by_cell ? cell - mesh.first_cell[c.piece] : c.ids[i];
+      to[i] = {from.load(item, 0), from.load(item, 1), from.load(item, 2)};
+    }
+  }
+}
+
+MeshVelocity::Kept& MeshVelocity::keep(std::int64_t cell) {
+  for (int i = 0; i < 2; ++i)
+    if (kept_[i].cell == cell) {
+      last_ = i;
+      return kept_[i];
+    }
+  last_ ^= 1;
+  load(kept_[last_], cell);
+  return kept_[last_];
+}
+
+/// By the sampler: the point is in no cell that is kept, or cannot be proven to be.
+Sampled MeshVelocity::located(const Vec3d& x, Vec3d& v, query::Location* where) {
+  const query::Location at = sampler_->locate(x, keeps_ ? -1 : hint_, options());
+  if (!at)
+    return Sampled::outside;
+  hint_ = at.cell;
+  if (where)
+    *where = at;
+  if (keeps_ && can_keep(at.cell)) {
+    Kept& k = keep(at.cell);
+    return value(k, at.parametric, v);
+  }
+  double u[6];
+  sampler_->interpolate(std::span(fields_, blends_ ? 2 : 1), at, u);
+  v = {u[0], u[1], u[2]};
+  if (blends_)
+    v = (1.0 - alpha_) * Vec3d{u[3], u[4], u[5]} + alpha_ * v;
+  return finite(v) ? Sampled::inside : Sampled::not_finite;
+}
+
+Vec3d MeshVelocity::box_of(const mesh::CellVertices& c) {
+  Vec3d low = c.x[0], high = c.x[0];
+  for (int i = 1; i < c.count; ++i)
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], c.x[i][a]);
+      high[a] = std::max(high[a], c.x[i][a]);
+    }
+  Vec3d extent = high - low;
+  const double longest = std::max({extent.x, extent.y, extent.z});
+  const double least = std::max(1e-6 * longest, std::numeric_limits<double>::min());
+  for (int a = 0; a < 3; ++a)
+    extent[a] = std::max(extent[a], least);
+  return extent;
+}
+
+Vec3d MeshVelocity::extent() {
+  if (sized_ != cell_) {
+    sized_ = cell_;
+    mesh::CellVertices c;
+    mesh::gather(sampler_->mesh(), cell_, c, moves_ ? alpha_ : 1.0);
+    extent_ = box_of(c);
+  }
+  return extent_;
+}
+
+// ---------------------------------------------------------------------------- faces
+
+/// The cell's own interpolation goes on for half a cell beyond its faces.
+Sampled MeshVelocity::in_own_cell(const Vec3d& x, Vec3d& v, query::Location* where) {
+  blend(own_);
+  const auto map = cells::inverse_map(own_.vertices.shape, own_.vertices.x, x);
+  depth_ = map.margin;
+  if (!map.converged || !(map.margin > -0.5))
+    return Sampled::outside;
+  hint_ = own_.cell;
+  if (where)
+    *where = {own_.cell, map.r};
+  return value(own_, map.r, v);
+}
+
+double MeshVelocity::depth(const Vec3d& x, double t) {
+  set_alpha(t);
+  blend(own_);
+  const auto map = cells::inverse_map(own_.vertices.shape, own_.vertices.x, x);
+  return map.converged ? map.margin : -1.0;
+}
+
+namespace {
+
+/// A vector this way that crosses so much of a cell.
+Vec3d part_of_cell(const Vec3d& towards, const Vec3d& extent, double cells) {
+  const double crossed = cells_crossed(towards, extent);
+  return crossed > 0.0 && std::isfinite(crossed) ? (cells / crossed) * towards : Vec3d{};
+}
+
+} // namespace
+
+bool MeshVelocity::confine(const Vec3d& x, const Vec3d& towards, double t) {
+  confined_ = false;
+  set_alpha(t);
+  query::Location at = sampler_->locate(x, hint_, options());
+  if (!at || !can_keep(at.cell))
+    return false;
+  load(own_, at.cell);
+  if (depth(x, t) < 1e-9) { // on a face: of the cells there, the one that is entered
+    at = sampler_->locate(x + part_of_cell(towards, box_of(own_.vertices), 1e-7), at.cell,
+                          options());
+    if (at && at.cell != own_.cell && can_keep(at.cell))
+      load(own_, at.cell);
+  }
+  blend(own_);
+  return confined_ = true;
+}
+
+Crossed MeshVelocity::cross(const Vec3d& x, const Vec3d& towards, double t) {
+  set_alpha(t);
+  blend(own_);
+  const auto into = [&](const Vec3d& q, Crossed& result) {
+    const query::Location at = sampler_->locate(q, own_.cell, options());
+    if (at && at.cell == own_.cell)
+      return false;
+    result = !at ? Crossed::to_boundary : can_keep(at.cell) ? Crossed::into_next : Crossed::nowhere;
+    if (result == Crossed::into_next) {
+      load(own_, at.cell);
+      blend(own_);
+      hint_ = own_.cell;
+    }
+    return true;
+  };
+  Crossed result = Crossed::nowhere;
+  const Vec3d extent = box_of(own_.vertices);
+  if (into(x + part_of_cell(towards, extent, 1e-7), result))
+    return result;
+  // Almost along the face, or a little short of it.
+  const auto map = cells::inverse_map(own_.vertices.shape, own_.vertices.x, x);
+  if (map.converged) {
+    const query::FaceCrossing face = query::nearest_face(own_.vertices, own_.cell, map.r);
+    for (double part = 1e-8; part < 1e-4; part *= 10.0)
+      if (into(face.point + part_of_cell(face.normal, extent, part), result))
+        return result;
+  }
+  return Crossed::nowhere;
+}
+
+std::optional<query::Exit> MeshVelocity::leave(const Vec3d& a, const Vec3d& b, double t,
+                                               double dt) {
+  set_alpha(t);
+  auto exit = query::leave_mesh(*sampler_, cell_, a, b, options());
+  for (int i = 0; i < 2 && exit && moves_; ++i) {
+    set_alpha(t + exit->t * dt);
+    const query::Location at = sampler_->locate(a, cell_, options());
+    const auto later = at ? query::leave_mesh(*sampler_, at.cell, a, b, options()) : std::nullopt;
+    if (!later) { // the place where the face is now, and the time to it
+      set_alpha(t);
+      exit->t = 0.0;
+      break;
+    }
+    exit = later;
+  }
+  if (exit)
+    cell_ = hint_ = exit->owner;
+  return exit;
+}
+
+} // namespace insitu::advect
