@@ -34,8 +34,9 @@ protected:
     tracer.seed(seeds, 0.0);
     work = {};
     for (int c = 0; c < cycles; ++c)
-      work += tracer.advance(mesh.sampler(), velocity.view, &velocity.view, end * c / cycles,
-                             end * (c + 1) / cycles, with ? *with : threads)
+      work += tracer
+                  .advance(mesh.sampler(), velocity.view, &velocity.view, end * c / cycles,
+                           end * (c + 1) / cycles, with ? *with : threads)
                   .effects;
     return tracer;
   }

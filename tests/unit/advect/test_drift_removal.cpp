@@ -1,8 +1,8 @@
 // Velocities that are added to the flow's, and conditions that remove particles.
 #include <cmath>
 
-#include "effects_test.h"
 #include "core/status.h"
+#include "effects_test.h"
 
 namespace insitu::test {
 namespace {
@@ -13,7 +13,12 @@ TEST_F(Drifts, AConstantVelocityIsAdded) {
   const BoxMesh mesh(4, 0.0, 1.0);
   effects.drifts.push_back({{0.0, 0.0, -0.2}, {}, 1.0, {}});
   const std::vector<Vec3d> seeds{{0.2, 0.5, 0.9}};
-  const Tracer t = run(mesh, [](const Vec3d&) { return Vec3d{0.1, 0, 0}; }, seeds, 3.0, 3);
+  const Tracer t = run(
+      mesh,
+      [](const Vec3d&) {
+        return Vec3d{0.1, 0, 0};
+      },
+      seeds, 3.0, 3);
   EXPECT_LT(distance(t.positions()[0], {0.5, 0.5, 0.3}), 1e-12);
 }
 
@@ -79,7 +84,12 @@ TEST_F(Removal, EndsParticlesWhereTheConditionHolds) {
     return at.cell >= 0 && (x.x > 0.7 || age > 2.5);
   };
   const std::vector<Vec3d> seeds{{0.1, 0.5, 0.5}, {0.65, 0.5, 0.5}, {0.1, 0.2, 5.0}};
-  const Tracer t = run(mesh, [](const Vec3d&) { return Vec3d{0.1, 0, 0}; }, seeds, 3.0, 3);
+  const Tracer t = run(
+      mesh,
+      [](const Vec3d&) {
+        return Vec3d{0.1, 0, 0};
+      },
+      seeds, 3.0, 3);
   EXPECT_EQ(t.particles().endings[0], INSITU_END_REMOVED);
   EXPECT_EQ(t.particles().times[0], 3.0);
   EXPECT_EQ(t.particles().endings[1], INSITU_END_REMOVED);

@@ -28,8 +28,10 @@ TEST_F(Inertials, PhiFunctionsAgreeWithTheirDefinition) {
       double sum = 0.0;
       for (int i = 0; i <= n; ++i) {
         const double s = double(i) / n;
-        sum += (i == 0 || i == n ? 1.0 : i % 2 ? 4.0 : 2.0) * std::exp((1.0 - s) * z) *
-               std::pow(s, k - 1) / factorial;
+        sum += (i == 0 || i == n ? 1.0
+                : i % 2          ? 4.0
+                                 : 2.0) *
+               std::exp((1.0 - s) * z) * std::pow(s, k - 1) / factorial;
       }
       factorial *= k;
       EXPECT_NEAR(part.phi(k, {1, 0, 0}).x, sum / (3.0 * n), 1e-9) << z << " " << k;
@@ -90,8 +92,12 @@ TEST_F(Inertials, SpiralOutOfAVortexAsTheLinearSystemSays) {
   const std::vector<Vec3d> seeds{{0.3, 0.0, 0.0}};
   settings.integrator.tolerance = 1e-6;
   const double time = 4.0;
-  const Tracer t =
-      run(mesh, [](const Vec3d& x) { return Vec3d{-x.y, x.x, 0.0}; }, seeds, time, 4);
+  const Tracer t = run(
+      mesh,
+      [](const Vec3d& x) {
+        return Vec3d{-x.y, x.x, 0.0};
+      },
+      seeds, time, 4);
   const std::complex<double> end = start * std::exp(mu * time);
   EXPECT_LT(distance(t.positions()[0], {end.real(), end.imag(), 0.0}), 4e-6); // tolerance * time
 }

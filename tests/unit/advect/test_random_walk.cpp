@@ -26,7 +26,12 @@ TEST_F(RandomWalks, TheVarianceGrowsByTwoKT) {
   const std::vector<Vec3d> seeds(n, Vec3d{0.0, 0.0, 0.0});
   diffuse(0.5, 0.02);
   const double time = 2.0;
-  const Tracer t = run(mesh, [](const Vec3d&) { return Vec3d{0.5, 0, 0}; }, seeds, time, 4);
+  const Tracer t = run(
+      mesh,
+      [](const Vec3d&) {
+        return Vec3d{0.5, 0, 0};
+      },
+      seeds, time, 4);
   const Vec3d mean{0.5 * time, 0, 0};
   for (int a = 0; a < 3; ++a) {
     const double expected = 2.0 * (a < 2 ? 0.5 : 0.02) * time;

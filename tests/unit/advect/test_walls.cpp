@@ -18,7 +18,12 @@ TEST_F(WallTest, StoppedParticlesEndOnTheFace) {
   const BoxMesh mesh(5, 0.0, 1.0);
   respond(AtBoundary::stop);
   const std::vector<Vec3d> seeds{{0.5, 0.3, 0.4}, {0.1, 0.1, 0.1}};
-  const Tracer t = run(mesh, [](const Vec3d&) { return Vec3d{0.3, 0.1, 0}; }, seeds, 2.0);
+  const Tracer t = run(
+      mesh,
+      [](const Vec3d&) {
+        return Vec3d{0.3, 0.1, 0};
+      },
+      seeds, 2.0);
   EXPECT_EQ(t.particles().endings[0], INSITU_END_STOPPED);
   EXPECT_LT(distance(t.positions()[0], {1.0, 0.3 + 0.5 / 3, 0.4}), 1e-8);
   EXPECT_NEAR(t.particles().times[0], 0.5 / 0.3, 1e-7);
@@ -31,8 +36,12 @@ TEST_F(WallTest, SlidingFollowsTheVelocityAlongTheWall) {
   const BoxMesh mesh(5, 0.0, 1.0);
   respond(AtBoundary::slide);
   const std::vector<Vec3d> seeds{{0.2, 0.8, 0.05}};
-  const Tracer t =
-      run(mesh, [](const Vec3d& x) { return Vec3d{x.x, -x.y, -0.5}; }, seeds, 1.0, 2);
+  const Tracer t = run(
+      mesh,
+      [](const Vec3d& x) {
+        return Vec3d{x.x, -x.y, -0.5};
+      },
+      seeds, 1.0, 2);
   EXPECT_EQ(t.particles().endings[0], INSITU_END_ALIVE);
   EXPECT_EQ(t.particles().times[0], 1.0);
   EXPECT_LT(distance(t.positions()[0], {0.2 * M_E, 0.8 / M_E, 0.0}), 3e-4);
@@ -44,8 +53,12 @@ TEST_F(WallTest, SlidingParticlesComeFreeWhereTheFlowTurns) {
   const BoxMesh mesh(5, 0.0, 1.0, 0.0);
   respond(AtBoundary::slide);
   const std::vector<Vec3d> seeds{{0.2, 0.5, 0.01}};
-  const Tracer t =
-      run(mesh, [](const Vec3d& x) { return Vec3d{0.1, 0, x.x - 0.5}; }, seeds, 6.0, 3);
+  const Tracer t = run(
+      mesh,
+      [](const Vec3d& x) {
+        return Vec3d{0.1, 0, x.x - 0.5};
+      },
+      seeds, 6.0, 3);
   EXPECT_NEAR(t.positions()[0].x, 0.8, 1e-6);
   // It comes free at most a contact step (a tenth of a cell) late.
   EXPECT_NEAR(t.positions()[0].z, 0.3 * 0.3 / 0.2, 0.02 * 0.02 / 0.2 + 1e-6);
@@ -55,7 +68,12 @@ TEST_F(WallTest, SlidingIntoCornersEndsThere) {
   const BoxMesh mesh(5, 0.0, 1.0);
   respond(AtBoundary::slide);
   const auto seeds = random_points(12, 30, 0.05, 0.95);
-  const Tracer t = run(mesh, [](const Vec3d&) { return Vec3d{1.0, 0.7, -0.9}; }, seeds, 5.0, 2);
+  const Tracer t = run(
+      mesh,
+      [](const Vec3d&) {
+        return Vec3d{1.0, 0.7, -0.9};
+      },
+      seeds, 5.0, 2);
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     EXPECT_EQ(t.particles().endings[i], INSITU_END_ALIVE);
     EXPECT_LT(distance(t.positions()[i], {1.0, 1.0, 0.0}), 1e-6) << i;
@@ -66,11 +84,17 @@ TEST_F(WallTest, ReflectedParticlesStayInside) {
   const BoxMesh mesh(5, 0.0, 1.0);
   respond(AtBoundary::reflect);
   const auto seeds = random_points(13, 40, 0.05, 0.95);
-  const Tracer t = run(mesh, [](const Vec3d&) { return Vec3d{1.0, 0.0, 0.0}; }, seeds, 3.0, 2);
+  const Tracer t = run(
+      mesh,
+      [](const Vec3d&) {
+        return Vec3d{1.0, 0.0, 0.0};
+      },
+      seeds, 3.0, 2);
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     EXPECT_EQ(t.particles().endings[i], INSITU_END_ALIVE);
     EXPECT_TRUE(in_cube(t.positions()[i], 0.0, 1.0));
-    EXPECT_GT(t.positions()[i].x, 1.0 - 0.11 * 0.35); // back by a tenth of a (jittered) cell at most
+    EXPECT_GT(t.positions()[i].x,
+              1.0 - 0.11 * 0.35); // back by a tenth of a (jittered) cell at most
     EXPECT_NEAR(t.positions()[i].y, seeds[i].y, 1e-6);
   }
   EXPECT_GT(work.contacts, 40);
@@ -81,7 +105,12 @@ TEST_F(WallTest, PeriodicSidesTakeParticlesAcross) {
   effects.boundary.emplace();
   effects.boundary->periodic[0] = effects.boundary->periodic[1] = true;
   const auto seeds = random_points(14, 40, 0.0, 1.0);
-  const Tracer t = run(mesh, [](const Vec3d&) { return Vec3d{0.7, -1.1, 0}; }, seeds, 4.0, 4);
+  const Tracer t = run(
+      mesh,
+      [](const Vec3d&) {
+        return Vec3d{0.7, -1.1, 0};
+      },
+      seeds, 4.0, 4);
   const auto wrapped = [](double x) { return x - std::floor(x); };
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     ASSERT_EQ(t.particles().endings[i], INSITU_END_ALIVE);
@@ -144,7 +173,12 @@ TEST_F(WallTest, HugeCoordinatesAndThinCellsKeepParticlesInside) {
   for (const AtBoundary response : {AtBoundary::slide, AtBoundary::reflect}) {
     respond(response);
     const auto seeds = random_points(16, 30, at + 0.1, at + 0.9);
-    const Tracer t = run(mesh, [](const Vec3d&) { return Vec3d{1.0, 0.5, -2.0}; }, seeds, 2.0);
+    const Tracer t = run(
+        mesh,
+        [](const Vec3d&) {
+          return Vec3d{1.0, 0.5, -2.0};
+        },
+        seeds, 2.0);
     for (std::size_t i = 0; i < seeds.size(); ++i) {
       EXPECT_EQ(t.particles().endings[i], INSITU_END_ALIVE);
       EXPECT_TRUE(bool(mesh.sampler().locate(t.positions()[i])));
