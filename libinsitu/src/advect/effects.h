@@ -91,7 +91,7 @@ struct BoundaryEffect {
   bool any_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
 };
 
-/// Whether a particle of this id and age at this place ends as removed. Called from any thread.
+/// Whether a particle of this age at this place ends as removed. Called from any thread.
 using Removes = std::function<bool(const query::Location& at, const math::Vec3d& x, double age)>;
 
 struct Effects {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "advect/check.h"
+
 namespace insitu::advect {
 
 namespace {
@@ -28,6 +30,9 @@ Mover::Mover(const EffectSetup& setup, MeshVelocity& flow, const IntegratorSetti
       flow_(flow), velocity_(flow_, effects_->drifts),
       walls_(flow_.sampler(), flow_.accuracy(), effects_->metric, setup.box, work_),
       boundary_(effects_->boundary.value_or(BoundaryEffect{})), walk_boundary_(boundary_) {
+  for (const Drift& drift : effects_->drifts)
+    if (drift.field)
+      settings_ = settings_for(drift.field->now, settings_);
   if (!effects_->boundary)
     walk_boundary_.response = AtBoundary::reflect;
 }
@@ -46,7 +51,8 @@ insitu_ending Mover::advance(State& p, std::int64_t hint, Carried& carried, doub
     return ending; // it was seeded outside, or the mesh has moved away
   while (p.time < to) {
     const double from = p.time;
-    const double dt = walker.step(over_axis(flow_.extent(), walls_.scale(p.x)));
+    const Vec3d extent = walls_.extent(cell(), flow_.geometry_alpha(from));
+    const double dt = walker.step(over_axis(extent, walls_.scale(p.x)));
     const double until = dt < to - from ? from + dt : to;
     if (until == from)
       return INSITU_END_STEP_LIMIT; // a step that the time cannot tell

@@ -1,5 +1,6 @@
 #include "advect/particles.h"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -53,7 +54,7 @@ Particles::Particles(core::Memory& memory)
       seeding_times(memory, INSITU_MEMORY_TRACER), lengths(memory, INSITU_MEMORY_TRACER),
       steps(memory, INSITU_MEMORY_TRACER), endings(memory, INSITU_MEMORY_TRACER),
       fresh(memory, INSITU_MEMORY_TRACER), walk_steps(memory, INSITU_MEMORY_TRACER),
-      velocities(memory, INSITU_MEMORY_TRACER) {}
+      velocities(memory, INSITU_MEMORY_TRACER), parametric(memory, INSITU_MEMORY_TRACER) {}
 
 template <class F>
 void Particles::for_each_array(F&& f) {
@@ -70,6 +71,33 @@ void Particles::for_each_array(F&& f) {
     f(walk_steps);
   if (keeps_velocities_)
     f(velocities);
+  if (keeps_parametric_)
+    f(parametric);
+}
+
+namespace {
+
+constexpr math::Vec3d no_velocity{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
+
+template <class Array, class Value>
+void begin_to_keep(bool& keeps, Array& array, std::size_t size, const Value& value) {
+  if (keeps)
+    return;
+  keeps = true;
+  array.resize(size);
+  std::fill(array.begin(), array.end(), value);
+}
+
+} // namespace
+
+void Particles::keep_walk_steps() {
+  begin_to_keep(keeps_walk_steps_, walk_steps, size(), std::int64_t(0));
+}
+void Particles::keep_velocities() {
+  begin_to_keep(keeps_velocities_, velocities, size(), no_velocity);
+}
+void Particles::keep_parametric() {
+  begin_to_keep(keeps_parametric_, parametric, size(), math::Vec3d{});
 }
 
 void Particles::seed(std::span<const math::Vec3d> points, double time) {
@@ -87,7 +115,9 @@ void Particles::seed(std::span<const math::Vec3d> points, double time) {
     if (keeps_walk_steps_)
       walk_steps[i] = 0;
     if (keeps_velocities_)
-      velocities[i] = {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
+      velocities[i] = no_velocity;
+    if (keeps_parametric_)
+      parametric[i] = {};
   }
 }
 

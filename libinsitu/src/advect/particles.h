@@ -36,9 +36,10 @@ class Particles {
 public:
   explicit Particles(core::Memory& memory);
 
-  /// What some effects keep for every particle; to be asked for before the first is seeded.
-  void keep_walk_steps() { keeps_walk_steps_ = true; }
-  void keep_velocities() { keeps_velocities_ = true; }
+  /// What some effects keep for every particle, from now on.
+  void keep_walk_steps();
+  void keep_velocities();
+  void keep_parametric();
 
   /// Adds particles at rest, alive, in no cell.
   void seed(std::span<const math::Vec3d> points, double time);
@@ -73,12 +74,13 @@ public:
   // Of effects; empty without them.
   core::Buffer<std::int64_t> walk_steps; ///< of the random walk so far
   core::Buffer<math::Vec3d> velocities;  ///< of particles with inertia; NaN: none yet
+  core::Buffer<math::Vec3d> parametric;  ///< in their cells, of attached particles
 
 private:
   template <class F>
   void for_each_array(F&& f);
 
-  bool keeps_walk_steps_ = false, keeps_velocities_ = false;
+  bool keeps_walk_steps_ = false, keeps_velocities_ = false, keeps_parametric_ = false;
   std::int64_t seeded_ = 0;
   Counts dropped_; ///< by_ending alone
 };

@@ -9,12 +9,26 @@
 #include "advect/mesh_velocity.h"
 #include "advect/mover.h"
 #include "core/status.h"
+#include "query/attached.h"
 
 namespace insitu::advect {
+
+namespace {
+
+void check_interval(double t0, double t1) {
+  if (!(t1 >= t0))
+    throw core::Error(INSITU_ERROR_ARGUMENT, "tracer: cannot advance from time " +
+                                                 std::to_string(t0) + " back to " +
+                                                 std::to_string(t1));
+}
+
+} // namespace
 
 Tracer::Tracer(const TracerSettings& settings, core::Memory& memory)
     : settings_(settings), particles_(memory) {
   check_settings(settings_.integrator);
+  if (settings_.attached)
+    particles_.keep_parametric();
 }
 
 void Tracer::set_effects(const Effects& effects) {
@@ -36,10 +50,7 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   check_velocity(velocity);
   if (earlier_velocity)
     check_velocity(*earlier_velocity);
-  if (!(t1 >= t0))
-    throw core::Error(INSITU_ERROR_ARGUMENT, "tracer: cannot advance from time " +
-                                                 std::to_string(t0) + " back to " +
-                                                 std::to_string(t1));
+  check_interval(t0, t1);
 
   Advance result;
   const auto field = [&] {
@@ -98,6 +109,40 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
     result.work += w;
   result.counts = particles_.counts();
   return result;
+}
+
+Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0, double t1,
+                      const core::Threads& threads) {
+  check_interval(t0, t1);
+  Particles& all = particles_;
+  threads.parallel_for(std::int64_t(all.size()), 256, [&](std::int64_t begin, std::int64_t end) {
+    for (std::size_t i = std::size_t(begin); i < std::size_t(end); ++i) {
+      if (all.endings[i] != INSITU_END_ALIVE || all.times[i] > t1)
+        continue;
+      const math::Vec3d from = all.positions[i];
+      const double begins = all.times[i], last = all.seeding_times[i] + settings_.duration;
+      query::Location at{all.fresh[i] ? -1 : all.cells[i], all.parametric[i]};
+      if (!query::follow(sampler, same_cells, {settings_.accuracy}, at, all.positions[i])) {
+        all.endings[i] = std::uint8_t(all.fresh[i] ? INSITU_END_SEED_OUTSIDE : INSITU_END_LEFT);
+        continue;
+      }
+      all.fresh[i] = 0;
+      all.cells[i] = at.cell;
+      all.parametric[i] = at.parametric;
+      all.times[i] = t1;
+      if (last <= t1) { // on the straight way there
+        const double part =
+            t1 > begins ? std::clamp((last - begins) / (t1 - begins), 0.0, 1.0) : 1.0;
+        all.positions[i] = from + part * (all.positions[i] - from);
+        all.times[i] = std::max(begins, std::min(last, t1));
+        all.endings[i] = INSITU_END_EXPIRED;
+      }
+      all.lengths[i] += length_of(all.positions[i] - from);
+      if (all.lengths[i] >= settings_.length)
+        all.endings[i] = INSITU_END_EXPIRED;
+    }
+  });
+  return all.counts();
 }
 
 } // namespace insitu::advect

@@ -95,7 +95,7 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
   wall_ = {};
   for (int contact = 0; contact < most_contacts; ++contact) {
     const double crossed = cells_crossed(d, extent(at.cell, alpha));
-    if (!(crossed > skin_cells)) // or NaN
+    if (!(crossed > (contact == 0 ? 0.0 : skin_cells))) // nothing left, or NaN
       return Moved::inside;
     const int parts = int(std::clamp(std::ceil(crossed / part_cells), 1.0, double(most_parts)));
     const Vec3d part = d / double(parts);

@@ -77,6 +77,9 @@ using PointSource = std::variant<PointList, PointFile, Line, Transect, Plane, Bo
 
 enum class TableFormat { csv, vtp, json, netcdf };
 
+/// Whether points stay where they are, or go with the material of a moving mesh.
+enum class Attached { lab, body };
+
 struct Probe {
   std::string name; ///< of the output file; unique in the scene
   Name mesh;        ///< empty: the first mesh of the session
@@ -84,6 +87,7 @@ struct Probe {
   int points_line = 0;
   FrameOfReference frame;
   std::vector<Name> fields; ///< empty: all fields of the mesh
+  Attached attached = Attached::lab;
   Accuracy accuracy = Accuracy::exact;
   std::vector<TableFormat> output{TableFormat::csv};
   Trigger trigger; ///< its own, or else the scene's
@@ -124,6 +128,7 @@ struct Tracer {
   IntegratorOptions integrator;
   TracerLimits until;
   TracerEffects effects; ///< of path- and streaklines
+  Attached attached = Attached::lab; ///< body: path- and streaklines, without velocity
   std::vector<Name> fields; ///< recorded along the tracks; empty: none
   Accuracy accuracy = Accuracy::standard;
   std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp, netcdf (no streamlines)

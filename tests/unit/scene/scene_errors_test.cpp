@@ -252,6 +252,8 @@ TEST(SceneErrors, TracerEffects) {
   EXPECT_HAS(effect("{remove: {when: 'max(salt) > 1'}}"), "a field is its value there");
   EXPECT_HAS(effect("{remove: {when: salt}}"), "a condition expected, a number found");
   EXPECT_HAS(effect("{age_limit: 1}, {age_limit: 2}"), "effect 'age_limit' is given twice");
+  EXPECT_HAS(tracer_error("attached: body"), "'attached: body' moves particles with the mesh's");
+  EXPECT_HAS(tracer_error("attached: bodies"), "'bodies' is not one of lab, body");
   EXPECT_HAS(tracer_error("kind: streamline, effects: [{age_limit: 1}]"),
              "effects act on path- and streaklines");
   EXPECT_HAS(tracer_error("effects: [difusion]"),
