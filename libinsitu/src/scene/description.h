@@ -117,6 +117,13 @@ struct TracerLimits {
   std::optional<double> length; ///< length of the line
 };
 
+/// When all seeds of path- and streaklines begin; neither member: once, at the first cycle.
+struct Release {
+  std::optional<std::int64_t> every; ///< at each cycle that is a multiple of this
+  std::optional<double> interval;    ///< at the first cycle's time, and this much later each time
+  std::optional<double> until;       ///< not after this time
+};
+
 struct Tracer {
   std::string name; ///< of the output files; unique in the scene
   Name mesh;        ///< empty: the first mesh of the session
@@ -124,6 +131,7 @@ struct Tracer {
   int seeds_line = 0;
   FrameOfReference frame;
   TracerKind kind = TracerKind::pathline;
+  Release release; ///< a streakline's, unless the file says: every cycle
   Name velocity; ///< a field of three components
   IntegratorOptions integrator;
   TracerLimits until;

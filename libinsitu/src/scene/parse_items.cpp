@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <type_traits>
 
 #include "scene/parse_parts.h"
 
@@ -69,7 +70,15 @@ void parse_common(const MapReader& map, ParseContext& context, const char* point
   }
   if (const auto source = map.require(points_key)) {
     points_line = source->line();
-    points = parse_points(*source, context, item.frame);
+    if constexpr (std::is_same_v<Item, Tracer>) {
+      if (names_probe(*source)) {
+        parse_seeds_of_probe(*source, context, map.has("frame"), item);
+      } else {
+        points = parse_points(*source, context, item.frame);
+      }
+    } else {
+      points = parse_points(*source, context, item.frame);
+    }
   }
   if (const auto fields = map.find("fields")) {
     item.fields = parse_names(*fields);
@@ -102,14 +111,24 @@ Probe parse_probe(const Cursor& cursor, ParseContext& context) {
 
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   Tracer tracer;
-  const MapReader map(cursor,
-                      {"name", "mesh", "seeds", "frame", "kind", "velocity", "integrator", "until",
-                       "effects", "fields", "attached", "accuracy", "output", "every", "when"});
+  const MapReader map(cursor, {"name", "mesh", "seeds", "frame", "kind", "release", "velocity",
+                               "integrator", "until", "effects", "fields", "attached", "accuracy",
+                               "output", "every", "when"});
   parse_common(map, context, "seeds", tracer.seeds, tracer.seeds_line, tracer);
   if (const auto kind = map.find("kind")) {
     assign(tracer.kind, kind->choice<TracerKind>({{"streamline", TracerKind::streamline},
                                                   {"pathline", TracerKind::pathline},
                                                   {"streakline", TracerKind::streakline}}));
+  }
+  if (tracer.kind == TracerKind::streakline) {
+    tracer.release.every = 1;
+  }
+  if (const auto release = map.find("release")) {
+    if (tracer.kind == TracerKind::streamline) {
+      release->fail("streamlines begin anew whenever they are due; this key belongs to path- and "
+                    "streaklines");
+    }
+    tracer.release = parse_release(*release);
   }
   const bool attached = tracer.attached == Attached::body;
   if (const auto velocity = attached ? map.find("velocity") : map.require("velocity")) {

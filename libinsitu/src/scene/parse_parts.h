@@ -19,6 +19,7 @@ struct ParseContext {
   std::string base_folder;
   Trigger trigger;             ///< the scene's
   std::set<std::string> names; ///< of the probes, tracers and frames so far
+  const std::vector<Probe>* probes = nullptr; ///< so far
 };
 
 /// Counts of points, of pixels along a side, of cycles and steps beyond these are slips.
@@ -51,6 +52,11 @@ PointSource parse_points(const Cursor& cursor, const ParseContext& context,
 Probe parse_probe(const Cursor& cursor, ParseContext& context);
 TracerEffects parse_tracer_effects(const Cursor& cursor);
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context);
+Release parse_release(const Cursor& cursor);
+/// Whether seeds are those of a probe, `{probe: name}`; then they are read by the second.
+bool names_probe(const Cursor& seeds);
+void parse_seeds_of_probe(const Cursor& cursor, const ParseContext& context, bool has_frame,
+                          Tracer& tracer);
 Frame parse_frame(const Cursor& cursor, ParseContext& context);
 
 Color parse_color(const Cursor& cursor, const Color& fallback);

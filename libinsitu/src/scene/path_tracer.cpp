@@ -1,5 +1,6 @@
 #include "core/status.h"
 #include "core/timer.h"
+#include "scene/release.h"
 #include "scene/tracer_action.h"
 #include "scene/tracer_effects.h"
 #include "scene/track_writer.h"
@@ -13,7 +14,8 @@ namespace {
 class PathTracer final : public TracerAction {
 public:
   PathTracer(const Tracer& tracer, const Environment& environment)
-      : TracerAction(tracer, environment), particles_(settings(), environment.context.memory) {
+      : TracerAction(tracer, environment), particles_(settings(), environment.context.memory),
+        clock_(tracer.release) {
     for (const TableFormat format : tracer_.output)
       writers_.push_back(make_track_writer(format, tracer_.name, environment_));
   }
@@ -21,9 +23,8 @@ public:
   advect::Counts counts() const override { return particles_.counts(); }
 
   std::vector<std::string> needs_earlier() const override {
-    if (tracer_.attached == Attached::body)
-      return {};
-    if (particles_.counts().alive() == 0 && tracer_.kind != TracerKind::streakline)
+    if (tracer_.attached == Attached::body ||
+        (particles_.counts().alive() == 0 && !clock_.goes_on(last_.time)))
       return {};
     std::vector<std::string> names = effect_fields(tracer_.effects);
     names.push_back(tracer_.velocity.text);
@@ -34,7 +35,6 @@ public:
     const core::Timer timer;
     if (tracer_.attached == Attached::body) {
       release(mesh, step);
-      mesh.look_for_folds(environment_.context.threads);
       particles_.follow(mesh.sampler(), topology_ == mesh.topology_version(), settled_, step.time,
                         environment_.context.threads);
       settled_ = step.time;
@@ -81,19 +81,22 @@ private:
     return s;
   }
 
-  /// Adds the particles that begin at this step.
+  /// Adds the particles that begin between the last step and this one.
   void release(const query::CommittedMesh& mesh, const Step& step) {
-    if (!seeded_) {
-      particles_.seed(seeds(mesh), step.time);
-      seeded_ = true;
-      settled_ = step.time;
-    } else if (!(step.time >= settled_)) {
+    if (seeded_ && !(step.time >= settled_))
       throw core::Error(INSITU_ERROR_ARGUMENT, "time went back from " + std::to_string(settled_) +
                                                    " to " + std::to_string(step.time) +
                                                    "; the particles wait where they are");
-    } else if (tracer_.kind == TracerKind::streakline) { // every cycle releases its own
-      particles_.seed(seeds(mesh), step.time);
+    const std::vector<double> times = clock_.due(step.cycle, step.time);
+    if (!times.empty()) {
+      const std::vector<math::Vec3d>& points = seeds(mesh);
+      for (const double time : times)
+        particles_.seed(points, time);
     }
+    clock_.note(step.time, times.size());
+    if (!seeded_)
+      settled_ = step.time;
+    seeded_ = true;
   }
 
   void advance(query::CommittedMesh& mesh, const mesh::FieldView& velocity, const Step& step) {
@@ -183,6 +186,7 @@ private:
   }
 
   advect::Tracer particles_;
+  ReleaseClock clock_;
   std::vector<std::unique_ptr<TrackWriter>> writers_;
   bool seeded_ = false;
   double settled_ = 0.0; ///< the time that the particles are at

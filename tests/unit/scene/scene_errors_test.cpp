@@ -198,6 +198,19 @@ TEST(SceneErrors, Tracers) {
              "'pathlines' is not one of streamline, pathline, streakline; did you "
              "mean 'pathline'?");
   EXPECT_HAS(tracer_error("velocty: u"), "did you mean 'velocity'?");
+  EXPECT_HAS(tracer_error("release: twice"), "tracers[0].release: 'twice' is not one of once");
+  EXPECT_HAS(tracer_error("release: {until: 3}"), "either 'every' (cycles) or 'interval' (time)");
+  EXPECT_HAS(tracer_error("release: {every: 1, interval: 2}"), "either 'every'");
+  EXPECT_HAS(tracer_error("release: {every: 0}"), "tracers[0].release.every: an integer from 1");
+  EXPECT_HAS(tracer_error("release: {interval: 0}"), "tracers[0].release.interval: a number");
+  EXPECT_HAS(tracer_error("kind: streamline, release: once"), "belongs to path- and streaklines");
+  EXPECT_HAS(tracer_error("kind: streamline, output: [netcdf]"), "netcdf is for path- and");
+  EXPECT_HAS(test::error_of("insitu: 1\nprobes: [{name: gauges, points: [[0, 0, 0]]}]\n"
+                            "tracers: [{name: t, velocity: u, seeds: {probe: gauge}}]"),
+             "tracers[0].seeds.probe: the scene has no probe 'gauge'; did you mean 'gauges'?");
+  EXPECT_HAS(test::error_of("insitu: 1\nprobes: [{name: p, points: [[0, 0, 0]]}]\ntracers: "
+                            "[{name: t, velocity: u, frame: geodetic, seeds: {probe: p}}]"),
+             "the frame of these seeds is the probe's");
   EXPECT_HAS(tracer_error("output: [json]"), "'json' is not one of csv, vtp");
   EXPECT_HAS(tracer_error("until: {duration: 0}"),
              "tracers[0].until.duration: a number above 0 expected");

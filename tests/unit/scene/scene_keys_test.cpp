@@ -202,7 +202,23 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(tracer.until.length, 4);
   EXPECT_EQ(tracer.accuracy, Accuracy::exact);
   EXPECT_EQ(tracer.output.size(), 2u);
-  EXPECT_EQ(parse(test::tracer("kind: streakline")).tracers[0].kind, TracerKind::streakline);
+  const Tracer streakline = parse(test::tracer("kind: streakline")).tracers[0];
+  EXPECT_EQ(streakline.kind, TracerKind::streakline);
+  EXPECT_EQ(streakline.release.every, 1);
+  const Release once = parse(test::tracer("kind: streakline, release: once")).tracers[0].release;
+  EXPECT_FALSE(once.every || once.interval || once.until);
+  const Release timed =
+      parse(test::tracer("release: {interval: 0.5, until: -3}")).tracers[0].release;
+  EXPECT_EQ(timed.interval, 0.5);
+  EXPECT_EQ(timed.until, -3);
+  EXPECT_FALSE(timed.every);
+  EXPECT_EQ(parse(test::tracer("release: {every: 7}")).tracers[0].release.every, 7);
+  const SceneDescription seeded =
+      parse("probes: [{name: p, mesh: m, points: [[1, 2, 3]], frame: geocentric}]\n"
+            "tracers: [{name: t, velocity: u, seeds: {probe: p}}]");
+  EXPECT_EQ(std::get<PointList>(seeded.tracers[0].seeds).points[0].y, 2);
+  EXPECT_EQ(seeded.tracers[0].frame.kind, FrameOfReference::Kind::geocentric);
+  EXPECT_EQ(seeded.tracers[0].mesh.text, "m");
   EXPECT_EQ(parse(test::tracer("integrator: {method: rk4, step: 2}")).tracers[0].integrator.method,
             IntegrationMethod::rk4);
 }
