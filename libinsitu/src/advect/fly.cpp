@@ -10,8 +10,8 @@ namespace insitu::advect {
 namespace {
 
 constexpr double first_cells = 0.1, largest_cells = 1.0, fixed_cells = 0.25, contact_cells = 0.1;
-/// A particle that has not come further than this part of a cell since it met the wall last rests
-/// on it: a ball bounces infinitely often in a finite time.
+/// A particle that would not come further than this part of a cell from the wall rests on it: a
+/// ball bounces infinitely often in a finite time.
 constexpr double rest_cells = 1e-6;
 constexpr double safety = 0.9, largest_growth = 5.0, smallest_factor = 0.2;
 constexpr double largest_relative_error = 0.01;
@@ -188,56 +188,74 @@ insitu_ending Mover::fly(State& p, Carried& carried, double to, Work& work) {
   }
 }
 
-/// A particle with inertia at the wall: its velocity is turned there, and it goes on; one that the
-/// forces press to the wall slides.
+/// A particle with inertia at the wall: its velocity is turned there. One that the forces press to
+/// the wall, and that would not come far from it, goes on along it.
 insitu_ending Mover::touch_flying(State& p, Carried& carried, double to, Work& work) {
   Spot at;
   if (!place(p, at))
     return INSITU_END_LEFT; // the mesh has moved away from it
-  const double now = flow_.geometry_alpha(p.time);
-  const Vec3d extent = walls_.extent(at.cell, now), per_metre = walls_.scale(at.x);
-  const bool rests =
-      last_bounce_ >= 0.0 &&
-      p.length - last_bounce_ <= rest_cells * std::min({extent.x, extent.y, extent.z});
-  last_bounce_ = p.length;
-  Moved moved = Moved::inside;
-  if (!rests) {
-    const Vec3d d = by_axis(carried.velocity, per_metre);
-    const double skins = cells_crossed(d, walls_.skin(at, now));
-    if (skins > 0.0)
-      moved = walls_.move(at, (8.0 / skins) * d, boundary_, now, p.length, &carried.velocity);
-    last_bounce_ = p.length;
-    placed(p, at);
-    return ending_of(moved);
-  }
-  Vec3d b;
-  flow_.begin(at.cell);
-  ++work.evaluations;
-  if (const Sampled s = force(at.x, p.time, b); s != Sampled::inside)
-    return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
   const Inertia& inertia = *effects_->inertia;
-  const double remaining = to - p.time;
-  const Vec3d fastest =
-      std::min(inertia.response_time, remaining) * b + carried.velocity; // soon, at most
-  const double cells = cells_crossed(by_axis(fastest, per_metre), extent);
-  const double h = cells > 0.0 ? std::min(contact_cells / cells, remaining) : remaining;
-  const LinearPart linear(inertia, h);
-  const double then = flow_.geometry_alpha(p.time + h);
-  const Vec3d d = h * linear.phi(1, carried.velocity) + (h * h) * linear.phi(2, b);
-  carried.velocity = linear.phi(0, carried.velocity) + h * linear.phi(1, b);
+  double now = flow_.geometry_alpha(p.time);
+  const Vec3d extent = walls_.extent(at.cell, now);
+  const double little = rest_cells * std::min({extent.x, extent.y, extent.z});
+  const bool stuck = last_bounce_ >= 0.0 && p.length - last_bounce_ <= little;
+  const Vec3d d = by_axis(carried.velocity, walls_.scale(at.x));
+  Vec3d n;
+  if (const double skins = cells_crossed(d, walls_.skin(at, now)); skins > 0.0) {
+    const Moved moved =
+        walls_.move(at, (8.0 / skins) * d, boundary_, now, p.length, &carried.velocity);
+    placed(p, at);
+    if (moved != Moved::inside)
+      return ending_of(moved);
+    n = walls_.wall();
+  }
+  last_bounce_ = p.length;
+  --steps_left_;
+  if (n == Vec3d{} && !stuck)
+    return INSITU_END_ALIVE; // through a periodic side
   BoundaryEffect rest = boundary_;
   if (rest.response == AtBoundary::reflect)
     rest.response = AtBoundary::slide;
-  Spot end = at;
-  end.x = walls_.carry(at, now, then);
-  moved = walls_.move(end, by_axis(d, per_metre) - (end.x - at.x), rest, then, p.length,
-                      &carried.velocity);
-  p.time = h == remaining ? to : p.time + h;
-  last_bounce_ = p.length;
-  placed(p, end);
-  ++work.steps;
-  --steps_left_;
-  return ending_of(moved);
+  do {
+    Vec3d b;
+    flow_.begin(at.cell);
+    ++work.evaluations;
+    if (const Sampled s = force(at.x, p.time, b); s != Sampled::inside)
+      return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
+    const Vec3d acceleration = b - carried.velocity / inertia.response_time;
+    const Vec3d per_metre = walls_.scale(at.x);
+    const double press = math::dot(acceleration, n), back = math::dot(carried.velocity, n);
+    if (!stuck &&
+        !(press > 0.0 && back * back / (2.0 * press) * length_of(by_axis(n, per_metre)) <= little))
+      return INSITU_END_ALIVE;
+    const double remaining = to - p.time;
+    const Vec3d soon = carried.velocity + std::min(inertia.response_time, remaining) * acceleration;
+    const double cells = std::max(cells_crossed(by_axis(carried.velocity, per_metre), extent),
+                                  cells_crossed(by_axis(soon, per_metre), extent));
+    const double h = cells > 0.0 ? std::min(contact_cells / cells, remaining) : remaining;
+    const LinearPart linear(inertia, h);
+    const double then = flow_.geometry_alpha(p.time + h);
+    const Vec3d moves = h * linear.phi(1, carried.velocity) + (h * h) * linear.phi(2, b);
+    carried.velocity = linear.phi(0, carried.velocity) + h * linear.phi(1, b);
+    Spot end = at;
+    end.x = walls_.carry(at, now, then);
+    const Moved moved = walls_.move(end, by_axis(moves, per_metre) - (end.x - at.x), rest, then,
+                                    p.length, &carried.velocity);
+    at = end;
+    now = then;
+    p.time = h < remaining ? p.time + h : to;
+    last_bounce_ = p.length;
+    placed(p, at);
+    ++work.steps;
+    --steps_left_;
+    if (moved != Moved::inside)
+      return ending_of(moved);
+    n = walls_.wall();
+    const Vec3d behind = by_axis(n, walls_.skin(at, now));
+    if (n == Vec3d{} || walls_.is_inside(at.x + 8.0 * behind, at.cell, now))
+      break;
+  } while (p.time < to && steps_left_ > 0 && p.length < max_length_);
+  return INSITU_END_ALIVE;
 }
 
 } // namespace insitu::advect

@@ -11,7 +11,6 @@ namespace {
 
 /// The part of a cell that a particle goes on along a wall, or back from it, in one step.
 constexpr double contact_cells = 0.1;
-constexpr std::int64_t most_closing_steps = 64;
 
 } // namespace
 
@@ -114,10 +113,8 @@ insitu_ending Mover::flow_to(State& p, Carried& carried, double to, Work& work) 
     const std::int64_t steps = work.steps;
     const insitu_ending ending =
         integrate(velocity_, settings, to, max_length_, p, work, [](const State&) {});
-    // Steps that close in on a wall do not count, as they do not in integrate().
-    const std::int64_t done = work.steps - steps;
-    steps_left_ -=
-        ending == INSITU_END_LEFT ? std::max<std::int64_t>(done - most_closing_steps, 1) : done;
+    // Steps that close in on a wall count as one.
+    steps_left_ -= ending == INSITU_END_LEFT ? 1 : work.steps - steps;
     if (flow_.cell() >= 0)
       spot_cell_ = -1;
     if (ending != INSITU_END_LEFT || !effects_->boundary)
@@ -129,18 +126,32 @@ insitu_ending Mover::flow_to(State& p, Carried& carried, double to, Work& work) 
   }
 }
 
+/// A particle that leaves or stops where it is, or else comes in again at a periodic side.
+insitu_ending Mover::pass(State& p, Spot at) {
+  Vec3d v;
+  flow_.begin(at.cell);
+  if (const Sampled s = velocity_(at.x, p.time, v); s != Sampled::inside)
+    return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
+  --steps_left_;
+  const double alpha = flow_.geometry_alpha(p.time);
+  const double skins = cells_crossed(v, walls_.skin(at, alpha));
+  const std::int64_t contacts = work_.contacts;
+  const Moved moved =
+      skins > 0.0 ? walls_.move(at, (8.0 / skins) * v, boundary_, alpha, p.length) : Moved::left;
+  if (moved == Moved::inside && work_.contacts == contacts)
+    return ending_of(boundary_.response == AtBoundary::stop ? Moved::stopped : Moved::left);
+  placed(p, at);
+  return ending_of(moved);
+}
+
 /// A particle that the velocity takes out of the mesh: goes on along the wall, or back from it, for
 /// as long as the velocity presses it to the wall.
 insitu_ending Mover::touch(State& p, double to, Work& work) {
   Spot at;
   if (!place(p, at))
     return INSITU_END_LEFT; // the mesh has moved away from it
-  if (boundary_.response == AtBoundary::leave && !boundary_.any_periodic())
-    return INSITU_END_LEFT;
-  if (boundary_.response == AtBoundary::stop && !boundary_.any_periodic()) {
-    ++work_.contacts;
-    return INSITU_END_STOPPED;
-  }
+  if (boundary_.response == AtBoundary::leave || boundary_.response == AtBoundary::stop)
+    return pass(p, at);
   do {
     Vec3d v;
     ++work.evaluations;

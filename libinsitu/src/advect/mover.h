@@ -53,6 +53,7 @@ private:
   insitu_ending flow_to(State& p, Carried& carried, double to, Work& work);
   insitu_ending fly(State& p, Carried& carried, double to, Work& work);
   insitu_ending touch(State& p, double to, Work& work);
+  insitu_ending pass(State& p, Spot at);
   insitu_ending touch_flying(State& p, Carried& carried, double to, Work& work);
   insitu_ending walk(State& p, Carried& carried, double dt);
   Sampled force(const math::Vec3d& x, double t, math::Vec3d& b);
