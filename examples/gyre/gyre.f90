@@ -4,9 +4,8 @@
 program gyre
   use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit, real64
   use gyre_basin, only: atlantic
-  use gyre_coupling, only: couple, show
+  use gyre_coupling, only: coupling_type
   use gyre_model, only: model_type
-  use insitu
   implicit none
 
   integer, parameter :: text_length = 1024, report_every = 10
@@ -19,51 +18,33 @@ program gyre
 
   type(options_type) :: options
   type(model_type), target :: model
-  type(insitu_session) :: session
-  type(insitu_mesh) :: mesh
+  type(coupling_type) :: coupling
   real(real64) :: solver_s
   integer(int64) :: begin
-  integer :: cycle, ierr
-  logical :: coupled
+  integer :: cycle
 
   call read_options(options)
   call model%start(atlantic(), options%resolution)
   write (output_unit, '(2(a, i0), a)') 'gyre: ', model%mesh%ncells(), ' wedges in ', &
       model%mesh%nlevels, ' levels'
 
-  call session%open(scene=options%scene, output=options%output, threads=options%library_threads, &
-                    ierr=ierr)
-  if (ierr == insitu_ok) call couple(session, model, mesh, ierr)
-  coupled = ierr == insitu_ok
-  if (.not. coupled) call complain('not coupled')
-  call execute(0)
+  call coupling%begin(model, options%scene, options%output, options%library_threads)
+  call coupling%show(0, model%time)
   solver_s = 0.0_real64
   call print_day(0)
   do cycle = 1, options%cycles
     begin = ticks()
     call model%advance()
     solver_s = solver_s + seconds_since(begin)
-    call execute(cycle)
+    call coupling%show(cycle, model%time)
     if (modulo(cycle, report_every) == 0 .or. cycle == options%cycles) call print_day(cycle)
   end do
-  call print_summary()
-  call session%close(ierr)
-  if (ierr /= insitu_ok) call complain('close')
+  write (output_unit, '(a, i0, a, f7.3, 2(a, es8.1))') 'gyre: ', options%cycles, &
+      ' days, solver ', solver_s, ' s, lost: water ', model%flow%imbalance(), ', heat ', &
+      model%heat_error()
+  if (coupling%works) call coupling%finish(options%output, solver_s)
 
 contains
-
-  !> A part that fails is skipped and told.
-  subroutine execute(cycle)
-    integer, intent(in) :: cycle
-    if (.not. coupled) return
-    call show(session, mesh, cycle, model%time, ierr)
-    if (ierr /= insitu_ok .and. ierr /= insitu_error_action) call complain('execute')
-  end subroutine execute
-
-  subroutine complain(what)
-    character(len=*), intent(in) :: what
-    write (error_unit, '(6a)') 'gyre: ', what, ': ', insitu_status_name(ierr), ': ', session%message()
-  end subroutine complain
 
   subroutine print_day(cycle)
     integer, intent(in) :: cycle
@@ -76,29 +57,6 @@ contains
           maxval(t), '  lost: water ', model%flow%imbalance(), ' heat ', model%heat_error()
     end associate
   end subroutine print_day
-
-  subroutine print_summary()
-    type(insitu_report) :: report
-
-    write (output_unit, '(a, i0, a, f7.3, 2(a, es8.1))') 'gyre: ', options%cycles, &
-        ' days, solver ', solver_s, ' s, lost: water ', model%flow%imbalance(), ', heat ', &
-        model%heat_error()
-    if (.not. coupled) return
-    call session%report(report, ierr)
-    write (output_unit, '(5(a, f7.3), a)') 'library: commit ', report%commit_s, ' s, query ', &
-        report%query_s, ' s, advect ', report%advect_s, ' s, render ', report%render_s, &
-        ' s, output ', report%output_s, ' s'
-    write (output_unit, '(3(a, f7.2), a)') 'bytes: ', 1.0e-6 * real(report%bytes_borrowed), &
-        ' MB of the solver''s read in place, ', 1.0e-6 * real(report%bytes_held), ' MB held, ', &
-        1.0e-6 * real(report%bytes_by_purpose(insitu_memory_geocentric)), &
-        ' MB of them vertices drawn geocentric'
-    write (output_unit, '(4(i0, a))') report%frames, ' frames, ', report%probe_rows, &
-        ' probe rows, ', report%files, ' files, ', report%failures, ' failures'
-    if (options%output /= '') then
-      call session%write_summary(trim(options%output) // '/summary.json', ierr, solver_s=solver_s)
-      if (ierr /= insitu_ok) call complain('summary')
-    end if
-  end subroutine print_summary
 
   subroutine read_options(options)
     type(options_type), intent(out) :: options

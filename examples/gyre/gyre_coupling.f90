@@ -1,41 +1,59 @@
-!> The coupling of the ocean: its own arrays, once; they keep their place.
+!> All that the ocean knows of libinsitu: its own arrays are given once, and keep their place.
 module gyre_coupling
+  use, intrinsic :: iso_fortran_env, only: error_unit, output_unit, real64
   use gyre_model, only: model_type
   use insitu
   implicit none
   private
 
-  public :: couple, show
+  type, public :: coupling_type
+    type(insitu_session) :: session
+    type(insitu_mesh) :: mesh
+    logical :: works = .false.                           !< if not, the solver runs on alone
+  contains
+    procedure :: begin, show, finish
+  end type coupling_type
 
 contains
 
-  !> ierr is that of the first call that fails; session%message() says why.
-  subroutine couple(session, model, mesh, ierr)
-    type(insitu_session), intent(in) :: session
+  subroutine begin(self, model, scene, output, threads)
+    class(coupling_type), intent(inout) :: self
     type(model_type), intent(in), target :: model
-    type(insitu_mesh), intent(out) :: mesh
-    integer, intent(out) :: ierr
-
-    call session%mesh('ocean', mesh, ierr)
-    associate (m => model%mesh)
+    character(len=*), intent(in) :: scene, output
+    integer, intent(in) :: threads
+    integer :: ierr
+    call self%session%open(scene=scene, output=output, threads=threads, ierr=ierr)
+    if (ierr == insitu_ok) call self%session%mesh('ocean', self%mesh, ierr)
+    associate (m => model%mesh, mesh => self%mesh)
       if (ierr == insitu_ok) call mesh%points(m%lon, m%lat, m%depth, ierr, frame='geodetic depth')
       if (ierr == insitu_ok) call mesh%wedges(m%connectivity, ierr)
-      ! The levels without floor and air: a section, read where it is.
-      if (ierr == insitu_ok) call mesh%cell_field('temperature', model%heat%t(:, 1:m%nlevels), ierr)
+      if (ierr == insitu_ok) call mesh%cell_field('temperature', model%heat%t(:, 1:m%nlevels), ierr) ! a section
+      if (ierr == insitu_ok) call mesh%vertex_field('velocity', model%flow%velocity, ierr, vector=.true.)
     end associate
-    if (ierr == insitu_ok) call mesh%vertex_field('velocity', model%flow%velocity, ierr, vector=.true.)
-  end subroutine couple
+    self%works = ierr == insitu_ok
+    if (.not. self%works) write (error_unit, '(2a)') 'gyre: not coupled: ', self%session%message()
+  end subroutine begin
 
-  !> What the scene asks for at this cycle.
-  subroutine show(session, mesh, cycle, time, ierr)
-    type(insitu_session), intent(in) :: session
-    type(insitu_mesh), intent(in) :: mesh
+  subroutine show(self, cycle, time)
+    class(coupling_type), intent(inout) :: self
     integer, intent(in) :: cycle
-    real(kind=kind(1.0d0)), intent(in) :: time
-    integer, intent(out) :: ierr
-
-    call mesh%changed(insitu_fields)
-    call session%execute(cycle, time, ierr)
+    real(real64), intent(in) :: time
+    integer :: ierr
+    if (.not. self%works) return
+    call self%mesh%changed(insitu_fields)
+    call self%session%execute(cycle, time, ierr)         ! a part that fails is told by the library's log
   end subroutine show
 
+  subroutine finish(self, output, solver_s)
+    class(coupling_type), intent(inout) :: self
+    character(len=*), intent(in) :: output
+    real(real64), intent(in) :: solver_s
+    type(insitu_report) :: report
+    integer :: ierr
+    call self%session%report(report, ierr)
+    write (output_unit, '(6(i0, a))') report%frames, ' frames, ', report%probe_rows, ' probe rows, ', &
+        report%particles_seeded, ' particles, ', report%failures, ' failures, ', report%bytes_held, ' bytes held'
+    if (output /= '') call self%session%write_summary(trim(output) // '/summary.json', ierr, solver_s=solver_s)
+    call self%session%close(ierr)
+  end subroutine finish
 end module gyre_coupling

@@ -44,7 +44,8 @@ public:
                render::FrameImages& images)
       : frame_(frame), own_(own), width_(settings.width), height_(settings.height),
         rays_(settings.camera, settings.width, settings.height), context_(context), images_(images),
-        seen_(context.memory, INSITU_MEMORY_FRAME), points_(context.memory, INSITU_MEMORY_FRAME),
+        has_volume_(settings.volume.has_value()), seen_(context.memory, INSITU_MEMORY_FRAME),
+        points_(context.memory, INSITU_MEMORY_FRAME),
         locations_(context.memory, INSITU_MEMORY_FRAME) {
     if (frame_.globe)
       land_ = render::linear_of_srgb(frame_.globe->red, frame_.globe->green, frame_.globe->blue);
@@ -114,7 +115,10 @@ private:
     if (double(images_.depth[at]) < seen.distance * (1 - 1e-6))
       return;
     float* pixel = images_.color.pixel(int(i % width_), int(row + i / width_));
-    if (frame_.globe && !locations_[std::size_t(i)]) {
+    // Edges of facets sag, and surfaces in the sea need not fill it: what is behind is land as
+    // well.
+    const bool nothing = !has_volume_ && !std::isfinite(images_.depth[at]);
+    if (frame_.globe && (nothing || !locations_[std::size_t(i)])) {
       const render::Color color = float(0.35 + 0.65 * seen.facing) * land_;
       set(pixel, color, 1);
       pixel[3] = 1;
@@ -149,6 +153,7 @@ private:
   const render::RayGenerator rays_;
   core::Context& context_;
   render::FrameImages& images_;
+  const bool has_volume_;
   render::Color land_;
   std::int64_t rows_seen_ = 0;
   core::Buffer<Seen> seen_;

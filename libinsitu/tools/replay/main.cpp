@@ -57,7 +57,9 @@ class Replay {
 public:
   explicit Replay(const ReplayOptions& options)
       : options_(options), steps_(steps_of(options.files)), session_(session_options()),
-        mesh_(session_.mesh(options.mesh)) {}
+        mesh_(session_.mesh(options.mesh)) {
+    mesh_.frame(options.frame);
+  }
 
   ExitCode run() {
     if (numbers_run_backwards(options_.files))

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstring>
+#include <sstream>
 
 namespace insitu_replay {
 
@@ -20,6 +21,8 @@ the pieces of the mesh.
                    (with neither: the default scene, the first scalar field as a volume)
   --out DIR        output folder; overrides the scene's
   --mesh NAME      what the scene calls the mesh (default: mesh)
+  --frame FRAME    what the files' points are: cartesian (the default), geocentric, or 'geodetic
+                   [radians] [kilometres] [depth]' for longitude, latitude and height (or depth)
   --threads N      at most N threads (default: all that the process may use)
   --strict         refuse arrays that would have to be converted, such as integer fields
   --plan           print what the scene needs for the first step, what it does without and why,
@@ -36,6 +39,38 @@ cells from one file to the next is refitted, not rebuilt.
 Exit code: 0 done; 1 a file, mesh or scene is bad, and nothing after it was done; 2 wrong usage;
 3 done, but a probe, tracer or frame failed and was skipped.
 )";
+
+namespace {
+
+insitu::Frame read_frame(const std::string& text) {
+  std::istringstream words(text);
+  std::string kind, word;
+  words >> kind;
+  insitu::Angle angle = insitu::Angle::degrees;
+  insitu::Length length = insitu::Length::metres;
+  insitu::Vertical vertical = insitu::Vertical::up;
+  bool known = kind == "cartesian" || kind == "geocentric" || kind == "geodetic";
+  while (words >> word) {
+    if (word == "radians")
+      angle = insitu::Angle::radians;
+    else if (word == "kilometres")
+      length = insitu::Length::kilometres;
+    else if (word == "depth")
+      vertical = insitu::Vertical::down;
+    else
+      known = false;
+    known = known && kind == "geodetic";
+  }
+  if (!known)
+    throw UsageError("--frame: '" + text +
+                     "': cartesian, geocentric or 'geodetic [radians] "
+                     "[kilometres] [depth]' expected");
+  return kind == "geodetic"     ? insitu::Frame::geodetic(vertical, angle, length)
+         : kind == "geocentric" ? insitu::Frame::geocentric()
+                                : insitu::Frame::cartesian();
+}
+
+} // namespace
 
 ReplayOptions parse_arguments(int argc, char** argv) {
   ReplayOptions o;
@@ -90,6 +125,8 @@ ReplayOptions parse_arguments(int argc, char** argv) {
       o.out = take();
     } else if (key == "--mesh") {
       o.mesh = take();
+    } else if (key == "--frame") {
+      o.frame = read_frame(take());
     } else if (key == "--summary") {
       o.summary = take();
     } else if (key == "--threads") {

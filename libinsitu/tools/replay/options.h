@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "insitu/insitu.hpp"
+
 namespace insitu_replay {
 
 /// A command line that makes no sense; exit code 2.
@@ -15,6 +17,7 @@ struct ReplayOptions {
   bool help = false, version = false, strict = false, plan = false, validate = false;
   std::string scene, probe, out, summary;
   std::string mesh = "mesh";
+  insitu::Frame frame = insitu::Frame::cartesian(); ///< of the files' points
   int threads = 0;
   std::vector<std::string> files;
 };

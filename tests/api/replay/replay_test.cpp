@@ -364,13 +364,31 @@ TEST_F(Replay, Plan) {
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
+/// Files in longitude, latitude and depth are drawn from space; the plan tells the bytes of that.
+TEST_F(Replay, FilesMayBeOnEarth) {
+  mesh("m.vtu", 0.0);
+  put("scene.yaml", "insitu: 1\nframes:\n  - {name: f, size: [8, 8], geocentric: {exaggeration: "
+                    "1000}, boundary: {}}\n");
+  Outcome o = run("--plan --frame 'geodetic kilometres depth' --scene scene.yaml --out out m.vtu");
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_NE(o.out.find("needed   geocentric vertices, heights times 1000"), std::string::npos)
+      << o.out;
+  EXPECT_NE(o.out.find("648 B"), std::string::npos) << o.out; // 27 vertices of 24 bytes
+  o = run("--frame=geodetic --scene scene.yaml --out out m.vtu");
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_TRUE(fs::exists(folder / "out" / "f_000000.png"));
+  o = run("--scene scene.yaml --out out m.vtu"); // Cartesian files have no place on Earth
+  EXPECT_EQ(o.code, 3);
+  EXPECT_NE(o.err.find("Cartesian"), std::string::npos) << o.err;
+}
+
 TEST_F(Replay, Usage) {
   Outcome o = run("--help");
   EXPECT_EQ(o.code, 0);
   EXPECT_EQ(o.out.rfind("usage: insitu-replay", 0), 0u);
   EXPECT_EQ(run("--version").code, 0);
   for (const char* wrong : {"", "--scene", "--threads=x a.vtu", "--treads 3 a.vtu", "--help=1",
-                            "--scene a --probe b c.vtu"}) {
+                            "--scene a --probe b c.vtu", "--frame lonlat a.vtu"}) {
     o = run(wrong);
     EXPECT_EQ(o.code, 2) << wrong;
     EXPECT_NE(o.err.find("--help"), std::string::npos) << o.err;

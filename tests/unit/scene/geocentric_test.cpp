@@ -9,6 +9,7 @@
 #include "geo/frames.h"
 #include "scene/frame_settings.h"
 #include "scene/geocentric_view.h"
+#include "scene/globe.h"
 #include "scene/parse.h"
 #include "scene/runner.h"
 #include "scene_test.h"
@@ -278,6 +279,100 @@ TEST(Geocentric, EveryKindOfFrameIsDrawn) {
                what + "}]");
     EXPECT_EQ(run.execute(0), "");
     EXPECT_EQ(run.statistics.frames, 1);
+  }
+}
+
+/// Radians, kilometres and depths are the same sea.
+TEST(Geocentric, UnitsAreTheMeshs) {
+  SeaRun plain("frames: []"), other("frames: []");
+  std::vector<double>& points = other.mesh.committed.arrays.points;
+  for (std::size_t i = 0; i < points.size(); i += 3) {
+    points[i] *= degree;
+    points[i + 1] *= degree;
+    points[i + 2] *= -1e-3;
+  }
+  insitu_frame frame = geodetic();
+  frame.angle = INSITU_RADIANS;
+  frame.length = INSITU_KILOMETRES;
+  frame.vertical = INSITU_DOWN;
+  other.mesh.committed.mesh.frame = frame;
+  other.mesh.committed.commit(INSITU_CHANGED_ALL);
+  const Drawn a(plain, 40), b(other, 40);
+  const mesh::PieceView &one = a.mesh.mesh().view().pieces[0], &two = b.mesh.mesh().view().pieces[0];
+  ASSERT_EQ(one.vertex_count, two.vertex_count);
+  for (std::int64_t v = 0; v < one.vertex_count; ++v) { // rounding of 6.4e6, and of pi
+    const Vec3d d = one.point(v) - two.point(v);
+    ASSERT_LT(dot(d, d), 1e-14 * 6.4e6) << v;
+  }
+}
+
+/// Land is where the ellipsoid is seen and the mesh does not cover it, and nowhere else; the sea
+/// keeps its depths.
+TEST(Geocentric, LandIsWhereTheMeshIsNot) {
+  SeaRun run("frames: []");
+  const Drawn drawn(run, 100);
+  render::FrameSettings s = view_from(15, 38, 2e6, 65);
+  s.camera.fov = 90;
+  s.boundary.emplace();
+  const render::FrameImages before = drawn.draw(s, run.context);
+  render::FrameImages images = drawn.draw(s, run.context);
+  scene::Geocentric asked;
+  asked.globe = scene::Color{1, 0, 0};
+  scene::draw_globe(asked, run.mesh.committed.mesh, s, run.context, images);
+  const render::RayGenerator rays(s.camera, 65, 65);
+  int land = 0, sea = 0, space = 0;
+  for (int i = 0; i < 65 * 65; ++i) {
+    const auto at = std::size_t(i);
+    const render::Ray ray = rays(i % 65, i / 65);
+    const double exact = distance_to_ellipsoid(ray);
+    const float* pixel = images.color.pixel(i % 65, i / 65);
+    if (!std::isfinite(exact)) {
+      ++space;
+      EXPECT_EQ(images.depth[at], before.depth[at]);
+      continue;
+    }
+    Vec3d place = ray.origin + exact * ray.direction;
+    geo::from_geocentric(geo::Frame::geodetic(), {&place, 1}, {&place, 1});
+    if (place.x > west && place.x < west + extent && place.y > south && place.y < south + extent) {
+      ++sea;
+      EXPECT_EQ(images.depth[at], before.depth[at]) << i;
+      EXPECT_EQ(images.cell[at], before.cell[at]) << i;
+    } else {
+      ++land;
+      EXPECT_EQ(images.depth[at], float(exact)) << i;
+      EXPECT_EQ(images.cell[at], -1) << i;
+      EXPECT_GE(pixel[0], 0.34f);
+      EXPECT_EQ(pixel[1], 0);
+    }
+  }
+  EXPECT_GT(land, 500);
+  EXPECT_GT(sea, 50);
+  EXPECT_GT(space, 100);
+}
+
+TEST(Geocentric, TheGraticuleLiesOnItsMultiples) {
+  SeaRun run("frames: []");
+  const Drawn drawn(run, 1);
+  render::FrameSettings s = view_from(15, 35, 2e6, 201);
+  s.camera.fov = 25;
+  s.background = {1, 1, 1};
+  render::FrameImages images = drawn.draw(s, run.context); // nothing but the background
+  scene::Geocentric asked;
+  asked.graticule = 5;
+  scene::draw_globe(asked, run.mesh.committed.mesh, s, run.context, images);
+  const render::RayGenerator rays(s.camera, 201, 201);
+  const auto dark_near = [&](double lon, double lat) {
+    const auto at = *rays.project(geocentric_place(lon, lat, 0));
+    bool dark = false;
+    for (int y = int(at[1]) - 1; y <= int(at[1]) + 1; ++y)
+      for (int x = int(at[0]) - 1; x <= int(at[0]) + 1; ++x)
+        dark = dark || images.color.pixel(x, y)[0] < 0.9f;
+    return dark;
+  };
+  for (const double along : {11.0, 12.3, 13.7, 16.4, 18.1}) {
+    EXPECT_TRUE(dark_near(along, 35)) << along;
+    EXPECT_TRUE(dark_near(15, along + 20)) << along;
+    EXPECT_FALSE(dark_near(along, along + 20)) << along;
   }
 }
 
