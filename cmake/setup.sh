@@ -8,7 +8,7 @@ packages=(
   "cmake:builds the project"
   "ninja-build:builds the project"
   "g++:C and C++ compiler"
-  "gfortran:Fortran module and the heat miniapp"
+  "gfortran:Fortran module, the heat and gyre miniapps"
   "libtbb-dev:threads"
   "libembree-dev:BVH builder"
   "libhwy-dev:SIMD with run-time dispatch"
