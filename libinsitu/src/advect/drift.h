@@ -8,6 +8,18 @@
 
 namespace insitu::advect {
 
+/// What a drift adds at a place; alpha: of the fields.
+inline math::Vec3d velocity_of(const Drift& drift, const query::Sampler& sampler,
+                               const query::Location& at, double alpha) {
+  if (!drift.field)
+    return drift.constant;
+  double u[3];
+  drift.field->value(sampler, at, alpha, u);
+  if (drift.field->now.components == 1)
+    return (drift.factor * u[0]) * drift.direction;
+  return drift.factor * math::Vec3d{u[0], u[1], u[2]};
+}
+
 /// The velocity on a mesh with what drifts add to it. Integrators see the sum, so its error is
 /// controlled like any flow's.
 class DriftVelocity {
@@ -25,7 +37,7 @@ public:
     if (const Sampled s = flow_->sample(x, t, v, at); s != Sampled::inside)
       return s;
     for (const Drift& drift : drifts_)
-      v += velocity_of(drift, at, flow_->alpha(t));
+      v += velocity_of(drift, flow_->sampler(), at, flow_->alpha(t));
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) ? Sampled::inside
                                                                           : Sampled::not_finite;
   }
@@ -51,16 +63,6 @@ public:
   MeshVelocity& flow() { return *flow_; }
 
 private:
-  math::Vec3d velocity_of(const Drift& drift, const query::Location& at, double alpha) const {
-    if (!drift.field)
-      return drift.constant;
-    double u[3];
-    drift.field->value(flow_->sampler(), at, alpha, u);
-    if (drift.field->now.components == 1)
-      return (drift.factor * u[0]) * drift.direction;
-    return drift.factor * math::Vec3d{u[0], u[1], u[2]};
-  }
-
   MeshVelocity* flow_;
   std::span<const Drift> drifts_;
 };

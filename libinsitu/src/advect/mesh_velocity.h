@@ -32,6 +32,9 @@ public:
 
   /// Begins with a new particle; hint: its last cell, or -1.
   void begin(std::int64_t hint);
+  /// A particle's position in the mesh's frame, as integrate() has it, and back again.
+  math::Vec3d enter(const math::Vec3d& position) const { return position; }
+  math::Vec3d position(const math::Vec3d& x) const { return x; }
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
     return ask<false>(x, t, v, nullptr);
@@ -41,6 +44,8 @@ public:
     return ask<true>(x, t, v, &at);
   }
 
+  /// The cell of the point asked last, if that was inside.
+  std::int64_t asked() const { return hint_; }
   void accepted() { cell_ = hint_; }
 
   /// How much of the current step there is at time t; of the geometry it is 1 if nothing moved.

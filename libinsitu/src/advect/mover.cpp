@@ -80,14 +80,6 @@ insitu_ending Mover::walk(State& p, Carried& carried, double dt) {
   return ending_of(moved);
 }
 
-bool Mover::removes(State& p, double age) {
-  if (!effects_->removes)
-    return false;
-  const query::Location here =
-      flow_.sampler().locate(p.x, cell(), {flow_.accuracy(), flow_.geometry_alpha(p.time)});
-  return here && effects_->removes(here, p.x, age);
-}
-
 /// Where the particle is, if it is inside.
 bool Mover::place(State& p, Spot& at) {
   const std::int64_t hint = cell();

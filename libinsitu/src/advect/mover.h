@@ -42,9 +42,6 @@ public:
   /// Moves the particle, whose last cell was `hint`, from p.time to `to`. Returns as integrate().
   insitu_ending advance(State& p, std::int64_t hint, Carried& carried, double to, Work& work);
 
-  /// Whether the condition removes it where it is.
-  bool removes(State& p, double age);
-
   /// The cell of the particle's position, or -1.
   std::int64_t cell() const { return spot_cell_ >= 0 ? spot_cell_ : flow_.cell(); }
   const EffectWork& effect_work() const { return work_; }

@@ -1,10 +1,13 @@
 #include "advect/pathlines.h"
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
+#include "advect/chart_velocity.h"
 #include "advect/check.h"
 #include "advect/mesh_velocity.h"
 #include "advect/mover.h"
@@ -21,6 +24,9 @@ void check_interval(double t0, double t1) {
                                                  std::to_string(t0) + " back to " +
                                                  std::to_string(t1));
 }
+
+/// Where integrate() alone moves the particles.
+struct NoMover {};
 
 } // namespace
 
@@ -53,56 +59,82 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   check_interval(t0, t1);
 
   Advance result;
-  const auto field = [&] {
-    return MeshVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy);
-  };
-  result.blended_velocity = field().blends_velocity();
-  result.blended_geometry = field().blends_geometry();
-
   const IntegratorSettings integrator = settings_for(velocity, settings_.integrator);
   const std::optional<EffectSetup> setup =
-      effects_.any() ? std::optional<EffectSetup>(std::in_place, effects_, sampler, threads)
-                     : std::nullopt;
+      effects_.any() && !sampler.chart()
+          ? std::optional<EffectSetup>(std::in_place, effects_, sampler, threads)
+          : std::nullopt;
   Particles& all = particles_;
   constexpr std::int64_t grain = 64;
   const std::int64_t count = std::int64_t(all.size());
   std::vector<Work> work(std::size_t((count + grain - 1) / grain));
   std::vector<EffectWork> effect_work(setup ? work.size() : 0);
-  threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
-    MeshVelocity v = field();
-    std::optional<Mover> mover;
-    if (setup)
-      mover.emplace(*setup, v, integrator, settings_.length);
-    Work& chunk_work = work[std::size_t(begin / grain)];
-    for (std::size_t i = std::size_t(begin); i < std::size_t(end); ++i) {
-      if (all.endings[i] != INSITU_END_ALIVE || all.times[i] > t1)
-        continue;
-      State p = all.state(i);
-      p.time = std::max(p.time, t0);
-      const double last = all.seeding_times[i] + settings_.duration;
-      const double to = std::clamp(last, p.time, t1);
-      insitu_ending ending = INSITU_END_ALIVE;
-      std::int64_t cell = -1;
-      if (mover) {
-        Carried carried = all.carried(i);
-        ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
-        all.set_carried(i, carried);
-        cell = mover->cell();
-      } else {
-        v.begin(all.cells[i]);
-        ending = integrate(v, integrator, to, settings_.length, p, chunk_work, [](const State&) {});
-        cell = v.cell();
+  // make() gives a thread its field of velocities; move(field) what moves particle i in it until
+  // `to`.
+  const auto carry = [&](auto&& make, auto&& begin_chunk) {
+    result.blended_velocity = make().blends_velocity();
+    result.blended_geometry = make().blends_geometry();
+    threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
+      auto v = make();
+      auto mover = begin_chunk(v);
+      Work& chunk_work = work[std::size_t(begin / grain)];
+      for (std::size_t i = std::size_t(begin); i < std::size_t(end); ++i) {
+        if (all.endings[i] != INSITU_END_ALIVE || all.times[i] > t1)
+          continue;
+        State p = all.state(i);
+        p.time = std::max(p.time, t0);
+        const double last = all.seeding_times[i] + settings_.duration;
+        const double to = std::clamp(last, p.time, t1);
+        insitu_ending ending = INSITU_END_ALIVE;
+        std::int64_t cell = -1;
+        if constexpr (!std::is_same_v<decltype(mover), NoMover>) {
+          Carried carried = all.carried(i);
+          ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
+          all.set_carried(i, carried);
+          cell = mover->cell();
+        } else {
+          v.begin(all.cells[i]);
+          p.x = v.enter(p.x);
+          ending =
+              integrate(v, integrator, to, settings_.length, p, chunk_work, [](const State&) {});
+          p.x = v.position(p.x);
+          cell = v.cell();
+        }
+        if (ending == INSITU_END_ALIVE && last <= t1)
+          ending = INSITU_END_EXPIRED;
+        if (ending == INSITU_END_ALIVE && effects_.removes) {
+          const query::Location here =
+              sampler.locate(p.x, cell, {settings_.accuracy, v.geometry_alpha(p.time)});
+          if (here && effects_.removes(here, p.x, p.time - all.seeding_times[i]))
+            ending = INSITU_END_REMOVED;
+        }
+        all.set_state(i, p, cell >= 0 ? cell : all.cells[i]);
+        all.endings[i] = std::uint8_t(ending);
       }
-      if (ending == INSITU_END_ALIVE && last <= t1)
-        ending = INSITU_END_EXPIRED;
-      if (ending == INSITU_END_ALIVE && mover && mover->removes(p, p.time - all.seeding_times[i]))
-        ending = INSITU_END_REMOVED;
-      all.set_state(i, p, cell >= 0 ? cell : all.cells[i]);
-      all.endings[i] = std::uint8_t(ending);
-    }
-    if (mover)
-      effect_work[std::size_t(begin / grain)] = mover->effect_work();
-  });
+      if constexpr (!std::is_same_v<decltype(mover), NoMover>)
+        effect_work[std::size_t(begin / grain)] = mover->effect_work();
+    });
+  };
+  check_chart(sampler, integrator);
+  const auto plain = [](auto&) { return NoMover{}; };
+  const auto on_mesh = [&] {
+    return MeshVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy);
+  };
+  if (sampler.chart()) {
+    check_chart_effects(effects_);
+    carry(
+        [&] {
+          return ChartVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy,
+                               effects_.drifts);
+        },
+        plain);
+  } else if (setup) {
+    carry(on_mesh, [&](MeshVelocity& v) {
+      return std::make_unique<Mover>(*setup, v, integrator, settings_.length);
+    });
+  } else {
+    carry(on_mesh, plain);
+  }
   for (const EffectWork& w : effect_work)
     result.effects += w;
   for (const Work& w : work)

@@ -39,7 +39,9 @@ typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_AMR = 10,      /**< dual meshes of adaptive meshes */
   INSITU_MEMORY_GATHERED = 11, /**< fields of adaptive meshes at the dual's vertices */
   INSITU_MEMORY_GEOCENTRIC = 12, /**< vertices of meshes drawn geocentric, heights exaggerated */
-  INSITU_MEMORY_COUNT = 13
+  INSITU_MEMORY_CHART = 13,      /**< copies of a geodetic mesh's cells at its seam and poles, and
+                                      fields there */
+  INSITU_MEMORY_COUNT = 14
 } insitu_purpose;
 
 /** Totals since the session was opened. Seconds are wall-clock seconds in the library. */
