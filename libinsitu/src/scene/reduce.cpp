@@ -82,6 +82,7 @@ double reduce_field(const query::CommittedMesh& mesh, const Name& name,
   case Reduction::max:
     return all.max;
   case Reduction::mean:
+  case Reduction::value: // of a point: not asked for here
     break;
   }
   return all.sum / double(all.count);

@@ -166,17 +166,18 @@ TEST_F(WallTest, TheWalkMeetsWallsAsTheFlowDoes) {
   }
 }
 
-TEST_F(WallTest, HugeCoordinatesAndThinCellsKeepParticlesInside) {
-  // At 6.4e6 a skin of 1e-9 cells is below rounding: what doubles have is taken.
-  const double at = 6.4e6;
-  const BoxMesh mesh(4, at, at + 1.0);
+TEST_F(WallTest, HugeCoordinatesKeepParticlesInside) {
+  // In geocentric metres, cells of 250 m: a skin of 1e-9 cells is below rounding, so what doubles
+  // have is taken.
+  const double at = 6.4e6, size = 1000.0;
+  const BoxMesh mesh(4, at, at + size);
   for (const AtBoundary response : {AtBoundary::slide, AtBoundary::reflect}) {
     respond(response);
-    const auto seeds = random_points(16, 30, at + 0.1, at + 0.9);
+    const auto seeds = random_points(16, 30, at + 0.1 * size, at + 0.9 * size);
     const Tracer t = run(
         mesh,
         [](const Vec3d&) {
-          return Vec3d{1.0, 0.5, -2.0};
+          return Vec3d{1e3, 5e2, -2e3};
         },
         seeds, 2.0);
     for (std::size_t i = 0; i < seeds.size(); ++i) {
