@@ -77,6 +77,12 @@ void Particles::seed(std::span<const math::Vec3d> points, double time) {
   }
 }
 
+void Particles::keep(core::Archive& archive) {
+  for_each_array([&](auto& array) { archive.array("particles", array); });
+  archive.value("seeded", seeded_);
+  archive.value("dropped", dropped_.by_ending);
+}
+
 void Particles::kill() {
   for (std::uint8_t& ending : endings)
     if (ending == INSITU_END_ALIVE)

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "advect/integrate.h"
+#include "core/archive.h"
 #include "core/memory.h"
 
 namespace insitu::advect {
@@ -44,6 +45,9 @@ public:
   /// Recounted from the particles. Throws Error(INSITU_ERROR_INTERNAL) if they do not sum up to
   /// what was seeded.
   Counts counts() const;
+
+  /// Everything, to a checkpoint or back.
+  void keep(core::Archive& archive);
 
   State state(std::size_t i) const;
   void set_state(std::size_t i, const State& s, std::int64_t cell);

@@ -38,6 +38,22 @@ public:
     environment_.statistics.output_s += output_timer.seconds();
   }
 
+  void keep(core::Archive& archive, std::int64_t cycle) override {
+    archive.value("executed", seeded_);
+    archive.value("time of particles", settled_);
+    archive.value("last cycle", last_.cycle);
+    archive.value("last time", last_.time);
+    ReleaseClock::State clock = clock_.state();
+    archive.value("begun", clock.begun);
+    archive.value("first release", clock.first);
+    archive.value("releases", clock.rounds);
+    clock_.set_state(clock);
+    particles_.keep(archive);
+    for (const auto& writer : writers_)
+      writer->keep(archive, cycle);
+    topology_is_checked_ = archive.restores();
+  }
+
   /// The solver's arrays may be gone: what needs no field is written.
   void finish() override {
     particles_.finish();
@@ -82,8 +98,8 @@ private:
   void advance(query::CommittedMesh& mesh, const mesh::FieldView& velocity, const Step& step) {
     core::Context& context = environment_.context;
     // The earlier step serves if it is the step that the particles are at, on the same cells.
-    const bool earlier_is_known =
-        topology_ == mesh.topology_version() && !step.first && settled_ == step.earlier_time;
+    const bool earlier_is_known = (topology_ == mesh.topology_version() || topology_is_checked_) &&
+                                  !step.first && settled_ == step.earlier_time;
     const auto earlier =
         earlier_is_known ? mesh.mesh().earlier_field(tracer_.velocity.text) : std::nullopt;
     mesh.look_for_folds(context.threads); // particles ask with hints
@@ -99,6 +115,7 @@ private:
     hide();
     settled_ = step.time;
     topology_ = mesh.topology_version();
+    topology_is_checked_ = false;
   }
 
   /// What the writers see of a cycle. The rows that one asked for last are kept: the next one, of
@@ -171,6 +188,8 @@ private:
   bool seeded_ = false;
   double settled_ = 0.0; ///< the time that the particles are at
   std::uint64_t topology_ = 0;
+  /// After a restart the mesh has its earlier step only if that is of the same cells.
+  bool topology_is_checked_ = false;
   struct {
     std::int64_t cycle = 0;
     double time = 0.0;

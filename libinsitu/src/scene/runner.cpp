@@ -13,11 +13,10 @@ namespace insitu::scene {
 
 Runner::Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
                Statistics& statistics)
-    : structures_(context),
-      table_(scene.frames, output.empty() ? scene.output : output),
+    : structures_(context), table_(scene.frames, output.empty() ? scene.output : output),
       environment_{context, statistics, structures_,
                    table_,  scene.file, output.empty() ? scene.output : output},
-      locator_(scene.locator) {
+      locator_(scene.locator), checkpoint_(scene.checkpoint) {
   if (locator_.choice.backend || locator_.choice.method) { // what can never be had is said at once
     try {
       query::pick_locator(locator_.choice, false);
@@ -78,6 +77,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
     failures += (failures.empty() ? "" : "\n") + what;
     report(what, of, cycle);
   };
+  bring_back_earlier(meshes);
   for (const auto& action : actions_) {
     try {
       query::CommittedMesh& mesh = find_mesh(meshes, action->mesh_name(), environment_.scene_file);
@@ -107,7 +107,15 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
     failed("page", e);
   }
   executed_ = true;
+  cycle_ = cycle;
   earlier_time_ = time;
+  const core::Timer timer;
+  try {
+    write_due_checkpoint(meshes);
+  } catch (const std::exception& e) {
+    failed("checkpoint", e);
+  }
+  environment_.statistics.output_s += timer.seconds();
   return failures;
 }
 

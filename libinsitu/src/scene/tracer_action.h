@@ -27,6 +27,9 @@ public:
   void plan(const query::CommittedMesh& mesh, Plan& plan) const override;
 
   virtual advect::Counts counts() const = 0;
+  /// Its state, to a checkpoint or back, after cycle `cycle`.
+  virtual void keep(core::Archive& archive, std::int64_t cycle) = 0;
+  const Tracer& tracer() const { return tracer_; }
   /// The velocity field whose earlier step is needed at the next cycle; empty if none is.
   virtual std::string needs_earlier() const { return {}; }
 
