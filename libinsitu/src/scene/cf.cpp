@@ -48,8 +48,11 @@ std::array<NetcdfVariable, 3> cf_position(const insitu_frame& frame) {
                       variable("y", NetcdfType::float64, std::move(y)),
                       variable("z", NetcdfType::float64, std::move(z))};
   };
-  const Attributes height{text("standard_name", "height_above_reference_ellipsoid"),
-                          text("units", "m"), text("positive", "up")};
+  const bool down = frame.vertical == INSITU_DOWN;
+  const Attributes height{
+      text("standard_name", down ? "depth" : "height_above_reference_ellipsoid"),
+      text("units", frame.length == INSITU_KILOMETRES ? "km" : "m"),
+      text("positive", down ? "down" : "up")};
   switch (frame.kind) {
   case INSITU_FRAME_CARTESIAN:
     break;
@@ -68,11 +71,14 @@ std::array<NetcdfVariable, 3> cf_position(const insitu_frame& frame) {
     return axes({text("standard_name", "projection_x_coordinate"), text("units", "m")},
                 {text("standard_name", "projection_y_coordinate"), text("units", "m")}, height);
   case INSITU_FRAME_GEODETIC: {
-    auto out = axes({text("standard_name", "longitude"), text("units", "degrees_east")},
-                    {text("standard_name", "latitude"), text("units", "degrees_north")}, height);
+    const bool radians = frame.angle == INSITU_RADIANS;
+    auto out = axes(
+        {text("standard_name", "longitude"), text("units", radians ? "radian" : "degrees_east")},
+        {text("standard_name", "latitude"), text("units", radians ? "radian" : "degrees_north")},
+        height);
     out[0].name = "lon";
     out[1].name = "lat";
-    out[2].name = "height";
+    out[2].name = down ? "depth" : "height";
     return out;
   }
   }

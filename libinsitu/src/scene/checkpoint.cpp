@@ -128,9 +128,9 @@ void Runner::write_checkpoint(const std::string& path, MeshList meshes) {
   archive.value("meshes", count);
   for (query::CommittedMesh* mesh : meshes)
     if (!mesh->lies_on_device()) {
-      KeptMesh kept{mesh->mesh().name(), 0, mesh->mesh().copy_earlier()};
-      if (!kept.step.fields.empty())
-        kept.cells = fingerprint(mesh->mesh().view(), environment_.context.threads);
+      KeptMesh kept{mesh->mesh().name(),
+                    fingerprint(mesh->mesh().view(), environment_.context.threads),
+                    mesh->mesh().copy_earlier()};
       kept.keep(archive);
     }
   archive.commit(path);
@@ -152,11 +152,19 @@ void Runner::restart(const std::string& path) {
 /// it is as after a change of topology.
 void Runner::bring_back_earlier(MeshList meshes) {
   for (const KeptMesh& kept : kept_meshes_)
-    for (query::CommittedMesh* mesh : meshes)
-      if (mesh->mesh().name() == kept.name && !mesh->lies_on_device() &&
-          !kept.step.fields.empty() &&
-          fingerprint(mesh->mesh().view(), environment_.context.threads) == kept.cells)
+    for (query::CommittedMesh* mesh : meshes) {
+      if (mesh->mesh().name() != kept.name || mesh->lies_on_device() ||
+          fingerprint(mesh->mesh().view(), environment_.context.threads) != kept.cells)
+        continue;
+      if (!kept.step.fields.empty())
         mesh->mesh().set_earlier(kept.step);
+      for (const auto& action : actions_) {
+        const Name& of = action->mesh_name();
+        const bool here = of.empty() ? mesh == meshes.front() : of.text == kept.name;
+        if (auto* tracer = dynamic_cast<TracerAction*>(action.get()); tracer && here)
+          tracer->take_up(true);
+      }
+    }
   kept_meshes_.clear();
 }
 

@@ -187,7 +187,9 @@ struct PathTracing {
 
 /// The mesh, which must be on Earth, is drawn in geocentric coordinates.
 struct Geocentric {
-  double exaggeration = 1; ///< factor on heights above the ellipsoid
+  double exaggeration = 1;         ///< factor on heights above the ellipsoid
+  std::optional<Color> globe;      ///< of land, where the mesh does not cover the ellipsoid
+  std::optional<double> graticule; ///< degrees between meridians and between parallels
   int line = 0;
 };
 

@@ -87,6 +87,11 @@ private:
                "converted once, kept while the geometry holds");
     plan_.need("tree of geocentric cells" + what, mesh_.locators().info(mesh_.tree()).bytes,
                "about, as the mesh's own; refitted as it moves");
+    const std::int64_t rows = std::min(frame_.size[1], 65);
+    if (frame_.geocentric->globe || frame_.geocentric->graticule)
+      plan_.need("globe", frame_.size[0] * rows * std::int64_t(104), "about, while it is drawn");
+    else
+      plan_.skip("globe", "neither globe nor graticule is asked for");
   }
 
   void triangles() {

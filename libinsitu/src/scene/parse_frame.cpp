@@ -61,9 +61,15 @@ void claim_names(const Cursor& cursor, const Frame& frame, ParseContext& context
 Geocentric parse_geocentric(const Cursor& cursor) {
   Geocentric geocentric;
   geocentric.line = cursor.line();
-  const MapReader map(cursor, {"exaggeration"});
+  const MapReader map(cursor, {"exaggeration", "globe", "graticule"});
   if (const auto factor = map.find("exaggeration")) {
     assign(geocentric.exaggeration, factor->number({0, 1e6}));
+  }
+  if (const auto globe = map.find("globe")) {
+    geocentric.globe = parse_color(*globe, {0.75, 0.72, 0.65});
+  }
+  if (const auto graticule = map.find("graticule")) {
+    geocentric.graticule = graticule->number({0.001, 90});
   }
   return geocentric;
 }

@@ -2,6 +2,7 @@
 #include "core/timer.h"
 #include "scene/release.h"
 #include "scene/tracer_action.h"
+#include "scene/tracer_effects.h"
 #include "scene/track_writer.h"
 
 namespace insitu::scene {
@@ -21,16 +22,33 @@ public:
 
   advect::Counts counts() const override { return particles_.counts(); }
 
-  std::string needs_earlier() const override {
-    return particles_.counts().alive() > 0 || clock_.goes_on(last_.time) ? tracer_.velocity.text
-                                                                         : std::string();
+  std::vector<std::string> needs_earlier() const override {
+    if (tracer_.attached == Attached::body ||
+        (particles_.counts().alive() == 0 && !clock_.goes_on(last_.time)))
+      return {};
+    std::vector<std::string> names = effect_fields(tracer_.effects);
+    names.push_back(tracer_.velocity.text);
+    return names;
   }
 
   void execute(query::CommittedMesh& mesh, const Step& step, bool due) override {
     const core::Timer timer;
-    const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
-    release(mesh, step);
-    advance(mesh, velocity, step);
+    if (tracer_.attached == Attached::body) {
+      release(mesh, step);
+      particles_.follow(mesh.sampler(), knows_cells(mesh), settled_, step.time,
+                        environment_.context.threads);
+      settled_ = step.time;
+      topology_ = mesh.topology_version();
+      same_cells_ = false;
+    } else {
+      const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
+      // The earlier step serves if it is the step that the particles are at, on the same cells.
+      const bool earlier =
+          seeded_ && knows_cells(mesh) && !step.first && settled_ == step.earlier_time;
+      particles_.set_effects(effects_at(tracer_, mesh, step, earlier, environment_.scene_file));
+      release(mesh, step);
+      advance(mesh, velocity, step);
+    }
     environment_.statistics.advect_s += timer.seconds();
     const core::Timer output_timer;
     last_ = {step.cycle, step.time};
@@ -51,8 +69,8 @@ public:
     particles_.keep(archive);
     for (const auto& writer : writers_)
       writer->keep(archive, cycle);
-    topology_is_checked_ = archive.restores();
   }
+  void take_up(bool same_cells) override { same_cells_ = same_cells; }
 
   /// The solver's arrays may be gone: what needs no field is written.
   void finish() override {
@@ -70,11 +88,19 @@ private:
     advect::TracerSettings s;
     s.integrator = integrator();
     s.accuracy = to_api(tracer_.accuracy);
+    s.attached = tracer_.attached == Attached::body;
     if (tracer_.until.duration)
       s.duration = *tracer_.until.duration;
+    if (tracer_.effects.age_limit)
+      s.duration = std::min(s.duration, *tracer_.effects.age_limit);
     if (tracer_.until.length)
       s.length = *tracer_.until.length;
     return s;
+  }
+
+  /// Whether the mesh's cells are those of the step that the particles are at.
+  bool knows_cells(const query::CommittedMesh& mesh) const {
+    return topology_ == mesh.topology_version() || same_cells_;
   }
 
   /// Adds the particles that begin between the last step and this one.
@@ -98,8 +124,7 @@ private:
   void advance(query::CommittedMesh& mesh, const mesh::FieldView& velocity, const Step& step) {
     core::Context& context = environment_.context;
     // The earlier step serves if it is the step that the particles are at, on the same cells.
-    const bool earlier_is_known = (topology_ == mesh.topology_version() || topology_is_checked_) &&
-                                  !step.first && settled_ == step.earlier_time;
+    const bool earlier_is_known = knows_cells(mesh) && !step.first && settled_ == step.earlier_time;
     const auto earlier =
         earlier_is_known ? mesh.mesh().earlier_field(tracer_.velocity.text) : std::nullopt;
     mesh.look_for_folds(context.threads); // particles ask with hints
@@ -115,7 +140,7 @@ private:
     hide();
     settled_ = step.time;
     topology_ = mesh.topology_version();
-    topology_is_checked_ = false;
+    same_cells_ = false;
   }
 
   /// What the writers see of a cycle. The rows that one asked for last are kept: the next one, of
@@ -188,8 +213,7 @@ private:
   bool seeded_ = false;
   double settled_ = 0.0; ///< the time that the particles are at
   std::uint64_t topology_ = 0;
-  /// After a restart the mesh has its earlier step only if that is of the same cells.
-  bool topology_is_checked_ = false;
+  bool same_cells_ = false; ///< as at the checkpoint of a restart
   struct {
     std::int64_t cycle = 0;
     double time = 0.0;

@@ -29,9 +29,11 @@ public:
   virtual advect::Counts counts() const = 0;
   /// Its state, to a checkpoint or back, after cycle `cycle`.
   virtual void keep(core::Archive& archive, std::int64_t cycle) = 0;
+  /// Before the first cycle after a restart: whether the mesh has the cells of the checkpoint.
+  virtual void take_up(bool /*same_cells*/) {}
   const Tracer& tracer() const { return tracer_; }
-  /// The velocity field whose earlier step is needed at the next cycle; empty if none is.
-  virtual std::string needs_earlier() const { return {}; }
+  /// The fields whose earlier step is needed at the next cycle.
+  virtual std::vector<std::string> needs_earlier() const { return {}; }
 
 protected:
   bool writes(TableFormat format) const;

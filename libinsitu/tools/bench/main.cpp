@@ -27,6 +27,8 @@ Output run(const Options& options) {
     return render(options);
   if (options.command == Command::accuracy)
     return accuracy_command(options);
+  if (options.command == Command::paper)
+    return paper_command(options);
   if (options.command == Command::effects)
     return effects(options);
   const Report report = options.command == Command::commit ? commit(options) : locate(options);

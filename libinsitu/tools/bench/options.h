@@ -22,7 +22,8 @@ enum class Command {
   amr,
   effects,
   render,
-  accuracy
+  accuracy,
+  paper
 };
 const char* name(Command command);
 
@@ -46,10 +47,12 @@ struct Options {
   std::int64_t peer_points = 0;               ///< so many of the points for peers; 0: all
   bool check = false;                         ///< methods: answers alone, on all points
   std::vector<std::string> backends, methods; ///< methods: only these; empty: all
-  int size = 512;                             ///< render, effects: pixels along an edge
+  int size = 512;                             ///< render, effects, paper: pixels along an edge
   bool full = false;                          ///< accuracy: large meshes
+  bool quick = false;                         ///< paper: small meshes, for a test
+  std::string paper;                          ///< paper: "morrical", "rathke" or "zellmann"
   std::vector<std::string> sweeps;            ///< accuracy: only these; empty: all
-  std::string out_folder;                     ///< render, accuracy: where files go; or none
+  std::string out_folder;                     ///< render, accuracy, paper: where files go; or none
   std::string json_file, csv_file, svg_file;
 };
 

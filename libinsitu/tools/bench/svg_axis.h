@@ -10,7 +10,8 @@
 namespace insitu::bench::drawing {
 
 constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73",
-                                   "#cc79a7", "#56b4e9", "#e69f00"};
+                                   "#cc79a7", "#56b4e9", "#e69f00",
+                                   "#6a3d9a", "#8c510a"};
 
 /// Text as SVG and HTML have it.
 inline std::string escaped(const std::string& text) {

@@ -46,10 +46,13 @@ std::string line(const Sweep& s) {
 Output accuracy_command(const Options& o) {
   const Extent extent{!o.full, o.repetitions};
   using Make = Sweep (*)(const Extent&);
-  const std::pair<const char*, Make> all[] = {
-      {"locate", sweep_locate}, {"newton", sweep_newton},
-      {"volume", sweep_volume}, {"path_tracing", sweep_path_tracing},
-      {"amr", sweep_amr},       {"update", sweep_update}};
+  const std::pair<const char*, Make> all[] = {{"locate", sweep_locate},
+                                              {"newton", sweep_newton},
+                                              {"advect", sweep_advect},
+                                              {"volume", sweep_volume},
+                                              {"path_tracing", sweep_path_tracing},
+                                              {"amr", sweep_amr},
+                                              {"update", sweep_update}};
   for (const std::string& wanted : o.sweeps)
     if (wanted != "effects" && std::none_of(std::begin(all), std::end(all),
                                             [&](const auto& a) { return wanted == a.first; })) {

@@ -18,6 +18,8 @@ struct Extent {
 Sweep sweep_locate(const Extent& extent);
 /// Newton's tolerance and limit of iterations; float against double far from the origin.
 Sweep sweep_newton(const Extent& extent);
+/// Integrators, their steps and tolerances, by faces or not.
+Sweep sweep_advect(const Extent& extent);
 /// Ray step, pre-integration, tolerance, space skipping.
 Sweep sweep_volume(const Extent& extent);
 /// Samples a pixel, single and multiple scattering.
