@@ -20,6 +20,15 @@ Counts& Counts::operator+=(const Counts& b) {
   return *this;
 }
 
+std::string describe(const Counts& counts) {
+  std::string text = std::to_string(counts.seeded) + " seeded = " + std::to_string(counts.alive()) +
+                     " " + ending_name(INSITU_END_ALIVE);
+  for (std::size_t e = 0; e < counts.by_ending.size(); ++e)
+    if (e != std::size_t(INSITU_END_ALIVE) && counts.by_ending[e] > 0)
+      text += " + " + std::to_string(counts.by_ending[e]) + " " + ending_name(insitu_ending(e));
+  return text;
+}
+
 const char* ending_name(insitu_ending ending) {
   switch (ending) {
   case INSITU_END_ALIVE:

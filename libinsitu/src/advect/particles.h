@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "advect/integrate.h"
 #include "core/archive.h"
@@ -19,6 +20,9 @@ struct Counts {
   std::int64_t sum() const;
   Counts& operator+=(const Counts& b);
 };
+
+/// "200 seeded = 150 alive + 50 left": the endings that there are.
+std::string describe(const Counts& counts);
 
 /// The name of an ending in files and messages, such as "left"; "unknown" for another number.
 const char* ending_name(insitu_ending ending);

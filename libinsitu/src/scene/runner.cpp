@@ -88,6 +88,8 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
       const bool due = is_due(*action, mesh, step);
       any_due = any_due || due;
       action->execute(mesh, step, due);
+      if (due)
+        log_particles(*action, cycle);
     } catch (const std::exception& e) {
       failed(std::string(action->kind()) + " '" + action->name() + "'", e);
     }
@@ -143,6 +145,14 @@ void Runner::keep_earlier(MeshList meshes) {
       mesh->mesh().keep_earlier(names, environment_.context.threads);
   }
   environment_.statistics.advect_s += timer.seconds();
+}
+
+/// What became of a tracer's particles.
+void Runner::log_particles(const Action& action, std::int64_t cycle) const {
+  const auto* tracer = dynamic_cast<const TracerAction*>(&action);
+  if (tracer && environment_.context.log.wants(INSITU_LOG_INFO))
+    environment_.context.log.info("cycle " + std::to_string(cycle) + ": tracer '" + tracer->name() +
+                                  "': " + advect::describe(tracer->counts()));
 }
 
 void Runner::note_tracers() {

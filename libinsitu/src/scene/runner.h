@@ -54,6 +54,7 @@ private:
   bool is_due(const Action& action, const query::CommittedMesh& mesh, const Step& step) const;
   void keep_earlier(MeshList meshes);
   void note_tracers();
+  void log_particles(const Action& action, std::int64_t cycle) const;
   void end_page_cycle(const Step& step, bool due);
   void finish_page(const std::string& failures);
   void report(const std::string& what, const std::string& of, std::int64_t cycle);
