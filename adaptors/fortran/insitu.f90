@@ -118,6 +118,8 @@ module insitu
     generic :: execute => execute_int32, execute_int64
     procedure :: report => session_report
     procedure :: plan => session_plan
+    procedure :: checkpoint => session_checkpoint
+    procedure :: restart => session_restart
     procedure :: write_summary
     procedure :: message
   end type insitu_session
@@ -281,6 +283,30 @@ contains
       text = ''
     end if
   end subroutine session_plan
+
+  !> Writes the state of the scene's tracers after the last execute to a file.
+  subroutine session_checkpoint(self, path, ierr)
+    class(insitu_session), intent(in) :: self
+    character(len=*), intent(in) :: path
+    integer, intent(out) :: ierr
+    integer(c_int) :: status
+
+    status = c_session_checkpoint(self%handle, to_c(path))
+    call keep_message(self%text, status)
+    ierr = int(status)
+  end subroutine session_checkpoint
+
+  !> Takes such a file up again, before the first execute.
+  subroutine session_restart(self, path, ierr)
+    class(insitu_session), intent(in) :: self
+    character(len=*), intent(in) :: path
+    integer, intent(out) :: ierr
+    integer(c_int) :: status
+
+    status = c_session_restart(self%handle, to_c(path))
+    call keep_message(self%text, status)
+    ierr = int(status)
+  end subroutine session_restart
 
   !> The report as JSON; solver_s: the solver's own seconds, for the library's share of the run.
   subroutine write_summary(self, path, ierr, solver_s)

@@ -121,6 +121,16 @@ public:
     return status == INSITU_OK;
   }
 
+  /** The state of the scene's tracers after the last execute, to a file; see
+   *  insitu_session_checkpoint(). */
+  void checkpoint(const std::string& path) {
+    detail::check(insitu_session_checkpoint(session_, path.c_str()));
+  }
+  /** Takes it up again, before the first execute; see insitu_session_restart(). */
+  void restart(const std::string& path) {
+    detail::check(insitu_session_restart(session_, path.c_str()));
+  }
+
   /** Totals since the session was opened. */
   Report report() const {
     Report r = insitu_report_default();

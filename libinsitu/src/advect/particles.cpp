@@ -20,6 +20,15 @@ Counts& Counts::operator+=(const Counts& b) {
   return *this;
 }
 
+std::string describe(const Counts& counts) {
+  std::string text = std::to_string(counts.seeded) + " seeded = " + std::to_string(counts.alive()) +
+                     " " + ending_name(INSITU_END_ALIVE);
+  for (std::size_t e = 0; e < counts.by_ending.size(); ++e)
+    if (e != std::size_t(INSITU_END_ALIVE) && counts.by_ending[e] > 0)
+      text += " + " + std::to_string(counts.by_ending[e]) + " " + ending_name(insitu_ending(e));
+  return text;
+}
+
 const char* ending_name(insitu_ending ending) {
   switch (ending) {
   case INSITU_END_ALIVE:
@@ -119,6 +128,15 @@ void Particles::seed(std::span<const math::Vec3d> points, double time) {
     if (keeps_parametric_)
       parametric[i] = {};
   }
+}
+
+void Particles::keep(core::Archive& archive) {
+  archive.value("keeps walk steps", keeps_walk_steps_);
+  archive.value("keeps velocities", keeps_velocities_);
+  archive.value("keeps parametric coordinates", keeps_parametric_);
+  for_each_array([&](auto& array) { archive.array("particles", array); });
+  archive.value("seeded", seeded_);
+  archive.value("dropped", dropped_.by_ending);
 }
 
 void Particles::kill() {

@@ -3,8 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "advect/integrate.h"
+#include "core/archive.h"
 #include "core/memory.h"
 
 namespace insitu::advect {
@@ -18,6 +20,9 @@ struct Counts {
   std::int64_t sum() const;
   Counts& operator+=(const Counts& b);
 };
+
+/// "200 seeded = 150 alive + 50 left": the endings that there are.
+std::string describe(const Counts& counts);
 
 /// The name of an ending in files and messages, such as "left"; "unknown" for another number.
 const char* ending_name(insitu_ending ending);
@@ -56,6 +61,9 @@ public:
   /// Recounted from the particles. Throws Error(INSITU_ERROR_INTERNAL) if they do not sum up to
   /// what was seeded.
   Counts counts() const;
+
+  /// Everything, to a checkpoint or back.
+  void keep(core::Archive& archive);
 
   State state(std::size_t i) const;
   void set_state(std::size_t i, const State& s, std::int64_t cell);

@@ -70,6 +70,9 @@ public:
   /// Forgets particles that have ended (their counts stay).
   void drop_ended() { particles_.drop_ended(); }
 
+  /// The particles, to a checkpoint or back.
+  void keep(core::Archive& archive) { particles_.keep(archive); }
+
   Counts counts() const { return particles_.counts(); }
   const Particles& particles() const { return particles_; }
   std::span<const math::Vec3d> positions() const { return particles_.positions.span(); }

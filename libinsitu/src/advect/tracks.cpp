@@ -36,6 +36,15 @@ std::size_t Tracks::record(const Particles& particles) {
   return first_new;
 }
 
+void Tracks::keep(core::Archive& archive) {
+  archive.array("track points", points_);
+  archive.array("track times", times_);
+  archive.array("track cells", cells_);
+  archive.array("track particles", particles_);
+  archive.array("last times", last_time_);
+  archive.array("last endings", endings_);
+}
+
 Polylines Tracks::lines(core::Buffer<std::int64_t>* order) const {
   // A counting sort by id, which keeps the order of recording.
   core::Buffer<std::int64_t> next(*memory_, INSITU_MEMORY_TRACER);

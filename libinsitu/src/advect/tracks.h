@@ -18,6 +18,9 @@ public:
   /// drop_ended(). Returns the index of the first new vertex.
   std::size_t record(const Particles& particles);
 
+  /// Everything, to a checkpoint or back.
+  void keep(core::Archive& archive);
+
   std::size_t size() const { return particles_.size(); }
   const core::Buffer<math::Vec3d>& points() const { return points_; }
   const core::Buffer<double>& times() const { return times_; }

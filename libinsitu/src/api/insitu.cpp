@@ -322,6 +322,20 @@ insitu_status insitu_session_plan(insitu_session session, const char** text) {
   });
 }
 
+insitu_status insitu_session_checkpoint(insitu_session session, const char* path) {
+  return with_session(session, [&](api::Session& s) {
+    require(path, "path");
+    s.checkpoint(path);
+  });
+}
+
+insitu_status insitu_session_restart(insitu_session session, const char* path) {
+  return with_session(session, [&](api::Session& s) {
+    require(path, "path");
+    s.restart(path);
+  });
+}
+
 insitu_status insitu_session_write_summary(insitu_session session, const char* path,
                                            double solver_s) {
   return with_session(session, [&](api::Session& s) {

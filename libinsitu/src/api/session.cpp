@@ -40,11 +40,11 @@ Session::Session(const insitu_session_options& options)
   if (options.scene && options.scene_text)
     throw Error(INSITU_ERROR_ARGUMENT, "scene and scene_text are both given, at most one expected");
   if (options.scene)
-    runner_ = std::make_unique<scene::Runner>(scene::parse_scene_file(options.scene), output_,
-                                              context_, statistics_);
+    scene_ = scene::parse_scene_file(options.scene);
   else if (options.scene_text)
-    runner_ = std::make_unique<scene::Runner>(scene::parse_scene_text(options.scene_text, "scene"),
-                                              output_, context_, statistics_);
+    scene_ = scene::parse_scene_text(options.scene_text, "scene");
+  if (scene_)
+    runner_ = std::make_unique<scene::Runner>(*scene_, output_, context_, statistics_);
 }
 
 Session::~Session() = default;
@@ -169,6 +169,34 @@ std::string Session::execute(std::int64_t cycle, double time) {
     if (std::string failure = try_default_runner(); !failure.empty())
       return failure;
   return runner_ ? runner_->execute(meshes, cycle, time) : std::string();
+}
+
+void Session::checkpoint(const std::string& path) {
+  if (!runner_ || statistics_.executions == 0)
+    throw Error(INSITU_ERROR_ORDER, "checkpoint '" + path + "': nothing was executed yet");
+  std::vector<query::CommittedMesh*> meshes;
+  for (const auto& m : meshes_) {
+    if (!m->mesh.committed())
+      throw Error(INSITU_ERROR_ORDER, "checkpoint '" + path + "': mesh '" + m->mesh.mesh().name() +
+                                          "' was changed since the last execute; a checkpoint is "
+                                          "of the step that was executed last");
+    meshes.push_back(&m->mesh);
+  }
+  runner_->write_checkpoint(path, meshes);
+}
+
+void Session::restart(const std::string& path) {
+  if (!scene_)
+    throw Error(INSITU_ERROR_ORDER, "restart from '" + path + "': the session has no scene");
+  if (statistics_.executions > 0)
+    throw Error(INSITU_ERROR_ORDER, "restart from '" + path + "': this session has executed " +
+                                        std::to_string(statistics_.executions) +
+                                        " times; restart before the first execute");
+  // A runner of its own: should it fail, the one that is there goes on as if nothing had been
+  // asked.
+  auto fresh = std::make_unique<scene::Runner>(*scene_, output_, context_, statistics_);
+  fresh->restart(path);
+  runner_ = std::move(fresh);
 }
 
 std::string Session::finish() {

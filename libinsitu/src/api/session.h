@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -38,6 +39,9 @@ public:
   std::string execute(std::int64_t cycle, double time);
   /// What the scene needs; kept until the next call.
   const std::string& plan();
+  /// The state of all tracers, to a file and back; the latter before the first execute().
+  void checkpoint(const std::string& path);
+  void restart(const std::string& path);
   /// Ends tracers and closes files; returns what failed.
   std::string finish();
 
@@ -93,6 +97,7 @@ private:
   scene::Statistics statistics_;
   core::Buffer<math::Vec3d> query_points_; ///< scratch of queries, kept from one to the next
   std::vector<std::unique_ptr<SessionMesh>> meshes_;
+  std::optional<scene::SceneDescription> scene_; ///< that the caller gave
   std::unique_ptr<scene::Runner> runner_;
   std::string default_failure_; ///< the last one logged
   std::string plan_;            ///< the last one

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/archive.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/adaptive.h"
@@ -29,6 +30,20 @@ public:
   /// If these are the solver's vertices, which move with it: view(), to which commits add what they
   /// find out. Else null.
   virtual MeshView* solver_view() { return nullptr; }
+};
+
+/// A copy of what a mesh keeps of the earlier step.
+struct EarlierStep {
+  struct Field {
+    std::string name;
+    insitu_association association = INSITU_VERTEX;
+    std::int32_t components = 0;
+    std::vector<double> values; ///< [item, flat][component]
+  };
+  std::vector<Field> fields;
+  std::vector<math::Vec3d> points; ///< [vertex, flat]; none of an adaptive mesh
+
+  void keep(core::Archive& archive);
 };
 
 /// What a solver registered: pieces, fields, ghosts. Holds pointers, never values, but for the
@@ -100,6 +115,10 @@ public:
   /// at the end of a step.
   void keep_earlier(const std::vector<std::string>& fields, const core::Threads& threads);
   void release_earlier();
+  /// What was kept, for a checkpoint, and back: returns false, and changes nothing, if it does not
+  /// fit the pieces as they are now (after update()).
+  EarlierStep copy_earlier() const;
+  bool set_earlier(const EarlierStep& step);
   /// The copy of a field, if one was kept; valid until the next keep or release.
   std::optional<FieldView> earlier_field(const std::string& name) const;
   /// Shows (or hides) the kept coordinates in view(), once the solver moved its own and committed;
@@ -148,6 +167,9 @@ private:
   }
   void hide_earlier();
   void set_views();
+  struct EarlierField;
+  EarlierField& earlier_field_for(const std::string& name, insitu_association association,
+                                  int components);
   void make_leaves_views();
   Piece& piece_for(std::int32_t piece);
   const Field* find(const std::string& name) const;

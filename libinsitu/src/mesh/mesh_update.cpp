@@ -115,6 +115,37 @@ namespace {
 constexpr std::int64_t copy_grain = 1 << 14;
 }
 
+/// Room for a copy of a field, with views on it.
+Mesh::EarlierField& Mesh::earlier_field_for(const std::string& name,
+                                            insitu_association association, int components) {
+  const MeshView& now = view();
+  const auto pieces = std::size_t(now.piece_count);
+  const auto known = std::find_if(earlier_fields_.begin(), earlier_fields_.end(),
+                                  [&](const auto& e) { return e->name == name; });
+  EarlierField& to =
+      known != earlier_fields_.end()
+          ? **known
+          : *earlier_fields_.emplace_back(std::make_unique<EarlierField>(*memory_));
+  const std::int64_t* first = association == INSITU_CELL ? now.first_cell : now.first_vertex;
+  const int n = components;
+  to.name = name;
+  to.association = association;
+  to.components = n;
+  to.values.resize_discard(std::size_t(first[pieces] * n));
+  to.bases.assign(std::size_t(n) * pieces, nullptr);
+  to.views.clear();
+  for (std::size_t p = 0; p < pieces; ++p) {
+    const double* values = to.values.data() + first[p] * n;
+    const std::byte** bases = to.bases.data() + p * std::size_t(n);
+    for (int c = 0; c < n; ++c)
+      bases[c] = reinterpret_cast<const std::byte*>(values + c);
+    const std::int64_t count = first[p + 1] - first[p];
+    const std::int64_t stride = n * std::int64_t(sizeof(double));
+    to.views.push_back({bases, {count, {count, 1}, {stride, count * stride, count * stride}}});
+  }
+  return to;
+}
+
 void Mesh::keep_earlier(const std::vector<std::string>& names, const core::Threads& threads) {
   const MeshView& now = view();
   const auto pieces = std::size_t(now.piece_count);
@@ -123,28 +154,12 @@ void Mesh::keep_earlier(const std::vector<std::string>& names, const core::Threa
   });
   for (const std::string& name : names) {
     const FieldView from = field(name);
-    const auto known = std::find_if(earlier_fields_.begin(), earlier_fields_.end(),
-                                    [&](const auto& e) { return e->name == name; });
-    EarlierField& to =
-        known != earlier_fields_.end()
-            ? **known
-            : *earlier_fields_.emplace_back(std::make_unique<EarlierField>(*memory_));
+    EarlierField& to = earlier_field_for(name, from.association, from.components);
     const std::int64_t* first = from.association == INSITU_CELL ? now.first_cell : now.first_vertex;
     const int n = from.components;
-    to.name = name;
-    to.association = from.association;
-    to.components = n;
-    to.values.resize_discard(std::size_t(first[pieces] * n));
-    to.bases.assign(std::size_t(n) * pieces, nullptr);
-    to.views.clear();
     for (std::size_t p = 0; p < pieces; ++p) {
       double* values = to.values.data() + first[p] * n;
-      const std::byte** bases = to.bases.data() + p * std::size_t(n);
-      for (int c = 0; c < n; ++c)
-        bases[c] = reinterpret_cast<const std::byte*>(values + c);
       const std::int64_t count = first[p + 1] - first[p];
-      const std::int64_t stride = n * std::int64_t(sizeof(double));
-      to.views.push_back({bases, {count, {count, 1}, {stride, count * stride, count * stride}}});
       threads.parallel_for(count, copy_grain, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t i = begin; i < end; ++i)
           for (int c = 0; c < n; ++c)

@@ -152,10 +152,17 @@ struct LocatorOptions {
   int line = 0;
 };
 
+/// When the state of the tracers is written, and how many such files stay.
+struct CheckpointOptions {
+  std::optional<std::int64_t> every; ///< cycles; nothing: never
+  std::int64_t keep = 2;
+};
+
 struct SceneDescription {
   std::string file;           ///< for messages
   std::string output = "out"; ///< folder, relative to the working directory
   LocatorOptions locator;
+  CheckpointOptions checkpoint;
   bool page = true; ///< the page of the run
   Trigger trigger;  ///< default of the items below, which hold the one that counts for them
   std::vector<Probe> probes;

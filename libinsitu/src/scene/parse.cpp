@@ -65,7 +65,7 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
   Problems problems(name);
   SceneDescription scene;
   scene.file = name;
-  const MapReader map(Cursor(*root, "", problems), {"insitu", "output", "page", "locator", "every",
+  const MapReader map(Cursor(*root, "", problems), {"insitu", "output", "page", "locator", "checkpoint", "every",
                                                     "when", "probes", "tracers", "frames"});
   parse_version(map);
   if (const auto output = map.find("output")) {
@@ -76,6 +76,9 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
   }
   if (const auto locator = map.find("locator")) {
     scene.locator = parse_locator(*locator);
+  }
+  if (const auto checkpoint = map.find("checkpoint")) {
+    scene.checkpoint = parse_checkpoint(*checkpoint);
   }
   scene.trigger = parse_trigger(map, {});
   ParseContext context{base_folder, scene.trigger, {}, &scene.probes};

@@ -29,6 +29,18 @@ Release parse_release(const Cursor& cursor) {
   return release;
 }
 
+CheckpointOptions parse_checkpoint(const Cursor& cursor) {
+  CheckpointOptions options;
+  const MapReader map(cursor, {"every", "keep"});
+  if (const auto every = map.require("every")) {
+    assign(options.every, every->integer(1, most_cycles));
+  }
+  if (const auto keep = map.find("keep")) {
+    assign(options.keep, keep->integer(1, most_cycles));
+  }
+  return options;
+}
+
 bool names_probe(const Cursor& seeds) {
   if (!seeds.is_map()) {
     return false;

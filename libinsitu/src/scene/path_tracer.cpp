@@ -35,15 +35,16 @@ public:
     const core::Timer timer;
     if (tracer_.attached == Attached::body) {
       release(mesh, step);
-      particles_.follow(mesh.sampler(), topology_ == mesh.topology_version(), settled_, step.time,
+      particles_.follow(mesh.sampler(), knows_cells(mesh), settled_, step.time,
                         environment_.context.threads);
       settled_ = step.time;
       topology_ = mesh.topology_version();
+      same_cells_ = false;
     } else {
       const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
       // The earlier step serves if it is the step that the particles are at, on the same cells.
-      const bool earlier = seeded_ && topology_ == mesh.topology_version() && !step.first &&
-                           settled_ == step.earlier_time;
+      const bool earlier =
+          seeded_ && knows_cells(mesh) && !step.first && settled_ == step.earlier_time;
       particles_.set_effects(effects_at(tracer_, mesh, step, earlier, environment_.scene_file));
       release(mesh, step);
       advance(mesh, velocity, step);
@@ -54,6 +55,22 @@ public:
     write(mesh, step, due);
     environment_.statistics.output_s += output_timer.seconds();
   }
+
+  void keep(core::Archive& archive, std::int64_t cycle) override {
+    archive.value("executed", seeded_);
+    archive.value("time of particles", settled_);
+    archive.value("last cycle", last_.cycle);
+    archive.value("last time", last_.time);
+    ReleaseClock::State clock = clock_.state();
+    archive.value("begun", clock.begun);
+    archive.value("first release", clock.first);
+    archive.value("releases", clock.rounds);
+    clock_.set_state(clock);
+    particles_.keep(archive);
+    for (const auto& writer : writers_)
+      writer->keep(archive, cycle);
+  }
+  void take_up(bool same_cells) override { same_cells_ = same_cells; }
 
   /// The solver's arrays may be gone: what needs no field is written.
   void finish() override {
@@ -81,6 +98,11 @@ private:
     return s;
   }
 
+  /// Whether the mesh's cells are those of the step that the particles are at.
+  bool knows_cells(const query::CommittedMesh& mesh) const {
+    return topology_ == mesh.topology_version() || same_cells_;
+  }
+
   /// Adds the particles that begin between the last step and this one.
   void release(const query::CommittedMesh& mesh, const Step& step) {
     if (seeded_ && !(step.time >= settled_))
@@ -102,8 +124,7 @@ private:
   void advance(query::CommittedMesh& mesh, const mesh::FieldView& velocity, const Step& step) {
     core::Context& context = environment_.context;
     // The earlier step serves if it is the step that the particles are at, on the same cells.
-    const bool earlier_is_known =
-        topology_ == mesh.topology_version() && !step.first && settled_ == step.earlier_time;
+    const bool earlier_is_known = knows_cells(mesh) && !step.first && settled_ == step.earlier_time;
     const auto earlier =
         earlier_is_known ? mesh.mesh().earlier_field(tracer_.velocity.text) : std::nullopt;
     mesh.look_for_folds(context.threads); // particles ask with hints
@@ -119,6 +140,7 @@ private:
     hide();
     settled_ = step.time;
     topology_ = mesh.topology_version();
+    same_cells_ = false;
   }
 
   /// What the writers see of a cycle. The rows that one asked for last are kept: the next one, of
@@ -191,6 +213,7 @@ private:
   bool seeded_ = false;
   double settled_ = 0.0; ///< the time that the particles are at
   std::uint64_t topology_ = 0;
+  bool same_cells_ = false; ///< as at the checkpoint of a restart
   struct {
     std::int64_t cycle = 0;
     double time = 0.0;

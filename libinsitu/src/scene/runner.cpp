@@ -13,11 +13,10 @@ namespace insitu::scene {
 
 Runner::Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
                Statistics& statistics)
-    : structures_(context),
-      table_(scene.frames, output.empty() ? scene.output : output),
+    : structures_(context), table_(scene.frames, output.empty() ? scene.output : output),
       environment_{context, statistics, structures_,
                    table_,  scene.file, output.empty() ? scene.output : output},
-      locator_(scene.locator) {
+      locator_(scene.locator), checkpoint_(scene.checkpoint) {
   if (locator_.choice.backend || locator_.choice.method) { // what can never be had is said at once
     try {
       query::pick_locator(locator_.choice, false);
@@ -78,6 +77,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
     failures += (failures.empty() ? "" : "\n") + what;
     report(what, of, cycle);
   };
+  bring_back_earlier(meshes);
   for (const auto& action : actions_) {
     try {
       query::CommittedMesh& mesh = find_mesh(meshes, action->mesh_name(), environment_.scene_file);
@@ -88,6 +88,8 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
       const bool due = is_due(*action, mesh, step);
       any_due = any_due || due;
       action->execute(mesh, step, due);
+      if (due)
+        log_particles(*action, cycle);
     } catch (const std::exception& e) {
       failed(std::string(action->kind()) + " '" + action->name() + "'", e);
     }
@@ -107,7 +109,15 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
     failed("page", e);
   }
   executed_ = true;
+  cycle_ = cycle;
   earlier_time_ = time;
+  const core::Timer timer;
+  try {
+    write_due_checkpoint(meshes);
+  } catch (const std::exception& e) {
+    failed("checkpoint", e);
+  }
+  environment_.statistics.output_s += timer.seconds();
   return failures;
 }
 
@@ -135,6 +145,14 @@ void Runner::keep_earlier(MeshList meshes) {
       mesh->mesh().keep_earlier(names, environment_.context.threads);
   }
   environment_.statistics.advect_s += timer.seconds();
+}
+
+/// What became of a tracer's particles.
+void Runner::log_particles(const Action& action, std::int64_t cycle) const {
+  const auto* tracer = dynamic_cast<const TracerAction*>(&action);
+  if (tracer && environment_.context.log.wants(INSITU_LOG_INFO))
+    environment_.context.log.info("cycle " + std::to_string(cycle) + ": tracer '" + tracer->name() +
+                                  "': " + advect::describe(tracer->counts()));
 }
 
 void Runner::note_tracers() {

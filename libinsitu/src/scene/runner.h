@@ -8,6 +8,7 @@
 
 #include "advect/particles.h"
 #include "scene/action.h"
+#include "scene/checkpoint.h"
 
 namespace insitu::scene {
 
@@ -26,6 +27,13 @@ public:
 
   /// What its items need of the meshes, which are committed, and what they do without.
   Plan plan(MeshList meshes) const;
+
+  /// Writes the state of all tracers, as it is after the last execute(), to a file. The meshes are
+  /// as they were then. Throws core::Error.
+  void write_checkpoint(const std::string& path, MeshList meshes);
+  /// Takes it up again, before the first execute(). Throws core::Error (INSITU_ERROR_FILE) for a
+  /// file that is not of this scene; this runner is then of no use.
+  void restart(const std::string& path);
 
   /// Ends tracers and closes tables. Returns failures like execute().
   std::string finish();
@@ -46,9 +54,13 @@ private:
   bool is_due(const Action& action, const query::CommittedMesh& mesh, const Step& step) const;
   void keep_earlier(MeshList meshes);
   void note_tracers();
+  void log_particles(const Action& action, std::int64_t cycle) const;
   void end_page_cycle(const Step& step, bool due);
   void finish_page(const std::string& failures);
   void report(const std::string& what, const std::string& of, std::int64_t cycle);
+  void keep(core::Archive& archive);
+  void bring_back_earlier(MeshList meshes);
+  void write_due_checkpoint(MeshList meshes);
 
   std::unique_ptr<PageRecord> page_;
   FrameStructures structures_;
@@ -59,7 +71,10 @@ private:
   std::map<std::string, std::set<std::string>>
       reported_; ///< failures logged, by action, so that a log is not flooded
   bool executed_ = false;
-  double earlier_time_ = 0.0;
+  std::int64_t cycle_ = 0;    ///< the last one executed
+  double earlier_time_ = 0.0; ///< its time
+  CheckpointOptions checkpoint_;
+  std::vector<KeptMesh> kept_meshes_; ///< of a restart, until the first execute()
 };
 
 } // namespace insitu::scene

@@ -13,6 +13,10 @@ public:
   using TracerAction::TracerAction;
 
   advect::Counts counts() const override { return counts_; }
+  void keep(core::Archive& archive, std::int64_t) override {
+    archive.value("seeded", counts_.seeded);
+    archive.value("endings", counts_.by_ending);
+  }
 
   void execute(query::CommittedMesh& mesh, const Step& step, bool due) override {
     if (!due)

@@ -27,6 +27,11 @@ public:
   void plan(const query::CommittedMesh& mesh, Plan& plan) const override;
 
   virtual advect::Counts counts() const = 0;
+  /// Its state, to a checkpoint or back, after cycle `cycle`.
+  virtual void keep(core::Archive& archive, std::int64_t cycle) = 0;
+  /// Before the first cycle after a restart: whether the mesh has the cells of the checkpoint.
+  virtual void take_up(bool /*same_cells*/) {}
+  const Tracer& tracer() const { return tracer_; }
   /// The fields whose earlier step is needed at the next cycle.
   virtual std::vector<std::string> needs_earlier() const { return {}; }
 

@@ -15,11 +15,34 @@ void TrackTable::write(TrackCycle& cycle) {
     return;
   const TrackRows& rows = cycle.rows(indices);
   open(rows, cycle.seeded());
+  frame_ = rows.frame;
   add(rows);
   for (const TrackRow& row : rows.rows)
     written_[std::size_t(row.particle)] = row.ending != INSITU_END_ALIVE;
   if (cycle.due())
     flush();
+}
+
+void TrackTable::keep(core::Archive& archive, std::int64_t cycle) {
+  if (!archive.restores() && is_open())
+    flush();
+  bool is_there = is_open();
+  TrackRows none; // what opens the file again
+  none.cycle = cycle + 1;
+  if (is_there) {
+    none.columns = value_columns();
+    none.pieces = has_pieces();
+    none.frame = frame_;
+  }
+  archive.array("endings written", written_);
+  archive.value("table", is_there);
+  archive.array("columns", none.columns);
+  archive.value("pieces", none.pieces);
+  archive.value("frame", none.frame);
+  if (archive.restores() && is_there) {
+    open(none, std::int64_t(written_.size()));
+    frame_ = none.frame;
+  }
 }
 
 void TrackTable::finish(const advect::Particles& p, std::int64_t cycle, double) {

@@ -11,6 +11,7 @@ class TrackTable : public TrackWriter {
 public:
   void write(TrackCycle& cycle) final;
   void finish(const advect::Particles& particles, std::int64_t cycle, double time) final;
+  void keep(core::Archive& archive, std::int64_t cycle) final;
 
 protected:
   /// Opens the file, or throws if one that is open does not fit these rows.
@@ -25,7 +26,8 @@ protected:
   virtual bool has_pieces() const = 0;
 
 private:
-  std::vector<std::uint8_t> written_; ///< [id] 1: the row of its ending is in the table
+  std::vector<std::uint8_t> written_;           ///< [id] 1: the row of its ending is in the table
+  insitu_frame frame_ = insitu_frame_default(); ///< with which the file was opened
 };
 
 } // namespace insitu::scene

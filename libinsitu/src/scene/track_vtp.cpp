@@ -32,6 +32,8 @@ public:
     write_tracks(time);
   }
 
+  void keep(core::Archive& archive, std::int64_t) override { tracks_.keep(archive); }
+
 private:
   void write_particles(TrackCycle& cycle) {
     std::vector<std::size_t> all(cycle.particles().size());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "advect/particles.h"
+#include "core/archive.h"
 #include "scene/action.h"
 
 /// How the particles of path- and streaklines are written: the tracer moves them, and hands each of
@@ -55,6 +56,9 @@ public:
   /// The session closes, the particles have been killed, and there is no field any more. cycle: the
   /// last one that the tracer executed.
   virtual void finish(const advect::Particles& particles, std::int64_t cycle, double time) = 0;
+  /// Its state, to a checkpoint or back; what waits for the file is written first. cycle: the one
+  /// that the state is of; when it comes back, rows of later cycles are dropped from the file.
+  virtual void keep(core::Archive& archive, std::int64_t cycle) = 0;
   /// Whether it asks for particles after the cycle in which they ended.
   virtual bool keeps_ended() const { return false; }
 };

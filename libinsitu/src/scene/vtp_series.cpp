@@ -1,5 +1,7 @@
 #include "scene/vtp_series.h"
 
+#include "core/status.h"
+
 namespace insitu::scene {
 
 VtkColumns::VtkColumns(std::vector<std::string> names, std::span<const double> values)
@@ -30,8 +32,14 @@ void VtpSeries::write(const Environment& environment, const std::string& name, c
   const std::string path = cycle_path(environment, name, step.cycle, ".vtp");
   output::write_vtp(path, data);
   ++environment.statistics.files;
-  if (!index_)
-    index_ = std::make_unique<output::PvdSeries>(environment.output + "/" + name + ".pvd");
+  if (!index_) { // entries before this time stay, as rows of tables do
+    const std::string index = environment.output + "/" + name + ".pvd";
+    try {
+      index_ = std::make_unique<output::PvdSeries>(index, true);
+    } catch (const core::Error&) { // not one of ours: replaced
+      index_ = std::make_unique<output::PvdSeries>(index);
+    }
+  }
   index_->add(step.time, path.substr(environment.output.size() + 1));
 }
 

@@ -82,4 +82,35 @@ TEST(Releases, TooManyAreRefused) {
   EXPECT_EQ(run.session.report().particles_seeded, 1);
 }
 
+// The log says at each due cycle what became of the particles, with the endings that there are.
+TEST(Releases, AreAccountedForInTheLog) {
+  const test::Folder folder;
+  std::vector<std::string> log;
+  insitu::Options options;
+  options.scene_text =
+      "insitu: 1\npage: false\ntracers:\n  - {name: t, velocity: velocity, every: 2, "
+      "release: {every: 1}, seeds: [[0.2, 0.2, 0.2], [9, 9, 9]]}\n";
+  options.output = folder.path();
+  options.log_level = insitu::LogLevel::info;
+  options.log = [&](insitu::LogLevel, const char* message) { log.emplace_back(message); };
+  Coupled run({});
+  insitu::Session session(options);
+  insitu::Mesh mesh = session.mesh("hydro");
+  mesh.points(run.solver.x, run.solver.y, run.solver.z);
+  mesh.hexahedra(run.solver.connectivity);
+  mesh.vertex_field("velocity", {run.solver.u, run.solver.v, run.solver.w});
+  for (int cycle = 0; cycle < 3; ++cycle) {
+    ASSERT_TRUE(session.execute(cycle, run.solver.time())) << insitu_last_message();
+    run.solver.advance();
+    mesh.changed(insitu::geometry | insitu::fields);
+  }
+  std::vector<std::string> lines;
+  for (const std::string& line : log)
+    if (line.find("tracer 't'") != std::string::npos)
+      lines.push_back(line);
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0], "cycle 0: tracer 't': 2 seeded = 1 alive + 1 seed_outside");
+  EXPECT_EQ(lines[1], "cycle 2: tracer 't': 6 seeded = 3 alive + 3 seed_outside");
+}
+
 } // namespace

@@ -213,6 +213,11 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(timed.until, -3);
   EXPECT_FALSE(timed.every);
   EXPECT_EQ(parse(test::tracer("release: {every: 7}")).tracers[0].release.every, 7);
+  EXPECT_FALSE(parse("every: 2\n").checkpoint.every);
+  const CheckpointOptions checkpoint = parse("checkpoint: {every: 50}\n").checkpoint;
+  EXPECT_EQ(checkpoint.every, 50);
+  EXPECT_EQ(checkpoint.keep, 2);
+  EXPECT_EQ(parse("checkpoint: {every: 5, keep: 1}\n").checkpoint.keep, 1);
   const SceneDescription seeded =
       parse("probes: [{name: p, mesh: m, points: [[1, 2, 3]], frame: geocentric}]\n"
             "tracers: [{name: t, velocity: u, seeds: {probe: p}}]");

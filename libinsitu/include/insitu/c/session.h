@@ -71,6 +71,19 @@ INSITU_API insitu_status insitu_session_mesh(insitu_session session, const char*
  *  INSITU_ERROR_ACTION and the message tells which. */
 INSITU_API insitu_status insitu_session_execute(insitu_session session, int64_t cycle, double time);
 
+/** Writes the state of the scene's tracers after the last execute to a file, whole or not at all:
+ *  particles, clocks of release, tracks, and what the next step needs of this one. To be called
+ *  after insitu_session_execute() and before the arrays change. What tables hold back is written
+ *  first. A scene can ask for it too: `checkpoint: {every: 100}`. */
+INSITU_API insitu_status insitu_session_checkpoint(insitu_session session, const char* path);
+
+/** Takes such a file up again, in a session with the same tracers, before its first execute: the
+ *  solver goes on with the cycle after the checkpoint's, and the tracks go on to the bit as if there
+ *  had been no stop, in the same files, from which rows of later cycles are dropped. Meshes may be
+ *  registered before or after. A file that is damaged, foreign, or of another scene is
+ *  INSITU_ERROR_FILE, and the session is as if it had not been asked for. */
+INSITU_API insitu_status insitu_session_restart(insitu_session session, const char* path);
+
 /** Commits every mesh, then tells what the scene needs of them, with bytes, and what it does
  *  without, and why: a line each. Nothing of it is done. *text stays valid until the session's next
  *  plan or its close; "" without a scene. */

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/archive.h"
+#include "mesh/mesh.h"
+
+/// What a checkpoint holds besides the tracers.
+namespace insitu::scene {
+
+/// The earlier step of a mesh, and of which cells it is.
+struct KeptMesh {
+  std::string name;
+  std::uint64_t cells = 0; ///< fingerprint()
+  mesh::EarlierStep step;
+
+  void keep(core::Archive& archive);
+};
+
+/// A hash of the cells' shapes and vertices in their order (FNV-1a): two meshes of the same
+/// fingerprint have, but for a chance of 2^-64, the same topology.
+std::uint64_t fingerprint(const mesh::MeshView& mesh, const core::Threads& threads);
+
+/// Removes the files that checkpoint_path() names in the folder for cycles up to `cycle`, but for
+/// the last `keep` of them.
+void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::int64_t keep);
+std::string checkpoint_path(const std::string& folder, std::int64_t cycle);
+
+} // namespace insitu::scene
