@@ -1,6 +1,6 @@
 #pragma once
 
-#include "advect/integrate.h"
+#include "advect/settings.h"
 #include "mesh/view.h"
 
 namespace insitu::advect {

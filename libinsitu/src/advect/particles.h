@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "advect/integrate.h"
+#include "advect/settings.h"
 #include "core/memory.h"
 
 namespace insitu::advect {

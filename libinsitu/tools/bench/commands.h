@@ -22,6 +22,7 @@ Output scale(const Options& options);
 Output methods(const Options& options);
 Output amr(const Options& options);
 Output effects(const Options& options);
+Output advect(const Options& options);
 Output render(const Options& options);
 
 /// The answers to a set of queries: cells as ids or -1, and the field (NaN outside).

@@ -12,7 +12,7 @@
 
 namespace insitu::bench {
 
-enum class Command { help, commit, locate, torture, scale, methods, amr, effects, render };
+enum class Command { help, commit, locate, torture, scale, methods, amr, effects, render, advect };
 const char* name(Command command);
 
 struct Options {
