@@ -5,6 +5,7 @@ find_package(PNG REQUIRED)
 find_package(OpenEXR 3 CONFIG REQUIRED)
 find_package(Embree REQUIRED)
 find_package(GeographicLib REQUIRED)
+find_package(NetCDF REQUIRED)
 find_package(hwy CONFIG REQUIRED)
 find_package(Threads REQUIRED)
 

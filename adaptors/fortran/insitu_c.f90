@@ -67,6 +67,11 @@ module insitu_c
       insitu_frame_cartesian = 0, insitu_frame_geocentric = 1, insitu_frame_geodetic = 2, &
       insitu_frame_enu = 3, insitu_frame_utm = 4
 
+  ! insitu_angle, insitu_length, insitu_vertical
+  integer(c_int), parameter :: &
+      insitu_degrees = 0, insitu_radians = 1, insitu_metres = 0, insitu_kilometres = 1, &
+      insitu_up = 0, insitu_down = 1
+
   ! insitu_action
   integer(c_int), parameter :: insitu_keep = 0, insitu_refit = 1, insitu_rebuild = 2
 
@@ -85,13 +90,13 @@ module insitu_c
   integer, parameter :: &
       insitu_end_alive = 1, insitu_end_left = 2, insitu_end_stagnated = 3, insitu_end_expired = 4, &
       insitu_end_step_limit = 5, insitu_end_seed_outside = 6, insitu_end_not_finite = 7, &
-      insitu_end_killed = 8, insitu_end_count = 8
+      insitu_end_killed = 8, insitu_end_stopped = 9, insitu_end_removed = 10, insitu_end_count = 10
   integer, parameter :: &
       insitu_memory_tree = 1, insitu_memory_build = 2, insitu_memory_ranges = 3, &
       insitu_memory_earlier = 4, insitu_memory_query = 5, insitu_memory_tracer = 6, &
       insitu_memory_frame = 7, insitu_memory_converted = 8, insitu_memory_embree = 9, &
       insitu_memory_device = 10, insitu_memory_amr = 11, insitu_memory_gathered = 12, &
-      insitu_memory_count = 12
+      insitu_memory_geocentric = 13, insitu_memory_chart = 14, insitu_memory_count = 14
 
   type, bind(c) :: c_session_options
     integer(c_size_t) :: size = 0
@@ -179,6 +184,9 @@ module insitu_c
     real(c_double) :: origin(3) = 0.0_c_double
     integer(c_int32_t) :: utm_zone = 0
     integer(c_int32_t) :: utm_north = 1
+    integer(c_int) :: angle = insitu_degrees
+    integer(c_int) :: length = insitu_metres
+    integer(c_int) :: vertical = insitu_up
   end type c_frame
 
   type, bind(c) :: insitu_commit_report

@@ -303,7 +303,8 @@ contains
     character(len=*), intent(in) :: call_name, frame
     character(len=:), allocatable :: text
     text = call_name // ": frame '" // trim(frame) // "': expected cartesian, geocentric, " // &
-        "geodetic, 'enu <longitude> <latitude> <height>' or 'utm <zone>N'"
+        "'geodetic [radians] [kilometres] [depth]', 'enu <longitude> <latitude> <height>' or " // &
+        "'utm <zone>N'"
   end function bad_frame
 
 end module insitu_core

@@ -34,7 +34,8 @@ contains
   end function from_c
 
   !> 'cartesian', 'geocentric', 'geodetic', 'enu <longitude> <latitude> <height>' or
-  !! 'utm <zone>N' (S: south of the equator). good is false for anything else.
+  !! 'utm <zone>N' (S: south of the equator). After 'geodetic' any of the words radians (else
+  !! degrees), kilometres (else metres) and depth (else height). good is false for anything else.
   subroutine read_frame(text, frame, good)
     character(len=*), intent(in) :: text
     type(c_frame), intent(out) :: frame
@@ -55,6 +56,7 @@ contains
       frame%kind = insitu_frame_geocentric
     case ('geodetic')
       frame%kind = insitu_frame_geodetic
+      call read_units(rest, frame, good)
     case ('enu')
       frame%kind = insitu_frame_enu
       read (rest, *, iostat=status) frame%origin
@@ -71,5 +73,37 @@ contains
       good = .false.
     end select
   end subroutine read_frame
+
+  !> The words after 'geodetic'.
+  subroutine read_units(words, frame, good)
+    character(len=*), intent(in) :: words
+    type(c_frame), intent(inout) :: frame
+    logical, intent(out) :: good
+    character(len=:), allocatable :: rest
+    integer :: blank
+
+    good = .true.
+    rest = trim(adjustl(words))
+    do while (good .and. len(rest) > 0)
+      blank = index(rest // ' ', ' ')
+      select case (rest(:blank - 1))
+      case ('degrees')
+        frame%angle = insitu_degrees
+      case ('radians')
+        frame%angle = insitu_radians
+      case ('metres')
+        frame%length = insitu_metres
+      case ('kilometres')
+        frame%length = insitu_kilometres
+      case ('height')
+        frame%vertical = insitu_up
+      case ('depth')
+        frame%vertical = insitu_down
+      case default
+        good = .false.
+      end select
+      rest = trim(adjustl(rest(blank:)))
+    end do
+  end subroutine read_units
 
 end module insitu_text

@@ -1,21 +1,22 @@
 #!/usr/bin/env bash
 # Makes the README's tables of measured figures: libinsitu beside VTK's locators, each row one run, adaptive meshes, and
 # what effects of frames cost.
-#   bash tests/bench/table.sh [cells] [--amr|--effects] [--readme]
+#   bash tests/bench/table.sh [cells] [--amr|--effects|--accuracy] [--readme]
 # cells: 1000000, about ten minutes; the large rows take eight times as many. --amr: adaptive meshes alone, a minute;
-# --effects: effects alone, five minutes.
-# --readme: puts the tables between the README's <!-- measured -->, <!-- amr --> and <!-- effects --> marks instead of
+# --effects: effects alone, five minutes; --accuracy: what accuracy costs alone, ten minutes (its page goes to
+# out/accuracy).
+# --readme: puts the tables between the README's <!-- measured -->, <!-- amr -->, <!-- effects --> and <!-- accuracy --> marks instead of
 # printing them.
 # INSITU_BENCH: another binary.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 bench=${INSITU_BENCH:-build/release/bin/insitu-bench}
-cells=1000000 readme= parts="measured amr effects"
+cells=1000000 readme= parts="measured amr effects accuracy"
 for argument; do
   case $argument in
     --readme) readme=1 ;;
-    --amr|--effects) parts=${argument#--} ;;
-    *[!0-9]* | '') sed -n '2,9s/^# //p' "$0" >&2; exit 2 ;;
+    --amr|--effects|--accuracy) parts=${argument#--} ;;
+    *[!0-9]* | '') sed -n '2,10s/^# //p' "$0" >&2; exit 2 ;;
     *) cells=$argument ;;
   esac
 done
@@ -118,6 +119,15 @@ effects() {
   echo
   echo '```'
   "$bench" effects --cells 125000 --repetitions 3 2> /dev/null
+  echo '```'
+}
+
+accuracy() {
+  echo "\`insitu-bench accuracy --full\`, $(date -u +%Y-%m-%d) on $(nproc) cores: each choice against a reference that is exact" \
+    "or far better converged. Its page, \`report.html\`, has the plots."
+  echo
+  echo '```'
+  "$bench" accuracy --full --out out/accuracy 2> /dev/null | fold -s -w 118 | sed 's/ *$//'
   echo '```'
 }
 

@@ -95,6 +95,11 @@ using CommitReport = insitu_commit_report;
 using AuditEntry = insitu_audit_entry;
 using LocatorInfo = insitu_locator_info;
 
+/** Units of geodetic frames; see insitu_frame. */
+enum class Angle { degrees = INSITU_DEGREES, radians = INSITU_RADIANS };
+enum class Length { metres = INSITU_METRES, kilometres = INSITU_KILOMETRES };
+enum class Vertical { up = INSITU_UP, down = INSITU_DOWN };
+
 /** A frame of reference, of a mesh or of the points of a query. */
 class Frame {
 public:
@@ -102,8 +107,15 @@ public:
   static Frame cartesian() noexcept { return Frame(INSITU_FRAME_CARTESIAN); }
   /** ECEF metres on WGS84. */
   static Frame geocentric() noexcept { return Frame(INSITU_FRAME_GEOCENTRIC); }
-  /** Longitude and latitude in degrees, height in metres. */
-  static Frame geodetic() noexcept { return Frame(INSITU_FRAME_GEODETIC); }
+  /** Longitude, latitude and a height or depth; degrees, metres and heights unless said. */
+  static Frame geodetic(Vertical vertical = Vertical::up, Angle angle = Angle::degrees,
+                        Length length = Length::metres) noexcept {
+    Frame f(INSITU_FRAME_GEODETIC);
+    f.frame_.angle = static_cast<insitu_angle>(angle);
+    f.frame_.length = static_cast<insitu_length>(length);
+    f.frame_.vertical = static_cast<insitu_vertical>(vertical);
+    return f;
+  }
   /** Metres east, north and up of an origin given in degrees and metres. */
   static Frame enu(double longitude, double latitude, double height) noexcept {
     Frame f(INSITU_FRAME_ENU);

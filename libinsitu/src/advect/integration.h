@@ -89,6 +89,9 @@ public:
     visit_(p_);
     insitu_ending ending = INSITU_END_COUNT;
     while (elapsed_ < span_ && ending == INSITU_END_COUNT) {
+      // A field may change its coordinates between steps (over a pole); a rate goes along.
+      if constexpr (requires { velocity_.settle(p_.x, k1_); })
+        velocity_.settle(p_.x, k1_);
       confine();
       plan();
       ending = stops();

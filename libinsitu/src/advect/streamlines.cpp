@@ -1,8 +1,10 @@
 #include "advect/streamlines.h"
 
 #include <algorithm>
+#include <type_traits>
 #include <vector>
 
+#include "advect/chart_velocity.h"
 #include "advect/check.h"
 #include "advect/mesh_velocity.h"
 
@@ -23,23 +25,27 @@ struct Chunk {
 };
 
 /// Appends one line to the chunk's vertices.
-insitu_ending trace(MeshVelocity& velocity, const StreamlineSettings& settings,
-                    const math::Vec3d& seed, double to, Chunk& chunk) {
+template <class Velocity>
+insitu_ending trace(Velocity& velocity, const StreamlineSettings& settings, const math::Vec3d& seed,
+                    double to, Chunk& chunk) {
   State p;
-  p.x = seed;
   const std::size_t first = chunk.vertices.size();
   velocity.begin(-1);
+  p.x = velocity.enter(seed);
+  math::Vec3d last; // as the integrator has it; after a change of its coordinates it is far away
   const auto visit = [&](const State& s) {
     if (chunk.vertices.size() == first ||
-        cells_crossed(s.x - chunk.vertices.back().point, velocity.extent()) >= settings.spacing)
-      chunk.vertices.push_back({s.x, s.time, velocity.cell()});
+        cells_crossed(s.x - last, velocity.extent()) >= settings.spacing) {
+      chunk.vertices.push_back({velocity.position(s.x), s.time, velocity.cell()});
+      last = s.x;
+    }
   };
   insitu_ending ending =
       integrate(velocity, settings.integrator, to, settings.length, p, chunk.work, visit);
   if (ending == INSITU_END_ALIVE)
     ending = INSITU_END_EXPIRED;
-  if (chunk.vertices.size() > first && p.x != chunk.vertices.back().point)
-    chunk.vertices.push_back({p.x, p.time, velocity.cell()});
+  if (chunk.vertices.size() > first && p.x != last)
+    chunk.vertices.push_back({velocity.position(p.x), p.time, velocity.cell()});
   return ending;
 }
 
@@ -65,19 +71,26 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
 
   constexpr std::int64_t grain = 16;
   std::vector<Chunk> chunks(std::size_t((count + grain - 1) / grain));
-  threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
-    Chunk& chunk = chunks[std::size_t(begin / grain)];
-    MeshVelocity field(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy);
-    for (std::int64_t l = begin; l < end; ++l) {
-      const std::size_t seed = std::size_t(l / per_seed);
-      const bool backward = settings.direction == Direction::backward || l % per_seed == 1;
-      const std::size_t before = chunk.vertices.size();
-      lines.endings[std::size_t(l)] = std::uint8_t(trace(
-          field, steady, seeds[seed], backward ? -settings.duration : settings.duration, chunk));
-      lines.particles[std::size_t(l)] = std::int64_t(seed);
-      lines.offsets[std::size_t(l) + 1] = std::int64_t(chunk.vertices.size() - before);
-    }
-  });
+  const auto trace_all = [&]<class Velocity>(std::type_identity<Velocity>) {
+    threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
+      Chunk& chunk = chunks[std::size_t(begin / grain)];
+      Velocity field(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy);
+      for (std::int64_t l = begin; l < end; ++l) {
+        const std::size_t seed = std::size_t(l / per_seed);
+        const bool backward = settings.direction == Direction::backward || l % per_seed == 1;
+        const std::size_t before = chunk.vertices.size();
+        lines.endings[std::size_t(l)] = std::uint8_t(trace(
+            field, steady, seeds[seed], backward ? -settings.duration : settings.duration, chunk));
+        lines.particles[std::size_t(l)] = std::int64_t(seed);
+        lines.offsets[std::size_t(l) + 1] = std::int64_t(chunk.vertices.size() - before);
+      }
+    });
+  };
+  check_chart(sampler, steady.integrator);
+  if (sampler.chart())
+    trace_all(std::type_identity<ChartVelocity>());
+  else
+    trace_all(std::type_identity<MeshVelocity>());
 
   lines.offsets[0] = 0;
   for (std::size_t l = 0; l < std::size_t(count); ++l) {

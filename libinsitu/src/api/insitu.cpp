@@ -198,8 +198,11 @@ insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece, const insitu_a
 insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame* frame) {
   return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
     require(frame, "frame");
-    scene::check_mesh_frame(*frame);
-    m.frame = *frame;
+    const insitu_frame now = scene::read_frame(*frame);
+    const bool was = m.frame.kind == INSITU_FRAME_GEODETIC, is = now.kind == INSITU_FRAME_GEODETIC;
+    if (was != is || (is && !(scene::to_geo(m.frame) == scene::to_geo(now))))
+      m.mesh().set_changed(INSITU_CHANGED_TOPOLOGY); // located otherwise
+    m.frame = now;
   });
 }
 
@@ -260,7 +263,7 @@ insitu_status insitu_mesh_amr_info(insitu_mesh mesh, insitu_amr_info* info) {
 insitu_status insitu_mesh_audit(insitu_mesh mesh, insitu_audit_entry* entries, int32_t* count) {
   return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
     require(count, "count");
-    const std::vector<insitu_audit_entry> all = m.mesh().audit();
+    const std::vector<insitu_audit_entry> all = m.audit();
     for (std::size_t i = 0; entries && i < all.size() && std::int64_t(i) < *count; ++i)
       entries[i] = all[i];
     *count = std::int32_t(all.size());

@@ -89,6 +89,7 @@ void Session::for_each_slice(
   const std::int64_t n = points.count();
   // A conversion that fails must do so before anything is answered.
   const std::int64_t most = args.frame ? n : std::min(n, slice);
+  const insitu_frame from = args.frame ? scene::read_frame(*args.frame) : mesh.frame;
   const math::Vec3d* const in_place = args.frame ? nullptr : points.in_place();
   if (!in_place)
     query_points_.resize_discard(std::size_t(most));
@@ -97,7 +98,7 @@ void Session::for_each_slice(
     if (!in_place)
       points.gather(first, {query_points_.data(), count}, context_.threads);
     if (args.frame)
-      scene::convert_points({query_points_.data(), count}, *args.frame, mesh.frame);
+      scene::convert_points({query_points_.data(), count}, from, mesh.frame);
     visit(first, {in_place ? in_place + first : query_points_.data(), count});
   }
 }

@@ -34,7 +34,6 @@ struct Chunk {
 void look(const mesh::MeshView& mesh, const CellGather& gather, std::int64_t begin,
           std::int64_t end, Chunk& chunk) {
   constexpr int first = int(Shape::tetrahedron), shapes = 5;
-  const mesh::PieceView& piece = mesh.pieces[0];
   CellBlock block;
   std::int64_t ids[shapes][CellBlock::size]; // waiting, by shape
   int waiting[shapes] = {};
@@ -47,8 +46,11 @@ void look(const mesh::MeshView& mesh, const CellGather& gather, std::int64_t beg
     chunk.inverted.add(kinds.inverted & ~bad, ids[shape]);
     chunk.right.add(block.all() & ~(kinds.inverted | bad), ids[shape]);
   };
+  std::int32_t piece = mesh.piece_of(begin);
   for (std::int64_t cell = begin; cell < end; ++cell) {
-    if (!piece.owns(cell))
+    while (cell >= mesh.first_cell[piece + 1])
+      ++piece;
+    if (!mesh.pieces[piece].owns(cell - mesh.first_cell[piece]))
       continue;
     const int shape = int(gather.shape(cell)) - first;
     ids[shape][waiting[shape]++] = cell;
@@ -63,9 +65,9 @@ void look(const mesh::MeshView& mesh, const CellGather& gather, std::int64_t beg
 
 OddCells find_odd_cells(const mesh::MeshView& mesh, const core::Threads& threads) {
   OddCells odd;
-  if (mesh.piece_count != 1)
+  if (mesh.piece_count != 1 && !mesh.one_mesh)
     return odd;
-  const std::int64_t count = mesh.pieces[0].cell_count;
+  const std::int64_t count = mesh.cell_count();
   const CellGather gather(mesh, 1.0);
   std::vector<Chunk> chunks(std::size_t((count + grain - 1) / grain));
   std::atomic<bool> many{false}; // whatever the other chunks hold
@@ -104,7 +106,7 @@ OddCells find_odd_cells(const mesh::MeshView& mesh, const insitu_validation& cou
   const std::int64_t right =
       counts.cells - counts.ghost_cells - counts.inverted_cells - bad; // at least
   OddCells odd;
-  if (mesh.piece_count != 1)
+  if (mesh.piece_count != 1 && !mesh.one_mesh)
     return odd;
   const std::int64_t turned = std::min(counts.inverted_cells, std::max<std::int64_t>(right, 0));
   if (bad + turned > OddCells::most)

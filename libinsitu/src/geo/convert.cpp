@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 
 #include "core/status.h"
 #include "geo/frames.h"
@@ -41,18 +42,35 @@ void require_finite(const Frame& frame, const Vec3d& p, std::size_t index) {
   }
 }
 
-void require_degrees(const Frame& frame, const Vec3d& p, std::size_t index) {
-  if (!(std::abs(p.y) <= 90)) {
+/// A point of a geodetic frame, in its units.
+void require_angles(const Frame& frame, const Vec3d& p, std::size_t index) {
+  if (!(std::abs(p.y) <= (frame.radians ? std::numbers::pi / 2 : 90.0))) {
     refuse(frame, "latitude", p.y, index,
-           "is not in [-90, 90] (points are longitude, latitude, height)");
+           frame.radians ? "is not in [-pi/2, pi/2] (points are longitude, latitude, height)"
+                         : "is not in [-90, 90] (points are longitude, latitude, height)");
   }
-  if (!(std::abs(p.x) <= 540)) {
-    refuse(frame, "longitude", p.x, index, "is not in [-540, 540]");
+  if (!(std::abs(p.x) <= (frame.radians ? 3 * std::numbers::pi : 540.0))) {
+    refuse(frame, "longitude", p.x, index,
+           frame.radians ? "is not in [-3 pi, 3 pi]" : "is not in [-540, 540]");
   }
 }
 
 double vertical(const Frame& frame, double value) {
   return frame.depth_down ? -value : value;
+}
+
+/// A frame's angle in degrees; the quarter turn of a pole exactly.
+double angle_to_degrees(const Frame& frame, double angle) {
+  constexpr double pole = std::numbers::pi / 2;
+  return !frame.radians               ? angle
+         : std::abs(angle) == pole    ? std::copysign(90.0, angle)
+                                      : angle * (180 / std::numbers::pi);
+}
+
+double angle_from_degrees(const Frame& frame, double angle) {
+  return !frame.radians           ? angle
+         : std::abs(angle) == 90  ? std::copysign(std::numbers::pi / 2, angle)
+                                  : angle * (std::numbers::pi / 180);
 }
 
 double central_meridian(const Frame& frame) {
@@ -118,8 +136,9 @@ public:
     if (frame_.kind == FrameKind::utm) {
       return from_utm(frame_, p, index);
     }
-    require_degrees(frame_, p, index);
-    return {p.x, p.y, vertical(frame_, p.z)};
+    require_angles(frame_, p, index);
+    return {angle_to_degrees(frame_, p.x), angle_to_degrees(frame_, p.y),
+            vertical(frame_, frame_.kilometres ? p.z * 1000 : p.z)};
   }
 
   Vec3d from_degrees(const Vec3d& p, std::size_t index) const {
@@ -127,7 +146,8 @@ public:
       return to_utm(frame_, p, index);
     }
     const double longitude = std::abs(p.x) > 180 ? std::remainder(p.x, 360.0) : p.x;
-    return {longitude, p.y, vertical(frame_, p.z)};
+    return {angle_from_degrees(frame_, longitude), angle_from_degrees(frame_, p.y),
+            vertical(frame_, frame_.kilometres ? p.z / 1000 : p.z)};
   }
 
   Vec3d to_geocentric(const Vec3d& p, std::size_t index) const {

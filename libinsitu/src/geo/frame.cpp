@@ -32,6 +32,13 @@ Frame Frame::geodetic(bool depth_down) {
   return frame;
 }
 
+Frame Frame::geodetic(const ChartUnits& units) {
+  Frame frame = geodetic(units.down);
+  frame.radians = units.radians;
+  frame.kilometres = units.kilometres;
+  return frame;
+}
+
 Frame Frame::enu(double longitude, double latitude, double height) {
   Frame frame;
   frame.kind = FrameKind::enu;
@@ -73,7 +80,12 @@ Frame Frame::utm(std::string_view text) {
 }
 
 std::string describe(const Frame& frame) {
-  const std::string depth = frame.depth_down ? " (depth down)" : "";
+  std::string units = frame.radians ? "radians" : "";
+  if (frame.kilometres)
+    units += units.empty() ? "kilometres" : ", kilometres";
+  if (frame.depth_down)
+    units += units.empty() ? "depth down" : ", depth down";
+  const std::string depth = units.empty() ? "" : " (" + units + ")";
   switch (frame.kind) {
   case FrameKind::geocentric:
     return "geocentric";

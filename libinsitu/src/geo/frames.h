@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "geo/chart.h"
 #include "math/vec.h"
 
 namespace insitu::geo {
@@ -12,8 +13,8 @@ namespace insitu::geo {
 enum class FrameKind { cartesian, geocentric, geodetic, enu, utm };
 
 /// What the three numbers of a point mean. All but cartesian are on the WGS84 ellipsoid, in metres
-/// and degrees; a vertical number is a height above the ellipsoid, or a depth below it if
-/// depth_down.
+/// and degrees (geodetic: in radians or kilometres if so said); a vertical number is a height above
+/// the ellipsoid, or a depth below it if depth_down.
 ///
 ///   cartesian   x, y, z of the solver, with no place on Earth
 ///   geocentric  x, y, z from the Earth's centre: x through longitude 0 on the equator, z through
@@ -25,6 +26,8 @@ enum class FrameKind { cartesian, geocentric, geodetic, enu, utm };
 struct Frame {
   FrameKind kind = FrameKind::cartesian;
   bool depth_down = false;            // geodetic, utm
+  bool radians = false;               // geodetic: longitude, latitude
+  bool kilometres = false;            // geodetic: height
   double longitude = 0, latitude = 0; // enu: the origin, degrees
   double height = 0;                  // enu: the origin, metres
   int zone = 0;                       // utm: 1 to 60
@@ -35,6 +38,7 @@ struct Frame {
   static Frame cartesian() { return {}; }
   static Frame geocentric();
   static Frame geodetic(bool depth_down = false);
+  static Frame geodetic(const ChartUnits& units);
   static Frame enu(double longitude, double latitude, double height = 0);
   static Frame utm(int zone, bool north, bool depth_down = false);
   /// By the zone's name: "33N", "7 S". Band letters other than N and S are refused: "33S" could
@@ -51,7 +55,7 @@ void validate(const Frame& frame);
 
 /// Converts points from one frame to another; `out` has as many items as `in` and may be the same
 /// memory. Equal frames give equal numbers. Longitudes come out in [-180, 180] and may go in within
-/// [-540, 540]. At a pole, where every longitude is right, the answer is some longitude.
+/// [-540, 540] (degrees, or as many radians); depth 0 comes out as height 0 exactly. At a pole, where every longitude is right, the answer is some longitude.
 ///
 /// Error: below 10 nm for points within 5,000 km of the surface (GeographicLib's Geocentric states
 /// 7 nm); utm is the 6th-order series of Krueger, which keeps 5 nm up to 3,900 km from the central

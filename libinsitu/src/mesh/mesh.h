@@ -18,13 +18,17 @@ namespace insitu::mesh {
 /// Trees keep flat cell ids in 32 bits.
 constexpr std::int64_t most_cells = 0xffffffff;
 
-/// Cells in place of the solver's own: an adaptive mesh's dual cells.
+/// Cells in place of the solver's own: an adaptive mesh's dual cells, or those of a geodetic mesh
+/// with copies of some.
 class StandIn {
 public:
   virtual ~StandIn() = default;
   virtual const MeshView& view() const = 0;
   /// A field of the solver's on these cells; valid until the next commit.
   virtual FieldView field(const FieldView& own) = 0;
+  /// If these are the solver's vertices, which move with it: view(), to which commits add what they
+  /// find out. Else null.
+  virtual MeshView* solver_view() { return nullptr; }
 };
 
 /// What a solver registered: pieces, fields, ghosts. Holds pointers, never values, but for the
@@ -73,8 +77,14 @@ public:
   /// From now on view() and field() are the stand-in's; null: the solver's own.
   void set_stand_in(StandIn* stand_in) { stand_in_ = stand_in; }
   bool has_stand_in() const { return stand_in_ != nullptr; }
-  void set_free_of_folds(bool free) { view_.free_of_folds = free; }
-  void set_covers_once(bool once) { view_.covers_once = once; }
+  void set_free_of_folds(bool free) { shown().free_of_folds = free; }
+  void set_covers_once(bool once) { shown().covers_once = once; }
+
+  /// Registers what `from` has, as of its last update(), but for the vertices: those lie at
+  /// points[from.own_view().first_vertex[piece] + id], borrowed. Nothing else is copied but pointers,
+  /// and these are taken anew with each call; what changed is up to set_changed(). Not of adaptive
+  /// meshes.
+  void share(const Mesh& from, const math::Vec3d* points);
 
   /// Which cells of an adaptive mesh are no leaves: a bit a flat cell, or null; kept by the caller.
   void set_masked(const std::uint64_t* masked);
@@ -131,6 +141,12 @@ private:
     std::vector<FieldPieceView> views;
   };
 
+  /// view(), unless the stand-in's vertices are its own.
+  MeshView& shown() {
+    MeshView* const shown = stand_in_ ? stand_in_->solver_view() : nullptr;
+    return shown ? *shown : view_;
+  }
+  void hide_earlier();
   void set_views();
   void make_leaves_views();
   Piece& piece_for(std::int32_t piece);

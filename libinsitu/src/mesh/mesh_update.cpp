@@ -90,8 +90,14 @@ void Mesh::set_views() {
   view_.first_cell = first_cell_.data();
   view_.first_vertex = first_vertex_.data();
   view_.piece_count = std::int32_t(pieces_.size());
-  view_.earlier_points = nullptr; // of cells that may be others by now, until they are shown again
-  view_.largest_displacement = 0.0;
+  hide_earlier(); // of cells that may be others by now, until they are shown again
+}
+
+void Mesh::hide_earlier() {
+  for (MeshView* const view : {&view_, &shown()}) {
+    view->earlier_points = nullptr;
+    view->largest_displacement = 0.0;
+  }
 }
 
 void Mesh::update_fields(const core::Threads* threads) {
@@ -146,31 +152,33 @@ void Mesh::keep_earlier(const std::vector<std::string>& names, const core::Threa
       });
     }
   }
-  if (stand_in_) // its vertices stay where they are
+  if (stand_in_ && !stand_in_->solver_view()) // its vertices stay where they are
     return;
-  earlier_points_.resize_discard(std::size_t(first_vertex_.back()));
-  for (std::size_t p = 0; p < pieces_.size(); ++p)
+  earlier_points_.resize_discard(std::size_t(now.vertex_count()));
+  for (std::size_t p = 0; p < pieces; ++p)
     threads.parallel_for(
-        piece_views_[p].vertex_count, copy_grain, [&](std::int64_t begin, std::int64_t end) {
+        now.pieces[p].vertex_count, copy_grain, [&](std::int64_t begin, std::int64_t end) {
           for (std::int64_t i = begin; i < end; ++i)
-            earlier_points_[std::size_t(first_vertex_[p] + i)] = piece_views_[p].point(i);
+            earlier_points_[std::size_t(now.first_vertex[p] + i)] = now.pieces[p].point(i);
         });
 }
 
 void Mesh::expose_earlier(bool expose, const core::Threads& threads) {
-  view_.earlier_points = nullptr;
-  view_.largest_displacement = 0.0;
-  if (!expose || earlier_points_.size() != std::size_t(first_vertex_.back()))
+  hide_earlier();
+  if (stand_in_ && !stand_in_->solver_view())
+    return;
+  MeshView& current = shown();
+  if (!expose || earlier_points_.size() != std::size_t(current.vertex_count()))
     return;
   double largest = 0.0;
-  for (std::size_t p = 0; p < pieces_.size(); ++p) {
-    const std::int64_t count = piece_views_[p].vertex_count;
+  for (std::int32_t p = 0; p < current.piece_count; ++p) {
+    const std::int64_t count = current.pieces[p].vertex_count;
     std::vector<double> most(std::size_t((count + copy_grain - 1) / copy_grain), 0.0);
     threads.parallel_for(count, copy_grain, [&](std::int64_t begin, std::int64_t end) {
       double m = 0.0;
       for (std::int64_t i = begin; i < end; ++i) {
-        const math::Vec3d now = piece_views_[p].point(i);
-        const math::Vec3d& then = earlier_points_[std::size_t(first_vertex_[p] + i)];
+        const math::Vec3d now = current.pieces[p].point(i);
+        const math::Vec3d& then = earlier_points_[std::size_t(current.first_vertex[p] + i)];
         for (int a = 0; a < 3; ++a) {
           const double d = now[a] < then[a] ? then[a] - now[a] : now[a] - then[a];
           m = d > m ? d : m;
@@ -183,15 +191,14 @@ void Mesh::expose_earlier(bool expose, const core::Threads& threads) {
   }
   if (largest == 0.0)
     return; // nothing moved: the current coordinates are the earlier ones
-  view_.earlier_points = earlier_points_.data();
-  view_.largest_displacement = largest;
+  current.earlier_points = earlier_points_.data();
+  current.largest_displacement = largest;
 }
 
 void Mesh::release_earlier() {
   earlier_points_.release();
   earlier_fields_.clear();
-  view_.earlier_points = nullptr;
-  view_.largest_displacement = 0.0;
+  hide_earlier();
 }
 
 std::optional<FieldView> Mesh::earlier_field(const std::string& name) const {

@@ -55,6 +55,8 @@ struct PieceView {
   const std::byte* ghosts = nullptr;
   ItemLayout ghost_layout;
   std::uint8_t ghost_mask = 0; ///< bits that take a cell out
+  /// A geo::Pole: copies of a geodetic mesh's cells, on the chart turned to it; vectors too.
+  std::int8_t pole = 0;
 
   INSITU_HD Shape shape(std::int64_t cell) const {
     if (layout != CellLayout::mixed && layout != CellLayout::padded)

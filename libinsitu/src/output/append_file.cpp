@@ -7,7 +7,10 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <utility>
+#include <vector>
 
+#include "output/atomic_file.h"
 #include "output/file_system.h"
 
 namespace insitu::output {
@@ -30,49 +33,44 @@ std::size_t read_at(int descriptor, const std::string& path, char* data, std::si
   return done;
 }
 
-/// Cuts the file after its last line end, so that it holds whole lines only.
-void cut_partial_line(int descriptor, const std::string& path, const off_t size) {
-  off_t end = size;
-  char block[4096];
-  while (end > 0) {
-    const off_t begin = std::max<off_t>(0, end - off_t(sizeof block));
-    const std::size_t count = read_at(descriptor, path, block, std::size_t(end - begin), begin);
-    const void* last = ::memrchr(block, '\n', count);
-    if (last != nullptr) {
-      end = begin + (static_cast<const char*>(last) - block) + 1;
-      break;
-    }
-    end = begin;
-  }
-  if (end < size && ::ftruncate(descriptor, end) != 0) {
-    throw_file_error("cut the partial last line of", path, errno);
-  }
-}
-
 } // namespace
 
-AppendFile::AppendFile(std::string path) : path_(std::move(path)) {
+LockedFile::LockedFile(std::string path) : path_(std::move(path)) {
   prepare_folder(folder_of(path_));
-  descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) {
-    throw_file_error("write", path_, errno);
-  }
-  try {
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+  open_and_lock();
+}
+
+/// Where another session put a new file in its place between opening and locking, the new one is
+/// taken.
+void LockedFile::open_and_lock() {
+  for (;;) {
+    const int descriptor = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    if (descriptor < 0) {
+      throw_file_error("write", path_, errno);
+    }
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      ::close(descriptor);
       throw BeingWritten(path_);
     }
-    cut_partial_line(descriptor_, path_, off_t(size()));
-  } catch (...) {
-    ::close(descriptor_);
-    throw;
+    struct stat opened {
+    }, named{};
+    const bool same = ::fstat(descriptor, &opened) == 0 && ::stat(path_.c_str(), &named) == 0 &&
+                      opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+    if (same) {
+      descriptor_ = descriptor;
+      return;
+    }
+    ::close(descriptor);
   }
 }
 
-AppendFile::~AppendFile() {
-  ::close(descriptor_);
+LockedFile::~LockedFile() {
+  if (descriptor_ >= 0) {
+    ::close(descriptor_);
+  }
 }
 
-std::int64_t AppendFile::size() const {
+std::int64_t LockedFile::size() const {
   struct stat status {};
   if (::fstat(descriptor_, &status) != 0) {
     throw_file_error("read", path_, errno);
@@ -80,11 +78,64 @@ std::int64_t AppendFile::size() const {
   return status.st_size;
 }
 
+std::size_t LockedFile::read(std::int64_t at, char* data, std::size_t bytes) const {
+  return read_at(descriptor_, path_, data, bytes, off_t(at));
+}
+
+void LockedFile::cut(std::int64_t size, const char* doing) {
+  if (::ftruncate(descriptor_, off_t(size)) != 0) {
+    throw_file_error(doing, path_, errno);
+  }
+}
+
+void LockedFile::renew(std::string_view head, std::optional<std::int64_t> copy_from) {
+  AtomicFile out(path_);
+  out.write(head);
+  std::vector<char> block(copy_from ? std::size_t(1) << 20 : 0);
+  for (std::int64_t at = copy_from.value_or(0); copy_from;) {
+    const std::size_t count = read(at, block.data(), block.size());
+    if (count == 0) {
+      break;
+    }
+    out.write(block.data(), count);
+    at += std::int64_t(count);
+  }
+  out.commit();
+  const int before = std::exchange(descriptor_, -1);
+  try {
+    open_and_lock();
+  } catch (...) {
+    descriptor_ = before;
+    throw;
+  }
+  ::close(before);
+}
+
+AppendFile::AppendFile(std::string path) : LockedFile(std::move(path)) {
+  // It holds whole lines only.
+  const std::int64_t all = size();
+  std::int64_t end = all;
+  char block[4096];
+  while (end > 0) {
+    const std::int64_t begin = std::max<std::int64_t>(0, end - std::int64_t(sizeof block));
+    const std::size_t count = read(begin, block, std::size_t(end - begin));
+    const void* last = ::memrchr(block, '\n', count);
+    if (last != nullptr) {
+      end = begin + (static_cast<const char*>(last) - block) + 1;
+      break;
+    }
+    end = begin;
+  }
+  if (end < all) {
+    cut(end, "cut the partial last line of");
+  }
+}
+
 std::string AppendFile::first_line() const {
   std::string line;
   char block[4096];
   for (;;) {
-    const std::size_t count = read_at(descriptor_, path_, block, sizeof block, off_t(line.size()));
+    const std::size_t count = read(std::int64_t(line.size()), block, sizeof block);
     const void* end = std::memchr(block, '\n', count);
     if (end != nullptr) {
       return line.append(block, static_cast<const char*>(end) - block + 1);
@@ -99,41 +150,33 @@ std::string AppendFile::first_line() const {
 bool AppendFile::cut_from(
     std::int64_t from,
     const std::function<std::optional<std::int64_t>(std::string_view)>& number_of) {
-  const auto header = off_t(first_line().size());
-  const auto end_of_file = off_t(size());
+  const auto header = std::int64_t(first_line().size());
+  const std::int64_t end_of_file = size();
   std::string carry; // the part of a line at the end of a block
-  off_t line = header;
+  std::int64_t line = header;
   char block[1 << 16];
-  for (off_t at = header; at < end_of_file;) {
-    const std::size_t count = read_at(descriptor_, path_, block, sizeof block, at);
+  for (std::int64_t at = header; at < end_of_file;) {
+    const std::size_t count = read(at, block, sizeof block);
     if (count == 0) {
       break;
     }
-    at += off_t(count);
+    at += std::int64_t(count);
     carry.append(block, count);
     std::size_t begin = 0;
     for (std::size_t end; (end = carry.find('\n', begin)) != std::string::npos; begin = end + 1) {
       const auto number = number_of(std::string_view(carry).substr(begin, end - begin));
       if (number && *number >= from) {
-        if (::ftruncate(descriptor_, line) != 0) {
-          throw_file_error("cut the rows of an earlier run from", path_, errno);
-        }
+        cut(line, "cut the rows of an earlier run from");
         return line > header;
       }
-      line += off_t(end + 1 - begin);
+      line += std::int64_t(end + 1 - begin);
     }
     carry.erase(0, begin);
   }
   return line > header;
 }
 
-void AppendFile::clear() {
-  if (::ftruncate(descriptor_, 0) != 0) {
-    throw_file_error("start anew", path_, errno);
-  }
-}
-
-void AppendFile::append(std::string_view text) {
+void LockedFile::append(std::string_view text) {
   std::size_t done = 0;
   const int error = write_all(descriptor_, text.data(), text.size(), &done);
   if (error != 0) {
@@ -145,7 +188,7 @@ void AppendFile::append(std::string_view text) {
   }
 }
 
-void AppendFile::replace(std::int64_t at, std::string_view text) {
+void LockedFile::replace(std::int64_t at, std::string_view text) {
   // Linux appends by pwrite too where a file was opened to append.
   const int flags = ::fcntl(descriptor_, F_GETFL);
   if (flags < 0 || ::fcntl(descriptor_, F_SETFL, flags & ~O_APPEND) != 0) {

@@ -193,7 +193,7 @@ void AtomicFile::flush() {
   buffer_.clear();
 }
 
-void AtomicFile::commit() {
+void AtomicFile::flush_to_device() {
   if (descriptor_ < 0) {
     throw core::Error(INSITU_ERROR_INTERNAL,
                       "commit of '" + target_ + "' after it was committed or had failed");
@@ -204,16 +204,34 @@ void AtomicFile::commit() {
   if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOTSUP) {
     fail("flush", errno);
   }
-  // Renamed while the lock is held, so a cleaner never sees an unlocked unfinished file.
-  if (::rename(part_.c_str(), target_.c_str()) != 0) {
-    fail("rename to", errno);
-  }
+}
+
+void AtomicFile::close_committed() {
   const int descriptor = descriptor_;
   descriptor_ = -1;
   // Network file systems report a lost write here at the latest.
   if (::close(descriptor) != 0 && errno != EINTR) {
     throw_file_error("close", target_, errno);
   }
+}
+
+void AtomicFile::commit() {
+  flush_to_device();
+  // Renamed while the lock is held, so a cleaner never sees an unlocked unfinished file.
+  if (::rename(part_.c_str(), target_.c_str()) != 0) {
+    fail("rename to", errno);
+  }
+  close_committed();
+}
+
+void AtomicFile::commit_if_absent() {
+  flush_to_device();
+  if (::link(part_.c_str(), target_.c_str()) == 0 || errno == EEXIST) {
+    ::unlink(part_.c_str());
+  } else if (::rename(part_.c_str(), target_.c_str()) != 0) { // a file system without links
+    fail("rename to", errno);
+  }
+  close_committed();
 }
 
 } // namespace insitu::output

@@ -38,6 +38,8 @@ public:
   void write(const void* data, std::size_t bytes);
   void write(std::string_view text) { write(text.data(), text.size()); }
   void commit();
+  /// The same where there is no target yet; where there is one, that stays, and the bytes go.
+  void commit_if_absent();
 
   const std::string& target() const { return target_; }
   /// Where the bytes go until `commit`.
@@ -45,6 +47,8 @@ public:
 
 private:
   void flush();
+  void flush_to_device();
+  void close_committed();
   void discard() noexcept;
   [[noreturn]] void fail(const char* doing, int error);
 

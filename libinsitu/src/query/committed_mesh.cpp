@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdio>
+#include <optional>
 
 #include "cells/conformity.h"
 #include "core/status.h"
@@ -148,6 +150,44 @@ void CommittedMesh::require_adaptive_locator() const {
                                                     accel::name(locators_.pick().backend));
 }
 
+void CommittedMesh::require_geodetic_locator() const {
+  const std::string name = "mesh '" + mesh_.name() + "' is geodetic: ";
+  if (mesh_.is_adaptive())
+    throw core::Error(INSITU_ERROR_UNSUPPORTED, name + "adaptive meshes are not located in "
+                                                       "longitude and latitude; give it in local "
+                                                       "or UTM metres");
+  if (on_device_ || locators_.pick().backend != accel::Backend::cpu)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      name + "it is located on the CPU, in host memory, not by " +
+                          accel::name(locators_.pick().method) + " on " +
+                          accel::name(locators_.pick().backend));
+}
+
+/// Finds where the cells of a geodetic mesh are located; true if these are others than before.
+bool CommittedMesh::place_on_chart(std::uint32_t pending, const core::Threads& threads,
+                                   const core::Log& log) {
+  if (!(pending & (INSITU_CHANGED_TOPOLOGY | INSITU_CHANGED_GEOMETRY)) && geodetic_) {
+    geodetic_->fields_changed();
+    return false;
+  }
+  const geo::ChartUnits units{frame.angle == INSITU_RADIANS, frame.length == INSITU_KILOMETRES,
+                              frame.vertical == INSITU_DOWN};
+  mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until it is done
+  mesh_.set_stand_in(nullptr);
+  if (!geodetic_)
+    geodetic_ = std::make_unique<Geodetic>(*memory_);
+  const bool others = geodetic_->build(mesh_, units, threads);
+  if (geodetic_->has_copies())
+    mesh_.set_stand_in(geodetic_.get());
+  if (others)
+    mesh_.release_earlier(); // of other cells
+  if (others && geodetic_->has_copies())
+    log.info("mesh '" + mesh_.name() + "': " + std::to_string(geodetic_->hidden_cells()) +
+             " cells wrap around or hold a pole; " + std::to_string(geodetic_->copied_cells()) +
+             " copies of cells there, " + std::to_string(geodetic_->bytes()) + " bytes");
+  return others;
+}
+
 /// Tells the policy what was asked of the tree since the last commit.
 void CommittedMesh::note_queries() {
   std::int64_t located = 0;
@@ -160,7 +200,11 @@ void CommittedMesh::note_queries() {
 
 void CommittedMesh::validate_topology(const mesh::MeshView& view, const core::Threads& threads,
                                       const core::Log& log) {
-  const cells::Validation validation = cells::validate(mesh_.name(), view, threads);
+  accept(cells::validate(mesh_.name(), view, threads), view, threads, log);
+}
+
+void CommittedMesh::accept(const cells::Validation& validation, const mesh::MeshView& view,
+                           const core::Threads& threads, const core::Log& log) {
   if (!validation.findings.empty())
     throw core::Error(INSITU_ERROR_MESH, validation.findings);
   if (!validation.warning.empty())
@@ -206,6 +250,21 @@ void CommittedMesh::commit_adaptive(std::uint32_t pending, insitu_commit_report&
   }
 }
 
+std::vector<insitu_audit_entry> CommittedMesh::audit() const {
+  std::vector<insitu_audit_entry> entries = mesh_.audit();
+  if (geodetic_ && geodetic_->has_copies()) {
+    insitu_audit_entry e{};
+    e.size = sizeof e;
+    std::snprintf(e.name, sizeof e.name, "copies of %lld cells",
+                  static_cast<long long>(geodetic_->copied_cells()));
+    std::snprintf(e.reason, sizeof e.reason,
+                  "located beyond the seam of longitude or on a pole's chart");
+    e.bytes = geodetic_->bytes();
+    entries.push_back(e);
+  }
+  return entries;
+}
+
 insitu_amr_info CommittedMesh::amr_info() const {
   if (!committed_ || !adaptive_)
     throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() +
@@ -217,12 +276,30 @@ insitu_amr_info CommittedMesh::amr_info() const {
 
 void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& report,
                                    const core::Threads& threads, const core::Log& log) {
-  const bool topology = (pending & INSITU_CHANGED_TOPOLOGY) || tree_is_stale_;
+  bool topology = (pending & INSITU_CHANGED_TOPOLOGY) || tree_is_stale_;
   const bool geometry = (pending & INSITU_CHANGED_GEOMETRY) != 0;
+  std::optional<cells::Validation> own; // nothing is read through ids that were not looked at
+  if (frame.kind == INSITU_FRAME_GEODETIC) {
+    if (topology) {
+      own = cells::validate(mesh_.name(), mesh_.own_view(), threads);
+      if (!own->findings.empty())
+        throw core::Error(INSITU_ERROR_MESH, own->findings);
+    }
+    topology =
+        place_on_chart(topology ? std::uint32_t(INSITU_CHANGED_ALL) : pending, threads, log) ||
+        topology;
+    if (geodetic_->has_copies())
+      own.reset(); // of cells that are hidden
+  }
+  if (topology)
+    pending |= INSITU_CHANGED_TOPOLOGY; // for the locators
   bool rebuild = topology;
   if (topology) {
     policy_.topology_changed();
-    validate_topology(mesh_.view(), threads, log);
+    if (own)
+      accept(*own, mesh_.view(), threads, log);
+    else
+      validate_topology(mesh_.view(), threads, log);
     report.validated = 1;
   } else if (geometry) {
     tree_.refit(mesh_.view(), threads);
@@ -282,6 +359,12 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
     locators_.decide(on_device_, mesh_.name(), log);
     if (mesh_.is_adaptive())
       require_adaptive_locator();
+    if (frame.kind == INSITU_FRAME_GEODETIC) {
+      require_geodetic_locator();
+    } else if (geodetic_) {
+      mesh_.set_stand_in(nullptr);
+      geodetic_.reset();
+    }
     mesh_.update(&threads);
     if (strict)
       for (const insitu_audit_entry& e : mesh_.audit())
@@ -296,6 +379,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
       odd_cells_ = {};
       mesh_.set_free_of_folds(false);
       mesh_.set_covers_once(false);
+      ++geometry_version_;
     }
     if (mesh_.is_adaptive())
       commit_adaptive(pending, report, threads);
@@ -320,8 +404,9 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
   report.builder = tree_.empty() || lies_on_device()                 ? INSITU_BUILDER_NONE
                    : tree_.builder() == accel::Builder::surface_area ? INSITU_BUILDER_SURFACE_AREA
                                                                      : INSITU_BUILDER_MORTON;
-  report.cells = mesh_.view().cell_count();
-  report.vertices = mesh_.view().vertex_count();
+  const mesh::MeshView& counted = geodetic_ ? mesh_.own_view() : mesh_.view();
+  report.cells = counted.cell_count();
+  report.vertices = counted.vertex_count();
   report.bytes = locators_.info(tree_).bytes;
   report.bytes_allocated = std::max<std::int64_t>(0, memory.current() - bytes_before);
   return report;

@@ -10,6 +10,7 @@
 #include "core/log.h"
 #include "mesh/mesh.h"
 #include "query/adaptive.h"
+#include "query/geodetic.h"
 #include "query/locators.h"
 #include "query/order.h"
 #include "query/sampler.h"
@@ -40,7 +41,8 @@ public:
   insitu_locator_info locator_info() const;
   /// What device() did. reasons: of its answers, if they are on the host; they are counted.
   void note(const accel::DeviceCounts& counts, std::span<const std::uint8_t> reasons = {}) const;
-  /// The frame of the mesh's coordinates (an attribute; conversions are geo's).
+  /// The frame of the mesh's coordinates. Conversions are geo's; a geodetic mesh is located in its
+  /// own chart (Geodetic), so a change to, from or of that is a change of topology.
   insitu_frame frame = insitu_frame_default();
 
   /// Brings the tree up to date with what changed: topology -> validate, rebuild; geometry ->
@@ -62,13 +64,26 @@ public:
   /// or with a ray method, whose candidates are worth little before.
   void look_for_folds(const core::Threads& threads);
   Sampler sampler() const {
-    return {mesh_.view(), tree_, &order_, &locate_counts_, &locators_, adaptive_.get()};
+    return {mesh_.view(),
+            tree_,
+            &order_,
+            &locate_counts_,
+            &locators_,
+            adaptive_.get(),
+            geodetic_ ? &geodetic_->image() : nullptr};
   }
   /// A location as the solver counts cells, flat over the pieces of mesh().own_view(): the same but
-  /// on the dual of an adaptive mesh, where it is the leaf that holds p.
+  /// on the dual of an adaptive mesh, where it is the leaf that holds p, and in copies of a
+  /// geodetic mesh's cells.
   Location own(const Location& at, const math::Vec3d& p) const {
-    return adaptive_ ? adaptive_->own(at, p) : at;
+    return adaptive_         ? adaptive_->own(at, p)
+           : geodetic_ && at ? Location{geodetic_->own(at.cell), at.parametric}
+                             : at;
   }
+  /// The mesh's copy audit, and the copies of a geodetic mesh's cells.
+  std::vector<insitu_audit_entry> audit() const;
+  /// Of a geodetic mesh that was committed; else null.
+  const Geodetic* geodetic() const { return geodetic_.get(); }
   /// Throws INSITU_ERROR_ORDER unless adaptive and committed.
   insitu_amr_info amr_info() const;
   /// Of all samplers of this mesh, since it was made.
@@ -81,6 +96,9 @@ public:
   std::uint64_t fields_version() const { return fields_version_; }
   std::uint64_t tree_version() const { return tree_version_; }
   std::uint64_t topology_version() const { return topology_version_; }
+  /// Grows with each commit of moved vertices or other cells, and not when only the tree is built
+  /// anew.
+  std::uint64_t geometry_version() const { return geometry_version_; }
 
 private:
   void note_queries();
@@ -93,8 +111,12 @@ private:
   void build_tree(insitu_commit_report& report, const core::Threads& threads);
   cells::Validation validate_leaves(const core::Threads& threads);
   void require_adaptive_locator() const;
+  void require_geodetic_locator() const;
+  bool place_on_chart(std::uint32_t pending, const core::Threads& threads, const core::Log& log);
   void validate_topology(const mesh::MeshView& view, const core::Threads& threads,
                          const core::Log& log);
+  void accept(const cells::Validation& validation, const mesh::MeshView& view,
+              const core::Threads& threads, const core::Log& log);
   void update_locators(std::uint32_t pending, const core::Threads& threads);
   void set_odd_cells(cells::OddCells odd, const core::Threads& threads);
   void look_for_overlaps(const core::Threads& threads);
@@ -105,6 +127,7 @@ private:
   accel::Tree tree_;
   Locators locators_;
   std::unique_ptr<Adaptive> adaptive_; ///< of adaptive meshes
+  std::unique_ptr<Geodetic> geodetic_; ///< of geodetic meshes
   mutable SpatialOrder order_;         ///< scratch of queries
   mutable LocateCounts locate_counts_;
   core::Memory* memory_;
@@ -117,7 +140,8 @@ private:
   cells::OddCells odd_cells_;  ///< if so
   bool tree_is_stale_ = false; ///< the mesh was in device memory meanwhile
   int commits_since_build_ = 0;
-  std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0;
+  std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,
+                geometry_version_ = 0;
 };
 
 } // namespace insitu::query

@@ -71,7 +71,7 @@ std::span<const Candidate> find_candidates(const accel::Tree& tree, const float*
 bool trying_pays(const mesh::MeshView& mesh) {
   if (gridlets_of(mesh))
     return true; // few cells lie outside of gridlets, and most of these are hexahedra
-  if (mesh.piece_count != 1)
+  if (mesh.piece_count != 1 && !mesh.one_mesh)
     return false;
   const mesh::PieceView& cells = mesh.pieces[0];
   return cells.layout != mesh::CellLayout::uniform ||

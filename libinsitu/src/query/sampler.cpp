@@ -9,6 +9,7 @@
 #include "cells/kernels.h"
 #include "query/adaptive.h"
 #include "query/batch.h"
+#include "query/chart_image.h"
 #include "query/direct_batch.h"
 #include "query/gridlet_query.h"
 #include "query/leaf_query.h"
@@ -127,8 +128,9 @@ bool Sampler::owns(std::int64_t flat) const {
   return mesh_->pieces[piece].owns(flat - mesh_->first_cell[piece]);
 }
 
-Location Sampler::locate(const Vec3d& p, std::int64_t hint, const LocateOptions& options,
+Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOptions& options,
                          Reason* reason) const {
+  const Vec3d p = chart_ ? (*chart_)(given) : given;
   Reason why = Reason::outside;
   Location at;
   const GridletPlaces* const gridlets = adaptive_ ? adaptive_->gridlets() : nullptr;
@@ -168,9 +170,14 @@ void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> l
                             const LocateOptions& options, std::span<std::uint8_t> reasons) const {
   const PointQuery query{*mesh_, *tree_, options};
   Batches batches(query, counts_, locators_, adaptive_);
+  Vec3d images[batch_size];
   for (std::size_t first = 0; first < points.size(); first += batch_size) {
     const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
-    Answered answered = batches.run(points.subspan(first, n));
+    if (chart_)
+      std::transform(points.begin() + std::ptrdiff_t(first),
+                     points.begin() + std::ptrdiff_t(first + n), images, *chart_);
+    Answered answered =
+        batches.run(chart_ ? std::span<const Vec3d>(images, n) : points.subspan(first, n));
     answered.first = first;
     store(answered, locations, reasons);
   }
@@ -191,6 +198,7 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
   static_assert(grain % batch_size == 0);
   const PointQuery query{*mesh_, *tree_, options};
   const bool sorts = order_ && is_incoherent(points, *tree_);
+  const auto image = [&](const Vec3d& p) { return chart_ ? (*chart_)(p) : p; };
   // So many at a time that numbers of points fit 32 bits and the memory stays bounded.
   constexpr std::size_t slice = std::size_t(1) << 22;
   for (std::size_t from = 0; from < points.size(); from += slice) {
@@ -206,12 +214,15 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
             Answered answered;
             if (sorts) {
               for (std::size_t i = 0; i < n; ++i)
-                batch[i] = part[sorted[first + i].id];
+                batch[i] = image(part[sorted[first + i].id]);
               answered = batches.run({batch, n});
               answered.first = from;
               answered.order = &sorted[first];
             } else {
-              answered = batches.run(part.subspan(first, n));
+              for (std::size_t i = 0; chart_ && i < n; ++i)
+                batch[i] = image(part[first + i]);
+              answered =
+                  batches.run(chart_ ? std::span<const Vec3d>(batch, n) : part.subspan(first, n));
               answered.first = from + first;
             }
             put(answered);
@@ -288,18 +299,22 @@ void Sampler::interpolate_to(std::span<const mesh::FieldView> fields, const Loca
   double weight[8];
   std::int64_t ids[8];
   int n = 0;
+  const bool turned = chart_ && cells_of.pole != 0;
   for (std::size_t f = 0; f < fields.size(); ++f) {
     const mesh::FieldView& field = fields[f];
     const mesh::FieldPieceView& from = field.pieces[piece];
     double* values = values_of(f);
+    const bool turns = turned && field.components == 3;
+    if (n == 0 && (turns || field.association != INSITU_CELL)) {
+      n = cells_of.vertex_ids(cell, ids);
+      cells::shape_functions(cells_of.shape(cell), at.parametric, weight);
+    }
     if (field.association == INSITU_CELL) {
       for (int c = 0; c < field.components; ++c)
         values[c] = from.load(cell, c);
+      if (turns)
+        to_true_axes(cells_of, {weight, std::size_t(n)}, ids, values);
       continue;
-    }
-    if (n == 0) {
-      n = cells_of.vertex_ids(cell, ids);
-      cells::shape_functions(cells_of.shape(cell), at.parametric, weight);
     }
     for (int c = 0; c < field.components; ++c) {
       double sum = weight[0] * from.load(ids[0], c);
@@ -307,7 +322,23 @@ void Sampler::interpolate_to(std::span<const mesh::FieldView> fields, const Loca
         sum += weight[v] * from.load(ids[v], c);
       values[c] = sum;
     }
+    if (turns)
+      to_true_axes(cells_of, {weight, std::size_t(n)}, ids, values);
   }
+}
+
+void Sampler::to_true_axes(const mesh::PieceView& cells, std::span<const double> weights,
+                           const std::int64_t* ids, double* vector) const {
+  const auto pole = geo::Pole(cells.pole);
+  Vec3d p;
+  for (std::size_t v = 0; v < weights.size(); ++v)
+    p += weights[v] * cells.point(ids[v]);
+  p.x -= chart_->offset(pole);
+  const geo::ChartPlace at = geo::place_of(chart_->units, pole, p);
+  const geo::EastNorth axes = geo::east_north(at.normal);
+  const Vec3d v = vector[0] * at.east + vector[1] * at.north;
+  vector[0] = dot(v, axes.east);
+  vector[1] = dot(v, axes.north);
 }
 
 Vec3d Sampler::gradient(const mesh::FieldView& field, int component, const Location& at,

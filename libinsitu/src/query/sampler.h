@@ -20,6 +20,7 @@ namespace insitu::query {
 class Adaptive;
 class Locators;
 class SpatialOrder;
+struct ChartImage;
 
 /// The owner of a point: flat cell id (see mesh::MeshView), or -1 outside, and VTK's parametric
 /// coordinates in it.
@@ -83,14 +84,23 @@ public:
   /// locators: batches go by its ray method first (RayBatch), parallel ones by its device; null: by
   /// the tree alone, as single points always do. The answers are the same but in `fast`.
   /// adaptive: of which these are the cells, most of which then need no tree; or null.
+  /// chart: of a geodetic mesh; points are in its frame, and located by their images; or null.
   Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrder* order = nullptr,
           LocateCounts* counts = nullptr, const Locators* locators = nullptr,
-          const Adaptive* adaptive = nullptr)
+          const Adaptive* adaptive = nullptr, const ChartImage* chart = nullptr)
       : mesh_(&mesh), tree_(&tree), order_(order), counts_(counts), locators_(locators),
-        adaptive_(adaptive) {}
+        adaptive_(adaptive), chart_(chart) {}
 
   const mesh::MeshView& mesh() const { return *mesh_; }
   const accel::Tree& tree() const { return *tree_; }
+  const ChartImage* chart() const { return chart_; }
+  /// The same for points that are images already (ChartImage); vectors in cells on a turned chart
+  /// then come out along its own east and north.
+  Sampler among_images() const {
+    Sampler s = *this;
+    s.chart_ = nullptr;
+    return s;
+  }
 
   /// The lowest flat cell id of the closed cells that hold p. hint: a cell to try first, or -1;
   /// it changes the time, not the answer, unless cells overlap without folding: then the hint's
@@ -122,7 +132,8 @@ public:
                      const LocateOptions& options = {}, std::span<std::uint8_t> reasons = {}) const;
 
   /// The field's components at a location (which must be inside): shape functions for vertex
-  /// fields, the cell's value for cell fields.
+  /// fields, the cell's value for cell fields. Vectors in cells on a turned chart of a geodetic
+  /// mesh come out along the true east and north there.
   void interpolate(const mesh::FieldView& field, const Location& at, double* values) const;
 
   /// Several fields at one location, the cell's ids and weights found once. values holds the
@@ -144,6 +155,8 @@ private:
   bool owns(std::int64_t flat) const;
   void visit_on_device(const core::Threads& threads, std::span<const math::Vec3d> points,
                        const LocateOptions& options, Put put) const;
+  void to_true_axes(const mesh::PieceView& cells, std::span<const double> weights,
+                    const std::int64_t* ids, double* vector) const;
   template <class ValuesOf>
   void interpolate_to(std::span<const mesh::FieldView> fields, const Location& at,
                       ValuesOf&& values_of) const;
@@ -154,6 +167,7 @@ private:
   LocateCounts* counts_;
   const Locators* locators_;
   const Adaptive* adaptive_;
+  const ChartImage* chart_;
 };
 
 } // namespace insitu::query

@@ -77,18 +77,37 @@ void require_columns(const output::AppendTable& table, const std::vector<std::st
                                             ": fields or pieces changed during the run");
 }
 
-void flush_table(output::AppendTable& table) {
+namespace {
+
+std::size_t waiting_bytes(output::AppendTable& table) {
+  return table.rows().text().size();
+}
+std::size_t waiting_bytes(output::NetcdfTable& table) {
+  return table.rows().bytes().size();
+}
+
+template <class Table>
+void flush_or_drop(Table& table) {
   constexpr std::size_t most_waiting = std::size_t(1) << 26;
   try {
     table.flush();
   } catch (const core::Error& e) {
-    const std::size_t waiting = table.rows().text().size();
+    const std::size_t waiting = waiting_bytes(table);
     if (waiting <= most_waiting)
       throw;
     table.rows().clear();
     throw core::Error(e.status(), std::string(e.what()) + "; rows of " + std::to_string(waiting) +
                                       " bytes that waited for room are lost");
   }
+}
+
+} // namespace
+
+void flush_table(output::AppendTable& table) {
+  flush_or_drop(table);
+}
+void flush_table(output::NetcdfTable& table) {
+  flush_or_drop(table);
 }
 
 insitu_accuracy to_api(Accuracy accuracy) {

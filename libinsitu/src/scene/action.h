@@ -5,7 +5,9 @@
 #include <string>
 
 #include "core/context.h"
+#include "core/status.h"
 #include "output/csv.h"
+#include "output/netcdf_table.h"
 #include "query/committed_mesh.h"
 #include "scene/cinema_table.h"
 #include "scene/description.h"
@@ -98,6 +100,30 @@ void require_columns(const output::AppendTable& table, const std::vector<std::st
 /// Writes the rows. Rows that cannot be written wait for the next flush, but not without limit: a
 /// disk that stays full must not fill the memory too.
 void flush_table(output::AppendTable& table);
+void flush_table(output::NetcdfTable& table);
+
+/// Formats of one item, of which one that fails does not keep the others from being written.
+class Failures {
+public:
+  template <class Act>
+  void catch_of(Act&& act) {
+    try {
+      act();
+    } catch (const core::Error& e) {
+      text_ += (text_.empty() ? "" : "; ") + std::string(e.what());
+      status_ = e.status();
+    }
+  }
+  bool any() const { return !text_.empty(); }
+  void throw_if_any() const {
+    if (any())
+      throw core::Error(status_, text_);
+  }
+
+private:
+  std::string text_;
+  insitu_status status_ = INSITU_OK;
+};
 
 insitu_accuracy to_api(Accuracy accuracy);
 

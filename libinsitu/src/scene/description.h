@@ -12,6 +12,7 @@
 #include "query/locator_choice.h"
 #include "scene/frame_description.h"
 #include "scene/names.h"
+#include "scene/tracer_effects_description.h"
 #include "scene/trigger.h"
 
 /// What a scene asks for, as plain data: made by parse_scene_file() or default_scene(), executed by
@@ -74,7 +75,10 @@ using PointSource = std::variant<PointList, PointFile, Line, Transect, Plane, Bo
 
 // ---------------------------------------------------------------------------------------- probes
 
-enum class TableFormat { csv, vtp, json };
+enum class TableFormat { csv, vtp, json, netcdf };
+
+/// Whether points stay where they are, or go with the material of a moving mesh.
+enum class Attached { lab, body };
 
 struct Probe {
   std::string name; ///< of the output file; unique in the scene
@@ -83,6 +87,7 @@ struct Probe {
   int points_line = 0;
   FrameOfReference frame;
   std::vector<Name> fields; ///< empty: all fields of the mesh
+  Attached attached = Attached::lab;
   Accuracy accuracy = Accuracy::exact;
   std::vector<TableFormat> output{TableFormat::csv};
   Trigger trigger; ///< its own, or else the scene's
@@ -114,6 +119,13 @@ struct TracerLimits {
   std::optional<double> length; ///< length of the line
 };
 
+/// When all seeds of path- and streaklines begin; neither member: once, at the first cycle.
+struct Release {
+  std::optional<std::int64_t> every; ///< at each cycle that is a multiple of this
+  std::optional<double> interval;    ///< at the first cycle's time, and this much later each time
+  std::optional<double> until;       ///< not after this time
+};
+
 struct Tracer {
   std::string name; ///< of the output files; unique in the scene
   Name mesh;        ///< empty: the first mesh of the session
@@ -121,13 +133,16 @@ struct Tracer {
   int seeds_line = 0;
   FrameOfReference frame;
   TracerKind kind = TracerKind::pathline;
+  Release release; ///< a streakline's, unless the file says: every cycle
   Name velocity; ///< a field of three components
   IntegratorOptions integrator;
   TracerDirection direction = TracerDirection::forward; ///< of streamlines
   TracerLimits until;
+  TracerEffects effects; ///< of path- and streaklines
+  Attached attached = Attached::lab; ///< body: path- and streaklines, without velocity
   std::vector<Name> fields; ///< recorded along the tracks; empty: none
   Accuracy accuracy = Accuracy::standard;
-  std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp
+  std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp, netcdf (no streamlines)
   Trigger trigger; ///< its own, or else the scene's: streamlines are computed, tracks are written
   int line = 0;
 };

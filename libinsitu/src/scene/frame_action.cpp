@@ -9,6 +9,7 @@
 #include "scene/frame_files.h"
 #include "scene/frame_plan.h"
 #include "scene/frame_settings.h"
+#include "scene/globe.h"
 #include "scene/path_accumulation.h"
 
 namespace insitu::scene {
@@ -29,22 +30,25 @@ public:
   const Trigger& trigger() const override { return frame_.trigger; }
   const Name& mesh_name() const override { return frame_.mesh; }
 
-  void execute(query::CommittedMesh& mesh, const Step& step, bool due) override {
+  void execute(query::CommittedMesh& own, const Step& step, bool due) override {
     if (!due)
       return;
     const core::Timer timer;
+    const query::CommittedMesh& mesh = frame_.geocentric ? geocentric(own) : own;
     if (mesh.tree().empty())
       throw core::Error(INSITU_ERROR_MESH,
                         "mesh '" + mesh.mesh().name() + "' has no cell that could be drawn");
     render::Structures& structures = environment_.structures.of(mesh);
     render::FrameSettings settings = settings_.make(mesh, structures);
     environment_.statistics.render_s += timer.seconds();
+    if (frame_.geocentric && (frame_.geocentric->globe || frame_.geocentric->graticule))
+      settings.depth = true;
     if (settings.path_tracing)
       settings.path_tracing->cycle = std::uint64_t(step.cycle);
     if (frame_.cameras.empty())
-      draw(mesh, step, {"", frame_.camera}, 0, settings, structures);
+      draw(own, mesh, step, {"", frame_.camera}, 0, settings, structures);
     for (std::size_t i = 0; i < frame_.cameras.size(); ++i)
-      draw(mesh, step, frame_.cameras[i], i, settings, structures);
+      draw(own, mesh, step, frame_.cameras[i], i, settings, structures);
     ++drawn_;
   }
 
@@ -53,9 +57,21 @@ public:
   }
 
 private:
-  /// number: the camera's.
-  void draw(query::CommittedMesh& mesh, const Step& step, const NamedCamera& camera,
-            std::size_t number, render::FrameSettings& settings, render::Structures& structures) {
+  const query::CommittedMesh& geocentric(const query::CommittedMesh& own) {
+    try {
+      return environment_.structures.geocentric(own, frame_.geocentric->exaggeration);
+    } catch (const core::Error& e) {
+      if (e.status() != INSITU_ERROR_SCENE)
+        throw;
+      throw core::Error(e.status(), environment_.scene_file + ":" +
+                                        std::to_string(frame_.geocentric->line) + ": " + e.what());
+    }
+  }
+
+  /// number: the camera's. own: the solver's mesh, of which `mesh` is what is drawn.
+  void draw(const query::CommittedMesh& own, const query::CommittedMesh& mesh, const Step& step,
+            const NamedCamera& camera, std::size_t number, render::FrameSettings& settings,
+            render::Structures& structures) {
     const core::Timer timer;
     settings.camera = settings_.camera(camera.camera, mesh, step, drawn_);
     if (!accumulations_.empty())
@@ -69,6 +85,8 @@ private:
           std::to_string(done.paths.cut) + " of " + std::to_string(done.paths.paths) +
           " paths were cut off after " + std::to_string(settings.path_tracing->max_bounces) +
           " bounces; a larger max_bounces loses less light");
+    if (frame_.geocentric)
+      draw_globe(*frame_.geocentric, own, settings, environment_.context, images);
     draw_overlays(images.color, settings, step);
     if (settings.cell)
       count_as_the_solver(mesh, settings, images);

@@ -39,13 +39,17 @@ struct ValueRange {
 
 /// The direction is that of a view from `azimuth` degrees around +z, from +x, and `elevation`
 /// degrees above the xy plane, towards the mesh's centre from a distance that shows the whole mesh
-/// at zoom 1; or a placed camera.
+/// at zoom 1; or a placed camera. On Earth, that is of a geocentric frame, angles are about the
+/// vertical in the mesh's middle, from east and from the horizon.
 struct Viewpoint {
+  bool on_earth = false;
   double azimuth = 30, elevation = 20, zoom = 1;
   std::optional<math::Vec3d> position; ///< placed; azimuth, elevation and zoom then mean nothing
   std::optional<math::Vec3d> look_at;  ///< nothing: the mesh's centre
   math::Vec3d up{0, 0, 1};
-  double fov = 30; ///< vertical field of view, degrees
+  double fov = 30;          ///< vertical field of view, degrees
+  bool looks_down = false;  ///< placed by longitude and latitude, and nothing said to look at
+  bool up_is_given = false; ///< else a camera placed so has its own
 };
 
 /// A viewpoint that the camera reaches at a cycle or a time.
@@ -86,8 +90,8 @@ struct Volume {
   bool smooth = false; ///< a cell field is averaged to the vertices first
   std::optional<double> unit_distance; ///< length over which a ray loses the stated opacity;
                                        ///< nothing: a hundredth of the mesh's diagonal
-  bool preintegrated = false; ///< all values between two samples count; not with a tolerance
-  bool shading = false;       ///< lit by the field's gradient
+  bool preintegrated = false;      ///< all values between two samples count; not with a tolerance
+  bool shading = false;            ///< lit by the field's gradient
   std::optional<double> tolerance; ///< of opacity and colour; nothing: even steps
   int line = 0;
 };
@@ -181,6 +185,14 @@ struct PathTracing {
   int line = 0;
 };
 
+/// The mesh, which must be on Earth, is drawn in geocentric coordinates.
+struct Geocentric {
+  double exaggeration = 1;         ///< factor on heights above the ellipsoid
+  std::optional<Color> globe;      ///< of land, where the mesh does not cover the ellipsoid
+  std::optional<double> graticule; ///< degrees between meridians and between parallels
+  int line = 0;
+};
+
 enum class ImageKind { color, depth, cell };
 enum class ImageFormat { png, exr };
 
@@ -188,9 +200,10 @@ enum class ImageFormat { png, exr };
 std::string image_stem(const std::string& name, ImageKind kind);
 
 struct Frame {
-  std::string name;                    ///< of the images, `name_000120.png`; unique in the scene
-  Name mesh;                           ///< empty: the first mesh of the session
-  std::array<int, 2> size{1024, 1024}; ///< width, height
+  std::string name;                     ///< of the images, `name_000120.png`; unique in the scene
+  Name mesh;                            ///< empty: the first mesh of the session
+  std::array<int, 2> size{1024, 1024};  ///< width, height
+  std::optional<Geocentric> geocentric; ///< nothing: drawn in its own coordinates
   Color background{1, 1, 1};
   double background_alpha = 1; ///< of what stands behind everything; below 1 the image keeps alpha
   Camera camera;

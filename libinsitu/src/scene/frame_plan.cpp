@@ -1,6 +1,7 @@
 #include "scene/frame_plan.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "render/macrocells.h"
 #include "render/path_settings.h"
@@ -34,6 +35,7 @@ public:
                pixels * std::int64_t(4 * sizeof(float)), "while it is drawn");
     image(ImageKind::depth, "image of depth", pixels * std::int64_t(sizeof(float)));
     image(ImageKind::cell, "image of cells", pixels * std::int64_t(sizeof(std::int64_t)));
+    geocentric();
     if (frame_.volume)
       volume(*frame_.volume);
     else
@@ -67,6 +69,29 @@ private:
       plan_.need(name, bytes, "while it is drawn");
     else
       plan_.skip(name, "not among the frame's images");
+  }
+
+  void geocentric() {
+    if (!frame_.geocentric) {
+      if (mesh_.frame.kind != INSITU_FRAME_CARTESIAN)
+        plan_.skip("geocentric vertices", "drawn in the mesh's own coordinates");
+      return;
+    }
+    if (mesh_.frame.kind == INSITU_FRAME_CARTESIAN)
+      throw core::Error(INSITU_ERROR_SCENE, "geocentric: the mesh has Cartesian coordinates");
+    char factor[32];
+    std::snprintf(factor, sizeof factor, "%g", frame_.geocentric->exaggeration);
+    const std::string what = std::string(", heights times ") + factor;
+    plan_.need("geocentric vertices" + what,
+               view_.vertex_count() * std::int64_t(sizeof(math::Vec3d)),
+               "converted once, kept while the geometry holds");
+    plan_.need("tree of geocentric cells" + what, mesh_.locators().info(mesh_.tree()).bytes,
+               "about, as the mesh's own; refitted as it moves");
+    const std::int64_t rows = std::min(frame_.size[1], 65);
+    if (frame_.geocentric->globe || frame_.geocentric->graticule)
+      plan_.need("globe", frame_.size[0] * rows * std::int64_t(104), "about, while it is drawn");
+    else
+      plan_.skip("globe", "neither globe nor graticule is asked for");
   }
 
   void triangles() {

@@ -5,6 +5,7 @@
 
 #include "core/status.h"
 #include "render/camera_path.h"
+#include "scene/geocentric_view.h"
 
 namespace insitu::scene {
 
@@ -319,7 +320,9 @@ render::Camera FrameSettingsMaker::camera(const Camera& from, const query::Commi
     // An orthographic camera stands before the whole mesh.
     to = render::Camera::around(bounds.low, bounds.high, view.azimuth, view.elevation,
                                 from.orthographic ? 1.0 : view.zoom, view.fov, bounds.aspect);
-  else
+  if (!is_placed && from.on_earth)
+    to = turned_to_local(to);
+  if (is_placed)
     to = from.path.empty() ? placed(from, bounds) : placed_along(from, place, bounds);
   to = to.with_valid_up();
   if (from.orbit_azimuth_per_frame != 0.0)

@@ -6,14 +6,19 @@
 
 #include "query/committed_mesh.h"
 #include "render/structures.h"
+#include "scene/geocentric_mesh.h"
 
 namespace insitu::scene {
 
 /// The structures that the frames of a session share, by mesh.
 class FrameStructures {
 public:
-  FrameStructures(core::Memory& memory, const core::Threads& threads)
-      : memory_(&memory), threads_(&threads) {}
+  explicit FrameStructures(core::Context& context) : context_(&context) {}
+
+  /// The mesh in geocentric coordinates with heights exaggerated, as it is now; made when a frame
+  /// first asks for that factor, and kept while the mesh is there. Valid until the next commit of
+  /// `mesh`, or until end_cycle() finds it gone.
+  const query::CommittedMesh& geocentric(const query::CommittedMesh& mesh, double exaggeration);
 
   /// Those of a mesh as it is now; valid until end_cycle().
   render::Structures& of(const query::CommittedMesh& mesh);
@@ -23,16 +28,26 @@ public:
 
   /// Of all meshes, so far.
   render::Structures::Counts counts() const;
+  /// How often vertices were made geocentric, so far.
+  std::int64_t geocentric_conversions() const;
 
 private:
   struct Entry {
     std::unique_ptr<render::Structures> structures;
     bool begun = false;
   };
-  core::Memory* memory_;
-  const core::Threads* threads_;
+  struct Geocentric {
+    std::unique_ptr<GeocentricMesh> mesh;
+    std::uint64_t id = 0; ///< of what it draws
+  };
+  bool is_there(std::uint64_t id, std::span<query::CommittedMesh* const> meshes) const;
+
+  core::Context* context_;
   std::map<std::uint64_t, Entry> by_mesh_; ///< by CommittedMesh::id()
-  render::Structures::Counts gone_;        ///< of meshes that are gone
+  /// By the solver's mesh and the exaggeration.
+  std::map<std::pair<std::uint64_t, double>, Geocentric> geocentric_;
+  std::int64_t gone_conversions_ = 0;
+  render::Structures::Counts gone_; ///< of meshes that are gone
 };
 
 } // namespace insitu::scene

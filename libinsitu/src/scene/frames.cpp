@@ -1,6 +1,8 @@
 #include "scene/frames.h"
 
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <vector>
 
 #include "core/status.h"
@@ -15,7 +17,10 @@ insitu_frame to_api(const FrameOfReference& frame, const insitu_frame& mesh) {
   case Kind::mesh: return mesh;
   case Kind::cartesian: break;
   case Kind::geocentric: out.kind = INSITU_FRAME_GEOCENTRIC; break;
-  case Kind::geodetic: out.kind = INSITU_FRAME_GEODETIC; break;
+  case Kind::geodetic:
+    out.kind = INSITU_FRAME_GEODETIC;
+    out.vertical = frame.depth ? INSITU_DOWN : INSITU_UP;
+    break;
   case Kind::east_north_up:
     out.kind = INSITU_FRAME_ENU;
     out.origin[0] = frame.longitude;
@@ -31,24 +36,38 @@ insitu_frame to_api(const FrameOfReference& frame, const insitu_frame& mesh) {
   return out;
 }
 
-namespace {
-
-geo::Frame to_geo(const insitu_frame& f, bool depth) {
+geo::Frame to_geo(const insitu_frame& f) {
+  const auto check = [](const char* what, int value, const char* names) {
+    if (value != 0 && value != 1)
+      throw core::Error(INSITU_ERROR_ARGUMENT, std::string("frame: unknown ") + what + " " +
+                                                   std::to_string(value) + ", " + names +
+                                                   " expected");
+  };
+  check("angle", int(f.angle), "INSITU_DEGREES or INSITU_RADIANS");
+  check("length", int(f.length), "INSITU_METRES or INSITU_KILOMETRES");
+  check("vertical", int(f.vertical), "INSITU_UP or INSITU_DOWN");
+  const bool geodetic = f.kind == INSITU_FRAME_GEODETIC, depth = f.vertical == INSITU_DOWN;
+  if (!geodetic && (f.angle != INSITU_DEGREES || f.length != INSITU_METRES))
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      "frame: radians and kilometres are for geodetic frames alone");
+  if (depth && !geodetic && f.kind != INSITU_FRAME_UTM)
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      "frame: depths (INSITU_DOWN) are for geodetic and UTM frames");
   switch (f.kind) {
   case INSITU_FRAME_CARTESIAN: return geo::Frame::cartesian();
   case INSITU_FRAME_GEOCENTRIC: return geo::Frame::geocentric();
-  case INSITU_FRAME_GEODETIC: return geo::Frame::geodetic(depth);
+  case INSITU_FRAME_GEODETIC:
+    return geo::Frame::geodetic(geo::ChartUnits{f.angle == INSITU_RADIANS,
+                                                f.length == INSITU_KILOMETRES, depth});
   case INSITU_FRAME_ENU: return geo::Frame::enu(f.origin[0], f.origin[1], f.origin[2]);
   case INSITU_FRAME_UTM: return geo::Frame::utm(f.utm_zone, f.utm_north != 0, depth);
   }
   throw core::Error(INSITU_ERROR_ARGUMENT, "unknown frame " + std::to_string(int(f.kind)));
 }
 
-} // namespace
-
 void convert_points(std::span<math::Vec3d> points, const insitu_frame& from,
-                    const insitu_frame& to, bool depth) {
-  const geo::Frame source = to_geo(from, depth), target = to_geo(to, false);
+                    const insitu_frame& to) {
+  const geo::Frame source = to_geo(from), target = to_geo(to);
   if (source == target)
     return;
   geo::validate(source);
@@ -65,14 +84,15 @@ void convert_points(std::span<math::Vec3d> points, const insitu_frame& from,
     points[index[k]] = finite[k];
 }
 
-void check_mesh_frame(const insitu_frame& frame) {
-  if (frame.size != sizeof frame)
+insitu_frame read_frame(const insitu_frame& frame) {
+  constexpr std::size_t first_size = offsetof(insitu_frame, angle); // before it had units
+  if (frame.size != sizeof frame && frame.size != first_size)
     throw core::Error(INSITU_ERROR_ARGUMENT, "frame: make it with insitu_frame_default()");
-  geo::validate(to_geo(frame, false));
-  if (frame.kind == INSITU_FRAME_GEODETIC)
-    throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                      "frame: a mesh in longitude and latitude is not in this version; give it "
-                      "geocentric, in east-north-up metres or in UTM");
+  insitu_frame out = insitu_frame_default();
+  std::memcpy(&out, &frame, frame.size);
+  out.size = sizeof out;
+  geo::validate(to_geo(out));
+  return out;
 }
 
 } // namespace insitu::scene

@@ -33,12 +33,16 @@ std::string tables_of(const SceneDescription& scene) {
   for (const Probe& p : scene.probes) {
     if (has(p.output, TableFormat::csv))
       add_table(list, "probe", p.name, ".csv");
+    if (has(p.output, TableFormat::netcdf))
+      add_table(list, "probe", p.name, ".nc");
     if (has(p.output, TableFormat::vtp))
       add_table(list, "probe", p.name, ".pvd");
   }
   for (const Tracer& t : scene.tracers) {
     if (has(t.output, TableFormat::csv) && t.kind != TracerKind::streamline)
       add_table(list, "tracer", t.name, ".csv");
+    if (has(t.output, TableFormat::netcdf))
+      add_table(list, "tracer", t.name, ".nc");
     if (has(t.output, TableFormat::vtp))
       add_table(list, "tracer", t.name, ".pvd");
   }

@@ -78,7 +78,7 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
     scene.locator = parse_locator(*locator);
   }
   scene.trigger = parse_trigger(map, {});
-  ParseContext context{base_folder, scene.trigger, {}};
+  ParseContext context{base_folder, scene.trigger, {}, &scene.probes};
   parse_list(map, "probes", context, parse_probe, scene.probes);
   parse_list(map, "tracers", context, parse_tracer, scene.tracers);
   parse_list(map, "frames", context, parse_frame, scene.frames);

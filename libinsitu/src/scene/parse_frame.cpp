@@ -58,6 +58,22 @@ void claim_names(const Cursor& cursor, const Frame& frame, ParseContext& context
   }
 }
 
+Geocentric parse_geocentric(const Cursor& cursor) {
+  Geocentric geocentric;
+  geocentric.line = cursor.line();
+  const MapReader map(cursor, {"exaggeration", "globe", "graticule"});
+  if (const auto factor = map.find("exaggeration")) {
+    assign(geocentric.exaggeration, factor->number({0, 1e6}));
+  }
+  if (const auto globe = map.find("globe")) {
+    geocentric.globe = parse_color(*globe, {0.75, 0.72, 0.65});
+  }
+  if (const auto graticule = map.find("graticule")) {
+    geocentric.graticule = graticule->number({0.001, 90});
+  }
+  return geocentric;
+}
+
 } // namespace
 
 std::string image_stem(const std::string& name, ImageKind kind) {
@@ -79,7 +95,7 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
                                "cameras",    "images",     "format",  "volume",     "isosurfaces",
                                "boundary",   "bodies",     "outline", "lights",     "clip",
                                "scalar_bar", "time_label", "axes",    "effects",    "path_tracing",
-                               "accuracy",   "step",       "every",   "when"});
+                               "geocentric", "accuracy",   "step",    "every",      "when"});
   parse_item_name(map, context, frame.name);
   if (const auto mesh = map.find("mesh")) {
     assign(frame.mesh, parse_name(*mesh));
@@ -90,11 +106,16 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   if (const auto background = map.find("background")) {
     parse_background(*background, frame);
   }
+  if (const auto geocentric = map.find("geocentric")) {
+    frame.geocentric = parse_geocentric(*geocentric);
+  }
+  const bool on_earth = frame.geocentric.has_value();
+  frame.camera = default_camera(on_earth);
   if (const auto camera = map.find("camera")) {
-    frame.camera = parse_camera(*camera);
+    frame.camera = parse_camera(*camera, on_earth);
   }
   if (const auto cameras = map.find("cameras")) {
-    frame.cameras = parse_cameras(*cameras);
+    frame.cameras = parse_cameras(*cameras, on_earth);
     if (map.has("camera")) {
       cameras->fail("a frame has either a 'camera' or 'cameras'");
     }

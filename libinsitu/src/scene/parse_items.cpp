@@ -1,20 +1,21 @@
+#include <algorithm>
+#include <type_traits>
+
 #include "scene/parse_parts.h"
 
 namespace insitu::scene {
 namespace {
 
-enum class TracerEffect {}; // none in this version
-
 IntegratorOptions parse_integrator(const Cursor& cursor) {
   IntegratorOptions options;
-  const MapReader map(cursor, {"method", "face_aware", "step", "tolerance", "min_step", "max_step", "max_steps"});
+  const MapReader map(
+      cursor, {"method", "face_aware", "step", "tolerance", "min_step", "max_step", "max_steps"});
   if (const auto method = map.find("method")) {
     assign(options.method,
-           method->choice<IntegrationMethod>(
-               {{"euler", IntegrationMethod::euler},
-                {"rk4", IntegrationMethod::rk4},
-                {"bs32", IntegrationMethod::bs32},
-                {"dopri5", IntegrationMethod::dopri5}}));
+           method->choice<IntegrationMethod>({{"euler", IntegrationMethod::euler},
+                                              {"rk4", IntegrationMethod::rk4},
+                                              {"bs32", IntegrationMethod::bs32},
+                                              {"dopri5", IntegrationMethod::dopri5}}));
   }
   if (const auto aware = map.find("face_aware")) {
     assign(options.face_aware, aware->boolean());
@@ -76,10 +77,22 @@ void parse_common(const MapReader& map, ParseContext& context, const char* point
   }
   if (const auto source = map.require(points_key)) {
     points_line = source->line();
-    points = parse_points(*source, context, item.frame);
+    if constexpr (std::is_same_v<Item, Tracer>) {
+      if (names_probe(*source)) {
+        parse_seeds_of_probe(*source, context, map.has("frame"), item);
+      } else {
+        points = parse_points(*source, context, item.frame);
+      }
+    } else {
+      points = parse_points(*source, context, item.frame);
+    }
   }
   if (const auto fields = map.find("fields")) {
     item.fields = parse_names(*fields);
+  }
+  if (const auto attached = map.find("attached")) {
+    assign(item.attached,
+           attached->choice<Attached>({{"lab", Attached::lab}, {"body", Attached::body}}));
   }
   if (const auto accuracy = map.find("accuracy")) {
     assign(item.accuracy, parse_accuracy(*accuracy));
@@ -91,29 +104,41 @@ void parse_common(const MapReader& map, ParseContext& context, const char* point
 
 Probe parse_probe(const Cursor& cursor, ParseContext& context) {
   Probe probe;
-  const MapReader map(
-      cursor, {"name", "mesh", "points", "frame", "fields", "accuracy", "output", "every", "when"});
+  const MapReader map(cursor, {"name", "mesh", "points", "frame", "fields", "attached", "accuracy",
+                               "output", "every", "when"});
   parse_common(map, context, "points", probe.points, probe.points_line, probe);
   if (const auto output = map.find("output")) {
-    probe.output = parse_output(
-        *output,
-        {{"csv", TableFormat::csv}, {"vtp", TableFormat::vtp}, {"json", TableFormat::json}});
+    probe.output = parse_output(*output, {{"csv", TableFormat::csv},
+                                          {"vtp", TableFormat::vtp},
+                                          {"json", TableFormat::json},
+                                          {"netcdf", TableFormat::netcdf}});
   }
   return probe;
 }
 
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   Tracer tracer;
-  const MapReader map(cursor,
-                      {"name", "mesh", "seeds", "frame", "kind", "velocity", "integrator", "direction",
-                       "until", "effects", "fields", "accuracy", "output", "every", "when"});
+  const MapReader map(cursor, {"name", "mesh", "seeds", "frame", "kind", "release", "velocity",
+                               "integrator", "direction", "until", "effects", "fields", "attached",
+                               "accuracy", "output", "every", "when"});
   parse_common(map, context, "seeds", tracer.seeds, tracer.seeds_line, tracer);
   if (const auto kind = map.find("kind")) {
     assign(tracer.kind, kind->choice<TracerKind>({{"streamline", TracerKind::streamline},
                                                   {"pathline", TracerKind::pathline},
                                                   {"streakline", TracerKind::streakline}}));
   }
-  if (const auto velocity = map.require("velocity")) {
+  if (tracer.kind == TracerKind::streakline) {
+    tracer.release.every = 1;
+  }
+  if (const auto release = map.find("release")) {
+    if (tracer.kind == TracerKind::streamline) {
+      release->fail("streamlines begin anew whenever they are due; this key belongs to path- and "
+                    "streaklines");
+    }
+    tracer.release = parse_release(*release);
+  }
+  const bool attached = tracer.attached == Attached::body;
+  if (const auto velocity = attached ? map.find("velocity") : map.require("velocity")) {
     assign(tracer.velocity, parse_name(*velocity));
   }
   if (const auto integrator = map.find("integrator")) {
@@ -132,14 +157,32 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     tracer.until = parse_limits(*until);
   }
   if (const auto effects = map.find("effects")) {
-    parse_effects<TracerEffect>(*effects, {{"diffusion", {}},
-                                           {"settling", {}},
-                                           {"inertia", {}},
-                                           {"boundary", {}},
-                                           {"age_limit", {}}});
+    tracer.effects = parse_tracer_effects(*effects);
+    if (tracer.kind == TracerKind::streamline && effects->is_list() &&
+        !effects->node().items.empty()) {
+      effects->fail("effects act on path- and streaklines, not on streamlines");
+    }
+  }
+  if (attached) {
+    for (const char* key : {"velocity", "integrator", "effects"}) {
+      if (const auto value = map.find(key)) {
+        value->fail("'attached: body' moves particles with the mesh's material; this key moves "
+                    "them otherwise");
+      }
+    }
+    if (tracer.kind == TracerKind::streamline) {
+      map.find("attached")->fail("streamlines do not move with the material");
+    }
   }
   if (const auto output = map.find("output")) {
-    tracer.output = parse_output(*output, {{"csv", TableFormat::csv}, {"vtp", TableFormat::vtp}});
+    tracer.output = parse_output(
+        *output,
+        {{"csv", TableFormat::csv}, {"vtp", TableFormat::vtp}, {"netcdf", TableFormat::netcdf}});
+    if (tracer.kind == TracerKind::streamline &&
+        std::find(tracer.output.begin(), tracer.output.end(), TableFormat::netcdf) !=
+            tracer.output.end()) {
+      output->fail("netcdf is for path- and streaklines, which are trajectories in time");
+    }
   }
   return tracer;
 }

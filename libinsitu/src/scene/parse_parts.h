@@ -19,6 +19,7 @@ struct ParseContext {
   std::string base_folder;
   Trigger trigger;             ///< the scene's
   std::set<std::string> names; ///< of the probes, tracers and frames so far
+  const std::vector<Probe>* probes = nullptr; ///< so far
 };
 
 /// Counts of points, of pixels along a side, of cycles and steps beyond these are slips.
@@ -49,19 +50,27 @@ PointSource parse_points(const Cursor& cursor, const ParseContext& context,
                          const FrameOfReference& frame);
 
 Probe parse_probe(const Cursor& cursor, ParseContext& context);
+TracerEffects parse_tracer_effects(const Cursor& cursor);
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context);
+Release parse_release(const Cursor& cursor);
+/// Whether seeds are those of a probe, `{probe: name}`; then they are read by the second.
+bool names_probe(const Cursor& seeds);
+void parse_seeds_of_probe(const Cursor& cursor, const ParseContext& context, bool has_frame,
+                          Tracer& tracer);
 Frame parse_frame(const Cursor& cursor, ParseContext& context);
 
 Color parse_color(const Cursor& cursor, const Color& fallback);
 Component parse_component(const Cursor& cursor);
 ColorMap parse_color_map(const Cursor& cursor, const ParseContext& context);
 std::optional<ValueRange> parse_range(const Cursor& cursor);
-Camera parse_camera(const Cursor& cursor);
+/// on_earth: of a geocentric frame.
+Camera parse_camera(const Cursor& cursor, bool on_earth);
+Camera default_camera(bool on_earth);
 /// Of a frame's map; also there where an effect asks for it.
 std::optional<PathTracing> parse_path_tracing(const MapReader& frame,
                                               const std::vector<FrameEffect>& effects);
 /// A map of names and cameras.
-std::vector<NamedCamera> parse_cameras(const Cursor& cursor);
+std::vector<NamedCamera> parse_cameras(const Cursor& cursor, bool on_earth);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);
 std::vector<Light> parse_lights(const Cursor& cursor);
 Occlusion parse_occlusion(const Cursor& cursor);

@@ -6,24 +6,17 @@
 
 #include "core/timer.h"
 #include "output/atomic_file.h"
+#include "query/attached.h"
 
 namespace insitu::scene {
 
-/// What a probe found, row by row.
-struct ProbeAction::Answers {
-  std::vector<query::Location> locations; ///< as the solver counts cells
-  std::vector<mesh::FieldView> fields;
-  std::vector<std::string> columns; ///< of the values
-  std::vector<double> values;       ///< [point][column], NaN outside
-};
-
 ProbeAction::ProbeAction(const Probe& probe, const Environment& environment)
-    : probe_(probe), environment_(environment) {}
+    : probe_(probe), environment_(environment), netcdf_(probe.name, environment) {}
 
-ProbeAction::Answers ProbeAction::sample(const query::CommittedMesh& mesh,
-                                         std::span<const mesh::FieldView> fields) {
+ProbeAnswers ProbeAction::sample(const query::CommittedMesh& mesh,
+                                 std::span<const mesh::FieldView> fields) {
   const core::Timer timer;
-  Answers a;
+  ProbeAnswers a;
   a.fields.assign(fields.begin(), fields.end());
   for (const mesh::FieldView& f : fields)
     for (std::string& column : component_names(f))
@@ -35,16 +28,24 @@ ProbeAction::Answers ProbeAction::sample(const query::CommittedMesh& mesh,
   const query::Sampler sampler = mesh.sampler();
   query::LocateOptions options;
   options.accuracy = to_api(probe_.accuracy);
-  sampler.visit(environment_.context.threads, points, options,
-                [&](const query::Answered& answered) {
-                  for (std::size_t k = 0; k < answered.locations.size(); ++k) {
-                    const std::size_t i = answered.item(k);
-                    a.locations[i] = answered.locations[k];
-                    if (a.locations[i])
-                      sampler.interpolate(a.fields, a.locations[i], a.values.data() + i * width);
-                    a.locations[i] = mesh.own(a.locations[i], points[i]);
-                  }
-                });
+  if (probe_.attached == Attached::body) { // their places are known, to the bit
+    for (std::size_t i = 0; i < n; ++i) {
+      if (places_[i])
+        sampler.interpolate(a.fields, places_[i], a.values.data() + i * width);
+      a.locations[i] = mesh.own(places_[i], points[i]);
+    }
+  } else {
+    sampler.visit(environment_.context.threads, points, options,
+                  [&](const query::Answered& answered) {
+                    for (std::size_t k = 0; k < answered.locations.size(); ++k) {
+                      const std::size_t i = answered.item(k);
+                      a.locations[i] = answered.locations[k];
+                      if (a.locations[i])
+                        sampler.interpolate(a.fields, a.locations[i], a.values.data() + i * width);
+                      a.locations[i] = mesh.own(a.locations[i], points[i]);
+                    }
+                  });
+  }
   Statistics& s = environment_.statistics;
   s.points_located += std::int64_t(n);
   s.points_outside += std::count_if(a.locations.begin(), a.locations.end(),
@@ -59,16 +60,39 @@ void ProbeAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
     fields += (fields.empty() ? "'" : ", '") + name.text + "'";
   for (const Name& name : probe_.fields)
     find_field(mesh, name, environment_.scene_file);
-  plan.need("point queries", -1,
-            fields.empty() ? "of all fields" : "of " + fields);
+  plan.need("point queries", -1, fields.empty() ? "of all fields" : "of " + fields);
+}
+
+/// Takes attached points to where the material has carried them; at every cycle, so that they are
+/// known when the cells change. Points that are outside stay where they are.
+void ProbeAction::follow(query::CommittedMesh& mesh) {
+  std::vector<math::Vec3d>& points = points_->mesh_points;
+  const bool same_cells = !places_.empty() && topology_ == mesh.topology_version();
+  places_.resize(points.size());
+  const query::Sampler sampler = mesh.sampler();
+  query::LocateOptions options;
+  options.accuracy = to_api(probe_.accuracy);
+  environment_.context.threads.parallel_for(
+      std::int64_t(points.size()), 512, [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = std::size_t(begin); i < std::size_t(end); ++i)
+          query::follow(sampler, same_cells, options, places_[i], points[i]);
+      });
+  topology_ = mesh.topology_version();
 }
 
 void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due) {
-  if (!due)
+  const bool attached = probe_.attached == Attached::body;
+  if (!due && !attached)
     return;
   const core::Timer preparing;
   if (!points_)
     points_ = resolve_points(probe_.points, probe_.frame, mesh, environment_.scene_file);
+  if (attached)
+    follow(mesh);
+  if (!due) {
+    environment_.statistics.query_s += preparing.seconds();
+    return;
+  }
   if (probe_.fields.empty()) // all of the first time: a table keeps its columns
     for (const std::string& name : mesh.mesh().field_names())
       probe_.fields.push_back({name, probe_.line});
@@ -76,28 +100,38 @@ void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due
   std::vector<mesh::FieldView> fields;
   for (const Name& name : probe_.fields)
     fields.push_back(find_field(mesh, name, environment_.scene_file));
-  const Answers answers = sample(mesh, fields);
+  const ProbeAnswers answers = sample(mesh, fields);
   const core::Timer timer;
   if (environment_.page)
     environment_.page->add_probe(probe_.name, answers.columns, points_->mesh_points, points_->names,
                                  answers.values);
+  Failures failures;
   for (const TableFormat format : probe_.output)
-    switch (format) {
-    case TableFormat::csv:
-      write_table(mesh, step, answers);
-      break;
-    case TableFormat::vtp:
-      write_vtp(mesh, step, answers);
-      break;
-    case TableFormat::json:
-      write_json(mesh, step, answers);
-      break;
-    }
+    failures.catch_of([&] { write(format, mesh, step, answers); });
   environment_.statistics.output_s += timer.seconds();
+  failures.throw_if_any();
+}
+
+void ProbeAction::write(TableFormat format, const query::CommittedMesh& mesh, const Step& step,
+                        const ProbeAnswers& answers) {
+  switch (format) {
+  case TableFormat::csv:
+    write_table(mesh, step, answers);
+    break;
+  case TableFormat::vtp:
+    write_vtp(mesh, step, answers);
+    break;
+  case TableFormat::json:
+    write_json(mesh, step, answers);
+    break;
+  case TableFormat::netcdf:
+    netcdf_.write(mesh, step, *points_, answers);
+    break;
+  }
 }
 
 void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step,
-                              const Answers& answers) {
+                              const ProbeAnswers& answers) {
   const mesh::MeshView& view = mesh.mesh().own_view();
   const bool pieces = view.piece_count > 1, names = !points_->names.empty();
   std::vector<std::string> columns{"cycle", "time", "point"};
@@ -138,7 +172,7 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
 }
 
 void ProbeAction::write_vtp(const query::CommittedMesh& mesh, const Step& step,
-                            const Answers& answers) {
+                            const ProbeAnswers& answers) {
   const mesh::MeshView& view = mesh.mesh().own_view();
   std::vector<std::int64_t> cells;
   std::vector<std::int32_t> pieces;
@@ -158,7 +192,7 @@ void ProbeAction::write_vtp(const query::CommittedMesh& mesh, const Step& step,
 }
 
 void ProbeAction::write_json(const query::CommittedMesh& mesh, const Step& step,
-                             const Answers& answers) {
+                             const ProbeAnswers& answers) {
   const mesh::MeshView& view = mesh.mesh().own_view();
   const bool pieces = view.piece_count > 1;
   // Numbers as in CSV; what CSV leaves empty and what JSON cannot say is null.
@@ -199,9 +233,14 @@ void ProbeAction::write_json(const query::CommittedMesh& mesh, const Step& step,
 }
 
 void ProbeAction::finish() {
-  if (table_)
-    table_->flush();
+  Failures failures;
+  failures.catch_of([&] {
+    if (table_)
+      table_->flush();
+  });
+  failures.catch_of([&] { netcdf_.finish(); });
   table_.reset();
+  failures.throw_if_any();
 }
 
 } // namespace insitu::scene

@@ -5,6 +5,7 @@
 
 #include "output/csv.h"
 #include "scene/action.h"
+#include "scene/probe_netcdf.h"
 #include "scene/vtp_series.h"
 
 namespace insitu::scene {
@@ -26,18 +27,25 @@ public:
   void plan(const query::CommittedMesh& mesh, Plan& plan) const override;
 
 private:
-  struct Answers;
-  Answers sample(const query::CommittedMesh& mesh, std::span<const mesh::FieldView> fields);
-  void write_table(const query::CommittedMesh& mesh, const Step& step, const Answers& answers);
-  void write_vtp(const query::CommittedMesh& mesh, const Step& step, const Answers& answers);
-  void write_json(const query::CommittedMesh& mesh, const Step& step, const Answers& answers);
+  ProbeAnswers sample(const query::CommittedMesh& mesh, std::span<const mesh::FieldView> fields);
+  void write(TableFormat format, const query::CommittedMesh& mesh, const Step& step,
+             const ProbeAnswers& answers);
+  void write_table(const query::CommittedMesh& mesh, const Step& step, const ProbeAnswers& answers);
+  void write_vtp(const query::CommittedMesh& mesh, const Step& step, const ProbeAnswers& answers);
+  void write_json(const query::CommittedMesh& mesh, const Step& step, const ProbeAnswers& answers);
+
+  void follow(query::CommittedMesh& mesh);
 
   Probe probe_;
   Environment environment_;
   std::optional<ScenePoints> points_;
+  // Of points that are attached to the material.
+  std::vector<query::Location> places_;
+  std::uint64_t topology_ = 0;
   std::unique_ptr<output::AppendTable> table_;
   std::vector<std::string> columns_; ///< of the table
   VtpSeries series_;
+  ProbeNetcdf netcdf_;
 };
 
 } // namespace insitu::scene

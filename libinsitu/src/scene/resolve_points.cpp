@@ -11,6 +11,12 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
                            const query::CommittedMesh& mesh, const std::string& scene_file) {
   ScenePoints out;
   FrameOfReference used = frame;
+  if (std::holds_alternative<Sphere>(source) &&
+      to_api(used, mesh.frame).kind == INSITU_FRAME_GEODETIC)
+    throw core::Error(INSITU_ERROR_SCENE,
+                      scene_file + (used.line > 0 ? ":" + std::to_string(used.line) : "") +
+                          ": a sphere has no meaning in longitude and latitude, which the mesh is "
+                          "in; give it in another frame");
   if (const auto* file = std::get_if<PointFile>(&source)) {
     PointTable table = read_points_file(file->path);
     used = frame_of(table, frame, scene_file);
@@ -18,7 +24,13 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
     out.names = std::move(table.names);
   } else if (const auto* transect = std::get_if<Transect>(&source);
              transect && to_api(used, mesh.frame).kind == INSITU_FRAME_GEODETIC) {
-    out.mesh_points = geo::geodesic(transect->from, transect->to, transect->count);
+    math::Vec3d ends[] = {transect->from, transect->to};
+    const geo::Frame units = to_geo(to_api(used, mesh.frame)); // the mesh's may be radians
+    geo::Frame degrees = units;
+    degrees.radians = false;
+    geo::convert(units, degrees, ends, ends);
+    out.mesh_points = geo::geodesic(ends[0], ends[1], transect->count);
+    geo::convert(degrees, units, out.mesh_points, out.mesh_points);
   } else {
     const std::int64_t n = point_count(source);
     out.mesh_points.reserve(std::size_t(n));
@@ -26,7 +38,7 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
       out.mesh_points.push_back(point_at(source, i));
   }
   try {
-    convert_points(out.mesh_points, to_api(used, mesh.frame), mesh.frame, used.depth);
+    convert_points(out.mesh_points, to_api(used, mesh.frame), mesh.frame);
   } catch (const core::Error& e) {
     throw core::Error(e.status(), (used.line > 0 ? scene_file + ":" + std::to_string(used.line) + ": "
                                                  : std::string()) +

@@ -36,6 +36,9 @@ public:
   /// How often the structures of frames were made.
   render::Structures::Counts structure_counts() const { return structures_.counts(); }
 
+  /// How often the vertices of meshes were made geocentric, for frames.
+  std::int64_t geocentric_conversions() const { return structures_.geocentric_conversions(); }
+
   const LocatorOptions& locator() const { return locator_; }
   const std::string& output() const { return environment_.output; }
 

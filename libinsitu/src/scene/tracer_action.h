@@ -5,8 +5,6 @@
 
 #include "advect/pathlines.h"
 #include "advect/streamlines.h"
-#include "advect/tracks.h"
-#include "output/csv.h"
 #include "scene/action.h"
 
 namespace insitu::scene {
@@ -14,11 +12,9 @@ namespace insitu::scene {
 /// A tracer of a scene. Path- and streaklines move at every cycle and write when due; streamlines
 /// are traced when due.
 ///
-/// CSV of path- and streaklines: one table that grows, with cycle, time, particle, x, y, z, cell,
-/// [piece,] ending, fields; a row for each living particle when due, and a last one for each that
-/// ends, in the cycle in which it does; those that are alive when the session closes end as killed,
-/// their fields empty. Streamlines: a table a cycle, with line, vertex, s, x, y, z, cell, [piece,]
-/// ending, fields. piece stands where the mesh has several.
+/// Files of path- and streaklines: scene/track_writer.h. CSV of streamlines: a table a cycle, with
+/// line, vertex, s, x, y, z, cell, [piece,] ending, fields. piece stands where the mesh has
+/// several.
 class TracerAction : public Action {
 public:
   TracerAction(const Tracer& tracer, const Environment& environment);
@@ -31,8 +27,8 @@ public:
   void plan(const query::CommittedMesh& mesh, Plan& plan) const override;
 
   virtual advect::Counts counts() const = 0;
-  /// The velocity field whose earlier step is needed at the next cycle; empty if none is.
-  virtual std::string needs_earlier() const { return {}; }
+  /// The fields whose earlier step is needed at the next cycle.
+  virtual std::vector<std::string> needs_earlier() const { return {}; }
 
 protected:
   bool writes(TableFormat format) const;
@@ -54,6 +50,8 @@ private:
 };
 
 std::unique_ptr<TracerAction> make_tracer_action(const Tracer& tracer,
+                                                 const Environment& environment);
+std::unique_ptr<TracerAction> make_stream_tracer(const Tracer& tracer,
                                                  const Environment& environment);
 
 } // namespace insitu::scene

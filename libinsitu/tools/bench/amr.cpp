@@ -1,9 +1,8 @@
-#include "workload/amr.h"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
+#include "adaptive_meshes.h"
 #include "commands.h"
 #include "format.h"
 
@@ -36,68 +35,6 @@ struct Row {
   } in_gridlets, in_stitching;
 };
 
-/// Bytes of the cubes as hexahedra with vertices over those as gridlets (Zellmann 2023, table 2).
-double compression(const mesh::MeshView& dual, std::int64_t cubes) {
-  const mesh::GridletsView& g = *dual.pieces[0].gridlets;
-  std::vector<std::uint32_t> bound;
-  std::int64_t scalars = 0;
-  for (std::int64_t i = 0; i < g.count; ++i) {
-    const std::int64_t first = g.gridlets[i].first, n = g.gridlets[i].vertex_count();
-    scalars += n;
-    for (std::int64_t v = first; v < first + n; ++v)
-      if (g.leaves[v] != mesh::GridletsView::no_leaf)
-        bound.push_back(g.leaves[v]);
-  }
-  std::sort(bound.begin(), bound.end());
-  const auto vertices = std::unique(bound.begin(), bound.end()) - bound.begin();
-  return (16.0 * double(vertices) + 32.0 * double(cubes)) /
-         (32.0 * double(g.count) + 4.0 * double(scalars));
-}
-
-/// The dual as a solver of unstructured meshes would hand it over: every cube a hexahedron.
-struct PlainDual {
-  std::vector<double> points, values;
-  std::vector<std::int32_t> connectivity; ///< [cell][8], -1 behind the last
-};
-
-PlainDual plain_dual(const query::CommittedMesh& mesh) {
-  const mesh::MeshView& dual = mesh.mesh().view();
-  const mesh::FieldView field = mesh.mesh().field("f");
-  const mesh::PieceView &gridlets = dual.pieces[0], &stitching = dual.pieces[1];
-  PlainDual out;
-  // A vertex a leaf for cubes, then those of stitching cells.
-  std::vector<std::int32_t> number(std::size_t(mesh.mesh().own_view().cell_count()), -1);
-  const auto vertex = [&](const math::Vec3d& p, double value) {
-    for (int a = 0; a < 3; ++a)
-      out.points.push_back(p[a]);
-    out.values.push_back(value);
-    return std::int32_t(out.values.size() - 1);
-  };
-  mesh::CellVertices cell;
-  for (std::int64_t c = 0; c < gridlets.cell_count; ++c) {
-    if (!gridlets.owns(c))
-      continue;
-    mesh::gather(dual, c, cell);
-    constexpr int order[8] = {0, 1, 3, 2, 4, 5, 7, 6}; // a voxel's as a hexahedron's
-    for (const int v : order) {
-      std::int32_t& n = number[gridlets.gridlets->leaves[cell.ids[v]]];
-      if (n < 0)
-        n = vertex(cell.x[v], field.pieces[0].load(cell.ids[v], 0));
-      out.connectivity.push_back(n);
-    }
-  }
-  const auto first = std::int32_t(out.values.size());
-  for (std::int64_t v = 0; v < stitching.vertex_count; ++v)
-    vertex(stitching.point(v), field.pieces[1].load(v, 0));
-  for (std::int64_t c = 0; c < stitching.cell_count; ++c) {
-    std::int64_t ids[8];
-    const int n = stitching.vertex_ids(c, ids);
-    for (int v = 0; v < 8; ++v)
-      out.connectivity.push_back(v < n ? first + std::int32_t(ids[v]) : -1);
-  }
-  return out;
-}
-
 class Bench {
 public:
   explicit Bench(const Options& o)
@@ -122,21 +59,11 @@ public:
       progress("plain dual");
       const PlainDual plain = plain_dual(*patches);
       patches.reset();
-      auto mesh = std::make_unique<query::CommittedMesh>("plain", context_.memory);
-      const auto count = std::int64_t(plain.values.size());
-      const insitu_array points = insitu_array_of(plain.points.data(), INSITU_FLOAT64, count, 3);
-      mesh->mesh().set_points(0, &points, 1);
-      insitu_cells cells = insitu_cells_default();
-      cells.layout = INSITU_LAYOUT_PADDED;
-      cells.count = std::int64_t(plain.connectivity.size() / 8);
-      cells.connectivity = insitu_array_of(plain.connectivity.data(), INSITU_INT32, cells.count, 8);
-      mesh->mesh().set_cells(0, &cells);
-      const insitu_array values = insitu_array_of(plain.values.data(), INSITU_FLOAT64, count, 1);
-      mesh->mesh().set_field(0, "f", INSITU_VERTEX, &values, 1);
+      const auto mesh = register_plain(plain, context_.memory);
       Row row = measure("the same as plain hexahedra", *mesh);
       row.leaves = rows[0].leaves;
-      row.bytes += std::int64_t(8 * plain.points.size() + 4 * plain.connectivity.size());
-      row.bytes_values = 8 * count;
+      row.bytes += plain.bytes();
+      row.bytes_values = plain.bytes_values();
       rows.push_back(row);
     }
     progress("patches, nearest");
@@ -153,39 +80,9 @@ public:
 private:
   std::unique_ptr<query::CommittedMesh> make(insitu_reconstruction reconstruction,
                                              bool as_patches) {
-    auto out = std::make_unique<query::CommittedMesh>("amr", context_.memory);
-    mesh::Mesh& mesh = out->mesh();
-    insitu_amr amr = insitu_amr_default();
-    for (double& h : amr.spacing)
-      h = blocks_.spacing;
-    amr.level_count = blocks_.level_count;
-    amr.reconstruction = reconstruction;
-    mesh.set_amr(&amr);
-    if (!as_patches) {
-      insitu_leaves leaves = insitu_leaves_default();
-      const auto n = std::int64_t(leaves_.levels.size());
-      leaves.levels = insitu_array_of(leaves_.levels.data(), INSITU_INT32, n, 1);
-      leaves.corners = insitu_array_of(leaves_.corners.data(), INSITU_INT32, n, 3);
-      mesh.set_leaves(0, &leaves);
-      const insitu_array values = insitu_array_of(leaves_.values.data(), INSITU_FLOAT64, n, 1);
-      mesh.set_field(0, "f", INSITU_CELL, &values, 1);
-      return out;
-    }
-    const std::int64_t n = blocks_.cells_a_block();
-    for (std::size_t b = 0; b < blocks_.blocks.size(); ++b) {
-      insitu_patch patch = insitu_patch_default();
-      patch.level = blocks_.blocks[b].level;
-      for (int a = 0; a < 3; ++a) {
-        patch.lower[a] = blocks_.blocks[b].lower[a];
-        patch.cells[a] = blocks_.side;
-      }
-      const auto piece = std::int32_t(b);
-      mesh.set_patch(piece, &patch);
-      const insitu_array values =
-          insitu_array_of(blocks_.values.data() + b * std::size_t(n), INSITU_FLOAT64, n, 1);
-      mesh.set_field(piece, "f", INSITU_CELL, &values, 1);
-    }
-    return out;
+    return as_patches ? register_patches(blocks_, reconstruction, context_.memory)
+                      : register_leaves(leaves_, blocks_.spacing, blocks_.level_count,
+                                        reconstruction, context_.memory);
   }
 
   Row measure(const std::string& name, query::CommittedMesh& mesh) {
@@ -207,7 +104,7 @@ private:
       row.leaves = row.info->leaves;
       row.bytes = row.info->bytes;
       if (m.has_stand_in())
-        row.compression = compression(m.view(), row.info->cubes);
+        row.compression = cube_bytes(m.view(), row.info->cubes).compression();
       row.bytes_values = context_.memory.current(INSITU_MEMORY_GATHERED);
     }
     row.bytes_tree = mesh.tree().bytes();

@@ -3,43 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "format.h"
+#include "svg_axis.h"
 
 namespace insitu::bench {
 
 namespace {
 
+using namespace drawing;
+
 constexpr double width = 460.0, height = 400.0; // of one chart
 constexpr double left = 64.0, right = 16.0, top = 40.0, bottom = 52.0;
-constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73",
-                                   "#cc79a7", "#56b4e9", "#e69f00"};
-
-std::string text(double x, double y, const char* anchor, const std::string& words,
-                 const char* more = "") {
-  return format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\"%s>%s</text>\n", x, y, anchor, more,
-                words.c_str());
-}
-
-/// An axis from one power of ten to another, mapped to [from, to].
-struct Axis {
-  int low = 0, high = 1;
-  double from, to;
-
-  void fit(double least, double most) {
-    low = int(std::floor(std::log10(least) + 1e-9));
-    high = std::max(low + 1, int(std::ceil(std::log10(most) - 1e-9)));
-  }
-  double at(double value) const {
-    return from + (to - from) * (std::log10(value) - low) / (high - low);
-  }
-};
-
-std::string power(int exponent) {
-  return exponent >= 0 && exponent <= 2
-             ? format("%.0f", std::pow(10.0, exponent))
-             : format("10<tspan dy=\"-5\" font-size=\"9\">%d</tspan>", exponent);
-}
-
 std::string draw(const Chart& chart, double offset) {
   Axis x{0, 1, offset + left, offset + width - right}, y{0, 1, height - bottom, top};
   double least[2] = {HUGE_VAL, HUGE_VAL}, most[2] = {0.0, 0.0};
@@ -55,27 +28,9 @@ std::string draw(const Chart& chart, double offset) {
   x.fit(least[0], most[0]);
   y.fit(least[1], most[1]);
 
-  std::string out = text(0.5 * (x.from + x.to), 22.0, "middle", chart.title, " font-size=\"14\"");
-  for (int e = x.low; e <= x.high; ++e) {
-    const double at = x.at(std::pow(10.0, e));
-    out += format("<path d=\"M%.1f %.1fV%.1f\" stroke=\"#ddd\"/>\n", at, y.from, y.to);
-    out += text(at, y.from + 17.0, "middle", power(e));
-  }
-  for (int e = y.low; e <= y.high; ++e)
-    for (int digit = 1; digit <= (e < y.high ? 9 : 1); ++digit) {
-      const double at = y.at(digit * std::pow(10.0, e));
-      out += format("<path d=\"M%.1f %.1fH%.1f\" stroke=\"%s\"/>\n", x.from, at, x.to,
-                    digit == 1 ? "#ccc" : "#f0f0f0");
-      if (digit == 1)
-        out += text(x.from - 6.0, at + 4.0, "end", power(e));
-    }
-  out += format("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"none\" "
-                "stroke=\"#444\"/>\n",
-                x.from, y.to, x.to - x.from, y.from - y.to);
-  out += text(0.5 * (x.from + x.to), height - 14.0, "middle", chart.x_label);
-  const double label_x = offset + 16.0, label_y = 0.5 * (y.from + y.to);
-  out += text(label_x, label_y, "middle", chart.y_label,
-              format(" transform=\"rotate(-90 %.1f %.1f)\"", label_x, label_y).c_str());
+  std::string out =
+      text(0.5 * (x.from + x.to), 22.0, "middle", escaped(chart.title), " font-size=\"14\"");
+  out += grid(x, y, chart.x_label, chart.y_label, height - 14.0, offset + 16.0);
 
   double legend = y.to + 18.0;
   for (std::size_t i = 0; i < chart.lines.size(); ++i) {
@@ -92,7 +47,7 @@ std::string draw(const Chart& chart, double offset) {
     }
     out += "<path d=\"" + path + "\" " + stroke + "/>\n" + dots;
     out += format("<path d=\"M%.1f %.1fh24\" %s/>\n", x.from + 12.0, legend - 4.0, stroke.c_str());
-    out += text(x.from + 42.0, legend, "start", line.label);
+    out += text(x.from + 42.0, legend, "start", escaped(line.label));
     legend += 16.0;
   }
   return out;

@@ -3,7 +3,8 @@
 namespace insitu::bench {
 
 const char* help_text() {
-  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects|render|advect [options]
+  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects|render|advect|accuracy [options]
+       insitu-bench paper morrical|rathke|zellmann [options]
 
 Times libinsitu on the standard workload, checks its answers and holds them against VTK's.
   commit   building and refitting the acceleration structure, cold and warm
@@ -17,6 +18,9 @@ Times libinsitu on the standard workload, checks its answers and holds them agai
            --peers vtkUnstructuredGridVolumeRayCastMapper's; Rathke 2015, tables 1 to 4
   advect   particles through the ABC flow: steps a second, error and lost ones by method, plain and
            with steps that end at faces, one core and all; with --peers vtkStreamTracer's RK4 and RK45
+  accuracy what each choice that trades accuracy for time costs: tables, plots and a page to read
+  paper    the tables and figures of a paper that libinsitu is built on, in its own rows and columns, on
+           meshes of ours, its figures beside them
   methods  every locator method on every backend that is here: Morrical 2020, tables 1 to 3
 
 The mesh (commit, locate, scale, effects, render, advect)
@@ -44,7 +48,7 @@ The methods
   --check           compares answers alone, on all points, of pyramids and twisted hexahedra as well
 The run
   --threads T       0: all that the process may use [1]
-  --repetitions R   medians of R repetitions [5; scale, methods, amr, effects, render, advect: 3]
+  --repetitions R   medians of R repetitions [5; scale, methods, amr, effects, render, advect, accuracy, paper: 3]
   --peers           render, advect: also VTK's; locate: also the peers of VTK, on one thread, interleaved with ours
   --peer NAME       the same, this one only (may be repeated): vtkStaticCellLocator,
                     vtkCellTreeLocator, vtkCellLocator, vtkProbeFilter
@@ -101,6 +105,22 @@ Render
   its window needs a display (xvfb-run gives one); ours held against it is the longest step that is no worse.
   --size N          N x N pixels [512]
   --out FOLDER      writes the frames there as PNG
+
+Accuracy
+  --quick, --full   small meshes for a look, or large ones [--quick]
+  --sweep NAME      only this one (may be repeated): locate, newton, advect, volume, path_tracing, amr, update, effects
+  --out FOLDER      report.html, to be read from the top, and NAME.csv and NAME.svg of each sweep [accuracy]
+  Errors are against a reference that is exact or far better converged; the default is marked in each plot, and its
+  time and counted work over the least of a setting as accurate (the front) are printed.
+
+Paper
+  morrical (2020): tables 1 to 5, section 9.4; rathke (2015): tables 1 to 4; zellmann (2023): tables 1 to 4,
+  figures 6 to 8. Data, sizes and machines are not the papers': ratios compare, and captions say what was
+  normalised. Below a table stands what it leaves out.
+  --cells N         of the largest mesh; the others in the paper's proportions, or as large as the paper's [300000]
+  --quick           small meshes and frames, for a test
+  --size N          frames of N x N pixels [256]; rates are given for the paper's 1024 x 1024
+  --out FOLDER      a .csv of each table there, and plots
 
 Amr
   The mesh: blocks about a sphere in three levels, 4,018,176 leaves, as patches and as octree leaves. A row each:

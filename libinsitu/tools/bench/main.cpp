@@ -25,6 +25,10 @@ Output run(const Options& options) {
     return amr(options);
   if (options.command == Command::render)
     return render(options);
+  if (options.command == Command::accuracy)
+    return accuracy_command(options);
+  if (options.command == Command::paper)
+    return paper_command(options);
   if (options.command == Command::effects)
     return effects(options);
   if (options.command == Command::advect)

@@ -29,6 +29,15 @@ void Series::add(const Clock& before) {
   cpu_.push_back(now.cpu - before.cpu);
 }
 
+Series Series::plus(const Series& other) const {
+  Series out;
+  for (std::size_t i = 0; i < std::min(wall_.size(), other.wall_.size()); ++i) {
+    out.wall_.push_back(wall_[i] + other.wall_[i]);
+    out.cpu_.push_back(cpu_[i] + other.cpu_[i]);
+  }
+  return out;
+}
+
 double Series::at(std::vector<double> values, double quantile) {
   if (values.empty())
     return 0.0;

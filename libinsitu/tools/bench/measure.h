@@ -16,6 +16,13 @@ public:
     work();
     add(before);
   }
+  /// Seconds that were added up elsewhere, as another repetition.
+  void add(double seconds) {
+    wall_.push_back(seconds);
+    cpu_.push_back(seconds);
+  }
+  /// Repetition by repetition.
+  Series plus(const Series& other) const;
   bool empty() const { return wall_.empty(); }
   double min() const { return at(wall_, 0.0); }
   double median() const { return at(wall_, 0.5); }

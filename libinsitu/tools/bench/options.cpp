@@ -52,29 +52,30 @@ T choice(std::string_view option, std::string_view text, const std::optional<T>&
 } // namespace
 
 const char* name(Command command) {
-  constexpr const char* names[] = {"help",    "commit", "locate",  "torture", "scale",
-                                   "methods", "amr",    "effects", "render",  "advect"};
+  constexpr const char* names[] = {"help", "commit",  "locate", "torture",  "scale", "methods",
+                                   "amr",  "effects", "render", "accuracy", "paper", "advect"};
   return names[int(command)];
 }
 
 Options parse(int argc, char** argv) {
   Options o;
   const std::string commands =
-      "commit, locate, torture, scale, methods, amr, effects, render or advect";
+      "commit, locate, torture, scale, methods, amr, effects, render, accuracy, paper or advect";
   if (argc < 2)
     throw UsageError("a command expected: " + commands);
   const std::string_view command = argv[1];
   if (command == "--help" || command == "-h" || command == "help")
     return o;
-  for (const Command c :
-       {Command::commit, Command::locate, Command::torture, Command::scale, Command::methods,
-        Command::amr, Command::effects, Command::render, Command::advect})
+  for (const Command c : {Command::commit, Command::locate, Command::torture, Command::scale,
+                          Command::methods, Command::amr, Command::effects, Command::render,
+                          Command::accuracy, Command::paper, Command::advect})
     if (command == name(c))
       o.command = c;
   if (o.command == Command::help)
     throw UsageError("'" + std::string(command) + "' is no command: " + commands + " expected");
   if (o.command == Command::methods || o.command == Command::amr || o.command == Command::effects ||
-      o.command == Command::render || o.command == Command::advect)
+      o.command == Command::render || o.command == Command::accuracy ||
+      o.command == Command::paper || o.command == Command::advect)
     o.repetitions = 3;
   if (o.command == Command::advect)
     o.cells = {64 * 64 * 64};
@@ -85,7 +86,16 @@ Options parse(int argc, char** argv) {
     o.repetitions = 3;
   }
 
-  for (int i = 2; i < argc; ++i) {
+  int first = 2;
+  if (o.command == Command::paper) {
+    o.paper = argc > 2 ? argv[first++] : "";
+    if (o.paper == "--help" || o.paper == "-h")
+      return Options();
+    if (o.paper != "morrical" && o.paper != "rathke" && o.paper != "zellmann")
+      throw UsageError("paper: morrical, rathke or zellmann expected, '" + o.paper + "' given");
+    o.size = 256;
+  }
+  for (int i = first; i < argc; ++i) {
     const std::string_view option = argv[i];
     const auto value = [&]() -> std::string_view {
       if (i + 1 >= argc)
@@ -93,8 +103,8 @@ Options parse(int argc, char** argv) {
       return argv[++i];
     };
     /// A value of one of these commands' options.
-    const auto only = [&](Command a, Command b) {
-      if (o.command != a && o.command != b)
+    const auto only = [&](Command a, Command b, Command c = Command::help) {
+      if (o.command != a && o.command != b && o.command != c)
         throw UsageError(std::string(option) + ": not an option of " + name(o.command));
     };
     if (option == "--help" || option == "-h") {
@@ -174,11 +184,18 @@ Options parse(int argc, char** argv) {
       only(Command::scale, Command::scale);
       o.svg_file = value();
     } else if (option == "--size") {
-      only(Command::render, Command::render);
+      only(Command::render, Command::paper);
       o.size = number<int>(option, value(), 1, 16384);
     } else if (option == "--out") {
-      only(Command::render, Command::render);
+      only(Command::render, Command::accuracy, Command::paper);
       o.out_folder = value();
+    } else if (option == "--quick" || option == "--full") {
+      only(Command::accuracy, option == "--quick" ? Command::paper : Command::accuracy);
+      o.full = option == "--full";
+      o.quick = option == "--quick";
+    } else if (option == "--sweep") {
+      only(Command::accuracy, Command::accuracy);
+      o.sweeps.emplace_back(value());
     } else if (option == "--peers") {
       o.peers = true;
     } else if (option == "--peer-points") {
@@ -192,7 +209,7 @@ Options parse(int argc, char** argv) {
     }
   }
   if (o.cells.empty())
-    o.cells = {1'000'000};
+    o.cells = {o.command != Command::paper ? 1'000'000 : o.quick ? 6'000 : 300'000};
   if (o.cells.size() > 1 && o.command != Command::scale)
     throw UsageError("--cells: a list is for scale only");
   return o;

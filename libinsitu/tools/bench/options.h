@@ -12,7 +12,20 @@
 
 namespace insitu::bench {
 
-enum class Command { help, commit, locate, torture, scale, methods, amr, effects, render, advect };
+enum class Command {
+  help,
+  commit,
+  locate,
+  torture,
+  scale,
+  methods,
+  amr,
+  effects,
+  render,
+  accuracy,
+  paper,
+  advect
+};
 const char* name(Command command);
 
 struct Options {
@@ -35,8 +48,12 @@ struct Options {
   std::int64_t peer_points = 0;               ///< so many of the points for peers; 0: all
   bool check = false;                         ///< methods: answers alone, on all points
   std::vector<std::string> backends, methods; ///< methods: only these; empty: all
-  int size = 512;                             ///< render: pixels along an edge
-  std::string out_folder;                     ///< render: where its frames go; or none
+  int size = 512;                             ///< render, effects, paper: pixels along an edge
+  bool full = false;                          ///< accuracy: large meshes
+  bool quick = false;                         ///< paper: small meshes, for a test
+  std::string paper;                          ///< paper: "morrical", "rathke" or "zellmann"
+  std::vector<std::string> sweeps;            ///< accuracy: only these; empty: all
+  std::string out_folder;                     ///< render, accuracy, paper: where files go; or none
   std::string json_file, csv_file, svg_file;
 };
 

@@ -6,8 +6,8 @@
 
 #include "commands.h"
 #include "format.h"
+#include "lattice_rays.h"
 #include "output/png.h"
-#include "query/ray_bundle.h"
 #include "render/structures.h"
 
 namespace insitu::bench {
@@ -15,7 +15,6 @@ namespace insitu::bench {
 namespace {
 
 using core::Image;
-using math::Vec3d;
 using render::FrameSettings;
 
 /// A frame as it was drawn, some times.
@@ -103,16 +102,10 @@ private:
             {{middle - half, 0.0}, {middle, 0.3}, {middle + half, 0.0}}};
   }
   FrameSettings frame(const render::TransferFunction& function) const {
-    FrameSettings s;
-    s.width = s.height = o_.size;
-    const query::Sampler sampler = mesh_->sampler();
-    s.camera = render::Camera::around(sampler.tree().bounds_min(), sampler.tree().bounds_max(), 30,
-                                      20, 1.45);
-    s.background = {0, 0, 0};
-    s.volume = render::VolumeSettings{render::ScalarField{mesh_->mesh().field("f"), 0}, function};
+    FrameSettings s =
+        standard_frame(mesh_->sampler(), mesh_->mesh().field("f"), low_, high_, o_.size);
+    s.volume->function = function;
     s.volume->accuracy = o_.accuracy;
-    const Vec3d size = sampler.tree().bounds_max() - sampler.tree().bounds_min();
-    s.volume->unit_distance = 0.01 * std::sqrt(dot(size, size));
     return s;
   }
   static void set_step(FrameSettings& s, double factor) {
@@ -272,75 +265,11 @@ private:
     json_ += "\n  }";
   }
 
-  /// Of every fourth tile each way. Returns millions a second.
+  /// Returns millions a second.
   double locate_all(FrameSettings settings, double factor, int way) {
     set_step(settings, factor);
-    constexpr int tile = 16, most = query::RayBundleLocator::most_depth;
-    const query::Sampler sampler = mesh_->sampler();
-    const double step = settings.volume->step_factor * render::typical_cell_size(sampler);
-    const render::RayGenerator rays(settings.camera, settings.width, settings.height);
-    const render::VolumeMarcher marcher(sampler, *settings.volume);
-    const query::LocateOptions options{o_.accuracy, 1.0};
-    query::RayBundleLocator bundle(sampler, options);
-    std::int64_t samples = 0;
-
-    std::vector<query::Location> found(std::size_t(tile * tile * most));
-    std::vector<Vec3d> points;
-    for (int y0 = 0; y0 + tile <= settings.height; y0 += 4 * tile)
-      for (int x0 = 0; x0 + tile <= settings.width; x0 += 4 * tile) {
-        std::vector<query::LatticeRay> lattice;
-        std::vector<render::RayState> states(std::size_t(tile * tile));
-        std::int64_t first = INT64_MAX, end = 0;
-        for (int i = 0; i < tile * tile; ++i) {
-          render::RayState& s = states[std::size_t(i)];
-          s.ray = rays(x0 + i % tile, y0 + i / tile);
-          marcher.start(s);
-          lattice.push_back({s.ray.origin, s.ray.direction});
-          if (s.next < s.end)
-            first = std::min(first, s.next);
-          end = std::max(end, s.end);
-        }
-        if (first >= end)
-          continue;
-        time_.time([&] {
-          if (way > 0) {
-            bundle.set_rays(lattice, tile, step);
-            std::vector<std::uint32_t> wanted(lattice.size());
-            for (; first < end; first += way) {
-              for (std::size_t r = 0; r < states.size(); ++r) {
-                wanted[r] = 0;
-                for (int k = 0; k < way; ++k)
-                  if (first + k >= states[r].next && first + k < states[r].end) {
-                    wanted[r] |= std::uint32_t(1) << k;
-                    ++samples;
-                  }
-              }
-              bundle.locate(first, way, wanted, found);
-            }
-            return;
-          }
-          for (const render::RayState& s : states) {
-            points.clear();
-            for (std::int64_t i = s.next; i < s.end; ++i)
-              points.push_back(s.ray.origin + ((double(i) + 0.5) * step) * s.ray.direction);
-            samples += std::int64_t(points.size());
-            if (found.size() < points.size())
-              found.resize(points.size());
-            if (way == 0) {
-              sampler.locate_serial(points, std::span(found).first(points.size()), options);
-              continue;
-            }
-            std::int64_t hint = -1;
-            for (std::size_t i = 0; i < points.size(); ++i) {
-              found[i] = sampler.locate(points[i], hint, options);
-              hint = found[i].cell;
-            }
-          }
-        });
-      }
-    const double seconds = time_.cpu_sum();
-    time_ = {};
-    return 1e-6 * double(samples) / seconds;
+    const LatticeCost cost = locate_lattice(mesh_->sampler(), settings, way);
+    return 1e-6 * double(cost.samples) / cost.seconds;
   }
 
   void save(std::string name, const Image& image) const {
@@ -357,7 +286,6 @@ private:
   std::unique_ptr<query::CommittedMesh> mesh_;
   double low_ = 0.0, high_ = 1.0;
   std::vector<Drawn> rows_;
-  Series time_; ///< of locate_all
   std::string text_, json_;
 };
 

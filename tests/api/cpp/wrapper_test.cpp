@@ -309,6 +309,33 @@ TEST_F(Wrapper, FramesOfPoints) {
   EXPECT_NEAR(s(0), linear(0.373, 0.556, 0.5), 1e-2);
 }
 
+TEST_F(Wrapper, MeshesInLongitudeLatitudeAndDepth) {
+  give(); // longitudes 0 to 2, latitudes 0 to 1, depths 0 to 1 km
+  mesh.frame(insitu::Frame::geodetic(insitu::Vertical::down, insitu::Angle::degrees,
+                                     insitu::Length::kilometres));
+  mesh.commit();
+  EXPECT_EQ(entry("piece 0 points component 2").data, two.z.data());
+  EXPECT_NEAR(p(1.5, 0.5, 0.25), linear(1.5, 0.5, 0.25), 1e-14);
+  EXPECT_NEAR(p(361.5, 0.5, 0.0), linear(1.5, 0.5, 0.0), 1e-12); // another name of the meridian
+  const insitu::Frame heights = insitu::Frame::geodetic();
+  const insitu::Frame depths =
+      insitu::Frame::geodetic(insitu::Vertical::down, insitu::Angle::radians);
+  insitu::LocateOptions options;
+  options.frame = &heights;
+  const insitu::Samples s =
+      mesh.sample("p", std::vector<double>{1.5, 0.5, -250, 1, 1, 0, 1, 1, 1}, options);
+  EXPECT_NEAR(s(0), linear(1.5, 0.5, 0.25), 1e-14);
+  EXPECT_NEAR(s(1), linear(1, 1, 0), 1e-14);
+  EXPECT_EQ(s.found[2], 0);
+  options.frame = &depths;
+  const double radians = std::atan(1.0) / 45;
+  EXPECT_NEAR(mesh.sample("p", std::vector<double>{1.5 * radians, 0.5 * radians, 250}, options)(0),
+              linear(1.5, 0.5, 0.25), 1e-12);
+  mesh.frame(insitu::Frame::cartesian());
+  mesh.commit();
+  EXPECT_TRUE(std::isnan(p(361.5, 0.5, 0.0)));
+}
+
 TEST_F(Wrapper, MessagesNameTheThing) {
   give();
   mesh.commit();

@@ -37,7 +37,9 @@ int layout_of(int which, int64_t* out) {
                            AT(insitu_block, coordinates)};
   const int64_t frame[] = {sizeof(insitu_frame),       AT(insitu_frame, size),
                            AT(insitu_frame, kind),     AT(insitu_frame, origin),
-                           AT(insitu_frame, utm_zone), AT(insitu_frame, utm_north)};
+                           AT(insitu_frame, utm_zone), AT(insitu_frame, utm_north),
+                           AT(insitu_frame, angle),    AT(insitu_frame, length),
+                           AT(insitu_frame, vertical)};
   const int64_t commit[] = {sizeof(insitu_commit_report),
                             AT(insitu_commit_report, size),
                             AT(insitu_commit_report, action),
@@ -175,18 +177,21 @@ int constants(int64_t* out) {
       INSITU_LAYOUT_MIXED, INSITU_LAYOUT_PADDED, INSITU_BLOCK_UNIFORM, INSITU_BLOCK_RECTILINEAR,
       INSITU_BLOCK_CURVILINEAR, INSITU_GHOSTS_VTK, INSITU_GHOSTS_ASCENT, INSITU_DUAL,
       INSITU_NEAREST, INSITU_FRAME_CARTESIAN, INSITU_FRAME_GEOCENTRIC, INSITU_FRAME_GEODETIC,
-      INSITU_FRAME_ENU, INSITU_FRAME_UTM, INSITU_KEEP, INSITU_REFIT, INSITU_REBUILD,
+      INSITU_FRAME_ENU, INSITU_FRAME_UTM, INSITU_DEGREES, INSITU_RADIANS, INSITU_METRES,
+      INSITU_KILOMETRES, INSITU_UP, INSITU_DOWN, INSITU_KEEP, INSITU_REFIT, INSITU_REBUILD,
       INSITU_BUILDER_NONE, INSITU_BUILDER_MORTON, INSITU_BUILDER_SURFACE_AREA,
       INSITU_REASON_OUTSIDE, INSITU_REASON_CERTIFIED, INSITU_REASON_EXACT, INSITU_REASON_ON_FACE,
       INSITU_REASON_ON_EDGE, INSITU_REASON_ON_VERTEX, INSITU_REASON_COUNT,
       /* indices in Fortran: one more */
       INSITU_END_ALIVE + 1, INSITU_END_LEFT + 1, INSITU_END_STAGNATED + 1, INSITU_END_EXPIRED + 1,
       INSITU_END_STEP_LIMIT + 1, INSITU_END_SEED_OUTSIDE + 1, INSITU_END_NOT_FINITE + 1,
-      INSITU_END_KILLED + 1, INSITU_END_COUNT, INSITU_MEMORY_TREE + 1, INSITU_MEMORY_BUILD + 1,
+      INSITU_END_KILLED + 1, INSITU_END_STOPPED + 1, INSITU_END_REMOVED + 1, INSITU_END_COUNT,
+      INSITU_MEMORY_TREE + 1, INSITU_MEMORY_BUILD + 1,
       INSITU_MEMORY_RANGES + 1, INSITU_MEMORY_EARLIER + 1, INSITU_MEMORY_QUERY + 1,
       INSITU_MEMORY_TRACER + 1, INSITU_MEMORY_FRAME + 1, INSITU_MEMORY_CONVERTED + 1,
       INSITU_MEMORY_EMBREE + 1, INSITU_MEMORY_DEVICE + 1, INSITU_MEMORY_AMR + 1,
-      INSITU_MEMORY_GATHERED + 1, INSITU_MEMORY_COUNT};
+      INSITU_MEMORY_GATHERED + 1, INSITU_MEMORY_GEOCENTRIC + 1, INSITU_MEMORY_CHART + 1,
+      INSITU_MEMORY_COUNT};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     out[i] = all[i];
   return (int)(sizeof all / sizeof *all);

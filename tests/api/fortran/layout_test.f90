@@ -57,7 +57,7 @@ program layout_test
       c_loc(block%spacing), c_loc(block%coordinates)])
   call compare('frame', 4, c_sizeof(frame), [ &
       c_loc(frame%size), c_loc(frame%kind), c_loc(frame%origin), c_loc(frame%utm_zone), &
-      c_loc(frame%utm_north)])
+      c_loc(frame%utm_north), c_loc(frame%angle), c_loc(frame%length), c_loc(frame%vertical)])
   call compare('commit', 5, c_sizeof(commit), [ &
       c_loc(commit%size), c_loc(commit%action), c_loc(commit%validated), c_loc(commit%seconds), &
       c_loc(commit%cells), c_loc(commit%vertices), c_loc(commit%bytes), &
@@ -147,7 +147,7 @@ contains
   end subroutine expect_equal
 
   subroutine compare_constants()
-    integer(c_int64_t) :: there(100)
+    integer(c_int64_t) :: there(200)
     integer :: count
 
     associate (here => [ &
@@ -168,17 +168,20 @@ contains
         insitu_block_rectilinear, insitu_block_curvilinear, insitu_ghosts_vtk, &
         insitu_ghosts_ascent, insitu_dual, insitu_nearest, insitu_frame_cartesian, &
         insitu_frame_geocentric, &
-        insitu_frame_geodetic, insitu_frame_enu, insitu_frame_utm, insitu_keep, insitu_refit, &
+        insitu_frame_geodetic, insitu_frame_enu, insitu_frame_utm, insitu_degrees, &
+        insitu_radians, insitu_metres, insitu_kilometres, insitu_up, insitu_down, &
+        insitu_keep, insitu_refit, &
         insitu_rebuild, insitu_builder_none, insitu_builder_morton, insitu_builder_surface_area, &
         insitu_reason_outside, insitu_reason_certified, insitu_reason_exact, &
         insitu_reason_on_face, insitu_reason_on_edge, insitu_reason_on_vertex, &
         insitu_reason_count, insitu_end_alive, insitu_end_left, insitu_end_stagnated, &
         insitu_end_expired, insitu_end_step_limit, insitu_end_seed_outside, &
-        insitu_end_not_finite, insitu_end_killed, insitu_end_count, insitu_memory_tree, &
+        insitu_end_not_finite, insitu_end_killed, insitu_end_stopped, insitu_end_removed, &
+        insitu_end_count, insitu_memory_tree, &
         insitu_memory_build, insitu_memory_ranges, insitu_memory_earlier, insitu_memory_query, &
         insitu_memory_tracer, insitu_memory_frame, insitu_memory_converted, &
         insitu_memory_embree, insitu_memory_device, insitu_memory_amr, insitu_memory_gathered, &
-        insitu_memory_count])
+        insitu_memory_geocentric, insitu_memory_chart, insitu_memory_count])
       count = constants(there)
       if (count == size(here)) then
         if (all(there(:count) == here)) return

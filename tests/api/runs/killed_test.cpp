@@ -1,5 +1,6 @@
 // A run that is killed at any moment leaves whole files, and unfinished ones under a name of their
 // own that the next run removes. The run is the miniapp, in a process of its own.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <fcntl.h>
@@ -15,6 +16,7 @@
 #include "coupled.h"
 #include "output/atomic_file.h"
 #include "output/png.h"
+#include "unit/output/netcdf_file.h"
 
 extern char** environ;
 
@@ -23,12 +25,12 @@ namespace {
 const std::string scene = R"(
 insitu: 1
 probes:
-  - {name: grid, points: {grid: {min: [0, 0, 0], max: [1, 1, 1], counts: [6, 6, 6]}}, output: [csv, vtp, json]}
+  - {name: grid, points: {grid: {min: [0, 0, 0], max: [1, 1, 1], counts: [6, 6, 6]}}, output: [csv, vtp, json, netcdf]}
 tracers:
   - name: paths
     velocity: velocity
     seeds: {sphere: {center: [0.4, 0.4, 0.4], radius: 0.3, count: 100}}
-    output: [csv, vtp]
+    output: [csv, vtp, netcdf]
   - {name: lines, kind: streamline, velocity: velocity, until: {duration: 0.1}, every: 3,
      seeds: {sphere: {center: [0.3, 0.3, 0.3], radius: 0.2, count: 50}}}
 frames:
@@ -118,6 +120,13 @@ Seen look(const std::string& folder) {
       if (!content.empty()) {
         EXPECT_NO_THROW((void)runs::parse_table(content));
       }
+    } else if (name.ends_with(".nc")) {
+      EXPECT_NO_THROW({
+        const test::NetcdfFile file(folder + "/" + name);
+        const auto& cycles = file["cycle"].integers;
+        EXPECT_EQ(cycles.size(), file.records());
+        EXPECT_TRUE(std::is_sorted(cycles.begin(), cycles.end()));
+      });
     } else if (name.ends_with(".json")) {
       EXPECT_NO_THROW((void)YAML::Load(content));
       EXPECT_TRUE(content.ends_with("}\n"));
@@ -177,6 +186,11 @@ TEST(KilledRun, LeavesWholeFilesAndTheNextOneCleansUp) {
   ASSERT_EQ(t.rows.size(), 13u * 216);
   for (std::size_t i = 0; i < t.rows.size(); ++i)
     ASSERT_EQ(t.number(i, "cycle"), double(i / 216));
+  const test::NetcdfFile grid(folder / "out/grid.nc");
+  ASSERT_EQ(grid.records(), 13u);
+  EXPECT_EQ(grid["pressure"].doubles.size(), 13u * 216);
+  EXPECT_EQ(test::NetcdfFile(folder / "out/paths.nc").records(),
+            runs::parse_table(test::content(folder / "out/paths.csv")).rows.size());
   // Nor on the page: each cycle, and the end of the session.
   EXPECT_EQ(seen.entries, (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 12}));
 }

@@ -10,6 +10,7 @@
 #include "coupled.h"
 #include "output/atomic_file.h"
 #include "scene/action.h"
+#include "unit/output/netcdf_file.h"
 
 namespace {
 
@@ -106,12 +107,12 @@ TEST(Survives, MessagesThatDifferEachTimeDoNotFloodTheLog) {
 const std::string every_output = R"(
 insitu: 1
 probes:
-  - {name: p, points: {line: {from: [0, 0, 0], to: [1, 1, 1], count: 200}}, output: [csv, vtp, json]}
+  - {name: p, points: {line: {from: [0, 0, 0], to: [1, 1, 1], count: 200}}, output: [csv, vtp, json, netcdf]}
 tracers:
   - name: t
     velocity: velocity
     seeds: {sphere: {center: [0.4, 0.4, 0.4], radius: 0.3, count: 200}}
-    output: [csv, vtp]
+    output: [csv, vtp, netcdf]
   - {name: s, kind: streamline, velocity: velocity, output: [csv, vtp], until: {duration: 0.1},
      seeds: {sphere: {center: [0.3, 0.3, 0.3], radius: 0.2, count: 100}}}
 frames:
@@ -147,15 +148,19 @@ TEST(Survives, AFullDisk) {
   const test::Folder folder;
   Coupled run({.scene = every_output, .output = folder.path()});
   {
-    const SmallDisk disk(1500);
+    const SmallDisk disk(4500); // t.nc has no room but for its description
     EXPECT_EQ(insitu_session_execute(run.session.handle(), 0, 0.0), INSITU_ERROR_ACTION);
   }
   expect_in(insitu_last_message(), {"probe 'p'", "tracer 't'", "frame 'f'", "p.csv", "f_000000.png",
-                                    "index.html", "File too large"});
+                                    "index.html", "File too large", "p.nc", "t.nc"});
   EXPECT_EQ(unfinished(folder.path()), 0u);
   for (const auto& [name, content] : runs::files_of(folder.path())) {
     if (name == "run.js") { // as it was before what could not be written
       EXPECT_TRUE(content.empty()) << content;
+      continue;
+    }
+    if (name == "t.nc") { // the records did not fit, what comes before them did
+      EXPECT_EQ(test::NetcdfFile(folder / name).records(), 0u);
       continue;
     }
     EXPECT_TRUE(name.ends_with(".csv")) << name << " is there, of " << content.size() << " bytes";
@@ -174,6 +179,8 @@ TEST(Survives, AFullDisk) {
   EXPECT_EQ(p.text(200, "cycle"), "1");
   EXPECT_EQ(runs::parse_table(files.at("t.csv")).rows.size(), 600u);
   EXPECT_EQ(files.count("f_000001.png"), 1u);
+  EXPECT_EQ(test::NetcdfFile(folder / "t.nc").records(), 600u);
+  EXPECT_EQ(test::NetcdfFile(folder / "p.nc")["cycle"].integers, std::vector<long long>{1});
 }
 
 // Rows wait for room on the disk, but not until they fill the memory.

@@ -5,6 +5,7 @@
 #include <set>
 #include <tuple>
 
+#include "scene/frames.h"
 #include "scene/points.h"
 #include "scene/points_file.h"
 #include "scene_test.h"
@@ -16,6 +17,45 @@ namespace {
 
 std::string error(const std::string& text) {
   return test::error_of_call([&] { parse_points_text(text, "p.csv"); });
+}
+
+TEST(FrameOfReference, UnitsAreThoseOfGeodeticFrames) {
+  insitu_frame mesh = insitu_frame_default();
+  mesh.kind = INSITU_FRAME_GEODETIC;
+  mesh.angle = INSITU_RADIANS;
+  mesh.length = INSITU_KILOMETRES;
+  mesh.vertical = INSITU_DOWN;
+  FrameOfReference stated;
+  stated.kind = FrameOfReference::Kind::geodetic;
+  const double degree = std::atan(1.0) / 45;
+  std::vector<insitu::math::Vec3d> points{{180, 45, -250}, {-90, 90, 0}};
+  convert_points(points, to_api(stated, mesh), mesh);
+  EXPECT_NEAR(points[0].x, 180 * degree, 1e-15);
+  EXPECT_NEAR(points[0].y, 45 * degree, 1e-15);
+  EXPECT_EQ(points[0].z, 0.25);
+  EXPECT_EQ(points[1].y, std::atan(1.0) * 2); // the pole stays the pole, the surface the surface
+  EXPECT_EQ(points[1].z, 0.0);
+  stated.depth = true;
+  EXPECT_EQ(to_api(stated, mesh).vertical, INSITU_DOWN);
+  stated.kind = FrameOfReference::Kind::mesh; // in its own units
+  EXPECT_EQ(to_api(stated, mesh).angle, INSITU_RADIANS);
+
+  insitu_frame bad = mesh;
+  bad.kind = INSITU_FRAME_ENU;
+  EXPECT_THROW(read_frame(bad), insitu::core::Error);
+  bad = mesh;
+  bad.angle = insitu_angle(7);
+  EXPECT_THROW(read_frame(bad), insitu::core::Error);
+  bad = mesh;
+  bad.size = 3;
+  EXPECT_THROW(read_frame(bad), insitu::core::Error);
+  // From a header without units: what it meant then.
+  insitu_frame old = mesh;
+  old.size = offsetof(insitu_frame, angle);
+  const insitu_frame read = read_frame(old);
+  EXPECT_EQ(read.size, sizeof read);
+  EXPECT_EQ(read.angle, INSITU_DEGREES);
+  EXPECT_EQ(read.vertical, INSITU_UP);
 }
 
 } // namespace

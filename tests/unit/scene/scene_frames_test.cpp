@@ -92,10 +92,12 @@ TEST(SceneFrames, Cameras) {
 }
 
 TEST(SceneFrames, CameraErrors) {
-  EXPECT_EQ(frame_error("camera: {azimut: 3}"),
-            "s.yaml:2: key 'azimut' is unknown in frames[0].camera; did you mean 'azimuth'? (keys: "
-            "azimuth, "
-            "elevation, zoom, position, look_at, up, fov, orthographic, fit, orbit, path)");
+  EXPECT_EQ(
+      frame_error("camera: {azimut: 3}"),
+      "s.yaml:2: key 'azimut' is unknown in frames[0].camera; did you mean 'azimuth'? (keys: "
+      "azimuth, "
+      "elevation, zoom, position, look_at, up, fov, orthographic, fit, orbit, path, longitude, "
+      "latitude, altitude)");
   EXPECT_EQ(frame_error("camera: {elevation: 91}"),
             "s.yaml:2: frames[0].camera.elevation: a number from -90 to 90 expected, '91' found");
   EXPECT_EQ(frame_error("camera: {azimuth: 361}"),

@@ -134,10 +134,18 @@ INSITU_API insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece,
 typedef enum insitu_frame_kind INSITU_INT {
   INSITU_FRAME_CARTESIAN = 0,  /**< the solver's own coordinates */
   INSITU_FRAME_GEOCENTRIC = 1, /**< ECEF metres on WGS84 */
-  INSITU_FRAME_GEODETIC = 2,   /**< longitude, latitude in degrees, height in metres */
+  INSITU_FRAME_GEODETIC = 2,   /**< longitude, latitude, height or depth on WGS84; units below */
   INSITU_FRAME_ENU = 3,        /**< metres east, north, up of an origin (lon, lat, height) */
   INSITU_FRAME_UTM = 4         /**< easting, northing, height in metres in a zone */
 } insitu_frame_kind;
+
+/** GEODETIC: the units of longitude and latitude, and what the third number is. */
+typedef enum insitu_angle INSITU_INT { INSITU_DEGREES = 0, INSITU_RADIANS = 1 } insitu_angle;
+typedef enum insitu_length INSITU_INT { INSITU_METRES = 0, INSITU_KILOMETRES = 1 } insitu_length;
+typedef enum insitu_vertical INSITU_INT {
+  INSITU_UP = 0,  /**< a height above the ellipsoid */
+  INSITU_DOWN = 1 /**< a depth below it; UTM may have it too */
+} insitu_vertical;
 
 typedef struct insitu_frame {
   size_t size;
@@ -145,6 +153,9 @@ typedef struct insitu_frame {
   double origin[3];  /**< ENU: longitude, latitude (degrees), height (metres) */
   int32_t utm_zone;  /**< UTM: 1..60 */
   int32_t utm_north; /**< UTM: 1 north, 0 south */
+  insitu_angle angle;       /**< GEODETIC; else DEGREES */
+  insitu_length length;     /**< GEODETIC: of the third number; else METRES */
+  insitu_vertical vertical; /**< GEODETIC, UTM; else UP */
 } insitu_frame;
 
 static inline insitu_frame insitu_frame_default(void) {
@@ -154,11 +165,23 @@ static inline insitu_frame insitu_frame_default(void) {
   f.origin[0] = f.origin[1] = f.origin[2] = 0.0;
   f.utm_zone = 0;
   f.utm_north = 1;
+  f.angle = INSITU_DEGREES;
+  f.length = INSITU_METRES;
+  f.vertical = INSITU_UP;
   return f;
 }
 
 /** The frame of the mesh's coordinates; points given in another frame are converted to it. Cells
- *  are located as they are: a geodetic mesh is not supported in this version. */
+ *  are located as they are, straight in these coordinates. Of a geodetic mesh that means:
+ *
+ *  - Longitudes may start anywhere (-180, 0, 170, ...), and points may have any of the same
+ *    meridian: each is located once. Cells may wrap around (from 359.5 to 0.5), hold a pole or have
+ *    a vertex there: the few that do are located in copies, which insitu_report counts (memory) and
+ *    the commit's log tells; all others are read in place. A cell spans less than half a turn.
+ *  - Vector fields (3 components) are east, north and up; tracers take them as metres per second.
+ *    Near a pole that lies within a cell they are turned with the direction east before they are
+ *    interpolated; samples are in the east and north of the sampled point.
+ *  - It lies in host memory and is located on the CPU. */
 INSITU_API insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame* frame);
 
 #ifdef __cplusplus

@@ -19,7 +19,9 @@ typedef enum insitu_ending INSITU_INT {
   INSITU_END_SEED_OUTSIDE = 5, /**< was seeded outside the mesh */
   INSITU_END_NOT_FINITE = 6,   /**< the velocity is NaN or infinite */
   INSITU_END_KILLED = 7,       /**< the session was closed while it lived */
-  INSITU_END_COUNT = 8
+  INSITU_END_STOPPED = 8,      /**< met the boundary, where its scene says that it stops */
+  INSITU_END_REMOVED = 9,      /**< met the condition by which its scene removes particles */
+  INSITU_END_COUNT = 10
 } insitu_ending;
 
 /** What the memory is for. */
@@ -36,7 +38,10 @@ typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_DEVICE = 9,    /**< on devices: copies of arrays, trees, scratch */
   INSITU_MEMORY_AMR = 10,      /**< dual meshes of adaptive meshes */
   INSITU_MEMORY_GATHERED = 11, /**< fields of adaptive meshes at the dual's vertices */
-  INSITU_MEMORY_COUNT = 12
+  INSITU_MEMORY_GEOCENTRIC = 12, /**< vertices of meshes drawn geocentric, heights exaggerated */
+  INSITU_MEMORY_CHART = 13,      /**< copies of a geodetic mesh's cells at its seam and poles, and
+                                      fields there */
+  INSITU_MEMORY_COUNT = 14
 } insitu_purpose;
 
 /** Totals since the session was opened. Seconds are wall-clock seconds in the library. */

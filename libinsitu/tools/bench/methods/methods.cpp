@@ -4,10 +4,8 @@
 
 #include "accel/device_locator.h"
 #include "commands.h"
-#include "core/timer.h"
-#include "energy.h"
 #include "format.h"
-#include "methods/runner.h"
+#include "methods/rates.h"
 #include "query/locator_choice.h"
 
 namespace insitu::bench {
@@ -48,40 +46,12 @@ std::string full_name(const Row& row) {
   return std::string(name(row.backend)) + " " + name(row.method);
 }
 
-/// Medians of a few runs each; of one where it takes long.
 Rates time_rates(MethodRunner& runner, std::size_t points, int repetitions) {
   Rates rates;
   for (int a = 0; a < accuracy_count; ++a)
-    for (int w = 0; w < wanted_count; ++w) {
-      Series series;
-      const core::Timer timer;
-      runner.answer(Wanted(w), accuracies[a]); // touches buffers
-      const int times = timer.seconds() > 0.25 ? 1 : repetitions;
-      for (int i = 0; i < times; ++i)
-        series.time([&] { runner.answer(Wanted(w), accuracies[a]); });
-      rates.of[a][w] = 1e-6 * double(points) / series.median();
-    }
+    for (int w = 0; w < wanted_count; ++w)
+      rates.of[a][w] = time_rate(runner, Wanted(w), accuracies[a], points, repetitions);
   return rates;
-}
-
-/// Joules a million queries, over a second or more of them: counters tick slowly.
-double joules_a_million(MethodRunner& runner, EnergyMeter& meter, std::size_t points) {
-  const core::Timer timer;
-  const double before = meter.joules();
-  double millions = 0.0;
-  while (timer.seconds() < 1.5) {
-    runner.answer(Wanted::ids, INSITU_FAST);
-    millions += 1e-6 * double(points);
-  }
-  return (meter.joules() - before) / millions;
-}
-
-/// Ray methods are slow on processors: they answer the first of the points only, and bvh there the
-/// first million.
-std::size_t most_points(Backend backend, Method method) {
-  if (backend != Backend::cpu)
-    return std::size_t(-1);
-  return method == Method::bvh ? 1'000'000 : 100'000;
 }
 
 class Bench {
@@ -132,12 +102,7 @@ private:
   void make(workload::Kind kind, double jitter, const std::string& name) {
     using workload::Pattern;
     progress("making the mesh of " + name);
-    mesh_.mesh = workload::make_box(kind, workload::box_size(kind, o_.cells[0], o_.spacing), jitter,
-                                    o_.spacing);
-    mesh_.vertex_field = workload::vertex_field(mesh_.mesh);
-    mesh_.cell_field.resize(std::size_t(mesh_.mesh.cell_count()));
-    for (std::size_t c = 0; c < mesh_.cell_field.size(); ++c)
-      mesh_.cell_field[c] = double(c);
+    mesh_ = make_method_mesh(kind, o_.spacing, o_.cells[0], jitter);
     const std::int64_t count = o_.points > 0 ? o_.points : mesh_.mesh.cell_count();
     uniform_ = workload::make_queries(mesh_.mesh, Pattern::uniform, 0).points;
     random_ = workload::make_queries(mesh_.mesh, Pattern::random, count).points;
@@ -195,8 +160,10 @@ private:
       runner->set_points(first_of(random_));
       row.random = time_rates(*runner, first_of(random_).size(), o_.repetitions);
       EnergyMeter& meter = cpu ? processor_ : card_;
-      if (meter.works())
-        row.joules = joules_a_million(*runner, meter, first_of(random_).size());
+      if (meter.works()) {
+        const Drawn drawn = draw_power(*runner, meter, Wanted::ids, first_of(random_).size());
+        row.joules = drawn.joules / drawn.millions;
+      }
     }
     row.inside = compare(*runner, first_of(random_), owners_);
     row.boundary = compare(*runner, first_of(boundary_), boundary_owners_);

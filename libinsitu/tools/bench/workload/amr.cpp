@@ -105,6 +105,66 @@ AmrLeaves leaves_of(const AmrMesh& mesh) {
   return out;
 }
 
+namespace {
+
+/// Splits a cell of an octree and so on; counts leaves, and keeps them if `into` is given.
+std::int64_t split(Octree* into, double reach, int level_count, int level, const std::int32_t* at) {
+  const double width = box / 4 / double(1 << level);
+  const math::Vec3d centre{(at[0] + 0.5) * width, (at[1] + 0.5) * width, (at[2] + 0.5) * width};
+  const math::Vec3d d = centre - math::Vec3d{box / 2, box / 2, box / 2};
+  const double wave = std::sin(0.06 * d.x) * std::sin(0.05 * d.y + 1.0) * std::sin(0.07 * d.z);
+  const double distance = std::fabs(std::sqrt(dot(d, d)) - 85.0 - 25.0 * wave);
+  const std::uint64_t key =
+      ((std::uint64_t(level) << 20 | std::uint64_t(at[0])) << 20 | std::uint64_t(at[1])) << 20 |
+      std::uint64_t(at[2]);
+  if (level + 1 == level_count || distance > reach * width * (0.5 + core::random_unit(9, key, 0))) {
+    if (into) {
+      into->leaves.levels.push_back(level);
+      into->leaves.corners.insert(into->leaves.corners.end(), at, at + 3);
+      into->leaves.values.push_back(field(centre) / box);
+    }
+    return 1;
+  }
+  std::int64_t count = 0;
+  for (int child = 0; child < 8; ++child) {
+    const std::int32_t corner[3] = {2 * at[0] + (child & 1), 2 * at[1] + (child >> 1 & 1),
+                                    2 * at[2] + (child >> 2)};
+    count += split(into, reach, level_count, level + 1, corner);
+  }
+  return count;
+}
+
+std::int64_t split_all(Octree* into, double reach, int level_count) {
+  std::int64_t count = 0;
+  for (std::int32_t root = 0; root < 64; ++root) {
+    const std::int32_t corner[3] = {root % 4, root / 4 % 4, root / 16};
+    count += split(into, reach, level_count, 0, corner);
+  }
+  return count;
+}
+
+} // namespace
+
+Octree make_octree(double reach, int level_count) {
+  Octree out;
+  out.level_count = level_count;
+  out.reach = reach;
+  split_all(&out, reach, level_count);
+  return out;
+}
+
+Octree make_octree(std::int64_t cells) {
+  int levels = 2;
+  while (levels < 16 && split_all(nullptr, 1.0, levels) < cells)
+    ++levels;
+  double low = 0.0, high = 1.0;
+  for (int i = 0; i < 12; ++i) {
+    const double middle = 0.5 * (low + high);
+    (split_all(nullptr, middle, levels) < cells ? low : high) = middle;
+  }
+  return make_octree(high, levels);
+}
+
 std::vector<math::Vec3d> random_amr_points(std::int64_t count) {
   std::vector<math::Vec3d> points(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < points.size(); ++i)

@@ -36,6 +36,19 @@ struct AmrLeaves {
 };
 AmrLeaves leaves_of(const AmrMesh& mesh);
 
+/// A random octree about a wavy sphere in the box [0, 256]^3, its leaves in depth-first order. A
+/// leaf is split where the surface is nearer than about `reach` of its widths; levels may differ by
+/// more than one between neighbours. Values as of AmrMesh. Seed 9.
+struct Octree {
+  AmrLeaves leaves;
+  int level_count = 1;
+  double spacing = 64.0; ///< of level 0
+  double reach = 0.0;
+};
+Octree make_octree(double reach, int level_count);
+/// With about `cells` leaves, in as few levels as a reach of 1 allows.
+Octree make_octree(std::int64_t cells);
+
 /// count points at random in the box, seed 7; and the raster of n^3 points, x fastest.
 std::vector<math::Vec3d> random_amr_points(std::int64_t count);
 std::vector<math::Vec3d> raster_amr_points(int n);

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "advect/chart_motion.h"
+#include "advect/drift.h"
+#include "advect/mesh_velocity.h"
+
+namespace insitu::advect {
+
+/// The velocity on a geodetic mesh: metres per second east, north and up in the field, rates of
+/// ChartMotion's coordinates for integrate(), lengths in metres. Steps do not end at faces. One
+/// object serves one thread.
+class ChartVelocity {
+public:
+  /// As MeshVelocity's; the sampler has a chart. drifts: added, in metres per second.
+  ChartVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
+                const mesh::FieldView* earlier, double t0, double t1, insitu_accuracy accuracy,
+                std::span<const Drift> drifts = {})
+      : images_(sampler.among_images()), motion_(sampler.chart()),
+        inner_(images_, now, earlier, t0, t1, accuracy), drifts_(drifts) {}
+
+  void begin(std::int64_t hint) {
+    inner_.begin(hint);
+    sized_ = -1;
+  }
+  /// A particle's position in the mesh's frame, as integrate() has it, and back again.
+  math::Vec3d enter(const math::Vec3d& position) { return motion_.enter(position); }
+  math::Vec3d position(const math::Vec3d& x) const { return motion_.position(x); }
+
+  Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
+    math::Vec3d image, metres;
+    if (!motion_.image(x, image))
+      return Sampled::outside;
+    query::Location at;
+    const Sampled sampled =
+        drifts_.empty() ? inner_(image, t, metres) : inner_.sample(image, t, metres, at);
+    if (sampled != Sampled::inside)
+      return sampled;
+    for (const Drift& drift : drifts_)
+      metres += drift_at(drift, at, t, x, image);
+    v = motion_.rates(x, image, pole_of(inner_.asked()), metres);
+    const bool finite = std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    return finite ? Sampled::inside : Sampled::not_finite;
+  }
+  void accepted() { inner_.accepted(); }
+  std::int64_t cell() const { return inner_.cell(); }
+
+  /// Between two steps of integrate().
+  void settle(math::Vec3d& x, math::Vec3d& rate) {
+    if (motion_.settle(x, rate))
+      sized_ = -1;
+  }
+  double length(const math::Vec3d& x, const math::Vec3d& d) const { return motion_.length(x, d); }
+
+  /// Of the cell of the particle's position, in its coordinates; see ChartMotion.
+  math::Vec3d extent() {
+    if (sized_ != inner_.cell()) {
+      sized_ = inner_.cell();
+      mesh::CellVertices c;
+      mesh::gather(images_.mesh(), sized_, c);
+      extent_ = motion_.extent(c, pole_of(sized_));
+    }
+    return extent_;
+  }
+
+  /// See ExitingField. The normal is that of the face in the coordinates of the cells.
+  std::optional<query::Exit> leave(const math::Vec3d& a, const math::Vec3d& b, double t,
+                                   double dt) {
+    math::Vec3d from;
+    if (!motion_.image(a, from))
+      return std::nullopt;
+    auto exit = inner_.leave(from, motion_.along(a, from, b), t, dt);
+    if (exit)
+      exit->inside = motion_.from_image(a, from, exit->inside);
+    return exit;
+  }
+
+  double geometry_alpha(double t) const { return inner_.geometry_alpha(t); }
+  bool blends_velocity() const { return inner_.blends_velocity(); }
+  bool blends_geometry() const { return inner_.blends_geometry(); }
+
+private:
+  geo::Pole pole_of(std::int64_t cell) const {
+    const mesh::MeshView& mesh = images_.mesh();
+    return geo::Pole(mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(cell)].pole);
+  }
+
+  /// Along the east and north of the image's chart, as fields of three components are there.
+  math::Vec3d drift_at(const Drift& drift, const query::Location& at, double t,
+                       const math::Vec3d& x, const math::Vec3d& image) const {
+    const math::Vec3d v = velocity_of(drift, images_, at, inner_.alpha(t));
+    const bool is_field = drift.field && drift.field->now.components == 3;
+    return is_field ? v : motion_.turned(x, image, pole_of(at.cell), v);
+  }
+
+  query::Sampler images_;
+  ChartMotion motion_;
+  MeshVelocity inner_; ///< at images
+  std::span<const Drift> drifts_;
+  std::int64_t sized_ = -1; ///< the cell whose extent is kept
+  math::Vec3d extent_;
+};
+
+} // namespace insitu::advect

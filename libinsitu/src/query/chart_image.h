@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "geo/chart.h"
+
+namespace insitu::query {
+
+/// Where a point of a geodetic mesh lies among its cells. Every point has one image: its longitude
+/// within [west, west + turn), or, from the latitude on where cells hold a pole, its place on the
+/// chart turned to that pole, set down far to the east of all other cells. So it is located once,
+/// and in one tree.
+struct ChartImage {
+  geo::ChartUnits units = {};
+  double west = 0.0;
+  /// From these latitudes on (northwards; southwards) the turned charts are used: beyond any, if no
+  /// cell holds the pole.
+  double north_from = std::numeric_limits<double>::infinity();
+  double south_from = -std::numeric_limits<double>::infinity();
+
+  geo::Pole pole_at(double latitude) const {
+    return latitude >= north_from   ? geo::Pole::north
+           : latitude <= south_from ? geo::Pole::south
+                                    : geo::Pole::none;
+  }
+  /// What is added to a turned chart's longitudes, which lie within a quarter turn of 0; longitudes
+  /// of cells that reach over the seam end half a turn beyond it.
+  double offset(geo::Pole pole) const {
+    const double turns = pole == geo::Pole::north   ? 11.0 / 6
+                         : pole == geo::Pole::south ? 15.0 / 6
+                                                    : 0.0;
+    return pole == geo::Pole::none ? 0.0 : west + turns * units.turn();
+  }
+  math::Vec3d turned(geo::Pole pole, const math::Vec3d& p) const {
+    math::Vec3d q = geo::between_charts(units, geo::Pole::none, pole, p);
+    q.x += offset(pole);
+    return q;
+  }
+  math::Vec3d operator()(const math::Vec3d& p) const {
+    const geo::Pole pole = pole_at(p.y);
+    if (pole == geo::Pole::none)
+      return {geo::longitude_from(west, units, p.x), p.y, p.z};
+    if (!(std::abs(p.y) <= units.quarter()) || !std::isfinite(p.x)) // beyond a pole is nowhere
+      return {std::numeric_limits<double>::quiet_NaN(), p.y, p.z};
+    return turned(pole, p);
+  }
+};
+
+} // namespace insitu::query

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "advect/polylines.h"
+#include "output/xml_vtk.h"
+
+namespace insitu::scene {
+
+/// The lines that have a vertex, for VTK files: those of seeds outside have none, and only end in
+/// the tables and reports.
+struct DrawnLines {
+  explicit DrawnLines(const advect::Polylines& lines) {
+    for (std::size_t l = 0; l < lines.line_count(); ++l) {
+      if (lines.offsets[l] == lines.offsets[l + 1])
+        continue;
+      ends.push_back(lines.offsets[l + 1]);
+      particles.push_back(lines.particles[l]);
+      endings.push_back(lines.endings[l]);
+    }
+  }
+  void add_to(output::VtkPolyData& data, const char* particle_name) const {
+    data.cell_data.push_back(
+        output::vtk_array(particle_name, std::span<const std::int64_t>(particles)));
+    data.cell_data.push_back(output::vtk_array("ending", std::span<const std::uint8_t>(endings)));
+    data.line_ends = ends;
+  }
+  std::vector<std::int64_t> ends, particles;
+  std::vector<std::uint8_t> endings;
+};
+
+} // namespace insitu::scene

@@ -1,0 +1,69 @@
+#include "core/suggest.h"
+#include "scene/parse_parts.h"
+
+namespace insitu::scene {
+
+Release parse_release(const Cursor& cursor) {
+  Release release;
+  if (cursor.is_text()) {
+    (void)cursor.choice<bool>({{"once", true}});
+    return release;
+  }
+  if (!cursor.is_map()) {
+    cursor.expected("once, or a map of every or interval, and until,");
+    return release;
+  }
+  const MapReader map(cursor, {"every", "interval", "until"});
+  if (const auto every = map.find("every")) {
+    assign(release.every, every->integer(1, most_cycles));
+  }
+  if (const auto interval = map.find("interval")) {
+    assign(release.interval, interval->number(positive));
+  }
+  if (const auto until = map.find("until")) {
+    assign(release.until, until->number());
+  }
+  if (map.has("every") == map.has("interval")) {
+    cursor.fail("either 'every' (cycles) or 'interval' (time) expected");
+  }
+  return release;
+}
+
+bool names_probe(const Cursor& seeds) {
+  if (!seeds.is_map()) {
+    return false;
+  }
+  const auto& entries = seeds.node().entries;
+  return std::any_of(entries.begin(), entries.end(),
+                     [](const auto& entry) { return entry.key == "probe"; });
+}
+
+void parse_seeds_of_probe(const Cursor& cursor, const ParseContext& context, bool has_frame,
+                          Tracer& tracer) {
+  const MapReader map(cursor, {"probe"});
+  const auto name = map.find("probe");
+  const auto text = name ? name->text() : std::nullopt;
+  if (!text) {
+    return;
+  }
+  const auto found = std::find_if(context.probes->begin(), context.probes->end(),
+                                  [&](const Probe& p) { return p.name == *text; });
+  if (found == context.probes->end()) {
+    std::vector<std::string> names;
+    for (const Probe& p : *context.probes) {
+      names.push_back(p.name);
+    }
+    name->fail("the scene has no probe " + quote(*text) + core::did_you_mean(*text, names));
+    return;
+  }
+  if (has_frame) {
+    cursor.fail("the frame of these seeds is the probe's; leave 'frame' away");
+  }
+  tracer.seeds = found->points;
+  tracer.frame = found->frame;
+  if (tracer.mesh.empty()) {
+    tracer.mesh = found->mesh;
+  }
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "output/netcdf_table.h"
+#include "scene/action.h"
+
+namespace insitu::scene {
+
+/// What a probe found, row by row.
+struct ProbeAnswers {
+  std::vector<query::Location> locations; ///< as the solver counts cells
+  std::vector<mesh::FieldView> fields;
+  std::vector<std::string> columns; ///< of the values
+  std::vector<double> values;       ///< [point][column], NaN outside
+};
+
+/// `<name>.nc`: a probe as CF time series, a record for each due cycle: the multidimensional
+/// array of stations and times. cell is -1 and the values are NaN outside.
+class ProbeNetcdf {
+public:
+  ProbeNetcdf(const std::string& name, const Environment& environment);
+  ~ProbeNetcdf();
+  void write(const query::CommittedMesh& mesh, const Step& step, const ScenePoints& points,
+             const ProbeAnswers& answers);
+  void finish();
+
+private:
+  output::NetcdfLayout layout(const query::CommittedMesh& mesh, const ScenePoints& points,
+                              const ProbeAnswers& answers) const;
+
+  std::string name_, path_;
+  Environment environment_;
+  std::unique_ptr<output::NetcdfTable> table_;
+  std::vector<std::string> columns_;
+  bool pieces_ = false;
+};
+
+} // namespace insitu::scene

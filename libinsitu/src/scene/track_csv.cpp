@@ -1,0 +1,68 @@
+#include "output/csv.h"
+#include "scene/track_table.h"
+
+namespace insitu::scene {
+
+namespace {
+
+/// `<name>.csv`: cycle, time, particle, x, y, z, cell, [piece,] ending, and the values.
+class TrackCsv final : public TrackTable {
+public:
+  TrackCsv(const std::string& name, const Environment& environment)
+      : path_(environment.output + "/" + name + ".csv"), environment_(environment) {}
+
+private:
+  void open(const TrackRows& rows, std::int64_t) override {
+    std::vector<std::string> columns{"cycle", "time", "particle", "x", "y", "z", "cell"};
+    if (rows.pieces)
+      columns.push_back("piece");
+    columns.push_back("ending");
+    columns.insert(columns.end(), rows.columns.begin(), rows.columns.end());
+    if (table_) {
+      require_columns(*table_, columns_, columns);
+      return;
+    }
+    table_ = std::make_unique<output::AppendTable>(path_, columns, rows.cycle);
+    ++environment_.statistics.files;
+    columns_ = std::move(columns);
+    value_columns_ = rows.columns;
+    pieces_ = rows.pieces;
+  }
+
+  void add(const TrackRows& rows) override {
+    output::CsvRows& csv = table_->rows();
+    const std::size_t width = value_columns_.size();
+    for (std::size_t r = 0; r < rows.rows.size(); ++r) {
+      const TrackRow& row = rows.rows[r];
+      csv.cell(rows.cycle).cell(row.time).cell(row.particle);
+      csv.cell(row.position.x).cell(row.position.y).cell(row.position.z).cell(row.cell.cell);
+      if (pieces_)
+        csv.cell(int(row.cell.piece));
+      csv.cell(advect::ending_name(row.ending));
+      for (std::size_t c = 0; c < width; ++c)
+        csv.cell(rows.values[r * width + c]);
+      csv.end_row();
+    }
+  }
+
+  bool is_open() const override { return table_ != nullptr; }
+  void flush() override { flush_table(*table_); }
+  void close() override { table_.reset(); }
+  const std::vector<std::string>& value_columns() const override { return value_columns_; }
+  bool has_pieces() const override { return pieces_; }
+
+  std::string path_;
+  Environment environment_;
+  std::unique_ptr<output::AppendTable> table_;
+  std::vector<std::string> columns_, value_columns_;
+  bool pieces_ = false;
+};
+
+} // namespace
+
+std::unique_ptr<TrackWriter> make_track_csv(const std::string& name,
+                                            const Environment& environment) {
+  return std::make_unique<TrackCsv>(name, environment);
+}
+
+} // namespace insitu::scene

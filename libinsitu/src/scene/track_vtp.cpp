@@ -1,0 +1,89 @@
+#include <numeric>
+
+#include "advect/tracks.h"
+#include "scene/drawn_lines.h"
+#include "scene/track_writer.h"
+#include "scene/vtp_series.h"
+
+namespace insitu::scene {
+
+namespace {
+
+/// `<name>_<cycle>.vtp`, the particles at each due cycle, ended ones where they ended, indexed by
+/// time in `<name>.pvd`; and `<name>_tracks.vtp`, all tracks so far, with a vertex for each due
+/// cycle and one where a particle ended: one file, rewritten.
+class TrackVtp final : public TrackWriter {
+public:
+  TrackVtp(const std::string& name, const Environment& environment)
+      : name_(name), environment_(environment), tracks_(environment.context.memory) {}
+
+  bool keeps_ended() const override { return true; }
+
+  void write(TrackCycle& cycle) override {
+    if (!cycle.due())
+      return;
+    tracks_.record(cycle.particles());
+    write_particles(cycle);
+    write_tracks(cycle.step().time);
+  }
+
+  void finish(const advect::Particles& particles, std::int64_t, double time) override {
+    tracks_.record(particles);
+    write_tracks(time);
+  }
+
+private:
+  void write_particles(TrackCycle& cycle) {
+    std::vector<std::size_t> all(cycle.particles().size());
+    std::iota(all.begin(), all.end(), std::size_t(0));
+    const TrackRows& from = cycle.rows(all);
+    std::vector<math::Vec3d> points;
+    std::vector<std::int64_t> ids, cells;
+    std::vector<std::int32_t> pieces;
+    std::vector<std::uint8_t> endings;
+    for (const TrackRow& row : from.rows) {
+      points.push_back(row.position);
+      ids.push_back(row.particle);
+      cells.push_back(row.cell.cell);
+      pieces.push_back(row.cell.piece);
+      endings.push_back(std::uint8_t(row.ending));
+    }
+    const VtkColumns columns(from.columns, from.values);
+    output::VtkPolyData data;
+    data.points = vtk_points(points);
+    data.point_data.push_back(output::vtk_array("particle", std::span<const std::int64_t>(ids)));
+    data.point_data.push_back(output::vtk_array("cell", std::span<const std::int64_t>(cells)));
+    if (from.pieces)
+      data.point_data.push_back(output::vtk_array("piece", std::span<const std::int32_t>(pieces)));
+    data.point_data.push_back(output::vtk_array("ending", std::span<const std::uint8_t>(endings)));
+    columns.add_to(data.point_data);
+    series_.write(environment_, name_, cycle.step(), data);
+  }
+
+  void write_tracks(double time) {
+    const advect::Polylines lines = tracks_.lines();
+    const DrawnLines drawn(lines);
+    output::VtkPolyData data;
+    data.points = vtk_points(lines.points.span());
+    data.point_data.push_back(output::vtk_array("time", lines.times.span()));
+    drawn.add_to(data, "particle");
+    data.has_time = true;
+    data.time = time;
+    output::write_vtp(environment_.output + "/" + name_ + "_tracks.vtp", data);
+    ++environment_.statistics.files;
+  }
+
+  std::string name_;
+  Environment environment_;
+  advect::Tracks tracks_;
+  VtpSeries series_;
+};
+
+} // namespace
+
+std::unique_ptr<TrackWriter> make_track_vtp(const std::string& name,
+                                            const Environment& environment) {
+  return std::make_unique<TrackVtp>(name, environment);
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "advect/particles.h"
+#include "scene/action.h"
+
+/// How the particles of path- and streaklines are written: the tracer moves them, and hands each of
+/// its writers, one a format, what there is at a cycle.
+namespace insitu::scene {
+
+/// A particle as a file has it.
+struct TrackRow {
+  std::int64_t particle; ///< its id
+  double time;
+  math::Vec3d position; ///< in the mesh's coordinates
+  OwnCell cell;         ///< as the solver counts cells
+  insitu_ending ending;
+};
+
+/// Some particles at a cycle, with what is recorded along the tracks.
+struct TrackRows {
+  std::int64_t cycle = 0;
+  std::vector<TrackRow> rows;
+  bool pieces = false;                         ///< the mesh has several
+  insitu_frame frame = insitu_frame_default(); ///< of the mesh
+  std::vector<std::string> columns;            ///< of the values
+  std::vector<double> values;                  ///< [row][column], NaN outside
+};
+
+/// A cycle of a tracer, as its writers see it.
+class TrackCycle {
+public:
+  virtual ~TrackCycle() = default;
+  virtual const Step& step() const = 0;
+  virtual bool due() const = 0;
+  virtual const advect::Particles& particles() const = 0;
+  virtual std::int64_t seeded() const = 0;
+  /// Of the particles with these indices (not ids). Valid until the next call.
+  virtual const TrackRows& rows(const std::vector<std::size_t>& indices) = 0;
+};
+
+/// Writes one format. Throws core::Error (INSITU_ERROR_FILE, or INSITU_ERROR_FIELD where fields
+/// changed so that they no longer fit the file); what was not written then is written by the next
+/// call, if the particles are still there.
+class TrackWriter {
+public:
+  virtual ~TrackWriter() = default;
+  /// Called at every cycle, after the particles have moved.
+  virtual void write(TrackCycle& cycle) = 0;
+  /// The session closes, the particles have been killed, and there is no field any more. cycle: the
+  /// last one that the tracer executed.
+  virtual void finish(const advect::Particles& particles, std::int64_t cycle, double time) = 0;
+  /// Whether it asks for particles after the cycle in which they ended.
+  virtual bool keeps_ended() const { return false; }
+};
+
+/// The writer of a tracer's format; name: the tracer's.
+std::unique_ptr<TrackWriter> make_track_writer(TableFormat format, const std::string& name,
+                                               const Environment& environment);
+
+// Of the formats.
+std::unique_ptr<TrackWriter> make_track_csv(const std::string& name, const Environment&);
+std::unique_ptr<TrackWriter> make_track_netcdf(const std::string& name, const Environment&);
+std::unique_ptr<TrackWriter> make_track_vtp(const std::string& name, const Environment&);
+
+} // namespace insitu::scene

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "measure.h"
+
+namespace insitu::bench::accuracy {
+
+/// One choice as it was measured.
+struct Setting {
+  std::string
+      group; ///< settings of one group answer the same question and are held against each other
+  std::string name;
+  double error = 0.0; ///< of the reference, in the sweep's unit; 0: none found
+  double work = 0.0;  ///< counted, in the sweep's unit; 0: not counted
+  Series time;        ///< of the whole piece of work
+  double items = 1.0; ///< queries, frames, ... that `time` was spent on
+  bool is_default = false;
+  std::vector<double> more; ///< [Sweep::more_labels]; NaN: not measured
+  bool is_peer = false;     ///< another program's: no setting of ours
+
+  double seconds() const { return time.for_ratio(1) / items; }
+};
+
+/// A choice that trades accuracy for time, measured against a reference.
+struct Sweep {
+  std::string key; ///< of its files
+  std::string title;
+  std::string swept;     ///< what was varied, on what
+  std::string reference; ///< what errors are measured against, and why it may be trusted
+  std::string error_label, work_label, time_label; ///< with units
+  std::vector<std::string> more_labels;
+  std::vector<Setting> settings;
+  std::string advice; ///< a sentence with its numbers, made from the settings
+  std::vector<std::string> notes;
+
+  std::vector<std::string> groups() const; ///< in the order of appearance
+  /// Those of a group; peers left out unless asked for.
+  std::vector<const Setting*> of(const std::string& group, bool peers = false) const;
+  const Setting* find(const std::string& group, const std::string& name) const;
+  const Setting* default_of(const std::string& group) const;
+};
+
+using Cost = std::function<double(const Setting&)>;
+/// Counted work, and seconds an item.
+double work(const Setting& s);
+double seconds(const Setting& s);
+
+/// The settings of a group that no other beats: none has less error at no more cost.
+std::vector<const Setting*> front(const Sweep& sweep, const std::string& group, const Cost& cost);
+
+/// The default's cost over the least cost among the settings whose error is at most 1 % above its:
+/// 1 on the front. 0 if the group has no default or its cost is not known.
+double default_over_front(const Sweep& sweep, const std::string& group, const Cost& cost);
+
+/// Settings of ours that are on no group's front, by name: each loses everywhere.
+std::vector<std::string> never_on_a_front(const Sweep& sweep, const Cost& cost);
+
+/// One row a setting.
+std::string csv(const Sweep& sweep);
+/// Error against seconds, a chart a group; fronts drawn, defaults marked.
+std::string plot(const Sweep& sweep);
+
+} // namespace insitu::bench::accuracy

@@ -1,0 +1,205 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "chart.h"
+#include "commands.h"
+#include "format.h"
+#include "lattice_rays.h"
+#include "methods/rates.h"
+#include "paper/zellmann_meshes.h"
+
+namespace insitu::bench::paper {
+
+namespace {
+
+using math::Vec3d;
+
+/// The dual mesh with vertices at one place made one, so that cells share their faces.
+MethodMesh conforming(const PlainDual& plain) {
+  MethodMesh out;
+  const std::size_t n = plain.values.size();
+  const auto place = [&](std::size_t v) { return &plain.points[3 * v]; };
+  std::vector<std::uint32_t> order(n);
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::lexicographical_compare(place(a), place(a) + 3, place(b), place(b) + 3);
+  });
+  std::vector<std::int32_t> number(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t v = order[i];
+    if (i == 0 || !std::equal(place(v), place(v) + 3, place(order[i - 1]))) {
+      out.mesh.points.insert(out.mesh.points.end(), place(v), place(v) + 3);
+      out.vertex_field.push_back(plain.values[v]);
+    }
+    number[v] = std::int32_t(out.vertex_field.size() - 1);
+  }
+  out.mesh.offsets = {0};
+  for (std::int64_t c = 0; c < plain.cells(); ++c) {
+    int count = 0;
+    for (int v = 0; v < 8; ++v)
+      if (const std::int32_t id = plain.connectivity[std::size_t(8 * c + v)]; id >= 0) {
+        out.mesh.connectivity.push_back(number[std::size_t(id)]);
+        ++count;
+      }
+    out.mesh.types.push_back(std::uint8_t(count == 4   ? mesh::Shape::tetrahedron
+                                          : count == 5 ? mesh::Shape::pyramid
+                                          : count == 6 ? mesh::Shape::wedge
+                                                       : mesh::Shape::hexahedron));
+    out.mesh.offsets.push_back(std::int64_t(out.mesh.connectivity.size()));
+    out.cell_field.push_back(double(c));
+  }
+  return out;
+}
+
+struct View {
+  std::int64_t gridlets = 0, stitching = 0, outside = 0, samples = 0, locations = 0;
+  double march = 0.0, march_reference = 0.0, paths = 0.0; ///< seconds
+  double gridlet_ns = NAN, stitching_ns = NAN;            ///< to locate such a sample
+};
+
+double frame_seconds(const Held& held, const render::FrameSettings& settings, int repetitions,
+                     render::FrameStatistics* statistics) {
+  Series series;
+  for (int i = 0; i < repetitions; ++i)
+    series.time([&] {
+      (void)render::render_frame(held.mesh->sampler(), settings, held.context->threads,
+                                 held.context->memory, statistics);
+    });
+  return series.for_ratio(held.context->threads.count());
+}
+
+View look(const Held& ours, const Held& reference, const render::Camera& camera, int size,
+          int repetitions) {
+  View out;
+  render::FrameSettings settings = march_frame(*ours.mesh, size);
+  settings.camera = camera;
+  render::FrameStatistics statistics;
+  out.march = frame_seconds(ours, settings, repetitions, &statistics);
+  out.samples = statistics.samples;
+  const query::Sampler sampler = ours.mesh->sampler();
+  const std::vector<Vec3d> points = lattice_points(sampler, settings, 1);
+  std::vector<query::Location> at(points.size());
+  sampler.locate(ours.context->threads, points, at);
+  const std::int64_t first = sampler.mesh().first_cell[1];
+  std::vector<Vec3d> of[2];
+  for (std::size_t i = 0; i < at.size(); ++i)
+    if (at[i])
+      of[at[i].cell < first].push_back(points[i]);
+  out.gridlets = std::int64_t(of[1].size());
+  out.stitching = std::int64_t(of[0].size());
+  out.outside = std::int64_t(points.size()) - out.gridlets - out.stitching;
+  for (const bool gridlets : {false, true}) {
+    const std::vector<Vec3d>& some = of[gridlets];
+    if (some.empty())
+      continue;
+    Series series;
+    for (int i = 0; i < repetitions; ++i)
+      series.time(
+          [&] { sampler.locate(ours.context->threads, some, std::span(at).first(some.size())); });
+    (gridlets ? out.gridlet_ns : out.stitching_ns) =
+        1e9 * series.for_ratio(ours.context->threads.count()) / double(some.size());
+  }
+  settings = march_frame(*reference.mesh, size);
+  settings.camera = camera;
+  out.march_reference = frame_seconds(reference, settings, repetitions, nullptr);
+  settings = path_frame(*ours.mesh, size);
+  settings.camera = camera;
+  out.paths = frame_seconds(ours, settings, repetitions, &statistics);
+  out.locations = statistics.paths.locations;
+  return out;
+}
+
+Table table_8(const AdaptiveCase& mesh, const Held& ours, const Held& reference, int views,
+              int size, int repetitions) {
+  Table t;
+  t.key = std::string("zellmann-8-") + mesh.key();
+  t.title =
+      std::string("Figure 8: planar against bilinear faces of stitching cells, ") + mesh.name();
+  t.caption =
+      "Samples of the orbit's views (one tile in four), located on the reference's dual mesh "
+      "by shared_faces (planar) and shared_bilinear_faces in `fast`, the papers' rules in "
+      "float, on Embree; nanoseconds a sample. What the planar test gets wrong: points "
+      "answered otherwise than by the bilinear one.";
+  t.label = "view";
+  t.columns = {"samples", "planar ns", "bilinear ns", "bilinear/planar", "answered otherwise"};
+  t.left_out = {"the paper's curves (a figure without numbers); gridlets, which these methods do "
+                "not have: cubes are hexahedra here."};
+  MethodMesh plain = conforming(reference.plain);
+  core::Context& context = *reference.context;
+  const auto planar = make_cpu_runner(accel::Method::shared_faces, plain, context);
+  const auto bilinear = make_cpu_runner(accel::Method::shared_bilinear_faces, plain, context);
+  for (int i = 0; i < views; ++i) {
+    progress(format("figure 8, %s, view %d of %d", mesh.name(), i + 1, views));
+    render::FrameSettings settings = march_frame(*ours.mesh, size);
+    settings.camera = orbit(i, views);
+    const auto points = lattice_points(ours.mesh->sampler(), settings, 2);
+    double ns[2];
+    std::vector<std::int64_t> ids[2];
+    for (const bool curved : {false, true}) {
+      MethodRunner& runner = curved ? *bilinear : *planar;
+      runner.set_points(points);
+      const double rate = time_rate(runner, Wanted::vertex_value, INSITU_FAST, points.size(),
+                                    repetitions, context.threads.count() == 1);
+      ns[curved] = 1e3 / rate;
+      runner.answer(Wanted::ids, INSITU_FAST);
+      runner.ids(ids[curved]);
+    }
+    std::int64_t other = 0;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      other += ids[0][k] != ids[1][k];
+    t.add("here", std::to_string(i),
+          {std::int64_t(points.size()), Cell(ns[0], "%.0f"), Cell(ns[1], "%.0f"),
+           Cell(ns[1] / ns[0], "%.2f"), other});
+  }
+  return t;
+}
+
+} // namespace
+
+Orbit measure_orbit(const AdaptiveCase& mesh, const Held& ours, const Held& reference, int views,
+                    int size, int repetitions) {
+  Orbit out;
+  std::vector<View> all;
+  for (int i = 0; i < views; ++i) {
+    progress(format("figure 7, %s, view %d of %d", mesh.name(), i + 1, views));
+    all.push_back(look(ours, reference, orbit(i, views), size, repetitions));
+    const View& v = all.back();
+    out.failed = out.failed || v.gridlets + v.stitching + v.outside != v.samples;
+  }
+  Table& t = out.figure_7;
+  t.key = std::string("zellmann-7-") + mesh.key();
+  t.title = std::string("Figure 7: rendering time against cells sampled, ") + mesh.name();
+  t.caption =
+      format("Frames of %d x %d from %d places around the mesh. Ray marching, whose samples "
+             "are the frame's own, told apart by the cells that they lie in; path tracing "
+             "from the same places, one path a pixel, with the points that it locates. "
+             "Nanoseconds: to locate the samples of one kind alone.",
+             size, size, views);
+  t.label = "view";
+  t.columns = {"gridlets",    "stitching", "outside",     "all samples", "march s",
+               "reference s", "paths s",   "path points", "gridlet ns",  "stitching ns"};
+  t.left_out = {"the paper's curves (a figure without numbers); path tracing's points by kind."};
+  Chart chart{
+      std::string("Figure 7: ") + mesh.name(), "samples of a frame", "seconds, ray marching", {}};
+  for (const bool gridlets : {true, false}) {
+    Chart::Line line;
+    line.label = gridlets ? "gridlet samples" : "stitching samples";
+    for (const View& v : all)
+      if (const double n = double(gridlets ? v.gridlets : v.stitching); n > 0 && v.march > 0)
+        line.points.emplace_back(n, v.march);
+    std::sort(line.points.begin(), line.points.end());
+    chart.lines.push_back(line);
+  }
+  out.plot = svg({chart});
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const View& v = all[i];
+    t.add("here", std::to_string(i),
+          {v.gridlets, v.stitching, v.outside, v.samples, v.march, v.march_reference, v.paths,
+           v.locations, Cell(v.gridlet_ns, "%.0f"), Cell(v.stitching_ns, "%.0f")});
+  }
+  out.figure_8 = table_8(mesh, ours, reference, std::min(views, 8), size, repetitions);
+  return out;
+}
+
+} // namespace insitu::bench::paper

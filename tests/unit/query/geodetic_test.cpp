@@ -1,0 +1,425 @@
+// Meshes in longitude, latitude and depth: every point has one owner, over the seam and the poles.
+#include <algorithm>
+#include <initializer_list>
+
+#include "core/status.h"
+#include "fixtures/earth_meshes.h"
+#include "query_test.h"
+
+using namespace insitu;
+using fixtures::Globe;
+using fixtures::globe;
+using fixtures::Lattice;
+using fixtures::lattice;
+using geo::ChartUnits;
+using geo::Pole;
+using math::Vec3d;
+
+namespace {
+
+constexpr ChartUnits degrees{};
+constexpr double degree = std::numbers::pi / 180;
+
+insitu_frame frame_of(const ChartUnits& units) {
+  insitu_frame f = insitu_frame_default();
+  f.kind = INSITU_FRAME_GEODETIC;
+  f.angle = units.radians ? INSITU_RADIANS : INSITU_DEGREES;
+  f.length = units.kilometres ? INSITU_KILOMETRES : INSITU_METRES;
+  f.vertical = units.down ? INSITU_DOWN : INSITU_UP;
+  return f;
+}
+
+/// A committed geodetic mesh.
+struct Earth : fixtures::Committed {
+  explicit Earth(const test::TestMesh& from, const ChartUnits& units = {}, int pieces = 1)
+      : Committed() {
+    arrays = fixtures::SolverArrays(from);
+    mesh.frame = frame_of(units);
+    give(pieces);
+    commit();
+  }
+  void give(int pieces) {
+    const insitu_array a = arrays.point_array();
+    insitu_cells c = arrays.cells();
+    const std::int64_t all = c.count;
+    for (int p = 0; p < pieces; ++p) { // of one shape
+      const std::int64_t first = all * p / pieces, last = all * (p + 1) / pieces;
+      c.count = last - first;
+      const int n = c.connectivity.components;
+      c.connectivity = insitu_array_of(arrays.ids.data() + first * n, INSITU_INT32, c.count, n);
+      mesh.mesh().set_points(p, &a, 1);
+      mesh.mesh().set_cells(p, &c);
+    }
+  }
+  const query::ChartImage& image() const { return mesh.geodetic()->image(); }
+  /// As the solver counts.
+  std::int64_t owner(const Vec3d& p, std::int64_t hint = -1) const {
+    return mesh.own(sampler().locate(p, hint), p).cell;
+  }
+  /// The solver's cells that own points, as they lie on a chart.
+  struct Placed {
+    std::int64_t flat;
+    mesh::CellVertices c;
+    Vec3d low, high;
+  };
+  std::vector<Placed> placed(Pole pole) const {
+    const mesh::MeshView& view = mesh.mesh().own_view();
+    std::vector<Placed> out;
+    for (std::int64_t flat = 0; flat < view.cell_count(); ++flat) {
+      const std::int32_t piece = view.piece_of(flat);
+      if (!view.pieces[piece].owns(flat - view.first_cell[piece]))
+        continue;
+      Placed cell{flat, {}, {1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
+      mesh::gather(view, flat, cell.c);
+      for (int v = 0; v < cell.c.count; ++v) {
+        Vec3d& x = cell.c.x[v];
+        if (pole != Pole::none)
+          x = image().turned(pole, x);
+        for (int a = 0; a < 3; ++a) {
+          cell.low[a] = std::min(cell.low[a], x[a]);
+          cell.high[a] = std::max(cell.high[a], x[a]);
+        }
+      }
+      out.push_back(cell);
+    }
+    return out;
+  }
+};
+
+/// Which cells hold a point, by the definition: their longitudes taken as near to its own as they
+/// go, or on the chart turned to a pole where its image is there.
+class Holders {
+public:
+  explicit Holders(const Earth& earth)
+      : image_(earth.image()), cells_{earth.placed(Pole::none), earth.placed(Pole::north),
+                                      earth.placed(Pole::south)} {}
+
+  std::vector<std::int64_t> of(const Vec3d& p) const {
+    const double turn = image_.units.turn();
+    const Pole pole = image_.pole_at(p.y);
+    const Vec3d q = pole == Pole::none ? p : image_.turned(pole, p);
+    std::vector<std::int64_t> out;
+    for (const Earth::Placed& cell : cells_[int(pole)]) {
+      bool may = true;
+      for (int a = pole == Pole::none ? 1 : 0; a < 3; ++a)
+        may &= q[a] >= cell.low[a] - 1e-9 && q[a] <= cell.high[a] + 1e-9;
+      if (!may)
+        continue;
+      mesh::CellVertices c = cell.c;
+      if (pole == Pole::none) {
+        double low = 1e300, high = -1e300;
+        for (int v = 0; v < c.count; ++v) {
+          c.x[v].x += turn * std::round((q.x - c.x[v].x) / turn);
+          low = std::min(low, c.x[v].x);
+          high = std::max(high, c.x[v].x);
+        }
+        if (high - low >= turn / 2 || q.x < low - 1e-9 || q.x > high + 1e-9)
+          continue;
+      }
+      if (cells::holds(cells::contain_exact(c.shape, c.x, q).where))
+        out.push_back(cell.flat);
+    }
+    return out;
+  }
+
+private:
+  query::ChartImage image_;
+  std::vector<Earth::Placed> cells_[3];
+};
+
+/// Evenly over the sphere, at one of some heights.
+Vec3d random_point(test::Random& random, double height) {
+  return {random.uniform(-180, 180), std::asin(random.uniform(-1, 1)) / degree, height};
+}
+
+/// Where trouble is: seams, poles, the surface.
+std::vector<Vec3d> hard_places(std::uint64_t seed) {
+  test::Random random(seed);
+  std::vector<Vec3d> out;
+  for (const double z : {-3999.0, -100.0, -50.0, 0.0}) {
+    for (const double lon : {-180.0, -179.999, -1e-13, 0.0, 1e-13, 17.0, 90.0, 179.999, 180.0})
+      for (const double lat : {-90.0, -89.999999, -89.9, -45.0, 0.0, 30.0, 89.9, 89.9999999, 90.0})
+        out.push_back({lon, lat, z});
+    for (int i = 0; i < 60; ++i) {
+      const double near = std::pow(10.0, random.uniform(-12, 1));
+      out.push_back({random.uniform(-180, 180), (i % 2 ? 1 : -1) * (90 - near), z});
+      out.push_back({(i % 2 ? 1 : -1) * (180 - near), random.uniform(-90, 90), z});
+      out.push_back({random.uniform(-1e-3, 1e-3), random.uniform(-90, 90), z});
+    }
+  }
+  return out;
+}
+
+void expect_one_owner(const Earth& earth, const ChartUnits& units, const std::string& what) {
+  test::Random random(5);
+  std::vector<Vec3d> points = hard_places(4);
+  for (int i = 0; i < 600; ++i)
+    points.push_back(random_point(random, i % 3 ? random.uniform(-4000, 0) : 0.0));
+  for (Vec3d& p : points)
+    p = fixtures::in_units(units, p);
+  std::vector<query::Location> batch(points.size());
+  earth.sampler().locate(earth.threads, points, batch);
+  const Holders held(earth);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3d& p = points[i];
+    const std::vector<std::int64_t> holders = held.of(p);
+    const std::int64_t owner = earth.mesh.own(batch[i], p).cell;
+    ASSERT_FALSE(holders.empty()) << what << ": no cell holds " << test::text(p);
+    ASSERT_GE(owner, 0) << what << ": lost " << p.x << " " << p.y << " " << p.z;
+    ASSERT_NE(std::find(holders.begin(), holders.end(), owner), holders.end())
+        << what << ": " << p.x << " " << p.y << " " << p.z << " in " << owner << ", held by "
+        << holders[0];
+    ASSERT_EQ(earth.owner(p), owner);
+    ASSERT_EQ(earth.owner(p, batch[i].cell), owner);
+    for (const int turns : {-1, 1}) { // the same place by another name, when that rounds to it
+      const Vec3d q{p.x + turns * units.turn(), p.y, p.z};
+      const Vec3d a = earth.image()(p), b = earth.image()(q);
+      if (a == b) {
+        ASSERT_EQ(earth.owner(q), owner) << what << ": " << p.x << " " << p.y;
+      }
+      ASSERT_GE(earth.owner(q), 0) << what << ": " << q.x << " " << q.y;
+    }
+  }
+}
+
+} // namespace
+
+TEST(GeodeticMesh, LatticesNeedNoCopies) {
+  for (const double west : {-180.0, 0.0, -30.0, 170.0, -540.0})
+    for (const bool in_radians : {false, true}) {
+      const ChartUnits units{in_radians, in_radians, in_radians};
+      Lattice l{.units = units, .west = west, .east = west + 360};
+      const Earth earth(lattice(l), units);
+      EXPECT_FALSE(earth.mesh.geodetic()->has_copies());
+      EXPECT_FALSE(earth.mesh.mesh().has_stand_in());
+      for (const insitu_audit_entry& e : earth.mesh.audit())
+        EXPECT_TRUE(e.borrowed) << e.name;
+      EXPECT_EQ(earth.memory.current(INSITU_MEMORY_CHART), 0);
+      expect_one_owner(earth, units, "west " + std::to_string(west));
+    }
+}
+
+TEST(GeodeticMesh, CellsThatWrapAround) {
+  for (const double west : {-180.0, 0.0, 13.0}) {
+    Lattice l{.west = west, .east = west + 360, .wraps = true};
+    const Earth earth(lattice(l));
+    // A column of cells, on one side of the seam alone: its west side is where images begin.
+    EXPECT_EQ(earth.mesh.geodetic()->hidden_cells(), 24);
+    EXPECT_EQ(earth.mesh.geodetic()->copied_cells(), 24);
+    expect_one_owner(earth, degrees, "west " + std::to_string(west));
+    // Longitudes that jump from 180 to -180 within the lattice.
+    l = {.west = -170, .east = 190, .jump = -360};
+    expect_one_owner(Earth(lattice(l)), degrees, "jump");
+  }
+}
+
+TEST(GeodeticMesh, GlobesOfWedges) {
+  for (const double tilt : {0.0, 0.3, 1.1, std::atan(2.0) / 2, 0.5535743588970452}) // the last
+    for (const double first : {-180.0, 0.0}) { // ones: the pole on an edge of a triangle
+      Globe g{.tilt = tilt, .first = first, .pole_longitude = first + 77};
+      const Earth earth(globe(g));
+      EXPECT_TRUE(earth.mesh.geodetic()->has_copies());
+      EXPECT_LT(earth.mesh.geodetic()->copied_cells(),
+                earth.mesh.mesh().own_view().cell_count() / 3);
+      expect_one_owner(earth, degrees,
+                       "tilt " + std::to_string(tilt) + ", from " + std::to_string(first));
+    }
+}
+
+TEST(GeodeticMesh, UnitsDepthsAndPieces) {
+  const ChartUnits other{.radians = true, .kilometres = true, .down = true};
+  Globe g{.tilt = 0.3};
+  const Earth plain(globe(g)), pieces(globe(g), degrees, 3);
+  g.units = other;
+  const Earth radians(globe(g), other);
+  expect_one_owner(radians, other, "radians, kilometres of depth");
+  expect_one_owner(pieces, degrees, "three pieces");
+  test::Random random(8);
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3d p = random_point(random, random.uniform(-4000, 0));
+    const query::Location a = plain.sampler().locate(p);
+    const query::Location b = radians.sampler().locate(fixtures::in_units(other, p));
+    ASSERT_EQ(plain.mesh.own(a, p).cell, radians.mesh.own(b, p).cell) << p.x << " " << p.y;
+    ASSERT_EQ(plain.mesh.own(a, p).cell, pieces.owner(p));
+    for (int c = 0; c < 3; ++c) // the pole's limit is another rounding, and a chart's edges others
+      ASSERT_NEAR(a.parametric[c], b.parametric[c], 1e-9);
+  }
+}
+
+// Every surface cell holds a drifter at depth 0, wherever: the vertical number is never touched.
+TEST(GeodeticMesh, DepthZeroIsInside) {
+  for (const bool down : {false, true}) {
+    const ChartUnits units{.down = down};
+    const Earth earth(globe({.units = units, .subdivisions = 4, .tilt = 0.4}), units);
+    test::Random random(9);
+    for (int i = 0; i < 20000; ++i)
+      ASSERT_GE(earth.owner(random_point(random, 0.0)), 0) << i;
+    EXPECT_EQ(earth.owner({10, 20, down ? -1e-12 : 1e-12}), -1);
+  }
+}
+
+TEST(GeodeticMesh, CellsOfAspect1e5) {
+  // Layers of metres over cells of hundreds of kilometres.
+  const Earth earth(globe({.subdivisions = 3, .tilt = 0.2, .levels = {-7, -4, -1, 0}}));
+  test::Random random(10);
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3d p = random_point(random, i % 2 ? random.uniform(-7, 0) : -4.0);
+    const query::Location at = earth.sampler().locate(p);
+    ASSERT_TRUE(at) << p.x << " " << p.y << " " << p.z;
+    // The wedge's third coordinate is the height within its layer.
+    const std::int64_t layer = earth.mesh.own(at, p).cell / 1280;
+    const double low[] = {-7, -4, -1, 0};
+    ASSERT_NEAR(low[layer] + at.parametric.z * (low[layer + 1] - low[layer]), p.z, 1e-12);
+  }
+}
+
+/// A vector field that is one vector throughout space, as east, north and up at every vertex; at a
+/// pole by its vertex' own longitude.
+std::vector<double> one_vector(const test::TestMesh& from, const Vec3d& v) {
+  std::vector<double> out;
+  for (const Vec3d& x : from.vertices) {
+    const geo::ChartPlace at = geo::place_of(degrees, Pole::none, x);
+    out.insert(out.end(), {dot(v, at.east), dot(v, at.north), dot(v, at.normal)});
+  }
+  return out;
+}
+
+TEST(GeodeticMesh, VectorsTurnWithEast) {
+  const Vec3d v{0.6, -0.5, 0.2};
+  for (const double tilt : {0.0, 0.3}) {
+    const test::TestMesh from = globe({.subdivisions = 4, .tilt = tilt, .pole_longitude = 55});
+    Earth earth(from);
+    const std::vector<double> values = one_vector(from, v);
+    std::vector<double> ids(from.cells.size());
+    for (std::size_t c = 0; c < ids.size(); ++c)
+      ids[c] = double(c);
+    const insitu_array a =
+        insitu_array_of(values.data(), INSITU_FLOAT64, std::int64_t(from.vertices.size()), 3);
+    const insitu_array b = insitu_array_of(ids.data(), INSITU_FLOAT64, std::int64_t(ids.size()), 1);
+    earth.mesh.mesh().set_field(0, "v", INSITU_VERTEX, &a, 1);
+    earth.mesh.mesh().set_field(0, "id", INSITU_CELL, &b, 1);
+    earth.commit();
+    const mesh::FieldView fields[] = {earth.mesh.mesh().field("v"), earth.mesh.mesh().field("id")};
+    test::Random random(12);
+    double worst = 0;
+    for (int i = 0; i < 4000; ++i) {
+      Vec3d p = random_point(random, random.uniform(-4000, 0));
+      if (i % 2)
+        p.y = std::copysign(90 - std::pow(10.0, random.uniform(-7, 1)), p.y);
+      const query::Location at = earth.sampler().locate(p);
+      ASSERT_TRUE(at);
+      double out[4];
+      earth.sampler().interpolate(fields, at, out);
+      const geo::ChartPlace here = geo::place_of(degrees, Pole::none, p);
+      const Vec3d got = out[0] * here.east + out[1] * here.north + out[2] * here.normal;
+      worst = std::max(worst, std::sqrt(dot(got - v, got - v)));
+      ASSERT_EQ(std::int64_t(out[3]), earth.mesh.own(at, p).cell);
+    }
+    // Linear interpolation over cells of 4 degrees: h^2 / 8 = 6e-4 of the vector; of the components
+    // themselves where a cell spans 20 degrees of longitude, at most 20^2 / 8 = 1.5e-2.
+    EXPECT_LT(worst, 1.7e-2) << tilt;
+  }
+}
+
+TEST(GeodeticMesh, MovingMeshes) {
+  const Globe g{.subdivisions = 3, .tilt = 0.3};
+  const test::TestMesh from = globe(g);
+  Earth earth(from);
+  const std::uint64_t topology = earth.mesh.topology_version();
+  earth.mesh.mesh().keep_earlier({}, earth.threads);
+  for (std::size_t v = 0; v < from.vertices.size(); ++v) // layers breathe
+    earth.arrays.points[3 * v + 2] *= 1.01;
+  EXPECT_EQ(earth.commit(INSITU_CHANGED_GEOMETRY).action, INSITU_REFIT);
+  EXPECT_EQ(earth.mesh.topology_version(), topology);
+  expect_one_owner(earth, degrees, "breathing");
+  // Between the steps, copies too: a point at the surface of the blended mesh.
+  earth.mesh.mesh().expose_earlier(true, earth.threads);
+  ASSERT_NE(earth.mesh.mesh().view().earlier_points, nullptr);
+  for (const Vec3d& p : {Vec3d{3, 4, 0}, Vec3d{3, 90, 0}, Vec3d{180, 5, 0}}) {
+    const Vec3d deep{p.x, p.y, -4020 + 1e-6};
+    EXPECT_TRUE(earth.sampler().locate(deep, -1, {INSITU_STANDARD, 0.5 + 1e-9}));
+    EXPECT_FALSE(earth.sampler().locate(deep, -1, {INSITU_STANDARD, 0.5 - 1e-6}));
+  }
+  // The mesh turns with the Earth: other cells wrap.
+  for (std::size_t v = 0; v < from.vertices.size(); ++v)
+    earth.arrays.points[3 * v] =
+        geo::longitude_from(-180, degrees, earth.arrays.points[3 * v] + 40);
+  EXPECT_EQ(earth.commit(INSITU_CHANGED_GEOMETRY).action, INSITU_REBUILD);
+  EXPECT_NE(earth.mesh.topology_version(), topology);
+  expect_one_owner(earth, degrees, "turned");
+}
+
+TEST(GeodeticMesh, GhostsOwnNothing) {
+  const test::TestMesh from = lattice({.west = 0, .east = 360, .wraps = true});
+  Earth earth(from);
+  std::vector<std::uint8_t> ghosts(from.cells.size(), 0);
+  for (std::size_t c = 0; c < ghosts.size(); c += 24)
+    ghosts[c + 23] = 1; // the column that wraps
+  const insitu_array g =
+      insitu_array_of(ghosts.data(), INSITU_UINT8, std::int64_t(ghosts.size()), 1);
+  earth.mesh.mesh().set_ghosts(0, &g, INSITU_GHOSTS_VTK);
+  earth.commit();
+  EXPECT_FALSE(earth.mesh.geodetic()->has_copies());
+  EXPECT_EQ(earth.owner({350, 10, -5}), -1);
+  EXPECT_GE(earth.owner({344, 10, -5}), 0);
+  EXPECT_GE(earth.owner({-17, 10, -5}), 0);
+}
+
+TEST(GeodeticMesh, FewerPointsThanTheWholeEarth) {
+  // A region across the date line, given three ways.
+  for (const double jump : {0.0, -360.0}) {
+    const Earth earth(lattice({.west = 170, .south = -20, .east = 190, .north = 15, .jump = jump}));
+    EXPECT_EQ(earth.mesh.geodetic()->has_copies(), jump != 0);
+    for (const double lon : {170.0, 179.999, 180.0, -180.0, -179.999, -170.0, 190.0, 530.0, 550.0})
+      EXPECT_GE(earth.owner({lon, 3, -7}), 0) << lon;
+    for (const double lon : {169.999, -169.999, 0.0, 10.0, -190.001})
+      EXPECT_EQ(earth.owner({lon, 3, -7}), -1) << lon;
+    for (const double bad : {double(NAN), double(INFINITY), -double(INFINITY), 1e300})
+      for (int a = 0; a < 3; ++a) {
+        Vec3d p{175, 3, -7};
+        p[a] = bad;
+        if (a > 0 || std::abs(bad) != 1e300) {
+          EXPECT_EQ(earth.owner(p), -1) << a << " " << bad;
+        }
+      }
+  }
+}
+
+TEST(GeodeticMesh, RayMethodsAnswerAlike) {
+  const test::TestMesh from = globe({.subdivisions = 3, .tilt = 0.3});
+  const Earth plain(from);
+  Earth rays(from);
+  std::vector<Vec3d> points = hard_places(4);
+  test::Random random(6);
+  for (int i = 0; i < 3000; ++i)
+    points.push_back(random_point(random, random.uniform(-4000, 10)));
+  std::vector<query::Location> want(points.size()), got(points.size());
+  plain.sampler().locate(plain.threads, points, want);
+  for (const accel::Method method : {accel::Method::user_geometry, accel::Method::shared_faces,
+                                     accel::Method::shared_bilinear_faces}) {
+    rays.mesh.set_locator({method, accel::Backend::cpu});
+    rays.commit(INSITU_CHANGED_TOPOLOGY);
+    rays.sampler().locate(rays.threads, points, got);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      ASSERT_EQ(got[i].cell, want[i].cell)
+          << accel::name(method) << " " << points[i].x << " " << points[i].y << " " << points[i].z;
+  }
+}
+
+TEST(GeodeticMesh, WhatIsRefusedSaysWhy) {
+  const auto error = [](const test::TestMesh& from, const ChartUnits& units = {}) {
+    try {
+      Earth earth(from, units);
+    } catch (const core::Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  const auto has = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << "'" << text << "' lacks '" << part << "'";
+  };
+  has(error(lattice({.south = 0, .north = 95})), "has the latitude 95 degrees; at most 90");
+  has(error(lattice({.south = 0, .north = 95}), {.radians = true}), "radians");
+  has(error(globe({.subdivisions = 0})), "cells that hold a pole may reach down to 30 degrees");
+  has(error(lattice({.across = 2})), "half a turn");
+}
