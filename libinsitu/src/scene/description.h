@@ -134,13 +134,13 @@ struct Tracer {
   FrameOfReference frame;
   TracerKind kind = TracerKind::pathline;
   Release release; ///< a streakline's, unless the file says: every cycle
-  Name velocity; ///< a field of three components
+  Name velocity;   ///< a field of three components
   IntegratorOptions integrator;
   TracerDirection direction = TracerDirection::forward; ///< of streamlines
   TracerLimits until;
-  TracerEffects effects; ///< of path- and streaklines
+  TracerEffects effects;             ///< of path- and streaklines
   Attached attached = Attached::lab; ///< body: path- and streaklines, without velocity
-  std::vector<Name> fields; ///< recorded along the tracks; empty: none
+  std::vector<Name> fields;          ///< recorded along the tracks; empty: none
   Accuracy accuracy = Accuracy::standard;
   std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp, netcdf (no streamlines)
   Trigger trigger; ///< its own, or else the scene's: streamlines are computed, tracks are written

@@ -185,12 +185,13 @@ TEST(SceneKeys, TracerDefaults) {
 
 TEST(SceneKeys, TracerKeys) {
   const Tracer tracer =
-      parse(test::tracer("mesh: m, frame: geocentric, kind: streamline, fields: [a, b], "
-                         "direction: both, integrator: {method: dopri5, face_aware: true, step: 0.25, "
-                         "tolerance: 1e-3, "
-                         "min_step: 0.125, max_step: 0.5, max_steps: 77}, "
-                         "until: {duration: 3, length: 4}, effects: [], accuracy: exact, "
-                         "output: [csv, vtp]"))
+      parse(test::tracer(
+                "mesh: m, frame: geocentric, kind: streamline, fields: [a, b], "
+                "direction: both, integrator: {method: dopri5, face_aware: true, step: 0.25, "
+                "tolerance: 1e-3, "
+                "min_step: 0.125, max_step: 0.5, max_steps: 77}, "
+                "until: {duration: 3, length: 4}, effects: [], accuracy: exact, "
+                "output: [csv, vtp]"))
           .tracers[0];
   EXPECT_EQ(tracer.mesh.text, "m");
   EXPECT_EQ(tracer.frame.kind, FrameOfReference::Kind::geocentric);
