@@ -1,7 +1,7 @@
 #pragma once
 
 #include "advect/effects.h"
-#include "advect/integrate.h"
+#include "advect/settings.h"
 #include "mesh/view.h"
 #include "query/sampler.h"
 

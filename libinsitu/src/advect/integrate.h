@@ -9,75 +9,9 @@
 
 #include "advect/dense.h"
 #include "advect/integrators.h"
+#include "advect/settings.h"
 
 namespace insitu::advect {
-
-enum class Method : std::uint8_t { euler, rk4, bs32, dopri5 };
-
-/// Whether it chooses its steps by their errors; the others have fixed ones.
-constexpr bool is_adaptive(Method method) {
-  return method == Method::bs32 || method == Method::dopri5;
-}
-
-/// How a particle is moved. Times are in the solver's units; 0 means "not given". A cell is crossed
-/// once when a displacement reaches the extent of its bounding box along any axis.
-struct IntegratorSettings {
-  Method method = Method::dopri5;
-  double step = 0.0; ///< fixed: of every step (else 1/4 cell); adaptive: of the first (else 1/10)
-  double tolerance = 1e-6; ///< adaptive: error of the position per unit time, in units of length;
-                           ///< never more than a hundredth of the speed
-  double min_step = 0.0;   ///< adaptive: a step this small is taken whatever its error, and counted
-                         ///< as forced (else one that crosses at most min_cells of a cell):
-                         ///< velocities that jump would stop it
-  double max_step = 0.0;          ///< else one cell; not applied to a given fixed step
-  std::int64_t max_steps = 10000; ///< of one particle in one call
-  double min_cells = 1e-6;        ///< see min_step
-
-  /// Steps end where they reach a face of their cell, up to which its own field is followed: a
-  /// piecewise field has a kink there, over which no method keeps its order. Fields without cells
-  /// (see CellwiseField) have none.
-  bool face_aware = false;
-
-  /// A particle leaves (or meets a velocity that is not finite) when a trial point at most this
-  /// fraction of a cell away from it does. It ends where a straight line to there leaves the mesh,
-  /// if the field knows (see ExitingField), otherwise at its last position inside.
-  double exit_tolerance = 1e-9;
-
-  /// Steady fields only: a particle stagnates where its speed is 0, or at most rest_ratio of the
-  /// largest it had, or where all the time that is left would move it by less than rest_cells of a
-  /// cell. Otherwise a particle at rest waits for the velocity to change.
-  bool ends_at_rest = false;
-  double rest_ratio = 1e-9;
-  double rest_cells = 1e-12;
-};
-
-/// One particle on its way.
-struct State {
-  Vec3d x;
-  double time = 0.0;
-  double step = 0.0;       ///< that the controller wants next; 0: none yet
-  double length = 0.0;     ///< of the path
-  double peak_speed = 0.0; ///< largest so far
-  bool fresh = true;       ///< not found inside yet
-  int exit_face = -1;      ///< of its cell, through which it left, if that was found
-  Vec3d exit_normal;       ///< there, unit, outwards
-};
-
-/// What the integration cost.
-struct Work {
-  std::int64_t steps = 0;       ///< accepted
-  std::int64_t rejected = 0;    ///< trials given up for their error, their end or their length
-  std::int64_t forced = 0;      ///< accepted at the smallest step with an error over the tolerance
-  std::int64_t evaluations = 0; ///< of the velocity
-
-  Work& operator+=(const Work& b) {
-    steps += b.steps;
-    rejected += b.rejected;
-    forced += b.forced;
-    evaluations += b.evaluations;
-    return *this;
-  }
-};
 
 /// Moves a particle from p.time until `to` (before p.time: backwards; may be infinite), or until
 /// its path is max_length long. visit(p) is called at the start and after every step, except those

@@ -24,7 +24,8 @@ concept CellwiseField = requires(F& f, const Vec3d& x, double t) {
 /// A field that knows where its domain ends: leave(a, b, t, dt), with a the particle's place, is
 /// where the segment leaves it, travelled from t to t + dt: contextually false, or with t (in
 /// [0, 1]), inside (a point in the domain, on the boundary to rounding), face and normal. The
-/// particle's place is then that point.
+/// particle's place is then that point. It may tell by way_out(a, b, t) at what part of the
+/// segment that is, or a negative number, and change nothing.
 template <class F>
 concept ExitingField = requires(F& f, const Vec3d& x, double t) {
   { f.leave(x, x, t, t)->inside } -> std::convertible_to<Vec3d>;
@@ -54,7 +55,7 @@ inline constexpr double first_cells = 0.1;
 
 /// A step that ends this deep within its cell, or less far outside, ends on its face.
 inline constexpr double on_face = 1e-9;
-inline constexpr int most_landings = 5; ///< trials for one face
+inline constexpr int most_landings = 12; ///< trials for one face
 /// So many faces in a row without a way in between: velocities push onto an edge, or from both
 /// sides onto a face. Then a step is taken as if there were no faces.
 inline constexpr int most_idle_faces = 6;
@@ -109,7 +110,8 @@ private:
   void plan();
   insitu_ending stops() const;
   insitu_ending advance();
-  insitu_ending give_up(const Trial& trial, double h);
+  insitu_ending give_up(const Trial& trial, double h, double& factor);
+  bool exit(const Vec3d& b, double dt);
   void accept(const Trial& trial, double h, bool forced, bool retried);
 
   // Steps that end at faces.
@@ -122,6 +124,7 @@ private:
   void release(bool finally);
   Landing land(const Trial& trial, double& h, Bracket& bracket);
   double way_to_face(const DenseStep& path, double low, double high);
+  bool cuts_corner(const Trial& trial, double& h, Bracket& bracket);
   bool idle_face();
 
   F& velocity_;
@@ -226,10 +229,13 @@ insitu_ending Integration<M, F, Visit>::advance() {
         bracket.outside = std::min(bracket.outside, h);
         if (cells_crossed(h * k1_, extent_) < 1e-9)
           release(false);
-      } else if (const insitu_ending ending = give_up(trial, h); ending != INSITU_END_COUNT) {
-        return ending;
+        factor = 0.5;
+      } else {
+        factor = retried ? 0.5 : 1.0;
+        const insitu_ending ending = give_up(trial, h, factor);
+        if (ending != INSITU_END_COUNT)
+          return ending;
       }
-      factor = 0.5;
     } else if (const double crossed = by_cell_ ? cells_crossed(moved, extent_) : 0.0;
                crossed > 2.0 * M::cells) {
       factor = std::max(M::cells / crossed, 1e-3); // the velocity grew within the step
@@ -272,32 +278,65 @@ insitu_ending Integration<M, F, Visit>::advance() {
   }
 }
 
-/// A stage of the trial was not inside. INSITU_END_COUNT: half the step may be.
+/// A stage of the trial was not inside. INSITU_END_COUNT: `factor` of the step may be.
 template <class M, VelocityField F, class Visit>
-insitu_ending Integration<M, F, Visit>::give_up(const Trial& trial, double h) {
-  // Time counts too: a moving mesh can leave a particle that is at rest.
+insitu_ending Integration<M, F, Visit>::give_up(const Trial& trial, double h, double& factor) {
   const double tolerance = closely_ ? 4.0 * epsilon : s_.exit_tolerance;
-  const bool close = cells_crossed(trial.x - p_.x, extent_) <= tolerance &&
-                     (span_ == infinity || h <= tolerance * span_);
+  // Far from the origin coordinates may be coarser than the tolerance.
+  const double coarse = 8.0 * epsilon * cells_crossed(p_.x, {1.0, 1.0, 1.0});
+  // Time counts too: a moving mesh can leave a particle that is at rest.
+  const auto close = [&](const Vec3d& way, double time) {
+    return (cells_crossed(way, extent_) <= tolerance ||
+            cells_crossed(way, {1.0, 1.0, 1.0}) <= coarse) &&
+           (span_ == infinity || time <= tolerance * span_);
+  };
+  const bool left = trial.sampled == Sampled::outside;
   closing_in_ = 2;
-  if (!close && 0.5 * h != 0.0)
+  if constexpr (requires { velocity_.way_out(p_.x, p_.x, h); }) {
+    // The part of the step, straight on, that stays inside, but for what the path may be curved. It
+    // is tried once a step; then halves.
+    const Vec3d straight = (direction_ * h) * k1_;
+    if (left && factor == 1.0 && !closely_ && std::isfinite(cells_crossed(straight, extent_))) {
+      const double part = velocity_.way_out(p_.x, p_.x + straight, time());
+      if (part >= 0.0 && close(part * straight, part * h) && exit(p_.x + straight, h))
+        return INSITU_END_LEFT;
+      if (part > 0.0 && part < 1.0) {
+        const double curved = std::clamp(0.1 * part * cells_crossed(straight, extent_), 1e-4, 0.1);
+        factor = (1.0 - curved) * part;
+        return INSITU_END_COUNT;
+      }
+    }
+  }
+  factor = 0.5;
+  const Vec3d moved = trial.x - p_.x;
+  if (!close(moved, h) && 0.5 * h != 0.0)
     return INSITU_END_COUNT;
-  if (trial.sampled == Sampled::not_finite)
+  if (!left)
     return INSITU_END_NOT_FINITE;
   if constexpr (ExitingField<F>) {
-    if (const auto exit = velocity_.leave(p_.x, trial.x, time(), direction_ * h)) {
-      const double way = measure(velocity_, p_.x, exit->inside - p_.x);
-      p_.time = time() + direction_ * exit->t * h;
-      p_.length += way;
-      p_.x = exit->inside;
-      p_.exit_face = exit->face;
-      p_.exit_normal = exit->normal;
-    } else if (!closely_) {
+    const double dt = speed_ > 0.0 ? std::min(measure(velocity_, p_.x, moved) / speed_, h) : h;
+    if (!exit(trial.x, dt) && !closely_) {
       closely_ = true;
       return INSITU_END_COUNT;
     }
   }
   return INSITU_END_LEFT;
+}
+
+/// Places the particle where the way to b, which takes dt, leaves the domain, if it does.
+template <class M, VelocityField F, class Visit>
+bool Integration<M, F, Visit>::exit(const Vec3d& b, double dt) {
+  if constexpr (ExitingField<F>) {
+    if (const auto exit = velocity_.leave(p_.x, b, time(), direction_ * dt)) {
+      p_.length += measure(velocity_, p_.x, exit->inside - p_.x);
+      p_.time = time() + direction_ * exit->t * dt;
+      p_.x = exit->inside;
+      p_.exit_face = exit->face;
+      p_.exit_normal = exit->normal;
+      return true;
+    }
+  }
+  return false;
 }
 
 template <class M, VelocityField F, class Visit>
@@ -429,6 +468,28 @@ double Integration<M, F, Visit>::way_to_face(const DenseStep& path, double low, 
   return 0.5 * (low + high);
 }
 
+/// A step that ends near a face, in the cell, may have been out of it in between: h becomes the way
+/// to the face.
+template <class M, VelocityField F, class Visit>
+bool Integration<M, F, Visit>::cuts_corner(const Trial& trial, double& h, Bracket& bracket) {
+  if (velocity_.last_depth() > 0.25)
+    return false;
+  const DenseStep path(p_.x, time(), direction_ * h, k1_, trial, M::quintic);
+  for (const double theta : {0.25, 0.5, 0.75}) {
+    if (velocity_.depth(path.at(theta), time() + theta * direction_ * h) >= -control::on_face)
+      continue;
+    const double face = way_to_face(path, 0.0, theta);
+    if (face < 0.0 || cells_crossed(face * h * k1_, extent_) < 1e-12)
+      return false;
+    bracket.inside = 0.0;
+    bracket.outside = theta * h;
+    ++bracket.landings;
+    h *= face;
+    return true;
+  }
+  return false;
+}
+
 /// Where a step that could be accepted ends: within the cell; on its face, beyond which the next
 /// cell is then the particle's; or too far, when h becomes the way to the face.
 template <class M, VelocityField F, class Visit>
@@ -438,11 +499,13 @@ Integration<M, F, Visit>::land(const Trial& trial, double& h, Bracket& bracket) 
   const bool aimed = bracket.landings > 0;
   if (depth > (aimed ? control::on_face : 0.0)) {
     bracket.inside = std::max(bracket.inside, h);
-    if (!aimed || bracket.landings >= control::most_landings)
+    if (bracket.landings >= control::most_landings)
       return Landing::none;
+    if (!aimed)
+      return cuts_corner(trial, h, bracket) ? Landing::again : Landing::none;
   } else if (depth < -control::on_face) {
     bracket.outside = std::min(bracket.outside, h);
-    if (bracket.landings >= control::most_landings && depth < -1e-3) {
+    if (bracket.landings >= control::most_landings && depth < -1e-6) {
       h *= 0.5;
       ++bracket.landings;
       return bracket.landings < 64 ? Landing::again : idle_face() ? Landing::idle : Landing::again;

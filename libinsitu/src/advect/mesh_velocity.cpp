@@ -186,20 +186,40 @@ Crossed MeshVelocity::cross(const Vec3d& x, const Vec3d& towards, double t) {
   return Crossed::nowhere;
 }
 
+double MeshVelocity::way_out(const Vec3d& a, const Vec3d& b, double t) {
+  set_alpha(t);
+  const auto exit = query::leave_mesh(*sampler_, cell_, a, b, options());
+  return exit ? exit->t : -1.0;
+}
+
 std::optional<query::Exit> MeshVelocity::leave(const Vec3d& a, const Vec3d& b, double t,
                                                double dt) {
   set_alpha(t);
   auto exit = query::leave_mesh(*sampler_, cell_, a, b, options());
-  for (int i = 0; i < 2 && exit && moves_; ++i) {
-    set_alpha(t + exit->t * dt);
-    const query::Location at = sampler_->locate(a, cell_, options());
-    const auto later = at ? query::leave_mesh(*sampler_, at.cell, a, b, options()) : std::nullopt;
-    if (!later) { // the place where the face is now, and the time to it
-      set_alpha(t);
-      exit->t = 0.0;
-      break;
+  if (exit && moves_) {
+    // With the face where it is at part u of the way, it is left at part g(u): u = g(u) is wanted,
+    // and g is as good as linear over so short a way.
+    const auto left_at = [&](double u) {
+      set_alpha(t + u * dt);
+      const query::Location at = sampler_->locate(a, cell_, options());
+      auto later = at ? query::leave_mesh(*sampler_, at.cell, a, b, options()) : std::nullopt;
+      if (later)
+        exit = later;
+      return bool(later);
+    };
+    const double g0 = exit->t;
+    bool met = g0 == 0.0 || left_at(g0);
+    if (met && g0 > 0.0) {
+      const double u = g0 / (1.0 - (exit->t - g0) / g0);
+      met = u >= 0.0 && u <= 1.0 && left_at(u);
+      exit->t = u;
     }
-    exit = later;
+    if (!met) { // the place where the face is when the particle is where it is
+      set_alpha(t);
+      if (!(exit = query::leave_mesh(*sampler_, cell_, a, b, options())))
+        return exit;
+      exit->t = 0.0;
+    }
   }
   if (exit)
     cell_ = hint_ = exit->owner;

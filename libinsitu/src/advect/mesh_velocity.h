@@ -91,6 +91,8 @@ public:
   /// See ExitingField. On a moving mesh, the face is where it is when the particle reaches it.
   std::optional<query::Exit> leave(const math::Vec3d& a, const math::Vec3d& b, double t, double dt);
 
+  double way_out(const math::Vec3d& a, const math::Vec3d& b, double t);
+
   bool blends_velocity() const { return blends_; }
   bool blends_geometry() const { return moves_; }
 

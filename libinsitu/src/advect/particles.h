@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "advect/integrate.h"
+#include "advect/settings.h"
 #include "core/archive.h"
 #include "core/memory.h"
 

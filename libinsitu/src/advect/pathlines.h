@@ -5,8 +5,8 @@
 #include <span>
 
 #include "advect/effects.h"
-#include "advect/integrate.h"
 #include "advect/particles.h"
+#include "advect/settings.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/view.h"

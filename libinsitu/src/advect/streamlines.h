@@ -4,9 +4,9 @@
 #include <limits>
 #include <span>
 
-#include "advect/integrate.h"
 #include "advect/particles.h"
 #include "advect/polylines.h"
+#include "advect/settings.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/view.h"

@@ -209,7 +209,7 @@ private:
   std::optional<FaceCrossing> boundary_nearby(const Vec3d& p, double t) const;
   std::optional<Exit> bisect(double from);
   Exit finish(const WaysOut& ways);
-  void put_inside(Exit& exit, double distance) const;
+  void put_inside(Exit& exit, const Vec3d& towards_middle, double distance) const;
 
   const Sampler& sampler_;
   LocateOptions options_;
@@ -228,7 +228,7 @@ std::optional<Exit> Walk::run(std::int64_t cell) {
   for (int passed = 0; passed < most_cells; ++passed) {
     WaysOut ways = ways_out(vertices_, cell_, s_, from);
     if (ways.distance > s_.length)
-      return std::nullopt;
+      return bisect(from); // rounding may have put b outside
     if (ways.count == 0)
       ways.distance = from;
     // The next cell: the owner of a point just beyond, or further where rounding leaves it here.
@@ -249,7 +249,7 @@ std::optional<Exit> Walk::run(std::int64_t cell) {
     }
     from = ways.distance + step;
     if (from >= s_.length)
-      return std::nullopt;
+      return std::nullopt; // b is there
     gather(beyond.cell);
   }
   return bisect(from);
@@ -259,13 +259,16 @@ Exit Walk::finish(const WaysOut& ways) {
   Exit exit;
   static_cast<FaceCrossing&>(exit) = ways.faces[0];
   bool found = false;
+  Vec3d middle = ways.faces[0].within.point - exit.point;
   for (int k = 0; k < ways.count && !found; ++k)
-    if ((found = is_boundary(ways.faces[k])))
+    if ((found = is_boundary(ways.faces[k]))) {
       static_cast<FaceCrossing&>(exit) = ways.faces[k];
+      middle = ways.faces[k].within.point - exit.point;
+    }
   if (!found)
     if (const auto other = boundary_nearby(exit.point, exit.t))
       static_cast<FaceCrossing&>(exit) = *other;
-  put_inside(exit, ways.distance);
+  put_inside(exit, middle, ways.distance);
   return exit;
 }
 
@@ -342,7 +345,7 @@ std::optional<Exit> Walk::bisect(double from) {
 }
 
 /// Of the points within rounding of the exit, one that a cell owns.
-void Walk::put_inside(Exit& exit, double distance) const {
+void Walk::put_inside(Exit& exit, const Vec3d& towards_middle, double distance) const {
   const auto accept = [&](const Vec3d& p) {
     const Location at = locate(p, exit.cell);
     if (at) {
@@ -353,8 +356,14 @@ void Walk::put_inside(Exit& exit, double distance) const {
   };
   if (accept(exit.point))
     return;
+  // Within the face first, so that a point of a side stays on it.
+  const Vec3d along = unit(towards_middle);
   for (double step = 0.125 * rounding_; step <= 8.0 * rounding_; step *= 2.0)
-    if (accept(exit.point - step * exit.normal))
+    if (accept(exit.point + step * along))
+      return;
+  for (double step = 0.125 * rounding_; step <= 8.0 * rounding_; step *= 2.0)
+    if (accept(exit.point - step * exit.normal) ||
+        accept(exit.point + step * (along - exit.normal)))
       return;
   for (double step = 0.125 * rounding_; step < distance; step *= 2.0)
     if (accept(s_.a + (distance - step) * s_.direction))

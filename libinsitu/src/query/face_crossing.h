@@ -37,10 +37,10 @@ struct Exit : FaceCrossing {
 };
 
 /// Where the segment from a, located in `cell`, first leaves the mesh; nothing if b is reached
-/// without. It goes from cell to cell; where rounding stops that, it bisects. The exit is placed to
-/// rounding of the coordinates. Where cells of the boundary meet, the face is one beyond which
-/// nothing lies; should none be found (a point at which cells merely touch), it is the last cell's.
-/// Costs a locate() and the faces of a cell, per cell passed.
+/// without: always something if no cell owns b. It goes from cell to cell; where rounding stops
+/// that, it bisects. The exit is placed to rounding of the coordinates. Where cells of the boundary
+/// meet, the face is one beyond which nothing lies; should none be found (a point at which cells
+/// merely touch), it is the last cell's. Costs a locate() and the faces of a cell, per cell passed.
 std::optional<Exit> leave_mesh(const Sampler& sampler, std::int64_t cell, const math::Vec3d& a,
                                const math::Vec3d& b, const LocateOptions& options = {});
 

@@ -97,16 +97,18 @@ struct Probe {
 // ---------------------------------------------------------------------------------------- tracers
 
 enum class TracerKind { streamline, pathline, streakline };
-enum class IntegrationMethod { rk4, dopri5 };
+enum class IntegrationMethod { euler, rk4, bs32, dopri5 };
+enum class TracerDirection { forward, backward, both };
 
 /// Lengths of steps are in the solver's time. A step, a smallest or a largest step that is not
 /// given follows from the cell's size and the velocity in it.
 struct IntegratorOptions {
   IntegrationMethod method = IntegrationMethod::dopri5;
-  std::optional<double> step;     ///< rk4: of every step; dopri5: of the first
-  double tolerance = 1e-6;        ///< dopri5: error of a particle's position per unit time
-  std::optional<double> min_step; ///< dopri5
-  std::optional<double> max_step; ///< dopri5
+  bool face_aware = false;        ///< steps end at the faces of cells
+  std::optional<double> step;     ///< euler, rk4: of every step; pairs: of the first
+  double tolerance = 1e-6;        ///< pairs: error of a particle's position per unit time
+  std::optional<double> min_step; ///< pairs
+  std::optional<double> max_step; ///< pairs
   std::int64_t max_steps = 10000; ///< of one particle in one cycle
 };
 
@@ -132,12 +134,13 @@ struct Tracer {
   FrameOfReference frame;
   TracerKind kind = TracerKind::pathline;
   Release release; ///< a streakline's, unless the file says: every cycle
-  Name velocity; ///< a field of three components
+  Name velocity;   ///< a field of three components
   IntegratorOptions integrator;
+  TracerDirection direction = TracerDirection::forward; ///< of streamlines
   TracerLimits until;
-  TracerEffects effects; ///< of path- and streaklines
+  TracerEffects effects;             ///< of path- and streaklines
   Attached attached = Attached::lab; ///< body: path- and streaklines, without velocity
-  std::vector<Name> fields; ///< recorded along the tracks; empty: none
+  std::vector<Name> fields;          ///< recorded along the tracks; empty: none
   Accuracy accuracy = Accuracy::standard;
   std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp, netcdf (no streamlines)
   Trigger trigger; ///< its own, or else the scene's: streamlines are computed, tracks are written

@@ -8,11 +8,17 @@ namespace {
 
 IntegratorOptions parse_integrator(const Cursor& cursor) {
   IntegratorOptions options;
-  const MapReader map(cursor, {"method", "step", "tolerance", "min_step", "max_step", "max_steps"});
+  const MapReader map(
+      cursor, {"method", "face_aware", "step", "tolerance", "min_step", "max_step", "max_steps"});
   if (const auto method = map.find("method")) {
     assign(options.method,
-           method->choice<IntegrationMethod>(
-               {{"rk4", IntegrationMethod::rk4}, {"dopri5", IntegrationMethod::dopri5}}));
+           method->choice<IntegrationMethod>({{"euler", IntegrationMethod::euler},
+                                              {"rk4", IntegrationMethod::rk4},
+                                              {"bs32", IntegrationMethod::bs32},
+                                              {"dopri5", IntegrationMethod::dopri5}}));
+  }
+  if (const auto aware = map.find("face_aware")) {
+    assign(options.face_aware, aware->boolean());
   }
   if (const auto step = map.find("step")) {
     assign(options.step, step->number(positive));
@@ -29,10 +35,11 @@ IntegratorOptions parse_integrator(const Cursor& cursor) {
   if (const auto steps = map.find("max_steps")) {
     assign(options.max_steps, steps->integer(1, most_steps));
   }
-  if (options.method == IntegrationMethod::rk4) {
+  if (options.method == IntegrationMethod::euler || options.method == IntegrationMethod::rk4) {
     for (const char* key : {"tolerance", "min_step", "max_step"}) {
       if (const auto value = map.find(key)) {
-        value->fail("rk4 has fixed steps; this key belongs to dopri5");
+        value->fail(std::string(options.method == IntegrationMethod::rk4 ? "rk4" : "euler") +
+                    " has fixed steps; this key belongs to bs32 and dopri5");
       }
     }
   } else if (options.min_step && options.max_step && *options.min_step > *options.max_step) {
@@ -112,8 +119,8 @@ Probe parse_probe(const Cursor& cursor, ParseContext& context) {
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   Tracer tracer;
   const MapReader map(cursor, {"name", "mesh", "seeds", "frame", "kind", "release", "velocity",
-                               "integrator", "until", "effects", "fields", "attached", "accuracy",
-                               "output", "every", "when"});
+                               "integrator", "direction", "until", "effects", "fields", "attached",
+                               "accuracy", "output", "every", "when"});
   parse_common(map, context, "seeds", tracer.seeds, tracer.seeds_line, tracer);
   if (const auto kind = map.find("kind")) {
     assign(tracer.kind, kind->choice<TracerKind>({{"streamline", TracerKind::streamline},
@@ -136,6 +143,15 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   }
   if (const auto integrator = map.find("integrator")) {
     tracer.integrator = parse_integrator(*integrator);
+  }
+  if (const auto direction = map.find("direction")) {
+    if (tracer.kind != TracerKind::streamline) {
+      direction->fail("path- and streaklines follow the run; a direction belongs to a streamline");
+    }
+    assign(tracer.direction,
+           direction->choice<TracerDirection>({{"forward", TracerDirection::forward},
+                                               {"backward", TracerDirection::backward},
+                                               {"both", TracerDirection::both}}));
   }
   if (const auto until = map.find("until")) {
     tracer.until = parse_limits(*until);

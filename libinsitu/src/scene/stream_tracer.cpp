@@ -24,6 +24,10 @@ public:
     const core::Timer timer;
     advect::StreamlineSettings settings;
     settings.integrator = integrator();
+    settings.direction = tracer_.direction == TracerDirection::both ? advect::Direction::both
+                         : tracer_.direction == TracerDirection::backward
+                             ? advect::Direction::backward
+                             : advect::Direction::forward;
     settings.accuracy = to_api(tracer_.accuracy);
     if (tracer_.until.duration)
       settings.duration = *tracer_.until.duration;

@@ -50,7 +50,21 @@ bool TracerAction::writes(TableFormat format) const {
 advect::IntegratorSettings TracerAction::integrator() const {
   const IntegratorOptions& from = tracer_.integrator;
   advect::IntegratorSettings to;
-  to.method = from.method == IntegrationMethod::rk4 ? advect::Method::rk4 : advect::Method::dopri5;
+  switch (from.method) {
+  case IntegrationMethod::euler:
+    to.method = advect::Method::euler;
+    break;
+  case IntegrationMethod::rk4:
+    to.method = advect::Method::rk4;
+    break;
+  case IntegrationMethod::bs32:
+    to.method = advect::Method::bs32;
+    break;
+  case IntegrationMethod::dopri5:
+    to.method = advect::Method::dopri5;
+    break;
+  }
+  to.face_aware = from.face_aware;
   to.step = from.step.value_or(0.0);
   to.tolerance = from.tolerance;
   to.min_step = from.min_step.value_or(0.0);

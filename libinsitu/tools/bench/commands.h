@@ -22,6 +22,7 @@ Output scale(const Options& options);
 Output methods(const Options& options);
 Output amr(const Options& options);
 Output effects(const Options& options);
+Output advect(const Options& options);
 Output render(const Options& options);
 Output accuracy_command(const Options& options);
 Output paper_command(const Options& options);

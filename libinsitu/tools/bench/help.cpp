@@ -3,7 +3,7 @@
 namespace insitu::bench {
 
 const char* help_text() {
-  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects|render|accuracy [options]
+  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects|render|advect|accuracy [options]
        insitu-bench paper morrical|rathke|zellmann [options]
 
 Times libinsitu on the standard workload, checks its answers and holds them against VTK's.
@@ -16,17 +16,19 @@ Times libinsitu on the standard workload, checks its answers and holds them agai
   effects  what each effect of a frame adds to the bare one, in time and memory, alone and together
   render   frames of a volume: seconds, samples a second and error by step, one core and all; with
            --peers vtkUnstructuredGridVolumeRayCastMapper's; Rathke 2015, tables 1 to 4
+  advect   particles through the ABC flow: steps a second, error and lost ones by method, plain and
+           with steps that end at faces, one core and all; with --peers vtkStreamTracer's RK4 and RK45
   accuracy what each choice that trades accuracy for time costs: tables, plots and a page to read
   paper    the tables and figures of a paper that libinsitu is built on, in its own rows and columns, on
            meshes of ours, its figures beside them
   methods  every locator method on every backend that is here: Morrical 2020, tables 1 to 3
 
-The mesh (commit, locate, scale, effects, render)
+The mesh (commit, locate, scale, effects, render, advect)
   --shape hex|tet|wedge|pyramid|mixed   cells of the unit box [hex; methods: tet, hex, wedge, mixed]
   --kind even|graded|layers|sparse [even]
                     equal steps | edge lengths that grow 1e4-fold along each axis |
                     cells 1e4 to 1e6 times as wide as thick | 24 balls, about 5 % of the box
-  --cells N         the box with the number of cells nearest to N [1000000; amr: 4018176]; scale: N1,N2,...
+  --cells N         the box with the number of cells nearest to N [1000000; amr: 4018176; advect: 262144]; scale: N1,N2,...
                     [10000 to 30000000 in half decades]
   --jitter J        interior vertices move by up to J of a cell, 0 to 0.5 [0.2]
   --numbering natural|shuffled   x fastest, or cells and vertices numbered at random [natural]
@@ -36,7 +38,7 @@ The queries (locate)
                     every cell's centre in cell order | random cells, random points |
                     these in Morton order | along view rays, half a cell apart |
                     on vertices, edges, faces of random cells, as rounding leaves them
-  --points Q        how many, but for uniform [as many as cells; torture: 2000 a case; amr: 1000000
+  --points Q        how many, but for uniform [as many as cells; torture: 2000 a case; advect: 2000 seeds; amr: 1000000
                     random ones, beside a raster of 160^3; methods: random
                     ones; a processor answers a million by bvh, 100000 by rays]
   --accuracy standard|exact [standard]
@@ -46,8 +48,8 @@ The methods
   --check           compares answers alone, on all points, of pyramids and twisted hexahedra as well
 The run
   --threads T       0: all that the process may use [1]
-  --repetitions R   medians of R repetitions [5; scale, methods, amr, effects, render, accuracy, paper: 3]
-  --peers           render: also VTK's; locate: also the peers of VTK, on one thread, interleaved with ours
+  --repetitions R   medians of R repetitions [5; scale, methods, amr, effects, render, advect, accuracy, paper: 3]
+  --peers           render, advect: also VTK's; locate: also the peers of VTK, on one thread, interleaved with ours
   --peer NAME       the same, this one only (may be repeated): vtkStaticCellLocator,
                     vtkCellTreeLocator, vtkCellLocator, vtkProbeFilter
   --peer-points Q   peers answer the first Q points only (they can be very slow on graded meshes)

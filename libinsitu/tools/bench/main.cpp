@@ -31,6 +31,8 @@ Output run(const Options& options) {
     return paper_command(options);
   if (options.command == Command::effects)
     return effects(options);
+  if (options.command == Command::advect)
+    return advect(options);
   const Report report = options.command == Command::commit ? commit(options) : locate(options);
   return {table(report), json(report, options), 0};
 }

@@ -53,29 +53,32 @@ T choice(std::string_view option, std::string_view text, const std::optional<T>&
 
 const char* name(Command command) {
   constexpr const char* names[] = {"help", "commit",  "locate", "torture",  "scale", "methods",
-                                   "amr",  "effects", "render", "accuracy", "paper"};
+                                   "amr",  "effects", "render", "accuracy", "paper", "advect"};
   return names[int(command)];
 }
 
 Options parse(int argc, char** argv) {
   Options o;
   const std::string commands =
-      "commit, locate, torture, scale, methods, amr, effects, render, accuracy or paper";
+      "commit, locate, torture, scale, methods, amr, effects, render, accuracy, paper or advect";
   if (argc < 2)
     throw UsageError("a command expected: " + commands);
   const std::string_view command = argv[1];
   if (command == "--help" || command == "-h" || command == "help")
     return o;
-  for (const Command c :
-       {Command::commit, Command::locate, Command::torture, Command::scale, Command::methods,
-        Command::amr, Command::effects, Command::render, Command::accuracy, Command::paper})
+  for (const Command c : {Command::commit, Command::locate, Command::torture, Command::scale,
+                          Command::methods, Command::amr, Command::effects, Command::render,
+                          Command::accuracy, Command::paper, Command::advect})
     if (command == name(c))
       o.command = c;
   if (o.command == Command::help)
     throw UsageError("'" + std::string(command) + "' is no command: " + commands + " expected");
   if (o.command == Command::methods || o.command == Command::amr || o.command == Command::effects ||
-      o.command == Command::render || o.command == Command::accuracy || o.command == Command::paper)
+      o.command == Command::render || o.command == Command::accuracy ||
+      o.command == Command::paper || o.command == Command::advect)
     o.repetitions = 3;
+  if (o.command == Command::advect)
+    o.cells = {64 * 64 * 64};
   if (o.command == Command::amr)
     o.cells = {4'018'176};
   if (o.command == Command::scale) {
@@ -135,7 +138,8 @@ Options parse(int argc, char** argv) {
       o.pattern = choice(option, v, workload::pattern_from_name(v),
                          "uniform, random, sorted, march, vertices, edges or faces");
     } else if (option == "--points") {
-      if (o.command != Command::methods && o.command != Command::amr)
+      if (o.command != Command::methods && o.command != Command::amr &&
+          o.command != Command::advect)
         only(Command::locate, Command::torture);
       o.points = number<std::int64_t>(option, value(), 1, 1'000'000'000);
     } else if (option == "--check") {

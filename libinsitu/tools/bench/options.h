@@ -23,7 +23,8 @@ enum class Command {
   effects,
   render,
   accuracy,
-  paper
+  paper,
+  advect
 };
 const char* name(Command command);
 

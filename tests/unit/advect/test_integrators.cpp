@@ -12,7 +12,21 @@ namespace {
 using advect::IntegratorSettings;
 using advect::Method;
 
-/// n equal steps over [0, to] with one of the two methods, without error control.
+template <class F>
+advect::Trial step(Method method, F& field, const Vec3d& x, double t, double h, const Vec3d& v) {
+  switch (method) {
+  case Method::euler:
+    return advect::euler_step(field, x, t, h, v);
+  case Method::rk4:
+    return advect::rk4_step(field, x, t, h, v);
+  case Method::bs32:
+    return advect::bs32_step(field, x, t, h, v);
+  default:
+    return advect::dopri5_step(field, x, t, h, v);
+  }
+}
+
+/// n equal steps over [0, to] with one of the methods, without error control.
 template <class F>
 Vec3d march(Method method, F f, Vec3d x, double to, int n) {
   auto field = unbounded(f);
@@ -20,8 +34,7 @@ Vec3d march(Method method, F f, Vec3d x, double to, int n) {
   field(x, 0.0, v);
   const double h = to / n;
   for (int i = 0; i < n; ++i) {
-    const advect::Trial trial = method == Method::rk4 ? advect::rk4_step(field, x, i * h, h, v)
-                                                      : advect::dopri5_step(field, x, i * h, h, v);
+    const advect::Trial trial = step(method, field, x, i * h, h, v);
     x = trial.x;
     v = trial.v;
   }
@@ -54,7 +67,9 @@ TEST(Order, RigidRotation) {
     return Vec3d{std::cos(3.0) * x.x - std::sin(3.0) * x.y,
                  std::sin(3.0) * x.x + std::cos(3.0) * x.y, x.z};
   };
+  expect_order(Method::euler, rotation, end, 3.0, 128, 1.0);
   expect_order(Method::rk4, rotation, end, 3.0, 16, 4.0);
+  expect_order(Method::bs32, rotation, end, 3.0, 16, 3.0);
   expect_order(Method::dopri5, rotation, end, 3.0, 16, 5.0);
 }
 
@@ -63,7 +78,9 @@ TEST(Order, UnsteadyAbcFlow) {
   // The reference does not rest on the method under test alone.
   const Vec3d seed{0.3, 1.1, -0.4};
   ASSERT_LT(distance(march(Method::rk4, abc_flow, seed, 2.0, 5000), end(seed)), 1e-12);
+  expect_order(Method::euler, abc_flow, end, 2.0, 1280, 1.0);
   expect_order(Method::rk4, abc_flow, end, 2.0, 80, 4.0);
+  expect_order(Method::bs32, abc_flow, end, 2.0, 160, 3.0);
   expect_order(Method::dopri5, abc_flow, end, 2.0, 40, 5.0);
 }
 
@@ -73,6 +90,131 @@ TEST(Order, TimeAloneIsIntegratedExactlyUpToTheOrder) {
   const auto quartic = [](const Vec3d&, double t) { return Vec3d{t * t * t * t, 0, 0}; };
   EXPECT_NEAR(march(Method::rk4, cubic, {0, 0, 0}, 2.0, 1).x, 4.0, 1e-14);
   EXPECT_NEAR(march(Method::dopri5, quartic, {0, 0, 0}, 2.0, 1).x, 6.4, 1e-14);
+  const auto square = [](const Vec3d&, double t) { return Vec3d{t * t, 0, 0}; };
+  EXPECT_NEAR(march(Method::bs32, square, {0, 0, 0}, 2.0, 1).x, 8.0 / 3, 1e-14);
+}
+
+/// Stream function of Hill's spherical vortex of radius 1 in polar coordinates (Lamb, section 165),
+/// inside: psi = 3/4 r^2 (1 - r^2 - z^2); u = psi_r / r along z, -psi_z / r outwards.
+double hill_stream(const Vec3d& x) {
+  const double r2 = x.x * x.x + x.y * x.y;
+  return 0.75 * r2 * (1 - r2 - x.z * x.z);
+}
+Vec3d hill_vortex(const Vec3d& x, double) {
+  const double r2 = x.x * x.x + x.y * x.y;
+  return {1.5 * x.z * x.x, 1.5 * x.z * x.y, 1.5 * (1 - 2 * r2 - x.z * x.z)};
+}
+
+TEST(Order, HillsVortexKeepsItsStreamFunction) {
+  const Vec3d seed{0.6, 0.2, 0.1};
+  const struct {
+    Method method;
+    int n;
+    double order;
+  } cases[] = {{Method::euler, 4000, 1},
+               {Method::bs32, 200, 3},
+               {Method::rk4, 100, 4},
+               {Method::dopri5, 60, 5}};
+  for (const auto& c : cases) {
+    double errors[3];
+    for (int i = 0; i < 3; ++i)
+      errors[i] = std::abs(hill_stream(march(c.method, hill_vortex, seed, 8.0, c.n << i)) -
+                           hill_stream(seed));
+    EXPECT_GT(errors[2], 1e-14);
+    // Constants of motion can do better than the order, by one at most here.
+    EXPECT_GT(0.5 * std::log2(errors[0] / errors[2]), c.order - 0.3) << int(c.method);
+  }
+  // With error control: to the tolerance times the length in time.
+  auto field = unbounded(hill_vortex);
+  for (const Method method : {Method::bs32, Method::dopri5}) {
+    IntegratorSettings settings;
+    settings.method = method;
+    settings.tolerance = method == Method::bs32 ? 1e-6 : 1e-9;
+    settings.max_steps = 100000;
+    const Outcome r = run(field, settings, seed, 20.0);
+    EXPECT_EQ(r.ending, INSITU_END_ALIVE);
+    EXPECT_NEAR(hill_stream(r.p.x), hill_stream(seed), 20 * settings.tolerance);
+  }
+}
+
+TEST(Dense, OrdersOfTheInterpolants) {
+  // The largest error over a step in a circle, against the chord's exact motion; of order one more
+  // than the interpolant's, since a single step's.
+  const struct {
+    Method method;
+    double order;
+    bool quintic;
+  } cases[] = {{Method::euler, 2, false},
+               {Method::bs32, 4, false},
+               {Method::rk4, 4, false},
+               {Method::dopri5, 5, true}};
+  for (const auto& c : cases) {
+    double errors[2] = {};
+    for (int i = 0; i < 2; ++i) {
+      const double h = i == 0 ? 0.2 : 0.1;
+      auto field = unbounded(rotation);
+      const Vec3d x{1, 0, 0}, v{0, 1, 0};
+      const advect::DenseStep path(x, 0.0, h, v, step(c.method, field, x, 0.0, h, v), c.quintic);
+      for (double theta = 0.0; theta <= 1.0; theta += 1.0 / 64)
+        errors[i] = std::max(
+            errors[i], distance(path.at(theta), {std::cos(theta * h), std::sin(theta * h), 0}));
+      EXPECT_EQ(distance(path.at(0.0), x), 0.0);
+      EXPECT_EQ(path.at_time(0.5 * h), path.at(0.5));
+    }
+    EXPECT_NEAR(std::log2(errors[0] / errors[1]), c.order, 0.3) << int(c.method);
+  }
+}
+
+TEST(Dense, AskedTimesAreMetAlongTheWay) {
+  for (const double to : {2.0, -2.0}) {
+    auto field = unbounded(rotation);
+    IntegratorSettings settings;
+    settings.tolerance = 1e-9;
+    advect::State p;
+    p.x = {1, 0, 0};
+    advect::Work work;
+    int asked = 0, starts = 0;
+    struct Visitor {
+      int &asked, &starts;
+      double to;
+      void operator()(const advect::State&) { ++starts; }
+      void operator()(const advect::State& s, const advect::DenseStep& step) {
+        EXPECT_NEAR(step.start() + step.step(), s.time, 1e-15);
+        EXPECT_EQ(distance(step.at(1.0), s.x), 0.0);
+        for (; asked < 100 && std::abs(to * asked / 100) <= std::abs(s.time); ++asked) {
+          const double t = to * asked / 100;
+          EXPECT_LT(distance(step.at_time(t), {std::cos(t), std::sin(t), 0}), 1e-8);
+        }
+      }
+    };
+    advect::integrate(field, settings, to, 1e9, p, work, Visitor{asked, starts, to});
+    EXPECT_EQ(asked, 100);
+    EXPECT_EQ(starts, 1);
+  }
+}
+
+TEST(Measure, AFieldMayHaveItsOwnLengths) {
+  // Coordinates in thousandths: the same way, lengths and errors in units.
+  struct Scaled {
+    Sampled operator()(const Vec3d& x, double, Vec3d& v) {
+      v = rotation(x, 0);
+      return Sampled::inside;
+    }
+    void accepted() {}
+    Vec3d extent() const { return {INFINITY, INFINITY, INFINITY}; }
+    double length(const Vec3d&, const Vec3d& d) const { return 1e-3 * advect::length_of(d); }
+  } scaled;
+  auto plain = unbounded(rotation);
+  for (const Method method : {Method::euler, Method::rk4, Method::bs32, Method::dopri5}) {
+    IntegratorSettings settings;
+    settings.method = method;
+    const Outcome a = run(scaled, settings, {1000, 0, 0}, 1.0);
+    const Outcome b = run(plain, settings, {1, 0, 0}, 1.0);
+    EXPECT_NEAR(a.p.length, b.p.length, 1e-12);
+    EXPECT_LT(distance(1e-3 * a.p.x, b.p.x), 1e-12);
+    EXPECT_EQ(a.work.steps, b.work.steps);
+    EXPECT_EQ(run(scaled, settings, {1000, 0, 0}, 9.0, 0.5).ending, INSITU_END_EXPIRED);
+  }
 }
 
 TEST(Order, ErrorEstimateIsOfOrderFourPerUnitTime) {

@@ -222,7 +222,7 @@ TEST(SceneErrors, Tracers) {
 
 TEST(SceneErrors, Integrator) {
   EXPECT_HAS(tracer_error("integrator: {method: rk5}"),
-             "'rk5' is not one of rk4, dopri5; did you mean 'rk4'?");
+             "'rk5' is not one of euler, rk4, bs32, dopri5; did you mean 'rk4'?");
   EXPECT_HAS(tracer_error("integrator: {tolerence: 1}"), "did you mean 'tolerance'?");
   for (const char* key : {"step", "tolerance", "min_step", "max_step"}) {
     EXPECT_HAS(tracer_error("integrator: {" + std::string(key) + ": 0}"),
@@ -237,7 +237,13 @@ TEST(SceneErrors, Integrator) {
   for (const char* key : {"tolerance", "min_step", "max_step"}) {
     EXPECT_HAS(tracer_error("integrator: {method: rk4, " + std::string(key) + ": 1}"),
                "tracers[0].integrator." + std::string(key) + ": rk4 has fixed steps");
+    EXPECT_HAS(tracer_error("integrator: {method: euler, " + std::string(key) + ": 1}"),
+               "tracers[0].integrator." + std::string(key) + ": euler has fixed steps");
   }
+  EXPECT_HAS(tracer_error("integrator: {face_aware: 3}"), "tracers[0].integrator.face_aware");
+  EXPECT_HAS(tracer_error("kind: streamline, direction: up"),
+             "'up' is not one of forward, backward, both");
+  EXPECT_HAS(tracer_error("direction: backward"), "path- and streaklines follow the run");
 }
 
 TEST(SceneErrors, TracerEffects) {

@@ -173,6 +173,8 @@ TEST(SceneKeys, TracerDefaults) {
   EXPECT_EQ(tracer.velocity.line, 2);
   EXPECT_EQ(tracer.integrator.method, IntegrationMethod::dopri5);
   EXPECT_EQ(tracer.integrator.tolerance, 1e-6);
+  EXPECT_FALSE(tracer.integrator.face_aware);
+  EXPECT_EQ(tracer.direction, TracerDirection::forward);
   EXPECT_EQ(tracer.integrator.max_steps, 10000);
   EXPECT_FALSE(tracer.integrator.step || tracer.integrator.min_step || tracer.integrator.max_step);
   EXPECT_FALSE(tracer.until.duration || tracer.until.length);
@@ -183,16 +185,20 @@ TEST(SceneKeys, TracerDefaults) {
 
 TEST(SceneKeys, TracerKeys) {
   const Tracer tracer =
-      parse(test::tracer("mesh: m, frame: geocentric, kind: streamline, fields: [a, b], "
-                         "integrator: {method: dopri5, step: 0.25, tolerance: 1e-3, "
-                         "min_step: 0.125, max_step: 0.5, max_steps: 77}, "
-                         "until: {duration: 3, length: 4}, effects: [], accuracy: exact, "
-                         "output: [csv, vtp]"))
+      parse(test::tracer(
+                "mesh: m, frame: geocentric, kind: streamline, fields: [a, b], "
+                "direction: both, integrator: {method: dopri5, face_aware: true, step: 0.25, "
+                "tolerance: 1e-3, "
+                "min_step: 0.125, max_step: 0.5, max_steps: 77}, "
+                "until: {duration: 3, length: 4}, effects: [], accuracy: exact, "
+                "output: [csv, vtp]"))
           .tracers[0];
   EXPECT_EQ(tracer.mesh.text, "m");
   EXPECT_EQ(tracer.frame.kind, FrameOfReference::Kind::geocentric);
   EXPECT_EQ(tracer.kind, TracerKind::streamline);
   EXPECT_EQ(tracer.fields[1].text, "b");
+  EXPECT_TRUE(tracer.integrator.face_aware);
+  EXPECT_EQ(tracer.direction, TracerDirection::both);
   EXPECT_EQ(tracer.integrator.step, 0.25);
   EXPECT_EQ(tracer.integrator.tolerance, 1e-3);
   EXPECT_EQ(tracer.integrator.min_step, 0.125);
@@ -226,6 +232,10 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(seeded.tracers[0].mesh.text, "m");
   EXPECT_EQ(parse(test::tracer("integrator: {method: rk4, step: 2}")).tracers[0].integrator.method,
             IntegrationMethod::rk4);
+  EXPECT_EQ(parse(test::tracer("integrator: {method: euler}")).tracers[0].integrator.method,
+            IntegrationMethod::euler);
+  EXPECT_EQ(parse(test::tracer("integrator: {method: bs32}")).tracers[0].integrator.method,
+            IntegrationMethod::bs32);
 }
 
 TEST(SceneKeys, TracerEffects) {

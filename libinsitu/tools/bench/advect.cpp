@@ -1,0 +1,245 @@
+#include "advect.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "advect/mesh_velocity.h"
+#include "commands.h"
+#include "core/random.h"
+#include "format.h"
+
+namespace insitu::bench {
+
+namespace {
+
+using advect::IntegratorSettings;
+using advect::Method;
+using math::Vec3d;
+
+/// The flow of Arnold, Beltrami and Childress (A, B, C = sqrt 3, sqrt 2, 1) with the unit box for
+/// its period.
+Vec3d abc_flow(const Vec3d& p) {
+  const Vec3d x = (2.0 * M_PI) * p;
+  const double a = std::sqrt(3.0), b = std::sqrt(2.0), c = 1.0;
+  return {a * std::sin(x.z) + c * std::cos(x.y), b * std::sin(x.x) + a * std::cos(x.z),
+          c * std::sin(x.y) + b * std::cos(x.x)};
+}
+
+struct Row {
+  std::string name;
+  double seconds = 0.0;     ///< on one thread: of the processor
+  double all_seconds = 0.0; ///< on all
+  advect::Work work;
+  std::int64_t lost = 0; ///< ended before their time
+  double error = 0.0;    ///< root of the mean square, in cells
+};
+
+class Bench {
+public:
+  explicit Bench(const Options& o) : o_(o), setup_(o), all_(0) {
+    mesh_ = setup_.register_mesh();
+    velocity_.resize(setup_.mesh.points.size());
+    for (std::int64_t v = 0; v < setup_.mesh.vertex_count(); ++v)
+      for (int a = 0; a < 3; ++a)
+        velocity_[std::size_t(3 * v + a)] = abc_flow(setup_.mesh.point(v))[a];
+    const insitu_array values =
+        insitu_array_of(velocity_.data(), INSITU_FLOAT64, setup_.mesh.vertex_count(), 3);
+    mesh_->mesh().set_field(0, "velocity", INSITU_VERTEX, &values, 1);
+    setup_.commit(*mesh_);
+    mesh_->look_for_folds(all_);
+    seeds_.resize(std::size_t(o.points > 0 ? o.points : 2000));
+    for (std::size_t i = 0; i < seeds_.size(); ++i)
+      for (int a = 0; a < 3; ++a)
+        seeds_[i][a] = 0.2 + 0.6 * core::random_unit(12, i, std::uint64_t(a));
+  }
+
+  Output run() {
+    const double length = 0.4;
+    std::vector<PeerLines> peers;
+    if (o_.peers) {
+      progress("vtkStreamTracer");
+      peers = trace_by_vtk(setup_.mesh, velocity_, seeds_, length, 0.25, 1e-6, o_.repetitions);
+    }
+    // Everyone's lines end where VTK's do, so that errors are those of the same ways.
+    times_.assign(seeds_.size(), 0.12);
+    if (!peers.empty())
+      times_ = peers[0].times;
+    truth_ = reference(times_);
+    text_ = "insitu-bench advect: " + describe(o_, setup_.mesh.cell_count(), 1) + ", " +
+            std::to_string(seeds_.size()) +
+            " lines of the ABC flow\nError: of the ends, in cells, root of the mean square, "
+            "against the same interpolated velocity integrated to 1e-13.\n\n" +
+            format("%-34s %9s %9s %9s %9s %8s %9s %6s\n", "", "s, core",
+                   format("s, %d", all_.count()).c_str(), "M step/s", "M eval/s", "eval/st",
+                   "error", "lost");
+    json_ = "{\n  \"lines\": " + std::to_string(seeds_.size()) + ",\n  \"rows\": [";
+    for (const double cells : {1.0, 0.5, 0.25, 0.125})
+      for (const bool aware : {false, true})
+        add(measure(Method::rk4, aware, cells));
+    for (const bool aware : {false, true})
+      for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-6, 1e-8})
+        add(measure(Method::dopri5, aware, tolerance));
+    for (const double tolerance : {1e-2, 1e-4})
+      add(measure(Method::bs32, false, tolerance));
+    json_ += "\n  ],\n  \"peers\": [";
+    for (const PeerLines& peer : peers)
+      add(peer);
+    json_ += "\n  ]\n}\n";
+    return {text_, json_, 0};
+  }
+
+private:
+  double cell() const { return setup_.mesh.cell_size; }
+
+  /// Ends of all lines; vertices are kept for as long as a line lasts, as who wants lines does.
+  std::vector<Vec3d> trace(const IntegratorSettings& settings, const std::vector<double>& times,
+                           const core::Threads& threads, advect::Work& work, std::int64_t& lost) {
+    constexpr std::int64_t grain = 16;
+    const query::Sampler sampler = mesh_->sampler();
+    const mesh::FieldView field = mesh_->mesh().field("velocity");
+    std::vector<Vec3d> ends(seeds_.size());
+    const std::size_t chunks = (seeds_.size() + grain - 1) / grain;
+    std::vector<advect::Work> works(chunks);
+    std::vector<std::int64_t> losts(chunks);
+    threads.parallel_for(
+        std::int64_t(seeds_.size()), grain, [&](std::int64_t begin, std::int64_t end) {
+          const auto chunk = std::size_t(begin / grain);
+          advect::MeshVelocity velocity(sampler, field, nullptr, 0, 0, o_.accuracy);
+          std::vector<Vec3d> line;
+          for (auto i = std::size_t(begin); i < std::size_t(end); ++i) {
+            advect::State p;
+            p.x = seeds_[i];
+            velocity.begin(-1);
+            line.clear();
+            const insitu_ending ending = advect::integrate(
+                velocity, settings, times[i], std::numeric_limits<double>::infinity(), p,
+                works[chunk], [&](const advect::State& s) { line.push_back(s.x); });
+            losts[chunk] += ending != INSITU_END_ALIVE;
+            ends[i] = p.x;
+          }
+        });
+    for (const advect::Work& w : works)
+      work += w;
+    for (const std::int64_t n : losts)
+      lost += n;
+    return ends;
+  }
+
+  std::vector<Vec3d> reference(const std::vector<double>& times) {
+    progress("reference");
+    IntegratorSettings exact;
+    exact.face_aware = true;
+    exact.tolerance = 1e-13;
+    exact.max_steps = 1'000'000;
+    advect::Work work;
+    std::int64_t lost = 0;
+    return trace(exact, times, all_, work, lost);
+  }
+
+  double error_of(const std::vector<Vec3d>& ends, const std::vector<Vec3d>& truth) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < ends.size(); ++i)
+      sum += dot(ends[i] - truth[i], ends[i] - truth[i]);
+    return std::sqrt(sum / double(ends.size())) / cell();
+  }
+
+  /// size: of a step in cells (rk4, at the flow's mean speed), or the tolerance.
+  Row measure(Method method, bool aware, double size) {
+    Row row;
+    IntegratorSettings settings;
+    settings.method = method;
+    settings.face_aware = aware;
+    settings.max_steps = 1'000'000;
+    const char* const names[] = {"euler", "rk4", "bs32", "dopri5"};
+    row.name = std::string(names[int(method)]) + (aware ? ", face-aware, " : ", ");
+    if (advect::is_adaptive(method)) {
+      settings.tolerance = size;
+      row.name += format("tolerance %.0e", size);
+    } else {
+      constexpr double speed = 2.45; // the root of the mean square: sqrt(A^2 + B^2 + C^2)
+      settings.step = size * cell() / speed;
+      row.name += format("step %.3g cells", size);
+    }
+    progress(row.name);
+    const core::Threads single(1);
+    std::vector<Vec3d> ends;
+    Series one, all;
+    for (int i = 0; i < o_.repetitions; ++i) {
+      row.work = {};
+      row.lost = 0;
+      one.time([&] { ends = trace(settings, times_, single, row.work, row.lost); });
+      advect::Work work;
+      std::int64_t lost = 0;
+      all.time([&] { trace(settings, times_, all_, work, lost); });
+    }
+    row.seconds = one.for_ratio(1);
+    row.all_seconds = all.median();
+    row.error = error_of(ends, truth_);
+    return row;
+  }
+
+  void add(const Row& r) {
+    rows_.push_back(r);
+    const double steps = double(r.work.steps), evaluations = double(r.work.evaluations);
+    text_ += format("%-34s %9.4f %9.4f %9.3f %9.3f %8.2f %9.2e %6lld\n", r.name.c_str(), r.seconds,
+                    r.all_seconds, 1e-6 * steps / r.seconds, 1e-6 * evaluations / r.seconds,
+                    evaluations / steps, r.error, static_cast<long long>(r.lost));
+    json_ += std::string(rows_.size() > 1 ? "," : "") + "\n    {\"name\": " + quoted(r.name) +
+             ", \"seconds\": " + number(r.seconds) +
+             ", \"seconds_all_cores\": " + number(r.all_seconds) +
+             ", \"steps\": " + std::to_string(r.work.steps) +
+             ", \"steps_per_s\": " + number(steps / r.seconds) +
+             ", \"evaluations\": " + std::to_string(r.work.evaluations) +
+             ", \"error\": " + number(r.error) + ", \"lost\": " + std::to_string(r.lost) + "}";
+  }
+
+  /// A peer, and the fastest of our rows that errs no more.
+  void add(const PeerLines& peer) {
+    const std::vector<Vec3d> truth = reference(peer.times);
+    const double error = error_of(peer.ends, truth);
+    const auto lost = std::count(peer.times.begin(), peer.times.end(), 0.0);
+    // The lines' lengths in time may differ from ours by parts of a step.
+    double time = 0.0, our_time = 0.0;
+    for (std::size_t i = 0; i < seeds_.size(); ++i) {
+      time += peer.times[i];
+      our_time += times_[i];
+    }
+    text_ += format("\n%-34s %9.4f %9s %9.3f %9s %8s %9.2e %6lld\n", peer.name.c_str(),
+                    peer.seconds, "", 1e-6 * double(peer.steps) / peer.seconds, "", "", error,
+                    static_cast<long long>(lost));
+    const Row* best = nullptr;
+    for (const Row& r : rows_)
+      if (r.error <= error && (!best || r.seconds < best->seconds))
+        best = &r;
+    const double ratio = best ? peer.seconds / time / (best->seconds / our_time) : 0.0;
+    if (best)
+      text_ += format("  at an error no larger: %s, %.1f times as fast on one core\n",
+                      best->name.c_str(), ratio);
+    json_ += std::string(json_.back() == '[' ? "" : ",") + "\n    {\"name\": " + quoted(peer.name) +
+             ", \"seconds\": " + number(peer.seconds) +
+             ", \"steps\": " + std::to_string(peer.steps) +
+             ", \"steps_per_s\": " + number(double(peer.steps) / peer.seconds) +
+             ", \"error\": " + number(error) + ", \"lost\": " + std::to_string(lost) +
+             ", \"ratio_at_equal_error\": " + number(ratio) + "}";
+  }
+
+  const Options& o_;
+  Setup setup_;
+  core::Threads all_;
+  std::unique_ptr<query::CommittedMesh> mesh_;
+  std::vector<double> velocity_;
+  std::vector<Vec3d> seeds_;
+  std::vector<double> times_;
+  std::vector<Vec3d> truth_;
+  std::vector<Row> rows_;
+  std::string text_, json_;
+};
+
+} // namespace
+
+Output advect(const Options& o) {
+  return Bench(o).run();
+}
+
+} // namespace insitu::bench
