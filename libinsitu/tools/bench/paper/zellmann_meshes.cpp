@@ -119,7 +119,7 @@ render::FrameSettings path_frame(const query::CommittedMesh& mesh, int size) {
 render::Camera orbit(int i, int count) {
   const double elevation = std::asin(2 * (i + 0.5) / count - 1) * 180 / M_PI;
   return render::Camera::around({0, 0, 0}, {box, box, box}, std::fmod(137.50776405 * i, 360.0),
-                                elevation);
+                                elevation, 0.5 + 0.5 * (i % 5));
 }
 
 } // namespace insitu::bench::paper

@@ -165,12 +165,12 @@ Orbit measure_orbit(const AdaptiveCase& mesh, const Held& ours, const Held& refe
   Table& t = out.figure_7;
   t.key = std::string("zellmann-7-") + mesh.key();
   t.title = std::string("Figure 7: rendering time against cells sampled, ") + mesh.name();
-  t.caption =
-      format("Frames of %d x %d from %d places around the mesh. Ray marching, whose samples "
-             "are the frame's own, told apart by the cells that they lie in; path tracing "
-             "from the same places, one path a pixel, with the points that it locates. "
-             "Nanoseconds: to locate the samples of one kind alone.",
-             size, size, views);
+  t.caption = format("Frames of %d x %d from %d places around the mesh, at five distances in turn. "
+                     "Ray marching, whose samples "
+                     "are the frame's own, told apart by the cells that they lie in; path tracing "
+                     "from the same places, one path a pixel, with the points that it locates. "
+                     "Nanoseconds: to locate the samples of one kind alone.",
+                     size, size, views);
   t.label = "view";
   t.columns = {"gridlets",    "stitching", "outside",     "all samples", "march s",
                "reference s", "paths s",   "path points", "gridlet ns",  "stitching ns"};
