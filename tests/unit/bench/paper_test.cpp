@@ -252,8 +252,8 @@ TEST_F(Zellmann, GridletsDrawWhatHexahedraDo) {
   for (const Row* r : t.section("here")) {
     EXPECT_GT(r->at(t.column("Ref.")), 0.0);
     EXPECT_GT(r->at(t.column("Ours")), 0.0);
-    // Rounding of values alone, unless it turns a path, which on so few pixels is rare.
-    EXPECT_LT(r->at(t.column("difference")), 0.01) << r->name;
+    // Ray-marched, at the same samples: floats' rounding alone.
+    EXPECT_LT(r->at(t.column("difference")), 1e-6) << r->name;
   }
 }
 

@@ -91,11 +91,11 @@ private:
   }
 
   Table memory() const {
-    Table t =
-        begin("1", "memory, bytes an element",
-              "Final: the method's structures and the mesh with one field (here in double). "
-              "Peak: while building, all at once (no p/s) and in groups of a million "
-              "primitives (w/ p/s). The paper's bytes (G = 1e9) over its elements, on Turing.");
+    Table t = begin("1", "memory, bytes an element",
+                    "Final: the method's structures and the mesh with one field (here in double). "
+                    "Peak: while building, all at once (no p/s) and in groups of a million "
+                    "primitives (w/ p/s), which are one below that number. The paper's bytes (G = "
+                    "1e9) over its elements, on Turing.");
     for (int m = 0; m < accel::method_count; ++m) {
       const std::string section = papers_name(Method(m));
       for (int b = 0; b < accel::backend_count; ++b) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kept_frames.h"
 #include "lattice_rays.h"
 #include "measure.h"
 #include "query/committed_mesh.h"
@@ -61,11 +62,8 @@ std::vector<math::Vec3d> MorricalBench::draw(const MorricalSet& d, const MethodM
       standard_frame(sampler, committed.mesh().field(field), *low, *high, size);
   frame.volume->step_factor = 1.0; // about a sample a cell
   const double more_pixels = 1024.0 * 1024.0 / (double(size) * size);
-  Series series;
-  for (int i = 0; i < o_.repetitions; ++i)
-    series.time(
-        [&] { (void)render::render_frame(sampler, frame, context_.threads, context_.memory); });
-  out.frame_seconds = more_pixels * series.for_ratio(context_.threads.count());
+  KeptFrames frames(committed, context_.memory, context_.threads);
+  out.frame_seconds = more_pixels * frames.time(frame, o_.repetitions);
   if (d.wanted == Wanted::vertex_value) {
     const auto vtk = draw_by_vtk(mesh.mesh, mesh.vertex_field, frame, 1, out.vtk_why);
     if (vtk)

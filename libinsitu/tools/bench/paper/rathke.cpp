@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "format.h"
+#include "kept_frames.h"
 #include "lattice_rays.h"
 #include "paper/paper.h"
 #include "paper/papers_figures.h"
@@ -99,11 +100,8 @@ public:
       settings.isosurfaces = surface(render::RootSearch::cubic);
     }
     core::Memory memory;
-    Series series;
-    for (int i = 0; i < o_.repetitions; ++i)
-      series.time(
-          [&] { (void)render::render_frame(mesh_->sampler(), settings, threads(), memory); });
-    return 1e-6 * double(size_) * size_ / series.for_ratio(threads().count());
+    KeptFrames frames(*mesh_, memory, threads());
+    return 1e-6 * double(size_) * size_ / frames.time(settings, o_.repetitions);
   }
 
   /// Million rays a second whose samples are located in groups, on one core; `step` in units of the
@@ -174,7 +172,8 @@ public:
     four_.key = "rathke-4";
     four_.title = "Table 4: isosurfaces (ISO) and volumes (DVR), million rays a second";
     four_.caption =
-        format("Whole frames of %d x %d with their shading, without shadows, on %d "
+        format("Whole frames of %d x %d with their shading, without shadows, what frames share "
+               "made before, on %d "
                "thread%s; the paper's on its Xeon node, a core of it, and its Phi node.",
                o.quick ? 64 : o.size, o.quick ? 64 : o.size, o.threads, o.threads == 1 ? "" : "s");
     four_.label = "data set";

@@ -109,7 +109,7 @@ render::FrameSettings march_frame(const query::CommittedMesh& mesh, int size) {
 
 render::FrameSettings path_frame(const query::CommittedMesh& mesh, int size) {
   render::FrameSettings s = march_frame(mesh, size);
-  s.volume->function = {render::ColorMap::built_in("viridis"), 0.0, 1.0, {{0.3, 0.0}, {1.0, 0.05}}};
+  s.volume->function = {render::ColorMap::built_in("viridis"), 0.0, 1.0, {{0.3, 0.0}, {1.0, 0.2}}};
   s.path_tracing = render::PathTracingSettings{};
   s.path_tracing->samples = 1;
   s.lighting.lights = {{render::Light::Kind::dome, {}, {1, 1, 1}}};
@@ -119,7 +119,7 @@ render::FrameSettings path_frame(const query::CommittedMesh& mesh, int size) {
 render::Camera orbit(int i, int count) {
   const double elevation = std::asin(2 * (i + 0.5) / count - 1) * 180 / M_PI;
   return render::Camera::around({0, 0, 0}, {box, box, box}, std::fmod(137.50776405 * i, 360.0),
-                                elevation);
+                                elevation, 0.5 + 0.5 * (i % 5));
 }
 
 } // namespace insitu::bench::paper

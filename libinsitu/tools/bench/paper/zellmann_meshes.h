@@ -47,7 +47,7 @@ Held hold_reference(const Held& ours, int threads);
 render::FrameSettings march_frame(const query::CommittedMesh& mesh, int size);
 /// A convergence frame: one path a pixel, multiple isotropic scattering under a white dome.
 render::FrameSettings path_frame(const query::CommittedMesh& mesh, int size);
-/// View `i` of `count` around the box, spread over the sphere.
+/// View `i` of `count` around the box, spread over the sphere, from five distances in turn.
 render::Camera orbit(int i, int count);
 
 /// Figures 7 and 8 of one mesh, and a plot.
