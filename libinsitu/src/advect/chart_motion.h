@@ -72,6 +72,19 @@ public:
     return b;
   }
 
+  /// A vector east, north and up at x, along the east and north of the image's chart.
+  math::Vec3d turned(const math::Vec3d& x, const math::Vec3d& image, geo::Pole image_pole,
+                     const math::Vec3d& v) const {
+    if (image_pole == geo::Pole::none || (v.x == 0.0 && v.y == 0.0))
+      return v;
+    const geo::ChartPlace here = geo::place_of(
+        units(), geo::Pole::none, geo::between_charts(units(), pole_, geo::Pole::none, x));
+    const geo::ChartPlace there = geo::place_of(
+        units(), image_pole, {image.x - chart_->offset(image_pole), image.y, image.z});
+    const math::Vec3d along = v.x * here.east + v.y * here.north;
+    return {dot(along, there.east), dot(along, there.north), v.z};
+  }
+
   /// The rate of x. velocity: at the image, along the east and north of the image's chart.
   math::Vec3d rates(const math::Vec3d& x, const math::Vec3d& image, geo::Pole image_pole,
                     math::Vec3d velocity) const {

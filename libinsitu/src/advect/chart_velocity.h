@@ -1,8 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "advect/chart_motion.h"
+#include "advect/drift.h"
 #include "advect/mesh_velocity.h"
 
 namespace insitu::advect {
@@ -12,11 +14,12 @@ namespace insitu::advect {
 /// object serves one thread.
 class ChartVelocity {
 public:
-  /// As MeshVelocity's; the sampler has a chart.
+  /// As MeshVelocity's; the sampler has a chart. drifts: added, in metres per second.
   ChartVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
-                const mesh::FieldView* earlier, double t0, double t1, insitu_accuracy accuracy)
+                const mesh::FieldView* earlier, double t0, double t1, insitu_accuracy accuracy,
+                std::span<const Drift> drifts = {})
       : images_(sampler.among_images()), motion_(sampler.chart()),
-        inner_(images_, now, earlier, t0, t1, accuracy) {}
+        inner_(images_, now, earlier, t0, t1, accuracy), drifts_(drifts) {}
 
   void begin(std::int64_t hint) {
     inner_.begin(hint);
@@ -30,9 +33,13 @@ public:
     math::Vec3d image, metres;
     if (!motion_.image(x, image))
       return Sampled::outside;
-    const Sampled sampled = inner_(image, t, metres);
+    query::Location at;
+    const Sampled sampled =
+        drifts_.empty() ? inner_(image, t, metres) : inner_.sample(image, t, metres, at);
     if (sampled != Sampled::inside)
       return sampled;
+    for (const Drift& drift : drifts_)
+      metres += drift_at(drift, at, t, x, image);
     v = motion_.rates(x, image, pole_of(inner_.asked()), metres);
     const bool finite = std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
     return finite ? Sampled::inside : Sampled::not_finite;
@@ -70,6 +77,7 @@ public:
     return exit;
   }
 
+  double geometry_alpha(double t) const { return inner_.geometry_alpha(t); }
   bool blends_velocity() const { return inner_.blends_velocity(); }
   bool blends_geometry() const { return inner_.blends_geometry(); }
 
@@ -79,9 +87,18 @@ private:
     return geo::Pole(mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(cell)].pole);
   }
 
+  /// Along the east and north of the image's chart, as fields of three components are there.
+  math::Vec3d drift_at(const Drift& drift, const query::Location& at, double t,
+                       const math::Vec3d& x, const math::Vec3d& image) const {
+    const math::Vec3d v = velocity_of(drift, images_, at, inner_.alpha(t));
+    const bool is_field = drift.field && drift.field->now.components == 3;
+    return is_field ? v : motion_.turned(x, image, pole_of(at.cell), v);
+  }
+
   query::Sampler images_;
   ChartMotion motion_;
-  MeshVelocity inner_;      ///< at images
+  MeshVelocity inner_; ///< at images
+  std::span<const Drift> drifts_;
   std::int64_t sized_ = -1; ///< the cell whose extent is kept
   math::Vec3d extent_;
 };

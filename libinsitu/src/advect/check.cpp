@@ -39,6 +39,17 @@ void check_chart(const query::Sampler& sampler, const IntegratorSettings& settin
         "and latitude");
 }
 
+void check_chart_effects(const Effects& effects) {
+  const char* what = effects.diffusion  ? "diffusion"
+                     : effects.inertia  ? "inertia"
+                     : effects.boundary ? "boundary"
+                                        : nullptr;
+  if (what)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      std::string("tracer: the effect '") + what +
+                          "' is not for meshes in longitude and latitude");
+}
+
 void check_settings(const IntegratorSettings& s) {
   const auto refuse = [](const std::string& what, double value, const char* wanted) {
     throw core::Error(INSITU_ERROR_ARGUMENT,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "advect/effects.h"
 #include "advect/integrate.h"
 #include "mesh/view.h"
 #include "query/sampler.h"
@@ -18,5 +19,9 @@ void check_chart(const query::Sampler& sampler, const IntegratorSettings& settin
 
 /// Throws Error(INSITU_ERROR_ARGUMENT) for a negative, NaN or contradictory setting.
 void check_settings(const IntegratorSettings& settings);
+
+/// Throws Error(INSITU_ERROR_UNSUPPORTED) for effects that displace particles by metres, which no
+/// geodetic mesh can yet.
+void check_chart_effects(const Effects& effects);
 
 } // namespace insitu::advect

@@ -63,11 +63,13 @@ MeshVelocity::Kept& MeshVelocity::keep(std::int64_t cell) {
 }
 
 /// By the sampler: the point is in no cell that is kept, or cannot be proven to be.
-Sampled MeshVelocity::located(const Vec3d& x, Vec3d& v) {
+Sampled MeshVelocity::located(const Vec3d& x, Vec3d& v, query::Location* where) {
   const query::Location at = sampler_->locate(x, keeps_ ? -1 : hint_, options());
   if (!at)
     return Sampled::outside;
   hint_ = at.cell;
+  if (where)
+    *where = at;
   if (keeps_ && can_keep(at.cell)) {
     Kept& k = keep(at.cell);
     return value(k, at.parametric, v);
@@ -108,13 +110,15 @@ Vec3d MeshVelocity::extent() {
 // ---------------------------------------------------------------------------- faces
 
 /// The cell's own interpolation goes on for half a cell beyond its faces.
-Sampled MeshVelocity::in_own_cell(const Vec3d& x, Vec3d& v) {
+Sampled MeshVelocity::in_own_cell(const Vec3d& x, Vec3d& v, query::Location* where) {
   blend(own_);
   const auto map = cells::inverse_map(own_.vertices.shape, own_.vertices.x, x);
   depth_ = map.margin;
   if (!map.converged || !(map.margin > -0.5))
     return Sampled::outside;
   hint_ = own_.cell;
+  if (where)
+    *where = {own_.cell, map.r};
   return value(own_, map.r, v);
 }
 

@@ -37,30 +37,42 @@ public:
   math::Vec3d position(const math::Vec3d& x) const { return x; }
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
-    set_alpha(t);
-    if (confined_)
-      return in_own_cell(x, v);
-    if (keeps_) {
-      for (int tries = 0; tries < 2; ++tries) {
-        Kept& k = kept_[last_];
-        if (k.cell >= 0) {
-          blend(k);
-          const auto map = cells::inverse_map(k.vertices.shape, k.vertices.x, x);
-          if (map.margin > map.error) {
-            ++proven_;
-            hint_ = k.cell;
-            return value(k, map.r, v);
-          }
-        }
-        last_ ^= 1;
-      }
-    }
-    return located(x, v);
+    return ask<false>(x, t, v, nullptr);
+  }
+  /// The same, and where x lies.
+  Sampled sample(const math::Vec3d& x, double t, math::Vec3d& v, query::Location& at) {
+    return ask<true>(x, t, v, &at);
   }
 
   /// The cell of the point asked last, if that was inside.
   std::int64_t asked() const { return hint_; }
   void accepted() { cell_ = hint_; }
+
+  /// How much of the current step there is at time t; of the geometry it is 1 if nothing moved.
+  double alpha(double t) const {
+    return t1_ > t0_ ? std::clamp((t - t0_) / (t1_ - t0_), 0.0, 1.0) : 1.0;
+  }
+  double geometry_alpha(double t) const { return moves_ ? alpha(t) : 1.0; }
+  const query::Sampler& sampler() const { return *sampler_; }
+  double interval() const { return t1_ - t0_; }
+
+  /// The gradient of a component at a place and time, and the change with time of the velocity at a
+  /// place in a cell (0 if the earlier velocity is unknown).
+  math::Vec3d gradient(const query::Location& at, int component, double t) const {
+    const math::Vec3d now = sampler_->gradient(fields_[0], component, at, geometry_alpha(t));
+    if (!blends_)
+      return now;
+    const double a = alpha(t);
+    return a * now + (1.0 - a) * sampler_->gradient(fields_[1], component, at, geometry_alpha(t));
+  }
+  math::Vec3d rate_of_change(const query::Location& at) const {
+    if (!blends_)
+      return {};
+    double u[6];
+    sampler_->interpolate(std::span(fields_, 2), at, u);
+    return math::Vec3d{u[0] - u[3], u[1] - u[4], u[2] - u[5]} / interval();
+  }
+  insitu_accuracy accuracy() const { return accuracy_; }
 
   /// The cell of the particle's position (flat id), or -1 if it was never inside.
   std::int64_t cell() const { return cell_; }
@@ -129,8 +141,34 @@ private:
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
   }
 
-  Sampled located(const math::Vec3d& x, math::Vec3d& v);
-  Sampled in_own_cell(const math::Vec3d& x, math::Vec3d& v);
+  template <bool tells_where>
+  Sampled ask(const math::Vec3d& x, double t, math::Vec3d& v, query::Location* at) {
+    set_alpha(t);
+    if (confined_)
+      return in_own_cell(x, v, at);
+    if (keeps_) {
+      for (int tries = 0; tries < 2; ++tries) {
+        Kept& k = kept_[last_];
+        if (k.cell >= 0) {
+          blend(k);
+          const auto map = cells::inverse_map(k.vertices.shape, k.vertices.x, x);
+          if (map.margin > map.error) {
+            ++proven_;
+            hint_ = k.cell;
+            if constexpr (tells_where)
+              *at = {k.cell, map.r};
+            return value(k, map.r, v);
+          }
+        }
+        last_ ^= 1;
+      }
+    }
+    return located(x, v, at);
+  }
+
+  // at: where to say where x lies, or null.
+  Sampled located(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
+  Sampled in_own_cell(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
   void load(Kept& k, std::int64_t cell) const;
   Kept& keep(std::int64_t cell);
   bool can_keep(std::int64_t cell) const;

@@ -1,5 +1,7 @@
 #include "advect/particles.h"
 
+#include <algorithm>
+#include <limits>
 #include <numeric>
 #include <string>
 
@@ -36,6 +38,10 @@ const char* ending_name(insitu_ending ending) {
     return "not_finite";
   case INSITU_END_KILLED:
     return "killed";
+  case INSITU_END_STOPPED:
+    return "stopped";
+  case INSITU_END_REMOVED:
+    return "removed";
   case INSITU_END_COUNT:
     break;
   }
@@ -47,7 +53,8 @@ Particles::Particles(core::Memory& memory)
       cells(memory, INSITU_MEMORY_TRACER), times(memory, INSITU_MEMORY_TRACER),
       seeding_times(memory, INSITU_MEMORY_TRACER), lengths(memory, INSITU_MEMORY_TRACER),
       steps(memory, INSITU_MEMORY_TRACER), endings(memory, INSITU_MEMORY_TRACER),
-      fresh(memory, INSITU_MEMORY_TRACER) {}
+      fresh(memory, INSITU_MEMORY_TRACER), walk_steps(memory, INSITU_MEMORY_TRACER),
+      velocities(memory, INSITU_MEMORY_TRACER), parametric(memory, INSITU_MEMORY_TRACER) {}
 
 template <class F>
 void Particles::for_each_array(F&& f) {
@@ -60,6 +67,37 @@ void Particles::for_each_array(F&& f) {
   f(steps);
   f(endings);
   f(fresh);
+  if (keeps_walk_steps_)
+    f(walk_steps);
+  if (keeps_velocities_)
+    f(velocities);
+  if (keeps_parametric_)
+    f(parametric);
+}
+
+namespace {
+
+constexpr math::Vec3d no_velocity{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
+
+template <class Array, class Value>
+void begin_to_keep(bool& keeps, Array& array, std::size_t size, const Value& value) {
+  if (keeps)
+    return;
+  keeps = true;
+  array.resize(size);
+  std::fill(array.begin(), array.end(), value);
+}
+
+} // namespace
+
+void Particles::keep_walk_steps() {
+  begin_to_keep(keeps_walk_steps_, walk_steps, size(), std::int64_t(0));
+}
+void Particles::keep_velocities() {
+  begin_to_keep(keeps_velocities_, velocities, size(), no_velocity);
+}
+void Particles::keep_parametric() {
+  begin_to_keep(keeps_parametric_, parametric, size(), math::Vec3d{});
 }
 
 void Particles::seed(std::span<const math::Vec3d> points, double time) {
@@ -74,6 +112,12 @@ void Particles::seed(std::span<const math::Vec3d> points, double time) {
     lengths[i] = steps[i] = 0.0;
     endings[i] = INSITU_END_ALIVE;
     fresh[i] = 1;
+    if (keeps_walk_steps_)
+      walk_steps[i] = 0;
+    if (keeps_velocities_)
+      velocities[i] = no_velocity;
+    if (keeps_parametric_)
+      parametric[i] = {};
   }
 }
 
@@ -126,6 +170,23 @@ void Particles::set_state(std::size_t i, const State& s, std::int64_t cell) {
   lengths[i] = s.length;
   fresh[i] = s.fresh;
   cells[i] = cell;
+}
+
+Carried Particles::carried(std::size_t i) const {
+  Carried c;
+  c.id = ids[i];
+  if (keeps_walk_steps_)
+    c.walk_steps = walk_steps[i];
+  if (keeps_velocities_)
+    c.velocity = velocities[i];
+  return c;
+}
+
+void Particles::set_carried(std::size_t i, const Carried& carried) {
+  if (keeps_walk_steps_)
+    walk_steps[i] = carried.walk_steps;
+  if (keeps_velocities_)
+    velocities[i] = carried.velocity;
 }
 
 } // namespace insitu::advect

@@ -22,12 +22,24 @@ struct Counts {
 /// The name of an ending in files and messages, such as "left"; "unknown" for another number.
 const char* ending_name(insitu_ending ending);
 
+/// What effects know of a particle besides its State.
+struct Carried {
+  std::int64_t id = 0;
+  std::int64_t walk_steps = 0; ///< of the random walk so far
+  math::Vec3d velocity;        ///< its own, under inertia; NaN: none yet
+};
+
 /// Particles, as a structure of arrays of equal length; ids count up from 0 in the order of seeding
 /// and are never used again. None is lost: a particle is here, with its ending, or was dropped
 /// after it had ended and is counted.
 class Particles {
 public:
   explicit Particles(core::Memory& memory);
+
+  /// What some effects keep for every particle, from now on.
+  void keep_walk_steps();
+  void keep_velocities();
+  void keep_parametric();
 
   /// Adds particles at rest, alive, in no cell.
   void seed(std::span<const math::Vec3d> points, double time);
@@ -47,6 +59,8 @@ public:
 
   State state(std::size_t i) const;
   void set_state(std::size_t i, const State& s, std::int64_t cell);
+  Carried carried(std::size_t i) const;
+  void set_carried(std::size_t i, const Carried& carried);
 
   core::Buffer<std::int64_t> ids;
   core::Buffer<math::Vec3d> positions;
@@ -57,11 +71,16 @@ public:
   core::Buffer<double> steps;         ///< that the integrator wants next; 0: none yet
   core::Buffer<std::uint8_t> endings; ///< insitu_ending
   core::Buffer<std::uint8_t> fresh;   ///< 1: not found inside yet
+  // Of effects; empty without them.
+  core::Buffer<std::int64_t> walk_steps; ///< of the random walk so far
+  core::Buffer<math::Vec3d> velocities;  ///< of particles with inertia; NaN: none yet
+  core::Buffer<math::Vec3d> parametric;  ///< in their cells, of attached particles
 
 private:
   template <class F>
   void for_each_array(F&& f);
 
+  bool keeps_walk_steps_ = false, keeps_velocities_ = false, keeps_parametric_ = false;
   std::int64_t seeded_ = 0;
   Counts dropped_; ///< by_ending alone
 };

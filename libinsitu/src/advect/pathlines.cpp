@@ -1,6 +1,8 @@
 #include "advect/pathlines.h"
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -8,13 +10,40 @@
 #include "advect/chart_velocity.h"
 #include "advect/check.h"
 #include "advect/mesh_velocity.h"
+#include "advect/mover.h"
 #include "core/status.h"
+#include "query/attached.h"
 
 namespace insitu::advect {
+
+namespace {
+
+void check_interval(double t0, double t1) {
+  if (!(t1 >= t0))
+    throw core::Error(INSITU_ERROR_ARGUMENT, "tracer: cannot advance from time " +
+                                                 std::to_string(t0) + " back to " +
+                                                 std::to_string(t1));
+}
+
+/// Where integrate() alone moves the particles.
+struct NoMover {};
+
+} // namespace
 
 Tracer::Tracer(const TracerSettings& settings, core::Memory& memory)
     : settings_(settings), particles_(memory) {
   check_settings(settings_.integrator);
+  if (settings_.attached)
+    particles_.keep_parametric();
+}
+
+void Tracer::set_effects(const Effects& effects) {
+  check_effects(effects);
+  effects_ = effects;
+  if (effects_.diffusion)
+    particles_.keep_walk_steps();
+  if (effects_.inertia)
+    particles_.keep_velocities();
 }
 
 void Tracer::seed(std::span<const math::Vec3d> points, double time) {
@@ -27,25 +56,27 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   check_velocity(velocity);
   if (earlier_velocity)
     check_velocity(*earlier_velocity);
-  if (!(t1 >= t0))
-    throw core::Error(INSITU_ERROR_ARGUMENT, "tracer: cannot advance from time " +
-                                                 std::to_string(t0) + " back to " +
-                                                 std::to_string(t1));
+  check_interval(t0, t1);
 
   Advance result;
   const IntegratorSettings integrator = settings_for(velocity, settings_.integrator);
+  const std::optional<EffectSetup> setup =
+      effects_.any() && !sampler.chart()
+          ? std::optional<EffectSetup>(std::in_place, effects_, sampler, threads)
+          : std::nullopt;
   Particles& all = particles_;
   constexpr std::int64_t grain = 64;
   const std::int64_t count = std::int64_t(all.size());
   std::vector<Work> work(std::size_t((count + grain - 1) / grain));
-  const auto carry = [&]<class Velocity>(std::type_identity<Velocity>) {
-    const auto field = [&] {
-      return Velocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy);
-    };
-    result.blended_velocity = field().blends_velocity();
-    result.blended_geometry = field().blends_geometry();
+  std::vector<EffectWork> effect_work(setup ? work.size() : 0);
+  // make() gives a thread its field of velocities; move(field) what moves particle i in it until
+  // `to`.
+  const auto carry = [&](auto&& make, auto&& begin_chunk) {
+    result.blended_velocity = make().blends_velocity();
+    result.blended_geometry = make().blends_geometry();
     threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
-      Velocity v = field();
+      auto v = make();
+      auto mover = begin_chunk(v);
       Work& chunk_work = work[std::size_t(begin / grain)];
       for (std::size_t i = std::size_t(begin); i < std::size_t(end); ++i) {
         if (all.endings[i] != INSITU_END_ALIVE || all.times[i] > t1)
@@ -53,27 +84,97 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
         State p = all.state(i);
         p.time = std::max(p.time, t0);
         const double last = all.seeding_times[i] + settings_.duration;
-        v.begin(all.cells[i]);
-        p.x = v.enter(p.x);
-        insitu_ending ending = integrate(v, integrator, std::clamp(last, p.time, t1),
-                                         settings_.length, p, chunk_work, [](const State&) {});
+        const double to = std::clamp(last, p.time, t1);
+        insitu_ending ending = INSITU_END_ALIVE;
+        std::int64_t cell = -1;
+        if constexpr (!std::is_same_v<decltype(mover), NoMover>) {
+          Carried carried = all.carried(i);
+          ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
+          all.set_carried(i, carried);
+          cell = mover->cell();
+        } else {
+          v.begin(all.cells[i]);
+          p.x = v.enter(p.x);
+          ending =
+              integrate(v, integrator, to, settings_.length, p, chunk_work, [](const State&) {});
+          p.x = v.position(p.x);
+          cell = v.cell();
+        }
         if (ending == INSITU_END_ALIVE && last <= t1)
           ending = INSITU_END_EXPIRED;
-        p.x = v.position(p.x);
-        all.set_state(i, p, v.cell() >= 0 ? v.cell() : all.cells[i]);
+        if (ending == INSITU_END_ALIVE && effects_.removes) {
+          const query::Location here =
+              sampler.locate(p.x, cell, {settings_.accuracy, v.geometry_alpha(p.time)});
+          if (here && effects_.removes(here, p.x, p.time - all.seeding_times[i]))
+            ending = INSITU_END_REMOVED;
+        }
+        all.set_state(i, p, cell >= 0 ? cell : all.cells[i]);
         all.endings[i] = std::uint8_t(ending);
       }
+      if constexpr (!std::is_same_v<decltype(mover), NoMover>)
+        effect_work[std::size_t(begin / grain)] = mover->effect_work();
     });
   };
   check_chart(sampler, integrator);
-  if (sampler.chart())
-    carry(std::type_identity<ChartVelocity>());
-  else
-    carry(std::type_identity<MeshVelocity>());
+  const auto plain = [](auto&) { return NoMover{}; };
+  const auto on_mesh = [&] {
+    return MeshVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy);
+  };
+  if (sampler.chart()) {
+    check_chart_effects(effects_);
+    carry(
+        [&] {
+          return ChartVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy,
+                               effects_.drifts);
+        },
+        plain);
+  } else if (setup) {
+    carry(on_mesh, [&](MeshVelocity& v) {
+      return std::make_unique<Mover>(*setup, v, integrator, settings_.length);
+    });
+  } else {
+    carry(on_mesh, plain);
+  }
+  for (const EffectWork& w : effect_work)
+    result.effects += w;
   for (const Work& w : work)
     result.work += w;
   result.counts = particles_.counts();
   return result;
+}
+
+Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0, double t1,
+                      const core::Threads& threads) {
+  check_interval(t0, t1);
+  Particles& all = particles_;
+  threads.parallel_for(std::int64_t(all.size()), 256, [&](std::int64_t begin, std::int64_t end) {
+    for (std::size_t i = std::size_t(begin); i < std::size_t(end); ++i) {
+      if (all.endings[i] != INSITU_END_ALIVE || all.times[i] > t1)
+        continue;
+      const math::Vec3d from = all.positions[i];
+      const double begins = all.times[i], last = all.seeding_times[i] + settings_.duration;
+      query::Location at{all.fresh[i] ? -1 : all.cells[i], all.parametric[i]};
+      if (!query::follow(sampler, same_cells, {settings_.accuracy}, at, all.positions[i])) {
+        all.endings[i] = std::uint8_t(all.fresh[i] ? INSITU_END_SEED_OUTSIDE : INSITU_END_LEFT);
+        continue;
+      }
+      all.fresh[i] = 0;
+      all.cells[i] = at.cell;
+      all.parametric[i] = at.parametric;
+      all.times[i] = t1;
+      if (last <= t1) { // on the straight way there
+        const double part =
+            t1 > begins ? std::clamp((last - begins) / (t1 - begins), 0.0, 1.0) : 1.0;
+        all.positions[i] = from + part * (all.positions[i] - from);
+        all.times[i] = std::max(begins, std::min(last, t1));
+        all.endings[i] = INSITU_END_EXPIRED;
+      }
+      all.lengths[i] += length_of(all.positions[i] - from);
+      if (all.lengths[i] >= settings_.length)
+        all.endings[i] = INSITU_END_EXPIRED;
+    }
+  });
+  return all.counts();
 }
 
 } // namespace insitu::advect

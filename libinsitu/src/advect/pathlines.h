@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "advect/effects.h"
 #include "advect/integrate.h"
 #include "advect/particles.h"
 #include "core/memory.h"
@@ -18,12 +19,14 @@ struct TracerSettings {
   insitu_accuracy accuracy = INSITU_STANDARD;
   double duration = std::numeric_limits<double>::infinity(); ///< age at which a particle expires
   double length = std::numeric_limits<double>::infinity();   ///< length of path at which it expires
+  bool attached = false; ///< particles go with the mesh's material: follow() instead of advance()
 };
 
 /// What one advance did.
 struct Advance {
   Counts counts; ///< after it
   Work work;
+  EffectWork effects;
   bool blended_velocity = false; ///< false: the current velocity was used throughout
   bool blended_geometry =
       false; ///< false: the mesh did not move, or its earlier points are unknown
@@ -34,6 +37,11 @@ struct Advance {
 class Tracer {
 public:
   Tracer(const TracerSettings& settings, core::Memory& memory);
+
+  /// What particles feel in the next advances; its fields must be of their steps. Throws
+  /// Error(INSITU_ERROR_FIELD or _ARGUMENT) for fields of the wrong number of components and for
+  /// values out of range.
+  void set_effects(const Effects& effects);
 
   /// Adds particles at points (in mesh coordinates) that begin at `time`: at most the next
   /// advance's end, or they wait for the one that reaches it. Whether a point is inside is found
@@ -50,6 +58,12 @@ public:
                   const mesh::FieldView* earlier_velocity, double t0, double t1,
                   const core::Threads& threads);
 
+  /// Takes attached particles from t0 to t1, where the sampler's mesh is: with the same cells as
+  /// before (same_cells) to the same place in their cells, otherwise they are located where they
+  /// are. Particles seeded since are located, and begin there.
+  Counts follow(const query::Sampler& sampler, bool same_cells, double t0, double t1,
+                const core::Threads& threads);
+
   /// Ends the particles that are still alive as killed: the session closes.
   void finish() { particles_.kill(); }
 
@@ -63,6 +77,7 @@ public:
 
 private:
   TracerSettings settings_;
+  Effects effects_;
   Particles particles_;
 };
 

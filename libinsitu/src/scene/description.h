@@ -12,6 +12,7 @@
 #include "query/locator_choice.h"
 #include "scene/frame_description.h"
 #include "scene/names.h"
+#include "scene/tracer_effects_description.h"
 #include "scene/trigger.h"
 
 /// What a scene asks for, as plain data: made by parse_scene_file() or default_scene(), executed by
@@ -76,6 +77,9 @@ using PointSource = std::variant<PointList, PointFile, Line, Transect, Plane, Bo
 
 enum class TableFormat { csv, vtp, json, netcdf };
 
+/// Whether points stay where they are, or go with the material of a moving mesh.
+enum class Attached { lab, body };
+
 struct Probe {
   std::string name; ///< of the output file; unique in the scene
   Name mesh;        ///< empty: the first mesh of the session
@@ -83,6 +87,7 @@ struct Probe {
   int points_line = 0;
   FrameOfReference frame;
   std::vector<Name> fields; ///< empty: all fields of the mesh
+  Attached attached = Attached::lab;
   Accuracy accuracy = Accuracy::exact;
   std::vector<TableFormat> output{TableFormat::csv};
   Trigger trigger; ///< its own, or else the scene's
@@ -130,6 +135,8 @@ struct Tracer {
   Name velocity; ///< a field of three components
   IntegratorOptions integrator;
   TracerLimits until;
+  TracerEffects effects; ///< of path- and streaklines
+  Attached attached = Attached::lab; ///< body: path- and streaklines, without velocity
   std::vector<Name> fields; ///< recorded along the tracks; empty: none
   Accuracy accuracy = Accuracy::standard;
   std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp, netcdf (no streamlines)

@@ -6,8 +6,6 @@
 namespace insitu::scene {
 namespace {
 
-enum class TracerEffect {}; // none in this version
-
 IntegratorOptions parse_integrator(const Cursor& cursor) {
   IntegratorOptions options;
   const MapReader map(cursor, {"method", "step", "tolerance", "min_step", "max_step", "max_steps"});
@@ -85,6 +83,10 @@ void parse_common(const MapReader& map, ParseContext& context, const char* point
   if (const auto fields = map.find("fields")) {
     item.fields = parse_names(*fields);
   }
+  if (const auto attached = map.find("attached")) {
+    assign(item.attached,
+           attached->choice<Attached>({{"lab", Attached::lab}, {"body", Attached::body}}));
+  }
   if (const auto accuracy = map.find("accuracy")) {
     assign(item.accuracy, parse_accuracy(*accuracy));
   }
@@ -95,8 +97,8 @@ void parse_common(const MapReader& map, ParseContext& context, const char* point
 
 Probe parse_probe(const Cursor& cursor, ParseContext& context) {
   Probe probe;
-  const MapReader map(
-      cursor, {"name", "mesh", "points", "frame", "fields", "accuracy", "output", "every", "when"});
+  const MapReader map(cursor, {"name", "mesh", "points", "frame", "fields", "attached", "accuracy",
+                               "output", "every", "when"});
   parse_common(map, context, "points", probe.points, probe.points_line, probe);
   if (const auto output = map.find("output")) {
     probe.output = parse_output(*output, {{"csv", TableFormat::csv},
@@ -110,8 +112,8 @@ Probe parse_probe(const Cursor& cursor, ParseContext& context) {
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   Tracer tracer;
   const MapReader map(cursor, {"name", "mesh", "seeds", "frame", "kind", "release", "velocity",
-                               "integrator", "until", "effects", "fields", "accuracy", "output",
-                               "every", "when"});
+                               "integrator", "until", "effects", "fields", "attached", "accuracy",
+                               "output", "every", "when"});
   parse_common(map, context, "seeds", tracer.seeds, tracer.seeds_line, tracer);
   if (const auto kind = map.find("kind")) {
     assign(tracer.kind, kind->choice<TracerKind>({{"streamline", TracerKind::streamline},
@@ -128,7 +130,8 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     }
     tracer.release = parse_release(*release);
   }
-  if (const auto velocity = map.require("velocity")) {
+  const bool attached = tracer.attached == Attached::body;
+  if (const auto velocity = attached ? map.find("velocity") : map.require("velocity")) {
     assign(tracer.velocity, parse_name(*velocity));
   }
   if (const auto integrator = map.find("integrator")) {
@@ -138,11 +141,22 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     tracer.until = parse_limits(*until);
   }
   if (const auto effects = map.find("effects")) {
-    parse_effects<TracerEffect>(*effects, {{"diffusion", {}},
-                                           {"settling", {}},
-                                           {"inertia", {}},
-                                           {"boundary", {}},
-                                           {"age_limit", {}}});
+    tracer.effects = parse_tracer_effects(*effects);
+    if (tracer.kind == TracerKind::streamline && effects->is_list() &&
+        !effects->node().items.empty()) {
+      effects->fail("effects act on path- and streaklines, not on streamlines");
+    }
+  }
+  if (attached) {
+    for (const char* key : {"velocity", "integrator", "effects"}) {
+      if (const auto value = map.find(key)) {
+        value->fail("'attached: body' moves particles with the mesh's material; this key moves "
+                    "them otherwise");
+      }
+    }
+    if (tracer.kind == TracerKind::streamline) {
+      map.find("attached")->fail("streamlines do not move with the material");
+    }
   }
   if (const auto output = map.find("output")) {
     tracer.output = parse_output(

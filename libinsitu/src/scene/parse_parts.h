@@ -50,6 +50,7 @@ PointSource parse_points(const Cursor& cursor, const ParseContext& context,
                          const FrameOfReference& frame);
 
 Probe parse_probe(const Cursor& cursor, ParseContext& context);
+TracerEffects parse_tracer_effects(const Cursor& cursor);
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context);
 Release parse_release(const Cursor& cursor);
 /// Whether seeds are those of a probe, `{probe: name}`; then they are read by the second.

@@ -2,6 +2,7 @@
 #include "core/timer.h"
 #include "scene/release.h"
 #include "scene/tracer_action.h"
+#include "scene/tracer_effects.h"
 #include "scene/track_writer.h"
 
 namespace insitu::scene {
@@ -21,16 +22,32 @@ public:
 
   advect::Counts counts() const override { return particles_.counts(); }
 
-  std::string needs_earlier() const override {
-    return particles_.counts().alive() > 0 || clock_.goes_on(last_.time) ? tracer_.velocity.text
-                                                                         : std::string();
+  std::vector<std::string> needs_earlier() const override {
+    if (tracer_.attached == Attached::body ||
+        (particles_.counts().alive() == 0 && !clock_.goes_on(last_.time)))
+      return {};
+    std::vector<std::string> names = effect_fields(tracer_.effects);
+    names.push_back(tracer_.velocity.text);
+    return names;
   }
 
   void execute(query::CommittedMesh& mesh, const Step& step, bool due) override {
     const core::Timer timer;
-    const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
-    release(mesh, step);
-    advance(mesh, velocity, step);
+    if (tracer_.attached == Attached::body) {
+      release(mesh, step);
+      particles_.follow(mesh.sampler(), topology_ == mesh.topology_version(), settled_, step.time,
+                        environment_.context.threads);
+      settled_ = step.time;
+      topology_ = mesh.topology_version();
+    } else {
+      const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
+      // The earlier step serves if it is the step that the particles are at, on the same cells.
+      const bool earlier = seeded_ && topology_ == mesh.topology_version() && !step.first &&
+                           settled_ == step.earlier_time;
+      particles_.set_effects(effects_at(tracer_, mesh, step, earlier, environment_.scene_file));
+      release(mesh, step);
+      advance(mesh, velocity, step);
+    }
     environment_.statistics.advect_s += timer.seconds();
     const core::Timer output_timer;
     last_ = {step.cycle, step.time};
@@ -54,8 +71,11 @@ private:
     advect::TracerSettings s;
     s.integrator = integrator();
     s.accuracy = to_api(tracer_.accuracy);
+    s.attached = tracer_.attached == Attached::body;
     if (tracer_.until.duration)
       s.duration = *tracer_.until.duration;
+    if (tracer_.effects.age_limit)
+      s.duration = std::min(s.duration, *tracer_.effects.age_limit);
     if (tracer_.until.length)
       s.length = *tracer_.until.length;
     return s;

@@ -6,6 +6,7 @@
 
 #include "core/timer.h"
 #include "output/atomic_file.h"
+#include "query/attached.h"
 
 namespace insitu::scene {
 
@@ -27,16 +28,24 @@ ProbeAnswers ProbeAction::sample(const query::CommittedMesh& mesh,
   const query::Sampler sampler = mesh.sampler();
   query::LocateOptions options;
   options.accuracy = to_api(probe_.accuracy);
-  sampler.visit(environment_.context.threads, points, options,
-                [&](const query::Answered& answered) {
-                  for (std::size_t k = 0; k < answered.locations.size(); ++k) {
-                    const std::size_t i = answered.item(k);
-                    a.locations[i] = answered.locations[k];
-                    if (a.locations[i])
-                      sampler.interpolate(a.fields, a.locations[i], a.values.data() + i * width);
-                    a.locations[i] = mesh.own(a.locations[i], points[i]);
-                  }
-                });
+  if (probe_.attached == Attached::body) { // their places are known, to the bit
+    for (std::size_t i = 0; i < n; ++i) {
+      if (places_[i])
+        sampler.interpolate(a.fields, places_[i], a.values.data() + i * width);
+      a.locations[i] = mesh.own(places_[i], points[i]);
+    }
+  } else {
+    sampler.visit(environment_.context.threads, points, options,
+                  [&](const query::Answered& answered) {
+                    for (std::size_t k = 0; k < answered.locations.size(); ++k) {
+                      const std::size_t i = answered.item(k);
+                      a.locations[i] = answered.locations[k];
+                      if (a.locations[i])
+                        sampler.interpolate(a.fields, a.locations[i], a.values.data() + i * width);
+                      a.locations[i] = mesh.own(a.locations[i], points[i]);
+                    }
+                  });
+  }
   Statistics& s = environment_.statistics;
   s.points_located += std::int64_t(n);
   s.points_outside += std::count_if(a.locations.begin(), a.locations.end(),
@@ -54,12 +63,36 @@ void ProbeAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
   plan.need("point queries", -1, fields.empty() ? "of all fields" : "of " + fields);
 }
 
+/// Takes attached points to where the material has carried them; at every cycle, so that they are
+/// known when the cells change. Points that are outside stay where they are.
+void ProbeAction::follow(query::CommittedMesh& mesh) {
+  std::vector<math::Vec3d>& points = points_->mesh_points;
+  const bool same_cells = !places_.empty() && topology_ == mesh.topology_version();
+  places_.resize(points.size());
+  const query::Sampler sampler = mesh.sampler();
+  query::LocateOptions options;
+  options.accuracy = to_api(probe_.accuracy);
+  environment_.context.threads.parallel_for(
+      std::int64_t(points.size()), 512, [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = std::size_t(begin); i < std::size_t(end); ++i)
+          query::follow(sampler, same_cells, options, places_[i], points[i]);
+      });
+  topology_ = mesh.topology_version();
+}
+
 void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due) {
-  if (!due)
+  const bool attached = probe_.attached == Attached::body;
+  if (!due && !attached)
     return;
   const core::Timer preparing;
   if (!points_)
     points_ = resolve_points(probe_.points, probe_.frame, mesh, environment_.scene_file);
+  if (attached)
+    follow(mesh);
+  if (!due) {
+    environment_.statistics.query_s += preparing.seconds();
+    return;
+  }
   if (probe_.fields.empty()) // all of the first time: a table keeps its columns
     for (const std::string& name : mesh.mesh().field_names())
       probe_.fields.push_back({name, probe_.line});

@@ -34,9 +34,14 @@ private:
   void write_vtp(const query::CommittedMesh& mesh, const Step& step, const ProbeAnswers& answers);
   void write_json(const query::CommittedMesh& mesh, const Step& step, const ProbeAnswers& answers);
 
+  void follow(query::CommittedMesh& mesh);
+
   Probe probe_;
   Environment environment_;
   std::optional<ScenePoints> points_;
+  // Of points that are attached to the material.
+  std::vector<query::Location> places_;
+  std::uint64_t topology_ = 0;
   std::unique_ptr<output::AppendTable> table_;
   std::vector<std::string> columns_; ///< of the table
   VtpSeries series_;

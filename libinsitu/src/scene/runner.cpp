@@ -120,12 +120,12 @@ void Runner::keep_earlier(MeshList meshes) {
       const auto* tracer = dynamic_cast<const TracerAction*>(action.get());
       if (!tracer)
         continue;
-      const std::string name = tracer->needs_earlier();
       const Name& of = tracer->mesh_name();
       const bool here = of.empty() ? mesh == meshes.front() : of.text == mesh->mesh().name();
-      if (here && !name.empty() && mesh->mesh().has_field(name) &&
-          std::find(names.begin(), names.end(), name) == names.end())
-        names.push_back(name);
+      for (const std::string& name : tracer->needs_earlier())
+        if (here && mesh->mesh().has_field(name) &&
+            std::find(names.begin(), names.end(), name) == names.end())
+          names.push_back(name);
     }
     if (mesh->lies_on_device())
       continue;

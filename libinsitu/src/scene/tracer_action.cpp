@@ -3,12 +3,18 @@
 #include <algorithm>
 #include <limits>
 
+#include "scene/tracer_effects.h"
+
 namespace insitu::scene {
 
 TracerAction::TracerAction(const Tracer& tracer, const Environment& environment)
     : tracer_(tracer), environment_(environment) {}
 
 void TracerAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
+  if (tracer_.attached == Attached::body) {
+    plan.skip("velocity", "particles go with the mesh's material");
+    return;
+  }
   const mesh::MeshView& view = mesh.mesh().view();
   const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
   const std::string name = "'" + tracer_.velocity.text + "'";
@@ -21,6 +27,14 @@ void TracerAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
                                  : view.first_vertex[view.piece_count];
   plan.need("earlier step of " + name, items * velocity.components * std::int64_t(sizeof(double)),
             "particles move between two steps");
+  for (const std::string& of : effect_fields(tracer_.effects)) {
+    const mesh::FieldView field = find_field(mesh, {of, tracer_.line}, environment_.scene_file);
+    plan.need("earlier step of '" + of + "'",
+              (field.association == INSITU_CELL ? view.first_cell[view.piece_count]
+                                                : view.first_vertex[view.piece_count]) *
+                  field.components * std::int64_t(sizeof(double)),
+              "an effect blends it between two steps");
+  }
   if (mesh.mesh().is_adaptive())
     plan.skip("earlier coordinates", "an adaptive mesh does not move its vertices");
   else
@@ -47,7 +61,8 @@ advect::IntegratorSettings TracerAction::integrator() const {
 
 const std::vector<math::Vec3d>& TracerAction::seeds(const query::CommittedMesh& mesh) {
   if (!seeds_)
-    seeds_ = resolve_points(tracer_.seeds, tracer_.frame, mesh, environment_.scene_file).mesh_points;
+    seeds_ =
+        resolve_points(tracer_.seeds, tracer_.frame, mesh, environment_.scene_file).mesh_points;
   return *seeds_;
 }
 

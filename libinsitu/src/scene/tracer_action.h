@@ -27,8 +27,8 @@ public:
   void plan(const query::CommittedMesh& mesh, Plan& plan) const override;
 
   virtual advect::Counts counts() const = 0;
-  /// The velocity field whose earlier step is needed at the next cycle; empty if none is.
-  virtual std::string needs_earlier() const { return {}; }
+  /// The fields whose earlier step is needed at the next cycle.
+  virtual std::vector<std::string> needs_earlier() const { return {}; }
 
 protected:
   bool writes(TableFormat format) const;

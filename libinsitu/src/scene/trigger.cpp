@@ -286,12 +286,69 @@ private:
       expect(")", "after the value of 'abs'");
       return append_unary(Kind::absolute, operand);
     }
+    if (out_.scope_ == Expression::Scope::point) {
+      return parse_field_at_point(first);
+    }
     for (const Reduction reduction : {Reduction::min, Reduction::max, Reduction::mean}) {
       if (accept_word(reduction_name(reduction))) {
         return parse_reduction(reduction);
       }
     }
     fail_at_operand(first);
+  }
+
+  /// `age`, or the name of a field.
+  std::size_t parse_field_at_point(std::size_t first) {
+    if (accept_word("age")) {
+      return append({Kind::age});
+    }
+    if (first >= text_.size() ||
+        (!is_letter(text_[first]) && text_[first] != '"' && text_[first] != '\'')) {
+      fail("a value expected, " + here() + " found");
+    }
+    const std::string field = parse_field_name("");
+    skip_space();
+    if (at_ < text_.size() && text_[at_] == '(') {
+      fail(quote(field) + " is no function here: at a point a field is its value there, and stands "
+                          "alone",
+           first);
+    }
+    if (std::find(words.begin(), words.end(), field) != words.end() && is_letter(text_[first])) {
+      fail("a value expected, " + quote(field) + " found; a field of this name is quoted", first);
+    }
+    return append_use({Reduction::value, field});
+  }
+
+  std::size_t append_use(const Expression::FieldUse& use) {
+    const auto found = std::find(out_.uses_.begin(), out_.uses_.end(), use);
+    const auto index = static_cast<std::size_t>(found - out_.uses_.begin());
+    if (found == out_.uses_.end()) {
+      out_.uses_.push_back(use);
+    }
+    return append({Kind::reduction, 0, index});
+  }
+
+  /// A name as it is or within quotes; `in` is where, for messages.
+  std::string parse_field_name(const std::string& in) {
+    std::string field;
+    const std::size_t first = at_;
+    if (at_ < text_.size() && (text_[at_] == '"' || text_[at_] == '\'')) {
+      const std::size_t close = text_.find(text_[at_], at_ + 1);
+      if (close == std::string_view::npos) {
+        fail("the quotation mark is not closed");
+      }
+      field = text_.substr(at_ + 1, close - at_ - 1);
+      at_ = close + 1;
+    } else {
+      while (at_ < text_.size() && is_name(text_[at_])) {
+        ++at_;
+      }
+      field = text_.substr(first, at_ - first);
+    }
+    if (field.empty()) {
+      fail("the name of a field expected" + in + ", " + here() + " found", first);
+    }
+    return field;
   }
 
   [[noreturn]] void fail_at_operand(std::size_t first) const {
@@ -334,24 +391,7 @@ private:
     const std::string name = reduction_name(reduction);
     expect("(", "after '" + name + "'");
     skip_space();
-    std::string field;
-    const std::size_t first = at_;
-    if (at_ < text_.size() && (text_[at_] == '"' || text_[at_] == '\'')) {
-      const std::size_t close = text_.find(text_[at_], at_ + 1);
-      if (close == std::string_view::npos) {
-        fail("the quotation mark is not closed");
-      }
-      field = text_.substr(at_ + 1, close - at_ - 1);
-      at_ = close + 1;
-    } else {
-      while (at_ < text_.size() && is_name(text_[at_])) {
-        ++at_;
-      }
-      field = text_.substr(first, at_ - first);
-    }
-    if (field.empty()) {
-      fail("the name of a field expected in " + name + "(...), " + here() + " found", first);
-    }
+    const std::string field = parse_field_name(" in " + name + "(...)");
     skip_space();
     if (at_ >= text_.size() || text_[at_] != ')') {
       fail("')' expected after the field's name, " + here() + " found; " + name +
@@ -359,13 +399,7 @@ private:
            "quoted");
     }
     ++at_;
-    const Expression::FieldUse use{reduction, field};
-    const auto found = std::find(out_.uses_.begin(), out_.uses_.end(), use);
-    const auto index = static_cast<std::size_t>(found - out_.uses_.begin());
-    if (found == out_.uses_.end()) {
-      out_.uses_.push_back(use);
-    }
-    return append({Kind::reduction, 0, index});
+    return append_use({reduction, field});
   }
 
   Expression& out_;
@@ -374,7 +408,7 @@ private:
   int depth_ = 0;
 };
 
-Expression::Expression(std::string_view text) : text_(text) {
+Expression::Expression(std::string_view text, Scope scope) : text_(text), scope_(scope) {
   ExpressionParser(*this).parse();
 }
 

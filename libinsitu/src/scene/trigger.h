@@ -11,10 +11,10 @@
 namespace insitu::scene {
 
 /// A number made of all values of a field at one step; of a vector field, of the values'
-/// magnitudes.
-enum class Reduction { min, max, mean };
+/// magnitudes. value: none of these, the field's own value at a point.
+enum class Reduction { min, max, mean, value };
 
-/// "min", "max" or "mean".
+/// "min", "max", "mean" or "value".
 const char* reduction_name(Reduction reduction);
 
 /// What is wrong with an expression, and where: `column` counts the expression's bytes from 1.
@@ -53,8 +53,12 @@ public:
   /// collective call.
   using Reduce = std::function<double(Reduction, const std::string& field)>;
 
+  /// What fields stand for: reductions over the mesh, or values at a point. At a point a field's
+  /// name stands alone (quoted if it is one of the words), and "age" is a number.
+  enum class Scope : std::uint8_t { mesh, point };
+
   /// Parses; throws ExpressionError.
-  explicit Expression(std::string_view text);
+  explicit Expression(std::string_view text, Scope scope = Scope::mesh);
   /// Parses; throws core::Error(INSITU_ERROR_SCENE) with "file:line: ...", the column and a caret
   /// under it.
   static Expression parse(std::string_view text, std::string_view file, int line);
@@ -64,6 +68,9 @@ public:
   /// text.
   const std::vector<FieldUse>& uses() const { return uses_; }
   bool evaluate(std::int64_t cycle, double time, const Reduce& reduce) const;
+  /// The same at a point; values are those of uses(), in their order.
+  bool evaluate_at(std::int64_t cycle, double time, double age,
+                   const std::vector<double>& values) const;
 
 private:
   friend class ExpressionParser;
@@ -71,6 +78,7 @@ private:
     number,
     cycle,
     time,
+    age,
     reduction, // leaves
     negate,
     absolute,
@@ -98,6 +106,7 @@ private:
   class Evaluation;
 
   std::string text_;
+  Scope scope_ = Scope::mesh;
   std::vector<FieldUse> uses_;
   std::vector<Node> nodes_; // children before parents: the last is the root
 };

@@ -21,6 +21,12 @@ public:
       : expression_(expression), cycle_(static_cast<double>(cycle)), time_(time), reduce_(reduce),
         reduced_(expression.uses_.size()) {}
 
+  /// At a point, where all values are known.
+  Evaluation(const Expression& expression, std::int64_t cycle, double time, double age,
+             const Reduce& none, const std::vector<double>& values)
+      : expression_(expression), cycle_(static_cast<double>(cycle)), time_(time), age_(age),
+        reduce_(none), reduced_(values.begin(), values.end()) {}
+
   bool condition(std::size_t index) {
     const Node& node = expression_.nodes_[index];
     switch (node.kind) {
@@ -61,6 +67,8 @@ private:
       return cycle_;
     case Kind::time:
       return time_;
+    case Kind::age:
+      return age_;
     case Kind::reduction:
       return reduction(node.left);
     case Kind::negate:
@@ -94,6 +102,7 @@ private:
   const Expression& expression_;
   double cycle_;
   double time_;
+  double age_ = 0;
   const Reduce& reduce_;
   std::vector<std::optional<double>> reduced_;
 };
@@ -102,12 +111,20 @@ bool Expression::evaluate(std::int64_t cycle, double time, const Reduce& reduce)
   return Evaluation(*this, cycle, time, reduce).condition(nodes_.size() - 1);
 }
 
+bool Expression::evaluate_at(std::int64_t cycle, double time, double age,
+                             const std::vector<double>& values) const {
+  const Reduce none;
+  return Evaluation(*this, cycle, time, age, none, values).condition(nodes_.size() - 1);
+}
+
 const char* reduction_name(Reduction reduction) {
   switch (reduction) {
   case Reduction::min:
     return "min";
   case Reduction::max:
     return "max";
+  case Reduction::value:
+    return "value";
   default:
     return "mean";
   }

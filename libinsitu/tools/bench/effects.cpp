@@ -3,6 +3,7 @@
 
 #include "commands.h"
 #include "format.h"
+#include "particle_effects.h"
 #include "render/frame.h"
 
 namespace insitu::bench {
@@ -65,6 +66,11 @@ public:
       }
     }
     return rows;
+  }
+
+  std::vector<ParticleRow> particles() {
+    progress("particles");
+    return particle_effects(o_, setup_, *mesh_);
   }
 
   std::string title() const {
@@ -200,6 +206,7 @@ private:
 Output effects(const Options& o) {
   Bench bench(o);
   const std::vector<Row> rows = bench.run();
+  const std::vector<ParticleRow> particles = bench.particles();
   Output out;
   out.text = bench.title() +
              "\nMedians; an effect's price is what it adds to the bare frame, which is "
@@ -216,6 +223,24 @@ Output effects(const Options& o) {
                 "\n  {\"frame\": " + quoted(row.family) + ", \"effect\": " + quoted(row.effect) +
                 ", \"bare_s\": " + number(bare) + ", \"with_s\": " + number(with) +
                 ", \"bytes_added\": " + std::to_string(row.bytes_with - row.bytes_bare) + "}";
+  }
+  out.text +=
+      "\nParticles, ten advances; evaluations of the velocity without and with the effect.\n\n";
+  out.text += format("%-32s %9s %9s %8s %12s %12s %11s %9s\n", "effect", "bare s", "with s", "time",
+                     "evaluations", "with", "walk steps", "contacts");
+  for (const ParticleRow& row : particles) {
+    const double bare = row.bare.for_ratio(o.threads), with = row.with.for_ratio(o.threads);
+    out.text += format("%-32s %9.3f %9.3f %+7.1f%% %12s %12s %11s %9s\n", row.effect.c_str(), bare,
+                       with, 100 * (with / bare - 1), grouped(row.evaluations_bare).c_str(),
+                       grouped(row.evaluations).c_str(), grouped(row.walk_steps).c_str(),
+                       grouped(row.contacts).c_str());
+    out.json +=
+        ",\n  {\"frame\": \"particles\", \"effect\": " + quoted(row.effect) +
+        ", \"bare_s\": " + number(bare) + ", \"with_s\": " + number(with) +
+        ", \"bytes_added\": 0, \"evaluations_bare\": " + std::to_string(row.evaluations_bare) +
+        ", \"evaluations\": " + std::to_string(row.evaluations) +
+        ", \"walk_steps\": " + std::to_string(row.walk_steps) +
+        ", \"contacts\": " + std::to_string(row.contacts) + "}";
   }
   out.json += "\n]\n";
   return out;

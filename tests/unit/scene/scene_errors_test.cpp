@@ -241,11 +241,34 @@ TEST(SceneErrors, Integrator) {
 }
 
 TEST(SceneErrors, TracerEffects) {
-  for (const char* name : {"diffusion", "settling", "inertia", "boundary", "age_limit"}) {
-    EXPECT_EQ(tracer_error("\n effects: [{" + std::string(name) + ": {}}]"),
-              "s.yaml:3: tracers[0].effects[0]: effect '" + std::string(name) +
-                  "' is not available in this version");
-  }
+  const auto effect = [](const std::string& text) {
+    return tracer_error("\n effects: [" + text + "]");
+  };
+  EXPECT_HAS(effect("diffusion"), "effect 'diffusion' needs options");
+  EXPECT_HAS(effect("{diffusion: {}}"),
+             "s.yaml:3: tracers[0].effects[0].diffusion: one of 'coefficient', 'horizontal'");
+  EXPECT_HAS(effect("{diffusion: {coefficient: -1}}"), "'-1' found");
+  EXPECT_HAS(effect("{diffusion: {coefficient: 1, vertical: 1}}"), "either 'coefficient' or");
+  EXPECT_HAS(effect("{settling: {}}"), "exactly one of 'velocity', 'speed' expected");
+  EXPECT_HAS(effect("{settling: {velocity: [0, 0, 1], speed: 1}}"), "exactly one of");
+  EXPECT_HAS(effect("{settling: {speed: 1, down: [0, 0, 0]}}"), "a direction expected");
+  EXPECT_HAS(effect("{windage: {factor: 0.1}}"), "key 'field' is missing");
+  EXPECT_HAS(effect("{inertia: {diameter: 1}}"), "needs 'density' and 'viscosity'");
+  EXPECT_HAS(effect("{inertia: {added_mass: true}}"), "'added_mass' needs 'density'");
+  EXPECT_HAS(effect("{inertia: {response_time: 1, diameter: 1, density: 1, viscosity: 1}}"),
+             "either 'response_time' or 'diameter'");
+  EXPECT_HAS(effect("{coriolis: {rotation: [0, 0, 1]}}"), "add 'inertia'");
+  EXPECT_HAS(effect("{boundary: bounce}"), "'bounce' is not one of leave, stop, slide, reflect");
+  EXPECT_HAS(effect("{boundary: {restitution: 0.5}}"), "belongs to 'other: reflect'");
+  EXPECT_HAS(effect("{boundary: {periodic: [w]}}"), "'w' is not one of x, y, z");
+  EXPECT_HAS(effect("{age_limit: 0}"), "a number above 0 expected");
+  EXPECT_HAS(effect("{remove: {when: 'max(salt) > 1'}}"), "a field is its value there");
+  EXPECT_HAS(effect("{remove: {when: salt}}"), "a condition expected, a number found");
+  EXPECT_HAS(effect("{age_limit: 1}, {age_limit: 2}"), "effect 'age_limit' is given twice");
+  EXPECT_HAS(tracer_error("attached: body"), "'attached: body' moves particles with the mesh's");
+  EXPECT_HAS(tracer_error("attached: bodies"), "'bodies' is not one of lab, body");
+  EXPECT_HAS(tracer_error("kind: streamline, effects: [{age_limit: 1}]"),
+             "effects act on path- and streaklines");
   EXPECT_HAS(tracer_error("effects: [difusion]"),
              "effect 'difusion' is unknown; did you mean 'diffusion'?");
 }

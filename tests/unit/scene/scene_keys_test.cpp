@@ -22,7 +22,8 @@ TEST(SceneKeys, EmptySceneHasDefaults) {
 }
 
 TEST(SceneKeys, Top) {
-  const SceneDescription scene = parse("output: results/run 7\npage: false\nevery: 10\nwhen: max(p) > 2\n");
+  const SceneDescription scene =
+      parse("output: results/run 7\npage: false\nevery: 10\nwhen: max(p) > 2\n");
   EXPECT_EQ(scene.output, "results/run 7");
   EXPECT_FALSE(scene.page);
   EXPECT_EQ(scene.trigger.every, 10);
@@ -220,6 +221,45 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(seeded.tracers[0].mesh.text, "m");
   EXPECT_EQ(parse(test::tracer("integrator: {method: rk4, step: 2}")).tracers[0].integrator.method,
             IntegrationMethod::rk4);
+}
+
+TEST(SceneKeys, TracerEffects) {
+  const TracerEffects none = parse(test::tracer("")).tracers[0].effects;
+  EXPECT_FALSE(none.diffusion || none.settling || none.windage || none.inertia || none.rotation ||
+               none.boundary || none.age_limit || none.remove);
+  const TracerEffects e =
+      parse(
+          test::tracer(
+              "effects: [{diffusion: {horizontal: kh, vertical: 1e-4, step: 60, seed: 7}}, "
+              "{settling: {speed: 0.5, down: [0, 0, 2]}}, {windage: {field: wind, factor: 0.03}}, "
+              "{inertia: {diameter: 1e-3, density: 2, fluid_density: 1, viscosity: 1e-3, "
+              "gravity: [0, 0, -9.81], added_mass: true, velocity: [1, 2, 3]}}, "
+              "{coriolis: {rotation: [0, 0, 1e-4]}}, "
+              "{boundary: {periodic: [x, z], other: reflect, restitution: 0.5}}, "
+              "{age_limit: 9}, {remove: {when: salt < 5 and age > 3}}]"))
+          .tracers[0]
+          .effects;
+  EXPECT_EQ(e.diffusion->horizontal.field.text, "kh");
+  EXPECT_TRUE(e.diffusion->vertical.field.empty());
+  EXPECT_EQ(e.diffusion->vertical.number, 1e-4);
+  EXPECT_EQ(e.diffusion->step, 60);
+  EXPECT_EQ(e.diffusion->seed, 7);
+  EXPECT_EQ(e.settling->speed.number, 0.5);
+  EXPECT_EQ(e.settling->down.z, 1.0);
+  EXPECT_EQ(e.windage->field.text, "wind");
+  EXPECT_EQ(e.windage->factor, 0.03);
+  EXPECT_EQ(e.inertia->diameter, 1e-3);
+  EXPECT_TRUE(e.inertia->added_mass);
+  EXPECT_EQ(e.inertia->velocity->y, 2);
+  EXPECT_EQ(e.rotation->z, 1e-4);
+  EXPECT_TRUE(e.boundary->periodic[0] && !e.boundary->periodic[1] && e.boundary->periodic[2]);
+  EXPECT_EQ(e.boundary->other, WallResponse::reflect);
+  EXPECT_EQ(e.boundary->restitution, 0.5);
+  EXPECT_EQ(e.age_limit, 9);
+  ASSERT_EQ(e.remove->when.uses().size(), 1u);
+  EXPECT_EQ(e.remove->when.uses()[0].field, "salt");
+  EXPECT_EQ(parse(test::tracer("effects: [{boundary: slide}]")).tracers[0].effects.boundary->other,
+            WallResponse::slide);
 }
 
 TEST(SceneKeys, DefaultScene) {

@@ -187,6 +187,31 @@ TEST(Trigger, ParseShowsTheColumnWithACaret) {
   EXPECT_EQ(message.find('?', shown) - shown, message.find('^', caret) - caret);
 }
 
+TEST(Trigger, AtAPointFieldsStandAlone) {
+  const auto at = [](const char* text, const std::vector<double>& values, double age) {
+    return Expression(text, Expression::Scope::point).evaluate_at(3, 0.5, age, values);
+  };
+  EXPECT_TRUE(at("salt < 5 and (temp - 2 * salt > 1 or age >= 10)", {4.0, 9.5}, 0.0));
+  EXPECT_FALSE(at("salt < 5 and (temp - 2 * salt > 1 or age >= 10)", {4.0, 8.5}, 9.0));
+  EXPECT_TRUE(at("salt < 5 and (temp - 2 * salt > 1 or age >= 10)", {4.0, 8.5}, 10.0));
+  EXPECT_TRUE(at("'age' > 1 and cycle == 3 and time == 0.5", {2.0}, 0.0));
+  EXPECT_TRUE(at("abs(\"wind speed\") == 2 and \"wind speed\" < 0", {-2.0}, 0.0));
+  EXPECT_FALSE(at("salt < 5 or salt >= 5", {std::nan("")}, 0.0));
+  const auto wrong = [](const char* text) {
+    try {
+      Expression(text, Expression::Scope::point);
+    } catch (const ExpressionError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(wrong("max(salt) > 1").find("a field is its value there"), std::string::npos);
+  EXPECT_NE(wrong("max > 1").find("a field of this name is quoted"), std::string::npos);
+  EXPECT_NE(wrong("salt").find("a condition expected"), std::string::npos);
+  EXPECT_NE(wrong("salt > ").find("a value expected"), std::string::npos);
+  EXPECT_THROW(Expression("salt > 1"), ExpressionError); // a mesh has many
+}
+
 TEST(Trigger, Due) {
   Trigger trigger;
   trigger.every = 10;

@@ -19,7 +19,9 @@ typedef enum insitu_ending INSITU_INT {
   INSITU_END_SEED_OUTSIDE = 5, /**< was seeded outside the mesh */
   INSITU_END_NOT_FINITE = 6,   /**< the velocity is NaN or infinite */
   INSITU_END_KILLED = 7,       /**< the session was closed while it lived */
-  INSITU_END_COUNT = 8
+  INSITU_END_STOPPED = 8,      /**< met the boundary, where its scene says that it stops */
+  INSITU_END_REMOVED = 9,      /**< met the condition by which its scene removes particles */
+  INSITU_END_COUNT = 10
 } insitu_ending;
 
 /** What the memory is for. */

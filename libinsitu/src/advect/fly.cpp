@@ -1,0 +1,261 @@
+// Particles with inertia: Mover's way of moving them.
+#include <algorithm>
+#include <cmath>
+
+#include "advect/mover.h"
+#include "cells/kernels.h"
+
+namespace insitu::advect {
+
+namespace {
+
+constexpr double first_cells = 0.1, largest_cells = 1.0, fixed_cells = 0.25, contact_cells = 0.1;
+/// A particle that would not come further than this part of a cell from the wall rests on it: a
+/// ball bounces infinitely often in a finite time.
+constexpr double rest_cells = 1e-6;
+constexpr double safety = 0.9, largest_growth = 5.0, smallest_factor = 0.2;
+constexpr double largest_relative_error = 0.01;
+constexpr int most_trials = 2200; // halving 1e308 to 1e-308 takes 2047
+
+/// The velocity of the mesh at a place, if it moves.
+Vec3d mesh_velocity(const MeshVelocity& flow, const query::Location& at) {
+  const mesh::MeshView& mesh = flow.sampler().mesh();
+  if (!flow.blends_geometry())
+    return {};
+  mesh::CellVertices then, now;
+  mesh::gather(mesh, at.cell, then, 0.0);
+  mesh::gather(mesh, at.cell, now, 1.0);
+  double weight[8];
+  cells::shape_functions(now.shape, at.parametric, weight);
+  Vec3d moved;
+  for (int v = 0; v < now.count; ++v)
+    moved += weight[v] * (now.x[v] - then.x[v]);
+  return moved / flow.interval();
+}
+
+} // namespace
+
+/// b of inertial_step(): what moves the particle besides what is linear in its own velocity.
+Sampled Mover::force(const Vec3d& x, double t, Vec3d& b) {
+  const Inertia& inertia = *effects_->inertia;
+  query::Location at;
+  Vec3d u;
+  if (const Sampled s = velocity_.sample(x, t, u, at); s != Sampled::inside)
+    return s;
+  b = inertia.acceleration;
+  if (std::isfinite(inertia.response_time))
+    b += u / inertia.response_time;
+  if (inertia.fluid_share != 0.0) {
+    // Du/Dt = du/dt at a place that goes with the mesh + (u - the mesh's velocity) grad u.
+    const Vec3d per_metre = walls_.scale(x);
+    const Vec3d relative = by_axis(u, per_metre) - mesh_velocity(flow_, at);
+    Vec3d acceleration = flow_.rate_of_change(at);
+    for (int c = 0; c < 3; ++c)
+      acceleration[c] += math::dot(flow_.gradient(at, c, t), relative);
+    b += inertia.fluid_share * acceleration;
+  }
+  return std::isfinite(b.x) && std::isfinite(b.y) && std::isfinite(b.z) ? Sampled::inside
+                                                                        : Sampled::not_finite;
+}
+
+insitu_ending Mover::fly(State& p, Carried& carried, double to, Work& work) {
+  const Inertia& inertia = *effects_->inertia;
+  const bool adaptive = is_adaptive(settings_.method);
+  const auto stage = [this](const Vec3d& x, double t, Vec3d& b) { return force(x, t, b); };
+  Vec3d b;
+  bool known = false; // b, at p.x
+  bool closing = false;
+  for (;;) {
+    if (!known) {
+      Vec3d u;
+      query::Location at;
+      work.evaluations += 2;
+      Sampled s = velocity_.sample(p.x, p.time, u, at);
+      if (s == Sampled::inside)
+        s = force(p.x, p.time, b);
+      if (s != Sampled::inside)
+        return s == Sampled::not_finite ? INSITU_END_NOT_FINITE
+               : p.fresh                ? INSITU_END_SEED_OUTSIDE
+                                        : INSITU_END_LEFT;
+      velocity_.accepted();
+      spot_cell_ = -1;
+      p.fresh = false;
+      if (std::isnan(carried.velocity.x))
+        carried.velocity = inertia.begins.value_or(u);
+      known = true;
+    }
+    if (!(p.time < to))
+      return INSITU_END_ALIVE;
+    const double remaining = to - p.time, length_left = max_length_ - p.length;
+    const Vec3d extent = velocity_.extent(), per_metre = walls_.scale(p.x);
+    const Vec3d v = carried.velocity;
+    const double cells = cells_crossed(by_axis(v, per_metre), extent);
+    if (!std::isfinite(cells))
+      return INSITU_END_NOT_FINITE;
+    if (std::isfinite(max_length_) && length_left <= 1e-12 * max_length_)
+      return INSITU_END_EXPIRED;
+    if (steps_left_ <= 0)
+      return INSITU_END_STEP_LIMIT;
+
+    const double cell_time = cells > 0.0 ? 1.0 / cells : remaining;
+    double limit = (adaptive ? largest_cells : fixed_cells) * cell_time;
+    if (settings_.max_step > 0.0)
+      limit = settings_.max_step;
+    double wanted = p.step;
+    if (!closing && !adaptive)
+      wanted = settings_.step > 0.0 ? settings_.step : limit;
+    else if (wanted == 0.0)
+      wanted = settings_.step > 0.0 ? settings_.step : first_cells * cell_time;
+    double h = std::min({wanted, adaptive || settings_.step == 0.0 ? limit : wanted, remaining});
+    if (const double speed = length_of(by_axis(v, per_metre)); speed > 0.0)
+      h = std::min(h, length_left / speed);
+    const bool cut = h < wanted;
+
+    InertialTrial trial;
+    double relative_error = 1e-4, chord = 0.0;
+    bool exit = false, retried = false, forced = false;
+    for (int trials = 0;; ++trials) {
+      trial = inertial_step(
+          stage, [&](const Vec3d& metres) { return by_axis(metres, per_metre); }, inertia, p.x, v,
+          p.time, h, b);
+      work.evaluations += 3;
+      const Vec3d moved = trial.x - p.x;
+      const double crossed = cells_crossed(moved, extent);
+      chord = length_of(moved);
+      double factor = 1.0;
+      if (trial.sampled == Sampled::not_finite && crossed <= settings_.exit_tolerance)
+        return INSITU_END_NOT_FINITE;
+      if (trial.sampled != Sampled::inside) {
+        exit = trials == most_trials ||
+               (crossed <= settings_.exit_tolerance && h <= settings_.exit_tolerance * cell_time) ||
+               p.time + 0.5 * h == p.time;
+        if (exit)
+          break;
+        closing = true;
+        factor = 0.5;
+      } else if (crossed > 2.0 * largest_cells && settings_.max_step == 0.0 && adaptive) {
+        factor = std::max(largest_cells / crossed, 1e-3);
+      } else if (chord > length_left * (1.0 + 1e-12) && trials < most_trials) {
+        factor = std::min(length_left / chord, 1.0 - 1e-12);
+      } else if (adaptive) {
+        const double fastest = std::max(length_of(v), length_of(trial.v));
+        const double tolerance =
+            std::max(std::min(settings_.tolerance, largest_relative_error * fastest), 1e-300);
+        relative_error = std::max(trial.error / tolerance, 1e-4);
+        const bool smallest =
+            settings_.min_step > 0.0 ? h <= settings_.min_step : crossed <= settings_.min_cells;
+        forced = relative_error > 1.0 && (smallest || trials == most_trials);
+        if (relative_error > 1.0 && !forced)
+          factor = std::max({smallest_factor, safety / std::sqrt(relative_error),
+                             std::min(settings_.min_step / h, 1.0 - 1e-12)});
+      }
+      if (factor == 1.0)
+        break;
+      ++work.rejected;
+      retried = true;
+      h *= factor;
+    }
+
+    if (exit) {
+      closing = false;
+      p.step = 0.0;
+      known = false;
+      if (!effects_->boundary)
+        return INSITU_END_LEFT;
+      if (const insitu_ending ending = touch_flying(p, carried, to, work);
+          ending != INSITU_END_ALIVE)
+        return ending;
+      continue;
+    }
+    velocity_.accepted();
+    ++work.steps;
+    work.forced += forced;
+    steps_left_ -= !(closing && retried);
+    p.x = trial.x;
+    p.time = h == remaining ? to : p.time + h;
+    p.length += chord;
+    carried.velocity = trial.v;
+    b = trial.force;
+    if (closing) {
+      p.step = h;
+      closing = retried; // two steps of one size in a row: past the obstacle
+    } else if (adaptive) {
+      const double factor = forced ? largest_growth
+                                   : std::clamp(safety / std::sqrt(relative_error), smallest_factor,
+                                                retried ? 1.0 : largest_growth);
+      p.step = cut && !retried ? std::max(wanted, h * factor) : h * factor;
+    }
+  }
+}
+
+/// A particle with inertia at the wall: its velocity is turned there. One that the forces press to
+/// the wall, and that would not come far from it, goes on along it.
+insitu_ending Mover::touch_flying(State& p, Carried& carried, double to, Work& work) {
+  Spot at;
+  if (!place(p, at))
+    return INSITU_END_LEFT; // the mesh has moved away from it
+  const Inertia& inertia = *effects_->inertia;
+  double now = flow_.geometry_alpha(p.time);
+  const Vec3d extent = walls_.extent(at.cell, now);
+  const double little = rest_cells * std::min({extent.x, extent.y, extent.z});
+  const bool stuck = last_bounce_ >= 0.0 && p.length - last_bounce_ <= little;
+  const Vec3d d = by_axis(carried.velocity, walls_.scale(at.x));
+  Vec3d n;
+  if (const double skins = cells_crossed(d, walls_.skin(at, now)); skins > 0.0) {
+    const Moved moved =
+        walls_.move(at, (8.0 / skins) * d, boundary_, now, p.length, &carried.velocity);
+    placed(p, at);
+    if (moved != Moved::inside)
+      return ending_of(moved);
+    n = walls_.wall();
+  }
+  last_bounce_ = p.length;
+  --steps_left_;
+  if (n == Vec3d{} && !stuck)
+    return INSITU_END_ALIVE; // through a periodic side
+  BoundaryEffect rest = boundary_;
+  if (rest.response == AtBoundary::reflect)
+    rest.response = AtBoundary::slide;
+  do {
+    Vec3d b;
+    flow_.begin(at.cell);
+    ++work.evaluations;
+    if (const Sampled s = force(at.x, p.time, b); s != Sampled::inside)
+      return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
+    const Vec3d acceleration = b - carried.velocity / inertia.response_time;
+    const Vec3d per_metre = walls_.scale(at.x);
+    const double press = math::dot(acceleration, n), back = math::dot(carried.velocity, n);
+    if (!stuck &&
+        !(press > 0.0 && back * back / (2.0 * press) * length_of(by_axis(n, per_metre)) <= little))
+      return INSITU_END_ALIVE;
+    const double remaining = to - p.time;
+    const Vec3d soon = carried.velocity + std::min(inertia.response_time, remaining) * acceleration;
+    const double cells = std::max(cells_crossed(by_axis(carried.velocity, per_metre), extent),
+                                  cells_crossed(by_axis(soon, per_metre), extent));
+    const double h = cells > 0.0 ? std::min(contact_cells / cells, remaining) : remaining;
+    const LinearPart linear(inertia, h);
+    const double then = flow_.geometry_alpha(p.time + h);
+    const Vec3d moves = h * linear.phi(1, carried.velocity) + (h * h) * linear.phi(2, b);
+    carried.velocity = linear.phi(0, carried.velocity) + h * linear.phi(1, b);
+    Spot end = at;
+    end.x = walls_.carry(at, now, then);
+    const Moved moved = walls_.move(end, by_axis(moves, per_metre) - (end.x - at.x), rest, then,
+                                    p.length, &carried.velocity);
+    at = end;
+    now = then;
+    p.time = h < remaining ? p.time + h : to;
+    last_bounce_ = p.length;
+    placed(p, at);
+    ++work.steps;
+    --steps_left_;
+    if (moved != Moved::inside)
+      return ending_of(moved);
+    n = walls_.wall();
+    const Vec3d behind = by_axis(n, walls_.skin(at, now));
+    if (n == Vec3d{} || walls_.is_inside(at.x + 8.0 * behind, at.cell, now))
+      break;
+  } while (p.time < to && steps_left_ > 0 && p.length < max_length_);
+  return INSITU_END_ALIVE;
+}
+
+} // namespace insitu::advect

@@ -1,0 +1,185 @@
+#include "advect/walls.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "advect/integrate.h"
+#include "cells/kernels.h"
+#include "query/face_crossing.h"
+
+namespace insitu::advect {
+
+namespace {
+
+/// Contacts in a row after which a move is cut short: two walls of a wedge can take a particle to
+/// and fro without end.
+constexpr int most_contacts = 16;
+/// A displacement is looked at in parts of half a cell, so that it does not jump over a wall.
+constexpr double part_cells = 0.5;
+constexpr int most_parts = 256;
+constexpr double skin_cells = 1e-9;
+
+Vec3d unit_or_zero(const Vec3d& v) {
+  const double length = length_of(v);
+  return length > 0.0 && std::isfinite(length) ? v / length : Vec3d{};
+}
+
+} // namespace
+
+math::Vec3d Walls::extent(std::int64_t cell, double alpha) const {
+  mesh::CellVertices c;
+  mesh::gather(sampler_->mesh(), cell, c, alpha);
+  Vec3d low = c.x[0], high = c.x[0];
+  for (int i = 1; i < c.count; ++i)
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], c.x[i][a]);
+      high[a] = std::max(high[a], c.x[i][a]);
+    }
+  Vec3d e = high - low;
+  const double least = std::max(1e-6 * std::max({e.x, e.y, e.z}), 1e-300);
+  for (int a = 0; a < 3; ++a)
+    e[a] = std::max(e[a], least);
+  return e;
+}
+
+Vec3d Walls::skin(const Spot& at, double alpha) const {
+  Vec3d s = skin_cells * extent(at.cell, alpha);
+  for (int a = 0; a < 3; ++a)
+    s[a] = std::max(s[a], 8.0 * std::numeric_limits<double>::epsilon() * std::abs(at.x[a]));
+  return s;
+}
+
+Vec3d Walls::carry(const Spot& at, double alpha0, double alpha1) const {
+  const query::Location here = locate(at.x, at.cell, alpha0);
+  if (!here || alpha0 == alpha1)
+    return at.x;
+  mesh::CellVertices then, now;
+  mesh::gather(sampler_->mesh(), here.cell, then, alpha0);
+  mesh::gather(sampler_->mesh(), here.cell, now, alpha1);
+  double weight[8];
+  cells::shape_functions(now.shape, here.parametric, weight);
+  Vec3d x = at.x; // the displacement is added, so that what does not move keeps its place exactly
+  for (int v = 0; v < now.count; ++v)
+    x += weight[v] * (now.x[v] - then.x[v]);
+  return x;
+}
+
+/// Takes a particle on a periodic side of the box to the opposite one, if that is inside the mesh.
+bool Walls::pass_side(Spot& at, const Vec3d& d, const BoundaryEffect& boundary,
+                      double alpha) const {
+  const Vec3d near = 1e3 * skin(at, alpha);
+  for (int a = 0; a < 3; ++a) {
+    const bool up = d[a] > 0.0;
+    if (!boundary.periodic[a] || d[a] == 0.0 ||
+        std::abs(at.x[a] - (up ? box_.high[a] : box_.low[a])) > near[a])
+      continue;
+    // On the other side itself, or just inside it where rounding has that face elsewhere.
+    for (const double in : {0.0, 1.0, 1e3}) {
+      Vec3d x = at.x;
+      const double inward = in * near[a] * 1e-3;
+      x[a] = up ? box_.low[a] + inward : box_.high[a] - inward;
+      if (const query::Location found = locate(x, -1, alpha)) {
+        at = {x, found.cell};
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alpha, double& length,
+                  Vec3d* carried) {
+  wall_ = {};
+  for (int contact = 0; contact < most_contacts; ++contact) {
+    const double crossed = cells_crossed(d, extent(at.cell, alpha));
+    if (!(crossed > (contact == 0 ? 0.0 : skin_cells))) // nothing left, or NaN
+      return Moved::inside;
+    const int parts = int(std::clamp(std::ceil(crossed / part_cells), 1.0, double(most_parts)));
+    const Vec3d part = d / double(parts);
+    std::optional<query::Exit> exit;
+    int k = 0;
+    for (; k < parts; ++k) {
+      const Vec3d x = at.x + part;
+      if (const query::Location found = locate(x, at.cell, alpha)) {
+        at = {x, found.cell};
+        length += length_of(part);
+        continue;
+      }
+      exit = query::leave_mesh(*sampler_, at.cell, at.x, x, {accuracy_, alpha});
+      break;
+    }
+    if (k == parts)
+      return Moved::inside;
+    if (!exit)
+      break;
+    length += exit->t * length_of(part);
+    d = (1.0 - exit->t + double(parts - k - 1)) * part;
+    at = {exit->inside, exit->owner};
+    if (pass_side(at, d, boundary, alpha)) {
+      ++work_->contacts;
+      continue;
+    }
+    if (boundary.response == AtBoundary::leave)
+      return Moved::left;
+    ++work_->contacts;
+    if (boundary.response == AtBoundary::stop)
+      return Moved::stopped;
+    const Vec3d per_metre = scale(at.x);
+    const Vec3d n = unit_or_zero(by_axis(exit->normal, per_metre)); // a covector
+    wall_ = n;
+    if (n == Vec3d{})
+      break;
+    step_back(at, exit->normal, alpha);
+    const bool mirror = boundary.response == AtBoundary::reflect;
+    // In metres, where the wall is at right angles to its normal.
+    Vec3d rest = over_axis(d, per_metre);
+    rest -= ((mirror ? 2.0 : 1.0) * math::dot(rest, n)) * n;
+    d = by_axis(rest, per_metre);
+    if (const double out = carried ? math::dot(*carried, n) : 0.0; out > 0.0)
+      *carried -= ((mirror ? 1.0 + boundary.restitution : 1.0) * out) * n;
+  }
+  ++work_->pinned;
+  return Moved::inside;
+}
+
+/// From the wall into its skin: what goes along the wall would else be out of it by rounding.
+void Walls::step_back(Spot& at, const Vec3d& normal, double alpha) const {
+  const double reach = 1.0 / std::max(cells_crossed(normal, skin(at, alpha)), 1e-300);
+  const Vec3d x = at.x - reach * normal;
+  if (const query::Location found = locate(x, at.cell, alpha))
+    at = {x, found.cell};
+}
+
+Box box_of(const mesh::MeshView& mesh, const core::Threads& threads) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const Box none{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  constexpr std::int64_t grain = 4096;
+  std::vector<Box> boxes(std::size_t((mesh.cell_count() + grain - 1) / grain), none);
+  threads.parallel_for(mesh.cell_count(), grain, [&](std::int64_t begin, std::int64_t end) {
+    Box& box = boxes[std::size_t(begin / grain)];
+    mesh::CellVertices c;
+    for (std::int64_t cell = begin; cell < end; ++cell) {
+      const std::int32_t piece = mesh.piece_of(cell);
+      if (!mesh.pieces[piece].owns(cell - mesh.first_cell[piece]))
+        continue;
+      mesh::gather(mesh, cell, c);
+      for (int v = 0; v < c.count; ++v)
+        for (int a = 0; a < 3; ++a) {
+          box.low[a] = std::min(box.low[a], c.x[v][a]);
+          box.high[a] = std::max(box.high[a], c.x[v][a]);
+        }
+    }
+  });
+  Box all = none;
+  for (const Box& box : boxes)
+    for (int a = 0; a < 3; ++a) {
+      all.low[a] = std::min(all.low[a], box.low[a]);
+      all.high[a] = std::max(all.high[a], box.high[a]);
+    }
+  return all;
+}
+
+} // namespace insitu::advect

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+
+#include "advect/effects.h"
+#include "core/parallel.h"
+#include "math/vec.h"
+#include "query/sampler.h"
+
+namespace insitu::advect {
+
+/// The box of a mesh's vertices.
+struct Box {
+  math::Vec3d low, high;
+};
+
+/// Where a particle is.
+struct Spot {
+  math::Vec3d x;
+  std::int64_t cell = -1; ///< that holds x
+};
+
+/// What became of a displacement.
+enum class Moved : std::uint8_t { inside, left, stopped };
+
+/// Moves particles by displacements through a mesh, with a response at its boundary. One object
+/// serves one thread; every call is bounded, in corners, wedges and cracks as well.
+class Walls {
+public:
+  /// box: of the mesh, for periodic sides. The arguments must outlive the object.
+  Walls(const query::Sampler& sampler, insitu_accuracy accuracy, const Metric* metric,
+        const Box& box, EffectWork& work)
+      : sampler_(&sampler), accuracy_(accuracy), metric_(metric), box_(box), work_(&work) {}
+
+  /// Moves `at`, which must be inside the mesh blended by alpha, by d (in coordinates), and turns
+  /// the vector `carried`, in metres, if not null, as the wall turns the motion. At a wall the
+  /// response acts on what is left of d: a particle that meets walls too often is left where it is,
+  /// and counted. Periodic sides let it through, if there is a cell behind. Adds the length of the
+  /// path to `length`.
+  Moved move(Spot& at, math::Vec3d d, const BoundaryEffect& boundary, double alpha, double& length,
+             math::Vec3d* carried = nullptr);
+
+  /// The outward normal (of length 1, in metres) of the wall that move() met last; 0 if it met
+  /// none, or one without area.
+  const math::Vec3d& wall() const { return wall_; }
+
+  bool is_inside(const math::Vec3d& x, std::int64_t hint, double alpha) const {
+    return bool(locate(x, hint, alpha));
+  }
+
+  /// Where the material that is at the spot at alpha0 is at alpha1.
+  math::Vec3d carry(const Spot& at, double alpha0, double alpha1) const;
+
+  /// How near to the boundary a spot on it lies, in coordinates, along each axis: 1e-9 of its cell,
+  /// or what rounding leaves of that.
+  math::Vec3d skin(const Spot& at, double alpha) const;
+
+  math::Vec3d extent(std::int64_t cell, double alpha) const;
+  math::Vec3d scale(const math::Vec3d& x) const {
+    return metric_ ? metric_->coordinates_per_metre(x) : math::Vec3d{1, 1, 1};
+  }
+
+private:
+  query::Location locate(const math::Vec3d& x, std::int64_t hint, double alpha) const {
+    return sampler_->locate(x, hint, {accuracy_, alpha});
+  }
+  void step_back(Spot& at, const math::Vec3d& normal, double alpha) const;
+  bool pass_side(Spot& at, const math::Vec3d& d, const BoundaryEffect& boundary,
+                 double alpha) const;
+
+  const query::Sampler* sampler_;
+  insitu_accuracy accuracy_;
+  const Metric* metric_;
+  Box box_;
+  EffectWork* work_;
+  math::Vec3d wall_;
+};
+
+/// The box of the owning cells' vertices as they are now.
+Box box_of(const mesh::MeshView& mesh, const core::Threads& threads);
+
+/// a * b and a / b along each axis.
+inline math::Vec3d by_axis(const math::Vec3d& a, const math::Vec3d& b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+inline math::Vec3d over_axis(const math::Vec3d& a, const math::Vec3d& b) {
+  return {a.x / b.x, a.y / b.y, a.z / b.z};
+}
+
+} // namespace insitu::advect

@@ -1,0 +1,184 @@
+#include "scene/tracer_effects.h"
+
+#include <cmath>
+
+#include "core/status.h"
+
+namespace insitu::scene {
+namespace {
+
+/// Tracers of one scene walk ways of their own (FNV-1a of the name).
+std::uint64_t seed_of(const Tracer& tracer) {
+  std::uint64_t hash = 0xcbf29ce484222325ull;
+  for (const char c : tracer.name) {
+    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+  }
+  return hash + std::uint64_t(tracer.effects.diffusion->seed);
+}
+
+class Resolver {
+public:
+  Resolver(const query::CommittedMesh& mesh, bool earlier, const std::string& scene_file)
+      : mesh_(mesh), earlier_(earlier), scene_file_(scene_file) {}
+
+  advect::FieldInTime field(const Name& name) const {
+    advect::FieldInTime out{find_field(mesh_, name, scene_file_), {}};
+    if (earlier_) {
+      out.earlier = mesh_.mesh().earlier_field(name.text);
+    }
+    return out;
+  }
+  advect::Coefficient coefficient(const NumberOrField& from) const {
+    advect::Coefficient out{from.number, {}};
+    if (!from.field.empty()) {
+      out.field = field(from.field);
+    }
+    return out;
+  }
+
+private:
+  const query::CommittedMesh& mesh_;
+  bool earlier_;
+  const std::string& scene_file_;
+};
+
+/// Densities: buoyancy, and with added mass the share of the fluid's acceleration (Maxey and Riley
+/// 1983).
+advect::Inertia inertia_of(const TracerEffects& effects) {
+  const InertiaEffect& from = *effects.inertia;
+  advect::Inertia to;
+  to.begins = from.velocity;
+  to.rotation = effects.rotation.value_or(math::Vec3d{});
+  const double solid = from.density.value_or(1.0), fluid = from.fluid_density.value_or(0.0);
+  if (from.added_mass) {
+    to.fluid_share = 3.0 * fluid / (2.0 * solid + fluid);
+  }
+  to.acceleration = (1.0 - (from.added_mass ? to.fluid_share : fluid / solid)) * from.gravity;
+  if (from.response_time) {
+    to.response_time = *from.response_time;
+  } else if (from.diameter) { // Stokes; with added mass, half of the fluid's goes along
+    const double mass = from.added_mass ? solid + 0.5 * fluid : solid;
+    to.response_time = mass * *from.diameter * *from.diameter / (18.0 * *from.viscosity);
+  }
+  return to;
+}
+
+advect::AtBoundary response_of(WallResponse response) {
+  switch (response) {
+  case WallResponse::leave:
+    return advect::AtBoundary::leave;
+  case WallResponse::stop:
+    return advect::AtBoundary::stop;
+  case WallResponse::slide:
+    return advect::AtBoundary::slide;
+  case WallResponse::reflect:
+    break;
+  }
+  return advect::AtBoundary::reflect;
+}
+
+/// Vectors count by their magnitude, as in the scene's other conditions.
+advect::Removes removes_when(const RemoveEffect& remove, const query::CommittedMesh& mesh,
+                             const Step& step, const std::string& scene_file) {
+  std::vector<mesh::FieldView> fields;
+  std::size_t width = 0;
+  for (const Expression::FieldUse& use : remove.when.uses()) {
+    fields.push_back(find_field(mesh, {use.field, remove.line}, scene_file));
+    width += std::size_t(fields.back().components);
+  }
+  return [&remove, fields, width, sampler = mesh.sampler(), cycle = step.cycle,
+          time = step.time](const query::Location& at, const math::Vec3d&, double age) {
+    std::vector<double> components(width), values;
+    sampler.interpolate(fields, at, components.data());
+    const double* from = components.data();
+    for (const mesh::FieldView& f : fields) {
+      double squares = 0.0;
+      for (int c = 0; c < f.components; ++c) {
+        squares += from[c] * from[c];
+      }
+      values.push_back(f.components == 1 ? from[0] : std::sqrt(squares));
+      from += f.components;
+    }
+    return remove.when.evaluate_at(cycle, time, age, values);
+  };
+}
+
+} // namespace
+
+std::vector<std::string> effect_fields(const TracerEffects& effects) {
+  std::vector<std::string> names;
+  const auto add = [&](const Name& name) {
+    if (!name.empty()) {
+      names.push_back(name.text);
+    }
+  };
+  if (effects.diffusion) {
+    add(effects.diffusion->horizontal.field);
+    add(effects.diffusion->vertical.field);
+  }
+  if (effects.settling) {
+    add(effects.settling->speed.field);
+  }
+  if (effects.windage) {
+    add(effects.windage->field);
+  }
+  return names;
+}
+
+advect::Effects effects_at(const Tracer& tracer, const query::CommittedMesh& mesh, const Step& step,
+                           bool earlier, const std::string& scene_file) {
+  const TracerEffects& from = tracer.effects;
+  const Resolver resolve(mesh, earlier, scene_file);
+  advect::Effects to;
+  if (from.settling) {
+    advect::Drift drift;
+    if (from.settling->velocity) {
+      drift.constant = *from.settling->velocity;
+    } else if (from.settling->speed.field.empty()) {
+      drift.constant = from.settling->speed.number * from.settling->down;
+    } else {
+      drift.field = resolve.field(from.settling->speed.field);
+      drift.direction = from.settling->down;
+      if (drift.field->now.components != 1) {
+        throw core::Error(INSITU_ERROR_FIELD,
+                          "the field '" + from.settling->speed.field.text +
+                              "' of a settling speed needs 1 component, it has " +
+                              std::to_string(drift.field->now.components));
+      }
+    }
+    to.drifts.push_back(drift);
+  }
+  if (from.windage) {
+    advect::Drift drift;
+    drift.field = resolve.field(from.windage->field);
+    drift.factor = from.windage->factor;
+    if (drift.field->now.components != 3) {
+      throw core::Error(INSITU_ERROR_FIELD, "the field '" + from.windage->field.text +
+                                                "' of windage needs 3 components, it has " +
+                                                std::to_string(drift.field->now.components));
+    }
+    to.drifts.push_back(drift);
+  }
+  if (from.diffusion) {
+    to.diffusion = advect::Diffusion{resolve.coefficient(from.diffusion->horizontal),
+                                     resolve.coefficient(from.diffusion->vertical),
+                                     from.diffusion->step, seed_of(tracer)};
+  }
+  if (from.inertia) {
+    to.inertia = inertia_of(from);
+  }
+  if (from.boundary) {
+    to.boundary.emplace();
+    to.boundary->response = response_of(from.boundary->other);
+    to.boundary->restitution = from.boundary->restitution;
+    for (int a = 0; a < 3; ++a) {
+      to.boundary->periodic[a] = from.boundary->periodic[a];
+    }
+  }
+  if (from.remove) {
+    to.removes = removes_when(*from.remove, mesh, step, scene_file);
+  }
+  return to;
+}
+
+} // namespace insitu::scene
