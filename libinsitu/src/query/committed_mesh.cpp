@@ -207,7 +207,12 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
                            const core::Threads& threads, const core::Log& log) {
   if (!validation.findings.empty())
     throw core::Error(INSITU_ERROR_MESH, validation.findings);
-  if (!validation.warning.empty())
+  // Where depths count downwards, cells that are the right way round are mirrored, all of them.
+  const insitu_validation& c = validation.counts;
+  const bool mirrored = frame.kind == INSITU_FRAME_GEODETIC && frame.vertical == INSITU_DOWN &&
+                        c.inverted_cells == c.cells - c.ghost_cells &&
+                        c.zero_volume_cells + c.folded_cells + c.collapsed_cells == 0;
+  if (!validation.warning.empty() && !mirrored)
     log.warning(validation.warning);
   folds_are_known_ = true;
   odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);
