@@ -167,17 +167,21 @@ void print_summary(const insitu::Report& r, double solver_seconds) {
       located(INSITU_REASON_ON_FACE), located(INSITU_REASON_ON_EDGE),
       located(INSITU_REASON_ON_VERTEX), located(INSITU_REASON_OUTSIDE));
   if (r.particles_seeded > 0)
-    std::printf("particles: %lld seeded = %lld alive + %lld left + %lld stagnated + %lld expired + "
-                "%lld at the step limit + %lld seeded outside + %lld not finite + %lld killed\n",
-                static_cast<long long>(r.particles_seeded),
-                static_cast<long long>(r.particles[INSITU_END_ALIVE]),
-                static_cast<long long>(r.particles[INSITU_END_LEFT]),
-                static_cast<long long>(r.particles[INSITU_END_STAGNATED]),
-                static_cast<long long>(r.particles[INSITU_END_EXPIRED]),
-                static_cast<long long>(r.particles[INSITU_END_STEP_LIMIT]),
-                static_cast<long long>(r.particles[INSITU_END_SEED_OUTSIDE]),
-                static_cast<long long>(r.particles[INSITU_END_NOT_FINITE]),
-                static_cast<long long>(r.particles[INSITU_END_KILLED]));
+    std::printf(
+        "particles: %lld seeded = %lld alive + %lld left + %lld stagnated + %lld expired + "
+        "%lld at the step limit + %lld seeded outside + %lld not finite + %lld killed + %lld "
+        "stopped + %lld removed\n",
+        static_cast<long long>(r.particles_seeded),
+        static_cast<long long>(r.particles[INSITU_END_ALIVE]),
+        static_cast<long long>(r.particles[INSITU_END_LEFT]),
+        static_cast<long long>(r.particles[INSITU_END_STAGNATED]),
+        static_cast<long long>(r.particles[INSITU_END_EXPIRED]),
+        static_cast<long long>(r.particles[INSITU_END_STEP_LIMIT]),
+        static_cast<long long>(r.particles[INSITU_END_SEED_OUTSIDE]),
+        static_cast<long long>(r.particles[INSITU_END_NOT_FINITE]),
+        static_cast<long long>(r.particles[INSITU_END_KILLED]),
+        static_cast<long long>(r.particles[INSITU_END_STOPPED]),
+        static_cast<long long>(r.particles[INSITU_END_REMOVED]));
   std::printf("%lld frames, %lld probe rows, %lld files, %lld failures\n",
               static_cast<long long>(r.frames), static_cast<long long>(r.probe_rows),
               static_cast<long long>(r.files), static_cast<long long>(r.failures));

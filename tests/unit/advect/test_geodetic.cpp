@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "advect/chart_motion.h"
+#include "advect/integrate.h"
 #include "advect/pathlines.h"
 #include "advect/streamlines.h"
 #include "core/random.h"
