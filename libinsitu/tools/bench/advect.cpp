@@ -31,7 +31,8 @@ struct Row {
   double seconds = 0.0;     ///< on one thread: of the processor
   double all_seconds = 0.0; ///< on all
   advect::Work work;
-  std::int64_t lost = 0; ///< ended before their time
+  std::int64_t left = 0; ///< the box before their time
+  std::int64_t lost = 0; ///< ended otherwise: none should
   double error = 0.0;    ///< root of the mean square, in cells
 };
 
@@ -70,9 +71,9 @@ public:
             std::to_string(seeds_.size()) +
             " lines of the ABC flow\nError: of the ends, in cells, root of the mean square, "
             "against the same interpolated velocity integrated to 1e-13.\n\n" +
-            format("%-34s %9s %9s %9s %9s %8s %9s %6s\n", "", "s, core",
+            format("%-34s %9s %9s %9s %9s %8s %9s %6s %6s\n", "", "s, core",
                    format("s, %d", all_.count()).c_str(), "M step/s", "M eval/s", "eval/st",
-                   "error", "lost");
+                   "error", "left", "lost");
     json_ = "{\n  \"lines\": " + std::to_string(seeds_.size()) + ",\n  \"rows\": [";
     for (const double cells : {1.0, 0.5, 0.25, 0.125})
       for (const bool aware : {false, true})
@@ -90,18 +91,21 @@ public:
   }
 
 private:
+  struct Ends {
+    std::int64_t left = 0, lost = 0;
+  };
   double cell() const { return setup_.mesh.cell_size; }
 
   /// Ends of all lines; vertices are kept for as long as a line lasts, as who wants lines does.
   std::vector<Vec3d> trace(const IntegratorSettings& settings, const std::vector<double>& times,
-                           const core::Threads& threads, advect::Work& work, std::int64_t& lost) {
+                           const core::Threads& threads, advect::Work& work, Ends& ended) {
     constexpr std::int64_t grain = 16;
     const query::Sampler sampler = mesh_->sampler();
     const mesh::FieldView field = mesh_->mesh().field("velocity");
     std::vector<Vec3d> ends(seeds_.size());
     const std::size_t chunks = (seeds_.size() + grain - 1) / grain;
     std::vector<advect::Work> works(chunks);
-    std::vector<std::int64_t> losts(chunks);
+    std::vector<Ends> ends_of(chunks);
     threads.parallel_for(
         std::int64_t(seeds_.size()), grain, [&](std::int64_t begin, std::int64_t end) {
           const auto chunk = std::size_t(begin / grain);
@@ -115,14 +119,17 @@ private:
             const insitu_ending ending = advect::integrate(
                 velocity, settings, times[i], std::numeric_limits<double>::infinity(), p,
                 works[chunk], [&](const advect::State& s) { line.push_back(s.x); });
-            losts[chunk] += ending != INSITU_END_ALIVE;
+            ends_of[chunk].left += ending == INSITU_END_LEFT;
+            ends_of[chunk].lost += ending != INSITU_END_ALIVE && ending != INSITU_END_LEFT;
             ends[i] = p.x;
           }
         });
     for (const advect::Work& w : works)
       work += w;
-    for (const std::int64_t n : losts)
-      lost += n;
+    for (const Ends& e : ends_of) {
+      ended.left += e.left;
+      ended.lost += e.lost;
+    }
     return ends;
   }
 
@@ -133,8 +140,8 @@ private:
     exact.tolerance = 1e-13;
     exact.max_steps = 1'000'000;
     advect::Work work;
-    std::int64_t lost = 0;
-    return trace(exact, times, all_, work, lost);
+    Ends ended;
+    return trace(exact, times, all_, work, ended);
   }
 
   double error_of(const std::vector<Vec3d>& ends, const std::vector<Vec3d>& truth) const {
@@ -167,11 +174,12 @@ private:
     Series one, all;
     for (int i = 0; i < o_.repetitions; ++i) {
       row.work = {};
-      row.lost = 0;
-      one.time([&] { ends = trace(settings, times_, single, row.work, row.lost); });
+      Ends ended, again;
+      one.time([&] { ends = trace(settings, times_, single, row.work, ended); });
+      row.left = ended.left;
+      row.lost = ended.lost;
       advect::Work work;
-      std::int64_t lost = 0;
-      all.time([&] { trace(settings, times_, all_, work, lost); });
+      all.time([&] { trace(settings, times_, all_, work, again); });
     }
     row.seconds = one.for_ratio(1);
     row.all_seconds = all.median();
@@ -182,16 +190,18 @@ private:
   void add(const Row& r) {
     rows_.push_back(r);
     const double steps = double(r.work.steps), evaluations = double(r.work.evaluations);
-    text_ += format("%-34s %9.4f %9.4f %9.3f %9.3f %8.2f %9.2e %6lld\n", r.name.c_str(), r.seconds,
-                    r.all_seconds, 1e-6 * steps / r.seconds, 1e-6 * evaluations / r.seconds,
-                    evaluations / steps, r.error, static_cast<long long>(r.lost));
+    text_ += format("%-34s %9.4f %9.4f %9.3f %9.3f %8.2f %9.2e %6lld %6lld\n", r.name.c_str(),
+                    r.seconds, r.all_seconds, 1e-6 * steps / r.seconds,
+                    1e-6 * evaluations / r.seconds, evaluations / steps, r.error,
+                    static_cast<long long>(r.left), static_cast<long long>(r.lost));
     json_ += std::string(rows_.size() > 1 ? "," : "") + "\n    {\"name\": " + quoted(r.name) +
              ", \"seconds\": " + number(r.seconds) +
              ", \"seconds_all_cores\": " + number(r.all_seconds) +
              ", \"steps\": " + std::to_string(r.work.steps) +
              ", \"steps_per_s\": " + number(steps / r.seconds) +
              ", \"evaluations\": " + std::to_string(r.work.evaluations) +
-             ", \"error\": " + number(r.error) + ", \"lost\": " + std::to_string(r.lost) + "}";
+             ", \"error\": " + number(r.error) + ", \"left\": " + std::to_string(r.left) +
+             ", \"lost\": " + std::to_string(r.lost) + "}";
   }
 
   /// A peer, and the fastest of our rows that errs no more.
@@ -205,8 +215,8 @@ private:
       time += peer.times[i];
       our_time += times_[i];
     }
-    text_ += format("\n%-34s %9.4f %9s %9.3f %9s %8s %9.2e %6lld\n", peer.name.c_str(),
-                    peer.seconds, "", 1e-6 * double(peer.steps) / peer.seconds, "", "", error,
+    text_ += format("\n%-34s %9.4f %9s %9.3f %9s %8s %9.2e %6s %6lld\n", peer.name.c_str(),
+                    peer.seconds, "", 1e-6 * double(peer.steps) / peer.seconds, "", "", error, "",
                     static_cast<long long>(lost));
     const Row* best = nullptr;
     for (const Row& r : rows_)
