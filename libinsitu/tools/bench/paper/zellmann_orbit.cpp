@@ -110,9 +110,7 @@ Table table_8(const AdaptiveCase& mesh, const Held& ours, const Held& reference,
       "Samples of the orbit's views (one tile in four), located on the reference's dual mesh "
       "by shared_faces (planar) and shared_bilinear_faces in `fast`, the papers' rules in "
       "float, on Embree; nanoseconds a sample. What the planar test gets wrong: points "
-      "answered otherwise than by the bilinear one. In a cell that is named wrongly the inverse "
-      "map "
-      "is looked for at length, which is most of the planar test's time here.";
+      "answered otherwise than by the bilinear one.";
   t.label = "view";
   t.columns = {"samples", "planar ns", "bilinear ns", "bilinear/planar", "answered otherwise"};
   t.left_out = {"the paper's curves (a figure without numbers); gridlets, which these methods do "
