@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "accel/tree.h"
 #include "cells/kernels.h"
@@ -170,14 +171,14 @@ void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> l
                             const LocateOptions& options, std::span<std::uint8_t> reasons) const {
   const PointQuery query{*mesh_, *tree_, options};
   Batches batches(query, counts_, locators_, adaptive_);
-  Vec3d images[batch_size];
+  std::vector<Vec3d> images(chart_ ? std::min<std::size_t>(batch_size, points.size()) : 0);
   for (std::size_t first = 0; first < points.size(); first += batch_size) {
     const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
     if (chart_)
       std::transform(points.begin() + std::ptrdiff_t(first),
-                     points.begin() + std::ptrdiff_t(first + n), images, *chart_);
+                     points.begin() + std::ptrdiff_t(first + n), images.begin(), *chart_);
     Answered answered =
-        batches.run(chart_ ? std::span<const Vec3d>(images, n) : points.subspan(first, n));
+        batches.run(chart_ ? std::span<const Vec3d>(images).first(n) : points.subspan(first, n));
     answered.first = first;
     store(answered, locations, reasons);
   }
