@@ -34,6 +34,21 @@ tracers:
     seeds: [[0.2, 0.1, 0.1]]
     release: {interval: 0.0007}
     every: 100
+  - name: walkers
+    velocity: velocity
+    seeds: {box: {min: [0.1, 0.1, 0.1], max: [1.1, 1.1, 1.1], counts: [3, 3, 3]}}
+    effects: [{diffusion: {coefficient: 0.01}}, {boundary: reflect}]
+    every: 5
+  - name: heavy
+    velocity: velocity
+    seeds: {box: {min: [0.1, 0.1, 0.1], max: [1.1, 1.1, 1.1], counts: [3, 3, 3]}}
+    effects: [{inertia: {response_time: 0.01}}]
+    integrator: {tolerance: 1e-4}
+    every: 5
+  - name: carried
+    attached: body
+    seeds: [[0.1, 0.1, 0.1], [0.2, 0.15, 0.1]]
+    every: 5
   - {name: lines, kind: streamline, velocity: velocity, seeds: [[0.2, 0.2, 0.2], [9, 9, 9]], every: 7}
 )";
 
