@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "core/random.h"
 #include "format.h"
+#include "workload/flow.h"
 
 namespace insitu::bench {
 
@@ -16,15 +17,6 @@ namespace {
 using advect::IntegratorSettings;
 using advect::Method;
 using math::Vec3d;
-
-/// The flow of Arnold, Beltrami and Childress (A, B, C = sqrt 3, sqrt 2, 1) with the unit box for
-/// its period.
-Vec3d abc_flow(const Vec3d& p) {
-  const Vec3d x = (2.0 * M_PI) * p;
-  const double a = std::sqrt(3.0), b = std::sqrt(2.0), c = 1.0;
-  return {a * std::sin(x.z) + c * std::cos(x.y), b * std::sin(x.x) + a * std::cos(x.z),
-          c * std::sin(x.y) + b * std::cos(x.x)};
-}
 
 struct Row {
   std::string name;
@@ -43,7 +35,7 @@ public:
     velocity_.resize(setup_.mesh.points.size());
     for (std::int64_t v = 0; v < setup_.mesh.vertex_count(); ++v)
       for (int a = 0; a < 3; ++a)
-        velocity_[std::size_t(3 * v + a)] = abc_flow(setup_.mesh.point(v))[a];
+        velocity_[std::size_t(3 * v + a)] = workload::abc_flow(setup_.mesh.point(v))[a];
     const insitu_array values =
         insitu_array_of(velocity_.data(), INSITU_FLOAT64, setup_.mesh.vertex_count(), 3);
     mesh_->mesh().set_field(0, "velocity", INSITU_VERTEX, &values, 1);

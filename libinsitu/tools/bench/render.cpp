@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "accuracy/images.h"
 #include "commands.h"
 #include "format.h"
 #include "lattice_rays.h"
@@ -14,6 +15,7 @@ namespace insitu::bench {
 
 namespace {
 
+using accuracy::rms_error;
 using core::Image;
 using render::FrameSettings;
 
@@ -26,18 +28,6 @@ struct Drawn {
   double error = 0.0; ///< of the converged frame: the root of the mean square over colours
   Image image;
 };
-
-double rms_error(const Image& a, const Image& b) {
-  double sum = 0.0;
-  const int count = a.width * a.height;
-  for (int i = 0; i < count; ++i)
-    for (int c = 0; c < 3; ++c) {
-      const double d = double(a.pixel(i % a.width, i / a.width)[c]) -
-                       double(b.pixel(i % a.width, i / a.width)[c]);
-      sum += d * d;
-    }
-  return std::sqrt(sum / (3.0 * count));
-}
 
 class Bench {
 public:

@@ -7,6 +7,7 @@
 #include "format.h"
 #include "report.h"
 #include "setup.h"
+#include "workload/flow.h"
 
 namespace insitu::bench::accuracy {
 
@@ -14,20 +15,11 @@ namespace {
 
 using math::Vec3d;
 
-/// The flow of Arnold, Beltrami and Childress, A = sqrt 3, B = sqrt 2, C = 1, a wave over the unit
-/// box.
-Vec3d abc_flow(const Vec3d& p) {
-  const double k = 6.283185307179586;
-  const double a = std::sqrt(3.0), b = std::sqrt(2.0);
-  return {a * std::sin(k * p.z) + std::cos(k * p.y), b * std::sin(k * p.x) + a * std::cos(k * p.z),
-          std::sin(k * p.y) + b * std::cos(k * p.x)};
-}
-
 class Flow {
 public:
   Flow(workload::Kind kind, const Extent& extent) : extent_(extent), setup_(options(kind, extent)) {
     for (std::int64_t v = 0; v < setup_.mesh.vertex_count(); ++v) {
-      const Vec3d u = abc_flow(setup_.mesh.point(v));
+      const Vec3d u = workload::abc_flow(setup_.mesh.point(v));
       velocity_.insert(velocity_.end(), {u.x, u.y, u.z});
     }
     mesh_ = setup_.register_mesh();
