@@ -3,7 +3,7 @@
 # what effects of frames cost.
 #   bash tests/bench/table.sh [cells] [--amr|--effects|--accuracy] [--readme]
 # cells: 1000000, about ten minutes; the large rows take eight times as many. --amr: adaptive meshes alone, a minute;
-# --effects: effects alone, five minutes; --accuracy: what accuracy costs alone, ten minutes (its page goes to
+# --effects: effects alone, five minutes; --accuracy: what accuracy costs alone, a minute (small meshes; its page goes to
 # out/accuracy).
 # --readme: puts the tables between the README's <!-- measured -->, <!-- amr -->, <!-- effects --> and <!-- accuracy --> marks instead of
 # printing them.
@@ -123,11 +123,11 @@ effects() {
 }
 
 accuracy() {
-  echo "\`insitu-bench accuracy --full\`, $(date -u +%Y-%m-%d) on $(nproc) cores: each choice against a reference that is exact" \
-    "or far better converged. Its page, \`report.html\`, has the plots."
+  echo "\`insitu-bench accuracy\`, $(date -u +%Y-%m-%d) on $(nproc) cores, small meshes: each choice against a reference that is" \
+    "exact or far better converged. Its page, \`report.html\`, has the plots; \`--full\` takes large meshes."
   echo
   echo '```'
-  "$bench" accuracy --full --out out/accuracy 2> /dev/null | fold -s -w 118 | sed 's/ *$//'
+  "$bench" accuracy --out out/accuracy 2> /dev/null | fold -s -w 128 | sed 's/ *$//'
   echo '```'
 }
 

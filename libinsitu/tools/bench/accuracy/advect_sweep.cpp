@@ -28,7 +28,7 @@ public:
     mesh_->mesh().set_field(0, "velocity", INSITU_VERTEX, &array, 1);
     setup_.commit(*mesh_);
     mesh_->look_for_folds(setup_.context.threads);
-    const int count = extent.quick ? 40 : 1000;
+    const int count = extent.quick ? 40 : 200;
     for (int i = 0; i < count; ++i)
       seeds_.push_back({0.3 + 0.4 * core::random_unit(9, std::uint64_t(i), 0),
                         0.3 + 0.4 * core::random_unit(9, std::uint64_t(i), 1),
@@ -176,6 +176,8 @@ Sweep sweep_advect(const Extent& extent) {
       for (const auto& [method, word] :
            {std::pair(advect::Method::bs32, "bs32"), std::pair(advect::Method::dopri5, "dopri5")})
         for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10}) {
+          if (method == advect::Method::bs32 && tolerance < 1e-8)
+            continue; // a hundred thousand steps a particle
           settings.method = method;
           settings.tolerance = tolerance;
           Setting one = flow.measure(group, word + by + format("%g", tolerance), settings);
