@@ -12,6 +12,8 @@
 #include <unistd.h>
 #include <vector>
 
+#include "csv_row.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -22,19 +24,6 @@ struct Row {
   bool is_default = false;
   std::map<std::string, double> more;
 };
-
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> out(1);
-  bool quoted = false;
-  for (const char c : line)
-    if (c == '"')
-      quoted = !quoted;
-    else if (c == ',' && !quoted)
-      out.emplace_back();
-    else
-      out.back() += c;
-  return out;
-}
 
 double number(const std::string& text) {
   return text.empty() ? NAN : std::strtod(text.c_str(), nullptr);
@@ -65,10 +54,10 @@ protected:
     std::istringstream in(text_of(sweep + ".csv"));
     std::string line;
     std::getline(in, line);
-    const std::vector<std::string> names = split(line);
+    const std::vector<std::string> names = insitu::test::split_csv(line);
     std::vector<Row> out;
     while (std::getline(in, line)) {
-      const std::vector<std::string> v = split(line);
+      const std::vector<std::string> v = insitu::test::split_csv(line);
       EXPECT_EQ(v.size(), names.size()) << line;
       if (v.size() != names.size())
         break;

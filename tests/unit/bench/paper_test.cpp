@@ -10,6 +10,8 @@
 #include <unistd.h>
 #include <vector>
 
+#include "csv_row.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -53,19 +55,6 @@ struct Table {
   }
 };
 
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> out(1);
-  bool quoted = false;
-  for (const char c : line)
-    if (c == '"')
-      quoted = !quoted;
-    else if (c == ',' && !quoted)
-      out.emplace_back();
-    else
-      out.back() += c;
-  return out;
-}
-
 /// A run of one paper's command, for all tests of it.
 class Paper : public testing::Test {
 protected:
@@ -90,11 +79,11 @@ protected:
     std::string line;
     Table out;
     std::getline(in, line);
-    const std::vector<std::string> names = split(line);
+    const std::vector<std::string> names = insitu::test::split_csv(line);
     EXPECT_GT(names.size(), 2u) << key;
     out.columns.assign(names.begin() + 2, names.end());
     while (std::getline(in, line)) {
-      const std::vector<std::string> v = split(line);
+      const std::vector<std::string> v = insitu::test::split_csv(line);
       EXPECT_EQ(v.size(), names.size()) << key << ": " << line;
       out.rows.push_back({v[0], v[1], {v.begin() + 2, v.end()}});
     }

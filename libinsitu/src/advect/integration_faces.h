@@ -1,0 +1,182 @@
+#pragma once
+
+#include "advect/integration.h"
+
+/// Steps that end at the faces of cells, of Integration; included by integration.h alone.
+namespace insitu::advect {
+
+template <class M, VelocityField F, class Visit>
+void Integration<M, F, Visit>::confine() {
+  if constexpr (CellwiseField<F>) {
+    if (!s_.face_aware || closing_in_ > 0 || free_steps_ > 0)
+      return release(false);
+    if (confined_ && !entered_)
+      return;
+    if (!confined_ && !velocity_.confine(p_.x, direction_ * k1_, time()))
+      return;
+    confined_ = true;
+    entered_ = false;
+    ++work_.evaluations;
+    if (Vec3d v; velocity_(p_.x, time(), v) == Sampled::inside) {
+      k1_ = v;
+      velocity_.accepted();
+    } else {
+      release(false);
+    }
+  }
+}
+
+/// Goes on with whatever cells hold the points. finally: the particle's cell is to be its owner.
+template <class M, VelocityField F, class Visit>
+void Integration<M, F, Visit>::release(bool finally) {
+  if constexpr (CellwiseField<F>) {
+    if (!confined_)
+      return;
+    confined_ = entered_ = false;
+    velocity_.release();
+    if (Vec3d v; finally && velocity_(p_.x, p_.time, v) == Sampled::inside) {
+      ++work_.evaluations;
+      velocity_.accepted();
+    }
+  }
+}
+
+/// The first theta in [low, high] at which the path comes to the face of its cell, out of which it
+/// is at `high`; negative if it is not in the cell before. Regula falsi with halved ends.
+template <class M, VelocityField F, class Visit>
+double Integration<M, F, Visit>::way_to_face(const DenseStep& path, double low, double high) {
+  const auto depth = [&](double theta) {
+    return velocity_.depth(path.at(theta), path.start() + theta * path.step());
+  };
+  double outside = depth(high), inside = depth(low);
+  if (outside >= 0.0)
+    return high;
+  for (int i = 0; i < 20 && !(inside > 0.0); ++i) {
+    const double middle = 0.5 * (low + high), at = depth(middle);
+    if (at > 0.0) {
+      low = middle;
+      inside = at;
+    } else {
+      high = middle;
+      outside = at;
+    }
+  }
+  if (!(inside > 0.0))
+    return -1.0;
+  int side = 0;
+  for (int i = 0; i < 60 && high - low > 1e-14 * high; ++i) {
+    double theta = (low * outside - high * inside) / (outside - inside);
+    if (!(theta > low && theta < high))
+      theta = 0.5 * (low + high);
+    const double at = depth(theta);
+    if (std::abs(at) < 1e-13)
+      return theta;
+    if (at > 0.0) {
+      low = theta;
+      inside = at;
+      outside *= side == 1 ? 0.5 : 1.0;
+      side = 1;
+    } else {
+      high = theta;
+      outside = at;
+      inside *= side == -1 ? 0.5 : 1.0;
+      side = -1;
+    }
+  }
+  return 0.5 * (low + high);
+}
+
+/// A step that ends near a face, in the cell, may have been out of it in between: h becomes the way
+/// to the face.
+template <class M, VelocityField F, class Visit>
+bool Integration<M, F, Visit>::cuts_corner(const Trial& trial, double& h, Bracket& bracket) {
+  if (velocity_.last_depth() > 0.25)
+    return false;
+  const DenseStep path(p_.x, time(), direction_ * h, k1_, trial, M::quintic);
+  for (const double theta : {0.25, 0.5, 0.75}) {
+    if (velocity_.depth(path.at(theta), time() + theta * direction_ * h) >= -control::on_face)
+      continue;
+    const double face = way_to_face(path, 0.0, theta);
+    if (face < 0.0 || cells_crossed(face * h * k1_, extent_) < 1e-12)
+      return false;
+    bracket.inside = 0.0;
+    bracket.outside = theta * h;
+    ++bracket.landings;
+    h *= face;
+    return true;
+  }
+  return false;
+}
+
+/// Where a step that could be accepted ends: within the cell; on its face, beyond which the next
+/// cell is then the particle's; or too far, when h becomes the way to the face.
+template <class M, VelocityField F, class Visit>
+typename Integration<M, F, Visit>::Landing
+Integration<M, F, Visit>::land(const Trial& trial, double& h, Bracket& bracket) {
+  const double depth = velocity_.last_depth();
+  const bool aimed = bracket.landings > 0;
+  if (depth > (aimed ? control::on_face : 0.0)) {
+    bracket.inside = std::max(bracket.inside, h);
+    if (bracket.landings >= control::most_landings)
+      return Landing::none;
+    if (!aimed)
+      return cuts_corner(trial, h, bracket) ? Landing::again : Landing::none;
+  } else if (depth < -control::on_face) {
+    bracket.outside = std::min(bracket.outside, h);
+    if (bracket.landings >= control::most_landings && depth < -1e-6) {
+      h *= 0.5;
+      ++bracket.landings;
+      return bracket.landings < 64 ? Landing::again : idle_face() ? Landing::idle : Landing::again;
+    }
+  }
+  if (std::abs(depth) > control::on_face && bracket.landings < control::most_landings) {
+    const DenseStep path(p_.x, time(), direction_ * h, k1_, trial, M::quintic);
+    const double low = std::min(bracket.inside / h, 1.0);
+    const double high = depth < 0.0 ? 1.0 : std::min(bracket.outside / h, 2.0);
+    const double theta = way_to_face(path, low, high);
+    ++bracket.landings;
+    if (theta < 0.0 || cells_crossed(theta * h * k1_, extent_) < 1e-12)
+      return idle_face() ? Landing::idle : Landing::again;
+    h *= theta;
+    return Landing::again;
+  }
+  // Confined to the cell that comes next, whatever it is.
+  const Crossed crossed = velocity_.cross(trial.x, direction_ * trial.v, time() + direction_ * h);
+  if (crossed == Crossed::into_next) {
+    idle_faces_ = cells_crossed(trial.x - p_.x, extent_) < 1e-9 ? idle_faces_ + 1 : 0;
+    if (idle_faces_ > control::most_idle_faces) {
+      idle_faces_ = 0;
+      free_steps_ = 1;
+    }
+    entered_ = true;
+    return Landing::on_face;
+  }
+  release(false);
+  if (crossed == Crossed::to_boundary) {
+    closing_in_ = 2;
+    h *= 1.0 - 2.0 * control::on_face;
+  } else {
+    free_steps_ = 1;
+  }
+  return Landing::again;
+}
+
+/// The particle is on a face and goes out of this cell at once. False: no cell is entered.
+template <class M, VelocityField F, class Visit>
+bool Integration<M, F, Visit>::idle_face() {
+  const Crossed crossed = ++idle_faces_ > control::most_idle_faces
+                              ? Crossed::nowhere
+                              : velocity_.cross(p_.x, direction_ * k1_, time());
+  if (crossed == Crossed::into_next) {
+    entered_ = true;
+    return true;
+  }
+  if (crossed == Crossed::nowhere) {
+    idle_faces_ = 0;
+    free_steps_ = 1;
+  }
+  release(false);
+  return false;
+}
+
+} // namespace insitu::advect
