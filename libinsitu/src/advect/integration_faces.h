@@ -51,9 +51,10 @@ double Integration<M, F, Visit>::way_to_face(const DenseStep& path, double low, 
   double outside = depth(high), inside = depth(low);
   if (outside >= 0.0)
     return high;
-  for (int i = 0; i < 20 && !(inside > 0.0); ++i) {
+  // Where the path comes in, on a face, rounding may say inside: that is not the face it comes to.
+  for (int i = 0; i < 20 && !(inside > control::on_face); ++i) {
     const double middle = 0.5 * (low + high), at = depth(middle);
-    if (at > 0.0) {
+    if (at > control::on_face) {
       low = middle;
       inside = at;
     } else {
@@ -61,7 +62,7 @@ double Integration<M, F, Visit>::way_to_face(const DenseStep& path, double low, 
       outside = at;
     }
   }
-  if (!(inside > 0.0))
+  if (!(inside > control::on_face))
     return -1.0;
   int side = 0;
   for (int i = 0; i < 60 && high - low > 1e-14 * high; ++i) {
