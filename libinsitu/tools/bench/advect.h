@@ -15,7 +15,8 @@ struct PeerLines {
   double seconds = 0.0; ///< of processor time, one thread, the median
   std::int64_t steps = 0;
   std::vector<math::Vec3d> ends; ///< by seed; of those without a line, the seed
-  std::vector<double> times;     ///< of the ends; 0 of those without a line
+  std::vector<double> times;     ///< of the ends, as the library says; 0 of those without a line
+  std::vector<bool> whole;       ///< the line has the length that was asked for
 };
 
 /// vtkStreamTracer with Runge and Kutta's method of order 4 (step: in cell lengths) and with the

@@ -64,9 +64,11 @@ std::vector<PeerLines> trace_by_vtk(const workload::Mesh& mesh, const std::vecto
     lines.seconds = series.for_ratio(1);
     lines.ends = seeds;
     lines.times.assign(seeds.size(), 0.0);
+    lines.whole.assign(seeds.size(), false);
     vtkDataArray* const times = result->GetPointData()->GetArray("IntegrationTime");
     vtkDataArray* const ids = result->GetCellData()->GetArray("SeedIds");
-    for (vtkIdType l = 0; times && ids && l < result->GetNumberOfLines(); ++l) {
+    vtkDataArray* const reasons = result->GetCellData()->GetArray("ReasonForTermination");
+    for (vtkIdType l = 0; times && ids && reasons && l < result->GetNumberOfLines(); ++l) {
       vtkNew<vtkIdList> line;
       result->GetLines()->GetCellAtId(l, line);
       const vtkIdType last = line->GetId(line->GetNumberOfIds() - 1);
@@ -75,6 +77,7 @@ std::vector<PeerLines> trace_by_vtk(const workload::Mesh& mesh, const std::vecto
       result->GetPoint(last, x);
       lines.ends[seed] = {x[0], x[1], x[2]};
       lines.times[seed] = times->GetTuple1(last);
+      lines.whole[seed] = int(reasons->GetTuple1(l)) == vtkStreamTracer::OUT_OF_LENGTH;
       lines.steps += line->GetNumberOfIds() - 1;
     }
     out.push_back(std::move(lines));
