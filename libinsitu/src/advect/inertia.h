@@ -32,9 +32,10 @@ struct InertialTrial {
 };
 
 /// Exponential time differencing of order 3 (Cox and Matthews, J. Comput. Phys. 176, 2002, ETD3RK)
-/// for x' = v, v' = A v + b(x, t), with a line through the first two stages, of order 2, as the embedded
-/// one. As the response time tends to 0 it becomes Kutta's method of order 3 for x' = u. `force`
-/// answers b like a VelocityField; to_x turns a displacement in metres at x into coordinates.
+/// for x' = v, v' = A v + b(x, t), with a line through the first two stages, of order 2, as the
+/// embedded one. As the response time tends to 0 it becomes Kutta's method of order 3 for x' = u.
+/// `force` answers b like a VelocityField; to_x turns a displacement in metres at x into
+/// coordinates.
 template <class Force, class ToX>
 InertialTrial inertial_step(Force& force, const ToX& to_x, const Inertia& inertia, const Vec3d& x,
                             const Vec3d& v, double t, double h, const Vec3d& b0) {

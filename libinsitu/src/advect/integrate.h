@@ -1,28 +1,122 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <limits>
+#include <functional>
+#include <utility>
 
-#include "insitu/insitu.h"
-
-#include "advect/dense.h"
-#include "advect/integrators.h"
-#include "advect/settings.h"
+#include "advect/integration.h"
+#include "advect/stepping.h"
 
 namespace insitu::advect {
+
+/// A field that takes its questions and answers them later: ask(x, t), and when answer(v) is called
+/// both v and what was sampled are known. Many such fields are answered at once (lanes.h).
+template <class F>
+concept WaitingField = requires(F& f, const Vec3d& x, double t, Vec3d& v) {
+  f.ask(x, t);
+  { f.answer(v) } -> std::same_as<Sampled>;
+};
+
+/// A velocity that a coroutine waits for, if the field makes it wait.
+template <VelocityField F>
+class Awaited {
+public:
+  Awaited(F& field, const Vec3d& x, double t, Vec3d& v) : field_(field), v_(v) {
+    if constexpr (WaitingField<F>)
+      field.ask(x, t);
+    else
+      sampled_ = field(x, t, v);
+  }
+  bool await_ready() const { return !WaitingField<F>; }
+  void await_suspend(std::coroutine_handle<>) const {}
+  Sampled await_resume() {
+    if constexpr (WaitingField<F>)
+      return field_.answer(v_);
+    return sampled_;
+  }
+
+private:
+  F& field_;
+  Vec3d& v_;
+  Sampled sampled_ = Sampled::inside;
+};
 
 /// Moves a particle from p.time until `to` (before p.time: backwards; may be infinite), or until
 /// its path is max_length long. visit(p) is called at the start and after every step, except those
 /// that only close in on an exit. A visitor that can be called with (p, DenseStep) is called so
-/// after every step, those included, and at the start with p alone. Returns INSITU_END_ALIVE at
+/// after every step, those included, and at the start with p alone. Ends with INSITU_END_ALIVE at
 /// `to`, INSITU_END_EXPIRED at max_length, or why it ended. p.x is always a point found inside,
-/// unless it was seeded outside or the mesh has moved away from it.
+/// unless it was seeded outside or the mesh has moved away from it. All that is given by reference
+/// must outlive the coroutine.
+template <class M, VelocityField F, class Visit>
+Stepping integration(F& velocity, const IntegratorSettings& settings, double to, double max_length,
+                     State& p, Work& work, Visit visit) {
+  using Steps = Integration<M, F, Visit>;
+  Steps steps(velocity, settings, to, max_length, p, work, visit);
+  Vec3d v;
+  Trial trial;
+  const Sampled first = co_await Awaited(velocity, p.x, p.time, v);
+  insitu_ending ending = steps.begin(first, v);
+  if (ending != INSITU_END_COUNT)
+    co_return ending;
+  while (ending == INSITU_END_COUNT && !steps.at_end()) {
+    if (steps.confine()) {
+      const Sampled sampled = co_await Awaited(velocity, p.x, steps.time(), v);
+      steps.confined(sampled, v);
+    }
+    ending = steps.plan();
+    if (ending != INSITU_END_COUNT)
+      break;
+    const double t = steps.time();
+    typename Steps::Verdict verdict;
+    do {
+      const double h = steps.h();
+      trial.error = {};
+      for (int s = 0; s < M::evaluations; ++s) {
+        trial.x = M::point(s, p.x, h, steps.k1(), trial);
+        trial.sampled = co_await Awaited(velocity, trial.x, t + M::time(s) * h, trial.k[s]);
+        if (trial.sampled != Sampled::inside)
+          break;
+      }
+      if (trial.sampled == Sampled::inside) {
+        trial.v = trial.k[M::evaluations - 1];
+        M::finish(trial, steps.k1());
+      }
+      verdict = steps.judge(trial);
+    } while (verdict == Steps::Verdict::again);
+    if (verdict == Steps::Verdict::ends)
+      ending = steps.ending();
+  }
+  if (steps.finish()) {
+    const Sampled sampled = co_await Awaited(velocity, p.x, p.time, v);
+    steps.released(sampled);
+  }
+  co_return ending == INSITU_END_COUNT ? INSITU_END_ALIVE : ending;
+}
+
+/// The same by the method that the settings name.
 template <VelocityField F, class Visit>
-insitu_ending integrate(F& velocity, const IntegratorSettings& settings, double to,
-                        double max_length, State& p, Work& work, Visit&& visit);
+Stepping integration(F& velocity, const IntegratorSettings& settings, double to, double max_length,
+                     State& p, Work& work, Visit visit) {
+  switch (settings.method) {
+  case Method::euler:
+    return integration<Euler>(velocity, settings, to, max_length, p, work, std::move(visit));
+  case Method::rk4:
+    return integration<Rk4>(velocity, settings, to, max_length, p, work, std::move(visit));
+  case Method::bs32:
+    return integration<Bs32>(velocity, settings, to, max_length, p, work, std::move(visit));
+  default:
+    return integration<Dopri5>(velocity, settings, to, max_length, p, work, std::move(visit));
+  }
+}
+
+/// The same at once, for a field that does not make it wait.
+template <VelocityField F, class Visit>
+requires(!WaitingField<F>) insitu_ending
+    integrate(F& velocity, const IntegratorSettings& settings, double to, double max_length,
+              State& p, Work& work, Visit&& visit) {
+  Stepping stepping = integration(velocity, settings, to, max_length, p, work, std::ref(visit));
+  stepping.resume();
+  return stepping.ending();
+}
 
 } // namespace insitu::advect
-
-#include "advect/integration.h"

@@ -1,8 +1,18 @@
 #pragma once
 
-#include "advect/integrate.h"
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
 
-/// The implementation of integrate(), included by its header alone.
+#include "insitu/insitu.h"
+
+#include "advect/dense.h"
+#include "advect/integrators.h"
+#include "advect/settings.h"
+
+/// What integrate() and integration() decide between the velocities they ask for; included by
+/// integrate.h alone.
 namespace insitu::advect {
 
 /// A field of cells, each with a formula of its own, for steps that end at faces. confine(x, w, t)
@@ -66,7 +76,7 @@ inline double cells_crossed(const Vec3d& d, const Vec3d& extent) {
   return std::max({std::abs(d.x) / extent.x, std::abs(d.y) / extent.y, std::abs(d.z) / extent.z});
 }
 
-/// integrate() by one method.
+/// What integration() knows between two velocities, by one method.
 template <class M, VelocityField F, class Visit>
 class Integration {
 public:
@@ -77,42 +87,50 @@ public:
         span_(std::abs(to - p.time)),
         by_cell_(M::adaptive ? s_.max_step == 0.0 : s_.step == 0.0 && s_.max_step == 0.0) {}
 
-  insitu_ending run() {
-    ++work_.evaluations;
-    if (const Sampled first = velocity_(p_.x, from_, k1_); first != Sampled::inside) {
-      return first == Sampled::not_finite ? INSITU_END_NOT_FINITE
-             : p_.fresh                   ? INSITU_END_SEED_OUTSIDE
-                                          : INSITU_END_LEFT;
+  double time() const { return from_ + direction_ * elapsed_; }
+  bool at_end() const { return !(elapsed_ < span_); }
+
+  /// With the velocity at the particle: INSITU_END_COUNT, or how it ends at once.
+  insitu_ending begin(Sampled first, const Vec3d& v);
+
+  /// Before a step: true if the velocity is wanted again, now that of one cell, for confined().
+  bool confine();
+  void confined(Sampled sampled, const Vec3d& v);
+
+  /// Plans the step; INSITU_END_COUNT: there is one.
+  insitu_ending plan() {
+    choose_step();
+    return stops();
+  }
+
+  // Of a trial.
+  const Vec3d& k1() const { return k1_; }
+  double h() const { return direction_ * h_; }
+  /// What is made of it: another is wanted, of h(); or the step is done, or given up for the next;
+  /// or the particle ends as ending() says.
+  enum class Verdict : std::uint8_t { again, done, ends };
+  Verdict judge(const Trial& trial);
+  insitu_ending ending() const { return ending_; }
+
+  /// At the end: true if the velocity is wanted again, for its owner's cell, and released().
+  bool finish();
+  void released(Sampled sampled) {
+    if (sampled == Sampled::inside) {
+      ++work_.evaluations;
+      velocity_.accepted();
     }
-    velocity_.accepted();
-    p_.fresh = false;
-    visit_(p_);
-    insitu_ending ending = INSITU_END_COUNT;
-    while (elapsed_ < span_ && ending == INSITU_END_COUNT) {
-      // A field may change its coordinates between steps (over a pole); a rate goes along.
-      if constexpr (requires { velocity_.settle(p_.x, k1_); })
-        velocity_.settle(p_.x, k1_);
-      confine();
-      plan();
-      ending = stops();
-      if (ending == INSITU_END_COUNT)
-        ending = advance();
-    }
-    release(true);
-    return ending == INSITU_END_COUNT ? INSITU_END_ALIVE : ending;
   }
 
 private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-  double time() const { return from_ + direction_ * elapsed_; }
-  void plan();
+  void choose_step();
   insitu_ending stops() const;
-  insitu_ending advance();
-  insitu_ending give_up(const Trial& trial, double h, double& factor);
+  bool give_up(const Trial& trial, double& factor);
+  double growth_allowed(const Trial& trial);
   bool exit(const Vec3d& b, double dt);
-  void accept(const Trial& trial, double h, bool forced, bool retried);
+  void accept(const Trial& trial);
 
   // Steps that end at faces.
   enum class Landing : std::uint8_t { none, on_face, again, idle };
@@ -120,11 +138,10 @@ private:
     double inside = 0.0, outside = infinity; ///< steps
     int landings = 0;
   };
-  void confine();
-  void release(bool finally);
-  Landing land(const Trial& trial, double& h, Bracket& bracket);
+  void release();
+  Landing land(const Trial& trial);
   double way_to_face(const DenseStep& path, double low, double high);
-  bool cuts_corner(const Trial& trial, double& h, Bracket& bracket);
+  bool cuts_corner(const Trial& trial);
   bool idle_face();
 
   F& velocity_;
@@ -142,6 +159,7 @@ private:
   double previous_error_ = 1.0;
   double rate_limit_ = infinity;
   std::int64_t steps_ = 0;
+  insitu_ending ending_ = INSITU_END_COUNT;
   // After an obstacle, steps are halved until it is within exit_tolerance; only two steps of one
   // size in a row say that there is a way past it.
   int closing_in_ = 0;
@@ -150,8 +168,11 @@ private:
   // Of the next step.
   double speed_ = 0.0, remaining_ = 0.0, cells_per_time_ = 0.0, length_left_ = 0.0;
   Vec3d extent_;
-  double wanted_ = 0.0, h_ = 0.0;
+  double wanted_ = 0.0, h_ = 0.0; ///< h_: of the next trial
+  int trials_ = 0;
+  bool retried_ = false, forced_ = false;
   double relative_error_ = 0.0, chord_ = 0.0;
+  Bracket bracket_;
 
   bool confined_ = false; ///< to one cell
   bool entered_ = false;  ///< it just now: k1 is another cell's
@@ -159,9 +180,23 @@ private:
   int idle_faces_ = 0;    ///< in a row
 };
 
+template <class M, VelocityField F, class Visit>
+insitu_ending Integration<M, F, Visit>::begin(Sampled first, const Vec3d& v) {
+  ++work_.evaluations;
+  if (first != Sampled::inside)
+    return first == Sampled::not_finite ? INSITU_END_NOT_FINITE
+           : p_.fresh                   ? INSITU_END_SEED_OUTSIDE
+                                        : INSITU_END_LEFT;
+  k1_ = v;
+  velocity_.accepted();
+  p_.fresh = false;
+  visit_(p_);
+  return INSITU_END_COUNT;
+}
+
 /// What the step should be, and what it may be.
 template <class M, VelocityField F, class Visit>
-void Integration<M, F, Visit>::plan() {
+void Integration<M, F, Visit>::choose_step() {
   speed_ = measure(velocity_, p_.x, k1_);
   remaining_ = span_ - elapsed_;
   extent_ = velocity_.extent();
@@ -188,6 +223,10 @@ void Integration<M, F, Visit>::plan() {
     h_ = std::min(h_, length_left_ / speed_);
   if (confined_)
     h_ = std::min(h_, cell_time);
+  trials_ = 0;
+  retried_ = forced_ = false;
+  relative_error_ = control::least_error;
+  bracket_ = {};
 }
 
 template <class M, VelocityField F, class Visit>
@@ -207,80 +246,78 @@ insitu_ending Integration<M, F, Visit>::stops() const {
   return INSITU_END_COUNT;
 }
 
-/// Trials until one is accepted; INSITU_END_COUNT: one was.
 template <class M, VelocityField F, class Visit>
-insitu_ending Integration<M, F, Visit>::advance() {
-  const double t = time();
-  bool retried = false, forced = false;
-  double h = h_;
-  relative_error_ = control::least_error;
-  Trial trial;
-  Bracket bracket;
-  for (int trials = 0;; ++trials) {
-    if (trials == control::max_trials)
-      return INSITU_END_STAGNATED;
-    trial = M::step(velocity_, p_.x, t, direction_ * h, k1_);
-    work_.evaluations += M::evaluations;
-    const Vec3d moved = trial.x - p_.x;
-    double factor = 1.0;
-    if (trial.sampled != Sampled::inside) {
-      if (confined_ && trial.sampled == Sampled::outside) {
-        // Too far beyond the cell; the way to its face is shorter.
-        bracket.outside = std::min(bracket.outside, h);
-        if (cells_crossed(h * k1_, extent_) < 1e-9)
-          release(false);
-        factor = 0.5;
-      } else {
-        factor = retried ? 0.5 : 1.0;
-        const insitu_ending ending = give_up(trial, h, factor);
-        if (ending != INSITU_END_COUNT)
-          return ending;
-      }
-    } else if (const double crossed = by_cell_ ? cells_crossed(moved, extent_) : 0.0;
-               crossed > 2.0 * M::cells) {
-      factor = std::max(M::cells / crossed, 1e-3); // the velocity grew within the step
-    } else if (chord_ = measure(velocity_, p_.x, moved); chord_ > length_left_ * (1.0 + 1e-12)) {
-      factor = std::min(length_left_ / chord_, 1.0 - 1e-12);
-    } else if (M::adaptive) {
-      const double fastest = std::max(speed_, measure(velocity_, p_.x, trial.v));
-      const double tolerance =
-          std::max(std::min(s_.tolerance, control::largest_relative_error * fastest),
-                   16.0 * epsilon * fastest);
-      const double error = measure(velocity_, p_.x, trial.error);
-      relative_error_ =
-          error == 0.0 ? control::least_error : std::max(error / tolerance, control::least_error);
-      const bool smallest = s_.min_step > 0.0      ? h <= s_.min_step
-                            : extent_.x < infinity ? cells_crossed(moved, extent_) <= s_.min_cells
-                                                   : std::isfinite(span_) && h <= 1e-12 * span_;
-      forced = relative_error_ > 1.0 && smallest;
-      if (relative_error_ > 1.0 && !forced)
-        factor = std::max({control::smallest_factor,
-                           control::safety * std::pow(relative_error_, -1.0 / M::error_order),
-                           s_.min_step / h});
-    }
-    if (factor == 1.0) {
-      Landing landing = Landing::none;
-      if constexpr (CellwiseField<F>)
-        if (confined_)
-          landing = land(trial, h, bracket);
-      if (landing == Landing::none || landing == Landing::on_face) {
-        accept(trial, h, forced, retried);
-        return INSITU_END_COUNT;
-      }
-      if (landing == Landing::idle)
-        return INSITU_END_COUNT;
-      ++work_.rejected; // but not for its error: the next step need not shrink
-      continue;
-    }
-    ++work_.rejected;
-    retried = true;
-    h *= factor;
+typename Integration<M, F, Visit>::Verdict Integration<M, F, Visit>::judge(const Trial& trial) {
+  work_.evaluations += M::evaluations;
+  ending_ = INSITU_END_COUNT;
+  double factor = 1.0; // of the next trial's step; 1: this one may be accepted
+  if (trial.sampled == Sampled::inside) {
+    factor = growth_allowed(trial);
+  } else if (confined_ && trial.sampled == Sampled::outside) {
+    // Too far beyond the cell; the way to its face is shorter.
+    bracket_.outside = std::min(bracket_.outside, h_);
+    if (cells_crossed(h_ * k1_, extent_) < 1e-9)
+      release();
+    factor = 0.5;
+  } else {
+    factor = retried_ ? 0.5 : 1.0;
+    if (give_up(trial, factor))
+      return Verdict::ends;
   }
+  if (factor == 1.0) {
+    Landing landing = Landing::none;
+    if constexpr (CellwiseField<F>)
+      if (confined_)
+        landing = land(trial);
+    if (landing == Landing::none || landing == Landing::on_face)
+      accept(trial);
+    if (landing != Landing::again)
+      return Verdict::done;
+    ++work_.rejected; // but not for its error: the next step need not shrink
+  } else {
+    ++work_.rejected;
+    retried_ = true;
+    h_ *= factor;
+  }
+  if (++trials_ < control::max_trials)
+    return Verdict::again;
+  ending_ = INSITU_END_STAGNATED;
+  return Verdict::ends;
 }
 
-/// A stage of the trial was not inside. INSITU_END_COUNT: `factor` of the step may be.
+/// 1 if the trial, all inside, may be accepted; otherwise the factor by which its step is too long.
 template <class M, VelocityField F, class Visit>
-insitu_ending Integration<M, F, Visit>::give_up(const Trial& trial, double h, double& factor) {
+double Integration<M, F, Visit>::growth_allowed(const Trial& trial) {
+  const Vec3d moved = trial.x - p_.x;
+  if (by_cell_)
+    if (const double crossed = cells_crossed(moved, extent_); crossed > 2.0 * M::cells)
+      return std::max(M::cells / crossed, 1e-3); // the velocity grew within the step
+  chord_ = measure(velocity_, p_.x, moved);
+  if (chord_ > length_left_ * (1.0 + 1e-12))
+    return std::min(length_left_ / chord_, 1.0 - 1e-12);
+  if constexpr (M::adaptive) {
+    const double fastest = std::max(speed_, measure(velocity_, p_.x, trial.v));
+    const double tolerance =
+        std::max(std::min(s_.tolerance, control::largest_relative_error * fastest),
+                 16.0 * epsilon * fastest);
+    const double error = measure(velocity_, p_.x, trial.error);
+    relative_error_ =
+        error == 0.0 ? control::least_error : std::max(error / tolerance, control::least_error);
+    const bool smallest = s_.min_step > 0.0      ? h_ <= s_.min_step
+                          : extent_.x < infinity ? cells_crossed(moved, extent_) <= s_.min_cells
+                                                 : std::isfinite(span_) && h_ <= 1e-12 * span_;
+    forced_ = relative_error_ > 1.0 && smallest;
+    if (relative_error_ > 1.0 && !forced_)
+      return std::max({control::smallest_factor,
+                       control::safety * std::pow(relative_error_, -1.0 / M::error_order),
+                       s_.min_step / h_});
+  }
+  return 1.0;
+}
+
+/// A stage of the trial was not inside. False: `factor` of the step may be; else it ends.
+template <class M, VelocityField F, class Visit>
+bool Integration<M, F, Visit>::give_up(const Trial& trial, double& factor) {
   const double tolerance = closely_ ? 4.0 * epsilon : s_.exit_tolerance;
   // Far from the origin coordinates may be coarser than the tolerance.
   const double coarse = 8.0 * epsilon * cells_crossed(p_.x, {1.0, 1.0, 1.0});
@@ -292,35 +329,35 @@ insitu_ending Integration<M, F, Visit>::give_up(const Trial& trial, double h, do
   };
   const bool left = trial.sampled == Sampled::outside;
   closing_in_ = 2;
-  if constexpr (requires { velocity_.way_out(p_.x, p_.x, h); }) {
+  ending_ = left ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
+  if constexpr (requires { velocity_.way_out(p_.x, p_.x, h_); }) {
     // The part of the step, straight on, that stays inside, but for what the path may be curved. It
     // is tried once a step; then halves.
-    const Vec3d straight = (direction_ * h) * k1_;
+    const Vec3d straight = (direction_ * h_) * k1_;
     if (left && factor == 1.0 && !closely_ && std::isfinite(cells_crossed(straight, extent_))) {
       const double part = velocity_.way_out(p_.x, p_.x + straight, time());
-      if (part >= 0.0 && close(part * straight, part * h) && exit(p_.x + straight, h))
-        return INSITU_END_LEFT;
+      if (part >= 0.0 && close(part * straight, part * h_) && exit(p_.x + straight, h_))
+        return true;
       if (part > 0.0 && part < 1.0) {
         const double curved = std::clamp(0.1 * part * cells_crossed(straight, extent_), 1e-4, 0.1);
         factor = (1.0 - curved) * part;
-        return INSITU_END_COUNT;
+        return false;
       }
     }
   }
   factor = 0.5;
   const Vec3d moved = trial.x - p_.x;
-  if (!close(moved, h) && 0.5 * h != 0.0)
-    return INSITU_END_COUNT;
-  if (!left)
-    return INSITU_END_NOT_FINITE;
-  if constexpr (ExitingField<F>) {
-    const double dt = speed_ > 0.0 ? std::min(measure(velocity_, p_.x, moved) / speed_, h) : h;
-    if (!exit(trial.x, dt) && !closely_) {
-      closely_ = true;
-      return INSITU_END_COUNT;
+  if (!close(moved, h_) && 0.5 * h_ != 0.0)
+    return false;
+  if constexpr (ExitingField<F>)
+    if (left) {
+      const double dt = speed_ > 0.0 ? std::min(measure(velocity_, p_.x, moved) / speed_, h_) : h_;
+      if (!exit(trial.x, dt) && !closely_) {
+        closely_ = true;
+        return false;
+      }
     }
-  }
-  return INSITU_END_LEFT;
+  return true;
 }
 
 /// Places the particle where the way to b, which takes dt, leaves the domain, if it does.
@@ -340,14 +377,15 @@ bool Integration<M, F, Visit>::exit(const Vec3d& b, double dt) {
 }
 
 template <class M, VelocityField F, class Visit>
-void Integration<M, F, Visit>::accept(const Trial& trial, double h, bool forced, bool retried) {
+void Integration<M, F, Visit>::accept(const Trial& trial) {
+  const double h = h_;
   constexpr bool dense = std::invocable<Visit&, const State&, const DenseStep&>;
   const double t = time();
   const Vec3d from = p_.x, before = k1_;
   const bool cut = h < wanted_;
   velocity_.accepted();
   ++work_.steps;
-  work_.forced += forced;
+  work_.forced += forced_;
   elapsed_ = h == remaining_ ? span_ : elapsed_ + h;
   p_.x = trial.x;
   p_.length += chord_;
@@ -368,13 +406,13 @@ void Integration<M, F, Visit>::accept(const Trial& trial, double h, bool forced,
                       std::pow(relative_error_, -control::exponent / M::error_order) *
                       std::pow(previous_error_, control::previous_exponent / M::error_order);
       factor =
-          std::clamp(factor, control::smallest_factor, retried ? 1.0 : control::largest_growth);
-      if (forced) { // past the jump: its error says nothing about what follows
+          std::clamp(factor, control::smallest_factor, retried_ ? 1.0 : control::largest_growth);
+      if (forced_) { // past the jump: its error says nothing about what follows
         factor = control::largest_growth;
         relative_error_ = 1.0;
       }
       // A step that was cut short says little about the one that was wanted.
-      p_.step = cut && !retried ? std::max(wanted_, h * factor) : h * factor;
+      p_.step = cut && !retried_ ? std::max(wanted_, h * factor) : h * factor;
       previous_error_ = relative_error_;
     }
   }
@@ -383,23 +421,6 @@ void Integration<M, F, Visit>::accept(const Trial& trial, double h, bool forced,
            DenseStep(from, t, direction_ * h, before, trial, M::quintic));
   else if (!closing_in)
     visit_(static_cast<const State&>(p_));
-}
-
-// ------------------------------------------------------------------------------ faces
-
-template <VelocityField F, class Visit>
-insitu_ending integrate(F& velocity, const IntegratorSettings& settings, double to,
-                        double max_length, State& p, Work& work, Visit&& visit) {
-  switch (settings.method) {
-  case Method::euler:
-    return Integration<Euler, F, Visit>(velocity, settings, to, max_length, p, work, visit).run();
-  case Method::rk4:
-    return Integration<Rk4, F, Visit>(velocity, settings, to, max_length, p, work, visit).run();
-  case Method::bs32:
-    return Integration<Bs32, F, Visit>(velocity, settings, to, max_length, p, work, visit).run();
-  default:
-    return Integration<Dopri5, F, Visit>(velocity, settings, to, max_length, p, work, visit).run();
-  }
 }
 
 } // namespace insitu::advect

@@ -6,39 +6,50 @@
 namespace insitu::advect {
 
 template <class M, VelocityField F, class Visit>
-void Integration<M, F, Visit>::confine() {
+bool Integration<M, F, Visit>::confine() {
+  // A field may change its coordinates between steps (over a pole); a rate goes along.
+  if constexpr (requires { velocity_.settle(p_.x, k1_); })
+    velocity_.settle(p_.x, k1_);
   if constexpr (CellwiseField<F>) {
-    if (!s_.face_aware || closing_in_ > 0 || free_steps_ > 0)
-      return release(false);
-    if (confined_ && !entered_)
-      return;
-    if (!confined_ && !velocity_.confine(p_.x, direction_ * k1_, time()))
-      return;
-    confined_ = true;
-    entered_ = false;
-    ++work_.evaluations;
-    if (Vec3d v; velocity_(p_.x, time(), v) == Sampled::inside) {
-      k1_ = v;
-      velocity_.accepted();
-    } else {
-      release(false);
+    if (!s_.face_aware || closing_in_ > 0 || free_steps_ > 0) {
+      release();
+    } else if ((!confined_ && velocity_.confine(p_.x, direction_ * k1_, time())) ||
+               (confined_ && entered_)) {
+      confined_ = true;
+      entered_ = false;
+      ++work_.evaluations;
+      return true;
     }
+  }
+  return false;
+}
+
+template <class M, VelocityField F, class Visit>
+void Integration<M, F, Visit>::confined(Sampled sampled, const Vec3d& v) {
+  if (sampled == Sampled::inside) {
+    k1_ = v;
+    velocity_.accepted();
+  } else {
+    release();
   }
 }
 
-/// Goes on with whatever cells hold the points. finally: the particle's cell is to be its owner.
+/// Goes on with whatever cells hold the points.
 template <class M, VelocityField F, class Visit>
-void Integration<M, F, Visit>::release(bool finally) {
+void Integration<M, F, Visit>::release() {
   if constexpr (CellwiseField<F>) {
     if (!confined_)
       return;
     confined_ = entered_ = false;
     velocity_.release();
-    if (Vec3d v; finally && velocity_(p_.x, p_.time, v) == Sampled::inside) {
-      ++work_.evaluations;
-      velocity_.accepted();
-    }
   }
+}
+
+template <class M, VelocityField F, class Visit>
+bool Integration<M, F, Visit>::finish() {
+  const bool was_confined = confined_;
+  release();
+  return was_confined;
 }
 
 /// The first theta in [low, high] at which the path comes to the face of its cell, out of which it
@@ -90,7 +101,9 @@ double Integration<M, F, Visit>::way_to_face(const DenseStep& path, double low, 
 /// A step that ends near a face, in the cell, may have been out of it in between: h becomes the way
 /// to the face.
 template <class M, VelocityField F, class Visit>
-bool Integration<M, F, Visit>::cuts_corner(const Trial& trial, double& h, Bracket& bracket) {
+bool Integration<M, F, Visit>::cuts_corner(const Trial& trial) {
+  Bracket& bracket = bracket_;
+  double& h = h_;
   if (velocity_.last_depth() > 0.25)
     return false;
   const DenseStep path(p_.x, time(), direction_ * h, k1_, trial, M::quintic);
@@ -112,8 +125,9 @@ bool Integration<M, F, Visit>::cuts_corner(const Trial& trial, double& h, Bracke
 /// Where a step that could be accepted ends: within the cell; on its face, beyond which the next
 /// cell is then the particle's; or too far, when h becomes the way to the face.
 template <class M, VelocityField F, class Visit>
-typename Integration<M, F, Visit>::Landing
-Integration<M, F, Visit>::land(const Trial& trial, double& h, Bracket& bracket) {
+typename Integration<M, F, Visit>::Landing Integration<M, F, Visit>::land(const Trial& trial) {
+  Bracket& bracket = bracket_;
+  double& h = h_;
   const double depth = velocity_.last_depth();
   const bool aimed = bracket.landings > 0;
   if (depth > (aimed ? control::on_face : 0.0)) {
@@ -121,7 +135,7 @@ Integration<M, F, Visit>::land(const Trial& trial, double& h, Bracket& bracket) 
     if (bracket.landings >= control::most_landings)
       return Landing::none;
     if (!aimed)
-      return cuts_corner(trial, h, bracket) ? Landing::again : Landing::none;
+      return cuts_corner(trial) ? Landing::again : Landing::none;
   } else if (depth < -control::on_face) {
     bracket.outside = std::min(bracket.outside, h);
     if (bracket.landings >= control::most_landings && depth < -1e-6) {
@@ -152,7 +166,7 @@ Integration<M, F, Visit>::land(const Trial& trial, double& h, Bracket& bracket) 
     entered_ = true;
     return Landing::on_face;
   }
-  release(false);
+  release();
   if (crossed == Crossed::to_boundary) {
     closing_in_ = 2;
     h *= 1.0 - 2.0 * control::on_face;
@@ -176,7 +190,7 @@ bool Integration<M, F, Visit>::idle_face() {
     idle_faces_ = 0;
     free_steps_ = 1;
   }
-  release(false);
+  release();
   return false;
 }
 

@@ -65,11 +65,16 @@ MeshVelocity::Kept& MeshVelocity::keep(std::int64_t cell) {
 /// By the sampler: the point is in no cell that is kept, or cannot be proven to be.
 Sampled MeshVelocity::located(const Vec3d& x, Vec3d& v, query::Location* where) {
   const query::Location at = sampler_->locate(x, keeps_ ? -1 : hint_, options());
+  if (where)
+    *where = at;
+  return taken(at, v);
+}
+
+/// The velocity at a place that was located, whose cell is kept.
+Sampled MeshVelocity::taken(const query::Location& at, Vec3d& v) {
   if (!at)
     return Sampled::outside;
   hint_ = at.cell;
-  if (where)
-    *where = at;
   if (keeps_ && can_keep(at.cell)) {
     Kept& k = keep(at.cell);
     return value(k, at.parametric, v);

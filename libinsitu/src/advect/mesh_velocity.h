@@ -96,7 +96,7 @@ public:
   bool blends_velocity() const { return blends_; }
   bool blends_geometry() const { return moves_; }
 
-private:
+protected:
   /// A cell with all that is asked of it.
   struct Kept {
     std::int64_t cell = -1;
@@ -170,6 +170,7 @@ private:
 
   // at: where to say where x lies, or null.
   Sampled located(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
+  Sampled taken(const query::Location& at, math::Vec3d& v);
   Sampled in_own_cell(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
   void load(Kept& k, std::int64_t cell) const;
   Kept& keep(std::int64_t cell);

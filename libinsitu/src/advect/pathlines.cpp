@@ -9,6 +9,7 @@
 
 #include "advect/chart_velocity.h"
 #include "advect/check.h"
+#include "advect/lanes.h"
 #include "advect/mesh_velocity.h"
 #include "advect/mover.h"
 #include "core/status.h"
@@ -27,6 +28,11 @@ void check_interval(double t0, double t1) {
 
 /// Where integrate() alone moves the particles.
 struct NoMover {};
+
+/// Particles of a chunk: enough to fill lanes again and again, if there are that many.
+std::int64_t grain_of(std::int64_t particles, const core::Threads& threads) {
+  return std::clamp<std::int64_t>(particles / (4 * threads.count()), 16, 256);
+}
 
 } // namespace
 
@@ -65,12 +71,33 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
           ? std::optional<EffectSetup>(std::in_place, effects_, sampler, threads)
           : std::nullopt;
   Particles& all = particles_;
-  constexpr std::int64_t grain = 64;
   const std::int64_t count = std::int64_t(all.size());
+  const std::int64_t grain = grain_of(count, threads);
   std::vector<Work> work(std::size_t((count + grain - 1) / grain));
   std::vector<EffectWork> effect_work(setup ? work.size() : 0);
-  // make() gives a thread its field of velocities; move(field) what moves particle i in it until
-  // `to`.
+  // The particle's state if it moves, and until when.
+  const auto prepare = [&](std::size_t i, State& p, double& to) {
+    if (all.endings[i] != INSITU_END_ALIVE || all.times[i] > t1)
+      return false;
+    p = all.state(i);
+    p.time = std::max(p.time, t0);
+    to = std::clamp(all.seeding_times[i] + settings_.duration, p.time, t1);
+    return true;
+  };
+  const auto store = [&](std::size_t i, const State& p, std::int64_t cell, insitu_ending ending,
+                         double geometry_alpha) {
+    if (ending == INSITU_END_ALIVE && all.seeding_times[i] + settings_.duration <= t1)
+      ending = INSITU_END_EXPIRED;
+    if (ending == INSITU_END_ALIVE && effects_.removes) {
+      const query::Location here = sampler.locate(p.x, cell, {settings_.accuracy, geometry_alpha});
+      if (here && effects_.removes(here, p.x, p.time - all.seeding_times[i]))
+        ending = INSITU_END_REMOVED;
+    }
+    all.set_state(i, p, cell >= 0 ? cell : all.cells[i]);
+    all.endings[i] = std::uint8_t(ending);
+  };
+  // One by one: make() gives a thread its field of velocities; begin_chunk(field) what moves
+  // particles in it.
   const auto carry = [&](auto&& make, auto&& begin_chunk) {
     result.blended_velocity = make().blends_velocity();
     result.blended_geometry = make().blends_geometry();
@@ -79,12 +106,10 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
       auto mover = begin_chunk(v);
       Work& chunk_work = work[std::size_t(begin / grain)];
       for (std::size_t i = std::size_t(begin); i < std::size_t(end); ++i) {
-        if (all.endings[i] != INSITU_END_ALIVE || all.times[i] > t1)
+        State p;
+        double to = 0.0;
+        if (!prepare(i, p, to))
           continue;
-        State p = all.state(i);
-        p.time = std::max(p.time, t0);
-        const double last = all.seeding_times[i] + settings_.duration;
-        const double to = std::clamp(last, p.time, t1);
         insitu_ending ending = INSITU_END_ALIVE;
         std::int64_t cell = -1;
         if constexpr (!std::is_same_v<decltype(mover), NoMover>) {
@@ -100,19 +125,35 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
           p.x = v.position(p.x);
           cell = v.cell();
         }
-        if (ending == INSITU_END_ALIVE && last <= t1)
-          ending = INSITU_END_EXPIRED;
-        if (ending == INSITU_END_ALIVE && effects_.removes) {
-          const query::Location here =
-              sampler.locate(p.x, cell, {settings_.accuracy, v.geometry_alpha(p.time)});
-          if (here && effects_.removes(here, p.x, p.time - all.seeding_times[i]))
-            ending = INSITU_END_REMOVED;
-        }
-        all.set_state(i, p, cell >= 0 ? cell : all.cells[i]);
-        all.endings[i] = std::uint8_t(ending);
+        store(i, p, cell, ending, v.geometry_alpha(p.time));
       }
       if constexpr (!std::is_same_v<decltype(mover), NoMover>)
         effect_work[std::size_t(begin / grain)] = mover->effect_work();
+    });
+  };
+  // Many at a time, by the flow alone.
+  const auto carry_in_lanes = [&] {
+    threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
+      Work& chunk_work = work[std::size_t(begin / grain)];
+      State states[LaneBatch::lane_count];
+      run_lanes(
+          sampler, begin, end,
+          [&](std::deque<LaneVelocity>& to) {
+            to.emplace_back(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy);
+          },
+          [&](std::int64_t i, std::size_t slot, LaneVelocity& v) -> Stepping {
+            State& p = states[slot];
+            double to = 0.0;
+            if (!prepare(std::size_t(i), p, to))
+              return {};
+            v.begin(all.cells[std::size_t(i)]);
+            return integration(v, integrator, to, settings_.length, p, chunk_work,
+                               [](const State&) {});
+          },
+          [&](std::int64_t i, std::size_t slot, LaneVelocity& v, insitu_ending ending) {
+            const State& p = states[slot];
+            store(std::size_t(i), p, v.cell(), ending, v.geometry_alpha(p.time));
+          });
     });
   };
   check_chart(sampler, integrator);
@@ -133,7 +174,9 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
       return std::make_unique<Mover>(*setup, v, integrator, settings_.length);
     });
   } else {
-    carry(on_mesh, plain);
+    result.blended_velocity = on_mesh().blends_velocity();
+    result.blended_geometry = on_mesh().blends_geometry();
+    carry_in_lanes();
   }
   for (const EffectWork& w : effect_work)
     result.effects += w;

@@ -1,12 +1,11 @@
 #include "advect/streamlines.h"
 
 #include <algorithm>
-#include <type_traits>
 #include <vector>
 
 #include "advect/chart_velocity.h"
 #include "advect/check.h"
-#include "advect/mesh_velocity.h"
+#include "advect/lanes.h"
 
 namespace insitu::advect {
 
@@ -18,35 +17,45 @@ struct Vertex {
   std::int64_t cell;
 };
 
-/// The lines of one chunk of particles, until all are put together.
-struct Chunk {
+/// A line under way.
+struct Line {
+  State p;
   std::vector<Vertex> vertices;
-  Work work;
 };
 
-/// Appends one line to the chunk's vertices.
+/// Keeps the vertices of a line, as far apart as `spacing` says.
 template <class Velocity>
-insitu_ending trace(Velocity& velocity, const StreamlineSettings& settings, const math::Vec3d& seed,
-                    double to, Chunk& chunk) {
-  State p;
-  const std::size_t first = chunk.vertices.size();
-  velocity.begin(-1);
-  p.x = velocity.enter(seed);
-  math::Vec3d last; // as the integrator has it; after a change of its coordinates it is far away
-  const auto visit = [&](const State& s) {
-    if (chunk.vertices.size() == first ||
-        cells_crossed(s.x - last, velocity.extent()) >= settings.spacing) {
-      chunk.vertices.push_back({velocity.position(s.x), s.time, velocity.cell()});
-      last = s.x;
-    }
-  };
-  insitu_ending ending =
-      integrate(velocity, settings.integrator, to, settings.length, p, chunk.work, visit);
-  if (ending == INSITU_END_ALIVE)
-    ending = INSITU_END_EXPIRED;
-  if (chunk.vertices.size() > first && p.x != last)
-    chunk.vertices.push_back({velocity.position(p.x), p.time, velocity.cell()});
-  return ending;
+class LineVertices {
+public:
+  LineVertices(Velocity& velocity, double spacing, std::vector<Vertex>& vertices)
+      : velocity_(&velocity), spacing_(spacing), vertices_(&vertices) {
+    vertices.clear();
+  }
+
+  void operator()(const State& s) {
+    if (vertices_->empty() || cells_crossed(s.x - last_, velocity_->extent()) >= spacing_)
+      add(s);
+  }
+
+private:
+  void add(const State& s) {
+    vertices_->push_back({velocity_->position(s.x), s.time, velocity_->cell()});
+    last_ = s.x;
+  }
+
+  Velocity* velocity_;
+  double spacing_;
+  std::vector<Vertex>* vertices_;
+  math::Vec3d last_; ///< as the integrator has it; after a change of its coordinates it is far away
+};
+
+/// The last vertex is the line's end, whatever the spacing.
+template <class Velocity>
+insitu_ending finish(Velocity& velocity, Line& line, insitu_ending ending) {
+  const math::Vec3d end = velocity.position(line.p.x);
+  if (!line.vertices.empty() && end != line.vertices.back().point)
+    line.vertices.push_back({end, line.p.time, velocity.cell()});
+  return ending == INSITU_END_ALIVE ? INSITU_END_EXPIRED : ending;
 }
 
 } // namespace
@@ -69,28 +78,58 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
   lines.particles.resize_discard(std::size_t(count));
   lines.endings.resize_discard(std::size_t(count));
 
-  constexpr std::int64_t grain = 16;
-  std::vector<Chunk> chunks(std::size_t((count + grain - 1) / grain));
-  const auto trace_all = [&]<class Velocity>(std::type_identity<Velocity>) {
-    threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
-      Chunk& chunk = chunks[std::size_t(begin / grain)];
-      Velocity field(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy);
-      for (std::int64_t l = begin; l < end; ++l) {
-        const std::size_t seed = std::size_t(l / per_seed);
-        const bool backward = settings.direction == Direction::backward || l % per_seed == 1;
-        const std::size_t before = chunk.vertices.size();
-        lines.endings[std::size_t(l)] = std::uint8_t(trace(
-            field, steady, seeds[seed], backward ? -settings.duration : settings.duration, chunk));
-        lines.particles[std::size_t(l)] = std::int64_t(seed);
-        lines.offsets[std::size_t(l) + 1] = std::int64_t(chunk.vertices.size() - before);
-      }
-    });
+  const std::int64_t grain = std::clamp<std::int64_t>(count / (4 * threads.count()), 16, 256);
+  std::vector<Work> work(std::size_t((count + grain - 1) / grain));
+  std::vector<std::vector<Vertex>> vertices_of(static_cast<std::size_t>(count));
+  const auto time_of = [&](std::int64_t l) {
+    const bool backward = settings.direction == Direction::backward || l % per_seed == 1;
+    return backward ? -settings.duration : settings.duration;
+  };
+  const auto seed_of = [&](std::int64_t l) { return std::size_t(l / per_seed); };
+  const auto store = [&](std::int64_t l, const Line& line, insitu_ending ending) {
+    vertices_of[std::size_t(l)] = line.vertices;
+    lines.endings[std::size_t(l)] = std::uint8_t(ending);
+    lines.particles[std::size_t(l)] = std::int64_t(seed_of(l));
+    lines.offsets[std::size_t(l) + 1] = std::int64_t(line.vertices.size());
+  };
+  const auto trace_on_chart = [&](std::int64_t begin, std::int64_t end) {
+    ChartVelocity field(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy);
+    Line line;
+    for (std::int64_t l = begin; l < end; ++l) {
+      field.begin(-1);
+      line.p = {};
+      line.p.x = field.enter(seeds[seed_of(l)]);
+      const insitu_ending ending = integrate(field, steady.integrator, time_of(l), settings.length,
+                                             line.p, work[std::size_t(begin / grain)],
+                                             LineVertices(field, settings.spacing, line.vertices));
+      store(l, line, finish(field, line, ending));
+    }
+  };
+  const auto trace_in_lanes = [&](std::int64_t begin, std::int64_t end) {
+    std::vector<Line> under_way(LaneBatch::lane_count);
+    run_lanes(
+        sampler, begin, end,
+        [&](std::deque<LaneVelocity>& to) {
+          to.emplace_back(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy);
+        },
+        [&](std::int64_t l, std::size_t slot, LaneVelocity& field) {
+          Line& line = under_way[slot];
+          field.begin(-1);
+          line.p = {};
+          line.p.x = seeds[seed_of(l)];
+          return integration(field, steady.integrator, time_of(l), settings.length, line.p,
+                             work[std::size_t(begin / grain)],
+                             LineVertices(field, settings.spacing, line.vertices));
+        },
+        [&](std::int64_t l, std::size_t slot, LaneVelocity& field, insitu_ending ending) {
+          Line& line = under_way[slot];
+          store(l, line, finish(field, line, ending));
+        });
   };
   check_chart(sampler, steady.integrator);
-  if (sampler.chart())
-    trace_all(std::type_identity<ChartVelocity>());
-  else
-    trace_all(std::type_identity<MeshVelocity>());
+  threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
+    sampler.chart() ? trace_on_chart(begin, end) : trace_in_lanes(begin, end);
+  });
 
   lines.offsets[0] = 0;
   for (std::size_t l = 0; l < std::size_t(count); ++l) {
@@ -103,16 +142,15 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
   lines.times.resize_discard(vertices);
   lines.cells.resize_discard(vertices);
   std::size_t v = 0;
-  for (Chunk& chunk : chunks) {
-    for (const Vertex& vertex : chunk.vertices) {
+  for (const std::vector<Vertex>& line : vertices_of)
+    for (const Vertex& vertex : line) {
       lines.points[v] = vertex.point;
       lines.times[v] = vertex.time;
       lines.cells[v] = vertex.cell;
       ++v;
     }
-    result.work += chunk.work;
-    chunk.vertices = {};
-  }
+  for (const Work& w : work)
+    result.work += w;
   return result;
 }
 

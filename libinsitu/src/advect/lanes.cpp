@@ -1,0 +1,113 @@
+#include "advect/lanes.h"
+
+#include <utility>
+
+namespace insitu::advect {
+
+using math::Vec3d;
+
+namespace {
+
+/// Place of a shape in a table.
+std::size_t row_of(mesh::Shape shape) {
+  using mesh::Shape;
+  return shape == Shape::tetrahedron ? 0
+         : shape == Shape::pyramid   ? 1
+         : shape == Shape::wedge     ? 2
+         : shape == Shape::voxel     ? 3
+                                     : 4;
+}
+
+} // namespace
+
+void LaneBatch::answer(std::span<LaneVelocity* const> lanes) {
+  missed_.clear();
+  for (LaneVelocity* l : lanes) {
+    l->set_alpha(l->t_);
+    LaneVelocity::Kept& k = l->confined_ ? l->own_ : l->kept_[l->last_];
+    if (l->confined_ || (l->keeps_ && k.cell >= 0)) {
+      l->blend(k);
+      asked_[row_of(k.vertices.shape)].push_back({l, &k});
+    } else {
+      missed_.push_back(l);
+    }
+  }
+  try_cells();
+  // Those that the last cell does not hold may still be in the one before.
+  again_.clear();
+  std::swap(again_, missed_);
+  for (LaneVelocity* l : again_) {
+    LaneVelocity::Kept& k = l->kept_[l->last_ ^ 1];
+    if (l->keeps_ && k.cell >= 0) {
+      l->last_ ^= 1;
+      l->blend(k);
+      asked_[row_of(k.vertices.shape)].push_back({l, &k});
+    } else {
+      missed_.push_back(l);
+    }
+  }
+  try_cells();
+  locate();
+}
+
+void LaneBatch::try_cells() {
+  for (std::vector<Asked>& asked : asked_) {
+    if (asked.empty())
+      continue;
+    queries_.clear();
+    answers_.resize(asked.size());
+    for (const Asked& a : asked) {
+      const LaneVelocity& l = *a.lane;
+      const bool at_vertices = a.cell->values != 1;
+      queries_.push_back({l.x_, a.cell->vertices.x, at_vertices ? a.cell->velocity : nullptr,
+                          at_vertices && l.blends_ ? a.cell->before : nullptr, l.alpha_});
+    }
+    invert_lanes(asked.front().cell->vertices.shape, queries_.data(), int(asked.size()),
+                 answers_.data());
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      LaneVelocity& l = *asked[i].lane;
+      LaneVelocity::Kept& k = *asked[i].cell;
+      const LaneAnswer& found = answers_[i];
+      if (l.confined_) { // see in_own_cell
+        l.depth_ = found.margin;
+        l.sampled_ = found.converged && found.margin > -0.5 ? Sampled::inside : Sampled::outside;
+      } else if (found.margin > found.error) {
+        ++l.proven_;
+        l.sampled_ = Sampled::inside;
+      } else {
+        missed_.push_back(&l);
+        continue;
+      }
+      if (l.sampled_ == Sampled::inside) {
+        l.hint_ = k.cell;
+        if (k.values == 1)
+          l.sampled_ = l.value(k, found.r, l.v_);
+        else {
+          l.v_ = found.velocity;
+          l.sampled_ = LaneVelocity::finite(l.v_) ? Sampled::inside : Sampled::not_finite;
+        }
+      }
+    }
+    asked.clear();
+  }
+}
+
+void LaneBatch::locate() {
+  if (missed_.empty())
+    return;
+  const LaneVelocity& first = *missed_.front();
+  if (!first.keeps_ || first.moves_) { // hints decide; or each has a geometry of its own
+    for (LaneVelocity* l : missed_)
+      l->sampled_ = l->located(l->x_, l->v_, nullptr);
+    return;
+  }
+  points_.clear();
+  for (const LaneVelocity* l : missed_)
+    points_.push_back(l->x_);
+  locations_.resize(points_.size());
+  sampler_->locate_serial(points_, locations_, first.options());
+  for (std::size_t i = 0; i < missed_.size(); ++i)
+    missed_[i]->sampled_ = missed_[i]->taken(locations_[i], missed_[i]->v_);
+}
+
+} // namespace insitu::advect

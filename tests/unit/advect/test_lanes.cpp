@@ -1,0 +1,163 @@
+// Many particles at a time on one thread: the same, to the bit, as one by one.
+#include <cstring>
+#include <deque>
+#include <gtest/gtest.h>
+#include <optional>
+#include <string>
+
+#include "advect/lanes.h"
+#include "analytic.h"
+#include "box_mesh.h"
+#include "fixtures/committed.h"
+
+namespace insitu::test {
+namespace {
+
+using advect::IntegratorSettings;
+using advect::LaneVelocity;
+using advect::Method;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+struct Flow {
+  const mesh::FieldView& now;
+  const mesh::FieldView* earlier = nullptr;
+  double t0 = 0.0, t1 = 0.0;
+};
+
+struct Ends {
+  std::vector<advect::State> states;
+  std::vector<insitu_ending> endings;
+  std::vector<std::int64_t> cells;
+  advect::Work work;
+};
+
+Ends one_by_one(const query::Sampler& sampler, const Flow& flow, const IntegratorSettings& settings,
+                const std::vector<Vec3d>& seeds, double to) {
+  Ends ends;
+  advect::MeshVelocity field(sampler, flow.now, flow.earlier, flow.t0, flow.t1, INSITU_STANDARD);
+  for (const Vec3d& seed : seeds) {
+    field.begin(-1);
+    const Outcome r = run(field, settings, seed, to);
+    ends.states.push_back(r.p);
+    ends.endings.push_back(r.ending);
+    ends.cells.push_back(field.cell());
+    ends.work += r.work;
+  }
+  return ends;
+}
+
+Ends in_lanes(const query::Sampler& sampler, const Flow& flow, const IntegratorSettings& settings,
+              const std::vector<Vec3d>& seeds, double to) {
+  Ends ends;
+  ends.states.resize(seeds.size());
+  ends.endings.resize(seeds.size());
+  ends.cells.resize(seeds.size());
+  advect::run_lanes(
+      sampler, 0, std::int64_t(seeds.size()),
+      [&](std::deque<LaneVelocity>& lanes) {
+        lanes.emplace_back(sampler, flow.now, flow.earlier, flow.t0, flow.t1, INSITU_STANDARD);
+      },
+      [&](std::int64_t i, std::size_t, LaneVelocity& field) {
+        field.begin(-1);
+        advect::State& p = ends.states[std::size_t(i)];
+        p.x = seeds[std::size_t(i)];
+        return advect::integration(field, settings, to, infinity, p, ends.work,
+                                   [](const advect::State&) {});
+      },
+      [&](std::int64_t i, std::size_t, LaneVelocity& field, insitu_ending ending) {
+        ends.endings[std::size_t(i)] = ending;
+        ends.cells[std::size_t(i)] = field.cell();
+      });
+  return ends;
+}
+
+bool same_bits(double a, double b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+/// By every method, plain and face-aware.
+void expect_the_same(const query::Sampler& sampler, const Flow& flow,
+                     const std::vector<Vec3d>& seeds, double to, const std::string& what) {
+  for (const Method method : {Method::euler, Method::rk4, Method::bs32, Method::dopri5})
+    for (const bool aware : {false, true}) {
+      IntegratorSettings settings;
+      settings.method = method;
+      settings.face_aware = aware;
+      const Ends a = one_by_one(sampler, flow, settings, seeds, to);
+      const Ends b = in_lanes(sampler, flow, settings, seeds, to);
+      std::size_t different = 0;
+      for (std::size_t i = 0; i < seeds.size(); ++i) {
+        const advect::State &p = a.states[i], &q = b.states[i];
+        const bool same = same_bits(p.x.x, q.x.x) && same_bits(p.x.y, q.x.y) &&
+                          same_bits(p.x.z, q.x.z) && same_bits(p.time, q.time) &&
+                          same_bits(p.length, q.length) && a.endings[i] == b.endings[i] &&
+                          a.cells[i] == b.cells[i];
+        different += !same;
+      }
+      EXPECT_EQ(different, 0U) << what << ", method " << int(method) << (aware ? ", by faces" : "");
+      EXPECT_EQ(a.work.steps, b.work.steps);
+      EXPECT_EQ(a.work.evaluations, b.work.evaluations);
+      EXPECT_EQ(a.work.rejected, b.work.rejected);
+    }
+}
+
+Vec3d swirl(const Vec3d& p) {
+  return {-p.y + 0.3 * std::sin(5 * p.z), p.x - 0.2 * p.z, 0.4 * std::cos(4 * p.x) - 0.1};
+}
+
+/// More than there are lanes, some outside, some that leave.
+std::vector<Vec3d> seeds() {
+  std::vector<Vec3d> points = random_points(31, 3 * advect::LaneBatch::lane_count + 5, -1.1, 1.1);
+  points.push_back({0, 0, 0});
+  points.push_back({1, 1, 1});
+  points.push_back({-1, 0.25, 0.5});
+  return points;
+}
+
+TEST(Lanes, SameBitsOnHexahedra) {
+  BoxMesh box(7, -1.0, 1.0);
+  auto values = box.vertex_field();
+  box.fill(values, swirl);
+  expect_the_same(box.sampler(), {values.view}, seeds(), 1.5, "vertex field");
+  auto by_cell = box.cell_field();
+  const auto place = [](std::size_t i) { return -1.0 + (double(i % 7) + 0.5) * 2.0 / 7; };
+  for (std::size_t c = 0; c < box.cell_count(); ++c)
+    by_cell.set(c, swirl({place(c), place(c / 7), place(c / 49)}));
+  expect_the_same(box.sampler(), {by_cell.view}, seeds(), 0.4, "cell field");
+}
+
+TEST(Lanes, SameBitsBetweenStepsOfAMovingMesh) {
+  BoxMesh box(6, -1.0, 1.0);
+  auto before = box.vertex_field(), now = box.vertex_field();
+  box.fill(before, swirl);
+  expect_the_same(box.sampler(), {before.view, &before.view, 0.0, 0.5}, seeds(), 0.5, "at rest");
+  box.move([](const Vec3d& p) { return Vec3d{p.x * 1.05, p.y, p.z + 0.04 * std::sin(3 * p.x)}; });
+  box.fill(now, [](const Vec3d& p) { return 1.3 * swirl(p); });
+  expect_the_same(box.sampler(), {now.view, &before.view, 0.0, 0.5}, seeds(), 0.5, "moving");
+}
+
+TEST(Lanes, SameBitsOnEveryShape) {
+  for (const MeshKind kind : {MeshKind::hexahedra, MeshKind::voxels, MeshKind::wedges,
+                              MeshKind::pyramids, MeshKind::tetrahedra, MeshKind::mixed}) {
+    Random random(5);
+    TestMesh mesh = make_mesh({.kind = kind, .size = 5, .jitter = 0.15}, random);
+    for (Vec3d& p : mesh.vertices)
+      p = 0.4 * p - Vec3d{1, 1, 1};
+    fixtures::Committed m(mesh);
+    std::vector<double> v;
+    for (const Vec3d& p : mesh.vertices)
+      for (int a = 0; a < 3; ++a)
+        v.push_back(swirl(p)[a]);
+    const insitu_array array =
+        insitu_array_of(v.data(), INSITU_FLOAT64, std::int64_t(mesh.vertices.size()), 3);
+    m.mesh.mesh().set_field(0, "velocity", INSITU_VERTEX, &array, 1);
+    m.commit();
+    m.mesh.look_for_folds(m.threads);
+    const mesh::FieldView field = m.mesh.mesh().field("velocity");
+    expect_the_same(m.sampler(), {field}, seeds(), 1.0, "shape " + std::to_string(int(kind)));
+  }
+}
+
+} // namespace
+} // namespace insitu::test
