@@ -32,7 +32,7 @@ IntegratorSettings settings_for(const mesh::FieldView& velocity, IntegratorSetti
 }
 
 void check_chart(const query::Sampler& sampler, const IntegratorSettings& settings) {
-  if (sampler.chart() && settings.face_aware)
+  if (sampler.chart() && settings.face_aware && !settings.face_aware_if_possible)
     throw core::Error(
         INSITU_ERROR_UNSUPPORTED,
         "tracer: steps that end at faces (face_aware) are not for meshes in longitude "

@@ -104,7 +104,8 @@ enum class TracerDirection { forward, backward, both };
 /// given follows from the cell's size and the velocity in it.
 struct IntegratorOptions {
   IntegrationMethod method = IntegrationMethod::dopri5;
-  bool face_aware = false;        ///< steps end at the faces of cells
+  /// Steps end at the faces of cells; not given: those of pairs, where they can.
+  std::optional<bool> face_aware;
   std::optional<double> step;     ///< euler, rk4: of every step; pairs: of the first
   double tolerance = 1e-6;        ///< pairs: error of a particle's position per unit time
   std::optional<double> min_step; ///< pairs

@@ -173,7 +173,7 @@ TEST(SceneKeys, TracerDefaults) {
   EXPECT_EQ(tracer.velocity.line, 2);
   EXPECT_EQ(tracer.integrator.method, IntegrationMethod::dopri5);
   EXPECT_EQ(tracer.integrator.tolerance, 1e-6);
-  EXPECT_FALSE(tracer.integrator.face_aware);
+  EXPECT_FALSE(tracer.integrator.face_aware.has_value());
   EXPECT_EQ(tracer.direction, TracerDirection::forward);
   EXPECT_EQ(tracer.integrator.max_steps, 10000);
   EXPECT_FALSE(tracer.integrator.step || tracer.integrator.min_step || tracer.integrator.max_step);
@@ -197,7 +197,7 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(tracer.frame.kind, FrameOfReference::Kind::geocentric);
   EXPECT_EQ(tracer.kind, TracerKind::streamline);
   EXPECT_EQ(tracer.fields[1].text, "b");
-  EXPECT_TRUE(tracer.integrator.face_aware);
+  EXPECT_EQ(tracer.integrator.face_aware, true);
   EXPECT_EQ(tracer.direction, TracerDirection::both);
   EXPECT_EQ(tracer.integrator.step, 0.25);
   EXPECT_EQ(tracer.integrator.tolerance, 1e-3);

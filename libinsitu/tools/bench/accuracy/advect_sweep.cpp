@@ -126,10 +126,10 @@ std::string advise(const Sweep& s) {
   const Setting *plain = s.find(group, "dopri5, 1e-10"),
                 *aware = s.find(group, "dopri5 by faces, 1e-10"),
                 *rk4 = s.find(group, "rk4, 1/8 cell");
-  std::string out = format(
-      "The default, dopri5 with a tolerance of 1e-6, leaves an error of %.1g of the box at %.0f "
-      "evaluations of the velocity a particle",
-      chosen->error, chosen->work);
+  std::string out = format("The default, dopri5 by faces with a tolerance of 1e-6, leaves an error "
+                           "of %.1g of the box at %.0f "
+                           "evaluations of the velocity a particle",
+                           chosen->error, chosen->work);
   if (cheapest != chosen)
     out += format("; as accurate in the least time: ") + cheapest->name +
            format(", %.2f of it", cheapest->seconds() / chosen->seconds());
@@ -181,7 +181,7 @@ Sweep sweep_advect(const Extent& extent) {
           settings.method = method;
           settings.tolerance = tolerance;
           Setting one = flow.measure(group, word + by + format("%g", tolerance), settings);
-          one.is_default = !aware && method == advect::Method::dopri5 && tolerance == 1e-6;
+          one.is_default = aware && method == advect::Method::dopri5 && tolerance == 1e-6;
           s.settings.push_back(std::move(one));
         }
     }
