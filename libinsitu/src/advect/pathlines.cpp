@@ -60,8 +60,9 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
 
   Advance result;
   const IntegratorSettings integrator = settings_for(velocity, settings_.integrator);
+  // On a geodetic mesh drifts are the velocity's, which integrate() alone follows.
   const std::optional<EffectSetup> setup =
-      effects_.any() && !sampler.chart()
+      (sampler.chart() ? effects_.displaces() : effects_.any())
           ? std::optional<EffectSetup>(std::in_place, effects_, sampler, threads)
           : std::nullopt;
   Particles& all = particles_;
@@ -89,7 +90,9 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
         std::int64_t cell = -1;
         if constexpr (!std::is_same_v<decltype(mover), NoMover>) {
           Carried carried = all.carried(i);
+          p.x = v.enter(p.x);
           ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
+          p.x = v.position(p.x);
           all.set_carried(i, carried);
           cell = mover->cell();
         } else {
@@ -117,23 +120,32 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   };
   check_chart(sampler, integrator);
   const auto plain = [](auto&) { return NoMover{}; };
-  const auto on_mesh = [&] {
-    return MeshVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy);
+  const auto moving = [&]<class V>(V& v) {
+    return std::make_unique<Mover<V>>(*setup, v, integrator, settings_.length);
+  };
+  const auto on_chart = [&] {
+    return ChartVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy,
+                         effects_.drifts);
   };
   if (sampler.chart()) {
     check_chart_effects(effects_);
+    if (setup)
+      carry(on_chart, moving);
+    else
+      carry(on_chart, plain);
+  } else if (setup) {
     carry(
         [&] {
-          return ChartVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy,
+          return DriftVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy,
                                effects_.drifts);
         },
-        plain);
-  } else if (setup) {
-    carry(on_mesh, [&](MeshVelocity& v) {
-      return std::make_unique<Mover>(*setup, v, integrator, settings_.length);
-    });
+        moving);
   } else {
-    carry(on_mesh, plain);
+    carry(
+        [&] {
+          return MeshVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy);
+        },
+        plain);
   }
   for (const EffectWork& w : effect_work)
     result.effects += w;
