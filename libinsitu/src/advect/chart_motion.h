@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "advect/space.h"
 #include "mesh/view.h"
 #include "query/chart_image.h"
 
@@ -30,6 +31,17 @@ public:
     return normalised(geo::between_charts(units(), pole_, geo::Pole::none, x));
   }
 
+  /// The same for an image: the coordinates in which it is entered.
+  math::Vec3d enter_image(const math::Vec3d& image) {
+    const geo::Pole from = pole_of_image(*chart_, image);
+    const math::Vec3d q{image.x - chart_->offset(from), image.y, image.z};
+    pole_ = suits(geo::between_charts(units(), from, geo::Pole::none, q), geo::Pole::none);
+    const math::Vec3d x = geo::between_charts(units(), from, pole_, q);
+    return pole_ == geo::Pole::none ? normalised(x) : x;
+  }
+  /// Whether positions come out of a turned chart.
+  bool is_turned() const { return pole_ != geo::Pole::none; }
+
   /// Where the point lies among the mesh's cells; false beyond the chart's reach.
   bool image(const math::Vec3d& x, math::Vec3d& out) const {
     if (!(std::abs(x.y) <= units().quarter()))
@@ -50,7 +62,7 @@ public:
 
   /// A point near a, in the coordinates that a's image is in: a straight way from the image.
   math::Vec3d along(const math::Vec3d& a, const math::Vec3d& image, const math::Vec3d& b) const {
-    const geo::Pole pole = pole_of_image(image);
+    const geo::Pole pole = pole_of_image(*chart_, image);
     if (pole == pole_)
       return {b.x + (image.x - a.x), b.y, b.z};
     math::Vec3d q = geo::between_charts(units(), pole_, pole, b);
@@ -62,7 +74,7 @@ public:
   /// The way back, of a point near a's image.
   math::Vec3d from_image(const math::Vec3d& a, const math::Vec3d& image,
                          const math::Vec3d& q) const {
-    const geo::Pole pole = pole_of_image(image);
+    const geo::Pole pole = pole_of_image(*chart_, image);
     if (pole == pole_)
       return {q.x - (image.x - a.x), q.y, q.z};
     math::Vec3d b =
@@ -158,11 +170,6 @@ public:
 
 private:
   const geo::ChartUnits& units() const { return chart_->units; }
-  /// Images on turned charts lie more than half a turn east of all others.
-  geo::Pole pole_of_image(const math::Vec3d& image) const {
-    const double turns = (image.x - chart_->west) / units().turn();
-    return turns <= 1.5 ? geo::Pole::none : turns < 13.0 / 6 ? geo::Pole::north : geo::Pole::south;
-  }
   math::Vec3d normalised(const math::Vec3d& p) const {
     return {geo::longitude_from(chart_->west, units(), p.x), p.y, p.z};
   }

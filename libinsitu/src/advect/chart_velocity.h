@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -18,7 +19,7 @@ public:
   ChartVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
                 const mesh::FieldView* earlier, double t0, double t1, insitu_accuracy accuracy,
                 std::span<const Drift> drifts = {})
-      : images_(sampler.among_images()), motion_(sampler.chart()),
+      : images_(sampler.among_images()), space_(sampler.chart()), motion_(sampler.chart()),
         inner_(images_, now, earlier, t0, t1, accuracy), drifts_(drifts) {}
 
   void begin(std::int64_t hint) {
@@ -26,7 +27,10 @@ public:
     sized_ = -1;
   }
   /// A particle's position in the mesh's frame, as integrate() has it, and back again.
-  math::Vec3d enter(const math::Vec3d& position) { return motion_.enter(position); }
+  math::Vec3d enter(const math::Vec3d& position) {
+    known_.x.x = std::numeric_limits<double>::quiet_NaN();
+    return motion_.enter(position);
+  }
   math::Vec3d position(const math::Vec3d& x) const { return motion_.position(x); }
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
@@ -72,8 +76,15 @@ public:
     if (!motion_.image(a, from))
       return std::nullopt;
     auto exit = inner_.leave(from, motion_.along(a, from, b), t, dt);
-    if (exit)
-      exit->inside = motion_.from_image(a, from, exit->inside);
+    if (exit) {
+      math::Vec3d image = exit->inside;
+      if (a.z == b.z) // rounding of the exit is no way down
+        if (const math::Vec3d level{image.x, image.y, a.z};
+            images_.locate(level, exit->owner, {inner_.accuracy(), inner_.geometry_alpha(t)}))
+          image = level;
+      exit->inside = motion_.from_image(a, from, image);
+      known_ = {exit->inside, image};
+    }
     return exit;
   }
 
@@ -81,26 +92,70 @@ public:
   bool blends_velocity() const { return inner_.blends_velocity(); }
   bool blends_geometry() const { return inner_.blends_geometry(); }
 
+  // Points among the cells, for a Mover: see DriftVelocity.
+  Space space() const { return space_; }
+  bool point(const math::Vec3d& x, math::Vec3d& point) const {
+    if (x == known_.x) { // on a face, where it was left, and not beside it by rounding
+      point = known_.image;
+      return true;
+    }
+    return motion_.image(x, point);
+  }
+  math::Vec3d place(const math::Vec3d& point) {
+    known_ = {motion_.enter_image(point), point};
+    sized_ = -1;
+    return known_.x;
+  }
+  /// Whether a point's place comes back as that of a cell, in the mesh's frame too.
+  bool comes_back(const math::Vec3d& point, std::int64_t cell, double alpha) {
+    const math::Vec3d x = place(point);
+    if (!motion_.is_turned())
+      return true;
+    const query::LocateOptions options{inner_.accuracy(), alpha};
+    math::Vec3d image;
+    return motion_.image(x, image) && images_.locate(image, cell, options) &&
+           motion_.image(motion_.enter(motion_.position(x)), image) &&
+           images_.locate(image, cell, options);
+  }
+  Sampled sample(const math::Vec3d& point, double t, math::Vec3d& v, query::Location& at) {
+    if (const Sampled s = inner_.sample(point, t, v, at); s != Sampled::inside)
+      return s;
+    for (const Drift& drift : drifts_) {
+      const math::Vec3d u = velocity_of(drift, images_, at, inner_.alpha(t));
+      v += is_field_of_vectors(drift) ? u : space_.from_east_north(point, u);
+    }
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) ? Sampled::inside
+                                                                          : Sampled::not_finite;
+  }
+  const MeshVelocity& flow() const { return inner_; }
+
 private:
   geo::Pole pole_of(std::int64_t cell) const {
     const mesh::MeshView& mesh = images_.mesh();
     return geo::Pole(mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(cell)].pole);
   }
 
+  static bool is_field_of_vectors(const Drift& drift) {
+    return drift.field && drift.field->now.components == 3;
+  }
+
   /// Along the east and north of the image's chart, as fields of three components are there.
   math::Vec3d drift_at(const Drift& drift, const query::Location& at, double t,
                        const math::Vec3d& x, const math::Vec3d& image) const {
     const math::Vec3d v = velocity_of(drift, images_, at, inner_.alpha(t));
-    const bool is_field = drift.field && drift.field->now.components == 3;
-    return is_field ? v : motion_.turned(x, image, pole_of(at.cell), v);
+    return is_field_of_vectors(drift) ? v : motion_.turned(x, image, pole_of(at.cell), v);
   }
 
   query::Sampler images_;
+  Space space_;
   ChartMotion motion_;
   MeshVelocity inner_; ///< at images
   std::span<const Drift> drifts_;
   std::int64_t sized_ = -1; ///< the cell whose extent is kept
   math::Vec3d extent_;
+  struct {
+    math::Vec3d x, image;
+  } known_{{std::numeric_limits<double>::quiet_NaN(), 0, 0}, {}}; ///< a place, and its image
 };
 
 } // namespace insitu::advect

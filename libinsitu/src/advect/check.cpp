@@ -40,14 +40,11 @@ void check_chart(const query::Sampler& sampler, const IntegratorSettings& settin
 }
 
 void check_chart_effects(const Effects& effects) {
-  const char* what = effects.diffusion  ? "diffusion"
-                     : effects.inertia  ? "inertia"
-                     : effects.boundary ? "boundary"
-                                        : nullptr;
-  if (what)
-    throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                      std::string("tracer: the effect '") + what +
-                          "' is not for meshes in longitude and latitude");
+  if (effects.boundary && effects.boundary->any_periodic())
+    throw core::Error(
+        INSITU_ERROR_UNSUPPORTED,
+        "tracer: periodic sides are not for meshes in longitude and latitude: one that "
+        "goes around the Earth is closed without");
 }
 
 void check_settings(const IntegratorSettings& s) {

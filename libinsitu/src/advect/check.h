@@ -20,8 +20,7 @@ void check_chart(const query::Sampler& sampler, const IntegratorSettings& settin
 /// Throws Error(INSITU_ERROR_ARGUMENT) for a negative, NaN or contradictory setting.
 void check_settings(const IntegratorSettings& settings);
 
-/// Throws Error(INSITU_ERROR_UNSUPPORTED) for effects that displace particles by metres, which no
-/// geodetic mesh can yet.
+/// Throws Error(INSITU_ERROR_UNSUPPORTED) for effects that no geodetic mesh has.
 void check_chart_effects(const Effects& effects);
 
 } // namespace insitu::advect

@@ -5,6 +5,7 @@
 
 #include "advect/effects.h"
 #include "advect/mesh_velocity.h"
+#include "advect/space.h"
 
 namespace insitu::advect {
 
@@ -21,49 +22,68 @@ inline math::Vec3d velocity_of(const Drift& drift, const query::Sampler& sampler
 }
 
 /// The velocity on a mesh with what drifts add to it. Integrators see the sum, so its error is
-/// controlled like any flow's.
+/// controlled like any flow's. For a Mover, which moves particles also by displacements: between
+/// points among the cells (see Space), which are the integrator's positions here.
 class DriftVelocity {
 public:
-  /// The arguments must outlive the object.
-  DriftVelocity(MeshVelocity& flow, std::span<const Drift> drifts)
-      : flow_(&flow), drifts_(drifts) {}
+  /// As MeshVelocity's; drifts must outlive the object as well.
+  DriftVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
+                const mesh::FieldView* earlier, double t0, double t1, insitu_accuracy accuracy,
+                std::span<const Drift> drifts)
+      : flow_(sampler, now, earlier, t0, t1, accuracy), drifts_(drifts) {}
+
+  void begin(std::int64_t hint) { flow_.begin(hint); }
+  math::Vec3d enter(const math::Vec3d& position) const { return position; }
+  math::Vec3d position(const math::Vec3d& x) const { return x; }
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
     query::Location at;
     return sample(x, t, v, at);
   }
-
+  /// At a point among the cells, in lengths along the axes there; `at` is where it lies.
   Sampled sample(const math::Vec3d& x, double t, math::Vec3d& v, query::Location& at) {
-    if (const Sampled s = flow_->sample(x, t, v, at); s != Sampled::inside)
+    if (const Sampled s = flow_.sample(x, t, v, at); s != Sampled::inside)
       return s;
     for (const Drift& drift : drifts_)
-      v += velocity_of(drift, flow_->sampler(), at, flow_->alpha(t));
+      v += velocity_of(drift, flow_.sampler(), at, flow_.alpha(t));
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) ? Sampled::inside
                                                                           : Sampled::not_finite;
   }
 
-  void accepted() { flow_->accepted(); }
+  void accepted() { flow_.accepted(); }
+  std::int64_t cell() const { return flow_.cell(); }
 
   // See CellwiseField and ExitingField.
   bool confine(const math::Vec3d& x, const math::Vec3d& towards, double t) {
-    return flow_->confine(x, towards, t);
+    return flow_.confine(x, towards, t);
   }
-  void release() { flow_->release(); }
-  double depth(const math::Vec3d& x, double t) { return flow_->depth(x, t); }
-  double last_depth() const { return flow_->last_depth(); }
+  void release() { flow_.release(); }
+  double depth(const math::Vec3d& x, double t) { return flow_.depth(x, t); }
+  double last_depth() const { return flow_.last_depth(); }
   Crossed cross(const math::Vec3d& x, const math::Vec3d& towards, double t) {
-    return flow_->cross(x, towards, t);
+    return flow_.cross(x, towards, t);
   }
   std::optional<query::Exit> leave(const math::Vec3d& a, const math::Vec3d& b, double t,
                                    double dt) {
-    return flow_->leave(a, b, t, dt);
+    return flow_.leave(a, b, t, dt);
   }
 
-  math::Vec3d extent() { return flow_->extent(); }
-  MeshVelocity& flow() { return *flow_; }
+  math::Vec3d extent() { return flow_.extent(); }
+  double geometry_alpha(double t) const { return flow_.geometry_alpha(t); }
+  bool blends_velocity() const { return flow_.blends_velocity(); }
+  bool blends_geometry() const { return flow_.blends_geometry(); }
+
+  // Points among the cells.
+  Space space() const { return Space(nullptr); }
+  bool point(const math::Vec3d& x, math::Vec3d& point) const {
+    point = x;
+    return true;
+  }
+  math::Vec3d place(const math::Vec3d& point) const { return point; }
+  const MeshVelocity& flow() const { return flow_; }
 
 private:
-  MeshVelocity* flow_;
+  MeshVelocity flow_;
   std::span<const Drift> drifts_;
 };
 

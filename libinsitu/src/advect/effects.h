@@ -11,17 +11,9 @@
 #include "query/sampler.h"
 
 /// What particles feel beside the velocity, as plain data for one advance; a tracer without effects
-/// goes none of these ways. Lengths are in the mesh's units (metres where a metric is given), times
-/// in the solver's.
+/// goes none of these ways. Lengths are in the mesh's units, or metres along east, north and up on
+/// a geodetic mesh; times are in the solver's.
 namespace insitu::advect {
-
-/// Coordinates per metre along the three axes at a point, for meshes whose coordinates are no
-/// lengths (degrees). Displacements and velocities of effects are in metres along the axes.
-class Metric {
-public:
-  virtual ~Metric() = default;
-  virtual math::Vec3d coordinates_per_metre(const math::Vec3d& x) const = 0;
-};
 
 /// A field of the current step and, if it is known, of the step before, on the same cells.
 struct FieldInTime {
@@ -78,10 +70,11 @@ struct Inertia {
 };
 
 enum class AtBoundary : std::uint8_t {
-  leave,  ///< the particle ends: "left"
-  stop,   ///< it ends where it is: "stopped"
-  slide,  ///< the part of its motion that points out of the mesh is lost
-  reflect ///< the same is mirrored
+  leave,   ///< the particle ends: "left"
+  stop,    ///< it ends where it is: "stopped"
+  slide,   ///< the part of its motion that points out of the mesh is lost
+  reflect, ///< the same is mirrored
+  put_back ///< it is where it began the step (the advance, or a step of the walk), until that ends
 };
 
 struct BoundaryEffect {
@@ -99,10 +92,11 @@ struct Effects {
   std::optional<Diffusion> diffusion;
   std::optional<Inertia> inertia;
   std::optional<BoundaryEffect> boundary;
-  Removes removes;                ///< or null; asked at the end of each advance
-  const Metric* metric = nullptr; ///< null: coordinates are lengths
+  Removes removes; ///< or null; asked at the end of each advance
 
-  bool any() const { return !drifts.empty() || diffusion || inertia || boundary || bool(removes); }
+  bool any() const { return !drifts.empty() || displaces() || bool(removes); }
+  /// Whether there is more than the velocity that moves particles.
+  bool displaces() const { return diffusion || inertia || boundary; }
 };
 
 /// What effects did in one advance.

@@ -36,43 +36,69 @@ Vec3d mesh_velocity(const MeshVelocity& flow, const query::Location& at) {
 } // namespace
 
 /// b of inertial_step(): what moves the particle besides what is linear in its own velocity.
-Sampled Mover::force(const Vec3d& x, double t, Vec3d& b) {
+template <class V>
+Sampled Mover<V>::force(const Vec3d& x, double t, Vec3d& b) {
   const Inertia& inertia = *effects_->inertia;
   query::Location at;
   Vec3d u;
   if (const Sampled s = velocity_.sample(x, t, u, at); s != Sampled::inside)
     return s;
-  b = inertia.acceleration;
+  b = space_.from_east_north(x, inertia.acceleration);
   if (std::isfinite(inertia.response_time))
     b += u / inertia.response_time;
   if (inertia.fluid_share != 0.0) {
-    // Du/Dt = du/dt at a place that goes with the mesh + (u - the mesh's velocity) grad u.
-    const Vec3d per_metre = walls_.scale(x);
-    const Vec3d relative = by_axis(u, per_metre) - mesh_velocity(flow_, at);
-    Vec3d acceleration = flow_.rate_of_change(at);
+    // Du/Dt = du/dt at a place that goes with the mesh + (u - the mesh's velocity) grad u, and the
+    // axes turn where the fluid goes.
+    const Vec3d relative = walls_.scale(x).coordinates(u) - mesh_velocity(flow(), at);
+    Vec3d acceleration = flow().rate_of_change(at);
     for (int c = 0; c < 3; ++c)
-      acceleration[c] += math::dot(flow_.gradient(at, c, t), relative);
+      acceleration[c] += math::dot(flow().gradient(at, c, t), relative);
+    const double spin = space_.spin(x, u);
+    acceleration += Vec3d{-spin * u.y, spin * u.x, 0.0};
     b += inertia.fluid_share * acceleration;
   }
   return std::isfinite(b.x) && std::isfinite(b.y) && std::isfinite(b.z) ? Sampled::inside
                                                                         : Sampled::not_finite;
 }
 
-insitu_ending Mover::fly(State& p, Carried& carried, double to, Work& work) {
-  const Inertia& inertia = *effects_->inertia;
+/// The law with the rotation along the axes at x.
+template <class V>
+Inertia Mover<V>::law_at(const Vec3d& x) const {
+  Inertia law = *effects_->inertia;
+  if (space_.is_chart())
+    law.rotation = space_.from_earth(x, law.rotation);
+  return law;
+}
+
+template <class V>
+insitu_ending Mover<V>::fly(State& p, Carried& carried, double to, Work& work) {
+  Vec3d x;
+  if (!velocity_.point(p.x, x))
+    return p.fresh ? INSITU_END_SEED_OUTSIDE : INSITU_END_LEFT;
+  carried.velocity = space_.from_east_north(x, carried.velocity);
+  const insitu_ending ending = fly_from(x, p, carried, to, work);
+  carried.velocity = space_.to_east_north(x, carried.velocity);
+  if (Spot at; ending == INSITU_END_ALIVE && space_.is_chart() && find(x, p.time, at))
+    placed(p, at);
+  else
+    p.x = velocity_.place(x);
+  return ending;
+}
+
+template <class V>
+insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to, Work& work) {
   const bool adaptive = is_adaptive(settings_.method);
-  const auto stage = [this](const Vec3d& x, double t, Vec3d& b) { return force(x, t, b); };
   Vec3d b;
-  bool known = false; // b, at p.x
+  bool known = false; // b, at x
   bool closing = false;
   for (;;) {
     if (!known) {
       Vec3d u;
       query::Location at;
       work.evaluations += 2;
-      Sampled s = velocity_.sample(p.x, p.time, u, at);
+      Sampled s = velocity_.sample(x, p.time, u, at);
       if (s == Sampled::inside)
-        s = force(p.x, p.time, b);
+        s = force(x, p.time, b);
       if (s != Sampled::inside)
         return s == Sampled::not_finite ? INSITU_END_NOT_FINITE
                : p.fresh                ? INSITU_END_SEED_OUTSIDE
@@ -81,15 +107,18 @@ insitu_ending Mover::fly(State& p, Carried& carried, double to, Work& work) {
       spot_cell_ = -1;
       p.fresh = false;
       if (std::isnan(carried.velocity.x))
-        carried.velocity = inertia.begins.value_or(u);
+        carried.velocity =
+            effects_->inertia->begins ? space_.from_east_north(x, *effects_->inertia->begins) : u;
       known = true;
     }
     if (!(p.time < to))
       return INSITU_END_ALIVE;
     const double remaining = to - p.time, length_left = max_length_ - p.length;
-    const Vec3d extent = velocity_.extent(), per_metre = walls_.scale(p.x);
+    const Vec3d extent = walls_.extent(cell(), flow().geometry_alpha(p.time));
+    const Scale per_metre = walls_.scale(x);
+    const Inertia inertia = law_at(x);
     const Vec3d v = carried.velocity;
-    const double cells = cells_crossed(by_axis(v, per_metre), extent);
+    const double cells = cells_crossed(per_metre.coordinates(v), extent);
     if (!std::isfinite(cells))
       return INSITU_END_NOT_FINITE;
     if (std::isfinite(max_length_) && length_left <= 1e-12 * max_length_)
@@ -107,21 +136,29 @@ insitu_ending Mover::fly(State& p, Carried& carried, double to, Work& work) {
     else if (wanted == 0.0)
       wanted = settings_.step > 0.0 ? settings_.step : first_cells * cell_time;
     double h = std::min({wanted, adaptive || settings_.step == 0.0 ? limit : wanted, remaining});
-    if (const double speed = length_of(by_axis(v, per_metre)); speed > 0.0)
+    if (const double speed = length_of(v); speed > 0.0)
       h = std::min(h, length_left / speed);
     const bool cut = h < wanted;
 
+    const auto stage = [&](const Vec3d& y, double t, Vec3d& at_y) { return force(y, t, at_y); };
+    const auto go = [&](const Vec3d& d) {
+      return space_.image(x + space_.displacement(x, d), space_.pole_of(x));
+    };
+    const auto back = [&](const Vec3d& y, const Vec3d& at_y) {
+      if (!space_.is_chart())
+        return at_y;
+      // The rotation is another there: what that changes, by the velocity at the start.
+      const Vec3d other = space_.transport(y, x, law_at(y).rotation) - inertia.rotation;
+      return space_.transport(y, x, at_y) - 2.0 * math::cross(other, v);
+    };
     InertialTrial trial;
     double relative_error = 1e-4, chord = 0.0;
     bool exit = false, retried = false, forced = false;
     for (int trials = 0;; ++trials) {
-      trial = inertial_step(
-          stage, [&](const Vec3d& metres) { return by_axis(metres, per_metre); }, inertia, p.x, v,
-          p.time, h, b);
+      trial = inertial_step(stage, go, back, inertia, v, p.time, h, b);
       work.evaluations += 3;
-      const Vec3d moved = trial.x - p.x;
-      const double crossed = cells_crossed(moved, extent);
-      chord = length_of(moved);
+      const double crossed = cells_crossed(per_metre.coordinates(trial.moved), extent);
+      chord = length_of(trial.moved);
       double factor = 1.0;
       if (trial.sampled == Sampled::not_finite && crossed <= settings_.exit_tolerance)
         return INSITU_END_NOT_FINITE;
@@ -162,7 +199,7 @@ insitu_ending Mover::fly(State& p, Carried& carried, double to, Work& work) {
       known = false;
       if (!effects_->boundary)
         return INSITU_END_LEFT;
-      if (const insitu_ending ending = touch_flying(p, carried, to, work);
+      if (const insitu_ending ending = touch_flying(x, p, carried, to, work);
           ending != INSITU_END_ALIVE)
         return ending;
       continue;
@@ -171,10 +208,10 @@ insitu_ending Mover::fly(State& p, Carried& carried, double to, Work& work) {
     ++work.steps;
     work.forced += forced;
     steps_left_ -= !(closing && retried);
-    p.x = trial.x;
+    carried.velocity = space_.transport(x, trial.x, trial.v);
+    x = trial.x;
     p.time = h == remaining ? to : p.time + h;
     p.length += chord;
-    carried.velocity = trial.v;
     b = trial.force;
     if (closing) {
       p.step = h;
@@ -190,21 +227,23 @@ insitu_ending Mover::fly(State& p, Carried& carried, double to, Work& work) {
 
 /// A particle with inertia at the wall: its velocity is turned there. One that the forces press to
 /// the wall, and that would not come far from it, goes on along it.
-insitu_ending Mover::touch_flying(State& p, Carried& carried, double to, Work& work) {
+template <class V>
+insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, double to, Work& work) {
   Spot at;
-  if (!place(p, at))
+  if (!find(x, p.time, at))
     return INSITU_END_LEFT; // the mesh has moved away from it
-  const Inertia& inertia = *effects_->inertia;
-  double now = flow_.geometry_alpha(p.time);
+  const double response_time = effects_->inertia->response_time;
+  double now = flow().geometry_alpha(p.time);
   const Vec3d extent = walls_.extent(at.cell, now);
-  const double little = rest_cells * std::min({extent.x, extent.y, extent.z});
+  const Vec3d edges = walls_.edges(at.cell, now);
+  const double little = rest_cells * std::min({edges.x, edges.y, edges.z});
   const bool stuck = last_bounce_ >= 0.0 && p.length - last_bounce_ <= little;
-  const Vec3d d = by_axis(carried.velocity, walls_.scale(at.x));
+  const Vec3d d = walls_.scale(at.x).coordinates(carried.velocity);
   Vec3d n;
   if (const double skins = cells_crossed(d, walls_.skin(at, now)); skins > 0.0) {
     const Moved moved =
         walls_.move(at, (8.0 / skins) * d, boundary_, now, p.length, &carried.velocity);
-    placed(p, at);
+    landed(x, at);
     if (moved != Moved::inside)
       return ending_of(moved);
     n = walls_.wall();
@@ -218,34 +257,33 @@ insitu_ending Mover::touch_flying(State& p, Carried& carried, double to, Work& w
     rest.response = AtBoundary::slide;
   do {
     Vec3d b;
-    flow_.begin(at.cell);
+    velocity_.begin(at.cell);
     ++work.evaluations;
     if (const Sampled s = force(at.x, p.time, b); s != Sampled::inside)
       return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
-    const Vec3d acceleration = b - carried.velocity / inertia.response_time;
-    const Vec3d per_metre = walls_.scale(at.x);
+    const Vec3d acceleration = b - carried.velocity / response_time;
+    const Scale per_metre = walls_.scale(at.x);
     const double press = math::dot(acceleration, n), back = math::dot(carried.velocity, n);
-    if (!stuck &&
-        !(press > 0.0 && back * back / (2.0 * press) * length_of(by_axis(n, per_metre)) <= little))
+    if (!stuck && !(press > 0.0 && back * back / (2.0 * press) <= little))
       return INSITU_END_ALIVE;
     const double remaining = to - p.time;
-    const Vec3d soon = carried.velocity + std::min(inertia.response_time, remaining) * acceleration;
-    const double cells = std::max(cells_crossed(by_axis(carried.velocity, per_metre), extent),
-                                  cells_crossed(by_axis(soon, per_metre), extent));
+    const Vec3d soon = carried.velocity + std::min(response_time, remaining) * acceleration;
+    const double cells = std::max(cells_crossed(per_metre.coordinates(carried.velocity), extent),
+                                  cells_crossed(per_metre.coordinates(soon), extent));
     const double h = cells > 0.0 ? std::min(contact_cells / cells, remaining) : remaining;
-    const LinearPart linear(inertia, h);
-    const double then = flow_.geometry_alpha(p.time + h);
+    const LinearPart linear(law_at(at.x), h);
+    const double then = flow().geometry_alpha(p.time + h);
     const Vec3d moves = h * linear.phi(1, carried.velocity) + (h * h) * linear.phi(2, b);
     carried.velocity = linear.phi(0, carried.velocity) + h * linear.phi(1, b);
     Spot end = at;
     end.x = walls_.carry(at, now, then);
-    const Moved moved = walls_.move(end, by_axis(moves, per_metre) - (end.x - at.x), rest, then,
+    const Moved moved = walls_.move(end, per_metre.coordinates(moves) - (end.x - at.x), rest, then,
                                     p.length, &carried.velocity);
     at = end;
     now = then;
     p.time = h < remaining ? p.time + h : to;
     last_bounce_ = p.length;
-    placed(p, at);
+    landed(x, at);
     ++work.steps;
     --steps_left_;
     if (moved != Moved::inside)
@@ -257,5 +295,16 @@ insitu_ending Mover::touch_flying(State& p, Carried& carried, double to, Work& w
   } while (p.time < to && steps_left_ > 0 && p.length < max_length_);
   return INSITU_END_ALIVE;
 }
+
+/// The place of a particle after a displacement.
+template <class V>
+void Mover<V>::landed(Vec3d& x, const Spot& at) {
+  x = at.x;
+  spot_cell_ = at.cell;
+  velocity_.begin(at.cell);
+}
+
+template class Mover<DriftVelocity>;
+template class Mover<ChartVelocity>;
 
 } // namespace insitu::advect

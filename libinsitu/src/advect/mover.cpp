@@ -23,39 +23,45 @@ EffectSetup::EffectSetup(const Effects& given, const query::Sampler& sampler,
     largest = largest_coefficients(*effects.diffusion, sampler.mesh(), threads);
 }
 
-Mover::Mover(const EffectSetup& setup, MeshVelocity& flow, const IntegratorSettings& settings,
-             double max_length)
+template <class V>
+Mover<V>::Mover(const EffectSetup& setup, V& velocity, const IntegratorSettings& settings,
+                double max_length)
     : setup_(&setup), effects_(&setup.effects), settings_(settings), max_length_(max_length),
-      flow_(flow), velocity_(flow_, effects_->drifts),
-      walls_(flow_.sampler(), flow_.accuracy(), effects_->metric, setup.box, work_),
+      velocity_(velocity), space_(velocity.space()),
+      walls_(flow().sampler(), flow().accuracy(), space_, setup.box, work_),
       boundary_(effects_->boundary.value_or(BoundaryEffect{})), walk_boundary_(boundary_) {
   for (const Drift& drift : effects_->drifts)
     if (drift.field)
       settings_ = settings_for(drift.field->now, settings_);
   if (!effects_->boundary)
     walk_boundary_.response = AtBoundary::reflect;
+  puts_back_ = boundary_.response == AtBoundary::put_back;
+  if (puts_back_)
+    boundary_.response = AtBoundary::leave;
 }
 
-insitu_ending Mover::advance(State& p, std::int64_t hint, Carried& carried, double to, Work& work) {
-  flow_.begin(hint);
+template <class V>
+insitu_ending Mover<V>::advance(State& p, std::int64_t hint, Carried& carried, double to,
+                                Work& work) {
+  velocity_.begin(hint);
   spot_cell_ = -1;
   steps_left_ = settings_.max_steps;
   last_bounce_ = -1.0;
   if (!effects_->diffusion)
-    return flow_to(p, carried, to, work);
+    return go(p, carried, to, work);
 
   // The flow and the walk take turns (Lie's splitting).
-  const RandomWalk walker(*effects_->diffusion, setup_->largest, flow_.sampler(), flow_.accuracy());
-  if (const insitu_ending ending = flow_to(p, carried, p.time, work); ending != INSITU_END_ALIVE)
+  const RandomWalk walker(*effects_->diffusion, setup_->largest, flow().sampler(),
+                          flow().accuracy());
+  if (const insitu_ending ending = go(p, carried, p.time, work); ending != INSITU_END_ALIVE)
     return ending; // it was seeded outside, or the mesh has moved away
   while (p.time < to) {
     const double from = p.time;
-    const Vec3d extent = walls_.extent(cell(), flow_.geometry_alpha(from));
-    const double dt = walker.step(over_axis(extent, walls_.scale(p.x)));
+    const double dt = walker.step(walls_.edges(cell(), flow().geometry_alpha(from)));
     const double until = dt < to - from ? from + dt : to;
     if (until == from)
       return INSITU_END_STEP_LIMIT; // a step that the time cannot tell
-    if (const insitu_ending ending = flow_to(p, carried, until, work); ending != INSITU_END_ALIVE)
+    if (const insitu_ending ending = go(p, carried, until, work); ending != INSITU_END_ALIVE)
       return ending;
     if (const insitu_ending ending = walk(p, carried, until - from); ending != INSITU_END_ALIVE)
       return ending;
@@ -65,14 +71,16 @@ insitu_ending Mover::advance(State& p, std::int64_t hint, Carried& carried, doub
   return INSITU_END_ALIVE;
 }
 
-insitu_ending Mover::walk(State& p, Carried& carried, double dt) {
+template <class V>
+insitu_ending Mover<V>::walk(State& p, Carried& carried, double dt) {
   Spot at;
-  if (!place(p, at))
+  if (!find(p, at))
     return INSITU_END_ALIVE;
-  const RandomWalk walker(*effects_->diffusion, setup_->largest, flow_.sampler(), flow_.accuracy());
+  const RandomWalk walker(*effects_->diffusion, setup_->largest, flow().sampler(),
+                          flow().accuracy());
   Moved moved;
-  if (!walker.walk(at, dt, carried.id, carried.walk_steps, walk_boundary_, flow_.alpha(p.time),
-                   flow_.geometry_alpha(p.time), walls_, moved))
+  if (!walker.walk(at, dt, carried.id, carried.walk_steps, walk_boundary_, flow().alpha(p.time),
+                   flow().geometry_alpha(p.time), walls_, moved))
     return INSITU_END_NOT_FINITE;
   ++carried.walk_steps;
   ++work_.walk_steps;
@@ -80,25 +88,75 @@ insitu_ending Mover::walk(State& p, Carried& carried, double dt) {
   return ending_of(moved);
 }
 
-/// Where the particle is, if it is inside.
-bool Mover::place(State& p, Spot& at) {
-  const std::int64_t hint = cell();
+/// Where a point is, if it is inside.
+template <class V>
+bool Mover<V>::find(const Vec3d& point, double time, Spot& at) {
   const query::Location here =
-      flow_.sampler().locate(p.x, hint, {flow_.accuracy(), flow_.geometry_alpha(p.time)});
-  at = {p.x, here.cell};
+      flow().sampler().locate(point, cell(), {flow().accuracy(), flow().geometry_alpha(time)});
+  at = {point, here.cell};
   return bool(here);
 }
 
-void Mover::placed(State& p, const Spot& at) {
-  p.x = at.x;
-  spot_cell_ = at.cell;
-  flow_.begin(at.cell);
+template <class V>
+bool Mover<V>::find(const State& p, Spot& at) {
+  Vec3d point;
+  return velocity_.point(p.x, point) && find(point, p.time, at);
 }
 
-/// By the velocity alone, with the response of the boundary.
-insitu_ending Mover::flow_to(State& p, Carried& carried, double to, Work& work) {
-  if (effects_->inertia)
-    return fly(p, carried, to, work);
+template <class V>
+void Mover<V>::placed(State& p, Spot at) {
+  if constexpr (requires { velocity_.comes_back(at.x, at.cell, 1.0); }) {
+    // Beside a wall a change of charts may round it out: into the cell a little, at its level.
+    const double alpha = flow().geometry_alpha(p.time);
+    for (double part = 1e-12; part < 1e-2 && !velocity_.comes_back(at.x, at.cell, alpha);
+         part *= 16.0) {
+      const Vec3d in = walls_.middle(at.cell, alpha) - at.x;
+      at.x += Vec3d{part * in.x, part * in.y, 0.0};
+    }
+  }
+  p.x = velocity_.place(at.x);
+  spot_cell_ = at.cell;
+  velocity_.begin(at.cell);
+}
+
+/// By the velocity alone, or that of the particle itself, with the response of the boundary.
+template <class V>
+insitu_ending Mover<V>::go(State& p, Carried& carried, double to, Work& work) {
+  const auto move = [&] {
+    return effects_->inertia ? fly(p, carried, to, work) : flow_to(p, to, work);
+  };
+  if (!puts_back_)
+    return move();
+  const State before = p;
+  Spot start;
+  const bool inside = find(p, start);
+  insitu_ending ending = move();
+  if (ending == INSITU_END_LEFT && inside) {
+    ending = put_back(p, before, start, to);
+    carried.velocity = {};
+  }
+  return ending;
+}
+
+/// A particle that has left is where it was, with the material of a mesh that moves, until `to`.
+template <class V>
+insitu_ending Mover<V>::put_back(State& p, const State& before, const Spot& start, double to) {
+  const Vec3d x =
+      walls_.carry(start, flow().geometry_alpha(before.time), flow().geometry_alpha(to));
+  p = before;
+  p.time = to;
+  p.fresh = false;
+  Spot at;
+  spot_cell_ = start.cell;
+  if (!find(x, to, at))
+    return INSITU_END_LEFT;
+  ++work_.contacts;
+  placed(p, at);
+  return INSITU_END_ALIVE;
+}
+
+template <class V>
+insitu_ending Mover<V>::flow_to(State& p, double to, Work& work) {
   for (;;) {
     IntegratorSettings settings = settings_;
     settings.max_steps = std::max<std::int64_t>(steps_left_, 1);
@@ -107,7 +165,7 @@ insitu_ending Mover::flow_to(State& p, Carried& carried, double to, Work& work) 
         integrate(velocity_, settings, to, max_length_, p, work, [](const State&) {});
     // Steps that close in on a wall count as one.
     steps_left_ -= ending == INSITU_END_LEFT ? 1 : work.steps - steps;
-    if (flow_.cell() >= 0)
+    if (velocity_.cell() >= 0)
       spot_cell_ = -1;
     if (ending != INSITU_END_LEFT || !effects_->boundary)
       return ending;
@@ -119,48 +177,69 @@ insitu_ending Mover::flow_to(State& p, Carried& carried, double to, Work& work) 
 }
 
 /// A particle that leaves or stops where it is, or else comes in again at a periodic side.
-insitu_ending Mover::pass(State& p, Spot at) {
+template <class V>
+insitu_ending Mover<V>::pass(State& p, Spot at) {
   Vec3d v;
-  flow_.begin(at.cell);
-  if (const Sampled s = velocity_(at.x, p.time, v); s != Sampled::inside)
+  query::Location here;
+  velocity_.begin(at.cell);
+  if (const Sampled s = velocity_.sample(at.x, p.time, v, here); s != Sampled::inside)
     return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
   --steps_left_;
-  const double alpha = flow_.geometry_alpha(p.time);
-  const double skins = cells_crossed(v, walls_.skin(at, alpha));
+  const double alpha = flow().geometry_alpha(p.time);
+  const Vec3d d = walls_.scale(at.x).coordinates(v);
+  const double skins = cells_crossed(d, walls_.skin(at, alpha));
   const std::int64_t contacts = work_.contacts;
   const Moved moved =
-      skins > 0.0 ? walls_.move(at, (8.0 / skins) * v, boundary_, alpha, p.length) : Moved::left;
+      skins > 0.0 ? walls_.move(at, (8.0 / skins) * d, boundary_, alpha, p.length) : Moved::left;
   if (moved == Moved::inside && work_.contacts == contacts)
     return ending_of(boundary_.response == AtBoundary::stop ? Moved::stopped : Moved::left);
   placed(p, at);
   return ending_of(moved);
 }
 
+/// Cells crossed per time. Beside a pole, where degrees of longitude are short, what a wall keeps a
+/// particle from does not count in them.
+template <class V>
+double Mover<V>::cells_along(const Spot& at, const Vec3d& v, const Vec3d& wall,
+                             double alpha) const {
+  const Vec3d extent = walls_.extent(at.cell, alpha);
+  const Scale per_metre = walls_.scale(at.x);
+  const double out = math::dot(v, wall);
+  if (!space_.is_chart() || boundary_.response != AtBoundary::slide || !(out > 0.0))
+    return cells_crossed(per_metre.coordinates(v), extent);
+  return std::max(cells_crossed(per_metre.coordinates(v - out * wall), extent),
+                  cells_crossed(out * wall, walls_.edges(at.cell, alpha)));
+}
+
 /// A particle that the velocity takes out of the mesh: goes on along the wall, or back from it, for
 /// as long as the velocity presses it to the wall.
-insitu_ending Mover::touch(State& p, double to, Work& work) {
+template <class V>
+insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
   Spot at;
-  if (!place(p, at))
+  if (!find(p, at))
     return INSITU_END_LEFT; // the mesh has moved away from it
   if (boundary_.response == AtBoundary::leave || boundary_.response == AtBoundary::stop)
     return pass(p, at);
+  Vec3d n; // of the wall it is at, once that is known
   do {
     Vec3d v;
+    query::Location here;
     ++work.evaluations;
-    flow_.begin(at.cell);
-    if (const Sampled s = velocity_(at.x, p.time, v); s != Sampled::inside)
+    velocity_.begin(at.cell);
+    if (const Sampled s = velocity_.sample(at.x, p.time, v, here); s != Sampled::inside)
       return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
     velocity_.accepted();
-    const double cells = cells_crossed(v, flow_.extent());
+    const double now = flow().geometry_alpha(p.time);
+    const Vec3d rate = walls_.scale(at.x).coordinates(v);
+    const double cells = cells_along(at, v, n, now);
     double h = std::min(cells > 0.0 ? contact_cells / cells : to - p.time, to - p.time);
     if (settings_.max_step > 0.0)
       h = std::min(h, settings_.max_step);
     if (max_length_ - p.length < length_of(v) * h)
       h = (max_length_ - p.length) / length_of(v);
-    const double now = flow_.geometry_alpha(p.time);
-    const double then = flow_.geometry_alpha(p.time + h);
+    const double then = flow().geometry_alpha(p.time + h);
     // Heun's method along the wall. What the wall itself moves is not resisted.
-    Vec3d mean = v;
+    Vec3d mean = rate;
     Spot end = at;
     end.x = walls_.carry(at, now, then);
     const Vec3d shift = end.x - at.x;
@@ -169,16 +248,17 @@ insitu_ending Mover::touch(State& p, double to, Work& work) {
       double length = 0.0;
       BoundaryEffect quiet = boundary_;
       Vec3d v1;
-      if (walls_.move(ahead, h * v - shift, quiet, then, length) == Moved::inside) {
-        flow_.begin(ahead.cell);
+      if (walls_.move(ahead, h * rate - shift, quiet, then, length) == Moved::inside) {
+        velocity_.begin(ahead.cell);
         ++work.evaluations;
-        if (velocity_(ahead.x, p.time + h, v1) == Sampled::inside)
-          mean = 0.5 * (v + v1);
+        if (velocity_.sample(ahead.x, p.time + h, v1, here) == Sampled::inside &&
+            space_.same_axes(at.x, ahead.x))
+          mean = 0.5 * (rate + walls_.scale(ahead.x).coordinates(v1));
       }
     }
-    const Vec3d d = h * mean - shift;
-    const Moved moved = walls_.move(end, d, boundary_, then, p.length);
-    const Vec3d n = walls_.wall();
+    const Vec3d from = at.x;
+    const Moved moved = walls_.move(end, h * mean - shift, boundary_, then, p.length);
+    n = walls_.wall();
     at = end;
     p.time = h < to - p.time ? p.time + h : to;
     placed(p, at);
@@ -188,12 +268,14 @@ insitu_ending Mover::touch(State& p, double to, Work& work) {
       return ending_of(moved);
     // On a flat wall it saves a step to find the wall again, to ask what is behind it.
     const Vec3d behind = by_axis(n, walls_.skin(at, then));
-    if (boundary_.response != AtBoundary::slide || n == Vec3d{} ||
-        walls_.is_inside(at.x + 8.0 * behind, at.cell, then) ||
-        !(math::dot(over_axis(v, walls_.scale(at.x)), n) > 0.0))
+    if (boundary_.response != AtBoundary::slide || n == Vec3d{} || !space_.same_axes(from, at.x) ||
+        walls_.is_inside(at.x + 8.0 * behind, at.cell, then) || !(math::dot(v, n) > 0.0))
       break;
   } while (p.time < to && steps_left_ > 0 && p.length < max_length_);
   return INSITU_END_ALIVE;
 }
+
+template class Mover<DriftVelocity>;
+template class Mover<ChartVelocity>;
 
 } // namespace insitu::advect

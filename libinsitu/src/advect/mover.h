@@ -1,10 +1,10 @@
 #pragma once
 
+#include "advect/chart_velocity.h"
 #include "advect/drift.h"
 #include "advect/effects.h"
 #include "advect/inertia.h"
 #include "advect/integrate.h"
-#include "advect/mesh_velocity.h"
 #include "advect/particles.h"
 #include "advect/random_walk.h"
 #include "advect/walls.h"
@@ -30,12 +30,15 @@ inline insitu_ending ending_of(Moved moved) {
                                    : INSITU_END_ALIVE;
 }
 
-/// Moves particles under effects; the counterpart of a plain call of integrate(). One object serves
-/// one thread.
+/// Moves particles under effects; the counterpart of a plain call of integrate(). V: DriftVelocity,
+/// or ChartVelocity on a geodetic mesh. The integrator's positions (State::x) are V's;
+/// displacements go between points among the cells (Space), in metres. One object serves one
+/// thread.
+template <class V>
 class Mover {
 public:
   /// The arguments must outlive the object.
-  Mover(const EffectSetup& setup, MeshVelocity& flow, const IntegratorSettings& settings,
+  Mover(const EffectSetup& setup, V& velocity, const IntegratorSettings& settings,
         double max_length);
   Mover(const Mover&) = delete;
 
@@ -43,32 +46,46 @@ public:
   insitu_ending advance(State& p, std::int64_t hint, Carried& carried, double to, Work& work);
 
   /// The cell of the particle's position, or -1.
-  std::int64_t cell() const { return spot_cell_ >= 0 ? spot_cell_ : flow_.cell(); }
+  std::int64_t cell() const { return spot_cell_ >= 0 ? spot_cell_ : velocity_.cell(); }
   const EffectWork& effect_work() const { return work_; }
 
 private:
-  insitu_ending flow_to(State& p, Carried& carried, double to, Work& work);
-  insitu_ending fly(State& p, Carried& carried, double to, Work& work);
+  const MeshVelocity& flow() const { return velocity_.flow(); }
+  insitu_ending go(State& p, Carried& carried, double to, Work& work);
+  insitu_ending put_back(State& p, const State& before, const Spot& start, double to);
+  insitu_ending flow_to(State& p, double to, Work& work);
   insitu_ending touch(State& p, double to, Work& work);
   insitu_ending pass(State& p, Spot at);
-  insitu_ending touch_flying(State& p, Carried& carried, double to, Work& work);
+  double cells_along(const Spot& at, const Vec3d& v, const Vec3d& wall, double alpha) const;
   insitu_ending walk(State& p, Carried& carried, double dt);
-  Sampled force(const math::Vec3d& x, double t, math::Vec3d& b);
-  bool place(State& p, Spot& at);
-  void placed(State& p, const Spot& at);
+  bool find(const Vec3d& point, double time, Spot& at);
+  bool find(const State& p, Spot& at);
+  void placed(State& p, Spot at);
+
+  // With inertia: see fly.cpp. x is the particle's point among the cells.
+  insitu_ending fly(State& p, Carried& carried, double to, Work& work);
+  insitu_ending fly_from(Vec3d& x, State& p, Carried& carried, double to, Work& work);
+  insitu_ending touch_flying(Vec3d& x, State& p, Carried& carried, double to, Work& work);
+  Sampled force(const Vec3d& x, double t, Vec3d& b);
+  Inertia law_at(const Vec3d& x) const;
+  void landed(Vec3d& x, const Spot& at);
 
   const EffectSetup* setup_;
   const Effects* effects_;
   IntegratorSettings settings_;
   double max_length_;
-  MeshVelocity& flow_;
-  DriftVelocity velocity_;
+  V& velocity_;
   EffectWork work_;
+  Space space_;
   Walls walls_;
-  BoundaryEffect boundary_, walk_boundary_;
+  BoundaryEffect boundary_, walk_boundary_; ///< the former without put_back, which is go()'s
+  bool puts_back_ = false;
   std::int64_t spot_cell_ = -1; ///< of the position, if a displacement was the last to move it
   std::int64_t steps_left_ = 0;
   double last_bounce_ = -1.0; ///< length of the path then; -1: none yet
 };
+
+extern template class Mover<DriftVelocity>;
+extern template class Mover<ChartVelocity>;
 
 } // namespace insitu::advect

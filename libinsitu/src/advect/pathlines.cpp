@@ -66,8 +66,9 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
 
   Advance result;
   const IntegratorSettings integrator = settings_for(velocity, settings_.integrator);
+  // On a geodetic mesh drifts are the velocity's, which integrate() alone follows.
   const std::optional<EffectSetup> setup =
-      effects_.any() && !sampler.chart()
+      (sampler.chart() ? effects_.displaces() : effects_.any())
           ? std::optional<EffectSetup>(std::in_place, effects_, sampler, threads)
           : std::nullopt;
   Particles& all = particles_;
@@ -114,7 +115,9 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
         std::int64_t cell = -1;
         if constexpr (!std::is_same_v<decltype(mover), NoMover>) {
           Carried carried = all.carried(i);
+          p.x = v.enter(p.x);
           ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
+          p.x = v.position(p.x);
           all.set_carried(i, carried);
           cell = mover->cell();
         } else {
@@ -158,24 +161,30 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   };
   check_chart(sampler, integrator);
   const auto plain = [](auto&) { return NoMover{}; };
-  const auto on_mesh = [&] {
-    return MeshVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy);
+  const auto moving = [&]<class V>(V& v) {
+    return std::make_unique<Mover<V>>(*setup, v, integrator, settings_.length);
+  };
+  const auto on_chart = [&] {
+    return ChartVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy,
+                         effects_.drifts);
   };
   if (sampler.chart()) {
     check_chart_effects(effects_);
+    if (setup)
+      carry(on_chart, moving);
+    else
+      carry(on_chart, plain);
+  } else if (setup) {
     carry(
         [&] {
-          return ChartVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy,
+          return DriftVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy,
                                effects_.drifts);
         },
-        plain);
-  } else if (setup) {
-    carry(on_mesh, [&](MeshVelocity& v) {
-      return std::make_unique<Mover>(*setup, v, integrator, settings_.length);
-    });
+        moving);
   } else {
-    result.blended_velocity = on_mesh().blends_velocity();
-    result.blended_geometry = on_mesh().blends_geometry();
+    const MeshVelocity flow(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy);
+    result.blended_velocity = flow.blends_velocity();
+    result.blended_geometry = flow.blends_geometry();
     carry_in_lanes();
   }
   for (const EffectWork& w : effect_work)

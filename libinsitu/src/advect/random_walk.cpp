@@ -98,19 +98,19 @@ bool RandomWalk::coefficients(const query::Location& at, double alpha, Vec3d& k)
 }
 
 Vec3d RandomWalk::gradients(const query::Location& at, double alpha, double geometry,
-                            const Vec3d& per_metre) const {
+                            const Scale& per_metre) const {
   const Vec3d h = gradient(diffusion_->horizontal, *sampler_, at, alpha, geometry);
   const Vec3d v = gradient(diffusion_->vertical, *sampler_, at, alpha, geometry);
-  return by_axis({h.x, h.y, v.z}, per_metre);
+  return per_metre.covector({h.x, h.y, v.z});
 }
 
-double RandomWalk::step(const Vec3d& extent) const {
+double RandomWalk::step(const Vec3d& edges) const {
   if (diffusion_->step > 0.0)
     return diffusion_->step;
   double dt = std::numeric_limits<double>::infinity();
   for (int a = 0; a < 3; ++a) {
     const Coefficient& c = a < 2 ? diffusion_->horizontal : diffusion_->vertical;
-    const double reach = (c.field ? field_cells : constant_cells) * extent[a];
+    const double reach = (c.field ? field_cells : constant_cells) * edges[a];
     dt = std::min(dt, reach * reach / (2.0 * largest_[a])); // 0: infinite
   }
   return dt;
@@ -128,23 +128,24 @@ bool RandomWalk::walk(Spot& at, double dt, std::int64_t id, std::int64_t number,
   if (!coefficients(here, alpha, k))
     return false;
   const Vec3d normals = normal_numbers(diffusion_->seed, id, number);
-  const Vec3d per_metre = walls.scale(at.x);
+  const Space& space = walls.space();
   double length = 0.0;
   Vec3d drift;
   if (jumps(diffusion_->horizontal) || jumps(diffusion_->vertical)) {
     // LaBolle: the coefficient is taken where the walk with the one here would lead.
     Spot ahead = at;
     const Vec3d d = by_axis(root_by_axis((2.0 * dt) * k), normals);
-    walls.move(ahead, by_axis(d, per_metre), boundary, geometry, length);
+    walls.move(ahead, space.displacement(at.x, d), boundary, geometry, length);
     if (const query::Location there = sampler_->locate(ahead.x, ahead.cell, options);
         there && !coefficients(there, alpha, k))
       return false;
   } else if (diffusion_->horizontal.field || diffusion_->vertical.field) {
     // Visser: the gradient's drift, and the coefficient half of it further on.
-    const Vec3d g = gradients(here, alpha, geometry, per_metre);
+    const Vec3d g = gradients(here, alpha, geometry, walls.scale(at.x));
     drift = dt * g;
-    const Vec3d half = at.x + by_axis(0.5 * drift, per_metre);
-    if (const query::Location there = sampler_->locate(half, here.cell, options)) {
+    const Vec3d half = at.x + space.displacement(at.x, 0.5 * drift);
+    const Vec3d image = space.image(half, space.pole_of(at.x));
+    if (const query::Location there = sampler_->locate(image, here.cell, options)) {
       if (!coefficients(there, alpha, k))
         return false;
     } else { // behind the wall: as the gradient goes on
@@ -152,10 +153,12 @@ bool RandomWalk::walk(Spot& at, double dt, std::int64_t id, std::int64_t number,
         k[a] = std::max(0.0, k[a] + 0.5 * drift[a] * g[a]);
     }
   }
+  if (space.is_chart())
+    drift += dt * space.walk_drift(at.x, k.x, k.z);
   const Vec3d d = drift + by_axis(root_by_axis((2.0 * dt) * k), normals);
   if (!std::isfinite(length_of(d)))
     return false;
-  moved = walls.move(at, by_axis(d, per_metre), boundary, geometry, length);
+  moved = walls.move(at, space.displacement(at.x, d), boundary, geometry, length);
   return true;
 }
 

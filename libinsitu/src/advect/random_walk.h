@@ -19,14 +19,14 @@ public:
              insitu_accuracy accuracy)
       : diffusion_(&diffusion), largest_(largest), sampler_(&sampler), accuracy_(accuracy) {}
 
-  /// The time of a step in a cell of this extent (in metres): the one given, or such that one step
-  /// is a quarter of the cell along any axis where the coefficient is largest (a half where it is a
-  /// constant).
-  double step(const math::Vec3d& extent) const;
+  /// The time of a step in a cell with these edges (in metres): the one given, or such that one
+  /// step is a quarter of the cell along any axis where the coefficient is largest (a half where it
+  /// is a constant).
+  double step(const math::Vec3d& edges) const;
 
-  /// Moves the particle by one step of dt. alpha: of the fields; geometry: of the coordinates.
-  /// Returns false if a coefficient there is not finite. The walk is reflected where the boundary
-  /// has no other response.
+  /// Moves the particle by one step of dt, in metres about where it is (Space::displacement).
+  /// alpha: of the fields; geometry: of the coordinates. Returns false if a coefficient there is
+  /// not finite. The walk is reflected where the boundary has no other response.
   bool walk(Spot& at, double dt, std::int64_t id, std::int64_t number,
             const BoundaryEffect& boundary, double alpha, double geometry, Walls& walls,
             Moved& moved) const;
@@ -34,7 +34,7 @@ public:
 private:
   bool coefficients(const query::Location& at, double alpha, math::Vec3d& k) const;
   math::Vec3d gradients(const query::Location& at, double alpha, double geometry,
-                        const math::Vec3d& per_metre) const;
+                        const Scale& per_metre) const;
 
   const Diffusion* diffusion_;
   math::Vec3d largest_;

@@ -27,22 +27,47 @@ Vec3d unit_or_zero(const Vec3d& v) {
   return length > 0.0 && std::isfinite(length) ? v / length : Vec3d{};
 }
 
-} // namespace
-
-math::Vec3d Walls::extent(std::int64_t cell, double alpha) const {
-  mesh::CellVertices c;
-  mesh::gather(sampler_->mesh(), cell, c, alpha);
-  Vec3d low = c.x[0], high = c.x[0];
+void box_of_cell(const mesh::CellVertices& c, Vec3d& low, Vec3d& high) {
+  low = high = c.x[0];
   for (int i = 1; i < c.count; ++i)
     for (int a = 0; a < 3; ++a) {
       low[a] = std::min(low[a], c.x[i][a]);
       high[a] = std::max(high[a], c.x[i][a]);
     }
+}
+
+} // namespace
+
+Vec3d Walls::extent(std::int64_t cell, double alpha) const {
+  mesh::CellVertices c;
+  mesh::gather(sampler_->mesh(), cell, c, alpha);
+  Vec3d low, high;
+  box_of_cell(c, low, high);
   Vec3d e = high - low;
   const double least = std::max(1e-6 * std::max({e.x, e.y, e.z}), 1e-300);
   for (int a = 0; a < 3; ++a)
     e[a] = std::max(e[a], least);
   return e;
+}
+
+Vec3d Walls::edges(std::int64_t cell, double alpha) const {
+  const Vec3d e = extent(cell, alpha);
+  if (!space_.is_chart())
+    return e;
+  mesh::CellVertices c;
+  mesh::gather(sampler_->mesh(), cell, c, alpha);
+  Vec3d low, high;
+  box_of_cell(c, low, high);
+  return scale(0.5 * (low + high)).edges(e);
+}
+
+Vec3d Walls::middle(std::int64_t cell, double alpha) const {
+  mesh::CellVertices c;
+  mesh::gather(sampler_->mesh(), cell, c, alpha);
+  Vec3d sum;
+  for (int i = 0; i < c.count; ++i)
+    sum += c.x[i];
+  return sum / double(c.count);
 }
 
 Vec3d Walls::skin(const Spot& at, double alpha) const {
@@ -93,31 +118,47 @@ bool Walls::pass_side(Spot& at, const Vec3d& d, const BoundaryEffect& boundary,
 Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alpha, double& length,
                   Vec3d* carried) {
   wall_ = {};
+  const Spot start = at;
+  const double length_before = length;
   for (int contact = 0; contact < most_contacts; ++contact) {
     const double crossed = cells_crossed(d, extent(at.cell, alpha));
-    if (!(crossed > (contact == 0 ? 0.0 : skin_cells))) // nothing left, or NaN
+    if (!(crossed > (contact == 0 ? 0.0 : skin_cells))) { // nothing left, or NaN
+      rename(at, alpha, carried);
       return Moved::inside;
+    }
     const int parts = int(std::clamp(std::ceil(crossed / part_cells), 1.0, double(most_parts)));
-    const Vec3d part = d / double(parts);
+    Vec3d part = d / double(parts);
     std::optional<query::Exit> exit;
     int k = 0;
     for (; k < parts; ++k) {
-      const Vec3d x = at.x + part;
-      if (const query::Location found = locate(x, at.cell, alpha)) {
-        at = {x, found.cell};
-        length += length_of(part);
-        continue;
+      const geo::Pole pole = space_.pole_of(at.x);
+      const Vec3d x = at.x + part, y = space_.image(x, pole);
+      const query::Location found = locate(y, at.cell, alpha);
+      if (!found) {
+        exit = query::leave_mesh(*sampler_, at.cell, at.x, x, {accuracy_, alpha});
+        break;
       }
-      exit = query::leave_mesh(*sampler_, at.cell, at.x, x, {accuracy_, alpha});
-      break;
+      length += length_of(scale(at.x).metres(part));
+      if (!(y == x) && k + 1 < parts) { // to the same end on the other sheet
+        const double left = double(parts - k - 1);
+        part = (space_.across(x, pole, y, x + left * part) - y) / left;
+      }
+      enter_axes(at.x, y, carried);
+      at = {y, found.cell};
     }
     if (k == parts)
       return Moved::inside;
     if (!exit)
       break;
-    length += exit->t * length_of(part);
+    length += exit->t * length_of(scale(at.x).metres(part));
     d = (1.0 - exit->t + double(parts - k - 1)) * part;
+    const double level = at.x.z;
     at = {exit->inside, exit->owner};
+    if (space_.is_chart() && part.z == 0.0) // to the bit: rounding of the exit is no way down
+      if (const query::Location found = locate({at.x.x, at.x.y, level}, at.cell, alpha))
+        at = {{at.x.x, at.x.y, level}, found.cell};
+    if (next_sheet(at, d, alpha, carried))
+      continue;
     if (pass_side(at, d, boundary, alpha)) {
       ++work_->contacts;
       continue;
@@ -127,28 +168,104 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
     ++work_->contacts;
     if (boundary.response == AtBoundary::stop)
       return Moved::stopped;
-    const Vec3d per_metre = scale(at.x);
-    const Vec3d n = unit_or_zero(by_axis(exit->normal, per_metre)); // a covector
+    if (boundary.response == AtBoundary::put_back) {
+      at = start;
+      length = length_before;
+      if (carried)
+        *carried = {};
+      return Moved::inside;
+    }
+    const Scale per_metre = scale(at.x);
+    const Vec3d n = normal_in_metres(per_metre, exit->normal);
     wall_ = n;
     if (n == Vec3d{})
       break;
-    step_back(at, exit->normal, alpha);
+    step_back(at, per_metre.coordinates(n), alpha);
     const bool mirror = boundary.response == AtBoundary::reflect;
     // In metres, where the wall is at right angles to its normal.
-    Vec3d rest = over_axis(d, per_metre);
-    rest -= ((mirror ? 2.0 : 1.0) * math::dot(rest, n)) * n;
-    d = by_axis(rest, per_metre);
+    const auto turned = [&](const Scale& s, const Vec3d& normal) {
+      Vec3d rest = s.metres(d);
+      rest -= ((mirror ? 2.0 : 1.0) * math::dot(rest, normal)) * normal;
+      return s.coordinates(rest);
+    };
+    Vec3d rest = turned(per_metre, n);
+    if (space_.is_chart() && !mirror) { // with the metric halfway along the wall: of second order
+      const Scale halfway = scale(at.x + 0.5 * rest);
+      rest = turned(halfway, normal_in_metres(halfway, exit->normal));
+    }
+    d = rest;
     if (const double out = carried ? math::dot(*carried, n) : 0.0; out > 0.0)
       *carried -= ((mirror ? 1.0 + boundary.restitution : 1.0) * out) * n;
   }
+  rename(at, alpha, carried);
   ++work_->pinned;
   return Moved::inside;
 }
 
-/// From the wall into its skin: what goes along the wall would else be out of it by rounding.
-void Walls::step_back(Spot& at, const Vec3d& normal, double alpha) const {
-  const double reach = 1.0 / std::max(cells_crossed(normal, skin(at, alpha)), 1e-300);
-  const Vec3d x = at.x - reach * normal;
+/// Vectors at x change to the axes of the same place's chart at y.
+void Walls::enter_axes(const Vec3d& x, const Vec3d& y, Vec3d* carried) {
+  if (carried)
+    *carried = space_.transport(x, y, *carried);
+  if (!space_.same_axes(x, y))
+    wall_ = {};
+}
+
+/// A spot in an overhang of its sheet by its image.
+void Walls::rename(Spot& at, double alpha, Vec3d* carried) {
+  if (!space_.is_chart())
+    return;
+  const Vec3d y = space_.image(at.x, space_.pole_of(at.x));
+  if (y == at.x)
+    return;
+  if (const query::Location found = locate(y, -1, alpha)) {
+    enter_axes(at.x, y, carried);
+    at = {y, found.cell};
+  }
+}
+
+/// Where a sheet of a chart ends, the mesh may go on in another: takes the spot there, a little
+/// beyond, and the rest of its way to the same end.
+bool Walls::next_sheet(Spot& at, Vec3d& rest, double alpha, Vec3d* carried) {
+  if (!space_.is_chart())
+    return false;
+  const geo::Pole pole = space_.pole_of(at.x);
+  const double skins = cells_crossed(rest, skin(at, alpha));
+  const Vec3d x = skins > 8.0 ? at.x + (8.0 / skins) * rest : at.x + rest;
+  Vec3d y = space_.image(x, pole);
+  if (y == x) // of this sheet, which has no cell there
+    return false;
+  query::Location found = locate(y, -1, alpha);
+  if (!found && pole == geo::Pole::none && space_.is_beyond_pole(x)) {
+    // Where coasts meet at a pole, what is beside one is beside the other by less than its skin.
+    const Vec3d there = y;
+    for (const double beside : {-32.0, 32.0})
+      if (!found) {
+        y.x = there.x + beside * skin(at, alpha).x;
+        found = locate(y, -1, alpha);
+      }
+  }
+  if (!found)
+    return false;
+  rest = space_.across(x, pole, y, at.x + rest) - y;
+  enter_axes(x, y, carried);
+  at = {y, found.cell};
+  return true;
+}
+
+/// Of a face's normal in coordinates. On a chart what is upright but for rounding is upright: then
+/// nothing along it rises or sinks.
+Vec3d Walls::normal_in_metres(const Scale& per_metre, const Vec3d& normal) const {
+  Vec3d n = per_metre.covector(normal);
+  if (space_.is_chart() && std::abs(n.z) < 1e-9 * std::hypot(n.x, n.y))
+    n.z = 0.0;
+  return unit_or_zero(n);
+}
+
+/// From the wall into its skin, against a displacement outwards: what goes along the wall would
+/// else be out of it by rounding.
+void Walls::step_back(Spot& at, const Vec3d& out, double alpha) const {
+  const double reach = 1.0 / std::max(cells_crossed(out, skin(at, alpha)), 1e-300);
+  const Vec3d x = at.x - reach * out;
   if (const query::Location found = locate(x, at.cell, alpha))
     at = {x, found.cell};
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "advect/effects.h"
+#include "advect/space.h"
 #include "core/parallel.h"
 #include "math/vec.h"
 #include "query/sampler.h"
@@ -16,7 +17,7 @@ struct Box {
 
 /// Where a particle is.
 struct Spot {
-  math::Vec3d x;
+  math::Vec3d x;          ///< among the cells: see Space
   std::int64_t cell = -1; ///< that holds x
 };
 
@@ -27,25 +28,27 @@ enum class Moved : std::uint8_t { inside, left, stopped };
 /// serves one thread; every call is bounded, in corners, wedges and cracks as well.
 class Walls {
 public:
-  /// box: of the mesh, for periodic sides. The arguments must outlive the object.
-  Walls(const query::Sampler& sampler, insitu_accuracy accuracy, const Metric* metric,
-        const Box& box, EffectWork& work)
-      : sampler_(&sampler), accuracy_(accuracy), metric_(metric), box_(box), work_(&work) {}
+  /// sampler: among images where `space` has a chart. box: of the mesh, for periodic sides, which
+  /// no chart has. The arguments must outlive the object.
+  Walls(const query::Sampler& sampler, insitu_accuracy accuracy, const Space& space, const Box& box,
+        EffectWork& work)
+      : sampler_(&sampler), accuracy_(accuracy), space_(space), box_(box), work_(&work) {}
 
   /// Moves `at`, which must be inside the mesh blended by alpha, by d (in coordinates), and turns
   /// the vector `carried`, in metres, if not null, as the wall turns the motion. At a wall the
   /// response acts on what is left of d: a particle that meets walls too often is left where it is,
   /// and counted. Periodic sides let it through, if there is a cell behind. Adds the length of the
-  /// path to `length`.
+  /// path to `length`. On a chart the way is straight in the cells' coordinates; where it goes on
+  /// in another sheet of them, it goes to the same place, and `carried` changes axes.
   Moved move(Spot& at, math::Vec3d d, const BoundaryEffect& boundary, double alpha, double& length,
              math::Vec3d* carried = nullptr);
 
   /// The outward normal (of length 1, in metres) of the wall that move() met last; 0 if it met
-  /// none, or one without area.
+  /// none, one without area, or one on the chart of other axes.
   const math::Vec3d& wall() const { return wall_; }
 
   bool is_inside(const math::Vec3d& x, std::int64_t hint, double alpha) const {
-    return bool(locate(x, hint, alpha));
+    return bool(locate(space_.image(x, space_.pole_of(x)), hint, alpha));
   }
 
   /// Where the material that is at the spot at alpha0 is at alpha1.
@@ -55,22 +58,28 @@ public:
   /// or what rounding leaves of that.
   math::Vec3d skin(const Spot& at, double alpha) const;
 
+  /// The box of a cell, in coordinates, and its edges in metres.
   math::Vec3d extent(std::int64_t cell, double alpha) const;
-  math::Vec3d scale(const math::Vec3d& x) const {
-    return metric_ ? metric_->coordinates_per_metre(x) : math::Vec3d{1, 1, 1};
-  }
+  math::Vec3d edges(std::int64_t cell, double alpha) const;
+  math::Vec3d middle(std::int64_t cell, double alpha) const; ///< of its vertices
+  const Space& space() const { return space_; }
+  Scale scale(const math::Vec3d& x) const { return space_.scale(x); }
 
 private:
   query::Location locate(const math::Vec3d& x, std::int64_t hint, double alpha) const {
     return sampler_->locate(x, hint, {accuracy_, alpha});
   }
-  void step_back(Spot& at, const math::Vec3d& normal, double alpha) const;
+  void enter_axes(const math::Vec3d& x, const math::Vec3d& y, math::Vec3d* carried);
+  void rename(Spot& at, double alpha, math::Vec3d* carried);
+  bool next_sheet(Spot& at, math::Vec3d& rest, double alpha, math::Vec3d* carried);
+  math::Vec3d normal_in_metres(const Scale& per_metre, const math::Vec3d& normal) const;
+  void step_back(Spot& at, const math::Vec3d& out, double alpha) const;
   bool pass_side(Spot& at, const math::Vec3d& d, const BoundaryEffect& boundary,
                  double alpha) const;
 
   const query::Sampler* sampler_;
   insitu_accuracy accuracy_;
-  const Metric* metric_;
+  Space space_;
   Box box_;
   EffectWork* work_;
   math::Vec3d wall_;
@@ -79,12 +88,9 @@ private:
 /// The box of the owning cells' vertices as they are now.
 Box box_of(const mesh::MeshView& mesh, const core::Threads& threads);
 
-/// a * b and a / b along each axis.
+/// a * b along each axis.
 inline math::Vec3d by_axis(const math::Vec3d& a, const math::Vec3d& b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z};
-}
-inline math::Vec3d over_axis(const math::Vec3d& a, const math::Vec3d& b) {
-  return {a.x / b.x, a.y / b.y, a.z / b.z};
 }
 
 } // namespace insitu::advect

@@ -146,7 +146,8 @@ std::optional<WallResponse> parse_response(const Cursor& cursor) {
   return cursor.choice<WallResponse>({{"leave", WallResponse::leave},
                                       {"stop", WallResponse::stop},
                                       {"slide", WallResponse::slide},
-                                      {"reflect", WallResponse::reflect}});
+                                      {"reflect", WallResponse::reflect},
+                                      {"put_back", WallResponse::put_back}});
 }
 
 void parse_boundary_effect(const Cursor& cursor, TracerEffects& effects) {

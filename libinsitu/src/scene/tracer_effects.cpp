@@ -71,6 +71,8 @@ advect::AtBoundary response_of(WallResponse response) {
     return advect::AtBoundary::stop;
   case WallResponse::slide:
     return advect::AtBoundary::slide;
+  case WallResponse::put_back:
+    return advect::AtBoundary::put_back;
   case WallResponse::reflect:
     break;
   }

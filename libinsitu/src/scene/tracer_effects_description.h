@@ -45,7 +45,7 @@ struct InertiaEffect {
   std::optional<math::Vec3d> velocity; ///< at first; else the flow's
 };
 
-enum class WallResponse { leave, stop, slide, reflect };
+enum class WallResponse { leave, stop, slide, reflect, put_back };
 struct WallEffect {
   WallResponse other = WallResponse::leave; ///< of sides that are not periodic
   bool periodic[3] = {};

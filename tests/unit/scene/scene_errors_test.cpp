@@ -264,8 +264,10 @@ TEST(SceneErrors, TracerEffects) {
   EXPECT_HAS(effect("{inertia: {response_time: 1, diameter: 1, density: 1, viscosity: 1}}"),
              "either 'response_time' or 'diameter'");
   EXPECT_HAS(effect("{coriolis: {rotation: [0, 0, 1]}}"), "add 'inertia'");
-  EXPECT_HAS(effect("{boundary: bounce}"), "'bounce' is not one of leave, stop, slide, reflect");
+  EXPECT_HAS(effect("{boundary: bounce}"),
+             "'bounce' is not one of leave, stop, slide, reflect, put_back");
   EXPECT_HAS(effect("{boundary: {restitution: 0.5}}"), "belongs to 'other: reflect'");
+  EXPECT_HAS(effect("{boundary: {other: put_back, restitution: 0.5}}"), "'other: reflect'");
   EXPECT_HAS(effect("{boundary: {periodic: [w]}}"), "'w' is not one of x, y, z");
   EXPECT_HAS(effect("{age_limit: 0}"), "a number above 0 expected");
   EXPECT_HAS(effect("{remove: {when: 'max(salt) > 1'}}"), "a field is its value there");

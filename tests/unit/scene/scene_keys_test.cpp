@@ -275,6 +275,10 @@ TEST(SceneKeys, TracerEffects) {
   EXPECT_EQ(e.remove->when.uses()[0].field, "salt");
   EXPECT_EQ(parse(test::tracer("effects: [{boundary: slide}]")).tracers[0].effects.boundary->other,
             WallResponse::slide);
+  EXPECT_EQ(parse(test::tracer("effects: [{boundary: {other: put_back}}]"))
+                .tracers[0]
+                .effects.boundary->other,
+            WallResponse::put_back);
 }
 
 TEST(SceneKeys, DefaultScene) {
