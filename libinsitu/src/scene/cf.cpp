@@ -153,11 +153,13 @@ NetcdfVariable cf_values(const output::NetcdfLayout& layout, const std::string& 
   return v;
 }
 
-std::vector<NetcdfAttribute> cf_attributes(const std::string& feature, const std::string& title) {
+std::vector<NetcdfAttribute> cf_attributes(const std::string& feature, const std::string& title,
+                                           const std::string& positions) {
   return {text("Conventions", "CF-1.10"), text("featureType", feature), text("title", title),
           text("source", "libinsitu"),
           text("comment", "time is that of the solver in seconds and has no calendar; positions "
-                          "are in the mesh's frame")};
+                          "are in " +
+                              positions + " frame")};
 }
 
 } // namespace insitu::scene

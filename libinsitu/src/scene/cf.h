@@ -32,8 +32,9 @@ output::NetcdfVariable cf_ending();
 output::NetcdfVariable cf_values(const output::NetcdfLayout& layout, const std::string& column,
                                  const std::string& coordinates,
                                  const std::optional<output::NetcdfVariable>& grid_mapping);
-/// Those of the file; feature: "trajectory" or "timeSeries".
+/// Those of the file; feature: "trajectory", "timeSeries" or "timeSeriesProfile".
 std::vector<output::NetcdfAttribute> cf_attributes(const std::string& feature,
-                                                   const std::string& title);
+                                                   const std::string& title,
+                                                   const std::string& positions = "the mesh's");
 
 } // namespace insitu::scene

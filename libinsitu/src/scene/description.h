@@ -71,7 +71,16 @@ struct Sphere {
   double radius = 1;
   std::int64_t count = 1;
 };
-using PointSource = std::variant<PointList, PointFile, Line, Transect, Plane, Box, Sphere>;
+/// Upright: `count` stations in equal steps of length along the path through `through` (x, y, 0),
+/// its first and last place included, and at each station the levels, the frame's third numbers.
+/// The path is the shortest one on the ellipsoid from place to place where the frame is geodetic,
+/// and straight in every other frame.
+struct Curtain {
+  std::vector<math::Vec3d> through;
+  std::int64_t count = 2;
+  std::vector<double> levels; ///< strictly ascending or descending
+};
+using PointSource = std::variant<PointList, PointFile, Line, Transect, Plane, Box, Sphere, Curtain>;
 
 // ---------------------------------------------------------------------------------------- probes
 

@@ -107,6 +107,11 @@ Probe parse_probe(const Cursor& cursor, ParseContext& context) {
   const MapReader map(cursor, {"name", "mesh", "points", "frame", "fields", "attached", "accuracy",
                                "output", "every", "when"});
   parse_common(map, context, "points", probe.points, probe.points_line, probe);
+  if (probe.attached == Attached::body && std::holds_alternative<Curtain>(probe.points)) {
+    map.find("attached")
+        ->fail("a curtain stands where it is; its points do not go with the "
+               "material");
+  }
   if (const auto output = map.find("output")) {
     probe.output = parse_output(*output, {{"csv", TableFormat::csv},
                                           {"vtp", TableFormat::vtp},

@@ -122,6 +122,15 @@ TEST(SceneKeys, PointSources) {
       std::get<Transect>(points("{transect: {from: [4, 5, 6], to: [1, 2, 3], count: 8}}"));
   EXPECT_EQ(transect.from, (math::Vec3d{4, 5, 6}));
   EXPECT_EQ(transect.count, 8);
+  const auto curtain = std::get<Curtain>(
+      points("{curtain: {through: [[1, 2], [3, 4], [5, 6]], count: 9, levels: [0, 10, 30]}}"));
+  EXPECT_EQ(curtain.through, (std::vector<math::Vec3d>{{1, 2, 0}, {3, 4, 0}, {5, 6, 0}}));
+  EXPECT_EQ(curtain.count, 9);
+  EXPECT_EQ(curtain.levels, (std::vector<double>{0, 10, 30}));
+  EXPECT_EQ(std::get<Curtain>(points("{curtain: {through: [[0, 0], [1, 0]], count: 2, levels: "
+                                     "{from: 4, to: -4, count: 5}}}"))
+                .levels,
+            (std::vector<double>{4, 2, 0, -2, -4}));
   const auto plane = std::get<Plane>(
       points("{plane: {origin: [1, 1, 1], u: [2, 0, 0], v: [0, 3, 0], counts: [4, 5]}}"));
   EXPECT_EQ(plane.origin, (math::Vec3d{1, 1, 1}));
