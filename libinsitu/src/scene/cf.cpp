@@ -153,6 +153,20 @@ NetcdfVariable cf_values(const output::NetcdfLayout& layout, const std::string& 
   return v;
 }
 
+void cf_geodesic(TrackGeodesic column, NetcdfVariable& variable) {
+  const char* what = "direction from the point of release, clockwise from north";
+  const char* units = "degree";
+  if (column != TrackGeodesic::release_bearing) {
+    what = column == TrackGeodesic::path_length ? "distance along the track since the release"
+                                                : "distance from the point of release";
+    units = "m";
+  }
+  for (NetcdfAttribute& attribute : variable.attributes)
+    if (attribute.name == "long_name")
+      attribute.value = std::string(what);
+  variable.attributes.push_back(text("units", units));
+}
+
 std::vector<NetcdfAttribute> cf_attributes(const std::string& feature, const std::string& title,
                                            const std::string& positions) {
   return {text("Conventions", "CF-1.10"), text("featureType", feature), text("title", title),

@@ -128,12 +128,19 @@ struct TracerLimits {
   std::optional<double> length; ///< length of the line
 };
 
-/// When all seeds of path- and streaklines begin; neither member: once, at the first cycle.
+/// When all seeds of path- and streaklines begin; neither every nor interval: once, at the first
+/// cycle (where `when` holds).
 struct Release {
   std::optional<std::int64_t> every; ///< at each cycle that is a multiple of this
   std::optional<double> interval;    ///< at the first cycle's time, and this much later each time
   std::optional<double> until;       ///< not after this time
+  std::optional<Expression> when;    ///< only at cycles where this holds
+  int line = 0;                      ///< of `when`
+  bool once() const { return !every && !interval; }
 };
+
+/// What may be recorded of a particle's way over the ellipsoid.
+enum class TrackGeodesic { path_length, release_distance, release_bearing };
 
 struct Tracer {
   std::string name; ///< of the output files; unique in the scene
@@ -147,9 +154,10 @@ struct Tracer {
   IntegratorOptions integrator;
   TracerDirection direction = TracerDirection::forward; ///< of streamlines
   TracerLimits until;
-  TracerEffects effects;             ///< of path- and streaklines
-  Attached attached = Attached::lab; ///< body: path- and streaklines, without velocity
-  std::vector<Name> fields;          ///< recorded along the tracks; empty: none
+  TracerEffects effects;                ///< of path- and streaklines
+  Attached attached = Attached::lab;    ///< body: path- and streaklines, without velocity
+  std::vector<Name> fields;             ///< recorded along the tracks; empty: none
+  std::vector<TrackGeodesic> geodesics; ///< of path- and streaklines, after the fields
   Accuracy accuracy = Accuracy::standard;
   std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp, netcdf (no streamlines)
   Trigger trigger; ///< its own, or else the scene's: streamlines are computed, tracks are written

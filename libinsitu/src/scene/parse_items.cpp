@@ -124,8 +124,8 @@ Probe parse_probe(const Cursor& cursor, ParseContext& context) {
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   Tracer tracer;
   const MapReader map(cursor, {"name", "mesh", "seeds", "frame", "kind", "release", "velocity",
-                               "integrator", "direction", "until", "effects", "fields", "attached",
-                               "accuracy", "output", "every", "when"});
+                               "integrator", "direction", "until", "effects", "fields", "geodesics",
+                               "attached", "accuracy", "output", "every", "when"});
   parse_common(map, context, "seeds", tracer.seeds, tracer.seeds_line, tracer);
   if (const auto kind = map.find("kind")) {
     assign(tracer.kind, kind->choice<TracerKind>({{"streamline", TracerKind::streamline},
@@ -141,6 +141,17 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
                     "streaklines");
     }
     tracer.release = parse_release(*release);
+  }
+  if (const auto geodesics = map.find("geodesics")) {
+    if (tracer.kind == TracerKind::streamline) {
+      geodesics->fail("streamlines are of one time; this key belongs to path- and streaklines");
+    }
+    tracer.geodesics =
+        parse_words<TrackGeodesic>(*geodesics,
+                                   {{"path_length", TrackGeodesic::path_length},
+                                    {"release_distance", TrackGeodesic::release_distance},
+                                    {"release_bearing", TrackGeodesic::release_bearing}},
+                                   "column");
   }
   const bool attached = tracer.attached == Attached::body;
   if (const auto velocity = attached ? map.find("velocity") : map.require("velocity")) {

@@ -34,6 +34,8 @@ std::string resolve_path(const std::string& path, const std::string& base_folder
 
 /// `every` and `when` of the map, or `fallback` where it has neither.
 Trigger parse_trigger(const MapReader& map, const Trigger& fallback);
+/// Nothing where it is none.
+std::optional<Expression> parse_condition(const Cursor& cursor);
 LocatorOptions parse_locator(const Cursor& cursor);
 std::optional<Accuracy> parse_accuracy(const Cursor& cursor);
 /// `name`: required, fit for a file name, and not yet in use.

@@ -8,8 +8,8 @@ namespace {
 /// `<name>.csv`: cycle, time, particle, x, y, z, cell, [piece,] ending, and the values.
 class TrackCsv final : public TrackTable {
 public:
-  TrackCsv(const std::string& name, const Environment& environment)
-      : path_(environment.output + "/" + name + ".csv"), environment_(environment) {}
+  TrackCsv(const Tracer& tracer, const Environment& environment)
+      : path_(environment.output + "/" + tracer.name + ".csv"), environment_(environment) {}
 
 private:
   void open(const TrackRows& rows, std::int64_t) override {
@@ -60,9 +60,8 @@ private:
 
 } // namespace
 
-std::unique_ptr<TrackWriter> make_track_csv(const std::string& name,
-                                            const Environment& environment) {
-  return std::make_unique<TrackCsv>(name, environment);
+std::unique_ptr<TrackWriter> make_track_csv(const Tracer& tracer, const Environment& environment) {
+  return std::make_unique<TrackCsv>(tracer, environment);
 }
 
 } // namespace insitu::scene

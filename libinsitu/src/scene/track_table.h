@@ -6,11 +6,12 @@ namespace insitu::scene {
 
 /// A table that grows: a row for each living particle when due, and a last one for each that ends,
 /// in the cycle in which it does. Those that are alive when the session closes end as killed, with
-/// no cell and no values. The formats derive from it.
+/// no cell and no values of fields. The formats derive from it.
 class TrackTable : public TrackWriter {
 public:
   void write(TrackCycle& cycle) final;
-  void finish(const advect::Particles& particles, std::int64_t cycle, double time) final;
+  void finish(const advect::Particles& particles, const TrackGeodesics& geodesics,
+              std::int64_t cycle, double time) final;
   void keep(core::Archive& archive, std::int64_t cycle) final;
 
 protected:

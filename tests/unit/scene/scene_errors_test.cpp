@@ -238,6 +238,11 @@ TEST(SceneErrors, Tracers) {
   EXPECT_HAS(tracer_error("release: {every: 1, interval: 2}"), "either 'every'");
   EXPECT_HAS(tracer_error("release: {every: 0}"), "tracers[0].release.every: an integer from 1");
   EXPECT_HAS(tracer_error("release: {interval: 0}"), "tracers[0].release.interval: a number");
+  EXPECT_HAS(tracer_error("release: {when: max(p}"), "tracers[0].release.when: ");
+  EXPECT_HAS(tracer_error("geodesics: [length]"), "'length' is not one of path_length");
+  EXPECT_HAS(tracer_error("geodesics: [path_length, path_length]"), "given twice");
+  EXPECT_HAS(tracer_error("kind: streamline, geodesics: [path_length]"),
+             "tracers[0].geodesics: streamlines are of one time");
   EXPECT_HAS(tracer_error("kind: streamline, release: once"), "belongs to path- and streaklines");
   EXPECT_HAS(tracer_error("kind: streamline, output: [netcdf]"), "netcdf is for path- and");
   EXPECT_HAS(test::error_of("insitu: 1\nprobes: [{name: gauges, points: [[0, 0, 0]]}]\n"

@@ -228,6 +228,11 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(timed.until, -3);
   EXPECT_FALSE(timed.every);
   EXPECT_EQ(parse(test::tracer("release: {every: 7}")).tracers[0].release.every, 7);
+  const Release waiting = parse(test::tracer("release: {when: cycle > 3}")).tracers[0].release;
+  EXPECT_TRUE(waiting.once());
+  EXPECT_EQ(waiting.when->text(), "cycle > 3");
+  EXPECT_EQ(parse(test::tracer("geodesics: [release_bearing, path_length]")).tracers[0].geodesics,
+            (std::vector{TrackGeodesic::release_bearing, TrackGeodesic::path_length}));
   EXPECT_FALSE(parse("every: 2\n").checkpoint.every);
   const CheckpointOptions checkpoint = parse("checkpoint: {every: 50}\n").checkpoint;
   EXPECT_EQ(checkpoint.every, 50);
