@@ -64,9 +64,10 @@ std::array<NetcdfVariable, 3> cf_position(const insitu_frame& frame) {
          text("units", "m")},
         {text("long_name", "from the Earth's centre towards the north pole"), text("units", "m")});
   case INSITU_FRAME_ENU:
-    return axes({text("long_name", "east of the origin"), text("units", "m")},
-                {text("long_name", "north of the origin"), text("units", "m")},
-                {text("long_name", "above the origin"), text("units", "m")});
+    return axes(
+        {text("long_name", "east of the origin"), text("units", "m")},
+        {text("long_name", "north of the origin"), text("units", "m")},
+        {text("long_name", "above the origin"), text("units", "m"), text("positive", "up")});
   case INSITU_FRAME_UTM:
     return axes({text("standard_name", "projection_x_coordinate"), text("units", "m")},
                 {text("standard_name", "projection_y_coordinate"), text("units", "m")}, height);
