@@ -48,6 +48,8 @@ private:
   bool is_open() const override { return table_ != nullptr; }
   void flush() override { flush_table(*table_); }
   void close() override { table_.reset(); }
+  std::int64_t size() const override { return table_->size(); }
+  void shorten(std::int64_t size) override { table_->shorten(size); }
   const std::vector<std::string>& value_columns() const override { return value_columns_; }
   bool has_pieces() const override { return pieces_; }
 

@@ -39,9 +39,12 @@ void TrackTable::keep(core::Archive& archive, std::int64_t cycle) {
   archive.array("columns", none.columns);
   archive.value("pieces", none.pieces);
   archive.value("frame", none.frame);
+  std::int64_t kept = is_there && !archive.restores() ? size() : 0;
+  archive.value("size", kept);
   if (archive.restores() && is_there) {
     open(none, std::int64_t(written_.size()));
     frame_ = none.frame;
+    shorten(kept); // a session that was closed after this cycle has killed its particles in it
   }
 }
 

@@ -22,6 +22,9 @@ protected:
   virtual void add(const TrackRows& rows) = 0;
   virtual void flush() = 0;
   virtual void close() = 0;
+  /// How much is in the open file, and back to that: bytes or records.
+  virtual std::int64_t size() const = 0;
+  virtual void shorten(std::int64_t size) = 0;
   /// The columns of the open file's values.
   virtual const std::vector<std::string>& value_columns() const = 0;
   virtual bool has_pieces() const = 0;
