@@ -44,6 +44,16 @@ AppendTable::~AppendTable() {
   }
 }
 
+std::int64_t AppendTable::size() const {
+  return file_->size();
+}
+
+void AppendTable::shorten(std::int64_t size) {
+  char before = 0;
+  if (size > 0 && size < file_->size() && file_->read(size - 1, &before, 1) == 1 && before == '\n')
+    file_->cut(size, "take rows back from");
+}
+
 const std::string& AppendTable::path() const {
   return file_->path();
 }

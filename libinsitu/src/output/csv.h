@@ -80,6 +80,11 @@ public:
   /// lost.
   void flush();
 
+  /// Bytes in the file.
+  std::int64_t size() const;
+  /// Takes back the whole rows after so many bytes, if rows begin there.
+  void shorten(std::int64_t size);
+
   const std::string& path() const;
 
 private:

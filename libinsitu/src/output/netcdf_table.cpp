@@ -191,6 +191,13 @@ void NetcdfTable::flush() {
   rows_.clear();
 }
 
+void NetcdfTable::shorten(std::int64_t records) {
+  if (records < records_) {
+    set_records(records); // first, so that no reader looks for what is gone
+    file_->cut(head_bytes_ + records_ * record_bytes_, "take records back from");
+  }
+}
+
 void NetcdfTable::change(NetcdfLayout layout) {
   std::string head = netcdf_head(path(), layout);
   if (layout.record_bytes() != record_bytes_) {

@@ -65,6 +65,8 @@ public:
   const std::string& path() const;
   /// In the file.
   std::int64_t records() const { return records_; }
+  /// Takes back the records after so many.
+  void shorten(std::int64_t records);
 
 private:
   void set_records(std::int64_t records);

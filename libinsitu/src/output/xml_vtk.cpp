@@ -240,17 +240,22 @@ VtkArray vtk_array(std::string name, std::span<const std::uint8_t> values, int c
 void write_vtp(const std::string& path, const VtkPolyData& data) {
   const std::size_t points = data.points.tuples;
   const std::size_t lines = data.line_ends.size();
-  const std::size_t vertices = lines == 0 ? points : 0;
+  const std::size_t quads = data.quads.size() / 4;
+  const std::size_t vertices = lines + quads == 0 ? points : 0;
   const std::size_t in_lines =
       data.line_points.empty() && lines > 0 ? points : data.line_points.size();
-  check(path, data, vertices + lines);
+  check(path, data, vertices + lines + quads);
   check_cells(path, "line", data.line_ends, data.line_points, in_lines, points);
+  std::vector<std::int64_t> quad_ends;
+  for (std::size_t i = 1; i <= quads; ++i)
+    quad_ends.push_back(std::int64_t(4 * i));
+  check_cells(path, "quad", quad_ends, data.quads, data.quads.size(), points);
 
   Document document("PolyData");
   document.time(data);
   document.open("Piece NumberOfPoints=\"" + std::to_string(points) + "\" NumberOfVerts=\"" +
                 std::to_string(vertices) + "\" NumberOfLines=\"" + std::to_string(lines) +
-                "\" NumberOfStrips=\"0\" NumberOfPolys=\"0\"");
+                "\" NumberOfStrips=\"0\" NumberOfPolys=\"" + std::to_string(quads) + "\"");
   document.add("PointData", data.point_data);
   document.add("CellData", data.cell_data);
   add_points(document, data.points);
@@ -269,6 +274,12 @@ void write_vtp(const std::string& path, const VtkPolyData& data) {
     document.add(Block{vtk_array("offsets", data.line_ends)});
   }
   document.close("Lines");
+  if (quads > 0) {
+    document.open("Polys");
+    document.add(Block{vtk_array("connectivity", data.quads)});
+    document.add(Block{vtk_array("offsets", quad_ends)});
+    document.close("Polys");
+  }
   document.write(path);
 }
 

@@ -39,7 +39,8 @@ struct VtkDataSet {
   double time = 0;
 };
 
-/// Particles (no lines: each point is a vertex cell) or tracks (polylines over the points).
+/// Particles (no lines, no quads: each point is a vertex cell), tracks (polylines over the points)
+/// or a surface (quads). Cell data: of the lines, then of the quads.
 struct VtkPolyData : VtkDataSet {
   /// For polylines: where each line ends in line_points, ascending. A line has at least
   /// one point; since VTK wants two, the file holds a single one twice.
@@ -47,6 +48,8 @@ struct VtkPolyData : VtkDataSet {
   /// The point ids of all lines, one after another; empty means 0, 1, 2, ...: points stored line by
   /// line.
   std::span<const std::int64_t> line_points;
+  /// Four point ids each, all around.
+  std::span<const std::int64_t> quads;
 };
 
 /// Cells by VTK numbering: connectivity, where each cell ends in it, and its type.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -69,10 +70,19 @@ mesh::FieldView find_field(const query::CommittedMesh& mesh, const Name& name,
 mesh::FieldView find_own_field(const query::CommittedMesh& mesh, const Name& name,
                                const std::string& scene_file);
 
+/// Where a curtain stands, in the coordinates it was given in.
+struct CurtainPlaces {
+  insitu_frame frame = insitu_frame_default();
+  std::vector<math::Vec3d> stations; ///< x, y, 0
+  std::vector<double> distances;     ///< [station] along its path: metres, or lengths of the frame
+  std::vector<double> levels;        ///< the third coordinates
+};
+
 /// Points of a scene in the mesh's coordinates.
 struct ScenePoints {
   std::vector<math::Vec3d> mesh_points;
-  std::vector<std::string> names; ///< or empty
+  std::vector<std::string> names;       ///< or empty
+  std::optional<CurtainPlaces> curtain; ///< then the points are [station][level]
 };
 ScenePoints resolve_points(const PointSource& source, const FrameOfReference& frame,
                            const query::CommittedMesh& mesh, const std::string& scene_file);

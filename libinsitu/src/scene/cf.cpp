@@ -64,9 +64,10 @@ std::array<NetcdfVariable, 3> cf_position(const insitu_frame& frame) {
          text("units", "m")},
         {text("long_name", "from the Earth's centre towards the north pole"), text("units", "m")});
   case INSITU_FRAME_ENU:
-    return axes({text("long_name", "east of the origin"), text("units", "m")},
-                {text("long_name", "north of the origin"), text("units", "m")},
-                {text("long_name", "above the origin"), text("units", "m")});
+    return axes(
+        {text("long_name", "east of the origin"), text("units", "m")},
+        {text("long_name", "north of the origin"), text("units", "m")},
+        {text("long_name", "above the origin"), text("units", "m"), text("positive", "up")});
   case INSITU_FRAME_UTM:
     return axes({text("standard_name", "projection_x_coordinate"), text("units", "m")},
                 {text("standard_name", "projection_y_coordinate"), text("units", "m")}, height);
@@ -153,11 +154,27 @@ NetcdfVariable cf_values(const output::NetcdfLayout& layout, const std::string& 
   return v;
 }
 
-std::vector<NetcdfAttribute> cf_attributes(const std::string& feature, const std::string& title) {
+void cf_geodesic(TrackGeodesic column, NetcdfVariable& variable) {
+  const char* what = "direction from the point of release, clockwise from north";
+  const char* units = "degree";
+  if (column != TrackGeodesic::release_bearing) {
+    what = column == TrackGeodesic::path_length ? "distance along the track since the release"
+                                                : "distance from the point of release";
+    units = "m";
+  }
+  for (NetcdfAttribute& attribute : variable.attributes)
+    if (attribute.name == "long_name")
+      attribute.value = std::string(what);
+  variable.attributes.push_back(text("units", units));
+}
+
+std::vector<NetcdfAttribute> cf_attributes(const std::string& feature, const std::string& title,
+                                           const std::string& positions) {
   return {text("Conventions", "CF-1.10"), text("featureType", feature), text("title", title),
           text("source", "libinsitu"),
           text("comment", "time is that of the solver in seconds and has no calendar; positions "
-                          "are in the mesh's frame")};
+                          "are in " +
+                              positions + " frame")};
 }
 
 } // namespace insitu::scene

@@ -8,6 +8,7 @@
 #include "insitu/insitu.h"
 
 #include "output/netcdf_layout.h"
+#include "scene/description.h"
 
 /// Names and attributes of the CF conventions (1.10) for what tracers and probes write.
 namespace insitu::scene {
@@ -32,8 +33,11 @@ output::NetcdfVariable cf_ending();
 output::NetcdfVariable cf_values(const output::NetcdfLayout& layout, const std::string& column,
                                  const std::string& coordinates,
                                  const std::optional<output::NetcdfVariable>& grid_mapping);
-/// Those of the file; feature: "trajectory" or "timeSeries".
+/// Says what a column of geodesics is, in place of its name.
+void cf_geodesic(TrackGeodesic column, output::NetcdfVariable& variable);
+/// Those of the file; feature: "trajectory", "timeSeries" or "timeSeriesProfile".
 std::vector<output::NetcdfAttribute> cf_attributes(const std::string& feature,
-                                                   const std::string& title);
+                                                   const std::string& title,
+                                                   const std::string& positions = "the mesh's");
 
 } // namespace insitu::scene

@@ -71,7 +71,16 @@ struct Sphere {
   double radius = 1;
   std::int64_t count = 1;
 };
-using PointSource = std::variant<PointList, PointFile, Line, Transect, Plane, Box, Sphere>;
+/// Upright: `count` stations in equal steps of length along the path through `through` (x, y, 0),
+/// its first and last place included, and at each station the levels, the frame's third numbers.
+/// The path is the shortest one on the ellipsoid from place to place where the frame is geodetic,
+/// and straight in every other frame.
+struct Curtain {
+  std::vector<math::Vec3d> through;
+  std::int64_t count = 2;
+  std::vector<double> levels; ///< strictly ascending or descending
+};
+using PointSource = std::variant<PointList, PointFile, Line, Transect, Plane, Box, Sphere, Curtain>;
 
 // ---------------------------------------------------------------------------------------- probes
 
@@ -120,12 +129,19 @@ struct TracerLimits {
   std::optional<double> length; ///< length of the line
 };
 
-/// When all seeds of path- and streaklines begin; neither member: once, at the first cycle.
+/// When all seeds of path- and streaklines begin; neither every nor interval: once, at the first
+/// cycle (where `when` holds).
 struct Release {
   std::optional<std::int64_t> every; ///< at each cycle that is a multiple of this
   std::optional<double> interval;    ///< at the first cycle's time, and this much later each time
   std::optional<double> until;       ///< not after this time
+  std::optional<Expression> when;    ///< only at cycles where this holds
+  int line = 0;                      ///< of `when`
+  bool once() const { return !every && !interval; }
 };
+
+/// What may be recorded of a particle's way over the ellipsoid.
+enum class TrackGeodesic { path_length, release_distance, release_bearing };
 
 struct Tracer {
   std::string name; ///< of the output files; unique in the scene
@@ -139,9 +155,10 @@ struct Tracer {
   IntegratorOptions integrator;
   TracerDirection direction = TracerDirection::forward; ///< of streamlines
   TracerLimits until;
-  TracerEffects effects;             ///< of path- and streaklines
-  Attached attached = Attached::lab; ///< body: path- and streaklines, without velocity
-  std::vector<Name> fields;          ///< recorded along the tracks; empty: none
+  TracerEffects effects;                ///< of path- and streaklines
+  Attached attached = Attached::lab;    ///< body: path- and streaklines, without velocity
+  std::vector<Name> fields;             ///< recorded along the tracks; empty: none
+  std::vector<TrackGeodesic> geodesics; ///< of path- and streaklines, after the fields
   Accuracy accuracy = Accuracy::standard;
   std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp, netcdf (no streamlines)
   Trigger trigger; ///< its own, or else the scene's: streamlines are computed, tracks are written

@@ -65,8 +65,9 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
   Problems problems(name);
   SceneDescription scene;
   scene.file = name;
-  const MapReader map(Cursor(*root, "", problems), {"insitu", "output", "page", "locator", "checkpoint", "every",
-                                                    "when", "probes", "tracers", "frames"});
+  const MapReader map(Cursor(*root, "", problems),
+                      {"insitu", "output", "page", "locator", "checkpoint", "every", "when",
+                       "probes", "tracers", "frames"});
   parse_version(map);
   if (const auto output = map.find("output")) {
     assign(scene.output, output->text());
@@ -118,15 +119,22 @@ Trigger parse_trigger(const MapReader& map, const Trigger& fallback) {
   }
   if (when) {
     trigger.line = when->line();
-    if (const auto text = when->text()) {
-      try {
-        trigger.when = Expression(*text);
-      } catch (const ExpressionError& error) {
-        when->fail(describe(error, *text));
-      }
-    }
+    trigger.when = parse_condition(*when);
   }
   return trigger;
+}
+
+std::optional<Expression> parse_condition(const Cursor& cursor) {
+  const auto text = cursor.text();
+  if (!text) {
+    return std::nullopt;
+  }
+  try {
+    return Expression(*text);
+  } catch (const ExpressionError& error) {
+    cursor.fail(describe(error, *text));
+    return std::nullopt;
+  }
 }
 
 LocatorOptions parse_locator(const Cursor& cursor) {

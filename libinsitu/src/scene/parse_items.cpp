@@ -107,6 +107,11 @@ Probe parse_probe(const Cursor& cursor, ParseContext& context) {
   const MapReader map(cursor, {"name", "mesh", "points", "frame", "fields", "attached", "accuracy",
                                "output", "every", "when"});
   parse_common(map, context, "points", probe.points, probe.points_line, probe);
+  if (probe.attached == Attached::body && std::holds_alternative<Curtain>(probe.points)) {
+    map.find("attached")
+        ->fail("a curtain stands where it is; its points do not go with the "
+               "material");
+  }
   if (const auto output = map.find("output")) {
     probe.output = parse_output(*output, {{"csv", TableFormat::csv},
                                           {"vtp", TableFormat::vtp},
@@ -119,8 +124,8 @@ Probe parse_probe(const Cursor& cursor, ParseContext& context) {
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   Tracer tracer;
   const MapReader map(cursor, {"name", "mesh", "seeds", "frame", "kind", "release", "velocity",
-                               "integrator", "direction", "until", "effects", "fields", "attached",
-                               "accuracy", "output", "every", "when"});
+                               "integrator", "direction", "until", "effects", "fields", "geodesics",
+                               "attached", "accuracy", "output", "every", "when"});
   parse_common(map, context, "seeds", tracer.seeds, tracer.seeds_line, tracer);
   if (const auto kind = map.find("kind")) {
     assign(tracer.kind, kind->choice<TracerKind>({{"streamline", TracerKind::streamline},
@@ -136,6 +141,17 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
                     "streaklines");
     }
     tracer.release = parse_release(*release);
+  }
+  if (const auto geodesics = map.find("geodesics")) {
+    if (tracer.kind == TracerKind::streamline) {
+      geodesics->fail("streamlines are of one time; this key belongs to path- and streaklines");
+    }
+    tracer.geodesics =
+        parse_words<TrackGeodesic>(*geodesics,
+                                   {{"path_length", TrackGeodesic::path_length},
+                                    {"release_distance", TrackGeodesic::release_distance},
+                                    {"release_bearing", TrackGeodesic::release_bearing}},
+                                   "column");
   }
   const bool attached = tracer.attached == Attached::body;
   if (const auto velocity = attached ? map.find("velocity") : map.require("velocity")) {

@@ -17,13 +17,14 @@ namespace insitu::scene {
 /// What the sections share.
 struct ParseContext {
   std::string base_folder;
-  Trigger trigger;             ///< the scene's
-  std::set<std::string> names; ///< of the probes, tracers and frames so far
+  Trigger trigger;                            ///< the scene's
+  std::set<std::string> names;                ///< of the probes, tracers and frames so far
   const std::vector<Probe>* probes = nullptr; ///< so far
 };
 
 /// Counts of points, of pixels along a side, of cycles and steps beyond these are slips.
 constexpr std::int64_t most_points = 1'000'000'000;
+constexpr std::int64_t most_levels = 1'000'000;
 constexpr std::int64_t largest_image_side = 16384;
 constexpr std::int64_t most_cycles = 1'000'000'000;
 constexpr std::int64_t most_steps = 1'000'000'000;
@@ -33,6 +34,8 @@ std::string resolve_path(const std::string& path, const std::string& base_folder
 
 /// `every` and `when` of the map, or `fallback` where it has neither.
 Trigger parse_trigger(const MapReader& map, const Trigger& fallback);
+/// Nothing where it is none.
+std::optional<Expression> parse_condition(const Cursor& cursor);
 LocatorOptions parse_locator(const Cursor& cursor);
 std::optional<Accuracy> parse_accuracy(const Cursor& cursor);
 /// `name`: required, fit for a file name, and not yet in use.

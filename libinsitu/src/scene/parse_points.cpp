@@ -135,6 +135,80 @@ PointSource parse_sphere(const Cursor& cursor) {
   return sphere;
 }
 
+/// Numbers one by one, or in equal steps.
+std::vector<double> parse_levels(const Cursor& cursor) {
+  std::vector<double> levels;
+  if (cursor.is_map()) {
+    double from = 0, to = 0;
+    std::int64_t count = 0;
+    const MapReader map(cursor, {"from", "to", "count"});
+    for (const auto& [key, end] : {std::pair{"from", &from}, std::pair{"to", &to}}) {
+      if (const auto value = map.require(key)) {
+        assign(*end, value->number());
+      }
+    }
+    if (const auto value = map.require("count")) {
+      assign(count, value->integer(2, most_levels));
+    }
+    for (std::int64_t i = 0; i < count; ++i) {
+      const double t = static_cast<double>(i) / static_cast<double>(count - 1);
+      levels.push_back((1 - t) * from + t * to);
+    }
+  } else if (!cursor.is_list()) {
+    cursor.expected("a list of numbers, or a map of from, to and count");
+  } else {
+    assign(levels, cursor.numbers(0));
+  }
+  const bool descend = levels.size() > 1 && levels[1] < levels[0];
+  for (std::size_t i = 1; i < levels.size(); ++i) {
+    if (descend ? levels[i] >= levels[i - 1] : levels[i] <= levels[i - 1]) {
+      cursor.fail("levels ascend or descend; level " + std::to_string(i) + " does not");
+      break;
+    }
+  }
+  if (levels.empty()) { // noted above
+    levels.push_back(0);
+  }
+  return levels;
+}
+
+PointSource parse_curtain(const Cursor& cursor, const FrameOfReference& frame) {
+  Curtain curtain;
+  const MapReader map(cursor, {"through", "count", "levels"});
+  if (frame.kind == FrameOfReference::Kind::geocentric) {
+    cursor.fail("a curtain has no upright in geocentric coordinates; give it in another frame");
+  }
+  if (const auto through = map.require("through")) {
+    for (const Cursor& item : through->items().value_or(std::vector<Cursor>{})) {
+      const auto place = item.numbers(2);
+      if (!place) {
+        continue;
+      }
+      const math::Vec3d at{(*place)[0], (*place)[1], 0};
+      if (!curtain.through.empty() && curtain.through.back() == at) {
+        item.fail("the place before is the same");
+      }
+      curtain.through.push_back(at);
+    }
+    if (through->is_list() && through->node().items.size() < 2) {
+      through->fail("at least two places expected");
+    }
+  }
+  if (const auto count = map.require("count")) {
+    assign(curtain.count, count->integer(2, most_points));
+  }
+  curtain.levels = {0};
+  if (const auto levels = map.require("levels")) {
+    curtain.levels = parse_levels(*levels);
+  }
+  if (curtain.count > most_points / static_cast<std::int64_t>(curtain.levels.size())) {
+    cursor.fail("the stations and levels make more than " + std::to_string(most_points) +
+                " points");
+    curtain.count = 2;
+  }
+  return curtain;
+}
+
 /// Every latitude that the source names must be one.
 void check_latitudes(const Cursor& cursor, const PointSource& source) {
   const auto check = [&](const math::Vec3d& point, const std::string& what) {
@@ -161,6 +235,10 @@ void check_latitudes(const Cursor& cursor, const PointSource& source) {
     check(plane->origin + plane->u, "the corner 'origin' + 'u'");
     check(plane->origin + plane->v, "the corner 'origin' + 'v'");
     check(plane->origin + plane->u + plane->v, "the corner 'origin' + 'u' + 'v'");
+  } else if (const auto* curtain = std::get_if<Curtain>(&source)) {
+    for (std::size_t i = 0; i < curtain->through.size(); ++i) {
+      check(curtain->through[i], "place " + std::to_string(i));
+    }
   } else if (std::holds_alternative<Sphere>(source)) {
     cursor.fail("a sphere has no meaning in longitude and latitude; give it in another frame");
   }
@@ -168,10 +246,12 @@ void check_latitudes(const Cursor& cursor, const PointSource& source) {
 
 PointSource parse_shape(const Cursor& cursor, const ParseContext& context,
                         const FrameOfReference& frame) {
-  const MapReader map(cursor, {"points", "line", "transect", "plane", "grid", "box", "sphere"});
+  const MapReader map(cursor,
+                      {"points", "line", "transect", "curtain", "plane", "grid", "box", "sphere"});
   if (map && cursor.node().entries.size() != 1) {
-    cursor.fail("exactly one of points, line, transect, plane, grid, box, sphere expected, " +
-                std::to_string(cursor.node().entries.size()) + " keys found");
+    cursor.fail(
+        "exactly one of points, line, transect, curtain, plane, grid, box, sphere expected, " +
+        std::to_string(cursor.node().entries.size()) + " keys found");
     return {};
   }
   if (const auto points = map.find("points")) {
@@ -186,6 +266,8 @@ PointSource parse_shape(const Cursor& cursor, const ParseContext& context,
     source = parse_segment<Line>(*line);
   } else if (const auto transect = map.find("transect")) {
     source = parse_segment<Transect>(*transect);
+  } else if (const auto curtain = map.find("curtain")) {
+    source = parse_curtain(*curtain, frame);
   } else if (const auto plane = map.find("plane")) {
     source = parse_plane(*plane);
   } else if (const auto grid = map.find("grid")) {
@@ -249,8 +331,8 @@ PointSource parse_points(const Cursor& cursor, const ParseContext& context,
     return parse_shape(cursor, context, frame);
   }
   if (!cursor.is_list()) {
-    cursor.expected(
-        "a file's name, a list of points, or a map of line, transect, plane, grid, box or sphere");
+    cursor.expected("a file's name, a list of points, or a map of line, transect, curtain, plane, "
+                    "grid, box or sphere");
     return {};
   }
   PointSource source = parse_list(cursor);

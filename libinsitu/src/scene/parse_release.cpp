@@ -10,10 +10,10 @@ Release parse_release(const Cursor& cursor) {
     return release;
   }
   if (!cursor.is_map()) {
-    cursor.expected("once, or a map of every or interval, and until,");
+    cursor.expected("once, or a map of every or interval, until and when,");
     return release;
   }
-  const MapReader map(cursor, {"every", "interval", "until"});
+  const MapReader map(cursor, {"every", "interval", "until", "when"});
   if (const auto every = map.find("every")) {
     assign(release.every, every->integer(1, most_cycles));
   }
@@ -23,8 +23,12 @@ Release parse_release(const Cursor& cursor) {
   if (const auto until = map.find("until")) {
     assign(release.until, until->number());
   }
-  if (map.has("every") == map.has("interval")) {
-    cursor.fail("either 'every' (cycles) or 'interval' (time) expected");
+  if (const auto when = map.find("when")) {
+    release.line = when->line();
+    release.when = parse_condition(*when);
+  }
+  if (map.has("every") ? map.has("interval") : !map.has("interval") && !map.has("when")) {
+    cursor.fail("either 'every' (cycles) or 'interval' (time) expected, or 'when' alone");
   }
   return release;
 }

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/status.h"
 #include "core/timer.h"
 #include "scene/release.h"
@@ -15,9 +17,9 @@ class PathTracer final : public TracerAction {
 public:
   PathTracer(const Tracer& tracer, const Environment& environment)
       : TracerAction(tracer, environment), particles_(settings(), environment.context.memory),
-        clock_(tracer.release) {
+        clock_(tracer.release), geodesics_(tracer.geodesics, environment.context.memory) {
     for (const TableFormat format : tracer_.output)
-      writers_.push_back(make_track_writer(format, tracer_.name, environment_));
+      writers_.push_back(make_track_writer(format, tracer_, environment_));
   }
 
   advect::Counts counts() const override { return particles_.counts(); }
@@ -33,6 +35,11 @@ public:
 
   void execute(query::CommittedMesh& mesh, const Step& step, bool due) override {
     const core::Timer timer;
+    if (!tracer_.geodesics.empty() && mesh.frame.kind == INSITU_FRAME_CARTESIAN)
+      throw core::Error(INSITU_ERROR_SCENE,
+                        environment_.scene_file + ":" + std::to_string(tracer_.line) +
+                            ": geodesics need a mesh with a place on Earth; the "
+                            "frame of this one is cartesian");
     if (tracer_.attached == Attached::body) {
       release(mesh, step);
       particles_.follow(mesh.sampler(), knows_cells(mesh), settled_, step.time,
@@ -49,6 +56,7 @@ public:
       release(mesh, step);
       advance(mesh, velocity, step);
     }
+    geodesics_.follow(particles_.particles(), mesh.frame, environment_.context.threads);
     environment_.statistics.advect_s += timer.seconds();
     const core::Timer output_timer;
     last_ = {step.cycle, step.time};
@@ -67,6 +75,7 @@ public:
     archive.value("releases", clock.rounds);
     clock_.set_state(clock);
     particles_.keep(archive);
+    geodesics_.keep(archive);
     for (const auto& writer : writers_)
       writer->keep(archive, cycle);
   }
@@ -79,7 +88,8 @@ public:
       return;
     Failures failures;
     for (const auto& writer : writers_)
-      failures.catch_of([&] { writer->finish(particles_.particles(), last_.cycle, last_.time); });
+      failures.catch_of(
+          [&] { writer->finish(particles_.particles(), geodesics_, last_.cycle, last_.time); });
     failures.throw_if_any();
   }
 
@@ -103,6 +113,16 @@ private:
     return topology_ == mesh.topology_version() || same_cells_;
   }
 
+  bool may_release(const query::CommittedMesh& mesh, const Step& step) const {
+    const Release& release = tracer_.release;
+    return !release.when ||
+           release.when->evaluate(
+               step.cycle, step.time, [&](Reduction reduction, const std::string& field) {
+                 return reduce_field(mesh, {field, release.line}, environment_.scene_file,
+                                     reduction, environment_.context.threads);
+               });
+  }
+
   /// Adds the particles that begin between the last step and this one.
   void release(const query::CommittedMesh& mesh, const Step& step) {
     if (seeded_ && !(step.time >= settled_))
@@ -110,15 +130,18 @@ private:
                                                    " to " + std::to_string(step.time) +
                                                    "; the particles wait where they are");
     const std::vector<double> times = clock_.due(step.cycle, step.time);
-    if (!times.empty()) {
+    if (!times.empty() && may_release(mesh, step)) {
       const std::vector<math::Vec3d>& points = seeds(mesh);
       for (const double time : times)
         particles_.seed(points, time);
+      clock_.note(step.time, times.size());
+    } else {
+      clock_.pass(step.time, times.size());
     }
-    clock_.note(step.time, times.size());
     if (!seeded_)
       settled_ = step.time;
     seeded_ = true;
+    geodesics_.begin(particles_.particles(), mesh.frame);
   }
 
   void advance(query::CommittedMesh& mesh, const mesh::FieldView& velocity, const Step& step) {
@@ -153,6 +176,7 @@ private:
     bool due() const override { return due_; }
     const advect::Particles& particles() const override { return tracer_.particles_.particles(); }
     std::int64_t seeded() const override { return particles().seeded(); }
+    const TrackGeodesics& geodesics() const override { return tracer_.geodesics_; }
     const TrackRows& rows(const std::vector<std::size_t>& indices) override {
       if (!known_ || *known_ != indices) {
         rows_ = tracer_.rows(mesh_, step_, indices);
@@ -186,12 +210,29 @@ private:
     out.frame = mesh.frame;
     out.columns = field_columns(recorded);
     out.values = sample(mesh, recorded, points, cells);
+    add_geodesics(out, p, indices);
     for (std::size_t r = 0; r < indices.size(); ++r) {
       const std::size_t i = indices[r];
       out.rows.push_back({p.ids[i], p.times[i], points[r], own_cell(mesh, cells[r], points[r]),
                           insitu_ending(p.endings[i])});
     }
     return out;
+  }
+
+  /// Further columns after those of the fields.
+  void add_geodesics(TrackRows& out, const advect::Particles& p,
+                     const std::vector<std::size_t>& indices) const {
+    const std::size_t fields = out.columns.size(), width = fields + geodesics_.columns().size();
+    if (width == fields)
+      return;
+    for (const TrackGeodesic column : geodesics_.columns())
+      out.columns.emplace_back(geodesic_name(column));
+    std::vector<double> values(indices.size() * width);
+    for (std::size_t r = 0; r < indices.size(); ++r) {
+      std::copy_n(out.values.data() + r * fields, fields, values.data() + r * width);
+      geodesics_.put(p.ids[indices[r]], values.data() + r * width + fields);
+    }
+    out.values = std::move(values);
   }
 
   void write(const query::CommittedMesh& mesh, const Step& step, bool due) {
@@ -209,6 +250,7 @@ private:
 
   advect::Tracer particles_;
   ReleaseClock clock_;
+  TrackGeodesics geodesics_;
   std::vector<std::unique_ptr<TrackWriter>> writers_;
   bool seeded_ = false;
   double settled_ = 0.0; ///< the time that the particles are at
@@ -222,19 +264,20 @@ private:
 
 } // namespace
 
-std::unique_ptr<TrackWriter> make_track_writer(TableFormat format, const std::string& name,
+std::unique_ptr<TrackWriter> make_track_writer(TableFormat format, const Tracer& tracer,
                                                const Environment& environment) {
   switch (format) {
   case TableFormat::csv:
-    return make_track_csv(name, environment);
+    return make_track_csv(tracer, environment);
   case TableFormat::vtp:
-    return make_track_vtp(name, environment);
+    return make_track_vtp(tracer, environment);
   case TableFormat::netcdf:
-    return make_track_netcdf(name, environment);
+    return make_track_netcdf(tracer, environment);
   case TableFormat::json:
     break;
   }
-  throw core::Error(INSITU_ERROR_INTERNAL, "tracer '" + name + "': no writer for this format");
+  throw core::Error(INSITU_ERROR_INTERNAL,
+                    "tracer '" + tracer.name + "': no writer for this format");
 }
 
 std::unique_ptr<TracerAction> make_tracer_action(const Tracer& tracer,

@@ -7,6 +7,7 @@
 #include "core/timer.h"
 #include "output/atomic_file.h"
 #include "query/attached.h"
+#include "scene/curtain.h"
 
 namespace insitu::scene {
 
@@ -137,6 +138,9 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
   std::vector<std::string> columns{"cycle", "time", "point"};
   if (names)
     columns.push_back("name");
+  const CurtainPlaces* curtain = points_->curtain ? &*points_->curtain : nullptr;
+  if (curtain)
+    columns.insert(columns.end(), {"distance", level_name(*curtain)});
   columns.push_back("cell");
   if (pieces)
     columns.push_back("piece");
@@ -157,6 +161,9 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
     rows.cell(step.cycle).cell(step.time).cell(std::int64_t(i));
     if (names)
       rows.cell(points_->names[i]);
+    if (curtain)
+      rows.cell(curtain->distances[i / curtain->levels.size()])
+          .cell(curtain->levels[i % curtain->levels.size()]);
     const OwnCell own = own_cell(view, at.cell);
     rows.cell(own.cell);
     if (pieces)
@@ -182,8 +189,13 @@ void ProbeAction::write_vtp(const query::CommittedMesh& mesh, const Step& step,
     pieces.push_back(own.piece);
   }
   const VtkColumns columns(answers.columns, answers.values);
+  const std::optional<CurtainSurface> surface =
+      points_->curtain ? std::optional<CurtainSurface>(std::in_place, *points_, mesh.frame)
+                       : std::nullopt;
   output::VtkPolyData data;
-  data.points = vtk_points(points_->mesh_points);
+  data.points = vtk_points(surface ? surface->points : points_->mesh_points);
+  if (surface)
+    surface->add_to(data);
   data.point_data.push_back(output::vtk_array("cell", std::span<const std::int64_t>(cells)));
   if (view.piece_count > 1)
     data.point_data.push_back(output::vtk_array("piece", std::span<const std::int32_t>(pieces)));
@@ -202,10 +214,12 @@ void ProbeAction::write_json(const query::CommittedMesh& mesh, const Step& step,
       output::append_number(text, v);
     return text.empty() ? std::string("null") : text;
   };
+  const CurtainPlaces* curtain = points_->curtain ? &*points_->curtain : nullptr;
   const std::size_t width = answers.columns.size();
   std::string text = "{\"cycle\": " + std::to_string(step.cycle) +
-                     ", \"time\": " + number(step.time) + ", \"columns\": [\"cell\"" +
-                     (pieces ? ", \"piece\"" : "");
+                     ", \"time\": " + number(step.time) + ", \"columns\": [" +
+                     (curtain ? "\"distance\", \"" + level_name(*curtain) + "\", " : "") +
+                     "\"cell\"" + (pieces ? ", \"piece\"" : "");
   for (const std::string& c : answers.columns) {
     text += ", \"";
     for (const char ch : c) { // field names are the solver's: anything may stand in them
@@ -218,7 +232,11 @@ void ProbeAction::write_json(const query::CommittedMesh& mesh, const Step& step,
   text += "], \"points\": [";
   for (std::size_t i = 0; i < answers.locations.size(); ++i) {
     const OwnCell own = own_cell(view, answers.locations[i].cell);
-    text += (i ? ",\n  [" : "\n  [") + std::to_string(own.cell);
+    text += i ? ",\n  [" : "\n  [";
+    if (curtain)
+      text += number(curtain->distances[i / curtain->levels.size()]) + ", " +
+              number(curtain->levels[i % curtain->levels.size()]) + ", ";
+    text += std::to_string(own.cell);
     if (pieces)
       text += ", " + std::to_string(own.piece);
     for (std::size_t c = 0; c < width; ++c)

@@ -11,9 +11,10 @@
 namespace insitu::scene {
 
 /// Samples fields at fixed points whenever due. CSV: one table that grows, with the columns
-/// cycle, time, point, [name,] cell, [piece,] r, s, t, fields; cell is -1 and the values are empty
-/// outside. name stands where the points have names, piece where the mesh has several. Where the
-/// scene names no fields, those that the mesh has when the probe is due first are sampled.
+/// cycle, time, point, [name,] [distance, depth,] cell, [piece,] r, s, t, fields; cell is -1 and
+/// the values are empty outside. name stands where the points have names, distance along the path
+/// and depth (or height, or z) of a curtain's, piece where the mesh has several. Where the scene
+/// names no fields, those that the mesh has when the probe is due first are sampled.
 class ProbeAction final : public Action {
 public:
   ProbeAction(const Probe& probe, const Environment& environment);

@@ -13,73 +13,120 @@ ProbeNetcdf::ProbeNetcdf(const std::string& name, const Environment& environment
 
 ProbeNetcdf::~ProbeNetcdf() = default;
 
-output::NetcdfLayout ProbeNetcdf::layout(const query::CommittedMesh& mesh,
-                                         const ScenePoints& points,
-                                         const ProbeAnswers& answers) const {
-  using output::NetcdfType;
-  using output::NetcdfVariable;
-  const std::size_t n = points.mesh_points.size();
-  output::NetcdfLayout out;
-  out.record_dimension = "time";
-  out.dimensions = {{"station", std::int64_t(n)}};
-  out.attributes = cf_attributes("timeSeries", name_);
-  const auto of_station = [](NetcdfVariable v) {
-    v.per_record = false;
-    v.dimensions = {"station"};
-    return v;
-  };
-  const auto of_both = [](NetcdfVariable v) {
-    v.dimensions = {"station"};
-    return v;
-  };
-  out.variables = {cf_cycle(), cf_time(), of_both(cf_cell())};
-  if (pieces_)
-    out.variables.push_back(of_both(cf_piece()));
+namespace {
 
-  auto position = cf_position(mesh.frame);
-  const auto mapping = cf_grid_mapping(mesh.frame);
-  for (int axis = 0; axis < 3; ++axis) {
-    NetcdfVariable v = of_station(position[std::size_t(axis)]);
-    for (const math::Vec3d& p : points.mesh_points)
+output::NetcdfVariable fixed(output::NetcdfVariable v, const std::string& dimension) {
+  v.per_record = false;
+  v.dimensions = {dimension};
+  return v;
+}
+
+/// Places, levels and distances of a curtain, in its own frame.
+void add_curtain(output::NetcdfLayout& out, const CurtainPlaces& curtain) {
+  const auto position = cf_position(curtain.frame);
+  for (int axis = 0; axis < 2; ++axis) {
+    output::NetcdfVariable v = fixed(position[std::size_t(axis)], "station");
+    for (const math::Vec3d& p : curtain.stations)
       v.doubles.push_back(p[axis]);
     out.variables.push_back(std::move(v));
   }
+  output::NetcdfVariable levels = fixed(position[2], position[2].name); // its own dimension's
+  levels.doubles = curtain.levels;
+  out.variables.push_back(std::move(levels));
+  output::NetcdfVariable distance;
+  distance.name = "distance";
+  distance.attributes = {{"long_name", std::string("distance along the curtain")}};
+  if (curtain.frame.kind != INSITU_FRAME_CARTESIAN)
+    distance.attributes.push_back({"units", std::string("m")});
+  distance.doubles = curtain.distances;
+  out.variables.push_back(fixed(std::move(distance), "station"));
+}
+
+void add_points(output::NetcdfLayout& out, const insitu_frame& frame,
+                std::span<const math::Vec3d> points) {
+  const auto position = cf_position(frame);
+  for (int axis = 0; axis < 3; ++axis) {
+    output::NetcdfVariable v = fixed(position[std::size_t(axis)], "station");
+    for (const math::Vec3d& p : points)
+      v.doubles.push_back(p[axis]);
+    out.variables.push_back(std::move(v));
+  }
+}
+
+void add_names(output::NetcdfLayout& out, const std::vector<std::string>& names) {
+  output::NetcdfVariable v;
+  v.name = "station_name";
+  v.type = output::NetcdfType::text;
+  v.attributes = {{"long_name", std::string("name of the point")}};
+  std::size_t longest = 1;
+  for (const std::string& name : names)
+    longest = std::max(longest, name.size());
+  out.dimensions.emplace_back("name_length", std::int64_t(longest));
+  for (std::string name : names) {
+    name.resize(longest, '\0');
+    v.text += name;
+  }
+  v = fixed(std::move(v), "station");
+  v.dimensions.push_back("name_length");
+  out.variables.push_back(std::move(v));
+}
+
+} // namespace
+
+output::NetcdfLayout ProbeNetcdf::layout(const query::CommittedMesh& mesh,
+                                         const ScenePoints& points,
+                                         const ProbeAnswers& answers) const {
+  using output::NetcdfVariable;
+  const CurtainPlaces* curtain = points.curtain ? &*points.curtain : nullptr;
+  const insitu_frame& frame = curtain ? curtain->frame : mesh.frame;
+  const auto position = cf_position(frame);
+  const auto mapping = cf_grid_mapping(frame);
+  const std::size_t n = curtain ? curtain->stations.size() : points.mesh_points.size();
+  std::vector<std::string> places{"station"}; // the dimensions of a record
+  output::NetcdfLayout out;
+  out.record_dimension = "time";
+  out.dimensions = {{"station", std::int64_t(n)}};
+  if (curtain) {
+    places.push_back(position[2].name);
+    out.dimensions.emplace_back(places.back(), std::int64_t(curtain->levels.size()));
+  }
+  out.attributes = curtain ? cf_attributes("timeSeriesProfile", name_, "the curtain's")
+                           : cf_attributes("timeSeries", name_);
+  const auto of_all = [&](NetcdfVariable v) {
+    v.dimensions = places;
+    return v;
+  };
+  out.variables = {cf_cycle(), cf_time(), of_all(cf_cell())};
+  if (pieces_)
+    out.variables.push_back(of_all(cf_piece()));
+  if (curtain)
+    add_curtain(out, *curtain);
+  else
+    add_points(out, frame, points.mesh_points);
   NetcdfVariable station;
   station.name = "station";
-  station.type = NetcdfType::int64;
-  station.attributes = {{"long_name", std::string("point of the probe")},
-                        {"cf_role", std::string("timeseries_id")}};
+  station.type = output::NetcdfType::int64;
+  station.attributes = {
+      {"long_name", std::string(curtain ? "place along the curtain" : "point of the probe")},
+      {"cf_role", std::string("timeseries_id")}};
   for (std::size_t i = 0; i < n; ++i)
     station.integers.push_back(std::int64_t(i));
-  out.variables.push_back(of_station(std::move(station)));
-  std::string coordinates = position[0].name + " " + position[1].name + " " + position[2].name;
+  out.variables.push_back(fixed(std::move(station), "station"));
+  std::string coordinates =
+      position[0].name + " " + position[1].name + " " + (curtain ? "distance" : position[2].name);
   if (!points.names.empty()) {
-    NetcdfVariable names;
-    names.name = "station_name";
-    names.type = NetcdfType::text;
-    names.attributes = {{"long_name", std::string("name of the point")}};
-    std::size_t longest = 1;
-    for (const std::string& name : points.names)
-      longest = std::max(longest, name.size());
-    out.dimensions.emplace_back("name_length", std::int64_t(longest));
-    for (std::string name : points.names) {
-      name.resize(longest, '\0');
-      names.text += name;
-    }
-    names = of_station(std::move(names));
-    names.dimensions.push_back("name_length");
-    out.variables.push_back(std::move(names));
+    add_names(out, points.names);
     coordinates += " station_name";
   }
   if (mapping)
     out.variables.push_back(*mapping);
   for (const char* axis : {"r", "s", "t"}) {
-    NetcdfVariable v = of_both(cf_values(out, axis, {}, std::nullopt));
+    NetcdfVariable v = of_all(cf_values(out, axis, {}, std::nullopt));
     v.attributes.front() = {"long_name", std::string("parametric coordinate in the cell")};
     out.variables.push_back(std::move(v));
   }
   for (const std::string& column : answers.columns)
-    out.variables.push_back(of_both(cf_values(out, column, coordinates, mapping)));
+    out.variables.push_back(of_all(cf_values(out, column, coordinates, mapping)));
   return out;
 }
 

@@ -19,7 +19,9 @@ struct ProbeAnswers {
 };
 
 /// `<name>.nc`: a probe as CF time series, a record for each due cycle: the multidimensional
-/// array of stations and times. cell is -1 and the values are NaN outside.
+/// array of stations and times. Of a curtain the stations are profiles: one more dimension, of its
+/// levels, with their coordinate; places and distances along the path are those it was given in.
+/// cell is -1 and the values are NaN outside.
 class ProbeNetcdf {
 public:
   ProbeNetcdf(const std::string& name, const Environment& environment);

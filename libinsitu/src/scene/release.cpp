@@ -29,7 +29,7 @@ std::vector<double> ReleaseClock::due(std::int64_t cycle, double time) const {
         break;
       times.push_back(at);
     }
-  } else if (!state_.begun) {
+  } else if (state_.rounds == 0 && time <= until) {
     times.push_back(time);
   }
   return times;
@@ -43,8 +43,8 @@ void ReleaseClock::note(double time, std::size_t rounds) {
 }
 
 bool ReleaseClock::goes_on(double time) const {
-  if (!release_.every && !release_.interval)
-    return !state_.begun;
+  if (release_.once() && state_.rounds > 0)
+    return false;
   if (!release_.until)
     return true;
   if (release_.interval && state_.begun)

@@ -24,6 +24,8 @@ public:
   std::vector<double> due(std::int64_t cycle, double time) const;
   /// The times of due() were released.
   void note(double time, std::size_t rounds);
+  /// They were not, since the condition of the release does not hold; a single release waits.
+  void pass(double time, std::size_t rounds) { note(time, release_.once() ? 0 : rounds); }
   /// Whether particles may begin after this time.
   bool goes_on(double time) const;
 

@@ -8,8 +8,8 @@ namespace {
 /// `<name>.csv`: cycle, time, particle, x, y, z, cell, [piece,] ending, and the values.
 class TrackCsv final : public TrackTable {
 public:
-  TrackCsv(const std::string& name, const Environment& environment)
-      : path_(environment.output + "/" + name + ".csv"), environment_(environment) {}
+  TrackCsv(const Tracer& tracer, const Environment& environment)
+      : path_(environment.output + "/" + tracer.name + ".csv"), environment_(environment) {}
 
 private:
   void open(const TrackRows& rows, std::int64_t) override {
@@ -48,6 +48,8 @@ private:
   bool is_open() const override { return table_ != nullptr; }
   void flush() override { flush_table(*table_); }
   void close() override { table_.reset(); }
+  std::int64_t size() const override { return table_->size(); }
+  void shorten(std::int64_t size) override { table_->shorten(size); }
   const std::vector<std::string>& value_columns() const override { return value_columns_; }
   bool has_pieces() const override { return pieces_; }
 
@@ -60,9 +62,8 @@ private:
 
 } // namespace
 
-std::unique_ptr<TrackWriter> make_track_csv(const std::string& name,
-                                            const Environment& environment) {
-  return std::make_unique<TrackCsv>(name, environment);
+std::unique_ptr<TrackWriter> make_track_csv(const Tracer& tracer, const Environment& environment) {
+  return std::make_unique<TrackCsv>(tracer, environment);
 }
 
 } // namespace insitu::scene

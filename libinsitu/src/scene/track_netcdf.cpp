@@ -12,8 +12,9 @@ namespace {
 /// are released; those beyond the particles have no observation.
 class TrackNetcdf final : public TrackTable {
 public:
-  TrackNetcdf(const std::string& name, const Environment& environment)
-      : name_(name), path_(environment.output + "/" + name + ".nc"), environment_(environment) {}
+  TrackNetcdf(const Tracer& tracer, const Environment& environment)
+      : name_(tracer.name), path_(environment.output + "/" + tracer.name + ".nc"),
+        environment_(environment), geodesics_(tracer.geodesics) {}
 
 private:
   void open(const TrackRows& rows, std::int64_t seeded) override {
@@ -79,8 +80,13 @@ private:
       out.variables.push_back(*mapping);
     const std::string coordinates =
         "time " + position[0].name + " " + position[1].name + " " + position[2].name;
-    for (const std::string& column : rows.columns)
-      out.variables.push_back(cf_values(out, column, coordinates, mapping));
+    const std::size_t fields = rows.columns.size() - geodesics_.size();
+    for (std::size_t c = 0; c < rows.columns.size(); ++c) {
+      output::NetcdfVariable v = cf_values(out, rows.columns[c], coordinates, mapping);
+      if (c >= fields)
+        cf_geodesic(geodesics_[c - fields], v);
+      out.variables.push_back(std::move(v));
+    }
     return out;
   }
 
@@ -100,12 +106,15 @@ private:
   bool is_open() const override { return table_ != nullptr; }
   void flush() override { flush_table(*table_); }
   void close() override { table_.reset(); }
+  std::int64_t size() const override { return table_->records(); }
+  void shorten(std::int64_t size) override { table_->shorten(size); }
   const std::vector<std::string>& value_columns() const override { return columns_; }
   bool has_pieces() const override { return pieces_; }
 
   std::string name_, path_;
   Environment environment_;
   std::unique_ptr<output::NetcdfTable> table_;
+  std::vector<TrackGeodesic> geodesics_;
   std::vector<std::string> columns_;
   bool pieces_ = false;
   std::int64_t instances_ = 0;
@@ -113,9 +122,9 @@ private:
 
 } // namespace
 
-std::unique_ptr<TrackWriter> make_track_netcdf(const std::string& name,
+std::unique_ptr<TrackWriter> make_track_netcdf(const Tracer& tracer,
                                                const Environment& environment) {
-  return std::make_unique<TrackNetcdf>(name, environment);
+  return std::make_unique<TrackNetcdf>(tracer, environment);
 }
 
 } // namespace insitu::scene

@@ -39,13 +39,17 @@ void TrackTable::keep(core::Archive& archive, std::int64_t cycle) {
   archive.array("columns", none.columns);
   archive.value("pieces", none.pieces);
   archive.value("frame", none.frame);
+  std::int64_t kept = is_there && !archive.restores() ? size() : 0;
+  archive.value("size", kept);
   if (archive.restores() && is_there) {
     open(none, std::int64_t(written_.size()));
     frame_ = none.frame;
+    shorten(kept); // a session that was closed after this cycle has killed its particles in it
   }
 }
 
-void TrackTable::finish(const advect::Particles& p, std::int64_t cycle, double) {
+void TrackTable::finish(const advect::Particles& p, const TrackGeodesics& geodesics,
+                        std::int64_t cycle, double) {
   if (is_open()) {
     TrackRows rows;
     rows.cycle = cycle;
@@ -59,6 +63,9 @@ void TrackTable::finish(const advect::Particles& p, std::int64_t cycle, double) 
     }
     rows.values.assign(rows.rows.size() * rows.columns.size(),
                        std::numeric_limits<double>::quiet_NaN());
+    const std::size_t width = rows.columns.size(), fields = width - geodesics.columns().size();
+    for (std::size_t r = 0; r < rows.rows.size(); ++r)
+      geodesics.put(rows.rows[r].particle, rows.values.data() + r * width + fields);
     add(rows);
     try {
       flush();

@@ -6,11 +6,12 @@ namespace insitu::scene {
 
 /// A table that grows: a row for each living particle when due, and a last one for each that ends,
 /// in the cycle in which it does. Those that are alive when the session closes end as killed, with
-/// no cell and no values. The formats derive from it.
+/// no cell and no values of fields. The formats derive from it.
 class TrackTable : public TrackWriter {
 public:
   void write(TrackCycle& cycle) final;
-  void finish(const advect::Particles& particles, std::int64_t cycle, double time) final;
+  void finish(const advect::Particles& particles, const TrackGeodesics& geodesics,
+              std::int64_t cycle, double time) final;
   void keep(core::Archive& archive, std::int64_t cycle) final;
 
 protected:
@@ -21,6 +22,9 @@ protected:
   virtual void add(const TrackRows& rows) = 0;
   virtual void flush() = 0;
   virtual void close() = 0;
+  /// How much is in the open file, and back to that: bytes or records.
+  virtual std::int64_t size() const = 0;
+  virtual void shorten(std::int64_t size) = 0;
   /// The columns of the open file's values.
   virtual const std::vector<std::string>& value_columns() const = 0;
   virtual bool has_pieces() const = 0;

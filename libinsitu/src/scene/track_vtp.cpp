@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <numeric>
 
 #include "advect/tracks.h"
@@ -11,30 +12,46 @@ namespace {
 
 /// `<name>_<cycle>.vtp`, the particles at each due cycle, ended ones where they ended, indexed by
 /// time in `<name>.pvd`; and `<name>_tracks.vtp`, all tracks so far, with a vertex for each due
-/// cycle and one where a particle ended: one file, rewritten.
+/// cycle and one where a particle ended, and the geodesics there: one file, rewritten.
 class TrackVtp final : public TrackWriter {
 public:
-  TrackVtp(const std::string& name, const Environment& environment)
-      : name_(name), environment_(environment), tracks_(environment.context.memory) {}
+  TrackVtp(const Tracer& tracer, const Environment& environment)
+      : name_(tracer.name), environment_(environment), tracks_(environment.context.memory),
+        geodesics_(environment.context.memory, INSITU_MEMORY_TRACER) {
+    for (const TrackGeodesic column : tracer.geodesics)
+      columns_.emplace_back(geodesic_name(column));
+  }
 
   bool keeps_ended() const override { return true; }
 
   void write(TrackCycle& cycle) override {
     if (!cycle.due())
       return;
-    tracks_.record(cycle.particles());
+    record(cycle.particles(), cycle.geodesics());
     write_particles(cycle);
     write_tracks(cycle.step().time);
   }
 
-  void finish(const advect::Particles& particles, std::int64_t, double time) override {
-    tracks_.record(particles);
+  void finish(const advect::Particles& particles, const TrackGeodesics& geodesics, std::int64_t,
+              double time) override {
+    record(particles, geodesics);
     write_tracks(time);
   }
 
-  void keep(core::Archive& archive, std::int64_t) override { tracks_.keep(archive); }
+  void keep(core::Archive& archive, std::int64_t) override {
+    tracks_.keep(archive);
+    if (!columns_.empty())
+      archive.array("track geodesics", geodesics_);
+  }
 
 private:
+  void record(const advect::Particles& particles, const TrackGeodesics& geodesics) {
+    const std::size_t width = columns_.size(), first = tracks_.record(particles);
+    geodesics_.resize(tracks_.size() * width);
+    for (std::size_t v = first; v < tracks_.size(); ++v)
+      geodesics.put(tracks_.particles()[v], geodesics_.data() + v * width);
+  }
+
   void write_particles(TrackCycle& cycle) {
     std::vector<std::size_t> all(cycle.particles().size());
     std::iota(all.begin(), all.end(), std::size_t(0));
@@ -63,11 +80,19 @@ private:
   }
 
   void write_tracks(double time) {
-    const advect::Polylines lines = tracks_.lines();
+    core::Buffer<std::int64_t> order(environment_.context.memory, INSITU_MEMORY_TRACER);
+    const advect::Polylines lines = tracks_.lines(&order);
+    const std::size_t width = columns_.size();
+    std::vector<double> ordered(order.size() * width);
+    for (std::size_t v = 0; v < order.size(); ++v)
+      std::copy_n(geodesics_.data() + std::size_t(order[v]) * width, width,
+                  ordered.data() + v * width);
+    const VtkColumns columns(columns_, ordered);
     const DrawnLines drawn(lines);
     output::VtkPolyData data;
     data.points = vtk_points(lines.points.span());
     data.point_data.push_back(output::vtk_array("time", lines.times.span()));
+    columns.add_to(data.point_data);
     drawn.add_to(data, "particle");
     data.has_time = true;
     data.time = time;
@@ -78,14 +103,15 @@ private:
   std::string name_;
   Environment environment_;
   advect::Tracks tracks_;
+  std::vector<std::string> columns_; ///< of the geodesics
+  core::Buffer<double> geodesics_;   ///< [vertex of tracks_][column]
   VtpSeries series_;
 };
 
 } // namespace
 
-std::unique_ptr<TrackWriter> make_track_vtp(const std::string& name,
-                                            const Environment& environment) {
-  return std::make_unique<TrackVtp>(name, environment);
+std::unique_ptr<TrackWriter> make_track_vtp(const Tracer& tracer, const Environment& environment) {
+  return std::make_unique<TrackVtp>(tracer, environment);
 }
 
 } // namespace insitu::scene

@@ -9,6 +9,7 @@
 #include "advect/particles.h"
 #include "core/archive.h"
 #include "scene/action.h"
+#include "scene/track_geodesics.h"
 
 /// How the particles of path- and streaklines are written: the tracer moves them, and hands each of
 /// its writers, one a format, what there is at a cycle.
@@ -29,7 +30,7 @@ struct TrackRows {
   std::vector<TrackRow> rows;
   bool pieces = false;                         ///< the mesh has several
   insitu_frame frame = insitu_frame_default(); ///< of the mesh
-  std::vector<std::string> columns;            ///< of the values
+  std::vector<std::string> columns;            ///< of the values: fields, then geodesics
   std::vector<double> values;                  ///< [row][column], NaN outside
 };
 
@@ -41,6 +42,7 @@ public:
   virtual bool due() const = 0;
   virtual const advect::Particles& particles() const = 0;
   virtual std::int64_t seeded() const = 0;
+  virtual const TrackGeodesics& geodesics() const = 0;
   /// Of the particles with these indices (not ids). Valid until the next call.
   virtual const TrackRows& rows(const std::vector<std::size_t>& indices) = 0;
 };
@@ -55,7 +57,8 @@ public:
   virtual void write(TrackCycle& cycle) = 0;
   /// The session closes, the particles have been killed, and there is no field any more. cycle: the
   /// last one that the tracer executed.
-  virtual void finish(const advect::Particles& particles, std::int64_t cycle, double time) = 0;
+  virtual void finish(const advect::Particles& particles, const TrackGeodesics& geodesics,
+                      std::int64_t cycle, double time) = 0;
   /// Its state, to a checkpoint or back; what waits for the file is written first. cycle: the one
   /// that the state is of; when it comes back, rows of later cycles are dropped from the file.
   virtual void keep(core::Archive& archive, std::int64_t cycle) = 0;
@@ -63,13 +66,13 @@ public:
   virtual bool keeps_ended() const { return false; }
 };
 
-/// The writer of a tracer's format; name: the tracer's.
-std::unique_ptr<TrackWriter> make_track_writer(TableFormat format, const std::string& name,
+/// The writer of a tracer's format.
+std::unique_ptr<TrackWriter> make_track_writer(TableFormat format, const Tracer& tracer,
                                                const Environment& environment);
 
 // Of the formats.
-std::unique_ptr<TrackWriter> make_track_csv(const std::string& name, const Environment&);
-std::unique_ptr<TrackWriter> make_track_netcdf(const std::string& name, const Environment&);
-std::unique_ptr<TrackWriter> make_track_vtp(const std::string& name, const Environment&);
+std::unique_ptr<TrackWriter> make_track_csv(const Tracer& tracer, const Environment&);
+std::unique_ptr<TrackWriter> make_track_netcdf(const Tracer& tracer, const Environment&);
+std::unique_ptr<TrackWriter> make_track_vtp(const Tracer& tracer, const Environment&);
 
 } // namespace insitu::scene

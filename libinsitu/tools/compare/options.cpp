@@ -14,15 +14,17 @@ const char* const usage =
 Compares two files, or all files of two folders, and says what moved, by how much and where.
 A is the reference. Exit code: 0 same, 1 different, 2 unusable input.
 
-  --kind png|csv|json           else by the file name
+  --kind png|csv|json|nc        else by the file name
   --quiet                       print nothing; the exit code says it
   --help                        print this
 
-tables (.csv) and JSON
+tables (.csv), JSON, netCDF (.nc)
   --tolerance-relative R        numbers may differ by R times the larger one (0)
   --tolerance-absolute D        and by D (0)
-  --column NAME:R:D             other tolerances for a column, key, or path such as steps[3].time
-  --ignore-column NAME          leave out a column, or a key and what is below it
+  --column NAME:R:D             other tolerances for a column, key, variable, or path such as
+                                steps[3].time
+  --ignore-column NAME          leave out a column, a variable, a key and what is below it, or an
+                                attribute: variable:attribute, or :attribute of the file
   --key NAME                    match rows of a table by this column (more than once: by several)
 
 images (.png)
@@ -68,8 +70,8 @@ Options parse_options(const std::vector<std::string>& arguments) {
   const std::map<std::string, void (*)(Options&, const std::string&, const std::string&)> valued = {
       {"--kind",
        [](Options& o, const std::string& name, const std::string& v) {
-         if (v != "png" && v != "csv" && v != "json") {
-           refuse(name + " '" + v + "': png, csv or json expected");
+         if (v != "png" && v != "csv" && v != "json" && v != "nc") {
+           refuse(name + " '" + v + "': png, csv, json or nc expected");
          }
          o.kind = v;
        }},

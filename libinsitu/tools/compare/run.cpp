@@ -10,6 +10,7 @@
 
 #include "compare/image_compare.h"
 #include "compare/json_compare.h"
+#include "compare/netcdf_compare.h"
 #include "compare/options.h"
 #include "compare/table_compare.h"
 #include "core/status.h"
@@ -29,10 +30,12 @@ std::string read_text(const std::string& path) {
   return text.str();
 }
 
-/// png, csv, json, or empty for what is not compared.
+/// png, csv, json, nc, or empty for what is not compared.
 std::string kind_of(const fs::path& path) {
   const std::string ending = path.extension().string();
-  return ending == ".png" || ending == ".csv" || ending == ".json" ? ending.substr(1) : "";
+  return ending == ".png" || ending == ".csv" || ending == ".json" || ending == ".nc"
+             ? ending.substr(1)
+             : "";
 }
 
 Verdict compare_files(const Options& options, const std::string& kind) {
@@ -48,6 +51,15 @@ Verdict compare_files(const Options& options, const std::string& kind) {
     return compare_tables(
         parse_csv(read_text(options.a), options.a), parse_csv(read_text(options.b), options.b),
         {options.tolerance, options.columns, options.ignored, options.keys, options.folders});
+  }
+  if (kind == "nc") {
+    if (!options.keys.empty() && !options.folders) {
+      throw core::Error(INSITU_ERROR_ARGUMENT,
+                        "--key: matches rows of .csv tables; records of netCDF "
+                        "files are compared in their order");
+    }
+    return compare_netcdf(options.a, options.b,
+                          {options.tolerance, options.columns, options.ignored, options.folders});
   }
   return compare_json(read_text(options.a), options.a, read_text(options.b), options.b,
                       {options.tolerance, options.columns, options.ignored});
@@ -93,7 +105,7 @@ int compare_folders(const Options& options, Report& report, std::ostream& err) {
   names.merge(files_in(options.b));
   if (names.empty()) {
     throw core::Error(INSITU_ERROR_FILE, "neither '" + options.a + "' nor '" + options.b +
-                                             "' holds a .png, .csv or .json file");
+                                             "' holds a .png, .csv, .json or .nc file");
   }
   bool unusable = false;
   for (const std::string& name : names) {
@@ -140,7 +152,7 @@ int compare(const Options& options, std::ostream& out, std::ostream& err) {
   if (kind_a.empty() || kind_a != kind_b) {
     throw core::Error(INSITU_ERROR_FILE,
                       "'" + options.a + "' and '" + options.b +
-                          "': two .png, .csv or .json files expected, or --kind");
+                          "': two .png, .csv, .json or .nc files expected, or --kind");
   }
   report.add(options.a + " -> " + options.b, compare_files(options, kind_a));
   return report.same() ? 0 : 1;

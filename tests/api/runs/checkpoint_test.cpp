@@ -102,6 +102,29 @@ TEST(Checkpoint, TracksGoOnToTheByte) {
   }
 }
 
+// A job that ends with a checkpoint closes its session, which kills its particles: the next one
+// takes that back.
+TEST(Checkpoint, TracksGoOnFromAClosedSession) {
+  const runs::Setup setup{.scene = scene};
+  const runs::Files whole = uninterrupted(setup, 30);
+  const test::Folder folder, state;
+  runs::Setup parts = setup;
+  parts.output = folder.path();
+  for (const auto& [from, to] : {std::pair(0, 12), {12, 17}, {17, 30}}) {
+    Coupled run(parts);
+    skip_to(run, from);
+    if (from > 0) {
+      run.session.restart(state / "s");
+    } else {
+      ASSERT_TRUE(run.execute()) << insitu_last_message();
+    }
+    run.run(to);
+    run.session.checkpoint(state / "s");
+    run.session.close();
+  }
+  EXPECT_EQ(runs::differences(whole, runs::files_of(folder.path())), std::vector<std::string>{});
+}
+
 // The test above would see it if the step before were not known after the restart.
 TEST(Checkpoint, WithoutTheStepBeforeTracksDiffer) {
   const runs::Setup setup{.scene = scene};

@@ -1,4 +1,5 @@
 // When seeds begin, and that each particle is counted, whatever the releases.
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <map>
@@ -67,6 +68,67 @@ TEST(Releases, AtCyclesAndAtTimes) {
   ASSERT_EQ(ends.size(), 42u) << "released at 0, 0.001, ... 0.02";
   for (const auto& [particle, end] : ends)
     EXPECT_NEAR(end, (particle / 2) * 0.001 + 0.01, 1e-15) << particle;
+}
+
+// Seeds of a probe, released where a condition holds: once, at its first time; at multiples of a
+// cycle; at times, of which those of other cycles are left out.
+TEST(Releases, WhereAConditionHolds) {
+  const test::Folder folder;
+  const auto tracer = [](const std::string& name, const std::string& release) {
+    return "  - {name: " + name + ", velocity: velocity, seeds: {probe: gauges}, release: {" +
+           release + "}, output: [csv, netcdf]}\n";
+  };
+  const auto densest_of = [](const Coupled& run) {
+    return *std::max_element(run.solver.density.begin(), run.solver.density.end());
+  };
+  Coupled before({});
+  before.run(6);
+  const double threshold = 0.5 * (densest_of(before) + 1); // at rest it is 1
+  Coupled run({.scene = "insitu: 1\nprobes:\n  - {name: gauges, points: [[0.2, 0.2, 0.2]], every: "
+                        "100}\ntracers:\n" +
+                        tracer("first", "when: max(density) > " + std::to_string(threshold)) +
+                        tracer("late", "when: cycle >= 4, until: -1") +
+                        tracer("cycles", "every: 2, when: cycle > 3 and cycle != 8") +
+                        tracer("times", "interval: 0.001, when: cycle >= 5"),
+               .output = folder.path()});
+  std::vector<double> densest, times;
+  const auto note = [&] {
+    times.push_back(run.solver.time());
+    densest.push_back(densest_of(run));
+  };
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  note();
+  for (int cycle = 1; cycle <= 12; ++cycle) {
+    ASSERT_TRUE(run.step()) << insitu_last_message();
+    note();
+  }
+  run.session.close();
+  const auto released = [&](const std::string& name) { // the cycle of each particle's first row
+    std::vector<int> cycles;
+    const runs::Table t = runs::parse_table(test::content(folder / (name + ".csv")));
+    for (const auto& [particle, row] : first_rows(t)) {
+      EXPECT_EQ(particle, int(cycles.size()));
+      cycles.push_back(int(t.number(row, "cycle")));
+    }
+    return cycles;
+  };
+  const auto holds = std::find_if(densest.begin(), densest.end(), [&](double d) {
+    return d > std::stod(std::to_string(threshold));
+  });
+  ASSERT_NE(holds, densest.begin());
+  ASSERT_NE(holds, densest.end());
+  EXPECT_EQ(released("first"), std::vector<int>{int(holds - densest.begin())});
+  EXPECT_EQ(released("late"), std::vector<int>{}) << "not after its time";
+  EXPECT_EQ(released("cycles"), (std::vector<int>{4, 6, 10, 12}));
+  std::vector<int> wanted; // multiples of 0.001 that lie between the cycles from 5 on
+  for (int cycle = 5; cycle <= 12; ++cycle)
+    for (int k = 0; k < 1000; ++k) {
+      const double at = times[0] + k * 0.001;
+      if (at > times[std::size_t(cycle) - 1] && at <= times[std::size_t(cycle)])
+        wanted.push_back(cycle);
+    }
+  ASSERT_GT(wanted.size(), 2u);
+  EXPECT_EQ(released("times"), wanted);
 }
 
 TEST(Releases, TooManyAreRefused) {

@@ -37,6 +37,13 @@ TEST(VtkFiles, CountsThatDoNotFitAreNamed) {
   data.line_ends = ends;
   data.line_points = ids;
   EXPECT_THROW(write_vtp(folder / "p.vtp", data), Error);
+  data.line_ends = {};
+  data.line_points = {};
+  for (const std::vector<std::int64_t>& quads :
+       {std::vector<std::int64_t>{0, 1, 2}, {0, 1, 2, 3}, {0, 1, 2, -1}, {0, 1, 2, 0, 1}}) {
+    data.quads = quads;
+    EXPECT_THROW(write_vtp(folder / "p.vtp", data), Error);
+  }
   EXPECT_THROW(vtk_array("v", two, 3), Error);
   EXPECT_EQ(folder.count(), 0u);
 }

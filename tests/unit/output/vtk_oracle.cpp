@@ -116,6 +116,42 @@ TEST(VtkOracle, Tracks) {
   }
 }
 
+TEST(VtkOracle, Surfaces) {
+  const Folder folder;
+  const std::vector<double> xyz{0, 0, 0, 1, 0, 0, 2, 0, 0, 0, 1, 0, 1, 1, 0, 2, 1, 0};
+  const std::vector<std::int64_t> quads{0, 1, 4, 3, 1, 2, 5, 4}, line{3};
+  const std::vector<double> value{7, 8, 9};
+  VtkPolyData data;
+  data.points = vtk_array("Points", xyz, 3);
+  data.quads = quads;
+  data.cell_data = {vtk_array("value", std::span<const double>(value).first(2))};
+  for (const bool lines : {false, true}) {
+    const std::vector<std::int64_t> ids{5, 4, 3};
+    if (lines) {
+      data.line_ends = line;
+      data.line_points = ids;
+      data.cell_data = {vtk_array("value", value)};
+    }
+    write_vtp(folder / "s.vtp", data);
+    vtkNew<vtkXMLPolyDataReader> reader;
+    reader->SetFileName((folder / "s.vtp").c_str());
+    reader->Update();
+    vtkPolyData* read = reader->GetOutput();
+    ASSERT_EQ(read->GetNumberOfVerts(), 0);
+    ASSERT_EQ(read->GetNumberOfLines(), lines ? 1 : 0);
+    ASSERT_EQ(read->GetNumberOfPolys(), 2);
+    for (vtkIdType q = 0; q < 2; ++q) {
+      vtkIdType points = 0;
+      const vtkIdType* cell = nullptr;
+      read->GetCellPoints(q + (lines ? 1 : 0), points, cell);
+      ASSERT_EQ(points, 4);
+      for (vtkIdType k = 0; k < 4; ++k)
+        EXPECT_EQ(cell[k], quads[std::size_t(4 * q + k)]);
+    }
+    EXPECT_EQ(read->GetCellData()->GetArray("value")->GetTuple1(1), 8);
+  }
+}
+
 TEST(VtkOracle, Cells) {
   const Folder folder;
   std::vector<double> xyz;

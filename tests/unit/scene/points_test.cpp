@@ -71,6 +71,26 @@ TEST(Points, Lines) {
   EXPECT_EQ(point_at(Line{{-1e308, 0, 0}, {1e308, 0, 0}, 3}, 1).x, 0); // no overflow
 }
 
+TEST(Points, CurtainsAreColumnsAlongAPath) {
+  // 3 + 4 + 5 long: twelve steps of 1 and corners that are stations.
+  const Curtain curtain{{{0, 0, 0}, {3, 0, 0}, {3, 4, 0}, {0, 0, 0}}, 13, {2, -1}};
+  ASSERT_EQ(point_count(curtain), 26);
+  EXPECT_EQ(path_length(curtain), 12);
+  EXPECT_EQ(point_at(curtain, 0), (math::Vec3d{0, 0, 2}));
+  EXPECT_EQ(point_at(curtain, 1), (math::Vec3d{0, 0, -1}));
+  EXPECT_EQ(point_at(curtain, 25), (math::Vec3d{0, 0, -1}));
+  const auto near = [&](std::int64_t station, const math::Vec3d& at) {
+    const math::Vec3d d = point_at(curtain, 2 * station) - at;
+    EXPECT_LT(std::sqrt(math::dot(d, d)), 1e-14) << station;
+    EXPECT_EQ(distance_at(curtain, station), double(station));
+  };
+  near(2, {2, 0, 2});
+  near(3, {3, 0, 2});
+  near(5, {3, 2, 2});
+  near(7, {3, 4, 2});
+  near(12 - 5 + 1, {3 - 0.6, 4 - 0.8, 2});
+}
+
 TEST(Points, BoxesCountXFirstAndMeetTheirCorners) {
   const PointSource box = Box{{0.1, 0.2, 0.3}, {0.7, 0.9, 1.1}, {3, 4, 5}};
   ASSERT_EQ(point_count(box), 60);

@@ -54,6 +54,8 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
       {"probes", "probes: [{zzz: 1}]"},
       {"Points and seeds", "probes: [{points: {zzz: 1}}]"},
       {"line, transect", "probes: [{points: {line: {zzz: 1}}}]"},
+      {"curtain", "probes: [{points: {curtain: {zzz: 1}}}]"},
+      {"levels", "probes: [{points: {curtain: {levels: {zzz: 1}}}}]"},
       {"plane", "probes: [{points: {plane: {zzz: 1}}}]"},
       {"grid, box", "probes: [{points: {grid: {zzz: 1}}}]"},
       {"sphere", "probes: [{points: {sphere: {zzz: 1}}}]"},

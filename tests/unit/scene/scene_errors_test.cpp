@@ -158,6 +158,38 @@ TEST(SceneErrors, Points) {
                               "counts: [1000, 1000, 1000]}}}]"));
 }
 
+TEST(SceneErrors, Curtains) {
+  const auto curtain = [](const std::string& through, const std::string& levels,
+                          const std::string& frame = "cartesian", const std::string& count = "2") {
+    return points_error("{curtain: {through: " + through + ", count: " + count +
+                            ", levels: " + levels + "}}",
+                        frame);
+  };
+  EXPECT_HAS(points_error("{curtain: {}}"),
+             "key 'through' is missing in probes[0].points.curtain\n"
+             "s.yaml:2: key 'count' is missing in probes[0].points.curtain\n"
+             "s.yaml:2: key 'levels' is missing in probes[0].points.curtain");
+  EXPECT_HAS(curtain("[[0, 0]]", "[0]"), "curtain.through: at least two places expected");
+  EXPECT_HAS(curtain("[[0, 0], [1, 2, 3]]", "[0]"), "a list of 2 numbers expected");
+  EXPECT_HAS(curtain("[[0, 0], [1, 2], [1, 2]]", "[0]"),
+             "curtain.through[2]: the place before is the same");
+  EXPECT_HAS(curtain("[[0, 0], [1, 1]]", "[0, 1, 1]"),
+             "curtain.levels: levels ascend or descend; level 2 does not");
+  EXPECT_HAS(curtain("[[0, 0], [1, 1]]", "[3, 2, 4]"), "level 2 does not");
+  EXPECT_HAS(curtain("[[0, 0], [1, 1]]", "{from: 1, to: 1, count: 2}"), "level 1 does not");
+  EXPECT_HAS(curtain("[[0, 0], [1, 1]]", "[]"), "a list of");
+  EXPECT_HAS(curtain("[[0, 0], [1, 1]]", "7"),
+             "a list of numbers, or a map of from, to and count expected");
+  EXPECT_HAS(curtain("[[0, 0], [1, 1]]", "[0]", "cartesian", "1"), "an integer from 2");
+  EXPECT_HAS(curtain("[[0, 0], [1, 1]]", "[0, 1]", "cartesian", "600000000"),
+             "the stations and levels make more than 1000000000 points");
+  EXPECT_HAS(curtain("[[0, 0], [1, 1]]", "[0]", "geocentric"), "no upright in geocentric");
+  EXPECT_HAS(
+      test::error_of("probes: [{name: p, attached: body, points: {curtain: {through: [[0, 0], "
+                     "[1, 1]], count: 2, levels: [0]}}}]"),
+      "probes[0].attached: a curtain stands where it is");
+}
+
 TEST(SceneErrors, Latitudes) {
   EXPECT_HAS(points_error("[[0, 0, 0], [10, 91, 0]]", "geodetic"), "point 1 has the latitude 91.0");
   EXPECT_HAS(points_error("{line: {from: [0, 0, 0], to: [0, -95, 0], count: 2}}", "geodetic"),
@@ -173,6 +205,9 @@ TEST(SceneErrors, Latitudes) {
       "'origin' + 'v' has the latitude 100");
   EXPECT_HAS(points_error("{sphere: {center: [0, 0, 0], radius: 1, count: 1}}", "geodetic"),
              "a sphere has no meaning");
+  EXPECT_HAS(
+      points_error("{curtain: {through: [[0, 0], [1, 91]], count: 2, levels: [0]}}", "geodetic"),
+      "place 1 has the latitude 91");
   EXPECT_NO_THROW(test::parse("probes: [{name: p, points: [[0, 91, 0]]}]"));
 }
 
@@ -203,6 +238,11 @@ TEST(SceneErrors, Tracers) {
   EXPECT_HAS(tracer_error("release: {every: 1, interval: 2}"), "either 'every'");
   EXPECT_HAS(tracer_error("release: {every: 0}"), "tracers[0].release.every: an integer from 1");
   EXPECT_HAS(tracer_error("release: {interval: 0}"), "tracers[0].release.interval: a number");
+  EXPECT_HAS(tracer_error("release: {when: max(p}"), "tracers[0].release.when: ");
+  EXPECT_HAS(tracer_error("geodesics: [length]"), "'length' is not one of path_length");
+  EXPECT_HAS(tracer_error("geodesics: [path_length, path_length]"), "given twice");
+  EXPECT_HAS(tracer_error("kind: streamline, geodesics: [path_length]"),
+             "tracers[0].geodesics: streamlines are of one time");
   EXPECT_HAS(tracer_error("kind: streamline, release: once"), "belongs to path- and streaklines");
   EXPECT_HAS(tracer_error("kind: streamline, output: [netcdf]"), "netcdf is for path- and");
   EXPECT_HAS(test::error_of("insitu: 1\nprobes: [{name: gauges, points: [[0, 0, 0]]}]\n"

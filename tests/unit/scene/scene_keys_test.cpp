@@ -122,6 +122,15 @@ TEST(SceneKeys, PointSources) {
       std::get<Transect>(points("{transect: {from: [4, 5, 6], to: [1, 2, 3], count: 8}}"));
   EXPECT_EQ(transect.from, (math::Vec3d{4, 5, 6}));
   EXPECT_EQ(transect.count, 8);
+  const auto curtain = std::get<Curtain>(
+      points("{curtain: {through: [[1, 2], [3, 4], [5, 6]], count: 9, levels: [0, 10, 30]}}"));
+  EXPECT_EQ(curtain.through, (std::vector<math::Vec3d>{{1, 2, 0}, {3, 4, 0}, {5, 6, 0}}));
+  EXPECT_EQ(curtain.count, 9);
+  EXPECT_EQ(curtain.levels, (std::vector<double>{0, 10, 30}));
+  EXPECT_EQ(std::get<Curtain>(points("{curtain: {through: [[0, 0], [1, 0]], count: 2, levels: "
+                                     "{from: 4, to: -4, count: 5}}}"))
+                .levels,
+            (std::vector<double>{4, 2, 0, -2, -4}));
   const auto plane = std::get<Plane>(
       points("{plane: {origin: [1, 1, 1], u: [2, 0, 0], v: [0, 3, 0], counts: [4, 5]}}"));
   EXPECT_EQ(plane.origin, (math::Vec3d{1, 1, 1}));
@@ -219,6 +228,11 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(timed.until, -3);
   EXPECT_FALSE(timed.every);
   EXPECT_EQ(parse(test::tracer("release: {every: 7}")).tracers[0].release.every, 7);
+  const Release waiting = parse(test::tracer("release: {when: cycle > 3}")).tracers[0].release;
+  EXPECT_TRUE(waiting.once());
+  EXPECT_EQ(waiting.when->text(), "cycle > 3");
+  EXPECT_EQ(parse(test::tracer("geodesics: [release_bearing, path_length]")).tracers[0].geodesics,
+            (std::vector{TrackGeodesic::release_bearing, TrackGeodesic::path_length}));
   EXPECT_FALSE(parse("every: 2\n").checkpoint.every);
   const CheckpointOptions checkpoint = parse("checkpoint: {every: 50}\n").checkpoint;
   EXPECT_EQ(checkpoint.every, 50);

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "insitu/insitu.hpp"
+
+#include "fixtures/earth_meshes.h"
+
+/// A coupled run for tests on a mesh of hexahedra in longitude, latitude and a vertical number.
+namespace runs {
+
+class OnEarth {
+public:
+  /// The lattice's units are the frame's. Fields: `latitude` (degrees) and `height` (metres), which
+  /// cells interpolate to rounding, and `velocity`, zero at first.
+  OnEarth(const insitu::fixtures::Lattice& lattice, const std::string& scene,
+          const std::string& output)
+      : session(options(scene, output)), mesh(session.mesh("ocean")) {
+    const insitu::test::TestMesh from = insitu::fixtures::lattice(lattice);
+    const auto& units = lattice.units;
+    for (const auto& p : from.vertices) {
+      lon.push_back(p.x);
+      lat.push_back(p.y);
+      vertical.push_back(p.z);
+      latitude.push_back(p.y * (units.radians ? 180 / std::numbers::pi : 1));
+      height.push_back(p.z * units.up_per_unit());
+    }
+    for (const auto& cell : from.cells)
+      connectivity.insert(connectivity.end(), cell.vertices.begin(), cell.vertices.begin() + 8);
+    velocity.assign(3 * lon.size(), 0.0);
+    mesh.points(lon, lat, vertical);
+    mesh.hexahedra(connectivity);
+    mesh.frame(insitu::Frame::geodetic(
+        units.down ? insitu::Vertical::down : insitu::Vertical::up,
+        units.radians ? insitu::Angle::radians : insitu::Angle::degrees,
+        units.kilometres ? insitu::Length::kilometres : insitu::Length::metres));
+    mesh.vertex_field("latitude", latitude);
+    mesh.vertex_field("height", height);
+    mesh.vertex_field("velocity", insitu::Array(velocity).components(3));
+  }
+
+  void flow(double east, double north) {
+    for (std::size_t i = 0; i < lon.size(); ++i) {
+      velocity[3 * i] = east;
+      velocity[3 * i + 1] = north;
+    }
+    mesh.changed(insitu::fields);
+  }
+
+  std::vector<double> lon, lat, vertical, latitude, height, velocity;
+  std::vector<std::int32_t> connectivity;
+  insitu::Session session;
+  insitu::Mesh mesh;
+
+private:
+  static insitu::Options options(const std::string& scene, const std::string& output) {
+    insitu::Options o;
+    o.scene_text = "insitu: 1\npage: false\n" + scene;
+    o.output = output;
+    o.threads = 1;
+    return o;
+  }
+};
+
+} // namespace runs
