@@ -16,7 +16,7 @@ class ChartVelocity {
 public:
   /// As MeshVelocity's; the sampler has a chart. drifts: added, in metres per second.
   ChartVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
-                const mesh::FieldView* earlier, double t0, double t1, insitu_accuracy accuracy,
+                const EarlierSteps& earlier, double t0, double t1, insitu_accuracy accuracy,
                 std::span<const Drift> drifts = {})
       : images_(sampler.among_images()), motion_(sampler.chart()),
         inner_(images_, now, earlier, t0, t1, accuracy), drifts_(drifts) {}
@@ -78,7 +78,7 @@ public:
   }
 
   double geometry_alpha(double t) const { return inner_.geometry_alpha(t); }
-  bool blends_velocity() const { return inner_.blends_velocity(); }
+  int velocity_steps() const { return inner_.velocity_steps(); }
   bool blends_geometry() const { return inner_.blends_geometry(); }
 
 private:
@@ -90,7 +90,7 @@ private:
   /// Along the east and north of the image's chart, as fields of three components are there.
   math::Vec3d drift_at(const Drift& drift, const query::Location& at, double t,
                        const math::Vec3d& x, const math::Vec3d& image) const {
-    const math::Vec3d v = velocity_of(drift, images_, at, inner_.alpha(t));
+    const math::Vec3d v = velocity_of(drift, images_, at, inner_.times(), t);
     const bool is_field = drift.field && drift.field->now.components == 3;
     return is_field ? v : motion_.turned(x, image, pole_of(at.cell), v);
   }

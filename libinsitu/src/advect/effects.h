@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "advect/in_time.h"
 #include "math/vec.h"
 #include "mesh/view.h"
 #include "query/sampler.h"
@@ -21,24 +22,6 @@ class Metric {
 public:
   virtual ~Metric() = default;
   virtual math::Vec3d coordinates_per_metre(const math::Vec3d& x) const = 0;
-};
-
-/// A field of the current step and, if it is known, of the step before, on the same cells.
-struct FieldInTime {
-  mesh::FieldView now;
-  std::optional<mesh::FieldView> earlier;
-
-  /// Component values at a place, blended as the velocity is. At most three components.
-  void value(const query::Sampler& sampler, const query::Location& at, double alpha,
-             double* out) const {
-    sampler.interpolate(now, at, out);
-    if (!earlier || alpha == 1.0)
-      return;
-    double then[3];
-    sampler.interpolate(*earlier, at, then);
-    for (int c = 0; c < now.components; ++c)
-      out[c] = (1.0 - alpha) * then[c] + alpha * out[c];
-  }
 };
 
 /// A velocity that is added: `constant`, or factor times a field of three components, or a field of

@@ -49,7 +49,7 @@ Sampled Mover::force(const Vec3d& x, double t, Vec3d& b) {
     // Du/Dt = du/dt at a place that goes with the mesh + (u - the mesh's velocity) grad u.
     const Vec3d per_metre = walls_.scale(x);
     const Vec3d relative = by_axis(u, per_metre) - mesh_velocity(flow_, at);
-    Vec3d acceleration = flow_.rate_of_change(at);
+    Vec3d acceleration = flow_.rate_of_change(at, t);
     for (int c = 0; c < 3; ++c)
       acceleration[c] += math::dot(flow_.gradient(at, c, t), relative);
     b += inertia.fluid_share * acceleration;
@@ -83,6 +83,8 @@ insitu_ending Mover::fly(State& p, Carried& carried, double to, Work& work) {
       if (std::isnan(carried.velocity.x))
         carried.velocity = inertia.begins.value_or(u);
       known = true;
+      if (taker_)
+        taker_->set(p);
     }
     if (!(p.time < to))
       return INSITU_END_ALIVE;
@@ -168,6 +170,16 @@ insitu_ending Mover::fly(State& p, Carried& carried, double to, Work& work) {
       continue;
     }
     velocity_.accepted();
+    if (taker_) {
+      Trial end;
+      end.x = trial.x;
+      end.v = by_axis(trial.v, walls_.scale(trial.x));
+      const DenseStep path(p.x, p.time, h, by_axis(v, per_metre), end, false);
+      State then = p;
+      then.x = trial.x;
+      then.time = h == remaining ? to : p.time + h;
+      (*taker_)(then, path);
+    }
     ++work.steps;
     work.forced += forced;
     steps_left_ -= !(closing && retried);
@@ -246,6 +258,7 @@ insitu_ending Mover::touch_flying(State& p, Carried& carried, double to, Work& w
     p.time = h < remaining ? p.time + h : to;
     last_bounce_ = p.length;
     placed(p, at);
+    take_contact(p);
     ++work.steps;
     --steps_left_;
     if (moved != Moved::inside)

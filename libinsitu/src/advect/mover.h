@@ -7,6 +7,7 @@
 #include "advect/mesh_velocity.h"
 #include "advect/particles.h"
 #include "advect/random_walk.h"
+#include "advect/snapshots.h"
 #include "advect/walls.h"
 #include "core/parallel.h"
 
@@ -39,6 +40,9 @@ public:
         double max_length);
   Mover(const Mover&) = delete;
 
+  /// Where the next particle's snapshots go, or null.
+  void take(SnapshotTaker<MeshVelocity>* taker) { taker_ = taker; }
+
   /// Moves the particle, whose last cell was `hint`, from p.time to `to`. Returns as integrate().
   insitu_ending advance(State& p, std::int64_t hint, Carried& carried, double to, Work& work);
 
@@ -56,6 +60,7 @@ private:
   Sampled force(const math::Vec3d& x, double t, math::Vec3d& b);
   bool place(State& p, Spot& at);
   void placed(State& p, const Spot& at);
+  void take_contact(const State& p);
 
   const EffectSetup* setup_;
   const Effects* effects_;
@@ -68,6 +73,7 @@ private:
   BoundaryEffect boundary_, walk_boundary_;
   std::int64_t spot_cell_ = -1; ///< of the position, if a displacement was the last to move it
   std::int64_t steps_left_ = 0;
+  SnapshotTaker<MeshVelocity>* taker_ = nullptr;
   double last_bounce_ = -1.0; ///< length of the path then; -1: none yet
 };
 

@@ -51,12 +51,15 @@ void Tracer::seed(std::span<const math::Vec3d> points, double time) {
 }
 
 Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& velocity,
-                        const mesh::FieldView* earlier_velocity, double t0, double t1,
-                        const core::Threads& threads) {
+                        const EarlierSteps& earlier_velocity, double t0, double t1,
+                        const core::Threads& threads, Snapshots* snapshots) {
   check_velocity(velocity);
-  if (earlier_velocity)
-    check_velocity(*earlier_velocity);
+  for (const mesh::FieldView& earlier : earlier_velocity.fields)
+    check_velocity(earlier);
   check_interval(t0, t1);
+  EarlierSteps steps = earlier_velocity;
+  steps.fields = steps.fields.first(
+      std::min(steps.fields.size(), std::size_t(steps_of(settings_.time_interpolation) - 1)));
 
   Advance result;
   const IntegratorSettings integrator = settings_for(velocity, settings_.integrator);
@@ -67,12 +70,15 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   Particles& all = particles_;
   constexpr std::int64_t grain = 64;
   const std::int64_t count = std::int64_t(all.size());
+  if (snapshots)
+    snapshots->begin(all.size());
   std::vector<Work> work(std::size_t((count + grain - 1) / grain));
   std::vector<EffectWork> effect_work(setup ? work.size() : 0);
   // make() gives a thread its field of velocities; move(field) what moves particle i in it until
   // `to`.
   const auto carry = [&](auto&& make, auto&& begin_chunk) {
-    result.blended_velocity = make().blends_velocity();
+    result.velocity_steps = make().velocity_steps();
+    result.blended_velocity = result.velocity_steps > 1;
     result.blended_geometry = make().blends_geometry();
     threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
       auto v = make();
@@ -87,7 +93,11 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
         const double to = std::clamp(last, p.time, t1);
         insitu_ending ending = INSITU_END_ALIVE;
         std::int64_t cell = -1;
+        std::optional<SnapshotTaker<std::remove_reference_t<decltype(v)>>> taker;
         if constexpr (!std::is_same_v<decltype(mover), NoMover>) {
+          if (snapshots)
+            taker.emplace(*snapshots, i, p, v, sampler, settings_.accuracy);
+          mover->take(taker ? &*taker : nullptr);
           Carried carried = all.carried(i);
           ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
           all.set_carried(i, carried);
@@ -95,8 +105,14 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
         } else {
           v.begin(all.cells[i]);
           p.x = v.enter(p.x);
-          ending =
-              integrate(v, integrator, to, settings_.length, p, chunk_work, [](const State&) {});
+          if (snapshots) {
+            taker.emplace(*snapshots, i, p, v, sampler, settings_.accuracy);
+            ending = integrate(v, integrator, to, settings_.length, p, chunk_work, *taker);
+            taker->straight(p);
+          } else {
+            ending =
+                integrate(v, integrator, to, settings_.length, p, chunk_work, [](const State&) {});
+          }
           p.x = v.position(p.x);
           cell = v.cell();
         }
@@ -108,6 +124,8 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
           if (here && effects_.removes(here, p.x, p.time - all.seeding_times[i]))
             ending = INSITU_END_REMOVED;
         }
+        if (taker && ending != INSITU_END_ALIVE)
+          taker->ended(p);
         all.set_state(i, p, cell >= 0 ? cell : all.cells[i]);
         all.endings[i] = std::uint8_t(ending);
       }
@@ -118,13 +136,13 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   check_chart(sampler, integrator);
   const auto plain = [](auto&) { return NoMover{}; };
   const auto on_mesh = [&] {
-    return MeshVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy);
+    return MeshVelocity(sampler, velocity, steps, t0, t1, settings_.accuracy);
   };
   if (sampler.chart()) {
     check_chart_effects(effects_);
     carry(
         [&] {
-          return ChartVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy,
+          return ChartVelocity(sampler, velocity, steps, t0, t1, settings_.accuracy,
                                effects_.drifts);
         },
         plain);
@@ -143,10 +161,35 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   return result;
 }
 
+namespace {
+
+/// Particle i went straight from where it was at `begins`, in its place of its cell if that is
+/// known (or began there: fresh), and came to where it is now.
+void take_straight(Snapshots& snapshots, std::size_t i, const Particles& all, bool fresh,
+                   const math::Vec3d& from, double begins, const query::Location& place) {
+  const math::Vec3d to = all.positions[i];
+  const double ends = all.times[i];
+  for (std::size_t k = 0; k < snapshots.times.size(); ++k) {
+    const double t = snapshots.times[k];
+    const bool begun = fresh ? t >= begins : t > begins;
+    if (!begun || t > ends || (t == ends && all.endings[i] != INSITU_END_ALIVE))
+      continue;
+    const std::size_t item = snapshots.item(k, i);
+    const double part = ends > begins ? (t - begins) / (ends - begins) : 1.0;
+    snapshots.positions[item] = t == ends ? to : from + part * (to - from);
+    snapshots.places[item] = place;
+    snapshots.present[item] = 1;
+  }
+}
+
+} // namespace
+
 Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0, double t1,
-                      const core::Threads& threads) {
+                      const core::Threads& threads, Snapshots* snapshots) {
   check_interval(t0, t1);
   Particles& all = particles_;
+  if (snapshots)
+    snapshots->begin(all.size());
   threads.parallel_for(std::int64_t(all.size()), 256, [&](std::int64_t begin, std::int64_t end) {
     for (std::size_t i = std::size_t(begin); i < std::size_t(end); ++i) {
       if (all.endings[i] != INSITU_END_ALIVE || all.times[i] > t1)
@@ -158,6 +201,7 @@ Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0,
         all.endings[i] = std::uint8_t(all.fresh[i] ? INSITU_END_SEED_OUTSIDE : INSITU_END_LEFT);
         continue;
       }
+      const bool fresh = all.fresh[i] != 0;
       all.fresh[i] = 0;
       all.cells[i] = at.cell;
       all.parametric[i] = at.parametric;
@@ -172,6 +216,8 @@ Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0,
       all.lengths[i] += length_of(all.positions[i] - from);
       if (all.lengths[i] >= settings_.length)
         all.endings[i] = INSITU_END_EXPIRED;
+      if (snapshots)
+        take_straight(*snapshots, i, all, fresh, from, begins, at);
     }
   });
   return all.counts();
