@@ -17,7 +17,7 @@ class ChartVelocity {
 public:
   /// As MeshVelocity's; the sampler has a chart. drifts: added, in metres per second.
   ChartVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
-                const mesh::FieldView* earlier, double t0, double t1, insitu_accuracy accuracy,
+                const EarlierSteps& earlier, double t0, double t1, insitu_accuracy accuracy,
                 std::span<const Drift> drifts = {})
       : images_(sampler.among_images()), space_(sampler.chart()), motion_(sampler.chart()),
         inner_(images_, now, earlier, t0, t1, accuracy), drifts_(drifts) {}
@@ -89,7 +89,7 @@ public:
   }
 
   double geometry_alpha(double t) const { return inner_.geometry_alpha(t); }
-  bool blends_velocity() const { return inner_.blends_velocity(); }
+  int velocity_steps() const { return inner_.velocity_steps(); }
   bool blends_geometry() const { return inner_.blends_geometry(); }
 
   // Points among the cells, for a Mover: see DriftVelocity.
@@ -121,7 +121,7 @@ public:
     if (const Sampled s = inner_.sample(point, t, v, at); s != Sampled::inside)
       return s;
     for (const Drift& drift : drifts_) {
-      const math::Vec3d u = velocity_of(drift, images_, at, inner_.alpha(t));
+      const math::Vec3d u = velocity_of(drift, images_, at, inner_.times(), t);
       v += is_field_of_vectors(drift) ? u : space_.from_east_north(point, u);
     }
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) ? Sampled::inside
@@ -142,7 +142,7 @@ private:
   /// Along the east and north of the image's chart, as fields of three components are there.
   math::Vec3d drift_at(const Drift& drift, const query::Location& at, double t,
                        const math::Vec3d& x, const math::Vec3d& image) const {
-    const math::Vec3d v = velocity_of(drift, images_, at, inner_.alpha(t));
+    const math::Vec3d v = velocity_of(drift, images_, at, inner_.times(), t);
     return is_field_of_vectors(drift) ? v : motion_.turned(x, image, pole_of(at.cell), v);
   }
 

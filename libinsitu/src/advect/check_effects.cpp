@@ -21,7 +21,7 @@ std::string number(double value) {
 }
 
 void check_field(const FieldInTime& field, const char* of, int components, int or_components) {
-  for (const mesh::FieldView* f : {&field.now, field.earlier ? &*field.earlier : &field.now})
+  const auto check = [&](const mesh::FieldView* f) {
     if (f->components != components && f->components != or_components)
       throw core::Error(INSITU_ERROR_FIELD,
                         "tracer: field '" + std::string(f->name) + "' of " + of + " needs " +
@@ -30,6 +30,10 @@ void check_field(const FieldInTime& field, const char* of, int components, int o
                                                          : " or " + std::to_string(or_components)) +
                             (or_components == 1 && components == 1 ? " component" : " components") +
                             ", it has " + std::to_string(f->components));
+  };
+  check(&field.now);
+  for (const mesh::FieldView& f : field.earlier)
+    check(&f);
 }
 
 void check_coefficient(const Coefficient& c) {

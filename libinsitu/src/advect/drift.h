@@ -9,13 +9,13 @@
 
 namespace insitu::advect {
 
-/// What a drift adds at a place; alpha: of the fields.
+/// What a drift adds at a place and time; times: of the steps.
 inline math::Vec3d velocity_of(const Drift& drift, const query::Sampler& sampler,
-                               const query::Location& at, double alpha) {
+                               const query::Location& at, const StepTimes& times, double t) {
   if (!drift.field)
     return drift.constant;
   double u[3];
-  drift.field->value(sampler, at, alpha, u);
+  drift.field->value(sampler, at, times, t, u);
   if (drift.field->now.components == 1)
     return (drift.factor * u[0]) * drift.direction;
   return drift.factor * math::Vec3d{u[0], u[1], u[2]};
@@ -28,7 +28,7 @@ class DriftVelocity {
 public:
   /// As MeshVelocity's; drifts must outlive the object as well.
   DriftVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
-                const mesh::FieldView* earlier, double t0, double t1, insitu_accuracy accuracy,
+                const EarlierSteps& earlier, double t0, double t1, insitu_accuracy accuracy,
                 std::span<const Drift> drifts)
       : flow_(sampler, now, earlier, t0, t1, accuracy), drifts_(drifts) {}
 
@@ -45,7 +45,7 @@ public:
     if (const Sampled s = flow_.sample(x, t, v, at); s != Sampled::inside)
       return s;
     for (const Drift& drift : drifts_)
-      v += velocity_of(drift, flow_.sampler(), at, flow_.alpha(t));
+      v += velocity_of(drift, flow_.sampler(), at, flow_.times(), t);
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) ? Sampled::inside
                                                                           : Sampled::not_finite;
   }
@@ -70,7 +70,7 @@ public:
 
   math::Vec3d extent() { return flow_.extent(); }
   double geometry_alpha(double t) const { return flow_.geometry_alpha(t); }
-  bool blends_velocity() const { return flow_.blends_velocity(); }
+  int velocity_steps() const { return flow_.velocity_steps(); }
   bool blends_geometry() const { return flow_.blends_geometry(); }
 
   // Points among the cells.

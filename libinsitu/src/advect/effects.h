@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "advect/in_time.h"
 #include "math/vec.h"
 #include "mesh/view.h"
 #include "query/sampler.h"
@@ -14,24 +15,6 @@
 /// goes none of these ways. Lengths are in the mesh's units, or metres along east, north and up on
 /// a geodetic mesh; times are in the solver's.
 namespace insitu::advect {
-
-/// A field of the current step and, if it is known, of the step before, on the same cells.
-struct FieldInTime {
-  mesh::FieldView now;
-  std::optional<mesh::FieldView> earlier;
-
-  /// Component values at a place, blended as the velocity is. At most three components.
-  void value(const query::Sampler& sampler, const query::Location& at, double alpha,
-             double* out) const {
-    sampler.interpolate(now, at, out);
-    if (!earlier || alpha == 1.0)
-      return;
-    double then[3];
-    sampler.interpolate(*earlier, at, then);
-    for (int c = 0; c < now.components; ++c)
-      out[c] = (1.0 - alpha) * then[c] + alpha * out[c];
-  }
-};
 
 /// A velocity that is added: `constant`, or factor times a field of three components, or a field of
 /// one component along `direction`.

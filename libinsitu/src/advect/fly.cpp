@@ -50,7 +50,7 @@ Sampled Mover<V>::force(const Vec3d& x, double t, Vec3d& b) {
     // Du/Dt = du/dt at a place that goes with the mesh + (u - the mesh's velocity) grad u, and the
     // axes turn where the fluid goes.
     const Vec3d relative = walls_.scale(x).coordinates(u) - mesh_velocity(flow(), at);
-    Vec3d acceleration = flow().rate_of_change(at);
+    Vec3d acceleration = flow().rate_of_change(at, t);
     for (int c = 0; c < 3; ++c)
       acceleration[c] += math::dot(flow().gradient(at, c, t), relative);
     const double spin = space_.spin(x, u);
@@ -110,6 +110,8 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
         carried.velocity =
             effects_->inertia->begins ? space_.from_east_north(x, *effects_->inertia->begins) : u;
       known = true;
+      if (taker_)
+        taker_->set(p);
     }
     if (!(p.time < to))
       return INSITU_END_ALIVE;
@@ -205,6 +207,16 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
       continue;
     }
     velocity_.accepted();
+    if (taker_) {
+      Trial end;
+      end.x = trial.x;
+      end.v = by_axis(trial.v, walls_.scale(trial.x));
+      const DenseStep path(p.x, p.time, h, by_axis(v, per_metre), end, false);
+      State then = p;
+      then.x = trial.x;
+      then.time = h == remaining ? to : p.time + h;
+      (*taker_)(then, path);
+    }
     ++work.steps;
     work.forced += forced;
     steps_left_ -= !(closing && retried);
@@ -284,6 +296,7 @@ insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, doubl
     p.time = h < remaining ? p.time + h : to;
     last_bounce_ = p.length;
     landed(x, at);
+    take_contact(p);
     ++work.steps;
     --steps_left_;
     if (moved != Moved::inside)

@@ -36,7 +36,7 @@ HWY_INLINE void gather(int lanes, int n, const From& from, PackVec* to) {
 
 /// map(x, p): the inverse of one shape.
 template <int vertices, class Map>
-HWY_INLINE void invert_shape(mesh::Shape shape, const LaneQuery* queries, int count,
+HWY_INLINE void invert_shape(mesh::Shape shape, const LaneQuery* queries, int count, int steps,
                              LaneAnswer* answers, const Map& map) {
   const simd::PackTag d;
   const int lanes = int(hn::Lanes(d));
@@ -59,18 +59,20 @@ HWY_INLINE void invert_shape(mesh::Shape shape, const LaneQuery* queries, int co
           s += weight[k] * u[k];
         return s;
       };
-      PackVec u[vertices];
-      gather<vertices>(
-          lanes, n, [q](int l) HWY_ATTR { return q[l].velocity; }, u);
-      v = sum(u);
-      if (q->before) {
+      for (int step = 0; step < steps; ++step) {
+        PackVec u[vertices];
+        gather<vertices>(
+            lanes, n, [q, step](int l) HWY_ATTR { return q[l].velocity[step]; }, u);
+        const PackVec at_step = sum(u);
+        if (steps == 1) {
+          v = at_step;
+          break;
+        }
         alignas(64) double row[most_lanes];
         for (int l = 0; l < lanes; ++l)
-          row[l] = q[l < n ? l : n - 1].alpha;
-        const Pack alpha = simd::load_pack(row);
-        gather<vertices>(
-            lanes, n, [q](int l) HWY_ATTR { return q[l].before; }, u);
-        v = (Pack(1.0) - alpha) * sum(u) + alpha * v;
+          row[l] = q[l < n ? l : n - 1].weights[step];
+        const PackVec part = simd::load_pack(row) * at_step;
+        v = step == 0 ? part : v + part;
       }
     }
     alignas(64) double out[8][most_lanes];
@@ -87,23 +89,24 @@ HWY_INLINE void invert_shape(mesh::Shape shape, const LaneQuery* queries, int co
   }
 }
 
-void invert_all(mesh::Shape shape, const LaneQuery* queries, int n, LaneAnswer* answers) {
+void invert_all(mesh::Shape shape, const LaneQuery* queries, int n, int steps,
+                LaneAnswer* answers) {
   using mesh::Shape;
   switch (shape) {
   case Shape::tetrahedron:
-    return invert_shape<4>(shape, queries, n, answers,
+    return invert_shape<4>(shape, queries, n, steps, answers,
                            [](const PackVec* x, const PackVec& p)
                                HWY_ATTR { return simd::inverse_tetrahedron(x, p); });
   case Shape::pyramid:
-    return invert_shape<5>(shape, queries, n, answers,
+    return invert_shape<5>(shape, queries, n, steps, answers,
                            [](const PackVec* x, const PackVec& p)
                                HWY_ATTR { return simd::inverse_pyramid(x, p); });
   case Shape::wedge:
-    return invert_shape<6>(shape, queries, n, answers,
+    return invert_shape<6>(shape, queries, n, steps, answers,
                            [](const PackVec* x, const PackVec& p)
                                HWY_ATTR { return simd::inverse_wedge(x, p); });
   default:
-    return invert_shape<8>(shape, queries, n, answers,
+    return invert_shape<8>(shape, queries, n, steps, answers,
                            [shape](const PackVec* x, const PackVec& p)
                                HWY_ATTR { return simd::inverse_hexahedron(shape, x, p); });
   }
@@ -117,8 +120,9 @@ namespace insitu::advect {
 
 HWY_EXPORT(invert_all);
 
-void invert_lanes(mesh::Shape shape, const LaneQuery* queries, int n, LaneAnswer* answers) {
-  HWY_DYNAMIC_DISPATCH(invert_all)(shape, queries, n, answers);
+void invert_lanes(mesh::Shape shape, const LaneQuery* queries, int n, int steps,
+                  LaneAnswer* answers) {
+  HWY_DYNAMIC_DISPATCH(invert_all)(shape, queries, n, steps, answers);
 }
 
 } // namespace insitu::advect

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "advect/settings.h"
 #include "math/vec.h"
 #include "mesh/shape.h"
 
@@ -10,9 +11,8 @@ namespace insitu::advect {
 struct LaneQuery {
   math::Vec3d point;
   const math::Vec3d* vertices;
-  const math::Vec3d* velocity; ///< or null: not interpolated
-  const math::Vec3d* before;   ///< at the earlier step, or null
-  double alpha;                ///< of `velocity`; 1 - alpha of `before`
+  const math::Vec3d (*velocity)[8]; ///< [step][vertex], or null: not interpolated
+  double weights[most_steps];       ///< [step]; one step has none
 };
 
 struct LaneAnswer {
@@ -23,8 +23,9 @@ struct LaneAnswer {
 };
 
 /// Inverts the maps of n cells of one shape, and interpolates. The same bits as cells::inverse_map
-/// and sums of cells::shape_functions times velocities. All queries have velocities, or none; so
-/// for those before.
-void invert_lanes(mesh::Shape shape, const LaneQuery* queries, int n, LaneAnswer* answers);
+/// and sums of cells::shape_functions times velocities, those of further steps added in their
+/// order. All queries have velocities, of `steps` steps, or none.
+void invert_lanes(mesh::Shape shape, const LaneQuery* queries, int n, int steps,
+                  LaneAnswer* answers);
 
 } // namespace insitu::advect

@@ -1,5 +1,6 @@
 #include "advect/lanes.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace insitu::advect {
@@ -59,11 +60,17 @@ void LaneBatch::try_cells() {
     for (const Asked& a : asked) {
       const LaneVelocity& l = *a.lane;
       const bool at_vertices = a.cell->values != 1;
-      queries_.push_back({l.x_, a.cell->vertices.x, at_vertices ? a.cell->velocity : nullptr,
-                          at_vertices && l.blends_ ? a.cell->before : nullptr, l.alpha_});
+      LaneQuery query{l.x_, a.cell->vertices.x, at_vertices ? a.cell->velocity : nullptr, {}};
+      if (l.steps_ == 2) {
+        query.weights[0] = l.alpha_;
+        query.weights[1] = 1.0 - l.alpha_;
+      } else {
+        std::copy_n(l.step_weights_, most_steps, query.weights);
+      }
+      queries_.push_back(query);
     }
     invert_lanes(asked.front().cell->vertices.shape, queries_.data(), int(asked.size()),
-                 answers_.data());
+                 asked.front().lane->steps_, answers_.data());
     for (std::size_t i = 0; i < asked.size(); ++i) {
       LaneVelocity& l = *asked[i].lane;
       LaneVelocity::Kept& k = *asked[i].cell;

@@ -5,11 +5,15 @@ namespace insitu::advect {
 using math::Vec3d;
 
 MeshVelocity::MeshVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
-                           const mesh::FieldView* earlier, double t0, double t1,
+                           const EarlierSteps& earlier, double t0, double t1,
                            insitu_accuracy accuracy)
-    : sampler_(&sampler), fields_{now, earlier ? *earlier : now}, blends_(earlier && t1 > t0),
+    : sampler_(&sampler), fields_{now}, times_(t0, t1, earlier.before),
+      steps_(times_.usable(1 + earlier.fields.size())),
       moves_(sampler.mesh().earlier_points && t1 > t0), keeps_(sampler.mesh().free_of_folds),
-      t0_(t0), t1_(t1), accuracy_(accuracy) {}
+      accuracy_(accuracy) {
+  for (int step = 1; step < steps_; ++step)
+    fields_[step] = earlier.fields[std::size_t(step - 1)];
+}
 
 void MeshVelocity::begin(std::int64_t hint) {
   const std::int64_t cells = sampler_->mesh().cell_count();
@@ -41,12 +45,11 @@ void MeshVelocity::load(Kept& k, std::int64_t cell) const {
   }
   const bool by_cell = fields_[0].association == INSITU_CELL;
   k.values = by_cell ? 1 : c.count;
-  for (int f = 0; f < (blends_ ? 2 : 1); ++f) {
+  for (int f = 0; f < steps_; ++f) {
     const mesh::FieldPieceView& from = fields_[f].pieces[c.piece];
-    Vec3d* to = f == 0 ? k.velocity : k.before;
     for (int i = 0; i < k.values; ++i) {
       const std::int64_t item = by_cell ? cell - mesh.first_cell[c.piece] : c.ids[i];
-      to[i] = {from.load(item, 0), from.load(item, 1), from.load(item, 2)};
+      k.velocity[f][i] = {from.load(item, 0), from.load(item, 1), from.load(item, 2)};
     }
   }
 }
@@ -79,12 +82,36 @@ Sampled MeshVelocity::taken(const query::Location& at, Vec3d& v) {
     Kept& k = keep(at.cell);
     return value(k, at.parametric, v);
   }
-  double u[6];
-  sampler_->interpolate(std::span(fields_, blends_ ? 2 : 1), at, u);
-  v = {u[0], u[1], u[2]};
-  if (blends_)
-    v = (1.0 - alpha_) * Vec3d{u[3], u[4], u[5]} + alpha_ * v;
+  double u[3 * most_steps];
+  sampler_->interpolate(std::span(fields_, std::size_t(steps_)), at, u);
+  v = in_time([&](int step) { return Vec3d{u[3 * step], u[3 * step + 1], u[3 * step + 2]}; });
   return finite(v) ? Sampled::inside : Sampled::not_finite;
+}
+
+Vec3d MeshVelocity::gradient(const query::Location& at, int component, double t) const {
+  const auto of = [&](int step) {
+    return sampler_->gradient(fields_[step], component, at, geometry_alpha(t));
+  };
+  if (steps_ == 1)
+    return of(0);
+  double w[most_steps];
+  times_.weights(t, steps_, w);
+  Vec3d sum = w[0] * of(0);
+  for (int step = 1; step < steps_; ++step)
+    sum += w[step] * of(step);
+  return sum;
+}
+
+Vec3d MeshVelocity::rate_of_change(const query::Location& at, double t) const {
+  if (steps_ == 1)
+    return {};
+  double u[3 * most_steps], w[most_steps];
+  sampler_->interpolate(std::span(fields_, std::size_t(steps_)), at, u);
+  times_.rates(t, steps_, w);
+  Vec3d sum;
+  for (int step = 0; step < steps_; ++step)
+    sum += w[step] * Vec3d{u[3 * step], u[3 * step + 1], u[3 * step + 2]};
+  return sum;
 }
 
 Vec3d MeshVelocity::box_of(const mesh::CellVertices& c) {

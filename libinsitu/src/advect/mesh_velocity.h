@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "advect/in_time.h"
 #include "advect/integrate.h"
 #include "cells/kernels.h"
 #include "mesh/view.h"
@@ -17,15 +18,16 @@ namespace insitu::advect {
 
 /// The velocity on a mesh between two committed steps, as integrate() asks for it. At time t, with
 /// alpha = (t - t0) / (t1 - t0) in [0, 1], a point is located in (1 - alpha) earlier + alpha
-/// current coordinates, and its velocity is (1 - alpha) earlier + alpha current velocity at that
-/// place; a part of which there is no earlier state is taken as it is now. The last two cells are
-/// kept with their vertices and velocities: a point proven to be in one of them needs no more. One
-/// object serves one thread.
+/// current coordinates, and its velocity is interpolated at that place through the steps that are
+/// given: (1 - alpha) earlier + alpha current velocity through two (TimeInterpolation says what
+/// through more); a part of which there is no earlier state is taken as it is now. The last two
+/// cells are kept with their vertices and velocities: a point proven to be in one of them needs no
+/// more. One object serves one thread.
 class MeshVelocity {
 public:
-  /// earlier may be null. The arguments must outlive the object.
+  /// What the arguments refer to must outlive the object.
   MeshVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
-               const mesh::FieldView* earlier, double t0, double t1, insitu_accuracy accuracy);
+               const EarlierSteps& earlier, double t0, double t1, insitu_accuracy accuracy);
   ~MeshVelocity() { sampler_->count_certified(proven_); }
   MeshVelocity(const MeshVelocity&) = delete;
   MeshVelocity& operator=(const MeshVelocity&) = delete;
@@ -49,29 +51,16 @@ public:
   void accepted() { cell_ = hint_; }
 
   /// How much of the current step there is at time t; of the geometry it is 1 if nothing moved.
-  double alpha(double t) const {
-    return t1_ > t0_ ? std::clamp((t - t0_) / (t1_ - t0_), 0.0, 1.0) : 1.0;
-  }
+  double alpha(double t) const { return times_.alpha(t); }
   double geometry_alpha(double t) const { return moves_ ? alpha(t) : 1.0; }
   const query::Sampler& sampler() const { return *sampler_; }
-  double interval() const { return t1_ - t0_; }
+  double interval() const { return times_.interval(); }
+  const StepTimes& times() const { return times_; }
 
   /// The gradient of a component at a place and time, and the change with time of the velocity at a
   /// place in a cell (0 if the earlier velocity is unknown).
-  math::Vec3d gradient(const query::Location& at, int component, double t) const {
-    const math::Vec3d now = sampler_->gradient(fields_[0], component, at, geometry_alpha(t));
-    if (!blends_)
-      return now;
-    const double a = alpha(t);
-    return a * now + (1.0 - a) * sampler_->gradient(fields_[1], component, at, geometry_alpha(t));
-  }
-  math::Vec3d rate_of_change(const query::Location& at) const {
-    if (!blends_)
-      return {};
-    double u[6];
-    sampler_->interpolate(std::span(fields_, 2), at, u);
-    return math::Vec3d{u[0] - u[3], u[1] - u[4], u[2] - u[5]} / interval();
-  }
+  math::Vec3d gradient(const query::Location& at, int component, double t) const;
+  math::Vec3d rate_of_change(const query::Location& at, double t) const;
   insitu_accuracy accuracy() const { return accuracy_; }
 
   /// The cell of the particle's position (flat id), or -1 if it was never inside.
@@ -93,7 +82,8 @@ public:
 
   double way_out(const math::Vec3d& a, const math::Vec3d& b, double t);
 
-  bool blends_velocity() const { return blends_; }
+  /// The steps through which the velocity is interpolated, from 1: the current one alone.
+  int velocity_steps() const { return steps_; }
   bool blends_geometry() const { return moves_; }
 
 protected:
@@ -103,12 +93,14 @@ protected:
     double alpha = 1.0; ///< of vertices.x
     int values = 0;     ///< of the field: vertices, or 1 of a cell field
     mesh::CellVertices vertices;
-    math::Vec3d now[8], earlier[8];     ///< coordinates, if the mesh moves
-    math::Vec3d velocity[8], before[8]; ///< at the vertices, now and at the earlier step
+    math::Vec3d now[8], earlier[8];      ///< coordinates, if the mesh moves
+    math::Vec3d velocity[most_steps][8]; ///< at the vertices, at each step, the current one first
   };
 
   void set_alpha(double t) {
-    alpha_ = t1_ > t0_ ? std::clamp((t - t0_) / (t1_ - t0_), 0.0, 1.0) : 1.0;
+    alpha_ = times_.alpha(t);
+    if (steps_ > 2)
+      times_.weights(t, steps_, step_weights_);
   }
   query::LocateOptions options() const { return {accuracy_, moves_ ? alpha_ : 1.0}; }
   void blend(Kept& k) const {
@@ -120,24 +112,30 @@ protected:
     }
   }
   Sampled value(const Kept& k, const math::Vec3d& r, math::Vec3d& v) const {
-    if (k.values == 1) {
-      v = k.velocity[0];
-      if (blends_)
-        v = (1.0 - alpha_) * k.before[0] + alpha_ * v;
-    } else {
-      double weight[8];
+    double weight[8];
+    if (k.values == 1)
+      weight[0] = 1.0;
+    else
       cells::shape_functions(k.vertices.shape, r, weight);
-      v = weight[0] * k.velocity[0];
+    v = in_time([&](int step) {
+      math::Vec3d u = weight[0] * k.velocity[step][0];
       for (int i = 1; i < k.values; ++i)
-        v += weight[i] * k.velocity[i];
-      if (blends_) {
-        math::Vec3d u = weight[0] * k.before[0];
-        for (int i = 1; i < k.values; ++i)
-          u += weight[i] * k.before[i];
-        v = (1.0 - alpha_) * u + alpha_ * v;
-      }
-    }
+        u += weight[i] * k.velocity[step][i];
+      return u;
+    });
     return finite(v) ? Sampled::inside : Sampled::not_finite;
+  }
+  /// The velocity at the time asked for, from that of each step.
+  template <class At>
+  math::Vec3d in_time(At&& at) const {
+    if (steps_ == 1)
+      return at(0);
+    if (steps_ == 2)
+      return (1.0 - alpha_) * at(1) + alpha_ * at(0);
+    math::Vec3d v = step_weights_[0] * at(0);
+    for (int step = 1; step < steps_; ++step)
+      v += step_weights_[step] * at(step);
+    return v;
   }
   static bool finite(const math::Vec3d& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -178,12 +176,14 @@ protected:
   static math::Vec3d box_of(const mesh::CellVertices& c);
 
   const query::Sampler* sampler_;
-  mesh::FieldView fields_[2]; ///< now, earlier
-  bool blends_, moves_;
+  mesh::FieldView fields_[most_steps]; ///< at each step, the current one first
+  StepTimes times_;
+  int steps_; ///< of fields_, that serve
+  bool moves_;
   bool keeps_; ///< proofs are enough to know owners
-  double t0_, t1_;
   insitu_accuracy accuracy_;
-  double alpha_ = 1.0; ///< of the point asked last
+  double alpha_ = 1.0;                   ///< of the point asked last
+  double step_weights_[most_steps] = {}; ///< the same, through more than two steps
   std::int64_t hint_ = -1;
   std::int64_t cell_ = -1;
   std::int64_t sized_ = -1; ///< the cell whose extent is kept

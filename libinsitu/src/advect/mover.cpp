@@ -85,7 +85,29 @@ insitu_ending Mover<V>::walk(State& p, Carried& carried, double dt) {
   ++carried.walk_steps;
   ++work_.walk_steps;
   placed(p, at);
+  if (taker_)
+    taker_->displaced(p);
   return ending_of(moved);
+}
+
+/// After a step along the wall: straight, through periodic sides if that is the shorter way.
+template <class V>
+void Mover<V>::take_contact(const State& p) {
+  if (!taker_)
+    return;
+  taker_->along(p, [&](const Vec3d& from, double part) {
+    Vec3d x = p.x - from;
+    for (int a = 0; a < 3; ++a) {
+      const double low = setup_->box.low[a], size = setup_->box.high[a] - low;
+      if (boundary_.periodic[a] && size > 0.0) {
+        const double to = from[a] + part * (x[a] - size * std::round(x[a] / size));
+        x[a] = to < low ? to + size : to > low + size ? to - size : to;
+      } else {
+        x[a] = from[a] + part * x[a];
+      }
+    }
+    return x;
+  });
 }
 
 /// Where a point is, if it is inside.
@@ -152,6 +174,10 @@ insitu_ending Mover<V>::put_back(State& p, const State& before, const Spot& star
     return INSITU_END_LEFT;
   ++work_.contacts;
   placed(p, at);
+  if (taker_) {
+    taker_->back_to(before);
+    taker_->set(p);
+  }
   return INSITU_END_ALIVE;
 }
 
@@ -161,8 +187,13 @@ insitu_ending Mover<V>::flow_to(State& p, double to, Work& work) {
     IntegratorSettings settings = settings_;
     settings.max_steps = std::max<std::int64_t>(steps_left_, 1);
     const std::int64_t steps = work.steps;
-    const insitu_ending ending =
-        integrate(velocity_, settings, to, max_length_, p, work, [](const State&) {});
+    insitu_ending ending;
+    if (taker_) {
+      ending = integrate(velocity_, settings, to, max_length_, p, work, *taker_);
+      taker_->straight(p);
+    } else {
+      ending = integrate(velocity_, settings, to, max_length_, p, work, [](const State&) {});
+    }
     // Steps that close in on a wall count as one.
     steps_left_ -= ending == INSITU_END_LEFT ? 1 : work.steps - steps;
     if (velocity_.cell() >= 0)
@@ -194,6 +225,8 @@ insitu_ending Mover<V>::pass(State& p, Spot at) {
   if (moved == Moved::inside && work_.contacts == contacts)
     return ending_of(boundary_.response == AtBoundary::stop ? Moved::stopped : Moved::left);
   placed(p, at);
+  if (taker_)
+    taker_->set(p);
   return ending_of(moved);
 }
 
@@ -262,6 +295,7 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
     at = end;
     p.time = h < to - p.time ? p.time + h : to;
     placed(p, at);
+    take_contact(p);
     ++work.steps;
     --steps_left_;
     if (moved != Moved::inside)

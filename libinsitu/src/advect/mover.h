@@ -7,6 +7,7 @@
 #include "advect/integrate.h"
 #include "advect/particles.h"
 #include "advect/random_walk.h"
+#include "advect/snapshots.h"
 #include "advect/walls.h"
 #include "core/parallel.h"
 
@@ -42,6 +43,9 @@ public:
         double max_length);
   Mover(const Mover&) = delete;
 
+  /// Where the next particle's snapshots go, or null.
+  void take(SnapshotTaker<V>* taker) { taker_ = taker; }
+
   /// Moves the particle, whose last cell was `hint`, from p.time to `to`. Returns as integrate().
   insitu_ending advance(State& p, std::int64_t hint, Carried& carried, double to, Work& work);
 
@@ -61,6 +65,7 @@ private:
   bool find(const Vec3d& point, double time, Spot& at);
   bool find(const State& p, Spot& at);
   void placed(State& p, Spot at);
+  void take_contact(const State& p);
 
   // With inertia: see fly.cpp. x is the particle's point among the cells.
   insitu_ending fly(State& p, Carried& carried, double to, Work& work);
@@ -82,6 +87,7 @@ private:
   bool puts_back_ = false;
   std::int64_t spot_cell_ = -1; ///< of the position, if a displacement was the last to move it
   std::int64_t steps_left_ = 0;
+  SnapshotTaker<V>* taker_ = nullptr;
   double last_bounce_ = -1.0; ///< length of the path then; -1: none yet
 };
 

@@ -57,12 +57,15 @@ void Tracer::seed(std::span<const math::Vec3d> points, double time) {
 }
 
 Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& velocity,
-                        const mesh::FieldView* earlier_velocity, double t0, double t1,
-                        const core::Threads& threads) {
+                        const EarlierSteps& earlier_velocity, double t0, double t1,
+                        const core::Threads& threads, Snapshots* snapshots) {
   check_velocity(velocity);
-  if (earlier_velocity)
-    check_velocity(*earlier_velocity);
+  for (const mesh::FieldView& earlier : earlier_velocity.fields)
+    check_velocity(earlier);
   check_interval(t0, t1);
+  EarlierSteps steps = earlier_velocity;
+  steps.fields = steps.fields.first(
+      std::min(steps.fields.size(), std::size_t(steps_of(settings_.time_interpolation) - 1)));
 
   Advance result;
   const IntegratorSettings integrator = settings_for(velocity, settings_.integrator);
@@ -74,6 +77,8 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   Particles& all = particles_;
   const std::int64_t count = std::int64_t(all.size());
   const std::int64_t grain = grain_of(count, threads);
+  if (snapshots)
+    snapshots->begin(all.size());
   std::vector<Work> work(std::size_t((count + grain - 1) / grain));
   std::vector<EffectWork> effect_work(setup ? work.size() : 0);
   // The particle's state if it moves, and until when.
@@ -96,11 +101,13 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
     }
     all.set_state(i, p, cell >= 0 ? cell : all.cells[i]);
     all.endings[i] = std::uint8_t(ending);
+    return ending;
   };
   // One by one: make() gives a thread its field of velocities; begin_chunk(field) what moves
   // particles in it.
   const auto carry = [&](auto&& make, auto&& begin_chunk) {
-    result.blended_velocity = make().blends_velocity();
+    result.velocity_steps = make().velocity_steps();
+    result.blended_velocity = result.velocity_steps > 1;
     result.blended_geometry = make().blends_geometry();
     threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
       auto v = make();
@@ -113,7 +120,11 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
           continue;
         insitu_ending ending = INSITU_END_ALIVE;
         std::int64_t cell = -1;
+        std::optional<SnapshotTaker<std::remove_reference_t<decltype(v)>>> taker;
         if constexpr (!std::is_same_v<decltype(mover), NoMover>) {
+          if (snapshots)
+            taker.emplace(*snapshots, i, p, v, sampler, settings_.accuracy);
+          mover->take(taker ? &*taker : nullptr);
           Carried carried = all.carried(i);
           p.x = v.enter(p.x);
           ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
@@ -123,12 +134,20 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
         } else {
           v.begin(all.cells[i]);
           p.x = v.enter(p.x);
-          ending =
-              integrate(v, integrator, to, settings_.length, p, chunk_work, [](const State&) {});
+          if (snapshots) {
+            taker.emplace(*snapshots, i, p, v, sampler, settings_.accuracy);
+            ending = integrate(v, integrator, to, settings_.length, p, chunk_work, *taker);
+            taker->straight(p);
+          } else {
+            ending =
+                integrate(v, integrator, to, settings_.length, p, chunk_work, [](const State&) {});
+          }
           p.x = v.position(p.x);
           cell = v.cell();
         }
-        store(i, p, cell, ending, v.geometry_alpha(p.time));
+        ending = store(i, p, cell, ending, v.geometry_alpha(p.time));
+        if (taker && ending != INSITU_END_ALIVE)
+          taker->ended(p);
       }
       if constexpr (!std::is_same_v<decltype(mover), NoMover>)
         effect_work[std::size_t(begin / grain)] = mover->effect_work();
@@ -139,10 +158,11 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
     threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
       Work& chunk_work = work[std::size_t(begin / grain)];
       State states[LaneBatch::lane_count];
+      std::optional<SnapshotTaker<LaneVelocity>> takers[LaneBatch::lane_count];
       run_lanes(
           sampler, begin, end,
           [&](std::deque<LaneVelocity>& to) {
-            to.emplace_back(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy);
+            to.emplace_back(sampler, velocity, steps, t0, t1, settings_.accuracy);
           },
           [&](std::int64_t i, std::size_t slot, LaneVelocity& v) -> Stepping {
             State& p = states[slot];
@@ -150,12 +170,21 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
             if (!prepare(std::size_t(i), p, to))
               return {};
             v.begin(all.cells[std::size_t(i)]);
+            if (!snapshots)
+              return integration(v, integrator, to, settings_.length, p, chunk_work,
+                                 [](const State&) {});
+            takers[slot].emplace(*snapshots, std::size_t(i), p, v, sampler, settings_.accuracy);
             return integration(v, integrator, to, settings_.length, p, chunk_work,
-                               [](const State&) {});
+                               std::ref(*takers[slot]));
           },
           [&](std::int64_t i, std::size_t slot, LaneVelocity& v, insitu_ending ending) {
             const State& p = states[slot];
-            store(std::size_t(i), p, v.cell(), ending, v.geometry_alpha(p.time));
+            ending = store(std::size_t(i), p, v.cell(), ending, v.geometry_alpha(p.time));
+            if (!snapshots)
+              return;
+            takers[slot]->straight(p);
+            if (ending != INSITU_END_ALIVE)
+              takers[slot]->ended(p);
           });
     });
   };
@@ -165,11 +194,14 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
     return std::make_unique<Mover<V>>(*setup, v, integrator, settings_.length);
   };
   const auto on_chart = [&] {
-    return ChartVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy,
-                         effects_.drifts);
+    return ChartVelocity(sampler, velocity, steps, t0, t1, settings_.accuracy, effects_.drifts);
   };
   if (sampler.chart()) {
     check_chart_effects(effects_);
+    if (setup && snapshots)
+      throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                        "tracer: positions at times between steps are not for effects that "
+                        "displace particles on meshes in longitude and latitude");
     if (setup)
       carry(on_chart, moving);
     else
@@ -177,13 +209,14 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   } else if (setup) {
     carry(
         [&] {
-          return DriftVelocity(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy,
+          return DriftVelocity(sampler, velocity, steps, t0, t1, settings_.accuracy,
                                effects_.drifts);
         },
         moving);
   } else {
-    const MeshVelocity flow(sampler, velocity, earlier_velocity, t0, t1, settings_.accuracy);
-    result.blended_velocity = flow.blends_velocity();
+    const MeshVelocity flow(sampler, velocity, steps, t0, t1, settings_.accuracy);
+    result.velocity_steps = flow.velocity_steps();
+    result.blended_velocity = result.velocity_steps > 1;
     result.blended_geometry = flow.blends_geometry();
     carry_in_lanes();
   }
@@ -195,10 +228,35 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   return result;
 }
 
+namespace {
+
+/// Particle i went straight from where it was at `begins`, in its place of its cell if that is
+/// known (or began there: fresh), and came to where it is now.
+void take_straight(Snapshots& snapshots, std::size_t i, const Particles& all, bool fresh,
+                   const math::Vec3d& from, double begins, const query::Location& place) {
+  const math::Vec3d to = all.positions[i];
+  const double ends = all.times[i];
+  for (std::size_t k = 0; k < snapshots.times.size(); ++k) {
+    const double t = snapshots.times[k];
+    const bool begun = fresh ? t >= begins : t > begins;
+    if (!begun || t > ends || (t == ends && all.endings[i] != INSITU_END_ALIVE))
+      continue;
+    const std::size_t item = snapshots.item(k, i);
+    const double part = ends > begins ? (t - begins) / (ends - begins) : 1.0;
+    snapshots.positions[item] = t == ends ? to : from + part * (to - from);
+    snapshots.places[item] = place;
+    snapshots.present[item] = 1;
+  }
+}
+
+} // namespace
+
 Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0, double t1,
-                      const core::Threads& threads) {
+                      const core::Threads& threads, Snapshots* snapshots) {
   check_interval(t0, t1);
   Particles& all = particles_;
+  if (snapshots)
+    snapshots->begin(all.size());
   threads.parallel_for(std::int64_t(all.size()), 256, [&](std::int64_t begin, std::int64_t end) {
     for (std::size_t i = std::size_t(begin); i < std::size_t(end); ++i) {
       if (all.endings[i] != INSITU_END_ALIVE || all.times[i] > t1)
@@ -210,6 +268,7 @@ Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0,
         all.endings[i] = std::uint8_t(all.fresh[i] ? INSITU_END_SEED_OUTSIDE : INSITU_END_LEFT);
         continue;
       }
+      const bool fresh = all.fresh[i] != 0;
       all.fresh[i] = 0;
       all.cells[i] = at.cell;
       all.parametric[i] = at.parametric;
@@ -224,6 +283,8 @@ Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0,
       all.lengths[i] += length_of(all.positions[i] - from);
       if (all.lengths[i] >= settings_.length)
         all.endings[i] = INSITU_END_EXPIRED;
+      if (snapshots)
+        take_straight(*snapshots, i, all, fresh, from, begins, at);
     }
   });
   return all.counts();

@@ -7,6 +7,7 @@
 #include "advect/effects.h"
 #include "advect/particles.h"
 #include "advect/settings.h"
+#include "advect/snapshots.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/view.h"
@@ -19,6 +20,7 @@ struct TracerSettings {
   insitu_accuracy accuracy = INSITU_STANDARD;
   double duration = std::numeric_limits<double>::infinity(); ///< age at which a particle expires
   double length = std::numeric_limits<double>::infinity();   ///< length of path at which it expires
+  TimeInterpolation time_interpolation = TimeInterpolation::linear; ///< of the velocity
   bool attached = false; ///< particles go with the mesh's material: follow() instead of advance()
 };
 
@@ -28,6 +30,7 @@ struct Advance {
   Work work;
   EffectWork effects;
   bool blended_velocity = false; ///< false: the current velocity was used throughout
+  int velocity_steps = 1;        ///< through which it was interpolated, the current one included
   bool blended_geometry =
       false; ///< false: the mesh did not move, or its earlier points are unknown
 };
@@ -49,20 +52,25 @@ public:
   void seed(std::span<const math::Vec3d> points, double time);
 
   /// Moves every living particle from t0, or from its seeding time in between, to t1. sampler and
-  /// velocity are of the step at t1; earlier_velocity (or null) is of the step at t0, on the same
-  /// cells, and the sampler's mesh may have the coordinates of t0 (MeshView::earlier_points). Null
-  /// after a change of topology and in the first step: then the current velocity is used
-  /// throughout. Throws Error(INSITU_ERROR_FIELD) if a velocity has not three components,
+  /// velocity are of the step at t1; earlier_velocity is of the step at t0 and those before, on
+  /// the same cells, and the sampler's mesh may have the coordinates of t0
+  /// (MeshView::earlier_points). None after a change of topology and in the first step: then the
+  /// current velocity is used throughout; of fewer steps than the interpolation takes, those serve
+  /// that there are. Throws Error(INSITU_ERROR_FIELD) if a velocity has not three components,
   /// Error(INSITU_ERROR_ARGUMENT) if t1 < t0. Particles come out the same for any thread count.
+  /// snapshots, if not null: filled in for its times within [t0, t1]; particles go the same ways
+  /// with and without it. Under effects they are, between the moments at which a random walk
+  /// displaces them, on the flow's path; along walls they go straight from step to step.
   Advance advance(const query::Sampler& sampler, const mesh::FieldView& velocity,
-                  const mesh::FieldView* earlier_velocity, double t0, double t1,
-                  const core::Threads& threads);
+                  const EarlierSteps& earlier_velocity, double t0, double t1,
+                  const core::Threads& threads, Snapshots* snapshots = nullptr);
 
   /// Takes attached particles from t0 to t1, where the sampler's mesh is: with the same cells as
   /// before (same_cells) to the same place in their cells, otherwise they are located where they
-  /// are. Particles seeded since are located, and begin there.
+  /// are. Particles seeded since are located, and begin there. snapshots: as of advance(), on the
+  /// straight way, which material within a cell takes.
   Counts follow(const query::Sampler& sampler, bool same_cells, double t0, double t1,
-                const core::Threads& threads);
+                const core::Threads& threads, Snapshots* snapshots = nullptr);
 
   /// Ends the particles that are still alive as killed: the session closes.
   void finish() { particles_.kill(); }

@@ -35,7 +35,7 @@ bool coefficient(const Coefficient& c, const query::Sampler& sampler, const quer
                  double alpha, double& k) {
   k = c.constant;
   if (c.field)
-    c.field->value(sampler, at, alpha, &k);
+    c.field->blended(sampler, at, alpha, &k);
   if (!std::isfinite(k))
     return false;
   k = std::max(k, 0.0);
@@ -47,8 +47,8 @@ Vec3d gradient(const Coefficient& c, const query::Sampler& sampler, const query:
   if (!c.field)
     return {};
   Vec3d g = sampler.gradient(c.field->now, 0, at, geometry);
-  if (c.field->earlier && alpha != 1.0)
-    g = alpha * g + (1.0 - alpha) * sampler.gradient(*c.field->earlier, 0, at, geometry);
+  if (!c.field->earlier.empty() && alpha != 1.0)
+    g = alpha * g + (1.0 - alpha) * sampler.gradient(c.field->earlier[0], 0, at, geometry);
   return g;
 }
 

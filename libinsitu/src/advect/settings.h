@@ -16,6 +16,21 @@ constexpr bool is_adaptive(Method method) {
   return method == Method::bs32 || method == Method::dopri5;
 }
 
+/// What a field is between the steps n - 1 and n, by the values of the steps up to n.
+enum class TimeInterpolation : std::uint8_t {
+  linear,    ///< the straight line: 2 steps, order 2 in the time between steps
+  quadratic, ///< the parabola through the last three: order 3
+  cubic ///< Hermite's cubic by slopes at both ends, each that of the parabola through the step and
+        ///< the two before it, so that the slope is continuous from interval to interval: 4 steps;
+        ///< order 4 where the steps are even, 3 where they are not
+};
+
+/// The steps that it takes, the current one included.
+constexpr int steps_of(TimeInterpolation interpolation) {
+  return int(interpolation) + 2;
+}
+inline constexpr int most_steps = 4;
+
 /// How a particle is moved. Times are in the solver's units; 0 means "not given". A cell is crossed
 /// once when a displacement reaches the extent of its bounding box along any axis.
 struct IntegratorSettings {

@@ -10,22 +10,39 @@ Tracks::Tracks(core::Memory& memory)
       cells_(memory, INSITU_MEMORY_TRACER), particles_(memory, INSITU_MEMORY_TRACER),
       last_time_(memory, INSITU_MEMORY_TRACER), endings_(memory, INSITU_MEMORY_TRACER) {}
 
-std::size_t Tracks::record(const Particles& particles) {
-  const std::size_t first_new = size();
-  if (particles.size() == 0)
-    return first_new;
-  // Ids count up, so the last particle has the largest.
+/// Makes room for so many particles.
+void Tracks::know(std::size_t ids) {
   const std::size_t known = last_time_.size();
-  const std::size_t ids = std::max(known, std::size_t(particles.ids[particles.size() - 1]) + 1);
+  if (ids <= known)
+    return;
   last_time_.resize(ids);
   endings_.resize(ids);
   std::fill(last_time_.begin() + known, last_time_.end(), std::numeric_limits<double>::quiet_NaN());
   std::fill(endings_.begin() + known, endings_.end(), std::uint8_t(INSITU_END_ALIVE));
+}
+
+void Tracks::record(std::int64_t particle, double time, const math::Vec3d& point,
+                    std::int64_t cell) {
+  know(std::size_t(particle) + 1);
+  last_time_[std::size_t(particle)] = time;
+  points_.push_back(point);
+  times_.push_back(time);
+  cells_.push_back(cell);
+  particles_.push_back(particle);
+}
+
+std::size_t Tracks::record(const Particles& particles, bool ended_alone) {
+  const std::size_t first_new = size();
+  if (particles.size() == 0)
+    return first_new;
+  // Ids count up, so the last particle has the largest.
+  know(std::size_t(particles.ids[particles.size() - 1]) + 1);
 
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const std::size_t id = std::size_t(particles.ids[i]);
     endings_[id] = particles.endings[i];
-    if (particles.fresh[i] || last_time_[id] == particles.times[i])
+    if (particles.fresh[i] || last_time_[id] == particles.times[i] ||
+        (ended_alone && particles.endings[i] == INSITU_END_ALIVE))
       continue;
     last_time_[id] = particles.times[i];
     points_.push_back(particles.positions[i]);

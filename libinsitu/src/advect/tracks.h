@@ -15,8 +15,10 @@ public:
 
   /// Appends a vertex for every particle whose time is another than at its last one: those alive,
   /// and once those that have ended since. Seeds not found inside (yet) have none. Call it before
-  /// drop_ended(). Returns the index of the first new vertex.
-  std::size_t record(const Particles& particles);
+  /// drop_ended(). Returns the index of the first new vertex. ended_alone: not of those alive.
+  std::size_t record(const Particles& particles, bool ended_alone = false);
+  /// Appends a vertex of one particle, alive at that time.
+  void record(std::int64_t particle, double time, const math::Vec3d& point, std::int64_t cell);
 
   /// Everything, to a checkpoint or back.
   void keep(core::Archive& archive);
@@ -33,6 +35,8 @@ public:
   Polylines lines(core::Buffer<std::int64_t>* order = nullptr) const;
 
 private:
+  void know(std::size_t ids);
+
   core::Memory* memory_;
   core::Buffer<math::Vec3d> points_;
   core::Buffer<double> times_;

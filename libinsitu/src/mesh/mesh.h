@@ -32,13 +32,19 @@ public:
   virtual MeshView* solver_view() { return nullptr; }
 };
 
-/// A copy of what a mesh keeps of the earlier step.
+/// A field to be kept, of so many earlier steps.
+struct KeptField {
+  std::string name;
+  int steps = 1;
+};
+
+/// A copy of what a mesh keeps of earlier steps.
 struct EarlierStep {
   struct Field {
     std::string name;
     insitu_association association = INSITU_VERTEX;
     std::int32_t components = 0;
-    std::vector<double> values; ///< [item, flat][component]
+    std::vector<std::vector<double>> steps; ///< the latest first; [item, flat][component]
   };
   std::vector<Field> fields;
   std::vector<math::Vec3d> points; ///< [vertex, flat]; none of an adaptive mesh
@@ -96,9 +102,9 @@ public:
   void set_covers_once(bool once) { shown().covers_once = once; }
 
   /// Registers what `from` has, as of its last update(), but for the vertices: those lie at
-  /// points[from.own_view().first_vertex[piece] + id], borrowed. Nothing else is copied but pointers,
-  /// and these are taken anew with each call; what changed is up to set_changed(). Not of adaptive
-  /// meshes.
+  /// points[from.own_view().first_vertex[piece] + id], borrowed. Nothing else is copied but
+  /// pointers, and these are taken anew with each call; what changed is up to set_changed(). Not of
+  /// adaptive meshes.
   void share(const Mesh& from, const math::Vec3d* points);
 
   /// Which cells of an adaptive mesh are no leaves: a bit a flat cell, or null; kept by the caller.
@@ -112,15 +118,18 @@ public:
   std::vector<std::string> field_names() const;
 
   /// Keeps copies of the coordinates and of these fields as the earlier step, for pathlines; called
-  /// at the end of a step.
-  void keep_earlier(const std::vector<std::string>& fields, const core::Threads& threads);
+  /// at the end of a step. Of a field that was kept at the end of the step before, too, older steps
+  /// stay as far as it asks for them. What was kept is of the same cells: else release it.
+  void keep_earlier(const std::vector<KeptField>& fields, const core::Threads& threads);
   void release_earlier();
   /// What was kept, for a checkpoint, and back: returns false, and changes nothing, if it does not
   /// fit the pieces as they are now (after update()).
   EarlierStep copy_earlier() const;
   bool set_earlier(const EarlierStep& step);
-  /// The copy of a field, if one was kept; valid until the next keep or release.
+  /// The copy of a field at the step before, if one was kept; valid until the next keep or release.
   std::optional<FieldView> earlier_field(const std::string& name) const;
+  /// The same of all steps that were kept, the latest first.
+  std::vector<FieldView> earlier_fields(const std::string& name) const;
   /// Shows (or hides) the kept coordinates in view(), once the solver moved its own and committed;
   /// the next commit hides them. They stay hidden if no vertex moved.
   void expose_earlier(bool expose, const core::Threads& threads);
@@ -170,6 +179,7 @@ private:
   struct EarlierField;
   EarlierField& earlier_field_for(const std::string& name, insitu_association association,
                                   int components);
+  void begin_step(EarlierField& field, int steps);
   void make_leaves_views();
   Piece& piece_for(std::int32_t piece);
   const Field* find(const std::string& name) const;
@@ -200,13 +210,16 @@ private:
   const std::uint64_t* masked_ = nullptr;
   // The earlier step.
   struct EarlierField {
-    explicit EarlierField(core::Memory& memory) : values(memory, INSITU_MEMORY_EARLIER) {}
+    struct Step {
+      explicit Step(core::Memory& memory) : values(memory, INSITU_MEMORY_EARLIER) {}
+      core::Buffer<double> values;
+      std::vector<const std::byte*> bases;
+      std::vector<FieldPieceView> views;
+    };
     std::string name;
     insitu_association association = INSITU_VERTEX;
     int components = 0;
-    core::Buffer<double> values;
-    std::vector<const std::byte*> bases;
-    std::vector<FieldPieceView> views;
+    std::vector<std::unique_ptr<Step>> steps; ///< the latest first
   };
   core::Memory* memory_;
   core::Buffer<math::Vec3d> earlier_points_;

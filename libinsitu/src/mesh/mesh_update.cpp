@@ -115,22 +115,40 @@ namespace {
 constexpr std::int64_t copy_grain = 1 << 14;
 }
 
-/// Room for a copy of a field, with views on it.
-Mesh::EarlierField& Mesh::earlier_field_for(const std::string& name,
-                                            insitu_association association, int components) {
+/// The copies of a field; those of other numbers than it has now are dropped.
+Mesh::EarlierField& Mesh::earlier_field_for(const std::string& name, insitu_association association,
+                                            int components) {
   const MeshView& now = view();
-  const auto pieces = std::size_t(now.piece_count);
+  const std::int64_t* first = association == INSITU_CELL ? now.first_cell : now.first_vertex;
+  const auto values = std::size_t(first[now.piece_count] * components);
   const auto known = std::find_if(earlier_fields_.begin(), earlier_fields_.end(),
                                   [&](const auto& e) { return e->name == name; });
-  EarlierField& to =
-      known != earlier_fields_.end()
-          ? **known
-          : *earlier_fields_.emplace_back(std::make_unique<EarlierField>(*memory_));
-  const std::int64_t* first = association == INSITU_CELL ? now.first_cell : now.first_vertex;
-  const int n = components;
+  EarlierField& to = known != earlier_fields_.end()
+                         ? **known
+                         : *earlier_fields_.emplace_back(std::make_unique<EarlierField>());
+  if (to.association != association || to.components != components ||
+      (!to.steps.empty() && to.steps[0]->values.size() != values))
+    to.steps.clear();
   to.name = name;
   to.association = association;
-  to.components = n;
+  to.components = components;
+  return to;
+}
+
+/// Room for a copy of one more step, with views on it, before the others, of which as many stay as
+/// make up `steps` with it.
+void Mesh::begin_step(EarlierField& field, int steps) {
+  const MeshView& now = view();
+  const auto pieces = std::size_t(now.piece_count);
+  const std::int64_t* first = field.association == INSITU_CELL ? now.first_cell : now.first_vertex;
+  const int n = field.components;
+  auto& all = field.steps;
+  if (all.size() > std::size_t(steps))
+    all.resize(std::size_t(steps));
+  if (all.size() < std::size_t(steps))
+    all.push_back(std::make_unique<EarlierField::Step>(*memory_));
+  std::rotate(all.begin(), all.end() - 1, all.end()); // the oldest one's room is taken
+  EarlierField::Step& to = *all.front();
   to.values.resize_discard(std::size_t(first[pieces] * n));
   to.bases.assign(std::size_t(n) * pieces, nullptr);
   to.views.clear();
@@ -143,22 +161,23 @@ Mesh::EarlierField& Mesh::earlier_field_for(const std::string& name,
     const std::int64_t stride = n * std::int64_t(sizeof(double));
     to.views.push_back({bases, {count, {count, 1}, {stride, count * stride, count * stride}}});
   }
-  return to;
 }
 
-void Mesh::keep_earlier(const std::vector<std::string>& names, const core::Threads& threads) {
+void Mesh::keep_earlier(const std::vector<KeptField>& fields, const core::Threads& threads) {
   const MeshView& now = view();
   const auto pieces = std::size_t(now.piece_count);
   std::erase_if(earlier_fields_, [&](const auto& e) {
-    return std::find(names.begin(), names.end(), e->name) == names.end();
+    return std::none_of(fields.begin(), fields.end(),
+                        [&](const KeptField& f) { return f.name == e->name; });
   });
-  for (const std::string& name : names) {
-    const FieldView from = field(name);
-    EarlierField& to = earlier_field_for(name, from.association, from.components);
+  for (const KeptField& kept : fields) {
+    const FieldView from = field(kept.name);
+    EarlierField& to = earlier_field_for(kept.name, from.association, from.components);
+    begin_step(to, kept.steps);
     const std::int64_t* first = from.association == INSITU_CELL ? now.first_cell : now.first_vertex;
     const int n = from.components;
     for (std::size_t p = 0; p < pieces; ++p) {
-      double* values = to.values.data() + first[p] * n;
+      double* values = to.steps[0]->values.data() + first[p] * n;
       const std::int64_t count = first[p + 1] - first[p];
       threads.parallel_for(count, copy_grain, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t i = begin; i < end; ++i)
@@ -217,10 +236,17 @@ void Mesh::release_earlier() {
 }
 
 std::optional<FieldView> Mesh::earlier_field(const std::string& name) const {
+  const std::vector<FieldView> all = earlier_fields(name);
+  return all.empty() ? std::nullopt : std::optional(all.front());
+}
+
+std::vector<FieldView> Mesh::earlier_fields(const std::string& name) const {
+  std::vector<FieldView> views;
   for (const auto& e : earlier_fields_)
     if (e->name == name)
-      return FieldView{e->name.c_str(), e->association, e->components, e->views.data()};
-  return std::nullopt;
+      for (const auto& step : e->steps)
+        views.push_back({e->name.c_str(), e->association, e->components, step->views.data()});
+  return views;
 }
 
 namespace {

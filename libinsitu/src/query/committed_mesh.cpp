@@ -217,6 +217,7 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
   folds_are_known_ = true;
   odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);
   mesh_.set_free_of_folds(odd_cells_.none());
+  mesh_.release_earlier(); // of other cells
   ++topology_version_;
 }
 

@@ -27,8 +27,9 @@ struct Step {
   MeshList meshes;
   std::int64_t cycle;
   double time;
-  bool first;          ///< the first execution of the session
-  double earlier_time; ///< of the execution before
+  bool first;                           ///< the first execution of the session
+  double earlier_time;                  ///< of the execution before
+  std::span<const double> times_before = {}; ///< of those before it, as far as fields may look back
 };
 
 /// Something a scene asks for: a probe, a tracer, a frame. A failed action throws core::Error from

@@ -92,7 +92,7 @@ void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::
 /// All but the meshes.
 void Runner::keep(core::Archive& archive) {
   archive.value("cycle", cycle_);
-  archive.value("time", earlier_time_);
+  archive.array("times", times_);
   std::vector<TracerAction*> tracers;
   for (const auto& action : actions_)
     if (auto* tracer = dynamic_cast<TracerAction*>(action.get()))

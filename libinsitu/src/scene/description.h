@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "accel/locator.h"
+#include "advect/settings.h"
 #include "math/vec.h"
 #include "query/locator_choice.h"
 #include "scene/frame_description.h"
@@ -143,6 +144,14 @@ struct Release {
 /// What may be recorded of a particle's way over the ellipsoid.
 enum class TrackGeodesic { path_length, release_distance, release_bearing };
 
+/// When particles are written, at times between steps too; neither `at` nor `interval`: when due.
+struct OutputTimes {
+  std::vector<double> at;         ///< ascending
+  std::optional<double> interval; ///< from `from` on, so much later each time
+  std::optional<double> from;     ///< else the time of the first cycle
+  std::optional<double> until;    ///< not after this time
+};
+
 struct Tracer {
   std::string name; ///< of the output files; unique in the scene
   Name mesh;        ///< empty: the first mesh of the session
@@ -152,7 +161,9 @@ struct Tracer {
   TracerKind kind = TracerKind::pathline;
   Release release; ///< a streakline's, unless the file says: every cycle
   Name velocity;   ///< a field of three components
+  advect::TimeInterpolation time_interpolation = advect::TimeInterpolation::linear; ///< of it
   IntegratorOptions integrator;
+  OutputTimes times;                                    ///< of path- and streaklines
   TracerDirection direction = TracerDirection::forward; ///< of streamlines
   TracerLimits until;
   TracerEffects effects;                ///< of path- and streaklines

@@ -123,9 +123,11 @@ Probe parse_probe(const Cursor& cursor, ParseContext& context) {
 
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   Tracer tracer;
-  const MapReader map(cursor, {"name", "mesh", "seeds", "frame", "kind", "release", "velocity",
-                               "integrator", "direction", "until", "effects", "fields", "geodesics",
-                               "attached", "accuracy", "output", "every", "when"});
+  const MapReader map(cursor, {"name",     "mesh",       "seeds",     "frame",
+                               "kind",     "release",    "velocity",  "time_interpolation",
+                               "times",    "integrator", "direction", "until",
+                               "effects",  "fields",     "geodesics", "attached",
+                               "accuracy", "output",     "every",     "when"});
   parse_common(map, context, "seeds", tracer.seeds, tracer.seeds_line, tracer);
   if (const auto kind = map.find("kind")) {
     assign(tracer.kind, kind->choice<TracerKind>({{"streamline", TracerKind::streamline},
@@ -146,6 +148,8 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     if (tracer.kind == TracerKind::streamline) {
       geodesics->fail("streamlines are of one time; this key belongs to path- and streaklines");
     }
+    if (map.find("times"))
+      geodesics->fail("'geodesics' are of cycles, and not known at the 'times' between them");
     tracer.geodesics =
         parse_words<TrackGeodesic>(*geodesics,
                                    {{"path_length", TrackGeodesic::path_length},
@@ -156,6 +160,27 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   const bool attached = tracer.attached == Attached::body;
   if (const auto velocity = attached ? map.find("velocity") : map.require("velocity")) {
     assign(tracer.velocity, parse_name(*velocity));
+  }
+  if (const auto interpolation = map.find("time_interpolation")) {
+    if (tracer.kind == TracerKind::streamline) {
+      interpolation->fail("streamlines see one step alone; this key belongs to path- and "
+                          "streaklines");
+    }
+    assign(tracer.time_interpolation, interpolation->choice<advect::TimeInterpolation>(
+                                          {{"linear", advect::TimeInterpolation::linear},
+                                           {"quadratic", advect::TimeInterpolation::quadratic},
+                                           {"cubic", advect::TimeInterpolation::cubic}}));
+  }
+  if (const auto times = map.find("times")) {
+    if (tracer.kind == TracerKind::streamline) {
+      times->fail("streamlines are of one moment; this key belongs to path- and streaklines");
+    }
+    for (const char* key : {"every", "when"}) {
+      if (const auto value = map.find(key)) {
+        value->fail("'times' says when the particles are written");
+      }
+    }
+    tracer.times = parse_times(*times);
   }
   if (const auto integrator = map.find("integrator")) {
     tracer.integrator = parse_integrator(*integrator);
@@ -180,7 +205,7 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     }
   }
   if (attached) {
-    for (const char* key : {"velocity", "integrator", "effects"}) {
+    for (const char* key : {"velocity", "time_interpolation", "integrator", "effects"}) {
       if (const auto value = map.find(key)) {
         value->fail("'attached: body' moves particles with the mesh's material; this key moves "
                     "them otherwise");

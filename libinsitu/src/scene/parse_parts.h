@@ -56,6 +56,7 @@ Probe parse_probe(const Cursor& cursor, ParseContext& context);
 TracerEffects parse_tracer_effects(const Cursor& cursor);
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context);
 Release parse_release(const Cursor& cursor);
+OutputTimes parse_times(const Cursor& cursor);
 CheckpointOptions parse_checkpoint(const Cursor& cursor);
 /// Whether seeds are those of a probe, `{probe: name}`; then they are read by the second.
 bool names_probe(const Cursor& seeds);

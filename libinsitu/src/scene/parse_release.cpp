@@ -33,6 +33,35 @@ Release parse_release(const Cursor& cursor) {
   return release;
 }
 
+OutputTimes parse_times(const Cursor& cursor) {
+  OutputTimes times;
+  if (cursor.is_list()) {
+    assign(times.at, cursor.numbers(0));
+    for (std::size_t k = 1; k < times.at.size(); ++k) {
+      if (!(times.at[k - 1] < times.at[k])) {
+        cursor.fail("times must ascend");
+        break;
+      }
+    }
+    return times;
+  }
+  if (!cursor.is_map()) {
+    cursor.expected("a list of times, or a map of interval, from and until,");
+    return times;
+  }
+  const MapReader map(cursor, {"interval", "from", "until"});
+  if (const auto interval = map.require("interval")) {
+    assign(times.interval, interval->number(positive));
+  }
+  if (const auto from = map.find("from")) {
+    assign(times.from, from->number());
+  }
+  if (const auto until = map.find("until")) {
+    assign(times.until, until->number());
+  }
+  return times;
+}
+
 CheckpointOptions parse_checkpoint(const Cursor& cursor) {
   CheckpointOptions options;
   const MapReader map(cursor, {"every", "keep"});

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <limits>
 
 #include "core/status.h"
 #include "core/timer.h"
+#include "scene/output_times.h"
 #include "scene/release.h"
 #include "scene/tracer_action.h"
 #include "scene/tracer_effects.h"
@@ -17,20 +19,27 @@ class PathTracer final : public TracerAction {
 public:
   PathTracer(const Tracer& tracer, const Environment& environment)
       : TracerAction(tracer, environment), particles_(settings(), environment.context.memory),
-        clock_(tracer.release), geodesics_(tracer.geodesics, environment.context.memory) {
+        clock_(tracer.release), geodesics_(tracer.geodesics, environment.context.memory),
+        output_clock_(tracer.times) {
     for (const TableFormat format : tracer_.output)
       writers_.push_back(make_track_writer(format, tracer_, environment_));
   }
 
   advect::Counts counts() const override { return particles_.counts(); }
 
-  std::vector<std::string> needs_earlier() const override {
-    if (tracer_.attached == Attached::body ||
-        (particles_.counts().alive() == 0 && !clock_.goes_on(last_.time)))
+  std::vector<mesh::KeptField> needs_earlier() const override {
+    if (particles_.counts().alive() == 0 && !clock_.goes_on(last_.time))
       return {};
-    std::vector<std::string> names = effect_fields(tracer_.effects);
-    names.push_back(tracer_.velocity.text);
-    return names;
+    const int steps = advect::steps_of(tracer_.time_interpolation) - 1;
+    std::vector<mesh::KeptField> fields;
+    if (tracer_.attached != Attached::body) {
+      fields = effect_fields(tracer_.effects, steps);
+      fields.push_back({tracer_.velocity.text, steps});
+    }
+    if (has_times())
+      for (const Name& name : tracer_.fields)
+        fields.push_back({name.text, steps});
+    return fields;
   }
 
   void execute(query::CommittedMesh& mesh, const Step& step, bool due) override {
@@ -40,27 +49,31 @@ public:
                         environment_.scene_file + ":" + std::to_string(tracer_.line) +
                             ": geodesics need a mesh with a place on Earth; the "
                             "frame of this one is cartesian");
+    at_times_.reset();
+    due_times_ = output_clock_.due(step.time);
     if (tracer_.attached == Attached::body) {
       release(mesh, step);
+      begin_interval(mesh, step);
       particles_.follow(mesh.sampler(), knows_cells(mesh), settled_, step.time,
-                        environment_.context.threads);
+                        environment_.context.threads, snapshots());
       settled_ = step.time;
       topology_ = mesh.topology_version();
       same_cells_ = false;
     } else {
       const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
-      // The earlier step serves if it is the step that the particles are at, on the same cells.
-      const bool earlier =
-          seeded_ && knows_cells(mesh) && !step.first && settled_ == step.earlier_time;
+      const int earlier = seeded_ ? earlier_steps(mesh, step) : 0;
       particles_.set_effects(effects_at(tracer_, mesh, step, earlier, environment_.scene_file));
       release(mesh, step);
+      begin_interval(mesh, step);
       advance(mesh, velocity, step);
     }
     geodesics_.follow(particles_.particles(), mesh.frame, environment_.context.threads);
+    output_clock_.note(step.time, due_times_);
     environment_.statistics.advect_s += timer.seconds();
     const core::Timer output_timer;
     last_ = {step.cycle, step.time};
-    write(mesh, step, due);
+    write(mesh, step, has_times() ? !due_times_.empty() : due);
+    at_times_.reset();
     environment_.statistics.output_s += output_timer.seconds();
   }
 
@@ -74,6 +87,11 @@ public:
     archive.value("first release", clock.first);
     archive.value("releases", clock.rounds);
     clock_.set_state(clock);
+    OutputClock::State times = output_clock_.state();
+    archive.value("times begun", times.begun);
+    archive.value("first time", times.first);
+    archive.value("times passed", times.count);
+    output_clock_.set_state(times);
     particles_.keep(archive);
     geodesics_.keep(archive);
     for (const auto& writer : writers_)
@@ -98,6 +116,7 @@ private:
     advect::TracerSettings s;
     s.integrator = integrator();
     s.accuracy = to_api(tracer_.accuracy);
+    s.time_interpolation = tracer_.time_interpolation;
     s.attached = tracer_.attached == Attached::body;
     if (tracer_.until.duration)
       s.duration = *tracer_.until.duration;
@@ -123,6 +142,39 @@ private:
                });
   }
 
+  /// How many steps before this one may serve, if they are kept: if the last is the step that the
+  /// particles are at, on the same cells.
+  int earlier_steps(const query::CommittedMesh& mesh, const Step& step) const {
+    const bool known = knows_cells(mesh) && !step.first && settled_ == step.earlier_time;
+    return known ? advect::steps_of(tracer_.time_interpolation) - 1 : 0;
+  }
+
+  /// Between which steps the particles move now.
+  void begin_interval(const query::CommittedMesh& mesh, const Step& step) {
+    interval_ = advect::StepTimes(settled_, step.time, step.times_before);
+    interval_steps_ = earlier_steps(mesh, step);
+    if (!due_times_.empty()) {
+      std::vector<double> times;
+      for (const OutputClock::Due& due : due_times_)
+        times.push_back(due.time);
+      at_times_.emplace(std::move(times), environment_.context.memory);
+    }
+  }
+  advect::Snapshots* snapshots() { return at_times_ ? &*at_times_ : nullptr; }
+
+  /// Says when the velocity is interpolated through fewer steps than were asked for, and when
+  /// through all of them again.
+  void note_steps(const Step& step, const advect::Advance& advance) {
+    const int asked = advect::steps_of(tracer_.time_interpolation);
+    if (asked == 2 || !(step.time > settled_) || advance.velocity_steps == served_steps_)
+      return;
+    served_steps_ = advance.velocity_steps;
+    environment_.context.log.info("cycle " + std::to_string(step.cycle) + ": tracer '" +
+                                  tracer_.name + "': the velocity is interpolated through " +
+                                  std::to_string(served_steps_) + " of " + std::to_string(asked) +
+                                  " steps in time");
+  }
+
   /// Adds the particles that begin between the last step and this one.
   void release(const query::CommittedMesh& mesh, const Step& step) {
     if (seeded_ && !(step.time >= settled_))
@@ -146,16 +198,15 @@ private:
 
   void advance(query::CommittedMesh& mesh, const mesh::FieldView& velocity, const Step& step) {
     core::Context& context = environment_.context;
-    // The earlier step serves if it is the step that the particles are at, on the same cells.
-    const bool earlier_is_known = knows_cells(mesh) && !step.first && settled_ == step.earlier_time;
-    const auto earlier =
-        earlier_is_known ? mesh.mesh().earlier_field(tracer_.velocity.text) : std::nullopt;
+    std::vector<mesh::FieldView> earlier;
+    if (earlier_steps(mesh, step) > 0)
+      earlier = mesh.mesh().earlier_fields(tracer_.velocity.text);
     mesh.look_for_folds(context.threads); // particles ask with hints
-    mesh.mesh().expose_earlier(earlier.has_value(), context.threads);
+    mesh.mesh().expose_earlier(!earlier.empty(), context.threads);
     const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
     try {
-      particles_.advance(mesh.sampler(), velocity, earlier ? &*earlier : nullptr, settled_,
-                         step.time, context.threads);
+      note_steps(step, particles_.advance(mesh.sampler(), velocity, {earlier, step.times_before},
+                                          settled_, step.time, context.threads, snapshots()));
     } catch (...) {
       hide();
       throw;
@@ -177,6 +228,16 @@ private:
     const advect::Particles& particles() const override { return tracer_.particles_.particles(); }
     std::int64_t seeded() const override { return particles().seeded(); }
     const TrackGeodesics& geodesics() const override { return tracer_.geodesics_; }
+    bool has_times() const override { return tracer_.has_times(); }
+    std::span<const OutputClock::Due> times() const override { return tracer_.due_times_; }
+    const advect::Snapshots& snapshots() const override { return *tracer_.at_times_; }
+    const TrackRows& rows_at(std::size_t k) override {
+      if (known_time_ != k) {
+        rows_at_ = tracer_.rows_at(mesh_, step_, k);
+        known_time_ = k;
+      }
+      return rows_at_;
+    }
     const TrackRows& rows(const std::vector<std::size_t>& indices) override {
       if (!known_ || *known_ != indices) {
         rows_ = tracer_.rows(mesh_, step_, indices);
@@ -192,7 +253,65 @@ private:
     bool due_;
     std::optional<std::vector<std::size_t>> known_;
     TrackRows rows_;
+    std::optional<std::size_t> known_time_;
+    TrackRows rows_at_;
   };
+
+  TrackRows no_rows(const query::CommittedMesh& mesh, const Step& step) const {
+    TrackRows out;
+    out.cycle = step.cycle;
+    out.pieces = mesh.mesh().own_view().piece_count > 1;
+    out.frame = mesh.frame;
+    out.columns = field_columns(fields(mesh));
+    return out;
+  }
+
+  /// Of the particles at one of the tracer's times; fields are interpolated as the velocity is.
+  TrackRows rows_at(const query::CommittedMesh& mesh, const Step& step, std::size_t k) const {
+    const advect::Particles& p = particles_.particles();
+    const advect::Snapshots& at = *at_times_;
+    TrackRows out = no_rows(mesh, step);
+    std::vector<std::size_t> items;
+    for (std::size_t i = 0; i < at.particles; ++i)
+      if (const std::size_t item = at.item(k, i); at.present[item]) {
+        const math::Vec3d& x = at.positions[item];
+        out.rows.push_back(
+            {p.ids[i], at.times[k], x, own_cell(mesh, at.places[item].cell, x), INSITU_END_ALIVE});
+        items.push_back(item);
+      }
+    const std::size_t width = out.columns.size();
+    out.values.assign(items.size() * width, std::numeric_limits<double>::quiet_NaN());
+    const query::Sampler sampler = mesh.sampler();
+    std::size_t column = 0;
+    for (const mesh::FieldView& field : fields(mesh)) {
+      std::vector<mesh::FieldView> steps = mesh.mesh().earlier_fields(field.name);
+      steps.insert(steps.begin(), field);
+      steps.resize(std::min(steps.size(), std::size_t(1 + interval_steps_)));
+      const int count = interval_.usable(steps.size());
+      double weights[advect::most_steps] = {1.0};
+      if (count > 1)
+        interval_.weights(at.times[k], count, weights);
+      const auto n = std::size_t(field.components);
+      environment_.context.threads.parallel_for(
+          std::int64_t(items.size()), 512, [&](std::int64_t begin, std::int64_t end) {
+            std::vector<double> u(n);
+            for (auto r = std::size_t(begin); r < std::size_t(end); ++r) {
+              const query::Location& place = at.places[items[r]];
+              if (!place)
+                continue;
+              double* to = out.values.data() + r * width + column;
+              std::fill(to, to + n, 0.0);
+              for (int s = 0; s < count; ++s) {
+                sampler.interpolate(steps[std::size_t(s)], place, u.data());
+                for (std::size_t c = 0; c < n; ++c)
+                  to[c] += weights[s] * u[c];
+              }
+            }
+          });
+      column += n;
+    }
+    return out;
+  }
 
   TrackRows rows(const query::CommittedMesh& mesh, const Step& step,
                  const std::vector<std::size_t>& indices) const {
@@ -203,13 +322,8 @@ private:
       points.push_back(p.positions[i]);
       cells.push_back(p.cells[i]);
     }
-    const std::vector<mesh::FieldView> recorded = fields(mesh);
-    TrackRows out;
-    out.cycle = step.cycle;
-    out.pieces = mesh.mesh().own_view().piece_count > 1;
-    out.frame = mesh.frame;
-    out.columns = field_columns(recorded);
-    out.values = sample(mesh, recorded, points, cells);
+    TrackRows out = no_rows(mesh, step);
+    out.values = sample(mesh, fields(mesh), points, cells);
     add_geodesics(out, p, indices);
     for (std::size_t r = 0; r < indices.size(); ++r) {
       const std::size_t i = indices[r];
@@ -251,9 +365,16 @@ private:
   advect::Tracer particles_;
   ReleaseClock clock_;
   TrackGeodesics geodesics_;
+  OutputClock output_clock_;
+  // Of one execution.
+  std::vector<OutputClock::Due> due_times_; ///< of the tracer's own times
+  std::optional<advect::Snapshots> at_times_;
+  advect::StepTimes interval_{0.0, 0.0};
+  int interval_steps_ = 0; ///< before this one, that may serve
   std::vector<std::unique_ptr<TrackWriter>> writers_;
   bool seeded_ = false;
   double settled_ = 0.0; ///< the time that the particles are at
+  int served_steps_ = 0; ///< through which the velocity was interpolated last
   std::uint64_t topology_ = 0;
   bool same_cells_ = false; ///< as at the checkpoint of a restart
   struct {

@@ -68,7 +68,13 @@ void Runner::report(const std::string& what, const std::string& of, std::int64_t
 }
 
 std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
-  const Step step{meshes, cycle, time, !executed_, earlier_time_};
+  const std::span<const double> times(times_);
+  const Step step{meshes,
+                  cycle,
+                  time,
+                  !executed_,
+                  times.empty() ? 0.0 : times.front(),
+                  times.empty() ? times : times.subspan(1)};
   std::string failures;
   bool any_due = false;
   const auto failed = [&](const std::string& of, const std::exception& e) {
@@ -110,7 +116,8 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   }
   executed_ = true;
   cycle_ = cycle;
-  earlier_time_ = time;
+  times_.insert(times_.begin(), time);
+  times_.resize(std::min(times_.size(), std::size_t(advect::most_steps - 1)));
   const core::Timer timer;
   try {
     write_due_checkpoint(meshes);
@@ -125,24 +132,30 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
 void Runner::keep_earlier(MeshList meshes) {
   const core::Timer timer;
   for (query::CommittedMesh* mesh : meshes) {
-    std::vector<std::string> names;
+    std::vector<mesh::KeptField> fields;
     for (const auto& action : actions_) {
       const auto* tracer = dynamic_cast<const TracerAction*>(action.get());
       if (!tracer)
         continue;
       const Name& of = tracer->mesh_name();
       const bool here = of.empty() ? mesh == meshes.front() : of.text == mesh->mesh().name();
-      for (const std::string& name : tracer->needs_earlier())
-        if (here && mesh->mesh().has_field(name) &&
-            std::find(names.begin(), names.end(), name) == names.end())
-          names.push_back(name);
+      for (const mesh::KeptField& need : tracer->needs_earlier()) {
+        if (!here || !mesh->mesh().has_field(need.name))
+          continue;
+        const auto known = std::find_if(fields.begin(), fields.end(),
+                                        [&](const auto& f) { return f.name == need.name; });
+        if (known == fields.end())
+          fields.push_back(need);
+        else
+          known->steps = std::max(known->steps, need.steps);
+      }
     }
     if (mesh->lies_on_device())
       continue;
-    if (names.empty())
+    if (fields.empty())
       mesh->mesh().release_earlier();
     else
-      mesh->mesh().keep_earlier(names, environment_.context.threads);
+      mesh->mesh().keep_earlier(fields, environment_.context.threads);
   }
   environment_.statistics.advect_s += timer.seconds();
 }

@@ -72,7 +72,7 @@ private:
       reported_; ///< failures logged, by action, so that a log is not flooded
   bool executed_ = false;
   std::int64_t cycle_ = 0;    ///< the last one executed
-  double earlier_time_ = 0.0; ///< its time
+  std::vector<double> times_; ///< of the last executions, the latest first
   CheckpointOptions checkpoint_;
   std::vector<KeptMesh> kept_meshes_; ///< of a restart, until the first execute()
 };

@@ -11,30 +11,34 @@ TracerAction::TracerAction(const Tracer& tracer, const Environment& environment)
     : tracer_(tracer), environment_(environment) {}
 
 void TracerAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
+  const mesh::MeshView& view = mesh.mesh().view();
+  if (tracer_.kind == TracerKind::streamline) {
+    find_field(mesh, tracer_.velocity, environment_.scene_file); // it must be there
+    plan.skip("earlier step of '" + tracer_.velocity.text + "'", "streamlines see one step alone");
+    return;
+  }
+  const int steps = advect::steps_of(tracer_.time_interpolation) - 1;
+  const auto need = [&](const mesh::KeptField& kept, const char* why) {
+    const mesh::FieldView field =
+        find_field(mesh, {kept.name, tracer_.line}, environment_.scene_file);
+    const std::int64_t items = field.association == INSITU_CELL
+                                   ? view.first_cell[view.piece_count]
+                                   : view.first_vertex[view.piece_count];
+    plan.need((kept.steps == 1 ? "earlier step of '"
+                               : std::to_string(kept.steps) + " earlier steps of '") +
+                  kept.name + "'",
+              kept.steps * items * field.components * std::int64_t(sizeof(double)), why);
+  };
+  if (has_times())
+    for (const Name& name : tracer_.fields)
+      need({name.text, steps}, "recorded at times between two steps");
   if (tracer_.attached == Attached::body) {
     plan.skip("velocity", "particles go with the mesh's material");
     return;
   }
-  const mesh::MeshView& view = mesh.mesh().view();
-  const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
-  const std::string name = "'" + tracer_.velocity.text + "'";
-  if (tracer_.kind == TracerKind::streamline) {
-    plan.skip("earlier step of " + name, "streamlines see one step alone");
-    return;
-  }
-  const std::int64_t items = velocity.association == INSITU_CELL
-                                 ? view.first_cell[view.piece_count]
-                                 : view.first_vertex[view.piece_count];
-  plan.need("earlier step of " + name, items * velocity.components * std::int64_t(sizeof(double)),
-            "particles move between two steps");
-  for (const std::string& of : effect_fields(tracer_.effects)) {
-    const mesh::FieldView field = find_field(mesh, {of, tracer_.line}, environment_.scene_file);
-    plan.need("earlier step of '" + of + "'",
-              (field.association == INSITU_CELL ? view.first_cell[view.piece_count]
-                                                : view.first_vertex[view.piece_count]) *
-                  field.components * std::int64_t(sizeof(double)),
-              "an effect blends it between two steps");
-  }
+  need({tracer_.velocity.text, steps}, "particles move between two steps");
+  for (const mesh::KeptField& of : effect_fields(tracer_.effects, steps))
+    need(of, "an effect blends it between two steps");
   if (mesh.mesh().is_adaptive())
     plan.skip("earlier coordinates", "an adaptive mesh does not move its vertices");
   else

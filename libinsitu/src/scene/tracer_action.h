@@ -32,11 +32,12 @@ public:
   /// Before the first cycle after a restart: whether the mesh has the cells of the checkpoint.
   virtual void take_up(bool /*same_cells*/) {}
   const Tracer& tracer() const { return tracer_; }
-  /// The fields whose earlier step is needed at the next cycle.
-  virtual std::vector<std::string> needs_earlier() const { return {}; }
+  /// The fields whose earlier steps are needed at the next cycle.
+  virtual std::vector<mesh::KeptField> needs_earlier() const { return {}; }
 
 protected:
   bool writes(TableFormat format) const;
+  bool has_times() const { return tracer_.times.interval || !tracer_.times.at.empty(); }
   advect::IntegratorSettings integrator() const;
   const std::vector<math::Vec3d>& seeds(const query::CommittedMesh& mesh);
   std::vector<mesh::FieldView> fields(const query::CommittedMesh& mesh) const;

@@ -18,13 +18,14 @@ std::uint64_t seed_of(const Tracer& tracer) {
 
 class Resolver {
 public:
-  Resolver(const query::CommittedMesh& mesh, bool earlier, const std::string& scene_file)
+  Resolver(const query::CommittedMesh& mesh, int earlier, const std::string& scene_file)
       : mesh_(mesh), earlier_(earlier), scene_file_(scene_file) {}
 
   advect::FieldInTime field(const Name& name) const {
     advect::FieldInTime out{find_field(mesh_, name, scene_file_), {}};
-    if (earlier_) {
-      out.earlier = mesh_.mesh().earlier_field(name.text);
+    out.earlier = mesh_.mesh().earlier_fields(name.text);
+    if (out.earlier.size() > std::size_t(earlier_)) {
+      out.earlier.resize(std::size_t(earlier_));
     }
     return out;
   }
@@ -38,7 +39,7 @@ public:
 
 private:
   const query::CommittedMesh& mesh_;
-  bool earlier_;
+  int earlier_; ///< steps at most
   const std::string& scene_file_;
 };
 
@@ -107,28 +108,28 @@ advect::Removes removes_when(const RemoveEffect& remove, const query::CommittedM
 
 } // namespace
 
-std::vector<std::string> effect_fields(const TracerEffects& effects) {
-  std::vector<std::string> names;
-  const auto add = [&](const Name& name) {
+std::vector<mesh::KeptField> effect_fields(const TracerEffects& effects, int steps) {
+  std::vector<mesh::KeptField> fields;
+  const auto add = [&](const Name& name, int of) {
     if (!name.empty()) {
-      names.push_back(name.text);
+      fields.push_back({name.text, of});
     }
   };
   if (effects.diffusion) {
-    add(effects.diffusion->horizontal.field);
-    add(effects.diffusion->vertical.field);
+    add(effects.diffusion->horizontal.field, 1);
+    add(effects.diffusion->vertical.field, 1);
   }
   if (effects.settling) {
-    add(effects.settling->speed.field);
+    add(effects.settling->speed.field, steps);
   }
   if (effects.windage) {
-    add(effects.windage->field);
+    add(effects.windage->field, steps);
   }
-  return names;
+  return fields;
 }
 
 advect::Effects effects_at(const Tracer& tracer, const query::CommittedMesh& mesh, const Step& step,
-                           bool earlier, const std::string& scene_file) {
+                           int earlier, const std::string& scene_file) {
   const TracerEffects& from = tracer.effects;
   const Resolver resolve(mesh, earlier, scene_file);
   advect::Effects to;

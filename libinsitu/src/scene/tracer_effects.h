@@ -8,12 +8,13 @@
 
 namespace insitu::scene {
 
-/// The fields whose earlier step the effects use as well.
-std::vector<std::string> effect_fields(const TracerEffects& effects);
+/// The fields whose earlier steps the effects use as well: velocities of so many steps,
+/// coefficients of one, since only on a straight line they stay positive.
+std::vector<mesh::KeptField> effect_fields(const TracerEffects& effects, int steps);
 
-/// The effects with the fields of this step, for one advance. earlier: the earlier step serves.
-/// Throws as find_field().
+/// The effects with the fields of this step, for one advance. earlier: how many steps before it may
+/// serve. Throws as find_field().
 advect::Effects effects_at(const Tracer& tracer, const query::CommittedMesh& mesh, const Step& step,
-                           bool earlier, const std::string& scene_file);
+                           int earlier, const std::string& scene_file);
 
 } // namespace insitu::scene

@@ -9,13 +9,16 @@ void TrackTable::write(TrackCycle& cycle) {
   written_.resize(std::size_t(cycle.seeded()), 0);
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < p.size(); ++i)
-    if (!written_[std::size_t(p.ids[i])] && (cycle.due() || p.endings[i] != INSITU_END_ALIVE))
+    if (!written_[std::size_t(p.ids[i])] &&
+        ((cycle.due() && !cycle.has_times()) || p.endings[i] != INSITU_END_ALIVE))
       indices.push_back(i);
   if (indices.empty() && !cycle.due())
     return;
   const TrackRows& rows = cycle.rows(indices);
   open(rows, cycle.seeded());
   frame_ = rows.frame;
+  for (std::size_t k = 0; k < cycle.times().size(); ++k)
+    add(cycle.rows_at(k));
   add(rows);
   for (const TrackRow& row : rows.rows)
     written_[std::size_t(row.particle)] = row.ending != INSITU_END_ALIVE;

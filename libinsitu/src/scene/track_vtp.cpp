@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cstdio>
+#include <initializer_list>
 #include <numeric>
 
 #include "advect/tracks.h"
@@ -10,9 +12,10 @@ namespace insitu::scene {
 
 namespace {
 
-/// `<name>_<cycle>.vtp`, the particles at each due cycle, ended ones where they ended, indexed by
-/// time in `<name>.pvd`; and `<name>_tracks.vtp`, all tracks so far, with a vertex for each due
-/// cycle and one where a particle ended, and the geodesics there: one file, rewritten.
+/// `<name>_<cycle>.vtp`, the particles at each due cycle, or `<name>_t<number>.vtp`, those at each
+/// of the tracer's own times, ended ones where they ended, indexed by time in `<name>.pvd`; and
+/// `<name>_tracks.vtp`, all tracks so far, with a vertex for each of these moments and one where a
+/// particle ended, and the geodesics there: one file, rewritten.
 class TrackVtp final : public TrackWriter {
 public:
   TrackVtp(const Tracer& tracer, const Environment& environment)
@@ -27,8 +30,18 @@ public:
   void write(TrackCycle& cycle) override {
     if (!cycle.due())
       return;
-    record(cycle.particles(), cycle.geodesics());
-    write_particles(cycle);
+    if (cycle.has_times()) {
+      for (std::size_t k = 0; k < cycle.times().size(); ++k)
+        write_time(cycle, k);
+      tracks_.record(cycle.particles(), true);
+    } else {
+      record(cycle.particles(), cycle.geodesics());
+      std::vector<std::size_t> all(cycle.particles().size());
+      std::iota(all.begin(), all.end(), std::size_t(0));
+      write_particles({&cycle.rows(all)},
+                      cycle_path(environment_, name_, cycle.step().cycle, ".vtp"),
+                      cycle.step().time);
+    }
     write_tracks(cycle.step().time);
   }
 
@@ -52,22 +65,44 @@ private:
       geodesics.put(tracks_.particles()[v], geodesics_.data() + v * width);
   }
 
-  void write_particles(TrackCycle& cycle) {
-    std::vector<std::size_t> all(cycle.particles().size());
-    std::iota(all.begin(), all.end(), std::size_t(0));
-    const TrackRows& from = cycle.rows(all);
+  /// Those that are there at the time, and those that had ended before.
+  void write_time(TrackCycle& cycle, std::size_t k) {
+    const advect::Particles& p = cycle.particles();
+    const advect::Snapshots& at = cycle.snapshots();
+    const OutputClock::Due& due = cycle.times()[k];
+    std::vector<std::size_t> ended;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      const std::size_t item = at.item(k, i);
+      if (at.present[item])
+        tracks_.record(p.ids[i], due.time, at.positions[item], at.places[item].cell);
+      else if (p.endings[i] != INSITU_END_ALIVE && p.times[i] <= due.time)
+        ended.push_back(i);
+    }
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%06lld", static_cast<long long>(due.number));
+    write_particles({&cycle.rows_at(k), &cycle.rows(ended)},
+                    environment_.output + "/" + name_ + "_t" + digits + ".vtp", due.time);
+  }
+
+  void write_particles(std::initializer_list<const TrackRows*> parts, const std::string& path,
+                       double time) {
     std::vector<math::Vec3d> points;
     std::vector<std::int64_t> ids, cells;
     std::vector<std::int32_t> pieces;
     std::vector<std::uint8_t> endings;
-    for (const TrackRow& row : from.rows) {
-      points.push_back(row.position);
-      ids.push_back(row.particle);
-      cells.push_back(row.cell.cell);
-      pieces.push_back(row.cell.piece);
-      endings.push_back(std::uint8_t(row.ending));
+    std::vector<double> values;
+    for (const TrackRows* part : parts) {
+      for (const TrackRow& row : part->rows) {
+        points.push_back(row.position);
+        ids.push_back(row.particle);
+        cells.push_back(row.cell.cell);
+        pieces.push_back(row.cell.piece);
+        endings.push_back(std::uint8_t(row.ending));
+      }
+      values.insert(values.end(), part->values.begin(), part->values.end());
     }
-    const VtkColumns columns(from.columns, from.values);
+    const TrackRows& from = **parts.begin();
+    const VtkColumns columns(from.columns, values);
     output::VtkPolyData data;
     data.points = vtk_points(points);
     data.point_data.push_back(output::vtk_array("particle", std::span<const std::int64_t>(ids)));
@@ -76,7 +111,7 @@ private:
       data.point_data.push_back(output::vtk_array("piece", std::span<const std::int32_t>(pieces)));
     data.point_data.push_back(output::vtk_array("ending", std::span<const std::uint8_t>(endings)));
     columns.add_to(data.point_data);
-    series_.write(environment_, name_, cycle.step(), data);
+    series_.write(environment_, name_, path, time, data);
   }
 
   void write_tracks(double time) {

@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "advect/particles.h"
+#include "advect/snapshots.h"
 #include "core/archive.h"
 #include "scene/action.h"
 #include "scene/track_geodesics.h"
+#include "scene/output_times.h"
 
 /// How the particles of path- and streaklines are written: the tracer moves them, and hands each of
 /// its writers, one a format, what there is at a cycle.
@@ -34,7 +35,9 @@ struct TrackRows {
   std::vector<double> values;                  ///< [row][column], NaN outside
 };
 
-/// A cycle of a tracer, as its writers see it.
+/// A cycle of a tracer, as its writers see it. A tracer with times of its own is due in a cycle
+/// that reaches some of them, and its particles are then written as they were at those; if they
+/// ended, as they are.
 class TrackCycle {
 public:
   virtual ~TrackCycle() = default;
@@ -43,6 +46,12 @@ public:
   virtual const advect::Particles& particles() const = 0;
   virtual std::int64_t seeded() const = 0;
   virtual const TrackGeodesics& geodesics() const = 0;
+  /// The tracer has times of its own; those reached in this cycle, and the particles at them.
+  virtual bool has_times() const = 0;
+  virtual std::span<const OutputClock::Due> times() const = 0;
+  virtual const advect::Snapshots& snapshots() const = 0;
+  /// Of the particles that are there at times()[k]. Valid until the next call.
+  virtual const TrackRows& rows_at(std::size_t k) = 0;
   /// Of the particles with these indices (not ids). Valid until the next call.
   virtual const TrackRows& rows(const std::vector<std::size_t>& indices) = 0;
 };

@@ -27,9 +27,13 @@ output::VtkArray vtk_points(std::span<const math::Vec3d> points) {
 
 void VtpSeries::write(const Environment& environment, const std::string& name, const Step& step,
                       output::VtkPolyData& data) {
+  write(environment, name, cycle_path(environment, name, step.cycle, ".vtp"), step.time, data);
+}
+
+void VtpSeries::write(const Environment& environment, const std::string& name,
+                      const std::string& path, double time, output::VtkPolyData& data) {
   data.has_time = true;
-  data.time = step.time;
-  const std::string path = cycle_path(environment, name, step.cycle, ".vtp");
+  data.time = time;
   output::write_vtp(path, data);
   ++environment.statistics.files;
   if (!index_) { // entries before this time stay, as rows of tables do
@@ -40,7 +44,7 @@ void VtpSeries::write(const Environment& environment, const std::string& name, c
       index_ = std::make_unique<output::PvdSeries>(index);
     }
   }
-  index_->add(step.time, path.substr(environment.output.size() + 1));
+  index_->add(time, path.substr(environment.output.size() + 1));
 }
 
 } // namespace insitu::scene

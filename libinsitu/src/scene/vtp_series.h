@@ -27,6 +27,9 @@ public:
   /// Writes <output>/<name>_<cycle>.vtp and adds it to <output>/<name>.pvd.
   void write(const Environment& environment, const std::string& name, const Step& step,
              output::VtkPolyData& data);
+  /// The same of a file `path`, within <output>, for some time.
+  void write(const Environment& environment, const std::string& name, const std::string& path,
+             double time, output::VtkPolyData& data);
 
 private:
   std::unique_ptr<output::PvdSeries> index_;

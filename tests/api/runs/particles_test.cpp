@@ -44,6 +44,55 @@ TEST(Particles, TheEarlierStepIsHeldWhileAPathlineLivesAndOnlyThen) {
   EXPECT_EQ(earlier(run), 0);
 }
 
+/// The way of particles through the blast, by the scene's further keys.
+std::string way_by(const std::string& keys, insitu::Change changed, std::int64_t* bytes = nullptr) {
+  const test::Folder folder;
+  Coupled run({.scene = "insitu: 1\npage: false\ntracers:\n  - {name: t, velocity: velocity, "
+                        "seeds: [[0.2, 0.1, 0.1], [0.3, 0.2, 0.1]]" +
+                        keys + "}\n",
+               .output = folder.path()});
+  EXPECT_TRUE(run.execute()) << insitu_last_message();
+  run.run(6, changed);
+  if (bytes)
+    *bytes = run.session.report().bytes_by_purpose[INSITU_MEMORY_EARLIER] /
+             std::int64_t(run.solver.x.size());
+  run.session.close();
+  return test::content(folder / "t.csv");
+}
+
+// Each further step costs its copy of the velocity, and of the wind that goes with it.
+TEST(Particles, InterpolateInTimeThroughAsManyStepsAsAreAsked) {
+  const auto moving = insitu::geometry | insitu::fields;
+  std::int64_t bytes[4] = {};
+  const std::string linear = way_by("", moving, &bytes[0]);
+  EXPECT_EQ(way_by(", time_interpolation: linear", moving), linear);
+  const std::string quadratic = way_by(", time_interpolation: quadratic", moving, &bytes[1]);
+  const std::string cubic = way_by(", time_interpolation: cubic", moving, &bytes[2]);
+  const std::string wind = ", effects: [{windage: {field: velocity, factor: 0.1}}]";
+  const std::string blown = way_by(wind + ", time_interpolation: cubic", moving, &bytes[3]);
+  EXPECT_NE(quadratic, linear);
+  EXPECT_NE(cubic, linear);
+  EXPECT_NE(cubic, quadratic);
+  EXPECT_NE(blown, way_by(wind, moving));
+  for (int kind = 0; kind < 4; ++kind) {
+    const int copies = std::min(kind, 2) + 2; // of coordinates, and of the velocity
+    EXPECT_GE(bytes[kind], 24 * copies);
+    EXPECT_LE(bytes[kind], 24 * copies * 5 / 4);
+  }
+  // The same rows up to where the third step is known, and others from there.
+  const auto rows = [](const std::string& text) { return runs::parse_table(text).rows; };
+  EXPECT_EQ(rows(cubic)[3], rows(linear)[3]);
+  EXPECT_NE(rows(cubic)[5], rows(linear)[5]);
+  EXPECT_EQ(rows(cubic)[5], rows(quadratic)[5]);
+  EXPECT_NE(rows(cubic)[7], rows(quadratic)[7]);
+}
+
+// What was before a change of topology is of other cells, for any interpolation.
+TEST(Particles, KnowNoEarlierStepsAfterAChangeOfTopology) {
+  const auto all = insitu::geometry | insitu::fields | insitu::topology;
+  EXPECT_EQ(way_by(", time_interpolation: cubic", all), way_by("", all));
+}
+
 TEST(Particles, NoneIsLostAtAnyCycle) {
   const test::Folder folder;
   Coupled run({.scene = R"(

@@ -27,7 +27,7 @@ TEST_F(Drifts, ASecondFieldHasItsFactorAndIsBlendedInTime) {
   TestField wind = mesh.vertex_field(), calm = mesh.vertex_field();
   mesh.fill(wind, [](const Vec3d&) { return Vec3d{10.0, 20.0, 0.0}; });
   mesh.fill(calm, still);
-  effects.drifts.push_back({{}, advect::FieldInTime{wind.view, calm.view}, 0.03, {}});
+  effects.drifts.push_back({{}, advect::FieldInTime{wind.view, {calm.view}}, 0.03, {}});
   const std::vector<Vec3d> seeds{{0.2, 0.2, 0.5}};
   const Tracer t = run(mesh, still, seeds, 1.0);
   EXPECT_LT(distance(t.positions()[0], {0.2 + 0.15, 0.2 + 0.3, 0.5}), 1e-12);

@@ -21,7 +21,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Flow {
   const mesh::FieldView& now;
-  const mesh::FieldView* earlier = nullptr;
+  advect::EarlierSteps earlier = nullptr;
   double t0 = 0.0, t1 = 0.0;
 };
 

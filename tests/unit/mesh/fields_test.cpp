@@ -185,7 +185,7 @@ TEST(Earlier, KeepsAStepUntilToldOtherwise) {
   mesh.set_field(0, "density", INSITU_CELL, &d, 1);
   m.commit();
   EXPECT_FALSE(mesh.earlier_field("velocity"));
-  mesh.keep_earlier({"velocity", "density"}, m.threads);
+  mesh.keep_earlier({{"velocity"}, {"density"}}, m.threads);
   EXPECT_EQ(m.memory.current(INSITU_MEMORY_EARLIER),
             std::int64_t(8 * (3 * n + density.size() + 3 * n)));
   mesh.expose_earlier(true, m.threads);
@@ -219,13 +219,54 @@ TEST(Earlier, KeepsAStepUntilToldOtherwise) {
       EXPECT_EQ(then.x[i][c], before[std::size_t(3 * now.ids[i] + c)]);
       EXPECT_EQ(half.x[i][c], 0.75 * then.x[i][c] + 0.25 * now.x[i][c]);
     }
-  mesh.keep_earlier({"density"}, m.threads); // no more velocity
+  mesh.keep_earlier({{"density"}}, m.threads); // no more velocity
   EXPECT_FALSE(mesh.earlier_field("velocity"));
   mesh.expose_earlier(false, m.threads);
   EXPECT_EQ(mesh.view().earlier_points, nullptr);
   mesh.release_earlier();
   EXPECT_EQ(m.memory.current(INSITU_MEMORY_EARLIER), 0);
   EXPECT_FALSE(mesh.earlier_field("density"));
+}
+
+// Of each field as many steps as are asked for, the latest first, in as much memory and no more.
+TEST(Earlier, OlderStepsStayAsFarAsTheyAreAskedFor) {
+  fixtures::Committed m(box(test::MeshKind::hexahedra, 3));
+  mesh::Mesh& mesh = m.mesh.mesh();
+  const std::int64_t n = m.arrays.vertex_count();
+  std::vector<double> values(static_cast<std::size_t>(n));
+  const insitu_array a = insitu_array_of(values.data(), INSITU_FLOAT64, n, 1);
+  mesh.set_field(0, "f", INSITU_VERTEX, &a, 1);
+  mesh.set_field(0, "g", INSITU_VERTEX, &a, 1);
+  m.commit();
+  const auto kept = [&](const char* name) {
+    std::vector<double> found;
+    for (const mesh::FieldView& f : mesh.earlier_fields(name))
+      found.push_back(f.pieces[0].load(n - 1, 0));
+    return found;
+  };
+  const auto step = [&](double value, const std::vector<mesh::KeptField>& fields) {
+    values.assign(values.size(), value);
+    m.commit(INSITU_CHANGED_FIELDS);
+    mesh.keep_earlier(fields, m.threads);
+  };
+  for (int k = 1; k <= 5; ++k)
+    step(k, {{"f", 3}, {"g", 1}});
+  EXPECT_EQ(kept("f"), (std::vector<double>{5, 4, 3}));
+  EXPECT_EQ(kept("g"), std::vector<double>{5});
+  EXPECT_EQ(m.memory.current(INSITU_MEMORY_EARLIER), 8 * n * (3 + 1 + 3));
+  const mesh::EarlierStep copy = mesh.copy_earlier();
+  step(6, {{"f", 2}, {"g", 2}});
+  EXPECT_EQ(kept("f"), (std::vector<double>{6, 5}));
+  EXPECT_EQ(kept("g"), (std::vector<double>{6, 5}));
+  EXPECT_EQ(m.memory.current(INSITU_MEMORY_EARLIER), 8 * n * (2 + 2 + 3));
+  step(7, {{"g", 2}});
+  step(8, {{"f", 2}, {"g", 2}});
+  EXPECT_EQ(kept("f"), std::vector<double>{8}) << "a step was left out";
+  ASSERT_TRUE(mesh.set_earlier(copy));
+  EXPECT_EQ(kept("f"), (std::vector<double>{5, 4, 3}));
+  EXPECT_EQ(kept("g"), std::vector<double>{5});
+  m.commit(INSITU_CHANGED_TOPOLOGY);
+  EXPECT_EQ(kept("f"), std::vector<double>{}) << "of other cells, it was said";
 }
 
 // An earlier step of other cells is not shown, though it is still held.
@@ -296,7 +337,7 @@ TEST(Views, ReadWithinTheArraysAlone) {
         mesh.set_field(0, "f", INSITU_VERTEX, &f, 1);
         m.commit();
         m.commit(INSITU_CHANGED_GEOMETRY);
-        mesh.keep_earlier({"f"}, m.threads);
+        mesh.keep_earlier({{"f"}}, m.threads);
         const mesh::FieldView field = mesh.field("f");
         const accel::ValueRanges ranges(m.mesh.tree(), mesh.view(), field, -1, m.threads, m.memory);
         EXPECT_GT(ranges.max(), 0);

@@ -284,6 +284,16 @@ TEST(SceneErrors, Integrator) {
   EXPECT_HAS(tracer_error("kind: streamline, direction: up"),
              "'up' is not one of forward, backward, both");
   EXPECT_HAS(tracer_error("direction: backward"), "path- and streaklines follow the run");
+  EXPECT_HAS(tracer_error("times: [0, 1, 1]"), "tracers[0].times: times must ascend");
+  EXPECT_HAS(tracer_error("times: 3"), "a list of times, or a map of interval, from and until");
+  EXPECT_HAS(tracer_error("times: {from: 1}"), "key 'interval' is missing");
+  EXPECT_HAS(tracer_error("times: {interval: 0}"), "tracers[0].times.interval");
+  EXPECT_HAS(tracer_error("times: [1], every: 3"), "'times' says when the particles are written");
+  EXPECT_HAS(tracer_error("kind: streamline, times: [1]"), "streamlines are of one moment");
+  EXPECT_HAS(tracer_error("time_interpolation: square"),
+             "'square' is not one of linear, quadratic, cubic");
+  EXPECT_HAS(tracer_error("kind: streamline, time_interpolation: cubic"),
+             "tracers[0].time_interpolation: streamlines see one step alone");
 }
 
 TEST(SceneErrors, TracerEffects) {

@@ -183,6 +183,7 @@ TEST(SceneKeys, TracerDefaults) {
   EXPECT_EQ(tracer.integrator.method, IntegrationMethod::dopri5);
   EXPECT_EQ(tracer.integrator.tolerance, 1e-6);
   EXPECT_FALSE(tracer.integrator.face_aware.has_value());
+  EXPECT_EQ(tracer.time_interpolation, insitu::advect::TimeInterpolation::linear);
   EXPECT_EQ(tracer.direction, TracerDirection::forward);
   EXPECT_EQ(tracer.integrator.max_steps, 10000);
   EXPECT_FALSE(tracer.integrator.step || tracer.integrator.min_step || tracer.integrator.max_step);
@@ -217,6 +218,18 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(tracer.until.length, 4);
   EXPECT_EQ(tracer.accuracy, Accuracy::exact);
   EXPECT_EQ(tracer.output.size(), 2u);
+  EXPECT_FALSE(tracer.times.interval || tracer.times.from || tracer.times.until);
+  const OutputTimes at = parse(test::tracer("times: [-1, 0.5]")).tracers[0].times;
+  EXPECT_EQ(at.at, (std::vector<double>{-1, 0.5}));
+  const OutputTimes even =
+      parse(test::tracer("times: {interval: 0.5, from: -2, until: 7}")).tracers[0].times;
+  EXPECT_EQ(even.interval, 0.5);
+  EXPECT_EQ(even.from, -2);
+  EXPECT_EQ(even.until, 7);
+  EXPECT_EQ(parse(test::tracer("time_interpolation: quadratic")).tracers[0].time_interpolation,
+            insitu::advect::TimeInterpolation::quadratic);
+  EXPECT_EQ(parse(test::tracer("time_interpolation: cubic")).tracers[0].time_interpolation,
+            insitu::advect::TimeInterpolation::cubic);
   const Tracer streakline = parse(test::tracer("kind: streakline")).tracers[0];
   EXPECT_EQ(streakline.kind, TracerKind::streakline);
   EXPECT_EQ(streakline.release.every, 1);
