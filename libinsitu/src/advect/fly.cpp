@@ -110,8 +110,10 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
         carried.velocity =
             effects_->inertia->begins ? space_.from_east_north(x, *effects_->inertia->begins) : u;
       known = true;
-      if (taker_)
+      if (taker_) {
+        p.x = velocity_.place(x);
         taker_->set(p);
+      }
     }
     if (!(p.time < to))
       return INSITU_END_ALIVE;
@@ -210,10 +212,10 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
     if (taker_) {
       Trial end;
       end.x = trial.x;
-      end.v = by_axis(trial.v, walls_.scale(trial.x));
-      const DenseStep path(p.x, p.time, h, by_axis(v, per_metre), end, false);
+      end.v = walls_.scale(trial.x).coordinates(trial.v);
+      const DenseStep path(x, p.time, h, per_metre.coordinates(v), end, false);
       State then = p;
-      then.x = trial.x;
+      then.x = velocity_.place(trial.x);
       then.time = h == remaining ? to : p.time + h;
       (*taker_)(then, path);
     }
@@ -296,7 +298,10 @@ insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, doubl
     p.time = h < remaining ? p.time + h : to;
     last_bounce_ = p.length;
     landed(x, at);
-    take_contact(p);
+    if (taker_) {
+      p.x = velocity_.place(x);
+      take_contact(p);
+    }
     ++work.steps;
     --steps_left_;
     if (moved != Moved::inside)

@@ -93,8 +93,6 @@ insitu_ending Mover<V>::walk(State& p, Carried& carried, double dt) {
 /// After a step along the wall: straight, through periodic sides if that is the shorter way.
 template <class V>
 void Mover<V>::take_contact(const State& p) {
-  if (!taker_)
-    return;
   taker_->along(p, [&](const Vec3d& from, double part) {
     Vec3d x = p.x - from;
     for (int a = 0; a < 3; ++a) {
@@ -295,7 +293,8 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
     at = end;
     p.time = h < to - p.time ? p.time + h : to;
     placed(p, at);
-    take_contact(p);
+    if (taker_)
+      take_contact(p);
     ++work.steps;
     --steps_left_;
     if (moved != Moved::inside)
