@@ -36,7 +36,8 @@ baseline=$here/baselines/$name
 if [ "$update" = 1 ]; then
   mkdir -p "$baseline"
   rm -f "$baseline"/*
-  cp "$work"/out/*.csv "$work"/out/*.json "$work"/out/*.png "$baseline"
+  find "$work/out" -maxdepth 1 \( -name '*.csv' -o -name '*.json' -o -name '*.png' -o -name '*.nc' \) \
+    -exec cp {} "$baseline" \;
   echo "$baseline: $(ls "$baseline" | wc -l) files, $(du -sb "$baseline" | cut -f1) bytes"
   exit 0
 fi

@@ -77,13 +77,13 @@ public:
       return std::nullopt;
     auto exit = inner_.leave(from, motion_.along(a, from, b), t, dt);
     if (exit) {
-      math::Vec3d image = exit->inside;
-      if (a.z == b.z) // rounding of the exit is no way down
-        if (const math::Vec3d level{image.x, image.y, a.z};
-            images_.locate(level, exit->owner, {inner_.accuracy(), inner_.geometry_alpha(t)}))
-          image = level;
+      const math::Vec3d image = exit->inside;
       exit->inside = motion_.from_image(a, from, image);
       known_ = {exit->inside, image};
+      if (a.z == b.z && !blends_geometry()) // at a wall, rounding of the exit is no way down
+        if (const math::Vec3d level{image.x, image.y, a.z};
+            images_.locate(level, exit->owner, {inner_.accuracy()}))
+          known_.image = level;
     }
     return exit;
   }

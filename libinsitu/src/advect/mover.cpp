@@ -120,7 +120,15 @@ bool Mover<V>::find(const Vec3d& point, double time, Spot& at) {
 template <class V>
 bool Mover<V>::find(const State& p, Spot& at) {
   Vec3d point;
-  return velocity_.point(p.x, point) && find(point, p.time, at);
+  if (!velocity_.point(p.x, point))
+    return false;
+  if (find(point, p.time, at))
+    return true;
+  if (!flow().blends_geometry() || cell() < 0)
+    return false;
+  // On a wall that moves: its place at that time is known to rounding of the time, too.
+  const Vec3d in = walls_.middle(cell(), flow().geometry_alpha(p.time)) - point;
+  return find(point + 1e-9 * in, p.time, at) || find(point + 1e-7 * in, p.time, at);
 }
 
 template <class V>

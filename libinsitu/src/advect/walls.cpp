@@ -152,11 +152,12 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
       break;
     length += exit->t * length_of(scale(at.x).metres(part));
     d = (1.0 - exit->t + double(parts - k - 1)) * part;
-    const double level = at.x.z;
+    const Vec3d from = at.x;
     at = {exit->inside, exit->owner};
     if (space_.is_chart() && part.z == 0.0) // to the bit: rounding of the exit is no way down
-      if (const query::Location found = locate({at.x.x, at.x.y, level}, at.cell, alpha))
-        at = {{at.x.x, at.x.y, level}, found.cell};
+      if (const query::Location found = locate({at.x.x, at.x.y, from.z}, at.cell, alpha))
+        at = {{at.x.x, at.x.y, from.z}, found.cell};
+    enter_axes(from, at.x, carried);
     if (next_sheet(at, d, alpha, carried))
       continue;
     if (pass_side(at, d, boundary, alpha)) {

@@ -107,8 +107,14 @@ void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due
     environment_.page->add_probe(probe_.name, answers.columns, points_->mesh_points, points_->names,
                                  answers.values);
   Failures failures;
+  bool in_a_table = false;
   for (const TableFormat format : probe_.output)
-    failures.catch_of([&] { write(format, mesh, step, answers); });
+    failures.catch_of([&] {
+      write(format, mesh, step, answers);
+      in_a_table |= format == TableFormat::csv || format == TableFormat::netcdf;
+    });
+  if (in_a_table)
+    environment_.statistics.probe_rows += std::int64_t(answers.locations.size());
   environment_.statistics.output_s += timer.seconds();
   failures.throw_if_any();
 }
@@ -175,7 +181,6 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
     rows.end_row();
   }
   flush_table(*table_);
-  environment_.statistics.probe_rows += std::int64_t(answers.locations.size());
 }
 
 void ProbeAction::write_vtp(const query::CommittedMesh& mesh, const Step& step,

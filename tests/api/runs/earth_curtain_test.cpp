@@ -205,6 +205,43 @@ TEST(Curtains, StandInOtherFramesToo) {
   EXPECT_FALSE(std::filesystem::exists(other / "p.csv"));
 }
 
+TEST(Curtains, MayBeInTheMeshsOwnUnits) {
+  const insitu::geo::ChartUnits units{true, true, true};
+  const test::Folder folder;
+  {
+    OnEarth run(
+        pacific(units),
+        "probes:\n"
+        "  - {name: own, fields: [latitude], output: [csv, netcdf], points: {curtain: {through: "
+        "[[2.9, 0.2], [-2.9, -0.2]], count: 9, levels: [0, 2.5]}}}\n"
+        "  - {name: high, fields: [latitude], points: {curtain: {through: [[2.9, 0.2], [2.9, "
+        "1.6]], count: 9, levels: [0]}}}\n",
+        folder.path());
+    EXPECT_FALSE(run.session.execute(0, 0.0));
+    const std::string message = insitu_last_message();
+    EXPECT_NE(message.find("probe 'high'"), std::string::npos) << message;
+    EXPECT_NE(message.find("latitude"), std::string::npos) << message;
+    EXPECT_EQ(message.find("probe 'own'"), std::string::npos) << message;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "high.csv"));
+  const double degree = std::numbers::pi / 180;
+  const Place from{2.9 / degree, 0.2 / degree}, to{-2.9 / degree, -0.2 / degree};
+  const double length = metres(from, to);
+  const runs::Table t = runs::parse_table(test::content(folder / "own.csv"));
+  ASSERT_EQ(t.rows.size(), 18u);
+  for (std::size_t i = 0; i < 18; ++i) {
+    const double s = length * double(i / 2) / 8;
+    EXPECT_NEAR(t.number(i, "distance"), s, 1e-6) << "metres";
+    EXPECT_EQ(t.number(i, "depth"), i % 2 ? 2.5 : 0) << "kilometres";
+    EXPECT_NEAR(t.number(i, "latitude"), along(from, to, s).lat, 1e-10);
+  }
+  const NetcdfFile file(folder / "own.nc");
+  EXPECT_EQ(file["lon"].texts.at("units"), "radian");
+  EXPECT_EQ(file["lon"].doubles.front(), 2.9);
+  EXPECT_EQ(file["depth"].texts.at("units"), "km");
+  EXPECT_EQ(file["distance"].texts.at("units"), "m");
+}
+
 TEST(Curtains, HaveNoJumpAsSurfaces) {
   insitu::scene::ScenePoints points;
   points.curtain.emplace();

@@ -88,6 +88,7 @@ TEST(NetcdfFrames, GeodeticInEveryUnit) {
       ASSERT_TRUE(run.session.execute(0, 0.0)) << insitu_last_message();
       ASSERT_TRUE(run.session.execute(1, 1.5)) << insitu_last_message();
       EXPECT_EQ(run.session.report().points_outside, 0);
+      EXPECT_EQ(run.session.report().probe_rows, 2) << "of netCDF alone too";
     }
     expect_sound(folder / "gauges.nc", "timeSeries", "timeseries_id");
     expect_sound(folder / "drifters.nc", "trajectory", "trajectory_id");

@@ -299,6 +299,76 @@ TEST(GeodeticWalls, PutBackGoesOnFromTheLastPositionInside) {
   EXPECT_NEAR(t.positions()[1].x, 11 + 10 * cycle / metres_per_degree(57.3).x, 1e-6);
 }
 
+TEST(GeodeticWalls, SurfacesThatSinkTakeParticlesAlong) {
+  // The surface sinks by 20 m. Cells that wrap around and ones on turned charts are copies.
+  for (const TestMesh& from : {fixtures::lattice({.west = 0, .east = 360, .wraps = true}),
+                               fixtures::globe({.subdivisions = 3, .tilt = 0.3})})
+    for (const AtBoundary response :
+         {AtBoundary::stop, AtBoundary::slide, AtBoundary::reflect, AtBoundary::put_back}) {
+      Ocean sea(from, towards({0.1, 0.05, 0}));
+      sea.mesh.mesh().keep_earlier({"v"}, sea.threads);
+      for (std::size_t v = 0; v < from.vertices.size(); ++v)
+        sea.arrays.points[3 * v + 2] = from.vertices[v].z * (3980.0 / 4000) - 20;
+      ASSERT_EQ(sea.commit(INSITU_CHANGED_GEOMETRY).action, INSITU_REFIT);
+      sea.mesh.mesh().expose_earlier(true, sea.threads);
+      ASSERT_NE(sea.mesh.mesh().view().earlier_points, nullptr);
+      const std::vector<Vec3d> seeds{
+          {20, 60, -10}, {359.999, 40, -10}, {20, 89, 0}, {50, -90, -5}, {20, 20, -50}};
+      advect::Tracer t(sea.settings, sea.memory);
+      t.set_effects(boundary(response));
+      t.seed(seeds, 0.0);
+      const mesh::FieldView v = sea.flow();
+      const auto a = t.advance(sea.sampler(), v, &v, 0, 1000, sea.threads);
+      sea.mesh.mesh().expose_earlier(false, sea.threads);
+      EXPECT_TRUE(a.blended_geometry);
+      for (std::size_t i = 0; i < seeds.size(); ++i) {
+        if (response == AtBoundary::stop && i != 4) {
+          EXPECT_EQ(t.particles().endings[i], INSITU_END_STOPPED) << i;
+          EXPECT_EQ(t.positions()[i].z, seeds[i].z);
+          EXPECT_NEAR(t.particles().times[i], -50 * seeds[i].z, 1e-3);
+          continue;
+        }
+        EXPECT_EQ(t.particles().endings[i], INSITU_END_ALIVE) << int(response) << " " << i;
+        EXPECT_TRUE(bool(sea.sampler().locate(t.positions()[i]))) << int(response) << " " << i;
+        const double z = t.positions()[i].z;
+        if (response == AtBoundary::reflect && i != 4) {
+          EXPECT_LE(z, -20.0);
+          EXPECT_GE(z, -40.1); // as far below as it would be above
+          continue;
+        }
+        const double want = i == 4                             ? -50
+                            : response == AtBoundary::put_back ? seeds[i].z * 0.995 - 20
+                                                               : -20;
+        EXPECT_NEAR(z, want, 1e-5);
+      }
+    }
+}
+
+TEST(GeodeticWalls, ParticlesAtTheSurfaceGoOverThePole) {
+  // What rises goes along the surface as what floats there does.
+  for (const TestMesh& from : {fixtures::lattice({.across = 72, .along = 36}),
+                               fixtures::globe({.subdivisions = 4, .tilt = 0.3})}) {
+    const Vec3d wind{7, 4, 3};
+    const auto rising = [&](const Vec3d& at) { return towards(wind)(at) + Vec3d{0, 0, 0.1}; };
+    Ocean floats(from, towards(wind)), rises(from, rising);
+    std::vector<Vec3d> seeds{{-150, 90, 0}, {-150.26, 75, 0}};
+    for (std::uint64_t i = 0; i < 10; ++i)
+      seeds.push_back(
+          {-120 - 60 * core::random_unit(4, i, 0), 75 + 12 * core::random_unit(4, i, 1), 0});
+    const Tracer a = floats.run({}, seeds, 3e5, 3);
+    const Tracer b = rises.run(boundary(AtBoundary::slide), seeds, 3e5, 3);
+    for (std::size_t i = 0; i < seeds.size(); ++i) {
+      ASSERT_EQ(b.particles().endings[i], INSITU_END_ALIVE) << i;
+      const Vec3d away =
+          geo::normal_of({}, a.positions()[i]) - geo::normal_of({}, b.positions()[i]);
+      // Of 2400 km; where the velocity is interpolated over 5 degrees of directions.
+      EXPECT_LT(std::sqrt(dot(away, away)) * 6.4e6, 5000) << i;
+      EXPECT_NEAR(b.positions()[i].z, 0, 1e-5);
+    }
+    EXPECT_EQ(rises.work.pinned, 0);
+  }
+}
+
 TEST(GeodeticWalls, PeriodicSidesAreRefused) {
   Ocean sea(basin(), constant({1.0, 0, 0}));
   Effects effects = boundary(AtBoundary::slide);
