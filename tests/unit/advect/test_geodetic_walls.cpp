@@ -306,7 +306,7 @@ TEST(GeodeticWalls, SurfacesThatSinkTakeParticlesAlong) {
     for (const AtBoundary response :
          {AtBoundary::stop, AtBoundary::slide, AtBoundary::reflect, AtBoundary::put_back}) {
       Ocean sea(from, towards({0.1, 0.05, 0}));
-      sea.mesh.mesh().keep_earlier({"v"}, sea.threads);
+      sea.mesh.mesh().keep_earlier({{"v", 1}}, sea.threads);
       for (std::size_t v = 0; v < from.vertices.size(); ++v)
         sea.arrays.points[3 * v + 2] = from.vertices[v].z * (3980.0 / 4000) - 20;
       ASSERT_EQ(sea.commit(INSITU_CHANGED_GEOMETRY).action, INSITU_REFIT);

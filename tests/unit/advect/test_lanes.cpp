@@ -131,7 +131,14 @@ TEST(Lanes, SameBitsBetweenStepsOfAMovingMesh) {
   BoxMesh box(6, -1.0, 1.0);
   auto before = box.vertex_field(), now = box.vertex_field();
   box.fill(before, swirl);
-  expect_the_same(box.sampler(), {before.view, &before.view, 0.0, 0.5}, seeds(), 0.5, "at rest");
+  box.fill(now, [](const Vec3d& p) { return 1.2 * swirl(p); });
+  expect_the_same(box.sampler(), {now.view, &before.view, 0.0, 0.5}, seeds(), 0.5, "at rest");
+  auto long_before = box.vertex_field(), first = box.vertex_field();
+  box.fill(long_before, [](const Vec3d& p) { return 0.9 * swirl(p); });
+  box.fill(first, [](const Vec3d& p) { return 0.7 * swirl(p); });
+  const std::vector<mesh::FieldView> steps{before.view, long_before.view, first.view};
+  const std::vector<double> times{-0.4, -1.0};
+  expect_the_same(box.sampler(), {now.view, {steps, times}, 0.0, 0.5}, seeds(), 0.5, "four steps");
   box.move([](const Vec3d& p) { return Vec3d{p.x * 1.05, p.y, p.z + 0.04 * std::sin(3 * p.x)}; });
   box.fill(now, [](const Vec3d& p) { return 1.3 * swirl(p); });
   expect_the_same(box.sampler(), {now.view, &before.view, 0.0, 0.5}, seeds(), 0.5, "moving");
