@@ -1,4 +1,5 @@
 // Effects on particles and attached points in whole runs, on a mesh that moves.
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <map>
 
@@ -52,6 +53,71 @@ TEST(EffectsOnParticles, LoseNoneAndAreTheSameForAnyThreads) {
       EXPECT_GT(counts["killed"], 0);
     } else {
       EXPECT_EQ(counts["expired"], seeded);
+    }
+  }
+}
+
+// A basin in longitude, latitude and depth: every effect that displaces, through a scene.
+runs::Files drifters(int threads) {
+  std::vector<double> lon, lat, depth, u, v, w;
+  for (int k = 0; k < 4; ++k)
+    for (int j = 0; j < 7; ++j)
+      for (int i = 0; i < 7; ++i) {
+        lon.push_back(175 + 2 * i > 180 ? 2 * i - 185 : 175 + 2 * i); // over the date line
+        lat.push_back(60 + j);
+        depth.push_back(500 * k);
+        u.push_back(1.0);
+        v.push_back(0.1 * i);
+        w.push_back(0.0);
+      }
+  const test::Folder folder;
+  insitu::Options options;
+  options.scene_text = R"(
+insitu: 1
+tracers:
+  - {name: beached, velocity: u, seeds: &seeds {box: {min: [176, 61, 10], max: [179, 65, 900], counts: [3, 3, 3]}},
+     effects: [{boundary: slide}, {settling: {speed: 0.01}}]}
+  - {name: previous, velocity: u, seeds: *seeds, effects: [{boundary: put_back}]}
+  - {name: mixed, velocity: u, seeds: *seeds, effects: [{diffusion: {horizontal: 5000, vertical: 0.1}}, {boundary: reflect}]}
+  - {name: stranded, velocity: u, seeds: *seeds, effects: [{boundary: stop}]}
+  - {name: pearls, velocity: u, seeds: *seeds,
+     effects: [{inertia: {response_time: 10, gravity: [0, 0, -0.001]}}, {coriolis: {rotation: [0, 0, 7.292115e-5]}},
+               {boundary: reflect}]}
+)";
+  options.output = folder.path();
+  options.threads = threads;
+  {
+    insitu::Session session(options);
+    insitu::Mesh mesh = session.mesh("ocean");
+    mesh.frame(insitu::Frame::geodetic(insitu::Vertical::down));
+    mesh.points(lon, lat, depth);
+    mesh.block(7, 7, 4);
+    mesh.vertex_field("u", {u, v, w});
+    for (int cycle = 0; cycle < 5; ++cycle) {
+      mesh.changed(insitu::fields);
+      EXPECT_TRUE(session.execute(cycle, 2e5 * cycle)) << insitu_last_message();
+    }
+  }
+  return runs::files_of(folder.path());
+}
+
+TEST(EffectsOnParticles, DisplaceThemInLongitudeLatitudeAndDepth) {
+  const runs::Files one = drifters(1);
+  EXPECT_TRUE(runs::differences(one, drifters(3)).empty());
+  for (const char* name : {"beached", "previous", "mixed", "stranded", "pearls"}) {
+    const runs::Table t = runs::parse_table(one.at(std::string(name) + ".csv"));
+    std::map<std::string, std::string> last;
+    double deepest = 0;
+    for (std::size_t i = 0; i < t.rows.size(); ++i) {
+      last[t.text(i, "particle")] = t.text(i, "ending");
+      deepest = std::max(deepest, t.number(i, "z"));
+      EXPECT_LE(t.number(i, "z"), 1500);
+    }
+    EXPECT_EQ(last.size(), 27u) << name;
+    for (const auto& [particle, ending] : last)
+      EXPECT_EQ(ending, name == std::string("stranded") ? "stopped" : "killed") << name << particle;
+    if (name == std::string("beached") || name == std::string("pearls")) {
+      EXPECT_NEAR(deepest, 1500, 1e-3) << name; // on the floor
     }
   }
 }
