@@ -6,6 +6,7 @@
 
 #include "advect/chart_velocity.h"
 #include "advect/check.h"
+#include "advect/even_spacing.h"
 #include "advect/mesh_velocity.h"
 
 namespace insitu::advect {
@@ -24,14 +25,42 @@ struct Chunk {
   Work work;
 };
 
+/// One with vertices at even distances.
+template <class Velocity>
+insitu_ending trace_evenly(Velocity& velocity, const query::Sampler& sampler,
+                           const StreamlineSettings& settings, State p, double to, Chunk& chunk) {
+  const std::size_t first = chunk.vertices.size();
+  const auto put = [&](const math::Vec3d& x, double time) {
+    const math::Vec3d point = velocity.position(x);
+    const query::Location at = sampler.locate(point, velocity.cell(), {settings.accuracy});
+    chunk.vertices.push_back({point, time, at.cell});
+  };
+  EvenSpacing visit(velocity, settings.even_time, settings.even_length, put);
+  insitu_ending ending =
+      integrate(velocity, settings.integrator, to, settings.length, p, chunk.work, visit);
+  if (ending == INSITU_END_ALIVE)
+    ending = INSITU_END_EXPIRED;
+  if (chunk.vertices.size() == first)
+    return ending;
+  if (chunk.vertices.size() > first + 1 && visit.since_last(p) < 1e-3)
+    chunk.vertices.pop_back();
+  else if (p.time == chunk.vertices.back().time)
+    return ending; // it never moved
+  chunk.vertices.push_back({velocity.position(p.x), p.time, velocity.cell()});
+  return ending;
+}
+
 /// Appends one line to the chunk's vertices.
 template <class Velocity>
-insitu_ending trace(Velocity& velocity, const StreamlineSettings& settings, const math::Vec3d& seed,
-                    double to, Chunk& chunk) {
+insitu_ending trace(Velocity& velocity, const query::Sampler& sampler,
+                    const StreamlineSettings& settings, const math::Vec3d& seed, double to,
+                    Chunk& chunk) {
   State p;
   const std::size_t first = chunk.vertices.size();
   velocity.begin(-1);
   p.x = velocity.enter(seed);
+  if (settings.even_time > 0.0 || settings.even_length > 0.0)
+    return trace_evenly(velocity, sampler, settings, p, to, chunk);
   math::Vec3d last; // as the integrator has it; after a change of its coordinates it is far away
   const auto visit = [&](const State& s) {
     if (chunk.vertices.size() == first ||
@@ -79,8 +108,9 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
         const std::size_t seed = std::size_t(l / per_seed);
         const bool backward = settings.direction == Direction::backward || l % per_seed == 1;
         const std::size_t before = chunk.vertices.size();
-        lines.endings[std::size_t(l)] = std::uint8_t(trace(
-            field, steady, seeds[seed], backward ? -settings.duration : settings.duration, chunk));
+        lines.endings[std::size_t(l)] =
+            std::uint8_t(trace(field, sampler, steady, seeds[seed],
+                               backward ? -settings.duration : settings.duration, chunk));
         lines.particles[std::size_t(l)] = std::int64_t(seed);
         lines.offsets[std::size_t(l) + 1] = std::int64_t(chunk.vertices.size() - before);
       }
