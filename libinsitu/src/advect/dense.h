@@ -28,6 +28,12 @@ public:
     const double rest = 1.0 - theta;
     return r0_ + theta * (r1_ + rest * (r2_ + theta * (r3_ + rest * r4_)));
   }
+  /// Its derivative with theta.
+  Vec3d rate(double theta) const {
+    const double rest = 1.0 - theta;
+    const Vec3d a = r3_ + rest * r4_, b = r2_ + theta * a, c = r1_ + rest * b;
+    return c + theta * (rest * (a - theta * r4_) - b);
+  }
   /// The position at a time within the step.
   Vec3d at_time(double t) const { return at((t - start_) / h_); }
 

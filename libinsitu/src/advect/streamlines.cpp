@@ -1,10 +1,14 @@
 #include "advect/streamlines.h"
 
 #include <algorithm>
+#include <deque>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "advect/chart_velocity.h"
 #include "advect/check.h"
+#include "advect/even_spacing.h"
 #include "advect/lanes.h"
 
 namespace insitu::advect {
@@ -23,40 +27,60 @@ struct Line {
   std::vector<Vertex> vertices;
 };
 
-/// Keeps the vertices of a line, as far apart as `spacing` says.
+/// Keeps vertices of a line: those of its steps, at least `spacing` cells apart, or points at even
+/// distances.
 template <class Velocity>
 class LineVertices {
 public:
-  LineVertices(Velocity& velocity, double spacing, std::vector<Vertex>& vertices)
-      : velocity_(&velocity), spacing_(spacing), vertices_(&vertices) {
+  LineVertices(Velocity& velocity, const query::Sampler& sampler,
+               const StreamlineSettings& settings, std::vector<Vertex>& vertices)
+      : velocity_(velocity), sampler_(sampler), settings_(settings), vertices_(vertices),
+        even_(velocity, settings.even_time, settings.even_length, *this) {
     vertices.clear();
   }
+  LineVertices(const LineVertices&) = delete;
 
+  bool is_even() const { return settings_.even_time > 0.0 || settings_.even_length > 0.0; }
+  EvenSpacing<Velocity, LineVertices>& even() { return even_; }
+
+  /// As visitor of integrate().
   void operator()(const State& s) {
-    if (vertices_->empty() || cells_crossed(s.x - last_, velocity_->extent()) >= spacing_)
+    if (vertices_.empty() || cells_crossed(s.x - last_, velocity_.extent()) >= settings_.spacing)
       add(s);
+  }
+  /// A point at an even distance.
+  void operator()(const math::Vec3d& x, double time) {
+    const math::Vec3d point = velocity_.position(x);
+    const query::Location at = sampler_.locate(point, velocity_.cell(), {settings_.accuracy});
+    vertices_.push_back({point, time, at.cell});
+  }
+
+  /// The last vertex is the line's end, p, whatever the spacing.
+  insitu_ending finish(const State& p, insitu_ending ending) {
+    if (!is_even()) {
+      if (!vertices_.empty() && p.x != last_)
+        add(p);
+    } else if (vertices_.size() > 1 && even_.since_last(p) < 1e-3) {
+      vertices_.back() = {velocity_.position(p.x), p.time, velocity_.cell()};
+    } else if (!vertices_.empty() && p.time != vertices_.back().time) {
+      add(p);
+    }
+    return ending == INSITU_END_ALIVE ? INSITU_END_EXPIRED : ending;
   }
 
 private:
   void add(const State& s) {
-    vertices_->push_back({velocity_->position(s.x), s.time, velocity_->cell()});
+    vertices_.push_back({velocity_.position(s.x), s.time, velocity_.cell()});
     last_ = s.x;
   }
 
-  Velocity* velocity_;
-  double spacing_;
-  std::vector<Vertex>* vertices_;
+  Velocity& velocity_;
+  const query::Sampler& sampler_;
+  const StreamlineSettings& settings_;
+  std::vector<Vertex>& vertices_;
+  EvenSpacing<Velocity, LineVertices> even_;
   math::Vec3d last_; ///< as the integrator has it; after a change of its coordinates it is far away
 };
-
-/// The last vertex is the line's end, whatever the spacing.
-template <class Velocity>
-insitu_ending finish(Velocity& velocity, Line& line, insitu_ending ending) {
-  const math::Vec3d end = velocity.position(line.p.x);
-  if (!line.vertices.empty() && end != line.vertices.back().point)
-    line.vertices.push_back({end, line.p.time, velocity.cell()});
-  return ending == INSITU_END_ALIVE ? INSITU_END_EXPIRED : ending;
-}
 
 } // namespace
 
@@ -94,19 +118,25 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
   };
   const auto trace_on_chart = [&](std::int64_t begin, std::int64_t end) {
     ChartVelocity field(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy);
+    Work& cost = work[std::size_t(begin / grain)];
     Line line;
     for (std::int64_t l = begin; l < end; ++l) {
       field.begin(-1);
       line.p = {};
       line.p.x = field.enter(seeds[seed_of(l)]);
-      const insitu_ending ending = integrate(field, steady.integrator, time_of(l), settings.length,
-                                             line.p, work[std::size_t(begin / grain)],
-                                             LineVertices(field, settings.spacing, line.vertices));
-      store(l, line, finish(field, line, ending));
+      LineVertices vertices(field, sampler, steady, line.vertices);
+      const auto run = [&](auto& visit) {
+        return integrate(field, steady.integrator, time_of(l), settings.length, line.p, cost,
+                         visit);
+      };
+      const insitu_ending ending = vertices.is_even() ? run(vertices.even()) : run(vertices);
+      store(l, line, vertices.finish(line.p, ending));
     }
   };
   const auto trace_in_lanes = [&](std::int64_t begin, std::int64_t end) {
+    Work& cost = work[std::size_t(begin / grain)];
     std::vector<Line> under_way(LaneBatch::lane_count);
+    std::deque<std::optional<LineVertices<LaneVelocity>>> vertices(LaneBatch::lane_count);
     run_lanes(
         sampler, begin, end,
         [&](std::deque<LaneVelocity>& to) {
@@ -117,13 +147,16 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
           field.begin(-1);
           line.p = {};
           line.p.x = seeds[seed_of(l)];
-          return integration(field, steady.integrator, time_of(l), settings.length, line.p,
-                             work[std::size_t(begin / grain)],
-                             LineVertices(field, settings.spacing, line.vertices));
+          vertices[slot].emplace(field, sampler, steady, line.vertices);
+          const auto run = [&](auto& visit) {
+            return integration(field, steady.integrator, time_of(l), settings.length, line.p, cost,
+                               std::ref(visit));
+          };
+          return vertices[slot]->is_even() ? run(vertices[slot]->even()) : run(*vertices[slot]);
         },
-        [&](std::int64_t l, std::size_t slot, LaneVelocity& field, insitu_ending ending) {
+        [&](std::int64_t l, std::size_t slot, LaneVelocity&, insitu_ending ending) {
           Line& line = under_way[slot];
-          store(l, line, finish(field, line, ending));
+          store(l, line, vertices[slot]->finish(line.p, ending));
         });
   };
   check_chart(sampler, steady.integrator);

@@ -25,6 +25,10 @@ struct StreamlineSettings {
   /// Vertices are recorded when the line has gone this far from the one before, in cells; the first
   /// and the last always.
   double spacing = 0.05;
+  /// If one of them is above 0: vertices are instead exactly so far apart from the seed on, in time
+  /// or along the curve, and the last one is at the end of the line, where it takes the place of
+  /// one that is nearer to it than a thousandth of that. At most EvenSpacing::most and the end.
+  double even_time = 0.0, even_length = 0.0;
 };
 
 struct Streamlines {

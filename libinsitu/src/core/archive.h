@@ -10,6 +10,18 @@
 
 namespace insitu::core {
 
+/// Whether a value may have other bytes than its own: what fills a struct up is anything, and must
+/// not reach a file. Structs of three numbers of one kind are seen to have none; others are kept
+/// member by member.
+template <class T>
+inline constexpr bool has_padding =
+    !(std::is_arithmetic_v<T> || std::has_unique_object_representations_v<T>);
+template <class T>
+requires requires(T v) {
+  v.x, v.y, v.z;
+}
+inline constexpr bool has_padding<T> = sizeof(T) != 3 * sizeof(T::x);
+
 /// Where state goes to, or comes back from: one function of an object, state(Archive&), names its
 /// members in a fixed order and serves both ways. Names and sizes of items are checked on the way
 /// back; what does not fit throws core::Error.
@@ -21,7 +33,7 @@ public:
 
   template <class T>
   void value(const char* name, T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
+    static_assert(std::is_trivially_copyable_v<T> && !has_padding<T>);
     bytes(name, sizeof(T), 1, [&](std::size_t) { return static_cast<void*>(&value); });
   }
   void value(const char* name, std::string& text) {
@@ -32,7 +44,7 @@ public:
   }
   template <class T>
   void array(const char* name, Buffer<T>& array) {
-    static_assert(std::is_trivially_copyable_v<T>);
+    static_assert(std::is_trivially_copyable_v<T> && !has_padding<T>);
     bytes(name, sizeof(T), array.size(), [&](std::size_t n) {
       array.resize(n);
       return static_cast<void*>(array.data());
@@ -40,7 +52,7 @@ public:
   }
   template <class T>
   void array(const char* name, std::vector<T>& array) {
-    static_assert(std::is_trivially_copyable_v<T>);
+    static_assert(std::is_trivially_copyable_v<T> && !has_padding<T>);
     bytes(name, sizeof(T), array.size(), [&](std::size_t n) {
       array.resize(n);
       return static_cast<void*>(array.data());

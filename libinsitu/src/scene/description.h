@@ -152,6 +152,11 @@ struct OutputTimes {
   std::optional<double> until;    ///< not after this time
 };
 
+/// Even distances of a streamline's vertices; neither: a twentieth of a cell or more.
+struct VertexSpacing {
+  std::optional<double> length, time; ///< one of them at most
+};
+
 struct Tracer {
   std::string name; ///< of the output files; unique in the scene
   Name mesh;        ///< empty: the first mesh of the session
@@ -165,6 +170,7 @@ struct Tracer {
   IntegratorOptions integrator;
   OutputTimes times;                                    ///< of path- and streaklines
   TracerDirection direction = TracerDirection::forward; ///< of streamlines
+  VertexSpacing spacing; ///< of streamlines
   TracerLimits until;
   TracerEffects effects;                ///< of path- and streaklines
   Attached attached = Attached::lab;    ///< body: path- and streaklines, without velocity

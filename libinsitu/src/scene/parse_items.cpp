@@ -51,6 +51,21 @@ IntegratorOptions parse_integrator(const Cursor& cursor) {
   return options;
 }
 
+VertexSpacing parse_spacing(const Cursor& cursor) {
+  VertexSpacing spacing;
+  const MapReader map(cursor, {"length", "time"});
+  if (const auto length = map.find("length")) {
+    assign(spacing.length, length->number(positive));
+  }
+  if (const auto time = map.find("time")) {
+    assign(spacing.time, time->number(positive));
+  }
+  if (map && map.has("length") == map.has("time")) {
+    cursor.fail("either 'length' or 'time' expected");
+  }
+  return spacing;
+}
+
 TracerLimits parse_limits(const Cursor& cursor) {
   TracerLimits limits;
   const MapReader map(cursor, {"duration", "length"});
@@ -123,11 +138,12 @@ Probe parse_probe(const Cursor& cursor, ParseContext& context) {
 
 Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   Tracer tracer;
-  const MapReader map(cursor, {"name",     "mesh",       "seeds",     "frame",
-                               "kind",     "release",    "velocity",  "time_interpolation",
-                               "times",    "integrator", "direction", "until",
-                               "effects",  "fields",     "geodesics", "attached",
-                               "accuracy", "output",     "every",     "when"});
+  const MapReader map(cursor, {"name",     "mesh",     "seeds",      "frame",
+                               "kind",     "release",  "velocity",   "time_interpolation",
+                               "times",    "spacing",  "integrator", "direction",
+                               "until",    "effects",  "fields",     "geodesics",
+                               "attached", "accuracy", "output",     "every",
+                               "when"});
   parse_common(map, context, "seeds", tracer.seeds, tracer.seeds_line, tracer);
   if (const auto kind = map.find("kind")) {
     assign(tracer.kind, kind->choice<TracerKind>({{"streamline", TracerKind::streamline},
@@ -193,6 +209,13 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
            direction->choice<TracerDirection>({{"forward", TracerDirection::forward},
                                                {"backward", TracerDirection::backward},
                                                {"both", TracerDirection::both}}));
+  }
+  if (const auto spacing = map.find("spacing")) {
+    if (tracer.kind != TracerKind::streamline) {
+      spacing->fail("path- and streaklines have a vertex for each time at which they are written: "
+                    "see 'times'; this key belongs to streamlines");
+    }
+    tracer.spacing = parse_spacing(*spacing);
   }
   if (const auto until = map.find("until")) {
     tracer.until = parse_limits(*until);

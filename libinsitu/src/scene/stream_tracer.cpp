@@ -28,6 +28,8 @@ public:
                          : tracer_.direction == TracerDirection::backward
                              ? advect::Direction::backward
                              : advect::Direction::forward;
+    settings.even_length = tracer_.spacing.length.value_or(0.0);
+    settings.even_time = tracer_.spacing.time.value_or(0.0);
     settings.accuracy = to_api(tracer_.accuracy);
     if (tracer_.until.duration)
       settings.duration = *tracer_.until.duration;

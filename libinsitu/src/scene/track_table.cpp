@@ -26,6 +26,21 @@ void TrackTable::write(TrackCycle& cycle) {
     flush();
 }
 
+namespace {
+
+void keep_frame(core::Archive& archive, insitu_frame& frame) {
+  archive.value("frame", frame.kind);
+  for (double& coordinate : frame.origin)
+    archive.value("origin", coordinate);
+  archive.value("zone", frame.utm_zone);
+  archive.value("north", frame.utm_north);
+  archive.value("angle", frame.angle);
+  archive.value("length", frame.length);
+  archive.value("vertical", frame.vertical);
+}
+
+} // namespace
+
 void TrackTable::keep(core::Archive& archive, std::int64_t cycle) {
   if (!archive.restores() && is_open())
     flush();
@@ -41,7 +56,7 @@ void TrackTable::keep(core::Archive& archive, std::int64_t cycle) {
   archive.value("table", is_there);
   archive.array("columns", none.columns);
   archive.value("pieces", none.pieces);
-  archive.value("frame", none.frame);
+  keep_frame(archive, none.frame);
   std::int64_t kept = is_there && !archive.restores() ? size() : 0;
   archive.value("size", kept);
   if (archive.restores() && is_there) {

@@ -167,7 +167,7 @@ TEST(Checkpoint, WithoutTheStepBeforeTracksDiffer) {
 TEST(Checkpoint, OfTheSceneIsWrittenWhenDueAndOldOnesGo) {
   const test::Folder folder;
   const std::string text = scene + "checkpoint: {every: 5, keep: 2}\n";
-  runs::Files whole = uninterrupted({.scene = text}, 23);
+  const runs::Files whole = uninterrupted({.scene = text}, 23);
   {
     Coupled run({.scene = text, .output = folder.path()});
     ASSERT_TRUE(run.execute());
@@ -181,10 +181,8 @@ TEST(Checkpoint, OfTheSceneIsWrittenWhenDueAndOldOnesGo) {
   EXPECT_GT(run.session.report().particles_seeded, 275) << "counted as before the stop";
   run.run(23);
   run.session.close();
-  runs::Files resumed = runs::files_of(folder.path());
-  for (runs::Files* files : {&whole, &resumed}) // which hold what fills structs up, too
-    EXPECT_EQ(files->erase("checkpoint_000015.insitu") + files->erase("checkpoint_000020.insitu"),
-              2u);
+  const runs::Files resumed = runs::files_of(folder.path());
+  EXPECT_EQ(whole.count("checkpoint_000020.insitu"), 1u) << "compared with the others, to the byte";
   EXPECT_EQ(runs::differences(whole, resumed), std::vector<std::string>{});
 }
 

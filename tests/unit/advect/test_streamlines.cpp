@@ -55,6 +55,71 @@ TEST_F(Streams, RigidRotationClosesItsOrbits) {
   }
 }
 
+// In rigid rotation with a rise both the time and the length to a vertex are closed. The length of
+// the curve is had to quadrature, 1e-9 of a step, and the integrator's error.
+TEST_F(Streams, VerticesAtEvenDistancesInTimeAndAlongTheCurve) {
+  const BoxMesh mesh(8, -1.0, 1.0);
+  TestField velocity = mesh.vertex_field();
+  mesh.fill(velocity, [](const Vec3d& x) { return Vec3d{-x.y, x.x, 0.125}; });
+  const auto seeds = random_points(81, 20, -0.6, 0.6);
+  settings.duration = 2.0;
+  settings.integrator.tolerance = 1e-9;
+  settings.direction = Direction::both;
+  const Streamlines plain = trace(mesh, velocity, seeds);
+  for (const bool by_time : {true, false})
+    for (const double distance_apart : {0.013, 0.25, 0.3, 5.0}) {
+      settings.even_time = by_time ? distance_apart : 0.0;
+      settings.even_length = by_time ? 0.0 : distance_apart;
+      const Streamlines s = trace(mesh, velocity, seeds);
+      ASSERT_EQ(s.lines.line_count(), 40u);
+      EXPECT_EQ(s.work.evaluations, plain.work.evaluations);
+      for (std::size_t l = 0; l < 40; ++l) {
+        const Vec3d seed = seeds[l / 2];
+        const double sign = l % 2 == 0 ? 1.0 : -1.0;
+        const double speed = std::sqrt(seed.x * seed.x + seed.y * seed.y + 0.125 * 0.125);
+        EXPECT_EQ(s.lines.endings[l], plain.lines.endings[l]);
+        EXPECT_EQ(last_point(s, l), last_point(plain, l)) << "the end is the end";
+        const std::size_t first = std::size_t(s.lines.offsets[l]),
+                          end = std::size_t(s.lines.offsets[l + 1]);
+        const double whole = std::abs(s.lines.times[end - 1]);
+        const double apart = by_time ? distance_apart : distance_apart / speed;
+        // All whole steps before the end, the seed, and the end itself.
+        EXPECT_EQ(end - first, std::size_t(std::ceil(whole / apart * (1.0 - 1e-7))) + 1);
+        for (std::size_t v = first; v < end; ++v) {
+          const double t = s.lines.times[v];
+          if (v + 1 < end) {
+            EXPECT_NEAR(t, sign * double(v - first) * apart, 1e-8);
+          }
+          const double c = std::cos(t), n = std::sin(t);
+          EXPECT_LT(distance(s.lines.points[v], {c * seed.x - n * seed.y, n * seed.x + c * seed.y,
+                                                 seed.z + 0.125 * t}),
+                    1e-7);
+          EXPECT_EQ(s.lines.cells[v], mesh.sampler().locate(s.lines.points[v]).cell);
+        }
+      }
+    }
+}
+
+// A line that leaves, one that rests from the start, one seeded outside, and far too many vertices.
+TEST_F(Streams, EvenVerticesWhereLinesAreShort) {
+  const BoxMesh mesh(4, 0.0, 1.0);
+  TestField velocity = mesh.vertex_field();
+  mesh.fill(velocity, [](const Vec3d& x) { return Vec3d{x.y > 0.5 ? 0.5 : 0.0, 0, 0}; });
+  const std::vector<Vec3d> seeds{{0.1, 0.9, 0.5}, {0.5, 0.1, 0.5}, {2.0, 0.5, 0.5}};
+  settings.even_length = 0.25;
+  const Streamlines s = trace(mesh, velocity, seeds);
+  EXPECT_EQ(s.lines.offsets[1], 5); // 0.1, 0.35, 0.6, 0.85 and 1
+  EXPECT_EQ(last_point(s, 0).x, 1.0);
+  EXPECT_NEAR(s.lines.points[3].x, 0.85, 1e-9);
+  EXPECT_EQ(s.lines.offsets[2], 6);
+  EXPECT_EQ(s.lines.offsets[3], 6);
+  settings.even_length = 0.0;
+  settings.even_time = 1e-12;
+  const Streamlines fine = trace(mesh, velocity, {seeds.data(), seeds.data() + 1});
+  EXPECT_EQ(fine.lines.vertex_count(), 1'000'001u);
+  EXPECT_EQ(last_point(fine, 0).x, 1.0);
+}
+
 TEST_F(Streams, BackwardReturns) {
   const BoxMesh mesh(10, -1.0, 1.0);
   TestField velocity = mesh.vertex_field();

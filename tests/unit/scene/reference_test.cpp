@@ -71,6 +71,7 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
       {"boundary of particles", "tracers: [{effects: [{boundary: {zzz: 1}}]}]"},
       {"remove", "tracers: [{effects: [{remove: {zzz: 1}}]}]"},
       {"release", "tracers: [{release: {zzz: 1}}]"},
+      {"spacing", "tracers: [{spacing: {zzz: 1}}]"},
       {"times", "tracers: [{times: {zzz: 1}}]"},
       {"seeds of a probe", "tracers: [{seeds: {probe: a, zzz: 1}}]"},
       {"frames", "frames: [{zzz: 1}]"},

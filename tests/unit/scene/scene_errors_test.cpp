@@ -285,6 +285,9 @@ TEST(SceneErrors, Integrator) {
              "'up' is not one of forward, backward, both");
   EXPECT_HAS(tracer_error("direction: backward"), "path- and streaklines follow the run");
   EXPECT_HAS(tracer_error("times: [0, 1, 1]"), "tracers[0].times: times must ascend");
+  EXPECT_HAS(tracer_error("spacing: {time: 1}"), "this key belongs to streamlines");
+  EXPECT_HAS(tracer_error("kind: streamline, spacing: {}"), "either 'length' or 'time' expected");
+  EXPECT_HAS(tracer_error("kind: streamline, spacing: {length: 0}"), "tracers[0].spacing.length");
   EXPECT_HAS(tracer_error("times: 3"), "a list of times, or a map of interval, from and until");
   EXPECT_HAS(tracer_error("times: {from: 1}"), "key 'interval' is missing");
   EXPECT_HAS(tracer_error("times: {interval: 0}"), "tracers[0].times.interval");

@@ -218,6 +218,9 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(tracer.until.length, 4);
   EXPECT_EQ(tracer.accuracy, Accuracy::exact);
   EXPECT_EQ(tracer.output.size(), 2u);
+  EXPECT_EQ(parse(test::tracer("kind: streamline, spacing: {length: 3}")).tracers[0].spacing.length,
+            3);
+  EXPECT_EQ(parse(test::tracer("kind: streamline, spacing: {time: 4}")).tracers[0].spacing.time, 4);
   EXPECT_FALSE(tracer.times.interval || tracer.times.from || tracer.times.until);
   const OutputTimes at = parse(test::tracer("times: [-1, 0.5]")).tracers[0].times;
   EXPECT_EQ(at.at, (std::vector<double>{-1, 0.5}));
