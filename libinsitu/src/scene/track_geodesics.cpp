@@ -68,7 +68,7 @@ void TrackGeodesics::follow(const advect::Particles& particles, const insitu_fra
   threads.parallel_for(std::int64_t(tracks_.size()), 512,
                        [&](std::int64_t begin, std::int64_t end) {
                          for (auto i = std::size_t(begin); i < std::size_t(end); ++i) {
-                           Track& track = tracks_[i];
+                           GeodesicTrack& track = tracks_[i];
                            const math::Vec3d& p = particles.positions[i];
                            if (!is_place(p))
                              continue;
@@ -83,8 +83,9 @@ void TrackGeodesics::follow(const advect::Particles& particles, const insitu_fra
 void TrackGeodesics::put(std::int64_t particle, double* out) const {
   if (columns_.empty())
     return;
-  const auto found = std::lower_bound(tracks_.begin(), tracks_.end(), particle,
-                                      [](const Track& t, std::int64_t id) { return t.id < id; });
+  const auto found =
+      std::lower_bound(tracks_.begin(), tracks_.end(), particle,
+                       [](const GeodesicTrack& t, std::int64_t id) { return t.id < id; });
   std::fill(out, out + columns_.size(), std::numeric_limits<double>::quiet_NaN());
   if (found == tracks_.end() || found->id != particle)
     return;

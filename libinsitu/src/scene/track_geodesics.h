@@ -14,6 +14,21 @@
 
 namespace insitu::scene {
 
+/// What is known of one particle.
+struct GeodesicTrack {
+  std::int64_t id;
+  math::Vec3d release, at; ///< longitude, latitude (degrees), height
+  double length;
+};
+
+} // namespace insitu::scene
+
+template <>
+inline constexpr bool insitu::core::has_padding<insitu::scene::GeodesicTrack> =
+    sizeof(insitu::scene::GeodesicTrack) != sizeof(std::int64_t) + 7 * sizeof(double);
+
+namespace insitu::scene {
+
 /// How far particles have gone over the WGS84 ellipsoid, and where they are as seen from where they
 /// were released, by the geodesics between their places (heights do not count). Nothing is done
 /// and kept where no column is wanted.
@@ -41,14 +56,8 @@ public:
   void keep(core::Archive& archive);
 
 private:
-  struct Track {
-    std::int64_t id;
-    math::Vec3d release, at; ///< longitude, latitude (degrees), height
-    double length;
-  };
-
   std::vector<TrackGeodesic> columns_;
-  core::Buffer<Track> tracks_; ///< ids ascend
+  core::Buffer<GeodesicTrack> tracks_; ///< ids ascend
 };
 
 /// A column's name in files, such as "path_length".
