@@ -1,0 +1,69 @@
+#pragma once
+
+#include "advect/integration.h"
+
+/// Where particles leave, of Integration; included by integration.h alone.
+namespace insitu::advect {
+
+/// A stage of the trial was not inside. False: `factor` of the step may be; else it ends.
+template <class M, VelocityField F, class Visit>
+bool Integration<M, F, Visit>::give_up(const Trial& trial, double& factor) {
+  const double tolerance = closely_ ? 4.0 * epsilon : s_.exit_tolerance;
+  // Far from the origin coordinates may be coarser than the tolerance.
+  const double coarse = 8.0 * epsilon * cells_crossed(p_.x, {1.0, 1.0, 1.0});
+  // Time counts too: a moving mesh can leave a particle that is at rest.
+  const auto close = [&](const Vec3d& way, double time) {
+    return (cells_crossed(way, extent_) <= tolerance ||
+            cells_crossed(way, {1.0, 1.0, 1.0}) <= coarse) &&
+           (span_ == infinity || time <= tolerance * span_);
+  };
+  const bool left = trial.sampled == Sampled::outside;
+  closing_in_ = 2;
+  ending_ = left ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
+  if constexpr (requires { velocity_.way_out(p_.x, p_.x, h_); }) {
+    // The part of the step, straight on, that stays inside, but for what the path may be curved. It
+    // is tried once a step; then halves.
+    const Vec3d straight = (direction_ * h_) * k1_;
+    if (left && factor == 1.0 && !closely_ && std::isfinite(cells_crossed(straight, extent_))) {
+      const double part = velocity_.way_out(p_.x, p_.x + straight, time());
+      if (part >= 0.0 && close(part * straight, part * h_) && exit(p_.x + straight, h_))
+        return true;
+      if (part > 0.0 && part < 1.0) {
+        const double curved = std::clamp(0.1 * part * cells_crossed(straight, extent_), 1e-4, 0.1);
+        factor = (1.0 - curved) * part;
+        return false;
+      }
+    }
+  }
+  factor = 0.5;
+  const Vec3d moved = trial.x - p_.x;
+  if (!close(moved, h_) && 0.5 * h_ != 0.0)
+    return false;
+  if constexpr (ExitingField<F>)
+    if (left) {
+      const double dt = speed_ > 0.0 ? std::min(measure(velocity_, p_.x, moved) / speed_, h_) : h_;
+      if (!exit(trial.x, dt) && !closely_) {
+        closely_ = true;
+        return false;
+      }
+    }
+  return true;
+}
+
+/// Places the particle where the way to b, which takes dt, leaves the domain, if it does.
+template <class M, VelocityField F, class Visit>
+bool Integration<M, F, Visit>::exit(const Vec3d& b, double dt) {
+  if constexpr (ExitingField<F>) {
+    if (const auto exit = velocity_.leave(p_.x, b, time(), direction_ * dt)) {
+      p_.length += measure(velocity_, p_.x, exit->inside - p_.x);
+      p_.time = time() + direction_ * exit->t * dt;
+      p_.x = exit->inside;
+      p_.exit_face = exit->face;
+      p_.exit_normal = exit->normal;
+      return true;
+    }
+  }
+  return false;
+}
+
+} // namespace insitu::advect
