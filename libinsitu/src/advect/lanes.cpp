@@ -103,7 +103,10 @@ void LaneBatch::locate() {
   if (missed_.empty())
     return;
   const LaneVelocity& first = *missed_.front();
-  if (!first.keeps_ || first.moves_) { // hints decide; or each has a geometry of its own
+  // One by one where hints decide, or each has a geometry of its own; or where the batch itself
+  // would cost more.
+  constexpr std::size_t few = 4;
+  if (!first.keeps_ || first.moves_ || missed_.size() < few) {
     for (LaneVelocity* l : missed_)
       l->sampled_ = l->located(l->x_, l->v_, nullptr);
     return;
