@@ -47,6 +47,15 @@ inline Vec3d rotation(const Vec3d& x, double) {
   return {-x.y, x.x, 0.0};
 }
 
+/// A rigid rotation about z, and where it takes x.
+inline Vec3d turn(const Vec3d& x) {
+  return {-x.y, x.x, 0.0};
+}
+inline Vec3d turned(const Vec3d& x, double angle) {
+  return {std::cos(angle) * x.x - std::sin(angle) * x.y,
+          std::sin(angle) * x.x + std::cos(angle) * x.y, x.z};
+}
+
 /// The flow of Arnold, Beltrami and Childress with A = sqrt 3, B = sqrt 2, C = 1, the amplitude of
 /// which grows with time.
 inline Vec3d abc_flow(const Vec3d& x, double t) {

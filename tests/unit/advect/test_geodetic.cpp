@@ -9,6 +9,7 @@
 #include "advect/pathlines.h"
 #include "advect/streamlines.h"
 #include "core/random.h"
+#include "earth_flow.h"
 #include "fixtures/committed.h"
 #include "fixtures/earth_meshes.h"
 
@@ -148,10 +149,7 @@ struct EarthFlow : fixtures::Committed {
   EarthFlow(const TestMesh& from, const ChartUnits& units, const Vec3d& omega, double up = 0)
       : Committed() {
     arrays = fixtures::SolverArrays(from);
-    mesh.frame.kind = INSITU_FRAME_GEODETIC;
-    mesh.frame.angle = units.radians ? INSITU_RADIANS : INSITU_DEGREES;
-    mesh.frame.length = units.kilometres ? INSITU_KILOMETRES : INSITU_METRES;
-    mesh.frame.vertical = units.down ? INSITU_DOWN : INSITU_UP;
+    mesh.frame = frame_of(units);
     for (const Vec3d& x : from.vertices) {
       const Vec3d v = rotation(units, Pole::none, x, omega);
       velocity.insert(velocity.end(), {v.x, v.y, up});

@@ -299,6 +299,23 @@ TEST(GeodeticWalls, PutBackGoesOnFromTheLastPositionInside) {
   EXPECT_NEAR(t.positions()[1].x, 11 + 10 * cycle / metres_per_degree(57.3).x, 1e-6);
 }
 
+TEST(GeodeticWalls, TimesBetweenStepsAreRefused) {
+  Ocean sea(fixtures::lattice({}), towards({0.1, 0.05, 0}));
+  advect::Tracer t(sea.settings, sea.memory);
+  t.set_effects(boundary(AtBoundary::slide));
+  const std::vector<Vec3d> seeds{{20, 20, -50}};
+  t.seed(seeds, 0.0);
+  advect::Snapshots at({5.0}, sea.memory);
+  const mesh::FieldView v = sea.flow();
+  try {
+    t.advance(sea.sampler(), v, &v, 0, 10, sea.threads, &at);
+    FAIL();
+  } catch (const core::Error& e) {
+    EXPECT_EQ(e.status(), INSITU_ERROR_UNSUPPORTED);
+    EXPECT_NE(std::string(e.what()).find("times between steps"), std::string::npos) << e.what();
+  }
+}
+
 TEST(GeodeticWalls, SurfacesThatSinkTakeParticlesAlong) {
   // The surface sinks by 20 m. Cells that wrap around and ones on turned charts are copies.
   for (const TestMesh& from : {fixtures::lattice({.west = 0, .east = 360, .wraps = true}),

@@ -17,14 +17,6 @@ using advect::Advance;
 using advect::Tracer;
 using advect::TracerSettings;
 
-Vec3d turn(const Vec3d& x) {
-  return {-x.y, x.x, 0.0};
-}
-Vec3d turned(const Vec3d& x, double angle) {
-  return {std::cos(angle) * x.x - std::sin(angle) * x.y,
-          std::sin(angle) * x.x + std::cos(angle) * x.y, x.z};
-}
-
 class Paths : public ::testing::Test {
 protected:
   core::Memory memory;

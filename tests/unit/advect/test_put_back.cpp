@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "advect/snapshots.h"
 #include "effects_test.h"
 
 namespace insitu::test {
@@ -45,6 +46,23 @@ TEST_F(PutBack, GoesOnWhenTheFlowTurns) {
   EXPECT_EQ(tracer.positions()[0], seeds[0]);
   tracer.advance(mesh.sampler(), in.view, nullptr, 0.5, 1.0, threads);
   EXPECT_LT(distance(tracer.positions()[0], {0.25, 0.5, 0.5}), 1e-9);
+}
+
+TEST_F(PutBack, WhatIsUndoneIsInNoTrack) {
+  const BoxMesh mesh(5, 0.0, 1.0);
+  TestField out = mesh.vertex_field();
+  mesh.fill(out, [](const Vec3d&) { return Vec3d{1, 0, 0}; });
+  Tracer tracer(settings, memory);
+  tracer.set_effects(effects);
+  const std::vector<Vec3d> seeds{{0.75, 0.5, 0.5}, {0.125, 0.5, 0.5}};
+  tracer.seed(seeds, 0.0);
+  advect::Snapshots at({0.0, 0.125, 0.5}, memory);
+  tracer.advance(mesh.sampler(), out.view, nullptr, 0.0, 0.5, threads, &at);
+  for (std::size_t k = 0; k < at.times.size(); ++k) { // the first would be out at 0.25
+    ASSERT_TRUE(at.present[at.item(k, 0)]);
+    EXPECT_EQ(at.positions[at.item(k, 0)], seeds[0]);
+    EXPECT_LT(distance(at.positions[at.item(k, 1)], {0.125 + at.times[k], 0.5, 0.5}), 1e-9);
+  }
 }
 
 TEST_F(PutBack, PeriodicSidesStillLetThrough) {
