@@ -95,7 +95,7 @@ TEST_F(Cuda, TracersMoveAsOnTheCpu) {
       int ending = velocity(x, 0, k1) == advect::Sampled::inside ? INSITU_END_ALIVE
                                                                  : INSITU_END_SEED_OUTSIDE;
       for (int n = 0; n < steps && ending == INSITU_END_ALIVE; ++n) {
-        const advect::Trial trial = advect::rk4_step(velocity, x, 0, h, k1);
+        const advect::Trial trial = advect::trial_of<advect::Rk4>(velocity, x, 0, h, k1);
         if (trial.sampled != advect::Sampled::inside) {
           ending = INSITU_END_LEFT;
           break;

@@ -87,7 +87,7 @@ public:
                       const FaceTable* faces, const core::Threads& threads) = 0;
   /// The answers of query::Sampler on the same mesh; `fast` answers by the papers' rules in float.
   virtual DeviceCounts locate(const DeviceQuery& query) const = 0;
-  /// Moves tracers by steps of Kutta's method of order 4, as advect::rk4_step does. One that a
+  /// Moves tracers by steps of Kutta's method of order 4, as advect::Rk4 does. One that a
   /// step takes out of the mesh, or to a velocity that is not finite, ends where it was before that
   /// step. A point that double leaves undecided is in the lowest cell where Newton's method puts
   /// it.

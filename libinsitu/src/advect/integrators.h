@@ -107,6 +107,21 @@ struct Dopri5 {
   static void finish(Trial& trial, const Vec3d& k1);
 };
 
+/// A trial by method M at once, as integration() makes it stage by stage.
+template <class M, VelocityField F>
+Trial trial_of(F& velocity, const Vec3d& x, double t, double h, const Vec3d& k1) {
+  Trial trial;
+  for (int s = 0; s < M::evaluations; ++s) {
+    trial.x = M::point(s, x, h, k1, trial);
+    trial.sampled = velocity(trial.x, t + M::time(s) * h, trial.k[s]);
+    if (trial.sampled != Sampled::inside)
+      return trial;
+  }
+  trial.v = trial.k[M::evaluations - 1];
+  M::finish(trial, k1);
+  return trial;
+}
+
 // ---------------------------------------------------------------------------- implementation
 
 inline Vec3d Rk4::point(int s, const Vec3d& x, double h, const Vec3d& k1, const Trial& trial) {

@@ -12,31 +12,17 @@ namespace {
 using advect::IntegratorSettings;
 using advect::Method;
 
-template <class M, class F>
-advect::Trial step_of(F& field, const Vec3d& x, double t, double h, const Vec3d& k1) {
-  advect::Trial trial;
-  for (int s = 0; s < M::evaluations; ++s) {
-    trial.x = M::point(s, x, h, k1, trial);
-    trial.sampled = field(trial.x, t + M::time(s) * h, trial.k[s]);
-    if (trial.sampled != advect::Sampled::inside)
-      return trial;
-  }
-  trial.v = trial.k[M::evaluations - 1];
-  M::finish(trial, k1);
-  return trial;
-}
-
 template <class F>
 advect::Trial step(Method method, F& field, const Vec3d& x, double t, double h, const Vec3d& v) {
   switch (method) {
   case Method::euler:
-    return step_of<advect::Euler>(field, x, t, h, v);
+    return advect::trial_of<advect::Euler>(field, x, t, h, v);
   case Method::rk4:
-    return step_of<advect::Rk4>(field, x, t, h, v);
+    return advect::trial_of<advect::Rk4>(field, x, t, h, v);
   case Method::bs32:
-    return step_of<advect::Bs32>(field, x, t, h, v);
+    return advect::trial_of<advect::Bs32>(field, x, t, h, v);
   default:
-    return step_of<advect::Dopri5>(field, x, t, h, v);
+    return advect::trial_of<advect::Dopri5>(field, x, t, h, v);
   }
 }
 
@@ -236,8 +222,10 @@ TEST(Order, ErrorEstimateIsOfOrderFourPerUnitTime) {
   const Vec3d seed{0.3, 1.1, -0.4};
   Vec3d v;
   field(seed, 0.0, v);
-  const double coarse = advect::length_of(step_of<advect::Dopri5>(field, seed, 0.0, 0.1, v).error);
-  const double fine = advect::length_of(step_of<advect::Dopri5>(field, seed, 0.0, 0.05, v).error);
+  const double coarse =
+      advect::length_of(advect::trial_of<advect::Dopri5>(field, seed, 0.0, 0.1, v).error);
+  const double fine =
+      advect::length_of(advect::trial_of<advect::Dopri5>(field, seed, 0.0, 0.05, v).error);
   EXPECT_NEAR(std::log2(coarse / fine), 4.0, 0.5);
 }
 
@@ -246,9 +234,9 @@ TEST(Order, EvaluationsPerStep) {
   Vec3d v;
   field({1, 0, 0}, 0.0, v);
   field.asked = 0;
-  step_of<advect::Rk4>(field, {1, 0, 0}, 0.0, 0.1, v);
+  advect::trial_of<advect::Rk4>(field, {1, 0, 0}, 0.0, 0.1, v);
   EXPECT_EQ(field.asked, 4);
-  step_of<advect::Dopri5>(field, {1, 0, 0}, 0.0, 0.1, v);
+  advect::trial_of<advect::Dopri5>(field, {1, 0, 0}, 0.0, 0.1, v);
   EXPECT_EQ(field.asked, 10);
 }
 
@@ -289,7 +277,7 @@ TEST(ErrorControl, FixedStepsAreFixed) {
   EXPECT_EQ(r.work.steps, 4); // 0.3 + 0.3 + 0.3 + 0.1
   Vec3d x{1, 0, 0}, v{0, 1, 0};
   for (const double h : {0.3, 0.3, 0.3, 0.1}) {
-    const advect::Trial trial = step_of<advect::Rk4>(field, x, 0.0, h, v);
+    const advect::Trial trial = advect::trial_of<advect::Rk4>(field, x, 0.0, h, v);
     x = trial.x;
     v = trial.v;
   }

@@ -29,7 +29,7 @@ typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_TREE = 0,      /**< nodes and leaves */
   INSITU_MEMORY_BUILD = 1,     /**< kept scratch of the builder */
   INSITU_MEMORY_RANGES = 2,    /**< value ranges */
-  INSITU_MEMORY_EARLIER = 3,   /**< earlier steps, kept for pathlines */
+  INSITU_MEMORY_EARLIER = 3,   /**< the earlier step, kept for pathlines */
   INSITU_MEMORY_QUERY = 4,     /**< scratch of queries */
   INSITU_MEMORY_TRACER = 5,    /**< particles */
   INSITU_MEMORY_FRAME = 6,     /**< images */

@@ -94,7 +94,7 @@ private:
   std::uint32_t cell_;
 };
 
-/// The sums are those of advect::rk4_step, term by term.
+/// The sums are those of advect::Rk4, term by term.
 template <Shape S>
 __global__ void __launch_bounds__(block)
     advance_kernel(const __grid_constant__ LocateArguments a,
