@@ -33,7 +33,7 @@ public:
 
   /// The same for an image: the coordinates in which it is entered.
   math::Vec3d enter_image(const math::Vec3d& image) {
-    const geo::Pole from = pole_of_image(*chart_, image);
+    const geo::Pole from = chart_->pole_of(image);
     const math::Vec3d q{image.x - chart_->offset(from), image.y, image.z};
     pole_ = suits(geo::between_charts(units(), from, geo::Pole::none, q), geo::Pole::none);
     const math::Vec3d x = geo::between_charts(units(), from, pole_, q);
@@ -62,7 +62,7 @@ public:
 
   /// A point near a, in the coordinates that a's image is in: a straight way from the image.
   math::Vec3d along(const math::Vec3d& a, const math::Vec3d& image, const math::Vec3d& b) const {
-    const geo::Pole pole = pole_of_image(*chart_, image);
+    const geo::Pole pole = chart_->pole_of(image);
     if (pole == pole_)
       return {b.x + (image.x - a.x), b.y, b.z};
     math::Vec3d q = geo::between_charts(units(), pole_, pole, b);
@@ -74,7 +74,7 @@ public:
   /// The way back, of a point near a's image.
   math::Vec3d from_image(const math::Vec3d& a, const math::Vec3d& image,
                          const math::Vec3d& q) const {
-    const geo::Pole pole = pole_of_image(*chart_, image);
+    const geo::Pole pole = chart_->pole_of(image);
     if (pole == pole_)
       return {q.x - (image.x - a.x), q.y, q.z};
     math::Vec3d b =

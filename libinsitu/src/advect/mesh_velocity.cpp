@@ -1,5 +1,7 @@
 #include "advect/mesh_velocity.h"
 
+#include "advect/box.h"
+
 namespace insitu::advect {
 
 using math::Vec3d;
@@ -114,27 +116,12 @@ Vec3d MeshVelocity::rate_of_change(const query::Location& at, double t) const {
   return sum;
 }
 
-Vec3d MeshVelocity::box_of(const mesh::CellVertices& c) {
-  Vec3d low = c.x[0], high = c.x[0];
-  for (int i = 1; i < c.count; ++i)
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], c.x[i][a]);
-      high[a] = std::max(high[a], c.x[i][a]);
-    }
-  Vec3d extent = high - low;
-  const double longest = std::max({extent.x, extent.y, extent.z});
-  const double least = std::max(1e-6 * longest, std::numeric_limits<double>::min());
-  for (int a = 0; a < 3; ++a)
-    extent[a] = std::max(extent[a], least);
-  return extent;
-}
-
 Vec3d MeshVelocity::extent() {
   if (sized_ != cell_) {
     sized_ = cell_;
     mesh::CellVertices c;
     mesh::gather(sampler_->mesh(), cell_, c, moves_ ? alpha_ : 1.0);
-    extent_ = box_of(c);
+    extent_ = box_of(c).extent();
   }
   return extent_;
 }
@@ -179,7 +166,7 @@ bool MeshVelocity::confine(const Vec3d& x, const Vec3d& towards, double t) {
     return false;
   load(own_, at.cell);
   if (depth(x, t) < 1e-9) { // on a face: of the cells there, the one that is entered
-    at = sampler_->locate(x + part_of_cell(towards, box_of(own_.vertices), 1e-7), at.cell,
+    at = sampler_->locate(x + part_of_cell(towards, box_of(own_.vertices).extent(), 1e-7), at.cell,
                           options());
     if (at && at.cell != own_.cell && can_keep(at.cell))
       load(own_, at.cell);
@@ -204,7 +191,7 @@ Crossed MeshVelocity::cross(const Vec3d& x, const Vec3d& towards, double t) {
     return true;
   };
   Crossed result = Crossed::nowhere;
-  const Vec3d extent = box_of(own_.vertices);
+  const Vec3d extent = box_of(own_.vertices).extent();
   if (into(x + part_of_cell(towards, extent, 1e-7), result))
     return result;
   // Almost along the face, or a little short of it.

@@ -173,7 +173,6 @@ protected:
   void load(Kept& k, std::int64_t cell) const;
   Kept& keep(std::int64_t cell);
   bool can_keep(std::int64_t cell) const;
-  static math::Vec3d box_of(const mesh::CellVertices& c);
 
   const query::Sampler* sampler_;
   mesh::FieldView fields_[most_steps]; ///< at each step, the current one first

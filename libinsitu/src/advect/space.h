@@ -10,12 +10,6 @@ namespace insitu::advect {
 
 using math::Vec3d;
 
-/// Images on turned charts lie more than half a turn east of all others (ChartImage::offset).
-inline geo::Pole pole_of_image(const query::ChartImage& chart, const Vec3d& image) {
-  const double turns = (image.x - chart.west) / chart.units.turn();
-  return turns <= 1.5 ? geo::Pole::none : turns < 13.0 / 6 ? geo::Pole::north : geo::Pole::south;
-}
-
 /// Coordinates per metre along the axes at a place: a small displacement of m metres is one of
 /// d = J m coordinates. The third axis stands upright on the others.
 struct Scale {
@@ -49,9 +43,7 @@ public:
   explicit Space(const query::ChartImage* chart) : chart_(chart) {}
 
   bool is_chart() const { return chart_ != nullptr; }
-  geo::Pole pole_of(const Vec3d& x) const {
-    return chart_ ? pole_of_image(*chart_, x) : geo::Pole::none;
-  }
+  geo::Pole pole_of(const Vec3d& x) const { return chart_ ? chart_->pole_of(x) : geo::Pole::none; }
 
   bool is_beyond_pole(const Vec3d& x) const { return std::abs(x.y) > units().quarter(); }
 

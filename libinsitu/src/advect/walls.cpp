@@ -27,38 +27,17 @@ Vec3d unit_or_zero(const Vec3d& v) {
   return length > 0.0 && std::isfinite(length) ? v / length : Vec3d{};
 }
 
-void box_of_cell(const mesh::CellVertices& c, Vec3d& low, Vec3d& high) {
-  low = high = c.x[0];
-  for (int i = 1; i < c.count; ++i)
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], c.x[i][a]);
-      high[a] = std::max(high[a], c.x[i][a]);
-    }
-}
-
 } // namespace
 
-Vec3d Walls::extent(std::int64_t cell, double alpha) const {
+Box Walls::box(std::int64_t cell, double alpha) const {
   mesh::CellVertices c;
   mesh::gather(sampler_->mesh(), cell, c, alpha);
-  Vec3d low, high;
-  box_of_cell(c, low, high);
-  Vec3d e = high - low;
-  const double least = std::max(1e-6 * std::max({e.x, e.y, e.z}), 1e-300);
-  for (int a = 0; a < 3; ++a)
-    e[a] = std::max(e[a], least);
-  return e;
+  return box_of(c);
 }
 
 Vec3d Walls::edges(std::int64_t cell, double alpha) const {
-  const Vec3d e = extent(cell, alpha);
-  if (!space_.is_chart())
-    return e;
-  mesh::CellVertices c;
-  mesh::gather(sampler_->mesh(), cell, c, alpha);
-  Vec3d low, high;
-  box_of_cell(c, low, high);
-  return scale(0.5 * (low + high)).edges(e);
+  const Box b = box(cell, alpha);
+  return space_.is_chart() ? scale(b.middle()).edges(b.extent()) : b.extent();
 }
 
 Vec3d Walls::middle(std::int64_t cell, double alpha) const {
@@ -99,13 +78,13 @@ bool Walls::pass_side(Spot& at, const Vec3d& d, const BoundaryEffect& boundary,
   for (int a = 0; a < 3; ++a) {
     const bool up = d[a] > 0.0;
     if (!boundary.periodic[a] || d[a] == 0.0 ||
-        std::abs(at.x[a] - (up ? box_.high[a] : box_.low[a])) > near[a])
+        std::abs(at.x[a] - (up ? mesh_box_.high[a] : mesh_box_.low[a])) > near[a])
       continue;
     // On the other side itself, or just inside it where rounding has that face elsewhere.
     for (const double in : {0.0, 1.0, 1e3}) {
       Vec3d x = at.x;
       const double inward = in * near[a] * 1e-3;
-      x[a] = up ? box_.low[a] + inward : box_.high[a] - inward;
+      x[a] = up ? mesh_box_.low[a] + inward : mesh_box_.high[a] - inward;
       if (const query::Location found = locate(x, -1, alpha)) {
         at = {x, found.cell};
         return true;

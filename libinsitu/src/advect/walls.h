@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "advect/box.h"
 #include "advect/effects.h"
 #include "advect/space.h"
 #include "core/parallel.h"
@@ -9,11 +10,6 @@
 #include "query/sampler.h"
 
 namespace insitu::advect {
-
-/// The box of a mesh's vertices.
-struct Box {
-  math::Vec3d low, high;
-};
 
 /// Where a particle is.
 struct Spot {
@@ -32,7 +28,7 @@ public:
   /// no chart has. The arguments must outlive the object.
   Walls(const query::Sampler& sampler, insitu_accuracy accuracy, const Space& space, const Box& box,
         EffectWork& work)
-      : sampler_(&sampler), accuracy_(accuracy), space_(space), box_(box), work_(&work) {}
+      : sampler_(&sampler), accuracy_(accuracy), space_(space), mesh_box_(box), work_(&work) {}
 
   /// Moves `at`, which must be inside the mesh blended by alpha, by d (in coordinates), and turns
   /// the vector `carried`, in metres, if not null, as the wall turns the motion. At a wall the
@@ -59,7 +55,8 @@ public:
   math::Vec3d skin(const Spot& at, double alpha) const;
 
   /// The box of a cell, in coordinates, and its edges in metres.
-  math::Vec3d extent(std::int64_t cell, double alpha) const;
+  Box box(std::int64_t cell, double alpha) const;
+  math::Vec3d extent(std::int64_t cell, double alpha) const { return box(cell, alpha).extent(); }
   math::Vec3d edges(std::int64_t cell, double alpha) const;
   math::Vec3d middle(std::int64_t cell, double alpha) const; ///< of its vertices
   const Space& space() const { return space_; }
@@ -80,7 +77,7 @@ private:
   const query::Sampler* sampler_;
   insitu_accuracy accuracy_;
   Space space_;
-  Box box_;
+  Box mesh_box_;
   EffectWork* work_;
   math::Vec3d wall_;
 };

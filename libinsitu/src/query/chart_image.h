@@ -32,6 +32,12 @@ struct ChartImage {
                                                     : 0.0;
     return pole == geo::Pole::none ? 0.0 : west + turns * units.turn();
   }
+  /// The pole to whose chart an image belongs: those on turned charts lie more than half a turn
+  /// east of all others.
+  geo::Pole pole_of(const math::Vec3d& image) const {
+    const double turns = (image.x - west) / units.turn();
+    return turns <= 1.5 ? geo::Pole::none : turns < 13.0 / 6 ? geo::Pole::north : geo::Pole::south;
+  }
   math::Vec3d turned(geo::Pole pole, const math::Vec3d& p) const {
     math::Vec3d q = geo::between_charts(units, geo::Pole::none, pole, p);
     q.x += offset(pole);

@@ -82,16 +82,8 @@ public:
     archive.value("time of particles", settled_);
     archive.value("last cycle", last_.cycle);
     archive.value("last time", last_.time);
-    ReleaseClock::State clock = clock_.state();
-    archive.value("begun", clock.begun);
-    archive.value("first release", clock.first);
-    archive.value("releases", clock.rounds);
-    clock_.set_state(clock);
-    OutputClock::State times = output_clock_.state();
-    archive.value("times begun", times.begun);
-    archive.value("first time", times.first);
-    archive.value("times passed", times.count);
-    output_clock_.set_state(times);
+    clock_.keep(archive);
+    output_clock_.keep(archive);
     particles_.keep(archive);
     geodesics_.keep(archive);
     for (const auto& writer : writers_)
@@ -155,7 +147,7 @@ private:
     interval_steps_ = earlier_steps(mesh, step);
     if (!due_times_.empty()) {
       std::vector<double> times;
-      for (const OutputClock::Due& due : due_times_)
+      for (const DueTime& due : due_times_)
         times.push_back(due.time);
       at_times_.emplace(std::move(times), environment_.context.memory);
     }
@@ -229,7 +221,7 @@ private:
     std::int64_t seeded() const override { return particles().seeded(); }
     const TrackGeodesics& geodesics() const override { return tracer_.geodesics_; }
     bool has_times() const override { return tracer_.has_times(); }
-    std::span<const OutputClock::Due> times() const override { return tracer_.due_times_; }
+    std::span<const DueTime> times() const override { return tracer_.due_times_; }
     const advect::Snapshots& snapshots() const override { return *tracer_.at_times_; }
     const TrackRows& rows_at(std::size_t k) override {
       if (known_time_ != k) {
@@ -367,7 +359,7 @@ private:
   TrackGeodesics geodesics_;
   OutputClock output_clock_;
   // Of one execution.
-  std::vector<OutputClock::Due> due_times_; ///< of the tracer's own times
+  std::vector<DueTime> due_times_; ///< of the tracer's own times
   std::optional<advect::Snapshots> at_times_;
   advect::StepTimes interval_{0.0, 0.0};
   int interval_steps_ = 0; ///< before this one, that may serve
@@ -384,22 +376,6 @@ private:
 };
 
 } // namespace
-
-std::unique_ptr<TrackWriter> make_track_writer(TableFormat format, const Tracer& tracer,
-                                               const Environment& environment) {
-  switch (format) {
-  case TableFormat::csv:
-    return make_track_csv(tracer, environment);
-  case TableFormat::vtp:
-    return make_track_vtp(tracer, environment);
-  case TableFormat::netcdf:
-    return make_track_netcdf(tracer, environment);
-  case TableFormat::json:
-    break;
-  }
-  throw core::Error(INSITU_ERROR_INTERNAL,
-                    "tracer '" + tracer.name + "': no writer for this format");
-}
 
 std::unique_ptr<TracerAction> make_tracer_action(const Tracer& tracer,
                                                  const Environment& environment) {

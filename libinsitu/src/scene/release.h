@@ -4,23 +4,17 @@
 #include <vector>
 
 #include "scene/description.h"
+#include "scene/even_times.h"
 
 namespace insitu::scene {
 
 /// When a tracer's seeds begin as particles.
 class ReleaseClock {
 public:
-  /// What a checkpoint keeps.
-  struct State {
-    bool begun = false;      ///< the tracer was executed
-    double first = 0.0;      ///< the time of its first execution
-    std::int64_t rounds = 0; ///< so many times all seeds began
-  };
-
   explicit ReleaseClock(const Release& release) : release_(release) {}
 
   /// The times at which all seeds begin, after the last call's and up to `time`, in order. Throws
-  /// core::Error (INSITU_ERROR_ARGUMENT) for more than most_rounds of them.
+  /// core::Error (INSITU_ERROR_ARGUMENT) for more than most_times of them.
   std::vector<double> due(std::int64_t cycle, double time) const;
   /// The times of due() were released.
   void note(double time, std::size_t rounds);
@@ -29,14 +23,11 @@ public:
   /// Whether particles may begin after this time.
   bool goes_on(double time) const;
 
-  const State& state() const { return state_; }
-  void set_state(const State& state) { state_ = state; }
-
-  static constexpr std::int64_t most_rounds = 1'000'000; ///< in one cycle
+  void keep(core::Archive& archive) { state_.keep(archive, "releases"); }
 
 private:
   Release release_;
-  State state_;
+  SeriesState state_; ///< count: so many times all seeds began
 };
 
 } // namespace insitu::scene

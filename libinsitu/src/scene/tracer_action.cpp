@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/status.h"
 #include "scene/tracer_effects.h"
+#include "scene/track_writer.h"
 
 namespace insitu::scene {
 
@@ -122,6 +124,22 @@ std::vector<double> TracerAction::sample(const query::CommittedMesh& mesh,
             sampler.interpolate(fields, at, values.data() + i * width);
       });
   return values;
+}
+
+std::unique_ptr<TrackWriter> make_track_writer(TableFormat format, const Tracer& tracer,
+                                               const Environment& environment) {
+  switch (format) {
+  case TableFormat::csv:
+    return make_track_csv(tracer, environment);
+  case TableFormat::vtp:
+    return make_track_vtp(tracer, environment);
+  case TableFormat::netcdf:
+    return make_track_netcdf(tracer, environment);
+  case TableFormat::json:
+    break;
+  }
+  throw core::Error(INSITU_ERROR_INTERNAL,
+                    "tracer '" + tracer.name + "': no writer for this format");
 }
 
 } // namespace insitu::scene

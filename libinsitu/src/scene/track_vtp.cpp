@@ -69,7 +69,7 @@ private:
   void write_time(TrackCycle& cycle, std::size_t k) {
     const advect::Particles& p = cycle.particles();
     const advect::Snapshots& at = cycle.snapshots();
-    const OutputClock::Due& due = cycle.times()[k];
+    const DueTime& due = cycle.times()[k];
     std::vector<std::size_t> ended;
     for (std::size_t i = 0; i < p.size(); ++i) {
       const std::size_t item = at.item(k, i);

@@ -9,8 +9,8 @@
 #include "advect/snapshots.h"
 #include "core/archive.h"
 #include "scene/action.h"
-#include "scene/track_geodesics.h"
 #include "scene/output_times.h"
+#include "scene/track_geodesics.h"
 
 /// How the particles of path- and streaklines are written: the tracer moves them, and hands each of
 /// its writers, one a format, what there is at a cycle.
@@ -48,7 +48,7 @@ public:
   virtual const TrackGeodesics& geodesics() const = 0;
   /// The tracer has times of its own; those reached in this cycle, and the particles at them.
   virtual bool has_times() const = 0;
-  virtual std::span<const OutputClock::Due> times() const = 0;
+  virtual std::span<const DueTime> times() const = 0;
   virtual const advect::Snapshots& snapshots() const = 0;
   /// Of the particles that are there at times()[k]. Valid until the next call.
   virtual const TrackRows& rows_at(std::size_t k) = 0;

@@ -108,8 +108,9 @@ TEST(Checkpoint, TracksGoOnToTheByte) {
     const runs::Setup setup{.scene = scene, .block = block};
     const runs::Files whole = uninterrupted(setup, 30);
     ASSERT_GT(whole.at("paths.nc").size(), 10000u);
+    // At 0 and 2 fewer steps are known than the cubic takes.
     for (const auto& [stop, last, threads] :
-         {std::tuple(10, 10, 1), {12, 17, 2}, {block ? 0 : 2, 5, 1}}) {
+         {std::tuple(10, 10, 1), {12, 17, 2}, {0, 5, 1}, {2, 5, 1}}) {
       SCOPED_TRACE("stopped at " + std::to_string(stop) + ", killed at " + std::to_string(last));
       EXPECT_EQ(runs::differences(whole, interrupted(setup, stop, last, 30, threads)),
                 std::vector<std::string>{});

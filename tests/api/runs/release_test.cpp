@@ -138,7 +138,7 @@ TEST(Releases, TooManyAreRefused) {
                .output = folder.path()});
   ASSERT_TRUE(run.execute());
   EXPECT_FALSE(run.session.execute(1, 1.0));
-  EXPECT_NE(std::string(insitu_last_message()).find("more than 1000000 releases"),
+  EXPECT_NE(std::string(insitu_last_message()).find("at most 1000000"),
             std::string::npos)
       << insitu_last_message();
   EXPECT_EQ(run.session.report().particles_seeded, 1);

@@ -17,15 +17,6 @@ constexpr double degree = std::numbers::pi / 180;
 
 /// A committed mesh in longitude and latitude (degrees, metres of height, unless `units` says
 /// otherwise) with fields of functions of the vertices' places in degrees and metres of height.
-inline insitu_frame frame_of(const geo::ChartUnits& units) {
-  insitu_frame frame = insitu_frame_default();
-  frame.kind = INSITU_FRAME_GEODETIC;
-  frame.angle = units.radians ? INSITU_RADIANS : INSITU_DEGREES;
-  frame.length = units.kilometres ? INSITU_KILOMETRES : INSITU_METRES;
-  frame.vertical = units.down ? INSITU_DOWN : INSITU_UP;
-  return frame;
-}
-
 struct Ocean : fixtures::Committed {
   using Vector = std::function<Vec3d(const Vec3d&)>;
   using Scalar = std::function<double(const Vec3d&)>;
@@ -35,7 +26,7 @@ struct Ocean : fixtures::Committed {
         const geo::ChartUnits& units = {})
       : Committed() {
     arrays = fixtures::SolverArrays(from);
-    mesh.frame = frame_of(units);
+    mesh.frame = fixtures::frame_of(units);
     for (const Vec3d& x : from.vertices) {
       const Vec3d at{units.radians ? x.x / degree : x.x, units.radians ? x.y / degree : x.y,
                      x.z * units.up_per_unit()};

@@ -20,21 +20,12 @@ namespace {
 constexpr ChartUnits degrees{};
 constexpr double degree = std::numbers::pi / 180;
 
-insitu_frame frame_of(const ChartUnits& units) {
-  insitu_frame f = insitu_frame_default();
-  f.kind = INSITU_FRAME_GEODETIC;
-  f.angle = units.radians ? INSITU_RADIANS : INSITU_DEGREES;
-  f.length = units.kilometres ? INSITU_KILOMETRES : INSITU_METRES;
-  f.vertical = units.down ? INSITU_DOWN : INSITU_UP;
-  return f;
-}
-
 /// A committed geodetic mesh.
 struct Earth : fixtures::Committed {
   explicit Earth(const test::TestMesh& from, const ChartUnits& units = {}, int pieces = 1)
       : Committed() {
     arrays = fixtures::SolverArrays(from);
-    mesh.frame = frame_of(units);
+    mesh.frame = fixtures::frame_of(units);
     give(pieces);
     commit();
   }

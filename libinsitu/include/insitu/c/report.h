@@ -26,18 +26,18 @@ typedef enum insitu_ending INSITU_INT {
 
 /** What the memory is for. */
 typedef enum insitu_purpose INSITU_INT {
-  INSITU_MEMORY_TREE = 0,      /**< nodes and leaves */
-  INSITU_MEMORY_BUILD = 1,     /**< kept scratch of the builder */
-  INSITU_MEMORY_RANGES = 2,    /**< value ranges */
-  INSITU_MEMORY_EARLIER = 3,   /**< the earlier step, kept for pathlines */
-  INSITU_MEMORY_QUERY = 4,     /**< scratch of queries */
-  INSITU_MEMORY_TRACER = 5,    /**< particles */
-  INSITU_MEMORY_FRAME = 6,     /**< images */
-  INSITU_MEMORY_CONVERTED = 7, /**< arrays that adaptors had to convert */
-  INSITU_MEMORY_EMBREE = 8,    /**< what Embree holds */
-  INSITU_MEMORY_DEVICE = 9,    /**< on devices: copies of arrays, trees, scratch */
-  INSITU_MEMORY_AMR = 10,      /**< dual meshes of adaptive meshes */
-  INSITU_MEMORY_GATHERED = 11, /**< fields of adaptive meshes at the dual's vertices */
+  INSITU_MEMORY_TREE = 0,        /**< nodes and leaves */
+  INSITU_MEMORY_BUILD = 1,       /**< kept scratch of the builder */
+  INSITU_MEMORY_RANGES = 2,      /**< value ranges */
+  INSITU_MEMORY_EARLIER = 3,     /**< earlier steps, kept for pathlines */
+  INSITU_MEMORY_QUERY = 4,       /**< scratch of queries */
+  INSITU_MEMORY_TRACER = 5,      /**< particles */
+  INSITU_MEMORY_FRAME = 6,       /**< images */
+  INSITU_MEMORY_CONVERTED = 7,   /**< arrays that adaptors had to convert */
+  INSITU_MEMORY_EMBREE = 8,      /**< what Embree holds */
+  INSITU_MEMORY_DEVICE = 9,      /**< on devices: copies of arrays, trees, scratch */
+  INSITU_MEMORY_AMR = 10,        /**< dual meshes of adaptive meshes */
+  INSITU_MEMORY_GATHERED = 11,   /**< fields of adaptive meshes at the dual's vertices */
   INSITU_MEMORY_GEOCENTRIC = 12, /**< vertices of meshes drawn geocentric, heights exaggerated */
   INSITU_MEMORY_CHART = 13,      /**< copies of a geodetic mesh's cells at its seam and poles, and
                                       fields there */
