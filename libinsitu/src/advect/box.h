@@ -12,6 +12,10 @@ namespace insitu::advect {
 struct Box {
   math::Vec3d low, high;
 
+  bool holds(const math::Vec3d& x) const {
+    return x.x >= low.x && x.y >= low.y && x.z >= low.z && x.x <= high.x && x.y <= high.y &&
+           x.z <= high.z;
+  }
   math::Vec3d middle() const { return 0.5 * (low + high); }
   /// The lengths of the edges. One far shorter than the others counts as 1e-6 of the longest: sizes
   /// of steps are measured in it.

@@ -22,6 +22,18 @@ public:
             (h * (69997945.0 / 29380423.0)) * trial.v;
   }
 
+  /// Its part up to theta: the path of a shorter step.
+  DenseStep until(double theta) const {
+    DenseStep part = *this;
+    part.h_ = theta * h_;
+    part.r1_ = at(theta) - r0_;
+    part.r2_ = theta * rate(0.0) - part.r1_;
+    part.r3_ = part.r1_ - theta * rate(theta) - part.r2_;
+    const double square = theta * theta;
+    part.r4_ = (square * square) * r4_; // the coefficient of theta^4
+    return part;
+  }
+
   double start() const { return start_; } ///< time
   double step() const { return h_; }      ///< negative backwards
   Vec3d at(double theta) const {

@@ -9,11 +9,14 @@
 namespace insitu::advect {
 
 /// A field that takes its questions and answers them later: ask(x, t), and when answer(v) is called
-/// both v and what was sampled are known. Many such fields are answered at once (lanes.h).
+/// both v and what was sampled are known; ask_crossing(), and answer_crossing() is what cross()
+/// would be (CellwiseField). Many such fields are answered at once (lanes.h).
 template <class F>
 concept WaitingField = requires(F& f, const Vec3d& x, double t, Vec3d& v) {
   f.ask(x, t);
   { f.answer(v) } -> std::same_as<Sampled>;
+  f.ask_crossing(x, x, t);
+  { f.answer_crossing() } -> std::same_as<Crossed>;
 };
 
 /// A velocity that a coroutine waits for, if the field makes it wait.
@@ -38,6 +41,29 @@ private:
   F& field_;
   Vec3d& v_;
   Sampled sampled_ = Sampled::inside;
+};
+
+/// The same for the next cell at a face.
+template <class F>
+class AwaitedCrossing {
+public:
+  AwaitedCrossing(F& field, const Vec3d& x, const Vec3d& towards, double t) : field_(field) {
+    if constexpr (WaitingField<F>)
+      field.ask_crossing(x, towards, t);
+    else if constexpr (CellwiseField<F>)
+      crossed_ = field.cross(x, towards, t);
+  }
+  bool await_ready() const { return !WaitingField<F>; }
+  void await_suspend(std::coroutine_handle<>) const {}
+  Crossed await_resume() {
+    if constexpr (WaitingField<F>)
+      return field_.answer_crossing();
+    return crossed_;
+  }
+
+private:
+  F& field_;
+  Crossed crossed_ = Crossed::nowhere;
 };
 
 /// Moves a particle from p.time until `to` (before p.time: backwards; may be infinite), or until
@@ -82,6 +108,9 @@ Stepping integration(F& velocity, const IntegratorSettings& settings, double to,
         M::finish(trial, steps.k1());
       }
       verdict = steps.judge(trial);
+      if (verdict == Steps::Verdict::crosses)
+        verdict = steps.enter(
+            co_await AwaitedCrossing(velocity, trial.x, steps.way(trial), steps.end_time()), trial);
     } while (verdict == Steps::Verdict::again);
     if (verdict == Steps::Verdict::ends)
       ending = steps.ending();

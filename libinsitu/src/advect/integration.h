@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "insitu/insitu.h"
 
@@ -63,6 +64,11 @@ inline constexpr int max_trials = 4096;
 /// bound.)
 inline constexpr double first_cells = 0.1;
 
+/// A pair whose estimated error is this small a part of the tolerance comes to a face along its
+/// continuous extension, without a step of its own. The extension's local error is of the
+/// estimate's order, and about 2 times (for one step in ten, 10 times) as large.
+inline constexpr double along_extension = 0.1;
+
 /// A step that ends this deep within its cell, or less far outside, ends on its face.
 inline constexpr double on_face = 1e-9;
 inline constexpr int most_landings = 12; ///< trials for one face
@@ -108,8 +114,12 @@ public:
   double h() const { return direction_ * h_; }
   /// What is made of it: another is wanted, of h(); or the step is done, or given up for the next;
   /// or the particle ends as ending() says.
-  enum class Verdict : std::uint8_t { again, done, ends };
-  Verdict judge(const Trial& trial);
+  /// Or its end lies on a face, and the next cell there, in direction way(), is wanted for enter().
+  enum class Verdict : std::uint8_t { again, done, ends, crosses };
+  Verdict judge(Trial& trial);
+  Vec3d way(const Trial& trial) const { return direction_ * trial.v; }
+  double end_time() const { return time() + direction_ * h_; }
+  Verdict enter(Crossed crossed, const Trial& trial);
   insitu_ending ending() const { return ending_; }
 
   /// At the end: true if the velocity is wanted again, for its owner's cell, and released().
@@ -125,22 +135,27 @@ private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
+  Verdict another();
   void choose_step();
   insitu_ending stops() const;
   bool give_up(const Trial& trial, double& factor);
   double growth_allowed(const Trial& trial);
   bool exit(const Vec3d& b, double dt);
   void accept(const Trial& trial);
+  DenseStep path_of(const Trial& trial) const {
+    return {p_.x, time(), direction_ * h_, k1_, trial, M::quintic};
+  }
 
   // Steps that end at faces.
-  enum class Landing : std::uint8_t { none, on_face, again, idle };
+  enum class Landing : std::uint8_t { inside, at_face, again, idle };
   struct Bracket {
     double inside = 0.0, outside = infinity; ///< steps
     int landings = 0;
   };
   void release();
-  Landing land(const Trial& trial);
-  double way_to_face(const DenseStep& path, double low, double high);
+  Landing land(Trial& trial);
+  Landing land_along(Trial& trial);
+  double way_to_face(const DenseStep& path, double low, double high, double outside);
   bool cuts_corner(const Trial& trial);
   bool idle_face();
 
@@ -173,6 +188,7 @@ private:
   bool retried_ = false, forced_ = false;
   double relative_error_ = 0.0, chord_ = 0.0;
   Bracket bracket_;
+  std::optional<DenseStep> landed_; ///< the step came to its face along this
 
   bool confined_ = false; ///< to one cell
   bool entered_ = false;  ///< it just now: k1 is another cell's
@@ -227,6 +243,7 @@ void Integration<M, F, Visit>::choose_step() {
   retried_ = forced_ = false;
   relative_error_ = control::least_error;
   bracket_ = {};
+  landed_.reset();
 }
 
 template <class M, VelocityField F, class Visit>
@@ -247,7 +264,7 @@ insitu_ending Integration<M, F, Visit>::stops() const {
 }
 
 template <class M, VelocityField F, class Visit>
-typename Integration<M, F, Visit>::Verdict Integration<M, F, Visit>::judge(const Trial& trial) {
+typename Integration<M, F, Visit>::Verdict Integration<M, F, Visit>::judge(Trial& trial) {
   work_.evaluations += M::evaluations;
   ending_ = INSITU_END_COUNT;
   double factor = 1.0; // of the next trial's step; 1: this one may be accepted
@@ -264,21 +281,31 @@ typename Integration<M, F, Visit>::Verdict Integration<M, F, Visit>::judge(const
     if (give_up(trial, factor))
       return Verdict::ends;
   }
-  if (factor == 1.0) {
-    Landing landing = Landing::none;
-    if constexpr (CellwiseField<F>)
-      if (confined_)
-        landing = land(trial);
-    if (landing == Landing::none || landing == Landing::on_face)
-      accept(trial);
-    if (landing != Landing::again)
-      return Verdict::done;
-    ++work_.rejected; // but not for its error: the next step need not shrink
-  } else {
+  if (factor < 1.0) {
     ++work_.rejected;
     retried_ = true;
     h_ *= factor;
+    return another();
   }
+  if constexpr (CellwiseField<F>)
+    if (confined_)
+      switch (land(trial)) {
+      case Landing::inside:
+        break;
+      case Landing::at_face:
+        return Verdict::crosses;
+      case Landing::idle:
+        return Verdict::done;
+      case Landing::again:
+        ++work_.rejected; // but not for its error: the next step need not shrink
+        return another();
+      }
+  accept(trial);
+  return Verdict::done;
+}
+
+template <class M, VelocityField F, class Visit>
+typename Integration<M, F, Visit>::Verdict Integration<M, F, Visit>::another() {
   if (++trials_ < control::max_trials)
     return Verdict::again;
   ending_ = INSITU_END_STAGNATED;
@@ -357,7 +384,7 @@ void Integration<M, F, Visit>::accept(const Trial& trial) {
   }
   if constexpr (dense)
     visit_(static_cast<const State&>(p_),
-           DenseStep(from, t, direction_ * h, before, trial, M::quintic));
+           landed_ ? *landed_ : DenseStep(from, t, direction_ * h, before, trial, M::quintic));
   else if (!closing_in)
     visit_(static_cast<const State&>(p_));
 }

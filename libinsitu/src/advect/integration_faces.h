@@ -53,15 +53,15 @@ bool Integration<M, F, Visit>::finish() {
 }
 
 /// The first theta in [low, high] at which the path comes to the face of its cell, out of which it
-/// is at `high`; negative if it is not in the cell before. Regula falsi with halved ends.
+/// is at `high`, by `outside` (negative); negative if it is not in the cell before. Regula falsi
+/// with halved ends.
 template <class M, VelocityField F, class Visit>
-double Integration<M, F, Visit>::way_to_face(const DenseStep& path, double low, double high) {
+double Integration<M, F, Visit>::way_to_face(const DenseStep& path, double low, double high,
+                                             double outside) {
   const auto depth = [&](double theta) {
     return velocity_.depth(path.at(theta), path.start() + theta * path.step());
   };
-  double outside = depth(high), inside = depth(low);
-  if (outside >= 0.0)
-    return high;
+  double inside = low > 0.0 ? depth(low) : 0.0; // mostly it comes in at 0
   // Where the path comes in, on a face, rounding may say inside: that is not the face it comes to.
   for (int i = 0; i < 20 && !(inside > control::on_face); ++i) {
     const double middle = 0.5 * (low + high), at = depth(middle);
@@ -81,7 +81,7 @@ double Integration<M, F, Visit>::way_to_face(const DenseStep& path, double low, 
     if (!(theta > low && theta < high))
       theta = 0.5 * (low + high);
     const double at = depth(theta);
-    if (std::abs(at) < 1e-13)
+    if (std::abs(at) < 0.1 * control::on_face)
       return theta;
     if (at > 0.0) {
       low = theta;
@@ -106,11 +106,12 @@ bool Integration<M, F, Visit>::cuts_corner(const Trial& trial) {
   double& h = h_;
   if (velocity_.last_depth() > 0.25)
     return false;
-  const DenseStep path(p_.x, time(), direction_ * h, k1_, trial, M::quintic);
+  const DenseStep path = path_of(trial);
   for (const double theta : {0.25, 0.5, 0.75}) {
-    if (velocity_.depth(path.at(theta), time() + theta * direction_ * h) >= -control::on_face)
+    const double depth = velocity_.depth(path.at(theta), time() + theta * direction_ * h);
+    if (depth >= -control::on_face)
       continue;
-    const double face = way_to_face(path, 0.0, theta);
+    const double face = way_to_face(path, 0.0, theta, depth);
     if (face < 0.0 || cells_crossed(face * h * k1_, extent_) < 1e-12)
       return false;
     bracket.inside = 0.0;
@@ -125,7 +126,7 @@ bool Integration<M, F, Visit>::cuts_corner(const Trial& trial) {
 /// Where a step that could be accepted ends: within the cell; on its face, beyond which the next
 /// cell is then the particle's; or too far, when h becomes the way to the face.
 template <class M, VelocityField F, class Visit>
-typename Integration<M, F, Visit>::Landing Integration<M, F, Visit>::land(const Trial& trial) {
+typename Integration<M, F, Visit>::Landing Integration<M, F, Visit>::land(Trial& trial) {
   Bracket& bracket = bracket_;
   double& h = h_;
   const double depth = velocity_.last_depth();
@@ -133,9 +134,9 @@ typename Integration<M, F, Visit>::Landing Integration<M, F, Visit>::land(const 
   if (depth > (aimed ? control::on_face : 0.0)) {
     bracket.inside = std::max(bracket.inside, h);
     if (bracket.landings >= control::most_landings)
-      return Landing::none;
+      return Landing::inside;
     if (!aimed)
-      return cuts_corner(trial) ? Landing::again : Landing::none;
+      return cuts_corner(trial) ? Landing::again : Landing::inside;
   } else if (depth < -control::on_face) {
     bracket.outside = std::min(bracket.outside, h);
     if (bracket.landings >= control::most_landings && depth < -1e-6) {
@@ -145,18 +146,46 @@ typename Integration<M, F, Visit>::Landing Integration<M, F, Visit>::land(const 
     }
   }
   if (std::abs(depth) > control::on_face && bracket.landings < control::most_landings) {
-    const DenseStep path(p_.x, time(), direction_ * h, k1_, trial, M::quintic);
+    if (M::quintic && depth < 0.0 && relative_error_ <= control::along_extension)
+      return land_along(trial);
+    const DenseStep path = path_of(trial);
     const double low = std::min(bracket.inside / h, 1.0);
-    const double high = depth < 0.0 ? 1.0 : std::min(bracket.outside / h, 2.0);
-    const double theta = way_to_face(path, low, high);
+    double high = 1.0, outside = depth;
+    if (depth > 0.0) {
+      high = std::min(bracket.outside / h, 2.0);
+      outside = velocity_.depth(path.at(high), time() + high * direction_ * h);
+    }
+    const double theta = outside < 0.0 ? way_to_face(path, low, high, outside) : high;
     ++bracket.landings;
     if (theta < 0.0 || cells_crossed(theta * h * k1_, extent_) < 1e-12)
       return idle_face() ? Landing::idle : Landing::again;
     h *= theta;
     return Landing::again;
   }
-  // Confined to the cell that comes next, whatever it is.
-  const Crossed crossed = velocity_.cross(trial.x, direction_ * trial.v, time() + direction_ * h);
+  return Landing::at_face;
+}
+
+/// The trial, out of its cell, becomes its own way to the face.
+template <class M, VelocityField F, class Visit>
+typename Integration<M, F, Visit>::Landing Integration<M, F, Visit>::land_along(Trial& trial) {
+  const DenseStep path = path_of(trial);
+  const double theta =
+      way_to_face(path, std::min(bracket_.inside / h_, 1.0), 1.0, velocity_.last_depth());
+  ++bracket_.landings;
+  if (theta < 0.0 || cells_crossed(theta * h_ * k1_, extent_) < 1e-12)
+    return idle_face() ? Landing::idle : Landing::again;
+  landed_ = path.until(theta);
+  h_ *= theta;
+  trial.x = landed_->at(1.0);
+  trial.v = landed_->rate(1.0) / landed_->step();
+  chord_ = measure(velocity_, p_.x, trial.x - p_.x);
+  return Landing::at_face;
+}
+
+/// The step ends on a face of its cell: the particle is confined to the next cell, whatever it is.
+template <class M, VelocityField F, class Visit>
+typename Integration<M, F, Visit>::Verdict Integration<M, F, Visit>::enter(Crossed crossed,
+                                                                           const Trial& trial) {
   if (crossed == Crossed::into_next) {
     idle_faces_ = cells_crossed(trial.x - p_.x, extent_) < 1e-9 ? idle_faces_ + 1 : 0;
     if (idle_faces_ > control::most_idle_faces) {
@@ -164,16 +193,19 @@ typename Integration<M, F, Visit>::Landing Integration<M, F, Visit>::land(const 
       free_steps_ = 1;
     }
     entered_ = true;
-    return Landing::on_face;
+    accept(trial);
+    return Verdict::done;
   }
   release();
+  landed_.reset();
   if (crossed == Crossed::to_boundary) {
     closing_in_ = 2;
-    h *= 1.0 - 2.0 * control::on_face;
+    h_ *= 1.0 - 2.0 * control::on_face;
   } else {
     free_steps_ = 1;
   }
-  return Landing::again;
+  ++work_.rejected;
+  return another();
 }
 
 /// The particle is on a face and goes out of this cell at once. False: no cell is entered.

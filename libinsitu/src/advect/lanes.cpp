@@ -23,32 +23,41 @@ std::size_t row_of(mesh::Shape shape) {
 
 void LaneBatch::answer(std::span<LaneVelocity* const> lanes) {
   missed_.clear();
+  crossing_.clear();
   for (LaneVelocity* l : lanes) {
     l->set_alpha(l->t_);
-    LaneVelocity::Kept& k = l->confined_ ? l->own_ : l->kept_[l->last_];
-    if (l->confined_ || (l->keeps_ && k.cell >= 0)) {
-      l->blend(k);
-      asked_[row_of(k.vertices.shape)].push_back({l, &k});
-    } else {
-      missed_.push_back(l);
+    if (l->crosses_) {
+      crossing_.push_back(l);
+      continue;
     }
+    if (l->confined_)
+      ask(*l, l->own_);
+    else if (!try_kept(*l, l->last_) && !try_kept(*l, l->last_ ^ 1))
+      missed_.push_back(l);
   }
   try_cells();
-  // Those that the last cell does not hold may still be in the one before.
+  // Those that the last cell does not hold, though its box does, may still be in the one before.
   again_.clear();
   std::swap(again_, missed_);
-  for (LaneVelocity* l : again_) {
-    LaneVelocity::Kept& k = l->kept_[l->last_ ^ 1];
-    if (l->keeps_ && k.cell >= 0) {
-      l->last_ ^= 1;
-      l->blend(k);
-      asked_[row_of(k.vertices.shape)].push_back({l, &k});
-    } else {
+  for (LaneVelocity* l : again_)
+    if (l->tried_ != l->last_ || !try_kept(*l, l->last_ ^ 1))
       missed_.push_back(l);
-    }
-  }
   try_cells();
   locate();
+}
+
+void LaneBatch::ask(LaneVelocity& lane, LaneVelocity::Kept& cell) {
+  lane.blend(cell);
+  asked_[row_of(cell.vertices.shape)].push_back({&lane, &cell});
+}
+
+bool LaneBatch::try_kept(LaneVelocity& lane, int which) {
+  lane.tried_ = which;
+  LaneVelocity::Kept& k = lane.kept_[which];
+  if (!lane.keeps_ || !k.may_hold(lane.x_))
+    return false;
+  ask(lane, k);
+  return true;
 }
 
 void LaneBatch::try_cells() {
@@ -80,6 +89,7 @@ void LaneBatch::try_cells() {
         l.sampled_ = found.converged && found.margin > -0.5 ? Sampled::inside : Sampled::outside;
       } else if (found.margin > found.error) {
         ++l.proven_;
+        l.last_ = l.tried_;
         l.sampled_ = Sampled::inside;
       } else {
         missed_.push_back(&l);
@@ -100,24 +110,31 @@ void LaneBatch::try_cells() {
 }
 
 void LaneBatch::locate() {
-  if (missed_.empty())
+  const std::size_t misses = missed_.size(), all = misses + crossing_.size();
+  if (all == 0)
     return;
-  const LaneVelocity& first = *missed_.front();
+  const LaneVelocity& first = misses > 0 ? *missed_.front() : *crossing_.front();
   // One by one where hints decide, or each has a geometry of its own; or where the batch itself
   // would cost more.
-  constexpr std::size_t few = 4;
-  if (!first.keeps_ || first.moves_ || missed_.size() < few) {
+  constexpr std::size_t few = 2;
+  if (!first.keeps_ || first.moves_ || all < few) {
     for (LaneVelocity* l : missed_)
       l->sampled_ = l->located(l->x_, l->v_, nullptr);
+    for (LaneVelocity* l : crossing_)
+      l->beyond_at_ = sampler_->locate(l->beyond_, l->own_.cell, l->options());
     return;
   }
   points_.clear();
   for (const LaneVelocity* l : missed_)
     points_.push_back(l->x_);
-  locations_.resize(points_.size());
+  for (const LaneVelocity* l : crossing_)
+    points_.push_back(l->beyond_);
+  locations_.resize(all);
   sampler_->locate_serial(points_, locations_, first.options());
-  for (std::size_t i = 0; i < missed_.size(); ++i)
+  for (std::size_t i = 0; i < misses; ++i)
     missed_[i]->sampled_ = missed_[i]->taken(locations_[i], missed_[i]->v_);
+  for (std::size_t i = misses; i < all; ++i)
+    crossing_[i - misses]->beyond_at_ = locations_[i];
 }
 
 } // namespace insitu::advect

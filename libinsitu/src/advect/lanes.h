@@ -22,7 +22,15 @@ public:
   void ask(const math::Vec3d& x, double t) {
     x_ = x;
     t_ = t;
+    crosses_ = false;
   }
+  void ask_crossing(const math::Vec3d& x, const math::Vec3d& towards, double t) {
+    x_ = x;
+    t_ = t;
+    beyond_ = beyond(x, towards, t);
+    crosses_ = true;
+  }
+  Crossed answer_crossing() { return crossed(x_, beyond_at_); }
   Sampled answer(math::Vec3d& v) const {
     v = v_;
     return sampled_;
@@ -32,6 +40,10 @@ private:
   friend class LaneBatch;
   math::Vec3d x_, v_;
   double t_ = 0.0;
+  bool crosses_ = false; ///< a cell is asked for, not a velocity
+  math::Vec3d beyond_;   ///< the place whose cell it is
+  query::Location beyond_at_;
+  int tried_ = 0; ///< of kept_, that which was tried last
   Sampled sampled_ = Sampled::outside;
 };
 
@@ -51,12 +63,14 @@ private:
     LaneVelocity* lane;
     LaneVelocity::Kept* cell;
   };
+  void ask(LaneVelocity& lane, LaneVelocity::Kept& cell);
+  bool try_kept(LaneVelocity& lane, int which);
   void try_cells();
   void locate();
 
   const query::Sampler* sampler_;
   std::vector<Asked> asked_[5]; ///< by shape
-  std::vector<LaneVelocity*> missed_, again_;
+  std::vector<LaneVelocity*> missed_, again_, crossing_;
   std::vector<LaneQuery> queries_;
   std::vector<LaneAnswer> answers_;
   std::vector<math::Vec3d> points_;

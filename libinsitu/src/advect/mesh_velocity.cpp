@@ -1,10 +1,15 @@
 #include "advect/mesh_velocity.h"
 
-#include "advect/box.h"
-
 namespace insitu::advect {
 
 using math::Vec3d;
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr Box everywhere{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+
+} // namespace
 
 MeshVelocity::MeshVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
                            const EarlierSteps& earlier, double t0, double t1,
@@ -38,7 +43,9 @@ void MeshVelocity::load(Kept& k, std::int64_t cell) const {
   k.alpha = 1.0;
   mesh::gather(mesh, cell, k.vertices);
   const mesh::CellVertices& c = k.vertices;
+  k.box = box_of(c);
   if (moves_) {
+    k.box = everywhere;
     const Vec3d* earlier = mesh.earlier_points + mesh.first_vertex[c.piece];
     for (int i = 0; i < c.count; ++i) {
       k.now[i] = c.x[i];
@@ -119,6 +126,11 @@ Vec3d MeshVelocity::rate_of_change(const query::Location& at, double t) const {
 Vec3d MeshVelocity::extent() {
   if (sized_ != cell_) {
     sized_ = cell_;
+    for (const Kept* k : {&own_, &kept_[last_]})
+      if (!moves_ && k->cell == cell_) {
+        extent_ = k->box.extent();
+        return extent_;
+      }
     mesh::CellVertices c;
     mesh::gather(sampler_->mesh(), cell_, c, moves_ ? alpha_ : 1.0);
     extent_ = box_of(c).extent();
@@ -175,32 +187,42 @@ bool MeshVelocity::confine(const Vec3d& x, const Vec3d& towards, double t) {
   return confined_ = true;
 }
 
-Crossed MeshVelocity::cross(const Vec3d& x, const Vec3d& towards, double t) {
+Vec3d MeshVelocity::beyond(const Vec3d& x, const Vec3d& towards, double t) {
   set_alpha(t);
   blend(own_);
-  const auto into = [&](const Vec3d& q, Crossed& result) {
-    const query::Location at = sampler_->locate(q, own_.cell, options());
-    if (at && at.cell == own_.cell)
-      return false;
-    result = !at ? Crossed::to_boundary : can_keep(at.cell) ? Crossed::into_next : Crossed::nowhere;
-    if (result == Crossed::into_next) {
-      load(own_, at.cell);
-      blend(own_);
-      hint_ = own_.cell;
-    }
-    return true;
-  };
-  Crossed result = Crossed::nowhere;
-  const Vec3d extent = box_of(own_.vertices).extent();
-  if (into(x + part_of_cell(towards, extent, 1e-7), result))
-    return result;
+  return x + part_of_cell(towards, box_of(own_.vertices).extent(), 1e-7);
+}
+
+Crossed MeshVelocity::enter(const query::Location& at) {
+  if (!at)
+    return Crossed::to_boundary;
+  if (!can_keep(at.cell))
+    return Crossed::nowhere;
+  load(own_, at.cell);
+  blend(own_);
+  hint_ = own_.cell;
+  return Crossed::into_next;
+}
+
+Crossed MeshVelocity::cross(const Vec3d& x, const Vec3d& towards, double t) {
+  return crossed(x, sampler_->locate(beyond(x, towards, t), own_.cell, options()));
+}
+
+/// at: of a place a little way on from x.
+Crossed MeshVelocity::crossed(const Vec3d& x, const query::Location& at) {
+  if (!at || at.cell != own_.cell)
+    return enter(at);
   // Almost along the face, or a little short of it.
   const auto map = cells::inverse_map(own_.vertices.shape, own_.vertices.x, x);
   if (map.converged) {
     const query::FaceCrossing face = query::nearest_face(own_.vertices, own_.cell, map.r);
-    for (double part = 1e-8; part < 1e-4; part *= 10.0)
-      if (into(face.point + part_of_cell(face.normal, extent, part), result))
-        return result;
+    const Vec3d extent = box_of(own_.vertices).extent();
+    for (double part = 1e-8; part < 1e-4; part *= 10.0) {
+      const query::Location out = sampler_->locate(
+          face.point + part_of_cell(face.normal, extent, part), own_.cell, options());
+      if (!out || out.cell != own_.cell)
+        return enter(out);
+    }
   }
   return Crossed::nowhere;
 }

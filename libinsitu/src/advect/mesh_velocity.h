@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "advect/box.h"
 #include "advect/in_time.h"
 #include "advect/integrate.h"
 #include "cells/kernels.h"
@@ -93,8 +94,11 @@ protected:
     double alpha = 1.0; ///< of vertices.x
     int values = 0;     ///< of the field: vertices, or 1 of a cell field
     mesh::CellVertices vertices;
+    Box box;                             ///< of the vertices; of a mesh that moves, of everything
     math::Vec3d now[8], earlier[8];      ///< coordinates, if the mesh moves
     math::Vec3d velocity[most_steps][8]; ///< at the vertices, at each step, the current one first
+
+    bool may_hold(const math::Vec3d& x) const { return cell >= 0 && box.holds(x); }
   };
 
   void set_alpha(double t) {
@@ -149,7 +153,7 @@ protected:
     if (keeps_) {
       for (int tries = 0; tries < 2; ++tries) {
         Kept& k = kept_[last_];
-        if (k.cell >= 0) {
+        if (k.may_hold(x)) {
           blend(k);
           const auto map = cells::inverse_map(k.vertices.shape, k.vertices.x, x);
           if (map.margin > map.error) {
@@ -172,6 +176,10 @@ protected:
   Sampled in_own_cell(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
   void load(Kept& k, std::int64_t cell) const;
   Kept& keep(std::int64_t cell);
+  /// The parts of cross(): a place a little way on from x, and what follows from where that is.
+  math::Vec3d beyond(const math::Vec3d& x, const math::Vec3d& towards, double t);
+  Crossed crossed(const math::Vec3d& x, const query::Location& at);
+  Crossed enter(const query::Location& at);
   bool can_keep(std::int64_t cell) const;
 
   const query::Sampler* sampler_;

@@ -22,7 +22,7 @@ public:
   /// at.
   void run(std::span<const math::Vec3d> points, std::span<const Location> known = {});
 
-  // Of the batch's points, until the next run.
+  // Of the batch's points, until the scratch's next run.
   std::span<const Location> locations() const { return {best_, std::size_t(count_)}; }
   std::span<const Reason> reasons() const { return {reason_, std::size_t(count_)}; }
 
@@ -40,10 +40,11 @@ private:
   BatchScratch& s_;
   PairOrder pairs_;
   int count_ = 0;
-  Location best_[batch_size];
-  std::int64_t below_[batch_size]; ///< cells of lower ids may still own the query
-  Reason reason_[batch_size];
-  bool located_[batch_size]; ///< the parametric coordinates are known
+  // See BatchScratch.
+  Location* const best_ = s_.best;
+  std::int64_t* const below_ = s_.below;
+  Reason* const reason_ = s_.reason;
+  bool* const located_ = s_.located;
 };
 
 } // namespace insitu::query

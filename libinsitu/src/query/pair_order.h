@@ -20,6 +20,11 @@ struct BatchScratch {
   std::vector<QueryId> queries;       ///< of the candidates, shape by shape
   std::vector<std::int64_t> unsorted; ///< cells in the tree's order
   PairBlock block;
+  // Of the queries, by number: BatchLocator's.
+  Location best[batch_size];
+  std::int64_t below[batch_size]; ///< cells of lower ids may still own the query
+  Reason reason[batch_size];
+  bool located[batch_size]; ///< the parametric coordinates are known
 
   /// For n candidates.
   void make_room(std::size_t n) {

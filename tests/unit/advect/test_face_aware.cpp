@@ -23,7 +23,8 @@ std::vector<Vec3d> ends(const BoxMesh& box, const mesh::FieldView& velocity, Met
   settings.step = step;
   if (advect::is_adaptive(method)) {
     settings.max_step = step;
-    settings.min_step = step; // whatever the error
+    settings.min_step = step;   // whatever the error,
+    settings.tolerance = 1e-99; // and no way to a face that is only as good as a tolerance asks
   }
   settings.max_steps = 1000000;
   std::vector<Vec3d> out;
@@ -91,6 +92,42 @@ TEST(FaceAware, KeepsItsOrderOverTheKinksOfInterpolation) {
   // Orders of magnitude at the same step.
   EXPECT_GT(rms(ends(box, values.view, Method::rk4, false, 0.04, seeds, to), reference),
             100 * rms(ends(box, values.view, Method::rk4, true, 0.04, seeds, to), reference));
+}
+
+// Where the tolerance allows it dopri5 comes to faces along its continuous extension: one trial a
+// step, 6 evaluations and the one in the next cell, and an error that the tolerance still bounds.
+TEST(FaceAware, ComesToFacesAlongItsExtensionWithinTheTolerance) {
+  BoxMesh box(6, -1.0, 1.0);
+  auto values = box.vertex_field();
+  box.fill(values, swirl);
+  const double to = 2.0;
+  const auto seeds = inner_seeds();
+  const auto reference = ends(box, values.view, Method::dopri5, true, 0.002, seeds, to);
+  double last = 1.0;
+  for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
+    IntegratorSettings settings;
+    settings.face_aware = true;
+    settings.tolerance = tolerance;
+    std::vector<Vec3d> found;
+    advect::Work work;
+    for (const Vec3d& seed : seeds) {
+      const query::Sampler sampler = box.sampler();
+      advect::MeshVelocity field(sampler, values.view, nullptr, 0, 0, INSITU_STANDARD);
+      field.begin(-1);
+      const Outcome r = run(field, settings, seed, to);
+      EXPECT_EQ(r.ending, INSITU_END_ALIVE);
+      found.push_back(r.p.x);
+      work += r.work;
+    }
+    const double error = rms(found, reference);
+    const double per_step = double(work.evaluations) / double(work.steps);
+    std::printf("tolerance %.0e: error %.2e, %.2f evaluations a step\n", tolerance, error,
+                per_step);
+    EXPECT_LT(error, tolerance * to);
+    EXPECT_LT(error, last);
+    EXPECT_LT(per_step, 9.0); // with a step of its own to each face: 12
+    last = error;
+  }
 }
 
 TEST(FaceAware, ChangesNothingInASmoothField) {

@@ -165,6 +165,24 @@ TEST(Dense, OrdersOfTheInterpolants) {
   }
 }
 
+TEST(Dense, APartIsTheSamePath) {
+  auto field = unbounded(rotation);
+  const Vec3d x{1, 0, 0}, v{0, 1, 0};
+  const double h = -0.4;
+  for (const auto& [method, quintic] : {std::pair(Method::rk4, false), {Method::dopri5, true}}) {
+    const advect::DenseStep path(x, 2.0, h, v, step(method, field, x, 2.0, h, v), quintic);
+    for (const double theta : {0.01, 0.3, 0.77, 1.0}) {
+      const advect::DenseStep part = path.until(theta);
+      EXPECT_EQ(part.start(), 2.0);
+      EXPECT_EQ(part.step(), theta * h);
+      for (double at = 0.0; at <= 1.0; at += 1.0 / 16) {
+        EXPECT_LT(distance(part.at(at), path.at(theta * at)), 1e-15);
+        EXPECT_LT(distance(part.rate(at), theta * path.rate(theta * at)), 1e-15);
+      }
+    }
+  }
+}
+
 TEST(Dense, AskedTimesAreMetAlongTheWay) {
   for (const double to : {2.0, -2.0}) {
     auto field = unbounded(rotation);
