@@ -85,7 +85,7 @@ void LaneBatch::try_cells() {
       LaneVelocity::Kept& k = *asked[i].cell;
       const LaneAnswer& found = answers_[i];
       if (l.confined_) { // see in_own_cell
-        l.depth_ = found.margin;
+        l.depth_ = l.depth_at(found.r, found.margin);
         l.sampled_ = found.converged && found.margin > -0.5 ? Sampled::inside : Sampled::outside;
       } else if (found.margin > found.error) {
         ++l.proven_;

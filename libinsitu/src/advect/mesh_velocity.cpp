@@ -144,7 +144,7 @@ Vec3d MeshVelocity::extent() {
 Sampled MeshVelocity::in_own_cell(const Vec3d& x, Vec3d& v, query::Location* where) {
   blend(own_);
   const auto map = cells::inverse_map(own_.vertices.shape, own_.vertices.x, x);
-  depth_ = map.margin;
+  depth_ = depth_at(map.r, map.margin);
   if (!map.converged || !(map.margin > -0.5))
     return Sampled::outside;
   hint_ = own_.cell;
@@ -157,7 +157,7 @@ double MeshVelocity::depth(const Vec3d& x, double t) {
   set_alpha(t);
   blend(own_);
   const auto map = cells::inverse_map(own_.vertices.shape, own_.vertices.x, x);
-  return map.converged ? map.margin : -1.0;
+  return map.converged ? depth_at(map.r, map.margin) : -1.0;
 }
 
 namespace {
@@ -170,8 +170,48 @@ Vec3d part_of_cell(const Vec3d& towards, const Vec3d& extent, double cells) {
 
 } // namespace
 
+/// The faces of the own cell on which x lies and along which it goes.
+unsigned MeshVelocity::faces_along(const Vec3d& x, const Vec3d& towards) const {
+  constexpr double way = 1e-3, slope = 1e-7; // in cells
+  const mesh::CellVertices& c = own_.vertices;
+  const Vec3d on = x + part_of_cell(towards, box_of(c).extent(), way);
+  const auto here = cells::inverse_map(c.shape, c.x, x),
+             there = cells::inverse_map(c.shape, c.x, on);
+  if (!here.converged || !there.converged)
+    return 0;
+  double n[8], m[8];
+  cells::shape_functions(c.shape, here.r, n);
+  cells::shape_functions(c.shape, there.r, m);
+  unsigned faces = 0;
+  for (int f = 0; f < cells::face_table(c.shape).face_count; ++f) {
+    const double from = query::parametric_distance(c.shape, f, n);
+    const double change = query::parametric_distance(c.shape, f, m) - from;
+    if (std::abs(from) <= control::on_face && std::abs(change) <= way * slope)
+      faces |= 1U << f;
+  }
+  return faces;
+}
+
+/// The least distance from a face of the own cell but for those it goes along, unless it is this
+/// far beyond one.
+double MeshVelocity::depth_beside(const Vec3d& r) const {
+  constexpr double beyond = 10.0 * control::on_face;
+  const mesh::Shape shape = own_.vertices.shape;
+  double n[8], depth = infinity;
+  cells::shape_functions(shape, r, n);
+  for (int f = 0; f < cells::face_table(shape).face_count; ++f) {
+    const double d = query::parametric_distance(shape, f, n);
+    if ((along_ >> f & 1U) == 0)
+      depth = std::min(depth, d);
+    else if (d < -beyond)
+      depth = std::min(depth, d + beyond);
+  }
+  return depth;
+}
+
 bool MeshVelocity::confine(const Vec3d& x, const Vec3d& towards, double t) {
   confined_ = false;
+  along_ = 0;
   set_alpha(t);
   query::Location at = sampler_->locate(x, hint_, options());
   if (!at || !can_keep(at.cell))
@@ -182,18 +222,20 @@ bool MeshVelocity::confine(const Vec3d& x, const Vec3d& towards, double t) {
                           options());
     if (at && at.cell != own_.cell && can_keep(at.cell))
       load(own_, at.cell);
+    blend(own_);
+    along_ = faces_along(x, towards);
   }
-  blend(own_);
   return confined_ = true;
 }
 
 Vec3d MeshVelocity::beyond(const Vec3d& x, const Vec3d& towards, double t) {
   set_alpha(t);
   blend(own_);
+  towards_ = towards;
   return x + part_of_cell(towards, box_of(own_.vertices).extent(), 1e-7);
 }
 
-Crossed MeshVelocity::enter(const query::Location& at) {
+Crossed MeshVelocity::enter(const Vec3d& x, const query::Location& at) {
   if (!at)
     return Crossed::to_boundary;
   if (!can_keep(at.cell))
@@ -201,6 +243,15 @@ Crossed MeshVelocity::enter(const query::Location& at) {
   load(own_, at.cell);
   blend(own_);
   hint_ = own_.cell;
+  // Still on another face than that it came through?
+  double n[8];
+  cells::shape_functions(own_.vertices.shape, at.parametric, n);
+  along_ = 0;
+  for (int f = 0; f < cells::face_table(own_.vertices.shape).face_count; ++f)
+    if (std::abs(query::parametric_distance(own_.vertices.shape, f, n)) <= control::on_face) {
+      along_ = faces_along(x, towards_);
+      break;
+    }
   return Crossed::into_next;
 }
 
@@ -211,7 +262,7 @@ Crossed MeshVelocity::cross(const Vec3d& x, const Vec3d& towards, double t) {
 /// at: of a place a little way on from x.
 Crossed MeshVelocity::crossed(const Vec3d& x, const query::Location& at) {
   if (!at || at.cell != own_.cell)
-    return enter(at);
+    return enter(x, at);
   // Almost along the face, or a little short of it.
   const auto map = cells::inverse_map(own_.vertices.shape, own_.vertices.x, x);
   if (map.converged) {
@@ -221,7 +272,7 @@ Crossed MeshVelocity::crossed(const Vec3d& x, const query::Location& at) {
       const query::Location out = sampler_->locate(
           face.point + part_of_cell(face.normal, extent, part), own_.cell, options());
       if (!out || out.cell != own_.cell)
-        return enter(out);
+        return enter(x, out);
     }
   }
   return Crossed::nowhere;

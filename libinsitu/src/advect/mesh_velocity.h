@@ -179,7 +179,13 @@ protected:
   /// The parts of cross(): a place a little way on from x, and what follows from where that is.
   math::Vec3d beyond(const math::Vec3d& x, const math::Vec3d& towards, double t);
   Crossed crossed(const math::Vec3d& x, const query::Location& at);
-  Crossed enter(const query::Location& at);
+  Crossed enter(const math::Vec3d& x, const query::Location& at);
+  unsigned faces_along(const math::Vec3d& x, const math::Vec3d& towards) const;
+  double depth_beside(const math::Vec3d& r) const;
+  /// How deep in its own cell a point lies, with these coordinates and this margin there.
+  double depth_at(const math::Vec3d& r, double margin) const {
+    return along_ == 0 ? margin : depth_beside(r);
+  }
   bool can_keep(std::int64_t cell) const;
 
   const query::Sampler* sampler_;
@@ -201,6 +207,9 @@ protected:
   int last_ = 0; ///< of kept_, that which answered last
   bool confined_ = false;
   Kept own_; ///< the cell that answers while confined
+  /// Faces of it, a bit each, along which the particle goes: they are no ends of its way.
+  unsigned along_ = 0;
+  math::Vec3d towards_; ///< where it goes, at the face that it comes to
   double depth_ = 0.0;
 };
 

@@ -130,6 +130,54 @@ TEST(FaceAware, ComesToFacesAlongItsExtensionWithinTheTolerance) {
   }
 }
 
+// Faces along which a particle goes, of the boundary or between cells, are no ends of its steps:
+// it goes as it would in the cells' midst, in a field that is the same at all heights.
+TEST(FaceAware, GoesAlongFacesAsThroughCells) {
+  BoxMesh box(8, -1.0, 1.0, 0.0);
+  auto values = box.vertex_field();
+  box.fill(values, [](const Vec3d& p) { return Vec3d{-p.y * (1 + p.x * p.x), p.x, 0.0}; });
+  for (const Method method : {Method::rk4, Method::dopri5}) {
+    Outcome within;
+    for (const double z : {-0.9, -1.0, 0.0, 0.25, 1.0}) {
+      SCOPED_TRACE("height " + std::to_string(z));
+      IntegratorSettings settings;
+      settings.method = method;
+      settings.face_aware = true;
+      const query::Sampler sampler = box.sampler();
+      advect::MeshVelocity field(sampler, values.view, nullptr, 0, 0, INSITU_STANDARD);
+      field.begin(-1);
+      const Outcome r = run(field, settings, {0.3, 0.111, z}, 6.0);
+      EXPECT_EQ(r.ending, INSITU_END_ALIVE);
+      EXPECT_EQ(r.p.x.z, z);
+      if (z == -0.9)
+        within = r;
+      EXPECT_EQ(r.work.steps, within.work.steps);
+      EXPECT_EQ(r.work.evaluations, within.work.evaluations);
+      // A way to a face is known to a tenth of 1e-9 of a cell.
+      EXPECT_NEAR(r.p.x.x, within.p.x.x, 1e-10);
+      EXPECT_NEAR(r.p.x.y, within.p.x.y, 1e-10);
+    }
+  }
+}
+
+// Along a face at first, and away from it later, to either side.
+TEST(FaceAware, LeavesAFaceThatItWentAlong) {
+  BoxMesh box(8, -1.0, 1.0, 0.0);
+  auto values = box.vertex_field();
+  for (const double up : {0.4, -0.4}) {
+    box.fill(values, [&](const Vec3d& p) {
+      return Vec3d{0.5, 0.1 + 0.2 * p.x * p.x, up * (p.x + 0.7) + 0.2 * p.z * p.z};
+    });
+    const std::vector<Vec3d> seed{{-0.7, 0.111, 0.0}};
+    const Vec3d exact = ends(box, values.view, Method::dopri5, false, 1e-4, seed, 2.0)[0];
+    ASSERT_GT(std::abs(exact.z), 0.1);
+    for (const Method method : {Method::bs32, Method::rk4, Method::dopri5}) {
+      const Vec3d end = ends(box, values.view, method, true, 0.02, seed, 2.0)[0];
+      EXPECT_LT(distance(end, exact), 2e-7) << int(method) << ' ' << up;
+    }
+  }
+}
+
 TEST(FaceAware, ChangesNothingInASmoothField) {
   // Rotation is linear, so interpolation gives it back: both keep the method's order.
   BoxMesh box(6, -1.0, 1.0);
