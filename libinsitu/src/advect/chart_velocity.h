@@ -11,8 +11,7 @@
 namespace insitu::advect {
 
 /// The velocity on a geodetic mesh: metres per second east, north and up in the field, rates of
-/// ChartMotion's coordinates for integrate(), lengths in metres. Steps do not end at faces. One
-/// object serves one thread.
+/// ChartMotion's coordinates for integrate(), lengths in metres. One object serves one thread.
 class ChartVelocity {
 public:
   /// As MeshVelocity's; the sampler has a chart. drifts: added, in metres per second.
@@ -25,6 +24,7 @@ public:
   void begin(std::int64_t hint) {
     inner_.begin(hint);
     sized_ = -1;
+    confined_ = false;
   }
   /// A particle's position in the mesh's frame, as integrate() has it, and back again.
   math::Vec3d enter(const math::Vec3d& position) {
@@ -35,7 +35,9 @@ public:
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
     math::Vec3d image, metres;
-    if (!motion_.image(x, image))
+    if (confined_)
+      image = on_sheet(x);
+    else if (!motion_.image(x, image))
       return Sampled::outside;
     query::Location at;
     const Sampled sampled =
@@ -53,8 +55,11 @@ public:
 
   /// Between two steps of integrate().
   void settle(math::Vec3d& x, math::Vec3d& rate) {
+    const math::Vec3d image = confined_ ? on_sheet(x) : math::Vec3d{};
     if (motion_.settle(x, rate))
       sized_ = -1;
+    if (confined_)
+      anchor_ = {x, image};
   }
   double length(const math::Vec3d& x, const math::Vec3d& d) const { return motion_.length(x, d); }
 
@@ -67,6 +72,39 @@ public:
       extent_ = motion_.extent(c, pole_of(sized_));
     }
     return extent_;
+  }
+
+  // See CellwiseField. The own cell is asked in its sheet of images, wherever its way leads.
+  bool confine(const math::Vec3d& x, const math::Vec3d& towards, double t) {
+    math::Vec3d image;
+    release();
+    if (!motion_.image(x, image) || !inner_.confine(image, direction(x, image, towards), t))
+      return false;
+    anchor_ = {x, image};
+    return confined_ = true;
+  }
+  void release() {
+    confined_ = false;
+    inner_.release();
+  }
+  double depth(const math::Vec3d& x, double t) { return inner_.depth(on_sheet(x), t); }
+  double last_depth() const { return inner_.last_depth(); }
+  Crossed cross(const math::Vec3d& x, const math::Vec3d& towards, double t) {
+    math::Vec3d from = on_sheet(x), image;
+    const math::Vec3d on = inner_.beyond(from, direction(x, from, towards), t);
+    const math::Vec3d there = motion_.from_image(x, from, on);
+    query::Location at;
+    if (motion_.image(there, image)) {
+      at = inner_.locate(image);
+      if (space_.is_other_sheet(on, image)) {
+        from = image;
+        inner_.go_towards(direction(there, image, towards));
+      }
+    }
+    const Crossed crossed = inner_.crossed(from, at);
+    if (crossed == Crossed::into_next)
+      anchor_ = {there, image};
+    return crossed;
   }
 
   /// See ExitingField. The normal is that of the face in the coordinates of the cells.
@@ -135,6 +173,17 @@ private:
     return geo::Pole(mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(cell)].pole);
   }
 
+  math::Vec3d on_sheet(const math::Vec3d& x) const {
+    return motion_.along(anchor_.x, anchor_.image, x);
+  }
+  /// Where a way goes from an image of x.
+  math::Vec3d direction(const math::Vec3d& x, const math::Vec3d& image,
+                        const math::Vec3d& towards) {
+    const double cells = cells_crossed(towards, extent());
+    const double part = cells > 0.0 && std::isfinite(cells) ? 1e-3 / cells : 0.0;
+    return motion_.along(x, image, x + part * towards) - image;
+  }
+
   static bool is_field_of_vectors(const Drift& drift) {
     return drift.field && drift.field->now.components == 3;
   }
@@ -153,9 +202,12 @@ private:
   std::span<const Drift> drifts_;
   std::int64_t sized_ = -1; ///< the cell whose extent is kept
   math::Vec3d extent_;
-  struct {
+  struct Imaged {
     math::Vec3d x, image;
-  } known_{{std::numeric_limits<double>::quiet_NaN(), 0, 0}, {}}; ///< a place, and its image
+  };
+  Imaged known_{{std::numeric_limits<double>::quiet_NaN(), 0, 0}, {}}; ///< a place, and its image
+  bool confined_ = false;                                              ///< to one cell
+  Imaged anchor_;                                                      ///< on its sheet
 };
 
 } // namespace insitu::advect

@@ -31,14 +31,6 @@ IntegratorSettings settings_for(const mesh::FieldView& velocity, IntegratorSetti
   return settings;
 }
 
-void check_chart(const query::Sampler& sampler, const IntegratorSettings& settings) {
-  if (sampler.chart() && settings.face_aware && !settings.face_aware_if_possible)
-    throw core::Error(
-        INSITU_ERROR_UNSUPPORTED,
-        "tracer: steps that end at faces (face_aware) are not for meshes in longitude "
-        "and latitude");
-}
-
 void check_chart_effects(const Effects& effects) {
   if (effects.boundary && effects.boundary->any_periodic())
     throw core::Error(

@@ -14,9 +14,6 @@ void check_velocity(const mesh::FieldView& velocity);
 /// cell: unless the smallest step was given, it is a hundredth of a cell.
 IntegratorSettings settings_for(const mesh::FieldView& velocity, IntegratorSettings settings);
 
-/// Throws Error(INSITU_ERROR_UNSUPPORTED) for what cannot be done on a geodetic mesh.
-void check_chart(const query::Sampler& sampler, const IntegratorSettings& settings);
-
 /// Throws Error(INSITU_ERROR_ARGUMENT) for a negative, NaN or contradictory setting.
 void check_settings(const IntegratorSettings& settings);
 

@@ -121,7 +121,7 @@ void LaneBatch::locate() {
     for (LaneVelocity* l : missed_)
       l->sampled_ = l->located(l->x_, l->v_, nullptr);
     for (LaneVelocity* l : crossing_)
-      l->beyond_at_ = sampler_->locate(l->beyond_, l->own_.cell, l->options());
+      l->beyond_at_ = l->locate(l->beyond_);
     return;
   }
   points_.clear();

@@ -256,7 +256,7 @@ Crossed MeshVelocity::enter(const Vec3d& x, const query::Location& at) {
 }
 
 Crossed MeshVelocity::cross(const Vec3d& x, const Vec3d& towards, double t) {
-  return crossed(x, sampler_->locate(beyond(x, towards, t), own_.cell, options()));
+  return crossed(x, locate(beyond(x, towards, t)));
 }
 
 /// at: of a place a little way on from x.

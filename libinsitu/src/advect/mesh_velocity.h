@@ -77,6 +77,13 @@ public:
   double depth(const math::Vec3d& x, double t);
   double last_depth() const { return depth_; }
   Crossed cross(const math::Vec3d& x, const math::Vec3d& towards, double t);
+  /// The parts of cross(): a place a little way on from x, and what follows from where that is.
+  math::Vec3d beyond(const math::Vec3d& x, const math::Vec3d& towards, double t);
+  Crossed crossed(const math::Vec3d& x, const query::Location& at);
+  void go_towards(const math::Vec3d& towards) { towards_ = towards; }
+  query::Location locate(const math::Vec3d& x) const {
+    return sampler_->locate(x, own_.cell, options());
+  }
 
   /// See ExitingField. On a moving mesh, the face is where it is when the particle reaches it.
   std::optional<query::Exit> leave(const math::Vec3d& a, const math::Vec3d& b, double t, double dt);
@@ -176,9 +183,6 @@ protected:
   Sampled in_own_cell(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
   void load(Kept& k, std::int64_t cell) const;
   Kept& keep(std::int64_t cell);
-  /// The parts of cross(): a place a little way on from x, and what follows from where that is.
-  math::Vec3d beyond(const math::Vec3d& x, const math::Vec3d& towards, double t);
-  Crossed crossed(const math::Vec3d& x, const query::Location& at);
   Crossed enter(const math::Vec3d& x, const query::Location& at);
   unsigned faces_along(const math::Vec3d& x, const math::Vec3d& towards) const;
   double depth_beside(const math::Vec3d& r) const;

@@ -188,7 +188,6 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
           });
     });
   };
-  check_chart(sampler, integrator);
   const auto plain = [](auto&) { return NoMover{}; };
   const auto moving = [&]<class V>(V& v) {
     return std::make_unique<Mover<V>>(*setup, v, integrator, settings_.length);

@@ -49,7 +49,6 @@ struct IntegratorSettings {
   /// piecewise field has a kink there, over which no method keeps its order. Fields without cells
   /// (see advect/integration.h) have none.
   bool face_aware = false;
-  bool face_aware_if_possible = false; ///< and is not refused where it cannot be (geodetic meshes)
 
   /// A particle leaves (or meets a velocity that is not finite) when a trial point at most this
   /// fraction of a cell away from it does. It ends where a straight line to there leaves the mesh,

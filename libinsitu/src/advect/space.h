@@ -72,6 +72,11 @@ public:
     return r;
   }
 
+  /// Whether two images of places near each other are on other sheets, or a turn apart.
+  bool is_other_sheet(const Vec3d& a, const Vec3d& b) const {
+    return chart_ && (pole_of(a) != pole_of(b) || std::abs(a.x - b.x) > 0.5 * units().turn());
+  }
+
   /// Whether the axes at both places, which are near each other, have almost the same directions.
   bool same_axes(const Vec3d& x, const Vec3d& y) const {
     if (!chart_)

@@ -159,7 +159,6 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
           store(l, line, vertices[slot]->finish(line.p, ending));
         });
   };
-  check_chart(sampler, steady.integrator);
   threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
     sampler.chart() ? trace_on_chart(begin, end) : trace_in_lanes(begin, end);
   });

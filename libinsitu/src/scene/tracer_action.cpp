@@ -72,7 +72,6 @@ advect::IntegratorSettings TracerAction::integrator() const {
   }
   // Without, a pair follows the kinks at faces by its error control, which costs more.
   to.face_aware = from.face_aware.value_or(advect::is_adaptive(to.method));
-  to.face_aware_if_possible = !from.face_aware;
   to.step = from.step.value_or(0.0);
   to.tolerance = from.tolerance;
   to.min_step = from.min_step.value_or(0.0);
