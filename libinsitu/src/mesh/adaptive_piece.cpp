@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <vector>
 
 #include "core/status.h"
 
@@ -105,6 +107,10 @@ AmrPiece adopt_patch(const insitu_patch* patch, const std::string& name) {
                        text(-Lattice::largest_index) + " to " + text(Lattice::largest_index - 1) +
                        " expected");
     product *= double(n);
+    for (const std::int32_t layers : {patch->ghosts_before[a], patch->ghosts_after[a]})
+      if (constexpr int most_layers = 1 << 20; layers < 0 || layers > most_layers)
+        refuse(name, text(layers) + " layers of ghosts" + along + ", 0 to " + text(most_layers) +
+                         " expected");
   }
   if (product > 0x1p62)
     refuse(name, text(patch->cells) + " cells are more than 64 bits count");
@@ -167,6 +173,9 @@ AmrPieceView view_of(const AmrPiece& piece, const AmrLevels& levels, const std::
     v.cell_count = p.cells[0] * p.cells[1] * p.cells[2];
     std::copy(p.lower, p.lower + 3, v.lower);
     std::copy(p.cells, p.cells + 3, v.size);
+    for (int a = 0; a < 3; ++a)
+      v.ghost_faces |= std::uint8_t((p.ghosts_before[a] > 0 ? 1 << 2 * a : 0) |
+                                    (p.ghosts_after[a] > 0 ? 2 << 2 * a : 0));
     return v;
   }
   const ExternalArray &l = piece.levels, &c = piece.corners;
@@ -187,6 +196,37 @@ AmrPieceView view_of(const AmrPiece& piece, const AmrLevels& levels, const std::
     v.offset[a] = piece.offset[a];
   }
   return v;
+}
+
+void check_room_for_ghosts(const insitu_patch& patch, const ExternalArray& array,
+                           const std::string& name) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(INSITU_ERROR_FIELD, name + ": " + what);
+  };
+  if (array.indirect)
+    refuse("indirect; the fields of a patch with ghosts are reached by strides");
+  // Axes with more than one cell, the one of the smallest steps first.
+  struct Axis {
+    int axis;
+    std::int64_t step, cells;
+  };
+  std::vector<Axis> axes;
+  for (int a = 0; a < 3; ++a)
+    if (const std::int64_t n = patch.cells[a] + patch.ghosts_before[a] + patch.ghosts_after[a];
+        n > 1)
+      axes.push_back({a, std::abs(array.layout.stride[a]), n});
+  if (array.layout.extent[0] != patch.cells[0] || array.layout.extent[1] != patch.cells[1])
+    refuse("extents " + text(array.layout.extent[0]) + ", " + text(array.layout.extent[1]) +
+           "; those of the patch expected, " + text(patch.cells[0]) + ", " + text(patch.cells[1]) +
+           ": its ghosts are reached by the strides between them");
+  std::stable_sort(axes.begin(), axes.end(),
+                   [](const Axis& a, const Axis& b) { return a.step < b.step; });
+  for (std::size_t i = 1; i < axes.size(); ++i)
+    if (const Axis& a = axes[i - 1], &b = axes[i]; b.step / a.cells < a.step)
+      refuse("stride " + text(b.step) + " along axis " + text(b.axis) +
+             " leaves no room for ghosts: " + text(a.cells) +
+             " cells, ghosts among them, of stride " + text(a.step) + " along axis " +
+             text(a.axis));
 }
 
 std::int64_t first_bad(std::int64_t n, const core::Threads* threads,

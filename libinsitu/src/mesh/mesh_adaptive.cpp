@@ -107,6 +107,12 @@ void Mesh::update_adaptive(const core::Threads* threads) {
                       "mesh '" + name_ + "', field '" + field->name +
                           "': in device memory; an adaptive mesh is read on the host");
   update_fields(threads);
+  for (const auto& field : fields_)
+    for (std::size_t p = 0; p < pieces_.size(); ++p)
+      for (const ExternalArray& array : field->pieces[p].arrays)
+        if (amr_pieces_[p].ghost_faces != 0)
+          check_room_for_ghosts(pieces_[p].amr.patch, array,
+                                name_of(name_, p) + ", field '" + field->name + "'");
 
   amr_view_.lattice = amr_->lattice;
   amr_view_.level_count = amr_->level_count;

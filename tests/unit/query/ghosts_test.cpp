@@ -1,0 +1,161 @@
+#include <cmath>
+#include <cstdlib>
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+#include "unit/query/ghosted_amr.h"
+
+/// The solver's ghost cells beyond the domain of an adaptive mesh.
+namespace insitu::test {
+namespace {
+
+using math::Vec3d;
+
+double linear(const Vec3d& p) {
+  return 3.0 + p.x - 2.0 * p.y + 0.5 * p.z;
+}
+double rough(const Vec3d& p) {
+  return std::sin(40 * p.x) + std::cos(31 * p.y + 7 * p.z);
+}
+std::uint8_t all_faces(std::size_t) {
+  return 63;
+}
+
+/// Points in the mesh, a third of them on faces of leaves.
+std::vector<Vec3d> points_in(AmrMesh& mesh, int count, std::uint64_t seed) {
+  std::vector<Vec3d> points;
+  const std::vector<Leaf> leaves = leaves_of(mesh);
+  const mesh::Lattice& lattice = mesh.lattice;
+  for (int i = 0; i < count; ++i) {
+    const auto r = [&](int c) {
+      return core::random_unit(seed, std::uint64_t(i), std::uint64_t(c));
+    };
+    const Leaf& leaf = leaves[std::size_t(r(0) * double(leaves.size()))];
+    Vec3d p;
+    for (int a = 0; a < 3; ++a)
+      p[a] = lattice.place(a, leaf.depth, 2 * leaf.index[std::size_t(a)]) +
+             r(1 + a) * lattice.width(a, leaf.depth);
+    if (i % 3 == 0) {
+      const int a = int(3 * r(4));
+      p[a] = lattice.place(a, leaf.depth, 2 * leaf.index[std::size_t(a)] + (r(5) < 0.5 ? 0 : 2));
+    }
+    points.push_back(p);
+  }
+  return points;
+}
+
+double value_at(const fixtures::Committed& committed, const Vec3d& p) {
+  const query::Sampler sampler = committed.sampler();
+  const query::Location at = sampler.locate(p);
+  if (!at)
+    return std::numeric_limits<double>::infinity();
+  double value;
+  sampler.interpolate(committed.mesh.mesh().field("f"), at, &value);
+  return value;
+}
+
+class Ghosts : public testing::TestWithParam<Recipe> {};
+
+/// Nothing but the ghosts beyond faces is read: all others are NaN.
+TEST_P(Ghosts, LinearFieldsAreReproducedUpToTheBoundary) {
+  GhostedAmr mesh(GetParam(), all_faces, linear);
+  for (const Vec3d& p : points_in(mesh.amr, 3000, GetParam().seed))
+    ASSERT_NEAR(value_at(mesh.committed, p), linear(p), 1e-10)
+        << GetParam().name() << " at " << p.x << ", " << p.y << ", " << p.z;
+}
+
+TEST_P(Ghosts, FieldsAloneReadThemAgain) {
+  GhostedAmr mesh(GetParam(), all_faces, linear);
+  const Vec3d p = points_in(mesh.amr, 1, 3)[0]; // on a face
+  EXPECT_NEAR(value_at(mesh.committed, p), linear(p), 1e-10);
+  mesh.fill([](const Vec3d& x) { return 5.0 - 3.0 * linear(x); });
+  EXPECT_EQ(mesh.committed.commit(INSITU_CHANGED_FIELDS).action, INSITU_KEEP);
+  for (const Vec3d& q : points_in(mesh.amr, 500, 4))
+    ASSERT_NEAR(value_at(mesh.committed, q), 5.0 - 3.0 * linear(q), 1e-9) << GetParam().name();
+}
+
+/// A face has ghosts or not, at random: the interpolant has no jumps, and where a leaf and all its
+/// neighbours have none it is as without any.
+TEST_P(Ghosts, SomeOfThemMakeNoCracks) {
+  const auto some = [](std::size_t p) {
+    return std::uint8_t(64 * core::random_unit(8, std::uint64_t(p), 0));
+  };
+  GhostedAmr mesh(GetParam(), some, rough);
+  int compared = 0;
+  for (const Vec3d& p : points_in(mesh.amr, 6000, 50 + GetParam().seed)) {
+    const auto r = [&](int c) {
+      return core::random_unit(9, std::uint64_t(compared), std::uint64_t(c));
+    };
+    const Vec3d step = 1e-11 * Vec3d{r(0) - 0.5, r(1) - 0.5, r(2) - 0.5};
+    const double a = value_at(mesh.committed, p - step), b = value_at(mesh.committed, p + step);
+    if (std::isinf(a) || std::isinf(b))
+      continue; // across the domain's boundary
+    ++compared;
+    // Slopes of some hundreds a unit, in thin corners of stitching cells, make some 1e-9.
+    ASSERT_NEAR(a, b, 1e-8) << GetParam().name() << " at " << p.x << ", " << p.y << ", " << p.z;
+  }
+  EXPECT_GT(compared, 1000);
+}
+
+/// No ghost is a cell: counts, owners and the cells' values stay as they are without.
+TEST_P(Ghosts, OwnNothing) {
+  GhostedAmr with(GetParam(), all_faces, rough),
+      without(
+          GetParam(), [](std::size_t) { return std::uint8_t(0); }, rough);
+  const insitu_amr_info a = with.committed.mesh.amr_info(), b = without.committed.mesh.amr_info();
+  EXPECT_EQ(a.leaves, b.leaves);
+  EXPECT_EQ(a.gridlets, b.gridlets);
+  EXPECT_EQ(a.cubes, b.cubes);
+  EXPECT_EQ(a.stitching, b.stitching);
+  EXPECT_GT(a.bytes, b.bytes); // the weights of vertices on the boundary
+  for (const Vec3d& p : points_in(with.amr, 1000, 20 + GetParam().seed)) {
+    const query::Location x = with.committed.sampler().locate(p),
+                          y = without.committed.sampler().locate(p);
+    ASSERT_EQ(x.cell, y.cell);
+    ASSERT_EQ(with.committed.mesh.own(x, p).cell, without.committed.mesh.own(y, p).cell);
+  }
+  for (const Leaf& leaf : leaves_of(with.amr)) {
+    Vec3d centre;
+    for (int axis = 0; axis < 3; ++axis)
+      centre[axis] = with.amr.lattice.centre(axis, leaf.depth, leaf.index[std::size_t(axis)]);
+    ASSERT_NEAR(value_at(with.committed, centre), rough(centre), 1e-12);
+    ASSERT_NEAR(value_at(without.committed, centre), rough(centre), 1e-12);
+  }
+}
+
+std::vector<Recipe> recipes() {
+  std::vector<Recipe> all;
+  for (const int kind : {0, 1, 2, 3, 4, 5})
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+      const Recipe recipe{.seed = seed, .kind = kind, .roots = 2, .levels = kind == 5 ? 4 : 3};
+      AmrMesh mesh = make_mesh(recipe);
+      if (!leaves_of(mesh).empty())
+        all.push_back(recipe);
+    }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, Ghosts, testing::ValuesIn(recipes()), [](const auto& of) {
+  return "kind" + std::to_string(of.param.kind) + "_seed" + std::to_string(of.param.seed);
+});
+
+TEST(GhostCells, OfOneFaceAlone) {
+  GhostedAmr mesh(
+      {.kind = 1, .roots = 1, .levels = 1},
+      [](std::size_t p) { return std::uint8_t(p == 0 ? 2 : 0); }, linear);
+  const mesh::AmrView& view = mesh.amr.view();
+  const mesh::AmrPieceView& piece = view.pieces[0];
+  // At the middle of the upper face of its last cell along x, where another patch may lie instead of
+  // ghosts, and along y, where it has none.
+  mesh::AmrCell cell = view.cell(piece, piece.cell_count - 1);
+  Vec3d at = RegisteredAmr::centre_of(view, cell);
+  const double centre = linear(at);
+  at.x += 0.5 * view.lattice.width(0, 0);
+  EXPECT_NEAR(value_at(mesh.committed, at), linear(at), 1e-12);
+  at.x -= 0.5 * view.lattice.width(0, 0);
+  at.y += 0.5 * view.lattice.width(1, 0);
+  EXPECT_NEAR(value_at(mesh.committed, at), centre, 1e-12); // kept
+}
+
+} // namespace
+} // namespace insitu::test
