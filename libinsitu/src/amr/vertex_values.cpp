@@ -59,6 +59,10 @@ void VertexValues::build(const BrickStore& store, const mesh::AmrView& mesh,
     add_vertex(build, key, 1.0);
     first_.push_back(std::int64_t(leaves_.size()));
   }
+  first_.shrink();
+  leaves_.shrink();
+  ghosts_.shrink();
+  weights_.shrink();
 }
 
 void VertexValues::add_virtual(const Build& build, const core::Threads& threads) {

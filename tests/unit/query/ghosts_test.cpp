@@ -145,8 +145,8 @@ TEST(GhostCells, OfOneFaceAlone) {
       [](std::size_t p) { return std::uint8_t(p == 0 ? 2 : 0); }, linear);
   const mesh::AmrView& view = mesh.amr.view();
   const mesh::AmrPieceView& piece = view.pieces[0];
-  // At the middle of the upper face of its last cell along x, where another patch may lie instead of
-  // ghosts, and along y, where it has none.
+  // At the middle of the upper face of its last cell along x, where another patch may lie instead
+  // of ghosts, and along y, where it has none.
   mesh::AmrCell cell = view.cell(piece, piece.cell_count - 1);
   Vec3d at = RegisteredAmr::centre_of(view, cell);
   const double centre = linear(at);
@@ -155,6 +155,72 @@ TEST(GhostCells, OfOneFaceAlone) {
   at.x -= 0.5 * view.lattice.width(0, 0);
   at.y += 0.5 * view.lattice.width(1, 0);
   EXPECT_NEAR(value_at(mesh.committed, at), centre, 1e-12); // kept
+}
+
+/// A patch with ghosts beside leaves, which have none; two components in arrays of their own.
+TEST(GhostCells, BesideLeaves) {
+  fixtures::Committed committed;
+  mesh::Mesh& mesh = committed.mesh.mesh();
+  insitu_amr levels = insitu_amr_default();
+  levels.level_count = 2;
+  mesh.set_amr(&levels);
+  // Cells (0..1)^3 with a layer of ghosts all around, and eight leaves that fill the cell (2, 0,
+  // 0).
+  insitu_patch patch = insitu_patch_default();
+  for (int a = 0; a < 3; ++a) {
+    patch.cells[a] = 2;
+    patch.ghosts_before[a] = patch.ghosts_after[a] = 1;
+  }
+  mesh.set_patch(0, &patch);
+  const auto f = [](double x, double y, double z, int c) {
+    return c == 0 ? 1.0 + 2.0 * x - y + 0.5 * z : 4.0 * y - 3.0 * z;
+  };
+  std::vector<float> of_patch[2], of_leaves[2];
+  std::vector<std::int32_t> depths, corners;
+  for (int c = 0; c < 2; ++c) {
+    for (int n = 0; n < 64; ++n)
+      of_patch[c].push_back(float(f(n % 4 - 0.5, n / 4 % 4 - 0.5, n / 16 - 0.5, c)));
+    for (int o = 0; o < 8; ++o)
+      of_leaves[c].push_back(
+          float(f(2.25 + 0.5 * (o & 1), 0.25 + 0.5 * (o >> 1 & 1), 0.25 + 0.5 * (o >> 2), c)));
+  }
+  for (int o = 0; o < 8; ++o) {
+    depths.push_back(1);
+    corners.insert(corners.end(), {4 + (o & 1), o >> 1 & 1, o >> 2});
+  }
+  insitu_leaves leaves = insitu_leaves_default();
+  leaves.levels = insitu_array_of(depths.data(), INSITU_INT32, 8, 1);
+  leaves.corners = insitu_array_of(corners.data(), INSITU_INT32, 8, 3);
+  mesh.set_leaves(1, &leaves);
+  insitu_array arrays[2][2];
+  for (int c = 0; c < 2; ++c) {
+    insitu_array& a = arrays[0][c] = insitu_array_of(&of_patch[c][21], INSITU_FLOAT32, 8, 1);
+    for (int axis = 0; axis < 3; ++axis) {
+      a.extent[axis] = 2;
+      a.stride[axis] = 4 << (2 * axis);
+    }
+    arrays[1][c] = insitu_array_of(of_leaves[c].data(), INSITU_FLOAT32, 8, 1);
+  }
+  for (int p = 0; p < 2; ++p)
+    mesh.set_field(p, "f", INSITU_CELL, arrays[p], 2);
+  committed.commit();
+  const query::Sampler sampler = committed.sampler();
+  const mesh::FieldView field = mesh.field("f");
+  const auto expect = [&](const Vec3d& p, const Vec3d& as_at) {
+    const query::Location at = sampler.locate(p);
+    ASSERT_TRUE(at);
+    double values[2];
+    sampler.interpolate(field, at, values);
+    for (int c = 0; c < 2; ++c) // float32 values of some units
+      EXPECT_NEAR(values[c], f(as_at.x, as_at.y, as_at.z, c), 2e-6)
+          << p.x << ", " << p.y << ", " << p.z;
+  };
+  for (const Vec3d& p : {Vec3d{0, 1, 1}, Vec3d{0, 0, 0}, Vec3d{1, 0, 2}, Vec3d{0.3, 0.1, 1.9},
+                         Vec3d{1, 2, 1}, Vec3d{2, 2, 2}}) // the patch's
+    expect(p, p);
+  expect({2.75, 0.75, 1}, {2.75, 0.75, 0.75}); // leaves keep theirs
+  expect({3, 0.25, 0.25}, {2.75, 0.25, 0.25});
+  expect({2, 0.5, 0.5}, {2, 0.5, 0.5}); // between both
 }
 
 } // namespace
