@@ -88,6 +88,9 @@ TEST_F(ReplayAdaptive, OverlappingGridsOfLevels) {
   const std::string summary = contents(path("sum.json")); // the same cells: built once
   EXPECT_NE(summary.find("\"rebuild\": 1"), std::string::npos) << summary;
   EXPECT_NE(summary.find("\"keep\": 1"), std::string::npos) << summary;
+  const Outcome checked = run("--validate blocks_0.vthb");
+  EXPECT_EQ(checked.code, 0) << checked.err;
+  EXPECT_EQ(checked.out.rfind("blocks_0.vthb: accepted, 128 cells", 0), 0u) << checked.out;
 }
 
 TEST_F(ReplayAdaptive, HyperTrees) {
