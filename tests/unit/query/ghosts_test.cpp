@@ -157,6 +157,41 @@ TEST(GhostCells, OfOneFaceAlone) {
   EXPECT_NEAR(value_at(mesh.committed, at), centre, 1e-12); // kept
 }
 
+/// Two meshes, as of two processes, whose ghosts hold each other's cells: the same samples on the
+/// face between them, away from its rim, where the ghosts beyond its sides count as well.
+TEST(GhostCells, OfAnotherProcess) {
+  const std::int64_t n = 6;
+  std::vector<double> values; // of both, [n + 2][n + 2][2 n + 2], with a layer of ghosts
+  for (std::int64_t i = 0; i < (2 * n + 2) * (n + 2) * (n + 2); ++i)
+    values.push_back(core::random_unit(31, std::uint64_t(i), 0));
+  fixtures::Committed sides[2];
+  for (int side = 0; side < 2; ++side) {
+    mesh::Mesh& mesh = sides[side].mesh.mesh();
+    const insitu_amr levels = insitu_amr_default();
+    mesh.set_amr(&levels);
+    insitu_patch patch = insitu_patch_default();
+    insitu_array a =
+        insitu_array_of(&values[std::size_t(side * n + 1 + (2 * n + 2) * (1 + (n + 2)))],
+                        INSITU_FLOAT64, n * n * n, 1);
+    patch.lower[0] = side * n;
+    for (int axis = 0; axis < 3; ++axis) {
+      patch.cells[axis] = a.extent[axis] = n;
+      patch.ghosts_before[axis] = patch.ghosts_after[axis] = 1;
+      a.stride[axis] = axis == 0 ? 8 : axis == 1 ? 8 * (2 * n + 2) : 8 * (2 * n + 2) * (n + 2);
+    }
+    mesh.set_patch(0, &patch);
+    mesh.set_field(0, "f", INSITU_CELL, &a, 1);
+    sides[side].commit();
+  }
+  for (int i = 0; i < 500; ++i) {
+    const auto r = [&](int c) {
+      return 0.5 + double(n - 1) * core::random_unit(32, std::uint64_t(i), std::uint64_t(c));
+    };
+    const Vec3d p{double(n), r(0), r(1)};
+    ASSERT_NEAR(value_at(sides[0], p), value_at(sides[1], p), 1e-14) << p.y << ", " << p.z;
+  }
+}
+
 /// A patch with ghosts beside leaves, which have none; two components in arrays of their own.
 TEST(GhostCells, BesideLeaves) {
   fixtures::Committed committed;
