@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <vector>
 
 #include "core/status.h"
 
@@ -198,35 +197,36 @@ AmrPieceView view_of(const AmrPiece& piece, const AmrLevels& levels, const std::
   return v;
 }
 
-void check_room_for_ghosts(const insitu_patch& patch, const ExternalArray& array,
-                           const std::string& name) {
-  const auto refuse = [&](const std::string& what) {
-    throw Error(INSITU_ERROR_FIELD, name + ": " + what);
-  };
+std::string why_no_ghosts(const insitu_patch& patch, const ExternalArray& array) {
   if (array.indirect)
-    refuse("indirect; the fields of a patch with ghosts are reached by strides");
+    return "indirect; the fields of a patch with ghosts are reached by strides";
+  const ItemLayout& layout = array.layout;
+  if (layout.extent[0] != patch.cells[0] || layout.extent[1] != patch.cells[1])
+    return "extents " + text(layout.extent[0]) + ", " + text(layout.extent[1]) +
+           "; those of the patch expected, " + text(patch.cells[0]) + ", " + text(patch.cells[1]) +
+           ": its ghosts are reached by the strides between them";
   // Axes with more than one cell, the one of the smallest steps first.
   struct Axis {
     int axis;
     std::int64_t step, cells;
-  };
-  std::vector<Axis> axes;
-  for (int a = 0; a < 3; ++a)
-    if (const std::int64_t n = patch.cells[a] + patch.ghosts_before[a] + patch.ghosts_after[a];
-        n > 1)
-      axes.push_back({a, std::abs(array.layout.stride[a]), n});
-  if (array.layout.extent[0] != patch.cells[0] || array.layout.extent[1] != patch.cells[1])
-    refuse("extents " + text(array.layout.extent[0]) + ", " + text(array.layout.extent[1]) +
-           "; those of the patch expected, " + text(patch.cells[0]) + ", " + text(patch.cells[1]) +
-           ": its ghosts are reached by the strides between them");
-  std::stable_sort(axes.begin(), axes.end(),
-                   [](const Axis& a, const Axis& b) { return a.step < b.step; });
-  for (std::size_t i = 1; i < axes.size(); ++i)
+  } axes[3];
+  int count = 0;
+  for (int a = 0; a < 3; ++a) {
+    const std::int64_t n = patch.cells[a] + patch.ghosts_before[a] + patch.ghosts_after[a];
+    if (n == 1)
+      continue;
+    const Axis next = {a, std::abs(layout.stride[a]), n};
+    int at = count++;
+    for (; at > 0 && axes[at - 1].step > next.step; --at)
+      axes[at] = axes[at - 1];
+    axes[at] = next;
+  }
+  for (int i = 1; i < count; ++i)
     if (const Axis& a = axes[i - 1], &b = axes[i]; b.step / a.cells < a.step)
-      refuse("stride " + text(b.step) + " along axis " + text(b.axis) +
+      return "stride " + text(b.step) + " along axis " + text(b.axis) +
              " leaves no room for ghosts: " + text(a.cells) +
-             " cells, ghosts among them, of stride " + text(a.step) + " along axis " +
-             text(a.axis));
+             " cells, ghosts among them, of stride " + text(a.step) + " along axis " + text(a.axis);
+  return {};
 }
 
 std::int64_t first_bad(std::int64_t n, const core::Threads* threads,

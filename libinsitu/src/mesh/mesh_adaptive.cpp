@@ -111,8 +111,9 @@ void Mesh::update_adaptive(const core::Threads* threads) {
     for (std::size_t p = 0; p < pieces_.size(); ++p)
       for (const ExternalArray& array : field->pieces[p].arrays)
         if (amr_pieces_[p].ghost_faces != 0)
-          check_room_for_ghosts(pieces_[p].amr.patch, array,
-                                name_of(name_, p) + ", field '" + field->name + "'");
+          if (const std::string why = why_no_ghosts(pieces_[p].amr.patch, array); !why.empty())
+            throw Error(INSITU_ERROR_FIELD,
+                        name_of(name_, p) + ", field '" + field->name + "': " + why);
 
   amr_view_.lattice = amr_->lattice;
   amr_view_.level_count = amr_->level_count;

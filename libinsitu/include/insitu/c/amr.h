@@ -2,8 +2,8 @@
  *  Adaptive meshes: cell-centred patches of levels, or leaves of octrees, as the solver stores
  *  them. Values are given by insitu_mesh_field with INSITU_CELL; extents and strides of the arrays
  *  say where ghost layers are left out, and C order. Between cell centres they are interpolated on
- * the dual mesh, which a commit of INSITU_CHANGED_TOPOLOGY (a regrid) builds; other commits keep
- * it. */
+ *  the dual mesh, which a commit of INSITU_CHANGED_TOPOLOGY (a regrid) builds; other commits keep
+ *  it. */
 #ifndef INSITU_C_AMR_H
 #define INSITU_C_AMR_H
 
@@ -67,8 +67,7 @@ INSITU_API insitu_status insitu_mesh_amr(insitu_mesh mesh, const insitu_amr* amr
  *  (extents and data are still those of the cells alone, and ghosts lie the strides before and
  *  after). The first layer is read, by commits of INSITU_CHANGED_FIELDS too, across faces only, and
  *  only where no cell of the mesh lies. Ghosts own no point and are counted nowhere. At other faces
- *  of the domain the value of the outermost centre is kept; the values in between are continuous.
- */
+ *  of the domain the value of the outermost centre is kept; samples are continuous all the same. */
 typedef struct insitu_patch {
   size_t size;
   int32_t level;
