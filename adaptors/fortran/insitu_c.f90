@@ -162,6 +162,7 @@ module insitu_c
     integer(c_size_t) :: size = 0
     integer(c_int32_t) :: level = 0
     integer(c_int64_t) :: lower(3) = 0, cells(3) = 0
+    integer(c_int32_t) :: ghosts_before(3) = 0, ghosts_after(3) = 0
   end type c_patch
 
   type, bind(c) :: c_leaves

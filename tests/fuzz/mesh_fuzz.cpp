@@ -15,36 +15,13 @@
 #include <limits>
 #include <vector>
 
-#include "insitu/insitu.h"
+#include "promises.h"
 
 namespace {
 
-void require(bool holds, const char* what) {
-  if (!holds) {
-    std::fprintf(stderr, "broken promise: %s; last message: %s\n", what, insitu_last_message());
-    std::abort();
-  }
-}
-
-/// A known status; and a message if it is a failure. True if it is none.
-bool check(insitu_status status) {
-  require(status >= INSITU_OK && status <= INSITU_ERROR_ACTION, "a status that says why");
-  require(status == INSITU_OK || insitu_last_message()[0] != '\0', "a message");
-  return status == INSITU_OK;
-}
-
-class Bytes {
-public:
-  Bytes(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
-  bool empty() const { return at_ >= size_; }
-  unsigned byte() { return empty() ? 0 : data_[at_++]; }
-  unsigned below(unsigned n) { return byte() % n; }
-  bool one_in(unsigned n) { return below(n) == 1; }
-
-private:
-  const std::uint8_t* data_;
-  std::size_t size_, at_ = 0;
-};
+using fuzz::Bytes;
+using fuzz::check;
+using fuzz::require;
 
 class Solver {
 public:
@@ -71,12 +48,12 @@ private:
       good_mesh();
       break;
     case 1: {
-      const insitu_array a = reals(in_.one_in(8) ? 2 : 3, count());
+      const insitu_array a = reals(in_.one_in(8) ? 2 : 3, in_.count());
       check(insitu_mesh_points(mesh_, piece, &a, 1));
       break;
     }
     case 2: {
-      const std::int64_t n = count();
+      const std::int64_t n = in_.count();
       const insitu_array a[3] = {reals(1, n), reals(1, n), reals(1, in_.one_in(8) ? n + 1 : n)};
       check(insitu_mesh_points(mesh_, piece, a, in_.one_in(8) ? 2 : 3));
       break;
@@ -88,18 +65,18 @@ private:
       block(piece);
       break;
     case 5: {
-      const insitu_array a = reals(1 + std::int32_t(in_.below(4)), count());
-      check(insitu_mesh_field(mesh_, piece, name(), insitu_association(in_.below(3)), &a, 1));
+      const insitu_array a = reals(1 + std::int32_t(in_.below(4)), in_.count());
+      check(insitu_mesh_field(mesh_, piece, in_.name(), insitu_association(in_.below(3)), &a, 1));
       break;
     }
     case 6: {
-      const insitu_array a = array(INSITU_UINT8, 1, count());
+      const insitu_array a = array(INSITU_UINT8, 1, in_.count());
       check(insitu_mesh_ghosts(mesh_, piece, in_.one_in(4) ? nullptr : &a,
                                insitu_ghost_convention(in_.below(3))));
       break;
     }
     case 7:
-      check(insitu_mesh_remove_field(mesh_, name()));
+      check(insitu_mesh_remove_field(mesh_, in_.name()));
       break;
     case 8: // the arrays change, and the solver says so
       spoil();
@@ -130,48 +107,11 @@ private:
     require(report.cells >= 0 && report.vertices >= 0 && report.bytes >= 0 &&
                 report.cost_ratio >= 0,
             "a report");
-    // Ask at vertices, between them and elsewhere.
-    std::vector<double> x;
-    for (unsigned i = 0; i < 12; ++i)
-      x.push_back(i % 3 == 0 ? real() : double(in_.below(9)) / 4);
-    std::int64_t owner[4];
-    std::uint8_t found[4];
-    double parametric[12], value[16];
-    double* values[1] = {value};
-    const insitu_array points = insitu_array_of(x.data(), INSITU_FLOAT64, 4, 3);
-    insitu_sample_args args = insitu_sample_args_default();
-    args.locate.points = &points;
-    args.locate.accuracy = insitu_accuracy(in_.below(3));
-    args.locate.cells = owner;
-    args.locate.found = found;
-    args.locate.parametric = parametric;
-    require(insitu_mesh_locate(mesh_, &args.locate) == INSITU_OK, "locate after commit");
-    for (int i = 0; i < 4; ++i) {
-      require(owner[i] >= -1 && owner[i] < report.cells, "an owner among the cells");
-      require((owner[i] >= 0) == (found[i] == 1), "found is that there is an owner");
-      require(std::isnan(parametric[3 * i]) == (owner[i] < 0), "parametric coordinates inside");
-    }
-    const char* field = name();
-    args.fields = &field;
-    args.field_count = 1;
-    args.values = values;
-    int32_t components = 0;
-    if (check(insitu_mesh_field_info(mesh_, field, &components, nullptr)) && components <= 4)
-      require(insitu_mesh_sample(mesh_, &args) == INSITU_OK, "sample after commit");
+    fuzz::ask(in_, mesh_, report.cells);
   }
 
   // Arguments.
 
-  std::int64_t count() { return in_.one_in(16) ? 0 : 1 + in_.below(32); }
-  const char* name() {
-    constexpr const char* names[] = {"f", "velocity", "", "f\n"};
-    return names[in_.below(4)];
-  }
-  double real() {
-    constexpr double special[] = {0.0,   -0.0,  NAN,    HUGE_VAL, -HUGE_VAL, 1e300,
-                                  -1e37, 1e-40, 5e-324, 1e38,     1e37,      -1e-300};
-    return in_.one_in(6) ? special[in_.below(12)] : (double(in_.byte()) - 64.0) / 32.0;
-  }
   std::int64_t index() {
     constexpr std::int64_t special[] = {-1,        std::numeric_limits<std::int64_t>::min(),
                                         INT32_MAX, std::numeric_limits<std::int64_t>::max(),
@@ -187,7 +127,7 @@ private:
   insitu_array array(insitu_type type, std::int32_t components, std::int64_t n) {
     insitu_array a = insitu_array_of(nullptr, type, n, components);
     if (in_.one_in(24)) {
-      impossible(a);
+      fuzz::make_impossible(in_, a);
       return a;
     }
     const std::int64_t item = type == INSITU_UINT8                             ? 1
@@ -231,9 +171,9 @@ private:
     const auto put = [&](auto value) { std::memcpy(to, &value, sizeof value); };
     switch (type) {
     case INSITU_FLOAT32:
-      return put(float(real()));
+      return put(float(in_.real()));
     case INSITU_FLOAT64:
-      return put(real());
+      return put(in_.real());
     case INSITU_INT32:
       return put(std::int32_t(std::uint64_t(index())));
     case INSITU_INT64:
@@ -243,47 +183,14 @@ private:
     }
   }
 
-  void impossible(insitu_array& a) {
-    constexpr std::int64_t wild[] = {std::numeric_limits<std::int64_t>::min(),
-                                     std::numeric_limits<std::int64_t>::max(),
-                                     -(std::int64_t(1) << 62)};
-    switch (in_.below(8)) {
-    case 0:
-      a.size = in_.byte();
-      break;
-    case 1:
-      a.type = insitu_type(in_.byte() % 2 ? 0 : 6 + in_.byte());
-      break;
-    case 2:
-      a.count = -1 - std::int64_t(in_.byte());
-      break;
-    case 3:
-      a.count = wild[in_.below(2)];
-      break;
-    case 4:
-      a.components = in_.one_in(2) ? -std::int32_t(in_.byte()) : INT32_MAX;
-      break;
-    case 5:
-      a.count = 7;
-      a.data = &zero_;
-      a.stride[0] = wild[in_.below(3)];
-      break;
-    case 6:
-      a.extent[in_.below(3)] = wild[in_.below(3)];
-      break;
-    default: // null, though it has items
-      a.count = 1 + in_.byte();
-    }
-  }
-
   void cells(std::int32_t piece) {
     insitu_cells c = insitu_cells_default();
-    c.count = in_.one_in(24) ? -1 - std::int64_t(in_.byte()) : count();
+    c.count = in_.one_in(24) ? -1 - std::int64_t(in_.byte()) : in_.count();
     c.layout = insitu_layout(in_.below(in_.one_in(8) ? 5 : 3));
     c.shape = insitu_shape(in_.one_in(8) ? in_.byte() : 10 + in_.below(5));
     c.index_base = std::int32_t(in_.below(in_.one_in(8) ? 3 : 2));
     constexpr std::int32_t vertices[] = {4, 8, 8, 6, 5};
-    const std::int64_t held = in_.one_in(8) ? count() : (c.count > 0 ? c.count : 1);
+    const std::int64_t held = in_.one_in(8) ? in_.count() : (c.count > 0 ? c.count : 1);
     const insitu_type integer = in_.one_in(2) ? INSITU_INT32 : INSITU_INT64;
     const bool known = c.shape >= 10 && c.shape <= 14;
     const std::int32_t ids = c.layout == INSITU_LAYOUT_PADDED ? 8
@@ -303,9 +210,9 @@ private:
     b.kind = insitu_block_kind(in_.below(in_.one_in(8) ? 5 : 3));
     for (int a = 0; a < 3; ++a) {
       b.vertices[a] = in_.one_in(16) ? std::int64_t(in_.byte()) - 250 : 1 + in_.below(4);
-      b.origin[a] = real();
-      b.spacing[a] = in_.one_in(4) ? real() : 0.5;
-      b.coordinates[a] = reals(1, in_.one_in(8) ? count() : 4);
+      b.origin[a] = in_.real();
+      b.spacing[a] = in_.one_in(4) ? in_.real() : 0.5;
+      b.coordinates[a] = reals(1, in_.one_in(8) ? in_.count() : 4);
     }
     check(insitu_mesh_block(mesh_, piece, &b));
   }
@@ -349,7 +256,7 @@ private:
 
   void move() {
     for (unsigned n = in_.below(4); n > 0 && good_points_; --n) {
-      const double x = real();
+      const double x = in_.real();
       std::memcpy(good_points_ + 8 * (in_.byte() % 81), &x, 8);
     }
   }
@@ -367,7 +274,6 @@ private:
   std::uint8_t* good_points_ = nullptr;
   Last last_;
   bool types_ = false;
-  double zero_ = 0.0;
 };
 
 } // namespace

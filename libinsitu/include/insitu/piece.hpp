@@ -146,13 +146,16 @@ public:
   }
 
   /** A patch of an adaptive mesh (see Mesh::adaptive): the cells lower to lower + cells - 1 of a
-   *  level; cell (i, j, k) of it has the id i + cells[0]*(j + cells[1]*k). */
+   *  level; cell (i, j, k) of it has the id i + cells[0]*(j + cells[1]*k). ghosts: layers that the
+   *  arrays of its fields hold around these cells, for samples beside the boundary (insitu_patch). */
   void patch(int level, const std::array<std::int64_t, 3>& lower,
-             const std::array<std::int64_t, 3>& cells) {
+             const std::array<std::int64_t, 3>& cells, const PatchGhosts& ghosts = {}) {
     insitu_patch p = insitu_patch_default();
     p.level = level;
     std::copy(lower.begin(), lower.end(), p.lower);
     std::copy(cells.begin(), cells.end(), p.cells);
+    std::copy(ghosts.before.begin(), ghosts.before.end(), p.ghosts_before);
+    std::copy(ghosts.after.begin(), ghosts.after.end(), p.ghosts_after);
     detail::check(insitu_mesh_patch(handle(), index_, &p));
     state_->counts(index_) = {0, cells[0] * cells[1] * cells[2]};
   }

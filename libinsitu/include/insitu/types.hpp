@@ -90,6 +90,12 @@ struct LeafLattice {
   std::array<std::int64_t, 3> offset{{0, 0, 0}}; /**< added to corners */
 };
 
+/** Layers of ghost cells that the arrays of a patch's fields hold around it, along i, j, k; see
+ *  insitu_patch. */
+struct PatchGhosts {
+  std::array<int, 3> before{{0, 0, 0}}, after{{0, 0, 0}};
+};
+
 using AmrInfo = insitu_amr_info;
 using CommitReport = insitu_commit_report;
 using AuditEntry = insitu_audit_entry;

@@ -17,10 +17,15 @@ struct VertexKey {
   bool operator==(const VertexKey&) const = default;
 };
 
+/// Whether a vertex is moved along an axis: 0 no, 1 to the lower, 2 to the upper face.
+inline std::uint32_t move_along(std::uint32_t moves, int axis) {
+  constexpr std::uint32_t weight[3] = {1, 3, 9};
+  return moves / weight[axis] % 3;
+}
+
 /// Of a leaf's vertex along an axis, in half cells of the leaf's depth: its place.
 inline std::int64_t halves(std::int64_t cell_index, std::uint32_t moves, int axis) {
-  constexpr std::uint32_t weight[3] = {1, 3, 9};
-  const std::uint32_t move = moves / weight[axis] % 3;
+  const std::uint32_t move = move_along(moves, axis);
   return 2 * cell_index + (move == 0 ? 1 : move == 1 ? 0 : 2);
 }
 

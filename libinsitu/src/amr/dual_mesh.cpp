@@ -2,6 +2,7 @@
 
 #include "amr/dual_parts.h"
 #include "amr/stitching.h"
+#include "amr/vertex_values.h"
 #include "core/status.h"
 
 namespace insitu::amr {
@@ -24,7 +25,7 @@ struct DualMesh::State {
   core::Buffer<std::uint64_t> full;
   core::Buffer<std::uint32_t> leaves;
   Stitching stitching;
-  VirtualValues values;
+  VertexValues values;
   std::int64_t first_virtual = 0; ///< id
   mesh::GridletsView gridlets_view;
   mesh::PieceView pieces[2];
@@ -137,7 +138,8 @@ void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads) {
         make_dual_parts(s.map.store(), s.map.lattice(), s.first_virtual, s.memory, threads);
     s.gather(dual.parts, threads);
     s.stitching.build(dual.parts, mesh, dual.made, threads);
-    s.values.build(s.map.store(), dual.made, s.stitching.means(), threads);
+    s.values.build(s.map.store(), mesh, dual.made, s.stitching.means(),
+                   s.stitching.take_on_boundary(), threads);
     s.counts.leaves = s.map.leaf_count();
     s.counts.masked = s.map.masked_count();
     count_cells(dual.parts, s.counts);
@@ -170,9 +172,10 @@ const mesh::MeshView& DualMesh::view() const {
 DualMesh::Terms DualMesh::terms(std::int64_t vertex) const {
   const std::uint32_t* leaf = state_->stitching.leaves() + vertex;
   if (*leaf < state_->first_virtual)
-    return {leaf, nullptr, 1};
+    return {leaf, nullptr, nullptr, 1};
   const std::int64_t n = *leaf - state_->first_virtual;
-  return {state_->values.leaves(n), state_->values.weights(n), state_->values.count(n)};
+  const VertexValues& values = state_->values;
+  return {values.leaves(n), values.weights(n), values.ghosts(n), values.count(n)};
 }
 
 } // namespace insitu::amr

@@ -30,16 +30,21 @@ struct DualCounts {
 /// others are stitching cells.
 ///
 /// Between the outermost centres and the domain's boundary lie cells whose vertices are the centres
-/// and their projections to the boundary, with the same values, so that the cells cover the domain.
-/// At re-entrant corners the domain is filled with pyramids and tetrahedra from the corner, which
-/// has the mean of the leaves' values (reentrant.h). Only where a domain ends in the middle of
-/// leaves' faces, without a leaf of their depth beside them, may faces in its planes not match one
-/// to one; cells cover such domains once, too, but the interpolant may jump at those planes.
+/// and their projections to the boundary, so that the cells cover the domain. The projections have
+/// the same values, or, where the solver has ghost cells beyond, values between the leaf's and
+/// theirs. At re-entrant corners the domain is filled with pyramids and tetrahedra from the corner,
+/// which has the mean of the leaves' values (reentrant.h), or with ghost cells all around the mean
+/// of their extrapolations. With ghost cells everywhere, linear fields are reproduced up to the
+/// boundary; a vertex has one value whatever its leaf has beyond, so the interpolant does not jump
+/// where patches with and without ghost cells meet (vertex_values.h). Only where a domain ends in
+/// the middle of leaves' faces, without a leaf of their depth beside them, may faces in its planes
+/// not match one to one; cells cover such domains once, too, but the interpolant may jump at those
+/// planes.
 ///
 /// Where depths differ by more than one around a corner, cells can fold. Coarse leaves around such
 /// cells are split virtually, for the dual mesh alone, until none folds: then every Jacobian is
 /// positive and faces match in pairs, so cells cover every point once. A virtual leaf's value is
-/// linear in the real one's and its neighbours' (virtual_leaves.h).
+/// linear in the real one's and its neighbours' (vertex_values.h).
 class DualMesh {
 public:
   explicit DualMesh(core::Memory& memory);
@@ -58,13 +63,16 @@ public:
   /// points of their own). Valid until the next build.
   const mesh::MeshView& view() const;
 
-  /// Where the value of a vertex of piece 1 comes from: one leaf, or for a virtual leaf and in a
-  /// re-entrant corner the sum of weight * value over some, which may name a leaf more than once.
-  /// A vertex on the domain's boundary has the value of the leaf that it was moved from. Vertices
-  /// of piece 0 are leaves (GridletsView::leaves).
+  /// Where the value of a vertex of piece 1 comes from: one leaf, or for a virtual leaf, in a
+  /// re-entrant corner and beside ghost cells the sum of weight * value over some, which may name a
+  /// leaf more than once. Other vertices on the domain's boundary have the value of the leaf that
+  /// they were moved from. Vertices of piece 0 are leaves (GridletsView::leaves).
   struct Terms {
     const std::uint32_t* leaves = nullptr;
     const double* weights = nullptr; ///< null: one term of weight 1
+    /// The face of the leaf (2 axis + side) across which the term's ghost cell lies, or no_ghost
+    /// (leaf_gradient.h) if it is the leaf itself; null: none is a ghost cell.
+    const std::uint8_t* ghosts = nullptr;
     int count = 0;
   };
   Terms terms(std::int64_t vertex) const;

@@ -90,7 +90,10 @@ private:
     for (int nearer = 1; nearer < 8; nearer *= 2)
       if (w.x == double(-nearer) * u.x && u.key.moves != mean_moves && w.key.moves != mean_moves) {
         std::fill_n(mean.leaves, nearer, u.key.leaf);
+        std::fill_n(mean.moves, nearer, std::uint8_t(u.key.moves));
         mean.leaves[nearer] = w.key.leaf;
+        mean.moves[nearer] = std::uint8_t(w.key.moves);
+        mean.on_line = true;
         mean.count = std::uint8_t(nearer + 1);
       }
   }

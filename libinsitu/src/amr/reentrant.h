@@ -7,11 +7,14 @@
 
 namespace insitu::amr {
 
-/// A vertex that is no leaf's: its value is the mean of some leaves' (virtual ones, too).
+/// A vertex that is no leaf's: its value is the mean of some leaves' (virtual ones, too), or, in a
+/// line with leaves' vertices, of the values there (vertex_values.h).
 struct MeanVertex {
   math::Vec3d x;
   std::uint32_t leaves[8];
+  std::uint8_t moves[8]; ///< see VertexKey; of those in a line
   std::uint8_t count;
+  bool on_line;
 };
 
 /// VertexKey::moves of a MeanVertex; the key's leaf is its number.

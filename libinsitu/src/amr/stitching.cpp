@@ -6,6 +6,7 @@
 #include <string>
 
 #include "amr/cell_runs.h"
+#include "amr/leaf_gradient.h"
 #include "core/status.h"
 
 namespace insitu::amr {
@@ -99,6 +100,15 @@ bool before(const Vec3d& a, const Vec3d& b) {
   return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
+/// Whether a leaf's vertex is moved to the boundary where the solver has a ghost cell beyond.
+bool meets_ghost(const mesh::AmrView& mesh, std::uint32_t real_leaf, std::uint32_t moves) {
+  for (int a = 0; a < 3; ++a)
+    if (const int move = int(move_along(moves, a)); move != 0)
+      if (has_ghost(mesh, real_leaf, 2 * a + move - 1))
+        return true;
+  return false;
+}
+
 /// All parts' means, one for each place.
 std::vector<MeanVertex> merge_means(const std::vector<DualPart>& parts) {
   std::vector<MeanVertex> means;
@@ -122,6 +132,7 @@ void Stitching::clear() {
   ids_.resize_discard(0);
   points_.resize_discard(0);
   means_.clear();
+  on_boundary_.clear();
   leaves_.resize_discard(0);
 }
 
@@ -172,31 +183,53 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
   });
   points_.resize_discard(std::size_t(3 * vertices));
   leaves_.resize_discard(std::size_t(vertices));
+  // Of each vertex that ghost cells give a value; else 0.
+  std::vector<std::uint8_t> moves_of(mesh.has_ghosts() ? std::size_t(of_leaves) : 0, 0);
   threads.parallel_for(numbering.word_count(), 256, [&](std::int64_t begin, std::int64_t end) {
     mesh::AmrCell cell;
-    std::uint32_t cell_of = BrickStore::nothing;
+    std::uint32_t cell_of = BrickStore::nothing, real = cell_of;
     for (std::int64_t w = begin; w < end; ++w)
       numbering.for_vertices(w, [&](std::uint32_t leaf, std::uint32_t moves, std::uint32_t v) {
         if (leaf != cell_of) {
-          cell_of = leaf;
-          if (leaf >= mesh.cell_count())
-            cell = virtual_leaves.leaves[std::size_t(leaf - mesh.cell_count())].cell;
-          else
+          cell_of = real = leaf;
+          if (leaf >= mesh.cell_count()) {
+            const VirtualLeaves::Leaf& made =
+                virtual_leaves.leaves[std::size_t(leaf - mesh.cell_count())];
+            cell = made.cell;
+            real = made.real_id;
+          } else {
             cell = cell_at(mesh, leaf);
+          }
         }
         leaves_[v] = leaf;
+        if (moves != 0 && !moves_of.empty() && meets_ghost(mesh, real, moves))
+          moves_of[v] = std::uint8_t(moves);
         for (int a = 0; a < 3; ++a)
           points_[3 * std::size_t(v) + std::size_t(a)] =
               mesh.lattice.place(a, cell.depth, halves(cell.index[a], moves, a));
       });
   });
   const std::int64_t first_mean = mesh.cell_count() + std::int64_t(virtual_leaves.leaves.size());
+  number_on_boundary(moves_of, first_mean + std::int64_t(means_.size()));
   for (std::size_t m = 0; m < means_.size(); ++m) {
     const std::size_t v = std::size_t(of_leaves) + m;
     leaves_[v] = std::uint32_t(first_mean + std::int64_t(m));
     for (int a = 0; a < 3; ++a)
       points_[3 * v + std::size_t(a)] = means_[m].x[a];
   }
+}
+
+void Stitching::number_on_boundary(const std::vector<std::uint8_t>& moves, std::int64_t first) {
+  for (std::size_t v = 0; v < moves.size(); ++v)
+    if (moves[v] != 0) {
+      on_boundary_.push_back({leaves_[v], moves[v]});
+      leaves_[v] = std::uint32_t(first++);
+    }
+  if (first > std::int64_t(UINT32_MAX))
+    throw core::Error(INSITU_ERROR_MESH,
+                      "an adaptive mesh needs " + std::to_string(first) +
+                          " values of leaves, split leaves and vertices on the boundary; at most "
+                          "2^32 - 1 can be numbered");
 }
 
 mesh::PieceView Stitching::piece() const {

@@ -27,14 +27,21 @@ public:
   mesh::PieceView piece() const;
   /// The vertices in re-entrant corners; of the last build.
   std::span<const MeanVertex> means() const { return means_; }
-  /// A vertex's leaf; means are numbered like further virtual leaves.
+  /// The vertices on the domain's boundary that ghost cells give a value; of the last build, which
+  /// keeps them no longer.
+  std::vector<VertexKey> take_on_boundary() { return std::move(on_boundary_); }
+  /// A vertex's leaf; means, and after them vertices on the boundary that ghost cells give a value,
+  /// are numbered like further virtual leaves.
   const std::uint32_t* leaves() const { return leaves_.data(); }
 
 private:
   core::Buffer<std::int32_t> ids_;
   core::Buffer<double> points_;
   core::Buffer<std::uint32_t> leaves_;
+  void number_on_boundary(const std::vector<std::uint8_t>& moves, std::int64_t first);
+
   std::vector<MeanVertex> means_;
+  std::vector<VertexKey> on_boundary_;
 };
 
 } // namespace insitu::amr

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "mesh/array_view.h"
@@ -16,6 +17,7 @@ struct AmrPieceView {
   int depth = 0;
   std::int64_t lower[3] = {0, 0, 0};
   std::int64_t size[3] = {0, 0, 0};
+  std::uint8_t ghost_faces = 0; ///< a bit a face, 2 axis + side: its fields hold ghost cells there
   // Leaves: a level each, and the index of the lower corner.
   const std::byte* levels = nullptr; ///< int8 (uint8), int32 or int64
   std::int64_t levels_stride = 0;
@@ -28,6 +30,9 @@ struct AmrPieceView {
   // Leaves kept as records: the arrays hold pointers, and what they mean lies so many bytes behind.
   bool levels_indirect = false, corner_indirect = false;
   std::int64_t levels_behind = 0, corner_behind[3] = {0, 0, 0};
+
+  /// Whether a cell of the patch lies at that face of it.
+  bool is_at_face(const struct AmrCell& cell, int face) const;
 
   INSITU_HD std::int64_t raw_level(std::int64_t cell) const {
     const std::byte* p = levels + cell * levels_stride;
@@ -50,6 +55,11 @@ struct AmrCell {
   std::int64_t index[3] = {0, 0, 0};
 };
 
+inline bool AmrPieceView::is_at_face(const AmrCell& cell, int face) const {
+  const int a = face >> 1;
+  return cell.index[a] == (face & 1 ? lower[a] + size[a] - 1 : lower[a]);
+}
+
 /// All pieces of an adaptive mesh, checked apart from each other: indices are in range, but patches
 /// may lie on or under others. Cells are numbered flat over the pieces. Valid until the next update
 /// of the registrations.
@@ -65,6 +75,10 @@ struct AmrView {
 
   INSITU_HD std::int64_t cell_count() const { return first_cell[piece_count]; }
   int finest_depth() const { return depth_of[level_count - 1]; }
+  bool has_ghosts() const {
+    return std::any_of(pieces, pieces + piece_count,
+                       [](const AmrPieceView& p) { return p.ghost_faces != 0; });
+  }
 
   /// Where a cell of a piece lies.
   INSITU_HD AmrCell cell(const AmrPieceView& piece, std::int64_t cell) const {

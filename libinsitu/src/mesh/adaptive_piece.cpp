@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "core/status.h"
 
@@ -105,6 +106,10 @@ AmrPiece adopt_patch(const insitu_patch* patch, const std::string& name) {
                        text(-Lattice::largest_index) + " to " + text(Lattice::largest_index - 1) +
                        " expected");
     product *= double(n);
+    for (const std::int32_t layers : {patch->ghosts_before[a], patch->ghosts_after[a]})
+      if (constexpr int most_layers = 1 << 20; layers < 0 || layers > most_layers)
+        refuse(name, text(layers) + " layers of ghosts" + along + ", 0 to " + text(most_layers) +
+                         " expected");
   }
   if (product > 0x1p62)
     refuse(name, text(patch->cells) + " cells are more than 64 bits count");
@@ -167,6 +172,9 @@ AmrPieceView view_of(const AmrPiece& piece, const AmrLevels& levels, const std::
     v.cell_count = p.cells[0] * p.cells[1] * p.cells[2];
     std::copy(p.lower, p.lower + 3, v.lower);
     std::copy(p.cells, p.cells + 3, v.size);
+    for (int a = 0; a < 3; ++a)
+      v.ghost_faces |= std::uint8_t((p.ghosts_before[a] > 0 ? 1 << 2 * a : 0) |
+                                    (p.ghosts_after[a] > 0 ? 2 << 2 * a : 0));
     return v;
   }
   const ExternalArray &l = piece.levels, &c = piece.corners;
@@ -187,6 +195,38 @@ AmrPieceView view_of(const AmrPiece& piece, const AmrLevels& levels, const std::
     v.offset[a] = piece.offset[a];
   }
   return v;
+}
+
+std::string why_no_ghosts(const insitu_patch& patch, const ExternalArray& array) {
+  if (array.indirect)
+    return "indirect; the fields of a patch with ghosts are reached by strides";
+  const ItemLayout& layout = array.layout;
+  if (layout.extent[0] != patch.cells[0] || layout.extent[1] != patch.cells[1])
+    return "extents " + text(layout.extent[0]) + ", " + text(layout.extent[1]) +
+           "; those of the patch expected, " + text(patch.cells[0]) + ", " + text(patch.cells[1]) +
+           ": its ghosts are reached by the strides between them";
+  // Axes with more than one cell, the one of the smallest steps first.
+  struct Axis {
+    int axis;
+    std::int64_t step, cells;
+  } axes[3];
+  int count = 0;
+  for (int a = 0; a < 3; ++a) {
+    const std::int64_t n = patch.cells[a] + patch.ghosts_before[a] + patch.ghosts_after[a];
+    if (n == 1)
+      continue;
+    const Axis next = {a, std::abs(layout.stride[a]), n};
+    int at = count++;
+    for (; at > 0 && axes[at - 1].step > next.step; --at)
+      axes[at] = axes[at - 1];
+    axes[at] = next;
+  }
+  for (int i = 1; i < count; ++i)
+    if (const Axis& a = axes[i - 1], &b = axes[i]; b.step / a.cells < a.step)
+      return "stride " + text(b.step) + " along axis " + text(b.axis) +
+             " leaves no room for ghosts: " + text(a.cells) +
+             " cells, ghosts among them, of stride " + text(a.step) + " along axis " + text(a.axis);
+  return {};
 }
 
 std::int64_t first_bad(std::int64_t n, const core::Threads* threads,

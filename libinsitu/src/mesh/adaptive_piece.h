@@ -43,6 +43,9 @@ AmrPiece adopt_leaves(const insitu_leaves* leaves, const std::string& name);
 /// checked by check_leaves.
 AmrPieceView view_of(const AmrPiece& piece, const AmrLevels& levels, const std::string& name);
 
+/// Why ghost layers of the patch cannot lie between the rows of a field's array; empty: they can.
+std::string why_no_ghosts(const insitu_patch& patch, const ExternalArray& array);
+
 /// Throws the first leaf whose level, corner or pointer cannot be. threads null: on the caller.
 void check_leaves(const AmrPiece& piece, const AmrPieceView& view, const AmrLevels& levels,
                   const std::string& name, const core::Threads* threads);

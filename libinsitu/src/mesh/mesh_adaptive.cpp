@@ -107,6 +107,13 @@ void Mesh::update_adaptive(const core::Threads* threads) {
                       "mesh '" + name_ + "', field '" + field->name +
                           "': in device memory; an adaptive mesh is read on the host");
   update_fields(threads);
+  for (const auto& field : fields_)
+    for (std::size_t p = 0; p < pieces_.size(); ++p)
+      for (const ExternalArray& array : field->pieces[p].arrays)
+        if (amr_pieces_[p].ghost_faces != 0)
+          if (const std::string why = why_no_ghosts(pieces_[p].amr.patch, array); !why.empty())
+            throw Error(INSITU_ERROR_FIELD,
+                        name_of(name_, p) + ", field '" + field->name + "': " + why);
 
   amr_view_.lattice = amr_->lattice;
   amr_view_.level_count = amr_->level_count;

@@ -21,6 +21,12 @@ struct FieldPieceView {
     return load_real(layout.linear ? component[c] + item * layout.stride[0] : far_item(item, c),
                      is_float32);
   }
+  /// Of a patch whose fields hold ghost cells (AmrPieceView): that across a face, 2 axis + side, of
+  /// an item at the face.
+  double load_ghost(std::int64_t item, int c, int face) const {
+    const std::int64_t step = layout.stride[face >> 1];
+    return load_real(component[c] + layout.offset(item) + (face & 1 ? step : -step), is_float32);
+  }
   INSITU_HD const std::byte* far_item(std::int64_t item, int c) const {
     return behind ? load_as<const std::byte*>(component[c] + item * layout.stride[0]) + behind[c]
                   : component[c] + layout.offset(item);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "amr/leaf_gradient.h"
+
 namespace insitu::query {
 
 namespace {
@@ -15,12 +17,21 @@ public:
   CellValues(const mesh::MeshView& mesh, const mesh::FieldView& field)
       : mesh_(&mesh), field_(&field) {}
   double load(std::int64_t flat, int component) {
-    if (flat < mesh_->first_cell[piece_] || flat >= mesh_->first_cell[piece_ + 1])
-      piece_ = mesh_->piece_of(flat);
+    find(flat);
     return field_->pieces[piece_].load(flat - mesh_->first_cell[piece_], component);
+  }
+  /// Of the ghost cell across a face.
+  double load_ghost(std::int64_t flat, int face, int component) {
+    find(flat);
+    return field_->pieces[piece_].load_ghost(flat - mesh_->first_cell[piece_], component, face);
   }
 
 private:
+  void find(std::int64_t flat) {
+    if (flat < mesh_->first_cell[piece_] || flat >= mesh_->first_cell[piece_ + 1])
+      piece_ = mesh_->piece_of(flat);
+  }
+
   const mesh::MeshView* mesh_;
   const mesh::FieldView* field_;
   std::int32_t piece_ = 0;
@@ -118,8 +129,12 @@ void DualStandIn::gather(const mesh::FieldView& own, Gathered& to) const {
         const amr::DualMesh::Terms terms = dual_.terms(v);
         for (int c = 0; c < n; ++c) {
           double sum = 0.0;
-          for (int t = 0; t < terms.count; ++t)
-            sum += (terms.weights ? terms.weights[t] : 1.0) * values.load(terms.leaves[t], c);
+          for (int t = 0; t < terms.count; ++t) {
+            const bool ghost = terms.ghosts && terms.ghosts[t] != amr::no_ghost;
+            sum += (terms.weights ? terms.weights[t] : 1.0) *
+                   (ghost ? values.load_ghost(terms.leaves[t], terms.ghosts[t], c)
+                          : values.load(terms.leaves[t], c));
+          }
           put(v, c, sum);
         }
       }

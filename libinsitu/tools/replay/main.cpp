@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <unistd.h>
 #include <vtkDataSet.h>
 
@@ -123,35 +124,56 @@ private:
     const std::string& first = step.files.front();
     progress_.show("[" + std::to_string(s + 1) + "/" + std::to_string(steps_.size()) + "] " +
                    first);
+    if (adaptive_ && step.files.size() > 1)
+      throw FileError(first, std::to_string(step.files.size()) +
+                                 " parts after an adaptive mesh, which is one file a step");
     if (step.files.size() < pieces_.size())
       throw FileError(first, std::to_string(step.files.size()) + " parts, " +
                                  std::to_string(pieces_.size()) +
                                  " in the step before; parts cannot go");
     const double earlier = time_;
     for (std::size_t p = 0; p < step.files.size(); ++p) {
-      const vtkSmartPointer<vtkDataSet> data = read(step.files[p]);
+      const vtkSmartPointer<vtkDataObject> data = read(step.files[p]);
       if (p == 0) {
         cycle_ = cycle_of(data).value_or(std::int64_t(s));
         time_ = step.time ? *step.time : time_of(data).value_or(double(cycle_));
       }
-      try {
-        if (p < pieces_.size()) {
-          pieces_[p].update(data);
-        } else {
-          insitu::vtk::AttachOptions o;
-          o.piece = int(p);
-          pieces_.push_back(insitu::vtk::attach(mesh_, data, o));
-        }
-      } catch (const insitu::Error& e) {
-        throw FileError(step.files[p], e.what());
-      }
+      const std::vector<insitu::vtk::Note>& skipped = give(data, step, p);
       if (s == 0)
-        for (const insitu::vtk::Note& n : pieces_[p].skipped())
+        for (const insitu::vtk::Note& n : skipped)
           say("note: " + step.files[p] + ": " + n.array + " is left out: " + n.reason);
     }
     if (s > 0 && time_ < earlier)
       throw FileError(first, "time " + std::to_string(time_) + " follows " +
                                  std::to_string(earlier) + "; give the files in the order of time");
+  }
+
+  /// Gives part p of a step to the mesh. Returns what of it is left out.
+  const std::vector<insitu::vtk::Note>& give(vtkDataObject* data, const Step& step, std::size_t p) {
+    const std::string& file = step.files[p];
+    vtkDataSet* const part = vtkDataSet::SafeDownCast(data);
+    if (part ? adaptive_.has_value() : !pieces_.empty() || step.files.size() > 1)
+      throw FileError(file, std::string(part ? "is no adaptive mesh" : "is an adaptive mesh") +
+                                "; all steps are adaptive meshes, a file each, or none");
+    try {
+      if (!part) {
+        if (adaptive_)
+          adaptive_->update(data);
+        else
+          adaptive_ = insitu::vtk::attach_adaptive(mesh_, data);
+        return adaptive_->skipped();
+      }
+      if (p < pieces_.size()) {
+        pieces_[p].update(part);
+      } else {
+        insitu::vtk::AttachOptions o;
+        o.piece = int(p);
+        pieces_.push_back(insitu::vtk::attach(mesh_, part, o));
+      }
+      return pieces_[p].skipped();
+    } catch (const insitu::Error& e) {
+      throw FileError(file, e.what());
+    }
   }
 
   bool validate(std::size_t s) {
@@ -176,6 +198,7 @@ private:
   Progress progress_;
   // The session reads the arrays that the pieces hold, and is closed before they go.
   std::vector<insitu::vtk::Attachment> pieces_;
+  std::optional<insitu::vtk::AdaptiveAttachment> adaptive_; ///< then no pieces
   insitu::Session session_;
   insitu::Mesh mesh_;
   std::int64_t cycle_ = 0;

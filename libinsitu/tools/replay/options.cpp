@@ -12,9 +12,10 @@ const char* const help_text =
 Runs a scene over mesh files as if they were the steps of a running simulation: the same probes,
 tracers and frames, in the same files.
 
-FILE is a VTK XML file: .vtu (tetrahedra, voxels, hexahedra, wedges, pyramids), .vts, .vtr, .vti, or
-a .pvd index of such files; each is one step, in the order given. The parts of a step in a .pvd are
-the pieces of the mesh.
+FILE is a VTK XML file: .vtu (tetrahedra, voxels, hexahedra, wedges, pyramids), .vts, .vtr, .vti;
+.vthb or .vth (vtkOverlappingAMR), .htg (vtkHyperTreeGrid of three dimensions and branch factor 2):
+adaptive meshes with cell arrays; or a .pvd index of such files. Each is one step, in the order
+given. The parts of a step in a .pvd are the pieces of the mesh; an adaptive mesh is one file.
 
   --scene FILE     the scene
   --probe FILE     no scene: all fields at the points of a CSV file (columns x,y,z), in probe.csv

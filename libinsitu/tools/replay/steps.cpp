@@ -10,12 +10,16 @@
 #include <vtkDataArray.h>
 #include <vtkDataSet.h>
 #include <vtkFieldData.h>
+#include <vtkHyperTreeGrid.h>
 #include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
+#include <vtkOverlappingAMR.h>
 #include <vtkXMLDataElement.h>
 #include <vtkXMLGenericDataObjectReader.h>
+#include <vtkXMLHyperTreeGridReader.h>
+#include <vtkXMLUniformGridAMRReader.h>
 #include <vtkXMLUtilities.h>
 
 namespace insitu_replay {
@@ -112,8 +116,26 @@ std::vector<Step> read_pvd(const std::string& path) {
   return steps;
 }
 
+constexpr const char* extensions[] = {".vtu", ".vts", ".vtr", ".vti", ".vthb", ".vth", ".htg"};
+
+void read_all_of(vtkXMLReader*) {}
+/// It reads the coarsest level alone otherwise, whatever its documentation says.
+void read_all_of(vtkXMLUniformGridAMRReader* reader) {
+  reader->SetMaximumLevelsToReadByDefault(0);
+}
+
+/// What a reader makes of a file; null if it fails.
+template <class Reader>
+vtkSmartPointer<vtkDataObject> read_by(const std::string& path) {
+  vtkNew<Reader> reader;
+  reader->SetFileName(path.c_str());
+  read_all_of(reader);
+  reader->Update();
+  return reader->GetErrorCode() == 0 ? reader->GetOutputDataObject(0) : nullptr;
+}
+
 /// The first value of the first of these arrays.
-std::optional<double> field_data(vtkDataSet* data, std::initializer_list<const char*> names) {
+std::optional<double> field_data(vtkDataObject* data, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     vtkDataArray* array = data->GetFieldData()->GetArray(name);
     if (array && array->GetNumberOfValues() > 0 && std::isfinite(array->GetComponent(0, 0)))
@@ -145,40 +167,44 @@ std::vector<Step> steps_of(const std::vector<std::string>& files) {
     if (extension == ".pvd") {
       for (Step& s : read_pvd(file))
         steps.push_back(std::move(s));
-    } else if (extension == ".vtu" || extension == ".vts" || extension == ".vtr" ||
-               extension == ".vti") {
+    } else if (std::find(std::begin(extensions), std::end(extensions), extension) !=
+               std::end(extensions)) {
       require_readable(file);
       steps.push_back({{file}, {}});
     } else {
-      throw FileError(file, "unknown kind of file; .vtu, .vts, .vtr, .vti or .pvd expected");
+      throw FileError(file, "unknown kind of file; .vtu, .vts, .vtr, .vti, .vthb, .vth, .htg or "
+                            ".pvd expected");
     }
   }
   return steps;
 }
 
-vtkSmartPointer<vtkDataSet> read(const std::string& path) {
+vtkSmartPointer<vtkDataObject> read(const std::string& path) {
   require_readable(path);
   if (window)
     window->first.clear();
-  vtkNew<vtkXMLGenericDataObjectReader> reader;
-  reader->SetFileName(path.c_str());
-  reader->Update();
-  vtkSmartPointer<vtkDataSet> data = vtkDataSet::SafeDownCast(reader->GetOutput());
+  const std::string extension = fs::path(path).extension().string();
+  const vtkSmartPointer<vtkDataObject> data =
+      extension == ".htg"                           ? read_by<vtkXMLHyperTreeGridReader>(path)
+      : extension == ".vthb" || extension == ".vth" ? read_by<vtkXMLUniformGridAMRReader>(path)
+                                                    : read_by<vtkXMLGenericDataObjectReader>(path);
   const std::string message = first_message();
-  if (!data || reader->GetErrorCode() != 0 || !message.empty())
+  if (!message.empty() ||
+      !(vtkDataSet::SafeDownCast(data) || vtkOverlappingAMR::SafeDownCast(data) ||
+        vtkHyperTreeGrid::SafeDownCast(data)))
     throw FileError(path, "cannot be read as a VTK XML data set" +
                               (message.empty() ? std::string() : ": " + message));
   return data;
 }
 
-std::optional<std::int64_t> cycle_of(vtkDataSet* data) {
+std::optional<std::int64_t> cycle_of(vtkDataObject* data) {
   const std::optional<double> cycle = field_data(data, {"CYCLE", "cycle", "Cycle"});
   if (!cycle)
     return std::nullopt;
   return static_cast<std::int64_t>(std::llround(*cycle));
 }
 
-std::optional<double> time_of(vtkDataSet* data) {
+std::optional<double> time_of(vtkDataObject* data) {
   return field_data(data, {"TimeValue", "TIME", "time", "Time"});
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 #include <vtkSmartPointer.h>
 
-class vtkDataSet;
+class vtkDataObject;
 
 namespace insitu_replay {
 
@@ -26,12 +26,13 @@ struct Step {
 /// The steps of the files given, .pvd indices opened. Throws FileError.
 std::vector<Step> steps_of(const std::vector<std::string>& files);
 
-/// Reads .vtu, .vts, .vtr or .vti. Throws FileError.
-vtkSmartPointer<vtkDataSet> read(const std::string& path);
+/// Reads .vtu, .vts, .vtr or .vti, a vtkDataSet; .vthb or .vth, a vtkOverlappingAMR with all of its
+/// grids; .htg, a vtkHyperTreeGrid. Throws FileError.
+vtkSmartPointer<vtkDataObject> read(const std::string& path);
 
 /// What the field data says.
-std::optional<std::int64_t> cycle_of(vtkDataSet* data);
-std::optional<double> time_of(vtkDataSet* data);
+std::optional<std::int64_t> cycle_of(vtkDataObject* data);
+std::optional<double> time_of(vtkDataObject* data);
 
 /// Whether numbers in the names (mesh_9, mesh_10) run against the order of the files.
 bool numbers_run_backwards(const std::vector<std::string>& files);

@@ -49,6 +49,21 @@ TEST(AmrWrapper, Patches) {
   EXPECT_EQ(address_of(mesh, "piece 1 field 'rho'"), nullptr);
 }
 
+TEST(AmrWrapper, GhostsOfAPatch) {
+  insitu::Session session;
+  insitu::Mesh mesh = session.mesh("ghosts");
+  mesh.adaptive({});
+  mesh.patch(0, {0, 0, 0}, {2, 1, 1}, {{{1, 0, 0}}, {{2, 0, 0}}});
+  const std::vector<double> row = {1.0, 3.0, 5.0, 11.0, -1.0};
+  mesh.cell_field("rho", insitu::Array(&row[1]).block({2, 1, 1}, {8, 16, 16}));
+  mesh.commit();
+  double value;
+  EXPECT_TRUE(mesh.sample_point("rho", {0.0, 0.5, 0.5}, {&value, 1}));
+  EXPECT_EQ(value, 2.0);
+  EXPECT_TRUE(mesh.sample_point("rho", {2.0, 0.5, 0.5}, {&value, 1}));
+  EXPECT_EQ(value, 8.0);
+}
+
 TEST(AmrWrapper, LeavesWithARecordEach) {
   std::vector<Leaf> leaves(8);
   std::vector<Record> records(8);

@@ -11,11 +11,39 @@ program amr_test
 
   call session%open(ierr=ierr, threads=2)
   call patches()
+  call ghosts()
   call leaves()
   call session%close(ierr)
   call finish_checks()
 
 contains
+
+  !> A linear field in a patch and in its ghost cells, sampled at the boundary; without those after it at the other
+  !> end.
+  subroutine ghosts()
+    type(insitu_mesh) :: mesh
+    real(real64), target :: x(0:4, 0:4, 0:4)
+    real(real64) :: value(1)
+    logical :: found
+    real(real64), parameter :: origin(3) = 0.0_real64, spacing(3) = 1.0_real64
+    integer :: i
+
+    do i = 0, 4
+      x(i, :, :) = real(i, real64) - 0.5_real64
+    end do
+    call session%mesh('ghosts', mesh, ierr)
+    call mesh%adaptive(origin, spacing, 1, ierr)
+    call mesh%patch(0, [0, 0, 0], [3, 3, 3], ierr, ghosts_before=[1, 1, 1], ghosts_after=[0, 1, 1])
+    call expect_ok('patch with ghosts', session, ierr)
+    call mesh%cell_field('x', x(1:3, 1:3, 1:3), ierr)
+    call expect_ok('section of its cells', session, ierr)
+    call mesh%commit(ierr)
+    call expect_ok('commit with ghosts', session, ierr)
+    call mesh%sample_point('x', [0.0_real64, 1.5_real64, 1.5_real64], value, ierr, found)
+    call expect('the linear field at the boundary', found .and. abs(value(1)) < 1e-14_real64)
+    call mesh%sample_point('x', [3.0_real64, 1.5_real64, 1.5_real64], value, ierr, found)
+    call expect('the value of the outermost cell', found .and. abs(value(1) - 2.5_real64) < 1e-14_real64)
+  end subroutine ghosts
 
   subroutine patches()
     type(insitu_mesh) :: mesh

@@ -125,7 +125,8 @@ int layout_of(int which, int64_t* out) {
                          AT(insitu_amr, level_count),  AT(insitu_amr, ratios),
                          AT(insitu_amr, finest_first), AT(insitu_amr, reconstruction)};
   const int64_t patch[] = {sizeof(insitu_patch), AT(insitu_patch, size), AT(insitu_patch, level),
-                           AT(insitu_patch, lower), AT(insitu_patch, cells)};
+                           AT(insitu_patch, lower), AT(insitu_patch, cells),
+                           AT(insitu_patch, ghosts_before), AT(insitu_patch, ghosts_after)};
   const int64_t leaves[] = {sizeof(insitu_leaves),          AT(insitu_leaves, size),
                             AT(insitu_leaves, levels),      AT(insitu_leaves, corners),
                             AT(insitu_leaves, corner_bits), AT(insitu_leaves, offset)};

@@ -101,7 +101,8 @@ program layout_test
       c_loc(amr%size), c_loc(amr%origin), c_loc(amr%spacing), c_loc(amr%level_count), &
       c_loc(amr%ratios), c_loc(amr%finest_first), c_loc(amr%reconstruction)])
   call compare('patch', 14, c_sizeof(patch), [ &
-      c_loc(patch%size), c_loc(patch%level), c_loc(patch%lower), c_loc(patch%cells)])
+      c_loc(patch%size), c_loc(patch%level), c_loc(patch%lower), c_loc(patch%cells), &
+      c_loc(patch%ghosts_before), c_loc(patch%ghosts_after)])
   call compare('leaves', 15, c_sizeof(leaves), [ &
       c_loc(leaves%size), c_loc(leaves%levels), c_loc(leaves%corners), &
       c_loc(leaves%corner_bits), c_loc(leaves%offset)])

@@ -16,91 +16,9 @@
 
 #include "insitu/vtk.hpp"
 
-#include "../vtk/meshes.h"
+#include "replay.h"
 
-namespace fs = std::filesystem;
 using namespace vtk_meshes;
-
-namespace {
-
-struct Outcome {
-  int code;
-  std::string out, err;
-};
-
-std::string contents(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
-using Row = std::map<std::string, double>; ///< by column; NaN where empty
-
-struct Replay : testing::Test {
-  fs::path folder = fs::path(testing::TempDir()) /
-                    ("insitu_replay_" + std::to_string(getpid()) + "_" +
-                     testing::UnitTest::GetInstance()->current_test_info()->name());
-  void SetUp() override {
-    fs::remove_all(folder);
-    fs::create_directories(folder);
-    put("points.csv", "x,y,z\n0.4,0.3,0.2\n1.5,1.5,1.5\n9,9,9\n");
-    put("scene.yaml", "insitu: 1\nprobes:\n  - {name: g, points: points.csv, fields: [linear]}\n");
-  }
-  void TearDown() override { fs::remove_all(folder); }
-
-  std::string path(const std::string& name) const { return (folder / name).string(); }
-  void put(const std::string& name, const std::string& text) const {
-    std::ofstream(path(name)) << text;
-  }
-  /// A 2^3 mesh whose field is linear + add, with cycle and time as field data where not negative.
-  void mesh(const std::string& name, double add, int cycle = -1, double time = -1.0,
-            int type = VTK_HEXAHEDRON) const {
-    const auto grid = unstructured(2, {type}, 0.1);
-    auto* values = vtkDoubleArray::SafeDownCast(grid->GetPointData()->GetArray("linear"));
-    for (vtkIdType i = 0; i < values->GetNumberOfValues(); ++i)
-      values->SetValue(i, values->GetValue(i) + add);
-    if (cycle >= 0) {
-      vtkNew<vtkIntArray> array;
-      array->SetName("CYCLE");
-      array->InsertNextValue(cycle);
-      grid->GetFieldData()->AddArray(array);
-    }
-    if (time >= 0.0) {
-      vtkNew<vtkDoubleArray> array;
-      array->SetName("TimeValue");
-      array->InsertNextValue(time);
-      grid->GetFieldData()->AddArray(array);
-    }
-    insitu::vtk::write(path(name), grid);
-  }
-  Outcome run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder.string() + "' && '" REPLAY_PROGRAM "' " +
-                                arguments + " > out.txt 2> err.txt";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(path("out.txt")),
-            contents(path("err.txt"))};
-  }
-  std::vector<Row> rows(const std::string& name) const {
-    std::ifstream in(path(name));
-    std::string line, cell;
-    std::vector<std::string> columns;
-    std::getline(in, line);
-    for (std::istringstream header(line); std::getline(header, cell, ',');)
-      columns.push_back(cell);
-    std::vector<Row> out;
-    while (std::getline(in, line)) {
-      std::istringstream cells(line + ",");
-      Row& row = out.emplace_back();
-      for (const std::string& column : columns) {
-        std::getline(cells, cell, ',');
-        row[column] = cell.empty() ? NAN : std::strtod(cell.c_str(), nullptr);
-      }
-    }
-    return out;
-  }
-};
-
-} // namespace
 
 TEST_F(Replay, StepsBecomeRowsAndAPipeIsQuiet) {
   mesh("m_0.vtu", 0.0, 10, 0.5);

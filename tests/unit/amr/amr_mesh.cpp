@@ -23,6 +23,19 @@ void AmrMesh::add_leaf(int level, Index corner) {
   pieces.back().corners.push_back(corner);
 }
 
+void AmrMesh::give_ghosts() {
+  const std::vector<AmrPiece> before = std::move(pieces);
+  pieces.clear();
+  for (const AmrPiece& p : before) {
+    if (p.is_patch)
+      pieces.push_back(p);
+    for (std::size_t c = 0; c < p.levels.size(); ++c)
+      add_patch(p.levels[c], p.corners[c], {1, 1, 1});
+  }
+  for (AmrPiece& p : pieces)
+    p.ghost_faces = 63;
+}
+
 const mesh::AmrView& AmrMesh::view() {
   views_.assign(pieces.size(), {});
   first_.assign(1, 0);
@@ -36,6 +49,7 @@ const mesh::AmrView& AmrMesh::view() {
     to.cell_count = from.cell_count();
     if (from.is_patch) {
       to.depth = depth_of[std::size_t(from.level)];
+      to.ghost_faces = from.ghost_faces;
       for (std::size_t a = 0; a < 3; ++a) {
         to.lower[a] = from.lower[a];
         to.size[a] = from.size[a];

@@ -17,6 +17,7 @@ struct AmrPiece {
   bool is_patch = true;
   int level = 0;
   Index lower{}, size{};
+  std::uint8_t ghost_faces = 0;
   std::vector<std::int32_t> levels; ///< leaves
   std::vector<Index> corners;
   std::int64_t cell_count() const {
@@ -33,6 +34,8 @@ public:
 
   void add_patch(int level, Index lower, Index size);
   void add_leaf(int level, Index corner); ///< to the last piece, if it is one of leaves
+  /// Makes a patch of every leaf, and gives all patches ghost cells.
+  void give_ghosts();
   const mesh::AmrView& view();
 
 private:

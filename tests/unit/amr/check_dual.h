@@ -22,6 +22,7 @@ struct Expect {
   bool no_folds = true;
   bool linear =
       true; ///< virtual leaves meet linear fields: their leaves have neighbours all around
+  bool ghosts = false; ///< linear fields are met on the boundary, too
 };
 
 DualFacts check_dual(AmrMesh& mesh, const amr::DualMesh& dual, const Expect& expect);

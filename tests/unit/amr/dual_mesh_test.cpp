@@ -44,6 +44,8 @@ std::string bytes_of(AmrMesh& mesh, int threads) {
     add(t.leaves, std::size_t(t.count) * 4);
     if (t.weights)
       add(t.weights, std::size_t(t.count) * 8);
+    if (t.ghosts)
+      add(t.ghosts, std::size_t(t.count));
   }
   const amr::DualCounts n = dual.counts();
   add(&n, sizeof n);
@@ -187,6 +189,9 @@ TEST(DualMesh, AnyThreadCountGivesTheSame) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       AmrMesh mesh = test::make_mesh({seed, kind, 2, kind == 5 ? 6 : kind == 2 ? 3 : 4});
       EXPECT_EQ(bytes_of(mesh, 1) == bytes_of(mesh, 2), true) << kind << ", seed " << seed;
+      mesh.give_ghosts();
+      EXPECT_EQ(bytes_of(mesh, 1) == bytes_of(mesh, 2), true)
+          << kind << ", seed " << seed << ", with ghosts";
     }
 }
 

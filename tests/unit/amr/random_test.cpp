@@ -25,7 +25,10 @@ bool two_wide(test::AmrMesh& mesh) {
 
 std::string problem_of(const Recipe& recipe, test::Expect expect, Sums* sums = nullptr) {
   test::AmrMesh mesh = test::make_mesh(recipe);
-  expect.linear &= test::is_box(recipe) && two_wide(mesh);
+  if (expect.ghosts)
+    mesh.give_ghosts();
+  else
+    expect.linear &= test::is_box(recipe) && two_wide(mesh);
   core::Memory memory;
   amr::DualMesh dual(memory);
   dual.build(mesh.view(), core::Threads(1));
@@ -100,4 +103,19 @@ TEST(RandomDual, LevelDifferencesUpToSix) {
 TEST(RandomDual, Patches) {
   run({1, 1, 2, 3}, 25, {});
   run({1, 2, 2, 3}, 10, {});
+}
+
+/// Ghost cells around every patch, or every leaf: linear fields are met up to the boundary, at
+/// holes and re-entrant corners too, in domains that are one leaf wide, and where leaves are split.
+TEST(RandomDual, GhostCellsBeyondTheDomain) {
+  const test::Expect ghosts{.ghosts = true};
+  run({1, 0, 2, 4}, 20, ghosts);
+  run({1, 1, 2, 3}, 25, ghosts);
+  run({1, 2, 2, 3}, 10, ghosts);
+  for (int levels = 1; levels <= 3; ++levels) {
+    run({1, 3, 3, levels}, 15, ghosts);
+    run({1, 4, 2, levels}, 15, ghosts);
+  }
+  run({1, 5, 2, 7}, 10, ghosts);
+  run({1, 6, 3, 1}, 25, ghosts);
 }

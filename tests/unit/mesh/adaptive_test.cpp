@@ -168,6 +168,50 @@ TEST_F(Adaptive, FieldsAreOfCellsAndOfTheirNumber) {
   expect_refused(INSITU_ERROR_ARGUMENT, {"from -1"}, [&] { mesh.drop_pieces(-1); });
 }
 
+TEST_F(Adaptive, GhostsHaveRoomBetweenTheRows) {
+  levels(1);
+  patch.ghosts_after[1] = -1;
+  expect_refused(INSITU_ERROR_ARGUMENT, {"piece 0", "-1 layers of ghosts along axis 1"},
+                 [&] { give_patch(0, 0, 0, 2); });
+  patch.ghosts_after[1] = 1 << 21;
+  expect_refused(INSITU_ERROR_ARGUMENT, {"2097152 layers"}, [&] { give_patch(0, 0, 0, 2); });
+  for (int a = 0; a < 3; ++a)
+    patch.ghosts_before[a] = patch.ghosts_after[a] = 1;
+  give_patch(0, 0, 0, 2);
+  std::vector<double> values(64);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = double(i);
+  insitu_array a = insitu_array_of(&values[21], INSITU_FLOAT64, 8, 1);
+  const auto refused = [&](std::initializer_list<const char*> words) {
+    mesh.set_field(0, "rho", INSITU_CELL, &a, 1);
+    expect_refused(INSITU_ERROR_FIELD, words, [&] { mesh.update(); });
+  };
+  refused({"'rho'", "piece 0", "extents 8, 1", "2, 2"});
+  std::fill_n(a.extent, 3, 2);
+  refused({"stride 16 along axis 1", "no room", "4 cells", "stride 8 along axis 0"});
+  a.stride[1] = 8 * 4;
+  a.stride[2] = 8 * 15;
+  refused({"stride 120 along axis 2", "4 cells", "stride 32 along axis 1"});
+  const std::byte* pointers[8];
+  std::fill_n(pointers, 8, reinterpret_cast<const std::byte*>(values.data()));
+  a = insitu_array_of(pointers, INSITU_FLOAT64, 8, 1);
+  a.indirect = 1;
+  refused({"indirect"});
+  for (const bool c_order : {false, true}) {
+    a = insitu_array_of(&values[21], INSITU_FLOAT64, 8, 1);
+    std::fill_n(a.extent, 3, 2);
+    a.stride[c_order ? 2 : 0] = 8;
+    a.stride[1] = 8 * 4;
+    a.stride[c_order ? 0 : 2] = 8 * 16;
+    mesh.set_field(0, "rho", INSITU_CELL, &a, 1);
+    mesh.update();
+    EXPECT_EQ(mesh.adaptive().pieces[0].ghost_faces, 63);
+    const mesh::FieldPieceView& rho = mesh.own_field("rho").pieces[0];
+    EXPECT_EQ(rho.load_ghost(0, 0, 0), c_order ? 5 : 20);  // before the first cell along i
+    EXPECT_EQ(rho.load_ghost(7, 0, 5), c_order ? 43 : 58); // after the last one along k
+  }
+}
+
 TEST_F(Adaptive, WhatChangedIsSaid) {
   levels(2);
   give_patch(0, 0, 0, 2);

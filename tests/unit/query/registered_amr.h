@@ -5,6 +5,22 @@
 
 namespace insitu::test {
 
+inline void set_levels(mesh::Mesh& mesh, const mesh::AmrView& view,
+                       insitu_reconstruction reconstruction) {
+  insitu_amr levels = insitu_amr_default();
+  for (int a = 0; a < 3; ++a) {
+    levels.origin[a] = view.lattice.origin[a];
+    levels.spacing[a] = view.lattice.spacing[a];
+  }
+  levels.level_count = view.level_count;
+  std::vector<std::int32_t> ratios;
+  for (int l = 1; l < view.level_count; ++l)
+    ratios.push_back(1 << (view.depth_of[l] - view.depth_of[l - 1]));
+  levels.ratios = ratios.data();
+  levels.reconstruction = reconstruction;
+  mesh.set_amr(&levels);
+}
+
 /// A random adaptive mesh, handed over and committed, with a field of cells.
 class RegisteredAmr {
 public:
@@ -14,18 +30,7 @@ public:
       : amr(make_mesh(recipe)), committed(thread_limit) {
     const mesh::AmrView& view = amr.view();
     mesh::Mesh& mesh = committed.mesh.mesh();
-    insitu_amr levels = insitu_amr_default();
-    for (int a = 0; a < 3; ++a) {
-      levels.origin[a] = view.lattice.origin[a];
-      levels.spacing[a] = view.lattice.spacing[a];
-    }
-    levels.level_count = view.level_count;
-    std::vector<std::int32_t> ratios;
-    for (int l = 1; l < view.level_count; ++l)
-      ratios.push_back(1 << (view.depth_of[l] - view.depth_of[l - 1]));
-    levels.ratios = ratios.data();
-    levels.reconstruction = reconstruction;
-    mesh.set_amr(&levels);
+    set_levels(mesh, view, reconstruction);
     corners.resize(amr.pieces.size());
     values.resize(amr.pieces.size());
     for (std::size_t p = 0; p < amr.pieces.size(); ++p) {

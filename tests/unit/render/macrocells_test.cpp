@@ -4,7 +4,7 @@
 
 #include "core/status.h"
 #include "render/macrocells.h"
-#include "unit/query/registered_amr.h"
+#include "unit/query/ghosted_amr.h"
 #include "unit/render/placed_mesh.h"
 
 namespace insitu::test {
@@ -178,6 +178,32 @@ TEST(Macrocells, AdaptiveMeshes) {
                            mesh.committed.memory, 16);
     EXPECT_GT(cells.grid().count(), 8);
     expect_bounds(mesh.committed.sampler(), field, cells);
+  }
+}
+
+/// Values between cells and the solver's ghosts beyond the domain are in the ranges.
+TEST(Macrocells, GhostsOfAdaptiveMeshes) {
+  const auto quadratic = [](const Vec3d& p) { return p.x * p.x - p.y + 3 * p.z; };
+  for (int kind = 0; kind < 3; ++kind) {
+    SCOPED_TRACE(kind);
+    GhostedAmr mesh(
+        {.seed = 2, .kind = kind, .roots = 3, .levels = 3},
+        [](std::size_t) { return std::uint8_t(63); }, quadratic);
+    const ScalarField field{mesh.committed.mesh.mesh().field("f"), 0};
+    const Macrocells cells(mesh.committed.sampler(), field, mesh.committed.threads,
+                           mesh.committed.memory, 16);
+    EXPECT_GT(cells.grid().count(), 8);
+    expect_bounds(mesh.committed.sampler(), field, cells);
+    double most = -HUGE_VAL, most_of_cells = -HUGE_VAL;
+    for (std::int64_t m = 0; m < cells.grid().count(); ++m)
+      most = std::max(most, cells.range(m).upper);
+    for (const Leaf& leaf : leaves_of(mesh.amr))
+      most_of_cells = std::max(
+          most_of_cells,
+          quadratic(RegisteredAmr::centre_of(
+              mesh.amr.view(), {leaf.depth, {leaf.index[0], leaf.index[1], leaf.index[2]}})));
+    // Half of the coarsest cells' step along z at least.
+    EXPECT_GT(most, most_of_cells + 0.1 * mesh.amr.lattice.spacing[2]);
   }
 }
 

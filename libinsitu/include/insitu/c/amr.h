@@ -1,8 +1,9 @@
 /** @file amr.h
  *  Adaptive meshes: cell-centred patches of levels, or leaves of octrees, as the solver stores
  *  them. Values are given by insitu_mesh_field with INSITU_CELL; extents and strides of the arrays
- *  say ghost layers and C order. Between cell centres they are interpolated on the dual mesh, which
- *  a commit of INSITU_CHANGED_TOPOLOGY (a regrid) builds; other commits keep it. */
+ *  say where ghost layers are left out, and C order. Between cell centres they are interpolated on
+ *  the dual mesh, which a commit of INSITU_CHANGED_TOPOLOGY (a regrid) builds; other commits keep
+ *  it. */
 #ifndef INSITU_C_AMR_H
 #define INSITU_C_AMR_H
 
@@ -17,7 +18,8 @@ enum { INSITU_AMR_MOST_LEVELS = 31 };
 /** What an adaptive mesh's samples are between cell centres. */
 typedef enum insitu_reconstruction INSITU_INT {
   INSITU_DUAL = 0,   /**< continuous: the dual mesh's interpolant, the cells' values at their
-                          centres; from the outermost centres to the boundary the value is kept */
+                          centres; from the outermost centres to the boundary the value is kept,
+                          or goes on towards the ghost cells of insitu_patch */
   INSITU_NEAREST = 1 /**< the value of the cell that holds the point */
 } insitu_reconstruction;
 
@@ -56,12 +58,23 @@ static inline insitu_amr insitu_amr_default(void) {
 INSITU_API insitu_status insitu_mesh_amr(insitu_mesh mesh, const insitu_amr* amr);
 
 /** A patch: the cells lower to lower + cells - 1 of a level; cell (i, j, k) of it has the id
- *  i + cells[0]*(j + cells[1]*k). Coarse cells under finer patches are masked by the library. */
+ *  i + cells[0]*(j + cells[1]*k). Coarse cells under finer patches are masked by the library.
+ *
+ *  Where the domain ends at the patch's faces, the solver's ghost cells, which hold its boundary
+ *  conditions, can give samples from the outermost centres on: between a cell and a ghost they are
+ *  as between two cells, so a linear field is reproduced up to the boundary. ghosts_before and
+ *  ghosts_after say how many layers of ghosts the arrays of all fields hold around these cells
+ *  (extents and data are still those of the cells alone, and ghosts lie the strides before and
+ *  after). The first layer is read, by commits of INSITU_CHANGED_FIELDS too, across faces only, and
+ *  only where no cell of the mesh lies. Ghosts own no point and are counted nowhere. At other faces
+ *  of the domain the value of the outermost centre is kept; samples are continuous all the same. */
 typedef struct insitu_patch {
   size_t size;
   int32_t level;
   int64_t lower[3];
   int64_t cells[3];
+  int32_t ghosts_before[3]; /**< layers along i, j, k; 0: none, or not to be used */
+  int32_t ghosts_after[3];
 } insitu_patch;
 
 static inline insitu_patch insitu_patch_default(void) {
@@ -70,14 +83,15 @@ static inline insitu_patch insitu_patch_default(void) {
   p.size = sizeof p;
   p.level = 0;
   for (i = 0; i < 3; ++i)
-    p.lower[i] = p.cells[i] = 0;
+    p.lower[i] = p.cells[i] = p.ghosts_before[i] = p.ghosts_after[i] = 0;
   return p;
 }
 
 /** A piece that is a patch, or another place for it. Its fields have cells[0]*cells[1]*cells[2]
  *  values. Indices lie in -2^30 to 2^30 - 1. INSITU_ERROR_ORDER before insitu_mesh_amr;
- *  INSITU_ERROR_ARGUMENT: a level or cells that cannot be. How patches fit each other is checked by
- *  the commit (INSITU_ERROR_MESH). A regrid that leaves fewer patches: insitu_mesh_drop_pieces. */
+ *  INSITU_ERROR_ARGUMENT: a level, cells or ghosts that cannot be. How patches fit each other is
+ *  checked by the commit (INSITU_ERROR_MESH), and whether fields have room for ghosts
+ *  (INSITU_ERROR_FIELD). A regrid that leaves fewer patches: insitu_mesh_drop_pieces. */
 INSITU_API insitu_status insitu_mesh_patch(insitu_mesh mesh, int32_t piece,
                                            const insitu_patch* patch);
 
