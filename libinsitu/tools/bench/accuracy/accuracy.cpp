@@ -26,7 +26,7 @@ std::string machine() {
 }
 
 std::string line(const Sweep& s) {
-  std::string out = s.title + "\n  " + s.advice + "\n";
+  std::string out = s.title + "\n  " + s.advice + "\n  " + say_losers(s) + "\n";
   for (const std::string& group : s.groups()) {
     const Setting* chosen = s.default_of(group);
     if (!chosen)

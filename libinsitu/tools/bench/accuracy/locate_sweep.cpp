@@ -110,6 +110,9 @@ public:
     s.name = std::string(accel::name(method)) + ", " + names[int(accuracy)];
     s.items = double(points_.size());
     s.is_default = method == accel::Method::bvh && accuracy == INSITU_STANDARD;
+    // No certificate proves anything where cells may fold, so the tree answers.
+    s.is_stand_in = method != accel::Method::bvh && accuracy != INSITU_FAST &&
+                    !mesh_->mesh().view().free_of_folds;
     std::vector<query::Location> found = located(accuracy);
     const query::Sampler sampler = mesh_->sampler();
     for (int i = 0; i < extent_.repetitions; ++i)
@@ -284,7 +287,9 @@ Sweep sweep_locate(const Extent& extent) {
   s.notes = {"Methods by rays are there for ray-tracing hardware; on a processor their work is not "
              "counted in "
              "nodes, so they are on no front of counted work.",
-             "fast differs from standard for the methods by rays alone.",
+             "fast differs from standard for the methods by rays alone. Where cells may fold "
+             "(jitter 0.3), bvh answers for them in standard and exact, so those have no part in "
+             "the front there.",
              "Peers locate and interpolate; vtkProbeFilter tells only whether a point was found."};
   return s;
 }

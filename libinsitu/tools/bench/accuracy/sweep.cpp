@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "format.h"
 
@@ -45,9 +44,21 @@ double seconds(const Setting& s) {
   return s.seconds();
 }
 
+std::string method_of(const std::string& name) {
+  return name.substr(0, name.find(','));
+}
+
+namespace {
+/// Those of a group that have a place on its front.
+std::vector<const Setting*> rivals(const Sweep& sweep, const std::string& group, const Cost& cost) {
+  std::vector<const Setting*> out = sweep.of(group);
+  std::erase_if(out, [&](const Setting* s) { return s->is_stand_in || !(cost(*s) > 0.0); });
+  return out;
+}
+} // namespace
+
 std::vector<const Setting*> front(const Sweep& sweep, const std::string& group, const Cost& cost) {
-  std::vector<const Setting*> all = sweep.of(group);
-  std::erase_if(all, [&](const Setting* s) { return !(cost(*s) > 0.0); });
+  std::vector<const Setting*> all = rivals(sweep, group, cost);
   std::stable_sort(all.begin(), all.end(), [&](const Setting* a, const Setting* b) {
     return std::pair(cost(*a), a->error) < std::pair(cost(*b), b->error);
   });
@@ -58,27 +69,60 @@ std::vector<const Setting*> front(const Sweep& sweep, const std::string& group, 
   return out;
 }
 
-double default_over_front(const Sweep& sweep, const std::string& group, const Cost& cost) {
-  const Setting* chosen = sweep.default_of(group);
-  if (!chosen || !(cost(*chosen) > 0.0))
+double over_front(const Sweep& sweep, const Setting& setting, const Cost& cost) {
+  if (!(cost(setting) > 0.0))
     return 0.0;
-  double least = cost(*chosen);
-  for (const Setting* s : sweep.of(group))
-    if (cost(*s) > 0.0 && s->error <= 1.01 * chosen->error)
+  double least = cost(setting);
+  for (const Setting* s : rivals(sweep, setting.group, cost))
+    if (s->error <= 1.01 * setting.error)
       least = std::min(least, cost(*s));
-  return cost(*chosen) / least;
+  return cost(setting) / least;
 }
 
-std::vector<std::string> never_on_a_front(const Sweep& sweep, const Cost& cost) {
-  std::set<std::string> winners;
-  std::vector<std::string> out;
+double default_over_front(const Sweep& sweep, const std::string& group, const Cost& cost) {
+  const Setting* chosen = sweep.default_of(group);
+  return chosen ? over_front(sweep, *chosen, cost) : 0.0;
+}
+
+std::vector<Loser> losers(const Sweep& sweep, const Cost& cost) {
+  constexpr double near = 1.1;
+  std::vector<std::string> names, methods; // in the order of appearance
+  std::map<std::string, double> best;      // of names and of methods, which a comma tells apart
+  const auto add = [&](std::vector<std::string>& to, const std::string& name, double over) {
+    const auto [at, is_new] = best.try_emplace(name, over);
+    at->second = std::min(at->second, over);
+    if (is_new)
+      to.push_back(name);
+  };
   for (const std::string& group : sweep.groups())
-    for (const Setting* s : front(sweep, group, cost))
-      winners.insert(s->name);
-  for (const Setting& s : sweep.settings)
-    if (!s.is_peer && cost(s) > 0.0 && !winners.contains(s.name) &&
-        std::find(out.begin(), out.end(), s.name) == out.end())
-      out.push_back(s.name);
+    for (const Setting* s : rivals(sweep, group, cost)) {
+      const double over = over_front(sweep, *s, cost);
+      add(methods, method_of(s->name) + ",", over);
+      add(names, s->name, over);
+    }
+  std::vector<Loser> out;
+  for (const std::string& m : methods)
+    if (best[m] > near)
+      out.push_back({method_of(m), true, best[m]});
+  for (const std::string& n : names)
+    if (best[n] > near && best[method_of(n) + ","] <= near)
+      out.push_back({n, false, best[n]});
+  return out;
+}
+
+std::string say_losers(const Sweep& sweep) {
+  std::string methods, settings;
+  for (const Loser& l : losers(sweep, seconds)) {
+    std::string& to = l.is_method ? methods : settings;
+    to += (to.empty() ? "" : "; ") + l.name + format(" (%.2f)", l.at_best);
+  }
+  std::string out =
+      methods.empty() ? "Every method wins somewhere, or takes at most a tenth more."
+                      : "Methods that win nowhere here, whatever their settings: " + methods + ".";
+  if (!settings.empty())
+    out += " Settings that win nowhere: " + settings + ".";
+  if (!methods.empty() || !settings.empty())
+    out += " (In brackets: their time, at best, over the least of what is as accurate.)";
   return out;
 }
 
@@ -110,8 +154,8 @@ std::string csv(const Sweep& sweep) {
     for (const Setting* s : sweep.of(group, true)) {
       const bool on_front = std::find(best.begin(), best.end(), s) != best.end();
       out += column(s->group) + "," + column(s->name) + "," + value(s->error) + "," +
-             value(s->seconds()) + "," + value(s->time.min() / s->items) + "," +
-             value(s->time.max() / s->items) + "," + (s->work > 0.0 ? value(s->work) : "") + "," +
+             value(s->seconds()) + "," + value(s->least_seconds()) + "," +
+             value(s->most_seconds()) + "," + (s->work > 0.0 ? value(s->work) : "") + "," +
              (s->is_default ? "1" : "0") + "," + (on_front ? "1" : "0") + "," +
              (s->is_peer ? "1" : "0");
       for (const double m : s->more)
