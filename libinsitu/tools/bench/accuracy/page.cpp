@@ -74,7 +74,7 @@ std::string table(const Sweep& s) {
 
 } // namespace
 
-std::string page(const std::vector<Sweep>& sweeps, const std::string& effects_table,
+std::string page(const std::vector<Sweep>& sweeps, const Output& effects,
                  const std::string& machine) {
   std::string out = head;
   out +=
@@ -90,6 +90,8 @@ std::string page(const std::vector<Sweep>& sweeps, const std::string& effects_ta
   for (const Sweep& s : sweeps)
     out += "<li><a href=\"#" + s.key + "\">" + escaped(s.title) + "</a>: " + escaped(s.advice) +
            "</li>\n";
+  if (!effects.text.empty())
+    out += "<li><a href=\"#effects\">Effects</a>: " + escaped(effects.advice) + "</li>\n";
   out += "</ul>\n";
   for (const Sweep& s : sweeps) {
     out += "<h2 id=\"" + s.key + "\">" + escaped(s.title) + "</h2>\n<p>" + escaped(s.swept) +
@@ -102,10 +104,10 @@ std::string page(const std::vector<Sweep>& sweeps, const std::string& effects_ta
     out +=
         "<details><summary>All figures (" + s.key + ".csv)</summary>\n" + table(s) + "</details>\n";
   }
-  if (!effects_table.empty())
+  if (!effects.text.empty())
     out += "<h2 id=\"effects\">Effects</h2>\n<p>What each effect adds to the bare frame that does "
-           "without it.</p>\n<pre>" +
-           escaped(effects_table) + "</pre>\n";
+           "without it.</p>\n<p class=\"advice\">" +
+           escaped(effects.advice) + "</p>\n<pre>" + escaped(effects.text) + "</pre>\n";
   return out + "</body></html>\n";
 }
 

@@ -139,10 +139,11 @@ std::string chart(const Sweep& sweep, const std::string& group, const Ranges& ra
       out += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"9\" fill=\"none\" stroke=\"#d00\" "
                     "stroke-width=\"2\"/>\n",
                     px, py);
-      // Left of a front nothing else is drawn, but for the axis.
+      // Left of a front nothing else is drawn, but for the axes.
       const bool room = px - x.from > 60.0;
-      out += text(room ? px - 13.0 : px, room ? py + 4.0 : py - 12.0, room ? "end" : "middle",
-                  "default", " fill=\"#d00\" font-size=\"11\"");
+      const double down = !room ? -12.0 : y.from - py < 6.0 ? -6.0 : 4.0;
+      out += text(room ? px - 13.0 : px, py + down, room ? "end" : "middle", "default",
+                  " fill=\"#d00\" font-size=\"11\"");
     }
   }
   return out;
