@@ -23,7 +23,7 @@ TEST(Losers, AMethodThatIsOffEveryFrontIsNamedWithItsBestRatio) {
   s.settings = {setting("a", "good, 1", 1e-3, 1.0), setting("a", "good, 2", 1e-6, 4.0),
                 setting("a", "bad, 1", 1e-3, 1.5),  setting("a", "bad, 2", 1e-6, 12.0),
                 setting("b", "good, 1", 0.0, 2.0),  setting("b", "bad, 1", 0.0, 2.5)};
-  const std::vector<Loser> all = losers(s, seconds);
+  const std::vector<Loser> all = losers(s);
   ASSERT_EQ(all.size(), 1u);
   EXPECT_EQ(all[0].name, "bad");
   EXPECT_TRUE(all[0].is_method);
@@ -39,15 +39,16 @@ TEST(Losers, NoneIsNamedWhereEachMethodWinsSomewhere) {
   Sweep s;
   s.settings = {setting("a", "one, 1", 1e-3, 1.0), setting("a", "other, 1", 1e-3, 9.0),
                 setting("b", "one, 1", 1e-3, 9.0), setting("b", "other, 1", 1e-3, 1.0)};
-  EXPECT_TRUE(losers(s, seconds).empty());
-  EXPECT_EQ(say_losers(s), "Every method wins somewhere, or takes at most a tenth more.");
+  EXPECT_TRUE(losers(s).empty());
+  EXPECT_EQ(say_losers(s), "Every method wins somewhere, or loses by no more than a tenth or the "
+                           "spread of repetitions.");
 }
 
 TEST(Losers, ASettingLosesAloneWhereItsMethodWins) {
   Sweep s;
   s.settings = {setting("a", "one, 1", 1e-3, 1.0), setting("a", "one, 2", 1e-2, 1.2),
                 setting("a", "one, 3", 1e-4, 3.0)};
-  const std::vector<Loser> all = losers(s, seconds);
+  const std::vector<Loser> all = losers(s);
   ASSERT_EQ(all.size(), 1u);
   EXPECT_EQ(all[0].name, "one, 2");
   EXPECT_FALSE(all[0].is_method);
@@ -59,9 +60,9 @@ TEST(Losers, ASettingLosesAloneWhereItsMethodWins) {
 TEST(Losers, ATenthIsNoLoss) {
   Sweep s;
   s.settings = {setting("a", "one", 1e-3, 1.0), setting("a", "other", 1e-3, 1.09)};
-  EXPECT_TRUE(losers(s, seconds).empty());
+  EXPECT_TRUE(losers(s).empty());
   s.settings[1] = setting("a", "other", 1e-3, 1.11);
-  EXPECT_EQ(losers(s, seconds).size(), 1u);
+  EXPECT_EQ(losers(s).size(), 1u);
 }
 
 TEST(Losers, PeersAndStandInsNeitherWinNorBeat) {
@@ -70,7 +71,7 @@ TEST(Losers, PeersAndStandInsNeitherWinNorBeat) {
                 setting("a", "peer", 0.0, 0.1), setting("a", "other", 0.0, 0.1)};
   s.settings[2].is_peer = true;
   s.settings[3].is_stand_in = true;
-  const std::vector<Loser> all = losers(s, seconds);
+  const std::vector<Loser> all = losers(s);
   ASSERT_EQ(all.size(), 1u);
   EXPECT_EQ(all[0].name, "other");
   EXPECT_DOUBLE_EQ(all[0].at_best, 2.0);
@@ -79,16 +80,18 @@ TEST(Losers, PeersAndStandInsNeitherWinNorBeat) {
   EXPECT_EQ(best[0]->name, "one");
 }
 
-// By counted work those that are not counted have no place.
-TEST(Losers, WhatIsNotCountedNeitherLosesNorWins) {
+// Half as much again, but repetitions of the two overlap.
+TEST(Losers, WhatTheSpreadCannotTellIsNoLoss) {
   Sweep s;
-  s.settings = {setting("a", "one", 1e-3, 1.0), setting("a", "other", 1e-3, 2.0),
-                setting("a", "uncounted", 1e-3, 0.5)};
-  s.settings[0].work = 10;
-  s.settings[1].work = 5;
-  const std::vector<Loser> all = losers(s, work);
-  ASSERT_EQ(all.size(), 1u);
-  EXPECT_EQ(all[0].name, "one");
+  s.settings = {setting("a", "one", 1e-3, 1.0), setting("a", "other", 1e-3, 1.5)};
+  s.settings[0].time.add(0.9);
+  s.settings[0].time.add(1.6);
+  EXPECT_TRUE(losers(s).empty());
+  s.settings[0] = setting("a", "one", 1e-3, 1.0);
+  s.settings[0].time.add(0.9);
+  s.settings[0].time.add(1.4);
+  ASSERT_EQ(losers(s).size(), 1u);
+  EXPECT_DOUBLE_EQ(losers(s)[0].at_best, 1.5);
 }
 
 TEST(Front, HoldsWhatNothingElseBeatsAndTheDefaultsPlace) {

@@ -84,40 +84,54 @@ double default_over_front(const Sweep& sweep, const std::string& group, const Co
   return chosen ? over_front(sweep, *chosen, cost) : 0.0;
 }
 
-std::vector<Loser> losers(const Sweep& sweep, const Cost& cost) {
+std::vector<Loser> losers(const Sweep& sweep) {
   constexpr double near = 1.1;
-  std::vector<std::string> names, methods; // in the order of appearance
-  std::map<std::string, double> best;      // of names and of methods, which a comma tells apart
-  const auto add = [&](std::vector<std::string>& to, const std::string& name, double over) {
-    const auto [at, is_new] = best.try_emplace(name, over);
-    at->second = std::min(at->second, over);
-    if (is_new)
-      to.push_back(name);
+  struct Place {
+    std::string name;
+    double at_best = HUGE_VAL;
+    bool wins = false;
   };
-  for (const std::string& group : sweep.groups())
-    for (const Setting* s : rivals(sweep, group, cost)) {
-      const double over = over_front(sweep, *s, cost);
-      add(methods, method_of(s->name) + ",", over);
-      add(names, s->name, over);
+  std::vector<Place> settings, methods; // in the order of appearance
+  const auto note = [](std::vector<Place>& in, const std::string& name, double over, bool wins) {
+    auto at = std::find_if(in.begin(), in.end(), [&](const Place& p) { return p.name == name; });
+    if (at == in.end())
+      at = in.insert(in.end(), Place{name});
+    at->at_best = std::min(at->at_best, over);
+    at->wins = at->wins || wins;
+  };
+  for (const std::string& group : sweep.groups()) {
+    const std::vector<const Setting*> all = rivals(sweep, group, seconds);
+    for (const Setting* s : all) {
+      const bool is_beaten = std::any_of(all.begin(), all.end(), [&](const Setting* other) {
+        return other->error <= 1.01 * s->error && near * other->seconds() < s->seconds() &&
+               other->most_seconds() < s->least_seconds();
+      });
+      const double over = over_front(sweep, *s, seconds);
+      note(settings, s->name, over, !is_beaten);
+      note(methods, method_of(s->name), over, !is_beaten);
     }
+  }
   std::vector<Loser> out;
-  for (const std::string& m : methods)
-    if (best[m] > near)
-      out.push_back({method_of(m), true, best[m]});
-  for (const std::string& n : names)
-    if (best[n] > near && best[method_of(n) + ","] <= near)
-      out.push_back({n, false, best[n]});
+  for (const Place& m : methods)
+    if (!m.wins)
+      out.push_back({m.name, true, m.at_best});
+  for (const Place& s : settings)
+    if (!s.wins && std::none_of(out.begin(), out.end(), [&](const Loser& l) {
+          return l.is_method && l.name == method_of(s.name);
+        }))
+      out.push_back({s.name, false, s.at_best});
   return out;
 }
 
 std::string say_losers(const Sweep& sweep) {
   std::string methods, settings;
-  for (const Loser& l : losers(sweep, seconds)) {
+  for (const Loser& l : losers(sweep)) {
     std::string& to = l.is_method ? methods : settings;
     to += (to.empty() ? "" : "; ") + l.name + format(" (%.2f)", l.at_best);
   }
   std::string out =
-      methods.empty() ? "Every method wins somewhere, or takes at most a tenth more."
+      methods.empty() ? "Every method wins somewhere, or loses by no more than a tenth or the "
+                        "spread of repetitions."
                       : "Methods that win nowhere here, whatever their settings: " + methods + ".";
   if (!settings.empty())
     out += " Settings that win nowhere: " + settings + ".";

@@ -69,14 +69,14 @@ double over_front(const Sweep& sweep, const Setting& setting, const Cost& cost);
 double default_over_front(const Sweep& sweep, const std::string& group, const Cost& cost);
 
 /// A setting of ours, or a method with all its settings, that wins nowhere: in every group
-/// something as accurate costs less by more than a tenth.
+/// something as accurate takes less time by more than a tenth, and by more than repetitions spread.
 struct Loser {
   std::string name;
   bool is_method = false;
-  double at_best = 0.0; ///< its least cost over that of a front
+  double at_best = 0.0; ///< its time over that of a front, the least of all groups
 };
-std::vector<Loser> losers(const Sweep& sweep, const Cost& cost);
-/// Sentences with the methods, then the settings, that win nowhere in time; or that none does.
+std::vector<Loser> losers(const Sweep& sweep);
+/// Sentences with the methods, then the settings, that win nowhere; or that none does.
 std::string say_losers(const Sweep& sweep);
 
 /// One row a setting.
