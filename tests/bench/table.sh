@@ -124,7 +124,7 @@ effects() {
 
 accuracy() {
   echo "\`insitu-bench accuracy\`, $(date -u +%Y-%m-%d) on $(nproc) cores, small meshes: each choice against a reference that is" \
-    "exact or far better converged. Its page, \`report.html\`, has the plots; \`--full\` takes large meshes."
+    "exact or far better converged. Its page, \`report.html\`, has the plots; \`--full\` takes large meshes and some twenty minutes."
   echo
   echo '```'
   "$bench" accuracy --out out/accuracy 2> /dev/null | fold -s -w 128 | sed 's/ *$//'

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "core/random.h"
 #include "format.h"
+#include "lines_by_length.h"
 #include "workload/flow.h"
 
 namespace insitu::bench {
@@ -27,30 +28,6 @@ struct Row {
   std::int64_t lost = 0; ///< ended otherwise: none should
   double error = 0.0;    ///< root of the mean square, in cells
   double across = 0.0;   ///< the part of it that is across the line
-};
-
-/// A velocity's direction, so that time is the way along a line: what vtkStreamTracer integrates.
-/// Its times are sums of step / speed at the step's begin, of order 1, and nothing to hold ends
-/// against.
-class Direction {
-public:
-  explicit Direction(advect::MeshVelocity& velocity) : v_(&velocity) {}
-  advect::Sampled operator()(const Vec3d& x, double t, Vec3d& v) {
-    const advect::Sampled sampled = (*v_)(x, t, v);
-    if (sampled == advect::Sampled::inside)
-      v = v / advect::length_of(v);
-    return sampled;
-  }
-  void accepted() { v_->accepted(); }
-  Vec3d extent() { return v_->extent(); }
-  bool confine(const Vec3d& x, const Vec3d& w, double t) { return v_->confine(x, w, t); }
-  void release() { v_->release(); }
-  double depth(const Vec3d& x, double t) { return v_->depth(x, t); }
-  double last_depth() const { return v_->last_depth(); }
-  advect::Crossed cross(const Vec3d& x, const Vec3d& w, double t) { return v_->cross(x, w, t); }
-
-private:
-  advect::MeshVelocity* v_;
 };
 
 class Bench {
@@ -117,10 +94,8 @@ private:
   double cell() const { return setup_.mesh.cell_size; }
 
   /// Ends of all lines; vertices are kept for as long as a line lasts, as who wants lines does.
-  /// along: times are ways.
   std::vector<Vec3d> trace(const IntegratorSettings& settings, const std::vector<double>& times,
-                           const core::Threads& threads, advect::Work& work, Ends& ended,
-                           bool along = false) {
+                           const core::Threads& threads, advect::Work& work, Ends& ended) {
     constexpr std::int64_t grain = 256;
     const query::Sampler sampler = mesh_->sampler();
     const mesh::FieldView field = mesh_->mesh().field("velocity");
@@ -150,17 +125,6 @@ private:
             ends_of[chunk].lost += ending != INSITU_END_ALIVE && ending != INSITU_END_LEFT;
             ends[std::size_t(i)] = states[slot].x;
           };
-          if (along) {
-            advect::MeshVelocity velocity(sampler, field, nullptr, 0, 0, o_.accuracy);
-            Direction direction(velocity);
-            for (std::int64_t i = begin; i < end; ++i) {
-              velocity.begin(-1);
-              advect::Stepping stepping = integrate(direction, i, 0);
-              stepping.resume();
-              finish(i, 0, stepping.ending());
-            }
-            return;
-          }
           advect::run_lanes(
               sampler, begin, end,
               [&](std::deque<advect::LaneVelocity>& to) {
@@ -183,7 +147,7 @@ private:
     return ends;
   }
 
-  std::vector<Vec3d> reference(const std::vector<double>& times, bool along = false) {
+  std::vector<Vec3d> reference(const std::vector<double>& times) {
     progress("reference");
     IntegratorSettings exact;
     exact.face_aware = true;
@@ -191,7 +155,7 @@ private:
     exact.max_steps = 1'000'000;
     advect::Work work;
     Ends ended;
-    return trace(exact, times, all_, work, ended, along);
+    return trace(exact, times, all_, work, ended);
   }
 
   double error_of(const std::vector<Vec3d>& ends, const std::vector<Vec3d>& truth) const {
@@ -199,32 +163,6 @@ private:
     for (std::size_t i = 0; i < ends.size(); ++i)
       sum += dot(ends[i] - truth[i], ends[i] - truth[i]);
     return std::sqrt(sum / double(ends.size())) / cell();
-  }
-
-  /// The part of the error that is across the lines; of those that are whole, or of all.
-  double across_of(const std::vector<Vec3d>& ends, const std::vector<Vec3d>& truth,
-                   const std::vector<bool>& whole = {}) const {
-    double sum = 0.0;
-    std::int64_t n = 0;
-    for (std::size_t i = 0; i < ends.size(); ++i)
-      if (whole.empty() || whole[i]) {
-        const Vec3d d = ends[i] - truth[i];
-        const double along = dot(d, direction_at(truth[i]));
-        sum += std::max(dot(d, d) - along * along, 0.0);
-        ++n;
-      }
-    return n > 0 ? std::sqrt(sum / double(n)) / cell() : 0.0;
-  }
-
-  /// Of the flow, unit; 0 outside.
-  Vec3d direction_at(const Vec3d& x) const {
-    double v[3] = {};
-    const query::Sampler sampler = mesh_->sampler();
-    if (const query::Location at = sampler.locate(x))
-      sampler.interpolate(mesh_->mesh().field("velocity"), at, v);
-    const Vec3d u{v[0], v[1], v[2]};
-    const double speed = advect::length_of(u);
-    return speed > 0.0 ? u / speed : Vec3d{};
   }
 
   /// size: of a step in cells (rk4, at the flow's mean speed), or the tolerance.
@@ -260,7 +198,7 @@ private:
     row.seconds = one.for_ratio(1);
     row.all_seconds = all.median();
     row.error = error_of(ends, truth_);
-    row.across = across_of(ends, truth_);
+    row.across = LinesByLength(*mesh_, all_).across(ends, truth_) / cell();
     return row;
   }
 
@@ -284,15 +222,8 @@ private:
 
   /// A peer, and the fastest of our rows that errs no more.
   void add(const PeerLines& peer) {
-    // Its adaptive lines are not as long as it says: the truth is the nearest point of the curve.
-    std::vector<double> ways(seeds_.size(), length);
-    std::vector<Vec3d> truth;
-    for (int round = 0; round < 3; ++round) {
-      truth = reference(ways, true);
-      for (std::size_t i = 0; i < ways.size(); ++i)
-        ways[i] += dot(peer.ends[i] - truth[i], direction_at(truth[i]));
-    }
-    const double error = across_of(peer.ends, truth, peer.whole);
+    const double error = LinesByLength(*mesh_, all_).across(peer, seeds_, length) / cell();
+    const double seconds = peer.time.for_ratio(1);
     const auto lost = std::count(peer.times.begin(), peer.times.end(), 0.0);
     // The lines' lengths in time may differ from ours by parts of a step.
     double time = 0.0, our_time = 0.0;
@@ -301,20 +232,19 @@ private:
       our_time += times_[i];
     }
     text_ += format("\n%-34s %9.4f %9s %9.3f %9s %8s %9s %9.2e %6s %6lld\n", peer.name.c_str(),
-                    peer.seconds, "", 1e-6 * double(peer.steps) / peer.seconds, "", "", "", error,
-                    "", static_cast<long long>(lost));
+                    seconds, "", 1e-6 * double(peer.steps) / seconds, "", "", "", error, "",
+                    static_cast<long long>(lost));
     const Row* best = nullptr;
     for (const Row& r : rows_)
       if (r.across <= error && (!best || r.seconds < best->seconds))
         best = &r;
-    const double ratio = best ? peer.seconds / time / (best->seconds / our_time) : 0.0;
+    const double ratio = best ? seconds / time / (best->seconds / our_time) : 0.0;
     if (best)
       text_ += format("  at an error no larger: %s, %.1f times as fast on one core\n",
                       best->name.c_str(), ratio);
     json_ += std::string(json_.back() == '[' ? "" : ",") + "\n    {\"name\": " + quoted(peer.name) +
-             ", \"seconds\": " + number(peer.seconds) +
-             ", \"steps\": " + std::to_string(peer.steps) +
-             ", \"steps_per_s\": " + number(double(peer.steps) / peer.seconds) +
+             ", \"seconds\": " + number(seconds) + ", \"steps\": " + std::to_string(peer.steps) +
+             ", \"steps_per_s\": " + number(double(peer.steps) / seconds) +
              ", \"across\": " + number(error) + ", \"lost\": " + std::to_string(lost) +
              ", \"ratio_at_equal_error\": " + number(ratio) + "}";
   }

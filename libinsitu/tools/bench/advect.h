@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "math/vec.h"
+#include "measure.h"
 #include "workload/mesh.h"
 
 namespace insitu::bench {
@@ -12,7 +13,7 @@ namespace insitu::bench {
 /// Lines of another library through the same velocity, which it interpolates as we do.
 struct PeerLines {
   std::string name;
-  double seconds = 0.0; ///< of processor time, one thread, the median
+  Series time; ///< on one thread
   std::int64_t steps = 0;
   std::vector<math::Vec3d> ends; ///< by seed; of those without a line, the seed
   std::vector<double> times;     ///< of the ends, as the library says; 0 of those without a line

@@ -14,6 +14,7 @@ namespace insitu::bench {
 struct Output {
   std::string text, json;
   int exit_code = 0;
+  std::string advice = {}; ///< a sentence made from the figures, where there is one
 };
 Report commit(const Options& options);
 Report locate(const Options& options);

@@ -12,6 +12,8 @@ namespace {
 
 using render::FrameSettings;
 
+constexpr const char* together = "all together";
+
 /// Two hills and a wave over the unit box, from 0 to about 1.3.
 double blob(const math::Vec3d& p) {
   const auto hill = [&](const math::Vec3d& centre, double width) {
@@ -55,7 +57,7 @@ public:
     std::vector<Row> rows;
     for (const Family& family : {volumes(), surfaces(), paths()}) {
       Family all = family;
-      all.effects.push_back({"all together", [&](FrameSettings& s) {
+      all.effects.push_back({together, [&](FrameSettings& s) {
                                for (const Effect& effect : family.effects)
                                  if (effect.goes_with_all)
                                    effect.ask(s);
@@ -201,6 +203,33 @@ private:
   std::unique_ptr<query::CommittedMesh> mesh_;
 };
 
+/// The dearest effects, one of every kind of frame and one on particles.
+std::string dearest(const std::vector<Row>& rows, const std::vector<ParticleRow>& particles,
+                    int threads) {
+  std::vector<std::pair<std::string, std::string>> kinds; // with the dearest, as it is printed
+  double most = 0.0;
+  const auto look = [&](const std::string& kind, const std::string& effect, const auto& row) {
+    if (kinds.empty() || kinds.back().first != kind) {
+      kinds.emplace_back(kind, "");
+      most = -HUGE_VAL;
+    }
+    const double price = row.with.for_ratio(threads) / row.bare.for_ratio(threads) - 1;
+    if (price > most) {
+      most = price;
+      kinds.back().second = effect + format(" (%+.0f %%)", 100 * price);
+    }
+  };
+  for (const Row& row : rows)
+    if (row.effect != together)
+      look(row.family, row.effect, row);
+  for (const ParticleRow& row : particles)
+    look("particles", row.effect, row);
+  std::string out;
+  for (const auto& [kind, effect] : kinds)
+    out += (out.empty() ? "The dearest effects are, of " : "; of ") + kind + ", " + effect;
+  return out + ".";
+}
+
 } // namespace
 
 Output effects(const Options& o) {
@@ -208,6 +237,7 @@ Output effects(const Options& o) {
   const std::vector<Row> rows = bench.run();
   const std::vector<ParticleRow> particles = bench.particles();
   Output out;
+  out.advice = dearest(rows, particles, o.threads);
   out.text = bench.title() +
              "\nMedians; an effect's price is what it adds to the bare frame, which is "
              "drawn in turns with it.\n\n";

@@ -27,7 +27,9 @@ public:
   double min() const { return at(wall_, 0.0); }
   double median() const { return at(wall_, 0.5); }
   double max() const { return at(wall_, 1.0); }
+  double cpu_min() const { return at(cpu_, 0.0); }
   double cpu_median() const { return at(cpu_, 0.5); }
+  double cpu_max() const { return at(cpu_, 1.0); }
   double cpu_sum() const;
 
   /// The median's part in a ratio: of processor time on one thread, which others on the machine

@@ -206,7 +206,7 @@ private:
     text_ += format("\n%s: %s cells after %.2f s of conversion, first frame %.2f s, then %.2f s; "
                     "error %.2e\n",
                     vtk->name.c_str(), grouped(vtk->cells).c_str(), vtk->convert_seconds,
-                    vtk->first_seconds, vtk->seconds, error);
+                    vtk->first_seconds, vtk->time.for_ratio(1), error);
     const Drawn* equal = nullptr;
     for (int i = 0; i < 4; ++i) // the longest step that is no worse
       if (!equal && rows_[std::size_t(i)].error <= error)
@@ -214,9 +214,10 @@ private:
     json_ += ",\n  \"vtk\": {\"cells\": " + std::to_string(vtk->cells) +
              ", \"convert_s\": " + number(vtk->convert_seconds) +
              ", \"first_s\": " + number(vtk->first_seconds) +
-             ", \"frame_s\": " + number(vtk->seconds) + ", \"rms_error\": " + number(error);
+             ", \"frame_s\": " + number(vtk->time.for_ratio(1)) +
+             ", \"rms_error\": " + number(error);
     if (equal) {
-      const double ratio = vtk->seconds / equal->one.for_ratio(1);
+      const double ratio = vtk->time.for_ratio(1) / equal->one.for_ratio(1);
       text_ += format("ours with a step of %g and an error of %.2e is %.1f times as fast\n",
                       equal->factor, equal->error, ratio);
       json_ += ", \"ratio_at_equal_error\": " + number(ratio);

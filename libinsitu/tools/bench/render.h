@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "measure.h"
 #include "render/frame.h"
 #include "workload/mesh.h"
 
@@ -16,7 +17,7 @@ struct PeerFrame {
   std::int64_t cells = 0;       ///< that it draws
   double convert_seconds = 0.0; ///< from the mesh's cells to its own
   double first_seconds = 0.0;   ///< the first frame, with what it builds
-  double seconds = 0.0;         ///< a frame from then on
+  Series time;                  ///< of frames from then on, on one thread
   core::Image color;            ///< over black, linear
 };
 

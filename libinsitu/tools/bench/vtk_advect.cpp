@@ -9,7 +9,6 @@
 #include <vtkStreamTracer.h>
 
 #include "advect.h"
-#include "measure.h"
 #include "vtk_mesh.h"
 
 namespace insitu::bench {
@@ -55,13 +54,11 @@ std::vector<PeerLines> trace_by_vtk(const workload::Mesh& mesh, const std::vecto
       tracer->SetIntegratorTypeToRungeKutta4();
     }
     tracer->Update();
-    Series series;
     for (int i = 0; i < repetitions; ++i) {
       tracer->Modified();
-      series.time([&] { tracer->Update(); });
+      lines.time.time([&] { tracer->Update(); });
     }
     result = tracer->GetOutput();
-    lines.seconds = series.for_ratio(1);
     lines.ends = seeds;
     lines.times.assign(seeds.size(), 0.0);
     lines.whole.assign(seeds.size(), false);

@@ -26,7 +26,7 @@ std::string machine() {
 }
 
 std::string line(const Sweep& s) {
-  std::string out = s.title + "\n  " + s.advice + "\n";
+  std::string out = s.title + "\n  " + s.advice + "\n  " + say_losers(s) + "\n";
   for (const std::string& group : s.groups()) {
     const Setting* chosen = s.default_of(group);
     if (!chosen)
@@ -83,16 +83,17 @@ Output accuracy_command(const Options& o) {
     write_file("--out", (folder / (s.key + ".svg")).string(), plot(s));
     out.text += line(s);
   }
-  std::string effects_table;
+  Output priced;
   if (is_wanted("effects")) {
     Options e = o;
     e.command = Command::effects;
     e.cells = {o.full ? 100'000 : 4096};
     e.size = o.full ? 512 : 64;
-    effects_table = effects(e).text;
+    priced = effects(e);
+    out.text += "Effects\n  " + priced.advice + "\n\n";
   }
   const std::string report = (folder / "report.html").string();
-  write_file("--out", report, page(sweeps, effects_table, machine()));
+  write_file("--out", report, page(sweeps, priced, machine()));
   out.text += "written: " + report + ", a .csv and a .svg for each sweep beside it\n";
   return out;
 }

@@ -2,9 +2,11 @@
 #include <cmath>
 
 #include "accuracy/sweeps.h"
+#include "advect.h"
 #include "advect/mesh_velocity.h"
 #include "core/random.h"
 #include "format.h"
+#include "lines_by_length.h"
 #include "report.h"
 #include "setup.h"
 #include "workload/flow.h"
@@ -28,7 +30,7 @@ public:
     mesh_->mesh().set_field(0, "velocity", INSITU_VERTEX, &array, 1);
     setup_.commit(*mesh_);
     mesh_->look_for_folds(setup_.context.threads);
-    const int count = extent.quick ? 40 : 200;
+    const int count = extent.quick ? 40 : 1000;
     for (int i = 0; i < count; ++i)
       seeds_.push_back({0.3 + 0.4 * core::random_unit(9, std::uint64_t(i), 0),
                         0.3 + 0.4 * core::random_unit(9, std::uint64_t(i), 1),
@@ -39,17 +41,19 @@ public:
     s.tolerance = 1e-13;
     s.face_aware = true;
     s.max_steps = 1'000'000;
-    std::vector<bool> stayed;
+    std::vector<Whole> whole;
     advect::Work work;
-    truth_ = trace(s, work, &stayed);
+    truth_ = trace(s, work, &whole);
     std::vector<Vec3d> seeds, ends;
     for (std::size_t i = 0; i < seeds_.size(); ++i)
-      if (stayed[i]) {
+      if (whole[i].stayed) {
         seeds.push_back(seeds_[i]);
         ends.push_back(truth_[i]);
+        length_ += whole[i].length;
       }
     seeds_ = seeds;
     truth_ = ends;
+    length_ /= double(seeds_.size());
   }
 
   std::int64_t cells() const { return setup_.mesh.cell_count(); }
@@ -80,7 +84,34 @@ public:
     return s;
   }
 
+  /// vtkStreamTracer's lines from the same seeds, as long as ours are on the mean after the time:
+  /// it knows no other end. step: in cells; error: that its adaptive method tolerates. Of its own
+  /// errors only the part across the lines counts.
+  std::vector<Setting> measure_peers(const std::string& group, double step, double error) {
+    std::vector<Setting> out;
+    for (const PeerLines& lines :
+         trace_by_vtk(setup_.mesh, velocity_, seeds_, length_, step, error, extent_.repetitions)) {
+      Setting s;
+      s.group = group;
+      s.is_peer = true;
+      const bool adaptive = lines.name.ends_with("45");
+      s.name = lines.name + ", " + (adaptive ? format("%g", error) : format("%g cell", step));
+      s.items = double(seeds_.size());
+      s.time = lines.time;
+      s.error = LinesByLength(*mesh_, setup_.context.threads).across(lines, seeds_, length_);
+      s.more = {std::nan(""), double(lines.steps) / s.items};
+      if (std::count(lines.whole.begin(), lines.whole.end(), true) > 0)
+        out.push_back(std::move(s));
+    }
+    return out;
+  }
+
 private:
+  struct Whole {
+    bool stayed = false;
+    double length = 0.0; ///< of the line
+  };
+
   static Options options(workload::Kind kind, const Extent& extent) {
     Options o;
     o.kind = kind;
@@ -91,7 +122,7 @@ private:
 
   /// Where the seeds are after the time in which the flow crosses about a third of the box.
   std::vector<Vec3d> trace(const advect::IntegratorSettings& settings, advect::Work& work,
-                           std::vector<bool>* stayed) {
+                           std::vector<Whole>* whole) {
     const query::Sampler sampler = mesh_->sampler();
     const mesh::FieldView field = mesh_->mesh().field("velocity");
     advect::MeshVelocity velocity(sampler, field, nullptr, 0.0, 0.0, INSITU_STANDARD);
@@ -100,11 +131,17 @@ private:
       advect::State p;
       p.x = seed;
       velocity.begin(-1);
+      Vec3d last = seed;
+      double length = 0.0;
       const insitu_ending ending = advect::integrate(velocity, settings, 0.15, HUGE_VAL, p, work,
-                                                     [](const advect::State&) {});
+                                                     [&](const advect::State& now) {
+                                                       if (whole)
+                                                         length += advect::length_of(now.x - last);
+                                                       last = now.x;
+                                                     });
       out.push_back(p.x);
-      if (stayed)
-        stayed->push_back(ending == INSITU_END_ALIVE);
+      if (whole)
+        whole->push_back({ending == INSITU_END_ALIVE, length});
     }
     return out;
   }
@@ -114,6 +151,7 @@ private:
   std::vector<double> velocity_;
   std::unique_ptr<query::CommittedMesh> mesh_;
   std::vector<Vec3d> seeds_, truth_;
+  double length_ = 0.0; ///< of the true lines, the mean
 };
 
 std::string advise(const Sweep& s) {
@@ -133,10 +171,28 @@ std::string advise(const Sweep& s) {
   if (cheapest != chosen)
     out += format("; as accurate in the least time: ") + cheapest->name +
            format(", %.2f of it", cheapest->seconds() / chosen->seconds());
-  return out + format(". Steps that end at faces take the error of a tolerance of 1e-10 from %.1g "
-                      "to %.1g for %.2f times "
-                      "the time; rk4 with steps of an eighth of a cell leaves %.1g.",
-                      plain->error, aware->error, aware->seconds() / plain->seconds(), rk4->error);
+  out += format(". Steps that end at faces take the error of a tolerance of 1e-10 from %.1g "
+                "to %.1g for %.2f times "
+                "the time; rk4 with steps of an eighth of a cell leaves %.1g.",
+                plain->error, aware->error, aware->seconds() / plain->seconds(), rk4->error);
+  // Beside each of the peer's settings, the fastest of ours that errs no more.
+  double least = HUGE_VAL, most = 0.0;
+  for (const std::string& g : s.groups())
+    for (const Setting* peer : s.of(g, true)) {
+      const Setting* ours = nullptr;
+      for (const Setting* one : s.of(g))
+        if (peer->is_peer && one->error <= peer->error &&
+            (!ours || one->seconds() < ours->seconds()))
+          ours = one;
+      if (ours) {
+        least = std::min(least, peer->seconds() / ours->seconds());
+        most = std::max(most, peer->seconds() / ours->seconds());
+      }
+    }
+  if (most > 0.0)
+    out += format(" At an error no larger, vtkStreamTracer takes %.1f to %.1f times the time.",
+                  least, most);
+  return out;
 }
 
 } // namespace
@@ -145,7 +201,7 @@ Sweep sweep_advect(const Extent& extent) {
   Sweep s;
   s.key = "advect";
   s.title = "Particles";
-  s.error_label = "position after a fixed time, root mean square, of the box";
+  s.error_label = "error of the position, root mean square, of the box";
   s.work_label = "evaluations of the velocity a particle";
   s.time_label = "seconds a particle, one core";
   s.more_labels = {"largest error", "steps a particle"};
@@ -185,6 +241,13 @@ Sweep sweep_advect(const Extent& extent) {
           s.settings.push_back(std::move(one));
         }
     }
+    for (const auto& [step, error] :
+         {std::pair(1.0, 1e-2), std::pair(0.5, 1e-4), std::pair(0.25, 1e-6), std::pair(0.125, 1e-8),
+          std::pair(0.0625, 1e-10)}) {
+      progress("advect: " + group + ", vtkStreamTracer");
+      for (Setting& peer : flow.measure_peers(group, step, error))
+        s.settings.push_back(std::move(peer));
+    }
   }
   s.swept = "Integrators and their steps or tolerances, with steps that end at cell faces and "
             "without, along the ABC flow "
@@ -193,6 +256,11 @@ Sweep sweep_advect(const Extent& extent) {
             " particles.";
   s.reference = "dopri5 by faces with a tolerance of 1e-13, in the same interpolated field.";
   s.advice = advise(s);
+  if (std::any_of(s.settings.begin(), s.settings.end(), [](const Setting& p) { return p.is_peer; }))
+    s.notes = {
+        "vtkStreamTracer ends lines by their length: from the same seeds, as long as ours are "
+        "on the mean after the fixed time. Of its errors only the part across the lines is "
+        "counted, of ours all."};
   return s;
 }
 

@@ -165,13 +165,18 @@ Sweep sweep_amr(const Extent& extent) {
       "Reconstruction of " + grouped(adaptive.leaf_count()) +
       " octree leaves in three levels: the dual mesh with gridlets and curved stitching cells, and "
       "`nearest`, the cell's own value.";
-  s.reference = "The smooth field itself, whose values the leaves have at their centres; for "
-                "images, the same on "
-                "even meshes of half and a quarter of the finest leaves' width (full: of the same "
-                "and of half), extrapolated.";
+  s.reference =
+      std::string("The smooth field itself, whose values the leaves have at their centres; "
+                  "for images, the same on even meshes of ") +
+      (extent.quick ? "half and a quarter of the finest leaves' width"
+                    : "the finest leaves' width and of half") +
+      ", extrapolated.";
   s.error_label = "error (values: root mean square, of 1; images: 1 - structural similarity)";
   s.work_label = "samples located";
   s.time_label = "seconds a sample, seconds a frame; one core";
+  s.axes = {
+      {"values", {"error of the value, root mean square, of 1", "seconds a sample, one core"}},
+      {"images", {"1 - structural similarity", "seconds a frame, one core"}}};
   s.more_labels = {"largest error", "root mean square of linear colours", "bytes of the library"};
   const core::Image truth = adaptive.converged();
   for (const auto reconstruction : {INSITU_DUAL, INSITU_NEAREST}) {
@@ -190,16 +195,19 @@ Sweep sweep_amr(const Extent& extent) {
   const Setting *dual = s.find("values", "dual mesh"), *nearest = s.find("values", "nearest");
   const Setting *dual_image = s.find("images", "dual mesh"),
                 *nearest_image = s.find("images", "nearest");
-  s.advice = format(
-      "The dual mesh has %.1f times less error in values than `nearest` and %.1f times less "
-      "dissimilar images, for %.2f "
-      "times the time a sample, %.2f times the time a frame and %.0f bytes a leaf more. Where only "
-      "integrals along rays "
-      "count, `nearest` is as good: the images' root mean square errors are %.2g (dual) and %.2g.",
-      nearest->error / dual->error, nearest_image->error / dual_image->error,
-      dual->seconds() / nearest->seconds(), dual_image->seconds() / nearest_image->seconds(),
-      (dual->more[2] - nearest->more[2]) / double(adaptive.leaf_count()), dual_image->more[1],
-      nearest_image->more[1]);
+  const double bytes = (dual->more[2] - nearest->more[2]) / double(adaptive.leaf_count());
+  s.advice =
+      format("The dual mesh has %.1f times less error in values than `nearest` and its images "
+             "are %.1f times less dissimilar, for %.2f times the time a sample, %.2f times "
+             "the time a frame and %.0f bytes a leaf %s.",
+             nearest->error / dual->error, nearest_image->error / dual_image->error,
+             dual->seconds() / nearest->seconds(), dual_image->seconds() / nearest_image->seconds(),
+             std::fabs(bytes), bytes < 0.0 ? "less" : "more");
+  s.advice += format(" Root mean square errors of the images are %.2g (dual) and %.2g",
+                     dual_image->more[1], nearest_image->more[1]);
+  s.advice += nearest_image->more[1] <= dual_image->more[1]
+                  ? ": where only integrals along rays count, `nearest` is as good."
+                  : ".";
   s.notes = {"Stitching cells with planar faces, as an approximation, are not built: faces are the "
              "bilinear ones that "
              "neighbours share."};

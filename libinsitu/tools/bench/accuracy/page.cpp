@@ -61,8 +61,8 @@ std::string table(const Sweep& s) {
       out += std::string("<tr class=\"") + (one->is_default ? "default " : "") +
              (on_front ? "front" : "") + "\"><td>" + escaped(one->group) + "</td><td>" +
              escaped(one->name) + "</td><td>" + value(one->error) + "</td><td>" +
-             value(one->seconds()) + "</td><td>" + value(one->time.min() / one->items) + " to " +
-             value(one->time.max() / one->items) + "</td><td>" +
+             value(one->seconds()) + "</td><td>" + value(one->least_seconds()) + " to " +
+             value(one->most_seconds()) + "</td><td>" +
              (one->work > 0.0 ? value(one->work) : "&ndash;") + "</td>";
       for (const double m : one->more)
         out += "<td>" + value(m) + "</td>";
@@ -74,7 +74,7 @@ std::string table(const Sweep& s) {
 
 } // namespace
 
-std::string page(const std::vector<Sweep>& sweeps, const std::string& effects_table,
+std::string page(const std::vector<Sweep>& sweeps, const Output& effects,
                  const std::string& machine) {
   std::string out = head;
   out +=
@@ -90,28 +90,24 @@ std::string page(const std::vector<Sweep>& sweeps, const std::string& effects_ta
   for (const Sweep& s : sweeps)
     out += "<li><a href=\"#" + s.key + "\">" + escaped(s.title) + "</a>: " + escaped(s.advice) +
            "</li>\n";
+  if (!effects.text.empty())
+    out += "<li><a href=\"#effects\">Effects</a>: " + escaped(effects.advice) + "</li>\n";
   out += "</ul>\n";
   for (const Sweep& s : sweeps) {
     out += "<h2 id=\"" + s.key + "\">" + escaped(s.title) + "</h2>\n<p>" + escaped(s.swept) +
            " <span class=\"small\">Reference: " + escaped(s.reference) +
            "</span></p>\n<p class=\"advice\">" + escaped(s.advice) + "</p>\n<p>" +
            escaped(place_of_default(s)) + "</p>\n" + plot(s);
-    const std::vector<std::string> losers = never_on_a_front(s, seconds);
-    if (!losers.empty()) {
-      out += "<p>On no front of time here: ";
-      for (std::size_t i = 0; i < losers.size(); ++i)
-        out += (i ? "; " : "") + escaped(losers[i]);
-      out += ".</p>\n";
-    }
+    out += "<p>" + escaped(say_losers(s)) + "</p>\n";
     for (const std::string& note : s.notes)
       out += "<p class=\"small\">" + escaped(note) + "</p>\n";
     out +=
         "<details><summary>All figures (" + s.key + ".csv)</summary>\n" + table(s) + "</details>\n";
   }
-  if (!effects_table.empty())
+  if (!effects.text.empty())
     out += "<h2 id=\"effects\">Effects</h2>\n<p>What each effect adds to the bare frame that does "
-           "without it.</p>\n<pre>" +
-           escaped(effects_table) + "</pre>\n";
+           "without it.</p>\n<p class=\"advice\">" +
+           escaped(effects.advice) + "</p>\n<pre>" + escaped(effects.text) + "</pre>\n";
   return out + "</body></html>\n";
 }
 

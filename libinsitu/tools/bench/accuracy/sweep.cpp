@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "format.h"
 
@@ -45,9 +44,21 @@ double seconds(const Setting& s) {
   return s.seconds();
 }
 
+std::string method_of(const std::string& name) {
+  return name.substr(0, name.find(','));
+}
+
+namespace {
+/// Those of a group that have a place on its front.
+std::vector<const Setting*> rivals(const Sweep& sweep, const std::string& group, const Cost& cost) {
+  std::vector<const Setting*> out = sweep.of(group);
+  std::erase_if(out, [&](const Setting* s) { return s->is_stand_in || !(cost(*s) > 0.0); });
+  return out;
+}
+} // namespace
+
 std::vector<const Setting*> front(const Sweep& sweep, const std::string& group, const Cost& cost) {
-  std::vector<const Setting*> all = sweep.of(group);
-  std::erase_if(all, [&](const Setting* s) { return !(cost(*s) > 0.0); });
+  std::vector<const Setting*> all = rivals(sweep, group, cost);
   std::stable_sort(all.begin(), all.end(), [&](const Setting* a, const Setting* b) {
     return std::pair(cost(*a), a->error) < std::pair(cost(*b), b->error);
   });
@@ -58,27 +69,74 @@ std::vector<const Setting*> front(const Sweep& sweep, const std::string& group, 
   return out;
 }
 
-double default_over_front(const Sweep& sweep, const std::string& group, const Cost& cost) {
-  const Setting* chosen = sweep.default_of(group);
-  if (!chosen || !(cost(*chosen) > 0.0))
+double over_front(const Sweep& sweep, const Setting& setting, const Cost& cost) {
+  if (!(cost(setting) > 0.0))
     return 0.0;
-  double least = cost(*chosen);
-  for (const Setting* s : sweep.of(group))
-    if (cost(*s) > 0.0 && s->error <= 1.01 * chosen->error)
+  double least = cost(setting);
+  for (const Setting* s : rivals(sweep, setting.group, cost))
+    if (s->error <= 1.01 * setting.error)
       least = std::min(least, cost(*s));
-  return cost(*chosen) / least;
+  return cost(setting) / least;
 }
 
-std::vector<std::string> never_on_a_front(const Sweep& sweep, const Cost& cost) {
-  std::set<std::string> winners;
-  std::vector<std::string> out;
-  for (const std::string& group : sweep.groups())
-    for (const Setting* s : front(sweep, group, cost))
-      winners.insert(s->name);
-  for (const Setting& s : sweep.settings)
-    if (!s.is_peer && cost(s) > 0.0 && !winners.contains(s.name) &&
-        std::find(out.begin(), out.end(), s.name) == out.end())
-      out.push_back(s.name);
+double default_over_front(const Sweep& sweep, const std::string& group, const Cost& cost) {
+  const Setting* chosen = sweep.default_of(group);
+  return chosen ? over_front(sweep, *chosen, cost) : 0.0;
+}
+
+std::vector<Loser> losers(const Sweep& sweep) {
+  constexpr double near = 1.1;
+  struct Place {
+    std::string name;
+    double at_best = HUGE_VAL;
+    bool wins = false;
+  };
+  std::vector<Place> settings, methods; // in the order of appearance
+  const auto note = [](std::vector<Place>& in, const std::string& name, double over, bool wins) {
+    auto at = std::find_if(in.begin(), in.end(), [&](const Place& p) { return p.name == name; });
+    if (at == in.end())
+      at = in.insert(in.end(), Place{name});
+    at->at_best = std::min(at->at_best, over);
+    at->wins = at->wins || wins;
+  };
+  for (const std::string& group : sweep.groups()) {
+    const std::vector<const Setting*> all = rivals(sweep, group, seconds);
+    for (const Setting* s : all) {
+      const bool is_beaten = std::any_of(all.begin(), all.end(), [&](const Setting* other) {
+        return other->error <= 1.01 * s->error && near * other->seconds() < s->seconds() &&
+               other->most_seconds() < s->least_seconds();
+      });
+      const double over = over_front(sweep, *s, seconds);
+      note(settings, s->name, over, !is_beaten);
+      note(methods, method_of(s->name), over, !is_beaten);
+    }
+  }
+  std::vector<Loser> out;
+  for (const Place& m : methods)
+    if (!m.wins)
+      out.push_back({m.name, true, m.at_best});
+  for (const Place& s : settings)
+    if (!s.wins && std::none_of(out.begin(), out.end(), [&](const Loser& l) {
+          return l.is_method && l.name == method_of(s.name);
+        }))
+      out.push_back({s.name, false, s.at_best});
+  return out;
+}
+
+std::string say_losers(const Sweep& sweep) {
+  std::string methods, settings;
+  for (const Loser& l : losers(sweep)) {
+    std::string& to = l.is_method ? methods : settings;
+    to += (to.empty() ? "" : "; ") + l.name + format(" (%.2f)", l.at_best);
+  }
+  std::string out =
+      methods.empty() ? "Every method wins somewhere, or loses by no more than a tenth or the "
+                        "spread of repetitions."
+                      : "Methods that win nowhere here, whatever their settings: " + methods + ".";
+  if (!settings.empty())
+    out += " Settings that win nowhere: " + settings + ".";
+  if (!methods.empty() || !settings.empty())
+    out += " (In brackets: their time, at best, over the least of what is as accurate.)";
   return out;
 }
 
@@ -110,8 +168,8 @@ std::string csv(const Sweep& sweep) {
     for (const Setting* s : sweep.of(group, true)) {
       const bool on_front = std::find(best.begin(), best.end(), s) != best.end();
       out += column(s->group) + "," + column(s->name) + "," + value(s->error) + "," +
-             value(s->seconds()) + "," + value(s->time.min() / s->items) + "," +
-             value(s->time.max() / s->items) + "," + (s->work > 0.0 ? value(s->work) : "") + "," +
+             value(s->seconds()) + "," + value(s->least_seconds()) + "," +
+             value(s->most_seconds()) + "," + (s->work > 0.0 ? value(s->work) : "") + "," +
              (s->is_default ? "1" : "0") + "," + (on_front ? "1" : "0") + "," +
              (s->is_peer ? "1" : "0");
       for (const double m : s->more)

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "accuracy/sweep.h"
+#include "commands.h"
 #include "options.h"
 
 /// The sweeps of `insitu-bench accuracy`. `quick` makes them small enough for a test; the shape of
@@ -29,8 +30,8 @@ Sweep sweep_amr(const Extent& extent);
 /// Refit, rebuild, or what the policy says, on a mesh that moves.
 Sweep sweep_update(const Extent& extent);
 
-/// All into one page, to be read from the top.
-std::string page(const std::vector<Sweep>& sweeps, const std::string& effects_table,
+/// All into one page, to be read from the top. effects: what that command found, or nothing.
+std::string page(const std::vector<Sweep>& sweeps, const Output& effects,
                  const std::string& machine);
 
 } // namespace insitu::bench::accuracy

@@ -67,7 +67,7 @@ std::vector<math::Vec3d> MorricalBench::draw(const MorricalSet& d, const MethodM
   if (d.wanted == Wanted::vertex_value) {
     const auto vtk = draw_by_vtk(mesh.mesh, mesh.vertex_field, frame, 1, out.vtk_why);
     if (vtk)
-      out.vtk_seconds = more_pixels * vtk->seconds;
+      out.vtk_seconds = more_pixels * vtk->time.for_ratio(1);
   }
   frame.width = frame.height = 1024;
   std::int64_t rays = 0;
