@@ -101,13 +101,9 @@ private:
   }
 
   void commit() {
-    insitu_commit_report report = insitu_commit_report_default();
-    if (!check(insitu_mesh_commit(mesh_, &report)))
-      return;
-    require(report.cells >= 0 && report.vertices >= 0 && report.bytes >= 0 &&
-                report.cost_ratio >= 0,
-            "a report");
-    fuzz::ask(in_, mesh_, report.cells);
+    insitu_commit_report report;
+    if (fuzz::commit(mesh_, report))
+      fuzz::ask(in_, mesh_, report.cells);
   }
 
   // Arguments.

@@ -87,6 +87,16 @@ inline void make_impossible(Bytes& in, insitu_array& a) {
   }
 }
 
+/// Whether a mesh could be committed; its report holds numbers that can be.
+inline bool commit(insitu_mesh mesh, insitu_commit_report& report) {
+  report = insitu_commit_report_default();
+  if (!check(insitu_mesh_commit(mesh, &report)))
+    return false;
+  require(report.cells >= 0 && report.vertices >= 0 && report.bytes >= 0 && report.cost_ratio >= 0,
+          "a report");
+  return true;
+}
+
 /// Asks a committed mesh of so many cells at vertices, between them and elsewhere.
 inline void ask(Bytes& in, insitu_mesh mesh, std::int64_t cells) {
   std::vector<double> x;

@@ -113,8 +113,8 @@ public:
   const Vec3d& k1() const { return k1_; }
   double h() const { return direction_ * h_; }
   /// What is made of it: another is wanted, of h(); or the step is done, or given up for the next;
-  /// or the particle ends as ending() says.
-  /// Or its end lies on a face, and the next cell there, in direction way(), is wanted for enter().
+  /// or the particle ends as ending() says; or the trial, which may have become shorter, ends on a
+  /// face, and the next cell there, in direction way(), is wanted for enter().
   enum class Verdict : std::uint8_t { again, done, ends, crosses };
   Verdict judge(Trial& trial);
   Vec3d way(const Trial& trial) const { return direction_ * trial.v; }

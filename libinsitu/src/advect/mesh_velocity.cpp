@@ -174,7 +174,7 @@ Vec3d part_of_cell(const Vec3d& towards, const Vec3d& extent, double cells) {
 unsigned MeshVelocity::faces_along(const Vec3d& x, const Vec3d& towards) const {
   constexpr double way = 1e-3, slope = 1e-7; // in cells
   const mesh::CellVertices& c = own_.vertices;
-  const Vec3d on = x + part_of_cell(towards, box_of(c).extent(), way);
+  const Vec3d on = x + part_of_cell(towards, own_extent(), way);
   const auto here = cells::inverse_map(c.shape, c.x, x),
              there = cells::inverse_map(c.shape, c.x, on);
   if (!here.converged || !there.converged)
@@ -184,8 +184,8 @@ unsigned MeshVelocity::faces_along(const Vec3d& x, const Vec3d& towards) const {
   cells::shape_functions(c.shape, there.r, m);
   unsigned faces = 0;
   for (int f = 0; f < cells::face_table(c.shape).face_count; ++f) {
-    const double from = query::parametric_distance(c.shape, f, n);
-    const double change = query::parametric_distance(c.shape, f, m) - from;
+    const double from = cells::parametric_distance(c.shape, f, n);
+    const double change = cells::parametric_distance(c.shape, f, m) - from;
     if (std::abs(from) <= control::on_face && std::abs(change) <= way * slope)
       faces |= 1U << f;
   }
@@ -200,7 +200,7 @@ double MeshVelocity::depth_beside(const Vec3d& r) const {
   double n[8], depth = infinity;
   cells::shape_functions(shape, r, n);
   for (int f = 0; f < cells::face_table(shape).face_count; ++f) {
-    const double d = query::parametric_distance(shape, f, n);
+    const double d = cells::parametric_distance(shape, f, n);
     if ((along_ >> f & 1U) == 0)
       depth = std::min(depth, d);
     else if (d < -beyond)
@@ -218,8 +218,7 @@ bool MeshVelocity::confine(const Vec3d& x, const Vec3d& towards, double t) {
     return false;
   load(own_, at.cell);
   if (depth(x, t) < 1e-9) { // on a face: of the cells there, the one that is entered
-    at = sampler_->locate(x + part_of_cell(towards, box_of(own_.vertices).extent(), 1e-7), at.cell,
-                          options());
+    at = sampler_->locate(x + part_of_cell(towards, own_extent(), 1e-7), at.cell, options());
     if (at && at.cell != own_.cell && can_keep(at.cell))
       load(own_, at.cell);
     blend(own_);
@@ -232,7 +231,7 @@ Vec3d MeshVelocity::beyond(const Vec3d& x, const Vec3d& towards, double t) {
   set_alpha(t);
   blend(own_);
   towards_ = towards;
-  return x + part_of_cell(towards, box_of(own_.vertices).extent(), 1e-7);
+  return x + part_of_cell(towards, own_extent(), 1e-7);
 }
 
 Crossed MeshVelocity::enter(const Vec3d& x, const query::Location& at) {
@@ -248,7 +247,7 @@ Crossed MeshVelocity::enter(const Vec3d& x, const query::Location& at) {
   cells::shape_functions(own_.vertices.shape, at.parametric, n);
   along_ = 0;
   for (int f = 0; f < cells::face_table(own_.vertices.shape).face_count; ++f)
-    if (std::abs(query::parametric_distance(own_.vertices.shape, f, n)) <= control::on_face) {
+    if (std::abs(cells::parametric_distance(own_.vertices.shape, f, n)) <= control::on_face) {
       along_ = faces_along(x, towards_);
       break;
     }
@@ -267,7 +266,7 @@ Crossed MeshVelocity::crossed(const Vec3d& x, const query::Location& at) {
   const auto map = cells::inverse_map(own_.vertices.shape, own_.vertices.x, x);
   if (map.converged) {
     const query::FaceCrossing face = query::nearest_face(own_.vertices, own_.cell, map.r);
-    const Vec3d extent = box_of(own_.vertices).extent();
+    const Vec3d extent = own_extent();
     for (double part = 1e-8; part < 1e-4; part *= 10.0) {
       const query::Location out = sampler_->locate(
           face.point + part_of_cell(face.normal, extent, part), own_.cell, options());

@@ -10,6 +10,7 @@
 #include "advect/box.h"
 #include "advect/in_time.h"
 #include "advect/integrate.h"
+#include "cells/faces.h"
 #include "cells/kernels.h"
 #include "mesh/view.h"
 #include "query/face_crossing.h"
@@ -184,6 +185,7 @@ protected:
   void load(Kept& k, std::int64_t cell) const;
   Kept& keep(std::int64_t cell);
   Crossed enter(const math::Vec3d& x, const query::Location& at);
+  math::Vec3d own_extent() const { return (moves_ ? box_of(own_.vertices) : own_.box).extent(); }
   unsigned faces_along(const math::Vec3d& x, const math::Vec3d& towards) const;
   double depth_beside(const math::Vec3d& r) const;
   /// How deep in its own cell a point lies, with these coordinates and this margin there.

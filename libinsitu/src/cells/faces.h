@@ -101,6 +101,18 @@ INSITU_HD constexpr FaceTable face_table(mesh::Shape shape) {
   return {};
 }
 
+/// How far a point with these weights (shape_functions) lies from a face, in parametric units,
+/// negative beyond it: the weight of the vertices that are not on it. The least over a cell's faces
+/// is InverseMap's margin.
+INSITU_HD inline double parametric_distance(mesh::Shape shape, int face, const double* weights) {
+  const FaceTable table = face_table(shape);
+  const Face& f = table.faces[face];
+  double on = 0.0;
+  for (int k = 0; k < f.vertex_count; ++k)
+    on += weights[f.vertices[k]];
+  return 1.0 - on;
+}
+
 /// Side k of a face, from its vertex k to the next, among the shape's edges; reversed: it runs from
 /// the edge's second vertex to its first.
 struct FaceSide {

@@ -286,7 +286,7 @@ std::optional<FaceCrossing> Walk::boundary_nearby(const Vec3d& p, double t) cons
     double n[8];
     cells::shape_functions(c.shape, cells::parametric_in(c.shape, c.x, q), n);
     for (int f = 0; f < cells::face_table(c.shape).face_count; ++f) {
-      if (parametric_distance(c.shape, f, n) > 1e-5)
+      if (cells::parametric_distance(c.shape, f, n) > 1e-5)
         continue;
       const WayOut face = on_parametric_face(c, at.cell, f, n, t);
       if ((!best || dot(face.normal, s_.direction) > dot(best->normal, s_.direction)) &&
@@ -324,9 +324,9 @@ std::optional<Exit> Walk::bisect(double from) {
   const cells::FaceTable table = cells::face_table(vertices_.shape);
   double nearest = std::numeric_limits<double>::infinity();
   for (int f = 0; f < table.face_count; ++f)
-    nearest = std::min(nearest, parametric_distance(vertices_.shape, f, n));
+    nearest = std::min(nearest, cells::parametric_distance(vertices_.shape, f, n));
   for (int f = 0; f < table.face_count; ++f)
-    if (parametric_distance(vertices_.shape, f, n) <= nearest + 1e-9)
+    if (cells::parametric_distance(vertices_.shape, f, n) <= nearest + 1e-9)
       ways.faces[ways.count++] =
           on_parametric_face(vertices_, cell_, f, n, std::min(inside / s_.length, 1.0));
   std::stable_sort(ways.faces, ways.faces + ways.count, [&](const WayOut& a, const WayOut& b) {
@@ -382,19 +382,11 @@ std::optional<FaceCrossing> leave_cell(const mesh::MeshView& mesh, std::int64_t 
   cells::shape_functions(c.shape, cells::parametric_in(c.shape, c.x, a), n);
   std::optional<FaceCrossing> best;
   for (int f = 0; f < cells::face_table(c.shape).face_count; ++f)
-    if (parametric_distance(c.shape, f, n) <= 1e-9)
+    if (cells::parametric_distance(c.shape, f, n) <= 1e-9)
       if (const WayOut x = on_parametric_face(c, cell, f, n, 0.0);
           !best || dot(x.normal, s.direction) > dot(best->normal, s.direction))
         best = x;
   return best;
-}
-
-double parametric_distance(mesh::Shape shape, int face, const double* weights) {
-  const cells::Face f = cells::face_table(shape).faces[face];
-  double on = 0.0;
-  for (int k = 0; k < f.vertex_count; ++k)
-    on += weights[f.vertices[k]];
-  return 1.0 - on;
 }
 
 FaceCrossing nearest_face(const mesh::CellVertices& vertices, std::int64_t cell,
@@ -403,7 +395,8 @@ FaceCrossing nearest_face(const mesh::CellVertices& vertices, std::int64_t cell,
   cells::shape_functions(vertices.shape, parametric, n);
   int nearest = 0;
   for (int f = 1; f < cells::face_table(vertices.shape).face_count; ++f)
-    if (parametric_distance(vertices.shape, f, n) < parametric_distance(vertices.shape, nearest, n))
+    if (cells::parametric_distance(vertices.shape, f, n) <
+        cells::parametric_distance(vertices.shape, nearest, n))
       nearest = f;
   return on_parametric_face(vertices, cell, nearest, n, 0.0);
 }

@@ -25,11 +25,6 @@ std::optional<FaceCrossing> leave_cell(const mesh::MeshView& mesh, std::int64_t 
                                        const math::Vec3d& a, const math::Vec3d& b,
                                        double alpha = 1.0);
 
-/// How far a point with these weights (cells::shape_functions) lies from a face, in parametric
-/// units, negative beyond it: the weight of the vertices that are not on it. The least over a
-/// cell's faces is cells::InverseMap's margin.
-double parametric_distance(mesh::Shape shape, int face, const double* weights);
-
 /// The face that is nearest to parametric coordinates in or about the cell, its point there, and
 /// its normal; t is 0.
 FaceCrossing nearest_face(const mesh::CellVertices& vertices, std::int64_t cell,

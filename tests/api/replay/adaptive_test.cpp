@@ -23,13 +23,7 @@ std::vector<double> points() {
 struct ReplayAdaptive : Replay {
   void SetUp() override {
     Replay::SetUp();
-    std::string text = "x,y,z\n";
-    for (std::size_t i = 0; i < xyz.size(); ++i) {
-      char number[40];
-      std::snprintf(number, sizeof number, "%.17g%c", xyz[i], i % 3 == 2 ? '\n' : ',');
-      text += number;
-    }
-    put("points.csv", text);
+    put_points("points.csv", xyz);
   }
   /// Rows [first, first + points) are the samples of the data object; with_pieces: it has several.
   void expect_samples(const std::vector<Row>& rows, std::size_t first, vtkDataObject* data,

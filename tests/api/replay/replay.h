@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -50,6 +51,16 @@ struct Replay : testing::Test {
   std::string path(const std::string& name) const { return (folder / name).string(); }
   void put(const std::string& name, const std::string& text) const {
     std::ofstream(path(name)) << text;
+  }
+  /// A file of probed points, three numbers each, to the bit.
+  void put_points(const std::string& name, const std::vector<double>& xyz) const {
+    std::string text = "x,y,z\n";
+    for (std::size_t i = 0; i < xyz.size(); ++i) {
+      char number[40];
+      std::snprintf(number, sizeof number, "%.17g%c", xyz[i], i % 3 == 2 ? '\n' : ',');
+      text += number;
+    }
+    put(name, text);
   }
   /// A 2^3 mesh whose field is linear + add, with cycle and time as field data where not negative.
   void mesh(const std::string& name, double add, int cycle = -1, double time = -1.0,

@@ -117,13 +117,7 @@ TEST_F(Replay, OwnersAndCoordinatesAreTheApis) {
     writer->SetInputData(grid);
     ASSERT_EQ(writer->Write(), 1);
     const std::vector<double> xyz = places(grid, n);
-    std::string text = "x,y,z\n";
-    for (std::size_t i = 0; i < xyz.size(); ++i) {
-      char number[40];
-      std::snprintf(number, sizeof number, "%.17g%c", xyz[i], i % 3 == 2 ? '\n' : ',');
-      text += number;
-    }
-    put("points.csv", text);
+    put_points("points.csv", xyz);
     const PlainMesh plain(grid);
     for (const insitu::Accuracy accuracy : {insitu::Accuracy::standard, insitu::Accuracy::exact}) {
       const std::string word = accuracy == insitu::Accuracy::exact ? "exact" : "standard";

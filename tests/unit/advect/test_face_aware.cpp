@@ -14,6 +14,15 @@ using advect::Method;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// One particle, located anew.
+Outcome run_in(const BoxMesh& box, const mesh::FieldView& velocity,
+               const IntegratorSettings& settings, const Vec3d& seed, double to) {
+  const query::Sampler sampler = box.sampler();
+  advect::MeshVelocity field(sampler, velocity, nullptr, 0, 0, INSITU_STANDARD);
+  field.begin(-1);
+  return run(field, settings, seed, to);
+}
+
 /// Where particles are after `to`, with fixed steps (for pairs: no error control).
 std::vector<Vec3d> ends(const BoxMesh& box, const mesh::FieldView& velocity, Method method,
                         bool face_aware, double step, std::span<const Vec3d> seeds, double to) {
@@ -29,10 +38,7 @@ std::vector<Vec3d> ends(const BoxMesh& box, const mesh::FieldView& velocity, Met
   settings.max_steps = 1000000;
   std::vector<Vec3d> out;
   for (const Vec3d& seed : seeds) {
-    const query::Sampler sampler = box.sampler();
-    advect::MeshVelocity field(sampler, velocity, nullptr, 0, 0, INSITU_STANDARD);
-    field.begin(-1);
-    const Outcome r = run(field, settings, seed, to);
+    const Outcome r = run_in(box, velocity, settings, seed, to);
     EXPECT_EQ(r.ending, INSITU_END_ALIVE);
     out.push_back(r.p.x);
   }
@@ -111,10 +117,7 @@ TEST(FaceAware, ComesToFacesAlongItsExtensionWithinTheTolerance) {
     std::vector<Vec3d> found;
     advect::Work work;
     for (const Vec3d& seed : seeds) {
-      const query::Sampler sampler = box.sampler();
-      advect::MeshVelocity field(sampler, values.view, nullptr, 0, 0, INSITU_STANDARD);
-      field.begin(-1);
-      const Outcome r = run(field, settings, seed, to);
+      const Outcome r = run_in(box, values.view, settings, seed, to);
       EXPECT_EQ(r.ending, INSITU_END_ALIVE);
       found.push_back(r.p.x);
       work += r.work;
@@ -143,10 +146,7 @@ TEST(FaceAware, GoesAlongFacesAsThroughCells) {
       IntegratorSettings settings;
       settings.method = method;
       settings.face_aware = true;
-      const query::Sampler sampler = box.sampler();
-      advect::MeshVelocity field(sampler, values.view, nullptr, 0, 0, INSITU_STANDARD);
-      field.begin(-1);
-      const Outcome r = run(field, settings, {0.3, 0.111, z}, 6.0);
+      const Outcome r = run_in(box, values.view, settings, {0.3, 0.111, z}, 6.0);
       EXPECT_EQ(r.ending, INSITU_END_ALIVE);
       EXPECT_EQ(r.p.x.z, z);
       if (z == -0.9)
@@ -248,14 +248,11 @@ TEST(FaceAware, NeverEndless) {
   for (std::size_t c = 0; c < box.cell_count(); ++c)
     pushed.set(c, {c % 4 < 2 ? 1.0 : -1.0, 0.25, 0.0});
   for (const Method method : {Method::euler, Method::rk4, Method::bs32, Method::dopri5}) {
-    const query::Sampler sampler = box.sampler();
-    advect::MeshVelocity field(sampler, pushed.view, nullptr, 0, 0, INSITU_STANDARD);
-    field.begin(-1);
     IntegratorSettings settings;
     settings.method = method;
     settings.face_aware = true;
     settings.max_steps = 3000;
-    const Outcome r = run(field, settings, {0.3, 0.3, 0.3}, 1.0);
+    const Outcome r = run_in(box, pushed.view, settings, {0.3, 0.3, 0.3}, 1.0);
     EXPECT_TRUE(r.ending == INSITU_END_ALIVE || r.ending == INSITU_END_STEP_LIMIT);
     EXPECT_LT(r.work.evaluations, 400000);
     EXPECT_NEAR(r.p.x.x, 0.5, 0.07); // a quarter of a cell at most
