@@ -46,6 +46,9 @@ INSITU_HD inline float inverse_scale(std::uint8_t exponent) {
   return std::bit_cast<float>((254u - std::uint32_t(exponent)) << 23);
 }
 
+/// Of Node::depth: no zero, which could be a negative one; less than anything that it is asked for.
+constexpr float depth_slack = 0x1p-14f;
+
 constexpr float whole_steps = 0x1p23f; ///< a float below 2^22 plus this ends in its nearest integer
 
 /// An 8-wide node of 80 bytes. Child boxes are quantised, outwards, to 8 bits on a grid whose
@@ -82,14 +85,17 @@ struct alignas(16) Node {
     }
     return b;
   }
-  /// How far a box [lower, upper] reaches into a child's, in steps of the grid, 0 to 255.
+  /// How far a box [lower, upper] reaches into a child's, in steps of the grid, 0 to 255. Scaling
+  /// by a power of two is exact, so signs are child_box's.
   INSITU_HD std::uint8_t depth(int child, const float* box_lower, const float* box_upper) const {
-    const Box b = child_box(child);
     float least = 255.0f;
     for (int a = 0; a < 3; ++a) {
-      const float from_lower = box_upper[a] - b.lower[a], to_upper = b.upper[a] - box_lower[a];
-      const float to_face = (from_lower < to_upper ? from_lower : to_upper);
-      const float steps = to_face * inverse_scale(exponent[a]);
+      const float inverse = inverse_scale(exponent[a]), corner = lower[a] * inverse;
+      const float low = -float(child_lower[a][child]) - corner + depth_slack;
+      const float high = float(child_upper[a][child]) + corner + depth_slack;
+      const float from_lower = box_upper[a] * inverse + low;
+      const float to_upper = high - box_lower[a] * inverse;
+      const float steps = from_lower < to_upper ? from_lower : to_upper;
       least = steps < least ? steps : least;
     }
     least = least > 0.0f ? least : 0.0f;

@@ -17,6 +17,14 @@ struct InverseMap {
   T error;
 };
 
+/// Whether the point is on the cell's boundary as far as the certificate tells, so that no other
+/// cell will be proven to hold it either.
+template <class T>
+INSITU_HD inline auto is_on_boundary(const T& margin, const T& error) {
+  const T m = absolute(margin);
+  return ((m < error) | (m == error)) & (error < T(1e-6));
+}
+
 template <class T>
 INSITU_HD inline T largest_of(const Vec3<T>& a) {
   return larger(absolute(a.x), larger(absolute(a.y), absolute(a.z)));

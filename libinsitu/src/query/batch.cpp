@@ -6,22 +6,12 @@
 #include <numeric>
 
 #include "cells/robust_inverse.h"
+#include "query/bit_tables.h"
 #include "query/gridlet_query.h"
 
 namespace insitu::query {
 
 using math::Vec3d;
-
-namespace {
-
-/// Calls f(k) for every set bit k.
-template <class F>
-void for_each_bit(std::uint64_t bits, F&& f) {
-  for (; bits; bits &= bits - 1)
-    f(std::countr_zero(bits));
-}
-
-} // namespace
 
 BatchLocator::BatchLocator(const PointQuery& query, BatchScratch& scratch)
     : query_(query), rule_(query.box_rule()), s_(scratch),
@@ -55,8 +45,9 @@ void BatchLocator::run(std::span<const Vec3d> points, std::span<const Location> 
   pairs_.order(
       s_.traversal.found,
       [&](std::size_t c) {
+        // The cell or -1, without a branch: it would be guessed wrongly too often.
         const std::int64_t cell = query_.tree.cells()[candidates[c].slot];
-        return could_own(cell, candidates[c].query) ? cell : -1;
+        return cell | (std::int64_t(could_own(cell, candidates[c].query)) - 1);
       },
       [&](std::size_t c) { return candidates[c].query; });
   pairs_.for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const QueryId* queries) {
@@ -144,18 +135,15 @@ bool BatchLocator::try_likeliest(int tries) {
         [&](mesh::Shape shape, const std::int64_t* cells, const QueryId* queries) {
           const PairBlock& b = s_.block;
           invert(shape, s_.block);
-          for (int k = 0; k < b.cells.count; ++k) {
+          for_each_bit(b.on_boundary, [&](int k) { next[queries[k]] = 0; }); // no use in more tries
+          for_each_bit(b.certified, [&](int k) {
             const int q = queries[k];
-            if (is_on_boundary(b.margin[k], b.error[k]))
-              next[q] = 0; // no use in further tries
-            if (b.margin[k] > b.error[k]) {
-              best_[q] = {cells[k], b.parametric_of(k)};
-              below_[q] = enough ? 0 : cells[k];
-              reason_[q] = Reason::certified;
-              located_[q] = true;
-              ++proven;
-            }
-          }
+            best_[q] = {cells[k], b.parametric_of(k)};
+            below_[q] = enough ? 0 : cells[k];
+            reason_[q] = Reason::certified;
+            located_[q] = true;
+          });
+          proven += std::size_t(std::popcount(b.certified));
         });
     std::size_t left = 0;
     for (std::size_t k = 0; k < open_count; ++k) {

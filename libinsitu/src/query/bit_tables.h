@@ -1,9 +1,17 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 
 namespace insitu::query {
+
+/// Calls f(k) for every set bit k.
+template <class F>
+void for_each_bit(std::uint64_t bits, F&& f) {
+  for (; bits; bits &= bits - 1)
+    f(std::countr_zero(bits));
+}
 
 using BitTable = std::array<std::array<std::uint8_t, 8>, 256>;
 

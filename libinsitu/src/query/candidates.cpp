@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstddef>
 #include <cstring>
 #include <utility>
 
@@ -13,91 +12,12 @@
 #include <hwy/highway.h>
 
 #include "query/bit_tables.h"
+#include "query/child_boxes_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace insitu::query::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-/// A node's child boxes, decoded once for all queries at the node.
-class ChildBoxes {
-public:
-  /// The product of decoding is exact, so this is the sum that encode_boxes checked, fused or not.
-  HWY_INLINE void decode(const accel::Node& node) {
-    for (int a = 0; a < 3; ++a) {
-      steps_a_unit_[a] = accel::inverse_scale(node.exponent[a]);
-      const auto base = hn::Set(d, node.lower[a]), scale = hn::Set(d, node.scale(a));
-      for (std::size_t c = 0; c < 8; c += hn::MaxLanes(d)) {
-        const auto lo = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(db, node.child_lower[a] + c)));
-        const auto hi = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(db, node.child_upper[a] + c)));
-        hn::Store(hn::Add(base, hn::Mul(scale, lo)), d, lower_[a] + c);
-        hn::Store(hn::Add(base, hn::Mul(scale, hi)), d, upper_[a] + c);
-      }
-    }
-  }
-
-  /// Box `to` becomes another's box `child`.
-  HWY_INLINE void take(int to, const ChildBoxes& from, int child) {
-    for (int a = 0; a < 3; ++a) {
-      lower_[a][to] = from.lower_[a][child];
-      upper_[a][to] = from.upper_[a][child];
-    }
-  }
-
-  /// Bit c: the query's box meets child c's.
-  HWY_INLINE unsigned overlapping(const float* bounds) const {
-    unsigned bits = 0;
-    for (std::size_t c = 0; c < 8; c += hn::MaxLanes(d)) {
-      const auto axis = [&](int a) HWY_ATTR {
-        return hn::And(hn::Le(hn::Load(d, lower_[a] + c), hn::Set(d, bounds[4 + a])),
-                       hn::Ge(hn::Load(d, upper_[a] + c), hn::Set(d, bounds[a])));
-      };
-      std::uint8_t byte[8] = {};
-      hn::StoreMaskBits(d, hn::And(axis(0), hn::And(axis(1), axis(2))), byte);
-      bits |= unsigned(byte[0]) << c;
-    }
-    return bits;
-  }
-
-  /// Node::depth of all children, and the bits of `overlapping` (the distances' signs are exact).
-  HWY_INLINE unsigned overlapping(const float* bounds, std::uint8_t* depth) const {
-    unsigned bits = 0;
-    for (std::size_t c = 0; c < 8; c += hn::MaxLanes(d)) {
-      const auto axis = [&](int a) HWY_ATTR {
-        const auto from_lower = hn::Sub(hn::Set(d, bounds[4 + a]), hn::Load(d, lower_[a] + c));
-        const auto to_upper = hn::Sub(hn::Load(d, upper_[a] + c), hn::Set(d, bounds[a]));
-        return hn::Mul(hn::Min(from_lower, to_upper), hn::Set(d, steps_a_unit_[a]));
-      };
-      const auto least = hn::Min(axis(0), hn::Min(axis(1), axis(2)));
-      const auto whole = hn::Add(hn::Min(hn::Max(least, hn::Zero(d)), hn::Set(d, 255.0f)),
-                                 hn::Set(d, accel::whole_steps));
-      hn::StoreU(hn::TruncateTo(db, hn::BitCast(du, whole)), db, depth + c);
-      std::uint8_t byte[8] = {};
-      hn::StoreMaskBits(d, hn::Ge(least, hn::Zero(d)), byte);
-      bits |= unsigned(byte[0]) << c;
-    }
-    return bits;
-  }
-
-private:
-  static constexpr hn::CappedTag<float, 8> d{};
-  static constexpr hn::Rebind<std::int32_t, hn::CappedTag<float, 8>> di{};
-  static constexpr hn::Rebind<std::uint32_t, hn::CappedTag<float, 8>> du{};
-  static constexpr hn::Rebind<std::uint8_t, hn::CappedTag<float, 8>> db{};
-  alignas(32) float lower_[3][8] = {};
-  alignas(32) float upper_[3][8] = {};
-  float steps_a_unit_[3] = {};
-};
-
-/// Bit c: meta[c] is not 0.
-HWY_INLINE unsigned present_children(const accel::Node& node) {
-  std::uint64_t meta;
-  std::memcpy(&meta, node.meta, sizeof meta);
-  // The high bit of every byte that is not 0, then these eight bits side by side.
-  constexpr std::uint64_t low = 0x7f7f7f7f7f7f7f7full;
-  const std::uint64_t high = (((meta & low) + low) | meta) & ~low;
-  return unsigned(((high >> 7) * 0x0102040810204080ull) >> 56);
-}
 
 /// The chosen of eight queries side by side; all eight of `out` are written.
 HWY_INLINE void compress(const QueryId* from, unsigned chosen, QueryId* out) {
@@ -133,31 +53,6 @@ HWY_INLINE void store_pairs(hn::Vec<Ids> low, hn::Vec<Quads> high0, hn::Vec<Quad
   hn::StoreU(hn::Or(hn::PromoteTo(Quads(), hn::UpperHalf(half, low)), high1), Quads(), words + 4);
 }
 #endif
-
-/// Candidates {base + offsets[c], query, depth[c]} for every set bit c of hits, in order. Returns
-/// how many. Eight at `out` are written whatever hits is: branches on it would be guessed wrongly
-/// too often.
-HWY_INLINE std::size_t append(unsigned hits, const std::uint8_t* offsets, std::uint32_t base,
-                              QueryId query, const std::uint8_t* depth, Candidate* out) {
-#if HWY_MAX_BYTES >= 32
-  static_assert(sizeof(Candidate) == 8 && offsetof(Candidate, depth) == 6);
-  const auto places = hn::LoadU(hn::FixedTag<std::uint8_t, 8>(), set_bits[hits].data());
-  const auto slots = hn::Add(choose(offsets, places), hn::Set(Ids(), base));
-  const auto depths = choose(depth, places);
-  const auto high = [&](auto half) HWY_ATTR {
-    return hn::Or(hn::Set(Quads(), std::uint64_t(query) << 32),
-                  hn::ShiftLeft<48>(hn::PromoteTo(Quads(), half)));
-  };
-  const hn::Half<Ids> half;
-  store_pairs(slots, high(hn::LowerHalf(half, depths)), high(hn::UpperHalf(half, depths)), out);
-#else
-  for (unsigned rest = hits; rest; rest &= rest - 1) {
-    const int c = std::countr_zero(rest);
-    *out++ = {base + offsets[c], query, depth[c], 0};
-  }
-#endif
-  return std::size_t(std::popcount(hits));
-}
 
 /// Where the next level's runs go; there is room for all.
 struct RunWriter {
@@ -248,21 +143,10 @@ struct RunWriter {
 struct Entry {
   std::uint32_t node[8] = {};
   int count = 1; ///< 1 at first: the root, whose box need not be tested
-  ChildBoxes boxes;
+  accel::Box box[8];
 };
 
 HWY_INLINE void find_entry(const accel::Node* nodes, const QueryBoxes& queries, Entry& entry) {
-  const hn::CappedTag<float, 4> d;
-  alignas(16) float all[8];
-  for (std::size_t o = 0; o < 4; o += hn::MaxLanes(d)) {
-    auto lower = hn::Load(d, queries.bounds[0] + o), upper = hn::Load(d, queries.bounds[0] + 4 + o);
-    for (int q = 1; q < queries.count; ++q) {
-      lower = hn::Min(lower, hn::Load(d, queries.bounds[q] + o));
-      upper = hn::Max(upper, hn::Load(d, queries.bounds[q] + 4 + o));
-    }
-    hn::Store(lower, d, all + o);
-    hn::Store(upper, d, all + 4 + o);
-  }
   ChildBoxes children;
   while (entry.count > 0) {
     Entry next;
@@ -270,12 +154,12 @@ HWY_INLINE void find_entry(const accel::Node* nodes, const QueryBoxes& queries, 
     for (int i = 0; i < entry.count; ++i) {
       const accel::Node& node = nodes[entry.node[i]];
       children.decode(node);
-      const unsigned hits = children.overlapping(all) & present_children(node);
+      const unsigned hits = children.overlapping(queries.all) & present_children(node);
       if ((hits & ~unsigned(node.inner)) || next.count + std::popcount(hits) > 8)
         return;
       for (unsigned rest = hits; rest; rest &= rest - 1) {
         const int c = std::countr_zero(rest);
-        next.boxes.take(next.count, children, c);
+        next.box[next.count] = node.child_box(c);
         next.node[next.count++] = node.child_node(c);
       }
     }
@@ -289,10 +173,10 @@ HWY_INLINE void enter(const Entry& entry, const QueryBoxes& queries, RunWriter& 
   std::uint8_t hits[batch_size + 8];
   for (int q = 0; q < queries.count; ++q)
     all[q] = QueryId(q);
-  const unsigned entries = (1u << entry.count) - 1u;
+  ChildBoxes boxes;
+  boxes.set(entry.box, entry.count);
   for (int q = 0; q < queries.count; ++q)
-    hits[q] = std::uint8_t(
-        entry.node[0] == 0 ? 1u : entry.boxes.overlapping(queries.bounds[q]) & entries);
+    hits[q] = std::uint8_t(entry.node[0] == 0 ? 1u : boxes.overlapping(queries.bounds[q]));
   to.add(all, hits, std::size_t(queries.count), entry.node);
 }
 
@@ -344,17 +228,14 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
       children.decode(node);
       // A box as wide as the node meets its absent children as well.
       const unsigned inner = node.inner, leaves = present_children(node) & ~inner;
-      const std::uint8_t* places = bits_below[leaves].data();
-      if (leaves)
-        hwy::Prefetch(tree.cells() + node.first_cell);
       std::uint8_t hits[batch_size + 8];
       if (leaves) {
+        hwy::Prefetch(tree.cells() + node.first_cell);
+        children.set_leaves(leaves, node.first_cell, bits_below[leaves].data());
         for (std::size_t i = 0; i < n; ++i) {
-          std::uint8_t depth[8];
-          const unsigned met = children.overlapping(queries.bounds[query[i]], depth);
+          unsigned met;
+          found += children.append(queries.bounds[query[i]], query[i], candidates + found, met);
           hits[i] = std::uint8_t(met & inner);
-          found +=
-              append(met & leaves, places, node.first_cell, query[i], depth, candidates + found);
         }
       } else {
         for (std::size_t i = 0; i < n; ++i)

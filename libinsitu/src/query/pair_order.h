@@ -71,11 +71,11 @@ void PairOrder::order(std::size_t n, CellOf&& cell_of, QueryOf&& query_of) {
   if (gather_.one_shape()) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      const std::int64_t cell = cell_of(i);
+      const std::int64_t cell = cell_of(i), none = cell >> 63; // -1 or 0: comparing would branch
       s_.cells[kept] = cell;
       s_.queries[kept] = QueryId(query_of(i));
-      gather_.prefetch_ids(std::max(cell, std::int64_t(0)));
-      kept += cell >= 0;
+      gather_.prefetch_ids(cell & ~none);
+      kept += std::size_t(1 + none);
     }
     const int shape = kept > 0 ? int(gather_.shape(0)) - first_shape : 0;
     for (int i = 0; i < shape_count; ++i)

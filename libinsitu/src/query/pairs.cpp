@@ -27,7 +27,7 @@ HWY_INLINE void load_pairs(const PairBlock& block, int i, int vertices, PackVec*
 void invert_target(mesh::Shape shape, PairBlock& block) {
   const simd::PackTag d;
   const int lanes = int(hn::Lanes(d)), vertices = mesh::vertex_count(shape);
-  block.converged = 0;
+  block.converged = block.certified = block.on_boundary = 0;
   for (int i = 0; i < block.cells.count; i += lanes) {
     PackVec x[8], p;
     load_pairs(block, i, vertices, x, p);
@@ -38,7 +38,14 @@ void invert_target(mesh::Shape shape, PairBlock& block) {
     hn::Store(found.margin.v, d, block.margin + i);
     hn::Store(found.error.v, d, block.error + i);
     block.converged |= std::uint64_t(simd::lane_bits(found.converged)) << i;
+    block.certified |= std::uint64_t(simd::lane_bits(found.margin > found.error)) << i;
+    const simd::PackMask on_boundary = simd::is_on_boundary(found.margin, found.error);
+    block.on_boundary |= std::uint64_t(simd::lane_bits(on_boundary)) << i;
   }
+  // The last pack's idle lanes may repeat a point that was proven.
+  block.converged &= block.cells.all();
+  block.certified &= block.cells.all();
+  block.on_boundary &= block.cells.all();
 }
 
 void contain_target(mesh::Shape shape, PairBlock& block) {

@@ -15,8 +15,11 @@ struct PairBlock {
   alignas(64) double parametric[3][row]; ///< by invert
   alignas(64) double margin[row];        ///< by invert; see cells::InverseMap
   alignas(64) double error[row];         ///< by invert; see cells::InverseMap
-  std::uint64_t converged;               ///< by invert: bit k is pair k's
-  std::uint64_t inside, outside;         ///< by contain: proven; neither: undecided
+  // By invert; bit k is pair k's.
+  std::uint64_t converged;
+  std::uint64_t certified;       ///< the point is proven inside: margin > error
+  std::uint64_t on_boundary;     ///< see cells::is_on_boundary
+  std::uint64_t inside, outside; ///< by contain: proven; neither: undecided
 
   math::Vec3d point_of(int k) const { return {point[0][k], point[1][k], point[2][k]}; }
   math::Vec3d parametric_of(int k) const {

@@ -5,6 +5,7 @@
 
 #include "accel/tree.h"
 #include "cells/decide.h"
+#include "cells/kernels.h"
 #include "query/sampler.h"
 
 /// What single and batched queries share: the query's box, the decision, the coordinates.
@@ -58,13 +59,8 @@ private:
 };
 
 using cells::decide;
+using cells::is_on_boundary;
 using cells::is_plausible;
 using cells::parametric_in;
-
-/// Whether the point is on the cell's boundary as far as Newton's certificate tells, so that no
-/// other cell will be proven to hold it either.
-inline bool is_on_boundary(double margin, double error) {
-  return std::fabs(margin) <= error && error < 1e-6;
-}
 
 } // namespace insitu::query

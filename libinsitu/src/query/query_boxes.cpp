@@ -1,5 +1,6 @@
 #include "query/query_boxes.h"
 
+#include <algorithm>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
@@ -29,30 +30,42 @@ void set_boxes_target(const BoxRule& rule, std::span<const math::Vec3d> points, 
   const auto farthest = hn::Set(df, float(BoxRule::farthest));
   const auto none = hn::Set(df, -std::numeric_limits<float>::infinity());
   boxes.count = int(points.size());
+  auto most_xy = none, most_z = none;
   for (std::size_t q = 0; q < points.size(); ++q) {
     const auto p = hn::MaskedLoad(xyz, d, &points[q].x);
     const auto from = hn::Sub(p, origin), w = hn::Add(wider, hn::Mul(relative, hn::Abs(p)));
     // A box that is none along one axis meets nothing.
     const auto finite = hn::Le(hn::Abs(hn::DemoteTo(df, from)), farthest);
     // Down is the other way up.
-    const auto lower = hn::Neg(round_up(hn::Sub(w, from))), upper = round_up(hn::Add(from, w));
-    hn::Store(hn::IfThenElse(finite, lower, hn::Neg(none)), df, boxes.bounds[q]);
-    hn::Store(hn::IfThenElse(finite, upper, none), df, boxes.bounds[q] + 4);
+    const auto lower = hn::IfThenElse(finite, round_up(hn::Sub(w, from)), none);
+    const auto upper = hn::IfThenElse(finite, round_up(hn::Add(from, w)), none);
+    const auto xy = hn::InterleaveLower(df, upper, lower),
+               z = hn::InterleaveUpper(df, upper, lower);
+    hn::Store(xy, df, boxes.bounds[q]);
+    hn::Store(z, df, boxes.bounds[q] + 4);
+    most_xy = hn::Max(most_xy, xy);
+    most_z = hn::Max(most_z, z);
   }
+  hn::Store(most_xy, df, boxes.all);
+  hn::Store(most_z, df, boxes.all + 4);
 }
 
 #else
 
 void set_boxes_target(const BoxRule& rule, std::span<const math::Vec3d> points, QueryBoxes& boxes) {
+  constexpr float none = -std::numeric_limits<float>::infinity();
   boxes.count = int(points.size());
+  std::fill_n(boxes.all, 8, none);
   for (std::size_t q = 0; q < points.size(); ++q) {
-    float* b = boxes.bounds[q];
-    b[3] = b[7] = 0.0f;
-    if (!rule.box(points[q], b, b + 4))
-      for (int a = 0; a < 3; ++a) {
-        b[a] = std::numeric_limits<float>::infinity();
-        b[4 + a] = -b[a];
-      }
+    float lower[3], upper[3];
+    const bool finite = rule.box(points[q], lower, upper);
+    for (int a = 0; a < 3; ++a) {
+      float* const b = boxes.bounds[q] + 2 * a;
+      b[0] = finite ? upper[a] : none;
+      b[1] = finite ? -lower[a] : none;
+      boxes.all[2 * a] = std::max(boxes.all[2 * a], b[0]);
+      boxes.all[2 * a + 1] = std::max(boxes.all[2 * a + 1], b[1]);
+    }
   }
 }
 

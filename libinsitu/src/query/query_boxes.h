@@ -14,11 +14,13 @@ constexpr int batch_size = 1024;
 using QueryId = std::uint16_t;
 static_assert(batch_size <= 1 << 16);
 
-/// A batch of at most batch_size query boxes in the tree's local frame: lower x, y, z, unused,
-/// upper x, y, z, unused. A box that is none meets nothing.
+/// A batch of at most batch_size query boxes in the tree's local frame: -lower and upper beside
+/// each other, but the other way about, for faces of nodes: upper x, -lower x, upper y, -lower y,
+/// upper z, -lower z, and two unused. A box that is none meets nothing.
 struct QueryBoxes {
   int count = 0;
   alignas(32) float bounds[batch_size][8];
+  alignas(32) float all[8]; ///< the box of all boxes
 };
 
 /// The boxes of at most batch_size points by the rule. Compiled per SIMD target and dispatched at

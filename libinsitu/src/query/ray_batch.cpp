@@ -1,8 +1,10 @@
 #include "query/ray_batch.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "cells/robust_inverse.h"
+#include "query/bit_tables.h"
 
 namespace insitu::query {
 
@@ -67,16 +69,13 @@ std::int64_t RayBatch::certify(const std::int64_t* cells_of) {
   pairs_.for_each_block([&](mesh::Shape shape, const std::int64_t* cells, const QueryId* queries) {
     const PairBlock& b = s_.block;
     invert(shape, s_.block);
-    for (int k = 0; k < b.cells.count; ++k) {
-      const int q = queries[k];
-      if (b.margin[k] > b.error[k]) {
-        best_[q] = {cells[k], b.parametric_of(k)};
-        reason_[q] = Reason::certified;
-        ++proven;
-      } else if (is_on_boundary(b.margin[k], b.error[k])) {
-        beyond_[q] = -1; // no use in a further try
-      }
-    }
+    for_each_bit(b.on_boundary,
+                 [&](int k) { beyond_[queries[k]] = -1; }); // no use in a further try
+    for_each_bit(b.certified, [&](int k) {
+      best_[queries[k]] = {cells[k], b.parametric_of(k)};
+      reason_[queries[k]] = Reason::certified;
+    });
+    proven += std::popcount(b.certified);
   });
   return proven;
 }

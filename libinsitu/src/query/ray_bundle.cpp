@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "query/adaptive.h"
+#include "query/bit_tables.h"
 #include "query/gridlet_query.h"
 #include "query/locators.h"
 #include "query/point_query.h"
@@ -61,12 +62,6 @@ constexpr int index_of(int place) {
 }
 constexpr int cell_of_key(std::int32_t key) {
   return key & 0xffff;
-}
-
-template <class F>
-void for_each_bit(std::uint32_t bits, F&& f) {
-  for (; bits; bits &= bits - 1)
-    f(std::countr_zero(bits));
 }
 
 Vec3d normalized(const Vec3d& v) {

@@ -222,6 +222,8 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
             } else {
               for (std::size_t i = 0; chart_ && i < n; ++i)
                 batch[i] = image(part[first + i]);
+              for (std::size_t line = 0; line < n * sizeof(Vec3d); line += 64)
+                __builtin_prefetch(reinterpret_cast<const char*>(&part[first]) + n * sizeof(Vec3d) + line, 0, 2);
               answered =
                   batches.run(chart_ ? std::span<const Vec3d>(batch, n) : part.subspan(first, n));
               answered.first = from + first;

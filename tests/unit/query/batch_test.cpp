@@ -229,16 +229,22 @@ TEST(Batch, BoxesAreTheRulesToTheLastBit) {
         const bool has_box = rule.box(points[q], lower, upper);
         bool meets_something = true;
         for (int a = 0; a < 3; ++a) {
-          const float *low = &boxes.bounds[q][a], *high = &boxes.bounds[q][4 + a];
+          const float high = boxes.bounds[q][2 * a], low = -boxes.bounds[q][2 * a + 1];
           if (has_box) {
-            EXPECT_EQ(std::memcmp(low, &lower[a], sizeof *low), 0) << test::text(points[q]);
-            EXPECT_EQ(std::memcmp(high, &upper[a], sizeof *high), 0) << test::text(points[q]);
-            EXPECT_LE(double(*low), points[q][a] - rule.origin[a]);
-            EXPECT_GE(double(*high), points[q][a] - rule.origin[a]);
+            EXPECT_EQ(std::memcmp(&low, &lower[a], sizeof low), 0) << test::text(points[q]);
+            EXPECT_EQ(std::memcmp(&high, &upper[a], sizeof high), 0) << test::text(points[q]);
+            EXPECT_LE(double(low), points[q][a] - rule.origin[a]);
+            EXPECT_GE(double(high), points[q][a] - rule.origin[a]);
           }
-          meets_something &= *low <= *high;
+          meets_something &= low <= high;
         }
         EXPECT_EQ(meets_something, has_box) << test::text(points[q]);
+      }
+      for (int b = 0; b < 6; ++b) {
+        float most = boxes.bounds[0][b];
+        for (std::size_t q = 1; q < n; ++q)
+          most = std::max(most, boxes.bounds[q][b]);
+        EXPECT_EQ(boxes.all[b], most);
       }
     }
 }
