@@ -1,21 +1,21 @@
 #!/usr/bin/env bash
 # Makes the README's tables of measured figures: libinsitu beside VTK's locators, each row one run, adaptive meshes, and
 # what effects of frames cost.
-#   bash tests/bench/table.sh [cells] [--amr|--effects|--accuracy] [--readme]
-# cells: 1000000, about ten minutes; the large rows take eight times as many. --amr: adaptive meshes alone, a minute;
-# --effects: effects alone, five minutes; --accuracy: what accuracy costs alone, a minute (small meshes; its page goes to
+#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--effects|--accuracy] [--readme]
+# cells: 1000000, about ten minutes; the large rows take eight times as many. A part alone: --measured, the tables beside
+# VTK's locators; --scale, 1e4 to 3e7 cells, three minutes and 8 GiB, and libinsitu/doc/scale.svg; --amr, adaptive
+# meshes, a minute; --effects, five minutes; --accuracy, what accuracy costs, a minute (small meshes; its page goes to
 # out/accuracy).
-# --readme: puts the tables between the README's <!-- measured -->, <!-- amr -->, <!-- effects --> and <!-- accuracy --> marks instead of
-# printing them.
+# --readme: puts each part between the README's marks of its name, <!-- scale --> and so on, instead of printing it.
 # INSITU_BENCH: another binary.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 bench=${INSITU_BENCH:-build/release/bin/insitu-bench}
-cells=1000000 readme= parts="measured amr effects accuracy"
+cells=1000000 readme= parts="measured scale amr effects accuracy"
 for argument; do
   case $argument in
     --readme) readme=1 ;;
-    --amr|--effects|--accuracy) parts=${argument#--} ;;
+    --measured|--scale|--amr|--effects|--accuracy) parts=${argument#--} ;;
     *[!0-9]* | '') sed -n '2,10s/^# //p' "$0" >&2; exit 2 ;;
     *) cells=$argument ;;
   esac
@@ -102,6 +102,17 @@ measured() {
       print line }' "$out/torture.txt"
   echo
   sed -nE 's/^  (Ours lost.*|[0-9]+ FAILED|[0-9]+ answers are not.*)$/\1/p; s/^  ([0-9]+ FAILED):$/\1/p' "$out/torture.txt"
+}
+
+scale() {
+  echo "\`insitu-bench scale --threads 1\`, $(date -u +%Y-%m-%d), $(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo):" \
+    "a million queries a size, or batches of 100 to ten million on a million cells. Nodes and candidates are a query's."
+  echo
+  echo '```'
+  "$bench" scale --threads 1 --repetitions 3 --svg libinsitu/doc/scale.svg 2> /dev/null
+  echo '```'
+  echo
+  echo '![Time and work by number of cells, and time by size of the batch](libinsitu/doc/scale.svg)'
 }
 
 amr() {
