@@ -129,18 +129,36 @@ private:
                      const Step& step) const {
     output::Overlay overlay;
     overlay.background = settings.background;
-    if (frame_.scalar_bar && settings.volume)
-      output::draw_scalar_bar(image, settings.volume->function, frame_.volume->field.text, overlay);
-    else if (frame_.scalar_bar)
-      for (const render::IsosurfaceSettings& surface : settings.isosurfaces)
-        if (const auto* by = std::get_if<render::ColorByField>(&surface.color)) {
-          output::draw_scalar_bar(image, by->function, by->field.field.name, overlay);
-          break;
-        }
+    if (frame_.scalar_bar)
+      draw_scalar_bar(image, settings, overlay);
     if (frame_.axes)
       output::draw_axes(image, render::CameraAxes(settings.camera), overlay);
     if (frame_.time_label)
       output::draw_time_label(image, step.time, step.cycle, overlay);
+  }
+
+  /// Of the volume, or else of the first surface that is coloured by a field.
+  void draw_scalar_bar(core::Image& image, const render::FrameSettings& settings,
+                       output::Overlay overlay) const {
+    if (settings.volume) {
+      overlay.names_nan = frame_.volume->colors.nan.has_value();
+      output::draw_scalar_bar(image, settings.volume->function, frame_.volume->field.text, overlay);
+      return;
+    }
+    const auto draw = [&](const auto& color, const auto& drawn) {
+      const auto* by = std::get_if<ColorBy>(&color);
+      const auto* function = std::get_if<render::ColorByField>(&drawn);
+      if (!by || !function)
+        return false;
+      overlay.names_nan = by->colors.nan.has_value();
+      output::draw_scalar_bar(image, function->function, by->field.text, overlay);
+      return true;
+    };
+    for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
+      if (draw(frame_.isosurfaces[i].color, settings.isosurfaces[i].color))
+        return;
+    if (frame_.boundary)
+      draw(frame_.boundary->color, settings.boundary->color);
   }
 
   Frame frame_;

@@ -99,7 +99,7 @@ private:
       plan_.need("boundary faces", -1, "found once, kept while the geometry holds");
       if (const auto* by = std::get_if<ColorBy>(&frame_.boundary->color))
         range(scalar_name(by->field, by->component, find_field(mesh_, by->field, {}).components),
-              by->range);
+              by->colors.range);
     } else {
       plan_.skip("boundary faces", "no boundary is asked for");
     }
@@ -128,7 +128,7 @@ private:
       path_tracing(what, *frame_.path_tracing);
     else
       plan_.need("ray marching of " + what, -1, "the frame's volume");
-    range(what, v.range);
+    range(what, v.colors.range);
     if (v.smooth && field.association == INSITU_CELL)
       average(what, "a smooth volume of a cell field");
     else
@@ -189,7 +189,7 @@ private:
                                                        : "normals are central differences");
     if (const auto* by = std::get_if<ColorBy>(&s.color)) {
       const mesh::FieldView colors = find_field(mesh_, by->field, {});
-      range(scalar_name(by->field, by->component, colors.components), by->range);
+      range(scalar_name(by->field, by->component, colors.components), by->colors.range);
     }
   }
 

@@ -27,6 +27,10 @@ render::Clip to_render(const Clip& clip) {
   return {kinds[int(clip.kind)], clip.point, clip.vector, clip.radius, clip.keep_inside};
 }
 
+/// An automatic logarithmic range of a field that reaches 0 begins at this part of its greatest
+/// value, as ParaView's does: the least value above 0 is often but what rounding left.
+constexpr double automatic_decades = 1e-4;
+
 /// How far apart the samples of a volume are, in typical cells.
 double step_of(Accuracy accuracy) {
   switch (accuracy) {
@@ -113,13 +117,32 @@ FrameSettingsMaker::ranges(const render::FrameSettings& settings) const {
     if (by && drawn)
       add(by->field, by->component, drawn->function);
   }
+  if (frame_.boundary && settings.boundary) {
+    const auto* by = std::get_if<ColorBy>(&frame_.boundary->color);
+    const auto* drawn = std::get_if<render::ColorByField>(&settings.boundary->color);
+    if (by && drawn)
+      add(by->field, by->component, drawn->function);
+  }
   return all;
 }
 
 render::ColorMap FrameSettingsMaker::color_map(const ColorMap& colors) const {
   try {
-    return colors.path.empty() ? render::ColorMap::built_in(colors.name)
-                               : render::load_color_map(colors.path);
+    render::ColorMap map = colors.path.empty() ? render::ColorMap::built_in(colors.name)
+                                               : render::load_color_map(colors.path);
+    if (colors.scale)
+      map.set_scale(*colors.scale == ColorScale::log ? render::Scale::log : render::Scale::linear);
+    if (colors.below)
+      map.set_below(to_linear(*colors.below));
+    if (colors.above)
+      map.set_above(to_linear(*colors.above));
+    if (colors.nan)
+      map.set_nan_color(to_linear(*colors.nan));
+    if (map.scale() == render::Scale::log && colors.range && !(colors.range->low > 0))
+      throw core::Error(INSITU_ERROR_SCENE, "colour map '" + map.name() +
+                                                "' is logarithmic (UseLogScale): a range above 0 "
+                                                "or 'scale: linear' expected");
+    return map;
   } catch (const core::Error& e) {
     throw core::Error(e.status(), at_line(colors.line) + e.what());
   }
@@ -154,13 +177,22 @@ FrameSettingsMaker::transfer(render::Structures& structures, const render::Scala
       low = found.low;
       high = found.high;
     }
+    if (colors.scale() == render::Scale::log && !(low > 0)) {
+      // Of a field that reaches 0, the highest decades; of one that is nowhere above it, all is
+      // below the range.
+      low = automatic_decades * high;
+      if (!(low > 0))
+        low = high = 1;
+    }
   }
   std::vector<render::OpacityPoint> points;
   for (const OpacityPoint& p : opacity)
     points.push_back({p.value, p.opacity});
   if (opacity.empty() && low < high) // those that came with the colours, if any did
     for (const render::MapOpacity& p : colors.opacity())
-      points.push_back({low + p.u * (high - low), p.opacity});
+      points.push_back({colors.scale() == render::Scale::log ? low * std::pow(high / low, p.u)
+                                                             : low + p.u * (high - low),
+                        p.opacity});
   return {colors, low, high, std::move(points)};
 }
 
@@ -168,8 +200,9 @@ render::VolumeSettings FrameSettingsMaker::volume(const query::CommittedMesh& me
                                                   render::Structures& structures,
                                                   const Volume& from) const {
   render::ScalarField field = scalar(mesh, from.field, from.component);
-  const render::TransferFunction function =
-      transfer(structures, field, *volume_colors_, from.range, from.opacity);
+  render::TransferFunction function =
+      transfer(structures, field, *volume_colors_, from.colors.range, from.opacity);
+  function.set_nan_opacity(from.nan_opacity);
   if (from.smooth && field.field.association == INSITU_CELL)
     field = structures.average(field).field();
   render::VolumeSettings to{field,
@@ -218,7 +251,7 @@ FrameSettingsMaker::isosurface(const query::CommittedMesh& mesh, render::Structu
   to.search = searches[int(from.search)];
   if (const auto* by = std::get_if<ColorBy>(&from.color)) {
     const render::ScalarField field = scalar(mesh, by->field, by->component);
-    to.color = render::ColorByField{field, transfer(structures, field, *colors, by->range, {})};
+    to.color = render::ColorByField{field, transfer(structures, field, *colors, by->colors.range)};
   } else {
     to.color = to_linear(std::get<Color>(from.color));
   }
@@ -232,8 +265,8 @@ render::BoundarySettings FrameSettingsMaker::boundary(const query::CommittedMesh
   to.opacity = from.opacity;
   if (const auto* by = std::get_if<ColorBy>(&from.color)) {
     const render::ScalarField field = scalar(mesh, by->field, by->component);
-    to.color =
-        render::ColorByField{field, transfer(structures, field, *boundary_colors_, by->range, {})};
+    to.color = render::ColorByField{
+        field, transfer(structures, field, *boundary_colors_, by->colors.range)};
   } else {
     to.color = to_linear(std::get<Color>(from.color));
   }

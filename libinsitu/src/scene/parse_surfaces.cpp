@@ -5,19 +5,15 @@ namespace {
 
 ColorBy parse_color_by(const Cursor& cursor, const ParseContext& context) {
   ColorBy by;
-  const MapReader map(cursor, {"field", "component", "colors", "range"});
+  const MapReader map(cursor,
+                      {"field", "component", "colors", "range", "scale", "below", "above", "nan"});
   if (const auto field = map.require("field")) {
     assign(by.field, parse_name(*field));
   }
   if (const auto component = map.find("component")) {
     by.component = parse_component(*component);
   }
-  if (const auto colors = map.find("colors")) {
-    by.colors = parse_color_map(*colors, context);
-  }
-  if (const auto range = map.find("range")) {
-    by.range = parse_range(*range);
-  }
+  by.colors = parse_color_map(map, context);
   return by;
 }
 

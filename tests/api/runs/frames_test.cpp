@@ -151,6 +151,51 @@ TEST(Frames, ATableThatAnotherRunWritesIsNoReasonToDrawNothing) {
   EXPECT_EQ(table_of(folder).rows.size(), 2u);
 }
 
+/// Ten columns of cells, from NaN over negative values to beyond the range, seen from above.
+TEST(Frames, LogarithmicColoursAndThoseBeyondTheRange) {
+  const test::Folder folder;
+  const std::string frame = "size: [10, 10], camera: {elevation: 90, azimuth: -90, orthographic: "
+                            "true, fit: box}, boundary: {color: {colors: grey, ";
+  Coupled run({.scene = "insitu: 1\nframes:\n"
+                        "  - {name: log, " +
+                        frame +
+                        "field: density, scale: log, range: [1.0e-3, 10], below: blue, above: red, "
+                        "nan: yellow}}}\n"
+                        "  - {name: linear, " +
+                        frame +
+                        "field: pressure, range: [-3, 1]}}}\n"
+                        "  - {name: auto, " +
+                        frame + "field: density, scale: log}}}\n",
+               .output = folder.path()});
+  const double values[10] = {NAN, -1, 0, 9.9e-4, 1e-3, 1e-2, 0.1, 1, 10, 10.1};
+  for (std::size_t c = 0; c < run.solver.density.size(); ++c) {
+    run.solver.density[c] = values[c % 10];
+    run.solver.pressure[c] = std::log10(values[c % 10]);
+  }
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  const auto log = insitu::output::read_png(folder / "log_000000.png"),
+             linear = insitu::output::read_png(folder / "linear_000000.png");
+  const int beyond[10][3] = {
+      {255, 255, 0}, {0, 0, 255}, {0, 0, 255}, {0, 0, 255}, {}, {}, {}, {}, {}, {255, 0, 0}};
+  for (int x = 0; x < 10; ++x)
+    for (int c = 0; c < 3; ++c) {
+      const bool within = x >= 4 && x <= 8;
+      EXPECT_NEAR(log.pixel(x, 5)[c], within ? linear.pixel(x, 5)[c] : beyond[x][c], 1) << x;
+    }
+  EXPECT_NEAR(log.pixel(6, 5)[0], 119, 2); // the middle of lightness
+  const runs::Table t = table_of(folder);
+  for (std::size_t row = 0; row < t.rows.size(); ++row)
+    if (t.text(row, "name") == "auto") { // the field reaches below 0
+      EXPECT_DOUBLE_EQ(t.number(row, "density_low"), 10.1e-4);
+      EXPECT_EQ(t.number(row, "density_high"), 10.1);
+    }
+  // Nowhere above 0: all is below, and the run goes on.
+  std::fill(run.solver.density.begin(), run.solver.density.end(), 0.0);
+  run.mesh.changed(insitu::fields);
+  EXPECT_TRUE(run.execute()) << insitu_last_message();
+  EXPECT_EQ(insitu::output::read_png(folder / "log_000000.png").pixel(5, 5)[2], 255);
+}
+
 TEST(Frames, TransparentBackgroundsKeepAlpha) {
   const test::Folder folder;
   Coupled run({.scene = R"(insitu: 1
