@@ -5,13 +5,10 @@
 #include <charconv>
 #include <cmath>
 
-#include "output/text.h"
+#include "output/overlay_style.h"
 
 namespace insitu::output {
 
-namespace {
-
-/// The shade, linear, that reads well on a background; and its opposite.
 TextStyle style_on(const render::Color& background, int height) {
   // Rec. 709's luminance; 0.18 is the middle grey.
   const float luminance = 0.2126f * background.r + 0.7152f * background.g + 0.0722f * background.b;
@@ -25,8 +22,10 @@ TextStyle style_on(const render::Color& background, int height) {
   return style;
 }
 
+namespace {
+
 int text_height(const core::Image& image) {
-  return std::clamp(std::min(image.width, image.height) / 36, 10, 40);
+  return overlay_text_height(image.width, image.height);
 }
 
 /// Lays a colour over a rectangle, cut at the image's border.

@@ -5,6 +5,7 @@
 
 #include "core/status.h"
 #include "core/timer.h"
+#include "output/box_ticks.h"
 #include "output/overlay.h"
 #include "scene/frame_files.h"
 #include "scene/frame_plan.h"
@@ -74,6 +75,12 @@ private:
             render::Structures& structures) {
     const core::Timer timer;
     settings.camera = settings_.camera(camera.camera, mesh, step, drawn_);
+    output::BoxTicks ticks;
+    if (frame_.outline && frame_.outline->ticks) {
+      ticks = output::box_ticks(settings.camera, settings.width, settings.height,
+                                mesh.tree().bounds_min(), mesh.tree().bounds_max());
+      settings.outline->ticks = ticks.lines;
+    }
     if (!accumulations_.empty())
       accumulations_[number].use(mesh, settings);
     render::FrameStatistics done;
@@ -87,7 +94,7 @@ private:
           " bounces; a larger max_bounces loses less light");
     if (frame_.geocentric)
       draw_globe(*frame_.geocentric, own, settings, environment_.context, images);
-    draw_overlays(images.color, settings, step);
+    draw_overlays(images.color, settings, ticks, step);
     if (settings.cell)
       count_as_the_solver(mesh, settings, images);
     environment_.statistics.render_s += timer.seconds();
@@ -126,9 +133,10 @@ private:
   }
 
   void draw_overlays(core::Image& image, const render::FrameSettings& settings,
-                     const Step& step) const {
+                     const output::BoxTicks& ticks, const Step& step) const {
     output::Overlay overlay;
     overlay.background = settings.background;
+    output::draw_box_labels(image, ticks, overlay);
     if (frame_.scalar_bar)
       draw_scalar_bar(image, settings, overlay);
     if (frame_.axes)

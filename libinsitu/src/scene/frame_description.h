@@ -142,6 +142,7 @@ struct Body {
 struct BoxOutline {
   Color color{0, 0, 0};
   double width = 1.5; ///< in pixels
+  bool ticks = false; ///< with numbers, along the outer edges
 };
 
 /// Light on surfaces; see render/light.h.

@@ -106,7 +106,7 @@ private:
     for (const Body& body : frame_.bodies)
       plan_.need("triangles of " + quoted(body.path), -1, "a body");
     if (frame_.outline)
-      plan_.need("outline", -1, "twelve lines");
+      plan_.need("outline", -1, frame_.outline->ticks ? "twelve lines, and ticks" : "twelve lines");
   }
 
   void range(const std::string& what, const std::optional<ValueRange>& given) {

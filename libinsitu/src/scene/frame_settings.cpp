@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/status.h"
+#include "output/box_ticks.h"
 #include "render/camera_path.h"
 #include "scene/geocentric_view.h"
 
@@ -98,7 +99,7 @@ render::FrameSettings FrameSettingsMaker::make(const query::CommittedMesh& mesh,
     settings.boundary = boundary(mesh, structures, *frame_.boundary);
   settings.bodies = bodies_;
   if (frame_.outline)
-    settings.outline = {to_linear(frame_.outline->color), frame_.outline->width};
+    settings.outline = {to_linear(frame_.outline->color), frame_.outline->width, {}};
   return settings;
 }
 
@@ -361,13 +362,15 @@ render::Camera FrameSettingsMaker::camera(const Camera& from, const query::Commi
   if (from.orbit_azimuth_per_frame != 0.0)
     to = to.orbited(double(drawn) * from.orbit_azimuth_per_frame);
   const double zoom = is_placed ? 1.0 : view.zoom;
+  const double margin = frame_.outline && frame_.outline->ticks ? output::box_label_margin
+                                                                : render::Camera::default_margin;
   const render::Fit fit = from.fit == CameraFit::box ? render::Fit::box : render::Fit::sphere;
   if (from.orthographic)
-    to.orthographic_height = from.orthographic_height.value_or(
-                                 to.height_for(bounds.low, bounds.high, fit, bounds.aspect)) /
+    to.orthographic_height = from.orthographic_height.value_or(to.height_for(
+                                 bounds.low, bounds.high, fit, bounds.aspect, margin)) /
                              zoom;
   if (from.fit == CameraFit::box && !is_placed && !from.orthographic_height)
-    to = to.fitted(bounds.low, bounds.high, bounds.aspect, zoom);
+    to = to.fitted(bounds.low, bounds.high, bounds.aspect, zoom, margin);
   return to;
 }
 

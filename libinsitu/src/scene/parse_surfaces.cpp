@@ -105,12 +105,15 @@ std::vector<Body> parse_bodies(const Cursor& cursor, const ParseContext& context
 
 BoxOutline parse_outline(const Cursor& cursor) {
   BoxOutline outline;
-  const MapReader map(cursor, {"color", "width"});
+  const MapReader map(cursor, {"color", "width", "ticks"});
   if (const auto color = map.find("color")) {
     outline.color = parse_color(*color, outline.color);
   }
   if (const auto width = map.find("width")) {
     assign(outline.width, width->number({0, 100, true}));
+  }
+  if (const auto ticks = map.find("ticks")) {
+    assign(outline.ticks, ticks->boolean());
   }
   return outline;
 }

@@ -196,6 +196,38 @@ TEST(Frames, LogarithmicColoursAndThoseBeyondTheRange) {
   EXPECT_EQ(insitu::output::read_png(folder / "log_000000.png").pixel(5, 5)[2], 255);
 }
 
+TEST(Frames, TicksOfTheOutlineStandBesideTheMeshAndLeaveRoom) {
+  const test::Folder folder;
+  const std::string frame = "size: [200, 200], boundary: {color: blue}, camera: {fit: box, "
+                            "elevation: 90, azimuth: -90, orthographic: true}, outline: {";
+  Coupled run({.scene = "insitu: 1\nframes:\n  - {name: plain, " + frame +
+                        "}}\n  - {name: ticks, " + frame + "ticks: true}}\n",
+               .output = folder.path()});
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  const auto plain = insitu::output::read_png(folder / "plain_000000.png"),
+             ticks = insitu::output::read_png(folder / "ticks_000000.png");
+  // Of the mesh 98 % of the image, and 75 % with room for labels.
+  const auto blue = [](const insitu::output::PngImage& image) {
+    int count = 0;
+    for (int x = 0; x < image.width; ++x)
+      count += image.pixel(x, 100)[2] == 255 && image.pixel(x, 100)[0] == 0;
+    return count;
+  };
+  EXPECT_NEAR(blue(plain), 196, 4);
+  EXPECT_NEAR(blue(ticks), 150, 4);
+  const auto ink = [&](int x0, int y0, int x1, int y1) {
+    int count = 0;
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x)
+        count += ticks.pixel(x, y)[0] < 128;
+    return count;
+  };
+  EXPECT_GT(ink(25, 178, 175, 200), 30); // x below
+  EXPECT_GT(ink(0, 25, 23, 175), 30);    // y to the left
+  EXPECT_EQ(ink(178, 0, 200, 200), 0);
+  EXPECT_EQ(ink(0, 0, 200, 22), 0);
+}
+
 TEST(Frames, TransparentBackgroundsKeepAlpha) {
   const test::Folder folder;
   Coupled run({.scene = R"(insitu: 1
