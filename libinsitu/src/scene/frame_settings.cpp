@@ -6,6 +6,7 @@
 #include "core/status.h"
 #include "output/box_ticks.h"
 #include "render/camera_path.h"
+#include "render/clip.h"
 #include "scene/geocentric_view.h"
 
 namespace insitu::scene {
@@ -295,6 +296,17 @@ struct Bounds {
   double aspect;
 };
 
+/// What fits the image: the mesh's box, with `fit: box` what clips leave of it, if anything. The
+/// outline is not cut.
+std::vector<math::Vec3d> corners_to_fit(const Frame& frame, CameraFit fit, const Bounds& bounds) {
+  std::vector<render::Clip> clips;
+  if (fit == CameraFit::box && !frame.outline)
+    for (const Clip& clip : frame.clips)
+      clips.push_back(to_render(clip));
+  std::vector<math::Vec3d> corners = render::clipped_corners(clips, bounds.low, bounds.high);
+  return corners.empty() ? render::clipped_corners({}, bounds.low, bounds.high) : corners;
+}
+
 double aspect_of(const Frame& frame) {
   return double(frame.size[0]) / frame.size[1];
 }
@@ -365,12 +377,13 @@ render::Camera FrameSettingsMaker::camera(const Camera& from, const query::Commi
   const double margin = frame_.outline && frame_.outline->ticks ? output::box_label_margin
                                                                 : render::Camera::default_margin;
   const render::Fit fit = from.fit == CameraFit::box ? render::Fit::box : render::Fit::sphere;
+  const std::vector<math::Vec3d> corners = corners_to_fit(frame_, from.fit, bounds);
   if (from.orthographic)
-    to.orthographic_height = from.orthographic_height.value_or(to.height_for(
-                                 bounds.low, bounds.high, fit, bounds.aspect, margin)) /
-                             zoom;
+    to.orthographic_height =
+        from.orthographic_height.value_or(to.height_for(corners, fit, bounds.aspect, margin)) /
+        zoom;
   if (from.fit == CameraFit::box && !is_placed && !from.orthographic_height)
-    to = to.fitted(bounds.low, bounds.high, bounds.aspect, zoom, margin);
+    to = to.fitted(corners, bounds.aspect, zoom, margin);
   return to;
 }
 

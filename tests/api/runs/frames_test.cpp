@@ -228,6 +228,38 @@ TEST(Frames, TicksOfTheOutlineStandBesideTheMeshAndLeaveRoom) {
   EXPECT_EQ(ink(0, 0, 200, 22), 0);
 }
 
+/// What is left of the cube by planes, a box, or both fills the image; a sphere fit stays.
+TEST(Frames, FitsWhatClipsLeave) {
+  const test::Folder folder;
+  const std::string frame = "size: [100, 100], boundary: {color: blue}, ",
+                    above = "camera: {elevation: 90, azimuth: -90, orthographic: true, fit: box}";
+  Coupled run(
+      {.scene = "insitu: 1\nframes:\n"
+                "  - {name: box, " +
+                frame + above +
+                ", clip: [{box: {min: [0.25, 0.25, -9], max: [0.5, 0.5, 9]}}]}\n"
+                "  - {name: plane, " +
+                frame + above +
+                ", clip: [{plane: {point: [0.5, 0, 0], normal: [1, 0, 0]}}, {plane: {point: "
+                "[0, 0.5, 0], normal: [0, 1, 0]}}]}\n"
+                "  - {name: ball, " +
+                frame + above +
+                ", clip: [{sphere: {center: [0, 0, 0], radius: 0.3}}]}\n"
+                "  - {name: perspective, " +
+                frame +
+                "camera: {azimuth: 40, fit: box}, clip: [{box: {min: [0.25, 0.25, 0.25], "
+                "max: [0.5, 0.5, 0.5]}}], volume: {field: pressure, opacity: [[0, 1]]}}\n"
+                "  - {name: nothing, " +
+                frame + above + ", clip: [{plane: {point: [-1, 0, 0], normal: [1, 0, 0]}}]}\n",
+       .output = folder.path()});
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  EXPECT_NEAR(drawn(folder / "box_000000.png"), 98 * 98, 200);
+  EXPECT_NEAR(drawn(folder / "plane_000000.png"), 98 * 98, 200);
+  EXPECT_NEAR(drawn(folder / "ball_000000.png"), 0.785 * 98 * 98, 300); // a quarter of a disc
+  EXPECT_GT(drawn(folder / "perspective_000000.png"), 5500);
+  EXPECT_EQ(drawn(folder / "nothing_000000.png"), 0);
+}
+
 TEST(Frames, TransparentBackgroundsKeepAlpha) {
   const test::Folder folder;
   Coupled run({.scene = R"(insitu: 1
