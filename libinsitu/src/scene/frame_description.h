@@ -173,6 +173,7 @@ struct Occlusion {
 enum class FrameEffect {
   lighting,
   shadows,
+  volume_shadows,
   ambient_occlusion,
   single_scattering,
   multiple_scattering

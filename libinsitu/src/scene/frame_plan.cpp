@@ -49,6 +49,7 @@ public:
     triangles();
     effect(FrameEffect::lighting, "lighting");
     effect(FrameEffect::shadows, "shadows");
+    effect(FrameEffect::volume_shadows, "volume shadows");
     effect(FrameEffect::ambient_occlusion, "ambient occlusion");
     if (frame_.clips.empty())
       plan_.skip("clips", "none is asked for");

@@ -78,7 +78,8 @@ render::FrameSettings FrameSettingsMaker::make(const query::CommittedMesh& mesh,
   const auto asks_for = [&](FrameEffect effect) {
     return std::find(frame_.effects.begin(), frame_.effects.end(), effect) != frame_.effects.end();
   };
-  settings.lighting.shadows = asks_for(FrameEffect::shadows);
+  settings.lighting.volume_shadows = asks_for(FrameEffect::volume_shadows);
+  settings.lighting.shadows = asks_for(FrameEffect::shadows) || settings.lighting.volume_shadows;
   if (asks_for(FrameEffect::ambient_occlusion)) {
     settings.lighting.occlusion_samples = frame_.occlusion.samples;
     settings.lighting.occlusion_distance = frame_.occlusion.distance.value_or(0.0);

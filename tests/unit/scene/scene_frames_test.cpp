@@ -296,7 +296,8 @@ TEST(SceneFrames, Effects) {
   EXPECT_EQ(frame_error("effects: [lightning]"),
             "s.yaml:2: frames[0].effects[0]: effect 'lightning' is unknown; did you mean "
             "'lighting'? (effects: "
-            "lighting, shadows, ambient_occlusion, single_scattering, multiple_scattering)");
+            "lighting, shadows, volume_shadows, ambient_occlusion, single_scattering, "
+            "multiple_scattering)");
   EXPECT_NE(frame_error("effects: [lighting, lighting]")
                 .find("effects[1]: effect 'lighting' is given twice"),
             std::string::npos);
