@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <gtest/gtest.h>
 
+#include "cells/folds.h"
 #include "core/random.h"
 #include "unit/render/render_mesh.h"
 
@@ -20,8 +21,14 @@ class Sphere : public testing::TestWithParam<Shape> {};
 
 TEST_P(Sphere, NoRayMissesAndDepthsAreRight) {
   const int n = 12;
-  const double jitter = 0.25;
+  // Of pyramids, whose bases lean by as much as their apexes are high, 0.25 folds a few.
+  const double jitter = GetParam() == Shape::pyramid ? 0.2 : 0.25;
   RenderMesh mesh(n, GetParam(), jitter);
+  for (std::int64_t c = 0; c < std::int64_t(mesh.cells.cells.size()); ++c) {
+    mesh::CellVertices cell;
+    mesh::gather(mesh.sampler().mesh(), c, cell);
+    ASSERT_FALSE(cells::jacobian_changes_sign(cell.shape, cell.x)) << c;
+  }
   const std::vector<render::IsosurfaceSettings> settings{
       {mesh.field("r2", INSITU_VERTEX, field_at), {radius * radius}, 0.5}};
   render::Structures structures(mesh.committed.memory);
