@@ -113,7 +113,7 @@ private:
                   [this](FrameSettings& s) {
                     s.isosurfaces.push_back({field(), {0.8}, 0.5});
                   }},
-                 {"lit isosurface, volume shadows",
+                 {"isosurface, volume shadows",
                   [this](FrameSettings& s) {
                     s.isosurfaces.push_back({field(), {0.8}, 0.5});
                     s.lighting.enabled = s.lighting.shadows = s.lighting.volume_shadows = true;
