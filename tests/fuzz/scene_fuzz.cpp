@@ -78,7 +78,9 @@ void check(const scene::SceneDescription& described) {
     for (const int side : frame.size) {
       require(side >= 1 && side <= 16384, "size of frames");
     }
-    require(frame.volume || !frame.isosurfaces.empty(), "something to draw");
+    require(frame.volume || !frame.isosurfaces.empty() || frame.boundary || !frame.bodies.empty() ||
+                frame.outline,
+            "something to draw");
     require(frame.camera.fov > 0 && frame.camera.fov < 180 && frame.camera.zoom > 0, "camera");
     require(!frame.images.empty() && !frame.formats.empty(), "images and their formats");
     require(frame.background_alpha >= 0 && frame.background_alpha <= 1, "background");
@@ -90,8 +92,10 @@ void check(const scene::SceneDescription& described) {
     }
     if (frame.volume) {
       require(!frame.volume->field.empty(), "a volume's field");
-      require(!frame.volume->range || frame.volume->range->low < frame.volume->range->high,
-              "range");
+      const auto& range = frame.volume->colors.range;
+      require(!range || range->low < range->high, "range");
+      require(!range || frame.volume->colors.scale != scene::ColorScale::log || range->low > 0,
+              "a logarithmic range above 0");
     }
     for (const scene::Isosurface& surface : frame.isosurfaces) {
       require(!surface.field.empty() && !surface.values.empty(),

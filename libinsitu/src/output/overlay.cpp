@@ -5,13 +5,10 @@
 #include <charconv>
 #include <cmath>
 
-#include "output/text.h"
+#include "output/overlay_style.h"
 
 namespace insitu::output {
 
-namespace {
-
-/// The shade, linear, that reads well on a background; and its opposite.
 TextStyle style_on(const render::Color& background, int height) {
   // Rec. 709's luminance; 0.18 is the middle grey.
   const float luminance = 0.2126f * background.r + 0.7152f * background.g + 0.0722f * background.b;
@@ -25,8 +22,10 @@ TextStyle style_on(const render::Color& background, int height) {
   return style;
 }
 
+namespace {
+
 int text_height(const core::Image& image) {
-  return std::clamp(std::min(image.width, image.height) / 36, 10, 40);
+  return overlay_text_height(image.width, image.height);
 }
 
 /// Lays a colour over a rectangle, cut at the image's border.
@@ -195,41 +194,157 @@ std::vector<std::string> tick_labels(const std::vector<double>& values) {
   return labels;
 }
 
+LogTicks log_tick_values(double low, double high, int most) {
+  most = std::max(most, 2);
+  LogTicks ticks;
+  const auto within = [&](double v) { return v >= low * (1 - 1e-9) && v <= high * (1 + 1e-9); };
+  const auto power = [](int exponent) {
+    // Dividing by a power of ten gives the number nearest to the decimal, multiplying may not.
+    return exponent < 0 ? 1 / std::pow(10.0, -exponent) : std::pow(10.0, exponent);
+  };
+  const int first = int(std::floor(std::log10(low))), last = int(std::ceil(std::log10(high)));
+  std::vector<double> decades, fine, round;
+  for (int e = first; e <= last; ++e)
+    for (int factor = 1; factor <= 9; ++factor) {
+      const double v = e < 0 ? factor / power(-e) : factor * power(e);
+      if (!within(v))
+        continue;
+      (factor == 1 ? decades : fine).push_back(v);
+      if (factor == 1 || factor == 2 || factor == 5)
+        round.push_back(v);
+    }
+  if (decades.size() < 2) {
+    const bool has_round = round.size() >= 2 && int(round.size()) <= most;
+    ticks.major = has_round ? round : tick_values(low, high, most);
+    return ticks;
+  }
+  const std::size_t apart = (decades.size() + std::size_t(most) - 1) / std::size_t(most);
+  if (apart == 1)
+    ticks.minor = fine;
+  // Such that 1 is among them, if it is in the range at all.
+  const int lowest = int(std::lround(std::log10(decades.front())));
+  for (std::size_t i = 0; i < decades.size(); ++i)
+    ((lowest + int(i)) % int(apart) == 0 ? ticks.major : ticks.minor).push_back(decades[i]);
+  return ticks;
+}
+
+std::vector<std::string> log_tick_labels(const std::vector<double>& values) {
+  const bool plain =
+      std::all_of(values.begin(), values.end(), [](double v) { return v >= 0.01 && v < 1e5; });
+  std::vector<std::string> labels;
+  for (const double v : values) {
+    char text[64];
+    const auto format = plain || v == 1 ? std::chars_format::fixed : std::chars_format::scientific;
+    labels.push_back(
+        short_exponent({text, std::to_chars(text, text + sizeof text, v, format).ptr}));
+  }
+  return labels;
+}
+
+namespace {
+
+/// The bar's place and looks.
+struct Bar {
+  int left, top, width, height, text_height, gap;
+  render::Color ink;
+};
+
+/// From a side of the bar outwards to a tip; up: above the bar.
+void fill_triangle(core::Image& image, const Bar& bar, bool up, const render::Color& color) {
+  const int rows = bar.width;
+  for (int r = 0; r <= rows; ++r) {
+    const int y = up ? bar.top - 2 - r : bar.top + bar.height + 1 + r;
+    const double half = 0.5 * bar.width * (1 - double(r) / rows);
+    const int from = int(std::lround(bar.left + 0.5 * bar.width - half));
+    const int to = int(std::lround(bar.left + 0.5 * bar.width + half));
+    fill(image, from - 1, y, to + 1, y + 1, bar.ink);
+    if (r < rows)
+      fill(image, from, y, to, y + 1, color);
+  }
+}
+
+/// The ticks of a function with their labels.
+void draw_ticks(core::Image& image, const Bar& bar, const render::TransferFunction& function,
+                const LogTicks& ticks, const std::vector<std::string>& labels,
+                const TextStyle& style) {
+  const double low = function.low(), high = function.high();
+  const bool log = function.scale() == render::Scale::log;
+  const auto place = [&](double value) {
+    const double u = !(high > low) ? 0.5
+                     : log         ? std::log(value / low) / std::log(high / low)
+                                   : (value - low) / (high - low);
+    return bar.top + (1.0 - u) * bar.height;
+  };
+  const auto draw = [&](double value, int length) {
+    const int row =
+        std::clamp(int(std::lround(place(value) - 0.5)), bar.top, bar.top + bar.height - 1);
+    const int x = bar.left + bar.width;
+    fill(image, x, row, x + length, row + 1, bar.ink);
+  };
+  for (const double value : ticks.minor)
+    draw(value, std::max(bar.gap / 2, 2));
+  for (std::size_t i = 0; i < ticks.major.size(); ++i) {
+    draw(ticks.major[i], bar.gap);
+    const double y = place(ticks.major[i]);
+    draw_text(image, bar.left + bar.width + 2 * bar.gap,
+              int(std::lround(y - text_middle(bar.text_height))), labels[i], style);
+  }
+}
+
+} // namespace
+
 void draw_scalar_bar(core::Image& image, const render::TransferFunction& function,
                      const std::string& title, const Overlay& overlay) {
   const int height = text_height(image);
   const TextStyle style = style_on(overlay.background, height);
-  const int bar_height = image.height / 2, bar_width = std::max(height * 4 / 5, 6);
-  if (bar_height < 2 * height)
+  Bar bar;
+  bar.text_height = height;
+  bar.height = image.height / 2;
+  bar.width = std::max(height * 4 / 5, 6);
+  bar.gap = std::max(height / 3, 2);
+  bar.ink = {style.color[0], style.color[1], style.color[2]};
+  if (bar.height < 2 * height)
     return; // too small to be read
-  const double low = function.low(), high = function.high();
-  const std::vector<double> ticks =
-      tick_values(low, high, std::clamp(bar_height / (3 * height), 2, 9));
-  const std::vector<std::string> labels = tick_labels(ticks);
-  int widest = 0;
+  const int most = std::clamp(bar.height / (3 * height), 2, 9);
+  const bool log = function.scale() == render::Scale::log && function.low() < function.high();
+  LogTicks ticks;
+  if (log)
+    ticks = log_tick_values(function.low(), function.high(), most);
+  else
+    ticks.major = tick_values(function.low(), function.high(), most);
+  const std::vector<std::string> labels =
+      log ? log_tick_labels(ticks.major) : tick_labels(ticks.major);
+  int widest = overlay.names_nan ? text_width("NaN", height) : 0;
   for (const std::string& label : labels)
     widest = std::max(widest, text_width(label, height));
-  const int gap = std::max(height / 3, 2), margin = height;
-  const int left = image.width - margin - widest - 2 * gap - bar_width;
-  const int top = (image.height - bar_height) / 2;
-  const render::Color frame{style.color[0], style.color[1], style.color[2]};
-  fill(image, left - 1, top - 1, left + bar_width + 1, top + bar_height + 1, frame);
-  for (int y = 0; y < bar_height; ++y)
-    fill(image, left, top + y, left + bar_width, top + y + 1,
-         function.colors().at(1.0 - (y + 0.5) / bar_height));
-  for (std::size_t i = 0; i < ticks.size(); ++i) {
-    const double u = high > low ? (ticks[i] - low) / (high - low) : 0.5;
-    const double y = top + (1.0 - u) * bar_height;
-    const int row = std::clamp(int(std::lround(y - 0.5)), top, top + bar_height - 1);
-    fill(image, left + bar_width, row, left + bar_width + gap, row + 1, frame);
-    draw_text(image, left + bar_width + 2 * gap, int(std::lround(y - text_middle(height))),
-              labels[i], style);
+  const int margin = height, right = image.width - margin;
+  bar.left = right - widest - 2 * bar.gap - bar.width;
+  bar.top = (image.height - bar.height) / 2;
+  fill(image, bar.left - 1, bar.top - 1, bar.left + bar.width + 1, bar.top + bar.height + 1,
+       bar.ink);
+  for (int y = 0; y < bar.height; ++y)
+    fill(image, bar.left, bar.top + y, bar.left + bar.width, bar.top + y + 1,
+         function.colors().at(1.0 - (y + 0.5) / bar.height));
+  const auto& below = function.colors().below();
+  const auto& above = function.colors().above();
+  if (below)
+    fill_triangle(image, bar, false, *below);
+  if (above)
+    fill_triangle(image, bar, true, *above);
+  draw_ticks(image, bar, function, ticks, labels, style);
+  if (overlay.names_nan) {
+    const int top = bar.top + bar.height + (below ? bar.width : 0) + 2 * bar.gap + 2;
+    const int side = bar.width;
+    fill(image, bar.left - 1, top - 1, bar.left + side + 1, top + side + 1, bar.ink);
+    fill(image, bar.left, top, bar.left + side, top + side, function.colors().nan_color());
+    draw_text(image, bar.left + bar.width + 2 * bar.gap,
+              int(std::lround(top + 0.5 * side - text_middle(height))), "NaN", style);
   }
   if (!title.empty()) {
     // Above the bar, ending at the right margin if it is wider than bar and labels.
-    const int right = image.width - margin;
-    const int x = std::max(std::min(left, right - text_width(title, height)), gap);
-    draw_text(image, x, top - height - gap - height / 2, title, style);
+    const int x = std::max(std::min(bar.left, right - text_width(title, height)), bar.gap);
+    draw_text(image, x, bar.top - height - bar.gap - height / 2 - (above ? bar.width : 0), title,
+              style);
   }
 }
 

@@ -45,44 +45,47 @@ Camera Camera::around(const Vec3d& low, const Vec3d& high, double azimuth, doubl
 
 namespace {
 
-/// What of a box is seen along the axes of an image, from its middle.
+using Points = std::span<const Vec3d>;
+
+/// What of points is seen along the axes of an image, from their middle.
 struct Seen {
-  double right[8], down[8], forward[8];
-  Seen(const Vec3d& low, const Vec3d& high, const Vec3d& from, const CameraAxes& axes) {
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3d p{corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
-                    corner & 4 ? high.z : low.z};
-      right[corner] = dot(p - from, axes.right);
-      down[corner] = dot(p - from, axes.down);
-      forward[corner] = dot(p - from, axes.forward);
+  std::vector<double> right, down, forward;
+  Seen(Points points, const Vec3d& from, const CameraAxes& axes) {
+    for (const Vec3d& p : points) {
+      right.push_back(dot(p - from, axes.right));
+      down.push_back(dot(p - from, axes.down));
+      forward.push_back(dot(p - from, axes.forward));
     }
   }
 };
 
-/// How far before the origin the tip of a wedge of half-slope `slope` must lie to hold corners at
+/// How far before the origin the tip of a wedge of half-slope `slope` must lie to hold points at
 /// `across` and `forward`.
-double distance_of(const double (&across)[8], const double (&forward)[8], double slope) {
+double distance_of(const std::vector<double>& across, const std::vector<double>& forward,
+                   double slope) {
   double plus = -HUGE_VAL, minus = -HUGE_VAL;
-  for (int corner = 0; corner < 8; ++corner) {
-    plus = std::max(plus, across[corner] - slope * forward[corner]);
-    minus = std::max(minus, -across[corner] - slope * forward[corner]);
+  for (std::size_t i = 0; i < across.size(); ++i) {
+    plus = std::max(plus, across[i] - slope * forward[i]);
+    minus = std::max(minus, -across[i] - slope * forward[i]);
   }
   return 0.5 * (plus + minus) / slope;
 }
 
 /// How far aside the tip at that distance must be moved for both margins of the picture to be
 /// equal. Their difference falls with the move, so halving finds it.
-double aside_of(const double (&across)[8], const double (&forward)[8], double distance) {
+double aside_of(const std::vector<double>& across, const std::vector<double>& forward,
+                double distance) {
   const auto difference = [&](double aside) {
     double plus = -HUGE_VAL, minus = -HUGE_VAL;
-    for (int corner = 0; corner < 8; ++corner) {
-      const double at = (across[corner] - aside) / (forward[corner] + distance);
+    for (std::size_t i = 0; i < across.size(); ++i) {
+      const double at = (across[i] - aside) / (forward[i] + distance);
       plus = std::max(plus, at);
       minus = std::max(minus, -at);
     }
     return plus - minus;
   };
-  double low = *std::min_element(across, across + 8), high = *std::max_element(across, across + 8);
+  double low = *std::min_element(across.begin(), across.end()),
+         high = *std::max_element(across.begin(), across.end());
   for (int halvings = 0; halvings < 60; ++halvings) {
     const double middle = 0.5 * (low + high);
     (difference(middle) > 0 ? low : high) = middle;
@@ -92,30 +95,46 @@ double aside_of(const double (&across)[8], const double (&forward)[8], double di
 
 struct Extent {
   double low = HUGE_VAL, high = -HUGE_VAL;
-  explicit Extent(const double (&values)[8]) {
+  explicit Extent(const std::vector<double>& values) {
     for (const double v : values) {
       low = std::min(low, v);
       high = std::max(high, v);
     }
   }
+  double middle() const { return 0.5 * (low + high); }
+};
+
+/// The box around points.
+struct Bounds {
+  Vec3d low, high;
+  explicit Bounds(Points points) : low(points[0]), high(points[0]) {
+    for (const Vec3d& p : points)
+      for (int a = 0; a < 3; ++a) {
+        low[a] = std::min(low[a], p[a]);
+        high[a] = std::max(high[a], p[a]);
+      }
+  }
+  Vec3d middle() const { return 0.5 * (low + high); }
+  double diagonal() const { return length(high - low); }
 };
 
 } // namespace
 
-Camera Camera::fitted(const Vec3d& low, const Vec3d& high, double aspect, double zoom,
-                      double margin) const {
+Camera Camera::fitted(Points points, double aspect, double zoom, double margin) const {
   Camera camera = *this;
-  const double diagonal = length(high - low);
+  const Bounds bounds(points);
   double distance = length(look_at - position);
-  camera.look_at = 0.5 * (low + high);
+  camera.look_at = bounds.middle();
   const CameraAxes axes(*this);
-  const Seen seen(low, high, camera.look_at, axes);
+  const Seen seen(points, camera.look_at, axes);
   if (orthographic_height > 0) {
-    // The box's middle is the middle of its picture too.
-    camera.orthographic_height = camera.height_for(low, high, Fit::box, aspect, margin) / zoom;
-  } else if (diagonal > 0.0) {
+    camera.look_at +=
+        Extent(seen.right).middle() * axes.right + Extent(seen.down).middle() * axes.down;
+    camera.position = camera.look_at - distance * axes.forward; // not turned
+    camera.orthographic_height = camera.height_for(points, Fit::box, aspect, margin) / zoom;
+  } else if (bounds.diagonal() > 0.0) {
     const double slope = (1.0 - margin) * std::tan(0.5 * fov * degree);
-    const double nearest = -Extent(seen.forward).low + 1e-3 * diagonal;
+    const double nearest = -Extent(seen.forward).low + 1e-3 * bounds.diagonal();
     distance = std::max({distance_of(seen.right, seen.forward, slope * aspect),
                          distance_of(seen.down, seen.forward, slope), nearest});
     camera.look_at += aside_of(seen.right, seen.forward, distance) * axes.right +
@@ -126,18 +145,18 @@ Camera Camera::fitted(const Vec3d& low, const Vec3d& high, double aspect, double
   return camera;
 }
 
-double Camera::height_for(const Vec3d& low, const Vec3d& high, Fit fit, double aspect,
-                          double margin) const {
+double Camera::height_for(Points points, Fit fit, double aspect, double margin) const {
   const CameraAxes axes(*this);
   double across = 0, along = 0; // halves
   if (fit == Fit::box) {
-    const Seen seen(low, high, look_at, axes);
+    const Seen seen(points, look_at, axes);
     const Extent right(seen.right), down(seen.down);
     across = std::max(-right.low, right.high) / (1.0 - margin);
     along = std::max(-down.low, down.high) / (1.0 - margin);
   } else {
-    const Vec3d middle = 0.5 * (low + high) - look_at;
-    const double radius = 0.5 * length(high - low);
+    const Bounds bounds(points);
+    const Vec3d middle = bounds.middle() - look_at;
+    const double radius = 0.5 * bounds.diagonal();
     across = std::fabs(dot(middle, axes.right)) + radius;
     along = std::fabs(dot(middle, axes.down)) + radius;
   }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 
 #include "cells/ray_cell.h"
 #include "math/vec.h"
@@ -16,6 +17,14 @@ enum class Fit {
   sphere, ///< the sphere around the mesh's box just fits: the same size from every side
   box     ///< the box's corners as seen just fit, but for a margin: as large as can be
 };
+
+/// x changes first.
+inline std::array<math::Vec3d, 8> box_corners(const math::Vec3d& low, const math::Vec3d& high) {
+  std::array<math::Vec3d, 8> corners;
+  for (std::size_t i = 0; i < 8; ++i)
+    corners[i] = {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
+  return corners;
+}
 
 /// Where a frame is seen from.
 struct Camera {
@@ -33,16 +42,26 @@ struct Camera {
   static Camera around(const math::Vec3d& low, const math::Vec3d& high, double azimuth,
                        double elevation, double zoom = 1, double fov = 30, double aspect = 1);
 
-  /// The camera moved, without being turned, so that a box fits an image of that aspect and its
+  /// The camera moved, without being turned, so that points fit an image of that aspect and their
   /// picture is centred; an orthographic camera gets the height too, and stays as far away as it
   /// is. Zoom divides the distance, or the height. margin: the part of the image's half that stays
   /// free at its border. What has no extent (a point, a line seen end on) is seen from near.
-  Camera fitted(const math::Vec3d& low, const math::Vec3d& high, double aspect, double zoom = 1,
+  Camera fitted(std::span<const math::Vec3d> points, double aspect, double zoom = 1,
                 double margin = default_margin) const;
+  /// Of a box.
+  Camera fitted(const math::Vec3d& low, const math::Vec3d& high, double aspect, double zoom = 1,
+                double margin = default_margin) const {
+    return fitted(box_corners(low, high), aspect, zoom, margin);
+  }
 
-  /// The height of an orthographic camera's view, from where it stands, by which a box fits.
-  double height_for(const math::Vec3d& low, const math::Vec3d& high, Fit fit, double aspect,
+  /// The height of an orthographic camera's view, from where it stands, by which points fit; with
+  /// Fit::sphere the sphere around their box.
+  double height_for(std::span<const math::Vec3d> points, Fit fit, double aspect,
                     double margin = default_margin) const;
+  double height_for(const math::Vec3d& low, const math::Vec3d& high, Fit fit, double aspect,
+                    double margin = default_margin) const {
+    return height_for(box_corners(low, high), fit, aspect, margin);
+  }
   static constexpr double default_margin = 0.02;
 
   /// The camera with another up where its own points along the view: the axis farthest from it.

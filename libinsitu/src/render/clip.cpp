@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace insitu::render {
 
@@ -110,6 +111,106 @@ void clip_ray(const std::vector<Clip>& clips, const Ray& ray, double near, doubl
     if (parted)
       stays.insert(stays.begin() + std::ptrdiff_t(parted_at), *parted);
   }
+}
+
+namespace {
+
+using Polygon = std::vector<Vec3d>;
+
+/// The faces of a box; those of one without extent are flat.
+std::vector<Polygon> box_faces(const Vec3d& low, const Vec3d& high) {
+  std::vector<Polygon> faces;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const Vec3d* side : {&low, &high}) {
+      Polygon face;
+      for (const auto& [b, c] :
+           {std::pair{&low, &low}, {&high, &low}, {&high, &high}, {&low, &high}}) {
+        Vec3d p;
+        p[axis] = (*side)[axis];
+        p[(axis + 1) % 3] = (*b)[(axis + 1) % 3];
+        p[(axis + 2) % 3] = (*c)[(axis + 2) % 3];
+        face.push_back(p);
+      }
+      faces.push_back(std::move(face));
+    }
+  return faces;
+}
+
+/// Points of a plane in the order of a convex polygon's corners.
+void sort_around(Polygon& points, const Vec3d& normal) {
+  Vec3d middle;
+  for (const Vec3d& p : points)
+    middle += (1.0 / double(points.size())) * p;
+  int least = 0;
+  for (int a = 1; a < 3; ++a)
+    least = std::fabs(normal[a]) < std::fabs(normal[least]) ? a : least;
+  Vec3d axis;
+  axis[least] = 1;
+  const Vec3d u = cross(normal, axis), v = cross(normal, u) / std::sqrt(dot(normal, normal));
+  const auto angle = [&](const Vec3d& p) {
+    return std::atan2(dot(p - middle, v), dot(p - middle, u));
+  };
+  std::sort(points.begin(), points.end(),
+            [&](const Vec3d& a, const Vec3d& b) { return angle(a) < angle(b); });
+}
+
+/// Keeps what is behind a plane (Sutherland, Hodgman 1974, face by face) and closes the cut.
+void cut(std::vector<Polygon>& faces, const Vec3d& point, const Vec3d& normal) {
+  Polygon lid;
+  std::vector<Polygon> kept;
+  for (const Polygon& face : faces) {
+    Polygon rest;
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const Vec3d &a = face[i], &b = face[(i + 1) % face.size()];
+      const double above_a = dot(a - point, normal), above_b = dot(b - point, normal);
+      if (above_a <= 0)
+        rest.push_back(a);
+      if (above_a == 0)
+        lid.push_back(a);
+      if ((above_a < 0 && above_b > 0) || (above_a > 0 && above_b < 0)) {
+        rest.push_back(a + (above_a / (above_a - above_b)) * (b - a));
+        lid.push_back(rest.back());
+      }
+    }
+    if (!rest.empty())
+      kept.push_back(std::move(rest));
+  }
+  faces = std::move(kept);
+  if (lid.size() < 3)
+    return;
+  sort_around(lid, normal);
+  lid.erase(std::unique(lid.begin(), lid.end(),
+                        [](const Vec3d& a, const Vec3d& b) {
+                          return a.x == b.x && a.y == b.y && a.z == b.z;
+                        }),
+            lid.end());
+  faces.push_back(std::move(lid));
+}
+
+} // namespace
+
+std::vector<Vec3d> clipped_corners(const std::vector<Clip>& clips, const Vec3d& low,
+                                   const Vec3d& high) {
+  Vec3d from = low, to = high;
+  for (const Clip& clip : clips) {
+    if (clip.kind == Clip::Kind::plane || !clip.keep_inside)
+      continue;
+    for (int a = 0; a < 3; ++a) {
+      const bool is_box = clip.kind == Clip::Kind::box;
+      from[a] = std::max(from[a], is_box ? clip.point[a] : clip.point[a] - clip.radius);
+      to[a] = std::min(to[a], is_box ? clip.vector[a] : clip.point[a] + clip.radius);
+      if (from[a] > to[a])
+        return {};
+    }
+  }
+  std::vector<Polygon> faces = box_faces(from, to);
+  for (const Clip& clip : clips)
+    if (clip.kind == Clip::Kind::plane)
+      cut(faces, clip.point, clip.vector);
+  std::vector<Vec3d> corners;
+  for (const Polygon& face : faces)
+    corners.insert(corners.end(), face.begin(), face.end());
+  return corners;
 }
 
 } // namespace insitu::render

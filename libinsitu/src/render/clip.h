@@ -29,6 +29,12 @@ struct Clip {
 void clip_ray(const std::vector<Clip>& clips, const Ray& ray, double near, double far,
               std::vector<Stretch>& stays);
 
+/// The corners of a convex part of a box, low to high, that holds all of it that clips leave: its
+/// meet with all half-spaces, with boxes that are kept inside, and with the boxes around spheres
+/// that are. Boxes and spheres that are cut out make it no smaller. Empty where nothing is left.
+std::vector<math::Vec3d> clipped_corners(const std::vector<Clip>& clips, const math::Vec3d& low,
+                                         const math::Vec3d& high);
+
 /// Whether the distance lies in one of them.
 inline bool stays_at(const std::vector<Stretch>& stays, double t) {
   for (const Stretch& s : stays)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,9 @@ namespace insitu::render {
 /// linear: in linear light; diverging: Moreland (2009), "Diverging Color Maps for Scientific
 /// Visualization", through Msh.
 enum class ColorSpace { rgb, hsv, lab, diverging, linear };
+
+/// How colours stretch over a range of values: evenly by the value, or by its logarithm.
+enum class Scale { linear, log };
 
 /// A control point, in sRGB.
 struct ColorPoint {
@@ -41,6 +45,14 @@ public:
   Color at(double u) const;
   /// Linear RGB of a value that is not a number.
   const Color& nan_color() const { return nan_color_; }
+  void set_nan_color(const Color& color) { nan_color_ = color; }
+  /// Linear RGB of values below and above the range; none: the colours of the ends.
+  const std::optional<Color>& below() const { return below_; }
+  const std::optional<Color>& above() const { return above_; }
+  void set_below(const Color& color) { below_ = color; }
+  void set_above(const Color& color) { above_ = color; }
+  Scale scale() const { return scale_; }
+  void set_scale(Scale scale) { scale_ = scale; }
   const std::string& name() const { return name_; }
   const std::vector<ColorPoint>& points() const { return points_; }
   /// Opacities that came with the map, u not descending, perhaps beyond [0, 1]; empty: none did.
@@ -52,14 +64,18 @@ private:
   ColorSpace space_;
   std::vector<ColorPoint> points_;
   Color nan_color_;
+  std::optional<Color> below_, above_;
+  Scale scale_ = Scale::linear;
   std::vector<MapOpacity> opacity_;
 };
 
 /// ParaView's JSON: a list of {Name, ColorSpace, RGBPoints [x, r, g, b, ...], NanColor, Points [x,
-/// opacity, midpoint, sharpness, ...]}, or one such map; opacities are placed by RGBPoints' own
-/// range. A map of categories (IndexedColors [r, g, b, ...] instead of RGBPoints) becomes steps of
-/// equal width. `name` picks one of several; empty: the first that has RGBPoints, or else the first
-/// with IndexedColors. `source` is what
+/// opacity, midpoint, sharpness, ...], UseLogScale, UseBelowRangeColor, BelowRangeColor,
+/// UseAboveRangeColor, AboveRangeColor}, or one such map; opacities are placed by RGBPoints' own
+/// range. With UseLogScale points lie between each other by the logarithms of their x; colours
+/// whose x are not all above 0 lie evenly, as in ParaView. A map of categories (IndexedColors [r,
+/// g, b, ...] instead of RGBPoints) becomes steps of equal width. `name` picks one of several;
+/// empty: the first that has RGBPoints, or else the first with IndexedColors. `source` is what
 /// messages call the text. Throws core::Error (INSITU_ERROR_SCENE) naming the map, the key and what
 /// was found.
 ColorMap parse_color_map(const std::string& text, const std::string& source,

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <yaml-cpp/yaml.h>
 
@@ -40,16 +41,37 @@ double number(const YAML::Node& node, const std::string& source, const std::stri
   return value;
 }
 
-Color nan_color(const YAML::Node& map, const std::string& where) {
-  const YAML::Node node = map["NanColor"];
+/// The colour of a key that holds one; nothing without the key.
+std::optional<Color> color_of(const YAML::Node& map, const std::string& where,
+                              const std::string& key) {
+  const YAML::Node node = map[key];
   if (!node)
-    return {0.5f, 0.5f, 0.5f};
+    return std::nullopt;
   if (!node.IsSequence() || node.size() != 3)
-    fail(where, "NanColor: a list of 3 numbers expected");
+    fail(where, key + ": a list of 3 numbers expected");
   double c[3];
   for (std::size_t i = 0; i < 3; ++i)
-    c[i] = number(node[i], where, "NanColor[" + std::to_string(i) + "]");
+    c[i] = number(node[i], where, key + "[" + std::to_string(i) + "]");
   return linear_of_srgb(c[0], c[1], c[2]);
+}
+
+/// ParaView writes them as 0 and 1.
+bool is_on(const YAML::Node& map, const std::string& where, const std::string& key) {
+  const YAML::Node node = map[key];
+  if (!node)
+    return false;
+  if (text_of(node) == "true" || text_of(node) == "false")
+    return text_of(node) == "true";
+  return number(node, where, key) != 0;
+}
+
+/// The colour beyond one end of the range, `side` of Below and Above, if it is to be used. ParaView
+/// leaves out what is as it would be anyway: black below, white above.
+std::optional<Color> beyond(const YAML::Node& map, const std::string& where,
+                            const std::string& side, const Color& standard) {
+  if (!is_on(map, where, "Use" + side + "RangeColor"))
+    return std::nullopt;
+  return color_of(map, where, side + "RangeColor").value_or(standard);
 }
 
 ColorSpace color_space(const YAML::Node& map, const std::string& where) {
@@ -151,10 +173,17 @@ double between(double from, double to, double u, double midpoint, double sharpne
 /// Curved parts become this many straight ones.
 constexpr int opacity_parts = 32;
 
+/// colors: by which opacities are placed; with `log` their x are logarithms.
 std::vector<MapOpacity> opacity_points(const YAML::Node& node, const std::string& where,
-                                       const std::vector<ColorPoint>& colors) {
-  const std::vector<double> v =
+                                       const std::vector<ColorPoint>& colors, bool log) {
+  std::vector<double> v =
       groups(node, where, "Points", 4, "[x, opacity, midpoint, sharpness, ...]", true);
+  for (std::size_t i = 0; log && i < v.size(); i += 4) {
+    if (!(v[i] > 0))
+      fail(where, "Points[" + std::to_string(i) + "] is " + std::to_string(v[i]) +
+                      "; above 0 expected with UseLogScale");
+    v[i] = std::log(v[i]);
+  }
   const bool own = !(colors.back().x > colors.front().x);
   const double first = own ? v[0] : colors.front().x;
   const double last = own ? v[v.size() - 4] : colors.back().x;
@@ -182,11 +211,21 @@ ColorMap read_map(const YAML::Node& map, const std::string& source) {
   const std::string where = name.empty() ? source : source + ", map '" + name + "'";
   const bool categories = map["IndexedColors"] && !map["RGBPoints"];
   const ColorSpace space = categories ? ColorSpace::rgb : color_space(map, where);
-  const std::vector<ColorPoint> points = categories ? category_points(map["IndexedColors"], where)
-                                                    : color_points(map["RGBPoints"], where);
-  ColorMap colors(name.empty() ? source : name, space, points, nan_color(map, where));
+  std::vector<ColorPoint> points = categories ? category_points(map["IndexedColors"], where)
+                                              : color_points(map["RGBPoints"], where);
+  const bool log = is_on(map, where, "UseLogScale");
+  const bool by_logarithm = log && points.front().x > 0; // categories begin at 0
+  for (ColorPoint& p : points)
+    p.x = by_logarithm ? std::log(p.x) : p.x;
+  ColorMap colors(name.empty() ? source : name, space, points,
+                  color_of(map, where, "NanColor").value_or(Color{0.5f, 0.5f, 0.5f}));
+  colors.set_scale(log ? Scale::log : Scale::linear);
+  if (const auto color = beyond(map, where, "Below", {0, 0, 0}))
+    colors.set_below(*color);
+  if (const auto color = beyond(map, where, "Above", {1, 1, 1}))
+    colors.set_above(*color);
   if (map["Points"])
-    colors.set_opacity(opacity_points(map["Points"], where, points));
+    colors.set_opacity(opacity_points(map["Points"], where, points, by_logarithm));
   return colors;
 }
 

@@ -17,7 +17,7 @@ constexpr int tile_side = 16;
 
 struct Counters {
   std::atomic<std::int64_t> samples{0}, skipped{0}, cells_tested{0}, evaluations{0}, hits{0},
-      shadow_rays{0}, occlusion_rays{0};
+      shadow_rays{0}, occlusion_rays{0}, shadow_samples{0};
   std::mutex mutex;
   PathCounts paths; ///< under the mutex
 };
@@ -42,6 +42,12 @@ public:
     if (!settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
         settings.outline)
       surfaces_.emplace(sampler, settings, structures);
+    if (surfaces_ && settings.lighting.volume_shadows) {
+      if (paths_)
+        paths_->set_surfaces(&*surfaces_);
+      if (volume_)
+        volume_->set_surfaces(&*surfaces_);
+    }
   }
 
   double step() const { return volume_ ? volume_->step() : 0.0; }
@@ -92,6 +98,7 @@ public:
     counters.hits += hits;
     counters.shadow_rays += surface_counts.shadow_rays;
     counters.occlusion_rays += surface_counts.occlusion_rays;
+    counters.shadow_samples += surface_counts.shadow_samples;
   }
 
 private:
@@ -176,6 +183,7 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
     statistics->hits = counters.hits;
     statistics->shadow_rays = counters.shadow_rays;
     statistics->occlusion_rays = counters.occlusion_rays;
+    statistics->shadow_samples = counters.shadow_samples;
     statistics->prepare_seconds = prepared;
     statistics->seconds = timer.seconds();
   }

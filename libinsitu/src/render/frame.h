@@ -11,8 +11,8 @@
 #include "render/clip.h"
 #include "render/isosurface.h"
 #include "render/light.h"
-#include "render/path_settings.h"
 #include "render/outline.h"
+#include "render/path_settings.h"
 #include "render/triangle_surfaces.h"
 #include "render/volume.h"
 
@@ -54,9 +54,10 @@ struct FrameStatistics {
   std::int64_t evaluations = 0; ///< of fields inside cells, for isosurfaces
   std::int64_t hits = 0;        ///< of surfaces
   std::int64_t shadow_rays = 0, occlusion_rays = 0;
-  PathCounts paths;           ///< of path tracing
-  double prepare_seconds = 0; ///< averages, value ranges, tables
-  double seconds = 0;         ///< all
+  std::int64_t shadow_samples = 0; ///< located for the volume's shadow on surfaces
+  PathCounts paths;                ///< of path tracing
+  double prepare_seconds = 0;      ///< averages, value ranges, tables
+  double seconds = 0;              ///< all
 };
 
 /// Draws the mesh as committed. Tiles of 16 x 16 pixels run in parallel; the image is the same to

@@ -29,6 +29,8 @@ struct Lighting {
   double diffuse = 0.7;
   std::vector<Light> lights; ///< none: a single white headlight
   bool shadows = false;
+  /// A volume and surfaces cast shadows on each other too; with `shadows`.
+  bool volume_shadows = false;
   int occlusion_samples = 0;     ///< rays a hit for ambient occlusion; 0: none
   double occlusion_distance = 0; ///< how far they reach; 0: a tenth of the mesh's diagonal
 };

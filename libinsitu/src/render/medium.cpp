@@ -8,17 +8,11 @@
 
 namespace insitu::render {
 
-namespace {
-
-constexpr int color_intervals = Classifier::table_size;
-
-} // namespace
-
 Medium::Medium(const query::Sampler& sampler, const ScalarField& field,
                const TransferFunction& function, double density, double unit_distance,
                const Majorants& majorants, const core::Threads& threads, core::Memory& memory)
     : sampler_(sampler), field_(field), function_(function), scale_(density / unit_distance),
-      grid_(majorants.grid()), majorants_(memory, INSITU_MEMORY_FRAME) {
+      grid_(majorants.grid()), majorants_(memory, INSITU_MEMORY_FRAME), colors_(function) {
   if (!(density >= 0) || !(unit_distance > 0) || !std::isfinite(scale_))
     throw core::Error(INSITU_ERROR_ARGUMENT,
                       std::string("volume of '") + field.field.name + "': a density of " +
@@ -36,9 +30,6 @@ Medium::Medium(const query::Sampler& sampler, const ScalarField& field,
               : 0.0f;
     }
   });
-  if (function_.low() < function_.high())
-    for (int i = 0; i <= color_intervals; ++i)
-      colors_.push_back(function_.colors().at(double(i) / color_intervals));
 }
 
 double Medium::extinction_of_opacity(double opacity) const {
@@ -51,17 +42,7 @@ double Medium::extinction(double value) const {
 }
 
 Color Medium::albedo(double value) const {
-  if (colors_.empty() || std::isnan(value))
-    return function_.color(value);
-  const double at =
-      color_intervals * ((value - function_.low()) / (function_.high() - function_.low()));
-  if (!(at > 0))
-    return colors_.front();
-  if (at >= color_intervals)
-    return colors_.back();
-  const int i = int(at);
-  const float w = float(at - i);
-  return (1.0f - w) * colors_[std::size_t(i)] + w * colors_[std::size_t(i) + 1];
+  return std::isnan(value) ? function_.color(value) : colors_(value);
 }
 
 } // namespace insitu::render

@@ -43,7 +43,7 @@ private:
   double scale_;
   MacrocellGrid grid_;
   core::Buffer<float> majorants_;
-  std::vector<Color> colors_; ///< over the function's range, linear in between
+  ColorTable colors_;
 };
 
 } // namespace insitu::render

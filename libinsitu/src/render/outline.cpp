@@ -42,8 +42,21 @@ Outline::Outline(const OutlineSettings& settings, const Camera& camera, int widt
         continue;
       if (at_a < nearest || at_b < nearest)
         (at_a < nearest ? a : b) = a + ((nearest - at_a) / (at_b - at_a)) * (b - a);
-      lines_.push_back({project(a), project(b)});
+      add_line(project(a), project(b));
     }
+  for (const OutlineTick& tick : settings.ticks)
+    if (dot(tick.at - position_, forward_) > nearest) {
+      const Seen a = project(tick.at);
+      add_line(a, {a.x + tick.by[0], a.y + tick.by[1], a.depth});
+    }
+}
+
+void Outline::add_line(const Seen& a, const Seen& b) {
+  const double reach = 0.5 * settings_.width + 0.5;
+  lines_.push_back({a,
+                    b,
+                    {std::min(a.x, b.x) - reach, std::min(a.y, b.y) - reach},
+                    {std::max(a.x, b.x) + reach, std::max(a.y, b.y) + reach}});
 }
 
 Outline::Seen Outline::project(const Vec3d& p) const {
@@ -55,6 +68,8 @@ Outline::Seen Outline::project(const Vec3d& p) const {
 void Outline::add(int column, int row, const Ray& ray, std::vector<SurfaceHit>& hits) const {
   const double x = column - middle_x_, y = row - middle_y_;
   for (const Line& line : lines_) {
+    if (x < line.low[0] || x > line.high[0] || y < line.low[1] || y > line.high[1])
+      continue;
     const double dx = line.b.x - line.a.x, dy = line.b.y - line.a.y;
     const double square = dx * dx + dy * dy;
     const double along = (x - line.a.x) * dx + (y - line.a.y) * dy;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "math/vec.h"
@@ -8,10 +9,17 @@
 
 namespace insitu::render {
 
+/// A short line from a place, as long in the image as this many pixels to the right and down.
+struct OutlineTick {
+  math::Vec3d at;
+  std::array<double, 2> by{};
+};
+
 /// The edges of the mesh's bounding box as lines.
 struct OutlineSettings {
   Color color{0, 0, 0};
   double width = 1.5; ///< in pixels
+  std::vector<OutlineTick> ticks = {};
 };
 
 /// Draws lines of a width in pixels, with smooth borders, as hits among those of surfaces: what is
@@ -34,7 +42,9 @@ private:
   };
   struct Line {
     Seen a, b;
+    double low[2], high[2]; ///< what it covers, with its width
   };
+  void add_line(const Seen& a, const Seen& b);
   Seen project(const math::Vec3d& p) const;
 
   OutlineSettings settings_;

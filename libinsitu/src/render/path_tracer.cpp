@@ -11,16 +11,6 @@ namespace insitu::render {
 
 namespace {
 
-double unit_distance_of(const query::Sampler& sampler, const VolumeSettings& volume) {
-  if (volume.unit_distance > 0)
-    return volume.unit_distance;
-  if (sampler.tree().empty())
-    return 1.0;
-  const math::Vec3d d = sampler.tree().bounds_max() - sampler.tree().bounds_min();
-  const double diagonal = std::sqrt(dot(d, d));
-  return diagonal > 0 ? 0.01 * diagonal : 0.01;
-}
-
 const PathTracingSettings& checked(const PathTracingSettings& s, const VolumeSettings& volume) {
   const auto refuse = [](const std::string& message) {
     throw core::Error(INSITU_ERROR_ARGUMENT, "path tracing: " + message + " given");

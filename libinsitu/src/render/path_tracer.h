@@ -18,7 +18,9 @@ namespace insitu::render {
 /// 1965) through the majorants of macrocells, transmittances of shadow rays by ratio tracking
 /// (Novak et al. 2014). Dome lights are met by the paths that leave the medium, all others by a
 /// shadow ray from each collision, so none counts twice. Surfaces end the rays from the camera, a
-/// translucent one with a chance of its opacity; scattered light and shadow rays pass them by.
+/// translucent one with a chance of its opacity; scattered light and shadow rays pass them by,
+/// unless set_surfaces() lets them meet: then what light a surface sends into the medium is what
+/// is seen of it.
 /// Where a ray leaves the medium without a collision it shows the surface or background behind.
 class PathTracer {
 public:
@@ -29,6 +31,10 @@ public:
              const PathTracingSettings& settings, const Camera& camera,
              const std::vector<Light>& lights, const std::vector<Clip>& clips,
              Structures& structures, const core::Threads& threads);
+
+  /// Surfaces that shadow rays and scattered light meet too; they must outlive this. None: they
+  /// pass.
+  void set_surfaces(const SceneSurfaces* surfaces) { surfaces_ = surfaces; }
 
   /// Draws pixels: rays, which come with their surface hits, get colour and alpha, and no hit is
   /// left to blend. pixels: the number of each in the image, which with the sample keys the random
@@ -46,6 +52,7 @@ private:
   Medium medium_;
   PathLights lights_;
   const std::vector<Clip>& clips_;
+  const SceneSurfaces* surfaces_ = nullptr;
   math::Vec3d low_, high_;
   query::LocateOptions options_;
 };

@@ -208,7 +208,8 @@ bool PathWave::end_of_ray(Path& path) {
   }
   const Color& dome = tracer_.lights_.dome();
   if (path.bounces > 0) {
-    path.radiance = path.radiance + times(path.throughput, dome);
+    path.radiance =
+        path.radiance + times(path.throughput, path.wall < HUGE_VAL ? path.wall_color : dome);
   } else if (path.stop) {
     path.radiance = path.stop->color;
     path.alpha = 1;
@@ -272,6 +273,9 @@ bool PathWave::collide(Path& path, double value) {
   const LightSample light = tracer_.lights_.sample(path.at, path.random.unit());
   const double phase = henyey_greenstein(dot(path.incoming, light.direction), settings_.anisotropy);
   path.light = float(phase) * times(path.throughput, light.irradiance);
+  if (tracer_.surfaces_)
+    path.light =
+        float(tracer_.surfaces_->open({path.at, light.direction}, light.distance)) * path.light;
   path.is_shadow = true;
   path.transmittance = 1;
   set_ray(path, path.at, light.direction, light.distance);
@@ -282,7 +286,7 @@ bool PathWave::collide(Path& path, double value) {
 bool PathWave::scatter(Path& path) {
   path.is_shadow = false;
   if (settings_.scattering == Scattering::single) {
-    if (!tracer_.lights_.has_dome()) { // nothing more to gather
+    if (!tracer_.lights_.has_dome() && !tracer_.surfaces_) { // nothing more to gather
       finish(path);
       return false;
     }
@@ -295,7 +299,13 @@ bool PathWave::scatter(Path& path) {
   }
   ++counts_.scatterings;
   const double cosine = sample_henyey_greenstein(settings_.anisotropy, path.random.unit());
-  set_ray(path, path.at, direction_around(path.incoming, cosine, path.random.unit()), HUGE_VAL);
+  const Vec3d direction = direction_around(path.incoming, cosine, path.random.unit());
+  path.wall = HUGE_VAL;
+  if (tracer_.surfaces_)
+    tracer_.surfaces_->meet(
+        {path.at, direction}, [&](float opacity) { return path.random.unit() < double(opacity); },
+        std::uint64_t(0x1p53 * path.random.unit()), path.wall, path.wall_color);
+  set_ray(path, path.at, direction, path.wall);
   return true;
 }
 

@@ -18,6 +18,8 @@ struct Path {
   std::uint32_t item = 0;           ///< which of the rays
   int bounces = 0;                  ///< real collisions
   const SurfaceHit* stop = nullptr; ///< the surface behind the medium
+  double wall = HUGE_VAL;           ///< distance of the surface that scattered light ends at
+  Color wall_color;
   PathRandom random;
   Color throughput, radiance;
   float alpha = 0;

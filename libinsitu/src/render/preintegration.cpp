@@ -19,6 +19,14 @@ Preintegration::Preintegration(const TransferFunction& function, double step, do
   for (const OpacityPoint& p : points)
     breaks.push_back(p.value);
   std::sort(breaks.begin(), breaks.end());
+  // Tables are even in the value: on a logarithmic scale at least three for each decade.
+  if (function.scale() == Scale::log) {
+    const double low = *std::upper_bound(breaks.begin(), breaks.end(), 0.0), high = breaks.back();
+    const int count = int(std::min(300.0, std::ceil(3 * (std::log10(high) - std::log10(low)))));
+    for (int i = 1; i < count; ++i)
+      breaks.push_back(function.value_between(low, high, double(i) / count));
+    std::sort(breaks.begin(), breaks.end());
+  }
   breaks.erase(std::unique(breaks.begin(), breaks.end()), breaks.end());
   const double most = deepest * std::max(1.0, 1 / exponent_);
   const auto extinction = [&](double opacity) {
@@ -34,8 +42,12 @@ Preintegration::Preintegration(const TransferFunction& function, double step, do
   for (std::size_t b = 1; b < breaks.size(); ++b) {
     const double low = breaks[b - 1], width = breaks[b] - low;
     const double a0 = function.opacity(low), a1 = function.opacity_below(breaks[b]);
+    const bool log = function.scale() == Scale::log && low > 0;
+    // Just within its ends, at which another opacity and another colour may begin.
+    const double first = std::nextafter(low, HUGE_VAL), last = std::nextafter(breaks[b], -HUGE_VAL);
     const auto inside = [&](double u) {
-      return of(a0 + u * (a1 - a0), function.color(low + u * width));
+      const double value = std::max(first, std::min(low + u * width, last));
+      return of(log ? function.opacity(value) : a0 + u * (a1 - a0), function.color(value));
     };
     parts_.push_back({low, each / width, int(knots_.size()), each});
     for (int i = 0; i <= each; ++i) {

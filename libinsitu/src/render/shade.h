@@ -19,6 +19,21 @@ struct SurfacePoint {
   std::uint64_t seed = 0; ///< of its random numbers
 };
 
+/// What a volume's light and its scattered light meet of a frame's surfaces.
+class SceneSurfaces {
+public:
+  /// The part of light that surfaces let through from the ray's origin to t_max.
+  virtual double open(const Ray& ray, double t_max) const = 0;
+  /// The first surface ahead at which the ray ends, by `ends` of each one's opacity in turn; sets
+  /// its distance, infinite where there is none, and what is seen of it. seed: of its random
+  /// numbers.
+  virtual void meet(const Ray& ray, core::FunctionRef<bool(float opacity)> ends, std::uint64_t seed,
+                    double& t, Color& color) const = 0;
+
+protected:
+  ~SceneSurfaces() = default;
+};
+
 /// Lights surfaces as Lighting says, by the side that the viewer sees: a light behind a surface
 /// does not reach it. Shadows and ambient occlusion ask other surfaces through `open`; neither
 /// costs a ray unless asked for.

@@ -24,9 +24,17 @@ public:
     }
     std::sort(values_.begin(), values_.end());
     const double first = values_.front(), last = values_.back();
+    const double above_zero = *std::upper_bound(values_.begin(), values_.end() - 1, 0.0);
     constexpr int steps = 1024;
     for (int i = 1; i < steps; ++i)
       values_.push_back(first + (last - first) * (double(i) / steps));
+    if (function.scale() == Scale::log)
+      for (int i = 1; i < steps; ++i)
+        values_.push_back(function.value_between(above_zero, last, double(i) / steps));
+    if (function.colors().below())
+      values_.push_back(std::nextafter(function.low(), -HUGE_VAL));
+    if (function.colors().above())
+      values_.push_back(std::nextafter(function.high(), HUGE_VAL));
     std::sort(values_.begin(), values_.end());
     values_.erase(std::unique(values_.begin(), values_.end()), values_.end());
     std::vector<Extremes> row;

@@ -113,17 +113,13 @@ const Majorants& Structures::majorants(const ScalarField& field, const TransferF
   const Macrocells& cells = macrocells(field, cells_each);
   const GridKey key{key_of(field), cells_each};
   const auto [first, last] = majorants_.equal_range(key);
-  auto at = std::find_if(first, last, [&](const auto& of) {
-    return of.second.opacity == function.opacity_points() &&
-           of.second.nan_opacity == function.nan_opacity();
-  });
+  auto at = std::find_if(first, last, [&](const auto& of) { return of.second.is_of(function); });
   if (at == last) // one that nobody has asked for in this cycle gives its memory
     at = std::find_if(first, last, [](const auto& of) { return !of.second.used; });
   if (at == last)
     at = majorants_.emplace(key, MajorantsEntry{});
   MajorantsEntry& entry = at->second;
-  const bool is_same =
-      entry.opacity == function.opacity_points() && entry.nan_opacity == function.nan_opacity();
+  const bool is_same = entry.is_of(function);
   if (!entry.value)
     entry.value = std::make_unique<Majorants>(cells, function, *threads_, *memory_);
   else if (!entry.is_fresh || !is_same)
@@ -135,6 +131,7 @@ const Majorants& Structures::majorants(const ScalarField& field, const TransferF
   ++counts_.majorants;
   entry.opacity = function.opacity_points();
   entry.nan_opacity = function.nan_opacity();
+  entry.scale = function.scale();
   entry.used = entry.is_fresh = true;
   return *entry.value;
 }

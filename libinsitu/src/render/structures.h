@@ -93,7 +93,12 @@ private:
     std::unique_ptr<Majorants> value;
     std::vector<OpacityPoint> opacity; ///< of the function
     double nan_opacity = 0;
+    Scale scale = Scale::linear;
     bool used = false, is_fresh = false;
+    bool is_of(const TransferFunction& function) const {
+      return opacity == function.opacity_points() && nan_opacity == function.nan_opacity() &&
+             scale == function.scale();
+    }
   };
   Key key_of(const ScalarField& field) const;
   template <class T>

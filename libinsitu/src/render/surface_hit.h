@@ -24,6 +24,7 @@ struct SurfaceCounts {
   std::int64_t cells_tested = 0;
   std::int64_t evaluations = 0; ///< of fields inside cells, each with an inverse map
   std::int64_t shadow_rays = 0, occlusion_rays = 0;
+  std::int64_t shadow_samples = 0; ///< located for the volume's shadow
 };
 
 } // namespace insitu::render

@@ -39,6 +39,21 @@ Surfaces::Surfaces(const query::Sampler& sampler, const FrameSettings& settings,
                      sampler.tree().bounds_min(), sampler.tree().bounds_max());
   if (settings.lighting.enabled)
     shader_.emplace(settings.lighting, 0.1 * diagonal_);
+  if (!settings.lighting.volume_shadows || !settings.volume)
+    return;
+  const VolumeSettings& volume = *settings.volume;
+  if (settings.path_tracing)
+    volume_shadow_.emplace(sampler, volume, settings.path_tracing->density,
+                           &structures.majorants(volume.field, volume.function,
+                                                 settings.path_tracing->cells_per_macrocell),
+                           settings.clips);
+  else
+    volume_shadow_.emplace(sampler, volume, 1.0,
+                           volume_structures(sampler, volume,
+                                             std::int64_t(settings.width) * settings.height,
+                                             structures)
+                               .majorants,
+                           settings.clips);
 }
 
 void Surfaces::find(const Ray& ray, const std::vector<Stretch>* stays,
@@ -54,14 +69,17 @@ void Surfaces::trace(RayState& state, std::uint64_t pixel, SurfaceCounts& counts
   find(state.ray, settings_.clips.empty() ? nullptr : &state.stays, state.hits, counts);
   std::uint64_t index = 0;
   for (SurfaceHit& hit : state.hits) {
-    hit.color =
-        hit.surface < first_triangle_surface_ ? isosurfaces_->color(hit) : triangles_->color(hit);
+    hit.color = color(hit);
     if (shader_)
       light(state.ray, core::splitmix64(pixel) + index++, hit, counts);
   }
   if (outline_)
     outline_->add(int(pixel % std::uint64_t(settings_.width)),
                   int(pixel / std::uint64_t(settings_.width)), state.ray, state.hits);
+}
+
+Color Surfaces::color(const SurfaceHit& hit) const {
+  return hit.surface < first_triangle_surface_ ? isosurfaces_->color(hit) : triangles_->color(hit);
 }
 
 void Surfaces::light(const Ray& ray, std::uint64_t seed, SurfaceHit& hit,
@@ -84,7 +102,14 @@ void Surfaces::light(const Ray& ray, std::uint64_t seed, SurfaceHit& hit,
   if (shader_->sends_rays())
     at.clearance = clearance(hit, at.position, at.normal);
   const Color factor = (*shader_)(
-      at, [&](const Ray& to, double t_max) { return open(to, t_max, counts); }, counts);
+      at,
+      [&](const Ray& to, double t_max) {
+        const double left = open(to, t_max, counts);
+        return volume_shadow_ && left > 0
+                   ? left * volume_shadow_->through(to, t_max, counts.shadow_samples)
+                   : left;
+      },
+      counts);
   hit.color = {factor.r * hit.color.r, factor.g * hit.color.g, factor.b * hit.color.b};
 }
 
@@ -98,6 +123,30 @@ double Surfaces::open(const Ray& ray, double t_max, SurfaceCounts& counts) const
   for (const SurfaceHit& hit : hits)
     through *= 1.0 - double(hit.opacity);
   return through;
+}
+
+double Surfaces::open(const Ray& ray, double t_max) const {
+  SurfaceCounts none;
+  return open(ray, t_max, none);
+}
+
+void Surfaces::meet(const Ray& ray, core::FunctionRef<bool(float)> ends, std::uint64_t seed,
+                    double& t, Color& color_seen) const {
+  thread_local std::vector<Stretch> stays; // kept for the thread's life
+  thread_local std::vector<SurfaceHit> hits;
+  SurfaceCounts none;
+  t = HUGE_VAL;
+  clip_ray(settings_.clips, ray, 0, HUGE_VAL, stays);
+  find(ray, &stays, hits, none);
+  for (SurfaceHit& hit : hits)
+    if (hit.opacity >= 1 || ends(hit.opacity)) {
+      hit.color = color(hit);
+      if (shader_)
+        light(ray, seed, hit, none);
+      t = hit.t;
+      color_seen = hit.color;
+      return;
+    }
 }
 
 double Surfaces::clearance(const SurfaceHit& hit, const Vec3d& position,

@@ -8,11 +8,12 @@
 #include "render/isosurface.h"
 #include "render/ray_state.h"
 #include "render/shade.h"
+#include "render/volume_shadow.h"
 
 namespace insitu::render {
 
 /// All surfaces of a frame, cut by its clips and lit.
-class Surfaces {
+class Surfaces final : public SceneSurfaces {
 public:
   /// The settings and the structures must outlive it.
   Surfaces(const query::Sampler& sampler, const FrameSettings& settings, Structures& structures);
@@ -21,10 +22,15 @@ public:
   /// if the frame has clips. pixel: what random numbers depend on.
   void trace(RayState& ray, std::uint64_t pixel, SurfaceCounts& counts) const;
 
+  double open(const Ray& ray, double t_max) const override;
+  void meet(const Ray& ray, core::FunctionRef<bool(float opacity)> ends, std::uint64_t seed,
+            double& t, Color& color) const override;
+
 private:
   void find(const Ray& ray, const std::vector<Stretch>* stays, std::vector<SurfaceHit>& hits,
             SurfaceCounts& counts) const;
   void light(const Ray& ray, std::uint64_t seed, SurfaceHit& hit, SurfaceCounts& counts) const;
+  Color color(const SurfaceHit& hit) const;
   double open(const Ray& ray, double t_max, SurfaceCounts& counts) const;
   double clearance(const SurfaceHit& hit, const math::Vec3d& position,
                    const math::Vec3d& normal) const;
@@ -36,7 +42,8 @@ private:
   std::int32_t first_triangle_surface_ = 0;
   std::optional<TriangleSurfaces> triangles_;
   std::optional<Outline> outline_;
-  std::optional<Shader> shader_; ///< none: plain colours
+  std::optional<Shader> shader_;              ///< none: plain colours
+  std::optional<VolumeShadow> volume_shadow_; ///< if asked for
 };
 
 } // namespace insitu::render

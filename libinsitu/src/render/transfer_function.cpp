@@ -25,6 +25,9 @@ TransferFunction::TransferFunction(ColorMap colors, double low, double high,
   if (!std::isfinite(low) || !std::isfinite(high) || low > high)
     refuse("the range must be finite and ascending, [" + std::to_string(low) + ", " +
            std::to_string(high) + "] given");
+  if (scale() == Scale::log && !(low > 0))
+    refuse("a logarithmic range must begin above 0, [" + std::to_string(low) + ", " +
+           std::to_string(high) + "] given");
   if (opacity_.empty())
     opacity_ = {{low, 0.0}, {high, 1.0}};
   for (std::size_t i = 0; i < opacity_.size(); ++i) {
@@ -43,11 +46,28 @@ TransferFunction::TransferFunction(ColorMap colors, double low, double high,
 Color TransferFunction::color(double value) const {
   if (std::isnan(value))
     return colors_.nan_color();
-  if (value <= low_ && low_ < high_)
-    return colors_.at(0.0);
   if (value >= high_)
-    return colors_.at(1.0);
-  return colors_.at(low_ < high_ ? (value - low_) / (high_ - low_) : 0.0);
+    return value > high_ && colors_.above() ? *colors_.above() : colors_.at(1.0);
+  if (value <= low_)
+    return value < low_ && colors_.below() ? *colors_.below() : colors_.at(0.0);
+  if (scale() == Scale::log)
+    return colors_.at((std::log(value) - std::log(low_)) / (std::log(high_) - std::log(low_)));
+  return colors_.at((value - low_) / (high_ - low_));
+}
+
+double TransferFunction::value_between(double from, double to, double u) const {
+  if (scale() == Scale::log && from > 0 && to > 0)
+    return std::exp((1 - u) * std::log(from) + u * std::log(to));
+  return from + (to - from) * u;
+}
+
+double TransferFunction::opacity_between(const OpacityPoint& a, const OpacityPoint& b,
+                                         double value) const {
+  const double u =
+      scale() == Scale::log && a.value > 0
+          ? (std::log(value) - std::log(a.value)) / (std::log(b.value) - std::log(a.value))
+          : (value - a.value) / (b.value - a.value);
+  return a.opacity + (b.opacity - a.opacity) * u;
 }
 
 double TransferFunction::opacity(double value) const {
@@ -59,8 +79,7 @@ double TransferFunction::opacity(double value) const {
     return opacity_.front().opacity;
   if (above == opacity_.end())
     return opacity_.back().opacity;
-  const OpacityPoint& a = *(above - 1);
-  return a.opacity + (above->opacity - a.opacity) * ((value - a.value) / (above->value - a.value));
+  return opacity_between(*(above - 1), *above, value);
 }
 
 double TransferFunction::opacity_below(double value) const {
@@ -70,8 +89,7 @@ double TransferFunction::opacity_below(double value) const {
     return opacity_.front().opacity;
   if (above == opacity_.end())
     return opacity_.back().opacity;
-  const OpacityPoint& a = *(above - 1);
-  return a.opacity + (above->opacity - a.opacity) * ((value - a.value) / (above->value - a.value));
+  return opacity_between(*(above - 1), *above, value);
 }
 
 double TransferFunction::max_opacity(double low, double high) const {
@@ -90,19 +108,40 @@ double TransferFunction::max_opacity(double low, double high) const {
   return most;
 }
 
-Classifier::Classifier(const TransferFunction& function, double step, double unit_distance) {
+ColorTable::ColorTable(const TransferFunction& function)
+    : low_(function.low()), high_(function.high()), log_(function.scale() == Scale::log) {
+  const ColorMap& colors = function.colors();
+  start_ = place_of(low_, log_);
+  const double extent = place_of(high_, log_) - start_;
+  scale_ = extent > 0 ? size / extent : 0.0;
+  while (extent > 0 && extent * scale_ < size) // what is above the range must be so here too
+    scale_ = std::nextafter(scale_, HUGE_VAL);
+  color_.reserve(size + 1);
+  for (int i = 0; i <= size; ++i) {
+    const double u = double(i) / size;
+    color_.push_back(log_ && i > 0 && i < size && extent > 0
+                         ? function.color(value_at(start_ + u * extent, true))
+                         : colors.at(u));
+  }
+  below_ = colors.below().value_or(color_.front());
+  above_ = colors.above().value_or(color_.back());
+}
+
+/// What rounding puts beyond the table has the colours of its ends.
+Color ColorTable::at_end(double value, double at) const {
+  if (value > high_)
+    return above_;
+  if (value < low_)
+    return below_;
+  return value >= high_ || at > 0.0 ? color_.back() : color_.front();
+}
+
+Classifier::Classifier(const TransferFunction& function, double step, double unit_distance)
+    : colors_(function) {
   if (!(step > 0.0) || !(unit_distance > 0.0))
     refuse("the ray step and the unit distance must be positive, " + std::to_string(step) +
            " and " + std::to_string(unit_distance) + " given");
   const double exponent = step / unit_distance;
-  const double low = function.low(), high = function.high();
-  // A range without extent: everything above it is the table's end.
-  color_low_ = low;
-  color_scale_ = high > low ? table_size / (high - low) : HUGE_VAL;
-  color_.reserve(table_size + 1);
-  for (int i = 0; i <= table_size; ++i)
-    color_.push_back(function.colors().at(double(i) / table_size));
-
   const std::vector<OpacityPoint>& points = function.opacity_points();
   int sloping = 0;
   for (std::size_t i = 1; i < points.size(); ++i)
@@ -113,13 +152,20 @@ Classifier::Classifier(const TransferFunction& function, double step, double uni
     if (!(p.value < q.value))
       continue;
     const int count = p.opacity == q.opacity ? 1 : each;
-    stretches_.push_back({p.value, count / (q.value - p.value), int(alpha_.size()), count});
-    for (int k = 0; k <= count; ++k)
-      alpha_.push_back(
-          corrected(p.opacity + (q.opacity - p.opacity) * (double(k) / count), exponent));
+    const bool log = function.scale() == Scale::log && p.value > 0;
+    const double start = place_of(p.value, log), extent = place_of(q.value, log) - start;
+    stretches_.push_back({p.value, start, count / extent, int(alpha_.size()), count, log});
+    for (int k = 0; k <= count; ++k) {
+      const double u = double(k) / count;
+      alpha_.push_back(corrected(log && k > 0 && k < count
+                                     ? function.opacity(value_at(start + u * extent, true))
+                                     : p.opacity + (q.opacity - p.opacity) * u,
+                                 exponent));
+    }
   }
   const float last = corrected(points.back().opacity, exponent);
-  stretches_.push_back({points.back().value, 0.0, int(alpha_.size()), 1});
+  stretches_.push_back(
+      {points.back().value, points.back().value, 0.0, int(alpha_.size()), 1, false});
   alpha_.insert(alpha_.end(), 2, last);
   below_ = corrected(points.front().opacity, exponent);
   // Twice what Majorants call nothing: linear between entries is a little above the curve.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <bit>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -12,13 +14,16 @@ struct OpacityPoint {
   friend bool operator==(const OpacityPoint&, const OpacityPoint&) = default;
 };
 
-/// Colour and opacity of a value. Colours stretch over [low, high]; opacity is linear between its
-/// points and constant beyond them (no points: from 0 at low to 1 at high).
+/// Colour and opacity of a value. Colours stretch over [low, high], evenly or by the logarithm, as
+/// the map's scale says; beyond, they are the map's colours below and above, or those of its ends.
+/// Values from 0 down are below every logarithmic range. Opacity is linear between its points, in
+/// the logarithm where the scale is logarithmic and both points are above 0, and constant beyond
+/// them (no points: from 0 at low to 1 at high).
 class TransferFunction {
 public:
-  /// Throws core::Error (INSITU_ERROR_ARGUMENT) unless low and high are finite, low <= high, and
-  /// the points ascend with opacities from 0 to 1. With low = high, values below take the map's
-  /// first colour and the rest its last.
+  /// Throws core::Error (INSITU_ERROR_ARGUMENT) unless low and high are finite, low <= high, on a
+  /// logarithmic scale low > 0, and the points ascend with opacities from 0 to 1. With low = high,
+  /// values below take the map's first colour and the rest its last.
   TransferFunction(ColorMap colors, double low, double high,
                    std::vector<OpacityPoint> opacity = {});
 
@@ -38,10 +43,16 @@ public:
 
   double low() const { return low_; }
   double high() const { return high_; }
+  Scale scale() const { return colors_.scale(); }
+  /// The value a part u of the way from one to another, on the scale; linear unless both are above
+  /// 0.
+  double value_between(double from, double to, double u) const;
   const ColorMap& colors() const { return colors_; }
   const std::vector<OpacityPoint>& opacity_points() const { return opacity_; }
 
 private:
+  double opacity_between(const OpacityPoint& a, const OpacityPoint& b, double value) const;
+
   ColorMap colors_;
   double low_, high_;
   std::vector<OpacityPoint> opacity_;
@@ -53,13 +64,50 @@ struct ColorSample {
   float alpha = 0;
 };
 
+/// Where a value lies on a scale, for tables: the value, or what stands in for its logarithm, which
+/// costs as little: linear between powers of two, and monotone. Of numbers above 0 on a logarithmic
+/// scale; others lie below all of these.
+inline double place_of(double value, bool log) {
+  return log ? double(std::bit_cast<std::int64_t>(value)) * 0x1p-52 : value;
+}
+/// The value at a place.
+inline double value_at(double place, bool log) {
+  return log ? std::bit_cast<double>(std::int64_t(place * 0x1p52)) : place;
+}
+
+/// The colours of a transfer function: a table over their range, linear in between.
+class ColorTable {
+public:
+  static constexpr int size = 4096;
+
+  explicit ColorTable(const TransferFunction& function);
+
+  /// Of a number.
+  Color operator()(double value) const {
+    const double at = (place_of(value, log_) - start_) * scale_;
+    if (!(at > 0.0) || at >= size)
+      return at_end(value, at);
+    const int i = int(at);
+    const float w = float(at - i);
+    return (1.0f - w) * color_[std::size_t(i)] + w * color_[std::size_t(i) + 1];
+  }
+
+private:
+  Color at_end(double value, double at) const;
+
+  std::vector<Color> color_;
+  Color below_, above_;
+  double low_, high_, start_, scale_;
+  bool log_;
+};
+
 /// A transfer function made ready for samples that stand for `step` of ray each: opacities, which
 /// hold for unit_distance, become 1 - (1 - a)^(step / unit_distance). Values are classified after
 /// interpolation, by tables, linear in between: one over the colours' range, one for each stretch
 /// between two opacity points, so that a sudden step of opacity stays one.
 class Classifier {
 public:
-  static constexpr int table_size = 4096;
+  static constexpr int table_size = ColorTable::size;
 
   Classifier(const TransferFunction& function, double step, double unit_distance);
 
@@ -72,7 +120,7 @@ public:
     }
     s.alpha = alpha(value);
     if (s.alpha > 0.0f)
-      s.color = color(value);
+      s.color = colors_(value);
     return s;
   }
   float alpha(double value) const {
@@ -85,7 +133,7 @@ public:
     else
       i = stretch_of(value);
     const Stretch& s = stretches_[i];
-    const double at = (value - s.value) * s.scale;
+    const double at = (place_of(value, s.log) - s.start) * s.scale;
     const float* table = alpha_.data() + s.first;
     float a;
     if (!(at > 0.0)) {
@@ -99,31 +147,21 @@ public:
     }
     return a >= least_ ? a : 0.0f;
   }
-  Color color(double value) const {
-    const double at = (value - color_low_) * color_scale_;
-    if (!(at > 0.0))
-      return color_.front();
-    if (at >= table_size)
-      return color_.back();
-    const int i = int(at);
-    const float w = float(at - i);
-    return (1.0f - w) * color_[std::size_t(i)] + w * color_[std::size_t(i) + 1];
-  }
   /// The alpha of a part of a step.
   static float partial(float alpha, double fraction);
 
 private:
   /// From one opacity point to the next.
   struct Stretch {
-    double value, scale;
-    int first, count; ///< table entries: count + 1 from `first`
+    double value, start, scale; ///< start: the value's place on the scale
+    int first, count;           ///< table entries: count + 1 from `first`
+    bool log;
   };
   std::size_t stretch_of(double value) const;
 
-  std::vector<Color> color_;
+  ColorTable colors_;
   std::vector<float> alpha_;
   std::vector<Stretch> stretches_; ///< ascending; the last is all beyond the last point
-  double color_low_, color_scale_;
   float below_, least_;
   Color nan_color_;
   float nan_alpha_;

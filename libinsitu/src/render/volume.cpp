@@ -18,7 +18,9 @@ namespace {
 
 constexpr int most_depth = 32; // bits of a mask
 
-double nominal_step(const query::Sampler& sampler, const VolumeSettings& s) {
+} // namespace
+
+double ray_step(const query::Sampler& sampler, const VolumeSettings& s) {
   const double step = s.step ? *s.step : s.step_factor * typical_cell_size(sampler);
   // Lattice indices must stay far from what a double counts exactly.
   if (!(step > 1e-7 * mesh_diagonal(sampler)) || !std::isfinite(step))
@@ -32,8 +34,6 @@ double nominal_step(const query::Sampler& sampler, const VolumeSettings& s) {
 double unit_distance_of(const query::Sampler& sampler, const VolumeSettings& s) {
   return s.unit_distance > 0 ? s.unit_distance : 0.01 * mesh_diagonal(sampler);
 }
-
-} // namespace
 
 void check(const VolumeSettings& s) {
   if (s.field.component >= s.field.field.components)
@@ -57,7 +57,7 @@ VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings
                              const VolumeStructures& structures, const Lighting& lighting,
                              bool clipped)
     : sampler_(sampler), field_(settings.field), function_(settings.function),
-      step_(nominal_step(sampler, settings)), unit_distance_(unit_distance_of(sampler, settings)),
+      step_(ray_step(sampler, settings)), unit_distance_(unit_distance_of(sampler, settings)),
       clipped_(clipped), majorants_(settings.skip_empty ? structures.majorants : nullptr),
       low_(sampler.tree().bounds_min()), high_(sampler.tree().bounds_max()) {
   // Trees round their boxes outwards by 2^-22, see accel::round_down. Taken back, but for half a
@@ -71,10 +71,8 @@ VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings
   check(settings);
   options_.accuracy = settings.accuracy;
   if (settings.shading && field_.field.association == INSITU_VERTEX) {
-    Lighting plain = lighting; // a medium gathers no shadows of surfaces
-    plain.shadows = false;
-    plain.occlusion_samples = 0;
-    shader_.emplace(plain, 0.0);
+    lighting_ = lighting;
+    set_surfaces(nullptr);
   }
   if (settings.tolerance) {
     if (!structures.macrocells)
@@ -88,6 +86,16 @@ VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings
                               unit_distance_);
   if (settings.preintegrated && field_.field.association == INSITU_VERTEX)
     preintegration_.emplace(settings.function, step_, unit_distance_);
+}
+
+void VolumeMarcher::set_surfaces(const SceneSurfaces* surfaces) {
+  if (field_.field.association != INSITU_VERTEX || (!shader_ && surfaces))
+    return;
+  surfaces_ = surfaces;
+  Lighting plain = lighting_;
+  plain.shadows = surfaces != nullptr;
+  plain.occlusion_samples = 0;
+  shader_.emplace(plain, 0.0);
 }
 
 void VolumeMarcher::start(RayState& ray) const {
@@ -366,9 +374,11 @@ void VolumeMarcher::light(const Ray& ray, const query::Location& at, Color& colo
   cells::shape_functions(cell.shape, at.parametric, weight);
   for (int v = 0; v < cell.count; ++v)
     position += weight[v] * cell.x[v];
-  SurfaceCounts none; // no rays are sent
+  SurfaceCounts none;
   const Color sum = (*shader_)(
-      {position, normal, -ray.direction}, [](const Ray&, double) { return 1.0; }, none);
+      {position, normal, -ray.direction},
+      [&](const Ray& to, double t_max) { return surfaces_ ? surfaces_->open(to, t_max) : 1.0; },
+      none);
   color = {sum.r * color.r, sum.g * color.g, sum.b * color.b};
 }
 

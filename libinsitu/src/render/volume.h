@@ -46,6 +46,11 @@ struct VolumeSettings {
 
 /// Throws core::Error (INSITU_ERROR_FIELD) unless the field has the component.
 void check(const VolumeSettings& settings);
+/// The distance between samples, but for a tolerance. Throws core::Error (INSITU_ERROR_ARGUMENT)
+/// for one too short to be counted.
+double ray_step(const query::Sampler& sampler, const VolumeSettings& settings);
+/// As given, or a hundredth of the mesh's diagonal.
+double unit_distance_of(const query::Sampler& sampler, const VolumeSettings& settings);
 
 struct VolumeCounts {
   std::int64_t samples = 0; ///< located
@@ -76,6 +81,10 @@ public:
   VolumeMarcher(const query::Sampler& sampler, const VolumeSettings& settings,
                 const VolumeStructures& structures = {}, const Lighting& lighting = {},
                 bool clipped = false);
+
+  /// Surfaces that cast shadows on what `shading` lights; they must outlive this. None: no rays
+  /// are sent.
+  void set_surfaces(const SceneSurfaces* surfaces);
 
   /// With a tolerance, of the finest samples.
   double step() const { return step_; }
@@ -123,6 +132,8 @@ private:
   bool clipped_;
   const Majorants* majorants_; ///< null: nothing to skip
   std::optional<Shader> shader_;
+  Lighting lighting_;
+  const SceneSurfaces* surfaces_ = nullptr;
   std::optional<StepLevels> levels_;
   std::vector<Classifier> classifiers_; ///< by level
   std::optional<Preintegration> preintegration_;

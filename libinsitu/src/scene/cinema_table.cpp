@@ -120,6 +120,9 @@ CinemaTable::CinemaTable(const std::vector<Frame>& frames, const std::string& fo
     for (const Isosurface& surface : frame.isosurfaces)
       if (const auto* by = std::get_if<ColorBy>(&surface.color))
         add_once(ranges, range_label(by->field, by->component));
+    if (frame.boundary)
+      if (const auto* by = std::get_if<ColorBy>(&frame.boundary->color))
+        add_once(ranges, range_label(by->field, by->component));
   }
   if (cameras)
     columns_.emplace_back("camera");

@@ -5,6 +5,7 @@
 
 #include "core/status.h"
 #include "core/timer.h"
+#include "output/box_ticks.h"
 #include "output/overlay.h"
 #include "scene/frame_files.h"
 #include "scene/frame_plan.h"
@@ -74,6 +75,12 @@ private:
             render::Structures& structures) {
     const core::Timer timer;
     settings.camera = settings_.camera(camera.camera, mesh, step, drawn_);
+    output::BoxTicks ticks;
+    if (frame_.outline && frame_.outline->ticks) {
+      ticks = output::box_ticks(settings.camera, settings.width, settings.height,
+                                mesh.tree().bounds_min(), mesh.tree().bounds_max());
+      settings.outline->ticks = ticks.lines;
+    }
     if (!accumulations_.empty())
       accumulations_[number].use(mesh, settings);
     render::FrameStatistics done;
@@ -87,7 +94,7 @@ private:
           " bounces; a larger max_bounces loses less light");
     if (frame_.geocentric)
       draw_globe(*frame_.geocentric, own, settings, environment_.context, images);
-    draw_overlays(images.color, settings, step);
+    draw_overlays(images.color, settings, ticks, step);
     if (settings.cell)
       count_as_the_solver(mesh, settings, images);
     environment_.statistics.render_s += timer.seconds();
@@ -126,21 +133,40 @@ private:
   }
 
   void draw_overlays(core::Image& image, const render::FrameSettings& settings,
-                     const Step& step) const {
+                     const output::BoxTicks& ticks, const Step& step) const {
     output::Overlay overlay;
     overlay.background = settings.background;
-    if (frame_.scalar_bar && settings.volume)
-      output::draw_scalar_bar(image, settings.volume->function, frame_.volume->field.text, overlay);
-    else if (frame_.scalar_bar)
-      for (const render::IsosurfaceSettings& surface : settings.isosurfaces)
-        if (const auto* by = std::get_if<render::ColorByField>(&surface.color)) {
-          output::draw_scalar_bar(image, by->function, by->field.field.name, overlay);
-          break;
-        }
+    output::draw_box_labels(image, ticks, overlay);
+    if (frame_.scalar_bar)
+      draw_scalar_bar(image, settings, overlay);
     if (frame_.axes)
       output::draw_axes(image, render::CameraAxes(settings.camera), overlay);
     if (frame_.time_label)
       output::draw_time_label(image, step.time, step.cycle, overlay);
+  }
+
+  /// Of the volume, or else of the first surface that is coloured by a field.
+  void draw_scalar_bar(core::Image& image, const render::FrameSettings& settings,
+                       output::Overlay overlay) const {
+    if (settings.volume) {
+      overlay.names_nan = frame_.volume->colors.nan.has_value();
+      output::draw_scalar_bar(image, settings.volume->function, frame_.volume->field.text, overlay);
+      return;
+    }
+    const auto draw = [&](const auto& color, const auto& drawn) {
+      const auto* by = std::get_if<ColorBy>(&color);
+      const auto* function = std::get_if<render::ColorByField>(&drawn);
+      if (!by || !function)
+        return false;
+      overlay.names_nan = by->colors.nan.has_value();
+      output::draw_scalar_bar(image, function->function, by->field.text, overlay);
+      return true;
+    };
+    for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
+      if (draw(frame_.isosurfaces[i].color, settings.isosurfaces[i].color))
+        return;
+    if (frame_.boundary)
+      draw(frame_.boundary->color, settings.boundary->color);
   }
 
   Frame frame_;

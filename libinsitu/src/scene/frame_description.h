@@ -26,15 +26,21 @@ struct Component {
   bool magnitude() const { return index < 0; }
 };
 
-/// A built-in colour map by name, or a file in ParaView's JSON format.
+struct ValueRange {
+  double low = 0, high = 1; ///< low < high
+};
+
+enum class ColorScale { linear, log }; ///< as render::Scale
+
+/// A built-in colour map by name, or a file in ParaView's JSON format, and the values that its
+/// colours stretch over.
 struct ColorMap {
   std::string name = "viridis"; ///< built-in, or the file's name as written
   std::string path; ///< of a file, resolved against the scene file's folder; empty: built-in
+  std::optional<ValueRange> range;        ///< nothing: the field's range at each frame
+  std::optional<ColorScale> scale;        ///< nothing: the file's, or linear
+  std::optional<Color> below, above, nan; ///< nothing: the file's, or as render::ColorMap says
   int line = 0;
-};
-
-struct ValueRange {
-  double low = 0, high = 1; ///< low < high
 };
 
 /// The direction is that of a view from `azimuth` degrees around +z, from +x, and `elevation`
@@ -84,10 +90,10 @@ struct Volume {
   Name field;
   Component component;
   ColorMap colors;
-  std::optional<ValueRange> range; ///< nothing: the field's range at each frame
   std::vector<OpacityPoint>
-      opacity;         ///< by value; empty: from 0 at the range's low end to 1 at its high end
-  bool smooth = false; ///< a cell field is averaged to the vertices first
+      opacity;            ///< by value; empty: from 0 at the range's low end to 1 at its high end
+  double nan_opacity = 0; ///< of values that are not numbers
+  bool smooth = false;    ///< a cell field is averaged to the vertices first
   std::optional<double> unit_distance; ///< length over which a ray loses the stated opacity;
                                        ///< nothing: a hundredth of the mesh's diagonal
   bool preintegrated = false;      ///< all values between two samples count; not with a tolerance
@@ -101,7 +107,6 @@ struct ColorBy {
   Name field;
   Component component;
   ColorMap colors;
-  std::optional<ValueRange> range;
 };
 
 /// See render/isosurface.h.
@@ -137,6 +142,7 @@ struct Body {
 struct BoxOutline {
   Color color{0, 0, 0};
   double width = 1.5; ///< in pixels
+  bool ticks = false; ///< with numbers, along the outer edges
 };
 
 /// Light on surfaces; see render/light.h.
@@ -167,6 +173,7 @@ struct Occlusion {
 enum class FrameEffect {
   lighting,
   shadows,
+  volume_shadows,
   ambient_occlusion,
   single_scattering,
   multiple_scattering

@@ -49,6 +49,7 @@ public:
     triangles();
     effect(FrameEffect::lighting, "lighting");
     effect(FrameEffect::shadows, "shadows");
+    effect(FrameEffect::volume_shadows, "volume shadows");
     effect(FrameEffect::ambient_occlusion, "ambient occlusion");
     if (frame_.clips.empty())
       plan_.skip("clips", "none is asked for");
@@ -99,14 +100,14 @@ private:
       plan_.need("boundary faces", -1, "found once, kept while the geometry holds");
       if (const auto* by = std::get_if<ColorBy>(&frame_.boundary->color))
         range(scalar_name(by->field, by->component, find_field(mesh_, by->field, {}).components),
-              by->range);
+              by->colors.range);
     } else {
       plan_.skip("boundary faces", "no boundary is asked for");
     }
     for (const Body& body : frame_.bodies)
       plan_.need("triangles of " + quoted(body.path), -1, "a body");
     if (frame_.outline)
-      plan_.need("outline", -1, "twelve lines");
+      plan_.need("outline", -1, frame_.outline->ticks ? "twelve lines, and ticks" : "twelve lines");
   }
 
   void range(const std::string& what, const std::optional<ValueRange>& given) {
@@ -128,7 +129,7 @@ private:
       path_tracing(what, *frame_.path_tracing);
     else
       plan_.need("ray marching of " + what, -1, "the frame's volume");
-    range(what, v.range);
+    range(what, v.colors.range);
     if (v.smooth && field.association == INSITU_CELL)
       average(what, "a smooth volume of a cell field");
     else
@@ -189,7 +190,7 @@ private:
                                                        : "normals are central differences");
     if (const auto* by = std::get_if<ColorBy>(&s.color)) {
       const mesh::FieldView colors = find_field(mesh_, by->field, {});
-      range(scalar_name(by->field, by->component, colors.components), by->range);
+      range(scalar_name(by->field, by->component, colors.components), by->colors.range);
     }
   }
 

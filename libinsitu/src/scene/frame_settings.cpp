@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "core/status.h"
+#include "output/box_ticks.h"
 #include "render/camera_path.h"
+#include "render/clip.h"
 #include "scene/geocentric_view.h"
 
 namespace insitu::scene {
@@ -26,6 +28,10 @@ render::Clip to_render(const Clip& clip) {
   constexpr Kind kinds[] = {Kind::plane, Kind::box, Kind::sphere};
   return {kinds[int(clip.kind)], clip.point, clip.vector, clip.radius, clip.keep_inside};
 }
+
+/// An automatic logarithmic range of a field that reaches 0 begins at this part of its greatest
+/// value, as ParaView's does: the least value above 0 is often but what rounding left.
+constexpr double automatic_decades = 1e-4;
 
 /// How far apart the samples of a volume are, in typical cells.
 double step_of(Accuracy accuracy) {
@@ -72,7 +78,8 @@ render::FrameSettings FrameSettingsMaker::make(const query::CommittedMesh& mesh,
   const auto asks_for = [&](FrameEffect effect) {
     return std::find(frame_.effects.begin(), frame_.effects.end(), effect) != frame_.effects.end();
   };
-  settings.lighting.shadows = asks_for(FrameEffect::shadows);
+  settings.lighting.volume_shadows = asks_for(FrameEffect::volume_shadows);
+  settings.lighting.shadows = asks_for(FrameEffect::shadows) || settings.lighting.volume_shadows;
   if (asks_for(FrameEffect::ambient_occlusion)) {
     settings.lighting.occlusion_samples = frame_.occlusion.samples;
     settings.lighting.occlusion_distance = frame_.occlusion.distance.value_or(0.0);
@@ -94,7 +101,7 @@ render::FrameSettings FrameSettingsMaker::make(const query::CommittedMesh& mesh,
     settings.boundary = boundary(mesh, structures, *frame_.boundary);
   settings.bodies = bodies_;
   if (frame_.outline)
-    settings.outline = {to_linear(frame_.outline->color), frame_.outline->width};
+    settings.outline = {to_linear(frame_.outline->color), frame_.outline->width, {}};
   return settings;
 }
 
@@ -113,13 +120,32 @@ FrameSettingsMaker::ranges(const render::FrameSettings& settings) const {
     if (by && drawn)
       add(by->field, by->component, drawn->function);
   }
+  if (frame_.boundary && settings.boundary) {
+    const auto* by = std::get_if<ColorBy>(&frame_.boundary->color);
+    const auto* drawn = std::get_if<render::ColorByField>(&settings.boundary->color);
+    if (by && drawn)
+      add(by->field, by->component, drawn->function);
+  }
   return all;
 }
 
 render::ColorMap FrameSettingsMaker::color_map(const ColorMap& colors) const {
   try {
-    return colors.path.empty() ? render::ColorMap::built_in(colors.name)
-                               : render::load_color_map(colors.path);
+    render::ColorMap map = colors.path.empty() ? render::ColorMap::built_in(colors.name)
+                                               : render::load_color_map(colors.path);
+    if (colors.scale)
+      map.set_scale(*colors.scale == ColorScale::log ? render::Scale::log : render::Scale::linear);
+    if (colors.below)
+      map.set_below(to_linear(*colors.below));
+    if (colors.above)
+      map.set_above(to_linear(*colors.above));
+    if (colors.nan)
+      map.set_nan_color(to_linear(*colors.nan));
+    if (map.scale() == render::Scale::log && colors.range && !(colors.range->low > 0))
+      throw core::Error(INSITU_ERROR_SCENE, "colour map '" + map.name() +
+                                                "' is logarithmic (UseLogScale): a range above 0 "
+                                                "or 'scale: linear' expected");
+    return map;
   } catch (const core::Error& e) {
     throw core::Error(e.status(), at_line(colors.line) + e.what());
   }
@@ -154,13 +180,22 @@ FrameSettingsMaker::transfer(render::Structures& structures, const render::Scala
       low = found.low;
       high = found.high;
     }
+    if (colors.scale() == render::Scale::log && !(low > 0)) {
+      // Of a field that reaches 0, the highest decades; of one that is nowhere above it, all is
+      // below the range.
+      low = automatic_decades * high;
+      if (!(low > 0))
+        low = high = 1;
+    }
   }
   std::vector<render::OpacityPoint> points;
   for (const OpacityPoint& p : opacity)
     points.push_back({p.value, p.opacity});
   if (opacity.empty() && low < high) // those that came with the colours, if any did
     for (const render::MapOpacity& p : colors.opacity())
-      points.push_back({low + p.u * (high - low), p.opacity});
+      points.push_back({colors.scale() == render::Scale::log ? low * std::pow(high / low, p.u)
+                                                             : low + p.u * (high - low),
+                        p.opacity});
   return {colors, low, high, std::move(points)};
 }
 
@@ -168,8 +203,9 @@ render::VolumeSettings FrameSettingsMaker::volume(const query::CommittedMesh& me
                                                   render::Structures& structures,
                                                   const Volume& from) const {
   render::ScalarField field = scalar(mesh, from.field, from.component);
-  const render::TransferFunction function =
-      transfer(structures, field, *volume_colors_, from.range, from.opacity);
+  render::TransferFunction function =
+      transfer(structures, field, *volume_colors_, from.colors.range, from.opacity);
+  function.set_nan_opacity(from.nan_opacity);
   if (from.smooth && field.field.association == INSITU_CELL)
     field = structures.average(field).field();
   render::VolumeSettings to{field,
@@ -218,7 +254,7 @@ FrameSettingsMaker::isosurface(const query::CommittedMesh& mesh, render::Structu
   to.search = searches[int(from.search)];
   if (const auto* by = std::get_if<ColorBy>(&from.color)) {
     const render::ScalarField field = scalar(mesh, by->field, by->component);
-    to.color = render::ColorByField{field, transfer(structures, field, *colors, by->range, {})};
+    to.color = render::ColorByField{field, transfer(structures, field, *colors, by->colors.range)};
   } else {
     to.color = to_linear(std::get<Color>(from.color));
   }
@@ -232,8 +268,8 @@ render::BoundarySettings FrameSettingsMaker::boundary(const query::CommittedMesh
   to.opacity = from.opacity;
   if (const auto* by = std::get_if<ColorBy>(&from.color)) {
     const render::ScalarField field = scalar(mesh, by->field, by->component);
-    to.color =
-        render::ColorByField{field, transfer(structures, field, *boundary_colors_, by->range, {})};
+    to.color = render::ColorByField{
+        field, transfer(structures, field, *boundary_colors_, by->colors.range)};
   } else {
     to.color = to_linear(std::get<Color>(from.color));
   }
@@ -260,6 +296,17 @@ struct Bounds {
   math::Vec3d low, high;
   double aspect;
 };
+
+/// What fits the image: the mesh's box, with `fit: box` what clips leave of it, if anything. The
+/// outline is not cut.
+std::vector<math::Vec3d> corners_to_fit(const Frame& frame, CameraFit fit, const Bounds& bounds) {
+  std::vector<render::Clip> clips;
+  if (fit == CameraFit::box && !frame.outline)
+    for (const Clip& clip : frame.clips)
+      clips.push_back(to_render(clip));
+  std::vector<math::Vec3d> corners = render::clipped_corners(clips, bounds.low, bounds.high);
+  return corners.empty() ? render::clipped_corners({}, bounds.low, bounds.high) : corners;
+}
 
 double aspect_of(const Frame& frame) {
   return double(frame.size[0]) / frame.size[1];
@@ -328,13 +375,16 @@ render::Camera FrameSettingsMaker::camera(const Camera& from, const query::Commi
   if (from.orbit_azimuth_per_frame != 0.0)
     to = to.orbited(double(drawn) * from.orbit_azimuth_per_frame);
   const double zoom = is_placed ? 1.0 : view.zoom;
+  const double margin = frame_.outline && frame_.outline->ticks ? output::box_label_margin
+                                                                : render::Camera::default_margin;
   const render::Fit fit = from.fit == CameraFit::box ? render::Fit::box : render::Fit::sphere;
+  const std::vector<math::Vec3d> corners = corners_to_fit(frame_, from.fit, bounds);
   if (from.orthographic)
-    to.orthographic_height = from.orthographic_height.value_or(
-                                 to.height_for(bounds.low, bounds.high, fit, bounds.aspect)) /
-                             zoom;
+    to.orthographic_height =
+        from.orthographic_height.value_or(to.height_for(corners, fit, bounds.aspect, margin)) /
+        zoom;
   if (from.fit == CameraFit::box && !is_placed && !from.orthographic_height)
-    to = to.fitted(bounds.low, bounds.high, bounds.aspect, zoom);
+    to = to.fitted(corners, bounds.aspect, zoom, margin);
   return to;
 }
 

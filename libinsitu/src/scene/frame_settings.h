@@ -36,7 +36,7 @@ private:
                                     const render::ScalarField& field,
                                     const render::ColorMap& colors,
                                     const std::optional<ValueRange>& range,
-                                    const std::vector<OpacityPoint>& opacity) const;
+                                    const std::vector<OpacityPoint>& opacity = {}) const;
   render::VolumeSettings volume(const query::CommittedMesh& mesh, render::Structures& structures,
                                 const Volume& from) const;
   render::IsosurfaceSettings isosurface(const query::CommittedMesh& mesh,

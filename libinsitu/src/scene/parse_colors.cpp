@@ -95,17 +95,7 @@ Component parse_component(const Cursor& cursor) {
   return component;
 }
 
-ColorMap parse_color_map(const Cursor& cursor, const ParseContext& context) {
-  ColorMap map;
-  map.line = cursor.line();
-  if (const auto name = cursor.text()) {
-    map.name = *name;
-    const bool is_file = name->find('/') != std::string::npos ||
-                         (name->size() > 5 && name->compare(name->size() - 5, 5, ".json") == 0);
-    map.path = is_file ? resolve_path(*name, context.base_folder) : std::string();
-  }
-  return map;
-}
+namespace {
 
 std::optional<ValueRange> parse_range(const Cursor& cursor) {
   if (cursor.is_text() && cursor.node().text == "auto") {
@@ -124,6 +114,40 @@ std::optional<ValueRange> parse_range(const Cursor& cursor) {
     return std::nullopt;
   }
   return ValueRange{(*values)[0], (*values)[1]};
+}
+
+} // namespace
+
+ColorMap parse_color_map(const MapReader& map, const ParseContext& context) {
+  ColorMap to;
+  if (const auto colors = map.find("colors")) {
+    to.line = colors->line();
+    if (const auto name = colors->text()) {
+      to.name = *name;
+      const bool is_file = name->find('/') != std::string::npos ||
+                           (name->size() > 5 && name->compare(name->size() - 5, 5, ".json") == 0);
+      to.path = is_file ? resolve_path(*name, context.base_folder) : std::string();
+    }
+  }
+  if (const auto scale = map.find("scale")) {
+    to.scale =
+        scale->choice<ColorScale>({{"linear", ColorScale::linear}, {"log", ColorScale::log}});
+  }
+  if (const auto range = map.find("range")) {
+    to.range = parse_range(*range);
+    if (to.scale == ColorScale::log && to.range && !(to.range->low > 0)) {
+      range->fail("'scale: log' needs a range above 0");
+    }
+  }
+  const auto color = [&](const char* key, std::optional<Color>& into) {
+    if (const auto given = map.find(key)) {
+      into = parse_color(*given, {});
+    }
+  };
+  color("below", to.below);
+  color("above", to.above);
+  color("nan", to.nan);
+  return to;
 }
 
 } // namespace insitu::scene

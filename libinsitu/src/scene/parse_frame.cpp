@@ -165,6 +165,7 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
     frame.effects = parse_effects<FrameEffect>(
         *effects, {{"lighting", FrameEffect::lighting},
                    {"shadows", FrameEffect::shadows},
+                   {"volume_shadows", FrameEffect::volume_shadows},
                    {"ambient_occlusion", FrameEffect::ambient_occlusion,
                     [&](const Cursor& options) { frame.occlusion = parse_occlusion(options); }},
                    {"single_scattering", FrameEffect::single_scattering},

@@ -66,8 +66,8 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context);
 
 Color parse_color(const Cursor& cursor, const Color& fallback);
 Component parse_component(const Cursor& cursor);
-ColorMap parse_color_map(const Cursor& cursor, const ParseContext& context);
-std::optional<ValueRange> parse_range(const Cursor& cursor);
+/// `colors`, `range`, `scale`, `below`, `above` and `nan` of a map that may hold others too.
+ColorMap parse_color_map(const MapReader& map, const ParseContext& context);
 /// on_earth: of a geocentric frame.
 Camera parse_camera(const Cursor& cursor, bool on_earth);
 Camera default_camera(bool on_earth);

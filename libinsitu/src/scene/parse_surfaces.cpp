@@ -5,19 +5,15 @@ namespace {
 
 ColorBy parse_color_by(const Cursor& cursor, const ParseContext& context) {
   ColorBy by;
-  const MapReader map(cursor, {"field", "component", "colors", "range"});
+  const MapReader map(cursor,
+                      {"field", "component", "colors", "range", "scale", "below", "above", "nan"});
   if (const auto field = map.require("field")) {
     assign(by.field, parse_name(*field));
   }
   if (const auto component = map.find("component")) {
     by.component = parse_component(*component);
   }
-  if (const auto colors = map.find("colors")) {
-    by.colors = parse_color_map(*colors, context);
-  }
-  if (const auto range = map.find("range")) {
-    by.range = parse_range(*range);
-  }
+  by.colors = parse_color_map(map, context);
   return by;
 }
 
@@ -109,12 +105,15 @@ std::vector<Body> parse_bodies(const Cursor& cursor, const ParseContext& context
 
 BoxOutline parse_outline(const Cursor& cursor) {
   BoxOutline outline;
-  const MapReader map(cursor, {"color", "width"});
+  const MapReader map(cursor, {"color", "width", "ticks"});
   if (const auto color = map.find("color")) {
     outline.color = parse_color(*color, outline.color);
   }
   if (const auto width = map.find("width")) {
     assign(outline.width, width->number({0, 100, true}));
+  }
+  if (const auto ticks = map.find("ticks")) {
+    assign(outline.ticks, ticks->boolean());
   }
   return outline;
 }

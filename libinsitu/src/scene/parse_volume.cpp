@@ -30,22 +30,21 @@ std::vector<OpacityPoint> parse_opacity(const Cursor& cursor) {
 Volume parse_volume(const Cursor& cursor, const ParseContext& context) {
   Volume volume;
   volume.line = cursor.line();
-  const MapReader map(
-      cursor, {"field", "component", "colors", "range", "opacity", "unit_distance", "smooth", "preintegrated", "shading", "tolerance"});
+  const MapReader map(cursor, {"field", "component", "colors", "range", "scale", "below", "above",
+                               "nan", "opacity", "nan_opacity", "unit_distance", "smooth",
+                               "preintegrated", "shading", "tolerance"});
   if (const auto field = map.require("field")) {
     assign(volume.field, parse_name(*field));
   }
   if (const auto component = map.find("component")) {
     volume.component = parse_component(*component);
   }
-  if (const auto colors = map.find("colors")) {
-    volume.colors = parse_color_map(*colors, context);
-  }
-  if (const auto range = map.find("range")) {
-    volume.range = parse_range(*range);
-  }
+  volume.colors = parse_color_map(map, context);
   if (const auto opacity = map.find("opacity")) {
     volume.opacity = parse_opacity(*opacity);
+  }
+  if (const auto opacity = map.find("nan_opacity")) {
+    assign(volume.nan_opacity, opacity->number({0, 1}));
   }
   if (const auto smooth = map.find("smooth")) {
     assign(volume.smooth, smooth->boolean());

@@ -113,6 +113,19 @@ private:
                   [this](FrameSettings& s) {
                     s.isosurfaces.push_back({field(), {0.8}, 0.5});
                   }},
+                 {"isosurface, volume shadows",
+                  [this](FrameSettings& s) {
+                    s.isosurfaces.push_back({field(), {0.8}, 0.5});
+                    s.lighting.enabled = s.lighting.shadows = s.lighting.volume_shadows = true;
+                    s.lighting.lights = {{render::Light::Kind::directional, {1, 1, 2}, {1, 1, 1}}};
+                  },
+                  false},
+                 {"logarithmic colours",
+                  [](FrameSettings& s) {
+                    render::ColorMap colors = s.volume->function.colors();
+                    colors.set_scale(render::Scale::log);
+                    s.volume->function = {colors, 0.1, 1.2, s.volume->function.opacity_points()};
+                  }},
                  {"images of depth and cell", [](FrameSettings& s) { s.depth = s.cell = true; }}};
     return f;
   }

@@ -151,6 +151,115 @@ TEST(Frames, ATableThatAnotherRunWritesIsNoReasonToDrawNothing) {
   EXPECT_EQ(table_of(folder).rows.size(), 2u);
 }
 
+/// Ten columns of cells, from NaN over negative values to beyond the range, seen from above.
+TEST(Frames, LogarithmicColoursAndThoseBeyondTheRange) {
+  const test::Folder folder;
+  const std::string frame = "size: [10, 10], camera: {elevation: 90, azimuth: -90, orthographic: "
+                            "true, fit: box}, boundary: {color: {colors: grey, ";
+  Coupled run({.scene = "insitu: 1\nframes:\n"
+                        "  - {name: log, " +
+                        frame +
+                        "field: density, scale: log, range: [1.0e-3, 10], below: blue, above: red, "
+                        "nan: yellow}}}\n"
+                        "  - {name: linear, " +
+                        frame +
+                        "field: pressure, range: [-3, 1]}}}\n"
+                        "  - {name: auto, " +
+                        frame + "field: density, scale: log}}}\n",
+               .output = folder.path()});
+  const double values[10] = {NAN, -1, 0, 9.9e-4, 1e-3, 1e-2, 0.1, 1, 10, 10.1};
+  for (std::size_t c = 0; c < run.solver.density.size(); ++c) {
+    run.solver.density[c] = values[c % 10];
+    run.solver.pressure[c] = std::log10(values[c % 10]);
+  }
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  const auto log = insitu::output::read_png(folder / "log_000000.png"),
+             linear = insitu::output::read_png(folder / "linear_000000.png");
+  const int beyond[10][3] = {
+      {255, 255, 0}, {0, 0, 255}, {0, 0, 255}, {0, 0, 255}, {}, {}, {}, {}, {}, {255, 0, 0}};
+  for (int x = 0; x < 10; ++x)
+    for (int c = 0; c < 3; ++c) {
+      const bool within = x >= 4 && x <= 8;
+      EXPECT_NEAR(log.pixel(x, 5)[c], within ? linear.pixel(x, 5)[c] : beyond[x][c], 1) << x;
+    }
+  EXPECT_NEAR(log.pixel(6, 5)[0], 119, 2); // the middle of lightness
+  const runs::Table t = table_of(folder);
+  for (std::size_t row = 0; row < t.rows.size(); ++row)
+    if (t.text(row, "name") == "auto") { // the field reaches below 0
+      EXPECT_DOUBLE_EQ(t.number(row, "density_low"), 10.1e-4);
+      EXPECT_EQ(t.number(row, "density_high"), 10.1);
+    }
+  // Nowhere above 0: all is below, and the run goes on.
+  std::fill(run.solver.density.begin(), run.solver.density.end(), 0.0);
+  run.mesh.changed(insitu::fields);
+  EXPECT_TRUE(run.execute()) << insitu_last_message();
+  EXPECT_EQ(insitu::output::read_png(folder / "log_000000.png").pixel(5, 5)[2], 255);
+}
+
+TEST(Frames, TicksOfTheOutlineStandBesideTheMeshAndLeaveRoom) {
+  const test::Folder folder;
+  const std::string frame = "size: [200, 200], boundary: {color: blue}, camera: {fit: box, "
+                            "elevation: 90, azimuth: -90, orthographic: true}, outline: {";
+  Coupled run({.scene = "insitu: 1\nframes:\n  - {name: plain, " + frame +
+                        "}}\n  - {name: ticks, " + frame + "ticks: true}}\n",
+               .output = folder.path()});
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  const auto plain = insitu::output::read_png(folder / "plain_000000.png"),
+             ticks = insitu::output::read_png(folder / "ticks_000000.png");
+  // Of the mesh 98 % of the image, and 75 % with room for labels.
+  const auto blue = [](const insitu::output::PngImage& image) {
+    int count = 0;
+    for (int x = 0; x < image.width; ++x)
+      count += image.pixel(x, 100)[2] == 255 && image.pixel(x, 100)[0] == 0;
+    return count;
+  };
+  EXPECT_NEAR(blue(plain), 196, 4);
+  EXPECT_NEAR(blue(ticks), 150, 4);
+  const auto ink = [&](int x0, int y0, int x1, int y1) {
+    int count = 0;
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x)
+        count += ticks.pixel(x, y)[0] < 128;
+    return count;
+  };
+  EXPECT_GT(ink(25, 178, 175, 200), 30); // x below
+  EXPECT_GT(ink(0, 25, 23, 175), 30);    // y to the left
+  EXPECT_EQ(ink(178, 0, 200, 200), 0);
+  EXPECT_EQ(ink(0, 0, 200, 22), 0);
+}
+
+/// What is left of the cube by planes, a box, or both fills the image; a sphere fit stays.
+TEST(Frames, FitsWhatClipsLeave) {
+  const test::Folder folder;
+  const std::string frame = "size: [100, 100], boundary: {color: blue}, ",
+                    above = "camera: {elevation: 90, azimuth: -90, orthographic: true, fit: box}";
+  Coupled run(
+      {.scene = "insitu: 1\nframes:\n"
+                "  - {name: box, " +
+                frame + above +
+                ", clip: [{box: {min: [0.25, 0.25, -9], max: [0.5, 0.5, 9]}}]}\n"
+                "  - {name: plane, " +
+                frame + above +
+                ", clip: [{plane: {point: [0.5, 0, 0], normal: [1, 0, 0]}}, {plane: {point: "
+                "[0, 0.5, 0], normal: [0, 1, 0]}}]}\n"
+                "  - {name: ball, " +
+                frame + above +
+                ", clip: [{sphere: {center: [0, 0, 0], radius: 0.3}}]}\n"
+                "  - {name: perspective, " +
+                frame +
+                "camera: {azimuth: 40, fit: box}, clip: [{box: {min: [0.25, 0.25, 0.25], "
+                "max: [0.5, 0.5, 0.5]}}], volume: {field: pressure, opacity: [[0, 1]]}}\n"
+                "  - {name: nothing, " +
+                frame + above + ", clip: [{plane: {point: [-1, 0, 0], normal: [1, 0, 0]}}]}\n",
+       .output = folder.path()});
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  EXPECT_NEAR(drawn(folder / "box_000000.png"), 98 * 98, 200);
+  EXPECT_NEAR(drawn(folder / "plane_000000.png"), 98 * 98, 200);
+  EXPECT_NEAR(drawn(folder / "ball_000000.png"), 0.785 * 98 * 98, 300); // a quarter of a disc
+  EXPECT_GT(drawn(folder / "perspective_000000.png"), 5500);
+  EXPECT_EQ(drawn(folder / "nothing_000000.png"), 0);
+}
+
 TEST(Frames, TransparentBackgroundsKeepAlpha) {
   const test::Folder folder;
   Coupled run({.scene = R"(insitu: 1

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+#include "core/random.h"
 #include "core/status.h"
 #include "render/camera.h"
 
@@ -161,6 +162,34 @@ TEST(Camera, FitsABoxExactly) {
             EXPECT_NEAR(least[0] + most[0], 0, 1e-5);
             EXPECT_NEAR(least[1] + most[1], 0, 1e-5);
           }
+}
+
+/// Any points: all of them are within the margin, and both sides of a direction touch it.
+TEST(Camera, FitsPointsExactly) {
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    std::vector<Vec3d> points;
+    for (std::uint64_t p = 0; p < 4 + i % 5; ++p)
+      points.push_back({core::random_unit(4, i, 3 * p), 3 * core::random_unit(4, i, 3 * p + 1),
+                        0.3 * core::random_unit(4, i, 3 * p + 2)});
+    Camera c = Camera::around({0, 0, 0}, {1, 3, 0.3}, 37.0 * double(i), 20, 1, 40, 1.5);
+    c.orthographic_height = i % 2 ? 1 : 0;
+    c = c.fitted(points, 1.5, 1, 0.1);
+    const RayGenerator rays(c, 600, 400);
+    double least[2] = {HUGE_VAL, HUGE_VAL}, most[2] = {-HUGE_VAL, -HUGE_VAL};
+    for (const Vec3d& p : points) {
+      const auto at = rays.project(p);
+      ASSERT_TRUE(at);
+      for (std::size_t a = 0; a < 2; ++a) {
+        const double part = (*at)[a] / (a == 0 ? 600 : 400) * 2 - 1;
+        least[a] = std::min(least[a], part);
+        most[a] = std::max(most[a], part);
+      }
+    }
+    EXPECT_NEAR(std::max(most[0], most[1]), 0.9, 1e-9) << i;
+    EXPECT_NEAR(std::min(least[0], least[1]), -0.9, 1e-9) << i;
+    for (std::size_t a = 0; a < 2; ++a)
+      EXPECT_NEAR(most[a], -least[a], 1e-9) << i; // centred
+  }
 }
 
 TEST(Camera, FitsWhatHasNoExtent) {

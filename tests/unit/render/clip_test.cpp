@@ -173,6 +173,108 @@ TEST(Clip, AgreesWithSampling) {
   EXPECT_GT(empty, 400);
 }
 
+bool stays_here(const std::vector<Clip>& clips, const Vec3d& p) {
+  for (const Clip& c : clips) {
+    bool in = true;
+    if (c.kind == Clip::Kind::plane)
+      in = dot(p - c.point, c.vector) <= 0;
+    else if (c.kind == Clip::Kind::sphere)
+      in = dot(p - c.point, p - c.point) <= c.radius * c.radius;
+    else
+      for (int a = 0; a < 3; ++a)
+        in = in && p[a] >= c.point[a] && p[a] <= c.vector[a];
+    if (in != (c.keep_inside || c.kind == Clip::Kind::plane))
+      return false;
+  }
+  return true;
+}
+
+/// In every direction the corners reach as far as what is left does, no less, and, of planes and
+/// boxes, no more than what sampling can miss.
+TEST(Clip, CornersHoldWhatIsLeft) {
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    const auto r = [&](std::uint64_t k) { return core::random_unit(61, i, k); };
+    const Vec3d low{-1, 0, 2}, high{1, 3, 2.5};
+    const auto inside = [&](std::uint64_t k) {
+      return low + Vec3d{r(k) * 2, r(k + 1) * 3, r(k + 2) * 0.5};
+    };
+    std::vector<Clip> clips;
+    for (std::uint64_t c = 0; c < i % 4; ++c)
+      clips.push_back({Clip::Kind::plane,
+                       inside(10 * c),
+                       {r(10 * c + 3) - 0.5, r(10 * c + 4) - 0.5, r(10 * c + 5) - 0.5}});
+    if (i % 3 == 1)
+      clips.push_back({Clip::Kind::box, {-0.5, 0.4, 0}, {0.7, 2.4, 5}});
+    if (i % 5 == 1)
+      clips.push_back({Clip::Kind::box, {-0.1, 1, 2.1}, {0.1, 2, 2.2}, 0, false});
+    if (i % 5 == 2)
+      clips.push_back({Clip::Kind::sphere, {0, 1.5, 2.2}, {}, 0.8});
+    const std::vector<Vec3d> corners = render::clipped_corners(clips, low, high);
+    std::vector<Vec3d> left;
+    constexpr int n = 40;
+    for (int k = 0; k < n * n * n; ++k) {
+      const Vec3d p{low.x + 2 * (k % n + 0.5) / n, low.y + 3 * (k / n % n + 0.5) / n,
+                    low.z + 0.5 * (k / n / n + 0.5) / n};
+      if (stays_here(clips, p))
+        left.push_back(p);
+    }
+    if (left.empty())
+      continue;
+    ASSERT_FALSE(corners.empty()) << i;
+    for (std::uint64_t d = 0; d < 50; ++d) {
+      const Vec3d towards{core::random_unit(62, d, 0) - 0.5, core::random_unit(62, d, 1) - 0.5,
+                          core::random_unit(62, d, 2) - 0.5};
+      double reach = -HUGE_VAL, found = -HUGE_VAL;
+      for (const Vec3d& c : corners)
+        reach = std::max(reach, dot(c, towards));
+      for (const Vec3d& p : left)
+        found = std::max(found, dot(p, towards));
+      EXPECT_GE(reach, found - 1e-12) << i;
+    }
+    for (const Vec3d& c : corners) // none is cut away
+      for (const Clip& clip : clips)
+        EXPECT_TRUE(clip.kind != Clip::Kind::plane || dot(c - clip.point, clip.vector) <= 1e-12)
+            << i;
+  }
+}
+
+TEST(Clip, CornersOfWhatIsCutInClosedForm) {
+  const Vec3d low{0, 0, 0}, high{1, 1, 1};
+  const auto box_of = [](const std::vector<Vec3d>& points) {
+    std::pair<Vec3d, Vec3d> b{points.at(0), points.at(0)};
+    for (const Vec3d& p : points)
+      for (int a = 0; a < 3; ++a) {
+        b.first[a] = std::min(b.first[a], p[a]);
+        b.second[a] = std::max(b.second[a], p[a]);
+      }
+    return b;
+  };
+  // A corner of the cube: x + y + z <= 1/2.
+  const auto corner =
+      render::clipped_corners({{Clip::Kind::plane, {0.5, 0, 0}, {1, 1, 1}}}, low, high);
+  EXPECT_EQ(box_of(corner).second, (Vec3d{0.5, 0.5, 0.5}));
+  for (const Vec3d& p : corner)
+    EXPECT_LE(p.x + p.y + p.z, 0.5 + 1e-15);
+  // A second plane through the lid of the first: z = 1/4 leaves corners of both.
+  const auto two = render::clipped_corners(
+      {{Clip::Kind::plane, {0.5, 0, 0}, {1, 1, 1}}, {Clip::Kind::plane, {0, 0, 0.25}, {0, 0, -1}}},
+      low, high);
+  EXPECT_EQ(box_of(two).first, (Vec3d{0, 0, 0.25}));
+  EXPECT_EQ(box_of(two).second, (Vec3d{0.25, 0.25, 0.5}));
+  EXPECT_TRUE(
+      render::clipped_corners({{Clip::Kind::plane, {-1, 0, 0}, {1, 0, 0}}}, low, high).empty());
+  EXPECT_TRUE(
+      render::clipped_corners({{Clip::Kind::box, {2, 2, 2}, {3, 3, 3}}}, low, high).empty());
+  // Through its corners and edges, and a box without thickness.
+  EXPECT_EQ(box_of(render::clipped_corners({{Clip::Kind::plane, {0, 0, 0}, {1, -1, 0}}}, low, high))
+                .second,
+            high);
+  EXPECT_EQ(
+      box_of(render::clipped_corners({{Clip::Kind::plane, {0.5, 0, 0}, {1, 0, 0}}}, low, {1, 1, 0}))
+          .second,
+      (Vec3d{0.5, 1, 0}));
+}
+
 TEST(Clip, SurfacesThatAreCutAwayLetTheRayGoOn) {
   RenderMesh mesh(5, Shape::hexahedron, 0.2);
   const auto x = mesh.field("x", INSITU_VERTEX, [](const Vec3d& p) { return p.x; });

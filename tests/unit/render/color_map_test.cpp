@@ -46,6 +46,42 @@ TEST(ColorMap, ReadsParaViewsList) {
   expect_srgb(parse_color_map(text, "maps.json", "other").at(0.5), 0.5, 0.5, 0);
 }
 
+TEST(ColorMap, LogarithmicMapsAndColoursBeyondTheRange) {
+  const ColorMap map = parse_color_map(
+      R"([{"Name": "l", "UseLogScale": 1, "UseBelowRangeColor": 1, "BelowRangeColor": [0, 0, 1],
+          "UseAboveRangeColor": 0, "AboveRangeColor": [1, 0, 0], "NanOpacity": 1,
+          "RGBPoints": [0.01, 0, 0, 0, 1, 0.5, 0.5, 0.5, 100, 1, 1, 1],
+          "Points": [0.01, 0, 0.5, 0, 1, 0.5, 0.5, 0, 10, 1, 0.5, 0]}])",
+      "maps.json");
+  EXPECT_EQ(map.scale(), Scale::log);
+  expect_srgb(map.at(0.25), 0.25, 0.25, 0.25); // a value of 0.1
+  expect_srgb(map.at(0.5), 0.5, 0.5, 0.5);
+  ASSERT_TRUE(map.below());
+  expect_srgb(*map.below(), 0, 0, 1);
+  EXPECT_FALSE(map.above());
+  ASSERT_EQ(map.opacity().size(), 3u);
+  EXPECT_NEAR(map.opacity()[1].u, 0.5, 1e-12);
+  EXPECT_NEAR(map.opacity()[2].u, 0.75, 1e-12);
+  // As ParaView: points that have no logarithm lie evenly; beyond are black and white by default.
+  const ColorMap even = parse_color_map(
+      R"({"UseLogScale": true, "UseBelowRangeColor": 1, "UseAboveRangeColor": 1,
+          "RGBPoints": [0, 0, 0, 0, 0.5, 0.5, 0.5, 0.5, 1, 1, 1, 1]})",
+      "maps.json");
+  EXPECT_EQ(even.scale(), Scale::log);
+  expect_srgb(even.at(0.25), 0.25, 0.25, 0.25);
+  expect_srgb(*even.below(), 0, 0, 0);
+  expect_srgb(*even.above(), 1, 1, 1);
+  const ColorMap plain = parse_color_map(R"({"RGBPoints": [1, 0, 0, 0, 2, 1, 1, 1]})", "maps.json");
+  EXPECT_EQ(plain.scale(), Scale::linear);
+  EXPECT_FALSE(plain.below() || plain.above());
+  EXPECT_EQ(message_of(R"([{"UseLogScale": 1, "RGBPoints": [1, 0, 0, 0, 2, 1, 1, 1],
+                            "Points": [0, 0, 0.5, 0, 1, 1, 0.5, 0]}])"),
+            "colour map maps.json: Points[0] is 0.000000; above 0 expected with UseLogScale");
+  EXPECT_EQ(message_of(R"([{"UseBelowRangeColor": 1, "BelowRangeColor": [1],
+                            "RGBPoints": [1, 0, 0, 0, 2, 1, 1, 1]}])"),
+            "colour map maps.json: BelowRangeColor: a list of 3 numbers expected");
+}
+
 TEST(ColorMap, CategoriesAreStepsOfEqualWidth) {
   const ColorMap map = parse_color_map(
       R"([{"Name": "c", "Annotations": ["0", "a"], "IndexedColors": [1, 0, 0, 0, 1, 0, 0, 0, 1]}])",

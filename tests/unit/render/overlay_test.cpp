@@ -43,6 +43,75 @@ TEST(Overlay, LabelsTellTicksApart) {
   std::setlocale(LC_NUMERIC, kept.c_str());
 }
 
+TEST(Overlay, LogarithmicTicksAreAtPowersOfTen) {
+  const LogTicks few = log_tick_values(1e-3, 1, 9);
+  EXPECT_EQ(few.major, (Values{1e-3, 1e-2, 1e-1, 1}));
+  EXPECT_EQ(few.minor.size(), 24u); // 2 to 9 of each of three
+  EXPECT_EQ(few.minor[0], 2e-3);
+  const LogTicks many = log_tick_values(1e-8, 2e7, 5);
+  EXPECT_EQ(many.major, (Values{1e-8, 1e-4, 1, 1e4}));
+  EXPECT_EQ(many.minor.size(), 12u);
+  EXPECT_EQ(log_tick_values(3, 70, 9).major, (Values{5, 10, 20, 50}));
+  EXPECT_EQ(log_tick_values(1.2, 1.9, 5).major, tick_values(1.2, 1.9, 5));
+  EXPECT_EQ(log_tick_values(5e-324, 1.7e308, 5).major.size(), 5u);
+  for (const double low : {1e-300, 2.3e-7, 1.0, 4.4e12})
+    for (const double ratio : {1.1, 3.0, 25.0, 1e4, 3e15})
+      for (const int most : {2, 5, 9}) {
+        const LogTicks t = log_tick_values(low, ratio * low, most);
+        EXPECT_GE(t.major.size(), 1u) << low << " " << ratio;
+        EXPECT_LE(t.major.size(), std::size_t(most)) << low << " " << ratio;
+        EXPECT_TRUE(std::is_sorted(t.major.begin(), t.major.end()));
+      }
+  EXPECT_EQ(log_tick_labels({1e-3, 1e-2, 1}), (Labels{"1e-3", "1e-2", "1"}));
+  EXPECT_EQ(log_tick_labels({0.1, 1, 10}), (Labels{"0.1", "1", "10"}));
+  EXPECT_EQ(log_tick_labels({2e5, 1e6}), (Labels{"2e5", "1e6"}));
+}
+
+/// Pixels of a colour, by row.
+std::vector<int> rows_of(const core::Image& image, const render::Color& c) {
+  std::vector<int> rows(std::size_t(image.height), 0);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const float* p = image.pixel(x, y);
+      rows[std::size_t(y)] += p[0] == c.r && p[1] == c.g && p[2] == c.b && p[3] == 1;
+    }
+  return rows;
+}
+
+TEST(Overlay, BarShowsWhatIsBeyondTheRangeAndNaN) {
+  render::ColorMap map("ramp", render::ColorSpace::linear, {{0, 0, 0, 0}, {1, 1, 1, 1}});
+  map.set_scale(render::Scale::log);
+  const render::Color red{1, 0, 0}, blue{0, 0, 1}, green{0, 1, 0};
+  map.set_nan_color(green);
+  const auto drawn = [&](const render::ColorMap& colors, bool names_nan) {
+    core::Image image(300, 240);
+    Overlay overlay;
+    overlay.names_nan = names_nan;
+    draw_scalar_bar(image, {colors, 1e-3, 10}, "density", overlay);
+    return image;
+  };
+  const auto sum = [](const std::vector<int>& rows) {
+    int all = 0;
+    for (const int n : rows)
+      all += n;
+    return all;
+  };
+  const core::Image plain = drawn(map, false);
+  EXPECT_EQ(sum(rows_of(plain, red)) + sum(rows_of(plain, blue)) + sum(rows_of(plain, green)), 0);
+  map.set_below(blue);
+  map.set_above(red);
+  const core::Image full = drawn(map, true);
+  const std::vector<int> above = rows_of(full, red), below = rows_of(full, blue);
+  // The bar is from row 60 to row 180; triangles become narrower outwards.
+  EXPECT_GT(above[57], above[54]);
+  EXPECT_GT(above[54], 0);
+  EXPECT_EQ(above[60], 0);
+  EXPECT_GT(below[182], below[185]);
+  EXPECT_EQ(below[179], 0);
+  EXPECT_GT(sum(rows_of(full, green)), 30);
+  EXPECT_EQ(sum(rows_of(drawn(map, false), green)), 0);
+}
+
 TEST(Overlay, BarShowsTheMapFromBottomToTop) {
   core::Image image(300, 240);
   const render::TransferFunction ramp(

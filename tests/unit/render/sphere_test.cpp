@@ -1,6 +1,8 @@
 #include <cmath>
+#include <cstdlib>
 #include <gtest/gtest.h>
 
+#include "cells/folds.h"
 #include "core/random.h"
 #include "unit/render/render_mesh.h"
 
@@ -19,8 +21,14 @@ class Sphere : public testing::TestWithParam<Shape> {};
 
 TEST_P(Sphere, NoRayMissesAndDepthsAreRight) {
   const int n = 12;
-  const double jitter = 0.25;
+  // Of pyramids, whose bases lean by as much as their apexes are high, 0.25 folds a few.
+  const double jitter = GetParam() == Shape::pyramid ? 0.2 : 0.25;
   RenderMesh mesh(n, GetParam(), jitter);
+  for (std::int64_t c = 0; c < std::int64_t(mesh.cells.cells.size()); ++c) {
+    mesh::CellVertices cell;
+    mesh::gather(mesh.sampler().mesh(), c, cell);
+    ASSERT_FALSE(cells::jacobian_changes_sign(cell.shape, cell.x)) << c;
+  }
   const std::vector<render::IsosurfaceSettings> settings{
       {mesh.field("r2", INSITU_VERTEX, field_at), {radius * radius}, 0.5}};
   render::Structures structures(mesh.committed.memory);
@@ -42,7 +50,8 @@ TEST_P(Sphere, NoRayMissesAndDepthsAreRight) {
   std::vector<render::SurfaceHit> hits;
   render::SurfaceCounts counts;
   std::int64_t surely = 0;
-  constexpr int ray_count = 60000;
+  const char* asked = std::getenv("INSITU_SPHERE_RAYS"); // of the soak, for each shape
+  const int ray_count = asked ? std::atoi(asked) : 60000;
   for (int i = 0; i < ray_count; ++i) {
     const auto r = [&](int c) { return core::random_unit(77, std::uint64_t(i), std::uint64_t(c)); };
     const auto on_sphere = [](double u, double v) {

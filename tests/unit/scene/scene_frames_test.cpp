@@ -55,7 +55,7 @@ TEST(SceneFrames, Defaults) {
   EXPECT_TRUE(f.volume->component.magnitude());
   EXPECT_EQ(f.volume->colors.name, "viridis");
   EXPECT_EQ(f.volume->colors.path, "");
-  EXPECT_FALSE(f.volume->range || f.volume->unit_distance);
+  EXPECT_FALSE(f.volume->colors.range || f.volume->unit_distance);
   EXPECT_TRUE(f.volume->opacity.empty());
 }
 
@@ -131,20 +131,43 @@ TEST(SceneFrames, Volumes) {
   EXPECT_EQ(v.colors.name, "maps/blue.json");
   EXPECT_EQ(v.colors.path, "/base/maps/blue.json");
   EXPECT_EQ(v.colors.line, 2);
-  EXPECT_EQ(v.range->low, -1);
-  EXPECT_EQ(v.range->high, 6.5);
+  EXPECT_EQ(v.colors.range->low, -1);
+  EXPECT_EQ(v.colors.range->high, 6.5);
   ASSERT_EQ(v.opacity.size(), 3u);
   EXPECT_EQ(v.opacity[1].value, 1);
   EXPECT_EQ(v.opacity[1].opacity, 0.5);
   EXPECT_EQ(v.unit_distance, 0.25);
   EXPECT_TRUE(v.smooth);
   EXPECT_TRUE(volume("component: magnitude").component.magnitude());
-  EXPECT_FALSE(volume("range: auto").range);
+  EXPECT_FALSE(volume("range: auto").colors.range);
   EXPECT_EQ(volume("colors: plasma").colors.path, "");
   EXPECT_FALSE(v.preintegrated || v.shading || v.tolerance);
   const Volume more = volume("preintegrated: true, shading: true");
   EXPECT_TRUE(more.preintegrated && more.shading);
   EXPECT_EQ(volume("tolerance: 0.01").tolerance, 0.01);
+}
+
+TEST(SceneFrames, ScalesAndColoursBeyondTheRange) {
+  const Volume v = volume("scale: log, range: [0.1, 2], below: blue, above: [1, 0.5, 0], nan: "
+                          "'#ff0000', nan_opacity: 0.3");
+  EXPECT_EQ(v.colors.scale, ColorScale::log);
+  EXPECT_EQ(v.colors.below, (Color{0, 0, 1}));
+  EXPECT_EQ(v.colors.above, (Color{1, 0.5, 0}));
+  EXPECT_EQ(v.colors.nan, (Color{1, 0, 0}));
+  EXPECT_EQ(v.nan_opacity, 0.3);
+  const Volume plain = volume("scale: linear");
+  EXPECT_EQ(plain.colors.scale, ColorScale::linear);
+  EXPECT_FALSE(plain.colors.below || plain.colors.above || plain.colors.nan);
+  EXPECT_EQ(plain.nan_opacity, 0);
+  EXPECT_FALSE(volume("smooth: true").colors.scale);
+  const auto by = std::get<ColorBy>(
+      isosurface("color: {field: t, scale: log, below: red, above: white, nan: black}").color);
+  EXPECT_EQ(by.colors.scale, ColorScale::log);
+  EXPECT_EQ(by.colors.above, (Color{1, 1, 1}));
+  EXPECT_NE(volume_error("scale: log, range: [0, 1]").find("'scale: log' needs a range above 0"),
+            std::string::npos);
+  EXPECT_NE(volume_error("scale: logarithmic").find("linear"), std::string::npos);
+  EXPECT_NE(volume_error("nan_opacity: 2").find("nan_opacity"), std::string::npos);
 }
 
 TEST(SceneFrames, VolumeErrors) {
@@ -154,8 +177,8 @@ TEST(SceneFrames, VolumeErrors) {
   EXPECT_EQ(volume_error("opactiy: [[0, 0]]"),
             "s.yaml:2: key 'opactiy' is unknown in frames[0].volume; did you mean 'opacity'? "
             "(keys: field, "
-            "component, colors, range, opacity, unit_distance, smooth, preintegrated, shading, "
-            "tolerance)");
+            "component, colors, range, scale, below, above, nan, opacity, nan_opacity, "
+            "unit_distance, smooth, preintegrated, shading, tolerance)");
   EXPECT_EQ(error_of("frames: [{name: f, volume: {}}]"),
             "s.yaml:2: key 'field' is missing in frames[0].volume");
   EXPECT_EQ(volume_error("component: first"),
@@ -197,7 +220,7 @@ TEST(SceneFrames, Isosurfaces) {
   EXPECT_EQ(by.field.text, "t");
   EXPECT_EQ(by.component.index, 0);
   EXPECT_EQ(by.colors.name, "plasma");
-  EXPECT_EQ(by.range->high, 1);
+  EXPECT_EQ(by.colors.range->high, 1);
 }
 
 TEST(SceneFrames, IsosurfaceErrors) {
@@ -273,7 +296,8 @@ TEST(SceneFrames, Effects) {
   EXPECT_EQ(frame_error("effects: [lightning]"),
             "s.yaml:2: frames[0].effects[0]: effect 'lightning' is unknown; did you mean "
             "'lighting'? (effects: "
-            "lighting, shadows, ambient_occlusion, single_scattering, multiple_scattering)");
+            "lighting, shadows, volume_shadows, ambient_occlusion, single_scattering, "
+            "multiple_scattering)");
   EXPECT_NE(frame_error("effects: [lighting, lighting]")
                 .find("effects[1]: effect 'lighting' is given twice"),
             std::string::npos);

@@ -101,14 +101,17 @@ TEST(SceneTriangles, BoundaryBodiesAndOutline) {
   EXPECT_EQ(f.bodies[0].line, 2);
   EXPECT_EQ(f.outline->color, (Color{0, 0, 0}));
   EXPECT_EQ(f.outline->width, 1.5);
-  const Frame g = frame("boundary: {opacity: 0.25, color: {field: p}}, bodies: [{file: /c.stl, "
-                        "opacity: 0.5, color: red}], outline: {color: white, width: 3}");
+  EXPECT_FALSE(f.outline->ticks);
+  const Frame g =
+      frame("boundary: {opacity: 0.25, color: {field: p}}, bodies: [{file: /c.stl, "
+            "opacity: 0.5, color: red}], outline: {color: white, width: 3, ticks: true}");
   EXPECT_EQ(g.boundary->opacity, 0.25);
   EXPECT_EQ(std::get<ColorBy>(g.boundary->color).field.text, "p");
   EXPECT_EQ(g.bodies[0].path, "/c.stl");
   EXPECT_EQ(g.bodies[0].opacity, 0.5);
   EXPECT_EQ(g.bodies[0].color, (Color{1, 0, 0}));
   EXPECT_EQ(g.outline->width, 3);
+  EXPECT_TRUE(g.outline->ticks);
   EXPECT_TRUE(tells(frame_error("bodies: [{}]"), "'file'"));
   EXPECT_TRUE(tells(frame_error("outline: {width: 0}"), "a number above 0"));
   EXPECT_TRUE(tells(frame_error("boundary: {opacity: 2}"), "a number from 0 to 1"));
