@@ -90,7 +90,7 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
   const bool adaptive = is_adaptive(settings_.method);
   Vec3d b;
   bool known = false; // b, at x
-  bool closing = false;
+  bool closing = false, begun = false;
   for (;;) {
     if (!known) {
       Vec3d u;
@@ -110,10 +110,13 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
         carried.velocity =
             effects_->inertia->begins ? space_.from_east_north(x, *effects_->inertia->begins) : u;
       known = true;
-      if (taker_) {
+      if (recorder_) {
         p.x = velocity_.place(x);
-        taker_->set(p);
+        begun ? recorder_->straight(p) : (*recorder_)(p);
+        if (is_over())
+          return INSITU_END_REMOVED;
       }
+      begun = true;
     }
     if (!(p.time < to))
       return INSITU_END_ALIVE;
@@ -209,15 +212,13 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
       continue;
     }
     velocity_.accepted();
-    if (taker_) {
-      Trial end;
-      end.x = trial.x;
-      end.v = walls_.scale(trial.x).coordinates(trial.v);
-      const DenseStep path(x, p.time, h, per_metre.coordinates(v), end, false);
+    if (recorder_) {
       State then = p;
       then.x = velocity_.place(trial.x);
       then.time = h == remaining ? to : p.time + h;
-      (*taker_)(then, path);
+      recorder_->flew(then, Flight(space_, inertia, x, v, p.time, h, b, trial));
+      if (is_over())
+        return INSITU_END_REMOVED;
     }
     ++work.steps;
     work.forced += forced;
@@ -298,9 +299,11 @@ insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, doubl
     p.time = h < remaining ? p.time + h : to;
     last_bounce_ = p.length;
     landed(x, at);
-    if (taker_) {
+    if (recorder_) {
       p.x = velocity_.place(x);
-      take_contact(p);
+      recorder_->straight(p);
+      if (is_over())
+        return INSITU_END_REMOVED;
     }
     ++work.steps;
     --steps_left_;

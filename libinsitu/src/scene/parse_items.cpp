@@ -115,6 +115,34 @@ void parse_common(const MapReader& map, ParseContext& context, const char* point
   item.trigger = parse_trigger(map, context.trigger);
 }
 
+/// As advect::check_line_effects(), in the scene's words.
+void check_line_effects(const Cursor& effects, const Tracer& tracer) {
+  const TracerEffects& e = tracer.effects;
+  if (e.diffusion) {
+    effects.fail(
+        "a random walk has no velocity whose streamlines there could be: 'diffusion' is for "
+        "path- and streaklines");
+  }
+  if (e.inertia && tracer.direction != TracerDirection::forward) {
+    effects.fail("backwards, drag makes every error grow without bound: 'inertia' on streamlines "
+                 "needs 'direction: forward'");
+  }
+  if (e.inertia && !tracer.until.duration && !e.age_limit) {
+    effects.fail(
+        "particles with 'inertia' fly on from where the flow rests: on streamlines it needs "
+        "'until: {duration}' or 'age_limit'");
+  }
+  if (e.boundary && e.boundary->other == WallResponse::put_back) {
+    effects.fail(
+        "'put_back' would begin a streamline again and again; its walls 'stop' it or let it "
+        "'slide'");
+  }
+  if (e.boundary && e.boundary->other == WallResponse::reflect && !e.inertia) {
+    effects.fail("without 'inertia', 'reflect' would throw a streamline to and fro before a wall; "
+                 "its walls 'stop' it or let it 'slide'");
+  }
+}
+
 } // namespace
 
 Probe parse_probe(const Cursor& cursor, ParseContext& context) {
@@ -222,9 +250,8 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   }
   if (const auto effects = map.find("effects")) {
     tracer.effects = parse_tracer_effects(*effects);
-    if (tracer.kind == TracerKind::streamline && effects->is_list() &&
-        !effects->node().items.empty()) {
-      effects->fail("effects act on path- and streaklines, not on streamlines");
+    if (tracer.kind == TracerKind::streamline) {
+      check_line_effects(*effects, tracer);
     }
   }
   if (attached) {

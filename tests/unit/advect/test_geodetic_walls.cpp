@@ -91,7 +91,8 @@ TEST(GeodeticWalls, ReflectAsAPlaneMirrorsInMetres) {
   const query::Sampler images = sea.sampler().among_images();
   advect::EffectWork work;
   const Space space(sea.sampler().chart());
-  Walls walls(images, INSITU_STANDARD, space, {}, work);
+  const advect::Sides none;
+  Walls walls(images, INSITU_STANDARD, space, none, work);
   const Vec3d per_degree = metres_per_degree(60, -100);
   const Vec3d tangent{a * per_degree.x, per_degree.y, 0};
   const Vec3d n = Vec3d{tangent.y, -tangent.x, 0} / std::hypot(tangent.x, tangent.y);
