@@ -200,10 +200,6 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   };
   if (sampler.chart()) {
     check_chart_effects(effects_);
-    if (setup && snapshots)
-      throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        "tracer: positions at times between steps are not for effects that "
-                        "displace particles on meshes in longitude and latitude");
     if (setup)
       carry(on_chart, moving);
     else

@@ -205,14 +205,6 @@ TestMesh half_cap() {
                             .levels = {-4000, -100, 0}});
 }
 
-/// Metres per second towards a direction in space.
-Ocean::Vector towards(const Vec3d& v) {
-  return [v](const Vec3d& at) {
-    const geo::ChartPlace place = geo::place_of({}, geo::Pole::none, at);
-    return Vec3d{dot(v, place.east), dot(v, place.north), 0.0};
-  };
-}
-
 TEST(GeodeticWalls, CoastsOverThePole) {
   // Pressed onto the coast and taken along it, from one side of the pole to the other.
   Ocean sea(half_cap(), towards({-10, -2, 0}));
@@ -298,23 +290,6 @@ TEST(GeodeticWalls, PutBackGoesOnFromTheLastPositionInside) {
   for (std::size_t i = 0; i < 2; ++i)
     EXPECT_EQ(t.particles().endings[i], INSITU_END_ALIVE);
   EXPECT_NEAR(t.positions()[1].x, 11 + 10 * cycle / metres_per_degree(57.3).x, 1e-6);
-}
-
-TEST(GeodeticWalls, TimesBetweenStepsAreRefused) {
-  Ocean sea(fixtures::lattice({}), towards({0.1, 0.05, 0}));
-  advect::Tracer t(sea.settings, sea.memory);
-  t.set_effects(boundary(AtBoundary::slide));
-  const std::vector<Vec3d> seeds{{20, 20, -50}};
-  t.seed(seeds, 0.0);
-  advect::Snapshots at({5.0}, sea.memory);
-  const mesh::FieldView v = sea.flow();
-  try {
-    t.advance(sea.sampler(), v, &v, 0, 10, sea.threads, &at);
-    FAIL();
-  } catch (const core::Error& e) {
-    EXPECT_EQ(e.status(), INSITU_ERROR_UNSUPPORTED);
-    EXPECT_NE(std::string(e.what()).find("times between steps"), std::string::npos) << e.what();
-  }
 }
 
 TEST(GeodeticWalls, SurfacesThatSinkTakeParticlesAlong) {
