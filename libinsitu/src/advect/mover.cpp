@@ -32,7 +32,7 @@ EffectSetup::EffectSetup(const Effects& given, const query::Sampler& sampler,
                          const core::Threads& threads)
     : effects(given) {
   if (effects.boundary)
-    sides = sides_of(sampler.mesh(), *effects.boundary, threads);
+    sides = sides_of(sampler, *effects.boundary, threads);
   if (effects.diffusion)
     largest = largest_coefficients(*effects.diffusion, sampler.mesh(), threads);
 }
@@ -279,6 +279,10 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
     const double cells = cells_along(at, v, n, now);
     if (settings_.ends_at_rest && !(cells > 0.0))
       return INSITU_END_STAGNATED;
+    const auto same_axes = [&](const Vec3d& x) { // also behind a periodic side
+      return space_.same_axes(at.x, x) ||
+             (setup_->sides.any() && space_.same_axes(at.x, at.x + setup_->sides.between(at.x, x)));
+    };
     const double remaining = direction_ * (to - p.time);
     double h = std::min(cells > 0.0 ? contact_cells / cells : remaining, remaining);
     if (settings_.max_step > 0.0)
@@ -300,13 +304,14 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
       if (walls_.move(ahead, h * rate - shift, quiet, then, length) == Moved::inside) {
         velocity_.begin(ahead.cell);
         ++work.evaluations;
-        if (velocity_at(ahead.x, until, v1) == Sampled::inside && space_.same_axes(at.x, ahead.x))
+        if (velocity_at(ahead.x, until, v1) == Sampled::inside && same_axes(ahead.x))
           mean = 0.5 * (rate + walls_.scale(ahead.x).coordinates(v1));
       }
     }
     const Vec3d from = at.x;
     const Moved moved = walls_.move(end, h * mean - shift, boundary_, then, p.length);
     n = walls_.wall();
+    const bool turned = !same_axes(end.x);
     at = end;
     p.time = until;
     placed(p, at);
@@ -319,13 +324,12 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
     if (is_over())
       return INSITU_END_REMOVED;
     if (settings_.ends_at_rest && h * cells > 0.5 * contact_cells &&
-        cells_crossed(
-            setup_->sides.shortest(space_.across(at.x, space_.pole_of(at.x), from, at.x) - from),
-            walls_.extent(at.cell, then)) <= rest_cells)
+        cells_crossed(Way(space_, setup_->sides, from, at.x).displacement(),
+                      walls_.extent(at.cell, then)) <= rest_cells)
       return INSITU_END_STAGNATED;
     // On a flat wall it saves a step to find the wall again, to ask what is behind it.
     const Vec3d behind = by_axis(n, walls_.skin(at, then));
-    if (boundary_.response != AtBoundary::slide || n == Vec3d{} || !space_.same_axes(from, at.x) ||
+    if (boundary_.response != AtBoundary::slide || n == Vec3d{} || turned ||
         walls_.is_inside(at.x + 8.0 * behind, at.cell, then) || !(math::dot(v, n) > 0.0))
       break;
   } while (p.time != to && steps_left_ > 0 && p.length < max_length_);

@@ -75,13 +75,14 @@ bool Walls::pass_side(Spot& at, const Vec3d& d, double alpha) const {
   const Vec3d near = 1e3 * skin(at, alpha);
   for (int a = 0; a < 3; ++a) {
     const bool up = d[a] > 0.0;
-    if (!sides_->is_periodic(a) || d[a] == 0.0 || std::abs(at.x[a] - sides_->at(a, up)) > near[a])
+    if (!sides_->is_periodic(a) || d[a] == 0.0 || std::abs(sides_->beyond(at.x, a, up)) > near[a])
       continue;
     // On the other side itself, or just inside it where rounding has that face elsewhere.
     for (const double in : {0.0, 1.0, 1e3}) {
       Vec3d x = at.x;
       const double inward = in * near[a] * 1e-3;
       x[a] = sides_->at(a, !up) + (up ? inward : -inward);
+      x = space_.image(x, geo::Pole::none);
       if (const query::Location found = locate(x, -1, alpha)) {
         at = {x, found.cell};
         return true;

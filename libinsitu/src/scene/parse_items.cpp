@@ -115,6 +115,11 @@ void parse_common(const MapReader& map, ParseContext& context, const char* point
   item.trigger = parse_trigger(map, context.trigger);
 }
 
+bool has_periodic_sides(const TracerEffects& effects) {
+  const auto& wall = effects.boundary;
+  return wall && (wall->periodic[0] || wall->periodic[1] || wall->periodic[2]);
+}
+
 /// As advect::check_line_effects(), in the scene's words.
 void check_line_effects(const Cursor& effects, const Tracer& tracer) {
   const TracerEffects& e = tracer.effects;
@@ -252,6 +257,13 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     tracer.effects = parse_tracer_effects(*effects);
     if (tracer.kind == TracerKind::streamline) {
       check_line_effects(*effects, tracer);
+    }
+    if (has_periodic_sides(tracer.effects) &&
+        std::find(tracer.geodesics.begin(), tracer.geodesics.end(), TrackGeodesic::path_length) !=
+            tracer.geodesics.end()) {
+      map.find("geodesics")
+          ->fail("'path_length' adds up the ways from cycle to cycle, in which a "
+                 "passage through 'periodic' sides would count as one");
     }
   }
   if (attached) {

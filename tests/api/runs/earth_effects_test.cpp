@@ -91,4 +91,34 @@ TEST(EarthEffects, AtTimesBetweenCyclesAndOverAStop) {
   }
 }
 
+TEST(EarthEffects, ThroughPeriodicSidesAndOverAStop) {
+  const std::string tracer = ", velocity: velocity, fields: [latitude, height], output: [csv, vtp, "
+                             "netcdf], geodesics: [release_distance], " +
+                             seeds + ", effects: [{boundary: {periodic: [x], other: slide}}";
+  const runs::Files files =
+      in_one_and_in_two("tracers:\n"
+                        "  - {name: floats" +
+                        tracer + "]}\n  - {name: walks" + tracer +
+                        ", {diffusion: {horizontal: 20000, vertical: 0.1}}]}\n"
+                        "  - {name: lines, kind: streamline, velocity: velocity, until: {length: "
+                        "2e7}, spacing: {length: 1e5}, " +
+                        seeds + ", effects: [{boundary: {periodic: [x], other: slide}}]}\n");
+  for (const char* name : {"floats", "walks"}) {
+    const runs::Table t = runs::parse_table(files.at(std::string(name) + ".csv"));
+    EXPECT_EQ(t.rows.size(), 4u * 22) << name;
+    int through = 0;
+    for (std::size_t i = 0; i < t.rows.size(); ++i) {
+      if (t.text(i, "ending") == "killed")
+        continue; // as the session closed, without fields
+      EXPECT_EQ(t.text(i, "ending"), "alive") << name;
+      EXPECT_NEAR(t.number(i, "latitude"), t.number(i, "y"), 1e-9) << name << i;
+      EXPECT_NEAR(t.number(i, "height"), t.number(i, "z"), 1e-6) << name << i;
+      EXPECT_GE(t.number(i, "x"), 150) << name;
+      EXPECT_LE(t.number(i, "x"), 210) << name;
+      through += i >= 4 && t.number(i, "x") < t.number(i - 4, "x") - 30;
+    }
+    EXPECT_GE(through, 1) << name;
+  }
+}
+
 } // namespace

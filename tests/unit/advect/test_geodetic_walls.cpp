@@ -362,19 +362,5 @@ TEST(GeodeticWalls, ParticlesAtTheSurfaceGoOverThePole) {
   }
 }
 
-TEST(GeodeticWalls, PeriodicSidesAreRefused) {
-  Ocean sea(basin(), constant({1.0, 0, 0}));
-  Effects effects = boundary(AtBoundary::slide);
-  effects.boundary->periodic[0] = true;
-  const std::vector<Vec3d> seeds{{15, 60, -50}};
-  try {
-    sea.run(effects, seeds, 1.0);
-    FAIL();
-  } catch (const core::Error& error) {
-    EXPECT_EQ(error.status(), INSITU_ERROR_UNSUPPORTED);
-    EXPECT_NE(std::string(error.what()).find("periodic sides"), std::string::npos);
-  }
-}
-
 } // namespace
 } // namespace insitu::test

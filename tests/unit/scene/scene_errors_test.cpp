@@ -338,6 +338,9 @@ TEST(SceneErrors, TracerEffects) {
   EXPECT_HAS(on_lines("{inertia: {response_time: 1}}]"), "needs 'until: {duration}' or");
   EXPECT_HAS(on_lines("{inertia: {response_time: 1}}, {age_limit: 1}], direction: both"),
              "'inertia' on streamlines needs 'direction: forward'");
+  EXPECT_HAS(tracer_error("geodesics: [release_distance, path_length], effects: [{boundary: "
+                          "{periodic: [x]}}]"),
+             "tracers[0].geodesics: 'path_length' adds up the ways from cycle to cycle");
   EXPECT_HAS(tracer_error("effects: [difusion]"),
              "effect 'difusion' is unknown; did you mean 'diffusion'?");
 }
