@@ -197,8 +197,6 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     if (tracer.kind == TracerKind::streamline) {
       geodesics->fail("streamlines are of one time; this key belongs to path- and streaklines");
     }
-    if (map.find("times"))
-      geodesics->fail("'geodesics' are of cycles, and not known at the 'times' between them");
     tracer.geodesics =
         parse_words<TrackGeodesic>(*geodesics,
                                    {{"path_length", TrackGeodesic::path_length},

@@ -241,7 +241,6 @@ TEST(SceneErrors, Tracers) {
   EXPECT_HAS(tracer_error("release: {when: max(p}"), "tracers[0].release.when: ");
   EXPECT_HAS(tracer_error("geodesics: [length]"), "'length' is not one of path_length");
   EXPECT_HAS(tracer_error("geodesics: [path_length, path_length]"), "given twice");
-  EXPECT_HAS(tracer_error("times: [1], geodesics: [path_length]"), "'times' between them");
   EXPECT_HAS(tracer_error("kind: streamline, geodesics: [path_length]"),
              "tracers[0].geodesics: streamlines are of one time");
   EXPECT_HAS(tracer_error("kind: streamline, release: once"), "belongs to path- and streaklines");
