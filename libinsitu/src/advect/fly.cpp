@@ -276,7 +276,13 @@ insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, doubl
     ++work.evaluations;
     if (const Sampled s = force(at.x, p.time, b); s != Sampled::inside)
       return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
-    const Vec3d acceleration = b - carried.velocity / response_time;
+    // What turns the velocity out of the wall presses; along the wall it turns about the normal.
+    Inertia law = law_at(at.x);
+    const Vec3d turn = -2.0 * math::cross(law.rotation, carried.velocity);
+    const Vec3d acceleration = b - carried.velocity / response_time + turn;
+    const Vec3d pressed = math::dot(turn, n) * n;
+    if (n != Vec3d{})
+      law.rotation = math::dot(law.rotation, n) * n;
     const Scale per_metre = walls_.scale(at.x);
     const double press = math::dot(acceleration, n), back = math::dot(carried.velocity, n);
     if (!stuck && !(press > 0.0 && back * back / (2.0 * press) <= little))
@@ -286,9 +292,10 @@ insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, doubl
     const double cells = std::max(cells_crossed(per_metre.coordinates(carried.velocity), extent),
                                   cells_crossed(per_metre.coordinates(soon), extent));
     const double h = cells > 0.0 ? std::min(contact_cells / cells, remaining) : remaining;
-    const LinearPart linear(law_at(at.x), h);
+    const LinearPart linear(law, h);
     const double then = flow().geometry_alpha(p.time + h);
-    const Vec3d moves = h * linear.phi(1, carried.velocity) + (h * h) * linear.phi(2, b);
+    const Vec3d moves =
+        h * linear.phi(1, carried.velocity) + (h * h) * (linear.phi(2, b) + 0.5 * pressed);
     carried.velocity = linear.phi(0, carried.velocity) + h * linear.phi(1, b);
     Spot end = at;
     end.x = walls_.carry(at, now, then);

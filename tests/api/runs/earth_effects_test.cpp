@@ -62,20 +62,20 @@ TEST(EarthEffects, AtTimesBetweenCyclesAndOverAStop) {
   const std::string times = ", velocity: velocity, fields: [latitude, height], output: [csv, vtp], "
                             "times: {interval: 13000}, " +
                             seeds + ", effects: [";
-  const runs::Files files = in_one_and_in_two(
-      "tracers:\n"
-      "  - {name: slides" +
-      times +
-      "{boundary: slide}, {settling: {speed: 0.001}}]}\n"
-      "  - {name: walks" +
-      times +
-      "{boundary: reflect}, {diffusion: {horizontal: 20000, vertical: 0.1}}]}\n"
-      "  - {name: flies" +
-      times +
-      "{boundary: slide}, {inertia: {response_time: 3000, gravity: [0, 0, -0.001]}}, "
-      "{coriolis: {rotation: [0, 0, 7.292115e-5]}}]}\n"
-      "  - {name: undone" +
-      times + "{boundary: put_back}]}\n");
+  const runs::Files files =
+      in_one_and_in_two("tracers:\n"
+                        "  - {name: slides" +
+                        times +
+                        "{boundary: slide}, {settling: {speed: 0.001}}]}\n"
+                        "  - {name: walks" +
+                        times +
+                        "{boundary: reflect}, {diffusion: {horizontal: 20000, vertical: 0.1}}]}\n"
+                        "  - {name: flies" +
+                        times +
+                        "{boundary: slide}, {inertia: {response_time: 30000}}, "
+                        "{coriolis: {rotation: [0, 0, 1e-5]}}]}\n"
+                        "  - {name: undone" +
+                        times + "{boundary: put_back}]}\n");
   for (const char* name : {"slides", "walks", "flies", "undone"}) {
     const runs::Table t = runs::parse_table(files.at(std::string(name) + ".csv"));
     EXPECT_GE(t.rows.size(), 4u * 76) << name << ": 13000 k up to 10^6, and endings";

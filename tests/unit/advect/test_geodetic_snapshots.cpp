@@ -112,6 +112,7 @@ TEST_F(GeodeticAtTimes, WhereARunToThatTimeEnds) {
         effects.inertia.emplace();
         effects.inertia->response_time = 2e4;
         effects.inertia->begins = Vec3d{6, 3, 0};
+        effects.inertia->rotation = {0, 0, 1e-5};
       }
       if (kind == 3)
         effects.diffusion = advect::Diffusion{{500.0, {}}, {1e-3, {}}, 2e4, 5};

@@ -57,6 +57,29 @@ TEST_F(Inertials, SettleAsTheClosedFormSays) {
   }
 }
 
+TEST_F(Inertials, CoriolisPressesThemOntoWallsToo) {
+  // Along the ceiling, where -2 rotation x v points out of it: they rest on it, and go with the
+  // flow. (Were it left out of what presses, they would meet the wall again at every step.)
+  const BoxMesh mesh(4, 0.0, 10.0, 0.0);
+  inertia().response_time = 5.0;
+  inertia().rotation = {0, 0.05, 0};
+  effects.boundary.emplace();
+  effects.boundary->response = AtBoundary::slide;
+  const std::vector<Vec3d> seeds{{1.0, 5.0, 9.9}, {1.0, 4.0, 10.0}};
+  const Tracer t = run(
+      mesh,
+      [](const Vec3d&) {
+        return Vec3d{0.25, 0, 0};
+      },
+      seeds, 30.0, 3);
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    EXPECT_EQ(t.particles().endings[i], INSITU_END_ALIVE);
+    EXPECT_NEAR(t.positions()[i].z, 10.0, 1e-7);
+  }
+  EXPECT_NEAR(t.positions()[1].x, 1.0 + 0.25 * 30.0, 1e-6);
+  EXPECT_LT(work.contacts, 400);
+}
+
 TEST_F(Inertials, WithAShortResponseTimeFollowTheFlow) {
   const BoxMesh mesh(8, -1.0, 1.0, 0.0);
   const auto turn = [](const Vec3d& x) { return Vec3d{-x.y, x.x, 0.0}; };
