@@ -280,9 +280,10 @@ insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, doubl
     Inertia law = law_at(at.x);
     const Vec3d turn = -2.0 * math::cross(law.rotation, carried.velocity);
     const Vec3d acceleration = b - carried.velocity / response_time + turn;
-    const Vec3d pressed = math::dot(turn, n) * n;
-    if (n != Vec3d{})
+    if (n != Vec3d{}) {
       law.rotation = math::dot(law.rotation, n) * n;
+      b += math::dot(turn, n) * n;
+    }
     const Scale per_metre = walls_.scale(at.x);
     const double press = math::dot(acceleration, n), back = math::dot(carried.velocity, n);
     if (!stuck && !(press > 0.0 && back * back / (2.0 * press) <= little))
@@ -294,8 +295,7 @@ insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, doubl
     const double h = cells > 0.0 ? std::min(contact_cells / cells, remaining) : remaining;
     const LinearPart linear(law, h);
     const double then = flow().geometry_alpha(p.time + h);
-    const Vec3d moves =
-        h * linear.phi(1, carried.velocity) + (h * h) * (linear.phi(2, b) + 0.5 * pressed);
+    const Vec3d moves = h * linear.phi(1, carried.velocity) + (h * h) * linear.phi(2, b);
     carried.velocity = linear.phi(0, carried.velocity) + h * linear.phi(1, b);
     Spot end = at;
     end.x = walls_.carry(at, now, then);
