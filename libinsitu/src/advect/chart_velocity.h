@@ -144,6 +144,12 @@ public:
     sized_ = -1;
     return known_.x;
   }
+  /// The point's place in the mesh's frame; nothing changes by that.
+  math::Vec3d in_frame(const math::Vec3d& point) const {
+    ChartMotion there = motion_;
+    const math::Vec3d x = there.enter_image(point);
+    return there.position(x);
+  }
   /// Whether a point's place comes back as that of a cell, in the mesh's frame too.
   bool comes_back(const math::Vec3d& point, std::int64_t cell, double alpha) {
     const math::Vec3d x = place(point);

@@ -32,11 +32,10 @@ IntegratorSettings settings_for(const mesh::FieldView& velocity, IntegratorSetti
 }
 
 void check_chart_effects(const Effects& effects) {
-  if (effects.boundary && effects.boundary->any_periodic())
-    throw core::Error(
-        INSITU_ERROR_UNSUPPORTED,
-        "tracer: periodic sides are not for meshes in longitude and latitude: one that "
-        "goes around the Earth is closed without");
+  if (effects.boundary && (effects.boundary->periodic[1] || effects.boundary->periodic[2]))
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      "tracer: on a mesh in longitude and latitude periodic sides are those along "
+                      "x, its western and eastern ones: no others are as long as each other");
 }
 
 void check_settings(const IntegratorSettings& s) {

@@ -2,6 +2,7 @@
 
 #include "advect/effects.h"
 #include "advect/settings.h"
+#include "advect/streamlines.h"
 #include "mesh/view.h"
 #include "query/sampler.h"
 
@@ -16,6 +17,13 @@ IntegratorSettings settings_for(const mesh::FieldView& velocity, IntegratorSetti
 
 /// Throws Error(INSITU_ERROR_ARGUMENT) for a negative, NaN or contradictory setting.
 void check_settings(const IntegratorSettings& settings);
+
+/// Throws as Tracer::set_effects(), and Error(INSITU_ERROR_ARGUMENT) for effects that lines of a
+/// steady velocity have not: a random walk, which has no velocity and one way of many; walls that
+/// throw a line to and fro before them (reflect without inertia) or to its beginning (put_back);
+/// inertia backwards, where drag makes every error grow as exp(t / response_time), or without an
+/// end in time.
+void check_line_effects(const StreamlineSettings& settings);
 
 /// Throws Error(INSITU_ERROR_UNSUPPORTED) for effects that no geodetic mesh has.
 void check_chart_effects(const Effects& effects);

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <string>
 
+#include "advect/check.h"
 #include "advect/mover.h"
 #include "core/status.h"
 
@@ -79,6 +80,24 @@ void check_effects(const Effects& effects) {
   if (effects.boundary &&
       !(effects.boundary->restitution >= 0.0 && effects.boundary->restitution <= 1.0))
     refuse("restitution", "from 0 to 1", effects.boundary->restitution);
+}
+
+void check_line_effects(const StreamlineSettings& settings) {
+  const auto no = [](const char* what) {
+    throw core::Error(INSITU_ERROR_ARGUMENT, std::string("streamlines: ") + what);
+  };
+  const Effects& effects = settings.effects;
+  check_effects(effects);
+  if (effects.diffusion)
+    no("a random walk has no velocity to follow");
+  if (effects.inertia && settings.direction != Direction::forward)
+    no("particles with inertia are followed forward alone");
+  if (effects.inertia && !std::isfinite(settings.duration))
+    no("particles with inertia need a duration");
+  if (effects.boundary && effects.boundary->response == AtBoundary::put_back)
+    no("what is put back at a wall begins again without end");
+  if (effects.boundary && effects.boundary->response == AtBoundary::reflect && !effects.inertia)
+    no("a wall reflects what has inertia alone");
 }
 
 } // namespace insitu::advect

@@ -67,6 +67,9 @@ public:
                                    double dt) {
     return flow_.leave(a, b, t, dt);
   }
+  double way_out(const math::Vec3d& a, const math::Vec3d& b, double t) {
+    return flow_.way_out(a, b, t);
+  }
 
   math::Vec3d extent() { return flow_.extent(); }
   double geometry_alpha(double t) const { return flow_.geometry_alpha(t); }
@@ -80,6 +83,7 @@ public:
     return true;
   }
   math::Vec3d place(const math::Vec3d& point) const { return point; }
+  math::Vec3d in_frame(const math::Vec3d& point) const { return point; }
   const MeshVelocity& flow() const { return flow_; }
 
 private:

@@ -90,7 +90,7 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
   const bool adaptive = is_adaptive(settings_.method);
   Vec3d b;
   bool known = false; // b, at x
-  bool closing = false;
+  bool closing = false, begun = false;
   for (;;) {
     if (!known) {
       Vec3d u;
@@ -110,10 +110,13 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
         carried.velocity =
             effects_->inertia->begins ? space_.from_east_north(x, *effects_->inertia->begins) : u;
       known = true;
-      if (taker_) {
+      if (recorder_) {
         p.x = velocity_.place(x);
-        taker_->set(p);
+        begun ? recorder_->straight(p) : (*recorder_)(p);
+        if (is_over())
+          return INSITU_END_REMOVED;
       }
+      begun = true;
     }
     if (!(p.time < to))
       return INSITU_END_ALIVE;
@@ -209,15 +212,13 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
       continue;
     }
     velocity_.accepted();
-    if (taker_) {
-      Trial end;
-      end.x = trial.x;
-      end.v = walls_.scale(trial.x).coordinates(trial.v);
-      const DenseStep path(x, p.time, h, per_metre.coordinates(v), end, false);
+    if (recorder_) {
       State then = p;
       then.x = velocity_.place(trial.x);
       then.time = h == remaining ? to : p.time + h;
-      (*taker_)(then, path);
+      recorder_->flew(then, Flight(space_, inertia, x, v, p.time, h, b, trial));
+      if (is_over())
+        return INSITU_END_REMOVED;
     }
     ++work.steps;
     work.forced += forced;
@@ -275,7 +276,14 @@ insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, doubl
     ++work.evaluations;
     if (const Sampled s = force(at.x, p.time, b); s != Sampled::inside)
       return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
-    const Vec3d acceleration = b - carried.velocity / response_time;
+    // What turns the velocity out of the wall presses; along the wall it turns about the normal.
+    Inertia law = law_at(at.x);
+    const Vec3d turn = -2.0 * math::cross(law.rotation, carried.velocity);
+    const Vec3d acceleration = b - carried.velocity / response_time + turn;
+    if (n != Vec3d{}) {
+      law.rotation = math::dot(law.rotation, n) * n;
+      b += math::dot(turn, n) * n;
+    }
     const Scale per_metre = walls_.scale(at.x);
     const double press = math::dot(acceleration, n), back = math::dot(carried.velocity, n);
     if (!stuck && !(press > 0.0 && back * back / (2.0 * press) <= little))
@@ -285,7 +293,7 @@ insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, doubl
     const double cells = std::max(cells_crossed(per_metre.coordinates(carried.velocity), extent),
                                   cells_crossed(per_metre.coordinates(soon), extent));
     const double h = cells > 0.0 ? std::min(contact_cells / cells, remaining) : remaining;
-    const LinearPart linear(law_at(at.x), h);
+    const LinearPart linear(law, h);
     const double then = flow().geometry_alpha(p.time + h);
     const Vec3d moves = h * linear.phi(1, carried.velocity) + (h * h) * linear.phi(2, b);
     carried.velocity = linear.phi(0, carried.velocity) + h * linear.phi(1, b);
@@ -298,9 +306,11 @@ insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, doubl
     p.time = h < remaining ? p.time + h : to;
     last_bounce_ = p.length;
     landed(x, at);
-    if (taker_) {
+    if (recorder_) {
       p.x = velocity_.place(x);
-      take_contact(p);
+      recorder_->straight(p);
+      if (is_over())
+        return INSITU_END_REMOVED;
     }
     ++work.steps;
     --steps_left_;

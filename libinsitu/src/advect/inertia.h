@@ -26,9 +26,10 @@ private:
 /// One trial step of an inertial particle.
 struct InertialTrial {
   Vec3d x, v;
-  Vec3d moved;        ///< in lengths along the axes at the start, as v
-  Vec3d force;        ///< b at the end, along the axes there: the next step's first stage
-  double error = 0.0; ///< of the position per unit time, estimated
+  Vec3d moved;            ///< in lengths along the axes at the start, as v
+  Vec3d force;            ///< b at the end, along the axes there: the next step's first stage
+  Vec3d slope, curvature; ///< b as it was integrated: b0 + theta slope + theta^2 curvature
+  double error = 0.0;     ///< of the position per unit time, estimated
   Sampled sampled = Sampled::inside;
 };
 
@@ -61,6 +62,8 @@ InertialTrial inertial_step(Force& force, const Go& go, const Back& back, const 
   const Vec3d b1 = 4.0 * ba - 3.0 * b0 - bb, b2 = 2.0 * (b0 - 2.0 * ba + bb);
   trial.moved = free + hh * (full.phi(2, b0) + full.phi(3, b1) + 2.0 * full.phi(4, b2));
   trial.v = full.phi(0, v) + h * (full.phi(1, b0) + full.phi(2, b1) + 2.0 * full.phi(3, b2));
+  trial.slope = b1;
+  trial.curvature = b2;
   // The line through b at the start and the middle: of order 2, and right at the end too, to which
   // v clings where the response time is short.
   const Vec3d slope = 2.0 * (ba - b0);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "insitu/insitu.h"
 
@@ -134,6 +135,16 @@ public:
 private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  static constexpr bool visitor_ends =
+      std::is_same_v<std::invoke_result_t<Visit&, const State&>, bool>;
+
+  template <class... Path>
+  void tell(const Path&... path) {
+    if constexpr (visitor_ends)
+      told_to_end_ = !visit_(static_cast<const State&>(p_), path...);
+    else
+      visit_(static_cast<const State&>(p_), path...);
+  }
 
   Verdict another();
   void choose_step();
@@ -194,6 +205,8 @@ private:
   bool entered_ = false;  ///< it just now: k1 is another cell's
   int free_steps_ = 0;    ///< without faces
   int idle_faces_ = 0;    ///< in a row
+
+  bool told_to_end_ = false; ///< by the visitor
 };
 
 template <class M, VelocityField F, class Visit>
@@ -206,7 +219,7 @@ insitu_ending Integration<M, F, Visit>::begin(Sampled first, const Vec3d& v) {
   k1_ = v;
   velocity_.accepted();
   p_.fresh = false;
-  visit_(p_);
+  tell();
   return INSITU_END_COUNT;
 }
 
@@ -248,6 +261,9 @@ void Integration<M, F, Visit>::choose_step() {
 
 template <class M, VelocityField F, class Visit>
 insitu_ending Integration<M, F, Visit>::stops() const {
+  if constexpr (visitor_ends)
+    if (told_to_end_)
+      return INSITU_END_REMOVED;
   if (!std::isfinite(speed_))
     return INSITU_END_NOT_FINITE;
   if (speed_ == 0.0 && span_ == infinity)
@@ -383,10 +399,9 @@ void Integration<M, F, Visit>::accept(const Trial& trial) {
     }
   }
   if constexpr (dense)
-    visit_(static_cast<const State&>(p_),
-           landed_ ? *landed_ : DenseStep(from, t, direction_ * h, before, trial, M::quintic));
+    tell(landed_ ? *landed_ : DenseStep(from, t, direction_ * h, before, trial, M::quintic));
   else if (!closing_in)
-    visit_(static_cast<const State&>(p_));
+    tell();
 }
 
 } // namespace insitu::advect

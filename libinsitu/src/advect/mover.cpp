@@ -11,14 +11,28 @@ namespace {
 
 /// The part of a cell that a particle goes on along a wall, or back from it, in one step.
 constexpr double contact_cells = 0.1;
+/// A streamline that comes no further along a wall, or into a corner, than this part of a cell in
+/// such a step is at rest there.
+constexpr double rest_cells = 1e-7;
+
+/// A recorder as visitor of integrate().
+struct Told {
+  Recorder& recorder;
+
+  template <class... Step>
+  bool operator()(const State& p, const Step&... path) const {
+    recorder(p, path...);
+    return !recorder.is_over();
+  }
+};
 
 } // namespace
 
 EffectSetup::EffectSetup(const Effects& given, const query::Sampler& sampler,
                          const core::Threads& threads)
     : effects(given) {
-  if (effects.boundary && effects.boundary->any_periodic())
-    box = box_of(sampler.mesh(), threads);
+  if (effects.boundary)
+    sides = sides_of(sampler, *effects.boundary, threads);
   if (effects.diffusion)
     largest = largest_coefficients(*effects.diffusion, sampler.mesh(), threads);
 }
@@ -28,7 +42,7 @@ Mover<V>::Mover(const EffectSetup& setup, V& velocity, const IntegratorSettings&
                 double max_length)
     : setup_(&setup), effects_(&setup.effects), settings_(settings), max_length_(max_length),
       velocity_(velocity), space_(velocity.space()),
-      walls_(flow().sampler(), flow().accuracy(), space_, setup.box, work_),
+      walls_(flow().sampler(), flow().accuracy(), space_, setup.sides, work_),
       boundary_(effects_->boundary.value_or(BoundaryEffect{})), walk_boundary_(boundary_) {
   for (const Drift& drift : effects_->drifts)
     if (drift.field)
@@ -47,6 +61,7 @@ insitu_ending Mover<V>::advance(State& p, std::int64_t hint, Carried& carried, d
   spot_cell_ = -1;
   steps_left_ = settings_.max_steps;
   last_bounce_ = -1.0;
+  direction_ = to < p.time ? -1.0 : 1.0;
   if (!effects_->diffusion)
     return go(p, carried, to, work);
 
@@ -85,27 +100,9 @@ insitu_ending Mover<V>::walk(State& p, Carried& carried, double dt) {
   ++carried.walk_steps;
   ++work_.walk_steps;
   placed(p, at);
-  if (taker_)
-    taker_->displaced(p);
+  if (recorder_)
+    recorder_->displaced(p);
   return ending_of(moved);
-}
-
-/// After a step along the wall: straight, through periodic sides if that is the shorter way.
-template <class V>
-void Mover<V>::take_contact(const State& p) {
-  taker_->along(p, [&](const Vec3d& from, double part) {
-    Vec3d x = p.x - from;
-    for (int a = 0; a < 3; ++a) {
-      const double low = setup_->box.low[a], size = setup_->box.high[a] - low;
-      if (boundary_.periodic[a] && size > 0.0) {
-        const double to = from[a] + part * (x[a] - size * std::round(x[a] / size));
-        x[a] = to < low ? to + size : to > low + size ? to - size : to;
-      } else {
-        x[a] = from[a] + part * x[a];
-      }
-    }
-    return x;
-  });
 }
 
 /// Where a point is, if it is inside.
@@ -180,9 +177,9 @@ insitu_ending Mover<V>::put_back(State& p, const State& before, const Spot& star
     return INSITU_END_LEFT;
   ++work_.contacts;
   placed(p, at);
-  if (taker_) {
-    taker_->back_to(before);
-    taker_->set(p);
+  if (recorder_) {
+    recorder_->back_to(before, start.x);
+    recorder_->straight(p);
   }
   return INSITU_END_ALIVE;
 }
@@ -194,9 +191,11 @@ insitu_ending Mover<V>::flow_to(State& p, double to, Work& work) {
     settings.max_steps = std::max<std::int64_t>(steps_left_, 1);
     const std::int64_t steps = work.steps;
     insitu_ending ending;
-    if (taker_) {
-      ending = integrate(velocity_, settings, to, max_length_, p, work, *taker_);
-      taker_->straight(p);
+    if (recorder_) {
+      ending = integrate(velocity_, settings, to, max_length_, p, work, Told{*recorder_});
+      if (is_over())
+        return INSITU_END_REMOVED;
+      recorder_->straight(p);
     } else {
       ending = integrate(velocity_, settings, to, max_length_, p, work, [](const State&) {});
     }
@@ -213,13 +212,21 @@ insitu_ending Mover<V>::flow_to(State& p, double to, Work& work) {
   }
 }
 
+/// The velocity that particles have in the direction of time in which they go.
+template <class V>
+Sampled Mover<V>::velocity_at(const Vec3d& point, double time, Vec3d& v) {
+  query::Location here;
+  const Sampled sampled = velocity_.sample(point, time, v, here);
+  v = direction_ * v;
+  return sampled;
+}
+
 /// A particle that leaves or stops where it is, or else comes in again at a periodic side.
 template <class V>
 insitu_ending Mover<V>::pass(State& p, Spot at) {
   Vec3d v;
-  query::Location here;
   velocity_.begin(at.cell);
-  if (const Sampled s = velocity_.sample(at.x, p.time, v, here); s != Sampled::inside)
+  if (const Sampled s = velocity_at(at.x, p.time, v); s != Sampled::inside)
     return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
   --steps_left_;
   const double alpha = flow().geometry_alpha(p.time);
@@ -231,8 +238,8 @@ insitu_ending Mover<V>::pass(State& p, Spot at) {
   if (moved == Moved::inside && work_.contacts == contacts)
     return ending_of(boundary_.response == AtBoundary::stop ? Moved::stopped : Moved::left);
   placed(p, at);
-  if (taker_)
-    taker_->set(p);
+  if (recorder_)
+    recorder_->straight(p);
   return ending_of(moved);
 }
 
@@ -262,21 +269,28 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
   Vec3d n; // of the wall it is at, once that is known
   do {
     Vec3d v;
-    query::Location here;
     ++work.evaluations;
     velocity_.begin(at.cell);
-    if (const Sampled s = velocity_.sample(at.x, p.time, v, here); s != Sampled::inside)
+    if (const Sampled s = velocity_at(at.x, p.time, v); s != Sampled::inside)
       return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
     velocity_.accepted();
     const double now = flow().geometry_alpha(p.time);
     const Vec3d rate = walls_.scale(at.x).coordinates(v);
     const double cells = cells_along(at, v, n, now);
-    double h = std::min(cells > 0.0 ? contact_cells / cells : to - p.time, to - p.time);
+    if (settings_.ends_at_rest && !(cells > 0.0))
+      return INSITU_END_STAGNATED;
+    const auto same_axes = [&](const Vec3d& x) { // also behind a periodic side
+      return space_.same_axes(at.x, x) ||
+             (setup_->sides.any() && space_.same_axes(at.x, at.x + setup_->sides.between(at.x, x)));
+    };
+    const double remaining = direction_ * (to - p.time);
+    double h = std::min(cells > 0.0 ? contact_cells / cells : remaining, remaining);
     if (settings_.max_step > 0.0)
       h = std::min(h, settings_.max_step);
     if (max_length_ - p.length < length_of(v) * h)
       h = (max_length_ - p.length) / length_of(v);
-    const double then = flow().geometry_alpha(p.time + h);
+    const double until = h < remaining ? p.time + direction_ * h : to;
+    const double then = flow().geometry_alpha(until);
     // Heun's method along the wall. What the wall itself moves is not resisted.
     Vec3d mean = rate;
     Spot end = at;
@@ -290,29 +304,35 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
       if (walls_.move(ahead, h * rate - shift, quiet, then, length) == Moved::inside) {
         velocity_.begin(ahead.cell);
         ++work.evaluations;
-        if (velocity_.sample(ahead.x, p.time + h, v1, here) == Sampled::inside &&
-            space_.same_axes(at.x, ahead.x))
+        if (velocity_at(ahead.x, until, v1) == Sampled::inside && same_axes(ahead.x))
           mean = 0.5 * (rate + walls_.scale(ahead.x).coordinates(v1));
       }
     }
     const Vec3d from = at.x;
     const Moved moved = walls_.move(end, h * mean - shift, boundary_, then, p.length);
     n = walls_.wall();
+    const bool turned = !same_axes(end.x);
     at = end;
-    p.time = h < to - p.time ? p.time + h : to;
+    p.time = until;
     placed(p, at);
-    if (taker_)
-      take_contact(p);
+    if (recorder_)
+      recorder_->straight(p);
     ++work.steps;
     --steps_left_;
     if (moved != Moved::inside)
       return ending_of(moved);
+    if (is_over())
+      return INSITU_END_REMOVED;
+    if (settings_.ends_at_rest && h * cells > 0.5 * contact_cells &&
+        cells_crossed(Way(space_, setup_->sides, from, at.x).displacement(),
+                      walls_.extent(at.cell, then)) <= rest_cells)
+      return INSITU_END_STAGNATED;
     // On a flat wall it saves a step to find the wall again, to ask what is behind it.
     const Vec3d behind = by_axis(n, walls_.skin(at, then));
-    if (boundary_.response != AtBoundary::slide || n == Vec3d{} || !space_.same_axes(from, at.x) ||
+    if (boundary_.response != AtBoundary::slide || n == Vec3d{} || turned ||
         walls_.is_inside(at.x + 8.0 * behind, at.cell, then) || !(math::dot(v, n) > 0.0))
       break;
-  } while (p.time < to && steps_left_ > 0 && p.length < max_length_);
+  } while (p.time != to && steps_left_ > 0 && p.length < max_length_);
   return INSITU_END_ALIVE;
 }
 

@@ -7,7 +7,8 @@
 #include "advect/integrate.h"
 #include "advect/particles.h"
 #include "advect/random_walk.h"
-#include "advect/snapshots.h"
+#include "advect/recorder.h"
+#include "advect/sides.h"
 #include "advect/walls.h"
 #include "core/parallel.h"
 
@@ -21,7 +22,7 @@ struct EffectSetup {
   EffectSetup(const Effects& effects, const query::Sampler& sampler, const core::Threads& threads);
 
   Effects effects;
-  Box box;             ///< of the mesh, if a side is periodic
+  Sides sides;         ///< that are periodic
   math::Vec3d largest; ///< diffusion coefficient
 };
 
@@ -43,10 +44,12 @@ public:
         double max_length);
   Mover(const Mover&) = delete;
 
-  /// Where the next particle's snapshots go, or null.
-  void take(SnapshotTaker<V>* taker) { taker_ = taker; }
+  /// Who is told of the next particle's way, or null.
+  void take(Recorder* recorder) { recorder_ = recorder; }
 
-  /// Moves the particle, whose last cell was `hint`, from p.time to `to`. Returns as integrate().
+  /// Moves the particle, whose last cell was `hint`, from p.time to `to`; backwards, which neither
+  /// a walk nor inertia can, the velocity that walls meet is the opposite one. Returns as
+  /// integrate(), or INSITU_END_REMOVED where the recorder says so.
   insitu_ending advance(State& p, std::int64_t hint, Carried& carried, double to, Work& work);
 
   /// The cell of the particle's position, or -1.
@@ -60,12 +63,13 @@ private:
   insitu_ending flow_to(State& p, double to, Work& work);
   insitu_ending touch(State& p, double to, Work& work);
   insitu_ending pass(State& p, Spot at);
+  Sampled velocity_at(const Vec3d& point, double time, Vec3d& v);
+  bool is_over() const { return recorder_ && recorder_->is_over(); }
   double cells_along(const Spot& at, const Vec3d& v, const Vec3d& wall, double alpha) const;
   insitu_ending walk(State& p, Carried& carried, double dt);
   bool find(const Vec3d& point, double time, Spot& at);
   bool find(const State& p, Spot& at);
   void placed(State& p, Spot at);
-  void take_contact(const State& p);
 
   // With inertia: see fly.cpp. x is the particle's point among the cells.
   insitu_ending fly(State& p, Carried& carried, double to, Work& work);
@@ -87,7 +91,8 @@ private:
   bool puts_back_ = false;
   std::int64_t spot_cell_ = -1; ///< of the position, if a displacement was the last to move it
   std::int64_t steps_left_ = 0;
-  SnapshotTaker<V>* taker_ = nullptr;
+  Recorder* recorder_ = nullptr;
+  double direction_ = 1.0;    ///< in time; -1: backwards
   double last_bounce_ = -1.0; ///< length of the path then; -1: none yet
 };
 

@@ -12,6 +12,7 @@
 #include "advect/lanes.h"
 #include "advect/mesh_velocity.h"
 #include "advect/mover.h"
+#include "advect/snapshots.h"
 #include "core/status.h"
 #include "query/attached.h"
 
@@ -103,6 +104,7 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
     all.endings[i] = std::uint8_t(ending);
     return ending;
   };
+  const Sides none;
   // One by one: make() gives a thread its field of velocities; begin_chunk(field) what moves
   // particles in it.
   const auto carry = [&](auto&& make, auto&& begin_chunk) {
@@ -122,11 +124,11 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
         std::int64_t cell = -1;
         std::optional<SnapshotTaker<std::remove_reference_t<decltype(v)>>> taker;
         if constexpr (!std::is_same_v<decltype(mover), NoMover>) {
+          p.x = v.enter(p.x);
           if (snapshots)
-            taker.emplace(*snapshots, i, p, v, sampler, settings_.accuracy);
+            taker.emplace(*snapshots, i, p, v, sampler, settings_.accuracy, setup->sides);
           mover->take(taker ? &*taker : nullptr);
           Carried carried = all.carried(i);
-          p.x = v.enter(p.x);
           ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
           p.x = v.position(p.x);
           all.set_carried(i, carried);
@@ -135,7 +137,7 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
           v.begin(all.cells[i]);
           p.x = v.enter(p.x);
           if (snapshots) {
-            taker.emplace(*snapshots, i, p, v, sampler, settings_.accuracy);
+            taker.emplace(*snapshots, i, p, v, sampler, settings_.accuracy, none);
             ending = integrate(v, integrator, to, settings_.length, p, chunk_work, *taker);
             taker->straight(p);
           } else {
@@ -173,7 +175,8 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
             if (!snapshots)
               return integration(v, integrator, to, settings_.length, p, chunk_work,
                                  [](const State&) {});
-            takers[slot].emplace(*snapshots, std::size_t(i), p, v, sampler, settings_.accuracy);
+            takers[slot].emplace(*snapshots, std::size_t(i), p, v, sampler, settings_.accuracy,
+                                 none);
             return integration(v, integrator, to, settings_.length, p, chunk_work,
                                std::ref(*takers[slot]));
           },
@@ -197,10 +200,6 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   };
   if (sampler.chart()) {
     check_chart_effects(effects_);
-    if (setup && snapshots)
-      throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        "tracer: positions at times between steps are not for effects that "
-                        "displace particles on meshes in longitude and latitude");
     if (setup)
       carry(on_chart, moving);
     else

@@ -8,7 +8,9 @@
 
 #include "advect/dense.h"
 #include "advect/particles.h"
+#include "advect/recorder.h"
 #include "advect/settings.h"
+#include "advect/sides.h"
 #include "core/memory.h"
 #include "query/sampler.h"
 
@@ -41,15 +43,17 @@ public:
   core::Buffer<std::uint8_t> present;   ///< 0: the particle had not begun, or has ended, by then
 };
 
-/// Fills in one particle's snapshots, as a visitor of integrate() and by what else moves it. A
-/// particle has snapshots after its own time, a fresh one at it, too.
+/// Fills in one particle's snapshots. A particle has snapshots after its own time, a fresh one at
+/// it, too.
 template <class Field>
-class SnapshotTaker {
+class SnapshotTaker final : public Recorder {
 public:
+  /// p.x: as the field has it, in whose coordinates p begins. The arguments must outlive the
+  /// object; sides: of which a mover makes use.
   SnapshotTaker(Snapshots& all, std::size_t particle, const State& p, Field& field,
-                const query::Sampler& sampler, insitu_accuracy accuracy)
+                const query::Sampler& sampler, insitu_accuracy accuracy, const Sides& sides)
       : all_(all), particle_(particle), field_(field), sampler_(sampler), accuracy_(accuracy),
-        last_(p.x), last_time_(p.time) {
+        sides_(sides), last_(point_of(p.x)), last_time_(p.time) {
     const auto& times = all.times;
     next_ = std::size_t((p.fresh ? std::lower_bound(times.begin(), times.end(), p.time)
                                  : std::upper_bound(times.begin(), times.end(), p.time)) -
@@ -57,42 +61,34 @@ public:
     first_ = next_;
   }
 
-  void operator()(const State& p) {
-    take(p, [&](double) { return p.x; });
+  void operator()(const State& p) override {
+    take(p, [&](double) { return field_.position(p.x); });
   }
-  void operator()(const State& p, const DenseStep& path) {
-    take(p, [&](double t) { return t == p.time ? p.x : path.at_time(t); });
+  void operator()(const State& p, const DenseStep& path) override {
+    take(p, [&](double t) { return field_.position(t == p.time ? p.x : path.at_time(t)); });
   }
-
-  /// It went straight to p since the last call, as to a boundary.
-  void straight(const State& p) {
-    along(p, [&](const Vec3d& from, double part) { return from + part * (p.x - from); });
-  }
-  /// The same by the place path(from, part) after a part of the time.
-  template <class Path>
-  void along(const State& p, Path&& path) {
-    const Vec3d from = last_;
-    const double begin = last_time_;
+  void flew(const State& p, const Flight& path) override {
     take(p,
-         [&](double t) { return t == p.time ? p.x : path(from, (t - begin) / (p.time - begin)); });
+         [&](double t) { return t == p.time ? field_.position(p.x) : in_frame(path.at_time(t)); });
   }
-  /// It was set there.
-  void set(const State& p) { (*this)(p); }
-
-  /// It was displaced at its time: so it is there at that time.
-  void displaced(const State& p) {
+  void straight(const State& p) override {
+    const Way way(space(), sides_, last_, point_of(p.x));
+    const double begin = last_time_;
+    take(p, [&](double t) {
+      return t == p.time ? field_.position(p.x) : in_frame(way.at((t - begin) / (p.time - begin)));
+    });
+  }
+  void displaced(const State& p) override {
     std::size_t first = next_;
     while (first > 0 && all_.times[first - 1] == p.time && first > first_)
       --first;
     next_ = first;
-    set(p);
+    (*this)(p);
   }
-
-  /// What it did after this was undone.
-  void back_to(const State& before) {
+  void back_to(const State& before, const Vec3d& point) override {
     while (next_ > first_ && all_.times[next_ - 1] > before.time)
       all_.present[all_.item(--next_, particle_)] = 0;
-    last_ = before.x;
+    last_ = point;
     last_time_ = before.time;
   }
 
@@ -103,17 +99,38 @@ public:
   }
 
 private:
+  static constexpr bool has_points = requires(const Field& f, Vec3d& x) { f.point(x, x); };
+
+  Space space() const {
+    if constexpr (has_points)
+      return field_.space();
+    return Space(nullptr);
+  }
+  /// The point among the cells that the integrator's position is.
+  Vec3d point_of(const Vec3d& x) const {
+    Vec3d point = x;
+    if constexpr (has_points)
+      field_.point(x, point);
+    return point;
+  }
+  Vec3d in_frame(const Vec3d& point) const {
+    if constexpr (has_points)
+      return field_.in_frame(point);
+    return point;
+  }
+
+  /// at(t): the position in the mesh's frame.
   template <class At>
   void take(const State& p, At&& at) {
     for (; next_ < all_.times.size() && all_.times[next_] <= p.time; ++next_) {
       const double t = all_.times[next_];
       const std::size_t item = all_.item(next_, particle_);
-      const Vec3d x = field_.position(at(t));
+      const Vec3d x = at(t);
       all_.positions[item] = x;
       all_.places[item] = sampler_.locate(x, field_.cell(), {accuracy_, field_.geometry_alpha(t)});
       all_.present[item] = 1;
     }
-    last_ = p.x;
+    last_ = point_of(p.x);
     last_time_ = p.time;
   }
 
@@ -122,8 +139,9 @@ private:
   Field& field_;
   const query::Sampler& sampler_;
   insitu_accuracy accuracy_;
+  const Sides& sides_;
   std::size_t first_ = 0, next_ = 0; ///< of the times
-  Vec3d last_;                       ///< the end of the last step, as integrate() has it
+  Vec3d last_;                       ///< where it was last, among the cells
   double last_time_;
 };
 

@@ -4,82 +4,24 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "advect/chart_velocity.h"
 #include "advect/check.h"
-#include "advect/even_spacing.h"
 #include "advect/lanes.h"
+#include "advect/line_recorder.h"
+#include "advect/line_vertices.h"
+#include "advect/mover.h"
 
 namespace insitu::advect {
 
 namespace {
 
-struct Vertex {
-  math::Vec3d point;
-  double time;
-  std::int64_t cell;
-};
-
 /// A line under way.
 struct Line {
   State p;
-  std::vector<Vertex> vertices;
-};
-
-/// Keeps vertices of a line: those of its steps, at least `spacing` cells apart, or points at even
-/// distances.
-template <class Velocity>
-class LineVertices {
-public:
-  LineVertices(Velocity& velocity, const query::Sampler& sampler,
-               const StreamlineSettings& settings, std::vector<Vertex>& vertices)
-      : velocity_(velocity), sampler_(sampler), settings_(settings), vertices_(vertices),
-        even_(velocity, settings.even_time, settings.even_length, *this) {
-    vertices.clear();
-  }
-  LineVertices(const LineVertices&) = delete;
-
-  bool is_even() const { return settings_.even_time > 0.0 || settings_.even_length > 0.0; }
-  EvenSpacing<Velocity, LineVertices>& even() { return even_; }
-
-  /// As visitor of integrate().
-  void operator()(const State& s) {
-    if (vertices_.empty() || cells_crossed(s.x - last_, velocity_.extent()) >= settings_.spacing)
-      add(s);
-  }
-  /// A point at an even distance.
-  void operator()(const math::Vec3d& x, double time) {
-    const math::Vec3d point = velocity_.position(x);
-    const query::Location at = sampler_.locate(point, velocity_.cell(), {settings_.accuracy});
-    vertices_.push_back({point, time, at.cell});
-  }
-
-  /// The last vertex is the line's end, p, whatever the spacing.
-  insitu_ending finish(const State& p, insitu_ending ending) {
-    if (!is_even()) {
-      if (!vertices_.empty() && p.x != last_)
-        add(p);
-    } else if (vertices_.size() > 1 && even_.since_last(p) < 1e-3) {
-      vertices_.back() = {velocity_.position(p.x), p.time, velocity_.cell()};
-    } else if (!vertices_.empty() && p.time != vertices_.back().time) {
-      add(p);
-    }
-    return ending == INSITU_END_ALIVE ? INSITU_END_EXPIRED : ending;
-  }
-
-private:
-  void add(const State& s) {
-    vertices_.push_back({velocity_.position(s.x), s.time, velocity_.cell()});
-    last_ = s.x;
-  }
-
-  Velocity& velocity_;
-  const query::Sampler& sampler_;
-  const StreamlineSettings& settings_;
-  std::vector<Vertex>& vertices_;
-  EvenSpacing<Velocity, LineVertices> even_;
-  math::Vec3d last_; ///< as the integrator has it; after a change of its coordinates it is far away
+  std::vector<LineVertex> vertices;
 };
 
 } // namespace
@@ -91,10 +33,13 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
   check_velocity(velocity);
   StreamlineSettings steady = settings;
   check_settings(settings.integrator);
+  check_line_effects(settings);
+  if (sampler.chart())
+    check_chart_effects(settings.effects);
   steady.integrator = settings_for(velocity, settings.integrator);
   steady.integrator.ends_at_rest = true;
 
-  Streamlines result{Polylines(memory), {}, {}};
+  Streamlines result{Polylines(memory), {}, {}, {}};
   Polylines& lines = result.lines;
   const std::int64_t per_seed = settings.direction == Direction::both ? 2 : 1;
   const std::int64_t count = std::int64_t(seeds.size()) * per_seed;
@@ -104,7 +49,7 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
 
   const std::int64_t grain = std::clamp<std::int64_t>(count / (4 * threads.count()), 16, 256);
   std::vector<Work> work(std::size_t((count + grain - 1) / grain));
-  std::vector<std::vector<Vertex>> vertices_of(static_cast<std::size_t>(count));
+  std::vector<std::vector<LineVertex>> vertices_of(static_cast<std::size_t>(count));
   const auto time_of = [&](std::int64_t l) {
     const bool backward = settings.direction == Direction::backward || l % per_seed == 1;
     return backward ? -settings.duration : settings.duration;
@@ -159,7 +104,34 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
           store(l, line, vertices[slot]->finish(line.p, ending));
         });
   };
+  const std::optional<EffectSetup> setup =
+      settings.effects.any()
+          ? std::optional<EffectSetup>(std::in_place, settings.effects, sampler, threads)
+          : std::nullopt;
+  std::vector<EffectWork> effect_work(setup ? work.size() : 0);
+  const auto trace_moved = [&]<class V>(std::type_identity<V>, std::int64_t begin,
+                                        std::int64_t end) {
+    V field(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy, setup->effects.drifts);
+    Mover<V> mover(*setup, field, steady.integrator, settings.length);
+    Line line;
+    for (std::int64_t l = begin; l < end; ++l) {
+      line.p = {};
+      line.p.x = field.enter(seeds[seed_of(l)]);
+      LineRecorder<V> recorder(field, sampler, steady, setup->sides, line.vertices);
+      mover.take(&recorder);
+      Carried carried;
+      carried.id = l;
+      carried.velocity.x = std::numeric_limits<double>::quiet_NaN();
+      const insitu_ending ending =
+          mover.advance(line.p, -1, carried, time_of(l), work[std::size_t(begin / grain)]);
+      store(l, line, recorder.finish(line.p, mover.cell(), ending));
+    }
+    effect_work[std::size_t(begin / grain)] = mover.effect_work();
+  };
   threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
+    if (setup)
+      return sampler.chart() ? trace_moved(std::type_identity<ChartVelocity>(), begin, end)
+                             : trace_moved(std::type_identity<DriftVelocity>(), begin, end);
     sampler.chart() ? trace_on_chart(begin, end) : trace_in_lanes(begin, end);
   });
 
@@ -174,8 +146,8 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
   lines.times.resize_discard(vertices);
   lines.cells.resize_discard(vertices);
   std::size_t v = 0;
-  for (const std::vector<Vertex>& line : vertices_of)
-    for (const Vertex& vertex : line) {
+  for (const std::vector<LineVertex>& line : vertices_of)
+    for (const LineVertex& vertex : line) {
       lines.points[v] = vertex.point;
       lines.times[v] = vertex.time;
       lines.cells[v] = vertex.cell;
@@ -183,6 +155,8 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
     }
   for (const Work& w : work)
     result.work += w;
+  for (const EffectWork& w : effect_work)
+    result.effects += w;
   return result;
 }
 

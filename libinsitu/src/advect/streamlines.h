@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "advect/effects.h"
 #include "advect/particles.h"
 #include "advect/polylines.h"
 #include "advect/settings.h"
@@ -29,17 +30,24 @@ struct StreamlineSettings {
   /// or along the curve, and the last one is at the end of the line, where it takes the place of
   /// one that is nearer to it than a thousandth of that. At most EvenSpacing::most and the end.
   double even_time = 0.0, even_length = 0.0;
+  /// On a particle that the velocity as it is now would carry for ever: see check_line_effects().
+  /// `removes` is asked all along the line, with |s| as age. Walls meet the velocity of the line's
+  /// direction. Fields are those of now.
+  Effects effects;
 };
 
 struct Streamlines {
   Polylines lines; ///< line l: seed l (both: seed l / 2, forward for even l, backward for odd l)
   Counts counts;   ///< a line is a particle
   Work work;
+  EffectWork effects;
 };
 
 /// Lines from the seeds through the velocity as it is now: dx/ds = v(x), with s = 0 at the seed
 /// (`times` holds s, negative backwards; `particles` the seed's number). velocity has three
-/// components, else Error(INSITU_ERROR_FIELD). The answer does not depend on the thread count.
+/// components, else Error(INSITU_ERROR_FIELD). Throws for effects as Tracer::set_effects() does,
+/// and Error(INSITU_ERROR_ARGUMENT) for those that lines have not. The answer does not depend on
+/// the thread count.
 Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldView& velocity,
                               std::span<const math::Vec3d> seeds,
                               const StreamlineSettings& settings, const core::Threads& threads,

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <vector>
 
 #include "advect/integrate.h"
 #include "cells/kernels.h"
@@ -71,20 +70,19 @@ Vec3d Walls::carry(const Spot& at, double alpha0, double alpha1) const {
   return x;
 }
 
-/// Takes a particle on a periodic side of the box to the opposite one, if that is inside the mesh.
-bool Walls::pass_side(Spot& at, const Vec3d& d, const BoundaryEffect& boundary,
-                      double alpha) const {
+/// Takes a particle on a periodic side to the opposite one, if that is inside the mesh.
+bool Walls::pass_side(Spot& at, const Vec3d& d, double alpha) const {
   const Vec3d near = 1e3 * skin(at, alpha);
   for (int a = 0; a < 3; ++a) {
     const bool up = d[a] > 0.0;
-    if (!boundary.periodic[a] || d[a] == 0.0 ||
-        std::abs(at.x[a] - (up ? mesh_box_.high[a] : mesh_box_.low[a])) > near[a])
+    if (!sides_->is_periodic(a) || d[a] == 0.0 || std::abs(sides_->beyond(at.x, a, up)) > near[a])
       continue;
     // On the other side itself, or just inside it where rounding has that face elsewhere.
     for (const double in : {0.0, 1.0, 1e3}) {
       Vec3d x = at.x;
       const double inward = in * near[a] * 1e-3;
-      x[a] = up ? mesh_box_.low[a] + inward : mesh_box_.high[a] - inward;
+      x[a] = sides_->at(a, !up) + (up ? inward : -inward);
+      x = space_.image(x, geo::Pole::none);
       if (const query::Location found = locate(x, -1, alpha)) {
         at = {x, found.cell};
         return true;
@@ -117,7 +115,7 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
         exit = query::leave_mesh(*sampler_, at.cell, at.x, x, {accuracy_, alpha});
         break;
       }
-      length += length_of(scale(at.x).metres(part));
+      length += length_of(scale(at.x + 0.5 * part).metres(part));
       if (!(y == x) && k + 1 < parts) { // to the same end on the other sheet
         const double left = double(parts - k - 1);
         part = (space_.across(x, pole, y, x + left * part) - y) / left;
@@ -129,7 +127,7 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
       return Moved::inside;
     if (!exit)
       break;
-    length += exit->t * length_of(scale(at.x).metres(part));
+    length += exit->t * length_of(scale(at.x + 0.5 * exit->t * part).metres(part));
     d = (1.0 - exit->t + double(parts - k - 1)) * part;
     const Vec3d from = at.x;
     at = {exit->inside, exit->owner};
@@ -139,7 +137,7 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
     enter_axes(from, at.x, carried);
     if (next_sheet(at, d, alpha, carried))
       continue;
-    if (pass_side(at, d, boundary, alpha)) {
+    if (pass_side(at, d, alpha)) {
       ++work_->contacts;
       continue;
     }
@@ -248,35 +246,6 @@ void Walls::step_back(Spot& at, const Vec3d& out, double alpha) const {
   const Vec3d x = at.x - reach * out;
   if (const query::Location found = locate(x, at.cell, alpha))
     at = {x, found.cell};
-}
-
-Box box_of(const mesh::MeshView& mesh, const core::Threads& threads) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  const Box none{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  constexpr std::int64_t grain = 4096;
-  std::vector<Box> boxes(std::size_t((mesh.cell_count() + grain - 1) / grain), none);
-  threads.parallel_for(mesh.cell_count(), grain, [&](std::int64_t begin, std::int64_t end) {
-    Box& box = boxes[std::size_t(begin / grain)];
-    mesh::CellVertices c;
-    for (std::int64_t cell = begin; cell < end; ++cell) {
-      const std::int32_t piece = mesh.piece_of(cell);
-      if (!mesh.pieces[piece].owns(cell - mesh.first_cell[piece]))
-        continue;
-      mesh::gather(mesh, cell, c);
-      for (int v = 0; v < c.count; ++v)
-        for (int a = 0; a < 3; ++a) {
-          box.low[a] = std::min(box.low[a], c.x[v][a]);
-          box.high[a] = std::max(box.high[a], c.x[v][a]);
-        }
-    }
-  });
-  Box all = none;
-  for (const Box& box : boxes)
-    for (int a = 0; a < 3; ++a) {
-      all.low[a] = std::min(all.low[a], box.low[a]);
-      all.high[a] = std::max(all.high[a], box.high[a]);
-    }
-  return all;
 }
 
 } // namespace insitu::advect

@@ -4,8 +4,8 @@
 
 #include "advect/box.h"
 #include "advect/effects.h"
+#include "advect/sides.h"
 #include "advect/space.h"
-#include "core/parallel.h"
 #include "math/vec.h"
 #include "query/sampler.h"
 
@@ -24,11 +24,10 @@ enum class Moved : std::uint8_t { inside, left, stopped };
 /// serves one thread; every call is bounded, in corners, wedges and cracks as well.
 class Walls {
 public:
-  /// sampler: among images where `space` has a chart. box: of the mesh, for periodic sides, which
-  /// no chart has. The arguments must outlive the object.
-  Walls(const query::Sampler& sampler, insitu_accuracy accuracy, const Space& space, const Box& box,
-        EffectWork& work)
-      : sampler_(&sampler), accuracy_(accuracy), space_(space), mesh_box_(box), work_(&work) {}
+  /// sampler: among images where `space` has a chart. The arguments must outlive the object.
+  Walls(const query::Sampler& sampler, insitu_accuracy accuracy, const Space& space,
+        const Sides& sides, EffectWork& work)
+      : sampler_(&sampler), accuracy_(accuracy), space_(space), sides_(&sides), work_(&work) {}
 
   /// Moves `at`, which must be inside the mesh blended by alpha, by d (in coordinates), and turns
   /// the vector `carried`, in metres, if not null, as the wall turns the motion. At a wall the
@@ -71,19 +70,15 @@ private:
   bool next_sheet(Spot& at, math::Vec3d& rest, double alpha, math::Vec3d* carried);
   math::Vec3d normal_in_metres(const Scale& per_metre, const math::Vec3d& normal) const;
   void step_back(Spot& at, const math::Vec3d& out, double alpha) const;
-  bool pass_side(Spot& at, const math::Vec3d& d, const BoundaryEffect& boundary,
-                 double alpha) const;
+  bool pass_side(Spot& at, const math::Vec3d& d, double alpha) const;
 
   const query::Sampler* sampler_;
   insitu_accuracy accuracy_;
   Space space_;
-  Box mesh_box_;
+  const Sides* sides_;
   EffectWork* work_;
   math::Vec3d wall_;
 };
-
-/// The box of the owning cells' vertices as they are now.
-Box box_of(const mesh::MeshView& mesh, const core::Threads& threads);
 
 /// a * b along each axis.
 inline math::Vec3d by_axis(const math::Vec3d& a, const math::Vec3d& b) {

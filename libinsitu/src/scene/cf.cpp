@@ -40,10 +40,13 @@ Attributes ellipsoid(const char* mapping) {
 } // namespace
 
 std::array<NetcdfVariable, 3> cf_position(const insitu_frame& frame) {
-  const auto axes = [](Attributes x, Attributes y, Attributes z) {
-    x.push_back(text("axis", "X"));
-    y.push_back(text("axis", "Y"));
-    z.push_back(text("axis", "Z"));
+  const auto axes = [&](Attributes x, Attributes y, Attributes z) {
+    // Z is vertical there (CF 4.3), X and Y are level (4.4): geocentric coordinates are neither.
+    if (frame.kind != INSITU_FRAME_GEOCENTRIC) {
+      x.push_back(text("axis", "X"));
+      y.push_back(text("axis", "Y"));
+      z.push_back(text("axis", "Z"));
+    }
     return std::array{variable("x", NetcdfType::float64, std::move(x)),
                       variable("y", NetcdfType::float64, std::move(y)),
                       variable("z", NetcdfType::float64, std::move(z))};

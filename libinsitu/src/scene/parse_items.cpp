@@ -115,6 +115,39 @@ void parse_common(const MapReader& map, ParseContext& context, const char* point
   item.trigger = parse_trigger(map, context.trigger);
 }
 
+bool has_periodic_sides(const TracerEffects& effects) {
+  const auto& wall = effects.boundary;
+  return wall && (wall->periodic[0] || wall->periodic[1] || wall->periodic[2]);
+}
+
+/// As advect::check_line_effects(), in the scene's words.
+void check_line_effects(const Cursor& effects, const Tracer& tracer) {
+  const TracerEffects& e = tracer.effects;
+  if (e.diffusion) {
+    effects.fail(
+        "a random walk has no velocity whose streamlines there could be: 'diffusion' is for "
+        "path- and streaklines");
+  }
+  if (e.inertia && tracer.direction != TracerDirection::forward) {
+    effects.fail("backwards, drag makes every error grow without bound: 'inertia' on streamlines "
+                 "needs 'direction: forward'");
+  }
+  if (e.inertia && !tracer.until.duration && !e.age_limit) {
+    effects.fail(
+        "particles with 'inertia' fly on from where the flow rests: on streamlines it needs "
+        "'until: {duration}' or 'age_limit'");
+  }
+  if (e.boundary && e.boundary->other == WallResponse::put_back) {
+    effects.fail(
+        "'put_back' would begin a streamline again and again; its walls 'stop' it or let it "
+        "'slide'");
+  }
+  if (e.boundary && e.boundary->other == WallResponse::reflect && !e.inertia) {
+    effects.fail("without 'inertia', 'reflect' would throw a streamline to and fro before a wall; "
+                 "its walls 'stop' it or let it 'slide'");
+  }
+}
+
 } // namespace
 
 Probe parse_probe(const Cursor& cursor, ParseContext& context) {
@@ -164,8 +197,6 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     if (tracer.kind == TracerKind::streamline) {
       geodesics->fail("streamlines are of one time; this key belongs to path- and streaklines");
     }
-    if (map.find("times"))
-      geodesics->fail("'geodesics' are of cycles, and not known at the 'times' between them");
     tracer.geodesics =
         parse_words<TrackGeodesic>(*geodesics,
                                    {{"path_length", TrackGeodesic::path_length},
@@ -222,9 +253,15 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   }
   if (const auto effects = map.find("effects")) {
     tracer.effects = parse_tracer_effects(*effects);
-    if (tracer.kind == TracerKind::streamline && effects->is_list() &&
-        !effects->node().items.empty()) {
-      effects->fail("effects act on path- and streaklines, not on streamlines");
+    if (tracer.kind == TracerKind::streamline) {
+      check_line_effects(*effects, tracer);
+    }
+    if (has_periodic_sides(tracer.effects) &&
+        std::find(tracer.geodesics.begin(), tracer.geodesics.end(), TrackGeodesic::path_length) !=
+            tracer.geodesics.end()) {
+      map.find("geodesics")
+          ->fail("'path_length' adds up the ways from cycle to cycle, in which a "
+                 "passage through 'periodic' sides would count as one");
     }
   }
   if (attached) {

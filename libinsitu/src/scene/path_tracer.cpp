@@ -67,7 +67,8 @@ public:
       begin_interval(mesh, step);
       advance(mesh, velocity, step);
     }
-    geodesics_.follow(particles_.particles(), mesh.frame, environment_.context.threads);
+    geodesics_.follow(particles_.particles(), snapshots(), mesh.frame,
+                      environment_.context.threads);
     output_clock_.note(step.time, due_times_);
     environment_.statistics.advect_s += timer.seconds();
     const core::Timer output_timer;
@@ -302,6 +303,7 @@ private:
           });
       column += n;
     }
+    add_geodesics(out, [&](std::size_t r, double* to) { geodesics_.put_snapshot(items[r], to); });
     return out;
   }
 
@@ -316,27 +318,28 @@ private:
     }
     TrackRows out = no_rows(mesh, step);
     out.values = sample(mesh, fields(mesh), points, cells);
-    add_geodesics(out, p, indices);
     for (std::size_t r = 0; r < indices.size(); ++r) {
       const std::size_t i = indices[r];
       out.rows.push_back({p.ids[i], p.times[i], points[r], own_cell(mesh, cells[r], points[r]),
                           insitu_ending(p.endings[i])});
     }
+    add_geodesics(out,
+                  [&](std::size_t r, double* to) { geodesics_.put(out.rows[r].particle, to); });
     return out;
   }
 
-  /// Further columns after those of the fields.
-  void add_geodesics(TrackRows& out, const advect::Particles& p,
-                     const std::vector<std::size_t>& indices) const {
+  /// Further columns after those of the fields; put(r, out): of row r.
+  template <class Put>
+  void add_geodesics(TrackRows& out, Put&& put) const {
     const std::size_t fields = out.columns.size(), width = fields + geodesics_.columns().size();
     if (width == fields)
       return;
     for (const TrackGeodesic column : geodesics_.columns())
       out.columns.emplace_back(geodesic_name(column));
-    std::vector<double> values(indices.size() * width);
-    for (std::size_t r = 0; r < indices.size(); ++r) {
+    std::vector<double> values(out.rows.size() * width);
+    for (std::size_t r = 0; r < out.rows.size(); ++r) {
       std::copy_n(out.values.data() + r * fields, fields, values.data() + r * width);
-      geodesics_.put(p.ids[indices[r]], values.data() + r * width + fields);
+      put(r, values.data() + r * width + fields);
     }
     out.values = std::move(values);
   }

@@ -1,6 +1,9 @@
+#include <algorithm>
+
 #include "core/timer.h"
 #include "scene/drawn_lines.h"
 #include "scene/tracer_action.h"
+#include "scene/tracer_effects.h"
 #include "scene/vtp_series.h"
 
 namespace insitu::scene {
@@ -33,8 +36,11 @@ public:
     settings.accuracy = to_api(tracer_.accuracy);
     if (tracer_.until.duration)
       settings.duration = *tracer_.until.duration;
+    if (tracer_.effects.age_limit)
+      settings.duration = std::min(settings.duration, *tracer_.effects.age_limit);
     if (tracer_.until.length)
       settings.length = *tracer_.until.length;
+    settings.effects = effects_at(tracer_, mesh, step, 0, environment_.scene_file);
     mesh.look_for_folds(environment_.context.threads); // particles ask with hints
     const advect::Streamlines streamlines = advect::trace_streamlines(
         mesh.sampler(), find_field(mesh, tracer_.velocity, environment_.scene_file), seeds(mesh),

@@ -16,6 +16,8 @@ void TracerAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
   const mesh::MeshView& view = mesh.mesh().view();
   if (tracer_.kind == TracerKind::streamline) {
     find_field(mesh, tracer_.velocity, environment_.scene_file); // it must be there
+    for (const mesh::KeptField& of : effect_fields(tracer_.effects, 0))
+      find_field(mesh, {of.name, tracer_.line}, environment_.scene_file);
     plan.skip("earlier step of '" + tracer_.velocity.text + "'", "streamlines see one step alone");
     return;
   }

@@ -60,24 +60,32 @@ void TrackGeodesics::begin(const advect::Particles& particles, const insitu_fram
   tracks_.resize(kept);
 }
 
-void TrackGeodesics::follow(const advect::Particles& particles, const insitu_frame& frame,
-                            const core::Threads& threads) {
+void TrackGeodesics::follow(const advect::Particles& particles, const advect::Snapshots* snapshots,
+                            const insitu_frame& frame, const core::Threads& threads) {
   if (columns_.empty())
     return;
   const geo::Frame from = to_geo(frame);
-  threads.parallel_for(std::int64_t(tracks_.size()), 512,
-                       [&](std::int64_t begin, std::int64_t end) {
-                         for (auto i = std::size_t(begin); i < std::size_t(end); ++i) {
-                           GeodesicTrack& track = tracks_[i];
-                           const math::Vec3d& p = particles.positions[i];
-                           if (!is_place(p))
-                             continue;
-                           const math::Vec3d at = to_degrees(p, from);
-                           if (at.x != track.at.x || at.y != track.at.y)
-                             track.length += geo::separation(track.at, at).distance;
-                           track.at = at;
-                         }
-                       });
+  const std::size_t times = snapshots ? snapshots->times.size() : 0;
+  at_snapshots_.resize(times * (snapshots ? snapshots->particles : 0) * columns_.size());
+  const auto go_to = [&](GeodesicTrack& track, const math::Vec3d& p) {
+    if (!is_place(p))
+      return;
+    const math::Vec3d at = to_degrees(p, from);
+    if (at.x != track.at.x || at.y != track.at.y)
+      track.length += geo::separation(track.at, at).distance;
+    track.at = at;
+  };
+  threads.parallel_for(
+      std::int64_t(tracks_.size()), 512, [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = std::size_t(begin); i < std::size_t(end); ++i) {
+          for (std::size_t k = 0; k < times; ++k)
+            if (const std::size_t item = snapshots->item(k, i); snapshots->present[item]) {
+              go_to(tracks_[i], snapshots->positions[item]);
+              put(tracks_[i], at_snapshots_.data() + item * columns_.size());
+            }
+          go_to(tracks_[i], particles.positions[i]);
+        }
+      });
 }
 
 void TrackGeodesics::put(std::int64_t particle, double* out) const {
@@ -86,12 +94,20 @@ void TrackGeodesics::put(std::int64_t particle, double* out) const {
   const auto found =
       std::lower_bound(tracks_.begin(), tracks_.end(), particle,
                        [](const GeodesicTrack& t, std::int64_t id) { return t.id < id; });
-  std::fill(out, out + columns_.size(), std::numeric_limits<double>::quiet_NaN());
-  if (found == tracks_.end() || found->id != particle)
-    return;
-  const geo::Separation from_release = geo::separation(found->release, found->at);
+  if (found != tracks_.end() && found->id == particle)
+    put(*found, out);
+  else
+    std::fill(out, out + columns_.size(), std::numeric_limits<double>::quiet_NaN());
+}
+
+void TrackGeodesics::put_snapshot(std::size_t item, double* out) const {
+  std::copy_n(at_snapshots_.data() + item * columns_.size(), columns_.size(), out);
+}
+
+void TrackGeodesics::put(const GeodesicTrack& track, double* out) const {
+  const geo::Separation from_release = geo::separation(track.release, track.at);
   for (std::size_t c = 0; c < columns_.size(); ++c)
-    out[c] = columns_[c] == TrackGeodesic::path_length        ? found->length
+    out[c] = columns_[c] == TrackGeodesic::path_length        ? track.length
              : columns_[c] == TrackGeodesic::release_distance ? from_release.distance
                                                               : from_release.bearing;
 }

@@ -7,6 +7,7 @@
 #include "insitu/insitu.h"
 
 #include "advect/particles.h"
+#include "advect/snapshots.h"
 #include "core/archive.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -33,7 +34,8 @@ namespace insitu::scene {
 /// were released, by the geodesics between their places (heights do not count). Nothing is done
 /// and kept where no column is wanted.
 ///
-///   path_length       metres: the geodesics from one executed cycle to the next, added up
+///   path_length       metres: the geodesics from one executed cycle, or time asked for, to the
+///                     next, added up
 ///   release_distance  metres: the geodesic from the point of release
 ///   release_bearing   its direction there, degrees clockwise from north, from 0 to below 360; NaN
 ///                     where the distance is 0
@@ -46,18 +48,23 @@ public:
   /// New particles begin where they are; those that are no more are forgotten. The frame is one
   /// with a place on Earth.
   void begin(const advect::Particles& particles, const insitu_frame& frame);
-  /// The particles, those of begin(), have moved.
-  void follow(const advect::Particles& particles, const insitu_frame& frame,
-              const core::Threads& threads);
+  /// The particles, those of begin(), have moved; snapshots: by way of these, if not null.
+  void follow(const advect::Particles& particles, const advect::Snapshots* snapshots,
+              const insitu_frame& frame, const core::Threads& threads);
   /// Writes columns().size() numbers of the particle with this id; NaN if it is not known.
   void put(std::int64_t particle, double* out) const;
+  /// The same as it was at an item of the snapshots that were followed last, where it was present.
+  void put_snapshot(std::size_t item, double* out) const;
 
   /// Everything, to a checkpoint or back.
   void keep(core::Archive& archive);
 
 private:
+  void put(const GeodesicTrack& track, double* out) const;
+
   std::vector<TrackGeodesic> columns_;
   core::Buffer<GeodesicTrack> tracks_; ///< ids ascend
+  std::vector<double> at_snapshots_;   ///< [item][column]
 };
 
 /// A column's name in files, such as "path_length".

@@ -33,7 +33,7 @@ public:
     if (cycle.has_times()) {
       for (std::size_t k = 0; k < cycle.times().size(); ++k)
         write_time(cycle, k);
-      tracks_.record(cycle.particles(), true);
+      record(cycle.particles(), cycle.geodesics(), true);
     } else {
       record(cycle.particles(), cycle.geodesics());
       std::vector<std::size_t> all(cycle.particles().size());
@@ -58,8 +58,9 @@ public:
   }
 
 private:
-  void record(const advect::Particles& particles, const TrackGeodesics& geodesics) {
-    const std::size_t width = columns_.size(), first = tracks_.record(particles);
+  void record(const advect::Particles& particles, const TrackGeodesics& geodesics,
+              bool ended_alone = false) {
+    const std::size_t width = columns_.size(), first = tracks_.record(particles, ended_alone);
     geodesics_.resize(tracks_.size() * width);
     for (std::size_t v = first; v < tracks_.size(); ++v)
       geodesics.put(tracks_.particles()[v], geodesics_.data() + v * width);
@@ -73,9 +74,12 @@ private:
     std::vector<std::size_t> ended;
     for (std::size_t i = 0; i < p.size(); ++i) {
       const std::size_t item = at.item(k, i);
-      if (at.present[item])
+      if (at.present[item]) {
         tracks_.record(p.ids[i], due.time, at.positions[item], at.places[item].cell);
-      else if (p.endings[i] != INSITU_END_ALIVE && p.times[i] <= due.time)
+        geodesics_.resize(tracks_.size() * columns_.size());
+        if (!columns_.empty())
+          cycle.geodesics().put_snapshot(item, geodesics_.end() - columns_.size());
+      } else if (p.endings[i] != INSITU_END_ALIVE && p.times[i] <= due.time)
         ended.push_back(i);
     }
     char digits[32];

@@ -15,7 +15,8 @@ using test::NetcdfFile;
 using Texts = std::map<std::string, std::string>;
 
 /// What CF 1.10 asks of any file, as far as a program can tell.
-void expect_sound(const std::string& path, const std::string& feature, const std::string& role) {
+void expect_sound(const std::string& path, const std::string& feature, const std::string& role,
+                  bool is_level = true) {
   SCOPED_TRACE(path);
   const NetcdfFile file(path);
   EXPECT_EQ(file.texts.at("Conventions"), "CF-1.10");
@@ -44,7 +45,8 @@ void expect_sound(const std::string& path, const std::string& feature, const std
       EXPECT_EQ(std::isnan(fill->second[0]), v.type == NC_DOUBLE) << name;
     }
   }
-  EXPECT_EQ(axes, (std::multiset<std::string>{"T", "X", "Y", "Z"}));
+  const std::multiset<std::string> all{"T", "X", "Y", "Z"}, time{"T"};
+  EXPECT_EQ(axes, is_level ? all : time) << "level and vertical ones alone are named so";
   EXPECT_EQ(roles, std::multiset<std::string>{role});
   EXPECT_EQ(file["time"].texts,
             (Texts{{"axis", "T"}, {"long_name", "time of the solver"}, {"units", "s"}}));
@@ -140,6 +142,13 @@ TEST(NetcdfFrames, ProjectedAndLocal) {
        {{"long_name", "north of the origin"}, {"units", "m"}, {"axis", "Y"}},
        {{"long_name", "above the origin"}, {"units", "m"}, {"positive", "up"}, {"axis", "Z"}},
        ""},
+      {insitu::Frame::geocentric(),
+       {{"long_name", "from the Earth's centre towards longitude 0 on the equator"},
+        {"units", "m"}},
+       {{"long_name", "from the Earth's centre towards 90 degrees east on the equator"},
+        {"units", "m"}},
+       {{"long_name", "from the Earth's centre towards the north pole"}, {"units", "m"}},
+       ""},
       {insitu::Frame::cartesian(),
        {{"long_name", own}, {"axis", "X"}},
        {{"long_name", own}, {"axis", "Y"}},
@@ -153,8 +162,9 @@ TEST(NetcdfFrames, ProjectedAndLocal) {
       run.mesh.frame(c.frame);
       ASSERT_TRUE(run.execute()) << insitu_last_message();
     }
-    expect_sound(folder / "gauges.nc", "timeSeries", "timeseries_id");
-    expect_sound(folder / "drifters.nc", "trajectory", "trajectory_id");
+    const bool is_level = c.x.contains("axis");
+    expect_sound(folder / "gauges.nc", "timeSeries", "timeseries_id", is_level);
+    expect_sound(folder / "drifters.nc", "trajectory", "trajectory_id", is_level);
     for (const char* name : {"gauges.nc", "drifters.nc"}) {
       const NetcdfFile file(folder / name);
       EXPECT_EQ(file["x"].texts, c.x);

@@ -148,10 +148,65 @@ TEST(TrackGeodesics, AreThoseOfGeographicLib) {
             "distance along the track since the release");
 }
 
+// At times between cycles: along the equator closed forms; else what the places in the table say,
+// by way of the cycles, where the track bends.
+TEST(TrackGeodesics, AtTimesBetweenCycles) {
+  const test::Folder folder;
+  const std::string tracer = ", velocity: velocity, seeds: [[179, 0, 0], [160, 0, -100]], " +
+                             columns + ", integrator: {method: dopri5, tolerance: 1e-9}";
+  {
+    OnEarth run(pacific(),
+                "tracers:\n  - {name: t" + tracer +
+                    ", times: {interval: 3000}, output: [csv, vtp, netcdf]}\n  - {name: cycles" +
+                    tracer + "}\n",
+                folder.path());
+    for (int cycle = 0; cycle <= 20; ++cycle) {
+      run.flow(cycle <= 10 ? 1.5 : 0.9, cycle <= 10 ? 0 : 1.2); // m/s
+      ASSERT_TRUE(run.session.execute(cycle, 10000.0 * cycle)) << insitu_last_message();
+    }
+  }
+  const runs::Table t = runs::parse_table(test::content(folder / "t.csv")),
+                    cycles = runs::parse_table(test::content(folder / "cycles.csv"));
+  ASSERT_EQ(t.rows.size(), 2 * 68u) << "3000 k up to 200000, and the endings";
+  const test::NetcdfFile file(folder / "t.nc");
+  ASSERT_EQ(file.records(), t.rows.size());
+  for (std::size_t i = 0; i < t.rows.size(); ++i) {
+    const double time = t.number(i, "time"), length = t.number(i, "path_length");
+    EXPECT_EQ(file["path_length"].doubles[i], length);
+    const bool first = t.text(i, "particle") == "0";
+    if (time <= 1e5 && first) {
+      EXPECT_NEAR(length, 1.5 * time, 1e-3);
+      EXPECT_NEAR(t.number(i, "release_distance"), 1.5 * time, 1e-3);
+    }
+    const Inverse from = inverse(first ? 179 : 160, 0, t.number(i, "x"),
+                                 t.number(i, "y")); // to the bit in the table
+    EXPECT_NEAR(t.number(i, "release_distance"), from.distance, 1e-6);
+    if (i >= 2) {
+      const double step =
+          inverse(t.number(i - 2, "x"), t.number(i - 2, "y"), t.number(i, "x"), t.number(i, "y"))
+              .distance;
+      EXPECT_GE(length - t.number(i - 2, "path_length"), step - 1e-6) << "by way of a cycle";
+      // A way turns by 1e-3 at most within 3000 s, but at cycle 10.
+      EXPECT_LE(length - t.number(i - 2, "path_length"), step * 1.001 + (time == 102000 ? 500 : 0));
+    }
+    for (std::size_t c = 0; c < cycles.rows.size(); ++c) // a way with more corners is longer
+      if (cycles.number(c, "time") == time && cycles.text(c, "particle") == t.text(i, "particle")) {
+        EXPECT_GE(length, cycles.number(c, "path_length") - 1e-6);
+        // Of the 15 km in which the velocity turns by 53 degrees.
+        EXPECT_NEAR(length, cycles.number(c, "path_length"), 600);
+      }
+  }
+  EXPECT_NE(test::content(folder / "t_tracks.vtp").find("Name=\"path_length\""), std::string::npos);
+}
+
 TEST(TrackGeodesics, GoOnFromACheckpoint) {
   const std::string scene =
       "tracers: [{name: t, velocity: velocity, seeds: [[178.5, 5, 0], [9, 9, 0], "
       "[152, 3, 0]], release: {every: 4}, output: [csv, vtp], every: 3, " +
+      columns +
+      "}, {name: between, velocity: velocity, seeds: [[178.5, 5, 0], [152, 3, 0]], output: [csv, "
+      "vtp], "
+      "times: {interval: 13000}, " +
       columns + "}]\n";
   const auto execute = [](OnEarth& run, int first, int last) {
     for (int cycle = first; cycle <= last; ++cycle) {

@@ -1,5 +1,6 @@
 // Effects on particles and attached points in whole runs, on a mesh that moves.
 #include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <map>
 
@@ -120,6 +121,67 @@ TEST(EffectsOnParticles, DisplaceThemInLongitudeLatitudeAndDepth) {
       EXPECT_NEAR(deepest, 1500, 1e-3) << name; // on the floor
     }
   }
+}
+
+/// Streamlines in the cube [0, 1]^3 through u = (1, 0, 0), which sink, slide and go round.
+runs::Files lines_under_effects(int threads) {
+  std::vector<double> x, y, z, u, zero, salt;
+  for (int k = 0; k < 5; ++k)
+    for (int j = 0; j < 5; ++j)
+      for (int i = 0; i < 5; ++i) {
+        x.push_back(i / 4.0);
+        y.push_back(j / 4.0);
+        z.push_back(k / 4.0);
+        u.push_back(1.0);
+        zero.push_back(0.0);
+        salt.push_back(35 * k / 4.0);
+      }
+  const test::Folder folder;
+  insitu::Options options;
+  options.scene_text = R"(
+insitu: 1
+tracers:
+  - {name: round, kind: streamline, velocity: u, seeds: [[0.3, 0.5, 0.9], [0.7, 0.2, 0.05]], until: {length: 3.5},
+     spacing: {length: 0.25}, output: [csv, vtp], fields: [salt],
+     effects: [{settling: {speed: 0.125}}, {boundary: {periodic: [x], other: slide}}]}
+  - {name: fresh, kind: streamline, velocity: u, seeds: [[0.1, 0.5, 0.9]],
+     effects: [{windage: {field: u, factor: 0.5}}, {settling: {velocity: [0, 0, -1]}}, {remove: {when: salt < 17.5}}]}
+)";
+  options.output = folder.path();
+  options.threads = threads;
+  {
+    insitu::Session session(options);
+    insitu::Mesh mesh = session.mesh("box");
+    mesh.points(x, y, z);
+    mesh.block(5, 5, 5);
+    mesh.vertex_field("u", {u, zero, zero});
+    mesh.vertex_field("salt", salt);
+    EXPECT_TRUE(session.execute(0, 0.0)) << insitu_last_message();
+  }
+  return runs::files_of(folder.path());
+}
+
+TEST(EffectsOnStreamlines, SinkSlideGoRoundAndEndWhereAConditionHolds) {
+  const runs::Files one = lines_under_effects(1);
+  EXPECT_TRUE(runs::differences(one, lines_under_effects(3)).empty());
+  const runs::Table t = runs::parse_table(one.at("round_000000.csv"));
+  int cuts = 0;
+  for (std::size_t i = 0; i < t.rows.size(); ++i) {
+    const bool first = t.text(i, "line") == "0";
+    const double s = t.number(i, "s"), z = std::max(0.0, (first ? 0.9 : 0.05) - 0.125 * s);
+    EXPECT_NEAR(std::remainder(t.number(i, "x") - (first ? 0.3 : 0.7) - s, 1.0), 0.0, 1e-7);
+    EXPECT_NEAR(t.number(i, "z"), z, 1e-7);
+    EXPECT_NEAR(t.number(i, "salt"), 35 * z, 1e-5) << "on the sides as well";
+    EXPECT_EQ(t.text(i, "ending"), "expired");
+    cuts += i > 0 && t.text(i, "line") == t.text(i - 1, "line") && s == t.number(i - 1, "s");
+  }
+  EXPECT_EQ(cuts, 7); // to 0.3 + 3.47, and to 0.7 + 3.5
+  const std::string& vtp = one.at("round_000000.vtp");
+  EXPECT_NE(vtp.find("NumberOfLines=\"9\""), std::string::npos);
+  const runs::Table fresh = runs::parse_table(one.at("fresh_000000.csv"));
+  EXPECT_NEAR(fresh.number(fresh.rows.size() - 1, "x"), 0.1 + 1.5 * 0.4, 1e-9);
+  EXPECT_NEAR(fresh.number(fresh.rows.size() - 1, "z"), 0.5, 1e-9);
+  EXPECT_EQ(fresh.text(0, "ending"), "removed");
 }
 
 TEST(Attached, ProbesAndParticlesKeepTheirPlaceInTheMaterial) {

@@ -16,8 +16,8 @@ public:
   /// The lattice's units are the frame's. Fields: `latitude` (degrees) and `height` (metres), which
   /// cells interpolate to rounding, and `velocity`, zero at first.
   OnEarth(const insitu::fixtures::Lattice& lattice, const std::string& scene,
-          const std::string& output)
-      : session(options(scene, output)), mesh(session.mesh("ocean")) {
+          const std::string& output, int threads = 1)
+      : session(options(scene, output, threads)), mesh(session.mesh("ocean")) {
     const insitu::test::TestMesh from = insitu::fixtures::lattice(lattice);
     const auto& units = lattice.units;
     for (const auto& p : from.vertices) {
@@ -55,11 +55,11 @@ public:
   insitu::Mesh mesh;
 
 private:
-  static insitu::Options options(const std::string& scene, const std::string& output) {
+  static insitu::Options options(const std::string& scene, const std::string& output, int threads) {
     insitu::Options o;
     o.scene_text = "insitu: 1\npage: false\n" + scene;
     o.output = output;
-    o.threads = 1;
+    o.threads = threads;
     return o;
   }
 };

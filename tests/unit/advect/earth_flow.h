@@ -87,4 +87,12 @@ inline Ocean::Vector constant(const Vec3d& v) {
   return [v](const Vec3d&) { return v; };
 }
 
+/// Metres per second towards a direction in space.
+inline Ocean::Vector towards(const Vec3d& v) {
+  return [v](const Vec3d& at) {
+    const geo::ChartPlace place = geo::place_of({}, geo::Pole::none, at);
+    return Vec3d{dot(v, place.east), dot(v, place.north), 0.0};
+  };
+}
+
 } // namespace insitu::test

@@ -91,7 +91,8 @@ TEST(GeodeticWalls, ReflectAsAPlaneMirrorsInMetres) {
   const query::Sampler images = sea.sampler().among_images();
   advect::EffectWork work;
   const Space space(sea.sampler().chart());
-  Walls walls(images, INSITU_STANDARD, space, {}, work);
+  const advect::Sides none;
+  Walls walls(images, INSITU_STANDARD, space, none, work);
   const Vec3d per_degree = metres_per_degree(60, -100);
   const Vec3d tangent{a * per_degree.x, per_degree.y, 0};
   const Vec3d n = Vec3d{tangent.y, -tangent.x, 0} / std::hypot(tangent.x, tangent.y);
@@ -204,14 +205,6 @@ TestMesh half_cap() {
                             .levels = {-4000, -100, 0}});
 }
 
-/// Metres per second towards a direction in space.
-Ocean::Vector towards(const Vec3d& v) {
-  return [v](const Vec3d& at) {
-    const geo::ChartPlace place = geo::place_of({}, geo::Pole::none, at);
-    return Vec3d{dot(v, place.east), dot(v, place.north), 0.0};
-  };
-}
-
 TEST(GeodeticWalls, CoastsOverThePole) {
   // Pressed onto the coast and taken along it, from one side of the pole to the other.
   Ocean sea(half_cap(), towards({-10, -2, 0}));
@@ -299,23 +292,6 @@ TEST(GeodeticWalls, PutBackGoesOnFromTheLastPositionInside) {
   EXPECT_NEAR(t.positions()[1].x, 11 + 10 * cycle / metres_per_degree(57.3).x, 1e-6);
 }
 
-TEST(GeodeticWalls, TimesBetweenStepsAreRefused) {
-  Ocean sea(fixtures::lattice({}), towards({0.1, 0.05, 0}));
-  advect::Tracer t(sea.settings, sea.memory);
-  t.set_effects(boundary(AtBoundary::slide));
-  const std::vector<Vec3d> seeds{{20, 20, -50}};
-  t.seed(seeds, 0.0);
-  advect::Snapshots at({5.0}, sea.memory);
-  const mesh::FieldView v = sea.flow();
-  try {
-    t.advance(sea.sampler(), v, &v, 0, 10, sea.threads, &at);
-    FAIL();
-  } catch (const core::Error& e) {
-    EXPECT_EQ(e.status(), INSITU_ERROR_UNSUPPORTED);
-    EXPECT_NE(std::string(e.what()).find("times between steps"), std::string::npos) << e.what();
-  }
-}
-
 TEST(GeodeticWalls, SurfacesThatSinkTakeParticlesAlong) {
   // The surface sinks by 20 m. Cells that wrap around and ones on turned charts are copies.
   for (const TestMesh& from : {fixtures::lattice({.west = 0, .east = 360, .wraps = true}),
@@ -383,20 +359,6 @@ TEST(GeodeticWalls, ParticlesAtTheSurfaceGoOverThePole) {
       EXPECT_NEAR(b.positions()[i].z, 0, 1e-5);
     }
     EXPECT_EQ(rises.work.pinned, 0);
-  }
-}
-
-TEST(GeodeticWalls, PeriodicSidesAreRefused) {
-  Ocean sea(basin(), constant({1.0, 0, 0}));
-  Effects effects = boundary(AtBoundary::slide);
-  effects.boundary->periodic[0] = true;
-  const std::vector<Vec3d> seeds{{15, 60, -50}};
-  try {
-    sea.run(effects, seeds, 1.0);
-    FAIL();
-  } catch (const core::Error& error) {
-    EXPECT_EQ(error.status(), INSITU_ERROR_UNSUPPORTED);
-    EXPECT_NE(std::string(error.what()).find("periodic sides"), std::string::npos);
   }
 }
 

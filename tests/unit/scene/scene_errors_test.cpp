@@ -241,7 +241,6 @@ TEST(SceneErrors, Tracers) {
   EXPECT_HAS(tracer_error("release: {when: max(p}"), "tracers[0].release.when: ");
   EXPECT_HAS(tracer_error("geodesics: [length]"), "'length' is not one of path_length");
   EXPECT_HAS(tracer_error("geodesics: [path_length, path_length]"), "given twice");
-  EXPECT_HAS(tracer_error("times: [1], geodesics: [path_length]"), "'times' between them");
   EXPECT_HAS(tracer_error("kind: streamline, geodesics: [path_length]"),
              "tracers[0].geodesics: streamlines are of one time");
   EXPECT_HAS(tracer_error("kind: streamline, release: once"), "belongs to path- and streaklines");
@@ -329,8 +328,18 @@ TEST(SceneErrors, TracerEffects) {
   EXPECT_HAS(effect("{age_limit: 1}, {age_limit: 2}"), "effect 'age_limit' is given twice");
   EXPECT_HAS(tracer_error("attached: body"), "'attached: body' moves particles with the mesh's");
   EXPECT_HAS(tracer_error("attached: bodies"), "'bodies' is not one of lab, body");
-  EXPECT_HAS(tracer_error("kind: streamline, effects: [{age_limit: 1}]"),
-             "effects act on path- and streaklines");
+  const auto on_lines = [](const std::string& text) {
+    return tracer_error("kind: streamline, effects: [" + text);
+  };
+  EXPECT_HAS(on_lines("{diffusion: {coefficient: 1}}]"), "a random walk has no velocity");
+  EXPECT_HAS(on_lines("{boundary: put_back}]"), "'put_back' would begin a streamline again");
+  EXPECT_HAS(on_lines("{boundary: {periodic: [x], other: reflect}}]"), "without 'inertia'");
+  EXPECT_HAS(on_lines("{inertia: {response_time: 1}}]"), "needs 'until: {duration}' or");
+  EXPECT_HAS(on_lines("{inertia: {response_time: 1}}, {age_limit: 1}], direction: both"),
+             "'inertia' on streamlines needs 'direction: forward'");
+  EXPECT_HAS(tracer_error("geodesics: [release_distance, path_length], effects: [{boundary: "
+                          "{periodic: [x]}}]"),
+             "tracers[0].geodesics: 'path_length' adds up the ways from cycle to cycle");
   EXPECT_HAS(tracer_error("effects: [difusion]"),
              "effect 'difusion' is unknown; did you mean 'diffusion'?");
 }
