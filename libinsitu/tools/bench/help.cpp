@@ -49,9 +49,10 @@ The methods
 The run
   --threads T       0: all that the process may use [1]
   --repetitions R   medians of R repetitions [5; scale, methods, amr, effects, render, advect, accuracy, paper: 3]
-  --peers           render, advect: also VTK's; locate: also the peers of VTK, on one thread, interleaved with ours
+  --peers           render, advect: also VTK's; locate: also peers, on one thread, interleaved with ours
   --peer NAME       the same, this one only (may be repeated): vtkStaticCellLocator,
-                    vtkCellTreeLocator, vtkCellLocator, vtkProbeFilter
+                    vtkCellTreeLocator, vtkCellLocator, vtkProbeFilter; OpenVKL where
+                    built with -DINSITU_BENCH_OPENVKL=ON
   --peer-points Q   peers answer the first Q points only (they can be very slow on graded meshes)
   --json FILE       writes the figures; - for standard output, instead of the table
   --csv FILE, --svg FILE   scale: the table, and a plot of it

@@ -2,9 +2,9 @@
 #include <limits>
 
 #include "commands.h"
+#include "peers.h"
 #include "query/candidates.h"
 #include "query/order.h"
-#include "vtk_parts.h"
 
 namespace insitu::bench {
 

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstdlib>
 #include <vtkAbstractCellLocator.h>
 #include <vtkCellLocator.h>
@@ -12,7 +11,6 @@
 #include <vtkProbeFilter.h>
 #include <vtkStaticCellLocator.h>
 
-#include "options.h"
 #include "vtk_mesh.h"
 #include "vtk_parts.h"
 
@@ -111,13 +109,11 @@ private:
 
 } // namespace
 
-std::vector<std::unique_ptr<Peer>> make_peers(const workload::Mesh& mesh,
-                                              const std::vector<double>& field,
-                                              const std::vector<std::string>& names) {
+Peers make_vtk_peers(const workload::Mesh& mesh, const std::vector<double>& field) {
   // (vtkSMPTools.h of VTK 9.1 is not C++20, so its threads are limited from outside.)
   setenv("VTK_SMP_MAX_THREADS", "1", 1);
   const auto grid = make_grid(mesh, field);
-  std::vector<std::unique_ptr<Peer>> all, peers;
+  Peers all;
   all.push_back(std::make_unique<LocatorPeer<vtkStaticCellLocator>>("vtkStaticCellLocator", grid,
                                                                     field.data()));
   all.push_back(
@@ -125,18 +121,7 @@ std::vector<std::unique_ptr<Peer>> make_peers(const workload::Mesh& mesh,
   all.push_back(
       std::make_unique<LocatorPeer<vtkCellLocator>>("vtkCellLocator", grid, field.data()));
   all.push_back(std::make_unique<ProbePeer>(grid));
-  if (names.empty())
-    return all;
-  for (const std::string& name : names) {
-    const auto at = std::find_if(all.begin(), all.end(),
-                                 [&](const auto& peer) { return peer && peer->name() == name; });
-    if (at == all.end())
-      throw UsageError("--peer " + name +
-                       ": vtkStaticCellLocator, vtkCellTreeLocator, vtkCellLocator or "
-                       "vtkProbeFilter expected, once each");
-    peers.push_back(std::move(*at));
-  }
-  return peers;
+  return all;
 }
 
 } // namespace insitu::bench

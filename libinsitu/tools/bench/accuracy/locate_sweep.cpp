@@ -1,13 +1,15 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <string_view>
 
 #include "accuracy/sweeps.h"
 #include "cells/contain_exact.h"
 #include "commands.h"
 #include "format.h"
+#include "peers.h"
 #include "setup.h"
-#include "vtk_parts.h"
 #include "workload/queries.h"
 
 namespace insitu::bench::accuracy {
@@ -146,13 +148,15 @@ public:
     return out;
   }
 
-  /// VTK's, where it is there.
+  /// VTK's and Open VKL, where they are there.
   std::vector<Setting> measure_peers() {
     std::vector<Setting> out;
     std::vector<std::int64_t> cells(points_.size());
     std::vector<double> values(points_.size());
-    for (const auto& peer :
-         make_peers(setup_.mesh, setup_.field, {"vtkStaticCellLocator", "vtkProbeFilter"})) {
+    const std::string_view wanted[] = {"vtkStaticCellLocator", "vtkProbeFilter", "OpenVKL"};
+    for (const auto& peer : make_peers(setup_.mesh, setup_.field)) {
+      if (std::find(std::begin(wanted), std::end(wanted), peer->name()) == std::end(wanted))
+        continue;
       peer->build();
       Setting s;
       s.group = case_.name;

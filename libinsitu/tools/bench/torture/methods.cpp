@@ -4,9 +4,9 @@
 
 #include "core/context.h"
 #include "core/random.h"
+#include "peers.h"
 #include "query/committed_mesh.h"
 #include "setup.h"
-#include "vtk_parts.h"
 
 namespace insitu::bench::torture {
 
