@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Makes the README's tables of measured figures: libinsitu beside VTK's locators, each row one run, adaptive meshes, and
 # what effects of frames cost.
-#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--effects|--accuracy] [--readme]
+#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--effects|--accuracy|--openvkl] [--readme]
 # cells: 1000000, about ten minutes; the large rows take eight times as many. A part alone: --measured, the tables beside
 # VTK's locators; --scale, 1e4 to 3e7 cells, three minutes and 8 GiB, and libinsitu/doc/scale.svg; --amr, adaptive
 # meshes, a minute; --effects, five minutes; --accuracy, what accuracy costs, a minute (small meshes; its page goes to
-# out/accuracy).
+# out/accuracy); --openvkl, beside Open VKL, two minutes, by a binary that was built with it.
 # --readme: puts each part between the README's marks of its name, <!-- scale --> and so on, instead of printing it.
 # INSITU_BENCH: another binary.
 set -euo pipefail
@@ -15,8 +15,8 @@ cells=1000000 readme= parts="measured scale amr effects accuracy"
 for argument; do
   case $argument in
     --readme) readme=1 ;;
-    --measured|--scale|--amr|--effects|--accuracy) parts=${argument#--} ;;
-    *[!0-9]* | '') sed -n '2,10s/^# //p' "$0" >&2; exit 2 ;;
+    --measured|--scale|--amr|--effects|--accuracy|--openvkl) parts=${argument#--} ;;
+    *[!0-9]* | '') sed -n '2,11s/^# //p' "$0" >&2; exit 2 ;;
     *) cells=$argument ;;
   esac
 done
@@ -102,6 +102,29 @@ measured() {
       print line }' "$out/torture.txt"
   echo
   sed -nE 's/^  (Ours lost.*|[0-9]+ FAILED|[0-9]+ answers are not.*)$/\1/p; s/^  ([0-9]+ FAILED):$/\1/p' "$out/torture.txt"
+}
+
+openvkl() {
+  echo "Measured $(date -u +%Y-%m-%d), $(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo), one thread, medians of 3," \
+    "$cells cells, jitter 0.2, in one run: million queries a second, the library's own sort of random points included." \
+    "Open VKL samples in float, hexahedra by its iterative option, all points at once by its widest kernels."
+  echo
+  echo "| mesh, queries | libinsitu | Open VKL | ratio | lost (Open VKL) | error (Open VKL) | build ms | bytes a cell |"
+  echo "|---|---|---|---|---|---|---|---|"
+  local shape queries peer=OpenVKL
+  for shape in hex tet wedge; do
+    for queries in uniform random sorted march faces edges vertices; do
+      locate --cells "$cells" --shape $shape --queries $queries --peer OpenVKL \
+        --points $(case $queries in faces|edges|vertices) echo $((cells / 5)) ;; *) echo "$cells" ;; esac)
+      awk -v name="$shape, $queries" -v n="$(ours cells)" -v a="$(ours mqps)" -v b="$(theirs mqps)" \
+        -v ratio="$(ours ratio_OpenVKL)" -v q="$(ours queries)" -v lost="$(ours lost)" -v vlost="$(theirs lost)" \
+        -v error="$(ours max_error)" -v verror="$(theirs max_error)" -v build="$(ours build_s)" \
+        -v vbuild="$(theirs build_s)" -v bytes="$(ours bytes)" -v vbytes="$(theirs bytes)" 'BEGIN {
+          printf "| %s | %.2f | %.3g | %.1f | %d (%s) | %.0e (%s) | %.0f (%.0f) | %.0f (%.0f) |\n", name, a, b, ratio, lost,
+            vlost == 0 || vlost / q < 0.0005 ? vlost : sprintf("%.1f %%", 100 * vlost / q), error,
+            vlost == q ? "-" : sprintf("%.0e", verror), 1e3 * build, 1e3 * vbuild, bytes / n, vbytes / n }'
+    done
+  done
 }
 
 scale() {
