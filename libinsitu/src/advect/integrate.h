@@ -71,9 +71,9 @@ private:
 /// that only close in on an exit. A visitor that can be called with (p, DenseStep) is called so
 /// after every step, those included, and at the start with p alone. By returning false, if it
 /// returns a bool, it ends the way there, as INSITU_END_REMOVED unless `to` is reached. Ends with
-/// INSITU_END_ALIVE at `to`, INSITU_END_EXPIRED at max_length, or why it ended. p.x is always a point found inside,
-/// unless it was seeded outside or the mesh has moved away from it. All that is given by reference
-/// must outlive the coroutine.
+/// INSITU_END_ALIVE at `to`, INSITU_END_EXPIRED at max_length, or why it ended. p.x is always a
+/// point found inside, unless it was seeded outside or the mesh has moved away from it. All that is
+/// given by reference must outlive the coroutine.
 template <class M, VelocityField F, class Visit>
 Stepping integration(F& velocity, const IntegratorSettings& settings, double to, double max_length,
                      State& p, Work& work, Visit visit) {

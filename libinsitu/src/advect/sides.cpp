@@ -12,40 +12,10 @@ namespace insitu::advect {
 
 namespace {
 
-/// The box of the owning cells' vertices as they are now.
-Box whole_box(const mesh::MeshView& mesh, const core::Threads& threads) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  const Box none{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  constexpr std::int64_t grain = 4096;
-  std::vector<Box> boxes(std::size_t((mesh.cell_count() + grain - 1) / grain), none);
-  threads.parallel_for(mesh.cell_count(), grain, [&](std::int64_t begin, std::int64_t end) {
-    Box& box = boxes[std::size_t(begin / grain)];
-    mesh::CellVertices c;
-    for (std::int64_t cell = begin; cell < end; ++cell) {
-      const std::int32_t piece = mesh.piece_of(cell);
-      if (!mesh.pieces[piece].owns(cell - mesh.first_cell[piece]))
-        continue;
-      mesh::gather(mesh, cell, c);
-      for (int v = 0; v < c.count; ++v)
-        for (int a = 0; a < 3; ++a) {
-          box.low[a] = std::min(box.low[a], c.x[v][a]);
-          box.high[a] = std::max(box.high[a], c.x[v][a]);
-        }
-    }
-  });
-  Box all = none;
-  for (const Box& box : boxes)
-    for (int a = 0; a < 3; ++a) {
-      all.low[a] = std::min(all.low[a], box.low[a]);
-      all.high[a] = std::max(all.high[a], box.high[a]);
-    }
-  return all;
-}
-
-/// f(result, low, high) with the longitudes of each owning cell; the results, one a range of cells.
+/// f(result, box) with the box of each owning cell as it is now; the results, one a range of cells.
 template <class Result, class F>
-std::vector<Result> over_longitudes(const mesh::MeshView& mesh, const core::Threads& threads,
-                                    const Result& none, F&& f) {
+std::vector<Result> over_boxes(const mesh::MeshView& mesh, const core::Threads& threads,
+                               const Result& none, F&& f) {
   constexpr std::int64_t grain = 4096;
   std::vector<Result> results(std::size_t((mesh.cell_count() + grain - 1) / grain), none);
   threads.parallel_for(mesh.cell_count(), grain, [&](std::int64_t begin, std::int64_t end) {
@@ -55,11 +25,26 @@ std::vector<Result> over_longitudes(const mesh::MeshView& mesh, const core::Thre
       if (!mesh.pieces[piece].owns(cell - mesh.first_cell[piece]))
         continue;
       mesh::gather(mesh, cell, c);
-      const Box box = box_of(c);
-      f(results[std::size_t(begin / grain)], box.low.x, box.high.x);
+      f(results[std::size_t(begin / grain)], box_of(c));
     }
   });
   return results;
+}
+
+void join(Box& box, const Box& other) {
+  for (int a = 0; a < 3; ++a) {
+    box.low[a] = std::min(box.low[a], other.low[a]);
+    box.high[a] = std::max(box.high[a], other.high[a]);
+  }
+}
+
+/// The box of all of them.
+Box whole_box(const mesh::MeshView& mesh, const core::Threads& threads) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Box all{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (const Box& box : over_boxes(mesh, threads, all, join))
+    join(all, box);
+  return all;
 }
 
 /// Where a geodetic mesh, among images, begins and ends in longitude: on either side of the widest
@@ -71,8 +56,8 @@ bool longitudes_of(const mesh::MeshView& mesh, const query::ChartImage& chart,
   const auto bin = [&](double x) { return int(std::floor((x - chart.west) / width)); };
   std::bitset<bins> taken;
   for (const std::bitset<bins>&part :
-       over_longitudes(mesh, threads, taken, [&](std::bitset<bins>&t, double low, double high) {
-         for (int b = bin(low); b <= bin(high); ++b)
+       over_boxes(mesh, threads, taken, [&](std::bitset<bins>&t, const Box&cell) {
+         for (int b = bin(cell.low.x); b <= bin(cell.high.x); ++b)
            t.set(std::size_t((b % bins + bins) % bins));
        }))
     taken |= part;
@@ -92,11 +77,10 @@ bool longitudes_of(const mesh::MeshView& mesh, const query::ChartImage& chart,
     double low = infinity, high = -infinity;
   };
   Reach all;
-  for (const Reach& part :
-       over_longitudes(mesh, threads, Reach(), [&](Reach&r, double low, double high) {
-         const double turns = turn * std::floor((low - gap) / turn);
-         r.low = std::min(r.low, low - turns);
-         r.high = std::max(r.high, high - turns);
+  for (const Reach& part : over_boxes(mesh, threads, Reach(), [&](Reach&r, const Box&cell) {
+         const double turns = turn * std::floor((cell.low.x - gap) / turn);
+         r.low = std::min(r.low, cell.low.x - turns);
+         r.high = std::max(r.high, cell.high.x - turns);
        })) {
     all.low = std::min(all.low, part.low);
     all.high = std::max(all.high, part.high);

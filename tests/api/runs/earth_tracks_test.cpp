@@ -15,19 +15,9 @@ namespace {
 
 using insitu::fixtures::Lattice;
 using runs::OnEarth;
+using runs::pacific;
 
 const std::string columns = "geodesics: [path_length, release_distance, release_bearing]";
-
-/// The Pacific on both sides of the date line.
-Lattice pacific() {
-  return {.west = 150,
-          .south = -30,
-          .east = 210,
-          .north = 30,
-          .across = 12,
-          .along = 12,
-          .levels = {-3000, 0}};
-}
 
 struct Inverse {
   double distance, bearing;
@@ -214,25 +204,7 @@ TEST(TrackGeodesics, GoOnFromACheckpoint) {
       ASSERT_TRUE(run.session.execute(cycle, 20000.0 * cycle)) << insitu_last_message();
     }
   };
-  const test::Folder whole, parts, state;
-  {
-    OnEarth run(pacific(), scene, whole.path());
-    execute(run, 0, 20);
-  }
-  {
-    OnEarth run(pacific(), scene, parts.path());
-    execute(run, 0, 10);
-    run.session.checkpoint(state / "s");
-    execute(run, 11, 13);
-    std::filesystem::copy(parts.path(), state / "out", std::filesystem::copy_options::recursive);
-  }
-  {
-    OnEarth run(pacific(), scene, state / "out");
-    run.session.restart(state / "s");
-    execute(run, 11, 20);
-  }
-  EXPECT_EQ(runs::differences(runs::files_of(whole.path()), runs::files_of(state / "out")),
-            std::vector<std::string>{});
+  runs::in_one_and_in_two(pacific(), scene, execute);
 }
 
 TEST(TrackGeodesics, NeedAPlaceOnEarth) {

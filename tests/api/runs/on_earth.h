@@ -1,15 +1,29 @@
 #pragma once
 
+#include <filesystem>
+#include <gtest/gtest.h>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "insitu/insitu.hpp"
 
+#include "coupled.h"
 #include "fixtures/earth_meshes.h"
 
 /// A coupled run for tests on a mesh of hexahedra in longitude, latitude and a vertical number.
 namespace runs {
+
+/// The Pacific on both sides of the date line.
+inline insitu::fixtures::Lattice pacific() {
+  return {.west = 150,
+          .south = -30,
+          .east = 210,
+          .north = 30,
+          .across = 12,
+          .along = 12,
+          .levels = {-3000, 0}};
+}
 
 class OnEarth {
 public:
@@ -63,5 +77,32 @@ private:
     return o;
   }
 };
+
+/// A run of 20 cycles in one, by execute(run, first, last), against one that is stopped after 10
+/// (and went on to 13) and taken up again by three threads: the same files, which are returned.
+template <class Execute>
+Files in_one_and_in_two(const insitu::fixtures::Lattice& lattice, const std::string& scene,
+                        Execute&& execute) {
+  const test::Folder whole, parts, state;
+  {
+    OnEarth run(lattice, scene, whole.path());
+    execute(run, 0, 20);
+  }
+  {
+    OnEarth run(lattice, scene, parts.path());
+    execute(run, 0, 10);
+    run.session.checkpoint(state / "s");
+    execute(run, 11, 13);
+    std::filesystem::copy(parts.path(), state / "out", std::filesystem::copy_options::recursive);
+  }
+  {
+    OnEarth run(lattice, scene, state / "out", 3);
+    run.session.restart(state / "s");
+    execute(run, 11, 20);
+  }
+  const Files files = files_of(whole.path());
+  EXPECT_EQ(differences(files, files_of(state / "out")), std::vector<std::string>{});
+  return files;
+}
 
 } // namespace runs
