@@ -144,13 +144,13 @@ private:
     const std::string item = "macrocells of " + what;
     // A range of two doubles, a mark and a majorant each.
     const std::int64_t bytes = (mesh_.tree().cell_count() / 64 + 1) * 21;
-    const bool shows_all =
-        !v.opacity.empty() && std::all_of(v.opacity.begin(), v.opacity.end(),
-                                          [](const OpacityPoint& p) { return p.opacity > 0; });
+    const bool shows_all = v.nan_opacity > 0 && !v.opacity.empty() &&
+                           std::all_of(v.opacity.begin(), v.opacity.end(),
+                                       [](const OpacityPoint& p) { return p.opacity > 0; });
     if (v.tolerance)
       plan_.need(item, bytes, "the volume has a tolerance");
     else if (shows_all)
-      plan_.skip(item, "the opacity is nowhere 0");
+      plan_.skip(item, "the opacity is nowhere 0, of NaN neither");
     else
       plan_.need(item, -1,
                  "to skip what is empty, if a look at some cells tells that it pays; then about " +

@@ -97,5 +97,22 @@ TEST(Plan, SaysWhatIsSkippedAndWhy) {
     EXPECT_NE(text.find(expected), std::string::npos) << expected << " in\n" << text;
 }
 
+/// As render::skipping_pays: cells of NaN are worth skipping unless they show.
+TEST(Plan, MacrocellsAreWantedWhereSomethingMayBeEmpty) {
+  const auto wants = [](const std::string& opacity) {
+    PlannedRun run("frames: [{name: f, size: [8, 8], volume: {field: p, range: [0, 1], " + opacity +
+                   "}}]");
+    const scene::Plan plan = run.plan();
+    for (const scene::Plan::Entry& e : plan.entries())
+      if (e.item == "macrocells of 'p'")
+        return e.needed;
+    ADD_FAILURE() << plan.text();
+    return false;
+  };
+  EXPECT_TRUE(wants("opacity: [[0, 0], [1, 1]], nan_opacity: 1"));
+  EXPECT_TRUE(wants("opacity: [[0, 0.1], [1, 1]]"));
+  EXPECT_FALSE(wants("opacity: [[0, 0.1], [1, 1]], nan_opacity: 0.5"));
+}
+
 } // namespace
 } // namespace insitu::test
