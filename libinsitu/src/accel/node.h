@@ -46,7 +46,8 @@ INSITU_HD inline float inverse_scale(std::uint8_t exponent) {
   return std::bit_cast<float>((254u - std::uint32_t(exponent)) << 23);
 }
 
-/// Of Node::depth: no zero, which could be a negative one; less than anything that it is asked for.
+/// What distances to faces are too large in Node::depth, in steps of a node's grid: so one of 0 is
+/// never -0, whose sign would put the query outside. Nobody cares for so small a part of a step.
 constexpr float depth_slack = 0x1p-14f;
 
 constexpr float whole_steps = 0x1p23f; ///< a float below 2^22 plus this ends in its nearest integer

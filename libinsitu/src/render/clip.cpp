@@ -24,22 +24,6 @@ std::optional<Stretch> behind_plane(const Clip& clip, const Ray& ray) {
   return slope > 0 ? Stretch{-infinity, t} : Stretch{t, infinity};
 }
 
-std::optional<Stretch> in_box(const Clip& clip, const Ray& ray) {
-  Stretch in{-infinity, infinity};
-  for (int a = 0; a < 3; ++a) {
-    const double low = clip.point[a] - ray.origin[a], high = clip.vector[a] - ray.origin[a];
-    const double d = ray.direction[a];
-    if (d == 0) {
-      if (low > 0 || high < 0)
-        return std::nullopt;
-      continue;
-    }
-    in.from = std::max(in.from, (d > 0 ? low : high) / d);
-    in.to = std::min(in.to, (d > 0 ? high : low) / d);
-  }
-  return in.from <= in.to ? std::optional(in) : std::nullopt;
-}
-
 std::optional<Stretch> in_sphere(const Clip& clip, const Ray& ray) {
   // From the point of the ray that is nearest to the centre: the textbook's discriminant would
   // cancel for a viewer many radii away.
@@ -59,7 +43,7 @@ std::optional<Stretch> inside(const Clip& clip, const Ray& ray) {
   case Clip::Kind::plane:
     return behind_plane(clip, ray);
   case Clip::Kind::box:
-    return in_box(clip, ray);
+    return stretch_in_box(ray, clip.point, clip.vector);
   case Clip::Kind::sphere:
     break;
   }
@@ -67,6 +51,22 @@ std::optional<Stretch> inside(const Clip& clip, const Ray& ray) {
 }
 
 } // namespace
+
+std::optional<Stretch> stretch_in_box(const Ray& ray, const Vec3d& low, const Vec3d& high) {
+  Stretch in{-infinity, infinity};
+  for (int a = 0; a < 3; ++a) {
+    const double to_low = low[a] - ray.origin[a], to_high = high[a] - ray.origin[a];
+    const double d = ray.direction[a];
+    if (d == 0) {
+      if (to_low > 0 || to_high < 0)
+        return std::nullopt;
+      continue;
+    }
+    in.from = std::max(in.from, (d > 0 ? to_low : to_high) / d);
+    in.to = std::min(in.to, (d > 0 ? to_high : to_low) / d);
+  }
+  return in.from <= in.to ? std::optional(in) : std::nullopt;
+}
 
 void clip_ray(const std::vector<Clip>& clips, const Ray& ray, double near, double far,
               std::vector<Stretch>& stays) {

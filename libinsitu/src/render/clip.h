@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "math/vec.h"
@@ -21,6 +22,11 @@ struct Clip {
   double radius = 0;
   bool keep_inside = true; ///< of a box or a sphere; false: its inside goes
 };
+
+/// The part of a ray's line, before its origin too, that lies in a box; none if it passes it by.
+/// The direction's components may be 0 and the origin anywhere.
+std::optional<Stretch> stretch_in_box(const Ray& ray, const math::Vec3d& low,
+                                      const math::Vec3d& high);
 
 /// What stays of a ray within [near, far], in ascending order; all of it without clips, and what
 /// every single one keeps with several. The direction's components may be 0 and the origin

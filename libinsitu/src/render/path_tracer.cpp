@@ -48,17 +48,11 @@ PathTracer::PathTracer(const query::Sampler& sampler, const VolumeSettings& volu
 }
 
 bool PathTracer::clip_to_bounds(const Ray& ray, double& near, double& far) const {
-  for (int a = 0; a < 3; ++a) {
-    const double o = ray.origin[a], d = ray.direction[a];
-    if (d == 0) {
-      if (o < low_[a] || o > high_[a])
-        return false;
-      continue;
-    }
-    const double t0 = (low_[a] - o) / d, t1 = (high_[a] - o) / d;
-    near = std::max(near, std::min(t0, t1));
-    far = std::min(far, std::max(t0, t1));
-  }
+  const std::optional<Stretch> in = stretch_in_box(ray, low_, high_);
+  if (!in)
+    return false;
+  near = std::max(near, in->from);
+  far = std::min(far, in->to);
   return near < far && std::isfinite(far);
 }
 

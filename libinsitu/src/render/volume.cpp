@@ -99,29 +99,14 @@ void VolumeMarcher::set_surfaces(const SceneSurfaces* surfaces) {
 }
 
 void VolumeMarcher::start(RayState& ray) const {
-  double near = 0, far = HUGE_VAL, inner_near = 0, inner_far = HUGE_VAL;
-  for (int a = 0; a < 3; ++a) {
-    const double o = ray.ray.origin[a], d = ray.ray.direction[a];
-    if (d == 0) {
-      if (o < low_[a] || o > high_[a])
-        far = -1;
-      continue;
-    }
-    const double low = (low_[a] - o) / d, high = (high_[a] - o) / d;
-    near = std::max(near, std::min(low, high));
-    far = std::min(far, std::max(low, high));
-    const double inner_low = (inner_low_[a] - o) / d, inner_high = (inner_high_[a] - o) / d;
-    inner_near = std::max(inner_near, std::min(inner_low, inner_high));
-    inner_far = std::min(inner_far, std::max(inner_low, inner_high));
-  }
   ray.next = ray.end = 0;
   ray.is_thin = false;
-  if (!(near <= far) || !std::isfinite(far) || (clipped_ && ray.stays.empty()))
+  std::optional<Stretch> in = stretch_in_box(ray.ray, low_, high_);
+  if (!in || !(in->to >= 0) || !std::isfinite(in->to) || (clipped_ && ray.stays.empty()))
     return;
-  if (inner_near <= inner_far) {
-    near = inner_near;
-    far = inner_far;
-  }
+  if (const auto inner = stretch_in_box(ray.ray, inner_low_, inner_high_); inner && inner->to >= 0)
+    in = inner;
+  double near = std::max(0.0, in->from), far = in->to;
   ray.near = near;
   ray.far = far;
   if (clipped_) { // between the stays samples are left out

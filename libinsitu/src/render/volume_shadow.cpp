@@ -24,19 +24,11 @@ VolumeShadow::VolumeShadow(const query::Sampler& sampler, const VolumeSettings& 
 }
 
 double VolumeShadow::through(const Ray& ray, double t_max, std::int64_t& samples) const {
-  double near = 0, far = t_max;
-  for (int a = 0; a < 3; ++a) {
-    const double o = ray.origin[a], d = ray.direction[a];
-    if (d == 0) {
-      if (o < low_[a] || o > high_[a])
-        return 1;
-      continue;
-    }
-    const double t0 = (low_[a] - o) / d, t1 = (high_[a] - o) / d;
-    near = std::max(near, std::min(t0, t1));
-    far = std::min(far, std::max(t0, t1));
-  }
   double light = 1;
+  const std::optional<Stretch> in = stretch_in_box(ray, low_, high_);
+  if (!in)
+    return light;
+  const double near = std::max(0.0, in->from), far = std::min(t_max, in->to);
   if (!(near < far) || !std::isfinite(far))
     return light;
   thread_local std::vector<Stretch> stays; // kept for the thread's life

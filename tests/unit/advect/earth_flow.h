@@ -15,6 +15,17 @@ namespace insitu::test {
 
 constexpr double degree = std::numbers::pi / 180;
 
+/// Around the Earth between coasts at 10 degrees south and north, from a meridian on.
+inline TestMesh tropics(double west, bool wraps) {
+  return fixtures::lattice({.west = west,
+                            .south = -10,
+                            .east = west + 360,
+                            .north = 10,
+                            .across = 72,
+                            .along = 4,
+                            .wraps = wraps});
+}
+
 /// A committed mesh in longitude and latitude (degrees, metres of height, unless `units` says
 /// otherwise) with fields of functions of the vertices' places in degrees and metres of height.
 struct Ocean : fixtures::Committed {

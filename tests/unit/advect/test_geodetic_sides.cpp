@@ -7,6 +7,7 @@
 #include "core/random.h"
 #include "core/status.h"
 #include "earth_flow.h"
+#include "line_view.h"
 
 namespace insitu::test {
 namespace {
@@ -222,20 +223,21 @@ TEST(GeodeticSides, StreamlinesGoOnBehindThem) {
         advect::trace_streamlines(sea.sampler(), sea.flow(), seeds, settings, sea.threads, memory);
     for (std::size_t l = 0; l < 2; ++l) {
       int sides = 0;
-      for (auto v = std::size_t(s.lines.offsets[l]); v < std::size_t(s.lines.offsets[l + 1]); ++v) {
-        const Vec3d x = s.lines.points[v];
-        const double want = 3 + 1.5 * s.lines.times[v] / metres_per_degree(60, -100).x;
+      const LineView of = line(s, l);
+      for (std::size_t v = 0; v < of.points.size(); ++v) {
+        const Vec3d x = of.points[v];
+        const double want = 3 + 1.5 * of.times[v] / metres_per_degree(60, -100).x;
         EXPECT_NEAR(std::remainder(east_of(west, x.x) - want, width), 0.0, 1e-6);
-        EXPECT_GE(s.lines.cells[v], 0);
-        if (v == std::size_t(s.lines.offsets[l]) || s.lines.times[v] != s.lines.times[v - 1])
+        EXPECT_GE(of.cells[v], 0);
+        if (v == 0 || of.times[v] != of.times[v - 1])
           continue;
         ++sides;
-        const Vec3d y = s.lines.points[v - 1];
+        const Vec3d y = of.points[v - 1];
         EXPECT_EQ(east_of(west, x.x), l == 0 ? 0.0 : 20.0) << "to the bit";
         EXPECT_EQ(east_of(west, y.x), l == 0 ? 20.0 : 0.0);
       }
       EXPECT_EQ(sides, l == 0 ? 2 : 3);
-      EXPECT_EQ(s.lines.endings[l], INSITU_END_EXPIRED);
+      EXPECT_EQ(of.ending, INSITU_END_EXPIRED);
     }
   }
 }

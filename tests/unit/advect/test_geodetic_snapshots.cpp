@@ -55,14 +55,7 @@ TEST_F(GeodeticAtTimes, AlongACoastOverTheDateLine) {
   const auto times = evenly(end, 40);
   for (const bool wraps : {false, true})
     for (const double west : {-180.0, -177.5, 178.0}) {
-      Ocean sea(fixtures::lattice({.west = west,
-                                   .south = -10,
-                                   .east = west + 360,
-                                   .north = 10,
-                                   .across = 72,
-                                   .along = 4,
-                                   .wraps = wraps}),
-                constant({east, 0.5, 0}));
+      Ocean sea(tropics(west, wraps), constant({east, 0.5, 0}));
       const std::vector<Vec3d> seeds{{170, 9.9999, -10}, {179.9999999, 9.9999, 0}};
       Snapshots at(times, sea.memory);
       const Tracer t = run(sea, boundary(AtBoundary::slide), seeds, end, &at);

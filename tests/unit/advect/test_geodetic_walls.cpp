@@ -164,14 +164,7 @@ TEST(GeodeticWalls, CoastsGoOnOverTheDateLine) {
   const double east = 5, time = 8e5;
   for (const bool wraps : {false, true})
     for (const double west : {-180.0, -177.5, 0.0, 178.0}) {
-      Ocean sea(fixtures::lattice({.west = west,
-                                   .south = -10,
-                                   .east = west + 360,
-                                   .north = 10,
-                                   .across = 72,
-                                   .along = 4,
-                                   .wraps = wraps}),
-                constant({east, 0.5, 0}));
+      Ocean sea(tropics(west, wraps), constant({east, 0.5, 0}));
       const std::vector<Vec3d> seeds{{170, 9.99, -10}, {-5, 9.99, 0}, {179.9999999, 9.99, 0}};
       for (const AtBoundary response : {AtBoundary::slide, AtBoundary::reflect}) {
         const Tracer t = sea.run(boundary(response), seeds, time, 3);
