@@ -46,9 +46,9 @@ AxesPlace axes_place(const core::Image& image);
 std::vector<double> tick_values(double low, double high, int most);
 
 /// For a logarithmic range, 0 < low <= high: powers of ten within it, ascending, evenly apart, at
-/// most `most` (at least 2) of them, in `major`; the others of them, or where all are major twice
-/// to nine times each, in `minor`. Within less than two decades `major` is 1, 2 and 5 times
-/// powers of ten, or tick_values().
+/// most `most` (at least 2) of them, in `major`. `minor` has the other powers of ten or, where all
+/// are major, 2 to 9 times each. Where fewer than two powers of ten are in the range, `major` is 1,
+/// 2 and 5 times powers of ten, or tick_values().
 struct LogTicks {
   std::vector<double> major, minor;
 };
