@@ -100,30 +100,55 @@ void BatchLocator::decide_by_filter(mesh::Shape shape, const std::int64_t* cells
   decide_rest(shape, all & ~(s_.block.inside | s_.block.outside), cells, queries);
 }
 
+/// Keeps the candidates of lower rank than their query's `untried`; of the others, appends those
+/// that may own it to s_.aside.
+template <bool ProofIsEnough>
+void BatchLocator::set_aside(const std::uint64_t* untried) {
+  Candidate* const candidates = s_.traversal.candidates.data();
+  Candidate* const aside = s_.aside.data();
+  const std::uint32_t* const cells = query_.tree.cells();
+  std::size_t kept = 0, aside_count = s_.aside_count;
+  // Without branches: they would be guessed wrongly too often.
+  for (std::size_t c = 0; c < s_.traversal.found; ++c) {
+    const Candidate candidate = candidates[c];
+    const int q = candidate.query;
+    const bool keep = candidate.rank() < untried[q];
+    const bool owns = ProofIsEnough ? !located_[q] : could_own(cells[candidate.slot], q);
+    aside[aside_count] = candidate;
+    aside_count += !keep & owns;
+    candidates[kept] = candidate;
+    kept += keep;
+  }
+  s_.traversal.found = kept;
+  s_.aside_count = aside_count;
+}
+
 /// Each query's likeliest candidates, one after the other, by Newton, until a certificate puts one
-/// inside. True if no other candidate is left; in standard those of points that have their answer
-/// are taken out.
+/// inside. True if no other candidate is left; those of points that have their answer are taken
+/// out, but for cells of lower ids where a proof is not enough.
 bool BatchLocator::try_likeliest(int tries) {
   TraversalScratch& t = s_.traversal;
-  Candidate* const candidates = t.candidates.data();
+  const Candidate* const candidates = t.candidates.data();
   const bool enough = query_.proof_is_enough();
-  std::uint64_t tried[batch_size]; // ranks from this on; of queries that have their answer, all
+  const auto set_aside = [&](const std::uint64_t* untried) {
+    enough ? this->set_aside<true>(untried) : this->set_aside<false>(untried);
+  };
+  std::uint64_t next[batch_size]; // the ranks to try, and those below are untried
   QueryId open[batch_size];
-  std::fill_n(tried, count_, ~std::uint64_t(0));
   std::iota(open, open + count_, QueryId(0));
-  std::size_t open_count = std::size_t(count_), proven = 0;
-  if (const accel::OddSlots& odd = query_.tree.odd(); !odd.empty())
+  std::size_t open_count = std::size_t(count_);
+  s_.make_room_aside(t.found);
+  if (const accel::OddSlots& odd = query_.tree.odd(); !odd.empty()) {
+    std::fill_n(next, count_, ~std::uint64_t(0));
     for (std::size_t c = 0; c < t.found; ++c)
       if (odd.has(candidates[c].slot))
-        tried[candidates[c].query] = 0;
+        next[candidates[c].query] = 0;
+    set_aside(next);
+  }
   for (; tries > 0 && open_count > 0; --tries) {
-    std::uint64_t next[batch_size];
     std::fill_n(next, count_, 0); // no candidate's rank
-    for (std::size_t c = 0; c < t.found; ++c) {
-      const QueryId q = candidates[c].query;
-      const std::uint64_t rank = candidates[c].rank();
-      next[q] = std::max(next[q], rank < tried[q] ? rank : 0);
-    }
+    for (std::size_t c = 0; c < t.found; ++c)
+      next[candidates[c].query] = std::max(next[candidates[c].query], candidates[c].rank());
     pairs_.order(
         open_count,
         [&](std::size_t k) {
@@ -142,27 +167,20 @@ bool BatchLocator::try_likeliest(int tries) {
             below_[q] = enough ? 0 : cells[k];
             reason_[q] = Reason::certified;
             located_[q] = true;
+            next[q] = 0;
           });
-          proven += std::size_t(std::popcount(b.certified));
         });
     std::size_t left = 0;
     for (std::size_t k = 0; k < open_count; ++k) {
-      const QueryId q = open[k];
-      open[left] = q;
-      tried[q] = located_[q] ? 0 : next[q];
-      left += tried[q] > 0;
+      open[left] = open[k];
+      left += next[open[k]] > 0;
     }
     open_count = left;
-    if (!enough)
-      continue;
-    std::size_t found = 0;
-    for (std::size_t c = 0; c < t.found; ++c) {
-      candidates[found] = candidates[c];
-      found += !located_[candidates[c].query];
-    }
-    t.found = found;
+    set_aside(next);
   }
-  return enough ? t.found == 0 : t.found == proven;
+  std::copy_n(s_.aside.data(), s_.aside_count, t.candidates.data() + t.found);
+  t.found += s_.aside_count;
+  return t.found == 0;
 }
 
 void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std::int64_t* cells,
@@ -179,6 +197,8 @@ void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std:
 
 /// The owners that Newton has not seen yet.
 void BatchLocator::find_parametric() {
+  if (std::find(located_, located_ + count_, false) == located_ + count_)
+    return;
   pairs_.order(
       std::size_t(count_), [&](std::size_t q) { return located_[q] ? -1 : best_[q].cell; },
       [](std::size_t q) { return q; });

@@ -29,6 +29,8 @@ public:
 private:
   void claim_in_gridlets(std::span<const math::Vec3d> points);
   bool try_likeliest(int tries);
+  template <bool ProofIsEnough>
+  void set_aside(const std::uint64_t* untried);
   bool could_own(std::int64_t cell, int query) const { return cell < below_[query]; }
   void claim(int query, std::int64_t cell, Reason reason);
   void decide_by_filter(mesh::Shape shape, const std::int64_t* cells, const QueryId* queries);

@@ -20,6 +20,8 @@ struct BatchScratch {
   std::vector<QueryId> queries;       ///< of the candidates, shape by shape
   std::vector<std::int64_t> unsorted; ///< cells in the tree's order
   PairBlock block;
+  std::vector<Candidate> aside; ///< candidates that are not tried any more, but may be owners
+  std::size_t aside_count = 0;
   // Of the queries, by number: BatchLocator's.
   Location best[batch_size];
   std::int64_t below[batch_size]; ///< cells of lower ids may still own the query
@@ -33,6 +35,12 @@ struct BatchScratch {
     cells.resize(2 * n);
     queries.resize(2 * n);
     unsorted.resize(2 * n);
+  }
+  /// For n candidates; one more is written than is kept.
+  void make_room_aside(std::size_t n) {
+    aside_count = 0;
+    if (aside.size() < n + 1)
+      aside.resize(2 * n + 1);
   }
 };
 
