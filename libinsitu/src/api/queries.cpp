@@ -57,23 +57,6 @@ void put_own_answers(const query::CommittedMesh& mesh, const query::Answered& an
   put_answers(as_own, first, mesh.mesh().own_view(), args);
 }
 
-/// The same of interpolated values.
-void put_values(const query::Answered& answered, std::size_t first, const query::Sampler& sampler,
-                std::span<const mesh::FieldView> fields, double* const* values) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t k = 0; k < answered.locations.size(); ++k) {
-    const std::size_t i = first + answered.item(k);
-    if (const query::Location& at = answered.locations[k]) {
-      sampler.interpolate(fields, at, i, values);
-      continue;
-    }
-    for (std::size_t f = 0; f < fields.size(); ++f) {
-      const auto components = std::size_t(fields[f].components);
-      std::fill_n(values[f] + i * components, components, nan);
-    }
-  }
-}
-
 } // namespace
 
 const query::CommittedMesh& Session::committed(SessionMesh& mesh) {
@@ -123,7 +106,7 @@ void Session::answer(const query::CommittedMesh& mesh, const insitu_locate_args&
       else
         put_answers(answered, std::size_t(first), view, args);
       if (!fields.empty())
-        put_values(answered, std::size_t(first), sampler, fields, values);
+        sampler.interpolate(fields, answered, std::size_t(first), values);
     });
   });
   statistics_.points_located += points.count();

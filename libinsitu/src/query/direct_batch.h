@@ -15,23 +15,24 @@ struct DirectScratch {
 };
 
 /// Answers batches on lattices: first by the points' places, without a tree, then through it those
-/// without an owner, unless Find::finds_all. Find: Location(point, reason), an owner proven by the
-/// arithmetic of boxes, or none.
-template <class Find>
+/// without an owner, unless Finder::finds_all. Finder: bool find(point, location, reason), an owner
+/// proven by the arithmetic of boxes, or none.
+template <class Finder>
 class DirectBatch {
 public:
-  DirectBatch(const Find& find, BatchLocator& locator, DirectScratch& scratch)
-      : find_(find), locator_(locator), s_(scratch) {}
+  DirectBatch(const Finder& finder, BatchLocator& locator, DirectScratch& scratch)
+      : finder_(finder), locator_(locator), s_(scratch) {}
 
   Answered run(std::span<const math::Vec3d> points) {
     std::size_t left = 0;
     for (std::size_t q = 0; q < points.size(); ++q) {
-      s_.locations[q] = find_(points[q], s_.reasons[q]);
+      s_.locations[q] = {};
+      const bool found = finder_.find(points[q], s_.locations[q], s_.reasons[q]);
       s_.rest[left] = points[q];
       s_.rest_at[left] = QueryId(q);
-      left += !s_.locations[q];
+      left += !found;
     }
-    if (!Find::finds_all && left > 0) {
+    if (!Finder::finds_all && left > 0) {
       locator_.run({s_.rest, left});
       for (std::size_t k = 0; k < left; ++k) {
         s_.locations[s_.rest_at[k]] = locator_.locations()[k];
@@ -42,7 +43,7 @@ public:
   }
 
 private:
-  Find find_;
+  Finder finder_;
   BatchLocator& locator_;
   DirectScratch& s_;
 };

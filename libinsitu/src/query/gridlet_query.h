@@ -117,12 +117,13 @@ public:
 
   static constexpr bool finds_all = false;
 
-  /// The cell of a gridlet that holds p strictly inside; or none, and then it may be in any cell.
-  /// What it answers does not depend on the points before.
-  Location operator()(const math::Vec3d& p, Reason& reason) {
+  /// Whether a cell of a gridlet holds p strictly inside, and then which one (at: left alone
+  /// otherwise); if not, it may be in any cell. What it answers does not depend on the points
+  /// before.
+  bool find(const math::Vec3d& p, Location& at, Reason& reason) {
     reason = Reason::certified;
-    if (const Location at = inside(p))
-      return at;
+    if (inside(p, at))
+      return true;
     for (int d = 0; d < places_->depth_count(); ++d) {
       const int depth = places_->depth(d);
       const double scale = double(std::int64_t(1) << depth);
@@ -138,10 +139,10 @@ public:
       if (found < 0 || found == last_ || !has_cell(found, index))
         continue;
       take(found);
-      if (const Location at = inside(p))
-        return at;
+      if (inside(p, at))
+        return true;
     }
-    return {};
+    return false;
   }
 
 private:
@@ -174,22 +175,27 @@ private:
   }
 
   /// Almost all points strictly inside of the gridlet's cells, and none else.
-  Location inside(const math::Vec3d& p) const {
+  bool inside(const math::Vec3d& p, Location& at) const {
     if (last_ < 0)
-      return {};
-    Location found{last_ << mesh::Gridlet::cell_bits, {}};
+      return false;
+    double part[3];
+    std::int64_t cell = last_ << mesh::Gridlet::cell_bits;
     bool sure = true;
     for (int a = 0; a < 3; ++a) {
       const double steps = (p[a] - start_[a]) * steps_a_unit_[a];
       if (!(steps > least_[a] && steps < most_[a]))
-        return {};
+        return false;
       const int i = int(steps);
-      const double part = steps - i;
-      sure &= part > least_[a] && part < 1.0 - least_[a];
-      found.cell += i << (3 * a);
-      found.parametric[a] = part;
+      part[a] = steps - i;
+      sure &= part[a] > least_[a] && part[a] < 1.0 - least_[a];
+      cell += i << (3 * a);
     }
-    return sure && all_->is_full(found.cell) ? found : Location{};
+    if (!sure || !all_->is_full(cell))
+      return false;
+    at.cell = cell;
+    for (int a = 0; a < 3; ++a)
+      at.parametric[a] = part[a];
+    return true;
   }
 
   const GridletPlaces* places_;

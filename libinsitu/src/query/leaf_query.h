@@ -19,75 +19,159 @@ public:
 
   static constexpr bool finds_all = true;
 
-  /// The lowest closed leaf that holds p; none outside, and for points that are not finite.
-  Location operator()(const math::Vec3d& p, Reason& reason) {
-    reason = Reason::certified;
-    if (const Location at = inside(p))
-      return at;
+  /// Whether a leaf holds p, and then the lowest closed one (at: left alone otherwise); none
+  /// outside, and for points that are not finite.
+  bool find(const math::Vec3d& p, Location& at, Reason& reason) {
+    if (in_last_brick(p, at, reason) || (go_to(p) && in_last_brick(p, at, reason)))
+      return true;
     const amr::LeafMap::Leaf leaf = leaves_->lowest(p);
     if (!leaf) {
       reason = Reason::outside;
-      return {};
+      return false;
     }
-    take(leaf.cell);
-    if (const Location at = inside(p))
-      return at;
-    Location found{std::int64_t(leaf.id), {}};
+    at.cell = leaf.id;
     int faces = 0;
     for (int a = 0; a < 3; ++a) {
       const double low = lattice_.place(a, leaf.cell.depth, 2 * leaf.cell.index[a]);
       const double high = lattice_.place(a, leaf.cell.depth, 2 * leaf.cell.index[a] + 2);
-      found.parametric[a] = (p[a] - low) / (high - low);
+      at.parametric[a] = (p[a] - low) / (high - low);
       faces += p[a] == low || p[a] == high;
     }
-    constexpr Reason why[] = {Reason::certified, Reason::on_face, Reason::on_edge,
-                              Reason::on_vertex};
-    reason = why[faces];
-    return found;
+    reason = on_faces[faces];
+    return true;
   }
 
 private:
   using Store = amr::BrickStore;
+  static constexpr Reason on_faces[] = {Reason::certified, Reason::on_face, Reason::on_edge,
+                                        Reason::on_vertex};
 
-  void take(const mesh::AmrCell& cell) {
-    const std::uint32_t brick = leaves_->store().find(cell.depth, Store::key_of(cell.index));
+  /// Takes the brick whose leaf holds p, as far as rounding tells, from the last one's depth on.
+  bool go_to(const math::Vec3d& p) {
+    const Store& store = leaves_->store();
+    int way = 0; // to finer depths, or to coarser ones
+    for (int depth = depth_; depth >= 0 && depth < store.depth_count(); depth += way) {
+      const double scale = double(std::int64_t(1) << depth);
+      std::int64_t index[3];
+      for (int a = 0; a < 3; ++a) {
+        const double steps = (p[a] - lattice_.origin[a]) * (per_unit_[a] * scale);
+        if (!(std::fabs(steps) < double(2 * mesh::Lattice::largest_index)))
+          return false;
+        index[a] = std::int64_t(steps);
+        index[a] -= steps < double(index[a]);
+      }
+      const std::uint32_t brick = store.find(depth, Store::key_of(index));
+      const std::uint32_t entry = brick == amr::BrickTable::none
+                                      ? Store::nothing
+                                      : store.entries(brick)[Store::entry_of(index)];
+      if (Store::is_leaf(entry)) {
+        take(depth, brick);
+        return true;
+      }
+      const int next = entry == Store::nothing ? -1 : 1;
+      if (next == -way)
+        return false;
+      way = next;
+    }
+    return false;
+  }
+
+  void take(int depth, std::uint32_t brick) {
+    depth_ = depth;
     entries_ = leaves_->store().entries(brick);
-    const double scale = double(std::int64_t(1) << cell.depth);
+    const amr::BrickKey& key = leaves_->store().key(brick);
+    const std::int64_t index[3] = {key.x, key.y, key.z};
+    const double scale = double(std::int64_t(1) << depth);
     for (int a = 0; a < 3; ++a) {
-      start_[a] = lattice_.place(a, cell.depth, 2 * (cell.index[a] & ~std::int64_t(7)));
+      first_half_[a] = 2 * Store::side * index[a];
+      start_[a] = lattice_.place(a, depth, first_half_[a]);
       steps_a_unit_[a] = per_unit_[a] * scale;
       // Some units in the last place of the coordinates, in steps.
       rounding_[a] = 0x1p-49 * (std::fabs(start_[a]) * steps_a_unit_[a] + 16.0);
     }
   }
 
-  Location inside(const math::Vec3d& p) const {
-    if (!entries_)
-      return {};
-    Location found;
+  bool in_last_brick(const math::Vec3d& p, Location& at, Reason& reason) const {
+    return entries_ && (inside(p, at, reason) || near_faces(p, at, reason));
+  }
+
+  /// Almost all points strictly inside of the brick's leaves, and none else.
+  bool inside(const math::Vec3d& p, Location& at, Reason& reason) const {
+    double part[3];
     int entry = 0;
     bool sure = true;
     for (int a = 0; a < 3; ++a) {
       const double steps = (p[a] - start_[a]) * steps_a_unit_[a];
       if (!(steps > 0.0 && steps < Store::side))
-        return {};
+        return false;
       const int i = int(steps);
-      const double part = steps - i;
-      sure &= part > rounding_[a] && part < 1.0 - rounding_[a];
+      part[a] = steps - i;
+      sure &= part[a] > rounding_[a] && part[a] < 1.0 - rounding_[a];
       entry |= i << (3 * a);
-      found.parametric[a] = part;
     }
     if (!sure || !Store::is_leaf(entries_[entry]))
-      return {};
-    found.cell = entries_[entry];
-    return found;
+      return false;
+    at.cell = entries_[entry];
+    for (int a = 0; a < 3; ++a)
+      at.parametric[a] = part[a];
+    reason = Reason::certified;
+    return true;
+  }
+
+  /// Points on faces of leaves, or too near to tell: by comparing with the faces, where all leaves
+  /// that may hold them lie in the last brick.
+  bool near_faces(const math::Vec3d& p, Location& at, Reason& reason) const {
+    int lowest[3], choices[3], faces = 0;
+    double face[3][3]; // of the one or two leaves along each axis
+    for (int a = 0; a < 3; ++a) {
+      const auto place = [&](int i) { return lattice_.place(a, depth_, first_half_[a] + 2 * i); };
+      const double steps = (p[a] - start_[a]) * steps_a_unit_[a];
+      if (!(steps > 0.0 && steps < Store::side))
+        return false;
+      int i = int(steps + 0.5); // the nearest face
+      const double nearest = place(i);
+      const bool on_face = p[a] == nearest;
+      i -= p[a] <= nearest;
+      if (i < 0 || i + on_face >= Store::side)
+        return false;
+      lowest[a] = i;
+      choices[a] = 1 + on_face;
+      faces += on_face;
+      face[a][0] = place(i);
+      face[a][1] = place(i + 1);
+      face[a][2] = place(i + 2);
+    }
+    std::uint32_t id = Store::nothing;
+    int chosen[3] = {0, 0, 0};
+    for (int k = 0; k < choices[2]; ++k)
+      for (int j = 0; j < choices[1]; ++j)
+        for (int i = 0; i < choices[0]; ++i) {
+          const std::uint32_t entry =
+              entries_[lowest[0] + i +
+                       Store::side * (lowest[1] + j + Store::side * (lowest[2] + k))];
+          if (!Store::is_leaf(entry))
+            return false;
+          if (entry > id)
+            continue;
+          id = entry;
+          chosen[0] = i, chosen[1] = j, chosen[2] = k;
+        }
+    at.cell = id;
+    for (int a = 0; a < 3; ++a) {
+      const double low = face[a][chosen[a]], high = face[a][chosen[a] + 1];
+      at.parametric[a] = (p[a] - low) / (high - low);
+    }
+    reason = on_faces[faces];
+    return true;
   }
 
   const amr::LeafMap* leaves_;
   mesh::Lattice lattice_;
   double per_unit_[3]; ///< cells of depth 0
   // Of the last brick:
+  int depth_ = 0;
   const std::uint32_t* entries_ = nullptr;
+  std::int64_t first_half_[3] = {0, 0, 0};
   double start_[3], steps_a_unit_[3], rounding_[3];
 };
 

@@ -167,13 +167,13 @@ bool RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
 
 /// Without the tree, which is then asked for the others alone.
 void RayBundleLocator::locate_in_gridlets() {
-  GridletFinder find(*sampler_.adaptive_->gridlets());
+  GridletFinder finder(*sampler_.adaptive_->gridlets());
   for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
     for_each_bit(s_.wanted[slot], [&](int k) {
       Reason why;
+      Location at;
       const int place = place_of(k, slot);
-      const Location at = find(point(place), why);
-      if (!at)
+      if (!finder.find(point(place), at, why))
         return;
       answer(place, at);
       ++s_.by_reason[int(why)];

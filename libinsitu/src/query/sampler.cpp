@@ -143,9 +143,9 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
   Location at;
   const GridletPlaces* const gridlets = adaptive_ ? adaptive_->gridlets() : nullptr;
   if (gridlets)
-    at = GridletFinder(*gridlets, hint < mesh_->first_cell[1] ? hint : -1)(p, why);
+    GridletFinder(*gridlets, hint < mesh_->first_cell[1] ? hint : -1).find(p, at, why);
   else if (adaptive_)
-    at = LeafFinder(adaptive_->leaves())(p, why);
+    LeafFinder(adaptive_->leaves()).find(p, at, why);
   const bool proofs_count =
       mesh_->free_of_folds ||
       (!tree_->odd().empty() && options.alpha == 1.0 && !tree_->odd().may_hold(p));
@@ -274,92 +274,6 @@ void Sampler::visit_on_device(const core::Threads& threads, std::span<const Vec3
                            put({{locations, count}, {why, count}, from + first, nullptr});
                          });
   }
-}
-
-void Sampler::interpolate(const mesh::FieldView& field, const Location& at, double* values) const {
-  interpolate(std::span(&field, 1), at, values);
-}
-
-void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Location& at,
-                          double* values) const {
-  interpolate_to(fields, at, [&](std::size_t f) {
-    return std::exchange(values, values + fields[f].components);
-  });
-}
-
-void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Location& at,
-                          std::size_t item, double* const* values) const {
-  interpolate_to(fields, at, [&](std::size_t f) {
-    return values[f] + item * std::size_t(fields[f].components);
-  });
-}
-
-template <class ValuesOf>
-void Sampler::interpolate_to(std::span<const mesh::FieldView> fields, const Location& at,
-                             ValuesOf&& values_of) const {
-  const std::int32_t piece = mesh_->piece_count == 1 ? 0 : mesh_->piece_of(at.cell);
-  const mesh::PieceView& cells_of = mesh_->pieces[piece];
-  const std::int64_t cell = at.cell - mesh_->first_cell[piece];
-  if (cells_of.gridlets) {
-    for (std::size_t f = 0; f < fields.size(); ++f)
-      interpolate_in_gridlet(*cells_of.gridlets, fields[f], cell, at.parametric, values_of(f));
-    return;
-  }
-  double weight[8];
-  std::int64_t ids[8];
-  int n = 0;
-  const bool turned = chart_ && cells_of.pole != 0;
-  for (std::size_t f = 0; f < fields.size(); ++f) {
-    const mesh::FieldView& field = fields[f];
-    const mesh::FieldPieceView& from = field.pieces[piece];
-    double* values = values_of(f);
-    const bool turns = turned && field.components == 3;
-    if (n == 0 && (turns || field.association != INSITU_CELL)) {
-      n = cells_of.vertex_ids(cell, ids);
-      cells::shape_functions(cells_of.shape(cell), at.parametric, weight);
-    }
-    if (field.association == INSITU_CELL) {
-      for (int c = 0; c < field.components; ++c)
-        values[c] = from.load(cell, c);
-      if (turns)
-        to_true_axes(cells_of, {weight, std::size_t(n)}, ids, values);
-      continue;
-    }
-    for (int c = 0; c < field.components; ++c) {
-      double sum = weight[0] * from.load(ids[0], c);
-      for (int v = 1; v < n; ++v)
-        sum += weight[v] * from.load(ids[v], c);
-      values[c] = sum;
-    }
-    if (turns)
-      to_true_axes(cells_of, {weight, std::size_t(n)}, ids, values);
-  }
-}
-
-void Sampler::to_true_axes(const mesh::PieceView& cells, std::span<const double> weights,
-                           const std::int64_t* ids, double* vector) const {
-  const auto pole = geo::Pole(cells.pole);
-  Vec3d p;
-  for (std::size_t v = 0; v < weights.size(); ++v)
-    p += weights[v] * cells.point(ids[v]);
-  p.x -= chart_->offset(pole);
-  const geo::ChartPlace at = geo::place_of(chart_->units, pole, p);
-  const geo::EastNorth axes = geo::east_north(at.normal);
-  const Vec3d v = vector[0] * at.east + vector[1] * at.north;
-  vector[0] = dot(v, axes.east);
-  vector[1] = dot(v, axes.north);
-}
-
-Vec3d Sampler::gradient(const mesh::FieldView& field, int component, const Location& at,
-                        double alpha) const {
-  if (field.association == INSITU_CELL)
-    return {};
-  mesh::CellVertices cell;
-  mesh::gather(*mesh_, at.cell, cell, alpha);
-  double f[8];
-  for (int v = 0; v < cell.count; ++v)
-    f[v] = field.pieces[cell.piece].load(cell.ids[v], component);
-  return cells::gradient(cell.shape, cell.x, f, at.parametric);
 }
 
 } // namespace insitu::query

@@ -141,9 +141,10 @@ public:
   void interpolate(std::span<const mesh::FieldView> fields, const Location& at,
                    double* values) const;
 
-  /// The same into an array a field, each [count][components of the field]: item `item` of each.
-  void interpolate(std::span<const mesh::FieldView> fields, const Location& at, std::size_t item,
-                   double* const* values) const;
+  /// The fields at the answers of visit(), into an array a field, each [count][components of the
+  /// field]; NaN where there is no owner. first: added to the items.
+  void interpolate(std::span<const mesh::FieldView> fields, const Answered& answered,
+                   std::size_t first, double* const* values) const;
 
   /// The gradient, in physical space, of one component of a vertex field within the location's
   /// cell (zero for cell fields). alpha as in LocateOptions.
@@ -157,8 +158,8 @@ private:
                        const LocateOptions& options, Put put) const;
   void to_true_axes(const mesh::PieceView& cells, std::span<const double> weights,
                     const std::int64_t* ids, double* vector) const;
-  template <class ValuesOf>
-  void interpolate_to(std::span<const mesh::FieldView> fields, const Location& at,
+  template <class Fields, class ValuesOf>
+  void interpolate_to(const Fields& fields, std::int32_t piece, const Location& at,
                       ValuesOf&& values_of) const;
 
   const mesh::MeshView* mesh_;

@@ -13,16 +13,11 @@ void sample(const core::Threads& threads, const query::CommittedMesh& mesh,
             const query::LocateOptions& options) {
   const query::Sampler sampler = mesh.sampler();
   const mesh::FieldView field = mesh.mesh().field("f");
+  double* const values = answers.values.data();
   sampler.visit(threads, points, options, [&](const query::Answered& answered) {
-    for (std::size_t k = 0; k < answered.locations.size(); ++k) {
-      const query::Location& at = answered.locations[k];
-      const std::size_t i = answered.item(k);
-      answers.cells[i] = at.cell;
-      if (at)
-        sampler.interpolate(field, at, &answers.values[i]);
-      else
-        answers.values[i] = std::numeric_limits<double>::quiet_NaN();
-    }
+    for (std::size_t k = 0; k < answered.locations.size(); ++k)
+      answers.cells[answered.item(k)] = answered.locations[k].cell;
+    sampler.interpolate(std::span(&field, 1), answered, 0, &values);
   });
 }
 

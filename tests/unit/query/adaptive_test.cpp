@@ -209,9 +209,16 @@ TEST_P(Adaptive, NearestIsTheSolversCell) {
   ASSERT_EQ(field.association, INSITU_CELL);
   const std::vector<Vec3d> points = points_of(mesh, 400, GetParam().seed);
   std::vector<query::Location> batch(points.size());
-  sampler.locate(mesh.committed.threads, points, batch);
+  std::vector<std::uint8_t> reasons(points.size());
+  sampler.locate(mesh.committed.threads, points, batch, {}, reasons);
   for (std::size_t i = 0; i < points.size(); ++i) {
     ASSERT_EQ(batch[i].cell, lowest(view, points[i])) << GetParam().name() << " point " << i;
+    // Alone, without the brick of the point before.
+    query::Reason why;
+    const query::Location alone = sampler.locate(points[i], -1, {}, &why);
+    ASSERT_EQ(alone.cell, batch[i].cell) << GetParam().name() << " point " << i;
+    ASSERT_EQ(alone.parametric, batch[i].parametric) << GetParam().name() << " point " << i;
+    ASSERT_EQ(std::uint8_t(why), reasons[i]) << GetParam().name() << " point " << i;
     if (!batch[i])
       continue;
     const std::int32_t piece = view.piece_of(batch[i].cell);

@@ -78,15 +78,12 @@ public:
     query::LocateOptions options;
     options.accuracy = accuracy;
     const mesh::FieldView field = committed_.mesh().field(wanted == Wanted::cell_value ? "c" : "f");
+    double* const values = values_.data();
     sampler.visit(context_.threads, points_, options, [&](const query::Answered& answered) {
-      for (std::size_t k = 0; k < answered.locations.size(); ++k) {
-        const query::Location& at = answered.locations[k];
-        const std::size_t i = answered.item(k);
-        if (wanted == Wanted::ids)
-          cells_[i] = at.cell;
-        else if (at)
-          sampler.interpolate(field, at, &values_[i]);
-      }
+      if (wanted != Wanted::ids)
+        return sampler.interpolate(std::span(&field, 1), answered, 0, &values);
+      for (std::size_t k = 0; k < answered.locations.size(); ++k)
+        cells_[answered.item(k)] = answered.locations[k].cell;
     });
   }
 

@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "cells/kernels.h"
+#include "query/chart_image.h"
+#include "query/gridlet_query.h"
+#include "query/sampler.h"
+
+/// Values at locations: Sampler's, but for finding these.
+namespace insitu::query {
+
+using math::Vec3d;
+
+namespace {
+
+/// The pieces of cells, most of which lie in the piece of the one before.
+class PieceOfCells {
+public:
+  explicit PieceOfCells(const mesh::MeshView& mesh) : mesh_(mesh) {}
+
+  std::int32_t operator()(std::int64_t cell) {
+    if (cell < begin_ || cell >= end_) {
+      piece_ = mesh_.piece_of(cell);
+      begin_ = mesh_.first_cell[piece_];
+      end_ = mesh_.first_cell[piece_ + 1];
+    }
+    return piece_;
+  }
+
+private:
+  const mesh::MeshView& mesh_;
+  std::int32_t piece_ = 0;
+  std::int64_t begin_ = 0, end_ = 0;
+};
+
+} // namespace
+
+void Sampler::interpolate(const mesh::FieldView& field, const Location& at, double* values) const {
+  interpolate(std::span(&field, 1), at, values);
+}
+
+void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Location& at,
+                          double* values) const {
+  interpolate_to(fields, mesh_->piece_of(at.cell), at, [&](std::size_t f) {
+    return std::exchange(values, values + fields[f].components);
+  });
+}
+
+void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answered& answered,
+                          std::size_t first, double* const* values) const {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::span<const Location> at = answered.locations;
+  PieceOfCells piece(*mesh_);
+  const auto put = [&](auto some) {
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      const std::size_t i = first + answered.item(k);
+      if (at[k]) {
+        interpolate_to(some, piece(at[k].cell), at[k], [&](std::size_t f) {
+          return values[f] + i * std::size_t(some[f].components);
+        });
+        continue;
+      }
+      for (std::size_t f = 0; f < some.size(); ++f) {
+        const auto components = std::size_t(some[f].components);
+        std::fill_n(values[f] + i * components, components, nan);
+      }
+    }
+  };
+  if (fields.size() == 1)
+    put(fields.first<1>());
+  else
+    put(fields);
+}
+
+/// piece: the location's.
+template <class Fields, class ValuesOf>
+inline void Sampler::interpolate_to(const Fields& fields, std::int32_t piece, const Location& at,
+                                    ValuesOf&& values_of) const {
+  const mesh::PieceView& cells_of = mesh_->pieces[piece];
+  const std::int64_t cell = at.cell - mesh_->first_cell[piece];
+  if (cells_of.gridlets) {
+    for (std::size_t f = 0; f < fields.size(); ++f)
+      interpolate_in_gridlet(*cells_of.gridlets, fields[f], cell, at.parametric, values_of(f));
+    return;
+  }
+  double weight[8];
+  std::int64_t ids[8];
+  int n = 0;
+  const bool turned = chart_ && cells_of.pole != 0;
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    const mesh::FieldView& field = fields[f];
+    const mesh::FieldPieceView& from = field.pieces[piece];
+    double* values = values_of(f);
+    const bool turns = turned && field.components == 3;
+    if (n == 0 && (turns || field.association != INSITU_CELL)) {
+      n = cells_of.vertex_ids(cell, ids);
+      cells::shape_functions(cells_of.shape(cell), at.parametric, weight);
+    }
+    if (field.association == INSITU_CELL) {
+      for (int c = 0; c < field.components; ++c)
+        values[c] = from.load(cell, c);
+      if (turns)
+        to_true_axes(cells_of, {weight, std::size_t(n)}, ids, values);
+      continue;
+    }
+    for (int c = 0; c < field.components; ++c) {
+      double sum = weight[0] * from.load(ids[0], c);
+      for (int v = 1; v < n; ++v)
+        sum += weight[v] * from.load(ids[v], c);
+      values[c] = sum;
+    }
+    if (turns)
+      to_true_axes(cells_of, {weight, std::size_t(n)}, ids, values);
+  }
+}
+
+void Sampler::to_true_axes(const mesh::PieceView& cells, std::span<const double> weights,
+                           const std::int64_t* ids, double* vector) const {
+  const auto pole = geo::Pole(cells.pole);
+  Vec3d p;
+  for (std::size_t v = 0; v < weights.size(); ++v)
+    p += weights[v] * cells.point(ids[v]);
+  p.x -= chart_->offset(pole);
+  const geo::ChartPlace at = geo::place_of(chart_->units, pole, p);
+  const geo::EastNorth axes = geo::east_north(at.normal);
+  const Vec3d v = vector[0] * at.east + vector[1] * at.north;
+  vector[0] = dot(v, axes.east);
+  vector[1] = dot(v, axes.north);
+}
+
+Vec3d Sampler::gradient(const mesh::FieldView& field, int component, const Location& at,
+                        double alpha) const {
+  if (field.association == INSITU_CELL)
+    return {};
+  mesh::CellVertices cell;
+  mesh::gather(*mesh_, at.cell, cell, alpha);
+  double f[8];
+  for (int v = 0; v < cell.count; ++v)
+    f[v] = field.pieces[cell.piece].load(cell.ids[v], component);
+  return cells::gradient(cell.shape, cell.x, f, at.parametric);
+}
+
+} // namespace insitu::query
