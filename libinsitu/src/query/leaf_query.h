@@ -29,13 +29,14 @@ public:
       reason = Reason::outside;
       return false;
     }
+    take(leaf.cell.depth, leaves_->store().find(leaf.cell.depth, Store::key_of(leaf.cell.index)));
     at.cell = leaf.id;
     int faces = 0;
     for (int a = 0; a < 3; ++a) {
-      const double low = lattice_.place(a, leaf.cell.depth, 2 * leaf.cell.index[a]);
-      const double high = lattice_.place(a, leaf.cell.depth, 2 * leaf.cell.index[a] + 2);
-      at.parametric[a] = (p[a] - low) / (high - low);
-      faces += p[a] == low || p[a] == high;
+      const int i = int(leaf.cell.index[a] & (Store::side - 1));
+      const bool on_low = p[a] == face(a, i), on_high = p[a] == face(a, i + 1);
+      faces += on_low || on_high;
+      at.parametric[a] = part_in(i, steps(p, a), on_low, on_high);
     }
     reason = on_faces[faces];
     return true;
@@ -91,64 +92,66 @@ private:
     }
   }
 
-  bool in_last_brick(const math::Vec3d& p, Location& at, Reason& reason) const {
-    return entries_ && (inside(p, at, reason) || near_faces(p, at, reason));
+  /// Where p lies from the brick's lower corner, in leaves.
+  double steps(const math::Vec3d& p, int axis) const {
+    return (p[axis] - start_[axis]) * steps_a_unit_[axis];
+  }
+  /// The lower face of the brick's leaf i.
+  double face(int axis, int i) const {
+    return lattice_.place(axis, depth_, first_half_[axis] + 2 * i);
+  }
+  /// The parametric coordinate in leaf i; exact on its faces.
+  static double part_in(int i, double steps, bool on_low, bool on_high) {
+    const double part = steps - i;
+    return on_low ? 0.0 : on_high ? 1.0 : part < 0.0 ? 0.0 : part > 1.0 ? 1.0 : part;
   }
 
-  /// Almost all points strictly inside of the brick's leaves, and none else.
-  bool inside(const math::Vec3d& p, Location& at, Reason& reason) const {
-    double part[3];
-    int entry = 0;
+  /// False too where a leaf that may hold p lies in another brick.
+  bool in_last_brick(const math::Vec3d& p, Location& at, Reason& reason) const {
+    if (!entries_)
+      return false;
+    double place[3];
+    int lowest[3];
     bool sure = true;
     for (int a = 0; a < 3; ++a) {
-      const double steps = (p[a] - start_[a]) * steps_a_unit_[a];
-      if (!(steps > 0.0 && steps < Store::side))
+      place[a] = steps(p, a);
+      if (!(place[a] > 0.0 && place[a] < Store::side))
         return false;
-      const int i = int(steps);
-      part[a] = steps - i;
-      sure &= part[a] > rounding_[a] && part[a] < 1.0 - rounding_[a];
-      entry |= i << (3 * a);
+      lowest[a] = int(place[a]);
+      const double part = place[a] - lowest[a];
+      sure &= part > rounding_[a] && part < 1.0 - rounding_[a];
     }
-    if (!sure || !Store::is_leaf(entries_[entry]))
+    if (!sure)
+      return near_faces(p, place, at, reason);
+    const std::uint32_t entry = entries_[lowest[0] | lowest[1] << 3 | lowest[2] << 6];
+    if (!Store::is_leaf(entry))
       return false;
-    at.cell = entries_[entry];
+    at.cell = entry;
     for (int a = 0; a < 3; ++a)
-      at.parametric[a] = part[a];
+      at.parametric[a] = place[a] - lowest[a];
     reason = Reason::certified;
     return true;
   }
 
-  /// Points on faces of leaves, or too near to tell: by comparing with the faces, where all leaves
-  /// that may hold them lie in the last brick.
-  bool near_faces(const math::Vec3d& p, Location& at, Reason& reason) const {
-    int lowest[3], choices[3], faces = 0;
-    double face[3][3]; // of the one or two leaves along each axis
+  /// The same for points on faces of leaves, or too near to tell, by comparing with the faces.
+  /// place: steps().
+  bool near_faces(const math::Vec3d& p, const double* place, Location& at, Reason& reason) const {
+    int lowest[3];
+    bool on_face[3];
     for (int a = 0; a < 3; ++a) {
-      const auto place = [&](int i) { return lattice_.place(a, depth_, first_half_[a] + 2 * i); };
-      const double steps = (p[a] - start_[a]) * steps_a_unit_[a];
-      if (!(steps > 0.0 && steps < Store::side))
+      const int nearest = int(place[a] + 0.5);
+      const double of = face(a, nearest);
+      on_face[a] = p[a] == of;
+      lowest[a] = nearest - (p[a] <= of);
+      if (lowest[a] < 0 || lowest[a] + on_face[a] >= Store::side)
         return false;
-      int i = int(steps + 0.5); // the nearest face
-      const double nearest = place(i);
-      const bool on_face = p[a] == nearest;
-      i -= p[a] <= nearest;
-      if (i < 0 || i + on_face >= Store::side)
-        return false;
-      lowest[a] = i;
-      choices[a] = 1 + on_face;
-      faces += on_face;
-      face[a][0] = place(i);
-      face[a][1] = place(i + 1);
-      face[a][2] = place(i + 2);
     }
     std::uint32_t id = Store::nothing;
     int chosen[3] = {0, 0, 0};
-    for (int k = 0; k < choices[2]; ++k)
-      for (int j = 0; j < choices[1]; ++j)
-        for (int i = 0; i < choices[0]; ++i) {
-          const std::uint32_t entry =
-              entries_[lowest[0] + i +
-                       Store::side * (lowest[1] + j + Store::side * (lowest[2] + k))];
+    for (int k = lowest[2]; k <= lowest[2] + on_face[2]; ++k)
+      for (int j = lowest[1]; j <= lowest[1] + on_face[1]; ++j)
+        for (int i = lowest[0]; i <= lowest[0] + on_face[0]; ++i) {
+          const std::uint32_t entry = entries_[i | j << 3 | k << 6];
           if (!Store::is_leaf(entry))
             return false;
           if (entry > id)
@@ -157,11 +160,10 @@ private:
           chosen[0] = i, chosen[1] = j, chosen[2] = k;
         }
     at.cell = id;
-    for (int a = 0; a < 3; ++a) {
-      const double low = face[a][chosen[a]], high = face[a][chosen[a] + 1];
-      at.parametric[a] = (p[a] - low) / (high - low);
-    }
-    reason = on_faces[faces];
+    for (int a = 0; a < 3; ++a)
+      at.parametric[a] = part_in(chosen[a], place[a], on_face[a] && chosen[a] > lowest[a],
+                                 on_face[a] && chosen[a] == lowest[a]);
+    reason = on_faces[on_face[0] + on_face[1] + on_face[2]];
     return true;
   }
 
