@@ -21,6 +21,7 @@ public:
       : images_(sampler.among_images()), space_(sampler.chart()), motion_(sampler.chart()),
         inner_(images_, now, earlier, t0, t1, accuracy), drifts_(drifts) {}
 
+  void walk_by(const CellsBeyond* beyond) { inner_.walk_by(beyond); }
   void begin(std::int64_t hint) {
     inner_.begin(hint);
     sized_ = -1;

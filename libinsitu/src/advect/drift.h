@@ -32,6 +32,7 @@ public:
                 std::span<const Drift> drifts)
       : flow_(sampler, now, earlier, t0, t1, accuracy), drifts_(drifts) {}
 
+  void walk_by(const CellsBeyond* beyond) { flow_.walk_by(beyond); }
   void begin(std::int64_t hint) { flow_.begin(hint); }
   math::Vec3d enter(const math::Vec3d& position) const { return position; }
   math::Vec3d position(const math::Vec3d& x) const { return x; }
@@ -60,6 +61,10 @@ public:
   void release() { flow_.release(); }
   double depth(const math::Vec3d& x, double t) { return flow_.depth(x, t); }
   double last_depth() const { return flow_.last_depth(); }
+  double face_on(const DenseStep& path, double low, double high) {
+    return flow_.face_on(path, low, high);
+  }
+  bool is_inside_before(const DenseStep& path) const { return flow_.is_inside_before(path); }
   Crossed cross(const math::Vec3d& x, const math::Vec3d& towards, double t) {
     return flow_.cross(x, towards, t);
   }

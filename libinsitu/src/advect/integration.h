@@ -23,7 +23,9 @@ namespace insitu::advect {
 /// formula answers, also some way beyond its faces, and points too far beyond are outside.
 /// depth(x, t) is how far within that cell a point lies, negative outside, in parametric units;
 /// last_depth() is that of the point asked last. cross(x, w, t) chooses the next cell, where a
-/// particle comes to a face.
+/// particle comes to a face. Where the point asked last is a path's end, or out of the cell at part
+/// `high` of it, the field may know more at once: is_inside_before(path), at its quarters too, and
+/// face_on(path, low, high), the part where it goes out of the cell, negative if not known.
 enum class Crossed : std::uint8_t { into_next, to_boundary, nowhere };
 template <class F>
 concept CellwiseField = requires(F& f, const Vec3d& x, double t) {

@@ -53,14 +53,17 @@ bool Integration<M, F, Visit>::finish() {
 }
 
 /// The first theta in [low, high] at which the path comes to the face of its cell, out of which it
-/// is at `high`, by `outside` (negative); negative if it is not in the cell before. Regula falsi
-/// with halved ends.
+/// is at `high`, by `outside` (negative), the point asked last; negative if it is not in the cell
+/// before. As the field knows, or regula falsi with halved ends.
 template <class M, VelocityField F, class Visit>
 double Integration<M, F, Visit>::way_to_face(const DenseStep& path, double low, double high,
                                              double outside) {
   const auto depth = [&](double theta) {
     return velocity_.depth(path.at(theta), path.start() + theta * path.step());
   };
+  if constexpr (requires { velocity_.face_on(path, low, high); })
+    if (const double theta = velocity_.face_on(path, low, high); theta >= 0.0)
+      return theta;
   double inside = low > 0.0 ? depth(low) : 0.0; // mostly it comes in at 0
   // Where the path comes in, on a face, rounding may say inside: that is not the face it comes to.
   for (int i = 0; i < 20 && !(inside > control::on_face); ++i) {
@@ -107,6 +110,9 @@ bool Integration<M, F, Visit>::cuts_corner(const Trial& trial) {
   if (velocity_.last_depth() > 0.25)
     return false;
   const DenseStep path = path_of(trial);
+  if constexpr (requires { velocity_.is_inside_before(path); })
+    if (velocity_.is_inside_before(path))
+      return false;
   for (const double theta : {0.25, 0.5, 0.75}) {
     const double depth = velocity_.depth(path.at(theta), time() + theta * direction_ * h);
     if (depth >= -control::on_face)

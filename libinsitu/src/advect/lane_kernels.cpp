@@ -5,7 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "cells/kernels_simd.h"
+#include "cells/pack_pair_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace insitu::advect::HWY_NAMESPACE {
@@ -13,11 +13,12 @@ namespace insitu::advect::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace simd = cells::HWY_NAMESPACE;
 using simd::Pack;
+using simd::PackPair;
 using PackVec = simd::Vec3<Pack>;
 
 constexpr int most_lanes = 8;
 
-/// Column l is from(l), an array of vectors; idle lanes repeat the last one's.
+/// Lane l of to[v] is vector v of from(l); idle lanes repeat the last one's.
 template <int count, class From>
 HWY_INLINE void gather(int lanes, int n, const From& from, PackVec* to) {
   alignas(64) double row[3 * count][most_lanes];
@@ -34,58 +35,158 @@ HWY_INLINE void gather(int lanes, int n, const From& from, PackVec* to) {
              simd::load_pack(row[3 * v + 2])};
 }
 
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+using Row = hn::Vec<simd::PackTag>;
+
+#if HWY_TARGET <= HWY_AVX3
+constexpr int row_lanes = 8;
+
+/// Blocks of two lanes: block k of to[m] is block m of from[k].
+HWY_INLINE void transpose_blocks(const Row* from, Row* to) {
+  const simd::PackTag d;
+  Row even[2], odd[2];
+  for (int k = 0; k < 2; ++k) {
+    const Row a = from[2 * k], b = from[2 * k + 1];
+    even[k] = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(b), a);
+    odd[k] = hn::OddEvenBlocks(b, hn::SwapAdjacentBlocks(a));
+  }
+  to[0] = hn::ConcatLowerLower(d, even[1], even[0]);
+  to[1] = hn::ConcatLowerLower(d, odd[1], odd[0]);
+  to[2] = hn::ConcatUpperUpper(d, even[1], even[0]);
+  to[3] = hn::ConcatUpperUpper(d, odd[1], odd[0]);
+}
+#else
+constexpr int row_lanes = 4;
+
+HWY_INLINE void transpose_blocks(const Row* from, Row* to) {
+  const simd::PackTag d;
+  to[0] = hn::ConcatLowerLower(d, from[1], from[0]);
+  to[1] = hn::ConcatUpperUpper(d, from[1], from[0]);
+}
+#endif
+
+/// Lane l of to[m] is lane m of from[l].
+HWY_INLINE void transpose(const Row* from, Row* to) {
+  constexpr int half = row_lanes / 2;
+  const simd::PackTag d;
+  Row lower[half], upper[half], even[half], odd[half];
+  for (int k = 0; k < half; ++k) {
+    lower[k] = hn::InterleaveLower(d, from[2 * k], from[2 * k + 1]);
+    upper[k] = hn::InterleaveUpper(d, from[2 * k], from[2 * k + 1]);
+  }
+  transpose_blocks(lower, even);
+  transpose_blocks(upper, odd);
+  for (int k = 0; k < half; ++k) {
+    to[2 * k] = even[k];
+    to[2 * k + 1] = odd[k];
+  }
+}
+
+/// gather() of a cell's vertices, or of what there is at them: room for eight.
+template <int count, class From>
+HWY_INLINE void gather_cells(int, int n, const From& from, PackVec* to) {
+  constexpr int blocks = (3 * count + row_lanes - 1) / row_lanes;
+  static_assert(blocks * row_lanes <= 24);
+  const simd::PackTag d;
+  const double* column[row_lanes];
+  for (int l = 0; l < row_lanes; ++l)
+    column[l] = &from(l < n ? l : n - 1)->x;
+  Row rows[blocks * row_lanes];
+  for (int b = 0; b < blocks; ++b) {
+    Row given[row_lanes];
+    for (int l = 0; l < row_lanes; ++l)
+      given[l] = hn::LoadU(d, column[l] + b * row_lanes);
+    transpose(given, rows + b * row_lanes);
+  }
+  for (int v = 0; v < count; ++v)
+    to[v] = {Pack(rows[3 * v]), Pack(rows[3 * v + 1]), Pack(rows[3 * v + 2])};
+}
+#else
+template <int count, class From>
+HWY_INLINE void gather_cells(int lanes, int n, const From& from, PackVec* to) {
+  gather<count>(lanes, n, from, to);
+}
+#endif
+
+/// What an inverse map found, and the velocity there, of n lanes.
+template <int vertices>
+HWY_INLINE void answer(mesh::Shape shape, const LaneQuery* q, int n, int steps,
+                       const simd::InverseMap<Pack>& found, LaneAnswer* answers) {
+  const simd::PackTag d;
+  const int lanes = int(hn::Lanes(d));
+  PackVec v{Pack(0.0), Pack(0.0), Pack(0.0)};
+  if (q->velocity) {
+    Pack weight[8];
+    simd::shape_functions(shape, found.r, weight);
+    for (int step = 0; step < steps; ++step) {
+      PackVec u[vertices];
+      gather_cells<vertices>(
+          lanes, n, [q, step](int l) HWY_ATTR { return q[l].velocity[step]; }, u);
+      PackVec at_step = weight[0] * u[0];
+      for (int k = 1; k < vertices; ++k)
+        at_step += weight[k] * u[k];
+      if (steps == 1) {
+        v = at_step;
+        break;
+      }
+      alignas(64) double row[most_lanes];
+      for (int l = 0; l < lanes; ++l)
+        row[l] = q[l < n ? l : n - 1].weights[step];
+      const PackVec part = simd::load_pack(row) * at_step;
+      v = step == 0 ? part : v + part;
+    }
+  }
+  alignas(64) double out[8][most_lanes];
+  const Pack rows[] = {found.r.x, found.r.y, found.r.z, found.margin, found.error, v.x, v.y, v.z};
+  for (int k = 0; k < 8; ++k)
+    hn::Store(rows[k].v, d, out[k]);
+  const unsigned converged = simd::lane_bits(found.converged);
+  for (int l = 0; l < n; ++l)
+    answers[l] = {{out[0][l], out[1][l], out[2][l]},
+                  out[3][l],
+                  out[4][l],
+                  ((converged >> l) & 1U) != 0,
+                  {out[5][l], out[6][l], out[7][l]}};
+}
+
 /// map(x, p): the inverse of one shape.
 template <int vertices, class Map>
 HWY_INLINE void invert_shape(mesh::Shape shape, const LaneQuery* queries, int count, int steps,
                              LaneAnswer* answers, const Map& map) {
-  const simd::PackTag d;
-  const int lanes = int(hn::Lanes(d));
-  for (int i = 0; i < count; i += lanes) {
-    const LaneQuery* const q = queries + i;
-    const int n = count - i < lanes ? count - i : lanes;
-    PackVec x[vertices], p[1];
-    gather<vertices>(
+  const int lanes = int(hn::Lanes(simd::PackTag()));
+  const auto load = [lanes](const LaneQuery* q, int n, PackVec* x, PackVec* p) HWY_ATTR {
+    gather_cells<vertices>(
         lanes, n, [q](int l) HWY_ATTR { return q[l].vertices; }, x);
     gather<1>(
         lanes, n, [q](int l) HWY_ATTR { return &q[l].point; }, p);
-    const auto found = map(x, p[0]);
-    PackVec v{Pack(0.0), Pack(0.0), Pack(0.0)};
-    if (q->velocity) {
-      Pack weight[8];
-      simd::shape_functions(shape, found.r, weight);
-      const auto sum = [&weight](const PackVec* u) HWY_ATTR {
-        PackVec s = weight[0] * u[0];
-        for (int k = 1; k < vertices; ++k)
-          s += weight[k] * u[k];
-        return s;
-      };
-      for (int step = 0; step < steps; ++step) {
-        PackVec u[vertices];
-        gather<vertices>(
-            lanes, n, [q, step](int l) HWY_ATTR { return q[l].velocity[step]; }, u);
-        const PackVec at_step = sum(u);
-        if (steps == 1) {
-          v = at_step;
-          break;
-        }
-        alignas(64) double row[most_lanes];
-        for (int l = 0; l < lanes; ++l)
-          row[l] = q[l < n ? l : n - 1].weights[step];
-        const PackVec part = simd::load_pack(row) * at_step;
-        v = step == 0 ? part : v + part;
-      }
-    }
-    alignas(64) double out[8][most_lanes];
-    const Pack rows[] = {found.r.x, found.r.y, found.r.z, found.margin, found.error, v.x, v.y, v.z};
-    for (int k = 0; k < 8; ++k)
-      hn::Store(rows[k].v, d, out[k]);
-    const unsigned converged = simd::lane_bits(found.converged);
-    for (int l = 0; l < n; ++l)
-      answers[i + l] = {{out[0][l], out[1][l], out[2][l]},
-                        out[3][l],
-                        out[4][l],
-                        ((converged >> l) & 1U) != 0,
-                        {out[5][l], out[6][l], out[7][l]}};
+  };
+  int i = 0;
+  for (; count - i > lanes; i += 2 * lanes) {
+    const LaneQuery* const q = queries + i;
+    const int n = count - i - lanes < lanes ? count - i - lanes : lanes;
+    PackVec x[2][vertices], p[2];
+    load(q, lanes, x[0], &p[0]);
+    load(q + lanes, n, x[1], &p[1]);
+    simd::Vec3<PackPair> pairs[vertices];
+    for (int v = 0; v < vertices; ++v)
+      pairs[v] = {{x[0][v].x, x[1][v].x}, {x[0][v].y, x[1][v].y}, {x[0][v].z, x[1][v].z}};
+    const auto found =
+        map(static_cast<const simd::Vec3<PackPair>*>(pairs),
+            simd::Vec3<PackPair>{{p[0].x, p[1].x}, {p[0].y, p[1].y}, {p[0].z, p[1].z}});
+    answer<vertices>(
+        shape, q, lanes, steps,
+        {{found.r.x.a, found.r.y.a, found.r.z.a}, found.margin.a, found.converged.a, found.error.a},
+        answers + i);
+    answer<vertices>(
+        shape, q + lanes, n, steps,
+        {{found.r.x.b, found.r.y.b, found.r.z.b}, found.margin.b, found.converged.b, found.error.b},
+        answers + i + lanes);
+  }
+  if (i < count) {
+    PackVec x[vertices], p;
+    load(queries + i, count - i, x, &p);
+    answer<vertices>(shape, queries + i, count - i, steps, map(static_cast<const PackVec*>(x), p),
+                     answers + i);
   }
 }
 
@@ -95,19 +196,19 @@ void invert_all(mesh::Shape shape, const LaneQuery* queries, int n, int steps,
   switch (shape) {
   case Shape::tetrahedron:
     return invert_shape<4>(shape, queries, n, steps, answers,
-                           [](const PackVec* x, const PackVec& p)
+                           [](const auto* x, const auto& p)
                                HWY_ATTR { return simd::inverse_tetrahedron(x, p); });
   case Shape::pyramid:
     return invert_shape<5>(shape, queries, n, steps, answers,
-                           [](const PackVec* x, const PackVec& p)
+                           [](const auto* x, const auto& p)
                                HWY_ATTR { return simd::inverse_pyramid(x, p); });
   case Shape::wedge:
     return invert_shape<6>(shape, queries, n, steps, answers,
-                           [](const PackVec* x, const PackVec& p)
+                           [](const auto* x, const auto& p)
                                HWY_ATTR { return simd::inverse_wedge(x, p); });
   default:
     return invert_shape<8>(shape, queries, n, steps, answers,
-                           [shape](const PackVec* x, const PackVec& p)
+                           [shape](const auto* x, const auto& p)
                                HWY_ATTR { return simd::inverse_hexahedron(shape, x, p); });
   }
 }

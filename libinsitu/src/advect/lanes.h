@@ -43,7 +43,8 @@ private:
   bool crosses_ = false; ///< a cell is asked for, not a velocity
   math::Vec3d beyond_;   ///< the place whose cell it is
   query::Location beyond_at_;
-  int tried_ = 0; ///< of kept_, that which was tried last
+  Kept* tried_ = nullptr; ///< that which was tried last
+  int walked_ = 0;
   Sampled sampled_ = Sampled::outside;
 };
 
@@ -51,7 +52,7 @@ private:
 /// through the sampler as a batch. One object serves one thread.
 class LaneBatch {
 public:
-  static constexpr int lane_count = 32;
+  static constexpr int lane_count = 64;
 
   explicit LaneBatch(const query::Sampler& sampler) : sampler_(&sampler) {}
 
@@ -63,14 +64,20 @@ private:
     LaneVelocity* lane;
     LaneVelocity::Kept* cell;
   };
+  struct Guessed {
+    LaneVelocity* lane;
+    std::int64_t cell;
+  };
   void ask(LaneVelocity& lane, LaneVelocity::Kept& cell);
-  bool try_kept(LaneVelocity& lane, int which);
+  void ask_guessed();
   void try_cells();
+  void try_next();
   void locate();
 
   const query::Sampler* sampler_;
   std::vector<Asked> asked_[5]; ///< by shape
-  std::vector<LaneVelocity*> missed_, again_, crossing_;
+  std::vector<LaneVelocity*> missed_, lost_, crossing_;
+  std::vector<Guessed> guessed_;
   std::vector<LaneQuery> queries_;
   std::vector<LaneAnswer> answers_;
   std::vector<math::Vec3d> points_;

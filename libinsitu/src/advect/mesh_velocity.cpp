@@ -7,7 +7,6 @@ using math::Vec3d;
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr Box everywhere{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
 
 } // namespace
 
@@ -28,50 +27,18 @@ void MeshVelocity::begin(std::int64_t hint) {
   cell_ = sized_ = -1;
   confined_ = false;
   // What is kept of another particle's way must not decide where cells overlap.
-  kept_[0].cell = kept_[1].cell = -1;
-}
-
-/// Cells of gridlets have no vertices of their own to keep.
-bool MeshVelocity::can_keep(std::int64_t cell) const {
-  const mesh::MeshView& mesh = sampler_->mesh();
-  return !mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(cell)].gridlets;
-}
-
-void MeshVelocity::load(Kept& k, std::int64_t cell) const {
-  const mesh::MeshView& mesh = sampler_->mesh();
-  k.cell = cell;
-  k.alpha = 1.0;
-  mesh::gather(mesh, cell, k.vertices);
-  const mesh::CellVertices& c = k.vertices;
-  k.box = box_of(c);
-  if (moves_) {
-    k.box = everywhere;
-    const Vec3d* earlier = mesh.earlier_points + mesh.first_vertex[c.piece];
-    for (int i = 0; i < c.count; ++i) {
-      k.now[i] = c.x[i];
-      k.earlier[i] = earlier[c.ids[i]];
-    }
-  }
-  const bool by_cell = fields_[0].association == INSITU_CELL;
-  k.values = by_cell ? 1 : c.count;
-  for (int f = 0; f < steps_; ++f) {
-    const mesh::FieldPieceView& from = fields_[f].pieces[c.piece];
-    for (int i = 0; i < k.values; ++i) {
-      const std::int64_t item = by_cell ? cell - mesh.first_cell[c.piece] : c.ids[i];
-      k.velocity[f][i] = {from.load(item, 0), from.load(item, 1), from.load(item, 2)};
-    }
-  }
+  kept_[0]->cell = kept_[1]->cell = kept_[0]->opened = kept_[1]->opened = own_->opened = -1;
 }
 
 MeshVelocity::Kept& MeshVelocity::keep(std::int64_t cell) {
   for (int i = 0; i < 2; ++i)
-    if (kept_[i].cell == cell) {
+    if (kept_[i]->cell == cell) {
       last_ = i;
-      return kept_[i];
+      return *kept_[i];
     }
   last_ ^= 1;
-  load(kept_[last_], cell);
-  return kept_[last_];
+  load(*kept_[last_], cell);
+  return *kept_[last_];
 }
 
 /// By the sampler: the point is in no cell that is kept, or cannot be proven to be.
@@ -126,7 +93,7 @@ Vec3d MeshVelocity::rate_of_change(const query::Location& at, double t) const {
 Vec3d MeshVelocity::extent() {
   if (sized_ != cell_) {
     sized_ = cell_;
-    for (const Kept* k : {&own_, &kept_[last_]})
+    for (const Kept* k : {own_, kept_[last_]})
       if (!moves_ && k->cell == cell_) {
         extent_ = k->box.extent();
         return extent_;
@@ -142,22 +109,33 @@ Vec3d MeshVelocity::extent() {
 
 /// The cell's own interpolation goes on for half a cell beyond its faces.
 Sampled MeshVelocity::in_own_cell(const Vec3d& x, Vec3d& v, query::Location* where) {
-  blend(own_);
-  const auto map = cells::inverse_map(own_.vertices.shape, own_.vertices.x, x);
+  blend(*own_);
+  const auto map = cells::inverse_map(own_->vertices.shape, own_->vertices.x, x);
+  own_r_ = map.r;
   depth_ = depth_at(map.r, map.margin);
   if (!map.converged || !(map.margin > -0.5))
     return Sampled::outside;
-  hint_ = own_.cell;
+  hint_ = own_->cell;
   if (where)
-    *where = {own_.cell, map.r};
-  return value(own_, map.r, v);
+    *where = {own_->cell, map.r};
+  return value(*own_, map.r, v);
 }
 
 double MeshVelocity::depth(const Vec3d& x, double t) {
   set_alpha(t);
-  blend(own_);
-  const auto map = cells::inverse_map(own_.vertices.shape, own_.vertices.x, x);
+  blend(*own_);
+  const auto map = cells::inverse_map(own_->vertices.shape, own_->vertices.x, x);
+  own_r_ = map.r;
   return map.converged ? depth_at(map.r, map.margin) : -1.0;
+}
+
+double MeshVelocity::face_on(const DenseStep& path, double low, double high) {
+  if (moves_) // and the face with it
+    return -1.0;
+  const PlaceOnPath found = face_on_path(own_->vertices, along_, path, low, high, own_r_);
+  if (found.theta >= 0.0)
+    own_r_ = found.r;
+  return found.theta;
 }
 
 namespace {
@@ -173,7 +151,7 @@ Vec3d part_of_cell(const Vec3d& towards, const Vec3d& extent, double cells) {
 /// The faces of the own cell on which x lies and along which it goes.
 unsigned MeshVelocity::faces_along(const Vec3d& x, const Vec3d& towards) const {
   constexpr double way = 1e-3, slope = 1e-7; // in cells
-  const mesh::CellVertices& c = own_.vertices;
+  const mesh::CellVertices& c = own_->vertices;
   const Vec3d on = x + part_of_cell(towards, own_extent(), way);
   const auto here = cells::inverse_map(c.shape, c.x, x),
              there = cells::inverse_map(c.shape, c.x, on);
@@ -196,7 +174,7 @@ unsigned MeshVelocity::faces_along(const Vec3d& x, const Vec3d& towards) const {
 /// far beyond one.
 double MeshVelocity::depth_beside(const Vec3d& r) const {
   constexpr double beyond = 10.0 * control::on_face;
-  const mesh::Shape shape = own_.vertices.shape;
+  const mesh::Shape shape = own_->vertices.shape;
   double n[8], depth = infinity;
   cells::shape_functions(shape, r, n);
   for (int f = 0; f < cells::face_table(shape).face_count; ++f) {
@@ -216,12 +194,12 @@ bool MeshVelocity::confine(const Vec3d& x, const Vec3d& towards, double t) {
   query::Location at = sampler_->locate(x, hint_, options());
   if (!at || !can_keep(at.cell))
     return false;
-  load(own_, at.cell);
+  take_own(at.cell);
   if (depth(x, t) < 1e-9) { // on a face: of the cells there, the one that is entered
     at = sampler_->locate(x + part_of_cell(towards, own_extent(), 1e-7), at.cell, options());
-    if (at && at.cell != own_.cell && can_keep(at.cell))
-      load(own_, at.cell);
-    blend(own_);
+    if (at && at.cell != own_->cell && can_keep(at.cell))
+      take_own(at.cell);
+    blend(*own_);
     along_ = faces_along(x, towards);
   }
   return confined_ = true;
@@ -229,9 +207,23 @@ bool MeshVelocity::confine(const Vec3d& x, const Vec3d& towards, double t) {
 
 Vec3d MeshVelocity::beyond(const Vec3d& x, const Vec3d& towards, double t) {
   set_alpha(t);
-  blend(own_);
+  blend(*own_);
   towards_ = towards;
   return x + part_of_cell(towards, own_extent(), 1e-7);
+}
+
+/// The cell that holds a point a little way beyond a face of the own cell, at the point asked last.
+query::Location MeshVelocity::locate(const Vec3d& x) {
+  if (const std::int64_t cell = cell_across(); cell >= 0) {
+    Kept& k = beside(cell);
+    blend(k);
+    const auto map = cells::inverse_map(k.vertices.shape, k.vertices.x, x);
+    if (map.margin > map.error) {
+      ++proven_;
+      return {cell, map.r};
+    }
+  }
+  return sampler_->locate(x, own_->cell, options());
 }
 
 Crossed MeshVelocity::enter(const Vec3d& x, const query::Location& at) {
@@ -239,15 +231,15 @@ Crossed MeshVelocity::enter(const Vec3d& x, const query::Location& at) {
     return Crossed::to_boundary;
   if (!can_keep(at.cell))
     return Crossed::nowhere;
-  load(own_, at.cell);
-  blend(own_);
-  hint_ = own_.cell;
+  take_own(at.cell);
+  blend(*own_);
+  hint_ = own_->cell;
   // Still on another face than that it came through?
   double n[8];
-  cells::shape_functions(own_.vertices.shape, at.parametric, n);
+  cells::shape_functions(own_->vertices.shape, at.parametric, n);
   along_ = 0;
-  for (int f = 0; f < cells::face_table(own_.vertices.shape).face_count; ++f)
-    if (std::abs(cells::parametric_distance(own_.vertices.shape, f, n)) <= control::on_face) {
+  for (int f = 0; f < cells::face_table(own_->vertices.shape).face_count; ++f)
+    if (std::abs(cells::parametric_distance(own_->vertices.shape, f, n)) <= control::on_face) {
       along_ = faces_along(x, towards_);
       break;
     }
@@ -260,17 +252,17 @@ Crossed MeshVelocity::cross(const Vec3d& x, const Vec3d& towards, double t) {
 
 /// at: of a place a little way on from x.
 Crossed MeshVelocity::crossed(const Vec3d& x, const query::Location& at) {
-  if (!at || at.cell != own_.cell)
+  if (!at || at.cell != own_->cell)
     return enter(x, at);
   // Almost along the face, or a little short of it.
-  const auto map = cells::inverse_map(own_.vertices.shape, own_.vertices.x, x);
+  const auto map = cells::inverse_map(own_->vertices.shape, own_->vertices.x, x);
   if (map.converged) {
-    const query::FaceCrossing face = query::nearest_face(own_.vertices, own_.cell, map.r);
+    const query::FaceCrossing face = query::nearest_face(own_->vertices, own_->cell, map.r);
     const Vec3d extent = own_extent();
     for (double part = 1e-8; part < 1e-4; part *= 10.0) {
       const query::Location out = sampler_->locate(
-          face.point + part_of_cell(face.normal, extent, part), own_.cell, options());
-      if (!out || out.cell != own_.cell)
+          face.point + part_of_cell(face.normal, extent, part), own_->cell, options());
+      if (!out || out.cell != own_->cell)
         return enter(x, out);
     }
   }

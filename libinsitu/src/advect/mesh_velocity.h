@@ -8,6 +8,8 @@
 #include <span>
 
 #include "advect/box.h"
+#include "advect/cells_beyond.h"
+#include "advect/face_on_path.h"
 #include "advect/in_time.h"
 #include "advect/integrate.h"
 #include "cells/faces.h"
@@ -33,6 +35,12 @@ public:
   ~MeshVelocity() { sampler_->count_certified(proven_); }
   MeshVelocity(const MeshVelocity&) = delete;
   MeshVelocity& operator=(const MeshVelocity&) = delete;
+
+  /// Points that the last cell does not hold are then looked for in the cells that this guesses; or
+  /// null. It must outlive the object. Where cells overlap, another one may answer.
+  void walk_by(const CellsBeyond* beyond) {
+    beyond_cells_ = beyond && beyond->knows() ? beyond : nullptr;
+  }
 
   /// Begins with a new particle; hint: its last cell, or -1.
   void begin(std::int64_t hint);
@@ -77,14 +85,16 @@ public:
   void release() { confined_ = false; }
   double depth(const math::Vec3d& x, double t);
   double last_depth() const { return depth_; }
+  double face_on(const DenseStep& path, double low, double high);
+  bool is_inside_before(const DenseStep& path) const {
+    return !moves_ && advect::is_inside_before(own_->vertices, along_, path, own_r_);
+  }
   Crossed cross(const math::Vec3d& x, const math::Vec3d& towards, double t);
   /// The parts of cross(): a place a little way on from x, and what follows from where that is.
   math::Vec3d beyond(const math::Vec3d& x, const math::Vec3d& towards, double t);
   Crossed crossed(const math::Vec3d& x, const query::Location& at);
   void go_towards(const math::Vec3d& towards) { towards_ = towards; }
-  query::Location locate(const math::Vec3d& x) const {
-    return sampler_->locate(x, own_.cell, options());
-  }
+  query::Location locate(const math::Vec3d& x);
 
   /// See ExitingField. On a moving mesh, the face is where it is when the particle reaches it.
   std::optional<query::Exit> leave(const math::Vec3d& a, const math::Vec3d& b, double t, double dt);
@@ -99,8 +109,9 @@ protected:
   /// A cell with all that is asked of it.
   struct Kept {
     std::int64_t cell = -1;
-    double alpha = 1.0; ///< of vertices.x
-    int values = 0;     ///< of the field: vertices, or 1 of a cell field
+    std::int64_t opened = -1; ///< the cell whose ids are there, and its data asked for
+    double alpha = 1.0;       ///< of vertices.x
+    int values = 0;           ///< of the field: vertices, or 1 of a cell field
     mesh::CellVertices vertices;
     Box box;                             ///< of the vertices; of a mesh that moves, of everything
     math::Vec3d now[8], earlier[8];      ///< coordinates, if the mesh moves
@@ -159,20 +170,17 @@ protected:
     if (confined_)
       return in_own_cell(x, v, at);
     if (keeps_) {
-      for (int tries = 0; tries < 2; ++tries) {
-        Kept& k = kept_[last_];
-        if (k.may_hold(x)) {
-          blend(k);
-          const auto map = cells::inverse_map(k.vertices.shape, k.vertices.x, x);
-          if (map.margin > map.error) {
-            ++proven_;
-            hint_ = k.cell;
-            if constexpr (tells_where)
-              *at = {k.cell, map.r};
-            return value(k, map.r, v);
-          }
+      int walked = 0;
+      for (Kept* k = first_to_try(x); k; k = next_to_try(k, x, walked)) {
+        blend(*k);
+        const auto map = cells::inverse_map(k->vertices.shape, k->vertices.x, x);
+        if (map.margin > map.error) {
+          proven_in(k);
+          if constexpr (tells_where)
+            *at = {k->cell, map.r};
+          return value(*k, map.r, v);
         }
-        last_ ^= 1;
+        found_outside(map.converged, map.r);
       }
     }
     return located(x, v, at);
@@ -182,10 +190,63 @@ protected:
   Sampled located(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
   Sampled taken(const query::Location& at, math::Vec3d& v);
   Sampled in_own_cell(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
+  // Loading a cell in steps, so that many are waited for at once: asks for its ids; has them, and
+  // asks for its coordinates and velocities; has all.
+  void foresee(std::int64_t cell) const;
+  void open(Kept& k, std::int64_t cell) const;
   void load(Kept& k, std::int64_t cell) const;
   Kept& keep(std::int64_t cell);
+  /// Opens the cell that will be kept next, if it is not.
+  void expect(std::int64_t cell) {
+    if (keeps_ && kept_[0]->cell != cell && kept_[1]->cell != cell && can_keep(cell))
+      open(*kept_[last_ ^ 1], cell);
+  }
+  // The kept cells that may hold a point are tried one after the other: the last, and one that is
+  // guessed from where the point lies in it, or the other whose box holds it. Each returns null
+  // where the sampler has to be asked.
+  Kept* first_to_try(const math::Vec3d& x) const {
+    Kept* const last = kept_[last_];
+    if (beyond_cells_ ? last->cell >= 0 : last->may_hold(x))
+      return last;
+    return kept_[last_ ^ 1]->may_hold(x) ? kept_[last_ ^ 1] : nullptr;
+  }
+  /// After one that was tried in vain.
+  Kept* next_to_try(const Kept* tried, const math::Vec3d& x, int& walked) {
+    const std::int64_t cell = next_guess(tried, walked);
+    return cell >= 0 ? &beside(cell) : other_to_try(tried, x);
+  }
+  /// A cell to go on to from one beyond whose faces a point was just found, or -1.
+  std::int64_t next_guess(const Kept* tried, int& walked) const {
+    if (!beyond_cells_ || !outside_known_ || walked++ == most_walked)
+      return -1;
+    const std::int64_t cell = next_cell(*tried, outside_, 0.0);
+    return cell == kept_[last_]->cell ? -1 : cell;
+  }
+  Kept* other_to_try(const Kept* tried, const math::Vec3d& x) const {
+    Kept* const other = kept_[last_ ^ 1];
+    return tried != other && other->may_hold(x) ? other : nullptr;
+  }
+  /// This cell, kept beside the last one.
+  Kept& beside(std::int64_t cell) {
+    Kept& k = *kept_[last_ ^ 1];
+    if (k.cell != cell)
+      load(k, cell);
+    return k;
+  }
+  void proven_in(Kept* k) {
+    ++proven_;
+    last_ = k == kept_[last_] ? last_ : last_ ^ 1;
+    hint_ = k->cell;
+  }
+  void found_outside(bool converged, const math::Vec3d& r) {
+    outside_known_ = converged;
+    outside_ = r;
+  }
+  std::int64_t next_cell(const Kept& from, const math::Vec3d& r, double near) const;
+  std::int64_t cell_across() const;
+  void take_own(std::int64_t cell);
   Crossed enter(const math::Vec3d& x, const query::Location& at);
-  math::Vec3d own_extent() const { return (moves_ ? box_of(own_.vertices) : own_.box).extent(); }
+  math::Vec3d own_extent() const { return (moves_ ? box_of(own_->vertices) : own_->box).extent(); }
   unsigned faces_along(const math::Vec3d& x, const math::Vec3d& towards) const;
   double depth_beside(const math::Vec3d& r) const;
   /// How deep in its own cell a point lies, with these coordinates and this margin there.
@@ -209,10 +270,17 @@ protected:
   math::Vec3d extent_;
   std::int64_t proven_ = 0; ///< points located without the sampler
 
-  Kept kept_[2];
+  /// Guesses for one point.
+  static constexpr int most_walked = 2;
+  const CellsBeyond* beyond_cells_ = nullptr;
+  bool outside_known_ = false;
+  math::Vec3d outside_; ///< coordinates in the cell that was tried last
+  Kept cells_[3];
+  Kept* kept_[2] = {&cells_[0], &cells_[1]};
   int last_ = 0; ///< of kept_, that which answered last
   bool confined_ = false;
-  Kept own_; ///< the cell that answers while confined
+  Kept* own_ = &cells_[2]; ///< the cell that answers while confined
+  math::Vec3d own_r_;      ///< in it, of the point asked last
   /// Faces of it, a bit each, along which the particle goes: they are no ends of its way.
   unsigned along_ = 0;
   math::Vec3d towards_; ///< where it goes, at the face that it comes to

@@ -104,6 +104,7 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
     all.endings[i] = std::uint8_t(ending);
     return ending;
   };
+  const std::unique_ptr<const CellsBeyond> beyond = CellsBeyond::worth(sampler, count);
   const Sides none;
   // One by one: make() gives a thread its field of velocities; begin_chunk(field) what moves
   // particles in it.
@@ -113,6 +114,7 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
     result.blended_geometry = make().blends_geometry();
     threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
       auto v = make();
+      v.walk_by(beyond.get());
       auto mover = begin_chunk(v);
       Work& chunk_work = work[std::size_t(begin / grain)];
       for (std::size_t i = std::size_t(begin); i < std::size_t(end); ++i) {
@@ -164,7 +166,8 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
       run_lanes(
           sampler, begin, end,
           [&](std::deque<LaneVelocity>& to) {
-            to.emplace_back(sampler, velocity, steps, t0, t1, settings_.accuracy);
+            to.emplace_back(sampler, velocity, steps, t0, t1, settings_.accuracy)
+                .walk_by(beyond.get());
           },
           [&](std::int64_t i, std::size_t slot, LaneVelocity& v) -> Stepping {
             State& p = states[slot];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <type_traits>
 #include <vector>
@@ -61,8 +62,10 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
     lines.particles[std::size_t(l)] = std::int64_t(seed_of(l));
     lines.offsets[std::size_t(l) + 1] = std::int64_t(line.vertices.size());
   };
+  const std::unique_ptr<const CellsBeyond> beyond = CellsBeyond::worth(sampler, count);
   const auto trace_on_chart = [&](std::int64_t begin, std::int64_t end) {
     ChartVelocity field(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy);
+    field.walk_by(beyond.get());
     Work& cost = work[std::size_t(begin / grain)];
     Line line;
     for (std::int64_t l = begin; l < end; ++l) {
@@ -85,7 +88,8 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
     run_lanes(
         sampler, begin, end,
         [&](std::deque<LaneVelocity>& to) {
-          to.emplace_back(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy);
+          to.emplace_back(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy)
+              .walk_by(beyond.get());
         },
         [&](std::int64_t l, std::size_t slot, LaneVelocity& field) {
           Line& line = under_way[slot];
@@ -112,6 +116,7 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
   const auto trace_moved = [&]<class V>(std::type_identity<V>, std::int64_t begin,
                                         std::int64_t end) {
     V field(sampler, velocity, nullptr, 0.0, 0.0, settings.accuracy, setup->effects.drifts);
+    field.walk_by(beyond.get());
     Mover<V> mover(*setup, field, steady.integrator, settings.length);
     Line line;
     for (std::int64_t l = begin; l < end; ++l) {

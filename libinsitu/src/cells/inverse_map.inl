@@ -166,26 +166,40 @@ INSITU_HD inline InverseMap<T> inverse_tetrahedron(const Vec3<T>* x, const Vec3<
 /// The trilinear map in monomials of r, s, t, relative to vertex 0: fewer operations an iteration
 /// than shape functions, and no cancellation at large offsets.
 template <class T>
-INSITU_HD inline InverseMap<T> inverse_hexahedron(Shape shape, const Vec3<T>* x, const Vec3<T>& p) {
+struct TrilinearMap {
+  Vec3<T> er, es, et, crs, crt, cst, crst;
+
+  /// v: the place at q; a, b, c: its derivatives by r, s, t.
+  INSITU_HD inline void operator()(const Vec3<T>& q, Vec3<T>& v, Vec3<T>& a, Vec3<T>& b,
+                                   Vec3<T>& c) const {
+    const Vec3<T> rs_t = crs + q.z * crst; // coefficient of r s
+    a = er + q.y * rs_t + q.z * crt;
+    b = es + q.x * rs_t + q.z * cst;
+    c = et + q.x * (crt + q.y * crst) + q.y * cst;
+    v = q.x * a + q.y * (es + q.z * cst) + q.z * et;
+  }
+};
+/// Of a hexahedron or voxel.
+template <class T>
+INSITU_HD inline TrilinearMap<T> trilinear_map(Shape shape, const Vec3<T>* x) {
   const int swap = shape == Shape::voxel ? 1 : 0;
   const Vec3<T> x0 = x[0];
   const Vec3<T> e1 = x[1] - x0, e2 = x[2 + swap] - x0, e3 = x[3 - swap] - x0, e4 = x[4] - x0,
                 e5 = x[5] - x0, e6 = x[6 + swap] - x0, e7 = x[7 - swap] - x0;
-  const Vec3<T> crs = e2 - e1 - e3, crt = e5 - e1 - e4, cst = e7 - e3 - e4;
-  const Vec3<T> crst = e6 - e2 - (e5 - e1) - (e7 - e3) + e4;
-  const auto map = [&](const Vec3<T>& q, Vec3<T>& v, Vec3<T>& a, Vec3<T>& b, Vec3<T>& c)
-                       INSITU_LAMBDA {
-                         const Vec3<T> rs_t = crs + q.z * crst; // coefficient of r s
-                         a = e1 + q.y * rs_t + q.z * crt;
-                         b = e3 + q.x * rs_t + q.z * cst;
-                         c = e4 + q.x * (crt + q.y * crst) + q.y * cst;
-                         v = q.x * a + q.y * (e3 + q.z * cst) + q.z * e4;
-                       };
-  const Vec3<T> scale = absolute_of(e1) + absolute_of(e3) + absolute_of(e4) + absolute_of(crs) +
-                        absolute_of(crt) + absolute_of(cst) + absolute_of(crst);
+  return {e1,           e3,           e4,
+          e2 - e1 - e3, e5 - e1 - e4, e7 - e3 - e4,
+          e6 - e2 - (e5 - e1) - (e7 - e3) + e4};
+}
+
+template <class T>
+INSITU_HD inline InverseMap<T> inverse_hexahedron(Shape shape, const Vec3<T>* x, const Vec3<T>& p) {
+  const TrilinearMap<T> map = trilinear_map(shape, x);
+  const Vec3<T> scale = absolute_of(map.er) + absolute_of(map.es) + absolute_of(map.et) +
+                        absolute_of(map.crs) + absolute_of(map.crt) + absolute_of(map.cst) +
+                        absolute_of(map.crst);
   InverseMap<T> out;
   out.r = {T(0.5), T(0.5), T(0.5)};
-  out.converged = newton(map, p - x0, scale, false, out.r, out.error);
+  out.converged = newton(map, p - x[0], scale, false, out.r, out.error);
   const T one(1.0);
   const auto slack = [&](const T& u) INSITU_LAMBDA { return smaller(u, one - u); };
   out.margin = smaller(slack(out.r.x), smaller(slack(out.r.y), slack(out.r.z)));

@@ -98,6 +98,7 @@ private:
                            const core::Threads& threads, advect::Work& work, Ends& ended) {
     constexpr std::int64_t grain = 256;
     const query::Sampler sampler = mesh_->sampler();
+    const auto beyond = advect::CellsBeyond::worth(sampler, std::int64_t(seeds_.size()));
     const mesh::FieldView field = mesh_->mesh().field("velocity");
     std::vector<Vec3d> ends(seeds_.size());
     const std::size_t chunks = (seeds_.size() + grain - 1) / grain;
@@ -128,7 +129,7 @@ private:
           advect::run_lanes(
               sampler, begin, end,
               [&](std::deque<advect::LaneVelocity>& to) {
-                to.emplace_back(sampler, field, nullptr, 0, 0, o_.accuracy);
+                to.emplace_back(sampler, field, nullptr, 0, 0, o_.accuracy).walk_by(beyond.get());
               },
               [&](std::int64_t i, std::size_t slot, advect::LaneVelocity& velocity) {
                 velocity.begin(-1);

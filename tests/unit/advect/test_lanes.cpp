@@ -1,8 +1,10 @@
 // Many particles at a time on one thread: the same, to the bit, as one by one.
+#include <algorithm>
 #include <cstring>
 #include <deque>
 #include <gtest/gtest.h>
 #include <optional>
+#include <random>
 #include <string>
 
 #include "advect/lanes.h"
@@ -33,9 +35,10 @@ struct Ends {
 };
 
 Ends one_by_one(const query::Sampler& sampler, const Flow& flow, const IntegratorSettings& settings,
-                const std::vector<Vec3d>& seeds, double to) {
+                const std::vector<Vec3d>& seeds, double to, const advect::CellsBeyond* beyond) {
   Ends ends;
   advect::MeshVelocity field(sampler, flow.now, flow.earlier, flow.t0, flow.t1, INSITU_STANDARD);
+  field.walk_by(beyond);
   for (const Vec3d& seed : seeds) {
     field.begin(-1);
     const Outcome r = run(field, settings, seed, to);
@@ -48,7 +51,7 @@ Ends one_by_one(const query::Sampler& sampler, const Flow& flow, const Integrato
 }
 
 Ends in_lanes(const query::Sampler& sampler, const Flow& flow, const IntegratorSettings& settings,
-              const std::vector<Vec3d>& seeds, double to) {
+              const std::vector<Vec3d>& seeds, double to, const advect::CellsBeyond* beyond) {
   Ends ends;
   ends.states.resize(seeds.size());
   ends.endings.resize(seeds.size());
@@ -56,7 +59,8 @@ Ends in_lanes(const query::Sampler& sampler, const Flow& flow, const IntegratorS
   advect::run_lanes(
       sampler, 0, std::int64_t(seeds.size()),
       [&](std::deque<LaneVelocity>& lanes) {
-        lanes.emplace_back(sampler, flow.now, flow.earlier, flow.t0, flow.t1, INSITU_STANDARD);
+        lanes.emplace_back(sampler, flow.now, flow.earlier, flow.t0, flow.t1, INSITU_STANDARD)
+            .walk_by(beyond);
       },
       [&](std::int64_t i, std::size_t, LaneVelocity& field) {
         field.begin(-1);
@@ -76,29 +80,41 @@ bool same_bits(double a, double b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
-/// By every method, plain and face-aware.
+std::size_t different(const Ends& a, const Ends& b) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.states.size(); ++i) {
+    const advect::State &p = a.states[i], &q = b.states[i];
+    const bool same = same_bits(p.x.x, q.x.x) && same_bits(p.x.y, q.x.y) &&
+                      same_bits(p.x.z, q.x.z) && same_bits(p.time, q.time) &&
+                      same_bits(p.length, q.length) && a.endings[i] == b.endings[i] &&
+                      a.cells[i] == b.cells[i];
+    count += !same;
+  }
+  return count;
+}
+
+/// By every method, plain and face-aware; with cells guessed by their numbers and without.
 void expect_the_same(const query::Sampler& sampler, const Flow& flow,
                      const std::vector<Vec3d>& seeds, double to, const std::string& what) {
+  const advect::CellsBeyond beyond(sampler);
   for (const Method method : {Method::euler, Method::rk4, Method::bs32, Method::dopri5})
     for (const bool aware : {false, true}) {
       IntegratorSettings settings;
       settings.method = method;
       settings.face_aware = aware;
-      const Ends a = one_by_one(sampler, flow, settings, seeds, to);
-      const Ends b = in_lanes(sampler, flow, settings, seeds, to);
-      std::size_t different = 0;
-      for (std::size_t i = 0; i < seeds.size(); ++i) {
-        const advect::State &p = a.states[i], &q = b.states[i];
-        const bool same = same_bits(p.x.x, q.x.x) && same_bits(p.x.y, q.x.y) &&
-                          same_bits(p.x.z, q.x.z) && same_bits(p.time, q.time) &&
-                          same_bits(p.length, q.length) && a.endings[i] == b.endings[i] &&
-                          a.cells[i] == b.cells[i];
-        different += !same;
+      const std::string how =
+          what + ", method " + std::to_string(int(method)) + (aware ? ", by faces" : "");
+      const Ends a = one_by_one(sampler, flow, settings, seeds, to, nullptr);
+      EXPECT_EQ(different(a, one_by_one(sampler, flow, settings, seeds, to, &beyond)), 0U)
+          << how << ", guessed";
+      for (const advect::CellsBeyond* cells :
+           {static_cast<const advect::CellsBeyond*>(nullptr), &beyond}) {
+        const Ends b = in_lanes(sampler, flow, settings, seeds, to, cells);
+        EXPECT_EQ(different(a, b), 0U) << how << (cells ? ", lanes, guessed" : ", lanes");
+        EXPECT_EQ(a.work.steps, b.work.steps);
+        EXPECT_EQ(a.work.evaluations, b.work.evaluations);
+        EXPECT_EQ(a.work.rejected, b.work.rejected);
       }
-      EXPECT_EQ(different, 0U) << what << ", method " << int(method) << (aware ? ", by faces" : "");
-      EXPECT_EQ(a.work.steps, b.work.steps);
-      EXPECT_EQ(a.work.evaluations, b.work.evaluations);
-      EXPECT_EQ(a.work.rejected, b.work.rejected);
     }
 }
 
@@ -164,6 +180,43 @@ TEST(Lanes, SameBitsOnEveryShape) {
     const mesh::FieldView field = m.mesh.mesh().field("velocity");
     expect_the_same(m.sampler(), {field}, seeds(), 1.0, "shape " + std::to_string(int(kind)));
   }
+}
+
+/// The cell that holds a point beyond the middle of each side, as the sampler says.
+TEST(CellsBeyond, StepsOfRowsAreLearnt) {
+  constexpr std::int64_t n = 7;
+  BoxMesh box(n, -1.0, 1.0);
+  const advect::CellsBeyond beyond(box.sampler());
+  ASSERT_TRUE(beyond.knows());
+  const mesh::Shape hexahedron = mesh::Shape::hexahedron;
+  const std::int64_t cell = 3 + n * (3 + n * 3), steps[3] = {1, n, n * n};
+  for (int a = 0; a < 3; ++a)
+    for (const double sign : {-1.0, 1.0}) {
+      Vec3d r{0.5, 0.5, 0.5};
+      r[a] += 0.6 * sign;
+      EXPECT_EQ(beyond.guess(cell, hexahedron, r), cell + std::int64_t(sign) * steps[a]);
+      r[(a + 1) % 3] = -0.1; // across an edge
+      EXPECT_EQ(beyond.guess(cell, hexahedron, r),
+                cell + std::int64_t(sign) * steps[a] - steps[(a + 1) % 3]);
+    }
+  EXPECT_EQ(beyond.guess(cell, hexahedron, {0.5, 0.5, 0.5}), -1) << "inside";
+  EXPECT_EQ(beyond.guess(cell, hexahedron, {0.5, 0.5, 1.0 - 1e-9}, 1e-6), cell + n * n)
+      << "on a face";
+  EXPECT_EQ(beyond.guess(cell, mesh::Shape::tetrahedron, {-0.5, 0.5, 0.5}), -1) << "no steps";
+}
+
+/// Cells that are numbered at random have no steps, and nothing is guessed.
+TEST(CellsBeyond, ShuffledNumbersTellNothing) {
+  Random random(8);
+  TestMesh mesh = make_mesh({.kind = MeshKind::hexahedra, .size = 8, .jitter = 0.1}, random);
+  const auto knows = [](const TestMesh& m) {
+    fixtures::Committed committed(m);
+    committed.mesh.look_for_folds(committed.threads);
+    return advect::CellsBeyond(committed.sampler()).knows();
+  };
+  EXPECT_TRUE(knows(mesh));
+  std::shuffle(mesh.cells.begin(), mesh.cells.end(), std::mt19937(3));
+  EXPECT_FALSE(knows(mesh));
 }
 
 } // namespace

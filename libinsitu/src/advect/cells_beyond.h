@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "math/vec.h"
+#include "mesh/shape.h"
+#include "query/sampler.h"
+
+namespace insitu::advect {
+
+/// Guesses by number at the cell beyond a face: where cells are numbered row by row, as on blocks
+/// and in layers, the step from a cell's number to its neighbour's is the same almost everywhere.
+/// A function of the mesh alone, so that guesses are the same whatever was asked before.
+class CellsBeyond {
+public:
+  /// Looks for steps that most of a few cells have; the time of some tens of queries. On a geodetic
+  /// mesh, of its images.
+  explicit CellsBeyond(const query::Sampler& sampler);
+  /// For so many particles; null where that would take longer than they may gain.
+  static std::unique_ptr<const CellsBeyond> worth(const query::Sampler& sampler,
+                                                  std::int64_t particles) {
+    constexpr std::int64_t few = 64;
+    return particles < few ? nullptr : std::make_unique<const CellsBeyond>(sampler);
+  }
+
+  /// False: there are no steps to guess by.
+  bool knows() const { return knows_; }
+
+  /// The cell in which a point may lie that has these coordinates in this cell, beyond its faces or
+  /// this near to them; -1 where nothing is guessed. It is some number: there may be no such cell.
+  std::int64_t guess(std::int64_t cell, mesh::Shape shape, const math::Vec3d& r,
+                     double near = 0.0) const {
+    const unsigned sides = sides_beyond(shape, r, near);
+    const Steps& steps = steps_[shape == mesh::Shape::wedge];
+    if (sides == 0 || (sides & ~steps.known) != 0)
+      return -1;
+    for (int side = 0; side < most_sides; ++side)
+      if (sides >> side & 1U)
+        cell += steps.step[side];
+    return cell;
+  }
+
+private:
+  static constexpr int most_sides = 6;
+  struct Steps {
+    std::int64_t step[most_sides] = {};
+    unsigned known = 0; ///< bits of sides
+  };
+
+  /// Bits: hexahedra and voxels have their faces' order (r = 0, r = 1, s = 0, ...), wedges r, s,
+  /// their sum, t = 0 and t = 1; others none.
+  static unsigned sides_beyond(mesh::Shape shape, const math::Vec3d& r, double near);
+  static void learn(const query::Sampler& sampler, bool wedges, int side, Steps& steps);
+
+  Steps steps_[2]; ///< of hexahedra and voxels; of wedges
+  bool knows_ = false;
+};
+
+} // namespace insitu::advect
