@@ -7,7 +7,8 @@
 /// What LaneBatch does with SIMD; compiled per target and dispatched at run time.
 namespace insitu::advect {
 
-/// A point and the cell that may hold it, with the velocities at the cell's vertices.
+/// A point and the cell that may hold it, with the velocities at the cell's vertices. Of both there
+/// is room for eight, whatever the shape: all may be read.
 struct LaneQuery {
   math::Vec3d point;
   const math::Vec3d* vertices;

@@ -32,7 +32,7 @@ struct NoMover {};
 
 /// Particles of a chunk: enough to fill lanes again and again, if there are that many.
 std::int64_t grain_of(std::int64_t particles, const core::Threads& threads) {
-  return std::clamp<std::int64_t>(particles / (4 * threads.count()), 16, 256);
+  return std::clamp<std::int64_t>(particles / (4 * threads.count()), 16, 1024);
 }
 
 } // namespace

@@ -48,7 +48,7 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
   lines.particles.resize_discard(std::size_t(count));
   lines.endings.resize_discard(std::size_t(count));
 
-  const std::int64_t grain = std::clamp<std::int64_t>(count / (4 * threads.count()), 16, 256);
+  const std::int64_t grain = std::clamp<std::int64_t>(count / (4 * threads.count()), 16, 1024);
   std::vector<Work> work(std::size_t((count + grain - 1) / grain));
   std::vector<std::vector<LineVertex>> vertices_of(static_cast<std::size_t>(count));
   const auto time_of = [&](std::int64_t l) {

@@ -1,5 +1,6 @@
 // Many particles at a time on one thread: the same, to the bit, as one by one.
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <deque>
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include "analytic.h"
 #include "box_mesh.h"
 #include "fixtures/committed.h"
+#include "fixtures/simd_targets.h"
 
 namespace insitu::test {
 namespace {
@@ -243,6 +245,64 @@ TEST(Lanes, OtherParticlesDoNotMatterWhereCellsOverlap) {
   std::reverse(b.endings.begin(), b.endings.end());
   std::reverse(b.cells.begin(), b.cells.end());
   EXPECT_EQ(different(a, b), 0U);
+}
+
+/// Any number of points and cells, through one step and three, on every SIMD target.
+TEST(LaneKernels, SameBitsAsScalarsOnEveryTarget) {
+  constexpr int most = 37, steps = 3;
+  Random random(11);
+  for (const MeshKind kind : {MeshKind::hexahedra, MeshKind::voxels, MeshKind::wedges,
+                              MeshKind::pyramids, MeshKind::tetrahedra}) {
+    const TestMesh mesh = make_mesh({.kind = kind, .size = 4, .jitter = 0.2}, random);
+    const mesh::Shape shape = mesh.cells.front().shape;
+    const int vertices = mesh::vertex_count(shape);
+    std::vector<Vertices> cells(most);
+    std::vector<std::array<std::array<Vec3d, 8>, steps>> velocity(most);
+    std::vector<advect::LaneQuery> queries(most);
+    for (std::size_t i = 0; i < most; ++i) {
+      cells[i] = mesh.cell_vertices(mesh.cells[std::size_t(random.below(int(mesh.cells.size())))]);
+      for (auto& step : velocity[i])
+        for (Vec3d& u : step)
+          u = random.uniform({-1, -1, -1}, {1, 1, 1});
+      Vec3d x = cells[i][0];
+      for (int v = 1; v < vertices; ++v)
+        x += random.uniform(0.0, 1.8 / vertices) * (cells[i][std::size_t(v)] - cells[i][0]);
+      queries[i] = {
+          x, cells[i].data(), reinterpret_cast<const Vec3d(*)[8]>(velocity[i].data()), {}};
+      for (int s = 0; s < steps; ++s)
+        queries[i].weights[s] = random.uniform(-1.0, 1.0);
+    }
+    for (const std::int64_t target : fixtures::simd_targets()) {
+      fixtures::use_simd_target(target);
+      std::size_t wrong = 0;
+      for (const int n : {1, 3, 4, 5, 8, 9, 16, 17, most})
+        for (const int through : {1, steps}) {
+          std::vector<advect::LaneAnswer> answers(most);
+          advect::invert_lanes(shape, queries.data(), n, through, answers.data());
+          for (std::size_t i = 0; i < std::size_t(n); ++i) {
+            const auto map = cells::inverse_map(shape, cells[i].data(), queries[i].point);
+            double weight[8];
+            cells::shape_functions(shape, map.r, weight);
+            Vec3d u;
+            for (int s = 0; s < through; ++s) {
+              Vec3d at_step = weight[0] * velocity[i][std::size_t(s)][0];
+              for (int v = 1; v < vertices; ++v)
+                at_step += weight[v] * velocity[i][std::size_t(s)][std::size_t(v)];
+              const Vec3d part = through == 1 ? at_step : queries[i].weights[s] * at_step;
+              u = s == 0 ? part : u + part;
+            }
+            const advect::LaneAnswer& a = answers[i];
+            wrong += !(same_bits(a.r.x, map.r.x) && same_bits(a.r.y, map.r.y) &&
+                       same_bits(a.r.z, map.r.z) && same_bits(a.margin, map.margin) &&
+                       same_bits(a.error, map.error) && a.converged == map.converged &&
+                       same_bits(a.velocity.x, u.x) && same_bits(a.velocity.y, u.y) &&
+                       same_bits(a.velocity.z, u.z));
+          }
+        }
+      EXPECT_EQ(wrong, 0U) << mesh::shape_name(shape) << " on " << hwy::TargetName(target);
+    }
+    fixtures::use_simd_target(0);
+  }
 }
 
 /// The cell that holds a point beyond the middle of each side, as the sampler says.

@@ -125,7 +125,9 @@ private:
                            std::vector<Whole>* whole) {
     const query::Sampler sampler = mesh_->sampler();
     const mesh::FieldView field = mesh_->mesh().field("velocity");
+    const auto beyond = advect::CellsBeyond::worth(sampler, std::int64_t(seeds_.size()));
     advect::MeshVelocity velocity(sampler, field, nullptr, 0.0, 0.0, INSITU_STANDARD);
+    velocity.walk_by(beyond.get());
     std::vector<Vec3d> out;
     for (const Vec3d& seed : seeds_) {
       advect::State p;
