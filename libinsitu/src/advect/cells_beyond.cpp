@@ -1,6 +1,7 @@
 #include "advect/cells_beyond.h"
 
 #include <algorithm>
+#include <bit>
 #include <vector>
 
 #include "cells/kernels.h"
@@ -49,9 +50,11 @@ CellsBeyond::CellsBeyond(const query::Sampler& sampler) {
     return;
   for (const bool wedges : {false, true}) {
     Steps& steps = steps_[wedges];
-    for (int side = 0; side < (wedges ? 5 : most_sides); ++side)
+    const int sides = wedges ? 5 : most_sides;
+    for (int side = 0; side < sides; ++side)
       learn(bare, wedges, side, steps);
     knows_ |= steps.known != 0;
+    knows_most_ |= std::popcount(steps.known) > sides / 2;
   }
 }
 

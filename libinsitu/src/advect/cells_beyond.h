@@ -26,6 +26,8 @@ public:
 
   /// False: there are no steps to guess by.
   bool knows() const { return knows_; }
+  /// So many that it is worth while to find out first how a point lies in the last cell.
+  bool knows_most() const { return knows_most_; }
 
   /// The cell in which a point may lie that has these coordinates in this cell, beyond its faces or
   /// this near to them; -1 where nothing is guessed. It is some number: there may be no such cell.
@@ -54,7 +56,7 @@ private:
   static void learn(const query::Sampler& sampler, bool wedges, int side, Steps& steps);
 
   Steps steps_[2]; ///< of hexahedra and voxels; of wedges
-  bool knows_ = false;
+  bool knows_ = false, knows_most_ = false;
 };
 
 } // namespace insitu::advect

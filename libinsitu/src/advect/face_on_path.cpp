@@ -99,12 +99,14 @@ PlaceOnPath face_on_path(const mesh::CellVertices& cell, unsigned along, const D
   // Quadratic convergence: what is left after a step this small is far below control::on_face.
   constexpr double small = 1e-7, beyond = 0.1 * control::on_face, near_low = 1e-5;
   const Distances& all = distances(cell.shape);
+  if (all.count == 0)
+    return {};
   const cells::TrilinearMap<double> map = map_of(cell);
   const auto is_end = [along](int f) { return (along >> f & 1U) == 0; };
   Vec3d q = r;
   double theta = high;
   int face = -1;
-  for (int i = 0; i < most_iterations && all.count > 0; ++i) {
+  for (int i = 0; i < most_iterations; ++i) {
     const Towards n = towards(map, cell.x[0], path, theta, q);
     const Vec3d& w = n.rate;
     q += n.step;

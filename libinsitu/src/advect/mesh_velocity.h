@@ -206,7 +206,7 @@ protected:
   // where the sampler has to be asked.
   Kept* first_to_try(const math::Vec3d& x) const {
     Kept* const last = kept_[last_];
-    if (beyond_cells_ ? last->cell >= 0 : last->may_hold(x))
+    if (beyond_cells_ && beyond_cells_->knows_most() ? last->cell >= 0 : last->may_hold(x))
       return last;
     return kept_[last_ ^ 1]->may_hold(x) ? kept_[last_ ^ 1] : nullptr;
   }
