@@ -98,6 +98,9 @@ PlaceOnPath face_on_path(const mesh::CellVertices& cell, unsigned along, const D
   constexpr int most_iterations = 12;
   // Quadratic convergence: what is left after a step this small is far below control::on_face.
   constexpr double small = 1e-7, beyond = 0.1 * control::on_face, near_low = 1e-5;
+  // On the inside of the face, whatever the last digit: who asks for the place's cell gets this
+  // one.
+  constexpr double aim = 0.05 * control::on_face;
   const Distances& all = distances(cell.shape);
   if (all.count == 0)
     return {};
@@ -125,7 +128,7 @@ PlaceOnPath face_on_path(const mesh::CellVertices& cell, unsigned along, const D
         return {};
     }
     const double slope = dot(all.faces[face].slope, w);
-    const double change = -all.faces[face](q) / slope;
+    const double change = (aim - all.faces[face](q)) / slope;
     theta += change;
     q += change * w;
     if (!(slope < 0.0 && theta > low && theta < high))

@@ -12,10 +12,11 @@ struct PlaceOnPath {
   math::Vec3d r;
 };
 
-/// Where a path goes out of a cell, between `low` and `high` of it: on a face, inside of it just
-/// before, and not beyond another. r: the coordinates at `high`, which is outside. along: faces
-/// that are no ends, a bit each. By Newton's method for the coordinates and theta at once. None for
-/// pyramids, and where it does not converge: then there may be such a place all the same.
+/// Where a path goes out of a cell, between `low` and `high` of it: on the inside of a face, by a
+/// part of control::on_face, inside of it before, and not beyond another. r: the coordinates at
+/// `high`, which is outside. along: faces that are no ends, a bit each. By Newton's method for the
+/// coordinates and theta at once. None for pyramids, and where it does not converge: then there may
+/// be such a place all the same.
 PlaceOnPath face_on_path(const mesh::CellVertices& cell, unsigned along, const DenseStep& path,
                          double low, double high, const math::Vec3d& r);
 
