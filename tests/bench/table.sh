@@ -4,8 +4,9 @@
 #   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--effects|--accuracy|--openvkl] [--readme]
 # cells: 1000000, about ten minutes; the large rows take eight times as many. A part alone: --measured, the tables beside
 # VTK's locators; --scale, 1e4 to 3e7 cells, three minutes and 8 GiB, and libinsitu/doc/scale.svg; --amr, adaptive
-# meshes, a minute; --effects, five minutes; --accuracy, what accuracy costs, a minute (small meshes; its page goes to
-# out/accuracy); --openvkl, beside Open VKL, two minutes, by a binary that was built with it.
+# meshes, a minute, beside Open VKL if the binary was built with it; --effects, five minutes; --accuracy, what accuracy
+# costs, a minute (small meshes; its page goes to out/accuracy); --openvkl, points and a frame beside Open VKL, four
+# minutes, by a binary that was built with it.
 # --readme: puts each part between the README's marks of its name, <!-- scale --> and so on, instead of printing it.
 # INSITU_BENCH: another binary.
 set -euo pipefail
@@ -16,7 +17,7 @@ for argument; do
   case $argument in
     --readme) readme=1 ;;
     --measured|--scale|--amr|--effects|--accuracy|--openvkl) parts=${argument#--} ;;
-    *[!0-9]* | '') sed -n '2,11s/^# //p' "$0" >&2; exit 2 ;;
+    *[!0-9]* | '') sed -n '2,12s/^# //p' "$0" >&2; exit 2 ;;
     *) cells=$argument ;;
   esac
 done
@@ -125,6 +126,13 @@ openvkl() {
             vlost == q ? "-" : sprintf("%.0e", verror), 1e3 * build, 1e3 * vbuild, bytes / n, vbytes / n }'
     done
   done
+  echo
+  echo "\`insitu-bench render --peers --jitter 0.15\`:"
+  echo
+  echo '```'
+  "$bench" render --peers --jitter 0.15 --cells "$cells" 2> /dev/null |
+    awk '/Open VKL/ { inside = 1 } inside && NF == 0 { exit } inside'
+  echo '```'
 }
 
 scale() {
@@ -139,11 +147,11 @@ scale() {
 }
 
 amr() {
-  echo "\`insitu-bench amr\`, $(date -u +%Y-%m-%d) on $(nproc) cores, $(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo)." \
+  echo "\`insitu-bench amr --peers\`, $(date -u +%Y-%m-%d) on $(nproc) cores, $(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo)." \
     "Build: from the solver's arrays to ready to sample; fields: a commit of new values."
   echo
   echo '```'
-  "$bench" amr 2> /dev/null
+  "$bench" amr --peers 2> /dev/null
   echo '```'
 }
 

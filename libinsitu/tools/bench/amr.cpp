@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <tuple>
 
 #include "adaptive_meshes.h"
 #include "commands.h"
 #include "format.h"
+#include "openvkl_parts.h"
 
 namespace insitu::bench {
 
@@ -12,7 +14,10 @@ namespace {
 
 using core::Threads;
 
-constexpr int raster = 160; ///< points along an edge
+/// Points of the raster along an edge: the workload's, or fewer where few are asked for.
+int raster_side(const Options& o) {
+  return o.points > 0 ? std::clamp(int(std::cbrt(double(o.points))), 1, 160) : 160;
+}
 
 /// One way to keep one mesh.
 struct Row {
@@ -24,7 +29,13 @@ struct Row {
   std::int64_t random_points = 0, coherent_points = 0;
   std::int64_t bytes = 0, bytes_values = 0, bytes_tree = 0;
   std::int64_t lost = 0;
-  double error = 0.0; ///< at the cells' centres
+  double error = 0.0;                ///< at the cells' centres
+  std::int64_t wrong_at_centres = 0; ///< by more than float rounds
+  /// Open VKL at the same points, in turns, by the method that is this one's peer.
+  struct {
+    Series random, coherent;
+    bool empty() const { return random.empty(); }
+  } peer;
   std::optional<insitu_amr_info> info;
   // Of the dual mesh:
   double compression = 0.0;
@@ -36,25 +47,30 @@ struct Row {
 };
 
 class Bench {
+  using Method = OpenVklAmr::Method;
+
 public:
   explicit Bench(const Options& o)
       : o_(o), context_(o.threads, core::Log()), blocks_(workload::make_amr(o.cells[0])),
         leaves_(workload::leaves_of(blocks_)),
         random_(workload::random_amr_points(o.points > 0 ? o.points : 1'000'000)),
-        raster_(workload::raster_amr_points(raster)) {
+        raster_(workload::raster_amr_points(raster_side(o))) {
     for (std::size_t i = 0; i < leaves_.levels.size(); ++i) {
       math::Vec3d p;
       for (int a = 0; a < 3; ++a)
         p[a] = (leaves_.corners[3 * i + std::size_t(a)] + 0.5) * blocks_.width(leaves_.levels[i]);
       centres_.push_back(p);
     }
+    if (o.peers)
+      peer_ = make_openvkl_amr(blocks_, context_.threads.count());
   }
 
   std::vector<Row> run() {
     std::vector<Row> rows;
+    Series peer_build = build_peer();
     progress("patches, dual");
     auto patches = make(INSITU_DUAL, true);
-    rows.push_back(measure("patches, dual mesh", *patches));
+    rows.push_back(measure("patches, dual mesh", *patches, Method::octant));
     {
       progress("plain dual");
       const PlainDual plain = plain_dual(*patches);
@@ -67,11 +83,15 @@ public:
       rows.push_back(row);
     }
     progress("patches, nearest");
-    rows.push_back(measure("patches, nearest", *make(INSITU_NEAREST, true)));
+    rows.push_back(measure("patches, nearest", *make(INSITU_NEAREST, true), Method::finest));
     progress("leaves, dual");
     rows.push_back(measure("octree leaves, dual mesh", *make(INSITU_DUAL, false)));
     progress("leaves, nearest");
     rows.push_back(measure("octree leaves, nearest", *make(INSITU_NEAREST, false)));
+    if (peer_) {
+      rows.push_back(peer_row("Open VKL, octant", Method::octant, peer_build, rows[0]));
+      rows.push_back(peer_row("Open VKL, finest", Method::finest, peer_build, rows[2]));
+    }
     return rows;
   }
 
@@ -85,7 +105,40 @@ private:
                                         reconstruction, context_.memory);
   }
 
-  Row measure(const std::string& name, query::CommittedMesh& mesh) {
+  Series build_peer() {
+    Series build;
+    if (!peer_)
+      return build;
+    progress("Open VKL");
+    peer_->build(); // touches pages
+    for (int i = 0; i < o_.repetitions; ++i)
+      build.time([&] { peer_->build(); });
+    return build;
+  }
+
+  /// ours: the row that was measured in turns with it.
+  Row peer_row(const std::string& name, Method method, const Series& build, const Row& ours) {
+    Row row;
+    row.name = name;
+    row.leaves = ours.leaves;
+    row.build = build;
+    row.random = ours.peer.random;
+    row.random_points = ours.random_points;
+    row.coherent = ours.peer.coherent;
+    row.coherent_points = ours.coherent_points;
+    row.bytes_values = peer_->bytes_values();
+    row.bytes_tree = peer_->bytes();
+    const auto sample = [&](const std::vector<math::Vec3d>& points) {
+      peer_->set_points(points);
+      return peer_->sample(method, context_.threads);
+    };
+    row.lost = lost(sample(raster_));
+    check_centres(sample(centres_), row);
+    return row;
+  }
+
+  Row measure(const std::string& name, query::CommittedMesh& mesh,
+              std::optional<Method> peer = std::nullopt) {
     Row row;
     row.name = name;
     const auto commit = [&](std::uint32_t what) {
@@ -108,19 +161,31 @@ private:
       row.bytes_values = context_.memory.current(INSITU_MEMORY_GATHERED);
     }
     row.bytes_tree = mesh.tree().bytes();
-    sample_all(mesh, random_, row.random);
+    if (!peer_)
+      peer.reset();
+    sample_all(mesh, random_, row.random, peer, &row.peer.random);
     row.random_points = std::int64_t(random_.size());
-    row.lost = sample_all(mesh, raster_, row.coherent);
+    row.lost = sample_all(mesh, raster_, row.coherent, peer, &row.peer.coherent);
     row.coherent_points = std::int64_t(raster_.size());
     if (m.has_stand_in())
       split_raster(mesh, row);
     Answers at_centres(centres_.size());
     sample(context_.threads, mesh, centres_, at_centres, {});
-    for (std::size_t i = 0; i < centres_.size(); ++i) {
-      const double error = std::fabs(at_centres.values[i] - leaves_.values[i]);
-      row.error = error <= row.error ? row.error : error; // keeps a NaN
-    }
+    check_centres(std::span<const double>(at_centres.values), row);
     return row;
+  }
+
+  template <class T>
+  void check_centres(std::span<const T> values, Row& row) const {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double error = std::fabs(double(values[i]) - leaves_.values[i]);
+      row.error = error <= row.error ? row.error : error; // keeps a NaN
+      row.wrong_at_centres += !(error <= 1e-5);           // values reach 6
+    }
+  }
+  template <class T>
+  static std::int64_t lost(std::span<const T> values) {
+    return std::count_if(values.begin(), values.end(), [](T v) { return std::isnan(v); });
   }
 
   /// What a point of the raster costs in gridlets and in stitching cells.
@@ -149,15 +214,20 @@ private:
     }
   }
 
-  /// Returns how many points had no value.
+  /// Returns how many points had no value. With a peer's method: that too, in turns.
   std::int64_t sample_all(const query::CommittedMesh& mesh, std::span<const math::Vec3d> points,
-                          Series& series) {
+                          Series& series, std::optional<Method> peer = std::nullopt,
+                          Series* peers_series = nullptr) {
     Answers answers(points.size());
     sample(context_.threads, mesh, points, answers, {}); // touches pages
-    for (int i = 0; i < o_.repetitions; ++i)
+    if (peer)
+      peer_->set_points(points);
+    for (int i = 0; i < o_.repetitions; ++i) {
       series.time([&] { sample(context_.threads, mesh, points, answers, {}); });
-    return std::count_if(answers.values.begin(), answers.values.end(),
-                         [](double v) { return std::isnan(v); });
+      if (peer)
+        peers_series->time([&] { (void)peer_->sample(*peer, context_.threads); });
+    }
+    return lost(std::span<const double>(answers.values));
   }
 
   const Options& o_;
@@ -165,6 +235,7 @@ private:
   workload::AmrMesh blocks_;
   workload::AmrLeaves leaves_;
   std::vector<math::Vec3d> random_, raster_, centres_;
+  std::unique_ptr<OpenVklAmr> peer_;
 };
 
 double mqps(std::int64_t points, const Series& s) {
@@ -176,27 +247,32 @@ double mqps(std::int64_t points, const Series& s) {
 Output amr(const Options& options) {
   Bench bench(options);
   const std::vector<Row> rows = bench.run();
+  const auto times = [&](const Series& theirs, const Series& ours) {
+    return theirs.for_ratio(bench.threads().count()) / ours.for_ratio(bench.threads().count());
+  };
   Output out;
   out.text = format("adaptive mesh of %s leaves in 3 levels, %d thread%s, medians of %d\n\n",
                     grouped(rows[0].leaves).c_str(), bench.threads().count(),
                     bench.threads().count() == 1 ? "" : "s", options.repetitions);
-  out.text += format("%-28s %8s %9s %8s %8s %8s %8s %8s %6s %9s\n", "", "build s", "Mleaves/s",
-                     "fields s", "random", "raster", "MB", "tree MB", "lost", "error");
+  out.text += format("%-28s %8s %9s %8s %8s %8s %8s %8s %6s %9s %8s\n", "", "build s", "Mleaves/s",
+                     "fields s", "random", "raster", "MB", "tree MB", "lost", "error", "wrong");
   out.json = "{\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& r = rows[i];
     const double random = mqps(r.random_points, r.random);
     const double coherent = mqps(r.coherent_points, r.coherent);
-    out.text += format("%-28s %8.3f %9.2f %8.3f %8.2f %8.2f %8.1f %8.1f %6lld %9.1e\n",
-                       r.name.c_str(), r.build.median(), 1e-6 * double(r.leaves) / r.build.median(),
-                       r.fields.median(), random, coherent, 1e-6 * double(r.bytes + r.bytes_values),
-                       1e-6 * double(r.bytes_tree), static_cast<long long>(r.lost), r.error);
-    out.json += format("  %s: {\"leaves\": %lld, \"build_s\": %s, \"fields_s\": %s, "
-                       "\"mqps\": %s, \"mqps_raster\": %s, \"bytes\": %lld, ",
-                       quoted(r.name).c_str(), static_cast<long long>(r.leaves),
-                       number(r.build.median()).c_str(), number(r.fields.median()).c_str(),
-                       number(random).c_str(), number(coherent).c_str(),
-                       static_cast<long long>(r.bytes + r.bytes_values + r.bytes_tree));
+    const std::string fields = r.fields.empty() ? "-" : format("%.3f", r.fields.median());
+    out.text +=
+        format("%-28s %8.3f %9.2f %8s %8.2f %8.2f %8.1f %8.1f %6lld %9.1e %8lld\n", r.name.c_str(),
+               r.build.median(), 1e-6 * double(r.leaves) / r.build.median(), fields.c_str(), random,
+               coherent, 1e-6 * double(r.bytes + r.bytes_values), 1e-6 * double(r.bytes_tree),
+               static_cast<long long>(r.lost), r.error, static_cast<long long>(r.wrong_at_centres));
+    out.json += format(
+        "  %s: {\"leaves\": %lld, \"build_s\": %s, \"fields_s\": %s, "
+        "\"mqps\": %s, \"mqps_raster\": %s, \"bytes\": %lld, ",
+        quoted(r.name).c_str(), static_cast<long long>(r.leaves), number(r.build.median()).c_str(),
+        r.fields.empty() ? "null" : number(r.fields.median()).c_str(), number(random).c_str(),
+        number(coherent).c_str(), static_cast<long long>(r.bytes + r.bytes_values + r.bytes_tree));
     if (r.info)
       out.json +=
           format("\"compression\": %s, \"gridlets\": %lld, \"cubes\": %lld, "
@@ -204,9 +280,14 @@ Output amr(const Options& options) {
                  number(r.compression).c_str(), static_cast<long long>(r.info->gridlets),
                  static_cast<long long>(r.info->cubes), static_cast<long long>(r.info->stitching),
                  static_cast<long long>(r.info->folded), static_cast<long long>(r.info->repaired));
-    out.json +=
-        format("\"lost\": %lld, \"max_error_at_centres\": %s}%s\n", static_cast<long long>(r.lost),
-               number(r.error).c_str(), i + 1 < rows.size() ? "," : "");
+    if (!r.peer.empty())
+      out.json += format("\"ratio_random\": %s, \"ratio_raster\": %s, ",
+                         number(times(r.peer.random, r.random)).c_str(),
+                         number(times(r.peer.coherent, r.coherent)).c_str());
+    out.json += format("\"lost\": %lld, \"max_error_at_centres\": %s, "
+                       "\"wrong_at_centres\": %lld}%s\n",
+                       static_cast<long long>(r.lost), number(r.error).c_str(),
+                       static_cast<long long>(r.wrong_at_centres), i + 1 < rows.size() ? "," : "");
   }
   out.json += "}\n";
   const insitu_amr_info& info = *rows[0].info;
@@ -225,8 +306,23 @@ Output amr(const Options& options) {
              "in floating point, and the others lie on faces or go to exact arithmetic\n",
              100 * in.share, in.nanoseconds, out_of.nanoseconds, 100 * in.certified,
              100 * out_of.certified);
-  out.text += "million samples a second of one field at random points and on a raster of 160^3; "
-              "error: at the cells' centres\n";
+  out.text += format("million samples a second of one field at random points and on a raster of "
+                     "%d^3; error: at the cells' centres\n(wrong: by more than 1e-5)\n",
+                     raster_side(options));
+  if (!options.peers)
+    return out;
+  if (rows[0].peer.empty()) {
+    out.text += std::string("\nno samples by Open VKL: ") + no_openvkl + "\n";
+    return out;
+  }
+  for (const auto& [ours, theirs, row] :
+       {std::tuple{"dual mesh", "octant", &rows[0]}, {"nearest", "finest", &rows[2]}})
+    out.text += format("%s of patches over Open VKL's %s, in turns: %.2f times as many samples a "
+                       "second at random points, %.2f on the raster\n",
+                       ours, theirs, times(row->peer.random, row->random),
+                       times(row->peer.coherent, row->coherent));
+  out.text += "Open VKL: 16 wide, in float; a build with its values in float beforehand; MB: these "
+              "values; tree MB: all it allocates\n";
   return out;
 }
 

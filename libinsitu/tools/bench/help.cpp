@@ -12,10 +12,10 @@ Times libinsitu on the standard workload, checks its answers and holds them agai
   torture  who loses or misplaces how many points on small meshes of all hard cases
   scale    cost of build and queries by number of cells, and of queries by size of the batch
   amr      an adaptive mesh: the dual mesh with gridlets beside the same as plain hexahedra, and
-           the solver's own cells (`nearest`)
+           the solver's own cells (`nearest`); with --peers Open VKL's AMR volume
   effects  what each effect of a frame adds to the bare one, in time and memory, alone and together
   render   frames of a volume: seconds, samples a second and error by step, one core and all; with
-           --peers vtkUnstructuredGridVolumeRayCastMapper's; Rathke 2015, tables 1 to 4
+           --peers vtkUnstructuredGridVolumeRayCastMapper's and Open VKL's; Rathke 2015, tables 1 to 4
   advect   particles through the ABC flow: steps a second, error and lost ones by method, plain and
            with steps that end at faces, one core and all; with --peers vtkStreamTracer's RK4 and RK45
   accuracy what each choice that trades accuracy for time costs: tables, plots and a page to read
@@ -39,7 +39,7 @@ The queries (locate)
                     these in Morton order | along view rays, half a cell apart |
                     on vertices, edges, faces of random cells, as rounding leaves them
   --points Q        how many, but for uniform [as many as cells; torture: 2000 a case; advect: 2000 seeds; amr: 1000000
-                    random ones, beside a raster of 160^3; methods: random
+                    random ones, beside a raster of 160^3, or of as many as Q if that is less; methods: random
                     ones; a processor answers a million by bvh, 100000 by rays]
   --accuracy standard|exact [standard]
   --fields N        also samples N vertex fields at once against one, through insitu.h [1]
@@ -49,7 +49,8 @@ The methods
 The run
   --threads T       0: all that the process may use [1]
   --repetitions R   medians of R repetitions [5; scale, methods, amr, effects, render, advect, accuracy, paper: 3]
-  --peers           render, advect: also VTK's; locate: also peers, on one thread, interleaved with ours
+  --peers           render, advect: also VTK's; render, amr: also Open VKL's, where built with it; locate: also
+                    peers, on one thread, interleaved with ours
   --peer NAME       the same, this one only (may be repeated): vtkStaticCellLocator,
                     vtkCellTreeLocator, vtkCellLocator, vtkProbeFilter; OpenVKL where
                     built with -DINSITU_BENCH_OPENVKL=ON
@@ -104,6 +105,9 @@ Render
   default step, over linear colours from 0 to 1. Million samples a second located: of one tile in sixteen,
   nothing but answered. VTK draws the cells cut into tetrahedra, on one thread, into 8 bits a colour;
   its window needs a display (xvfb-run gives one); ours held against it is the longest step that is no worse.
+  Open VKL marches the standard workload's frame (eye at 1.6, 1.3, 2.2; a sample a cell) on one thread, 16 rays abreast, at
+  our samples with our classification, with intervals of its iterator and from bounds to bounds (packets), in turns with
+  ours; ratio: its time over ours. Error: from the frame with an eighth of the step.
   --size N          N x N pixels [512]
   --out FOLDER      writes the frames there as PNG
 
@@ -127,9 +131,11 @@ Amr
   The mesh: blocks about a sphere in three levels, 4,018,176 leaves, as patches and as octree leaves. A row each:
   a regrid from the solver's arrays to ready to sample, a commit of new values, million samples a second at
   random points and on a raster, megabytes of the cells with one field and of the tree, points without a
-  value, the largest error at the cells' centres. JSON keys: leaves, build_s, fields_s, mqps, mqps_raster, bytes,
-  compression (of cubes, as in Zellmann 2023, table 2), gridlets, cubes, stitching, folded, repaired, lost,
-  max_error_at_centres.
+  value, the largest error at the cells' centres and how many it is above 1e-5 at. JSON keys: leaves, build_s, fields_s,
+  mqps, mqps_raster, bytes, compression (of cubes, as in Zellmann 2023, table 2), gridlets, cubes, stitching, folded,
+  repaired, lost, max_error_at_centres, wrong_at_centres. With --peers Open VKL's AMR volume of the same blocks, a batch in
+  one call, in turns with ours: its octant (continuous) with the dual mesh of the patches, its finest with their
+  `nearest`; ratio_random and ratio_raster: its time over ours.
 
 Exit code: 0; 1 if the run failed, methods found an `exact` answer that is not bvh's, or torture found that ours lost or misplaced a point, gave a false
 reason, or answered differently by another way; 2 if the arguments cannot be used.

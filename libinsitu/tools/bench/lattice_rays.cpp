@@ -54,6 +54,31 @@ render::FrameSettings standard_frame(const query::Sampler& sampler, const mesh::
   return s;
 }
 
+render::FrameSettings workload_frame(const mesh::FieldView& field, std::int64_t cells, int size) {
+  constexpr double most = 6.0; // of the field
+  const double step = 1.0 / std::cbrt(double(cells)), half = render::srgb_of_linear(0.5);
+  std::vector<render::OpacityPoint> opacity;
+  constexpr int points = 48;
+  for (int i = 0; i <= points; ++i) {
+    const double s = double(i) / points;
+    const double sigma = 4.0 * (0.5 + 0.5 * std::sin(6.0 * M_PI * s));
+    opacity.push_back({most * s, -std::expm1(-sigma * step)});
+  }
+  render::FrameSettings f;
+  f.width = f.height = size;
+  f.camera.position = {1.6, 1.3, 2.2};
+  f.camera.look_at = {0.5, 0.5, 0.5};
+  f.camera.up = {0, 1, 0};
+  f.camera.fov = 35;
+  f.background = {0, 0, 0};
+  f.volume = render::VolumeSettings{
+      {field, 0},
+      {render::ColorMap("workload", render::ColorSpace::linear, {{0, 0, half, 1}, {1, 1, half, 0}}),
+       0.0, most, opacity}};
+  f.volume->step = f.volume->unit_distance = step;
+  return f;
+}
+
 std::vector<Vec3d> lattice_points(const query::Sampler& sampler,
                                   const render::FrameSettings& settings, int every,
                                   std::int64_t* rays) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "openvkl_peer.h"
+#include "openvkl_parts.h"
 #include "options.h"
 #include "vtk_parts.h"
 

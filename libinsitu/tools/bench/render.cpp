@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "format.h"
 #include "lattice_rays.h"
+#include "openvkl_parts.h"
 #include "output/png.h"
 #include "render/structures.h"
 
@@ -71,7 +72,10 @@ public:
                     "volume %.2f\n",
                     mrays(rows_[6]), mrays(rows_[1]));
     fields_only(base);
-    peer(base, truth);
+    if (o_.peers) {
+      vtk(base, truth);
+      openvkl();
+    }
     groups(base);
     json_ += "\n}\n";
     return {text_, json_, 0};
@@ -99,7 +103,9 @@ private:
     return s;
   }
   static void set_step(FrameSettings& s, double factor) {
-    if (s.volume)
+    if (s.volume && s.volume->step)
+      *s.volume->step *= factor;
+    else if (s.volume)
       s.volume->step_factor *= factor;
   }
   double mrays(const Drawn& d) const {
@@ -191,38 +197,91 @@ private:
   }
 
   /// VTK's frame against ours that is no worse.
-  void peer(const FrameSettings& settings, const Image& truth) {
-    if (!o_.peers)
-      return;
+  void vtk(const FrameSettings& settings, const Image& truth) {
     progress("vtkUnstructuredGridVolumeRayCastMapper");
     std::string why;
-    const auto vtk = draw_by_vtk(setup_.mesh, setup_.field, settings, o_.repetitions, why);
-    if (!vtk) {
+    const auto frame = draw_by_vtk(setup_.mesh, setup_.field, settings, o_.repetitions, why);
+    if (!frame) {
       text_ += "\nno frame by VTK: " + why + "\n";
       return;
     }
-    save("vtk", vtk->color);
-    const double error = rms_error(vtk->color, truth);
+    save("vtk", frame->color);
+    const double error = rms_error(frame->color, truth);
     text_ += format("\n%s: %s cells after %.2f s of conversion, first frame %.2f s, then %.2f s; "
                     "error %.2e\n",
-                    vtk->name.c_str(), grouped(vtk->cells).c_str(), vtk->convert_seconds,
-                    vtk->first_seconds, vtk->time.for_ratio(1), error);
+                    frame->name.c_str(), grouped(frame->cells).c_str(), frame->convert_seconds,
+                    frame->first_seconds, frame->time.for_ratio(1), error);
     const Drawn* equal = nullptr;
     for (int i = 0; i < 4; ++i) // the longest step that is no worse
       if (!equal && rows_[std::size_t(i)].error <= error)
         equal = &rows_[std::size_t(i)];
-    json_ += ",\n  \"vtk\": {\"cells\": " + std::to_string(vtk->cells) +
-             ", \"convert_s\": " + number(vtk->convert_seconds) +
-             ", \"first_s\": " + number(vtk->first_seconds) +
-             ", \"frame_s\": " + number(vtk->time.for_ratio(1)) +
+    json_ += ",\n  \"vtk\": {\"cells\": " + std::to_string(frame->cells) +
+             ", \"convert_s\": " + number(frame->convert_seconds) +
+             ", \"first_s\": " + number(frame->first_seconds) +
+             ", \"frame_s\": " + number(frame->time.for_ratio(1)) +
              ", \"rms_error\": " + number(error);
     if (equal) {
-      const double ratio = vtk->time.for_ratio(1) / equal->one.for_ratio(1);
+      const double ratio = frame->time.for_ratio(1) / equal->one.for_ratio(1);
       text_ += format("ours with a step of %g and an error of %.2e is %.1f times as fast\n",
                       equal->factor, equal->error, ratio);
       json_ += ", \"ratio_at_equal_error\": " + number(ratio);
     } else {
       text_ += "none of ours is as near to the converged frame\n";
+    }
+    json_ += "}";
+  }
+
+  /// The standard workload's frame by Open VKL, in turns with ours, at the same samples.
+  void openvkl() {
+    FrameSettings settings =
+        workload_frame(mesh_->mesh().field("f"), setup_.mesh.cell_count(), o_.size);
+    settings.volume->accuracy = o_.accuracy;
+    const auto peer = make_openvkl_frame(setup_.mesh, setup_.field, mesh_->sampler(), settings);
+    if (!peer) {
+      text_ += std::string("\nno frame by Open VKL: ") + no_openvkl + "\n";
+      return;
+    }
+    progress("Open VKL");
+    const Image truth = draw(settings, converged, nullptr, nullptr).image;
+    struct Way {
+      const char* name;
+      OpenVklMarch march;
+      Series time = {};
+      std::int64_t samples = 0;
+      Image image = {};
+    } ways[] = {{"intervals", OpenVklMarch::intervals}, {"packets", OpenVklMarch::packets}};
+    Series build, time;
+    build.time([&] { peer->build(); });
+    Drawn ours;
+    for (int i = 0; i < o_.repetitions; ++i) {
+      ours = draw(settings, 1.0, &time, nullptr);
+      for (Way& way : ways) {
+        way.time.time([&] { way.image = peer->draw(way.march); });
+        way.samples = peer->samples();
+      }
+    }
+    save("workload", ours.image);
+    const double error = rms_error(ours.image, truth);
+    text_ +=
+        format("\nthe standard workload's frame, a sample a cell, on one core; Open VKL's volume "
+               "is built in %.2f s\n%-30s %9s %9s %10s %6s\n",
+               build.for_ratio(1), "", "s", "Msamples", "error", "ratio");
+    text_ += format("%-30s %9.3f %9.2f %10.2e\n", "libinsitu", time.for_ratio(1),
+                    1e-6 * double(ours.statistics.samples), error);
+    json_ += ",\n  \"openvkl\": {\"build_s\": " + number(build.for_ratio(1)) +
+             ", \"ours_s\": " + number(time.for_ratio(1)) +
+             ", \"ours_samples\": " + std::to_string(ours.statistics.samples) +
+             ", \"ours_rms_error\": " + number(error);
+    for (const Way& way : ways) {
+      const std::string name = std::string("Open VKL, ") + way.name;
+      save(name, way.image);
+      const double ratio = way.time.for_ratio(1) / time.for_ratio(1);
+      const double theirs = rms_error(way.image, truth);
+      text_ += format("%-30s %9.3f %9.2f %10.2e %6.2f\n", name.c_str(), way.time.for_ratio(1),
+                      1e-6 * double(way.samples), theirs, ratio);
+      json_ += std::string(", \"") + way.name + "_s\": " + number(way.time.for_ratio(1)) + ", \"" +
+               way.name + "_samples\": " + std::to_string(way.samples) + ", \"" + way.name +
+               "_rms_error\": " + number(theirs) + ", \"ratio_" + way.name + "\": " + number(ratio);
     }
     json_ += "}";
   }
@@ -267,7 +326,7 @@ private:
     if (o_.out_folder.empty())
       return;
     std::replace_if(
-        name.begin(), name.end(), [](char c) { return c == ' ' || c == ':'; }, '_');
+        name.begin(), name.end(), [](char c) { return c == ' ' || c == ':' || c == ','; }, '_');
     output::write_png((std::filesystem::path(o_.out_folder) / (name + ".png")).string(), image);
   }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <vector>
 
 namespace {
 
@@ -222,6 +223,59 @@ TEST(BenchProgram, PeersAnswerTheSameQueriesOrAreSaidToBeAbsent) {
     EXPECT_EQ(number(r.out, "queries", at), number(r.out, "queries"));
     EXPECT_GT(number(r.out, "mqps", at), 0.0);
     EXPECT_LT(number(r.out, "max_error", at), 1e-9) << peer;
+  }
+}
+
+TEST(BenchProgram, AmrTellsTheErrorAtCentresAndStandsBesideOpenVkl) {
+  const std::string arguments = "amr --cells 5000 --points 3000 --repetitions 1 --peers";
+  const Outcome table = run(arguments, "2>/dev/null");
+  ASSERT_EQ(table.exit_code, 0) << table.out;
+  EXPECT_NE(table.out.find("no samples by Open VKL") == std::string::npos,
+            INSITU_BENCH_HAS_OPENVKL == 0);
+  const Outcome r = run(arguments + " --json -", "2>/dev/null");
+  ASSERT_EQ(r.exit_code, 0) << r.out;
+  std::vector<std::string> rows = {"patches, dual mesh", "the same as plain hexahedra",
+                                   "patches, nearest", "octree leaves, dual mesh",
+                                   "octree leaves, nearest"};
+  if (INSITU_BENCH_HAS_OPENVKL) {
+    rows.insert(rows.end(), {"Open VKL, octant", "Open VKL, finest"});
+    EXPECT_GT(number(r.out, "ratio_random"), 0.0);
+    EXPECT_GT(number(r.out, "ratio_raster"), 0.0);
+  }
+  for (const std::string& row : rows) {
+    const std::size_t at = r.out.find("\"" + row + "\": {");
+    ASSERT_NE(at, std::string::npos) << row;
+    EXPECT_NE(table.out.find(row), std::string::npos);
+    for (const char* key : {"build_s", "mqps", "mqps_raster", "bytes", "leaves"})
+      EXPECT_GT(number(r.out, key, at), 0.0) << row << ' ' << key;
+    EXPECT_LT(number(r.out, "max_error_at_centres", at), row[0] == 'O' ? 1e-5 : 1e-14) << row;
+    EXPECT_EQ(number(r.out, "wrong_at_centres", at), 0.0) << row;
+    EXPECT_EQ(number(r.out, "lost", at), 0.0) << row;
+  }
+}
+
+TEST(BenchProgram, RenderHoldsTheWorkloadsFrameAgainstOpenVklOrSaysThatItIsAbsent) {
+  const std::string arguments = "render --cells 4000 --size 48 --repetitions 1 --peers";
+  const Outcome table = run(arguments, "2>/dev/null");
+  ASSERT_EQ(table.exit_code, 0) << table.out;
+  const Outcome r = run(arguments + " --json -", "2>/dev/null");
+  ASSERT_EQ(r.exit_code, 0) << r.out;
+  const std::size_t at = r.out.find("\"openvkl\": {");
+  if (!INSITU_BENCH_HAS_OPENVKL) {
+    EXPECT_NE(table.out.find("no frame by Open VKL"), std::string::npos) << table.out;
+    EXPECT_EQ(at, std::string::npos);
+    return;
+  }
+  ASSERT_NE(at, std::string::npos) << r.out;
+  const double samples = number(r.out, "ours_samples", at);
+  EXPECT_GT(samples, 10'000.0);
+  for (const std::string way : {"intervals", "packets"}) {
+    EXPECT_NE(table.out.find("Open VKL, " + way), std::string::npos);
+    EXPECT_GT(number(r.out, "ratio_" + way, at), 0.0);
+    // The same lattice but for rays that pass between two of its points; cells are curved, and
+    // floats round.
+    EXPECT_NEAR(number(r.out, way + "_samples", at), samples, 0.01 * samples);
+    EXPECT_NEAR(number(r.out, way + "_rms_error", at), number(r.out, "ours_rms_error", at), 1e-3);
   }
 }
 
