@@ -13,6 +13,13 @@ namespace insitu::render {
 /// Opacity from which on a ray is not followed further.
 constexpr float saturated = 0.999f;
 
+/// Adds what lies behind: a colour that hides a of what comes after it. color is times alpha.
+inline void blend_behind(Color& color, float& alpha, const Color& c, float a) {
+  const float weight = (1.0f - alpha) * a;
+  color = color + weight * c;
+  alpha += weight;
+}
+
 /// What a ray has gathered, front to back, and where it stands.
 struct RayState {
   Ray ray;
@@ -46,11 +53,7 @@ struct RayState {
   }
 
   bool is_saturated() const { return alpha >= saturated; }
-  void blend(const Color& c, float a) {
-    const float weight = (1.0f - alpha) * a;
-    color = color + weight * c;
-    alpha += weight;
-  }
+  void blend(const Color& c, float a) { blend_behind(color, alpha, c, a); }
   /// A medium in a cell that absorbs a of the light over a stretch of the ray.
   void blend_stretch(const Color& c, float a, double from, double to, std::int64_t cell) {
     const float before = alpha;

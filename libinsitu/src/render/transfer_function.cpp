@@ -167,6 +167,7 @@ Classifier::Classifier(const TransferFunction& function, double step, double uni
   stretches_.push_back(
       {points.back().value, points.back().value, 0.0, int(alpha_.size()), 1, false});
   alpha_.insert(alpha_.end(), 2, last);
+  set_starts();
   below_ = corrected(points.front().opacity, exponent);
   // Twice what Majorants call nothing: linear between entries is a little above the curve.
   least_ = corrected(2 * TransferFunction::invisible, exponent);
@@ -176,10 +177,28 @@ Classifier::Classifier(const TransferFunction& function, double step, double uni
     below_ = 0;
 }
 
-std::size_t Classifier::stretch_of(double value) const {
-  const auto above = std::upper_bound(stretches_.begin(), stretches_.end(), value,
-                                      [](double v, const Stretch& s) { return v < s.value; });
-  return std::size_t(above - stretches_.begin()) - 1;
+void Classifier::set_starts() {
+  const std::size_t parts = std::min<std::size_t>(4 * stretches_.size(), table_size);
+  const double extent = 0.5 * stretches_.back().value - 0.5 * stretches_.front().value;
+  parts_scale_ = double(parts) / extent;
+  if (!std::isfinite(parts_scale_)) // denormal, or no extent: all is one part
+    parts_scale_ = 0.0;
+  starts_.assign(parts + 2, 0);
+  std::size_t part = 0;
+  for (std::size_t i = 0; i < stretches_.size(); ++i) {
+    const std::size_t in = part_of(stretches_[i].value); // rounding keeps the order
+    for (; part < in; ++part)
+      starts_[part + 2] = starts_[part + 1];
+    starts_[part + 1] = std::uint32_t(i);
+  }
+}
+
+std::size_t Classifier::stretch_of(double value, std::size_t first, std::size_t last) const {
+  const auto begin = stretches_.begin();
+  const auto above =
+      std::upper_bound(begin + std::ptrdiff_t(first), begin + std::ptrdiff_t(last) + 1, value,
+                       [](double v, const Stretch& s) { return v < s.value; });
+  return std::size_t(above - begin) - 1;
 }
 
 float Classifier::partial(float alpha, double fraction) {

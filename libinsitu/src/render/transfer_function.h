@@ -127,11 +127,14 @@ public:
     if (!(value >= stretches_.front().value))
       return below_;
     std::size_t i = stretches_.size() - 1;
-    if (i < 8)
+    if (value < stretches_[i].value) {
+      const std::size_t part = part_of(value);
+      i = starts_[part + 1];
+      if (i - starts_[part] > 8)
+        i = stretch_of(value, starts_[part], i);
       for (; value < stretches_[i].value; --i) {
       }
-    else
-      i = stretch_of(value);
+    }
     const Stretch& s = stretches_[i];
     const double at = (place_of(value, s.log) - s.start) * s.scale;
     const float* table = alpha_.data() + s.first;
@@ -157,11 +160,21 @@ private:
     int first, count;           ///< table entries: count + 1 from `first`
     bool log;
   };
-  std::size_t stretch_of(double value) const;
+  /// Of a value from the first point to the last; halves do not overflow.
+  std::size_t part_of(double value) const {
+    return std::size_t((0.5 * value - 0.5 * stretches_.front().value) * parts_scale_);
+  }
+  void set_starts();
+  /// The stretch from `first` to `last` that holds a value.
+  std::size_t stretch_of(double value, std::size_t first, std::size_t last) const;
 
   ColorTable colors_;
   std::vector<float> alpha_;
   std::vector<Stretch> stretches_; ///< ascending; the last is all beyond the last point
+  /// By even parts of the values from the first point to the last: the last stretch that begins
+  /// before the part; and in [part + 1], within it or before.
+  std::vector<std::uint32_t> starts_;
+  double parts_scale_ = 0.0;
   float below_, least_;
   Color nan_color_;
   float nan_alpha_;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
+#include "core/random.h"
 #include "core/status.h"
 #include "render/transfer_function.h"
 
@@ -91,6 +92,50 @@ TEST(Classifier, ValuesThatAreNoNumbersAndBeyondTheEnds) {
   const Classifier step(TransferFunction(ramp(), 2, 2, {{2, 0.0}, {2, 1.0}}), 1, 1);
   EXPECT_FLOAT_EQ(step(1.999).alpha, 0.0f);
   EXPECT_FLOAT_EQ(step(2.001).alpha, 1.0f);
+}
+
+TEST(Classifier, FindsEachOfManyStretches) {
+  const struct {
+    double low, extent;
+  } ranges[] = {{-3, 7}, {1e9, 1e-3}, {-1e308, 1.6e308}, {1e-290, 1e-290}, {0, 5e-324}};
+  for (const auto& range : ranges)
+    for (const int count : {2, 9, 10, 200}) {
+      const auto value = [&](double u) { return range.low + range.extent * u; };
+      std::vector<OpacityPoint> points;
+      double u = 0;
+      for (int i = 0; i < count; ++i) {
+        points.push_back({value(u), core::random_unit(4, std::uint64_t(i), 0)});
+        // Far apart and near, and steps where a value stands twice.
+        u += (1 - u) *
+             (i % 5 == 4   ? 0.0
+              : i % 7 == 6 ? 0.3
+                           : 2.0 / count) *
+             core::random_unit(4, std::uint64_t(i), 1);
+      }
+      const TransferFunction f(ramp(), value(0), value(1), points);
+      const Classifier c(f, 1, 1);
+      const auto check = [&](double v) {
+        ASSERT_NEAR(c(v).alpha, f.opacity(v), 1e-5) << v << " of " << count;
+      };
+      for (const OpacityPoint& p : points)
+        for (const double v :
+             {p.value, std::nextafter(p.value, -HUGE_VAL), std::nextafter(p.value, HUGE_VAL)})
+          check(v);
+      for (int i = 0; i < 2000; ++i)
+        check(value(1.2 * core::random_unit(5, std::uint64_t(i), 0) - 0.1));
+    }
+  // Decades: nearly all points are in the first part of the range.
+  ColorMap decades = ramp();
+  decades.set_scale(Scale::log);
+  std::vector<OpacityPoint> points;
+  for (int i = 0; i <= 100; ++i)
+    points.push_back({std::pow(10.0, 0.1 * i - 5), core::random_unit(6, std::uint64_t(i), 0)});
+  const TransferFunction f(decades, 1e-5, 1e5, points);
+  const Classifier c(f, 1, 1);
+  for (int i = 0; i < 2000; ++i) {
+    const double v = std::pow(10.0, 11 * core::random_unit(7, std::uint64_t(i), 0) - 5.5);
+    ASSERT_NEAR(c(v).alpha, f.opacity(v), 2e-2) << v; // linear between the logarithms of a table
+  }
 }
 
 } // namespace

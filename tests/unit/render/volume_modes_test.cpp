@@ -341,6 +341,32 @@ TEST(VolumeModes, ShadingByTheGradient) {
   EXPECT_NEAR(mesh.draw(s).pixel(0, 0)[0], 0.8, 1e-5);
 }
 
+/// A clip that takes nothing away asks every sample for what is left of its ray.
+TEST(VolumeModes, SamplesThatNothingIsAskedOfGiveTheSameBytes) {
+  for (const Shape shape : {Shape::hexahedron, Shape::pyramid}) {
+    RenderMesh mesh(8, shape, 0.3);
+    FrameSettings plain = box_frame(70);
+    plain.volume = VolumeSettings{mesh.field("f", INSITU_VERTEX, blob),
+                                  with_opacity({{0, 0}, {0.2, 0.05}, {1, 0.9}})};
+    plain.depth = plain.cell = true;
+    for (const double opacity : {0.02, 0.9})
+      for (const double step : {0.5, 3.0}) {
+        plain.volume->function = with_opacity({{0, 0}, {0.2, 0.5 * opacity}, {1, opacity}});
+        plain.volume->step_factor = step;
+        FrameSettings asked = plain;
+        asked.clips.push_back({render::Clip::Kind::box, {-9, -9, -9}, {9, 9, 9}, 0.0, true});
+        const auto draw = [&](const FrameSettings& s) {
+          return render::render_frame(mesh.sampler(), s, mesh.committed.threads,
+                                      mesh.committed.memory);
+        };
+        const render::FrameImages a = draw(plain), b = draw(asked);
+        EXPECT_TRUE(same(a.color, b.color)) << opacity << " " << step;
+        EXPECT_EQ(a.depth, b.depth);
+        EXPECT_EQ(a.cell, b.cell);
+      }
+  }
+}
+
 TEST(VolumeModes, SameBytesForAnyNumberOfThreads) {
   RenderMesh mesh(8, Shape::tetrahedron, 0.3);
   const auto field = mesh.field("f", INSITU_VERTEX, blob);
