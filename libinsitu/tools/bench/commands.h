@@ -14,7 +14,8 @@ namespace insitu::bench {
 struct Output {
   std::string text, json;
   int exit_code = 0;
-  std::string advice = {}; ///< a sentence made from the figures, where there is one
+  std::string advice = {};        ///< a sentence made from the figures, where there is one
+  std::string csv = {}, svg = {}; ///< of effects
 };
 Report commit(const Options& options);
 Report locate(const Options& options);

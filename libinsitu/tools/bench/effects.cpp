@@ -2,6 +2,7 @@
 #include <functional>
 
 #include "commands.h"
+#include "effect_prices.h"
 #include "format.h"
 #include "particle_effects.h"
 #include "render/frame.h"
@@ -286,6 +287,14 @@ Output effects(const Options& o) {
         ", \"contacts\": " + std::to_string(row.contacts) + "}";
   }
   out.json += "\n]\n";
+  std::vector<EffectPrice> prices;
+  for (const Row& row : rows)
+    prices.push_back({row.family, row.effect, row.bare, row.with, row.bytes_with - row.bytes_bare});
+  for (const ParticleRow& row : particles)
+    prices.push_back(
+        {"particles", row.effect, row.bare, row.with, 0, row.evaluations_bare, row.evaluations});
+  out.csv = csv(prices, o.threads);
+  out.svg = plot(prices, o.threads);
   return out;
 }
 

@@ -222,6 +222,10 @@ TEST_F(Accuracy, ThePolicysTreeIsNearlyTheBest) {
   EXPECT_EQ(find(all, "Sedov blast", "always refit").more.at("rebuilds"), 0.0);
   EXPECT_LT(policy.more.at("rebuilds"),
             find(all, "Sedov blast", "never refit, Morton order").more.at("rebuilds"));
+  EXPECT_EQ(find(all, "Sedov blast", "never refit, Morton order").more.at("rebuilds"), 60.0);
+  for (const Row& row : all) // a whole commit is no part of what is compared
+    EXPECT_EQ(std::isnan(row.more.at("seconds of a session's whole commits")), !row.is_default)
+        << row.setting;
 }
 
 TEST_F(Accuracy, VtkStandsInTheSweepsWhereItIsInstalled) {
@@ -244,6 +248,40 @@ TEST_F(Accuracy, VtkStandsInTheSweepsWhereItIsInstalled) {
   EXPECT_NE(text_of("volume.csv").find("vtkUnstructuredGridVolumeRayCastMapper") !=
                 std::string::npos,
             text_of("report.html").find("No frame by VTK's ray cast mapper") != std::string::npos);
+}
+
+TEST(AccuracyEffects, HaveATableAPlotAndAPlaceInThePage) {
+  const fs::path folder = fs::temp_directory_path() / ("effects_test_" + std::to_string(getpid()));
+  const std::string command = std::string(INSITU_BENCH) +
+                              " accuracy --quick --repetitions 1 --sweep effects --out " +
+                              folder.string() + " > /dev/null";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const auto text_of = [&](const char* file) {
+    std::stringstream s;
+    s << std::ifstream(folder / file).rdbuf();
+    return s.str();
+  };
+  std::istringstream table(text_of("effects.csv"));
+  std::string line;
+  std::getline(table, line);
+  const std::size_t columns = insitu::test::split_csv(line).size();
+  std::map<std::string, int> rows;
+  const std::string plot = text_of("effects.svg");
+  while (std::getline(table, line)) {
+    const std::vector<std::string> v = insitu::test::split_csv(line);
+    ASSERT_EQ(v.size(), columns) << line;
+    ++rows[v[0]];
+    EXPECT_GT(number(v[4]), 0.0) << line; // time over bare
+    EXPECT_NEAR(number(v[4]), number(v[3]) / number(v[2]), 1e-4 * number(v[4])) << line;
+    EXPECT_EQ(number(v[9]) > 0.0, v[0] == "particles") << line; // evaluations
+    EXPECT_NE(plot.find(">" + v[1] + "<"), std::string::npos) << v[1];
+  }
+  for (const char* kind : {"volume", "isosurface", "path tracing", "particles"})
+    EXPECT_GT(rows[kind], 2) << kind;
+  EXPECT_EQ(plot.find("<svg"), 0u);
+  EXPECT_EQ(plot.find("nan"), std::string::npos);
+  EXPECT_NE(text_of("report.html").find(plot), std::string::npos);
+  fs::remove_all(folder);
 }
 
 TEST_F(Accuracy, ThePageHoldsEverySweepAndFetchesNothing) {

@@ -90,6 +90,8 @@ Output accuracy_command(const Options& o) {
     e.cells = {o.full ? 100'000 : 4096};
     e.size = o.full ? 512 : 64;
     priced = effects(e);
+    write_file("--out", (folder / "effects.csv").string(), priced.csv);
+    write_file("--out", (folder / "effects.svg").string(), priced.svg);
     out.text += "Effects\n  " + priced.advice + "\n\n";
   }
   const std::string report = (folder / "report.html").string();

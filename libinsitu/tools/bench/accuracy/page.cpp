@@ -105,9 +105,12 @@ std::string page(const std::vector<Sweep>& sweeps, const Output& effects,
         "<details><summary>All figures (" + s.key + ".csv)</summary>\n" + table(s) + "</details>\n";
   }
   if (!effects.text.empty())
-    out += "<h2 id=\"effects\">Effects</h2>\n<p>What each effect adds to the bare frame that does "
-           "without it.</p>\n<p class=\"advice\">" +
-           escaped(effects.advice) + "</p>\n<pre>" + escaped(effects.text) + "</pre>\n";
+    out += "<h2 id=\"effects\">Effects</h2>\n<p>What each effect adds to the bare frame, or to "
+           "particles, that do without it; lines: the spread of repetitions.</p>\n"
+           "<p class=\"advice\">" +
+           escaped(effects.advice) + "</p>\n" + effects.svg +
+           "<details><summary>All figures (effects.csv)</summary>\n<pre>" + escaped(effects.text) +
+           "</pre>\n</details>\n";
   return out + "</body></html>\n";
 }
 
