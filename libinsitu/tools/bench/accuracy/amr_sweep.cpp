@@ -5,6 +5,7 @@
 #include "accuracy/sweeps.h"
 #include "commands.h"
 #include "format.h"
+#include "openvkl_parts.h"
 #include "render/frame.h"
 #include "workload/amr.h"
 
@@ -69,15 +70,35 @@ public:
     sample(context_.threads, mesh, points_, answers, {});
     for (int i = 0; i < extent_.repetitions; ++i)
       s.time.time([&] { sample(context_.threads, mesh, points_, answers, {}); });
-    double sum = 0.0, worst = 0.0;
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const double e = std::fabs(answers.values[i] - field(points_[i]));
-      sum += e * e;
-      worst = std::max(worst, e);
-    }
-    s.error = std::sqrt(sum / s.items);
-    s.more = {worst, std::nan(""), double(bytes)};
+    note_errors(std::span<const double>(answers.values), s, double(bytes));
     return s;
+  }
+
+  /// Open VKL's AMR volume of the same blocks, if it is there.
+  std::vector<Setting> peers() {
+    std::size_t at = 0;
+    for (const workload::AmrMesh::Block& b : blocks_.blocks)
+      for (std::int64_t c = 0; c < blocks_.cells_a_block(); ++c)
+        blocks_.values[at++] = field(blocks_.centre(b, c));
+    const auto peer = make_openvkl_amr(blocks_, 1);
+    if (!peer)
+      return {};
+    peer->build();
+    peer->set_points(points_);
+    std::vector<Setting> out;
+    for (const auto method : {OpenVklAmr::Method::octant, OpenVklAmr::Method::finest}) {
+      Setting s;
+      s.group = "values";
+      s.name = method == OpenVklAmr::Method::octant ? "OpenVKL octant" : "OpenVKL finest";
+      s.items = double(points_.size());
+      s.is_peer = true;
+      std::span<const float> values;
+      for (int i = 0; i < extent_.repetitions; ++i)
+        s.time.time([&] { values = peer->sample(method, context_.threads); });
+      note_errors(values, s, double(peer->bytes() + peer->bytes_values()));
+      out.push_back(std::move(s));
+    }
+    return out;
   }
 
   render::FrameSettings frame(const query::CommittedMesh& mesh) const {
@@ -126,6 +147,18 @@ public:
   }
 
 private:
+  template <class T>
+  void note_errors(std::span<const T> values, Setting& s, double bytes) const {
+    double sum = 0.0, worst = 0.0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const double e = std::fabs(double(values[i]) - field(points_[i]));
+      sum += e * e;
+      worst = std::max(worst, e);
+    }
+    s.error = std::sqrt(sum / s.items);
+    s.more = {worst, std::nan(""), bytes};
+  }
+
   core::Image on_even_cells(int n) {
     std::vector<double> values;
     for (int k = 0; k <= n; ++k)
@@ -192,6 +225,8 @@ Sweep sweep_amr(const Extent& extent) {
       s.settings.push_back(std::move(one));
     }
   }
+  for (Setting& peer : adaptive.peers())
+    s.settings.push_back(std::move(peer));
   const Setting *dual = s.find("values", "dual mesh"), *nearest = s.find("values", "nearest");
   const Setting *dual_image = s.find("images", "dual mesh"),
                 *nearest_image = s.find("images", "nearest");
@@ -208,6 +243,12 @@ Sweep sweep_amr(const Extent& extent) {
   s.advice += nearest_image->more[1] <= dual_image->more[1]
                   ? ": where only integrals along rays count, `nearest` is as good."
                   : ".";
+  for (const Setting* one : s.of("values", true))
+    if (one->is_peer)
+      s.advice +=
+          format(" %s takes %.2f times the dual mesh's time a sample, for %.2f times its "
+                 "error.",
+                 one->name.c_str(), one->seconds() / dual->seconds(), one->error / dual->error);
   s.notes = {"Stitching cells with planar faces, as an approximation, are not built: faces are the "
              "bilinear ones that "
              "neighbours share."};
