@@ -167,7 +167,6 @@ Classifier::Classifier(const TransferFunction& function, double step, double uni
   stretches_.push_back(
       {points.back().value, points.back().value, 0.0, int(alpha_.size()), 1, false});
   alpha_.insert(alpha_.end(), 2, last);
-  set_starts();
   below_ = corrected(points.front().opacity, exponent);
   // Twice what Majorants call nothing: linear between entries is a little above the curve.
   least_ = corrected(2 * TransferFunction::invisible, exponent);
@@ -175,30 +174,46 @@ Classifier::Classifier(const TransferFunction& function, double step, double uni
   nan_alpha_ = corrected(function.nan_opacity(), exponent);
   if (below_ < least_)
     below_ = 0;
+  set_joint();
 }
 
-void Classifier::set_starts() {
-  const std::size_t parts = std::min<std::size_t>(4 * stretches_.size(), table_size);
-  const double extent = 0.5 * stretches_.back().value - 0.5 * stretches_.front().value;
-  parts_scale_ = double(parts) / extent;
-  if (!std::isfinite(parts_scale_)) // denormal, or no extent: all is one part
-    parts_scale_ = 0.0;
-  starts_.assign(parts + 2, 0);
-  std::size_t part = 0;
-  for (std::size_t i = 0; i < stretches_.size(); ++i) {
-    const std::size_t in = part_of(stretches_[i].value); // rounding keeps the order
-    for (; part < in; ++part)
-      starts_[part + 2] = starts_[part + 1];
-    starts_[part + 1] = std::uint32_t(i);
+/// Both together serve where no opacity point lies between two entries, none makes opacity jump at
+/// them, to which a value beside may be rounded, and opacity a third of the way on is that of a
+/// line.
+void Classifier::set_joint() {
+  constexpr int n = ColorTable::size;
+  joint_.resize(n + 1);
+  is_joint_.assign(n, 0);
+  double left = colors_.value_of(0);
+  float a = alpha(left);
+  for (int i = 0; i <= n; ++i) {
+    const Color& c = colors_.entry(i);
+    joint_[std::size_t(i)] = {c.r, c.g, c.b, a};
+    if (i == n)
+      break;
+    const double right = colors_.value_of(i + 1), width = right - left;
+    const auto just_below = [&](double v) {
+      return std::min(v - 1e-6 * width, std::nextafter(v, -HUGE_VAL));
+    };
+    const double before = just_below(left), end = just_below(right), third = left + width / 3;
+    const float b = alpha(right), allowed = 1e-5f * std::max(a, b);
+    const auto is_near = [&](double value, float expected) {
+      return std::fabs(alpha(value) - expected) <= allowed;
+    };
+    if (left < end && stretch_of(left) == stretch_of(end) && is_near(before, a) &&
+        is_near(end, b)) {
+      const double w = colors_.place(third) - i;
+      is_joint_[std::size_t(i)] = is_near(third, float((1 - w) * a + w * b));
+    }
+    left = right;
+    a = b;
   }
 }
 
-std::size_t Classifier::stretch_of(double value, std::size_t first, std::size_t last) const {
-  const auto begin = stretches_.begin();
-  const auto above =
-      std::upper_bound(begin + std::ptrdiff_t(first), begin + std::ptrdiff_t(last) + 1, value,
-                       [](double v, const Stretch& s) { return v < s.value; });
-  return std::size_t(above - begin) - 1;
+std::size_t Classifier::stretch_of(double value) const {
+  const auto above = std::upper_bound(stretches_.begin(), stretches_.end(), value,
+                                      [](double v, const Stretch& s) { return v < s.value; });
+  return std::size_t(above - stretches_.begin()) - 1;
 }
 
 float Classifier::partial(float alpha, double fraction) {

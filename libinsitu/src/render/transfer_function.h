@@ -84,13 +84,19 @@ public:
 
   /// Of a number.
   Color operator()(double value) const {
-    const double at = (place_of(value, log_) - start_) * scale_;
+    const double at = place(value);
     if (!(at > 0.0) || at >= size)
       return at_end(value, at);
     const int i = int(at);
     const float w = float(at - i);
     return (1.0f - w) * color_[std::size_t(i)] + w * color_[std::size_t(i) + 1];
   }
+
+  /// Entry i, and the value it is of.
+  const Color& entry(int i) const { return color_[std::size_t(i)]; }
+  double value_of(int i) const { return scale_ > 0.0 ? value_at(start_ + i / scale_, log_) : low_; }
+  /// Which entries a value lies between, and how far on: below 0 or from `size` on beyond them.
+  double place(double value) const { return (place_of(value, log_) - start_) * scale_; }
 
 private:
   Color at_end(double value, double at) const;
@@ -104,7 +110,8 @@ private:
 /// A transfer function made ready for samples that stand for `step` of ray each: opacities, which
 /// hold for unit_distance, become 1 - (1 - a)^(step / unit_distance). Values are classified after
 /// interpolation, by tables, linear in between: one over the colours' range, one for each stretch
-/// between two opacity points, so that a sudden step of opacity stays one.
+/// between two opacity points, so that a sudden step of opacity stays one; and one of both together
+/// where opacity is as even as colours are.
 class Classifier {
 public:
   static constexpr int table_size = ColorTable::size;
@@ -112,29 +119,29 @@ public:
   Classifier(const TransferFunction& function, double step, double unit_distance);
 
   ColorSample operator()(double value) const {
-    ColorSample s;
-    if (value != value) {
-      s.color = nan_color_;
-      s.alpha = nan_alpha_;
-      return s;
+    const double at = colors_.place(value);
+    if (at > 0.0 && at < ColorTable::size) {
+      const int i = int(at);
+      if (is_joint_[std::size_t(i)]) {
+        const Entry &p = joint_[std::size_t(i)], &q = joint_[std::size_t(i) + 1];
+        const float w = float(at - i), v = 1.0f - w;
+        const Entry e{v * p.r + w * q.r, v * p.g + w * q.g, v * p.b + w * q.b, v * p.a + w * q.a};
+        if (!(e.a >= least_))
+          return {};
+        return {{e.r, e.g, e.b}, e.a};
+      }
     }
-    s.alpha = alpha(value);
-    if (s.alpha > 0.0f)
-      s.color = colors_(value);
-    return s;
+    return by_stretches(value);
   }
   float alpha(double value) const {
     if (!(value >= stretches_.front().value))
       return below_;
     std::size_t i = stretches_.size() - 1;
-    if (value < stretches_[i].value) {
-      const std::size_t part = part_of(value);
-      i = starts_[part + 1];
-      if (i - starts_[part] > 8)
-        i = stretch_of(value, starts_[part], i);
+    if (i < 8)
       for (; value < stretches_[i].value; --i) {
       }
-    }
+    else
+      i = stretch_of(value);
     const Stretch& s = stretches_[i];
     const double at = (place_of(value, s.log) - s.start) * s.scale;
     const float* table = alpha_.data() + s.first;
@@ -154,27 +161,38 @@ public:
   static float partial(float alpha, double fraction);
 
 private:
+  ColorSample by_stretches(double value) const {
+    ColorSample s;
+    if (value != value) {
+      s.color = nan_color_;
+      s.alpha = nan_alpha_;
+      return s;
+    }
+    s.alpha = alpha(value);
+    if (s.alpha > 0.0f)
+      s.color = colors_(value);
+    return s;
+  }
   /// From one opacity point to the next.
   struct Stretch {
     double value, start, scale; ///< start: the value's place on the scale
     int first, count;           ///< table entries: count + 1 from `first`
     bool log;
   };
-  /// Of a value from the first point to the last; halves do not overflow.
-  std::size_t part_of(double value) const {
-    return std::size_t((0.5 * value - 0.5 * stretches_.front().value) * parts_scale_);
-  }
-  void set_starts();
+  std::size_t stretch_of(double value) const;
+  void set_joint();
   /// The stretch from `first` to `last` that holds a value.
   std::size_t stretch_of(double value, std::size_t first, std::size_t last) const;
 
   ColorTable colors_;
   std::vector<float> alpha_;
   std::vector<Stretch> stretches_; ///< ascending; the last is all beyond the last point
-  /// By even parts of the values from the first point to the last: the last stretch that begins
-  /// before the part; and in [part + 1], within it or before.
-  std::vector<std::uint32_t> starts_;
-  double parts_scale_ = 0.0;
+  /// Colour and opacity together, at the entries of colors_.
+  struct alignas(16) Entry {
+    float r, g, b, a;
+  };
+  std::vector<Entry> joint_;
+  std::vector<std::uint8_t> is_joint_; ///< what is between two entries is linear enough
   float below_, least_;
   Color nan_color_;
   float nan_alpha_;

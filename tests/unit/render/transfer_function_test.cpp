@@ -115,7 +115,11 @@ TEST(Classifier, FindsEachOfManyStretches) {
       const TransferFunction f(ramp(), value(0), value(1), points);
       const Classifier c(f, 1, 1);
       const auto check = [&](double v) {
-        ASSERT_NEAR(c(v).alpha, f.opacity(v), 1e-5) << v << " of " << count;
+        const ColorSample s = c(v);
+        ASSERT_NEAR(s.alpha, f.opacity(v), 1e-5) << v << " of " << count;
+        if (s.alpha > 0) {
+          ASSERT_NEAR(s.color.g, f.color(v).g, 1e-6) << v;
+        }
       };
       for (const OpacityPoint& p : points)
         for (const double v :
@@ -135,6 +139,20 @@ TEST(Classifier, FindsEachOfManyStretches) {
   for (int i = 0; i < 2000; ++i) {
     const double v = std::pow(10.0, 11 * core::random_unit(7, std::uint64_t(i), 0) - 5.5);
     ASSERT_NEAR(c(v).alpha, f.opacity(v), 2e-2) << v; // linear between the logarithms of a table
+  }
+}
+
+TEST(Classifier, KeepsStepsToTheBit) {
+  // Where entries of the tables are, as near as rounding comes.
+  const double low = 0.1, high = 0.7;
+  for (int i = 1; i < Classifier::table_size; i += 13) {
+    const double at = low + i * (high - low) / Classifier::table_size;
+    for (const double p : {std::nextafter(at, 0.0), at, std::nextafter(at, 1.0)}) {
+      const Classifier c(TransferFunction(ramp(), low, high, {{p, 0.2}, {p, 0.9}}), 1, 1);
+      EXPECT_FLOAT_EQ(c(std::nextafter(p, 0.0)).alpha, 0.2f) << i;
+      EXPECT_FLOAT_EQ(c(p).alpha, 0.9f) << i;
+      EXPECT_FLOAT_EQ(c(std::nextafter(p, 1.0)).alpha, 0.9f) << i;
+    }
   }
 }
 
