@@ -1,22 +1,22 @@
 #!/usr/bin/env bash
 # Makes the README's tables of measured figures: libinsitu beside VTK's locators, each row one run, adaptive meshes, and
 # what effects of frames cost.
-#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--effects|--accuracy|--openvkl] [--readme]
+#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--effects|--accuracy|--frames|--openvkl] [--readme]
 # cells: 1000000, about ten minutes; the large rows take eight times as many. A part alone: --measured, the tables beside
 # VTK's locators; --scale, 1e4 to 3e7 cells, three minutes and 8 GiB, and libinsitu/doc/scale.svg; --amr, adaptive
 # meshes, a minute, beside Open VKL if the binary was built with it; --effects, five minutes; --accuracy, what accuracy
-# costs, a minute (small meshes; its page goes to out/accuracy); --openvkl, points and a frame beside Open VKL, four
-# minutes, by a binary that was built with it.
+# costs, a minute (small meshes; its page goes to out/accuracy); --frames, frames by ray marching, three minutes, beside
+# VTK's and, by a binary that was built with it, Open VKL's; --openvkl, points beside Open VKL, two minutes, by such a binary.
 # --readme: puts each part between the README's marks of its name, <!-- scale --> and so on, instead of printing it.
 # INSITU_BENCH: another binary.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 bench=${INSITU_BENCH:-build/release/bin/insitu-bench}
-cells=1000000 readme= parts="measured scale amr effects accuracy"
+cells=1000000 readme= parts="measured scale amr frames effects accuracy"
 for argument; do
   case $argument in
     --readme) readme=1 ;;
-    --measured|--scale|--amr|--effects|--accuracy|--openvkl) parts=${argument#--} ;;
+    --measured|--scale|--amr|--effects|--accuracy|--frames|--openvkl) parts=${argument#--} ;;
     *[!0-9]* | '') sed -n '2,12s/^# //p' "$0" >&2; exit 2 ;;
     *) cells=$argument ;;
   esac
@@ -126,12 +126,14 @@ openvkl() {
             vlost == q ? "-" : sprintf("%.0e", verror), 1e3 * build, 1e3 * vbuild, bytes / n, vbytes / n }'
     done
   done
-  echo
-  echo "\`insitu-bench render --peers --jitter 0.15\`:"
+}
+
+frames() {
+  echo "\`insitu-bench render --peers --jitter 0.15\`, $(date -u +%Y-%m-%d) on $(nproc) cores," \
+    "$(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo)."
   echo
   echo '```'
-  "$bench" render --peers --jitter 0.15 --cells "$cells" 2> /dev/null |
-    awk '/Open VKL/ { inside = 1 } inside && NF == 0 { exit } inside'
+  $(command -v xvfb-run > /dev/null && echo xvfb-run -a) "$bench" render --peers --jitter 0.15 --cells "$cells" 2> /dev/null
   echo '```'
 }
 
