@@ -25,6 +25,7 @@ done
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 static=vtkStaticCellLocator tree=vtkCellTreeLocator
+display=$(command -v xvfb-run > /dev/null && echo xvfb-run -a || true) # for VTK's frames
 
 # ours KEY, theirs KEY: the first value of a key of the run just made, at the top and in its peer's object.
 ours() { awk -F': ' -v k="\"$1\"" '$1 ~ k { sub(/,$/, "", $2); print $2; exit }' "$out/run.json"; }
@@ -133,7 +134,7 @@ frames() {
     "$(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo)."
   echo
   echo '```'
-  $(command -v xvfb-run > /dev/null && echo xvfb-run -a) "$bench" render --peers --jitter 0.15 --cells "$cells" 2> /dev/null
+  $display "$bench" render --peers --jitter 0.15 --cells "$cells" 2> /dev/null
   echo '```'
 }
 
@@ -171,7 +172,7 @@ accuracy() {
     "exact or far better converged. Its page, \`report.html\`, has the plots; \`--full\` takes large meshes and some twenty minutes."
   echo
   echo '```'
-  "$bench" accuracy --out out/accuracy 2> /dev/null | fold -s -w 128 | sed 's/ *$//'
+  $display "$bench" accuracy --out out/accuracy 2> /dev/null | fold -s -w 128 | sed 's/ *$//'
   echo '```'
 }
 
