@@ -167,20 +167,10 @@ HWY_INLINE void invert_shape(mesh::Shape shape, const LaneQuery* queries, int co
     PackVec x[2][vertices], p[2];
     load(q, lanes, x[0], &p[0]);
     load(q + lanes, n, x[1], &p[1]);
-    simd::Vec3<PackPair> pairs[vertices];
-    for (int v = 0; v < vertices; ++v)
-      pairs[v] = {{x[0][v].x, x[1][v].x}, {x[0][v].y, x[1][v].y}, {x[0][v].z, x[1][v].z}};
-    const auto found =
-        map(static_cast<const simd::Vec3<PackPair>*>(pairs),
-            simd::Vec3<PackPair>{{p[0].x, p[1].x}, {p[0].y, p[1].y}, {p[0].z, p[1].z}});
-    answer<vertices>(
-        shape, q, lanes, steps,
-        {{found.r.x.a, found.r.y.a, found.r.z.a}, found.margin.a, found.converged.a, found.error.a},
-        answers + i);
-    answer<vertices>(
-        shape, q + lanes, n, steps,
-        {{found.r.x.b, found.r.y.b, found.r.z.b}, found.margin.b, found.converged.b, found.error.b},
-        answers + i + lanes);
+    simd::InverseMap<Pack> found[2];
+    simd::invert_two<vertices>(map, x, p, found);
+    answer<vertices>(shape, q, lanes, steps, found[0], answers + i);
+    answer<vertices>(shape, q + lanes, n, steps, found[1], answers + i + lanes);
   }
   if (i < count) {
     PackVec x[vertices], p;
@@ -192,25 +182,9 @@ HWY_INLINE void invert_shape(mesh::Shape shape, const LaneQuery* queries, int co
 
 void invert_all(mesh::Shape shape, const LaneQuery* queries, int n, int steps,
                 LaneAnswer* answers) {
-  using mesh::Shape;
-  switch (shape) {
-  case Shape::tetrahedron:
-    return invert_shape<4>(shape, queries, n, steps, answers,
-                           [](const auto* x, const auto& p)
-                               HWY_ATTR { return simd::inverse_tetrahedron(x, p); });
-  case Shape::pyramid:
-    return invert_shape<5>(shape, queries, n, steps, answers,
-                           [](const auto* x, const auto& p)
-                               HWY_ATTR { return simd::inverse_pyramid(x, p); });
-  case Shape::wedge:
-    return invert_shape<6>(shape, queries, n, steps, answers,
-                           [](const auto* x, const auto& p)
-                               HWY_ATTR { return simd::inverse_wedge(x, p); });
-  default:
-    return invert_shape<8>(shape, queries, n, steps, answers,
-                           [shape](const auto* x, const auto& p)
-                               HWY_ATTR { return simd::inverse_hexahedron(shape, x, p); });
-  }
+  simd::with_inverse(shape, [&](auto vertices, const auto& map) HWY_ATTR {
+    invert_shape<vertices()>(shape, queries, n, steps, answers, map);
+  });
 }
 
 } // namespace insitu::advect::HWY_NAMESPACE

@@ -7,6 +7,8 @@
 #define INSITU_CELLS_PACK_PAIR_SIMD_H
 #endif
 
+#include <type_traits>
+
 #include "cells/kernels_simd.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -72,6 +74,43 @@ HWY_INLINE PackPair smaller(const PackPair& x, const PackPair& y) {
 }
 HWY_INLINE PackPair larger(const PackPair& x, const PackPair& y) {
   return {larger(x.a, y.a), larger(x.b, y.b)};
+}
+
+/// Two packs of cells and points by one inverse map.
+template <int vertices, class Map>
+HWY_INLINE void invert_two(const Map& map, const Vec3<Pack> (*x)[vertices], const Vec3<Pack>* p,
+                           InverseMap<Pack>* found) {
+  const auto paired = [](const Vec3<Pack>& a, const Vec3<Pack>& b) HWY_ATTR {
+    return Vec3<PackPair>{{a.x, b.x}, {a.y, b.y}, {a.z, b.z}};
+  };
+  Vec3<PackPair> pairs[vertices];
+  for (int v = 0; v < vertices; ++v)
+    pairs[v] = paired(x[0][v], x[1][v]);
+  const InverseMap<PackPair> both =
+      map(static_cast<const Vec3<PackPair>*>(pairs), paired(p[0], p[1]));
+  found[0] = {{both.r.x.a, both.r.y.a, both.r.z.a}, both.margin.a, both.converged.a, both.error.a};
+  found[1] = {{both.r.x.b, both.r.y.b, both.r.z.b}, both.margin.b, both.converged.b, both.error.b};
+}
+
+/// Calls f(vertices, map) with the number of a shape's vertices, a constant, and its inverse
+/// map(x, p), of packs or pairs of packs.
+template <class F>
+HWY_INLINE void with_inverse(Shape shape, const F& f) {
+  switch (shape) {
+  case Shape::tetrahedron:
+    return f(std::integral_constant<int, 4>(),
+             [](const auto* x, const auto& p) HWY_ATTR { return inverse_tetrahedron(x, p); });
+  case Shape::pyramid:
+    return f(std::integral_constant<int, 5>(),
+             [](const auto* x, const auto& p) HWY_ATTR { return inverse_pyramid(x, p); });
+  case Shape::wedge:
+    return f(std::integral_constant<int, 6>(),
+             [](const auto* x, const auto& p) HWY_ATTR { return inverse_wedge(x, p); });
+  default:
+    return f(std::integral_constant<int, 8>(), [shape](const auto* x, const auto& p) HWY_ATTR {
+      return inverse_hexahedron(shape, x, p);
+    });
+  }
 }
 
 } // namespace insitu::cells::HWY_NAMESPACE

@@ -5,7 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "cells/kernels_simd.h"
+#include "cells/pack_pair_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace insitu::query::HWY_NAMESPACE {
@@ -24,24 +24,39 @@ HWY_INLINE void load_pairs(const PairBlock& block, int i, int vertices, PackVec*
        simd::load_pack(block.point[2] + i)};
 }
 
-void invert_target(mesh::Shape shape, PairBlock& block) {
+/// What an inverse map found for the pairs of a pack, from i on.
+HWY_INLINE void store_found(const simd::InverseMap<Pack>& found, int i, PairBlock& block) {
   const simd::PackTag d;
-  const int lanes = int(hn::Lanes(d)), vertices = mesh::vertex_count(shape);
+  hn::Store(found.r.x.v, d, block.parametric[0] + i);
+  hn::Store(found.r.y.v, d, block.parametric[1] + i);
+  hn::Store(found.r.z.v, d, block.parametric[2] + i);
+  hn::Store(found.margin.v, d, block.margin + i);
+  hn::Store(found.error.v, d, block.error + i);
+  block.converged |= std::uint64_t(simd::lane_bits(found.converged)) << i;
+  block.certified |= std::uint64_t(simd::lane_bits(found.margin > found.error)) << i;
+  const simd::PackMask on_boundary = simd::is_on_boundary(found.margin, found.error);
+  block.on_boundary |= std::uint64_t(simd::lane_bits(on_boundary)) << i;
+}
+
+void invert_target(mesh::Shape shape, PairBlock& block) {
+  const int lanes = int(hn::Lanes(simd::PackTag())), count = block.cells.count;
   block.converged = block.certified = block.on_boundary = 0;
-  for (int i = 0; i < block.cells.count; i += lanes) {
-    PackVec x[8], p;
-    load_pairs(block, i, vertices, x, p);
-    const auto found = simd::inverse_map(shape, x, p);
-    hn::Store(found.r.x.v, d, block.parametric[0] + i);
-    hn::Store(found.r.y.v, d, block.parametric[1] + i);
-    hn::Store(found.r.z.v, d, block.parametric[2] + i);
-    hn::Store(found.margin.v, d, block.margin + i);
-    hn::Store(found.error.v, d, block.error + i);
-    block.converged |= std::uint64_t(simd::lane_bits(found.converged)) << i;
-    block.certified |= std::uint64_t(simd::lane_bits(found.margin > found.error)) << i;
-    const simd::PackMask on_boundary = simd::is_on_boundary(found.margin, found.error);
-    block.on_boundary |= std::uint64_t(simd::lane_bits(on_boundary)) << i;
-  }
+  simd::with_inverse(shape, [&](auto vertices, const auto& map) HWY_ATTR {
+    PackVec x[2][vertices()], p[2];
+    int i = 0;
+    for (; count - i > lanes; i += 2 * lanes) {
+      simd::InverseMap<Pack> found[2];
+      for (int k = 0; k < 2; ++k)
+        load_pairs(block, i + k * lanes, vertices(), x[k], p[k]);
+      simd::invert_two<vertices()>(map, x, p, found);
+      for (int k = 0; k < 2; ++k)
+        store_found(found[k], i + k * lanes, block);
+    }
+    if (i < count) {
+      load_pairs(block, i, vertices(), x[0], p[0]);
+      store_found(map(static_cast<const PackVec*>(x[0]), p[0]), i, block);
+    }
+  });
   // The last pack's idle lanes may repeat a point that was proven.
   block.converged &= block.cells.all();
   block.certified &= block.cells.all();

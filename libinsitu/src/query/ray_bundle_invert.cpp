@@ -5,7 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "cells/kernels_simd.h"
+#include "cells/pack_pair_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace insitu::query::HWY_NAMESPACE {
@@ -50,64 +50,73 @@ HWY_INLINE void set_values(const ValueBlock* blocks, unsigned cell, int from, Pa
   }
 }
 
-/// map(x, p): the inverse of one shape. values may be null.
+/// The cells, values and points of a pack's samples from i on; values may be null.
+template <int vertices>
+HWY_INLINE void load_samples(const cells::CellBlock* blocks, const ValueBlock* values, int i,
+                             int end, const BundleSamples& s, PackVec* x, PackVec& p, Pack* f) {
+  const simd::PackTag d;
+  const int lanes = int(hn::Lanes(d)), n = end - i < lanes ? end - i : lanes;
+  int run = 0;
+  for (int k = 1; k <= n; ++k) // a run a cell; idle lanes repeat the last one's
+    if (k == n || s.cell[i + k] != s.cell[i + run]) {
+      set_cell<vertices>(blocks, s.cell[i + run], run, x);
+      if (values)
+        set_values<vertices>(values, s.cell[i + run], run, f);
+      run = k;
+    }
+  const auto at = [&](const double* row) HWY_ATTR { return Pack(hn::LoadU(d, row + i)); };
+  p = {at(s.point[0]), at(s.point[1]), at(s.point[2])};
+}
+
+/// f: the vertices' values, or null.
+template <int vertices>
+HWY_INLINE void store_samples(mesh::Shape shape, const simd::InverseMap<Pack>& found, const Pack* f,
+                              int i, BundleSamples& s) {
+  const simd::PackTag d;
+  hn::StoreU(found.r.x.v, d, s.parametric[0] + i);
+  hn::StoreU(found.r.y.v, d, s.parametric[1] + i);
+  hn::StoreU(found.r.z.v, d, s.parametric[2] + i);
+  hn::StoreU(found.margin.v, d, s.margin + i);
+  hn::StoreU(found.error.v, d, s.error + i);
+  if (!f)
+    return;
+  Pack weight[8];
+  simd::shape_functions(shape, found.r, weight);
+  Pack sum = weight[0] * f[0];
+  for (int v = 1; v < vertices; ++v)
+    sum = sum + weight[v] * f[v];
+  hn::StoreU(sum.v, d, s.value + i);
+}
+
+/// map: of one shape; see with_inverse(). values may be null.
 template <int vertices, class Map>
 HWY_INLINE void invert_shape(mesh::Shape shape, const cells::CellBlock* blocks,
                              const ValueBlock* values, int begin, int end, BundleSamples& s,
                              const Map& map) {
-  const simd::PackTag d;
-  const int lanes = int(hn::Lanes(d));
-  for (int i = begin; i < end; i += lanes) {
-    PackVec x[vertices];
-    Pack f[vertices];
-    const int n = end - i < lanes ? end - i : lanes;
-    int run = 0;
-    for (int k = 1; k <= n; ++k) // a run a cell; idle lanes repeat the last one's
-      if (k == n || s.cell[i + k] != s.cell[i + run]) {
-        set_cell<vertices>(blocks, s.cell[i + run], run, x);
-        if (values)
-          set_values<vertices>(values, s.cell[i + run], run, f);
-        run = k;
-      }
-    const auto at = [&](const double* row) HWY_ATTR { return Pack(hn::LoadU(d, row + i)); };
-    const auto found = map(x, PackVec{at(s.point[0]), at(s.point[1]), at(s.point[2])});
-    hn::StoreU(found.r.x.v, d, s.parametric[0] + i);
-    hn::StoreU(found.r.y.v, d, s.parametric[1] + i);
-    hn::StoreU(found.r.z.v, d, s.parametric[2] + i);
-    hn::StoreU(found.margin.v, d, s.margin + i);
-    hn::StoreU(found.error.v, d, s.error + i);
-    if (values) {
-      Pack weight[8];
-      simd::shape_functions(shape, found.r, weight);
-      Pack sum = weight[0] * f[0];
-      for (int v = 1; v < vertices; ++v)
-        sum = sum + weight[v] * f[v];
-      hn::StoreU(sum.v, d, s.value + i);
-    }
+  const int lanes = int(hn::Lanes(simd::PackTag()));
+  PackVec x[2][vertices], p[2];
+  Pack f[2][vertices];
+  int i = begin;
+  for (; end - i > lanes; i += 2 * lanes) {
+    simd::InverseMap<Pack> found[2];
+    for (int k = 0; k < 2; ++k)
+      load_samples<vertices>(blocks, values, i + k * lanes, end, s, x[k], p[k], f[k]);
+    simd::invert_two<vertices>(map, x, p, found);
+    for (int k = 0; k < 2; ++k)
+      store_samples<vertices>(shape, found[k], values ? f[k] : nullptr, i + k * lanes, s);
+  }
+  if (i < end) {
+    load_samples<vertices>(blocks, values, i, end, s, x[0], p[0], f[0]);
+    store_samples<vertices>(shape, map(static_cast<const PackVec*>(x[0]), p[0]),
+                            values ? f[0] : nullptr, i, s);
   }
 }
 
 void invert_samples(mesh::Shape shape, const cells::CellBlock* blocks, const ValueBlock* values,
                     int begin, int end, BundleSamples& s) {
-  using mesh::Shape;
-  switch (shape) {
-  case Shape::tetrahedron:
-    return invert_shape<4>(shape, blocks, values, begin, end, s,
-                           [](const PackVec* x, const PackVec& p)
-                               HWY_ATTR { return simd::inverse_tetrahedron(x, p); });
-  case Shape::pyramid:
-    return invert_shape<5>(shape, blocks, values, begin, end, s,
-                           [](const PackVec* x, const PackVec& p)
-                               HWY_ATTR { return simd::inverse_pyramid(x, p); });
-  case Shape::wedge:
-    return invert_shape<6>(shape, blocks, values, begin, end, s,
-                           [](const PackVec* x, const PackVec& p)
-                               HWY_ATTR { return simd::inverse_wedge(x, p); });
-  default:
-    return invert_shape<8>(shape, blocks, values, begin, end, s,
-                           [shape](const PackVec* x, const PackVec& p)
-                               HWY_ATTR { return simd::inverse_hexahedron(shape, x, p); });
-  }
+  simd::with_inverse(shape, [&](auto vertices, const auto& map) HWY_ATTR {
+    invert_shape<vertices()>(shape, blocks, values, begin, end, s, map);
+  });
 }
 
 } // namespace insitu::query::HWY_NAMESPACE
