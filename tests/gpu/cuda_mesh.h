@@ -58,14 +58,8 @@ inline Answers on_cpu(const query::Sampler& sampler, const core::Threads& thread
     out.cells[i] = at[i].cell;
     for (int a = 0; a < 3; ++a)
       out.parametric[3 * i + std::size_t(a)] = at[i] ? at[i].parametric[a] : nan;
-    if (at[i]) {
-      sampler.interpolate(fields, at[i], i, values.data());
-      continue;
-    }
-    for (std::size_t f = 0; f < fields.size(); ++f)
-      for (int c = 0; c < fields[f].components; ++c)
-        out.values[f][i * std::size_t(fields[f].components) + std::size_t(c)] = nan;
   }
+  sampler.interpolate(fields, query::Answered{at, {}}, 0, values.data());
   return out;
 }
 
