@@ -2,7 +2,7 @@
 # Makes the README's tables of measured figures: libinsitu beside VTK's locators, each row one run, adaptive meshes, and
 # what effects of frames cost.
 #   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--effects|--accuracy|--frames|--openvkl] [--readme]
-# cells: 1000000, about ten minutes; the large rows take eight times as many. A part alone: --measured, the tables beside
+# cells: 1000000, about twenty minutes; the large rows take eight times as many. A part alone: --measured, the tables beside
 # VTK's locators; --scale, 1e4 to 3e7 cells, three minutes and 8 GiB, and libinsitu/doc/scale.svg; --amr, adaptive
 # meshes, a minute, beside Open VKL if the binary was built with it; --effects, five minutes; --accuracy, what accuracy
 # costs, a minute (small meshes; its page goes to out/accuracy); --frames, frames by ray marching, three minutes, beside

@@ -13,7 +13,6 @@ namespace insitu::advect::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace simd = cells::HWY_NAMESPACE;
 using simd::Pack;
-using simd::PackPair;
 using PackVec = simd::Vec3<Pack>;
 
 constexpr int most_lanes = 8;
@@ -149,41 +148,23 @@ HWY_INLINE void answer(mesh::Shape shape, const LaneQuery* q, int n, int steps,
                   {out[5][l], out[6][l], out[7][l]}};
 }
 
-/// map(x, p): the inverse of one shape.
-template <int vertices, class Map>
-HWY_INLINE void invert_shape(mesh::Shape shape, const LaneQuery* queries, int count, int steps,
-                             LaneAnswer* answers, const Map& map) {
-  const int lanes = int(hn::Lanes(simd::PackTag()));
-  const auto load = [lanes](const LaneQuery* q, int n, PackVec* x, PackVec* p) HWY_ATTR {
-    gather_cells<vertices>(
-        lanes, n, [q](int l) HWY_ATTR { return q[l].vertices; }, x);
-    gather<1>(
-        lanes, n, [q](int l) HWY_ATTR { return &q[l].point; }, p);
-  };
-  int i = 0;
-  for (; count - i > lanes; i += 2 * lanes) {
-    const LaneQuery* const q = queries + i;
-    const int n = count - i - lanes < lanes ? count - i - lanes : lanes;
-    PackVec x[2][vertices], p[2];
-    load(q, lanes, x[0], &p[0]);
-    load(q + lanes, n, x[1], &p[1]);
-    simd::InverseMap<Pack> found[2];
-    simd::invert_two<vertices>(map, x, p, found);
-    answer<vertices>(shape, q, lanes, steps, found[0], answers + i);
-    answer<vertices>(shape, q + lanes, n, steps, found[1], answers + i + lanes);
-  }
-  if (i < count) {
-    PackVec x[vertices], p;
-    load(queries + i, count - i, x, &p);
-    answer<vertices>(shape, queries + i, count - i, steps, map(static_cast<const PackVec*>(x), p),
-                     answers + i);
-  }
-}
-
-void invert_all(mesh::Shape shape, const LaneQuery* queries, int n, int steps,
+void invert_all(mesh::Shape shape, const LaneQuery* queries, int count, int steps,
                 LaneAnswer* answers) {
+  const int lanes = int(hn::Lanes(simd::PackTag()));
   simd::with_inverse(shape, [&](auto vertices, const auto& map) HWY_ATTR {
-    invert_shape<vertices()>(shape, queries, n, steps, answers, map);
+    const auto in_pack = [&](int i) HWY_ATTR { return count - i < lanes ? count - i : lanes; };
+    simd::invert_range<vertices()>(
+        map, 0, count,
+        [&](int, int i, PackVec* x, PackVec& p) HWY_ATTR {
+          const LaneQuery* const q = queries + i;
+          gather_cells<vertices()>(
+              lanes, in_pack(i), [q](int l) HWY_ATTR { return q[l].vertices; }, x);
+          gather<1>(
+              lanes, in_pack(i), [q](int l) HWY_ATTR { return &q[l].point; }, &p);
+        },
+        [&](int, int i, const simd::InverseMap<Pack>& found) HWY_ATTR {
+          answer<vertices()>(shape, queries + i, in_pack(i), steps, found, answers + i);
+        });
   });
 }
 

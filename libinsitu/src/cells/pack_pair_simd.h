@@ -92,6 +92,30 @@ HWY_INLINE void invert_two(const Map& map, const Vec3<Pack> (*x)[vertices], cons
   found[1] = {{both.r.x.b, both.r.y.b, both.r.z.b}, both.margin.b, both.converged.b, both.error.b};
 }
 
+/// Items [begin, end) of one shape, two packs at a time. load(k, i, x, p) gives the cells and
+/// points of the k-th pack of the two, of items from i on, and store(k, i, found) takes what was
+/// found; the last pack may reach beyond the end.
+template <int vertices, class Map, class Load, class Store>
+HWY_INLINE void invert_range(const Map& map, int begin, int end, const Load& load,
+                             const Store& store) {
+  constexpr bool waits = vertices != 4; // for its own results: a tetrahedron's is no iteration
+  const int lanes = int(hn::Lanes(PackTag()));
+  Vec3<Pack> x[2][vertices], p[2];
+  int i = begin;
+  for (; waits && end - i > lanes; i += 2 * lanes) {
+    InverseMap<Pack> found[2];
+    for (int k = 0; k < 2; ++k)
+      load(k, i + k * lanes, x[k], p[k]);
+    invert_two<vertices>(map, x, p, found);
+    for (int k = 0; k < 2; ++k)
+      store(k, i + k * lanes, found[k]);
+  }
+  for (; i < end; i += lanes) {
+    load(0, i, x[0], p[0]);
+    store(0, i, map(static_cast<const Vec3<Pack>*>(x[0]), p[0]));
+  }
+}
+
 /// Calls f(vertices, map) with the number of a shape's vertices, a constant, and its inverse
 /// map(x, p), of packs or pairs of packs.
 template <class F>

@@ -197,8 +197,6 @@ void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std:
 
 /// The owners that Newton has not seen yet.
 void BatchLocator::find_parametric() {
-  if (std::find(located_, located_ + count_, false) == located_ + count_)
-    return;
   pairs_.order(
       std::size_t(count_), [&](std::size_t q) { return located_[q] ? -1 : best_[q].cell; },
       [](std::size_t q) { return q; });

@@ -39,23 +39,14 @@ HWY_INLINE void store_found(const simd::InverseMap<Pack>& found, int i, PairBloc
 }
 
 void invert_target(mesh::Shape shape, PairBlock& block) {
-  const int lanes = int(hn::Lanes(simd::PackTag())), count = block.cells.count;
   block.converged = block.certified = block.on_boundary = 0;
   simd::with_inverse(shape, [&](auto vertices, const auto& map) HWY_ATTR {
-    PackVec x[2][vertices()], p[2];
-    int i = 0;
-    for (; count - i > lanes; i += 2 * lanes) {
-      simd::InverseMap<Pack> found[2];
-      for (int k = 0; k < 2; ++k)
-        load_pairs(block, i + k * lanes, vertices(), x[k], p[k]);
-      simd::invert_two<vertices()>(map, x, p, found);
-      for (int k = 0; k < 2; ++k)
-        store_found(found[k], i + k * lanes, block);
-    }
-    if (i < count) {
-      load_pairs(block, i, vertices(), x[0], p[0]);
-      store_found(map(static_cast<const PackVec*>(x[0]), p[0]), i, block);
-    }
+    simd::invert_range<vertices()>(
+        map, 0, block.cells.count,
+        [&](int, int i, PackVec* x, PackVec& p)
+            HWY_ATTR { load_pairs(block, i, vertices(), x, p); },
+        [&](int, int i, const simd::InverseMap<Pack>& found)
+            HWY_ATTR { store_found(found, i, block); });
   });
   // The last pack's idle lanes may repeat a point that was proven.
   block.converged &= block.cells.all();

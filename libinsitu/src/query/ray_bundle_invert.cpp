@@ -88,34 +88,17 @@ HWY_INLINE void store_samples(mesh::Shape shape, const simd::InverseMap<Pack>& f
   hn::StoreU(sum.v, d, s.value + i);
 }
 
-/// map: of one shape; see with_inverse(). values may be null.
-template <int vertices, class Map>
-HWY_INLINE void invert_shape(mesh::Shape shape, const cells::CellBlock* blocks,
-                             const ValueBlock* values, int begin, int end, BundleSamples& s,
-                             const Map& map) {
-  const int lanes = int(hn::Lanes(simd::PackTag()));
-  PackVec x[2][vertices], p[2];
-  Pack f[2][vertices];
-  int i = begin;
-  for (; end - i > lanes; i += 2 * lanes) {
-    simd::InverseMap<Pack> found[2];
-    for (int k = 0; k < 2; ++k)
-      load_samples<vertices>(blocks, values, i + k * lanes, end, s, x[k], p[k], f[k]);
-    simd::invert_two<vertices>(map, x, p, found);
-    for (int k = 0; k < 2; ++k)
-      store_samples<vertices>(shape, found[k], values ? f[k] : nullptr, i + k * lanes, s);
-  }
-  if (i < end) {
-    load_samples<vertices>(blocks, values, i, end, s, x[0], p[0], f[0]);
-    store_samples<vertices>(shape, map(static_cast<const PackVec*>(x[0]), p[0]),
-                            values ? f[0] : nullptr, i, s);
-  }
-}
-
+/// values may be null.
 void invert_samples(mesh::Shape shape, const cells::CellBlock* blocks, const ValueBlock* values,
                     int begin, int end, BundleSamples& s) {
   simd::with_inverse(shape, [&](auto vertices, const auto& map) HWY_ATTR {
-    invert_shape<vertices()>(shape, blocks, values, begin, end, s, map);
+    Pack f[2][vertices()];
+    simd::invert_range<vertices()>(
+        map, begin, end,
+        [&](int k, int i, PackVec* x, PackVec& p)
+            HWY_ATTR { load_samples<vertices()>(blocks, values, i, end, s, x, p, f[k]); },
+        [&](int k, int i, const simd::InverseMap<Pack>& found)
+            HWY_ATTR { store_samples<vertices()>(shape, found, values ? f[k] : nullptr, i, s); });
   });
 }
 
