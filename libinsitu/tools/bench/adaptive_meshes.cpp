@@ -1,6 +1,7 @@
 #include "adaptive_meshes.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace insitu::bench {
 
@@ -133,6 +134,29 @@ PlainDual plain_dual(const query::CommittedMesh& mesh) {
     for (int v = 0; v < 8; ++v)
       out.connectivity.push_back(v < n ? first + std::int32_t(ids[v]) : -1);
   }
+  return out;
+}
+
+PlainDual welded(const PlainDual& plain) {
+  PlainDual out;
+  const std::size_t n = plain.values.size();
+  const auto place = [&](std::size_t v) { return &plain.points[3 * v]; };
+  std::vector<std::uint32_t> order(n);
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::lexicographical_compare(place(a), place(a) + 3, place(b), place(b) + 3);
+  });
+  std::vector<std::int32_t> number(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t v = order[i];
+    if (i == 0 || !std::equal(place(v), place(v) + 3, place(order[i - 1]))) {
+      out.points.insert(out.points.end(), place(v), place(v) + 3);
+      out.values.push_back(plain.values[v]);
+    }
+    number[v] = std::int32_t(out.values.size() - 1);
+  }
+  for (const std::int32_t v : plain.connectivity)
+    out.connectivity.push_back(v < 0 ? v : number[std::size_t(v)]);
   return out;
 }
 

@@ -51,7 +51,9 @@ struct PlainDual {
 };
 /// Of a committed mesh whose reconstruction is the dual, and its field "f".
 PlainDual plain_dual(const query::CommittedMesh& mesh);
-/// Over its arrays, which must outlive it.
+/// The same with vertices at one place made one, so that cells share their faces.
+PlainDual welded(const PlainDual& plain);
+/// Over its arrays, which must outlive it; not committed.
 std::unique_ptr<query::CommittedMesh> register_plain(const PlainDual& plain, core::Memory& memory);
 
 } // namespace insitu::bench

@@ -211,7 +211,18 @@ TEST_F(Accuracy, TheDualMeshErrsLessThanCells) {
   const std::vector<Row> all = rows("amr");
   EXPECT_LT(find(all, "values", "dual mesh").error, 0.5 * find(all, "values", "nearest").error);
   EXPECT_LT(find(all, "images", "dual mesh").error, find(all, "images", "nearest").error);
-  EXPECT_GT(find(all, "values", "nearest").more.at("bytes of the library"), 0.0);
+  EXPECT_GT(find(all, "values", "nearest").more.at("bytes of the structures"), 0.0);
+}
+
+TEST_F(Accuracy, CurvedFacesOfStitchingCellsTakenForPlanarErrMore) {
+  const std::vector<Row> all = rows("amr");
+  const Row &dual = find(all, "values", "dual mesh"),
+            &curved = find(all, "values", "curved faces by rays"),
+            &planar = find(all, "values", "planar faces by rays");
+  EXPECT_NEAR(curved.error, dual.error, 1e-6 * dual.error); // points on faces, by rays in float
+  EXPECT_GT(planar.error, 1.005 * curved.error);
+  for (const Row* row : {&dual, &curved, &planar})
+    EXPECT_EQ(row->more.at("points in no cell"), 0.0) << row->setting;
 }
 
 TEST_F(Accuracy, ThePolicysTreeIsNearlyTheBest) {

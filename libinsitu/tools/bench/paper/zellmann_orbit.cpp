@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "chart.h"
 #include "commands.h"
@@ -16,31 +15,18 @@ namespace {
 
 using math::Vec3d;
 
-/// The dual mesh with vertices at one place made one, so that cells share their faces.
+/// The dual mesh as cells that share their faces.
 MethodMesh conforming(const PlainDual& plain) {
   MethodMesh out;
-  const std::size_t n = plain.values.size();
-  const auto place = [&](std::size_t v) { return &plain.points[3 * v]; };
-  std::vector<std::uint32_t> order(n);
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return std::lexicographical_compare(place(a), place(a) + 3, place(b), place(b) + 3);
-  });
-  std::vector<std::int32_t> number(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t v = order[i];
-    if (i == 0 || !std::equal(place(v), place(v) + 3, place(order[i - 1]))) {
-      out.mesh.points.insert(out.mesh.points.end(), place(v), place(v) + 3);
-      out.vertex_field.push_back(plain.values[v]);
-    }
-    number[v] = std::int32_t(out.vertex_field.size() - 1);
-  }
+  PlainDual whole = welded(plain);
+  out.mesh.points = std::move(whole.points);
+  out.vertex_field = std::move(whole.values);
   out.mesh.offsets = {0};
-  for (std::int64_t c = 0; c < plain.cells(); ++c) {
+  for (std::int64_t c = 0; c < whole.cells(); ++c) {
     int count = 0;
     for (int v = 0; v < 8; ++v)
-      if (const std::int32_t id = plain.connectivity[std::size_t(8 * c + v)]; id >= 0) {
-        out.mesh.connectivity.push_back(number[std::size_t(id)]);
+      if (const std::int32_t id = whole.connectivity[std::size_t(8 * c + v)]; id >= 0) {
+        out.mesh.connectivity.push_back(id);
         ++count;
       }
     out.mesh.types.push_back(std::uint8_t(count == 4   ? mesh::Shape::tetrahedron
