@@ -123,6 +123,7 @@ Paper
   figures 6 to 8. Data, sizes and machines are not the papers': ratios compare, and captions say what was
   normalised. Below a table stands what it leaves out.
   --cells N         of the largest mesh; the others in the paper's proportions, or as large as the paper's [300000]
+  --full            as many cells as the memory that is free holds, at most the paper's
   --quick           small meshes and frames, for a test
   --size N          frames of N x N pixels [256]; rates are given for the paper's 1024 x 1024
   --out FOLDER      a .csv of each table there, and plots

@@ -190,7 +190,7 @@ Options parse(int argc, char** argv) {
       only(Command::render, Command::accuracy, Command::paper);
       o.out_folder = value();
     } else if (option == "--quick" || option == "--full") {
-      only(Command::accuracy, option == "--quick" ? Command::paper : Command::accuracy);
+      only(Command::accuracy, Command::paper);
       o.full = option == "--full";
       o.quick = option == "--quick";
     } else if (option == "--sweep") {
@@ -208,6 +208,8 @@ Options parse(int argc, char** argv) {
       throw UsageError("'" + std::string(option) + "' is no option; see insitu-bench --help");
     }
   }
+  if (o.command == Command::paper && o.full && !o.cells.empty())
+    throw UsageError("--full: takes as many cells as the memory holds; without --cells");
   if (o.cells.empty())
     o.cells = {o.command != Command::paper ? 1'000'000 : o.quick ? 6'000 : 300'000};
   if (o.cells.size() > 1 && o.command != Command::scale)

@@ -49,7 +49,7 @@ struct Options {
   bool check = false;                         ///< methods: answers alone, on all points
   std::vector<std::string> backends, methods; ///< methods: only these; empty: all
   int size = 512;                             ///< render, effects, paper: pixels along an edge
-  bool full = false;                          ///< accuracy: large meshes
+  bool full = false;                          ///< accuracy, paper: large meshes
   bool quick = false;                         ///< paper: small meshes, for a test
   std::string paper;                          ///< paper: "morrical", "rathke" or "zellmann"
   std::vector<std::string> sweeps;            ///< accuracy: only these; empty: all
