@@ -1,11 +1,21 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "query/pair_order.h"
 #include "query/point_query.h"
 
 namespace insitu::query {
+
+/// The batch that begins at `from`, if there is one, into the second cache: it will be read next.
+inline void ask_for_batch(std::span<const math::Vec3d> points, std::size_t from) {
+  from = std::min(from, points.size());
+  const auto bytes =
+      std::as_bytes(points.subspan(from, std::min<std::size_t>(batch_size, points.size() - from)));
+  for (std::size_t line = 0; line < bytes.size(); line += 64)
+    __builtin_prefetch(&bytes[line], 0, 2);
+}
 
 /// Answers batches of at most batch_size points: all of them through the tree, then blocks of
 /// (cell, point) pairs of one shape through the containment filter; what it leaves open goes

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "accel/ray_locator.h"
-#include "query/batch.h"
+#include "query/proven_batch.h"
 
 namespace insitu::query {
 
@@ -30,24 +30,16 @@ public:
   std::int64_t kept = 0, by_neighbour = 0, by_tree = 0;
 
 private:
-  bool answers(int query) const { return best_[query].cell >= 0; }
   void answer_by_rule();
   /// Tries a cell of each point that has no answer; returns how many were proven.
   std::int64_t certify(const std::int64_t* cells);
-  void answer_rest_by_tree(std::span<const math::Vec3d> points);
   Answered answer_by_tree(std::span<const math::Vec3d> points, std::span<const Location> known);
 
   const PointQuery& query_;
   const accel::RayLocator& rays_;
-  BatchScratch& s_;
   BatchLocator& tree_;
-  PairOrder pairs_;
-  int count_ = 0;
-  Location best_[batch_size];
-  Reason reason_[batch_size];
+  ProvenBatch batch_;
   std::int64_t cells_[batch_size], beyond_[batch_size]; ///< as the rays tell
-  QueryId rest_[batch_size];
-  math::Vec3d rest_points_[batch_size];
 };
 
 } // namespace insitu::query

@@ -13,6 +13,7 @@
 #include "query/chart_image.h"
 #include "query/direct_batch.h"
 #include "query/gridlet_query.h"
+#include "query/guessed_batches.h"
 #include "query/leaf_query.h"
 #include "query/locators.h"
 #include "query/order.h"
@@ -49,6 +50,8 @@ public:
       by_gridlets_.emplace(GridletFinder(*adaptive->gridlets()), locator_, direct_scratch());
     else if (adaptive)
       by_leaves_.emplace(LeafFinder(adaptive->leaves()), locator_, direct_scratch());
+    else if (GuessedBatches::may_pay(query))
+      by_guesses_ = std::make_unique<GuessedBatches>(query, batch_scratch(), locator_);
   }
   ~Batches() {
     if (counts_)
@@ -68,12 +71,30 @@ public:
                               : by_gridlets_ ? by_gridlets_->run(points)
                               : by_leaves_   ? by_leaves_->run(points)
                                              : by_tree(points);
-    for (const Reason reason : answered.reasons)
-      ++by_reason_[int(reason)];
+    count(answered);
     return answered;
   }
 
+  /// A grain of points that follow each other; put(first, answered): of those from `first` on.
+  template <class Put>
+  void run_grain(std::span<const Vec3d> points, Put&& put) {
+    if (by_guesses_)
+      return by_guesses_->run(points, [&](std::size_t first, const Answered& answered) {
+        count(answered);
+        put(first, answered);
+      });
+    for (std::size_t first = 0; first < points.size(); first += batch_size) {
+      const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
+      ask_for_batch(points, first + n);
+      put(first, run(points.subspan(first, n)));
+    }
+  }
+
 private:
+  void count(const Answered& answered) {
+    for (const Reason reason : answered.reasons)
+      ++by_reason_[int(reason)];
+  }
   Answered by_tree(std::span<const Vec3d> points) {
     locator_.run(points);
     return {locator_.locations(), locator_.reasons()};
@@ -85,15 +106,9 @@ private:
   std::unique_ptr<RayBatch> by_rays_;
   std::optional<DirectBatch<GridletFinder>> by_gridlets_;
   std::optional<DirectBatch<LeafFinder>> by_leaves_;
+  std::unique_ptr<GuessedBatches> by_guesses_;
   std::int64_t by_reason_[reason_count] = {};
 };
-
-/// Points that will be read next, into the second cache.
-void ask_for(std::span<const Vec3d> points) {
-  const auto bytes = std::as_bytes(points);
-  for (std::size_t line = 0; line < bytes.size(); line += 64)
-    __builtin_prefetch(&bytes[line], 0, 2);
-}
 
 /// reasons may be empty.
 void store(const Answered& answered, std::span<Location> locations,
@@ -202,7 +217,7 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
                     const LocateOptions& options, Put put) const {
   if (locators_ && locators_->device() && options.alpha == 1.0)
     return visit_on_device(threads, points, options, put);
-  constexpr std::int64_t grain = 4096;
+  constexpr auto grain = std::int64_t(GuessedBatches::grain);
   static_assert(grain % batch_size == 0);
   const PointQuery query{*mesh_, *tree_, options};
   const bool sorts = order_ && is_incoherent(points, *tree_);
@@ -216,24 +231,28 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
     threads.parallel_for(
         std::int64_t(part.size()), grain, [&](std::int64_t begin, std::int64_t end) {
           Batches batches(query, counts_, locators_, adaptive_);
+          if (!sorts) {
+            ask_for_batch(part, std::size_t(end));
+            auto own = part.subspan(std::size_t(begin), std::size_t(end - begin));
+            thread_local std::vector<Vec3d> images;
+            if (chart_) {
+              images.resize(own.size());
+              std::transform(own.begin(), own.end(), images.begin(), image);
+              own = images;
+            }
+            return batches.run_grain(own, [&](std::size_t first, Answered answered) {
+              answered.first = from + std::size_t(begin) + first;
+              put(answered);
+            });
+          }
           Vec3d batch[batch_size];
           for (auto first = std::size_t(begin); first < std::size_t(end); first += batch_size) {
             const std::size_t n = std::min<std::size_t>(batch_size, std::size_t(end) - first);
-            Answered answered;
-            if (sorts) {
-              for (std::size_t i = 0; i < n; ++i)
-                batch[i] = image(part[sorted[first + i].id]);
-              answered = batches.run({batch, n});
-              answered.first = from;
-              answered.order = &sorted[first];
-            } else {
-              for (std::size_t i = 0; chart_ && i < n; ++i)
-                batch[i] = image(part[first + i]);
-              ask_for(part.subspan(first + n).first(std::min(n, part.size() - first - n)));
-              answered =
-                  batches.run(chart_ ? std::span<const Vec3d>(batch, n) : part.subspan(first, n));
-              answered.first = from + first;
-            }
+            for (std::size_t i = 0; i < n; ++i)
+              batch[i] = image(part[sorted[first + i].id]);
+            Answered answered = batches.run({batch, n});
+            answered.first = from;
+            answered.order = &sorted[first];
             put(answered);
           }
         });
