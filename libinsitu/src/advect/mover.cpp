@@ -338,5 +338,6 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
 
 template class Mover<DriftVelocity>;
 template class Mover<ChartVelocity>;
+template class Mover<CrossingVelocity>;
 
 } // namespace insitu::advect

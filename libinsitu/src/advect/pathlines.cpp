@@ -59,20 +59,25 @@ void Tracer::seed(std::span<const math::Vec3d> points, double time) {
 
 Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& velocity,
                         const EarlierSteps& earlier_velocity, double t0, double t1,
-                        const core::Threads& threads, Snapshots* snapshots) {
+                        const core::Threads& threads, Snapshots* snapshots,
+                        const StepBefore* before) {
   check_velocity(velocity);
   for (const mesh::FieldView& earlier : earlier_velocity.fields)
     check_velocity(earlier);
   check_interval(t0, t1);
+  if (before)
+    check_velocity(before->velocity);
+  const bool crosses = before && t1 != t0 && !sampler.chart();
   EarlierSteps steps = earlier_velocity;
   steps.fields = steps.fields.first(
       std::min(steps.fields.size(), std::size_t(steps_of(settings_.time_interpolation) - 1)));
 
   Advance result;
   const IntegratorSettings integrator = settings_for(velocity, settings_.integrator);
-  // On a geodetic mesh drifts are the velocity's, which integrate() alone follows.
+  // On a geodetic mesh and between cells drifts are the velocity's, which integrate() alone
+  // follows.
   const std::optional<EffectSetup> setup =
-      (sampler.chart() ? effects_.displaces() : effects_.any())
+      (sampler.chart() || crosses ? effects_.displaces() : effects_.any())
           ? std::optional<EffectSetup>(std::in_place, effects_, sampler, threads)
           : std::nullopt;
   Particles& all = particles_;
@@ -95,12 +100,15 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
                          double geometry_alpha) {
     if (ending == INSITU_END_ALIVE && all.seeding_times[i] + settings_.duration <= t1)
       ending = INSITU_END_EXPIRED;
+    if (ending == INSITU_END_ALIVE && crosses && cell < 0)
+      ending = all.seeding_times[i] < t1 ? INSITU_END_LEFT // where there were cells before
+                                         : INSITU_END_SEED_OUTSIDE;
     if (ending == INSITU_END_ALIVE && effects_.removes) {
       const query::Location here = sampler.locate(p.x, cell, {settings_.accuracy, geometry_alpha});
       if (here && effects_.removes(here, p.x, p.time - all.seeding_times[i]))
         ending = INSITU_END_REMOVED;
     }
-    all.set_state(i, p, cell >= 0 ? cell : all.cells[i]);
+    all.set_state(i, p, cell >= 0 || crosses ? cell : all.cells[i]);
     all.endings[i] = std::uint8_t(ending);
     return ending;
   };
@@ -207,6 +215,15 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
       carry(on_chart, moving);
     else
       carry(on_chart, plain);
+  } else if (crosses) {
+    const auto between = [&] {
+      return CrossingVelocity(sampler, velocity, *before, t0, t1, settings_.accuracy,
+                              effects_.drifts, setup ? Between::current : Between::either);
+    };
+    if (setup)
+      carry(between, moving);
+    else
+      carry(between, plain);
   } else if (setup) {
     carry(
         [&] {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "advect/crossing_velocity.h"
 #include "advect/effects.h"
 #include "advect/particles.h"
 #include "advect/settings.h"
@@ -54,16 +55,20 @@ public:
   /// Moves every living particle from t0, or from its seeding time in between, to t1. sampler and
   /// velocity are of the step at t1; earlier_velocity is of the step at t0 and those before, on
   /// the same cells, and the sampler's mesh may have the coordinates of t0
-  /// (MeshView::earlier_points). None after a change of topology and in the first step: then the
-  /// current velocity is used throughout; of fewer steps than the interpolation takes, those serve
-  /// that there are. Throws Error(INSITU_ERROR_FIELD) if a velocity has not three components,
+  /// (MeshView::earlier_points). None in the first step: then the current velocity is used
+  /// throughout; of fewer steps than the interpolation takes, those serve that there are. After a
+  /// change of topology there are none either, but `before`, if not null, is the step at t0 on its
+  /// own cells, and the velocity is interpolated between it and the current one
+  /// (CrossingVelocity; on geodetic meshes it is not taken). A particle that the cells of t1 do not
+  /// hold then has left. Throws Error(INSITU_ERROR_FIELD) if a velocity has not three components,
   /// Error(INSITU_ERROR_ARGUMENT) if t1 < t0. Particles come out the same for any thread count.
   /// snapshots, if not null: filled in for its times within [t0, t1]; particles go the same ways
   /// with and without it. Under effects they are, between the moments at which a random walk
   /// displaces them, on the flow's path; along walls they go straight from step to step.
   Advance advance(const query::Sampler& sampler, const mesh::FieldView& velocity,
                   const EarlierSteps& earlier_velocity, double t0, double t1,
-                  const core::Threads& threads, Snapshots* snapshots = nullptr);
+                  const core::Threads& threads, Snapshots* snapshots = nullptr,
+                  const StepBefore* before = nullptr);
 
   /// Takes attached particles from t0 to t1, where the sampler's mesh is: with the same cells as
   /// before (same_cells) to the same place in their cells, otherwise they are located where they
