@@ -34,8 +34,8 @@ inline insitu_ending ending_of(Moved moved) {
 }
 
 /// Moves particles under effects; the counterpart of a plain call of integrate(). V: DriftVelocity,
-/// CrossingVelocity, or ChartVelocity on a geodetic mesh. The integrator's positions (State::x) are V's;
-/// displacements go between points among the cells (Space), in metres. One object serves one
+/// CrossingVelocity, or ChartVelocity on a geodetic mesh. The integrator's positions (State::x) are
+/// V's; displacements go between points among the cells (Space), in metres. One object serves one
 /// thread.
 template <class V>
 class Mover {

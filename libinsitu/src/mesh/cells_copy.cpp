@@ -40,9 +40,8 @@ std::int64_t CellsCopy::count_ids(const PieceView& from, const core::Threads& th
 
 /// Where a piece's arrays lie from `at` on; returns where they end.
 std::int64_t CellsCopy::place(Piece& p, const PieceView& from, std::int64_t ids, std::int64_t at) {
-  const bool block = from.layout == CellLayout::block,
-             uniform = from.layout == CellLayout::uniform;
-  p.layout = std::int64_t(block ? CellLayout::block
+  const bool block = from.layout == CellLayout::block, uniform = from.layout == CellLayout::uniform;
+  p.layout = std::int64_t(block     ? CellLayout::block
                           : uniform ? CellLayout::uniform
                                     : CellLayout::mixed);
   p.shape = std::int64_t(block || uniform ? from.uniform_shape : Shape::none);

@@ -41,8 +41,7 @@ private:
   };
   static std::int64_t count_ids(const PieceView& from, const core::Threads& threads,
                                 std::vector<std::int64_t>& before);
-  static std::int64_t place(Piece& piece, const PieceView& from, std::int64_t ids,
-                            std::int64_t at);
+  static std::int64_t place(Piece& piece, const PieceView& from, std::int64_t ids, std::int64_t at);
   void fill(const Piece& piece, const PieceView& from, const std::vector<std::int64_t>& before,
             const core::Threads& threads);
 

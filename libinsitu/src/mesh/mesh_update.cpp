@@ -117,7 +117,7 @@ constexpr std::int64_t copy_grain = 1 << 14;
 
 /// The copies of a field; those of other numbers than it has now are dropped.
 EarlierField& Mesh::earlier_field_for(const std::string& name, insitu_association association,
-                                            int components) {
+                                      int components) {
   const MeshView& now = view();
   const std::int64_t* first = association == INSITU_CELL ? now.first_cell : now.first_vertex;
   const auto values = std::size_t(first[now.piece_count] * components);

@@ -6,7 +6,8 @@ namespace insitu::query {
 /// On a geodetic mesh steps go by charts that are made from its cells; leaves by `nearest` are the
 /// solver's arrays.
 bool CommittedMesh::can_keep_cells() const {
-  return frame.kind != INSITU_FRAME_GEODETIC && !geodetic_ && (!adaptive_ || adaptive_->dual_view());
+  return frame.kind != INSITU_FRAME_GEODETIC && !geodetic_ &&
+         (!adaptive_ || adaptive_->dual_view());
 }
 
 std::int64_t CommittedMesh::earlier_cells_bytes(const core::Threads& threads) const {
@@ -45,9 +46,9 @@ void CommittedMesh::part_from_earlier(const core::Threads& threads) {
     earlier_mesh_ = std::make_unique<EarlierMesh>(std::move(step), std::move(adaptive_),
                                                   tree_.take(), topology_version_);
   else if (whole && !earlier_cells_.empty() && !tree_is_stale_)
-    earlier_mesh_ = std::make_unique<EarlierMesh>(
-        std::move(step), std::move(earlier_cells_), tree_.take(), moved, kept_.odd,
-        kept_.covers_once, topology_version_, threads);
+    earlier_mesh_ = std::make_unique<EarlierMesh>(std::move(step), std::move(earlier_cells_),
+                                                  tree_.take(), moved, kept_.odd, kept_.covers_once,
+                                                  topology_version_, threads);
   earlier_cells_ = mesh::CellsCopy(*memory_);
   kept_ = {};
 }

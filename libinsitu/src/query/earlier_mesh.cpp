@@ -19,8 +19,8 @@ EarlierMesh::EarlierMesh(mesh::TakenStep step, mesh::CellsCopy cells, accel::Tre
 
 EarlierMesh::EarlierMesh(mesh::TakenStep step, std::unique_ptr<Adaptive> adaptive, accel::Tree tree,
                          std::uint64_t topology_version)
-    : step_(std::move(step)), adaptive_(std::move(adaptive)),
-      view_(adaptive_->dual_view()), tree_(std::move(tree)), topology_version_(topology_version) {}
+    : step_(std::move(step)), adaptive_(std::move(adaptive)), view_(adaptive_->dual_view()),
+      tree_(std::move(tree)), topology_version_(topology_version) {}
 
 std::unique_ptr<EarlierMesh> EarlierMesh::restored(const mesh::EarlierStep& step,
                                                    mesh::CellsCopy cells, core::Memory& memory,

@@ -30,9 +30,8 @@ public:
               std::uint64_t topology_version);
   /// Of a checkpoint; its topology_version() is 0. Null if the step was kept without its cells, or
   /// does not fit them.
-  static std::unique_ptr<EarlierMesh> restored(const mesh::EarlierStep& step,
-                                               mesh::CellsCopy cells, core::Memory& memory,
-                                               const core::Threads& threads);
+  static std::unique_ptr<EarlierMesh> restored(const mesh::EarlierStep& step, mesh::CellsCopy cells,
+                                               core::Memory& memory, const core::Threads& threads);
 
   /// Its counts are no mesh's.
   Sampler sampler() const { return {*view_, tree_, nullptr, nullptr, nullptr, adaptive_.get()}; }

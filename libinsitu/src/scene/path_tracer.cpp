@@ -410,7 +410,7 @@ private:
   std::vector<DueTime> due_times_; ///< of the tracer's own times
   std::optional<advect::Snapshots> at_times_;
   advect::StepTimes interval_{0.0, 0.0};
-  int interval_steps_ = 0; ///< before this one, that may serve
+  int interval_steps_ = 0;                              ///< before this one, that may serve
   const query::EarlierMesh* interval_before_ = nullptr; ///< or the one on other cells
   std::vector<std::unique_ptr<TrackWriter>> writers_;
   bool seeded_ = false;

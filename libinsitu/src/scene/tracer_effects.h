@@ -21,7 +21,6 @@ advect::Effects effects_at(const Tracer& tracer, const query::CommittedMesh& mes
                            int earlier, const std::string& scene_file);
 
 /// The step before on its own cells, if all that moves the tracer's particles was kept of it.
-std::optional<advect::StepBefore> step_before(const Tracer& tracer,
-                                              const query::EarlierMesh& mesh);
+std::optional<advect::StepBefore> step_before(const Tracer& tracer, const query::EarlierMesh& mesh);
 
 } // namespace insitu::scene

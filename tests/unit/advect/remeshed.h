@@ -12,8 +12,8 @@ namespace insitu::test {
 
 using Flow = std::function<Vec3d(const Vec3d&, double)>;
 
-/// A solver that makes its mesh anew: cells, vertices and velocity lie in arrays of each step's own,
-/// and those of the step before are overwritten as soon as the next one is there.
+/// A solver that makes its mesh anew: cells, vertices and velocity lie in arrays of each step's
+/// own, and those of the step before are overwritten as soon as the next one is there.
 class Remeshed {
 public:
   explicit Remeshed(int thread_limit = 0) : threads(thread_limit), mesh("remeshed", memory) {}
@@ -86,8 +86,8 @@ private:
       const Vec3d v = flow({x[i], x[i + 1], x[i + 2]}, time);
       step_->velocity.insert(step_->velocity.end(), {v.x, v.y, v.z});
     }
-    const insitu_array array = insitu_array_of(step_->velocity.data(), INSITU_FLOAT64,
-                                               step_->arrays.vertex_count(), 3);
+    const insitu_array array =
+        insitu_array_of(step_->velocity.data(), INSITU_FLOAT64, step_->arrays.vertex_count(), 3);
     mesh.mesh().set_field(0, "v", INSITU_VERTEX, &array, 1);
   }
   void commit() {

@@ -18,9 +18,12 @@ using advect::Tracer;
 using advect::TracerSettings;
 
 /// Meshes that have nothing in common but the cube.
-const std::array<std::pair<MeshKind, int>, 6> makes = {
-    {{MeshKind::hexahedra, 5}, {MeshKind::tetrahedra, 4}, {MeshKind::mixed, 4},
-     {MeshKind::wedges, 6}, {MeshKind::pyramids, 3}, {MeshKind::hexahedra, 9}}};
+const std::array<std::pair<MeshKind, int>, 6> makes = {{{MeshKind::hexahedra, 5},
+                                                        {MeshKind::tetrahedra, 4},
+                                                        {MeshKind::mixed, 4},
+                                                        {MeshKind::wedges, 6},
+                                                        {MeshKind::pyramids, 3},
+                                                        {MeshKind::hexahedra, 9}}};
 
 TestMesh cube_of(std::size_t step) {
   const auto& [kind, size] = makes[step % makes.size()];
@@ -171,7 +174,9 @@ TEST_F(Crossing, WhereCellsAreNoMoreParticlesHaveLeft) {
   tracer.advance(solver.mesh.sampler(), solver.velocity(), nullptr, 0.0, 0.0, threads);
   solver.keep();
   solver.remesh(Remeshed::cube(MeshKind::tetrahedra, 3, 5,
-                               [](const Vec3d& x) { return x + Vec3d{0.5, 0, 0}; }),
+                               [](const Vec3d& x) {
+                                 return x + Vec3d{0.5, 0, 0};
+                               }),
                 still, 1.0);
   tracer.seed(std::vector<Vec3d>{{0.3, 0.4, 0.5}, {1.3, 0.4, 0.5}}, 1.0);
   tracer.seed(std::vector<Vec3d>{{1.4, 0.4, 0.5}}, 0.5); // new cells serve as soon as they may
@@ -241,16 +246,13 @@ TEST_F(Crossing, TheEarlierStepIsWhereItWasKept) {
 }
 
 TEST_F(Crossing, SameBytesForAnyThreadCount) {
-  const Flow flow = [](const Vec3d& x, double t) {
-    return 0.5 * abc_flow(5.0 * x, t);
-  };
+  const Flow flow = [](const Vec3d& x, double t) { return 0.5 * abc_flow(5.0 * x, t); };
   const auto run = [&](int count) {
     Remeshed solver(count);
     auto tracer = std::make_unique<Tracer>(settings, memory);
     tracer->seed(random_points(66, 400, -0.05, 1.05), 0.0);
     solver.remesh(cube_of(0), flow, 0.0);
-    tracer->advance(solver.mesh.sampler(), solver.velocity(), nullptr, 0.0, 0.0,
-                    solver.threads);
+    tracer->advance(solver.mesh.sampler(), solver.velocity(), nullptr, 0.0, 0.0, solver.threads);
     for (int s = 1; s <= 4; ++s) {
       solver.keep();
       solver.remesh(cube_of(std::size_t(s)), flow, 0.1 * s);
