@@ -1,6 +1,7 @@
 #include "advect/pathlines.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,13 +21,6 @@ namespace insitu::advect {
 
 namespace {
 
-void check_interval(double t0, double t1) {
-  if (!(t1 >= t0))
-    throw core::Error(INSITU_ERROR_ARGUMENT, "tracer: cannot advance from time " +
-                                                 std::to_string(t0) + " back to " +
-                                                 std::to_string(t1));
-}
-
 /// Where integrate() alone moves the particles.
 struct NoMover {};
 
@@ -37,15 +31,33 @@ std::int64_t grain_of(std::int64_t particles, const core::Threads& threads) {
 
 } // namespace
 
+void Tracer::check_interval(double t0, double t1) const {
+  if (std::isnan(t0) || std::isnan(t1) || is_before(t1, t0))
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      std::string("tracer: ") +
+                          (settings_.backward ? "backwards, it cannot go from time "
+                                              : "cannot advance from time ") +
+                          std::to_string(t0) + (settings_.backward ? " on to " : " back to ") +
+                          std::to_string(t1));
+}
+
 Tracer::Tracer(const TracerSettings& settings, core::Memory& memory)
     : settings_(settings), particles_(memory) {
   check_settings(settings_.integrator);
+  if (settings_.attached && settings_.backward)
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      "tracer: particles that go with the mesh's material have no direction");
   if (settings_.attached)
     particles_.keep_parametric();
 }
 
 void Tracer::set_effects(const Effects& effects) {
   check_effects(effects);
+  if (settings_.backward && (effects.diffusion || effects.inertia))
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      std::string("tracer: backwards, particles have no ") +
+                          (effects.diffusion ? "random walk, which has no way back"
+                                             : "inertia: every error would grow without bound"));
   effects_ = effects;
   if (effects_.diffusion)
     particles_.keep_walk_steps();
@@ -84,28 +96,35 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   const std::int64_t count = std::int64_t(all.size());
   const std::int64_t grain = grain_of(count, threads);
   if (snapshots)
-    snapshots->begin(all.size());
+    snapshots->begin(all.size(), settings_.backward);
   std::vector<Work> work(std::size_t((count + grain - 1) / grain));
   std::vector<EffectWork> effect_work(setup ? work.size() : 0);
   // The particle's state if it moves, and until when.
   const auto prepare = [&](std::size_t i, State& p, double& to) {
-    if (all.endings[i] != INSITU_END_ALIVE || all.times[i] > t1)
+    if (all.endings[i] != INSITU_END_ALIVE || is_before(t1, all.times[i]))
       return false;
     p = all.state(i);
-    p.time = std::max(p.time, t0);
-    to = std::clamp(all.seeding_times[i] + settings_.duration, p.time, t1);
+    if (is_before(p.time, t0))
+      p.time = t0;
+    to = at_age(all.seeding_times[i], settings_.duration);
+    if (is_before(t1, to))
+      to = t1;
+    if (is_before(to, p.time))
+      to = p.time;
     return true;
   };
   const auto store = [&](std::size_t i, const State& p, std::int64_t cell, insitu_ending ending,
                          double geometry_alpha) {
-    if (ending == INSITU_END_ALIVE && all.seeding_times[i] + settings_.duration <= t1)
+    if (ending == INSITU_END_ALIVE &&
+        !is_before(t1, at_age(all.seeding_times[i], settings_.duration)))
       ending = INSITU_END_EXPIRED;
     if (ending == INSITU_END_ALIVE && crosses && cell < 0)
-      ending = all.seeding_times[i] < t1 ? INSITU_END_LEFT // where there were cells before
-                                         : INSITU_END_SEED_OUTSIDE;
+      ending = is_before(all.seeding_times[i], t1)
+                   ? INSITU_END_LEFT // where there were cells before
+                   : INSITU_END_SEED_OUTSIDE;
     if (ending == INSITU_END_ALIVE && effects_.removes) {
       const query::Location here = sampler.locate(p.x, cell, {settings_.accuracy, geometry_alpha});
-      if (here && effects_.removes(here, p.x, p.time - all.seeding_times[i]))
+      if (here && effects_.removes(here, p.x, std::abs(p.time - all.seeding_times[i])))
         ending = INSITU_END_REMOVED;
     }
     all.set_state(i, p, cell >= 0 || crosses ? cell : all.cells[i]);

@@ -22,6 +22,7 @@ struct TracerSettings {
   double duration = std::numeric_limits<double>::infinity(); ///< age at which a particle expires
   double length = std::numeric_limits<double>::infinity();   ///< length of path at which it expires
   TimeInterpolation time_interpolation = TimeInterpolation::linear; ///< of the velocity
+  bool backward = false; ///< time goes back from advance to advance, and particles with it
   bool attached = false; ///< particles go with the mesh's material: follow() instead of advance()
 };
 
@@ -44,10 +45,11 @@ public:
 
   /// What particles feel in the next advances; its fields must be of their steps. Throws
   /// Error(INSITU_ERROR_FIELD or _ARGUMENT) for fields of the wrong number of components and for
-  /// values out of range.
+  /// values out of range, or, backwards, for what has no way back: a random walk, and inertia,
+  /// whose errors would grow as exp(t / response time).
   void set_effects(const Effects& effects);
 
-  /// Adds particles at points (in mesh coordinates) that begin at `time`: at most the next
+  /// Adds particles at points (in mesh coordinates) that begin at `time`: not beyond the next
   /// advance's end, or they wait for the one that reaches it. Whether a point is inside is found
   /// then.
   void seed(std::span<const math::Vec3d> points, double time);
@@ -61,10 +63,11 @@ public:
   /// own cells, and the velocity is interpolated between it and the current one
   /// (CrossingVelocity; on geodetic meshes it is not taken). A particle that the cells of t1 do not
   /// hold then has left. Throws Error(INSITU_ERROR_FIELD) if a velocity has not three components,
-  /// Error(INSITU_ERROR_ARGUMENT) if t1 < t0. Particles come out the same for any thread count.
-  /// snapshots, if not null: filled in for its times within [t0, t1]; particles go the same ways
-  /// with and without it. Under effects they are, between the moments at which a random walk
-  /// displaces them, on the flow's path; along walls they go straight from step to step.
+  /// Error(INSITU_ERROR_ARGUMENT) if t1 < t0, or backwards if t1 > t0. Particles come out the same
+  /// for any thread count. snapshots, if not null: filled in for its times within [t0, t1];
+  /// particles go the same ways with and without it. Under effects they are, between the moments at
+  /// which a random walk displaces them, on the flow's path; along walls they go
+  /// by their steps' own parabola where they slide, and straight from step to step else.
   Advance advance(const query::Sampler& sampler, const mesh::FieldView& velocity,
                   const EarlierSteps& earlier_velocity, double t0, double t1,
                   const core::Threads& threads, Snapshots* snapshots = nullptr,
@@ -92,6 +95,14 @@ public:
   const TracerSettings& settings() const { return settings_; }
 
 private:
+  void check_interval(double t0, double t1) const;
+  /// Whether a comes before b, on the way the particles go.
+  bool is_before(double a, double b) const { return settings_.backward ? b < a : a < b; }
+  /// When a particle that began at `from` has this age.
+  double at_age(double from, double age) const {
+    return settings_.backward ? from - age : from + age;
+  }
+
   TracerSettings settings_;
   Effects effects_;
   Particles particles_;

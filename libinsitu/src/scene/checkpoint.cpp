@@ -25,8 +25,9 @@ std::uint64_t mix(std::uint64_t hash, std::uint64_t value) {
 /// What a tracer must be to take up the state of another.
 std::string described(const Tracer& t) {
   const char* kinds[] = {"streamline", "pathline", "streakline"};
-  std::string text = std::string("tracer '") + t.name + "' (" + kinds[int(t.kind)] + " of '" +
-                     t.velocity.text + "', to";
+  const bool back = t.kind != TracerKind::streamline && t.direction == TracerDirection::backward;
+  std::string text = std::string("tracer '") + t.name + "' (" + (back ? "backward " : "") +
+                     kinds[int(t.kind)] + " of '" + t.velocity.text + "', to";
   const char* formats[] = {"csv", "vtp", "json", "netcdf"};
   for (const TableFormat format : t.output)
     text += std::string(" ") + formats[int(format)];

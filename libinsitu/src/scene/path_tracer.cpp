@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/status.h"
@@ -19,8 +20,9 @@ class PathTracer final : public TracerAction {
 public:
   PathTracer(const Tracer& tracer, const Environment& environment)
       : TracerAction(tracer, environment), particles_(settings(), environment.context.memory),
-        clock_(tracer.release), geodesics_(tracer.geodesics, environment.context.memory),
-        output_clock_(tracer.times) {
+        own_(tracer.direction == TracerDirection::backward), clock_(tracer.release, own_),
+        geodesics_(tracer.geodesics, environment.context.memory),
+        output_clock_(tracer.times, own_) {
     for (const TableFormat format : tracer_.output)
       writers_.push_back(make_track_writer(format, tracer_, environment_));
   }
@@ -113,6 +115,7 @@ private:
     s.accuracy = to_api(tracer_.accuracy);
     s.time_interpolation = tracer_.time_interpolation;
     s.attached = tracer_.attached == Attached::body;
+    s.backward = tracer_.direction == TracerDirection::backward;
     if (tracer_.until.duration)
       s.duration = *tracer_.until.duration;
     if (tracer_.effects.age_limit)
@@ -170,7 +173,8 @@ private:
   /// through all of them again.
   void note_steps(const Step& step, const advect::Advance& advance) {
     const int asked = advect::steps_of(tracer_.time_interpolation);
-    if (asked == 2 || !(step.time > settled_) || advance.velocity_steps == served_steps_)
+    if (asked == 2 || !own_.is_before(settled_, step.time) ||
+        advance.velocity_steps == served_steps_)
       return;
     served_steps_ = advance.velocity_steps;
     environment_.context.log.info("cycle " + std::to_string(step.cycle) + ": tracer '" +
@@ -181,10 +185,12 @@ private:
 
   /// Adds the particles that begin between the last step and this one.
   void release(const query::CommittedMesh& mesh, const Step& step) {
-    if (seeded_ && !(step.time >= settled_))
-      throw core::Error(INSITU_ERROR_ARGUMENT, "time went back from " + std::to_string(settled_) +
-                                                   " to " + std::to_string(step.time) +
-                                                   "; the particles wait where they are");
+    if (seeded_ && (std::isnan(step.time) || own_.is_before(step.time, settled_)))
+      throw core::Error(INSITU_ERROR_ARGUMENT,
+                        std::string("time went ") + (own_.backward() ? "on" : "back") + " from " +
+                            std::to_string(settled_) + " to " + std::to_string(step.time) +
+                            (own_.backward() ? ", and this tracer goes backward" : "") +
+                            "; the particles wait where they are");
     const std::vector<double> times = clock_.due(step.cycle, step.time);
     if (!times.empty() && may_release(mesh, step)) {
       const std::vector<math::Vec3d>& points = seeds(mesh);
@@ -403,6 +409,7 @@ private:
   }
 
   advect::Tracer particles_;
+  OwnTime own_;
   ReleaseClock clock_;
   TrackGeodesics geodesics_;
   OutputClock output_clock_;
