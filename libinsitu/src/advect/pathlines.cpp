@@ -133,6 +133,38 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   };
   const std::unique_ptr<const CellsBeyond> beyond = CellsBeyond::worth(sampler, count);
   const Sides none;
+  const auto between = [&](Between what) {
+    return CrossingVelocity(sampler, velocity, *before, t0, t1, settings_.accuracy, effects_.drifts,
+                            what);
+  };
+  // Where only the step before has cells yet, and so there are no walls, a particle goes with the
+  // flow until the current ones hold it. How it ends before, if it does.
+  const auto come_in = [&](State& p, std::size_t i, double to, Work& chunk_work, Recorder* taker) {
+    std::optional<insitu_ending> ends;
+    if (effects_.inertia || sampler.locate(p.x, -1, {settings_.accuracy}))
+      return ends;
+    CrossingVelocity either = between(Between::either);
+    either.begin(all.cells[i]);
+    struct UntilIn {
+      CrossingVelocity& either;
+      Recorder* taker;
+      bool operator()(const State& s) const {
+        if (taker)
+          (*taker)(s);
+        return either.cell() < 0;
+      }
+      bool operator()(const State& s, const DenseStep& path) const {
+        if (taker)
+          (*taker)(s, path);
+        return either.cell() < 0;
+      }
+    };
+    const insitu_ending ending =
+        integrate(either, integrator, to, settings_.length, p, chunk_work, UntilIn{either, taker});
+    if (either.cell() < 0 || (ending != INSITU_END_REMOVED && ending != INSITU_END_ALIVE))
+      ends = ending;
+    return ends;
+  };
   // One by one: make() gives a thread its field of velocities; begin_chunk(field) what moves
   // particles in it.
   const auto carry = [&](auto&& make, auto&& begin_chunk) {
@@ -157,11 +189,18 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
           if (snapshots)
             taker.emplace(*snapshots, i, p, v, sampler, settings_.accuracy, setup->sides);
           mover->take(taker ? &*taker : nullptr);
-          Carried carried = all.carried(i);
-          ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
+          std::optional<insitu_ending> ends;
+          if constexpr (std::is_same_v<decltype(v), CrossingVelocity>)
+            ends = come_in(p, i, to, chunk_work, taker ? &*taker : nullptr);
+          if (ends) {
+            ending = *ends;
+          } else {
+            Carried carried = all.carried(i);
+            ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
+            all.set_carried(i, carried);
+            cell = mover->cell();
+          }
           p.x = v.position(p.x);
-          all.set_carried(i, carried);
-          cell = mover->cell();
         } else {
           v.begin(all.cells[i]);
           p.x = v.enter(p.x);
@@ -235,14 +274,10 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
     else
       carry(on_chart, plain);
   } else if (crosses) {
-    const auto between = [&] {
-      return CrossingVelocity(sampler, velocity, *before, t0, t1, settings_.accuracy,
-                              effects_.drifts, setup ? Between::current : Between::either);
-    };
     if (setup)
-      carry(between, moving);
+      carry([&] { return between(Between::current); }, moving);
     else
-      carry(between, plain);
+      carry([&] { return between(Between::either); }, plain);
   } else if (setup) {
     carry(
         [&] {

@@ -137,9 +137,15 @@ TEST_F(Crossing, ADomainThatMovesKeepsItsParticles) {
       return x + Vec3d{0.3 * double(step), 0, 0};
     });
   };
-  for (const bool whole : {true, false}) {
+  for (const auto& [whole, walls] : {std::pair{true, false}, {true, true}, {false, false}}) {
     Remeshed solver;
     Tracer tracer(settings, memory);
+    if (walls) {
+      advect::Effects effects;
+      effects.boundary.emplace();
+      effects.boundary->response = advect::AtBoundary::slide;
+      tracer.set_effects(effects);
+    }
     const auto seeds = random_points(63, 300, 0.001, 0.999);
     tracer.seed(seeds, 0.0);
     solver.remesh(box(0), flow, 0.0);
