@@ -324,6 +324,40 @@ TEST_F(Crossing, EffectsGoAlong) {
   }
 }
 
+// Particles as dense as the fluid, with its added mass, go with it, whatever their response time,
+// if Du/Dt is right: the change from one mesh to the other, and the blended gradient.
+TEST_F(Crossing, InertiaFeelsTheChangeFromOneMeshToTheOther) {
+  const Flow flow = [](const Vec3d& x, double t) {
+    return Vec3d{0.1 - 0.3 * x.y + t * (0.2 * x.z - 0.05), 0.3 * x.x - 0.15 + 0.1 * t * x.y,
+                 0.05 - 0.1 * x.z + t * (0.1 * x.x - 0.02)};
+  };
+  settings.integrator.tolerance = 1e-11;
+  const auto seeds = random_points(67, 20, 0.3, 0.7);
+  advect::Effects effects;
+  effects.inertia.emplace();
+  effects.inertia->response_time = 2.0;
+  effects.inertia->fluid_share = 1.0;
+  for (const bool whole : {true, false}) {
+    Remeshed solver;
+    Tracer tracer(settings, memory);
+    tracer.set_effects(effects);
+    tracer.seed(seeds, 0.0);
+    solver.remesh(cube_of(0), flow, 0.0);
+    tracer.advance(solver.mesh.sampler(), solver.velocity(), nullptr, 0.0, 0.0, threads);
+    for (int s = 1; s <= 4; ++s) {
+      solver.keep();
+      solver.remesh(cube_of(std::size_t(s)), flow, 0.2 * s);
+      const auto before = solver.before();
+      tracer.advance(solver.mesh.sampler(), solver.velocity(), nullptr, 0.2 * (s - 1), 0.2 * s,
+                     threads, nullptr, whole ? &*before : nullptr);
+    }
+    ASSERT_EQ(tracer.counts().alive(), 20);
+    const double error = largest_error(tracer, flow, seeds, 0.8);
+    EXPECT_EQ(error < 1e-9, whole) << error;
+    EXPECT_EQ(error > 1e-4, !whole) << error;
+  }
+}
+
 TEST_F(Crossing, IsReleasedAndCostsNothingUnlessAsked) {
   const Flow flow = [](const Vec3d& x, double) { return x; };
   Remeshed solver;
