@@ -111,9 +111,10 @@ public:
   }
 
   /** Commits every mesh, then does what the scene asks for at this cycle. time: the solver's, not
-   *  decreasing while tracers live. Returns false if a probe, tracer or frame failed: it was logged
-   *  and skipped, the others were done, and the solver can go on; insitu_last_message() tells
-   *  which. Throws Error for anything else, such as a mesh that was refused. */
+   *  decreasing while tracers live (see insitu_session_execute()). Returns false if a probe, tracer
+   * or frame failed: it was logged and skipped, the others were done, and the solver can go on;
+   * insitu_last_message() tells which. Throws Error for anything else, such as a mesh that was
+   * refused. */
   bool execute(std::int64_t cycle, double time) {
     const insitu_status status = insitu_session_execute(session_, cycle, time);
     if (status != INSITU_ERROR_ACTION)

@@ -41,6 +41,17 @@ Tree::Tree(core::Memory& memory)
       boxes_(memory, INSITU_MEMORY_BUILD) {}
 
 Tree::~Tree() = default;
+Tree::Tree(Tree&&) noexcept = default;
+
+Tree Tree::take() {
+  Tree taken(std::move(*this));
+  embree_ = std::move(taken.embree_);
+  morton_ = std::move(taken.morton_);
+  odd_ = {};
+  bounds_ = Box{};
+  cost_ = built_cost_ = 0.0;
+  return taken;
+}
 
 void Tree::release_scratch() {
   embree_.reset();

@@ -21,6 +21,7 @@ class Tree {
 public:
   explicit Tree(core::Memory& memory);
   ~Tree();
+  Tree(Tree&&) noexcept;
 
   /// Builds anew over all owning cells, unless told otherwise in Morton order. Buffers of an
   /// earlier build of the kind are reused.
@@ -28,6 +29,9 @@ public:
 
   /// Fits the boxes to moved vertices, bottom up; the topology must be the one that was built.
   void refit(const mesh::MeshView& mesh, const core::Threads& threads);
+
+  /// The tree as it is, which leaves an empty one with the builders' scratch.
+  Tree take();
 
   /// Marks a few cells, until the next build or refit; see OddSlots.
   void mark_odd(const mesh::MeshView& mesh, std::span<const std::int64_t> ids,

@@ -173,6 +173,12 @@ public:
                                                                           : Sampled::not_finite;
   }
   const MeshVelocity& flow() const { return inner_; }
+  math::Vec3d rate_of_change(const query::Location& at, double t) const {
+    return inner_.rate_of_change(at, t);
+  }
+  math::Vec3d gradient(const query::Location& at, int component, double t) const {
+    return inner_.gradient(at, component, t);
+  }
 
 private:
   geo::Pole pole_of(std::int64_t cell) const {

@@ -90,6 +90,13 @@ public:
   math::Vec3d place(const math::Vec3d& point) const { return point; }
   math::Vec3d in_frame(const math::Vec3d& point) const { return point; }
   const MeshVelocity& flow() const { return flow_; }
+  // Of the flow alone, at the point sampled last, which lies at `at`.
+  math::Vec3d rate_of_change(const query::Location& at, double t) const {
+    return flow_.rate_of_change(at, t);
+  }
+  math::Vec3d gradient(const query::Location& at, int component, double t) const {
+    return flow_.gradient(at, component, t);
+  }
 
 private:
   MeshVelocity flow_;

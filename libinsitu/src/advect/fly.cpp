@@ -50,9 +50,9 @@ Sampled Mover<V>::force(const Vec3d& x, double t, Vec3d& b) {
     // Du/Dt = du/dt at a place that goes with the mesh + (u - the mesh's velocity) grad u, and the
     // axes turn where the fluid goes.
     const Vec3d relative = walls_.scale(x).coordinates(u) - mesh_velocity(flow(), at);
-    Vec3d acceleration = flow().rate_of_change(at, t);
+    Vec3d acceleration = velocity_.rate_of_change(at, t);
     for (int c = 0; c < 3; ++c)
-      acceleration[c] += math::dot(flow().gradient(at, c, t), relative);
+      acceleration[c] += math::dot(velocity_.gradient(at, c, t), relative);
     const double spin = space_.spin(x, u);
     acceleration += Vec3d{-spin * u.y, spin * u.x, 0.0};
     b += inertia.fluid_share * acceleration;
@@ -334,5 +334,6 @@ void Mover<V>::landed(Vec3d& x, const Spot& at) {
 
 template class Mover<DriftVelocity>;
 template class Mover<ChartVelocity>;
+template class Mover<CrossingVelocity>;
 
 } // namespace insitu::advect

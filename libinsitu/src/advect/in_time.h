@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -32,13 +33,15 @@ struct EarlierSteps {
 /// chapter IV). With three steps known, both slopes are of one parabola, and the cubic is it.
 class StepTimes {
 public:
-  /// The interval from t0 to t1 >= t0, and the times of the steps before t0, the latest first.
+  /// The interval from t0 to t1, and the times of the steps before t0, the last one first: earlier
+  /// times, or later ones where t1 < t0.
   StepTimes(double t0, double t1, std::span<const double> before = {}) : t0_(t0), t1_(t1) {
     // A step that comes close after another one tells the slope badly: to rounding of the values,
     // times the ratio of the intervals.
     double later = t0;
+    const double way = t1 < t0 ? -1.0 : 1.0;
     for (const double t : before.first(std::min<std::size_t>(before.size(), most_steps - 2))) {
-      if (!(later - t >= least_ratio * (t1 - t0)) || !(later > t))
+      if (!(way * (later - t) >= least_ratio * std::abs(t1 - t0)) || later == t)
         break;
       (known_ == 2 ? h1_ : h2_) = later - t;
       later = t;
@@ -52,13 +55,13 @@ public:
 
   /// How much of the current step there is in the straight line.
   double alpha(double t) const {
-    return t1_ > t0_ ? std::clamp((t - t0_) / (t1_ - t0_), 0.0, 1.0) : 1.0;
+    return t1_ != t0_ ? std::clamp((t - t0_) / (t1_ - t0_), 0.0, 1.0) : 1.0;
   }
 
   /// Of so many steps of a field, the current one included, those that serve: 1, the current one
   /// alone, to 4.
   int usable(std::size_t steps) const {
-    return t1_ > t0_ ? int(std::min<std::size_t>(steps, std::size_t(known_))) : 1;
+    return t1_ != t0_ ? int(std::min<std::size_t>(steps, std::size_t(known_))) : 1;
   }
 
   /// The weights of the last `steps` steps at time t, the current one's first. At t0 and t1 they
@@ -111,7 +114,7 @@ private:
   }
 
   double t0_, t1_;
-  double h1_ = 0.0, h2_ = 0.0; ///< the intervals before
+  double h1_ = 0.0, h2_ = 0.0; ///< the intervals before, of the same sign
   int known_ = 2;              ///< steps
 };
 

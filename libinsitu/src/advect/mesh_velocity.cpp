@@ -15,7 +15,7 @@ MeshVelocity::MeshVelocity(const query::Sampler& sampler, const mesh::FieldView&
                            insitu_accuracy accuracy)
     : sampler_(&sampler), fields_{now}, times_(t0, t1, earlier.before),
       steps_(times_.usable(1 + earlier.fields.size())),
-      moves_(sampler.mesh().earlier_points && t1 > t0), keeps_(sampler.mesh().free_of_folds),
+      moves_(sampler.mesh().earlier_points && t1 != t0), keeps_(sampler.mesh().free_of_folds),
       accuracy_(accuracy) {
   for (int step = 1; step < steps_; ++step)
     fields_[step] = earlier.fields[std::size_t(step - 1)];

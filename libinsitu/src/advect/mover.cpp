@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "advect/check.h"
 
@@ -291,8 +292,10 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
       h = (max_length_ - p.length) / length_of(v);
     const double until = h < remaining ? p.time + direction_ * h : to;
     const double then = flow().geometry_alpha(until);
-    // Heun's method along the wall. What the wall itself moves is not resisted.
+    // Heun's method along the wall. What the wall itself moves is not resisted. Between its ends
+    // the step begins along the first rate, which led to `first`.
     Vec3d mean = rate;
+    std::optional<Vec3d> first;
     Spot end = at;
     end.x = walls_.carry(at, now, then);
     const Vec3d shift = end.x - at.x;
@@ -304,8 +307,10 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
       if (walls_.move(ahead, h * rate - shift, quiet, then, length) == Moved::inside) {
         velocity_.begin(ahead.cell);
         ++work.evaluations;
-        if (velocity_at(ahead.x, until, v1) == Sampled::inside && same_axes(ahead.x))
+        if (velocity_at(ahead.x, until, v1) == Sampled::inside && same_axes(ahead.x)) {
           mean = 0.5 * (rate + walls_.scale(ahead.x).coordinates(v1));
+          first = ahead.x;
+        }
       }
     }
     const Vec3d from = at.x;
@@ -316,7 +321,8 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
     p.time = until;
     placed(p, at);
     if (recorder_)
-      recorder_->straight(p);
+      recorder_->bent(p, first && !turned ? Way(space_, setup_->sides, at.x, *first).displacement()
+                                          : Vec3d{});
     ++work.steps;
     --steps_left_;
     if (moved != Moved::inside)
@@ -338,5 +344,6 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
 
 template class Mover<DriftVelocity>;
 template class Mover<ChartVelocity>;
+template class Mover<CrossingVelocity>;
 
 } // namespace insitu::advect

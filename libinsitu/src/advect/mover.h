@@ -1,6 +1,7 @@
 #pragma once
 
 #include "advect/chart_velocity.h"
+#include "advect/crossing_velocity.h"
 #include "advect/drift.h"
 #include "advect/effects.h"
 #include "advect/inertia.h"
@@ -33,8 +34,8 @@ inline insitu_ending ending_of(Moved moved) {
 }
 
 /// Moves particles under effects; the counterpart of a plain call of integrate(). V: DriftVelocity,
-/// or ChartVelocity on a geodetic mesh. The integrator's positions (State::x) are V's;
-/// displacements go between points among the cells (Space), in metres. One object serves one
+/// CrossingVelocity, or ChartVelocity on a geodetic mesh. The integrator's positions (State::x) are
+/// V's; displacements go between points among the cells (Space), in metres. One object serves one
 /// thread.
 template <class V>
 class Mover {
@@ -98,5 +99,6 @@ private:
 
 extern template class Mover<DriftVelocity>;
 extern template class Mover<ChartVelocity>;
+extern template class Mover<CrossingVelocity>;
 
 } // namespace insitu::advect

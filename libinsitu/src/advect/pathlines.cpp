@@ -1,6 +1,7 @@
 #include "advect/pathlines.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,13 +21,6 @@ namespace insitu::advect {
 
 namespace {
 
-void check_interval(double t0, double t1) {
-  if (!(t1 >= t0))
-    throw core::Error(INSITU_ERROR_ARGUMENT, "tracer: cannot advance from time " +
-                                                 std::to_string(t0) + " back to " +
-                                                 std::to_string(t1));
-}
-
 /// Where integrate() alone moves the particles.
 struct NoMover {};
 
@@ -37,15 +31,33 @@ std::int64_t grain_of(std::int64_t particles, const core::Threads& threads) {
 
 } // namespace
 
+void Tracer::check_interval(double t0, double t1) const {
+  if (std::isnan(t0) || std::isnan(t1) || is_before(t1, t0))
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      std::string("tracer: ") +
+                          (settings_.backward ? "backwards, it cannot go from time "
+                                              : "cannot advance from time ") +
+                          std::to_string(t0) + (settings_.backward ? " on to " : " back to ") +
+                          std::to_string(t1));
+}
+
 Tracer::Tracer(const TracerSettings& settings, core::Memory& memory)
     : settings_(settings), particles_(memory) {
   check_settings(settings_.integrator);
+  if (settings_.attached && settings_.backward)
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      "tracer: particles that go with the mesh's material have no direction");
   if (settings_.attached)
     particles_.keep_parametric();
 }
 
 void Tracer::set_effects(const Effects& effects) {
   check_effects(effects);
+  if (settings_.backward && (effects.diffusion || effects.inertia))
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      std::string("tracer: backwards, particles have no ") +
+                          (effects.diffusion ? "random walk, which has no way back"
+                                             : "inertia: every error would grow without bound"));
   effects_ = effects;
   if (effects_.diffusion)
     particles_.keep_walk_steps();
@@ -59,53 +71,100 @@ void Tracer::seed(std::span<const math::Vec3d> points, double time) {
 
 Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& velocity,
                         const EarlierSteps& earlier_velocity, double t0, double t1,
-                        const core::Threads& threads, Snapshots* snapshots) {
+                        const core::Threads& threads, Snapshots* snapshots,
+                        const StepBefore* before) {
   check_velocity(velocity);
   for (const mesh::FieldView& earlier : earlier_velocity.fields)
     check_velocity(earlier);
   check_interval(t0, t1);
+  if (before)
+    check_velocity(before->velocity);
+  const bool crosses = before && t1 != t0 && !sampler.chart();
   EarlierSteps steps = earlier_velocity;
   steps.fields = steps.fields.first(
       std::min(steps.fields.size(), std::size_t(steps_of(settings_.time_interpolation) - 1)));
 
   Advance result;
   const IntegratorSettings integrator = settings_for(velocity, settings_.integrator);
-  // On a geodetic mesh drifts are the velocity's, which integrate() alone follows.
+  // On a geodetic mesh and between cells drifts are the velocity's, which integrate() alone
+  // follows.
   const std::optional<EffectSetup> setup =
-      (sampler.chart() ? effects_.displaces() : effects_.any())
+      (sampler.chart() || crosses ? effects_.displaces() : effects_.any())
           ? std::optional<EffectSetup>(std::in_place, effects_, sampler, threads)
           : std::nullopt;
   Particles& all = particles_;
   const std::int64_t count = std::int64_t(all.size());
   const std::int64_t grain = grain_of(count, threads);
   if (snapshots)
-    snapshots->begin(all.size());
+    snapshots->begin(all.size(), settings_.backward);
   std::vector<Work> work(std::size_t((count + grain - 1) / grain));
   std::vector<EffectWork> effect_work(setup ? work.size() : 0);
   // The particle's state if it moves, and until when.
   const auto prepare = [&](std::size_t i, State& p, double& to) {
-    if (all.endings[i] != INSITU_END_ALIVE || all.times[i] > t1)
+    if (all.endings[i] != INSITU_END_ALIVE || is_before(t1, all.times[i]))
       return false;
     p = all.state(i);
-    p.time = std::max(p.time, t0);
-    to = std::clamp(all.seeding_times[i] + settings_.duration, p.time, t1);
+    if (is_before(p.time, t0))
+      p.time = t0;
+    to = at_age(all.seeding_times[i], settings_.duration);
+    if (is_before(t1, to))
+      to = t1;
+    if (is_before(to, p.time))
+      to = p.time;
     return true;
   };
   const auto store = [&](std::size_t i, const State& p, std::int64_t cell, insitu_ending ending,
                          double geometry_alpha) {
-    if (ending == INSITU_END_ALIVE && all.seeding_times[i] + settings_.duration <= t1)
+    if (ending == INSITU_END_ALIVE &&
+        !is_before(t1, at_age(all.seeding_times[i], settings_.duration)))
       ending = INSITU_END_EXPIRED;
+    if (ending == INSITU_END_ALIVE && crosses && cell < 0)
+      ending = is_before(all.seeding_times[i], t1)
+                   ? INSITU_END_LEFT // where there were cells before
+                   : INSITU_END_SEED_OUTSIDE;
     if (ending == INSITU_END_ALIVE && effects_.removes) {
       const query::Location here = sampler.locate(p.x, cell, {settings_.accuracy, geometry_alpha});
-      if (here && effects_.removes(here, p.x, p.time - all.seeding_times[i]))
+      if (here && effects_.removes(here, p.x, std::abs(p.time - all.seeding_times[i])))
         ending = INSITU_END_REMOVED;
     }
-    all.set_state(i, p, cell >= 0 ? cell : all.cells[i]);
+    all.set_state(i, p, cell >= 0 || crosses ? cell : all.cells[i]);
     all.endings[i] = std::uint8_t(ending);
     return ending;
   };
   const std::unique_ptr<const CellsBeyond> beyond = CellsBeyond::worth(sampler, count);
   const Sides none;
+  const auto between = [&](Between what) {
+    return CrossingVelocity(sampler, velocity, *before, t0, t1, settings_.accuracy, effects_.drifts,
+                            what);
+  };
+  // Where only the step before has cells yet, and so there are no walls, a particle goes with the
+  // flow until the current ones hold it. How it ends before, if it does.
+  const auto come_in = [&](State& p, std::size_t i, double to, Work& chunk_work, Recorder* taker) {
+    std::optional<insitu_ending> ends;
+    if (effects_.inertia || sampler.locate(p.x, -1, {settings_.accuracy}))
+      return ends;
+    CrossingVelocity either = between(Between::either);
+    either.begin(all.cells[i]);
+    struct UntilIn {
+      CrossingVelocity& either;
+      Recorder* taker;
+      bool operator()(const State& s) const {
+        if (taker)
+          (*taker)(s);
+        return either.cell() < 0;
+      }
+      bool operator()(const State& s, const DenseStep& path) const {
+        if (taker)
+          (*taker)(s, path);
+        return either.cell() < 0;
+      }
+    };
+    const insitu_ending ending =
+        integrate(either, integrator, to, settings_.length, p, chunk_work, UntilIn{either, taker});
+    if (either.cell() < 0 || (ending != INSITU_END_REMOVED && ending != INSITU_END_ALIVE))
+      ends = ending;
+    return ends;
+  };
   // One by one: make() gives a thread its field of velocities; begin_chunk(field) what moves
   // particles in it.
   const auto carry = [&](auto&& make, auto&& begin_chunk) {
@@ -130,11 +189,18 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
           if (snapshots)
             taker.emplace(*snapshots, i, p, v, sampler, settings_.accuracy, setup->sides);
           mover->take(taker ? &*taker : nullptr);
-          Carried carried = all.carried(i);
-          ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
+          std::optional<insitu_ending> ends;
+          if constexpr (std::is_same_v<decltype(v), CrossingVelocity>)
+            ends = come_in(p, i, to, chunk_work, taker ? &*taker : nullptr);
+          if (ends) {
+            ending = *ends;
+          } else {
+            Carried carried = all.carried(i);
+            ending = mover->advance(p, all.cells[i], carried, to, chunk_work);
+            all.set_carried(i, carried);
+            cell = mover->cell();
+          }
           p.x = v.position(p.x);
-          all.set_carried(i, carried);
-          cell = mover->cell();
         } else {
           v.begin(all.cells[i]);
           p.x = v.enter(p.x);
@@ -207,6 +273,11 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
       carry(on_chart, moving);
     else
       carry(on_chart, plain);
+  } else if (crosses) {
+    if (setup)
+      carry([&] { return between(Between::current); }, moving);
+    else
+      carry([&] { return between(Between::either); }, plain);
   } else if (setup) {
     carry(
         [&] {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "advect/crossing_velocity.h"
 #include "advect/effects.h"
 #include "advect/particles.h"
 #include "advect/settings.h"
@@ -21,6 +22,7 @@ struct TracerSettings {
   double duration = std::numeric_limits<double>::infinity(); ///< age at which a particle expires
   double length = std::numeric_limits<double>::infinity();   ///< length of path at which it expires
   TimeInterpolation time_interpolation = TimeInterpolation::linear; ///< of the velocity
+  bool backward = false; ///< time goes back from advance to advance, and particles with it
   bool attached = false; ///< particles go with the mesh's material: follow() instead of advance()
 };
 
@@ -43,10 +45,11 @@ public:
 
   /// What particles feel in the next advances; its fields must be of their steps. Throws
   /// Error(INSITU_ERROR_FIELD or _ARGUMENT) for fields of the wrong number of components and for
-  /// values out of range.
+  /// values out of range, or, backwards, for what has no way back: a random walk, and inertia,
+  /// whose errors would grow as exp(t / response time).
   void set_effects(const Effects& effects);
 
-  /// Adds particles at points (in mesh coordinates) that begin at `time`: at most the next
+  /// Adds particles at points (in mesh coordinates) that begin at `time`: not beyond the next
   /// advance's end, or they wait for the one that reaches it. Whether a point is inside is found
   /// then.
   void seed(std::span<const math::Vec3d> points, double time);
@@ -54,16 +57,21 @@ public:
   /// Moves every living particle from t0, or from its seeding time in between, to t1. sampler and
   /// velocity are of the step at t1; earlier_velocity is of the step at t0 and those before, on
   /// the same cells, and the sampler's mesh may have the coordinates of t0
-  /// (MeshView::earlier_points). None after a change of topology and in the first step: then the
-  /// current velocity is used throughout; of fewer steps than the interpolation takes, those serve
-  /// that there are. Throws Error(INSITU_ERROR_FIELD) if a velocity has not three components,
-  /// Error(INSITU_ERROR_ARGUMENT) if t1 < t0. Particles come out the same for any thread count.
-  /// snapshots, if not null: filled in for its times within [t0, t1]; particles go the same ways
-  /// with and without it. Under effects they are, between the moments at which a random walk
-  /// displaces them, on the flow's path; along walls they go straight from step to step.
+  /// (MeshView::earlier_points). None in the first step: then the current velocity is used
+  /// throughout; of fewer steps than the interpolation takes, those serve that there are. After a
+  /// change of topology there are none either, but `before`, if not null, is the step at t0 on its
+  /// own cells, and the velocity is interpolated between it and the current one
+  /// (CrossingVelocity; on geodetic meshes it is not taken). A particle that the cells of t1 do not
+  /// hold then has left. Throws Error(INSITU_ERROR_FIELD) if a velocity has not three components,
+  /// Error(INSITU_ERROR_ARGUMENT) if t1 < t0, or backwards if t1 > t0. Particles come out the same
+  /// for any thread count. snapshots, if not null: filled in for its times within [t0, t1];
+  /// particles go the same ways with and without it. Under effects they are, between the moments at
+  /// which a random walk displaces them, on the flow's path; along walls they go
+  /// by their steps' own parabola where they slide, and straight from step to step else.
   Advance advance(const query::Sampler& sampler, const mesh::FieldView& velocity,
                   const EarlierSteps& earlier_velocity, double t0, double t1,
-                  const core::Threads& threads, Snapshots* snapshots = nullptr);
+                  const core::Threads& threads, Snapshots* snapshots = nullptr,
+                  const StepBefore* before = nullptr);
 
   /// Takes attached particles from t0 to t1, where the sampler's mesh is: with the same cells as
   /// before (same_cells) to the same place in their cells, otherwise they are located where they
@@ -87,6 +95,14 @@ public:
   const TracerSettings& settings() const { return settings_; }
 
 private:
+  void check_interval(double t0, double t1) const;
+  /// Whether a comes before b, on the way the particles go.
+  bool is_before(double a, double b) const { return settings_.backward ? b < a : a < b; }
+  /// When a particle that began at `from` has this age.
+  double at_age(double from, double age) const {
+    return settings_.backward ? from - age : from + age;
+  }
+
   TracerSettings settings_;
   Effects effects_;
   Particles particles_;

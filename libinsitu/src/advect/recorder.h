@@ -21,6 +21,9 @@ public:
   /// It went straight to p since the last call, through periodic sides if that is the shorter way;
   /// in no time, if it came in at the opposite side.
   virtual void straight(const State& p) = 0;
+  /// The same on a parabola: after a part s of the time, s (1 - s) bend beside the straight way.
+  /// Who does not ask for places on the way takes it as straight.
+  virtual void bent(const State& p, const Vec3d& /*bend*/) { straight(p); }
   /// It was displaced to p, at p's time: so it is there at that time.
   virtual void displaced(const State& p) = 0;
   /// What it did since it was `before`, then at this point among the cells, was undone.

@@ -80,6 +80,10 @@ public:
 
   /// The point after a part of it.
   Vec3d at(double part) const { return image(sides_->within(from_ + part * d_)); }
+  /// The same on the parabola with these ends whose beginning points along displacement() + bend.
+  Vec3d at(double part, const Vec3d& bend) const {
+    return image(sides_->within(from_ + part * (d_ + (1.0 - part) * bend)));
+  }
   bool passes_side() const { return passes(0) || passes(1) || passes(2); }
   /// The part of it at which it comes to the periodic side that it passes (of several, to the
   /// first), with the points on that and on the opposite side, to the bit.

@@ -20,14 +20,15 @@ namespace insitu::advect {
 /// take in any case. Of the particle with index i at times[k], item(k, i) tells.
 class Snapshots {
 public:
-  /// times: ascending.
+  /// times: in the order in which the particles come to them.
   Snapshots(std::vector<double> at, core::Memory& memory)
       : times(std::move(at)), positions(memory, INSITU_MEMORY_TRACER),
         places(memory, INSITU_MEMORY_TRACER), present(memory, INSITU_MEMORY_TRACER) {}
 
-  /// Room for so many particles, none of them present.
-  void begin(std::size_t particle_count) {
+  /// Room for so many particles, none of them present. backward: their times descend.
+  void begin(std::size_t particle_count, bool backward = false) {
     particles = particle_count;
+    backward_ = backward;
     const std::size_t items = times.size() * particles;
     positions.resize_discard(items);
     places.resize_discard(items);
@@ -35,12 +36,16 @@ public:
     std::fill(present.begin(), present.end(), std::uint8_t(0));
   }
   std::size_t item(std::size_t k, std::size_t i) const { return k * particles + i; }
+  bool is_before(double a, double b) const { return backward_ ? b < a : a < b; }
 
   std::vector<double> times;
   std::size_t particles = 0;
   core::Buffer<math::Vec3d> positions;  ///< in the mesh's coordinates
   core::Buffer<query::Location> places; ///< none where a path cuts a corner of the mesh
   core::Buffer<std::uint8_t> present;   ///< 0: the particle had not begun, or has ended, by then
+
+private:
+  bool backward_ = false;
 };
 
 /// Fills in one particle's snapshots. A particle has snapshots after its own time, a fresh one at
@@ -55,8 +60,9 @@ public:
       : all_(all), particle_(particle), field_(field), sampler_(sampler), accuracy_(accuracy),
         sides_(sides), last_(point_of(p.x)), last_time_(p.time) {
     const auto& times = all.times;
-    next_ = std::size_t((p.fresh ? std::lower_bound(times.begin(), times.end(), p.time)
-                                 : std::upper_bound(times.begin(), times.end(), p.time)) -
+    const auto before = [&](double a, double b) { return all.is_before(a, b); };
+    next_ = std::size_t((p.fresh ? std::lower_bound(times.begin(), times.end(), p.time, before)
+                                 : std::upper_bound(times.begin(), times.end(), p.time, before)) -
                         times.begin());
     first_ = next_;
   }
@@ -71,11 +77,13 @@ public:
     take(p,
          [&](double t) { return t == p.time ? field_.position(p.x) : in_frame(path.at_time(t)); });
   }
-  void straight(const State& p) override {
+  void straight(const State& p) override { bent(p, {}); }
+  void bent(const State& p, const Vec3d& bend) override {
     const Way way(space(), sides_, last_, point_of(p.x));
     const double begin = last_time_;
     take(p, [&](double t) {
-      return t == p.time ? field_.position(p.x) : in_frame(way.at((t - begin) / (p.time - begin)));
+      return t == p.time ? field_.position(p.x)
+                         : in_frame(way.at((t - begin) / (p.time - begin), bend));
     });
   }
   void displaced(const State& p) override {
@@ -86,7 +94,7 @@ public:
     (*this)(p);
   }
   void back_to(const State& before, const Vec3d& point) override {
-    while (next_ > first_ && all_.times[next_ - 1] > before.time)
+    while (next_ > first_ && all_.is_before(before.time, all_.times[next_ - 1]))
       all_.present[all_.item(--next_, particle_)] = 0;
     last_ = point;
     last_time_ = before.time;
@@ -94,7 +102,7 @@ public:
 
   /// It ended at its time: its end tells of that.
   void ended(const State& p) {
-    while (next_ > first_ && !(all_.times[next_ - 1] < p.time))
+    while (next_ > first_ && !all_.is_before(all_.times[next_ - 1], p.time))
       all_.present[all_.item(--next_, particle_)] = 0;
   }
 
@@ -122,7 +130,7 @@ private:
   /// at(t): the position in the mesh's frame.
   template <class At>
   void take(const State& p, At&& at) {
-    for (; next_ < all_.times.size() && all_.times[next_] <= p.time; ++next_) {
+    for (; next_ < all_.times.size() && !all_.is_before(p.time, all_.times[next_]); ++next_) {
       const double t = all_.times[next_];
       const std::size_t item = all_.item(next_, particle_);
       const Vec3d x = at(t);

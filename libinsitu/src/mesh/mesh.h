@@ -11,6 +11,7 @@
 #include "core/parallel.h"
 #include "mesh/adaptive.h"
 #include "mesh/adaptive_piece.h"
+#include "mesh/earlier_step.h"
 #include "mesh/external_array.h"
 #include "mesh/view.h"
 
@@ -30,26 +31,6 @@ public:
   /// If these are the solver's vertices, which move with it: view(), to which commits add what they
   /// find out. Else null.
   virtual MeshView* solver_view() { return nullptr; }
-};
-
-/// A field to be kept, of so many earlier steps.
-struct KeptField {
-  std::string name;
-  int steps = 1;
-};
-
-/// A copy of what a mesh keeps of earlier steps.
-struct EarlierStep {
-  struct Field {
-    std::string name;
-    insitu_association association = INSITU_VERTEX;
-    std::int32_t components = 0;
-    std::vector<std::vector<double>> steps; ///< the latest first; [item, flat][component]
-  };
-  std::vector<Field> fields;
-  std::vector<math::Vec3d> points; ///< [vertex, flat]; none of an adaptive mesh
-
-  void keep(core::Archive& archive);
 };
 
 /// What a solver registered: pieces, fields, ghosts. Holds pointers, never values, but for the
@@ -122,6 +103,8 @@ public:
   /// stay as far as it asks for them. What was kept is of the same cells: else release it.
   void keep_earlier(const std::vector<KeptField>& fields, const core::Threads& threads);
   void release_earlier();
+  /// What was kept last, which then is kept here no more: the cells become others.
+  TakenStep take_earlier();
   /// What was kept, for a checkpoint, and back: returns false, and changes nothing, if it does not
   /// fit the pieces as they are now (after update()).
   EarlierStep copy_earlier() const;
@@ -176,10 +159,8 @@ private:
   }
   void hide_earlier();
   void set_views();
-  struct EarlierField;
   EarlierField& earlier_field_for(const std::string& name, insitu_association association,
                                   int components);
-  void begin_step(EarlierField& field, int steps);
   void make_leaves_views();
   Piece& piece_for(std::int32_t piece);
   const Field* find(const std::string& name) const;
@@ -209,18 +190,6 @@ private:
   std::vector<LeavesView> leaves_views_;
   const std::uint64_t* masked_ = nullptr;
   // The earlier step.
-  struct EarlierField {
-    struct Step {
-      explicit Step(core::Memory& memory) : values(memory, INSITU_MEMORY_EARLIER) {}
-      core::Buffer<double> values;
-      std::vector<const std::byte*> bases;
-      std::vector<FieldPieceView> views;
-    };
-    std::string name;
-    insitu_association association = INSITU_VERTEX;
-    int components = 0;
-    std::vector<std::unique_ptr<Step>> steps; ///< the latest first
-  };
   core::Memory* memory_;
   core::Buffer<math::Vec3d> earlier_points_;
   std::vector<std::unique_ptr<EarlierField>> earlier_fields_;

@@ -32,22 +32,27 @@ EarlierStep Mesh::copy_earlier() const {
   return out;
 }
 
-bool Mesh::set_earlier(const EarlierStep& step) {
-  const MeshView& now = view();
-  const std::int64_t vertices = now.first_vertex[now.piece_count],
-                     cells = now.first_cell[now.piece_count];
-  if (std::int64_t(step.points.size()) != (stand_in_ ? 0 : vertices))
+bool EarlierStep::fits(const MeshView& mesh, std::int64_t point_count) const {
+  if (std::int64_t(points.size()) != point_count)
     return false;
-  for (const EarlierStep::Field& field : step.fields)
+  for (const Field& field : fields)
     for (const std::vector<double>& values : field.steps)
       if (std::int64_t(values.size()) !=
-          (field.association == INSITU_CELL ? cells : vertices) * field.components)
+          (field.association == INSITU_CELL ? mesh.cell_count() : mesh.vertex_count()) *
+              field.components)
         return false;
+  return true;
+}
+
+bool Mesh::set_earlier(const EarlierStep& step) {
+  const MeshView& now = view();
+  if (!step.fits(now, stand_in_ && !stand_in_->solver_view() ? 0 : now.vertex_count()))
+    return false;
   release_earlier();
   for (const EarlierStep::Field& field : step.fields) {
     EarlierField& to = earlier_field_for(field.name, field.association, field.components);
     for (std::size_t s = field.steps.size(); s-- > 0;) {
-      begin_step(to, int(field.steps.size()));
+      to.begin_step(int(field.steps.size()), now, *memory_);
       std::copy(field.steps[s].begin(), field.steps[s].end(), to.steps[0]->values.begin());
     }
   }

@@ -116,8 +116,8 @@ constexpr std::int64_t copy_grain = 1 << 14;
 }
 
 /// The copies of a field; those of other numbers than it has now are dropped.
-Mesh::EarlierField& Mesh::earlier_field_for(const std::string& name, insitu_association association,
-                                            int components) {
+EarlierField& Mesh::earlier_field_for(const std::string& name, insitu_association association,
+                                      int components) {
   const MeshView& now = view();
   const std::int64_t* first = association == INSITU_CELL ? now.first_cell : now.first_vertex;
   const auto values = std::size_t(first[now.piece_count] * components);
@@ -135,20 +135,16 @@ Mesh::EarlierField& Mesh::earlier_field_for(const std::string& name, insitu_asso
   return to;
 }
 
-/// Room for a copy of one more step, with views on it, before the others, of which as many stay as
-/// make up `steps` with it.
-void Mesh::begin_step(EarlierField& field, int steps) {
-  const MeshView& now = view();
-  const auto pieces = std::size_t(now.piece_count);
-  const std::int64_t* first = field.association == INSITU_CELL ? now.first_cell : now.first_vertex;
-  const int n = field.components;
-  auto& all = field.steps;
-  if (all.size() > std::size_t(steps))
-    all.resize(std::size_t(steps));
-  if (all.size() < std::size_t(steps))
-    all.push_back(std::make_unique<EarlierField::Step>(*memory_));
-  std::rotate(all.begin(), all.end() - 1, all.end()); // the oldest one's room is taken
-  EarlierField::Step& to = *all.front();
+void EarlierField::begin_step(int count, const MeshView& mesh, core::Memory& memory) {
+  const auto pieces = std::size_t(mesh.piece_count);
+  const std::int64_t* first = association == INSITU_CELL ? mesh.first_cell : mesh.first_vertex;
+  const int n = components;
+  if (steps.size() > std::size_t(count))
+    steps.resize(std::size_t(count));
+  if (steps.size() < std::size_t(count))
+    steps.push_back(std::make_unique<Step>(memory));
+  std::rotate(steps.begin(), steps.end() - 1, steps.end()); // the oldest one's room is taken
+  Step& to = *steps.front();
   to.values.resize_discard(std::size_t(first[pieces] * n));
   to.bases.assign(std::size_t(n) * pieces, nullptr);
   to.views.clear();
@@ -157,9 +153,9 @@ void Mesh::begin_step(EarlierField& field, int steps) {
     const std::byte** bases = to.bases.data() + p * std::size_t(n);
     for (int c = 0; c < n; ++c)
       bases[c] = reinterpret_cast<const std::byte*>(values + c);
-    const std::int64_t count = first[p + 1] - first[p];
+    const std::int64_t items = first[p + 1] - first[p];
     const std::int64_t stride = n * std::int64_t(sizeof(double));
-    to.views.push_back({bases, {count, {count, 1}, {stride, count * stride, count * stride}}});
+    to.views.push_back({bases, {items, {items, 1}, {stride, items * stride, items * stride}}});
   }
 }
 
@@ -173,7 +169,7 @@ void Mesh::keep_earlier(const std::vector<KeptField>& fields, const core::Thread
   for (const KeptField& kept : fields) {
     const FieldView from = field(kept.name);
     EarlierField& to = earlier_field_for(kept.name, from.association, from.components);
-    begin_step(to, kept.steps);
+    to.begin_step(kept.steps, now, *memory_);
     const std::int64_t* first = from.association == INSITU_CELL ? now.first_cell : now.first_vertex;
     const int n = from.components;
     for (std::size_t p = 0; p < pieces; ++p) {
@@ -235,6 +231,14 @@ void Mesh::release_earlier() {
   hide_earlier();
 }
 
+TakenStep Mesh::take_earlier() {
+  TakenStep taken{std::move(earlier_points_), std::move(earlier_fields_)};
+  for (const auto& field : taken.fields)
+    field->steps.resize(1);
+  release_earlier();
+  return taken;
+}
+
 std::optional<FieldView> Mesh::earlier_field(const std::string& name) const {
   const std::vector<FieldView> all = earlier_fields(name);
   return all.empty() ? std::nullopt : std::optional(all.front());
@@ -244,8 +248,8 @@ std::vector<FieldView> Mesh::earlier_fields(const std::string& name) const {
   std::vector<FieldView> views;
   for (const auto& e : earlier_fields_)
     if (e->name == name)
-      for (const auto& step : e->steps)
-        views.push_back({e->name.c_str(), e->association, e->components, step->views.data()});
+      for (std::size_t step = 0; step < e->steps.size(); ++step)
+        views.push_back(e->view(step));
   return views;
 }
 

@@ -72,7 +72,8 @@ std::string xml_unescape(std::string_view text) {
   return out;
 }
 
-PvdSeries::PvdSeries(std::string path, bool resume) : path_(std::move(path)) {
+PvdSeries::PvdSeries(std::string path, bool resume, bool backward)
+    : path_(std::move(path)), backward_(backward) {
   std::error_code error;
   if (!resume || !std::filesystem::exists(path_, error)) {
     return;
@@ -94,11 +95,22 @@ PvdSeries::PvdSeries(std::string path, bool resume) : path_(std::move(path)) {
   if (in.bad() || !in.eof()) {
     throw core::Error(INSITU_ERROR_FILE, "cannot read '" + path_ + "'");
   }
+  resumed_ = entries_.size();
 }
 
 void PvdSeries::add(double time, const std::string& file) {
-  std::erase_if(entries_,
-                [&](const auto& entry) { return entry.first >= time || entry.second == file; });
+  std::size_t kept = 0, resumed = 0;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const auto& [when, name] = entries_[i];
+    const bool beyond = i < resumed_ && (backward_ ? when < time : when > time);
+    if (beyond || when == time || name == file) {
+      continue;
+    }
+    resumed += i < resumed_;
+    std::swap(entries_[kept++], entries_[i]);
+  }
+  entries_.resize(kept);
+  resumed_ = resumed;
   entries_.emplace_back(time, file);
   std::string text(head);
   for (const auto& [when, name] : entries_) {

@@ -27,6 +27,8 @@ public:
 
   /// The places of the dual's gridlets; null for `nearest`, where leaves() tells all.
   const GridletPlaces* gridlets() const { return dual_ ? &dual_->places() : nullptr; }
+  /// The dual's cells; null for `nearest`.
+  const mesh::MeshView* dual_view() const { return dual_ ? &dual_->view() : nullptr; }
   const amr::LeafMap& leaves() const { return dual_ ? dual_->dual().leaves() : *leaves_; }
   /// A location as the solver counts cells: the leaf that holds p, with p's place in it, flat over
   /// the solver's pieces.

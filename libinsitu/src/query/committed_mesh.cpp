@@ -33,7 +33,7 @@ std::uint64_t next_id() {
 
 CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
     : id_(next_id()), mesh_(name, memory), tree_(memory), locators_(memory), order_(memory),
-      memory_(&memory) {}
+      memory_(&memory), earlier_cells_(memory) {}
 
 void CommittedMesh::require_committed() const {
   if (!committed_)
@@ -217,7 +217,7 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
   folds_are_known_ = true;
   odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);
   mesh_.set_free_of_folds(odd_cells_.none());
-  mesh_.release_earlier(); // of other cells
+  part_from_earlier(threads);
   ++topology_version_;
 }
 
@@ -239,7 +239,7 @@ void CommittedMesh::commit_adaptive(std::uint32_t pending, insitu_commit_report&
   if (regrid) {
     policy_.topology_changed();
     mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until there are leaves
-    mesh_.release_earlier();                    // of other cells
+    part_from_earlier(threads);
     if (!adaptive_)
       adaptive_ = std::make_unique<Adaptive>(*memory_);
     adaptive_->build(mesh_, threads);

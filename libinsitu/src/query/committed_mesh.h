@@ -10,6 +10,7 @@
 #include "core/log.h"
 #include "mesh/mesh.h"
 #include "query/adaptive.h"
+#include "query/earlier_mesh.h"
 #include "query/geodetic.h"
 #include "query/locators.h"
 #include "query/order.h"
@@ -100,7 +101,25 @@ public:
   /// anew.
   std::uint64_t geometry_version() const { return geometry_version_; }
 
+  /// Keeps copies of this step for pathlines, as mesh::Mesh::keep_earlier() does; of none of the
+  /// fields: releases all. with_cells: as far as this mesh can (not on a geodetic one, nor by
+  /// `nearest`), so that a change of topology leaves the step whole. The cells are copied at most
+  /// once a topology. An earlier mesh, which particles have left by now, is released.
+  void keep_earlier(const std::vector<mesh::KeptField>& fields, bool with_cells,
+                    const core::Threads& threads);
+  void release_earlier();
+  /// The bytes of the cells' copy.
+  std::int64_t earlier_cells_bytes(const core::Threads& threads) const;
+  /// The step that was kept, if the cells are others since; or null.
+  const EarlierMesh* earlier_mesh() const { return earlier_mesh_.get(); }
+  /// To a checkpoint; and back, where the cells are others by now.
+  mesh::CellsCopy& earlier_cells() { return earlier_cells_; }
+  void restore_earlier_mesh(const mesh::EarlierStep& step, mesh::CellsCopy cells,
+                            const core::Threads& threads);
+
 private:
+  void part_from_earlier(const core::Threads& threads);
+  bool can_keep_cells() const;
   void note_queries();
   void commit_on_host(std::uint32_t pending, insitu_commit_report& report,
                       const core::Threads& threads, const core::Log& log);
@@ -140,6 +159,15 @@ private:
   cells::OddCells odd_cells_;  ///< if so
   bool tree_is_stale_ = false; ///< the mesh was in device memory meanwhile
   int commits_since_build_ = 0;
+  // The earlier step, for pathlines (committed_mesh_earlier.cpp).
+  mesh::CellsCopy earlier_cells_;
+  std::uint64_t earlier_cells_version_ = 0; ///< topology_version() of that copy
+  struct {
+    bool with_cells = false, covers_once = false;
+    std::uint64_t tree_version = 0;
+    cells::OddCells odd;
+  } kept_; ///< with the step
+  std::unique_ptr<EarlierMesh> earlier_mesh_;
   std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,
                 geometry_version_ = 0;
 };

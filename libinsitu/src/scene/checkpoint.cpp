@@ -25,8 +25,9 @@ std::uint64_t mix(std::uint64_t hash, std::uint64_t value) {
 /// What a tracer must be to take up the state of another.
 std::string described(const Tracer& t) {
   const char* kinds[] = {"streamline", "pathline", "streakline"};
-  std::string text = std::string("tracer '") + t.name + "' (" + kinds[int(t.kind)] + " of '" +
-                     t.velocity.text + "', to";
+  const bool back = t.kind != TracerKind::streamline && t.direction == TracerDirection::backward;
+  std::string text = std::string("tracer '") + t.name + "' (" + (back ? "backward " : "") +
+                     kinds[int(t.kind)] + " of '" + t.velocity.text + "', to";
   const char* formats[] = {"csv", "vtp", "json", "netcdf"};
   for (const TableFormat format : t.output)
     text += std::string(" ") + formats[int(format)];
@@ -35,10 +36,11 @@ std::string described(const Tracer& t) {
 
 } // namespace
 
-void KeptMesh::keep(core::Archive& archive) {
+void KeptMesh::keep(core::Archive& archive, mesh::CellsCopy& cells) {
   archive.value("mesh", name);
-  archive.value("cells", cells);
+  archive.value("cells", fingerprint);
   step.keep(archive);
+  cells.keep(archive);
 }
 
 std::uint64_t fingerprint(const mesh::MeshView& mesh, const core::Threads& threads) {
@@ -131,7 +133,7 @@ void Runner::write_checkpoint(const std::string& path, MeshList meshes) {
       KeptMesh kept{mesh->mesh().name(),
                     fingerprint(mesh->mesh().view(), environment_.context.threads),
                     mesh->mesh().copy_earlier()};
-      kept.keep(archive);
+      kept.keep(archive, mesh->earlier_cells());
     }
   archive.commit(path);
   ++environment_.statistics.files;
@@ -142,22 +144,30 @@ void Runner::restart(const std::string& path) {
   keep(archive);
   std::size_t count = 0;
   archive.value("meshes", count);
-  for (std::size_t i = 0; i < count; ++i)
-    kept_meshes_.emplace_back().keep(archive);
+  for (std::size_t i = 0; i < count; ++i) {
+    RestoredMesh& mesh = kept_meshes_.emplace_back(environment_.context.memory);
+    mesh.kept.keep(archive, mesh.cells);
+  }
   archive.require_end();
   executed_ = true;
 }
 
-/// The earlier step of a restart, where the solver's cells are still those of the checkpoint: else
-/// it is as after a change of topology.
+/// The earlier step of a restart: on the solver's cells, where these are still those of the
+/// checkpoint, else on its own. Of an adaptive mesh with other cells it is lost.
 void Runner::bring_back_earlier(MeshList meshes) {
-  for (const KeptMesh& kept : kept_meshes_)
+  const core::Threads& threads = environment_.context.threads;
+  for (RestoredMesh& restored : kept_meshes_)
     for (query::CommittedMesh* mesh : meshes) {
-      if (mesh->mesh().name() != kept.name || mesh->lies_on_device() ||
-          fingerprint(mesh->mesh().view(), environment_.context.threads) != kept.cells)
+      const KeptMesh& kept = restored.kept;
+      if (mesh->mesh().name() != kept.name || mesh->lies_on_device())
         continue;
-      if (!kept.step.fields.empty())
+      const bool same_cells = fingerprint(mesh->mesh().view(), threads) == kept.fingerprint;
+      if (same_cells && !kept.step.fields.empty())
         mesh->mesh().set_earlier(kept.step);
+      if (!same_cells) {
+        mesh->restore_earlier_mesh(kept.step, std::move(restored.cells), threads);
+        continue;
+      }
       for (const auto& action : actions_) {
         const Name& of = action->mesh_name();
         const bool here = of.empty() ? mesh == meshes.front() : of.text == kept.name;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/archive.h"
+#include "mesh/cells_copy.h"
 #include "mesh/mesh.h"
 
 /// What a checkpoint holds besides the tracers.
@@ -12,10 +13,11 @@ namespace insitu::scene {
 /// The earlier step of a mesh, and of which cells it is.
 struct KeptMesh {
   std::string name;
-  std::uint64_t cells = 0; ///< fingerprint()
+  std::uint64_t fingerprint = 0;
   mesh::EarlierStep step;
 
-  void keep(core::Archive& archive);
+  /// cells: those of the step, or none.
+  void keep(core::Archive& archive, mesh::CellsCopy& cells);
 };
 
 /// A hash of the cells' shapes and vertices in their order (FNV-1a): two meshes of the same

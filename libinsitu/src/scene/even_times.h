@@ -26,6 +26,18 @@ struct SeriesState {
   void keep(core::Archive& archive, const std::string& what);
 };
 
+/// A tracer's own time, which always grows: minus the run's where that goes backward.
+class OwnTime {
+public:
+  explicit OwnTime(bool backward) : backward_(backward) {}
+  double of(double time) const { return backward_ ? -time : time; }  ///< and back
+  bool is_before(double a, double b) const { return of(a) < of(b); } ///< of the run's times
+  bool backward() const { return backward_; }
+
+private:
+  bool backward_;
+};
+
 constexpr std::int64_t most_times = 1'000'000; ///< of a series, in one cycle
 
 /// The times from + k interval, from k = next on, up to `last`. Throws core::Error

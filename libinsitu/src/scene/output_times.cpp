@@ -3,10 +3,29 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace insitu::scene {
 
-std::vector<DueTime> OutputClock::due(double time) const {
+OutputClock::OutputClock(const OutputTimes& times, OwnTime own) : times_(times), own_(own) {
+  if (!own.backward())
+    return;
+  for (double& time : times_.at)
+    time = own.of(time);
+  std::reverse(times_.at.begin(), times_.at.end());
+  for (std::optional<double>* end : {&times_.from, &times_.until})
+    if (*end)
+      *end = own.of(**end);
+}
+
+/// A list that is gone through backward has its last time first.
+std::int64_t OutputClock::place(std::int64_t number) const {
+  return own_.backward() && !times_.at.empty() ? std::int64_t(times_.at.size()) - 1 - number
+                                               : number;
+}
+
+std::vector<DueTime> OutputClock::due(double run_time) const {
+  const double time = own_.of(run_time);
   std::vector<DueTime> found;
   const double begin = state_.begun ? state_.first : time;
   if (!times_.at.empty()) {
@@ -26,11 +45,15 @@ std::vector<DueTime> OutputClock::due(double time) const {
                        std::max(state_.count, std::int64_t(std::min(skipped, 9e18))), last);
     std::erase_if(found, [&](const DueTime& due) { return due.time < begin; });
   }
+  for (DueTime& due : found) {
+    due.time = own_.of(due.time);
+    due.number = place(due.number);
+  }
   return found;
 }
 
 void OutputClock::note(double time, const std::vector<DueTime>& due) {
-  state_.note(time, due.empty() ? state_.count : due.back().number + 1);
+  state_.note(own_.of(time), due.empty() ? state_.count : place(due.back().number) + 1);
 }
 
 } // namespace insitu::scene

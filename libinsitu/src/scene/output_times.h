@@ -11,7 +11,8 @@ namespace insitu::scene {
 /// When a tracer's particles are written, if at times of their own.
 class OutputClock {
 public:
-  explicit OutputClock(const OutputTimes& times) : times_(times) {}
+  /// Times are the run's, which go on as `own` says.
+  explicit OutputClock(const OutputTimes& times, OwnTime own = OwnTime(false));
 
   /// The times after the last noted() one up to `time`, in order; of the first execution, that one
   /// alone. Throws core::Error (INSITU_ERROR_ARGUMENT) for more than most_times of them.
@@ -22,7 +23,10 @@ public:
   void keep(core::Archive& archive) { state_.keep(archive, "times"); }
 
 private:
-  OutputTimes times_;
+  std::int64_t place(std::int64_t number) const;
+
+  OutputTimes times_; ///< in its own time
+  OwnTime own_;
   SeriesState state_;
 };
 

@@ -148,6 +148,17 @@ void check_line_effects(const Cursor& effects, const Tracer& tracer) {
   }
 }
 
+/// As advect::Tracer::set_effects(), in the scene's words.
+void check_backward_effects(const Cursor& effects, const Tracer& tracer) {
+  if (tracer.effects.diffusion) {
+    effects.fail("a random walk has no way back: 'diffusion' needs 'direction: forward'");
+  }
+  if (tracer.effects.inertia) {
+    effects.fail("backwards, drag makes every error grow without bound: 'inertia' needs "
+                 "'direction: forward'");
+  }
+}
+
 } // namespace
 
 Probe parse_probe(const Cursor& cursor, ParseContext& context) {
@@ -233,13 +244,14 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     tracer.integrator = parse_integrator(*integrator);
   }
   if (const auto direction = map.find("direction")) {
-    if (tracer.kind != TracerKind::streamline) {
-      direction->fail("path- and streaklines follow the run; a direction belongs to a streamline");
-    }
     assign(tracer.direction,
            direction->choice<TracerDirection>({{"forward", TracerDirection::forward},
                                                {"backward", TracerDirection::backward},
                                                {"both", TracerDirection::both}}));
+    if (tracer.kind != TracerKind::streamline && tracer.direction == TracerDirection::both) {
+      direction->fail("path- and streaklines follow the run, whose time goes one way: forward, or "
+                      "backward where steps are replayed in reverse");
+    }
   }
   if (const auto spacing = map.find("spacing")) {
     if (tracer.kind != TracerKind::streamline) {
@@ -255,6 +267,8 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     tracer.effects = parse_tracer_effects(*effects);
     if (tracer.kind == TracerKind::streamline) {
       check_line_effects(*effects, tracer);
+    } else if (tracer.direction == TracerDirection::backward) {
+      check_backward_effects(*effects, tracer);
     }
     if (has_periodic_sides(tracer.effects) &&
         std::find(tracer.geodesics.begin(), tracer.geodesics.end(), TrackGeodesic::path_length) !=
@@ -265,7 +279,8 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     }
   }
   if (attached) {
-    for (const char* key : {"velocity", "time_interpolation", "integrator", "effects"}) {
+    for (const char* key :
+         {"velocity", "time_interpolation", "integrator", "effects", "direction"}) {
       if (const auto value = map.find(key)) {
         value->fail("'attached: body' moves particles with the mesh's material; this key moves "
                     "them otherwise");

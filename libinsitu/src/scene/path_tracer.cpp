@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/status.h"
@@ -19,8 +20,9 @@ class PathTracer final : public TracerAction {
 public:
   PathTracer(const Tracer& tracer, const Environment& environment)
       : TracerAction(tracer, environment), particles_(settings(), environment.context.memory),
-        clock_(tracer.release), geodesics_(tracer.geodesics, environment.context.memory),
-        output_clock_(tracer.times) {
+        own_(tracer.direction == TracerDirection::backward), clock_(tracer.release, own_),
+        geodesics_(tracer.geodesics, environment.context.memory),
+        output_clock_(tracer.times, own_) {
     for (const TableFormat format : tracer_.output)
       writers_.push_back(make_track_writer(format, tracer_, environment_));
   }
@@ -41,6 +43,8 @@ public:
         fields.push_back({name.text, steps});
     return fields;
   }
+
+  bool goes_on_to_other_cells() const override { return tracer_.attached != Attached::body; }
 
   void execute(query::CommittedMesh& mesh, const Step& step, bool due) override {
     const core::Timer timer;
@@ -111,6 +115,7 @@ private:
     s.accuracy = to_api(tracer_.accuracy);
     s.time_interpolation = tracer_.time_interpolation;
     s.attached = tracer_.attached == Attached::body;
+    s.backward = tracer_.direction == TracerDirection::backward;
     if (tracer_.until.duration)
       s.duration = *tracer_.until.duration;
     if (tracer_.effects.age_limit)
@@ -142,10 +147,19 @@ private:
     return known ? advect::steps_of(tracer_.time_interpolation) - 1 : 0;
   }
 
+  /// The step that the particles are at, if its cells are others; or null.
+  const query::EarlierMesh* other_cells(const query::CommittedMesh& mesh, const Step& step) const {
+    const query::EarlierMesh* const before = mesh.earlier_mesh();
+    const bool known = before && goes_on_to_other_cells() && seeded_ && !step.first &&
+                       settled_ == step.earlier_time && topology_ == before->topology_version();
+    return known ? before : nullptr;
+  }
+
   /// Between which steps the particles move now.
   void begin_interval(const query::CommittedMesh& mesh, const Step& step) {
     interval_ = advect::StepTimes(settled_, step.time, step.times_before);
     interval_steps_ = earlier_steps(mesh, step);
+    interval_before_ = other_cells(mesh, step);
     if (!due_times_.empty()) {
       std::vector<double> times;
       for (const DueTime& due : due_times_)
@@ -159,7 +173,8 @@ private:
   /// through all of them again.
   void note_steps(const Step& step, const advect::Advance& advance) {
     const int asked = advect::steps_of(tracer_.time_interpolation);
-    if (asked == 2 || !(step.time > settled_) || advance.velocity_steps == served_steps_)
+    if (asked == 2 || !own_.is_before(settled_, step.time) ||
+        advance.velocity_steps == served_steps_)
       return;
     served_steps_ = advance.velocity_steps;
     environment_.context.log.info("cycle " + std::to_string(step.cycle) + ": tracer '" +
@@ -170,10 +185,12 @@ private:
 
   /// Adds the particles that begin between the last step and this one.
   void release(const query::CommittedMesh& mesh, const Step& step) {
-    if (seeded_ && !(step.time >= settled_))
-      throw core::Error(INSITU_ERROR_ARGUMENT, "time went back from " + std::to_string(settled_) +
-                                                   " to " + std::to_string(step.time) +
-                                                   "; the particles wait where they are");
+    if (seeded_ && (std::isnan(step.time) || own_.is_before(step.time, settled_)))
+      throw core::Error(INSITU_ERROR_ARGUMENT,
+                        std::string("time went ") + (own_.backward() ? "on" : "back") + " from " +
+                            std::to_string(settled_) + " to " + std::to_string(step.time) +
+                            (own_.backward() ? ", and this tracer goes backward" : "") +
+                            "; the particles wait where they are");
     const std::vector<double> times = clock_.due(step.cycle, step.time);
     if (!times.empty() && may_release(mesh, step)) {
       const std::vector<math::Vec3d>& points = seeds(mesh);
@@ -197,9 +214,13 @@ private:
     mesh.look_for_folds(context.threads); // particles ask with hints
     mesh.mesh().expose_earlier(!earlier.empty(), context.threads);
     const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
+    std::optional<advect::StepBefore> before;
+    if (interval_before_)
+      before = step_before(tracer_, *interval_before_);
     try {
       note_steps(step, particles_.advance(mesh.sampler(), velocity, {earlier, step.times_before},
-                                          settled_, step.time, context.threads, snapshots()));
+                                          settled_, step.time, context.threads, snapshots(),
+                                          before ? &*before : nullptr));
     } catch (...) {
       hide();
       throw;
@@ -285,14 +306,18 @@ private:
       if (count > 1)
         interval_.weights(at.times[k], count, weights);
       const auto n = std::size_t(field.components);
+      const std::optional<mesh::FieldView> before = earlier_values(field);
       environment_.context.threads.parallel_for(
           std::int64_t(items.size()), 512, [&](std::int64_t begin, std::int64_t end) {
             std::vector<double> u(n);
             for (auto r = std::size_t(begin); r < std::size_t(end); ++r) {
               const query::Location& place = at.places[items[r]];
+              double* to = out.values.data() + r * width + column;
+              if (before && blend_cells(*before, field, sampler, out.rows[r].position, place,
+                                        interval_.alpha(at.times[k]), u.data(), to))
+                continue;
               if (!place)
                 continue;
-              double* to = out.values.data() + r * width + column;
               std::fill(to, to + n, 0.0);
               for (int s = 0; s < count; ++s) {
                 sampler.interpolate(steps[std::size_t(s)], place, u.data());
@@ -305,6 +330,32 @@ private:
     }
     add_geodesics(out, [&](std::size_t r, double* to) { geodesics_.put_snapshot(items[r], to); });
     return out;
+  }
+
+  /// A field at the step before on its own cells, if it was kept and is the same kind of field.
+  std::optional<mesh::FieldView> earlier_values(const mesh::FieldView& field) const {
+    std::optional<mesh::FieldView> before;
+    if (interval_before_)
+      before = interval_before_->field(field.name);
+    return before && before->components == field.components ? before : std::nullopt;
+  }
+
+  /// A field's value at a place between two steps on different cells, as the velocity's
+  /// (CrossingVelocity); false where the step before does not hold it. u: scratch.
+  bool blend_cells(const mesh::FieldView& before, const mesh::FieldView& field,
+                   const query::Sampler& sampler, const math::Vec3d& x,
+                   const query::Location& place, double alpha, double* u, double* to) const {
+    const query::Sampler there = interval_before_->sampler();
+    const query::Location at = there.locate(x, -1, {to_api(tracer_.accuracy)});
+    if (!at)
+      return false;
+    there.interpolate(before, at, to);
+    if (!place)
+      return true;
+    sampler.interpolate(field, place, u);
+    for (int c = 0; c < field.components; ++c)
+      to[c] = (1.0 - alpha) * to[c] + alpha * u[c];
+    return true;
   }
 
   TrackRows rows(const query::CommittedMesh& mesh, const Step& step,
@@ -358,6 +409,7 @@ private:
   }
 
   advect::Tracer particles_;
+  OwnTime own_;
   ReleaseClock clock_;
   TrackGeodesics geodesics_;
   OutputClock output_clock_;
@@ -365,7 +417,8 @@ private:
   std::vector<DueTime> due_times_; ///< of the tracer's own times
   std::optional<advect::Snapshots> at_times_;
   advect::StepTimes interval_{0.0, 0.0};
-  int interval_steps_ = 0; ///< before this one, that may serve
+  int interval_steps_ = 0;                              ///< before this one, that may serve
+  const query::EarlierMesh* interval_before_ = nullptr; ///< or the one on other cells
   std::vector<std::unique_ptr<TrackWriter>> writers_;
   bool seeded_ = false;
   double settled_ = 0.0; ///< the time that the particles are at

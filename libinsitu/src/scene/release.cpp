@@ -5,7 +5,8 @@
 
 namespace insitu::scene {
 
-std::vector<double> ReleaseClock::due(std::int64_t cycle, double time) const {
+std::vector<double> ReleaseClock::due(std::int64_t cycle, double run_time) const {
+  const double time = own_.of(run_time);
   const double until = release_.until.value_or(std::numeric_limits<double>::infinity());
   std::vector<double> times;
   if (release_.every) {
@@ -19,11 +20,13 @@ std::vector<double> ReleaseClock::due(std::int64_t cycle, double time) const {
   } else if (state_.count == 0 && time <= until) {
     times.push_back(time);
   }
+  for (double& at : times)
+    at = own_.of(at);
   return times;
 }
 
 void ReleaseClock::note(double time, std::size_t rounds) {
-  state_.note(time, state_.count + std::int64_t(rounds));
+  state_.note(own_.of(time), state_.count + std::int64_t(rounds));
 }
 
 bool ReleaseClock::goes_on(double time) const {
@@ -33,7 +36,7 @@ bool ReleaseClock::goes_on(double time) const {
     return true;
   if (release_.interval && state_.begun)
     return state_.first + double(state_.count) * *release_.interval <= *release_.until;
-  return time <= *release_.until;
+  return own_.of(time) <= *release_.until;
 }
 
 } // namespace insitu::scene

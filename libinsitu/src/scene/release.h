@@ -11,7 +11,12 @@ namespace insitu::scene {
 /// When a tracer's seeds begin as particles.
 class ReleaseClock {
 public:
-  explicit ReleaseClock(const Release& release) : release_(release) {}
+  /// Times are the run's, which go on as `own` says.
+  explicit ReleaseClock(const Release& release, OwnTime own = OwnTime(false))
+      : release_(release), own_(own) {
+    if (release_.until)
+      release_.until = own.of(*release_.until);
+  }
 
   /// The times at which all seeds begin, after the last call's and up to `time`, in order. Throws
   /// core::Error (INSITU_ERROR_ARGUMENT) for more than most_times of them.
@@ -26,7 +31,8 @@ public:
   void keep(core::Archive& archive) { state_.keep(archive, "releases"); }
 
 private:
-  Release release_;
+  Release release_; ///< in its own time
+  OwnTime own_;
   SeriesState state_; ///< count: so many times all seeds began
 };
 

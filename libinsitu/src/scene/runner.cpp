@@ -105,7 +105,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
     keep_earlier(meshes);
   } catch (const std::exception& e) { // no memory: pathlines take the next velocity as steady
     for (query::CommittedMesh* mesh : meshes)
-      mesh->mesh().release_earlier();
+      mesh->release_earlier();
     failed("the earlier step", e);
   }
   try {
@@ -133,9 +133,10 @@ void Runner::keep_earlier(MeshList meshes) {
   const core::Timer timer;
   for (query::CommittedMesh* mesh : meshes) {
     std::vector<mesh::KeptField> fields;
+    bool with_cells = false;
     for (const auto& action : actions_) {
       const auto* tracer = dynamic_cast<const TracerAction*>(action.get());
-      if (!tracer)
+      if (!tracer || mesh->lies_on_device())
         continue;
       const Name& of = tracer->mesh_name();
       const bool here = of.empty() ? mesh == meshes.front() : of.text == mesh->mesh().name();
@@ -148,14 +149,10 @@ void Runner::keep_earlier(MeshList meshes) {
           fields.push_back(need);
         else
           known->steps = std::max(known->steps, need.steps);
+        with_cells = with_cells || tracer->goes_on_to_other_cells();
       }
     }
-    if (mesh->lies_on_device())
-      continue;
-    if (fields.empty())
-      mesh->mesh().release_earlier();
-    else
-      mesh->mesh().keep_earlier(fields, environment_.context.threads);
+    mesh->keep_earlier(fields, with_cells, environment_.context.threads);
   }
   environment_.statistics.advect_s += timer.seconds();
 }

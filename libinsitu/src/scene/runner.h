@@ -74,7 +74,13 @@ private:
   std::int64_t cycle_ = 0;    ///< the last one executed
   std::vector<double> times_; ///< of the last executions, the latest first
   CheckpointOptions checkpoint_;
-  std::vector<KeptMesh> kept_meshes_; ///< of a restart, until the first execute()
+  /// Of a restart, until the first execute().
+  struct RestoredMesh {
+    explicit RestoredMesh(core::Memory& memory) : cells(memory) {}
+    KeptMesh kept;
+    mesh::CellsCopy cells;
+  };
+  std::vector<RestoredMesh> kept_meshes_;
 };
 
 } // namespace insitu::scene

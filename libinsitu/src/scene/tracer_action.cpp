@@ -43,12 +43,17 @@ void TracerAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
   need({tracer_.velocity.text, steps}, "particles move between two steps");
   for (const mesh::KeptField& of : effect_fields(tracer_.effects, steps))
     need(of, "an effect blends it between two steps");
-  if (mesh.mesh().is_adaptive())
+  if (mesh.mesh().is_adaptive()) {
     plan.skip("earlier coordinates", "an adaptive mesh does not move its vertices");
-  else
-    plan.need("earlier coordinates",
-              view.first_vertex[view.piece_count] * std::int64_t(sizeof(math::Vec3d)),
-              "the mesh may move under the particles");
+    if (mesh.mesh().reconstruction() == INSITU_DUAL)
+      plan.skip("copy of the cells", "at a regrid the dual itself is kept until particles crossed");
+    return;
+  }
+  plan.need("earlier coordinates",
+            view.first_vertex[view.piece_count] * std::int64_t(sizeof(math::Vec3d)),
+            "the mesh may move under the particles");
+  if (const std::int64_t bytes = mesh.earlier_cells_bytes(environment_.context.threads))
+    plan.need("copy of the cells", bytes, "the cells may become others under the particles");
 }
 
 bool TracerAction::writes(TableFormat format) const {

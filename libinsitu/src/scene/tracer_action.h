@@ -34,6 +34,8 @@ public:
   const Tracer& tracer() const { return tracer_; }
   /// The fields whose earlier steps are needed at the next cycle.
   virtual std::vector<mesh::KeptField> needs_earlier() const { return {}; }
+  /// Whether these steps serve it over a change of topology as well.
+  virtual bool goes_on_to_other_cells() const { return false; }
 
 protected:
   bool writes(TableFormat format) const;

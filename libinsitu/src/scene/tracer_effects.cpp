@@ -80,6 +80,42 @@ advect::AtBoundary response_of(WallResponse response) {
   return advect::AtBoundary::reflect;
 }
 
+/// field(name): a field as drifts see it.
+template <class Field>
+std::vector<advect::Drift> drifts_of(const TracerEffects& from, Field&& field) {
+  std::vector<advect::Drift> drifts;
+  if (from.settling) {
+    advect::Drift drift;
+    if (from.settling->velocity) {
+      drift.constant = *from.settling->velocity;
+    } else if (from.settling->speed.field.empty()) {
+      drift.constant = from.settling->speed.number * from.settling->down;
+    } else {
+      drift.field = field(from.settling->speed.field);
+      drift.direction = from.settling->down;
+      if (drift.field->now.components != 1) {
+        throw core::Error(INSITU_ERROR_FIELD,
+                          "the field '" + from.settling->speed.field.text +
+                              "' of a settling speed needs 1 component, it has " +
+                              std::to_string(drift.field->now.components));
+      }
+    }
+    drifts.push_back(drift);
+  }
+  if (from.windage) {
+    advect::Drift drift;
+    drift.field = field(from.windage->field);
+    drift.factor = from.windage->factor;
+    if (drift.field->now.components != 3) {
+      throw core::Error(INSITU_ERROR_FIELD, "the field '" + from.windage->field.text +
+                                                "' of windage needs 3 components, it has " +
+                                                std::to_string(drift.field->now.components));
+    }
+    drifts.push_back(drift);
+  }
+  return drifts;
+}
+
 /// Vectors count by their magnitude, as in the scene's other conditions.
 advect::Removes removes_when(const RemoveEffect& remove, const query::CommittedMesh& mesh,
                              const Step& step, const std::string& scene_file) {
@@ -133,35 +169,7 @@ advect::Effects effects_at(const Tracer& tracer, const query::CommittedMesh& mes
   const TracerEffects& from = tracer.effects;
   const Resolver resolve(mesh, earlier, scene_file);
   advect::Effects to;
-  if (from.settling) {
-    advect::Drift drift;
-    if (from.settling->velocity) {
-      drift.constant = *from.settling->velocity;
-    } else if (from.settling->speed.field.empty()) {
-      drift.constant = from.settling->speed.number * from.settling->down;
-    } else {
-      drift.field = resolve.field(from.settling->speed.field);
-      drift.direction = from.settling->down;
-      if (drift.field->now.components != 1) {
-        throw core::Error(INSITU_ERROR_FIELD,
-                          "the field '" + from.settling->speed.field.text +
-                              "' of a settling speed needs 1 component, it has " +
-                              std::to_string(drift.field->now.components));
-      }
-    }
-    to.drifts.push_back(drift);
-  }
-  if (from.windage) {
-    advect::Drift drift;
-    drift.field = resolve.field(from.windage->field);
-    drift.factor = from.windage->factor;
-    if (drift.field->now.components != 3) {
-      throw core::Error(INSITU_ERROR_FIELD, "the field '" + from.windage->field.text +
-                                                "' of windage needs 3 components, it has " +
-                                                std::to_string(drift.field->now.components));
-    }
-    to.drifts.push_back(drift);
-  }
+  to.drifts = drifts_of(from, [&](const Name& name) { return resolve.field(name); });
   if (from.diffusion) {
     to.diffusion = advect::Diffusion{resolve.coefficient(from.diffusion->horizontal),
                                      resolve.coefficient(from.diffusion->vertical),
@@ -182,6 +190,23 @@ advect::Effects effects_at(const Tracer& tracer, const query::CommittedMesh& mes
     to.removes = removes_when(*from.remove, mesh, step, scene_file);
   }
   return to;
+}
+
+std::optional<advect::StepBefore> step_before(const Tracer& tracer,
+                                              const query::EarlierMesh& mesh) {
+  const std::optional<mesh::FieldView> velocity = mesh.field(tracer.velocity.text);
+  for (const mesh::KeptField& of : effect_fields(tracer.effects, 1)) {
+    if (!mesh.field(of.name)) {
+      return std::nullopt;
+    }
+  }
+  if (!velocity || velocity->components != 3) {
+    return std::nullopt;
+  }
+  return advect::StepBefore{mesh.sampler(), *velocity,
+                            drifts_of(tracer.effects, [&](const Name& name) {
+                              return advect::FieldInTime{*mesh.field(name.text), {}};
+                            })};
 }
 
 } // namespace insitu::scene

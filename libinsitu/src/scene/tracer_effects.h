@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "advect/crossing_velocity.h"
 #include "advect/effects.h"
+#include "query/earlier_mesh.h"
 #include "scene/action.h"
 
 namespace insitu::scene {
@@ -16,5 +19,8 @@ std::vector<mesh::KeptField> effect_fields(const TracerEffects& effects, int ste
 /// serve. Throws as find_field().
 advect::Effects effects_at(const Tracer& tracer, const query::CommittedMesh& mesh, const Step& step,
                            int earlier, const std::string& scene_file);
+
+/// The step before on its own cells, if all that moves the tracer's particles was kept of it.
+std::optional<advect::StepBefore> step_before(const Tracer& tracer, const query::EarlierMesh& mesh);
 
 } // namespace insitu::scene

@@ -20,7 +20,8 @@ class TrackVtp final : public TrackWriter {
 public:
   TrackVtp(const Tracer& tracer, const Environment& environment)
       : name_(tracer.name), environment_(environment), tracks_(environment.context.memory),
-        geodesics_(environment.context.memory, INSITU_MEMORY_TRACER) {
+        geodesics_(environment.context.memory, INSITU_MEMORY_TRACER),
+        own_(tracer.direction == TracerDirection::backward), series_(own_.backward()) {
     for (const TrackGeodesic column : tracer.geodesics)
       columns_.emplace_back(geodesic_name(column));
   }
@@ -79,7 +80,7 @@ private:
         geodesics_.resize(tracks_.size() * columns_.size());
         if (!columns_.empty())
           cycle.geodesics().put_snapshot(item, geodesics_.end() - columns_.size());
-      } else if (p.endings[i] != INSITU_END_ALIVE && p.times[i] <= due.time)
+      } else if (p.endings[i] != INSITU_END_ALIVE && !own_.is_before(due.time, p.times[i]))
         ended.push_back(i);
     }
     char digits[32];
@@ -144,6 +145,7 @@ private:
   advect::Tracks tracks_;
   std::vector<std::string> columns_; ///< of the geodesics
   core::Buffer<double> geodesics_;   ///< [vertex of tracks_][column]
+  OwnTime own_;                      ///< the tracer's
   VtpSeries series_;
 };
 

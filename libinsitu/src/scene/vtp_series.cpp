@@ -39,7 +39,7 @@ void VtpSeries::write(const Environment& environment, const std::string& name,
   if (!index_) { // entries before this time stay, as rows of tables do
     const std::string index = environment.output + "/" + name + ".pvd";
     try {
-      index_ = std::make_unique<output::PvdSeries>(index, true);
+      index_ = std::make_unique<output::PvdSeries>(index, true, backward_);
     } catch (const core::Error&) { // not one of ours: replaced
       index_ = std::make_unique<output::PvdSeries>(index);
     }

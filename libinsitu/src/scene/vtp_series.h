@@ -24,6 +24,9 @@ output::VtkArray vtk_points(std::span<const math::Vec3d> points);
 /// One .vtp file a cycle and the .pvd index over them.
 class VtpSeries {
 public:
+  /// backward: of a tracer whose time goes back.
+  explicit VtpSeries(bool backward = false) : backward_(backward) {}
+
   /// Writes <output>/<name>_<cycle>.vtp and adds it to <output>/<name>.pvd.
   void write(const Environment& environment, const std::string& name, const Step& step,
              output::VtkPolyData& data);
@@ -33,6 +36,7 @@ public:
 
 private:
   std::unique_ptr<output::PvdSeries> index_;
+  bool backward_;
 };
 
 } // namespace insitu::scene

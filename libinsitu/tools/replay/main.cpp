@@ -67,8 +67,9 @@ public:
       say("note: the numbers in the files' names do not ascend; steps are taken in the order "
           "given");
     ExitCode code = done;
-    for (std::size_t s = 0; s < steps_.size(); ++s) {
-      read_step(s);
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      const std::size_t s = options_.reverse ? steps_.size() - 1 - i : i;
+      read_step(s, i);
       if (options_.validate) {
         if (!validate(s))
           code = failed;
@@ -118,11 +119,11 @@ private:
     std::fprintf(stderr, "insitu-replay: %s\n", message.c_str());
   }
 
-  /// Gives the files of a step to the mesh.
-  void read_step(std::size_t s) {
+  /// Gives the files of a step, the i-th that is read, to the mesh.
+  void read_step(std::size_t s, std::size_t i) {
     const Step& step = steps_[s];
     const std::string& first = step.files.front();
-    progress_.show("[" + std::to_string(s + 1) + "/" + std::to_string(steps_.size()) + "] " +
+    progress_.show("[" + std::to_string(i + 1) + "/" + std::to_string(steps_.size()) + "] " +
                    first);
     if (adaptive_ && step.files.size() > 1)
       throw FileError(first, std::to_string(step.files.size()) +
@@ -131,7 +132,7 @@ private:
       throw FileError(first, std::to_string(step.files.size()) + " parts, " +
                                  std::to_string(pieces_.size()) +
                                  " in the step before; parts cannot go");
-    const double earlier = time_;
+    const double earlier = time_; // of the step read before
     for (std::size_t p = 0; p < step.files.size(); ++p) {
       const vtkSmartPointer<vtkDataObject> data = read(step.files[p]);
       if (p == 0) {
@@ -139,11 +140,11 @@ private:
         time_ = step.time ? *step.time : time_of(data).value_or(double(cycle_));
       }
       const std::vector<insitu::vtk::Note>& skipped = give(data, step, p);
-      if (s == 0)
+      if (i == 0)
         for (const insitu::vtk::Note& n : skipped)
           say("note: " + step.files[p] + ": " + n.array + " is left out: " + n.reason);
     }
-    if (s > 0 && time_ < earlier)
+    if (i > 0 && (options_.reverse ? time_ > earlier : time_ < earlier))
       throw FileError(first, "time " + std::to_string(time_) + " follows " +
                                  std::to_string(earlier) + "; give the files in the order of time");
   }

@@ -24,6 +24,7 @@ given. The parts of a step in a .pvd are the pieces of the mesh; an adaptive mes
   --mesh NAME      what the scene calls the mesh (default: mesh)
   --frame FRAME    what the files' points are: cartesian (the default), geocentric, or 'geodetic
                    [radians] [kilometres] [depth]' for longitude, latitude and height (or depth)
+  --reverse        the last step first: time goes back, and with it tracers of 'direction: backward'
   --threads N      at most N threads (default: all that the process may use)
   --strict         refuse arrays that would have to be converted, such as integer fields
   --plan           print what the scene needs for the first step, what it does without and why,
@@ -33,7 +34,7 @@ given. The parts of a step in a .pvd are the pieces of the mesh; an adaptive mes
   --version
   --help
 
-The cycle is the field data CYCLE of a file, or else its place in the order, from 0; the time is the
+The cycle is the field data CYCLE of a file, or else its place in the order given, from 0; the time is the
 .pvd's timestep, or else the field data TimeValue or TIME, or else the cycle. A mesh that keeps its
 cells from one file to the next is refitted, not rebuilt.
 
@@ -105,7 +106,8 @@ ReplayOptions parse_arguments(int argc, char** argv) {
       return value;
     };
     const bool is_switch = key == "--help" || key == "-h" || key == "--version" ||
-                           key == "--strict" || key == "--plan" || key == "--validate";
+                           key == "--strict" || key == "--plan" || key == "--validate" ||
+                           key == "--reverse";
     if (is_switch && has_value)
       throw UsageError(key + ": takes no value");
     if (key == "--help" || key == "-h") {
@@ -118,6 +120,8 @@ ReplayOptions parse_arguments(int argc, char** argv) {
       o.plan = true;
     } else if (key == "--validate") {
       o.validate = true;
+    } else if (key == "--reverse") {
+      o.reverse = true;
     } else if (key == "--scene") {
       o.scene = take();
     } else if (key == "--probe") {

@@ -243,6 +243,53 @@ TEST_F(Replay, TimeMayNotRunBackwards) {
   EXPECT_NE(o.err.find("m_9.vtu: time 9"), std::string::npos) << o.err;
 }
 
+// A particle goes forward through the files, and one from its end back: the field grows with time.
+TEST_F(Replay, InReverseTimeGoesBack) {
+  const auto step = [&](int s) {
+    const auto grid = vtk_meshes::unstructured(2, {VTK_HEXAHEDRON}, 0.1);
+    vtkNew<vtkDoubleArray> u, time;
+    u->SetName("u");
+    u->SetNumberOfComponents(3);
+    u->SetNumberOfTuples(grid->GetNumberOfPoints());
+    for (vtkIdType i = 0; i < grid->GetNumberOfPoints(); ++i)
+      u->SetTuple3(i, 0.1 * s, 0.05, 0.0);
+    grid->GetPointData()->AddArray(u);
+    time->SetName("TimeValue");
+    time->InsertNextValue(0.5 * s);
+    grid->GetFieldData()->AddArray(time);
+    insitu::vtk::write(path("m_" + std::to_string(s) + ".vtu"), grid);
+  };
+  for (int s = 0; s < 4; ++s)
+    step(s);
+  const auto scene = [&](const std::string& name, const std::string& keys) {
+    put(name,
+        "insitu: 1\npage: false\ntracers:\n  - {name: t, velocity: u, every: 1, " + keys + "}\n");
+  };
+  scene("there.yaml", "seeds: [[0.5, 0.5, 0.5]]");
+  ASSERT_EQ(run("--scene there.yaml --out there m_0.vtu m_1.vtu m_2.vtu m_3.vtu").code, 0);
+  const Row there = rows("there/t.csv")[3];
+  EXPECT_NEAR(there.at("x"), 0.5 + 0.1 * 1.5 * 1.5, 1e-12);
+  char seed[120];
+  std::snprintf(seed, sizeof seed, "seeds: [[%.17g, %.17g, 0.5]], direction: backward",
+                there.at("x"), there.at("y"));
+  scene("back.yaml", seed);
+  const Outcome o = run("--reverse --scene back.yaml --out back m_0.vtu m_1.vtu m_2.vtu m_3.vtu");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const std::vector<Row> back = rows("back/t.csv");
+  ASSERT_GE(back.size(), 4u);
+  for (int s = 0; s < 4; ++s) {
+    EXPECT_EQ(back[std::size_t(s)].at("time"), 1.5 - 0.5 * s);
+    EXPECT_EQ(back[std::size_t(s)].at("cycle"), 3 - s);
+  }
+  EXPECT_NEAR(back[3].at("x"), 0.5, 1e-12);
+  EXPECT_NEAR(back[3].at("y"), 0.5, 1e-12);
+  // A scene that goes forward has its particles wait, and says so.
+  const Outcome waits = run("--reverse --scene there.yaml --out waits m_0.vtu m_1.vtu");
+  EXPECT_EQ(waits.code, 3);
+  EXPECT_NE(waits.err.find("time went back from 0.5"), std::string::npos) << waits.err;
+  EXPECT_EQ(run("--reverse --scene back.yaml --out none m_1.vtu m_0.vtu").code, 1);
+}
+
 TEST_F(Replay, FailedActionsAreTold) {
   mesh("m.vtu", 0.0);
   put("scene.yaml", "insitu: 1\nprobes:\n  - {name: g, points: points.csv, fields: [liner]}\n");

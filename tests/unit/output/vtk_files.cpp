@@ -81,6 +81,25 @@ TEST(Pvd, ARestartedRunContinues) {
   EXPECT_EQ(PvdSeries(path).entries().size(), 0u);
 }
 
+TEST(Pvd, TimesMayDescend) {
+  const Folder folder;
+  const std::string path = folder / "drifters.pvd";
+  {
+    PvdSeries series(path, true, true);
+    for (int i = 5; i-- > 0;) {
+      series.add(0.1 * i, "d_" + std::to_string(i) + ".vtp");
+    }
+    ASSERT_EQ(series.entries().size(), 5u);
+  }
+  PvdSeries series(path, true, true);
+  series.add(0.1 * 2, "again.vtp"); // from a checkpoint: those that came after go
+  ASSERT_EQ(series.entries().size(), 3u);
+  EXPECT_EQ(series.entries()[0].first, 0.1 * 4);
+  EXPECT_EQ(series.entries()[2].second, "again.vtp");
+  series.add(0.1, "on.vtp");
+  EXPECT_EQ(series.entries().size(), 4u);
+}
+
 TEST(Pvd, AForeignIndexIsNotContinued) {
   const Folder folder;
   put(folder / "x.pvd", "<?xml version=\"1.0\"?>\n<VTKFile>\n<Other/>\n</VTKFile>\n");

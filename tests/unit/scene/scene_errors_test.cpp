@@ -283,7 +283,11 @@ TEST(SceneErrors, Integrator) {
   EXPECT_HAS(tracer_error("integrator: {face_aware: 3}"), "tracers[0].integrator.face_aware");
   EXPECT_HAS(tracer_error("kind: streamline, direction: up"),
              "'up' is not one of forward, backward, both");
-  EXPECT_HAS(tracer_error("direction: backward"), "path- and streaklines follow the run");
+  EXPECT_HAS(tracer_error("direction: both"), "path- and streaklines follow the run");
+  EXPECT_HAS(tracer_error("direction: backward, effects: [{diffusion: {coefficient: 1}}]"),
+             "a random walk has no way back");
+  EXPECT_HAS(tracer_error("direction: backward, effects: [{inertia: {response_time: 1}}]"),
+             "drag makes every error grow");
   EXPECT_HAS(tracer_error("times: [0, 1, 1]"), "tracers[0].times: times must ascend");
   EXPECT_HAS(tracer_error("spacing: {time: 1}"), "this key belongs to streamlines");
   EXPECT_HAS(tracer_error("kind: streamline, spacing: {}"), "either 'length' or 'time' expected");

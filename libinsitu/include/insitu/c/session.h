@@ -66,7 +66,8 @@ INSITU_API insitu_status insitu_session_mesh(insitu_session session, const char*
                                              insitu_mesh* mesh);
 
 /** Commits every mesh, then does what the scene asks for at this cycle: probes, tracers, frames.
- *  cycle: the solver's step number; time: its physical time (not decreasing while tracers live).
+ *  cycle: the solver's step number; time: its physical time (not decreasing while tracers live,
+ *  and not increasing for those of `direction: backward`; particles wait where it does).
  *  An action that fails is logged and skipped; the others are done; the status is then
  *  INSITU_ERROR_ACTION and the message tells which. */
 INSITU_API insitu_status insitu_session_execute(insitu_session session, int64_t cycle, double time);
@@ -78,9 +79,9 @@ INSITU_API insitu_status insitu_session_execute(insitu_session session, int64_t 
 INSITU_API insitu_status insitu_session_checkpoint(insitu_session session, const char* path);
 
 /** Takes such a file up again, in a session with the same tracers, before its first execute: the
- *  solver goes on with the cycle after the checkpoint's, and the tracks go on to the bit as if there
- *  had been no stop, in the same files, from which rows of later cycles are dropped. Meshes may be
- *  registered before or after. A file that is damaged, foreign, or of another scene is
+ *  solver goes on with the cycle after the checkpoint's, and the tracks go on to the bit as if
+ * there had been no stop, in the same files, from which rows of later cycles are dropped. Meshes
+ * may be registered before or after. A file that is damaged, foreign, or of another scene is
  *  INSITU_ERROR_FILE, and the session is as if it had not been asked for. */
 INSITU_API insitu_status insitu_session_restart(insitu_session session, const char* path);
 

@@ -1,0 +1,135 @@
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "advect/drift.h"
+
+namespace insitu::advect {
+
+/// The step before the current one, on cells of its own: after a change of topology.
+struct StepBefore {
+  query::Sampler sampler;
+  mesh::FieldView velocity;
+  std::vector<Drift> drifts; ///< the effects', with the fields of that step
+};
+
+/// What is inside between two steps on different cells.
+enum class Between : std::uint8_t {
+  either, ///< what either step's mesh holds; its velocity serves alone where the other does not
+  current ///< what the current one's holds: for walls and other displacements, which are its own
+};
+
+/// The velocity between two steps on different cells, drifts included: at time t, with alpha = (t -
+/// t0) / (t1 - t0), (1 - alpha) of what the step before has at the place and alpha of what the
+/// current one has, each located in its own cells and its own geometry. Where one of them does not
+/// hold the place, the other one's serves alone. Faces of either are kinks, so steps do not end at
+/// them. Stands where DriftVelocity does. One object serves one thread.
+class CrossingVelocity {
+public:
+  /// As DriftVelocity's; before must outlive the object as well. Not of geodetic meshes.
+  CrossingVelocity(const query::Sampler& sampler, const mesh::FieldView& velocity,
+                   const StepBefore& before, double t0, double t1, insitu_accuracy accuracy,
+                   std::span<const Drift> drifts, Between between)
+      : now_(sampler, velocity, nullptr, t0, t1, accuracy, drifts),
+        then_(before.sampler, before.velocity, nullptr, t0, t1, accuracy, before.drifts),
+        between_(between) {}
+
+  void walk_by(const CellsBeyond* beyond) { now_.walk_by(beyond); }
+  /// hint: a cell of either; only the time it takes depends on it.
+  void begin(std::int64_t hint) {
+    now_.begin(hint);
+    then_.begin(hint);
+    in_now_ = in_then_ = false;
+  }
+  math::Vec3d enter(const math::Vec3d& position) const { return position; }
+  math::Vec3d position(const math::Vec3d& x) const { return x; }
+
+  Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
+    query::Location at;
+    return sample(x, t, v, at);
+  }
+  /// `at`: among the current cells, or none.
+  Sampled sample(const math::Vec3d& x, double t, math::Vec3d& v, query::Location& at) {
+    const double part = now_.flow().alpha(t);
+    math::Vec3d u;
+    const Sampled now = now_.sample(x, t, v, at), then = then_.sample(x, t, u, there_);
+    asked_now_ = now != Sampled::outside;
+    asked_then_ = then != Sampled::outside;
+    if (!asked_now_ && (!asked_then_ || between_ == Between::current))
+      return Sampled::outside;
+    if (now == Sampled::not_finite || then == Sampled::not_finite)
+      return Sampled::not_finite;
+    change_ = {};
+    if (!asked_now_) {
+      v = u;
+    } else if (asked_then_) {
+      change_ = v - u;
+      v = (1.0 - part) * u + part * v;
+    }
+    return Sampled::inside;
+  }
+
+  void accepted() {
+    in_now_ = asked_now_;
+    in_then_ = asked_then_;
+    if (in_now_)
+      now_.accepted();
+    if (in_then_)
+      then_.accepted();
+  }
+  /// Of the particle's position among the current cells, or -1.
+  std::int64_t cell() const { return in_now_ ? now_.cell() : -1; }
+
+  /// See ExitingField. Within rounding of it, neither mesh holds more.
+  std::optional<query::Exit> leave(const math::Vec3d& a, const math::Vec3d& b, double t,
+                                   double dt) {
+    return in_now_ ? now_.leave(a, b, t, dt) : then_.leave(a, b, t, dt);
+  }
+
+  /// Of the smaller of the cells that hold the position, along each axis.
+  math::Vec3d extent() {
+    if (!in_then_)
+      return now_.extent();
+    math::Vec3d extent = then_.extent();
+    if (in_now_) {
+      const math::Vec3d other = now_.extent();
+      for (int a = 0; a < 3; ++a)
+        extent[a] = std::min(extent[a], other[a]);
+    }
+    return extent;
+  }
+  double geometry_alpha(double t) const { return now_.geometry_alpha(t); }
+  int velocity_steps() const { return 2; }
+  bool blends_geometry() const { return false; }
+
+  // Points among the cells.
+  Space space() const { return Space(nullptr); }
+  bool point(const math::Vec3d& x, math::Vec3d& point) const { return now_.point(x, point); }
+  math::Vec3d place(const math::Vec3d& point) const { return point; }
+  math::Vec3d in_frame(const math::Vec3d& point) const { return point; }
+  const MeshVelocity& flow() const { return now_.flow(); }
+  // At the point sampled last.
+  math::Vec3d rate_of_change(const query::Location&, double) const {
+    const double interval = flow().interval();
+    return interval != 0.0 ? change_ / interval : math::Vec3d{};
+  }
+  math::Vec3d gradient(const query::Location& at, int component, double t) const {
+    const math::Vec3d now = now_.gradient(at, component, t);
+    if (!asked_then_)
+      return now;
+    const double part = flow().alpha(t);
+    return (1.0 - part) * then_.gradient(there_, component, t) + part * now;
+  }
+
+private:
+  DriftVelocity now_, then_;
+  Between between_;
+  bool asked_now_ = false, asked_then_ = false; ///< the meshes that hold the point asked last
+  bool in_now_ = false, in_then_ = false;       ///< and the particle's position
+  query::Location there_;                       ///< the point asked last, in the cells before
+  math::Vec3d change_;                          ///< of the velocity there over the interval
+};
+
+} // namespace insitu::advect
