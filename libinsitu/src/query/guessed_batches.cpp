@@ -74,8 +74,9 @@ int best_spacing_log(std::span<const Location> located) {
 
 } // namespace
 
-GuessedBatches::GuessedBatches(const PointQuery& query, BatchScratch& scratch, BatchLocator& tree)
-    : query_(query), tree_(tree), s_(guess_scratch()), batch_(query, scratch, tree) {
+GuessedBatches::GuessedBatches(const PointQuery& query, BatchScratch& scratch, BatchLocator& tree,
+                               BatchAnswers& answers)
+    : query_(query), tree_(tree), s_(guess_scratch()), batch_(query, scratch, tree, answers) {
   const mesh::MeshView& mesh = query.mesh;
   all_own_ = mesh.piece_count == 1 && !mesh.pieces[0].may_not_own() &&
              mesh.pieces[0].layout != mesh::CellLayout::mixed &&

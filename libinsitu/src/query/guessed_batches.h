@@ -22,7 +22,8 @@ class GuessedBatches {
 public:
   static constexpr std::size_t grain = 4096; ///< points at most
 
-  GuessedBatches(const PointQuery& query, BatchScratch& scratch, BatchLocator& tree);
+  GuessedBatches(const PointQuery& query, BatchScratch& scratch, BatchLocator& tree,
+                 BatchAnswers& answers);
 
   /// False: no guess could be proven, or would be worth it.
   static bool may_pay(const PointQuery& query);

@@ -3,7 +3,7 @@
 #include <bit>
 #include <span>
 
-#include "query/batch.h"
+#include "query/batch_answers.h"
 #include "query/bit_tables.h"
 
 namespace insitu::query {
@@ -12,16 +12,18 @@ namespace insitu::query {
 /// certificate of Newton's method proves a cell, and the tree answers the rest.
 class ProvenBatch {
 public:
-  ProvenBatch(const PointQuery& query, BatchScratch& scratch, BatchLocator& tree)
-      : s_(scratch), tree_(tree), pairs_(query.mesh, query.options.alpha, scratch) {}
+  ProvenBatch(const PointQuery& query, BatchScratch& scratch, BatchLocator& tree,
+              BatchAnswers& answers)
+      : s_(scratch), tree_(tree), pairs_(query.mesh, query.options.alpha, scratch),
+        answers_(answers) {}
 
   /// Forgets the batch before; no point has an answer. The points stay the caller's.
   void begin(std::span<const math::Vec3d> points);
 
-  bool has_answer(std::size_t query) const { return best_[query].cell >= 0; }
+  bool has_answer(std::size_t query) const { return answers_.locations[query].cell >= 0; }
   void answer(std::size_t query, const Location& at, Reason reason) {
-    best_[query] = at;
-    reason_[query] = reason;
+    answers_.locations[query] = at;
+    answers_.reasons[query] = reason;
   }
 
   /// Calls f(shape, block's cells, their queries) with the inverse maps of the points without an
@@ -36,18 +38,14 @@ public:
   std::int64_t answer_rest();
 
   /// Until the next begin().
-  Answered answered() const { return {{best_, points_.size()}, {reason_, points_.size()}}; }
-  std::span<const Location> locations() const { return {best_, points_.size()}; }
+  Answered answered() const { return answers_.of(points_.size()); }
 
 private:
   BatchScratch& s_;
   BatchLocator& tree_;
   PairOrder pairs_;
   std::span<const math::Vec3d> points_;
-  Location best_[batch_size];
-  Reason reason_[batch_size];
-  QueryId rest_[batch_size];
-  math::Vec3d rest_points_[batch_size];
+  BatchAnswers& answers_;
 };
 
 // Implementation

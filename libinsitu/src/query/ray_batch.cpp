@@ -7,8 +7,8 @@ namespace insitu::query {
 using math::Vec3d;
 
 RayBatch::RayBatch(const PointQuery& query, const accel::RayLocator& rays, BatchScratch& scratch,
-                   BatchLocator& tree)
-    : query_(query), rays_(rays), tree_(tree), batch_(query, scratch, tree) {}
+                   BatchLocator& tree, BatchAnswers& answers)
+    : query_(query), rays_(rays), tree_(tree), batch_(query, scratch, tree, answers) {}
 
 Answered RayBatch::run(std::span<const Vec3d> points) {
   const bool fast = query_.options.accuracy == INSITU_FAST;
@@ -25,7 +25,7 @@ Answered RayBatch::run(std::span<const Vec3d> points) {
   const std::int64_t first = certify(cells_);
   const std::int64_t second = certify(beyond_);
   if (!query_.proof_is_enough())
-    return answer_by_tree(points, batch_.locations());
+    return answer_by_tree(points, batch_.answered().locations);
   kept += first;
   by_neighbour += second;
   by_tree += batch_.answer_rest();

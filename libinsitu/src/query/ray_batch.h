@@ -21,7 +21,7 @@ namespace insitu::query {
 class RayBatch {
 public:
   RayBatch(const PointQuery& query, const accel::RayLocator& rays, BatchScratch& scratch,
-           BatchLocator& tree);
+           BatchLocator& tree, BatchAnswers& answers);
 
   /// The answers; valid until the next run.
   Answered run(std::span<const math::Vec3d> points);

@@ -31,9 +31,9 @@ BatchScratch& batch_scratch() {
   return *scratch;
 }
 
-DirectScratch& direct_scratch() {
-  thread_local std::unique_ptr<DirectScratch> scratch = std::make_unique<DirectScratch>();
-  return *scratch;
+BatchAnswers& batch_answers() {
+  thread_local std::unique_ptr<BatchAnswers> answers = std::make_unique<BatchAnswers>();
+  return *answers;
 }
 
 /// Runs batches over points in their own or another order, and counts.
@@ -45,13 +45,14 @@ public:
       : locator_(query, batch_scratch()), counts_(counts),
         ray_counts_(locators ? &locators->ray_counts() : nullptr) {
     if (locators && locators->rays())
-      by_rays_ = std::make_unique<RayBatch>(query, *locators->rays(), batch_scratch(), locator_);
+      by_rays_ = std::make_unique<RayBatch>(query, *locators->rays(), batch_scratch(), locator_,
+                                            batch_answers());
     else if (adaptive && adaptive->gridlets())
-      by_gridlets_.emplace(GridletFinder(*adaptive->gridlets()), locator_, direct_scratch());
+      by_gridlets_.emplace(GridletFinder(*adaptive->gridlets()), locator_, batch_answers());
     else if (adaptive)
-      by_leaves_.emplace(LeafFinder(adaptive->leaves()), locator_, direct_scratch());
+      by_leaves_.emplace(LeafFinder(adaptive->leaves()), locator_, batch_answers());
     else if (GuessedBatches::may_pay(query))
-      by_guesses_ = std::make_unique<GuessedBatches>(query, batch_scratch(), locator_);
+      by_guesses_.emplace(query, batch_scratch(), locator_, batch_answers());
   }
   ~Batches() {
     if (counts_)
@@ -106,7 +107,7 @@ private:
   std::unique_ptr<RayBatch> by_rays_;
   std::optional<DirectBatch<GridletFinder>> by_gridlets_;
   std::optional<DirectBatch<LeafFinder>> by_leaves_;
-  std::unique_ptr<GuessedBatches> by_guesses_;
+  std::optional<GuessedBatches> by_guesses_;
   std::int64_t by_reason_[reason_count] = {};
 };
 

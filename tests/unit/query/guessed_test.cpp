@@ -59,7 +59,8 @@ std::int64_t check(const fixtures::Committed& m, const std::vector<Vec3d>& point
   EXPECT_TRUE(GuessedBatches::may_pay(query)) << what;
   query::BatchScratch scratch;
   query::BatchLocator tree(query, scratch);
-  GuessedBatches guessed(query, scratch, tree);
+  query::BatchAnswers answers;
+  GuessedBatches guessed(query, scratch, tree, answers);
   std::vector<int> visits(points.size());
   for (std::size_t begin = 0; begin < points.size(); begin += GuessedBatches::grain) {
     const std::size_t n = std::min(GuessedBatches::grain, points.size() - begin);
