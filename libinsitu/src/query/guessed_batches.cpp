@@ -17,12 +17,12 @@ struct GuessScratch {
   std::int64_t guessed[batch_size + (1 << 5)]; ///< a whole spacing more
 };
 
+namespace {
+
 GuessScratch& guess_scratch() {
   thread_local std::unique_ptr<GuessScratch> scratch = std::make_unique<GuessScratch>();
   return *scratch;
 }
-
-namespace {
 
 constexpr std::size_t trial = 256; ///< points that the tree answers first
 constexpr int least_spacing_log = 2, most_spacing_log = 5;

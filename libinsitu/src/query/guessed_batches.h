@@ -7,9 +7,7 @@
 
 namespace insitu::query {
 
-/// What one thread needs for them; kept for the thread's life, since it is small.
-struct GuessScratch;
-GuessScratch& guess_scratch();
+struct GuessScratch; // of one thread
 
 /// Answers a grain of points that follow each other, as a solver's own cell centres or the places
 /// of a fine raster do: cells are mostly numbered row by row, so where every few points' cells are
