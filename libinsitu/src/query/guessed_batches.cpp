@@ -122,11 +122,15 @@ void GuessedBatches::guess(std::size_t from, std::size_t n) {
   check_guesses(n);
 }
 
-void GuessedBatches::run_by_tree(std::span<const Vec3d> points, std::size_t from, Put put) {
-  for (; from < points.size(); from += batch_size) {
-    ask_for_batch(points, from + batch_size);
-    tree_.run(points.subspan(from, std::min<std::size_t>(batch_size, points.size() - from)));
-    put(from, {tree_.locations(), tree_.reasons()});
+/// Points [begin, end); those behind are asked for.
+void GuessedBatches::run_by_tree(std::span<const Vec3d> points, std::size_t begin, std::size_t end,
+                                 Put put) {
+  while (begin < end) {
+    const std::size_t n = std::min<std::size_t>(batch_size, end - begin);
+    ask_for_batch(points, begin + n);
+    tree_.run(points.subspan(begin, n));
+    put(begin, {tree_.locations(), tree_.reasons()});
+    begin += n;
   }
 }
 
@@ -137,22 +141,22 @@ void GuessedBatches::find_anchors(std::span<const Vec3d> points, std::size_t fro
   s_.reasons.clear();
   for (; from < points.size(); from += std::size_t(1) << spacing_log_)
     s_.points.push_back(points[from]);
-  run_by_tree(s_.points, 0, [&](std::size_t, const Answered& found) {
+  run_by_tree(s_.points, 0, s_.points.size(), [&](std::size_t, const Answered& found) {
     s_.anchors.insert(s_.anchors.end(), found.locations.begin(), found.locations.end());
     s_.reasons.insert(s_.reasons.end(), found.reasons.begin(), found.reasons.end());
   });
 }
 
-void GuessedBatches::run(std::span<const Vec3d> points, Put put) {
-  const std::size_t first = std::min(trial, points.size());
-  run_by_tree(points.first(first), 0, put);
-  const std::size_t left = points.size() - first;
+void GuessedBatches::run(std::span<const Vec3d> points, std::size_t count, Put put) {
+  const std::size_t first = std::min(trial, count);
+  run_by_tree(points, 0, first, put);
+  const std::size_t left = count - first;
   spacing_log_ = left > trial ? best_spacing_log(tree_.locations()) : 0;
   if (spacing_log_ == 0)
-    return run_by_tree(points, first, put);
-  find_anchors(points, first);
-  for (std::size_t from = first; from < points.size(); from += batch_size) {
-    const std::size_t n = std::min<std::size_t>(batch_size, points.size() - from);
+    return run_by_tree(points, first, count, put);
+  find_anchors(points.first(count), first);
+  for (std::size_t from = first; from < count; from += batch_size) {
+    const std::size_t n = std::min<std::size_t>(batch_size, count - from);
     ask_for_batch(points, from + n);
     batch_.begin(points.subspan(from, n));
     guess(from - first, n);
@@ -161,7 +165,7 @@ void GuessedBatches::run(std::span<const Vec3d> points, Put put) {
     batch_.answer_rest();
     put(from, batch_.answered());
     if (2 * proven < std::int64_t(n)) // another part of the mesh
-      return run_by_tree(points, from + n, put);
+      return run_by_tree(points, from + n, count, put);
   }
 }
 

@@ -26,15 +26,17 @@ public:
   /// False: no guess could be proven, or would be worth it.
   static bool may_pay(const PointQuery& query);
 
+  /// The first `count` points, at most a grain; those behind are next, and asked for early.
   /// put(first, answered): of the points from `first` on, at most batch_size; valid until the next.
   using Put = core::FunctionRef<void(std::size_t first, const Answered& answered)>;
-  void run(std::span<const math::Vec3d> points, Put put);
+  void run(std::span<const math::Vec3d> points, std::size_t count, Put put);
 
   /// Of all runs: points that a guess answered.
   std::int64_t proven() const { return proven_; }
 
 private:
-  void run_by_tree(std::span<const math::Vec3d> points, std::size_t from, Put put);
+  void run_by_tree(std::span<const math::Vec3d> points, std::size_t begin, std::size_t end,
+                   Put put);
   void find_anchors(std::span<const math::Vec3d> points, std::size_t from);
   void guess(std::size_t from, std::size_t n);
   void check_guesses(std::size_t n);

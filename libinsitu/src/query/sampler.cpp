@@ -72,27 +72,27 @@ public:
                               : by_gridlets_ ? by_gridlets_->run(points)
                               : by_leaves_   ? by_leaves_->run(points)
                                              : by_tree(points);
-    count(answered);
+    note(answered);
     return answered;
   }
 
-  /// A grain of points that follow each other; put(first, answered): of those from `first` on.
+  /// A grain of points that follow each other, the first `count`; see GuessedBatches::run.
   template <class Put>
-  void run_grain(std::span<const Vec3d> points, Put&& put) {
+  void run_grain(std::span<const Vec3d> points, std::size_t count, Put&& put) {
     if (by_guesses_)
-      return by_guesses_->run(points, [&](std::size_t first, const Answered& answered) {
-        count(answered);
+      return by_guesses_->run(points, count, [&](std::size_t first, const Answered& answered) {
+        note(answered);
         put(first, answered);
       });
-    for (std::size_t first = 0; first < points.size(); first += batch_size) {
-      const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
+    for (std::size_t first = 0; first < count; first += batch_size) {
+      const std::size_t n = std::min<std::size_t>(batch_size, count - first);
       ask_for_batch(points, first + n);
       put(first, run(points.subspan(first, n)));
     }
   }
 
 private:
-  void count(const Answered& answered) {
+  void note(const Answered& answered) {
     for (const Reason reason : answered.reasons)
       ++by_reason_[int(reason)];
   }
@@ -233,15 +233,16 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
         std::int64_t(part.size()), grain, [&](std::int64_t begin, std::int64_t end) {
           Batches batches(query, counts_, locators_, adaptive_);
           if (!sorts) {
-            ask_for_batch(part, std::size_t(end));
-            auto own = part.subspan(std::size_t(begin), std::size_t(end - begin));
+            const auto count = std::size_t(end - begin);
+            auto own = part.subspan(std::size_t(begin));
             thread_local std::vector<Vec3d> images;
             if (chart_) {
-              images.resize(own.size());
-              std::transform(own.begin(), own.end(), images.begin(), image);
+              images.resize(count);
+              std::transform(own.begin(), own.begin() + std::ptrdiff_t(count), images.begin(),
+                             image);
               own = images;
             }
-            return batches.run_grain(own, [&](std::size_t first, Answered answered) {
+            return batches.run_grain(own, count, [&](std::size_t first, Answered answered) {
               answered.first = from + std::size_t(begin) + first;
               put(answered);
             });

@@ -64,7 +64,7 @@ std::int64_t check(const fixtures::Committed& m, const std::vector<Vec3d>& point
   std::vector<int> visits(points.size());
   for (std::size_t begin = 0; begin < points.size(); begin += GuessedBatches::grain) {
     const std::size_t n = std::min(GuessedBatches::grain, points.size() - begin);
-    guessed.run(std::span(points).subspan(begin, n), [&](std::size_t first, const auto& answered) {
+    guessed.run(std::span(points).subspan(begin), n, [&](std::size_t first, const auto& answered) {
       for (std::size_t k = 0; k < answered.locations.size(); ++k) {
         const std::size_t i = begin + first + answered.item(k);
         ++visits[i];
