@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "accel/locator.h"
@@ -28,6 +29,11 @@ public:
 
   /// Fits the boxes to moved vertices, bottom up; the topology must be the one that was built.
   void refit(const mesh::MeshView& mesh, const core::Threads& threads);
+
+  /// The cells of another tree whose places in its cells() have a bit set, under what of its nodes
+  /// leads to them: neither cells nor values are looked at, only boxes. Odd cells are not marked.
+  void take_part(const Tree& from, std::span<const std::uint64_t> kept_slots,
+                 const core::Threads& threads);
 
   /// Marks a few cells, until the next build or refit; see OddSlots.
   void mark_odd(const mesh::MeshView& mesh, std::span<const std::int64_t> ids,
@@ -72,6 +78,8 @@ private:
   void build_in_morton_order(const mesh::MeshView& mesh, const Owners& owners,
                              const core::Threads& threads);
   void flatten(const void* root, const core::Threads& threads);
+  template <class Kept>
+  void emit_part(const Tree& from, const Kept& kept, const core::Threads& threads);
   /// Encodes all nodes, bottom up. fit(begin, end, slot): encodes some of a level, whose cells
   /// start at the slot, and returns their children's area.
   template <class Fit>
