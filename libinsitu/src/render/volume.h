@@ -76,15 +76,14 @@ struct VolumeStructures {
 VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSettings& settings,
                                    std::int64_t rays, Structures& structures);
 /// Whether macrocells are made for skipping: if the samples that they are likely to save, by a look
-/// at some cells, are more than the cells that have to be read once.
-bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings,
-                   std::int64_t rays);
+/// at some cells, are more than the cells that have to be read once; ten times as many where those
+/// that do not show are culled already, and cost little.
+bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings, std::int64_t rays,
+                   bool culled = false);
 /// Whether a tree of what shows is made for a frame: if the samples that are likely to lie in
 /// primitives that do not show, by the same look, are more than three times the primitives, since a
-/// primitive's range and place take a third of what a sample saves. empty_share: of macrocells that
-/// are skipped already.
-bool culling_pays(const query::Sampler& sampler, const VolumeSettings& settings, std::int64_t rays,
-                  double empty_share);
+/// primitive's range and place take a third of what a sample saves.
+bool culling_pays(const query::Sampler& sampler, const VolumeSettings& settings, std::int64_t rays);
 
 /// Marches rays through a volume. Sample i of a ray lies at (i + 1/2) * step and stands for the
 /// distances from i * step to (i + 1) * step, whatever the mesh; the first and the last in the

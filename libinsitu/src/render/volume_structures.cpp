@@ -105,8 +105,8 @@ double expected_samples(const query::Sampler& sampler, const VolumeSettings& set
 
 } // namespace
 
-bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings,
-                   std::int64_t rays) {
+bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings, std::int64_t rays,
+                   bool culled) {
   if (sampler.tree().empty() || !settings.skip_empty || shows_all(settings.function))
     return false;
   const Look look = look_at_some(sampler, settings);
@@ -114,19 +114,15 @@ bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings
   const double share = 1 - look.filled * (1 - look.empty);
   if (share < 0.1)
     return false;
-  // Reading a cell costs about what locating a sample does.
-  return expected_samples(sampler, settings, rays) * share > look.cells;
+  // Reading a cell costs about what locating a sample does, and ten of those that are culled.
+  return expected_samples(sampler, settings, rays) * share > (culled ? 10 : 1) * look.cells;
 }
 
-bool culling_pays(const query::Sampler& sampler, const VolumeSettings& settings, std::int64_t rays,
-                  double empty_share) {
+bool culling_pays(const query::Sampler& sampler, const VolumeSettings& settings,
+                  std::int64_t rays) {
   if (shows_all(settings.function))
     return false;
-  const Look look = look_at_some(sampler, settings);
-  // Of samples that macrocells leave, those in cells that nothing shows of.
-  const double left = 1 - empty_share, shown = 1 - look.empty_volume;
-  const double culled = std::max(0.0, left - shown);
-  return expected_samples(sampler, settings, rays) * culled >
+  return expected_samples(sampler, settings, rays) * look_at_some(sampler, settings).empty_volume >
          3.0 * double(sampler.tree().cell_count());
 }
 
@@ -136,21 +132,21 @@ VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSe
   check(settings);
   if (sampler.tree().empty())
     return found;
-  const bool skips = skipping_pays(sampler, settings, rays);
-  if (settings.tolerance)
-    found.macrocells = &structures.macrocells_with_sizes(settings.field);
-  if (skips) {
-    const Majorants& majorants = structures.majorants(settings.field, settings.function);
-    // Walking macrocells costs a few percent of what it cannot save.
-    if (majorants.empty_share() >= 0.1)
-      found.majorants = &majorants;
-  }
   const bool may_cull = settings.culling != Culling::never && !settings.preintegrated &&
                         PrimitiveRanges::serve(sampler, settings.field);
-  if (may_cull && (settings.culling == Culling::always ||
-                   culling_pays(sampler, settings, rays,
-                                found.majorants ? found.majorants->empty_share() : 0.0)))
+  if (may_cull && (settings.culling == Culling::always || culling_pays(sampler, settings, rays)))
     found.culled = structures.culled(settings.field, settings.function);
+  // With a tolerance macrocells are there in any case.
+  const bool is_cheap = found.culled && !settings.tolerance;
+  const bool skips = skipping_pays(sampler, settings, rays, is_cheap);
+  if (settings.tolerance)
+    found.macrocells = &structures.macrocells_with_sizes(settings.field);
+  if (!skips)
+    return found;
+  const Majorants& majorants = structures.majorants(settings.field, settings.function);
+  // Walking macrocells costs a few percent of what it cannot save.
+  if (majorants.empty_share() >= 0.1)
+    found.majorants = &majorants;
   return found;
 }
 
