@@ -15,7 +15,10 @@ namespace insitu::bench {
 
 namespace {
 
-constexpr int frame_size = 256;
+/// Pixels along an edge; few for the small meshes of tests.
+int frame_size(const Options& o) {
+  return o.cells[0] < 100'000 ? 48 : 256;
+}
 
 using render::FrameSettings;
 using render::Structures;
@@ -26,8 +29,8 @@ struct FrameRow {
   std::int64_t primitives = 0, culled = 0, bytes = 0;
   // Seconds. Of new values: macrocells' and primitives' ranges; of another function.
   double refresh = 0, ranges = 0, reclassify = 0, cull = 0;
-  /// Of a frame when all is there: all samples, without empty macrocells, among what is not culled,
-  /// and both.
+  /// Of a frame when all is there: all samples, without empty macrocells where these pay, among
+  /// what is not culled, and both asked for.
   double plain = 0, skip = 0, culled_plain = 0, culled_skip = 0;
   double paths = 0, culled_paths = 0;
   /// The same right after a commit of new values, as the library chooses but for culling; and with.
@@ -53,7 +56,7 @@ public:
     FrameRow row;
     row.mesh = name_;
     row.function = name;
-    FrameSettings s = paper::march_frame(*held_.mesh, frame_size);
+    FrameSettings s = paper::march_frame(*held_.mesh, frame_size(o_));
     s.volume->function = {render::ColorMap::built_in("viridis"), 0.0, 1.0, opacity};
     costs(s, row);
     KeptFrames frames(*held_.mesh, held_.context->memory, held_.context->threads);
@@ -182,12 +185,12 @@ AmrFrames measure_amr_frames(const Options& options) {
   out.text = format("frames of %d x %d by ray marching, seconds. Ranges of macrocells and of "
                     "primitives (gridlets and stitching cells)\n"
                     "after new values; both classified after another function; ",
-                    frame_size, frame_size);
+                    frame_size(options), frame_size(options));
   out.text += "a frame when these are there: all samples,\n"
-              "among what shows (cull), without empty macrocells (skip), both; after new values as "
-              "the library chooses, without\n"
-              "culling and with it where that pays (*); paths: one a pixel; MB: ranges and tree of "
-              "what shows\n\n";
+              "among what shows (cull), without empty macrocells where these pay (skip), both so; "
+              "after new values, with what these\n"
+              "take, as the library chooses without culling and with it (*: culls); paths: one a "
+              "pixel; MB: ranges and tree of what shows\n\n";
   out.text += format("%-13s %-6s %6s | %7s %7s %7s %7s | %6s %6s %6s %6s | %7s %6s  | %6s %6s | "
                      "%5s %s\n",
                      "", "shows", "culled", "macroc.", "primit.", "major.", "cull", "all", "cull",
