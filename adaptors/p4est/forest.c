@@ -212,6 +212,45 @@ insitu_status insitu_p4est_mesh(insitu_mesh mesh, p8est_t* forest, const double 
   return status;
 }
 
+/* A field of other quadrants than those that are the mesh's leaves means a regrid that the mesh was
+ * not told of; the leaves' arrays may be freed. */
+static insitu_status expect_same_quadrants(insitu_mesh mesh, const char* name,
+                                           const p8est_t* forest) {
+  p4est_topidx_t first, count, t;
+  int32_t n = 0, room, i;
+  insitu_status status = passed(insitu_mesh_audit(mesh, NULL, &n));
+  insitu_audit_entry* const entries =
+      status == INSITU_OK && n > 0 ? malloc((size_t)n * sizeof *entries) : NULL;
+  if (status != INSITU_OK || n == 0)
+    return status;
+  if (!entries)
+    return refuse(INSITU_ERROR_MEMORY, "field '%s': no memory for the mesh's arrays", name);
+  room = n;
+  status = passed(insitu_mesh_audit(mesh, entries, &room));
+  local_trees(forest, &first, &count);
+  for (i = 0; status == INSITU_OK && i < n; ++i) {
+    static const char piece[] = "piece ", levels[] = " levels";
+    char* rest;
+    const sc_array_t* quadrants;
+    insitu_array now;
+    if (strncmp(entries[i].name, piece, sizeof piece - 1) != 0)
+      continue;
+    t = (p4est_topidx_t)strtol(entries[i].name + sizeof piece - 1, &rest, 10);
+    if (strcmp(rest, levels) != 0)
+      continue;
+    quadrants = t < count ? &tree_of(forest, first + t)->quadrants : NULL;
+    now = array_of(quadrants, offsetof(p8est_quadrant_t, level), INSITU_UINT8, 1);
+    if (now.data != entries[i].data || now.count != entries[i].bytes)
+      status = refuse(INSITU_ERROR_ORDER,
+                      "field '%s': tree %ld has %ld quadrants at %p, but the mesh's piece %ld was "
+                      "given %ld at %p; after a regrid call insitu_p4est_mesh first",
+                      name, (long)(first + t), (long)now.count, now.data, (long)t,
+                      (long)entries[i].bytes, entries[i].data);
+  }
+  free(entries);
+  return status;
+}
+
 insitu_status insitu_p4est_field(insitu_mesh mesh, p8est_t* forest, const char* name,
                                  insitu_type type, size_t offset, int32_t components) {
   p4est_topidx_t first, count, t;
@@ -229,6 +268,7 @@ insitu_status insitu_p4est_field(insitu_mesh mesh, p8est_t* forest, const char* 
                   "field '%s': bytes %lu to %lu of each quadrant's record, which has %lu",
                   name ? name : "", (unsigned long)offset, (unsigned long)(offset + bytes),
                   (unsigned long)forest->data_size);
+  status = expect_same_quadrants(mesh, name ? name : "", forest);
   local_trees(forest, &first, &count);
   for (t = 0; status == INSITU_OK && (t < count || t == 0); ++t) {
     const sc_array_t* quadrants = t < count ? &tree_of(forest, first + t)->quadrants : NULL;

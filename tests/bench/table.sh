@@ -4,7 +4,7 @@
 #   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--effects|--accuracy|--frames|--openvkl] [--readme]
 # cells: 1000000, about twenty minutes; the large rows take eight times as many. A part alone: --measured, the tables beside
 # VTK's locators; --scale, 1e4 to 3e7 cells, three minutes and 8 GiB, and libinsitu/doc/scale.svg; --amr, adaptive
-# meshes, a minute, beside Open VKL if the binary was built with it; --effects, five minutes; --accuracy, what accuracy
+# meshes, two minutes, beside Open VKL if the binary was built with it; --effects, five minutes; --accuracy, what accuracy
 # costs, a minute (small meshes; its page goes to out/accuracy); --frames, frames by ray marching, three minutes, beside
 # VTK's and, by a binary that was built with it, Open VKL's; --openvkl, points beside Open VKL, two minutes, by such a binary.
 # --readme: puts each part between the README's marks of its name, <!-- scale --> and so on, instead of printing it.

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "accel/locator.h"
@@ -32,6 +33,11 @@ public:
 
   /// The tree as it is, which leaves an empty one with the builders' scratch.
   Tree take();
+
+  /// The cells of another tree whose places in its cells() have a bit set, under what of its nodes
+  /// leads to them: neither cells nor values are looked at, only boxes. Odd cells are not marked.
+  void take_part(const Tree& from, std::span<const std::uint64_t> kept_slots,
+                 const core::Threads& threads);
 
   /// Marks a few cells, until the next build or refit; see OddSlots.
   void mark_odd(const mesh::MeshView& mesh, std::span<const std::int64_t> ids,
@@ -76,6 +82,8 @@ private:
   void build_in_morton_order(const mesh::MeshView& mesh, const Owners& owners,
                              const core::Threads& threads);
   void flatten(const void* root, const core::Threads& threads);
+  template <class Kept>
+  void emit_part(const Tree& from, const Kept& kept, const core::Threads& threads);
   /// Encodes all nodes, bottom up. fit(begin, end, slot): encodes some of a level, whose cells
   /// start at the slot, and returns their children's area.
   template <class Fit>

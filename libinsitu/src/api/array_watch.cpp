@@ -51,6 +51,9 @@ bool is_checked() {
 void ArrayWatch::remember(const mesh::Mesh& mesh, const core::Threads& threads) {
   arrays_.clear();
   mesh_ = mesh.name();
+  adaptive_.remember(mesh, threads);
+  if (mesh.is_adaptive())
+    return;
   mesh.visit_arrays(
       [&](const mesh::ExternalArray& array, const std::string& name, mesh::Mesh::ArrayKind kind) {
         if (kind != mesh::Mesh::ArrayKind::field)
@@ -75,6 +78,8 @@ void ArrayWatch::refuse(const Array& a, std::size_t chunk) const {
 }
 
 void ArrayWatch::expect_unchanged(std::uint32_t said, const core::Threads& threads) const {
+  if (!(said & INSITU_CHANGED_TOPOLOGY))
+    adaptive_.expect_unchanged(threads);
   for (const Array& a : arrays_) {
     if (said & (a.kind == mesh::Mesh::ArrayKind::geometry
                     ? INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_TOPOLOGY
@@ -95,6 +100,7 @@ void ArrayWatch::expect_unchanged(std::uint32_t said, const core::Threads& threa
 }
 
 void ArrayWatch::expect_unchanged_chunk() {
+  adaptive_.expect_unchanged_chunk();
   for (Array& a : arrays_) {
     if (a.chunks.empty())
       continue;

@@ -18,7 +18,7 @@ namespace insitu::api {
 
 /// A mesh of a session, with the handle that the caller holds.
 struct SessionMesh {
-  SessionMesh(const std::string& name, core::Memory& memory) : mesh(name, memory) {}
+  SessionMesh(const std::string& name, core::Memory& memory) : mesh(name, memory), watch(memory) {}
   query::CommittedMesh mesh;
   ArrayWatch watch; ///< used by checked sessions
   insitu_mesh handle = nullptr;

@@ -124,6 +124,8 @@ public:
   void visit_arrays(ArrayVisitor visit) const;
   /// The same of one field alone; of none if there is no such field.
   void visit_field_arrays(const std::string& name, ArrayVisitor visit) const;
+  /// The same of all fields of one piece.
+  void visit_piece_fields(std::int32_t piece, ArrayVisitor visit) const;
   /// The copy audit, in the same order.
   std::vector<insitu_audit_entry> audit() const;
   std::int64_t bytes_borrowed() const;

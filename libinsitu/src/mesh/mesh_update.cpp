@@ -40,10 +40,15 @@ void Mesh::check_field(const Field& field) const {
                                   : cells ? pieces_[p].view.cell_count
                                           : piece_views_[p].vertex_count;
     if (field.pieces[p].layout.count != expected)
-      throw Error(INSITU_ERROR_FIELD, name + ", piece " + std::to_string(p) + ": " +
-                                          std::to_string(field.pieces[p].layout.count) +
-                                          " values for " + std::to_string(expected) +
-                                          (cells ? " cells" : " vertices"));
+      throw Error(INSITU_ERROR_FIELD,
+                  name + ", piece " + std::to_string(p) + ": " +
+                      std::to_string(field.pieces[p].layout.count) + " values for " +
+                      std::to_string(expected) + (cells ? " cells" : " vertices") +
+                      (amr_ ? amr_pieces_[p].is_patch ? " of the patch; insitu_mesh_patch says "
+                                                        "where it lies after a regrid"
+                                                      : " of the leaves; insitu_mesh_leaves says "
+                                                        "which they are after a regrid"
+                            : ""));
   }
 }
 
@@ -280,6 +285,11 @@ void Mesh::visit_field_arrays(const std::string& name, ArrayVisitor visit) const
       visit_field_piece(*field, p, visit);
 }
 
+void Mesh::visit_piece_fields(std::int32_t piece, ArrayVisitor visit) const {
+  for (const auto& field : fields_)
+    visit_field_piece(*field, std::size_t(piece), visit);
+}
+
 void Mesh::visit_arrays(ArrayVisitor visit) const {
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
     const std::string piece = piece_name(p);
@@ -295,8 +305,7 @@ void Mesh::visit_arrays(ArrayVisitor visit) const {
     for (int a = 0; a < 3; ++a)
       if (from.axes[a].given())
         visit(from.axes[a], piece + "axis " + std::to_string(a), ArrayKind::geometry);
-    for (const auto& field : fields_)
-      visit_field_piece(*field, p, visit);
+    visit_piece_fields(std::int32_t(p), visit);
   }
 }
 

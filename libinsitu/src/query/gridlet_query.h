@@ -106,9 +106,11 @@ inline void interpolate_in_gridlet(const mesh::GridletsView& all, const mesh::Fi
 /// (Zellmann 2023, section 5.2).
 class GridletFinder {
 public:
-  /// hint: a cell whose gridlet is tried first, or -1.
-  explicit GridletFinder(const GridletPlaces& places, std::int64_t hint = -1)
-      : places_(&places), all_(&places.gridlets()) {
+  /// hint: a cell whose gridlet is tried first, or -1. shown: a bit a gridlet, whether its cells
+  /// may answer; null: all.
+  explicit GridletFinder(const GridletPlaces& places, std::int64_t hint = -1,
+                         const std::uint64_t* shown = nullptr)
+      : places_(&places), all_(&places.gridlets()), shown_(shown) {
     for (int a = 0; a < 3; ++a)
       per_unit_[a] = 1.0 / all_->lattice.spacing[a];
     if (hint >= 0)
@@ -118,12 +120,12 @@ public:
   static constexpr bool finds_all = false;
 
   /// Whether a cell of a gridlet holds p strictly inside, and then which one (at: left alone
-  /// otherwise); if not, it may be in any cell. What it answers does not depend on the points
-  /// before.
+  /// otherwise), or none where the gridlet is not shown; if not, it may be in any cell. What it
+  /// answers does not depend on the points before.
   bool find(const math::Vec3d& p, Location& at, Reason& reason) {
     reason = Reason::certified;
     if (inside(p, at))
-      return true;
+      return hide(at, reason);
     for (int d = 0; d < places_->depth_count(); ++d) {
       const int depth = places_->depth(d);
       const double scale = double(std::int64_t(1) << depth);
@@ -140,7 +142,7 @@ public:
         continue;
       take(found);
       if (inside(p, at))
-        return true;
+        return hide(at, reason);
     }
     return false;
   }
@@ -156,6 +158,15 @@ private:
       cell += i << (3 * a);
     }
     return all_->is_full(cell);
+  }
+
+  /// True in any case.
+  bool hide(Location& at, Reason& reason) const {
+    if (shown_ && !((shown_[last_ >> 6] >> (last_ & 63)) & 1)) {
+      at = {};
+      reason = Reason::outside;
+    }
+    return true;
   }
 
   void take(std::int64_t gridlet) {
@@ -200,6 +211,7 @@ private:
 
   const GridletPlaces* places_;
   const mesh::GridletsView* all_;
+  const std::uint64_t* shown_;
   std::int64_t last_ = -1;
   double per_unit_[3]; ///< cells of depth 0
   // Of the last gridlet:

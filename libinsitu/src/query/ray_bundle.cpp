@@ -115,7 +115,7 @@ bool RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
 
 /// Without the tree, which is then asked for the others alone.
 void RayBundleLocator::locate_in_gridlets() {
-  GridletFinder finder(*sampler_.adaptive_->gridlets());
+  GridletFinder finder(*sampler_.adaptive_->gridlets(), -1, sampler_.shown_gridlets_);
   for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
     for_each_bit(s_.wanted[slot], [&](int k) {
       Reason why;

@@ -11,6 +11,7 @@
 #include "query/adaptive.h"
 #include "query/batch.h"
 #include "query/chart_image.h"
+#include "query/culled_cells.h"
 #include "query/direct_batch.h"
 #include "query/gridlet_query.h"
 #include "query/guessed_batches.h"
@@ -39,16 +40,17 @@ BatchAnswers& batch_answers() {
 /// Runs batches over points in their own or another order, and counts.
 class Batches {
 public:
-  /// counts, locators, adaptive: or null.
+  /// counts, locators, adaptive: or null. shown_gridlets: see GridletFinder.
   Batches(const PointQuery& query, LocateCounts* counts, const Locators* locators,
-          const Adaptive* adaptive)
+          const Adaptive* adaptive, const std::uint64_t* shown_gridlets)
       : locator_(query, batch_scratch()), counts_(counts),
         ray_counts_(locators ? &locators->ray_counts() : nullptr) {
     if (locators && locators->rays())
       by_rays_ = std::make_unique<RayBatch>(query, *locators->rays(), batch_scratch(), locator_,
                                             batch_answers());
     else if (adaptive && adaptive->gridlets())
-      by_gridlets_.emplace(GridletFinder(*adaptive->gridlets()), locator_, batch_answers());
+      by_gridlets_.emplace(GridletFinder(*adaptive->gridlets(), -1, shown_gridlets), locator_,
+                           batch_answers());
     else if (adaptive)
       by_leaves_.emplace(LeafFinder(adaptive->leaves()), locator_, batch_answers());
     else if (GuessedBatches::may_pay(query))
@@ -158,14 +160,16 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
   Reason why = Reason::outside;
   Location at;
   const GridletPlaces* const gridlets = adaptive_ ? adaptive_->gridlets() : nullptr;
+  bool found = false;
   if (gridlets)
-    GridletFinder(*gridlets, hint < mesh_->first_cell[1] ? hint : -1).find(p, at, why);
+    found = GridletFinder(*gridlets, hint < mesh_->first_cell[1] ? hint : -1, shown_gridlets_)
+                .find(p, at, why);
   else if (adaptive_)
-    LeafFinder(adaptive_->leaves()).find(p, at, why);
+    found = LeafFinder(adaptive_->leaves()).find(p, at, why);
   const bool proofs_count =
       mesh_->free_of_folds ||
       (!tree_->odd().empty() && options.alpha == 1.0 && !tree_->odd().may_hold(p));
-  if (!at && hint >= 0 && proofs_count && hint < mesh_->cell_count() && owns(hint)) {
+  if (!found && hint >= 0 && proofs_count && hint < mesh_->cell_count() && owns(hint)) {
     mesh::CellVertices cell;
     mesh::gather(*mesh_, hint, cell, options.alpha);
     const auto map = cells::inverse_map(cell.shape, cell.x, p);
@@ -174,13 +178,21 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
       why = Reason::certified;
     }
   }
-  if (!at && (gridlets || !adaptive_))
+  if (!found && !at && (gridlets || !adaptive_))
     at = PointQuery{*mesh_, *tree_, options}.locate(p, why);
   if (counts_)
     counts_->add(why);
   if (reason)
     *reason = why;
   return at;
+}
+
+Sampler Sampler::among(const CulledCells& cells) const {
+  Sampler some = *this;
+  some.tree_ = &cells.tree();
+  some.locators_ = nullptr; // these know all cells
+  some.shown_gridlets_ = cells.shown_gridlets();
+  return some;
 }
 
 void Sampler::count_certified(std::int64_t points) const {
@@ -193,7 +205,7 @@ void Sampler::count_certified(std::int64_t points) const {
 void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> locations,
                             const LocateOptions& options, std::span<std::uint8_t> reasons) const {
   const PointQuery query{*mesh_, *tree_, options};
-  Batches batches(query, counts_, locators_, adaptive_);
+  Batches batches(query, counts_, locators_, adaptive_, shown_gridlets_);
   std::vector<Vec3d> images(chart_ ? std::min<std::size_t>(batch_size, points.size()) : 0);
   for (std::size_t first = 0; first < points.size(); first += batch_size) {
     const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
@@ -231,7 +243,7 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
         sorts ? order_->sort(threads, part, *tree_) : std::span<const accel::morton::Coded>();
     threads.parallel_for(
         std::int64_t(part.size()), grain, [&](std::int64_t begin, std::int64_t end) {
-          Batches batches(query, counts_, locators_, adaptive_);
+          Batches batches(query, counts_, locators_, adaptive_, shown_gridlets_);
           if (!sorts) {
             const auto count = std::size_t(end - begin);
             auto own = part.subspan(std::size_t(begin));

@@ -18,6 +18,7 @@ class Tree;
 namespace insitu::query {
 
 class Adaptive;
+class CulledCells;
 class Locators;
 class SpatialOrder;
 struct ChartImage;
@@ -102,6 +103,10 @@ public:
     return s;
   }
 
+  /// The same for points of which only those in some cells matter; all others come out as outside.
+  /// The cells must outlive it, and be made of this sampler.
+  Sampler among(const CulledCells& cells) const;
+
   /// The lowest flat cell id of the closed cells that hold p. hint: a cell to try first, or -1;
   /// it changes the time, not the answer, unless cells overlap without folding: then the hint's
   /// cell may answer, and in standard any that holds p.
@@ -169,6 +174,7 @@ private:
   const Locators* locators_;
   const Adaptive* adaptive_;
   const ChartImage* chart_;
+  const std::uint64_t* shown_gridlets_ = nullptr; ///< a bit each; null: all
 };
 
 } // namespace insitu::query

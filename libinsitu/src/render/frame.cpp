@@ -34,11 +34,14 @@ public:
       tracing.depth = settings.depth || settings.cell;
       paths_.emplace(sampler, *settings.volume, tracing, settings.camera, settings.lighting.lights,
                      settings.clips, structures, threads);
-    } else if (settings.volume)
-      volume_.emplace(sampler, *settings.volume,
-                      volume_structures(sampler, *settings.volume,
-                                        std::int64_t(settings.width) * settings.height, structures),
-                      settings.lighting, !settings.clips.empty());
+      culled_ = paths_->culled();
+    } else if (settings.volume) {
+      const VolumeStructures needed = volume_structures(
+          sampler, *settings.volume, std::int64_t(settings.width) * settings.height, structures);
+      volume_.emplace(sampler, *settings.volume, needed, settings.lighting,
+                      !settings.clips.empty());
+      culled_ = needed.culled;
+    }
     if (!settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
         settings.outline)
       surfaces_.emplace(sampler, settings, structures);
@@ -51,6 +54,8 @@ public:
   }
 
   double step() const { return volume_ ? volume_->step() : 0.0; }
+  /// Or null.
+  const query::CulledCells* culled() const { return culled_; }
 
   void draw_tile(int x0, int y0, FrameImages& images, Counters& counters) const {
     thread_local std::vector<RayState> states;
@@ -134,6 +139,7 @@ private:
   std::optional<VolumeMarcher> volume_;
   std::optional<PathTracer> paths_;
   std::optional<Surfaces> surfaces_;
+  const query::CulledCells* culled_ = nullptr;
 };
 
 } // namespace
@@ -178,6 +184,9 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
     statistics->samples = counters.samples;
     statistics->skipped = counters.skipped;
     statistics->step = renderer.step();
+    const query::CulledCells* const culled = renderer.culled();
+    statistics->primitives = culled ? culled->primitives() : 0;
+    statistics->culled = culled ? culled->culled() : 0;
     statistics->cells_tested = counters.cells_tested;
     statistics->evaluations = counters.evaluations;
     statistics->hits = counters.hits;

@@ -50,6 +50,8 @@ struct FrameStatistics {
   std::int64_t samples = 0; ///< located for the volume
   std::int64_t skipped = 0; ///< samples in macrocells that nothing shows of
   double step = 0;          ///< of the volume, its finest; 0 without one
+  /// Of a culled volume: gridlets and stitching cells, and those that nothing shows of.
+  std::int64_t primitives = 0, culled = 0;
   std::int64_t cells_tested = 0;
   std::int64_t evaluations = 0; ///< of fields inside cells, for isosurfaces
   std::int64_t hits = 0;        ///< of surfaces

@@ -8,6 +8,7 @@
 
 #include "accel/tree.h"
 #include "core/status.h"
+#include "render/cell_values.h"
 
 namespace insitu::render {
 
@@ -15,7 +16,7 @@ namespace {
 
 using math::Vec3d;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double infinity = CellValues::infinity;
 constexpr double largest_count = 0x1p24;
 
 /// The box of a cell's vertices.
@@ -142,33 +143,6 @@ void raise_to(double& at, double v) {
   while (v > now && !value.compare_exchange_weak(now, v, std::memory_order_relaxed)) {
   }
 }
-
-/// What samples in a cell may be: within [lower, upper], or no number.
-struct CellValues {
-  double lower = infinity, upper = -infinity;
-  bool nan = false;
-
-  void add(double v) {
-    nan = nan || v - v != 0;
-    v += 0.0; // one zero, so that it does not matter who comes first
-    lower = v < lower ? v : lower;
-    upper = v > upper ? v : upper;
-  }
-  void finish(bool interpolated) {
-    if (!nan && interpolated) {
-      const double slack =
-          1e-6 * (upper - lower) + 0x1p-48 * std::max(std::fabs(lower), std::fabs(upper));
-      lower -= slack;
-      upper += slack;
-    } else if (nan && lower <= upper && (lower == -infinity || upper == infinity)) {
-      lower = -infinity; // what is between infinite and finite vertices
-      upper = infinity;
-    } else if (nan) { // a NaN at one vertex is one everywhere in the cell
-      lower = infinity;
-      upper = -infinity;
-    }
-  }
-};
 
 /// Which macrocells the boxes of cells meet.
 class Raster {

@@ -38,7 +38,7 @@ double Medium::extinction_of_opacity(double opacity) const {
 
 double Medium::extinction(double value) const {
   const double opacity = function_.opacity(value);
-  return opacity > 0 ? extinction_of_opacity(opacity) : 0.0;
+  return opacity >= TransferFunction::invisible ? extinction_of_opacity(opacity) : 0.0;
 }
 
 Color Medium::albedo(double value) const {

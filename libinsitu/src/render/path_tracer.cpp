@@ -38,8 +38,10 @@ PathTracer::PathTracer(const query::Sampler& sampler, const VolumeSettings& volu
                        const std::vector<Light>& lights, const std::vector<Clip>& clips,
                        Structures& structures, const core::Threads& threads)
     : settings_(checked(settings, volume)),
-      medium_(sampler, volume.field, volume.function, settings.density,
-              unit_distance_of(sampler, volume),
+      culled_(volume.culling == Culling::always ? structures.culled(volume.field, volume.function)
+                                                : nullptr),
+      medium_(culled_ ? sampler.among(*culled_) : sampler, volume.field, volume.function,
+              settings.density, unit_distance_of(sampler, volume),
               structures.majorants(volume.field, volume.function, settings.cells_per_macrocell),
               threads, structures.memory()),
       lights_(lights, camera), clips_(clips), low_(sampler.tree().bounds_min()),

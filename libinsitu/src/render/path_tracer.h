@@ -25,8 +25,9 @@ namespace insitu::render {
 class PathTracer {
 public:
   /// Of a volume's settings those of marching (steps, lighting) are not used. Asks structures for
-  /// majorants. The sampler's mesh, the clips and settings.sums must outlive it. Throws core::Error
-  /// (INSITU_ERROR_ARGUMENT or INSITU_ERROR_FIELD) for what is out of range.
+  /// majorants, and for what is not culled if that is asked for (Culling::always). The sampler's
+  /// mesh, the clips and settings.sums must outlive it. Throws core::Error (INSITU_ERROR_ARGUMENT
+  /// or INSITU_ERROR_FIELD) for what is out of range.
   PathTracer(const query::Sampler& sampler, const VolumeSettings& volume,
              const PathTracingSettings& settings, const Camera& camera,
              const std::vector<Light>& lights, const std::vector<Clip>& clips,
@@ -42,6 +43,9 @@ public:
   void trace(std::span<RayState> rays, std::span<const std::int64_t> pixels,
              PathCounts& counts) const;
 
+  /// Where collisions are looked for, if culling is asked for; else null.
+  const query::CulledCells* culled() const { return culled_; }
+
 private:
   friend class PathWave;
 
@@ -49,6 +53,7 @@ private:
   bool clip_to_bounds(const Ray& ray, double& near, double& far) const;
 
   PathTracingSettings settings_;
+  const query::CulledCells* culled_;
   Medium medium_;
   PathLights lights_;
   const std::vector<Clip>& clips_;

@@ -235,7 +235,8 @@ bool PathWave::resolve(Path& path, const query::Location& location) {
   }
   if (path.is_shadow)
     return dim(path, share);
-  return path.random.unit() < share ? collide(path, value) : true;
+  // What does not show takes no random number: it is as if nothing were there.
+  return share > 0 && path.random.unit() < share ? collide(path, value) : true;
 }
 
 bool PathWave::dim(Path& path, double share) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/timer.h"
+
 namespace insitu::render {
 
 void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, std::uint64_t fields,
@@ -11,14 +13,20 @@ void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, st
     averages_.clear();
     gradients_.clear();
     scalar_ranges_.clear();
-    for (auto& [key, entry] : macrocells_)
-      entry.is_fresh = false;
-    for (auto& [key, entry] : majorants_)
-      entry.is_fresh = false;
+    const auto age = [](auto& entries) {
+      for (auto& [key, entry] : entries)
+        entry.is_fresh = false;
+    };
+    age(macrocells_);
+    age(majorants_);
+    age(primitive_ranges_);
+    age(culled_);
   }
   if (geometry != geometry_) {
     macrocells_.clear();
     majorants_.clear();
+    primitive_ranges_.clear();
+    culled_.clear();
     triangles_.erase(std::string());
   }
   sampler_ = std::make_unique<query::Sampler>(sampler);
@@ -40,6 +48,8 @@ void Structures::end() {
   drop_unused(scalar_ranges_);
   drop_unused(macrocells_);
   drop_unused(majorants_);
+  drop_unused(primitive_ranges_);
+  drop_unused(culled_);
   drop_unused(gradients_);
   drop_unused(triangles_);
 }
@@ -87,8 +97,9 @@ ScalarRange Structures::scalar_range(const ScalarField& field) {
 }
 
 const Macrocells& Structures::macrocells(const ScalarField& field, double cells_each) {
-  MacrocellsEntry& entry = macrocells_[{key_of(field), cells_each}];
+  ValuesEntry<Macrocells>& entry = macrocells_[{key_of(field), cells_each}];
   entry.used = true;
+  const core::Timer timer;
   if (!entry.value) {
     entry.value = std::make_unique<Macrocells>(*sampler_, field, *threads_, *memory_, cells_each);
     ++counts_.macrocells;
@@ -97,6 +108,7 @@ const Macrocells& Structures::macrocells(const ScalarField& field, double cells_
     ++counts_.macrocells_refreshed;
   }
   entry.is_fresh = true;
+  seconds_.macrocells += timer.seconds();
   return *entry.value;
 }
 
@@ -108,32 +120,70 @@ const Macrocells& Structures::macrocells_with_sizes(const ScalarField& field) {
   return cells;
 }
 
+/// The function's own, or one that nobody has asked for in this cycle, which gives its memory.
+template <class Map>
+typename Map::mapped_type& Structures::entry_of(Map& map, const typename Map::key_type& key,
+                                                const TransferFunction& function) {
+  const auto [first, last] = map.equal_range(key);
+  auto at = std::find_if(first, last, [&](const auto& of) { return of.second.is_of(function); });
+  if (at == last)
+    at = std::find_if(first, last, [](const auto& of) { return !of.second.used; });
+  if (at == last)
+    at = map.emplace(key, typename Map::mapped_type{});
+  at->second.is_fresh = at->second.is_fresh && at->second.is_of(function);
+  at->second.used = true;
+  return at->second;
+}
+
 const Majorants& Structures::majorants(const ScalarField& field, const TransferFunction& function,
                                        double cells_each) {
   const Macrocells& cells = macrocells(field, cells_each);
-  const GridKey key{key_of(field), cells_each};
-  const auto [first, last] = majorants_.equal_range(key);
-  auto at = std::find_if(first, last, [&](const auto& of) { return of.second.is_of(function); });
-  if (at == last) // one that nobody has asked for in this cycle gives its memory
-    at = std::find_if(first, last, [](const auto& of) { return !of.second.used; });
-  if (at == last)
-    at = majorants_.emplace(key, MajorantsEntry{});
-  MajorantsEntry& entry = at->second;
-  const bool is_same = entry.is_of(function);
+  FunctionEntry<Majorants>& entry = entry_of(majorants_, {key_of(field), cells_each}, function);
+  if (entry.value && entry.is_fresh)
+    return *entry.value;
+  const core::Timer timer;
   if (!entry.value)
     entry.value = std::make_unique<Majorants>(cells, function, *threads_, *memory_);
-  else if (!entry.is_fresh || !is_same)
+  else
     entry.value->refresh(cells, function, *threads_);
-  else {
-    entry.used = true;
-    return *entry.value;
-  }
+  entry.set(function);
   ++counts_.majorants;
-  entry.opacity = function.opacity_points();
-  entry.nan_opacity = function.nan_opacity();
-  entry.scale = function.scale();
-  entry.used = entry.is_fresh = true;
+  seconds_.majorants += timer.seconds();
   return *entry.value;
+}
+
+const PrimitiveRanges& Structures::primitive_ranges(const ScalarField& field) {
+  ValuesEntry<PrimitiveRanges>& entry = primitive_ranges_[key_of(field)];
+  entry.used = true;
+  const core::Timer timer;
+  if (!entry.value) {
+    entry.value = std::make_unique<PrimitiveRanges>(*sampler_, field, *threads_, *memory_);
+    ++counts_.primitive_ranges;
+  } else if (!entry.is_fresh) {
+    entry.value->refresh(*sampler_, field, *threads_);
+    ++counts_.primitive_ranges_refreshed;
+  }
+  entry.is_fresh = true;
+  seconds_.primitive_ranges += timer.seconds();
+  return *entry.value;
+}
+
+const query::CulledCells* Structures::culled(const ScalarField& field,
+                                             const TransferFunction& function) {
+  if (!PrimitiveRanges::serve(*sampler_, field))
+    return nullptr;
+  const PrimitiveRanges& ranges = primitive_ranges(field);
+  FunctionEntry<query::CulledCells>& entry = entry_of(culled_, key_of(field), function);
+  if (entry.value && entry.is_fresh)
+    return entry.value.get();
+  const core::Timer timer;
+  if (!entry.value)
+    entry.value = std::make_unique<query::CulledCells>(*memory_);
+  ranges.cull(*sampler_, function, *threads_, *entry.value);
+  entry.set(function);
+  ++counts_.culled;
+  seconds_.culled += timer.seconds();
+  return entry.value.get();
 }
 
 const VertexGradients& Structures::gradients(const ScalarField& vertex_field) {

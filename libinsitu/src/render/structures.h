@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "query/sampler.h"
 #include "render/macrocells.h"
+#include "render/primitive_ranges.h"
 #include "render/scalar_field.h"
 #include "render/triangle_mesh.h"
 #include "render/vertex_average.h"
@@ -28,6 +29,8 @@ public:
     std::int64_t averages = 0, value_ranges = 0, scalar_ranges = 0;
     std::int64_t macrocells = 0, macrocells_refreshed = 0; ///< built; given new values
     std::int64_t majorants = 0; ///< classified, for the first time or anew
+    std::int64_t primitive_ranges = 0, primitive_ranges_refreshed = 0; ///< made; given new values
+    std::int64_t culled = 0; ///< trees of what shows, made for the first time or anew
     std::int64_t boundaries = 0, bodies = 0, gradients = 0;
     Counts& operator+=(const Counts& b) {
       averages += b.averages;
@@ -36,12 +39,23 @@ public:
       macrocells += b.macrocells;
       macrocells_refreshed += b.macrocells_refreshed;
       majorants += b.majorants;
+      primitive_ranges += b.primitive_ranges;
+      primitive_ranges_refreshed += b.primitive_ranges_refreshed;
+      culled += b.culled;
       boundaries += b.boundaries;
       bodies += b.bodies;
       gradients += b.gradients;
       return *this;
     }
     friend bool operator==(const Counts&, const Counts&) = default;
+  };
+
+  /// What was spent on some of them in all, in seconds.
+  struct Seconds {
+    double macrocells = 0;       ///< built and refreshed
+    double majorants = 0;        ///< classified
+    double primitive_ranges = 0; ///< made and refreshed
+    double culled = 0;           ///< classified, and the tree of what shows
   };
 
   explicit Structures(core::Memory& memory) : memory_(&memory) {}
@@ -65,6 +79,10 @@ public:
   /// Of macrocells(field); classified anew when the values or the function's opacities change.
   const Majorants& majorants(const ScalarField& field, const TransferFunction& function,
                              double cells_each = 64);
+  /// What a function shows of an adaptive mesh, for which the field's PrimitiveRanges are kept;
+  /// made anew when the values or the function's opacities change. Null where there are none to
+  /// cull.
+  const query::CulledCells* culled(const ScalarField& field, const TransferFunction& function);
   /// Of a vertex field, or of an average's field().
   const VertexGradients& gradients(const ScalarField& vertex_field);
   /// The mesh's boundary faces; kept while the geometry holds.
@@ -74,6 +92,7 @@ public:
 
   core::Memory& memory() const { return *memory_; }
   const Counts& counts() const { return counts_; }
+  const Seconds& seconds() const { return seconds_; }
 
 private:
   /// Field, association, component (range_component()), average.
@@ -85,12 +104,16 @@ private:
   };
   template <class T>
   using Entries = std::map<Key, Entry<T>>;
-  struct MacrocellsEntry {
-    std::unique_ptr<Macrocells> value;
+  /// Kept while the geometry holds, and given new values in place.
+  template <class T>
+  struct ValuesEntry {
+    std::unique_ptr<T> value;
     bool used = false, is_fresh = false;
   };
-  struct MajorantsEntry {
-    std::unique_ptr<Majorants> value;
+  /// The same of what a function makes of values.
+  template <class T>
+  struct FunctionEntry {
+    std::unique_ptr<T> value;
     std::vector<OpacityPoint> opacity; ///< of the function
     double nan_opacity = 0;
     Scale scale = Scale::linear;
@@ -99,22 +122,35 @@ private:
       return opacity == function.opacity_points() && nan_opacity == function.nan_opacity() &&
              scale == function.scale();
     }
+    void set(const TransferFunction& function) {
+      opacity = function.opacity_points();
+      nan_opacity = function.nan_opacity();
+      scale = function.scale();
+      is_fresh = true;
+    }
   };
+  template <class Map>
+  static typename Map::mapped_type& entry_of(Map& map, const typename Map::key_type& key,
+                                             const TransferFunction& function);
   Key key_of(const ScalarField& field) const;
   template <class T>
   static void drop_unused(T& entries);
+  const PrimitiveRanges& primitive_ranges(const ScalarField& field);
 
   core::Memory* memory_;
   std::unique_ptr<query::Sampler> sampler_;
   const core::Threads* threads_ = nullptr;
   std::uint64_t geometry_ = 0, fields_ = 0;
   Counts counts_;
+  Seconds seconds_;
   Entries<VertexAverage> averages_;
   Entries<accel::ValueRanges> value_ranges_;
   Entries<ScalarRange> scalar_ranges_;
   using GridKey = std::pair<Key, double>; ///< with the cells to a macrocell
-  std::map<GridKey, MacrocellsEntry> macrocells_;
-  std::multimap<GridKey, MajorantsEntry> majorants_;
+  std::map<GridKey, ValuesEntry<Macrocells>> macrocells_;
+  std::multimap<GridKey, FunctionEntry<Majorants>> majorants_;
+  std::map<Key, ValuesEntry<PrimitiveRanges>> primitive_ranges_;
+  std::multimap<Key, FunctionEntry<query::CulledCells>> culled_;
   Entries<VertexGradients> gradients_;
   std::map<std::string, Entry<TriangleMesh>> triangles_; ///< by file; the boundary without a name
 };

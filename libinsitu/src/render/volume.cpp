@@ -50,9 +50,10 @@ VolumeMarcher::Scratch& VolumeMarcher::scratch() {
 VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings& settings,
                              const VolumeStructures& structures, const Lighting& lighting,
                              bool clipped)
-    : sampler_(sampler), field_(settings.field), function_(settings.function),
-      step_(ray_step(sampler, settings)), unit_distance_(unit_distance_of(sampler, settings)),
-      clipped_(clipped), majorants_(settings.skip_empty ? structures.majorants : nullptr),
+    : sampler_(sampler), located_(structures.culled ? sampler.among(*structures.culled) : sampler),
+      field_(settings.field), function_(settings.function), step_(ray_step(sampler, settings)),
+      unit_distance_(unit_distance_of(sampler, settings)), clipped_(clipped),
+      majorants_(settings.skip_empty ? structures.majorants : nullptr),
       low_(sampler.tree().bounds_min()), high_(sampler.tree().bounds_max()) {
   // Trees round their boxes outwards by 2^-22, see accel::round_down. Taken back, but for half a
   // float's rounding, that is where the mesh ends.
@@ -95,6 +96,8 @@ void VolumeMarcher::set_surfaces(const SceneSurfaces* surfaces) {
 void VolumeMarcher::start(RayState& ray) const {
   ray.next = ray.end = 0;
   ray.is_thin = false;
+  if (located_.tree().empty()) // all of it is culled
+    return;
   std::optional<Stretch> in = stretch_in_box(ray.ray, low_, high_);
   if (!in || !(in->to >= 0) || !std::isfinite(in->to) || (clipped_ && ray.stays.empty()))
     return;
@@ -144,7 +147,7 @@ std::int64_t VolumeMarcher::march_thin(std::span<RayState> rays) const {
   if (s.active.empty())
     return 0;
   s.found.resize(s.points.size());
-  sampler_.locate_serial(s.points, s.found, options_);
+  located_.locate_serial(s.points, s.found, options_);
   for (std::size_t a = 0; a < s.active.size(); ++a) {
     RayState& ray = rays[s.active[a]];
     if (s.found[a])
@@ -225,7 +228,7 @@ void VolumeMarcher::march_bundle(std::span<RayState> rays, int row, VolumeCounts
   }
   if (s.active.empty())
     return;
-  query::RayBundleLocator locator(sampler_, options_);
+  query::RayBundleLocator locator(located_, options_);
   locator.set_rays(s.rays, row, step_);
   const ScalarValues values(field_, sampler_.mesh());
   const bool is_plain = !preintegration_ && !shader_ && !clipped_;

@@ -20,6 +20,10 @@ namespace insitu::render {
 
 class Structures;
 
+/// if_it_pays: see culling_pays(); of path tracing never, whose samples are few where nothing
+/// shows.
+enum class Culling { never, if_it_pays, always };
+
 /// A field drawn as a medium that emits and absorbs.
 struct VolumeSettings {
   ScalarField field;
@@ -33,6 +37,11 @@ struct VolumeSettings {
   insitu_accuracy accuracy = INSITU_STANDARD; ///< of locating the samples
   /// Nothing is looked for where the macrocells say that nothing shows. The image is the same.
   bool skip_empty = true;
+  /// On the dual of an adaptive mesh samples can be looked for only in gridlets and stitching cells
+  /// that the function shows anything of, in a tree of these alone. The image is the same but where
+  /// a sample lies on a face of what is left out, whose value then comes from the cell beyond: by
+  /// rounding. Not with `preintegrated`, which needs values that do not show too.
+  Culling culling = Culling::if_it_pays;
   /// Between two samples the function is integrated over all values between theirs, instead of
   /// being asked at the samples alone. Vertex fields only: a cell field has but one value in a
   /// cell.
@@ -59,16 +68,22 @@ struct VolumeCounts {
 
 /// What a frame's volume needs of the structures that frames share. Null where it needs none.
 struct VolumeStructures {
-  const Majorants* majorants = nullptr;   ///< to skip what is empty
-  const Macrocells* macrocells = nullptr; ///< with cells' sizes, for a tolerance
+  const Majorants* majorants = nullptr;       ///< to skip what is empty
+  const query::CulledCells* culled = nullptr; ///< where samples are looked for; null: everywhere
+  const Macrocells* macrocells = nullptr;     ///< with cells' sizes, for a tolerance
 };
 /// rays: of the frame.
 VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSettings& settings,
                                    std::int64_t rays, Structures& structures);
 /// Whether macrocells are made for skipping: if the samples that they are likely to save, by a look
-/// at some cells, are more than the cells that have to be read once.
-bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings,
-                   std::int64_t rays);
+/// at some cells, are more than the cells that have to be read once; ten times as many where those
+/// that do not show are culled already, and cost little.
+bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings, std::int64_t rays,
+                   bool culled = false);
+/// Whether a tree of what shows is made for a frame: if the samples that are likely to lie in
+/// primitives that do not show, by the same look, are more than three times the primitives, since a
+/// primitive's range and place take a third of what a sample saves.
+bool culling_pays(const query::Sampler& sampler, const VolumeSettings& settings, std::int64_t rays);
 
 /// Marches rays through a volume. Sample i of a ray lies at (i + 1/2) * step and stands for the
 /// distances from i * step to (i + 1) * step, whatever the mesh; the first and the last in the
@@ -127,6 +142,7 @@ private:
            std::int64_t cell) const;
 
   query::Sampler sampler_;
+  query::Sampler located_; ///< the same, or among what is not culled
   ScalarField field_;
   TransferFunction function_;
   query::LocateOptions options_;

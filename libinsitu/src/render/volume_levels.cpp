@@ -91,7 +91,7 @@ void VolumeMarcher::march_levels(std::span<RayState> rays, VolumeCounts& counts)
       s.planned_end.push_back(s.all_planned.size());
     }
     s.found.resize(s.points.size());
-    sampler_.locate_serial(s.points, s.found, options_);
+    located_.locate_serial(s.points, s.found, options_);
     counts.samples += std::int64_t(s.points.size());
     std::size_t kept = 0, at = 0;
     for (std::size_t a = 0; a < s.active.size(); ++a) {

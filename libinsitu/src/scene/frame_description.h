@@ -86,6 +86,9 @@ struct OpacityPoint {
   double value = 0, opacity = 0;
 };
 
+/// See render/volume.h.
+enum class Culling { never, automatic, always };
+
 struct Volume {
   Name field;
   Component component;
@@ -99,6 +102,7 @@ struct Volume {
   bool preintegrated = false;      ///< all values between two samples count; not with a tolerance
   bool shading = false;            ///< lit by the field's gradient
   std::optional<double> tolerance; ///< of opacity and colour; nothing: even steps
+  Culling culling = Culling::automatic;
   int line = 0;
 };
 

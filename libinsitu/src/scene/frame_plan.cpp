@@ -5,6 +5,7 @@
 
 #include "render/macrocells.h"
 #include "render/path_settings.h"
+#include "render/primitive_ranges.h"
 #include "scene/action.h"
 
 namespace insitu::scene {
@@ -138,18 +139,46 @@ private:
                                                   : "a vertex field");
     if (!frame_.path_tracing)
       macrocells(what, v);
+    if (mesh_.mesh().has_stand_in() && render::PrimitiveRanges::serve(mesh_.sampler(), {field}))
+      culling(what, v);
+  }
+
+  /// Of gridlets and stitching cells.
+  void culling(const std::string& what, const Volume& v) {
+    const std::string item = "tree of what shows of " + what;
+    // Of all primitives; the tree at most as large as the mesh's.
+    const std::int64_t ranges = query::CulledCells::primitives_of(mesh_.sampler()) *
+                                render::PrimitiveRanges::bytes_a_primitive;
+    const std::int64_t most = ranges + mesh_.tree().bytes();
+    if (v.culling == Culling::never)
+      plan_.skip(item, "culling is not asked for");
+    else if (v.preintegrated && !frame_.path_tracing)
+      plan_.skip(item, "pre-integration needs what does not show too");
+    else if (v.culling == Culling::always)
+      plan_.need(item, most, "at most; culling");
+    else if (frame_.path_tracing)
+      plan_.skip(item, "path tracing takes few samples where nothing shows");
+    else if (shows_all(v))
+      plan_.skip(item, "the opacity is nowhere 0, of NaN neither");
+    else
+      plan_.need(item, -1,
+                 "to cull what does not show, if a look at some cells tells that it pays; then " +
+                     std::to_string(ranges) + " to " + std::to_string(most) + " bytes");
+  }
+
+  static bool shows_all(const Volume& v) {
+    return v.nan_opacity > 0 && !v.opacity.empty() &&
+           std::all_of(v.opacity.begin(), v.opacity.end(),
+                       [](const OpacityPoint& p) { return p.opacity > 0; });
   }
 
   void macrocells(const std::string& what, const Volume& v) {
     const std::string item = "macrocells of " + what;
     // A range of two doubles, a mark and a majorant each.
     const std::int64_t bytes = (mesh_.tree().cell_count() / 64 + 1) * 21;
-    const bool shows_all = v.nan_opacity > 0 && !v.opacity.empty() &&
-                           std::all_of(v.opacity.begin(), v.opacity.end(),
-                                       [](const OpacityPoint& p) { return p.opacity > 0; });
     if (v.tolerance)
       plan_.need(item, bytes, "the volume has a tolerance");
-    else if (shows_all)
+    else if (shows_all(v))
       plan_.skip(item, "the opacity is nowhere 0, of NaN neither");
     else
       plan_.need(item, -1,

@@ -217,6 +217,9 @@ render::VolumeSettings FrameSettingsMaker::volume(const query::CommittedMesh& me
   to.preintegrated = from.preintegrated;
   to.shading = from.shading;
   to.tolerance = from.tolerance;
+  constexpr render::Culling culling[] = {render::Culling::never, render::Culling::if_it_pays,
+                                         render::Culling::always};
+  to.culling = culling[int(from.culling)];
   return to;
 }
 

@@ -32,7 +32,7 @@ Volume parse_volume(const Cursor& cursor, const ParseContext& context) {
   volume.line = cursor.line();
   const MapReader map(cursor, {"field", "component", "colors", "range", "scale", "below", "above",
                                "nan", "opacity", "nan_opacity", "unit_distance", "smooth",
-                               "preintegrated", "shading", "tolerance"});
+                               "preintegrated", "shading", "tolerance", "culling"});
   if (const auto field = map.require("field")) {
     assign(volume.field, parse_name(*field));
   }
@@ -64,6 +64,11 @@ Volume parse_volume(const Cursor& cursor, const ParseContext& context) {
       tolerance->fail("pre-integration takes even steps, a tolerance makes them uneven; one of "
                       "them expected");
     }
+  }
+  if (const auto culling = map.find("culling")) {
+    assign(volume.culling, culling->choice<Culling>({{"never", Culling::never},
+                                                     {"auto", Culling::automatic},
+                                                     {"always", Culling::always}}));
   }
   return volume;
 }

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "adaptive_meshes.h"
+#include "amr_frames.h"
 #include "commands.h"
 #include "format.h"
 #include "openvkl_parts.h"
@@ -289,7 +290,9 @@ Output amr(const Options& options) {
                        static_cast<long long>(r.lost), number(r.error).c_str(),
                        static_cast<long long>(r.wrong_at_centres), i + 1 < rows.size() ? "," : "");
   }
-  out.json += "}\n";
+  const AmrFrames frames = measure_amr_frames(options);
+  out.exit_code = frames.differ ? 1 : 0;
+  out.json = "{\n" + frames.json + out.json.substr(2) + "}\n";
   const insitu_amr_info& info = *rows[0].info;
   out.text += format("\ndual mesh of the patches: %s gridlets of %s cubes, %s stitching cells, "
                      "%s folded, %s leaves split\n",
@@ -309,10 +312,12 @@ Output amr(const Options& options) {
   out.text += format("million samples a second of one field at random points and on a raster of "
                      "%d^3; error: at the cells' centres\n(wrong: by more than 1e-5)\n",
                      raster_side(options));
+  out.text += "\n" + frames.text;
   if (!options.peers)
     return out;
+  out.text += "\n";
   if (rows[0].peer.empty()) {
-    out.text += std::string("\nno samples by Open VKL: ") + no_openvkl + "\n";
+    out.text += std::string("no samples by Open VKL: ") + no_openvkl + "\n";
     return out;
   }
   for (const auto& [ours, theirs, row] :

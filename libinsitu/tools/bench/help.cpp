@@ -12,7 +12,8 @@ Times libinsitu on the standard workload, checks its answers and holds them agai
   torture  who loses or misplaces how many points on small meshes of all hard cases
   scale    cost of build and queries by number of cells, and of queries by size of the batch
   amr      an adaptive mesh: the dual mesh with gridlets beside the same as plain hexahedra, and
-           the solver's own cells (`nearest`); with --peers Open VKL's AMR volume
+           the solver's own cells (`nearest`); with --peers Open VKL's AMR volume; frames with and
+           without culling by the transfer function
   effects  what each effect of a frame adds to the bare one, in time and memory, alone and together
   render   frames of a volume: seconds, samples a second and error by step, one core and all; with
            --peers vtkUnstructuredGridVolumeRayCastMapper's and Open VKL's; Rathke 2015, tables 1 to 4

@@ -1,5 +1,6 @@
 /// p8est forests as adaptive meshes: placed, read in place, refused when they are no brick.
 #include <cstddef>
+#include <cstdlib>
 #include <gtest/gtest.h>
 #include <insitu/p4est.h>
 #include <map>
@@ -156,4 +157,38 @@ TEST_F(P4est, FewerTreesLeaveFewerPieces) {
     ASSERT_EQ(insitu_mesh_commit(mesh, nullptr), INSITU_OK) << insitu_last_message();
   }
   EXPECT_EQ(audit().size(), 3u);
+}
+
+/// Of p8est's own regrids a field of the quadrants as they are now tells; of quadrants that changed
+/// where they are, a checked session's commit.
+TEST_F(P4est, ARegridThatWasNotAnnouncedIsFoundOut) {
+  ASSERT_EQ(insitu_session_close(&session), INSITU_OK);
+  setenv("INSITU_CHECKED", "1", 1);
+  SetUp();
+  unsetenv("INSITU_CHECKED");
+  Forest f(p8est_connectivity_new_brick(2, 1, 1, 0, 0, 0));
+  ASSERT_EQ(insitu_p4est_mesh(mesh, f.forest, nullptr, nullptr), INSITU_OK);
+  ASSERT_EQ(give_density(f.forest), INSITU_OK) << insitu_p4est_message();
+  ASSERT_EQ(insitu_mesh_commit(mesh, nullptr), INSITU_OK) << insitu_last_message();
+  ASSERT_EQ(give_density(f.forest), INSITU_OK) << insitu_p4est_message();
+
+  auto* const q = const_cast<p8est_quadrant_t*>(f.quadrants(1)) + 3;
+  q->level = 2;
+  ASSERT_EQ(insitu_mesh_changed(mesh, INSITU_CHANGED_FIELDS), INSITU_OK);
+  EXPECT_EQ(insitu_mesh_commit(mesh, nullptr), INSITU_ERROR_ORDER);
+  const std::string half = std::to_string(P8EST_QUADRANT_LEN(1));
+  for (const std::string& word :
+       {std::string("piece 1, leaf 3"), "was level 1, corner (" + half + ", " + half + ", 0)",
+        std::string("now level 2, corner")})
+    EXPECT_NE(std::string(insitu_last_message()).find(word), std::string::npos)
+        << word << " not in: " << insitu_last_message();
+  q->level = 1;
+  EXPECT_EQ(insitu_mesh_commit(mesh, nullptr), INSITU_OK) << insitu_last_message();
+
+  f.refine();
+  expect_refused(give_density(f.forest), INSITU_ERROR_ORDER, "tree 0 has ");
+  expect_refused(give_density(f.forest), INSITU_ERROR_ORDER, "call insitu_p4est_mesh first");
+  ASSERT_EQ(insitu_p4est_mesh(mesh, f.forest, nullptr, nullptr), INSITU_OK);
+  ASSERT_EQ(give_density(f.forest), INSITU_OK) << insitu_p4est_message();
+  EXPECT_EQ(insitu_mesh_commit(mesh, nullptr), INSITU_OK) << insitu_last_message();
 }

@@ -1,7 +1,9 @@
 // What a plan says is what is made: bytes and counts of a run's structures against its plan.
+#include <cmath>
 #include <filesystem>
 #include <gtest/gtest.h>
 
+#include "../query/registered_amr.h"
 #include "../render/render_mesh.h"
 #include "core/context.h"
 #include "scene/parse.h"
@@ -112,6 +114,45 @@ TEST(Plan, MacrocellsAreWantedWhereSomethingMayBeEmpty) {
   EXPECT_TRUE(wants("opacity: [[0, 0], [1, 1]], nan_opacity: 1"));
   EXPECT_TRUE(wants("opacity: [[0, 0.1], [1, 1]]"));
   EXPECT_FALSE(wants("opacity: [[0, 0.1], [1, 1]], nan_opacity: 0.5"));
+}
+
+/// On an adaptive mesh: what culling holds is in the plan, and held only if it is asked for.
+TEST(Plan, CullingOfAdaptiveMeshes) {
+  RegisteredAmr amr({.seed = 2, .kind = 0, .roots = 3, .levels = 4}, INSITU_DUAL,
+                    [](const Vec3d& p) { return std::sin(p.x) + p.y; });
+  query::CommittedMesh* const list[] = {&amr.committed.mesh};
+  const auto run = [&](const std::string& keys, const std::string& effects = {}) {
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / ("insitu-plan-amr-" + std::to_string(::getpid()));
+    core::Context context(0, amr.committed.log);
+    scene::Statistics statistics;
+    scene::Runner runner(
+        scene::parse_scene_text("insitu: 1\nframes: [{name: f, size: [8, 8], " + effects +
+                                    "volume: {field: f, range: [0, 1], " + keys + "}}]",
+                                "s.yaml"),
+        folder.string(), context, statistics);
+    const scene::MeshList meshes{list};
+    const scene::Plan plan = runner.plan(meshes);
+    EXPECT_EQ(runner.execute(meshes, 0, 0.0), "");
+    std::filesystem::remove_all(folder);
+    for (const scene::Plan::Entry& e : plan.entries())
+      if (e.item == "tree of what shows of 'f'") {
+        const std::int64_t held = context.memory.current(INSITU_MEMORY_RANGES) +
+                                  context.memory.current(INSITU_MEMORY_TREE);
+        EXPECT_LE(held, std::max<std::int64_t>(e.bytes, 0)) << plan.text();
+        EXPECT_EQ(runner.structure_counts().culled, e.needed && e.bytes > 0 ? 1 : 0) << plan.text();
+        EXPECT_EQ(held > 0, e.needed && e.bytes > 0) << plan.text();
+        return std::pair(e.needed, e.why);
+      }
+    ADD_FAILURE() << plan.text();
+    return std::pair(false, std::string());
+  };
+  const std::string steps = "opacity: [[0.5, 0], [0.5, 1]]";
+  EXPECT_EQ(run("culling: always, " + steps), std::pair(true, std::string("at most; culling")));
+  EXPECT_TRUE(run(steps).first); // if it pays, which it does not for so few rays
+  EXPECT_FALSE(run("culling: never, " + steps).first);
+  EXPECT_FALSE(run("culling: always, preintegrated: true, " + steps).first);
+  EXPECT_FALSE(run("opacity: [[0, 1]], nan_opacity: 1").first);
 }
 
 } // namespace

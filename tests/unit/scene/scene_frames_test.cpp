@@ -145,6 +145,9 @@ TEST(SceneFrames, Volumes) {
   const Volume more = volume("preintegrated: true, shading: true");
   EXPECT_TRUE(more.preintegrated && more.shading);
   EXPECT_EQ(volume("tolerance: 0.01").tolerance, 0.01);
+  EXPECT_EQ(v.culling, Culling::automatic);
+  EXPECT_EQ(volume("culling: never").culling, Culling::never);
+  EXPECT_EQ(volume("culling: always").culling, Culling::always);
 }
 
 TEST(SceneFrames, ScalesAndColoursBeyondTheRange) {
@@ -172,13 +175,14 @@ TEST(SceneFrames, ScalesAndColoursBeyondTheRange) {
 
 TEST(SceneFrames, VolumeErrors) {
   EXPECT_NE(volume_error("tolerance: 0").find("tolerance"), std::string::npos);
+  EXPECT_NE(volume_error("culling: sometimes").find("auto"), std::string::npos);
   EXPECT_NE(volume_error("preintegrated: true, tolerance: 0.1").find("one of them expected"),
             std::string::npos);
   EXPECT_EQ(volume_error("opactiy: [[0, 0]]"),
             "s.yaml:2: key 'opactiy' is unknown in frames[0].volume; did you mean 'opacity'? "
             "(keys: field, "
             "component, colors, range, scale, below, above, nan, opacity, nan_opacity, "
-            "unit_distance, smooth, preintegrated, shading, tolerance)");
+            "unit_distance, smooth, preintegrated, shading, tolerance, culling)");
   EXPECT_EQ(error_of("frames: [{name: f, volume: {}}]"),
             "s.yaml:2: key 'field' is missing in frames[0].volume");
   EXPECT_EQ(volume_error("component: first"),

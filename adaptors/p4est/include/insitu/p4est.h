@@ -7,10 +7,10 @@
  * vertices scaled); where each lies follows from the connectivity's vertices. Any other
  * connectivity, and any geometry that bends trees, is refused by name.
  *
- *  Call both functions again whenever p4est may have moved its quadrants or records: after
- * refining, coarsening, balancing and partitioning. In between, insitu_mesh_changed(mesh,
- *  INSITU_CHANGED_FIELDS) says that the values are others. The forest and its records must stay
- * until the mesh is given another one, or its session is closed. */
+ *  Call both functions again, the mesh first, whenever p4est may have moved its quadrants or
+ *  records: after refining, coarsening, balancing and partitioning. In between,
+ * insitu_mesh_changed(mesh, INSITU_CHANGED_FIELDS) says that the values are others. The forest and
+ * its records must stay until the mesh is given another one, or its session is closed. */
 #ifndef INSITU_P4EST_H
 #define INSITU_P4EST_H
 
@@ -39,7 +39,8 @@ INSITU_P4EST_API insitu_status insitu_p4est_mesh(insitu_mesh mesh, p8est_t* fore
 
 /** A field of the cells: `components` values of a type, float32 or float64, side by side `offset`
  * bytes from where each quadrant's p.user_data points. The records stay where they are.
- *  INSITU_ERROR_ARGUMENT: the forest keeps no records, or they end before the values do. */
+ *  INSITU_ERROR_ARGUMENT: the forest keeps no records, or they end before the values do.
+ *  INSITU_ERROR_ORDER: the forest's quadrants are not those that insitu_p4est_mesh gave. */
 INSITU_P4EST_API insitu_status insitu_p4est_field(insitu_mesh mesh, p8est_t* forest,
                                                   const char* name, insitu_type type, size_t offset,
                                                   int32_t components);

@@ -4,7 +4,8 @@
  *  Any number of times after a commit, until the solver changes the arrays. The checked build (or
  *  INSITU_CHECKED=1 in the environment when the session is opened) answers a query, or a commit
  *  that was not told, by INSITU_ERROR_ORDER if coordinates, cells or ghosts are not what was
- *  committed. */
+ *  committed; of an adaptive mesh with the first leaf that lies elsewhere, or the patch whose
+ *  field's array has another shape. */
 #ifndef INSITU_C_QUERY_H
 #define INSITU_C_QUERY_H
 

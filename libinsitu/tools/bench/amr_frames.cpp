@@ -1,0 +1,226 @@
+#include "amr_frames.h"
+
+#include <algorithm>
+#include <cstring>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "format.h"
+#include "kept_frames.h"
+#include "paper/zellmann_meshes.h"
+#include "report.h"
+
+namespace insitu::bench {
+
+namespace {
+
+/// Pixels along an edge; few for the small meshes of tests.
+int frame_size(const Options& o) {
+  return o.cells[0] < 100'000 ? 48 : 256;
+}
+
+using render::FrameSettings;
+using render::Structures;
+
+/// Frames of one mesh and function.
+struct FrameRow {
+  std::string mesh, function;
+  std::int64_t primitives = 0, culled = 0, bytes = 0;
+  // Seconds. Of new values: macrocells' and primitives' ranges; of another function.
+  double refresh = 0, ranges = 0, reclassify = 0, cull = 0;
+  /// Of a frame when all is there: all samples, without empty macrocells where these pay, among
+  /// what is not culled, and both asked for.
+  double plain = 0, skip = 0, culled_plain = 0, culled_skip = 0;
+  double paths = 0, culled_paths = 0;
+  /// The same right after a commit of new values, as the library chooses but for culling; and with.
+  double fresh = 0, fresh_auto = 0;
+  bool auto_culls = false;
+  bool differs = false;
+};
+
+bool same(const core::Image& a, const core::Image& b) {
+  const std::size_t n = std::size_t(a.width) * std::size_t(a.height);
+  for (int y = 0; y < a.height; ++y)
+    if (std::memcmp(a.pixel(0, y), b.pixel(0, y), 16 * std::size_t(a.width)) != 0)
+      return false;
+  return n > 0;
+}
+
+class Measure {
+public:
+  Measure(const paper::AdaptiveCase& mesh, const Options& o)
+      : o_(o), name_(mesh.name()), held_(paper::hold(mesh, o.threads)) {}
+
+  FrameRow run(const std::string& name, std::vector<render::OpacityPoint> opacity) {
+    FrameRow row;
+    row.mesh = name_;
+    row.function = name;
+    FrameSettings s = paper::march_frame(*held_.mesh, frame_size(o_));
+    s.volume->function = {render::ColorMap::built_in("viridis"), 0.0, 1.0, opacity};
+    costs(s, row);
+    KeptFrames frames(*held_.mesh, held_.context->memory, held_.context->threads);
+    core::Image image[2];
+    for (const bool skip : {false, true})
+      for (const bool cull : {false, true}) {
+        s.volume->skip_empty = skip;
+        s.volume->culling = cull ? render::Culling::always : render::Culling::never;
+        render::FrameStatistics statistics;
+        double& seconds =
+            skip ? (cull ? row.culled_skip : row.skip) : (cull ? row.culled_plain : row.plain);
+        seconds = frames.time(s, o_.repetitions, &statistics);
+        image[cull] = frames.draw(s).color;
+        if (cull) {
+          row.primitives = statistics.primitives;
+          row.culled = statistics.culled;
+          row.differs = row.differs || !same(image[0], image[1]);
+        }
+      }
+    row.fresh = fresh(s, render::Culling::never).first;
+    std::tie(row.fresh_auto, row.auto_culls) = fresh(s, render::Culling::if_it_pays);
+    s.path_tracing = render::PathTracingSettings{};
+    s.path_tracing->samples = 1;
+    s.lighting.lights = {{render::Light::Kind::dome, {}, {1, 1, 1}}};
+    for (const bool cull : {false, true}) {
+      s.volume->culling = cull ? render::Culling::always : render::Culling::never;
+      (cull ? row.culled_paths : row.paths) = frames.time(s, o_.repetitions);
+      image[cull] = frames.draw(s).color;
+    }
+    row.differs = row.differs || !same(image[0], image[1]);
+    return row;
+  }
+
+private:
+  /// A frame with what it needs of new values, and whether something was culled.
+  std::pair<double, bool> fresh(FrameSettings s, render::Culling culling) const {
+    s.volume->skip_empty = true;
+    s.volume->culling = culling;
+    Structures structures(held_.context->memory);
+    const query::Sampler sampler = held_.mesh->sampler();
+    render::FrameStatistics statistics;
+    Series series;
+    for (int i = 0; i <= o_.repetitions; ++i) {
+      structures.begin(sampler, 0, std::uint64_t(i), held_.context->threads);
+      const auto draw = [&] {
+        (void)render::render_frame(sampler, s, structures, held_.context->threads, &statistics);
+      };
+      if (i > 0)
+        series.time(draw);
+      else
+        draw(); // touches pages
+      structures.end();
+    }
+    return {series.for_ratio(o_.threads), statistics.primitives > 0};
+  }
+
+  /// Of what frames keep: as after a commit of new values, and as after another function alone.
+  void costs(const FrameSettings& s, FrameRow& row) const {
+    const core::Memory& memory = held_.context->memory;
+    Structures structures(held_.context->memory);
+    const query::Sampler sampler = held_.mesh->sampler();
+    const render::VolumeSettings& v = *s.volume;
+    const render::TransferFunction other(render::ColorMap::built_in("viridis"), 0.0, 1.0,
+                                         {{0.0, 0.0}, {1.0, 0.5}});
+    std::uint64_t fields = 0;
+    const auto ask = [&](const render::TransferFunction& function) {
+      (void)structures.majorants(v.field, function);
+      (void)structures.culled(v.field, function);
+    };
+    const auto begin = [&] { structures.begin(sampler, 0, ++fields, held_.context->threads); };
+    begin();
+    const std::int64_t before = memory.current();
+    (void)structures.culled(v.field, v.function);
+    row.bytes = memory.current() - before;
+    ask(v.function); // touches pages
+    std::vector<double> seconds[4];
+    for (int i = 0; i < o_.repetitions; ++i) {
+      structures.end();
+      begin();
+      const Structures::Seconds was = structures.seconds();
+      ask(v.function);
+      const Structures::Seconds is = structures.seconds();
+      seconds[0].push_back(is.macrocells - was.macrocells);
+      seconds[1].push_back(is.primitive_ranges - was.primitive_ranges);
+      structures.end();
+      structures.begin(sampler, 0, fields, held_.context->threads);
+      ask(other);
+      structures.end();
+      structures.begin(sampler, 0, fields, held_.context->threads);
+      const Structures::Seconds then = structures.seconds();
+      ask(v.function);
+      seconds[2].push_back(structures.seconds().majorants - then.majorants);
+      seconds[3].push_back(structures.seconds().culled - then.culled);
+    }
+    double* const to[] = {&row.refresh, &row.ranges, &row.reclassify, &row.cull};
+    for (int i = 0; i < 4; ++i) {
+      Series series;
+      for (const double x : seconds[i])
+        series.add(x);
+      *to[i] = series.median();
+    }
+  }
+
+  const Options& o_;
+  std::string name_;
+  paper::Held held_;
+};
+
+} // namespace
+
+AmrFrames measure_amr_frames(const Options& options) {
+  std::vector<FrameRow> rows;
+  for (const bool octree : {false, true}) {
+    const paper::AdaptiveCase mesh = octree ? paper::AdaptiveCase::of_octree(options.cells[0])
+                                            : paper::AdaptiveCase::of_blocks(options.cells[0]);
+    Measure measure(mesh, options);
+    for (const auto& [name, opacity] : {std::pair<const char*, std::vector<render::OpacityPoint>>{
+                                            "shell", {{0.45, 0.0}, {0.5, 0.02}, {0.55, 0.0}}},
+                                        {"inside", {{0.5, 0.0}, {0.5, 0.005}, {1.0, 0.01}}},
+                                        {"all", {{0.0, 0.001}, {1.0, 0.005}}}}) {
+      progress(std::string("frames, ") + mesh.name() + ", " + name);
+      rows.push_back(measure.run(name, opacity));
+    }
+  }
+  AmrFrames out;
+  out.text = format("frames of %d x %d by ray marching, seconds. Ranges of macrocells and of "
+                    "primitives (gridlets and stitching cells)\n"
+                    "after new values; both classified after another function; ",
+                    frame_size(options), frame_size(options));
+  out.text += "a frame when these are there: all samples,\n"
+              "among what shows (cull), without empty macrocells where these pay (skip), both so; "
+              "after new values, with what these\n"
+              "take, as the library chooses without culling and with it (*: culls); paths: one a "
+              "pixel; MB: ranges and tree of what shows\n\n";
+  out.text += format("%-13s %-6s %6s | %7s %7s %7s %7s | %6s %6s %6s %6s | %7s %6s  | %6s %6s | "
+                     "%5s %s\n",
+                     "", "shows", "culled", "macroc.", "primit.", "major.", "cull", "all", "cull",
+                     "skip", "both", "without", "with", "paths", "cull", "MB", "images");
+  for (const FrameRow& r : rows) {
+    out.differ = out.differ || r.differs;
+    const double share = double(r.culled) / double(std::max<std::int64_t>(1, r.primitives));
+    out.text += format("%-13s %-6s %5.0f%% | %7.4f %7.4f %7.4f %7.4f | %6.3f %6.3f %6.3f %6.3f | "
+                       "%7.3f %6.3f%s | %6.3f %6.3f | %5.1f %s\n",
+                       r.mesh.c_str(), r.function.c_str(), 100.0 * share, r.refresh, r.ranges,
+                       r.reclassify, r.cull, r.plain, r.culled_plain, r.skip, r.culled_skip,
+                       r.fresh, r.fresh_auto, r.auto_culls ? "*" : " ", r.paths, r.culled_paths,
+                       1e-6 * double(r.bytes), r.differs ? "differ" : "same");
+    out.json += format("  %s: {\"primitives\": %lld, \"culled\": %lld, \"refresh_s\": %s, "
+                       "\"ranges_s\": %s, \"reclassify_s\": %s, \"cull_s\": %s, ",
+                       quoted("frames of " + r.mesh + ", " + r.function).c_str(),
+                       static_cast<long long>(r.primitives), static_cast<long long>(r.culled),
+                       number(r.refresh).c_str(), number(r.ranges).c_str(),
+                       number(r.reclassify).c_str(), number(r.cull).c_str());
+    out.json +=
+        format("\"frame_s\": %s, \"frame_culled_s\": %s, \"frame_skip_s\": %s, "
+               "\"frame_skip_culled_s\": %s, \"fresh_s\": %s, \"fresh_auto_s\": %s, "
+               "\"auto_culls\": %d, \"paths_s\": %s, \"paths_culled_s\": %s, "
+               "\"bytes\": %lld, \"differs\": %d},\n",
+               number(r.plain).c_str(), number(r.culled_plain).c_str(), number(r.skip).c_str(),
+               number(r.culled_skip).c_str(), number(r.fresh).c_str(), number(r.fresh_auto).c_str(),
+               int(r.auto_culls), number(r.paths).c_str(), number(r.culled_paths).c_str(),
+               static_cast<long long>(r.bytes), int(r.differs));
+  }
+  return out;
+}
+
+} // namespace insitu::bench
