@@ -4,6 +4,7 @@
 
 #include "core/status.h"
 #include "core/timer.h"
+#include "scene/field_between.h"
 #include "scene/output_times.h"
 #include "scene/release.h"
 #include "scene/tracer_action.h"
@@ -295,67 +296,22 @@ private:
       }
     const std::size_t width = out.columns.size();
     out.values.assign(items.size() * width, std::numeric_limits<double>::quiet_NaN());
-    const query::Sampler sampler = mesh.sampler();
     std::size_t column = 0;
     for (const mesh::FieldView& field : fields(mesh)) {
-      std::vector<mesh::FieldView> steps = mesh.mesh().earlier_fields(field.name);
-      steps.insert(steps.begin(), field);
-      steps.resize(std::min(steps.size(), std::size_t(1 + interval_steps_)));
-      const int count = interval_.usable(steps.size());
-      double weights[advect::most_steps] = {1.0};
-      if (count > 1)
-        interval_.weights(at.times[k], count, weights);
+      const FieldBetween between(mesh, field, interval_, interval_steps_, interval_before_,
+                                 to_api(tracer_.accuracy), at.times[k]);
       const auto n = std::size_t(field.components);
-      const std::optional<mesh::FieldView> before = earlier_values(field);
       environment_.context.threads.parallel_for(
           std::int64_t(items.size()), 512, [&](std::int64_t begin, std::int64_t end) {
             std::vector<double> u(n);
-            for (auto r = std::size_t(begin); r < std::size_t(end); ++r) {
-              const query::Location& place = at.places[items[r]];
-              double* to = out.values.data() + r * width + column;
-              if (before && blend_cells(*before, field, sampler, out.rows[r].position, place,
-                                        interval_.alpha(at.times[k]), u.data(), to))
-                continue;
-              if (!place)
-                continue;
-              std::fill(to, to + n, 0.0);
-              for (int s = 0; s < count; ++s) {
-                sampler.interpolate(steps[std::size_t(s)], place, u.data());
-                for (std::size_t c = 0; c < n; ++c)
-                  to[c] += weights[s] * u[c];
-              }
-            }
+            for (auto r = std::size_t(begin); r < std::size_t(end); ++r)
+              between.put(out.rows[r].position, at.places[items[r]], u.data(),
+                          out.values.data() + r * width + column);
           });
       column += n;
     }
     add_geodesics(out, [&](std::size_t r, double* to) { geodesics_.put_snapshot(items[r], to); });
     return out;
-  }
-
-  /// A field at the step before on its own cells, if it was kept and is the same kind of field.
-  std::optional<mesh::FieldView> earlier_values(const mesh::FieldView& field) const {
-    std::optional<mesh::FieldView> before;
-    if (interval_before_)
-      before = interval_before_->field(field.name);
-    return before && before->components == field.components ? before : std::nullopt;
-  }
-
-  /// A field's value at a place between two steps on different cells, as the velocity's
-  /// (CrossingVelocity); false where the step before does not hold it. u: scratch.
-  bool blend_cells(const mesh::FieldView& before, const mesh::FieldView& field,
-                   const query::Sampler& sampler, const math::Vec3d& x,
-                   const query::Location& place, double alpha, double* u, double* to) const {
-    const query::Sampler there = interval_before_->sampler();
-    const query::Location at = there.locate(x, -1, {to_api(tracer_.accuracy)});
-    if (!at)
-      return false;
-    there.interpolate(before, at, to);
-    if (!place)
-      return true;
-    sampler.interpolate(field, place, u);
-    for (int c = 0; c < field.components; ++c)
-      to[c] = (1.0 - alpha) * to[c] + alpha * u[c];
-    return true;
   }
 
   TrackRows rows(const query::CommittedMesh& mesh, const Step& step,
