@@ -85,16 +85,23 @@ GuessedBatches::GuessedBatches(const PointQuery& query, BatchScratch& scratch, B
 
 bool GuessedBatches::may_pay(const PointQuery& query) {
   const mesh::MeshView& mesh = query.mesh;
-  return mesh.free_of_folds && query.options.alpha == 1.0 && query.proof_is_enough() &&
-         (mesh.piece_count == 1 || mesh.one_mesh) && query.first_stored_cell() == 0;
+  return (mesh.free_of_folds || !query.tree.odd().empty()) && query.options.alpha == 1.0 &&
+         query.proof_is_enough() && (mesh.piece_count == 1 || mesh.one_mesh) &&
+         query.first_stored_cell() == 0;
 }
 
-/// Guesses at cells that no point may be in are taken back.
-void GuessedBatches::check_guesses(std::size_t n) {
+/// Guesses at cells that no point may be in are taken back, and where an odd cell may hold the
+/// point, so that a proof of another is worth nothing.
+void GuessedBatches::check_guesses(std::span<const Vec3d> points) {
   const mesh::MeshView& mesh = query_.mesh;
+  const std::size_t n = points.size();
   const auto cells = std::uint64_t(mesh.cell_count());
   for (std::size_t q = 0; q < n; ++q)
     s_.guessed[q] = std::uint64_t(s_.guessed[q]) < cells ? s_.guessed[q] : -1;
+  if (const accel::OddSlots& odd = query_.tree.odd(); !odd.empty())
+    for (std::size_t q = 0; q < n; ++q)
+      if (odd.may_hold(points[q]))
+        s_.guessed[q] = -1;
   if (all_own_)
     return;
   for (std::size_t q = 0; q < n; ++q)
@@ -106,11 +113,11 @@ void GuessedBatches::check_guesses(std::size_t n) {
     }
 }
 
-/// Of the n points from `from` on, a multiple of the spacing behind the first point with a known
-/// cell. Those with one get it as their answer.
-void GuessedBatches::guess(std::size_t from, std::size_t n) {
+/// Of points of which the first is number `from`, a multiple of the spacing, behind the first point
+/// with a known cell. Those with one get it as their answer.
+void GuessedBatches::guess(std::span<const Vec3d> points, std::size_t from) {
   const std::size_t spacing = std::size_t(1) << spacing_log_;
-  for (std::size_t q = 0; q < n; q += spacing) {
+  for (std::size_t q = 0; q < points.size(); q += spacing) {
     const std::size_t at = (from + q) >> spacing_log_;
     const std::int64_t cell = s_.anchors[at].cell;
     const std::int64_t next = at + 1 < s_.anchors.size()
@@ -119,7 +126,7 @@ void GuessedBatches::guess(std::size_t from, std::size_t n) {
     guess_between(cell, next, spacing_log_, &s_.guessed[q]);
     batch_.answer(q, s_.anchors[at], s_.reasons[at]);
   }
-  check_guesses(n);
+  check_guesses(points);
 }
 
 /// Points [begin, end); those behind are asked for.
@@ -159,7 +166,7 @@ void GuessedBatches::run(std::span<const Vec3d> points, std::size_t count, Put p
     const std::size_t n = std::min<std::size_t>(batch_size, count - from);
     ask_for_batch(points, from + n);
     batch_.begin(points.subspan(from, n));
-    guess(from - first, n);
+    guess(points.subspan(from, n), from - first);
     const std::int64_t proven = batch_.certify(s_.guessed, [](QueryId) {});
     proven_ += proven;
     batch_.answer_rest();

@@ -38,8 +38,8 @@ private:
   void run_by_tree(std::span<const math::Vec3d> points, std::size_t begin, std::size_t end,
                    Put put);
   void find_anchors(std::span<const math::Vec3d> points, std::size_t from);
-  void guess(std::size_t from, std::size_t n);
-  void check_guesses(std::size_t n);
+  void guess(std::span<const math::Vec3d> points, std::size_t from);
+  void check_guesses(std::span<const math::Vec3d> points);
 
   const PointQuery& query_;
   BatchLocator& tree_;

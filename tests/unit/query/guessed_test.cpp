@@ -132,6 +132,17 @@ TEST(Guessed, GhostCellsAreNotGuessed) {
   EXPECT_GT(check(m, centres(m.mesh.mesh().view()), "ghosts"), 1700);
 }
 
+// A few folded cells spoil the proofs about them alone.
+TEST(Guessed, AroundFoldedCellsTheTreeAnswers) {
+  test::TestMesh from = box(test::MeshKind::hexahedra, 16, 0.1);
+  const auto& middle = from.cells[from.cells.size() / 2 + 8].vertices;
+  from.vertices[std::size_t(middle[0])] = from.vertices[std::size_t(middle[6])];
+  from.vertices[std::size_t(middle[0])].x += 0.03;
+  const fixtures::Committed m(from, 1);
+  ASSERT_FALSE(m.sampler().mesh().free_of_folds);
+  EXPECT_GT(check(m, centres(m.mesh.mesh().view()), "folds"), 3000);
+}
+
 TEST(Guessed, OnlyWhereAProofIsEnough) {
   const fixtures::Committed m(box(test::MeshKind::hexahedra, 4), 1);
   const query::Sampler sampler = m.sampler();
