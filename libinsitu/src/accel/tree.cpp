@@ -1,6 +1,7 @@
 #include "accel/tree.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "accel/cell_boxes.h"
 #include "accel/embree/builder.h"
@@ -180,10 +181,8 @@ void Tree::flatten(const void* root_pointer, const core::Threads& threads) {
     });
     first_child[0] = 0;
     first_cell[0] = cell_total;
-    for (std::size_t i = 0; i < n; ++i) {
-      first_child[i + 1] += first_child[i];
-      first_cell[i + 1] += first_cell[i];
-    }
+    std::partial_sum(first_child.begin(), first_child.end(), first_child.begin());
+    std::partial_sum(first_cell.begin(), first_cell.end(), first_cell.begin());
     const std::uint32_t below = node_total + std::uint32_t(n);
     next.resize(first_child[n]);
     nodes_.resize(below);

@@ -1,4 +1,5 @@
 #include <bit>
+#include <numeric>
 
 #include "accel/fit.h"
 #include "accel/subtrees.h"
@@ -101,10 +102,8 @@ void Tree::emit_part(const Tree& from, const Kept& kept, const core::Threads& th
         });
     });
     first_cell[0] = cell_total;
-    for (std::size_t i = 0; i < n; ++i) {
-      first_child[i + 1] += first_child[i];
-      first_cell[i + 1] += first_cell[i];
-    }
+    std::partial_sum(first_child.begin(), first_child.end(), first_child.begin());
+    std::partial_sum(first_cell.begin(), first_cell.end(), first_cell.begin());
     const std::uint32_t below = node_total + std::uint32_t(n);
     next.resize(first_child[n]);
     nodes_.resize(below);

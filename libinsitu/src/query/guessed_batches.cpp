@@ -46,8 +46,9 @@ void guess_between(std::int64_t a, std::int64_t b, int log, std::int64_t* cells)
 /// From how few points the others' cells could have been guessed, at the least expected time: every
 /// 2^n-th; n = 0: asking the tree for all takes less.
 int best_spacing_log(std::span<const Location> located) {
-  // Of a guess, in parts of what the tree takes for a point; and what is worth changing for.
-  constexpr double guess_time = 0.45, worth = 0.85;
+  // Of a guess, in parts of what the tree takes for a point, in hexahedra, where that is most; and
+  // what is worth changing for.
+  constexpr double guess_time = 0.6, worth = 0.9;
   const int n = int(located.size());
   double least = worth;
   int best = 0;

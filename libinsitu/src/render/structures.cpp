@@ -96,20 +96,30 @@ ScalarRange Structures::scalar_range(const ScalarField& field) {
   return *entry.value;
 }
 
-const Macrocells& Structures::macrocells(const ScalarField& field, double cells_each) {
-  ValuesEntry<Macrocells>& entry = macrocells_[{key_of(field), cells_each}];
+/// The entry's structure, made if it is not there, or given the field's values if they are new.
+template <class T, class Make>
+const T& Structures::up_to_date(ValuesEntry<T>& entry, const ScalarField& field, std::int64_t& made,
+                                std::int64_t& refreshed, double& seconds, Make&& make) {
   entry.used = true;
   const core::Timer timer;
   if (!entry.value) {
-    entry.value = std::make_unique<Macrocells>(*sampler_, field, *threads_, *memory_, cells_each);
-    ++counts_.macrocells;
+    entry.value = make();
+    ++made;
   } else if (!entry.is_fresh) {
     entry.value->refresh(*sampler_, field, *threads_);
-    ++counts_.macrocells_refreshed;
+    ++refreshed;
   }
   entry.is_fresh = true;
-  seconds_.macrocells += timer.seconds();
+  seconds += timer.seconds();
   return *entry.value;
+}
+
+const Macrocells& Structures::macrocells(const ScalarField& field, double cells_each) {
+  return up_to_date(macrocells_[{key_of(field), cells_each}], field, counts_.macrocells,
+                    counts_.macrocells_refreshed, seconds_.macrocells, [&] {
+                      return std::make_unique<Macrocells>(*sampler_, field, *threads_, *memory_,
+                                                          cells_each);
+                    });
 }
 
 const Macrocells& Structures::macrocells_with_sizes(const ScalarField& field) {
@@ -153,19 +163,10 @@ const Majorants& Structures::majorants(const ScalarField& field, const TransferF
 }
 
 const PrimitiveRanges& Structures::primitive_ranges(const ScalarField& field) {
-  ValuesEntry<PrimitiveRanges>& entry = primitive_ranges_[key_of(field)];
-  entry.used = true;
-  const core::Timer timer;
-  if (!entry.value) {
-    entry.value = std::make_unique<PrimitiveRanges>(*sampler_, field, *threads_, *memory_);
-    ++counts_.primitive_ranges;
-  } else if (!entry.is_fresh) {
-    entry.value->refresh(*sampler_, field, *threads_);
-    ++counts_.primitive_ranges_refreshed;
-  }
-  entry.is_fresh = true;
-  seconds_.primitive_ranges += timer.seconds();
-  return *entry.value;
+  return up_to_date(
+      primitive_ranges_[key_of(field)], field, counts_.primitive_ranges,
+      counts_.primitive_ranges_refreshed, seconds_.primitive_ranges,
+      [&] { return std::make_unique<PrimitiveRanges>(*sampler_, field, *threads_, *memory_); });
 }
 
 const query::CulledCells* Structures::culled(const ScalarField& field,

@@ -129,6 +129,9 @@ private:
       is_fresh = true;
     }
   };
+  template <class T, class Make>
+  const T& up_to_date(ValuesEntry<T>& entry, const ScalarField& field, std::int64_t& made,
+                      std::int64_t& refreshed, double& seconds, Make&& make);
   template <class Map>
   static typename Map::mapped_type& entry_of(Map& map, const typename Map::key_type& key,
                                              const TransferFunction& function);

@@ -82,13 +82,15 @@ protected:
   }
 };
 
+Vec3d linear_in_space_and_time(const Vec3d& x, double t) {
+  return {0.1 - 0.3 * x.y + t * (0.2 * x.z - 0.05), 0.3 * x.x - 0.15 + 0.1 * t * x.y,
+          0.05 - 0.1 * x.z + t * (0.1 * x.x - 0.02)};
+}
+
 // What is linear in space is what each mesh says, whatever its cells, and what is linear in time is
 // what lies between the two.
 TEST_F(Crossing, ExactForFlowsLinearInSpaceAndTime) {
-  const Flow flow = [](const Vec3d& x, double t) {
-    return Vec3d{0.1 - 0.3 * x.y + t * (0.2 * x.z - 0.05), 0.3 * x.x - 0.15 + 0.1 * t * x.y,
-                 0.05 - 0.1 * x.z + t * (0.1 * x.x - 0.02)};
-  };
+  const Flow flow = linear_in_space_and_time;
   settings.integrator.tolerance = 1e-11;
   const auto seeds = random_points(61, 40, 0.3, 0.7);
   // Two steps: the time of each is long, and all that blends is right or wrong at once.
@@ -327,10 +329,7 @@ TEST_F(Crossing, EffectsGoAlong) {
 // Particles as dense as the fluid, with its added mass, go with it, whatever their response time,
 // if Du/Dt is right: the change from one mesh to the other, and the blended gradient.
 TEST_F(Crossing, InertiaFeelsTheChangeFromOneMeshToTheOther) {
-  const Flow flow = [](const Vec3d& x, double t) {
-    return Vec3d{0.1 - 0.3 * x.y + t * (0.2 * x.z - 0.05), 0.3 * x.x - 0.15 + 0.1 * t * x.y,
-                 0.05 - 0.1 * x.z + t * (0.1 * x.x - 0.02)};
-  };
+  const Flow flow = linear_in_space_and_time;
   settings.integrator.tolerance = 1e-11;
   const auto seeds = random_points(67, 20, 0.3, 0.7);
   advect::Effects effects;
