@@ -69,6 +69,14 @@ struct alignas(16) Node {
   INSITU_HD float scale(int axis) const {
     return std::bit_cast<float>(std::uint32_t(exponent[axis]) << 23);
   }
+  /// Bit c: there is a child c.
+  unsigned children() const {
+    // The high bit of every byte that is not 0, then these eight bits side by side.
+    constexpr std::uint64_t low = 0x7f7f7f7f7f7f7f7full;
+    const std::uint64_t all = std::bit_cast<std::uint64_t>(meta);
+    const std::uint64_t high = (((all & low) + low) | all) & ~low;
+    return unsigned(((high >> 7) * 0x0102040810204080ull) >> 56);
+  }
   INSITU_HD bool is_inner(int child) const { return (inner >> child) & 1; }
   INSITU_HD std::uint32_t child_node(int child) const {
     return first_child + std::uint32_t(std::popcount(unsigned(inner) & ((1u << child) - 1u)));

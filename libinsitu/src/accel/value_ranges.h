@@ -7,19 +7,22 @@
 
 namespace insitu::accel {
 
-/// Value ranges of one scalar over a tree's children, in side arrays of their own: made when a frame
-/// asks for them, and refreshed when values change. Rounded outwards to float.
+/// Value ranges of one scalar over a tree's children, in side arrays of their own: made when a
+/// frame asks for them, and refreshed when values change. Rounded outwards to float.
 class ValueRanges {
 public:
   /// component -1: the magnitude of a vector field.
   ValueRanges(const Tree& tree, const mesh::MeshView& mesh, const mesh::FieldView& field,
               int component, const core::Threads& threads, core::Memory& memory);
 
-  /// May a cell below this child take a value in [lo, hi]? Conservative. Cells with a NaN at a vertex
-  /// keep the range of their other vertices.
-  bool may_contain(std::uint32_t node, int child, float lo, float hi) const {
+  /// Bit c: a cell below child c may take a value in [lo, hi]. Conservative. Cells with a NaN at a
+  /// vertex keep the range of their other vertices.
+  unsigned may_contain(std::uint32_t node, float lo, float hi) const {
     const Range& r = ranges_[node];
-    return r.lower[child] <= hi && r.upper[child] >= lo;
+    unsigned bits = 0;
+    for (int c = 0; c < 8; ++c)
+      bits |= (unsigned(r.lower[c] <= hi) & unsigned(r.upper[c] >= lo)) << c;
+    return bits;
   }
 
   /// Over all owning cells; min() > max() if there is no value.

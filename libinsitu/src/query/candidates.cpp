@@ -154,7 +154,7 @@ HWY_INLINE void find_entry(const accel::Node* nodes, const QueryBoxes& queries, 
     for (int i = 0; i < entry.count; ++i) {
       const accel::Node& node = nodes[entry.node[i]];
       children.decode(node);
-      const unsigned hits = children.overlapping(queries.all) & present_children(node);
+      const unsigned hits = children.overlapping(queries.all) & node.children();
       if ((hits & ~unsigned(node.inner)) || next.count + std::popcount(hits) > 8)
         return;
       for (unsigned rest = hits; rest; rest &= rest - 1) {
@@ -227,7 +227,7 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
       const std::size_t n = runs[r + 1].begin - runs[r].begin;
       children.decode(node);
       // A box as wide as the node meets its absent children as well.
-      const unsigned inner = node.inner, leaves = present_children(node) & ~inner;
+      const unsigned inner = node.inner, leaves = node.children() & ~inner;
       std::uint8_t hits[batch_size + 8];
       if (leaves) {
         hwy::Prefetch(tree.cells() + node.first_cell);

@@ -23,16 +23,6 @@ namespace insitu::query::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Bit c: meta[c] is not 0.
-HWY_INLINE unsigned present_children(const accel::Node& node) {
-  std::uint64_t meta;
-  std::memcpy(&meta, node.meta, sizeof meta);
-  // The high bit of every byte that is not 0, then these eight bits side by side.
-  constexpr std::uint64_t low = 0x7f7f7f7f7f7f7f7full;
-  const std::uint64_t high = (((meta & low) + low) | meta) & ~low;
-  return unsigned(((high >> 7) * 0x0102040810204080ull) >> 56);
-}
-
 #if HWY_TARGET != HWY_SCALAR
 
 /// A node's child boxes, decoded once for all queries at the node. A child has two lanes side by

@@ -40,11 +40,11 @@ void check(const IsosurfaceSettings& s) {
 
 } // namespace
 
-bool IsosurfaceTracer::Group::needs(std::uint32_t node, int child) const {
+unsigned IsosurfaceTracer::Group::needed(std::uint32_t node) const {
+  unsigned children = 0;
   for (const Level& level : levels)
-    if (ranges->may_contain(node, child, level.low, level.high))
-      return true;
-  return false;
+    children |= ranges->may_contain(node, level.low, level.high);
+  return children;
 }
 
 IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
@@ -197,11 +197,11 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
                 counts};
   accel::for_each_cell_along_ray(
       sampler_.tree(), ray.origin, ray.direction, search.t_min, search.t_max,
-      [&](std::uint32_t node, int child) {
+      [&](std::uint32_t node) {
+        unsigned children = 0;
         for (const Group& group : groups_)
-          if (group.needs(node, child))
-            return true;
-        return false;
+          children |= group.needed(node);
+        return children;
       },
       [&](std::int64_t flat) {
         const mesh::MeshView& mesh = sampler_.mesh();

@@ -71,7 +71,8 @@ private:
     const accel::ValueRanges* ranges = nullptr;
     const VertexGradients* gradients = nullptr; ///< if a surface asks for them
     std::vector<Level> levels;
-    bool needs(std::uint32_t node, int child) const;
+    /// Bit c: a level may be in child c's values.
+    unsigned needed(std::uint32_t node) const;
   };
   /// What a trace goes on with from cell to cell.
   struct Search {

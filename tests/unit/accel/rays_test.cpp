@@ -47,7 +47,7 @@ struct Walk {
                           double t_max) const {
     std::vector<int> seen(cells.size(), 0);
     accel::for_each_cell_along_ray(
-        m.mesh.tree(), origin, direction, t_min, t_max, [](std::uint32_t, int) { return true; },
+        m.mesh.tree(), origin, direction, t_min, t_max, [](std::uint32_t) { return 255u; },
         [&](std::int64_t flat) {
           ++seen[std::size_t(flat)];
           return t_max;
@@ -114,7 +114,7 @@ TEST(Rays, StopWhereTheyAreTold) {
   // The first visit ends the ray: the rest of a chain of five cells is farther.
   int visits = 0;
   accel::for_each_cell_along_ray(
-      m.mesh.tree(), {-1, 2.5, 2.5}, {1, 0, 0}, 0, 100, [](std::uint32_t, int) { return true; },
+      m.mesh.tree(), {-1, 2.5, 2.5}, {1, 0, 0}, 0, 100, [](std::uint32_t) { return 255u; },
       [&](std::int64_t) {
         ++visits;
         return 0.0;
@@ -123,7 +123,7 @@ TEST(Rays, StopWhereTheyAreTold) {
   EXPECT_LE(visits, accel::most_leaf_cells);
   // What is not accepted is not visited.
   accel::for_each_cell_along_ray(
-      m.mesh.tree(), {-1, 2.5, 2.5}, {1, 0, 0}, 0, 100, [](std::uint32_t, int) { return false; },
+      m.mesh.tree(), {-1, 2.5, 2.5}, {1, 0, 0}, 0, 100, [](std::uint32_t) { return 0u; },
       [](std::int64_t) {
         ADD_FAILURE();
         return 0.0;

@@ -19,7 +19,7 @@ std::int64_t most_cells(const std::string& paper) {
   // zellmann: twelve a cube).
   const auto [largest, bytes] = paper == "morrical" ? std::pair(62e6, 1000.0)
                                 : paper == "rathke" ? std::pair(47e6, 400.0)
-                                                    : std::pair(660e6, 2500.0);
+                                                    : std::pair(660e6, 3700.0);
   return std::max(std::int64_t(300'000),
                   std::int64_t(std::min(largest, 0.75 * double(free_memory()) / bytes)));
 }
