@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "accuracy/images.h"
 #include "accuracy/sweeps.h"
@@ -54,19 +55,34 @@ public:
         .color;
   }
 
-  Setting measure(const std::string& group, const std::string& name, const FrameSettings& settings,
-                  const core::Image& truth) {
-    Setting s;
-    s.group = group;
-    s.name = name;
-    render::FrameStatistics statistics;
-    core::Image image;
+  /// A frame to be measured.
+  struct Frame {
+    std::string name;
+    FrameSettings settings;
+    bool is_default = false;
+  };
+  /// Draws them in turns, so that ratios of them tell. finish(setting, statistics) sets the work
+  /// and what follows the images' dissimilarity in Setting::more.
+  template <class Finish>
+  void measure(Sweep& to, const std::string& group, const std::vector<Frame>& frames,
+               const core::Image& truth, Finish&& finish) {
+    std::vector<Setting> settings(frames.size());
     for (int i = 0; i < extent_.repetitions; ++i)
-      s.time.time([&] { image = draw(settings, &statistics); });
-    s.error = rms_error(image, truth);
-    s.work = double(statistics.samples);
-    s.more = {dissimilarity(image, truth), double(statistics.skipped)};
-    return s;
+      for (std::size_t k = 0; k < frames.size(); ++k) {
+        Setting& s = settings[k];
+        render::FrameStatistics statistics;
+        core::Image image;
+        s.time.time([&] { image = draw(frames[k].settings, &statistics); });
+        if (i > 0)
+          continue;
+        s.group = group;
+        s.name = frames[k].name;
+        s.is_default = frames[k].is_default;
+        s.error = rms_error(image, truth);
+        s.more = {dissimilarity(image, truth)};
+        finish(s, statistics);
+      }
+    std::move(settings.begin(), settings.end(), std::back_inserter(to.settings));
   }
 
   /// VTK's ray cast mapper, if there is one and it has a display; else says why not.
@@ -87,8 +103,6 @@ public:
     s.more = {dissimilarity(vtk->color, truth), std::nan("")};
     to.settings.push_back(std::move(s));
   }
-
-  int repetitions() const { return extent_.repetitions; }
 
 private:
   static Options options(const Extent& extent) {
@@ -151,36 +165,31 @@ Sweep sweep_volume(const Extent& extent) {
     converged.volume->step_factor /= 64; // of order 2: 256 times better than the finest step below
     converged.volume->preintegrated = true;
     const core::Image truth = drawing.draw(converged, nullptr);
-    for (const bool preintegrated : {false, true})
-      for (const double factor : {4.0, 2.0, 1.0, 0.5, 0.25}) {
-        FrameSettings settings = base;
-        settings.volume->step_factor *= factor;
-        settings.volume->preintegrated = preintegrated;
-        const std::string name =
-            (preintegrated ? "pre-integrated, step " : "plain, step ") + format("%g", factor);
-        s.settings.push_back(drawing.measure(group, name, settings, truth));
-      }
-    for (const double factor : {2.0, 1.0, 0.5}) {
+    std::vector<Drawing::Frame> frames;
+    const auto add = [&](const std::string& name, double factor, bool preintegrated, bool skips) {
       FrameSettings settings = base;
       settings.volume->step_factor *= factor;
-      settings.volume->skip_empty = true;
-      Setting one =
-          drawing.measure(group, format("plain, step %g, skipping", factor), settings, truth);
-      one.is_default = factor == 1.0;
-      s.settings.push_back(std::move(one));
+      settings.volume->preintegrated = preintegrated;
+      settings.volume->skip_empty = skips;
+      frames.push_back({name + format(", step %g", factor) + (skips ? ", skipping" : ""), settings,
+                        skips && !preintegrated && factor == 1.0});
+    };
+    for (const double factor : {4.0, 2.0, 1.0, 0.5, 0.25}) {
+      add("plain", factor, false, false);
+      add("pre-integrated", factor, true, false);
     }
-    {
-      FrameSettings settings = base;
-      settings.volume->skip_empty = settings.volume->preintegrated = true;
-      s.settings.push_back(
-          drawing.measure(group, "pre-integrated, step 1, skipping", settings, truth));
-    }
+    for (const double factor : {2.0, 1.0, 0.5})
+      add("plain", factor, false, true);
+    add("pre-integrated", 1.0, true, true);
     for (const double tolerance : {0.1, 0.01, 0.001}) {
-      FrameSettings settings = base;
-      settings.volume->tolerance = tolerance;
-      s.settings.push_back(
-          drawing.measure(group, format("error bound, %g", tolerance), settings, truth));
+      frames.push_back({format("error bound, %g", tolerance), base});
+      frames.back().settings.volume->tolerance = tolerance;
     }
+    drawing.measure(s, group, frames, truth,
+                    [](Setting& one, const render::FrameStatistics& statistics) {
+                      one.work = double(statistics.samples);
+                      one.more.push_back(double(statistics.skipped));
+                    });
     if (group == functions[0].first) // 8 bits a colour cannot follow a thin shell
       drawing.measure_peer(s, group, base, truth);
   }
@@ -201,7 +210,7 @@ Sweep sweep_path_tracing(const Extent& extent) {
   s.error_label = "error of the image, root mean square of linear colours";
   s.work_label = "points located";
   s.time_label = "seconds a frame, one core";
-  s.more_labels = {"variance of a pixel", "1 - structural similarity"};
+  s.more_labels = {"1 - structural similarity", "variance of a pixel"};
   Drawing drawing(extent);
   for (const auto scattering : {render::Scattering::single, render::Scattering::multiple}) {
     const std::string group =
@@ -217,22 +226,16 @@ Sweep sweep_path_tracing(const Extent& extent) {
     converged.path_tracing->samples = reference_samples;
     converged.path_tracing->seed = 1;
     const core::Image truth = drawing.draw(converged, nullptr);
+    std::vector<Drawing::Frame> frames;
     for (const int samples : {1, 4, 16, 64, most_samples}) {
-      FrameSettings settings = base;
-      settings.path_tracing->samples = samples;
-      Setting one;
-      one.group = group;
-      one.name = group + ", " + std::to_string(samples);
-      one.is_default = samples == 64;
-      render::FrameStatistics statistics;
-      core::Image image;
-      for (int i = 0; i < drawing.repetitions(); ++i)
-        one.time.time([&] { image = drawing.draw(settings, &statistics); });
-      one.error = rms_error(image, truth);
-      one.work = double(statistics.paths.locations);
-      one.more = {one.error * one.error, dissimilarity(image, truth)};
-      s.settings.push_back(std::move(one));
+      frames.push_back({group + ", " + std::to_string(samples), base, samples == 64});
+      frames.back().settings.path_tracing->samples = samples;
     }
+    drawing.measure(s, group, frames, truth,
+                    [](Setting& one, const render::FrameStatistics& statistics) {
+                      one.work = double(statistics.paths.locations);
+                      one.more.push_back(one.error * one.error);
+                    });
   }
   const Setting *single = s.default_of("single scattering"),
                 *multiple = s.default_of("multiple scattering"),
