@@ -15,10 +15,13 @@ namespace insitu::cells::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace mesh_simd = mesh::HWY_NAMESPACE;
 
-constexpr int ahead = 24; // a cell's vertices are asked for so many cells early
+// A cell's vertices are asked for so many cells early, and their ids some time before that.
+constexpr int ahead = 24, layout_ahead = 64;
 
 template <class Layout, bool interleaved>
 HWY_INLINE void ask_ahead(const mesh::CellArrays& m, const std::int64_t* cells, int i, int end) {
+  if (i + layout_ahead < end)
+    Layout::prefetch(m, cells[i + layout_ahead]);
   if (i + ahead >= end)
     return;
   std::int64_t places[8];

@@ -31,6 +31,14 @@ struct ScalarField {
     return std::sqrt(sum);
   }
 
+  /// Asks for an item that will be loaded.
+  void prefetch(std::int32_t piece, std::int64_t item) const {
+    const mesh::FieldPieceView& from = field.pieces[piece];
+    if (from.layout.linear)
+      __builtin_prefetch(from.component[component > 0 ? component : 0] +
+                         item * from.layout.stride[0]);
+  }
+
   /// The value at a location, which must be inside.
   double at(const mesh::MeshView& mesh, const query::Location& location) const {
     const std::int32_t piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(location.cell);
@@ -49,8 +57,8 @@ struct ScalarField {
   }
 };
 
-/// The least and the greatest finite value in owning cells or at their vertices; low > high if there
-/// is none.
+/// The least and the greatest finite value in owning cells or at their vertices; low > high if
+/// there is none.
 struct ScalarRange {
   double low = HUGE_VAL, high = -HUGE_VAL;
 };

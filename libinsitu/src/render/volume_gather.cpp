@@ -10,22 +10,34 @@ namespace insitu::render {
 
 using math::Vec3d;
 
+namespace {
+
+/// Bits [begin, end) of 32.
+std::uint32_t bits_between(std::int64_t begin, std::int64_t end) {
+  const auto below = [](std::int64_t n) {
+    return n <= 0 ? 0u : n >= 32 ? ~std::uint32_t(0) : (std::uint32_t(1) << n) - 1;
+  };
+  return below(end) & ~below(begin);
+}
+
+} // namespace
+
 /// What gather() makes of samples that nothing but the function says anything about.
 void VolumeMarcher::gather_plainly(RayState& ray, std::int64_t first, std::uint32_t wanted,
                                    const double* values, const query::Location* at) const {
   const Classifier& classify = classifiers_[0];
   Color color = ray.color; // in registers, from sample to sample
   float alpha = ray.alpha;
+  // Those whose stretch is a step: all but one or two at either end.
+  const std::uint32_t inner = bits_between(ray.first + 2 - first, ray.end - 2 - first);
   for (std::uint32_t rest = wanted; rest && alpha < saturated; rest &= rest - 1) {
     const int k = std::countr_zero(rest);
     if (!at[k])
       continue;
-    const double from = double(first + k) * step_, to = double(first + k + 1) * step_;
-    const bool whole = from - 0.5 * step_ >= ray.near && to + 0.5 * step_ <= ray.far;
     const ColorSample sample = classify(values[k]);
     if (!(sample.alpha > 0))
       continue;
-    if (whole && (alpha >= 0.5f || alpha + (1.0f - alpha) * sample.alpha < 0.5f)) {
+    if ((inner >> k & 1) && (alpha >= 0.5f || alpha + (1.0f - alpha) * sample.alpha < 0.5f)) {
       blend_behind(color, alpha, sample.color, sample.alpha);
       continue;
     }
