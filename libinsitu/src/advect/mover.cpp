@@ -344,6 +344,7 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
 
 template class Mover<DriftVelocity>;
 template class Mover<ChartVelocity>;
-template class Mover<CrossingVelocity>;
+template class Mover<CrossingVelocity<DriftVelocity>>;
+template class Mover<CrossingVelocity<ChartVelocity>>;
 
 } // namespace insitu::advect

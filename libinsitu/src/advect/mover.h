@@ -99,6 +99,7 @@ private:
 
 extern template class Mover<DriftVelocity>;
 extern template class Mover<ChartVelocity>;
-extern template class Mover<CrossingVelocity>;
+extern template class Mover<CrossingVelocity<DriftVelocity>>;
+extern template class Mover<CrossingVelocity<ChartVelocity>>;
 
 } // namespace insitu::advect

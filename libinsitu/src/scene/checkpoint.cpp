@@ -41,6 +41,18 @@ void KeptMesh::keep(core::Archive& archive, mesh::CellsCopy& cells) {
   archive.value("cells", fingerprint);
   step.keep(archive);
   cells.keep(archive);
+  bool has_chart = chart.has_value();
+  archive.value("has a chart", has_chart);
+  if (!has_chart)
+    return;
+  query::ChartImage image = chart.value_or(query::ChartImage{});
+  archive.value("radians", image.units.radians);
+  archive.value("kilometres", image.units.kilometres);
+  archive.value("down", image.units.down);
+  archive.value("west", image.west);
+  archive.value("north", image.north_from);
+  archive.value("south", image.south_from);
+  chart = image;
 }
 
 std::uint64_t fingerprint(const mesh::MeshView& mesh, const core::Threads& threads) {
@@ -132,7 +144,7 @@ void Runner::write_checkpoint(const std::string& path, MeshList meshes) {
     if (!mesh->lies_on_device()) {
       KeptMesh kept{mesh->mesh().name(),
                     fingerprint(mesh->mesh().view(), environment_.context.threads),
-                    mesh->mesh().copy_earlier()};
+                    mesh->mesh().copy_earlier(), mesh->earlier_chart()};
       kept.keep(archive, mesh->earlier_cells());
     }
   archive.commit(path);
@@ -165,7 +177,7 @@ void Runner::bring_back_earlier(MeshList meshes) {
       if (same_cells && !kept.step.fields.empty())
         mesh->mesh().set_earlier(kept.step);
       if (!same_cells) {
-        mesh->restore_earlier_mesh(kept.step, std::move(restored.cells), threads);
+        mesh->restore_earlier_mesh(kept.step, std::move(restored.cells), kept.chart, threads);
         continue;
       }
       for (const auto& action : actions_) {

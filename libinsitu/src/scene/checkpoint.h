@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "core/archive.h"
 #include "mesh/cells_copy.h"
 #include "mesh/mesh.h"
+#include "query/chart_image.h"
 
 /// What a checkpoint holds besides the tracers.
 namespace insitu::scene {
@@ -15,6 +17,7 @@ struct KeptMesh {
   std::string name;
   std::uint64_t fingerprint = 0;
   mesh::EarlierStep step;
+  std::optional<query::ChartImage> chart; ///< of a geodetic mesh: where its cells are
 
   /// cells: those of the step, or none.
   void keep(core::Archive& archive, mesh::CellsCopy& cells);
