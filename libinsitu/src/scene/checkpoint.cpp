@@ -82,7 +82,8 @@ std::string checkpoint_path(const std::string& folder, std::int64_t cycle) {
   return folder + "/" + std::string(file_begin) + digits + std::string(file_end);
 }
 
-void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::int64_t keep) {
+void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::int64_t keep,
+                            bool descends) {
   std::vector<std::int64_t> cycles;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
@@ -92,11 +93,13 @@ void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::
     std::int64_t of = 0;
     const char* end = name.data() + name.size() - file_end.size();
     const auto parsed = std::from_chars(name.data() + file_begin.size(), end, of);
-    if (parsed.ec == std::errc() && parsed.ptr == end && of <= cycle &&
+    if (parsed.ec == std::errc() && parsed.ptr == end && (descends ? of >= cycle : of <= cycle) &&
         entry.path().string() == checkpoint_path(folder, of))
       cycles.push_back(of);
   }
   std::sort(cycles.rbegin(), cycles.rend());
+  if (descends)
+    std::reverse(cycles.begin(), cycles.end());
   for (std::size_t i = std::size_t(keep); i < cycles.size(); ++i)
     std::filesystem::remove(checkpoint_path(folder, cycles[i]), error);
 }
@@ -194,7 +197,7 @@ void Runner::write_due_checkpoint(MeshList meshes) {
   if (!checkpoint_.every || cycle_ % *checkpoint_.every != 0)
     return;
   write_checkpoint(checkpoint_path(environment_.output, cycle_), meshes);
-  remove_old_checkpoints(environment_.output, cycle_, checkpoint_.keep);
+  remove_old_checkpoints(environment_.output, cycle_, checkpoint_.keep, descends_);
 }
 
 } // namespace insitu::scene

@@ -28,8 +28,9 @@ struct KeptMesh {
 std::uint64_t fingerprint(const mesh::MeshView& mesh, const core::Threads& threads);
 
 /// Removes the files that checkpoint_path() names in the folder for cycles up to `cycle`, but for
-/// the last `keep` of them.
-void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::int64_t keep);
+/// the last `keep` of them; descends: for those down to it, where a run's cycles go down.
+void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::int64_t keep,
+                            bool descends);
 std::string checkpoint_path(const std::string& folder, std::int64_t cycle);
 
 } // namespace insitu::scene
