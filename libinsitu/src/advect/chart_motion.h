@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "advect/space.h"
 #include "mesh/view.h"
@@ -39,6 +40,8 @@ public:
     const math::Vec3d x = geo::between_charts(units(), from, pole_, q);
     return pole_ == geo::Pole::none ? normalised(x) : x;
   }
+  /// Takes on the coordinates that are those on another mesh; true if they are others.
+  bool go_by(const ChartMotion& other) { return std::exchange(pole_, other.pole_) != other.pole_; }
   /// Whether positions come out of a turned chart.
   bool is_turned() const { return pole_ != geo::Pole::none; }
 

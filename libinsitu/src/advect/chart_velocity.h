@@ -33,6 +33,13 @@ public:
     return motion_.enter(position);
   }
   math::Vec3d position(const math::Vec3d& x) const { return motion_.position(x); }
+  /// From now on positions are in the coordinates in which another mesh's velocity has them.
+  void go_by(const ChartVelocity& other) {
+    if (!motion_.go_by(other.motion_))
+      return;
+    known_.x.x = std::numeric_limits<double>::quiet_NaN();
+    sized_ = -1;
+  }
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
     math::Vec3d image, metres;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
+#include "advect/chart_velocity.h"
 #include "advect/drift.h"
 
 namespace insitu::advect {
@@ -25,10 +27,15 @@ enum class Between : std::uint8_t {
 /// t0) / (t1 - t0), (1 - alpha) of what the step before has at the place and alpha of what the
 /// current one has, each located in its own cells and its own geometry. Where one of them does not
 /// hold the place, the other one's serves alone. Faces of either are kinks, so steps do not end at
-/// them. Stands where DriftVelocity does. One object serves one thread.
+/// them. V: DriftVelocity or, of geodetic meshes, ChartVelocity, where this stands; there each mesh
+/// has its own images of a place, and positions are in the current one's coordinates. One object
+/// serves one thread.
+template <class V>
 class CrossingVelocity {
+  static constexpr bool is_chart = std::is_same_v<V, ChartVelocity>;
+
 public:
-  /// As DriftVelocity's; before must outlive the object as well. Not of geodetic meshes.
+  /// As V's; before must outlive the object as well.
   CrossingVelocity(const query::Sampler& sampler, const mesh::FieldView& velocity,
                    const StepBefore& before, double t0, double t1, insitu_accuracy accuracy,
                    std::span<const Drift> drifts, Between between)
@@ -43,32 +50,31 @@ public:
     then_.begin(hint);
     in_now_ = in_then_ = false;
   }
-  math::Vec3d enter(const math::Vec3d& position) const { return position; }
-  math::Vec3d position(const math::Vec3d& x) const { return x; }
+  math::Vec3d enter(const math::Vec3d& position) {
+    const math::Vec3d x = now_.enter(position);
+    then_.go_by(now_);
+    return x;
+  }
+  math::Vec3d position(const math::Vec3d& x) const { return now_.position(x); }
+  void go_by(const CrossingVelocity& other) {
+    now_.go_by(other.now_);
+    then_.go_by(now_);
+  }
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
-    query::Location at;
-    return sample(x, t, v, at);
-  }
-  /// `at`: among the current cells, or none.
-  Sampled sample(const math::Vec3d& x, double t, math::Vec3d& v, query::Location& at) {
-    const double part = now_.flow().alpha(t);
     math::Vec3d u;
-    const Sampled now = now_.sample(x, t, v, at), then = then_.sample(x, t, u, there_);
-    asked_now_ = now != Sampled::outside;
-    asked_then_ = then != Sampled::outside;
-    if (!asked_now_ && (!asked_then_ || between_ == Between::current))
-      return Sampled::outside;
-    if (now == Sampled::not_finite || then == Sampled::not_finite)
-      return Sampled::not_finite;
-    change_ = {};
-    if (!asked_now_) {
-      v = u;
-    } else if (asked_then_) {
-      change_ = v - u;
-      v = (1.0 - part) * u + part * v;
-    }
-    return Sampled::inside;
+    const Sampled now = now_(x, t, v);
+    return between(t, now, then_(x, t, u), u, v);
+  }
+  /// At a point among the current cells; `at`: among them, or none.
+  Sampled sample(const math::Vec3d& x, double t, math::Vec3d& v, query::Location& at) {
+    const Sampled now = now_.sample(x, t, v, at);
+    const Space here = now_.space(), before = then_.space();
+    const math::Vec3d y = before.image_of(here, x);
+    math::Vec3d u;
+    const Sampled then = then_.sample(y, t, u, there_);
+    turned_ = !before.has_axes_of(here, x, y);
+    return between(t, now, then, before.in_axes_of(here, x, y, u), v);
   }
 
   void accepted() {
@@ -81,6 +87,15 @@ public:
   }
   /// Of the particle's position among the current cells, or -1.
   std::int64_t cell() const { return in_now_ ? now_.cell() : -1; }
+
+  /// Between two steps of integrate(), and what is long: of ChartVelocity.
+  void settle(math::Vec3d& x, math::Vec3d& rate) requires is_chart {
+    now_.settle(x, rate);
+    then_.go_by(now_);
+  }
+  double length(const math::Vec3d& x, const math::Vec3d& d) const requires is_chart {
+    return now_.length(x, d);
+  }
 
   /// See ExitingField. Within rounding of it, neither mesh holds more.
   std::optional<query::Exit> leave(const math::Vec3d& a, const math::Vec3d& b, double t,
@@ -105,30 +120,60 @@ public:
   bool blends_geometry() const { return false; }
 
   // Points among the cells.
-  Space space() const { return Space(nullptr); }
+  Space space() const { return now_.space(); }
   bool point(const math::Vec3d& x, math::Vec3d& point) const { return now_.point(x, point); }
-  math::Vec3d place(const math::Vec3d& point) const { return point; }
-  math::Vec3d in_frame(const math::Vec3d& point) const { return point; }
+  math::Vec3d place(const math::Vec3d& point) {
+    const math::Vec3d x = now_.place(point);
+    then_.go_by(now_);
+    return x;
+  }
+  math::Vec3d in_frame(const math::Vec3d& point) const { return now_.in_frame(point); }
+  bool comes_back(const math::Vec3d& point, std::int64_t cell, double alpha) requires is_chart {
+    const bool comes = now_.comes_back(point, cell, alpha);
+    then_.go_by(now_);
+    return comes;
+  }
   const MeshVelocity& flow() const { return now_.flow(); }
   // At the point sampled last.
   math::Vec3d rate_of_change(const query::Location&, double) const {
     const double interval = flow().interval();
     return interval != 0.0 ? change_ / interval : math::Vec3d{};
   }
+  /// Where the cells before are on a chart turned otherwise, of the current ones alone.
   math::Vec3d gradient(const query::Location& at, int component, double t) const {
     const math::Vec3d now = now_.gradient(at, component, t);
-    if (!asked_then_)
+    if (!asked_then_ || turned_)
       return now;
     const double part = flow().alpha(t);
     return (1.0 - part) * then_.gradient(there_, component, t) + part * now;
   }
 
 private:
-  DriftVelocity now_, then_;
+  /// Of what the current mesh has, v, and the one before, u.
+  Sampled between(double t, Sampled now, Sampled then, const math::Vec3d& u, math::Vec3d& v) {
+    const double part = now_.flow().alpha(t);
+    asked_now_ = now != Sampled::outside;
+    asked_then_ = then != Sampled::outside;
+    if (!asked_now_ && (!asked_then_ || between_ == Between::current))
+      return Sampled::outside;
+    if (now == Sampled::not_finite || then == Sampled::not_finite)
+      return Sampled::not_finite;
+    change_ = {};
+    if (!asked_now_) {
+      v = u;
+    } else if (asked_then_) {
+      change_ = v - u;
+      v = (1.0 - part) * u + part * v;
+    }
+    return Sampled::inside;
+  }
+
+  V now_, then_;
   Between between_;
   bool asked_now_ = false, asked_then_ = false; ///< the meshes that hold the point asked last
   bool in_now_ = false, in_then_ = false;       ///< and the particle's position
-  query::Location there_;                       ///< the point asked last, in the cells before
+  bool turned_ = false;                         ///< the axes before, where a point was sampled last
+  query::Location there_;                       ///< that point, in the cells before
   math::Vec3d change_;                          ///< of the velocity there over the interval
 };
 

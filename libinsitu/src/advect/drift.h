@@ -36,6 +36,7 @@ public:
   void begin(std::int64_t hint) { flow_.begin(hint); }
   math::Vec3d enter(const math::Vec3d& position) const { return position; }
   math::Vec3d position(const math::Vec3d& x) const { return x; }
+  void go_by(const DriftVelocity&) const {}
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
     query::Location at;

@@ -334,6 +334,7 @@ void Mover<V>::landed(Vec3d& x, const Spot& at) {
 
 template class Mover<DriftVelocity>;
 template class Mover<ChartVelocity>;
-template class Mover<CrossingVelocity>;
+template class Mover<CrossingVelocity<DriftVelocity>>;
+template class Mover<CrossingVelocity<ChartVelocity>>;
 
 } // namespace insitu::advect

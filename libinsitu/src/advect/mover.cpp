@@ -10,12 +10,6 @@ namespace insitu::advect {
 
 namespace {
 
-/// The part of a cell that a particle goes on along a wall, or back from it, in one step.
-constexpr double contact_cells = 0.1;
-/// A streamline that comes no further along a wall, or into a corner, than this part of a cell in
-/// such a step is at rest there.
-constexpr double rest_cells = 1e-7;
-
 /// A recorder as visitor of integrate().
 struct Told {
   Recorder& recorder;
@@ -213,137 +207,9 @@ insitu_ending Mover<V>::flow_to(State& p, double to, Work& work) {
   }
 }
 
-/// The velocity that particles have in the direction of time in which they go.
-template <class V>
-Sampled Mover<V>::velocity_at(const Vec3d& point, double time, Vec3d& v) {
-  query::Location here;
-  const Sampled sampled = velocity_.sample(point, time, v, here);
-  v = direction_ * v;
-  return sampled;
-}
-
-/// A particle that leaves or stops where it is, or else comes in again at a periodic side.
-template <class V>
-insitu_ending Mover<V>::pass(State& p, Spot at) {
-  Vec3d v;
-  velocity_.begin(at.cell);
-  if (const Sampled s = velocity_at(at.x, p.time, v); s != Sampled::inside)
-    return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
-  --steps_left_;
-  const double alpha = flow().geometry_alpha(p.time);
-  const Vec3d d = walls_.scale(at.x).coordinates(v);
-  const double skins = cells_crossed(d, walls_.skin(at, alpha));
-  const std::int64_t contacts = work_.contacts;
-  const Moved moved =
-      skins > 0.0 ? walls_.move(at, (8.0 / skins) * d, boundary_, alpha, p.length) : Moved::left;
-  if (moved == Moved::inside && work_.contacts == contacts)
-    return ending_of(boundary_.response == AtBoundary::stop ? Moved::stopped : Moved::left);
-  placed(p, at);
-  if (recorder_)
-    recorder_->straight(p);
-  return ending_of(moved);
-}
-
-/// Cells crossed per time. Beside a pole, where degrees of longitude are short, what a wall keeps a
-/// particle from does not count in them.
-template <class V>
-double Mover<V>::cells_along(const Spot& at, const Vec3d& v, const Vec3d& wall,
-                             double alpha) const {
-  const Vec3d extent = walls_.extent(at.cell, alpha);
-  const Scale per_metre = walls_.scale(at.x);
-  const double out = math::dot(v, wall);
-  if (!space_.is_chart() || boundary_.response != AtBoundary::slide || !(out > 0.0))
-    return cells_crossed(per_metre.coordinates(v), extent);
-  return std::max(cells_crossed(per_metre.coordinates(v - out * wall), extent),
-                  cells_crossed(out * wall, walls_.edges(at.cell, alpha)));
-}
-
-/// A particle that the velocity takes out of the mesh: goes on along the wall, or back from it, for
-/// as long as the velocity presses it to the wall.
-template <class V>
-insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
-  Spot at;
-  if (!find(p, at))
-    return INSITU_END_LEFT; // the mesh has moved away from it
-  if (boundary_.response == AtBoundary::leave || boundary_.response == AtBoundary::stop)
-    return pass(p, at);
-  Vec3d n; // of the wall it is at, once that is known
-  do {
-    Vec3d v;
-    ++work.evaluations;
-    velocity_.begin(at.cell);
-    if (const Sampled s = velocity_at(at.x, p.time, v); s != Sampled::inside)
-      return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
-    velocity_.accepted();
-    const double now = flow().geometry_alpha(p.time);
-    const Vec3d rate = walls_.scale(at.x).coordinates(v);
-    const double cells = cells_along(at, v, n, now);
-    if (settings_.ends_at_rest && !(cells > 0.0))
-      return INSITU_END_STAGNATED;
-    const auto same_axes = [&](const Vec3d& x) { // also behind a periodic side
-      return space_.same_axes(at.x, x) ||
-             (setup_->sides.any() && space_.same_axes(at.x, at.x + setup_->sides.between(at.x, x)));
-    };
-    const double remaining = direction_ * (to - p.time);
-    double h = std::min(cells > 0.0 ? contact_cells / cells : remaining, remaining);
-    if (settings_.max_step > 0.0)
-      h = std::min(h, settings_.max_step);
-    if (max_length_ - p.length < length_of(v) * h)
-      h = (max_length_ - p.length) / length_of(v);
-    const double until = h < remaining ? p.time + direction_ * h : to;
-    const double then = flow().geometry_alpha(until);
-    // Heun's method along the wall. What the wall itself moves is not resisted. Between its ends
-    // the step begins along the first rate, which led to `first`.
-    Vec3d mean = rate;
-    std::optional<Vec3d> first;
-    Spot end = at;
-    end.x = walls_.carry(at, now, then);
-    const Vec3d shift = end.x - at.x;
-    if (boundary_.response == AtBoundary::slide) {
-      Spot ahead = end;
-      double length = 0.0;
-      BoundaryEffect quiet = boundary_;
-      Vec3d v1;
-      if (walls_.move(ahead, h * rate - shift, quiet, then, length) == Moved::inside) {
-        velocity_.begin(ahead.cell);
-        ++work.evaluations;
-        if (velocity_at(ahead.x, until, v1) == Sampled::inside && same_axes(ahead.x)) {
-          mean = 0.5 * (rate + walls_.scale(ahead.x).coordinates(v1));
-          first = ahead.x;
-        }
-      }
-    }
-    const Vec3d from = at.x;
-    const Moved moved = walls_.move(end, h * mean - shift, boundary_, then, p.length);
-    n = walls_.wall();
-    const bool turned = !same_axes(end.x);
-    at = end;
-    p.time = until;
-    placed(p, at);
-    if (recorder_)
-      recorder_->bent(p, first && !turned ? Way(space_, setup_->sides, at.x, *first).displacement()
-                                          : Vec3d{});
-    ++work.steps;
-    --steps_left_;
-    if (moved != Moved::inside)
-      return ending_of(moved);
-    if (is_over())
-      return INSITU_END_REMOVED;
-    if (settings_.ends_at_rest && h * cells > 0.5 * contact_cells &&
-        cells_crossed(Way(space_, setup_->sides, from, at.x).displacement(),
-                      walls_.extent(at.cell, then)) <= rest_cells)
-      return INSITU_END_STAGNATED;
-    // On a flat wall it saves a step to find the wall again, to ask what is behind it.
-    const Vec3d behind = by_axis(n, walls_.skin(at, then));
-    if (boundary_.response != AtBoundary::slide || n == Vec3d{} || turned ||
-        walls_.is_inside(at.x + 8.0 * behind, at.cell, then) || !(math::dot(v, n) > 0.0))
-      break;
-  } while (p.time != to && steps_left_ > 0 && p.length < max_length_);
-  return INSITU_END_ALIVE;
-}
-
 template class Mover<DriftVelocity>;
 template class Mover<ChartVelocity>;
-template class Mover<CrossingVelocity>;
+template class Mover<CrossingVelocity<DriftVelocity>>;
+template class Mover<CrossingVelocity<ChartVelocity>>;
 
 } // namespace insitu::advect

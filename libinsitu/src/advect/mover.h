@@ -63,6 +63,9 @@ private:
   insitu_ending put_back(State& p, const State& before, const Spot& start, double to);
   insitu_ending flow_to(State& p, double to, Work& work);
   insitu_ending touch(State& p, double to, Work& work);
+  bool is_behind(const Spot& at, const Vec3d& n, double alpha) const;
+  struct Glide;
+  bool glide(const State& p, Glide& step, double to, Work& work);
   insitu_ending pass(State& p, Spot at);
   Sampled velocity_at(const Vec3d& point, double time, Vec3d& v);
   bool is_over() const { return recorder_ && recorder_->is_over(); }
@@ -99,6 +102,7 @@ private:
 
 extern template class Mover<DriftVelocity>;
 extern template class Mover<ChartVelocity>;
-extern template class Mover<CrossingVelocity>;
+extern template class Mover<CrossingVelocity<DriftVelocity>>;
+extern template class Mover<CrossingVelocity<ChartVelocity>>;
 
 } // namespace insitu::advect

@@ -79,7 +79,7 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   check_interval(t0, t1);
   if (before)
     check_velocity(before->velocity);
-  const bool crosses = before && t1 != t0 && !sampler.chart();
+  const bool crosses = before && t1 != t0;
   EarlierSteps steps = earlier_velocity;
   steps.fields = steps.fields.first(
       std::min(steps.fields.size(), std::size_t(steps_of(settings_.time_interpolation) - 1)));
@@ -133,34 +133,39 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   };
   const std::unique_ptr<const CellsBeyond> beyond = CellsBeyond::worth(sampler, count);
   const Sides none;
-  const auto between = [&](Between what) {
-    return CrossingVelocity(sampler, velocity, *before, t0, t1, settings_.accuracy, effects_.drifts,
-                            what);
+  const auto between = [&]<class V>(Between what, std::type_identity<V>) {
+    return CrossingVelocity<V>(sampler, velocity, *before, t0, t1, settings_.accuracy,
+                               effects_.drifts, what);
   };
   // Where only the step before has cells yet, and so there are no walls, a particle goes with the
-  // flow until the current ones hold it. How it ends before, if it does.
-  const auto come_in = [&](State& p, std::size_t i, double to, Work& chunk_work, Recorder* taker) {
+  // flow until the current ones, whose velocity is v, hold it. How it ends before, if it does.
+  const auto come_in = [&]<class V>(CrossingVelocity<V>& v, State& p, std::size_t i, double to,
+                                    Work& chunk_work, Recorder* taker) {
     std::optional<insitu_ending> ends;
-    if (effects_.inertia || sampler.locate(p.x, -1, {settings_.accuracy}))
+    if (effects_.inertia || sampler.locate(v.position(p.x), -1, {settings_.accuracy}))
       return ends;
-    CrossingVelocity either = between(Between::either);
+    CrossingVelocity<V> either = between(Between::either, std::type_identity<V>());
     either.begin(all.cells[i]);
+    either.go_by(v);
     struct UntilIn {
-      CrossingVelocity& either;
+      CrossingVelocity<V>&either, &v;
       Recorder* taker;
       bool operator()(const State& s) const {
+        v.go_by(either);
         if (taker)
           (*taker)(s);
         return either.cell() < 0;
       }
       bool operator()(const State& s, const DenseStep& path) const {
+        v.go_by(either);
         if (taker)
           (*taker)(s, path);
         return either.cell() < 0;
       }
     };
-    const insitu_ending ending =
-        integrate(either, integrator, to, settings_.length, p, chunk_work, UntilIn{either, taker});
+    const insitu_ending ending = integrate(either, integrator, to, settings_.length, p, chunk_work,
+                                           UntilIn{either, v, taker});
+    v.go_by(either);
     if (either.cell() < 0 || (ending != INSITU_END_REMOVED && ending != INSITU_END_ALIVE))
       ends = ending;
     return ends;
@@ -190,8 +195,8 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
             taker.emplace(*snapshots, i, p, v, sampler, settings_.accuracy, setup->sides);
           mover->take(taker ? &*taker : nullptr);
           std::optional<insitu_ending> ends;
-          if constexpr (std::is_same_v<decltype(v), CrossingVelocity>)
-            ends = come_in(p, i, to, chunk_work, taker ? &*taker : nullptr);
+          if constexpr (requires { come_in(v, p, i, to, chunk_work, nullptr); })
+            ends = come_in(v, p, i, to, chunk_work, taker ? &*taker : nullptr);
           if (ends) {
             ending = *ends;
           } else {
@@ -267,17 +272,23 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
   const auto on_chart = [&] {
     return ChartVelocity(sampler, velocity, steps, t0, t1, settings_.accuracy, effects_.drifts);
   };
-  if (sampler.chart()) {
+  const auto cross = [&](auto type) {
+    if (setup)
+      carry([&] { return between(Between::current, type); }, moving);
+    else
+      carry([&] { return between(Between::either, type); }, plain);
+  };
+  if (sampler.chart())
     check_chart_effects(effects_);
+  if (crosses && sampler.chart()) {
+    cross(std::type_identity<ChartVelocity>());
+  } else if (crosses) {
+    cross(std::type_identity<DriftVelocity>());
+  } else if (sampler.chart()) {
     if (setup)
       carry(on_chart, moving);
     else
       carry(on_chart, plain);
-  } else if (crosses) {
-    if (setup)
-      carry([&] { return between(Between::current); }, moving);
-    else
-      carry([&] { return between(Between::either); }, plain);
   } else if (setup) {
     carry(
         [&] {

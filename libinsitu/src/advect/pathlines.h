@@ -61,13 +61,13 @@ public:
   /// throughout; of fewer steps than the interpolation takes, those serve that there are. After a
   /// change of topology there are none either, but `before`, if not null, is the step at t0 on its
   /// own cells, and the velocity is interpolated between it and the current one
-  /// (CrossingVelocity; on geodetic meshes it is not taken). A particle that the cells of t1 do not
-  /// hold then has left. Throws Error(INSITU_ERROR_FIELD) if a velocity has not three components,
-  /// Error(INSITU_ERROR_ARGUMENT) if t1 < t0, or backwards if t1 > t0. Particles come out the same
-  /// for any thread count. snapshots, if not null: filled in for its times within [t0, t1];
-  /// particles go the same ways with and without it. Under effects they are, between the moments at
-  /// which a random walk displaces them, on the flow's path; along walls they go
-  /// by their steps' own parabola where they slide, and straight from step to step else.
+  /// (CrossingVelocity). A particle that the cells of t1 do not hold then has left. Throws
+  /// Error(INSITU_ERROR_FIELD) if a velocity has not three components, Error(INSITU_ERROR_ARGUMENT)
+  /// if t1 < t0, or backwards if t1 > t0. Particles come out the same for any thread count.
+  /// snapshots, if not null: filled in for its times within [t0, t1]; particles go the same ways
+  /// with and without it. Under effects they are, between the moments at which a random walk
+  /// displaces them, on the flow's path; along walls they go by their steps' own parabola where
+  /// they slide, and straight from step to step else.
   Advance advance(const query::Sampler& sampler, const mesh::FieldView& velocity,
                   const EarlierSteps& earlier_velocity, double t0, double t1,
                   const core::Threads& threads, Snapshots* snapshots = nullptr,

@@ -72,6 +72,32 @@ public:
     return r;
   }
 
+  /// The image, among these cells, of the place that has the image x among another mesh's.
+  Vec3d image_of(const Space& other, const Vec3d& x) const {
+    if (!chart_)
+      return x;
+    const geo::Pole pole = other.pole_of(x);
+    const Vec3d q = other.less_offset(x, pole);
+    if (pole == geo::Pole::none)
+      return image(q, pole);
+    const Vec3d p = geo::between_charts(units(), pole, geo::Pole::none, q);
+    return chart_->pole_at(p.y) == pole ? Vec3d{q.x + chart_->offset(pole), q.y, q.z}
+                                        : (*chart_)(p);
+  }
+  /// Whether the axes at that image are those at x.
+  bool has_axes_of(const Space& other, const Vec3d& x, const Vec3d& image) const {
+    return !chart_ || (pole_of(image) == other.pole_of(x) &&
+                       (pole_of(image) != geo::Pole::none || !other.is_beyond_pole(x)));
+  }
+  /// v, in the axes at that image, in those at x.
+  Vec3d in_axes_of(const Space& other, const Vec3d& x, const Vec3d& image, const Vec3d& v) const {
+    if (has_axes_of(other, x, image))
+      return v;
+    const geo::ChartPlace from = place(image), to = other.place(x);
+    const Vec3d w = v.x * from.east + v.y * from.north;
+    return {dot(w, to.east), dot(w, to.north), v.z};
+  }
+
   /// Whether two images of places near each other are on other sheets, or a turn apart.
   bool is_other_sheet(const Vec3d& a, const Vec3d& b) const {
     return chart_ && (pole_of(a) != pole_of(b) || std::abs(a.x - b.x) > 0.5 * units().turn());

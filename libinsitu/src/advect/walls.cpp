@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "advect/integrate.h"
+#include "cells/faces.h"
 #include "cells/kernels.h"
 #include "query/face_crossing.h"
 
@@ -68,6 +69,29 @@ Vec3d Walls::carry(const Spot& at, double alpha0, double alpha1) const {
   for (int v = 0; v < now.count; ++v)
     x += weight[v] * (now.x[v] - then.x[v]);
   return x;
+}
+
+bool Walls::is_on_flat_face(const Spot& at, const Vec3d& normal, double alpha) const {
+  constexpr double near = 16.0, even = 0.05; // skins
+  if (space_.is_chart() || normal == Vec3d{})
+    return false;
+  mesh::CellVertices c;
+  mesh::gather(sampler_->mesh(), at.cell, c, alpha);
+  const Vec3d s = skin(at, alpha);
+  const double reach =
+      std::abs(normal.x) * s.x + std::abs(normal.y) * s.y + std::abs(normal.z) * s.z;
+  const cells::FaceTable table = cells::face_table(c.shape);
+  for (int f = 0; f < table.face_count; ++f) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (int v = 0; v < table.faces[f].vertex_count; ++v) {
+      const double above = math::dot(normal, c.x[table.faces[f].vertices[v]] - at.x);
+      low = std::min(low, above);
+      high = std::max(high, above);
+    }
+    if (std::max(std::abs(low), std::abs(high)) <= near * reach && high - low <= even * reach)
+      return true;
+  }
+  return false;
 }
 
 /// Takes a particle on a periodic side to the opposite one, if that is inside the mesh.

@@ -46,6 +46,10 @@ public:
     return bool(locate(space_.image(x, space_.pole_of(x)), hint, alpha));
   }
 
+  /// Whether a flat face of its cell with this outward normal is where the spot is, to a few skins:
+  /// so long as the cell holds what moves along it, that stays there. Not on a chart.
+  bool is_on_flat_face(const Spot& at, const math::Vec3d& normal, double alpha) const;
+
   /// Where the material that is at the spot at alpha0 is at alpha1.
   math::Vec3d carry(const Spot& at, double alpha0, double alpha1) const;
 

@@ -154,6 +154,9 @@ bool AppendFile::cut_from(
   const std::int64_t end_of_file = size();
   std::string carry; // the part of a line at the end of a block
   std::int64_t line = header;
+  // Where to cut if numbers go up, and down.
+  std::optional<std::int64_t> up, down, first;
+  bool descends = false, known = false;
   char block[1 << 16];
   for (std::int64_t at = header; at < end_of_file;) {
     const std::size_t count = read(at, block, sizeof block);
@@ -165,13 +168,23 @@ bool AppendFile::cut_from(
     std::size_t begin = 0;
     for (std::size_t end; (end = carry.find('\n', begin)) != std::string::npos; begin = end + 1) {
       const auto number = number_of(std::string_view(carry).substr(begin, end - begin));
-      if (number && *number >= from) {
-        cut(line, "cut the rows of an earlier run from");
-        return line > header;
+      if (number) {
+        first = first ? first : number;
+        descends = !known && *number != *first ? *number < *first : descends;
+        known = known || *number != *first;
+        up = !up && *number >= from ? line : up;
+        down = !down && *number <= from ? line : down;
       }
       line += std::int64_t(end + 1 - begin);
     }
+    if (known && (descends ? down : up)) {
+      break;
+    }
     carry.erase(0, begin);
+  }
+  if (const auto where = descends ? down : up) {
+    cut(*where, "cut the rows of an earlier run from");
+    return *where > header;
   }
   return line > header;
 }

@@ -60,9 +60,10 @@ public:
   /// With its line end; without one where the file has no whole line.
   std::string first_line() const;
 
-  /// Cuts the file before its first line, after the header, whose number is at least `from`.
-  /// number_of: of a line without its end; nothing: a line that has none. Returns whether any line
-  /// is left after the header.
+  /// Cuts the file before its first line, after the header, whose number is at least `from`, or at
+  /// most, where the lines' numbers go down: which is known once two of them differ. number_of: of
+  /// a line without its end; nothing: a line that has none. Returns whether any line is left after
+  /// the header.
   bool cut_from(std::int64_t from,
                 const std::function<std::optional<std::int64_t>(std::string_view)>& number_of);
   void clear() { cut(0, "start anew"); }

@@ -179,8 +179,6 @@ bool CommittedMesh::place_on_chart(std::uint32_t pending, const core::Threads& t
   const bool others = geodetic_->build(mesh_, units, threads);
   if (geodetic_->has_copies())
     mesh_.set_stand_in(geodetic_.get());
-  if (others)
-    mesh_.release_earlier(); // of other cells
   if (others && geodetic_->has_copies())
     log.info("mesh '" + mesh_.name() + "': " + std::to_string(geodetic_->hidden_cells()) +
              " cells wrap around or hold a pole; " + std::to_string(geodetic_->copied_cells()) +

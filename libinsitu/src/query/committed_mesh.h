@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "accel/tree.h"
@@ -102,9 +103,9 @@ public:
   std::uint64_t geometry_version() const { return geometry_version_; }
 
   /// Keeps copies of this step for pathlines, as mesh::Mesh::keep_earlier() does; of none of the
-  /// fields: releases all. with_cells: as far as this mesh can (not on a geodetic one, nor by
-  /// `nearest`), so that a change of topology leaves the step whole. The cells are copied at most
-  /// once a topology. An earlier mesh, which particles have left by now, is released.
+  /// fields: releases all. with_cells: so that a change of topology leaves the step whole. The
+  /// cells are copied at most once a topology; those of an adaptive mesh not before it regrids. An
+  /// earlier mesh, which particles have left by now, is released.
   void keep_earlier(const std::vector<mesh::KeptField>& fields, bool with_cells,
                     const core::Threads& threads);
   void release_earlier();
@@ -115,11 +116,12 @@ public:
   /// To a checkpoint; and back, where the cells are others by now.
   mesh::CellsCopy& earlier_cells() { return earlier_cells_; }
   void restore_earlier_mesh(const mesh::EarlierStep& step, mesh::CellsCopy cells,
-                            const core::Threads& threads);
+                            const std::optional<ChartImage>& on, const core::Threads& threads);
+  const std::optional<ChartImage>& earlier_chart() const { return kept_.chart; }
 
 private:
+  std::optional<ChartImage> chart() const;
   void part_from_earlier(const core::Threads& threads);
-  bool can_keep_cells() const;
   void note_queries();
   void commit_on_host(std::uint32_t pending, insitu_commit_report& report,
                       const core::Threads& threads, const core::Log& log);
@@ -166,6 +168,7 @@ private:
     bool with_cells = false, covers_once = false;
     std::uint64_t tree_version = 0;
     cells::OddCells odd;
+    std::optional<ChartImage> chart;
   } kept_; ///< with the step
   std::unique_ptr<EarlierMesh> earlier_mesh_;
   std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,

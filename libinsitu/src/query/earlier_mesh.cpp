@@ -6,9 +6,11 @@ namespace insitu::query {
 
 EarlierMesh::EarlierMesh(mesh::TakenStep step, mesh::CellsCopy cells, accel::Tree tree, bool refit,
                          const cells::OddCells& odd, bool covers_once,
-                         std::uint64_t topology_version, const core::Threads& threads)
-    : step_(std::move(step)), cells_(std::move(cells)), own_view_(cells_->on(step_.points.data())),
-      view_(&own_view_), tree_(std::move(tree)), topology_version_(topology_version) {
+                         const std::optional<ChartImage>& chart, std::uint64_t topology_version,
+                         const core::Threads& threads)
+    : step_(std::move(step)), cells_(std::move(cells)), chart_(chart),
+      own_view_(cells_->on(step_.points.data())), view_(&own_view_), tree_(std::move(tree)),
+      topology_version_(topology_version) {
   own_view_.free_of_folds = odd.none();
   own_view_.covers_once = covers_once;
   if (refit) {
@@ -18,12 +20,23 @@ EarlierMesh::EarlierMesh(mesh::TakenStep step, mesh::CellsCopy cells, accel::Tre
 }
 
 EarlierMesh::EarlierMesh(mesh::TakenStep step, std::unique_ptr<Adaptive> adaptive, accel::Tree tree,
-                         std::uint64_t topology_version)
+                         std::uint64_t topology_version, core::Memory& memory,
+                         const core::Threads& threads)
     : step_(std::move(step)), adaptive_(std::move(adaptive)), view_(adaptive_->dual_view()),
-      tree_(std::move(tree)), topology_version_(topology_version) {}
+      tree_(std::move(tree)), topology_version_(topology_version) {
+  if (view_)
+    return;
+  std::vector<std::int64_t> first{0};
+  for (const mesh::FieldPieceView& piece : step_.fields.front()->steps.front()->views)
+    first.push_back(first.back() + piece.layout.count);
+  leaves_ = std::make_unique<LeavesCopy>(adaptive_->leaves(), std::move(first), memory, threads);
+  view_ = &leaves_->view();
+}
 
 std::unique_ptr<EarlierMesh> EarlierMesh::restored(const mesh::EarlierStep& step,
-                                                   mesh::CellsCopy cells, core::Memory& memory,
+                                                   mesh::CellsCopy cells,
+                                                   const std::optional<ChartImage>& chart,
+                                                   core::Memory& memory,
                                                    const core::Threads& threads) {
   if (cells.empty())
     return nullptr;
@@ -49,7 +62,7 @@ std::unique_ptr<EarlierMesh> EarlierMesh::restored(const mesh::EarlierStep& step
   tree.mark_odd(view, odd.ids, threads);
   tree.release_scratch();
   return std::make_unique<EarlierMesh>(std::move(taken), std::move(cells), std::move(tree), false,
-                                       odd, false, 0, threads);
+                                       odd, false, chart, 0, threads);
 }
 
 std::optional<mesh::FieldView> EarlierMesh::field(const std::string& name) const {

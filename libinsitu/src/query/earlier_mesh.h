@@ -11,6 +11,8 @@
 #include "mesh/cells_copy.h"
 #include "mesh/earlier_step.h"
 #include "query/adaptive.h"
+#include "query/chart_image.h"
+#include "query/leaves_copy.h"
 #include "query/sampler.h"
 
 namespace insitu::query {
@@ -20,21 +22,24 @@ namespace insitu::query {
 class EarlierMesh {
 public:
   /// Of cells of the solver's. tree: of these cells, where their vertices were when it was fitted
-  /// last; fitted anew if told so. odd: a few cells that it marks (cells::OddCells).
-  /// topology_version: CommittedMesh's then.
+  /// last; fitted anew if told so. odd: a few cells that it marks (cells::OddCells). chart: of a
+  /// geodetic mesh, whose cells are those of its images. topology_version: CommittedMesh's then.
   EarlierMesh(mesh::TakenStep step, mesh::CellsCopy cells, accel::Tree tree, bool refit,
-              const cells::OddCells& odd, bool covers_once, std::uint64_t topology_version,
-              const core::Threads& threads);
-  /// Of an adaptive mesh's dual, which nothing moves.
+              const cells::OddCells& odd, bool covers_once, const std::optional<ChartImage>& chart,
+              std::uint64_t topology_version, const core::Threads& threads);
+  /// Of an adaptive mesh, whose cells nothing moves: its dual, or its leaves.
   EarlierMesh(mesh::TakenStep step, std::unique_ptr<Adaptive> adaptive, accel::Tree tree,
-              std::uint64_t topology_version);
+              std::uint64_t topology_version, core::Memory& memory, const core::Threads& threads);
   /// Of a checkpoint; its topology_version() is 0. Null if the step was kept without its cells, or
   /// does not fit them.
   static std::unique_ptr<EarlierMesh> restored(const mesh::EarlierStep& step, mesh::CellsCopy cells,
+                                               const std::optional<ChartImage>& chart,
                                                core::Memory& memory, const core::Threads& threads);
 
   /// Its counts are no mesh's.
-  Sampler sampler() const { return {*view_, tree_, nullptr, nullptr, nullptr, adaptive_.get()}; }
+  Sampler sampler() const {
+    return {*view_, tree_, nullptr, nullptr, nullptr, adaptive_.get(), chart_ ? &*chart_ : nullptr};
+  }
   /// A field on these cells, if it was kept.
   std::optional<mesh::FieldView> field(const std::string& name) const;
   std::uint64_t topology_version() const { return topology_version_; }
@@ -43,6 +48,8 @@ private:
   mesh::TakenStep step_;
   std::optional<mesh::CellsCopy> cells_; ///< not of an adaptive mesh
   std::unique_ptr<Adaptive> adaptive_;
+  std::unique_ptr<LeavesCopy> leaves_; ///< of an adaptive mesh without a dual
+  std::optional<ChartImage> chart_;    ///< of a geodetic mesh
   mesh::MeshView own_view_;
   const mesh::MeshView* view_;
   accel::Tree tree_;

@@ -41,6 +41,18 @@ void KeptMesh::keep(core::Archive& archive, mesh::CellsCopy& cells) {
   archive.value("cells", fingerprint);
   step.keep(archive);
   cells.keep(archive);
+  bool has_chart = chart.has_value();
+  archive.value("has a chart", has_chart);
+  if (!has_chart)
+    return;
+  query::ChartImage image = chart.value_or(query::ChartImage{});
+  archive.value("radians", image.units.radians);
+  archive.value("kilometres", image.units.kilometres);
+  archive.value("down", image.units.down);
+  archive.value("west", image.west);
+  archive.value("north", image.north_from);
+  archive.value("south", image.south_from);
+  chart = image;
 }
 
 std::uint64_t fingerprint(const mesh::MeshView& mesh, const core::Threads& threads) {
@@ -70,7 +82,8 @@ std::string checkpoint_path(const std::string& folder, std::int64_t cycle) {
   return folder + "/" + std::string(file_begin) + digits + std::string(file_end);
 }
 
-void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::int64_t keep) {
+void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::int64_t keep,
+                            bool descends) {
   std::vector<std::int64_t> cycles;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
@@ -80,11 +93,13 @@ void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::
     std::int64_t of = 0;
     const char* end = name.data() + name.size() - file_end.size();
     const auto parsed = std::from_chars(name.data() + file_begin.size(), end, of);
-    if (parsed.ec == std::errc() && parsed.ptr == end && of <= cycle &&
+    if (parsed.ec == std::errc() && parsed.ptr == end && (descends ? of >= cycle : of <= cycle) &&
         entry.path().string() == checkpoint_path(folder, of))
       cycles.push_back(of);
   }
   std::sort(cycles.rbegin(), cycles.rend());
+  if (descends)
+    std::reverse(cycles.begin(), cycles.end());
   for (std::size_t i = std::size_t(keep); i < cycles.size(); ++i)
     std::filesystem::remove(checkpoint_path(folder, cycles[i]), error);
 }
@@ -132,7 +147,7 @@ void Runner::write_checkpoint(const std::string& path, MeshList meshes) {
     if (!mesh->lies_on_device()) {
       KeptMesh kept{mesh->mesh().name(),
                     fingerprint(mesh->mesh().view(), environment_.context.threads),
-                    mesh->mesh().copy_earlier()};
+                    mesh->mesh().copy_earlier(), mesh->earlier_chart()};
       kept.keep(archive, mesh->earlier_cells());
     }
   archive.commit(path);
@@ -165,7 +180,7 @@ void Runner::bring_back_earlier(MeshList meshes) {
       if (same_cells && !kept.step.fields.empty())
         mesh->mesh().set_earlier(kept.step);
       if (!same_cells) {
-        mesh->restore_earlier_mesh(kept.step, std::move(restored.cells), threads);
+        mesh->restore_earlier_mesh(kept.step, std::move(restored.cells), kept.chart, threads);
         continue;
       }
       for (const auto& action : actions_) {
@@ -182,7 +197,7 @@ void Runner::write_due_checkpoint(MeshList meshes) {
   if (!checkpoint_.every || cycle_ % *checkpoint_.every != 0)
     return;
   write_checkpoint(checkpoint_path(environment_.output, cycle_), meshes);
-  remove_old_checkpoints(environment_.output, cycle_, checkpoint_.keep);
+  remove_old_checkpoints(environment_.output, cycle_, checkpoint_.keep, descends_);
 }
 
 } // namespace insitu::scene

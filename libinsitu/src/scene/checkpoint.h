@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "core/archive.h"
 #include "mesh/cells_copy.h"
 #include "mesh/mesh.h"
+#include "query/chart_image.h"
 
 /// What a checkpoint holds besides the tracers.
 namespace insitu::scene {
@@ -15,6 +17,7 @@ struct KeptMesh {
   std::string name;
   std::uint64_t fingerprint = 0;
   mesh::EarlierStep step;
+  std::optional<query::ChartImage> chart; ///< of a geodetic mesh: where its cells are
 
   /// cells: those of the step, or none.
   void keep(core::Archive& archive, mesh::CellsCopy& cells);
@@ -25,8 +28,9 @@ struct KeptMesh {
 std::uint64_t fingerprint(const mesh::MeshView& mesh, const core::Threads& threads);
 
 /// Removes the files that checkpoint_path() names in the folder for cycles up to `cycle`, but for
-/// the last `keep` of them.
-void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::int64_t keep);
+/// the last `keep` of them; descends: for those down to it, where a run's cycles go down.
+void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::int64_t keep,
+                            bool descends);
 std::string checkpoint_path(const std::string& folder, std::int64_t cycle);
 
 } // namespace insitu::scene

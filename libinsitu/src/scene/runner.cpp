@@ -114,6 +114,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   } catch (const std::exception& e) {
     failed("page", e);
   }
+  descends_ = executed_ && cycle < cycle_;
   executed_ = true;
   cycle_ = cycle;
   times_.insert(times_.begin(), time);

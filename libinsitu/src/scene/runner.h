@@ -72,6 +72,7 @@ private:
       reported_; ///< failures logged, by action, so that a log is not flooded
   bool executed_ = false;
   std::int64_t cycle_ = 0;    ///< the last one executed
+  bool descends_ = false;     ///< it was less than the one before
   std::vector<double> times_; ///< of the last executions, the latest first
   CheckpointOptions checkpoint_;
   /// Of a restart, until the first execute().

@@ -45,8 +45,10 @@ void TracerAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
     need(of, "an effect blends it between two steps");
   if (mesh.mesh().is_adaptive()) {
     plan.skip("earlier coordinates", "an adaptive mesh does not move its vertices");
-    if (mesh.mesh().reconstruction() == INSITU_DUAL)
-      plan.skip("copy of the cells", "at a regrid the dual itself is kept until particles crossed");
+    plan.skip("copy of the cells",
+              mesh.mesh().reconstruction() == INSITU_DUAL
+                  ? "at a regrid the dual itself is kept until particles crossed"
+                  : "at a regrid the leaves are kept, 13 bytes each, until particles crossed");
     return;
   }
   plan.need("earlier coordinates",

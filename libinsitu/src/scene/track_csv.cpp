@@ -22,7 +22,9 @@ private:
       require_columns(*table_, columns_, columns);
       return;
     }
-    table_ = std::make_unique<output::AppendTable>(path_, columns, rows.cycle);
+    table_ = std::make_unique<output::AppendTable>(
+        path_, columns,
+        rows.cycle == TrackRows::no_cycle ? std::nullopt : std::optional(rows.cycle));
     ++environment_.statistics.files;
     columns_ = std::move(columns);
     value_columns_ = rows.columns;

@@ -41,12 +41,12 @@ void keep_frame(core::Archive& archive, insitu_frame& frame) {
 
 } // namespace
 
-void TrackTable::keep(core::Archive& archive, std::int64_t cycle) {
+void TrackTable::keep(core::Archive& archive, std::int64_t) {
   if (!archive.restores() && is_open())
     flush();
   bool is_there = is_open();
   TrackRows none; // what opens the file again
-  none.cycle = cycle + 1;
+  none.cycle = TrackRows::no_cycle;
   if (is_there) {
     none.columns = value_columns();
     none.pieces = has_pieces();
@@ -62,7 +62,7 @@ void TrackTable::keep(core::Archive& archive, std::int64_t cycle) {
   if (archive.restores() && is_there) {
     open(none, std::int64_t(written_.size()));
     frame_ = none.frame;
-    shorten(kept); // a session that was closed after this cycle has killed its particles in it
+    shorten(kept); // to what there was then: a session that closed has killed its particles, too
   }
 }
 

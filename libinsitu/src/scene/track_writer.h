@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,6 +28,8 @@ struct TrackRow {
 
 /// Some particles at a cycle, with what is recorded along the tracks.
 struct TrackRows {
+  /// Of a restart, whose files are opened as they are: they are cut by size then.
+  static constexpr std::int64_t no_cycle = std::numeric_limits<std::int64_t>::max();
   std::int64_t cycle = 0;
   std::vector<TrackRow> rows;
   bool pieces = false;                         ///< the mesh has several

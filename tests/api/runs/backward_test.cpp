@@ -1,4 +1,5 @@
 // A run whose time goes back: steps replayed in reverse, with tracers of `direction: backward`.
+#include <algorithm>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <insitu/insitu.hpp>
@@ -51,17 +52,18 @@ tracers:
 )";
 
 struct Reversed {
-  explicit Reversed(const std::string& output, int threads = 1) {
+  explicit Reversed(const std::string& output, int threads = 1, const char* more = "") {
     insitu::Options options;
-    options.scene_text = scene;
+    options.scene_text = std::string(scene) + more;
     options.output = output;
     options.threads = threads;
     options.log = [this](insitu::LogLevel, const char* message) { log.emplace_back(message); };
     session = insitu::Session(options);
     mesh = session.mesh("cube");
   }
-  /// Cycles count on while time goes back from 0.8; new cells at every third.
-  void run(int from, int to) {
+  /// Cycles count on while time goes back from 0.8, or down as the replay counts them; new cells at
+  /// every third.
+  void run(int from, int to, bool down = false) {
     for (int cycle = from; cycle <= to; ++cycle) {
       const double time = 0.8 - cycle * dt;
       if (!cube || cycle % 3 == 0) {
@@ -71,7 +73,7 @@ struct Reversed {
         cube->fill(time);
         cube->give_fields(mesh);
       }
-      session.execute(cycle, time);
+      session.execute(down ? 20 - cycle : cycle, time);
       const insitu::Report r = session.report();
       std::int64_t sum = 0;
       for (const std::int64_t n : r.particles)
@@ -93,6 +95,49 @@ void expect_carried(const Table& table, const std::vector<Point>& seeds, double 
     EXPECT_NEAR(table.number(i, "x"), x[0], tolerance) << i;
     EXPECT_NEAR(table.number(i, "y"), x[1], tolerance) << i;
     EXPECT_NEAR(table.number(i, "z"), x[2], tolerance) << i;
+  }
+}
+
+// As insitu-replay --reverse counts: the first steps' files, of the highest cycles, are the last.
+// What came after the checkpoint is taken back, and nothing of what came before.
+TEST(BackwardRuns, GoOnFromACheckpointWhereCyclesGoDown) {
+  const char* const more = R"(  - {name: kept, direction: backward, velocity: velocity,
+     seeds: [[0.5, 0.5, 0.5]], output: [csv, netcdf], every: 1}
+probes:
+  - {name: gauge, points: [[0.5, 0.5, 0.5]], fields: [density], every: 1}
+checkpoint: {every: 1, keep: 2}
+)";
+  const test::Folder whole;
+  {
+    Reversed run(whole.path(), 1, more);
+    run.run(0, 8, true);
+    run.session.close();
+  }
+  Files files = files_of(whole.path());
+  EXPECT_TRUE(files.contains("checkpoint_000012.insitu"));
+  EXPECT_TRUE(files.contains("checkpoint_000013.insitu"));
+  EXPECT_EQ(std::ranges::count_if(files,
+                                  [](const auto& f) { return f.first.starts_with("checkpoint_"); }),
+            2);
+  const Table gauge = parse_table(files.at("gauge.csv"));
+  EXPECT_EQ(gauge.rows.size(), 9u);
+  for (const int stop : {2, 4, 5}) {
+    const test::Folder folder, state;
+    {
+      Reversed run(folder.path(), 1, more);
+      run.run(0, stop, true);
+      run.session.checkpoint(state / "s");
+      run.run(stop + 1, stop + 2, true);
+      run.session.close();
+    }
+    Reversed run(folder.path(), 2, more);
+    run.session.restart(state / "s");
+    // The solver's cells are those of the checkpoint until it makes new ones.
+    run.cube = std::make_unique<Cube>(4 + stop / 3 % 2, stop / 3 % 2 == 1, 0.2);
+    run.cube->give(run.mesh, 0.8 - stop * dt);
+    run.run(stop + 1, 8, true);
+    run.session.close();
+    EXPECT_EQ(differences(files, files_of(folder.path())), std::vector<std::string>{}) << stop;
   }
 }
 

@@ -9,6 +9,7 @@
 #include "coupled.h"
 #include "geo/frames.h"
 #include "on_earth.h"
+#include "unit/advect/earth_flow.h"
 #include "unit/output/netcdf_file.h"
 
 namespace {
@@ -61,6 +62,50 @@ TEST(TrackGeodesics, AreClosedFormsOnTheEquatorAndAMeridian) {
         EXPECT_NEAR(t.number(i, "release_bearing"), north ? 0 : 90, 1e-9) << i;
       }
     }
+  }
+}
+
+// Tracks over steps on other cells, about a date line that is a seam on some of them: the flow
+// grows evenly with time, so what is between two steps is known, at depth 0 too; and a stop loses
+// nothing.
+TEST(EarthRemeshing, DriftersCrossToOtherCellsAndOverAStop) {
+  const std::string scene =
+      "tracers:\n  - {name: t, velocity: velocity, seeds: [[175, 5, 0], [179.999, -20, -700]], "
+      "fields: [latitude, height], times: {interval: 7000}, integrator: {tolerance: 1e-9}}\n"
+      "  - {name: coast, velocity: velocity, seeds: [[179, 30, 0]], "
+      "effects: [{boundary: slide}], fields: [latitude], integrator: {tolerance: 1e-9}}\n";
+  const auto cells = [](int cycle) {
+    Lattice l = pacific();
+    l.across = 12 + cycle % 5;
+    l.along = 12 * (1 + cycle % 2);
+    l.jump = cycle % 3 == 1 ? -360 : 0; // longitudes from -180 on: there a seam
+    return l;
+  };
+  const auto execute = [&](OnEarth& run, int first, int last) {
+    for (int cycle = first; cycle <= last; ++cycle) {
+      if (cycle % 3 != 0)
+        run.remesh(cells(cycle));
+      run.flow(0.5 + 0.1 * cycle, 0);
+      ASSERT_TRUE(run.session.execute(cycle, 50000.0 * cycle)) << insitu_last_message();
+    }
+  };
+  const runs::Files files = runs::in_one_and_in_two(cells(0), scene, execute);
+  const runs::Table t = runs::parse_table(files.at("t.csv"));
+  EXPECT_GE(t.rows.size(), 2u * 142);
+  const double per_degree[] = {insitu::test::metres_per_degree(5).x,
+                               insitu::test::metres_per_degree(-20, -700).x};
+  for (std::size_t i = 0; i < t.rows.size(); ++i) {
+    if (t.text(i, "ending") == "killed")
+      continue; // as the session closed, without fields
+    EXPECT_EQ(t.text(i, "ending"), "alive") << i;
+    const auto particle = std::size_t(t.number(i, "particle"));
+    const double time = t.number(i, "time"), c = time / 50000;
+    const double way = 50000 * (0.5 * c + 0.05 * c * c) / per_degree[particle];
+    EXPECT_NEAR(std::remainder(t.number(i, "x") - (particle ? 179.999 : 175) - way, 360), 0, 1e-8);
+    EXPECT_NEAR(t.number(i, "y"), particle ? -20 : 5, 1e-9);
+    EXPECT_EQ(t.number(i, "z"), particle ? -700 : 0);
+    EXPECT_NEAR(t.number(i, "latitude"), t.number(i, "y"), 1e-9);
+    EXPECT_NEAR(t.number(i, "height"), t.number(i, "z"), 1e-6);
   }
 }
 

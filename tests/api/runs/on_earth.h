@@ -32,8 +32,21 @@ public:
   OnEarth(const insitu::fixtures::Lattice& lattice, const std::string& scene,
           const std::string& output, int threads = 1)
       : session(options(scene, output, threads)), mesh(session.mesh("ocean")) {
+    const auto& units = lattice.units;
+    mesh.frame(insitu::Frame::geodetic(
+        units.down ? insitu::Vertical::down : insitu::Vertical::up,
+        units.radians ? insitu::Angle::radians : insitu::Angle::degrees,
+        units.kilometres ? insitu::Length::kilometres : insitu::Length::metres));
+    remesh(lattice);
+  }
+
+  /// Other cells in the same units, in the place of those that were there.
+  void remesh(const insitu::fixtures::Lattice& lattice) {
     const insitu::test::TestMesh from = insitu::fixtures::lattice(lattice);
     const auto& units = lattice.units;
+    for (std::vector<double>* values : {&lon, &lat, &vertical, &latitude, &height})
+      values->clear();
+    connectivity.clear();
     for (const auto& p : from.vertices) {
       lon.push_back(p.x);
       lat.push_back(p.y);
@@ -46,10 +59,6 @@ public:
     velocity.assign(3 * lon.size(), 0.0);
     mesh.points(lon, lat, vertical);
     mesh.hexahedra(connectivity);
-    mesh.frame(insitu::Frame::geodetic(
-        units.down ? insitu::Vertical::down : insitu::Vertical::up,
-        units.radians ? insitu::Angle::radians : insitu::Angle::degrees,
-        units.kilometres ? insitu::Length::kilometres : insitu::Length::metres));
     mesh.vertex_field("latitude", latitude);
     mesh.vertex_field("height", height);
     mesh.vertex_field("velocity", insitu::Array(velocity).components(3));

@@ -197,32 +197,64 @@ TEST(Remeshing, TheEarlierStepIsInTheReportAndInThePlan) {
             now * 8 * (3 + 3 + 3 + 1) + std::int64_t(run.cube->ids.size()) * 4);
 }
 
-/// Patches of cells with the flow at their centres: a coarse one, and a fine one that moves.
+/// Patches of cells with the flow at their centres: a coarse one, and a fine one that moves. As
+/// leaves of octrees, or without what the fine one covers.
 struct Patches {
   std::vector<double> velocity[2];
+  std::vector<std::int32_t> levels, corners;
 
-  void give(insitu::Mesh& mesh, std::int64_t at, double time) {
+  using At = Point (*)(const Point&, double);
+  static Point place(const std::array<std::int64_t, 3>& lower, int cell, double h) {
+    return {(double(lower[0] + cell % 8) + 0.5) * h, (double(lower[1] + cell / 8 % 8) + 0.5) * h,
+            (double(lower[2] + cell / 64) + 0.5) * h};
+  }
+  void give(insitu::Mesh& mesh, std::int64_t at, double time, At flow_at = flow) {
     const std::array<std::int64_t, 3> lower[2] = {{0, 0, 0}, {at, 4, 4}};
     for (std::size_t p = 0; p < 2; ++p) {
       velocity[p].clear();
-      const double h = 0.125 / double(1 << p);
-      for (int c = 0; c < 512; ++c) {
-        const Point x{(double(lower[p][0] + c % 8) + 0.5) * h,
-                      (double(lower[p][1] + c / 8 % 8) + 0.5) * h,
-                      (double(lower[p][2] + c / 64) + 0.5) * h};
-        for (const double u : flow(x, time))
+      for (int c = 0; c < 512; ++c)
+        for (const double u : flow_at(place(lower[p], c, 0.125 / double(1 << p)), time))
           velocity[p].push_back(u);
-      }
       insitu::Piece piece = mesh.piece(int(p));
       piece.patch(int(p), lower[p], {8, 8, 8});
       piece.cell_field("velocity", insitu::Array(velocity[p]).components(3));
     }
   }
+  /// The same cells, those that are not covered, as leaves in one piece.
+  void give_leaves(insitu::Mesh& mesh, std::int64_t at, double time, At flow_at) {
+    const std::array<std::int64_t, 3> lower[2] = {{0, 0, 0}, {at, 4, 4}};
+    for (const int p : {1, 0})
+      for (int c = 0; c < 512; ++c) {
+        const std::int64_t i[3] = {lower[p][0] + c % 8, lower[p][1] + c / 8 % 8,
+                                   lower[p][2] + c / 64};
+        bool covered = p == 0;
+        for (std::size_t a = 0; a < 3; ++a)
+          covered = covered && 2 * i[a] >= lower[1][a] && 2 * i[a] < lower[1][a] + 8;
+        if (covered)
+          continue;
+        levels.push_back(p);
+        for (const std::int64_t index : i)
+          corners.push_back(std::int32_t(index));
+        for (const double u : flow_at(place(lower[p], c, 0.125 / double(1 << p)), time))
+          velocity[0].push_back(u);
+      }
+    insitu::Piece piece = mesh.piece(0);
+    piece.leaves(insitu::Array(levels), insitu::Array(corners).components(3));
+    piece.cell_field("velocity", insitu::Array(velocity[0]).components(3));
+  }
+  /// What is freed is no more.
+  ~Patches() {
+    std::fill(levels.begin(), levels.end(), 0x7fffffff);
+    std::fill(corners.begin(), corners.end(), 0x7fffffff);
+  }
 };
 
-TEST(Remeshing, ParticlesCrossRegridsOfAnAdaptiveMesh) {
-  const test::Folder folder;
-  Remeshing run(folder.path(), 1, R"(insitu: 1
+/// The same everywhere, linear in time: exact in cells as they are.
+Point even_flow(const Point&, double t) {
+  return {0.1 + 0.2 * t, 0.1 - 0.25 * t, 0.15 * t};
+}
+
+constexpr const char* regrid_scene = R"(insitu: 1
 page: false
 tracers:
   - name: paths
@@ -230,35 +262,61 @@ tracers:
     seeds: {box: {min: [0.35, 0.35, 0.35], max: [0.65, 0.65, 0.65], counts: [2, 2, 2]}}
     integrator: {tolerance: 1e-11}
     every: 1
-)");
-  insitu::AmrLevels levels;
-  levels.count = 2;
-  levels.spacing = {0.125, 0.125, 0.125};
-  run.mesh.adaptive(levels);
-  std::int64_t dual = 0;
-  std::unique_ptr<Patches> patches;
-  for (int cycle = 0; cycle <= 8; ++cycle) {
-    patches = std::make_unique<Patches>(); // what was there is gone
-    patches->give(run.mesh, 2 * (1 + cycle % 3), cycle * dt);
-    run.mesh.commit();
-    const std::int64_t held = run.session.report().bytes_by_purpose[INSITU_MEMORY_AMR];
-    EXPECT_TRUE(run.session.execute(cycle, cycle * dt)) << insitu_last_message();
-    dual = run.session.report().bytes_by_purpose[INSITU_MEMORY_AMR];
-    if (cycle > 0) {
-      EXPECT_GT(held, dual * 3 / 2) << "both until particles have crossed";
+)";
+
+TEST(Remeshing, ParticlesCrossRegridsOfAnAdaptiveMesh) {
+  struct Case {
+    insitu::Reconstruction reconstruction;
+    bool leaves;
+  };
+  for (const Case& c : {Case{insitu::Reconstruction::dual, false},
+                        {insitu::Reconstruction::nearest, false},
+                        {insitu::Reconstruction::nearest, true}}) {
+    const bool dual = c.reconstruction == insitu::Reconstruction::dual;
+    const test::Folder folder;
+    Remeshing run(folder.path(), 1, regrid_scene);
+    insitu::AmrLevels levels;
+    levels.count = 2;
+    levels.spacing = {0.125, 0.125, 0.125};
+    levels.reconstruction = c.reconstruction;
+    run.mesh.adaptive(levels);
+    const auto bytes = [&](insitu_purpose purpose) {
+      return run.session.report().bytes_by_purpose[purpose];
+    };
+    std::int64_t amr = 0, earlier = 0;
+    std::unique_ptr<Patches> patches;
+    for (int cycle = 0; cycle <= 8; ++cycle) {
+      patches = std::make_unique<Patches>(); // what was there is gone
+      const std::int64_t at = 2 * (1 + cycle % 3);
+      if (c.leaves)
+        patches->give_leaves(run.mesh, at, cycle * dt, even_flow);
+      else
+        patches->give(run.mesh, at, cycle * dt, dual ? flow : even_flow);
+      run.mesh.commit();
+      if (cycle > 0) {
+        EXPECT_GT(bytes(INSITU_MEMORY_AMR), amr * 3 / 2) << "both until particles have crossed";
+        const std::int64_t cells = c.leaves ? 960 : 1024;
+        EXPECT_EQ(bytes(INSITU_MEMORY_EARLIER) - earlier, dual ? 0 : 13 * cells + cells / 8);
+      }
+      EXPECT_TRUE(run.session.execute(cycle, cycle * dt)) << insitu_last_message();
+      amr = bytes(INSITU_MEMORY_AMR);
+      earlier = bytes(INSITU_MEMORY_EARLIER);
     }
-  }
-  EXPECT_EQ(run.session.report().particles[INSITU_END_ALIVE], 8);
-  run.session.close();
-  const runs::Table paths = runs::parse_table(test::content(folder / "paths.csv"));
-  for (std::size_t i = 0; i < paths.rows.size(); ++i) {
-    const int particle = int(paths.number(i, "particle"));
-    const Point x = carried(
-        {particle & 1 ? 0.65 : 0.35, particle & 2 ? 0.65 : 0.35, particle & 4 ? 0.65 : 0.35}, 0.0,
-        paths.number(i, "time"), 0.0);
-    EXPECT_NEAR(paths.number(i, "x"), x[0], 1e-9) << i;
-    EXPECT_NEAR(paths.number(i, "y"), x[1], 1e-9) << i;
-    EXPECT_NEAR(paths.number(i, "z"), x[2], 1e-9) << i;
+    EXPECT_EQ(run.session.report().particles[INSITU_END_ALIVE], 8);
+    run.session.close();
+    const runs::Table paths = runs::parse_table(test::content(folder / "paths.csv"));
+    for (std::size_t i = 0; i < paths.rows.size(); ++i) {
+      const int particle = int(paths.number(i, "particle"));
+      const double t = paths.number(i, "time");
+      Point x{particle & 1 ? 0.65 : 0.35, particle & 2 ? 0.65 : 0.35, particle & 4 ? 0.65 : 0.35};
+      if (dual)
+        x = carried(x, 0.0, t, 0.0);
+      else
+        x = {x[0] + 0.1 * t + 0.1 * t * t, x[1] + 0.1 * t - 0.125 * t * t, x[2] + 0.075 * t * t};
+      EXPECT_NEAR(paths.number(i, "x"), x[0], 1e-9) << i;
+      EXPECT_NEAR(paths.number(i, "y"), x[1], 1e-9) << i;
+      EXPECT_NEAR(paths.number(i, "z"), x[2], 1e-9) << i;
+    }
   }
 }
 

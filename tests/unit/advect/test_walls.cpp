@@ -2,6 +2,8 @@
 #include <cmath>
 
 #include "effects_test.h"
+#include "fixtures/committed.h"
+#include "fixtures/earth_meshes.h"
 
 namespace insitu::test {
 namespace {
@@ -62,6 +64,58 @@ TEST_F(WallTest, SlidingParticlesComeFreeWhereTheFlowTurns) {
   EXPECT_NEAR(t.positions()[0].x, 0.8, 1e-6);
   // It comes free at most a contact step (a tenth of a cell) late.
   EXPECT_NEAR(t.positions()[0].z, 0.3 * 0.3 / 0.2, 0.02 * 0.02 / 0.2 + 1e-6);
+}
+
+/// Cubes of 0.2, without those below z = 0.2 and west of x = 0.6; its velocity is a constant.
+struct Stairs : fixtures::Committed {
+  explicit Stairs(const Vec3d& flow) : Committed(cells()) {
+    for (std::size_t i = 0; i < arrays.points.size(); i += 3)
+      values.insert(values.end(), {flow.x, flow.y, flow.z});
+    const insitu_array array =
+        insitu_array_of(values.data(), INSITU_FLOAT64, arrays.vertex_count(), 3);
+    mesh.mesh().set_field(0, "v", INSITU_VERTEX, &array, 1);
+    commit();
+    mesh.look_for_folds(threads);
+  }
+  static TestMesh cells() {
+    TestMesh m = fixtures::lattice({.west = 0,
+                                    .south = 0,
+                                    .east = 1,
+                                    .north = 1,
+                                    .across = 5,
+                                    .along = 5,
+                                    .levels = {0, 0.2, 0.4, 0.6, 0.8, 1}});
+    std::erase_if(m.cells, [&](const auto& c) {
+      const Vec3d& low = m.vertices[std::size_t(c.vertices[0])];
+      return low.z < 0.1 && low.x < 0.5;
+    });
+    return m;
+  }
+  std::vector<double> values;
+};
+
+// A step of a tenth of a cell needs the velocity at two places, and what presses a particle to the
+// wall makes it no shorter. Where the wall ends the particle falls.
+TEST_F(WallTest, AStepAlongAFlatWallTakesTwoVelocities) {
+  const Stairs stairs({0.3, 0.1, -1.0});
+  respond(AtBoundary::slide);
+  const mesh::FieldView v = stairs.mesh.mesh().field("v");
+  const auto run = [&](double end, advect::Advance& a) {
+    Tracer tracer(settings, memory);
+    tracer.set_effects(effects);
+    tracer.seed(std::vector<Vec3d>{{0.05, 0.3, 0.2}}, 0.0);
+    a = tracer.advance(stairs.sampler(), v, &v, 0.0, end, threads);
+    EXPECT_EQ(a.counts.alive(), 1);
+    return tracer.positions()[0];
+  };
+  advect::Advance a;
+  EXPECT_LT(distance(run(1.8, a), {0.59, 0.48, 0.2}), 2e-9);
+  // 0.54 in steps of 0.02, and a few that find the wall.
+  EXPECT_LE(a.effects.contacts, 27 + 4);
+  EXPECT_LE(a.work.evaluations, 2 * 27 + 30);
+  // At x = 0.6 it falls by 0.2 within 0.06.
+  EXPECT_LT(distance(run(2.3, a), {0.74, 0.53, 0.0}), 2e-9);
+  EXPECT_GT(run(1.9, a).z, 0.05);
 }
 
 TEST_F(WallTest, SlidingIntoCornersEndsThere) {
