@@ -91,6 +91,7 @@ bool find_cells_target(const accel::Tree& tree, const BundleSlab& slab, std::uin
         continue;
       if (node.is_inner(c)) {
         stack[size++] = node.child_node(c);
+        __builtin_prefetch(&tree.nodes()[stack[size - 1]]);
         continue;
       }
       for (int k = 0; k < node.child_cell_count(c); ++k) {
