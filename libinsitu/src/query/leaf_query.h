@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "amr/leaf_map.h"
+#include "query/lattice_lanes.h"
 #include "query/sampler.h"
 
 namespace insitu::query {
@@ -12,9 +13,12 @@ namespace insitu::query {
 /// last brick of leaves, since neighbours mostly lie in one.
 class LeafFinder {
 public:
-  explicit LeafFinder(const amr::LeafMap& leaves) : leaves_(&leaves), lattice_(leaves.lattice()) {
-    for (int a = 0; a < 3; ++a)
-      per_unit_[a] = 1.0 / lattice_.spacing[a];
+  explicit LeafFinder(const amr::LeafMap& leaves) : leaves_(&leaves) {
+    box_.lattice = leaves.lattice();
+    for (int a = 0; a < 3; ++a) {
+      per_unit_[a] = 1.0 / box_.lattice.spacing[a];
+      box_.size[a] = Store::side;
+    }
   }
 
   static constexpr bool finds_all = true;
@@ -42,6 +46,14 @@ public:
     return true;
   }
 
+  /// find() of the first of n points and those that follow it in its brick; returns of how many. Up
+  /// to 7 locations and reasons behind these are overwritten, but none behind n.
+  std::size_t find_ahead(const math::Vec3d* points, std::size_t n, Location* at,
+                         Reason* reasons) const {
+    return box_.entries && stays_in(box_, points, n) ? leaves_ahead(box_, points, n, at, reasons)
+                                                     : 0;
+  }
+
 private:
   using Store = amr::BrickStore;
   static constexpr Reason on_faces[] = {Reason::certified, Reason::on_face, Reason::on_edge,
@@ -51,11 +63,11 @@ private:
   bool go_to(const math::Vec3d& p) {
     const Store& store = leaves_->store();
     int way = 0; // to finer depths, or to coarser ones
-    for (int depth = depth_; depth >= 0 && depth < store.depth_count(); depth += way) {
+    for (int depth = box_.depth; depth >= 0 && depth < store.depth_count(); depth += way) {
       const double scale = double(std::int64_t(1) << depth);
       std::int64_t index[3];
       for (int a = 0; a < 3; ++a) {
-        const double steps = (p[a] - lattice_.origin[a]) * (per_unit_[a] * scale);
+        const double steps = (p[a] - box_.lattice.origin[a]) * (per_unit_[a] * scale);
         if (!(std::fabs(steps) < double(2 * mesh::Lattice::largest_index)))
           return false;
         index[a] = std::int64_t(steps);
@@ -78,27 +90,27 @@ private:
   }
 
   void take(int depth, std::uint32_t brick) {
-    depth_ = depth;
-    entries_ = leaves_->store().entries(brick);
+    box_.depth = depth;
+    box_.entries = leaves_->store().entries(brick);
     const amr::BrickKey& key = leaves_->store().key(brick);
     const std::int64_t index[3] = {key.x, key.y, key.z};
     const double scale = double(std::int64_t(1) << depth);
     for (int a = 0; a < 3; ++a) {
-      first_half_[a] = 2 * Store::side * index[a];
-      start_[a] = lattice_.place(a, depth, first_half_[a]);
-      steps_a_unit_[a] = per_unit_[a] * scale;
+      box_.first_half[a] = 2 * Store::side * index[a];
+      box_.start[a] = box_.lattice.place(a, depth, box_.first_half[a]);
+      box_.steps_a_unit[a] = per_unit_[a] * scale;
       // Some units in the last place of the coordinates, in steps.
-      rounding_[a] = 0x1p-49 * (std::fabs(start_[a]) * steps_a_unit_[a] + 16.0);
+      box_.rounding[a] = 0x1p-49 * (std::fabs(box_.start[a]) * box_.steps_a_unit[a] + 16.0);
     }
   }
 
   /// Where p lies from the brick's lower corner, in leaves.
   double steps(const math::Vec3d& p, int axis) const {
-    return (p[axis] - start_[axis]) * steps_a_unit_[axis];
+    return (p[axis] - box_.start[axis]) * box_.steps_a_unit[axis];
   }
   /// The lower face of the brick's leaf i.
   double face(int axis, int i) const {
-    return lattice_.place(axis, depth_, first_half_[axis] + 2 * i);
+    return box_.lattice.place(axis, box_.depth, box_.first_half[axis] + 2 * i);
   }
   /// The parametric coordinate in leaf i; exact on its faces.
   static double part_in(int i, double steps, bool on_low, bool on_high) {
@@ -108,7 +120,7 @@ private:
 
   /// False too where a leaf that may hold p lies in another brick.
   bool in_last_brick(const math::Vec3d& p, Location& at, Reason& reason) const {
-    if (!entries_)
+    if (!box_.entries)
       return false;
     double place[3];
     int lowest[3];
@@ -119,11 +131,11 @@ private:
         return false;
       lowest[a] = int(place[a]);
       const double part = place[a] - lowest[a];
-      sure &= part > rounding_[a] && part < 1.0 - rounding_[a];
+      sure &= part > box_.rounding[a] && part < 1.0 - box_.rounding[a];
     }
     if (!sure)
       return near_faces(p, place, at, reason);
-    const std::uint32_t entry = entries_[lowest[0] | lowest[1] << 3 | lowest[2] << 6];
+    const std::uint32_t entry = box_.entries[lowest[0] | lowest[1] << 3 | lowest[2] << 6];
     if (!Store::is_leaf(entry))
       return false;
     at.cell = entry;
@@ -151,7 +163,7 @@ private:
     for (int k = lowest[2]; k <= lowest[2] + on_face[2]; ++k)
       for (int j = lowest[1]; j <= lowest[1] + on_face[1]; ++j)
         for (int i = lowest[0]; i <= lowest[0] + on_face[0]; ++i) {
-          const std::uint32_t entry = entries_[i | j << 3 | k << 6];
+          const std::uint32_t entry = box_.entries[i | j << 3 | k << 6];
           if (!Store::is_leaf(entry))
             return false;
           if (entry > id)
@@ -168,13 +180,8 @@ private:
   }
 
   const amr::LeafMap* leaves_;
-  mesh::Lattice lattice_;
   double per_unit_[3]; ///< cells of depth 0
-  // Of the last brick:
-  int depth_ = 0;
-  const std::uint32_t* entries_ = nullptr;
-  std::int64_t first_half_[3] = {0, 0, 0};
-  double start_[3], steps_a_unit_[3], rounding_[3];
+  BrickBox box_;       ///< the last brick
 };
 
 } // namespace insitu::query

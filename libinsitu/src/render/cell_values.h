@@ -23,7 +23,7 @@ struct CellValues {
   /// interpolated.
   void finish(bool interpolated) {
     if (!nan && interpolated)
-      widen();
+      widen(lower, upper);
     else if (nan && !is_infinite()) { // a NaN at one vertex is one everywhere in the cell
       lower = infinity;
       upper = -infinity;
@@ -36,7 +36,15 @@ struct CellValues {
     if (nan && is_infinite())
       set_infinite();
     else if (lower <= upper)
-      widen();
+      widen(lower, upper);
+  }
+
+  /// By a millionth of the range and 16 roundings of the value, so that roundings of interpolation
+  /// stay within.
+  static void widen(double& low, double& high) {
+    const double slack = 1e-6 * (high - low) + 0x1p-48 * std::max(std::fabs(low), std::fabs(high));
+    low -= slack;
+    high += slack;
   }
 
 private:
@@ -45,14 +53,6 @@ private:
   void set_infinite() {
     lower = -infinity;
     upper = infinity;
-  }
-  /// By a millionth of the range and 16 roundings of the value, so that roundings of interpolation
-  /// stay within.
-  void widen() {
-    const double slack =
-        1e-6 * (upper - lower) + 0x1p-48 * std::max(std::fabs(lower), std::fabs(upper));
-    lower -= slack;
-    upper += slack;
   }
 };
 

@@ -4,11 +4,14 @@
 #include <atomic>
 #include <bit>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "accel/tree.h"
 #include "core/status.h"
 #include "render/cell_values.h"
+#include "render/gridlet_cells.h"
 
 namespace insitu::render {
 
@@ -151,18 +154,23 @@ public:
     for (int a = 0; a < 3; ++a)
       scale_[a] = grid.counts[a] > 1 ? 1.0 / grid.size[a] : 0.0;
   }
+  /// The layers along an axis of what reaches from low to high.
+  void layers(int a, double low, double high, int& from, int& to) const {
+    from = layer(a, (low - grid_.low[a]) * scale_[a] - Macrocells::margin);
+    to = layer(a, (high - grid_.low[a]) * scale_[a] + Macrocells::margin);
+  }
   template <class Visit>
   void visit(const CellBox& box, Visit&& visit) const {
     int from[3], to[3];
-    for (int a = 0; a < 3; ++a) {
-      from[a] = layer(a, (box.low[a] - grid_.low[a]) * scale_[a] - Macrocells::margin);
-      to[a] = layer(a, (box.high[a] - grid_.low[a]) * scale_[a] + Macrocells::margin);
-    }
+    for (int a = 0; a < 3; ++a)
+      layers(a, box.low[a], box.high[a], from[a], to[a]);
     for (int k = from[2]; k <= to[2]; ++k)
       for (int j = from[1]; j <= to[1]; ++j)
         for (int i = from[0]; i <= to[0]; ++i)
           visit(std::size_t(grid_.index(i, j, k)));
   }
+
+  const MacrocellGrid& grid() const { return grid_; }
 
 private:
   int layer(int a, double at) const {
@@ -170,6 +178,65 @@ private:
   }
   const MacrocellGrid& grid_;
   double scale_[3];
+};
+
+/// A gridlet's cells and what they make of the macrocells that they meet, first of a row of these,
+/// then of a layer, then of all, so that each number is compared about once. Of a thread.
+struct GridletScratch {
+  static constexpr int most = 32; ///< macrocells along an axis
+  struct Range {
+    double lower = infinity, upper = -infinity;
+    void add(double low, double high) {
+      lower = low < lower ? low : lower;
+      upper = high > upper ? high : upper;
+    }
+  };
+  GridletCells cells;
+  Range row[most], layer[most * most], all[most * most * most];
+
+  /// Calls put(macrocell, lower, upper); false, without a call, if they are too many.
+  template <class Put>
+  bool merge(const Raster& raster, const mesh::GridletsView& view, Put&& put) {
+    const mesh::Gridlet& g = cells.gridlet();
+    int from[3][mesh::Gridlet::side], to[3][mesh::Gridlet::side], first[3], n[3];
+    for (int a = 0; a < 3; ++a) {
+      for (int i = 0; i < g.size[a]; ++i)
+        raster.layers(a, view.coordinate(g, a, i), view.coordinate(g, a, i + 1), from[a][i],
+                      to[a][i]);
+      first[a] = from[a][0];
+      n[a] = to[a][g.size[a] - 1] - first[a] + 1;
+      if (n[a] > most)
+        return false;
+    }
+    // What `range` is to be added to: those of its layers.
+    const auto add = [](const Range* range, int count, Range* sums, int low, int high) {
+      for (int m = low; m <= high; ++m)
+        for (int i = 0; i < count; ++i)
+          sums[m * count + i].add(range[i].lower, range[i].upper);
+    };
+    const int of_layer = n[0] * n[1];
+    std::fill_n(all, of_layer * n[2], Range());
+    for (int k = 0; k < g.size[2]; ++k) {
+      std::fill_n(layer, of_layer, Range());
+      for (int j = 0; j < g.size[1]; ++j) {
+        std::fill_n(row, n[0], Range());
+        for (int i = 0; i < g.size[0]; ++i) {
+          const Range cell{cells.lower(i, j, k), cells.upper(i, j, k)};
+          add(&cell, 1, row, from[0][i] - first[0], to[0][i] - first[0]);
+        }
+        add(row, n[0], layer, from[1][j] - first[1], to[1][j] - first[1]);
+      }
+      add(layer, of_layer, all, from[2][k] - first[2], to[2][k] - first[2]);
+    }
+    const Range* range = all;
+    for (int k = 0; k < n[2]; ++k)
+      for (int j = 0; j < n[1]; ++j)
+        for (int i = 0; i < n[0]; ++i, ++range)
+          if (range->lower <= range->upper)
+            put(raster.grid().index(first[0] + i, first[1] + j, first[2] + k), range->lower,
+                range->upper);
+    return true;
+  }
 };
 
 } // namespace
@@ -193,10 +260,11 @@ Macrocells::Macrocells(const query::Sampler& sampler, const ScalarField& field,
   refresh(sampler, field, threads);
 }
 
-/// Gathers every owning cell; visit(flat id, cell), from any thread.
-template <class Visit>
+/// Gathers every owning cell; visit(flat id, cell), from any thread. But not those of gridlets
+/// where whole(gridlet), asked first, is true.
+template <class Whole, class Visit>
 void Macrocells::for_each_cell(const query::Sampler& sampler, const core::Threads& threads,
-                               Visit&& visit) {
+                               Whole&& whole, Visit&& visit) {
   const accel::Tree& tree = sampler.tree();
   const mesh::MeshView& mesh = sampler.mesh();
   // In the tree's order, in which threads are far apart.
@@ -206,6 +274,8 @@ void Macrocells::for_each_cell(const query::Sampler& sampler, const core::Thread
       const std::int64_t flat = tree.cells()[at];
       const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
       const mesh::PieceView& piece = mesh.pieces[p];
+      if (piece.gridlets && whole(flat >> mesh::Gridlet::cell_bits)) // of the first piece
+        continue;
       const std::int64_t several = piece.cells_an_item();
       for (std::int64_t k = 0; k < several; ++k)
         if (several == 1 || piece.owns(flat - mesh.first_cell[p] + k)) {
@@ -225,7 +295,20 @@ void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field
   });
   const Raster raster(grid_);
   const bool of_cells = field.field.association == INSITU_CELL;
-  for_each_cell(sampler, threads, [&](std::int64_t flat, const mesh::CellVertices& cell) {
+  const mesh::GridletsView* const gridlets =
+      mesh.piece_count > 0 && !of_cells ? mesh.pieces[0].gridlets : nullptr;
+  std::optional<VertexNumbers> numbers;
+  if (gridlets)
+    numbers.emplace(field, 0);
+  const auto whole = [&](std::int64_t gridlet) {
+    thread_local const auto scratch = std::make_unique<GridletScratch>();
+    return numbers && scratch->cells.find(*gridlets, gridlet, *numbers) &&
+           scratch->merge(raster, *gridlets, [&](std::int64_t i, double lower, double upper) {
+             lower_to(ranges_[std::size_t(i)].lower, lower);
+             raise_to(ranges_[std::size_t(i)].upper, upper);
+           });
+  };
+  for_each_cell(sampler, threads, whole, [&](std::int64_t flat, const mesh::CellVertices& cell) {
     CellValues values;
     if (of_cells)
       values.add(field.load(cell.piece, flat - mesh.first_cell[cell.piece]));
@@ -246,7 +329,8 @@ void Macrocells::measure(const query::Sampler& sampler, const core::Threads& thr
   smallest_.resize_discard(std::size_t(grid_.count()));
   std::fill(smallest_.begin(), smallest_.end(), std::numeric_limits<float>::infinity());
   const Raster raster(grid_);
-  for_each_cell(sampler, threads, [&](std::int64_t, const mesh::CellVertices& cell) {
+  const auto none = [](std::int64_t) { return false; };
+  for_each_cell(sampler, threads, none, [&](std::int64_t, const mesh::CellVertices& cell) {
     const CellBox box(cell);
     double side = infinity;
     for (int a = 0; a < 3; ++a)

@@ -79,9 +79,9 @@ public:
   }
 
 private:
-  template <class Visit>
+  template <class Whole, class Visit>
   static void for_each_cell(const query::Sampler& sampler, const core::Threads& threads,
-                            Visit&& visit);
+                            Whole&& whole, Visit&& visit);
 
   MacrocellGrid grid_;
   core::Buffer<Range> ranges_;

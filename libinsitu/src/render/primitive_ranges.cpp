@@ -5,38 +5,14 @@
 
 #include "accel/tree.h"
 #include "render/cell_values.h"
+#include "render/vertex_numbers.h"
 
 namespace insitu::render {
 
 namespace {
 
-/// A field's numbers at the vertices of a piece.
-class VertexValues {
-public:
-  VertexValues(const ScalarField& field, std::int32_t piece) : field_(field), piece_(piece) {
-    const mesh::FieldPieceView& from = field.field.pieces[piece];
-    const int c = range_component(field);
-    if (c < 0 || !from.layout.linear)
-      return;
-    base_ = from.component[c];
-    stride_ = from.layout.stride[0];
-    is_float32_ = from.is_float32;
-  }
-  double operator()(std::int64_t vertex) const {
-    return base_ ? mesh::load_real(base_ + vertex * stride_, is_float32_)
-                 : field_.load(piece_, vertex);
-  }
-
-private:
-  const ScalarField& field_;
-  std::int32_t piece_;
-  const std::byte* base_ = nullptr; ///< null: the general way
-  std::int64_t stride_ = 0;
-  bool is_float32_ = false;
-};
-
 /// Vertices of no leaf belong to no cell.
-void add_gridlet(const mesh::GridletsView& all, std::int64_t gridlet, const VertexValues& at,
+void add_gridlet(const mesh::GridletsView& all, std::int64_t gridlet, const VertexNumbers& at,
                  CellValues& values) {
   const mesh::Gridlet& g = all.gridlets[gridlet];
   for (std::int64_t v = g.first, end = v + g.vertex_count(); v < end; ++v)
@@ -44,7 +20,7 @@ void add_gridlet(const mesh::GridletsView& all, std::int64_t gridlet, const Vert
       values.add(at(v));
 }
 
-void add_stitching(const mesh::PieceView& piece, std::int64_t cell, const VertexValues& at,
+void add_stitching(const mesh::PieceView& piece, std::int64_t cell, const VertexNumbers& at,
                    CellValues& values) {
   for (int v = 0; v < 8; ++v) { // without asking for the shape first
     const std::int64_t id = mesh::from_base(piece.padded_id(cell, v), piece.index_base);
@@ -85,7 +61,7 @@ void PrimitiveRanges::refresh(const query::Sampler& sampler, const ScalarField& 
     ranges_[std::size_t(i)] = {lower_float(values.lower), upper_float(values.upper)};
     has_nan_[std::size_t(i)] = values.nan;
   };
-  const VertexValues in_gridlets(field, 0), in_stitching(field, 1);
+  const VertexNumbers in_gridlets(field, 0), in_stitching(field, 1);
   threads.parallel_for(gridlets.count, 64, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t g = begin; g < end; ++g) {
       CellValues values;

@@ -109,6 +109,7 @@ const T& Structures::up_to_date(ValuesEntry<T>& entry, const ScalarField& field,
     entry.value->refresh(*sampler_, field, *threads_);
     ++refreshed;
   }
+  entry.times = entry.is_fresh ? entry.times + 1 : 1;
   entry.is_fresh = true;
   seconds += timer.seconds();
   return *entry.value;
@@ -185,6 +186,16 @@ const query::CulledCells* Structures::culled(const ScalarField& field,
   ++counts_.culled;
   seconds_.culled += timer.seconds();
   return entry.value.get();
+}
+
+int Structures::times_culled(const ScalarField& field) const {
+  const auto known = primitive_ranges_.find(key_of(field));
+  return known != primitive_ranges_.end() && known->second.is_fresh ? known->second.times : 0;
+}
+
+bool Structures::has_macrocells(const ScalarField& field) const {
+  const auto known = macrocells_.find({key_of(field), 64.0});
+  return known != macrocells_.end() && known->second.is_fresh;
 }
 
 const VertexGradients& Structures::gradients(const ScalarField& vertex_field) {

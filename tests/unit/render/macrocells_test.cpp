@@ -1,8 +1,12 @@
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
+#include <limits>
 
 #include "core/status.h"
+#include "render/cell_values.h"
 #include "render/macrocells.h"
 #include "unit/query/ghosted_amr.h"
 #include "unit/render/placed_mesh.h"
@@ -179,6 +183,67 @@ TEST(Macrocells, AdaptiveMeshes) {
     EXPECT_GT(cells.grid().count(), 8);
     expect_bounds(mesh.committed.sampler(), field, cells);
   }
+}
+
+/// Gridlets are taken as a whole, with the bits of their cells one by one.
+TEST(Macrocells, OfGridletsAreThoseOfTheirCells) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto wave = [](const Vec3d& p) { return std::sin(3 * p.x) + p.y * p.z; };
+  for (const double odd : {0.0, -0.0, nan, HUGE_VAL})
+    for (int kind = 0; kind < 5; ++kind) {
+      RegisteredAmr mesh(
+          {.seed = 2, .kind = kind, .roots = 9, .levels = 2}, INSITU_DUAL, [&](const Vec3d& p) {
+            const double share = odd == 0 ? 0.9 : 0.02;
+            const bool is_odd = random(5, std::bit_cast<std::uint64_t>(p.x + p.z)) < share;
+            return is_odd ? odd : wave(p);
+          });
+      const query::Sampler sampler = mesh.committed.sampler();
+      const mesh::MeshView& view = sampler.mesh();
+      const ScalarField field{mesh.committed.mesh.mesh().field("f"), 0};
+      for (const double each : {0.01, 1.0, 30.0}) {
+        SCOPED_TRACE(testing::Message() << odd << ", kind " << kind << ", " << each);
+        const Macrocells cells(sampler, field, mesh.committed.threads, mesh.committed.memory, each);
+        const MacrocellGrid& grid = cells.grid();
+        std::vector<Macrocells::Range> expected(std::size_t(grid.count()), {HUGE_VAL, -HUGE_VAL});
+        mesh::CellVertices cell;
+        for (std::int64_t flat = 0; flat < view.cell_count(); ++flat) {
+          mesh::gather(view, flat, cell);
+          if (!view.pieces[cell.piece].owns(flat - view.first_cell[cell.piece]))
+            continue;
+          render::CellValues values;
+          Vec3d low = cell.x[0], high = cell.x[0];
+          for (int v = 0; v < cell.count; ++v) {
+            values.add(field.load(cell.piece, cell.ids[v]));
+            for (int a = 0; a < 3; ++a) {
+              low[a] = std::min(low[a], cell.x[v][a]);
+              high[a] = std::max(high[a], cell.x[v][a]);
+            }
+          }
+          values.finish(true);
+          int from[3], to[3];
+          for (int a = 0; a < 3; ++a) {
+            const auto layer = [&](double x, double margin) {
+              const double at =
+                  (x - grid.low[a]) * (grid.counts[a] > 1 ? 1 / grid.size[a] : 0.0) + margin;
+              return std::clamp(int(at), 0, grid.counts[a] - 1);
+            };
+            from[a] = layer(low[a], -Macrocells::margin);
+            to[a] = layer(high[a], Macrocells::margin);
+          }
+          for (int k = from[2]; k <= to[2]; ++k)
+            for (int j = from[1]; j <= to[1]; ++j)
+              for (int i = from[0]; i <= to[0]; ++i) {
+                Macrocells::Range& range = expected[std::size_t(grid.index(i, j, k))];
+                range.lower = std::min(range.lower, values.lower);
+                range.upper = std::max(range.upper, values.upper);
+              }
+        }
+        for (std::int64_t m = 0; m < grid.count(); ++m)
+          ASSERT_EQ(std::memcmp(&cells.range(m), &expected[std::size_t(m)], sizeof expected[0]), 0)
+              << m << ": " << cells.range(m).lower << " " << cells.range(m).upper << ", not "
+              << expected[std::size_t(m)].lower << " " << expected[std::size_t(m)].upper;
+      }
+    }
 }
 
 /// Values between cells and the solver's ghosts beyond the domain are in the ranges.
