@@ -20,8 +20,9 @@ namespace insitu::render {
 
 class Structures;
 
-/// if_it_pays: see culling_pays(); not from the third frame of the same values on where macrocells
-/// serve better; of path tracing never, whose samples are few where nothing shows.
+/// if_it_pays: see culling_pays(); not where macrocells serve better and are there, or serve from
+/// the third frame of the same values on; of path tracing never, whose samples are few where
+/// nothing shows.
 enum class Culling { never, if_it_pays, always };
 
 /// A field drawn as a medium that emits and absorbs.
