@@ -177,9 +177,8 @@ bool AppendFile::cut_from(
       }
       line += std::int64_t(end + 1 - begin);
     }
-    if (known && (descends ? down : up)) {
+    if (known && (descends ? down : up))
       break;
-    }
     carry.erase(0, begin);
   }
   if (const auto where = descends ? down : up) {

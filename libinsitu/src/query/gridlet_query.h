@@ -1,13 +1,11 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "cells/decide.h"
 #include "mesh/view.h"
 #include "query/gridlet_places.h"
-#include "query/lattice_lanes.h"
 #include "query/sampler.h"
 
 /// Points in gridlets: without a tree, and exactly, since the cells are boxes whose faces are
@@ -149,20 +147,6 @@ public:
     return false;
   }
 
-  /// find() of the first of n points and those that follow it in its gridlet; returns of how many.
-  /// Up to 7 locations and reasons behind these are overwritten, but none behind n.
-  std::size_t find_ahead(const math::Vec3d* points, std::size_t n, Location* at, Reason* reasons) {
-    if (last_ < 0 || !stays_in(box_, points, n))
-      return 0;
-    const std::size_t found = cells_ahead(box_, points, n, at);
-    for (std::size_t k = 0; k < found; ++k) {
-      reasons[k] = Reason::certified;
-      if (shown_)
-        hide(at[k], reasons[k]);
-    }
-    return found;
-  }
-
 private:
   bool has_cell(std::int64_t gridlet, const std::int64_t* index) const {
     const mesh::Gridlet& g = all_->gridlets[gridlet];
@@ -189,20 +173,15 @@ private:
     const mesh::Gridlet& g = all_->gridlets[gridlet];
     last_ = gridlet;
     const double scale = double(std::int64_t(1) << g.depth);
-    box_.first_cell = gridlet << mesh::Gridlet::cell_bits;
-    const std::uint64_t* const full = all_->full + 8 * gridlet;
-    box_.full = std::all_of(full, full + 8, [](std::uint64_t w) { return w == ~std::uint64_t(0); })
-                    ? nullptr
-                    : full;
     for (int a = 0; a < 3; ++a) {
-      box_.start[a] = all_->coordinate(g, a, 0);
-      box_.steps_a_unit[a] = per_unit_[a] * scale;
+      start_[a] = all_->coordinate(g, a, 0);
+      steps_a_unit_[a] = per_unit_[a] * scale;
       // Some units in the last place of the coordinates, of zero's and of the lattice's origin, in
       // steps: nearer to a face, an index found by either may be the neighbour's.
-      const double far =
-          std::fabs(box_.start[a]) + std::fabs(box_.start[a] - all_->lattice.origin[a]);
-      box_.rounding[a] = 0x1p-49 * (far * box_.steps_a_unit[a] + 16.0);
-      box_.size[a] = g.size[a];
+      const double far = std::fabs(start_[a]) + std::fabs(start_[a] - all_->lattice.origin[a]);
+      const double rounding = 0x1p-49 * (far * steps_a_unit_[a] + 16.0);
+      least_[a] = rounding;
+      most_[a] = g.size[a] - rounding;
     }
   }
 
@@ -214,13 +193,12 @@ private:
     std::int64_t cell = last_ << mesh::Gridlet::cell_bits;
     bool sure = true;
     for (int a = 0; a < 3; ++a) {
-      const double steps = (p[a] - box_.start[a]) * box_.steps_a_unit[a];
-      const double least = box_.rounding[a];
-      if (!(steps > least && steps < box_.size[a] - least))
+      const double steps = (p[a] - start_[a]) * steps_a_unit_[a];
+      if (!(steps > least_[a] && steps < most_[a]))
         return false;
       const int i = int(steps);
       part[a] = steps - i;
-      sure &= part[a] > least && part[a] < 1.0 - least;
+      sure &= part[a] > least_[a] && part[a] < 1.0 - least_[a];
       cell += i << (3 * a);
     }
     if (!sure || !all_->is_full(cell))
@@ -236,7 +214,8 @@ private:
   const std::uint64_t* shown_;
   std::int64_t last_ = -1;
   double per_unit_[3]; ///< cells of depth 0
-  GridletBox box_;     ///< the last gridlet's
+  // Of the last gridlet:
+  double start_[3], steps_a_unit_[3], least_[3], most_[3];
 };
 
 } // namespace insitu::query

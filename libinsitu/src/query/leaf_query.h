@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "amr/leaf_map.h"
-#include "query/lattice_lanes.h"
+#include "query/leaf_lanes.h"
 #include "query/sampler.h"
 
 namespace insitu::query {
@@ -15,10 +15,8 @@ class LeafFinder {
 public:
   explicit LeafFinder(const amr::LeafMap& leaves) : leaves_(&leaves) {
     box_.lattice = leaves.lattice();
-    for (int a = 0; a < 3; ++a) {
+    for (int a = 0; a < 3; ++a)
       per_unit_[a] = 1.0 / box_.lattice.spacing[a];
-      box_.size[a] = Store::side;
-    }
   }
 
   static constexpr bool finds_all = true;
@@ -50,8 +48,8 @@ public:
   /// to 7 locations and reasons behind these are overwritten, but none behind n.
   std::size_t find_ahead(const math::Vec3d* points, std::size_t n, Location* at,
                          Reason* reasons) const {
-    return box_.entries && stays_in(box_, points, n) ? leaves_ahead(box_, points, n, at, reasons)
-                                                     : 0;
+    return box_.entries && n >= 8 && holds(points[3]) ? leaves_ahead(box_, points, n, at, reasons)
+                                                      : 0;
   }
 
 private:
@@ -102,6 +100,14 @@ private:
       // Some units in the last place of the coordinates, in steps.
       box_.rounding[a] = 0x1p-49 * (std::fabs(box_.start[a]) * box_.steps_a_unit[a] + 16.0);
     }
+  }
+
+  /// Whether the last brick does, about: then it most likely holds what comes before p too.
+  bool holds(const math::Vec3d& p) const {
+    bool in = true;
+    for (int a = 0; a < 3; ++a)
+      in &= steps(p, a) > 0.0 && steps(p, a) < double(Store::side);
+    return in;
   }
 
   /// Where p lies from the brick's lower corner, in leaves.

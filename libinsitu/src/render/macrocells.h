@@ -51,6 +51,7 @@ struct MacrocellGrid {
 class Macrocells {
 public:
   static constexpr double margin = 1.0 / 256;
+  static constexpr double usual_cells = 64; ///< to a macrocell
   struct Range {
     double lower, upper;
   };
@@ -58,7 +59,7 @@ public:
   /// About `cells_each` owning cells to a macrocell of the mesh's bounds, at most 2^24 of them.
   /// They have the proportions of a mean cell's box; none is smaller than a quarter of it.
   Macrocells(const query::Sampler& sampler, const ScalarField& field, const core::Threads& threads,
-             core::Memory& memory, double cells_each = 64);
+             core::Memory& memory, double cells_each = usual_cells);
 
   /// New values on the same cells: no memory is allocated, the grid stays.
   void refresh(const query::Sampler& sampler, const ScalarField& field,

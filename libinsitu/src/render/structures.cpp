@@ -125,7 +125,7 @@ const Macrocells& Structures::macrocells(const ScalarField& field, double cells_
 
 const Macrocells& Structures::macrocells_with_sizes(const ScalarField& field) {
   macrocells(field);
-  Macrocells& cells = *macrocells_[GridKey{key_of(field), 64.0}].value;
+  Macrocells& cells = *macrocells_[GridKey{key_of(field), Macrocells::usual_cells}].value;
   if (!cells.has_sizes())
     cells.measure(*sampler_, *threads_);
   return cells;
@@ -194,7 +194,7 @@ int Structures::times_culled(const ScalarField& field) const {
 }
 
 bool Structures::has_macrocells(const ScalarField& field) const {
-  const auto known = macrocells_.find({key_of(field), 64.0});
+  const auto known = macrocells_.find({key_of(field), Macrocells::usual_cells});
   return known != macrocells_.end() && known->second.is_fresh;
 }
 

@@ -73,12 +73,13 @@ public:
   const accel::ValueRanges& value_ranges(const ScalarField& vertex_field);
   ScalarRange scalar_range(const ScalarField& field);
   /// Kept while the geometry holds, and given new values in place.
-  const Macrocells& macrocells(const ScalarField& field, double cells_each = 64);
+  const Macrocells& macrocells(const ScalarField& field,
+                               double cells_each = Macrocells::usual_cells);
   /// The same, which know their cells' sizes.
   const Macrocells& macrocells_with_sizes(const ScalarField& field);
   /// Of macrocells(field); classified anew when the values or the function's opacities change.
   const Majorants& majorants(const ScalarField& field, const TransferFunction& function,
-                             double cells_each = 64);
+                             double cells_each = Macrocells::usual_cells);
   /// What a function shows of an adaptive mesh, for which the field's PrimitiveRanges are kept;
   /// made anew when the values or the function's opacities change. Null where there are none to
   /// cull.

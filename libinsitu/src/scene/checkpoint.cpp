@@ -130,7 +130,7 @@ void Runner::keep(core::Archive& archive) {
         "it is of another scene: it has " + listed(found) + "; the scene has " + listed(names));
   }
   for (TracerAction* tracer : tracers)
-    tracer->keep(archive, cycle_);
+    tracer->keep(archive);
 }
 
 void Runner::write_checkpoint(const std::string& path, MeshList meshes) {

@@ -83,7 +83,7 @@ public:
     environment_.statistics.output_s += output_timer.seconds();
   }
 
-  void keep(core::Archive& archive, std::int64_t cycle) override {
+  void keep(core::Archive& archive) override {
     archive.value("executed", seeded_);
     archive.value("time of particles", settled_);
     archive.value("last cycle", last_.cycle);
@@ -93,7 +93,7 @@ public:
     particles_.keep(archive);
     geodesics_.keep(archive);
     for (const auto& writer : writers_)
-      writer->keep(archive, cycle);
+      writer->keep(archive);
   }
   void take_up(bool same_cells) override { same_cells_ = same_cells; }
 

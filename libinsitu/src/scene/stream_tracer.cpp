@@ -16,7 +16,7 @@ public:
   using TracerAction::TracerAction;
 
   advect::Counts counts() const override { return counts_; }
-  void keep(core::Archive& archive, std::int64_t) override {
+  void keep(core::Archive& archive) override {
     archive.value("seeded", counts_.seeded);
     archive.value("endings", counts_.by_ending);
   }

@@ -27,8 +27,8 @@ public:
   void plan(const query::CommittedMesh& mesh, Plan& plan) const override;
 
   virtual advect::Counts counts() const = 0;
-  /// Its state, to a checkpoint or back, after cycle `cycle`.
-  virtual void keep(core::Archive& archive, std::int64_t cycle) = 0;
+  /// Its state, to a checkpoint or back.
+  virtual void keep(core::Archive& archive) = 0;
   /// Before the first cycle after a restart: whether the mesh has the cells of the checkpoint.
   virtual void take_up(bool /*same_cells*/) {}
   const Tracer& tracer() const { return tracer_; }

@@ -41,7 +41,7 @@ void keep_frame(core::Archive& archive, insitu_frame& frame) {
 
 } // namespace
 
-void TrackTable::keep(core::Archive& archive, std::int64_t) {
+void TrackTable::keep(core::Archive& archive) {
   if (!archive.restores() && is_open())
     flush();
   bool is_there = is_open();

@@ -12,7 +12,7 @@ public:
   void write(TrackCycle& cycle) final;
   void finish(const advect::Particles& particles, const TrackGeodesics& geodesics,
               std::int64_t cycle, double time) final;
-  void keep(core::Archive& archive, std::int64_t cycle) final;
+  void keep(core::Archive& archive) final;
 
 protected:
   /// Opens the file, or throws if one that is open does not fit these rows.

@@ -52,7 +52,7 @@ public:
     write_tracks(time);
   }
 
-  void keep(core::Archive& archive, std::int64_t) override {
+  void keep(core::Archive& archive) override {
     tracks_.keep(archive);
     if (!columns_.empty())
       archive.array("track geodesics", geodesics_);

@@ -71,9 +71,9 @@ public:
   /// last one that the tracer executed.
   virtual void finish(const advect::Particles& particles, const TrackGeodesics& geodesics,
                       std::int64_t cycle, double time) = 0;
-  /// Its state, to a checkpoint or back; what waits for the file is written first. cycle: the one
-  /// that the state is of; when it comes back, rows of later cycles are dropped from the file.
-  virtual void keep(core::Archive& archive, std::int64_t cycle) = 0;
+  /// Its state, to a checkpoint or back; what waits for the file is written first. When it comes
+  /// back, the file is cut to what it was then.
+  virtual void keep(core::Archive& archive) = 0;
   /// Whether it asks for particles after the cycle in which they ended.
   virtual bool keeps_ended() const { return false; }
 };

@@ -3,6 +3,7 @@
 
 #include "accel/ray_traversal.h"
 #include "fixtures/committed.h"
+#include "fixtures/simd_targets.h"
 
 using namespace insitu;
 using math::Vec3d;
@@ -107,6 +108,25 @@ TEST(Rays, MeetEveryCellOnTheirWay) {
           walk.check(origin, direction, scale, 20 * scale);
         }
       }
+}
+
+TEST(Rays, VisitTheSameCellsOnEverySimdTarget) {
+  test::Random random(53);
+  const fixtures::Committed m(box(test::MeshKind::tetrahedra, 1e7, 1.0));
+  const Walk walk(m);
+  const Vec3d low = m.mesh.tree().bounds_min(), high = m.mesh.tree().bounds_max();
+  for (int i = 0; i < 100; ++i) {
+    const Vec3d origin = random.uniform(low, high);
+    Vec3d direction = random.uniform({-1, -1, -1}, {1, 1, 1});
+    if (i % 3 == 0)
+      direction[random.below(3)] = 0.0;
+    const std::vector<int> seen = walk.visits(origin, direction, 0.0, 3.0);
+    for (const std::int64_t target : fixtures::simd_targets()) {
+      fixtures::use_simd_target(target);
+      EXPECT_EQ(walk.visits(origin, direction, 0.0, 3.0), seen) << hwy::TargetName(target);
+    }
+    fixtures::use_simd_target(0);
+  }
 }
 
 TEST(Rays, StopWhereTheyAreTold) {

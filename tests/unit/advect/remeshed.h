@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <gtest/gtest.h>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -72,6 +73,28 @@ public:
   core::Threads threads;
   core::Log log{INSITU_LOG_ERROR, [](insitu_log_level, const char*, void*) {}, nullptr};
   query::CommittedMesh mesh;
+
+  /// Particles that go with the velocity through `steps` steps to `end`, as the tracer has them at
+  /// 0; step s has the cells mesh_of(s). whole: the step before is given with its cells. Returns
+  /// the last advance.
+  template <class MeshOf>
+  advect::Advance carry(advect::Tracer& tracer, const MeshOf& mesh_of, const Flow& flow, double end,
+                        int steps, bool whole) {
+    remesh(mesh_of(0), flow, 0.0);
+    advect::Advance a = tracer.advance(mesh.sampler(), velocity(), nullptr, 0.0, 0.0, threads);
+    for (int s = 1; s <= steps; ++s) {
+      const double t0 = end * (s - 1) / steps, t1 = end * s / steps;
+      keep();
+      remesh(mesh_of(std::size_t(s)), flow, t1);
+      const auto earlier = before();
+      EXPECT_TRUE(earlier);
+      a = tracer.advance(mesh.sampler(), velocity(), nullptr, t0, t1, threads, nullptr,
+                         whole ? &*earlier : nullptr);
+      EXPECT_EQ(a.counts.sum(), tracer.counts().seeded);
+      EXPECT_EQ(a.blended_velocity, whole);
+    }
+    return a;
+  }
 
 private:
   struct Step {

@@ -58,26 +58,13 @@ protected:
   TracerSettings settings;
 
   /// Particles through `steps` steps to `end`, each on other cells than the one before.
-  Tracer through(const Flow& flow, std::span<const Vec3d> seeds, double end, int steps, bool whole,
-                 Advance* last = nullptr) {
+  Tracer through(const Flow& flow, std::span<const Vec3d> seeds, double end, int steps,
+                 bool whole) {
     Remeshed solver;
     Tracer tracer(settings, memory);
     tracer.seed(seeds, 0.0);
-    solver.remesh(cube_of(0), flow, 0.0);
-    tracer.advance(solver.mesh.sampler(), solver.velocity(), nullptr, 0.0, 0.0, threads);
-    for (int s = 1; s <= steps; ++s) {
-      const double t0 = end * (s - 1) / steps, t1 = end * s / steps;
-      solver.keep();
-      solver.remesh(cube_of(std::size_t(s)), flow, t1);
-      const auto before = solver.before();
-      EXPECT_TRUE(before);
-      const Advance a = tracer.advance(solver.mesh.sampler(), solver.velocity(), nullptr, t0, t1,
-                                       threads, nullptr, whole ? &*before : nullptr);
-      EXPECT_EQ(a.counts.alive(), std::int64_t(seeds.size()));
-      EXPECT_EQ(a.blended_velocity, whole);
-      if (last)
-        *last = a;
-    }
+    const Advance a = solver.carry(tracer, cube_of, flow, end, steps, whole);
+    EXPECT_EQ(a.counts.alive(), std::int64_t(seeds.size()));
     return tracer;
   }
 };

@@ -49,19 +49,7 @@ protected:
     Tracer tracer(settings, memory);
     tracer.set_effects(effects);
     tracer.seed(seeds, 0.0);
-    solver.remesh(mesh_of(0), flow, 0.0);
-    tracer.advance(solver.mesh.sampler(), solver.velocity(), nullptr, 0.0, 0.0, threads);
-    for (int s = 1; s <= steps; ++s) {
-      const double t0 = end * (s - 1) / steps, t1 = end * s / steps;
-      solver.keep();
-      solver.remesh(mesh_of(std::size_t(s)), flow, t1);
-      const auto before = solver.before();
-      EXPECT_TRUE(before);
-      const Advance a = tracer.advance(solver.mesh.sampler(), solver.velocity(), nullptr, t0, t1,
-                                       threads, nullptr, whole ? &*before : nullptr);
-      EXPECT_EQ(a.counts.sum(), std::int64_t(seeds.size()));
-      EXPECT_EQ(a.blended_velocity, whole);
-    }
+    solver.carry(tracer, mesh_of, flow, end, steps, whole);
     return tracer;
   }
 };

@@ -1,13 +1,9 @@
-#include "query/lattice_lanes.h"
-
-#include <algorithm>
-#include <bit>
+#include "query/leaf_lanes.h"
 
 #include "amr/brick_store.h"
-#include "mesh/gridlet.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "query/lattice_lanes.cpp"
+#define HWY_TARGET_INCLUDE "query/leaf_lanes.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -38,48 +34,6 @@ HWY_INLINE void store(hn::Vec<LongTag> cell, const Reals* r, Location* to) {
   static_assert(sizeof(Location) == 4 * sizeof(double));
   hn::StoreInterleaved4(hn::BitCast(RealTag(), cell), r[0], r[1], r[2], RealTag(),
                         reinterpret_cast<double*>(to));
-}
-
-std::size_t cells_ahead_target(const GridletBox& box, const math::Vec3d* points, std::size_t n,
-                               Location* at) {
-  const RealTag d;
-  const IntTag di;
-  const LongTag dl;
-  const hn::RebindToUnsigned<LongTag> du;
-  const std::size_t lanes = hn::Lanes(d);
-  std::size_t done = 0;
-  for (; done + lanes <= n; done += lanes) {
-    Reals p[3], part[3];
-    Ints i[3];
-    hn::LoadInterleaved3(d, &points[done].x, p[0], p[1], p[2]);
-    RealMask sure = hn::Eq(p[0], p[0]);
-    for (int a = 0; a < 3; ++a) {
-      const Reals least = hn::Set(d, box.rounding[a]);
-      const Reals steps =
-          hn::Mul(hn::Sub(p[a], hn::Set(d, box.start[a])), hn::Set(d, box.steps_a_unit[a]));
-      i[a] = hn::DemoteTo(di, steps);
-      part[a] = hn::Sub(steps, real(i[a]));
-      sure = hn::And(sure, between(least, steps, hn::Set(d, box.size[a] - box.rounding[a])));
-      sure = hn::And(sure, between(least, part[a], hn::Set(d, 1.0 - box.rounding[a])));
-    }
-    const Ints in_layer = hn::Add(i[0], hn::ShiftLeft<3>(i[1]));
-    if (box.full) { // lanes that are not sure look anywhere
-      const auto layer = hn::PromoteTo(dl, hn::And(i[2], hn::Set(di, 7)));
-      const auto bit = hn::PromoteTo(dl, hn::And(in_layer, hn::Set(di, 63)));
-      const auto word = hn::GatherIndex(dl, reinterpret_cast<const std::int64_t*>(box.full), layer);
-      const auto full =
-          hn::And(hn::Shr(hn::BitCast(du, word), hn::BitCast(du, bit)), hn::Set(du, 1));
-      sure = hn::And(sure, hn::RebindMask(d, hn::Eq(hn::BitCast(dl, full), hn::Set(dl, 1))));
-    }
-    const unsigned found = bits_of(sure);
-    if (found == 0)
-      break;
-    const Ints local = hn::Add(in_layer, hn::ShiftLeft<6>(i[2]));
-    store(hn::Add(hn::PromoteTo(dl, local), hn::Set(dl, box.first_cell)), part, at + done);
-    if (const auto ahead = std::size_t(std::countr_one(found)); ahead < lanes)
-      return done + ahead;
-  }
-  return done;
 }
 
 std::size_t leaves_ahead_target(const BrickBox& box, const math::Vec3d* points, std::size_t n,
@@ -184,13 +138,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace insitu::query {
 
-HWY_EXPORT(cells_ahead_target);
 HWY_EXPORT(leaves_ahead_target);
-
-std::size_t cells_ahead(const GridletBox& box, const math::Vec3d* points, std::size_t n,
-                        Location* at) {
-  return HWY_DYNAMIC_DISPATCH(cells_ahead_target)(box, points, n, at);
-}
 
 std::size_t leaves_ahead(const BrickBox& box, const math::Vec3d* points, std::size_t n,
                          Location* at, Reason* reasons) {
