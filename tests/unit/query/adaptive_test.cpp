@@ -7,6 +7,7 @@
 #include "core/random.h"
 #include "fixtures/simd_targets.h"
 #include "query/gridlet_query.h"
+#include "query/leaves_copy.h"
 #include "unit/query/registered_amr.h"
 
 /// Adaptive meshes as queries see them: the dual mesh's gridlets and stitching cells, or leaves.
@@ -233,6 +234,36 @@ TEST_P(Adaptive, NearestIsTheSolversCell) {
 
 /// Points that follow each other in a box of cells go many at a time: with the bits of each alone,
 /// in all SIMD targets.
+TEST_P(Adaptive, LeavesCopiedAreTheSolversCells) {
+  RegisteredAmr mesh(GetParam(), INSITU_NEAREST, linear);
+  const mesh::MeshView& solvers = mesh.committed.sampler().mesh();
+  core::Memory memory;
+  amr::LeafMap map(memory);
+  map.build(mesh.amr.view(), mesh.committed.threads);
+  const query::LeavesCopy copy(map,
+                               {solvers.first_cell, solvers.first_cell + solvers.piece_count + 1},
+                               memory, mesh.committed.threads);
+  const mesh::MeshView& copied = copy.view();
+  ASSERT_EQ(copied.piece_count, solvers.piece_count);
+  ASSERT_EQ(copied.cell_count(), solvers.cell_count());
+  std::int64_t owned = 0;
+  for (std::int64_t flat = 0; flat < solvers.cell_count(); ++flat) {
+    const std::int32_t p = solvers.piece_of(flat);
+    const std::int64_t cell = flat - solvers.first_cell[p];
+    ASSERT_EQ(copied.pieces[p].owns(cell), solvers.pieces[p].owns(cell)) << flat;
+    if (!solvers.pieces[p].owns(cell))
+      continue;
+    ++owned;
+    mesh::CellVertices from, to;
+    mesh::gather(solvers, flat, from);
+    mesh::gather(copied, flat, to);
+    ASSERT_EQ(to.shape, from.shape);
+    for (int v = 0; v < from.count; ++v)
+      ASSERT_EQ(to.x[v], from.x[v]) << flat;
+  }
+  EXPECT_EQ(owned, map.leaf_count());
+}
+
 TEST_P(Adaptive, RowsOfPointsAnswerAsEachAlone) {
   for (const auto reconstruction : {INSITU_DUAL, INSITU_NEAREST}) {
     RegisteredAmr mesh(GetParam(), reconstruction, linear);
