@@ -35,6 +35,11 @@ void check(const VolumeSettings& s) {
                                               "': component " + std::to_string(s.field.component) +
                                               " asked for, " +
                                               std::to_string(s.field.field.components) + " held");
+  if (s.sample_group < 0 || s.sample_group > query::RayBundleLocator::most_depth)
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      std::string("volume of '") + s.field.field.name + "': sample groups of " +
+                          std::to_string(s.sample_group) + "; 0 to " +
+                          std::to_string(query::RayBundleLocator::most_depth) + " expected");
   if (s.preintegrated && s.tolerance)
     throw core::Error(INSITU_ERROR_ARGUMENT,
                       std::string("volume of '") + s.field.field.name +
@@ -52,8 +57,8 @@ VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings
                              bool clipped)
     : sampler_(sampler), located_(structures.culled ? sampler.among(*structures.culled) : sampler),
       field_(settings.field), function_(settings.function), step_(ray_step(sampler, settings)),
-      unit_distance_(unit_distance_of(sampler, settings)), clipped_(clipped),
-      majorants_(settings.skip_empty ? structures.majorants : nullptr),
+      unit_distance_(unit_distance_of(sampler, settings)), sample_group_(settings.sample_group),
+      clipped_(clipped), majorants_(settings.skip_empty ? structures.majorants : nullptr),
       low_(sampler.tree().bounds_min()), high_(sampler.tree().bounds_max()) {
   // Trees round their boxes outwards by 2^-22, see accel::round_down. Taken back, but for half a
   // float's rounding, that is where the mesh ends.
@@ -236,7 +241,7 @@ void VolumeMarcher::march_bundle(std::span<RayState> rays, int row, VolumeCounts
     // All rays over the same stretch, so that their samples share cells; a longer one once few rays
     // are left. What it is depends on the rays alone. What lies behind the sample that saturates a
     // ray is located in vain.
-    const int depth = s.active.size() < 64 ? 32 : 16;
+    const int depth = sample_group_ > 0 ? sample_group_ : s.active.size() < 64 ? 32 : 16;
     std::int64_t first = rays[s.active[0]].next;
     for (const std::uint32_t r : s.active)
       first = std::min(first, rays[r].next);

@@ -52,9 +52,14 @@ struct VolumeSettings {
   /// The step varies from macrocell to macrocell so that the error of the opacity and of the colour
   /// stays below this (see StepLevels); the step above is where it starts from.
   std::optional<double> tolerance = std::nullopt;
+  /// Samples of a ray that are located at once (Rathke et al. 2015, section 7.2), at most
+  /// query::RayBundleLocator::most_depth; 0: as many as pays. It changes the time alone, and how
+  /// many are located in vain behind the sample that hides the rest. Not with a tolerance.
+  int sample_group = 0;
 };
 
-/// Throws core::Error (INSITU_ERROR_FIELD) unless the field has the component.
+/// Throws core::Error: INSITU_ERROR_FIELD unless the field has the component, INSITU_ERROR_ARGUMENT
+/// for what does not go together.
 void check(const VolumeSettings& settings);
 /// The distance between samples, but for a tolerance. Throws core::Error (INSITU_ERROR_ARGUMENT)
 /// for one too short to be counted.
@@ -148,6 +153,7 @@ private:
   TransferFunction function_;
   query::LocateOptions options_;
   double step_, unit_distance_;
+  int sample_group_;
   bool clipped_;
   const Majorants* majorants_; ///< null: nothing to skip
   std::optional<Shader> shader_;

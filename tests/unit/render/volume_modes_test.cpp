@@ -367,6 +367,34 @@ TEST(VolumeModes, SamplesThatNothingIsAskedOfGiveTheSameBytes) {
   }
 }
 
+// Whole rays in one group and parts of them; opaque ones end early and so take fewer samples of
+// small groups.
+TEST(VolumeModes, SampleGroupsChangeTheWorkAlone) {
+  RenderMesh mesh(8, Shape::hexahedron, 0.3);
+  FrameSettings s = box_frame(70);
+  s.volume = VolumeSettings{mesh.field("f", INSITU_VERTEX, blob), with_opacity({{0, 0}, {1, 0.9}})};
+  for (const bool preintegrated : {false, true}) {
+    s.volume->preintegrated = preintegrated;
+    s.volume->sample_group = 0;
+    const core::Image chosen = mesh.draw(s, 1);
+    std::int64_t before = 0;
+    for (const int group : {1, 3, 16, 32}) {
+      s.volume->sample_group = group;
+      render::FrameStatistics statistics;
+      const core::Image image = render::render_frame(mesh.sampler(), s, mesh.committed.threads,
+                                                     mesh.committed.memory, &statistics)
+                                    .color;
+      EXPECT_TRUE(same(image, chosen)) << group;
+      EXPECT_GT(statistics.samples, before) << group;
+      before = statistics.samples;
+    }
+  }
+  for (const int group : {-1, 33}) {
+    s.volume->sample_group = group;
+    EXPECT_THROW(mesh.draw(s, 1), core::Error) << group;
+  }
+}
+
 TEST(VolumeModes, SameBytesForAnyNumberOfThreads) {
   RenderMesh mesh(8, Shape::tetrahedron, 0.3);
   const auto field = mesh.field("f", INSITU_VERTEX, blob);
