@@ -85,38 +85,50 @@ INSITU_HD inline InverseQuality<T> inverse_quality(const NewtonStep<T>& n, const
   return q;
 }
 
-/// Newton's method for x(q) = p, where `map(q, x, a, b, c)` gives x and its three derivatives.
+/// Newton's method for x(q) = p, each step less what the second derivatives bend it by (Chebyshev's
+/// method, of the third order), where map(q, x, a, b, c) gives x and its three derivatives and
+/// map.bend(q, d) is x(q + d) - x(q) but for the terms of first order in d.
 /// Lanes that are done are frozen, so a pack gives the same bits as scalars one by one. A lane is
 /// given up at a step out of [-2, 3], or past a pyramid's apex (`apex`): points of a sound cell
 /// take none. scale: see inverse_quality. error: of the answer, in the maximum norm.
 ///
 /// The certificate is the last step's. With A the computed inverse of the Jacobian at q, eta >=
 /// |A (x(q) - p)| and kappa >= |1 - A J| within 2 eta of q (the maximum norm), kappa < 1/4,
-/// Banach's theorem for q - A (x(q) - p) gives one preimage there, and it differs from the answer,
-/// q + step, by at most kappa eta / (1 - kappa) and roundings. kappa is the rounding of A and, from
-/// the second derivatives, at most 2 eta 43 reach / w, where w is 1, or in a pyramid 1 - t.
+/// Banach's theorem for q - A (x(q) - p) gives one preimage there, and it differs from q + step by
+/// at most kappa eta / (1 - kappa) and roundings, from the answer by the bend as well. kappa is the
+/// rounding of A and, from the second derivatives, at most 2 eta 43 reach / w, where w is 1, or in
+/// a pyramid 1 - t.
 template <class T, class Map>
 INSITU_HD inline decltype(T(0.0) < T(0.0))
 newton(const Map& map, const Vec3<T>& p, const Vec3<T>& scale, bool apex, Vec3<T>& q, T& error) {
   constexpr int most_iterations = 12;
-  // Quadratic convergence: a step below 1e-8 leaves an error at rounding, which near an apex is
-  // that of w. A singular Jacobian makes a zero step, which proves nothing.
-  const T lowest(-2.0), highest(3.0), small(1e-8), zero(0.0), two(2.0);
+  // A bent step's error is about bend^2 / step: at rounding, which near an apex is that of w. A
+  // singular Jacobian makes a zero step, which proves nothing.
+  const T lowest(-2.0), highest(3.0), small(1e-5), small_bend(3e-11), zero(0.0), two(2.0);
   auto converged = zero < zero, left = converged;
   NewtonStep<T> n;
-  T size;
+  Vec3<T> step;
+  T size, bend_size;
   for (int i = 0; i < most_iterations; ++i) {
     Vec3<T> x, a, b, c;
     map(q, x, a, b, c);
     n = newton_step(a, b, c, p - x);
     size = largest_of(n.step);
-    const Vec3<T> next = q + n.step;
+    const Vec3<T> h = map.bend(q, n.step);
+    const Vec3<T> bend{dot(h, n.bc) * n.inverse_det, dot(h, n.ca) * n.inverse_det,
+                       dot(h, n.ab) * n.inverse_det};
+    bend_size = largest_of(bend);
+    const auto bends = bend_size < T(0.5) * size; // else the second derivatives say little
+    step = {select(bends, n.step.x - bend.x, n.step.x), select(bends, n.step.y - bend.y, n.step.y),
+            select(bends, n.step.z - bend.z, n.step.z)};
+    const Vec3<T> next = q + step;
     auto out = !((smaller(next.x, smaller(next.y, next.z)) > lowest) &
                  (larger(next.x, larger(next.y, next.z)) < highest));
     if (apex)
       out = out | !(next.z > zero);
     left = left | out;
-    converged = (!left) & (!n.singular) & (size < (apex ? small * q.z : small));
+    const T unit = apex ? q.z : T(1.0);
+    converged = (!left) & (!n.singular) & (size < small * unit) & (bend_size < small_bend * unit);
     const auto done = converged | left;
     if (all_of(done))
       break;
@@ -131,9 +143,10 @@ newton(const Map& map, const Vec3<T>& p, const Vec3<T>& scale, bool apex, Vec3<T
   const Vec3<T> f = absolute_of(n.f);
   const auto certified = converged & quality.sound & near & (kappa < T(0.25)) & (w > T(8.0) * eta) &
                          (f.x < scale.x) & (f.y < scale.y) & (f.z < scale.z);
-  error = select(certified, two * kappa * eta + T(0x1p-43) * quality.reach, T(HUGE_VAL));
-  q = {select(converged, q.x + n.step.x, q.x), select(converged, q.y + n.step.y, q.y),
-       select(converged, q.z + n.step.z, q.z)};
+  error =
+      select(certified, two * (kappa * eta + bend_size) + T(0x1p-43) * quality.reach, T(HUGE_VAL));
+  q = {select(converged, q.x + step.x, q.x), select(converged, q.y + step.y, q.y),
+       select(converged, q.z + step.z, q.z)};
   return converged;
 }
 
@@ -178,6 +191,11 @@ struct TrilinearMap {
     c = et + q.x * (crt + q.y * crst) + q.y * cst;
     v = q.x * a + q.y * (es + q.z * cst) + q.z * et;
   }
+  INSITU_HD inline Vec3<T> bend(const Vec3<T>& q, const Vec3<T>& d) const {
+    const T rs = d.x * d.y;
+    return rs * (crs + (q.z + d.z) * crst) + (d.x * d.z) * (crt + q.y * crst) +
+           (d.y * d.z) * (cst + q.x * crst);
+  }
 };
 /// Of a hexahedron or voxel.
 template <class T>
@@ -186,9 +204,8 @@ INSITU_HD inline TrilinearMap<T> trilinear_map(Shape shape, const Vec3<T>* x) {
   const Vec3<T> x0 = x[0];
   const Vec3<T> e1 = x[1] - x0, e2 = x[2 + swap] - x0, e3 = x[3 - swap] - x0, e4 = x[4] - x0,
                 e5 = x[5] - x0, e6 = x[6 + swap] - x0, e7 = x[7 - swap] - x0;
-  return {e1,           e3,           e4,
-          e2 - e1 - e3, e5 - e1 - e4, e7 - e3 - e4,
-          e6 - e2 - (e5 - e1) - (e7 - e3) + e4};
+  return {
+      e1, e3, e4, e2 - e1 - e3, e5 - e1 - e4, e7 - e3 - e4, e6 - e2 - (e5 - e1) - (e7 - e3) + e4};
 }
 
 template <class T>
@@ -207,17 +224,27 @@ INSITU_HD inline InverseMap<T> inverse_hexahedron(Shape shape, const Vec3<T>* x,
 }
 
 template <class T>
+struct WedgeMap {
+  Vec3<T> er, es, et, crt, cst;
+
+  INSITU_HD inline void operator()(const Vec3<T>& q, Vec3<T>& v, Vec3<T>& a, Vec3<T>& b,
+                                   Vec3<T>& c) const {
+    a = er + q.z * crt;
+    b = es + q.z * cst;
+    c = et + q.x * crt + q.y * cst;
+    v = q.x * a + q.y * b + q.z * et;
+  }
+  INSITU_HD inline Vec3<T> bend(const Vec3<T>&, const Vec3<T>& d) const {
+    return (d.x * d.z) * crt + (d.y * d.z) * cst;
+  }
+};
+
+template <class T>
 INSITU_HD inline InverseMap<T> inverse_wedge(const Vec3<T>* x, const Vec3<T>& p) {
   const Vec3<T> x0 = x[0];
   const Vec3<T> e1 = x[1] - x0, e2 = x[2] - x0, e3 = x[3] - x0;
   const Vec3<T> crt = (x[4] - x0) - e1 - e3, cst = (x[5] - x0) - e2 - e3;
-  const auto map = [&](const Vec3<T>& q, Vec3<T>& v, Vec3<T>& a, Vec3<T>& b, Vec3<T>& c)
-                       INSITU_LAMBDA {
-                         a = e1 + q.z * crt;
-                         b = e2 + q.z * cst;
-                         c = e3 + q.x * crt + q.y * cst;
-                         v = q.x * a + q.y * b + q.z * e3;
-                       };
+  const WedgeMap<T> map{e1, e2, e3, crt, cst};
   const Vec3<T> scale =
       absolute_of(e1) + absolute_of(e2) + absolute_of(e3) + absolute_of(crt) + absolute_of(cst);
   const T one(1.0);
@@ -230,6 +257,31 @@ INSITU_HD inline InverseMap<T> inverse_wedge(const Vec3<T>* x, const Vec3<T>& p)
   return out;
 }
 
+/// See inverse_pyramid.
+template <class T>
+struct PyramidMap {
+  Vec3<T> ea, eb, ec, ed;
+
+  INSITU_HD inline static T over(const T& w) {
+    const T tiny(1e-300);
+    return T(1.0) / select(absolute(w) < tiny, tiny, w);
+  }
+  INSITU_HD inline void operator()(const Vec3<T>& q, Vec3<T>& v, Vec3<T>& a, Vec3<T>& b,
+                                   Vec3<T>& c) const {
+    const T w = over(q.z);
+    const T r = q.x * w, s = q.y * w;
+    a = eb + s * ed;
+    b = ec + r * ed;
+    c = ea - (r * s) * ed;
+    v = q.x * eb + q.y * ec + q.z * ea + (q.x * s) * ed;
+  }
+  INSITU_HD inline Vec3<T> bend(const Vec3<T>& q, const Vec3<T>& d) const {
+    const T w = over(q.z);
+    const T u = d.x - q.x * w * d.z, v = d.y - q.y * w * d.z;
+    return (u * v * w) * ed;
+  }
+};
+
 /// The pyramid in u = (1-t) r, v = (1-t) s, w = 1-t about its apex: p - apex = w A + u B + v C +
 /// (u v / w) D is homogeneous of degree one, so Newton works as well near the apex, where r and s
 /// cease to exist, as anywhere else. At the apex itself r = s = 1/2.
@@ -238,15 +290,7 @@ INSITU_HD inline InverseMap<T> inverse_pyramid(const Vec3<T>* x, const Vec3<T>& 
   const T zero(0.0), one(1.0), tiny(1e-300);
   const Vec3<T> ea = x[0] - x[4], eb = x[1] - x[0], ec = x[3] - x[0];
   const Vec3<T> ed = (x[2] - x[0]) - eb - ec;
-  const auto map = [&](const Vec3<T>& q, Vec3<T>& v, Vec3<T>& a, Vec3<T>& b, Vec3<T>& c)
-                       INSITU_LAMBDA {
-                         const T w = one / select(absolute(q.z) < tiny, tiny, q.z);
-                         const T r = q.x * w, s = q.y * w;
-                         a = eb + s * ed;
-                         b = ec + r * ed;
-                         c = ea - (r * s) * ed;
-                         v = q.x * eb + q.y * ec + q.z * ea + (q.x * s) * ed;
-                       };
+  const PyramidMap<T> map{ea, eb, ec, ed};
   const Vec3<T> scale = absolute_of(ea) + absolute_of(eb) + absolute_of(ec) + absolute_of(ed);
   Vec3<T> q{T(0.25), T(0.25), T(0.5)};
   const Vec3<T> f = p - x[4];
