@@ -155,10 +155,13 @@ void invert_all(mesh::Shape shape, const LaneQuery* queries, int count, int step
     const auto in_pack = [&](int i) HWY_ATTR { return count - i < lanes ? count - i : lanes; };
     simd::invert_range<vertices()>(
         map, 0, count,
-        [&](int, int i, PackVec* x, PackVec& p) HWY_ATTR {
+        [&]<class Put>(int, int i, const Put& put, PackVec& p) HWY_ATTR {
           const LaneQuery* const q = queries + i;
+          PackVec x[vertices()];
           gather_cells<vertices()>(
               lanes, in_pack(i), [q](int l) HWY_ATTR { return q[l].vertices; }, x);
+          for (int v = 0; v < vertices(); ++v)
+            put(v, x[v]);
           gather<1>(
               lanes, in_pack(i), [q](int l) HWY_ATTR { return &q[l].point; }, &p);
         },

@@ -76,43 +76,50 @@ HWY_INLINE PackPair larger(const PackPair& x, const PackPair& y) {
   return {larger(x.a, y.a), larger(x.b, y.b)};
 }
 
-/// Two packs of cells and points by one inverse map.
-template <int vertices, class Map>
-HWY_INLINE void invert_two(const Map& map, const Vec3<Pack> (*x)[vertices], const Vec3<Pack>* p,
-                           InverseMap<Pack>* found) {
-  const auto paired = [](const Vec3<Pack>& a, const Vec3<Pack>& b) HWY_ATTR {
-    return Vec3<PackPair>{{a.x, b.x}, {a.y, b.y}, {a.z, b.z}};
-  };
-  Vec3<PackPair> pairs[vertices];
-  for (int v = 0; v < vertices; ++v)
-    pairs[v] = paired(x[0][v], x[1][v]);
-  const InverseMap<PackPair> both =
-      map(static_cast<const Vec3<PackPair>*>(pairs), paired(p[0], p[1]));
-  found[0] = {{both.r.x.a, both.r.y.a, both.r.z.a}, both.margin.a, both.converged.a, both.error.a};
-  found[1] = {{both.r.x.b, both.r.y.b, both.r.z.b}, both.margin.b, both.converged.b, both.error.b};
-}
+/// Puts a vector where invert_range wants it.
+struct PutWhole {
+  Vec3<Pack>* x;
+  HWY_INLINE void operator()(int v, const Vec3<Pack>& of) const { x[v] = of; }
+};
+template <Pack PackPair::*half>
+struct PutHalf {
+  Vec3<PackPair>* x;
+  HWY_INLINE void operator()(int v, const Vec3<Pack>& of) const {
+    x[v].x.*half = of.x;
+    x[v].y.*half = of.y;
+    x[v].z.*half = of.z;
+  }
+};
 
-/// Items [begin, end) of one shape, two packs at a time. load(k, i, x, p) gives the cells and
-/// points of the k-th pack of the two, of items from i on, and store(k, i, found) takes what was
-/// found; the last pack may reach beyond the end.
-template <int vertices, class Map, class Load, class Store>
+/// Items [begin, end) of one shape, whose cells are `vectors` vectors each, two packs at a time:
+/// map(x, p) inverts a cell's map. load(k, i, put, p) gives the k-th pack of the two, of items from
+/// i on: each vector of its cells by put(v, vector), and its points; store(k, i, found) takes what
+/// was found. The last pack may reach beyond the end.
+template <int vectors, class Map, class Load, class Store>
 HWY_INLINE void invert_range(const Map& map, int begin, int end, const Load& load,
                              const Store& store) {
-  constexpr bool waits = vertices != 4; // for its own results: a tetrahedron's is no iteration
+  constexpr bool waits = vectors != 4; // for its own results: a tetrahedron's is no iteration
   const int lanes = int(hn::Lanes(PackTag()));
-  Vec3<Pack> x[2][vertices], p[2];
   int i = begin;
   for (; waits && end - i > lanes; i += 2 * lanes) {
-    InverseMap<Pack> found[2];
-    for (int k = 0; k < 2; ++k)
-      load(k, i + k * lanes, x[k], p[k]);
-    invert_two<vertices>(map, x, p, found);
-    for (int k = 0; k < 2; ++k)
-      store(k, i + k * lanes, found[k]);
+    Vec3<PackPair> x[vectors];
+    Vec3<Pack> p[2];
+    load(0, i, PutHalf<&PackPair::a>{x}, p[0]);
+    load(1, i + lanes, PutHalf<&PackPair::b>{x}, p[1]);
+    const InverseMap<PackPair> both =
+        map(static_cast<const Vec3<PackPair>*>(x),
+            Vec3<PackPair>{{p[0].x, p[1].x}, {p[0].y, p[1].y}, {p[0].z, p[1].z}});
+    store(0, i,
+          InverseMap<Pack>{
+              {both.r.x.a, both.r.y.a, both.r.z.a}, both.margin.a, both.converged.a, both.error.a});
+    store(1, i + lanes,
+          InverseMap<Pack>{
+              {both.r.x.b, both.r.y.b, both.r.z.b}, both.margin.b, both.converged.b, both.error.b});
   }
   for (; i < end; i += lanes) {
-    load(0, i, x[0], p[0]);
-    store(0, i, map(static_cast<const Vec3<Pack>*>(x[0]), p[0]));
+    Vec3<Pack> x[vectors], p;
+    load(0, i, PutWhole{x}, p);
+    store(0, i, map(static_cast<const Vec3<Pack>*>(x), p));
   }
 }
 

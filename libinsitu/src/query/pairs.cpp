@@ -15,11 +15,13 @@ namespace simd = cells::HWY_NAMESPACE;
 using simd::Pack;
 using PackVec = simd::Vec3<Pack>;
 
-HWY_INLINE void load_pairs(const PairBlock& block, int i, int vertices, PackVec* x, PackVec& p) {
+template <class Put>
+HWY_INLINE void load_pairs(const PairBlock& block, int i, int vertices, const Put& put,
+                           PackVec& p) {
   for (int v = 0; v < vertices; ++v)
-    x[v] = {simd::load_pack(block.cells.vertex[v][0] + i),
-            simd::load_pack(block.cells.vertex[v][1] + i),
-            simd::load_pack(block.cells.vertex[v][2] + i)};
+    put(v, PackVec{simd::load_pack(block.cells.vertex[v][0] + i),
+                   simd::load_pack(block.cells.vertex[v][1] + i),
+                   simd::load_pack(block.cells.vertex[v][2] + i)});
   p = {simd::load_pack(block.point[0] + i), simd::load_pack(block.point[1] + i),
        simd::load_pack(block.point[2] + i)};
 }
@@ -43,8 +45,8 @@ void invert_target(mesh::Shape shape, PairBlock& block) {
   simd::with_inverse(shape, [&](auto vertices, const auto& map) HWY_ATTR {
     simd::invert_range<vertices()>(
         map, 0, block.cells.count,
-        [&](int, int i, PackVec* x, PackVec& p)
-            HWY_ATTR { load_pairs(block, i, vertices(), x, p); },
+        [&]<class Put>(int, int i, const Put& put, PackVec& p)
+            HWY_ATTR { load_pairs(block, i, vertices(), put, p); },
         [&](int, int i, const simd::InverseMap<Pack>& found)
             HWY_ATTR { store_found(found, i, block); });
   });
@@ -59,7 +61,7 @@ void contain_target(mesh::Shape shape, PairBlock& block) {
   block.inside = block.outside = 0;
   for (int i = 0; i < block.cells.count; i += lanes) {
     PackVec x[8], p;
-    load_pairs(block, i, vertices, x, p);
+    load_pairs(block, i, vertices, simd::PutWhole{x}, p);
     simd::PackMask inside, outside;
     simd::filter(shape, x, p, inside, outside);
     block.inside |= std::uint64_t(simd::lane_bits(inside)) << i;

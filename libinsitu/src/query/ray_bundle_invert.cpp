@@ -15,55 +15,53 @@ namespace simd = cells::HWY_NAMESPACE;
 using simd::Pack;
 using PackVec = simd::Vec3<Pack>;
 
-/// Lanes from `from` on get the cell's vertices.
-template <int vertices>
-HWY_INLINE void set_cell(const cells::CellBlock* blocks, unsigned cell, int from, PackVec* x) {
-  const simd::PackTag d;
-  const cells::CellBlock& block = blocks[cell / cells::CellBlock::size];
-  const unsigned column = cell % cells::CellBlock::size;
-  if (from == 0) {
-    for (int v = 0; v < vertices; ++v)
-      x[v] = {Pack(block.vertex[v][0][column]), Pack(block.vertex[v][1][column]),
-              Pack(block.vertex[v][2][column])};
-    return;
-  }
-  const auto before = hn::FirstN(d, std::size_t(from));
-  const auto put = [&](Pack& to, double value)
-                       HWY_ATTR { to.v = hn::IfThenElse(before, to.v, hn::Set(d, value)); };
-  for (int v = 0; v < vertices; ++v) {
-    put(x[v].x, block.vertex[v][0][column]);
-    put(x[v].y, block.vertex[v][1][column]);
-    put(x[v].z, block.vertex[v][2][column]);
-  }
-}
+/// The cells of a pack's samples: the columns that they are in, and the lanes before each but the
+/// first.
+struct LaneCells {
+  int count = 0;
+  unsigned cell[8];
+  simd::PackMask before[8];
 
-/// The same with values.
-template <int vertices>
-HWY_INLINE void set_values(const ValueBlock* blocks, unsigned cell, int from, Pack* f) {
-  const simd::PackTag d;
-  const ValueBlock& block = blocks[cell / cells::CellBlock::size];
-  const unsigned column = cell % cells::CellBlock::size;
-  const auto before = hn::FirstN(d, std::size_t(from));
-  for (int v = 0; v < vertices; ++v) {
-    const auto value = hn::Set(d, block.vertex[v][column]);
-    f[v].v = from == 0 ? value : hn::IfThenElse(before, f[v].v, value);
+  /// Idle lanes are in the last one's.
+  HWY_INLINE LaneCells(const BundleSamples& s, int i, int end) {
+    const simd::PackTag d;
+    const int lanes = int(hn::Lanes(d)), n = end - i < lanes ? end - i : lanes;
+    for (int k = 0; k < n; ++k)
+      if (k == 0 || s.cell[i + k] != s.cell[i + k - 1]) {
+        cell[count] = s.cell[i + k];
+        before[count++].m = hn::FirstN(d, std::size_t(k));
+      }
   }
-}
+
+  /// A number a cell, value(cell), in the lanes.
+  template <class Value>
+  HWY_INLINE Pack spread(const Value& value) const {
+    Pack all(value(cell[0]));
+    for (int k = 1; k < count; ++k)
+      all = select(before[k], all, Pack(value(cell[k])));
+    return all;
+  }
+};
+
+constexpr unsigned size = cells::CellBlock::size;
 
 /// The cells, values and points of a pack's samples from i on; values may be null.
-template <int vertices>
+template <int vertices, class Put>
 HWY_INLINE void load_samples(const cells::CellBlock* blocks, const ValueBlock* values, int i,
-                             int end, const BundleSamples& s, PackVec* x, PackVec& p, Pack* f) {
+                             int end, const BundleSamples& s, const Put& put, PackVec& p, Pack* f) {
+  const LaneCells cells(s, i, end);
+  for (int v = 0; v < vertices; ++v) {
+    const auto coordinate = [&](int a) HWY_ATTR {
+      return cells.spread([&](unsigned c)
+                              HWY_ATTR { return blocks[c / size].vertex[v][a][c % size]; });
+    };
+    put(v, PackVec{coordinate(0), coordinate(1), coordinate(2)});
+  }
+  if (values)
+    for (int v = 0; v < vertices; ++v)
+      f[v] =
+          cells.spread([&](unsigned c) HWY_ATTR { return values[c / size].vertex[v][c % size]; });
   const simd::PackTag d;
-  const int lanes = int(hn::Lanes(d)), n = end - i < lanes ? end - i : lanes;
-  int run = 0;
-  for (int k = 1; k <= n; ++k) // a run a cell; idle lanes repeat the last one's
-    if (k == n || s.cell[i + k] != s.cell[i + run]) {
-      set_cell<vertices>(blocks, s.cell[i + run], run, x);
-      if (values)
-        set_values<vertices>(values, s.cell[i + run], run, f);
-      run = k;
-    }
   const auto at = [&](const double* row) HWY_ATTR { return Pack(hn::LoadU(d, row + i)); };
   p = {at(s.point[0]), at(s.point[1]), at(s.point[2])};
 }
@@ -95,8 +93,8 @@ void invert_samples(mesh::Shape shape, const cells::CellBlock* blocks, const Val
     Pack f[2][vertices()];
     simd::invert_range<vertices()>(
         map, begin, end,
-        [&](int k, int i, PackVec* x, PackVec& p)
-            HWY_ATTR { load_samples<vertices()>(blocks, values, i, end, s, x, p, f[k]); },
+        [&]<class Put>(int k, int i, const Put& put, PackVec& p)
+            HWY_ATTR { load_samples<vertices()>(blocks, values, i, end, s, put, p, f[k]); },
         [&](int k, int i, const simd::InverseMap<Pack>& found)
             HWY_ATTR { store_samples<vertices()>(shape, found, values ? f[k] : nullptr, i, s); });
   });
