@@ -118,21 +118,33 @@ public:
 
   Classifier(const TransferFunction& function, double step, double unit_distance);
 
+  /// Colour and opacity together.
+  struct alignas(16) Entry {
+    float r, g, b, a;
+  };
+
   ColorSample operator()(double value) const {
-    const double at = colors_.place(value);
-    if (at > 0.0 && at < ColorTable::size) {
-      const int i = int(at);
-      if (is_joint_[std::size_t(i)]) {
-        const Entry &p = joint_[std::size_t(i)], &q = joint_[std::size_t(i) + 1];
-        const float w = float(at - i), v = 1.0f - w;
-        const Entry e{v * p.r + w * q.r, v * p.g + w * q.g, v * p.b + w * q.b, v * p.a + w * q.a};
-        if (!(e.a >= least_))
-          return {};
-        return {{e.r, e.g, e.b}, e.a};
-      }
-    }
-    return by_stretches(value);
+    float w;
+    const Entry* const p = joint(value, w);
+    if (!p)
+      return by_stretches(value);
+    const float v = 1.0f - w, a = v * p[0].a + w * p[1].a;
+    if (!shows(a))
+      return {};
+    return {{v * p[0].r + w * p[1].r, v * p[0].g + w * p[1].g, v * p[0].b + w * p[1].b}, a};
   }
+  /// The entry below a value, with the next behind it, and how far the value is from the one to the
+  /// other; null where a line between them is not what is asked for.
+  const Entry* joint(double value, float& w) const {
+    const double at = colors_.place(value);
+    if (!(at > 0.0 && at < ColorTable::size))
+      return nullptr;
+    const int i = int(at);
+    w = float(at - i);
+    return is_joint_[std::size_t(i)] ? &joint_[std::size_t(i)] : nullptr;
+  }
+  /// What is less between two entries is none.
+  bool shows(float alpha) const { return alpha >= least_; }
   float alpha(double value) const {
     if (!(value >= stretches_.front().value))
       return below_;
@@ -186,12 +198,8 @@ private:
 
   ColorTable colors_;
   std::vector<float> alpha_;
-  std::vector<Stretch> stretches_; ///< ascending; the last is all beyond the last point
-  /// Colour and opacity together, at the entries of colors_.
-  struct alignas(16) Entry {
-    float r, g, b, a;
-  };
-  std::vector<Entry> joint_;
+  std::vector<Stretch> stretches_;     ///< ascending; the last is all beyond the last point
+  std::vector<Entry> joint_;           ///< at the entries of colors_
   std::vector<std::uint8_t> is_joint_; ///< what is between two entries is linear enough
   float below_, least_;
   Color nan_color_;
