@@ -59,30 +59,31 @@ void RayBundleLocator::set_rays(std::span<const LatticeRay> rays, int row, doubl
 
 inline void RayBundleLocator::answer(int place, const Location& at) const {
   const int i = int(s_.ray[slot_of(place)]) * depth_ + index_of(place);
-  locations_[i] = at;
-  if (from_ && at)
-    values_[i] = from_->at(at);
+  if (locations_)
+    locations_[i] = at;
+  if (from_)
+    value_samples_[i] = {at.cell, at ? from_->at(at) : 0.0};
 }
 
 void RayBundleLocator::locate(std::int64_t first, int depth, std::span<const std::uint32_t> wanted,
                               std::span<Location> locations) {
-  run(first, depth, wanted, locations.data());
+  locations_ = locations.data();
+  run(first, depth, wanted);
 }
 
 void RayBundleLocator::locate(std::int64_t first, int depth, std::span<const std::uint32_t> wanted,
-                              std::span<Location> locations, const CellValues& from,
-                              std::span<double> values) {
+                              const CellValues& from, std::span<ValueSample> samples,
+                              std::span<Location> locations) {
   from_ = &from;
-  values_ = values.data();
-  run(first, depth, wanted, locations.data());
+  value_samples_ = samples.data();
+  locations_ = locations.data();
+  run(first, depth, wanted);
   from_ = nullptr;
 }
 
-void RayBundleLocator::run(std::int64_t first, int depth, std::span<const std::uint32_t> wanted,
-                           Location* locations) {
+void RayBundleLocator::run(std::int64_t first, int depth, std::span<const std::uint32_t> wanted) {
   first_ = first;
   depth_ = depth;
-  locations_ = locations;
   std::fill_n(s_.by_reason, reason_count, 0);
   s_.rest.clear();
   if (!take_wanted(wanted))
@@ -282,10 +283,11 @@ void RayBundleLocator::prove_some(mesh::Shape shape, std::span<const std::uint16
         continue;
       }
       const int at = int(s_.ray[slot_of(place)]) * depth_ + index_of(place);
-      locations_[at] = {
-          cell, {samples.parametric[0][i], samples.parametric[1][i], samples.parametric[2][i]}};
+      if (locations_)
+        locations_[at] = {
+            cell, {samples.parametric[0][i], samples.parametric[1][i], samples.parametric[2][i]}};
       if (from_)
-        values_[at] = samples.value[i];
+        value_samples_[at] = {cell, samples.value[i]};
       ++s_.by_reason[int(Reason::certified)];
     } else if (!second && !is_on_boundary(margin, error) &&
                slab.second[index_of(place)][slot_of(place)] != 0) {

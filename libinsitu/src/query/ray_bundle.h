@@ -26,6 +26,12 @@ public:
   virtual double at(const Location& at) const = 0;
 };
 
+/// A sample's cell, or -1, and what was interpolated there.
+struct ValueSample {
+  std::int64_t cell;
+  double value;
+};
+
 struct RayBundleScratch;
 
 /// Locates samples along neighbouring rays cell by cell: the tree is asked once for all cells that
@@ -56,17 +62,17 @@ public:
   void locate(std::int64_t first, int depth, std::span<const std::uint32_t> wanted,
               std::span<Location> locations);
   /// The same with what `from` says at the samples that have a cell, to the bit. A cell's numbers
-  /// are loaded once for all of its samples.
+  /// are loaded once for all of its samples. locations: may be empty.
   void locate(std::int64_t first, int depth, std::span<const std::uint32_t> wanted,
-              std::span<Location> locations, const CellValues& from, std::span<double> values);
+              const CellValues& from, std::span<ValueSample> samples,
+              std::span<Location> locations = {});
 
   /// Of all calls: samples, and those of them that went through Sampler::locate_serial.
   std::int64_t samples() const { return samples_; }
   std::int64_t left() const { return left_; }
 
 private:
-  void run(std::int64_t first, int depth, std::span<const std::uint32_t> wanted,
-           Location* locations);
+  void run(std::int64_t first, int depth, std::span<const std::uint32_t> wanted);
   math::Vec3d point(int place) const;
   void answer(int place, const Location& at) const;
   bool take_wanted(std::span<const std::uint32_t> wanted);
@@ -89,9 +95,9 @@ private:
   double step_ = 0.0;
   std::int64_t first_ = 0;
   int depth_ = 0, rays_ = 0, groups_ = 0;
-  Location* locations_ = nullptr;
-  const CellValues* from_ = nullptr; ///< or null
-  double* values_ = nullptr;
+  Location* locations_ = nullptr;        ///< or null
+  const CellValues* from_ = nullptr;     ///< or null
+  ValueSample* value_samples_ = nullptr; ///< or null
   std::int64_t samples_ = 0, left_ = 0;
 };
 

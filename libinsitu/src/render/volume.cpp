@@ -251,23 +251,25 @@ void VolumeMarcher::march_bundle(std::span<RayState> rays, int row, VolumeCounts
         s.wanted[r] = advance(rays[r], first, depth, counts.skipped);
         counts.samples += std::popcount(s.wanted[r]);
       }
-    s.locations.resize(rays.size() * std::size_t(depth));
-    s.values.resize(s.locations.size());
-    locator.locate(first, depth, s.wanted, s.locations, values, s.values);
+    s.samples.resize(rays.size() * std::size_t(depth));
+    s.locations.resize(shader_ ? s.samples.size() : 0);
+    locator.locate(first, depth, s.wanted, values, s.samples, s.locations);
     std::size_t kept = 0;
     for (const std::uint32_t r : s.active) {
       RayState& ray = rays[r];
       const std::size_t begin = r * std::size_t(depth);
       if (is_plain && ray.next_hit == ray.hits.size()) {
-        gather_plainly(ray, first, s.wanted[r], &s.values[begin], &s.locations[begin]);
+        gather_plainly(ray, first, s.wanted[r], &s.samples[begin]);
         if (ray.next < ray.end && !ray.is_saturated())
           s.active[kept++] = r;
         continue;
       }
       for (std::uint32_t rest = s.wanted[r]; rest && !ray.is_saturated(); rest &= rest - 1) {
         const int k = std::countr_zero(rest);
-        gather(ray, s.last[r], first + k, s.values[begin + std::size_t(k)],
-               s.locations[begin + std::size_t(k)]);
+        const std::size_t i = begin + std::size_t(k);
+        const auto [cell, value] = s.samples[i];
+        gather(ray, s.last[r], first + k, value,
+               shader_ ? s.locations[i] : query::Location{cell, {}});
       }
       if (ray.next < ray.end && !ray.is_saturated())
         s.active[kept++] = r;

@@ -16,6 +16,10 @@
 #include "render/step_levels.h"
 #include "render/transfer_function.h"
 
+namespace insitu::query {
+struct ValueSample;
+}
+
 namespace insitu::render {
 
 class Structures;
@@ -126,8 +130,8 @@ private:
 
   std::uint32_t advance(RayState& ray, std::int64_t first, int depth, std::int64_t& skipped) const;
   void march_bundle(std::span<RayState> rays, int row, VolumeCounts& counts) const;
-  void gather_plainly(RayState& ray, std::int64_t first, std::uint32_t wanted, const double* values,
-                      const query::Location* at) const;
+  void gather_plainly(RayState& ray, std::int64_t first, std::uint32_t wanted,
+                      const query::ValueSample* samples) const;
   std::int64_t march_thin(std::span<RayState> rays) const;
   void march_levels(std::span<RayState> rays, VolumeCounts& counts) const;
   void plan(RayState& ray, std::size_t most, Scratch& s, VolumeCounts& counts) const;

@@ -39,7 +39,7 @@ Color color_of(const Four& v) {
 /// What gather() makes of samples that nothing but the function says anything about. Each waits for
 /// the alpha before it, so that stays a number of its own beside the colours' register.
 void VolumeMarcher::gather_plainly(RayState& ray, std::int64_t first, std::uint32_t wanted,
-                                   const double* values, const query::Location* at) const {
+                                   const query::ValueSample* samples) const {
   const Classifier& classify = classifiers_[0];
   Four color = four_of(ray.color);
   float alpha = ray.alpha;
@@ -47,17 +47,18 @@ void VolumeMarcher::gather_plainly(RayState& ray, std::int64_t first, std::uint3
   const std::uint32_t inner = bits_between(ray.first + 2 - first, ray.end - 2 - first);
   for (std::uint32_t rest = wanted; rest && alpha < saturated; rest &= rest - 1) {
     const int k = std::countr_zero(rest);
-    if (!at[k])
+    const auto [cell, value] = samples[k];
+    if (cell < 0)
       continue;
     Four added;
     float opacity, w;
-    if (const Classifier::Entry* const joint = classify.joint(values[k], w)) {
+    if (const Classifier::Entry* const joint = classify.joint(value, w)) {
       added = (1.0f - w) * four_of(joint[0]) + w * four_of(joint[1]);
       opacity = (1.0f - w) * joint[0].a + w * joint[1].a;
       if (!classify.shows(opacity))
         continue;
     } else {
-      const ColorSample sample = classify(values[k]);
+      const ColorSample sample = classify(value);
       added = four_of(sample.color);
       opacity = sample.alpha;
     }
@@ -71,7 +72,7 @@ void VolumeMarcher::gather_plainly(RayState& ray, std::int64_t first, std::uint3
     }
     ray.color = color_of(color); // a stretch of its own, or where the depth is
     ray.alpha = alpha;
-    add_value(ray, stretch(ray, first + k, 1), values[k], at[k], 0);
+    add_value(ray, stretch(ray, first + k, 1), value, {cell, {}}, 0);
     color = four_of(ray.color);
     alpha = ray.alpha;
   }

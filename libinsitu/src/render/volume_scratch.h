@@ -27,9 +27,9 @@ struct VolumeMarcher::Scratch {
   std::vector<math::Vec3d> points;
   std::vector<query::Location> found; ///< of the points
   std::vector<query::LatticeRay> rays;
-  std::vector<query::Location> locations; ///< [ray][depth], and the values there
-  std::vector<double> values;
-  std::vector<Gathered> last; ///< by ray
+  std::vector<query::ValueSample> samples; ///< [ray][depth]
+  std::vector<query::Location> locations;  ///< where they are, for lights
+  std::vector<Gathered> last;              ///< by ray
   // With a tolerance.
   struct Run { ///< base steps up to `end` in macrocells of one level
     std::int64_t end;

@@ -126,10 +126,10 @@ void check_view(const query::Sampler& sampler, const View& v, const query::Locat
                                   : ~0u;
     const query::Location untouched{-7, {7, 7, 7}};
     std::vector<query::Location> found(n * std::size_t(depth), untouched);
-    std::vector<double> values(found.size(), -7);
+    std::vector<query::ValueSample> values(found.size(), {untouched.cell, -7});
     const Numbers numbers(sampler.mesh(), part == 1);
     if (part < 2)
-      bundle.locate(first, depth, wanted, found, numbers, values);
+      bundle.locate(first, depth, wanted, numbers, values, found);
     else
       bundle.locate(first, depth, wanted, found);
     std::vector<Vec3d> points;
@@ -142,14 +142,18 @@ void check_view(const query::Sampler& sampler, const View& v, const query::Locat
       const bool asked = (wanted[i / std::size_t(depth)] >> (i % std::size_t(depth))) & 1;
       if (!asked) {
         ASSERT_EQ(found[i].cell, untouched.cell) << what << ", sample " << i;
+        ASSERT_EQ(values[i].cell, untouched.cell) << what << ", sample " << i;
         continue;
       }
       counts.found += bool(truth[i]);
       ASSERT_TRUE(same_bits(found[i], truth[i]))
           << what << ", sample " << i << " " << text(points[i]) << ": cell " << found[i].cell
           << ", by a batch " << truth[i].cell;
-      if (part < 2 && truth[i]) {
-        ASSERT_EQ(values[i], numbers.at(truth[i])) << what << ", sample " << i;
+      if (part == 2)
+        continue;
+      ASSERT_EQ(values[i].cell, truth[i].cell) << what << ", sample " << i;
+      if (truth[i]) {
+        ASSERT_EQ(values[i].value, numbers.at(truth[i])) << what << ", sample " << i;
       }
     }
   }
@@ -329,6 +333,10 @@ TEST(RayBundle, NothingAskedAndNoCells) {
   bundle.locate(0, 32, all, found);
   EXPECT_EQ(found[9].cell, -1);
   EXPECT_GE(found[10].cell, 0);
+  std::vector<query::ValueSample> alone(found.size(), query::ValueSample{-7, 0});
+  bundle.locate(0, 32, all, Numbers(m.sampler().mesh(), false), alone);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    EXPECT_EQ(alone[i].cell, found[i].cell) << i;
 }
 
 } // namespace
