@@ -85,9 +85,29 @@ INSITU_HD inline InverseQuality<T> inverse_quality(const NewtonStep<T>& n, const
   return q;
 }
 
-/// Newton's method for x(q) = p, each step less what the second derivatives bend it by (Chebyshev's
-/// method, of the third order), where map(q, x, a, b, c) gives x and its three derivatives and
-/// map.bend(q, d) is x(q + d) - x(q) but for the terms of first order in d.
+/// A step of Newton's method at q less what the second derivatives bend it by (Chebyshev's method,
+/// of the third order). map.bend(q, d) is x(q + d) - x(q) but for the terms of first order in d.
+template <class T>
+struct BentStep {
+  Vec3<T> step;
+  T size, bend; // of the straight step, and of what bends it
+};
+template <class T, class Map>
+INSITU_HD inline BentStep<T> bent_step(const Map& map, const Vec3<T>& q, const NewtonStep<T>& n) {
+  const Vec3<T> h = map.bend(q, n.step);
+  const Vec3<T> by{dot(h, n.bc) * n.inverse_det, dot(h, n.ca) * n.inverse_det,
+                   dot(h, n.ab) * n.inverse_det};
+  BentStep<T> b;
+  b.size = largest_of(n.step);
+  b.bend = largest_of(by);
+  const auto bends = b.bend < T(0.5) * b.size; // else the second derivatives say little
+  b.step = {select(bends, n.step.x - by.x, n.step.x), select(bends, n.step.y - by.y, n.step.y),
+            select(bends, n.step.z - by.z, n.step.z)};
+  return b;
+}
+
+/// Newton's method for x(q) = p by bent steps, where map(q, x, a, b, c) gives x and its three
+/// derivatives.
 /// Lanes that are done are frozen, so a pack gives the same bits as scalars one by one. A lane is
 /// given up at a step out of [-2, 3], or past a pyramid's apex (`apex`): points of a sound cell
 /// take none. scale: see inverse_quality. error: of the answer, in the maximum norm.
@@ -107,28 +127,21 @@ newton(const Map& map, const Vec3<T>& p, const Vec3<T>& scale, bool apex, Vec3<T
   const T lowest(-2.0), highest(3.0), small(1e-5), small_bend(3e-11), zero(0.0), two(2.0);
   auto converged = zero < zero, left = converged;
   NewtonStep<T> n;
-  Vec3<T> step;
-  T size, bend_size;
+  BentStep<T> bent;
   for (int i = 0; i < most_iterations; ++i) {
     Vec3<T> x, a, b, c;
     map(q, x, a, b, c);
     n = newton_step(a, b, c, p - x);
-    size = largest_of(n.step);
-    const Vec3<T> h = map.bend(q, n.step);
-    const Vec3<T> bend{dot(h, n.bc) * n.inverse_det, dot(h, n.ca) * n.inverse_det,
-                       dot(h, n.ab) * n.inverse_det};
-    bend_size = largest_of(bend);
-    const auto bends = bend_size < T(0.5) * size; // else the second derivatives say little
-    step = {select(bends, n.step.x - bend.x, n.step.x), select(bends, n.step.y - bend.y, n.step.y),
-            select(bends, n.step.z - bend.z, n.step.z)};
-    const Vec3<T> next = q + step;
+    bent = bent_step(map, q, n);
+    const Vec3<T> next = q + bent.step;
     auto out = !((smaller(next.x, smaller(next.y, next.z)) > lowest) &
                  (larger(next.x, larger(next.y, next.z)) < highest));
     if (apex)
       out = out | !(next.z > zero);
     left = left | out;
     const T unit = apex ? q.z : T(1.0);
-    converged = (!left) & (!n.singular) & (size < small * unit) & (bend_size < small_bend * unit);
+    converged =
+        (!left) & (!n.singular) & (bent.size < small * unit) & (bent.bend < small_bend * unit);
     const auto done = converged | left;
     if (all_of(done))
       break;
@@ -136,7 +149,7 @@ newton(const Map& map, const Vec3<T>& p, const Vec3<T>& scale, bool apex, Vec3<T
   }
   const InverseQuality<T> quality = inverse_quality(n, scale);
   const T w = apex ? q.z : T(1.0);
-  const T eta = size + T(0x1p-43) * quality.reach;
+  const T eta = bent.size + T(0x1p-43) * quality.reach;
   const T kappa = quality.contraction + T(0x1p7) * quality.reach * eta / w;
   const auto near = apex ? (absolute(q.x) < two * w) & (absolute(q.y) < two * w) & (w < two)
                          : largest_of(q) < two;
@@ -144,9 +157,9 @@ newton(const Map& map, const Vec3<T>& p, const Vec3<T>& scale, bool apex, Vec3<T
   const auto certified = converged & quality.sound & near & (kappa < T(0.25)) & (w > T(8.0) * eta) &
                          (f.x < scale.x) & (f.y < scale.y) & (f.z < scale.z);
   error =
-      select(certified, two * (kappa * eta + bend_size) + T(0x1p-43) * quality.reach, T(HUGE_VAL));
-  q = {select(converged, q.x + step.x, q.x), select(converged, q.y + step.y, q.y),
-       select(converged, q.z + step.z, q.z)};
+      select(certified, two * (kappa * eta + bent.bend) + T(0x1p-43) * quality.reach, T(HUGE_VAL));
+  q = {select(converged, q.x + bent.step.x, q.x), select(converged, q.y + bent.step.y, q.y),
+       select(converged, q.z + bent.step.z, q.z)};
   return converged;
 }
 

@@ -76,7 +76,7 @@ void RayBundleLocator::locate(std::int64_t first, int depth, std::span<const std
                               std::span<Location> locations) {
   from_ = &from;
   value_samples_ = samples.data();
-  locations_ = locations.data();
+  locations_ = locations.empty() ? nullptr : locations.data();
   run(first, depth, wanted);
   from_ = nullptr;
 }

@@ -334,7 +334,10 @@ TEST(RayBundle, NothingAskedAndNoCells) {
   EXPECT_EQ(found[9].cell, -1);
   EXPECT_GE(found[10].cell, 0);
   std::vector<query::ValueSample> alone(found.size(), query::ValueSample{-7, 0});
-  bundle.locate(0, 32, all, Numbers(m.sampler().mesh(), false), alone);
+  const Numbers numbers(m.sampler().mesh(), false);
+  std::vector<query::Location> none_wanted(found.size(), query::Location{-7, {}});
+  bundle.locate(0, 32, all, numbers, alone, std::span(none_wanted).first(0));
+  EXPECT_EQ(none_wanted[10].cell, -7);
   for (std::size_t i = 0; i < found.size(); ++i)
     EXPECT_EQ(alone[i].cell, found[i].cell) << i;
 }
