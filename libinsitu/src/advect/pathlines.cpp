@@ -315,8 +315,9 @@ namespace {
 
 /// Particle i went straight from where it was at `begins`, in its place of its cell if that is
 /// known (or began there: fresh), and came to where it is now.
-void take_straight(Snapshots& snapshots, std::size_t i, const Particles& all, bool fresh,
-                   const math::Vec3d& from, double begins, const query::Location& place) {
+void take_straight(const query::Sampler& sampler, Snapshots& snapshots, std::size_t i,
+                   const Particles& all, bool fresh, const math::Vec3d& from, double begins,
+                   const query::Location& place) {
   const math::Vec3d to = all.positions[i];
   const double ends = all.times[i];
   for (std::size_t k = 0; k < snapshots.times.size(); ++k) {
@@ -326,7 +327,7 @@ void take_straight(Snapshots& snapshots, std::size_t i, const Particles& all, bo
       continue;
     const std::size_t item = snapshots.item(k, i);
     const double part = ends > begins ? (t - begins) / (ends - begins) : 1.0;
-    snapshots.positions[item] = t == ends ? to : from + part * (to - from);
+    snapshots.positions[item] = t == ends ? to : query::on_the_way(sampler, from, to, part);
     snapshots.places[item] = place;
     snapshots.present[item] = 1;
   }
@@ -359,15 +360,17 @@ Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0,
       if (last <= t1) { // on the straight way there
         const double part =
             t1 > begins ? std::clamp((last - begins) / (t1 - begins), 0.0, 1.0) : 1.0;
-        all.positions[i] = from + part * (all.positions[i] - from);
+        all.positions[i] = query::on_the_way(sampler, from, all.positions[i], part);
         all.times[i] = std::max(begins, std::min(last, t1));
         all.endings[i] = INSITU_END_EXPIRED;
       }
-      all.lengths[i] += length_of(all.positions[i] - from);
+      all.lengths[i] += sampler.chart()
+                            ? query::metres_between(*sampler.chart(), from, all.positions[i])
+                            : length_of(all.positions[i] - from);
       if (all.lengths[i] >= settings_.length)
         all.endings[i] = INSITU_END_EXPIRED;
       if (snapshots)
-        take_straight(*snapshots, i, all, fresh, from, begins, at);
+        take_straight(sampler, *snapshots, i, all, fresh, from, begins, at);
     }
   });
   return all.counts();

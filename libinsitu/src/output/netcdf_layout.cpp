@@ -220,6 +220,10 @@ std::int64_t NetcdfSummary::dimension(const std::string& name) const {
   return 0;
 }
 
+bool NetcdfSummary::keeps_before(std::optional<std::int64_t> from) const {
+  return records > 0 && (!from || (last < first ? first > *from : first < *from));
+}
+
 NetcdfSummary summarize_netcdf(const std::string& path) {
   const std::lock_guard<std::mutex> lock(library());
   Dataset file(path);
@@ -244,10 +248,12 @@ NetcdfSummary summarize_netcdf(const std::string& path) {
   }
   const bool counted = out.records > 0 && variables > 0 &&
                        nc_inq_varndims(file.id, 0, &of_first) == NC_NOERR && of_first == 1;
-  const std::size_t at = 0;
-  long long first = 0;
-  if (counted && nc_get_var1_longlong(file.id, 0, &at, &first) == NC_NOERR) {
+  const std::size_t begin = 0, end = std::size_t(out.records) - 1;
+  long long first = 0, last = 0;
+  if (counted && nc_get_var1_longlong(file.id, 0, &begin, &first) == NC_NOERR &&
+      nc_get_var1_longlong(file.id, 0, &end, &last) == NC_NOERR) {
     out.first = first;
+    out.last = last;
   }
   return out;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -51,8 +52,11 @@ std::string netcdf_head(const std::string& path, const NetcdfLayout& layout);
 struct NetcdfSummary {
   std::vector<std::pair<std::string, std::int64_t>> dimensions;
   std::vector<std::string> variables;
-  std::int64_t first = 0; ///< the first variable in the first record, where there is one
+  std::int64_t first = 0, last = 0; ///< the first variable in those records, where there are some
   std::int64_t records = 0;
+  /// Whether a run that goes on at `from` keeps a record: one below it, or above, where they go
+  /// down; nothing: any.
+  bool keeps_before(std::optional<std::int64_t> from) const;
   std::int64_t dimension(const std::string& name) const; ///< 0 if there is none
 };
 NetcdfSummary summarize_netcdf(const std::string& path);

@@ -50,14 +50,14 @@ std::string joined(const std::vector<std::string>& names) {
 
 } // namespace
 
-std::optional<NetcdfSummary> summary_before(const std::string& path, std::int64_t from) {
+std::optional<NetcdfSummary> summary_before(const std::string& path,
+                                            std::optional<std::int64_t> from) {
   std::error_code error;
   if (!std::filesystem::exists(path, error) || std::filesystem::file_size(path, error) == 0) {
     return std::nullopt;
   }
   NetcdfSummary summary = summarize_netcdf(path);
-  return summary.records > 0 && summary.first < from ? std::optional(std::move(summary))
-                                                     : std::nullopt;
+  return summary.keeps_before(from) ? std::optional(std::move(summary)) : std::nullopt;
 }
 
 NetcdfRecords& NetcdfRecords::put(double value) {
@@ -113,7 +113,7 @@ NetcdfTable::NetcdfTable(std::string path, NetcdfLayout layout, std::optional<st
   // A run that starts anew, with other fields perhaps, owes nothing to a file without records.
   if (count > 0) {
     const NetcdfSummary old = summarize_netcdf(file_->path());
-    if (old.records > 0 && !(from && old.first >= *from)) {
+    if (old.keeps_before(from)) {
       refuse(old);
     }
   }
@@ -154,12 +154,17 @@ void NetcdfTable::set_records(std::int64_t records) {
   records_ = records;
 }
 
-/// The first variable of the records does not decrease.
+/// Where to cut: the first variable of the records goes up, or down if its last one is the lower.
 std::int64_t NetcdfTable::first_with(std::int64_t from) const {
+  const auto number = [&](std::int64_t record) {
+    return read_number(*file_, head_bytes_ + record * record_bytes_);
+  };
+  const bool descends = records_ > 1 && number(records_ - 1) < number(0);
   std::int64_t low = 0, high = records_;
   while (low < high) {
     const std::int64_t middle = low + (high - low) / 2;
-    if (read_number(*file_, head_bytes_ + middle * record_bytes_) < from) {
+    const std::int64_t found = number(middle);
+    if (descends ? found > from : found < from) {
       low = middle + 1;
     } else {
       high = middle;

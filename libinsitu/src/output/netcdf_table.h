@@ -12,9 +12,9 @@ namespace insitu::output {
 
 class LockedFile;
 
-/// Of the file if it has records whose first variable is less than that: those that a run that
-/// restarts there will keep.
-std::optional<NetcdfSummary> summary_before(const std::string& path, std::int64_t from);
+/// Of the file if it has records that a run that restarts there will keep (nothing: all of them).
+std::optional<NetcdfSummary> summary_before(const std::string& path,
+                                            std::optional<std::int64_t> from);
 
 /// Records of a netCDF file as it holds them: the values in the order of the layout's variables,
 /// big-endian.
@@ -46,9 +46,9 @@ private:
 /// flush.
 class NetcdfTable {
 public:
-  /// The layout's first variable is per record, an int64 that does not decrease (the cycle). from:
-  /// records of an earlier run in which it is at least this go; nothing: all stay. An existing file
-  /// must have the same layout.
+  /// The layout's first variable is per record, an int64 that does not decrease, or does not
+  /// increase (the cycle). from: records of an earlier run in which it is at least this, or at
+  /// most, where it goes down, go; nothing: all stay. An existing file must have the same layout.
   NetcdfTable(std::string path, NetcdfLayout layout,
               std::optional<std::int64_t> from = std::nullopt);
   ~NetcdfTable();

@@ -6,8 +6,16 @@
 /// it.
 namespace insitu::query {
 
-/// Where a location is in the mesh as it is now.
-math::Vec3d position(const mesh::MeshView& mesh, const Location& at);
+/// Where a location is in the mesh as it is now; of a geodetic mesh, with its longitude within the
+/// mesh's turn.
+math::Vec3d position(const Sampler& sampler, const Location& at);
+
+/// A part of the way from a to b, straight but on geodetic meshes: along a great circle of normals
+/// there, at even vertical steps.
+math::Vec3d on_the_way(const Sampler& sampler, const math::Vec3d& a, const math::Vec3d& b,
+                       double part);
+/// The straight distance of two points of a geodetic mesh.
+double metres_between(const ChartImage& chart, const math::Vec3d& a, const math::Vec3d& b);
 
 /// Takes a point to where its material has gone: to `at` in the mesh as it is now. With other cells
 /// than when `at` was found (same_cells: false), or no location yet, it is where x is, and is

@@ -46,10 +46,20 @@ struct ChartImage {
   math::Vec3d operator()(const math::Vec3d& p) const {
     const geo::Pole pole = pole_at(p.y);
     if (pole == geo::Pole::none)
-      return {geo::longitude_from(west, units, p.x), p.y, p.z};
+      return with_longitude(p);
     if (!(std::abs(p.y) <= units.quarter()) || !std::isfinite(p.x)) // beyond a pole is nowhere
       return {std::numeric_limits<double>::quiet_NaN(), p.y, p.z};
     return turned(pole, p);
+  }
+  /// The same place, its longitude within [west, west + turn).
+  math::Vec3d with_longitude(const math::Vec3d& p) const {
+    return {geo::longitude_from(west, units, p.x), p.y, p.z};
+  }
+  /// The point of which this is an image, or a place among the cells around one.
+  math::Vec3d point_of(const math::Vec3d& image) const {
+    const geo::Pole pole = pole_of(image);
+    return with_longitude(geo::between_charts(units, pole, geo::Pole::none,
+                                              {image.x - offset(pole), image.y, image.z}));
   }
 };
 

@@ -31,10 +31,11 @@ private:
       }
       return;
     }
-    const auto old = output::summary_before(path_, rows.cycle);
+    const auto from = rows.cycle == TrackRows::no_cycle ? std::nullopt : std::optional(rows.cycle);
+    const auto old = output::summary_before(path_, from);
     const std::int64_t instances =
         enough(old ? old->dimension("trajectory") : seeded, std::max<std::int64_t>(seeded, 1));
-    table_ = std::make_unique<output::NetcdfTable>(path_, layout(rows, instances), rows.cycle);
+    table_ = std::make_unique<output::NetcdfTable>(path_, layout(rows, instances), from);
     ++environment_.statistics.files;
     columns_ = rows.columns;
     pieces_ = rows.pieces;

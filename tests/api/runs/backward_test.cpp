@@ -103,8 +103,10 @@ void expect_carried(const Table& table, const std::vector<Point>& seeds, double 
 TEST(BackwardRuns, GoOnFromACheckpointWhereCyclesGoDown) {
   const char* const more = R"(  - {name: kept, direction: backward, velocity: velocity,
      seeds: [[0.5, 0.5, 0.5]], output: [csv, netcdf], every: 1}
+  - {name: grows, kind: streakline, direction: backward, velocity: velocity,
+     seeds: [[0.5, 0.5, 0.5]], output: [netcdf], every: 1}
 probes:
-  - {name: gauge, points: [[0.5, 0.5, 0.5]], fields: [density], every: 1}
+  - {name: gauge, points: [[0.5, 0.5, 0.5]], fields: [density], every: 1, output: [csv, netcdf]}
 checkpoint: {every: 1, keep: 2}
 )";
   const test::Folder whole;

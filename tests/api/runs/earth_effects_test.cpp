@@ -86,4 +86,85 @@ TEST(EarthEffects, ThroughPeriodicSidesAndOverAStop) {
   }
 }
 
+// Along the equator, at the surface: longitude goes by u / a.
+TEST(EarthEffects, WindageRemovalAndAgeOverTheDateLine) {
+  const test::Folder folder;
+  {
+    const std::string of = ", velocity: velocity, seeds: [[178.5, 0, 0]], ";
+    OnEarth run(pacific(),
+                "tracers:\n  - {name: blown" + of +
+                    "effects: [{windage: {field: velocity, factor: 0.5}}]}\n  - {name: sunk" + of +
+                    "effects: [{settling: {speed: 0.0005}}, {remove: {when: height < -60}}]}\n"
+                    "  - {name: aged, kind: streakline" +
+                    of +
+                    "effects: [{age_limit: 125000}]}\n  - {name: line, kind: streamline, every: "
+                    "5" +
+                    of +
+                    "effects: [{windage: {field: velocity, factor: 0.5}}, {remove: {when: age > "
+                    "30000}}]}\n",
+                folder.path());
+    for (int cycle = 0; cycle <= 5; ++cycle) {
+      run.flow(2, 0);
+      ASSERT_TRUE(run.session.execute(cycle, 50000.0 * cycle)) << insitu_last_message();
+    }
+  }
+  const auto longitude = [](double speed, double t, double height) {
+    return 178.5 + speed * t / (6378137 + height) * 180 / std::numbers::pi;
+  };
+  const auto table = [&](const std::string& name) {
+    return runs::parse_table(test::content(folder / (name + ".csv")));
+  };
+  const runs::Table blown = table("blown"), sunk = table("sunk"), aged = table("aged"),
+                    line = table("line_000005");
+  for (std::size_t i = 0; i < blown.rows.size(); ++i)
+    EXPECT_NEAR(blown.number(i, "x"), longitude(3, blown.number(i, "time"), 0), 1e-7);
+  EXPECT_GT(blown.number(blown.rows.size() - 1, "x"), 185);
+  // At the end of the cycle in which it is so deep: at 150000 s.
+  const std::size_t last = sunk.rows.size() - 1;
+  EXPECT_EQ(sunk.text(last, "ending"), "removed");
+  EXPECT_EQ(sunk.number(last, "time"), 150000);
+  EXPECT_NEAR(sunk.number(last, "z"), -75, 1e-6);
+  EXPECT_NEAR(sunk.number(last, "x"), longitude(2, 150000, -37.5), 1e-7);
+  int expired = 0;
+  for (std::size_t i = 0; i < aged.rows.size(); ++i)
+    if (aged.text(i, "ending") == "expired") {
+      ++expired;
+      EXPECT_EQ(aged.number(i, "time"), 50000 * aged.number(i, "particle") + 125000);
+      EXPECT_NEAR(aged.number(i, "x"), longitude(2, 125000, 0), 1e-7);
+    }
+  EXPECT_EQ(expired, 3);
+  EXPECT_EQ(line.text(0, "ending"), "removed");
+  EXPECT_NEAR(line.number(line.rows.size() - 1, "x"), longitude(3, 30000, 0), 1e-6);
+}
+
+TEST(EarthEffects, BodiesGoWithLayersThatMove) {
+  const test::Folder folder;
+  {
+    const std::string at = ": [[178.5, 5, -600], [-179.5, -20, -1500]], attached: body";
+    OnEarth run(pacific(),
+                "tracers:\n  - {name: marks, seeds" + at + "}\nprobes:\n  - {name: gauges, points" +
+                    at + ", fields: [height]}\n",
+                folder.path());
+    for (int cycle = 0; cycle <= 4; ++cycle) {
+      for (std::size_t i = 0; cycle > 0 && i < run.vertical.size(); ++i)
+        run.vertical[i] = run.height[i] * (1 + 0.1 * cycle); // `height` is what they were
+      run.mesh.changed(insitu::geometry);
+      ASSERT_TRUE(run.session.execute(cycle, 50000.0 * cycle)) << insitu_last_message();
+    }
+  }
+  const runs::Table marks = runs::parse_table(test::content(folder / "marks.csv")),
+                    gauges = runs::parse_table(test::content(folder / "gauges.csv"));
+  ASSERT_EQ(gauges.rows.size(), 10u);
+  ASSERT_GE(marks.rows.size(), 10u);
+  for (std::size_t i = 0; i < 10; ++i) {
+    const double depth = i % 2 ? -1500 : -600;
+    EXPECT_NEAR(marks.number(i, "z"), depth * (1 + 0.1 * double(i / 2)), 1e-9);
+    EXPECT_NEAR(marks.number(i, "x"), i % 2 ? 180.5 : 178.5, 1e-12);
+    EXPECT_EQ(marks.text(i, "cell"), marks.text(i % 2, "cell"));
+    EXPECT_NEAR(gauges.number(i, "height"), depth, 1e-9);
+    for (const char* column : {"cell", "r", "s", "t"})
+      EXPECT_EQ(gauges.text(i, column), gauges.text(i % 2, column));
+  }
+}
+
 } // namespace

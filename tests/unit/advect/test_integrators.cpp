@@ -77,7 +77,7 @@ TEST(Order, UnsteadyAbcFlow) {
   const auto end = [](const Vec3d& x) { return march(Method::dopri5, abc_flow, x, 2.0, 2000); };
   // The reference does not rest on the method under test alone.
   const Vec3d seed{0.3, 1.1, -0.4};
-  ASSERT_LT(distance(march(Method::rk4, abc_flow, seed, 2.0, 5000), end(seed)), 1e-12);
+  ASSERT_LT(distance(march(Method::rk4, abc_flow, seed, 2.0, 5000), end(seed)), 1e-13);
   expect_order(Method::euler, abc_flow, end, 2.0, 1280, 1.0);
   expect_order(Method::rk4, abc_flow, end, 2.0, 80, 4.0);
   expect_order(Method::bs32, abc_flow, end, 2.0, 160, 3.0);
@@ -335,6 +335,31 @@ TEST(ErrorControl, BackwardReturns) {
     EXPECT_EQ(back.p.time, 0.0);
     EXPECT_GT(distance(there.p.x, seed), 1.0);
     EXPECT_LT(distance(back.p.x, seed), 1e-9);
+  }
+}
+
+// A step that no error control passes is taken at the smallest size, and counted; it does not stop
+// the particle, and what is left ends at the limit of steps.
+TEST(ErrorControl, StepsAreNoSmallerThanTheSmallest) {
+  for (const Method method : {Method::bs32, Method::dopri5}) {
+    // It turns 1000 times a unit of time, which steps of 1/64 cannot follow.
+    auto field = unbounded([](const Vec3d&, double t) {
+      return Vec3d{std::cos(6283 * t), std::sin(6283 * t), 1.0};
+    });
+    IntegratorSettings settings;
+    settings.method = method;
+    settings.tolerance = 1e-9;
+    settings.step = settings.min_step = settings.max_step = 1.0 / 64;
+    const Outcome r = run(field, settings, {0, 0, 0}, 1.0);
+    EXPECT_EQ(r.ending, INSITU_END_ALIVE);
+    EXPECT_EQ(r.work.steps, 64);
+    EXPECT_GT(r.work.forced, 60);
+    EXPECT_EQ(r.work.rejected, 0);
+    EXPECT_NEAR(r.p.x.z, 1.0, 1e-14);
+    settings.max_steps = 10;
+    const Outcome stuck = run(field, settings, {0, 0, 0}, 1.0);
+    EXPECT_EQ(stuck.ending, INSITU_END_STEP_LIMIT);
+    EXPECT_NEAR(stuck.p.time, 10.0 / 64, 1e-15);
   }
 }
 

@@ -3,10 +3,9 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <gtest/gtest.h>
 #include <limits>
 #include <random>
-
-#include <gtest/gtest.h>
 
 #include "core/status.h"
 #include "folder.h"
@@ -27,8 +26,8 @@ NetcdfLayout layout(std::int64_t instances = 3, const std::string& field = "p") 
     return l.variables.emplace_back(v);
   };
   add("cycle", NetcdfType::int64);
-  add("flag", NetcdfType::int8).attributes = {
-      {"flag_values", std::vector<std::int8_t>{0, 1}}, {"flag_meanings", std::string("no yes")}};
+  add("flag", NetcdfType::int8).attributes = {{"flag_values", std::vector<std::int8_t>{0, 1}},
+                                              {"flag_meanings", std::string("no yes")}};
   add("small", NetcdfType::int32).attributes = {{"_FillValue", std::int32_t(-1)}};
   NetcdfVariable& pair = add("pair", NetcdfType::float64);
   pair.dimensions = {"length"};
@@ -102,6 +101,31 @@ TEST(NetcdfTable, IsReadByNetcdfAtAnyMomentAndAfterRestarts) {
   EXPECT_EQ(file.texts.at("Conventions"), "CF-1.10");
 }
 
+// Of a run in reverse, whose cycles count down, the lower ones are the later.
+TEST(NetcdfTable, CyclesThatGoDownAreCutWhereTheRunGoesOn) {
+  const test::Folder folder;
+  const std::string path = folder / "t.nc";
+  {
+    NetcdfTable table(path, layout(), 9);
+    for (const std::int64_t c : {9, 8, 8, 7, 6, 5})
+      add(table, c);
+  }
+  {
+    NetcdfTable table(path, layout(), 7);
+    EXPECT_EQ(table.records(), 3);
+    add(table, 7);
+  }
+  expect_cycles(path, {9, 8, 8, 7});
+  EXPECT_THROW(NetcdfTable(path, layout(4), 7), core::Error) << "what stays is of another layout";
+  ASSERT_TRUE(output::summary_before(path, 8));
+  EXPECT_EQ(output::summary_before(path, 8)->dimension("trajectory"), 3);
+  EXPECT_FALSE(output::summary_before(path, 9));
+  { // from its first cycle on nothing stays
+    NetcdfTable table(path, layout(4), 9);
+    EXPECT_EQ(table.records(), 0);
+  }
+}
+
 TEST(NetcdfTable, HoldsEveryBitOfNumbers) {
   const test::Folder folder;
   NetcdfLayout l;
@@ -112,7 +136,11 @@ TEST(NetcdfTable, HoldsEveryBitOfNumbers) {
   value.name = "value";
   l.variables = {cycle, value};
   std::mt19937_64 random(7);
-  std::vector<double> values{0.0, -0.0, 1e-308, 5e-324, std::numeric_limits<double>::infinity(),
+  std::vector<double> values{0.0,
+                             -0.0,
+                             1e-308,
+                             5e-324,
+                             std::numeric_limits<double>::infinity(),
                              std::numeric_limits<double>::max()};
   while (values.size() < 1000)
     if (const double v = std::bit_cast<double>(random()); !std::isnan(v))
