@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "cells/conformity.h"
+#include "cells/float_rounding.h"
 #include "core/status.h"
 #include "core/timer.h"
 #include "mesh/host_mirror.h"
@@ -212,6 +213,8 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
                         c.zero_volume_cells + c.folded_cells + c.collapsed_cells == 0;
   if (!validation.warning.empty() && !mirrored)
     log.warning(validation.warning);
+  if (const std::string rounding = cells::float_rounding(mesh_.name(), view); !rounding.empty())
+    log.warning(rounding);
   folds_are_known_ = true;
   odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);
   mesh_.set_free_of_folds(odd_cells_.none());

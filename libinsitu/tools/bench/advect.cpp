@@ -246,7 +246,8 @@ private:
     json_ += std::string(json_.back() == '[' ? "" : ",") + "\n    {\"name\": " + quoted(peer.name) +
              ", \"seconds\": " + number(seconds) + ", \"steps\": " + std::to_string(peer.steps) +
              ", \"steps_per_s\": " + number(double(peer.steps) / seconds) +
-             ", \"across\": " + number(error) + ", \"lost\": " + std::to_string(lost) +
+             ", \"error\": " + number(error) + ", \"across\": " + number(error) +
+             ", \"lost\": " + std::to_string(lost) +
              ", \"ratio_at_equal_error\": " + number(ratio) + "}";
   }
 

@@ -285,3 +285,22 @@ TEST(Validation, WarnsInOneLineAndGoesOn) {
   expect_in("of 10648 cells", m.warnings[0]);
   expect_in("1 are folded", m.warnings[0]);
 }
+
+TEST(Validation, SaysWhatCoordinatesOf32BitsLose) {
+  for (const double offset : {0.0, 1e5}) {
+    for (const bool is_float : {false, true}) {
+      fixtures::Committed m(test::make_mesh(
+          {.kind = test::MeshKind::hexahedra, .size = 4, .jitter = 0.1, .offset = offset}, 7));
+      const std::vector<float> points(m.arrays.points.begin(), m.arrays.points.end());
+      const insitu_array a =
+          insitu_array_of(points.data(), INSITU_FLOAT32, m.arrays.vertex_count(), 3);
+      if (is_float)
+        m.mesh.mesh().set_points(0, &a, 1);
+      m.commit(INSITU_CHANGED_TOPOLOGY);
+      ASSERT_EQ(m.warnings.size(), is_float && offset > 0 ? 1u : 0u) << offset;
+      if (!m.warnings.empty()) // 1e5 2^-24 is 0.006, of cells about 1 wide
+        expect_in(" reaches 1e+05 in 32 bits, so that vertices are rounded by up to 0.006, 0.",
+                  m.warnings[0]);
+    }
+  }
+}
