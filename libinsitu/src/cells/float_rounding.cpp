@@ -21,15 +21,17 @@ std::string float_rounding(const std::string& mesh_name, const mesh::MeshView& v
     double largest[3] = {0.0, 0.0, 0.0};
     mesh::CellVertices cell;
     for (std::int64_t i = 0; i < picked; ++i) {
-      mesh::gather(view, view.first_cell[p] + i * cells / picked, cell);
+      const std::int64_t of_piece = i * cells / picked;
+      if (!view.pieces[p].owns(of_piece)) // may hold garbage
+        continue;
+      mesh::gather(view, view.first_cell[p] + of_piece, cell);
       for (int a = 0; a < 3; ++a) {
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (int v = 0; v < cell.count; ++v) {
           low = std::min(low, cell.x[v][a]);
           high = std::max(high, cell.x[v][a]);
         }
-        if (cell.count > 0)
-          extents[a].push_back(high - low);
+        extents[a].push_back(high - low);
         largest[a] = std::max({largest[a], -low, high});
       }
     }
