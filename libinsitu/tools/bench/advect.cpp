@@ -226,8 +226,8 @@ private:
     const double error = LinesByLength(*mesh_, all_).across(peer, seeds_, length) / cell();
     const double seconds = peer.time.for_ratio(1);
     const auto lost = std::count(peer.times.begin(), peer.times.end(), 0.0);
-    // A peer is asked for lines by length, so what it errs along them is not its own: `error` and
-    // `across` are one. The lines' lengths in time may differ from ours by parts of a step.
+    // All that is told of a peer's error (LinesByLength), so `error` and `across` are one below.
+    // The lines' lengths in time may differ from ours by parts of a step.
     double time = 0.0, our_time = 0.0;
     for (std::size_t i = 0; i < seeds_.size(); ++i) {
       time += peer.times[i];
