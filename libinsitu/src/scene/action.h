@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "core/archive.h"
 #include "core/context.h"
 #include "core/status.h"
 #include "output/csv.h"
@@ -27,8 +28,8 @@ struct Step {
   MeshList meshes;
   std::int64_t cycle;
   double time;
-  bool first;                           ///< the first execution of the session
-  double earlier_time;                  ///< of the execution before
+  bool first;                                ///< the first execution of the session
+  double earlier_time;                       ///< of the execution before
   std::span<const double> times_before = {}; ///< of those before it, as far as fields may look back
 };
 
@@ -45,6 +46,13 @@ public:
   virtual void execute(query::CommittedMesh& mesh, const Step& step, bool due) = 0;
   /// The session closes.
   virtual void finish() {}
+  /// What a checkpoint knows it by, in words that hold all that its state depends on; empty: it has
+  /// none.
+  virtual std::string state_name() const { return {}; }
+  /// Its state, to a checkpoint or back.
+  virtual void keep(core::Archive& /*archive*/) {}
+  /// Before the first cycle after a restart: the mesh has the cells of the checkpoint.
+  virtual void take_up_cells() {}
   /// Adds what it needs of the mesh beyond the tree, and what it does without. May throw like
   /// execute().
   virtual void plan(const query::CommittedMesh& mesh, Plan& plan) const = 0;

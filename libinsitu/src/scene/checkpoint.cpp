@@ -8,7 +8,6 @@
 
 #include "output/checkpoint.h"
 #include "scene/runner.h"
-#include "scene/tracer_action.h"
 
 namespace insitu::scene {
 
@@ -20,18 +19,6 @@ constexpr std::uint64_t prime = 0x100000001b3u, basis = 0xcbf29ce484222325u;
 std::uint64_t mix(std::uint64_t hash, std::uint64_t value) {
   hash = (hash ^ value) * prime;
   return hash ^ hash >> 32;
-}
-
-/// What a tracer must be to take up the state of another.
-std::string described(const Tracer& t) {
-  const char* kinds[] = {"streamline", "pathline", "streakline"};
-  const bool back = t.kind != TracerKind::streamline && t.direction == TracerDirection::backward;
-  std::string text = std::string("tracer '") + t.name + "' (" + (back ? "backward " : "") +
-                     kinds[int(t.kind)] + " of '" + t.velocity.text + "', to";
-  const char* formats[] = {"csv", "vtp", "json", "netcdf"};
-  for (const TableFormat format : t.output)
-    text += std::string(" ") + formats[int(format)];
-  return text + ")";
 }
 
 } // namespace
@@ -110,13 +97,10 @@ void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::
 void Runner::keep(core::Archive& archive) {
   archive.value("cycle", cycle_);
   archive.array("times", times_);
-  std::vector<TracerAction*> tracers;
-  for (const auto& action : actions_)
-    if (auto* tracer = dynamic_cast<TracerAction*>(action.get()))
-      tracers.push_back(tracer);
   std::vector<std::string> names;
-  for (const TracerAction* tracer : tracers)
-    names.push_back(described(tracer->tracer()));
+  for (const auto& action : actions_)
+    if (std::string name = action->state_name(); !name.empty())
+      names.push_back(std::move(name));
   std::vector<std::string> found = names;
   archive.array("tracers", found);
   if (found != names) {
@@ -124,13 +108,13 @@ void Runner::keep(core::Archive& archive) {
       std::string text;
       for (const std::string& name : list)
         text += (text.empty() ? "" : ", ") + name;
-      return text.empty() ? std::string("no tracer") : text;
+      return text.empty() ? std::string("nothing that moves") : text;
     };
     static_cast<output::CheckpointReader&>(archive).refuse(
         "it is of another scene: it has " + listed(found) + "; the scene has " + listed(names));
   }
-  for (TracerAction* tracer : tracers)
-    tracer->keep(archive);
+  for (const auto& action : actions_)
+    action->keep(archive);
 }
 
 void Runner::write_checkpoint(const std::string& path, MeshList meshes) {
@@ -186,8 +170,8 @@ void Runner::bring_back_earlier(MeshList meshes) {
       for (const auto& action : actions_) {
         const Name& of = action->mesh_name();
         const bool here = of.empty() ? mesh == meshes.front() : of.text == kept.name;
-        if (auto* tracer = dynamic_cast<TracerAction*>(action.get()); tracer && here)
-          tracer->take_up(true);
+        if (here)
+          action->take_up_cells();
       }
     }
   kept_meshes_.clear();

@@ -95,7 +95,7 @@ public:
     for (const auto& writer : writers_)
       writer->keep(archive);
   }
-  void take_up(bool same_cells) override { same_cells_ = same_cells; }
+  void take_up_cells() override { same_cells_ = true; }
 
   /// The solver's arrays may be gone: what needs no field is written.
   void finish() override {

@@ -12,7 +12,7 @@
 namespace insitu::scene {
 
 ProbeAction::ProbeAction(const Probe& probe, const Environment& environment)
-    : probe_(probe), environment_(environment), netcdf_(probe.name, environment) {}
+    : probe_(probe), environment_(environment), netcdf_(probe.name, environment, moves()) {}
 
 ProbeAnswers ProbeAction::sample(const query::CommittedMesh& mesh,
                                  std::span<const mesh::FieldView> fields) {
@@ -29,7 +29,7 @@ ProbeAnswers ProbeAction::sample(const query::CommittedMesh& mesh,
   const query::Sampler sampler = mesh.sampler();
   query::LocateOptions options;
   options.accuracy = to_api(probe_.accuracy);
-  if (probe_.attached == Attached::body) { // their places are known, to the bit
+  if (moves()) { // their places are known, to the bit
     for (std::size_t i = 0; i < n; ++i) {
       if (places_[i])
         sampler.interpolate(a.fields, places_[i], a.values.data() + i * width);
@@ -68,7 +68,8 @@ void ProbeAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
 /// known when the cells change. Points that are outside stay where they are.
 void ProbeAction::follow(query::CommittedMesh& mesh) {
   std::vector<math::Vec3d>& points = points_->mesh_points;
-  const bool same_cells = !places_.empty() && topology_ == mesh.topology_version();
+  const bool same_cells = !places_.empty() && (topology_ == mesh.topology_version() || same_cells_);
+  same_cells_ = false;
   places_.resize(points.size());
   const query::Sampler sampler = mesh.sampler();
   query::LocateOptions options;
@@ -81,14 +82,44 @@ void ProbeAction::follow(query::CommittedMesh& mesh) {
   topology_ = mesh.topology_version();
 }
 
+std::string ProbeAction::state_name() const {
+  return moves() ? "probe '" + probe_.name + "' (attached: body)" : "";
+}
+
+/// Names with the points: those of a file are not read again after a restart.
+void ProbeAction::keep(core::Archive& archive) {
+  if (!moves())
+    return;
+  bool placed = points_.has_value();
+  archive.value("placed", placed);
+  if (!placed)
+    return;
+  if (!points_)
+    points_.emplace();
+  std::vector<std::int64_t> cells;
+  std::vector<math::Vec3d> parametric;
+  for (const query::Location& at : places_) {
+    cells.push_back(at.cell);
+    parametric.push_back(at.parametric);
+  }
+  archive.array("points", points_->mesh_points);
+  archive.array("names", points_->names);
+  archive.array("cells", cells);
+  archive.array("parametric coordinates", parametric);
+  if (!archive.restores())
+    return;
+  places_.clear();
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    places_.push_back({cells[i], parametric[i]});
+}
+
 void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due) {
-  const bool attached = probe_.attached == Attached::body;
-  if (!due && !attached)
+  if (!due && !moves())
     return;
   const core::Timer preparing;
   if (!points_)
     points_ = resolve_points(probe_.points, probe_.frame, mesh, environment_.scene_file);
-  if (attached)
+  if (moves())
     follow(mesh);
   if (!due) {
     environment_.statistics.query_s += preparing.seconds();
@@ -144,6 +175,8 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
   std::vector<std::string> columns{"cycle", "time", "point"};
   if (names)
     columns.push_back("name");
+  if (moves())
+    columns.insert(columns.end(), {"x", "y", "z"});
   const CurtainPlaces* curtain = points_->curtain ? &*points_->curtain : nullptr;
   if (curtain)
     columns.insert(columns.end(), {"distance", level_name(*curtain)});
@@ -167,6 +200,8 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
     rows.cell(step.cycle).cell(step.time).cell(std::int64_t(i));
     if (names)
       rows.cell(points_->names[i]);
+    for (int c = 0; moves() && c < 3; ++c)
+      rows.cell(points_->mesh_points[i][c]);
     if (curtain)
       rows.cell(curtain->distances[i / curtain->levels.size()])
           .cell(curtain->levels[i % curtain->levels.size()]);
@@ -221,10 +256,10 @@ void ProbeAction::write_json(const query::CommittedMesh& mesh, const Step& step,
   };
   const CurtainPlaces* curtain = points_->curtain ? &*points_->curtain : nullptr;
   const std::size_t width = answers.columns.size();
-  std::string text = "{\"cycle\": " + std::to_string(step.cycle) +
-                     ", \"time\": " + number(step.time) + ", \"columns\": [" +
-                     (curtain ? "\"distance\", \"" + level_name(*curtain) + "\", " : "") +
-                     "\"cell\"" + (pieces ? ", \"piece\"" : "");
+  std::string text =
+      "{\"cycle\": " + std::to_string(step.cycle) + ", \"time\": " + number(step.time) +
+      ", \"columns\": [" + (curtain ? "\"distance\", \"" + level_name(*curtain) + "\", " : "") +
+      (moves() ? "\"x\", \"y\", \"z\", " : "") + "\"cell\"" + (pieces ? ", \"piece\"" : "");
   for (const std::string& c : answers.columns) {
     text += ", \"";
     for (const char ch : c) { // field names are the solver's: anything may stand in them
@@ -241,6 +276,8 @@ void ProbeAction::write_json(const query::CommittedMesh& mesh, const Step& step,
     if (curtain)
       text += number(curtain->distances[i / curtain->levels.size()]) + ", " +
               number(curtain->levels[i % curtain->levels.size()]) + ", ";
+    for (int c = 0; moves() && c < 3; ++c)
+      text += number(points_->mesh_points[i][c]) + ", ";
     text += std::to_string(own.cell);
     if (pieces)
       text += ", " + std::to_string(own.piece);

@@ -13,7 +13,8 @@ namespace insitu::scene {
 /// Samples fields at fixed points whenever due. CSV: one table that grows, with the columns
 /// cycle, time, point, [name,] [distance, depth,] cell, [piece,] r, s, t, fields; cell is -1 and
 /// the values are empty outside. name stands where the points have names, distance along the path
-/// and depth (or height, or z) of a curtain's, piece where the mesh has several. Where the scene
+/// and depth (or height, or z) of a curtain's, piece where the mesh has several; x, y, z after the
+/// point and its name where it goes with the material. Where the scene
 /// names no fields, those that the mesh has when the probe is due first are sampled.
 class ProbeAction final : public Action {
 public:
@@ -26,6 +27,9 @@ public:
   void execute(query::CommittedMesh& mesh, const Step& step, bool due) override;
   void finish() override;
   void plan(const query::CommittedMesh& mesh, Plan& plan) const override;
+  std::string state_name() const override;
+  void keep(core::Archive& archive) override;
+  void take_up_cells() override { same_cells_ = true; }
 
 private:
   ProbeAnswers sample(const query::CommittedMesh& mesh, std::span<const mesh::FieldView> fields);
@@ -35,6 +39,7 @@ private:
   void write_vtp(const query::CommittedMesh& mesh, const Step& step, const ProbeAnswers& answers);
   void write_json(const query::CommittedMesh& mesh, const Step& step, const ProbeAnswers& answers);
 
+  bool moves() const { return probe_.attached == Attached::body; }
   void follow(query::CommittedMesh& mesh);
 
   Probe probe_;
@@ -43,6 +48,7 @@ private:
   // Of points that are attached to the material.
   std::vector<query::Location> places_;
   std::uint64_t topology_ = 0;
+  bool same_cells_ = false; ///< as at the checkpoint of a restart
   std::unique_ptr<output::AppendTable> table_;
   std::vector<std::string> columns_; ///< of the table
   VtpSeries series_;

@@ -8,8 +8,9 @@
 
 namespace insitu::scene {
 
-ProbeNetcdf::ProbeNetcdf(const std::string& name, const Environment& environment)
-    : name_(name), path_(environment.output + "/" + name + ".nc"), environment_(environment) {}
+ProbeNetcdf::ProbeNetcdf(const std::string& name, const Environment& environment, bool moves)
+    : name_(name), path_(environment.output + "/" + name + ".nc"), environment_(environment),
+      moves_(moves) {}
 
 ProbeNetcdf::~ProbeNetcdf() = default;
 
@@ -91,7 +92,7 @@ output::NetcdfLayout ProbeNetcdf::layout(const query::CommittedMesh& mesh,
     out.dimensions.emplace_back(places.back(), std::int64_t(curtain->levels.size()));
   }
   out.attributes = curtain ? cf_attributes("timeSeriesProfile", name_, "the curtain's")
-                           : cf_attributes("timeSeries", name_);
+                           : cf_attributes(moves_ ? "trajectory" : "timeSeries", name_);
   const auto of_all = [&](NetcdfVariable v) {
     v.dimensions = places;
     return v;
@@ -101,6 +102,9 @@ output::NetcdfLayout ProbeNetcdf::layout(const query::CommittedMesh& mesh,
     out.variables.push_back(of_all(cf_piece()));
   if (curtain)
     add_curtain(out, *curtain);
+  else if (moves_)
+    for (const NetcdfVariable& axis : position)
+      out.variables.push_back(of_all(axis));
   else
     add_points(out, frame, points.mesh_points);
   NetcdfVariable station;
@@ -108,7 +112,7 @@ output::NetcdfLayout ProbeNetcdf::layout(const query::CommittedMesh& mesh,
   station.type = output::NetcdfType::int64;
   station.attributes = {
       {"long_name", std::string(curtain ? "place along the curtain" : "point of the probe")},
-      {"cf_role", std::string("timeseries_id")}};
+      {"cf_role", std::string(moves_ ? "trajectory_id" : "timeseries_id")}};
   for (std::size_t i = 0; i < n; ++i)
     station.integers.push_back(std::int64_t(i));
   out.variables.push_back(fixed(std::move(station), "station"));
@@ -156,6 +160,9 @@ void ProbeNetcdf::write(const query::CommittedMesh& mesh, const Step& step,
     to.put(own.cell);
   for (std::size_t i = 0; pieces && i < n; ++i)
     to.put(cells[i].piece);
+  for (int c = 0; moves_ && c < 3; ++c)
+    for (const math::Vec3d& x : points.mesh_points)
+      to.put(x[c]);
   for (int c = 0; c < 3; ++c)
     for (const query::Location& at : answers.locations)
       to.put(at ? at.parametric[c] : std::numeric_limits<double>::quiet_NaN());

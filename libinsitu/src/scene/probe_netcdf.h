@@ -21,10 +21,11 @@ struct ProbeAnswers {
 /// `<name>.nc`: a probe as CF time series, a record for each due cycle: the multidimensional
 /// array of stations and times. Of a curtain the stations are profiles: one more dimension, of its
 /// levels, with their coordinate; places and distances along the path are those it was given in.
-/// cell is -1 and the values are NaN outside.
+/// Points that move are trajectories: their places are in each record. cell is -1 and the values
+/// are NaN outside.
 class ProbeNetcdf {
 public:
-  ProbeNetcdf(const std::string& name, const Environment& environment);
+  ProbeNetcdf(const std::string& name, const Environment& environment, bool moves);
   ~ProbeNetcdf();
   void write(const query::CommittedMesh& mesh, const Step& step, const ScenePoints& points,
              const ProbeAnswers& answers);
@@ -38,7 +39,7 @@ private:
   Environment environment_;
   std::unique_ptr<output::NetcdfTable> table_;
   std::vector<std::string> columns_;
-  bool pieces_ = false;
+  bool moves_ = false, pieces_ = false;
 };
 
 } // namespace insitu::scene

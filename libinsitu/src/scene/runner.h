@@ -28,8 +28,8 @@ public:
   /// What its items need of the meshes, which are committed, and what they do without.
   Plan plan(MeshList meshes) const;
 
-  /// Writes the state of all tracers, as it is after the last execute(), to a file. The meshes are
-  /// as they were then. Throws core::Error.
+  /// Writes the state of all tracers and moving probes, as it is after the last execute(), to a
+  /// file. The meshes are as they were then. Throws core::Error.
   void write_checkpoint(const std::string& path, MeshList meshes);
   /// Takes it up again, before the first execute(). Throws core::Error (INSITU_ERROR_FILE) for a
   /// file that is not of this scene; this runner is then of no use.

@@ -12,6 +12,18 @@ namespace insitu::scene {
 TracerAction::TracerAction(const Tracer& tracer, const Environment& environment)
     : tracer_(tracer), environment_(environment) {}
 
+std::string TracerAction::state_name() const {
+  const char* kinds[] = {"streamline", "pathline", "streakline"};
+  const bool back =
+      tracer_.kind != TracerKind::streamline && tracer_.direction == TracerDirection::backward;
+  std::string text = "tracer '" + tracer_.name + "' (" + (back ? "backward " : "") +
+                     kinds[int(tracer_.kind)] + " of '" + tracer_.velocity.text + "', to";
+  const char* formats[] = {"csv", "vtp", "json", "netcdf"};
+  for (const TableFormat format : tracer_.output)
+    text += std::string(" ") + formats[int(format)];
+  return text + ")";
+}
+
 void TracerAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
   const mesh::MeshView& view = mesh.mesh().view();
   if (tracer_.kind == TracerKind::streamline) {

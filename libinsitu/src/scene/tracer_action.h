@@ -25,12 +25,9 @@ public:
   const Name& mesh_name() const override { return tracer_.mesh; }
 
   void plan(const query::CommittedMesh& mesh, Plan& plan) const override;
+  std::string state_name() const final;
 
   virtual advect::Counts counts() const = 0;
-  /// Its state, to a checkpoint or back.
-  virtual void keep(core::Archive& archive) = 0;
-  /// Before the first cycle after a restart: whether the mesh has the cells of the checkpoint.
-  virtual void take_up(bool /*same_cells*/) {}
   const Tracer& tracer() const { return tracer_; }
   /// The fields whose earlier steps are needed at the next cycle.
   virtual std::vector<mesh::KeptField> needs_earlier() const { return {}; }

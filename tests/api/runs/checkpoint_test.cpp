@@ -14,6 +14,8 @@ insitu: 1
 page: false
 probes:
   - {name: gauges, points: [[0.1, 0.1, 0.1], [0.3, 0.3, 0.2], [9, 9, 9]], every: 3, output: [csv, netcdf]}
+  - {name: marks, attached: body, points: [[0.11, 0.13, 0.17], [9, 9, 9], [0.2, 0.15, 0.1]], every: 3,
+     output: [csv, netcdf, vtp, json]}
 tracers:
   - name: paths
     velocity: velocity

@@ -162,6 +162,8 @@ TEST(EarthEffects, BodiesGoWithLayersThatMove) {
     EXPECT_NEAR(marks.number(i, "x"), i % 2 ? 180.5 : 178.5, 1e-12);
     EXPECT_EQ(marks.text(i, "cell"), marks.text(i % 2, "cell"));
     EXPECT_NEAR(gauges.number(i, "height"), depth, 1e-9);
+    for (const char* column : {"x", "y", "z"})
+      EXPECT_EQ(gauges.text(i, column), marks.text(i, column));
     for (const char* column : {"cell", "r", "s", "t"})
       EXPECT_EQ(gauges.text(i, column), gauges.text(i % 2, column));
   }

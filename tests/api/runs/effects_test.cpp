@@ -207,6 +207,9 @@ tracers:
   ASSERT_GE(marks.rows.size(), 10u);
   for (std::size_t i = 0; i < 10; ++i)
     EXPECT_EQ(marks.text(i, "cell"), gauges.text(i % 2, "cell"));
+  for (std::size_t i = 0; i < 10; ++i) // 2 particles, 3 points a cycle
+    for (const char* column : {"x", "y", "z"})
+      EXPECT_EQ(marks.text(i, column), gauges.text(i / 2 * 3 + i % 2, column)) << column << i;
   EXPECT_NE(marks.text(8, "x"), marks.text(0, "x")); // the blast pushes them
 }
 

@@ -156,4 +156,39 @@ TEST(Netcdf, ProbesAreTimeSeries) {
   }
 }
 
+TEST(Netcdf, ProbesThatGoWithTheMaterialAreTrajectories) {
+  const test::Folder folder;
+  {
+    Coupled run({.scene = R"(
+insitu: 1
+page: false
+probes:
+  - {name: marks, points: [[0.11, 0.13, 0.17], [9, 9, 9]], attached: body, every: 4,
+     output: [csv, netcdf, json]}
+)",
+                 .output = folder.path()});
+    ASSERT_TRUE(run.execute()) << insitu_last_message();
+    run.run(12);
+  }
+  const runs::Table table = runs::parse_table(test::content(folder / "marks.csv"));
+  const NetcdfFile file(folder / "marks.nc");
+  EXPECT_EQ(file.texts.at("featureType"), "trajectory");
+  EXPECT_EQ(file["station"].texts.at("cf_role"), "trajectory_id");
+  EXPECT_EQ(file["pressure"].texts.at("coordinates"), "x y z");
+  ASSERT_EQ(table.rows.size(), 8u);
+  for (const char* axis : {"x", "y", "z"}) {
+    EXPECT_EQ(file[axis].dimensions, (std::vector<std::string>{"time", "station"}));
+    for (std::size_t i = 0; i < table.rows.size(); ++i)
+      expect_same(table, axis, i, file[axis].doubles[i]);
+    EXPECT_EQ(file[axis].doubles[7], 9) << "what is outside stays";
+    EXPECT_NE(file[axis].doubles[6], file[axis].doubles[0]) << "the blast pushes";
+  }
+  const std::string json = test::content(folder / "marks_000012.json");
+  EXPECT_NE(json.find("[\"x\", \"y\", \"z\", \"cell\""), std::string::npos) << json;
+  EXPECT_NE(json.find("\n  [" + table.text(6, "x") + ", " + table.text(6, "y") + ", " +
+                      table.text(6, "z") + ", " + table.text(6, "cell")),
+            std::string::npos)
+      << json;
+}
+
 } // namespace

@@ -72,10 +72,10 @@ INSITU_API insitu_status insitu_session_mesh(insitu_session session, const char*
  *  INSITU_ERROR_ACTION and the message tells which. */
 INSITU_API insitu_status insitu_session_execute(insitu_session session, int64_t cycle, double time);
 
-/** Writes the state of the scene's tracers after the last execute to a file, whole or not at all:
- *  particles, clocks of release, tracks, and what the next step needs of this one. To be called
- *  after insitu_session_execute() and before the arrays change. What tables hold back is written
- *  first. A scene can ask for it too: `checkpoint: {every: 100}`. */
+/** Writes the state of the scene's tracers and attached probes after the last execute to a file,
+ *  whole or not at all: particles, clocks of release, tracks, and what the next step needs of this
+ *  one. To be called after insitu_session_execute() and before the arrays change. What tables hold
+ *  back is written first. A scene can ask for it too: `checkpoint: {every: 100}`. */
 INSITU_API insitu_status insitu_session_checkpoint(insitu_session session, const char* path);
 
 /** Takes such a file up again, in a session with the same tracers, before its first execute: the
