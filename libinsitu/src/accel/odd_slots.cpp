@@ -13,19 +13,10 @@ OddSlots::OddSlots(const mesh::MeshView& mesh, std::span<const std::int64_t> ids
     known |= std::uint64_t(1) << (id & 63);
     mesh::CellVertices cell;
     mesh::gather(mesh, id, cell);
-    Box box{cell.x[0], cell.x[0]};
-    for (int v = 1; v < cell.count; ++v)
-      for (int a = 0; a < 3; ++a) {
-        box.low[a] = std::min(box.low[a], cell.x[v][a]);
-        box.high[a] = std::max(box.high[a], cell.x[v][a]);
-      }
-    if (boxes_.empty())
-      all_ = box;
-    for (int a = 0; a < 3; ++a) {
-      all_.low[a] = std::min(all_.low[a], box.low[a]);
-      all_.high[a] = std::max(all_.high[a], box.high[a]);
-    }
-    boxes_.push_back(box);
+    boxes_.push_back(mesh::box_of(cell));
+    if (boxes_.size() == 1)
+      all_ = boxes_[0];
+    all_.extend(boxes_.back());
   }
   if (ids.empty())
     return;
@@ -47,7 +38,8 @@ OddSlots::OddSlots(const mesh::MeshView& mesh, std::span<const std::int64_t> ids
 
 bool OddSlots::may_hold(const Vec3d& p) const {
   return !boxes_.empty() && all_.holds(p) &&
-         std::any_of(boxes_.begin(), boxes_.end(), [&](const Box& box) { return box.holds(p); });
+         std::any_of(boxes_.begin(), boxes_.end(),
+                     [&](const mesh::Box& box) { return box.holds(p); });
 }
 
 } // namespace insitu::accel

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "mesh/view.h"
+#include "mesh/box.h"
 
 namespace insitu::accel {
 
@@ -29,17 +29,10 @@ public:
   bool may_hold(const math::Vec3d& p) const;
 
 private:
-  struct Box {
-    math::Vec3d low, high;
-    bool holds(const math::Vec3d& p) const {
-      return low.x <= p.x && p.x <= high.x && low.y <= p.y && p.y <= high.y && low.z <= p.z &&
-             p.z <= high.z;
-    }
-  };
   std::uint64_t filter_ = 0; ///< bit (slot & 63) of each
   std::vector<std::uint32_t> slots_;
-  std::vector<Box> boxes_;
-  Box all_;
+  std::vector<mesh::Box> boxes_;
+  mesh::Box all_;
 };
 
 } // namespace insitu::accel

@@ -73,11 +73,7 @@ Towards towards(const cells::TrilinearMap<double>& map, const Vec3d& vertex, con
   Vec3d x, a, b, c;
   map(q, x, a, b, c);
   const auto n = cells::newton_step(a, b, c, path.at(theta) - vertex - x);
-  const Vec3d rate = path.rate(theta);
-  return {n.step,
-          {dot(rate, n.bc) * n.inverse_det, dot(rate, n.ca) * n.inverse_det,
-           dot(rate, n.ab) * n.inverse_det},
-          n.singular};
+  return {n.step, n.towards(path.rate(theta)), n.singular};
 }
 
 /// Whether all distances from faces at q, found but for `error`, are sure to be positive; those

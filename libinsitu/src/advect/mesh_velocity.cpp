@@ -95,12 +95,12 @@ Vec3d MeshVelocity::extent() {
     sized_ = cell_;
     for (const Kept* k : {own_, kept_[last_]})
       if (!moves_ && k->cell == cell_) {
-        extent_ = k->box.extent();
+        extent_ = edges_of(k->box);
         return extent_;
       }
     mesh::CellVertices c;
     mesh::gather(sampler_->mesh(), cell_, c, moves_ ? alpha_ : 1.0);
-    extent_ = box_of(c).extent();
+    extent_ = edges_of(box_of(c));
   }
   return extent_;
 }

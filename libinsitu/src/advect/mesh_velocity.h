@@ -246,7 +246,7 @@ protected:
   std::int64_t cell_across() const;
   void take_own(std::int64_t cell);
   Crossed enter(const math::Vec3d& x, const query::Location& at);
-  math::Vec3d own_extent() const { return (moves_ ? box_of(own_->vertices) : own_->box).extent(); }
+  math::Vec3d own_extent() const { return edges_of(moves_ ? box_of(own_->vertices) : own_->box); }
   unsigned faces_along(const math::Vec3d& x, const math::Vec3d& towards) const;
   double depth_beside(const math::Vec3d& r) const;
   /// How deep in its own cell a point lies, with these coordinates and this margin there.

@@ -32,10 +32,7 @@ std::vector<Result> over_boxes(const mesh::MeshView& mesh, const core::Threads& 
 }
 
 void join(Box& box, const Box& other) {
-  for (int a = 0; a < 3; ++a) {
-    box.low[a] = std::min(box.low[a], other.low[a]);
-    box.high[a] = std::max(box.high[a], other.high[a]);
-  }
+  box.extend(other);
 }
 
 /// The box of all of them.

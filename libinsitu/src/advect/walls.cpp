@@ -37,7 +37,7 @@ Box Walls::box(std::int64_t cell, double alpha) const {
 
 Vec3d Walls::edges(std::int64_t cell, double alpha) const {
   const Box b = box(cell, alpha);
-  return space_.is_chart() ? scale(b.middle()).edges(b.extent()) : b.extent();
+  return space_.is_chart() ? scale(b.middle()).edges(edges_of(b)) : edges_of(b);
 }
 
 Vec3d Walls::middle(std::int64_t cell, double alpha) const {

@@ -59,7 +59,7 @@ public:
 
   /// The box of a cell, in coordinates, and its edges in metres.
   Box box(std::int64_t cell, double alpha) const;
-  math::Vec3d extent(std::int64_t cell, double alpha) const { return box(cell, alpha).extent(); }
+  math::Vec3d extent(std::int64_t cell, double alpha) const { return edges_of(box(cell, alpha)); }
   math::Vec3d edges(std::int64_t cell, double alpha) const;
   math::Vec3d middle(std::int64_t cell, double alpha) const; ///< of its vertices
   const Space& space() const { return space_; }

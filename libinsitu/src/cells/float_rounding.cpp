@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <vector>
 
+#include "mesh/box.h"
+
 namespace insitu::cells {
 
 std::string float_rounding(const std::string& mesh_name, const mesh::MeshView& view) {
@@ -25,14 +27,10 @@ std::string float_rounding(const std::string& mesh_name, const mesh::MeshView& v
       if (!view.pieces[p].owns(of_piece)) // may hold garbage
         continue;
       mesh::gather(view, view.first_cell[p] + of_piece, cell);
+      const mesh::Box box = mesh::box_of(cell);
       for (int a = 0; a < 3; ++a) {
-        double low = HUGE_VAL, high = -HUGE_VAL;
-        for (int v = 0; v < cell.count; ++v) {
-          low = std::min(low, cell.x[v][a]);
-          high = std::max(high, cell.x[v][a]);
-        }
-        extents[a].push_back(high - low);
-        largest[a] = std::max({largest[a], -low, high});
+        extents[a].push_back(box.size()[a]);
+        largest[a] = std::max({largest[a], -box.low[a], box.high[a]});
       }
     }
     for (int a = 0; a < 3; ++a) {

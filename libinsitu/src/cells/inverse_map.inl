@@ -41,6 +41,11 @@ struct NewtonStep {
   T inverse_det;         // 0 where singular
   Vec3<T> step;
   decltype(T(0.0) < T(0.0)) singular;
+
+  /// What takes the map on by g, to first order.
+  INSITU_HD inline Vec3<T> towards(const Vec3<T>& g) const {
+    return {dot(g, bc) * inverse_det, dot(g, ca) * inverse_det, dot(g, ab) * inverse_det};
+  }
 };
 template <class T>
 INSITU_HD inline NewtonStep<T> newton_step(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c,
@@ -54,8 +59,7 @@ INSITU_HD inline NewtonStep<T> newton_step(const Vec3<T>& a, const Vec3<T>& b, c
   const T det = dot(a, n.bc);
   n.singular = det == zero;
   n.inverse_det = select(n.singular, zero, one / select(n.singular, one, det));
-  n.step = {dot(f, n.bc) * n.inverse_det, dot(f, n.ca) * n.inverse_det,
-            dot(f, n.ab) * n.inverse_det};
+  n.step = n.towards(f);
   return n;
 }
 
@@ -94,9 +98,7 @@ struct BentStep {
 };
 template <class T, class Map>
 INSITU_HD inline BentStep<T> bent_step(const Map& map, const Vec3<T>& q, const NewtonStep<T>& n) {
-  const Vec3<T> h = map.bend(q, n.step);
-  const Vec3<T> by{dot(h, n.bc) * n.inverse_det, dot(h, n.ca) * n.inverse_det,
-                   dot(h, n.ab) * n.inverse_det};
+  const Vec3<T> by = n.towards(map.bend(q, n.step));
   BentStep<T> b;
   b.size = largest_of(n.step);
   b.bend = largest_of(by);
@@ -169,9 +171,7 @@ INSITU_HD inline InverseMap<T> inverse_tetrahedron(const Vec3<T>* x, const Vec3<
   const Vec3<T> a = x[1] - x[0], b = x[2] - x[0], c = x[3] - x[0], f = p - x[0];
   const NewtonStep<T> n = newton_step(a, b, c, f);
   // Once more with what is left, for slivers, where Cramer's rule loses digits.
-  const Vec3<T> g = f - (n.step.x * a + n.step.y * b + n.step.z * c);
-  const Vec3<T> step{dot(g, n.bc) * n.inverse_det, dot(g, n.ca) * n.inverse_det,
-                     dot(g, n.ab) * n.inverse_det};
+  const Vec3<T> step = n.towards(f - (n.step.x * a + n.step.y * b + n.step.z * c));
   InverseMap<T> out;
   out.r = n.step + step;
   out.margin =

@@ -16,6 +16,16 @@ inline Color operator*(float s, const Color& a) {
   return {s * a.r, s * a.g, s * a.b};
 }
 
+/// Red, green, blue and alpha: a register of any machine that is likely to march rays.
+using Rgba = float __attribute__((vector_size(16)));
+
+inline Rgba rgba_of(const Color& c, float alpha) {
+  return Rgba{c.r, c.g, c.b, alpha};
+}
+inline Color color_of(const Rgba& c) {
+  return {c[0], c[1], c[2]};
+}
+
 /// IEC 61966-2-1 (1999): the value shown for a stored one.
 inline double linear_of_srgb(double s) {
   return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);

@@ -7,6 +7,7 @@
 #include "accel/gridlet_rays.h"
 #include "accel/ray_traversal.h"
 #include "core/status.h"
+#include "mesh/box.h"
 
 namespace insitu::render {
 
@@ -157,13 +158,7 @@ Vec3d IsosurfaceTracer::central_gradient(const SurfaceHit& hit, const Vec3d& p,
   const ScalarField& field = groups_[surface.group].field;
   mesh::CellVertices cell;
   mesh::gather(sampler_.mesh(), hit.cell, cell);
-  Vec3d low = cell.x[0], high = cell.x[0];
-  for (int v = 1; v < cell.count; ++v)
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], cell.x[v][a]);
-      high[a] = std::max(high[a], cell.x[v][a]);
-    }
-  const Vec3d size = high - low;
+  const Vec3d size = mesh::box_of(cell).size();
   const double half = 0.5 * std::cbrt(size.x * size.y * size.z);
   Vec3d gradient;
   for (int a = 0; a < 3 && half > 0; ++a) {

@@ -10,6 +10,7 @@
 
 #include "accel/tree.h"
 #include "core/status.h"
+#include "mesh/box.h"
 #include "render/cell_values.h"
 #include "render/gridlet_cells.h"
 
@@ -21,18 +22,6 @@ using math::Vec3d;
 
 constexpr double infinity = CellValues::infinity;
 constexpr double largest_count = 0x1p24;
-
-/// The box of a cell's vertices.
-struct CellBox {
-  explicit CellBox(const mesh::CellVertices& cell) : low(cell.x[0]), high(cell.x[0]) {
-    for (int v = 1; v < cell.count; ++v)
-      for (int a = 0; a < 3; ++a) {
-        low[a] = cell.x[v][a] < low[a] ? cell.x[v][a] : low[a];
-        high[a] = cell.x[v][a] > high[a] ? cell.x[v][a] : high[a];
-      }
-  }
-  Vec3d low, high;
-};
 
 /// Some boxes of cells, each standing for `weight` of them, and how many cells there are in all.
 struct CellSizes {
@@ -54,7 +43,7 @@ struct CellSizes {
     for (std::int64_t i = 0; i < count; ++i) {
       const std::int64_t flat = tree.cells()[i * items / count];
       mesh::gather(mesh, flat, cell);
-      const CellBox box(cell);
+      const mesh::Box box = mesh::box_of(cell);
       const mesh::GridletsView* gridlets = mesh.pieces[cell.piece].gridlets;
       double weight = 1;
       if (gridlets) {
@@ -63,7 +52,7 @@ struct CellSizes {
         for (int k = 0; k < mesh::Gridlet::side; ++k)
           weight += std::popcount(gridlets->full[first + k]);
       }
-      picked.push_back({box.high - box.low, weight});
+      picked.push_back({box.size(), weight});
       weights += weight;
       mean += weight * picked.back().extent;
     }
@@ -160,7 +149,7 @@ public:
     to = layer(a, (high - grid_.low[a]) * scale_[a] + Macrocells::margin);
   }
   template <class Visit>
-  void visit(const CellBox& box, Visit&& visit) const {
+  void visit(const mesh::Box& box, Visit&& visit) const {
     int from[3], to[3];
     for (int a = 0; a < 3; ++a)
       layers(a, box.low[a], box.high[a], from[a], to[a]);
@@ -316,7 +305,7 @@ void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field
       for (int v = 0; v < cell.count; ++v)
         values.add(field.load(cell.piece, cell.ids[v]));
     values.finish(!of_cells);
-    raster.visit(CellBox(cell), [&](std::size_t i) {
+    raster.visit(mesh::box_of(cell), [&](std::size_t i) {
       lower_to(ranges_[i].lower, values.lower);
       raise_to(ranges_[i].upper, values.upper);
       if (values.nan)
@@ -331,7 +320,7 @@ void Macrocells::measure(const query::Sampler& sampler, const core::Threads& thr
   const Raster raster(grid_);
   const auto none = [](std::int64_t) { return false; };
   for_each_cell(sampler, threads, none, [&](std::int64_t, const mesh::CellVertices& cell) {
-    const CellBox box(cell);
+    const mesh::Box box = mesh::box_of(cell);
     double side = infinity;
     for (int a = 0; a < 3; ++a)
       if (box.high[a] > box.low[a])

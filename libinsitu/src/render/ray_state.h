@@ -13,8 +13,10 @@ namespace insitu::render {
 /// Opacity from which on a ray is not followed further.
 constexpr float saturated = 0.999f;
 
-/// Adds what lies behind: a colour that hides a of what comes after it. color is times alpha.
-inline void blend_behind(Color& color, float& alpha, const Color& c, float a) {
+/// Adds what lies behind: a colour that hides a of what comes after it. color is times alpha. As
+/// Rgba its own fourth number says nothing: the next sample waits for alpha, so that stays apart.
+template <class Rgb>
+void blend_behind(Rgb& color, float& alpha, const Rgb& c, float a) {
   const float weight = (1.0f - alpha) * a;
   color = color + weight * c;
   alpha += weight;

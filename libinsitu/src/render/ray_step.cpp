@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "accel/tree.h"
+#include "mesh/box.h"
 
 namespace insitu::render {
 
@@ -30,13 +31,7 @@ double typical_cell_size(const query::Sampler& sampler) {
   mesh::CellVertices cell;
   for (std::int64_t i = 0; i < picked; ++i) {
     mesh::gather(sampler.mesh(), std::int64_t(tree.cells()[i * count / picked]), cell);
-    Vec3d low = cell.x[0], high = cell.x[0];
-    for (int v = 1; v < cell.count; ++v)
-      for (int a = 0; a < 3; ++a) {
-        low[a] = std::min(low[a], cell.x[v][a]);
-        high[a] = std::max(high[a], cell.x[v][a]);
-      }
-    const Vec3d d = high - low;
+    const Vec3d d = mesh::box_of(cell).size();
     sizes.push_back(std::cbrt(d.x * d.y * d.z));
   }
   const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);

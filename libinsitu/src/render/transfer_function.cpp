@@ -187,8 +187,7 @@ void Classifier::set_joint() {
   double left = colors_.value_of(0);
   float a = alpha(left);
   for (int i = 0; i <= n; ++i) {
-    const Color& c = colors_.entry(i);
-    joint_[std::size_t(i)] = {c.r, c.g, c.b, a};
+    joint_[std::size_t(i)] = rgba_of(colors_.entry(i), a);
     if (i == n)
       break;
     const double right = colors_.value_of(i + 1), width = right - left;

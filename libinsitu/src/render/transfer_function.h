@@ -118,33 +118,22 @@ public:
 
   Classifier(const TransferFunction& function, double step, double unit_distance);
 
-  /// Colour and opacity together.
-  struct alignas(16) Entry {
-    float r, g, b, a;
-  };
-
   ColorSample operator()(double value) const {
-    float w;
-    const Entry* const p = joint(value, w);
-    if (!p)
-      return by_stretches(value);
-    const float v = 1.0f - w, a = v * p[0].a + w * p[1].a;
-    if (!shows(a))
-      return {};
-    return {{v * p[0].r + w * p[1].r, v * p[0].g + w * p[1].g, v * p[0].b + w * p[1].b}, a};
+    const Rgba c = rgba(value);
+    return {color_of(c), c[3]};
   }
-  /// The entry below a value, with the next behind it, and how far the value is from the one to the
-  /// other; null where a line between them is not what is asked for.
-  const Entry* joint(double value, float& w) const {
+  /// The same in one register.
+  Rgba rgba(double value) const {
     const double at = colors_.place(value);
     if (!(at > 0.0 && at < ColorTable::size))
-      return nullptr;
-    const int i = int(at);
-    w = float(at - i);
-    return is_joint_[std::size_t(i)] ? &joint_[std::size_t(i)] : nullptr;
+      return by_stretches(value);
+    const auto i = std::size_t(at);
+    if (!is_joint_[i])
+      return by_stretches(value);
+    const float w = float(at - double(i));
+    const Rgba c = (1.0f - w) * joint_[i] + w * joint_[i + 1];
+    return c[3] >= least_ ? c : Rgba{};
   }
-  /// What is less between two entries is none.
-  bool shows(float alpha) const { return alpha >= least_; }
   float alpha(double value) const {
     if (!(value >= stretches_.front().value))
       return below_;
@@ -173,17 +162,11 @@ public:
   static float partial(float alpha, double fraction);
 
 private:
-  ColorSample by_stretches(double value) const {
-    ColorSample s;
-    if (value != value) {
-      s.color = nan_color_;
-      s.alpha = nan_alpha_;
-      return s;
-    }
-    s.alpha = alpha(value);
-    if (s.alpha > 0.0f)
-      s.color = colors_(value);
-    return s;
+  Rgba by_stretches(double value) const {
+    if (value != value)
+      return rgba_of(nan_color_, nan_alpha_);
+    const float a = alpha(value);
+    return a > 0.0f ? rgba_of(colors_(value), a) : Rgba{};
   }
   /// From one opacity point to the next.
   struct Stretch {
@@ -199,7 +182,7 @@ private:
   ColorTable colors_;
   std::vector<float> alpha_;
   std::vector<Stretch> stretches_;     ///< ascending; the last is all beyond the last point
-  std::vector<Entry> joint_;           ///< at the entries of colors_
+  std::vector<Rgba> joint_;            ///< at the entries of colors_
   std::vector<std::uint8_t> is_joint_; ///< what is between two entries is linear enough
   float below_, least_;
   Color nan_color_;

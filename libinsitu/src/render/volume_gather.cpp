@@ -20,28 +20,13 @@ std::uint32_t bits_between(std::int64_t begin, std::int64_t end) {
   return below(end) & ~below(begin);
 }
 
-/// Red, green, blue, and something: a register of any machine that is likely to march rays.
-using Four = float __attribute__((vector_size(16)));
-
-Four four_of(const Color& c) {
-  return Four{c.r, c.g, c.b, 0.0f};
-}
-Four four_of(const Classifier::Entry& e) {
-  static_assert(sizeof(Four) == sizeof(Classifier::Entry));
-  return std::bit_cast<Four>(e);
-}
-Color color_of(const Four& v) {
-  return {v[0], v[1], v[2]};
-}
-
 } // namespace
 
-/// What gather() makes of samples that nothing but the function says anything about. Each waits for
-/// the alpha before it, so that stays a number of its own beside the colours' register.
+/// What gather() makes of samples that nothing but the function says anything about.
 void VolumeMarcher::gather_plainly(RayState& ray, std::int64_t first, std::uint32_t wanted,
                                    const query::ValueSample* samples) const {
   const Classifier& classify = classifiers_[0];
-  Four color = four_of(ray.color);
+  Rgba color = rgba_of(ray.color, 0.0f);
   float alpha = ray.alpha;
   // Those whose stretch is a step: all but one or two at either end.
   const std::uint32_t inner = bits_between(ray.first + 2 - first, ray.end - 2 - first);
@@ -50,30 +35,18 @@ void VolumeMarcher::gather_plainly(RayState& ray, std::int64_t first, std::uint3
     const auto [cell, value] = samples[k];
     if (cell < 0)
       continue;
-    Four added;
-    float opacity, w;
-    if (const Classifier::Entry* const joint = classify.joint(value, w)) {
-      added = (1.0f - w) * four_of(joint[0]) + w * four_of(joint[1]);
-      opacity = (1.0f - w) * joint[0].a + w * joint[1].a;
-      if (!classify.shows(opacity))
-        continue;
-    } else {
-      const ColorSample sample = classify(value);
-      added = four_of(sample.color);
-      opacity = sample.alpha;
-    }
+    const Rgba sample = classify.rgba(value);
+    const float opacity = sample[3];
     if (!(opacity > 0))
       continue;
-    const float weight = (1.0f - alpha) * opacity;
-    if ((inner >> k & 1) && (alpha >= 0.5f || alpha + weight < 0.5f)) {
-      color += weight * added; // as blend_behind
-      alpha += weight;
+    if ((inner >> k & 1) && (alpha >= 0.5f || alpha + (1.0f - alpha) * opacity < 0.5f)) {
+      blend_behind(color, alpha, sample, opacity);
       continue;
     }
     ray.color = color_of(color); // a stretch of its own, or where the depth is
     ray.alpha = alpha;
     add_value(ray, stretch(ray, first + k, 1), value, {cell, {}}, 0);
-    color = four_of(ray.color);
+    color = rgba_of(ray.color, 0.0f);
     alpha = ray.alpha;
   }
   ray.color = color_of(color);
