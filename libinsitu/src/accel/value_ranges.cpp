@@ -27,8 +27,16 @@ double scalar_at(const mesh::FieldPieceView& piece, int components, int componen
 
 ValueRanges::ValueRanges(const Tree& tree, const mesh::MeshView& mesh, const mesh::FieldView& field,
                          int component, const core::Threads& threads, core::Memory& memory)
-    : ranges_(memory, INSITU_MEMORY_RANGES), min_(infinity), max_(-infinity) {
+    : ranges_(memory, INSITU_MEMORY_RANGES) {
   ranges_.resize_discard(tree.node_count());
+  refresh(tree, mesh, field, component, threads);
+}
+
+void ValueRanges::refresh(const Tree& tree, const mesh::MeshView& mesh,
+                          const mesh::FieldView& field, int component,
+                          const core::Threads& threads) {
+  min_ = infinity;
+  max_ = -infinity;
   if (tree.empty())
     return;
   const auto cell_range = [&](std::uint32_t flat, float& lo, float& hi) {

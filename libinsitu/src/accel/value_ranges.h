@@ -15,6 +15,10 @@ public:
   ValueRanges(const Tree& tree, const mesh::MeshView& mesh, const mesh::FieldView& field,
               int component, const core::Threads& threads, core::Memory& memory);
 
+  /// Other values over the same tree, in place.
+  void refresh(const Tree& tree, const mesh::MeshView& mesh, const mesh::FieldView& field,
+               int component, const core::Threads& threads);
+
   /// Bit c: a cell below child c may take a value in [lo, hi]. Conservative. Cells with a NaN at a
   /// vertex keep the range of their other vertices.
   unsigned may_contain(std::uint32_t node, float lo, float hi) const {

@@ -9,20 +9,23 @@ namespace insitu::render {
 void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, std::uint64_t fields,
                        const core::Threads& threads) {
   if (!sampler_ || geometry != geometry_ || fields != fields_) {
-    value_ranges_.clear();
-    averages_.clear();
-    gradients_.clear();
     scalar_ranges_.clear();
     const auto age = [](auto& entries) {
       for (auto& [key, entry] : entries)
         entry.is_fresh = false;
     };
+    age(averages_);
+    age(value_ranges_);
+    age(gradients_);
     age(macrocells_);
     age(majorants_);
     age(primitive_ranges_);
     age(culled_);
   }
   if (geometry != geometry_) {
+    averages_.clear();
+    value_ranges_.clear();
+    gradients_.clear();
     macrocells_.clear();
     majorants_.clear();
     primitive_ranges_.clear();
@@ -62,27 +65,48 @@ Structures::Key Structures::key_of(const ScalarField& field) const {
   return {field.field.name, field.field.association, range_component(field), is_average};
 }
 
-const VertexAverage& Structures::average(const ScalarField& cell_field) {
-  Entry<VertexAverage>& entry = averages_[key_of(cell_field)];
+/// The entry's structure, made if it is not there, or given new values if there are some.
+template <class T, class Make, class Refresh>
+const T& Structures::up_to_date(ValuesEntry<T>& entry, std::int64_t& made, std::int64_t& refreshed,
+                                double& seconds, Make&& make, Refresh&& refresh) {
   entry.used = true;
+  const core::Timer timer;
   if (!entry.value) {
-    entry.value =
-        std::make_unique<VertexAverage>(sampler_->mesh(), cell_field, *threads_, *memory_);
-    ++counts_.averages;
+    entry.value = make();
+    ++made;
+  } else if (!entry.is_fresh) {
+    refresh(*entry.value);
+    ++refreshed;
   }
+  entry.times = entry.is_fresh ? entry.times + 1 : 1;
+  entry.is_fresh = true;
+  seconds += timer.seconds();
   return *entry.value;
 }
 
+const VertexAverage& Structures::average(const ScalarField& cell_field) {
+  const mesh::MeshView& mesh = sampler_->mesh();
+  return up_to_date(
+      averages_[key_of(cell_field)], counts_.averages, counts_.averages_refreshed,
+      seconds_.averages,
+      [&] { return std::make_unique<VertexAverage>(mesh, cell_field, *threads_, *memory_); },
+      [&](VertexAverage& known) { known.refresh(mesh, cell_field, *threads_); });
+}
+
 const accel::ValueRanges& Structures::value_ranges(const ScalarField& vertex_field) {
-  Entry<accel::ValueRanges>& entry = value_ranges_[key_of(vertex_field)];
-  entry.used = true;
-  if (!entry.value) {
-    entry.value =
-        std::make_unique<accel::ValueRanges>(sampler_->tree(), sampler_->mesh(), vertex_field.field,
-                                             range_component(vertex_field), *threads_, *memory_);
-    ++counts_.value_ranges;
-  }
-  return *entry.value;
+  const mesh::MeshView& mesh = sampler_->mesh();
+  const accel::Tree& tree = sampler_->tree();
+  const int component = range_component(vertex_field);
+  return up_to_date(
+      value_ranges_[key_of(vertex_field)], counts_.value_ranges, counts_.value_ranges_refreshed,
+      seconds_.value_ranges,
+      [&] {
+        return std::make_unique<accel::ValueRanges>(tree, mesh, vertex_field.field, component,
+                                                    *threads_, *memory_);
+      },
+      [&](accel::ValueRanges& known) {
+        known.refresh(tree, mesh, vertex_field.field, component, *threads_);
+      });
 }
 
 ScalarRange Structures::scalar_range(const ScalarField& field) {
@@ -96,31 +120,14 @@ ScalarRange Structures::scalar_range(const ScalarField& field) {
   return *entry.value;
 }
 
-/// The entry's structure, made if it is not there, or given the field's values if they are new.
-template <class T, class Make>
-const T& Structures::up_to_date(ValuesEntry<T>& entry, const ScalarField& field, std::int64_t& made,
-                                std::int64_t& refreshed, double& seconds, Make&& make) {
-  entry.used = true;
-  const core::Timer timer;
-  if (!entry.value) {
-    entry.value = make();
-    ++made;
-  } else if (!entry.is_fresh) {
-    entry.value->refresh(*sampler_, field, *threads_);
-    ++refreshed;
-  }
-  entry.times = entry.is_fresh ? entry.times + 1 : 1;
-  entry.is_fresh = true;
-  seconds += timer.seconds();
-  return *entry.value;
-}
-
 const Macrocells& Structures::macrocells(const ScalarField& field, double cells_each) {
-  return up_to_date(macrocells_[{key_of(field), cells_each}], field, counts_.macrocells,
-                    counts_.macrocells_refreshed, seconds_.macrocells, [&] {
-                      return std::make_unique<Macrocells>(*sampler_, field, *threads_, *memory_,
-                                                          cells_each);
-                    });
+  return up_to_date(
+      macrocells_[{key_of(field), cells_each}], counts_.macrocells, counts_.macrocells_refreshed,
+      seconds_.macrocells,
+      [&] {
+        return std::make_unique<Macrocells>(*sampler_, field, *threads_, *memory_, cells_each);
+      },
+      [&](Macrocells& known) { known.refresh(*sampler_, field, *threads_); });
 }
 
 const Macrocells& Structures::macrocells_with_sizes(const ScalarField& field) {
@@ -165,9 +172,10 @@ const Majorants& Structures::majorants(const ScalarField& field, const TransferF
 
 const PrimitiveRanges& Structures::primitive_ranges(const ScalarField& field) {
   return up_to_date(
-      primitive_ranges_[key_of(field)], field, counts_.primitive_ranges,
+      primitive_ranges_[key_of(field)], counts_.primitive_ranges,
       counts_.primitive_ranges_refreshed, seconds_.primitive_ranges,
-      [&] { return std::make_unique<PrimitiveRanges>(*sampler_, field, *threads_, *memory_); });
+      [&] { return std::make_unique<PrimitiveRanges>(*sampler_, field, *threads_, *memory_); },
+      [&](PrimitiveRanges& known) { known.refresh(*sampler_, field, *threads_); });
 }
 
 const query::CulledCells* Structures::culled(const ScalarField& field,
@@ -199,14 +207,12 @@ bool Structures::has_macrocells(const ScalarField& field) const {
 }
 
 const VertexGradients& Structures::gradients(const ScalarField& vertex_field) {
-  Entry<VertexGradients>& entry = gradients_[key_of(vertex_field)];
-  entry.used = true;
-  if (!entry.value) {
-    entry.value =
-        std::make_unique<VertexGradients>(sampler_->mesh(), vertex_field, *threads_, *memory_);
-    ++counts_.gradients;
-  }
-  return *entry.value;
+  const mesh::MeshView& mesh = sampler_->mesh();
+  return up_to_date(
+      gradients_[key_of(vertex_field)], counts_.gradients, counts_.gradients_refreshed,
+      seconds_.gradients,
+      [&] { return std::make_unique<VertexGradients>(mesh, vertex_field, *threads_, *memory_); },
+      [&](VertexGradients& known) { known.refresh(mesh, vertex_field, *threads_); });
 }
 
 const TriangleMesh& Structures::boundary() {

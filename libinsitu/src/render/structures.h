@@ -26,15 +26,22 @@ class Structures {
 public:
   /// How often each kind was made, for plans and tests: what no frame asks for stays at 0.
   struct Counts {
-    std::int64_t averages = 0, value_ranges = 0, scalar_ranges = 0;
-    std::int64_t macrocells = 0, macrocells_refreshed = 0; ///< built; given new values
+    std::int64_t averages = 0, averages_refreshed = 0;         ///< made; given new values
+    std::int64_t value_ranges = 0, value_ranges_refreshed = 0; ///< made; given new values
+    std::int64_t gradients = 0, gradients_refreshed = 0;       ///< made; given new values
+    std::int64_t scalar_ranges = 0;                            ///< passes over the values
+    std::int64_t macrocells = 0, macrocells_refreshed = 0;     ///< built; given new values
     std::int64_t majorants = 0; ///< classified, for the first time or anew
     std::int64_t primitive_ranges = 0, primitive_ranges_refreshed = 0; ///< made; given new values
     std::int64_t culled = 0; ///< trees of what shows, made for the first time or anew
-    std::int64_t boundaries = 0, bodies = 0, gradients = 0;
+    std::int64_t boundaries = 0, bodies = 0;
     Counts& operator+=(const Counts& b) {
       averages += b.averages;
+      averages_refreshed += b.averages_refreshed;
       value_ranges += b.value_ranges;
+      value_ranges_refreshed += b.value_ranges_refreshed;
+      gradients += b.gradients;
+      gradients_refreshed += b.gradients_refreshed;
       scalar_ranges += b.scalar_ranges;
       macrocells += b.macrocells;
       macrocells_refreshed += b.macrocells_refreshed;
@@ -44,7 +51,6 @@ public:
       culled += b.culled;
       boundaries += b.boundaries;
       bodies += b.bodies;
-      gradients += b.gradients;
       return *this;
     }
     friend bool operator==(const Counts&, const Counts&) = default;
@@ -52,6 +58,9 @@ public:
 
   /// What was spent on some of them in all, in seconds.
   struct Seconds {
+    double averages = 0;         ///< made and refreshed
+    double value_ranges = 0;     ///< made and refreshed
+    double gradients = 0;        ///< made and refreshed
     double macrocells = 0;       ///< built and refreshed
     double majorants = 0;        ///< classified
     double primitive_ranges = 0; ///< made and refreshed
@@ -67,12 +76,13 @@ public:
   /// Gives back what nobody asked for since begin().
   void end();
 
-  /// A cell field at the vertices.
+  /// A cell field at the vertices. Like all that says nothing else, kept while the geometry holds,
+  /// and given new values in place.
   const VertexAverage& average(const ScalarField& cell_field);
   /// Of a vertex field, or of an average's field().
   const accel::ValueRanges& value_ranges(const ScalarField& vertex_field);
+  /// Found anew for new values.
   ScalarRange scalar_range(const ScalarField& field);
-  /// Kept while the geometry holds, and given new values in place.
   const Macrocells& macrocells(const ScalarField& field,
                                double cells_each = Macrocells::usual_cells);
   /// The same, which know their cells' sizes.
@@ -107,8 +117,6 @@ private:
     std::unique_ptr<T> value;
     bool used = false;
   };
-  template <class T>
-  using Entries = std::map<Key, Entry<T>>;
   /// Kept while the geometry holds, and given new values in place.
   template <class T>
   struct ValuesEntry {
@@ -135,9 +143,9 @@ private:
       is_fresh = true;
     }
   };
-  template <class T, class Make>
-  const T& up_to_date(ValuesEntry<T>& entry, const ScalarField& field, std::int64_t& made,
-                      std::int64_t& refreshed, double& seconds, Make&& make);
+  template <class T, class Make, class Refresh>
+  static const T& up_to_date(ValuesEntry<T>& entry, std::int64_t& made, std::int64_t& refreshed,
+                             double& seconds, Make&& make, Refresh&& refresh);
   template <class Map>
   static typename Map::mapped_type& entry_of(Map& map, const typename Map::key_type& key,
                                              const TransferFunction& function);
@@ -152,15 +160,15 @@ private:
   std::uint64_t geometry_ = 0, fields_ = 0;
   Counts counts_;
   Seconds seconds_;
-  Entries<VertexAverage> averages_;
-  Entries<accel::ValueRanges> value_ranges_;
-  Entries<ScalarRange> scalar_ranges_;
+  std::map<Key, ValuesEntry<VertexAverage>> averages_;
+  std::map<Key, ValuesEntry<accel::ValueRanges>> value_ranges_;
+  std::map<Key, ValuesEntry<VertexGradients>> gradients_;
+  std::map<Key, Entry<ScalarRange>> scalar_ranges_;
   using GridKey = std::pair<Key, double>; ///< with the cells to a macrocell
   std::map<GridKey, ValuesEntry<Macrocells>> macrocells_;
   std::multimap<GridKey, FunctionEntry<Majorants>> majorants_;
   std::map<Key, ValuesEntry<PrimitiveRanges>> primitive_ranges_;
   std::multimap<Key, FunctionEntry<query::CulledCells>> culled_;
-  Entries<VertexGradients> gradients_;
   std::map<std::string, Entry<TriangleMesh>> triangles_; ///< by file; the boundary without a name
 };
 

@@ -8,7 +8,7 @@ namespace insitu::render {
 
 VertexAverage::VertexAverage(const mesh::MeshView& mesh, const ScalarField& cell_field,
                              const core::Threads& threads, core::Memory& memory)
-    : name_(cell_field.field.name), values_(memory, INSITU_MEMORY_FRAME) {
+    : memory_(&memory), name_(cell_field.field.name), values_(memory, INSITU_MEMORY_FRAME) {
   values_.resize_discard(std::size_t(mesh.vertex_count()));
   bases_.reserve(std::size_t(mesh.piece_count));
   for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
@@ -18,8 +18,14 @@ VertexAverage::VertexAverage(const mesh::MeshView& mesh, const ScalarField& cell
     view.layout.count = mesh.first_vertex[p + 1] - mesh.first_vertex[p];
     view.layout.stride[0] = sizeof(double);
     views_.push_back(view);
-    average_piece(mesh, cell_field, p, threads, memory);
   }
+  refresh(mesh, cell_field, threads);
+}
+
+void VertexAverage::refresh(const mesh::MeshView& mesh, const ScalarField& cell_field,
+                            const core::Threads& threads) {
+  for (std::int32_t p = 0; p < mesh.piece_count; ++p)
+    average_piece(mesh, cell_field, p, threads);
 }
 
 ScalarField VertexAverage::field() const {
@@ -27,9 +33,8 @@ ScalarField VertexAverage::field() const {
 }
 
 void VertexAverage::average_piece(const mesh::MeshView& mesh, const ScalarField& cell_field,
-                                  std::int32_t p, const core::Threads& threads,
-                                  core::Memory& memory) {
-  const VertexCells around(mesh, p, threads, memory);
+                                  std::int32_t p, const core::Threads& threads) {
+  const VertexCells around(mesh, p, threads, *memory_);
   double* out = values_.data() + mesh.first_vertex[p];
   const std::int64_t vertex_count = mesh.first_vertex[p + 1] - mesh.first_vertex[p];
   threads.parallel_for(vertex_count, 4096, [&](std::int64_t begin, std::int64_t end) {

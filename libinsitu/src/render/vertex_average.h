@@ -21,13 +21,18 @@ public:
   VertexAverage(const VertexAverage&) = delete;
   VertexAverage& operator=(const VertexAverage&) = delete;
 
+  /// Other values of the same cells, in place.
+  void refresh(const mesh::MeshView& mesh, const ScalarField& cell_field,
+               const core::Threads& threads);
+
   /// A vertex field of one component; valid as long as this object.
   ScalarField field() const;
 
 private:
   void average_piece(const mesh::MeshView& mesh, const ScalarField& cell_field, std::int32_t piece,
-                     const core::Threads& threads, core::Memory& memory);
+                     const core::Threads& threads);
 
+  core::Memory* memory_;
   std::string name_;
   core::Buffer<double> values_;
   std::vector<const std::byte*> bases_;

@@ -36,16 +36,20 @@ Vec3d corner_of(mesh::Shape shape, int v) {
 
 VertexGradients::VertexGradients(const mesh::MeshView& mesh, const ScalarField& vertex_field,
                                  const core::Threads& threads, core::Memory& memory)
-    : gradients_(memory, INSITU_MEMORY_FRAME) {
+    : memory_(&memory), gradients_(memory, INSITU_MEMORY_FRAME) {
   gradients_.resize_discard(std::size_t(mesh.vertex_count()));
+  refresh(mesh, vertex_field, threads);
+}
+
+void VertexGradients::refresh(const mesh::MeshView& mesh, const ScalarField& vertex_field,
+                              const core::Threads& threads) {
   for (std::int32_t p = 0; p < mesh.piece_count; ++p)
-    average_piece(mesh, vertex_field, p, threads, memory);
+    average_piece(mesh, vertex_field, p, threads);
 }
 
 void VertexGradients::average_piece(const mesh::MeshView& mesh, const ScalarField& field,
-                                    std::int32_t p, const core::Threads& threads,
-                                    core::Memory& memory) {
-  const VertexCells around(mesh, p, threads, memory);
+                                    std::int32_t p, const core::Threads& threads) {
+  const VertexCells around(mesh, p, threads, *memory_);
   Vec3d* out = gradients_.data() + mesh.first_vertex[p];
   const std::int64_t vertex_count = mesh.first_vertex[p + 1] - mesh.first_vertex[p];
   threads.parallel_for(vertex_count, 1024, [&](std::int64_t begin, std::int64_t end) {

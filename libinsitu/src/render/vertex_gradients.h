@@ -18,14 +18,19 @@ public:
   VertexGradients(const mesh::MeshView& mesh, const ScalarField& vertex_field,
                   const core::Threads& threads, core::Memory& memory);
 
+  /// Other values at the same vertices, in place.
+  void refresh(const mesh::MeshView& mesh, const ScalarField& vertex_field,
+               const core::Threads& threads);
+
   /// Interpolated at a place of a cell.
   math::Vec3d at(const mesh::MeshView& mesh, std::int64_t flat_cell,
                  const math::Vec3d& parametric) const;
 
 private:
   void average_piece(const mesh::MeshView& mesh, const ScalarField& field, std::int32_t piece,
-                     const core::Threads& threads, core::Memory& memory);
+                     const core::Threads& threads);
 
+  core::Memory* memory_;
   core::Buffer<math::Vec3d> gradients_; ///< by flat vertex
 };
 

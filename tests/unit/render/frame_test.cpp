@@ -159,7 +159,7 @@ TEST(Frame, MakesNothingThatIsNotAskedFor) {
   render::Structures kept(memory);
   kept.begin(mesh.sampler(), 0, 0, mesh.committed.threads);
   render::render_frame(mesh.sampler(), s, kept, mesh.committed.threads);
-  EXPECT_EQ(kept.counts(), (render::Structures::Counts{0, 1, 0}));
+  EXPECT_EQ(kept.counts(), (render::Structures::Counts{.value_ranges = 1}));
   kept.end();
   memory.reset_peak();
   const std::int64_t with_kept = memory.current();
@@ -167,9 +167,17 @@ TEST(Frame, MakesNothingThatIsNotAskedFor) {
   render::render_frame(mesh.sampler(), s, kept, mesh.committed.threads);
   EXPECT_EQ(memory.peak(), with_kept);
   kept.end();
-  // A frame without surfaces gives them back; new values have them made anew.
+  // Nor for new values; a cycle without surfaces gives them back.
+  kept.begin(mesh.sampler(), 0, 1, mesh.committed.threads);
+  render::render_frame(mesh.sampler(), s, kept, mesh.committed.threads);
+  EXPECT_EQ(memory.peak(), with_kept);
+  EXPECT_EQ(kept.counts(),
+            (render::Structures::Counts{.value_ranges = 1, .value_ranges_refreshed = 1}));
+  kept.end();
   s.isosurfaces.clear();
   kept.begin(mesh.sampler(), 0, 1, mesh.committed.threads);
+  render::render_frame(mesh.sampler(), s, kept, mesh.committed.threads);
+  kept.end();
   EXPECT_EQ(memory.current(), before);
 }
 

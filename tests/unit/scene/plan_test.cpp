@@ -84,7 +84,11 @@ TEST(Plan, StructuresAreSharedAndKept) {
   EXPECT_EQ(run.runner.structure_counts(), once);
   run.mesh.committed.commit(INSITU_CHANGED_FIELDS);
   EXPECT_EQ(run.execute(2), "");
-  EXPECT_EQ(run.runner.structure_counts().averages, 2);
+  const render::Structures::Counts later = run.runner.structure_counts();
+  EXPECT_EQ(later.averages, 1);
+  EXPECT_EQ(later.averages_refreshed, 1);
+  EXPECT_EQ(later.value_ranges, 2);
+  EXPECT_EQ(later.value_ranges_refreshed, 2);
 }
 
 TEST(Plan, SaysWhatIsSkippedAndWhy) {
