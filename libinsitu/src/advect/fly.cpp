@@ -189,6 +189,10 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
         const bool smallest =
             settings_.min_step > 0.0 ? h <= settings_.min_step : crossed <= settings_.min_cells;
         forced = relative_error > 1.0 && (smallest || trials == most_trials);
+        if (forced && settings_.min_step > 0.0 && settings_.at_min_step == AtMinStep::end) {
+          ++work.rejected;
+          return INSITU_END_STEP_TOO_SMALL;
+        }
         if (relative_error > 1.0 && !forced)
           factor = std::max({smallest_factor, safety / std::sqrt(relative_error),
                              std::min(settings_.min_step / h, 1.0 - 1e-12)});

@@ -280,6 +280,13 @@ TEST(SceneErrors, Integrator) {
     EXPECT_HAS(tracer_error("integrator: {method: euler, " + std::string(key) + ": 1}"),
                "tracers[0].integrator." + std::string(key) + ": euler has fixed steps");
   }
+  EXPECT_HAS(tracer_error("integrator: {at_min_step: end}"),
+             "tracers[0].integrator.at_min_step: it says what becomes of particles at 'min_step', "
+             "which is missing");
+  EXPECT_HAS(tracer_error("integrator: {min_step: 1, at_min_step: stop}"),
+             "'stop' is not one of end, take");
+  EXPECT_HAS(tracer_error("integrator: {method: rk4, at_min_step: take}"),
+             "tracers[0].integrator.at_min_step: rk4 has fixed steps");
   EXPECT_HAS(tracer_error("integrator: {face_aware: 3}"), "tracers[0].integrator.face_aware");
   EXPECT_HAS(tracer_error("kind: streamline, direction: up"),
              "'up' is not one of forward, backward, both");
