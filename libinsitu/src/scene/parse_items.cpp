@@ -156,6 +156,22 @@ void check_line_effects(const Cursor& effects, const Tracer& tracer) {
   }
 }
 
+/// As advect::Tracer::set_effects() of attached particles, in the scene's words.
+void check_attached_effects(const Cursor& effects, const TracerEffects& e) {
+  const std::pair<const char*, bool> moving[] = {
+      {"diffusion", bool(e.diffusion)}, {"settling", bool(e.settling)},
+      {"windage", bool(e.windage)},     {"inertia", bool(e.inertia)},
+      {"coriolis", bool(e.rotation)},   {"boundary", bool(e.boundary)}};
+  for (const auto& [name, asked] : moving) {
+    if (asked) {
+      effects.fail("'attached: body' moves particles with the mesh's material; '" +
+                   std::string(name) +
+                   "' moves them otherwise ('age_limit' and 'remove' end them, and may be asked "
+                   "for)");
+    }
+  }
+}
+
 /// As advect::Tracer::set_effects(), in the scene's words.
 void check_backward_effects(const Cursor& effects, const Tracer& tracer) {
   if (tracer.effects.diffusion) {
@@ -287,8 +303,10 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     }
   }
   if (attached) {
-    for (const char* key :
-         {"velocity", "time_interpolation", "integrator", "effects", "direction"}) {
+    if (const auto effects = map.find("effects")) {
+      check_attached_effects(*effects, tracer.effects);
+    }
+    for (const char* key : {"velocity", "time_interpolation", "integrator", "direction"}) {
       if (const auto value = map.find(key)) {
         value->fail("'attached: body' moves particles with the mesh's material; this key moves "
                     "them otherwise");

@@ -57,6 +57,7 @@ public:
     at_times_.reset();
     due_times_ = output_clock_.due(step.time);
     if (tracer_.attached == Attached::body) {
+      particles_.set_effects(effects_at(tracer_, mesh, step, 0, environment_.scene_file));
       release(mesh, step);
       begin_interval(mesh, step);
       particles_.follow(mesh.sampler(), knows_cells(mesh), settled_, step.time,

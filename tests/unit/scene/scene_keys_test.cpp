@@ -235,6 +235,11 @@ TEST(SceneKeys, TracerKeys) {
             insitu::advect::TimeInterpolation::quadratic);
   EXPECT_EQ(parse(test::tracer("time_interpolation: cubic")).tracers[0].time_interpolation,
             insitu::advect::TimeInterpolation::cubic);
+  const Tracer attached = parse("tracers: [{name: t, attached: body, seeds: [[0, 0, 0]], effects: "
+                                "[{age_limit: 3}, {remove: {when: density > 2}}]}]")
+                              .tracers[0];
+  EXPECT_EQ(attached.effects.age_limit, 3);
+  EXPECT_EQ(attached.effects.remove->when.text(), "density > 2");
   const Tracer streakline = parse(test::tracer("kind: streakline")).tracers[0];
   EXPECT_EQ(streakline.kind, TracerKind::streakline);
   EXPECT_EQ(streakline.release.every, 1);
