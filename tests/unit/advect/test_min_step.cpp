@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "advect/streamlines.h"
+#include "earth_flow.h"
 #include "effects_test.h"
 
 namespace insitu::test {
@@ -203,6 +204,54 @@ TEST_F(MinSteps, StreamlinesEndThereBothWays) {
   EXPECT_EQ(s.lines.endings[0], INSITU_END_STEP_TOO_SMALL);
   EXPECT_LE(end(s, 0).x, 0.5);
   EXPECT_GE(end(s, 0).x, 0.5 - 1e-3);
+}
+
+TEST_F(MinSteps, OnGeodeticMeshesToo) {
+  // A jump at the date line, met at 10 m/s from the west, to a metre of a step's 1000 m.
+  Ocean sea(fixtures::lattice({.west = 178,
+                               .south = -2,
+                               .east = 182,
+                               .north = 2,
+                               .across = 4,
+                               .along = 4,
+                               .levels = {-4000, 0},
+                               .jump = -360}),
+            constant({0, 0, 0}));
+  std::vector<double> jumps;
+  for (int c = 0; c < 16; ++c)
+    jumps.insert(jumps.end(), {c % 4 < 2 ? 10.0 : 5.0, c % 4 < 2 ? 0.0 : 2.0, 0.0});
+  const insitu_array a = insitu_array_of(jumps.data(), INSITU_FLOAT64, 16, 3);
+  sea.mesh.mesh().set_field(0, "jumps", INSITU_CELL, &a, 1);
+  sea.commit();
+  const mesh::FieldView velocity = sea.mesh.mesh().field("jumps");
+  settings.integrator.min_step = 100.0;
+  const Vec3d per_degree = metres_per_degree(0.0);
+  for (const bool walls : {false, true}) {
+    if (walls)
+      effects = boundary(AtBoundary::slide);
+    Tracer t(settings, memory);
+    t.set_effects(effects);
+    t.seed(std::vector<Vec3d>{{179.5, 0.0, 0.0}, {-179.5, 0.0, 0.0}}, 0.0);
+    for (int c = 0; c < 2; ++c)
+      t.advance(sea.sampler(), velocity, nullptr, 5000.0 * c, 5000.0 * (c + 1), threads);
+    EXPECT_EQ(t.particles().endings[0], INSITU_END_STEP_TOO_SMALL);
+    EXPECT_EQ(t.particles().endings[1], INSITU_END_ALIVE);
+    EXPECT_EQ(t.counts().sum(), 2);
+    const double way = (180.0 - t.positions()[0].x) * per_degree.x;
+    EXPECT_GE(way, -1e-6);
+    EXPECT_LE(way, 1001.0);
+    EXPECT_NEAR(t.particles().times[0], (t.positions()[0].x - 179.5) * per_degree.x / 10.0, 1e-3);
+    advect::StreamlineSettings lines;
+    lines.integrator = settings.integrator;
+    lines.effects = effects;
+    lines.direction = advect::Direction::backward;
+    const advect::Streamlines s = advect::trace_streamlines(
+        sea.sampler(), velocity, std::vector<Vec3d>{{180.5, 0.0, -10.0}}, lines, threads, memory);
+    EXPECT_EQ(s.lines.endings[0], INSITU_END_STEP_TOO_SMALL);
+    const Vec3d end = s.lines.points[std::size_t(s.lines.offsets[1]) - 1];
+    EXPECT_LE((end.x - 180.0) * per_degree.x, 501.0);
+    EXPECT_GE((end.x - 180.0) * per_degree.x, -1e-6);
+  }
 }
 
 TEST_F(MinSteps, SumsHoldAndThreadsDoNotMatter) {
