@@ -90,7 +90,8 @@ module insitu_c
   integer, parameter :: &
       insitu_end_alive = 1, insitu_end_left = 2, insitu_end_stagnated = 3, insitu_end_expired = 4, &
       insitu_end_step_limit = 5, insitu_end_seed_outside = 6, insitu_end_not_finite = 7, &
-      insitu_end_killed = 8, insitu_end_stopped = 9, insitu_end_removed = 10, insitu_end_count = 10
+      insitu_end_killed = 8, insitu_end_stopped = 9, insitu_end_removed = 10, &
+      insitu_end_step_too_small = 11, insitu_end_count = 11
   integer, parameter :: &
       insitu_memory_tree = 1, insitu_memory_build = 2, insitu_memory_ranges = 3, &
       insitu_memory_earlier = 4, insitu_memory_query = 5, insitu_memory_tracer = 6, &

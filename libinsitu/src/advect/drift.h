@@ -6,6 +6,7 @@
 #include "advect/effects.h"
 #include "advect/mesh_velocity.h"
 #include "advect/space.h"
+#include "geo/upright.h"
 
 namespace insitu::advect {
 
@@ -46,8 +47,10 @@ public:
   Sampled sample(const math::Vec3d& x, double t, math::Vec3d& v, query::Location& at) {
     if (const Sampled s = flow_.sample(x, t, v, at); s != Sampled::inside)
       return s;
-    for (const Drift& drift : drifts_)
-      v += velocity_of(drift, flow_.sampler(), at, flow_.times(), t);
+    for (const Drift& drift : drifts_) {
+      const math::Vec3d u = velocity_of(drift, flow_.sampler(), at, flow_.times(), t);
+      v += drift.is_local ? geo::from_east_north_up(geo::upright(x).normal, u) : u;
+    }
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) ? Sampled::inside
                                                                           : Sampled::not_finite;
   }

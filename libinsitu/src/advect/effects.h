@@ -12,8 +12,8 @@
 #include "query/sampler.h"
 
 /// What particles feel beside the velocity, as plain data for one advance; a tracer without effects
-/// goes none of these ways. Lengths are in the mesh's units, or metres along east, north and up on
-/// a geodetic mesh; times are in the solver's.
+/// goes none of these ways. Lengths are in the mesh's units, or metres on a geodetic mesh, where
+/// vectors are along east, north and up; times are in the solver's.
 namespace insitu::advect {
 
 /// A velocity that is added: `constant`, or factor times a field of three components, or a field of
@@ -23,6 +23,8 @@ struct Drift {
   std::optional<FieldInTime> field;
   double factor = 1.0;
   math::Vec3d direction;
+  bool is_local = false; ///< `constant` and `direction` are east, north and up at the particle, on
+                         ///< a geocentric mesh, along whose axes fields of three components are
 };
 
 /// A number, or a field of one component.
@@ -36,7 +38,8 @@ struct Coefficient {
 /// Ecol. Prog. Ser. 158, 1997, for vertex fields; LaBolle et al., Water Resour. Res. 36, 2000, for
 /// cell fields, which jump).
 struct Diffusion {
-  Coefficient horizontal, vertical; ///< along x and y; along z. Length^2 / time, not negative
+  Coefficient horizontal,
+      vertical;      ///< along x and y, level; along z, upright. Length^2 / time, not negative
   double step = 0.0; ///< time of one step of the walk; 0: such that it is a part of a cell
   std::uint64_t seed = 0;
 };
@@ -76,6 +79,9 @@ struct Effects {
   std::optional<Inertia> inertia;
   std::optional<BoundaryEffect> boundary;
   Removes removes; ///< or null; asked at the end of each advance
+  /// The mesh is geocentric: vertical is the ellipsoid's normal at the particle, and the vectors of
+  /// `inertia` but the rotation are east, north and up there.
+  bool geocentric = false;
 
   bool any() const { return !drifts.empty() || displaces() || bool(removes); }
   /// Whether there is more than the velocity that moves particles.

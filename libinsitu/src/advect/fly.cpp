@@ -43,7 +43,7 @@ Sampled Mover<V>::force(const Vec3d& x, double t, Vec3d& b) {
   Vec3d u;
   if (const Sampled s = velocity_.sample(x, t, u, at); s != Sampled::inside)
     return s;
-  b = space_.from_east_north(x, inertia.acceleration);
+  b = space_.from_scene(x, inertia.acceleration);
   if (std::isfinite(inertia.response_time))
     b += u / inertia.response_time;
   if (inertia.fluid_share != 0.0) {
@@ -108,7 +108,7 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
       p.fresh = false;
       if (std::isnan(carried.velocity.x))
         carried.velocity =
-            effects_->inertia->begins ? space_.from_east_north(x, *effects_->inertia->begins) : u;
+            effects_->inertia->begins ? space_.from_scene(x, *effects_->inertia->begins) : u;
       known = true;
       if (recorder_) {
         p.x = velocity_.place(x);
@@ -189,6 +189,10 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
         const bool smallest =
             settings_.min_step > 0.0 ? h <= settings_.min_step : crossed <= settings_.min_cells;
         forced = relative_error > 1.0 && (smallest || trials == most_trials);
+        if (forced && settings_.min_step > 0.0 && settings_.at_min_step == AtMinStep::end) {
+          ++work.rejected;
+          return INSITU_END_STEP_TOO_SMALL;
+        }
         if (relative_error > 1.0 && !forced)
           factor = std::max({smallest_factor, safety / std::sqrt(relative_error),
                              std::min(settings_.min_step / h, 1.0 - 1e-12)});

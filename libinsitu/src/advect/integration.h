@@ -133,6 +133,7 @@ private:
     int landings = 0;
   };
   void release();
+  bool is_beyond_face();
   Landing land(Trial& trial);
   Landing land_along(Trial& trial);
   double way_to_face(const DenseStep& path, double low, double high, double outside);
@@ -255,6 +256,10 @@ typename Integration<M, F, Visit>::Verdict Integration<M, F, Visit>::judge(Trial
   double factor = 1.0; // of the next trial's step; 1: this one may be accepted
   if (trial.sampled == Sampled::inside) {
     factor = growth_allowed(trial);
+    if (ending_ != INSITU_END_COUNT) {
+      ++work_.rejected;
+      return Verdict::ends;
+    }
   } else if (confined_ && trial.sampled == Sampled::outside) {
     // Too far beyond the cell; the way to its face is shorter.
     bracket_.outside = std::min(bracket_.outside, h_);
@@ -297,7 +302,8 @@ typename Integration<M, F, Visit>::Verdict Integration<M, F, Visit>::another() {
   return Verdict::ends;
 }
 
-/// 1 if the trial, all inside, may be accepted; otherwise the factor by which its step is too long.
+/// 1 if the trial, all inside, may be accepted, or ends the particle, as ending_ says; otherwise
+/// the factor by which its step is too long.
 template <class M, VelocityField F, class Visit>
 double Integration<M, F, Visit>::growth_allowed(const Trial& trial) {
   const Vec3d moved = trial.x - p_.x;
@@ -319,6 +325,10 @@ double Integration<M, F, Visit>::growth_allowed(const Trial& trial) {
                           : extent_.x < infinity ? cells_crossed(moved, extent_) <= s_.min_cells
                                                  : std::isfinite(span_) && h_ <= 1e-12 * span_;
     forced_ = relative_error_ > 1.0 && smallest;
+    if (forced_ && s_.min_step > 0.0 && s_.at_min_step == AtMinStep::end && !is_beyond_face()) {
+      ending_ = INSITU_END_STEP_TOO_SMALL;
+      return 1.0;
+    }
     if (relative_error_ > 1.0 && !forced_)
       return std::max({control::smallest_factor,
                        control::safety * std::pow(relative_error_, -1.0 / M::error_order),

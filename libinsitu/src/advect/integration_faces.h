@@ -129,6 +129,16 @@ bool Integration<M, F, Visit>::cuts_corner(const Trial& trial) {
   return false;
 }
 
+/// Whether land() has yet to cut the trial short, to its way to the face.
+template <class M, VelocityField F, class Visit>
+bool Integration<M, F, Visit>::is_beyond_face() {
+  if constexpr (CellwiseField<F>)
+    return confined_ && bracket_.landings < control::most_landings &&
+           velocity_.last_depth() < -control::on_face;
+  else
+    return false;
+}
+
 /// Where a step that could be accepted ends: within the cell; on its face, beyond which the next
 /// cell is then the particle's; or too far, when h becomes the way to the face.
 template <class M, VelocityField F, class Visit>

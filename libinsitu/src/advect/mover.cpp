@@ -36,7 +36,7 @@ template <class V>
 Mover<V>::Mover(const EffectSetup& setup, V& velocity, const IntegratorSettings& settings,
                 double max_length)
     : setup_(&setup), effects_(&setup.effects), settings_(settings), max_length_(max_length),
-      velocity_(velocity), space_(velocity.space()),
+      velocity_(velocity), space_(effects_->geocentric ? Space::geocentric() : velocity.space()),
       walls_(flow().sampler(), flow().accuracy(), space_, setup.sides, work_),
       boundary_(effects_->boundary.value_or(BoundaryEffect{})), walk_boundary_(boundary_) {
   for (const Drift& drift : effects_->drifts)

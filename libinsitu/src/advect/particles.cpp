@@ -51,6 +51,8 @@ const char* ending_name(insitu_ending ending) {
     return "stopped";
   case INSITU_END_REMOVED:
     return "removed";
+  case INSITU_END_STEP_TOO_SMALL:
+    return "step_too_small";
   case INSITU_END_COUNT:
     break;
   }

@@ -58,6 +58,9 @@ void Tracer::set_effects(const Effects& effects) {
                       std::string("tracer: backwards, particles have no ") +
                           (effects.diffusion ? "random walk, which has no way back"
                                              : "inertia: every error would grow without bound"));
+  if (settings_.attached && (effects.displaces() || !effects.drifts.empty()))
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      "tracer: nothing else moves particles that go with the mesh's material");
   effects_ = effects;
   if (effects_.diffusion)
     particles_.keep_walk_steps();
@@ -369,6 +372,9 @@ Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0,
                             : length_of(all.positions[i] - from);
       if (all.lengths[i] >= settings_.length)
         all.endings[i] = INSITU_END_EXPIRED;
+      if (effects_.removes && all.endings[i] == INSITU_END_ALIVE &&
+          effects_.removes(at, all.positions[i], all.times[i] - all.seeding_times[i]))
+        all.endings[i] = INSITU_END_REMOVED;
       if (snapshots)
         take_straight(sampler, *snapshots, i, all, fresh, from, begins, at);
     }

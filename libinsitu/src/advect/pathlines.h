@@ -46,7 +46,7 @@ public:
   /// What particles feel in the next advances; its fields must be of their steps. Throws
   /// Error(INSITU_ERROR_FIELD or _ARGUMENT) for fields of the wrong number of components and for
   /// values out of range, or, backwards, for what has no way back: a random walk, and inertia,
-  /// whose errors would grow as exp(t / response time).
+  /// whose errors would grow as exp(t / response time). Attached particles have `removes` alone.
   void set_effects(const Effects& effects);
 
   /// Adds particles at points (in mesh coordinates) that begin at `time`: not beyond the next

@@ -97,11 +97,15 @@ bool RandomWalk::coefficients(const query::Location& at, double alpha, Vec3d& k)
   return true;
 }
 
-Vec3d RandomWalk::gradients(const query::Location& at, double alpha, double geometry,
-                            const Scale& per_metre) const {
-  const Vec3d h = gradient(diffusion_->horizontal, *sampler_, at, alpha, geometry);
-  const Vec3d v = gradient(diffusion_->vertical, *sampler_, at, alpha, geometry);
-  return per_metre.covector({h.x, h.y, v.z});
+/// Of the horizontal coefficient along the level axes at x, of the vertical one along the vertical.
+Vec3d RandomWalk::gradients(const Vec3d& x, const query::Location& at, double alpha,
+                            double geometry, const Space& space) const {
+  const Scale per_metre = space.scale(x);
+  const auto along_axes = [&](const Coefficient& c) {
+    return space.to_level(x, per_metre.covector(gradient(c, *sampler_, at, alpha, geometry)));
+  };
+  const Vec3d h = along_axes(diffusion_->horizontal), v = along_axes(diffusion_->vertical);
+  return {h.x, h.y, v.z};
 }
 
 double RandomWalk::step(const Vec3d& edges) const {
@@ -135,15 +139,15 @@ bool RandomWalk::walk(Spot& at, double dt, std::int64_t id, std::int64_t number,
     // LaBolle: the coefficient is taken where the walk with the one here would lead.
     Spot ahead = at;
     const Vec3d d = by_axis(root_by_axis((2.0 * dt) * k), normals);
-    walls.move(ahead, space.displacement(at.x, d), boundary, geometry, length);
+    walls.move(ahead, space.level_displacement(at.x, d), boundary, geometry, length);
     if (const query::Location there = sampler_->locate(ahead.x, ahead.cell, options);
         there && !coefficients(there, alpha, k))
       return false;
   } else if (diffusion_->horizontal.field || diffusion_->vertical.field) {
     // Visser: the gradient's drift, and the coefficient half of it further on.
-    const Vec3d g = gradients(here, alpha, geometry, walls.scale(at.x));
+    const Vec3d g = gradients(at.x, here, alpha, geometry, space);
     drift = dt * g;
-    const Vec3d half = at.x + space.displacement(at.x, 0.5 * drift);
+    const Vec3d half = at.x + space.level_displacement(at.x, 0.5 * drift);
     const Vec3d image = space.image(half, space.pole_of(at.x));
     if (const query::Location there = sampler_->locate(image, here.cell, options)) {
       if (!coefficients(there, alpha, k))
@@ -153,12 +157,12 @@ bool RandomWalk::walk(Spot& at, double dt, std::int64_t id, std::int64_t number,
         k[a] = std::max(0.0, k[a] + 0.5 * drift[a] * g[a]);
     }
   }
-  if (space.is_chart())
+  if (space.is_chart() || space.is_geocentric())
     drift += dt * space.walk_drift(at.x, k.x, k.z);
   const Vec3d d = drift + by_axis(root_by_axis((2.0 * dt) * k), normals);
   if (!std::isfinite(length_of(d)))
     return false;
-  moved = walls.move(at, space.displacement(at.x, d), boundary, geometry, length);
+  moved = walls.move(at, space.level_displacement(at.x, d), boundary, geometry, length);
   return true;
 }
 

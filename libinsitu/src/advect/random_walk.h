@@ -24,7 +24,8 @@ public:
   /// is a constant).
   double step(const math::Vec3d& edges) const;
 
-  /// Moves the particle by one step of dt, in metres about where it is (Space::displacement).
+  /// Moves the particle by one step of dt, in metres about where it is
+  /// (Space::level_displacement).
   /// alpha: of the fields; geometry: of the coordinates. Returns false if a coefficient there is
   /// not finite. The walk is reflected where the boundary has no other response.
   bool walk(Spot& at, double dt, std::int64_t id, std::int64_t number,
@@ -33,8 +34,8 @@ public:
 
 private:
   bool coefficients(const query::Location& at, double alpha, math::Vec3d& k) const;
-  math::Vec3d gradients(const query::Location& at, double alpha, double geometry,
-                        const Scale& per_metre) const;
+  math::Vec3d gradients(const math::Vec3d& x, const query::Location& at, double alpha,
+                        double geometry, const Space& space) const;
 
   const Diffusion* diffusion_;
   math::Vec3d largest_;

@@ -31,6 +31,12 @@ constexpr int steps_of(TimeInterpolation interpolation) {
 }
 inline constexpr int most_steps = 4;
 
+/// What becomes of a particle where error control wants steps under a min_step that is given.
+enum class AtMinStep : std::uint8_t {
+  end, ///< it ends there: INSITU_END_STEP_TOO_SMALL
+  take ///< a step that small is taken whatever its error, and counted as forced
+};
+
 /// How a particle is moved. Times are in the solver's units; 0 means "not given". A cell is crossed
 /// once when a displacement reaches the extent of its bounding box along any axis.
 struct IntegratorSettings {
@@ -38,10 +44,13 @@ struct IntegratorSettings {
   double step = 0.0; ///< fixed: of every step (else 1/4 cell); adaptive: of the first (else 1/10)
   double tolerance = 1e-6; ///< adaptive: error of the position per unit time, in units of length;
                            ///< never more than a hundredth of the speed
-  double min_step = 0.0;   ///< adaptive: a step this small is taken whatever its error, and counted
-                           ///< as forced (else one that crosses at most min_cells of a cell):
-                           ///< velocities that jump would stop it
-  double max_step = 0.0;   ///< else one cell; not applied to a given fixed step
+  double min_step = 0.0;   ///< adaptive: no step this small is given up for a smaller one, see
+                           ///< at_min_step. Else steps that cross at most min_cells of a cell are
+                           ///< taken whatever their error, and counted as forced: velocities that
+                           ///< jump would stop it. What is cut short elsewise may be smaller: at an
+                           ///< end, a face, an exit, or by the cell's size
+  AtMinStep at_min_step = AtMinStep::end;
+  double max_step = 0.0;          ///< else one cell; not applied to a given fixed step
   std::int64_t max_steps = 10000; ///< of one particle in one call
   double min_cells = 1e-6;        ///< see min_step
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geo/chart.h"
+#include "geo/upright.h"
 #include "query/chart_image.h"
 
 namespace insitu::advect {
@@ -36,13 +37,21 @@ struct Scale {
 /// The coordinates in which particles are displaced: those of the cells. On a geodetic mesh these
 /// are images (query::ChartImage), cells are straight in them, and a way may go on in another sheet
 /// of them: over the seam, or on the chart turned to a pole. Vectors are in metres along the axes
-/// of the place's chart: east, north and up, or a turned chart's own.
+/// of the place's chart: east, north and up, or a turned chart's own. On a geocentric mesh vectors
+/// are along the Earth's axes, as coordinates; what a scene calls level or upright is so by the
+/// ellipsoid's normal at the place.
 class Space {
 public:
   /// chart: null where coordinates are lengths.
   explicit Space(const query::ChartImage* chart) : chart_(chart) {}
+  static Space geocentric() {
+    Space space(nullptr);
+    space.geocentric_ = true;
+    return space;
+  }
 
   bool is_chart() const { return chart_ != nullptr; }
+  bool is_geocentric() const { return geocentric_; }
   geo::Pole pole_of(const Vec3d& x) const { return chart_ ? chart_->pole_of(x) : geo::Pole::none; }
 
   bool is_beyond_pole(const Vec3d& x) const { return std::abs(x.y) > units().quarter(); }
@@ -173,42 +182,62 @@ public:
     const double up = m.z / units().up_per_unit();
     const geo::Pole pole = pole_of(x);
     const geo::ChartPlace at = place(x);
-    const geo::EastNorth axes = geo::east_north(at.normal);
-    const geo::Radii r = geo::radii(at.normal.z);
-    const double h = x.z * units().up_per_unit();
-    const Vec3d w = m.x * at.east + m.y * at.north;
-    const Vec3d turns = (dot(w, axes.east) / (r.across + h)) * axes.east +
-                        (dot(w, axes.north) / (r.along + h)) * axes.north;
-    const double angle = std::sqrt(dot(turns, turns));
-    if (!(angle > 0.0))
+    const geo::Upright from{at.normal, x.z * units().up_per_unit()};
+    const Vec3d n = geo::level_way(from, m.x * at.east + m.y * at.north);
+    if (n == from.normal)
       return {0.0, 0.0, up};
-    const Vec3d n = std::cos(angle) * at.normal + (std::sin(angle) / angle) * turns;
     const Vec3d q = geo::chart_point(units(), pole, n, 0.0);
     return {near(q.x + chart_->offset(pole), x.x, pole) - x.x, q.y - x.y, up};
   }
 
-  /// What a random walk by displacement() with coefficients kh and kv has to drift, in metres per
-  /// time, for evenly mixed particles to stay so by volume. The volume over the solid angle of
-  /// normals is w = (N + h)(M + h), and diffusion on the sphere of normals is w^-1 div(w A grad),
-  /// A = diag(kh / (N + h)^2, kh / (M + h)^2); steps along great circles give A : Hessian, so
+  /// A vector at x along level axes and the vertical: east, north and up on a geocentric mesh, and
+  /// else the axes at x themselves; and back.
+  Vec3d to_level(const Vec3d& x, const Vec3d& v) const {
+    return geocentric_ ? geo::to_east_north_up(geo::upright(x).normal, v) : v;
+  }
+  Vec3d from_level(const Vec3d& x, const Vec3d& v) const {
+    return geocentric_ ? geo::from_east_north_up(geo::upright(x).normal, v) : v;
+  }
+  /// A vector that a scene gives: east, north and up wherever a mesh on Earth has them.
+  Vec3d from_scene(const Vec3d& x, const Vec3d& v) const {
+    return geocentric_ ? from_level(x, v) : from_east_north(x, v);
+  }
+
+  /// The displacement to where x comes by m metres along the level axes: what goes level keeps its
+  /// height, on a geocentric mesh too.
+  Vec3d level_displacement(const Vec3d& x, const Vec3d& m) const {
+    if (!geocentric_)
+      return displacement(x, m);
+    const geo::Upright from = geo::upright(x);
+    const Vec3d level = geo::from_east_north_up(from.normal, {m.x, m.y, 0.0});
+    const Vec3d n = geo::level_way(from, level);
+    if (n == from.normal)
+      return m.z * n;
+    return geo::geocentric_point({n, from.height + m.z}) - geo::geocentric_point(from);
+  }
+
+  /// What a random walk by level_displacement() with coefficients kh and kv has to drift, in metres
+  /// per time along the level axes, for evenly mixed particles to stay so by volume. The volume
+  /// over the solid angle of normals is w = (N + h)(M + h), and diffusion on the sphere of normals
+  /// is w^-1 div(w A grad), A = diag(kh / (N + h)^2, kh / (M + h)^2); steps along great circles
+  /// give A : Hessian, so
   ///
   ///   w^-1 div(w A) = (d/dlat (N+h)/(M+h) - tan(lat) ((N+h)/(M+h) - (M+h)/(N+h))) kh / w
   ///
   /// northwards in angle, which vanishes on a sphere, and kv dlog(w)/dh upwards are left. (In
   /// longitude and latitude the same walk drifts by -kh tan(lat) / R as well.)
+  ///
+  /// In space the walk's tensor is K = kh (1 - n n) + kv n n, n = grad h, whose divergence, the
+  /// drift of Ito's form, is (kv - kh) div n, div n = 1/(N + h) + 1/(M + h), along n. The part of
+  /// kh is what a step straight on in the tangent plane rises by in the mean, and a level one does
+  /// not; so the walk has no error in height however long its level steps are.
   Vec3d walk_drift(const Vec3d& x, double kh, double kv) const {
+    if (geocentric_)
+      return level_walk_drift(geo::upright(x), kh, kv);
     if (!chart_)
       return {};
-    const geo::ChartPlace at = place(x);
-    const geo::Radii r = geo::radii(at.normal.z);
-    const double h = x.z * units().up_per_unit(), n = r.across + h, m = r.along + h;
-    const double s = at.normal.z, c = std::sqrt(std::max(0.0, 1.0 - s * s));
-    const double e2 = geo::eccentricity_squared / (1.0 - geo::eccentricity_squared * s * s);
-    const double dn = r.across * e2 * s * c, dm = 3.0 * r.along * e2 * s * c;
-    // tan(lat) (N - M), where N - M = N e2 cos^2(lat)
-    const double bent = r.across * e2 * s * c * (n + m) / (n * m);
-    const double north = kh / n * ((dn * m - n * dm) / (m * m) - bent);
-    return from_east_north(x, {0.0, north, kv * (1.0 / n + 1.0 / m)});
+    return from_east_north(
+        x, level_walk_drift({place(x).normal, x.z * units().up_per_unit()}, kh, kv));
   }
 
   /// How fast the axes at x turn about the vertical, against ones that are carried along, where x
@@ -220,6 +249,17 @@ public:
   }
 
 private:
+  /// East, north and up.
+  static Vec3d level_walk_drift(const geo::Upright& at, double kh, double kv) {
+    const geo::Radii r = geo::radii(at.normal.z);
+    const double n = r.across + at.height, m = r.along + at.height;
+    const double s = at.normal.z, c = std::sqrt(std::max(0.0, 1.0 - s * s));
+    const double e2 = geo::eccentricity_squared / (1.0 - geo::eccentricity_squared * s * s);
+    const double dn = r.across * e2 * s * c, dm = 3.0 * r.along * e2 * s * c;
+    // tan(lat) (N - M), where N - M = N e2 cos^2(lat)
+    const double bent = r.across * e2 * s * c * (n + m) / (n * m);
+    return {0.0, kh / n * ((dn * m - n * dm) / (m * m) - bent), kv * (1.0 / n + 1.0 / m)};
+  }
   const geo::ChartUnits& units() const { return chart_->units; }
   Vec3d less_offset(const Vec3d& x, geo::Pole pole) const {
     return {x.x - chart_->offset(pole), x.y, x.z};
@@ -239,6 +279,7 @@ private:
   }
 
   const query::ChartImage* chart_;
+  bool geocentric_ = false;
 };
 
 } // namespace insitu::advect

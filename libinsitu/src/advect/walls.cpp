@@ -36,6 +36,17 @@ Box Walls::box(std::int64_t cell, double alpha) const {
 }
 
 Vec3d Walls::edges(std::int64_t cell, double alpha) const {
+  if (space_.is_geocentric()) { // level, and between heights: a layer is as thin as it is
+    mesh::CellVertices c;
+    mesh::gather(sampler_->mesh(), cell, c, alpha);
+    const Vec3d normal = geo::upright(c.x[0]).normal, origin = c.x[0];
+    for (int i = 0; i < c.count; ++i) {
+      const double height = geo::upright(c.x[i]).height;
+      c.x[i] = geo::to_east_north_up(normal, c.x[i] - origin);
+      c.x[i].z = height;
+    }
+    return box_of(c).extent();
+  }
   const Box b = box(cell, alpha);
   return space_.is_chart() ? scale(b.middle()).edges(edges_of(b)) : edges_of(b);
 }

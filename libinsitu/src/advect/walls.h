@@ -57,7 +57,8 @@ public:
   /// or what rounding leaves of that.
   math::Vec3d skin(const Spot& at, double alpha) const;
 
-  /// The box of a cell, in coordinates, and its edges in metres.
+  /// The box of a cell, in coordinates, and its edges in metres; of a geocentric mesh's those of a
+  /// box east, north and between heights.
   Box box(std::int64_t cell, double alpha) const;
   math::Vec3d extent(std::int64_t cell, double alpha) const { return edges_of(box(cell, alpha)); }
   math::Vec3d edges(std::int64_t cell, double alpha) const;

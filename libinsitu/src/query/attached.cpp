@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "cells/kernels.h"
+#include "geo/upright.h"
 #include "query/chart_image.h"
 
 namespace insitu::query {
@@ -32,10 +33,7 @@ math::Vec3d on_the_way(const Sampler& sampler, const math::Vec3d& a, const math:
 namespace {
 
 math::Vec3d in_space(const geo::ChartUnits& units, const math::Vec3d& p) {
-  const math::Vec3d n = geo::normal_of(units, p);
-  const double across = geo::radii(n.z).across, h = p.z * units.up_per_unit();
-  return {(across + h) * n.x, (across + h) * n.y,
-          (across * (1 - geo::eccentricity_squared) + h) * n.z};
+  return geo::geocentric_point({geo::normal_of(units, p), p.z * units.up_per_unit()});
 }
 
 } // namespace

@@ -120,7 +120,8 @@ struct IntegratorOptions {
   double tolerance = 1e-6;        ///< pairs: error of a particle's position per unit time
   std::optional<double> min_step; ///< pairs
   std::optional<double> max_step; ///< pairs
-  std::int64_t max_steps = 10000; ///< of one particle in one cycle
+  advect::AtMinStep at_min_step = advect::AtMinStep::end; ///< of a min_step that is given
+  std::int64_t max_steps = 10000;                         ///< of one particle in one cycle
 };
 
 /// Where a particle stops of its own: it "expired".
@@ -170,7 +171,7 @@ struct Tracer {
   IntegratorOptions integrator;
   OutputTimes times;                                    ///< of path- and streaklines
   TracerDirection direction = TracerDirection::forward; ///< of streamlines
-  VertexSpacing spacing; ///< of streamlines
+  VertexSpacing spacing;                                ///< of streamlines
   TracerLimits until;
   TracerEffects effects;                ///< of path- and streaklines
   Attached attached = Attached::lab;    ///< body: path- and streaklines, without velocity

@@ -8,8 +8,8 @@ namespace {
 
 IntegratorOptions parse_integrator(const Cursor& cursor) {
   IntegratorOptions options;
-  const MapReader map(
-      cursor, {"method", "face_aware", "step", "tolerance", "min_step", "max_step", "max_steps"});
+  const MapReader map(cursor, {"method", "face_aware", "step", "tolerance", "min_step",
+                               "at_min_step", "max_step", "max_steps"});
   if (const auto method = map.find("method")) {
     assign(options.method,
            method->choice<IntegrationMethod>({{"euler", IntegrationMethod::euler},
@@ -29,6 +29,14 @@ IntegratorOptions parse_integrator(const Cursor& cursor) {
   if (const auto step = map.find("min_step")) {
     assign(options.min_step, step->number(positive));
   }
+  if (const auto at = map.find("at_min_step")) {
+    assign(options.at_min_step, at->choice<advect::AtMinStep>({{"end", advect::AtMinStep::end},
+                                                               {"take", advect::AtMinStep::take}}));
+    if (!map.has("min_step")) {
+      at->fail("it says what becomes of particles at 'min_step', which is missing; an automatic "
+               "smallest step is always taken");
+    }
+  }
   if (const auto step = map.find("max_step")) {
     assign(options.max_step, step->number(positive));
   }
@@ -36,7 +44,7 @@ IntegratorOptions parse_integrator(const Cursor& cursor) {
     assign(options.max_steps, steps->integer(1, most_steps));
   }
   if (options.method == IntegrationMethod::euler || options.method == IntegrationMethod::rk4) {
-    for (const char* key : {"tolerance", "min_step", "max_step"}) {
+    for (const char* key : {"tolerance", "min_step", "at_min_step", "max_step"}) {
       if (const auto value = map.find(key)) {
         value->fail(std::string(options.method == IntegrationMethod::rk4 ? "rk4" : "euler") +
                     " has fixed steps; this key belongs to bs32 and dopri5");
@@ -145,6 +153,22 @@ void check_line_effects(const Cursor& effects, const Tracer& tracer) {
   if (e.boundary && e.boundary->other == WallResponse::reflect && !e.inertia) {
     effects.fail("without 'inertia', 'reflect' would throw a streamline to and fro before a wall; "
                  "its walls 'stop' it or let it 'slide'");
+  }
+}
+
+/// As advect::Tracer::set_effects() of attached particles, in the scene's words.
+void check_attached_effects(const Cursor& effects, const TracerEffects& e) {
+  const std::pair<const char*, bool> moving[] = {
+      {"diffusion", bool(e.diffusion)}, {"settling", bool(e.settling)},
+      {"windage", bool(e.windage)},     {"inertia", bool(e.inertia)},
+      {"coriolis", bool(e.rotation)},   {"boundary", bool(e.boundary)}};
+  for (const auto& [name, asked] : moving) {
+    if (asked) {
+      effects.fail("'attached: body' moves particles with the mesh's material; '" +
+                   std::string(name) +
+                   "' moves them otherwise ('age_limit' and 'remove' end them, and may be asked "
+                   "for)");
+    }
   }
 }
 
@@ -279,8 +303,10 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
     }
   }
   if (attached) {
-    for (const char* key :
-         {"velocity", "time_interpolation", "integrator", "effects", "direction"}) {
+    if (const auto effects = map.find("effects")) {
+      check_attached_effects(*effects, tracer.effects);
+    }
+    for (const char* key : {"velocity", "time_interpolation", "integrator", "direction"}) {
       if (const auto value = map.find(key)) {
         value->fail("'attached: body' moves particles with the mesh's material; this key moves "
                     "them otherwise");

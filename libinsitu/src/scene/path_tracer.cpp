@@ -57,6 +57,7 @@ public:
     at_times_.reset();
     due_times_ = output_clock_.due(step.time);
     if (tracer_.attached == Attached::body) {
+      particles_.set_effects(effects_at(tracer_, mesh, step, 0, environment_.scene_file));
       release(mesh, step);
       begin_interval(mesh, step);
       particles_.follow(mesh.sampler(), knows_cells(mesh), settled_, step.time,
@@ -217,7 +218,7 @@ private:
     const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
     std::optional<advect::StepBefore> before;
     if (interval_before_)
-      before = step_before(tracer_, *interval_before_);
+      before = step_before(tracer_, *interval_before_, mesh.frame.kind == INSITU_FRAME_GEOCENTRIC);
     try {
       note_steps(step, particles_.advance(mesh.sampler(), velocity, {earlier, step.times_before},
                                           settled_, step.time, context.threads, snapshots(),

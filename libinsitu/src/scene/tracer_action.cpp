@@ -96,6 +96,7 @@ advect::IntegratorSettings TracerAction::integrator() const {
   to.step = from.step.value_or(0.0);
   to.tolerance = from.tolerance;
   to.min_step = from.min_step.value_or(0.0);
+  to.at_min_step = from.at_min_step;
   to.max_step = from.max_step.value_or(0.0);
   to.max_steps = from.max_steps;
   return to;

@@ -82,10 +82,11 @@ advect::AtBoundary response_of(WallResponse response) {
 
 /// field(name): a field as drifts see it.
 template <class Field>
-std::vector<advect::Drift> drifts_of(const TracerEffects& from, Field&& field) {
+std::vector<advect::Drift> drifts_of(const TracerEffects& from, bool geocentric, Field&& field) {
   std::vector<advect::Drift> drifts;
   if (from.settling) {
     advect::Drift drift;
+    drift.is_local = geocentric;
     if (from.settling->velocity) {
       drift.constant = *from.settling->velocity;
     } else if (from.settling->speed.field.empty()) {
@@ -169,7 +170,8 @@ advect::Effects effects_at(const Tracer& tracer, const query::CommittedMesh& mes
   const TracerEffects& from = tracer.effects;
   const Resolver resolve(mesh, earlier, scene_file);
   advect::Effects to;
-  to.drifts = drifts_of(from, [&](const Name& name) { return resolve.field(name); });
+  to.geocentric = mesh.frame.kind == INSITU_FRAME_GEOCENTRIC;
+  to.drifts = drifts_of(from, to.geocentric, [&](const Name& name) { return resolve.field(name); });
   if (from.diffusion) {
     to.diffusion = advect::Diffusion{resolve.coefficient(from.diffusion->horizontal),
                                      resolve.coefficient(from.diffusion->vertical),
@@ -192,8 +194,8 @@ advect::Effects effects_at(const Tracer& tracer, const query::CommittedMesh& mes
   return to;
 }
 
-std::optional<advect::StepBefore> step_before(const Tracer& tracer,
-                                              const query::EarlierMesh& mesh) {
+std::optional<advect::StepBefore> step_before(const Tracer& tracer, const query::EarlierMesh& mesh,
+                                              bool geocentric) {
   const std::optional<mesh::FieldView> velocity = mesh.field(tracer.velocity.text);
   for (const mesh::KeptField& of : effect_fields(tracer.effects, 1)) {
     if (!mesh.field(of.name)) {
@@ -204,7 +206,7 @@ std::optional<advect::StepBefore> step_before(const Tracer& tracer,
     return std::nullopt;
   }
   return advect::StepBefore{mesh.sampler(), *velocity,
-                            drifts_of(tracer.effects, [&](const Name& name) {
+                            drifts_of(tracer.effects, geocentric, [&](const Name& name) {
                               return advect::FieldInTime{*mesh.field(name.text), {}};
                             })};
 }

@@ -35,11 +35,10 @@ int layout_of(int which, int64_t* out) {
                            AT(insitu_block, kind),       AT(insitu_block, vertices),
                            AT(insitu_block, origin),     AT(insitu_block, spacing),
                            AT(insitu_block, coordinates)};
-  const int64_t frame[] = {sizeof(insitu_frame),       AT(insitu_frame, size),
-                           AT(insitu_frame, kind),     AT(insitu_frame, origin),
-                           AT(insitu_frame, utm_zone), AT(insitu_frame, utm_north),
-                           AT(insitu_frame, angle),    AT(insitu_frame, length),
-                           AT(insitu_frame, vertical)};
+  const int64_t frame[] = {
+      sizeof(insitu_frame),     AT(insitu_frame, size),     AT(insitu_frame, kind),
+      AT(insitu_frame, origin), AT(insitu_frame, utm_zone), AT(insitu_frame, utm_north),
+      AT(insitu_frame, angle),  AT(insitu_frame, length),   AT(insitu_frame, vertical)};
   const int64_t commit[] = {sizeof(insitu_commit_report),
                             AT(insitu_commit_report, size),
                             AT(insitu_commit_report, action),
@@ -124,9 +123,10 @@ int layout_of(int which, int64_t* out) {
                          AT(insitu_amr, origin),       AT(insitu_amr, spacing),
                          AT(insitu_amr, level_count),  AT(insitu_amr, ratios),
                          AT(insitu_amr, finest_first), AT(insitu_amr, reconstruction)};
-  const int64_t patch[] = {sizeof(insitu_patch), AT(insitu_patch, size), AT(insitu_patch, level),
-                           AT(insitu_patch, lower), AT(insitu_patch, cells),
-                           AT(insitu_patch, ghosts_before), AT(insitu_patch, ghosts_after)};
+  const int64_t patch[] = {sizeof(insitu_patch),          AT(insitu_patch, size),
+                           AT(insitu_patch, level),       AT(insitu_patch, lower),
+                           AT(insitu_patch, cells),       AT(insitu_patch, ghosts_before),
+                           AT(insitu_patch, ghosts_after)};
   const int64_t leaves[] = {sizeof(insitu_leaves),          AT(insitu_leaves, size),
                             AT(insitu_leaves, levels),      AT(insitu_leaves, corners),
                             AT(insitu_leaves, corner_bits), AT(insitu_leaves, offset)};
@@ -186,13 +186,13 @@ int constants(int64_t* out) {
       /* indices in Fortran: one more */
       INSITU_END_ALIVE + 1, INSITU_END_LEFT + 1, INSITU_END_STAGNATED + 1, INSITU_END_EXPIRED + 1,
       INSITU_END_STEP_LIMIT + 1, INSITU_END_SEED_OUTSIDE + 1, INSITU_END_NOT_FINITE + 1,
-      INSITU_END_KILLED + 1, INSITU_END_STOPPED + 1, INSITU_END_REMOVED + 1, INSITU_END_COUNT,
-      INSITU_MEMORY_TREE + 1, INSITU_MEMORY_BUILD + 1,
-      INSITU_MEMORY_RANGES + 1, INSITU_MEMORY_EARLIER + 1, INSITU_MEMORY_QUERY + 1,
-      INSITU_MEMORY_TRACER + 1, INSITU_MEMORY_FRAME + 1, INSITU_MEMORY_CONVERTED + 1,
-      INSITU_MEMORY_EMBREE + 1, INSITU_MEMORY_DEVICE + 1, INSITU_MEMORY_AMR + 1,
-      INSITU_MEMORY_GATHERED + 1, INSITU_MEMORY_GEOCENTRIC + 1, INSITU_MEMORY_CHART + 1,
-      INSITU_MEMORY_COUNT};
+      INSITU_END_KILLED + 1, INSITU_END_STOPPED + 1, INSITU_END_REMOVED + 1,
+      INSITU_END_STEP_TOO_SMALL + 1, INSITU_END_COUNT, INSITU_MEMORY_TREE + 1,
+      INSITU_MEMORY_BUILD + 1, INSITU_MEMORY_RANGES + 1, INSITU_MEMORY_EARLIER + 1,
+      INSITU_MEMORY_QUERY + 1, INSITU_MEMORY_TRACER + 1, INSITU_MEMORY_FRAME + 1,
+      INSITU_MEMORY_CONVERTED + 1, INSITU_MEMORY_EMBREE + 1, INSITU_MEMORY_DEVICE + 1,
+      INSITU_MEMORY_AMR + 1, INSITU_MEMORY_GATHERED + 1, INSITU_MEMORY_GEOCENTRIC + 1,
+      INSITU_MEMORY_CHART + 1, INSITU_MEMORY_COUNT};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     out[i] = all[i];
   return (int)(sizeof all / sizeof *all);

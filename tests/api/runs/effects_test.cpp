@@ -213,4 +213,70 @@ tracers:
   EXPECT_NE(marks.text(8, "x"), marks.text(0, "x")); // the blast pushes them
 }
 
+const std::string ends_of_attached = R"(
+insitu: 1
+page: false
+tracers:
+  - name: marks
+    attached: body
+    seeds: &seeds {box: {min: [0.05, 0.05, 0.05], max: [1.1, 1.1, 1.1], counts: [6, 6, 6]}}
+    fields: [velocity]
+    effects: [{remove: {when: velocity > 0.01}}]
+    output: [csv, netcdf]
+    every: 4
+  - name: aged
+    attached: body
+    seeds: *seeds
+    release: {interval: 0.004}
+    effects: [{age_limit: 0.006}, {remove: {when: velocity > 0.01 and age > 0.003}}]
+    every: 4
+)";
+
+TEST(Attached, ParticlesEndByAgeAndByACondition) {
+  const runs::Setup setup{.scene = ends_of_attached};
+  const runs::Files whole = runs::run_to_files(setup, 20);
+  runs::Setup threads = setup;
+  threads.threads = 3;
+  EXPECT_EQ(runs::differences(whole, runs::run_to_files(threads, 20)), std::vector<std::string>{});
+  const runs::Table t = runs::parse_table(whole.at("marks.csv"));
+  int removed = 0;
+  for (std::size_t i = 0; i < t.rows.size(); ++i) {
+    const double speed =
+        std::hypot(t.number(i, "velocity_x"), t.number(i, "velocity_y"), t.number(i, "velocity_z"));
+    if (t.text(i, "ending") == "removed") {
+      EXPECT_GT(speed, 0.01);
+      ++removed;
+    } else if (t.text(i, "ending") == "alive") {
+      EXPECT_LE(speed, 0.01);
+    }
+  }
+  EXPECT_GT(removed, 10); // where the blast has come
+  EXPECT_LT(removed, 200);
+  std::map<std::string, int> endings;
+  const runs::Table aged = runs::parse_table(whole.at("aged.csv"));
+  for (std::size_t i = 0; i < aged.rows.size(); ++i)
+    ++endings[aged.text(i, "ending")];
+  EXPECT_GT(endings["expired"], 10);
+  EXPECT_GT(endings["removed"], 10);
+
+  // A run that stops and one that goes on from its checkpoint write the same.
+  const test::Folder folder, state;
+  runs::Setup parts = setup;
+  parts.output = folder.path();
+  {
+    Coupled first(parts);
+    ASSERT_TRUE(first.execute()) << insitu_last_message();
+    first.run(9);
+    first.session.checkpoint(state / "s");
+    first.run(13);
+  }
+  Coupled second(parts);
+  while (second.solver.cycle() < 9)
+    second.solver.advance();
+  second.session.restart(state / "s");
+  second.run(20);
+  second.session.close();
+  EXPECT_EQ(runs::differences(whole, runs::files_of(folder.path())), std::vector<std::string>{});
+}
+
 } // namespace

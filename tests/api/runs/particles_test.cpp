@@ -241,4 +241,67 @@ TEST(Particles, TheMaterialCarriesThem) {
   EXPECT_LT(drift, 0.001);
 }
 
+// Cells of one velocity each: over the jump at x = 0.5 no step keeps the tolerance.
+TEST(Accounting, StuckParticlesEndWithTheReason) {
+  std::vector<double> x, y, z, u, v, w;
+  for (int k = 0; k < 5; ++k)
+    for (int j = 0; j < 5; ++j)
+      for (int i = 0; i < 5; ++i) {
+        x.push_back(i / 4.0);
+        y.push_back(j / 4.0);
+        z.push_back(k / 4.0);
+      }
+  for (int c = 0; c < 64; ++c) {
+    u.push_back(c % 4 < 2 ? 1.0 : 0.5);
+    v.push_back(c % 4 < 2 ? 0.0 : 0.25);
+    w.push_back(0.0);
+  }
+  const test::Folder folder;
+  insitu::Options options;
+  options.scene_text = R"(
+insitu: 1
+tracers:
+  - {name: stuck, velocity: u, seeds: &seeds [[0.2, 0.3, 0.6], [0.6, 0.3, 0.6]],
+     integrator: {face_aware: false, min_step: 1e-3}}
+  - {name: forced, velocity: u, seeds: *seeds,
+     integrator: {face_aware: false, min_step: 1e-3, at_min_step: take}}
+  - {name: lines, kind: streamline, velocity: u, seeds: *seeds, output: [csv, vtp],
+     integrator: {face_aware: false, min_step: 1e-3}}
+)";
+  options.output = folder.path();
+  insitu::Session session(options);
+  insitu::Mesh mesh = session.mesh("box");
+  mesh.points(x, y, z);
+  mesh.block(5, 5, 5);
+  mesh.cell_field("u", {u, v, w});
+  for (int cycle = 0; cycle < 3; ++cycle) {
+    mesh.changed(insitu::fields);
+    ASSERT_TRUE(session.execute(cycle, 0.2 * cycle)) << insitu_last_message();
+    const insitu::Report r = session.report();
+    EXPECT_EQ(sum_of_endings(r), r.particles_seeded);
+    EXPECT_EQ(r.particles[INSITU_END_STEP_TOO_SMALL], cycle < 2 ? cycle + 1 : 4);
+  }
+  session.write_summary(folder / "summary.json");
+  session.close();
+  EXPECT_NE(test::content(folder / "summary.json").find("\"step_too_small\": 4"),
+            std::string::npos);
+  const auto last = [&](const char* file, const char* key, const char* line) {
+    const runs::Table t = runs::parse_table(test::content(folder / file));
+    std::size_t row = 0;
+    for (std::size_t i = 0; i < t.rows.size(); ++i)
+      if (t.text(i, key) == line)
+        row = i;
+    return std::pair(t.text(row, "ending"), t.number(row, "x"));
+  };
+  for (const auto& [ending, at] :
+       {last("stuck.csv", "particle", "0"), last("lines_000002.csv", "line", "0")}) {
+    EXPECT_EQ(ending, "step_too_small");
+    EXPECT_LE(at, 0.5);
+    EXPECT_GE(at, 0.5 - 1e-3);
+  }
+  EXPECT_EQ(last("stuck.csv", "particle", "1").first, "killed");
+  EXPECT_EQ(last("forced.csv", "particle", "0").first, "killed");
+  EXPECT_NEAR(last("forced.csv", "particle", "0").second, 0.55, 1e-3);
+}
+
 } // namespace

@@ -9,6 +9,7 @@
 #include "advect/pathlines.h"
 #include "fixtures/committed.h"
 #include "fixtures/earth_meshes.h"
+#include "geo/upright.h"
 
 /// Geodetic meshes with velocities given by a function, and tracers with effects on them.
 namespace insitu::test {
@@ -32,16 +33,24 @@ struct Ocean : fixtures::Committed {
   using Vector = std::function<Vec3d(const Vec3d&)>;
   using Scalar = std::function<double(const Vec3d&)>;
 
-  /// flow: metres per second east, north and up.
+  /// flow: metres per second east, north and up. geocentric: the mesh (in degrees and metres of
+  /// height) and the velocities are turned so.
   Ocean(const TestMesh& from, const Vector& flow, const Scalar& scalar = {},
-        const geo::ChartUnits& units = {})
+        const geo::ChartUnits& units = {}, bool geocentric = false)
       : Committed() {
-    arrays = fixtures::SolverArrays(from);
+    TestMesh turned = from;
     mesh.frame = fixtures::frame_of(units);
+    if (geocentric) {
+      mesh.frame.kind = INSITU_FRAME_GEOCENTRIC;
+      for (Vec3d& x : turned.vertices)
+        x = geocentric_of(x);
+    }
+    arrays = fixtures::SolverArrays(turned);
     for (const Vec3d& x : from.vertices) {
       const Vec3d at{units.radians ? x.x / degree : x.x, units.radians ? x.y / degree : x.y,
                      x.z * units.up_per_unit()};
-      const Vec3d v = flow(at);
+      const Vec3d local = flow(at),
+                  v = geocentric ? geo::from_east_north_up(geo::normal_of({}, at), local) : local;
       velocity.insert(velocity.end(), {v.x, v.y, v.z});
       scalars.push_back(scalar ? scalar(at) : 0.0);
     }
@@ -55,6 +64,14 @@ struct Ocean : fixtures::Committed {
     mesh.mesh().set_field(0, "v", INSITU_VERTEX, &v, 1);
     mesh.mesh().set_field(0, "s", INSITU_VERTEX, &s, 1);
     commit();
+  }
+  /// Of degrees and metres of height, and back; by normals, which GeographicLib holds to 1e-14.
+  static Vec3d geocentric_of(const Vec3d& p) {
+    return geo::geocentric_point({geo::normal_of({}, p), p.z});
+  }
+  static Vec3d geodetic_of(const Vec3d& x) {
+    const geo::Upright at = geo::upright(x);
+    return geo::chart_point({}, geo::Pole::none, at.normal, at.height);
   }
   mesh::FieldView flow() const { return mesh.mesh().field("v"); }
   mesh::FieldView scalar() const { return mesh.mesh().field("s"); }

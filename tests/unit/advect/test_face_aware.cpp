@@ -32,7 +32,8 @@ std::vector<Vec3d> ends(const BoxMesh& box, const mesh::FieldView& velocity, Met
   settings.step = step;
   if (advect::is_adaptive(method)) {
     settings.max_step = step;
-    settings.min_step = step;   // whatever the error,
+    settings.min_step = step;
+    settings.at_min_step = advect::AtMinStep::take; // whatever the error,
     settings.tolerance = 1e-99; // and no way to a face that is only as good as a tolerance asks
   }
   settings.max_steps = 1000000;

@@ -338,8 +338,8 @@ TEST(ErrorControl, BackwardReturns) {
   }
 }
 
-// A step that no error control passes is taken at the smallest size, and counted; it does not stop
-// the particle, and what is left ends at the limit of steps.
+// Where they are to be taken, steps that no error control passes are, at the smallest size, and
+// counted; what is left ends at the limit of steps.
 TEST(ErrorControl, StepsAreNoSmallerThanTheSmallest) {
   for (const Method method : {Method::bs32, Method::dopri5}) {
     // It turns 1000 times a unit of time, which steps of 1/64 cannot follow.
@@ -350,6 +350,7 @@ TEST(ErrorControl, StepsAreNoSmallerThanTheSmallest) {
     settings.method = method;
     settings.tolerance = 1e-9;
     settings.step = settings.min_step = settings.max_step = 1.0 / 64;
+    settings.at_min_step = advect::AtMinStep::take;
     const Outcome r = run(field, settings, {0, 0, 0}, 1.0);
     EXPECT_EQ(r.ending, INSITU_END_ALIVE);
     EXPECT_EQ(r.work.steps, 64);

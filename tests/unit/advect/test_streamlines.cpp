@@ -253,6 +253,12 @@ TEST_F(Streams, CellFieldTurnsAtFaces) {
   EXPECT_NEAR(end.y, 1.0, 1e-9);
   EXPECT_LT(s.work.steps, 100);
   settings.integrator.min_step = 1e-7;
+  const Streamlines stuck = trace(mesh, velocity, {{0.1, 0.1, 0.6}});
+  EXPECT_EQ(stuck.lines.endings[0], INSITU_END_STEP_TOO_SMALL);
+  EXPECT_LE(last_point(stuck, 0).x, 0.5);
+  EXPECT_NEAR(last_point(stuck, 0).x, 0.5, 1e-7);
+  EXPECT_NEAR(last_point(stuck, 0).y, 0.1, 1e-9);
+  settings.integrator.at_min_step = advect::AtMinStep::take;
   EXPECT_NEAR(last_point(trace(mesh, velocity, {{0.1, 0.1, 0.6}}), 0).x, 0.59, 1e-6);
 }
 

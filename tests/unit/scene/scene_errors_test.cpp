@@ -280,6 +280,13 @@ TEST(SceneErrors, Integrator) {
     EXPECT_HAS(tracer_error("integrator: {method: euler, " + std::string(key) + ": 1}"),
                "tracers[0].integrator." + std::string(key) + ": euler has fixed steps");
   }
+  EXPECT_HAS(tracer_error("integrator: {at_min_step: end}"),
+             "tracers[0].integrator.at_min_step: it says what becomes of particles at 'min_step', "
+             "which is missing");
+  EXPECT_HAS(tracer_error("integrator: {min_step: 1, at_min_step: stop}"),
+             "'stop' is not one of end, take");
+  EXPECT_HAS(tracer_error("integrator: {method: rk4, at_min_step: take}"),
+             "tracers[0].integrator.at_min_step: rk4 has fixed steps");
   EXPECT_HAS(tracer_error("integrator: {face_aware: 3}"), "tracers[0].integrator.face_aware");
   EXPECT_HAS(tracer_error("kind: streamline, direction: up"),
              "'up' is not one of forward, backward, both");
@@ -331,6 +338,16 @@ TEST(SceneErrors, TracerEffects) {
   EXPECT_HAS(effect("{remove: {when: salt}}"), "a condition expected, a number found");
   EXPECT_HAS(effect("{age_limit: 1}, {age_limit: 2}"), "effect 'age_limit' is given twice");
   EXPECT_HAS(tracer_error("attached: body"), "'attached: body' moves particles with the mesh's");
+  for (const char* moving :
+       {"diffusion: {coefficient: 1}", "settling: {speed: 1}", "windage: {field: u}",
+        "inertia: {response_time: 1}", "boundary: slide"}) {
+    const std::string text = moving;
+    EXPECT_HAS(test::error_of("insitu: 1\ntracers: [{name: t, attached: body, seeds: [[0, 0, 0]], "
+                              "effects: [{age_limit: 3}, {" +
+                              text + "}]}]"),
+               "tracers[0].effects: 'attached: body' moves particles with the mesh's material; '" +
+                   text.substr(0, text.find(':')) + "' moves them otherwise");
+  }
   EXPECT_HAS(tracer_error("attached: bodies"), "'bodies' is not one of lab, body");
   const auto on_lines = [](const std::string& text) {
     return tracer_error("kind: streamline, effects: [" + text);

@@ -187,6 +187,7 @@ TEST(SceneKeys, TracerDefaults) {
   EXPECT_EQ(tracer.direction, TracerDirection::forward);
   EXPECT_EQ(tracer.integrator.max_steps, 10000);
   EXPECT_FALSE(tracer.integrator.step || tracer.integrator.min_step || tracer.integrator.max_step);
+  EXPECT_EQ(tracer.integrator.at_min_step, insitu::advect::AtMinStep::end);
   EXPECT_FALSE(tracer.until.duration || tracer.until.length);
   EXPECT_TRUE(tracer.fields.empty());
   EXPECT_EQ(tracer.accuracy, Accuracy::standard);
@@ -199,7 +200,7 @@ TEST(SceneKeys, TracerKeys) {
                 "mesh: m, frame: geocentric, kind: streamline, fields: [a, b], "
                 "direction: both, integrator: {method: dopri5, face_aware: true, step: 0.25, "
                 "tolerance: 1e-3, "
-                "min_step: 0.125, max_step: 0.5, max_steps: 77}, "
+                "min_step: 0.125, at_min_step: take, max_step: 0.5, max_steps: 77}, "
                 "until: {duration: 3, length: 4}, effects: [], accuracy: exact, "
                 "output: [csv, vtp]"))
           .tracers[0];
@@ -212,6 +213,7 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(tracer.integrator.step, 0.25);
   EXPECT_EQ(tracer.integrator.tolerance, 1e-3);
   EXPECT_EQ(tracer.integrator.min_step, 0.125);
+  EXPECT_EQ(tracer.integrator.at_min_step, insitu::advect::AtMinStep::take);
   EXPECT_EQ(tracer.integrator.max_step, 0.5);
   EXPECT_EQ(tracer.integrator.max_steps, 77);
   EXPECT_EQ(tracer.until.duration, 3);
@@ -233,6 +235,11 @@ TEST(SceneKeys, TracerKeys) {
             insitu::advect::TimeInterpolation::quadratic);
   EXPECT_EQ(parse(test::tracer("time_interpolation: cubic")).tracers[0].time_interpolation,
             insitu::advect::TimeInterpolation::cubic);
+  const Tracer attached = parse("tracers: [{name: t, attached: body, seeds: [[0, 0, 0]], effects: "
+                                "[{age_limit: 3}, {remove: {when: density > 2}}]}]")
+                              .tracers[0];
+  EXPECT_EQ(attached.effects.age_limit, 3);
+  EXPECT_EQ(attached.effects.remove->when.text(), "density > 2");
   const Tracer streakline = parse(test::tracer("kind: streakline")).tracers[0];
   EXPECT_EQ(streakline.kind, TracerKind::streakline);
   EXPECT_EQ(streakline.release.every, 1);

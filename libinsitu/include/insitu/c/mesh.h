@@ -181,7 +181,10 @@ static inline insitu_frame insitu_frame_default(void) {
  *  - Vector fields (3 components) are east, north and up; tracers take them as metres per second.
  *    Near a pole that lies within a cell they are turned with the direction east before they are
  *    interpolated; samples are in the east and north of the sampled point.
- *  - It lies in host memory and is located on the CPU. */
+ *  - It lies in host memory and is located on the CPU.
+ *
+ *  Vector fields of a mesh in any other frame are along its coordinates' axes: of a geocentric mesh
+ *  along the Earth's, x, y and z. */
 INSITU_API insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame* frame);
 
 #ifdef __cplusplus

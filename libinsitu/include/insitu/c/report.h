@@ -12,16 +12,17 @@ extern "C" {
 /** Why a particle ended. */
 typedef enum insitu_ending INSITU_INT {
   INSITU_END_ALIVE = 0,
-  INSITU_END_LEFT = 1,         /**< left the mesh */
-  INSITU_END_STAGNATED = 2,    /**< came to rest in a steady field, or no step could be found */
-  INSITU_END_EXPIRED = 3,      /**< reached its time, length or age */
-  INSITU_END_STEP_LIMIT = 4,   /**< took the largest number of steps */
-  INSITU_END_SEED_OUTSIDE = 5, /**< was seeded outside the mesh */
-  INSITU_END_NOT_FINITE = 6,   /**< the velocity is NaN or infinite */
-  INSITU_END_KILLED = 7,       /**< the session was closed while it lived */
-  INSITU_END_STOPPED = 8,      /**< met the boundary, where its scene says that it stops */
-  INSITU_END_REMOVED = 9,      /**< met the condition by which its scene removes particles */
-  INSITU_END_COUNT = 10
+  INSITU_END_LEFT = 1,            /**< left the mesh */
+  INSITU_END_STAGNATED = 2,       /**< came to rest in a steady field, or no step could be found */
+  INSITU_END_EXPIRED = 3,         /**< reached its time, length or age */
+  INSITU_END_STEP_LIMIT = 4,      /**< took the largest number of steps */
+  INSITU_END_SEED_OUTSIDE = 5,    /**< was seeded outside the mesh */
+  INSITU_END_NOT_FINITE = 6,      /**< the velocity is NaN or infinite */
+  INSITU_END_KILLED = 7,          /**< the session was closed while it lived */
+  INSITU_END_STOPPED = 8,         /**< met the boundary, where its scene says that it stops */
+  INSITU_END_REMOVED = 9,         /**< met the condition by which its scene removes particles */
+  INSITU_END_STEP_TOO_SMALL = 10, /**< no step of its scene's min_step kept the tolerance */
+  INSITU_END_COUNT = 11
 } insitu_ending;
 
 /** What the memory is for. */
