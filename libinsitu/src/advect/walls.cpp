@@ -45,7 +45,7 @@ Vec3d Walls::edges(std::int64_t cell, double alpha) const {
       c.x[i] = geo::to_east_north_up(normal, c.x[i] - origin);
       c.x[i].z = height;
     }
-    return box_of(c).extent();
+    return edges_of(box_of(c));
   }
   const Box b = box(cell, alpha);
   return space_.is_chart() ? scale(b.middle()).edges(edges_of(b)) : edges_of(b);
