@@ -47,7 +47,7 @@ void ValueRanges::refresh(const Tree& tree, const mesh::MeshView& mesh,
       const double v = scalar_at(values, field.components, component, item);
       if (std::isnan(v))
         return;
-      const float l = round_down(v), u = round_up(v);
+      const float l = float_below(v), u = float_above(v);
       lo = l < lo ? l : lo;
       hi = u > hi ? u : hi;
     };

@@ -1,11 +1,22 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
+
 #include "accel/tree.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/view.h"
 
 namespace insitu::accel {
+
+/// A value as a float that is not above it, or not below; beyond floats 2^127 and infinity.
+inline float float_below(double v) {
+  return v < -0x1p127 ? -std::numeric_limits<float>::infinity() : round_down(std::min(v, 0x1p127));
+}
+inline float float_above(double v) {
+  return v > 0x1p127 ? std::numeric_limits<float>::infinity() : round_up(std::max(v, -0x1p127));
+}
 
 /// Value ranges of one scalar over a tree's children, in side arrays of their own: made when a
 /// frame asks for them, and refreshed when values change. Rounded outwards to float.

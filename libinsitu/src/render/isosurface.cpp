@@ -62,7 +62,7 @@ IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
     }
     for (const double v : s.values) {
       group->levels.push_back(
-          {v, accel::round_down(v), accel::round_up(v), std::int32_t(surfaces_.size()), &s});
+          {v, accel::float_below(v), accel::float_above(v), std::int32_t(surfaces_.size()), &s});
       surfaces_.push_back({&s, std::size_t(group - groups_.begin()), v});
     }
   }
