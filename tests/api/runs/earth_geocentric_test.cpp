@@ -17,7 +17,7 @@ constexpr double omega = 1e-6; ///< of a flow about the Earth's axis, rad/s
 /// axis, and halfway its cells become others.
 struct Globe {
   Globe(const std::string& scene, const std::string& output, int threads)
-      : session(options(scene, output, threads)), mesh(session.mesh("ocean")) {
+      : session(runs::options_of(scene, output, threads)), mesh(session.mesh("ocean")) {
     mesh.frame(insitu::Frame::geocentric());
     remesh(8);
   }
@@ -47,13 +47,6 @@ struct Globe {
     mesh.points(x[0], x[1], x[2]);
     mesh.hexahedra(cells);
     mesh.vertex_field("velocity", insitu::Array(velocity).components(3));
-  }
-  static insitu::Options options(const std::string& scene, const std::string& output, int threads) {
-    insitu::Options o;
-    o.scene_text = "insitu: 1\npage: false\n" + scene;
-    o.output = output;
-    o.threads = threads;
-    return o;
   }
 
   std::array<std::vector<double>, 3> x;

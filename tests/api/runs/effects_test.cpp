@@ -5,6 +5,7 @@
 #include <map>
 
 #include "coupled.h"
+#include "unit_block.h"
 
 namespace {
 
@@ -125,17 +126,11 @@ TEST(EffectsOnParticles, DisplaceThemInLongitudeLatitudeAndDepth) {
 
 /// Streamlines in the cube [0, 1]^3 through u = (1, 0, 0), which sink, slide and go round.
 runs::Files lines_under_effects(int threads) {
-  std::vector<double> x, y, z, u, zero, salt;
-  for (int k = 0; k < 5; ++k)
-    for (int j = 0; j < 5; ++j)
-      for (int i = 0; i < 5; ++i) {
-        x.push_back(i / 4.0);
-        y.push_back(j / 4.0);
-        z.push_back(k / 4.0);
-        u.push_back(1.0);
-        zero.push_back(0.0);
-        salt.push_back(35 * k / 4.0);
-      }
+  const runs::UnitBlock block(4);
+  const std::vector<double> u(block.x.size(), 1.0), zero(block.x.size(), 0.0);
+  std::vector<double> salt;
+  for (const double z : block.z)
+    salt.push_back(35 * z);
   const test::Folder folder;
   insitu::Options options;
   options.scene_text = R"(
@@ -152,8 +147,7 @@ tracers:
   {
     insitu::Session session(options);
     insitu::Mesh mesh = session.mesh("box");
-    mesh.points(x, y, z);
-    mesh.block(5, 5, 5);
+    block.hand_over(mesh);
     mesh.vertex_field("u", {u, zero, zero});
     mesh.vertex_field("salt", salt);
     EXPECT_TRUE(session.execute(0, 0.0)) << insitu_last_message();

@@ -25,13 +25,23 @@ inline insitu::fixtures::Lattice pacific() {
           .levels = {-3000, 0}};
 }
 
+/// Of a session with these items of a scene.
+inline insitu::Options options_of(const std::string& items, const std::string& output,
+                                  int threads) {
+  insitu::Options o;
+  o.scene_text = "insitu: 1\npage: false\n" + items;
+  o.output = output;
+  o.threads = threads;
+  return o;
+}
+
 class OnEarth {
 public:
   /// The lattice's units are the frame's. Fields: `latitude` (degrees) and `height` (metres), which
   /// cells interpolate to rounding, and `velocity`, zero at first.
   OnEarth(const insitu::fixtures::Lattice& lattice, const std::string& scene,
           const std::string& output, int threads = 1)
-      : session(options(scene, output, threads)), mesh(session.mesh("ocean")) {
+      : session(options_of(scene, output, threads)), mesh(session.mesh("ocean")) {
     const auto& units = lattice.units;
     mesh.frame(insitu::Frame::geodetic(
         units.down ? insitu::Vertical::down : insitu::Vertical::up,
@@ -76,15 +86,6 @@ public:
   std::vector<std::int32_t> connectivity;
   insitu::Session session;
   insitu::Mesh mesh;
-
-private:
-  static insitu::Options options(const std::string& scene, const std::string& output, int threads) {
-    insitu::Options o;
-    o.scene_text = "insitu: 1\npage: false\n" + scene;
-    o.output = output;
-    o.threads = threads;
-    return o;
-  }
 };
 
 /// A run of 20 cycles in one, by execute(run, first, last), against one that is stopped after 10

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "coupled.h"
+#include "unit_block.h"
 
 namespace {
 
@@ -243,14 +244,8 @@ TEST(Particles, TheMaterialCarriesThem) {
 
 // Cells of one velocity each: over the jump at x = 0.5 no step keeps the tolerance.
 TEST(Accounting, StuckParticlesEndWithTheReason) {
-  std::vector<double> x, y, z, u, v, w;
-  for (int k = 0; k < 5; ++k)
-    for (int j = 0; j < 5; ++j)
-      for (int i = 0; i < 5; ++i) {
-        x.push_back(i / 4.0);
-        y.push_back(j / 4.0);
-        z.push_back(k / 4.0);
-      }
+  const runs::UnitBlock block(4);
+  std::vector<double> u, v, w;
   for (int c = 0; c < 64; ++c) {
     u.push_back(c % 4 < 2 ? 1.0 : 0.5);
     v.push_back(c % 4 < 2 ? 0.0 : 0.25);
@@ -271,8 +266,7 @@ tracers:
   options.output = folder.path();
   insitu::Session session(options);
   insitu::Mesh mesh = session.mesh("box");
-  mesh.points(x, y, z);
-  mesh.block(5, 5, 5);
+  block.hand_over(mesh);
   mesh.cell_field("u", {u, v, w});
   for (int cycle = 0; cycle < 3; ++cycle) {
     mesh.changed(insitu::fields);

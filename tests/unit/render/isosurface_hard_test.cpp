@@ -41,7 +41,7 @@ private:
   render::SurfaceCounts counts_;
 };
 
-/// From `eye` through places of the unit box, and how far along the unit rays leave the box.
+/// visit(way): ways from `eye` to places in the unit box.
 template <class Visit>
 void over_rays(const Vec3d& eye, Visit&& visit) {
   constexpr int n = 12;
@@ -64,7 +64,7 @@ bool in_box(const Vec3d& p, double margin) {
 void expect_plane(RenderMesh& mesh, const render::ScalarField& field, double value,
                   const Vec3d& scale, const Vec3d& offset, const Vec3d& eye, double tolerance) {
   Traced trace(mesh, field, value);
-  int found = 0, missed = 0;
+  int found = 0;
   over_rays(eye, [&](const Vec3d& way) {
     const double part = (middle - plane(eye)) / plane(way); // of the way
     const Vec3d hit = eye + part * way;
@@ -79,12 +79,9 @@ void expect_plane(RenderMesh& mesh, const render::ScalarField& field, double val
     if (expected && hits.size() == 1) {
       EXPECT_NEAR(hits[0].t / length, part, tolerance * std::max(1.0, part));
       ++found;
-    } else {
-      ++missed;
     }
   });
   EXPECT_GT(found, 20);
-  EXPECT_LT(missed, 144);
 }
 
 constexpr Shape all_shapes[] = {Shape::hexahedron, Shape::tetrahedron, Shape::wedge,
