@@ -157,6 +157,9 @@ void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads) {
 const LeafMap& DualMesh::leaves() const {
   return state_->map;
 }
+const CornerMap& DualMesh::corners() const {
+  return state_->stitching.corners();
+}
 const DualCounts& DualMesh::counts() const {
   return state_->counts;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "amr/corner_map.h"
 #include "amr/leaf_map.h"
 #include "mesh/view.h"
 
@@ -62,6 +63,9 @@ public:
   /// Piece 0: the gridlets (CellLayout::gridlets). Piece 1: stitching cells (PADDED, int32 ids,
   /// points of their own). Valid until the next build.
   const mesh::MeshView& view() const;
+
+  /// Which cells of piece 1 stand at corners.
+  const CornerMap& corners() const;
 
   /// Where the value of a vertex of piece 1 comes from: one leaf, or for a virtual leaf, in a
   /// re-entrant corner and beside ghost cells the sum of weight * value over some, which may name a

@@ -66,6 +66,11 @@ void add_cell(const Corner& corner, const mesh::Lattice& lattice, std::int64_t r
   DualCell cell;
   bool folded = false;
   if (cells.make(corner, cell)) {
+    part.at_corners.push_back({{std::int32_t(corner.index[0]), std::int32_t(corner.index[1]),
+                                std::int32_t(corner.index[2])},
+                               std::uint8_t(corner.depth),
+                               CornerKind::of(corner),
+                               std::uint32_t(part.cells.size())});
     part.cells.push_back(cell);
     folded = (corner.most_up > 1 || touches_virtual(corner, real)) && cells.folds();
   } else {

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "amr/corner_map.h"
 #include "amr/dual_cells.h"
 #include "amr/reentrant.h"
 #include "mesh/gridlet.h"
@@ -23,7 +24,8 @@ struct DualPart {
   std::vector<std::uint64_t> full;     ///< 8 words a gridlet
   std::vector<std::uint32_t> leaves;   ///< vertices of gridlets
   std::vector<DualCell> cells;
-  std::vector<MeanVertex> means; ///< vertices of cells
+  std::vector<CornerCell> at_corners; ///< most of them
+  std::vector<MeanVertex> means;      ///< vertices of cells
   std::vector<SteepCorner> steep;
   std::int64_t cubes = 0, empty = 0;
   std::int64_t folded = 0; ///< cells

@@ -7,12 +7,14 @@
 
 #include "amr/cell_runs.h"
 #include "amr/leaf_gradient.h"
+#include "core/count_bits.h"
 #include "core/status.h"
 
 namespace insitu::amr {
 
 namespace {
 
+using core::count_bits;
 using math::Vec3d;
 
 /// Sets bits that many threads share; most are set already.
@@ -21,13 +23,6 @@ void set_bits(Word& word, Word bits) {
   const std::atomic_ref<Word> shared(word);
   if ((shared.load(std::memory_order_relaxed) & bits) != bits)
     shared.fetch_or(bits, std::memory_order_relaxed);
-}
-
-/// How many bits are set; inline, where std::popcount calls a function for lack of an instruction.
-inline std::uint32_t count_bits(std::uint64_t w) {
-  w -= w >> 1 & 0x5555555555555555ull;
-  w = (w & 0x3333333333333333ull) + (w >> 2 & 0x3333333333333333ull);
-  return std::uint32_t(((w + (w >> 4)) & 0x0f0f0f0f0f0f0f0full) * 0x0101010101010101ull >> 56);
 }
 
 /// Numbers vertices without sorting: a bit for each leaf that has some, and for each of those, in
@@ -126,7 +121,7 @@ std::vector<MeanVertex> merge_means(const std::vector<DualPart>& parts) {
 
 Stitching::Stitching(core::Memory& memory)
     : ids_(memory, INSITU_MEMORY_AMR), points_(memory, INSITU_MEMORY_AMR),
-      leaves_(memory, INSITU_MEMORY_AMR) {}
+      leaves_(memory, INSITU_MEMORY_AMR), corners_(memory) {}
 
 void Stitching::clear() {
   ids_.resize_discard(0);
@@ -134,6 +129,7 @@ void Stitching::clear() {
   means_.clear();
   on_boundary_.clear();
   leaves_.resize_discard(0);
+  corners_.clear();
 }
 
 void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& mesh,
@@ -181,6 +177,7 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
           *id++ = v < mesh::vertex_count(c.shape) ? std::int32_t(number(c.vertices[v])) : -1;
     }
   });
+  corners_.build(parts, first, threads);
   points_.resize_discard(std::size_t(3 * vertices));
   leaves_.resize_discard(std::size_t(vertices));
   // Of each vertex that ghost cells give a value; else 0.

@@ -22,9 +22,11 @@ public:
   std::int64_t cell_count() const { return std::int64_t(ids_.size() / 8); }
   std::int64_t vertex_count() const { return std::int64_t(leaves_.size()); }
   std::int64_t bytes() const {
-    return std::int64_t(ids_.bytes() + points_.bytes() + leaves_.bytes());
+    return std::int64_t(ids_.bytes() + points_.bytes() + leaves_.bytes()) + corners_.bytes();
   }
   mesh::PieceView piece() const;
+  /// Which of the cells stand at corners.
+  const CornerMap& corners() const { return corners_; }
   /// The vertices in re-entrant corners; of the last build.
   std::span<const MeanVertex> means() const { return means_; }
   /// The vertices on the domain's boundary that ghost cells give a value; of the last build, which
@@ -38,6 +40,7 @@ private:
   core::Buffer<std::int32_t> ids_;
   core::Buffer<double> points_;
   core::Buffer<std::uint32_t> leaves_;
+  CornerMap corners_;
   void number_on_boundary(const std::vector<std::uint8_t>& moves, std::int64_t first);
 
   std::vector<MeanVertex> means_;

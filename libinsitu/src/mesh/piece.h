@@ -66,6 +66,10 @@ struct PieceView {
     int n = 0;
     while (n < 8 && from_base(padded_id(cell, n), index_base) >= 0)
       ++n;
+    return padded_shape(n);
+  }
+  /// Of a PADDED cell of n ids.
+  INSITU_HD Shape padded_shape(int n) const {
     return n == 8   ? uniform_shape
            : n == 6 ? Shape::wedge
            : n == 5 ? Shape::pyramid

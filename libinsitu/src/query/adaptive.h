@@ -25,8 +25,10 @@ public:
   /// The solver's values changed.
   void fields_changed();
 
-  /// The places of the dual's gridlets; null for `nearest`, where leaves() tells all.
+  /// The places of the dual's gridlets and of its stitching cells; null for `nearest`, where
+  /// leaves() tells all.
   const GridletPlaces* gridlets() const { return dual_ ? &dual_->places() : nullptr; }
+  const amr::CornerMap* corners() const { return dual_ ? &dual_->dual().corners() : nullptr; }
   /// The dual's cells; null for `nearest`.
   const mesh::MeshView* dual_view() const { return dual_ ? &dual_->view() : nullptr; }
   const amr::LeafMap& leaves() const { return dual_ ? dual_->dual().leaves() : *leaves_; }

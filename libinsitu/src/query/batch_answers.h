@@ -11,8 +11,9 @@ namespace insitu::query {
 struct BatchAnswers {
   Location locations[batch_size];
   Reason reasons[batch_size];
-  math::Vec3d rest[batch_size]; ///< points that are left
-  QueryId rest_at[batch_size];  ///< their numbers
+  math::Vec3d rest[batch_size];   ///< points that are left
+  QueryId rest_at[batch_size];    ///< their numbers
+  std::int64_t guess[batch_size]; ///< cells to try for them, or -1
 
   /// Of the first n points; until the next batch.
   Answered of(std::size_t n) const { return {{locations, n}, {reasons, n}}; }

@@ -30,8 +30,8 @@ public:
   /// Primitives in all, and of these those that are left out.
   std::int64_t primitives() const { return primitives_; }
   std::int64_t culled() const { return primitives_ - tree_.cell_count(); }
-  /// A bit a gridlet.
-  const std::uint64_t* shown_gridlets() const { return shown_.data(); }
+  /// A bit a primitive, whether it is kept.
+  const std::uint64_t* shown() const { return shown_.data(); }
   std::int64_t bytes() const {
     return tree_.bytes() + std::int64_t(shown_.bytes() + slots_.bytes());
   }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "amr/corner_map.h"
 #include "amr/leaf_map.h"
 #include "mesh/gridlet.h"
 
@@ -13,14 +14,27 @@ public:
   explicit GridletPlaces(core::Memory& memory) : in_brick_(memory, INSITU_MEMORY_AMR) {}
 
   /// The arguments must outlive the object, or its next build.
-  void build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves);
+  void build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves,
+             const amr::CornerMap& corners);
 
   const mesh::GridletsView& gridlets() const { return *gridlets_; }
+  /// Of the gridlets, full or not; the dual's other cells come next.
+  std::int64_t cell_count() const { return gridlets_->count * mesh::Gridlet::most_cells; }
   std::int64_t bytes() const { return std::int64_t(in_brick_.bytes()); }
 
-  /// Depths that have gridlets, the finest first.
+  /// Depths that have gridlets or stitching cells, the finest first.
   int depth_count() const { return depth_count_; }
   int depth(int i) const { return depths_[i]; }
+
+  /// Lengths of a depth, by axis.
+  struct Steps {
+    double half_cell[3];
+    double a_unit[3]; ///< cells
+    /// Some units in the last place of any coordinate of a gridlet, of zero's and of the lattice's
+    /// origin, in cells: nearer to a face, an index found by either may be the neighbour's.
+    double rounding[3];
+  };
+  const Steps& steps(int depth) const { return steps_[depth]; }
 
   /// The gridlet in whose place the cell of a depth lies, or -1.
   std::int64_t find(int depth, const std::int64_t* index) const {
@@ -34,6 +48,7 @@ private:
   core::Buffer<std::int32_t> in_brick_; ///< gridlets, or -1
   int depth_count_ = 0;
   std::uint8_t depths_[mesh::Lattice::most_depth + 1] = {};
+  Steps steps_[mesh::Lattice::most_depth + 1] = {};
 };
 
 } // namespace insitu::query

@@ -79,28 +79,37 @@ inline Location locate_in_gridlet(const mesh::GridletsView& all, std::int64_t gr
   return {};
 }
 
-/// A vertex field's components in a cell of a gridlet. Vertices along i lie side by side.
-inline void interpolate_in_gridlet(const mesh::GridletsView& all, const mesh::FieldView& field,
-                                   std::int64_t cell, const math::Vec3d& r, double* values) {
-  const mesh::Gridlet& g = all.gridlets[cell >> mesh::Gridlet::cell_bits];
-  const std::int64_t v =
-      mesh::GridletsView::first_vertex(g, int(cell & (mesh::Gridlet::most_cells - 1)));
-  const std::int64_t dj = g.size[0] + 1, dk = dj * (g.size[1] + 1);
-  const mesh::FieldPieceView& from = field.pieces[0];
-  const double i1 = r.x, i0 = 1.0 - i1, j1 = r.y, j0 = 1.0 - j1, k1 = r.z, k0 = 1.0 - k1;
-  const std::int64_t stride = from.layout.stride[0];
-  for (int c = 0; c < field.components; ++c) {
-    const std::byte* const base = from.component[c] + v * stride;
-    const auto row = [&](std::int64_t vertices) {
-      const std::byte* const at = base + vertices * stride;
-      return from.is_float32
-                 ? i0 * double(mesh::load_as<float>(at)) +
-                       i1 * double(mesh::load_as<float>(at + stride))
-                 : i0 * mesh::load_as<double>(at) + i1 * mesh::load_as<double>(at + stride);
-    };
-    values[c] = k0 * (j0 * row(0) + j1 * row(dj)) + k1 * (j0 * row(dk) + j1 * row(dk + dj));
+/// A vertex field's values in gridlets, of T. Vertices along i lie side by side.
+template <class T>
+class GridletValues {
+public:
+  GridletValues(const mesh::GridletsView& all, const mesh::FieldView& field)
+      : gridlets_(all.gridlets), component_(field.pieces[0].component),
+        stride_(field.pieces[0].layout.stride[0]), components_(field.components) {}
+
+  /// The field's components in a cell.
+  void at(std::int64_t cell, const math::Vec3d& r, double* values) const {
+    const mesh::Gridlet& g = gridlets_[cell >> mesh::Gridlet::cell_bits];
+    const std::int64_t v =
+        mesh::GridletsView::first_vertex(g, int(cell & (mesh::Gridlet::most_cells - 1)));
+    const std::int64_t dj = g.size[0] + 1, dk = dj * (g.size[1] + 1);
+    const double i1 = r.x, i0 = 1.0 - i1, j1 = r.y, j0 = 1.0 - j1, k1 = r.z, k0 = 1.0 - k1;
+    for (int c = 0; c < components_; ++c) {
+      const std::byte* const base = component_[c] + v * stride_;
+      const auto row = [&](std::int64_t vertices) {
+        const std::byte* const at = base + vertices * stride_;
+        return i0 * double(mesh::load_as<T>(at)) + i1 * double(mesh::load_as<T>(at + stride_));
+      };
+      values[c] = k0 * (j0 * row(0) + j1 * row(dj)) + k1 * (j0 * row(dk) + j1 * row(dk + dj));
+    }
   }
-}
+
+private:
+  const mesh::Gridlet* gridlets_;
+  const std::byte* const* component_;
+  std::int64_t stride_;
+  int components_;
+};
 
 /// Finds gridlets by their places. Remembers the last one, since neighbours mostly lie in one
 /// (Zellmann 2023, section 5.2).
@@ -111,40 +120,29 @@ public:
   explicit GridletFinder(const GridletPlaces& places, std::int64_t hint = -1,
                          const std::uint64_t* shown = nullptr)
       : places_(&places), all_(&places.gridlets()), shown_(shown) {
-    for (int a = 0; a < 3; ++a)
-      per_unit_[a] = 1.0 / all_->lattice.spacing[a];
     if (hint >= 0)
       take(hint >> mesh::Gridlet::cell_bits);
   }
 
-  static constexpr bool finds_all = false;
-
-  /// Whether a cell of a gridlet holds p strictly inside, and then which one (at: left alone
-  /// otherwise), or none where the gridlet is not shown; if not, it may be in any cell. What it
-  /// answers does not depend on the points before.
-  bool find(const math::Vec3d& p, Location& at, Reason& reason) {
+  /// Whether a cell of the last gridlet holds p strictly inside, and then which one (at: left
+  /// alone otherwise), or none where the gridlet is not shown.
+  bool find_in_last(const math::Vec3d& p, Location& at, Reason& reason) const {
+    if (!inside(p, at))
+      return false;
     reason = Reason::certified;
-    if (inside(p, at))
-      return hide(at, reason);
-    for (int d = 0; d < places_->depth_count(); ++d) {
-      const int depth = places_->depth(d);
-      const double scale = double(std::int64_t(1) << depth);
-      std::int64_t index[3]; // of the dual cell there: these begin at centres
-      bool near = true;
-      for (int a = 0; a < 3; ++a) {
-        const double steps = (p[a] - all_->lattice.origin[a]) * (per_unit_[a] * scale) - 0.5;
-        near &= std::fabs(steps) < double(2 * mesh::Lattice::largest_index);
-        index[a] = near ? std::int64_t(steps) : 0;
-        index[a] -= steps < double(index[a]);
-      }
-      const std::int64_t found = near ? places_->find(depth, index) : -1;
-      if (found < 0 || found == last_ || !has_cell(found, index))
-        continue;
-      take(found);
-      if (inside(p, at))
-        return hide(at, reason);
-    }
-    return false;
+    hide(at, reason);
+    return true;
+  }
+
+  /// The same for the gridlet of a depth that has the cell of an index, if it is another one, which
+  /// then is the last. Indices are those of the leaves at cells' lower corners.
+  bool find_at(const math::Vec3d& p, int depth, const std::int64_t* index, Location& at,
+               Reason& reason) {
+    const std::int64_t found = places_->find(depth, index);
+    if (found < 0 || found == last_ || !has_cell(found, index))
+      return false;
+    take(found);
+    return find_in_last(p, at, reason);
   }
 
 private:
@@ -160,28 +158,22 @@ private:
     return all_->is_full(cell);
   }
 
-  /// True in any case.
-  bool hide(Location& at, Reason& reason) const {
+  void hide(Location& at, Reason& reason) const {
     if (shown_ && !((shown_[last_ >> 6] >> (last_ & 63)) & 1)) {
       at = {};
       reason = Reason::outside;
     }
-    return true;
   }
 
   void take(std::int64_t gridlet) {
     const mesh::Gridlet& g = all_->gridlets[gridlet];
+    const GridletPlaces::Steps& steps = places_->steps(g.depth);
     last_ = gridlet;
-    const double scale = double(std::int64_t(1) << g.depth);
     for (int a = 0; a < 3; ++a) {
-      start_[a] = all_->coordinate(g, a, 0);
-      steps_a_unit_[a] = per_unit_[a] * scale;
-      // Some units in the last place of the coordinates, of zero's and of the lattice's origin, in
-      // steps: nearer to a face, an index found by either may be the neighbour's.
-      const double far = std::fabs(start_[a]) + std::fabs(start_[a] - all_->lattice.origin[a]);
-      const double rounding = 0x1p-49 * (far * steps_a_unit_[a] + 16.0);
-      least_[a] = rounding;
-      most_[a] = g.size[a] - rounding;
+      start_[a] = all_->lattice.origin[a] + steps.half_cell[a] * double(2 * g.lower[a] + 1);
+      steps_a_unit_[a] = steps.a_unit[a];
+      least_[a] = steps.rounding[a];
+      most_[a] = g.size[a] - steps.rounding[a];
     }
   }
 
@@ -213,7 +205,6 @@ private:
   const mesh::GridletsView* all_;
   const std::uint64_t* shown_;
   std::int64_t last_ = -1;
-  double per_unit_[3]; ///< cells of depth 0
   // Of the last gridlet:
   double start_[3], steps_a_unit_[3], least_[3], most_[3];
 };

@@ -67,7 +67,27 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
       }
     }
   };
-  if (fields.size() == 1)
+  // One field of an adaptive mesh's dual: most locations lie in gridlets.
+  const auto put_one = [&](const auto& in_gridlets) {
+    const std::int64_t end = mesh_->first_cell[1];
+    const auto components = std::size_t(fields[0].components);
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      double* const to = values[0] + (first + answered.item(k)) * components;
+      if (std::uint64_t(at[k].cell) < std::uint64_t(end))
+        in_gridlets.at(at[k].cell, at[k].parametric, to);
+      else if (at[k])
+        interpolate_to(fields.first<1>(), piece(at[k].cell), at[k],
+                       [&](std::size_t) { return to; });
+      else
+        std::fill_n(to, components, nan);
+    }
+  };
+  const mesh::GridletsView* const gridlets = gridlets_of(*mesh_);
+  if (fields.size() == 1 && gridlets && fields[0].pieces[0].is_float32)
+    put_one(GridletValues<float>(*gridlets, fields[0]));
+  else if (fields.size() == 1 && gridlets)
+    put_one(GridletValues<double>(*gridlets, fields[0]));
+  else if (fields.size() == 1)
     put(fields.first<1>());
   else
     put(fields);
@@ -81,7 +101,10 @@ inline void Sampler::interpolate_to(const Fields& fields, std::int32_t piece, co
   const std::int64_t cell = at.cell - mesh_->first_cell[piece];
   if (cells_of.gridlets) {
     for (std::size_t f = 0; f < fields.size(); ++f)
-      interpolate_in_gridlet(*cells_of.gridlets, fields[f], cell, at.parametric, values_of(f));
+      if (fields[f].pieces[0].is_float32)
+        GridletValues<float>(*cells_of.gridlets, fields[f]).at(cell, at.parametric, values_of(f));
+      else
+        GridletValues<double>(*cells_of.gridlets, fields[f]).at(cell, at.parametric, values_of(f));
     return;
   }
   double weight[8];
@@ -95,7 +118,10 @@ inline void Sampler::interpolate_to(const Fields& fields, std::int32_t piece, co
     const bool turns = turned && field.components == 3;
     if (n == 0 && (turns || field.association != INSITU_CELL)) {
       n = cells_of.vertex_ids(cell, ids);
-      cells::shape_functions(cells_of.shape(cell), at.parametric, weight);
+      const mesh::Shape shape = cells_of.layout == mesh::CellLayout::padded
+                                    ? cells_of.padded_shape(n)
+                                    : cells_of.shape(cell);
+      cells::shape_functions(shape, at.parametric, weight);
     }
     if (field.association == INSITU_CELL) {
       for (int c = 0; c < field.components; ++c)

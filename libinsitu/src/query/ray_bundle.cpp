@@ -5,7 +5,7 @@
 
 #include "query/adaptive.h"
 #include "query/bit_tables.h"
-#include "query/gridlet_query.h"
+#include "query/dual_query.h"
 #include "query/locators.h"
 #include "query/point_query.h"
 #include "query/ray_bundle_scratch.h"
@@ -89,7 +89,7 @@ void RayBundleLocator::run(std::int64_t first, int depth, std::span<const std::u
   if (!take_wanted(wanted))
     return;
   if (usable_ && sampler_.adaptive_)
-    locate_in_gridlets();
+    locate_by_place();
   if (usable_ && set_slab() && enter_all_cells()) {
     prove(false);
     prove(true);
@@ -115,14 +115,15 @@ bool RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
 }
 
 /// Without the tree, which is then asked for the others alone.
-void RayBundleLocator::locate_in_gridlets() {
-  GridletFinder finder(*sampler_.adaptive_->gridlets(), -1, sampler_.shown_gridlets_);
+void RayBundleLocator::locate_by_place() {
+  DualFinder finder(*sampler_.adaptive_, -1, sampler_.shown_);
   for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
     for_each_bit(s_.wanted[slot], [&](int k) {
       Reason why;
       Location at;
+      std::int64_t guess = -1; // which the bundle finds as well
       const int place = place_of(k, slot);
-      if (!finder.find(point(place), at, why))
+      if (!finder.find(point(place), at, why, guess))
         return;
       answer(place, at);
       ++s_.by_reason[int(why)];

@@ -76,7 +76,7 @@ private:
   math::Vec3d point(int place) const;
   void answer(int place, const Location& at) const;
   bool take_wanted(std::span<const std::uint32_t> wanted);
-  void locate_in_gridlets();
+  void locate_by_place();
   bool set_slab();
   void set_groups();
   bool enter_all_cells();

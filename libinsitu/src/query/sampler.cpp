@@ -13,7 +13,7 @@
 #include "query/chart_image.h"
 #include "query/culled_cells.h"
 #include "query/direct_batch.h"
-#include "query/gridlet_query.h"
+#include "query/dual_query.h"
 #include "query/guessed_batches.h"
 #include "query/leaf_query.h"
 #include "query/locators.h"
@@ -40,19 +40,20 @@ BatchAnswers& batch_answers() {
 /// Runs batches over points in their own or another order, and counts.
 class Batches {
 public:
-  /// counts, locators, adaptive: or null. shown_gridlets: see GridletFinder.
+  /// counts, locators, adaptive: or null. shown: see DualFinder.
   Batches(const PointQuery& query, LocateCounts* counts, const Locators* locators,
-          const Adaptive* adaptive, const std::uint64_t* shown_gridlets)
+          const Adaptive* adaptive, const std::uint64_t* shown)
       : locator_(query, batch_scratch()), counts_(counts),
         ray_counts_(locators ? &locators->ray_counts() : nullptr) {
     if (locators && locators->rays())
       by_rays_ = std::make_unique<RayBatch>(query, *locators->rays(), batch_scratch(), locator_,
                                             batch_answers());
     else if (adaptive && adaptive->gridlets())
-      by_gridlets_.emplace(GridletFinder(*adaptive->gridlets(), -1, shown_gridlets), locator_,
-                           batch_answers());
+      by_places_.emplace(DualFinder(*adaptive, -1, shown), query, batch_scratch(), locator_,
+                         batch_answers());
     else if (adaptive)
-      by_leaves_.emplace(LeafFinder(adaptive->leaves()), locator_, batch_answers());
+      by_leaves_.emplace(LeafFinder(adaptive->leaves()), query, batch_scratch(), locator_,
+                         batch_answers());
     else if (GuessedBatches::may_pay(query))
       by_guesses_.emplace(query, batch_scratch(), locator_, batch_answers());
   }
@@ -70,10 +71,10 @@ public:
 
   /// The answers of at most batch_size points; valid until the next run.
   Answered run(std::span<const Vec3d> points) {
-    const Answered answered = by_rays_       ? by_rays_->run(points)
-                              : by_gridlets_ ? by_gridlets_->run(points)
-                              : by_leaves_   ? by_leaves_->run(points)
-                                             : by_tree(points);
+    const Answered answered = by_rays_     ? by_rays_->run(points)
+                              : by_places_ ? by_places_->run(points)
+                              : by_leaves_ ? by_leaves_->run(points)
+                                           : by_tree(points);
     note(answered);
     return answered;
   }
@@ -95,8 +96,13 @@ public:
 
 private:
   void note(const Answered& answered) {
-    for (const Reason reason : answered.reasons)
-      ++by_reason_[int(reason)];
+    // In turns, since a count waits for its last one.
+    std::int32_t counts[4][reason_count] = {};
+    for (std::size_t k = 0; k < answered.reasons.size(); ++k)
+      ++counts[k & 3][int(answered.reasons[k])];
+    for (const auto& turn : counts)
+      for (int reason = 0; reason < reason_count; ++reason)
+        by_reason_[reason] += turn[reason];
   }
   Answered by_tree(std::span<const Vec3d> points) {
     locator_.run(points);
@@ -107,7 +113,7 @@ private:
   LocateCounts* counts_;
   RayCounts* ray_counts_;
   std::unique_ptr<RayBatch> by_rays_;
-  std::optional<DirectBatch<GridletFinder>> by_gridlets_;
+  std::optional<DirectBatch<DualFinder>> by_places_;
   std::optional<DirectBatch<LeafFinder>> by_leaves_;
   std::optional<GuessedBatches> by_guesses_;
   std::int64_t by_reason_[reason_count] = {};
@@ -159,26 +165,26 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
   const Vec3d p = chart_ ? (*chart_)(given) : given;
   Reason why = Reason::outside;
   Location at;
-  const GridletPlaces* const gridlets = adaptive_ ? adaptive_->gridlets() : nullptr;
+  const bool dual = adaptive_ && adaptive_->gridlets();
   bool found = false;
-  if (gridlets)
-    found = GridletFinder(*gridlets, hint < mesh_->first_cell[1] ? hint : -1, shown_gridlets_)
-                .find(p, at, why);
+  std::int64_t guess = hint; // or, without one, what the point's place suggests
+  if (dual)
+    found = DualFinder(*adaptive_, hint, shown_).find(p, at, why, guess);
   else if (adaptive_)
     found = LeafFinder(adaptive_->leaves()).find(p, at, why);
   const bool proofs_count =
       mesh_->free_of_folds ||
       (!tree_->odd().empty() && options.alpha == 1.0 && !tree_->odd().may_hold(p));
-  if (!found && hint >= 0 && proofs_count && hint < mesh_->cell_count() && owns(hint)) {
+  if (!found && guess >= 0 && proofs_count && guess < mesh_->cell_count() && owns(guess)) {
     mesh::CellVertices cell;
-    mesh::gather(*mesh_, hint, cell, options.alpha);
+    mesh::gather(*mesh_, guess, cell, options.alpha);
     const auto map = cells::inverse_map(cell.shape, cell.x, p);
     if (map.margin > map.error) {
-      at = {hint, map.r};
+      at = {guess, map.r};
       why = Reason::certified;
     }
   }
-  if (!found && !at && (gridlets || !adaptive_))
+  if (!found && !at && (dual || !adaptive_))
     at = PointQuery{*mesh_, *tree_, options}.locate(p, why);
   if (counts_)
     counts_->add(why);
@@ -191,7 +197,7 @@ Sampler Sampler::among(const CulledCells& cells) const {
   Sampler some = *this;
   some.tree_ = &cells.tree();
   some.locators_ = nullptr; // these know all cells
-  some.shown_gridlets_ = cells.shown_gridlets();
+  some.shown_ = cells.shown();
   return some;
 }
 
@@ -205,7 +211,7 @@ void Sampler::count_certified(std::int64_t points) const {
 void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> locations,
                             const LocateOptions& options, std::span<std::uint8_t> reasons) const {
   const PointQuery query{*mesh_, *tree_, options};
-  Batches batches(query, counts_, locators_, adaptive_, shown_gridlets_);
+  Batches batches(query, counts_, locators_, adaptive_, shown_);
   std::vector<Vec3d> images(chart_ ? std::min<std::size_t>(batch_size, points.size()) : 0);
   for (std::size_t first = 0; first < points.size(); first += batch_size) {
     const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
@@ -243,7 +249,7 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
         sorts ? order_->sort(threads, part, *tree_) : std::span<const accel::morton::Coded>();
     threads.parallel_for(
         std::int64_t(part.size()), grain, [&](std::int64_t begin, std::int64_t end) {
-          Batches batches(query, counts_, locators_, adaptive_, shown_gridlets_);
+          Batches batches(query, counts_, locators_, adaptive_, shown_);
           if (!sorts) {
             const auto count = std::size_t(end - begin);
             auto own = part.subspan(std::size_t(begin));

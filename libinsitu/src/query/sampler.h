@@ -174,7 +174,7 @@ private:
   const Locators* locators_;
   const Adaptive* adaptive_;
   const ChartImage* chart_;
-  const std::uint64_t* shown_gridlets_ = nullptr; ///< a bit each; null: all
+  const std::uint64_t* shown_ = nullptr; ///< see DualFinder
 };
 
 } // namespace insitu::query

@@ -170,9 +170,9 @@ private:
     row.coherent_points = std::int64_t(raster_.size());
     if (m.has_stand_in())
       split_raster(mesh, row);
-    Answers at_centres(centres_.size());
-    sample(context_.threads, mesh, centres_, at_centres, {});
-    check_centres(std::span<const double>(at_centres.values), row);
+    std::vector<double> at_centres(centres_.size());
+    sample(mesh, centres_, at_centres);
+    check_centres(std::span<const double>(at_centres), row);
     return row;
   }
 
@@ -215,20 +215,31 @@ private:
     }
   }
 
+  /// Values alone, as Open VKL gives them.
+  void sample(const query::CommittedMesh& mesh, std::span<const math::Vec3d> points,
+              std::vector<double>& values) const {
+    const query::Sampler sampler = mesh.sampler();
+    const mesh::FieldView field = mesh.mesh().field("f");
+    double* const to = values.data();
+    sampler.visit(context_.threads, points, {}, [&](const query::Answered& answered) {
+      sampler.interpolate(std::span(&field, 1), answered, 0, &to);
+    });
+  }
+
   /// Returns how many points had no value. With a peer's method: that too, in turns.
   std::int64_t sample_all(const query::CommittedMesh& mesh, std::span<const math::Vec3d> points,
                           Series& series, std::optional<Method> peer = std::nullopt,
                           Series* peers_series = nullptr) {
-    Answers answers(points.size());
-    sample(context_.threads, mesh, points, answers, {}); // touches pages
+    std::vector<double> values(points.size());
+    sample(mesh, points, values); // touches pages
     if (peer)
       peer_->set_points(points);
     for (int i = 0; i < o_.repetitions; ++i) {
-      series.time([&] { sample(context_.threads, mesh, points, answers, {}); });
+      series.time([&] { sample(mesh, points, values); });
       if (peer)
         peers_series->time([&] { (void)peer_->sample(*peer, context_.threads); });
     }
-    return lost(std::span<const double>(answers.values));
+    return lost(std::span<const double>(values));
   }
 
   const Options& o_;
