@@ -34,8 +34,12 @@ private:
 
   bool find_by_place(const math::Vec3d& p, Location& at, Reason& reason, std::int64_t& guess) {
     // A cell's lower leaf and its corner tell its gridlet and its frustum alike.
-    for (int d = 0; d < places_->depth_count(); ++d) {
-      const int depth = places_->depth(d);
+    // Neighbours mostly have the same depth.
+    const int last = last_depth_, depths = places_->depth_count();
+    for (int d = depths > 0 ? -1 : 0; d < depths; ++d) {
+      if (d == last)
+        continue;
+      const int depth = places_->depth(d < 0 ? last : d);
       const GridletPlaces::Steps& steps = places_->steps(depth);
       std::int64_t index[3], corner[3];
       bool near = true;
@@ -47,8 +51,10 @@ private:
         corner[a] = index[a] + 1;
       }
       if (near && (gridlets_.find_at(p, depth, index, at, reason) ||
-                   frusta_.find_at(p, depth, corner, at, reason, guess)))
+                   frusta_.find_at(p, depth, corner, at, reason, guess))) {
+        last_depth_ = d < 0 ? last : d;
         return true;
+      }
     }
     return frusta_.find_within(p, at, reason, guess);
   }
@@ -57,6 +63,7 @@ private:
   const mesh::Lattice* lattice_;
   GridletFinder gridlets_;
   FrustumFinder frusta_;
+  int last_depth_ = 0; ///< a number of GridletPlaces::depth
 };
 
 } // namespace insitu::query

@@ -82,8 +82,22 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
         std::fill_n(to, components, nan);
     }
   };
+  // One number a cell: little but finding it is left to do.
+  const auto put_own = [&] {
+    const mesh::FieldView& field = fields[0];
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      const std::size_t i = first + answered.item(k);
+      values[0][i] = nan;
+      if (at[k]) {
+        const std::int32_t p = piece(at[k].cell);
+        values[0][i] = field.pieces[p].load(at[k].cell - mesh_->first_cell[p], 0);
+      }
+    }
+  };
   const mesh::GridletsView* const gridlets = gridlets_of(*mesh_);
-  if (fields.size() == 1 && gridlets && fields[0].pieces[0].is_float32)
+  if (fields.size() == 1 && fields[0].association == INSITU_CELL && fields[0].components == 1)
+    put_own();
+  else if (fields.size() == 1 && gridlets && fields[0].pieces[0].is_float32)
     put_one(GridletValues<float>(*gridlets, fields[0]));
   else if (fields.size() == 1 && gridlets)
     put_one(GridletValues<double>(*gridlets, fields[0]));
