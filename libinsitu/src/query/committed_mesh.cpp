@@ -208,7 +208,7 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
     throw core::Error(INSITU_ERROR_MESH, validation.findings);
   // Where depths count downwards, cells that are the right way round are mirrored, all of them.
   const insitu_validation& c = validation.counts;
-  const bool mirrored = frame.kind == INSITU_FRAME_GEODETIC && frame.vertical == INSITU_DOWN &&
+  const bool mirrored = frame.vertical == INSITU_DOWN &&
                         c.inverted_cells == c.cells - c.ghost_cells &&
                         c.zero_volume_cells + c.folded_cells + c.collapsed_cells == 0;
   if (!validation.warning.empty() && !mirrored)

@@ -218,7 +218,7 @@ private:
     const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
     std::optional<advect::StepBefore> before;
     if (interval_before_)
-      before = step_before(tracer_, *interval_before_, mesh.frame.kind == INSITU_FRAME_GEOCENTRIC);
+      before = step_before(tracer_, *interval_before_, mesh.frame);
     try {
       note_steps(step, particles_.advance(mesh.sampler(), velocity, {earlier, step.times_before},
                                           settled_, step.time, context.threads, snapshots(),
