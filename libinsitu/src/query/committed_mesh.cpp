@@ -25,6 +25,11 @@ std::unique_ptr<mesh::HostMirror> make_mirror(const mesh::Mesh& mesh) {
       });
 }
 
+/// How often the tree is asked in vain for a neighbour, a cell, until finding them all would have
+/// been as fast. Finding took 0.1 to 0.34 us a tetrahedron, 0.28 a wedge and 0.55 a hexahedron, and
+/// saved 0.15 to 0.5, 0.3 and 0.7 us a point on the same busy machine.
+constexpr double neighbours_price = 1.0;
+
 std::uint64_t next_id() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
@@ -51,6 +56,31 @@ void CommittedMesh::look_for_folds(const core::Threads& threads) {
   if (folds_are_known_)
     return;
   set_odd_cells(cells::find_odd_cells(mesh_.view(), threads), threads);
+}
+
+void CommittedMesh::find_neighbours(const core::Threads& threads) {
+  require_committed();
+  if (neighbours_ || lies_on_device() || !accel::FaceNeighbours::fits(mesh_.view()))
+    return;
+  neighbours_ = std::make_unique<accel::FaceNeighbours>(*memory_);
+  neighbours_->build(mesh_.view(), threads);
+}
+
+void CommittedMesh::find_neighbours_if_due(const core::Threads& threads) {
+  if (double(unguided()) > neighbours_price * double(mesh_.view().cell_count()))
+    find_neighbours(threads);
+}
+
+std::int64_t CommittedMesh::neighbours_bytes(const core::Threads& threads) const {
+  const mesh::MeshView& view = mesh_.view();
+  return lies_on_device() || !accel::FaceNeighbours::fits(view)
+             ? 0
+             : accel::FaceNeighbours::bytes(view, threads);
+}
+
+void CommittedMesh::forget_neighbours() {
+  neighbours_.reset();
+  unguided_before_ = locate_counts_.unguided();
 }
 
 /// The tree, if it is there, has the mesh's cells.
@@ -219,6 +249,7 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
   odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);
   mesh_.set_free_of_folds(odd_cells_.none());
   part_from_earlier(threads);
+  forget_neighbours();
   ++topology_version_;
 }
 
@@ -241,6 +272,7 @@ void CommittedMesh::commit_adaptive(std::uint32_t pending, insitu_commit_report&
     policy_.topology_changed();
     mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until there are leaves
     part_from_earlier(threads);
+    forget_neighbours();
     if (!adaptive_)
       adaptive_ = std::make_unique<Adaptive>(*memory_);
     adaptive_->build(mesh_, threads);
