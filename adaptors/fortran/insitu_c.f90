@@ -97,7 +97,8 @@ module insitu_c
       insitu_memory_earlier = 4, insitu_memory_query = 5, insitu_memory_tracer = 6, &
       insitu_memory_frame = 7, insitu_memory_converted = 8, insitu_memory_embree = 9, &
       insitu_memory_device = 10, insitu_memory_amr = 11, insitu_memory_gathered = 12, &
-      insitu_memory_geocentric = 13, insitu_memory_chart = 14, insitu_memory_count = 14
+      insitu_memory_geocentric = 13, insitu_memory_chart = 14, insitu_memory_neighbours = 15, &
+      insitu_memory_count = 15
 
   type, bind(c) :: c_session_options
     integer(c_size_t) :: size = 0

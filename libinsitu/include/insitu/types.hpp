@@ -130,11 +130,12 @@ public:
     f.frame_.origin[2] = height;
     return f;
   }
-  /** Easting, northing and height in metres in a zone from 1 to 60. */
-  static Frame utm(int zone, bool north) noexcept {
+  /** Easting, northing and a height or depth in metres in a zone from 1 to 60. */
+  static Frame utm(int zone, bool north, Vertical vertical = Vertical::up) noexcept {
     Frame f(INSITU_FRAME_UTM);
     f.frame_.utm_zone = zone;
     f.frame_.utm_north = north ? 1 : 0;
+    f.frame_.vertical = static_cast<insitu_vertical>(vertical);
     return f;
   }
   const insitu_frame& get() const noexcept { return frame_; }

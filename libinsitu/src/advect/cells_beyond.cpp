@@ -4,6 +4,7 @@
 #include <bit>
 #include <vector>
 
+#include "cells/faces.h"
 #include "cells/kernels.h"
 #include "mesh/view.h"
 
@@ -40,9 +41,27 @@ Vec3d beyond(Shape shape, int side) {
   }
 }
 
+/// visit(cell, shape) for some of the cells that own points.
+template <class Visit>
+void for_a_few(const mesh::MeshView& mesh, Visit&& visit) {
+  constexpr int looked_at = 9;
+  for (int k = 0; k < looked_at; ++k) {
+    const auto cell = std::int64_t(double(mesh.cell_count()) * (2 * k + 1) / (2 * looked_at));
+    const std::int32_t p = mesh.piece_of(cell);
+    const mesh::PieceView& piece = mesh.pieces[p];
+    const std::int64_t local = cell - mesh.first_cell[p];
+    if (!piece.gridlets && piece.owns(local))
+      visit(cell, piece.shape(local));
+  }
+}
+
 } // namespace
 
-CellsBeyond::CellsBeyond(const query::Sampler& sampler) {
+CellsBeyond::CellsBeyond(const query::Sampler& sampler) : neighbours_(sampler.neighbours()) {
+  if (neighbours_) {
+    knows_ = knows_most_ = true;
+    return;
+  }
   // Without its counts: these are no queries of the caller's.
   const query::Sampler bare(sampler.mesh(), sampler.tree());
   const mesh::MeshView& mesh = sampler.mesh();
@@ -56,23 +75,16 @@ CellsBeyond::CellsBeyond(const query::Sampler& sampler) {
     knows_ |= steps.known != 0;
     knows_most_ |= std::popcount(steps.known) > sides / 2;
   }
+  lacks_neighbours_ = accel::FaceNeighbours::fits(mesh) && !tells_most(mesh);
 }
 
 /// The step over one side, if most of the cells that are looked at have it.
 void CellsBeyond::learn(const query::Sampler& sampler, bool wedges, int side, Steps& steps) {
-  constexpr int looked_at = 9;
   const mesh::MeshView& mesh = sampler.mesh();
   std::vector<std::int64_t> found;
-  for (int k = 0; k < looked_at; ++k) {
-    const auto cell = std::int64_t(double(mesh.cell_count()) * (2 * k + 1) / (2 * looked_at));
-    const std::int32_t p = mesh.piece_of(cell);
-    const mesh::PieceView& piece = mesh.pieces[p];
-    const std::int64_t local = cell - mesh.first_cell[p];
-    if (piece.gridlets || !piece.owns(local))
-      continue;
-    const Shape shape = piece.shape(local);
+  for_a_few(mesh, [&](std::int64_t cell, Shape shape) {
     if (wedges ? shape != Shape::wedge : !is_brick(shape))
-      continue;
+      return;
     mesh::CellVertices c;
     mesh::gather(mesh, cell, c);
     double weight[8];
@@ -82,7 +94,7 @@ void CellsBeyond::learn(const query::Sampler& sampler, bool wedges, int side, St
       x += weight[v] * c.x[v];
     if (const query::Location at = sampler.locate(x); at && at.cell != cell)
       found.push_back(at.cell - cell);
-  }
+  });
   if (found.size() < 3)
     return;
   std::sort(found.begin(), found.end());
@@ -91,6 +103,16 @@ void CellsBeyond::learn(const query::Sampler& sampler, bool wedges, int side, St
     steps.step[side] = step;
     steps.known |= 1U << side;
   }
+}
+
+bool CellsBeyond::tells_most(const mesh::MeshView& mesh) const {
+  int told = 0, faces = 0;
+  for_a_few(mesh, [&](std::int64_t, Shape shape) {
+    faces += cells::face_table(shape).face_count;
+    if (is_brick(shape) || shape == Shape::wedge)
+      told += std::popcount(steps_[shape == Shape::wedge].known);
+  });
+  return 2 * told > faces;
 }
 
 unsigned CellsBeyond::sides_beyond(Shape shape, const Vec3d& r, double near) {
@@ -102,6 +124,24 @@ unsigned CellsBeyond::sides_beyond(Shape shape, const Vec3d& r, double near) {
     return unsigned(r.x < near) | unsigned(r.y < near) << 1 | unsigned(r.x + r.y > far) << 2 |
            unsigned(r.z < near) << 3 | unsigned(r.z > far) << 4;
   return 0;
+}
+
+int CellsBeyond::face_beyond(Shape shape, const Vec3d& r, double near) {
+  double distance[6], weight[8];
+  int faces = 6;
+  if (is_brick(shape)) {
+    for (int a = 0; a < 3; ++a) {
+      distance[2 * a] = r[a];
+      distance[2 * a + 1] = 1.0 - r[a];
+    }
+  } else {
+    cells::shape_functions(shape, r, weight);
+    faces = cells::face_table(shape).face_count;
+    for (int f = 0; f < faces; ++f)
+      distance[f] = cells::parametric_distance(shape, f, weight);
+  }
+  const double* const least = std::min_element(distance, distance + faces);
+  return *least < near ? int(least - distance) : -1;
 }
 
 } // namespace insitu::advect

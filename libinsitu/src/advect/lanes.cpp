@@ -37,6 +37,10 @@ void LaneBatch::answer(std::span<LaneVelocity* const> lanes) {
       ask(*l, *l->own_);
     } else {
       l->walked_ = 0;
+      if (const std::int64_t cell = l->keeps_ ? l->first_guess() : -1; cell >= 0) {
+        guessed_.push_back({l, cell});
+        continue;
+      }
       LaneVelocity::Kept* const k = l->keeps_ ? l->first_to_try(l->x_) : nullptr;
       k ? ask(*l, *k) : missed_.push_back(l);
     }
@@ -172,6 +176,10 @@ void LaneBatch::locate() {
     points_.push_back(l->beyond_);
   locations_.resize(all);
   sampler_->locate_serial(points_, locations_, first.options());
+  for (std::size_t i = 0; i < misses; ++i)
+    lost_[i]->note_unguided();
+  for (std::size_t i = misses; i < all; ++i)
+    crossing_[i - misses]->unguided_ += crossing_[i - misses]->lacks_guide_;
   for (std::size_t i = 0; i < misses; ++i)
     if (locations_[i])
       lost_[i]->expect(locations_[i].cell);

@@ -43,6 +43,7 @@ MeshVelocity::Kept& MeshVelocity::keep(std::int64_t cell) {
 
 /// By the sampler: the point is in no cell that is kept, or cannot be proven to be.
 Sampled MeshVelocity::located(const Vec3d& x, Vec3d& v, query::Location* where) {
+  note_unguided();
   const query::Location at = sampler_->locate(x, keeps_ ? -1 : hint_, options());
   if (where)
     *where = at;
@@ -223,6 +224,7 @@ query::Location MeshVelocity::locate(const Vec3d& x) {
       return {cell, map.r};
     }
   }
+  unguided_ += lacks_guide_;
   return sampler_->locate(x, own_->cell, options());
 }
 

@@ -32,7 +32,10 @@ public:
   /// What the arguments refer to must outlive the object.
   MeshVelocity(const query::Sampler& sampler, const mesh::FieldView& now,
                const EarlierSteps& earlier, double t0, double t1, insitu_accuracy accuracy);
-  ~MeshVelocity() { sampler_->count_certified(proven_); }
+  ~MeshVelocity() {
+    sampler_->count_certified(proven_);
+    sampler_->count_unguided(unguided_);
+  }
   MeshVelocity(const MeshVelocity&) = delete;
   MeshVelocity& operator=(const MeshVelocity&) = delete;
 
@@ -40,6 +43,7 @@ public:
   /// null. It must outlive the object. Where cells overlap, another one may answer.
   void walk_by(const CellsBeyond* beyond) {
     beyond_cells_ = beyond && beyond->knows() ? beyond : nullptr;
+    lacks_guide_ = keeps_ && beyond && beyond->lacks_neighbours();
   }
 
   /// Begins with a new particle; hint: its last cell, or -1.
@@ -171,7 +175,9 @@ protected:
       return in_own_cell(x, v, at);
     if (keeps_) {
       int walked = 0;
-      for (Kept* k = first_to_try(x); k; k = next_to_try(k, x, walked)) {
+      const std::int64_t first = first_guess();
+      Kept* k = first >= 0 ? &beside(first) : first_to_try(x);
+      for (; k; k = next_to_try(k, x, walked)) {
         blend(*k);
         const auto map = cells::inverse_map(k->vertices.shape, k->vertices.x, x);
         if (map.margin > map.error) {
@@ -217,10 +223,14 @@ protected:
   }
   /// A cell to go on to from one beyond whose faces a point was just found, or -1.
   std::int64_t next_guess(const Kept* tried, int& walked) const {
-    if (!beyond_cells_ || !outside_known_ || walked++ == most_walked)
+    if (!beyond_cells_ || !outside_known_ || walked++ == beyond_cells_->most_guesses())
       return -1;
     const std::int64_t cell = next_cell(*tried, outside_, 0.0);
     return cell == kept_[last_]->cell ? -1 : cell;
+  }
+  /// Before a new particle's first point: its last cell, or -1.
+  std::int64_t first_guess() const {
+    return kept_[last_]->cell < 0 && hint_ >= 0 && may_own(hint_) ? hint_ : -1;
   }
   Kept* other_to_try(const Kept* tried, const math::Vec3d& x) const {
     Kept* const other = kept_[last_ ^ 1];
@@ -254,6 +264,9 @@ protected:
     return along_ == 0 ? margin : depth_beside(r);
   }
   bool can_keep(std::int64_t cell) const;
+  bool may_own(std::int64_t cell) const;
+  /// The sampler is asked for a point that a neighbour might have held.
+  void note_unguided() { unguided_ += lacks_guide_ && kept_[last_]->cell >= 0; }
 
   const query::Sampler* sampler_;
   mesh::FieldView fields_[most_steps]; ///< at each step, the current one first
@@ -270,9 +283,10 @@ protected:
   math::Vec3d extent_;
   std::int64_t proven_ = 0; ///< points located without the sampler
 
-  /// Guesses for one point.
-  static constexpr int most_walked = 2;
+  std::int64_t unguided_ = 0; ///< points for which the sampler was asked for want of a guide
+
   const CellsBeyond* beyond_cells_ = nullptr;
+  bool lacks_guide_ = false; ///< beyond_cells_ tells little, and a table would be better
   bool outside_known_ = false;
   math::Vec3d outside_; ///< coordinates in the cell that was tried last
   Kept cells_[3];

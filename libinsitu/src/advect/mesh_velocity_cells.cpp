@@ -74,6 +74,8 @@ void MeshVelocity::open(Kept& k, std::int64_t cell) const {
   k.opened = cell;
   c.shape = piece.shape(local);
   c.count = piece.vertex_ids(local, c.ids);
+  if (beyond_cells_)
+    beyond_cells_->foresee(cell);
   if (has_points(piece))
     prefetch(piece.points.component, piece.points.layout, c.ids, c.count);
   if (fields_[0].association == INSITU_CELL)
@@ -121,18 +123,19 @@ void MeshVelocity::load(Kept& k, std::int64_t cell) const {
   }
 }
 
-/// The guess at a neighbour, or a cell across an edge or vertex: one that may own points and has
-/// vertices to keep; or -1.
-std::int64_t MeshVelocity::next_cell(const Kept& from, const Vec3d& r, double near) const {
+/// A cell that may own points and has vertices to keep.
+bool MeshVelocity::may_own(std::int64_t cell) const {
   const mesh::MeshView& mesh = sampler_->mesh();
-  const std::int64_t cell = beyond_cells_->guess(from.cell, from.vertices.shape, r, near);
-  if (cell < 0 || cell >= mesh.cell_count())
-    return -1;
   const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(cell);
   const mesh::PieceView& piece = mesh.pieces[p];
   const std::int64_t local = cell - mesh.first_cell[p];
-  return !piece.gridlets && piece.owns(local) && piece.shape(local) != mesh::Shape::none ? cell
-                                                                                         : -1;
+  return !piece.gridlets && piece.owns(local) && piece.shape(local) != mesh::Shape::none;
+}
+
+/// The guess at a neighbour, or a cell across an edge or vertex; or -1.
+std::int64_t MeshVelocity::next_cell(const Kept& from, const Vec3d& r, double near) const {
+  const std::int64_t cell = beyond_cells_->guess(from.cell, from.vertices.shape, r, near);
+  return cell >= 0 && cell < sampler_->mesh().cell_count() && may_own(cell) ? cell : -1;
 }
 
 /// The guess at the cell across the face of the own cell on which the point asked last lies.

@@ -15,7 +15,7 @@ namespace insitu::output {
 namespace {
 
 constexpr std::string_view magic = "INSITUCP";
-constexpr std::uint32_t version = 5, byte_order = 0x01020304;
+constexpr std::uint32_t version = 6, byte_order = 0x01020304;
 constexpr std::size_t longest_name = 255;
 
 struct Head {

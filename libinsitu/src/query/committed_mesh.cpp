@@ -11,7 +11,6 @@
 #include "core/timer.h"
 #include "mesh/host_mirror.h"
 #include "query/hanging_vertices.h"
-#include "query/overlaps.h"
 #include "query/point_query.h"
 
 namespace insitu::query {
@@ -44,27 +43,6 @@ void CommittedMesh::require_committed() const {
     throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() +
                                               "' changed since its commit; call "
                                               "insitu_mesh_commit first");
-}
-
-void CommittedMesh::look_for_folds(const core::Threads& threads) {
-  require_committed();
-  if (folds_are_known_)
-    return;
-  set_odd_cells(cells::find_odd_cells(mesh_.view(), threads), threads);
-}
-
-/// The tree, if it is there, has the mesh's cells.
-void CommittedMesh::set_odd_cells(cells::OddCells odd, const core::Threads& threads) {
-  folds_are_known_ = true;
-  odd_cells_ = std::move(odd);
-  mesh_.set_free_of_folds(odd_cells_.none());
-  tree_.mark_odd(mesh_.view(), odd_cells_.ids, threads);
-}
-
-/// Worth its time only to candidates: they may then answer alone in `exact`.
-void CommittedMesh::look_for_overlaps(const core::Threads& threads) {
-  if (locators_.pick().method != accel::Method::bvh)
-    mesh_.set_covers_once(covers_once(mesh_.view(), locators_.faces(), tree_, threads));
 }
 
 /// Structures of the locator beside the tree, which stands.
@@ -208,7 +186,7 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
     throw core::Error(INSITU_ERROR_MESH, validation.findings);
   // Where depths count downwards, cells that are the right way round are mirrored, all of them.
   const insitu_validation& c = validation.counts;
-  const bool mirrored = frame.kind == INSITU_FRAME_GEODETIC && frame.vertical == INSITU_DOWN &&
+  const bool mirrored = frame.vertical == INSITU_DOWN &&
                         c.inverted_cells == c.cells - c.ghost_cells &&
                         c.zero_volume_cells + c.folded_cells + c.collapsed_cells == 0;
   if (!validation.warning.empty() && !mirrored)
@@ -219,6 +197,7 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
   odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);
   mesh_.set_free_of_folds(odd_cells_.none());
   part_from_earlier(threads);
+  forget_neighbours();
   ++topology_version_;
 }
 
@@ -241,6 +220,7 @@ void CommittedMesh::commit_adaptive(std::uint32_t pending, insitu_commit_report&
     policy_.topology_changed();
     mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until there are leaves
     part_from_earlier(threads);
+    forget_neighbours();
     if (!adaptive_)
       adaptive_ = std::make_unique<Adaptive>(*memory_);
     adaptive_->build(mesh_, threads);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "accel/faces/face_neighbours.h"
 #include "accel/tree.h"
 #include "cells/odd_cells.h"
 #include "cells/validate.h"
@@ -65,6 +66,20 @@ public:
   /// step): for callers with many hints. A commit calls it if the step before located many points,
   /// or with a ray method, whose candidates are worth little before.
   void look_for_folds(const core::Threads& threads);
+  /// Finds the cells across faces, if there can be a table of them, for callers that go from cell
+  /// to cell. Kept until the topology changes.
+  void find_neighbours(const core::Threads& threads);
+  /// The same once particles have asked the tree for as many points as finding takes time: then it
+  /// costs at most as much again as was lost without. For callers that are about to move some.
+  void find_neighbours_if_due(const core::Threads& threads);
+  /// The points asked since the topology changed; and back, from a checkpoint on the same cells.
+  std::int64_t unguided() const { return locate_counts_.unguided() - unguided_before_; }
+  void restore_unguided(std::int64_t points) {
+    unguided_before_ = locate_counts_.unguided() - points;
+  }
+  /// The bytes of the table that this may make; 0 if none.
+  std::int64_t neighbours_bytes(const core::Threads& threads) const;
+  const accel::FaceNeighbours* neighbours() const { return neighbours_.get(); }
   Sampler sampler() const {
     return {mesh_.view(),
             tree_,
@@ -72,7 +87,8 @@ public:
             &locate_counts_,
             &locators_,
             adaptive_.get(),
-            geodetic_ ? &geodetic_->image() : nullptr};
+            geodetic_ ? &geodetic_->image() : nullptr,
+            neighbours_.get()};
   }
   /// A location as the solver counts cells, flat over the pieces of mesh().own_view(): the same but
   /// on the dual of an adaptive mesh, where it is the leaf that holds p, and in copies of a
@@ -123,6 +139,7 @@ private:
   std::optional<ChartImage> chart() const;
   void part_from_earlier(const core::Threads& threads);
   void note_queries();
+  void forget_neighbours();
   void commit_on_host(std::uint32_t pending, insitu_commit_report& report,
                       const core::Threads& threads, const core::Log& log);
   void commit_on_device(std::uint32_t pending, insitu_commit_report& report,
@@ -149,7 +166,9 @@ private:
   Locators locators_;
   std::unique_ptr<Adaptive> adaptive_; ///< of adaptive meshes
   std::unique_ptr<Geodetic> geodetic_; ///< of geodetic meshes
-  mutable SpatialOrder order_;         ///< scratch of queries
+  std::unique_ptr<accel::FaceNeighbours> neighbours_;
+  std::int64_t unguided_before_ = 0; ///< points, when the topology last changed
+  mutable SpatialOrder order_;       ///< scratch of queries
   mutable LocateCounts locate_counts_;
   core::Memory* memory_;
   TreePolicy policy_;

@@ -12,8 +12,9 @@
 #include "mesh/view.h"
 
 namespace insitu::accel {
+class FaceNeighbours;
 class Tree;
-}
+} // namespace insitu::accel
 
 namespace insitu::query {
 
@@ -59,6 +60,11 @@ public:
   void add(Reason reason);
   std::array<std::int64_t, reason_count> totals() const;
 
+  /// Points, among those counted, that particles asked for because no neighbour was known of the
+  /// cell that they were in; see CommittedMesh::find_neighbours_if_due().
+  void add_unguided(std::int64_t points) { unguided_.fetch_add(points, std::memory_order_relaxed); }
+  std::int64_t unguided() const { return unguided_.load(std::memory_order_relaxed); }
+
 private:
   /// A few copies, a cache line each, so that threads do not wait for each other.
   struct alignas(64) Copy {
@@ -67,6 +73,7 @@ private:
   static constexpr std::size_t copy_count = 16;
   Copy& mine();
   Copy copies_[copy_count];
+  std::atomic<std::int64_t> unguided_{0};
 };
 
 /// How batches by a ray method were answered, in points. Thread-safe.
@@ -86,15 +93,18 @@ public:
   /// the tree alone, as single points always do. The answers are the same but in `fast`.
   /// adaptive: of which these are the cells, most of which then need no tree; or null.
   /// chart: of a geodetic mesh; points are in its frame, and located by their images; or null.
+  /// neighbours: of the mesh's cells, for callers that go from cell to cell; or null.
   Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrder* order = nullptr,
           LocateCounts* counts = nullptr, const Locators* locators = nullptr,
-          const Adaptive* adaptive = nullptr, const ChartImage* chart = nullptr)
+          const Adaptive* adaptive = nullptr, const ChartImage* chart = nullptr,
+          const accel::FaceNeighbours* neighbours = nullptr)
       : mesh_(&mesh), tree_(&tree), order_(order), counts_(counts), locators_(locators),
-        adaptive_(adaptive), chart_(chart) {}
+        adaptive_(adaptive), chart_(chart), neighbours_(neighbours) {}
 
   const mesh::MeshView& mesh() const { return *mesh_; }
   const accel::Tree& tree() const { return *tree_; }
   const ChartImage* chart() const { return chart_; }
+  const accel::FaceNeighbours* neighbours() const { return neighbours_; }
   /// The same for points that are images already (ChartImage); vectors in cells on a turned chart
   /// then come out along its own east and north.
   Sampler among_images() const {
@@ -115,6 +125,11 @@ public:
 
   /// Counts points that a caller has located itself, each proven to be strictly inside its cell.
   void count_certified(std::int64_t points) const;
+  /// Counts points as LocateCounts::add_unguided().
+  void count_unguided(std::int64_t points) const {
+    if (counts_ && points > 0)
+      counts_->add_unguided(points);
+  }
 
   /// The same for a batch, in parallel; points and locations have the same size, and reasons has it
   /// or is empty. reasons say how this call decided.
@@ -174,6 +189,7 @@ private:
   const Locators* locators_;
   const Adaptive* adaptive_;
   const ChartImage* chart_;
+  const accel::FaceNeighbours* neighbours_;
   const std::uint64_t* shown_ = nullptr; ///< see DualFinder
 };
 

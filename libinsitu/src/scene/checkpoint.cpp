@@ -26,6 +26,7 @@ std::uint64_t mix(std::uint64_t hash, std::uint64_t value) {
 void KeptMesh::keep(core::Archive& archive, mesh::CellsCopy& cells) {
   archive.value("mesh", name);
   archive.value("cells", fingerprint);
+  archive.value("unguided points", unguided);
   step.keep(archive);
   cells.keep(archive);
   bool has_chart = chart.has_value();
@@ -131,7 +132,7 @@ void Runner::write_checkpoint(const std::string& path, MeshList meshes) {
     if (!mesh->lies_on_device()) {
       KeptMesh kept{mesh->mesh().name(),
                     fingerprint(mesh->mesh().view(), environment_.context.threads),
-                    mesh->mesh().copy_earlier(), mesh->earlier_chart()};
+                    mesh->unguided(), mesh->mesh().copy_earlier(), mesh->earlier_chart()};
       kept.keep(archive, mesh->earlier_cells());
     }
   archive.commit(path);
@@ -161,6 +162,8 @@ void Runner::bring_back_earlier(MeshList meshes) {
       if (mesh->mesh().name() != kept.name || mesh->lies_on_device())
         continue;
       const bool same_cells = fingerprint(mesh->mesh().view(), threads) == kept.fingerprint;
+      if (same_cells)
+        mesh->restore_unguided(kept.unguided);
       if (same_cells && !kept.step.fields.empty())
         mesh->mesh().set_earlier(kept.step);
       if (!same_cells) {

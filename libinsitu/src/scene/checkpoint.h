@@ -16,6 +16,7 @@ namespace insitu::scene {
 struct KeptMesh {
   std::string name;
   std::uint64_t fingerprint = 0;
+  std::int64_t unguided = 0; ///< query::CommittedMesh::unguided()
   mesh::EarlierStep step;
   std::optional<query::ChartImage> chart; ///< of a geodetic mesh: where its cells are
 

@@ -74,12 +74,13 @@ void parse_settling(const Cursor& cursor, TracerEffects& effects) {
     if (map.has("velocity")) {
       down->fail("'down' belongs to 'speed'");
     }
-    assign(s.down, down->vector());
-    const double length = std::hypot(s.down.x, s.down.y, s.down.z);
+    math::Vec3d to;
+    assign(to, down->vector());
+    const double length = std::hypot(to.x, to.y, to.z);
     if (!(length > 0.0)) {
       down->fail("a direction expected, [0, 0, 0] found");
     } else {
-      s.down = s.down / length;
+      s.down = to / length;
     }
   }
 }

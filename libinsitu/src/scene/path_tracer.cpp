@@ -214,11 +214,12 @@ private:
     if (earlier_steps(mesh, step) > 0)
       earlier = mesh.mesh().earlier_fields(tracer_.velocity.text);
     mesh.look_for_folds(context.threads); // particles ask with hints
+    mesh.find_neighbours_if_due(context.threads);
     mesh.mesh().expose_earlier(!earlier.empty(), context.threads);
     const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
     std::optional<advect::StepBefore> before;
     if (interval_before_)
-      before = step_before(tracer_, *interval_before_, mesh.frame.kind == INSITU_FRAME_GEOCENTRIC);
+      before = step_before(tracer_, *interval_before_, mesh.frame);
     try {
       note_steps(step, particles_.advance(mesh.sampler(), velocity, {earlier, step.times_before},
                                           settled_, step.time, context.threads, snapshots(),

@@ -42,6 +42,7 @@ public:
       settings.length = *tracer_.until.length;
     settings.effects = effects_at(tracer_, mesh, step, 0, environment_.scene_file);
     mesh.look_for_folds(environment_.context.threads); // particles ask with hints
+    mesh.find_neighbours_if_due(environment_.context.threads);
     const advect::Streamlines streamlines = advect::trace_streamlines(
         mesh.sampler(), find_field(mesh, tracer_.velocity, environment_.scene_file), seeds(mesh),
         settings, environment_.context.threads, environment_.context.memory);

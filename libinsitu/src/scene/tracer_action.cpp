@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "advect/cells_beyond.h"
 #include "core/status.h"
 #include "scene/tracer_effects.h"
 #include "scene/track_writer.h"
@@ -31,6 +32,7 @@ void TracerAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
     for (const mesh::KeptField& of : effect_fields(tracer_.effects, 0))
       find_field(mesh, {of.name, tracer_.line}, environment_.scene_file);
     plan.skip("earlier step of '" + tracer_.velocity.text + "'", "streamlines see one step alone");
+    plan_neighbours(mesh, plan);
     return;
   }
   const int steps = advect::steps_of(tracer_.time_interpolation) - 1;
@@ -52,6 +54,7 @@ void TracerAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
     plan.skip("velocity", "particles go with the mesh's material");
     return;
   }
+  plan_neighbours(mesh, plan);
   need({tracer_.velocity.text, steps}, "particles move between two steps");
   for (const mesh::KeptField& of : effect_fields(tracer_.effects, steps))
     need(of, "an effect blends it between two steps");
@@ -68,6 +71,18 @@ void TracerAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
             "the mesh may move under the particles");
   if (const std::int64_t bytes = mesh.earlier_cells_bytes(environment_.context.threads))
     plan.need("copy of the cells", bytes, "the cells may become others under the particles");
+}
+
+void TracerAction::plan_neighbours(const query::CommittedMesh& mesh, Plan& plan) const {
+  const char* const item = "cells across faces";
+  if (mesh.neighbours() || advect::CellsBeyond(mesh.sampler()).lacks_neighbours())
+    plan.need(item, mesh.neighbours_bytes(environment_.context.threads),
+              "once the tree was asked for one of them a cell: their numbers do not tell");
+  else
+    plan.skip(item, mesh.mesh().is_adaptive() ? "the leaves are found by their levels"
+                    : mesh.mesh().view().free_of_folds
+                        ? "the cells' numbers tell"
+                        : "cells fold, or it is not known whether: particles ask the tree");
 }
 
 bool TracerAction::writes(TableFormat format) const {

@@ -51,6 +51,8 @@ protected:
   Environment environment_;
 
 private:
+  void plan_neighbours(const query::CommittedMesh& mesh, Plan& plan) const;
+
   std::optional<std::vector<math::Vec3d>> seeds_;
 };
 

@@ -43,13 +43,23 @@ private:
   const std::string& scene_file_;
 };
 
+/// Whether the third axis of its coordinates points into the Earth. A geodetic mesh's vectors are
+/// east, north and up whatever it counts.
+bool points_down(const insitu_frame& frame) {
+  return frame.kind == INSITU_FRAME_UTM && frame.vertical == INSITU_DOWN;
+}
+
 /// Densities: buoyancy, and with added mass the share of the fluid's acceleration (Maxey and Riley
 /// 1983).
-advect::Inertia inertia_of(const TracerEffects& effects) {
+advect::Inertia inertia_of(const TracerEffects& effects, const insitu_frame& frame) {
   const InertiaEffect& from = *effects.inertia;
   advect::Inertia to;
   to.begins = from.velocity;
   to.rotation = effects.rotation.value_or(math::Vec3d{});
+  // The axes are left-handed there, so that the product's components have the other sign.
+  if (points_down(frame)) {
+    to.rotation = -to.rotation;
+  }
   const double solid = from.density.value_or(1.0), fluid = from.fluid_density.value_or(0.0);
   if (from.added_mass) {
     to.fluid_share = 3.0 * fluid / (2.0 * solid + fluid);
@@ -82,18 +92,21 @@ advect::AtBoundary response_of(WallResponse response) {
 
 /// field(name): a field as drifts see it.
 template <class Field>
-std::vector<advect::Drift> drifts_of(const TracerEffects& from, bool geocentric, Field&& field) {
+std::vector<advect::Drift> drifts_of(const TracerEffects& from, const insitu_frame& frame,
+                                     Field&& field) {
   std::vector<advect::Drift> drifts;
   if (from.settling) {
+    const math::Vec3d down =
+        from.settling->down.value_or(math::Vec3d{0, 0, points_down(frame) ? 1.0 : -1.0});
     advect::Drift drift;
-    drift.is_local = geocentric;
+    drift.is_local = frame.kind == INSITU_FRAME_GEOCENTRIC;
     if (from.settling->velocity) {
       drift.constant = *from.settling->velocity;
     } else if (from.settling->speed.field.empty()) {
-      drift.constant = from.settling->speed.number * from.settling->down;
+      drift.constant = from.settling->speed.number * down;
     } else {
       drift.field = field(from.settling->speed.field);
-      drift.direction = from.settling->down;
+      drift.direction = down;
       if (drift.field->now.components != 1) {
         throw core::Error(INSITU_ERROR_FIELD,
                           "the field '" + from.settling->speed.field.text +
@@ -171,14 +184,14 @@ advect::Effects effects_at(const Tracer& tracer, const query::CommittedMesh& mes
   const Resolver resolve(mesh, earlier, scene_file);
   advect::Effects to;
   to.geocentric = mesh.frame.kind == INSITU_FRAME_GEOCENTRIC;
-  to.drifts = drifts_of(from, to.geocentric, [&](const Name& name) { return resolve.field(name); });
+  to.drifts = drifts_of(from, mesh.frame, [&](const Name& name) { return resolve.field(name); });
   if (from.diffusion) {
     to.diffusion = advect::Diffusion{resolve.coefficient(from.diffusion->horizontal),
                                      resolve.coefficient(from.diffusion->vertical),
                                      from.diffusion->step, seed_of(tracer)};
   }
   if (from.inertia) {
-    to.inertia = inertia_of(from);
+    to.inertia = inertia_of(from, mesh.frame);
   }
   if (from.boundary) {
     to.boundary.emplace();
@@ -195,7 +208,7 @@ advect::Effects effects_at(const Tracer& tracer, const query::CommittedMesh& mes
 }
 
 std::optional<advect::StepBefore> step_before(const Tracer& tracer, const query::EarlierMesh& mesh,
-                                              bool geocentric) {
+                                              const insitu_frame& frame) {
   const std::optional<mesh::FieldView> velocity = mesh.field(tracer.velocity.text);
   for (const mesh::KeptField& of : effect_fields(tracer.effects, 1)) {
     if (!mesh.field(of.name)) {
@@ -206,7 +219,7 @@ std::optional<advect::StepBefore> step_before(const Tracer& tracer, const query:
     return std::nullopt;
   }
   return advect::StepBefore{mesh.sampler(), *velocity,
-                            drifts_of(tracer.effects, geocentric, [&](const Name& name) {
+                            drifts_of(tracer.effects, frame, [&](const Name& name) {
                               return advect::FieldInTime{*mesh.field(name.text), {}};
                             })};
 }

@@ -21,8 +21,8 @@ advect::Effects effects_at(const Tracer& tracer, const query::CommittedMesh& mes
                            int earlier, const std::string& scene_file);
 
 /// The step before on its own cells, if all that moves the tracer's particles was kept of it.
-/// geocentric: as of effects_at()'s mesh.
+/// frame: of effects_at()'s mesh.
 std::optional<advect::StepBefore> step_before(const Tracer& tracer, const query::EarlierMesh& mesh,
-                                              bool geocentric);
+                                              const insitu_frame& frame);
 
 } // namespace insitu::scene

@@ -28,7 +28,7 @@ struct DiffusionEffect {
 struct SettlingEffect {
   std::optional<math::Vec3d> velocity;
   NumberOrField speed;
-  math::Vec3d down{0, 0, -1};
+  std::optional<math::Vec3d> down; ///< unit; else against the third axis, or along it in depths
 };
 
 struct WindageEffect {

@@ -8,6 +8,7 @@
 
 #include "accel/faces/face_table.h"
 #include "cells/faces.h"
+#include "face_key.h"
 #include "fixtures/committed.h"
 
 using namespace insitu;
@@ -16,6 +17,8 @@ using accel::FaceTriangle;
 using accel::Method;
 using accel::none;
 using math::Vec3d;
+using test::Key;
+using test::key_of;
 using test::MeshKind;
 using test::TestMesh;
 
@@ -23,24 +26,6 @@ namespace {
 
 constexpr MeshKind all_kinds[] = {MeshKind::hexahedra, MeshKind::voxels,     MeshKind::wedges,
                                   MeshKind::pyramids,  MeshKind::tetrahedra, MeshKind::mixed};
-
-/// Sorted, and a quad's corner opposite to the lowest; none behind triangles.
-using Key = std::array<std::uint32_t, 5>;
-
-bool key_of(std::vector<std::uint32_t> cycle, Key& key) {
-  cycle.erase(std::unique(cycle.begin(), cycle.end()), cycle.end());
-  while (cycle.size() > 1 && cycle.front() == cycle.back())
-    cycle.pop_back();
-  if (cycle.size() < 3 || (cycle.size() == 4 && (cycle[0] == cycle[2] || cycle[1] == cycle[3])))
-    return false;
-  key.fill(none);
-  const auto low = std::size_t(std::min_element(cycle.begin(), cycle.end()) - cycle.begin());
-  if (cycle.size() == 4)
-    key[4] = cycle[(low + 2) % 4];
-  std::sort(cycle.begin(), cycle.end());
-  std::copy(cycle.begin(), cycle.end(), key.begin());
-  return true;
-}
 
 using Oracle = std::map<Key, std::vector<std::uint32_t>>;
 

@@ -1,101 +1,19 @@
 // Many particles at a time on one thread: the same, to the bit, as one by one.
 #include <algorithm>
 #include <array>
-#include <cstring>
-#include <deque>
 #include <gtest/gtest.h>
-#include <optional>
 #include <random>
 #include <string>
 
-#include "advect/lanes.h"
-#include "analytic.h"
 #include "box_mesh.h"
-#include "fixtures/committed.h"
 #include "fixtures/simd_targets.h"
+#include "lane_runs.h"
 
 namespace insitu::test {
 namespace {
 
-using advect::IntegratorSettings;
-using advect::LaneVelocity;
-using advect::Method;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-struct Flow {
-  const mesh::FieldView& now;
-  advect::EarlierSteps earlier = nullptr;
-  double t0 = 0.0, t1 = 0.0;
-};
-
-struct Ends {
-  std::vector<advect::State> states;
-  std::vector<insitu_ending> endings;
-  std::vector<std::int64_t> cells;
-  advect::Work work;
-};
-
-Ends one_by_one(const query::Sampler& sampler, const Flow& flow, const IntegratorSettings& settings,
-                const std::vector<Vec3d>& seeds, double to, const advect::CellsBeyond* beyond) {
-  Ends ends;
-  advect::MeshVelocity field(sampler, flow.now, flow.earlier, flow.t0, flow.t1, INSITU_STANDARD);
-  field.walk_by(beyond);
-  for (const Vec3d& seed : seeds) {
-    field.begin(-1);
-    const Outcome r = run(field, settings, seed, to);
-    ends.states.push_back(r.p);
-    ends.endings.push_back(r.ending);
-    ends.cells.push_back(field.cell());
-    ends.work += r.work;
-  }
-  return ends;
-}
-
-Ends in_lanes(const query::Sampler& sampler, const Flow& flow, const IntegratorSettings& settings,
-              const std::vector<Vec3d>& seeds, double to, const advect::CellsBeyond* beyond) {
-  Ends ends;
-  ends.states.resize(seeds.size());
-  ends.endings.resize(seeds.size());
-  ends.cells.resize(seeds.size());
-  advect::run_lanes(
-      sampler, 0, std::int64_t(seeds.size()),
-      [&](std::deque<LaneVelocity>& lanes) {
-        lanes.emplace_back(sampler, flow.now, flow.earlier, flow.t0, flow.t1, INSITU_STANDARD)
-            .walk_by(beyond);
-      },
-      [&](std::int64_t i, std::size_t, LaneVelocity& field) {
-        field.begin(-1);
-        advect::State& p = ends.states[std::size_t(i)];
-        p.x = seeds[std::size_t(i)];
-        return advect::integration(field, settings, to, infinity, p, ends.work,
-                                   [](const advect::State&) {});
-      },
-      [&](std::int64_t i, std::size_t, LaneVelocity& field, insitu_ending ending) {
-        ends.endings[std::size_t(i)] = ending;
-        ends.cells[std::size_t(i)] = field.cell();
-      });
-  return ends;
-}
-
-bool same_bits(double a, double b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
-}
-
-std::size_t different(const Ends& a, const Ends& b) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < a.states.size(); ++i) {
-    const advect::State &p = a.states[i], &q = b.states[i];
-    const bool same = same_bits(p.x.x, q.x.x) && same_bits(p.x.y, q.x.y) &&
-                      same_bits(p.x.z, q.x.z) && same_bits(p.time, q.time) &&
-                      same_bits(p.length, q.length) && a.endings[i] == b.endings[i] &&
-                      a.cells[i] == b.cells[i];
-    count += !same;
-  }
-  return count;
-}
-
-/// By every method, plain and face-aware; with cells guessed by their numbers and without.
+/// By every method, plain and face-aware; with cells guessed, by numbers or neighbours, and
+/// without.
 void expect_the_same(const query::Sampler& sampler, const Flow& flow,
                      const std::vector<Vec3d>& seeds, double to, const std::string& what) {
   const advect::CellsBeyond beyond(sampler);
@@ -118,19 +36,6 @@ void expect_the_same(const query::Sampler& sampler, const Flow& flow,
         EXPECT_EQ(a.work.rejected, b.work.rejected);
       }
     }
-}
-
-Vec3d swirl(const Vec3d& p) {
-  return {-p.y + 0.3 * std::sin(5 * p.z), p.x - 0.2 * p.z, 0.4 * std::cos(4 * p.x) - 0.1};
-}
-
-/// More than there are lanes, some outside, some that leave.
-std::vector<Vec3d> seeds() {
-  std::vector<Vec3d> points = random_points(31, 3 * advect::LaneBatch::lane_count + 5, -1.1, 1.1);
-  points.push_back({0, 0, 0});
-  points.push_back({1, 1, 1});
-  points.push_back({-1, 0.25, 0.5});
-  return points;
 }
 
 TEST(Lanes, SameBitsOnHexahedra) {
@@ -162,45 +67,30 @@ TEST(Lanes, SameBitsBetweenStepsOfAMovingMesh) {
   expect_the_same(box.sampler(), {now.view, &before.view, 0.0, 0.5}, seeds(), 0.5, "moving");
 }
 
-/// A mesh with the velocity swirl().
-struct Swirling {
-  fixtures::Committed m;
-  std::vector<double> v;
-
-  explicit Swirling(const TestMesh& mesh, const std::vector<std::uint8_t>& ghosts = {}) : m(mesh) {
-    for (const Vec3d& p : mesh.vertices)
-      for (int a = 0; a < 3; ++a)
-        v.push_back(swirl(p)[a]);
-    const insitu_array array =
-        insitu_array_of(v.data(), INSITU_FLOAT64, std::int64_t(mesh.vertices.size()), 3);
-    m.mesh.mesh().set_field(0, "velocity", INSITU_VERTEX, &array, 1);
-    if (!ghosts.empty()) {
-      const insitu_array g =
-          insitu_array_of(ghosts.data(), INSITU_UINT8, std::int64_t(ghosts.size()), 1);
-      m.mesh.mesh().set_ghosts(0, &g, INSITU_GHOSTS_VTK);
-    }
-    m.commit();
-    m.mesh.look_for_folds(m.threads);
-  }
-  query::Sampler sampler() const { return m.sampler(); }
-  mesh::FieldView field() { return m.mesh.mesh().field("velocity"); }
-};
-
-/// Of blocks along each axis, about the box of seeds().
-TestMesh mesh_of(MeshKind kind, int size) {
-  Random random(5);
-  TestMesh mesh = make_mesh({.kind = kind, .size = size, .jitter = 0.15}, random);
-  for (Vec3d& p : mesh.vertices)
-    p = (2.0 / size) * p - Vec3d{1, 1, 1};
-  return mesh;
-}
-
 TEST(Lanes, SameBitsOnEveryShape) {
-  for (const MeshKind kind : {MeshKind::hexahedra, MeshKind::voxels, MeshKind::wedges,
-                              MeshKind::pyramids, MeshKind::tetrahedra, MeshKind::mixed}) {
+  for (const MeshKind kind : all_kinds) {
     Swirling mesh(mesh_of(kind, 5));
+    ASSERT_TRUE(mesh.sampler().mesh().free_of_folds);
     const mesh::FieldView field = mesh.field();
     expect_the_same(mesh.sampler(), {field}, seeds(), 1.0, "shape " + std::to_string(int(kind)));
+  }
+  Swirling mirrored(mesh_of(MeshKind::tetrahedra, 5, true));
+  ASSERT_FALSE(mirrored.sampler().mesh().free_of_folds);
+  const mesh::FieldView field = mirrored.field();
+  expect_the_same(mirrored.sampler(), {field}, seeds(), 1.0, "mirrored by halves");
+}
+
+TEST(Lanes, SameBitsByNeighboursOnEveryShape) {
+  for (const MeshKind kind : all_kinds) {
+    TestMesh from = mesh_of(kind, 5);
+    std::shuffle(from.cells.begin(), from.cells.end(), std::mt19937(6));
+    Swirling mesh(from);
+    mesh.m.mesh.find_neighbours(mesh.m.threads);
+    ASSERT_NE(mesh.sampler().neighbours(), nullptr);
+    ASSERT_TRUE(mesh.sampler().mesh().free_of_folds);
+    const mesh::FieldView field = mesh.field();
+    expect_the_same(mesh.sampler(), {field}, seeds(), 1.0,
+                    "neighbours, shape " + std::to_string(int(kind)));
   }
 }
 
@@ -218,6 +108,8 @@ TEST(Lanes, SameBitsWhereGuessesAreWrong) {
   ASSERT_TRUE(advect::CellsBeyond(with_holes.sampler()).knows());
   const mesh::FieldView field = with_holes.field();
   expect_the_same(with_holes.sampler(), {field}, seeds(), 1.0, "holes");
+  with_holes.m.mesh.find_neighbours(with_holes.m.threads);
+  expect_the_same(with_holes.sampler(), {field}, seeds(), 1.0, "holes, by neighbours");
 }
 
 /// Where cells overlap, what is guessed does not depend on other particles.
@@ -305,41 +197,31 @@ TEST(LaneKernels, SameBitsAsScalarsOnEveryTarget) {
   }
 }
 
-/// The cell that holds a point beyond the middle of each side, as the sampler says.
-TEST(CellsBeyond, StepsOfRowsAreLearnt) {
-  constexpr std::int64_t n = 7;
-  BoxMesh box(n, -1.0, 1.0);
-  const advect::CellsBeyond beyond(box.sampler());
-  ASSERT_TRUE(beyond.knows());
-  const mesh::Shape hexahedron = mesh::Shape::hexahedron;
-  const std::int64_t cell = 3 + n * (3 + n * 3), steps[3] = {1, n, n * n};
-  for (int a = 0; a < 3; ++a)
-    for (const double sign : {-1.0, 1.0}) {
-      Vec3d r{0.5, 0.5, 0.5};
-      r[a] += 0.6 * sign;
-      EXPECT_EQ(beyond.guess(cell, hexahedron, r), cell + std::int64_t(sign) * steps[a]);
-      r[(a + 1) % 3] = -0.1; // across an edge
-      EXPECT_EQ(beyond.guess(cell, hexahedron, r),
-                cell + std::int64_t(sign) * steps[a] - steps[(a + 1) % 3]);
+/// A particle's last cell is tried first, and tells nothing new.
+TEST(Lanes, SameBitsWithTheLastCell) {
+  Swirling mesh(mesh_of(MeshKind::tetrahedra, 5));
+  const mesh::FieldView field = mesh.field();
+  const query::Sampler sampler = mesh.sampler();
+  const std::int64_t cells = sampler.mesh().cell_count();
+  std::int64_t asked = 0;
+  for (const Vec3d& x : seeds()) {
+    const query::Location at = sampler.locate(x);
+    Vec3d v, w;
+    query::Location there;
+    advect::MeshVelocity plain(sampler, field, nullptr, 0.0, 0.0, INSITU_STANDARD);
+    plain.begin(-1);
+    const advect::Sampled found = plain(x, 0.0, v);
+    for (const std::int64_t hint : {at.cell, (at.cell + 1) % cells, cells + 3}) {
+      advect::MeshVelocity hinted(sampler, field, nullptr, 0.0, 0.0, INSITU_STANDARD);
+      hinted.begin(hint);
+      ASSERT_EQ(hinted.sample(x, 0.0, w, there), found);
+      ASSERT_EQ(there.cell, at.cell);
+      ASSERT_TRUE(found != advect::Sampled::inside ||
+                  (same_bits(v.x, w.x) && same_bits(v.y, w.y) && same_bits(v.z, w.z)));
+      ++asked;
     }
-  EXPECT_EQ(beyond.guess(cell, hexahedron, {0.5, 0.5, 0.5}), -1) << "inside";
-  EXPECT_EQ(beyond.guess(cell, hexahedron, {0.5, 0.5, 1.0 - 1e-9}, 1e-6), cell + n * n)
-      << "on a face";
-  EXPECT_EQ(beyond.guess(cell, mesh::Shape::tetrahedron, {-0.5, 0.5, 0.5}), -1) << "no steps";
-}
-
-/// Cells that are numbered at random have no steps, and nothing is guessed.
-TEST(CellsBeyond, ShuffledNumbersTellNothing) {
-  Random random(8);
-  TestMesh mesh = make_mesh({.kind = MeshKind::hexahedra, .size = 8, .jitter = 0.1}, random);
-  const auto knows = [](const TestMesh& m) {
-    fixtures::Committed committed(m);
-    committed.mesh.look_for_folds(committed.threads);
-    return advect::CellsBeyond(committed.sampler()).knows();
-  };
-  EXPECT_TRUE(knows(mesh));
-  std::shuffle(mesh.cells.begin(), mesh.cells.end(), std::mt19937(3));
-  EXPECT_FALSE(knows(mesh));
+  }
+  EXPECT_GT(asked, 500);
 }
 
 } // namespace

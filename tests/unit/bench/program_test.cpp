@@ -56,6 +56,29 @@ TEST(BenchProgram, HelpExplains) {
   }
 }
 
+/// Cells across faces are looked for where numbers do not tell, and there alone.
+TEST(BenchProgram, AdvectAccountsForEveryLine) {
+  for (const char* mesh : {"--shape hex", "--shape tet", "--shape hex --numbering shuffled"}) {
+    const std::string arguments =
+        std::string("advect --cells 1000 --points 80 --repetitions 1 ") + mesh;
+    const Outcome table = run(arguments, "2>/dev/null");
+    EXPECT_EQ(table.exit_code, 0) << mesh;
+    EXPECT_EQ(table.out.find("Cells across faces") != std::string::npos,
+              std::string(mesh) != "--shape hex")
+        << table.out;
+    const Outcome json = run(arguments + " --json -", "2>/dev/null");
+    int rows = 0;
+    for (std::size_t at = json.out.find("{\"name\""); at != std::string::npos;
+         at = json.out.find("{\"name\"", at + 1), ++rows) {
+      EXPECT_EQ(number(json.out, "lost", at), 0) << mesh;
+      EXPECT_GT(number(json.out, "steps_per_s", at), 0) << mesh;
+      EXPECT_LT(number(json.out, "error", at), 0.02) << mesh; // cells, euler is none of the rows
+      EXPECT_LE(number(json.out, "across", at), number(json.out, "error", at) + 1e-15) << mesh;
+    }
+    EXPECT_EQ(rows, 20) << mesh;
+  }
+}
+
 TEST(BenchProgram, UnusableArgumentsEndWithTwoAndNameTheArgument) {
   const struct {
     const char *arguments, *named;

@@ -297,7 +297,7 @@ TEST(SceneKeys, TracerEffects) {
   EXPECT_EQ(e.diffusion->step, 60);
   EXPECT_EQ(e.diffusion->seed, 7);
   EXPECT_EQ(e.settling->speed.number, 0.5);
-  EXPECT_EQ(e.settling->down.z, 1.0);
+  EXPECT_EQ(e.settling->down.value().z, 1.0);
   EXPECT_EQ(e.windage->field.text, "wind");
   EXPECT_EQ(e.windage->factor, 0.03);
   EXPECT_EQ(e.inertia->diameter, 1e-3);

@@ -42,7 +42,8 @@ typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_GEOCENTRIC = 12, /**< vertices of meshes drawn geocentric, heights exaggerated */
   INSITU_MEMORY_CHART = 13,      /**< copies of a geodetic mesh's cells at its seam and poles, and
                                       fields there */
-  INSITU_MEMORY_COUNT = 14
+  INSITU_MEMORY_NEIGHBOURS = 14, /**< cells across faces, for tracers */
+  INSITU_MEMORY_COUNT = 15
 } insitu_purpose;
 
 /** Totals since the session was opened. Seconds are wall-clock seconds in the library. */

@@ -30,6 +30,8 @@ public:
     mesh_->mesh().set_field(0, "velocity", INSITU_VERTEX, &array, 1);
     setup_.commit(*mesh_);
     mesh_->look_for_folds(setup_.context.threads);
+    if (advect::CellsBeyond(mesh_->sampler()).lacks_neighbours())
+      mesh_->find_neighbours(setup_.context.threads);
     const int count = extent.quick ? 40 : 1000;
     for (int i = 0; i < count; ++i)
       seeds_.push_back({0.3 + 0.4 * core::random_unit(9, std::uint64_t(i), 0),
