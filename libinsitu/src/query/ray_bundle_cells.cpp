@@ -9,6 +9,7 @@
 #include <hwy/highway.h>
 
 #include "cells/kernels_simd.h"
+#include "query/ray_bundle_groups_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace insitu::query::HWY_NAMESPACE {
@@ -174,9 +175,6 @@ void linear_maps(Shape shape, const cells::CellBlock& block, const BundleSlab& s
   }
 }
 
-using Floats = hn::CappedTag<float, bundle_lanes>;
-using FloatVec = hn::Vec<Floats>;
-
 /// How deep in the reference cell linear coordinates lie: the smallest slack of its inequalities.
 template <Shape shape>
 HWY_INLINE FloatVec likelihood(const FloatVec& r, const FloatVec& s, const FloatVec& t) {
@@ -197,24 +195,12 @@ HWY_INLINE unsigned groups_met(const LinearMaps& maps, int i, const BundleSlab& 
   const Floats d;
   const hn::Rebind<std::int32_t, Floats> di;
   unsigned bits = 0;
-  const auto lower = [&](int a) HWY_ATTR { return hn::Set(d, maps.lower[a][i]); };
-  const auto upper = [&](int a) HWY_ATTR { return hn::Set(d, maps.upper[a][i]); };
   for (std::size_t g = 0; g < std::size_t(slab.groups); g += hn::MaxLanes(d)) {
-    auto met = hn::And(hn::Le(lower(0), hn::Load(d, slab.group_upper[0] + g)),
-                       hn::Ge(upper(0), hn::Load(d, slab.group_lower[0] + g)));
-    met = hn::And(met, hn::Le(lower(1), hn::Load(d, slab.group_upper[1] + g)));
-    met = hn::And(met, hn::Ge(upper(1), hn::Load(d, slab.group_lower[1] + g)));
-    const auto rounding = hn::Load(d, slab.index_rounding + g);
-    const auto from = hn::NegMulSub(hn::Sub(hn::Load(d, slab.last_w + g), lower(2)),
-                                    hn::Load(d, slab.first_per_w + g), rounding);
-    const auto to = hn::MulAdd(hn::Sub(upper(2), hn::Load(d, slab.first_w + g)),
-                               hn::Load(d, slab.last_per_w + g), rounding);
-    const auto zero = hn::Zero(d), end = hn::Set(d, float(bundle_depth - 1));
-    met = hn::And(met, hn::And(hn::Le(from, end), hn::Ge(to, zero)));
-    hn::StoreU(hn::ConvertTo(di, hn::Ceil(hn::Max(from, zero))), di, first + g);
-    hn::StoreU(hn::ConvertTo(di, hn::Floor(hn::Min(to, end))), di, last + g);
+    const GroupSamples samples = samples_of_groups(slab, g, maps.lower, maps.upper, i);
+    hn::StoreU(hn::ConvertTo(di, samples.first), di, first + g);
+    hn::StoreU(hn::ConvertTo(di, samples.last), di, last + g);
     std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, met, bytes);
+    hn::StoreMaskBits(d, samples.any, bytes);
     bits |= (unsigned(bytes[0]) | unsigned(bytes[1]) << 8) << g;
   }
   return bits;
@@ -238,11 +224,8 @@ HWY_INLINE void enter_shape(const LinearMaps& maps, int count, int first,
     const auto number = hn::Set(di, first + i);
     for (; met; met &= met - 1) {
       const int g = std::countr_zero(met);
-      const int least = from[g], most = to[g];
-      if (least > most)
-        continue;
       std::uint32_t wanted =
-          slab.wanted[g] & (~std::uint32_t(0) >> (31 - most)) & (~std::uint32_t(0) << least);
+          slab.wanted[g] & (~std::uint32_t(0) >> (31 - to[g])) & (~std::uint32_t(0) << from[g]);
       for (; wanted; wanted &= wanted - 1) {
         const int k = std::countr_zero(wanted);
         const auto steps = hn::Set(d, float(k));

@@ -41,8 +41,8 @@ struct BundleSlab {
   alignas(64) std::int32_t piece[bundle_depth][bundle_rays];
 };
 
-/// The places in tree.cells() of cells whose boxes meet the slab's, flat ids from `least` on; false
-/// if there are more than `most`. The vector is never made smaller.
+/// The places in tree.cells() of cells in whose boxes wanted samples may lie, flat ids from `least`
+/// on; false if there are more than `most`. The vector is never made smaller.
 bool find_cells(const accel::Tree& tree, const BundleSlab& slab, std::uint32_t least,
                 std::size_t most, std::vector<std::uint32_t>& slots, std::size_t& count);
 

@@ -9,6 +9,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "query/ray_bundle_groups_simd.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace insitu::query::HWY_NAMESPACE {
 
@@ -18,12 +20,13 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Floats8 = hn::CappedTag<float, 8>;
 
-/// The slab in the tree's local frame: its axes, and the place and half extent along each.
+/// The slab in the tree's local frame: coordinate a of its own is axis[a] times the place, less
+/// at[a], up to `rounding`.
 struct SlabBox {
-  float axis[3][3], middle[3], half[3];
+  float axis[3][3], at[3], rounding;
 };
 
-/// Rounded so that no box that meets the slab is lost.
+/// Rounded so that no box that meets a sample is lost.
 SlabBox slab_box(const accel::Tree& tree, const BundleSlab& slab) {
   SlabBox b;
   const math::Vec3d at = slab.middle - tree.origin();
@@ -35,15 +38,20 @@ SlabBox slab_box(const accel::Tree& tree, const BundleSlab& slab) {
   for (int a = 0; a < 3; ++a) {
     for (int c = 0; c < 3; ++c)
       b.axis[a][c] = float(slab.axes[a][c]);
-    b.middle[a] = float(dot(slab.axes[a], at) + 0.5 * (double(slab.lower[a]) + slab.upper[a]));
-    b.half[a] = float(0.5 * (double(slab.upper[a]) - slab.lower[a]) + slab.rounding +
-                      0x1p-19 * (largest + slab.reach));
+    b.at[a] = float(dot(slab.axes[a], at));
   }
+  b.rounding = float(slab.rounding + 0x1p-19 * (largest + slab.reach));
   return b;
 }
 
+/// Extents of a node's children along the slab's axes.
+struct ChildExtents {
+  alignas(32) float lower[3][8], upper[3][8];
+};
+
 /// Bit c: child c's box meets the slab.
-HWY_INLINE unsigned children_met(const accel::Node& node, const SlabBox& slab) {
+HWY_INLINE unsigned children_met(const accel::Node& node, const BundleSlab& slab,
+                                 const SlabBox& box, ChildExtents& out) {
   const Floats8 d;
   const hn::Rebind<std::int32_t, Floats8> di;
   const hn::Rebind<std::uint8_t, Floats8> db;
@@ -59,19 +67,32 @@ HWY_INLINE unsigned children_met(const accel::Node& node, const SlabBox& slab) {
     }
     auto met = hn::Eq(centre[0], centre[0]);
     for (int a = 0; a < 3; ++a) {
-      auto off = hn::Set(d, -slab.middle[a]), reach = hn::Set(d, slab.half[a]);
+      auto off = hn::Set(d, -box.at[a]), reach = hn::Set(d, box.rounding);
       for (int b = 0; b < 3; ++b) {
-        const auto n = hn::Set(d, slab.axis[a][b]);
+        const auto n = hn::Set(d, box.axis[a][b]);
         off = hn::MulAdd(n, centre[b], off);
         reach = hn::MulAdd(hn::Abs(n), half[b], reach);
       }
-      met = hn::And(met, hn::Le(hn::Abs(off), reach));
+      const auto lower = hn::Sub(off, reach), upper = hn::Add(off, reach);
+      met = hn::And(met, hn::And(hn::Le(lower, hn::Set(d, slab.upper[a])),
+                                 hn::Ge(upper, hn::Set(d, slab.lower[a]))));
+      hn::StoreU(lower, d, out.lower[a] + c);
+      hn::StoreU(upper, d, out.upper[a] + c);
     }
     std::uint8_t byte[8] = {};
     hn::StoreMaskBits(d, met, byte);
     bits |= unsigned(byte[0]) << c;
   }
   return bits;
+}
+
+/// Whether there may be samples in child c's box.
+HWY_INLINE bool holds_samples(const ChildExtents& extents, int c, const BundleSlab& slab) {
+  const Floats d;
+  for (std::size_t g = 0; g < std::size_t(slab.groups); g += hn::MaxLanes(d))
+    if (!hn::AllFalse(d, samples_of_groups(slab, g, extents.lower, extents.upper, c).any))
+      return true;
+  return false;
 }
 
 bool find_cells_target(const accel::Tree& tree, const BundleSlab& slab, std::uint32_t least,
@@ -82,10 +103,11 @@ bool find_cells_target(const accel::Tree& tree, const BundleSlab& slab, std::uin
   count = 0;
   std::uint32_t stack[64 * 8];
   int size = 0;
+  ChildExtents extents;
   stack[size++] = 0;
   while (size > 0) {
     const accel::Node& node = tree.nodes()[stack[--size]];
-    for (unsigned met = children_met(node, box); met; met &= met - 1) {
+    for (unsigned met = children_met(node, slab, box, extents); met; met &= met - 1) {
       const int c = std::countr_zero(met);
       if (!node.meta[c])
         continue;
@@ -94,6 +116,8 @@ bool find_cells_target(const accel::Tree& tree, const BundleSlab& slab, std::uin
         __builtin_prefetch(&tree.nodes()[stack[size - 1]]);
         continue;
       }
+      if (!holds_samples(extents, c, slab))
+        continue;
       for (int k = 0; k < node.child_cell_count(c); ++k) {
         slots[count] = node.child_cells(c) + std::uint32_t(k);
         count += tree.cells()[slots[count]] >= least;
