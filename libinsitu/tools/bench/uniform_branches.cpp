@@ -33,11 +33,14 @@ Branches branches_of(const BareFrame& frame) {
     return {4 * double(s.cells_tested) + 8 * double(s.hits) + 8 * rays,
             "a cell tested: other fields, other values, clips, the search; a hit: opacity, colour, "
             "lights, shadows, occlusion, normals, volume shadows, outline; a ray: as above"};
+  const render::PathCounts& p = s.paths;
+  const auto flights = double(p.locations + p.paths + p.shadow_rays + p.scatterings);
   return {
-      8 * double(s.paths.locations) + 4 * double(s.paths.macrocells) + 8 * double(s.paths.paths) +
+      flights + 6 * double(p.collisions) + 4 * double(p.scatterings) + 4 * double(p.paths) +
           8 * rays,
-      "a point: clips, surfaces, scattering, roulette, anisotropy, depth, culling, how it is "
-      "located; a macrocell: clips, surfaces, shadow rays, culling; a path and a ray: eight each"};
+      "a flight: clips; a collision: scattering three times, depth, small lights, surfaces; a "
+      "scattering: single, dome, surfaces twice; a path: surfaces, dome, depth, sums; a ray: as "
+      "above"};
 }
 
 } // namespace

@@ -128,11 +128,12 @@ TEST_P(AdaptiveFrames, AClosedSurfaceHasNoCracks) {
   for (int a = 0; a < 3; ++a)
     radius = std::min({radius, 0.6 * (from[a] - box.low[a]), 0.6 * (box.high[a] - from[a])});
   const render::ScalarField field{mesh.committed.mesh.mesh().field("f"), 0};
-  const auto leaves_outside = [&](const Vec3d& way) {
+  const auto leaves_outside = [&](const Vec3d& way) { // bounds are rounded to float
     double t = HUGE_VAL;
     for (int a = 0; a < 3; ++a)
-      t = std::min(t, ((way[a] > 0 ? box.high[a] : box.low[a]) - from[a]) / way[a]);
-    const query::Location at = sampler.locate(from + (1 - 1e-12) * t * way);
+      if (way[a] != 0)
+        t = std::min(t, ((way[a] > 0 ? box.high[a] : box.low[a]) - from[a]) / way[a]);
+    const query::Location at = sampler.locate(from + (1 - 1e-6) * t * way);
     return at && field.at(sampler.mesh(), at) > radius;
   };
   for (const auto search :
