@@ -138,6 +138,14 @@ int cross_quad(const Face& face, const Vec3d* x, const Vec3d* q, Crossing* out) 
   double uv[2][2];
   const int n = invert_bilinear(q[quad.vertices[0]], q[quad.vertices[1]], q[quad.vertices[2]],
                                 q[quad.vertices[3]], uv);
+  constexpr double tolerance = 1e-9;
+  if (around && n == 2 && zero &&
+      std::max(outside(uv[0][0], uv[0][1]), outside(uv[1][0], uv[1][1])) <= tolerance) {
+    // Through a corner and the edge across from it, say: in here, and out there.
+    for (int i = 0; i < n; ++i)
+      set_patch_point(uv[i][0], uv[i][1], quad, q, out[i]);
+    return n;
+  }
   if (around) { // exactly one crossing: the better solution
     if (n == 0)
       return 0; // no area
@@ -145,7 +153,6 @@ int cross_quad(const Face& face, const Vec3d* x, const Vec3d* q, Crossing* out) 
     set_patch_point(uv[best][0], uv[best][1], quad, q, out[0]);
     return 1;
   }
-  constexpr double tolerance = 1e-9;
   int found = 0;
   for (int i = 0; i < n; ++i)
     if (outside(uv[i][0], uv[i][1]) <= tolerance)

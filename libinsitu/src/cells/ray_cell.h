@@ -51,8 +51,8 @@ constexpr int most_crossings = 12;
 /// one, and faces are evaluated in an order that depends on coordinates alone. Inside tests use
 /// edge functions, which two faces at an edge get with exactly opposite signs, so rays do not slip
 /// through (Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", section 3); patches
-/// whose projection folds are solved with a tolerance, which can report a crossing twice but loses
-/// none.
+/// whose projection folds, or that the ray meets on their rim, are solved with a tolerance, which can
+/// report a crossing twice but loses none.
 int face_crossings(const mesh::CellVertices& cell, const RaySpace& space, Crossing* out);
 
 } // namespace insitu::cells

@@ -28,6 +28,9 @@ struct BoxTicks {
   std::vector<render::OutlineTick> lines;
 };
 
+/// The lines of all axes together are no more.
+constexpr std::int64_t most_box_ticks = 3 * 10;
+
 /// low, high: the box's corners. An axis without extent has no ticks.
 BoxTicks box_ticks(const render::Camera& camera, int width, int height, const math::Vec3d& low,
                    const math::Vec3d& high);

@@ -42,9 +42,9 @@ DepthScale depth_scale(std::span<const float> depth) {
 }
 
 void write_depth_png(const std::string& path, int width, int height, std::span<const float> depth,
-                     const DepthScale& scale) {
+                     const DepthScale& scale, const core::CountedAllocator<char>& counted) {
   require_pixels(path, width, height, depth.size());
-  PngValues image{width, height, 1, {}, {}};
+  PngValues image{width, height, 1, core::CountedVector<std::uint16_t>(counted), {}};
   image.values.reserve(depth.size());
   const double range = double(scale.high) - double(scale.low);
   for (const float d : depth) {
@@ -59,16 +59,18 @@ void write_depth_png(const std::string& path, int width, int height, std::span<c
 }
 
 void write_depth_exr(const std::string& path, int width, int height, std::span<const float> depth,
-                     std::span<const ExrAttribute> attributes) {
+                     std::span<const ExrAttribute> attributes,
+                     const core::CountedAllocator<char>& counted) {
   require_pixels(path, width, height, depth.size());
   const ExrChannel channel{"Z", depth.data()};
-  write_exr(path, width, height, {&channel, 1}, attributes);
+  write_exr(path, width, height, {&channel, 1}, attributes, counted);
 }
 
 void write_cell_png(const std::string& path, int width, int height,
-                    std::span<const std::int64_t> cell) {
+                    std::span<const std::int64_t> cell,
+                    const core::CountedAllocator<char>& counted) {
   require_pixels(path, width, height, cell.size());
-  PngValues image{width, height, 3, {}, {}};
+  PngValues image{width, height, 3, core::CountedVector<std::uint16_t>(counted), {}};
   image.values.reserve(3 * cell.size());
   for (const std::int64_t id : cell) {
     const std::uint64_t code = code_of(path, id, 48);
@@ -79,14 +81,15 @@ void write_cell_png(const std::string& path, int width, int height,
 }
 
 void write_cell_exr(const std::string& path, int width, int height,
-                    std::span<const std::int64_t> cell, std::span<const ExrAttribute> attributes) {
+                    std::span<const std::int64_t> cell, std::span<const ExrAttribute> attributes,
+                    const core::CountedAllocator<char>& counted) {
   require_pixels(path, width, height, cell.size());
-  std::vector<std::uint32_t> codes;
+  core::CountedVector<std::uint32_t> codes(counted);
   codes.reserve(cell.size());
   for (const std::int64_t id : cell)
     codes.push_back(std::uint32_t(code_of(path, id, 32)));
   const ExrChannel channel{"cell", codes.data()};
-  write_exr(path, width, height, {&channel, 1}, attributes);
+  write_exr(path, width, height, {&channel, 1}, attributes, counted);
 }
 
 } // namespace insitu::output

@@ -22,7 +22,8 @@ namespace {
 /// appears whole cannot.
 class Bytes final : public Imf::OStream {
 public:
-  explicit Bytes(const std::string& path) : OStream(path.c_str()) {}
+  Bytes(const std::string& path, const core::CountedAllocator<char>& counted)
+      : OStream(path.c_str()), bytes_(counted) {}
 
   void write(const char data[], int count) override {
     const std::size_t end = position_ + std::size_t(count);
@@ -34,10 +35,10 @@ public:
   std::uint64_t tellp() override { return position_; }
   void seekp(std::uint64_t position) override { position_ = std::size_t(position); }
 
-  const std::vector<char>& bytes() const { return bytes_; }
+  const core::CountedVector<char>& bytes() const { return bytes_; }
 
 private:
-  std::vector<char> bytes_;
+  core::CountedVector<char> bytes_;
   std::size_t position_ = 0;
 };
 
@@ -59,12 +60,13 @@ void add(Imf::Header& header, const ExrAttribute& attribute) {
 } // namespace
 
 void write_exr(const std::string& path, int width, int height, std::span<const ExrChannel> channels,
-               std::span<const ExrAttribute> attributes) {
+               std::span<const ExrAttribute> attributes,
+               const core::CountedAllocator<char>& counted) {
   if (width < 1 || height < 1)
     throw core::Error(INSITU_ERROR_ARGUMENT, "image for '" + path + "': a size of " +
                                                  std::to_string(width) + " x " +
                                                  std::to_string(height) + " pixels");
-  Bytes bytes(path);
+  Bytes bytes(path, counted);
   try {
     Imf::Header header(width, height);
     header.compression() = Imf::ZIP_COMPRESSION;
@@ -89,6 +91,8 @@ void write_exr(const std::string& path, int width, int height, std::span<const E
     file.writePixels(height);
   } catch (const std::bad_alloc&) {
     throw;
+  } catch (const core::Error&) { // of counted memory
+    throw;
   } catch (const std::exception& e) {
     throw core::Error(INSITU_ERROR_FILE, "cannot write '" + path + "': OpenEXR: " + e.what());
   }
@@ -99,19 +103,19 @@ void write_exr(const std::string& path, int width, int height, std::span<const E
 
 void write_exr(const std::string& path, const core::Image& image, bool keep_alpha,
                std::span<const ExrAttribute> attributes) {
-  core::Image scaled;
+  core::CountedVector<float> scaled(image.rgba.get_allocator());
   const float* pixels = image.rgba.data();
   if (keep_alpha) {
-    scaled = image;
-    for (std::size_t i = 0; i < scaled.rgba.size(); i += 4)
+    scaled.assign(image.rgba.begin(), image.rgba.end());
+    for (std::size_t i = 0; i < scaled.size(); i += 4)
       for (std::size_t c = 0; c < 3; ++c)
-        scaled.rgba[i + c] *= scaled.rgba[i + 3];
-    pixels = scaled.rgba.data();
+        scaled[i + c] *= scaled[i + 3];
+    pixels = scaled.data();
   }
   std::vector<ExrChannel> channels{{"R", pixels, 4}, {"G", pixels + 1, 4}, {"B", pixels + 2, 4}};
   if (keep_alpha)
     channels.push_back({"A", pixels + 3, 4});
-  write_exr(path, image.width, image.height, channels, attributes);
+  write_exr(path, image.width, image.height, channels, attributes, image.rgba.get_allocator());
 }
 
 } // namespace insitu::output

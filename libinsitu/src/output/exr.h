@@ -28,8 +28,10 @@ struct ExrAttribute {
 /// versions of OpenEXR and zlib. Channels are stored in the order of their names. An integer
 /// attribute beyond 32 bits becomes a number in double precision. Throws core::Error:
 /// INSITU_ERROR_ARGUMENT if the size is none, INSITU_ERROR_FILE if the file cannot be written.
+/// What it holds meanwhile counts as `counted` says.
 void write_exr(const std::string& path, int width, int height, std::span<const ExrChannel> channels,
-               std::span<const ExrAttribute> attributes = {});
+               std::span<const ExrAttribute> attributes = {},
+               const core::CountedAllocator<char>& counted = {});
 
 /// Channels R, G, B and A, as linear light; colours are multiplied by alpha, as the format wants
 /// them. Without alpha: R, G and B as they are.

@@ -33,17 +33,22 @@ void on_error(png_structp png, png_const_charp message) {
 
 void on_warning(png_structp, png_const_charp) {}
 
+using Counted = core::CountedAllocator<std::uint8_t>;
+
 struct Encoder : Coder {
-  std::vector<std::uint8_t> bytes;
+  explicit Encoder(const Counted& counted) : bytes(counted) {}
+  core::CountedVector<std::uint8_t> bytes;
   ~Encoder() { png_destroy_write_struct(&png, &info); }
 };
 
 void append_bytes(png_structp png, png_bytep data, std::size_t count) {
   bool fits = true;
   try {
-    std::vector<std::uint8_t>& bytes = static_cast<Encoder*>(png_get_io_ptr(png))->bytes;
+    core::CountedVector<std::uint8_t>& bytes = static_cast<Encoder*>(png_get_io_ptr(png))->bytes;
     bytes.insert(bytes.end(), data, data + count);
   } catch (const std::bad_alloc&) {
+    fits = false;
+  } catch (const core::Error&) { // of counted memory
     fits = false;
   }
   if (!fits) {
@@ -94,8 +99,8 @@ bool encode_with_libpng(Encoder& encoder, const Raster& image) {
   return true;
 }
 
-void encode_to_file(const std::string& path, const Raster& image) {
-  Encoder encoder;
+void encode_to_file(const std::string& path, const Raster& image, const Counted& counted) {
+  Encoder encoder(counted);
   if (!encode_with_libpng(encoder, image)) {
     throw core::Error(INSITU_ERROR_FILE, "cannot write '" + path + "': libpng: " + encoder.message);
   }
@@ -174,13 +179,15 @@ void write_png(const std::string& path, const PngImage& image) {
   encode_to_file(path,
                  {image.width, image.height, 8,
                   image.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
-                  image.pixels.data(), std::size_t(image.width) * std::size_t(image.channels)});
+                  image.pixels.data(), std::size_t(image.width) * std::size_t(image.channels)},
+                 image.pixels.get_allocator());
 }
 
 void write_png(const std::string& path, const PngValues& image) {
   require_size(path, image.width, image.height, image.channels, 1, 3, image.values.size(),
                "values");
-  std::vector<std::uint8_t> bytes; // the more significant one first
+  const Counted counted(image.values.get_allocator());
+  core::CountedVector<std::uint8_t> bytes(counted); // the more significant one first
   bytes.reserve(2 * image.values.size());
   for (const std::uint16_t value : image.values) {
     bytes.push_back(std::uint8_t(value >> 8));
@@ -196,10 +203,12 @@ void write_png(const std::string& path, const PngValues& image) {
     entry.text_length = value.size();
     text.push_back(entry);
   }
-  encode_to_file(path, {image.width, image.height, 16,
-                        image.channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB,
-                        bytes.data(), 2 * std::size_t(image.width) * std::size_t(image.channels),
-                        text.data(), int(text.size())});
+  encode_to_file(path,
+                 {image.width, image.height, 16,
+                  image.channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB, bytes.data(),
+                  2 * std::size_t(image.width) * std::size_t(image.channels), text.data(),
+                  int(text.size())},
+                 counted);
 }
 
 void write_png(const std::string& path, const core::Image& image, bool keep_alpha) {

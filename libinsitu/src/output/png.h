@@ -23,7 +23,7 @@ struct PngImage {
   int width = 0;
   int height = 0;
   int channels = 4;
-  std::vector<std::uint8_t> pixels;
+  core::CountedVector<std::uint8_t> pixels; ///< what is made of them is counted as they are
 
   const std::uint8_t* pixel(int x, int y) const {
     return &pixels[(std::size_t(y) * std::size_t(width) + std::size_t(x)) * std::size_t(channels)];
@@ -46,7 +46,7 @@ struct PngValues {
   int width = 0;
   int height = 0;
   int channels = 1;
-  std::vector<std::uint16_t> values;
+  core::CountedVector<std::uint16_t> values; ///< counted as PngImage's
   std::vector<std::pair<std::string, std::string>> text;
 };
 

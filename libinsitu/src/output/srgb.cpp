@@ -85,7 +85,8 @@ float decode_srgb(std::uint8_t code) {
 }
 
 PngImage to_srgb(const core::Image& image, bool keep_alpha) {
-  PngImage out{image.width, image.height, keep_alpha ? 4 : 3, {}};
+  PngImage out{image.width, image.height, keep_alpha ? 4 : 3,
+               core::CountedVector<std::uint8_t>(image.rgba.get_allocator())};
   const std::size_t count = image.rgba.size() / 4;
   out.pixels.resize(count * std::size_t(out.channels));
   const SrgbTable& t = table();

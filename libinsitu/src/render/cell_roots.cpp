@@ -26,6 +26,11 @@ bool above(double f) {
   return f >= 0.0;
 }
 
+bool on_edge(const Crossing& c) {
+  constexpr double none = 1e-9;
+  return std::any_of(c.weights, c.weights + c.count, [](double w) { return w <= none; });
+}
+
 } // namespace
 
 CellRoots::CellRoots(const mesh::CellVertices& cell, const RaySpace& space, double t_near,
@@ -40,8 +45,10 @@ CellRoots::CellRoots(const mesh::CellVertices& cell, const RaySpace& space, doub
     if (b < t_near || a > t_far)
       continue;
     // More than one way in and out, or an edge met twice: a stretch counts if its middle is inside.
-    // One too short to tell does no harm.
-    if (n > 2 && b - a > 1e-9 * extent_) {
+    // So too between two edges, where a curved face may lie in between. One too short to tell does
+    // no harm.
+    if ((n > 2 || (on_edge(crossings_[k]) && on_edge(crossings_[k + 1]))) &&
+        b - a > 1e-9 * extent_) {
       const Vec3d middle = space.ray().origin + (0.5 * (a + b)) * space.ray().direction;
       const auto map = cells::inverse_map(cell.shape, cell.x, middle);
       const bool sure = map.converged && map.margin > -1e-9; // Newton may fail in collapsed cells

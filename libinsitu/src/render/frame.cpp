@@ -161,8 +161,10 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
     sums->begin(settings.width, settings.height);
   const FrameRenderer renderer(sampler, settings, structures, threads);
   const double prepared = timer.seconds();
-  FrameImages images;
-  images.color = core::Image(settings.width, settings.height);
+  const core::CountedAllocator<float> counted(structures.memory(), INSITU_MEMORY_FRAME);
+  FrameImages images{core::Image(settings.width, settings.height, counted),
+                     core::CountedVector<float>(counted),
+                     core::CountedVector<std::int64_t>(counted)};
   const std::size_t pixels = std::size_t(settings.width) * std::size_t(settings.height);
   if (settings.depth)
     images.depth.resize(pixels);

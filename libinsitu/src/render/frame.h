@@ -36,13 +36,14 @@ struct FrameSettings {
 };
 
 /// Row 0 at the top, pixel x of row y at y * width + x. depth and cell stay empty unless asked for.
+/// Counted as memory of frames, so they must not outlive the structures' core::Memory.
 struct FrameImages {
   core::Image color;
   /// Distance along the pixel's ray, in mesh units, to where its opacity reaches a half; infinite
   /// where it never does.
-  std::vector<float> depth;
+  core::CountedVector<float> depth;
   /// The flat cell (see mesh::MeshView) there, -1 where there is none.
-  std::vector<std::int64_t> cell;
+  core::CountedVector<std::int64_t> cell;
 };
 
 struct FrameStatistics {

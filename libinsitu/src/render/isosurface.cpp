@@ -71,8 +71,10 @@ IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
       group.field = structures.average(group.source).field();
     group.ranges = &structures.value_ranges(group.field);
     for (const Level& level : group.levels)
-      if (lit && level.settings->normals == Normals::smooth)
+      if (lit && level.settings->normals == Normals::smooth) {
         group.gradients = &structures.gradients(group.field);
+        group.around = &structures.vertex_cells();
+      }
   }
 }
 
@@ -141,8 +143,11 @@ Vec3d IsosurfaceTracer::gradient(const SurfaceHit& hit, const Vec3d& p,
                                  SurfaceCounts& counts) const {
   const Surface& surface = surfaces_[std::size_t(hit.surface)];
   switch (surface.settings->normals) {
-  case Normals::smooth:
-    return groups_[surface.group].gradients->at(sampler_.mesh(), hit.cell, hit.parametric);
+  case Normals::smooth: {
+    const Group& group = groups_[surface.group];
+    return group.gradients->at(sampler_.mesh(), group.field, *group.around, hit.cell,
+                               hit.parametric);
+  }
   case Normals::central:
     return central_gradient(hit, p, counts);
   case Normals::cell:

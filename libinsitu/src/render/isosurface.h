@@ -70,6 +70,7 @@ private:
     ScalarField source, field; ///< as asked for, and at the vertices
     const accel::ValueRanges* ranges = nullptr;
     const VertexGradients* gradients = nullptr; ///< if a surface asks for them
+    const VertexCells* around = nullptr;        ///< for these
     std::vector<Level> levels;
     /// Bit c: a level may be in child c's values.
     unsigned needed(std::uint32_t node) const;

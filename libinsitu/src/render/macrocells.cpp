@@ -74,7 +74,9 @@ struct CellSizes {
   }
 };
 
-MacrocellGrid choose_grid(const query::Sampler& sampler, double cells_each) {
+} // namespace
+
+MacrocellGrid Macrocells::grid_of(const query::Sampler& sampler, double cells_each) {
   if (!(cells_each > 0))
     throw core::Error(INSITU_ERROR_ARGUMENT, "macrocells of " + std::to_string(cells_each) +
                                                  " cells each; more than 0 expected");
@@ -120,6 +122,8 @@ MacrocellGrid choose_grid(const query::Sampler& sampler, double cells_each) {
   }
   return grid;
 }
+
+namespace {
 
 template <class T>
 void lower_to(T& at, T v) {
@@ -242,7 +246,7 @@ bool MacrocellGrid::resolves(const Ray& ray, double far) const {
 
 Macrocells::Macrocells(const query::Sampler& sampler, const ScalarField& field,
                        const core::Threads& threads, core::Memory& memory, double cells_each)
-    : grid_(choose_grid(sampler, cells_each)), ranges_(memory, INSITU_MEMORY_RANGES),
+    : grid_(grid_of(sampler, cells_each)), ranges_(memory, INSITU_MEMORY_RANGES),
       has_nan_(memory, INSITU_MEMORY_RANGES), smallest_(memory, INSITU_MEMORY_RANGES) {
   ranges_.resize_discard(std::size_t(grid_.count()));
   has_nan_.resize_discard(std::size_t(grid_.count()));

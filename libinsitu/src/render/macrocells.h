@@ -55,6 +55,12 @@ public:
   struct Range {
     double lower, upper;
   };
+  /// Of memory, for each of them; and after measure().
+  static constexpr std::int64_t bytes_each = sizeof(Range) + 1;
+  static constexpr std::int64_t bytes_each_with_size = bytes_each + sizeof(float);
+
+  /// The grid that they make of a mesh; looks at some of its cells.
+  static MacrocellGrid grid_of(const query::Sampler& sampler, double cells_each);
 
   /// About `cells_each` owning cells to a macrocell of the mesh's bounds, at most 2^24 of them.
   /// They have the proportions of a mean cell's box; none is smaller than a quarter of it.
@@ -95,6 +101,8 @@ private:
 /// extinction. Made anew when the function changes; the cells are not read.
 class Majorants {
 public:
+  static constexpr std::int64_t bytes_each = sizeof(float); ///< for a macrocell
+
   Majorants(const Macrocells& cells, const TransferFunction& function, const core::Threads& threads,
             core::Memory& memory);
 

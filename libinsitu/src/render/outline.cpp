@@ -17,11 +17,13 @@ Vec3d unit(const Vec3d& v) {
 } // namespace
 
 Outline::Outline(const OutlineSettings& settings, const Camera& camera, int width, int height,
-                 const Vec3d& low, const Vec3d& high)
+                 const Vec3d& low, const Vec3d& high, core::Memory& memory)
     : settings_(settings), position_(camera.position),
       forward_(unit(camera.look_at - camera.position)), right_(unit(cross(forward_, camera.up))),
       down_(cross(forward_, right_)), middle_x_(0.5 * (width - 1)), middle_y_(0.5 * (height - 1)),
-      orthographic_(camera.orthographic_height > 0) {
+      orthographic_(camera.orthographic_height > 0),
+      lines_(core::CountedAllocator<Line>(memory, INSITU_MEMORY_FRAME)) {
+  lines_.reserve(12 + settings.ticks.size());
   const double view = orthographic_ ? camera.orthographic_height
                                     : 2 * std::tan(camera.fov * std::numbers::pi / 360);
   pixel_ = view / height;

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "core/counted_vector.h"
 #include "math/vec.h"
 #include "render/camera.h"
 #include "render/surface_hit.h"
@@ -29,7 +30,7 @@ class Outline {
 public:
   /// The camera must be one that RayGenerator takes, for an image of that size.
   Outline(const OutlineSettings& settings, const Camera& camera, int width, int height,
-          const math::Vec3d& low, const math::Vec3d& high);
+          const math::Vec3d& low, const math::Vec3d& high, core::Memory& memory);
 
   /// Adds the lines at pixel (x, y), whose ray this is, to hits in depth order. To be called last:
   /// SurfaceHit::surface is -1.
@@ -44,6 +45,11 @@ private:
     Seen a, b;
     double low[2], high[2]; ///< what it covers, with its width
   };
+
+public:
+  static constexpr std::int64_t bytes_a_line = sizeof(Line);
+
+private:
   void add_line(const Seen& a, const Seen& b);
   Seen project(const math::Vec3d& p) const;
 
@@ -52,7 +58,7 @@ private:
   double middle_x_, middle_y_;
   double pixel_; ///< its extent, at distance 1 (orthographic: in mesh units)
   bool orthographic_;
-  std::vector<Line> lines_;
+  core::CountedVector<Line> lines_;
 };
 
 } // namespace insitu::render

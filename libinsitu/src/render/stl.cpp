@@ -147,10 +147,10 @@ void read_ascii(const std::string& text, const std::string& path, TriangleList& 
 
 } // namespace
 
-TriangleList read_stl(const std::string& path) {
+TriangleList read_stl(const std::string& path,
+                      const core::CountedAllocator<math::Vec3d>& allocator) {
   const std::string bytes = read_all(path);
-  TriangleList list;
-  list.source = path;
+  TriangleList list{path, core::CountedVector<math::Vec3d>(allocator)};
   const bool says_solid = bytes.compare(0, 5, "solid") == 0;
   // Binary files may begin with "solid" too, so the size that the count implies is asked first.
   const std::uint64_t stated =

@@ -23,6 +23,7 @@ void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, st
     age(culled_);
   }
   if (geometry != geometry_) {
+    vertex_cells_.value.reset();
     averages_.clear();
     value_ranges_.clear();
     gradients_.clear();
@@ -46,6 +47,9 @@ void Structures::drop_unused(T& entries) {
 }
 
 void Structures::end() {
+  if (!vertex_cells_.used)
+    vertex_cells_.value.reset();
+  vertex_cells_.used = false;
   drop_unused(value_ranges_);
   drop_unused(averages_);
   drop_unused(scalar_ranges_);
@@ -84,13 +88,27 @@ const T& Structures::up_to_date(ValuesEntry<T>& entry, std::int64_t& made, std::
   return *entry.value;
 }
 
+const VertexCells& Structures::vertex_cells() {
+  vertex_cells_.used = true;
+  if (!vertex_cells_.value) {
+    const core::Timer timer;
+    vertex_cells_.value = std::make_unique<VertexCells>(sampler_->mesh(), *threads_, *memory_);
+    ++counts_.vertex_cells;
+    seconds_.vertex_cells += timer.seconds();
+  }
+  return *vertex_cells_.value;
+}
+
 const VertexAverage& Structures::average(const ScalarField& cell_field) {
   const mesh::MeshView& mesh = sampler_->mesh();
+  const VertexCells& around = vertex_cells();
   return up_to_date(
       averages_[key_of(cell_field)], counts_.averages, counts_.averages_refreshed,
       seconds_.averages,
-      [&] { return std::make_unique<VertexAverage>(mesh, cell_field, *threads_, *memory_); },
-      [&](VertexAverage& known) { known.refresh(mesh, cell_field, *threads_); });
+      [&] {
+        return std::make_unique<VertexAverage>(mesh, cell_field, around, *threads_, *memory_);
+      },
+      [&](VertexAverage& known) { known.refresh(mesh, cell_field, around, *threads_); });
 }
 
 const accel::ValueRanges& Structures::value_ranges(const ScalarField& vertex_field) {
@@ -207,12 +225,12 @@ bool Structures::has_macrocells(const ScalarField& field) const {
 }
 
 const VertexGradients& Structures::gradients(const ScalarField& vertex_field) {
-  const mesh::MeshView& mesh = sampler_->mesh();
+  (void)vertex_cells();
   return up_to_date(
       gradients_[key_of(vertex_field)], counts_.gradients, counts_.gradients_refreshed,
       seconds_.gradients,
-      [&] { return std::make_unique<VertexGradients>(mesh, vertex_field, *threads_, *memory_); },
-      [&](VertexGradients& known) { known.refresh(mesh, vertex_field, *threads_); });
+      [&] { return std::make_unique<VertexGradients>(sampler_->mesh(), *memory_); },
+      [](VertexGradients& known) { known.forget(); });
 }
 
 const TriangleMesh& Structures::boundary() {

@@ -26,9 +26,10 @@ class Structures {
 public:
   /// How often each kind was made, for plans and tests: what no frame asks for stays at 0.
   struct Counts {
+    std::int64_t vertex_cells = 0;                             ///< made
     std::int64_t averages = 0, averages_refreshed = 0;         ///< made; given new values
     std::int64_t value_ranges = 0, value_ranges_refreshed = 0; ///< made; given new values
-    std::int64_t gradients = 0, gradients_refreshed = 0;       ///< made; given new values
+    std::int64_t gradients = 0, gradients_refreshed = 0;       ///< made; forgotten for new values
     std::int64_t scalar_ranges = 0;                            ///< passes over the values
     std::int64_t macrocells = 0, macrocells_refreshed = 0;     ///< built; given new values
     std::int64_t majorants = 0; ///< classified, for the first time or anew
@@ -36,6 +37,7 @@ public:
     std::int64_t culled = 0; ///< trees of what shows, made for the first time or anew
     std::int64_t boundaries = 0, bodies = 0;
     Counts& operator+=(const Counts& b) {
+      vertex_cells += b.vertex_cells;
       averages += b.averages;
       averages_refreshed += b.averages_refreshed;
       value_ranges += b.value_ranges;
@@ -58,9 +60,10 @@ public:
 
   /// What was spent on some of them in all, in seconds.
   struct Seconds {
+    double vertex_cells = 0;     ///< made
     double averages = 0;         ///< made and refreshed
     double value_ranges = 0;     ///< made and refreshed
-    double gradients = 0;        ///< made and refreshed
+    double gradients = 0;        ///< made and forgotten; they are found while frames are drawn
     double macrocells = 0;       ///< built and refreshed
     double majorants = 0;        ///< classified
     double primitive_ranges = 0; ///< made and refreshed
@@ -100,6 +103,8 @@ public:
   bool has_macrocells(const ScalarField& field) const;
   /// Of a vertex field, or of an average's field().
   const VertexGradients& gradients(const ScalarField& vertex_field);
+  /// For averages and gradients; kept while the geometry holds.
+  const VertexCells& vertex_cells();
   /// The mesh's boundary faces; kept while the geometry holds.
   const TriangleMesh& boundary();
   /// A file's triangles, which say which file; kept while frames draw them.
@@ -160,6 +165,7 @@ private:
   std::uint64_t geometry_ = 0, fields_ = 0;
   Counts counts_;
   Seconds seconds_;
+  Entry<VertexCells> vertex_cells_;
   std::map<Key, ValuesEntry<VertexAverage>> averages_;
   std::map<Key, ValuesEntry<accel::ValueRanges>> value_ranges_;
   std::map<Key, ValuesEntry<VertexGradients>> gradients_;

@@ -36,7 +36,7 @@ Surfaces::Surfaces(const query::Sampler& sampler, const FrameSettings& settings,
                        structures);
   if (settings.outline)
     outline_.emplace(*settings.outline, settings.camera, settings.width, settings.height,
-                     sampler.tree().bounds_min(), sampler.tree().bounds_max());
+                     sampler.tree().bounds_min(), sampler.tree().bounds_max(), structures.memory());
   if (settings.lighting.enabled)
     shader_.emplace(settings.lighting, 0.1 * diagonal_);
   if (!settings.lighting.volume_shadows || !settings.volume)

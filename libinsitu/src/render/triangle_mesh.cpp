@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 
 #include "accel/faces/face_table.h"
+#include "accel/tree.h"
 #include "cells/faces.h"
+#include "mesh/box.h"
 
 namespace insitu::render {
 
@@ -51,9 +54,9 @@ void corners(const mesh::MeshView& mesh, const Face& face, Vec3d* x) {
 
 /// Removes pairs of faces with the same corners: those of neighbouring pieces, or gridlets, whose
 /// vertices are numbered apart.
-void remove_pairs(const mesh::MeshView& mesh, std::vector<Face>& faces,
+void remove_pairs(const mesh::MeshView& mesh, core::CountedVector<Face>& faces,
                   const core::Threads& threads) {
-  std::vector<Corners> keys(faces.size());
+  core::CountedVector<Corners> keys(faces.size(), faces.get_allocator());
   threads.parallel_for(std::int64_t(faces.size()), 1024, [&](std::int64_t begin, std::int64_t end) {
     for (auto i = std::size_t(begin); i < std::size_t(end); ++i) {
       keys[i].count = corner_count(faces[i]);
@@ -61,7 +64,7 @@ void remove_pairs(const mesh::MeshView& mesh, std::vector<Face>& faces,
       std::sort(keys[i].x.begin(), keys[i].x.begin() + keys[i].count, lower);
     }
   });
-  std::vector<std::uint32_t> order(faces.size());
+  core::CountedVector<std::uint32_t> order(faces.size(), faces.get_allocator());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     if (keys[a] < keys[b] || keys[b] < keys[a])
@@ -91,7 +94,8 @@ TriangleMesh::TriangleMesh(core::Memory& memory)
 std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
                                                      const core::Threads& threads,
                                                      core::Memory& memory) {
-  std::vector<Face> faces;
+  const core::CountedAllocator<Face> counted(memory, INSITU_MEMORY_FRAME);
+  core::CountedVector<Face> faces(counted);
   bool apart = mesh.piece_count > 1;
   for (std::int32_t p = 0; p < mesh.piece_count; ++p)
     apart = apart || mesh.pieces[p].gridlets;
@@ -107,7 +111,8 @@ std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
     remove_pairs(mesh, faces, threads);
 
   std::unique_ptr<TriangleMesh> out(new TriangleMesh(memory));
-  std::vector<std::uint32_t> ids;
+  core::CountedVector<std::uint32_t> ids(counted);
+  ids.reserve(4 * faces.size());
   for (const Face& face : faces)
     ids.insert(ids.end(), face.vertices, face.vertices + corner_count(face));
   std::sort(ids.begin(), ids.end());
@@ -159,6 +164,64 @@ void TriangleMesh::build(const core::Threads& threads) {
   cells_.shrink();
   rays_ =
       std::make_unique<accel::TriangleRays>(points_.span(), triangles_.span(), threads, *memory_);
+}
+
+namespace {
+
+/// Of Embree's triangles for rays: vertices as floats, and what its tree takes, as measured (four
+/// triangles to a block of indices, in nodes of four or eight children).
+constexpr double embree_vertex = 3 * sizeof(float), embree_triangle = 50, embree_scene = 2048;
+
+} // namespace
+
+std::int64_t TriangleMesh::bytes_about(std::int64_t triangles) {
+  const double each =
+      3 * (sizeof(Vec3d) + embree_vertex) + sizeof(accel::TriangleRays::Ids) + embree_triangle;
+  return std::int64_t(embree_scene + each * double(triangles));
+}
+
+std::int64_t TriangleMesh::bytes_about(const query::Sampler& sampler) {
+  const accel::Tree& tree = sampler.tree();
+  const mesh::MeshView& mesh = sampler.mesh();
+  if (tree.empty())
+    return 0;
+  // Cells as if they were hexahedra, with the proportions of mean boxes.
+  constexpr std::int64_t most = 1024;
+  const std::int64_t items = tree.cell_count(), count = std::min(items, most);
+  double hexahedra = 0;
+  Vec3d mean;
+  mesh::CellVertices cell;
+  for (std::int64_t i = 0; i < count; ++i) {
+    mesh::gather(mesh, tree.cells()[i * items / count], cell);
+    mean += mesh::box_of(cell).size();
+    hexahedra += cell.shape == mesh::Shape::wedge         ? 1.0 / 2
+                 : cell.shape == mesh::Shape::tetrahedron ? 1.0 / 6
+                 : cell.shape == mesh::Shape::pyramid     ? 1.0 / 6
+                                                          : 1.0;
+  }
+  hexahedra *= double(items) / double(count);
+  const Vec3d extent = tree.bounds_max() - tree.bounds_min();
+  double across[3], product = 1;
+  for (int a = 0; a < 3; ++a) {
+    across[a] = mean[a] > 0 ? std::max(1.0, extent[a] / (mean[a] / double(count))) : 1.0;
+    product *= across[a];
+  }
+  const double scale = std::cbrt(hexahedra / product);
+  double faces = 0;
+  for (int a = 0; a < 3; ++a)
+    faces += 2 * std::max(1.0, scale * across[a]) * std::max(1.0, scale * across[(a + 1) % 3]);
+  const double vertex = sizeof(Vec3d) + sizeof(std::uint32_t) + embree_vertex;
+  const double each = sizeof(accel::TriangleRays::Ids) + sizeof(std::uint32_t) + embree_triangle;
+  return std::int64_t(embree_scene + faces * (vertex + 2 * each));
+}
+
+std::int64_t TriangleMesh::most_bytes_while_made(const mesh::MeshView& mesh,
+                                                 const core::Threads& threads) {
+  // What is taken from the table is no more than it held, but for what finds pairs among pieces.
+  bool apart = mesh.piece_count > 1;
+  for (std::int32_t p = 0; p < mesh.piece_count; ++p)
+    apart = apart || mesh.pieces[p].gridlets;
+  return (apart ? 3 : 1) * accel::FaceTable::most_bytes_while_built(mesh, threads);
 }
 
 std::int64_t TriangleMesh::bytes() const {

@@ -6,30 +6,31 @@
 #include <vector>
 
 #include "accel/triangle_rays.h"
-#include "core/memory.h"
+#include "core/counted_vector.h"
 #include "core/parallel.h"
 #include "mesh/view.h"
+#include "query/sampler.h"
 
 namespace insitu::render {
 
 /// Triangles as a file has them, three corners each.
 struct TriangleList {
   std::string source; ///< the file's path
-  std::vector<math::Vec3d> corners;
+  core::CountedVector<math::Vec3d> corners;
 };
 
 /// Reads STL, ASCII or binary (told apart by the size that a binary file states). Throws
 /// core::Error (INSITU_ERROR_FILE, or INSITU_ERROR_SCENE for what is no STL) with the file and the
 /// place.
-TriangleList read_stl(const std::string& path);
+TriangleList read_stl(const std::string& path,
+                      const core::CountedAllocator<math::Vec3d>& allocator = {});
 
 /// Triangles to be drawn.
 class TriangleMesh {
 public:
   /// The faces of owning cells that no other cell has, each quad as two triangles along the
   /// diagonal of its canonical corner: good to look at, not the exact boundary of curved cells.
-  /// Faces of different pieces meet if their corners have the same coordinates. Takes about 150
-  /// bytes a cell while it is made.
+  /// Faces of different pieces meet if their corners have the same coordinates.
   static std::unique_ptr<TriangleMesh> boundary(const mesh::MeshView& mesh,
                                                 const core::Threads& threads, core::Memory& memory);
   static std::unique_ptr<TriangleMesh> body(const TriangleList& list, const core::Threads& threads,
@@ -38,6 +39,13 @@ public:
   const accel::TriangleRays& rays() const { return *rays_; }
   std::int64_t count() const { return std::int64_t(triangles_.size()); }
   std::int64_t bytes() const;
+  /// About what bytes() will be, of a body of so many triangles; and of the boundary of a mesh that
+  /// fills its box, by a look at some cells.
+  static std::int64_t bytes_about(std::int64_t triangles);
+  static std::int64_t bytes_about(const query::Sampler& sampler);
+  /// At most what a boundary takes besides while it is made.
+  static std::int64_t most_bytes_while_made(const mesh::MeshView& mesh,
+                                            const core::Threads& threads);
 
   /// The flat cell that has the triangle; -1 for a body.
   std::int64_t cell(std::uint32_t triangle) const {

@@ -6,33 +6,29 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "render/scalar_field.h"
+#include "render/vertex_cells.h"
 
 namespace insitu::render {
 
 /// A cell field made continuous: at each vertex the plain average of the owning cells around it
 /// (NaN where there is none). An isosurface needs it, since a field that is constant in each cell
 /// has none. Values are the same for any number of threads. Vertices are those of one piece: at the
-/// border of two pieces each has its own, so an isosurface may show a step there. 8 bytes a vertex,
-/// and while it is made 8 bytes more per vertex and 4 per corner of a cell.
+/// border of two pieces each has its own, so an isosurface may show a step there. 8 bytes a vertex.
 class VertexAverage {
 public:
   VertexAverage(const mesh::MeshView& mesh, const ScalarField& cell_field,
-                const core::Threads& threads, core::Memory& memory);
+                const VertexCells& around, const core::Threads& threads, core::Memory& memory);
   VertexAverage(const VertexAverage&) = delete;
   VertexAverage& operator=(const VertexAverage&) = delete;
 
   /// Other values of the same cells, in place.
-  void refresh(const mesh::MeshView& mesh, const ScalarField& cell_field,
+  void refresh(const mesh::MeshView& mesh, const ScalarField& cell_field, const VertexCells& around,
                const core::Threads& threads);
 
   /// A vertex field of one component; valid as long as this object.
   ScalarField field() const;
 
 private:
-  void average_piece(const mesh::MeshView& mesh, const ScalarField& cell_field, std::int32_t piece,
-                     const core::Threads& threads);
-
-  core::Memory* memory_;
   std::string name_;
   core::Buffer<double> values_;
   std::vector<const std::byte*> bases_;

@@ -9,18 +9,21 @@
 
 namespace insitu::render {
 
-/// The owning cells around each vertex of a piece, in ascending order: so sums over them do not
-/// depend on threads. 8 bytes a vertex and 4 per corner of a cell.
+/// The owning cells around each vertex of a mesh, in ascending order: so sums over them do not
+/// depend on threads. Vertices are those of one piece, and of one gridlet. 8 bytes a vertex and 4
+/// per corner of a cell; holds as long as the cells do, whatever values and coordinates become.
 class VertexCells {
 public:
-  VertexCells(const mesh::MeshView& mesh, std::int32_t piece, const core::Threads& threads,
-              core::Memory& memory);
+  VertexCells(const mesh::MeshView& mesh, const core::Threads& threads, core::Memory& memory);
 
-  /// Of a vertex of the piece; numbered within the piece.
+  /// Flat cells around a flat vertex.
   std::span<const std::uint32_t> of(std::int64_t vertex) const {
     const std::int64_t first = vertex == 0 ? 0 : end_[std::size_t(vertex) - 1];
     return {cells_.data() + first, std::size_t(end_[std::size_t(vertex)] - first)};
   }
+  std::int64_t bytes() const { return std::int64_t(end_.bytes() + cells_.bytes()); }
+  /// What bytes() will be; looks at the cells' shapes, no more.
+  static std::int64_t bytes_for(const mesh::MeshView& mesh, const core::Threads& threads);
 
 private:
   core::Buffer<std::int64_t> end_;    ///< of each vertex's list

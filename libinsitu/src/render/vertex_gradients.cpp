@@ -1,8 +1,8 @@
 #include "render/vertex_gradients.h"
 
 #include <algorithm>
-
-#include "render/vertex_cells.h"
+#include <atomic>
+#include <cmath>
 
 namespace insitu::render {
 
@@ -34,51 +34,56 @@ Vec3d corner_of(mesh::Shape shape, int v) {
 
 } // namespace
 
-VertexGradients::VertexGradients(const mesh::MeshView& mesh, const ScalarField& vertex_field,
-                                 const core::Threads& threads, core::Memory& memory)
-    : memory_(&memory), gradients_(memory, INSITU_MEMORY_FRAME) {
+VertexGradients::VertexGradients(const mesh::MeshView& mesh, core::Memory& memory)
+    : gradients_(memory, INSITU_MEMORY_FRAME), is_known_(memory, INSITU_MEMORY_FRAME) {
   gradients_.resize_discard(std::size_t(mesh.vertex_count()));
-  refresh(mesh, vertex_field, threads);
+  is_known_.resize_discard(std::size_t(mesh.vertex_count()));
+  forget();
 }
 
-void VertexGradients::refresh(const mesh::MeshView& mesh, const ScalarField& vertex_field,
-                              const core::Threads& threads) {
-  for (std::int32_t p = 0; p < mesh.piece_count; ++p)
-    average_piece(mesh, vertex_field, p, threads);
+void VertexGradients::forget() {
+  std::fill(is_known_.begin(), is_known_.end(), std::uint8_t(0));
 }
 
-void VertexGradients::average_piece(const mesh::MeshView& mesh, const ScalarField& field,
-                                    std::int32_t p, const core::Threads& threads) {
-  const VertexCells around(mesh, p, threads, *memory_);
-  Vec3d* out = gradients_.data() + mesh.first_vertex[p];
-  const std::int64_t vertex_count = mesh.first_vertex[p + 1] - mesh.first_vertex[p];
-  threads.parallel_for(vertex_count, 1024, [&](std::int64_t begin, std::int64_t end) {
-    mesh::CellVertices cell;
-    double values[8];
-    for (std::int64_t v = begin; v < end; ++v) {
-      Vec3d sum;
-      int count = 0;
-      for (const std::uint32_t local : around.of(v)) {
-        mesh::gather(mesh, mesh.first_cell[p] + local, cell);
-        int corner = 0;
-        for (int k = 0; k < cell.count; ++k) {
-          values[k] = field.load(p, cell.ids[k]);
-          if (cell.ids[k] == v)
-            corner = k;
-        }
-        const Vec3d g = cells::gradient(cell.shape, cell.x, values, corner_of(cell.shape, corner));
-        // Cells without volume there have none.
-        if (!std::isfinite(g.x) || !std::isfinite(g.y) || !std::isfinite(g.z))
-          continue;
-        sum += g;
-        ++count;
-      }
-      out[v] = count > 0 ? sum / double(count) : Vec3d{};
+Vec3d VertexGradients::of(const mesh::MeshView& mesh, const ScalarField& field,
+                          const VertexCells& around, std::int32_t p, std::int64_t vertex) const {
+  const std::int64_t flat_vertex = mesh.first_vertex[p] + vertex;
+  Vec3d& kept = gradients_[std::size_t(flat_vertex)];
+  const std::atomic_ref known(is_known_[std::size_t(flat_vertex)]);
+  // Two threads may find the same at once: they write the same bits.
+  const std::atomic_ref x(kept.x), y(kept.y), z(kept.z);
+  if (known.load(std::memory_order_acquire))
+    return {x.load(std::memory_order_relaxed), y.load(std::memory_order_relaxed),
+            z.load(std::memory_order_relaxed)};
+  mesh::CellVertices cell;
+  double values[8];
+  Vec3d sum;
+  int count = 0;
+  for (const std::uint32_t flat : around.of(flat_vertex)) {
+    mesh::gather(mesh, flat, cell);
+    int corner = 0;
+    for (int k = 0; k < cell.count; ++k) {
+      values[k] = field.load(p, cell.ids[k]);
+      if (cell.ids[k] == vertex)
+        corner = k;
     }
-  });
+    const Vec3d g = cells::gradient(cell.shape, cell.x, values, corner_of(cell.shape, corner));
+    // Cells without volume there have none.
+    if (!std::isfinite(g.x) || !std::isfinite(g.y) || !std::isfinite(g.z))
+      continue;
+    sum += g;
+    ++count;
+  }
+  const Vec3d found = count > 0 ? sum / double(count) : Vec3d{};
+  x.store(found.x, std::memory_order_relaxed);
+  y.store(found.y, std::memory_order_relaxed);
+  z.store(found.z, std::memory_order_relaxed);
+  known.store(1, std::memory_order_release);
+  return found;
 }
 
-Vec3d VertexGradients::at(const mesh::MeshView& mesh, std::int64_t flat,
+Vec3d VertexGradients::at(const mesh::MeshView& mesh, const ScalarField& field,
+                          const VertexCells& around, std::int64_t flat,
                           const Vec3d& parametric) const {
   const std::int32_t piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
   const mesh::PieceView& cells_of = mesh.pieces[piece];
@@ -89,7 +94,7 @@ Vec3d VertexGradients::at(const mesh::MeshView& mesh, std::int64_t flat,
   cells::shape_functions(cells_of.shape(local), parametric, weights);
   Vec3d sum;
   for (int v = 0; v < n; ++v)
-    sum += weights[v] * gradients_[std::size_t(mesh.first_vertex[piece] + ids[v])];
+    sum += weights[v] * of(mesh, field, around, piece, ids[v]);
   return sum;
 }
 

@@ -3,35 +3,38 @@
 #include <cstdint>
 
 #include "core/memory.h"
-#include "core/parallel.h"
 #include "math/vec.h"
 #include "render/scalar_field.h"
+#include "render/vertex_cells.h"
 
 namespace insitu::render {
 
 /// The gradient of a vertex field made continuous: at each vertex the plain average of the owning
-/// cells' gradients there (zero where there is none). The same for any number of threads. Vertices
-/// are those of one piece, and of one gridlet: at their borders there may be a step. 24 bytes a
-/// vertex, and while it is made 8 bytes more per vertex and 4 per corner of a cell.
+/// cells' gradients there (zero where there is none). A vertex's is found when it is first asked
+/// for, since an isosurface meets few of a mesh's cells, and kept: new values cost no more than
+/// forgetting. The same for any number of threads. Vertices are those of one piece, and of one
+/// gridlet: at their borders there may be a step. 25 bytes a vertex.
 class VertexGradients {
 public:
-  VertexGradients(const mesh::MeshView& mesh, const ScalarField& vertex_field,
-                  const core::Threads& threads, core::Memory& memory);
+  VertexGradients(const mesh::MeshView& mesh, core::Memory& memory);
 
-  /// Other values at the same vertices, in place.
-  void refresh(const mesh::MeshView& mesh, const ScalarField& vertex_field,
-               const core::Threads& threads);
+  /// Values or coordinates are others.
+  void forget();
 
-  /// Interpolated at a place of a cell.
-  math::Vec3d at(const mesh::MeshView& mesh, std::int64_t flat_cell,
+  /// Interpolated at a place of a cell. mesh, field and cells are the same in all calls from one
+  /// forget() to the next, but for where their views lie. Thread-safe.
+  math::Vec3d at(const mesh::MeshView& mesh, const ScalarField& vertex_field,
+                 const VertexCells& around, std::int64_t flat_cell,
                  const math::Vec3d& parametric) const;
 
-private:
-  void average_piece(const mesh::MeshView& mesh, const ScalarField& field, std::int32_t piece,
-                     const core::Threads& threads);
+  static constexpr std::int64_t bytes_a_vertex = sizeof(math::Vec3d) + 1;
 
-  core::Memory* memory_;
-  core::Buffer<math::Vec3d> gradients_; ///< by flat vertex
+private:
+  math::Vec3d of(const mesh::MeshView& mesh, const ScalarField& field, const VertexCells& around,
+                 std::int32_t piece, std::int64_t vertex) const;
+
+  mutable core::Buffer<math::Vec3d> gradients_; ///< by flat vertex
+  mutable core::Buffer<std::uint8_t> is_known_;
 };
 
 } // namespace insitu::render

@@ -1,6 +1,7 @@
 #include "scene/frame_action.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <deque>
 
 #include "core/status.h"
@@ -54,7 +55,13 @@ public:
   }
 
   void plan(const query::CommittedMesh& mesh, Plan& plan) const override {
-    plan_frame(frame_, mesh, plan);
+    if (frame_.geocentric) { // shares nothing with frames in the mesh's own coordinates
+      char drawn[64];
+      std::snprintf(drawn, sizeof drawn, ", geocentric, heights times %g",
+                    frame_.geocentric->exaggeration);
+      plan.begin("frame '" + frame_.name + "'", mesh.mesh().name() + drawn);
+    }
+    plan_frame(frame_, settings_.bodies(), mesh, environment_.context.threads, plan);
   }
 
 private:

@@ -34,10 +34,10 @@ public:
       output::write_png(path, images_.color, keep_alpha_);
       break;
     case ImageKind::depth:
-      output::write_depth_png(path, width_, height_, images_.depth, *scale);
+      output::write_depth_png(path, width_, height_, images_.depth, *scale, counted());
       break;
     case ImageKind::cell:
-      output::write_cell_png(path, width_, height_, images_.cell);
+      output::write_cell_png(path, width_, height_, images_.cell, counted());
       break;
     }
   }
@@ -48,15 +48,17 @@ public:
       output::write_exr(path, images_.color, keep_alpha_, attributes_);
       break;
     case ImageKind::depth:
-      output::write_depth_exr(path, width_, height_, images_.depth, attributes_);
+      output::write_depth_exr(path, width_, height_, images_.depth, attributes_, counted());
       break;
     case ImageKind::cell:
-      output::write_cell_exr(path, width_, height_, images_.cell, attributes_);
+      output::write_cell_exr(path, width_, height_, images_.cell, attributes_, counted());
       break;
     }
   }
 
 private:
+  core::CountedAllocator<char> counted() const { return images_.color.rgba.get_allocator(); }
+
   const render::FrameImages& images_;
   int width_, height_;
   bool keep_alpha_;

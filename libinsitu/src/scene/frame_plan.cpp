@@ -3,14 +3,21 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "output/box_ticks.h"
 #include "render/macrocells.h"
+#include "render/outline.h"
 #include "render/path_settings.h"
 #include "render/primitive_ranges.h"
+#include "render/triangle_mesh.h"
+#include "render/vertex_gradients.h"
 #include "scene/action.h"
+#include "scene/globe.h"
 
 namespace insitu::scene {
 
 namespace {
+
+using Held = Plan::Held;
 
 std::string quoted(const std::string& name) {
   return "'" + name + "'";
@@ -26,27 +33,27 @@ std::string scalar_name(const Name& field, const Component& component, int compo
 
 class FramePlanner {
 public:
-  FramePlanner(const Frame& frame, const query::CommittedMesh& mesh, Plan& plan)
-      : frame_(frame), mesh_(mesh), view_(mesh.mesh().view()), plan_(plan) {}
+  FramePlanner(const Frame& frame, std::span<const render::BodySettings> bodies,
+               const query::CommittedMesh& mesh, const core::Threads& threads, Plan& plan)
+      : frame_(frame), bodies_(bodies), mesh_(mesh), view_(mesh.mesh().view()), threads_(threads),
+        plan_(plan) {}
 
   void run() {
-    const std::int64_t pixels = std::int64_t(frame_.size[0]) * frame_.size[1];
-    plan_.need("image of " + std::to_string(frame_.size[0]) + " x " +
-                   std::to_string(frame_.size[1]),
-               pixels * std::int64_t(4 * sizeof(float)), "while it is drawn");
-    image(ImageKind::depth, "image of depth", pixels * std::int64_t(sizeof(float)));
-    image(ImageKind::cell, "image of cells", pixels * std::int64_t(sizeof(std::int64_t)));
+    images();
     geocentric();
     if (frame_.volume)
       volume(*frame_.volume);
     else
-      plan_.skip("ray marching", "no volume is asked for");
+      for (const char* item : {"ray marching", "macrocell grid", "majorants"})
+        plan_.skip(item, "no volume is asked for");
     if (!frame_.path_tracing)
       plan_.skip("path tracing", "no scattering is asked for");
     for (const Isosurface& surface : frame_.isosurfaces)
       isosurface(surface);
     if (frame_.isosurfaces.empty())
-      plan_.skip("value ranges of the tree", "no isosurface is asked for");
+      for (const char* item : {"value ranges of the tree", "vertex gradients"})
+        plan_.skip(item, "no isosurface is asked for");
+    vertex_cells();
     triangles();
     effect(FrameEffect::lighting, "lighting");
     effect(FrameEffect::shadows, "shadows");
@@ -59,18 +66,76 @@ public:
   }
 
 private:
+  bool asks_for(FrameEffect which) const {
+    return std::find(frame_.effects.begin(), frame_.effects.end(), which) != frame_.effects.end();
+  }
+  bool is_lit() const {
+    return asks_for(FrameEffect::lighting) || asks_for(FrameEffect::shadows) ||
+           asks_for(FrameEffect::volume_shadows) || asks_for(FrameEffect::ambient_occlusion);
+  }
   void effect(FrameEffect which, const char* name) {
-    if (std::find(frame_.effects.begin(), frame_.effects.end(), which) != frame_.effects.end())
+    if (asks_for(which))
       plan_.need(name, -1, "an effect of the frame");
     else
       plan_.skip(name, "not among the frame's effects");
   }
 
-  void image(ImageKind kind, const char* name, std::int64_t bytes) {
-    if (std::find(frame_.images.begin(), frame_.images.end(), kind) != frame_.images.end())
-      plan_.need(name, bytes, "while it is drawn");
+  void images() {
+    const auto asked = [&](ImageKind kind) {
+      return std::find(frame_.images.begin(), frame_.images.end(), kind) != frame_.images.end();
+    };
+    const std::int64_t pixels = std::int64_t(frame_.size[0]) * frame_.size[1];
+    const char* const why = "while it is drawn";
+    plan_.need("image of " + std::to_string(frame_.size[0]) + " x " +
+                   std::to_string(frame_.size[1]),
+               pixels * std::int64_t(core::Image::bytes_a_pixel), why, Held::while_executed);
+    const bool cell = asked(ImageKind::cell);
+    const bool of_leaves = cell && mesh_.mesh().has_stand_in();
+    const bool globe =
+        frame_.geocentric && (frame_.geocentric->globe || frame_.geocentric->graticule);
+    if (asked(ImageKind::depth) || of_leaves || globe)
+      plan_.need("image of depth", pixels * std::int64_t(sizeof(float)),
+                 asked(ImageKind::depth) ? why
+                 : of_leaves             ? "while it is drawn: it tells leaves from dual cells"
+                                         : "while it is drawn: what the globe hides",
+                 Held::while_executed);
     else
-      plan_.skip(name, "not among the frame's images");
+      plan_.skip("image of depth", "not among the frame's images");
+    if (cell)
+      plan_.need("image of cells", pixels * std::int64_t(sizeof(std::int64_t)), why,
+                 Held::while_executed);
+    else
+      plan_.skip("image of cells", "not among the frame's images");
+    plan_.need_at_most("files of images", most_file_bytes(pixels), "one at a time, while written",
+                       Held::while_executed);
+  }
+
+  /// Codes, and the file's bytes in a vector that may have grown just now.
+  std::int64_t most_file_bytes(std::int64_t pixels) const {
+    constexpr std::int64_t headers = 8192;
+    const bool alpha = frame_.background_alpha < 1;
+    std::int64_t most = 0;
+    for (const ImageFormat format : frame_.formats)
+      for (const ImageKind kind : frame_.images) {
+        const bool exr = format == ImageFormat::exr;
+        std::int64_t codes = 0, written = 0; // a pixel
+        switch (kind) {
+        case ImageKind::color:
+          codes = exr ? (alpha ? 16 : 0) : 3 + alpha;
+          written = exr ? 12 + 4 * alpha : codes;
+          break;
+        case ImageKind::depth:
+          codes = exr ? 0 : 4;
+          written = exr ? 4 : 2;
+          break;
+        case ImageKind::cell:
+          codes = exr ? 4 : 12;
+          written = exr ? 4 : 6;
+          break;
+        }
+        most = std::max(most, pixels * (codes + 3 * written) + headers);
+      }
+    return most;
   }
 
   void geocentric() {
@@ -87,28 +152,47 @@ private:
     plan_.need("geocentric vertices" + what,
                view_.vertex_count() * std::int64_t(sizeof(math::Vec3d)),
                "converted once, kept while the geometry holds");
-    plan_.need("tree of geocentric cells" + what, mesh_.locators().info(mesh_.tree()).bytes,
+    plan_.need("tree of geocentric cells" + what, mesh_.tree().bytes(),
                "about, as the mesh's own; refitted as it moves");
     const std::int64_t rows = std::min(frame_.size[1], 65);
     if (frame_.geocentric->globe || frame_.geocentric->graticule)
-      plan_.need("globe", frame_.size[0] * rows * std::int64_t(104), "about, while it is drawn");
+      plan_.need_at_most("globe", frame_.size[0] * rows * globe_bytes_a_pixel,
+                         "while it is drawn, some rows at a time", Held::while_executed);
     else
       plan_.skip("globe", "neither globe nor graticule is asked for");
   }
 
   void triangles() {
     if (frame_.boundary) {
-      plan_.need("boundary faces", -1, "found once, kept while the geometry holds");
+      plan_.need_at_most("face table", render::TriangleMesh::most_bytes_while_made(view_, threads_),
+                         "while the boundary is found", Held::while_executed);
+      plan_.need("boundary faces", render::TriangleMesh::bytes_about(mesh_.sampler()),
+                 "about, as of a mesh that fills its box; kept while the geometry holds");
       if (const auto* by = std::get_if<ColorBy>(&frame_.boundary->color))
         range(scalar_name(by->field, by->component, find_field(mesh_, by->field, {}).components),
               by->colors.range);
     } else {
-      plan_.skip("boundary faces", "no boundary is asked for");
+      for (const char* item : {"face table", "boundary faces"})
+        plan_.skip(item, "no boundary is asked for");
     }
-    for (const Body& body : frame_.bodies)
-      plan_.need("triangles of " + quoted(body.path), -1, "a body");
-    if (frame_.outline)
-      plan_.need("outline", -1, frame_.outline->ticks ? "twelve lines, and ticks" : "twelve lines");
+    for (const render::BodySettings& body : bodies_) {
+      const render::TriangleList& list = *body.triangles;
+      plan_.need("corners in " + quoted(list.source) + ", for frame '" + frame_.name + "'",
+                 std::int64_t(list.corners.capacity() * sizeof(math::Vec3d)), "read once");
+      plan_.need("triangles of " + quoted(list.source),
+                 render::TriangleMesh::bytes_about(std::int64_t(list.corners.size() / 3)),
+                 "about; a body");
+    }
+    if (bodies_.empty())
+      plan_.skip("bodies", "none is asked for");
+    if (!frame_.outline)
+      plan_.skip("outline", "none is asked for");
+    else if (frame_.outline->ticks)
+      plan_.need_at_most("outline", (12 + output::most_box_ticks) * render::Outline::bytes_a_line,
+                         "twelve lines, and ticks; while it is drawn", Held::while_executed);
+    else
+      plan_.need_at_most("outline", 12 * render::Outline::bytes_a_line,
+                         "twelve lines, while it is drawn", Held::while_executed);
   }
 
   void range(const std::string& what, const std::optional<ValueRange>& given) {
@@ -119,8 +203,9 @@ private:
   }
 
   void average(const std::string& what, const std::string& why) {
-    plan_.need("vertex average of " + what,
-               view_.first_vertex[view_.piece_count] * std::int64_t(sizeof(double)), why);
+    plan_.need("vertex average of " + what, view_.vertex_count() * std::int64_t(sizeof(double)),
+               why);
+    sums_over_cells_ = true;
   }
 
   void volume(const Volume& v) {
@@ -137,7 +222,9 @@ private:
       plan_.skip("vertex average of " + what, field.association == INSITU_CELL
                                                   ? "the volume shows one value a cell"
                                                   : "a vertex field");
-    if (!frame_.path_tracing)
+    if (frame_.path_tracing)
+      path_majorants(what, *frame_.path_tracing);
+    else
       macrocells(what, v);
     if (mesh_.mesh().has_stand_in() && render::PrimitiveRanges::serve(mesh_.sampler(), {field}))
       culling(what, v);
@@ -155,15 +242,14 @@ private:
     else if (v.preintegrated && !frame_.path_tracing)
       plan_.skip(item, "pre-integration needs what does not show too");
     else if (v.culling == Culling::always)
-      plan_.need(item, most, "at most; culling");
+      plan_.need_at_most(item, most, "culling");
     else if (frame_.path_tracing)
       plan_.skip(item, "path tracing takes few samples where nothing shows");
     else if (shows_all(v))
       plan_.skip(item, "the opacity is nowhere 0, of NaN neither");
     else
-      plan_.need(item, -1,
-                 "to cull what does not show, if a look at some cells tells that it pays; then " +
-                     std::to_string(ranges) + " to " + std::to_string(most) + " bytes");
+      plan_.need_at_most(item, most,
+                         "to cull what does not show, if a look at some cells tells that it pays");
   }
 
   static bool shows_all(const Volume& v) {
@@ -173,31 +259,58 @@ private:
   }
 
   void macrocells(const std::string& what, const Volume& v) {
-    const std::string item = "macrocells of " + what;
-    // A range of two doubles, a mark and a majorant each.
-    const std::int64_t bytes = (mesh_.tree().cell_count() / 64 + 1) * 21;
+    const std::int64_t count =
+        render::Macrocells::grid_of(mesh_.sampler(), render::Macrocells::usual_cells).count();
+    const std::string grid = "macrocell grid of " + what, majorants = "majorants of " + what;
+    const char* const if_it_pays = "to skip what is empty, if a look at some cells tells it pays";
+    const char* const all_shows = "the opacity is nowhere 0, of NaN neither";
     if (v.tolerance)
-      plan_.need(item, bytes, "the volume has a tolerance");
+      plan_.need(grid, count * render::Macrocells::bytes_each_with_size,
+                 "the volume has a tolerance");
     else if (shows_all(v))
-      plan_.skip(item, "the opacity is nowhere 0, of NaN neither");
+      plan_.skip(grid, all_shows);
     else
-      plan_.need(item, -1,
-                 "to skip what is empty, if a look at some cells tells that it pays; then about " +
-                     std::to_string(bytes) + " bytes");
+      plan_.need_at_most(grid, count * render::Macrocells::bytes_each, if_it_pays);
+    if (shows_all(v))
+      plan_.skip(majorants, all_shows);
+    else
+      plan_.need_at_most(majorants, count * render::Majorants::bytes_each, if_it_pays);
   }
 
   void path_tracing(const std::string& what, const PathTracing& p) {
     plan_.skip("ray marching", "the volume is path traced");
     plan_.need("path tracing of " + what, -1, std::to_string(p.samples) + " paths a pixel");
-    // Range, mark, opacity and extinction of each; what the mesh's shape adds is not counted.
-    constexpr double bytes_each = sizeof(render::Macrocells::Range) + 1 + 2 * sizeof(float);
-    const double count = std::max(1.0, double(view_.cell_count()) / p.cells_per_macrocell);
-    plan_.need("majorants of " + what, std::int64_t(bytes_each * count), "about; path tracing");
+    const auto views = std::int64_t(std::max<std::size_t>(1, frame_.cameras.size()));
     if (p.accumulate)
-      plan_.need("sums of samples",
-                 std::int64_t(frame_.size[0]) * frame_.size[1] *
+      plan_.need("sums of samples of frame '" + frame_.name + "'",
+                 views * frame_.size[0] * frame_.size[1] *
                      std::int64_t(sizeof(render::PathSums::Pixel)),
-                 "samples accumulate");
+                 "samples accumulate, for each camera");
+    else
+      plan_.skip("sums of samples", "samples do not accumulate");
+  }
+
+  void path_majorants(const std::string& what, const PathTracing& p) {
+    const std::int64_t count =
+        render::Macrocells::grid_of(mesh_.sampler(), p.cells_per_macrocell).count();
+    char each[48];
+    std::snprintf(each, sizeof each, ", %g cells to each", p.cells_per_macrocell);
+    const std::string of =
+        what + (p.cells_per_macrocell == render::Macrocells::usual_cells ? std::string()
+                                                                         : std::string(each));
+    plan_.need("macrocell grid of " + of, count * render::Macrocells::bytes_each, "path tracing");
+    plan_.need("majorants of " + of, count * render::Majorants::bytes_each, "path tracing");
+    plan_.need("extinctions of " + of, count * std::int64_t(sizeof(float)),
+               "majorants with the frame's density, while it is drawn", Held::while_executed);
+  }
+
+  /// For what sums over the cells around vertices.
+  void vertex_cells() {
+    if (sums_over_cells_)
+      plan_.need("cells around vertices", render::VertexCells::bytes_for(view_, threads_),
+                 "for vertex averages and gradients");
+    else
+      plan_.skip("cells around vertices", "neither averages nor gradients at vertices are needed");
   }
 
   void isosurface(const Isosurface& s) {
@@ -210,10 +323,12 @@ private:
                std::to_string(s.values.size()) +
                    (s.values.size() == 1 ? " isovalue" : " isovalues"));
     const std::string gradients = "vertex gradients of " + what;
-    if (s.normals == Normals::smooth)
-      plan_.need(gradients,
-                 view_.first_vertex[view_.piece_count] * std::int64_t(sizeof(math::Vec3d)),
-                 "smooth normals");
+    if (s.normals == Normals::smooth && is_lit()) {
+      plan_.need(gradients, view_.vertex_count() * render::VertexGradients::bytes_a_vertex,
+                 "smooth normals; found where they are seen");
+      sums_over_cells_ = true;
+    } else if (s.normals == Normals::smooth)
+      plan_.skip(gradients, "nothing is lit");
     else
       plan_.skip(gradients, s.normals == Normals::cell ? "normals are the cells' own gradients"
                                                        : "normals are central differences");
@@ -224,15 +339,19 @@ private:
   }
 
   const Frame& frame_;
+  std::span<const render::BodySettings> bodies_;
   const query::CommittedMesh& mesh_;
   const mesh::MeshView& view_;
+  const core::Threads& threads_;
   Plan& plan_;
+  bool sums_over_cells_ = false;
 };
 
 } // namespace
 
-void plan_frame(const Frame& frame, const query::CommittedMesh& mesh, Plan& plan) {
-  FramePlanner(frame, mesh, plan).run();
+void plan_frame(const Frame& frame, std::span<const render::BodySettings> bodies,
+                const query::CommittedMesh& mesh, const core::Threads& threads, Plan& plan) {
+  FramePlanner(frame, bodies, mesh, threads, plan).run();
 }
 
 } // namespace insitu::scene

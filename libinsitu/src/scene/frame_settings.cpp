@@ -283,7 +283,8 @@ std::vector<render::BodySettings> FrameSettingsMaker::load_bodies() const {
   std::vector<render::BodySettings> bodies;
   for (const Body& from : frame_.bodies) {
     try {
-      bodies.push_back({std::make_shared<render::TriangleList>(render::read_stl(from.path)),
+      bodies.push_back({std::make_shared<render::TriangleList>(render::read_stl(
+                            from.path, {environment_.context.memory, INSITU_MEMORY_FRAME})),
                         from.opacity, to_linear(from.color)});
     } catch (const core::Error& e) {
       throw core::Error(e.status(), at_line(from.line) + e.what());

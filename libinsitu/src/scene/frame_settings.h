@@ -27,6 +27,9 @@ public:
   std::vector<std::pair<std::string, ValueRange>>
   ranges(const render::FrameSettings& settings) const;
 
+  /// Of the frame, read from their files.
+  std::span<const render::BodySettings> bodies() const { return bodies_; }
+
 private:
   render::ColorMap color_map(const ColorMap& colors) const;
   std::string at_line(int line) const;

@@ -163,6 +163,8 @@ private:
 
 } // namespace
 
+const std::int64_t globe_bytes_a_pixel = sizeof(Seen) + sizeof(Vec3d) + sizeof(query::Location);
+
 void draw_globe(const Geocentric& frame, const query::CommittedMesh& own,
                 const render::FrameSettings& settings, core::Context& context,
                 render::FrameImages& images) {

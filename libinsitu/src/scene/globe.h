@@ -16,4 +16,7 @@ void draw_globe(const Geocentric& frame, const query::CommittedMesh& own,
                 const render::FrameSettings& settings, core::Context& context,
                 render::FrameImages& images);
 
+/// What it takes while it draws, for each pixel of 65 rows.
+extern const std::int64_t globe_bytes_a_pixel;
+
 } // namespace insitu::scene

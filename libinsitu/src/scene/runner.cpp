@@ -6,6 +6,7 @@
 #include "core/status.h"
 #include "core/timer.h"
 #include "scene/frame_action.h"
+#include "scene/mesh_plan.h"
 #include "scene/probe_action.h"
 #include "scene/tracer_action.h"
 
@@ -196,6 +197,10 @@ void Runner::finish_page(const std::string& failures) {
 
 Plan Runner::plan(MeshList meshes) const {
   Plan plan;
+  for (const query::CommittedMesh* mesh : meshes) {
+    plan.begin({}, mesh->mesh().name());
+    plan_mesh(*mesh, plan);
+  }
   for (const auto& action : actions_) {
     const std::string of = std::string(action->kind()) + " '" + action->name() + "'";
     plan.begin(of, action->mesh_name().text);

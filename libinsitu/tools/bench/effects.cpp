@@ -6,6 +6,7 @@
 #include "format.h"
 #include "particle_effects.h"
 #include "render/frame.h"
+#include "uniform_branches.h"
 
 namespace insitu::bench {
 
@@ -67,9 +68,23 @@ public:
         progress(family.name + ": " + effect.name);
         rows.push_back(measure(family, effect));
       }
+      // The counts of one thread are those of several; its time is not.
+      BareFrame bare{family.name, {}, 0};
+      Series time;
+      const core::Threads single(1);
+      for (int i = 0; i < o_.repetitions; ++i)
+        time.time([&] {
+          render::render_frame(mesh_->sampler(), family.bare, single, setup_.context.memory,
+                               &bare.statistics);
+        });
+      bare.seconds = time.cpu_median();
+      bare_.push_back(std::move(bare));
     }
     return rows;
   }
+
+  /// One of each family, after run().
+  const std::vector<BareFrame>& bare() const { return bare_; }
 
   std::vector<ParticleRow> particles() {
     progress("particles");
@@ -215,6 +230,7 @@ private:
   const Options& o_;
   Setup setup_;
   std::unique_ptr<query::CommittedMesh> mesh_;
+  std::vector<BareFrame> bare_;
 };
 
 /// The dearest effects, one of every kind of frame and one on particles.
@@ -268,6 +284,9 @@ Output effects(const Options& o) {
                 ", \"bare_s\": " + number(bare) + ", \"with_s\": " + number(with) +
                 ", \"bytes_added\": " + std::to_string(row.bytes_with - row.bytes_bare) + "}";
   }
+  const UniformBranches branches(o.repetitions);
+  out.text += branches.text(bench.bare());
+  out.json += branches.json(bench.bare());
   out.text +=
       "\nParticles, ten advances; evaluations of the velocity without and with the effect.\n\n";
   out.text += format("%-32s %9s %9s %8s %12s %12s %11s %9s\n", "effect", "bare s", "with s", "time",

@@ -210,6 +210,22 @@ TEST_F(Accuracy, VarianceFallsWithTheSamples) {
   }
 }
 
+TEST_F(Accuracy, FinerMajorantsLocateFewerPoints) {
+  const std::vector<Row> all = rows("path_tracing");
+  const std::string group = "resolution of the majorants";
+  double before = 0.0;
+  for (const char* cells : {"4", "16", "64", "256", "1024", "4096"}) {
+    const Row& row = find(all, group, std::string("macrocells of ") + cells + " cells");
+    EXPECT_GT(row.work, before) << cells;
+    EXPECT_EQ(row.is_default, std::string(cells) == "64");
+    // The image is that of any other, within what 1024 pixels tell.
+    EXPECT_NEAR(row.error / find(all, "single scattering", "single scattering, 64").error, 1.0,
+                0.15)
+        << cells;
+    before = row.work;
+  }
+}
+
 TEST_F(Accuracy, TheDualMeshErrsLessThanCells) {
   const std::vector<Row> all = rows("amr");
   EXPECT_LT(find(all, "values", "dual mesh").error, 0.5 * find(all, "values", "nearest").error);

@@ -149,11 +149,18 @@ TEST(Frame, MakesNothingThatIsNotAskedFor) {
   s.volume = VolumeSettings{x, constant_function(0.5)};
   memory.reset_peak();
   const std::int64_t before = memory.current();
+  constexpr std::int64_t image = 16 * 16 * 4 * sizeof(float);
   mesh.draw(s);
-  EXPECT_EQ(memory.peak(), before); // no value ranges for a volume
+  EXPECT_EQ(memory.peak(), before + image); // no value ranges for a volume
+  EXPECT_EQ(memory.current(), before);
+  s.depth = s.cell = true;
+  mesh.draw(s);
+  EXPECT_EQ(memory.peak(), before + image + std::int64_t(16 * 16 * (sizeof(float) + 8)));
+  s.depth = s.cell = false;
+  memory.reset_peak();
   s.isosurfaces.push_back({x, {0.5}, 1});
   mesh.draw(s);
-  EXPECT_GT(memory.peak(), before);
+  EXPECT_GT(memory.peak(), before + image);
   EXPECT_EQ(memory.current(), before);
   // Structures that the caller keeps are not made again.
   render::Structures kept(memory);
@@ -165,12 +172,12 @@ TEST(Frame, MakesNothingThatIsNotAskedFor) {
   const std::int64_t with_kept = memory.current();
   kept.begin(mesh.sampler(), 0, 0, mesh.committed.threads);
   render::render_frame(mesh.sampler(), s, kept, mesh.committed.threads);
-  EXPECT_EQ(memory.peak(), with_kept);
+  EXPECT_EQ(memory.peak(), with_kept + image);
   kept.end();
   // Nor for new values; a cycle without surfaces gives them back.
   kept.begin(mesh.sampler(), 0, 1, mesh.committed.threads);
   render::render_frame(mesh.sampler(), s, kept, mesh.committed.threads);
-  EXPECT_EQ(memory.peak(), with_kept);
+  EXPECT_EQ(memory.peak(), with_kept + image);
   EXPECT_EQ(kept.counts(),
             (render::Structures::Counts{.value_ranges = 1, .value_ranges_refreshed = 1}));
   kept.end();

@@ -122,10 +122,12 @@ TEST(Isosurface, CellFieldIsAveragedToItsVertices) {
   EXPECT_NEAR(hits[0].gradient.x, 1, 1e-9);
   EXPECT_EQ(mesh.committed.memory.current(), before); // all given back
 
-  const render::VertexAverage one(mesh.sampler().mesh(), field, core::Threads(1),
-                                  mesh.committed.memory);
-  const render::VertexAverage four(mesh.sampler().mesh(), field, core::Threads(4),
-                                   mesh.committed.memory);
+  const mesh::MeshView& view = mesh.sampler().mesh();
+  const core::Threads threads(4);
+  const render::VertexCells around(view, threads, mesh.committed.memory);
+  EXPECT_EQ(around.bytes(), render::VertexCells::bytes_for(view, threads));
+  const render::VertexAverage one(view, field, around, core::Threads(1), mesh.committed.memory);
+  const render::VertexAverage four(view, field, around, threads, mesh.committed.memory);
   EXPECT_GT(mesh.committed.memory.current(), before);
   for (std::size_t v = 0; v < mesh.cells.vertices.size(); ++v) {
     const double a = one.field().load(0, std::int64_t(v));

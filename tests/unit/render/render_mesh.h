@@ -108,11 +108,12 @@ public:
     return {committed.mesh.mesh().field(name), -1};
   }
 
+  /// A copy, which may outlive this.
   core::Image draw(const render::FrameSettings& settings, int threads = 0,
                    render::FrameStatistics* statistics = nullptr) {
-    return render::render_frame(sampler(), settings, core::Threads(threads), committed.memory,
-                                statistics)
-        .color;
+    const render::FrameImages images = render::render_frame(
+        sampler(), settings, core::Threads(threads), committed.memory, statistics);
+    return images.color;
   }
 
   TestMesh cells;

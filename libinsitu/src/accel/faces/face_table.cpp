@@ -1,9 +1,11 @@
 #include "accel/faces/face_table.h"
 
 #include <algorithm>
+#include <atomic>
 #include <vector>
 
 #include "accel/faces/half_faces.h"
+#include "cells/faces.h"
 #include "core/status.h"
 
 namespace insitu::accel {
@@ -131,6 +133,24 @@ void FaceTable::build(const mesh::MeshView& mesh, const core::Threads& threads) 
     for (auto b = std::size_t(begin); b < std::size_t(end); ++b)
       std::copy_n(unmatched.data() + half.start(b), counts[b].faces, faces_.data() + to[b]);
   });
+}
+
+std::int64_t FaceTable::most_bytes_while_built(const mesh::MeshView& mesh,
+                                               const core::Threads& threads) {
+  std::atomic<std::int64_t> halves{0};
+  for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
+    const mesh::PieceView& piece = mesh.pieces[p];
+    threads.parallel_for(mesh.first_cell[p + 1] - mesh.first_cell[p], 4096,
+                         [&](std::int64_t begin, std::int64_t end) {
+                           std::int64_t sum = 0;
+                           for (std::int64_t cell = begin; cell < end; ++cell)
+                             sum += piece.owns(cell)
+                                        ? cells::face_table(piece.shape(cell)).face_count
+                                        : 0;
+                           halves += sum;
+                         });
+  }
+  return 2 * halves * std::int64_t(sizeof(Face)); // all of them unmatched, at most
 }
 
 } // namespace insitu::accel

@@ -21,6 +21,10 @@ public:
   /// thread count. Throws INSITU_ERROR_MESH above 2^32 - 1 vertices.
   void build(const mesh::MeshView& mesh, const core::Threads& threads);
 
+  /// At most what it holds at once while it is built, without scratch of threads.
+  static std::int64_t most_bytes_while_built(const mesh::MeshView& mesh,
+                                             const core::Threads& threads);
+
   /// A face and the cells that have it.
   struct Face {
     std::uint32_t vertices[4]; ///< cyclic, outward from `cell`; [3] is `none` for triangles

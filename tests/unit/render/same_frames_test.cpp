@@ -1,0 +1,217 @@
+// The same frame to the byte, whatever locates points and however many threads draw.
+#include <algorithm>
+#include <gtest/gtest.h>
+
+#include "core/status.h"
+#include "unit/query/registered_amr.h"
+#include "unit/render/path_mesh.h"
+
+namespace insitu::test {
+namespace {
+
+using render::FrameImages;
+using render::FrameSettings;
+using render::ScalarField;
+
+constexpr accel::Method methods[] = {accel::Method::user_geometry, accel::Method::replicated_faces,
+                                     accel::Method::shared_faces,
+                                     accel::Method::shared_bilinear_faces};
+
+double blob(const Vec3d& p) {
+  const Vec3d d = p - Vec3d{0.6, 0.5, 0.4};
+  return std::exp(-8 * dot(d, d));
+}
+
+render::TransferFunction colors() {
+  return {render::ColorMap::built_in("viridis"), 0.0, 1.0, {{0.2, 0.0}, {0.5, 0.4}, {0.5, 0.1}}};
+}
+
+struct Technique {
+  const char* name;
+  FrameSettings (*ask)(FrameSettings, const ScalarField&);
+};
+const Technique techniques[] = {
+    {"marching",
+     [](FrameSettings s, const ScalarField& f) {
+       s.volume = render::VolumeSettings{f, colors()};
+       return s;
+     }},
+    {"marching, lit, with a tolerance",
+     [](FrameSettings s, const ScalarField& f) {
+       s.volume = render::VolumeSettings{f, colors()};
+       s.volume->shading = true;
+       s.volume->tolerance = 0.05;
+       return s;
+     }},
+    {"marching, pre-integrated, with surfaces",
+     [](FrameSettings s, const ScalarField& f) {
+       s.volume = render::VolumeSettings{f, colors()};
+       s.volume->preintegrated = true;
+       s.isosurfaces.push_back({f, {0.7}, 0.5});
+       return s;
+     }},
+    {"path tracing",
+     [](FrameSettings s, const ScalarField& f) {
+       s.volume = render::VolumeSettings{f, colors()};
+       s.path_tracing.emplace().samples = 3;
+       s.lighting.lights = {{render::Light::Kind::dome, {}, {0.3f, 0.4f, 0.5f}},
+                            {render::Light::Kind::directional, {1, 2, 1}, {1, 1, 1}}};
+       return s;
+     }},
+    {"isosurfaces",
+     [](FrameSettings s, const ScalarField& f) {
+       s.isosurfaces.push_back({f, {0.3, 0.6}, 0.5, render::Color{1, 1, 1}});
+       s.isosurfaces[0].normals = render::Normals::smooth;
+       s.isosurfaces.push_back({f, {0.8}, 1, render::Color{1, 0, 0}});
+       s.isosurfaces[1].normals = render::Normals::central; // which locates points
+       s.lighting.shadows = true;
+       s.lighting.occlusion_samples = 4;
+       s.lighting.lights = {{render::Light::Kind::directional, {1, 1, 2}, {1, 1, 1}}};
+       return s;
+     }},
+};
+
+FrameImages draw(const fixtures::Committed& mesh, const FrameSettings& s, core::Memory& memory,
+                 int threads) {
+  return render::render_frame(mesh.sampler(), s, core::Threads(threads), memory);
+}
+
+void expect_same(const FrameImages& a, const FrameImages& b) {
+  EXPECT_EQ(a.color.rgba, b.color.rgba);
+  EXPECT_EQ(a.depth, b.depth);
+  EXPECT_EQ(a.cell, b.cell);
+}
+
+class SameFrames : public testing::TestWithParam<Shape> {};
+
+TEST_P(SameFrames, ByEveryLocatorAndNumberOfThreads) {
+  RenderMesh mesh(6, GetParam(), 0.2);
+  mesh.field("f", INSITU_VERTEX, blob);
+  query::CommittedMesh& committed = mesh.committed.mesh;
+  FrameSettings frame = box_frame(24);
+  frame.depth = frame.cell = true;
+  for (const Technique& technique : techniques) {
+    SCOPED_TRACE(technique.name);
+    committed.set_locator({accel::Method::bvh, accel::Backend::cpu});
+    mesh.committed.commit();
+    const auto settings = [&] { return technique.ask(frame, {committed.mesh().field("f"), -1}); };
+    const FrameImages by_bvh = draw(mesh.committed, settings(), mesh.committed.memory, 1);
+    const auto [least, most] =
+        std::minmax_element(by_bvh.color.rgba.begin(), by_bvh.color.rgba.end());
+    EXPECT_LT(*least, *most) << "something is seen";
+    expect_same(by_bvh, draw(mesh.committed, settings(), mesh.committed.memory, 4));
+    for (const accel::Method method : methods) {
+      SCOPED_TRACE(testing::Message() << "method " << int(method));
+      committed.set_locator({method, accel::Backend::cpu});
+      mesh.committed.commit();
+      ASSERT_NE(committed.locators().rays(), nullptr);
+      for (const int threads : {1, 4})
+        expect_same(by_bvh, draw(mesh.committed, settings(), mesh.committed.memory, threads));
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, SameFrames,
+                         testing::Values(Shape::hexahedron, Shape::tetrahedron, Shape::wedge,
+                                         Shape::pyramid));
+
+/// A block's cells are implicit, and are those hexahedra.
+TEST(SameFrames, OfBlocksAsOfTheirHexahedra) {
+  constexpr int n = 6;
+  RenderMesh cells(n, Shape::hexahedron, 0.2);
+  cells.field("f", INSITU_VERTEX, blob);
+  fixtures::Committed block;
+  insitu_block b = insitu_block_default();
+  b.kind = INSITU_BLOCK_CURVILINEAR;
+  for (std::int64_t& count : b.vertices)
+    count = n + 1;
+  std::vector<double> points, values;
+  for (const Vec3d& p : cells.cells.vertices) {
+    points.insert(points.end(), {p.x, p.y, p.z});
+    values.push_back(blob(p));
+  }
+  const auto count = std::int64_t(values.size());
+  const insitu_array x = insitu_array_of(points.data(), INSITU_FLOAT64, count, 3);
+  const insitu_array f = insitu_array_of(values.data(), INSITU_FLOAT64, count, 1);
+  block.mesh.mesh().set_points(0, &x, 1);
+  block.mesh.mesh().set_block(0, &b);
+  block.mesh.mesh().set_field(0, "f", INSITU_VERTEX, &f, 1);
+  block.commit();
+  FrameSettings frame = box_frame(24);
+  frame.depth = frame.cell = true;
+  for (const Technique& technique : techniques) {
+    SCOPED_TRACE(technique.name);
+    const auto settings = [&](const fixtures::Committed& mesh) {
+      return technique.ask(frame, {mesh.mesh.mesh().field("f"), -1});
+    };
+    expect_same(draw(cells.committed, settings(cells.committed), cells.committed.memory, 2),
+                draw(block, settings(block), block.memory, 2));
+  }
+}
+
+/// An adaptive mesh has no locator but its own.
+TEST(SameFrames, OfAdaptiveMeshesByEveryNumberOfThreads) {
+  RegisteredAmr amr({.seed = 3, .kind = 0, .roots = 3, .levels = 3}, INSITU_DUAL,
+                    [](const Vec3d& p) { return 0.5 + 0.5 * std::sin(p.x) * std::cos(p.y); });
+  const accel::Tree& tree = amr.committed.sampler().tree();
+  FrameSettings frame = box_frame(24);
+  frame.camera = render::Camera::around(tree.bounds_min(), tree.bounds_max(), 30, 20);
+  frame.depth = frame.cell = true;
+  for (const Technique& technique : techniques) {
+    SCOPED_TRACE(technique.name);
+    const FrameSettings s = technique.ask(frame, {amr.committed.mesh.mesh().field("f"), -1});
+    const FrameImages one = draw(amr.committed, s, amr.committed.memory, 1);
+    for (const int threads : {2, 5})
+      expect_same(one, draw(amr.committed, s, amr.committed.memory, threads));
+  }
+}
+
+/// Nothing but the background, and no error, where no cell can be drawn.
+TEST(SameFrames, OfNoCells) {
+  const std::uint8_t all_ghosts[27] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
+                                       1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+  for (const bool ghosts : {false, true}) {
+    SCOPED_TRACE(ghosts ? "all of them ghosts" : "no cell at all");
+    TestMesh cells = box_cells(3, Shape::hexahedron, 0.0);
+    ASSERT_EQ(cells.cells.size(), std::size(all_ghosts));
+    if (!ghosts)
+      cells.cells.clear();
+    RenderMesh mesh(cells);
+    mesh.field("f", INSITU_VERTEX, blob);
+    if (ghosts) {
+      const insitu_array a = insitu_array_of(all_ghosts, INSITU_UINT8, 27, 1);
+      mesh.committed.mesh.mesh().set_ghosts(0, &a, INSITU_GHOSTS_VTK);
+      mesh.committed.commit();
+    }
+    ASSERT_TRUE(mesh.sampler().tree().empty());
+    FrameSettings frame = box_frame(8);
+    frame.background = {0.25f, 0.5f, 0.75f};
+    frame.depth = frame.cell = true;
+    frame.boundary.emplace();
+    frame.outline.emplace();
+    for (const Technique& technique : techniques) {
+      SCOPED_TRACE(technique.name);
+      const FrameSettings s = technique.ask(frame, {mesh.committed.mesh.mesh().field("f"), -1});
+      const FrameImages images = draw(mesh.committed, s, mesh.committed.memory, 2);
+      for (int i = 0; i < 64; ++i) {
+        EXPECT_EQ(images.color.pixel(i % 8, i / 8)[1], 0.5f);
+        EXPECT_EQ(images.color.pixel(i % 8, i / 8)[3], 1.0f);
+        EXPECT_EQ(images.depth[std::size_t(i)], HUGE_VALF);
+        EXPECT_EQ(images.cell[std::size_t(i)], -1);
+      }
+    }
+  }
+}
+
+TEST(SameFrames, ImagesWithoutPixelsAreRefused) {
+  RenderMesh mesh(2);
+  FrameSettings s = box_frame(4);
+  for (const auto& [width, height] : {std::pair{0, 4}, {4, 0}, {-1, 4}}) {
+    s.width = width;
+    s.height = height;
+    EXPECT_THROW(mesh.draw(s), core::Error) << width << " x " << height;
+  }
+}
+
+} // namespace
+} // namespace insitu::test
