@@ -63,7 +63,7 @@ void heat(double difference, double admitted, std::uint8_t* rgb) {
 }
 
 PngImage difference_image(const PngImage& a, const std::vector<double>& moved, double admitted) {
-  PngImage out{a.width, a.height, 3, std::vector<std::uint8_t>(moved.size() * 3)};
+  PngImage out{a.width, a.height, 3, core::CountedVector<std::uint8_t>(moved.size() * 3)};
   for (std::size_t i = 0; i < moved.size(); ++i) {
     const std::uint8_t* from = &a.pixels[i * std::size_t(a.channels)];
     std::uint8_t* to = &out.pixels[3 * i];

@@ -72,7 +72,7 @@ TEST(Program, BadOptionsAreNamed) {
 
 TEST(Program, ImagesWithADifferenceImage) {
   const Folder folder;
-  PngImage image{32, 32, 3, std::vector<std::uint8_t>(32 * 32 * 3, 90)};
+  PngImage image{32, 32, 3, insitu::core::CountedVector<std::uint8_t>(32 * 32 * 3, 90)};
   write_png(folder / "a.png", image);
   image.pixels[(5 * 32 + 7) * 3] = 250;
   write_png(folder / "b.png", image);

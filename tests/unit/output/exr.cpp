@@ -160,7 +160,7 @@ TEST(DepthImage, IsScaledToSixteenBitsInPngAndExactInExr) {
   const PngValues png = read_values(folder / "d.png");
   EXPECT_EQ(png.width, 3);
   EXPECT_EQ(png.channels, 1);
-  EXPECT_EQ(png.values, (std::vector<std::uint16_t>{0, 32767, 65535, 65534, 16384, 65535}));
+  EXPECT_EQ(png.values, (core::CountedVector<std::uint16_t>{0, 32767, 65535, 65534, 16384, 65535}));
   EXPECT_EQ(png.text, (std::vector<std::pair<std::string, std::string>>{{"depth_low", "2"},
                                                                         {"depth_high", "4"}}));
   write_depth_exr(folder / "d.exr", 3, 2, depth);
@@ -168,9 +168,10 @@ TEST(DepthImage, IsScaledToSixteenBitsInPngAndExactInExr) {
   // Nothing seen, or all at one distance.
   const std::vector<float> empty{none, std::nanf("")}, flat{7, 7};
   write_depth_png(folder / "e.png", 2, 1, empty, depth_scale(empty));
-  EXPECT_EQ(read_values(folder / "e.png").values, (std::vector<std::uint16_t>{65535, 65535}));
+  EXPECT_EQ(read_values(folder / "e.png").values,
+            (core::CountedVector<std::uint16_t>{65535, 65535}));
   write_depth_png(folder / "f.png", 2, 1, flat, depth_scale(flat));
-  EXPECT_EQ(read_values(folder / "f.png").values, (std::vector<std::uint16_t>{0, 0}));
+  EXPECT_EQ(read_values(folder / "f.png").values, (core::CountedVector<std::uint16_t>{0, 0}));
   EXPECT_THROW(write_depth_png(folder / "g.png", 3, 1, flat, scale), core::Error);
 }
 

@@ -98,10 +98,10 @@ TEST(Png, LinearImage) {
   std::memcpy(image.rgba.data(), values, sizeof values);
   write_png(folder / "rgb.png", image);
   EXPECT_EQ(read_png(folder / "rgb.png").pixels,
-            (std::vector<std::uint8_t>{188, 0, 255, 0, 118, 255}));
+            (insitu::core::CountedVector<std::uint8_t>{188, 0, 255, 0, 118, 255}));
   write_png(folder / "rgba.png", image, true);
   EXPECT_EQ(read_png(folder / "rgba.png").pixels,
-            (std::vector<std::uint8_t>{188, 0, 255, 64, 0, 118, 255, 255}));
+            (insitu::core::CountedVector<std::uint8_t>{188, 0, 255, 64, 0, 118, 255, 255}));
 }
 
 TEST(Png, BadFilesAreNamed) {
@@ -127,11 +127,12 @@ TEST(Png, BadFilesAreNamed) {
 
 TEST(Png, ImpossibleImagesAreRefused) {
   const Folder folder;
-  EXPECT_THROW(write_png(folder / "a.png", PngImage{2, 2, 3, std::vector<std::uint8_t>(11)}),
-               Error);
+  EXPECT_THROW(
+      write_png(folder / "a.png", PngImage{2, 2, 3, insitu::core::CountedVector<std::uint8_t>(11)}),
+      Error);
   EXPECT_THROW(write_png(folder / "a.png", PngImage{}), Error);
   // Sizes that libpng itself refuses: the jump out of it must leave nothing behind.
-  PngImage wide{1100000, 1, 3, std::vector<std::uint8_t>(3300000)};
+  PngImage wide{1100000, 1, 3, insitu::core::CountedVector<std::uint8_t>(3300000)};
   EXPECT_THROW(write_png(folder / "a.png", wide), Error);
   EXPECT_EQ(folder.count(), 0u);
 }

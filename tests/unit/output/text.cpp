@@ -29,7 +29,7 @@ float ink(const Image& image) {
 
 TEST(Text, EveryGlyphHasInkInsideItsBoxAndNoTwoAreAlike) {
   for (const int height : {10, 13, 20, 40}) {
-    std::set<std::vector<float>> seen;
+    std::set<insitu::core::CountedVector<float>> seen;
     for (char c = '!'; c <= '~'; ++c) {
       const std::string text(1, c);
       const int width = text_width(text, height);
@@ -100,7 +100,7 @@ TEST(Text, Utf8UnitsAndUnknownCharacters) {
     draw_text(image, 4, 4, text, style);
     return image.rgba;
   };
-  const std::vector<float> unknown = drawn("\xe4\xb8\xad"); // outside the font
+  const insitu::core::CountedVector<float> unknown = drawn("\xe4\xb8\xad"); // outside the font
   for (const char* text :
        {"\u00b0", "\u00b5", "\u00b2", "\u00b3", "\u00b9", "\u207b", "\u00d7", "\u00b1", "\u2212"}) {
     EXPECT_NE(drawn(text), unknown) << text;

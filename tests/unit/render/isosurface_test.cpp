@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <list>
 
 #include "core/status.h"
 #include "unit/render/render_mesh.h"
@@ -88,6 +90,53 @@ TEST(Isosurface, SurfaceThroughFacesIsHitOnce) {
           EXPECT_NEAR(hits[0].t, 2.0, 1e-12);
         }
   }
+}
+
+TEST(Isosurface, SeveralFieldsInOneTraversal) {
+  RenderMesh mesh(8, Shape::hexahedron, 0.2);
+  const std::vector<IsosurfaceSettings> all{
+      {mesh.field("r", INSITU_VERTEX,
+                  [](const Vec3d& p) {
+                    return dot(p - Vec3d{0.5, 0.5, 0.5}, p);
+                  }),
+       {0.1, 0.2},
+       0.5},
+      {mesh.field("x", INSITU_VERTEX, [](const Vec3d& p) { return p.x; }), {0.4}, 0.5},
+      {mesh.field("c", INSITU_CELL, [](const Vec3d& p) { return p.y + p.z; }), {0.9}, 0.5}};
+  const query::Sampler sampler = mesh.sampler();
+  render::Structures structures(mesh.committed.memory);
+  structures.begin(sampler, 0, 0, mesh.committed.threads);
+  const render::IsosurfaceTracer together(sampler, all, structures);
+  std::vector<std::vector<IsosurfaceSettings>> each;
+  for (const IsosurfaceSettings& one : all)
+    each.push_back({one});
+  std::list<render::IsosurfaceTracer> alone;
+  for (const auto& one : each)
+    alone.emplace_back(sampler, one, structures);
+  render::SurfaceCounts at_once, apart;
+  std::size_t found = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Vec3d from{-1, 0.3 + 0.001 * i, 2}, to{0.6, 0.05 * (i % 20), 0.05 * (i / 20)};
+    const Vec3d d = to - from;
+    const Ray ray{from, d / std::sqrt(dot(d, d))};
+    std::vector<render::SurfaceHit> hits, one;
+    together.trace(ray, hits, at_once);
+    std::vector<double> expected;
+    for (const render::IsosurfaceTracer& tracer : alone) {
+      tracer.trace(ray, one, apart);
+      for (const render::SurfaceHit& hit : one)
+        expected.push_back(hit.t);
+    }
+    std::sort(expected.begin(), expected.end());
+    ASSERT_EQ(hits.size(), expected.size()) << i;
+    for (std::size_t h = 0; h < hits.size(); ++h)
+      EXPECT_EQ(hits[h].t, expected[h]) << i;
+    found += hits.size();
+  }
+  EXPECT_GT(found, 500u);
+  // A cell that several of them pass is looked at once.
+  EXPECT_LT(at_once.cells_tested, apart.cells_tested);
+  EXPECT_EQ(structures.counts().value_ranges, 3);
 }
 
 TEST(Isosurface, AllRootsWithinACell) {
