@@ -35,6 +35,7 @@ public:
   std::uint64_t tellp() override { return position_; }
   void seekp(std::uint64_t position) override { position_ = std::size_t(position); }
 
+  void reserve(std::size_t count) { bytes_.reserve(count); }
   const core::CountedVector<char>& bytes() const { return bytes_; }
 
 private:
@@ -67,6 +68,8 @@ void write_exr(const std::string& path, int width, int height, std::span<const E
                                                  std::to_string(width) + " x " +
                                                  std::to_string(height) + " pixels");
   Bytes bytes(path, counted);
+  bytes.reserve(4 * std::size_t(width) * std::size_t(height) * channels.size() +
+                16 * std::size_t(height) + 4096); // as if nothing could be compressed
   try {
     Imf::Header header(width, height);
     header.compression() = Imf::ZIP_COMPRESSION;

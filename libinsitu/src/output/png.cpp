@@ -101,6 +101,9 @@ bool encode_with_libpng(Encoder& encoder, const Raster& image) {
 
 void encode_to_file(const std::string& path, const Raster& image, const Counted& counted) {
   Encoder encoder(counted);
+  // As much as if nothing could be compressed: so that memory does not depend on what is seen.
+  const auto rows = std::size_t(image.height);
+  encoder.bytes.reserve(rows * image.stride + rows * image.stride / 1000 + 16 * rows + 1024);
   if (!encode_with_libpng(encoder, image)) {
     throw core::Error(INSITU_ERROR_FILE, "cannot write '" + path + "': libpng: " + encoder.message);
   }

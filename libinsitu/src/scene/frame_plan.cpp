@@ -110,7 +110,7 @@ private:
                        Held::while_executed);
   }
 
-  /// Codes, and the file's bytes in a vector that may have grown just now.
+  /// Codes, and the file's bytes as if nothing could be compressed.
   std::int64_t most_file_bytes(std::int64_t pixels) const {
     constexpr std::int64_t headers = 8192;
     const bool alpha = frame_.background_alpha < 1;
@@ -133,7 +133,8 @@ private:
           written = exr ? 4 : 6;
           break;
         }
-        most = std::max(most, pixels * (codes + 3 * written) + headers);
+        most = std::max(most, pixels * (codes + written) + pixels * written / 1000 +
+                                  16 * std::int64_t(frame_.size[1]) + headers);
       }
     return most;
   }

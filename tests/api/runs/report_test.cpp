@@ -77,7 +77,9 @@ TEST(Report, MemoryDoesNotGrowFromCycleToCycle) {
     return r.bytes_held - r.bytes_by_purpose[INSITU_MEMORY_BUILD];
   };
   EXPECT_LE(lasting(after), lasting(before));
-  EXPECT_LE(after.bytes_peak, before.bytes_peak * 11 / 10);
+  // In a cycle of both, a frame's image and the builder's scratch are there at once.
+  constexpr std::int64_t image = 48 * 32 * 4 * sizeof(float);
+  EXPECT_LE(after.bytes_peak, before.bytes_peak * 11 / 10 + image);
 }
 
 // Particles that have ended are in the table, and needed no more.
