@@ -184,7 +184,7 @@ static inline insitu_frame insitu_frame_default(void) {
  *  - It lies in host memory and is located on the CPU.
  *
  *  Vector fields of a mesh in any other frame are along its coordinates' axes: of a geocentric mesh
- *  along the Earth's, x, y and z. */
+ *  along the Earth's, x, y and z; of UTM with depths the third is the rate at which depth grows. */
 INSITU_API insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame* frame);
 
 #ifdef __cplusplus
