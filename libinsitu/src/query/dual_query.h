@@ -50,8 +50,10 @@ private:
         index[a] -= place < double(index[a]);
         corner[a] = index[a] + 1;
       }
-      if (near && (gridlets_.find_at(p, depth, index, at, reason) ||
-                   frusta_.find_at(p, depth, corner, at, reason, guess))) {
+      if (!near)
+        return false; // from all cells, or no number
+      if (gridlets_.find_at(p, depth, index, at, reason) ||
+          frusta_.find_at(p, depth, corner, at, reason, guess)) {
         last_depth_ = d < 0 ? last : d;
         return true;
       }

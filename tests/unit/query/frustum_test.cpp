@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -214,6 +215,22 @@ TEST_P(Frusta, ThoseThatAreNotShownAreOutside) {
       EXPECT_TRUE(shows(guess_some));
     }
   }
+}
+
+TEST(FrustaOf, NoNumberAndFarPointsAreNowhere) {
+  Dual dual({.seed = 2, .kind = 0, .roots = 2, .levels = 3});
+  query::DualFinder finder(dual.adaptive);
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = HUGE_VAL;
+  for (const double x : {nan, infinite, -infinite, 1e300, -1e300, 1e12})
+    for (int a = 0; a < 3; ++a) {
+      Vec3d p = dual.mesh.committed.mesh.tree().bounds_min();
+      p[a] = x;
+      query::Location at;
+      query::Reason why;
+      std::int64_t guess = -1;
+      EXPECT_FALSE(finder.find(p, at, why, guess)) << x << " axis " << a;
+      EXPECT_LT(guess, 0);
+    }
 }
 
 std::vector<Recipe> recipes() {
