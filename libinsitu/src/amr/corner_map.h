@@ -73,7 +73,6 @@ public:
 
   /// Depths that have some: [0, depth_count()).
   int depth_count() const { return depth_count_; }
-  bool has(int depth) const { return kinds_of_[std::size_t(depth)] != 0; }
   /// Whether there are frusta of a depth beside leaves `up` depths above.
   bool has_frusta(int depth, int up) const {
     return (kinds_of_[std::size_t(depth)] >> up & 1) != 0;

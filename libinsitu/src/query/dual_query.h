@@ -14,7 +14,8 @@ public:
   /// then a bit a stitching cell, whether they may answer; null: all.
   explicit DualFinder(const Adaptive& adaptive, std::int64_t hint = -1,
                       const std::uint64_t* shown = nullptr)
-      : DualFinder(*adaptive.gridlets(), *adaptive.corners(), hint, shown) {}
+      : DualFinder(*adaptive.gridlets(), adaptive.leaves().store(), *adaptive.corners(), hint,
+                   shown) {}
 
   static constexpr bool finds_all = false;
 
@@ -26,46 +27,66 @@ public:
   }
 
 private:
-  DualFinder(const GridletPlaces& places, const amr::CornerMap& corners, std::int64_t hint,
-             const std::uint64_t* shown)
-      : places_(&places), lattice_(&places.gridlets().lattice),
+  DualFinder(const GridletPlaces& places, const amr::BrickStore& store,
+             const amr::CornerMap& corners, std::int64_t hint, const std::uint64_t* shown)
+      : places_(&places), store_(&store), lattice_(&places.gridlets().lattice),
         gridlets_(places, hint < places.cell_count() ? hint : -1, shown),
         frusta_(corners, *lattice_, places.cell_count(), shown, places.gridlets().count) {}
 
   bool find_by_place(const math::Vec3d& p, Location& at, Reason& reason, std::int64_t& guess) {
-    // A cell's lower leaf and its corner tell its gridlet and its frustum alike.
-    // Neighbours mostly have the same depth.
-    const int last = last_depth_, depths = places_->depth_count();
-    for (int d = depths > 0 ? -1 : 0; d < depths; ++d) {
-      if (d == last)
+    const int leaf = leaf_depth(p);
+    if (leaf < 0)
+      return false;
+    for (int depth = leaf; depth <= leaf + amr::CornerKind::most_up; ++depth) {
+      if (depth > leaf && !frusta_.has_frusta(depth, depth - leaf))
         continue;
-      const int depth = places_->depth(d < 0 ? last : d);
+      // A cell's lower leaf and its corner tell its gridlet and its frustum alike.
       const GridletPlaces::Steps& steps = places_->steps(depth);
       std::int64_t index[3], corner[3];
-      bool near = true;
       for (int a = 0; a < 3; ++a) {
         const double place = (p[a] - lattice_->origin[a]) * steps.a_unit[a] - 0.5;
-        near &= std::fabs(place) < double(2 * mesh::Lattice::largest_index);
-        index[a] = near ? std::int64_t(place) : 0;
+        index[a] = std::int64_t(place);
         index[a] -= place < double(index[a]);
         corner[a] = index[a] + 1;
       }
-      if (!near)
-        return false; // from all cells, or no number
-      if (gridlets_.find_at(p, depth, index, at, reason) ||
-          frusta_.find_at(p, depth, corner, at, reason, guess)) {
-        last_depth_ = d < 0 ? last : d;
+      if ((depth == leaf && gridlets_.find_at(p, depth, index, at, reason)) ||
+          frusta_.find_at(p, depth, corner, at, reason, guess) ||
+          (depth > leaf && frusta_.find_within(p, depth, depth - leaf, at, reason, guess)))
         return true;
-      }
     }
-    return frusta_.find_within(p, at, reason, guess);
+    return false;
+  }
+
+  /// Of the leaf that holds p, about; -1 where there is none.
+  int leaf_depth(const math::Vec3d& p) {
+    int way = 0; // to finer depths, or to coarser ones
+    for (int depth = last_depth_; depth >= 0 && depth < store_->depth_count(); depth += way) {
+      const GridletPlaces::Steps& steps = places_->steps(depth);
+      std::int64_t index[3];
+      for (int a = 0; a < 3; ++a) {
+        const double place = (p[a] - lattice_->origin[a]) * steps.a_unit[a];
+        if (!(std::fabs(place) < double(mesh::Lattice::largest_index)))
+          return -1; // far from all cells, or no number
+        index[a] = std::int64_t(place);
+        index[a] -= place < double(index[a]);
+      }
+      const std::uint32_t entry = store_->at(depth, index);
+      if (amr::BrickStore::is_leaf(entry))
+        return last_depth_ = depth; // most neighbours have the same
+      const int next = entry == amr::BrickStore::nothing ? -1 : 1;
+      if (next == -way)
+        return -1;
+      way = next;
+    }
+    return -1;
   }
 
   const GridletPlaces* places_;
+  const amr::BrickStore* store_;
   const mesh::Lattice* lattice_;
   GridletFinder gridlets_;
   FrustumFinder frusta_;
-  int last_depth_ = 0; ///< a number of GridletPlaces::depth
+  int last_depth_ = 0; ///< of a leaf
 };
 
 } // namespace insitu::query

@@ -32,8 +32,6 @@ public:
   /// another cell at that corner, or left alone.
   bool find_at(const math::Vec3d& p, int depth, const std::int64_t* corner, Location& at,
                Reason& reason, std::int64_t& guess) const {
-    if (!map_->has(depth))
-      return false;
     const amr::CornerMap::Found found = map_->find(depth, corner);
     if (!found)
       return false;
@@ -46,8 +44,13 @@ public:
     return false;
   }
 
-  /// The same for points further in a coarser leaf than half a cell of the depth.
-  bool find_within(const math::Vec3d& p, Location& at, Reason& reason, std::int64_t& guess) const;
+  /// Whether there are frusta of a depth beside leaves `up` depths above.
+  bool has_frusta(int depth, int up) const {
+    return depth < map_->depth_count() && map_->has_frusta(depth, up);
+  }
+  /// The same for points in a leaf `up` depths above, further than half a cell of the depth.
+  bool find_within(const math::Vec3d& p, int depth, int up, Location& at, Reason& reason,
+                   std::int64_t& guess) const;
 
 private:
   static constexpr int unknown = 2;
@@ -131,41 +134,35 @@ inline FrustumFinder::Place::Place(const FrustumFinder& finder, const math::Vec3
   }
 }
 
-inline bool FrustumFinder::find_within(const math::Vec3d& p, Location& at, Reason& reason,
-                                       std::int64_t& guess) const {
-  for (int depth = map_->depth_count() - 1; depth >= 0; --depth)
-    for (int up = 1; up <= amr::CornerKind::most_up; ++up) {
-      if (!map_->has_frusta(depth, up))
-        continue;
-      const Place place(*this, p, depth);
-      const std::int64_t half = std::int64_t(1) << (up - 1);
-      std::int64_t centre[3]; // of the leaf that is there if it is that coarse
-      for (int a = 0; a < 3; ++a)
-        centre[a] = (place.floor[a] >> up) * 2 * half + half;
-      for (int a = 0; a < 3; ++a) {
-        // Finer leaves are beyond its face if a cell of theirs stands on the face's midst.
-        const int side = place.floor[a] < centre[a]; // the leaf is above the face
-        std::int64_t midst[3] = {centre[0], centre[1], centre[2]};
-        midst[a] += side ? -half : half;
-        const auto kind = amr::CornerKind::frustum(a, side, up);
-        if (map_->find(depth, midst).kind == kind &&
-            in_frustum(p, place, kind, midst[a], at, reason))
-          return true;
-      }
-      // Where its face meets the way from its centre through the point.
-      double from_centre[3], farthest = 0.0;
-      for (int a = 0; a < 3; ++a) {
-        from_centre[a] = place.steps[a] - double(centre[a]);
-        farthest = std::fmax(farthest, std::fabs(from_centre[a]));
-      }
-      std::int64_t corner[3];
-      for (int a = 0; a < 3; ++a) {
-        const double seen = farthest > 0.0 ? from_centre[a] * (double(half) / farthest) : 0.0;
-        corner[a] = centre[a] - half + std::int64_t(seen + double(half) + 0.5);
-      }
-      if (const amr::CornerMap::Found found = map_->find(depth, corner))
-        propose(found.cell, guess);
-    }
+inline bool FrustumFinder::find_within(const math::Vec3d& p, int depth, int up, Location& at,
+                                       Reason& reason, std::int64_t& guess) const {
+  const Place place(*this, p, depth);
+  const std::int64_t half = std::int64_t(1) << (up - 1);
+  std::int64_t centre[3]; // of the leaf
+  for (int a = 0; a < 3; ++a)
+    centre[a] = (place.floor[a] >> up) * 2 * half + half;
+  for (int a = 0; a < 3; ++a) {
+    // Finer leaves are beyond its face if a cell of theirs stands on the face's midst.
+    const int side = place.floor[a] < centre[a]; // the leaf is above the face
+    std::int64_t midst[3] = {centre[0], centre[1], centre[2]};
+    midst[a] += side ? -half : half;
+    const auto kind = amr::CornerKind::frustum(a, side, up);
+    if (map_->find(depth, midst).kind == kind && in_frustum(p, place, kind, midst[a], at, reason))
+      return true;
+  }
+  // Where its face meets the way from its centre through the point.
+  double from_centre[3], farthest = 0.0;
+  for (int a = 0; a < 3; ++a) {
+    from_centre[a] = place.steps[a] - double(centre[a]);
+    farthest = std::fmax(farthest, std::fabs(from_centre[a]));
+  }
+  std::int64_t corner[3];
+  for (int a = 0; a < 3; ++a) {
+    const double seen = farthest > 0.0 ? from_centre[a] * (double(half) / farthest) : 0.0;
+    corner[a] = centre[a] - half + std::int64_t(seen + double(half) + 0.5);
+  }
+  if (const amr::CornerMap::Found found = map_->find(depth, corner))
+    propose(found.cell, guess);
   return false;
 }
 

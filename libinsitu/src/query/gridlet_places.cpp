@@ -5,34 +5,28 @@
 
 namespace insitu::query {
 
-void GridletPlaces::build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves,
-                          const amr::CornerMap& corners) {
+void GridletPlaces::build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves) {
   gridlets_ = &gridlets;
   store_ = &leaves.store();
   in_brick_.resize_discard(std::size_t(store_->brick_count()));
   std::fill(in_brick_.begin(), in_brick_.end(), -1);
-  bool has_depth[mesh::Lattice::most_depth + 1] = {};
   double farthest[3] = {0, 0, 0}; // of coordinates, from zero and from the lattice's origin
   const mesh::Lattice& lattice = gridlets.lattice;
   for (std::int64_t g = 0; g < gridlets.count; ++g) {
     const mesh::Gridlet& gridlet = gridlets.gridlets[g];
     const std::int64_t lower[3] = {gridlet.lower[0], gridlet.lower[1], gridlet.lower[2]};
     in_brick_[store_->find(gridlet.depth, amr::BrickStore::key_of(lower))] = std::int32_t(g);
-    has_depth[gridlet.depth] = true;
     for (int a = 0; a < 3; ++a)
       for (const double x :
            {gridlets.coordinate(gridlet, a, 0), gridlets.coordinate(gridlet, a, gridlet.size[a])})
         farthest[a] = std::max(farthest[a], std::fabs(x) + std::fabs(x - lattice.origin[a]));
   }
-  depth_count_ = 0;
-  for (int d = mesh::Lattice::most_depth; d >= 0; --d) // the finest hold most
-    if (has_depth[d] || corners.has(d)) {
-      depths_[depth_count_++] = std::uint8_t(d);
-      for (int a = 0; a < 3; ++a) {
-        steps_[d].half_cell[a] = lattice.width(a, d + 1);
-        steps_[d].a_unit[a] = (1.0 / lattice.spacing[a]) * double(std::int64_t(1) << d);
-        steps_[d].rounding[a] = 0x1p-49 * (farthest[a] * steps_[d].a_unit[a] + 16.0);
-      }
+  for (int d = 0; d <= mesh::Lattice::most_depth; ++d)
+    for (int a = 0; a < 3; ++a) {
+      Steps& steps = steps_[d];
+      steps.half_cell[a] = lattice.width(a, d + 1);
+      steps.a_unit[a] = (1.0 / lattice.spacing[a]) * double(std::int64_t(1) << d);
+      steps.rounding[a] = 0x1p-49 * (farthest[a] * steps.a_unit[a] + 16.0);
     }
 }
 

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 
-#include "amr/corner_map.h"
 #include "amr/leaf_map.h"
 #include "mesh/gridlet.h"
 
@@ -14,17 +13,12 @@ public:
   explicit GridletPlaces(core::Memory& memory) : in_brick_(memory, INSITU_MEMORY_AMR) {}
 
   /// The arguments must outlive the object, or its next build.
-  void build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves,
-             const amr::CornerMap& corners);
+  void build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves);
 
   const mesh::GridletsView& gridlets() const { return *gridlets_; }
   /// Of the gridlets, full or not; the dual's other cells come next.
   std::int64_t cell_count() const { return gridlets_->count * mesh::Gridlet::most_cells; }
   std::int64_t bytes() const { return std::int64_t(in_brick_.bytes()); }
-
-  /// Depths that have gridlets or stitching cells, the finest first.
-  int depth_count() const { return depth_count_; }
-  int depth(int i) const { return depths_[i]; }
 
   /// Lengths of a depth, by axis.
   struct Steps {
@@ -46,8 +40,6 @@ private:
   const mesh::GridletsView* gridlets_ = nullptr;
   const amr::BrickStore* store_ = nullptr;
   core::Buffer<std::int32_t> in_brick_; ///< gridlets, or -1
-  int depth_count_ = 0;
-  std::uint8_t depths_[mesh::Lattice::most_depth + 1] = {};
   Steps steps_[mesh::Lattice::most_depth + 1] = {};
 };
 

@@ -174,7 +174,7 @@ TEST_P(Frusta, AnswersAreTheTrees) {
           << GetParam().name() << " point " << i << " axis " << a << " shape " << int(owner.shape);
   }
   // Beside an edge of a level the guess may be at another cell.
-  EXPECT_LE(seen.missed, 0.05 * seen.frusta) << seen.frusta;
+  EXPECT_LE(seen.missed, 0.2 * seen.frusta) << seen.frusta;
   EXPECT_GT(seen.found, 0) << seen.inside;
   if (seen.guessed > 100) {
     EXPECT_GT(seen.right, 0.2 * seen.guessed) << seen.guessed;
