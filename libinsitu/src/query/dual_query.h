@@ -14,8 +14,7 @@ public:
   /// then a bit a stitching cell, whether they may answer; null: all.
   explicit DualFinder(const Adaptive& adaptive, std::int64_t hint = -1,
                       const std::uint64_t* shown = nullptr)
-      : DualFinder(*adaptive.gridlets(), adaptive.leaves().store(), *adaptive.corners(), hint,
-                   shown) {}
+      : DualFinder(*adaptive.gridlets(), *adaptive.corners(), hint, shown) {}
 
   static constexpr bool finds_all = false;
 
@@ -27,13 +26,19 @@ public:
   }
 
 private:
-  DualFinder(const GridletPlaces& places, const amr::BrickStore& store,
-             const amr::CornerMap& corners, std::int64_t hint, const std::uint64_t* shown)
-      : places_(&places), store_(&store), lattice_(&places.gridlets().lattice),
+  DualFinder(const GridletPlaces& places, const amr::CornerMap& corners, std::int64_t hint,
+             const std::uint64_t* shown)
+      : places_(&places), lattice_(&places.gridlets().lattice),
         gridlets_(places, hint < places.cell_count() ? hint : -1, shown),
         frusta_(corners, *lattice_, places.cell_count(), shown, places.gridlets().count) {}
 
   bool find_by_place(const math::Vec3d& p, Location& at, Reason& reason, std::int64_t& guess) {
+    // Beside a gridlet's cells most likely lie others of its depth.
+    Lower lower;
+    const int depth_before = gridlets_.last_depth();
+    if (depth_before >= 0 && lower.set(*this, p, depth_before) &&
+        gridlets_.find_at(p, depth_before, lower.index, at, reason))
+      return true;
     const int leaf = leaf_depth(p);
     if (leaf < 0)
       return false;
@@ -41,15 +46,10 @@ private:
       if (depth > leaf && !frusta_.has_frusta(depth, depth - leaf))
         continue;
       // A cell's lower leaf and its corner tell its gridlet and its frustum alike.
-      const GridletPlaces::Steps& steps = places_->steps(depth);
-      std::int64_t index[3], corner[3];
-      for (int a = 0; a < 3; ++a) {
-        const double place = (p[a] - lattice_->origin[a]) * steps.a_unit[a] - 0.5;
-        index[a] = std::int64_t(place);
-        index[a] -= place < double(index[a]);
-        corner[a] = index[a] + 1;
-      }
-      if ((depth == leaf && gridlets_.find_at(p, depth, index, at, reason)) ||
+      lower.set(*this, p, depth);
+      const std::int64_t corner[3] = {lower.index[0] + 1, lower.index[1] + 1, lower.index[2] + 1};
+      if ((depth == leaf && depth != depth_before &&
+           gridlets_.find_at(p, depth, lower.index, at, reason)) ||
           frusta_.find_at(p, depth, corner, at, reason, guess) ||
           (depth > leaf && frusta_.find_within(p, depth, depth - leaf, at, reason, guess)))
         return true;
@@ -57,10 +57,28 @@ private:
     return false;
   }
 
+  /// The leaf at the lower corner of a depth's cell that holds a point, if there is one.
+  struct Lower {
+    std::int64_t index[3];
+    /// False for points that are far from all cells, or no numbers.
+    bool set(const DualFinder& finder, const math::Vec3d& p, int depth) {
+      const GridletPlaces::Steps& steps = finder.places_->steps(depth);
+      bool near = true;
+      for (int a = 0; a < 3; ++a) {
+        const double place = (p[a] - finder.lattice_->origin[a]) * steps.a_unit[a] - 0.5;
+        const bool is_near = std::fabs(place) < double(mesh::Lattice::largest_index);
+        near &= is_near;
+        index[a] = std::int64_t(is_near ? place : 0.0);
+        index[a] -= place < double(index[a]);
+      }
+      return near;
+    }
+  };
+
   /// Of the leaf that holds p, about; -1 where there is none.
   int leaf_depth(const math::Vec3d& p) {
     int way = 0; // to finer depths, or to coarser ones
-    for (int depth = last_depth_; depth >= 0 && depth < store_->depth_count(); depth += way) {
+    for (int depth = last_depth_; depth >= 0 && depth < places_->depth_count(); depth += way) {
       const GridletPlaces::Steps& steps = places_->steps(depth);
       std::int64_t index[3];
       for (int a = 0; a < 3; ++a) {
@@ -70,10 +88,9 @@ private:
         index[a] = std::int64_t(place);
         index[a] -= place < double(index[a]);
       }
-      const std::uint32_t entry = store_->at(depth, index);
-      if (amr::BrickStore::is_leaf(entry))
+      const int next = places_->way_to_leaf(depth, index);
+      if (next == 0)
         return last_depth_ = depth; // most neighbours have the same
-      const int next = entry == amr::BrickStore::nothing ? -1 : 1;
       if (next == -way)
         return -1;
       way = next;
@@ -82,7 +99,6 @@ private:
   }
 
   const GridletPlaces* places_;
-  const amr::BrickStore* store_;
   const mesh::Lattice* lattice_;
   GridletFinder gridlets_;
   FrustumFinder frusta_;

@@ -59,7 +59,7 @@ void DualStandIn::build(const mesh::Mesh& mesh, const core::Threads& threads) {
   threads_ = &threads;
   fields_.clear();
   dual_.build(mesh.adaptive(), threads);
-  places_.build(*dual_.view().pieces[0].gridlets, dual_.leaves());
+  places_.build(*dual_.view().pieces[0].gridlets, dual_.leaves(), threads);
 }
 
 void DualStandIn::fields_changed() {

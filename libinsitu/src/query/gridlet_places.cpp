@@ -5,11 +5,27 @@
 
 namespace insitu::query {
 
-void GridletPlaces::build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves) {
+void GridletPlaces::build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves,
+                          const core::Threads& threads) {
   gridlets_ = &gridlets;
   store_ = &leaves.store();
   in_brick_.resize_discard(std::size_t(store_->brick_count()));
   std::fill(in_brick_.begin(), in_brick_.end(), -1);
+  covers_.resize_discard(std::size_t(store_->brick_count()));
+  threads.parallel_for(store_->brick_count(), 64, [&](std::int64_t begin, std::int64_t end) {
+    using Store = amr::BrickStore;
+    for (std::int64_t b = begin; b < end; ++b) {
+      const std::uint32_t* const entries = store_->entries(b);
+      for (int k = 0; k < Store::side; ++k) {
+        Cover& cover = covers_[std::size_t(b)].layer[k] = {0, 0};
+        for (int i = 0; i < 64; ++i) {
+          const std::uint32_t entry = entries[64 * k + i];
+          cover.leaf |= std::uint64_t(Store::is_leaf(entry)) << i;
+          cover.finer |= std::uint64_t(!Store::is_leaf(entry) && entry != Store::nothing) << i;
+        }
+      }
+    }
+  });
   double farthest[3] = {0, 0, 0}; // of coordinates, from zero and from the lattice's origin
   const mesh::Lattice& lattice = gridlets.lattice;
   for (std::int64_t g = 0; g < gridlets.count; ++g) {

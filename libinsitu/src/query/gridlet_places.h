@@ -10,15 +10,17 @@ namespace insitu::query {
 /// Where the gridlets of a dual mesh are: at most one in the place of each brick of its leaf map.
 class GridletPlaces {
 public:
-  explicit GridletPlaces(core::Memory& memory) : in_brick_(memory, INSITU_MEMORY_AMR) {}
+  explicit GridletPlaces(core::Memory& memory)
+      : in_brick_(memory, INSITU_MEMORY_AMR), covers_(memory, INSITU_MEMORY_AMR) {}
 
-  /// The arguments must outlive the object, or its next build.
-  void build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves);
+  /// The arguments but the threads must outlive the object, or its next build.
+  void build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves,
+             const core::Threads& threads);
 
   const mesh::GridletsView& gridlets() const { return *gridlets_; }
   /// Of the gridlets, full or not; the dual's other cells come next.
   std::int64_t cell_count() const { return gridlets_->count * mesh::Gridlet::most_cells; }
-  std::int64_t bytes() const { return std::int64_t(in_brick_.bytes()); }
+  std::int64_t bytes() const { return std::int64_t(in_brick_.bytes() + covers_.bytes()); }
 
   /// Lengths of a depth, by axis.
   struct Steps {
@@ -36,10 +38,33 @@ public:
     return brick == amr::BrickTable::none ? -1 : std::int64_t(in_brick_[brick]);
   }
 
+  /// Depths that have leaves: [0, depth_count()).
+  int depth_count() const { return store_->depth_count(); }
+  /// Where to look for the leaf at a cell of a depth: 0 if that is one, 1 at finer depths, -1 at
+  /// coarser ones, if anywhere.
+  int way_to_leaf(int depth, const std::int64_t* index) const {
+    const std::uint32_t brick = store_->find(depth, amr::BrickStore::key_of(index));
+    if (brick == amr::BrickTable::none)
+      return -1;
+    const Cover& cover = covers_[brick].layer[index[2] & 7];
+    const int bit = int((index[0] & 7) | (index[1] & 7) << 3);
+    return (cover.leaf >> bit) & 1 ? 0 : (cover.finer >> bit) & 1 ? 1 : -1;
+  }
+
 private:
+  /// Cells of a layer of a brick, a bit each.
+  struct Cover {
+    std::uint64_t leaf, finer; ///< is a leaf; finer ones lie there
+  };
+  /// What leaves' ids tell as well, in a sixteenth of the memory.
+  struct Covers {
+    Cover layer[8];
+  };
+
   const mesh::GridletsView* gridlets_ = nullptr;
   const amr::BrickStore* store_ = nullptr;
   core::Buffer<std::int32_t> in_brick_; ///< gridlets, or -1
+  core::Buffer<Covers> covers_;         ///< of bricks
   Steps steps_[mesh::Lattice::most_depth + 1] = {};
 };
 

@@ -79,38 +79,6 @@ inline Location locate_in_gridlet(const mesh::GridletsView& all, std::int64_t gr
   return {};
 }
 
-/// A vertex field's values in gridlets, of T. Vertices along i lie side by side.
-template <class T>
-class GridletValues {
-public:
-  GridletValues(const mesh::GridletsView& all, const mesh::FieldView& field)
-      : gridlets_(all.gridlets), component_(field.pieces[0].component),
-        stride_(field.pieces[0].layout.stride[0]), components_(field.components) {}
-
-  /// The field's components in a cell.
-  void at(std::int64_t cell, const math::Vec3d& r, double* values) const {
-    const mesh::Gridlet& g = gridlets_[cell >> mesh::Gridlet::cell_bits];
-    const std::int64_t v =
-        mesh::GridletsView::first_vertex(g, int(cell & (mesh::Gridlet::most_cells - 1)));
-    const std::int64_t dj = g.size[0] + 1, dk = dj * (g.size[1] + 1);
-    const double i1 = r.x, i0 = 1.0 - i1, j1 = r.y, j0 = 1.0 - j1, k1 = r.z, k0 = 1.0 - k1;
-    for (int c = 0; c < components_; ++c) {
-      const std::byte* const base = component_[c] + v * stride_;
-      const auto row = [&](std::int64_t vertices) {
-        const std::byte* const at = base + vertices * stride_;
-        return i0 * double(mesh::load_as<T>(at)) + i1 * double(mesh::load_as<T>(at + stride_));
-      };
-      values[c] = k0 * (j0 * row(0) + j1 * row(dj)) + k1 * (j0 * row(dk) + j1 * row(dk + dj));
-    }
-  }
-
-private:
-  const mesh::Gridlet* gridlets_;
-  const std::byte* const* component_;
-  std::int64_t stride_;
-  int components_;
-};
-
 /// Finds gridlets by their places. Remembers the last one, since neighbours mostly lie in one
 /// (Zellmann 2023, section 5.2).
 class GridletFinder {
@@ -130,9 +98,15 @@ public:
     if (!inside(p, at))
       return false;
     reason = Reason::certified;
-    hide(at, reason);
+    if (!shows_last()) {
+      at = {};
+      reason = Reason::outside;
+    }
     return true;
   }
+
+  /// Of the last gridlet, or -1.
+  int last_depth() const { return last_ < 0 ? -1 : all_->gridlets[last_].depth; }
 
   /// The same for the gridlet of a depth that has the cell of an index, if it is another one, which
   /// then is the last. Indices are those of the leaves at cells' lower corners.
@@ -158,17 +132,13 @@ private:
     return all_->is_full(cell);
   }
 
-  void hide(Location& at, Reason& reason) const {
-    if (shown_ && !((shown_[last_ >> 6] >> (last_ & 63)) & 1)) {
-      at = {};
-      reason = Reason::outside;
-    }
-  }
+  bool shows_last() const { return !shown_ || ((shown_[last_ >> 6] >> (last_ & 63)) & 1) != 0; }
 
   void take(std::int64_t gridlet) {
     const mesh::Gridlet& g = all_->gridlets[gridlet];
     const GridletPlaces::Steps& steps = places_->steps(g.depth);
     last_ = gridlet;
+    full_ = &all_->full[8 * gridlet];
     for (int a = 0; a < 3; ++a) {
       start_[a] = all_->lattice.origin[a] + steps.half_cell[a] * double(2 * g.lower[a] + 1);
       steps_a_unit_[a] = steps.a_unit[a];
@@ -182,20 +152,19 @@ private:
     if (last_ < 0)
       return false;
     double part[3];
-    std::int64_t cell = last_ << mesh::Gridlet::cell_bits;
+    int bit[3];
     bool sure = true;
     for (int a = 0; a < 3; ++a) {
-      const double steps = (p[a] - start_[a]) * steps_a_unit_[a];
-      if (!(steps > least_[a] && steps < most_[a]))
+      const double place = (p[a] - start_[a]) * steps_a_unit_[a];
+      if (!(place > least_[a] && place < most_[a]))
         return false;
-      const int i = int(steps);
-      part[a] = steps - i;
+      bit[a] = int(place);
+      part[a] = place - bit[a];
       sure &= part[a] > least_[a] && part[a] < 1.0 - least_[a];
-      cell += i << (3 * a);
     }
-    if (!sure || !all_->is_full(cell))
+    if (!sure || ((full_[bit[2]] >> (bit[0] | bit[1] << 3)) & 1) == 0)
       return false;
-    at.cell = cell;
+    at.cell = last_ << mesh::Gridlet::cell_bits | bit[0] | bit[1] << 3 | bit[2] << 6;
     for (int a = 0; a < 3; ++a)
       at.parametric[a] = part[a];
     return true;
@@ -206,6 +175,7 @@ private:
   const std::uint64_t* shown_;
   std::int64_t last_ = -1;
   // Of the last gridlet:
+  const std::uint64_t* full_ = nullptr;
   double start_[3], steps_a_unit_[3], least_[3], most_[3];
 };
 

@@ -5,6 +5,7 @@
 #include "cells/kernels.h"
 #include "query/chart_image.h"
 #include "query/gridlet_query.h"
+#include "query/gridlet_values.h"
 #include "query/sampler.h"
 
 /// Values at locations: Sampler's, but for finding these.
@@ -68,7 +69,7 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
     }
   };
   // One field of an adaptive mesh's dual: most locations lie in gridlets.
-  const auto put_one = [&](const auto& in_gridlets) {
+  const auto put_one = [&](auto in_gridlets) {
     const std::int64_t end = mesh_->first_cell[1];
     const auto components = std::size_t(fields[0].components);
     for (std::size_t k = 0; k < at.size(); ++k) {

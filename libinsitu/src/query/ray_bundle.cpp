@@ -57,12 +57,19 @@ void RayBundleLocator::set_rays(std::span<const LatticeRay> rays, int row, doubl
   }
 }
 
-inline void RayBundleLocator::answer(int place, const Location& at) const {
-  const int i = int(s_.ray[slot_of(place)]) * depth_ + index_of(place);
-  if (locations_)
-    locations_[i] = at;
+/// At most most_depth.
+void RayBundleLocator::answer(std::span<const std::uint16_t> places,
+                              std::span<const Location> at) const {
+  double values[most_depth];
   if (from_)
-    value_samples_[i] = {at.cell, at ? from_->at(at) : 0.0};
+    from_->at(at, values);
+  for (std::size_t n = 0; n < places.size(); ++n) {
+    const int i = int(s_.ray[slot_of(places[n])]) * depth_ + index_of(places[n]);
+    if (locations_)
+      locations_[i] = at[n];
+    if (from_)
+      value_samples_[i] = {at[n].cell, values[n]};
+  }
 }
 
 void RayBundleLocator::locate(std::int64_t first, int depth, std::span<const std::uint32_t> wanted,
@@ -117,18 +124,28 @@ bool RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
 /// Without the tree, which is then asked for the others alone.
 void RayBundleLocator::locate_by_place() {
   DualFinder finder(*sampler_.adaptive_, -1, sampler_.shown_);
-  for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
+  Vec3d points[most_depth];
+  std::uint16_t places[most_depth];
+  Location at[most_depth];
+  for (int slot = 0; slot < groups_ * bundle_lanes; ++slot) {
+    std::size_t count = 0, found = 0;
     for_each_bit(s_.wanted[slot], [&](int k) {
-      Reason why;
-      Location at;
-      std::int64_t guess = -1; // which the bundle finds as well
-      const int place = place_of(k, slot);
-      if (!finder.find(point(place), at, why, guess))
-        return;
-      answer(place, at);
-      ++s_.by_reason[int(why)];
-      s_.wanted[slot] &= ~(std::uint32_t(1) << k);
+      places[count] = std::uint16_t(place_of(k, slot));
+      points[count] = point(places[count]);
+      ++count;
     });
+    for (std::size_t q = 0; q < count; ++q) {
+      Reason why;
+      std::int64_t guess = -1; // which the bundle finds as well
+      at[found] = {};
+      if (!finder.find(points[q], at[found], why, guess))
+        continue;
+      s_.wanted[slot] &= ~(std::uint32_t(1) << index_of(places[q]));
+      ++s_.by_reason[int(why)];
+      places[found++] = places[q];
+    }
+    answer({places, found}, {at, found});
+  }
 }
 
 /// False if cells are too many for it to pay.
@@ -167,7 +184,9 @@ bool RayBundleLocator::enter_all_cells() {
     for_each_bit(s_.wanted[slot], [&](int k) {
       if (slab.best[k][slot] != 0)
         return s_.open.push_back(std::uint16_t(place_of(k, slot)));
-      answer(place_of(k, slot), {});
+      const auto place = std::uint16_t(place_of(k, slot));
+      const Location none;
+      answer({&place, 1}, {&none, 1});
       ++s_.by_reason[int(Reason::outside)];
     });
   return true;
@@ -312,8 +331,12 @@ void RayBundleLocator::locate_rest() {
   left_ += std::int64_t(s_.rest.size());
   s_.answers.resize(s_.rest.size());
   sampler_.locate_serial(s_.points, s_.answers, options_);
-  for (std::size_t i = 0; i < s_.rest.size(); ++i)
-    answer(s_.rest[i], s_.answers[i]);
+  const std::span<const std::uint16_t> places(s_.rest);
+  const std::span<const Location> at(s_.answers);
+  for (std::size_t first = 0; first < places.size(); first += most_depth) {
+    const std::size_t n = std::min<std::size_t>(most_depth, places.size() - first);
+    answer(places.subspan(first, n), at.subspan(first, n));
+  }
 }
 
 } // namespace insitu::query

@@ -22,8 +22,9 @@ public:
   virtual bool is_per_cell() const = 0;
   /// Fills in columns [0, cells.size()), at most CellBlock::size, for cells by flat id.
   virtual void load(std::span<const std::int64_t> cells, ValueBlock& block) const = 0;
-  /// At a location: the cell's number, or the sum of cells::shape_functions times the vertices'.
-  virtual double at(const Location& at) const = 0;
+  /// At locations: the cell's number, or the sum of cells::shape_functions times the vertices'; 0
+  /// where there is none.
+  virtual void at(std::span<const Location> at, double* values) const = 0;
 };
 
 /// A sample's cell, or -1, and what was interpolated there.
@@ -74,7 +75,7 @@ public:
 private:
   void run(std::int64_t first, int depth, std::span<const std::uint32_t> wanted);
   math::Vec3d point(int place) const;
-  void answer(int place, const Location& at) const;
+  void answer(std::span<const std::uint16_t> places, std::span<const Location> at) const;
   bool take_wanted(std::span<const std::uint32_t> wanted);
   void locate_by_place();
   bool set_slab();

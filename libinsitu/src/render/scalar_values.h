@@ -1,5 +1,7 @@
 #pragma once
 
+#include "query/gridlet_query.h"
+#include "query/gridlet_values.h"
 #include "query/ray_bundle.h"
 #include "render/scalar_field.h"
 
@@ -33,9 +35,46 @@ public:
         block.vertex[v][i] = field_.load(p, ids[i][v]);
     }
   }
-  double at(const query::Location& at) const override { return field_.at(mesh_, at); }
+  void at(std::span<const query::Location> at, double* values) const override {
+    const mesh::GridletsView* const gridlets = query::gridlets_of(mesh_);
+    if (!gridlets || is_per_cell() || (field_.component < 0 && field_.field.components > 1))
+      return at_any(at, values);
+    if (field_.field.pieces[0].is_float32)
+      at_gridlets<float>(*gridlets, at, values);
+    else
+      at_gridlets<double>(*gridlets, at, values);
+  }
 
 private:
+  void at_any(std::span<const query::Location> at, double* values) const {
+    for (std::size_t i = 0; i < at.size(); ++i)
+      values[i] = at[i] ? field_.at(mesh_, at[i]) : 0.0;
+  }
+  /// The same, to the bit, where most locations lie in gridlets.
+  template <class T>
+  void at_gridlets(const mesh::GridletsView& gridlets, std::span<const query::Location> at,
+                   double* values) const {
+    const mesh::FieldPieceView& numbers = field_.field.pieces[0];
+    const std::byte* const base = numbers.component[field_.component > 0 ? field_.component : 0];
+    query::GridletStrides strides(gridlets.gridlets, numbers.layout.stride[0]);
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      if (std::uint64_t(at[i].cell) >= std::uint64_t(mesh_.first_cell[1])) {
+        at_any(at.subspan(i, 1), values + i);
+        continue;
+      }
+      const std::byte* v = base + strides.lower(at[i].cell);
+      double weight[8];
+      cells::shape_functions(mesh::Shape::voxel, at[i].parametric, weight);
+      double sum = 0.0;
+      for (int c = 0; c < 8; ++c) {
+        const double number =
+            double(mesh::load_as<T>(v + (c & 1 ? strides.stride() : 0) +
+                                    (c & 2 ? strides.row() : 0) + (c & 4 ? strides.layer() : 0)));
+        sum = c == 0 ? weight[0] * number : sum + weight[c] * number;
+      }
+      values[i] = sum;
+    }
+  }
   std::int32_t piece_of(std::int64_t cell) const {
     return mesh_.piece_count == 1 ? 0 : mesh_.piece_of(cell);
   }
