@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <bit>
 #include <memory>
 #include <vector>
 
+#include "core/count_bits.h"
 #include "query/adaptive.h"
 #include "query/bit_tables.h"
 #include "query/dual_query.h"
@@ -116,7 +116,7 @@ bool RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
   std::uint32_t any = 0;
   for (std::size_t r = 0; r < wanted.size(); ++r) {
     any |= s_.wanted[s_.slot[r]] = wanted[r] & within;
-    samples_ += std::popcount(wanted[r] & within);
+    samples_ += core::count_bits(wanted[r] & within);
   }
   return any != 0;
 }
@@ -154,7 +154,7 @@ bool RayBundleLocator::enter_all_cells() {
   const mesh::MeshView& mesh = sampler_.mesh();
   int samples = 0;
   for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
-    samples += std::popcount(s_.wanted[slot]);
+    samples += int(core::count_bits(s_.wanted[slot]));
   s_.open.clear();
   s_.runs.clear();
   if (samples == 0)

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "accel/tree.h"
+#include "core/count_bits.h"
 #include "core/status.h"
 #include "render/scalar_values.h"
 #include "render/volume_scratch.h"
@@ -197,7 +198,7 @@ std::uint32_t VolumeMarcher::advance(RayState& ray, std::int64_t first, int dept
                          return true;
                        });
   }
-  skipped += next - ray.next - std::popcount(wanted);
+  skipped += next - ray.next - core::count_bits(wanted);
   ray.next = next;
   if (clipped_)
     for (std::uint32_t rest = wanted; rest; rest &= rest - 1) {
@@ -249,7 +250,7 @@ void VolumeMarcher::march_bundle(std::span<RayState> rays, int row, VolumeCounts
     for (const std::uint32_t r : s.active)
       if (rays[r].next < first + depth) {
         s.wanted[r] = advance(rays[r], first, depth, counts.skipped);
-        counts.samples += std::popcount(s.wanted[r]);
+        counts.samples += core::count_bits(s.wanted[r]);
       }
     s.samples.resize(rays.size() * std::size_t(depth));
     s.locations.resize(shader_ ? s.samples.size() : 0);

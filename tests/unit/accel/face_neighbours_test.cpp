@@ -8,6 +8,7 @@
 #include "cells/faces.h"
 #include "face_key.h"
 #include "fixtures/committed.h"
+#include "odd_mesh.h"
 
 using namespace insitu;
 using accel::FaceNeighbours;
@@ -83,34 +84,11 @@ TEST(FaceNeighbours, AreThoseOfAMapOfAllFaces) {
 TEST(FaceNeighbours, OfOddMeshes) {
   test::Random random(23);
   for (const MeshKind kind : all_kinds) {
-    TestMesh from = test::make_mesh({.kind = kind, .size = 5}, 6);
-    const auto cells = from.cells.size();
-    for (std::size_t c = 0; c < cells; c += 3) {
-      test::MeshCell& cell = from.cells[c];
-      const int n = mesh::vertex_count(cell.shape);
-      if (random.below(2) == 0)
-        cell.vertices[std::size_t(random.below(n))] = cell.vertices[std::size_t(random.below(n))];
-      else
-        for (int k = random.below(3); k >= 0; --k)
-          from.cells.push_back(from.cells[std::size_t(random.below(int(cells)))]);
-    }
-    core::Memory memory;
-    const core::Threads threads(2);
-    mesh::Mesh mesh("odd", memory); // not committed: validation may refuse it
-    const fixtures::SolverArrays arrays(from);
-    const insitu_array points = arrays.point_array();
-    const insitu_cells c = arrays.cells();
-    mesh.set_points(0, &points, 1);
-    mesh.set_cells(0, &c);
-    std::vector<std::uint8_t> ghosts(from.cells.size());
-    for (std::size_t i = 0; i < ghosts.size(); ++i)
-      ghosts[i] = i % 5 == 2;
-    const insitu_array g = insitu_array_of(ghosts.data(), INSITU_UINT8, c.count, 1);
-    mesh.set_ghosts(0, &g, INSITU_GHOSTS_ASCENT);
-    mesh.set_points(1, &points, 1);
-    mesh.set_cells(1, &c);
-    mesh.update();
-    expect_neighbours(mesh.view(), threads, "kind " + std::to_string(int(kind)));
+    test::OddMesh odd(test::make_mesh({.kind = kind, .size = 5}, 6), random);
+    odd.set_ghosts();
+    odd.add_piece(1);
+    odd.mesh.update();
+    expect_neighbours(odd.mesh.view(), core::Threads(2), "kind " + std::to_string(int(kind)));
   }
 }
 
