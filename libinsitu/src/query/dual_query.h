@@ -22,7 +22,9 @@ public:
   /// not shown; if not, any cell may, and then guess: a likely one, or left alone. What it answers
   /// does not depend on the points before.
   bool find(const math::Vec3d& p, Location& at, Reason& reason, std::int64_t& guess) {
-    return gridlets_.find_in_last(p, at, reason) || find_by_place(p, at, reason, guess);
+    return (in_gridlet_ = gridlets_.find_in_last(p, at, reason) ||
+                          (in_gridlet_ && find_beside_last(p, at, reason))) ||
+           find_by_place(p, at, reason, guess);
   }
 
 private:
@@ -32,13 +34,14 @@ private:
         gridlets_(places, hint < places.cell_count() ? hint : -1, shown),
         frusta_(corners, *lattice_, places.cell_count(), shown, places.gridlets().count) {}
 
-  bool find_by_place(const math::Vec3d& p, Location& at, Reason& reason, std::int64_t& guess) {
-    // Beside a gridlet's cells most likely lie others of its depth.
+  /// In a gridlet of the last one's depth, most likely.
+  bool find_beside_last(const math::Vec3d& p, Location& at, Reason& reason) {
     Lower lower;
-    const int depth_before = gridlets_.last_depth();
-    if (depth_before >= 0 && lower.set(*this, p, depth_before) &&
-        gridlets_.find_at(p, depth_before, lower.index, at, reason))
-      return true;
+    const int depth = gridlets_.last_depth();
+    return lower.set(*this, p, depth) && gridlets_.find_at(p, depth, lower.index, at, reason);
+  }
+
+  bool find_by_place(const math::Vec3d& p, Location& at, Reason& reason, std::int64_t& guess) {
     const int leaf = leaf_depth(p);
     if (leaf < 0)
       return false;
@@ -46,11 +49,12 @@ private:
       if (depth > leaf && !frusta_.has_frusta(depth, depth - leaf))
         continue;
       // A cell's lower leaf and its corner tell its gridlet and its frustum alike.
+      Lower lower;
       lower.set(*this, p, depth);
       const std::int64_t corner[3] = {lower.index[0] + 1, lower.index[1] + 1, lower.index[2] + 1};
-      if ((depth == leaf && depth != depth_before &&
-           gridlets_.find_at(p, depth, lower.index, at, reason)) ||
-          frusta_.find_at(p, depth, corner, at, reason, guess) ||
+      if (depth == leaf && gridlets_.find_at(p, depth, lower.index, at, reason))
+        return in_gridlet_ = true;
+      if (frusta_.find_at(p, depth, corner, at, reason, guess) ||
           (depth > leaf && frusta_.find_within(p, depth, depth - leaf, at, reason, guess)))
         return true;
     }
@@ -102,7 +106,8 @@ private:
   const mesh::Lattice* lattice_;
   GridletFinder gridlets_;
   FrustumFinder frusta_;
-  int last_depth_ = 0; ///< of a leaf
+  int last_depth_ = 0;      ///< of a leaf
+  bool in_gridlet_ = false; ///< the last point is
 };
 
 } // namespace insitu::query
