@@ -22,9 +22,12 @@ public:
   /// not shown; if not, any cell may, and then guess: a likely one, or left alone. What it answers
   /// does not depend on the points before.
   bool find(const math::Vec3d& p, Location& at, Reason& reason, std::int64_t& guess) {
-    return (in_gridlet_ = gridlets_.find_in_last(p, at, reason) ||
-                          (in_gridlet_ && find_beside_last(p, at, reason))) ||
-           find_by_place(p, at, reason, guess);
+    if (gridlets_.find_in_last(p, at, reason))
+      return in_gridlet_ = true;
+    if (in_gridlet_ && find_beside_last(p, at, reason))
+      return true;
+    in_gridlet_ = false;
+    return find_by_place(p, at, reason, guess);
   }
 
 private:
@@ -36,9 +39,9 @@ private:
 
   /// In a gridlet of the last one's depth, most likely.
   bool find_beside_last(const math::Vec3d& p, Location& at, Reason& reason) {
-    Lower lower;
+    std::int64_t lower[3];
     const int depth = gridlets_.last_depth();
-    return lower.set(*this, p, depth) && gridlets_.find_at(p, depth, lower.index, at, reason);
+    return find_index(p, depth, 0.5, lower) && gridlets_.find_at(p, depth, lower, at, reason);
   }
 
   bool find_by_place(const math::Vec3d& p, Location& at, Reason& reason, std::int64_t& guess) {
@@ -49,10 +52,11 @@ private:
       if (depth > leaf && !frusta_.has_frusta(depth, depth - leaf))
         continue;
       // A cell's lower leaf and its corner tell its gridlet and its frustum alike.
-      Lower lower;
-      lower.set(*this, p, depth);
-      const std::int64_t corner[3] = {lower.index[0] + 1, lower.index[1] + 1, lower.index[2] + 1};
-      if (depth == leaf && gridlets_.find_at(p, depth, lower.index, at, reason))
+      std::int64_t lower[3];
+      if (!find_index(p, depth, 0.5, lower))
+        return false;
+      const std::int64_t corner[3] = {lower[0] + 1, lower[1] + 1, lower[2] + 1};
+      if (depth == leaf && gridlets_.find_at(p, depth, lower, at, reason))
         return in_gridlet_ = true;
       if (frusta_.find_at(p, depth, corner, at, reason, guess) ||
           (depth > leaf && frusta_.find_within(p, depth, depth - leaf, at, reason, guess)))
@@ -61,37 +65,27 @@ private:
     return false;
   }
 
-  /// The leaf at the lower corner of a depth's cell that holds a point, if there is one.
-  struct Lower {
-    std::int64_t index[3];
-    /// False for points that are far from all cells, or no numbers.
-    bool set(const DualFinder& finder, const math::Vec3d& p, int depth) {
-      const GridletPlaces::Steps& steps = finder.places_->steps(depth);
-      bool near = true;
-      for (int a = 0; a < 3; ++a) {
-        const double place = (p[a] - finder.lattice_->origin[a]) * steps.a_unit[a] - 0.5;
-        const bool is_near = std::fabs(place) < double(mesh::Lattice::largest_index);
-        near &= is_near;
-        index[a] = std::int64_t(is_near ? place : 0.0);
-        index[a] -= place < double(index[a]);
-      }
-      return near;
+  /// Of the cell of a depth that holds p, moved down by `below` cells along each axis. False for
+  /// points that are far from all cells, or no numbers.
+  bool find_index(const math::Vec3d& p, int depth, double below, std::int64_t* index) const {
+    const GridletPlaces::Steps& steps = places_->steps(depth);
+    for (int a = 0; a < 3; ++a) {
+      const double place = (p[a] - lattice_->origin[a]) * steps.a_unit[a] - below;
+      if (!(std::fabs(place) < double(mesh::Lattice::largest_index)))
+        return false;
+      index[a] = std::int64_t(place);
+      index[a] -= place < double(index[a]);
     }
-  };
+    return true;
+  }
 
   /// Of the leaf that holds p, about; -1 where there is none.
   int leaf_depth(const math::Vec3d& p) {
     int way = 0; // to finer depths, or to coarser ones
     for (int depth = last_depth_; depth >= 0 && depth < places_->depth_count(); depth += way) {
-      const GridletPlaces::Steps& steps = places_->steps(depth);
       std::int64_t index[3];
-      for (int a = 0; a < 3; ++a) {
-        const double place = (p[a] - lattice_->origin[a]) * steps.a_unit[a];
-        if (!(std::fabs(place) < double(mesh::Lattice::largest_index)))
-          return -1; // far from all cells, or no number
-        index[a] = std::int64_t(place);
-        index[a] -= place < double(index[a]);
-      }
+      if (!find_index(p, depth, 0.0, index))
+        return -1;
       const int next = places_->way_to_leaf(depth, index);
       if (next == 0)
         return last_depth_ = depth; // most neighbours have the same

@@ -49,20 +49,11 @@ struct ScalarField {
     std::int64_t ids[8];
     double weight[8] = {};
     const int n = cells_of.vertex_ids(cell, ids);
-    const mesh::Shape shape = cells_of.layout == mesh::CellLayout::padded ? cells_of.padded_shape(n)
-                                                                          : cells_of.shape(cell);
-    cells::shape_functions(shape, location.parametric, weight);
-    const auto sum_of = [&](auto&& number) {
-      double sum = weight[0] * number(ids[0]);
-      for (int v = 1; v < n; ++v)
-        sum += weight[v] * number(ids[v]);
-      return sum;
-    };
-    if (component < 0 && field.components > 1)
-      return sum_of([&](std::int64_t id) { return load(piece, id); });
-    const mesh::FieldPieceView& from = field.pieces[piece];
-    const int c = component > 0 ? component : 0;
-    return sum_of([&](std::int64_t id) { return from.load(id, c); });
+    cells::shape_functions(cells_of.shape(cell), location.parametric, weight);
+    double sum = weight[0] * load(piece, ids[0]);
+    for (int v = 1; v < n; ++v)
+      sum += weight[v] * load(piece, ids[v]);
+    return sum;
   }
 };
 

@@ -173,12 +173,46 @@ TEST_P(Frusta, AnswersAreTheTrees) {
       ASSERT_NEAR(back[a], p[a], most[a])
           << GetParam().name() << " point " << i << " axis " << a << " shape " << int(owner.shape);
   }
-  // Beside an edge of a level the guess may be at another cell.
-  EXPECT_LE(seen.missed, 0.2 * seen.frusta) << seen.frusta;
+  // Beside an edge of a level the guess may be at another cell; and the leaf map, which says where
+  // to look, does not know of leaves that were split.
+  const bool split = dual.adaptive.info().repaired > 0;
+  EXPECT_LE(seen.missed, (split ? 0.12 : 0.05) * seen.frusta) << seen.frusta;
   EXPECT_GT(seen.found, 0) << seen.inside;
   if (seen.guessed > 100) {
     EXPECT_GT(seen.right, 0.2 * seen.guessed) << seen.guessed;
   }
+}
+
+TEST_P(Frusta, TheWayToALeafIsTheLeafMaps) {
+  const Dual dual(GetParam());
+  if (dual.adaptive.leaves().leaf_count() == 0)
+    return;
+  const query::GridletPlaces& places = *dual.adaptive.gridlets();
+  const amr::LeafMap& leaves = dual.adaptive.leaves();
+  const accel::Tree& tree = dual.mesh.committed.mesh.tree();
+  std::int64_t seen[3] = {0, 0, 0}, first[3], last[3], at[3];
+  for (int depth = 0; depth < places.depth_count(); ++depth) {
+    for (int a = 0; a < 3; ++a) { // and some beyond the domain
+      const double width = leaves.lattice().width(a, depth);
+      first[a] =
+          std::int64_t(std::floor((tree.bounds_min()[a] - leaves.lattice().origin[a]) / width)) - 9;
+      last[a] =
+          std::int64_t(std::ceil((tree.bounds_max()[a] - leaves.lattice().origin[a]) / width)) + 9;
+    }
+    for (at[2] = first[2]; at[2] < last[2]; ++at[2])
+      for (at[1] = first[1]; at[1] < last[1]; ++at[1])
+        for (at[0] = first[0]; at[0] < last[0]; ++at[0]) {
+          const std::uint32_t entry = leaves.at(depth, at);
+          const int way = entry == amr::LeafMap::nothing   ? -1
+                          : entry == amr::LeafMap::refined ? 1
+                                                           : 0;
+          ++seen[way + 1];
+          ASSERT_EQ(places.way_to_leaf(depth, at), way)
+              << "depth " << depth << ": " << at[0] << " " << at[1] << " " << at[2];
+        }
+  }
+  EXPECT_GT(seen[0], 0);
+  EXPECT_GT(seen[1], 0);
 }
 
 /// With some cells left out, these and none else are answered as outside.
