@@ -50,6 +50,17 @@ INSITU_HD inline void shape_functions(Shape shape, const Vec3<T>& p, T* n) {
   }
 }
 
+/// The weighted mean of the vertices' values, taken about vertex 0's: that of equal values is their
+/// value to the bit, so that a step of a transfer function at a constant is not parted by rounding.
+/// Values further apart than the largest number have none.
+template <class T>
+INSITU_HD inline T weighted_mean(int count, const T* weight, const T* values) {
+  T sum = weight[1] * (values[1] - values[0]);
+  for (int v = 2; v < count; ++v)
+    sum = sum + weight[v] * (values[v] - values[0]);
+  return values[0] + sum;
+}
+
 /// d[v]: derivatives of vertex v's weight by r, s, t.
 template <class T>
 INSITU_HD inline void shape_derivatives(Shape shape, const Vec3<T>& p, Vec3<T>* d) {

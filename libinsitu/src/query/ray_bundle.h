@@ -22,8 +22,8 @@ public:
   virtual bool is_per_cell() const = 0;
   /// Fills in columns [0, cells.size()), at most CellBlock::size, for cells by flat id.
   virtual void load(std::span<const std::int64_t> cells, ValueBlock& block) const = 0;
-  /// At locations: the cell's number, or the sum of cells::shape_functions times the vertices'; 0
-  /// where there is none.
+  /// At locations: the cell's number, or cells::weighted_mean of the vertices'; 0 where there is
+  /// none.
   virtual void at(std::span<const Location> at, double* values) const = 0;
 };
 

@@ -80,10 +80,7 @@ HWY_INLINE void store_samples(mesh::Shape shape, const simd::InverseMap<Pack>& f
     return;
   Pack weight[8];
   simd::shape_functions(shape, found.r, weight);
-  Pack sum = weight[0] * f[0];
-  for (int v = 1; v < vertices; ++v)
-    sum = sum + weight[v] * f[v];
-  hn::StoreU(sum.v, d, s.value + i);
+  hn::StoreU(simd::weighted_mean(vertices, weight, f).v, d, s.value + i);
 }
 
 /// values may be null.

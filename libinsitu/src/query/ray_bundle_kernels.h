@@ -72,7 +72,7 @@ struct BundleSamples {
 /// Inverts the maps of samples [begin, end), whose cells have one shape: number c's vertices are
 /// column c % 64 of blocks[c / 64]. The same bits as cells::inverse_map. Reads points
 /// of up to 7 samples behind the end, and writes answers of these. values: null, or of the blocks'
-/// vertices, to be interpolated; the same bits as the sum of cells::shape_functions times values.
+/// vertices, to be interpolated; the same bits as cells::weighted_mean.
 void invert(mesh::Shape shape, const cells::CellBlock* blocks, const ValueBlock* values, int begin,
             int end, BundleSamples& samples);
 

@@ -47,13 +47,12 @@ struct ScalarField {
       return load(piece, cell);
     const mesh::PieceView& cells_of = mesh.pieces[piece];
     std::int64_t ids[8];
-    double weight[8] = {};
+    double weight[8] = {}, number[8];
     const int n = cells_of.vertex_ids(cell, ids);
     cells::shape_functions(cells_of.shape(cell), location.parametric, weight);
-    double sum = weight[0] * load(piece, ids[0]);
-    for (int v = 1; v < n; ++v)
-      sum += weight[v] * load(piece, ids[v]);
-    return sum;
+    for (int v = 0; v < n; ++v)
+      number[v] = load(piece, ids[v]);
+    return cells::weighted_mean(n, weight, number);
   }
 };
 

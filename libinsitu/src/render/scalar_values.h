@@ -63,16 +63,13 @@ private:
         continue;
       }
       const std::byte* v = base + strides.lower(at[i].cell);
-      double weight[8];
+      double weight[8], number[8];
       cells::shape_functions(mesh::Shape::voxel, at[i].parametric, weight);
-      double sum = 0.0;
-      for (int c = 0; c < 8; ++c) {
-        const double number =
+      for (int c = 0; c < 8; ++c)
+        number[c] =
             double(mesh::load_as<T>(v + (c & 1 ? strides.stride() : 0) +
                                     (c & 2 ? strides.row() : 0) + (c & 4 ? strides.layer() : 0)));
-        sum = c == 0 ? weight[0] * number : sum + weight[c] * number;
-      }
-      values[i] = sum;
+      values[i] = cells::weighted_mean(8, weight, number);
     }
   }
   std::int32_t piece_of(std::int64_t cell) const {

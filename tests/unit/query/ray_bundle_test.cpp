@@ -88,10 +88,7 @@ public:
     mesh::CellVertices cell;
     mesh::gather(mesh_, at.cell, cell);
     cells::shape_functions(cell.shape, at.parametric, weight);
-    double sum = weight[0] * f[0];
-    for (int v = 1; v < cell.count; ++v)
-      sum += weight[v] * f[v];
-    return sum;
+    return cells::weighted_mean(cell.count, weight, f);
   }
 
 private:

@@ -163,6 +163,7 @@ TEST(VolumeHard, NothingOpaqueConstantAndNaN) {
                               {{0, below}, {v, below}, {v, above}, {6, above}});
     };
     EXPECT_NEAR(look(step_at(2.9, 0, 0.5), kind).alpha, 0.5, 1e-6);
+    EXPECT_NEAR(look(step_at(3, 0, 0.5), kind).alpha, 0.5, 1e-6);
     EXPECT_EQ(look(step_at(3.1, 0, 0.5), kind).alpha, 0);
     // A range of one value.
     EXPECT_NEAR(look({render::ColorMap::built_in("viridis"), 3, 3, {{3, 0.5}}}, kind).alpha, 0.5,
@@ -179,6 +180,38 @@ TEST(VolumeHard, NothingOpaqueConstantAndNaN) {
     EXPECT_NEAR(look(constant_function(0.5), kind).alpha, 1 - std::pow(0.5, 0.25), 0.06) << kind;
     marched.set([](std::size_t v) { return v % 2 ? HUGE_VAL : -HUGE_VAL; });
     EXPECT_LE(look(constant_function(0.5), kind).alpha, 0.51) << kind;
+  }
+}
+
+/// Every sample of a constant is that constant, to the bit, wherever it lies in a crooked cell:
+/// none falls below a step that stands there, as at rest before a run's first cycle.
+TEST(VolumeHard, AStepAtAConstantIsNotPartedByRounding) {
+  for (const Shape shape : {Shape::hexahedron, Shape::tetrahedron, Shape::wedge, Shape::pyramid}) {
+    PlacedMesh mesh(placed(4, shape, {1, 1, 1}, {0, 0, 0}));
+    const render::ScalarField field =
+        mesh.field(std::vector<double>(mesh.cells.vertices.size(), 0.1));
+    for (const int kind : {0, 1, 2}) {
+      const auto image = [&](std::vector<OpacityPoint> opacity) {
+        render::FrameSettings frame = box_frame(64);
+        frame.volume = VolumeSettings{
+            field, {render::ColorMap::built_in("viridis"), 0, 1, std::move(opacity)}};
+        frame.volume->preintegrated = kind == 1;
+        if (kind == 2)
+          frame.volume->tolerance = 0.01;
+        return render_frame(mesh.committed.sampler(), frame, mesh.committed.threads,
+                            mesh.committed.memory)
+            .color;
+      };
+      const core::Image step = image({{0, 0}, {0.1, 0}, {0.1, 0.5}, {1, 0.5}}),
+                        plain = image({{0, 0.5}, {1, 0.5}});
+      ASSERT_GT(plain.pixel(32, 32)[1], 0.01f);
+      float most = 0;
+      for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 64; ++x)
+          most = std::max(most, std::fabs(step.pixel(x, y)[1] - plain.pixel(x, y)[1]));
+      // In floats; with a tolerance in other, smaller steps.
+      EXPECT_LE(most, kind == 2 ? 1e-4 : 1e-6) << mesh::shape_name(shape) << ", kind " << kind;
+    }
   }
 }
 
