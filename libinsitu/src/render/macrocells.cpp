@@ -10,9 +10,10 @@
 
 #include "accel/tree.h"
 #include "core/status.h"
-#include "mesh/box.h"
+#include "render/cell_columns.h"
 #include "render/cell_values.h"
 #include "render/gridlet_cells.h"
+#include "render/scalar_values.h"
 
 namespace insitu::render {
 
@@ -253,32 +254,6 @@ Macrocells::Macrocells(const query::Sampler& sampler, const ScalarField& field,
   refresh(sampler, field, threads);
 }
 
-/// Gathers every owning cell; visit(flat id, cell), from any thread. But not those of gridlets
-/// where whole(gridlet), asked first, is true.
-template <class Whole, class Visit>
-void Macrocells::for_each_cell(const query::Sampler& sampler, const core::Threads& threads,
-                               Whole&& whole, Visit&& visit) {
-  const accel::Tree& tree = sampler.tree();
-  const mesh::MeshView& mesh = sampler.mesh();
-  // In the tree's order, in which threads are far apart.
-  threads.parallel_for(tree.cell_count(), 1024, [&](std::int64_t begin, std::int64_t end) {
-    mesh::CellVertices cell;
-    for (std::int64_t at = begin; at < end; ++at) {
-      const std::int64_t flat = tree.cells()[at];
-      const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
-      const mesh::PieceView& piece = mesh.pieces[p];
-      if (piece.gridlets && whole(flat >> mesh::Gridlet::cell_bits)) // of the first piece
-        continue;
-      const std::int64_t several = piece.cells_an_item();
-      for (std::int64_t k = 0; k < several; ++k)
-        if (several == 1 || piece.owns(flat - mesh.first_cell[p] + k)) {
-          mesh::gather(mesh, flat + k, cell);
-          visit(flat + k, cell);
-        }
-    }
-  });
-}
-
 void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field,
                          const core::Threads& threads) {
   const mesh::MeshView& mesh = sampler.mesh();
@@ -301,20 +276,23 @@ void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field
              raise_to(ranges_[std::size_t(i)].upper, upper);
            });
   };
-  for_each_cell(sampler, threads, whole, [&](std::int64_t flat, const mesh::CellVertices& cell) {
-    CellValues values;
-    if (of_cells)
-      values.add(field.load(cell.piece, flat - mesh.first_cell[cell.piece]));
-    else
-      for (int v = 0; v < cell.count; ++v)
-        values.add(field.load(cell.piece, cell.ids[v]));
-    values.finish(!of_cells);
-    raster.visit(mesh::box_of(cell), [&](std::size_t i) {
-      lower_to(ranges_[i].lower, values.lower);
-      raise_to(ranges_[i].upper, values.upper);
-      if (values.nan)
-        std::atomic_ref(has_nan_[i]).store(1, std::memory_order_relaxed);
-    });
+  const ScalarValues numbers_of(field, mesh);
+  OwningCells(sampler).for_each(threads, whole, [&](const CellColumns& cells) {
+    thread_local const auto numbers_here = std::make_unique<query::ValueBlock>();
+    numbers_of.load(cells.cells(), *numbers_here);
+    const int vertices = of_cells ? 1 : mesh::vertex_count(cells.shape());
+    for (int k = 0; k < int(cells.cells().size()); ++k) {
+      CellValues values;
+      for (int v = 0; v < vertices; ++v)
+        values.add(numbers_here->vertex[v][k]);
+      values.finish(!of_cells);
+      raster.visit(cells.box(k), [&](std::size_t i) {
+        lower_to(ranges_[i].lower, values.lower);
+        raise_to(ranges_[i].upper, values.upper);
+        if (values.nan)
+          std::atomic_ref(has_nan_[i]).store(1, std::memory_order_relaxed);
+      });
+    }
   });
 }
 
@@ -323,13 +301,15 @@ void Macrocells::measure(const query::Sampler& sampler, const core::Threads& thr
   std::fill(smallest_.begin(), smallest_.end(), std::numeric_limits<float>::infinity());
   const Raster raster(grid_);
   const auto none = [](std::int64_t) { return false; };
-  for_each_cell(sampler, threads, none, [&](std::int64_t, const mesh::CellVertices& cell) {
-    const mesh::Box box = mesh::box_of(cell);
-    double side = infinity;
-    for (int a = 0; a < 3; ++a)
-      if (box.high[a] > box.low[a])
-        side = std::min(side, box.high[a] - box.low[a]);
-    raster.visit(box, [&](std::size_t i) { lower_to(smallest_[i], float(side)); });
+  OwningCells(sampler).for_each(threads, none, [&](const CellColumns& cells) {
+    for (int k = 0; k < int(cells.cells().size()); ++k) {
+      const mesh::Box box = cells.box(k);
+      double side = infinity;
+      for (int a = 0; a < 3; ++a)
+        if (box.high[a] > box.low[a])
+          side = std::min(side, box.high[a] - box.low[a]);
+      raster.visit(box, [&](std::size_t i) { lower_to(smallest_[i], float(side)); });
+    }
   });
 }
 

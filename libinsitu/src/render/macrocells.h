@@ -86,10 +86,6 @@ public:
   }
 
 private:
-  template <class Whole, class Visit>
-  static void for_each_cell(const query::Sampler& sampler, const core::Threads& threads,
-                            Whole&& whole, Visit&& visit);
-
   MacrocellGrid grid_;
   core::Buffer<Range> ranges_;
   core::Buffer<std::uint8_t> has_nan_;
