@@ -93,7 +93,7 @@ std::vector<Leaf> leaves_of(AmrMesh& mesh) {
 
 std::string Recipe::name() const {
   return "seed " + std::to_string(seed) + ", kind " + std::to_string(kind) + ", roots " +
-         std::to_string(roots) + ", levels " + std::to_string(levels);
+         std::to_string(roots) + ", levels " + std::to_string(levels) + (far ? ", far away" : "");
 }
 
 bool is_box(const Recipe& recipe) {
@@ -178,6 +178,8 @@ void refine_blocks(AmrMesh& mesh, Random& random, std::vector<std::pair<Index, I
 
 AmrMesh make_mesh(const Recipe& recipe) {
   AmrMesh mesh;
+  if (recipe.far)
+    mesh.lattice = {{6.4e6, -6.4e6, 6.4e6}, {1.0, 1.0, 1e-4}};
   Random random(recipe.seed);
   mesh.depth_of.clear();
   for (int l = 0, d = 0; l < recipe.levels; ++l) {

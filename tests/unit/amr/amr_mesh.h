@@ -60,6 +60,7 @@ struct Recipe {
                 ///< 6: octrees with leaves left out
   int roots = 2; ///< at most, along an axis
   int levels = 3;
+  bool far = false; ///< 6.4e6 from the coordinates' zero, cells 10,000 times as wide as high
   std::string name() const;
 };
 AmrMesh make_mesh(const Recipe& recipe);

@@ -257,12 +257,13 @@ private:
           const auto at = centre.find(gridlets.leaves[ids[v]]);
           if (at == centre.end() || !(at->second == gridlets.point(ids[v])))
             fail("a gridlet's vertex is not its leaf's centre");
+          meet(c.vertices[v], rough(gridlets.leaves[ids[v]], amr::no_ghost));
           continue;
         }
         const amr::DualMesh::Terms t = dual_.terms(ids[v]);
         const Vec3d x = piece.point(ids[v]);
         f[v] = 0.0;
-        double weights = 0.0;
+        double weights = 0.0, any = 0.0;
         for (int n = 0; n < t.count; ++n) {
           const double w = t.weights ? t.weights[n] : 1.0;
           const auto at = centre.find(t.leaves[n]);
@@ -278,8 +279,10 @@ private:
               fail("a ghost cell is read where a leaf is");
           }
           f[v] += w * linear(from);
+          any += w * rough(t.leaves[n], t.ghosts ? t.ghosts[n] : amr::no_ghost);
           weights += w;
         }
+        meet(c.vertices[v], any);
         if (std::abs(weights - 1.0) > 1e-9)
           fail("weights add up to " + std::to_string(weights));
         const bool inside = is_inside(x);
@@ -293,6 +296,18 @@ private:
       if (c.stitching && all_centres && expect_.linear)
         check_linear(c, f, piece, ids);
     }
+  }
+
+  /// Numbers that leaves and ghost cells have nothing in common by.
+  static double rough(std::uint32_t leaf, std::uint8_t ghost) {
+    return core::random_unit(11, leaf, ghost);
+  }
+  /// Where cells meet a vertex has one value, whatever the leaves': with faces that match in pairs
+  /// the interpolant then has no jump anywhere.
+  void meet(std::int64_t place, double value) {
+    const double there = value_at_.try_emplace(place, value).first->second;
+    if (expect_.conforming && std::abs(there - value) > 1e-12)
+      fail("a vertex of two values, " + std::to_string(there) + " and " + std::to_string(value));
   }
 
   /// Not on the boundary: leaves lie on all sides.
@@ -342,6 +357,7 @@ private:
   std::vector<Leaf> leaves_;
   std::vector<Cell> cells_;
   std::map<Vec3d, std::int64_t, PointLess> places_;
+  std::unordered_map<std::int64_t, double> value_at_; ///< of places
   DualFacts facts_;
   Vec3d near_{0, 0, 0};
 };
