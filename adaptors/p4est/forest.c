@@ -157,10 +157,12 @@ static insitu_status give_leaves(insitu_mesh mesh, int32_t piece, const sc_array
 }
 
 static insitu_status give_levels(insitu_mesh mesh, const p8est_t* forest, const brick* b,
-                                 const double* origin, const double* tree_size) {
+                                 const double* origin, const double* tree_size,
+                                 insitu_reconstruction reconstruction) {
   insitu_amr amr = insitu_amr_default();
   p4est_topidx_t first, count, t;
   int a;
+  amr.reconstruction = reconstruction;
   local_trees(forest, &first, &count);
   for (t = first; t < first + count; ++t)
     if (tree_of(forest, t)->maxlevel >= amr.level_count)
@@ -188,6 +190,12 @@ static insitu_status give_pieces(insitu_mesh mesh, const p8est_t* forest, const 
 
 insitu_status insitu_p4est_mesh(insitu_mesh mesh, p8est_t* forest, const double origin[3],
                                 const double tree_size[3]) {
+  return insitu_p4est_mesh_as(mesh, forest, origin, tree_size, INSITU_DUAL);
+}
+
+insitu_status insitu_p4est_mesh_as(insitu_mesh mesh, p8est_t* forest, const double origin[3],
+                                   const double tree_size[3],
+                                   insitu_reconstruction reconstruction) {
   brick b;
   place* places;
   insitu_status status;
@@ -205,7 +213,7 @@ insitu_status insitu_p4est_mesh(insitu_mesh mesh, p8est_t* forest, const double 
     return refuse(INSITU_ERROR_MEMORY, "forest: no memory for the places of its trees");
   status = find_places(forest->connectivity, &b, places);
   if (status == INSITU_OK)
-    status = give_levels(mesh, forest, &b, origin, tree_size);
+    status = give_levels(mesh, forest, &b, origin, tree_size, reconstruction);
   if (status == INSITU_OK)
     status = give_pieces(mesh, forest, places);
   free(places);

@@ -44,10 +44,11 @@ typedef struct blast_ball {
 } blast_ball;
 void blast_ball_initial(const double x[3], const void* ball, double w[GAS_VALUES]);
 
-/* A cell's record, behind its quadrant's p.user_data. The first four are what libinsitu reads. */
+/* A cell's record, behind its quadrant's p.user_data. The first five are what libinsitu reads. */
 typedef struct blast_cell {
   double density, pressure, velocity[3];
   double level;
+  double checkers; /* 0 and 1 in turns; 2 where a neighbour has another level */
   double u[GAS_VALUES];
   double jump;   /* largest to a neighbour, of density or pressure; at the last regrid */
   int wanted;    /* above 0: finer, -1: coarser */

@@ -79,6 +79,12 @@ static void visit_face(p8est_iter_face_info_t* info, void* user) {
   }
 }
 
+/* Of a checkerboard of cells of this level. */
+static int color_of(const p8est_quadrant_t* q) {
+  const int bits = P8EST_MAXLEVEL - q->level;
+  return ((q->x >> bits) + (q->y >> bits) + (q->z >> bits)) & 1;
+}
+
 static void* enlarged(void* old, size_t count, size_t size, int* good) {
   void* const now = realloc(old, (count ? count : 1) * size);
   *good = *good && now;
@@ -101,6 +107,7 @@ int blast_list_cells(blast_solver* s) {
       s->cells[k] = cell_of(q);
       s->cells[k]->number = k;
       s->cells[k]->level = q->level;
+      s->cells[k]->checkers = color_of(q);
       memset(s->work + k, 0, sizeof s->work[k]);
       s->work[k].size = size_of(s, q);
     }
@@ -114,6 +121,9 @@ int blast_list_cells(blast_solver* s) {
     if (good)
       s->face_room = s->face_count;
   }
+  for (i = 0; good && i < s->face_count; ++i)
+    if (s->faces[i].quarter >= 0)
+      s->faces[i].lower->checkers = s->faces[i].upper->checkers = 2.0;
   return good;
 }
 

@@ -7,8 +7,13 @@
 
 #include "options.h"
 
+/* hydro: what the gas does, continuous between cells; grid: the cells themselves, or null. */
+typedef struct meshes {
+  insitu_mesh hydro, grid;
+} meshes;
+
 /* The coupling: the forest, and what of each record is a field. Again after every regrid. */
-static insitu_status couple(insitu_mesh mesh, blast_solver* blast) {
+static insitu_status couple(meshes to, blast_solver* blast) {
   static const struct {
     const char* name;
     size_t offset;
@@ -19,11 +24,16 @@ static insitu_status couple(insitu_mesh mesh, blast_solver* blast) {
                 {"level", offsetof(blast_cell, level), 1}};
   const double size = blast->config.tree_size;
   const double origin[3] = {0.0, 0.0, 0.0}, tree_size[3] = {size, size, size};
-  insitu_status status = insitu_p4est_mesh(mesh, blast->forest, origin, tree_size);
+  insitu_status status = insitu_p4est_mesh(to.hydro, blast->forest, origin, tree_size);
   size_t i;
   for (i = 0; status == INSITU_OK && i < sizeof fields / sizeof *fields; ++i)
-    status = insitu_p4est_field(mesh, blast->forest, fields[i].name, INSITU_FLOAT64,
+    status = insitu_p4est_field(to.hydro, blast->forest, fields[i].name, INSITU_FLOAT64,
                                 fields[i].offset, fields[i].components);
+  if (status == INSITU_OK && to.grid)
+    status = insitu_p4est_mesh_as(to.grid, blast->forest, origin, tree_size, INSITU_NEAREST);
+  if (status == INSITU_OK && to.grid)
+    status = insitu_p4est_field(to.grid, blast->forest, "checkers", INSITU_FLOAT64,
+                                offsetof(blast_cell, checkers), 1);
   if (status != INSITU_OK)
     fprintf(stderr, "amr_blast: %s: %s\n", insitu_status_name(status), insitu_p4est_message());
   return status;
@@ -37,7 +47,7 @@ static void report_failure(insitu_status status) {
   last = status;
 }
 
-static insitu_session open_session(const options* o, insitu_mesh* mesh) {
+static insitu_session open_session(const options* o, meshes* to) {
   insitu_session session = NULL;
   insitu_session_options how = insitu_session_options_default();
   insitu_status status;
@@ -46,7 +56,9 @@ static insitu_session open_session(const options* o, insitu_mesh* mesh) {
   how.threads = o->library_threads;
   status = insitu_session_open(&how, &session);
   if (status == INSITU_OK)
-    status = insitu_session_mesh(session, "hydro", mesh);
+    status = insitu_session_mesh(session, "hydro", &to->hydro);
+  if (status == INSITU_OK && o->checkers)
+    status = insitu_session_mesh(session, "grid", &to->grid);
   report_failure(status);
   return session;
 }
@@ -76,7 +88,7 @@ static void print_summary(insitu_session session, double solver_s, const char* o
 }
 
 /* One cycle, regridded if it is due; 0 if the solver cannot go on. */
-static int advance(const options* o, blast_solver* blast, insitu_mesh mesh, long* regrids,
+static int advance(const options* o, blast_solver* blast, meshes to, long* regrids,
                    double* solver_s) {
   const double begin = sc_MPI_Wtime();
   int moved = 0;
@@ -92,17 +104,17 @@ static int advance(const options* o, blast_solver* blast, insitu_mesh mesh, long
   }
   *solver_s += sc_MPI_Wtime() - begin;
   *regrids += moved;
-  return moved ? couple(mesh, blast) == INSITU_OK
-               : insitu_mesh_changed(mesh, INSITU_CHANGED_FIELDS) == INSITU_OK;
+  return moved ? couple(to, blast) == INSITU_OK
+               : insitu_mesh_changed(to.hydro, INSITU_CHANGED_FIELDS) == INSITU_OK;
 }
 
 static int run(const options* o) {
   blast_solver* const blast = blast_new(&o->config, sc_MPI_COMM_WORLD);
-  insitu_mesh mesh = NULL;
-  insitu_session session = open_session(o, &mesh);
+  meshes to = {NULL, NULL};
+  insitu_session session = open_session(o, &to);
   double before[GAS_VALUES], now[GAS_VALUES], solver_s = 0.0;
   long regrids = 0;
-  int good = blast && mesh && couple(mesh, blast) == INSITU_OK;
+  int good = blast && to.hydro && couple(to, blast) == INSITU_OK;
   if (!blast)
     fprintf(stderr, "amr_blast: no memory, or a grid of no sense\n");
   if (good) {
@@ -112,7 +124,7 @@ static int run(const options* o) {
       printf("%6s %11s %9s %9s %9s\n", "cycle", "time", "cells", "mass", "energy");
   }
   while (good && blast->time < o->end && blast->cycle < o->cycles) {
-    good = advance(o, blast, mesh, &regrids, &solver_s);
+    good = advance(o, blast, to, &regrids, &solver_s);
     if (!good)
       break;
     report_failure(insitu_session_execute(session, blast->cycle, blast->time));

@@ -16,6 +16,8 @@ static const char usage[] =
     "  --scene FILE         what libinsitu does with the run (nothing)\n"
     "  --output DIR         where it writes, instead of the scene's folder\n"
     "  --library-threads N  threads of libinsitu (all)\n"
+    "  --checkers           the cells as a mesh 'grid' too, with a field 'checkers': 0 and 1 in\n"
+    "                       turns, 2 where the level changes\n"
     "  --quiet              no line per cycle\n";
 
 static int complain(const char* option, const char* what) {
@@ -101,15 +103,15 @@ int parse_options(int argc, char** argv, options* out) {
   out->cycles = 1000000000;
   out->regrid = 4;
   out->scene = out->output = NULL;
-  out->library_threads = out->quiet = 0;
+  out->library_threads = out->quiet = out->checkers = 0;
   for (i = 1; i < argc; ++i)
     if (strcmp(argv[i], "--help") == 0) {
       fputs(usage, stdout);
       return EXIT_SUCCESS;
     }
   for (i = 1; status < 0 && i < argc; ++i) {
-    if (strcmp(argv[i], "--quiet") == 0) {
-      out->quiet = 1;
+    if (strcmp(argv[i], "--quiet") == 0 || strcmp(argv[i], "--checkers") == 0) {
+      *(strcmp(argv[i], "--quiet") == 0 ? &out->quiet : &out->checkers) = 1;
       continue;
     }
     status = i + 1 < argc ? parse_one(argv[i], argv[i + 1], out)

@@ -12,6 +12,7 @@ typedef struct options {
   const char *scene, *output;
   int library_threads;
   int quiet;
+  int checkers; /* 1: the cells themselves as another mesh */
 } options;
 
 /* Fills in what the arguments say. Returns -1 to go on, otherwise the status to leave with: what to

@@ -57,6 +57,50 @@ struct Coupled : testing::Test {
 
 } // namespace
 
+/// Off the centres too, and the checkerboard of the cells: 2 where a face's other cell has another
+/// level, else by turns.
+TEST_F(Coupled, NearestSamplesAreTheCellsOwn) {
+  const double origin[3] = {0, 0, 0}, size[3] = {1, 1, 1};
+  insitu::Mesh grid = session.mesh("grid");
+  ASSERT_EQ(insitu_p4est_mesh_as(grid.handle(), solver->forest, origin, size, INSITU_NEAREST),
+            INSITU_OK)
+      << insitu_p4est_message();
+  ASSERT_EQ(insitu_p4est_field(grid.handle(), solver->forest, "checkers", INSITU_FLOAT64,
+                               offsetof(blast_cell, checkers), 1),
+            INSITU_OK)
+      << insitu_p4est_message();
+  ASSERT_NO_THROW(grid.commit());
+  std::vector<double> points = centres();
+  for (std::size_t i = 0; i < count(); ++i)
+    for (std::size_t a = 0; a < 3; ++a)
+      points[3 * i + a] += (double((i + a) % 5) / 5 - 0.4) * solver->work[i].size;
+  const insitu::FieldSamples s = grid.sample_fields({"checkers"}, insitu::Points(points));
+  std::vector<int> changes(count(), 0);
+  for (std::size_t f = 0; f < solver->face_count; ++f) {
+    const blast_face& face = solver->faces[f];
+    if (!face.lower || !face.upper)
+      continue;
+    if (face.lower->level != face.upper->level)
+      changes[face.lower->number] = changes[face.upper->number] = 1;
+  }
+  std::size_t marked = 0;
+  for (std::size_t i = 0; i < count(); ++i) {
+    const double own = solver->cells[i]->checkers;
+    ASSERT_TRUE(s.found[i]) << i;
+    ASSERT_EQ(s.values[0].values[i], own) << i;
+    ASSERT_EQ(own == 2.0, changes[i] == 1) << i;
+    marked += changes[i];
+  }
+  EXPECT_GT(marked, 0u);
+  EXPECT_LT(marked, count());
+  for (std::size_t f = 0; f < solver->face_count; ++f) {
+    const blast_face& face = solver->faces[f];
+    if (face.lower && face.upper && face.lower->checkers < 2 && face.upper->checkers < 2) {
+      ASSERT_NE(face.lower->checkers, face.upper->checkers) << f;
+    }
+  }
+}
+
 TEST_F(Coupled, SamplesAtCentresAreTheSolversValues) {
   ASSERT_NO_THROW(mesh.commit());
   expect_the_solvers_values();

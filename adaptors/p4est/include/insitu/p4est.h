@@ -37,6 +37,12 @@ extern "C" {
 INSITU_P4EST_API insitu_status insitu_p4est_mesh(insitu_mesh mesh, p8est_t* forest,
                                                  const double origin[3], const double tree_size[3]);
 
+/** The same, with a reconstruction of samples: insitu_p4est_mesh has INSITU_DUAL. */
+INSITU_P4EST_API insitu_status insitu_p4est_mesh_as(insitu_mesh mesh, p8est_t* forest,
+                                                    const double origin[3],
+                                                    const double tree_size[3],
+                                                    insitu_reconstruction reconstruction);
+
 /** A field of the cells: `components` values of a type, float32 or float64, side by side `offset`
  * bytes from where each quadrant's p.user_data points. The records stay where they are.
  *  INSITU_ERROR_ARGUMENT: the forest keeps no records, or they end before the values do.
