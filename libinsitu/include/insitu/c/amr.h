@@ -19,7 +19,9 @@ enum { INSITU_AMR_MOST_LEVELS = 31 };
 typedef enum insitu_reconstruction INSITU_INT {
   INSITU_DUAL = 0,   /**< continuous: the dual mesh's interpolant, the cells' values at their
                           centres; from the outermost centres to the boundary the value is kept,
-                          or goes on towards the ghost cells of insitu_patch */
+                          or goes on towards the ghost cells of insitu_patch. It may jump
+                          in planes in which the domain ends in the midst of a coarser
+                          cell's face */
   INSITU_NEAREST = 1 /**< the value of the cell that holds the point */
 } insitu_reconstruction;
 
