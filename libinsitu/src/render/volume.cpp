@@ -79,14 +79,14 @@ VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings
     if (!structures.macrocells)
       throw core::Error(INSITU_ERROR_ARGUMENT, "a volume with a tolerance needs macrocells");
     levels_.emplace(*structures.macrocells, settings.function, step_, unit_distance_,
-                    mesh_diagonal(sampler), *settings.tolerance);
+                    mesh_diagonal(sampler), *settings.tolerance, structures.counted);
     step_ = levels_->base_step();
   }
   for (int level = 0; level < (levels_ ? levels_->count() : 1); ++level)
     classifiers_.emplace_back(settings.function, double(StepLevels::stride(level)) * step_,
                               unit_distance_);
   if (settings.preintegrated && field_.field.association == INSITU_VERTEX)
-    preintegration_.emplace(settings.function, step_, unit_distance_);
+    preintegration_.emplace(settings.function, step_, unit_distance_, structures.counted);
 }
 
 void VolumeMarcher::set_surfaces(const SceneSurfaces* surfaces) {

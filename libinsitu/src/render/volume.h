@@ -81,6 +81,7 @@ struct VolumeStructures {
   const Majorants* majorants = nullptr;       ///< to skip what is empty
   const query::CulledCells* culled = nullptr; ///< where samples are looked for; null: everywhere
   const Macrocells* macrocells = nullptr;     ///< with cells' sizes, for a tolerance
+  core::CountedAllocator<char> counted = {};  ///< of the marcher's own tables
 };
 /// rays: of the frame.
 VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSettings& settings,
