@@ -212,13 +212,18 @@ std::uint32_t VolumeMarcher::advance(RayState& ray, std::int64_t first, int dept
 VolumeCounts VolumeMarcher::march(std::span<RayState> rays, int row) const {
   VolumeCounts counts;
   counts.samples = march_thin(rays);
-  if (levels_) {
-    march_levels(rays, counts);
-    return counts;
-  }
   constexpr std::size_t most = query::RayBundleLocator::most_rays;
-  for (std::size_t first = 0; first < rays.size(); first += most)
-    march_bundle(rays.subspan(first, std::min(most, rays.size() - first)), row, counts);
+  if (levels_)
+    march_levels(rays, counts);
+  else
+    for (std::size_t first = 0; first < rays.size(); first += most)
+      march_bundle(rays.subspan(first, std::min(most, rays.size() - first)), row, counts);
+  if (shader_ || preintegration_)
+    for (const RayState& ray : rays) {
+      counts.lit += ray.lit;
+      counts.integrals += ray.integrals;
+      counts.shadow_rays += ray.shadow_rays;
+    }
   return counts;
 }
 

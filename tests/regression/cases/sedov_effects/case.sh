@@ -6,4 +6,5 @@ arguments=(--cells 12 --cycles 40 --library-threads 2 --quiet)
 tolerances=(--tolerance-relative 1e-9 --tolerance-absolute 1e-11
             --max-pixel 2 --max-share 0.01 --min-similarity 0.99
             --ignore-column seconds --ignore-column bytes --ignore-column located_by_reason
-            --ignore-column commits)
+            --ignore-column commits
+            --column R:1e-5:1e-6 --column G:1e-5:1e-6 --column B:1e-5:1e-6 --column Z:1e-5:0) # floats
