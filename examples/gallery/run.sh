@@ -11,6 +11,7 @@ pictures=(
   "blast|sedov --cells 24 --cycles 130|sedov|blast_000130|Density as a volume, and the shock as a surface of pressure"
   "shells|sedov --cells 24 --cycles 130|sedov|shells_000130|The shock and two surfaces of density, a box cut out, with shadows and ambient occlusion"
   "decades|sedov --cells 24 --cycles 130|sedov|decades_000130|Density on the mirror planes by a logarithmic scale, with colours beyond its range, in the mesh's box with coordinates"
+  "scattered|sedov --cells 24 --cycles 130|sedov|scattered_000130|The compressed gas as a cloud that scatters sunlight, path traced, with a surface within that takes and gives light"
   "levels|amr_blast --finest 4 --cycles 40 --checkers|amr_blast|levels_000040|Where an adaptive grid changes its level, cut open: from level 2 to 3 and from 3 to 4, with shadows"
   "checkers|amr_blast --finest 4 --cycles 40 --checkers|amr_blast|checkers_000040|The grid's cells in blue and white, those beside another level in red, cut open"
   "bubble|amr_blast --finest 4 --cycles 40 --checkers|amr_blast|bubble_000040|The blast on that grid: compressed gas as a volume, the bubble that it leaves as a surface"

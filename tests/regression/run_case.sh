@@ -36,7 +36,7 @@ baseline=$here/baselines/$name
 if [ "$update" = 1 ]; then
   mkdir -p "$baseline"
   rm -f "$baseline"/*
-  find "$work/out" -maxdepth 1 \( -name '*.csv' -o -name '*.json' -o -name '*.png' -o -name '*.nc' \) \
+  find "$work/out" -maxdepth 1 \( -name '*.csv' -o -name '*.json' -o -name '*.png' -o -name '*.exr' -o -name '*.nc' \) \
     -exec cp {} "$baseline" \;
   echo "$baseline: $(ls "$baseline" | wc -l) files, $(du -sb "$baseline" | cut -f1) bytes"
   exit 0

@@ -17,7 +17,8 @@ constexpr int tile_side = 16;
 
 struct Counters {
   std::atomic<std::int64_t> samples{0}, skipped{0}, cells_tested{0}, evaluations{0}, hits{0},
-      shadow_rays{0}, occlusion_rays{0}, shadow_samples{0};
+      lit_hits{0}, lit_samples{0}, integrals{0}, clipped{0}, shadow_rays{0}, occlusion_rays{0},
+      shadow_samples{0};
   std::mutex mutex;
   PathCounts paths; ///< under the mutex
 };
@@ -65,14 +66,17 @@ public:
     if (states.size() < count)
       states.resize(count);
     SurfaceCounts surface_counts;
-    std::int64_t hits = 0;
+    std::int64_t hits = 0, clipped = 0;
     std::size_t at = 0;
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
         RayState& state = states[at++];
         state.begin(rays_(x, y));
-        if (!settings_.clips.empty())
+        if (!settings_.clips.empty()) {
           clip_ray(settings_.clips, state.ray, 0, HUGE_VAL, state.stays);
+          clipped +=
+              state.stays.size() != 1 || state.stays[0].from > 0 || state.stays[0].to < HUGE_VAL;
+        }
         if (surfaces_)
           surfaces_->trace(state, pixel_of(x, y), surface_counts);
         hits += std::int64_t(state.hits.size());
@@ -85,6 +89,9 @@ public:
       const VolumeCounts counts = volume_->march(std::span(states.data(), count), x1 - x0);
       counters.samples += counts.samples;
       counters.skipped += counts.skipped;
+      counters.lit_samples += counts.lit;
+      counters.integrals += counts.integrals;
+      counters.shadow_rays += counts.shadow_rays;
     }
     at = 0;
     for (int y = y0; y < y1; ++y)
@@ -101,6 +108,8 @@ public:
     counters.cells_tested += surface_counts.cells_tested;
     counters.evaluations += surface_counts.evaluations;
     counters.hits += hits;
+    counters.lit_hits += surface_counts.lit;
+    counters.clipped += clipped;
     counters.shadow_rays += surface_counts.shadow_rays;
     counters.occlusion_rays += surface_counts.occlusion_rays;
     counters.shadow_samples += surface_counts.shadow_samples;
@@ -192,6 +201,10 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
     statistics->cells_tested = counters.cells_tested;
     statistics->evaluations = counters.evaluations;
     statistics->hits = counters.hits;
+    statistics->lit_hits = counters.lit_hits;
+    statistics->lit_samples = counters.lit_samples;
+    statistics->integrals = counters.integrals;
+    statistics->clipped = counters.clipped;
     statistics->shadow_rays = counters.shadow_rays;
     statistics->occlusion_rays = counters.occlusion_rays;
     statistics->shadow_samples = counters.shadow_samples;

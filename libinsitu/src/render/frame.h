@@ -56,6 +56,10 @@ struct FrameStatistics {
   std::int64_t cells_tested = 0;
   std::int64_t evaluations = 0; ///< of fields inside cells, for isosurfaces
   std::int64_t hits = 0;        ///< of surfaces
+  std::int64_t lit_hits = 0;    ///< of them, where there is lighting
+  std::int64_t lit_samples = 0; ///< of the volume, by its gradient
+  std::int64_t integrals = 0;   ///< stretches of the volume that were pre-integrated
+  std::int64_t clipped = 0;     ///< rays that clips leave less of, or nothing
   std::int64_t shadow_rays = 0, occlusion_rays = 0;
   std::int64_t shadow_samples = 0; ///< located for the volume's shadow on surfaces
   PathCounts paths;                ///< of path tracing

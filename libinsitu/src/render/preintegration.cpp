@@ -11,9 +11,10 @@ constexpr double deepest = 40; // exp(-40) is nothing to a float, and 1 - it is 
 
 } // namespace
 
-Preintegration::Preintegration(const TransferFunction& function, double step, double unit_distance)
-    : classifier_(function, step, unit_distance), exponent_(step / unit_distance),
-      least_(2 * TransferFunction::invisible * exponent_) {
+Preintegration::Preintegration(const TransferFunction& function, double step, double unit_distance,
+                               const core::CountedAllocator<char>& counted)
+    : classifier_(function, step, unit_distance), parts_(counted), knots_(counted),
+      exponent_(step / unit_distance), least_(2 * TransferFunction::invisible * exponent_) {
   const std::vector<OpacityPoint>& points = function.opacity_points();
   std::vector<double> breaks{function.low(), function.high()};
   for (const OpacityPoint& p : points)
@@ -22,7 +23,8 @@ Preintegration::Preintegration(const TransferFunction& function, double step, do
   // Tables are even in the value: on a logarithmic scale at least three for each decade.
   if (function.scale() == Scale::log) {
     const double low = *std::upper_bound(breaks.begin(), breaks.end(), 0.0), high = breaks.back();
-    const int count = int(std::min(300.0, std::ceil(3 * (std::log10(high) - std::log10(low)))));
+    const int count = int(
+        std::min<double>(most_parts_of_log, std::ceil(3 * (std::log10(high) - std::log10(low)))));
     for (int i = 1; i < count; ++i)
       breaks.push_back(function.value_between(low, high, double(i) / count));
     std::sort(breaks.begin(), breaks.end());
@@ -37,7 +39,9 @@ Preintegration::Preintegration(const TransferFunction& function, double step, do
     return Integral{t, {t * double(c.r), t * double(c.g), t * double(c.b)}};
   };
   below_ = of(points.front().opacity, function.color(-HUGE_VAL));
-  const int each = std::max(16, 1024 / int(breaks.size()));
+  const int each = knots_in(breaks.size());
+  parts_.reserve(breaks.size());
+  knots_.reserve((breaks.size() - 1) * std::size_t(each + 1) + 1);
   Knot knot;
   for (std::size_t b = 1; b < breaks.size(); ++b) {
     const double low = breaks[b - 1], width = breaks[b] - low;
@@ -82,6 +86,21 @@ Preintegration::Preintegration(const TransferFunction& function, double step, do
   knot.after = of(points.back().opacity, function.color(HUGE_VAL));
   parts_.push_back({breaks.back(), 0, int(knots_.size()), 0});
   knots_.push_back(knot);
+}
+
+std::int64_t Preintegration::most_bytes(int opacity_points, Scale scale) {
+  const int most = opacity_points + 2 + (scale == Scale::log ? most_parts_of_log : 0);
+  std::int64_t bytes = 0; // not more for more breaks, step by step
+  for (int breaks = 1; breaks <= most; ++breaks)
+    bytes =
+        std::max(bytes, breaks * std::int64_t(sizeof(Part)) +
+                            (std::int64_t(breaks - 1) * (knots_in(std::size_t(breaks)) + 1) + 1) *
+                                std::int64_t(sizeof(Knot)));
+  return bytes;
+}
+
+std::int64_t Preintegration::bytes() const {
+  return std::int64_t(parts_.capacity() * sizeof(Part) + knots_.capacity() * sizeof(Knot));
 }
 
 std::size_t Preintegration::part_of(double value) const {

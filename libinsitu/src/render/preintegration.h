@@ -1,7 +1,9 @@
 #pragma once
 
-#include <vector>
+#include <algorithm>
+#include <cstdint>
 
+#include "core/counted_vector.h"
 #include "render/transfer_function.h"
 
 namespace insitu::render {
@@ -22,10 +24,15 @@ class Preintegration {
 public:
   /// step: the length of the stretches. Opacity 1 counts as an optical depth of 40 in a step
   /// and in a unit distance.
-  Preintegration(const TransferFunction& function, double step, double unit_distance);
+  Preintegration(const TransferFunction& function, double step, double unit_distance,
+                 const core::CountedAllocator<char>& counted = {});
 
   /// Of a stretch from value a to value b, which must be numbers.
   ColorSample operator()(double a, double b) const;
+
+  /// Of the tables of a function of so many opacity points.
+  static std::int64_t most_bytes(int opacity_points, Scale scale);
+  std::int64_t bytes() const;
 
 private:
   struct Integral {
@@ -45,8 +52,10 @@ private:
   Integral at(double value, std::size_t part) const;
 
   Classifier classifier_;
-  std::vector<Part> parts_; ///< ascending; the last is all beyond the last break
-  std::vector<Knot> knots_;
+  static constexpr int most_parts_of_log = 300;
+  static int knots_in(std::size_t breaks) { return std::max(16, 1024 / int(breaks)); }
+  core::CountedVector<Part> parts_; ///< ascending; the last is all beyond the last break
+  core::CountedVector<Knot> knots_;
   Integral below_;  ///< derivatives below the first break
   double exponent_; ///< optical depth of a step, for extinctions per unit distance
   double least_;

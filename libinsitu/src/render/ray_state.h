@@ -35,6 +35,7 @@ struct RayState {
   std::vector<Stretch> stays;     ///< what the frame's clips leave of it; empty without clips
   std::vector<SurfaceHit> hits;
   std::size_t next_hit = 0;
+  std::int64_t lit = 0, integrals = 0, shadow_rays = 0; ///< see VolumeCounts
   /// Where alpha reached a half, and the flat cell there; see FrameImages.
   double depth = HUGE_VAL;
   std::int64_t depth_cell = -1;
@@ -50,6 +51,7 @@ struct RayState {
     stays.clear();
     hits.clear();
     next_hit = 0;
+    lit = integrals = shadow_rays = 0;
     depth = HUGE_VAL;
     depth_cell = -1;
   }

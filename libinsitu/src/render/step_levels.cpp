@@ -116,8 +116,9 @@ private:
 } // namespace
 
 StepLevels::StepLevels(const Macrocells& cells, const TransferFunction& function,
-                       double nominal_step, double unit_distance, double diagonal, double tolerance)
-    : grid_(cells.grid()), base_step_(nominal_step) {
+                       double nominal_step, double unit_distance, double diagonal, double tolerance,
+                       const core::CountedAllocator<std::uint8_t>& counted)
+    : grid_(cells.grid()), base_step_(nominal_step), level_(counted) {
   if (!(tolerance > 0) || !std::isfinite(tolerance))
     throw core::Error(INSITU_ERROR_ARGUMENT, "a volume's tolerance of " +
                                                  std::to_string(tolerance) +

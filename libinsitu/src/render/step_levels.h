@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "core/counted_vector.h"
 #include "render/macrocells.h"
 #include "render/transfer_function.h"
 
@@ -25,7 +25,10 @@ public:
   static constexpr int most_refined = 2, most_coarsened = 2; ///< factors of 3 from the nominal step
 
   StepLevels(const Macrocells& cells, const TransferFunction& function, double nominal_step,
-             double unit_distance, double diagonal, double tolerance);
+             double unit_distance, double diagonal, double tolerance,
+             const core::CountedAllocator<std::uint8_t>& counted = {});
+
+  static constexpr int bytes_each = 1; ///< of a macrocell
 
   const MacrocellGrid& grid() const { return grid_; }
   double base_step() const { return base_step_; }
@@ -41,7 +44,7 @@ private:
   MacrocellGrid grid_;
   double base_step_;
   int count_ = 1;
-  std::vector<std::uint8_t> level_;
+  core::CountedVector<std::uint8_t> level_;
 };
 
 } // namespace insitu::render

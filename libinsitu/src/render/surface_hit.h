@@ -23,6 +23,7 @@ struct SurfaceHit {
 struct SurfaceCounts {
   std::int64_t cells_tested = 0;
   std::int64_t evaluations = 0; ///< of fields inside cells, each with an inverse map
+  std::int64_t lit = 0;         ///< hits that a viewer sees and light falls on
   std::int64_t shadow_rays = 0, occlusion_rays = 0;
   std::int64_t shadow_samples = 0; ///< located for the volume's shadow
 };

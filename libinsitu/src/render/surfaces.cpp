@@ -84,6 +84,7 @@ Color Surfaces::color(const SurfaceHit& hit) const {
 
 void Surfaces::light(const Ray& ray, std::uint64_t seed, SurfaceHit& hit,
                      SurfaceCounts& counts) const {
+  ++counts.lit;
   SurfacePoint at;
   at.position = ray.origin + hit.t * ray.direction;
   at.to_viewer = -ray.direction;

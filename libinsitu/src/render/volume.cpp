@@ -79,14 +79,14 @@ VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings
     if (!structures.macrocells)
       throw core::Error(INSITU_ERROR_ARGUMENT, "a volume with a tolerance needs macrocells");
     levels_.emplace(*structures.macrocells, settings.function, step_, unit_distance_,
-                    mesh_diagonal(sampler), *settings.tolerance);
+                    mesh_diagonal(sampler), *settings.tolerance, structures.counted);
     step_ = levels_->base_step();
   }
   for (int level = 0; level < (levels_ ? levels_->count() : 1); ++level)
     classifiers_.emplace_back(settings.function, double(StepLevels::stride(level)) * step_,
                               unit_distance_);
   if (settings.preintegrated && field_.field.association == INSITU_VERTEX)
-    preintegration_.emplace(settings.function, step_, unit_distance_);
+    preintegration_.emplace(settings.function, step_, unit_distance_, structures.counted);
 }
 
 void VolumeMarcher::set_surfaces(const SceneSurfaces* surfaces) {
@@ -212,13 +212,18 @@ std::uint32_t VolumeMarcher::advance(RayState& ray, std::int64_t first, int dept
 VolumeCounts VolumeMarcher::march(std::span<RayState> rays, int row) const {
   VolumeCounts counts;
   counts.samples = march_thin(rays);
-  if (levels_) {
-    march_levels(rays, counts);
-    return counts;
-  }
   constexpr std::size_t most = query::RayBundleLocator::most_rays;
-  for (std::size_t first = 0; first < rays.size(); first += most)
-    march_bundle(rays.subspan(first, std::min(most, rays.size() - first)), row, counts);
+  if (levels_)
+    march_levels(rays, counts);
+  else
+    for (std::size_t first = 0; first < rays.size(); first += most)
+      march_bundle(rays.subspan(first, std::min(most, rays.size() - first)), row, counts);
+  if (shader_ || preintegration_)
+    for (const RayState& ray : rays) {
+      counts.lit += ray.lit;
+      counts.integrals += ray.integrals;
+      counts.shadow_rays += ray.shadow_rays;
+    }
   return counts;
 }
 

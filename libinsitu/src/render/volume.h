@@ -72,8 +72,11 @@ double ray_step(const query::Sampler& sampler, const VolumeSettings& settings);
 double unit_distance_of(const query::Sampler& sampler, const VolumeSettings& settings);
 
 struct VolumeCounts {
-  std::int64_t samples = 0; ///< located
-  std::int64_t skipped = 0; ///< of the lattice, in macrocells that nothing shows of
+  std::int64_t samples = 0;   ///< located
+  std::int64_t skipped = 0;   ///< of the lattice, in macrocells that nothing shows of
+  std::int64_t lit = 0;       ///< by the field's gradient
+  std::int64_t integrals = 0; ///< stretches between two samples
+  std::int64_t shadow_rays = 0;
 };
 
 /// What a frame's volume needs of the structures that frames share. Null where it needs none.
@@ -81,6 +84,7 @@ struct VolumeStructures {
   const Majorants* majorants = nullptr;       ///< to skip what is empty
   const query::CulledCells* culled = nullptr; ///< where samples are looked for; null: everywhere
   const Macrocells* macrocells = nullptr;     ///< with cells' sizes, for a tolerance
+  core::CountedAllocator<char> counted = {};  ///< of the marcher's own tables
 };
 /// rays: of the frame.
 VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSettings& settings,
@@ -144,7 +148,7 @@ private:
                   int level) const;
   void add_value(RayState& ray, const Stretch& stretch, double value, const query::Location& at,
                  int level) const;
-  void light(const Ray& ray, const query::Location& at, Color& color) const;
+  void light(RayState& ray, const query::Location& at, Color& color) const;
   void gather(RayState& ray, Gathered& last, std::int64_t index, double value,
               const query::Location& at) const;
   void finish(RayState& ray, Gathered& last) const;

@@ -83,9 +83,10 @@ void VolumeMarcher::gather(RayState& ray, Gathered& last, std::int64_t index, do
     if (!ray.is_saturated())
       add_value(ray, {stretch(ray, index, 1).from, middle}, value, at, 0);
   } else {
+    ++ray.integrals;
     ColorSample segment = (*preintegration_)(last.value, value);
     if (shader_ && segment.alpha > 0)
-      light(ray.ray, at, segment.color);
+      light(ray, at, segment.color);
     add(ray, {middle - step_, middle}, segment, at.cell);
   }
   last = {index, value, at};
@@ -118,13 +119,15 @@ void VolumeMarcher::add_value(RayState& ray, const Stretch& stretch, double valu
                          : float(length > 0);
     }
     if (shader_)
-      light(ray.ray, at, sample.color);
+      light(ray, at, sample.color);
   }
   add(ray, stretch, sample, at.cell);
 }
 
 /// As a surface across the gradient would be, seen from the side that the viewer is on.
-void VolumeMarcher::light(const Ray& ray, const query::Location& at, Color& color) const {
+void VolumeMarcher::light(RayState& ray, const query::Location& at, Color& color) const {
+  ++ray.lit;
+  const Vec3d& view = ray.ray.direction;
   mesh::CellVertices cell;
   mesh::gather(sampler_.mesh(), at.cell, cell);
   double values[8];
@@ -136,18 +139,19 @@ void VolumeMarcher::light(const Ray& ray, const query::Location& at, Color& colo
     return;               // flat: there is no side to be lit from
   normal = normal / most; // squares of 1e-300 are none
   normal = normal / std::sqrt(dot(normal, normal));
-  if (dot(normal, ray.direction) > 0)
+  if (dot(normal, view) > 0)
     normal = -normal;
   Vec3d position;
   double weight[8] = {};
   cells::shape_functions(cell.shape, at.parametric, weight);
   for (int v = 0; v < cell.count; ++v)
     position += weight[v] * cell.x[v];
-  SurfaceCounts none;
+  SurfaceCounts sent;
   const Color sum = (*shader_)(
-      {position, normal, -ray.direction},
+      {position, normal, -view},
       [&](const Ray& to, double t_max) { return surfaces_ ? surfaces_->open(to, t_max) : 1.0; },
-      none);
+      sent);
+  ray.shadow_rays += sent.shadow_rays;
   color = {sum.r * color.r, sum.g * color.g, sum.b * color.b};
 }
 

@@ -148,6 +148,7 @@ bool macrocells_take_over(const query::Sampler& sampler, const VolumeSettings& s
 VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSettings& settings,
                                    std::int64_t rays, Structures& structures) {
   VolumeStructures found;
+  found.counted = {structures.memory(), INSITU_MEMORY_FRAME};
   check(settings);
   if (sampler.tree().empty())
     return found;

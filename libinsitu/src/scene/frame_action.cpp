@@ -61,7 +61,7 @@ public:
                     frame_.geocentric->exaggeration);
       plan.begin("frame '" + frame_.name + "'", mesh.mesh().name() + drawn);
     }
-    plan_frame(frame_, settings_.bodies(), mesh, environment_.context.threads, plan);
+    plan_frame(frame_, settings_, mesh, environment_.context.threads, plan);
   }
 
 private:

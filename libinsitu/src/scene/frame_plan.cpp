@@ -7,10 +7,13 @@
 #include "render/macrocells.h"
 #include "render/outline.h"
 #include "render/path_settings.h"
+#include "render/preintegration.h"
 #include "render/primitive_ranges.h"
+#include "render/step_levels.h"
 #include "render/triangle_mesh.h"
 #include "render/vertex_gradients.h"
 #include "scene/action.h"
+#include "scene/frame_plan_images.h"
 #include "scene/globe.h"
 
 namespace insitu::scene {
@@ -33,18 +36,19 @@ std::string scalar_name(const Name& field, const Component& component, int compo
 
 class FramePlanner {
 public:
-  FramePlanner(const Frame& frame, std::span<const render::BodySettings> bodies,
+  FramePlanner(const Frame& frame, const FrameSettingsMaker& settings,
                const query::CommittedMesh& mesh, const core::Threads& threads, Plan& plan)
-      : frame_(frame), bodies_(bodies), mesh_(mesh), view_(mesh.mesh().view()), threads_(threads),
-        plan_(plan) {}
+      : frame_(frame), settings_(settings), mesh_(mesh), view_(mesh.mesh().view()),
+        threads_(threads), plan_(plan) {}
 
   void run() {
-    images();
+    plan_images(frame_, mesh_, plan_);
     geocentric();
     if (frame_.volume)
       volume(*frame_.volume);
     else
-      for (const char* item : {"ray marching", "macrocell grid", "majorants"})
+      for (const char* item : {"ray marching", "macrocell grid", "majorants", "volume shading",
+                               "pre-integration", "step levels"})
         plan_.skip(item, "no volume is asked for");
     if (!frame_.path_tracing)
       plan_.skip("path tracing", "no scattering is asked for");
@@ -55,7 +59,7 @@ public:
         plan_.skip(item, "no isosurface is asked for");
     vertex_cells();
     triangles();
-    effect(FrameEffect::lighting, "lighting");
+    lighting();
     effect(FrameEffect::shadows, "shadows");
     effect(FrameEffect::volume_shadows, "volume shadows");
     effect(FrameEffect::ambient_occlusion, "ambient occlusion");
@@ -73,70 +77,20 @@ private:
     return asks_for(FrameEffect::lighting) || asks_for(FrameEffect::shadows) ||
            asks_for(FrameEffect::volume_shadows) || asks_for(FrameEffect::ambient_occlusion);
   }
+  void lighting() {
+    const char* const item = "lighting of surfaces";
+    if (frame_.isosurfaces.empty() && !frame_.boundary && frame_.bodies.empty())
+      plan_.skip(item, "there is none");
+    else if (is_lit())
+      plan_.need(item, -1, "an effect of the frame, or with shadows or occlusion");
+    else
+      plan_.skip(item, "not among the frame's effects");
+  }
   void effect(FrameEffect which, const char* name) {
     if (asks_for(which))
       plan_.need(name, -1, "an effect of the frame");
     else
       plan_.skip(name, "not among the frame's effects");
-  }
-
-  void images() {
-    const auto asked = [&](ImageKind kind) {
-      return std::find(frame_.images.begin(), frame_.images.end(), kind) != frame_.images.end();
-    };
-    const std::int64_t pixels = std::int64_t(frame_.size[0]) * frame_.size[1];
-    const char* const why = "while it is drawn";
-    plan_.need("image of " + std::to_string(frame_.size[0]) + " x " +
-                   std::to_string(frame_.size[1]),
-               pixels * std::int64_t(core::Image::bytes_a_pixel), why, Held::while_executed);
-    const bool cell = asked(ImageKind::cell);
-    const bool of_leaves = cell && mesh_.mesh().has_stand_in();
-    const bool globe =
-        frame_.geocentric && (frame_.geocentric->globe || frame_.geocentric->graticule);
-    if (asked(ImageKind::depth) || of_leaves || globe)
-      plan_.need("image of depth", pixels * std::int64_t(sizeof(float)),
-                 asked(ImageKind::depth) ? why
-                 : of_leaves             ? "while it is drawn: it tells leaves from dual cells"
-                                         : "while it is drawn: what the globe hides",
-                 Held::while_executed);
-    else
-      plan_.skip("image of depth", "not among the frame's images");
-    if (cell)
-      plan_.need("image of cells", pixels * std::int64_t(sizeof(std::int64_t)), why,
-                 Held::while_executed);
-    else
-      plan_.skip("image of cells", "not among the frame's images");
-    plan_.need_at_most("files of images", most_file_bytes(pixels), "one at a time, while written",
-                       Held::while_executed);
-  }
-
-  /// Codes, and the file's bytes as if nothing could be compressed.
-  std::int64_t most_file_bytes(std::int64_t pixels) const {
-    constexpr std::int64_t headers = 8192;
-    const bool alpha = frame_.background_alpha < 1;
-    std::int64_t most = 0;
-    for (const ImageFormat format : frame_.formats)
-      for (const ImageKind kind : frame_.images) {
-        const bool exr = format == ImageFormat::exr;
-        std::int64_t codes = 0, written = 0; // a pixel
-        switch (kind) {
-        case ImageKind::color:
-          codes = exr ? (alpha ? 16 : 0) : 3 + alpha;
-          written = exr ? 12 + 4 * alpha : codes;
-          break;
-        case ImageKind::depth:
-          codes = exr ? 0 : 4;
-          written = exr ? 4 : 2;
-          break;
-        case ImageKind::cell:
-          codes = exr ? 4 : 12;
-          written = exr ? 4 : 6;
-          break;
-        }
-        most = std::max(most, pixels * (codes + written) + pixels * written / 1000 +
-                                  16 * std::int64_t(frame_.size[1]) + headers);
-      }
-    return most;
   }
 
   void geocentric() {
@@ -176,7 +130,7 @@ private:
       for (const char* item : {"face table", "boundary faces"})
         plan_.skip(item, "no boundary is asked for");
     }
-    for (const render::BodySettings& body : bodies_) {
+    for (const render::BodySettings& body : settings_.bodies()) {
       const render::TriangleList& list = *body.triangles;
       plan_.need("corners in " + quoted(list.source) + ", for frame '" + frame_.name + "'",
                  std::int64_t(list.corners.capacity() * sizeof(math::Vec3d)), "read once");
@@ -184,7 +138,7 @@ private:
                  render::TriangleMesh::bytes_about(std::int64_t(list.corners.size() / 3)),
                  "about; a body");
     }
-    if (bodies_.empty())
+    if (settings_.bodies().empty())
       plan_.skip("bodies", "none is asked for");
     if (!frame_.outline)
       plan_.skip("outline", "none is asked for");
@@ -227,8 +181,41 @@ private:
       path_majorants(what, *frame_.path_tracing);
     else
       macrocells(what, v);
+    samples(what, v, field.association == INSITU_CELL && !v.smooth);
     if (mesh_.mesh().has_stand_in() && render::PrimitiveRanges::serve(mesh_.sampler(), {field}))
       culling(what, v);
+  }
+
+  /// What is done for a sample, or between two, where it is asked for. flat: one value a cell.
+  void samples(const std::string& what, const Volume& v, bool flat) {
+    const auto item = [&](const char* name, bool asked, bool needs_slope, const auto& need) {
+      const std::string of = name + (" of " + what);
+      if (!asked)
+        plan_.skip(of, "not asked for");
+      else if (frame_.path_tracing)
+        plan_.skip(of, "the volume is path traced");
+      else if (needs_slope && flat)
+        plan_.skip(of, "the volume shows one value a cell");
+      else
+        need(of);
+    };
+    item("volume shading", v.shading, true, [&](const std::string& of) {
+      plan_.need(of, -1, "by the gradient, of samples that show");
+    });
+    item("pre-integration", v.preintegrated, true, [&](const std::string& of) {
+      const render::ColorMap& colors = *settings_.volume_colors();
+      const std::size_t points =
+          std::max<std::size_t>(2, v.opacity.empty() ? colors.opacity().size() : v.opacity.size());
+      plan_.need_at_most(of, render::Preintegration::most_bytes(int(points), colors.scale()),
+                         "tables of integrals, while it is drawn", Held::while_executed);
+    });
+    item("step levels", v.tolerance.has_value(), false, [&](const std::string& of) {
+      plan_.need(of, usual_macrocells() * render::StepLevels::bytes_each,
+                 "the volume has a tolerance; while it is drawn", Held::while_executed);
+    });
+  }
+  std::int64_t usual_macrocells() const {
+    return render::Macrocells::grid_of(mesh_.sampler(), render::Macrocells::usual_cells).count();
   }
 
   /// Of gridlets and stitching cells.
@@ -260,8 +247,7 @@ private:
   }
 
   void macrocells(const std::string& what, const Volume& v) {
-    const std::int64_t count =
-        render::Macrocells::grid_of(mesh_.sampler(), render::Macrocells::usual_cells).count();
+    const std::int64_t count = usual_macrocells();
     const std::string grid = "macrocell grid of " + what, majorants = "majorants of " + what;
     const char* const if_it_pays = "to skip what is empty, if a look at some cells tells it pays";
     const char* const all_shows = "the opacity is nowhere 0, of NaN neither";
@@ -340,7 +326,7 @@ private:
   }
 
   const Frame& frame_;
-  std::span<const render::BodySettings> bodies_;
+  const FrameSettingsMaker& settings_;
   const query::CommittedMesh& mesh_;
   const mesh::MeshView& view_;
   const core::Threads& threads_;
@@ -350,9 +336,9 @@ private:
 
 } // namespace
 
-void plan_frame(const Frame& frame, std::span<const render::BodySettings> bodies,
+void plan_frame(const Frame& frame, const FrameSettingsMaker& settings,
                 const query::CommittedMesh& mesh, const core::Threads& threads, Plan& plan) {
-  FramePlanner(frame, bodies, mesh, threads, plan).run();
+  FramePlanner(frame, settings, mesh, threads, plan).run();
 }
 
 } // namespace insitu::scene

@@ -27,6 +27,8 @@ public:
   std::vector<std::pair<std::string, ValueRange>>
   ranges(const render::FrameSettings& settings) const;
 
+  /// Of the volume, if there is one.
+  const std::optional<render::ColorMap>& volume_colors() const { return volume_colors_; }
   /// Of the frame, read from their files.
   std::span<const render::BodySettings> bodies() const { return bodies_; }
 

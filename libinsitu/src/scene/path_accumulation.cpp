@@ -15,7 +15,9 @@ void PathAccumulation::use(const query::CommittedMesh& mesh, render::FrameSettin
                     {a.origin, a.direction, b.origin, b.direction, c.origin, c.direction}};
   if (!(state == state_)) {
     sums_.restart();
+    first_cycle_ = settings.path_tracing->cycle;
   }
+  settings.path_tracing->cycle = first_cycle_;
   state_ = state;
   settings.path_tracing->sums = &sums_;
 }

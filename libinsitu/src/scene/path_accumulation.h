@@ -14,7 +14,8 @@ class PathAccumulation {
 public:
   explicit PathAccumulation(core::Memory& memory) : sums_(memory) {}
 
-  /// Lets the settings add to the sums; they begin anew where anything has changed.
+  /// Lets the settings add to the sums; they begin anew where anything has changed. Random numbers
+  /// are those of the cycle in which they began: the sums are of one frame of all the samples.
   void use(const query::CommittedMesh& mesh, render::FrameSettings& settings);
 
 private:
@@ -24,6 +25,7 @@ private:
     friend bool operator==(const State&, const State&) = default;
   };
   State state_;
+  std::uint64_t first_cycle_ = 0;
   render::PathSums sums_;
 };
 

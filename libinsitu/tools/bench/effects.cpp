@@ -1,11 +1,14 @@
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
 #include "commands.h"
+#include "effect_families.h"
 #include "effect_prices.h"
 #include "format.h"
 #include "particle_effects.h"
 #include "render/frame.h"
+#include "render/structures.h"
 #include "uniform_branches.h"
 
 namespace insitu::bench {
@@ -13,6 +16,8 @@ namespace insitu::bench {
 namespace {
 
 using render::FrameSettings;
+using Family = EffectFamily;
+using Effect = FrameEffect;
 
 constexpr const char* together = "all together";
 
@@ -25,19 +30,6 @@ double blob(const math::Vec3d& p) {
   return hill({0.35, 0.4, 0.5}, 0.22) + 0.8 * hill({0.68, 0.6, 0.45}, 0.16) +
          0.05 * (1 + std::sin(25 * p.x) * std::sin(25 * p.y));
 }
-
-/// An effect of a frame: the bare frame, and with it.
-struct Effect {
-  std::string name;
-  std::function<void(FrameSettings&)> ask;
-  bool goes_with_all = true; ///< with the family's other effects
-};
-
-struct Family {
-  std::string name; ///< of the bare frame
-  FrameSettings bare;
-  std::vector<Effect> effects;
-};
 
 struct Row {
   std::string family, effect;
@@ -53,21 +45,48 @@ public:
       setup_.field[v] = blob(setup_.mesh.point(std::int64_t(v)));
     mesh_ = setup_.register_mesh();
     setup_.commit(*mesh_);
+    // The same at the middles of cells.
+    const mesh::MeshView& view = mesh_->mesh().view();
+    for (std::int64_t c = 0; c < setup_.mesh.cell_count(); ++c) {
+      mesh::CellVertices cell;
+      mesh::gather(view, c, cell);
+      math::Vec3d middle;
+      for (int v = 0; v < cell.count; ++v)
+        middle += (1.0 / cell.count) * cell.x[v];
+      of_cells_.push_back(blob(middle));
+    }
+    const insitu_array values =
+        insitu_array_of(of_cells_.data(), INSITU_FLOAT64, std::int64_t(of_cells_.size()), 1);
+    mesh_->mesh().set_field(0, "c", INSITU_CELL, &values, 1);
+    setup_.commit(*mesh_);
   }
 
   std::vector<Row> run() {
     std::vector<Row> rows;
-    for (const Family& family : {volumes(), surfaces(), paths()}) {
+    const mesh::Mesh& fields = mesh_->mesh();
+    for (const Family& family : effect_families(o_.size, {fields.field("f"), 0},
+                                                {fields.field("c"), 0}, setup_.context.memory)) {
       Family all = family;
-      all.effects.push_back({together, [&](FrameSettings& s) {
+      all.effects.push_back({together,
+                             [&](FrameSettings& s) {
                                for (const Effect& effect : family.effects)
                                  if (effect.goes_with_all)
                                    effect.ask(s);
+                             },
+                             true,
+                             [&](core::Image& image, const FrameSettings& s) {
+                               for (const Effect& effect : family.effects)
+                                 if (effect.goes_with_all && effect.draw_over)
+                                   effect.draw_over(image, s);
                              }});
+      if (family.effects.size() == 1)
+        all.effects.pop_back();
       for (const Effect& effect : all.effects) {
         progress(family.name + ": " + effect.name);
         rows.push_back(measure(family, effect));
       }
+      if (family.name == cell_volume)
+        continue; // its loop is the volume's
       // The counts of one thread are those of several; its time is not.
       BareFrame bare{family.name, {}, 0};
       Series time;
@@ -98,131 +117,29 @@ public:
   }
 
 private:
-  render::ScalarField field() const { return {mesh_->mesh().field("f"), 0}; }
-  FrameSettings frame() const {
-    FrameSettings s;
-    s.width = s.height = o_.size;
-    s.camera = render::Camera::around({0, 0, 0}, {1, 1, 1}, 30, 20);
-    s.lighting.enabled = false;
-    return s;
-  }
-  render::TransferFunction function() const {
-    return {render::ColorMap::built_in("viridis"), 0.0, 1.2, {{0.35, 0.0}, {1.2, 0.2}}};
-  }
-
-  Family volumes() const {
-    Family f{"volume", frame(), {}};
-    f.bare.volume = render::VolumeSettings{field(), function()};
-    f.bare.volume->skip_empty = false;
-    f.effects = {{"space skipping", [](FrameSettings& s) { s.volume->skip_empty = true; }},
-                 {"half the step", [](FrameSettings& s) { s.volume->step_factor *= 0.5; }},
-                 // Uneven steps, which pre-integration does not take.
-                 {"error bound 0.01", [](FrameSettings& s) { s.volume->tolerance = 0.01; }, false},
-                 {"pre-integration", [](FrameSettings& s) { s.volume->preintegrated = true; }},
-                 {"gradient lighting",
-                  [](FrameSettings& s) {
-                    s.volume->shading = true;
-                    s.lighting.enabled = true;
-                  }},
-                 {"clip plane", [](FrameSettings& s) { s.clips.push_back(middle()); }},
-                 {"isosurface inside",
-                  [this](FrameSettings& s) {
-                    s.isosurfaces.push_back({field(), {0.8}, 0.5});
-                  }},
-                 {"isosurface, volume shadows",
-                  [this](FrameSettings& s) {
-                    s.isosurfaces.push_back({field(), {0.8}, 0.5});
-                    s.lighting.enabled = s.lighting.shadows = s.lighting.volume_shadows = true;
-                    s.lighting.lights = {{render::Light::Kind::directional, {1, 1, 2}, {1, 1, 1}}};
-                  },
-                  false},
-                 {"logarithmic colours",
-                  [](FrameSettings& s) {
-                    render::ColorMap colors = s.volume->function.colors();
-                    colors.set_scale(render::Scale::log);
-                    s.volume->function = {colors, 0.1, 1.2, s.volume->function.opacity_points()};
-                  }},
-                 {"images of depth and cell", [](FrameSettings& s) { s.depth = s.cell = true; }}};
-    return f;
-  }
-
-  Family surfaces() const {
-    Family f{"isosurface", frame(), {}};
-    f.bare.isosurfaces.push_back({field(), {0.5}, 1});
-    f.effects = {
-        {"lighting", [](FrameSettings& s) { s.lighting.enabled = true; }},
-        {"shadows",
-         [](FrameSettings& s) {
-           s.lighting.enabled = s.lighting.shadows = true;
-           s.lighting.lights = {{render::Light::Kind::directional, {1, 1, 2}, {1, 1, 1}}};
-         }},
-        {"ambient occlusion, 16 rays",
-         [](FrameSettings& s) {
-           s.lighting.enabled = true;
-           s.lighting.occlusion_samples = 16;
-         }},
-        {"colours by field",
-         [this](FrameSettings& s) {
-           for (render::IsosurfaceSettings& i : s.isosurfaces)
-             i.color = render::ColorByField{field(), function()};
-         }},
-        {"transparent",
-         [](FrameSettings& s) {
-           for (render::IsosurfaceSettings& i : s.isosurfaces)
-             i.opacity = 0.5;
-         }},
-        {"second isovalue", [](FrameSettings& s) { s.isosurfaces[0].values.push_back(0.7); }},
-        {"clip plane", [](FrameSettings& s) { s.clips.push_back(middle()); }},
-        {"boundary, transparent",
-         [](FrameSettings& s) {
-           s.boundary = render::BoundarySettings{0.2, {}};
-         }},
-        {"outline", [](FrameSettings& s) { s.outline = render::OutlineSettings{}; }},
-        {"images of depth and cell", [](FrameSettings& s) { s.depth = s.cell = true; }}};
-    return f;
-  }
-
-  /// Of four paths a pixel, so that a frame takes about as long as one by marching.
-  Family paths() const {
-    Family f{"path tracing", frame(), {}};
-    f.bare.volume = render::VolumeSettings{field(), function()};
-    f.bare.path_tracing = render::PathTracingSettings{};
-    f.bare.path_tracing->samples = 4;
-    f.bare.path_tracing->scattering = render::Scattering::none;
-    f.bare.lighting.lights = {{render::Light::Kind::directional, {1, 1, 2}, {1, 1, 1}},
-                              {render::Light::Kind::dome, {}, {0.3f, 0.3f, 0.3f}}};
-    f.effects = {
-        {"single scattering",
-         [](FrameSettings& s) { s.path_tracing->scattering = render::Scattering::single; }},
-        {"multiple scattering",
-         [](FrameSettings& s) { s.path_tracing->scattering = render::Scattering::multiple; }},
-        {"twice the samples", [](FrameSettings& s) { s.path_tracing->samples *= 2; }}};
-    return f;
-  }
-
-  static render::Clip middle() {
-    render::Clip clip;
-    clip.point = {0.5, 0.5, 0.5};
-    clip.vector = {0, 1, 0};
-    return clip;
-  }
-
   /// With and without in turns, all structures made anew.
   Row measure(const Family& family, const Effect& effect) {
     Row row{family.name, effect.name, {}, {}, 0, 0, {}};
     FrameSettings with = family.bare;
     effect.ask(with);
     core::Memory& memory = setup_.context.memory;
-    const auto draw = [&](const FrameSettings& settings, std::int64_t& bytes) {
+    const auto draw = [&](FrameSettings settings, bool has_effect, std::int64_t& bytes) {
       memory.reset_peak();
       const std::int64_t before = memory.current();
-      render::render_frame(mesh_->sampler(), settings, setup_.context.threads, memory,
-                           &row.statistics);
-      bytes = memory.peak() - before;
+      render::Structures structures(memory);
+      structures.begin(mesh_->sampler(), 0, 0, setup_.context.threads);
+      if (has_effect && family.name == cell_volume) // as a scene's `smooth` does
+        settings.volume->field = structures.average(settings.volume->field).field();
+      render::FrameImages images = render::render_frame(mesh_->sampler(), settings, structures,
+                                                        setup_.context.threads, &row.statistics);
+      if (has_effect && effect.draw_over)
+        effect.draw_over(images.color, settings);
+      // What accumulates is made in the first of them.
+      bytes = std::max(bytes, memory.peak() - before);
     };
     for (int i = 0; i < o_.repetitions; ++i) {
-      row.bare.time([&] { draw(family.bare, row.bytes_bare); });
-      row.with.time([&] { draw(with, row.bytes_with); });
+      row.bare.time([&] { draw(family.bare, false, row.bytes_bare); });
+      row.with.time([&] { draw(with, true, row.bytes_with); });
     }
     return row;
   }
@@ -231,6 +148,7 @@ private:
   Setup setup_;
   std::unique_ptr<query::CommittedMesh> mesh_;
   std::vector<BareFrame> bare_;
+  std::vector<double> of_cells_;
 };
 
 /// The dearest effects, one of every kind of frame and one on particles.
@@ -297,21 +215,21 @@ Output effects(const Options& o) {
                        with, 100 * (with / bare - 1), grouped(row.evaluations_bare).c_str(),
                        grouped(row.evaluations).c_str(), grouped(row.walk_steps).c_str(),
                        grouped(row.contacts).c_str());
-    out.json +=
-        ",\n  {\"frame\": \"particles\", \"effect\": " + quoted(row.effect) +
-        ", \"bare_s\": " + number(bare) + ", \"with_s\": " + number(with) +
-        ", \"bytes_added\": 0, \"evaluations_bare\": " + std::to_string(row.evaluations_bare) +
-        ", \"evaluations\": " + std::to_string(row.evaluations) +
-        ", \"walk_steps\": " + std::to_string(row.walk_steps) +
-        ", \"contacts\": " + std::to_string(row.contacts) + "}";
+    out.json += ",\n  {\"frame\": \"particles\", \"effect\": " + quoted(row.effect) +
+                ", \"bare_s\": " + number(bare) + ", \"with_s\": " + number(with) +
+                ", \"bytes_added\": " + std::to_string(row.bytes_with - row.bytes_bare) +
+                ", \"evaluations_bare\": " + std::to_string(row.evaluations_bare) +
+                ", \"evaluations\": " + std::to_string(row.evaluations) +
+                ", \"walk_steps\": " + std::to_string(row.walk_steps) +
+                ", \"contacts\": " + std::to_string(row.contacts) + "}";
   }
   out.json += "\n]\n";
   std::vector<EffectPrice> prices;
   for (const Row& row : rows)
     prices.push_back({row.family, row.effect, row.bare, row.with, row.bytes_with - row.bytes_bare});
   for (const ParticleRow& row : particles)
-    prices.push_back(
-        {"particles", row.effect, row.bare, row.with, 0, row.evaluations_bare, row.evaluations});
+    prices.push_back({"particles", row.effect, row.bare, row.with, row.bytes_with - row.bytes_bare,
+                      row.evaluations_bare, row.evaluations});
   out.csv = csv(prices, o.threads);
   out.svg = plot(prices, o.threads);
   return out;

@@ -113,11 +113,14 @@ std::vector<ParticleRow> particle_effects(const Options& options, Setup& setup,
     ParticleRow row;
     row.effect = effect.name;
     row.particles = std::int64_t(seeds.size());
-    const auto run = [&](const Effects& asked, advect::Advance& total) {
+    core::Memory& memory = setup.context.memory;
+    const auto run = [&](const Effects& asked, advect::Advance& total, std::int64_t& bytes) {
+      memory.reset_peak();
+      const std::int64_t before = memory.current();
       advect::TracerSettings settings;
       settings.integrator.tolerance = 1e-4;
       settings.integrator.max_steps = 1000000;
-      advect::Tracer tracer(settings, setup.context.memory);
+      advect::Tracer tracer(settings, memory);
       tracer.set_effects(asked);
       tracer.seed(seeds, 0.0);
       total = {};
@@ -127,13 +130,14 @@ std::vector<ParticleRow> particle_effects(const Options& options, Setup& setup,
         total.work += a.work;
         total.effects += a.effects;
       }
+      bytes = memory.peak() - before;
     };
     Effects asked;
     effect.ask(asked);
     advect::Advance bare, with;
     for (int i = 0; i < options.repetitions; ++i) {
-      row.bare.time([&] { run({}, bare); });
-      row.with.time([&] { run(asked, with); });
+      row.bare.time([&] { run({}, bare, row.bytes_bare); });
+      row.with.time([&] { run(asked, with, row.bytes_with); });
     }
     row.evaluations_bare = bare.work.evaluations;
     row.evaluations = with.work.evaluations;

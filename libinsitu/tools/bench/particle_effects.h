@@ -18,6 +18,7 @@ struct ParticleRow {
   std::int64_t steps = 0, evaluations = 0; ///< with it: of the velocity's integrator
   std::int64_t evaluations_bare = 0;
   std::int64_t walk_steps = 0, contacts = 0;
+  std::int64_t bytes_bare = 0, bytes_with = 0; ///< at most, while they move
 };
 
 /// Particles in a flow over the mesh's unit box, ten advances long, by the options' threads.

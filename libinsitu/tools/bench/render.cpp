@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "accuracy/images.h"
 #include "commands.h"
 #include "format.h"
+#include "kept_frames.h"
 #include "lattice_rays.h"
 #include "openvkl_parts.h"
 #include "output/png.h"
+#include "pixel_sweep.h"
+#include "refreshed_frames.h"
 #include "render/structures.h"
 
 namespace insitu::bench {
@@ -26,7 +30,9 @@ struct Drawn {
   double factor = 0.0; ///< of the default step
   Series one, all;     ///< on one thread; on all of the machine's
   render::FrameStatistics statistics;
-  double error = 0.0; ///< of the converged frame: the root of the mean square over colours
+  /// Of the converged frame: the root of the mean square over colours; nothing where that is
+  /// another frame.
+  std::optional<double> error;
   Image image;
 };
 
@@ -57,6 +63,7 @@ public:
     const FrameSettings opaque = frame(function(0.0, 0.6)), sparse = frame(band());
     add(measure("dense: rays end early", opaque, 1.0, nullptr));
     add(measure("sparse: little shows", sparse, 1.0, nullptr));
+    add(measure_kept("sparse, structures kept", sparse));
     FrameSettings surface = base;
     surface.volume.reset();
     surface.isosurfaces.push_back(
@@ -64,14 +71,21 @@ public:
     add(measure("isosurface", surface, 1.0, nullptr));
     json_ += "\n  ]";
     const double bare = rows_[1].one.for_ratio(1);
-    text_ += format("\nof the volume at the default step: dense %.2f, sparse %.2f of the time; "
-                    "steps of 2: %.2f\n",
+    text_ += format("\nof the volume at the default step: dense %.2f, sparse %.2f (%.2f with "
+                    "structures kept) of the time; steps of 2: %.2f\n",
                     rows_[4].one.for_ratio(1) / bare, rows_[5].one.for_ratio(1) / bare,
-                    rows_[0].one.for_ratio(1) / bare);
+                    rows_[6].one.for_ratio(1) / bare, rows_[0].one.for_ratio(1) / bare);
     text_ += format("million rays a second on one core (Rathke 2015, table 4): isosurface %.2f, "
                     "volume %.2f\n",
-                    mrays(rows_[6]), mrays(rows_[1]));
-    fields_only();
+                    mrays(rows_[7]), mrays(rows_[1]));
+    const PixelSweep sweep =
+        sweep_pixels(*mesh_, setup_.context.memory, base, o_.size, o_.repetitions);
+    text_ += sweep.text;
+    json_ += sweep.json;
+    progress("fields-only commit");
+    const RefreshedFrames refreshed = refresh_frames(setup_, *mesh_, with_surface(frame(band())));
+    text_ += refreshed.text;
+    json_ += refreshed.json;
     if (o_.peers) {
       vtk(base, truth);
       openvkl();
@@ -101,6 +115,14 @@ private:
     s.volume->function = function;
     s.volume->accuracy = o_.accuracy;
     return s;
+  }
+  FrameSettings with_surface(FrameSettings settings) const {
+    settings.isosurfaces.push_back({render::ScalarField{mesh_->mesh().field("f"), 0},
+                                    {0.5 * (low_ + high_)},
+                                    0.5,
+                                    render::Color{1, 1, 1},
+                                    render::Normals::smooth});
+    return settings;
   }
   static void set_step(FrameSettings& s, double factor) {
     if (s.volume && s.volume->step)
@@ -147,92 +169,36 @@ private:
     return out;
   }
 
+  /// The frames of a session after its first, which made what is kept.
+  Drawn measure_kept(const std::string& name, const FrameSettings& settings) {
+    progress(name);
+    const core::Threads single(1);
+    KeptFrames on_one(*mesh_, setup_.context.memory, single),
+        on_all(*mesh_, setup_.context.memory, all_);
+    Drawn out;
+    out.name = name;
+    out.factor = 1.0;
+    for (int i = -1; i < o_.repetitions; ++i) {
+      Series first; // makes it
+      (i < 0 ? first : out.all).time([&] { (void)on_all.draw(settings); });
+      (i < 0 ? first : out.one).time([&] { (void)on_one.draw(settings, &out.statistics); });
+    }
+    return out;
+  }
+
   void add(const Drawn& d) {
     const double one = d.one.for_ratio(1), all = d.all.median();
     const double rate = d.statistics.samples ? 1e-6 * double(d.statistics.samples) / one : 0.0;
-    text_ += format("%-30s %6g %9.3f %9.3f %9.3f %9.2f %9.2f %10.2e\n", d.name.c_str(), d.factor,
-                    one, d.statistics.prepare_seconds, all, 1e-6 * double(d.statistics.samples),
-                    rate, d.error);
+    text_ += format("%-30s %6g %9.3f %9.3f %9.3f %9.2f %9.2f %10s\n", d.name.c_str(), d.factor, one,
+                    d.statistics.prepare_seconds, all, 1e-6 * double(d.statistics.samples), rate,
+                    d.error ? format("%.2e", *d.error).c_str() : "-");
     json_ += std::string(rows_.empty() ? "" : ",") + "\n    {\"name\": " + quoted(d.name) +
              ", \"step\": " + number(d.factor) + ", \"one_core_s\": " + number(one) +
              ", \"all_cores_s\": " + number(all) +
              ", \"prepare_s\": " + number(d.statistics.prepare_seconds) +
              ", \"samples\": " + std::to_string(d.statistics.samples) +
-             ", \"rms_error\": " + number(d.error) + "}";
+             ", \"rms_error\": " + (d.error ? number(*d.error) : "null") + "}";
     rows_.push_back(d);
-  }
-
-  /// What frames keep is not made anew for new values: of a sparse volume and a lit isosurface.
-  void fields_only() {
-    progress("fields-only commit");
-    FrameSettings settings = frame(band());
-    settings.isosurfaces.push_back({render::ScalarField{mesh_->mesh().field("f"), 0},
-                                    {0.5 * (low_ + high_)},
-                                    0.5,
-                                    render::Color{1, 1, 1},
-                                    render::Normals::smooth});
-    render::Structures structures(setup_.context.memory);
-    const core::Threads single(1);
-    const auto seconds = [&] {
-      const render::Structures::Seconds& s = structures.seconds();
-      return s.vertex_cells + s.averages + s.value_ranges + s.gradients + s.macrocells +
-             s.majorants;
-    };
-    double frame = 0; // of the last cycle: gradients are found while it is drawn
-    const auto cycle = [&] {
-      Series one;
-      one.time([&] {
-        structures.begin(mesh_->sampler(), mesh_->tree_version(), mesh_->fields_version(), single);
-        (void)render::render_frame(mesh_->sampler(), settings, structures, single);
-        structures.end();
-      });
-      frame = one.for_ratio(1);
-      return structures.counts();
-    };
-    // So many queries may pay for a better tree, once: the commit after that is looked at.
-    std::uint64_t tree;
-    render::Structures::Counts before, after = cycle();
-    double spent = seconds(), anew = spent, refreshed = 0, frame_anew = frame;
-    insitu_commit_report report;
-    int commits = 0;
-    do {
-      tree = mesh_->tree_version();
-      before = after;
-      mesh_->mesh().set_changed(INSITU_CHANGED_FIELDS);
-      report = setup_.commit(*mesh_);
-      after = cycle();
-      refreshed = seconds() - spent;
-      spent += refreshed;
-      if (mesh_->tree_version() != tree) {
-        anew = refreshed;
-        frame_anew = frame;
-      }
-    } while (mesh_->tree_version() != tree && ++commits < 4);
-    const double frame_refreshed = frame;
-    cycle(); // of nothing new
-    const auto made = [](const render::Structures::Counts& c) {
-      return c.vertex_cells + c.averages + c.value_ranges + c.gradients + c.macrocells +
-             c.primitive_ranges;
-    };
-    const auto given = [](const render::Structures::Counts& c) {
-      return c.averages_refreshed + c.value_ranges_refreshed + c.gradients_refreshed +
-             c.macrocells_refreshed + c.majorants + c.primitive_ranges_refreshed;
-    };
-    const std::int64_t built =
-        made(after) - made(before) + std::int64_t(mesh_->tree_version() != tree);
-    const std::int64_t kept = given(after) - given(before);
-    text_ +=
-        format("after a commit of new values alone (%.1f us), of a sparse volume and a lit "
-               "isosurface: %lld structures\n  built anew, %lld given new values in place in "
-               "%.3f s (made, they took %.3f s); the frame takes %.3f s (%.3f s), "
-               "and again, of nothing new, %.3f s\n",
-               1e6 * report.seconds, static_cast<long long>(built), static_cast<long long>(kept),
-               refreshed, anew, frame_refreshed, frame_anew, frame);
-    json_ += ",\n  \"built_after_fields_commit\": " + std::to_string(built) +
-             ", \"refreshed_after_fields_commit\": " + std::to_string(kept) +
-             ", \"refresh_s\": " + number(refreshed) + ", \"structures_s\": " + number(anew) +
-             ", \"refreshed_frame_s\": " + number(frame_refreshed) +
-             ", \"frame_again_s\": " + number(frame) + ", \"first_frame_s\": " + number(frame_anew);
   }
 
   /// VTK's frame against ours that is no worse.
@@ -252,7 +218,7 @@ private:
                     frame->first_seconds, frame->time.for_ratio(1), error);
     const Drawn* equal = nullptr;
     for (int i = 0; i < 4; ++i) // the longest step that is no worse
-      if (!equal && rows_[std::size_t(i)].error <= error)
+      if (!equal && *rows_[std::size_t(i)].error <= error)
         equal = &rows_[std::size_t(i)];
     json_ += ",\n  \"vtk\": {\"cells\": " + std::to_string(frame->cells) +
              ", \"convert_s\": " + number(frame->convert_seconds) +
@@ -262,7 +228,7 @@ private:
     if (equal) {
       const double ratio = frame->time.for_ratio(1) / equal->one.for_ratio(1);
       text_ += format("ours with a step of %g and an error of %.2e is %.1f times as fast\n",
-                      equal->factor, equal->error, ratio);
+                      equal->factor, *equal->error, ratio);
       json_ += ", \"ratio_at_equal_error\": " + number(ratio);
     } else {
       text_ += "none of ours is as near to the converged frame\n";

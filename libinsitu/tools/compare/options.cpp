@@ -14,20 +14,20 @@ const char* const usage =
 Compares two files, or all files of two folders, and says what moved, by how much and where.
 A is the reference. Exit code: 0 same, 1 different, 2 unusable input.
 
-  --kind png|csv|json|nc        else by the file name
+  --kind png|exr|csv|json|nc    else by the file name
   --quiet                       print nothing; the exit code says it
   --help                        print this
 
-tables (.csv), JSON, netCDF (.nc)
+tables (.csv), JSON, netCDF (.nc), images of numbers (.exr)
   --tolerance-relative R        numbers may differ by R times the larger one (0)
   --tolerance-absolute D        and by D (0)
-  --column NAME:R:D             other tolerances for a column, key, variable, or path such as
+  --column NAME:R:D             other tolerances for a column, key, variable, channel, or path such as
                                 steps[3].time
   --ignore-column NAME          leave out a column, a variable, a key and what is below it, or an
                                 attribute: variable:attribute, or :attribute of the file
   --key NAME                    match rows of a table by this column (more than once: by several)
 
-images (.png)
+images (.png; of .exr the share alone)
   --max-pixel E                 colour difference a pixel may have, CIEDE2000 (1)
   --max-share F                 share of the pixels that may have more, 0 to 1 (0)
   --min-similarity S            least mean structural similarity, up to 1 (0.95)
@@ -70,8 +70,8 @@ Options parse_options(const std::vector<std::string>& arguments) {
   const std::map<std::string, void (*)(Options&, const std::string&, const std::string&)> valued = {
       {"--kind",
        [](Options& o, const std::string& name, const std::string& v) {
-         if (v != "png" && v != "csv" && v != "json" && v != "nc") {
-           refuse(name + " '" + v + "': png, csv, json or nc expected");
+         if (v != "png" && v != "exr" && v != "csv" && v != "json" && v != "nc") {
+           refuse(name + " '" + v + "': png, exr, csv, json or nc expected");
          }
          o.kind = v;
        }},

@@ -10,7 +10,7 @@ namespace insitu::compare {
 
 struct Options {
   std::string a, b;
-  std::string kind; ///< png, csv, json, nc, or empty: by the file name
+  std::string kind; ///< png, exr, csv, json, nc, or empty: by the file name
   Tolerance tolerance;
   std::vector<NamedTolerance> columns;
   std::vector<std::string> ignored;

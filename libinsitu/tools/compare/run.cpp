@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "compare/exr_compare.h"
 #include "compare/image_compare.h"
 #include "compare/json_compare.h"
 #include "compare/netcdf_compare.h"
@@ -30,10 +31,11 @@ std::string read_text(const std::string& path) {
   return text.str();
 }
 
-/// png, csv, json, nc, or empty for what is not compared.
+/// png, exr, csv, json, nc, or empty for what is not compared.
 std::string kind_of(const fs::path& path) {
   const std::string ending = path.extension().string();
-  return ending == ".png" || ending == ".csv" || ending == ".json" || ending == ".nc"
+  return ending == ".png" || ending == ".exr" || ending == ".csv" || ending == ".json" ||
+                 ending == ".nc"
              ? ending.substr(1)
              : "";
 }
@@ -46,6 +48,11 @@ Verdict compare_files(const Options& options, const std::string& kind) {
       output::write_png(options.difference, verdict.difference);
     }
     return verdict;
+  }
+  if (kind == "exr") {
+    return compare_exr(
+        options.a, options.b,
+        {options.tolerance, options.columns, options.ignored, options.image.max_share});
   }
   if (kind == "csv") {
     return compare_tables(
@@ -105,7 +112,7 @@ int compare_folders(const Options& options, Report& report, std::ostream& err) {
   names.merge(files_in(options.b));
   if (names.empty()) {
     throw core::Error(INSITU_ERROR_FILE, "neither '" + options.a + "' nor '" + options.b +
-                                             "' holds a .png, .csv, .json or .nc file");
+                                             "' holds a .png, .exr, .csv, .json or .nc file");
   }
   bool unusable = false;
   for (const std::string& name : names) {
@@ -152,7 +159,7 @@ int compare(const Options& options, std::ostream& out, std::ostream& err) {
   if (kind_a.empty() || kind_a != kind_b) {
     throw core::Error(INSITU_ERROR_FILE,
                       "'" + options.a + "' and '" + options.b +
-                          "': two .png, .csv, .json or .nc files expected, or --kind");
+                          "': two .png, .exr, .csv, .json or .nc files expected, or --kind");
   }
   report.add(options.a + " -> " + options.b, compare_files(options, kind_a));
   return report.same() ? 0 : 1;

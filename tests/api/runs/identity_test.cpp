@@ -59,6 +59,15 @@ frames:
     size: [64, 64]
     isosurfaces: [{field: pressure, values: [0.05, 0.3], opacity: 0.6}]
     every: 12
+  - name: traced
+    size: [40, 36]
+    camera: {azimuth: 40, elevation: 28}
+    volume: {field: density, colors: inferno, range: [0, 5], opacity: [[0, 0], [1.05, 0], [5, 0.7]]}
+    isosurfaces: [{field: pressure, values: [0.3]}]
+    effects: [multiple_scattering, volume_shadows]
+    lights: [{directional: [1, 0.5, 0.7]}, {dome: true}]
+    path_tracing: {samples: 4, anisotropy: 0.4, accumulate: true}
+    every: 12
 )";
 
 std::string scene(const std::string& locator = "auto") {
@@ -80,7 +89,10 @@ TEST(Identity, TheReferenceHoldsWhatTheSceneAsksFor) {
   const auto images = runs::names_of(reference(), ".png");
   EXPECT_EQ(images, (std::vector<std::string>{"blast_000000.png", "blast_000012.png",
                                               "blast_000024.png", "shells_000000.png",
-                                              "shells_000012.png", "shells_000024.png"}));
+                                              "shells_000012.png", "shells_000024.png",
+                                              "traced_000000.png", "traced_000012.png",
+                                              "traced_000024.png"}));
+  EXPECT_NE(reference().at("traced_000000.png"), reference().at("traced_000024.png"));
   EXPECT_NE(reference().at("blast_000000.png"), reference().at("blast_000024.png"));
   EXPECT_NE(reference().at("shells_000000.png"), reference().at("shells_000024.png"));
   const runs::Table grid = runs::parse_table(reference().at("grid.csv"));

@@ -103,7 +103,7 @@ TEST(Report, ThePlanIsToldBeforeAnythingIsDone) {
   const test::Folder folder;
   Coupled run({.scene = scene, .output = folder.path()});
   const std::string plan = run.session.plan();
-  EXPECT_NE(plan.find("skipped  lighting"), std::string::npos) << plan;
+  EXPECT_NE(plan.find("skipped  lighting of surfaces"), std::string::npos) << plan;
   EXPECT_EQ(run.session.report().executions, 0);
   EXPECT_EQ(run.session.report().files, 0);
   Coupled bare({.scene = "", .output = folder.path()});

@@ -60,7 +60,7 @@ TEST(Program, BadOptionsAreNamed) {
       {{"a.csv", "b.csv", "--tolerance-absolute", "-1"}, "'-1'"},
       {{"a.csv", "b.csv", "--tolerance-absolute", ""}, "a number of 0 or more"},
       {{"a.csv", "b.csv", "--max-share", "50"}, "0 to 1"},
-      {{"a.csv", "b.csv", "--kind", "jpg"}, "png, csv, json or nc"},
+      {{"a.csv", "b.csv", "--kind", "jpg"}, "png, exr, csv, json or nc"},
       {{"a.csv", "b.png"}, "--kind"},
   };
   for (const Case& c : cases) {

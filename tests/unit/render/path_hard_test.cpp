@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tuple>
 
+#include "unit/render/block_mesh.h"
 #include "unit/render/path_mesh.h"
 #include "unit/render/placed_mesh.h"
 
@@ -150,55 +151,17 @@ TEST(PathHard, TinyHugeAndAbsentValuesOnEveryShape) {
 
 /// Blocks of all kinds, whose cells are implicit.
 TEST(PathHard, StructuredBlocks) {
-  constexpr int n = 5; // vertices along an axis
-  std::vector<double> axis, points, values;
-  for (int i = 0; i < n; ++i)
-    axis.push_back(double(i * i + 3 * i) / ((n - 1) * (n - 1) + 3 * (n - 1))); // uneven
-  for (const auto kind :
-       {INSITU_BLOCK_UNIFORM, INSITU_BLOCK_RECTILINEAR, INSITU_BLOCK_CURVILINEAR}) {
+  for (const insitu_block_kind kind : block_kinds) {
     SCOPED_TRACE(testing::Message() << "kind " << int(kind));
-    fixtures::Committed committed;
-    mesh::Mesh& mesh = committed.mesh.mesh();
-    insitu_block block = insitu_block_default();
-    block.kind = kind;
-    points.clear();
-    values.clear();
-    for (int k = 0; k < n; ++k)
-      for (int j = 0; j < n; ++j)
-        for (int i = 0; i < n; ++i) {
-          const bool even = kind == INSITU_BLOCK_UNIFORM;
-          const double x = even ? i / double(n - 1) : axis[std::size_t(i)];
-          for (const double c : {x, even ? j / double(n - 1) : axis[std::size_t(j)],
-                                 even ? k / double(n - 1) : axis[std::size_t(k)]})
-            points.push_back(c);
-          values.push_back(x);
-        }
-    for (int a = 0; a < 3; ++a) {
-      block.vertices[a] = n;
-      block.spacing[a] = 1.0 / (n - 1);
-    }
-    const insitu_array along_axis = insitu_array_of(axis.data(), INSITU_FLOAT64, n, 1);
-    const insitu_array all =
-        insitu_array_of(points.data(), INSITU_FLOAT64, std::int64_t(points.size() / 3), 3);
-    if (kind == INSITU_BLOCK_RECTILINEAR)
-      for (insitu_array& coordinates : block.coordinates)
-        coordinates = along_axis;
-    else if (kind == INSITU_BLOCK_CURVILINEAR)
-      mesh.set_points(0, &all, 1);
-    mesh.set_block(0, &block);
-    const insitu_array v =
-        insitu_array_of(values.data(), INSITU_FLOAT64, std::int64_t(values.size()), 1);
-    mesh.set_field(0, "x", INSITU_VERTEX, &v, 1);
-    committed.commit();
-    const ScalarField x{mesh.field("x"), -1};
+    BlockMesh mesh(kind, 5, [](const Vec3d& p) { return p.x; });
+    const auto alpha = [&](const Way& way, const render::TransferFunction& function) {
+      return alpha_of(mesh.committed, along(way, {}, mesh.field, function), mesh.committed.memory);
+    };
     for (const Way& way : ways)
-      expect_mean(
-          alpha_of(committed, along(way, {}, x, medium_of({1, 1, 1}, 0.6, 0.6)), committed.memory),
-          0.6, way.name);
+      expect_mean(alpha(way, medium_of({1, 1, 1}, 0.6, 0.6)), 0.6, way.name);
     const render::TransferFunction step(render::ColorMap::built_in("viridis"), 0, 1,
                                         {{0, 0}, {0.61, 0}, {0.61, 0.7}, {1, 0.7}});
-    expect_mean(alpha_of(committed, along(ways[0], {}, x, step), committed.memory),
-                1 - std::pow(0.3, 0.39), "a step of opacity");
+    expect_mean(alpha(ways[0], step), 1 - std::pow(0.3, 0.39), "a step of opacity");
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "render/phase_function.h"
 #include "unit/query/registered_amr.h"
+#include "unit/render/block_mesh.h"
 #include "unit/render/path_mesh.h"
 
 namespace insitu::test {
@@ -179,27 +180,43 @@ TEST(PathTracing, SingleScatteringMatchesItsQuadrature) {
 
 /// Albedo 1 in a white dome: nobody can see the medium. Every path brings the dome's light, so
 /// this is exact; what were lost on the way would show.
+void expect_white(const fixtures::Committed& committed, core::Memory& memory,
+                  const render::ScalarField& field, double g) {
+  FrameSettings s = box_frame(24);
+  s.background = {1, 1, 1};
+  s.volume = volume_of(field, {1, 1, 1}, 0, 0.99);
+  s.path_tracing.emplace().samples = 8;
+  s.path_tracing->anisotropy = g;
+  render::FrameStatistics statistics;
+  const core::Image image =
+      render::render_frame(committed.sampler(), s, committed.threads, memory, &statistics).color;
+  const PathCounts& counts = statistics.paths;
+  EXPECT_EQ(counts.cut + counts.violations, 0);
+  EXPECT_GT(counts.scatterings, counts.paths / 3);
+  for (int i = 0; i < 24 * 24; ++i)
+    for (int c = 0; c < 4; ++c)
+      ASSERT_NEAR(image.pixel(i % 24, i / 24)[c], 1, 1e-6) << "pixel " << i;
+}
+
 TEST(PathTracing, WhiteFurnace) {
-  for (const Shape shape : {Shape::hexahedron, Shape::tetrahedron})
-    for (const double g : {0.0, 0.7, -0.5})
-      for (const bool homogeneous : {true, false}) {
+  for (const double g : {0.0, 0.7, -0.5})
+    for (const bool homogeneous : {true, false}) {
+      const auto f = [&](const Vec3d& p) {
+        return homogeneous ? 1.0 : 0.5 + 0.5 * std::sin(9 * p.x + 5 * p.y - 7 * p.z);
+      };
+      for (const Shape shape :
+           {Shape::hexahedron, Shape::tetrahedron, Shape::wedge, Shape::pyramid}) {
+        SCOPED_TRACE(testing::Message() << "shape " << int(shape) << ", g " << g);
         RenderMesh mesh(5, shape, 0.2);
-        const auto field = mesh.field("f", INSITU_VERTEX, [&](const Vec3d& p) {
-          return homogeneous ? 1.0 : 0.5 + 0.5 * std::sin(9 * p.x + 5 * p.y - 7 * p.z);
-        });
-        FrameSettings s = box_frame(24);
-        s.background = {1, 1, 1};
-        s.volume = volume_of(field, {1, 1, 1}, 0, 0.99);
-        s.path_tracing.emplace().samples = 8;
-        s.path_tracing->anisotropy = g;
-        PathCounts counts;
-        const core::Image image = draw_paths(mesh, s, &counts);
-        EXPECT_EQ(counts.cut, 0);
-        EXPECT_GT(counts.scatterings, counts.paths / 3);
-        for (int i = 0; i < 24 * 24; ++i)
-          for (int c = 0; c < 4; ++c)
-            ASSERT_NEAR(image.pixel(i % 24, i / 24)[c], 1, 1e-6) << "pixel " << i;
+        const render::ScalarField field = mesh.field("f", INSITU_VERTEX, f);
+        expect_white(mesh.committed, mesh.committed.memory, field, g);
       }
+      for (const insitu_block_kind kind : block_kinds) {
+        SCOPED_TRACE(testing::Message() << "block " << int(kind) << ", g " << g);
+        BlockMesh mesh(kind, 6, f);
+        expect_white(mesh.committed, mesh.committed.memory, mesh.field, g);
+      }
+    }
 }
 
 TEST(PathTracing, WhiteFurnaceOnAdaptiveMeshes) {

@@ -19,13 +19,15 @@ inline TestMesh placed(int n, Shape shape, const Vec3d& scale, const Vec3d& offs
 
 struct PlacedMesh {
   explicit PlacedMesh(TestMesh from) : cells(std::move(from)), committed(cells) {}
-  render::ScalarField field(std::vector<double> of_vertices) {
-    values = std::move(of_vertices);
+  render::ScalarField field(std::vector<double> of,
+                            insitu_association association = INSITU_VERTEX) {
+    values = std::move(of);
     const insitu_array a =
         insitu_array_of(values.data(), INSITU_FLOAT64, std::int64_t(values.size()), 1);
-    committed.mesh.mesh().set_field(0, "f", INSITU_VERTEX, &a, 1);
+    const char* const name = association == INSITU_VERTEX ? "f" : "c";
+    committed.mesh.mesh().set_field(0, name, association, &a, 1);
     committed.commit(INSITU_CHANGED_FIELDS);
-    return {committed.mesh.mesh().field("f"), -1};
+    return {committed.mesh.mesh().field(name), -1};
   }
   TestMesh cells;
   fixtures::Committed committed;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -64,10 +65,11 @@ double value_at(const mesh::CellVertices& cell, const render::Ray& ray, const do
 /// Against dense sampling: every change of side between samples has a root between them, and every
 /// root changes sides or nearly touches.
 TEST(CellRoots, AgreeWithSamplingInCurvedCells) {
-  int several = 0, all = 0;
+  int several = 0, all = 0, entering_twice = 0, by_cubics = 0, unlike = 0;
   std::int64_t evaluations = 0;
   for (const Shape shape : {Shape::hexahedron, Shape::wedge, Shape::pyramid, Shape::tetrahedron})
-    for (std::uint64_t i = 0; i < 400; ++i) {
+    for (std::uint64_t i = 0; i < 600; ++i) {
+      const bool grazes = i >= 400;
       const std::uint64_t seed = 10 * i + std::uint64_t(shape) * 100000;
       const mesh::CellVertices cell = cell_of(shape, 0.5, seed);
       double values[8];
@@ -79,20 +81,42 @@ TEST(CellRoots, AgreeWithSamplingInCurvedCells) {
       const auto r = [&](std::uint64_t c) { return random(seed + 7, c) - 0.5; };
       const Vec3d from{4 * r(0), 4 * r(1), 3 + r(2)};
       const Vec3d d = through + 0.3 * Vec3d{r(3), r(4), r(5)} - from;
-      const render::Ray ray{from, d / std::sqrt(dot(d, d))};
+      render::Ray ray{from, d / std::sqrt(dot(d, d))};
+      if (grazes) { // along a face, which is a saddle: in, out and in again
+        const int quad[4] = {0, 1, shape == Shape::wedge ? 4 : 2, 3};
+        const Vec3d along = cell.x[quad[2]] - cell.x[quad[0]], to = 0.02 * Vec3d{r(3), r(4), r(5)};
+        Vec3d middle;
+        for (const int v : quad)
+          middle += 0.25 * cell.x[v];
+        ray.direction = along / std::sqrt(dot(along, along));
+        ray.origin = middle + to - 3.0 * ray.direction;
+      }
       const double level = 0.2 * r(6);
       std::int64_t took = 0;
       const auto found = roots(cell, ray, values, level, RootSearch::exact, &took);
       evaluations += took;
       all += int(found.size());
+      // By cubics no root is wrong, and pairs alone are missed.
+      const auto cubic = roots(cell, ray, values, level, RootSearch::cubic);
+      by_cubics += int(cubic.size());
+      unlike += cubic.size() != found.size();
+      ASSERT_LE(cubic.size(), found.size()) << shape_name(shape) << " case " << i;
+      ASSERT_EQ((found.size() - cubic.size()) % 2, 0u) << shape_name(shape) << " case " << i;
+      for (const double root : cubic)
+        ASSERT_TRUE(std::any_of(found.begin(), found.end(),
+                                [&](double other) { return std::fabs(root - other) < 1e-7; }))
+            << shape_name(shape) << " case " << i;
       several += found.size() > 1;
-      const double end = std::sqrt(dot(d, d)) + 2;
+      const double end = grazes ? 6 : std::sqrt(dot(d, d)) + 2;
       constexpr int samples = 4000;
       double before = std::nan("");
-      int changes = 0;
+      int changes = 0, entries = 0;
+      bool was_inside = false;
       for (int k = 0; k <= samples; ++k) {
         const double t = end * k / samples;
         const double f = value_at(cell, ray, values, t) - level;
+        entries += !std::isnan(f) && !was_inside;
+        was_inside = !std::isnan(f);
         if (std::isnan(f) || std::isnan(before) || (f >= 0) == (before >= 0)) {
           before = f;
           continue;
@@ -104,6 +128,7 @@ TEST(CellRoots, AgreeWithSamplingInCurvedCells) {
           between += root >= end * (k - 1) / samples - 1e-9 && root <= t + 1e-9;
         ASSERT_EQ(between % 2, 1) << shape_name(shape) << " case " << i << " at " << t;
       }
+      entering_twice += entries > 1;
       ASSERT_GE(int(found.size()), changes) << shape_name(shape) << " case " << i;
       for (std::size_t k = 0; k < found.size(); ++k) {
         if (k > 0) {
@@ -117,7 +142,9 @@ TEST(CellRoots, AgreeWithSamplingInCurvedCells) {
     }
   EXPECT_GT(all, 600);
   EXPECT_GT(several, 20);
-  EXPECT_LT(double(evaluations) / 1600, 16.0); // 12 in cells as bent as these
+  EXPECT_GT(entering_twice, 70) << "of 2400 rays; 143 when this was set";
+  EXPECT_LE(unlike, 2) << by_cubics << " of " << all << " roots by cubics; all when this was set";
+  EXPECT_LT(double(evaluations) / 2400, 16.0); // 12 in cells as bent as these
 }
 
 /// Along the diagonal of a cube, f = -(x + y + z) / 3 + (x y + y z + z x) / 3 is t^2 - t, whose
@@ -147,6 +174,13 @@ TEST(CellRoots, PairsHoweverNear) {
       EXPECT_NEAR(value_at(cell, ray, values, found[1]), bottom + above, 1e-11);
       EXPECT_GT(found[1], found[0]);
       EXPECT_EQ(roots(cell, ray, values, bottom - above).size(), 0u) << jitter << ", " << above;
+      // Cubics are the field in a parallelepiped, and near it elsewhere.
+      if (jitter == 0 || above >= 1e-2) {
+        EXPECT_EQ(roots(cell, ray, values, bottom + above, RootSearch::cubic).size(), 2u)
+            << jitter << ", " << above;
+      }
+      EXPECT_EQ(roots(cell, ray, values, bottom - above, RootSearch::cubic).size(), 0u)
+          << jitter << ", " << above;
     }
     // The fast search does not see them, but sees what changes side.
     EXPECT_EQ(roots(cell, ray, values, bottom + 1e-2, RootSearch::neubauer).size(), 0u);
@@ -175,29 +209,29 @@ TEST(CellRoots, NeubauersSearchIsNear) {
 }
 
 /// Levels met along the whole ray, at vertices, in flat and in folded cells end, and soon.
-TEST(CellRoots, DegenerateCasesEnd) {
+void expect_an_end(RootSearch search) {
   mesh::CellVertices cell = cell_of(Shape::hexahedron, 0, 0);
   const render::Ray ray{{0.5, 0.4, -1}, {0, 0, 1}};
   double values[8] = {0, 1, 1, 0, 0, 1, 1, 0}; // f = x, and the ray at x = 1/2
   std::int64_t took = 0;
-  EXPECT_LE(roots(cell, ray, values, 0.5, RootSearch::exact, &took).size(), 1u);
+  EXPECT_LE(roots(cell, ray, values, 0.5, search, &took).size(), 1u);
   EXPECT_LT(took, 200);
   const double constant[8] = {3, 3, 3, 3, 3, 3, 3, 3};
-  EXPECT_EQ(roots(cell, ray, constant, 3).size(), 0u);
+  EXPECT_EQ(roots(cell, ray, constant, 3, search).size(), 0u);
   double with_nan[8] = {0, 1, 1, 0, 0, std::nan(""), 1, 0};
-  EXPECT_EQ(roots(cell, ray, with_nan, 0.5).size(), 0u);
+  EXPECT_EQ(roots(cell, ray, with_nan, 0.5, search).size(), 0u);
   const double tiny[8] = {0, 0, 0, 0, 1e-300, 1e-300, 1e-300, 1e-300};
-  EXPECT_EQ(roots(cell, ray, tiny, 5e-301).size(), 1u);
+  EXPECT_EQ(roots(cell, ray, tiny, 5e-301, search).size(), 1u);
   const double huge[8] = {0, 0, 0, 0, 1e300, 1e300, 1e300, 1e300};
-  EXPECT_EQ(roots(cell, ray, huge, 5e299).size(), 1u);
+  EXPECT_EQ(roots(cell, ray, huge, 5e299, search).size(), 1u);
   const double infinite[8] = {0, 0, 0, 0, HUGE_VAL, 1, 1, 1};
-  EXPECT_EQ(roots(cell, ray, infinite, 0.5).size(), 0u);
+  EXPECT_EQ(roots(cell, ray, infinite, 0.5, search).size(), 0u);
   for (int flat = 0; flat < 3; ++flat) {
     mesh::CellVertices none = cell;
     for (Vec3d& p : none.x)
       p[flat] = 0.5;
     const double z[8] = {0, 0.1, 0.2, 0.3, 1, 1.1, 1.2, 1.3};
-    EXPECT_LE(roots(none, ray, z, 0.65, RootSearch::exact, &took).size(), 2u);
+    EXPECT_LE(roots(none, ray, z, 0.65, search, &took).size(), 2u);
     EXPECT_LT(took, 500);
   }
   // Long and thin, far from the origin.
@@ -209,9 +243,16 @@ TEST(CellRoots, DegenerateCasesEnd) {
     values[v] = thin.x[v].z - offset.z;
   }
   const render::Ray across{offset + Vec3d{0.5, 0.5, -1}, {0, 0, 1}};
-  const auto found = roots(thin, across, values, 5e-6);
+  const auto found = roots(thin, across, values, 5e-6, search);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0], 1 + 5e-6, 2e-9); // a rounding of the coordinates is 1e-9
+}
+
+TEST(CellRoots, DegenerateCasesEnd) {
+  for (const RootSearch search : {RootSearch::cubic, RootSearch::exact}) {
+    SCOPED_TRACE(int(search));
+    expect_an_end(search);
+  }
 }
 
 TEST(Normals, SmoothAndCentralOnes) {

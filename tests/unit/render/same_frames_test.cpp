@@ -1,114 +1,21 @@
 // The same frame to the byte, whatever locates points and however many threads draw.
-#include <algorithm>
 #include <gtest/gtest.h>
 
 #include "core/status.h"
 #include "unit/query/registered_amr.h"
-#include "unit/render/path_mesh.h"
+#include "unit/render/same_frames.h"
 
 namespace insitu::test {
 namespace {
-
-using render::FrameImages;
-using render::FrameSettings;
-using render::ScalarField;
-
-constexpr accel::Method methods[] = {accel::Method::user_geometry, accel::Method::replicated_faces,
-                                     accel::Method::shared_faces,
-                                     accel::Method::shared_bilinear_faces};
-
-double blob(const Vec3d& p) {
-  const Vec3d d = p - Vec3d{0.6, 0.5, 0.4};
-  return std::exp(-8 * dot(d, d));
-}
-
-render::TransferFunction colors() {
-  return {render::ColorMap::built_in("viridis"), 0.0, 1.0, {{0.2, 0.0}, {0.5, 0.4}, {0.5, 0.1}}};
-}
-
-struct Technique {
-  const char* name;
-  FrameSettings (*ask)(FrameSettings, const ScalarField&);
-};
-const Technique techniques[] = {
-    {"marching",
-     [](FrameSettings s, const ScalarField& f) {
-       s.volume = render::VolumeSettings{f, colors()};
-       return s;
-     }},
-    {"marching, lit, with a tolerance",
-     [](FrameSettings s, const ScalarField& f) {
-       s.volume = render::VolumeSettings{f, colors()};
-       s.volume->shading = true;
-       s.volume->tolerance = 0.05;
-       return s;
-     }},
-    {"marching, pre-integrated, with surfaces",
-     [](FrameSettings s, const ScalarField& f) {
-       s.volume = render::VolumeSettings{f, colors()};
-       s.volume->preintegrated = true;
-       s.isosurfaces.push_back({f, {0.7}, 0.5});
-       return s;
-     }},
-    {"path tracing",
-     [](FrameSettings s, const ScalarField& f) {
-       s.volume = render::VolumeSettings{f, colors()};
-       s.path_tracing.emplace().samples = 3;
-       s.lighting.lights = {{render::Light::Kind::dome, {}, {0.3f, 0.4f, 0.5f}},
-                            {render::Light::Kind::directional, {1, 2, 1}, {1, 1, 1}}};
-       return s;
-     }},
-    {"isosurfaces",
-     [](FrameSettings s, const ScalarField& f) {
-       s.isosurfaces.push_back({f, {0.3, 0.6}, 0.5, render::Color{1, 1, 1}});
-       s.isosurfaces[0].normals = render::Normals::smooth;
-       s.isosurfaces.push_back({f, {0.8}, 1, render::Color{1, 0, 0}});
-       s.isosurfaces[1].normals = render::Normals::central; // which locates points
-       s.lighting.shadows = true;
-       s.lighting.occlusion_samples = 4;
-       s.lighting.lights = {{render::Light::Kind::directional, {1, 1, 2}, {1, 1, 1}}};
-       return s;
-     }},
-};
-
-FrameImages draw(const fixtures::Committed& mesh, const FrameSettings& s, core::Memory& memory,
-                 int threads) {
-  return render::render_frame(mesh.sampler(), s, core::Threads(threads), memory);
-}
-
-void expect_same(const FrameImages& a, const FrameImages& b) {
-  EXPECT_EQ(a.color.rgba, b.color.rgba);
-  EXPECT_EQ(a.depth, b.depth);
-  EXPECT_EQ(a.cell, b.cell);
-}
 
 class SameFrames : public testing::TestWithParam<Shape> {};
 
 TEST_P(SameFrames, ByEveryLocatorAndNumberOfThreads) {
   RenderMesh mesh(6, GetParam(), 0.2);
   mesh.field("f", INSITU_VERTEX, blob);
-  query::CommittedMesh& committed = mesh.committed.mesh;
-  FrameSettings frame = box_frame(24);
-  frame.depth = frame.cell = true;
-  for (const Technique& technique : techniques) {
-    SCOPED_TRACE(technique.name);
-    committed.set_locator({accel::Method::bvh, accel::Backend::cpu});
-    mesh.committed.commit();
-    const auto settings = [&] { return technique.ask(frame, {committed.mesh().field("f"), -1}); };
-    const FrameImages by_bvh = draw(mesh.committed, settings(), mesh.committed.memory, 1);
-    const auto [least, most] =
-        std::minmax_element(by_bvh.color.rgba.begin(), by_bvh.color.rgba.end());
-    EXPECT_LT(*least, *most) << "something is seen";
-    expect_same(by_bvh, draw(mesh.committed, settings(), mesh.committed.memory, 4));
-    for (const accel::Method method : methods) {
-      SCOPED_TRACE(testing::Message() << "method " << int(method));
-      committed.set_locator({method, accel::Backend::cpu});
-      mesh.committed.commit();
-      ASSERT_NE(committed.locators().rays(), nullptr);
-      for (const int threads : {1, 4})
-        expect_same(by_bvh, draw(mesh.committed, settings(), mesh.committed.memory, threads));
-    }
-  }
+  expect_same_by_all(mesh.committed, [&] {
+    return ScalarField{mesh.committed.mesh.mesh().field("f"), -1};
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, SameFrames,

@@ -170,8 +170,10 @@ TEST(VolumeModes, HomogeneousSlab) {
 
 /// Opacity that grows from 0 to a along the ray: the optical depth is the integral of -ln(1 - a z),
 /// ((1 - a) ln(1 - a) + a) / a.
-TEST(VolumeModes, LinearRamp) {
-  RenderMesh mesh(5, Shape::hexahedron, 0.25);
+class LinearRamp : public testing::TestWithParam<Shape> {};
+
+TEST_P(LinearRamp, MatchesItsClosedForm) {
+  RenderMesh mesh(5, GetParam(), 0.25);
   const auto field = mesh.field("z", INSITU_VERTEX, [](const Vec3d& p) { return p.z; });
   render::Structures structures(mesh.committed.memory);
   structures.begin(mesh.sampler(), 1, 1, mesh.committed.threads);
@@ -197,6 +199,10 @@ TEST(VolumeModes, LinearRamp) {
     EXPECT_NEAR(exact.color.r, double(plain.color.r) / plain.alpha * exact.alpha, 1e-6);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(VolumeModes, LinearRamp,
+                         testing::Values(Shape::hexahedron, Shape::tetrahedron, Shape::wedge,
+                                         Shape::pyramid));
 
 /// A stretch between two samples against quadrature of twenty thousand points.
 TEST(Preintegration, StretchesAgainstQuadrature) {

@@ -174,14 +174,34 @@ TEST(Plan, TellsAboutTheBytesOfTriangles) {
 TEST(Plan, NamesEveryStructure) {
   PlannedRun none("frames: [{name: f, size: [8, 8], outline: {}}]");
   const scene::Plan bare = none.plan();
-  PlannedRun all("frames: [{name: f, size: [8, 8], effects: [lighting], images: [color, depth, "
-                 "cell], boundary: {}, outline: {}, volume: {field: c, smooth: true}, isosurfaces: "
-                 "[{field: p, values: [0.5], normals: smooth}]}]");
+  PlannedRun all(
+      "frames: [{name: f, size: [8, 8], effects: [lighting], images: [color, depth, "
+      "cell], boundary: {}, outline: {}, scalar_bar: true, time_label: true, axes: true, "
+      "volume: {field: c, smooth: true, shading: true, preintegrated: true}, "
+      "isosurfaces: [{field: p, values: [0.5], normals: smooth}]}]");
   const scene::Plan full = all.plan();
-  for (const char* item :
-       {"tree", "dual mesh", "face table", "value ranges", "macrocell grid", "majorants",
-        "vertex gradients", "cells around vertices", "boundary faces", "bodies", "outline",
-        "image of depth", "image of cells", "ray marching", "path tracing"})
+  for (const char* item : {"tree",
+                           "dual mesh",
+                           "face table",
+                           "value ranges",
+                           "macrocell grid",
+                           "majorants",
+                           "vertex gradients",
+                           "cells around vertices",
+                           "boundary faces",
+                           "bodies",
+                           "outline",
+                           "image of depth",
+                           "image of cells",
+                           "ray marching",
+                           "path tracing",
+                           "lighting of surfaces",
+                           "volume shading",
+                           "pre-integration",
+                           "step levels",
+                           "scalar bar",
+                           "time label",
+                           "axes"})
     for (const scene::Plan* plan : {&bare, &full}) {
       const auto& entries = plan->entries();
       const auto found = std::find_if(entries.begin(), entries.end(), [&](const auto& e) {
@@ -190,7 +210,8 @@ TEST(Plan, NamesEveryStructure) {
       ASSERT_NE(found, entries.end()) << item << " in\n" << plan->text();
       EXPECT_FALSE(found->why.empty()) << item;
       const std::string name = item;
-      const bool is_never = name == "dual mesh" || name == "path tracing" || name == "bodies";
+      const bool is_never = name == "dual mesh" || name == "path tracing" || name == "bodies" ||
+                            name == "step levels"; // steps are even to pre-integrate
       EXPECT_EQ(found->needed, name == "tree" || name == "outline" || (plan == &full && !is_never))
           << item << " in\n"
           << plan->text();
@@ -222,9 +243,50 @@ TEST(Plan, SaysWhatIsSkippedAndWhy) {
   for (const char* expected :
        {"frame 'f' of mesh 'test'", "needed   ray marching of 'p'",
         "skipped  value ranges of the tree", "no isosurface is asked for", "skipped  pass over 'p'",
-        "skipped  lighting", "probe 'q' of mesh 'test'", "skipped  all of it", "nix",
+        "skipped  lighting of surfaces", "probe 'q' of mesh 'test'", "skipped  all of it", "nix",
         "mesh 'test'\n", "skipped  dual mesh", "are kept"})
     EXPECT_NE(text.find(expected), std::string::npos) << expected << " in\n" << text;
+}
+
+/// What the samples of a volume need, and why not where it is not so.
+TEST(Plan, SaysWhatIsDoneForSamples) {
+  const auto text = [](const std::string& keys, const std::string& frame = {}) {
+    PlannedRun run("frames: [{name: f, size: [8, 8], " + frame + "volume: {" + keys + "}}]");
+    return run.plan().text();
+  };
+  const auto says = [](const std::string& plan, std::initializer_list<const char*> all) {
+    for (const char* expected : all)
+      EXPECT_NE(plan.find(expected), std::string::npos) << expected << " in\n" << plan;
+  };
+  says(text("field: p, shading: true"),
+       {"needed   volume shading of 'p'", "skipped  lighting of surfaces", "there is none",
+        "skipped  pre-integration of 'p'", "skipped  step levels of 'p'"});
+  says(text("field: c, shading: true, preintegrated: true"),
+       {"skipped  volume shading of 'c'", "skipped  pre-integration of 'c'",
+        "the volume shows one value a cell"});
+  says(text("field: p, preintegrated: true"), {"needed   pre-integration of 'p'"});
+  says(text("field: p, tolerance: 0.1, shading: true"),
+       {"needed   step levels of 'p'", "needed   volume shading of 'p'"});
+  says(text("field: p, shading: true, tolerance: 0.1", "effects: [single_scattering], "),
+       {"skipped  volume shading of 'p'", "skipped  step levels of 'p'",
+        "the volume is path traced"});
+  PlannedRun plain("frames: [{name: f, size: [8, 8], scalar_bar: true, boundary: {}, effects: "
+                   "[shadows]}]");
+  says(plain.plan().text(),
+       {"skipped  scalar bar", "nothing is coloured by a field", "needed   lighting of surfaces"});
+}
+
+/// Integrals count while a frame is drawn, as many bytes as planned: exactly, as long as neither
+/// opacity points nor ends of the range coincide, and nothing else is held.
+TEST(Plan, TablesOfIntegralsAreCounted) {
+  PlannedRun run("frames: [{name: f, size: [4, 4], volume: {field: p, range: [0, 1], opacity: "
+                 "[[-1, 0.1], [2, 0.3]], nan_opacity: 1, preintegrated: true}}]");
+  const scene::Plan plan = run.plan();
+  EXPECT_EQ(run.execute(0), "");
+  const std::int64_t planned = bytes_of(plan, "pre-integration");
+  EXPECT_GT(planned, 4 * 257 * 8) << "at least four numbers a knot";
+  EXPECT_EQ(run.context.memory.peak(), 4 * 4 * 16 + planned) << plan.text();
+  EXPECT_EQ(run.context.memory.current(), 0);
 }
 
 /// As render::skipping_pays: cells of NaN are worth skipping unless they show.

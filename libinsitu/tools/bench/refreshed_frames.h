@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "query/committed_mesh.h"
+#include "render/frame.h"
+#include "setup.h"
+
+namespace insitu::bench {
+
+struct RefreshedFrames {
+  std::string text, json;
+};
+
+/// What frames keep is not made anew for new values: of a sparse volume and a lit isosurface, which
+/// the settings are to show, before and after a commit of fields alone.
+RefreshedFrames refresh_frames(Setup& setup, query::CommittedMesh& mesh,
+                               const render::FrameSettings& settings);
+
+} // namespace insitu::bench
