@@ -94,6 +94,10 @@ constexpr insitu_method ray_methods[] = {INSITU_METHOD_USER_GEOMETRY,
                                          INSITU_METHOD_REPLICATED_FACES, INSITU_METHOD_SHARED_FACES,
                                          INSITU_METHOD_SHARED_BILINEAR_FACES};
 
+/// Of the 500 random points; the others are on boundaries, where nothing is certified. Flat
+/// triangles lose 2 to 3 % of them in this mesh.
+constexpr std::int64_t least_kept = 460;
+
 } // namespace
 
 TEST_F(Locators, EveryMethodGivesTheSameOwners) {
@@ -116,7 +120,7 @@ TEST_F(Locators, EveryMethodGivesTheSameOwners) {
     EXPECT_EQ(after.kept + after.by_neighbour + after.by_tree - before.kept - before.by_neighbour -
                   before.by_tree,
               std::int64_t(2 * expected.size()));
-    EXPECT_GT(after.kept, before.kept);
+    EXPECT_GT(after.kept - before.kept, 2 * least_kept) << "method " << method;
   }
 }
 
@@ -130,7 +134,9 @@ TEST_F(Locators, FollowMovedVertices) {
     insitu_commit_report report = insitu_commit_report_default();
     REQUIRE_OK(insitu_mesh_commit(handle_, &report));
     EXPECT_EQ(report.action, INSITU_REFIT);
+    const std::int64_t kept = info().kept;
     const std::vector<std::int64_t> got = owners();
+    EXPECT_GT(info().kept - kept, least_kept) << "method " << method;
     REQUIRE_OK(choose(INSITU_METHOD_BVH, INSITU_BACKEND_CPU));
     REQUIRE_OK(insitu_mesh_commit(handle_, nullptr));
     EXPECT_EQ(got, owners()) << "method " << method;
