@@ -52,7 +52,7 @@ struct DeviceTracers {
   void* stream = nullptr; ///< cudaStream_t; null: the default stream
 };
 
-/// How a query was decided.
+/// How a query was decided; nothing is counted in `fast`, which decides nothing.
 struct DeviceCounts {
   std::int64_t candidates_kept = 0; ///< the ray's candidate was certified and answered alone
   std::int64_t by_tree = 0;         ///< went through the device's tree
@@ -74,12 +74,17 @@ struct DeviceReport {
 /// The mesh as the host can read it: its own view, or a mesh::HostMirror's.
 using HostView = core::FunctionRef<const mesh::MeshView&()>;
 
+/// Beside INSITU_CHANGED_* in what a commit is told: the vertices moved so far that structures over
+/// the same cells are to be built anew, not refitted.
+inline constexpr std::uint32_t rebuild_due = 1u << 16;
+
 /// A mesh on a device with its structures: the `bvh` method in CUDA, or a ray method in OptiX
 /// beside it.
 class DeviceLocator {
 public:
   virtual ~DeviceLocator() = default;
-  /// Brings arrays and structures up to date. what: INSITU_CHANGED_*, topology at first. faces: as
+  /// Brings arrays and structures up to date. what: INSITU_CHANGED_*, topology at first, and
+  /// rebuild_due. faces: as
   /// in RayLocator::build. Arrays in device memory are read in place, others copied. Throws
   /// core::Error.
   /// host: asked for when faces or triangles are made, by methods that use faces.

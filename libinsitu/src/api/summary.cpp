@@ -38,7 +38,8 @@ private:
 
 void Session::write_summary(const std::string& path, double solver_seconds) const {
   const insitu_report r = report();
-  JsonObject json(1), seconds(2), commits(2), bytes(2), purposes(3), particles(2), reasons(2);
+  JsonObject json(1), seconds(2), commits(2), bytes(2), purposes(3), particles(2), reasons(2),
+      locators(2);
   json.add("executions", r.executions);
   const double library = r.commit_s + r.query_s + r.advect_s + r.render_s + r.output_s;
   seconds.add("commit", r.commit_s);
@@ -73,6 +74,20 @@ void Session::write_summary(const std::string& path, double solver_seconds) cons
   for (int k = 0; k < INSITU_REASON_COUNT; ++k)
     reasons.add(reason_names[k], r.located_by_reason[k]);
   json.raw("located_by_reason", reasons.text());
+  // Of all meshes, by ray methods and devices (insitu_locator_info).
+  insitu_locator_info sum = insitu_locator_info_default();
+  for (const auto& m : meshes_) {
+    const insitu_locator_info info = m->mesh.locators().info(m->mesh.tree());
+    sum.kept += info.kept;
+    sum.by_neighbour += info.by_neighbour;
+    sum.by_tree += info.by_tree;
+    sum.settled_on_host += info.settled_on_host;
+  }
+  locators.add("kept", sum.kept);
+  locators.add("by_neighbour", sum.by_neighbour);
+  locators.add("by_tree", sum.by_tree);
+  locators.add("settled_on_host", sum.settled_on_host);
+  json.raw("located_by_locators", locators.text());
   json.add("frames", r.frames);
   json.add("probe_rows", r.probe_rows);
   json.add("files", r.files);

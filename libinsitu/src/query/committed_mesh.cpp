@@ -292,6 +292,8 @@ void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& 
     tree_.refit(mesh_.view(), threads);
     report.action = INSITU_REFIT;
     rebuild = policy_.rebuild_is_due(tree_.cost_ratio());
+    if (rebuild)
+      pending |= accel::rebuild_due; // boxes that spoil the tree spoil the locators' structures
   }
   rebuild = rebuild || policy_.surface_area_is_due();
   if (rebuild) {

@@ -30,6 +30,8 @@ void Locators::make_faces(accel::HostView host, const core::Threads& threads) {
 void Locators::commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_t what,
                       const core::Threads& threads) {
   const bool anew = pending_ || (what & INSITU_CHANGED_TOPOLOGY);
+  const bool rebuild = anew || (what & accel::rebuild_due);
+  const bool refit = !rebuild && (what & INSITU_CHANGED_GEOMETRY);
   if (pending_) {
     rays_.reset();
     device_.reset();
@@ -44,10 +46,14 @@ void Locators::commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_
   } else if (by_rays) {
     if (!rays_)
       rays_ = accel::make_embree_locator(pick_.method, *memory_);
-    if (anew)
+    if (rebuild)
       rays_->build(mesh.view(), &faces_, threads);
-    else if (what & INSITU_CHANGED_GEOMETRY)
+    else if (refit)
       rays_->refit(mesh.view(), threads);
+  }
+  if (rays_ || device_) {
+    upkeep_.builds += rebuild;
+    upkeep_.refits += refit;
   }
   pending_ = false;
 }

@@ -32,8 +32,8 @@ public:
   void decide(bool on_device, const std::string& mesh_name, const core::Log& log);
   /// Finds faces anew, if rays ask for them or for knowing overlaps; before commit().
   void make_faces(accel::HostView host, const core::Threads& threads);
-  /// Brings the structures up to date. what: INSITU_CHANGED_*. Throws core::Error; then there are
-  /// none.
+  /// Brings the structures up to date. what: INSITU_CHANGED_*, and accel::rebuild_due. Throws
+  /// core::Error; then there are none.
   void commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_t what,
               const core::Threads& threads);
 
@@ -43,6 +43,11 @@ public:
   /// Made for methods that use faces, and to find out whether cells overlap; empty else.
   const accel::FaceTable& faces() const { return faces_; }
 
+  /// How often structures beside the host's tree were made and refitted, since the mesh was made.
+  struct Upkeep {
+    std::int64_t builds = 0, refits = 0;
+  };
+  const Upkeep& upkeep() const { return upkeep_; }
   /// Counts of this mesh, since it was made.
   RayCounts& ray_counts() const { return ray_counts_; }
   void note(const accel::DeviceCounts& counts) const;
@@ -58,6 +63,7 @@ private:
   accel::FaceTable faces_;
   std::unique_ptr<accel::RayLocator> rays_;
   std::unique_ptr<accel::DeviceLocator> device_;
+  Upkeep upkeep_;
   mutable RayCounts ray_counts_;
   mutable std::atomic<std::int64_t> settled_on_host_{0};
 };

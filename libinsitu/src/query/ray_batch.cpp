@@ -19,7 +19,6 @@ Answered RayBatch::run(std::span<const Vec3d> points) {
   rays_.find(points, {cells_, n}, fast ? std::span<std::int64_t>() : std::span(beyond_, n));
   if (fast) {
     answer_by_rule();
-    kept += std::int64_t(n);
     return batch_.answered();
   }
   const std::int64_t first = certify(cells_);

@@ -26,7 +26,7 @@ public:
   /// The answers; valid until the next run.
   Answered run(std::span<const math::Vec3d> points);
 
-  /// Of all runs; see RayCounts.
+  /// Of all runs but those in `fast`; see RayCounts.
   std::int64_t kept = 0, by_neighbour = 0, by_tree = 0;
 
 private:

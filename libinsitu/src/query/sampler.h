@@ -76,9 +76,10 @@ private:
   std::atomic<std::int64_t> unguided_{0};
 };
 
-/// How batches by a ray method were answered, in points. Thread-safe.
+/// How batches by a ray method were answered, in points; not those in `fast`, which proves nothing.
+/// Thread-safe.
 struct RayCounts {
-  std::atomic<std::int64_t> kept{0};         ///< the cell that the rays told, proven (fast: told)
+  std::atomic<std::int64_t> kept{0};         ///< the cell that the rays told, proven
   std::atomic<std::int64_t> by_neighbour{0}; ///< the cell beyond the face that was hit, proven
   std::atomic<std::int64_t> by_tree{0};      ///< through the tree, outside ones included
 };

@@ -46,7 +46,7 @@ The queries (locate)
   --fields N        also samples N vertex fields at once against one, through insitu.h [1]
 The methods
   --backend cpu|cuda|optix, --method NAME   these only (may be repeated); NAME as in a scene's locator
-  --check           compares answers alone, on all points, of pyramids and twisted hexahedra as well
+  --check           compares answers alone, on all points, of pyramids and of twisted and of folded hexahedra as well
 The run
   --threads T       0: all that the process may use [1]
   --repetitions R   medians of R repetitions [5; scale, methods, amr, effects, render, advect, accuracy, paper: 3]

@@ -1,7 +1,11 @@
 /// The choice of a locator through the C API and scenes: the same owners by every method, and what
 /// cannot be had is said.
+#include <filesystem>
+#include <fstream>
 #include <gtest/gtest.h>
+#include <sstream>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 #include "insitu/insitu.h"
@@ -94,6 +98,10 @@ constexpr insitu_method ray_methods[] = {INSITU_METHOD_USER_GEOMETRY,
                                          INSITU_METHOD_REPLICATED_FACES, INSITU_METHOD_SHARED_FACES,
                                          INSITU_METHOD_SHARED_BILINEAR_FACES};
 
+/// Of the 500 random points; the others are on boundaries, where nothing is certified. Flat
+/// triangles lose 2 to 3 % of them in this mesh.
+constexpr std::int64_t least_kept = 460;
+
 } // namespace
 
 TEST_F(Locators, EveryMethodGivesTheSameOwners) {
@@ -116,7 +124,7 @@ TEST_F(Locators, EveryMethodGivesTheSameOwners) {
     EXPECT_EQ(after.kept + after.by_neighbour + after.by_tree - before.kept - before.by_neighbour -
                   before.by_tree,
               std::int64_t(2 * expected.size()));
-    EXPECT_GT(after.kept, before.kept);
+    EXPECT_GT(after.kept - before.kept, 2 * least_kept) << "method " << method;
   }
 }
 
@@ -130,11 +138,35 @@ TEST_F(Locators, FollowMovedVertices) {
     insitu_commit_report report = insitu_commit_report_default();
     REQUIRE_OK(insitu_mesh_commit(handle_, &report));
     EXPECT_EQ(report.action, INSITU_REFIT);
+    const std::int64_t kept = info().kept;
     const std::vector<std::int64_t> got = owners();
+    EXPECT_GT(info().kept - kept, least_kept) << "method " << method;
     REQUIRE_OK(choose(INSITU_METHOD_BVH, INSITU_BACKEND_CPU));
     REQUIRE_OK(insitu_mesh_commit(handle_, nullptr));
     EXPECT_EQ(got, owners()) << "method " << method;
   }
+}
+
+TEST_F(Locators, TheSummaryHasTheFallbacks) {
+  REQUIRE_OK(choose(INSITU_METHOD_SHARED_FACES, INSITU_BACKEND_CPU));
+  REQUIRE_OK(insitu_mesh_commit(handle_, nullptr));
+  owners();
+  const insitu_locator_info i = info();
+  owners(INSITU_FAST); // proves nothing, and is not counted
+  EXPECT_EQ(info().kept, i.kept);
+  EXPECT_EQ(info().by_tree, i.by_tree);
+  EXPECT_GT(i.by_neighbour, 0); // bent quads
+  const std::string path =
+      testing::TempDir() + "locators_summary_" + std::to_string(getpid()) + ".json";
+  REQUIRE_OK(insitu_session_write_summary(session_, path.c_str(), -1.0));
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  std::filesystem::remove(path);
+  const std::string wanted = "\"located_by_locators\": {\n    \"kept\": " + std::to_string(i.kept) +
+                             ",\n    \"by_neighbour\": " + std::to_string(i.by_neighbour) +
+                             ",\n    \"by_tree\": " + std::to_string(i.by_tree) +
+                             ",\n    \"settled_on_host\": 0\n  }";
+  EXPECT_NE(text.str().find(wanted), std::string::npos) << text.str();
 }
 
 TEST_F(Locators, BadChoices) {
@@ -152,6 +184,48 @@ TEST_F(Locators, BadChoices) {
   insitu_locator_info i = insitu_locator_info_default();
   EXPECT_EQ(insitu_mesh_locator_info(handle_, &i), INSITU_ERROR_ORDER);
   EXPECT_EQ(insitu_mesh_locator_info(handle_, nullptr), INSITU_ERROR_ARGUMENT);
+}
+
+TEST_F(Locators, BackendsThatAreNotHereAreRefusedWithTheReason) {
+  REQUIRE_OK(choose(INSITU_METHOD_SHARED_FACES, INSITU_BACKEND_CPU));
+  const struct {
+    insitu_method method;
+    insitu_backend backend;
+    std::string begins;
+  } choices[] = {{INSITU_METHOD_BVH, INSITU_BACKEND_CUDA, "locator: backend cuda: "},
+                 {INSITU_METHOD_USER_GEOMETRY, INSITU_BACKEND_OPTIX, "locator: backend optix: "}};
+  int refused = 0;
+  for (const auto& c : choices) {
+    const insitu_status status = choose(c.method, c.backend);
+    if (status == INSITU_OK) { // this machine has it
+      REQUIRE_OK(choose(INSITU_METHOD_SHARED_FACES, INSITU_BACKEND_CPU));
+      continue;
+    }
+    ++refused;
+    EXPECT_EQ(status, INSITU_ERROR_UNSUPPORTED);
+    const std::string text = message();
+    ASSERT_EQ(text.substr(0, c.begins.size()), c.begins);
+    // A build without it, no driver, no card, or one too old: each names what is missing.
+    const std::string reason = text.substr(c.begins.size());
+    EXPECT_TRUE(reason.find("CUDA") != std::string::npos ||
+                reason.find("OptiX") != std::string::npos ||
+                reason.find("libnvoptix") != std::string::npos)
+        << text;
+    // In a scene as well, with its line.
+    insitu_session_options options = insitu_session_options_default();
+    const std::string scene = c.backend == INSITU_BACKEND_CUDA
+                                  ? "insitu: 1\nlocator: {method: bvh, backend: cuda}\n"
+                                  : "insitu: 1\nlocator: {method: user_geometry, backend: optix}\n";
+    options.scene_text = scene.c_str();
+    insitu_session other = nullptr;
+    EXPECT_EQ(insitu_session_open(&options, &other), INSITU_ERROR_UNSUPPORTED);
+    EXPECT_EQ(message(), "scene:2: " + text);
+  }
+  // The choice before stands.
+  REQUIRE_OK(insitu_mesh_commit(handle_, nullptr));
+  EXPECT_EQ(info().method, INSITU_METHOD_SHARED_FACES);
+  if (refused == 0)
+    GTEST_SKIP() << "every backend can be used here";
 }
 
 TEST_F(Locators, DeviceMemoryNeedsADevice) {

@@ -106,3 +106,26 @@ TEST(RayRules, DirectionsVaryAndHaveLengthOne) {
   for (int a = 0; a < 3; ++a)
     EXPECT_NEAR(sum[a], 0, 0.03);
 }
+
+TEST(RayRules, RaysStartAtThePointInTheFrame) {
+  test::Random random(5);
+  const Vec3d origin{6.4e6, -6.4e6, 1e3};
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3d d = random.uniform({-1, -1, -1}, {1, 1, 1}), p = origin + d;
+    const accel::PointRay ray = accel::point_ray(p, origin, 1.5f);
+    EXPECT_EQ(ray.length, 1.5f);
+    const math::Vec3f direction = accel::ray_direction(p);
+    for (int a = 0; a < 3; ++a) {
+      // The difference is exact in double, then rounded once: no digits go to the offset.
+      EXPECT_EQ(ray.origin[a], float(p[a] - origin[a]));
+      EXPECT_NEAR(ray.origin[a], d[a], 0x1p-24 + 0x1p-30); // 2^-30: of p at 6.4e6
+      EXPECT_EQ(ray.direction[a], direction[a]);
+    }
+  }
+  // The direction is the point's alone: in another frame it is the same.
+  const Vec3d p{0.25, 0.5, 0.75};
+  const math::Vec3f here = accel::point_ray(p, {}, 1).direction,
+                    there = accel::point_ray(p, {1, 2, 3}, 2).direction;
+  for (int a = 0; a < 3; ++a)
+    EXPECT_EQ(here[a], there[a]);
+}

@@ -7,6 +7,7 @@
 
 #include "cells/contain_exact.h"
 #include "cells/faces.h"
+#include "cells/folds.h"
 #include "core/random.h"
 #include "count_faces.h"
 #include "workload/mesh.h"
@@ -81,6 +82,24 @@ TEST(Workload, VolumesArePositiveAndFillTheBox) {
       EXPECT_GT(least, 0.0) << name(kind) << ' ' << jitter;
       EXPECT_NEAR(sum, 1.0, 1e-12) << name(kind) << ' ' << jitter;
     }
+}
+
+TEST(Workload, TwistedCellsAreBentAndDoNotFold) {
+  for (const int n : {3, 8}) {
+    const Mesh mesh = make_twisted_box(n, 0.4);
+    double sum = 0.0, bent = 0.0;
+    for (std::int64_t c = 0; c < mesh.cell_count(); ++c) {
+      Vec3d x[8];
+      mesh.gather(c, x);
+      EXPECT_FALSE(cells::jacobian_changes_sign(Shape::hexahedron, x)) << "cell " << c;
+      sum += volume(mesh, c);
+      // How far the diagonals of a face across x pass each other, in edges.
+      const Vec3d apart = 0.5 * n * (x[0] - x[3] + x[7] - x[4]);
+      bent = std::max(bent, std::sqrt(dot(apart, apart)));
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-12);
+    EXPECT_GT(bent, n == 3 ? 0.4 : 0.8);
+  }
 }
 
 TEST(Workload, CountsAndSizes) {

@@ -1,57 +1,26 @@
 // Ray methods: the answers are those of bvh, in exact and standard; fast is what the papers' rules
 // make of it.
+#include "rays_test.h"
+
 #include <algorithm>
 #include <numeric>
-
-#include "accel/ray_locator.h"
-#include "query_test.h"
 
 using namespace insitu;
 using accel::Method;
 using math::Vec3d;
 using query::Location;
 using test::all_kinds;
+using test::Answers;
+using test::ask;
 using test::box;
+using test::expect_same;
 using test::MeshKind;
+using test::points_of;
+using test::ray_methods;
 using test::TestMesh;
+using test::upright;
 
 namespace {
-
-constexpr Method ray_methods[] = {Method::user_geometry, Method::replicated_faces,
-                                  Method::shared_faces, Method::shared_bilinear_faces};
-
-struct Answers {
-  std::vector<Location> at;
-  std::vector<std::uint8_t> reasons;
-};
-
-Answers ask(const fixtures::Committed& m, const std::vector<Vec3d>& points,
-            insitu_accuracy accuracy) {
-  Answers a{std::vector<Location>(points.size()), std::vector<std::uint8_t>(points.size())};
-  m.sampler().locate(m.threads, points, a.at, {accuracy, 1.0}, a.reasons);
-  return a;
-}
-
-/// Points of all sorts: within cells, on and near their boundaries, outside, and none at all.
-std::vector<Vec3d> points_of(const mesh::MeshView& view, int count, std::uint64_t seed) {
-  std::vector<Vec3d> points = test::inner_points(view, count, seed);
-  const std::vector<Vec3d> hard = test::hard_points(view, count, seed + 1);
-  points.insert(points.end(), hard.begin(), hard.end());
-  for (std::size_t i = 0; i < points.size(); i += 17)
-    points[i].x += 1000;
-  points[3].y = std::numeric_limits<double>::quiet_NaN();
-  points[4].z = std::numeric_limits<double>::infinity();
-  points[5].x = -1e300;
-  return points;
-}
-
-void expect_same(const Answers& a, const Answers& wanted, const std::vector<Vec3d>& points,
-                 const std::string& what) {
-  for (std::size_t i = 0; i < points.size(); ++i)
-    ASSERT_TRUE(test::same_bits(a.at[i], wanted.at[i]))
-        << what << ", point " << i << " " << test::text(points[i]) << ": " << a.at[i].cell
-        << " for " << wanted.at[i].cell;
-}
 
 /// Every ray method against what stands, which answers by bvh.
 void check(fixtures::Committed& m, const std::vector<Vec3d>& points, const std::string& what) {
@@ -65,7 +34,10 @@ void check(fixtures::Committed& m, const std::vector<Vec3d>& points, const std::
     m.commit();
     ASSERT_NE(m.mesh.locators().rays(), nullptr);
     const std::string name = what + ", " + accel::name(method);
+    const std::int64_t kept = m.mesh.locators().ray_counts().kept;
     expect_same(ask(m, points, INSITU_EXACT), exact, points, name + ", exact");
+    // What rays_kept_test.cpp has in shares: the rays were asked, where they may answer.
+    EXPECT_EQ(m.mesh.locators().ray_counts().kept > kept, m.sampler().mesh().covers_once) << name;
     if (m.sampler().mesh().covers_once)
       expect_same(ask(m, points, INSITU_STANDARD), standard, points, name + ", standard");
   }
@@ -74,17 +46,6 @@ void check(fixtures::Committed& m, const std::vector<Vec3d>& points, const std::
 void check(const TestMesh& from, const std::string& what, int count = 1500) {
   fixtures::Committed m(from, 2);
   check(m, points_of(m.sampler().mesh(), count, 41), what);
-}
-
-/// The fixture's tetrahedra, all the same way round.
-TestMesh upright(TestMesh mesh) {
-  for (test::MeshCell& cell : mesh.cells) {
-    const test::Vertices x = mesh.cell_vertices(cell);
-    if (cell.shape == mesh::Shape::tetrahedron &&
-        dot(cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]) < 0)
-      std::swap(cell.vertices[0], cell.vertices[1]);
-  }
-  return mesh;
 }
 
 std::int64_t wrong(const std::vector<Location>& a, const std::vector<Location>& b) {
@@ -110,6 +71,7 @@ TEST(Rays, AnswerAsTheTreeOnEveryShape) {
 TEST(Rays, AnswerAsTheTreeOnTwistedLongFarAndFlatCells) {
   check(box(MeshKind::hexahedra, 6, 0.45), "twisted, some folded");
   check(box(MeshKind::mixed, 5, 0.4), "twisted, mixed");
+  check(test::twisted_box(6, 0.4), "twisted, none folded");
   check(box(MeshKind::hexahedra, 3, 0.2, 0, {100, 1, 1}), "long");
   check(box(MeshKind::wedges, 3, 0.2, 0, {1, 1, 1e5}), "needles");
   check(box(MeshKind::hexahedra, 5, 0.2, 1e7), "far from zero");

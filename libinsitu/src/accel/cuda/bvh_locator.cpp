@@ -20,17 +20,18 @@ public:
     threads_ = &threads;
     // Queries and tracers that were queued still read what changes; the solver may still write it.
     check(cudaDeviceSynchronize(), "waiting for the device");
-    built_ = built_ && !(what & (INSITU_CHANGED_TOPOLOGY | INSITU_CHANGED_GEOMETRY));
+    const bool rebuild = (what & (INSITU_CHANGED_TOPOLOGY | rebuild_due)) != 0;
+    built_ = built_ && !rebuild && !(what & INSITU_CHANGED_GEOMETRY);
     mesh_.commit(mesh, what, stream_.get());
     report_.tree_seconds = 0.0;
     if (!built_) {
       const core::Timer timer;
-      if (what & INSITU_CHANGED_TOPOLOGY)
+      if (rebuild)
         tree_.build(mesh_, stream_.get());
       else
         tree_.refit(mesh_, stream_.get());
       report_.tree_seconds = timer.seconds();
-      if (what & INSITU_CHANGED_TOPOLOGY) {
+      if (rebuild) {
         report_.peak_bytes = bytes();
         report_.tree_peak_bytes = tree_.bytes() + tree_.scratch_bytes();
       }
@@ -38,7 +39,7 @@ public:
     }
     // Scratch is worth keeping only while rebuilds come often.
     constexpr int patience = 4;
-    commits_since_build_ = what & INSITU_CHANGED_TOPOLOGY ? 0 : commits_since_build_ + 1;
+    commits_since_build_ = rebuild ? 0 : commits_since_build_ + 1;
     if (commits_since_build_ == patience)
       tree_.release_scratch();
   }

@@ -38,21 +38,23 @@ INSITU_HD inline float slack(float u) {
   return least(u, 1.0f - u);
 }
 
-/// map(q, x, a, b, c): the place at q and the three derivatives. False once q is far out.
+/// map(q, x, a, b, c): the place at q and the three derivatives. False once q is far out, and
+/// where it still moves in the end: beside such cells, not in them.
 template <class Map>
 INSITU_HD inline bool newton_float(const Map& map, const Vec3f& p, Vec3f& q) {
+  float size = 1.0f;
   for (int i = 0; i < 8; ++i) {
     Vec3f x, a, b, c;
     map(q, x, a, b, c);
     const Vec3f d = solve(a, b, c, p - x);
     q += d;
-    const float size = fmaxf(fabsf(d.x), fmaxf(fabsf(d.y), fabsf(d.z)));
+    size = fmaxf(fabsf(d.x), fmaxf(fabsf(d.y), fabsf(d.z)));
     if (!(fabsf(q.x) < 3.0f && fabsf(q.y) < 3.0f && fabsf(q.z) < 3.0f))
       return false; // and NaN
     if (size < 2e-4f)
       return true; // the next step would be its square
   }
-  return true;
+  return size < 1e-2f;
 }
 
 } // namespace detail

@@ -97,8 +97,7 @@ private:
   }
   void settle(InFlight& slice) {
     if (query_.accuracy != INSITU_FAST)
-      return settle_slice(work_, threads_, slice, counts_);
-    (candidates_ ? counts_.candidates_kept : counts_.by_tree) += slice.arguments.count;
+      settle_slice(work_, threads_, slice, counts_);
   }
 
   void run_on_device() {

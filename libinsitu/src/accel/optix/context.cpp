@@ -6,31 +6,25 @@
 #include <optix_stubs.h>
 #include <utility>
 
+#include "accel/optix/unavailable.h"
 #include "core/status.h"
 
 namespace insitu::accel::optix {
 namespace {
 
-std::string version_text() {
-  return "OptiX " + std::to_string(OPTIX_VERSION / 10000) + "." +
-         std::to_string(OPTIX_VERSION / 100 % 100) + " (ABI " + std::to_string(OPTIX_ABI_VERSION) +
-         ")";
-}
-
 /// Why optixInit failed. The stubs open the library themselves and tell little.
-std::string why_not_loaded(OptixResult result) {
+std::string why_not(OptixResult result) {
   if (result == OPTIX_ERROR_UNSUPPORTED_ABI_VERSION)
-    return "driver too old for this OptiX (ABI " + std::to_string(OPTIX_ABI_VERSION) + ")";
-  if (result == OPTIX_ERROR_LIBRARY_NOT_FOUND) {
-    std::string why = "libnvoptix.so.1 was not found";
-    if (void* library = dlopen("libnvoptix.so.1", RTLD_NOW | RTLD_LOCAL))
-      dlclose(library);
-    else if (const char* text = dlerror())
-      why += std::string(" (") + text + ")";
-    return why + "; it comes with the display driver";
-  }
-  return "libnvoptix.so.1 does not serve " + version_text() + ": result " +
-         std::to_string(int(result));
+    return why_not_loaded(LoadFailure::driver_too_old, OPTIX_VERSION, OPTIX_ABI_VERSION, "");
+  if (result != OPTIX_ERROR_LIBRARY_NOT_FOUND)
+    return why_not_loaded(LoadFailure::other, OPTIX_VERSION, OPTIX_ABI_VERSION,
+                          "result " + std::to_string(int(result)));
+  std::string detail;
+  if (void* library = dlopen("libnvoptix.so.1", RTLD_NOW | RTLD_LOCAL))
+    dlclose(library);
+  else if (const char* text = dlerror())
+    detail = text;
+  return why_not_loaded(LoadFailure::not_found, OPTIX_VERSION, OPTIX_ABI_VERSION, detail);
 }
 
 } // namespace
@@ -58,7 +52,7 @@ void Context::open() {
     return;
   }
   if (const OptixResult result = optixInit(); result != OPTIX_SUCCESS) {
-    why_not_ = why_not_loaded(result);
+    why_not_ = why_not(result);
     return;
   }
   OptixDeviceContextOptions options{};

@@ -44,11 +44,6 @@ void LaunchStreams::launched(cudaStream_t stream) {
   cuda::check(cudaEventRecord(find(stream).done, stream), "recording an event");
 }
 
-void LaunchStreams::wait() {
-  for (const Entry& e : entries_)
-    cuda::check(cudaEventSynchronize(e.done), "waiting for queries");
-}
-
 std::int64_t LaunchStreams::bytes() const {
   std::int64_t sum = 0;
   for (const Entry& e : entries_)

@@ -9,8 +9,7 @@
 namespace insitu::accel::optix {
 
 /// The streams on which launches were queued, each with memory for a launch's parameters: a stream
-/// runs in order, so the next launch may overwrite those of the one before. A commit waits for all,
-/// since it changes what they read. One thread at a time.
+/// runs in order, so the next launch may overwrite those of the one before. One thread at a time.
 class LaunchStreams {
 public:
   explicit LaunchStreams(core::Memory& memory) : memory_(&memory) {}
@@ -22,7 +21,6 @@ public:
   const Launch* put(const Launch& parameters, cudaStream_t stream);
   /// The launch that reads them has been queued.
   void launched(cudaStream_t stream);
-  void wait();
   std::int64_t bytes() const;
 
 private:

@@ -85,12 +85,14 @@ void OptixLocator::commit(const mesh::Mesh& mesh, HostView host, std::uint32_t w
     throw core::Error(INSITU_ERROR_ARGUMENT,
                       std::string("locator ") + name(method_) + " needs the mesh's faces");
   std::lock_guard lock(mutex_);
-  streams_.wait();
-  const bool rebuild = !committed_ || (what & INSITU_CHANGED_TOPOLOGY);
+  // Queries and tracers that were queued still read what changes; the solver may still write it.
+  cuda::check(cudaDeviceSynchronize(), "waiting for the device");
+  const bool anew = !committed_ || (what & INSITU_CHANGED_TOPOLOGY);
+  const bool rebuild = anew || (what & rebuild_due);
   const bool moved = rebuild || (what & INSITU_CHANGED_GEOMETRY);
   threads_ = &threads;
   committed_ = false;
-  mesh_.commit(mesh, rebuild ? std::uint32_t(INSITU_CHANGED_ALL) : what, stream_.get());
+  mesh_.commit(mesh, anew ? std::uint32_t(INSITU_CHANGED_ALL) : what, stream_.get());
   if (moved) {
     const core::Timer timer;
     if (rebuild)

@@ -40,14 +40,14 @@ public:
       const core::Timer timer;
       tree.build(view, context_.threads, accel::Builder::morton);
       build_seconds = timer.seconds();
-      return {tree.cell_count(), tree.bytes(), memory.peak(), 0};
+      return {tree.cell_count(), tree.bytes(), memory.peak()};
     }
     core::Memory for_faces;
     accel::FaceTable faces(for_faces);
     const core::Timer timer;
     if (uses_faces(method_))
       faces.build(view, context_.threads);
-    const double face_seconds = timer.seconds();
+    const double face_seconds = uses_faces(method_) ? timer.seconds() : 0.0;
     Sizes sizes;
     for (const std::int64_t group : {std::int64_t(1) << 40, std::int64_t(1) << 20}) {
       core::Memory memory;
@@ -57,7 +57,7 @@ public:
       build_seconds = face_seconds + build_timer.seconds();
       const accel::RayLocatorReport r = rays->report();
       const std::int64_t peak_whole = sizes.peak;
-      sizes = {r.primitives, r.bytes, r.peak_bytes, peak_whole};
+      sizes = {r.primitives, r.bytes, r.peak_bytes, peak_whole, face_seconds};
     }
     return sizes;
   }
@@ -79,13 +79,21 @@ public:
     options.accuracy = accuracy;
     const mesh::FieldView field = committed_.mesh().field(wanted == Wanted::cell_value ? "c" : "f");
     double* const values = values_.data();
+    const insitu_locator_info before = committed_.locator_info();
     sampler.visit(context_.threads, points_, options, [&](const query::Answered& answered) {
       if (wanted != Wanted::ids)
         return sampler.interpolate(std::span(&field, 1), answered, 0, &values);
       for (std::size_t k = 0; k < answered.locations.size(); ++k)
         cells_[answered.item(k)] = answered.locations[k].cell;
     });
+    const insitu_locator_info after = committed_.locator_info();
+    ways_ = {after.kept - before.kept, after.by_neighbour - before.by_neighbour,
+             after.by_tree - before.by_tree, 0};
+    if (method_ == accel::Method::bvh)
+      ways_.by_tree = std::int64_t(points_.size()); // which nobody counts
   }
+
+  Ways ways() const override { return ways_; }
 
   void ids(std::vector<std::int64_t>& out) override { out = cells_; }
 
@@ -96,6 +104,7 @@ private:
   std::span<const math::Vec3d> points_;
   std::vector<std::int64_t> cells_;
   std::vector<double> values_;
+  Ways ways_;
 };
 
 } // namespace

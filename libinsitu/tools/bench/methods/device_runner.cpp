@@ -49,7 +49,8 @@ public:
     mesh_.update();
     const bool free = cells::find_odd_cells(mesh_.view(), context.threads).none();
     mesh_.set_free_of_folds(free);
-    mesh_.set_covers_once(free); // by their making
+    // As a committed mesh knows it: it looks for overlaps with ray methods alone.
+    mesh_.set_covers_once(free && method != accel::Method::bvh);
     locator_ = accel::make_device_locator(backend, method, memory_);
   }
 
@@ -74,6 +75,7 @@ public:
     const accel::DeviceReport r = locator_->report();
     const bool by_rays = backend_ == accel::Backend::optix;
     build_seconds = by_rays ? faces_seconds + r.rays_seconds : r.tree_seconds;
+    sizes.faces_s = faces_seconds;
     sizes.primitives = r.primitives;
     sizes.bytes = by_rays ? r.ray_bytes : r.tree_bytes;
     sizes.peak = by_rays ? r.ray_peak_bytes : r.tree_peak_bytes;
@@ -111,9 +113,12 @@ public:
       query.fields = std::span(&field, 1);
       query.values = &values;
     }
-    locator_->locate(query);
+    const accel::DeviceCounts counts = locator_->locate(query);
+    ways_ = {counts.candidates_kept, 0, counts.by_tree, counts.settled_on_host};
     check(cudaDeviceSynchronize(), "locating");
   }
+
+  Ways ways() const override { return ways_; }
 
   void ids(std::vector<std::int64_t>& out) override {
     out.resize(count_);
@@ -131,6 +136,7 @@ private:
   accel::FaceTable faces_;
   std::unique_ptr<accel::DeviceLocator> locator_;
   std::size_t count_ = 0;
+  Ways ways_;
   OnDevice<double> points_, values_;
   OnDevice<std::int64_t> cells_;
 };

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <optional>
 
@@ -39,6 +40,7 @@ struct Row {
   struct Answers {
     std::int64_t points = 0, other[accuracy_count] = {};
   } inside, boundary;
+  Ways ways;                    ///< of the random ones, in exact
   std::optional<double> joules; ///< a million random queries, ids, fast
 };
 
@@ -61,12 +63,15 @@ public:
   std::vector<Row> run() {
     using workload::Kind;
     struct Case {
-      Kind kind;
-      double jitter;
       std::string name;
+      std::function<MethodMesh()> make;
     };
     std::vector<Case> cases;
-    const auto add = [&](Kind kind) { cases.push_back({kind, o_.jitter, workload::name(kind)}); };
+    const auto add_box = [&](const std::string& name, Kind kind, double jitter) {
+      cases.push_back(
+          {name, [=, this] { return make_method_mesh(kind, o_.spacing, o_.cells[0], jitter); }});
+    };
+    const auto add = [&](Kind kind) { add_box(workload::name(kind), kind, o_.jitter); };
     if (o_.kind_given) {
       add(o_.kind);
     } else {
@@ -74,12 +79,15 @@ public:
         add(kind);
       if (o_.check) {
         add(Kind::pyramids);
-        cases.push_back({Kind::hexahedra, 0.35, "hex, twisted"}); // one in twenty folds
+        cases.push_back(
+            {"hex, twisted", [this] { return make_twisted_method_mesh(o_.cells[0], 0.4); }});
+        add_box("hex, some folded", Kind::hexahedra, 0.35); // one in twenty: the tree answers all
       }
     }
     std::vector<Row> rows;
     for (const Case& c : cases) {
-      make(c.kind, c.jitter, c.name);
+      progress("making the mesh of " + c.name);
+      use(c.make());
       for (int b = 0; b < accel::backend_count; ++b)
         for (int m = 0; m < accel::method_count; ++m)
           if (has(Backend(b), Method(m)) && wanted(Backend(b), Method(m)))
@@ -99,10 +107,9 @@ private:
     return in(o_.backends, name(b)) && in(o_.methods, name(m));
   }
 
-  void make(workload::Kind kind, double jitter, const std::string& name) {
+  void use(MethodMesh&& mesh) {
     using workload::Pattern;
-    progress("making the mesh of " + name);
-    mesh_ = make_method_mesh(kind, o_.spacing, o_.cells[0], jitter);
+    mesh_ = std::move(mesh);
     const std::int64_t count = o_.points > 0 ? o_.points : mesh_.mesh.cell_count();
     uniform_ = workload::make_queries(mesh_.mesh, Pattern::uniform, 0).points;
     random_ = workload::make_queries(mesh_.mesh, Pattern::random, count).points;
@@ -166,6 +173,7 @@ private:
       }
     }
     row.inside = compare(*runner, first_of(random_), owners_);
+    row.ways = runner->ways(); // exact comes last
     row.boundary = compare(*runner, first_of(boundary_), boundary_owners_);
     return row;
   }
@@ -215,11 +223,14 @@ std::string timing_tables(const std::vector<Row>& rows) {
   text += table_of(
       rows,
       "Memory (Morrical 2020, table 1): bytes; peak while building, all at once and in "
-      "groups of 2^20 primitives; build and refit in ms",
-      "primitives    final peak, whole peak, groups     build     refit", [](const Row& r) {
-        return format("%12s %8s %11s %12s %9.1f %9.1f", grouped(r.sizes.primitives).c_str(),
+      "groups of 2^20 primitives; finding faces, build with that, and refit in ms",
+      "primitives    final peak, whole peak, groups     faces     build     refit",
+      [](const Row& r) {
+        return format("%12s %8s %11s %12s %9s %9.1f %9.1f", grouped(r.sizes.primitives).c_str(),
                       megabytes(r.sizes.bytes).c_str(), megabytes(r.sizes.peak_whole).c_str(),
-                      megabytes(r.sizes.peak).c_str(), 1e3 * r.build_s, 1e3 * r.refit_s);
+                      megabytes(r.sizes.peak).c_str(),
+                      r.sizes.faces_s > 0.0 ? format("%.1f", 1e3 * r.sizes.faces_s).c_str() : "-",
+                      1e3 * r.build_s, 1e3 * r.refit_s);
       });
   text += rates_table(rows, "Uniform (table 2): a point a cell, million samples a second",
                       &Row::uniform);
@@ -261,6 +272,16 @@ std::string text_of(const std::vector<Row>& rows, const Bench& bench, const Opti
         };
         return columns(r.inside) + columns(r.boundary);
       });
+  text += table_of(
+      rows,
+      "How those random points were answered in exact: by the cell that the ray told, proven; by "
+      "the one across the face (on a device: among those kept); by the tree; and undecided by a "
+      "device, on the host",
+      "        kept by neighbour      by tree      by host", [](const Row& r) {
+        return format("%12s %12s %12s %12s", grouped(r.ways.kept).c_str(),
+                      grouped(r.ways.by_neighbour).c_str(), grouped(r.ways.by_tree).c_str(),
+                      grouped(r.ways.on_host).c_str());
+      });
   if (!o.check)
     text += energy_table(rows, bench);
   text += "\n";
@@ -294,6 +315,11 @@ std::string json_of(const std::vector<Row>& rows, const Options& o) {
             ", \"bytes\": " + std::to_string(r.sizes.bytes) +
             ", \"peak_whole\": " + std::to_string(r.sizes.peak_whole) +
             ", \"peak_groups\": " + std::to_string(r.sizes.peak) +
+            ", \"faces_s\": " + number(r.sizes.faces_s) +
+            ", \"exact_kept\": " + std::to_string(r.ways.kept) +
+            ", \"exact_by_neighbour\": " + std::to_string(r.ways.by_neighbour) +
+            ", \"exact_by_tree\": " + std::to_string(r.ways.by_tree) +
+            ", \"exact_on_host\": " + std::to_string(r.ways.on_host) +
             ", \"build_s\": " + number(r.build_s) + ", \"refit_s\": " + number(r.refit_s) +
             ", \"random_points\": " + std::to_string(r.inside.points) +
             ", \"boundary_points\": " + std::to_string(r.boundary.points);

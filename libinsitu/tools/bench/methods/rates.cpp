@@ -1,19 +1,35 @@
 #include "methods/rates.h"
 
+#include <utility>
+
 #include "core/timer.h"
 #include "measure.h"
 
 namespace insitu::bench {
 
-MethodMesh make_method_mesh(workload::Kind kind, workload::Spacing spacing, std::int64_t cells,
-                            double jitter) {
+namespace {
+
+MethodMesh with_fields(workload::Mesh&& mesh) {
   MethodMesh out;
-  out.mesh = workload::make_box(kind, workload::box_size(kind, cells, spacing), jitter, spacing);
+  out.mesh = std::move(mesh);
   out.vertex_field = workload::vertex_field(out.mesh);
   out.cell_field.resize(std::size_t(out.mesh.cell_count()));
   for (std::size_t c = 0; c < out.cell_field.size(); ++c)
     out.cell_field[c] = double(c);
   return out;
+}
+
+} // namespace
+
+MethodMesh make_method_mesh(workload::Kind kind, workload::Spacing spacing, std::int64_t cells,
+                            double jitter) {
+  return with_fields(
+      workload::make_box(kind, workload::box_size(kind, cells, spacing), jitter, spacing));
+}
+
+MethodMesh make_twisted_method_mesh(std::int64_t cells, double amplitude) {
+  return with_fields(
+      workload::make_twisted_box(workload::box_size(workload::Kind::hexahedra, cells), amplitude));
 }
 
 std::size_t most_points(accel::Backend backend, accel::Method method) {

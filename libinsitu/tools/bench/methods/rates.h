@@ -11,6 +11,8 @@ namespace insitu::bench {
 /// The box of make_box with a vertex field and the cells' ids as a cell field.
 MethodMesh make_method_mesh(workload::Kind kind, workload::Spacing spacing, std::int64_t cells,
                             double jitter);
+/// The same of make_twisted_box.
+MethodMesh make_twisted_method_mesh(std::int64_t cells, double amplitude);
 
 /// Ray methods are slow on processors: they answer the first of the points only, and bvh there the
 /// first million.

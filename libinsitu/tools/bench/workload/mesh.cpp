@@ -232,6 +232,25 @@ Mesh make_box(Kind kind, int n, double jitter, Spacing spacing) {
   return Builder(kind, n, jitter, spacing).take();
 }
 
+Mesh make_twisted_box(int n, double amplitude) {
+  Mesh mesh = make_box(Kind::hexahedra, n, 0.0);
+  const double reach = amplitude / n;
+  for (std::size_t v = 0; v < mesh.points.size(); v += 3) {
+    double* p = &mesh.points[v];
+    int ijk[3];
+    bool interior = true;
+    for (int a = 0; a < 3; ++a) {
+      ijk[a] = int(std::lround(p[a] * n));
+      interior = interior && ijk[a] > 0 && ijk[a] < n;
+    }
+    if (!interior)
+      continue;
+    p[0] += (ijk[1] + ijk[2]) % 2 == 0 ? reach : -reach;
+    p[1] += (ijk[0] + ijk[2]) % 2 == 0 ? -reach : reach;
+  }
+  return mesh;
+}
+
 std::int64_t box_cell_count(Kind kind, int n) {
   std::int64_t across = 0; // cells in a row of hexahedra along x
   for (int i = 0; i < n; ++i)

@@ -1,0 +1,17 @@
+# insitu_check_optix(root): a fatal error unless root has the headers of OptiX 7.7 or later.
+function(insitu_check_optix root)
+  if(NOT EXISTS ${root}/include/optix.h)
+    message(FATAL_ERROR "insitu: no include/optix.h in INSITU_OPTIX_ROOT (${root})")
+  endif()
+  file(STRINGS ${root}/include/optix.h line REGEX "^#define[ \t]+OPTIX_VERSION[ \t]+[0-9]+")
+  if(NOT line MATCHES "OPTIX_VERSION[ \t]+([0-9]+)")
+    message(FATAL_ERROR "insitu: ${root}/include/optix.h does not tell OPTIX_VERSION")
+  endif()
+  set(version ${CMAKE_MATCH_1})
+  if(version LESS 70700)
+    math(EXPR major "${version} / 10000")
+    math(EXPR minor "${version} / 100 % 100")
+    message(FATAL_ERROR "insitu: INSITU_OPTIX_ROOT (${root}) has the headers of OptiX "
+                        "${major}.${minor}; 7.7 or later is needed")
+  endif()
+endfunction()
