@@ -63,7 +63,10 @@ static inline insitu_commit_report insitu_commit_report_default(void) {
 /** Brings the structures up to date: topology -> rebuild; geometry -> refit, or rebuild once the
  *  refitted tree costs too much; fields -> value ranges; nothing -> nothing. Once enough points
  *  were located to pay for it, a geometry or fields commit also rebuilds by surface area. The first
- *  commit validates the mesh, and so does one after a change of topology. report may be null. */
+ *  commit validates the mesh, and so does one after a change of topology. report may be null.
+ *  Where a device answers (insitu_mesh_locator), a commit waits for all work that was queued on the
+ *  device, on any stream: queries and tracers may still read what changes, and the solver write it.
+ */
 INSITU_API insitu_status insitu_mesh_commit(insitu_mesh mesh, insitu_commit_report* report);
 
 /** What validation found, by kind. Errors refuse a mesh; warnings are counted. */
@@ -83,8 +86,8 @@ typedef struct insitu_validation {
   int64_t coincident_vertices; /**< vertices at the place of another, bit for bit: seams. Faces
                                     are matched by place, so these alone lose and double no point */
   int64_t crowded_faces;       /**< faces of three cells or more: cells overlap */
-  int64_t split_faces; /**< quads against two triangles, or against the same corners in another
-                            order: both cells, or none, hold the sliver between */
+  int64_t split_faces;      /**< quads against two triangles, or against the same corners in another
+                                 order: both cells, or none, hold the sliver between */
   int64_t hanging_vertices; /**< vertices on a face or edge of a cell that has no corner there, to
                                  1e-9 of the cell */
   int64_t covered_vertices; /**< vertices in the interior of a cell: cells overlap */

@@ -60,9 +60,10 @@ typedef struct insitu_locator_info {
   int64_t bytes; /**< held by the method's structures, the tree and the device's copies included */
   int64_t bytes_peak;   /**< the most during their last build */
   int64_t bytes_copied; /**< of host arrays, on the device */
-  /* Points, since the mesh was made, of batches by a ray method or on a device: */
+  /* Points, since the mesh was made, of batches by a ray method or on a device. INSITU_FAST counts
+     none: it takes the ray's cell unproven. */
   int64_t kept;            /**< answered by the cell that the ray told, once certified */
-  int64_t by_neighbour;    /**< by the cell across the face that the ray hit */
+  int64_t by_neighbour;    /**< by the cell across the face that the ray hit; on a device in kept */
   int64_t by_tree;         /**< by the tree: the fallback of ray methods, all points of `bvh` */
   int64_t settled_on_host; /**< left undecided by a device; exact arithmetic on the host */
 } insitu_locator_info;
