@@ -93,6 +93,7 @@ module insitu
     procedure :: patch
     procedure :: drop_pieces
     procedure :: amr_info
+    procedure :: cell_levels
     procedure :: remove_field
     procedure :: ghosts
     procedure :: changed

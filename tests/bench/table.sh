@@ -1,25 +1,26 @@
 #!/usr/bin/env bash
 # Makes the README's tables of measured figures: libinsitu beside VTK's locators, each row one run, adaptive meshes, and
 # what effects of frames cost.
-#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--effects|--accuracy|--frames|--advect|--openvkl]
+#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl]
 #     [--readme]
 # cells: 1000000, about twenty minutes; the large rows take eight times as many. A part alone: --measured, the tables beside
 # VTK's locators; --scale, 1e4 to 3e7 cells, three minutes and 8 GiB, and libinsitu/doc/scale.svg; --amr, adaptive
-# meshes, two minutes, beside Open VKL if the binary was built with it; --effects, five minutes; --accuracy, what accuracy
-# costs, a minute (small meshes; its page goes to out/accuracy); --frames, frames by ray marching, three minutes, beside
-# VTK's and, by a binary that was built with it, Open VKL's; --advect, particles, beside VTK's in hexahedra, two minutes;
-# --openvkl, points beside Open VKL, two minutes, by such a binary.
+# meshes, two minutes, beside Open VKL if the binary was built with it; --amr_sizes, these by number of leaves, a minute;
+# --effects, five minutes; --accuracy, what accuracy costs, a minute (small meshes; its page goes to out/accuracy);
+# --frames, frames by ray marching, three minutes, beside VTK's and, by a binary that was built with it, Open VKL's;
+# --advect, particles, beside VTK's in hexahedra, two minutes; --openvkl, points beside Open VKL, two minutes, by such a
+# binary.
 # --readme: puts each part between the README's marks of its name, <!-- scale --> and so on, instead of printing it.
 # INSITU_BENCH: another binary.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 bench=${INSITU_BENCH:-build/release/bin/insitu-bench}
-cells=1000000 readme= parts="measured scale amr frames effects advect accuracy"
+cells=1000000 readme= parts="measured scale amr amr_sizes frames effects advect accuracy"
 for argument; do
   case $argument in
     --readme) readme=1 ;;
-    --measured|--scale|--amr|--effects|--accuracy|--frames|--advect|--openvkl) parts=${argument#--} ;;
-    *[!0-9]* | '') sed -n '2,13s/^# //p' "$0" >&2; exit 2 ;;
+    --measured|--scale|--amr|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl) parts=${argument#--} ;;
+    *[!0-9]* | '') sed -n '2,14s/^# //p' "$0" >&2; exit 2 ;;
     *) cells=$argument ;;
   esac
 done
@@ -168,6 +169,15 @@ amr() {
   echo
   echo '```'
   "$bench" amr --peers 2> /dev/null
+  echo '```'
+}
+
+amr_sizes() {
+  echo "\`insitu-bench amr --sizes\`, $(date -u +%Y-%m-%d) on $(nproc) cores, $(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo)." \
+    "Build: from the solver's arrays to ready to sample, one thread."
+  echo
+  echo '```'
+  "$bench" amr --sizes 2> /dev/null
   echo '```'
 }
 

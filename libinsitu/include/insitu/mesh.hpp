@@ -40,6 +40,15 @@ public:
     detail::check(insitu_mesh_amr_info(handle(), &info));
     return info;
   }
+  /** The levels of the cells of an adaptive mesh that points lie in, as the solver numbers levels;
+   *  -1 outside. cell_base: that of the answers (LocateOptions). */
+  std::vector<std::int32_t> cell_levels(const Locations& at, std::int64_t cell_base = 0) const {
+    std::vector<std::int32_t> levels(at.cells.size());
+    detail::check(insitu_mesh_cell_levels(handle(), static_cast<std::int64_t>(levels.size()),
+                                          at.cells.data(), at.pieces.data(), cell_base,
+                                          levels.data()));
+    return levels;
+  }
   /** Drops the pieces from `first` on: a regrid may leave fewer patches. */
   void drop_pieces(int first) { detail::check(insitu_mesh_drop_pieces(handle(), first)); }
 

@@ -19,6 +19,12 @@ void store(std::byte* to, T value) {
   std::memcpy(to, &value, sizeof value);
 }
 
+/// The cell's shape in a copy: of a cell that owns no point none, where looking it up could read
+/// past the arrays, since such cells may hold garbage.
+Shape copied_shape(const PieceView& from, std::int64_t cell) {
+  return from.layout == CellLayout::uniform || from.owns(cell) ? from.shape(cell) : Shape::none;
+}
+
 } // namespace
 
 /// The ids of all cells; before: of those before each task's.
@@ -30,7 +36,7 @@ std::int64_t CellsCopy::count_ids(const PieceView& from, const core::Threads& th
   threads.parallel_for(from.cell_count, grain, [&](std::int64_t begin, std::int64_t end) {
     std::int64_t sum = 0;
     for (std::int64_t c = begin; c < end; ++c)
-      sum += PieceView::vertex_count_of(from.shape(c));
+      sum += vertex_count(copied_shape(from, c));
     before[std::size_t(begin / grain) + 1] = sum;
   });
   for (std::size_t i = 1; i < before.size(); ++i)
@@ -74,13 +80,14 @@ void CellsCopy::fill(const Piece& p, const PieceView& from, const std::vector<st
     std::int64_t at = before[std::size_t(begin / grain)], ids[8];
     for (std::int64_t c = begin; c < end; ++c) {
       if (p.owns >= 0)
-        store(base + p.owns + c, std::uint8_t(!from.owns(c)));
+        store(base + p.owns + c, std::uint8_t(from.owns(c) ? 0 : 2));
       if (p.ids < 0)
         continue;
-      const int count = from.vertex_ids(c, ids);
+      const Shape shape = copied_shape(from, c);
+      const int count = shape == Shape::none ? 0 : from.vertex_ids(c, ids);
       if (p.offsets >= 0) {
         store(base + p.offsets + 8 * c, at);
-        store(base + p.types + c, std::uint8_t(from.shape(c)));
+        store(base + p.types + c, std::uint8_t(shape));
       }
       for (int v = 0; v < count; ++v, ++at)
         if (p.ids_are_int32)
@@ -157,7 +164,7 @@ const MeshView& CellsCopy::on(const math::Vec3d* points) {
     if (p.owns >= 0) {
       v.ghosts = at(p.owns);
       v.ghost_layout = {p.cells, {p.cells, 1}, {1, p.cells, p.cells}};
-      v.ghost_mask = 1;
+      v.ghost_mask = 2; // none a duplicate that lends its values
     }
     const std::byte* base =
         reinterpret_cast<const std::byte*>(points ? points + first_vertex_.back() : nullptr);

@@ -68,6 +68,8 @@ public:
   bool is_adaptive() const { return amr_.has_value(); }
   /// The pieces of an adaptive mesh as of the last update(), each checked by itself.
   const AmrView& adaptive() const { return amr_view_; }
+  /// Of an adaptive mesh's cell, as the solver numbers levels.
+  int level_of(std::int32_t piece, std::int64_t cell) const;
   insitu_reconstruction reconstruction() const { return amr_ ? amr_->reconstruction : INSITU_DUAL; }
   /// Whether an array lies in device memory: then the host reads none of the mesh.
   bool lies_on_device() const;

@@ -75,6 +75,11 @@ void Mesh::drop_pieces(std::int32_t first) {
   pending_ |= INSITU_CHANGED_ALL;
 }
 
+int Mesh::level_of(std::int32_t piece, std::int64_t cell) const {
+  const AmrPieceView& view = amr_pieces_[std::size_t(piece)];
+  return view.is_patch ? pieces_[std::size_t(piece)].amr.patch.level : int(view.raw_level(cell));
+}
+
 void Mesh::update_adaptive(const core::Threads* threads) {
   std::vector<AmrPieceView> views;
   std::vector<std::int64_t> first{0};

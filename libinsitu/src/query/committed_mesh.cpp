@@ -35,50 +35,18 @@ CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
     : id_(next_id()), mesh_(name, memory), tree_(memory), locators_(memory), order_(memory),
       memory_(&memory), earlier_cells_(memory) {}
 
-void CommittedMesh::require_committed() const {
+void CommittedMesh::require_a_commit() const {
   if (!committed_)
     throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() +
                                               "' is not committed; call insitu_mesh_commit first");
+}
+
+void CommittedMesh::require_committed() const {
+  require_a_commit();
   if (mesh_.pending() != 0)
     throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() +
                                               "' changed since its commit; call "
                                               "insitu_mesh_commit first");
-}
-
-/// Structures of the locator beside the tree, which stands.
-void CommittedMesh::update_locators(std::uint32_t pending, const core::Threads& threads) {
-  const auto view = [this]() -> const mesh::MeshView& { return mesh_.view(); };
-  const bool anew = locators_.pending() || (pending & INSITU_CHANGED_TOPOLOGY);
-  if (anew)
-    locators_.make_faces(view, threads);
-  const bool moved = (pending & INSITU_CHANGED_GEOMETRY) != 0;
-  // Without it candidates prove nothing; on a device that is worth it to many points alone.
-  if (!folds_are_known_ && (locators_.rays() || (locators_.device() && many_were_located()))) {
-    set_odd_cells(cells::find_odd_cells(mesh_.view(), threads), threads);
-  }
-  if ((anew || moved) && folds_are_known_)
-    look_for_overlaps(threads);
-  locators_.commit(mesh_, view, pending, threads);
-}
-
-bool CommittedMesh::many_were_located() const {
-  return located_lately_ > 2 * mesh_.view().cell_count();
-}
-
-insitu_locator_info CommittedMesh::locator_info() const {
-  if (!committed_)
-    throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() +
-                                              "' is not committed; call insitu_mesh_commit first");
-  return locators_.info(tree_);
-}
-
-void CommittedMesh::note(const accel::DeviceCounts& counts,
-                         std::span<const std::uint8_t> reasons) const {
-  locators_.note(counts);
-  std::int64_t by_reason[reason_count] = {};
-  for (const std::uint8_t reason : reasons)
-    ++by_reason[reason];
-  locate_counts_.add(by_reason);
 }
 
 cells::Validation CommittedMesh::validate(const core::Threads& threads) {
@@ -118,30 +86,6 @@ cells::Validation CommittedMesh::validate_leaves(const core::Threads& threads) {
   return found;
 }
 
-void CommittedMesh::require_adaptive_locator() const {
-  const std::string name = "mesh '" + mesh_.name() + "' is adaptive: ";
-  if (on_device_)
-    throw core::Error(INSITU_ERROR_UNSUPPORTED, name + "its arrays in device memory are not read");
-  if (locators_.pick().method != accel::Method::bvh ||
-      locators_.pick().backend != accel::Backend::cpu)
-    throw core::Error(INSITU_ERROR_UNSUPPORTED, name + "it is located by bvh on the CPU, not by " +
-                                                    accel::name(locators_.pick().method) + " on " +
-                                                    accel::name(locators_.pick().backend));
-}
-
-void CommittedMesh::require_geodetic_locator() const {
-  const std::string name = "mesh '" + mesh_.name() + "' is geodetic: ";
-  if (mesh_.is_adaptive())
-    throw core::Error(INSITU_ERROR_UNSUPPORTED, name + "adaptive meshes are not located in "
-                                                       "longitude and latitude; give it in local "
-                                                       "or UTM metres");
-  if (on_device_ || locators_.pick().backend != accel::Backend::cpu)
-    throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                      name + "it is located on the CPU, in host memory, not by " +
-                          accel::name(locators_.pick().method) + " on " +
-                          accel::name(locators_.pick().backend));
-}
-
 /// Finds where the cells of a geodetic mesh are located; true if these are others than before.
 bool CommittedMesh::place_on_chart(std::uint32_t pending, const core::Threads& threads,
                                    const core::Log& log) {
@@ -166,13 +110,18 @@ bool CommittedMesh::place_on_chart(std::uint32_t pending, const core::Threads& t
 }
 
 /// Tells the policy what was asked of the tree since the last commit.
-void CommittedMesh::note_queries() {
-  std::int64_t located = 0;
+std::int64_t CommittedMesh::located() const {
+  std::int64_t sum = 0;
   for (const std::int64_t n : locate_counts_.totals())
-    located += n;
-  located_lately_ = located - located_before_;
-  policy_.served(located_lately_, tree_.cost_ratio());
-  located_before_ = located;
+    sum += n;
+  return sum;
+}
+
+void CommittedMesh::note_queries() {
+  const std::int64_t points = located();
+  located_lately_ = points - located_before_;
+  policy_.served(located_lately_, drawn_.exchange(0), tree_.cost_ratio());
+  located_before_ = points;
 }
 
 void CommittedMesh::validate_topology(const mesh::MeshView& view, const core::Threads& threads,
@@ -253,11 +202,9 @@ std::vector<insitu_audit_entry> CommittedMesh::audit() const {
 }
 
 insitu_amr_info CommittedMesh::amr_info() const {
-  if (!committed_ || !adaptive_)
-    throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() +
-                                              (committed_ ? "' is not an adaptive mesh"
-                                                          : "' is not committed; call "
-                                                            "insitu_mesh_commit first"));
+  require_a_commit();
+  if (!adaptive_)
+    throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() + "' is not an adaptive mesh");
   return adaptive_->info();
 }
 

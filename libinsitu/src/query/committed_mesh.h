@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -106,6 +107,9 @@ public:
   insitu_amr_info amr_info() const;
   /// Of all samplers of this mesh, since it was made.
   const LocateCounts& locate_counts() const { return locate_counts_; }
+  std::int64_t located() const; ///< points, their sum
+  /// So many of these were located for frames: no reason to build the tree anew for values alone.
+  void note_drawn(std::int64_t points) const { drawn_ += points; }
 
   /// Differs from that of every other mesh of the process, past ones included.
   std::uint64_t id() const { return id_; }
@@ -136,6 +140,8 @@ public:
   const std::optional<ChartImage>& earlier_chart() const { return kept_.chart; }
 
 private:
+  /// Whatever has changed since.
+  void require_a_commit() const;
   std::optional<ChartImage> chart() const;
   void part_from_earlier(const core::Threads& threads);
   void note_queries();
@@ -172,7 +178,8 @@ private:
   mutable LocateCounts locate_counts_;
   core::Memory* memory_;
   TreePolicy policy_;
-  std::int64_t located_before_ = 0; ///< points, when the policy was last told
+  std::int64_t located_before_ = 0;            ///< points, when the policy was last told
+  mutable std::atomic<std::int64_t> drawn_{0}; ///< points, for frames since then
   std::int64_t located_lately_ = 0; ///< points, between the last two commits that changed something
   bool committed_ = false;
   bool on_device_ = false; ///< asked for with every point, so kept

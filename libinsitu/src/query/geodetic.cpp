@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "mesh/ghosts.h"
+
 namespace insitu::query {
 
 using geo::Pole;
@@ -189,10 +191,10 @@ void Geodetic::hide(const mesh::MeshView& own, const core::Threads& threads) {
     mask->resize_discard(std::size_t(piece.cell_count));
     threads.parallel_for(piece.cell_count, 1 << 16, [&](std::int64_t begin, std::int64_t stop) {
       for (std::int64_t c = begin; c < stop; ++c)
-        (*mask)[std::size_t(c)] = piece.owns(c) ? 0 : 1;
+        (*mask)[std::size_t(c)] = piece.owns(c) ? 0 : mesh::is_duplicate(piece, c) ? 1 : 2;
     });
     for (; next != end; ++next)
-      (*mask)[std::size_t(*next - own.first_cell[p])] = 1;
+      (*mask)[std::size_t(*next - own.first_cell[p])] = 2;
   }
 }
 
@@ -203,7 +205,7 @@ void Geodetic::set_views(const mesh::MeshView& own) {
       mesh::PieceView& piece = pieces_[std::size_t(p)];
       piece.ghosts = reinterpret_cast<const std::byte*>(mask->data());
       piece.ghost_layout = {piece.cell_count, {piece.cell_count, 1}, {1, 0, 0}, true};
-      piece.ghost_mask = 1;
+      piece.ghost_mask = 3;
     }
   for (const auto& c : copies_)
     pieces_.push_back(c->view());

@@ -18,7 +18,7 @@ constexpr double assumed_price = 5.0, assumed_gain = 0.1;
 } // namespace
 
 void TreePolicy::topology_changed() {
-  morton_cost_ = surface_area_cost_ = asked_ = lost_ = 0.0;
+  morton_cost_ = surface_area_cost_ = asked_ = drawn_ = lost_ = 0.0;
   stands_ = Builder::automatic;
 }
 
@@ -37,9 +37,10 @@ void TreePolicy::built(Builder builder, double seconds, std::int64_t cells, doub
   query_seconds_ = query_in_cells * seconds / double(cells);
 }
 
-void TreePolicy::served(std::int64_t points, double cost_ratio) {
+void TreePolicy::served(std::int64_t points, std::int64_t of_frames, double cost_ratio) {
   const double seconds = double(points) * query_seconds_;
   asked_ += seconds;
+  drawn_ += double(of_frames) * query_seconds_;
   lost_ += seconds * std::max(0.0, cost_ratio - 1.0);
 }
 
@@ -75,7 +76,7 @@ bool TreePolicy::rebuild_is_due(double cost_ratio) const {
 
 bool TreePolicy::surface_area_is_due() const {
   return wanted_ == Builder::automatic && stands_ == Builder::morton && morton_seconds_ > 0.0 &&
-         asked_ * surface_area_gain() >= surface_area_seconds();
+         (asked_ - drawn_) * surface_area_gain() >= surface_area_seconds();
 }
 
 } // namespace insitu::query

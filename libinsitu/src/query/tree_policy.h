@@ -19,15 +19,18 @@ public:
   void topology_changed();
   /// A build of that kind over so many cells took that long and made a tree of that cost.
   void built(accel::Builder builder, double seconds, std::int64_t cells, double cost);
-  /// So many points were located in the tree, whose cost ratio is `cost_ratio`.
-  void served(std::int64_t points, double cost_ratio);
+  /// So many points were located in the tree, whose cost ratio is `cost_ratio`; of_frames: by
+  /// frames among them.
+  void served(std::int64_t points, std::int64_t of_frames, double cost_ratio);
 
   // What to do.
   /// How to build, when there is something to build anyway.
   accel::Builder builder() const;
   /// Whether the refitted tree, with that cost ratio, is due to be built anew.
   bool rebuild_is_due(double cost_ratio) const;
-  /// Whether the tree in Morton order is due to be replaced by one by surface area.
+  /// Whether the tree in Morton order is due to be replaced by one by surface area, whatever
+  /// changed. Points of frames do not count here: what these keep is made for the tree that stands,
+  /// and drawing new values of the same cells must not make it anew.
   bool surface_area_is_due() const;
 
   /// A tree that has come to cost this many times what it cost when it was built is built anew,
@@ -44,6 +47,7 @@ private:
   double morton_cost_ = 0.0, surface_area_cost_ = 0.0;       ///< of this topology's; 0: never
   double query_seconds_ = 0.0; ///< what the tree's part of a query takes
   double asked_ = 0.0;         ///< seconds that queries spent in this topology's trees
+  double drawn_ = 0.0;         ///< those of frames among them
   double lost_ = 0.0;          ///< seconds that they lost to refits since the last build
 };
 

@@ -55,6 +55,7 @@ public:
   }
 
   double step() const { return volume_ ? volume_->step() : 0.0; }
+  std::int64_t unheld() const { return volume_ ? volume_->unheld() : 0; }
   /// Or null.
   const query::CulledCells* culled() const { return culled_; }
 
@@ -195,6 +196,7 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
     statistics->samples = counters.samples;
     statistics->skipped = counters.skipped;
     statistics->step = renderer.step();
+    statistics->unheld = renderer.unheld();
     const query::CulledCells* const culled = renderer.culled();
     statistics->primitives = culled ? culled->primitives() : 0;
     statistics->culled = culled ? culled->culled() : 0;

@@ -51,6 +51,8 @@ struct FrameStatistics {
   std::int64_t samples = 0; ///< located for the volume
   std::int64_t skipped = 0; ///< samples in macrocells that nothing shows of
   double step = 0;          ///< of the volume, its finest; 0 without one
+  /// Macrocells where the volume's tolerance is not held; see StepLevels.
+  std::int64_t unheld = 0;
   /// Of a culled volume: gridlets and stitching cells, and those that nothing shows of.
   std::int64_t primitives = 0, culled = 0;
   std::int64_t cells_tested = 0;

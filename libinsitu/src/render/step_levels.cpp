@@ -40,6 +40,13 @@ public:
     std::vector<Extremes> row;
     for (const double v : values_)
       row.push_back(at(function, v, unit_distance));
+    before_.assign(row.size(), 0.0);
+    for (std::size_t i = 1; i < row.size(); ++i) {
+      Extremes pair = row[i];
+      pair.add(row[i - 1]);
+      if (std::nextafter(values_[i - 1], HUGE_VAL) == values_[i])
+        before_[i] = pair.range();
+    }
     below_ = at(function, -HUGE_VAL, unit_distance);
     above_ = at(function, HUGE_VAL, unit_distance);
     nan_ = at(function, std::nan(""), unit_distance);
@@ -81,6 +88,13 @@ public:
     return all.range();
   }
 
+  /// The greatest step of extinction or emission at a value in [low, high].
+  double step_within(double low, double high) const {
+    const auto from = std::upper_bound(values_.begin(), values_.end(), low) - values_.begin();
+    const auto to = std::upper_bound(values_.begin(), values_.end(), high) - values_.begin();
+    return from < to ? *std::max_element(before_.begin() + from, before_.begin() + to) : 0.0;
+  }
+
 private:
   struct Extremes {
     std::array<double, 4> low{HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL},
@@ -109,6 +123,7 @@ private:
   }
 
   std::vector<double> values_;
+  std::vector<double> before_; ///< the step from the value before, if there is no double between
   std::vector<std::vector<Extremes>> table_; ///< [log of width][first]
   Extremes below_, above_, nan_;
 };
@@ -138,11 +153,15 @@ StepLevels::StepLevels(const Macrocells& cells, const TransferFunction& function
     if (range.lower <= range.upper) {
       const double varies = variation.over(range.lower, range.upper, cells.has_nan(i));
       const double c = cells.smallest_cell(i);
-      for (; level > 0; --level) {
-        const double h = nominal_step * std::pow(3.0, level - most_refined);
-        if (h * std::min(1.0, c > 0 ? h / c : 1.0) * varies <= share)
-          break;
-      }
+      const auto step_of = [&](int at) { return nominal_step * std::pow(3.0, at - most_refined); };
+      const auto holds = [&](int at) {
+        const double h = step_of(at);
+        return h * std::min(1.0, c > 0 ? h / c : 1.0) * varies <= share;
+      };
+      while (level > 0 && !holds(level))
+        --level;
+      unheld_ +=
+          !holds(level) || step_of(level) * variation.step_within(range.lower, range.upper) > share;
       any = true;
       lowest = std::min(lowest, level);
     }

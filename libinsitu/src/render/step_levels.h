@@ -19,10 +19,11 @@ namespace insitu::render {
 /// < c the midpoint rule gains another factor of h / c. A ray's error is to stay below `tolerance`,
 /// shared out by length: a macrocell of size s has the part s / diagonal of it. So h min(1, h / c)
 /// range <= tolerance s / diagonal. Errors of opposite signs cancel, and what lies behind something
-/// opaque counts less: errors found are far smaller.
+/// opaque counts less: errors found are far smaller. Where the function itself steps nothing is
+/// smooth: steps are chosen all the same, and unheld() tells where the bound is not proven.
 class StepLevels {
 public:
-  static constexpr int most_refined = 2, most_coarsened = 2; ///< factors of 3 from the nominal step
+  static constexpr int most_refined = 4, most_coarsened = 2; ///< factors of 3 from the nominal step
 
   StepLevels(const Macrocells& cells, const TransferFunction& function, double nominal_step,
              double unit_distance, double diagonal, double tolerance,
@@ -33,10 +34,13 @@ public:
   const MacrocellGrid& grid() const { return grid_; }
   double base_step() const { return base_step_; }
   int count() const { return count_; }
+  /// Macrocells where the bound is not held: the shortest steps are too long, or the opacity makes
+  /// a step within their values that is too large for theirs.
+  std::int64_t unheld() const { return unheld_; }
   int level(std::int64_t macrocell) const { return level_[std::size_t(macrocell)]; }
   /// 3^level.
   static std::int64_t stride(int level) {
-    constexpr std::int64_t strides[] = {1, 3, 9, 27, 81};
+    constexpr std::int64_t strides[] = {1, 3, 9, 27, 81, 243, 729};
     return strides[level];
   }
 
@@ -44,6 +48,7 @@ private:
   MacrocellGrid grid_;
   double base_step_;
   int count_ = 1;
+  std::int64_t unheld_ = 0;
   core::CountedVector<std::uint8_t> level_;
 };
 

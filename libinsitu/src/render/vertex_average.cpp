@@ -1,5 +1,6 @@
 #include "render/vertex_average.h"
 
+#include <cmath>
 #include <limits>
 
 namespace insitu::render {
@@ -25,15 +26,23 @@ void VertexAverage::refresh(const mesh::MeshView& mesh, const ScalarField& cell_
                             const VertexCells& around, const core::Threads& threads) {
   for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
     const std::int64_t first = mesh.first_vertex[p], first_cell = mesh.first_cell[p];
+    const mesh::PieceView& piece = mesh.pieces[p];
     threads.parallel_for(
         mesh.first_vertex[p + 1] - first, 4096, [&](std::int64_t begin, std::int64_t end) {
           for (std::int64_t v = first + begin; v < first + end; ++v) {
             const std::span<const std::uint32_t> cells = around.of(v);
             double sum = 0.0;
-            for (const std::uint32_t cell : cells)
-              sum += cell_field.load(p, std::int64_t(cell) - first_cell);
-            values_[std::size_t(v)] = cells.empty() ? std::numeric_limits<double>::quiet_NaN()
-                                                    : sum / double(cells.size());
+            std::int64_t count = 0;
+            for (const std::uint32_t flat : cells) {
+              const std::int64_t cell = std::int64_t(flat) - first_cell;
+              const double value = cell_field.load(p, cell);
+              if (!std::isfinite(value) && !piece.owns(cell))
+                continue; // a ghost's may be anything
+              sum += value;
+              ++count;
+            }
+            values_[std::size_t(v)] =
+                count > 0 ? sum / double(count) : std::numeric_limits<double>::quiet_NaN();
           }
         });
   }

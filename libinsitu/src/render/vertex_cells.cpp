@@ -3,13 +3,20 @@
 #include <algorithm>
 #include <atomic>
 
+#include "mesh/ghosts.h"
+
 namespace insitu::render {
 
 namespace {
 
 constexpr std::int64_t grain = 4096;
 
-/// visit(flat cell, flat vertex) of the owning cells' corners, in parallel.
+/// Whether a cell counts at its vertices.
+bool counts(const mesh::PieceView& piece, std::int64_t cell) {
+  return piece.owns(cell) || (mesh::is_duplicate(piece, cell) && mesh::has_sound_ids(piece, cell));
+}
+
+/// visit(flat cell, flat vertex) of the counting cells' corners, in parallel.
 template <class Visit>
 void for_each_corner(const mesh::MeshView& mesh, const core::Threads& threads, Visit&& visit) {
   for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
@@ -19,7 +26,7 @@ void for_each_corner(const mesh::MeshView& mesh, const core::Threads& threads, V
                          [&](std::int64_t begin, std::int64_t stop) {
                            std::int64_t ids[8];
                            for (std::int64_t cell = begin; cell < stop; ++cell) {
-                             if (!piece.owns(cell))
+                             if (!counts(piece, cell))
                                continue;
                              const int n = piece.vertex_ids(cell, ids);
                              for (int v = 0; v < n; ++v)
@@ -64,7 +71,7 @@ std::int64_t VertexCells::bytes_for(const mesh::MeshView& mesh, const core::Thre
                          [&](std::int64_t begin, std::int64_t stop) {
                            std::int64_t sum = 0;
                            for (std::int64_t cell = begin; cell < stop; ++cell)
-                             sum += piece.owns(cell) ? mesh::vertex_count(piece.shape(cell)) : 0;
+                             sum += counts(piece, cell) ? mesh::vertex_count(piece.shape(cell)) : 0;
                            corners += sum;
                          });
   }

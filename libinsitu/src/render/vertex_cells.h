@@ -9,9 +9,11 @@
 
 namespace insitu::render {
 
-/// The owning cells around each vertex of a mesh, in ascending order: so sums over them do not
-/// depend on threads. Vertices are those of one piece, and of one gridlet. 8 bytes a vertex and 4
-/// per corner of a cell; holds as long as the cells do, whatever values and coordinates become.
+/// The cells around each vertex of a mesh, the owning ones and other processes' that lend their
+/// values (mesh::is_duplicate; these may hold what is not finite), in ascending order: so sums over
+/// them do not depend on threads. Vertices are those of one piece, and of one gridlet. 8 bytes a
+/// vertex and 4 per corner of a cell; holds as long as the cells do, whatever values and
+/// coordinates become.
 class VertexCells {
 public:
   VertexCells(const mesh::MeshView& mesh, const core::Threads& threads, core::Memory& memory);

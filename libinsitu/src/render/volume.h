@@ -117,6 +117,8 @@ public:
 
   /// With a tolerance, of the finest samples.
   double step() const { return step_; }
+  /// Macrocells where the tolerance is not held; see StepLevels.
+  std::int64_t unheld() const { return levels_ ? levels_->unheld() : 0; }
 
   /// Sets the ray's samples: those within the tree's bounds, up to its first opaque hit.
   void start(RayState& ray) const;

@@ -53,6 +53,10 @@ mesh::FieldView find_own_field(const query::CommittedMesh& mesh, const Name& nam
   return at_line_of(name, scene_file, [&] { return mesh.mesh().own_field(name.text); });
 }
 
+bool names_pieces(const mesh::Mesh& mesh) {
+  return mesh.is_adaptive() || mesh.own_view().piece_count > 1;
+}
+
 OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat) {
   if (flat < 0 || flat >= mesh.cell_count())
     return {};

@@ -111,6 +111,10 @@ OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat);
 /// The same of a cell of mesh.mesh().view() that holds the point.
 OwnCell own_cell(const query::CommittedMesh& mesh, std::int64_t flat, const math::Vec3d& at);
 
+/// Whether tables name pieces beside cells: where there are several, and of adaptive meshes, whose
+/// patches come and go, always.
+bool names_pieces(const mesh::Mesh& mesh);
+
 /// Throws INSITU_ERROR_FIELD if a table that is open cannot take these columns any more: fields or
 /// pieces changed during the run.
 void require_columns(const output::AppendTable& table, const std::vector<std::string>& open,

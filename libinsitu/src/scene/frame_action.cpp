@@ -91,8 +91,21 @@ private:
     if (!accumulations_.empty())
       accumulations_[number].use(mesh, settings);
     render::FrameStatistics done;
+    const std::int64_t located = mesh.located();
     render::FrameImages images = render::render_frame(mesh.sampler(), settings, structures,
                                                       environment_.context.threads, &done);
+    mesh.note_drawn(mesh.located() - located);
+    if (done.unheld > 0 && !told_unheld_) {
+      told_unheld_ = true;
+      char tolerance[32];
+      std::snprintf(tolerance, sizeof tolerance, "%g", *settings.volume->tolerance);
+      environment_.context.log.warning(
+          "frame '" + frame_.name + "', cycle " + std::to_string(step.cycle) +
+          ": the volume's tolerance of " + tolerance + " is not held in " +
+          std::to_string(done.unheld) +
+          " macrocells, where the opacity makes a step or the field needs samples nearer than 1/81 "
+          "of what accuracy chooses");
+    }
     if (done.paths.cut > 0)
       environment_.context.log.warning(
           "frame '" + frame_.name + "', cycle " + std::to_string(step.cycle) + ": " +
@@ -181,6 +194,7 @@ private:
   FrameSettingsMaker settings_;
   std::deque<PathAccumulation> accumulations_; ///< of the cameras, where asked for
   std::int64_t drawn_ = 0;                     ///< frames so far, for the orbit
+  bool told_unheld_ = false;                   ///< that a tolerance is not held
 };
 
 } // namespace

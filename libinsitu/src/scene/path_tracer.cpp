@@ -277,7 +277,7 @@ private:
   TrackRows no_rows(const query::CommittedMesh& mesh, const Step& step) const {
     TrackRows out;
     out.cycle = step.cycle;
-    out.pieces = mesh.mesh().own_view().piece_count > 1;
+    out.pieces = names_pieces(mesh.mesh());
     out.frame = mesh.frame;
     out.columns = field_columns(fields(mesh));
     return out;

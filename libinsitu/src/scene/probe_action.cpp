@@ -171,7 +171,7 @@ void ProbeAction::write(TableFormat format, const query::CommittedMesh& mesh, co
 void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step,
                               const ProbeAnswers& answers) {
   const mesh::MeshView& view = mesh.mesh().own_view();
-  const bool pieces = view.piece_count > 1, names = !points_->names.empty();
+  const bool pieces = names_pieces(mesh.mesh()), names = !points_->names.empty();
   std::vector<std::string> columns{"cycle", "time", "point"};
   if (names)
     columns.push_back("name");
@@ -237,7 +237,7 @@ void ProbeAction::write_vtp(const query::CommittedMesh& mesh, const Step& step,
   if (surface)
     surface->add_to(data);
   data.point_data.push_back(output::vtk_array("cell", std::span<const std::int64_t>(cells)));
-  if (view.piece_count > 1)
+  if (names_pieces(mesh.mesh()))
     data.point_data.push_back(output::vtk_array("piece", std::span<const std::int32_t>(pieces)));
   columns.add_to(data.point_data);
   series_.write(environment_, probe_.name, step, data);
@@ -246,7 +246,7 @@ void ProbeAction::write_vtp(const query::CommittedMesh& mesh, const Step& step,
 void ProbeAction::write_json(const query::CommittedMesh& mesh, const Step& step,
                              const ProbeAnswers& answers) {
   const mesh::MeshView& view = mesh.mesh().own_view();
-  const bool pieces = view.piece_count > 1;
+  const bool pieces = names_pieces(mesh.mesh());
   // Numbers as in CSV; what CSV leaves empty and what JSON cannot say is null.
   const auto number = [](double v) {
     std::string text;

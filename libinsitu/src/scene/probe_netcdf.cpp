@@ -137,7 +137,7 @@ output::NetcdfLayout ProbeNetcdf::layout(const query::CommittedMesh& mesh,
 void ProbeNetcdf::write(const query::CommittedMesh& mesh, const Step& step,
                         const ScenePoints& points, const ProbeAnswers& answers) {
   const mesh::MeshView& view = mesh.mesh().own_view();
-  const bool pieces = view.piece_count > 1;
+  const bool pieces = names_pieces(mesh.mesh());
   if (!table_) {
     columns_ = answers.columns;
     pieces_ = pieces;

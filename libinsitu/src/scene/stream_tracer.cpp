@@ -64,7 +64,7 @@ public:
 private:
   void write_csv(const query::CommittedMesh& mesh, const Step& step, const advect::Polylines& lines,
                  const std::vector<std::string>& columns, const std::vector<double>& values) {
-    const bool several = mesh.mesh().own_view().piece_count > 1;
+    const bool several = names_pieces(mesh.mesh());
     std::vector<std::string> header{"line", "vertex", "s", "x", "y", "z", "cell"};
     if (several)
       header.push_back("piece");

@@ -64,9 +64,15 @@ public:
   std::vector<Row> run() {
     std::vector<Row> rows;
     const mesh::Mesh& fields = mesh_->mesh();
-    for (const Family& family : effect_families(o_.size, {fields.field("f"), 0},
-                                                {fields.field("c"), 0}, setup_.context.memory)) {
-      Family all = family;
+    const auto families = [&] {
+      return effect_families(o_.size, {fields.field("f"), 0}, {fields.field("c"), 0},
+                             setup_.context.memory);
+    };
+    // What an effect keeps from frame to frame is made anew for all together.
+    const std::vector<Family> alone = families(), for_all = families();
+    for (std::size_t f = 0; f < alone.size(); ++f) {
+      const Family& family = for_all[f];
+      Family all = alone[f];
       all.effects.push_back({together,
                              [&](FrameSettings& s) {
                                for (const Effect& effect : family.effects)

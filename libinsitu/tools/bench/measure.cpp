@@ -52,6 +52,19 @@ double Series::cpu_sum() const {
   return std::accumulate(cpu_.begin(), cpu_.end(), 0.0);
 }
 
+double power_of(const std::vector<double>& x, const std::vector<double>& y) {
+  double sum_x = 0, sum_y = 0, sum_xx = 0, sum_xy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double u = std::log(x[i]), v = std::log(y[i]);
+    sum_x += u;
+    sum_y += v;
+    sum_xx += u * u;
+    sum_xy += u * v;
+  }
+  const auto n = double(x.size());
+  return (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
+}
+
 std::int64_t heap_bytes() {
 #if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
   const auto info = mallinfo2();

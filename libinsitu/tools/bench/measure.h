@@ -46,6 +46,9 @@ private:
   std::vector<double> wall_, cpu_;
 };
 
+/// The power of x that y goes with, by least squares over the logarithms; x, y: above 0, as many.
+double power_of(const std::vector<double>& x, const std::vector<double>& y);
+
 /// Bytes the C library has handed out (to a peer; libinsitu counts its own). 0 if unknown.
 std::int64_t heap_bytes();
 /// Starts a new peak of resident memory; returns what is resident now.

@@ -145,6 +145,9 @@ Options parse(int argc, char** argv) {
     } else if (option == "--check") {
       only(Command::methods, Command::methods);
       o.check = true;
+    } else if (option == "--sizes") {
+      only(Command::amr, Command::amr);
+      o.sizes = true;
     } else if (option == "--backend") {
       only(Command::methods, Command::methods);
       const auto v = value();

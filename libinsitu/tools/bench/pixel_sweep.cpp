@@ -17,20 +17,19 @@ PixelSweep sweep_pixels(const query::CommittedMesh& mesh, core::Memory& memory,
   sweep.text =
       format("\nthe volume by size, on one core\n%14s %9s %12s\n", "pixels", "s", "ns a pixel");
   sweep.json = ",\n  \"by_pixels\": [";
-  // The slope of log time over log pixels, by least squares.
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  std::vector<double> all_pixels, all_seconds;
   for (const double factor : {0.5, 0.75, 1.0, 1.5, 2.0}) {
     const int side = std::max(1, int(std::lround(factor * size)));
     progress(format("volume of %d x %d", side, side));
     settings.width = settings.height = side;
     const double seconds = frames.time(settings, repetitions), pixels = double(side) * side;
     sweep.text += format("%7d x %-4d %9.3f %12.0f\n", side, side, seconds, 1e9 * seconds / pixels);
-    sweep.json += std::string(n > 0 ? ", " : "") + "{\"side\": " + std::to_string(side) +
-                  ", \"s\": " + number(seconds) + "}";
-    const double u = std::log(pixels), v = std::log(seconds);
-    n += 1, x += u, y += v, xx += u * u, xy += u * v;
+    sweep.json += std::string(all_pixels.empty() ? "" : ", ") +
+                  "{\"side\": " + std::to_string(side) + ", \"s\": " + number(seconds) + "}";
+    all_pixels.push_back(pixels);
+    all_seconds.push_back(seconds);
   }
-  const double power = (n * xy - x * y) / (n * xx - x * x);
+  const double power = power_of(all_pixels, all_seconds);
   sweep.text += format("time goes as the pixels to the power of %.2f\n", power);
   sweep.json += "], \"power_of_pixels\": " + number(power);
   return sweep;

@@ -25,8 +25,9 @@ Branches branches_of(const BareFrame& frame) {
     // A ray's samples are taken 16 at once or more, in stretches of the bundle's lattice, which a
     // ray's own begin and end need not fit.
     const double stretches = double(s.samples + s.skipped) / 16 + 2 * rays;
-    return {6 * stretches + 8 * rays,
-            "a stretch of a ray: space skipping, clips, pre-integration, lights, a tolerance, "
+    return {6 * stretches + double(s.samples) + 8 * rays,
+            "a sample: depth; a stretch of a ray: space skipping, clips, pre-integration, lights, "
+            "a tolerance, "
             "surfaces; a ray: clips twice, surfaces twice, depth, cell, paths, thin volumes"};
   }
   if (frame.family == "isosurface")

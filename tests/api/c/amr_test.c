@@ -67,6 +67,27 @@ static void test_patches(void) {
   EXPECT(insitu_mesh_commit(mesh, NULL) == INSITU_OK);
   EXPECT_BORROWED(mesh, "piece 0 field 'rho'", &coarse[2][2][2]);
   EXPECT_BORROWED(mesh, "piece 1 field 'rho'", fine);
+  {
+    const int64_t cells[] = {63, 0, -1, 7}, bases[] = {64, 1, 0, 8};
+    const int32_t pieces[] = {0, 1, 1, 1}, beyond[] = {0, 1, 2, 1};
+    int32_t levels[] = {9, 9, 9, 9};
+    EXPECT(insitu_mesh_cell_levels(mesh, 4, cells, pieces, 0, levels) == INSITU_OK);
+    EXPECT(levels[0] == 0 && levels[1] == 1 && levels[2] == -1 && levels[3] == 1);
+    levels[0] = levels[3] = 9;
+    EXPECT(insitu_mesh_cell_levels(mesh, 4, bases, pieces, 1, levels) == INSITU_OK);
+    EXPECT(levels[0] == 0 && levels[1] == 1 && levels[2] == -1 && levels[3] == 1);
+    EXPECT(insitu_mesh_cell_levels(mesh, 0, NULL, NULL, 0, NULL) == INSITU_OK);
+    EXPECT_ERROR(insitu_mesh_cell_levels(mesh, 4, cells, NULL, 0, levels), INSITU_ERROR_ARGUMENT,
+                 "pieces: null, of a mesh of 2");
+    EXPECT_ERROR(insitu_mesh_cell_levels(mesh, 4, NULL, pieces, 0, levels), INSITU_ERROR_ARGUMENT,
+                 "cells: null");
+    EXPECT_ERROR(insitu_mesh_cell_levels(mesh, 4, bases, pieces, 0, levels), INSITU_ERROR_ARGUMENT,
+                 "item 0 is cell 64 of piece 0, which has 64 cells");
+    EXPECT_ERROR(insitu_mesh_cell_levels(mesh, 1, cells + 3, beyond + 2, 0, levels),
+                 INSITU_ERROR_ARGUMENT, "cell 7 of piece 2, which has 0 cells");
+    EXPECT_ERROR(insitu_mesh_cell_levels(mesh, 4, cells, pieces, 2, levels), INSITU_ERROR_ARGUMENT,
+                 "from 2 on");
+  }
   EXPECT(insitu_mesh_drop_pieces(mesh, 1) == INSITU_OK);
   EXPECT(insitu_mesh_commit(mesh, NULL) == INSITU_OK);
   EXPECT_ERROR(insitu_mesh_drop_pieces(mesh, 2), INSITU_ERROR_ARGUMENT, "0 to 1 expected");

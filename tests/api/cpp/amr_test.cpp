@@ -42,6 +42,9 @@ TEST(AmrWrapper, Patches) {
   mesh.commit();
   EXPECT_EQ(address_of(mesh, "piece 0 field 'rho'"), coarse.data());
   EXPECT_EQ(address_of(mesh, "piece 1 field 'rho'"), fine.data());
+  const std::vector<double> places = {1.5, 1.5, 1.5, 0.3, 0.3, 0.9, -1, 0, 0};
+  const insitu::Locations at = mesh.locate(insitu::Points(places));
+  EXPECT_EQ(mesh.cell_levels(at), (std::vector<std::int32_t>{0, 1, -1}));
   EXPECT_THROW(mesh.patch(3, {0, 0, 0}, {2, 2, 2}), insitu::Error);
   EXPECT_THROW(mesh.uniform_block({2, 2, 2}, {0, 0, 0}, {1, 1, 1}), insitu::Error);
   mesh.drop_pieces(1);

@@ -82,6 +82,23 @@ contains
     call mesh%amr_info(info, ierr)
     call expect_ok('amr_info', session, ierr)
     call expect('64 coarse cells, one of them under 8 fine ones', info%leaves == 71 .and. info%masked == 1)
+    block
+      integer(int64) :: cells(3)
+      integer :: pieces(3), found(3)
+      real(real64) :: places(3, 3)
+
+      places = reshape([0.5_real64, 0.5_real64, 0.5_real64, 1.2_real64, 1.7_real64, 1.2_real64, &
+                        -1.0_real64, 0.0_real64, 0.0_real64], [3, 3])
+      call mesh%locate(places, cells, ierr, pieces=pieces)
+      call expect_ok('locate', session, ierr)
+      call mesh%cell_levels(cells, found, ierr, pieces=pieces)
+      call expect_ok('cell_levels', session, ierr)
+      call expect('the coarse level, the fine one, outside', all(found == [0, 1, -1]))
+      call mesh%cell_levels(cells, found, ierr)
+      call expect_error('cell_levels', session, ierr, insitu_error_argument, 'pieces: null')
+      call mesh%cell_levels(cells, found(1:2), ierr, pieces=pieces)
+      call expect_error('cell_levels', session, ierr, insitu_error_argument, 'as many levels as cells')
+    end block
     call mesh%drop_pieces(2, ierr)
     call expect_ok('drop_pieces', session, ierr)
     call mesh%commit(ierr)

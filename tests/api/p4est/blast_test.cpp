@@ -75,6 +75,10 @@ TEST_F(Coupled, NearestSamplesAreTheCellsOwn) {
     for (std::size_t a = 0; a < 3; ++a)
       points[3 * i + a] += (double((i + a) % 5) / 5 - 0.4) * solver->work[i].size;
   const insitu::FieldSamples s = grid.sample_fields({"checkers"}, insitu::Points(points));
+  // The levels of the cells that hold them.
+  const std::vector<std::int32_t> levels = grid.cell_levels(grid.locate(insitu::Points(points)));
+  for (std::size_t i = 0; i < count(); ++i)
+    ASSERT_EQ(levels[i], solver->cells[i]->level) << i;
   std::vector<int> changes(count(), 0);
   for (std::size_t f = 0; f < solver->face_count; ++f) {
     const blast_face& face = solver->faces[f];

@@ -1,4 +1,7 @@
 /// p8est forests as adaptive meshes: placed, read in place, refused when they are no brick.
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <gtest/gtest.h>
@@ -11,6 +14,8 @@
 #include "fixtures/mpi.h"
 
 namespace {
+
+using Index = std::array<int, 3>;
 
 struct Record {
   float weight;
@@ -157,6 +162,80 @@ TEST_F(P4est, FewerTreesLeaveFewerPieces) {
     ASSERT_EQ(insitu_mesh_commit(mesh, nullptr), INSITU_OK) << insitu_last_message();
   }
   EXPECT_EQ(audit().size(), 3u);
+}
+
+/// What p8est keeps on a process that has no quadrants (p8est.h: first_local_tree is -1 there).
+TEST_F(P4est, AProcessWithoutQuadrants) {
+  Forest f(p8est_connectivity_new_brick(2, 1, 1, 0, 0, 0));
+  p8est_t none = *f.forest;
+  none.first_local_tree = -1;
+  none.last_local_tree = -2;
+  none.local_num_quadrants = 0;
+  const double place[3] = {0.3, 0.4, 0.6};
+  for (p8est_t* const forest : {&none, f.forest, &none}) { // partitioned to and fro
+    ASSERT_EQ(insitu_p4est_mesh(mesh, forest, nullptr, nullptr), INSITU_OK)
+        << insitu_p4est_message();
+    ASSERT_EQ(give_density(forest), INSITU_OK) << insitu_p4est_message();
+    ASSERT_EQ(insitu_mesh_commit(mesh, nullptr), INSITU_OK) << insitu_last_message();
+    double value = 7.0;
+    std::int32_t found = -1;
+    ASSERT_EQ(insitu_mesh_sample_point(mesh, "rho", place, &value, &found), INSITU_OK)
+        << insitu_last_message();
+    EXPECT_EQ(found, forest == f.forest);
+    EXPECT_EQ(std::isnan(value), forest == &none);
+    ASSERT_EQ(insitu_session_execute(session, 0, 0.0), INSITU_OK) << insitu_last_message();
+  }
+}
+
+/// Three by three trees but the middle one, with numbers in float.
+TEST_F(P4est, ABrickWithAHole) {
+  p8est_connectivity_t* const whole = p8est_connectivity_new_brick(3, 3, 1, 0, 0, 0);
+  std::vector<p4est_topidx_t> corners, trees;
+  std::vector<int8_t> faces;
+  std::vector<Index> places; // of trees
+  for (p4est_topidx_t t = 0; t < whole->num_trees; ++t) {
+    const p4est_topidx_t* const of = whole->tree_to_vertex + 8 * t;
+    Index at;
+    for (int a = 0; a < 3; ++a)
+      at[std::size_t(a)] = int(whole->vertices[3 * of[0] + a]);
+    if (at[0] == 1 && at[1] == 1)
+      continue;
+    corners.insert(corners.end(), of, of + 8);
+    for (int f = 0; f < 6; ++f) {
+      trees.push_back(p4est_topidx_t(places.size()));
+      faces.push_back(int8_t(f));
+    }
+    places.push_back(at);
+  }
+  const p4est_topidx_t none = 0;
+  p8est_connectivity_t* const ring = p8est_connectivity_new_copy(
+      whole->num_vertices, p4est_topidx_t(places.size()), 0, 0, whole->vertices, corners.data(),
+      trees.data(), faces.data(), nullptr, &none, nullptr, nullptr, nullptr, &none, nullptr,
+      nullptr);
+  p8est_connectivity_destroy(whole);
+  p8est_connectivity_complete(ring);
+  Forest f(ring);
+  f.refine();
+  ASSERT_EQ(insitu_p4est_mesh_as(mesh, f.forest, nullptr, nullptr, INSITU_NEAREST), INSITU_OK)
+      << insitu_p4est_message();
+  ASSERT_EQ(insitu_p4est_field(mesh, f.forest, "tree", INSITU_FLOAT32, offsetof(Record, weight), 1),
+            INSITU_OK)
+      << insitu_p4est_message();
+  ASSERT_EQ(insitu_mesh_commit(mesh, nullptr), INSITU_OK) << insitu_last_message();
+  for (int n = 0; n < 9 * 64; ++n) {
+    const int i = n % 3, j = n / 3 % 3, k = n / 9;
+    const double p[3] = {i + 0.05 + 0.9 * (k % 4) / 4, j + 0.05 + 0.9 * (k / 4 % 4) / 4,
+                         0.05 + 0.9 * (k / 16) / 4};
+    double value = 0;
+    std::int32_t found = -1;
+    ASSERT_EQ(insitu_mesh_sample_point(mesh, "tree", p, &value, &found), INSITU_OK)
+        << insitu_last_message();
+    const auto tree = std::find(places.begin(), places.end(), Index{i, j, 0});
+    ASSERT_EQ(found, tree != places.end()) << p[0] << ", " << p[1];
+    if (found) {
+      ASSERT_EQ(value, double(tree - places.begin())) << p[0] << ", " << p[1];
+    }
+  }
 }
 
 /// Of p8est's own regrids a field of the quadrants as they are now tells; of quadrants that changed

@@ -25,9 +25,8 @@ struct ReplayAdaptive : Replay {
     Replay::SetUp();
     put_points("points.csv", xyz);
   }
-  /// Rows [first, first + points) are the samples of the data object; with_pieces: it has several.
-  void expect_samples(const std::vector<Row>& rows, std::size_t first, vtkDataObject* data,
-                      bool with_pieces) const {
+  /// Rows [first, first + points) are the samples of the data object.
+  void expect_samples(const std::vector<Row>& rows, std::size_t first, vtkDataObject* data) const {
     insitu::Session session;
     insitu::Mesh mesh = session.mesh("mesh");
     const auto attached = insitu::vtk::attach_adaptive(mesh, data);
@@ -44,9 +43,7 @@ struct ReplayAdaptive : Replay {
       // Values of some units, interpolated in other batches: the last digit may differ.
       EXPECT_NEAR(row.at("f"), expected.values[i], 4e-15) << "point " << i;
       EXPECT_EQ(row.at("cell"), double(expected.cells[i])) << "point " << i;
-      if (with_pieces) {
-        EXPECT_EQ(row.at("piece"), double(expected.pieces[i])) << "point " << i;
-      }
+      EXPECT_EQ(row.at("piece"), double(expected.pieces[i])) << "point " << i;
     }
     EXPECT_GT(inside, 20u);
     EXPECT_LT(inside, xyz.size() / 3);
@@ -77,8 +74,8 @@ TEST_F(ReplayAdaptive, OverlappingGridsOfLevels) {
   ASSERT_EQ(o.code, 0) << o.err;
   const std::vector<Row> r = rows("res/probe.csv");
   ASSERT_EQ(r.size(), 2 * xyz.size() / 3);
-  expect_samples(r, 0, amr, true);
-  expect_samples(r, xyz.size() / 3, again, true);
+  expect_samples(r, 0, amr);
+  expect_samples(r, xyz.size() / 3, again);
   const std::string summary = contents(path("sum.json")); // the same cells: built once
   EXPECT_NE(summary.find("\"rebuild\": 1"), std::string::npos) << summary;
   EXPECT_NE(summary.find("\"keep\": 1"), std::string::npos) << summary;
@@ -87,12 +84,32 @@ TEST_F(ReplayAdaptive, OverlappingGridsOfLevels) {
   EXPECT_EQ(checked.out.rfind("blocks_0.vthb: accepted, 128 cells", 0), 0u) << checked.out;
 }
 
+/// A level goes and comes again: each step's samples are those of its own data, and it is built
+/// anew.
+TEST_F(ReplayAdaptive, OverARegrid) {
+  const auto two = two_levels(), one = some_levels(1);
+  write<vtkXMLUniformGridAMRWriter>("step_0.vthb", two);
+  write<vtkXMLUniformGridAMRWriter>("step_1.vthb", one);
+  write<vtkXMLUniformGridAMRWriter>("step_2.vthb", two);
+  const Outcome o = run("--probe points.csv --out res --summary sum.json step_0.vthb step_1.vthb "
+                        "step_2.vthb");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const std::vector<Row> r = rows("res/probe.csv");
+  const std::size_t points = xyz.size() / 3;
+  ASSERT_EQ(r.size(), 3 * points);
+  expect_samples(r, 0, two);
+  expect_samples(r, points, one);
+  expect_samples(r, 2 * points, two);
+  const std::string summary = contents(path("sum.json"));
+  EXPECT_NE(summary.find("\"rebuild\": 3"), std::string::npos) << summary;
+}
+
 TEST_F(ReplayAdaptive, HyperTrees) {
   Trees trees;
   write<vtkXMLHyperTreeGridWriter>("trees.htg", trees.grid);
   const Outcome o = run("--probe points.csv --out res trees.htg");
   ASSERT_EQ(o.code, 0) << o.err;
-  expect_samples(rows("res/probe.csv"), 0, trees.grid, false);
+  expect_samples(rows("res/probe.csv"), 0, trees.grid);
 }
 
 TEST_F(ReplayAdaptive, FilesThatDoNotFitAreNamed) {

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <insitu/insitu.hpp>
@@ -70,34 +71,61 @@ frames:
     effects: [lighting]
 )";
 
-runs::Files run(const std::string& output, int threads, insitu::Reconstruction reconstruction) {
-  insitu::Options options;
-  options.scene_text = scene;
-  options.output = output;
-  options.threads = threads;
-  insitu::Session session(options);
-  insitu::Mesh mesh = session.mesh("grid");
-  insitu::AmrLevels levels;
-  levels.count = 2;
-  levels.spacing = {0.125, 0.125, 0.125};
-  levels.reconstruction = reconstruction;
-  mesh.adaptive(levels);
-  Grid first(4), second(6);
-  Grid* grid = &first;
-  grid->give(mesh);
-  for (int cycle = 0; cycle < 6; ++cycle) {
-    if (cycle == 3) {
-      second.time = first.time;
-      grid = &second;
-      grid->fill();
-      grid->give(mesh);
-    }
-    session.execute(cycle, grid->time);
-    grid->time += 0.1;
-    grid->fill();
-    mesh.changed(insitu::fields);
+constexpr int cycles = 6, regrid = 3; ///< the fine patch moves before that cycle
+
+/// The adaptive mesh of a session, cycle by cycle.
+class GridRun {
+public:
+  GridRun(const std::string& output, int threads, insitu::Reconstruction reconstruction)
+      : session(options_of(output, threads)), mesh_(session.mesh("grid")) {
+    insitu::AmrLevels levels;
+    levels.count = 2;
+    levels.spacing = {0.125, 0.125, 0.125};
+    levels.reconstruction = reconstruction;
+    mesh_.adaptive(levels);
   }
-  session.close();
+  /// Cycles [first, last) of the solver; the first ones after a restart from a file, if it is
+  /// given.
+  void go(int first, int last, const std::string& restart = {}) {
+    for (int cycle = first; cycle < last; ++cycle) {
+      Grid& grid = cycle < regrid ? before_ : after_;
+      grid.time = 0.0;
+      for (int c = 0; c < cycle; ++c)
+        grid.time += 0.1;
+      grid.fill();
+      if (!given_ || cycle == regrid)
+        grid.give(mesh_);
+      else
+        mesh_.changed(insitu::fields);
+      given_ = true;
+      if (cycle == first && !restart.empty())
+        session.restart(restart);
+      session.execute(cycle, grid.time);
+    }
+  }
+
+private:
+  static insitu::Options options_of(const std::string& output, int threads) {
+    insitu::Options options;
+    options.scene_text = scene;
+    options.output = output;
+    options.threads = threads;
+    return options;
+  }
+
+public:
+  insitu::Session session;
+
+private:
+  insitu::Mesh mesh_;
+  Grid before_{4}, after_{6};
+  bool given_ = false;
+};
+
+runs::Files run(const std::string& output, int threads, insitu::Reconstruction reconstruction) {
+  GridRun all(output, threads, reconstruction);
+  all.go(0, cycles);
+  all.session.close();
   return runs::files_of(output);
 }
 
@@ -164,6 +192,32 @@ TEST(AdaptiveRuns, FilesAreTheSameOnAnyThreads) {
     const runs::Files b = run(two.path() + sub, 2, reconstruction);
     for (const std::string& name : runs::differences(a, b))
       ADD_FAILURE() << name;
+  }
+}
+
+/// Killed after a cycle or some more, and gone on with from the checkpoint: before the regrid, just
+/// before it (the particles' step then begins on the mesh as it was), and after it.
+TEST(AdaptiveRuns, GoOnFromACheckpointToTheByte) {
+  const test::Folder folder;
+  const auto reconstruction = insitu::Reconstruction::dual;
+  const runs::Files whole = run(folder / "whole", 1, reconstruction);
+  for (const auto& [stop, last] : {std::pair{2, 2}, {regrid, regrid}, {2, 5}, {regrid + 1, 5}}) {
+    SCOPED_TRACE("stopped after " + std::to_string(stop) + ", killed after " +
+                 std::to_string(last));
+    const std::string name = std::to_string(stop) + std::to_string(last);
+    const std::string killed = folder / (name + "killed"), state = folder / (name + "state"),
+                      output = folder / (name + "rest");
+    {
+      GridRun begun(killed, 1, reconstruction);
+      begun.go(0, stop);
+      begun.session.checkpoint(state);
+      begun.go(stop, last);
+      std::filesystem::copy(killed, output, std::filesystem::copy_options::recursive);
+    }
+    GridRun rest(output, 2, reconstruction);
+    rest.go(stop, cycles, state);
+    rest.session.close();
+    EXPECT_EQ(runs::differences(whole, runs::files_of(output)), std::vector<std::string>{});
   }
 }
 

@@ -27,6 +27,32 @@ int drawn(const std::string& path) {
   return count;
 }
 
+/// However much is drawn of the same cells: structures and the tree stay. (Points of probes and
+/// tracers may pay for a better tree.)
+TEST(Frames, NewValuesOfTheSameCellsRebuildNothing) {
+  const test::Folder folder;
+  Coupled run({.scene = R"(insitu: 1
+frames:
+  - name: all
+    size: [96, 96]
+    volume: {field: density, shading: true}
+    isosurfaces: [{field: pressure, values: [0.01], normals: central}]
+  - name: paths
+    size: [64, 64]
+    volume: {field: density}
+    path_tracing: {samples: 4}
+)",
+               .output = folder.path(),
+               .cells = 6});
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  EXPECT_EQ(run.session.report().rebuilds, 1);
+  run.run(12, insitu::fields);
+  // They located some hundred thousand points, far more than would pay for a tree by surface area.
+  EXPECT_EQ(run.session.report().rebuilds, 1);
+  EXPECT_EQ(run.session.report().refits, 0);
+  EXPECT_EQ(run.session.report().keeps, 12);
+}
+
 TEST(Frames, ATableOfCamerasCyclesAndFiles) {
   const test::Folder folder;
   Coupled run({.scene = R"(insitu: 1

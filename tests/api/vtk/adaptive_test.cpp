@@ -4,6 +4,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <vtkAMRBox.h>
+#include <vtkBitArray.h>
 #include <vtkCellData.h>
 #include <vtkDataSetAttributes.h>
 #include <vtkDoubleArray.h>
@@ -150,6 +151,57 @@ TEST_F(VtkAdaptive, LeavesOfHyperTrees) {
   mesh.changed(insitu::fields);
   mesh.commit();
   EXPECT_DOUBLE_EQ(at("f", {1.125, 0.375, 0.375}), -2.0);
+}
+
+/// Levels a quarter as wide, and values in float, read where they are.
+TEST_F(VtkAdaptive, RatioOfFourInFloat) {
+  const auto amr = two_levels();
+  const double spacing[3] = {0.25, 0.25, 0.25};
+  const int low[3] = {4, 4, 4}, high[3] = {11, 11, 11};
+  amr->SetSpacing(1, spacing);
+  amr->SetAMRBox(1, 0, vtkAMRBox(low, high));
+  amr->SetDataSet(1, 0, grid_of(8, {4, 4, 4}, 0.25));
+  const vtkFloatArray* floats[2];
+  for (unsigned int l = 0; l < 2; ++l) {
+    vtkDoubleArray* const doubles = values_of(amr, l);
+    vtkNew<vtkFloatArray> values;
+    values->SetName("f");
+    for (vtkIdType c = 0; c < doubles->GetNumberOfTuples(); ++c)
+      values->InsertNextValue(float(doubles->GetValue(c)));
+    vtkCellData* const cells = amr->GetDataSet(l, 0)->GetCellData();
+    cells->RemoveArray("f");
+    cells->AddArray(values);
+    floats[l] = values;
+  }
+  auto attached = insitu::vtk::attach_adaptive(mesh, amr);
+  mesh.commit();
+  for (int l = 0; l < 2; ++l)
+    EXPECT_EQ(address_of("piece " + std::to_string(l) + " field 'f'"),
+              const_cast<vtkFloatArray*>(floats[l])->GetPointer(0));
+  EXPECT_TRUE(attached.converted().empty());
+  for (const std::array<double, 3>& p : {std::array<double, 3>{0.5, 0.5, 0.5},
+                                         {1.125, 1.625, 2.875},
+                                         {3.5, 1.5, 0.5},
+                                         {2, 2, 2},
+                                         {0.9, 1.9, 2.1},
+                                         {3.2, 2.9, 2.8}})
+    EXPECT_NEAR(at("f", p), vtk_meshes::linear(p), 1e-5);
+}
+
+/// VTK's own mask, a bit a node: one of the finest leaves is out.
+TEST_F(VtkAdaptive, ATreesMaskIsAHole) {
+  Trees trees;
+  vtkNew<vtkBitArray> mask;
+  mask->SetNumberOfTuples(trees.values->GetNumberOfTuples());
+  for (vtkIdType n = 0; n < mask->GetNumberOfTuples(); ++n)
+    mask->SetValue(n, n == 16);
+  trees.grid->SetMask(mask);
+  auto attached = insitu::vtk::attach_adaptive(mesh, trees.grid);
+  mesh.commit();
+  double value = 0.0;
+  EXPECT_FALSE(mesh.sample_point("f", {1.125, 0.375, 0.375}, {&value, 1}));
+  EXPECT_DOUBLE_EQ(at("f", {1.125, 0.125, 0.125}), 10.0);
+  EXPECT_NEAR(at("f", {0.5, 0.5, 0.5}), 0.0, 1e-15);
 }
 
 TEST_F(VtkAdaptive, MaskedLeavesAndGhostsAreHoles) {

@@ -40,13 +40,13 @@ TEST(TreePolicy, RebuildsOnceQueriesLostWhatItCosts) {
   // Half a million points spend a second; at a ratio of 1.2 they lose a fifth of it.
   int commits = 0;
   for (; commits < 100 && !policy.rebuild_is_due(1.2); ++commits)
-    policy.served(cell_total / 2, 1.2);
+    policy.served(cell_total / 2, 0, 1.2);
   EXPECT_NEAR(commits, 5, 1);
   policy.built(Builder::morton, 1.0, cell_total, 100.0);
   EXPECT_FALSE(policy.rebuild_is_due(1.2));
   TreePolicy idle = built_once();
   for (int i = 0; i < 1000; ++i)
-    idle.served(0, 1.29);
+    idle.served(0, 0, 1.29);
   EXPECT_FALSE(idle.rebuild_is_due(1.29));
 }
 
@@ -54,7 +54,7 @@ TEST(TreePolicy, BuildsBySurfaceAreaOnceItWouldHavePaid) {
   TreePolicy policy = built_once();
   std::int64_t asked = 0;
   while (asked < 1000 * cell_total && !policy.surface_area_is_due()) {
-    policy.served(cell_total, 1.0);
+    policy.served(cell_total, 0, 1.0);
     asked += cell_total;
   }
   EXPECT_GT(asked, 5 * cell_total);
@@ -67,16 +67,30 @@ TEST(TreePolicy, BuildsBySurfaceAreaOnceItWouldHavePaid) {
   EXPECT_EQ(policy.builder(), Builder::morton);
 }
 
+// Frames of new values never make a tree anew; but one that is made for other reasons is made for
+// them too.
+TEST(TreePolicy, FramesAloneMakeNoTreeAnew) {
+  TreePolicy policy = built_once();
+  policy.served(1000 * cell_total, 1000 * cell_total, 1.0);
+  EXPECT_FALSE(policy.surface_area_is_due());
+  EXPECT_EQ(policy.builder(), Builder::surface_area);
+  policy.served(1000 * cell_total, 0, 1.0);
+  EXPECT_TRUE(policy.surface_area_is_due());
+  policy = built_once();
+  policy.served(10 * cell_total, 10 * cell_total, 1.2);
+  EXPECT_TRUE(policy.rebuild_is_due(1.2)); // of a refitted tree they lose as much as others
+}
+
 // What was measured replaces what was assumed: a tree that gained nothing is not built again.
 TEST(TreePolicy, LearnsWhatItGained) {
   TreePolicy policy = built_once();
-  policy.served(1000 * cell_total, 1.0);
+  policy.served(1000 * cell_total, 0, 1.0);
   ASSERT_EQ(policy.builder(), Builder::surface_area);
   policy.built(Builder::surface_area, 4.0, cell_total, 100.0);
   EXPECT_EQ(policy.builder(), Builder::morton);
   // And one that cost far more than was thought waits for longer.
   TreePolicy dear = built_once();
-  dear.served(100 * cell_total, 1.0);
+  dear.served(100 * cell_total, 0, 1.0);
   ASSERT_TRUE(dear.surface_area_is_due());
   dear.built(Builder::surface_area, 4000.0, cell_total, 90.0);
   EXPECT_EQ(dear.builder(), Builder::morton);
@@ -84,7 +98,7 @@ TEST(TreePolicy, LearnsWhatItGained) {
 
 TEST(TreePolicy, IsOverruled) {
   TreePolicy policy = built_once();
-  policy.served(1000 * cell_total, 1.0);
+  policy.served(1000 * cell_total, 0, 1.0);
   policy.set_builder(Builder::morton);
   EXPECT_EQ(policy.builder(), Builder::morton);
   EXPECT_FALSE(policy.surface_area_is_due());
@@ -93,7 +107,7 @@ TEST(TreePolicy, IsOverruled) {
   EXPECT_FALSE(policy.surface_area_is_due()); // at the next build
   TreePolicy empty;
   empty.built(Builder::morton, 0.0, 0, 0.0);
-  empty.served(100, 1.0);
+  empty.served(100, 0, 1.0);
   EXPECT_FALSE(empty.rebuild_is_due(1.0));
   EXPECT_FALSE(empty.surface_area_is_due());
 }

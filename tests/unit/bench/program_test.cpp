@@ -250,6 +250,27 @@ TEST(BenchProgram, AmrTellsTheErrorAtCentresAndStandsBesideOpenVkl) {
     EXPECT_EQ(number(r.out, "wrong_at_centres", at), 0.0) << row;
     EXPECT_EQ(number(r.out, "lost", at), 0.0) << row;
   }
+  const std::size_t dual = r.out.find("\"patches, dual mesh\": {");
+  for (const char* key : {"compression", "gridlets", "cubes", "stitching"})
+    EXPECT_GT(number(r.out, key, dual), 0.0) << key;
+  for (const char* key : {"folded", "repaired"})
+    EXPECT_EQ(number(r.out, key, dual), 0.0) << key; // levels differ by one
+  for (const std::string mesh : {"blocks", "random octree"}) {
+    double before = 0;
+    int count = 0;
+    for (std::size_t at = r.out.find("\"" + mesh + " of "); at != std::string::npos;
+         at = r.out.find("\"" + mesh + " of ", at + 1), ++count) {
+      const auto of = [&](const char* key) { return number(r.out, key, at); };
+      EXPECT_GE(of("leaves"), before);
+      before = of("leaves");
+      for (const char* key : {"build_s", "compression", "data_bytes", "peak_bytes", "bytes"})
+        EXPECT_GT(of(key), 0.0) << mesh << ' ' << key;
+      EXPECT_EQ(of("stitching"),
+                of("tetrahedra") + of("pyramids") + of("wedges") + of("hexahedra"));
+      EXPECT_GE(of("folded"), mesh == "blocks" ? 0.0 : 1.0);
+    }
+    EXPECT_EQ(count, 4) << mesh;
+  }
   for (const std::string mesh : {"blocks", "random octree"})
     for (const std::string shows : {"shell", "inside", "all"}) {
       const std::size_t at = r.out.find("\"frames of " + mesh + ", " + shows + "\": {");
@@ -260,6 +281,15 @@ TEST(BenchProgram, AmrTellsTheErrorAtCentresAndStandsBesideOpenVkl) {
       EXPECT_EQ(number(r.out, "culled", at) > 0.0, shows != "all");
       EXPECT_EQ(number(r.out, "differs", at), 0.0) << mesh << ", " << shows;
     }
+}
+
+TEST(BenchProgram, AmrBySizesAlone) {
+  const Outcome r = run("amr --cells 5000 --repetitions 1 --sizes --json -", "2>/dev/null");
+  ASSERT_EQ(r.exit_code, 0) << r.out;
+  EXPECT_NE(r.out.find("\"blocks of "), std::string::npos) << r.out;
+  EXPECT_EQ(r.out.find("patches, dual mesh"), std::string::npos) << r.out;
+  EXPECT_EQ(r.out.find("},\n}"), std::string::npos) << r.out;
+  EXPECT_EQ(run("render --sizes", "2>/dev/null").exit_code, 2);
 }
 
 TEST(BenchProgram, RenderHoldsTheWorkloadsFrameAgainstOpenVklOrSaysThatItIsAbsent) {

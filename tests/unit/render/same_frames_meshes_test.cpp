@@ -1,6 +1,5 @@
 // The same frame to the byte by all locators and threads, on meshes of several shapes and pieces,
 // of cell fields and by the nearest leaf.
-#include "unit/query/registered_amr.h"
 #include "unit/render/block_mesh.h"
 #include "unit/render/same_frames.h"
 
@@ -74,73 +73,6 @@ TEST(SameFramesOf, CellFields) {
   }
 }
 
-/// The halves of a box along y, each with one layer of the other's cells as ghosts.
-struct TwoPieces {
-  explicit TwoPieces(const TestMesh& whole) {
-    for (int p = 0; p < 2; ++p) {
-      TestMesh part;
-      part.vertices = whole.vertices;
-      for (const MeshCell& cell : whole.cells) {
-        double y = 0;
-        const int count = mesh::vertex_count(cell.shape);
-        for (int v = 0; v < count; ++v)
-          y += whole.vertices[std::size_t(cell.vertices[std::size_t(v)])].y / count;
-        const double beyond = p == 0 ? y - 0.5 : 0.5 - y;
-        if (beyond > 1.0 / 6)
-          continue;
-        part.cells.push_back(cell);
-        ghosts[p].push_back(beyond > 0 ? 1 : 0);
-      }
-      arrays[p] = fixtures::SolverArrays(part);
-      for (const Vec3d& v : part.vertices)
-        values[p].push_back(blob(v));
-      mesh::Mesh& mesh = committed.mesh.mesh();
-      const insitu_array x = arrays[p].point_array();
-      const insitu_cells c = arrays[p].cells();
-      const insitu_array g =
-          insitu_array_of(ghosts[p].data(), INSITU_UINT8, std::int64_t(ghosts[p].size()), 1);
-      const insitu_array f =
-          insitu_array_of(values[p].data(), INSITU_FLOAT64, std::int64_t(values[p].size()), 1);
-      mesh.set_points(p, &x, 1);
-      mesh.set_cells(p, &c);
-      mesh.set_ghosts(p, &g, INSITU_GHOSTS_VTK);
-      mesh.set_field(p, "f", INSITU_VERTEX, &f, 1);
-    }
-    committed.commit();
-  }
-  fixtures::SolverArrays arrays[2];
-  std::vector<std::uint8_t> ghosts[2];
-  std::vector<double> values[2];
-  fixtures::Committed committed;
-};
-
-TEST(SameFramesOf, TwoPiecesWithGhosts) {
-  const TestMesh whole = box_cells(6, Shape::hexahedron, 0.2);
-  TwoPieces pieces(whole);
-  EXPECT_EQ(std::count(pieces.ghosts[0].begin(), pieces.ghosts[0].end(), 1), 36);
-  const auto field = [&] { return ScalarField{pieces.committed.mesh.mesh().field("f"), -1}; };
-  expect_same_by_all(pieces.committed, field);
-  // And what is seen is the whole, but for rounding: boxes' origins differ. Smooth normals are
-  // averaged over the cells of their own piece, ghosts aside, whose numbers may be anything.
-  RenderMesh mesh(whole);
-  const ScalarField f = mesh.field("f", INSITU_VERTEX, blob);
-  const FrameSettings frame = box_frame(24);
-  pieces.committed.mesh.set_locator({accel::Method::bvh, accel::Backend::cpu});
-  pieces.committed.commit();
-  for (const Technique& technique : techniques) {
-    SCOPED_TRACE(technique.name);
-    FrameSettings in_parts = technique.ask(frame, field()), in_one = technique.ask(frame, f);
-    for (FrameSettings* s : {&in_parts, &in_one})
-      for (render::IsosurfaceSettings& surface : s->isosurfaces)
-        if (surface.normals == render::Normals::smooth)
-          surface.normals = render::Normals::cell;
-    const FrameImages parts = draw(pieces.committed, in_parts, pieces.committed.memory, 2);
-    const FrameImages one = draw(mesh.committed, in_one, mesh.committed.memory, 2);
-    for (std::size_t i = 0; i < one.color.rgba.size(); ++i)
-      ASSERT_NEAR(parts.color.rgba[i], one.color.rgba[i], 1e-6) << i;
-  }
-}
-
 /// Blocks know their cells without looking, and have no other locator.
 TEST(SameFramesOf, StructuredBlocksByEveryNumberOfThreads) {
   for (const insitu_block_kind kind : block_kinds) {
@@ -162,23 +94,6 @@ TEST(SameFramesOf, StructuredBlocksByEveryNumberOfThreads) {
       expect_same(
           one, draw(hexahedra.committed, technique.ask(frame, f), hexahedra.committed.memory, 2));
     }
-  }
-}
-
-/// An adaptive mesh whose values are those of the nearest leaf.
-TEST(SameFramesOf, NearestLeavesByEveryNumberOfThreads) {
-  RegisteredAmr amr({.seed = 3, .kind = 0, .roots = 3, .levels = 3}, INSITU_NEAREST,
-                    [](const Vec3d& p) { return 0.5 + 0.5 * std::sin(p.x) * std::cos(p.y); });
-  const accel::Tree& tree = amr.committed.sampler().tree();
-  FrameSettings frame = box_frame(24);
-  frame.camera = render::Camera::around(tree.bounds_min(), tree.bounds_max(), 30, 20);
-  frame.depth = frame.cell = true;
-  for (const Technique& technique : techniques) {
-    SCOPED_TRACE(technique.name);
-    const FrameSettings s = technique.ask(frame, {amr.committed.mesh.mesh().field("f"), -1});
-    const FrameImages one = draw(amr.committed, s, amr.committed.memory, 1);
-    for (const int threads : {2, 5})
-      expect_same(one, draw(amr.committed, s, amr.committed.memory, threads));
   }
 }
 

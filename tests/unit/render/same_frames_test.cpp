@@ -56,20 +56,22 @@ TEST(SameFrames, OfBlocksAsOfTheirHexahedra) {
   }
 }
 
-/// An adaptive mesh has no locator but its own.
+/// An adaptive mesh has no locator but its own, by its dual and by its leaves.
 TEST(SameFrames, OfAdaptiveMeshesByEveryNumberOfThreads) {
-  RegisteredAmr amr({.seed = 3, .kind = 0, .roots = 3, .levels = 3}, INSITU_DUAL,
-                    [](const Vec3d& p) { return 0.5 + 0.5 * std::sin(p.x) * std::cos(p.y); });
-  const accel::Tree& tree = amr.committed.sampler().tree();
-  FrameSettings frame = box_frame(24);
-  frame.camera = render::Camera::around(tree.bounds_min(), tree.bounds_max(), 30, 20);
-  frame.depth = frame.cell = true;
-  for (const Technique& technique : techniques) {
-    SCOPED_TRACE(technique.name);
-    const FrameSettings s = technique.ask(frame, {amr.committed.mesh.mesh().field("f"), -1});
-    const FrameImages one = draw(amr.committed, s, amr.committed.memory, 1);
-    for (const int threads : {2, 5})
-      expect_same(one, draw(amr.committed, s, amr.committed.memory, threads));
+  for (const auto reconstruction : {INSITU_DUAL, INSITU_NEAREST}) {
+    RegisteredAmr amr({.seed = 3, .kind = 0, .roots = 3, .levels = 3}, reconstruction,
+                      [](const Vec3d& p) { return 0.5 + 0.5 * std::sin(p.x) * std::cos(p.y); });
+    const accel::Tree& tree = amr.committed.sampler().tree();
+    FrameSettings frame = box_frame(24);
+    frame.camera = render::Camera::around(tree.bounds_min(), tree.bounds_max(), 30, 20);
+    frame.depth = frame.cell = true;
+    for (const Technique& technique : techniques) {
+      SCOPED_TRACE(technique.name);
+      const FrameSettings s = technique.ask(frame, {amr.committed.mesh.mesh().field("f"), -1});
+      const FrameImages one = draw(amr.committed, s, amr.committed.memory, 1);
+      for (const int threads : {2, 5})
+        expect_same(one, draw(amr.committed, s, amr.committed.memory, threads));
+    }
   }
 }
 

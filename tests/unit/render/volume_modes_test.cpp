@@ -17,9 +17,8 @@ using render::OpacityPoint;
 using render::TransferFunction;
 using render::VolumeSettings;
 
-TransferFunction with_opacity(std::vector<OpacityPoint> points, const char* colors = "viridis",
-                              double low = 0, double high = 1) {
-  return {render::ColorMap::built_in(colors), low, high, std::move(points)};
+TransferFunction with_opacity(std::vector<OpacityPoint> points, double low = 0, double high = 1) {
+  return {render::ColorMap::built_in("viridis"), low, high, std::move(points)};
 }
 
 bool same(const core::Image& a, const core::Image& b) {
@@ -110,7 +109,7 @@ TEST(VolumeSkipping, AdaptiveMeshes) {
     s.camera = render::Camera::around(low, high, 30, 20);
     const double from = first + 0.7 * (last - first);
     s.volume = VolumeSettings{{mesh.committed.mesh.mesh().field("f"), 0},
-                              with_opacity({{from, 0}, {last, 1}}, "viridis", first, last)};
+                              with_opacity({{from, 0}, {last, 1}}, first, last)};
     FrameStatistics with, without;
     for (const bool preintegrated : {false, true}) {
       s.volume->preintegrated = preintegrated;
@@ -203,49 +202,6 @@ TEST_P(LinearRamp, MatchesItsClosedForm) {
 INSTANTIATE_TEST_SUITE_P(VolumeModes, LinearRamp,
                          testing::Values(Shape::hexahedron, Shape::tetrahedron, Shape::wedge,
                                          Shape::pyramid));
-
-/// A stretch between two samples against quadrature of twenty thousand points.
-TEST(Preintegration, StretchesAgainstQuadrature) {
-  const std::vector<std::vector<OpacityPoint>> functions = {
-      {{0, 0}, {1, 0.8}},
-      {{0, 0.3}},
-      {{0.2, 0.1}, {0.4, 0.5}, {0.4, 0.9}, {0.6, 0.3}},
-      {{0, 0}, {0.5, 0}, {0.5, 0.7}, {0.502, 0.7}, {0.502, 0}, {1, 0}}, // a thin peak
-      {{0, 0}, {1, 1}}};
-  for (std::size_t f = 0; f < functions.size(); ++f) {
-    const TransferFunction function = with_opacity(functions[f], "turbo", 0.1, 0.9);
-    const double step = 0.3, unit = 0.7;
-    const render::Preintegration integral(function, step, unit);
-    for (std::uint64_t i = 0; i < 40; ++i) {
-      const double from = -0.1 + 1.2 * core::random_unit(9, i, f);
-      double to = -0.1 + 1.2 * core::random_unit(10, i, f);
-      if (i % 4 == 0)
-        to = from + 1e-4 * (to - from);
-      double depth = 0, color[3] = {0, 0, 0};
-      constexpr int count = 20000;
-      for (int k = 0; k < count; ++k) {
-        const double v = from + (to - from) * (k + 0.5) / count;
-        const double t = std::min(40 * unit / step, -std::log1p(-function.opacity(v)));
-        const render::Color c = function.color(v);
-        depth += t / count;
-        color[0] += t * c.r / count;
-        color[1] += t * c.g / count;
-        color[2] += t * c.b / count;
-      }
-      const render::ColorSample s = integral(from, to);
-      // Steps within a point of the stretch are the quadrature's own error.
-      const double expected = -std::expm1(-depth * step / unit);
-      EXPECT_NEAR(s.alpha, expected, f == 4 ? 4e-4 : 1e-4) << f << " " << from << " " << to;
-      if (depth > 1e-4) {
-        EXPECT_NEAR(s.color.r, color[0] / depth, 2e-3) << f << " " << from << " " << to;
-        EXPECT_NEAR(s.color.b, color[2] / depth, 2e-3) << f << " " << from << " " << to;
-      }
-      const render::ColorSample back = integral(to, from);
-      EXPECT_FLOAT_EQ(s.alpha, back.alpha);
-    }
-    EXPECT_EQ(integral(0.3, 0.3).alpha, render::Classifier(function, step, unit)(0.3).alpha);
-  }
-}
 
 /// A peak of the opacity that lies between the values of any two samples.
 TEST(VolumeModes, PreintegrationSeesThinPeaks) {

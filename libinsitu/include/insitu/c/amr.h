@@ -153,6 +153,16 @@ static inline insitu_amr_info insitu_amr_info_default(void) {
 /** INSITU_ERROR_ORDER unless the mesh is adaptive and committed. */
 INSITU_API insitu_status insitu_mesh_amr_info(insitu_mesh mesh, insitu_amr_info* info);
 
+/** The levels of cells that answers name (insitu_locate_args), as the solver numbers levels.
+ *  count: of cells, pieces and levels. cells: ids within their pieces, the first of which is
+ *  cell_base, 0 or 1; pieces: theirs, or null where the mesh has one piece. levels: the caller's;
+ *  -1 for what is outside: a cell of cell_base - 1, or a piece of -1.
+ *  INSITU_ERROR_ORDER unless the mesh is adaptive and committed; INSITU_ERROR_ARGUMENT: a null
+ *  array, or a cell or piece that there is none of, with its index; levels before it are set. */
+INSITU_API insitu_status insitu_mesh_cell_levels(insitu_mesh mesh, int64_t count,
+                                                 const int64_t* cells, const int32_t* pieces,
+                                                 int64_t cell_base, int32_t* levels);
+
 #ifdef __cplusplus
 }
 #endif

@@ -62,7 +62,7 @@ static inline insitu_commit_report insitu_commit_report_default(void) {
 
 /** Brings the structures up to date: topology -> rebuild; geometry -> refit, or rebuild once the
  *  refitted tree costs too much; fields -> value ranges; nothing -> nothing. Once enough points
- *  were located to pay for it, a geometry or fields commit also rebuilds by surface area. The first
+ *  were located, by others than frames, geometry or fields also rebuild by surface area. The first
  *  commit validates the mesh, and so does one after a change of topology. report may be null.
  *  Where a device answers (insitu_mesh_locator), a commit waits for all work that was queued on the
  *  device, on any stream: queries and tracers may still read what changes, and the solver write it.

@@ -125,8 +125,11 @@ typedef enum insitu_ghost_convention INSITU_INT {
   INSITU_GHOSTS_ASCENT = 1 /**< 0 real, otherwise ghost */
 } insitu_ghost_convention;
 
-/** One uint8 a cell. A ghost cell never owns a point and is never drawn. array null: none.
- *  They stay when the cells are given again. */
+/** One uint8 a cell. A ghost cell never owns a point and is never drawn, and may hold anything. But
+ *  a duplicate alone (VTK: 1 with neither 8 nor 32; Ascent: 1) lends its values, where its vertex
+ *  ids are in range and they are finite, to smooth normals and to averages of cell fields at the
+ *  vertices that it shares with owning cells: so surfaces meet without a seam where another process
+ *  goes on. array null: none. They stay when the cells are given again. */
 INSITU_API insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece,
                                             const insitu_array* array,
                                             insitu_ghost_convention convention);
@@ -150,9 +153,9 @@ typedef enum insitu_vertical INSITU_INT {
 typedef struct insitu_frame {
   size_t size;
   insitu_frame_kind kind;
-  double origin[3];  /**< ENU: longitude, latitude (degrees), height (metres) */
-  int32_t utm_zone;  /**< UTM: 1..60 */
-  int32_t utm_north; /**< UTM: 1 north, 0 south */
+  double origin[3];         /**< ENU: longitude, latitude (degrees), height (metres) */
+  int32_t utm_zone;         /**< UTM: 1..60 */
+  int32_t utm_north;        /**< UTM: 1 north, 0 south */
   insitu_angle angle;       /**< GEODETIC; else DEGREES */
   insitu_length length;     /**< GEODETIC: of the third number; else METRES */
   insitu_vertical vertical; /**< GEODETIC, UTM; else UP */

@@ -62,7 +62,7 @@ public:
     rebuild(mesh);
     return true;
   }
-  void served(std::size_t points) { policy_.served(std::int64_t(points), tree_.cost_ratio()); }
+  void served(std::size_t points) { policy_.served(std::int64_t(points), 0, tree_.cost_ratio()); }
 
 private:
   void rebuild(const mesh::MeshView& mesh) {
