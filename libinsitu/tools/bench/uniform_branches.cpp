@@ -52,7 +52,7 @@ UniformBranches::UniformBranches(int repetitions) {
   volatile bool flags[flag_count] = {};
   volatile std::int64_t taken = 0;
   Series with, without;
-  for (int r = 0; r < std::max(3, repetitions); ++r) {
+  for (int r = 0; r < std::max(25, repetitions); ++r) { // some milliseconds each
     without.time([&] {
       for (std::int64_t i = 0; i < rounds; ++i)
         asm volatile("" ::: "memory");

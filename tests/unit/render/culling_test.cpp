@@ -221,6 +221,7 @@ std::vector<Recipe> recipes() {
   std::vector<Recipe> all;
   for (int kind = 0; kind < 7; ++kind)
     all.push_back({.seed = std::uint64_t(kind + 1), .kind = kind, .roots = 3, .levels = 3});
+  all.push_back({.seed = 8, .kind = 5, .roots = 2, .levels = 7}); // levels differ by up to six
   return all;
 }
 
