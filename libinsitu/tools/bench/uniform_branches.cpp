@@ -44,15 +44,20 @@ Branches branches_of(const BareFrame& frame) {
       "above"};
 }
 
+/// At most the part of a frame's time that is spent on them.
+double share(const BareFrame& frame) {
+  return branches_of(frame).count * frame.branch_seconds / frame.seconds;
+}
+
 } // namespace
 
-UniformBranches::UniformBranches(int repetitions) {
+double uniform_branches::measure_branch() {
   constexpr int flag_count = 16;
   constexpr std::int64_t rounds = 1 << 20;
   volatile bool flags[flag_count] = {};
   volatile std::int64_t taken = 0;
   Series with, without;
-  for (int r = 0; r < std::max(25, repetitions); ++r) { // some milliseconds each
+  for (int r = 0; r < 25; ++r) { // some milliseconds each
     without.time([&] {
       for (std::int64_t i = 0; i < rounds; ++i)
         asm volatile("" ::: "memory");
@@ -67,34 +72,31 @@ UniformBranches::UniformBranches(int repetitions) {
       }
     });
   }
-  seconds_each_ = std::max(0.0, with.cpu_min() - without.cpu_min()) / (double(rounds) * flag_count);
+  return std::max(0.0, with.cpu_min() - without.cpu_min()) / (double(rounds) * flag_count);
 }
 
-double UniformBranches::share(const BareFrame& frame) const {
-  return branches_of(frame).count * seconds_each_ / frame.seconds;
-}
-
-std::string UniformBranches::text(std::span<const BareFrame> frames) const {
+std::string uniform_branches::text(std::span<const BareFrame> frames) {
   std::string out =
-      format("\nUniform branches of bare frames, for effects that they do not ask for: "
-             "%.2f ns each as measured.\n\n%-14s %14s %9s  %s\n",
-             nanoseconds(), "frame", "at most", "of time", "tested");
+      format("\nUniform branches of bare frames, for effects that they do not ask for; "
+             "what one takes, measured in turns with the frame.\n\n"
+             "%-14s %14s %8s %9s  %s\n",
+             "frame", "at most", "ns each", "of time", "tested");
   for (const BareFrame& frame : frames) {
     const Branches branches = branches_of(frame);
-    out += format("%-14s %14s %8.2f%%  %s\n", frame.family.c_str(),
-                  grouped(std::int64_t(branches.count)).c_str(), 100 * share(frame),
-                  branches.of.c_str());
+    out += format("%-14s %14s %8.2f %8.2f%%  %s\n", frame.family.c_str(),
+                  grouped(std::int64_t(branches.count)).c_str(), 1e9 * frame.branch_seconds,
+                  100 * share(frame), branches.of.c_str());
   }
   return out;
 }
 
-std::string UniformBranches::json(std::span<const BareFrame> frames) const {
+std::string uniform_branches::json(std::span<const BareFrame> frames) {
   std::string out;
   for (const BareFrame& frame : frames)
     out += std::string(",\n  {\"frame\": ") + quoted(frame.family) +
            ", \"effect\": \"uniform branches\", \"branches\": " +
            std::to_string(std::int64_t(branches_of(frame).count)) +
-           ", \"branch_ns\": " + number(nanoseconds()) +
+           ", \"branch_ns\": " + number(1e9 * frame.branch_seconds) +
            ", \"share_of_time\": " + number(share(frame)) + "}";
   return out;
 }
