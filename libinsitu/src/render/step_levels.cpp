@@ -40,12 +40,12 @@ public:
     std::vector<Extremes> row;
     for (const double v : values_)
       row.push_back(at(function, v, unit_distance));
-    before_.assign(row.size(), 0.0);
+    jump_before_.assign(row.size(), 0.0);
     for (std::size_t i = 1; i < row.size(); ++i) {
       Extremes pair = row[i];
       pair.add(row[i - 1]);
       if (std::nextafter(values_[i - 1], HUGE_VAL) == values_[i])
-        before_[i] = pair.range();
+        jump_before_[i] = pair.range();
     }
     below_ = at(function, -HUGE_VAL, unit_distance);
     above_ = at(function, HUGE_VAL, unit_distance);
@@ -92,7 +92,8 @@ public:
   double step_within(double low, double high) const {
     const auto from = std::upper_bound(values_.begin(), values_.end(), low) - values_.begin();
     const auto to = std::upper_bound(values_.begin(), values_.end(), high) - values_.begin();
-    return from < to ? *std::max_element(before_.begin() + from, before_.begin() + to) : 0.0;
+    return from < to ? *std::max_element(jump_before_.begin() + from, jump_before_.begin() + to)
+                     : 0.0;
   }
 
 private:
@@ -123,7 +124,8 @@ private:
   }
 
   std::vector<double> values_;
-  std::vector<double> before_; ///< the step from the value before, if there is no double between
+  std::vector<double>
+      jump_before_; ///< the step from the value before, if there is no double between
   std::vector<std::vector<Extremes>> table_; ///< [log of width][first]
   Extremes below_, above_, nan_;
 };

@@ -258,9 +258,8 @@ double mqps(std::int64_t points, const Series& s) {
 } // namespace
 
 Output amr(const Options& options) {
-  const AmrSizes sizes = measure_amr_sizes(options);
   if (options.sizes)
-    return {sizes.text, "{\n" + sizes.json.substr(0, sizes.json.size() - 2) + "\n}\n", 0};
+    return measure_amr_sizes(options);
   Bench bench(options);
   const std::vector<Row> rows = bench.run();
   const auto times = [&](const Series& theirs, const Series& ours) {
@@ -307,7 +306,7 @@ Output amr(const Options& options) {
   }
   const AmrFrames frames = measure_amr_frames(options);
   out.exit_code = frames.differ ? 1 : 0;
-  out.json = "{\n" + sizes.json + frames.json + out.json.substr(2) + "}\n";
+  out.json = "{\n" + frames.json + out.json.substr(2) + "}\n";
   const insitu_amr_info& info = *rows[0].info;
   out.text += format("\ndual mesh of the patches: %s gridlets of %s cubes, %s stitching cells, "
                      "%s folded, %s leaves split\n",
@@ -327,7 +326,7 @@ Output amr(const Options& options) {
   out.text += format("million samples a second of one field at random points and on a raster of "
                      "%d^3; error: at the cells' centres\n(wrong: by more than 1e-5)\n",
                      raster_side(options));
-  out.text += "\n" + sizes.text + "\n" + frames.text;
+  out.text += "\n" + frames.text;
   if (!options.peers)
     return out;
   out.text += "\n";

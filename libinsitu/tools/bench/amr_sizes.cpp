@@ -56,7 +56,7 @@ double power_of_leaves(const std::vector<Size>& sizes, const std::string& mesh) 
 
 } // namespace
 
-AmrSizes measure_amr_sizes(const Options& options) {
+Output measure_amr_sizes(const Options& options) {
   std::vector<Size> sizes;
   for (const bool octree : {false, true})
     for (const std::int64_t part : {64, 16, 4, 1}) {
@@ -67,7 +67,8 @@ AmrSizes measure_amr_sizes(const Options& options) {
                                      : paper::AdaptiveCase::of_blocks(cells),
                               options));
     }
-  AmrSizes out;
+  Output out;
+  out.json = "{";
   out.text = format("dual meshes by number of leaves; the counts of Zellmann 2023, tables 1 and 2 "
                     "(full and empty: cells of gridlets)\n\n"
                     "%-13s %10s %8s %9s %9s %10s %8s %8s %8s %8s %9s %7s %7s %6s\n",
@@ -83,12 +84,12 @@ AmrSizes measure_amr_sizes(const Options& options) {
                        grouped(s.dual.hexahedra).c_str(), grouped(s.info.folded).c_str(),
                        grouped(s.info.repaired).c_str(), s.compression);
     out.json += format(
-        "  \"%s of %lld\": {\"leaves\": %lld, \"build_s\": %s, \"compression\": %s, "
+        "%s\n  \"%s of %lld\": {\"leaves\": %lld, \"build_s\": %s, \"compression\": %s, "
         "\"gridlets\": %lld, \"stitching\": %lld, \"tetrahedra\": %lld, \"pyramids\": %lld, "
         "\"wedges\": %lld, \"hexahedra\": %lld, \"full\": %lld, \"empty\": %lld, \"folded\": %lld, "
         "\"repaired\": %lld, \"data_bytes\": %s, \"peak_bytes\": %s, "
-        "\"bytes\": %s},\n",
-        s.mesh.c_str(), static_cast<long long>(s.info.leaves),
+        "\"bytes\": %s}",
+        &s == &sizes[0] ? "" : ",", s.mesh.c_str(), static_cast<long long>(s.info.leaves),
         static_cast<long long>(s.info.leaves), number(s.build_s).c_str(),
         number(s.compression).c_str(), static_cast<long long>(s.dual.gridlets),
         static_cast<long long>(s.dual.stitching()), static_cast<long long>(s.dual.tetrahedra),
@@ -98,6 +99,7 @@ AmrSizes measure_amr_sizes(const Options& options) {
         static_cast<long long>(s.info.repaired), number(s.data).c_str(), number(s.peak).c_str(),
         number(s.total).c_str());
   }
+  out.json += "\n}\n";
   out.text += format("\nbuild times go as the leaves to the power of %.2f in blocks, of %.2f in "
                      "random octrees\n\nmemory, bytes a leaf (table 3: data, peak, total)\n",
                      power_of_leaves(sizes, "blocks"), power_of_leaves(sizes, "random octree"));

@@ -12,9 +12,8 @@ Times libinsitu on the standard workload, checks its answers and holds them agai
   torture  who loses or misplaces how many points on small meshes of all hard cases
   scale    cost of build and queries by number of cells, and of queries by size of the batch
   amr      an adaptive mesh: the dual mesh with gridlets beside the same as plain hexahedra, and
-           the solver's own cells (`nearest`); with --peers Open VKL's AMR volume; builds and counts
-           by number of leaves (Zellmann 2023, tables 1 to 3); frames with and without culling by
-           the transfer function
+           the solver's own cells (`nearest`); with --peers Open VKL's AMR volume; frames with and
+           without culling by the transfer function; or, with --sizes, by number of leaves
   effects  what each effect of a frame adds to the bare one, in time and memory, alone and together
   render   frames of a volume: seconds, samples a second and error by step, one core and all; with
            --peers vtkUnstructuredGridVolumeRayCastMapper's and Open VKL's; Rathke 2015, tables 1 to 4
@@ -46,7 +45,7 @@ The queries (locate)
   --accuracy standard|exact [standard]
   --fields N        also samples N vertex fields at once against one, through insitu.h [1]
 The adaptive meshes
-  --sizes           dual meshes by number of leaves alone
+  --sizes           dual meshes by number of leaves instead: builds, and Zellmann 2023, tables 1 to 3
 The methods
   --backend cpu|cuda|optix, --method NAME   these only (may be repeated); NAME as in a scene's locator
   --check           compares answers alone, on all points, of pyramids and of twisted and of folded hexahedra as well

@@ -46,7 +46,7 @@ struct Options {
   bool peers = false;
   std::vector<std::string> peer_names;        ///< only these; empty: all
   std::int64_t peer_points = 0;               ///< so many of the points for peers; 0: all
-  bool sizes = false;                         ///< amr: by number of leaves alone
+  bool sizes = false;                         ///< amr: by number of leaves instead
   bool check = false;                         ///< methods: answers alone, on all points
   std::vector<std::string> backends, methods; ///< methods: only these; empty: all
   int size = 512;                             ///< render, effects, paper: pixels along an edge

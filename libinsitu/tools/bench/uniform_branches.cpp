@@ -27,8 +27,8 @@ Branches branches_of(const BareFrame& frame) {
     const double stretches = double(s.samples + s.skipped) / 16 + 2 * rays;
     return {6 * stretches + double(s.samples) + 8 * rays,
             "a sample: depth; a stretch of a ray: space skipping, clips, pre-integration, lights, "
-            "a tolerance, "
-            "surfaces; a ray: clips twice, surfaces twice, depth, cell, paths, thin volumes"};
+            "a tolerance, surfaces; a ray: clips twice, surfaces twice, depth, cell, paths, thin "
+            "volumes"};
   }
   if (frame.family == "isosurface")
     return {4 * double(s.cells_tested) + 8 * double(s.hits) + 8 * rays,

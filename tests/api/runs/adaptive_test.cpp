@@ -104,6 +104,8 @@ public:
     }
   }
 
+  insitu::Session session;
+
 private:
   static insitu::Options options_of(const std::string& output, int threads) {
     insitu::Options options;
@@ -113,10 +115,6 @@ private:
     return options;
   }
 
-public:
-  insitu::Session session;
-
-private:
   insitu::Mesh mesh_;
   Grid before_{4}, after_{6};
   bool given_ = false;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <map>
+#include <set>
 #include <tuple>
+#include <utility>
 
 #include "amr/dual_mesh.h"
 #include "amr_mesh.h"
@@ -14,6 +16,12 @@ namespace {
 using Ids = std::vector<std::uint32_t>; ///< of leaves, each once, ascending
 /// How many cells have these vertices.
 using Cells = std::map<Ids, int>;
+
+void add_cell(Cells& cells, Ids ids) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  ++cells[std::move(ids)];
+}
 
 /// Looks leaves up by depth and index, one depth after the other.
 class Leaves {
@@ -45,17 +53,17 @@ private:
 
 Cells plain_dual(const Leaves& leaves) {
   // Corners on the deepest lattice, each once.
-  std::map<Index, bool> corners;
+  std::set<Index> corners;
   for (const Leaf& leaf : leaves.all())
     for (int c = 0; c < 8; ++c) {
       Index corner;
       for (int a = 0; a < 3; ++a)
         corner[std::size_t(a)] = (leaf.index[std::size_t(a)] + (c >> a & 1))
                                  << (leaves.deepest() - leaf.depth);
-      corners[corner] = true;
+      corners.insert(corner);
     }
   Cells cells;
-  for (const auto& [corner, unused] : corners) {
+  for (const Index& corner : corners) {
     Ids ids;
     bool inside = true;
     for (int c = 0; inside && c < 8; ++c) {
@@ -67,11 +75,8 @@ Cells plain_dual(const Leaves& leaves) {
       if (leaf)
         ids.push_back(leaf->id);
     }
-    if (!inside)
-      continue;
-    std::sort(ids.begin(), ids.end());
-    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-    ++cells[ids];
+    if (inside)
+      add_cell(cells, std::move(ids));
   }
   return cells;
 }
@@ -104,11 +109,8 @@ Cells cells_among_centres(AmrMesh& mesh, const amr::DualMesh& dual, const Leaves
         if (among)
           ids.push_back(found->second);
       }
-      if (!among)
-        continue;
-      std::sort(ids.begin(), ids.end());
-      ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-      ++cells[ids];
+      if (among)
+        add_cell(cells, std::move(ids));
     }
   }
   return cells;

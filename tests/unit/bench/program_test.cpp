@@ -255,6 +255,21 @@ TEST(BenchProgram, AmrTellsTheErrorAtCentresAndStandsBesideOpenVkl) {
     EXPECT_GT(number(r.out, key, dual), 0.0) << key;
   for (const char* key : {"folded", "repaired"})
     EXPECT_EQ(number(r.out, key, dual), 0.0) << key; // levels differ by one
+  for (const std::string mesh : {"blocks", "random octree"})
+    for (const std::string shows : {"shell", "inside", "all"}) {
+      const std::size_t at = r.out.find("\"frames of " + mesh + ", " + shows + "\": {");
+      ASSERT_NE(at, std::string::npos) << mesh << ", " << shows;
+      for (const char* key : {"primitives", "refresh_s", "ranges_s", "reclassify_s", "cull_s",
+                              "frame_s", "frame_culled_s", "fresh_s", "fresh_auto_s", "bytes"})
+        EXPECT_GT(number(r.out, key, at), 0.0) << mesh << ", " << shows << ' ' << key;
+      EXPECT_EQ(number(r.out, "culled", at) > 0.0, shows != "all");
+      EXPECT_EQ(number(r.out, "differs", at), 0.0) << mesh << ", " << shows;
+    }
+}
+
+TEST(BenchProgram, AmrByNumberOfLeaves) {
+  const Outcome r = run("amr --cells 5000 --repetitions 1 --sizes --json -", "2>/dev/null");
+  ASSERT_EQ(r.exit_code, 0) << r.out;
   for (const std::string mesh : {"blocks", "random octree"}) {
     double before = 0;
     int count = 0;
@@ -271,22 +286,6 @@ TEST(BenchProgram, AmrTellsTheErrorAtCentresAndStandsBesideOpenVkl) {
     }
     EXPECT_EQ(count, 4) << mesh;
   }
-  for (const std::string mesh : {"blocks", "random octree"})
-    for (const std::string shows : {"shell", "inside", "all"}) {
-      const std::size_t at = r.out.find("\"frames of " + mesh + ", " + shows + "\": {");
-      ASSERT_NE(at, std::string::npos) << mesh << ", " << shows;
-      for (const char* key : {"primitives", "refresh_s", "ranges_s", "reclassify_s", "cull_s",
-                              "frame_s", "frame_culled_s", "fresh_s", "fresh_auto_s", "bytes"})
-        EXPECT_GT(number(r.out, key, at), 0.0) << mesh << ", " << shows << ' ' << key;
-      EXPECT_EQ(number(r.out, "culled", at) > 0.0, shows != "all");
-      EXPECT_EQ(number(r.out, "differs", at), 0.0) << mesh << ", " << shows;
-    }
-}
-
-TEST(BenchProgram, AmrBySizesAlone) {
-  const Outcome r = run("amr --cells 5000 --repetitions 1 --sizes --json -", "2>/dev/null");
-  ASSERT_EQ(r.exit_code, 0) << r.out;
-  EXPECT_NE(r.out.find("\"blocks of "), std::string::npos) << r.out;
   EXPECT_EQ(r.out.find("patches, dual mesh"), std::string::npos) << r.out;
   EXPECT_EQ(r.out.find("},\n}"), std::string::npos) << r.out;
   EXPECT_EQ(run("render --sizes", "2>/dev/null").exit_code, 2);

@@ -15,13 +15,11 @@ struct TwoPieces {
       TestMesh part;
       part.vertices = whole.vertices;
       for (const MeshCell& cell : whole.cells) {
-        double y = 0;
         Vec3d middle;
         const int count = mesh::vertex_count(cell.shape);
         for (int v = 0; v < count; ++v)
           middle += whole.vertices[std::size_t(cell.vertices[std::size_t(v)])] / double(count);
-        y = middle.y;
-        const double beyond = p == 0 ? y - 0.5 : 0.5 - y;
+        const double beyond = p == 0 ? middle.y - 0.5 : 0.5 - middle.y;
         if (beyond > double(layers) / blocks)
           continue;
         part.cells.push_back(cell);
@@ -93,7 +91,6 @@ TEST(GhostCells, LendTheValuesOfCellFields) {
     const TestMesh whole = box_cells(blocks, shape, 0.2);
     TwoPieces pieces(whole, 2, 1), alone(whole, 2, 32);
     RenderMesh mesh(whole);
-    std::vector<double> values;
     const ScalarField c = mesh.field("c", INSITU_CELL, blob);
     for (const render::Normals normals : {render::Normals::cell, render::Normals::smooth}) {
       SCOPED_TRACE(testing::Message() << "normals " << int(normals));
