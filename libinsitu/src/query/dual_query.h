@@ -27,7 +27,18 @@ public:
     if (in_gridlet_ && find_beside_last(p, at, reason))
       return true;
     in_gridlet_ = false;
+    if (frusta_.find_like_last(p, at, reason, [&](int depth, const std::int64_t* index) {
+          return places_->way_to_leaf(depth, index) == 0;
+        }))
+      return true;
     return find_by_place(p, at, reason, guess);
+  }
+
+  /// find() of the first of n points and those that follow it in its gridlet; returns of how many.
+  /// Up to 3 locations behind these are overwritten, but none behind n.
+  std::size_t find_ahead(const math::Vec3d* points, std::size_t n, Location* at,
+                         Reason* reasons) const {
+    return in_gridlet_ && n >= 4 ? gridlets_.find_ahead(points, n, at, reasons) : 0;
   }
 
 private:
@@ -58,8 +69,9 @@ private:
       const std::int64_t corner[3] = {lower[0] + 1, lower[1] + 1, lower[2] + 1};
       if (depth == leaf && gridlets_.find_at(p, depth, lower, at, reason))
         return in_gridlet_ = true;
-      if (frusta_.find_at(p, depth, corner, at, reason, guess) ||
-          (depth > leaf && frusta_.find_within(p, depth, depth - leaf, at, reason, guess)))
+      if (depth > leaf && frusta_.find_within(p, depth, depth - leaf, at, reason, guess))
+        return true;
+      if (frusta_.find_at(p, depth, corner, at, reason, guess))
         return true;
     }
     return false;

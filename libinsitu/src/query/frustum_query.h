@@ -13,8 +13,8 @@
 namespace insitu::query {
 
 /// Finds frusta by their places. What it answers is proven by bounds on rounding, and for points on
-/// or very near one of a frustum's sides by exact arithmetic: on a side the lower id of the two
-/// frusta there owns.
+/// or very near one of a frustum's sides by exact arithmetic: on sides the lowest id of the two or
+/// four frusta there owns. Remembers the last frustum, since neighbours often lie in one like it.
 class FrustumFinder {
 public:
   /// first_cell: the flat id of the first stitching cell. shown: a bit a stitching cell, from bit
@@ -31,7 +31,7 @@ public:
   /// beside it, and then which (at: left alone otherwise), or none where that is not shown. guess:
   /// another cell at that corner, or left alone.
   bool find_at(const math::Vec3d& p, int depth, const std::int64_t* corner, Location& at,
-               Reason& reason, std::int64_t& guess) const {
+               Reason& reason, std::int64_t& guess) {
     const amr::CornerMap::Found found = map_->find(depth, corner);
     if (!found)
       return false;
@@ -39,10 +39,15 @@ public:
     if (found.kind.is_box())
       return in_box(p, place, corner, found, at, reason);
     if (found.kind.is_frustum())
-      return in_frustum(p, place, found.kind, corner[found.kind.axis()], at, reason);
+      return in_frustum(p, place, found.kind, corner[found.kind.axis()], at, reason, guess);
     propose(found.cell, guess);
     return false;
   }
+
+  /// The same for frusta of the last one's kind, in its plane, such that find_at() or find_within()
+  /// find for the point alone. is_leaf(depth, index): whether that cell is a leaf.
+  template <class IsLeaf>
+  bool find_like_last(const math::Vec3d& p, Location& at, Reason& reason, IsLeaf&& is_leaf);
 
   /// Whether there are frusta of a depth beside leaves `up` depths above.
   bool has_frusta(int depth, int up) const {
@@ -50,10 +55,18 @@ public:
   }
   /// The same for points in a leaf `up` depths above, further than half a cell of the depth.
   bool find_within(const math::Vec3d& p, int depth, int up, Location& at, Reason& reason,
-                   std::int64_t& guess) const;
+                   std::int64_t& guess);
 
 private:
   static constexpr int unknown = 2;
+
+  /// Frusta of a kind whose corners lie in a plane across its axis.
+  struct Plane {
+    int depth = -1; ///< -1: none
+    amr::CornerKind kind;
+    std::int64_t plane = 0;
+    double low = 0.0, high = 0.0; ///< about: their ends
+  };
 
   /// A point as a depth sees it.
   struct Place {
@@ -77,10 +90,13 @@ private:
     double rounding; ///< of their sides, in cells
   };
 
+  static std::int64_t nearest_corner(const Place& place, int axis) {
+    return place.floor[axis] + (place.steps[axis] - double(place.floor[axis]) >= 0.5);
+  }
   bool in_box(const math::Vec3d& p, const Place& place, const std::int64_t* corner,
               const amr::CornerMap::Found& found, Location& at, Reason& reason) const;
   bool in_frustum(const math::Vec3d& p, const Place& place, amr::CornerKind kind,
-                  std::int64_t plane, Location& at, Reason& reason) const;
+                  std::int64_t plane, Location& at, Reason& reason, std::int64_t& guess);
   bool within_sides(const math::Vec3d& p, const Place& place, const Sections& at_point,
                     std::int64_t* corner, int axis, double& part, int& on, Reason& reason) const;
   int side_of(const math::Vec3d& p, int depth, amr::CornerKind kind, const std::int64_t* corner,
@@ -113,6 +129,7 @@ private:
   const std::uint64_t* shown_;
   std::int64_t first_cell_, first_shown_;
   double per_unit_[3]; ///< cells of depth 0
+  Plane last_plane_;   ///< that of the last frustum
 };
 
 // Implementation
@@ -135,7 +152,7 @@ inline FrustumFinder::Place::Place(const FrustumFinder& finder, const math::Vec3
 }
 
 inline bool FrustumFinder::find_within(const math::Vec3d& p, int depth, int up, Location& at,
-                                       Reason& reason, std::int64_t& guess) const {
+                                       Reason& reason, std::int64_t& guess) {
   const Place place(*this, p, depth);
   const std::int64_t half = std::int64_t(1) << (up - 1);
   std::int64_t centre[3]; // of the leaf
@@ -147,7 +164,8 @@ inline bool FrustumFinder::find_within(const math::Vec3d& p, int depth, int up, 
     std::int64_t midst[3] = {centre[0], centre[1], centre[2]};
     midst[a] += side ? -half : half;
     const auto kind = amr::CornerKind::frustum(a, side, up);
-    if (map_->find(depth, midst).kind == kind && in_frustum(p, place, kind, midst[a], at, reason))
+    if (map_->find(depth, midst).kind == kind &&
+        in_frustum(p, place, kind, midst[a], at, reason, guess))
       return true;
   }
   // Where its face meets the way from its centre through the point.
@@ -161,7 +179,13 @@ inline bool FrustumFinder::find_within(const math::Vec3d& p, int depth, int up, 
     const double seen = farthest > 0.0 ? from_centre[a] * (double(half) / farthest) : 0.0;
     corner[a] = centre[a] - half + std::int64_t(seen + double(half) + 0.5);
   }
-  if (const amr::CornerMap::Found found = map_->find(depth, corner))
+  amr::CornerMap::Found found = map_->find(depth, corner);
+  if (!found) { // finer leaves lie beyond an edge or a corner of the leaf only
+    for (int a = 0; a < 3; ++a)
+      corner[a] = from_centre[a] < 0.0 ? centre[a] - half : centre[a] + half;
+    found = map_->find(depth, corner);
+  }
+  if (found)
     propose(found.cell, guess);
   return false;
 }
@@ -186,10 +210,42 @@ inline bool FrustumFinder::in_box(const math::Vec3d& p, const Place& place,
   return true;
 }
 
+template <class IsLeaf>
+inline bool FrustumFinder::find_like_last(const math::Vec3d& p, Location& at, Reason& reason,
+                                          IsLeaf&& is_leaf) {
+  const auto& [depth, kind, plane, low, high] = last_plane_;
+  if (depth < 0 || !(p[kind.axis()] > low && p[kind.axis()] < high))
+    return false;
+  const Place place(*this, p, depth);
+  const bool in_coarser = (place.floor[kind.axis()] >= plane) == (kind.side() == 1);
+  const int up = in_coarser ? kind.up() : 0;
+  std::int64_t leaf[3], corner[3];
+  for (int a = 0; a < 3; ++a) {
+    leaf[a] = place.floor[a] >> up;
+    corner[a] = nearest_corner(place, a);
+  }
+  if (!is_leaf(depth - up, leaf))
+    return false;
+  const auto is_like = [&] {
+    return corner[kind.axis()] == plane && map_->find(depth, corner).kind == kind;
+  };
+  if (!is_like()) {
+    if (!in_coarser)
+      return false;
+    const std::int64_t half = std::int64_t(1) << (up - 1);
+    for (int a = 0; a < 3; ++a)
+      corner[a] = a == kind.axis() ? plane : leaf[a] * 2 * half + half;
+    if (!is_like())
+      return false;
+  }
+  std::int64_t no_guess = 0;
+  return in_frustum(p, place, kind, plane, at, reason, no_guess);
+}
+
 /// In one of this kind whose corner lies in a plane across its axis.
 inline bool FrustumFinder::in_frustum(const math::Vec3d& p, const Place& place,
                                       amr::CornerKind kind, std::int64_t plane, Location& at,
-                                      Reason& reason) const {
+                                      Reason& reason, std::int64_t& guess) {
   const int axis = kind.axis(), side = kind.side(), up = kind.up(), depth = place.depth;
   const std::int64_t leaf_width = std::int64_t(1) << up;
   const double half = double(leaf_width / 2);
@@ -218,24 +274,36 @@ inline bool FrustumFinder::in_frustum(const math::Vec3d& p, const Place& place,
   reason = Reason::certified;
   int on_b = 0, on_c = 0;
   if (!within_sides(p, place, at_point, corner, b, part[b], on_b, reason) ||
-      !within_sides(p, place, at_point, corner, c, part[c], on_c, reason) || (on_b && on_c))
+      !within_sides(p, place, at_point, corner, c, part[c], on_c, reason))
     return false;
   amr::CornerMap::Found found = map_->find(depth, corner);
-  if (!(found.kind == kind))
+  if (!(found.kind == kind)) {
+    if (found)
+      propose(found.cell, guess);
     return false;
-  if (on_b || on_c) {
-    const int of = on_b ? b : c, direction = on_b + on_c;
-    corner[of] += direction;
-    const amr::CornerMap::Found other = map_->find(depth, corner);
-    if (!(other.kind == kind))
-      return false;
-    reason = Reason::on_face;
-    if (other.cell < found.cell) {
-      found = other;
-      part[of] = 1.0 - part[of];
-    } else {
-      corner[of] -= direction;
-    }
+  }
+  if (on_b || on_c) { // of the two or four frusta there the lowest id owns
+    reason = on_b && on_c ? Reason::on_edge : Reason::on_face;
+    const std::int64_t from[3] = {corner[0], corner[1], corner[2]};
+    const double part_b = part[b], part_c = part[c];
+    for (const bool move_c : {false, true})
+      for (const bool move_b : {false, true}) {
+        if ((!move_b && !move_c) || (move_b && !on_b) || (move_c && !on_c))
+          continue;
+        std::int64_t to[3] = {from[0], from[1], from[2]};
+        to[b] += move_b ? on_b : 0;
+        to[c] += move_c ? on_c : 0;
+        const amr::CornerMap::Found other = map_->find(depth, to);
+        if (!(other.kind == kind))
+          return false;
+        if (other.cell > found.cell)
+          continue;
+        found = other;
+        corner[b] = to[b];
+        corner[c] = to[c];
+        part[b] = move_b ? 1.0 - part_b : part_b;
+        part[c] = move_c ? 1.0 - part_c : part_c;
+      }
   }
   // As amr/dual_cells.cpp orders the vertices.
   const auto shares = [&](int a) { return (corner[a] & (leaf_width - 1)) != 0; }; // one leaf
@@ -250,6 +318,12 @@ inline bool FrustumFinder::in_frustum(const math::Vec3d& p, const Place& place,
     at.parametric = {part[0], part[1], part[2]};
   }
   answer(found.cell, at, reason);
+  if (last_plane_.depth != depth || last_plane_.plane != plane || !(last_plane_.kind == kind)) {
+    const std::int64_t to = side ? 1 : -1;
+    const double ends[2] = {lattice_->place(axis, depth, 2 * plane - to),
+                            lattice_->place(axis, depth, 2 * plane + to * leaf_width)};
+    last_plane_ = {depth, kind, plane, ends[1 - side], ends[side]};
+  }
   return true;
 }
 

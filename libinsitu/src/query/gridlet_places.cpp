@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/count_bits.h"
+
 namespace insitu::query {
 
 void GridletPlaces::build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves,
@@ -26,12 +28,19 @@ void GridletPlaces::build(const mesh::GridletsView& gridlets, const amr::LeafMap
       }
     }
   });
+  all_full_.resize_discard(std::size_t((gridlets.count + 63) / 64));
+  std::fill(all_full_.begin(), all_full_.end(), 0);
   double farthest[3] = {0, 0, 0}; // of coordinates, from zero and from the lattice's origin
   const mesh::Lattice& lattice = gridlets.lattice;
   for (std::int64_t g = 0; g < gridlets.count; ++g) {
     const mesh::Gridlet& gridlet = gridlets.gridlets[g];
     const std::int64_t lower[3] = {gridlet.lower[0], gridlet.lower[1], gridlet.lower[2]};
     in_brick_[store_->find(gridlet.depth, amr::BrickStore::key_of(lower))] = std::int32_t(g);
+    std::int64_t full = 0;
+    for (int k = 0; k < 8; ++k)
+      full += core::count_bits(gridlets.full[8 * g + k]);
+    const bool all = full == std::int64_t(gridlet.size[0]) * gridlet.size[1] * gridlet.size[2];
+    all_full_[std::size_t(g >> 6)] |= std::uint64_t(all) << (g & 63);
     for (int a = 0; a < 3; ++a)
       for (const double x :
            {gridlets.coordinate(gridlet, a, 0), gridlets.coordinate(gridlet, a, gridlet.size[a])})

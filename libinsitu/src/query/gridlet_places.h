@@ -11,7 +11,8 @@ namespace insitu::query {
 class GridletPlaces {
 public:
   explicit GridletPlaces(core::Memory& memory)
-      : in_brick_(memory, INSITU_MEMORY_AMR), covers_(memory, INSITU_MEMORY_AMR) {}
+      : in_brick_(memory, INSITU_MEMORY_AMR), covers_(memory, INSITU_MEMORY_AMR),
+        all_full_(memory, INSITU_MEMORY_AMR) {}
 
   /// The arguments but the threads must outlive the object, or its next build.
   void build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves,
@@ -20,7 +21,9 @@ public:
   const mesh::GridletsView& gridlets() const { return *gridlets_; }
   /// Of the gridlets, full or not; the dual's other cells come next.
   std::int64_t cell_count() const { return gridlets_->count * mesh::Gridlet::most_cells; }
-  std::int64_t bytes() const { return std::int64_t(in_brick_.bytes() + covers_.bytes()); }
+  std::int64_t bytes() const {
+    return std::int64_t(in_brick_.bytes() + covers_.bytes() + all_full_.bytes());
+  }
 
   /// Lengths of a depth, by axis.
   struct Steps {
@@ -36,6 +39,11 @@ public:
   std::int64_t find(int depth, const std::int64_t* index) const {
     const std::uint32_t brick = store_->find(depth, amr::BrickStore::key_of(index));
     return brick == amr::BrickTable::none ? -1 : std::int64_t(in_brick_[brick]);
+  }
+
+  /// Whether all cells of a gridlet are full.
+  bool all_full(std::int64_t gridlet) const {
+    return (all_full_[std::size_t(gridlet >> 6)] >> (gridlet & 63)) & 1;
   }
 
   /// Depths that have leaves: [0, depth_count()).
@@ -63,8 +71,9 @@ private:
 
   const mesh::GridletsView* gridlets_ = nullptr;
   const amr::BrickStore* store_ = nullptr;
-  core::Buffer<std::int32_t> in_brick_; ///< gridlets, or -1
-  core::Buffer<Covers> covers_;         ///< of bricks
+  core::Buffer<std::int32_t> in_brick_;  ///< gridlets, or -1
+  core::Buffer<Covers> covers_;          ///< of bricks
+  core::Buffer<std::uint64_t> all_full_; ///< a bit a gridlet
   Steps steps_[mesh::Lattice::most_depth + 1] = {};
 };
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "cells/decide.h"
 #include "mesh/view.h"
+#include "query/gridlet_lanes.h"
 #include "query/gridlet_places.h"
 #include "query/sampler.h"
 
@@ -105,6 +107,17 @@ public:
     return true;
   }
 
+  /// find_in_last() of the first points, of n, up to one that it may not find; returns how many. Up
+  /// to 3 locations behind these are overwritten, but none behind n.
+  std::size_t find_ahead(const math::Vec3d* points, std::size_t n, Location* at,
+                         Reason* reasons) const {
+    if (last_ < 0 || !shows_last())
+      return 0;
+    const std::size_t found = cells_ahead(box_, points, n, at);
+    std::fill_n(reasons, found, Reason::certified);
+    return found;
+  }
+
   /// Of the last gridlet, or -1.
   int last_depth() const { return last_ < 0 ? -1 : all_->gridlets[last_].depth; }
 
@@ -138,12 +151,14 @@ private:
     const mesh::Gridlet& g = all_->gridlets[gridlet];
     const GridletPlaces::Steps& steps = places_->steps(g.depth);
     last_ = gridlet;
-    full_ = &all_->full[8 * gridlet];
+    box_.first_cell = gridlet << mesh::Gridlet::cell_bits;
+    box_.full = &all_->full[8 * gridlet];
+    box_.all_full = places_->all_full(gridlet);
     for (int a = 0; a < 3; ++a) {
-      start_[a] = all_->lattice.origin[a] + steps.half_cell[a] * double(2 * g.lower[a] + 1);
-      steps_a_unit_[a] = steps.a_unit[a];
-      least_[a] = steps.rounding[a];
-      most_[a] = g.size[a] - steps.rounding[a];
+      box_.start[a] = all_->lattice.origin[a] + steps.half_cell[a] * double(2 * g.lower[a] + 1);
+      box_.steps_a_unit[a] = steps.a_unit[a];
+      box_.least[a] = steps.rounding[a];
+      box_.most[a] = g.size[a] - steps.rounding[a];
     }
   }
 
@@ -155,16 +170,16 @@ private:
     int bit[3];
     bool sure = true;
     for (int a = 0; a < 3; ++a) {
-      const double place = (p[a] - start_[a]) * steps_a_unit_[a];
-      if (!(place > least_[a] && place < most_[a]))
+      const double place = (p[a] - box_.start[a]) * box_.steps_a_unit[a], least = box_.least[a];
+      if (!(place > least && place < box_.most[a]))
         return false;
       bit[a] = int(place);
       part[a] = place - bit[a];
-      sure &= part[a] > least_[a] && part[a] < 1.0 - least_[a];
+      sure &= part[a] > least && part[a] < 1.0 - least;
     }
-    if (!sure || ((full_[bit[2]] >> (bit[0] | bit[1] << 3)) & 1) == 0)
+    if (!sure || ((box_.full[bit[2]] >> (bit[0] | bit[1] << 3)) & 1) == 0)
       return false;
-    at.cell = last_ << mesh::Gridlet::cell_bits | bit[0] | bit[1] << 3 | bit[2] << 6;
+    at.cell = box_.first_cell | bit[0] | bit[1] << 3 | bit[2] << 6;
     for (int a = 0; a < 3; ++a)
       at.parametric[a] = part[a];
     return true;
@@ -174,9 +189,7 @@ private:
   const mesh::GridletsView* all_;
   const std::uint64_t* shown_;
   std::int64_t last_ = -1;
-  // Of the last gridlet:
-  const std::uint64_t* full_ = nullptr;
-  double start_[3], steps_a_unit_[3], least_[3], most_[3];
+  GridletBox box_; ///< of the last
 };
 
 } // namespace insitu::query

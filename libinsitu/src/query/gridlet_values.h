@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "mesh/view.h"
+#include "query/gridlet_lanes.h"
 
 namespace insitu::query {
 
@@ -19,6 +21,7 @@ public:
       take(gridlet);
     return first_ + (cell & 7) * stride_ + ((cell >> 3) & 7) * row_ + ((cell >> 6) & 7) * layer_;
   }
+  const mesh::Gridlet* gridlets() const { return gridlets_; }
   std::int64_t stride() const { return stride_; }
   std::int64_t row() const { return row_; }
   std::int64_t layer() const { return layer_; }
@@ -45,6 +48,13 @@ public:
       : component_(field.pieces[0].component), components_(field.components),
         strides_(all.gridlets, field.pieces[0].layout.stride[0]) {}
 
+  /// A scalar field at the first locations, up to one that may lie in no gridlet; returns how many.
+  std::size_t ahead(std::int64_t end, std::span<const Location> at, double* to) const {
+    return components_ == 1 && strides_.stride() == sizeof(T)
+               ? values_ahead(strides_.gridlets(), end, reinterpret_cast<const T*>(component_[0]),
+                              at.data(), at.size(), to)
+               : 0;
+  }
   /// The field's components in a cell.
   void at(std::int64_t cell, const math::Vec3d& r, double* values) {
     const std::int64_t lower = strides_.lower(cell);

@@ -7,6 +7,7 @@
 #include "query/gridlet_query.h"
 #include "query/gridlet_values.h"
 #include "query/sampler.h"
+#include "query/stitching_values.h"
 
 /// Values at locations: Sampler's, but for finding these.
 namespace insitu::query {
@@ -69,18 +70,28 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
     }
   };
   // One field of an adaptive mesh's dual: most locations lie in gridlets.
-  const auto put_one = [&](auto in_gridlets) {
+  const auto put_one = [&](auto in_gridlets, const auto& in_stitching) {
     const std::int64_t end = mesh_->first_cell[1];
     const auto components = std::size_t(fields[0].components);
+    for (const Location& l : at)
+      if (l.cell >= end)
+        in_stitching.ask_for_ids(l.cell - end);
+    for (const Location& l : at)
+      if (l.cell >= end)
+        in_stitching.ask_for_values(l.cell - end);
     for (std::size_t k = 0; k < at.size(); ++k) {
       double* const to = values[0] + (first + answered.item(k)) * components;
-      if (std::uint64_t(at[k].cell) < std::uint64_t(end))
-        in_gridlets.at(at[k].cell, at[k].parametric, to);
-      else if (at[k])
-        interpolate_to(fields.first<1>(), piece(at[k].cell), at[k],
-                       [&](std::size_t) { return to; });
-      else
+      if (std::uint64_t(at[k].cell) < std::uint64_t(end)) {
+        const std::size_t ahead = answered.order ? 0 : in_gridlets.ahead(end, at.subspan(k), to);
+        if (ahead > 0)
+          k += ahead - 1;
+        else
+          in_gridlets.at(at[k].cell, at[k].parametric, to);
+      } else if (at[k]) {
+        in_stitching.at(at[k].cell - end, at[k].parametric, to);
+      } else {
         std::fill_n(to, components, nan);
+      }
     }
   };
   // One number a cell: little but finding it is left to do.
@@ -99,9 +110,11 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
   if (fields.size() == 1 && fields[0].association == INSITU_CELL && fields[0].components == 1)
     put_own();
   else if (fields.size() == 1 && gridlets && fields[0].pieces[0].is_float32)
-    put_one(GridletValues<float>(*gridlets, fields[0]));
+    put_one(GridletValues<float>(*gridlets, fields[0]),
+            StitchingValues<float>(*mesh_, fields[0], 1));
   else if (fields.size() == 1 && gridlets)
-    put_one(GridletValues<double>(*gridlets, fields[0]));
+    put_one(GridletValues<double>(*gridlets, fields[0]),
+            StitchingValues<double>(*mesh_, fields[0], 1));
   else if (fields.size() == 1)
     put(fields.first<1>());
   else

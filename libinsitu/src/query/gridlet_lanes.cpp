@@ -1,0 +1,185 @@
+#include "query/gridlet_lanes.h"
+
+#include <algorithm>
+
+#include "query/gridlet_values.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "query/gridlet_lanes.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace insitu::query::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET == HWY_SCALAR
+// A register holds one number: nothing to gain.
+std::size_t cells_ahead_target(const GridletBox&, const math::Vec3d*, std::size_t, Location*) {
+  return 0;
+}
+template <class T>
+std::size_t values_ahead_of(const mesh::Gridlet*, std::int64_t, const T*, const Location*,
+                            std::size_t, double*) {
+  return 0;
+}
+#else
+
+constexpr int lanes = HWY_MAX_BYTES >= 32 ? 4 : 2;
+using PairTag = hn::FixedTag<double, 2>;
+using RealTag = hn::FixedTag<double, lanes>;
+using LongTag = hn::RebindToSigned<RealTag>;
+using IntTag = hn::Rebind<std::int32_t, RealTag>;
+using Pair = hn::Vec<PairTag>;
+using Reals = hn::Vec<RealTag>;
+using RealMask = hn::Mask<RealTag>;
+
+static_assert(sizeof(Location) == 4 * sizeof(double));
+
+HWY_INLINE unsigned bits_of(RealMask m) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(RealTag(), m, bytes);
+  return bytes[0];
+}
+HWY_INLINE RealMask between(Reals low, Reals a, Reals high) {
+  return hn::And(hn::Gt(a, low), hn::Lt(a, high));
+}
+
+std::size_t cells_ahead_target(const GridletBox& box, const math::Vec3d* points, std::size_t n,
+                               Location* at) {
+  const RealTag d;
+  const LongTag dl;
+  const IntTag di;
+  const Reals side = hn::Set(d, mesh::Gridlet::side), one = hn::Set(d, 1.0);
+  const auto first = hn::Set(dl, box.first_cell);
+  std::size_t done = 0;
+  for (; done + lanes <= n; done += lanes) { // as GridletFinder::inside
+    Reals p[3], part[3];
+    hn::LoadInterleaved3(d, &points[done].x, p[0], p[1], p[2]);
+    Reals index = hn::Zero(d);
+    RealMask sure = hn::Eq(index, index);
+    for (int a = 2; a >= 0; --a) {
+      const Reals least = hn::Set(d, box.least[a]);
+      const Reals place =
+          hn::Mul(hn::Sub(p[a], hn::Set(d, box.start[a])), hn::Set(d, box.steps_a_unit[a]));
+      const Reals low = hn::Trunc(place);
+      part[a] = hn::Sub(place, low);
+      sure = hn::And(sure, hn::And(between(least, place, hn::Set(d, box.most[a])),
+                                   between(least, part[a], hn::Sub(one, least))));
+      index = hn::Add(hn::Mul(index, side), low);
+    }
+    unsigned found = bits_of(sure);
+    if ((found & 1) == 0)
+      break;
+    const auto cell = hn::PromoteTo(dl, hn::DemoteTo(di, hn::IfThenElseZero(sure, index)));
+    if (!box.all_full) {
+      alignas(32) std::int64_t local[lanes];
+      hn::Store(cell, dl, local);
+      unsigned full = 0;
+      for (int k = 0; k < lanes; ++k)
+        full |= unsigned((box.full[local[k] >> 6] >> (local[k] & 63)) & 1) << k;
+      found &= full;
+    }
+    hn::StoreInterleaved4(hn::BitCast(d, hn::Or(cell, first)), part[0], part[1], part[2], d,
+                          reinterpret_cast<double*>(at + done));
+    if (found != (1u << lanes) - 1)
+      return done + std::size_t(hwy::Num0BitsBelowLS1Bit_Nonzero32(~found));
+  }
+  return done;
+}
+
+HWY_INLINE Pair pair_at(const double* from) {
+  return hn::LoadU(PairTag(), from);
+}
+HWY_INLINE Pair pair_at(const float* from) {
+  return hn::PromoteTo(PairTag(), hn::LoadU(hn::Rebind<float, PairTag>(), from));
+}
+
+/// The numbers at each lane's place, and those next to them.
+template <class T>
+HWY_INLINE void load_pairs(const T* const* from, std::int64_t offset, Reals& first, Reals& second) {
+  const RealTag d;
+#if HWY_MAX_BYTES >= 32
+  const Reals even = hn::Combine(d, pair_at(from[2] + offset), pair_at(from[0] + offset));
+  const Reals odd = hn::Combine(d, pair_at(from[3] + offset), pair_at(from[1] + offset));
+#else
+  const Reals even = pair_at(from[0] + offset), odd = pair_at(from[1] + offset);
+#endif
+  first = hn::InterleaveLower(d, even, odd);
+  second = hn::InterleaveUpper(d, even, odd);
+}
+
+template <class T>
+std::size_t values_ahead_of(const mesh::Gridlet* gridlets, std::int64_t end, const T* values,
+                            const Location* at, std::size_t n, double* to) {
+  const RealTag d;
+  const Reals one = hn::Set(d, 1.0);
+  GridletStrides strides(gridlets, 1);
+  std::size_t done = 0;
+  for (; done + lanes <= n; done += lanes) { // as GridletValues
+    const T *low[lanes], *row[lanes], *layer[lanes], *last[lanes];
+    bool in_gridlets = true;
+    for (int k = 0; k < lanes; ++k)
+      in_gridlets &= std::uint64_t(at[done + std::size_t(k)].cell) < std::uint64_t(end);
+    if (!in_gridlets)
+      break;
+    for (int k = 0; k < lanes; ++k) {
+      low[k] = values + strides.lower(at[done + std::size_t(k)].cell);
+      row[k] = low[k] + strides.row();
+      layer[k] = low[k] + strides.layer();
+      last[k] = layer[k] + strides.row();
+    }
+    Reals cell, i1, j1, k1, first, second;
+    hn::LoadInterleaved4(d, reinterpret_cast<const double*>(at + done), cell, i1, j1, k1);
+    const Reals i0 = hn::Sub(one, i1), j0 = hn::Sub(one, j1), k0 = hn::Sub(one, k1);
+    const auto along_i = [&](const T* const* from) HWY_ATTR {
+      load_pairs(from, 0, first, second);
+      return hn::Add(hn::Mul(i0, first), hn::Mul(i1, second));
+    };
+    const auto along_j = [&](const T* const* from, const T* const* next) HWY_ATTR {
+      const Reals f = along_i(from);
+      return hn::Add(hn::Mul(j0, f), hn::Mul(j1, along_i(next)));
+    };
+    const Reals f = along_j(low, row);
+    hn::StoreU(hn::Add(hn::Mul(k0, f), hn::Mul(k1, along_j(layer, last))), d, to + done);
+  }
+  return done;
+}
+
+#endif
+
+std::size_t values_of_doubles(const mesh::Gridlet* gridlets, std::int64_t end, const double* values,
+                              const Location* at, std::size_t n, double* to) {
+  return values_ahead_of(gridlets, end, values, at, n, to);
+}
+std::size_t values_of_floats(const mesh::Gridlet* gridlets, std::int64_t end, const float* values,
+                             const Location* at, std::size_t n, double* to) {
+  return values_ahead_of(gridlets, end, values, at, n, to);
+}
+
+} // namespace insitu::query::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace insitu::query {
+
+HWY_EXPORT(cells_ahead_target);
+HWY_EXPORT(values_of_doubles);
+HWY_EXPORT(values_of_floats);
+
+std::size_t cells_ahead(const GridletBox& box, const math::Vec3d* points, std::size_t n,
+                        Location* at) {
+  return HWY_DYNAMIC_DISPATCH(cells_ahead_target)(box, points, n, at);
+}
+std::size_t values_ahead(const mesh::Gridlet* gridlets, std::int64_t end, const double* values,
+                         const Location* at, std::size_t n, double* to) {
+  return HWY_DYNAMIC_DISPATCH(values_of_doubles)(gridlets, end, values, at, n, to);
+}
+std::size_t values_ahead(const mesh::Gridlet* gridlets, std::int64_t end, const float* values,
+                         const Location* at, std::size_t n, double* to) {
+  return HWY_DYNAMIC_DISPATCH(values_of_floats)(gridlets, end, values, at, n, to);
+}
+
+} // namespace insitu::query
+#endif
