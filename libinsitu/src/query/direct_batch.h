@@ -17,8 +17,9 @@ class DirectBatch {
 public:
   DirectBatch(const Finder& finder, const PointQuery& query, BatchScratch& scratch,
               BatchLocator& locator, BatchAnswers& answers)
-      : finder_(finder), guesses_(query.tries() > 0 && query.proof_is_enough()), locator_(locator),
-        pairs_(query.mesh, query.options.alpha, scratch), scratch_(scratch), s_(answers) {}
+      : finder_(finder), query_(query), guesses_(query.tries() > 0 && query.proof_is_enough()),
+        locator_(locator), pairs_(query.mesh, query.options.alpha, scratch), scratch_(scratch),
+        s_(answers) {}
 
   Answered run(std::span<const math::Vec3d> points) {
     std::size_t left = 0;
@@ -41,11 +42,20 @@ public:
       left += !found;
     }
     if (!Finder::finds_all)
-      s_.answer_rest(guesses_ ? try_guesses(left) : left, locator_);
+      answer_rest(guesses_ ? try_guesses(left) : left);
     return s_.of(points.size());
   }
 
 private:
+  static constexpr std::size_t few = 8; ///< for which a batch through the tree does not pay
+
+  void answer_rest(std::size_t left) {
+    if (left > few)
+      return s_.answer_rest(left, locator_);
+    for (std::size_t k = 0; k < left; ++k)
+      s_.locations[s_.rest_at[k]] = query_.locate(s_.rest[k], s_.reasons[s_.rest_at[k]]);
+  }
+
   /// Of the first `left` of the rest; returns how many are left, which then come first.
   std::size_t try_guesses(std::size_t left) {
     pairs_.set_points({s_.rest, left});
@@ -70,6 +80,7 @@ private:
   }
 
   Finder finder_;
+  const PointQuery& query_;
   bool guesses_; ///< can be proven
   BatchLocator& locator_;
   PairOrder pairs_;

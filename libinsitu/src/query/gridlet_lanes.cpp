@@ -1,8 +1,6 @@
 #include "query/gridlet_lanes.h"
 
-#include <algorithm>
-
-#include "query/gridlet_values.h"
+#include "query/gridlet_strides.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "query/gridlet_lanes.cpp"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "query/gridlet_query.h"
-#include "query/gridlet_values.h"
+#include "query/gridlet_strides.h"
 #include "query/ray_bundle.h"
 #include "render/scalar_field.h"
 
