@@ -18,13 +18,9 @@ struct Split {
 };
 using Splits = std::vector<Split>; ///< of one depth
 
-bool before(const std::int64_t* a, const std::int64_t* b) {
-  return a[2] != b[2] ? a[2] < b[2] : a[1] != b[1] ? a[1] < b[1] : a[0] < b[0];
-}
-
 void normalize(Splits& splits) {
   std::sort(splits.begin(), splits.end(),
-            [](const Split& a, const Split& b) { return before(a.index, b.index); });
+            [](const Split& a, const Split& b) { return comes_before(a.index, b.index); });
   splits.erase(std::unique(splits.begin(), splits.end(),
                            [](const Split& a, const Split& b) {
                              return std::equal(a.index, a.index + 3, b.index);
@@ -33,9 +29,9 @@ void normalize(Splits& splits) {
 }
 
 bool holds(const Splits& splits, const std::int64_t* index) {
-  const auto at =
-      std::lower_bound(splits.begin(), splits.end(), index,
-                       [](const Split& a, const std::int64_t* b) { return before(a.index, b); });
+  const auto at = std::lower_bound(
+      splits.begin(), splits.end(), index,
+      [](const Split& a, const std::int64_t* b) { return comes_before(a.index, b); });
   return at != splits.end() && std::equal(index, index + 3, at->index);
 }
 

@@ -183,7 +183,7 @@ bool DualCells::make(const Corner& corner, DualCell& cell) {
       pattern = pattern << 4 | corner.up[o];
     for (const std::int64_t i : corner.index)
       pattern = pattern << most_up | (std::uint64_t(i) & ((1u << corner.most_up) - 1));
-    last_ = &known_[pattern * 0x9e3779b97f4a7c15ull >> 56];
+    last_ = &known_[pattern * 0x9e3779b97f4a7c15ull >> (64 - known_bits)];
     if (last_->pattern != pattern)
       *last_ = {pattern, collapse(keys_), Folds::unknown};
   }

@@ -40,7 +40,8 @@ struct DualCell {
 /// Whether a cell folds or is turned inside out.
 bool folds(mesh::Shape shape, const math::Vec3d* x);
 
-/// Makes the dual cells of corners; remembers the shapes of the last ones, of which there are few.
+/// Makes the dual cells of corners; remembers the shapes of the last ones, of which there are few
+/// kinds. Large: not for the stack.
 class DualCells {
 public:
   /// The dual cell of a corner: its vertices are the leaves' centres. Where octants lie outside and
@@ -72,7 +73,8 @@ private:
   int source_[8];
   Known other_; ///< a pattern that is not kept
   Known* last_ = nullptr;
-  Known known_[256];
+  static constexpr int known_bits = 12;
+  Known known_[1 << known_bits];
 };
 
 } // namespace insitu::amr

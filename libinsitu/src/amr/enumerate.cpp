@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <memory>
 
 namespace insitu::amr {
 
@@ -93,7 +94,7 @@ void enumerate(const BrickStore& store, const mesh::Lattice& lattice,
                std::span<const std::uint32_t> bricks, std::int64_t real, DualPart& part) {
   Neighborhood around;
   Corner corner;
-  DualCells cells;
+  thread_local const auto cells = std::make_unique<DualCells>(); // it remembers what holds anywhere
   for (const std::uint32_t b : bricks) {
     if (!around.load(store, b, real))
       continue;
@@ -102,7 +103,7 @@ void enumerate(const BrickStore& store, const mesh::Lattice& lattice,
       for (int j = 0; j < 9; ++j)
         for (unsigned row = around.mixed(j, k); row != 0; row &= row - 1) {
           if (around.take(store, std::countr_zero(row), j, k, corner))
-            add_cell(corner, lattice, real, cells, part);
+            add_cell(corner, lattice, real, *cells, part);
         }
   }
   part.empty -= part.cubes;

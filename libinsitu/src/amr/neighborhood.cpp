@@ -73,6 +73,18 @@ unsigned Neighborhood::mixed(int j, int k) const {
   return row_any(leaf_, j, k) & ~row_any(refined_, j, k) & ~row_all(real_, j, k);
 }
 
+void Neighborhood::spread(int i, int j, int k) {
+  const int from = i + side * (j + side * k);
+  const auto begin = [](int e) { return std::max(((e + 1) & ~1) - 1, 0); };
+  const auto end = [](int e) { return std::min(((e + 1) & ~1) + 1, side); };
+  for (int z = begin(k); z < end(k); ++z)
+    for (int y = begin(j); y < end(j); ++y)
+      for (int x = begin(i); x < end(i); ++x) {
+        entries_[x + side * (y + side * z)] = entries_[from];
+        up_[x + side * (y + side * z)] = up_[from];
+      }
+}
+
 bool Neighborhood::take(const BrickStore& store, int i, int j, int k, Corner& corner) {
   const auto offset = [&](int o) {
     return i + (o & 1) + side * (j + (o >> 1 & 1) + side * (k + (o >> 2)));
@@ -114,6 +126,8 @@ bool Neighborhood::take(const BrickStore& store, int i, int j, int k, Corner& co
       int above = 0;
       id = store.above(depth_, cell, &above);
       up = std::uint8_t(above);
+      if (id != BrickStore::nothing)
+        spread(i + (o & 1), j + (o >> 1 & 1), k + (o >> 2));
     }
     corner.id[o] = id;
     if (id == BrickStore::nothing)

@@ -56,6 +56,9 @@ private:
     return (m | m >> 1) & 0x1ff;
   }
 
+  /// Notes what covers an entry for all children of its parent: a coarser leaf covers all.
+  void spread(int i, int j, int k);
+
   int depth_ = 0;
   std::int64_t lower_[3] = {0, 0, 0};
   std::uint32_t entries_[side * side * side];
