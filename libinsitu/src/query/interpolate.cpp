@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -73,6 +74,7 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
   const auto put_one = [&](auto in_gridlets, const auto& in_stitching) {
     const std::int64_t end = mesh_->first_cell[1];
     const auto components = std::size_t(fields[0].components);
+    double in_turn[64]; // values that lie elsewhere in the end
     for (const Location& l : at)
       if (l.cell >= end)
         in_stitching.ask_for_ids(l.cell - end);
@@ -82,7 +84,12 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
     for (std::size_t k = 0; k < at.size(); ++k) {
       double* const to = values[0] + (first + answered.item(k)) * components;
       if (std::uint64_t(at[k].cell) < std::uint64_t(end)) {
-        const std::size_t ahead = answered.order ? 0 : in_gridlets.ahead(end, at.subspan(k), to);
+        const std::size_t most =
+            answered.order ? std::min(std::size(in_turn), at.size() - k) : at.size() - k;
+        const std::size_t ahead =
+            in_gridlets.ahead(end, at.subspan(k, most), answered.order ? in_turn : to);
+        for (std::size_t i = 0; i < ahead && answered.order; ++i)
+          values[0][first + answered.item(k + i)] = in_turn[i];
         if (ahead > 0)
           k += ahead - 1;
         else
