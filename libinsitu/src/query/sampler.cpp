@@ -97,19 +97,23 @@ public:
 
 private:
   void note(const Answered& answered) {
-    // Eight at a time where they are alike, as most are: counting one waits for the last one.
+    // Eight at a time where they are alike, else in turns: counting one waits for the last one.
     static_assert(sizeof(Reason) == 1);
-    const Reason* why = answered.reasons.data();
-    const Reason* const end = why + answered.reasons.size();
-    while (end - why >= 8) {
-      std::uint64_t next;
-      std::memcpy(&next, why, 8);
-      const bool alike = next == 0x0101010101010101u * std::uint64_t(*why);
-      by_reason_[int(*why)] += alike ? 8 : 1;
-      why += alike ? 8 : 1;
+    std::int32_t counts[4][reason_count] = {};
+    const Reason* const why = answered.reasons.data();
+    const std::size_t n = answered.reasons.size();
+    for (std::size_t k = 0; k < n; k += 8) {
+      std::uint64_t next = 0;
+      std::memcpy(&next, why + k, std::min<std::size_t>(8, n - k));
+      if (n - k >= 8 && next == 0x0101010101010101u * (next & 0xff))
+        counts[0][next & 0xff] += 8;
+      else
+        for (std::size_t i = k; i < std::min(k + 8, n); ++i)
+          ++counts[i & 3][int(why[i])];
     }
-    for (; why != end; ++why)
-      ++by_reason_[int(*why)];
+    for (const auto& turn : counts)
+      for (int reason = 0; reason < reason_count; ++reason)
+        by_reason_[reason] += turn[reason];
   }
   Answered by_tree(std::span<const Vec3d> points) {
     locator_.run(points);

@@ -36,6 +36,7 @@ struct Row {
   /// Open VKL at the same points, in turns, by the method that is this one's peer.
   struct {
     Series random, coherent;
+    int width = 0; ///< points abreast
     bool empty() const { return random.empty(); }
   } peer;
   std::optional<insitu_amr_info> info;
@@ -163,6 +164,7 @@ private:
       row.bytes_values = context_.memory.current(INSITU_MEMORY_GATHERED);
     }
     row.bytes_tree = mesh.tree().bytes();
+    row.peer.width = peer_ ? peer_->width() : 0;
     if (!peer_)
       peer.reset();
     sample_all(mesh, random_, row.random, peer, &row.peer.random);
@@ -340,8 +342,10 @@ Output amr(const Options& options) {
                        "second at random points, %.2f on the raster\n",
                        ours, theirs, times(row->peer.random, row->random),
                        times(row->peer.coherent, row->coherent));
-  out.text += "Open VKL: 16 wide, in float; a build with its values in float beforehand; MB: these "
-              "values; tree MB: all it allocates\n";
+  out.text +=
+      format("Open VKL: %d wide, in float; a build with its values in float beforehand; MB: "
+             "these values; tree MB: all it allocates\n",
+             rows[0].peer.width);
   return out;
 }
 

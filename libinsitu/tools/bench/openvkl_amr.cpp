@@ -56,6 +56,7 @@ public:
     throw_openvkl_error();
     bytes_ = heap_bytes() - before;
   }
+  int width() const override { return vklGetNativeSIMDWidth(openvkl_device()); }
   std::int64_t bytes() const override { return bytes_; }
   std::int64_t bytes_values() const override {
     return std::int64_t(values_.size() * sizeof(float));

@@ -32,6 +32,8 @@ public:
 
   /// Builds anew, on as many threads as it was made for.
   virtual void build() = 0;
+  /// Points that its kernels take abreast on this machine.
+  virtual int width() const = 0;
   /// Of what it builds, and of the values.
   virtual std::int64_t bytes() const = 0;
   virtual std::int64_t bytes_values() const = 0;
