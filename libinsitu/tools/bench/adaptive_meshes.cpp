@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "amr/dual_cells.h"
+
 namespace insitu::bench {
 
 namespace {
@@ -91,10 +93,12 @@ DualStatistics statistics_of(const mesh::MeshView& dual) {
   }
   const mesh::PieceView& stitching = dual.pieces[1];
   out.vertices = stitching.vertex_count;
+  mesh::CellVertices cell;
   for (std::int64_t c = 0; c < stitching.cell_count; ++c) {
-    std::int64_t ids[8];
-    const int n = stitching.vertex_ids(c, ids);
+    mesh::gather(dual, dual.first_cell[1] + c, cell);
+    const int n = cell.count;
     ++(n == 4 ? out.tetrahedra : n == 5 ? out.pyramids : n == 6 ? out.wedges : out.hexahedra);
+    out.folded += amr::folds(cell.shape, cell.x);
   }
   return out;
 }

@@ -34,6 +34,7 @@ struct DualStatistics {
                hexahedra = 0; ///< of stitching; collapsed hexahedra are hexahedra
   std::int64_t gridlets = 0;
   std::int64_t full_cells = 0, empty_cells = 0, full_scalars = 0, empty_scalars = 0; ///< of them
+  std::int64_t folded = 0; ///< stitching cells after the repair, looked at one by one
   std::int64_t stitching() const { return tetrahedra + pyramids + wedges + hexahedra; }
 };
 DualStatistics statistics_of(const mesh::MeshView& dual);

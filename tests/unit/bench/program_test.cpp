@@ -283,6 +283,7 @@ TEST(BenchProgram, AmrByNumberOfLeaves) {
       EXPECT_EQ(of("stitching"),
                 of("tetrahedra") + of("pyramids") + of("wedges") + of("hexahedra"));
       EXPECT_GE(of("folded"), mesh == "blocks" ? 0.0 : 1.0);
+      EXPECT_EQ(of("folded_after"), 0.0);
     }
     EXPECT_EQ(count, 4) << mesh;
   }
