@@ -213,11 +213,13 @@ inline bool FrustumFinder::in_box(const math::Vec3d& p, const Place& place,
 template <class IsLeaf>
 inline bool FrustumFinder::find_like_last(const math::Vec3d& p, Location& at, Reason& reason,
                                           IsLeaf&& is_leaf) {
-  const auto& [depth, kind, plane, low, high] = last_plane_;
-  if (depth < 0 || !(p[kind.axis()] > low && p[kind.axis()] < high))
+  const int depth = last_plane_.depth, axis = last_plane_.kind.axis();
+  const amr::CornerKind kind = last_plane_.kind;
+  const std::int64_t plane = last_plane_.plane;
+  if (depth < 0 || !(p[axis] > last_plane_.low && p[axis] < last_plane_.high))
     return false;
   const Place place(*this, p, depth);
-  const bool in_coarser = (place.floor[kind.axis()] >= plane) == (kind.side() == 1);
+  const bool in_coarser = (place.floor[axis] >= plane) == (kind.side() == 1);
   const int up = in_coarser ? kind.up() : 0;
   std::int64_t leaf[3], corner[3];
   for (int a = 0; a < 3; ++a) {
@@ -227,14 +229,14 @@ inline bool FrustumFinder::find_like_last(const math::Vec3d& p, Location& at, Re
   if (!is_leaf(depth - up, leaf))
     return false;
   const auto is_like = [&] {
-    return corner[kind.axis()] == plane && map_->find(depth, corner).kind == kind;
+    return corner[axis] == plane && map_->find(depth, corner).kind == kind;
   };
   if (!is_like()) {
     if (!in_coarser)
       return false;
     const std::int64_t half = std::int64_t(1) << (up - 1);
     for (int a = 0; a < 3; ++a)
-      corner[a] = a == kind.axis() ? plane : leaf[a] * 2 * half + half;
+      corner[a] = a == axis ? plane : leaf[a] * 2 * half + half;
     if (!is_like())
       return false;
   }
