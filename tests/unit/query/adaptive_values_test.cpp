@@ -55,10 +55,25 @@ bool same_bits(double a, double b) {
   return std::memcmp(&a, &b, sizeof a) == 0 || (std::isnan(a) && std::isnan(b));
 }
 
-class AdaptiveValues : public testing::TestWithParam<Recipe> {};
+/// Patches large enough for whole gridlets, and for such with empty cells beside a finer patch.
+AmrMesh patches() {
+  AmrMesh mesh;
+  mesh.depth_of = {0, 1, 2};
+  mesh.add_patch(0, {-3, 5, 0}, {26, 17, 18});
+  mesh.add_patch(1, {4, 18, 8}, {20, 16, 14});
+  mesh.add_patch(2, {16, 44, 24}, {24, 16, 16});
+  return mesh;
+}
+
+const AmrMesh meshes[] = {patches(), make_mesh({.seed = 1, .kind = 0, .roots = 6, .levels = 3}),
+                          make_mesh({.seed = 3, .kind = 2, .roots = 6, .levels = 2}),
+                          make_mesh({.seed = 1, .kind = 5, .roots = 1, .levels = 7})};
+
+class AdaptiveValues : public testing::TestWithParam<int> {};
 
 TEST_P(AdaptiveValues, OfRowsAreThoseOfEachPointOnEverySimdTarget) {
-  RegisteredAmr mesh(GetParam(), INSITU_DUAL, [](const Vec3d& p) { return p.x * p.y - p.z; });
+  RegisteredAmr mesh(meshes[GetParam()], INSITU_DUAL,
+                     [](const Vec3d& p) { return p.x * p.y - p.z; });
   std::deque<std::vector<double>> doubles;
   std::deque<std::vector<float>> floats;
   add_field(mesh, "floats", 1, floats);
@@ -67,24 +82,46 @@ TEST_P(AdaptiveValues, OfRowsAreThoseOfEachPointOnEverySimdTarget) {
   add_field(mesh, "float triples", 3, floats);
   mesh.committed.commit();
   const query::Sampler sampler = mesh.committed.sampler();
-  const std::vector<Vec3d> points = rows_through(mesh, GetParam().seed);
+  const std::vector<Vec3d> points = rows_through(mesh, std::uint64_t(GetParam()));
   for (const char* name : {"f", "floats", "doubles", "pairs", "float triples"}) {
     const mesh::FieldView field = mesh.committed.mesh.mesh().field(name);
     const auto components = std::size_t(field.components);
     std::vector<double> alone(points.size() * components, std::numeric_limits<double>::quiet_NaN());
     std::int64_t in_gridlets = 0, in_others = 0;
+    std::vector<query::Location> each;
+    for (const Vec3d& p : points)
+      each.push_back(sampler.locate(p));
     for (std::size_t i = 0; i < points.size(); ++i)
-      if (const query::Location at = sampler.locate(points[i])) {
+      if (const query::Location& at = each[i]) {
         ++(at.cell < sampler.mesh().first_cell[1] ? in_gridlets : in_others);
         sampler.interpolate(field, at, &alone[i * components]);
       }
     EXPECT_GT(in_others, 100);
+    EXPECT_GE(in_gridlets, GetParam() == 0 ? 1500 : 0);
     for (const std::int64_t target : fixtures::simd_targets()) {
       fixtures::use_simd_target(target);
       std::vector<double> rows(alone.size(), 7.0);
       double* const to = rows.data();
-      sampler.visit(mesh.committed.threads, points, {}, [&](const query::Answered& answered) {
+      std::vector<double> backwards = rows;
+      sampler.visit(mesh.committed.threads, points, {}, [&](query::Answered answered) {
         sampler.interpolate(std::span(&field, 1), answered, 0, &to);
+        for (std::size_t k = 0; k < answered.locations.size(); ++k) {
+          EXPECT_EQ(answered.locations[k].cell, each[answered.first + k].cell);
+          EXPECT_EQ(answered.locations[k].parametric, each[answered.first + k].parametric);
+        }
+        // As answers of points in spatial order come, which lie elsewhere among all.
+        const auto n = std::uint32_t(answered.locations.size());
+        std::vector<accel::morton::Coded> order(n);
+        for (std::uint32_t k = 0; k < n; ++k)
+          order[k].id = n - 1 - k;
+        answered.order = order.data();
+        double* const other = backwards.data();
+        sampler.interpolate(std::span(&field, 1), answered, 0, &other);
+        for (std::size_t k = 0; k < n; ++k)
+          for (std::size_t c = 0; c < components; ++c)
+            EXPECT_TRUE(same_bits(backwards[(answered.first + n - 1 - k) * components + c],
+                                  rows[(answered.first + k) * components + c]))
+                << name << ", number " << answered.first + k << ", target " << target;
       });
       fixtures::use_simd_target(0);
       for (std::size_t i = 0; i < rows.size(); ++i)
@@ -95,11 +132,7 @@ TEST_P(AdaptiveValues, OfRowsAreThoseOfEachPointOnEverySimdTarget) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, AdaptiveValues,
-                         testing::Values(Recipe{.seed = 1, .kind = 0, .roots = 2, .levels = 3},
-                                         Recipe{.seed = 2, .kind = 1, .roots = 2, .levels = 3},
-                                         Recipe{.seed = 3, .kind = 2, .roots = 2, .levels = 3},
-                                         Recipe{.seed = 1, .kind = 5, .roots = 1, .levels = 7}));
+INSTANTIATE_TEST_SUITE_P(Meshes, AdaptiveValues, testing::Range(0, 4));
 
 } // namespace
 } // namespace insitu::test

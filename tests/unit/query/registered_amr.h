@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include "fixtures/committed.h"
 #include "unit/amr/amr_mesh.h"
 
@@ -21,13 +23,17 @@ inline void set_levels(mesh::Mesh& mesh, const mesh::AmrView& view,
   mesh.set_amr(&levels);
 }
 
-/// A random adaptive mesh, handed over and committed, with a field of cells.
+/// An adaptive mesh, a random one for instance, handed over and committed, with a field of cells.
 class RegisteredAmr {
 public:
   template <class F>
   RegisteredAmr(const Recipe& recipe, insitu_reconstruction reconstruction, F&& field,
                 int thread_limit = 0)
-      : amr(make_mesh(recipe)), committed(thread_limit) {
+      : RegisteredAmr(make_mesh(recipe), reconstruction, field, thread_limit) {}
+  template <class F>
+  RegisteredAmr(AmrMesh mesh_given, insitu_reconstruction reconstruction, F&& field,
+                int thread_limit = 0)
+      : amr(std::move(mesh_given)), committed(thread_limit) {
     const mesh::AmrView& view = amr.view();
     mesh::Mesh& mesh = committed.mesh.mesh();
     set_levels(mesh, view, reconstruction);
