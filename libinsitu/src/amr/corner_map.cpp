@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 
 #include "amr/enumerate.h"
 
@@ -58,8 +59,7 @@ CornerKind CornerKind::of(const Corner& corner) {
 }
 
 CornerMap::CornerMap(core::Memory& memory)
-    : bricks_(memory, INSITU_MEMORY_AMR), kinds_(memory, INSITU_MEMORY_AMR),
-      cells_(memory, INSITU_MEMORY_AMR) {
+    : bricks_(memory, INSITU_MEMORY_AMR), cells_(memory, INSITU_MEMORY_AMR) {
   for (int d = 0; d <= mesh::Lattice::most_depth; ++d)
     tables_.emplace_back(memory);
 }
@@ -67,15 +67,15 @@ CornerMap::CornerMap(core::Memory& memory)
 void CornerMap::clear() {
   depth_count_ = 0;
   kinds_of_ = {};
+  std::fill(farthest_, farthest_ + 3, 0.0);
   for (BrickTable& table : tables_)
     table.build({}, 0);
   bricks_.resize_discard(0);
-  kinds_.resize_discard(0);
   cells_.resize_discard(0);
 }
 
 std::int64_t CornerMap::bytes() const {
-  std::int64_t sum = std::int64_t(bricks_.bytes() + kinds_.bytes() + cells_.bytes());
+  std::int64_t sum = std::int64_t(bricks_.bytes() + cells_.bytes());
   for (const BrickTable& table : tables_)
     sum += table.bytes();
   return sum;
@@ -99,6 +99,12 @@ void CornerMap::build(const std::vector<DualPart>& parts,
   std::uint32_t brick_count = 0;
   for (std::size_t d = 0; d < keys.size(); ++d) {
     normalize(keys[d]);
+    for (const BrickKey& k : keys[d]) {
+      const std::int32_t lower[3] = {k.x, k.y, k.z};
+      for (int a = 0; a < 3; ++a)
+        farthest_[a] = std::max(farthest_[a], mesh::Lattice::power(int(d)) * 8.0 *
+                                                  (std::fabs(double(lower[a])) + 1.0));
+    }
     tables_[d].build(keys[d], brick_count);
     brick_count += std::uint32_t(keys[d].size());
     if (!keys[d].empty())
@@ -122,12 +128,10 @@ void CornerMap::build(const std::vector<DualPart>& parts,
     }
     sum += below;
   }
-  kinds_.resize_discard(count);
   cells_.resize_discard(count);
   for_cells(parts, threads, [&](const CornerCell& c, std::size_t part) {
     const std::size_t at = rank(brick_of(c), layer_of(c), bit_of(c));
-    kinds_[at] = c.kind;
-    cells_[at] = std::uint32_t(first_cell[part]) + c.cell;
+    cells_[at] = Entry({c.kind, c.real, std::uint32_t(first_cell[part]) + c.cell});
   });
 }
 

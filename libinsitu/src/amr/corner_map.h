@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "amr/brick_store.h"
@@ -27,7 +28,7 @@ struct CornerKind {
 
   /// side: 1 if the coarser leaves lie on the high side of the axis; up: depths, 1 or 2.
   static CornerKind frustum(int axis, int side, int up) {
-    return {std::uint8_t(1 + axis + 3 * side + 6 * (up - 1))};
+    return {std::uint8_t(1 + axis + 4 * side + 8 * (up - 1))};
   }
   /// moves: as VertexKey's; along an axis, 1: the domain ends at the corner, and the cell lies
   /// above it; 2: below it; 0: neither.
@@ -39,16 +40,16 @@ struct CornerKind {
   explicit operator bool() const { return code != 0; }
   bool is_frustum() const { return code != 0 && code < first_box; }
   bool is_box() const { return code >= first_box && code < first_other; }
-  int axis() const { return (code - 1) % 3; }
-  int side() const { return (code - 1) / 3 % 2; }
-  int up() const { return (code - 1) / 6 + 1; }
+  int axis() const { return (code - 1) & 3; }
+  int side() const { return (code - 1) >> 2 & 1; }
+  int up() const { return ((code - 1) >> 3) + 1; }
   std::uint32_t moves() const { return std::uint32_t(code - first_box); }
   bool operator==(const CornerKind&) const = default;
 
   static constexpr int most_up = 2;
 
 private:
-  static constexpr std::uint8_t first_box = 1 + 6 * most_up, first_other = first_box + 27;
+  static constexpr std::uint8_t first_box = 1 + 8 * most_up, first_other = first_box + 27;
 };
 
 /// The stitching cell at a corner of its depth's lattice; see Corner.
@@ -56,6 +57,7 @@ struct CornerCell {
   std::int32_t corner[3];
   std::uint8_t depth;
   CornerKind kind;
+  bool real;          ///< none of its leaves is virtual
   std::uint32_t cell; ///< of its part's stitching cells
 };
 
@@ -73,6 +75,8 @@ public:
 
   /// Depths that have some: [0, depth_count()).
   int depth_count() const { return depth_count_; }
+  /// No corner is farther from the lattice's origin along an axis, in cells of depth 0.
+  double farthest(int axis) const { return farthest_[axis]; }
   /// Whether there are frusta of a depth beside leaves `up` depths above.
   bool has_frusta(int depth, int up) const {
     return (kinds_of_[std::size_t(depth)] >> up & 1) != 0;
@@ -80,6 +84,7 @@ public:
 
   struct Found {
     CornerKind kind;
+    bool real = false;      ///< none of its leaves is virtual
     std::uint32_t cell = 0; ///< a stitching cell
     explicit operator bool() const { return bool(kind); }
   };
@@ -93,10 +98,27 @@ public:
     if ((brick.here[word] & bit) == 0)
       return {};
     const std::size_t at = rank(brick, word, bit);
-    return {kinds_[at], cells_[at]};
+    return cells_[at].found();
   }
 
 private:
+  /// Found, in five bytes side by side: mostly one line of the cache.
+  class Entry {
+  public:
+    Entry() = default;
+    explicit Entry(const Found& f) : kind_(std::uint8_t(f.kind.code | (f.real ? real_bit : 0))) {
+      std::memcpy(cell_, &f.cell, sizeof f.cell);
+    }
+    Found found() const {
+      Found f = {{std::uint8_t(kind_ & ~real_bit)}, (kind_ & real_bit) != 0};
+      std::memcpy(&f.cell, cell_, sizeof f.cell);
+      return f;
+    }
+
+  private:
+    static constexpr unsigned real_bit = 0x80;
+    std::uint8_t kind_ = 0, cell_[sizeof(std::uint32_t)] = {};
+  };
   struct Brick {
     std::uint64_t here[8];  ///< a word a layer, a bit a corner
     std::uint32_t first;    ///< of the cells here
@@ -109,10 +131,10 @@ private:
 
   int depth_count_ = 0;
   std::array<std::uint8_t, mesh::Lattice::most_depth + 1> kinds_of_{}; ///< bit 0: others
+  double farthest_[3] = {0, 0, 0};
   std::vector<BrickTable> tables_;
   core::Buffer<Brick> bricks_;
-  core::Buffer<CornerKind> kinds_;
-  core::Buffer<std::uint32_t> cells_;
+  core::Buffer<Entry> cells_;
 };
 
 } // namespace insitu::amr

@@ -62,18 +62,20 @@ bool touches_virtual(const Corner& corner, std::int64_t real) {
   return false;
 }
 
-void add_cell(const Corner& corner, const mesh::Lattice& lattice, std::int64_t real,
+void add_cell(const Corner& corner, const mesh::Lattice& lattice, std::int64_t first_virtual,
               DualCells& cells, DualPart& part) {
   DualCell cell;
   bool folded = false;
+  const bool real = !touches_virtual(corner, first_virtual);
   if (cells.make(corner, cell)) {
     part.at_corners.push_back({{std::int32_t(corner.index[0]), std::int32_t(corner.index[1]),
                                 std::int32_t(corner.index[2])},
                                std::uint8_t(corner.depth),
                                CornerKind::of(corner),
+                               real,
                                std::uint32_t(part.cells.size())});
     part.cells.push_back(cell);
-    folded = (corner.most_up > 1 || touches_virtual(corner, real)) && cells.folds();
+    folded = (corner.most_up > 1 || !real) && cells.folds();
   } else {
     folded = split_reentrant(corner, lattice, part.cells, part.means);
   }

@@ -17,6 +17,7 @@ struct BatchAnswers {
 
   /// Of the first n points; until the next batch.
   Answered of(std::size_t n) const { return {{locations, n}, {reasons, n}}; }
+  QueryId one_by_one[batch_size]; ///< see Answered
 
   /// By the tree, the first `left` of rest.
   void answer_rest(std::size_t left, BatchLocator& tree) {

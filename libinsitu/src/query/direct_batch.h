@@ -10,8 +10,8 @@ namespace insitu::query {
 /// without an owner, unless Finder::finds_all. Finder: bool find(point, location, reason), an owner
 /// proven by the arithmetic of boxes, or none; or, unless it finds all, find(point, location,
 /// reason, guess), with a cell to try by Newton's method before the tree; and, if it has that,
-/// find_ahead(points, n, locations, reasons), how many of the next points it has answered so in one
-/// go.
+/// find_ahead(points, q, answers), which answers some from the q-th on in one go and returns the
+/// next.
 template <class Finder>
 class DirectBatch {
 public:
@@ -22,13 +22,14 @@ public:
         s_(answers) {}
 
   Answered run(std::span<const math::Vec3d> points) {
-    std::size_t left = 0;
+    std::size_t left = 0, one_by_one = 0;
     for (std::size_t q = 0; q < points.size(); ++q) {
       if constexpr (requires { &Finder::find_ahead; }) {
-        q += finder_.find_ahead(&points[q], points.size() - q, &s_.locations[q], &s_.reasons[q]);
+        q = finder_.find_ahead(points, q, s_);
         if (q == points.size())
           break;
       }
+      s_.one_by_one[one_by_one++] = QueryId(q);
       s_.locations[q] = {};
       bool found;
       if constexpr (Finder::finds_all) {
@@ -36,6 +37,8 @@ public:
       } else {
         s_.guess[left] = -1;
         found = finder_.find(points[q], s_.locations[q], s_.reasons[q], s_.guess[left]);
+        if (!found && s_.guess[left] >= 0)
+          pairs_.ask_for_ids(s_.guess[left]);
       }
       s_.rest[left] = points[q];
       s_.rest_at[left] = QueryId(q);
@@ -43,7 +46,9 @@ public:
     }
     if (!Finder::finds_all)
       answer_rest(guesses_ ? try_guesses(left) : left);
-    return s_.of(points.size());
+    Answered all = s_.of(points.size());
+    all.one_by_one = {s_.one_by_one, one_by_one};
+    return all;
   }
 
 private:
@@ -58,6 +63,9 @@ private:
 
   /// Of the first `left` of the rest; returns how many are left, which then come first.
   std::size_t try_guesses(std::size_t left) {
+    for (std::size_t k = 0; k < left; ++k)
+      if (s_.guess[k] >= 0)
+        pairs_.ask_for_points(s_.guess[k]);
     pairs_.set_points({s_.rest, left});
     pairs_.order(
         left, [&](std::size_t k) { return s_.guess[k]; }, [](std::size_t k) { return k; });

@@ -24,9 +24,11 @@ public:
   bool find(const math::Vec3d& p, Location& at, Reason& reason, std::int64_t& guess) {
     if (gridlets_.find_in_last(p, at, reason))
       return in_gridlet_ = true;
-    if (in_gridlet_ && find_beside_last(p, at, reason))
+    if (in_gridlet_ && take_beside_last(p) && gridlets_.find_in_last(p, at, reason))
       return true;
     in_gridlet_ = false;
+    if (frusta_.find_in_box_like_last(p, at, reason))
+      return true;
     if (frusta_.find_like_last(p, at, reason, [&](int depth, const std::int64_t* index) {
           return places_->way_to_leaf(depth, index) == 0;
         }))
@@ -34,11 +36,14 @@ public:
     return find_by_place(p, at, reason, guess);
   }
 
-  /// find() of the first of n points and those that follow it in its gridlet; returns of how many.
-  /// Up to 3 locations behind these are overwritten, but none behind n.
-  std::size_t find_ahead(const math::Vec3d* points, std::size_t n, Location* at,
-                         Reason* reasons) const {
-    return in_gridlet_ && n >= 4 ? gridlets_.find_ahead(points, n, at, reasons) : 0;
+  /// find() of a batch's points from the q-th on, as long as they lie in its gridlet and others
+  /// beside; returns the next.
+  std::size_t find_ahead(std::span<const math::Vec3d> points, std::size_t q, BatchAnswers& to) {
+    while (in_gridlet_ && points.size() - q >= 4) {
+      q = gridlets_.find_ahead(points, q, to);
+      in_gridlet_ = q == points.size() || take_beside_last(points[q]);
+    }
+    return q;
   }
 
 private:
@@ -48,11 +53,11 @@ private:
         gridlets_(places, hint < places.cell_count() ? hint : -1, shown),
         frusta_(corners, *lattice_, places.cell_count(), shown, places.gridlets().count) {}
 
-  /// In a gridlet of the last one's depth, most likely.
-  bool find_beside_last(const math::Vec3d& p, Location& at, Reason& reason) {
+  /// The gridlet of the last one's depth that has p, most likely.
+  bool take_beside_last(const math::Vec3d& p) {
     std::int64_t lower[3];
     const int depth = gridlets_.last_depth();
-    return find_index(p, depth, 0.5, lower) && gridlets_.find_at(p, depth, lower, at, reason);
+    return find_index(p, depth, 0.5, lower) && gridlets_.take_at(depth, lower);
   }
 
   bool find_by_place(const math::Vec3d& p, Location& at, Reason& reason, std::int64_t& guess) {
@@ -67,12 +72,13 @@ private:
       if (!find_index(p, depth, 0.5, lower))
         return false;
       const std::int64_t corner[3] = {lower[0] + 1, lower[1] + 1, lower[2] + 1};
-      if (depth == leaf && gridlets_.find_at(p, depth, lower, at, reason))
+      if (depth == leaf && gridlets_.take_at(depth, lower) && gridlets_.find_in_last(p, at, reason))
         return in_gridlet_ = true;
       if (depth > leaf && frusta_.find_within(p, depth, depth - leaf, at, reason, guess))
         return true;
-      if (frusta_.find_at(p, depth, corner, at, reason, guess))
-        return true;
+      // Where a cell stands, no finer leaf touches the corner, so none of theirs hold p.
+      if (const amr::CornerMap::Found cell = frusta_.cell_at(depth, corner))
+        return frusta_.find_at(p, depth, corner, cell, at, reason, guess);
     }
     return false;
   }

@@ -94,7 +94,7 @@ HWY_INLINE Pair pair_at(const float* from) {
   return hn::PromoteTo(PairTag(), hn::LoadU(hn::Rebind<float, PairTag>(), from));
 }
 
-/// The numbers at each lane's place, and those next to them.
+/// The numbers at `offset` from each lane's place, and those next to them.
 template <class T>
 HWY_INLINE void load_pairs(const T* const* from, std::int64_t offset, Reals& first, Reals& second) {
   const RealTag d;
@@ -108,39 +108,81 @@ HWY_INLINE void load_pairs(const T* const* from, std::int64_t offset, Reals& fir
   second = hn::InterleaveUpper(d, even, odd);
 }
 
+/// As GridletValues, from the pairs of numbers along i: pairs(j, k, first, second).
+template <class Pairs>
+HWY_INLINE Reals value_of(Pairs&& pairs, Reals i1, Reals j1, Reals k1) {
+  const RealTag d;
+  const Reals one = hn::Set(d, 1.0);
+  const Reals i0 = hn::Sub(one, i1), j0 = hn::Sub(one, j1), k0 = hn::Sub(one, k1);
+  const auto along_i = [&](bool j, bool k) HWY_ATTR {
+    Reals first, second;
+    pairs(j, k, first, second);
+    return hn::Add(hn::Mul(i0, first), hn::Mul(i1, second));
+  };
+  const auto along_j = [&](bool k) HWY_ATTR {
+    const Reals f = along_i(false, k);
+    return hn::Add(hn::Mul(j0, f), hn::Mul(j1, along_i(true, k)));
+  };
+  const Reals f = along_j(false);
+  return hn::Add(hn::Mul(k0, f), hn::Mul(k1, along_j(true)));
+}
+
 template <class T>
 std::size_t values_ahead_of(const mesh::Gridlet* gridlets, std::int64_t end, const T* values,
                             const Location* at, std::size_t n, double* to) {
+  constexpr int bits = mesh::Gridlet::cell_bits, bits_an_axis = bits / 3;
   const RealTag d;
-  const Reals one = hn::Set(d, 1.0);
+  const LongTag dl;
+  const hn::Repartition<std::int32_t, LongTag> di;
+  const auto low_bits = hn::Set(dl, mesh::Gridlet::side - 1);
   GridletStrides strides(gridlets, 1);
   std::size_t done = 0;
-  for (; done + lanes <= n; done += lanes) { // as GridletValues
-    const T *low[lanes], *row[lanes], *layer[lanes], *last[lanes];
-    bool in_gridlets = true;
-    for (int k = 0; k < lanes; ++k)
-      in_gridlets &= std::uint64_t(at[done + std::size_t(k)].cell) < std::uint64_t(end);
-    if (!in_gridlets)
-      break;
-    for (int k = 0; k < lanes; ++k) {
-      low[k] = values + strides.lower(at[done + std::size_t(k)].cell);
-      row[k] = low[k] + strides.row();
-      layer[k] = low[k] + strides.layer();
-      last[k] = layer[k] + strides.row();
+  for (; done + lanes <= n; done += lanes) {
+    Reals cell_bits, i1, j1, k1;
+    hn::LoadInterleaved4(d, reinterpret_cast<const double*>(at + done), cell_bits, i1, j1, k1);
+    const auto cell = hn::BitCast(dl, cell_bits);
+    const std::int64_t gridlet = at[done].cell >> bits;
+    const T* low[lanes];
+    Reals value;
+    if (hn::AllTrue(dl, hn::Eq(hn::ShiftRight<bits>(cell), hn::Set(dl, gridlet)))) {
+      if (std::uint64_t(at[done].cell) >= std::uint64_t(end))
+        break;
+      const T* const numbers = values + strides.lower(gridlet << bits);
+      const std::int64_t row = strides.row(), layer = strides.layer();
+      const auto times = [&](hn::Vec<LongTag> few, std::int64_t length) HWY_ATTR {
+        return hn::MulEven(hn::BitCast(di, few), hn::Set(di, std::int32_t(length)));
+      };
+      const auto i = hn::And(cell, low_bits);
+      const auto j = hn::And(hn::ShiftRight<bits_an_axis>(cell), low_bits);
+      const auto k = hn::And(hn::ShiftRight<2 * bits_an_axis>(cell), low_bits);
+      alignas(32) std::int64_t vertex[lanes];
+      hn::Store(hn::Add(i, hn::Add(times(j, row), times(k, layer))), dl, vertex);
+      for (int lane = 0; lane < lanes; ++lane)
+        low[lane] = numbers + vertex[lane];
+      value = value_of(
+          [&](bool up_j, bool up_k, Reals& first, Reals& second)
+              HWY_ATTR { load_pairs(low, (up_j ? row : 0) + (up_k ? layer : 0), first, second); },
+          i1, j1, k1);
+    } else {
+      const T *row[lanes], *layer[lanes], *last[lanes];
+      bool in_gridlets = true;
+      for (int lane = 0; lane < lanes; ++lane)
+        in_gridlets &= std::uint64_t(at[done + std::size_t(lane)].cell) < std::uint64_t(end);
+      if (!in_gridlets)
+        break;
+      for (int lane = 0; lane < lanes; ++lane) {
+        low[lane] = values + strides.lower(at[done + std::size_t(lane)].cell);
+        row[lane] = low[lane] + strides.row();
+        layer[lane] = low[lane] + strides.layer();
+        last[lane] = layer[lane] + strides.row();
+      }
+      value = value_of(
+          [&](bool up_j, bool up_k, Reals& first, Reals& second) HWY_ATTR {
+            load_pairs(up_k ? up_j ? last : layer : up_j ? row : low, 0, first, second);
+          },
+          i1, j1, k1);
     }
-    Reals cell, i1, j1, k1, first, second;
-    hn::LoadInterleaved4(d, reinterpret_cast<const double*>(at + done), cell, i1, j1, k1);
-    const Reals i0 = hn::Sub(one, i1), j0 = hn::Sub(one, j1), k0 = hn::Sub(one, k1);
-    const auto along_i = [&](const T* const* from) HWY_ATTR {
-      load_pairs(from, 0, first, second);
-      return hn::Add(hn::Mul(i0, first), hn::Mul(i1, second));
-    };
-    const auto along_j = [&](const T* const* from, const T* const* next) HWY_ATTR {
-      const Reals f = along_i(from);
-      return hn::Add(hn::Mul(j0, f), hn::Mul(j1, along_i(next)));
-    };
-    const Reals f = along_j(low, row);
-    hn::StoreU(hn::Add(hn::Mul(k0, f), hn::Mul(k1, along_j(layer, last))), d, to + done);
+    hn::StoreU(value, d, to + done);
   }
   return done;
 }

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "cells/decide.h"
 #include "mesh/view.h"
+#include "query/batch_answers.h"
 #include "query/gridlet_lanes.h"
 #include "query/gridlet_places.h"
 #include "query/sampler.h"
@@ -107,29 +109,28 @@ public:
     return true;
   }
 
-  /// find_in_last() of the first points, of n, up to one that it may not find; returns how many. Up
-  /// to 3 locations behind these are overwritten, but none behind n.
-  std::size_t find_ahead(const math::Vec3d* points, std::size_t n, Location* at,
-                         Reason* reasons) const {
+  /// find_in_last() of a batch's points from the q-th on, up to one that it may not find; returns
+  /// which.
+  std::size_t find_ahead(std::span<const math::Vec3d> points, std::size_t q,
+                         BatchAnswers& to) const {
     if (last_ < 0 || !shows_last())
-      return 0;
-    const std::size_t found = cells_ahead(box_, points, n, at);
-    std::fill_n(reasons, found, Reason::certified);
-    return found;
+      return q;
+    const std::size_t end = q + cells_ahead(box_, &points[q], points.size() - q, &to.locations[q]);
+    std::fill(to.reasons + q, to.reasons + end, Reason::certified);
+    return end;
   }
 
   /// Of the last gridlet, or -1.
   int last_depth() const { return last_ < 0 ? -1 : all_->gridlets[last_].depth; }
 
-  /// The same for the gridlet of a depth that has the cell of an index, if it is another one, which
-  /// then is the last. Indices are those of the leaves at cells' lower corners.
-  bool find_at(const math::Vec3d& p, int depth, const std::int64_t* index, Location& at,
-               Reason& reason) {
+  /// Whether another gridlet, of a depth, has the cell of an index, which then is the last. Indices
+  /// are those of the leaves at cells' lower corners.
+  bool take_at(int depth, const std::int64_t* index) {
     const std::int64_t found = places_->find(depth, index);
     if (found < 0 || found == last_ || !has_cell(found, index))
       return false;
     take(found);
-    return find_in_last(p, at, reason);
+    return true;
   }
 
 private:

@@ -7,6 +7,7 @@
 #include "query/chart_image.h"
 #include "query/gridlet_query.h"
 #include "query/gridlet_values.h"
+#include "query/query_boxes.h"
 #include "query/sampler.h"
 #include "query/stitching_values.h"
 
@@ -74,13 +75,17 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
   const auto put_one = [&](auto in_gridlets, const auto& in_stitching) {
     const std::int64_t end = mesh_->first_cell[1];
     const auto components = std::size_t(fields[0].components);
-    double in_turn[64]; // values that lie elsewhere in the end
-    for (const Location& l : at)
-      if (l.cell >= end)
-        in_stitching.ask_for_ids(l.cell - end);
-    for (const Location& l : at)
-      if (l.cell >= end)
-        in_stitching.ask_for_values(l.cell - end);
+    double in_turn[64];                     // values that lie elsewhere in the end
+    std::int64_t stitching[batch_size + 1]; // without branches: one more is written than is kept
+    std::size_t count = 0;
+    for (const std::uint16_t k : answered.one_by_one) {
+      stitching[count] = at[k].cell - end;
+      count += std::size_t(at[k].cell >= end);
+    }
+    for (const std::int64_t cell : std::span(stitching, count))
+      in_stitching.ask_for_ids(cell);
+    for (const std::int64_t cell : std::span(stitching, count))
+      in_stitching.ask_for_values(cell);
     for (std::size_t k = 0; k < at.size(); ++k) {
       double* const to = values[0] + (first + answered.item(k)) * components;
       if (std::uint64_t(at[k].cell) < std::uint64_t(end)) {

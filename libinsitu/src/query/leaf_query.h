@@ -44,12 +44,14 @@ public:
     return true;
   }
 
-  /// find() of the first of n points and those that follow it in its brick; returns of how many. Up
-  /// to 7 locations and reasons behind these are overwritten, but none behind n.
-  std::size_t find_ahead(const math::Vec3d* points, std::size_t n, Location* at,
-                         Reason* reasons) const {
-    return box_.entries && n >= 8 && holds(points[3]) ? leaves_ahead(box_, points, n, at, reasons)
-                                                      : 0;
+  /// find() of a batch's points from the q-th on, as long as they lie in its brick; returns the
+  /// next.
+  std::size_t find_ahead(std::span<const math::Vec3d> points, std::size_t q,
+                         BatchAnswers& to) const {
+    return box_.entries && points.size() - q >= 8 && holds(points[q + 3])
+               ? q + leaves_ahead(box_, &points[q], points.size() - q, &to.locations[q],
+                                  &to.reasons[q])
+               : q;
   }
 
 private:

@@ -49,6 +49,9 @@ struct Answered {
   std::span<const Reason> reasons;
   std::size_t first = 0;                       ///< added to the items
   const accel::morton::Coded* order = nullptr; ///< [locations.size()] of the items; null: 0, 1, ...
+  /// Locations that were found one by one; the others lie in gridlets, many next to each other.
+  /// Empty where nobody knows.
+  std::span<const std::uint16_t> one_by_one = {};
 
   std::size_t item(std::size_t k) const { return first + (order ? order[k].id : k); }
 };

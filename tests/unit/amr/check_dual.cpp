@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <set>
 #include <unordered_map>
 
 #include "amr/leaf_gradient.h"
@@ -112,6 +113,7 @@ public:
     read_cells();
     volumes();
     faces();
+    gridlets();
     values();
     counts();
     return facts_;
@@ -231,6 +233,42 @@ private:
         return true;
     }
     return false;
+  }
+
+  /// Gridlets are shrunk to fit their cells, and vertices that none of these has are empty.
+  void gridlets() {
+    const mesh::GridletsView& all = *dual_.view().pieces[0].gridlets;
+    std::set<std::uint32_t> leaves;
+    for (const Leaf& l : leaves_)
+      leaves.insert(l.id);
+    for (std::int64_t n = 0; n < all.count; ++n) {
+      const mesh::Gridlet& g = all.gridlets[n];
+      int low[3] = {8, 8, 8}, high[3] = {-1, -1, -1};
+      std::set<std::int64_t> used;
+      for (std::int64_t cell = n << mesh::Gridlet::cell_bits;
+           cell < (n + 1) << mesh::Gridlet::cell_bits; ++cell) {
+        if (!all.is_full(cell))
+          continue;
+        for (int a = 0; a < 3; ++a) {
+          const int at = int(cell >> (3 * a)) & 7;
+          low[a] = std::min(low[a], at);
+          high[a] = std::max(high[a], at);
+        }
+        std::int64_t ids[8];
+        all.vertex_ids(cell, ids);
+        used.insert(ids, ids + 8);
+      }
+      for (int a = 0; a < 3; ++a)
+        if (low[a] != 0 || high[a] + 1 != int(g.size[a]))
+          fail("a gridlet does not fit its cells");
+      for (std::int64_t v = g.first; v < std::int64_t(g.first) + g.vertex_count(); ++v) {
+        const bool empty = all.leaves[v] == mesh::GridletsView::no_leaf;
+        if (empty && used.count(v) != 0)
+          fail("an empty vertex of a full cell");
+        else if (!empty && leaves.count(all.leaves[v]) == 0)
+          fail("a gridlet's vertex of no leaf");
+      }
+    }
   }
 
   double linear(const Vec3d& p) const { return 0.7 - 1.3 * p.x + 2.1 * p.y + 0.4 * p.z; }

@@ -252,8 +252,6 @@ TEST_P(Adaptive, NearestIsTheSolversCell) {
   }
 }
 
-/// Points that follow each other in a box of cells go many at a time: with the bits of each alone,
-/// in all SIMD targets.
 TEST_P(Adaptive, LeavesCopiedAreTheSolversCells) {
   RegisteredAmr mesh(GetParam(), INSITU_NEAREST, linear);
   const mesh::MeshView& solvers = mesh.committed.sampler().mesh();
@@ -284,6 +282,8 @@ TEST_P(Adaptive, LeavesCopiedAreTheSolversCells) {
   EXPECT_EQ(owned, map.leaf_count());
 }
 
+/// Points that follow each other go many at a time, or are looked for in cells like the last one's:
+/// with the bits of each alone, in all SIMD targets.
 TEST_P(Adaptive, RowsOfPointsAnswerAsEachAlone) {
   for (const auto reconstruction : {INSITU_DUAL, INSITU_NEAREST}) {
     RegisteredAmr mesh(GetParam(), reconstruction, linear);
@@ -305,6 +305,11 @@ TEST_P(Adaptive, RowsOfPointsAnswerAsEachAlone) {
             std::int64_t((low[a] + r(a) * (high[a] - low[a]) - view.lattice.origin[a]) /
                          view.lattice.width(a, finest + 1));
         p[a] = row % 4 ? view.lattice.place(a, finest, halves) : low[a] + r(a) * (high[a] - low[a]);
+      }
+      if (row % 5 == 3) { // among the cells that end at the domain's boundary
+        const int across = (axis + 1 + row % 2) % 3;
+        const double depth = 0.49 * r(3) * view.lattice.width(across, finest);
+        p[across] = row % 10 == 3 ? low[across] + depth : high[across] - depth;
       }
       const double step = view.lattice.width(axis, finest) / parts * (row % 7 ? 1.0 : 0.83);
       const double start = row % 2 ? p[axis] : low[axis] - step;
