@@ -47,8 +47,6 @@ struct CornerKind {
   bool operator==(const CornerKind&) const = default;
 
   static constexpr int most_up = 2;
-
-private:
   static constexpr std::uint8_t first_box = 1 + 8 * most_up, first_other = first_box + 27;
 };
 
@@ -117,6 +115,7 @@ private:
 
   private:
     static constexpr unsigned real_bit = 0x80;
+    static_assert(CornerKind::first_other < real_bit);
     std::uint8_t kind_ = 0, cell_[sizeof(std::uint32_t)] = {};
   };
   struct Brick {

@@ -31,15 +31,6 @@ public:
     if (arrays_.ids)
       __builtin_prefetch(arrays_.ids + flat * arrays_.cell_stride);
   }
-  /// Those of the cell's vertices, by its ids.
-  INSITU_PREFETCH void prefetch_points(std::int64_t flat) const {
-    if (!arrays_.ids)
-      return;
-    std::int64_t ids[8];
-    const int n = mesh_->pieces[only_].vertex_ids(flat - mesh_->first_cell[only_], ids);
-    for (int v = 0; v < n; ++v)
-      __builtin_prefetch(arrays_.component[0] + ids[v] * arrays_.point_stride);
-  }
   void fill(const std::int64_t* cells, int n, int more, CellBlock& block) const;
 
 private:

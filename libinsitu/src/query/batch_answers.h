@@ -14,10 +14,10 @@ struct BatchAnswers {
   math::Vec3d rest[batch_size];   ///< points that are left
   QueryId rest_at[batch_size];    ///< their numbers
   std::int64_t guess[batch_size]; ///< cells to try for them, or -1
+  QueryId one_by_one[batch_size]; ///< see Answered
 
   /// Of the first n points; until the next batch.
   Answered of(std::size_t n) const { return {{locations, n}, {reasons, n}}; }
-  QueryId one_by_one[batch_size]; ///< see Answered
 
   /// By the tree, the first `left` of rest.
   void answer_rest(std::size_t left, BatchLocator& tree) {

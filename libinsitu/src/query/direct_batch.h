@@ -37,8 +37,6 @@ public:
       } else {
         s_.guess[left] = -1;
         found = finder_.find(points[q], s_.locations[q], s_.reasons[q], s_.guess[left]);
-        if (!found && s_.guess[left] >= 0)
-          pairs_.ask_for_ids(s_.guess[left]);
       }
       s_.rest[left] = points[q];
       s_.rest_at[left] = QueryId(q);
@@ -63,9 +61,6 @@ private:
 
   /// Of the first `left` of the rest; returns how many are left, which then come first.
   std::size_t try_guesses(std::size_t left) {
-    for (std::size_t k = 0; k < left; ++k)
-      if (s_.guess[k] >= 0)
-        pairs_.ask_for_points(s_.guess[k]);
     pairs_.set_points({s_.rest, left});
     pairs_.order(
         left, [&](std::size_t k) { return s_.guess[k]; }, [](std::size_t k) { return k; });

@@ -13,7 +13,8 @@ namespace insitu::query {
 
 /// Finds frusta by their places. What it answers is proven by bounds on rounding, and for points on
 /// or very near one of a frustum's sides by exact arithmetic: on sides the lowest id of the two or
-/// four frusta there owns. Remembers the last frustum, since neighbours often lie in one like it.
+/// four frusta there owns. Boxes likewise, but for points on their faces. Remembers the last
+/// frustum and box, since neighbours often lie in one like it.
 class FrustumFinder {
 public:
   /// first_cell: the flat id of the first stitching cell. shown: a bit a stitching cell, from bit
@@ -23,6 +24,7 @@ public:
       : map_(&map), sides_(lattice, map), shown_(shown), first_cell_(first_cell),
         first_shown_(first_shown) {}
 
+  /// The stitching cell at a corner of a depth, of any kind, or none.
   amr::CornerMap::Found cell_at(int depth, const std::int64_t* corner) const {
     return depth < map_->depth_count() ? map_->find(depth, corner) : amr::CornerMap::Found();
   }
@@ -112,7 +114,7 @@ private:
   const std::uint64_t* shown_;
   std::int64_t first_cell_, first_shown_;
   Plane last_plane_;        ///< that of the last frustum
-  int last_box_depth_ = -1; ///< that of the last answer if it was a box
+  int last_box_depth_ = -1; ///< of the last box, until a point lies in none like it
 };
 
 // Implementation
@@ -184,7 +186,7 @@ inline bool FrustumFinder::find_in_box_like_last(const math::Vec3d& p, Location&
   const std::int64_t corner[3] = {nearest_corner(place, 0), nearest_corner(place, 1),
                                   nearest_corner(place, 2)};
   const amr::CornerMap::Found found = map_->find(place.depth, corner);
-  // Its leaves are as deep, and one of them holds the point, so find_at() is asked for it first.
+  // Without virtual leaves, one as deep holds the point, whose own place leads to this box too.
   if (found.kind.is_box() && found.real && in_box(p, place, corner, found, at, reason))
     return true;
   last_box_depth_ = -1;

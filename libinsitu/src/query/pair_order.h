@@ -57,11 +57,6 @@ public:
   template <class CellOf, class QueryOf>
   void order(std::size_t n, CellOf&& cell_of, QueryOf&& query_of);
 
-  // Asked for ahead, where cells are few or lie far apart: what tells a cell's vertices, then
-  // these.
-  INSITU_PREFETCH void ask_for_ids(std::int64_t cell) const { gather_.prefetch_ids(cell); }
-  INSITU_PREFETCH void ask_for_points(std::int64_t cell) const { gather_.prefetch_points(cell); }
-
   /// Calls f(shape, cells, queries) for blocks of those pairs, filled into the scratch's block.
   template <class F>
   void for_each_block(F&& f);

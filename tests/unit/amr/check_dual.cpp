@@ -235,7 +235,7 @@ private:
     return false;
   }
 
-  /// Gridlets are shrunk to fit their cells, and vertices that none of these has are empty.
+  /// Gridlets are shrunk to fit their cells, and only vertices that none of these has are empty.
   void gridlets() {
     const mesh::GridletsView& all = *dual_.view().pieces[0].gridlets;
     std::set<std::uint32_t> leaves;
