@@ -12,6 +12,7 @@ namespace insitu::amr {
 void LeafMap::build(const mesh::AmrView& mesh, const core::Threads& threads) {
   lattice_ = mesh.lattice;
   leaf_count_ = masked_count_ = 0;
+  numbering_.clear();
   store_.create({}, threads);
   if (mesh.cell_count() > std::int64_t(BrickStore::most_leaves))
     throw core::Error(INSITU_ERROR_MESH,

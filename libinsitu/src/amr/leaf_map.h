@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "amr/brick_numbering.h"
 #include "amr/brick_store.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -18,19 +19,21 @@ public:
   static constexpr std::uint32_t refined = BrickStore::refined; ///< finer cells lie here
   static constexpr int side = 8;
 
-  explicit LeafMap(core::Memory& memory) : store_(memory) {}
+  explicit LeafMap(core::Memory& memory) : store_(memory), numbering_(memory) {}
 
   /// Builds anew. Throws INSITU_ERROR_MESH that names pieces and cells: cells of one depth at one
   /// place; finer cells that cover a coarser one in part only (a leaf needs all of its place).
   /// After a throw the map is empty.
   void build(const mesh::AmrView& mesh, const core::Threads& threads);
+  /// For many queries of leaves at points: see numbering(). Until the next build.
+  void number_bricks(const core::Threads& threads) { numbering_.build(store_, threads); }
 
   const mesh::Lattice& lattice() const { return lattice_; }
   /// Depths that hold leaves: [0, depth_count()).
   int depth_count() const { return store_.depth_count(); }
   std::int64_t leaf_count() const { return leaf_count_; }     ///< masked cells left out
   std::int64_t masked_count() const { return masked_count_; } ///< cells under finer ones
-  std::int64_t bytes() const { return store_.bytes(); }
+  std::int64_t bytes() const { return store_.bytes() + numbering_.bytes(); }
 
   /// The leaf's id at an index of a depth, or nothing or refined.
   std::uint32_t at(int depth, const std::int64_t* index) const {
@@ -38,6 +41,8 @@ public:
     return entry == BrickStore::refined_in_part ? refined : entry;
   }
   const BrickStore& store() const { return store_; }
+  /// Empty without number_bricks().
+  const BrickNumbering& numbering() const { return numbering_; }
 
   /// A leaf, with its place.
   struct Leaf {
@@ -60,6 +65,7 @@ private:
 
   mesh::Lattice lattice_;
   BrickStore store_;
+  BrickNumbering numbering_;
   std::int64_t leaf_count_ = 0, masked_count_ = 0;
 };
 

@@ -12,6 +12,7 @@ void Adaptive::build(mesh::Mesh& mesh, const core::Threads& threads) {
     if (!leaves_)
       leaves_ = std::make_unique<amr::LeafMap>(*memory_);
     leaves_->build(mesh.adaptive(), threads);
+    leaves_->number_bricks(threads);
   } else {
     leaves_.reset();
     if (!dual_)

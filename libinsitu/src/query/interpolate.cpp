@@ -38,6 +38,40 @@ private:
   std::int64_t begin_ = 0, end_ = 0;
 };
 
+/// One component of a cell field, of cells most of which lie in the piece of the one before.
+class CellValues {
+public:
+  CellValues(const mesh::MeshView& mesh, const mesh::FieldView& field)
+      : mesh_(mesh), field_(field) {}
+
+  double operator()(std::int64_t cell) {
+    if (cell < begin_ || cell >= end_)
+      go_to(cell);
+    return linear_ ? mesh::load_real(data_ + (cell - begin_) * stride_, is_float32_)
+                   : field_.pieces[piece_].load(cell - begin_, 0);
+  }
+
+private:
+  void go_to(std::int64_t cell) {
+    piece_ = mesh_.piece_of(cell);
+    begin_ = mesh_.first_cell[piece_];
+    end_ = mesh_.first_cell[piece_ + 1];
+    const mesh::FieldPieceView& from = field_.pieces[piece_];
+    linear_ = from.layout.linear;
+    is_float32_ = from.is_float32;
+    data_ = from.component[0];
+    stride_ = from.layout.stride[0];
+  }
+
+  const mesh::MeshView& mesh_;
+  const mesh::FieldView& field_;
+  std::int32_t piece_ = 0;
+  std::int64_t begin_ = 0, end_ = 0;
+  bool linear_ = false, is_float32_ = false;
+  const std::byte* data_ = nullptr;
+  std::int64_t stride_ = 0;
+};
+
 } // namespace
 
 void Sampler::interpolate(const mesh::FieldView& field, const Location& at, double* values) const {
@@ -108,15 +142,9 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
   };
   // One number a cell: little but finding it is left to do.
   const auto put_own = [&] {
-    const mesh::FieldView& field = fields[0];
-    for (std::size_t k = 0; k < at.size(); ++k) {
-      const std::size_t i = first + answered.item(k);
-      values[0][i] = nan;
-      if (at[k]) {
-        const std::int32_t p = piece(at[k].cell);
-        values[0][i] = field.pieces[p].load(at[k].cell - mesh_->first_cell[p], 0);
-      }
-    }
+    CellValues value(*mesh_, fields[0]);
+    for (std::size_t k = 0; k < at.size(); ++k)
+      values[0][first + answered.item(k)] = at[k] ? value(at[k].cell) : nan;
   };
   const mesh::GridletsView* const gridlets = gridlets_of(*mesh_);
   if (fields.size() == 1 && fields[0].association == INSITU_CELL && fields[0].components == 1)

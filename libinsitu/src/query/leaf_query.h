@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 #include "amr/leaf_map.h"
@@ -13,11 +12,8 @@ namespace insitu::query {
 /// last brick of leaves, since neighbours mostly lie in one.
 class LeafFinder {
 public:
-  explicit LeafFinder(const amr::LeafMap& leaves) : leaves_(&leaves) {
-    box_.lattice = leaves.lattice();
-    for (int a = 0; a < 3; ++a)
-      per_unit_[a] = 1.0 / box_.lattice.spacing[a];
-  }
+  explicit LeafFinder(const amr::LeafMap& leaves)
+      : leaves_(&leaves), box_(leaves), others_{box_, box_} {}
 
   static constexpr bool finds_all = true;
 
@@ -31,7 +27,8 @@ public:
       reason = Reason::outside;
       return false;
     }
-    take(leaf.cell.depth, leaves_->store().find(leaf.cell.depth, Store::key_of(leaf.cell.index)));
+    std::uint32_t entry;
+    (void)box_.take(leaf.cell.depth, leaf.cell.index, entry); // is there
     at.cell = leaf.id;
     int faces = 0;
     for (int a = 0; a < 3; ++a) {
@@ -44,12 +41,11 @@ public:
     return true;
   }
 
-  /// find() of a batch's points from the q-th on, as long as they lie in its brick; returns the
-  /// next.
-  std::size_t find_ahead(std::span<const math::Vec3d> points, std::size_t q,
-                         BatchAnswers& to) const {
-    return box_.entries && points.size() - q >= 8 && holds(points[q + 3])
-               ? q + leaves_ahead(box_, &points[q], points.size() - q, &to.locations[q],
+  /// find() of a batch's points from the q-th on, as long as they lie in leaves of its depth;
+  /// returns the next.
+  std::size_t find_ahead(std::span<const math::Vec3d> points, std::size_t q, BatchAnswers& to) {
+    return box_.entries && points.size() - q >= 8 && is_near(points[q + 3])
+               ? q + leaves_ahead(box_, others_, &points[q], points.size() - q, &to.locations[q],
                                   &to.reasons[q])
                : q;
   }
@@ -61,26 +57,11 @@ private:
 
   /// Takes the brick whose leaf holds p, as far as rounding tells, from the last one's depth on.
   bool go_to(const math::Vec3d& p) {
-    const Store& store = leaves_->store();
     int way = 0; // to finer depths, or to coarser ones
-    for (int depth = box_.depth; depth >= 0 && depth < store.depth_count(); depth += way) {
-      const double scale = double(std::int64_t(1) << depth);
-      std::int64_t index[3];
-      for (int a = 0; a < 3; ++a) {
-        const double steps = (p[a] - box_.lattice.origin[a]) * (per_unit_[a] * scale);
-        if (!(std::fabs(steps) < double(2 * mesh::Lattice::largest_index)))
-          return false;
-        index[a] = std::int64_t(steps);
-        index[a] -= steps < double(index[a]);
-      }
-      const std::uint32_t brick = store.find(depth, Store::key_of(index));
-      const std::uint32_t entry = brick == amr::BrickTable::none
-                                      ? Store::nothing
-                                      : store.entries(brick)[Store::entry_of(index)];
-      if (Store::is_leaf(entry)) {
-        take(depth, brick);
+    for (int depth = box_.depth; depth >= 0 && depth < leaves_->depth_count(); depth += way) {
+      std::uint32_t entry;
+      if (box_.take_at(depth, p, entry))
         return true;
-      }
       const int next = entry == Store::nothing ? -1 : 1;
       if (next == -way)
         return false;
@@ -89,27 +70,14 @@ private:
     return false;
   }
 
-  void take(int depth, std::uint32_t brick) {
-    box_.depth = depth;
-    box_.entries = leaves_->store().entries(brick);
-    const amr::BrickKey& key = leaves_->store().key(brick);
-    const std::int64_t index[3] = {key.x, key.y, key.z};
-    const double scale = double(std::int64_t(1) << depth);
-    for (int a = 0; a < 3; ++a) {
-      box_.first_half[a] = 2 * Store::side * index[a];
-      box_.start[a] = box_.lattice.place(a, depth, box_.first_half[a]);
-      box_.steps_a_unit[a] = per_unit_[a] * scale;
-      // Some units in the last place of the coordinates, in steps.
-      box_.rounding[a] = 0x1p-49 * (std::fabs(box_.start[a]) * box_.steps_a_unit[a] + 16.0);
-    }
-  }
-
-  /// Whether the last brick does, about: then it most likely holds what comes before p too.
-  bool holds(const math::Vec3d& p) const {
-    bool in = true;
+  /// Whether p lies in the last brick, or in one beside it that leaves_ahead can go on to, about:
+  /// then what comes before p most likely does too.
+  bool is_near(const math::Vec3d& p) const {
+    const double around = box_.order ? double(Store::side) : 0.0;
+    bool near = true;
     for (int a = 0; a < 3; ++a)
-      in &= steps(p, a) > 0.0 && steps(p, a) < double(Store::side);
-    return in;
+      near &= steps(p, a) > -around && steps(p, a) < Store::side + around;
+    return near;
   }
 
   /// Where p lies from the brick's lower corner, in leaves.
@@ -143,7 +111,7 @@ private:
     }
     if (!sure)
       return near_faces(p, place, at, reason);
-    const std::uint32_t entry = box_.entries[lowest[0] | lowest[1] << 3 | lowest[2] << 6];
+    const std::uint32_t entry = box_.entry(lowest[0], lowest[1], lowest[2]);
     if (!Store::is_leaf(entry))
       return false;
     at.cell = entry;
@@ -171,7 +139,7 @@ private:
     for (int k = lowest[2]; k <= lowest[2] + on_face[2]; ++k)
       for (int j = lowest[1]; j <= lowest[1] + on_face[1]; ++j)
         for (int i = lowest[0]; i <= lowest[0] + on_face[0]; ++i) {
-          const std::uint32_t entry = box_.entries[i | j << 3 | k << 6];
+          const std::uint32_t entry = box_.entry(i, j, k);
           if (!Store::is_leaf(entry))
             return false;
           if (entry > id)
@@ -188,8 +156,8 @@ private:
   }
 
   const amr::LeafMap* leaves_;
-  double per_unit_[3]; ///< cells of depth 0
   BrickBox box_;       ///< the last brick
+  BrickBox others_[2]; ///< for leaves_ahead
 };
 
 } // namespace insitu::query

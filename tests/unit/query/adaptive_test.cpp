@@ -1,11 +1,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <gtest/gtest.h>
-#include <limits>
 
 #include "cells/faces.h"
 #include "core/random.h"
-#include "fixtures/simd_targets.h"
 #include "mesh/box.h"
 #include "query/gridlet_query.h"
 #include "query/leaves_copy.h"
@@ -280,65 +278,6 @@ TEST_P(Adaptive, LeavesCopiedAreTheSolversCells) {
       ASSERT_EQ(to.x[v], from.x[v]) << flat;
   }
   EXPECT_EQ(owned, map.leaf_count());
-}
-
-/// Points that follow each other go many at a time, or are looked for in cells like the last one's:
-/// with the bits of each alone, in all SIMD targets.
-TEST_P(Adaptive, RowsOfPointsAnswerAsEachAlone) {
-  for (const auto reconstruction : {INSITU_DUAL, INSITU_NEAREST}) {
-    RegisteredAmr mesh(GetParam(), reconstruction, linear);
-    const query::Sampler sampler = mesh.committed.sampler();
-    const mesh::AmrView& view = mesh.amr.view();
-    const int finest = view.finest_depth();
-    const Vec3d low = sampler.tree().bounds_min(), high = sampler.tree().bounds_max();
-    std::vector<Vec3d> points;
-    for (int row = 0; row < 60; ++row) {
-      const auto r = [&](int c) {
-        return core::random_unit(GetParam().seed, std::uint64_t(row), std::uint64_t(c));
-      };
-      // Along an axis through a place of the lattice's numbers or any, by whole parts of cells, or
-      // not; some rows end beside the mesh or in NaN.
-      const int axis = row % 3, parts = 1 + row % 5;
-      Vec3d p;
-      for (int a = 0; a < 3; ++a) {
-        const auto halves =
-            std::int64_t((low[a] + r(a) * (high[a] - low[a]) - view.lattice.origin[a]) /
-                         view.lattice.width(a, finest + 1));
-        p[a] = row % 4 ? view.lattice.place(a, finest, halves) : low[a] + r(a) * (high[a] - low[a]);
-      }
-      if (row % 5 == 3) { // among the cells that end at the domain's boundary
-        const int across = (axis + 1 + row % 2) % 3;
-        const double depth = 0.49 * r(3) * view.lattice.width(across, finest);
-        p[across] = row % 10 == 3 ? low[across] + depth : high[across] - depth;
-      }
-      const double step = view.lattice.width(axis, finest) / parts * (row % 7 ? 1.0 : 0.83);
-      const double start = row % 2 ? p[axis] : low[axis] - step;
-      for (int i = 0; i < 20 * parts; ++i) {
-        p[axis] = start + i * step;
-        points.push_back(p);
-      }
-      if (row % 11 == 0)
-        points.back().x = std::numeric_limits<double>::quiet_NaN();
-    }
-    std::vector<query::Location> alone(points.size());
-    std::vector<query::Reason> why(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
-      alone[i] = sampler.locate(points[i], -1, {}, &why[i]);
-    for (const std::int64_t target : fixtures::simd_targets()) {
-      fixtures::use_simd_target(target);
-      std::vector<query::Location> rows(points.size());
-      std::vector<std::uint8_t> reasons(points.size());
-      sampler.locate(mesh.committed.threads, points, rows, {}, reasons);
-      fixtures::use_simd_target(0);
-      for (std::size_t i = 0; i < points.size(); ++i) {
-        ASSERT_EQ(rows[i].cell, alone[i].cell) << reconstruction << " point " << i;
-        ASSERT_EQ(rows[i].parametric, alone[i].parametric) << reconstruction << " point " << i;
-        const bool both_proven = why[i] <= query::Reason::exact && reconstruction == INSITU_DUAL;
-        ASSERT_TRUE(reasons[i] == std::uint8_t(why[i]) || (both_proven && alone[i]))
-            << reconstruction << " point " << i << ": " << int(reasons[i]) << " " << int(why[i]);
-      }
-    }
-  }
 }
 
 TEST_P(Adaptive, FieldsAloneKeepTheDual) {
