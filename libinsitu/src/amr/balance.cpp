@@ -35,22 +35,27 @@ bool holds(const Splits& splits, const std::int64_t* index) {
   return at != splits.end() && std::equal(index, index + 3, at->index);
 }
 
-Split parent(const std::int64_t* index, std::uint32_t leaf, int leaf_depth) {
-  return {{index[0] >> 1, index[1] >> 1, index[2] >> 1}, leaf, leaf_depth};
+/// The leaf at a place of a depth or above it; nothing where it is refined and outside.
+std::uint32_t leaf_at(const BrickStore& store, int depth, const std::int64_t* index,
+                      int* leaf_depth) {
+  int up = 0;
+  std::uint32_t leaf = store.at(depth, index);
+  if (leaf == BrickStore::nothing)
+    leaf = store.above(depth, index, &up);
+  *leaf_depth = depth - up;
+  return BrickStore::is_leaf(leaf) ? leaf : BrickStore::nothing;
 }
 
-/// The children of a split cell need neighbours of the cell's depth at least: asks for the splits
-/// above that make them.
+/// A split cell has to be there, and its children need neighbours of its depth at least: asks for
+/// the splits above that make them, of eight cells.
 void ask_around(const BrickStore& store, int depth, const Split& split, Splits& above) {
-  for (int n = 0; n < 27; ++n) {
-    const std::int64_t index[3] = {split.index[0] + n % 3 - 1, split.index[1] + n / 3 % 3 - 1,
-                                   split.index[2] + n / 9 - 1};
-    int up = 0;
-    if (n == 13 || store.at(depth, index) != BrickStore::nothing)
-      continue;
-    const std::uint32_t leaf = store.above(depth, index, &up);
-    if (leaf != BrickStore::nothing)
-      above.push_back(parent(index, leaf, depth - up));
+  for (int o = 0; o < 8; ++o) {
+    Split s;
+    for (int a = 0; a < 3; ++a)
+      s.index[a] = (split.index[a] + (o >> a & 1 ? 1 : -1)) >> 1;
+    s.leaf = leaf_at(store, depth - 1, s.index, &s.leaf_depth);
+    if (s.leaf != BrickStore::nothing)
+      above.push_back(s);
   }
 }
 
@@ -69,28 +74,26 @@ VirtualLeaves balance(const BrickStore& store, const std::vector<SteepCorner>& c
         continue;
       // The cell two depths above has to be split, whatever real leaf it is in.
       const int depth = c.depth - 2;
-      Split s = {{}, 0, depth};
+      Split s;
       for (int a = 0; a < 3; ++a)
         s.index[a] = (c.index[a] - 1 + (o >> a & 1)) >> 2;
-      int up = 0;
-      s.leaf = store.at(depth, s.index);
-      if (s.leaf == BrickStore::nothing)
-        s.leaf = store.above(depth, s.index, &up);
-      s.leaf_depth -= up;
+      s.leaf = leaf_at(store, depth, s.index, &s.leaf_depth);
       splits[std::size_t(depth)].push_back(s);
     }
   for (int d = store.depth_count() - 1; d >= 0; --d) {
     Splits& own = splits[std::size_t(d)];
     normalize(own);
-    for (const Split& s : own) {
-      if (s.leaf_depth < d)
-        splits[std::size_t(d - 1)].push_back(parent(s.index, s.leaf, s.leaf_depth));
-      if (d > 0)
+    if (d > 0)
+      for (const Split& s : own)
         ask_around(store, d, s, splits[std::size_t(d - 1)]);
-    }
   }
   VirtualLeaves made;
   made.first = first_id;
+  std::size_t count = 0;
+  for (const Splits& s : splits)
+    count += s.size();
+  made.split.reserve(count);
+  made.leaves.reserve(8 * count);
   for (int d = 0; d < store.depth_count(); ++d)
     for (const Split& s : splits[std::size_t(d)]) {
       made.split.push_back(cell(d, s.index));

@@ -1,6 +1,7 @@
 #include "amr/dual_cells.h"
 
 #include <bit>
+#include <memory>
 
 #include "cells/faces.h"
 #include "cells/folds.h"
@@ -166,6 +167,11 @@ DualCells::Collapsed DualCells::collapse(const VertexKey* keys) {
   return r;
 }
 
+DualCells& DualCells::of_thread() {
+  thread_local const auto cells = std::make_unique<DualCells>();
+  return *cells;
+}
+
 bool DualCells::make(const Corner& corner, DualCell& cell) {
   corner_ = &corner;
   last_ = nullptr;
@@ -192,7 +198,7 @@ bool DualCells::make(const Corner& corner, DualCell& cell) {
   cell.distinct = c.distinct;
   cell.boundary = corner.inside != 0xff;
   for (int v = 0; v < mesh::vertex_count(c.shape); ++v)
-    cell.vertices[v] = keys_[c.octants[v]];
+    cell.set_vertex(v, keys_[c.octants[v]]);
   return true;
 }
 

@@ -31,10 +31,17 @@ inline std::int64_t halves(std::int64_t cell_index, std::uint32_t moves, int axi
 
 /// A cell of the dual mesh that is no cube of a gridlet.
 struct DualCell {
-  VertexKey vertices[8]; ///< in VTK's order, the shape's count of them
+  std::uint32_t leaves[8]; ///< of the vertices, in VTK's order, the shape's count of them
+  std::uint8_t moves[8];   ///< of the vertices
   mesh::Shape shape;
   std::uint8_t distinct; ///< vertices; fewer than the shape's: collapsed
   bool boundary;
+
+  VertexKey vertex(int v) const { return {leaves[v], moves[v]}; }
+  void set_vertex(int v, const VertexKey& key) {
+    leaves[v] = key.leaf;
+    moves[v] = std::uint8_t(key.moves);
+  }
 };
 
 /// Whether a cell folds or is turned inside out.
@@ -44,6 +51,9 @@ bool folds(mesh::Shape shape, const math::Vec3d* x);
 /// kinds. Large: not for the stack.
 class DualCells {
 public:
+  /// This thread's: what they remember holds for all meshes.
+  static DualCells& of_thread();
+
   /// The dual cell of a corner: its vertices are the leaves' centres. Where octants lie outside and
   /// the others form a box, those stand in that mirror them, moved to the domain's boundary. False
   /// if they form no box.
@@ -73,7 +83,7 @@ private:
   int source_[8];
   Known other_; ///< a pattern that is not kept
   Known* last_ = nullptr;
-  static constexpr int known_bits = 12;
+  static constexpr int known_bits = 14;
   Known known_[1 << known_bits];
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <memory>
 
 namespace insitu::amr {
 
@@ -63,52 +62,65 @@ bool touches_virtual(const Corner& corner, std::int64_t real) {
 }
 
 void add_cell(const Corner& corner, const mesh::Lattice& lattice, std::int64_t first_virtual,
-              DualCells& cells, DualPart& part) {
+              bool is_wanted, DualCells& cells, DualPart& part) {
   DualCell cell;
   bool folded = false;
   const bool real = !touches_virtual(corner, first_virtual);
   if (cells.make(corner, cell)) {
-    part.at_corners.push_back({{std::int32_t(corner.index[0]), std::int32_t(corner.index[1]),
-                                std::int32_t(corner.index[2])},
-                               std::uint8_t(corner.depth),
-                               CornerKind::of(corner),
-                               real,
-                               std::uint32_t(part.cells.size())});
-    part.cells.push_back(cell);
     folded = (corner.most_up > 1 || !real) && cells.folds();
+    if (is_wanted) {
+      part.at_corners.push_back({{std::int32_t(corner.index[0]), std::int32_t(corner.index[1]),
+                                  std::int32_t(corner.index[2])},
+                                 std::uint8_t(corner.depth),
+                                 CornerKind::of(corner),
+                                 real,
+                                 std::uint32_t(part.cells.size())});
+      part.cells.push_back(cell);
+    }
   } else {
     folded = split_reentrant(corner, lattice, part.cells, part.means);
   }
   part.folded += folded;
-  if (corner.most_up <= 1)
-    return;
-  SteepCorner steep = {
-      {corner.index[0], corner.index[1], corner.index[2]}, std::int8_t(corner.depth), 0, folded};
-  for (int o = 0; o < 8; ++o)
-    if ((corner.inside >> o & 1) && corner.up[o] > 1)
-      steep.octants |= std::uint8_t(1 << o);
-  part.steep.push_back(steep);
+  if (corner.most_up > 1)
+    part.steep.emplace_back(corner, folded);
 }
 
 } // namespace
 
+SteepCorner::SteepCorner(const Corner& corner, bool folds)
+    : index{corner.index[0], corner.index[1], corner.index[2]}, depth(std::int8_t(corner.depth)),
+      folded(folds) {
+  for (int o = 0; o < 8; ++o)
+    if ((corner.inside >> o & 1) && corner.up[o] > 1)
+      octants |= std::uint8_t(1 << o);
+}
+
 void enumerate(const BrickStore& store, const mesh::Lattice& lattice,
-               std::span<const std::uint32_t> bricks, std::int64_t real, DualPart& part) {
+               std::span<const std::uint32_t> bricks, std::int64_t real, bool only_unfolded,
+               DualPart& part) {
   Neighborhood around;
   Corner corner;
-  thread_local const auto cells = std::make_unique<DualCells>(); // it remembers what holds anywhere
+  DualCells& cells = DualCells::of_thread();
   for (const std::uint32_t b : bricks) {
     if (!around.load(store, b, real))
       continue;
-    add_gridlet(around, real, part); // before corners: they note coarser leaves in the entries
+    const auto is_wanted = [&] { return !only_unfolded || part.folded == 0; };
+    if (is_wanted()) // before corners: they note coarser leaves in the entries
+      add_gridlet(around, real, part);
     for (int k = 0; k < 9; ++k)
       for (int j = 0; j < 9; ++j)
         for (unsigned row = around.mixed(j, k); row != 0; row &= row - 1) {
           if (around.take(store, std::countr_zero(row), j, k, corner))
-            add_cell(corner, lattice, real, *cells, part);
+            add_cell(corner, lattice, real, is_wanted(), cells, part);
         }
   }
   part.empty -= part.cubes;
+  if (only_unfolded && part.folded > 0) {
+    DualPart rest;
+    rest.steep = std::move(part.steep);
+    rest.folded = part.folded;
+    part = std::move(rest);
+  }
 }
 
 } // namespace insitu::amr

@@ -12,9 +12,10 @@ namespace insitu::amr {
 
 /// A corner around which depths differ by more than one: its cell may fold.
 struct SteepCorner {
+  SteepCorner(const Corner& corner, bool folds);
   std::int64_t index[3];
   std::int8_t depth;
-  std::uint8_t octants; ///< those whose leaf lies two depths above or more
+  std::uint8_t octants = 0; ///< those whose leaf lies two depths above or more
   bool folded;
 };
 
@@ -31,10 +32,11 @@ struct DualPart {
   std::int64_t folded = 0; ///< cells
 };
 
-/// The dual mesh of some bricks. Leaves with ids from `real` on are virtual: they lie
-/// in stitching cells only.
-/// Looks for folds where depths differ by more than one and where virtual leaves are.
+/// The dual mesh of some bricks. Leaves with ids from `real` on are virtual: they lie in stitching
+/// cells only. Looks for folds where depths differ by more than one and where virtual leaves are.
+/// only_unfolded: a part with folds gets no cells and no gridlets, just its steep corners.
 void enumerate(const BrickStore& store, const mesh::Lattice& lattice,
-               std::span<const std::uint32_t> bricks, std::int64_t real, DualPart& part);
+               std::span<const std::uint32_t> bricks, std::int64_t real, bool only_unfolded,
+               DualPart& part);
 
 } // namespace insitu::amr

@@ -1,6 +1,7 @@
 #include "amr/neighborhood.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 namespace insitu::amr {
@@ -26,6 +27,35 @@ bool finer_touches(const BrickStore& store, int depth, const std::int64_t* cell,
 }
 
 } // namespace
+
+bool corner_at(const BrickStore& store, int depth, const std::int64_t* index, Corner& corner) {
+  corner.depth = depth;
+  std::copy_n(index, 3, corner.index);
+  corner.inside = 0;
+  corner.most_up = 0;
+  bool any = false;
+  for (int o = 0; o < 8; ++o) {
+    const std::int64_t cell[3] = {corner.cell(o, 0), corner.cell(o, 1), corner.cell(o, 2)};
+    int up = 0;
+    std::uint32_t id = store.at(depth, cell);
+    if (id == BrickStore::refined ||
+        (id == BrickStore::refined_in_part && finer_touches(store, depth, cell, o)))
+      return false;
+    any |= BrickStore::is_leaf(id);
+    if (id == BrickStore::nothing)
+      id = store.above(depth, cell, &up);
+    corner.id[o] = id;
+    corner.up[o] = 0;
+    if (!BrickStore::is_leaf(id)) {
+      corner.id[o] = BrickStore::nothing;
+      continue;
+    }
+    corner.up[o] = std::uint8_t(up);
+    corner.inside |= std::uint8_t(1 << o);
+    corner.most_up = std::max(corner.most_up, up);
+  }
+  return any;
+}
 
 bool Neighborhood::load(const BrickStore& store, std::int64_t brick, std::int64_t real) {
   const std::uint32_t* own = store.entries(brick);
@@ -86,15 +116,11 @@ void Neighborhood::spread(int i, int j, int k) {
 }
 
 bool Neighborhood::take(const BrickStore& store, int i, int j, int k, Corner& corner) {
-  const auto offset = [&](int o) {
-    return i + (o & 1) + side * (j + (o >> 1 & 1) + side * (k + (o >> 2)));
-  };
-  const auto own = [&](int o) {
-    return leaf_[j + (o >> 1 & 1) + side * (k + (o >> 2))] >> (i + (o & 1)) & 1;
-  };
-  int first = 0;
-  while (!own(first))
-    ++first;
+  // A bit an octant: leaves of the depth.
+  const int row = j + side * k;
+  const unsigned own = (leaf_[row] >> i & 3u) | (leaf_[row + 1] >> i & 3u) << 2 |
+                       (leaf_[row + side] >> i & 3u) << 4 | (leaf_[row + side + 1] >> i & 3u) << 6;
+  const int first = std::countr_zero(own);
   const int at[3] = {i + (first & 1), j + (first >> 1 & 1), k + (first >> 2)};
   for (int a = 0; a < 3; ++a)
     if (at[a] < 1 || at[a] > 8)
@@ -104,26 +130,26 @@ bool Neighborhood::take(const BrickStore& store, int i, int j, int k, Corner& co
   corner.index[0] = lower_[0] + i + 1;
   corner.index[1] = lower_[1] + j + 1;
   corner.index[2] = lower_[2] + k + 1;
-  corner.inside = 0;
-  corner.most_up = 0;
+  const int lowest = i + side * row;
   for (int o = 0; o < 8; ++o) {
-    std::uint32_t& id = entries_[offset(o)];
-    std::uint8_t& up = up_[offset(o)];
-    corner.id[o] = id;
+    corner.id[o] = entries_[lowest + offset(o)];
     corner.up[o] = 0;
-    if (own(o)) {
-      corner.inside |= std::uint8_t(1 << o);
-      continue;
-    }
-    const std::int64_t cell[3] = {corner.cell(o, 0), corner.cell(o, 1), corner.cell(o, 2)};
-    if (id == BrickStore::refined_in_part) {
-      if (finer_touches(store, depth_, cell, o))
-        return false;
-      corner.id[o] = BrickStore::nothing;
-      continue;
-    }
-    if (up == unknown) { // kept for the other corners of this place
-      int above = 0;
+  }
+  corner.inside = std::uint8_t(own);
+  corner.most_up = 0;
+  for (unsigned others = ~own & 0xff; others != 0; others &= others - 1) {
+    const int o = std::countr_zero(others);
+    std::uint32_t& id = entries_[lowest + offset(o)];
+    std::uint8_t& up = up_[lowest + offset(o)];
+    if (id == BrickStore::refined_in_part || up == unknown) {
+      const std::int64_t cell[3] = {corner.cell(o, 0), corner.cell(o, 1), corner.cell(o, 2)};
+      if (id == BrickStore::refined_in_part) {
+        if (finer_touches(store, depth_, cell, o))
+          return false;
+        corner.id[o] = BrickStore::nothing;
+        continue;
+      }
+      int above = 0; // kept for the other corners of this place
       id = store.above(depth_, cell, &above);
       up = std::uint8_t(above);
       if (id != BrickStore::nothing)

@@ -20,6 +20,9 @@ struct Corner {
   std::int64_t cell(int octant, int axis) const { return index[axis] - 1 + (octant >> axis & 1); }
 };
 
+/// Fills a corner of a depth; false if no leaf of this depth touches it, or a finer one does.
+bool corner_at(const BrickStore& store, int depth, const std::int64_t* index, Corner& corner);
+
 /// A brick with the layer of entries around it, and which corners in it have leaves of its depth.
 /// Coordinates in it count entries from 0 to 9; the brick's own are 1 to 8. Corner c lies between
 /// entries c and c + 1.
@@ -44,6 +47,10 @@ public:
 private:
   static constexpr int side = 10;
   static constexpr std::uint8_t unknown = 0xff;
+  /// From a corner's lowest entry to that of an octant.
+  static constexpr int offset(int octant) {
+    return (octant & 1) + side * (octant >> 1 & 1) + side * side * (octant >> 2);
+  }
 
   unsigned row_all(const std::uint16_t* rows, int j, int k) const {
     const unsigned m = rows[j + side * k] & rows[j + 1 + side * k] & rows[j + side * (k + 1)] &

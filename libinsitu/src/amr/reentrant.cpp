@@ -126,10 +126,10 @@ private:
     for (int i = 0; i < p.count; ++i) {
       if (at_corner(p.vertices[i])) // in a plane of the lattice, then
         return;
-      cell.vertices[i] = p.vertices[i].key;
+      cell.set_vertex(i, p.vertices[i].key);
       x[i] = p.vertices[i].x;
     }
-    cell.vertices[p.count] = apex.key;
+    cell.set_vertex(p.count, apex.key);
     x[p.count] = apex.x;
     cell.shape = p.count == 4 ? Shape::pyramid : Shape::tetrahedron;
     cell.distinct = std::uint8_t(p.count + 1);

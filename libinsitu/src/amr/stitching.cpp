@@ -54,7 +54,7 @@ public:
   }
   std::uint32_t number(const VertexKey& key) const {
     const std::size_t r = rank(key.leaf);
-    return first_[r] + count_bits(moves_[r] & ((1u << key.moves) - 1));
+    return key.moves == 0 ? first_[r] : first_[r] + count_bits(moves_[r] & ((1u << key.moves) - 1));
   }
 
   std::int64_t word_count() const { return std::int64_t(words_.size()); }
@@ -142,14 +142,14 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
       first.back() == 0 ? 0 : mesh.cell_count() + std::int64_t(virtual_leaves.leaves.size()));
   for_cells(parts, threads, [&](const DualCell& c) {
     for (int v = 0; v < mesh::vertex_count(c.shape); ++v)
-      if (c.vertices[v].moves != mean_moves)
-        numbering.add_leaf(c.vertices[v].leaf);
+      if (c.moves[v] != mean_moves)
+        numbering.add_leaf(c.leaves[v]);
   });
   numbering.count_leaves();
   for_cells(parts, threads, [&](const DualCell& c) {
     for (int v = 0; v < mesh::vertex_count(c.shape); ++v)
-      if (c.vertices[v].moves != mean_moves)
-        numbering.add(c.vertices[v]);
+      if (c.moves[v] != mean_moves)
+        numbering.add(c.vertex(v));
   });
   const std::int64_t of_leaves = numbering.count_vertices();
   means_ = merge_means(parts);
@@ -174,7 +174,7 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
       std::int32_t* id = ids_.data() + 8 * first[std::size_t(p)];
       for (const DualCell& c : part.cells)
         for (int v = 0; v < 8; ++v)
-          *id++ = v < mesh::vertex_count(c.shape) ? std::int32_t(number(c.vertices[v])) : -1;
+          *id++ = v < mesh::vertex_count(c.shape) ? std::int32_t(number(c.vertex(v))) : -1;
     }
   });
   corners_.build(parts, first, threads);

@@ -58,27 +58,26 @@ double power_of_leaves(const std::vector<Size>& sizes, const std::string& mesh) 
 
 Output measure_amr_sizes(const Options& options) {
   std::vector<Size> sizes;
-  for (const bool octree : {false, true})
+  for (const auto make : {paper::AdaptiveCase::of_blocks, paper::AdaptiveCase::of_balanced_octree,
+                          paper::AdaptiveCase::of_octree})
     for (const std::int64_t part : {64, 16, 4, 1}) {
       const std::int64_t cells = std::max<std::int64_t>(options.cells[0] / part, 1000);
-      progress(format("%s of %lld cells", octree ? "random octree" : "blocks",
-                      static_cast<long long>(cells)));
-      sizes.push_back(measure(octree ? paper::AdaptiveCase::of_octree(cells)
-                                     : paper::AdaptiveCase::of_blocks(cells),
-                              options));
+      const paper::AdaptiveCase mesh = make(cells);
+      progress(format("%s of about %lld cells", mesh.name(), static_cast<long long>(cells)));
+      sizes.push_back(measure(mesh, options));
     }
   Output out;
   out.json = "{";
   out.text = format(
       "dual meshes by number of leaves; the counts of Zellmann 2023, tables 1 and 2 "
       "(full and empty: cells of gridlets;\nfolded: cells before leaves are split, and after)\n\n"
-      "%-13s %10s %8s %9s %9s %10s %8s %8s %8s %8s %9s %7s %7s %6s %6s\n",
+      "%-15s %10s %8s %9s %9s %10s %8s %8s %8s %8s %9s %7s %7s %6s %6s\n",
       "", "leaves", "build s", "Mleaves/s", "gridlets", "full", "empty", "tets", "pyrs", "wedges",
       "hexes", "folded", "split", "folded", "1 :");
   for (const Size& s : sizes) {
     const double rate = 1e-6 * double(s.info.leaves) / s.build_s;
     out.text +=
-        format("%-13s %10s %8.4f %9.2f %9s %10s %8s %8s %8s %8s %9s %7s %7s %6s %6.2f\n",
+        format("%-15s %10s %8.4f %9.2f %9s %10s %8s %8s %8s %8s %9s %7s %7s %6s %6.2f\n",
                s.mesh.c_str(), grouped(s.info.leaves).c_str(), s.build_s, rate,
                grouped(s.info.gridlets).c_str(), grouped(s.dual.full_cells).c_str(),
                grouped(s.dual.empty_cells).c_str(), grouped(s.dual.tetrahedra).c_str(),
@@ -103,12 +102,14 @@ Output measure_amr_sizes(const Options& options) {
   }
   out.json += "\n}\n";
   out.text += format("\nbuild times go as the leaves to the power of %.2f in blocks, of %.2f in "
-                     "random octrees\n\nmemory, bytes a leaf (table 3: data, peak, total)\n",
-                     power_of_leaves(sizes, "blocks"), power_of_leaves(sizes, "random octree"));
+                     "balanced octrees, of %.2f in random ones\n\n"
+                     "memory, bytes a leaf (table 3: data, peak, total)\n",
+                     power_of_leaves(sizes, "blocks"), power_of_leaves(sizes, "balanced octree"),
+                     power_of_leaves(sizes, "random octree"));
   for (const Size& s : sizes) {
     const auto leaves = double(s.info.leaves);
     out.text +=
-        format("%-13s %10s %8.1f %9.1f %9.1f\n", s.mesh.c_str(), grouped(s.info.leaves).c_str(),
+        format("%-15s %10s %8.1f %9.1f %9.1f\n", s.mesh.c_str(), grouped(s.info.leaves).c_str(),
                s.data / leaves, s.peak / leaves, s.total / leaves);
   }
   return out;

@@ -27,7 +27,7 @@ std::vector<Cell> cells_of(const std::vector<amr::DualPart>& parts) {
     for (const amr::DualCell& c : part.cells) {
       Cell cell{int(c.shape), {}};
       for (int v = 0; v < mesh::vertex_count(c.shape); ++v) {
-        const amr::VertexKey& key = c.vertices[v];
+        const amr::VertexKey key = c.vertex(v);
         Vertex vertex = {key.moves, key.leaf, 0, 0};
         if (key.moves == amr::mean_moves) {
           const amr::MeanVertex& mean = part.means[key.leaf];
@@ -61,8 +61,64 @@ amr::DualPart enumerate_all(const amr::BrickStore& store, const mesh::Lattice& l
   std::vector<std::uint32_t> bricks(std::size_t(store.brick_count()));
   std::iota(bricks.begin(), bricks.end(), 0u);
   amr::DualPart part;
-  amr::enumerate(store, lattice, bricks, real, part);
+  amr::enumerate(store, lattice, bricks, real, false, part);
   return part;
+}
+
+struct Rounds {
+  amr::VirtualLeaves made;
+  int count = 0;
+  std::size_t folded_later = 0; ///< corners, by a round's splits
+};
+
+/// The repair by enumerating everything in every round.
+Rounds repair_in_full(const amr::BrickStore& store, const mesh::Lattice& lattice, std::int64_t real,
+                      core::Memory& memory, const core::Threads& threads) {
+  Rounds out;
+  std::vector<amr::SteepCorner> corners;
+  amr::BrickStore split(memory);
+  amr::DualPart all = enumerate_all(store, lattice, real);
+  while (all.folded > 0 && out.count < 7) {
+    std::copy_if(all.steep.begin(), all.steep.end(), std::back_inserter(corners),
+                 [](const amr::SteepCorner& c) { return c.folded; });
+    out.made = amr::balance(store, corners, real);
+    amr::overlay(store, out.made, split, threads);
+    all = enumerate_all(split, lattice, real);
+    out.folded_later += std::size_t(all.folded);
+    ++out.count;
+  }
+  EXPECT_EQ(all.folded, 0);
+  return out;
+}
+
+TEST(RepairRounds, LookOnlyAtCornersThatSplitsTouch) {
+  int most = 0;
+  std::size_t folded_later = 0;
+  for (const int kind : {0, 5, 6})
+    for (std::uint64_t seed = 11; seed <= 50; ++seed) {
+      const test::Recipe recipe{
+          .seed = seed, .kind = kind, .roots = kind == 5 ? 3 : 4, .levels = kind == 5 ? 7 : 5};
+      test::AmrMesh mesh = test::make_mesh(recipe);
+      const std::int64_t real = mesh.view().cell_count();
+      core::Memory memory;
+      const core::Threads threads(2);
+      amr::LeafMap map(memory);
+      map.build(mesh.view(), threads);
+      const Rounds rounds = repair_in_full(map.store(), map.lattice(), real, memory, threads);
+      const amr::DualParts dual =
+          amr::make_dual_parts(map.store(), map.lattice(), real, memory, threads);
+      ASSERT_EQ(dual.made.split.size(), rounds.made.split.size()) << recipe.name();
+      for (std::size_t i = 0; i < dual.made.split.size(); ++i) {
+        const mesh::AmrCell &a = dual.made.split[i], &b = rounds.made.split[i];
+        ASSERT_EQ(a.depth, b.depth) << recipe.name();
+        ASSERT_TRUE(std::equal(a.index, a.index + 3, b.index)) << recipe.name();
+      }
+      most = std::max(most, rounds.count);
+      folded_later += rounds.folded_later;
+    }
+  EXPECT_GT(most, 2); // or little is shown
+  EXPECT_GT(folded_later, 30u);
+  std::printf("at most %d rounds; %zu corners folded after the first\n", most, folded_later);
 }
 
 TEST(RepairRounds, KeepWhatNoSplitTouches) {

@@ -32,11 +32,22 @@ AdaptiveCase AdaptiveCase::of_octree(std::int64_t cells) {
   return out;
 }
 
+AdaptiveCase AdaptiveCase::of_balanced_octree(std::int64_t cells) {
+  AdaptiveCase out;
+  out.is_octree_ = out.is_balanced_ = true;
+  out.octree_ = workload::balanced(workload::make_octree(cells));
+  out.set_values();
+  return out;
+}
+
 AdaptiveCase AdaptiveCase::cut(int level_count) const {
   AdaptiveCase out;
   out.is_octree_ = is_octree_;
+  out.is_balanced_ = is_balanced_;
   if (is_octree_) {
     out.octree_ = workload::make_octree(octree_.reach, level_count);
+    if (is_balanced_)
+      out.octree_ = workload::balanced(out.octree_);
   } else {
     out.blocks_ = blocks_;
     std::erase_if(out.blocks_.blocks, [&](const auto& b) { return b.level >= level_count; });

@@ -16,8 +16,12 @@ class AdaptiveCase {
 public:
   static AdaptiveCase of_blocks(std::int64_t cells);
   static AdaptiveCase of_octree(std::int64_t cells);
+  /// That octree with more leaves, none beside one of more than one level above or below.
+  static AdaptiveCase of_balanced_octree(std::int64_t cells);
 
-  const char* name() const { return is_octree_ ? "random octree" : "blocks"; }
+  const char* name() const {
+    return is_balanced_ ? "balanced octree" : is_octree_ ? "random octree" : "blocks";
+  }
   const char* key() const { return is_octree_ ? "octree" : "blocks"; }
   int level_count() const { return is_octree_ ? octree_.level_count : blocks_.level_count; }
   /// The same with its finest levels left off.
@@ -27,7 +31,7 @@ public:
 
 private:
   void set_values();
-  bool is_octree_ = false;
+  bool is_octree_ = false, is_balanced_ = false;
   workload::AmrMesh blocks_;
   workload::Octree octree_;
 };

@@ -107,6 +107,31 @@ AmrLeaves leaves_of(const AmrMesh& mesh) {
 
 namespace {
 
+/// Calls f(corner) for the cells of level 0, and for the children of a cell.
+template <class F>
+void for_roots(F&& f) {
+  for (std::int32_t root = 0; root < 64; ++root) {
+    const std::int32_t corner[3] = {root % 4, root / 4 % 4, root / 16};
+    f(corner);
+  }
+}
+template <class F>
+void for_children(const std::int32_t* at, F&& f) {
+  for (int child = 0; child < 8; ++child) {
+    const std::int32_t corner[3] = {2 * at[0] + (child & 1), 2 * at[1] + (child >> 1 & 1),
+                                    2 * at[2] + (child >> 2)};
+    f(corner);
+  }
+}
+
+void add_leaf(Octree& octree, int level, const std::int32_t* at) {
+  const double width = box / 4 / double(1 << level);
+  octree.leaves.levels.push_back(level);
+  octree.leaves.corners.insert(octree.leaves.corners.end(), at, at + 3);
+  octree.leaves.values.push_back(
+      field({(at[0] + 0.5) * width, (at[1] + 0.5) * width, (at[2] + 0.5) * width}) / box);
+}
+
 /// Splits a cell of an octree and so on; counts leaves, and keeps them if `into` is given.
 std::int64_t split(Octree* into, double reach, int level_count, int level, const std::int32_t* at) {
   const double width = box / 4 / double(1 << level);
@@ -118,29 +143,48 @@ std::int64_t split(Octree* into, double reach, int level_count, int level, const
       ((std::uint64_t(level) << 20 | std::uint64_t(at[0])) << 20 | std::uint64_t(at[1])) << 20 |
       std::uint64_t(at[2]);
   if (level + 1 == level_count || distance > reach * width * (0.5 + core::random_unit(9, key, 0))) {
-    if (into) {
-      into->leaves.levels.push_back(level);
-      into->leaves.corners.insert(into->leaves.corners.end(), at, at + 3);
-      into->leaves.values.push_back(field(centre) / box);
-    }
+    if (into)
+      add_leaf(*into, level, at);
     return 1;
   }
   std::int64_t count = 0;
-  for (int child = 0; child < 8; ++child) {
-    const std::int32_t corner[3] = {2 * at[0] + (child & 1), 2 * at[1] + (child >> 1 & 1),
-                                    2 * at[2] + (child >> 2)};
-    count += split(into, reach, level_count, level + 1, corner);
-  }
+  for_children(at, [&](const std::int32_t* child) {
+    count += split(into, reach, level_count, level + 1, child);
+  });
   return count;
 }
 
 std::int64_t split_all(Octree* into, double reach, int level_count) {
   std::int64_t count = 0;
-  for (std::int32_t root = 0; root < 64; ++root) {
-    const std::int32_t corner[3] = {root % 4, root / 4 % 4, root / 16};
-    count += split(into, reach, level_count, 0, corner);
-  }
+  for_roots([&](const std::int32_t* root) { count += split(into, reach, level_count, 0, root); });
   return count;
+}
+
+using Cells = std::vector<std::uint64_t>; ///< of one level, sorted: x fastest
+
+std::uint64_t cell_key(const std::int32_t* at) {
+  return (std::uint64_t(at[2]) << 20 | std::uint64_t(at[1])) << 20 | std::uint64_t(at[0]);
+}
+
+void normalize(Cells& cells) {
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+}
+
+void add_parent(Cells& above, const std::int32_t* at) {
+  const std::int32_t parent[3] = {at[0] >> 1, at[1] >> 1, at[2] >> 1};
+  const std::uint64_t key = cell_key(parent);
+  if (above.empty() || above.back() != key)
+    above.push_back(key);
+}
+
+void add_leaves(Octree& octree, const std::vector<Cells>& splits, int level,
+                const std::int32_t* at) {
+  const Cells& own = splits[std::size_t(level)];
+  if (!std::binary_search(own.begin(), own.end(), cell_key(at)))
+    return add_leaf(octree, level, at);
+  for_children(at,
+               [&](const std::int32_t* child) { add_leaves(octree, splits, level + 1, child); });
 }
 
 } // namespace
@@ -163,6 +207,34 @@ Octree make_octree(std::int64_t cells) {
     (split_all(nullptr, middle, levels) < cells ? low : high) = middle;
   }
   return make_octree(high, levels);
+}
+
+Octree balanced(const Octree& octree) {
+  std::vector<Cells> splits(std::size_t(octree.level_count));
+  const AmrLeaves& leaves = octree.leaves;
+  for (std::size_t i = 0; i < leaves.levels.size(); ++i)
+    if (leaves.levels[i] > 0)
+      add_parent(splits[std::size_t(leaves.levels[i] - 1)], &leaves.corners[3 * i]);
+  // The neighbours of a cell that is split are of its level at least.
+  for (int level = octree.level_count - 1; level > 0; --level) {
+    Cells& own = splits[std::size_t(level)];
+    normalize(own);
+    const std::int32_t cells = 4 << level;
+    for (const std::uint64_t key : own)
+      for (int n = 0; n < 27; ++n) {
+        const std::int32_t at[3] = {std::int32_t(key & 0xfffff) + n % 3 - 1,
+                                    std::int32_t(key >> 20 & 0xfffff) + n / 3 % 3 - 1,
+                                    std::int32_t(key >> 40) + n / 9 - 1};
+        if (std::all_of(at, at + 3, [&](std::int32_t i) { return i >= 0 && i < cells; }))
+          add_parent(splits[std::size_t(level - 1)], at);
+      }
+  }
+  normalize(splits[0]);
+  Octree out;
+  out.level_count = octree.level_count;
+  out.reach = octree.reach;
+  for_roots([&](const std::int32_t* root) { add_leaves(out, splits, 0, root); });
+  return out;
 }
 
 std::vector<math::Vec3d> random_amr_points(std::int64_t count) {

@@ -48,6 +48,9 @@ struct Octree {
 Octree make_octree(double reach, int level_count);
 /// With about `cells` leaves, in as few levels as a reach of 1 allows.
 Octree make_octree(std::int64_t cells);
+/// The same with leaves split until levels differ by one at most across faces, edges and corners,
+/// as p4est keeps its forests.
+Octree balanced(const Octree& octree);
 
 /// count points at random in the box, seed 7; and the raster of n^3 points, x fastest.
 std::vector<math::Vec3d> random_amr_points(std::int64_t count);
