@@ -26,21 +26,31 @@ void set_bits(Word& word, Word bits) {
 }
 
 /// Numbers vertices without sorting: a bit for each leaf that has some, and for each of those, in
-/// the order of their ids, a bit for each of its 27 possible ones.
+/// the order of their ids, a bit for each of its 27 possible ones. Most leaves have just the one
+/// that is not moved; these are noted in one go.
 class Numbering {
 public:
   explicit Numbering(std::int64_t leaves)
-      : words_(std::size_t(leaves + 63) / 64, 0), before_(words_.size(), 0) {}
+      : words_(std::size_t(leaves + 63) / 64, 0), unmoved_(words_), before_(words_.size(), 0) {}
 
+  void add_unmoved(std::uint32_t leaf) {
+    set_bits(unmoved_[leaf / 64], std::uint64_t(1) << leaf % 64);
+  }
+  /// A leaf of vertices that add() will have.
   void add_leaf(std::uint32_t leaf) { set_bits(words_[leaf / 64], std::uint64_t(1) << leaf % 64); }
   void count_leaves() {
     std::uint32_t sum = 0;
     for (std::size_t w = 0; w < words_.size(); ++w) {
+      words_[w] |= unmoved_[w];
       before_[w] = sum;
       sum += count_bits(words_[w]);
     }
-    moves_.assign(sum, 0);
+    moves_.resize(sum);
     first_.resize(sum);
+    std::size_t r = 0;
+    for (std::size_t w = 0; w < words_.size(); ++w)
+      for (std::uint64_t bits = words_[w]; bits != 0; bits &= bits - 1)
+        moves_[r++] = std::uint32_t(unmoved_[w] >> std::countr_zero(bits) & 1);
   }
   void add(const VertexKey& key) { set_bits(moves_[rank(key.leaf)], 1u << key.moves); }
   /// Returns how many vertices there are.
@@ -76,7 +86,7 @@ private:
     return before_[leaf / 64] + count_bits(words_[leaf / 64] & below);
   }
 
-  std::vector<std::uint64_t> words_;
+  std::vector<std::uint64_t> words_, unmoved_;
   std::vector<std::uint32_t> before_;        ///< leaves before a word
   std::vector<std::uint32_t> moves_, first_; ///< of each leaf that has vertices
 };
@@ -142,12 +152,14 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
       first.back() == 0 ? 0 : mesh.cell_count() + std::int64_t(virtual_leaves.leaves.size()));
   for_cells(parts, threads, [&](const DualCell& c) {
     for (int v = 0; v < mesh::vertex_count(c.shape); ++v)
-      if (c.moves[v] != mean_moves)
+      if (!c.boundary)
+        numbering.add_unmoved(c.leaves[v]);
+      else if (c.moves[v] != mean_moves)
         numbering.add_leaf(c.leaves[v]);
   });
   numbering.count_leaves();
   for_cells(parts, threads, [&](const DualCell& c) {
-    for (int v = 0; v < mesh::vertex_count(c.shape); ++v)
+    for (int v = 0; c.boundary && v < mesh::vertex_count(c.shape); ++v)
       if (c.moves[v] != mean_moves)
         numbering.add(c.vertex(v));
   });
