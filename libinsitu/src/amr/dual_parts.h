@@ -15,7 +15,7 @@ struct DualParts {
 };
 
 /// Enumerates the dual mesh of a map of `real` cells. Where depths differ by more than one around a
-/// corner its cells may fold: then leaves there are split virtually (balance.h) and what lies
+/// corner its cells may fold: then leaves there are split virtually (unfold.h) and what lies
 /// around them is made anew. Does not depend on the thread count.
 DualParts make_dual_parts(const BrickStore& store, const mesh::Lattice& lattice, std::int64_t real,
                           core::Memory& memory, const core::Threads& threads);
