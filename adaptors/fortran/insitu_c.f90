@@ -276,6 +276,7 @@ module insitu_c
     integer(c_int64_t) :: frames = 0, probe_rows = 0, files = 0
     integer(c_int64_t) :: failures = 0
     integer(c_int64_t) :: located_by_reason(0:insitu_reason_count - 1) = 0
+    real(c_double) :: ranges_s = 0.0_c_double, classify_s = 0.0_c_double
   end type insitu_report
 
   include 'insitu_c_functions.inc'

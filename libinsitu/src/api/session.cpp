@@ -228,6 +228,9 @@ insitu_report Session::report() const {
     r.particles_seeded = counts.seeded;
     for (std::size_t e = 0; e < counts.by_ending.size(); ++e)
       r.particles[e] = counts.by_ending[e];
+    const render::Structures::Seconds seconds = runner_->structure_seconds();
+    r.ranges_s = seconds.value_ranges + seconds.macrocells + seconds.primitive_ranges;
+    r.classify_s = seconds.majorants + seconds.culled;
   }
   r.frames = s.frames;
   r.probe_rows = s.probe_rows;

@@ -46,6 +46,8 @@ void Session::write_summary(const std::string& path, double solver_seconds) cons
   seconds.add("query", r.query_s);
   seconds.add("advect", r.advect_s);
   seconds.add("render", r.render_s);
+  seconds.add("render_ranges", r.ranges_s);
+  seconds.add("render_classify", r.classify_s);
   seconds.add("output", r.output_s);
   seconds.add("library", library);
   if (solver_seconds >= 0.0) {

@@ -74,15 +74,19 @@ template <class T, class Make, class Refresh>
 const T& Structures::up_to_date(ValuesEntry<T>& entry, std::int64_t& made, std::int64_t& refreshed,
                                 double& seconds, Make&& make, Refresh&& refresh) {
   entry.used = true;
+  if (entry.value && entry.is_fresh) {
+    ++entry.times;
+    return *entry.value;
+  }
   const core::Timer timer;
   if (!entry.value) {
     entry.value = make();
     ++made;
-  } else if (!entry.is_fresh) {
+  } else {
     refresh(*entry.value);
     ++refreshed;
   }
-  entry.times = entry.is_fresh ? entry.times + 1 : 1;
+  entry.times = 1;
   entry.is_fresh = true;
   seconds += timer.seconds();
   return *entry.value;

@@ -68,6 +68,17 @@ public:
     double majorants = 0;        ///< classified
     double primitive_ranges = 0; ///< made and refreshed
     double culled = 0;           ///< classified, and the tree of what shows
+    Seconds& operator+=(const Seconds& b) {
+      vertex_cells += b.vertex_cells;
+      averages += b.averages;
+      value_ranges += b.value_ranges;
+      gradients += b.gradients;
+      macrocells += b.macrocells;
+      majorants += b.majorants;
+      primitive_ranges += b.primitive_ranges;
+      culled += b.culled;
+      return *this;
+    }
   };
 
   explicit Structures(core::Memory& memory) : memory_(&memory) {}

@@ -41,6 +41,7 @@ void FrameStructures::end_cycle(std::span<query::CommittedMesh* const> meshes) {
     Entry& entry = it->second;
     if (!is_there(it->first, meshes)) {
       gone_ += entry.structures->counts();
+      gone_seconds_ += entry.structures->seconds();
       it = by_mesh_.erase(it);
       continue;
     }
@@ -61,6 +62,13 @@ render::Structures::Counts FrameStructures::counts() const {
   render::Structures::Counts sum = gone_;
   for (const auto& [id, entry] : by_mesh_)
     sum += entry.structures->counts();
+  return sum;
+}
+
+render::Structures::Seconds FrameStructures::seconds() const {
+  render::Structures::Seconds sum = gone_seconds_;
+  for (const auto& [id, entry] : by_mesh_)
+    sum += entry.structures->seconds();
   return sum;
 }
 

@@ -28,6 +28,7 @@ public:
 
   /// Of all meshes, so far.
   render::Structures::Counts counts() const;
+  render::Structures::Seconds seconds() const;
   /// How often vertices were made geocentric, so far.
   std::int64_t geocentric_conversions() const;
 
@@ -47,7 +48,8 @@ private:
   /// By the solver's mesh and the exaggeration.
   std::map<std::pair<std::uint64_t, double>, Geocentric> geocentric_;
   std::int64_t gone_conversions_ = 0;
-  render::Structures::Counts gone_; ///< of meshes that are gone
+  render::Structures::Counts gone_;          ///< of meshes that are gone
+  render::Structures::Seconds gone_seconds_; ///< of these
 };
 
 } // namespace insitu::scene

@@ -43,6 +43,7 @@ public:
 
   /// How often the structures of frames were made.
   render::Structures::Counts structure_counts() const { return structures_.counts(); }
+  render::Structures::Seconds structure_seconds() const { return structures_.seconds(); }
 
   /// How often the vertices of meshes were made geocentric, for frames.
   std::int64_t geocentric_conversions() const { return structures_.geocentric_conversions(); }

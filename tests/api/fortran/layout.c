@@ -103,7 +103,9 @@ int layout_of(int which, int64_t* out) {
                             AT(insitu_report, probe_rows),
                             AT(insitu_report, files),
                             AT(insitu_report, failures),
-                            AT(insitu_report, located_by_reason)};
+                            AT(insitu_report, located_by_reason),
+                            AT(insitu_report, ranges_s),
+                            AT(insitu_report, classify_s)};
   const int64_t locator[] = {sizeof(insitu_locator), AT(insitu_locator, size),
                              AT(insitu_locator, method), AT(insitu_locator, backend)};
   const int64_t info[] = {sizeof(insitu_locator_info),

@@ -89,7 +89,8 @@ program layout_test
       c_loc(report%bytes_by_purpose), c_loc(report%points_located), &
       c_loc(report%points_outside), c_loc(report%particles_seeded), c_loc(report%particles), &
       c_loc(report%frames), c_loc(report%probe_rows), c_loc(report%files), &
-      c_loc(report%failures), c_loc(report%located_by_reason)])
+      c_loc(report%failures), c_loc(report%located_by_reason), c_loc(report%ranges_s), &
+      c_loc(report%classify_s)])
   call compare('locator', 11, c_sizeof(locator), [ &
       c_loc(locator%size), c_loc(locator%method), c_loc(locator%backend)])
   call compare('locator_info', 12, c_sizeof(info), [ &

@@ -111,6 +111,33 @@ TEST(Report, ThePlanIsToldBeforeAnythingIsDone) {
   EXPECT_EQ(insitu_session_plan(nullptr, nullptr), INSITU_ERROR_HANDLE);
 }
 
+TEST(Report, RangesAreFoundAgainForNewValuesAndClassifiedOnlyThen) {
+  const test::Folder folder;
+  Coupled run({.scene = R"(
+insitu: 1
+frames:
+  - {name: p, size: [16, 16], volume: {field: density}, path_tracing: {samples: 1}}
+  - {name: s, size: [16, 16], isosurfaces: [{field: density, values: [2]}]}
+)",
+               .output = folder.path()});
+  EXPECT_EQ(run.session.report().ranges_s, 0.0);
+  ASSERT_TRUE(run.execute()) << insitu_last_message();
+  const insitu::Report first = run.session.report();
+  EXPECT_GT(first.ranges_s, 0.0);
+  EXPECT_GT(first.classify_s, 0.0);
+  EXPECT_LT(first.ranges_s + first.classify_s, first.render_s);
+  ASSERT_TRUE(run.execute()); // of nothing new
+  const insitu::Report same = run.session.report();
+  EXPECT_GT(same.render_s, first.render_s);
+  EXPECT_EQ(same.ranges_s, first.ranges_s);
+  EXPECT_EQ(same.classify_s, first.classify_s);
+  run.run(1, insitu::fields);
+  const insitu::Report later = run.session.report();
+  EXPECT_GT(later.ranges_s, same.ranges_s);
+  EXPECT_GT(later.classify_s, same.classify_s);
+  EXPECT_LT(later.ranges_s + later.classify_s, later.render_s);
+}
+
 TEST(Report, TheSummaryIsJson) {
   const test::Folder folder;
   Coupled run({.scene = scene, .output = folder.path()});
@@ -122,6 +149,8 @@ TEST(Report, TheSummaryIsJson) {
   EXPECT_EQ(json["executions"].as<int>(), 5);
   EXPECT_EQ(json["commits"]["refit"].as<std::int64_t>(), r.refits);
   EXPECT_EQ(json["seconds"]["commit"].as<double>(), r.commit_s);
+  EXPECT_EQ(json["seconds"]["render_ranges"].as<double>(), r.ranges_s);
+  EXPECT_EQ(json["seconds"]["render_classify"].as<double>(), r.classify_s);
   const double library = json["seconds"]["library"].as<double>();
   EXPECT_NEAR(json["seconds"]["library_share"].as<double>(), library / (library + 2.0), 1e-12);
   EXPECT_EQ(json["bytes"]["held"].as<std::int64_t>(), r.bytes_held);

@@ -63,6 +63,10 @@ typedef struct insitu_report {
   int64_t failures;                               /**< actions that were skipped */
   int64_t located_by_reason[INSITU_REASON_COUNT]; /**< every point located for whatever purpose:
                                  queries, probes, tracers and samples of frames, of all meshes */
+  double ranges_s;   /**< of render_s: ranges of values of macrocells and cells, found for the first
+                          time or refreshed after new values */
+  double classify_s; /**< of render_s: macrocells and cells classified by transfer functions, and
+                          trees of those that show; anew after new values or another function */
 } insitu_report;
 
 static inline insitu_report insitu_report_default(void) {
@@ -82,6 +86,7 @@ static inline insitu_report insitu_report_default(void) {
   r.frames = r.probe_rows = r.files = r.failures = 0;
   for (i = 0; i < INSITU_REASON_COUNT; ++i)
     r.located_by_reason[i] = 0;
+  r.ranges_s = r.classify_s = 0.0;
   return r;
 }
 
