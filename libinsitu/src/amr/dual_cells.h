@@ -35,7 +35,7 @@ struct DualCell {
   std::uint8_t moves[8];   ///< of the vertices
   mesh::Shape shape;
   std::uint8_t distinct; ///< vertices; fewer than the shape's: collapsed
-  bool boundary;         ///< only then are vertices moved, or no leaves
+  bool boundary;         ///< by the domain's boundary: only then are vertices moved or means
 
   VertexKey vertex(int v) const { return {leaves[v], moves[v]}; }
   void set_vertex(int v, const VertexKey& key) {

@@ -165,7 +165,8 @@ TEST_P(Adaptive, TheInterpolantHasNoJumps) {
   const std::uint64_t seed = 100 + GetParam().seed;
   const std::int64_t first = view.first_cell[1], stitching = view.cell_count() - first;
   const char* const more = std::getenv("INSITU_TEST_POINTS");
-  const int count = more ? std::atoi(more) : 90000;
+  // Beside jumps of many levels also points by collapsed corners: of seed 2 the 182,070th.
+  const int count = more ? std::atoi(more) : GetParam().levels > 3 ? 200000 : 90000;
   int compared = 0;
   for (int i = 0; i < count; ++i) {
     const auto r = [&](int c) {
@@ -181,17 +182,26 @@ TEST_P(Adaptive, TheInterpolantHasNoJumps) {
         face.vertex_count == 3
             ? at(0) + u * v * (at(1) - at(0)) + u * (1 - v) * (at(2) - at(0))
             : (1 - u) * ((1 - v) * at(0) + v * at(3)) + u * ((1 - v) * at(1) + v * at(2));
-    const Vec3d step = 1e-11 * Vec3d{r(4) - 0.5, r(5) - 0.5, r(6) - 0.5};
-    const query::Location a = sampler.locate(p - step), b = sampler.locate(p + step);
-    if (!a || !b)
+    const Vec3d direction{r(4) - 0.5, r(5) - 0.5, r(6) - 0.5};
+    // Near the collapsed corners of stitching cells slopes grow without bound, but what they make
+    // shrinks with the step; a jump stays.
+    double fa = 0.0, fb = 0.0;
+    bool found = false;
+    for (const double length : {1e-11, 1e-13, 1e-14}) {
+      const query::Location a = sampler.locate(p - length * direction),
+                            b = sampler.locate(p + length * direction);
+      if (!a || !b)
+        break;
+      found = true;
+      sampler.interpolate(field, a, &fa);
+      sampler.interpolate(field, b, &fb);
+      if (std::abs(fa - fb) <= 1e-8)
+        break;
+    }
+    if (!found)
       continue; // across the domain's boundary
-    double fa, fb;
-    sampler.interpolate(field, a, &fa);
-    sampler.interpolate(field, b, &fb);
     ++compared;
-    // Slopes of some hundreds a unit, in thin corners of stitching cells, make some 1e-9; beside
-    // jumps of many levels, where these are thinner, some 1e-8.
-    ASSERT_NEAR(fa, fb, GetParam().levels > 3 ? 1e-7 : 1e-8) << GetParam().name() << " point " << i;
+    ASSERT_NEAR(fa, fb, 1e-8) << GetParam().name() << " point " << i;
   }
   if (stitching > 0) {
     EXPECT_GT(compared, count / 10) << GetParam().name();
