@@ -46,8 +46,8 @@ contains
     do e = 1, mesh%nedges
       depth = mesh%edge_depth(e)
       latitude = 0.5_real64 * sum(mesh%lat(mesh%edge_vertices(:, e)))
-      self%spiral(:, e) = wind%ekman_transport(latitude, depth(2:)) & ! level k: from k + 1 to k
-                        - wind%ekman_transport(latitude, depth(:n))
+      self%spiral(:, e) = beside_coast(mesh, e, wind%ekman_transport(latitude, depth(2:)) &
+                                              - wind%ekman_transport(latitude, depth(:n)))
       self%share(:, e) = mode_share(depth(2:), depth(:n), depth(1))
     end do
     allocate (self%vertex_spiral(size(mesh%lon)), self%vertex_transport(mesh%nv))
@@ -65,6 +65,26 @@ contains
       end do
     end do
   end subroutine start
+
+  !> An edge's transport, as the mean of its two vertices': nothing flows through the coast at those on it,
+  !! as in the velocities. So what the spiral carries off rises evenly in the cells along the coast, and
+  !! not in those with a side on it alone.
+  pure function beside_coast(mesh, e, transport) result(mean)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    complex(real64), intent(in) :: transport(:)
+    complex(real64) :: mean(size(transport)), normal
+    integer :: i
+
+    mean = transport
+    do i = 1, 2
+      associate (v => mesh%edge_vertices(i, e))
+        if (.not. mesh%on_coast(v)) cycle
+        normal = cmplx(mesh%coast_normal(1, v), mesh%coast_normal(2, v), real64)
+        mean = mean - 0.5_real64 * real(conjg(normal) * transport) * normal
+      end associate
+    end do
+  end function beside_coast
 
   !> What of a water column's transport flows between two depths.
   elemental real(real64) function mode_share(upper, lower, bottom) result(share)

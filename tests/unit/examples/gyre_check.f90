@@ -137,6 +137,7 @@ contains
     ! times the squared wave number of the wind: 0.10 where this looks. It is halved with the drag.
     error = sverdrup_error(model%mesh, model%transport%psi, model%wind)
     call check_pumping(model)
+    call check_coastal_row(model)
     call check_boundary_current(model)
     call model%transport%start(model%mesh, model%wind, 0.5_real64 * drag)
     do i = 1, 800
@@ -195,6 +196,34 @@ contains
     write (output_unit, '(a, 2es10.2)') 'pumping: largest, and largest error (m/s):', largest, worst
     call expect('Ekman''s pumping', worst < 0.05_real64 * largest)
   end subroutine check_pumping
+
+  !> The wind drives water off the southern coast; what rises for it rises at one speed in all cells of the
+  !! row there, whether they have a side on the coast or a vertex alone: 60 m deep, far from the corners.
+  subroutine check_coastal_row(model)
+    type(model_type), intent(in) :: model
+    real(real64) :: least, most, speed
+    integer :: c, k, cells
+
+    k = model%mesh%nlevels + 1
+    do while (model%mesh%interface_depth(1, k) < 60.0_real64)
+      k = k - 1
+    end do
+    least = huge(least)
+    most = -huge(most)
+    cells = 0
+    do c = 1, model%mesh%ncolumns
+      associate (v => model%mesh%triangle(:, c))
+        if (minval(model%mesh%lat(v)) > 15.001_real64 .or. any(abs(model%mesh%lon(v) + 35.0_real64) > 15.0_real64)) cycle
+      end associate
+      cells = cells + 1
+      speed = model%flow%upward(c, k) / model%mesh%area(c)
+      least = min(least, speed)
+      most = max(most, speed)
+    end do
+    write (output_unit, '(a, 2es10.2)') 'along the southern coast: least and largest speed upwards (m/s):', least, most
+    call expect('a row of cells with two shapes of contact', cells > 20)
+    call expect('water rises evenly along the coast', least > 0.0_real64 .and. most < 1.25_real64 * least)
+  end subroutine check_coastal_row
 
   !> The northward transport falls off from the western coast by e over drag / beta; the current is
   !! taken less Sverdrup's. At the latitude of the strongest curl.
