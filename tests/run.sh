@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Sets up, builds and runs the whole test suite on a bare Debian 12.
-#   bash tests/run.sh [--no-install] [--preset release|debug|asan|tsan] [ctest options]
+#   bash tests/run.sh [--no-install] [--preset release|debug|asan|tsan] [--simd TARGET] [ctest options]
+# --simd: runs the tests with that SIMD target, by Highway's names (SSE2, AVX2, AVX3, ...): INSITU_SIMD_TARGET.
 set -euo pipefail
 source "$(dirname "$0")/../cmake/setup.sh"
 
@@ -9,9 +10,10 @@ no_install=0
 arguments=()
 while [ $# -gt 0 ]; do
   case $1 in
-    --help|-h) sed -n '2,3s/^# //p' "$0"; exit 0 ;;
+    --help|-h) sed -n '2,4s/^# //p' "$0"; exit 0 ;;
     --no-install) no_install=1 ;;
     --preset) preset=$2; shift ;;
+    --simd) export INSITU_SIMD_TARGET=$2; shift ;;
     *) arguments+=("$1") ;;
   esac
   shift

@@ -98,6 +98,8 @@ void Session::answer(const query::CommittedMesh& mesh, const insitu_locate_args&
   const mesh::MeshView& view = mesh.mesh().own_view();
   const query::Sampler sampler = mesh.sampler();
   const bool counts_otherwise = mesh.mesh().has_stand_in();
+  options.coordinates =
+      args.parametric || args.reasons || counts_otherwise || sampler.takes_coordinates(fields);
   const std::int64_t outside = mesh.locate_counts().totals()[std::size_t(query::Reason::outside)];
   for_each_slice(mesh, args, points, [&](std::int64_t first, std::span<const math::Vec3d> some) {
     sampler.visit(context_.threads, some, options, [&](const query::Answered& answered) {

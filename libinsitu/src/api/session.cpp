@@ -1,5 +1,6 @@
 #include "api/session.h"
 
+#include "core/simd_target.h"
 #include "core/status.h"
 #include "core/timer.h"
 #include "scene/parse.h"
@@ -37,6 +38,8 @@ Session::Session(const insitu_session_options& options)
   if (options.threads < 0)
     throw Error(INSITU_ERROR_ARGUMENT,
                 "threads: " + std::to_string(options.threads) + ", 0 (all) or more expected");
+  if (core::simd_target().asked)
+    context_.log.info("SIMD target " + core::simd_target().name);
   if (options.scene && options.scene_text)
     throw Error(INSITU_ERROR_ARGUMENT, "scene and scene_text are both given, at most one expected");
   if (options.scene)

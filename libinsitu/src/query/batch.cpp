@@ -197,6 +197,8 @@ void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std:
 
 /// The owners that Newton has not seen yet.
 void BatchLocator::find_parametric() {
+  if (!query_.options.coordinates)
+    return;
   pairs_.order(
       std::size_t(count_), [&](std::size_t q) { return located_[q] ? -1 : best_[q].cell; },
       [](std::size_t q) { return q; });

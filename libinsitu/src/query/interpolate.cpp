@@ -161,6 +161,12 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
     put(fields);
 }
 
+bool Sampler::takes_coordinates(std::span<const mesh::FieldView> fields) const {
+  return std::any_of(fields.begin(), fields.end(), [&](const mesh::FieldView& field) {
+    return field.association != INSITU_CELL || (chart_ && field.components == 3); // turned
+  });
+}
+
 /// piece: the location's.
 template <class Fields, class ValuesOf>
 inline void Sampler::interpolate_to(const Fields& fields, std::int32_t piece, const Location& at,

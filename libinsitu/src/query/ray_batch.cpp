@@ -18,7 +18,7 @@ Answered RayBatch::run(std::span<const Vec3d> points) {
   batch_.begin(points);
   rays_.find(points, {cells_, n}, fast ? std::span<std::int64_t>() : std::span(beyond_, n));
   if (fast) {
-    answer_by_rule();
+    query_.options.coordinates ? answer_by_rule() : answer_by_cells(n);
     return batch_.answered();
   }
   const std::int64_t first = certify(cells_);
@@ -46,6 +46,13 @@ void RayBatch::answer_by_rule() {
                     b.margin[k] > b.error[k] ? Reason::certified : Reason::on_face);
     }
   });
+}
+
+/// What face methods save most by: the hit tells the cell, and nothing else is looked at.
+void RayBatch::answer_by_cells(std::size_t count) {
+  for (std::size_t q = 0; q < count; ++q)
+    if (cells_[q] >= 0)
+      batch_.answer(q, {cells_[q], {}}, Reason::on_face);
 }
 
 std::int64_t RayBatch::certify(const std::int64_t* cells) {

@@ -14,7 +14,8 @@ namespace insitu::query {
 /// So the answers are BatchLocator's. In `fast` the rule alone answers: the reason is `certified`
 /// where Newton's method proves the cell, and else `on_face`, since the point is on the cell's
 /// boundary or beside a face that the rule takes for another; coordinates then lie out of the cell
-/// by as much.
+/// by as much. Where cells alone are asked for (LocateOptions::coordinates), Newton's method does
+/// not run in `fast`.
 ///
 /// The tree answers everything while the mesh is between two steps, and in `standard` and `exact`
 /// where cells may fold, since no certificate proves anything there.
@@ -31,6 +32,7 @@ public:
 
 private:
   void answer_by_rule();
+  void answer_by_cells(std::size_t count);
   /// Tries a cell of each point that has no answer; returns how many were proven.
   std::int64_t certify(const std::int64_t* cells);
   Answered answer_by_tree(std::span<const math::Vec3d> points, std::span<const Location> known);

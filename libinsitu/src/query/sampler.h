@@ -41,6 +41,10 @@ struct LocateOptions {
   /// Coordinates between the earlier (0) and the current step (1); needs MeshView::earlier_points
   /// unless 1.
   double alpha = 1.0;
+  /// Whether parametric coordinates and reasons are asked for; false: cells alone. Coordinates then
+  /// may be 0, and where only Newton's method tells whether a cell is proven (`fast` by rays) it
+  /// does not run and the reason is on_face.
+  bool coordinates = true;
 };
 
 /// Answers of some points of a batch: those of points[item(k)], for k below locations.size().
@@ -165,6 +169,8 @@ public:
   void interpolate(std::span<const mesh::FieldView> fields, const Location& at,
                    double* values) const;
 
+  /// Whether values of these fields take more than the cell of a point: LocateOptions::coordinates.
+  bool takes_coordinates(std::span<const mesh::FieldView> fields) const;
   /// The fields at the answers of visit(), into an array a field, each [count][components of the
   /// field]; NaN where there is no owner. first: added to the items.
   void interpolate(std::span<const mesh::FieldView> fields, const Answered& answered,

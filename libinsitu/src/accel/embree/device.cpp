@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "core/simd_target.h"
 #include "core/status.h"
 
 namespace insitu::accel::embree {
@@ -37,7 +38,7 @@ bool Device::count(void* device, ssize_t bytes, bool) {
   return true;
 }
 
-Device::Device(core::Memory& memory) : memory_(memory), device_(rtcNewDevice(nullptr)) {
+Device::Device(core::Memory& memory) : memory_(memory), device_(rtcNewDevice(core::simd_target().embree)) {
   if (!device_)
     throw core::Error(INSITU_ERROR_INTERNAL,
                       std::string("Embree: no device: ") + error_name(rtcGetDeviceError(nullptr)));

@@ -77,6 +77,7 @@ public:
     const query::Sampler sampler = committed_.sampler();
     query::LocateOptions options;
     options.accuracy = accuracy;
+    options.coordinates = wanted == Wanted::vertex_value;
     const mesh::FieldView field = committed_.mesh().field(wanted == Wanted::cell_value ? "c" : "f");
     double* const values = values_.data();
     const insitu_locator_info before = committed_.locator_info();
