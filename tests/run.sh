@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sets up, builds and runs the whole test suite on a bare Debian 12.
 #   bash tests/run.sh [--no-install] [--preset release|debug|asan|tsan] [--simd TARGET] [ctest options]
-# --simd: runs the tests with that SIMD target, by Highway's names (SSE2, AVX2, AVX3, ...): INSITU_SIMD_TARGET.
+# --simd: runs the tests with that SIMD target, by Highway's names (AVX2, AVX3, baseline, ...): INSITU_SIMD_TARGET.
 set -euo pipefail
 source "$(dirname "$0")/../cmake/setup.sh"
 

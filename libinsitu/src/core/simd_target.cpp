@@ -46,7 +46,8 @@ SimdTarget choose() {
     for (std::int64_t rest = available(); rest != 0; rest &= rest - 1) {
       const std::string name = hwy::TargetName(best_of(rest));
       names += name + ", ";
-      if (name == text)
+      const bool is_last = (rest & (rest - 1)) == 0;
+      if (name == text || (is_last && std::string(text) == "baseline"))
         named = best_of(rest);
     }
     if (named) {
@@ -56,7 +57,8 @@ SimdTarget choose() {
       hwy::DisableTargets(~named);
     } else {
       out.problem = std::string(variable) + " is '" + text +
-                    "', which this machine and build do not have; they have " + names + "and best";
+                    "', which this machine and build do not have; they have " + names +
+                    "best and baseline";
     }
   }
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());

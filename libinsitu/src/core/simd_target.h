@@ -5,9 +5,10 @@
 namespace insitu::core {
 
 /// The SIMD target that the library's code is dispatched to: Highway's best for the machine, or the
-/// one that the environment variable INSITU_SIMD_TARGET names by Highway's names (SSE2, SSE4, AVX2,
-/// AVX3, AVX3_ZEN4, NEON, ...; `best` or empty: the best). Read once, when the library is loaded;
-/// Highway has one state a process, so a solver that uses it too is dispatched alike.
+/// one that the environment variable INSITU_SIMD_TARGET names by Highway's names (AVX2, AVX3, NEON,
+/// ...; `baseline`: the least that the build needs; `best` or empty: the best). Read once, when the
+/// library is loaded; Highway has one state a process, so a solver that uses it too is dispatched
+/// alike.
 struct SimdTarget {
   std::string name;    ///< of the one in use
   bool asked = false;  ///< for by the variable

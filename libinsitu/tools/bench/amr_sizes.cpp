@@ -58,8 +58,8 @@ double power_of_leaves(const std::vector<Size>& sizes, const std::string& mesh) 
 
 Output measure_amr_sizes(const Options& options) {
   std::vector<Size> sizes;
-  for (const auto make : {paper::AdaptiveCase::of_blocks, paper::AdaptiveCase::of_balanced_octree,
-                          paper::AdaptiveCase::of_octree})
+  for (const auto make : {paper::AdaptiveCase::of_blocks, paper::AdaptiveCase::of_front,
+                          paper::AdaptiveCase::of_balanced_octree, paper::AdaptiveCase::of_octree})
     for (const std::int64_t part : {64, 16, 4, 1}) {
       const std::int64_t cells = std::max<std::int64_t>(options.cells[0] / part, 1000);
       const paper::AdaptiveCase mesh = make(cells);
@@ -68,22 +68,24 @@ Output measure_amr_sizes(const Options& options) {
     }
   Output out;
   out.json = "{";
-  out.text = format(
-      "dual meshes by number of leaves; the counts of Zellmann 2023, tables 1 and 2 "
-      "(full and empty: cells of gridlets;\nfolded: cells before leaves are split, and after)\n\n"
-      "%-15s %10s %8s %9s %9s %10s %8s %8s %8s %8s %9s %7s %7s %6s %6s\n",
-      "", "leaves", "build s", "Mleaves/s", "gridlets", "full", "empty", "tets", "pyrs", "wedges",
-      "hexes", "folded", "split", "folded", "1 :");
+  out.text = format("dual meshes by number of leaves; the counts of Zellmann 2023, tables 1 and 2 "
+                    "(full and empty: cells of gridlets;\nstit%%: stitching cells of all that are "
+                    "not empty; folded: cells before leaves are split, and after)\n\n"
+                    "%-15s %10s %8s %9s %9s %10s %8s %8s %8s %8s %9s %5s %7s %7s %6s %6s\n",
+                    "", "leaves", "build s", "Mleaves/s", "gridlets", "full", "empty", "tets",
+                    "pyrs", "wedges", "hexes", "stit%", "folded", "split", "folded", "1 :");
   for (const Size& s : sizes) {
     const double rate = 1e-6 * double(s.info.leaves) / s.build_s;
     out.text +=
-        format("%-15s %10s %8.4f %9.2f %9s %10s %8s %8s %8s %8s %9s %7s %7s %6s %6.2f\n",
+        format("%-15s %10s %8.4f %9.2f %9s %10s %8s %8s %8s %8s %9s %5.1f %7s %7s %6s %6.2f\n",
                s.mesh.c_str(), grouped(s.info.leaves).c_str(), s.build_s, rate,
                grouped(s.info.gridlets).c_str(), grouped(s.dual.full_cells).c_str(),
                grouped(s.dual.empty_cells).c_str(), grouped(s.dual.tetrahedra).c_str(),
                grouped(s.dual.pyramids).c_str(), grouped(s.dual.wedges).c_str(),
-               grouped(s.dual.hexahedra).c_str(), grouped(s.info.folded).c_str(),
-               grouped(s.info.repaired).c_str(), grouped(s.dual.folded).c_str(), s.compression);
+               grouped(s.dual.hexahedra).c_str(),
+               100.0 * double(s.dual.stitching()) / double(s.dual.stitching() + s.dual.full_cells),
+               grouped(s.info.folded).c_str(), grouped(s.info.repaired).c_str(),
+               grouped(s.dual.folded).c_str(), s.compression);
     out.json += format(
         "%s\n  \"%s of %lld\": {\"leaves\": %lld, \"build_s\": %s, \"compression\": %s, "
         "\"gridlets\": %lld, \"stitching\": %lld, \"tetrahedra\": %lld, \"pyramids\": %lld, "
@@ -101,11 +103,12 @@ Output measure_amr_sizes(const Options& options) {
         number(s.data).c_str(), number(s.peak).c_str(), number(s.total).c_str());
   }
   out.json += "\n}\n";
-  out.text += format("\nbuild times go as the leaves to the power of %.2f in blocks, of %.2f in "
-                     "balanced octrees, of %.2f in random ones\n\n"
-                     "memory, bytes a leaf (table 3: data, peak, total)\n",
-                     power_of_leaves(sizes, "blocks"), power_of_leaves(sizes, "balanced octree"),
-                     power_of_leaves(sizes, "random octree"));
+  out.text +=
+      format("\nbuild times go as the leaves to the power of %.2f in blocks, of %.2f in "
+             "front octrees, of %.2f in balanced ones, of %.2f in random ones\n\n"
+             "memory, bytes a leaf (table 3: data, peak, total)\n",
+             power_of_leaves(sizes, "blocks"), power_of_leaves(sizes, "front octree"),
+             power_of_leaves(sizes, "balanced octree"), power_of_leaves(sizes, "random octree"));
   for (const Size& s : sizes) {
     const auto leaves = double(s.info.leaves);
     out.text +=

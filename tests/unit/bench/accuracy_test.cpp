@@ -238,8 +238,15 @@ TEST_F(Accuracy, CurvedFacesOfStitchingCellsTakenForPlanarErrMore) {
   const Row &dual = find(all, "values", "dual mesh"),
             &curved = find(all, "values", "curved faces by rays"),
             &planar = find(all, "values", "planar faces by rays");
-  EXPECT_NEAR(curved.error, dual.error, 1e-6 * dual.error); // points on faces, by rays in float
-  EXPECT_GT(planar.error, 1.005 * curved.error);
+  // Rays in float may take another cell for points near faces, which ones depends on the processor;
+  // where cells meet their values are the same, but where the dual mesh's cells overlap.
+  const auto other_values = [](const Row& row) {
+    return row.more.at("values that differ from the dual mesh's by more than 1e-4");
+  };
+  EXPECT_LT(other_values(curved), 0.005 * 20'000);
+  EXPECT_GT(other_values(planar), 5 * other_values(curved));
+  EXPECT_LT(std::fabs(curved.error - dual.error), 0.1 * (planar.error - dual.error));
+  EXPECT_GT(planar.error, 1.005 * dual.error);
   for (const Row* row : {&dual, &curved, &planar})
     EXPECT_EQ(row->more.at("points in no cell"), 0.0) << row->setting;
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <map>
 
@@ -13,7 +14,8 @@ using Cell = std::array<std::int32_t, 3>;
 /// Level of the leaf at each cell of the finest level.
 struct Finest {
   explicit Finest(const Octree& octree)
-      : n(4 << (octree.level_count - 1)), levels(std::size_t(n) * n * n, -1) {
+      : n(int(std::lround(256.0 / octree.spacing)) << (octree.level_count - 1)),
+        levels(std::size_t(n) * n * n, -1) {
     const AmrLeaves& leaves = octree.leaves;
     for (std::size_t i = 0; i < leaves.levels.size(); ++i) {
       const int width = 1 << (octree.level_count - 1 - leaves.levels[i]);
@@ -102,6 +104,28 @@ TEST(OctreeWorkload, NoLeafOfABalancedOctreeIsSplitWithoutNeed) {
     ++counts[level];
   EXPECT_EQ(Finest(out).jump(), 1);
   EXPECT_EQ(counts, (std::map<int, int>{{0, 56}, {1, 7 + 7 * 8 - 7}, {2, 7 + 7 * 8}, {3, 8}}));
+}
+
+TEST(OctreeWorkload, FrontsAreRefinedWithABufferAndBalanced) {
+  for (const int roots : {8, 11}) {
+    const Octree octree = make_front_octree(roots, 4);
+    Finest finest(octree);
+    EXPECT_EQ(finest.jump(), 1) << roots;
+    EXPECT_EQ(finest.overlapping, 0);
+    EXPECT_EQ(std::count(finest.levels.begin(), finest.levels.end(), -1), 0);
+    EXPECT_EQ(finest.level(0, 0, 0), 0); // coarse far from the front
+    // Two cells of the finest level's parents on both sides of the front, along an axis.
+    const int middle = finest.n / 2;
+    const double width = 256.0 / finest.n;
+    for (int x = 0; x < finest.n; ++x) {
+      const double distance = std::fabs(std::fabs((x + 0.5) * width - 128.0) - 85.0);
+      if (distance < 2 * 2 * width) {
+        EXPECT_EQ(finest.level(x, middle, middle), 3) << x;
+      }
+    }
+  }
+  const Octree sized = make_front_octree(std::int64_t(20'000));
+  EXPECT_NEAR(double(sized.leaves.levels.size()) / 20'000, 1.0, 0.5);
 }
 
 } // namespace

@@ -232,9 +232,10 @@ TEST(BenchProgram, AmrTellsTheErrorAtCentresAndStandsBesideOpenVkl) {
             INSITU_BENCH_HAS_OPENVKL == 0);
   const Outcome r = run(arguments + " --json -", "2>/dev/null");
   ASSERT_EQ(r.exit_code, 0) << r.out;
-  std::vector<std::string> rows = {"patches, dual mesh", "the same as plain hexahedra",
-                                   "patches, nearest", "octree leaves, dual mesh",
-                                   "octree leaves, nearest"};
+  std::vector<std::string> rows = {
+      "patches, dual mesh",        "the same as plain hexahedra", "patches, nearest",
+      "octree leaves, dual mesh",  "octree leaves, nearest",      "front octree, dual mesh",
+      "front octree, plain cells", "random octree, dual mesh",    "random octree, plain cells"};
   if (INSITU_BENCH_HAS_OPENVKL) {
     rows.insert(rows.end(), {"Open VKL, octant", "Open VKL, finest"});
     EXPECT_GT(number(r.out, "ratio_random"), 0.0);
@@ -270,7 +271,7 @@ TEST(BenchProgram, AmrTellsTheErrorAtCentresAndStandsBesideOpenVkl) {
 TEST(BenchProgram, AmrByNumberOfLeaves) {
   const Outcome r = run("amr --cells 5000 --repetitions 1 --sizes --json -", "2>/dev/null");
   ASSERT_EQ(r.exit_code, 0) << r.out;
-  for (const std::string mesh : {"blocks", "balanced octree", "random octree"}) {
+  for (const std::string mesh : {"blocks", "front octree", "balanced octree", "random octree"}) {
     double before = 0;
     int count = 0;
     for (std::size_t at = r.out.find("\"" + mesh + " of "); at != std::string::npos;

@@ -192,6 +192,30 @@ TEST(Rays, LeavePointsBetweenStepsToTheTree) {
   EXPECT_EQ(m.mesh.locators().ray_counts().by_tree, 3000);
 }
 
+TEST(Rays, WithoutCoordinatesTheHitAloneTellsTheCellInFast) {
+  const TestMesh from = box(MeshKind::hexahedra, 8, 0.2);
+  for (const Method method : ray_methods) {
+    fixtures::Committed m(from, 2);
+    m.mesh.set_locator({method, accel::Backend::cpu});
+    m.commit();
+    const auto points = points_of(m.sampler().mesh(), 2000, 67);
+    for (const insitu_accuracy accuracy : {INSITU_FAST, INSITU_STANDARD, INSITU_EXACT}) {
+      const Answers whole = ask(m, points, accuracy);
+      Answers cells{std::vector<Location>(points.size()), std::vector<std::uint8_t>(points.size())};
+      m.sampler().locate(m.threads, points, cells.at, {accuracy, 1.0, false}, cells.reasons);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        ASSERT_EQ(cells.at[i].cell, whole.at[i].cell) << accel::name(method) << ", point " << i;
+        if (accuracy == INSITU_FAST && cells.at[i]) { // Newton's method did not run
+          EXPECT_EQ(cells.reasons[i], std::uint8_t(query::Reason::on_face));
+          EXPECT_EQ(dot(cells.at[i].parametric, cells.at[i].parametric), 0.0);
+        } else {
+          EXPECT_EQ(cells.reasons[i], whole.reasons[i]);
+        }
+      }
+    }
+  }
+}
+
 TEST(Rays, FindNothingWhereNoCellOwnsPoints) {
   const TestMesh from = box(MeshKind::hexahedra, 3);
   for (const Method method : ray_methods) {

@@ -253,11 +253,10 @@ std::string advise(const Sweep& s) {
       "which takes %.2f to %.2f times its time. ",
       least, most);
   if (worst_of)
-    out +=
-        format("The papers' rules in float name a wrong cell for up to %.2g %% of random points (",
-               100 * worst) +
-        worst_of->name + ", " + worst_of->group +
-        format(") and take %.1f times the time on this processor.", worst_ratio);
+    out += format("In fast a wrong cell or none is named for up to %.2g %% of random points (",
+                  100 * worst) +
+           worst_of->name + ", " + worst_of->group +
+           format(") and take %.1f times the time on this processor.", worst_ratio);
   else
     out += "No setting named a wrong cell.";
   double slowest = 0.0, fastest = HUGE_VAL;

@@ -18,6 +18,8 @@ const char* papers_name(Method method) {
   return names[int(method)];
 }
 
+constexpr std::int64_t one_group = std::int64_t(1) << 20;
+
 class Bench {
 public:
   explicit Bench(const Options& o) : bench_(o) {
@@ -94,7 +96,8 @@ private:
     Table t = begin("1", "memory, bytes an element",
                     "Final: the method's structures and the mesh with one field (here in double). "
                     "Peak: while building, all at once (no p/s) and in groups of a million "
-                    "primitives (w/ p/s), which are one below that number. The paper's bytes (G = "
+                    "primitives (w/ p/s), but for meshes of no more, which are one group. The "
+                    "paper's bytes (G = "
                     "1e9) over its elements, on Turing.");
     for (int m = 0; m < accel::method_count; ++m) {
       const std::string section = papers_name(Method(m));
@@ -112,10 +115,17 @@ private:
           t.add(section, where + "faces an element", row([&](const MorricalCase& c) {
                   return Cell(double(c.of[b][m].sizes.primitives) / double(c.cells));
                 }));
-        if (Method(m) != Method::bvh)
+        if (Method(m) == Method::bvh) {
+          t.add(section, where + "peak", bytes(&Sizes::peak));
+        } else {
           t.add(section, where + "peak (no p/s)", bytes(&Sizes::peak_whole));
-        t.add(section, where + (Method(m) == Method::bvh ? "peak" : "peak (w/ p/s)"),
-              bytes(&Sizes::peak));
+          t.add(section, where + "peak (w/ p/s)", row([&](const MorricalCase& c) {
+                  const Sizes& s = c.of[b][m].sizes;
+                  return s.primitives > one_group
+                             ? Cell((double(s.peak) + c.mesh_bytes) / double(c.cells), "%.0f")
+                             : Cell();
+                }));
+        }
         t.add(section, where + "final", bytes(&Sizes::bytes));
       }
       for (const MemoryFigures& f : morrical_memory)
@@ -134,13 +144,17 @@ private:
 
   Table rates(const std::string& number, const std::string& pattern,
               double MethodCase::*rate) const {
-    Table t = begin(number, "synthetic " + pattern + ", million samples a second",
-                    std::string(number == "2" ? "A point an element, at its centre, in the "
-                                                "elements' order."
-                                              : "Random places in random elements.") +
-                        " Here: the papers' rules in float (`fast`), values as the data set has "
-                        "them, of elements (agul) or vertices. Below: over the reference method "
-                        "of the same machine, which compares.");
+    Table t =
+        begin(number, "synthetic " + pattern + ", million samples a second",
+              std::string(number == "2" ? "A point an element, at its centre, in the "
+                                          "elements' order."
+                                        : "Random places in random elements.") +
+                  " Here in `fast`: on a device, and for the two kinds of shared faces, by "
+                  "the papers' rules in float; on the processor replicated_faces and "
+                  "user_geometry ask the cell in exact arithmetic behind Embree's rays in "
+                  "float, and bvh answers as in standard, in double. Values as the data set "
+                  "has them, of elements (agul) or vertices. Below: over the reference method "
+                  "of the same machine, which compares.");
     for (const bool relative : {false, true}) {
       const std::string section = relative ? "over cuda-bvh = bvh" : "million a second";
       for (int b = 0; b < accel::backend_count; ++b)
@@ -193,9 +207,11 @@ private:
 
   Table volume() const {
     Table t = begin("4", "volume rendering, frames of 1024 x 1024 a second",
-                    format("Samples about an element apart along the view's rays, all of them "
+                    format("Samples about an element apart along the view's rays, "
                            "located in batches by each method (one tile of 16 x 16 in 256 is "
-                           "timed); whole frame: the renderer's own march, at %d x %d, which ends "
+                           "timed; where these have many samples, as many stretches of them, "
+                           "evenly apart and the same for all methods of a backend); whole frame: "
+                           "the renderer's own march, at %d x %d, which ends "
                            "saturated rays and skips what is empty.",
                            bench_.frame_size(), bench_.frame_size()));
     for (int b = 0; b < accel::backend_count; ++b)

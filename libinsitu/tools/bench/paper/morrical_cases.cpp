@@ -15,6 +15,25 @@ bool is_here(int backend, int method) {
   return has(Backend(backend), Method(method)) && accel::why_unavailable(Backend(backend)).empty();
 }
 
+namespace {
+
+/// At most `most` of the points, in evenly spaced stretches that keep neighbours together.
+std::vector<math::Vec3d> spread(std::span<const math::Vec3d> points, std::size_t most) {
+  constexpr std::size_t stretch = 1024;
+  if (points.size() <= most)
+    return {points.begin(), points.end()};
+  std::vector<math::Vec3d> out;
+  const std::size_t count = std::max<std::size_t>(1, most / stretch);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t first = k * (points.size() - stretch) / count;
+    const auto some = points.subspan(first, std::min(stretch, most));
+    out.insert(out.end(), some.begin(), some.end());
+  }
+  return out;
+}
+
+} // namespace
+
 MorricalCase MorricalBench::measure(const MorricalSet& d) {
   MorricalCase out;
   progress(std::string("making the mesh for ") + d.name);
@@ -87,14 +106,18 @@ MethodCase MorricalBench::measure(Backend backend, Method method, const Morrical
   double seconds = 0.0;
   out.sizes = runner->build(seconds);
   const bool alone = backend == Backend::cpu && context_.threads.count() == 1;
-  const auto some = [&](std::span<const math::Vec3d> points) {
-    const std::size_t most = o_.quick ? 3000 : most_points(backend, method);
-    const auto first = points.first(std::min(points.size(), most));
-    runner->set_points(first);
-    return first.size();
+  // The same for all methods of the backend, so as many as the slowest of them answers.
+  const std::size_t most = o_.quick ? 3000 : most_points(backend, Method::shared_faces);
+  std::vector<math::Vec3d> asked;
+  const auto ask = [&](std::vector<math::Vec3d> points) {
+    asked = std::move(points);
+    runner->set_points(asked);
+    return asked.size();
   };
-  out.uniform = time_rate(*runner, d.wanted, INSITU_FAST, some(uniform), o_.repetitions, alone);
-  const std::size_t n = some(random);
+  const std::size_t in_order = ask(spread(uniform, most));
+  out.uniform = time_rate(*runner, d.wanted, INSITU_FAST, in_order, o_.repetitions, alone);
+  const auto first = random.first(std::min(random.size(), most));
+  const std::size_t n = ask({first.begin(), first.end()});
   out.random = time_rate(*runner, d.wanted, INSITU_FAST, n, o_.repetitions, alone);
   out.random_standard = time_rate(*runner, d.wanted, INSITU_STANDARD, n, o_.repetitions, alone);
   out.random_exact = time_rate(*runner, d.wanted, INSITU_EXACT, n, o_.repetitions, alone);
@@ -108,7 +131,7 @@ MethodCase MorricalBench::measure(Backend backend, Method method, const Morrical
       else
         out.other += ids[i] != owners[i];
   }
-  const std::size_t along = some(view);
+  const std::size_t along = ask(spread(view, most));
   out.view = time_rate(*runner, d.wanted, INSITU_FAST, along, o_.repetitions, alone);
   EnergyMeter& meter = backend == Backend::cpu ? processor_ : card_;
   if (meter.works() && !o_.quick) {

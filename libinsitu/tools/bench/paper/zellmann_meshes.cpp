@@ -24,6 +24,14 @@ AdaptiveCase AdaptiveCase::of_blocks(std::int64_t cells) {
   return out;
 }
 
+AdaptiveCase AdaptiveCase::of_front(std::int64_t cells) {
+  AdaptiveCase out;
+  out.is_octree_ = out.is_front_ = true;
+  out.octree_ = workload::make_front_octree(cells);
+  out.set_values();
+  return out;
+}
+
 AdaptiveCase AdaptiveCase::of_octree(std::int64_t cells) {
   AdaptiveCase out;
   out.is_octree_ = true;
@@ -44,7 +52,10 @@ AdaptiveCase AdaptiveCase::cut(int level_count) const {
   AdaptiveCase out;
   out.is_octree_ = is_octree_;
   out.is_balanced_ = is_balanced_;
-  if (is_octree_) {
+  out.is_front_ = is_front_;
+  if (is_front_) {
+    out.octree_ = workload::make_front_octree(int(std::lround(box / octree_.spacing)), level_count);
+  } else if (is_octree_) {
     out.octree_ = workload::make_octree(octree_.reach, level_count);
     if (is_balanced_)
       out.octree_ = workload::balanced(out.octree_);
@@ -93,7 +104,7 @@ Held hold(const AdaptiveCase& mesh, int threads) {
 
 Held hold_reference(const Held& ours, int threads) {
   Held out;
-  out.plain = plain_dual(*ours.mesh);
+  out.plain = welded(plain_dual(*ours.mesh));
   out.context = std::make_unique<core::Context>(threads, core::Log());
   core::Memory& memory = out.context->memory;
   out.mesh = register_plain(out.plain, memory);

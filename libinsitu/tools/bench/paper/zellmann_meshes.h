@@ -15,14 +15,20 @@ namespace insitu::bench::paper {
 class AdaptiveCase {
 public:
   static AdaptiveCase of_blocks(std::int64_t cells);
+  /// Balanced, about a front, as solvers refine.
+  static AdaptiveCase of_front(std::int64_t cells);
+  /// Random: the hard case.
   static AdaptiveCase of_octree(std::int64_t cells);
   /// That octree with more leaves, none beside one of more than one level above or below.
   static AdaptiveCase of_balanced_octree(std::int64_t cells);
 
   const char* name() const {
-    return is_balanced_ ? "balanced octree" : is_octree_ ? "random octree" : "blocks";
+    return is_front_      ? "front octree"
+           : is_balanced_ ? "balanced octree"
+           : is_octree_   ? "random octree"
+                          : "blocks";
   }
-  const char* key() const { return is_octree_ ? "octree" : "blocks"; }
+  const char* key() const { return is_front_ ? "front" : is_octree_ ? "octree" : "blocks"; }
   int level_count() const { return is_octree_ ? octree_.level_count : blocks_.level_count; }
   /// The same with its finest levels left off.
   AdaptiveCase cut(int level_count) const;
@@ -31,7 +37,7 @@ public:
 
 private:
   void set_values();
-  bool is_octree_ = false, is_balanced_ = false;
+  bool is_octree_ = false, is_balanced_ = false, is_front_ = false;
   workload::AmrMesh blocks_;
   workload::Octree octree_;
 };
@@ -43,7 +49,8 @@ struct Held {
   std::unique_ptr<query::CommittedMesh> mesh;
   double data = 0.0, peak = 0.0, total = 0.0; ///< bytes; the solver's own arrays left out
 };
-/// As gridlets and stitching cells; and the same dual mesh as hexahedra and so on.
+/// As gridlets and stitching cells; and the same dual mesh as hexahedra and so on, its vertices
+/// shared.
 Held hold(const AdaptiveCase& mesh, int threads);
 Held hold_reference(const Held& ours, int threads);
 
@@ -60,6 +67,9 @@ struct Orbit {
   std::string plot;
   bool failed = false; ///< counts did not agree
 };
+/// Figure 8, of the views' samples in stitching cells.
+Table measure_faces(const AdaptiveCase& mesh, const Held& ours, const Held& reference, int views,
+                    int size, int repetitions);
 Orbit measure_orbit(const AdaptiveCase& mesh, const Held& ours, const Held& reference, int views,
                     int size, int repetitions);
 

@@ -6,7 +6,6 @@
 #include "format.h"
 #include "kept_frames.h"
 #include "lattice_rays.h"
-#include "methods/rates.h"
 #include "paper/zellmann_meshes.h"
 
 namespace insitu::bench::paper {
@@ -14,30 +13,6 @@ namespace insitu::bench::paper {
 namespace {
 
 using math::Vec3d;
-
-/// The dual mesh as cells that share their faces.
-MethodMesh conforming(const PlainDual& plain) {
-  MethodMesh out;
-  PlainDual whole = welded(plain);
-  out.mesh.points = std::move(whole.points);
-  out.vertex_field = std::move(whole.values);
-  out.mesh.offsets = {0};
-  for (std::int64_t c = 0; c < whole.cells(); ++c) {
-    int count = 0;
-    for (int v = 0; v < 8; ++v)
-      if (const std::int32_t id = whole.connectivity[std::size_t(8 * c + v)]; id >= 0) {
-        out.mesh.connectivity.push_back(id);
-        ++count;
-      }
-    out.mesh.types.push_back(std::uint8_t(count == 4   ? mesh::Shape::tetrahedron
-                                          : count == 5 ? mesh::Shape::pyramid
-                                          : count == 6 ? mesh::Shape::wedge
-                                                       : mesh::Shape::hexahedron));
-    out.mesh.offsets.push_back(std::int64_t(out.mesh.connectivity.size()));
-    out.cell_field.push_back(double(c));
-  }
-  return out;
-}
 
 struct View {
   std::int64_t gridlets = 0, stitching = 0, outside = 0, samples = 0, locations = 0;
@@ -86,51 +61,6 @@ View look(const Held& ours, KeptFrames& frames, const Held& reference, KeptFrame
   return out;
 }
 
-Table table_8(const AdaptiveCase& mesh, const Held& ours, const Held& reference, int views,
-              int size, int repetitions) {
-  Table t;
-  t.key = std::string("zellmann-8-") + mesh.key();
-  t.title =
-      std::string("Figure 8: planar against bilinear faces of stitching cells, ") + mesh.name();
-  t.caption =
-      "Samples of the orbit's views (one tile in four), located on the reference's dual mesh "
-      "by shared_faces (planar) and shared_bilinear_faces in `fast`, the papers' rules in "
-      "float, on Embree; nanoseconds a sample. What the planar test gets wrong: points "
-      "answered otherwise than by the bilinear one.";
-  t.label = "view";
-  t.columns = {"samples", "planar ns", "bilinear ns", "bilinear/planar", "answered otherwise"};
-  t.left_out = {"the paper's curves (a figure without numbers); gridlets, which these methods do "
-                "not have: cubes are hexahedra here."};
-  MethodMesh plain = conforming(reference.plain);
-  core::Context& context = *reference.context;
-  const auto planar = make_cpu_runner(accel::Method::shared_faces, plain, context);
-  const auto bilinear = make_cpu_runner(accel::Method::shared_bilinear_faces, plain, context);
-  for (int i = 0; i < views; ++i) {
-    progress(format("figure 8, %s, view %d of %d", mesh.name(), i + 1, views));
-    render::FrameSettings settings = march_frame(*ours.mesh, size);
-    settings.camera = orbit(i, views);
-    const auto points = lattice_points(ours.mesh->sampler(), settings, 2);
-    double ns[2];
-    std::vector<std::int64_t> ids[2];
-    for (const bool curved : {false, true}) {
-      MethodRunner& runner = curved ? *bilinear : *planar;
-      runner.set_points(points);
-      const double rate = time_rate(runner, Wanted::vertex_value, INSITU_FAST, points.size(),
-                                    repetitions, context.threads.count() == 1);
-      ns[curved] = 1e3 / rate;
-      runner.answer(Wanted::ids, INSITU_FAST);
-      runner.ids(ids[curved]);
-    }
-    std::int64_t other = 0;
-    for (std::size_t k = 0; k < points.size(); ++k)
-      other += ids[0][k] != ids[1][k];
-    t.add("here", std::to_string(i),
-          {std::int64_t(points.size()), Cell(ns[0], "%.0f"), Cell(ns[1], "%.0f"),
-           Cell(ns[1] / ns[0], "%.2f"), other});
-  }
-  return t;
-}
-
 } // namespace
 
 Orbit measure_orbit(const AdaptiveCase& mesh, const Held& ours, const Held& reference, int views,
@@ -177,7 +107,7 @@ Orbit measure_orbit(const AdaptiveCase& mesh, const Held& ours, const Held& refe
           {v.gridlets, v.stitching, v.outside, v.samples, v.march, v.march_reference, v.paths,
            v.locations, Cell(v.gridlet_ns, "%.0f"), Cell(v.stitching_ns, "%.0f")});
   }
-  out.figure_8 = table_8(mesh, ours, reference, std::min(views, 8), size, repetitions);
+  out.figure_8 = measure_faces(mesh, ours, reference, std::min(views, 8), size, repetitions);
   return out;
 }
 

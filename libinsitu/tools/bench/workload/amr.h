@@ -52,6 +52,13 @@ Octree make_octree(std::int64_t cells);
 /// as p4est keeps its forests.
 Octree balanced(const Octree& octree);
 
+/// An octree as solvers refine theirs: `roots` cells of level 0 along an axis of the box, and a
+/// cell is split where a sphere, the front, passes through it or within two of its widths.
+/// Neighbours then differ by one level at most. Values as of AmrMesh.
+Octree make_front_octree(int roots, int level_count);
+/// With about `cells` leaves, in four levels.
+Octree make_front_octree(std::int64_t cells);
+
 /// count points at random in the box, seed 7; and the raster of n^3 points, x fastest.
 std::vector<math::Vec3d> random_amr_points(std::int64_t count);
 std::vector<math::Vec3d> raster_amr_points(int n);
