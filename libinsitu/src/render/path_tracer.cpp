@@ -47,6 +47,7 @@ PathTracer::PathTracer(const query::Sampler& sampler, const VolumeSettings& volu
       lights_(lights, camera), clips_(clips), low_(sampler.tree().bounds_min()),
       high_(sampler.tree().bounds_max()) {
   options_.accuracy = volume.accuracy;
+  options_.coordinates = volume.field.field.association != INSITU_CELL;
 }
 
 bool PathTracer::clip_to_bounds(const Ray& ray, double& near, double& far) const {

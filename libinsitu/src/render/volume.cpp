@@ -71,6 +71,7 @@ VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings
   }
   check(settings);
   options_.accuracy = settings.accuracy;
+  options_.coordinates = settings.field.field.association != INSITU_CELL;
   if (settings.shading && field_.field.association == INSITU_VERTEX) {
     lighting_ = lighting;
     set_surfaces(nullptr);

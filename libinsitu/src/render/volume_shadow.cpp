@@ -21,6 +21,7 @@ VolumeShadow::VolumeShadow(const query::Sampler& sampler, const VolumeSettings& 
       majorants_(majorants), clips_(clips), low_(sampler.tree().bounds_min()),
       high_(sampler.tree().bounds_max()) {
   options_.accuracy = settings.accuracy;
+  options_.coordinates = settings.field.field.association != INSITU_CELL;
 }
 
 double VolumeShadow::through(const Ray& ray, double t_max, std::int64_t& samples) const {

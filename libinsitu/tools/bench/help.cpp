@@ -97,7 +97,8 @@ Torture
 
 Methods
   A table each: memory, with builds all at once and in groups; uniform and random samples a second, in
-  fast (the papers' rules in float), standard and exact, for ids alone, a cell's value and an
+  fast (the papers' rules; in float but where
+  the processor looks into cells), standard and exact, for ids alone, a cell's value and an
   interpolated one; how many points were answered otherwise than by exact bvh on the CPU, of the random ones
   and of a tenth as many on faces, edges and vertices; joules,
   from NVML or RAPL where they can be read. Points and answers of a device stay in its memory.

@@ -75,8 +75,12 @@ Fast fast(fixtures::Committed& m, Method method) {
   return shares;
 }
 
-/// lost, beside: the most of shared_bilinear_faces; others may answer as many more by a cell beside
-/// as flat triangles miss (replicated_faces: by none).
+/// Rays in float may take the cell beside, or none, for points that lie within rounding of a face:
+/// which ones, and so how many of ten thousand, differs between processors.
+constexpr double near_faces = 3e-4;
+
+/// lost, beside: the most of shared_bilinear_faces, but for near_faces; others may answer as many
+/// more by a cell beside as flat triangles miss (replicated_faces: by none).
 void check_fast(fixtures::Committed& m, const std::string& what, double lost, double beside,
                 double of_flat_triangles) {
   for (const Method method : ray_methods) {
@@ -87,8 +91,9 @@ void check_fast(fixtures::Committed& m, const std::string& what, double lost, do
       continue;
     }
     const double more = method == Method::shared_bilinear_faces ? 0.0 : of_flat_triangles;
-    EXPECT_LE(found.lost, lost + (method == Method::replicated_faces ? more : 0.0)) << name;
-    EXPECT_LE(found.beside, method == Method::replicated_faces ? 0.0 : beside + more) << name;
+    const bool asks_the_cell = method == Method::replicated_faces; // whose it tells, or none
+    EXPECT_LE(found.lost, lost + near_faces + (asks_the_cell ? more : 0.0)) << name;
+    EXPECT_LE(found.beside, asks_the_cell ? 0.0 : beside + near_faces + more) << name;
   }
 }
 

@@ -42,8 +42,8 @@ private:
 
 /// rtcIntersect1 as both releases have it. Rays in a direction each share little: packets of 4, 8
 /// and 16 take 0.94 to 0.97 of the time a ray with AVX-512, in random order and in a sorted one,
-/// rtcOccluded16 0.91 to 0.94 of rtcOccluded1's (tests/unit/bench/ray_packets_bench.cpp), of which
-/// less is left once answers are told apart by method; so there are none.
+/// rtcOccluded16 0.91 to 0.94 of rtcOccluded1's (tests/unit/bench/ray_packets_bench.cpp): too
+/// little for a second way to trace.
 inline void intersect(RTCScene scene, RTCRayHit& ray) {
 #if RTC_VERSION_MAJOR >= 4
   rtcIntersect1(scene, &ray, nullptr);
