@@ -197,6 +197,7 @@ Change AdaptiveAttachment::State::update(vtkDataObject* data) {
   const bool anew = !attached || !same(cells, next);
   const bool elsewhere = anew || cells.leaves.nodes != next.leaves.nodes;
   skipped = next.notes;
+  const char* const next_made_ghosts = next.made_ghosts;
   converted.clear();
   if (anew) {
     give_cells(std::move(next));
@@ -205,6 +206,8 @@ Change AdaptiveAttachment::State::update(vtkDataObject* data) {
     cells.patches = std::move(next.patches);
   }
   attached = true;
+  if (next_made_ghosts)
+    converted.push_back({"cell array 'vtkGhostType'", next_made_ghosts});
   if (cells.are_leaves)
     converted.push_back({"levels and corners", "hyper trees keep no corners of leaves"});
   const auto now = collect(data);

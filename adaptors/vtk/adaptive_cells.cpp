@@ -10,6 +10,8 @@
 #include <vtkOverlappingAMR.h>
 #include <vtkUnsignedCharArray.h>
 
+#include "arrays.h"
+
 namespace insitu::vtk {
 
 namespace {
@@ -55,8 +57,13 @@ AmrLevels levels_of(vtkOverlappingAMR* amr) {
   return out;
 }
 
-vtkUnsignedCharArray* ghosts_of(vtkDataSetAttributes* data) {
-  return vtkUnsignedCharArray::SafeDownCast(data->GetArray(vtkDataSetAttributes::GhostArrayName()));
+/// As bytes; a note if they are of another type.
+vtkSmartPointer<vtkUnsignedCharArray> ghosts_of(vtkDataSetAttributes* data, AdaptiveCells& out) {
+  const char* reason = nullptr;
+  auto ghosts = ghost_bytes(data, &reason);
+  if (reason)
+    out.made_ghosts = reason;
+  return ghosts;
 }
 
 /// Without layers of duplicates: what is left must be a box.
@@ -90,7 +97,8 @@ void trim(AdaptivePatch& p, vtkUnsignedCharArray* ghosts, const std::string& nam
     unsupported(name + ": its " + std::to_string(own) + " cells that are no duplicates are no box");
 }
 
-AdaptivePatch patch_of(vtkOverlappingAMR* amr, unsigned int level, unsigned int index) {
+AdaptivePatch patch_of(vtkOverlappingAMR* amr, unsigned int level, unsigned int index,
+                       AdaptiveCells& out) {
   AdaptivePatch p;
   p.grid = amr->GetDataSet(level, index);
   if (!p.grid)
@@ -113,7 +121,7 @@ AdaptivePatch patch_of(vtkOverlappingAMR* amr, unsigned int level, unsigned int 
                                              " cells along axis " + std::to_string(a) +
                                              ", but its box has " + std::to_string(p.cells[at]));
   }
-  if (vtkUnsignedCharArray* ghosts = ghosts_of(p.grid->GetCellData())) {
+  if (const auto ghosts = ghosts_of(p.grid->GetCellData(), out)) {
     p.ghosts = Watched(ghosts);
     trim(p, ghosts, name);
   }
@@ -125,13 +133,13 @@ AdaptiveCells cells_of(vtkOverlappingAMR* amr) {
   out.levels = levels_of(amr);
   for (unsigned int l = 0; l < amr->GetNumberOfLevels(); ++l)
     for (unsigned int i = 0; i < amr->GetNumberOfDataSets(l); ++i)
-      if (AdaptivePatch p = patch_of(amr, l, i); p.grid && p.cells[0] > 0) {
-        if (p.ghosts.array)
-          out.notes.push_back({block_name(l, i) + ", cell array 'vtkGhostType'",
-                               "cells under finer grids are masked by the library, duplicates are "
-                               "left out"});
+      if (AdaptivePatch p = patch_of(amr, l, i, out); p.grid && p.cells[0] > 0)
         out.patches.push_back(std::move(p));
-      }
+  if (std::any_of(out.patches.begin(), out.patches.end(),
+                  [](const AdaptivePatch& p) { return p.ghosts.array; }))
+    out.notes.push_back({"cell array 'vtkGhostType'",
+                         "cells under finer grids are masked by the library, duplicates are not "
+                         "read"});
   return out;
 }
 
@@ -139,7 +147,7 @@ AdaptiveCells cells_of(vtkOverlappingAMR* amr) {
 class TreeWalk {
 public:
   TreeWalk(vtkHyperTreeGrid* grid, AdaptiveCells& out) : grid_(grid), out_(out) {
-    ghosts_ = ghosts_of(grid->GetCellData());
+    ghosts_ = ghosts_of(grid->GetCellData(), out);
   }
 
   void visit(vtkIdType tree) {
@@ -149,6 +157,9 @@ public:
     grid_->InitializeNonOrientedCursor(cursor_, tree);
     descend({at[0], at[1], at[2]}, 0);
   }
+
+  /// Whether leaves were masked or ghosts.
+  bool left_out() const { return left_out_; }
 
 private:
   /// All trees are of one size, on one lattice.
@@ -171,8 +182,10 @@ private:
   }
 
   void descend(const std::array<std::int64_t, 3>& at, int level) {
-    if (cursor_->IsMasked())
+    if (cursor_->IsMasked()) {
+      left_out_ = true;
       return;
+    }
     if (cursor_->IsLeaf()) {
       add(at, level);
       return;
@@ -186,8 +199,10 @@ private:
 
   void add(const std::array<std::int64_t, 3>& at, int level) {
     const vtkIdType node = cursor_->GetGlobalNodeIndex();
-    if (ghosts_ && (ghosts_->GetValue(node) & (duplicate_bit | hidden_bit)))
+    if (ghosts_ && (ghosts_->GetValue(node) & (duplicate_bit | hidden_bit))) {
+      left_out_ = true;
       return;
+    }
     out_.leaves.levels.push_back(static_cast<std::uint8_t>(level));
     out_.leaves.corners.insert(out_.leaves.corners.end(), at.begin(), at.end());
     out_.leaves.nodes.push_back(node);
@@ -196,9 +211,9 @@ private:
 
   vtkHyperTreeGrid* grid_;
   AdaptiveCells& out_;
-  vtkUnsignedCharArray* ghosts_ = nullptr;
+  vtkSmartPointer<vtkUnsignedCharArray> ghosts_;
   vtkNew<vtkHyperTreeGridNonOrientedCursor> cursor_;
-  bool first_ = true;
+  bool first_ = true, left_out_ = false;
 };
 
 AdaptiveCells cells_of(vtkHyperTreeGrid* grid) {
@@ -214,8 +229,8 @@ AdaptiveCells cells_of(vtkHyperTreeGrid* grid) {
   vtkIdType tree = 0;
   while (trees.GetNextTree(tree))
     walk.visit(tree);
-  out.notes.push_back(
-      {"masked leaves and leaves that are ghosts", "they are left out: holes in the mesh"});
+  if (walk.left_out())
+    out.notes.push_back({"what is masked or a ghost of the leaves", "holes in the mesh"});
   return out;
 }
 

@@ -39,7 +39,8 @@ struct AdaptiveCells {
   bool are_leaves = false;
   std::vector<AdaptivePatch> patches;
   AdaptiveLeaves leaves;
-  std::vector<Note> notes; ///< what of it is left out, and why
+  std::vector<Note> notes;           ///< what of it is left out, and why
+  const char* made_ghosts = nullptr; ///< why ghost values are a copy
 };
 
 /// Throws Error for what is not supported.

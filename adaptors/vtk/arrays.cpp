@@ -1,7 +1,9 @@
 #include "arrays.h"
 
+#include <cmath>
 #include <cstring>
 #include <vtkAOSDataArrayTemplate.h>
+#include <vtkDataSetAttributes.h>
 #include <vtkDoubleArray.h>
 #include <vtkSOADataArrayTemplate.h>
 
@@ -64,6 +66,32 @@ Adopted adopt(vtkDataArray* array, const char* other_reason) {
   for (Array& a : out.arrays)
     a.converted(out.reason);
   return out;
+}
+
+vtkSmartPointer<vtkUnsignedCharArray> ghost_bytes(vtkDataSetAttributes* cells,
+                                                  const char** reason) {
+  vtkDataArray* const array = cells->GetArray(vtkDataSetAttributes::GhostArrayName());
+  if (!array)
+    return nullptr;
+  if (auto* bytes = vtkUnsignedCharArray::SafeDownCast(array))
+    return bytes;
+  const auto refuse = [](const std::string& what) {
+    throw Error(INSITU_ERROR_MESH, "cell array 'vtkGhostType': " + what);
+  };
+  if (array->GetNumberOfComponents() != 1)
+    refuse(std::to_string(array->GetNumberOfComponents()) + " components, 1 expected");
+  *reason = "ghost values of another type than unsigned char";
+  auto bytes = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  bytes->SetName(array->GetName());
+  bytes->SetNumberOfValues(array->GetNumberOfTuples());
+  for (vtkIdType c = 0; c < array->GetNumberOfTuples(); ++c) {
+    const double value = array->GetComponent(c, 0);
+    if (!(value >= -128 && value <= 255) || value != std::floor(value))
+      refuse("value " + std::to_string(value) + " of cell " + std::to_string(c) +
+             "; bits, 0 to 255, are expected");
+    bytes->SetValue(c, static_cast<unsigned char>(static_cast<int>(value) & 0xff));
+  }
+  return bytes;
 }
 
 bool same_values(vtkDataArray* a, vtkDataArray* b) {

@@ -3,8 +3,11 @@
 #include <vector>
 #include <vtkDataArray.h>
 #include <vtkSmartPointer.h>
+#include <vtkUnsignedCharArray.h>
 
 #include "insitu/insitu.hpp"
+
+class vtkDataSetAttributes;
 
 namespace insitu::vtk {
 
@@ -21,6 +24,10 @@ Adopted adopt(vtkDataArray* array, const char* other_reason = nullptr);
 
 /// Why an array cannot be read in place; null if it can.
 const char* reason_to_convert(vtkDataArray* array);
+
+/// The cell array vtkGhostType, as bytes; null if there is none. Numbers of another type are
+/// converted, and *reason says so; throws Error for a value that is no set of bits.
+vtkSmartPointer<vtkUnsignedCharArray> ghost_bytes(vtkDataSetAttributes* cells, const char** reason);
 
 /// Whether both hold the same values in the same type and shape.
 bool same_values(vtkDataArray* a, vtkDataArray* b);

@@ -54,7 +54,8 @@ private:
   void give_cells(const Topology& t);
   void give_axes(const Topology& t);
   void give_points(const Topology& t);
-  bool give_fields(const Fields& now);
+  /// anew: what is equal, too.
+  bool give_fields(const Fields& now, bool anew);
   void note(const std::string& name, const char* reason) {
     if (reason)
       converted.push_back({name, reason});
@@ -138,7 +139,7 @@ void Attachment::State::give_cells(const Topology& t) {
     }
   }
   if (t.ghosts.array)
-    piece.ghosts(bytes_of(t.ghosts.array));
+    piece.ghosts(bytes_of(t.ghosts.array).converted(t.made_ghosts));
   else
     piece.no_ghosts();
 }
@@ -162,11 +163,11 @@ void Attachment::State::give_points(const Topology& t) {
   adopted_points = std::move(now);
 }
 
-bool Attachment::State::give_fields(const Fields& now) {
+bool Attachment::State::give_fields(const Fields& now, bool anew) {
   bool changed = false;
   for (const auto& [name, field] : now) {
     const auto before = given.find(name);
-    if (before != given.end() && before->second.association == field.association &&
+    if (!anew && before != given.end() && before->second.association == field.association &&
         same(before->second.source, field.source))
       continue;
     Given next = field;
@@ -200,6 +201,7 @@ Change Attachment::State::update(vtkDataSet* data) {
   collect(data->GetPointData(), Association::vertex, now, left_out);
   collect(data->GetCellData(), Association::cell, now, left_out);
 
+  const vtkIdType cells_before = topology.cells;
   const bool new_topology = !attached || !same(topology, next);
   const bool has_points =
       next.kind == Topology::Kind::cells || next.kind == Topology::Kind::curvilinear;
@@ -215,12 +217,21 @@ Change Attachment::State::update(vtkDataSet* data) {
     points = next.points;
     what = what | geometry;
   }
-  if (give_fields(now))
+  // A piece without cells adds nothing, and takes no field from the others.
+  const bool was_empty = attached && cells_before == 0;
+  if (next.cells > 0 && give_fields(now, was_empty))
     what = what | insitu::fields;
   attached = true;
 
-  skipped = std::move(left_out);
   converted.clear();
+  skipped.clear();
+  if (next.cells == 0)
+    return what;
+  skipped = std::move(left_out);
+  if (!next.left_out.empty())
+    skipped.push_back({next.left_out, "cells without volume; their numbers stay"});
+  if (next.made_ghosts)
+    note("cell array 'vtkGhostType'", next.made_ghosts);
   if (has_points)
     note("points", adopted_points.reason);
   if (topology.kind == Topology::Kind::rectilinear)

@@ -1,9 +1,13 @@
 #include "topology.h"
 
 #include <algorithm>
+#include <map>
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkCellTypes.h>
+#include <vtkDataSetAttributes.h>
 #include <vtkDoubleArray.h>
+#include <vtkGenericCell.h>
 #include <vtkImageData.h>
 #include <vtkMatrix3x3.h>
 #include <vtkPoints.h>
@@ -34,32 +38,71 @@ bool evenly_spaced(const Offsets* offsets, vtkIdType cells, int ids) {
   return true;
 }
 
+bool has_volume(unsigned char type) {
+  return type >= VTK_TETRA && type <= VTK_PYRAMID;
+}
+
+/// Whether a VTK type is one of points, lines or surfaces, or of nothing.
+bool is_flat(unsigned char type) {
+  const auto cell = vtkSmartPointer<vtkCell>::Take(vtkGenericCell::InstantiateCell(type));
+  return type == VTK_EMPTY_CELL || (cell && cell->GetCellDimension() < 3);
+}
+
+std::string class_name(unsigned char type) {
+  const char* name = vtkCellTypes::GetClassNameFromTypeId(type);
+  return name ? name : "cell";
+}
+
+/// Hides cells of fewer dimensions, if there are cells of volume too; refuses all others.
+void hide_flat_cells(const unsigned char* type, Topology& t) {
+  std::map<unsigned char, vtkIdType> others;
+  std::map<unsigned char, vtkIdType> first;
+  vtkIdType count = 0;
+  for (vtkIdType c = 0; c < t.cells; ++c)
+    if (!has_volume(type[c])) {
+      ++others[type[c]];
+      first.try_emplace(type[c], c);
+      ++count;
+    }
+  for (const auto& [other, c] : first)
+    if (count == t.cells || !is_flat(other))
+      unsupported("cell " + std::to_string(c) + " is a " + class_name(other) + " (VTK type " +
+                  std::to_string(int(other)) +
+                  "); tetrahedra, voxels, hexahedra, wedges and pyramids (10 to 14) are supported");
+  if (count == 0)
+    return;
+  for (const auto& [other, n] : others)
+    t.left_out += (t.left_out.empty() ? "" : ", ") + std::to_string(n) + " " + class_name(other);
+  constexpr unsigned char hidden = vtkDataSetAttributes::HIDDENCELL;
+  auto ghosts = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  ghosts->SetNumberOfValues(t.cells);
+  ghosts->FillValue(0);
+  if (t.ghosts.array)
+    ghosts->DeepCopy(t.ghosts.array);
+  for (vtkIdType c = 0; c < std::min(t.cells, ghosts->GetNumberOfValues()); ++c)
+    if (!has_volume(type[c]))
+      ghosts->SetValue(c, ghosts->GetValue(c) | hidden);
+  t.ghosts = Watched(ghosts);
+  t.made_ghosts = "cells without volume are hidden";
+}
+
 void read_cells(vtkUnstructuredGrid* grid, Topology& t) {
   t.kind = Topology::Kind::cells;
   t.points = points_of(grid);
-  if (t.cells == 0) {
-    t.one_shape = true;
-    return;
-  }
   vtkCellArray* cells = grid->GetCells();
   vtkUnsignedCharArray* types = grid->GetCellTypesArray();
   if (!types || types->GetNumberOfValues() != t.cells)
     throw Error(INSITU_ERROR_MESH, std::to_string(types ? types->GetNumberOfValues() : 0) +
                                        " cell types for " + std::to_string(t.cells) + " cells");
   const unsigned char* type = types->GetPointer(0);
-  for (vtkIdType c = 0; c < t.cells; ++c)
-    if (type[c] < VTK_TETRA || type[c] > VTK_PYRAMID) {
-      const char* name = vtkCellTypes::GetClassNameFromTypeId(type[c]);
-      unsupported("cell " + std::to_string(c) + " is a " + (name ? name : "cell") + " (VTK type " +
-                  std::to_string(int(type[c])) +
-                  "); tetrahedra, voxels, hexahedra, wedges and pyramids (10 to 14) are supported");
-    }
+  hide_flat_cells(type, t);
   t.connectivity = Watched(cells->GetConnectivityArray(), cells);
   t.offsets = Watched(cells->GetOffsetsArray(), cells);
   t.types = Watched(types);
   t.shape = static_cast<Shape>(type[0]);
   const int ids = vertex_count(t.shape);
-  t.one_shape = std::all_of(type, type + t.cells, [&](unsigned char s) { return s == type[0]; }) &&
+  t.one_shape = has_volume(type[0]) &&
+                std::all_of(type, type + t.cells, [&](unsigned char s) { return s == type[0]; }) &&
                 (cells->IsStorage64Bit()
                      ? evenly_spaced(cells->GetOffsetsArray64()->GetPointer(0), t.cells, ids)
                      : evenly_spaced(cells->GetOffsetsArray32()->GetPointer(0), t.cells, ids));
@@ -115,7 +158,14 @@ Topology topology_of(vtkDataSet* data) {
     throw Error(INSITU_ERROR_ARGUMENT, "data: null");
   Topology t;
   t.cells = data->GetNumberOfCells();
-  if (auto* unstructured = vtkUnstructuredGrid::SafeDownCast(data)) {
+  t.ghosts = Watched(ghost_bytes(data->GetCellData(), &t.made_ghosts));
+  if (t.cells == 0 &&
+      (vtkUnstructuredGrid::SafeDownCast(data) || vtkStructuredGrid::SafeDownCast(data) ||
+       vtkRectilinearGrid::SafeDownCast(data) || vtkImageData::SafeDownCast(data))) {
+    t = {}; // nothing of it counts
+    t.kind = Topology::Kind::cells;
+    t.one_shape = true;
+  } else if (auto* unstructured = vtkUnstructuredGrid::SafeDownCast(data)) {
     read_cells(unstructured, t);
   } else if (auto* structured = vtkStructuredGrid::SafeDownCast(data)) {
     t.kind = Topology::Kind::curvilinear;
@@ -134,7 +184,6 @@ Topology topology_of(vtkDataSet* data) {
                 ": vtkUnstructuredGrid, vtkStructuredGrid, vtkRectilinearGrid and vtkImageData are "
                 "supported");
   }
-  t.ghosts = Watched(data->GetCellGhostArray());
   return t;
 }
 

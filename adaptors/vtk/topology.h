@@ -44,12 +44,16 @@ struct Topology {
   Watched axes[3];
   // all
   Watched ghosts;
+  /// Not part of same(): why the ghosts are a copy, and cells that have no volume, in words.
+  const char* made_ghosts = nullptr;
+  std::string left_out;
   /// Not part of same(); made_points says why they are a copy.
   Watched points;
   const char* made_points = nullptr;
 };
 
-/// Throws Error for data sets and cells that are not supported.
+/// Cells of fewer dimensions beside cells of volume (boundary faces, edges) are kept in their
+/// places and hidden by ghost values. Throws Error for data sets and cells that are not supported.
 Topology topology_of(vtkDataSet* data);
 
 bool same(const Topology& before, const Topology& now);

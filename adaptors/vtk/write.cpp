@@ -127,7 +127,7 @@ void silence(vtkObject* object) {
 
 std::string number(double value) {
   char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  const auto end = std::to_chars(text, text + sizeof text, value + 0.0).ptr; // no -0
   return {text, end};
 }
 

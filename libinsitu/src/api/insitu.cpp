@@ -3,6 +3,7 @@
 #include "insitu/c/amr.h"
 
 #include "api/entry.h"
+#include "core/unsigned_zero.h"
 #include "scene/frames.h"
 
 using namespace insitu;
@@ -100,8 +101,14 @@ insitu_status insitu_session_open(const insitu_session_options* options, insitu_
     if (options->size != sizeof *options)
       throw core::Error(INSITU_ERROR_ARGUMENT,
                         "options: make them with insitu_session_options_default()");
-    *session = reinterpret_cast<insitu_session>(
-        api::sessions().add(std::make_shared<api::Session>(*options)));
+    try {
+      *session = reinterpret_cast<insitu_session>(
+          api::sessions().add(std::make_shared<api::Session>(*options)));
+    } catch (const std::exception& e) { // a host that asks no status learns of it
+      core::Log(options->log_level, options->log, options->log_user)
+          .error(std::string("insitu_session_open: ") + e.what());
+      throw;
+    }
   });
 }
 
@@ -144,7 +151,7 @@ insitu_status insitu_session_execute(insitu_session session, int64_t cycle, doub
   return with_session(session, [&](api::Session& s) {
     if (!(time - time == 0.0))
       throw core::Error(INSITU_ERROR_ARGUMENT, "time: not finite");
-    const std::string failures = s.execute(cycle, time);
+    const std::string failures = s.execute(cycle, core::unsigned_zero(time));
     if (!failures.empty())
       throw core::Error(INSITU_ERROR_ACTION, failures);
   });

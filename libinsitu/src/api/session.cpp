@@ -1,5 +1,7 @@
 #include "api/session.h"
 
+#include <algorithm>
+
 #include "core/simd_target.h"
 #include "core/status.h"
 #include "core/timer.h"
@@ -168,7 +170,10 @@ const std::string& Session::plan() {
 std::string Session::execute(std::int64_t cycle, double time) {
   const std::vector<query::CommittedMesh*> meshes = commit_all();
   ++statistics_.executions;
-  if (!runner_ && default_scene_)
+  const bool any_cells = std::any_of(meshes.begin(), meshes.end(), [](const auto* mesh) {
+    return mesh->mesh().own_view().cell_count() > 0;
+  });
+  if (!runner_ && default_scene_ && (any_cells || meshes.empty()))
     if (std::string failure = try_default_runner(); !failure.empty())
       return failure;
   return runner_ ? runner_->execute(meshes, cycle, time) : std::string();

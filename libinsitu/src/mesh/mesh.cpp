@@ -225,15 +225,15 @@ void Mesh::set_block(std::int32_t piece, const insitu_block* block) {
   ExternalArray axes[3];
   for (int a = 0; a < 3; ++a) {
     const std::int64_t n = block->vertices[a];
-    if (n < 2 || n > (std::int64_t(1) << 20))
+    if (n < 0 || n > (std::int64_t(1) << 20))
       refuse(std::to_string(n) + " vertices along axis " + std::to_string(a) +
-             ", 2 to 1048576 expected");
+             ", 0 to 1048576 expected");
     v.block_vertices[a] = n;
-    v.cell_count *= n - 1;
+    v.cell_count *= std::max<std::int64_t>(n - 1, 0);
     v.vertex_count *= n;
     v.origin[a] = block->origin[a];
     v.spacing[a] = block->spacing[a];
-    if (block->kind == INSITU_BLOCK_UNIFORM &&
+    if (block->kind == INSITU_BLOCK_UNIFORM && n > 1 &&
         (block->spacing[a] == 0.0 || !std::isfinite(block->spacing[a])))
       refuse("spacing along axis " + std::to_string(a) + " is " +
              std::to_string(block->spacing[a]));

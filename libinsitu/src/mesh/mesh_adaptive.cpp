@@ -1,4 +1,6 @@
 /// Adaptive meshes: registration, and the view of it.
+#include <algorithm>
+
 #include "core/status.h"
 #include "mesh/mesh.h"
 
@@ -46,7 +48,12 @@ void Mesh::set_amr(const insitu_amr* amr) {
 void Mesh::set_patch(std::int32_t piece, const insitu_patch* patch) {
   const std::string name = "mesh '" + name_ + "', piece " + std::to_string(piece) + " patch";
   const AmrLevels& levels = levels_for(name);
-  AmrPiece adopted = adopt_patch(patch, name);
+  const bool no_cells = patch && *std::min_element(patch->cells, patch->cells + 3) == 0;
+  AmrPiece adopted;
+  if (no_cells)
+    adopted.kind = AmrPiece::Kind::leaves; // none of them
+  else
+    adopted = adopt_patch(patch, name);
   (void)view_of(adopted, levels, name); // throws if it does not fit
   piece_for(piece).amr = std::move(adopted);
   pending_ |= INSITU_CHANGED_ALL;
@@ -160,7 +167,8 @@ void Mesh::set_masked(const std::uint64_t* masked) {
 void Mesh::check_pointers(Field& field, const core::Threads* threads) const {
   for (std::size_t p = 0; p < field.pieces.size(); ++p) {
     FieldPiece& piece = field.pieces[p];
-    if (piece.behind.empty() || (piece.pointers_checked && !(pending_ & INSITU_CHANGED_TOPOLOGY)))
+    if (piece.behind.empty() || first_cell_[p + 1] == first_cell_[p] ||
+        (piece.pointers_checked && !(pending_ & INSITU_CHANGED_TOPOLOGY)))
       continue;
     for (const ExternalArray& array : piece.arrays) {
       const std::int64_t bad = first_bad(array.layout.count, threads, [&](std::int64_t i) {

@@ -8,12 +8,22 @@ namespace insitu::mesh {
 
 using core::Error;
 
+namespace {
+
+/// The components of a field on a piece without cells, whose values nobody reads: as many as a
+/// field may have.
+const std::byte* const no_values[1 << 16] = {};
+
+} // namespace
+
 void Mesh::check_piece(std::size_t index) const {
   const Piece& p = pieces_[index];
   const std::string name = "mesh '" + name_ + "', piece " + std::to_string(index);
   if (!p.has_cells)
     throw Error(INSITU_ERROR_ORDER,
                 name + ": has no cells; call insitu_mesh_cells or _block first");
+  if (p.view.cell_count == 0) // adds nothing, whatever else was given
+    return;
   if (!p.view.implicit_points && !p.has_points)
     throw Error(INSITU_ERROR_ORDER, name + ": has no points; call insitu_mesh_points first");
   const std::int64_t points = p.view.points.layout.count;
@@ -30,6 +40,8 @@ void Mesh::check_piece(std::size_t index) const {
 void Mesh::check_field(const Field& field) const {
   const std::string name = "mesh '" + name_ + "', field '" + field.name + "'";
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    if (first_cell_[p + 1] == first_cell_[p]) // adds nothing, with values or without
+      continue;
     if (p >= field.pieces.size() || field.pieces[p].components.empty())
       throw Error(INSITU_ERROR_FIELD, name + ": piece " + std::to_string(p) + " has no values");
     const bool cells = field.association == INSITU_CELL;
@@ -80,8 +92,8 @@ void Mesh::update(const core::Threads* threads) {
                       " of the pieces before; a mesh holds at "
                       "most " +
                       std::to_string(most_cells));
-    piece_views_.push_back(p.view);
-    if (!p.is_block)
+    piece_views_.push_back(p.view.cell_count > 0 ? p.view : PieceView{});
+    if (p.view.cell_count > 0 && !p.is_block)
       piece_views_.back().vertex_count = p.view.points.layout.count;
     first_cell_.push_back(first_cell_.back() + p.view.cell_count);
     first_vertex_.push_back(first_vertex_.back() + piece_views_.back().vertex_count);
@@ -109,10 +121,14 @@ void Mesh::update_fields(const core::Threads* threads) {
   for (const auto& field : fields_) {
     check_field(*field);
     check_pointers(*field, threads);
+    field->pieces.resize(pieces_.size());
     field->views.clear();
-    for (const FieldPiece& p : field->pieces)
-      field->views.push_back({p.components.data(), p.layout, p.is_float32,
-                              p.behind.empty() ? nullptr : p.behind.data()});
+    for (std::size_t i = 0; i < pieces_.size(); ++i)
+      if (const FieldPiece& p = field->pieces[i]; first_cell_[i + 1] == first_cell_[i])
+        field->views.push_back({no_values, {}, false, nullptr});
+      else
+        field->views.push_back({p.components.data(), p.layout, p.is_float32,
+                                p.behind.empty() ? nullptr : p.behind.data()});
   }
 }
 

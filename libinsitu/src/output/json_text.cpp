@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/unsigned_zero.h"
 #include "output/utf8.h"
 
 namespace insitu::output {
@@ -66,15 +67,15 @@ JsonText& JsonText::key(std::string_view name) {
 
 JsonText& JsonText::value(double number) {
   char digits[32];
-  const auto end = std::to_chars(digits, digits + sizeof digits, number);
+  const auto end = std::to_chars(digits, digits + sizeof digits, core::unsigned_zero(number));
   return raw(std::isfinite(number) ? std::string_view(digits, std::size_t(end.ptr - digits))
                                    : "null");
 }
 
 JsonText& JsonText::short_value(double number) {
   char digits[32];
-  const auto end =
-      std::to_chars(digits, digits + sizeof digits, number, std::chars_format::general, 7);
+  const auto end = std::to_chars(digits, digits + sizeof digits, core::unsigned_zero(number),
+                                 std::chars_format::general, 7);
   return raw(std::isfinite(number) ? std::string_view(digits, std::size_t(end.ptr - digits))
                                    : "null");
 }

@@ -40,10 +40,14 @@ void fill(core::Image& image, int x0, int y0, int x1, int y1, const render::Colo
     }
 }
 
-/// By to_chars: the solver may have set a locale whose decimals have commas.
+/// By to_chars: the solver may have set a locale whose decimals have commas. What is rounded to
+/// zero has no sign.
 std::string printed(double value, std::chars_format format, int digits) {
   char text[400];
-  return {text, std::to_chars(text, text + sizeof text, value, format, digits).ptr};
+  std::string out(text, std::to_chars(text, text + sizeof text, value, format, digits).ptr);
+  if (out.front() == '-' && out.find_first_not_of("-0.e+") == std::string::npos)
+    out.erase(0, 1);
+  return out;
 }
 
 /// 1.5e-07 -> 1.5e-7.

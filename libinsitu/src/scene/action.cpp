@@ -61,7 +61,7 @@ OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat) {
   if (flat < 0 || flat >= mesh.cell_count())
     return {};
   const std::int32_t piece = mesh.piece_of(flat);
-  return {piece, flat - mesh.first_cell[piece]};
+  return {piece, flat - mesh.first_cell[piece], flat};
 }
 
 OwnCell own_cell(const query::CommittedMesh& mesh, std::int64_t flat, const math::Vec3d& at) {
@@ -78,7 +78,16 @@ void require_columns(const output::AppendTable& table, const std::vector<std::st
   };
   throw core::Error(INSITU_ERROR_FIELD, "the table '" + table.path() + "' has the columns " +
                                             line(open) + "; this cycle has " + line(now) +
-                                            ": fields or pieces changed during the run");
+                                            ": fields changed during the run");
+}
+
+void OnePieceNote::say(bool several, const std::string& path, const core::Log& log) {
+  if (!several || said_)
+    return;
+  said_ = true;
+  log.warning("'" + path +
+              "' was opened when the mesh had one piece and names no pieces; from here on its "
+              "cells are counted through all pieces");
 }
 
 namespace {

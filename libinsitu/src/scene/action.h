@@ -106,17 +106,28 @@ double reduce_field(const query::CommittedMesh& mesh, const Name& field,
 struct OwnCell {
   std::int32_t piece = -1;
   std::int64_t cell = -1;
+  std::int64_t flat = -1; ///< counted through the pieces: what tables without pieces name
 };
 OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat);
 /// The same of a cell of mesh.mesh().view() that holds the point.
 OwnCell own_cell(const query::CommittedMesh& mesh, std::int64_t flat, const math::Vec3d& at);
 
-/// Whether tables name pieces beside cells: where there are several, and of adaptive meshes, whose
-/// patches come and go, always.
+/// Whether files name pieces beside cells: where there are several, and of adaptive meshes, whose
+/// patches come and go, always. A table that grows keeps the answer of when it was opened.
 bool names_pieces(const mesh::Mesh& mesh);
 
-/// Throws INSITU_ERROR_FIELD if a table that is open cannot take these columns any more: fields or
-/// pieces changed during the run.
+/// Of a table that grows and was opened for a mesh of one piece: says once that the mesh has
+/// several by now, so that cells are counted through them.
+class OnePieceNote {
+public:
+  void say(bool several, const std::string& path, const core::Log& log);
+
+private:
+  bool said_ = false;
+};
+
+/// Throws INSITU_ERROR_FIELD if a table that is open cannot take these columns any more: fields
+/// changed during the run.
 void require_columns(const output::AppendTable& table, const std::vector<std::string>& open,
                      const std::vector<std::string>& now);
 

@@ -150,6 +150,7 @@ void Runner::restart(const std::string& path) {
   }
   archive.require_end();
   executed_ = true;
+  lowest_cycle_ = highest_cycle_ = cycle_;
 }
 
 /// The earlier step of a restart: on the solver's cells, where these are still those of the

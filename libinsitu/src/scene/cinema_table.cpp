@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "core/status.h"
+#include "core/unsigned_zero.h"
 #include "output/atomic_file.h"
 #include "scene/action.h"
 
@@ -31,7 +32,7 @@ const char* name_of(ImageKind kind) {
 /// column's type from its first row.
 std::string real(double value) {
   std::string text;
-  output::append_number(text, value);
+  output::append_number(text, core::unsigned_zero(value));
   if (!text.empty() && text.find_first_not_of("-0123456789") == std::string::npos)
     text += ".0";
   return text;

@@ -30,7 +30,7 @@ struct SeriesState {
 class OwnTime {
 public:
   explicit OwnTime(bool backward) : backward_(backward) {}
-  double of(double time) const { return backward_ ? -time : time; }  ///< and back
+  double of(double time) const { return backward_ ? 0.0 - time : time; } ///< and back
   bool is_before(double a, double b) const { return of(a) < of(b); } ///< of the run's times
   bool backward() const { return backward_; }
 

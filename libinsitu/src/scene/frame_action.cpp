@@ -37,9 +37,11 @@ public:
       return;
     const core::Timer timer;
     const query::CommittedMesh& mesh = frame_.geocentric ? geocentric(own) : own;
-    if (mesh.tree().empty())
-      throw core::Error(INSITU_ERROR_MESH,
-                        "mesh '" + mesh.mesh().name() + "' has no cell that could be drawn");
+    if (mesh.tree().empty()) {
+      note_nothing_drawn(mesh, step);
+      return;
+    }
+    told_nothing_ = false;
     render::Structures& structures = environment_.structures.of(mesh);
     render::FrameSettings settings = settings_.make(mesh, structures);
     environment_.statistics.render_s += timer.seconds();
@@ -74,6 +76,16 @@ private:
       throw core::Error(e.status(), environment_.scene_file + ":" +
                                         std::to_string(frame_.geocentric->line) + ": " + e.what());
     }
+  }
+
+  /// A mesh without cells, or one that hides them all, is no error: a solver's cells may come later.
+  void note_nothing_drawn(const query::CommittedMesh& mesh, const Step& step) {
+    if (!told_nothing_)
+      environment_.context.log.warning("cycle " + std::to_string(step.cycle) + ": frame '" +
+                                       frame_.name + "': mesh '" + mesh.mesh().name() +
+                                       "' has no cell that could be drawn; no image is written "
+                                       "until it has");
+    told_nothing_ = true;
   }
 
   /// number: the camera's. own: the solver's mesh, of which `mesh` is what is drawn.
@@ -195,6 +207,7 @@ private:
   std::deque<PathAccumulation> accumulations_; ///< of the cameras, where asked for
   std::int64_t drawn_ = 0;                     ///< frames so far, for the orbit
   bool told_unheld_ = false;                   ///< that a tolerance is not held
+  bool told_nothing_ = false;                  ///< that there is no cell, since the last frame
 };
 
 } // namespace

@@ -292,8 +292,8 @@ private:
     for (std::size_t i = 0; i < at.particles; ++i)
       if (const std::size_t item = at.item(k, i); at.present[item]) {
         const math::Vec3d& x = at.positions[item];
-        out.rows.push_back(
-            {p.ids[i], at.times[k], x, own_cell(mesh, at.places[item].cell, x), INSITU_END_ALIVE});
+        out.rows.push_back(track_row(p.ids[i], at.times[k], x,
+                                     own_cell(mesh, at.places[item].cell, x), INSITU_END_ALIVE));
         items.push_back(item);
       }
     const std::size_t width = out.columns.size();
@@ -329,8 +329,9 @@ private:
     out.values = sample(mesh, fields(mesh), points, cells);
     for (std::size_t r = 0; r < indices.size(); ++r) {
       const std::size_t i = indices[r];
-      out.rows.push_back({p.ids[i], p.times[i], points[r], own_cell(mesh, cells[r], points[r]),
-                          insitu_ending(p.endings[i])});
+      out.rows.push_back(track_row(p.ids[i], p.times[i], points[r],
+                                   own_cell(mesh, cells[r], points[r]),
+                                   insitu_ending(p.endings[i])));
     }
     add_geodesics(out,
                   [&](std::size_t r, double* to) { geodesics_.put(out.rows[r].particle, to); });

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/timer.h"
+#include "core/unsigned_zero.h"
 #include "output/atomic_file.h"
 #include "query/attached.h"
 #include "scene/curtain.h"
@@ -125,6 +126,8 @@ void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due
     environment_.statistics.query_s += preparing.seconds();
     return;
   }
+  if (probe_.fields.empty() && mesh.mesh().own_view().cell_count() == 0)
+    return; // the fields that the mesh will have are not known yet
   if (probe_.fields.empty()) // all of the first time: a table keeps its columns
     for (const std::string& name : mesh.mesh().field_names())
       probe_.fields.push_back({name, probe_.line});
@@ -171,7 +174,9 @@ void ProbeAction::write(TableFormat format, const query::CommittedMesh& mesh, co
 void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step,
                               const ProbeAnswers& answers) {
   const mesh::MeshView& view = mesh.mesh().own_view();
-  const bool pieces = names_pieces(mesh.mesh()), names = !points_->names.empty();
+  const bool names = !points_->names.empty();
+  if (!table_)
+    pieces_ = names_pieces(mesh.mesh());
   std::vector<std::string> columns{"cycle", "time", "point"};
   if (names)
     columns.push_back("name");
@@ -181,12 +186,13 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
   if (curtain)
     columns.insert(columns.end(), {"distance", level_name(*curtain)});
   columns.push_back("cell");
-  if (pieces)
+  if (pieces_)
     columns.push_back("piece");
   columns.insert(columns.end(), {"r", "s", "t"});
   columns.insert(columns.end(), answers.columns.begin(), answers.columns.end());
   if (table_) {
     require_columns(*table_, columns_, columns);
+    one_piece_.say(!pieces_ && names_pieces(mesh.mesh()), table_->path(), environment_.context.log);
   } else {
     columns_ = columns;
     table_ = std::make_unique<output::AppendTable>(environment_.output + "/" + probe_.name + ".csv",
@@ -201,16 +207,16 @@ void ProbeAction::write_table(const query::CommittedMesh& mesh, const Step& step
     if (names)
       rows.cell(points_->names[i]);
     for (int c = 0; moves() && c < 3; ++c)
-      rows.cell(points_->mesh_points[i][c]);
+      rows.cell(core::unsigned_zero(points_->mesh_points[i][c]));
     if (curtain)
-      rows.cell(curtain->distances[i / curtain->levels.size()])
-          .cell(curtain->levels[i % curtain->levels.size()]);
+      rows.cell(core::unsigned_zero(curtain->distances[i / curtain->levels.size()]))
+          .cell(core::unsigned_zero(curtain->levels[i % curtain->levels.size()]));
     const OwnCell own = own_cell(view, at.cell);
-    rows.cell(own.cell);
-    if (pieces)
+    rows.cell(pieces_ ? own.cell : own.flat);
+    if (pieces_)
       rows.cell(int(own.piece));
     for (int c = 0; c < 3; ++c)
-      rows.cell(at ? at.parametric[c] : std::numeric_limits<double>::quiet_NaN());
+      rows.cell(at ? core::unsigned_zero(at.parametric[c]) : std::numeric_limits<double>::quiet_NaN());
     for (std::size_t c = 0; c < width; ++c)
       rows.cell(answers.values[i * width + c]);
     rows.end_row();
@@ -274,10 +280,10 @@ void ProbeAction::write_json(const query::CommittedMesh& mesh, const Step& step,
     const OwnCell own = own_cell(view, answers.locations[i].cell);
     text += i ? ",\n  [" : "\n  [";
     if (curtain)
-      text += number(curtain->distances[i / curtain->levels.size()]) + ", " +
-              number(curtain->levels[i % curtain->levels.size()]) + ", ";
+      text += number(core::unsigned_zero(curtain->distances[i / curtain->levels.size()])) + ", " +
+              number(core::unsigned_zero(curtain->levels[i % curtain->levels.size()])) + ", ";
     for (int c = 0; moves() && c < 3; ++c)
-      text += number(points_->mesh_points[i][c]) + ", ";
+      text += number(core::unsigned_zero(points_->mesh_points[i][c])) + ", ";
     text += std::to_string(own.cell);
     if (pieces)
       text += ", " + std::to_string(own.piece);

@@ -51,6 +51,8 @@ private:
   bool same_cells_ = false; ///< as at the checkpoint of a restart
   std::unique_ptr<output::AppendTable> table_;
   std::vector<std::string> columns_; ///< of the table
+  bool pieces_ = false;              ///< among them
+  OnePieceNote one_piece_;
   VtpSeries series_;
   ProbeNetcdf netcdf_;
 };

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/status.h"
+#include "core/unsigned_zero.h"
 #include "scene/cf.h"
 
 namespace insitu::scene {
@@ -28,7 +29,7 @@ void add_curtain(output::NetcdfLayout& out, const CurtainPlaces& curtain) {
   for (int axis = 0; axis < 2; ++axis) {
     output::NetcdfVariable v = fixed(position[std::size_t(axis)], "station");
     for (const math::Vec3d& p : curtain.stations)
-      v.doubles.push_back(p[axis]);
+      v.doubles.push_back(core::unsigned_zero(p[axis]));
     out.variables.push_back(std::move(v));
   }
   output::NetcdfVariable levels = fixed(position[2], position[2].name); // its own dimension's
@@ -49,7 +50,7 @@ void add_points(output::NetcdfLayout& out, const insitu_frame& frame,
   for (int axis = 0; axis < 3; ++axis) {
     output::NetcdfVariable v = fixed(position[std::size_t(axis)], "station");
     for (const math::Vec3d& p : points)
-      v.doubles.push_back(p[axis]);
+      v.doubles.push_back(core::unsigned_zero(p[axis]));
     out.variables.push_back(std::move(v));
   }
 }
@@ -137,18 +138,19 @@ output::NetcdfLayout ProbeNetcdf::layout(const query::CommittedMesh& mesh,
 void ProbeNetcdf::write(const query::CommittedMesh& mesh, const Step& step,
                         const ScenePoints& points, const ProbeAnswers& answers) {
   const mesh::MeshView& view = mesh.mesh().own_view();
-  const bool pieces = names_pieces(mesh.mesh());
   if (!table_) {
     columns_ = answers.columns;
-    pieces_ = pieces;
+    pieces_ = names_pieces(mesh.mesh());
     table_ =
         std::make_unique<output::NetcdfTable>(path_, layout(mesh, points, answers), step.cycle);
     ++environment_.statistics.files;
-  } else if (pieces != pieces_ || answers.columns != columns_) {
+  } else if (answers.columns != columns_) {
     throw core::Error(INSITU_ERROR_FIELD,
                       "'" + path_ +
-                          "' was opened for other fields or pieces than this cycle's: they "
-                          "changed during the run");
+                          "' was opened for other fields than this cycle's: they changed during "
+                          "the run");
+  } else {
+    one_piece_.say(!pieces_ && names_pieces(mesh.mesh()), path_, environment_.context.log);
   }
   output::NetcdfRecords& to = table_->rows();
   const std::size_t n = answers.locations.size(), width = answers.columns.size();
@@ -157,12 +159,12 @@ void ProbeNetcdf::write(const query::CommittedMesh& mesh, const Step& step,
   for (const query::Location& at : answers.locations)
     cells.push_back(own_cell(view, at.cell));
   for (const OwnCell& own : cells)
-    to.put(own.cell);
-  for (std::size_t i = 0; pieces && i < n; ++i)
+    to.put(pieces_ ? own.cell : own.flat);
+  for (std::size_t i = 0; pieces_ && i < n; ++i)
     to.put(cells[i].piece);
   for (int c = 0; moves_ && c < 3; ++c)
     for (const math::Vec3d& x : points.mesh_points)
-      to.put(x[c]);
+      to.put(core::unsigned_zero(x[c]));
   for (int c = 0; c < 3; ++c)
     for (const query::Location& at : answers.locations)
       to.put(at ? at.parametric[c] : std::numeric_limits<double>::quiet_NaN());

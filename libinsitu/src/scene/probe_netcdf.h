@@ -40,6 +40,7 @@ private:
   std::unique_ptr<output::NetcdfTable> table_;
   std::vector<std::string> columns_;
   bool moves_ = false, pieces_ = false;
+  OnePieceNote one_piece_;
 };
 
 } // namespace insitu::scene

@@ -68,6 +68,30 @@ void Runner::report(const std::string& what, const std::string& of, std::int64_t
     page_->add_failure(text);
 }
 
+namespace {
+
+/// A mesh without cells may lack the fields that it will have: there is nothing to do for it yet.
+bool is_for_want_of_cells(const query::CommittedMesh* mesh, const std::exception& e) {
+  const auto* error = dynamic_cast<const core::Error*>(&e);
+  return error && error->status() == INSITU_ERROR_FIELD && mesh &&
+         mesh->mesh().own_view().cell_count() == 0;
+}
+
+} // namespace
+
+/// Files are named by cycles: says once that some may be of an earlier execution's name.
+void Runner::note_cycle(std::int64_t cycle) {
+  if (executed_ && !told_cycles_ && cycle >= lowest_cycle_ && cycle <= highest_cycle_) {
+    told_cycles_ = true;
+    environment_.context.log.warning(
+        "cycle " + std::to_string(cycle) + " follows cycle " + std::to_string(cycle_) +
+        ": numbers of cycles come again, and files named by them (images, .vtp, .json, "
+        "streamlines, checkpoints) replace those of the execution before");
+  }
+  lowest_cycle_ = executed_ ? std::min(lowest_cycle_, cycle) : cycle;
+  highest_cycle_ = executed_ ? std::max(highest_cycle_, cycle) : cycle;
+}
+
 std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   const std::span<const double> times(times_);
   const Step step{meshes,
@@ -84,10 +108,13 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
     failures += (failures.empty() ? "" : "\n") + what;
     report(what, of, cycle);
   };
+  note_cycle(cycle);
   bring_back_earlier(meshes);
   for (const auto& action : actions_) {
+    const query::CommittedMesh* found = nullptr;
     try {
       query::CommittedMesh& mesh = find_mesh(meshes, action->mesh_name(), environment_.scene_file);
+      found = &mesh;
       if (mesh.lies_on_device())
         throw core::Error(INSITU_ERROR_UNSUPPORTED,
                           "mesh '" + mesh.mesh().name() +
@@ -98,7 +125,8 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
       if (due)
         log_particles(*action, cycle);
     } catch (const std::exception& e) {
-      failed(std::string(action->kind()) + " '" + action->name() + "'", e);
+      if (!is_for_want_of_cells(found, e))
+        failed(std::string(action->kind()) + " '" + action->name() + "'", e);
     }
   }
   structures_.end_cycle(meshes);

@@ -58,6 +58,7 @@ private:
   void log_particles(const Action& action, std::int64_t cycle) const;
   void end_page_cycle(const Step& step, bool due);
   void finish_page(const std::string& failures);
+  void note_cycle(std::int64_t cycle);
   void report(const std::string& what, const std::string& of, std::int64_t cycle);
   void keep(core::Archive& archive);
   void bring_back_earlier(MeshList meshes);
@@ -73,6 +74,8 @@ private:
       reported_; ///< failures logged, by action, so that a log is not flooded
   bool executed_ = false;
   std::int64_t cycle_ = 0;    ///< the last one executed
+  std::int64_t lowest_cycle_ = 0, highest_cycle_ = 0; ///< of this session
+  bool told_cycles_ = false;                          ///< that cycles come again
   bool descends_ = false;     ///< it was less than the one before
   std::vector<double> times_; ///< of the last executions, the latest first
   CheckpointOptions checkpoint_;

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "core/timer.h"
+#include "core/unsigned_zero.h"
 #include "scene/drawn_lines.h"
 #include "scene/tracer_action.h"
 #include "scene/tracer_effects.h"
@@ -74,9 +75,11 @@ private:
     for (std::size_t l = 0; l < lines.line_count(); ++l)
       for (auto v = std::size_t(lines.offsets[l]); v < std::size_t(lines.offsets[l + 1]); ++v) {
         rows.cell(lines.particles[l]).cell(std::int64_t(v) - lines.offsets[l]);
-        rows.cell(lines.times[v]).cell(lines.points[v].x).cell(lines.points[v].y);
+        rows.cell(core::unsigned_zero(lines.times[v]));
+        for (int a = 0; a < 3; ++a)
+          rows.cell(core::unsigned_zero(lines.points[v][a]));
         const OwnCell own = own_cell(mesh, lines.cells[v], lines.points[v]);
-        rows.cell(lines.points[v].z).cell(own.cell);
+        rows.cell(own.cell);
         if (several)
           rows.cell(int(own.piece));
         rows.cell(advect::ending_name(insitu_ending(lines.endings[l])));

@@ -5,6 +5,7 @@
 
 #include "advect/cells_beyond.h"
 #include "core/status.h"
+#include "core/unsigned_zero.h"
 #include "scene/tracer_effects.h"
 #include "scene/track_writer.h"
 
@@ -160,6 +161,16 @@ std::vector<double> TracerAction::sample(const query::CommittedMesh& mesh,
             sampler.interpolate(fields, at, values.data() + i * width);
       });
   return values;
+}
+
+TrackRow track_row(std::int64_t particle, double time, const math::Vec3d& position, OwnCell cell,
+                   insitu_ending ending) {
+  const auto plain = core::unsigned_zero;
+  return {particle,
+          plain(time),
+          {plain(position.x), plain(position.y), plain(position.z)},
+          cell,
+          ending};
 }
 
 std::unique_ptr<TrackWriter> make_track_writer(TableFormat format, const Tracer& tracer,

@@ -14,12 +14,13 @@ public:
 private:
   void open(const TrackRows& rows, std::int64_t) override {
     std::vector<std::string> columns{"cycle", "time", "particle", "x", "y", "z", "cell"};
-    if (rows.pieces)
+    if (table_ ? pieces_ : rows.pieces)
       columns.push_back("piece");
     columns.push_back("ending");
     columns.insert(columns.end(), rows.columns.begin(), rows.columns.end());
     if (table_) {
       require_columns(*table_, columns_, columns);
+      one_piece_.say(!pieces_ && rows.pieces, path_, environment_.context.log);
       return;
     }
     table_ = std::make_unique<output::AppendTable>(
@@ -37,7 +38,8 @@ private:
     for (std::size_t r = 0; r < rows.rows.size(); ++r) {
       const TrackRow& row = rows.rows[r];
       csv.cell(rows.cycle).cell(row.time).cell(row.particle);
-      csv.cell(row.position.x).cell(row.position.y).cell(row.position.z).cell(row.cell.cell);
+      csv.cell(row.position.x).cell(row.position.y).cell(row.position.z);
+      csv.cell(pieces_ ? row.cell.cell : row.cell.flat);
       if (pieces_)
         csv.cell(int(row.cell.piece));
       csv.cell(advect::ending_name(row.ending));
@@ -60,6 +62,7 @@ private:
   std::unique_ptr<output::AppendTable> table_;
   std::vector<std::string> columns_, value_columns_;
   bool pieces_ = false;
+  OnePieceNote one_piece_;
 };
 
 } // namespace

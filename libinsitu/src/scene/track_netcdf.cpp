@@ -19,11 +19,12 @@ public:
 private:
   void open(const TrackRows& rows, std::int64_t seeded) override {
     if (table_) {
-      if (rows.columns != columns_ || rows.pieces != pieces_)
+      if (rows.columns != columns_)
         throw core::Error(INSITU_ERROR_FIELD,
                           "'" + path_ +
-                              "' was opened for other fields or pieces than this cycle's: "
-                              "they changed during the run");
+                              "' was opened for other fields than this cycle's: they changed "
+                              "during the run");
+      one_piece_.say(!pieces_ && rows.pieces, path_, environment_.context.log);
       if (seeded > instances_) {
         const std::int64_t more = enough(instances_, seeded);
         table_->change(layout(rows, more));
@@ -33,12 +34,12 @@ private:
     }
     const auto from = rows.cycle == TrackRows::no_cycle ? std::nullopt : std::optional(rows.cycle);
     const auto old = output::summary_before(path_, from);
+    pieces_ = rows.pieces;
     const std::int64_t instances =
         enough(old ? old->dimension("trajectory") : seeded, std::max<std::int64_t>(seeded, 1));
     table_ = std::make_unique<output::NetcdfTable>(path_, layout(rows, instances), from);
     ++environment_.statistics.files;
     columns_ = rows.columns;
-    pieces_ = rows.pieces;
     instances_ = instances;
   }
 
@@ -73,7 +74,7 @@ private:
     out.variables = {cf_cycle(), cf_time(), index};
     out.variables.insert(out.variables.end(), position.begin(), position.end());
     out.variables.push_back(cf_cell());
-    if (rows.pieces)
+    if (pieces_)
       out.variables.push_back(cf_piece());
     out.variables.push_back(cf_ending());
     out.variables.push_back(std::move(ids));
@@ -97,7 +98,8 @@ private:
     for (std::size_t r = 0; r < rows.rows.size(); ++r) {
       const TrackRow& row = rows.rows[r];
       to.put(rows.cycle).put(row.time).put(row.particle);
-      to.put(row.position.x).put(row.position.y).put(row.position.z).put(row.cell.cell);
+      to.put(row.position.x).put(row.position.y).put(row.position.z);
+      to.put(pieces_ ? row.cell.cell : row.cell.flat);
       if (pieces_)
         to.put(row.cell.piece);
       to.put(std::int8_t(row.ending)).put(std::span(rows.values).subspan(r * width, width));
@@ -118,6 +120,7 @@ private:
   std::vector<TrackGeodesic> geodesics_;
   std::vector<std::string> columns_;
   bool pieces_ = false;
+  OnePieceNote one_piece_;
   std::int64_t instances_ = 0;
 };
 

@@ -76,8 +76,8 @@ void TrackTable::finish(const advect::Particles& p, const TrackGeodesics& geodes
     for (std::size_t i = 0; i < p.size(); ++i) {
       const auto id = std::size_t(p.ids[i]);
       if (id >= written_.size() || !written_[id])
-        rows.rows.push_back(
-            {p.ids[i], p.times[i], p.positions[i], OwnCell{}, insitu_ending(p.endings[i])});
+        rows.rows.push_back(track_row(p.ids[i], p.times[i], p.positions[i], OwnCell{},
+                                      insitu_ending(p.endings[i])));
     }
     rows.values.assign(rows.rows.size() * rows.columns.size(),
                        std::numeric_limits<double>::quiet_NaN());

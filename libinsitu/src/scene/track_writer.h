@@ -25,6 +25,9 @@ struct TrackRow {
   OwnCell cell;         ///< as the solver counts cells
   insitu_ending ending;
 };
+/// Zeros without their signs, as all files have times and places.
+TrackRow track_row(std::int64_t particle, double time, const math::Vec3d& position, OwnCell cell,
+                   insitu_ending ending);
 
 /// Some particles at a cycle, with what is recorded along the tracks.
 struct TrackRows {

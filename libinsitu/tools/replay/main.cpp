@@ -1,16 +1,22 @@
 /// insitu-replay: runs a scene over mesh files as if they were the steps of a simulation.
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <set>
 #include <unistd.h>
 #include <vtkDataSet.h>
+#include <vtkNew.h>
+#include <vtkUnstructuredGrid.h>
 
 #include "insitu/insitu.hpp"
 #include "insitu/vtk.hpp"
 
 #include "options.h"
+#include "parts.h"
+#include "read.h"
 #include "steps.h"
 
 namespace insitu_replay {
@@ -41,6 +47,12 @@ private:
   bool terminal_ = isatty(STDERR_FILENO) == 1;
   bool open_ = false;
 };
+
+/// What the session logged last as an error: an exception that says the same is not printed again.
+std::string& last_error() {
+  static std::string text;
+  return text;
+}
 
 std::string plural(std::int64_t n, const std::string& what) {
   return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
@@ -110,6 +122,8 @@ private:
     o.strict = options_.strict;
     o.log = [this](insitu::LogLevel level, const char* message) {
       say((level == insitu::LogLevel::error ? "" : "note: ") + std::string(message));
+      if (level == insitu::LogLevel::error)
+        last_error() = message;
     };
     return o;
   }
@@ -125,56 +139,112 @@ private:
     const std::string& first = step.files.front();
     progress_.show("[" + std::to_string(i + 1) + "/" + std::to_string(steps_.size()) + "] " +
                    first);
-    if (adaptive_ && step.files.size() > 1)
-      throw FileError(first, std::to_string(step.files.size()) +
-                                 " parts after an adaptive mesh, which is one file a step");
-    if (step.files.size() < pieces_.size())
-      throw FileError(first, std::to_string(step.files.size()) + " parts, " +
-                                 std::to_string(pieces_.size()) +
-                                 " in the step before; parts cannot go");
+    std::vector<Part> parts;
+    for (const std::string& file : step.files)
+      for (Part& part : read_parts(file))
+        parts.push_back(std::move(part));
     const double earlier = time_; // of the step read before
-    for (std::size_t p = 0; p < step.files.size(); ++p) {
-      const vtkSmartPointer<vtkDataObject> data = read(step.files[p]);
-      if (p == 0) {
-        cycle_ = cycle_of(data).value_or(std::int64_t(s));
-        time_ = step.time ? *step.time : time_of(data).value_or(double(cycle_));
-      }
-      const std::vector<insitu::vtk::Note>& skipped = give(data, step, p);
-      if (i == 0)
-        for (const insitu::vtk::Note& n : skipped)
-          say("note: " + step.files[p] + ": " + n.array + " is left out: " + n.reason);
+    if (!parts.empty()) {
+      drop_surfaces(parts, [this](const std::string& what) { say_once(what); });
+      cycle_ = unused_cycle(first, cycle_of(parts[0].data), std::int64_t(s));
+      time_ = step.time ? *step.time : time_of(parts[0].data).value_or(double(cycle_));
     }
+    give(parts, first);
     if (i > 0 && (options_.reverse ? time_ > earlier : time_ < earlier))
       throw FileError(first, "time " + std::to_string(time_) + " follows " +
                                  std::to_string(earlier) + "; give the files in the order of time");
   }
 
-  /// Gives part p of a step to the mesh. Returns what of it is left out.
-  const std::vector<insitu::vtk::Note>& give(vtkDataObject* data, const Step& step, std::size_t p) {
-    const std::string& file = step.files[p];
-    vtkDataSet* const part = vtkDataSet::SafeDownCast(data);
-    if (part ? adaptive_.has_value() : !pieces_.empty() || step.files.size() > 1)
-      throw FileError(file, std::string(part ? "is no adaptive mesh" : "is an adaptive mesh") +
-                                "; all steps are adaptive meshes, a file each, or none");
+  /// What the file says, or its place in the order; but if a step had that number before (exporters
+  /// that do not know it write 0), the steps are counted on from there, as files are named by it.
+  std::int64_t unused_cycle(const std::string& file, std::optional<std::int64_t> said,
+                            std::int64_t place) {
+    std::int64_t cycle = said.value_or(place);
+    if (!counts_ && cycles_.count(cycle)) {
+      counts_ = true;
+      say("note: " + file + ": cycle " + std::to_string(cycle) +
+          " was there before; from here on steps are counted on");
+    }
+    if (counts_)
+      cycle = *cycles_.rbegin() + 1;
+    cycles_.insert(cycle);
+    return cycle;
+  }
+
+  /// Gives the parts of a step to the mesh, as its pieces.
+  void give(const std::vector<Part>& parts, const std::string& first) {
+    const auto is_set = [](const Part& p) { return vtkDataSet::SafeDownCast(p.data) != nullptr; };
+    for (const Part& part : parts)
+      if (is_set(part) ? adaptive_.has_value() : !pieces_.empty() || parts.size() > 1)
+        throw FileError(part.name,
+                        std::string(is_set(part) ? "is no adaptive mesh" : "is an adaptive mesh") +
+                            "; all steps are adaptive meshes, a file each, or none");
+    if (!parts.empty() && !is_set(parts[0])) {
+      give_adaptive(parts[0]);
+      return;
+    }
+    if (adaptive_)
+      throw FileError(first, "no parts after an adaptive mesh");
+    keep_common_arrays(parts,
+                       [&](const std::string& what) { say_once(first + ": " + what, what); });
+    // Pieces that a step lacks are there without cells, so that the mesh has as many in all steps,
+    // as far as an index tells, and tables name pieces from the first step on.
+    const std::size_t count = std::max({parts.size(), pieces_.size(), most_parts()});
+    const vtkNew<vtkUnstructuredGrid> nothing;
+    for (std::size_t p = 0; p < count; ++p)
+      give_piece(p, p < parts.size() ? vtkDataSet::SafeDownCast(parts[p].data) : nothing.Get(),
+                 p < parts.size() ? parts[p].name : first);
+  }
+
+  void give_adaptive(const Part& part) {
     try {
-      if (!part) {
-        if (adaptive_)
-          adaptive_->update(data);
-        else
-          adaptive_ = insitu::vtk::attach_adaptive(mesh_, data);
-        return adaptive_->skipped();
-      }
+      if (adaptive_)
+        adaptive_->update(part.data);
+      else
+        adaptive_ = insitu::vtk::attach_adaptive(mesh_, part.data);
+    } catch (const insitu::Error& e) {
+      throw FileError(part.name, e.what());
+    }
+    say_notes(part.name, adaptive_->skipped(), adaptive_->converted());
+  }
+
+  void give_piece(std::size_t p, vtkDataSet* data, const std::string& name) {
+    try {
       if (p < pieces_.size()) {
-        pieces_[p].update(part);
+        pieces_[p].update(data);
       } else {
         insitu::vtk::AttachOptions o;
         o.piece = int(p);
-        pieces_.push_back(insitu::vtk::attach(mesh_, part, o));
+        pieces_.push_back(insitu::vtk::attach(mesh_, data, o));
       }
-      return pieces_[p].skipped();
     } catch (const insitu::Error& e) {
-      throw FileError(file, e.what());
+      throw FileError(name, e.what());
     }
+    say_notes(name, pieces_[p].skipped(), pieces_[p].converted());
+  }
+
+  std::size_t most_parts() const {
+    std::size_t most = 0;
+    for (const Step& step : steps_)
+      most = std::max(most, step.files.size());
+    return most;
+  }
+
+  /// Each thing once, of the first file that has it. Of what is converted the ghosts alone: fields
+  /// of integers mean the same as they are.
+  void say_notes(const std::string& file, const std::vector<insitu::vtk::Note>& skipped,
+                 const std::vector<insitu::vtk::Note>& converted) {
+    for (const insitu::vtk::Note& n : skipped)
+      say_once(file + ": " + n.array + " is left out: " + n.reason, n.array + n.reason);
+    for (const insitu::vtk::Note& n : converted)
+      if (n.array.find("vtkGhostType") != std::string::npos)
+        say_once(file + ": " + n.array + " is converted: " + n.reason, n.array + n.reason);
+  }
+
+  void say_once(const std::string& what) { say_once(what, what); }
+  void say_once(const std::string& what, const std::string& key) {
+    if (said_.insert(key).second)
+      say("note: " + what);
   }
 
   bool validate(std::size_t s) {
@@ -204,6 +274,9 @@ private:
   insitu::Mesh mesh_;
   std::int64_t cycle_ = 0;
   double time_ = 0;
+  std::set<std::int64_t> cycles_; ///< of the steps so far
+  bool counts_ = false;           ///< steps are counted on, whatever the files say
+  std::set<std::string> said_;    ///< what is said once
 };
 
 int run(int argc, char** argv) {
@@ -226,7 +299,8 @@ int run(int argc, char** argv) {
   } catch (const std::exception& e) {
     if (isatty(STDERR_FILENO) == 1)
       std::fprintf(stderr, "\r\033[K");
-    std::fprintf(stderr, "insitu-replay: %s\n", e.what());
+    if ("insitu_session_open: " + std::string(e.what()) != last_error())
+      std::fprintf(stderr, "insitu-replay: %s\n", e.what());
     return failed;
   }
 }

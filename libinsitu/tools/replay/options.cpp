@@ -12,10 +12,16 @@ const char* const help_text =
 Runs a scene over mesh files as if they were the steps of a running simulation: the same probes,
 tracers and frames, in the same files.
 
-FILE is a VTK XML file: .vtu (tetrahedra, voxels, hexahedra, wedges, pyramids), .vts, .vtr, .vti;
-.vthb or .vth (vtkOverlappingAMR), .htg (vtkHyperTreeGrid of three dimensions and branch factor 2):
-adaptive meshes with cell arrays; or a .pvd index of such files. Each is one step, in the order
-given. The parts of a step in a .pvd are the pieces of the mesh; an adaptive mesh is one file.
+FILE is a file that VTK reads, its suffix in small or capital letters:
+  .vtu (tetrahedra, voxels, hexahedra, wedges, pyramids), .vts, .vtr, .vti; .pvtu, .pvts, .pvtr,
+  .pvti of such; legacy .vtk; .vtm (multi-block): its blocks are the pieces of the mesh
+  .vthb or .vth (vtkOverlappingAMR), .htg (vtkHyperTreeGrid of three dimensions and branch factor
+  2): adaptive meshes with cell arrays, one file a step
+  .pvd or .series (ParaView's JSON): an index of any of these, in the order of time; the parts of a
+  step in a .pvd are the pieces of the mesh
+Each is one step, in the order given. Triangles, lines and the like beside cells of volume are left
+out, as are blocks of them; parts without cells add nothing; of several parts, arrays that one of
+them lacks are left out. Each of these is said once.
 
   --scene FILE     the scene
   --probe FILE     no scene: all fields at the points of a CSV file (columns x,y,z), in probe.csv
@@ -34,8 +40,9 @@ given. The parts of a step in a .pvd are the pieces of the mesh; an adaptive mes
   --version
   --help
 
-The cycle is the field data CYCLE of a file, or else its place in the order given, from 0; the time is the
-.pvd's timestep, or else the field data TimeValue or TIME, or else the cycle. A mesh that keeps its
+The cycle is the field data CYCLE of a file, or else its place in the order given, from 0; where a
+number comes again, steps are counted on from there, and this is said. The time is the index's, or
+else the field data TimeValue or TIME, or else the cycle. A mesh that keeps its
 cells from one file to the next is refitted, not rebuilt.
 
 Exit code: 0 done; 1 a file, mesh or scene is bad, and nothing after it was done; 2 wrong usage;

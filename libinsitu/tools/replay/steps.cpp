@@ -7,20 +7,12 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <vtkDataArray.h>
-#include <vtkDataSet.h>
-#include <vtkFieldData.h>
-#include <vtkHyperTreeGrid.h>
-#include <vtkLogger.h>
-#include <vtkNew.h>
-#include <vtkObjectFactory.h>
-#include <vtkOutputWindow.h>
-#include <vtkOverlappingAMR.h>
+#include <vtkSmartPointer.h>
 #include <vtkXMLDataElement.h>
-#include <vtkXMLGenericDataObjectReader.h>
-#include <vtkXMLHyperTreeGridReader.h>
-#include <vtkXMLUniformGridAMRReader.h>
 #include <vtkXMLUtilities.h>
+#include <yaml-cpp/yaml.h>
+
+#include "read.h"
 
 namespace insitu_replay {
 
@@ -28,53 +20,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Takes VTK's messages instead of the terminal.
-class QuietWindow : public vtkOutputWindow {
-public:
-  static QuietWindow* New();
-  vtkTypeMacro(QuietWindow, vtkOutputWindow)
-
-      void DisplayText(const char* text) override {
-    if (first.empty() && text)
-      first = text;
-  }
-  std::string first;
-
-protected:
-  QuietWindow() = default;
-};
-
-vtkStandardNewMacro(QuietWindow)
-
-    QuietWindow* window = nullptr;
-
-/// VTK's "ERROR: In file, line n\nvtkClass (0x...): message\n\n" without all but the message.
-std::string first_message() {
-  if (!window)
-    return {};
-  std::string text = window->first;
-  if (const auto colon = text.find("): "); colon != std::string::npos)
-    text = text.substr(colon + 3);
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  while (!text.empty() && text.back() == ' ')
-    text.pop_back();
-  return text;
-}
-
-void require_readable(const std::string& path) {
-  std::error_code error;
-  if (!fs::exists(path, error))
-    throw FileError(path, "no such file");
-  if (fs::is_directory(path, error))
-    throw FileError(path, "is a folder");
-  if (!std::ifstream(path))
-    throw FileError(path, "cannot be opened");
+/// A file that an index names.
+void require_kind(const std::string& file, const std::string& index) {
+  if (!is_readable_kind(file))
+    throw FileError(index, "names " + file + ", an unknown kind of file; " + readable_kinds +
+                               " expected, of these no index");
 }
 
 std::vector<Step> read_pvd(const std::string& path) {
   require_readable(path);
-  if (window)
-    window->first.clear();
+  forget_messages();
   const auto root =
       vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(path.c_str()));
   vtkXMLDataElement* collection = root ? root->FindNestedElementWithName("Collection") : nullptr;
@@ -99,6 +54,7 @@ std::vector<Step> read_pvd(const std::string& path) {
       throw FileError(path, "DataSet " + std::to_string(i) + ": part '" + e->GetAttribute("part") +
                                 "' is no number");
     const fs::path full = fs::path(path).parent_path() / file;
+    require_kind(full.string(), path);
     if (!by_time[time].emplace(part, full.string()).second)
       throw FileError(path, "DataSet " + std::to_string(i) + ": part " + std::to_string(part) +
                                 " of time " + std::to_string(time) + " is there twice");
@@ -116,32 +72,34 @@ std::vector<Step> read_pvd(const std::string& path) {
   return steps;
 }
 
-constexpr const char* extensions[] = {".vtu", ".vts", ".vtr", ".vti", ".vthb", ".vth", ".htg"};
-
-void read_all_of(vtkXMLReader*) {}
-/// It reads the coarsest level alone otherwise, whatever its documentation says.
-void read_all_of(vtkXMLUniformGridAMRReader* reader) {
-  reader->SetMaximumLevelsToReadByDefault(0);
-}
-
-/// What a reader makes of a file; null if it fails.
-template <class Reader>
-vtkSmartPointer<vtkDataObject> read_by(const std::string& path) {
-  vtkNew<Reader> reader;
-  reader->SetFileName(path.c_str());
-  read_all_of(reader);
-  reader->Update();
-  return reader->GetErrorCode() == 0 ? reader->GetOutputDataObject(0) : nullptr;
-}
-
-/// The first value of the first of these arrays.
-std::optional<double> field_data(vtkDataObject* data, std::initializer_list<const char*> names) {
-  for (const char* name : names) {
-    vtkDataArray* array = data->GetFieldData()->GetArray(name);
-    if (array && array->GetNumberOfValues() > 0 && std::isfinite(array->GetComponent(0, 0)))
-      return array->GetComponent(0, 0);
+/// ParaView's index of a series, JSON, of which YAML is a superset:
+/// {"file-series-version": "1.0", "files": [{"name": "a.vtu", "time": 0}]}
+std::vector<Step> read_series(const std::string& path) {
+  require_readable(path);
+  std::vector<Step> steps;
+  try {
+    const YAML::Node files = YAML::LoadFile(path)["files"];
+    if (!files || !files.IsSequence())
+      throw FileError(path, "is no .series index: no list 'files'");
+    for (const YAML::Node& file : files) {
+      const std::string entry = "entry " + std::to_string(steps.size());
+      if (!file.IsMap() || !file["name"])
+        throw FileError(path, entry + " names no file");
+      const fs::path full = fs::path(path).parent_path() / file["name"].as<std::string>();
+      require_kind(full.string(), path);
+      const double time = file["time"] ? file["time"].as<double>() : double(steps.size());
+      if (!std::isfinite(time))
+        throw FileError(path, entry + ": time is not finite");
+      steps.push_back({{full.string()}, time});
+    }
+  } catch (const YAML::Exception& e) {
+    throw FileError(path, std::string("is no .series index: ") + e.what());
   }
-  return std::nullopt;
+  if (steps.empty())
+    throw FileError(path, "names no file");
+  std::stable_sort(steps.begin(), steps.end(),
+                   [](const Step& a, const Step& b) { return *a.time < *b.time; });
+  return steps;
 }
 
 /// The last number in a file's name, and the name without it.
@@ -163,49 +121,18 @@ std::pair<std::string, long long> numbered(const std::string& path) {
 std::vector<Step> steps_of(const std::vector<std::string>& files) {
   std::vector<Step> steps;
   for (const std::string& file : files) {
-    const std::string extension = fs::path(file).extension().string();
-    if (extension == ".pvd") {
-      for (Step& s : read_pvd(file))
+    const std::string ending = ending_of(file);
+    if (ending == ".pvd" || ending == ".series") {
+      for (Step& s : ending == ".pvd" ? read_pvd(file) : read_series(file))
         steps.push_back(std::move(s));
-    } else if (std::find(std::begin(extensions), std::end(extensions), extension) !=
-               std::end(extensions)) {
+    } else if (is_readable_kind(file)) {
       require_readable(file);
       steps.push_back({{file}, {}});
     } else {
-      throw FileError(file, "unknown kind of file; .vtu, .vts, .vtr, .vti, .vthb, .vth, .htg or "
-                            ".pvd expected");
+      throw FileError(file, std::string("unknown kind of file; ") + readable_kinds + " expected");
     }
   }
   return steps;
-}
-
-vtkSmartPointer<vtkDataObject> read(const std::string& path) {
-  require_readable(path);
-  if (window)
-    window->first.clear();
-  const std::string extension = fs::path(path).extension().string();
-  const vtkSmartPointer<vtkDataObject> data =
-      extension == ".htg"                           ? read_by<vtkXMLHyperTreeGridReader>(path)
-      : extension == ".vthb" || extension == ".vth" ? read_by<vtkXMLUniformGridAMRReader>(path)
-                                                    : read_by<vtkXMLGenericDataObjectReader>(path);
-  const std::string message = first_message();
-  if (!message.empty() ||
-      !(vtkDataSet::SafeDownCast(data) || vtkOverlappingAMR::SafeDownCast(data) ||
-        vtkHyperTreeGrid::SafeDownCast(data)))
-    throw FileError(path, "cannot be read as a VTK XML data set" +
-                              (message.empty() ? std::string() : ": " + message));
-  return data;
-}
-
-std::optional<std::int64_t> cycle_of(vtkDataObject* data) {
-  const std::optional<double> cycle = field_data(data, {"CYCLE", "cycle", "Cycle"});
-  if (!cycle)
-    return std::nullopt;
-  return static_cast<std::int64_t>(std::llround(*cycle));
-}
-
-std::optional<double> time_of(vtkDataObject* data) {
-  return field_data(data, {"TimeValue", "TIME", "time", "Time"});
 }
 
 bool numbers_run_backwards(const std::vector<std::string>& files) {
@@ -215,13 +142,6 @@ bool numbers_run_backwards(const std::vector<std::string>& files) {
       return true;
   }
   return false;
-}
-
-void silence_vtk() {
-  static const vtkNew<QuietWindow> quiet;
-  window = quiet;
-  vtkOutputWindow::SetInstance(quiet);
-  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
 }
 
 } // namespace insitu_replay

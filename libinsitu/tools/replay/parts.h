@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+#include <vtkSmartPointer.h>
+
+class vtkDataObject;
+
+namespace insitu_replay {
+
+/// A piece of a step's mesh: a file, or a block of one.
+struct Part {
+  std::string name; ///< for messages
+  vtkSmartPointer<vtkDataObject> data;
+};
+
+using Say = std::function<void(const std::string&)>;
+
+/// Reads the parts of a file: the blocks of a multi-block data set, the data object of any other.
+/// Throws FileError.
+std::vector<Part> read_parts(const std::string& path);
+
+/// Leaves out parts that have no cell of volume (boundaries, as solvers write them beside the
+/// inside), if others have; says so with counts.
+void drop_surfaces(std::vector<Part>& parts, const Say& say);
+
+/// Takes arrays out that some part with cells lacks, or has in another shape: a field is on all of
+/// the mesh. Says which.
+void keep_common_arrays(const std::vector<Part>& parts, const Say& say);
+
+} // namespace insitu_replay
