@@ -1,5 +1,6 @@
 // The blast wave miniapp, coupled: runs the solver, hands its arrays to libinsitu every cycle, and
-// prints where the time goes; at the end, how far the shock got against the similarity solution.
+// prints at the end where the time went and how far the shock got against the similarity solution.
+// On a terminal a line of progress is shown meanwhile; --table prints a line for each cycle.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -8,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <unistd.h>
 
 #include "material.h"
 #include "sedov_taylor.h"
@@ -24,6 +26,7 @@ struct Options {
   int library_threads = 0;
   int material = 0; // points carried by the material, located again every cycle
   bool quiet = false;
+  bool table = false;
 };
 
 constexpr const char* usage =
@@ -39,7 +42,8 @@ constexpr const char* usage =
     "  --material N         locate N points that the material carries, every cycle, and say how "
     "far\n"
     "                       the answers are off what is known of them (0)\n"
-    "  --quiet              no line per cycle\n";
+    "  --table              a line for each cycle: the shock, and where the time goes\n"
+    "  --quiet              no line of progress on a terminal either\n";
 
 double number(const std::string& option, const char* text) {
   char* end = nullptr;
@@ -61,8 +65,8 @@ Options parse(int argc, char** argv) {
   Options options;
   for (int i = 1; i < argc; i += 2) {
     const std::string option = argv[i];
-    if (option == "--quiet") {
-      options.quiet = true;
+    if (option == "--quiet" || option == "--table") {
+      (option == "--quiet" ? options.quiet : options.table) = true;
       --i;
       continue;
     }
@@ -210,7 +214,8 @@ void run(const Options& options) {
     material->locate(mesh, solver);
   }
   Spent before(session.report());
-  if (!options.quiet)
+  const bool progress = !options.quiet && !options.table && isatty(STDOUT_FILENO) == 1;
+  if (options.table)
     std::printf("%6s %11s %8s %9s %10s | %8s %8s %8s %8s\n", "cycle", "time", "shock", "drift",
                 "solver ms", "commit", "query", "advect", "render");
   while (solver.time() < end && solver.cycle() < options.cycles) {
@@ -222,7 +227,11 @@ void run(const Options& options) {
     session.execute(solver.cycle(), solver.time());
     if (material)
       material->locate(mesh, solver);
-    if (options.quiet)
+    if (progress) {
+      std::printf("\rcycle %d, time %.4e of %.4e ", solver.cycle(), solver.time(), end);
+      std::fflush(stdout);
+    }
+    if (!options.table)
       continue;
     const Spent now(session.report());
     std::printf("%6d %11.5e %8.5f %9.1e %10.2f | %8.2f %8.2f %8.2f %8.2f\n", solver.cycle(),
@@ -231,6 +240,8 @@ void run(const Options& options) {
                 now.advect - before.advect, now.render - before.render);
     before = now;
   }
+  if (progress)
+    std::printf("\r%50s\r", "");
   std::printf("%d cycles, %.2f s in the solver, %.2f ms a cycle; energy drift %.1e\n",
               solver.cycle(), elapsed.count(), 1e3 * elapsed.count() / solver.cycle(),
               solver.total_energy() / energy - 1.0);

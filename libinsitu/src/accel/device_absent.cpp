@@ -1,6 +1,11 @@
 // The device backends of a build without CUDA.
 #include "accel/device_locator.h"
+#include "core/device_memory.h"
 #include "core/status.h"
+
+bool insitu::core::device_memory_supported() {
+  return false;
+}
 
 namespace insitu::accel {
 

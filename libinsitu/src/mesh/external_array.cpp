@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/device_memory.h"
 #include "core/status.h"
 
 namespace insitu::mesh {
@@ -99,10 +100,8 @@ ExternalArray adopt(const insitu_array* array, const std::string& name, Pointers
     refuse("unknown type " + std::to_string(int(array->type)));
   if (array->memory != INSITU_HOST && array->memory != INSITU_DEVICE)
     refuse("unknown memory " + std::to_string(int(array->memory)));
-#if !defined(INSITU_HAVE_CUDA)
-  if (array->memory == INSITU_DEVICE)
+  if (array->memory == INSITU_DEVICE && !core::device_memory_supported())
     throw Error(INSITU_ERROR_UNSUPPORTED, name + ": device memory needs a build with CUDA");
-#endif
   constexpr int most_components = 1 << 16;
   if (array->components < 1 || array->components > most_components)
     refuse(std::to_string(array->components) + " components, 1 to " +

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
+#include "core/device_memory.h"
 #include "core/status.h"
 #include "fixtures/arrays.h"
 #include "mesh/mesh.h"
@@ -184,10 +185,9 @@ TEST(Arrays, WrongOnesAreRefusedByName) {
   expect_refused(changed([](auto& a) { a.components = 0; }), "0 components");
   expect_refused(changed([](auto& a) { a.components = INT_MIN; }), "components");
   expect_refused(changed([](auto& a) { a.components = INT_MAX; }), "components");
-#if !defined(INSITU_HAVE_CUDA)
-  expect_refused(changed([](auto& a) { a.memory = INSITU_DEVICE; }), "CUDA",
-                 INSITU_ERROR_UNSUPPORTED);
-#endif
+  if (!core::device_memory_supported())
+    expect_refused(changed([](auto& a) { a.memory = INSITU_DEVICE; }), "CUDA",
+                   INSITU_ERROR_UNSUPPORTED);
   expect_refused(changed([](auto& a) { a.memory = insitu_memory(7); }), "unknown memory 7");
   expect_refused(changed([](auto& a) { a.extent[0] = 7; }), "the extents hold 7");
   expect_refused(changed([](auto& a) { a.extent[1] = -1; }), "extent -1 along axis 1");

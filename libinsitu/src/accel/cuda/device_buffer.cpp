@@ -2,7 +2,12 @@
 
 #include <string>
 
+#include "core/device_memory.h"
 #include "core/status.h"
+
+bool insitu::core::device_memory_supported() {
+  return true;
+}
 
 namespace insitu::accel::cuda {
 
