@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Makes the README's tables of measured figures: libinsitu beside VTK's locators, each row one run, adaptive meshes, and
 # what effects of frames cost.
-#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl]
+#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl]
 #     [--readme]
 # cells: 1000000, about twenty minutes; the large rows take eight times as many. A part alone: --measured, the tables beside
 # VTK's locators; --scale, 1e4 to 3e7 cells, three minutes and 8 GiB, and libinsitu/doc/scale.svg; --amr, adaptive
-# meshes, two minutes, beside Open VKL if the binary was built with it; --amr_sizes, these by number of leaves, a minute;
+# meshes, two minutes, beside Open VKL if the binary was built with it; --amr_octrees, the same of octrees alone; --amr_sizes, these by number of leaves, a minute;
 # --effects, five minutes; --accuracy, what accuracy costs, a minute (small meshes; its page goes to out/accuracy);
 # --frames, frames by ray marching, three minutes, beside VTK's and, by a binary that was built with it, Open VKL's;
 # --advect, particles, beside VTK's in hexahedra, two minutes; --openvkl, points beside Open VKL, two minutes, by such a
@@ -15,11 +15,11 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 bench=${INSITU_BENCH:-build/release/bin/insitu-bench}
-cells=1000000 readme= parts="measured scale amr amr_sizes frames effects advect accuracy"
+cells=1000000 readme= parts="measured scale amr amr_octrees amr_sizes frames effects advect accuracy"
 for argument; do
   case $argument in
     --readme) readme=1 ;;
-    --measured|--scale|--amr|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl) parts=${argument#--} ;;
+    --measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl) parts=${argument#--} ;;
     *[!0-9]* | '') sed -n '2,14s/^# //p' "$0" >&2; exit 2 ;;
     *) cells=$argument ;;
   esac
@@ -169,6 +169,16 @@ amr() {
   echo
   echo '```'
   "$bench" amr --peers 2> /dev/null
+  echo '```'
+}
+
+amr_octrees() {
+  echo "\`insitu-bench amr\`, $(date -u +%Y-%m-%d) on $(nproc) cores, $(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo)," \
+    "one thread: columns as above."
+  echo
+  echo '```'
+  "$bench" amr 2> /dev/null |
+    awk '/^ +build s / || /^patches, dual/ || /^the same as plain/ || /^(front|random) octree, (dual mesh|plain cells)/'
   echo '```'
 }
 

@@ -256,7 +256,7 @@ std::string advise(const Sweep& s) {
     out += format("In fast a wrong cell or none is named for up to %.2g %% of random points (",
                   100 * worst) +
            worst_of->name + ", " + worst_of->group +
-           format(") and take %.1f times the time on this processor.", worst_ratio);
+           format("), for %.1f times the time on this processor.", worst_ratio);
   else
     out += "No setting named a wrong cell.";
   double slowest = 0.0, fastest = HUGE_VAL;

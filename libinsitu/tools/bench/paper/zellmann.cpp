@@ -82,13 +82,15 @@ public:
     Tables out;
     out.title = "Zellmann, Wu, Ma and Wald 2023, Memory-Efficient GPU Volume Path Tracing of AMR "
                 "Data Using the Dual Mesh";
-    out.notes = {"Left out: the authors' data sets. Ours are blocks of three levels about a sphere "
-                 "(in place of the block-structured Landing Gear), an octree refined about a front "
-                 "with two cells of buffer, levels differing by one at most (of Exajet, LANL "
-                 "Impact; table 1 tells its share of stitching cells, which falls with its "
-                 "size), and, as the hard case, a random octree about a wavy sphere whose levels "
-                 "differ by more. On the processor; a card's samplers of adaptive "
-                 "meshes are not measured here."};
+    out.notes = {
+        "Left out: the authors' data sets. Ours are blocks of three levels about a sphere "
+        "(in place of the block-structured Landing Gear), an octree refined about a front "
+        "with two cells of buffer, levels differing by one at most (of Exajet, LANL "
+        "Impact, whose regions are many cells thick: a shell about a front is all surface, "
+        "so its share of stitching cells, in table 1, is larger at any size), and, as the "
+        "hard case, a random octree about a wavy sphere whose levels "
+        "differ by more. On the processor; a card's samplers of adaptive "
+        "meshes are not measured here."};
     std::vector<Table> orbits;
     for (const auto make :
          {AdaptiveCase::of_blocks, AdaptiveCase::of_front, AdaptiveCase::of_octree}) {
