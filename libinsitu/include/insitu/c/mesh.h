@@ -73,7 +73,7 @@ typedef enum insitu_block_kind INSITU_INT {
 typedef struct insitu_block {
   size_t size;
   insitu_block_kind kind;
-  int64_t vertices[3];         /**< vertices along i, j, k; at least 2 each */
+  int64_t vertices[3];         /**< vertices along i, j, k; below 2 along an axis: no cells */
   double origin[3];            /**< UNIFORM */
   double spacing[3];           /**< UNIFORM; not 0 */
   insitu_array coordinates[3]; /**< RECTILINEAR: vertices[a] values along axis a */
