@@ -177,9 +177,10 @@ insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece, const insitu_bl
 insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, const char* name,
                                 insitu_association association, const insitu_array* arrays,
                                 int32_t array_count) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
     require(name, "name");
-    m.mesh().set_field(piece, name, association, arrays, array_count);
+    m.mesh.mesh().set_field(piece, name, association, arrays, array_count);
+    s.note_field(m, piece, name);
   });
 }
 
@@ -233,11 +234,11 @@ insitu_status insitu_mesh_advance(insitu_mesh mesh, const insitu_advance_args* a
 }
 
 insitu_status insitu_mesh_changed(insitu_mesh mesh, uint32_t what) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
     if (what & ~std::uint32_t(INSITU_CHANGED_ALL))
       throw core::Error(INSITU_ERROR_ARGUMENT,
                         "what: " + std::to_string(what) + ", a sum of INSITU_CHANGED_* expected");
-    m.mesh().set_changed(what);
+    s.note_changed(m, what);
   });
 }
 

@@ -87,9 +87,22 @@ void Session::choose_locator(SessionMesh& to, const insitu_locator* locator) {
   to.locator_chosen = locator != nullptr;
 }
 
+void Session::note_field(SessionMesh& mesh, std::int32_t piece, const std::string& field) {
+  if (checked_)
+    mesh.given.note_field(mesh.mesh.mesh(), piece, field);
+}
+
+void Session::note_changed(SessionMesh& mesh, std::uint32_t what) {
+  mesh.mesh.mesh().set_changed(what);
+  if (checked_)
+    mesh.given.told(what);
+}
+
 insitu_commit_report Session::commit(SessionMesh& to) {
   query::CommittedMesh& mesh = to.mesh;
   const std::uint32_t said = mesh.mesh().pending();
+  if (checked_)
+    to.given.check(mesh.mesh(), context_.log);
   if (checks(to))
     to.watch.expect_unchanged(said, context_.threads);
   if (runner_) {

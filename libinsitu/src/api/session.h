@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "api/array_watch.h"
+#include "api/given_watch.h"
 #include "api/query_args.h"
 #include "core/context.h"
 #include "core/memory.h"
@@ -20,7 +21,8 @@ namespace insitu::api {
 struct SessionMesh {
   SessionMesh(const std::string& name, core::Memory& memory) : mesh(name, memory), watch(memory) {}
   query::CommittedMesh mesh;
-  ArrayWatch watch; ///< used by checked sessions
+  ArrayWatch watch; ///< used by checked sessions, and so is the next
+  GivenWatch given;
   insitu_mesh handle = nullptr;
   bool locator_chosen = false; ///< by the caller, before the scene
 };
@@ -33,6 +35,10 @@ public:
 
   SessionMesh& mesh(const std::string& name);
   std::vector<std::unique_ptr<SessionMesh>>& meshes() { return meshes_; }
+
+  /// A field of a piece was given; what changed is told.
+  void note_field(SessionMesh& mesh, std::int32_t piece, const std::string& field);
+  void note_changed(SessionMesh& mesh, std::uint32_t what);
 
   insitu_commit_report commit(SessionMesh& mesh);
   /// Returns what failed, one line each.

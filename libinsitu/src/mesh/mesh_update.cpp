@@ -310,6 +310,8 @@ void Mesh::visit_arrays(ArrayVisitor visit) const {
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
     const std::string piece = piece_name(p);
     const Piece& from = pieces_[p];
+    if (from.has_cells && from.view.cell_count == 0) // nobody reads them
+      continue;
     visit_components(from.points, piece + "points", ArrayKind::geometry, visit);
     const std::pair<const ExternalArray*, const char*> cells[] = {
         {&from.connectivity, "connectivity"}, {&from.types, "types"},

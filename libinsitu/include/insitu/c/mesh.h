@@ -73,7 +73,7 @@ typedef enum insitu_block_kind INSITU_INT {
 typedef struct insitu_block {
   size_t size;
   insitu_block_kind kind;
-  int64_t vertices[3];         /**< vertices along i, j, k; at least 2 each */
+  int64_t vertices[3];         /**< vertices along i, j, k; below 2 along an axis: no cells */
   double origin[3];            /**< UNIFORM */
   double spacing[3];           /**< UNIFORM; not 0 */
   insitu_array coordinates[3]; /**< RECTILINEAR: vertices[a] values along axis a */
@@ -108,7 +108,8 @@ INSITU_API insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece,
                                            const insitu_block* block);
 
 /** A field on vertices or cells: one array of any component count, or one array a component;
- *  float32 or float64. All pieces must have it, with equal association and components. */
+ *  float32 or float64. All pieces that have cells must have it, with equal association and
+ *  components. A piece without cells adds nothing, with points and fields or without. */
 INSITU_API insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, const char* name,
                                            insitu_association association,
                                            const insitu_array* arrays, int32_t array_count);

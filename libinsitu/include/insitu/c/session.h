@@ -53,7 +53,8 @@ static inline insitu_session_options insitu_session_options_default(void) {
 }
 
 /** Opens a session. options may be null (the defaults). A bad scene is an error here, with file,
- *  line, key and the nearest valid key in the message; *session is then null. */
+ *  line, key and the nearest valid key in the message; *session is then null. What is wrong is
+ *  also logged, by the options' log or to stderr. */
 INSITU_API insitu_status insitu_session_open(const insitu_session_options* options,
                                              insitu_session* session);
 
