@@ -77,7 +77,8 @@ void expect_zeros(const void* given, std::size_t begin, std::size_t end, const s
 template <class T>
 std::size_t check_size(const T* given, const std::string& what) {
   if (!given)
-    throw Error(INSITU_ERROR_ARGUMENT, what + ": null, " + CallerStruct<T>::name + " expected");
+    throw Error(INSITU_ERROR_ARGUMENT,
+                what + ": null; make it with " + CallerStruct<T>::name + "_default()");
   const std::size_t most = keeps_size<T> ? sizeof(T) : detail::largest_struct;
   if (given->size < first_size<T> || given->size > most || given->size % alignof(T) != 0)
     detail::refuse_size(what, CallerStruct<T>::name, given->size, first_size<T>, most);

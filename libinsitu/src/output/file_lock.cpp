@@ -126,6 +126,22 @@ void remove_held(const std::string& path, const Held& held) {
     ::unlink(path.c_str());
 }
 
+HeldLocks& held_locks();
+
+/// Whether this process holds the lock file: by its path, or under another name of the folder.
+bool holds(const std::string& path, int descriptor) {
+  struct stat file {};
+  if (::fstat(descriptor, &file) != 0)
+    return true;
+  HeldLocks& all = held_locks();
+  const std::lock_guard<std::mutex> lock(all.mutex);
+  for (const auto& [name, held] : all.by_path)
+    if (held.process == ::getpid() &&
+        (name == path || (held.device == file.st_dev && held.inode == file.st_ino)))
+      return true;
+  return false;
+}
+
 HeldLocks& held_locks() {
   static auto* const locks = [] {
     auto* const fresh = new HeldLocks;
@@ -187,6 +203,17 @@ bool make(const std::string& path, const std::string& text, Held& held) {
   return error == 0;
 }
 
+/// The same, and notes it before any other thread can look.
+bool make_and_note(const std::string& path, const std::string& text) {
+  HeldLocks& all = held_locks();
+  const std::lock_guard<std::mutex> lock(all.mutex);
+  Held held{};
+  if (!make(path, text, held))
+    return false;
+  all.by_path[path] = held;
+  return true;
+}
+
 // ----------------------------------------------------------------------------------- the others
 
 class Others {
@@ -220,11 +247,12 @@ public:
       refuse("process " + std::to_string(holder->process) + " on host '" + holder->host + "'" +
                  (holder->host == me_.host ? ", in another container," : "") + " holds it",
              true);
-    if (holder->process == me_.process && holder->started == me_.started)
+    const bool mine = holder->process == me_.process && holder->started == me_.started;
+    if (mine && holds(path_, descriptor))
       refuse("another session or table of this process (" + std::to_string(me_.process) +
                  ") holds it",
              false);
-    if (runs(*holder))
+    if (!mine && runs(*holder)) // one of this process that it does not hold is a folder's copy
       refuse("process " + std::to_string(holder->process) + " on this host ('" + holder->host +
                  "') holds it",
              false);
@@ -269,8 +297,10 @@ private:
 } // namespace
 
 FileLock::FileLock(const std::string& target, const std::string& shown) {
-  const std::string path =
-      std::filesystem::absolute(target).lexically_normal().string() + std::string(lock_suffix);
+  std::error_code error;
+  const std::filesystem::path absolute = std::filesystem::absolute(target, error);
+  const std::filesystem::path real = std::filesystem::weakly_canonical(absolute, error);
+  const std::string path = (error ? absolute : real).string() + std::string(lock_suffix);
   const Holder me = myself();
   const std::string text = text_of(me);
   constexpr int most_tries = 500;
@@ -280,11 +310,7 @@ FileLock::FileLock(const std::string& target, const std::string& shown) {
     } catch (const core::Error&) {
       return;
     }
-    Held held{};
-    if (make(path, text, held)) {
-      HeldLocks& all = held_locks();
-      const std::lock_guard<std::mutex> lock(all.mutex);
-      all.by_path[path] = held;
+    if (make_and_note(path, text)) {
       path_ = path;
       return;
     }

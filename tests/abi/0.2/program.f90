@@ -35,7 +35,7 @@ program abi_program
   call expect('hexahedra', ierr == insitu_ok)
   call mesh%vertex_field('pressure', pressure, ierr)
   call expect('pressure', ierr == insitu_ok)
-  call mesh%vertex_field('velocity', velocity, ierr)
+  call mesh%vertex_field('velocity', velocity, ierr, vector=.true.)
   call expect('velocity', ierr == insitu_ok)
   call mesh%validate(validation, ierr)
   call expect('validate', ierr == insitu_ok .and. validation%cells == 1)

@@ -1,14 +1,22 @@
 /// Two sessions that would write the same files: in one process, in two, and after a kill.
 #include <algorithm>
+#include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <fcntl.h>
 #include <filesystem>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <insitu/insitu.hpp>
+#include <spawn.h>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 
 #include "two.h"
 #include "unit/output/folder.h"
+
+extern char** environ;
 
 namespace {
 
@@ -22,7 +30,7 @@ tracers:
   - {name: paths, velocity: u, seeds: [[0.2, 0.5, 0.5]], output: [csv, vtp, netcdf]}
   - {name: lines, kind: streamline, velocity: u, seeds: [[0.2, 0.5, 0.5]], output: [csv, vtp]}
 frames:
-  - {name: front, size: [16, 16], volume: {field: p}, formats: [png, exr]}
+  - {name: front, size: [16, 16], volume: {field: p}, format: [png, exr]}
 )";
 
 std::string with_probe(const std::string& name) {
@@ -46,7 +54,7 @@ struct Solver : Two {
     mesh.points(xyz);
     mesh.hexahedra(ids);
     mesh.vertex_field("p", pressure);
-    mesh.vertex_field("u", u, 3);
+    mesh.vertex_field("u", insitu::Array(u).components(3));
   }
 };
 
@@ -176,34 +184,51 @@ TEST(SessionLocks, TheDefaultSceneIsLockedWithItsFirstFrame) {
   EXPECT_EQ(second.report().frames, 1);
 }
 
-/// A child process with an open session, which writes "x" once it is open and then waits.
-pid_t holder(const std::string& scene, const std::string& out, int ready) {
-  const pid_t child = ::fork();
-  if (child != 0)
-    return child;
-  insitu_session session = nullptr;
-  insitu_session_options o = insitu_session_options_default();
-  o.scene_text = scene.c_str();
-  o.output = out.c_str();
-  const bool open = insitu_session_open(&o, &session) == INSITU_OK;
-  (void)!::write(ready, open ? "x" : "-", 1);
-  ::pause();
-  ::_exit(0);
+/// Not a test: what the process does that TwoProcesses starts. It opens a session, says so by a
+/// file, and waits to be killed.
+TEST(SessionLocks, DISABLED_Holder) {
+  const char* const folder = std::getenv("INSITU_LOCKS_TEST_FOLDER");
+  ASSERT_TRUE(folder);
+  ::alarm(30); // should the other one fail
+  insitu::Session session(options(everything, folder));
+  std::ofstream(std::string(folder) + "/ready");
+  for (;;)
+    ::pause();
+}
+
+pid_t start_holder(const std::string& folder) {
+  const std::string variable = "INSITU_LOCKS_TEST_FOLDER=" + folder;
+  std::vector<std::string> words{"locks_test", "--gtest_also_run_disabled_tests",
+                                 "--gtest_filter=SessionLocks.DISABLED_Holder"};
+  std::vector<char*> arguments, environment{const_cast<char*>(variable.c_str())};
+  for (std::string& w : words)
+    arguments.push_back(w.data());
+  for (char** e = environ; *e; ++e)
+    environment.push_back(*e);
+  arguments.push_back(nullptr);
+  environment.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  pid_t child = -1;
+  const int error = ::posix_spawn(&child, "/proc/self/exe", &actions, nullptr, arguments.data(),
+                                  environment.data());
+  posix_spawn_file_actions_destroy(&actions);
+  return error == 0 ? child : -1;
 }
 
 TEST(SessionLocks, TwoProcessesAndOneThatIsKilled) {
   const test::Folder folder;
-  int ready[2];
-  ASSERT_EQ(::pipe(ready), 0);
-  const pid_t child = holder(everything, folder.path(), ready[1]);
+  const pid_t child = start_holder(folder.path());
   ASSERT_GT(child, 0);
-  char byte = 0;
-  ASSERT_EQ(::read(ready[0], &byte, 1), 1);
-  ASSERT_EQ(byte, 'x');
+  int status = 0;
+  while (!std::filesystem::exists(folder / "ready")) {
+    ASSERT_EQ(::waitpid(child, &status, WNOHANG), 0) << "it ended";
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
   const std::string why = refusal(with_probe("gauges"), folder.path());
   EXPECT_TRUE(holds(why, "process " + std::to_string(child)) && holds(why, "gauges*'")) << why;
   ASSERT_EQ(::kill(child, SIGKILL), 0);
-  int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_EQ(locks_in(folder.path()).size(), 5u);
   {
@@ -213,8 +238,6 @@ TEST(SessionLocks, TwoProcessesAndOneThatIsKilled) {
     EXPECT_TRUE(next.execute(0, 0.0)) << insitu_last_message();
   }
   EXPECT_TRUE(locks_in(folder.path()).empty());
-  ::close(ready[0]);
-  ::close(ready[1]);
 }
 
 TEST(SessionLocks, WhereNothingCanBeWrittenActionsFailAsEver) {

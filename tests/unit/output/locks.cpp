@@ -1,7 +1,9 @@
 // Lock files: one writer at a time, of this process and others, and what dead ones leave.
+#include <atomic>
 #include <csignal>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 #include <vector>
 
@@ -31,8 +33,10 @@ std::string lock_file(const std::string& target) {
 template <class Body>
 pid_t child_of(Body&& body) {
   const pid_t child = ::fork();
-  if (child == 0)
+  if (child == 0) {
+    ::alarm(60); // should the parent fail
     ::_exit(body());
+  }
   return child;
 }
 int status_of(pid_t child) {
@@ -197,6 +201,41 @@ TEST(FileLocks, OfManyThatFindAStaleOneOneTakesIt) {
     ::close(start[0]);
     ::close(end[0]);
   }
+}
+
+TEST(FileLocks, OfManyThreadsOneTakesIt) {
+  const Folder folder;
+  const std::string target = folder / "a";
+  for (int round = 0; round < 20; ++round) {
+    std::atomic<int> taken{0}, tried{0};
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 8; ++i)
+      threads.emplace_back([&] {
+        try {
+          const FileLock lock(target);
+          taken += lock.held();
+          ++tried;
+          while (tried < 8)
+            std::this_thread::yield();
+        } catch (const BeingWritten&) {
+          ++tried;
+        }
+      });
+    for (std::thread& t : threads)
+      t.join();
+    EXPECT_EQ(taken, 1);
+  }
+}
+
+TEST(FileLocks, AFoldersOtherNameAndItsCopy) {
+  const Folder folder;
+  std::filesystem::create_directory(folder / "out");
+  std::filesystem::create_directory_symlink(folder / "out", folder / "link");
+  const FileLock lock(folder / "out/a");
+  EXPECT_NE(refusal(folder / "link/a").find("this process"), std::string::npos);
+  std::filesystem::copy(folder / "out", folder / "copy");
+  EXPECT_EQ(refusal(folder / "copy/a"), "taken") << "what is in a copy locks nothing";
+  EXPECT_TRUE(std::filesystem::exists(lock_file(folder / "out/a")));
 }
 
 TEST(FileLocks, WhereNoFileCanBeMadeNoneIsHeld) {
