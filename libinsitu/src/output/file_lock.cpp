@@ -10,6 +10,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <signal.h>
 #include <sstream>
 #include <sys/file.h>
@@ -117,6 +118,7 @@ struct Held {
 struct HeldLocks {
   std::mutex mutex;
   std::map<std::string, Held> by_path;
+  std::set<std::string> made_folders; ///< for a lock; they go with the last one if nothing came in
 };
 
 void remove_held(const std::string& path, const Held& held) {
@@ -203,10 +205,21 @@ bool make(const std::string& path, const std::string& text, Held& held) {
   return error == 0;
 }
 
-/// The same, and notes it before any other thread can look.
+/// The same, and notes it before any other thread can look. Makes the folder if absent.
 bool make_and_note(const std::string& path, const std::string& text) {
   HeldLocks& all = held_locks();
   const std::lock_guard<std::mutex> lock(all.mutex);
+  const std::string folder = folder_of(path);
+  std::error_code error;
+  const bool absent = !std::filesystem::exists(folder, error);
+  try {
+    prepare_folder(folder);
+    if (absent)
+      all.made_folders.insert(folder);
+  } catch (const core::Error&) {
+    errno = ENOTDIR; // or whatever it was
+    return false;
+  }
   Held held{};
   if (!make(path, text, held))
     return false;
@@ -305,11 +318,6 @@ FileLock::FileLock(const std::string& target, const std::string& shown) {
   const std::string text = text_of(me);
   constexpr int most_tries = 500;
   for (int i = 0; i <= most_tries; ++i) {
-    try {
-      prepare_folder(folder_of(path));
-    } catch (const core::Error&) {
-      return;
-    }
     if (make_and_note(path, text)) {
       path_ = path;
       return;
@@ -331,6 +339,9 @@ FileLock::~FileLock() {
     return;
   remove_held(path_, it->second);
   all.by_path.erase(it);
+  const auto folder = all.made_folders.find(folder_of(path_));
+  if (folder != all.made_folders.end() && ::rmdir(folder->c_str()) == 0)
+    all.made_folders.erase(folder);
 }
 
 } // namespace insitu::output

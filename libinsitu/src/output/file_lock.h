@@ -27,9 +27,10 @@ public:
 /// remove. A process that exits removes its own; a forked child leaves its parent's alone.
 class FileLock {
 public:
-  /// Makes the folder if absent. Throws BeingWritten, which names `shown` and the holder. Where the
-  /// system refuses to make the lock file (a folder that is read-only, a full disk), held() is
-  /// false: writing the file will meet the same refusal, and names what was asked for.
+  /// Makes the folder if absent, which goes again with the last lock if no file came in. Throws
+  /// BeingWritten, which names `shown` and the holder. Where the system refuses to make the lock
+  /// file (a folder that is read-only, a full disk), held() is false: writing the file will meet
+  /// the same refusal, and names what was asked for.
   FileLock(const std::string& target, const std::string& shown);
   explicit FileLock(const std::string& target) : FileLock(target, target) {}
   ~FileLock();

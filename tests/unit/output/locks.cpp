@@ -70,7 +70,10 @@ TEST(FileLocks, ASecondOneInTheProcessIsRefusedUntilTheFirstEnds) {
   }
   EXPECT_EQ(refusal(target), "taken");
   EXPECT_FALSE(std::filesystem::exists(lock_file(target)));
-  EXPECT_TRUE(std::filesystem::is_empty(folder / "sub")) << "unfinished lock files";
+  EXPECT_FALSE(std::filesystem::exists(folder / "sub")) << "made for the locks alone";
+  std::filesystem::create_directory(folder / "theirs");
+  EXPECT_EQ(refusal(folder / "theirs/a"), "taken");
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "theirs")) << "unfinished lock files";
 }
 
 TEST(FileLocks, AnotherProcessIsRefusedAndToldWhoHoldsIt) {
