@@ -9,6 +9,7 @@
 
 #include "api/array_watch.h"
 #include "api/given_watch.h"
+#include "api/output_locks.h"
 #include "api/query_args.h"
 #include "core/context.h"
 #include "core/memory.h"
@@ -60,7 +61,7 @@ public:
                     double* values);
 
   insitu_report report() const;
-  void write_summary(const std::string& path, double solver_seconds) const;
+  void write_summary(const std::string& path, double solver_seconds);
 
   core::Context& context() { return context_; }
   /// One thread at a time; see Occupied in entry.h.
@@ -89,6 +90,8 @@ private:
                       const QueryPoints& points,
                       core::FunctionRef<void(std::int64_t, std::span<const math::Vec3d>)> visit);
   std::vector<query::CommittedMesh*> commit_all();
+  void note_communicator();
+  void make_runner(const scene::SceneDescription& scene);
   void make_default_runner();
   /// Makes it; returns what is in the way, logged once.
   std::string try_default_runner();
@@ -104,6 +107,7 @@ private:
   core::Buffer<math::Vec3d> query_points_; ///< scratch of queries, kept from one to the next
   std::vector<std::unique_ptr<SessionMesh>> meshes_;
   std::optional<scene::SceneDescription> scene_; ///< that the caller gave
+  OutputLocks locks_; ///< of what the runner writes
   std::unique_ptr<scene::Runner> runner_;
   std::string default_failure_; ///< the last one logged
   std::string plan_;            ///< the last one

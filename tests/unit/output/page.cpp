@@ -87,7 +87,7 @@ TEST(RunPages, ThePageIsWholeAndTheDataGrows) {
   EXPECT_EQ(data(folder), lines({3}));
   page.add(entry(4, "</script>"));
   EXPECT_EQ(data(folder), lines({3}) + "insitu.push(" + entry(4, "</script>") + ");\n");
-  EXPECT_EQ(folder.count(), 2u);
+  EXPECT_EQ(folder.count(), 3u) << "the page, its data, and the lock while it is written";
   const std::string html = test::content(folder / RunPage::page_name);
   EXPECT_TRUE(html.starts_with("<!doctype html>") && html.ends_with("</html>\n"));
   EXPECT_EQ(html.find("/*page"), std::string::npos) << "a part is missing";

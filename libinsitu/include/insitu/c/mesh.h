@@ -46,6 +46,7 @@ typedef struct insitu_cells {
   insitu_array types;   /**< for MIXED: uint8, VTK's numbers */
   insitu_array offsets; /**< for MIXED: int32 or int64, where a cell's ids start */
   int32_t index_base;   /**< 0 or 1: how the ids in connectivity (and in offsets) count */
+  int32_t reserved;     /**< 0 */
 } insitu_cells;
 
 static inline insitu_cells insitu_cells_default(void) {
@@ -58,6 +59,7 @@ static inline insitu_cells insitu_cells_default(void) {
   c.types = insitu_array_default();
   c.offsets = insitu_array_default();
   c.index_base = 0;
+  c.reserved = 0;
   return c;
 }
 
@@ -160,6 +162,7 @@ typedef struct insitu_frame {
   insitu_angle angle;       /**< GEODETIC; else DEGREES */
   insitu_length length;     /**< GEODETIC: of the third number; else METRES */
   insitu_vertical vertical; /**< GEODETIC, UTM; else UP */
+  int32_t reserved;         /**< 0 */
 } insitu_frame;
 
 static inline insitu_frame insitu_frame_default(void) {
@@ -172,6 +175,7 @@ static inline insitu_frame insitu_frame_default(void) {
   f.angle = INSITU_DEGREES;
   f.length = INSITU_METRES;
   f.vertical = INSITU_UP;
+  f.reserved = 0;
   return f;
 }
 
