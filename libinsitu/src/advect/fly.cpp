@@ -104,6 +104,7 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
                : p.fresh                ? INSITU_END_SEED_OUTSIDE
                                         : INSITU_END_LEFT;
       velocity_.accepted();
+      x = kept_inside(x);
       spot_cell_ = -1;
       p.fresh = false;
       if (std::isnan(carried.velocity.x))
@@ -216,6 +217,7 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
       continue;
     }
     velocity_.accepted();
+    trial.x = kept_inside(trial.x);
     if (recorder_) {
       State then = p;
       then.x = velocity_.place(trial.x);

@@ -44,10 +44,36 @@ MeshVelocity::Kept& MeshVelocity::keep(std::int64_t cell) {
 /// By the sampler: the point is in no cell that is kept, or cannot be proven to be.
 Sampled MeshVelocity::located(const Vec3d& x, Vec3d& v, query::Location* where) {
   note_unguided();
-  const query::Location at = sampler_->locate(x, keeps_ ? -1 : hint_, options());
+  query::Location at = sampler_->locate(x, keeps_ ? -1 : hint_, options());
+  if (!at)
+    at = beside_mesh(x);
   if (where)
     *where = at;
   return taken(at, v);
+}
+
+/// Of a point that no cell holds: where it is in the mesh, if it is beyond it by rounding alone. Not
+/// of one that was never in a cell.
+query::Location MeshVelocity::beside_mesh(const Vec3d& x) {
+  Vec3d inside = x;
+  const double reach =
+      query::rounding_in(sampler_->mesh(), cell_ >= 0 ? cell_ : hint_, options().alpha);
+  const query::Location at = query::bring_inside(*sampler_, inside, reach, options());
+  if (at) {
+    beside_ = x;
+    inside_ = inside;
+  }
+  return at;
+}
+
+Vec3d MeshVelocity::kept_inside(const Vec3d& x) {
+  if (x == beside_)
+    return inside_;
+  // What goes along faces of its own cell may be beyond the mesh by rounding.
+  if (!confined_ || along_ == 0 || cells::decide(own_->vertices.shape, own_->vertices.x, x) ||
+      sampler_->locate(x, own_->cell, options()) || !beside_mesh(x))
+    return x;
+  return inside_;
 }
 
 /// The velocity at a place that was located, whose cell is kept.
@@ -117,9 +143,10 @@ Sampled MeshVelocity::in_own_cell(const Vec3d& x, Vec3d& v, query::Location* whe
   if (!map.converged || !(map.margin > -0.5))
     return Sampled::outside;
   hint_ = own_->cell;
+  const Vec3d r = on_own_faces(x, map.r);
   if (where)
-    *where = {own_->cell, map.r};
-  return value(*own_, map.r, v);
+    *where = {own_->cell, r};
+  return value(*own_, r, v);
 }
 
 double MeshVelocity::depth(const Vec3d& x, double t) {
