@@ -42,7 +42,8 @@ concept CellwiseField = requires(F& f, const Vec3d& x, double t) {
 /// particle's place is then that point. It may tell by way_out(a, b, t) at what part of the
 /// segment that is, or a negative number, and change nothing. One that takes points beyond its
 /// domain by rounding for points in it tells by kept_inside(x), with x the point asked last, where
-/// a particle that comes there is.
+/// a particle that comes there is, and by kept_inside(x, t) where at a time that is its own to
+/// rounding.
 template <class F>
 concept ExitingField = requires(F& f, const Vec3d& x, double t) {
   { f.leave(x, x, t, t)->inside } -> std::convertible_to<Vec3d>;
@@ -120,13 +121,16 @@ private:
   Verdict another();
   void choose_step();
   insitu_ending stops() const;
+  bool is_close(const Vec3d& way, double time) const;
+  bool creeps(const Trial& trial);
   bool give_up(const Trial& trial, double& factor);
   double growth_allowed(const Trial& trial);
   bool exit(const Vec3d& b, double dt);
   void accept(Trial& trial);
-  Vec3d kept_inside(const Vec3d& x) {
-    if constexpr (requires { velocity_.kept_inside(x); })
-      return velocity_.kept_inside(x);
+  template <class... Time>
+  Vec3d kept_inside(const Vec3d& x, Time... time) {
+    if constexpr (requires { velocity_.kept_inside(x, time...); })
+      return velocity_.kept_inside(x, time...);
     return x;
   }
   DenseStep path_of(const Trial& trial) const {
@@ -262,6 +266,8 @@ typename Integration<M, F, Visit>::Verdict Integration<M, F, Visit>::judge(Trial
   work_.evaluations += M::evaluations;
   ending_ = INSITU_END_COUNT;
   double factor = 1.0; // of the next trial's step; 1: this one may be accepted
+  if (trial.sampled == Sampled::inside && creeps(trial))
+    trial.sampled = Sampled::outside;
   if (trial.sampled == Sampled::inside) {
     factor = growth_allowed(trial);
     if (ending_ != INSITU_END_COUNT) {
@@ -353,7 +359,7 @@ void Integration<M, F, Visit>::accept(Trial& trial) {
   const Vec3d from = p_.x, before = k1_;
   const bool cut = h < wanted_;
   velocity_.accepted();
-  trial.x = kept_inside(trial.x);
+  trial.x = h == remaining_ ? kept_inside(trial.x, to_) : kept_inside(trial.x);
   ++work_.steps;
   work_.forced += forced_;
   elapsed_ = h == remaining_ ? span_ : elapsed_ + h;

@@ -61,19 +61,28 @@ query::Location MeshVelocity::beside_mesh(const Vec3d& x) {
   const query::Location at = query::bring_inside(*sampler_, inside, reach, options());
   if (at) {
     beside_ = x;
+    beside_alpha_ = alpha_;
     inside_ = inside;
   }
   return at;
 }
 
 Vec3d MeshVelocity::kept_inside(const Vec3d& x) {
-  if (x == beside_)
+  if (x == beside_ && (!moves_ || alpha_ == beside_alpha_))
     return inside_;
   // What goes along faces of its own cell may be beyond the mesh by rounding.
   if (!confined_ || along_ == 0 || cells::decide(own_->vertices.shape, own_->vertices.x, x) ||
       sampler_->locate(x, own_->cell, options()) || !beside_mesh(x))
     return x;
   return inside_;
+}
+
+Vec3d MeshVelocity::kept_inside(const Vec3d& x, double t) {
+  const Vec3d y = kept_inside(x);
+  if (!moves_ || alpha(t) == alpha_)
+    return y;
+  set_alpha(t);
+  return sampler_->locate(y, cell_, options()) || !beside_mesh(y) ? y : inside_;
 }
 
 /// The velocity at a place that was located, whose cell is kept.
@@ -301,7 +310,17 @@ Crossed MeshVelocity::crossed(const Vec3d& x, const query::Location& at) {
 double MeshVelocity::way_out(const Vec3d& a, const Vec3d& b, double t) {
   set_alpha(t);
   const auto exit = query::leave_mesh(*sampler_, cell_, a, b, options());
-  return exit ? exit->t : -1.0;
+  if (!exit)
+    return -1.0;
+  // What goes along a wall, and leaves further on, may by rounding be out of it at once.
+  constexpr double no_way = control::on_face, some_way = 1e-3; // cells
+  const double cells = cells_crossed(b - a, extent());
+  if (exit->t * cells < no_way && cells > some_way) {
+    const Vec3d on = a + (some_way / cells) * (b - a);
+    if (sampler_->locate(on, cell_, options()) || beside_mesh(on))
+      return -1.0;
+  }
+  return exit->t;
 }
 
 std::optional<query::Exit> MeshVelocity::leave(const Vec3d& a, const Vec3d& b, double t,

@@ -68,6 +68,9 @@ public:
   /// The point asked last or, where it lies beyond the mesh by rounding at its cell's size and no
   /// more, the place in the mesh that stands for it.
   math::Vec3d kept_inside(const math::Vec3d& x);
+  /// The same for where it is at time t, which is that of the point asked last to rounding: so is the
+  /// geometry.
+  math::Vec3d kept_inside(const math::Vec3d& x, double t);
 
   /// How much of the current step there is at time t; of the geometry it is 1 if nothing moved.
   double alpha(double t) const { return times_.alpha(t); }
@@ -304,6 +307,7 @@ protected:
   math::Vec3d outside_; ///< coordinates in the cell that was tried last
   /// A point beyond the mesh by rounding alone, and the place that stands for it.
   math::Vec3d beside_{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}, inside_;
+  double beside_alpha_ = 1.0; ///< of the geometry that this is so in
   Kept cells_[3];
   Kept* kept_[2] = {&cells_[0], &cells_[1]};
   int last_ = 0; ///< of kept_, that which answered last

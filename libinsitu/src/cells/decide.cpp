@@ -43,9 +43,20 @@ Vec3d put_on_faces_of(mesh::Shape shape, const Vec3d* x, const Vec3d& p, const V
       curved += face.vertex_count == 4;
     }
   }
-  if (curved > 0)
+  if (curved > 0) {
     if (const unsigned corners = vertices_of(shape, decide(shape, x, p)); corners != 0)
       on &= corners;
+    for (int e = 0; e < table.edge_count; ++e) {
+      const Vec3d &a = x[table.edges[e].vertices[0]], &b = x[table.edges[e].vertices[1]];
+      bool in_line = true;
+      for (int axis = 0; axis < 3; ++axis) {
+        const int u = (axis + 1) % 3, w = (axis + 2) % 3;
+        in_line = in_line && predicates.orient2d(a[u], a[w], b[u], b[w], p[u], p[w]) == 0;
+      }
+      if (in_line && !(a == b))
+        on &= 1u << table.edges[e].vertices[0] | 1u << table.edges[e].vertices[1];
+    }
+  }
   return on == 0xff ? r : put_on(shape, on, r);
 }
 

@@ -114,7 +114,8 @@ INSITU_HD inline unsigned vertices_near(mesh::Shape shape, const math::Vec3d& r,
 }
 
 /// The coordinates r, of a point p that may lie beyond the cell's faces, put on those faces as near
-/// as this to r on which, or in whose planes, p lies exactly.
+/// as this to r on which, or in whose planes, p lies exactly; where one of these is curved, on edges
+/// in whose lines it lies, too.
 math::Vec3d put_on_faces_of(mesh::Shape shape, const math::Vec3d* x, const math::Vec3d& p,
                             const math::Vec3d& r, double near);
 

@@ -62,11 +62,18 @@ std::optional<Vec3d> nearest_in(const mesh::CellVertices& c, const Vec3d& p, dou
   if (!map.converged || !(map.margin > -far))
     return std::nullopt;
   for (double in = 0.0; in < far; in = in == 0.0 ? 0x1p-53 : 2.0 * in) {
-    const Vec3d y = clamped(cells::map_to_physical(c.shape, c.x, within(c.shape, map.r, in)), low, high);
+    Vec3d y = clamped(cells::map_to_physical(c.shape, c.x, within(c.shape, map.r, in)), low, high);
     if (!(largest(y - p) <= 4.0 * reach))
       break;
-    if (decide(c.shape, c.x, y))
-      return y;
+    if (!decide(c.shape, c.x, y))
+      continue;
+    for (const int a : {2, 1, 0}) { // what need not move does not: depths, above all
+      Vec3d less = y;
+      less[a] = p[a];
+      if (decide(c.shape, c.x, less))
+        y = less;
+    }
+    return y;
   }
   return std::nullopt;
 }
