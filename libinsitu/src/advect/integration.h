@@ -122,6 +122,7 @@ private:
   void choose_step();
   insitu_ending stops() const;
   bool is_close(const Vec3d& way, double time) const;
+  bool is_close(const Vec3d& way, double time, double tolerance) const;
   bool creeps(const Trial& trial);
   bool give_up(const Trial& trial, double& factor);
   double growth_allowed(const Trial& trial);
@@ -373,7 +374,10 @@ void Integration<M, F, Visit>::accept(Trial& trial) {
   const bool closing_in = closing_in_ > 0;
   if (closing_in) {
     p_.step = h;
-    steps_ += --closing_in_ == 0;
+    if (--closing_in_ == 0) { // past it, or on a wall that it does not cross: there steps may grow
+      ++steps_;
+      free_steps_ = std::max(free_steps_, 1);
+    }
   } else {
     ++steps_;
     free_steps_ -= free_steps_ > 0;

@@ -8,7 +8,10 @@ namespace insitu::advect {
 /// Whether a way in coordinates and time is as short as an exit is told by.
 template <class M, VelocityField F, class Visit>
 bool Integration<M, F, Visit>::is_close(const Vec3d& way, double time) const {
-  const double tolerance = closely_ ? 4.0 * epsilon : s_.exit_tolerance;
+  return is_close(way, time, closely_ ? 4.0 * epsilon : s_.exit_tolerance);
+}
+template <class M, VelocityField F, class Visit>
+bool Integration<M, F, Visit>::is_close(const Vec3d& way, double time, double tolerance) const {
   // Far from the origin coordinates may be coarser than the tolerance.
   const double coarse = 8.0 * epsilon * cells_crossed(p_.x, {1.0, 1.0, 1.0});
   // Time counts too: a moving mesh can leave a particle that is at rest.
@@ -17,11 +20,12 @@ bool Integration<M, F, Visit>::is_close(const Vec3d& way, double time) const {
          (span_ == infinity || time <= tolerance * span_);
 }
 
-/// Whether a step that closes in on an exit is so short that only therefore it ends beyond the mesh
-/// by no more than rounding: many of these would go with a wall that moves, or never come to an end.
+/// Whether a step is so short that only therefore it ends beyond the mesh by no more than rounding:
+/// many of these would go with a wall that moves, or never come to an end.
 template <class M, VelocityField F, class Visit>
 bool Integration<M, F, Visit>::creeps(const Trial& trial) {
-  return closing_in_ > 0 && is_close(trial.x - p_.x, h_) && !(kept_inside(trial.x) == trial.x);
+  return (closing_in_ > 0 || span_ < infinity) && !confined_ &&
+         is_close(trial.x - p_.x, h_, s_.exit_tolerance) && !(kept_inside(trial.x) == trial.x);
 }
 
 /// A stage of the trial was not inside. False: `factor` of the step may be; else it ends.

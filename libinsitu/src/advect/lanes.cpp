@@ -142,7 +142,7 @@ void LaneBatch::try_cells() {
       }
       if (l.sampled_ == Sampled::inside) {
         l.hint_ = k.cell;
-        const Vec3d r = l.confined_ ? l.on_own_faces(l.x_, found.r) : found.r;
+        const Vec3d r = l.confined_ ? l.on_own_faces(l.x_, found.r, found.error) : found.r;
         if (k.values == 1 || !(r == found.r))
           l.sampled_ = l.value(k, r, l.v_);
         else {

@@ -202,7 +202,7 @@ protected:
 
   // at: where to say where x lies, or null.
   Sampled located(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
-  query::Location beside_mesh(const math::Vec3d& x);
+  query::Location beside_mesh(const math::Vec3d& x, double least_reach = 0.0);
   Sampled taken(const query::Location& at, math::Vec3d& v);
   Sampled in_own_cell(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
   // Loading a cell in steps, so that many are waited for at once: asks for its ids; has them, and
@@ -265,10 +265,11 @@ protected:
   std::int64_t cell_across() const;
   void take_own(std::int64_t cell);
   /// Coordinates in the own cell, exactly on the faces on which x lies, as owners' are.
-  math::Vec3d on_own_faces(const math::Vec3d& x, const math::Vec3d& r) const {
+  math::Vec3d on_own_faces(const math::Vec3d& x, const math::Vec3d& r, double error) const {
     const mesh::CellVertices& c = own_->vertices;
     return cells::is_near_faces(c.shape, r, control::on_face)
-               ? cells::put_on_faces_of(c.shape, c.x, x, r, control::on_face)
+               ? cells::put_on_faces_of(c.shape, c.x, x, cells::put_on_nearest(c.shape, r, error),
+                                        control::on_face)
                : r;
   }
   Crossed enter(const math::Vec3d& x, const query::Location& at);
@@ -307,6 +308,7 @@ protected:
   math::Vec3d outside_; ///< coordinates in the cell that was tried last
   /// A point beyond the mesh by rounding alone, and the place that stands for it.
   math::Vec3d beside_{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}, inside_;
+  bool landed_ = false;       ///< the particle has just come to a face of the own cell
   double beside_alpha_ = 1.0; ///< of the geometry that this is so in
   Kept cells_[3];
   Kept* kept_[2] = {&cells_[0], &cells_[1]};

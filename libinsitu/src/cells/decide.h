@@ -70,7 +70,7 @@ INSITU_HD inline bool is_plausible(bool converged, double margin) {
 }
 
 /// The parametric coordinates of a point in a cell that holds it; on the face, edge or vertex that
-/// the decision names, exactly (put_on, on_feature.h).
+/// the decision names, or that is as near as rounding, exactly (on_feature.h).
 math::Vec3d parametric_in(mesh::Shape shape, const math::Vec3d* x, const math::Vec3d& p,
                           const Decision& decision = {});
 

@@ -7,7 +7,8 @@
 #include "mesh/shape.h"
 
 /// Parametric coordinates of points on a cell's boundary: where a point lies on a face, edge or
-/// vertex, the weights (shape_functions) of the vertices that are not on it are 0, to the bit.
+/// vertex, or as near as an inverse map can tell, the weights (shape_functions) of the vertices that
+/// are not on it are 0, to the bit. What is proven to be within a cell is further away.
 namespace insitu::cells {
 
 /// The local vertices, a bit each, of the face, edge or vertex that a decision names; 0: none.
@@ -111,6 +112,13 @@ INSITU_HD inline unsigned vertices_near(mesh::Shape shape, const math::Vec3d& r,
   if (at.slanted != 0 && is(1.0 - sum))
     on &= at.slanted;
   return on == 0xff ? 0 : on;
+}
+
+/// Coordinates, with the error of an inverse map, put on the smallest face, edge or vertex that is
+/// no further away. What a point there that is not on a face has of the vertices beside it is noise.
+INSITU_HD inline math::Vec3d put_on_nearest(mesh::Shape shape, const math::Vec3d& r, double error) {
+  constexpr double largest = 1e-9; // else all of a flat cell may be no further away
+  return error < largest ? put_on(shape, vertices_near(shape, r, error), r) : r;
 }
 
 /// The coordinates r, of a point p that may lie beyond the cell's faces, put on those faces as near
