@@ -104,6 +104,7 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
                : p.fresh                ? INSITU_END_SEED_OUTSIDE
                                         : INSITU_END_LEFT;
       velocity_.accepted();
+      x = kept_inside(x);
       spot_cell_ = -1;
       p.fresh = false;
       if (std::isnan(carried.velocity.x))
@@ -167,12 +168,17 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
       const double crossed = cells_crossed(per_metre.coordinates(trial.moved), extent);
       chord = length_of(trial.moved);
       double factor = 1.0;
+      const auto is_close = [&] {
+        return crossed <= settings_.exit_tolerance && h <= settings_.exit_tolerance * cell_time;
+      };
+      // As short as that, rounding does not bring it back: it would go on so without end.
+      if (trial.sampled == Sampled::inside && closing && is_close() &&
+          !(kept_inside(trial.x) == trial.x))
+        trial.sampled = Sampled::outside;
       if (trial.sampled == Sampled::not_finite && crossed <= settings_.exit_tolerance)
         return INSITU_END_NOT_FINITE;
       if (trial.sampled != Sampled::inside) {
-        exit = trials == most_trials ||
-               (crossed <= settings_.exit_tolerance && h <= settings_.exit_tolerance * cell_time) ||
-               p.time + 0.5 * h == p.time;
+        exit = trials == most_trials || is_close() || p.time + 0.5 * h == p.time;
         if (exit)
           break;
         closing = true;
@@ -216,6 +222,7 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
       continue;
     }
     velocity_.accepted();
+    trial.x = kept_inside(trial.x);
     if (recorder_) {
       State then = p;
       then.x = velocity_.place(trial.x);

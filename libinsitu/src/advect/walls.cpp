@@ -8,6 +8,7 @@
 #include "advect/integrate.h"
 #include "cells/faces.h"
 #include "cells/kernels.h"
+#include "query/beside_mesh.h"
 #include "query/face_crossing.h"
 
 namespace insitu::advect {
@@ -144,8 +145,13 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
     int k = 0;
     for (; k < parts; ++k) {
       const geo::Pole pole = space_.pole_of(at.x);
-      const Vec3d x = at.x + part, y = space_.image(x, pole);
-      const query::Location found = locate(y, at.cell, alpha);
+      const Vec3d x = at.x + part;
+      Vec3d y = space_.image(x, pole);
+      query::Location found = locate(y, at.cell, alpha);
+      if (!found) // beyond the wall by rounding, it is on it
+        found = query::bring_inside(*sampler_, y,
+                                    query::rounding_in(sampler_->mesh(), at.cell, alpha),
+                                    {accuracy_, alpha});
       if (!found) {
         exit = query::leave_mesh(*sampler_, at.cell, at.x, x, {accuracy_, alpha});
         break;

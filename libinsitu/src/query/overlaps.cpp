@@ -21,7 +21,7 @@ bool reaches(const mesh::CellVertices& cell, const Vec3d& p) {
   constexpr double near = 1e-9;
   if (const auto map = cells::inverse_map(cell.shape, cell.x, p); map.converged)
     return map.margin >= -near;
-  return decide(cell.shape, cell.x, p) != Reason::outside;
+  return bool(decide(cell.shape, cell.x, p));
 }
 
 std::vector<std::uint32_t> boundary_vertices(const accel::FaceTable& faces) {

@@ -52,7 +52,7 @@ CellRoots::CellRoots(const mesh::CellVertices& cell, const RaySpace& space, doub
       const Vec3d middle = space.ray().origin + (0.5 * (a + b)) * space.ray().direction;
       const auto map = cells::inverse_map(cell.shape, cell.x, middle);
       const bool sure = map.converged && map.margin > -1e-9; // Newton may fail in collapsed cells
-      if (!sure && cells::decide(cell.shape, cell.x, middle) == cells::Reason::outside)
+      if (!sure && !cells::decide(cell.shape, cell.x, middle))
         continue;
     }
     stretch_[stretches_++] = {k, k + 1};
