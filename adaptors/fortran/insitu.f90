@@ -96,6 +96,7 @@ module insitu
     procedure :: adaptive
     procedure :: patch
     procedure :: drop_pieces
+    procedure :: separate_pieces
     procedure :: amr_info
     procedure :: cell_levels
     procedure :: remove_field

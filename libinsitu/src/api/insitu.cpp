@@ -194,6 +194,12 @@ insitu_status insitu_mesh_drop_pieces(insitu_mesh mesh, int32_t first) {
                    [&](api::Session&, query::CommittedMesh& m) { m.mesh().drop_pieces(first); });
 }
 
+insitu_status insitu_mesh_separate_pieces(insitu_mesh mesh, int separate) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    m.mesh().set_separate_pieces(separate != 0);
+  });
+}
+
 insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece, const insitu_array* array,
                                  insitu_ghost_convention convention) {
   return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {

@@ -107,6 +107,7 @@ void Mesh::set_views() {
   view_.first_cell = first_cell_.data();
   view_.first_vertex = first_vertex_.data();
   view_.piece_count = std::int32_t(pieces_.size());
+  view_.join_pieces = !separate_pieces_;
   hide_earlier(); // of cells that may be others by now, until they are shown again
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cells/kernels.h"
+#include "mesh/piece_borders.h"
 #include "query/candidates.h"
 #include "query/point_query.h"
 
@@ -24,8 +25,13 @@ bool reaches(const mesh::CellVertices& cell, const Vec3d& p) {
   return bool(decide(cell.shape, cell.x, p));
 }
 
-std::vector<std::uint32_t> boundary_vertices(const accel::FaceTable& faces) {
-  std::vector<std::uint32_t> vertices;
+Vec3d point_of(const mesh::MeshView& mesh, std::int64_t flat) {
+  const std::int32_t piece = mesh::piece_of_vertex(mesh, flat);
+  return mesh.pieces[piece].point(flat - mesh.first_vertex[piece]);
+}
+
+std::vector<std::int64_t> boundary_vertices(const accel::FaceTable& faces) {
+  std::vector<std::int64_t> vertices;
   vertices.reserve(4 * std::size_t(faces.boundary_faces()));
   for (const accel::FaceTable::Face& face : faces.faces())
     if (face.other == accel::none)
@@ -43,6 +49,37 @@ struct Batch {
   Vec3d points[batch_size];
 };
 
+/// Whether a vertex reaches into a cell that is not its own: own(cell, flat vertex) tells those
+/// that do not count.
+template <class Own>
+bool any_reaches(const mesh::MeshView& mesh, const accel::Tree& tree,
+                 const std::vector<std::int64_t>& flat_vertices, const core::Threads& threads,
+                 const Own& own) {
+  const BoxRule rule(tree.origin());
+  std::atomic<bool> overlap{false};
+  threads.parallel_for(
+      std::int64_t(flat_vertices.size()), batch_size, [&](std::int64_t begin, std::int64_t end) {
+        if (overlap)
+          return;
+        const auto batch = std::make_unique<Batch>(); // too large for a thread's stack
+        const std::int64_t* vertices = flat_vertices.data() + begin;
+        const auto n = std::size_t(end - begin);
+        for (std::size_t q = 0; q < n; ++q)
+          batch->points[q] = point_of(mesh, vertices[q]);
+        set_boxes(rule, {batch->points, n}, batch->boxes);
+        find_candidates(tree, batch->boxes, batch->traversal);
+        mesh::CellVertices cell;
+        for (std::size_t c = 0; c < batch->traversal.found && !overlap; ++c) {
+          const Candidate& candidate = batch->traversal.candidates[c];
+          mesh::gather(mesh, std::int64_t(tree.cells()[candidate.slot]), cell);
+          const Vec3d& p = batch->points[candidate.query];
+          if (!own(cell, vertices[candidate.query], p) && reaches(cell, p))
+            overlap = true;
+        }
+      });
+  return overlap;
+}
+
 } // namespace
 
 bool covers_once(const mesh::MeshView& mesh, const accel::FaceTable& faces, const accel::Tree& tree,
@@ -50,31 +87,23 @@ bool covers_once(const mesh::MeshView& mesh, const accel::FaceTable& faces, cons
   if (mesh.piece_count != 1 || !mesh.free_of_folds || tree.empty() || faces.crowded_faces() > 0 ||
       faces.turned_faces() > 0 || faces.split_faces() > 0)
     return false;
-  const std::vector<std::uint32_t> vertices = boundary_vertices(faces);
-  const BoxRule rule(tree.origin());
-  std::atomic<bool> overlap{false};
-  threads.parallel_for(
-      std::int64_t(vertices.size()), batch_size, [&](std::int64_t begin, std::int64_t end) {
-        if (overlap)
-          return;
-        const auto batch = std::make_unique<Batch>(); // too large for a thread's stack
-        const std::uint32_t* ids = vertices.data() + begin;
-        const auto n = std::size_t(end - begin);
-        for (std::size_t q = 0; q < n; ++q)
-          batch->points[q] = mesh.pieces[0].point(ids[q]);
-        set_boxes(rule, {batch->points, n}, batch->boxes);
-        find_candidates(tree, batch->boxes, batch->traversal);
-        mesh::CellVertices cell;
-        for (std::size_t c = 0; c < batch->traversal.found && !overlap; ++c) {
-          const Candidate& candidate = batch->traversal.candidates[c];
-          mesh::gather(mesh, std::int64_t(tree.cells()[candidate.slot]), cell);
-          const std::int64_t *first = cell.ids, *last = first + cell.count;
-          if (std::find(first, last, std::int64_t(ids[candidate.query])) == last &&
-              reaches(cell, batch->points[candidate.query]))
-            overlap = true;
-        }
-      });
-  return !overlap;
+  return !any_reaches(mesh, tree, boundary_vertices(faces), threads,
+                      [](const mesh::CellVertices& cell, std::int64_t vertex, const Vec3d&) {
+                        return std::find(cell.ids, cell.ids + cell.count, vertex) !=
+                               cell.ids + cell.count;
+                      });
+}
+
+bool pieces_are_apart(const mesh::MeshView& mesh, const accel::Tree& tree,
+                      const core::Threads& threads) {
+  const std::vector<std::int64_t> vertices =
+      mesh::vertices_in_other_boxes(mesh, mesh::Boxes::share_interior, threads);
+  return std::int64_t(vertices.size()) <= mesh.vertex_count() / 4 &&
+         !any_reaches(mesh, tree, vertices, threads,
+                      [&](const mesh::CellVertices& cell, std::int64_t vertex, const Vec3d& x) {
+                        return cell.piece == mesh::piece_of_vertex(mesh, vertex) ||
+                               std::find(cell.x, cell.x + cell.count, x) != cell.x + cell.count;
+                      });
 }
 
 } // namespace insitu::query

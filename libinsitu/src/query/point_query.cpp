@@ -69,11 +69,10 @@ std::span<const Candidate> PointQuery::candidates_in(const float* lower, const f
 bool trying_pays(const mesh::MeshView& mesh) {
   if (gridlets_of(mesh))
     return true; // few cells lie outside of gridlets, and most of these are hexahedra
-  if (mesh.piece_count != 1 && !mesh.one_mesh)
-    return false;
-  const mesh::PieceView& cells = mesh.pieces[0];
-  return cells.layout != mesh::CellLayout::uniform ||
-         cells.uniform_shape != mesh::Shape::tetrahedron;
+  return std::any_of(mesh.pieces, mesh.pieces + mesh.piece_count, [](const mesh::PieceView& cells) {
+    return cells.layout != mesh::CellLayout::uniform ||
+           cells.uniform_shape != mesh::Shape::tetrahedron;
+  });
 }
 
 int PointQuery::tries() const {

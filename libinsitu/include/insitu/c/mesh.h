@@ -122,6 +122,13 @@ INSITU_API insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* 
  *  patches. first: 0 to the number of pieces. */
 INSITU_API insitu_status insitu_mesh_drop_pieces(insitu_mesh mesh, int32_t first);
 
+/** Whether the mesh's pieces are parts of one body (0, as at first) or stand for themselves (not 0).
+ *  Of one body, vertices of different pieces whose coordinates are equal bit for bit are one vertex
+ *  where isosurfaces of cell fields average values and smooth normals average gradients; within a
+ *  piece ids alone tell vertices apart, so cracks and baffles stay. Takes effect at the next commit
+ *  of the geometry, which this call asks for. */
+INSITU_API insitu_status insitu_mesh_separate_pieces(insitu_mesh mesh, int separate);
+
 /** How a ghost array counts. */
 typedef enum insitu_ghost_convention INSITU_INT {
   INSITU_GHOSTS_VTK = 0,   /**< bits: 1 duplicate, 8 refined, 32 hidden: the cell owns no point */
