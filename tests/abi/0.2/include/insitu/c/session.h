@@ -56,7 +56,8 @@ static inline insitu_session_options insitu_session_options_default(void) {
 }
 
 /** Opens a session. options may be null (the defaults). A bad scene is an error here, with file,
- *  line, key and the nearest valid key in the message; *session is then null.
+ *  line, key and the nearest valid key in the message; *session is then null. What is wrong is
+ *  also logged, by the options' log or to stderr.
  *
  *  What a session writes is locked until it is closed, by folder and action: another session of
  *  this process or another one, such as a second rank in the same folder, gets INSITU_ERROR_FILE
