@@ -99,7 +99,8 @@ TEST(CallerStruct, SizesThatNoVersionHasAreRefused) {
     EXPECT_NE(what.find("insitu_thing_default()"), std::string::npos) << what;
     EXPECT_NE(refusal([&] { to_caller(insitu_thing_default(), &thing, "thing"); }), "not refused");
   }
-  EXPECT_NE(refusal([] { from_caller<insitu_thing>(nullptr, "thing"); }).find("null"),
+  const insitu_thing* volatile none = nullptr; // GCC 12 does not see that null is refused
+  EXPECT_NE(refusal([&] { from_caller<insitu_thing>(none, "thing"); }).find("null"),
             std::string::npos);
 }
 
