@@ -18,7 +18,7 @@ constexpr double neighbours_price = 1.0;
 
 void CommittedMesh::look_for_folds(const core::Threads& threads) {
   require_committed();
-  if (folds_are_known_)
+  if (folds_are_known_ || adaptive_) // a dual mesh knows its own
     return;
   set_odd_cells(cells::find_odd_cells(mesh_.view(), threads), threads);
 }

@@ -72,6 +72,7 @@ public:
       : options_(options), steps_(steps_of(options.files)), session_(session_options()),
         mesh_(session_.mesh(options.mesh)) {
     mesh_.frame(options.frame);
+    mesh_.separate_pieces(options.separate_pieces);
   }
 
   ExitCode run() {
