@@ -21,11 +21,21 @@ bool Integration<M, F, Visit>::is_close(const Vec3d& way, double time, double to
 }
 
 /// Whether a step is so short that only therefore it ends beyond the mesh by no more than rounding:
-/// many of these would go with a wall that moves, or never come to an end.
+/// many of these would go with a wall that moves, or never come to an end. However long the step
+/// takes, it is so if a good part of its way goes beyond, and that is more than the place's rounding.
 template <class M, VelocityField F, class Visit>
 bool Integration<M, F, Visit>::creeps(const Trial& trial) {
-  return (closing_in_ > 0 || span_ < infinity) && !confined_ &&
-         is_close(trial.x - p_.x, h_, s_.exit_tolerance) && !(kept_inside(trial.x) == trial.x);
+  if ((closing_in_ == 0 && span_ == infinity) || confined_)
+    return false;
+  constexpr double good_part = 1.0 / 64.0;
+  const Vec3d way = trial.x - p_.x;
+  // What counts as rounding beside the mesh is coarser than what tells an exit.
+  if (!is_close(way, 0.0, s_.exit_tolerance) && !is_close(0.25 * way, 0.0, 0.0))
+    return false;
+  const Vec3d back = kept_inside(trial.x) - trial.x;
+  const double noise = 4.0 * epsilon * length_of(p_.x);
+  return !(back == Vec3d{}) && (is_close(way, h_, s_.exit_tolerance) ||
+                                length_of(back) > std::max(good_part * length_of(way), noise));
 }
 
 /// A stage of the trial was not inside. False: `factor` of the step may be; else it ends.
