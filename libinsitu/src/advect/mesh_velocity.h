@@ -268,7 +268,7 @@ protected:
   math::Vec3d on_own_faces(const math::Vec3d& x, const math::Vec3d& r, double error) const {
     const mesh::CellVertices& c = own_->vertices;
     return cells::is_near_faces(c.shape, r, control::on_face)
-               ? cells::put_on_faces_of(c.shape, c.x, x, cells::put_on_nearest(c.shape, r, error),
+               ? cells::put_on_faces_of(c.shape, c.x, x, cells::put_on_nearest(c.shape, c.x, x, r, error),
                                         control::on_face)
                : r;
   }

@@ -16,8 +16,9 @@ Decision decide(mesh::Shape shape, const Vec3d* x, const Vec3d& p) {
 Vec3d parametric_in(mesh::Shape shape, const Vec3d* x, const Vec3d& p, const Decision& decision) {
   const auto map = inverse_map(shape, x, p);
   return put_on(shape, decision,
-                is_plausible(map.converged, map.margin) ? put_on_nearest(shape, map.r, map.error)
-                                                        : robust_inverse(shape, x, p));
+                is_plausible(map.converged, map.margin)
+                    ? put_on_nearest(shape, x, p, map.r, map.error)
+                    : robust_inverse(shape, x, p));
 }
 
 Vec3d put_on_faces_of(mesh::Shape shape, const Vec3d* x, const Vec3d& p, const Vec3d& r,

@@ -2,13 +2,14 @@
 
 #include "cells/decide.h"
 #include "cells/faces.h"
+#include "cells/kernels.h"
 #include "math/hd.h"
 #include "math/vec.h"
 #include "mesh/shape.h"
 
 /// Parametric coordinates of points on a cell's boundary: where a point lies on a face, edge or
-/// vertex, or as near as an inverse map can tell, the weights (shape_functions) of the vertices that
-/// are not on it are 0, to the bit. What is proven to be within a cell is further away.
+/// vertex, or as near as an inverse map can tell, the weights (shape_functions) of the vertices
+/// that are not on it are 0, to the bit. What is proven to be within a cell is further away.
 namespace insitu::cells {
 
 /// The local vertices, a bit each, of the face, edge or vertex that a decision names; 0: none.
@@ -114,16 +115,35 @@ INSITU_HD inline unsigned vertices_near(mesh::Shape shape, const math::Vec3d& r,
   return on == 0xff ? 0 : on;
 }
 
-/// Coordinates, with the error of an inverse map, put on the smallest face, edge or vertex that is
-/// no further away. What a point there that is not on a face has of the vertices beside it is noise.
-INSITU_HD inline math::Vec3d put_on_nearest(mesh::Shape shape, const math::Vec3d& r, double error) {
+/// Coordinates of p in the cell with vertices x, with the error of an inverse map, put on the
+/// smallest face, edge or vertex that is no further away, if they still lead to p but for rounding:
+/// in a flat cell the error is that of its thin axis. What a point there that is not on a face has
+/// of the vertices beside it is noise.
+INSITU_HD inline math::Vec3d put_on_nearest(mesh::Shape shape, const math::Vec3d* x,
+                                            const math::Vec3d& p, const math::Vec3d& r,
+                                            double error) {
   constexpr double largest = 1e-9; // else all of a flat cell may be no further away
-  return error < largest ? put_on(shape, vertices_near(shape, r, error), r) : r;
+  const unsigned on = error < largest ? vertices_near(shape, r, error) : 0;
+  if (on == 0)
+    return r;
+  constexpr double rounding = 64.0 * 0x1p-53;
+  const math::Vec3d put = put_on(shape, on, r), back = map_to_physical(shape, x, put);
+  for (int a = 0; a < 3; ++a) {
+    double most = p[a] < 0.0 ? -p[a] : p[a];
+    for (int v = 0; v < mesh::vertex_count(shape); ++v) {
+      const double of_vertex = x[v][a] < 0.0 ? -x[v][a] : x[v][a];
+      most = of_vertex > most ? of_vertex : most;
+    }
+    const double off = back[a] - p[a];
+    if (!((off < 0.0 ? -off : off) <= rounding * most))
+      return r;
+  }
+  return put;
 }
 
 /// The coordinates r, of a point p that may lie beyond the cell's faces, put on those faces as near
-/// as this to r on which, or in whose planes, p lies exactly; where one of these is curved, on edges
-/// in whose lines it lies, too.
+/// as this to r on which, or in whose planes, p lies exactly; where one of these is curved, on
+/// edges in whose lines it lies, too.
 math::Vec3d put_on_faces_of(mesh::Shape shape, const math::Vec3d* x, const math::Vec3d& p,
                             const math::Vec3d& r, double near);
 

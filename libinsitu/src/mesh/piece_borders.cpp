@@ -59,8 +59,15 @@ struct Place {
 
 } // namespace
 
-std::vector<std::int64_t> vertices_in_other_boxes(const MeshView& mesh, Boxes boxes,
-                                                  const core::Threads& threads) {
+Vec3d middle_of(const CellVertices& cell) {
+  Vec3d sum;
+  for (int v = 0; v < cell.count; ++v)
+    sum += cell.x[v];
+  return sum / double(cell.count);
+}
+
+AmongOthers find_among_others(const MeshView& mesh, Boxes boxes, bool with_cells,
+                              const core::Threads& threads) {
   const auto count = std::size_t(mesh.piece_count);
   std::vector<std::vector<std::uint8_t>> used(count);
   std::vector<Box> box(count);
@@ -74,28 +81,40 @@ std::vector<std::int64_t> vertices_in_other_boxes(const MeshView& mesh, Boxes bo
     used[p] = used_vertices(piece);
     box[p] = box_of(piece, used[p]);
   });
-  std::vector<std::vector<std::int64_t>> found(count);
+  std::vector<AmongOthers> found(count);
   each_piece([&](std::size_t p, const PieceView& piece) {
     std::vector<Box> others;
     for (std::size_t o = 0; o < count; ++o)
       if (o != p && meet(box[o], box[p], boxes))
         others.push_back(box[o]);
-    for (std::int64_t v = 0; v < piece.vertex_count && !others.empty(); ++v) {
-      const Vec3d x = piece.point(v);
-      if (used[p][std::size_t(v)] &&
-          std::any_of(others.begin(), others.end(), [&](const Box& o) { return o.holds(x); }))
-        found[p].push_back(mesh.first_vertex[p] + v);
+    if (others.empty())
+      return;
+    const auto among = [&](const Vec3d& x) {
+      return std::any_of(others.begin(), others.end(), [&](const Box& o) { return o.holds(x); });
+    };
+    for (std::int64_t v = 0; v < piece.vertex_count; ++v)
+      if (used[p][std::size_t(v)] && among(piece.point(v)))
+        found[p].vertices.push_back(mesh.first_vertex[p] + v);
+    CellVertices cell;
+    for (std::int64_t c = 0; with_cells && c < piece.cell_count; ++c) {
+      if (!piece.owns(c))
+        continue;
+      gather(mesh, mesh.first_cell[p] + c, cell);
+      if (among(middle_of(cell)))
+        found[p].cells.push_back(mesh.first_cell[p] + c);
     }
   });
-  std::vector<std::int64_t> all;
-  for (const auto& some : found)
-    all.insert(all.end(), some.begin(), some.end());
+  AmongOthers all;
+  for (const AmongOthers& some : found) {
+    all.vertices.insert(all.vertices.end(), some.vertices.begin(), some.vertices.end());
+    all.cells.insert(all.cells.end(), some.cells.begin(), some.cells.end());
+  }
   return all;
 }
 
 JoinedVertices join_pieces(const MeshView& mesh, const core::Threads& threads) {
   std::vector<Place> places;
-  for (const std::int64_t flat : vertices_in_other_boxes(mesh, Boxes::touch, threads)) {
+  for (const std::int64_t flat : find_among_others(mesh, Boxes::touch, false, threads).vertices) {
     const std::int32_t piece = piece_of_vertex(mesh, flat);
     const Vec3d p = mesh.pieces[piece].point(flat - mesh.first_vertex[piece]);
     places.push_back({p.x + 0.0, p.y + 0.0, p.z + 0.0, flat});

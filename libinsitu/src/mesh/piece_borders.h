@@ -18,10 +18,17 @@ inline std::int32_t piece_of_vertex(const MeshView& mesh, std::int64_t flat) {
 /// Which boxes of two pieces have to do with each other.
 enum class Boxes { touch, share_interior };
 
-/// The flat vertices of owning cells that lie in the closed box of another piece's owning cells,
-/// ascending, if the boxes of both pieces are as said. Linear in the vertices.
-std::vector<std::int64_t> vertices_in_other_boxes(const MeshView& mesh, Boxes boxes,
-                                                  const core::Threads& threads);
+/// What of a piece lies in the closed boxes of other pieces' owning cells, both ascending.
+struct AmongOthers {
+  std::vector<std::int64_t> vertices; ///< flat ids of owning cells' vertices
+  std::vector<std::int64_t> cells;    ///< flat ids of owning cells whose middle lies there
+};
+/// Of all pieces; counts boxes as said. Cells are looked for if they are asked for. Linear in the
+/// vertices (and cells) of pieces whose boxes meet.
+AmongOthers find_among_others(const MeshView& mesh, Boxes boxes, bool with_cells,
+                              const core::Threads& threads);
+/// The mean of a cell's vertices.
+math::Vec3d middle_of(const CellVertices& cell);
 
 /// Vertices of different pieces that coincide bit for bit (0 and -0 are one), in groups:
 /// flat[end[g - 1], end[g]) ascends. Vertices of one piece are told apart by their ids, so a

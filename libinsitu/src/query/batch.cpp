@@ -210,8 +210,11 @@ void BatchLocator::find_parametric() {
     for (int k = 0; k < b.cells.count; ++k) {
       Vec3d r = b.parametric_of(k);
       if (is_plausible((b.converged >> k) & 1, b.margin[k])) {
-        if (!(b.margin[k] > b.error[k]))
-          r = cells::put_on_nearest(shape, r, b.error[k]);
+        if (!(b.margin[k] > b.error[k])) {
+          Vec3d x[8];
+          s_.block.cells.get(shape, k, x);
+          r = cells::put_on_nearest(shape, x, s_.block.point_of(k), r, b.error[k]);
+        }
       } else {
         Vec3d x[8];
         s_.block.cells.get(shape, k, x);

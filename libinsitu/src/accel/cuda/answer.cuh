@@ -250,7 +250,7 @@ __device__ inline void finish(const LocateArguments& a, std::uint32_t i, std::ui
       if (cells::is_plausible(found.converged, found.margin))
         write_answer(a.out, i, flat, at, cell, decision.reason(),
                      cells::put_on(Of, decision,
-                                   cells::put_on_nearest(Of, found.r, found.error)));
+                                   cells::put_on_nearest(Of, cell.x, p, found.r, found.error)));
       else
         a.lists.hard_points[atomicAdd(a.lists.counters + Lists::hard, 1u)] = {i, flat, decision};
     });

@@ -47,7 +47,7 @@ private:
       double weight[8];
       Vec3d r = map.r;
       if (!with_certificate) // on faces to rounding is on them: what is 0 on a wall is 0 there
-        r = cells::put_on_nearest(Of, r, map.error);
+        r = cells::put_on_nearest(Of, cell.x, x, r, map.error);
       cells::shape_functions(Of, r, weight);
 #pragma unroll
       for (int c = 0; c < 3; ++c) {
