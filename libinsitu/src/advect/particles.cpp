@@ -53,6 +53,14 @@ const char* ending_name(insitu_ending ending) {
     return "removed";
   case INSITU_END_STEP_TOO_SMALL:
     return "step_too_small";
+  case INSITU_END_HOLE:
+    return "hole";
+  case INSITU_END_HIDDEN:
+    return "hidden";
+  case INSITU_END_BLANK:
+    return "blank";
+  case INSITU_END_PARTITION:
+    return "partition";
   case INSITU_END_COUNT:
     break;
   }

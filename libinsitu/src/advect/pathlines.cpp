@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -117,6 +118,8 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
       to = p.time;
     return true;
   };
+  std::mutex left_mutex;
+  std::vector<LeftAt> left;
   const auto store = [&](std::size_t i, const State& p, std::int64_t cell, insitu_ending ending,
                          double geometry_alpha) {
     if (ending == INSITU_END_ALIVE &&
@@ -133,6 +136,10 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
     }
     all.set_state(i, p, cell >= 0 || crosses ? cell : all.cells[i]);
     all.endings[i] = std::uint8_t(ending);
+    if (exits_ && (ending == INSITU_END_LEFT || ending == INSITU_END_SEED_OUTSIDE)) {
+      const std::lock_guard lock(left_mutex);
+      left.push_back({i, p.x, cell, p.exit_normal, geometry_alpha, ending != INSITU_END_LEFT});
+    }
     return ending;
   };
   // A position in the mesh's frame: where rounding on the way from a chart has it beyond a wall, in
@@ -317,6 +324,8 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
     result.blended_geometry = flow.blends_geometry();
     carry_in_lanes();
   }
+  for (const LeftAt& at : left)
+    all.endings[at.particle] = std::uint8_t(exits_->ending(sampler, at));
   for (const EffectWork& w : effect_work)
     result.effects += w;
   for (const Work& w : work)

@@ -6,6 +6,7 @@
 
 #include "advect/crossing_velocity.h"
 #include "advect/effects.h"
+#include "advect/exits.h"
 #include "advect/particles.h"
 #include "advect/settings.h"
 #include "advect/snapshots.h"
@@ -48,6 +49,9 @@ public:
   /// values out of range, or, backwards, for what has no way back: a random walk, and inertia,
   /// whose errors would grow as exp(t / response time). Attached particles have `removes` alone.
   void set_effects(const Effects& effects);
+
+  /// Who tells apart how particles left in the next advances, or null; it must outlive them.
+  void tell_exits_by(Exits* exits) { exits_ = exits; }
 
   /// Adds particles at points (in mesh coordinates) that begin at `time`: not beyond the next
   /// advance's end, or they wait for the one that reaches it. Whether a point is inside is found
@@ -105,6 +109,7 @@ private:
 
   TracerSettings settings_;
   Effects effects_;
+  Exits* exits_ = nullptr;
   Particles particles_;
 };
 

@@ -56,10 +56,13 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
     return backward ? -settings.duration : settings.duration;
   };
   const auto seed_of = [&](std::int64_t l) { return std::size_t(l / per_seed); };
+  std::vector<Vec3d> normals(settings.exits ? std::size_t(count) : 0);
   const auto store = [&](std::int64_t l, const Line& line, insitu_ending ending) {
     vertices_of[std::size_t(l)] = line.vertices;
     lines.endings[std::size_t(l)] = std::uint8_t(ending);
     lines.particles[std::size_t(l)] = std::int64_t(seed_of(l));
+    if (settings.exits)
+      normals[std::size_t(l)] = line.p.exit_normal;
     lines.offsets[std::size_t(l) + 1] = std::int64_t(line.vertices.size());
   };
   const std::unique_ptr<const CellsBeyond> beyond = CellsBeyond::worth(sampler, count);
@@ -140,6 +143,17 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
     sampler.chart() ? trace_on_chart(begin, end) : trace_in_lanes(begin, end);
   });
 
+  for (std::size_t l = 0; l < normals.size(); ++l) {
+    const bool seeded = lines.endings[l] == INSITU_END_SEED_OUTSIDE;
+    if (!seeded && lines.endings[l] != INSITU_END_LEFT)
+      continue;
+    LeftAt at{l, seeds[seed_of(std::int64_t(l))], -1, normals[l], 1.0, seeded};
+    if (!seeded && !vertices_of[l].empty()) {
+      at.x = vertices_of[l].back().point;
+      at.cell = vertices_of[l].back().cell;
+    }
+    lines.endings[l] = std::uint8_t(settings.exits->ending(sampler, at));
+  }
   lines.offsets[0] = 0;
   for (std::size_t l = 0; l < std::size_t(count); ++l) {
     lines.offsets[l + 1] += lines.offsets[l];

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "advect/effects.h"
+#include "advect/exits.h"
 #include "advect/particles.h"
 #include "advect/polylines.h"
 #include "advect/settings.h"
@@ -34,6 +35,7 @@ struct StreamlineSettings {
   /// `removes` is asked all along the line, with |s| as age. Walls meet the velocity of the line's
   /// direction. Fields are those of now.
   Effects effects;
+  Exits* exits = nullptr; ///< who tells apart how lines left, or null
 };
 
 struct Streamlines {

@@ -200,6 +200,20 @@ insitu_status insitu_mesh_separate_pieces(insitu_mesh mesh, int separate) {
   });
 }
 
+insitu_status insitu_mesh_field_blank(insitu_mesh mesh, const char* name, double value) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    require(name, "name");
+    m.mesh().add_blank(name, value);
+  });
+}
+
+insitu_status insitu_mesh_hidden_points(insitu_mesh mesh, int32_t piece,
+                                        const insitu_array* array) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    m.mesh().set_hidden_points(piece, array);
+  });
+}
+
 insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece, const insitu_array* array,
                                  insitu_ghost_convention convention) {
   return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {

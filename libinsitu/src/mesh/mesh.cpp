@@ -364,7 +364,7 @@ FieldView Mesh::own_field(const std::string& name) const {
       message += " " + n;
     throw Error(INSITU_ERROR_FIELD, message + (names.empty() ? " none)" : ")"));
   }
-  return {f->name.c_str(), f->association, f->components, f->views.data()};
+  return {f->name.c_str(), f->association, f->components, f->views.data(), has_blanks(*f)};
 }
 
 } // namespace insitu::mesh

@@ -11,6 +11,7 @@
 #include "core/parallel.h"
 #include "mesh/adaptive.h"
 #include "mesh/adaptive_piece.h"
+#include "mesh/blank_values.h"
 #include "mesh/earlier_step.h"
 #include "mesh/external_array.h"
 #include "mesh/view.h"
@@ -50,6 +51,10 @@ public:
   void set_field(std::int32_t piece, const std::string& name, insitu_association association,
                  const insitu_array* arrays, std::int32_t array_count);
   void remove_field(const std::string& name);
+  /// Items of the field that hold this have no value; adds up (mesh_blanks.cpp).
+  void add_blank(const std::string& name, double value);
+  /// One byte a vertex, whose bit 2 says that no field on vertices has a value there; null: none.
+  void set_hidden_points(std::int32_t piece, const insitu_array* array);
   void set_ghosts(std::int32_t piece, const insitu_array* array,
                   insitu_ghost_convention convention);
   // Of an adaptive mesh; the first makes it one (mesh_adaptive.cpp).
@@ -140,9 +145,12 @@ private:
     bool has_cells = false, has_points = false, is_block = false;
     PieceView view;
     std::vector<ExternalArray> points;
-    ExternalArray connectivity, types, offsets, ghosts, axes[3];
+    ExternalArray connectivity, types, offsets, ghosts, hidden_points, axes[3];
     AmrPiece amr;
   };
+  static std::int64_t vertices_of(const Piece& p) {
+    return p.is_block ? p.view.vertex_count : p.view.points.layout.count;
+  }
   struct FieldPiece {
     std::vector<ExternalArray> arrays;
     std::vector<const std::byte*> components;
@@ -150,11 +158,17 @@ private:
     ItemLayout layout;
     bool is_float32 = false;
     bool pointers_checked = true;
+    std::shared_ptr<BlankedValues> blanked; ///< read instead, if not null
+
+    FieldPieceView view() const {
+      return {components.data(), layout, is_float32, behind.empty() ? nullptr : behind.data()};
+    }
   };
   struct Field {
     std::string name;
     insitu_association association = INSITU_VERTEX;
     int components = 0;
+    std::vector<double> blanks; ///< values that are none
     std::vector<FieldPiece> pieces;
     std::vector<FieldPieceView> views;
   };
@@ -176,6 +190,10 @@ private:
   void check_field(const Field& field) const;
   void check_pointers(Field& field, const core::Threads* threads) const;
   void update_fields(const core::Threads* threads);
+  bool hides_points(const Field& field, std::size_t p) const;
+  bool has_blanks(const Field& field) const;
+  void add_blanked(std::vector<insitu_audit_entry>& entries) const;
+  void make_blanked(Field& field, std::size_t p, const core::Threads* threads) const;
   // Adaptive meshes.
   void refuse_if_adaptive(const std::string& name) const;
   const AmrLevels& levels_for(const std::string& name) const;

@@ -1,3 +1,5 @@
+#include <limits>
+
 #include "mesh/mesh.h"
 
 namespace insitu::mesh {
@@ -23,12 +25,21 @@ void Mesh::share(const Mesh& from, const math::Vec3d* points) {
     piece.has_points = true;
     for (ExternalArray& axis : piece.axes)
       axis = {};
+    piece.hidden_points = {}; // the fields' values tell
   }
   fields_.clear();
   for (const auto& field : from.fields_) {
     Field& to = *fields_.emplace_back(std::make_unique<Field>(*field));
-    for (FieldPiece& piece : to.pieces)
+    for (FieldPiece& piece : to.pieces) {
       piece.pointers_checked = true; // by from's update()
+      if (piece.blanked) {           // as from has made them
+        piece.components = piece.blanked->components();
+        piece.behind.clear();
+        piece.layout = piece.blanked->layout();
+      }
+    }
+    if (from.has_blanks(*field))
+      to.blanks = {std::numeric_limits<double>::quiet_NaN()};
     to.views.clear();
   }
 }

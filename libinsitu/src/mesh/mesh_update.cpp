@@ -31,6 +31,10 @@ void Mesh::check_piece(std::size_t index) const {
     throw Error(INSITU_ERROR_MESH, name + ": the block has " + std::to_string(p.view.vertex_count) +
                                        " vertices, but " + std::to_string(points) +
                                        " points are given");
+  if (p.hidden_points.given() && p.hidden_points.layout.count < vertices_of(p))
+    throw Error(INSITU_ERROR_MESH, name + ": " + std::to_string(p.hidden_points.layout.count) +
+                                       " bytes of hidden points for " +
+                                       std::to_string(vertices_of(p)) + " vertices");
   if (p.view.ghosts && p.view.ghost_layout.count < p.view.cell_count)
     throw Error(INSITU_ERROR_MESH, name + ": " + std::to_string(p.view.ghost_layout.count) +
                                        " ghost values for " + std::to_string(p.view.cell_count) +
@@ -93,8 +97,8 @@ void Mesh::update(const core::Threads* threads) {
                       "most " +
                       std::to_string(most_cells));
     piece_views_.push_back(p.view.cell_count > 0 ? p.view : PieceView{});
-    if (p.view.cell_count > 0 && !p.is_block)
-      piece_views_.back().vertex_count = p.view.points.layout.count;
+    if (p.view.cell_count > 0)
+      piece_views_.back().vertex_count = vertices_of(p);
     first_cell_.push_back(first_cell_.back() + p.view.cell_count);
     first_vertex_.push_back(first_vertex_.back() + piece_views_.back().vertex_count);
   }
@@ -125,11 +129,10 @@ void Mesh::update_fields(const core::Threads* threads) {
     field->pieces.resize(pieces_.size());
     field->views.clear();
     for (std::size_t i = 0; i < pieces_.size(); ++i)
-      if (const FieldPiece& p = field->pieces[i]; first_cell_[i + 1] == first_cell_[i])
+      if (first_cell_[i + 1] == first_cell_[i])
         field->views.push_back({no_values, {}, false, nullptr});
       else
-        field->views.push_back({p.components.data(), p.layout, p.is_float32,
-                                p.behind.empty() ? nullptr : p.behind.data()});
+        make_blanked(*field, i, threads);
   }
 }
 
@@ -317,6 +320,7 @@ void Mesh::visit_arrays(ArrayVisitor visit) const {
     const std::pair<const ExternalArray*, const char*> cells[] = {
         {&from.connectivity, "connectivity"}, {&from.types, "types"},
         {&from.offsets, "offsets"},           {&from.ghosts, "ghosts"},
+        {&from.hidden_points, "hidden points"},
         {&from.amr.levels, "levels"},         {&from.amr.corners, "corners"}};
     for (const auto& [array, name] : cells)
       if (array->given())
@@ -340,6 +344,7 @@ std::vector<insitu_audit_entry> Mesh::audit() const {
     e.borrowed = array.converted.empty();
     entries.push_back(e);
   });
+  add_blanked(entries);
   return entries;
 }
 

@@ -39,6 +39,9 @@ struct FieldView {
   insitu_association association = INSITU_VERTEX;
   int components = 0;
   const FieldPieceView* pieces = nullptr;
+  /// Items may have no value, which then is NaN: tracers take their cells as walls, and averages
+  /// leave them out.
+  bool has_blanks = false;
 };
 
 /// All pieces of a committed mesh as kernels see them; plain data, valid until the next commit.

@@ -266,7 +266,7 @@ mesh::FieldView Geodetic::field(const mesh::FieldView& own) {
     gather(own, g);
     g.fresh = true;
   }
-  return {g.name.c_str(), own.association, own.components, g.views.data()};
+  return {g.name.c_str(), own.association, own.components, g.views.data(), own.has_blanks};
 }
 
 void Geodetic::gather(const mesh::FieldView& own, Gathered& to) const {

@@ -72,6 +72,17 @@ private:
   std::int64_t stride_ = 0;
 };
 
+/// Of a field with blank vertices, on a face that has none: the others, whose weights are 0 there,
+/// take no part.
+double beside_blanks(const mesh::FieldPieceView& from, int c, const double* weight,
+                     const std::int64_t* ids, int n) {
+  double sum = 0.0;
+  for (int v = 0; v < n; ++v)
+    if (weight[v] != 0.0)
+      sum += weight[v] * from.load(ids[v], c);
+  return sum;
+}
+
 } // namespace
 
 void Sampler::interpolate(const mesh::FieldView& field, const Location& at, double* values) const {
@@ -208,7 +219,7 @@ inline void Sampler::interpolate_to(const Fields& fields, std::int32_t piece, co
       double sum = weight[0] * from.load(ids[0], c);
       for (int v = 1; v < n; ++v)
         sum += weight[v] * from.load(ids[v], c);
-      values[c] = sum;
+      values[c] = field.has_blanks && sum != sum ? beside_blanks(from, c, weight, ids, n) : sum;
     }
     if (turns)
       to_true_axes(cells_of, {weight, std::size_t(n)}, ids, values);

@@ -121,6 +121,11 @@ public:
     return s;
   }
 
+  /// The same on other cells, by their tree alone; both must outlive it.
+  Sampler in(const mesh::MeshView& cells, const accel::Tree& tree) const {
+    return {cells, tree, order_, counts_, nullptr, nullptr, chart_, nullptr};
+  }
+
   /// The same for points of which only those in some cells matter; all others come out as outside.
   /// The cells must outlive it, and be made of this sampler.
   Sampler among(const CulledCells& cells) const;

@@ -67,6 +67,8 @@ IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
     }
   }
   for (Group& group : groups_) {
+    group.has_blank_cells =
+        group.source.field.association == INSITU_CELL && group.source.field.has_blanks;
     if (group.source.field.association == INSITU_CELL)
       group.field = structures.average(group.source).field();
     group.ranges = &structures.value_ranges(group.field);
@@ -90,6 +92,8 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, Search& search) const {
   std::optional<CellRoots>
       roots; // most cells below a candidate leaf end before their points are read
   for (const Group& group : groups_) {
+    if (group.has_blank_cells && std::isnan(group.source.load(cell.piece, local)))
+      continue; // averages of the cells around are none of its
     double values[8], low = HUGE_VAL, high = -HUGE_VAL;
     for (int v = 0; v < cell.count; ++v) {
       values[v] = group.field.load(cell.piece, cell.ids[v]);

@@ -68,6 +68,7 @@ private:
   /// All levels of one scalar field.
   struct Group {
     ScalarField source, field; ///< as asked for, and at the vertices
+    bool has_blank_cells = false;
     const accel::ValueRanges* ranges = nullptr;
     const VertexGradients* gradients = nullptr; ///< if a surface asks for them
     const VertexCells* around = nullptr;        ///< for these

@@ -8,6 +8,7 @@
 #include "scene/output_times.h"
 #include "scene/release.h"
 #include "scene/tracer_action.h"
+#include "scene/tracer_cells.h"
 #include "scene/tracer_effects.h"
 #include "scene/track_writer.h"
 
@@ -218,16 +219,27 @@ private:
     mesh.mesh().expose_earlier(!earlier.empty(), context.threads);
     const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
     std::optional<advect::StepBefore> before;
-    if (interval_before_)
-      before = step_before(tracer_, *interval_before_, mesh.frame);
     try {
-      note_steps(step, particles_.advance(mesh.sampler(), velocity, {earlier, step.times_before},
-                                          settled_, step.time, context.threads, snapshots(),
+      if (interval_before_)
+        before = step_before(tracer_, *interval_before_, mesh.frame);
+      if (before && velocity.has_blanks)
+        before->sampler =
+            cells_.earlier_sampler(before->sampler, before->velocity, context.threads);
+      std::vector<mesh::FieldView> velocities{velocity};
+      velocities.insert(velocities.end(), earlier.begin(), earlier.end());
+      const query::Sampler sampler = cells_.sampler(mesh, velocities, context.threads);
+      const auto left_out = [&] { return cells_.left_out(mesh, context.threads); };
+      advect::Exits exits(mesh.sampler(), left_out, to_api(tracer_.accuracy));
+      particles_.tell_exits_by(&exits);
+      note_steps(step, particles_.advance(sampler, velocity, {earlier, step.times_before}, settled_,
+                                          step.time, context.threads, snapshots(),
                                           before ? &*before : nullptr));
     } catch (...) {
+      particles_.tell_exits_by(nullptr);
       hide();
       throw;
     }
+    particles_.tell_exits_by(nullptr);
     hide();
     settled_ = step.time;
     topology_ = mesh.topology_version();
@@ -368,6 +380,7 @@ private:
   }
 
   advect::Tracer particles_;
+  TracerCells cells_{environment_.context.memory};
   OwnTime own_;
   ReleaseClock clock_;
   TrackGeodesics geodesics_;

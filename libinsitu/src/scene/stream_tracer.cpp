@@ -4,6 +4,7 @@
 #include "core/unsigned_zero.h"
 #include "scene/drawn_lines.h"
 #include "scene/tracer_action.h"
+#include "scene/tracer_cells.h"
 #include "scene/tracer_effects.h"
 #include "scene/vtp_series.h"
 
@@ -44,9 +45,14 @@ public:
     settings.effects = effects_at(tracer_, mesh, step, 0, environment_.scene_file);
     mesh.look_for_folds(environment_.context.threads); // particles ask with hints
     mesh.find_neighbours_if_due(environment_.context.threads);
-    const advect::Streamlines streamlines = advect::trace_streamlines(
-        mesh.sampler(), find_field(mesh, tracer_.velocity, environment_.scene_file), seeds(mesh),
-        settings, environment_.context.threads, environment_.context.memory);
+    const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
+    const core::Threads& threads = environment_.context.threads;
+    const auto left_out = [&] { return cells_.left_out(mesh, threads); };
+    advect::Exits exits(mesh.sampler(), left_out, settings.accuracy);
+    settings.exits = &exits;
+    const advect::Streamlines streamlines =
+        advect::trace_streamlines(cells_.sampler(mesh, {&velocity, 1}, threads), velocity,
+                                  seeds(mesh), settings, threads, environment_.context.memory);
     counts_ += streamlines.counts;
     environment_.statistics.advect_s += timer.seconds();
     const core::Timer output_timer;
@@ -102,6 +108,7 @@ private:
   }
 
   advect::Counts counts_;
+  TracerCells cells_{environment_.context.memory};
   VtpSeries series_;
 };
 

@@ -28,6 +28,10 @@ std::string TracerAction::state_name() const {
 
 void TracerAction::plan(const query::CommittedMesh& mesh, Plan& plan) const {
   const mesh::MeshView& view = mesh.mesh().view();
+  if (tracer_.attached != Attached::body && mesh.mesh().has_field(tracer_.velocity.text) &&
+      mesh.mesh().field(tracer_.velocity.text).has_blanks)
+    plan.need("cells in which '" + tracer_.velocity.text + "' has values",
+              view.cell_count() + mesh.tree().bytes(), "the others are walls to its particles");
   if (tracer_.kind == TracerKind::streamline) {
     find_field(mesh, tracer_.velocity, environment_.scene_file); // it must be there
     for (const mesh::KeptField& of : effect_fields(tracer_.effects, 0))
