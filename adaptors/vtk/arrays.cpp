@@ -1,10 +1,12 @@
 #include "arrays.h"
 
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <vtkAOSDataArrayTemplate.h>
 #include <vtkDataSetAttributes.h>
 #include <vtkDoubleArray.h>
+#include <vtkFieldData.h>
 #include <vtkSOADataArrayTemplate.h>
 
 namespace insitu::vtk {
@@ -68,15 +70,15 @@ Adopted adopt(vtkDataArray* array, const char* other_reason) {
   return out;
 }
 
-vtkSmartPointer<vtkUnsignedCharArray> ghost_bytes(vtkDataSetAttributes* cells,
-                                                  const char** reason) {
-  vtkDataArray* const array = cells->GetArray(vtkDataSetAttributes::GhostArrayName());
+vtkSmartPointer<vtkUnsignedCharArray> ghost_bytes(vtkDataSetAttributes* attributes,
+                                                  const char** reason, const char* of) {
+  vtkDataArray* const array = attributes->GetArray(vtkDataSetAttributes::GhostArrayName());
   if (!array)
     return nullptr;
   if (auto* bytes = vtkUnsignedCharArray::SafeDownCast(array))
     return bytes;
-  const auto refuse = [](const std::string& what) {
-    throw Error(INSITU_ERROR_MESH, "cell array 'vtkGhostType': " + what);
+  const auto refuse = [&](const std::string& what) {
+    throw Error(INSITU_ERROR_MESH, std::string(of) + " array 'vtkGhostType': " + what);
   };
   if (array->GetNumberOfComponents() != 1)
     refuse(std::to_string(array->GetNumberOfComponents()) + " components, 1 expected");
@@ -87,11 +89,39 @@ vtkSmartPointer<vtkUnsignedCharArray> ghost_bytes(vtkDataSetAttributes* cells,
   for (vtkIdType c = 0; c < array->GetNumberOfTuples(); ++c) {
     const double value = array->GetComponent(c, 0);
     if (!(value >= -128 && value <= 255) || value != std::floor(value))
-      refuse("value " + std::to_string(value) + " of cell " + std::to_string(c) +
+      refuse("value " + std::to_string(value) + " of " + of + " " + std::to_string(c) +
              "; bits, 0 to 255, are expected");
     bytes->SetValue(c, static_cast<unsigned char>(static_cast<int>(value) & 0xff));
   }
   return bytes;
+}
+
+namespace {
+
+/// The double of the float's shortest decimal: 1e20 for 1e20f, as arrays of double have it.
+double as_written(float value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  double written = value;
+  std::from_chars(text, end, written);
+  return written;
+}
+
+} // namespace
+
+std::vector<double> blank_values(vtkFieldData* field_data, const std::string& name) {
+  std::vector<double> values;
+  for (const char* const key : {"_FillValue", "missing_value"})
+    for (const std::string& prefix : {std::string(), name + "."})
+      if (vtkDataArray* const array =
+              field_data ? field_data->GetArray((prefix + key).c_str()) : nullptr)
+        for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
+          for (int c = 0; c < array->GetNumberOfComponents(); ++c) {
+            values.push_back(array->GetComponent(i, c));
+            if (array->GetDataType() == VTK_FLOAT)
+              values.push_back(as_written(float(values.back())));
+          }
+  return values;
 }
 
 bool same_values(vtkDataArray* a, vtkDataArray* b) {

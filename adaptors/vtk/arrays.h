@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 #include <vtkDataArray.h>
 #include <vtkSmartPointer.h>
@@ -8,6 +9,7 @@
 #include "insitu/insitu.hpp"
 
 class vtkDataSetAttributes;
+class vtkFieldData;
 
 namespace insitu::vtk {
 
@@ -25,9 +27,15 @@ Adopted adopt(vtkDataArray* array, const char* other_reason = nullptr);
 /// Why an array cannot be read in place; null if it can.
 const char* reason_to_convert(vtkDataArray* array);
 
-/// The cell array vtkGhostType, as bytes; null if there is none. Numbers of another type are
-/// converted, and *reason says so; throws Error for a value that is no set of bits.
-vtkSmartPointer<vtkUnsignedCharArray> ghost_bytes(vtkDataSetAttributes* cells, const char** reason);
+/// The array vtkGhostType of cells or points, as bytes; null if there is none. Numbers of another
+/// type are converted, and *reason says so; throws Error for a value that is no set of bits. of:
+/// "cell" or "point".
+vtkSmartPointer<vtkUnsignedCharArray> ghost_bytes(vtkDataSetAttributes* attributes,
+                                                  const char** reason, const char* of = "cell");
+
+/// Values that mean that there is none, of an array of this name: what the field data say by
+/// _FillValue and missing_value for all arrays, or for this one with its name and a dot before.
+std::vector<double> blank_values(vtkFieldData* field_data, const std::string& name);
 
 /// Whether both hold the same values in the same type and shape.
 bool same_values(vtkDataArray* a, vtkDataArray* b);

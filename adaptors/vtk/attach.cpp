@@ -56,6 +56,8 @@ private:
   void give_points(const Topology& t);
   /// anew: what is equal, too.
   bool give_fields(const Fields& now, bool anew);
+  bool give_hidden_points(const Watched& now);
+  void give_blanks(vtkDataSet* data);
   void note(const std::string& name, const char* reason) {
     if (reason)
       converted.push_back({name, reason});
@@ -67,6 +69,7 @@ private:
   bool attached = false;
   Topology topology;      ///< as given; holds its arrays
   Watched points;         ///< as given
+  Watched hidden;         ///< as given: point ghosts
   Adopted adopted_points; ///< of that
   Adopted adopted_axes[3];
   Fields given;
@@ -80,11 +83,8 @@ void Attachment::State::collect(vtkDataSetAttributes* attributes, Association as
     const std::string name = any->GetName() ? any->GetName() : "";
     const std::string text = (cell ? "cell array '" : "point array '") + name + "'";
     auto* array = vtkDataArray::SafeDownCast(any);
-    if (name == vtkDataSetAttributes::GhostArrayName()) {
-      if (!cell)
-        left_out.push_back({text, "ghost points have no meaning here, ghost cells do"});
-    } else if (!wanted(name)) {
-      continue;
+    if (name == vtkDataSetAttributes::GhostArrayName() || !wanted(name)) {
+      continue; // ghosts are read by themselves
     } else if (name.empty()) {
       left_out.push_back({text, "has no name"});
     } else if (!array) {
@@ -193,9 +193,29 @@ bool Attachment::State::give_fields(const Fields& now, bool anew) {
   return changed;
 }
 
+/// Whether others are hidden than before.
+bool Attachment::State::give_hidden_points(const Watched& now) {
+  if (same(hidden, now))
+    return false;
+  if (now.array)
+    piece.hidden_points(bytes_of(now.array));
+  else
+    piece.no_hidden_points();
+  hidden = now;
+  return true;
+}
+
+void Attachment::State::give_blanks(vtkDataSet* data) {
+  for (const auto& [name, field] : given)
+    for (const double value : blank_values(data->GetFieldData(), name))
+      mesh.field_blank(name, value);
+}
+
 Change Attachment::State::update(vtkDataSet* data) {
   // All that can be refused here is refused before the mesh is touched.
   Topology next = topology_of(data);
+  const char* made_hidden = nullptr;
+  const Watched next_hidden(ghost_bytes(data->GetPointData(), &made_hidden, "point"));
   Fields now;
   std::vector<Note> left_out;
   collect(data->GetPointData(), Association::vertex, now, left_out);
@@ -219,8 +239,13 @@ Change Attachment::State::update(vtkDataSet* data) {
   }
   // A piece without cells adds nothing, and takes no field from the others.
   const bool was_empty = attached && cells_before == 0;
-  if (next.cells > 0 && give_fields(now, was_empty))
-    what = what | insitu::fields;
+  if (next.cells > 0) {
+    if (give_fields(now, was_empty))
+      what = what | insitu::fields;
+    if (give_hidden_points(next_hidden))
+      what = what | insitu::fields;
+    give_blanks(data);
+  }
   attached = true;
 
   converted.clear();
@@ -232,6 +257,8 @@ Change Attachment::State::update(vtkDataSet* data) {
     skipped.push_back({next.left_out, "cells without volume; their numbers stay"});
   if (next.made_ghosts)
     note("cell array 'vtkGhostType'", next.made_ghosts);
+  if (made_hidden)
+    note("point array 'vtkGhostType'", made_hidden);
   if (has_points)
     note("points", adopted_points.reason);
   if (topology.kind == Topology::Kind::rectilinear)

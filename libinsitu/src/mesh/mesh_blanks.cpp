@@ -17,8 +17,9 @@ void Mesh::add_blank(const std::string& name, double value) {
   const bool known = std::any_of(blanks.begin(), blanks.end(), [&](double b) {
     return b == value || (std::isnan(b) && std::isnan(value));
   });
-  if (!known)
-    blanks.push_back(value);
+  if (known)
+    return;
+  blanks.push_back(value);
   pending_ |= INSITU_CHANGED_FIELDS;
 }
 

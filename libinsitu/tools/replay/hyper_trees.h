@@ -11,8 +11,8 @@ public:
   static HyperTreeReader* New();
   // clang-format off
   vtkTypeMacro(HyperTreeReader, vtkXMLHyperTreeGridReader)
-  // clang-format on
-  HyperTreeReader(const HyperTreeReader&) = delete;
+      // clang-format on
+      HyperTreeReader(const HyperTreeReader&) = delete;
   void operator=(const HyperTreeReader&) = delete;
 
 protected:

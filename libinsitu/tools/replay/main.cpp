@@ -151,6 +151,8 @@ private:
       time_ = step.time ? *step.time : time_of(parts[0].data).value_or(double(cycle_));
     }
     give(parts, first);
+    if (!parts.empty())
+      give_blanks(first, field_names_of(parts));
     if (i > 0 && (options_.reverse ? time_ > earlier : time_ < earlier))
       throw FileError(first, "time " + std::to_string(time_) + " follows " +
                                  std::to_string(earlier) + "; give the files in the order of time");
@@ -195,6 +197,16 @@ private:
     for (std::size_t p = 0; p < count; ++p)
       give_piece(p, p < parts.size() ? vtkDataSet::SafeDownCast(parts[p].data) : nothing.Get(),
                  p < parts.size() ? parts[p].name : first);
+  }
+
+  void give_blanks(const std::string& file, const std::vector<std::string>& fields) {
+    try {
+      for (const ReplayOptions::Blank& blank : options_.blanks)
+        for (const std::string& name : blank.field.empty() ? fields : std::vector{blank.field})
+          mesh_.field_blank(name, blank.value);
+    } catch (const insitu::Error& e) {
+      throw FileError(file, e.what());
+    }
   }
 
   void give_adaptive(const Part& part) {

@@ -32,6 +32,11 @@ them lacks are left out. Each of these is said once.
                    [radians] [kilometres] [depth]' for longitude, latitude and height (or depth)
   --pieces HOW     joined (the default): vertices of different pieces that coincide are one for
                    averages and smooth normals; or separate: each piece stands for itself
+  --blank [FIELD=]VALUE
+                   where the field (or any) has this value it has none: samples are NaN, surfaces
+                   and volumes leave these cells out, tracers take them as walls; may be given
+                   again; nan is a value. The field data _FillValue and missing_value, or FIELD.
+                   before these, say the same
   --reverse        the last step first: time goes back, and with it tracers of 'direction: backward'
   --threads N      at most N threads (default: all that the process may use)
   --strict         refuse arrays that would have to be converted, such as integer fields
@@ -79,6 +84,19 @@ insitu::Frame read_frame(const std::string& text) {
   return kind == "geodetic"     ? insitu::Frame::geodetic(vertical, angle, length)
          : kind == "geocentric" ? insitu::Frame::geocentric()
                                 : insitu::Frame::cartesian();
+}
+
+ReplayOptions::Blank read_blank(const std::string& text) {
+  ReplayOptions::Blank blank;
+  const auto equals = text.rfind('=');
+  if (equals != std::string::npos)
+    blank.field = text.substr(0, equals);
+  const std::string number = equals == std::string::npos ? text : text.substr(equals + 1);
+  const auto [end, error] =
+      std::from_chars(number.data(), number.data() + number.size(), blank.value);
+  if (number.empty() || error != std::errc() || end != number.data() + number.size())
+    throw UsageError("--blank: '" + text + "': [FIELD=]VALUE expected");
+  return blank;
 }
 
 } // namespace
@@ -141,6 +159,8 @@ ReplayOptions parse_arguments(int argc, char** argv) {
       if (take() != "joined" && value != "separate")
         throw UsageError("--pieces: '" + value + "': joined or separate expected");
       o.separate_pieces = value == "separate";
+    } else if (key == "--blank") {
+      o.blanks.push_back(read_blank(take()));
     } else if (key == "--mesh") {
       o.mesh = take();
     } else if (key == "--frame") {

@@ -20,6 +20,11 @@ struct ReplayOptions {
   std::string mesh = "mesh";
   insitu::Frame frame = insitu::Frame::cartesian(); ///< of the files' points
   int threads = 0;
+  struct Blank {
+    std::string field; ///< empty: all
+    double value = 0;
+  };
+  std::vector<Blank> blanks;
   std::vector<std::string> files;
 };
 

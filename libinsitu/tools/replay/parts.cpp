@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <tuple>
 #include <vtkCellData.h>
 #include <vtkCompositeDataSet.h>
@@ -145,6 +146,21 @@ void keep_common_arrays(const std::vector<Part>& parts, const Say& say) {
       say(std::string(std::get<0>(key) == vtkDataObject::POINT ? "point" : "cell") + " array '" +
           std::get<1>(key) + "' is left out: " + std::to_string(n) + " of " + std::to_string(full) +
           " parts have it alike");
+}
+
+std::vector<std::string> field_names_of(const std::vector<Part>& parts) {
+  std::set<std::string> names;
+  for (const Part& part : parts)
+    if (has_cells(part))
+      for (const int association : {vtkDataObject::POINT, vtkDataObject::CELL}) {
+        vtkDataSetAttributes* const arrays = part.data->GetAttributes(association);
+        for (int i = 0; arrays && i < arrays->GetNumberOfArrays(); ++i)
+          if (const vtkDataArray* const a = arrays->GetArray(i);
+              a && arrays->GetArrayName(i) &&
+              arrays->GetArrayName(i) != std::string(vtkDataSetAttributes::GhostArrayName()))
+            names.insert(arrays->GetArrayName(i));
+      }
+  return {names.begin(), names.end()};
 }
 
 } // namespace insitu_replay

@@ -29,4 +29,7 @@ void drop_surfaces(std::vector<Part>& parts, const Say& say);
 /// the mesh. Says which.
 void keep_common_arrays(const std::vector<Part>& parts, const Say& say);
 
+/// The names of the numeric arrays of points and cells, ghosts left out.
+std::vector<std::string> field_names_of(const std::vector<Part>& parts);
+
 } // namespace insitu_replay

@@ -70,8 +70,10 @@ private:
  *    fields of other pieces stay.
  *  - Points, point data and cell data of float and double are read in place, interleaved
  *    (vtkAOSDataArrayTemplate) or with one array a component (vtkSOADataArrayTemplate).
- *  - The cell array vtkGhostType becomes the ghosts, converted if it is of another type than
- *    unsigned char. Of a point array and a cell array of one name
+ *  - The cell array vtkGhostType becomes the ghosts, the point array of this name the hidden points
+ *    (bit 2), converted if they are of another type than unsigned char. Values of _FillValue and
+ *    missing_value in the field data, of one array with its name and a dot before
+ *    (temperature._FillValue) or else of all, are blank (insitu_mesh_field_blank). Of a point array and a cell array of one name
  *    the point array is taken. */
 [[nodiscard]] INSITU_VTK_API Attachment attach(Mesh& mesh, vtkDataSet* data,
                                                const AttachOptions& options = {});
