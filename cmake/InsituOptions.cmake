@@ -49,3 +49,33 @@ function(insitu_inlined_kernels target)
                                 PROPERTIES COMPILE_OPTIONS -fno-sanitize-address-use-after-scope)
   endif()
 endfunction()
+
+# insitu_unity(target): compiles the target's C++ files in groups of one folder, which takes less than half of the
+# time, as headers and templates of the standard library are worked through once a group. Files that Highway compiles
+# once for each SIMD target stay alone, and so do the named ones, whose local names others of their folder have too
+# or which instantiate long templates by themselves.
+function(insitu_unity target)
+  get_target_property(sources ${target} SOURCES)
+  get_target_property(home ${target} SOURCE_DIR)
+  foreach(source ${sources})
+    if(NOT source MATCHES "\\.cpp$")
+      continue()
+    endif()
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${home} OUTPUT_VARIABLE file)
+    get_filename_component(name ${file} NAME_WE)
+    file(STRINGS ${file} once_a_target REGEX "foreach_target" LIMIT_COUNT 1)
+    get_filename_component(folder ${file} DIRECTORY)
+    if(once_a_target OR name IN_LIST ARGN)
+      set_source_files_properties(${file} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      continue()
+    endif()
+    list(APPEND groups_${folder} x)
+    list(LENGTH groups_${folder} count)
+    math(EXPR group "${count} / 8")
+    string(MAKE_C_IDENTIFIER "${folder}_${group}" name)
+    set_source_files_properties(${file} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${name})
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  # GCC takes the file that includes a group's files for a header's user and warns of their local types.
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
+endfunction()
