@@ -19,7 +19,11 @@
 !!   session%message() then names the argument and the numbers. Options follow ierr, by keyword.
 !! - Arrays are external: the library keeps their address and reads them in place from the commit
 !!   on. They need the target attribute (the compiler says so if it is missing). Sections are given as
-!!   they are: padded columns, ghost levels, strides and backwards, nothing is copied. One component
+!!   they are: padded columns, ghost levels, strides and backwards, nothing is copied. A procedure of
+!!   your own in between takes them as assumed-shape (a(:,:,:)) or pointer dummies with target: for an
+!!   explicit-shape or contiguous dummy the compiler makes a temporary copy of a section and frees it
+!!   when the procedure ends, and what the library kept is garbage. With INSITU_CHECKED=1 in the
+!!   environment a commit tells of memory that is gone, or whose values changed unsaid. One component
 !!   of an array of records is given by a pointer (p => cell%t): gfortran 12 passes a wrong address
 !!   for cell%t itself.
 !! - Query points are read during the call alone; any array or expression will do.
@@ -32,7 +36,7 @@ module insitu
   use, intrinsic :: iso_fortran_env, only: int32, int64, int8, real64
   use insitu_arrays, only: view_of_bytes
   use insitu_c
-  use insitu_core, only: keep_message, message_length, piece_index
+  use insitu_core, only: keep_message, message_length, not_open, piece_index
   use insitu_int64, only: below => mesh_of_integers
   use insitu_text, only: from_c, to_c
   implicit none
@@ -92,6 +96,7 @@ module insitu
     procedure :: adaptive
     procedure :: patch
     procedure :: drop_pieces
+    procedure :: separate_pieces
     procedure :: amr_info
     procedure :: cell_levels
     procedure :: remove_field
@@ -110,6 +115,7 @@ module insitu
     type(c_ptr) :: handle = c_null_ptr
     !> Of the last failed call of the session and its meshes. Kept for good, as meshes point to it.
     character(len=message_length), pointer :: text => null()
+    integer :: failed = insitu_ok  !< why the last open failed; close answers it
   contains
     procedure :: open => session_open
     procedure :: close => session_close
@@ -148,7 +154,8 @@ contains
   !> scene: path of a scene file; scene_text: the scene itself; output: folder that overrides the
   !! scene's; default_scene: without a scene, draw the first scalar field every tenth cycle; threads:
   !! at most so many; strict: refuse arrays that would have to be copied; communicator: an MPI
-  !! communicator, kept (serial in this version). A blank text is as if it were absent.
+  !! communicator, kept (serial in this version). A blank text is as if it were absent. What is wrong
+  !! is logged too (to standard error), as an error of a run that asks no ierr.
   subroutine session_open(self, scene, ierr, scene_text, output, default_scene, threads, strict, &
                           log_level, communicator)
     class(insitu_session), intent(inout) :: self
@@ -188,7 +195,9 @@ contains
     if (present(communicator)) options%fortran_communicator = int(communicator, c_int32_t)
     status = c_session_open(options, self%handle)
     call keep_message(self%text, status)
+    if (status /= insitu_ok) self%text = not_open // trim(self%text(:message_length - len(not_open)))
     ierr = int(status)
+    self%failed = ierr
   end subroutine session_open
 
   !> Room for a session's message, which its meshes refer to even after it is closed; so it is
@@ -208,7 +217,8 @@ contains
     if (present(text)) given = len_trim(text) > 0
   end function given
 
-  !> Closing a session that is not open is fine.
+  !> Closing a session that is not open is fine; one whose open failed answers that open's ierr once
+  !! more, so that a run that looks at the last ierr alone learns of it.
   subroutine session_close(self, ierr)
     class(insitu_session), intent(inout) :: self
     integer, intent(out) :: ierr
@@ -217,6 +227,8 @@ contains
     status = c_session_close(self%handle)
     call keep_message(self%text, status)
     ierr = int(status)
+    if (ierr == insitu_ok) ierr = self%failed
+    self%failed = insitu_ok
   end subroutine session_close
 
   !> The mesh of that name, made empty on first use.
@@ -357,6 +369,7 @@ contains
   end subroutine remove_field
 
   !> One number a cell; convention: insitu_ghosts_vtk (default) or insitu_ghosts_ascent.
+  !! Keeps the array's address: no temporary (head of the module).
   subroutine ghosts(self, bits, ierr, convention, piece)
     class(insitu_mesh), intent(in) :: self
     integer(int8), pointer, intent(in) :: bits(:)

@@ -100,6 +100,10 @@ module insitu_c
       insitu_memory_geocentric = 13, insitu_memory_chart = 14, insitu_memory_neighbours = 15, &
       insitu_memory_count = 15
 
+  ! The room of the lists in insitu_report
+  integer, parameter :: &
+      insitu_memory_room = 32, insitu_end_room = 32, insitu_reason_room = 16
+
   type, bind(c) :: c_session_options
     integer(c_size_t) :: size = 0
     type(c_ptr) :: scene = c_null_ptr
@@ -113,6 +117,7 @@ module insitu_c
     type(c_ptr) :: log_user = c_null_ptr
     type(c_ptr) :: communicator = c_null_ptr
     integer(c_int32_t) :: fortran_communicator = 0
+    integer(c_int32_t) :: reserved = 0
   end type c_session_options
 
   type, bind(c) :: c_array
@@ -128,6 +133,7 @@ module insitu_c
     type(c_ptr) :: converted = c_null_ptr
     integer(c_int32_t) :: indirect = 0
     integer(c_int64_t) :: offset = 0
+    integer(c_int64_t) :: reserved(8) = 0
   end type c_array
 
   type, bind(c) :: c_cells
@@ -139,6 +145,7 @@ module insitu_c
     type(c_array) :: types
     type(c_array) :: offsets
     integer(c_int32_t) :: index_base = 1
+    integer(c_int32_t) :: reserved = 0
   end type c_cells
 
   type, bind(c) :: c_block
@@ -190,6 +197,7 @@ module insitu_c
     integer(c_int) :: angle = insitu_degrees
     integer(c_int) :: length = insitu_metres
     integer(c_int) :: vertical = insitu_up
+    integer(c_int32_t) :: reserved = 0
   end type c_frame
 
   type, bind(c) :: insitu_commit_report
@@ -200,6 +208,7 @@ module insitu_c
     integer(c_int64_t) :: cells = 0, vertices = 0, bytes = 0, bytes_allocated = 0
     real(c_double) :: cost_ratio = 1.0_c_double
     integer(c_int) :: builder = insitu_builder_none
+    integer(c_int32_t) :: reserved = 0
   end type insitu_commit_report
 
   type, bind(c) :: insitu_validation
@@ -234,6 +243,7 @@ module insitu_c
     integer(c_int64_t) :: bytes = 0
     integer(c_int32_t) :: borrowed = 0
     character(kind=c_char) :: reason(64)
+    integer(c_int32_t) :: reserved(9) = 0
   end type c_audit_entry
 
   type, bind(c) :: c_locate_args
@@ -250,6 +260,7 @@ module insitu_c
     type(c_ptr) :: reasons = c_null_ptr
     integer(c_int) :: memory = insitu_host
     type(c_ptr) :: stream = c_null_ptr
+    integer(c_int64_t) :: reserved(16) = 0
   end type c_locate_args
 
   type, bind(c) :: c_sample_args
@@ -261,7 +272,8 @@ module insitu_c
   end type c_sample_args
 
   !> Totals since the session was opened; particles, bytes_by_purpose and located_by_reason are
-  !! indexed by insitu_end_*, insitu_memory_* and insitu_reason_*.
+  !! indexed by insitu_end_*, insitu_memory_* and insitu_reason_*; purposes, endings and reasons tell
+  !! how many of each the library that runs counts, the first ones.
   type, bind(c) :: insitu_report
     integer(c_size_t) :: size = 0
     integer(c_int64_t) :: executions = 0
@@ -269,14 +281,15 @@ module insitu_c
     real(c_double) :: render_s = 0.0_c_double, output_s = 0.0_c_double
     integer(c_int64_t) :: keeps = 0, refits = 0, rebuilds = 0
     integer(c_int64_t) :: bytes_borrowed = 0, bytes_held = 0, bytes_peak = 0
-    integer(c_int64_t) :: bytes_by_purpose(insitu_memory_count) = 0
+    integer(c_int64_t) :: bytes_by_purpose(insitu_memory_room) = 0
     integer(c_int64_t) :: points_located = 0, points_outside = 0
     integer(c_int64_t) :: particles_seeded = 0
-    integer(c_int64_t) :: particles(insitu_end_count) = 0
+    integer(c_int64_t) :: particles(insitu_end_room) = 0
     integer(c_int64_t) :: frames = 0, probe_rows = 0, files = 0
     integer(c_int64_t) :: failures = 0
-    integer(c_int64_t) :: located_by_reason(0:insitu_reason_count - 1) = 0
+    integer(c_int64_t) :: located_by_reason(0:insitu_reason_room - 1) = 0
     real(c_double) :: ranges_s = 0.0_c_double, classify_s = 0.0_c_double
+    integer(c_int32_t) :: purposes = 0, endings = 0, reasons = 0, reserved = 0
   end type insitu_report
 
   include 'insitu_c_functions.inc'

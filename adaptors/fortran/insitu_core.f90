@@ -11,6 +11,9 @@ module insitu_core
   public :: piece_index, keep_message
 
   integer, parameter, public :: message_length = 4096
+  !> What the message of a session begins with from an open that failed to the next one: the handles
+  !! that were not made are no news then.
+  character(len=*), parameter, public :: not_open = 'the session was not opened: '
 
   !> A mesh as the layers for each kind of array extend it; solvers use insitu_mesh of module insitu.
   type, public :: mesh_core
@@ -41,7 +44,9 @@ contains
   subroutine keep_message(text, status)
     character(len=*), pointer, intent(in) :: text
     integer(c_int), intent(in) :: status
-    if (associated(text) .and. status /= insitu_ok) text = from_c(c_last_message())
+    if (.not. associated(text) .or. status == insitu_ok) return
+    if (status == insitu_error_handle .and. index(text, not_open) == 1) return
+    text = from_c(c_last_message())
   end subroutine keep_message
 
   subroutine finish(self, status, ierr)

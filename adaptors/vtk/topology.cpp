@@ -83,7 +83,8 @@ void hide_flat_cells(const unsigned char* type, Topology& t) {
     if (!has_volume(type[c]))
       ghosts->SetValue(c, ghosts->GetValue(c) | hidden);
   t.ghosts = Watched(ghosts);
-  t.made_ghosts = "cells without volume are hidden";
+  if (!t.made_ghosts)
+    t.made_ghosts = "cells without volume are hidden";
 }
 
 void read_cells(vtkUnstructuredGrid* grid, Topology& t) {

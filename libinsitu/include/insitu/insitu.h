@@ -10,8 +10,11 @@
  *    Different sessions are independent.
  *  - The caller's floating-point environment (rounding, traps, flush-to-zero) is saved at entry
  *    and restored before return; inside and in the workers the default environment is used.
- *  - Argument structs start with their size; make them with their _default() function, which lets
- *    later versions add members.
+ *  - Structs start with their size; make them with their _default() function, which lets later
+ *    versions add members. From 0.2 on an argument struct of an earlier version (shorter) is taken,
+ *    with defaults for what it lacks, and one of a later version (longer) if what this version does
+ *    not know is zero; else INSITU_ERROR_ARGUMENT names the struct and the sizes. Of results as
+ *    much is written as the caller's size has room for. Members called reserved are 0.
  *  - Strings are UTF-8 and copied. Arrays are **external**: the library keeps the pointer and reads
  *    it in place (see insitu_array for how long).
  *  - Ids are 0-based unless an index_base or cell_base argument says otherwise. Coordinates are in

@@ -51,7 +51,7 @@ struct Options {
   bool strict = false;         /**< refuse arrays that would have to be copied or converted */
   LogLevel log_level = LogLevel::warning; /**< messages up to this level reach the log */
   Log log = {};                           /**< empty: errors and warnings go to stderr */
-  const void* communicator = nullptr; /**< address of an MPI_Comm, kept; serial in this version */
+  const void* communicator = nullptr; /**< address of an MPI_Comm; kept, not used: see insitu.h */
   int fortran_communicator = 0;       /**< the same as a Fortran integer, if communicator is null */
 };
 

@@ -50,6 +50,10 @@ public:
     return levels;
   }
   /** Drops the pieces from `first` on: a regrid may leave fewer patches. */
+  /// Pieces stand for themselves (insitu_mesh_separate_pieces).
+  void separate_pieces(bool separate = true) {
+    detail::check(insitu_mesh_separate_pieces(handle(), separate));
+  }
   void drop_pieces(int first) { detail::check(insitu_mesh_drop_pieces(handle(), first)); }
 
   /** Says what changed since the last commit; adds up. New arrays and cells say so by themselves.

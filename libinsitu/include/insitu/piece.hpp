@@ -113,8 +113,8 @@ public:
     give_cells(INSITU_LAYOUT_PADDED, Shape::hexahedron, 8, connectivity, index_base);
   }
 
-  /** A curvilinear block of ni x nj x nk vertices, at least 2 each, whose points are given by
-   *  points(). Vertex (i, j, k) has the id i + ni*(j + nj*k), cell (i, j, k) the id
+  /** A curvilinear block of ni x nj x nk vertices (below 2 along an axis it has no cells), whose
+   *  points are given by points(). Vertex (i, j, k) has the id i + ni*(j + nj*k), cell (i, j, k) the id
    *  i + (ni-1)*(j + (nj-1)*k); the arrays' strides say how it lies in memory. */
   void block(std::int64_t ni, std::int64_t nj, std::int64_t nk) {
     insitu_block b = insitu_block_default();

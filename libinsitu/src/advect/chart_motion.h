@@ -45,6 +45,13 @@ public:
   /// Whether positions come out of a turned chart.
   bool is_turned() const { return pole_ != geo::Pole::none; }
 
+  double west() const { return chart_->west; }
+  /// A longitude that only rounding has west of the mesh's turn: its image lies a turn to the east.
+  bool is_west_by_rounding(const math::Vec3d& x) const {
+    return pole_ == geo::Pole::none && x.x < west() &&
+           x.x >= west() - 8.0 * std::numeric_limits<double>::epsilon() * units().turn();
+  }
+
   /// Where the point lies among the mesh's cells; false beyond the chart's reach.
   bool image(const math::Vec3d& x, math::Vec3d& out) const {
     if (!(std::abs(x.y) <= units().quarter()))

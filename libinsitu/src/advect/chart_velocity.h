@@ -48,8 +48,12 @@ public:
     else if (!motion_.image(x, image))
       return Sampled::outside;
     query::Location at;
-    const Sampled sampled =
+    Sampled sampled =
         drifts_.empty() ? inner_(image, t, metres) : inner_.sample(image, t, metres, at);
+    if (sampled == Sampled::outside && motion_.is_west_by_rounding(x) && inner_.cell() >= 0) {
+      image.x = motion_.west();
+      sampled = inner_.sample(image, t, metres, at);
+    }
     if (sampled != Sampled::inside)
       return sampled;
     for (const Drift& drift : drifts_)
@@ -60,6 +64,14 @@ public:
   }
   void accepted() { inner_.accepted(); }
   std::int64_t cell() const { return inner_.cell(); }
+  /// See MeshVelocity; kept_at: of a point among the cells.
+  math::Vec3d kept_at(const math::Vec3d& point) { return inner_.kept_inside(point); }
+  math::Vec3d kept_inside(const math::Vec3d& x) {
+    return kept(x, [&](const math::Vec3d& image) { return inner_.kept_inside(image); });
+  }
+  math::Vec3d kept_inside(const math::Vec3d& x, double t) {
+    return kept(x, [&](const math::Vec3d& image) { return inner_.kept_inside(image, t); });
+  }
 
   /// Between two steps of integrate().
   void settle(math::Vec3d& x, math::Vec3d& rate) {
@@ -188,6 +200,26 @@ public:
   }
 
 private:
+  /// Where x is kept, by the image that inside(image) keeps.
+  template <class Inside>
+  math::Vec3d kept(const math::Vec3d& x, Inside&& inside_of) {
+    math::Vec3d image;
+    if (confined_)
+      image = on_sheet(x);
+    else if (!motion_.image(x, image))
+      return x;
+    const bool is_west =
+        !confined_ && motion_.is_west_by_rounding(x) && !images_.locate(image, cell());
+    if (is_west)
+      image.x = motion_.west();
+    const math::Vec3d inside = inside_of(image);
+    if (inside == image && !is_west)
+      return x;
+    const math::Vec3d y = is_west ? inside : motion_.from_image(x, image, inside);
+    known_ = {y, inside};
+    return y;
+  }
+
   geo::Pole pole_of(std::int64_t cell) const {
     const mesh::MeshView& mesh = images_.mesh();
     return geo::Pole(mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(cell)].pole);

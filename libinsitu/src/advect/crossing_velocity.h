@@ -85,6 +85,12 @@ public:
     if (in_then_)
       then_.accepted();
   }
+  /// The same of the mesh that holds the position, the current one first.
+  math::Vec3d kept_inside(const math::Vec3d& x) {
+    return in_now_ ? now_.kept_inside(x) : in_then_ ? then_.kept_inside(x) : x;
+  }
+  math::Vec3d kept_inside(const math::Vec3d& x, double) { return kept_inside(x); }
+  math::Vec3d kept_at(const math::Vec3d& point) { return in_now_ ? now_.kept_at(point) : point; }
   /// Of the particle's position among the current cells, or -1.
   std::int64_t cell() const { return in_now_ ? now_.cell() : -1; }
 

@@ -56,6 +56,10 @@ public:
   }
 
   void accepted() { flow_.accepted(); }
+  math::Vec3d kept_inside(const math::Vec3d& x) { return flow_.kept_inside(x); }
+  math::Vec3d kept_inside(const math::Vec3d& x, double t) { return flow_.kept_inside(x, t); }
+  /// The same of a point among the cells.
+  math::Vec3d kept_at(const math::Vec3d& point) { return flow_.kept_inside(point); }
   std::int64_t cell() const { return flow_.cell(); }
 
   // See CellwiseField and ExitingField.

@@ -1,6 +1,7 @@
 // Particles with inertia: Mover's way of moving them.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "advect/mover.h"
 #include "cells/kernels.h"
@@ -85,12 +86,25 @@ insitu_ending Mover<V>::fly(State& p, Carried& carried, double to, Work& work) {
   return ending;
 }
 
+namespace {
+
+/// Whether a way from x goes through the wall from which `back` brings a point back, by more than
+/// rounding makes of x.
+bool presses(const Vec3d& way, const Vec3d& back, const Vec3d& x) {
+  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() *
+                          std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)});
+  return -math::dot(way, back) > rounding * length_of(back);
+}
+
+} // namespace
+
 template <class V>
 insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to, Work& work) {
   const bool adaptive = is_adaptive(settings_.method);
   Vec3d b;
   bool known = false; // b, at x
   bool closing = false, begun = false;
+  double too_long = 0.0; // the longest step that left the mesh, while closing
   for (;;) {
     if (!known) {
       Vec3d u;
@@ -104,6 +118,7 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
                : p.fresh                ? INSITU_END_SEED_OUTSIDE
                                         : INSITU_END_LEFT;
       velocity_.accepted();
+      x = kept_inside(x);
       spot_cell_ = -1;
       p.fresh = false;
       if (std::isnan(carried.velocity.x))
@@ -167,14 +182,25 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
       const double crossed = cells_crossed(per_metre.coordinates(trial.moved), extent);
       chord = length_of(trial.moved);
       double factor = 1.0;
+      const auto is_close = [&] {
+        return crossed <= settings_.exit_tolerance && h <= settings_.exit_tolerance * cell_time;
+      };
+      // Steps that rounding brings back to a wall, since they are so short, would go on without
+      // end. A wall that responds takes them all; others are left by what goes on through them.
+      if (trial.sampled == Sampled::inside && (closing || effects_->boundary)) {
+        const Vec3d to_wall = kept_inside(trial.x) - trial.x;
+        const Vec3d on = too_long * v + (0.5 * too_long * too_long / h) * (trial.v - v);
+        if (!(to_wall == Vec3d{}) &&
+            (effects_->boundary || is_close() || presses(per_metre.coordinates(on), to_wall, x)))
+          trial.sampled = Sampled::outside;
+      }
       if (trial.sampled == Sampled::not_finite && crossed <= settings_.exit_tolerance)
         return INSITU_END_NOT_FINITE;
       if (trial.sampled != Sampled::inside) {
-        exit = trials == most_trials ||
-               (crossed <= settings_.exit_tolerance && h <= settings_.exit_tolerance * cell_time) ||
-               p.time + 0.5 * h == p.time;
+        exit = trials == most_trials || is_close() || p.time + 0.5 * h == p.time;
         if (exit)
           break;
+        too_long = closing ? std::max(too_long, h) : h;
         closing = true;
         factor = 0.5;
       } else if (crossed > 2.0 * largest_cells && settings_.max_step == 0.0 && adaptive) {
@@ -216,6 +242,7 @@ insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to
       continue;
     }
     velocity_.accepted();
+    trial.x = kept_inside(trial.x);
     if (recorder_) {
       State then = p;
       then.x = velocity_.place(trial.x);

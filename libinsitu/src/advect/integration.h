@@ -40,7 +40,10 @@ concept CellwiseField = requires(F& f, const Vec3d& x, double t) {
 /// where the segment leaves it, travelled from t to t + dt: contextually false, or with t (in
 /// [0, 1]), inside (a point in the domain, on the boundary to rounding), face and normal. The
 /// particle's place is then that point. It may tell by way_out(a, b, t) at what part of the
-/// segment that is, or a negative number, and change nothing.
+/// segment that is, or a negative number, and change nothing. One that takes points beyond its
+/// domain by rounding for points in it tells by kept_inside(x), with x the point asked last, where
+/// a particle that comes there is, and by kept_inside(x, t) where at a time that is its own to
+/// rounding.
 template <class F>
 concept ExitingField = requires(F& f, const Vec3d& x, double t) {
   { f.leave(x, x, t, t)->inside } -> std::convertible_to<Vec3d>;
@@ -89,7 +92,7 @@ public:
   Verdict judge(Trial& trial);
   Vec3d way(const Trial& trial) const { return direction_ * trial.v; }
   double end_time() const { return time() + direction_ * h_; }
-  Verdict enter(Crossed crossed, const Trial& trial);
+  Verdict enter(Crossed crossed, Trial& trial);
   insitu_ending ending() const { return ending_; }
 
   /// At the end: true if the velocity is wanted again, for its owner's cell, and released().
@@ -118,10 +121,19 @@ private:
   Verdict another();
   void choose_step();
   insitu_ending stops() const;
+  bool is_close(const Vec3d& way, double time) const;
+  bool is_close(const Vec3d& way, double time, double tolerance) const;
+  bool creeps(const Trial& trial);
   bool give_up(const Trial& trial, double& factor);
   double growth_allowed(const Trial& trial);
   bool exit(const Vec3d& b, double dt);
-  void accept(const Trial& trial);
+  void accept(Trial& trial);
+  template <class... Time>
+  Vec3d kept_inside(const Vec3d& x, Time... time) {
+    if constexpr (requires { velocity_.kept_inside(x, time...); })
+      return velocity_.kept_inside(x, time...);
+    return x;
+  }
   DenseStep path_of(const Trial& trial) const {
     return {p_.x, time(), direction_ * h_, k1_, trial, M::quintic};
   }
@@ -188,6 +200,7 @@ insitu_ending Integration<M, F, Visit>::begin(Sampled first, const Vec3d& v) {
                                         : INSITU_END_LEFT;
   k1_ = v;
   velocity_.accepted();
+  p_.x = kept_inside(p_.x);
   p_.fresh = false;
   tell();
   return INSITU_END_COUNT;
@@ -254,6 +267,8 @@ typename Integration<M, F, Visit>::Verdict Integration<M, F, Visit>::judge(Trial
   work_.evaluations += M::evaluations;
   ending_ = INSITU_END_COUNT;
   double factor = 1.0; // of the next trial's step; 1: this one may be accepted
+  if (trial.sampled == Sampled::inside && creeps(trial))
+    trial.sampled = Sampled::outside;
   if (trial.sampled == Sampled::inside) {
     factor = growth_allowed(trial);
     if (ending_ != INSITU_END_COUNT) {
@@ -338,13 +353,14 @@ double Integration<M, F, Visit>::growth_allowed(const Trial& trial) {
 }
 
 template <class M, VelocityField F, class Visit>
-void Integration<M, F, Visit>::accept(const Trial& trial) {
+void Integration<M, F, Visit>::accept(Trial& trial) {
   const double h = h_;
   constexpr bool dense = std::invocable<Visit&, const State&, const DenseStep&>;
   const double t = time();
   const Vec3d from = p_.x, before = k1_;
   const bool cut = h < wanted_;
   velocity_.accepted();
+  trial.x = h == remaining_ ? kept_inside(trial.x, to_) : kept_inside(trial.x);
   ++work_.steps;
   work_.forced += forced_;
   elapsed_ = h == remaining_ ? span_ : elapsed_ + h;
@@ -358,7 +374,10 @@ void Integration<M, F, Visit>::accept(const Trial& trial) {
   const bool closing_in = closing_in_ > 0;
   if (closing_in) {
     p_.step = h;
-    steps_ += --closing_in_ == 0;
+    if (--closing_in_ == 0) { // past it, or on a wall that it does not cross: there steps may grow
+      ++steps_;
+      free_steps_ = std::max(free_steps_, 1);
+    }
   } else {
     ++steps_;
     free_steps_ -= free_steps_ > 0;

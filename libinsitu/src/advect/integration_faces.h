@@ -201,7 +201,7 @@ typename Integration<M, F, Visit>::Landing Integration<M, F, Visit>::land_along(
 /// The step ends on a face of its cell: the particle is confined to the next cell, whatever it is.
 template <class M, VelocityField F, class Visit>
 typename Integration<M, F, Visit>::Verdict Integration<M, F, Visit>::enter(Crossed crossed,
-                                                                           const Trial& trial) {
+                                                                           Trial& trial) {
   if (crossed == Crossed::into_next) {
     idle_faces_ = cells_crossed(trial.x - p_.x, extent_) < 1e-9 ? idle_faces_ + 1 : 0;
     if (idle_faces_ > control::most_idle_faces) {

@@ -142,8 +142,9 @@ void LaneBatch::try_cells() {
       }
       if (l.sampled_ == Sampled::inside) {
         l.hint_ = k.cell;
-        if (k.values == 1)
-          l.sampled_ = l.value(k, found.r, l.v_);
+        const Vec3d r = l.confined_ ? l.on_own_faces(l.x_, found.r, found.error) : found.r;
+        if (k.values == 1 || !(r == found.r))
+          l.sampled_ = l.value(k, r, l.v_);
         else {
           l.v_ = found.velocity;
           l.sampled_ = LaneVelocity::finite(l.v_) ? Sampled::inside : Sampled::not_finite;
@@ -180,6 +181,9 @@ void LaneBatch::locate() {
     lost_[i]->note_unguided();
   for (std::size_t i = misses; i < all; ++i)
     crossing_[i - misses]->unguided_ += crossing_[i - misses]->lacks_guide_;
+  for (std::size_t i = 0; i < misses; ++i)
+    if (!locations_[i])
+      locations_[i] = lost_[i]->beside_mesh(lost_[i]->x_);
   for (std::size_t i = 0; i < misses; ++i)
     if (locations_[i])
       lost_[i]->expect(locations_[i].cell);

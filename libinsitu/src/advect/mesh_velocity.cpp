@@ -1,5 +1,7 @@
 #include "advect/mesh_velocity.h"
 
+#include <utility>
+
 namespace insitu::advect {
 
 using math::Vec3d;
@@ -7,6 +9,8 @@ using math::Vec3d;
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+/// So far beyond a face, in cells, that it goes along, a particle is still in its own cell.
+constexpr double beyond_along = 10.0 * control::on_face;
 
 } // namespace
 
@@ -44,10 +48,57 @@ MeshVelocity::Kept& MeshVelocity::keep(std::int64_t cell) {
 /// By the sampler: the point is in no cell that is kept, or cannot be proven to be.
 Sampled MeshVelocity::located(const Vec3d& x, Vec3d& v, query::Location* where) {
   note_unguided();
-  const query::Location at = sampler_->locate(x, keeps_ ? -1 : hint_, options());
+  query::Location at = sampler_->locate(x, keeps_ ? -1 : hint_, options());
+  if (!at)
+    at = beside_mesh(x);
   if (where)
     *where = at;
   return taken(at, v);
+}
+
+/// Of a point that no cell holds: where it is in the mesh, if it is beyond it by rounding alone. Not
+/// of one that was never in a cell.
+query::Location MeshVelocity::beside_mesh(const Vec3d& x, double least_reach) {
+  Vec3d inside = x;
+  const double reach = std::max(
+      least_reach,
+      query::rounding_in(sampler_->mesh(), cell_ >= 0 ? cell_ : hint_, options().alpha));
+  const query::Location at = query::bring_inside(*sampler_, inside, reach, options());
+  if (at) {
+    beside_ = x;
+    beside_alpha_ = alpha_;
+    inside_ = inside;
+  }
+  return at;
+}
+
+Vec3d MeshVelocity::kept_inside(const Vec3d& x) {
+  if (x == beside_ && (!moves_ || alpha_ == beside_alpha_))
+    return inside_;
+  // What goes along faces of its own cell may be beyond the mesh by rounding; what has come to a
+  // face, by what it may stop short of or beyond it.
+  const bool landed = std::exchange(landed_, false);
+  if (!confined_ || (along_ == 0 && !landed && depth_ > control::on_face))
+    return x;
+  for (Kept* k : {own_, kept_[0], kept_[1]})
+    if (k->cell >= 0) {
+      blend(*k);
+      if (cells::decide(k->vertices.shape, k->vertices.x, x))
+        return x;
+    }
+  if (sampler_->locate(x, own_->cell, options()))
+    return x;
+  const Vec3d extent = own_extent();
+  const double cells = 2.0 * (along_ != 0 ? beyond_along : control::on_face);
+  return beside_mesh(x, cells * std::max({extent.x, extent.y, extent.z})) ? inside_ : x;
+}
+
+Vec3d MeshVelocity::kept_inside(const Vec3d& x, double t) {
+  const Vec3d y = kept_inside(x);
+  if (!moves_ || alpha(t) == alpha_)
+    return y;
+  set_alpha(t);
+  return sampler_->locate(y, cell_, options()) || !beside_mesh(y) ? y : inside_;
 }
 
 /// The velocity at a place that was located, whose cell is kept.
@@ -117,9 +168,10 @@ Sampled MeshVelocity::in_own_cell(const Vec3d& x, Vec3d& v, query::Location* whe
   if (!map.converged || !(map.margin > -0.5))
     return Sampled::outside;
   hint_ = own_->cell;
+  const Vec3d r = on_own_faces(x, map.r, map.error);
   if (where)
-    *where = {own_->cell, map.r};
-  return value(*own_, map.r, v);
+    *where = {own_->cell, r};
+  return value(*own_, r, v);
 }
 
 double MeshVelocity::depth(const Vec3d& x, double t) {
@@ -174,7 +226,7 @@ unsigned MeshVelocity::faces_along(const Vec3d& x, const Vec3d& towards) const {
 /// The least distance from a face of the own cell but for those it goes along, unless it is this
 /// far beyond one.
 double MeshVelocity::depth_beside(const Vec3d& r) const {
-  constexpr double beyond = 10.0 * control::on_face;
+  constexpr double beyond = beyond_along;
   const mesh::Shape shape = own_->vertices.shape;
   double n[8], depth = infinity;
   cells::shape_functions(shape, r, n);
@@ -229,6 +281,7 @@ query::Location MeshVelocity::locate(const Vec3d& x) {
 }
 
 Crossed MeshVelocity::enter(const Vec3d& x, const query::Location& at) {
+  landed_ = true;
   if (!at)
     return Crossed::to_boundary;
   if (!can_keep(at.cell))
@@ -274,7 +327,17 @@ Crossed MeshVelocity::crossed(const Vec3d& x, const query::Location& at) {
 double MeshVelocity::way_out(const Vec3d& a, const Vec3d& b, double t) {
   set_alpha(t);
   const auto exit = query::leave_mesh(*sampler_, cell_, a, b, options());
-  return exit ? exit->t : -1.0;
+  if (!exit)
+    return -1.0;
+  // What goes along a wall, and leaves further on, may by rounding be out of it at once.
+  constexpr double no_way = control::on_face, some_way = 1e-3; // cells
+  const double cells = cells_crossed(b - a, extent());
+  if (exit->t * cells < no_way && cells > 0.0) {
+    const Vec3d on = a + std::min(0.5, some_way / cells) * (b - a);
+    if (sampler_->locate(on, cell_, options()) || beside_mesh(on))
+      return -1.0;
+  }
+  return exit->t;
 }
 
 std::optional<query::Exit> MeshVelocity::leave(const Vec3d& a, const Vec3d& b, double t,

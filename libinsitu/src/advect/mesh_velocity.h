@@ -14,7 +14,9 @@
 #include "advect/integrate.h"
 #include "cells/faces.h"
 #include "cells/kernels.h"
+#include "cells/on_feature.h"
 #include "mesh/view.h"
+#include "query/beside_mesh.h"
 #include "query/face_crossing.h"
 #include "query/sampler.h"
 
@@ -63,6 +65,12 @@ public:
   /// The cell of the point asked last, if that was inside.
   std::int64_t asked() const { return hint_; }
   void accepted() { cell_ = hint_; }
+  /// The point asked last or, where it lies beyond the mesh by rounding at its cell's size and no
+  /// more, the place in the mesh that stands for it.
+  math::Vec3d kept_inside(const math::Vec3d& x);
+  /// The same for where it is at time t, which is that of the point asked last to rounding: so is the
+  /// geometry.
+  math::Vec3d kept_inside(const math::Vec3d& x, double t);
 
   /// How much of the current step there is at time t; of the geometry it is 1 if nothing moved.
   double alpha(double t) const { return times_.alpha(t); }
@@ -194,6 +202,7 @@ protected:
 
   // at: where to say where x lies, or null.
   Sampled located(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
+  query::Location beside_mesh(const math::Vec3d& x, double least_reach = 0.0);
   Sampled taken(const query::Location& at, math::Vec3d& v);
   Sampled in_own_cell(const math::Vec3d& x, math::Vec3d& v, query::Location* at);
   // Loading a cell in steps, so that many are waited for at once: asks for its ids; has them, and
@@ -255,6 +264,14 @@ protected:
   std::int64_t next_cell(const Kept& from, const math::Vec3d& r, double near) const;
   std::int64_t cell_across() const;
   void take_own(std::int64_t cell);
+  /// Coordinates in the own cell, exactly on the faces on which x lies, as owners' are.
+  math::Vec3d on_own_faces(const math::Vec3d& x, const math::Vec3d& r, double error) const {
+    const mesh::CellVertices& c = own_->vertices;
+    return cells::is_near_faces(c.shape, r, control::on_face)
+               ? cells::put_on_faces_of(c.shape, c.x, x, cells::put_on_nearest(c.shape, c.x, x, r, error),
+                                        control::on_face)
+               : r;
+  }
   Crossed enter(const math::Vec3d& x, const query::Location& at);
   math::Vec3d own_extent() const { return edges_of(moves_ ? box_of(own_->vertices) : own_->box); }
   unsigned faces_along(const math::Vec3d& x, const math::Vec3d& towards) const;
@@ -289,6 +306,10 @@ protected:
   bool lacks_guide_ = false; ///< beyond_cells_ tells little, and a table would be better
   bool outside_known_ = false;
   math::Vec3d outside_; ///< coordinates in the cell that was tried last
+  /// A point beyond the mesh by rounding alone, and the place that stands for it.
+  math::Vec3d beside_{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}, inside_;
+  bool landed_ = false;       ///< the particle has just come to a face of the own cell
+  double beside_alpha_ = 1.0; ///< of the geometry that this is so in
   Kept cells_[3];
   Kept* kept_[2] = {&cells_[0], &cells_[1]};
   int last_ = 0; ///< of kept_, that which answered last

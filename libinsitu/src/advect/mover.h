@@ -68,6 +68,8 @@ private:
   bool glide(const State& p, Glide& step, double to, Work& work);
   insitu_ending pass(State& p, Spot at);
   Sampled velocity_at(const Vec3d& point, double time, Vec3d& v);
+  /// Of the point among the cells at which the velocity was asked last.
+  Vec3d kept_inside(const Vec3d& point) { return velocity_.kept_at(point); }
   bool is_over() const { return recorder_ && recorder_->is_over(); }
   double cells_along(const Spot& at, const Vec3d& v, const Vec3d& wall, double alpha) const;
   insitu_ending walk(State& p, Carried& carried, double dt);

@@ -16,6 +16,7 @@
 #include "advect/snapshots.h"
 #include "core/status.h"
 #include "query/attached.h"
+#include "query/beside_mesh.h"
 
 namespace insitu::advect {
 
@@ -134,6 +135,16 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
     all.endings[i] = std::uint8_t(ending);
     return ending;
   };
+  // A position in the mesh's frame: where rounding on the way from a chart has it beyond a wall, in
+  // the mesh.
+  const auto in_frame = [&](const auto& v, const State& p, std::int64_t cell) {
+    math::Vec3d x = v.position(p.x);
+    const query::LocateOptions options{settings_.accuracy, v.geometry_alpha(p.time)};
+    if (sampler.chart() && cell >= 0 && !(x == p.x) && !sampler.locate(x, cell, options))
+      (void)query::bring_inside(
+          sampler, x, query::rounding_in(sampler.mesh(), cell, options.alpha), options);
+    return x;
+  };
   const std::unique_ptr<const CellsBeyond> beyond = CellsBeyond::worth(sampler, count);
   const Sides none;
   const auto between = [&]<class V>(Between what, std::type_identity<V>) {
@@ -208,7 +219,7 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
             all.set_carried(i, carried);
             cell = mover->cell();
           }
-          p.x = v.position(p.x);
+          p.x = in_frame(v, p, cell);
         } else {
           v.begin(all.cells[i]);
           p.x = v.enter(p.x);
@@ -220,8 +231,8 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
             ending =
                 integrate(v, integrator, to, settings_.length, p, chunk_work, [](const State&) {});
           }
-          p.x = v.position(p.x);
           cell = v.cell();
+          p.x = in_frame(v, p, cell);
         }
         ending = store(i, p, cell, ending, v.geometry_alpha(p.time));
         if (taker && ending != INSITU_END_ALIVE)

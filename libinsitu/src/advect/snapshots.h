@@ -12,6 +12,7 @@
 #include "advect/settings.h"
 #include "advect/sides.h"
 #include "core/memory.h"
+#include "query/beside_mesh.h"
 #include "query/sampler.h"
 
 namespace insitu::advect {
@@ -133,9 +134,15 @@ private:
     for (; next_ < all_.times.size() && !all_.is_before(p.time, all_.times[next_]); ++next_) {
       const double t = all_.times[next_];
       const std::size_t item = all_.item(next_, particle_);
-      const Vec3d x = at(t);
+      Vec3d x = at(t);
+      const query::LocateOptions options{accuracy_, field_.geometry_alpha(t)};
+      query::Location place = sampler_.locate(x, field_.cell(), options);
+      if (!place) // between steps along a wall, rounding may be beyond it
+        place = query::bring_inside(
+            sampler_, x, query::rounding_in(sampler_.mesh(), field_.cell(), options.alpha),
+            options);
       all_.positions[item] = x;
-      all_.places[item] = sampler_.locate(x, field_.cell(), {accuracy_, field_.geometry_alpha(t)});
+      all_.places[item] = place;
       all_.present[item] = 1;
     }
     last_ = point_of(p.x);

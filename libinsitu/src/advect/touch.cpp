@@ -110,7 +110,7 @@ bool Mover<V>::glide(const State& p, Glide& step, double to, Work& work) {
   if (velocity_.sample(end, until, v, here) != Sampled::inside)
     return false;
   velocity_.accepted();
-  step = {step.n, direction_ * v, {end, here.cell}, first, until};
+  step = {step.n, direction_ * v, {kept_inside(end), here.cell}, first, until};
   return true;
 }
 

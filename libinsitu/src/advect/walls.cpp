@@ -8,6 +8,7 @@
 #include "advect/integrate.h"
 #include "cells/faces.h"
 #include "cells/kernels.h"
+#include "query/beside_mesh.h"
 #include "query/face_crossing.h"
 
 namespace insitu::advect {
@@ -132,6 +133,9 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
   wall_ = {};
   const Spot start = at;
   const double length_before = length;
+  // These have to learn of the wall that they are pressed to, by however little.
+  const bool turns =
+      boundary.response == AtBoundary::slide || boundary.response == AtBoundary::reflect;
   for (int contact = 0; contact < most_contacts; ++contact) {
     const double crossed = cells_crossed(d, extent(at.cell, alpha));
     if (!(crossed > (contact == 0 ? 0.0 : skin_cells))) { // nothing left, or NaN
@@ -144,8 +148,13 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
     int k = 0;
     for (; k < parts; ++k) {
       const geo::Pole pole = space_.pole_of(at.x);
-      const Vec3d x = at.x + part, y = space_.image(x, pole);
-      const query::Location found = locate(y, at.cell, alpha);
+      const Vec3d x = at.x + part;
+      Vec3d y = space_.image(x, pole);
+      query::Location found = locate(y, at.cell, alpha);
+      if (!found && !turns) // beyond the wall by rounding, it is on it
+        found = query::bring_inside(*sampler_, y,
+                                    query::rounding_in(sampler_->mesh(), at.cell, alpha),
+                                    {accuracy_, alpha});
       if (!found) {
         exit = query::leave_mesh(*sampler_, at.cell, at.x, x, {accuracy_, alpha});
         break;

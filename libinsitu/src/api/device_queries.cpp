@@ -3,7 +3,7 @@
 
 #include "accel/device_locator.h"
 #include "api/session.h"
-#include "core/status.h"
+#include "core/caller_struct.h"
 #include "core/timer.h"
 #include "scene/frames.h"
 
@@ -88,10 +88,9 @@ void Session::answer_by_device(const query::CommittedMesh& mesh, const insitu_lo
   statistics_.points_located += n;
 }
 
-void Session::advance(SessionMesh& to, const insitu_advance_args& args) {
+void Session::advance(SessionMesh& to, const insitu_advance_args& given) {
   const core::Timer timer;
-  if (args.size != sizeof args)
-    throw Error(INSITU_ERROR_ARGUMENT, "args: make them with insitu_advance_args_default()");
+  const insitu_advance_args args = core::from_caller(&given, "args");
   const query::CommittedMesh& mesh = committed(to);
   if (!mesh.device())
     refuse(

@@ -103,16 +103,4 @@ inline void require(const void* argument, const char* name) {
     throw core::Error(INSITU_ERROR_ARGUMENT, std::string(name) + ": null");
 }
 
-/// Copies a report to the caller's struct, as far as the caller knows it.
-template <class T>
-void hand_out(const T& from, T* to, const char* name) {
-  if (!to)
-    return;
-  if (to->size != sizeof(T))
-    throw core::Error(INSITU_ERROR_ARGUMENT,
-                      std::string(name) + ": size is " + std::to_string(to->size) + ", " +
-                          std::to_string(sizeof(T)) + " expected; make it with its _default()");
-  *to = from;
-}
-
 } // namespace insitu::api

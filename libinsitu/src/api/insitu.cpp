@@ -3,6 +3,7 @@
 #include "insitu/c/amr.h"
 
 #include "api/entry.h"
+#include "core/caller_struct.h"
 #include "core/unsigned_zero.h"
 #include "scene/frames.h"
 
@@ -95,17 +96,14 @@ insitu_status insitu_session_open(const insitu_session_options* options, insitu_
   return guarded([&] {
     require(session, "session");
     *session = nullptr;
-    const insitu_session_options defaults = insitu_session_options_default();
-    if (!options)
-      options = &defaults;
-    if (options->size != sizeof *options)
-      throw core::Error(INSITU_ERROR_ARGUMENT,
-                        "options: make them with insitu_session_options_default()");
+    insitu_session_options known = insitu_session_options_default();
     try {
+      if (options)
+        known = core::from_caller(options, "options");
       *session = reinterpret_cast<insitu_session>(
-          api::sessions().add(std::make_shared<api::Session>(*options)));
+          api::sessions().add(std::make_shared<api::Session>(known)));
     } catch (const std::exception& e) { // a host that asks no status learns of it
-      core::Log(options->log_level, options->log, options->log_user)
+      core::Log(known.log_level, known.log, known.log_user)
           .error(std::string("insitu_session_open: ") + e.what());
       throw;
     }
@@ -177,9 +175,10 @@ insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece, const insitu_bl
 insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, const char* name,
                                 insitu_association association, const insitu_array* arrays,
                                 int32_t array_count) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
     require(name, "name");
-    m.mesh().set_field(piece, name, association, arrays, array_count);
+    m.mesh.mesh().set_field(piece, name, association, arrays, array_count);
+    s.note_field(m, piece, name);
   });
 }
 
@@ -193,6 +192,12 @@ insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* name) {
 insitu_status insitu_mesh_drop_pieces(insitu_mesh mesh, int32_t first) {
   return with_mesh(mesh,
                    [&](api::Session&, query::CommittedMesh& m) { m.mesh().drop_pieces(first); });
+}
+
+insitu_status insitu_mesh_separate_pieces(insitu_mesh mesh, int separate) {
+  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+    m.mesh().set_separate_pieces(separate != 0);
+  });
 }
 
 insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece, const insitu_array* array,
@@ -221,7 +226,7 @@ insitu_status insitu_mesh_locator(insitu_mesh mesh, const insitu_locator* locato
 insitu_status insitu_mesh_locator_info(insitu_mesh mesh, insitu_locator_info* info) {
   return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
     require(info, "info");
-    api::hand_out(m.locator_info(), info, "info");
+    core::to_caller(m.locator_info(), info, "info");
   });
 }
 
@@ -233,28 +238,29 @@ insitu_status insitu_mesh_advance(insitu_mesh mesh, const insitu_advance_args* a
 }
 
 insitu_status insitu_mesh_changed(insitu_mesh mesh, uint32_t what) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
     if (what & ~std::uint32_t(INSITU_CHANGED_ALL))
       throw core::Error(INSITU_ERROR_ARGUMENT,
                         "what: " + std::to_string(what) + ", a sum of INSITU_CHANGED_* expected");
-    m.mesh().set_changed(what);
+    s.note_changed(m, what);
   });
 }
 
 insitu_status insitu_mesh_commit(insitu_mesh mesh, insitu_commit_report* report) {
   return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
-    if (report && report->size != sizeof *report)
-      throw core::Error(INSITU_ERROR_ARGUMENT,
-                        "report: make it with insitu_commit_report_default()");
-    api::hand_out(s.commit(m), report, "report");
+    if (report)
+      core::check_size(report, "report"); // before anything is done
+    const insitu_commit_report done = s.commit(m);
+    if (report)
+      core::to_caller(done, report, "report");
   });
 }
 
 insitu_status insitu_mesh_validate(insitu_mesh mesh, insitu_validation* validation) {
   return with_mesh(mesh, [&](api::Session& s, query::CommittedMesh& m) {
     const cells::Validation found = m.validate(s.context().threads);
-    insitu_validation counts = found.counts;
-    api::hand_out(counts, validation, "validation");
+    if (validation)
+      core::to_caller(found.counts, validation, "validation");
     if (!found.findings.empty())
       throw core::Error(INSITU_ERROR_MESH, found.findings);
   });
@@ -263,7 +269,7 @@ insitu_status insitu_mesh_validate(insitu_mesh mesh, insitu_validation* validati
 insitu_status insitu_mesh_amr_info(insitu_mesh mesh, insitu_amr_info* info) {
   return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
     require(info, "info");
-    api::hand_out(m.amr_info(), info, "info");
+    core::to_caller(m.amr_info(), info, "info");
   });
 }
 
@@ -318,7 +324,7 @@ insitu_status insitu_mesh_field_info(insitu_mesh mesh, const char* name, int32_t
 insitu_status insitu_session_report(insitu_session session, insitu_report* report) {
   return with_session(session, [&](api::Session& s) {
     require(report, "report");
-    api::hand_out(s.report(), report, "report");
+    core::to_caller(s.report(), report, "report");
   });
 }
 

@@ -3,7 +3,7 @@
 
 #include "api/query_args.h"
 #include "api/session.h"
-#include "core/status.h"
+#include "core/caller_struct.h"
 #include "core/timer.h"
 #include "scene/frames.h"
 
@@ -125,10 +125,9 @@ void Session::locate(SessionMesh& to, const insitu_locate_args& args) {
   statistics_.query_s += timer.seconds();
 }
 
-void Session::sample(SessionMesh& to, const insitu_sample_args& args) {
+void Session::sample(SessionMesh& to, const insitu_sample_args& given) {
   const core::Timer timer;
-  if (args.size != sizeof args)
-    throw Error(INSITU_ERROR_ARGUMENT, "make the arguments with insitu_sample_args_default()");
+  const insitu_sample_args args = core::from_caller(&given, "args");
   if (args.field_count < 0 || (args.field_count > 0 && (!args.fields || !args.values)))
     throw Error(INSITU_ERROR_ARGUMENT, "field_count is " + std::to_string(args.field_count) +
                                            (args.fields ? "" : ", fields is null") +

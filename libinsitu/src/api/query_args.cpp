@@ -1,14 +1,13 @@
 #include "api/query_args.h"
 
-#include "core/status.h"
+#include "core/caller_struct.h"
 
 namespace insitu::api {
 
 using core::Error;
 
 QueryPoints::QueryPoints(const insitu_locate_args& args) {
-  if (args.size != sizeof args)
-    throw Error(INSITU_ERROR_ARGUMENT, "make the arguments with insitu_locate_args_default()");
+  core::check_argument(&args, "args");
   if (!args.points || (args.point_arrays != 1 && args.point_arrays != 3))
     throw Error(INSITU_ERROR_ARGUMENT,
                 !args.points

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "core/caller_struct.h"
 #include "core/simd_target.h"
-#include "core/status.h"
 #include "core/timer.h"
 #include "scene/parse.h"
 
@@ -48,8 +48,27 @@ Session::Session(const insitu_session_options& options)
     scene_ = scene::parse_scene_file(options.scene);
   else if (options.scene_text)
     scene_ = scene::parse_scene_text(options.scene_text, "scene");
-  if (scene_)
-    runner_ = std::make_unique<scene::Runner>(*scene_, output_, context_, statistics_);
+  if (scene_) {
+    for (const std::string& warning : scene_->warnings)
+      context_.log.warning(warning);
+    make_runner(*scene_);
+  }
+  note_communicator();
+}
+
+void Session::note_communicator() {
+  if (communicator_ || fortran_communicator_)
+    context_.log.warning(
+        "communicator: this version keeps it and does not use it. Each process works on its own "
+        "pieces alone: probes and tracers end where these do, images show these, totals are of this "
+        "process, and nothing is exchanged or waited for. Give each process an output folder of its "
+        "own; a second session that writes the same files is refused");
+}
+
+void Session::make_runner(const scene::SceneDescription& scene) {
+  auto runner = std::make_unique<scene::Runner>(scene, output_, context_, statistics_);
+  locks_.take(scene, runner->output());
+  runner_ = std::move(runner);
 }
 
 Session::~Session() = default;
@@ -63,33 +82,44 @@ SessionMesh& Session::mesh(const std::string& name) {
   return *meshes_.emplace_back(std::make_unique<SessionMesh>(name, context_.memory));
 }
 
-void Session::choose_locator(SessionMesh& to, const insitu_locator* locator) {
+void Session::choose_locator(SessionMesh& to, const insitu_locator* given) {
   query::LocatorChoice choice;
-  if (locator) {
-    if (locator->size != sizeof *locator)
-      throw Error(INSITU_ERROR_ARGUMENT, "locator: make it with insitu_locator_default()");
-    if (locator->method < INSITU_METHOD_AUTO ||
-        locator->method > INSITU_METHOD_SHARED_BILINEAR_FACES)
+  if (given) {
+    const insitu_locator locator = core::from_caller(given, "locator");
+    if (locator.method < INSITU_METHOD_AUTO || locator.method > INSITU_METHOD_SHARED_BILINEAR_FACES)
       throw Error(INSITU_ERROR_ARGUMENT,
-                  "locator: unknown method " + std::to_string(int(locator->method)));
-    if (locator->backend < INSITU_BACKEND_AUTO || locator->backend > INSITU_BACKEND_OPTIX)
+                  "locator: unknown method " + std::to_string(int(locator.method)));
+    if (locator.backend < INSITU_BACKEND_AUTO || locator.backend > INSITU_BACKEND_OPTIX)
       throw Error(INSITU_ERROR_ARGUMENT,
-                  "locator: unknown backend " + std::to_string(int(locator->backend)));
-    if (locator->method != INSITU_METHOD_AUTO)
-      choice.method = accel::Method(locator->method - INSITU_METHOD_BVH);
-    if (locator->backend != INSITU_BACKEND_AUTO)
-      choice.backend = accel::Backend(locator->backend - INSITU_BACKEND_CPU);
+                  "locator: unknown backend " + std::to_string(int(locator.backend)));
+    if (locator.method != INSITU_METHOD_AUTO)
+      choice.method = accel::Method(locator.method - INSITU_METHOD_BVH);
+    if (locator.backend != INSITU_BACKEND_AUTO)
+      choice.backend = accel::Backend(locator.backend - INSITU_BACKEND_CPU);
   } else if (runner_) {
     choice = runner_->locator().choice;
   }
   query::pick_locator(choice, to.mesh.mesh().lies_on_device()); // throws before anything is changed
   to.mesh.set_locator(choice);
-  to.locator_chosen = locator != nullptr;
+  to.locator_chosen = given != nullptr;
+}
+
+void Session::note_field(SessionMesh& mesh, std::int32_t piece, const std::string& field) {
+  if (checked_)
+    mesh.given.note_field(mesh.mesh.mesh(), piece, field);
+}
+
+void Session::note_changed(SessionMesh& mesh, std::uint32_t what) {
+  mesh.mesh.mesh().set_changed(what);
+  if (checked_)
+    mesh.given.told(what);
 }
 
 insitu_commit_report Session::commit(SessionMesh& to) {
   query::CommittedMesh& mesh = to.mesh;
   const std::uint32_t said = mesh.mesh().pending();
+  if (checked_)
+    to.given.check(mesh.mesh(), context_.log);
   if (checks(to))
     to.watch.expect_unchanged(said, context_.threads);
   if (runner_) {
@@ -129,8 +159,7 @@ void Session::make_default_runner() {
   for (const auto& m : meshes_)
     for (const std::string& name : m->mesh.mesh().field_names())
       if (m->mesh.mesh().field(name).components == 1) {
-        runner_ = std::make_unique<scene::Runner>(scene::default_scene(name, m->mesh.mesh().name()),
-                                                  output_, context_, statistics_);
+        make_runner(scene::default_scene(name, m->mesh.mesh().name()));
         return;
       }
   throw Error(INSITU_ERROR_FIELD, "the default scene needs a scalar field, and no mesh has one");
@@ -168,6 +197,7 @@ const std::string& Session::plan() {
 }
 
 std::string Session::execute(std::int64_t cycle, double time) {
+  locks_.take_missing();
   const std::vector<query::CommittedMesh*> meshes = commit_all();
   ++statistics_.executions;
   const bool any_cells = std::any_of(meshes.begin(), meshes.end(), [](const auto* mesh) {
@@ -190,6 +220,7 @@ void Session::checkpoint(const std::string& path) {
                                           "of the step that was executed last");
     meshes.push_back(&m->mesh);
   }
+  locks_.take(path);
   runner_->write_checkpoint(path, meshes);
 }
 
@@ -208,11 +239,19 @@ void Session::restart(const std::string& path) {
 }
 
 std::string Session::finish() {
-  return runner_ ? runner_->finish() : std::string();
+  const std::string failures = runner_ ? runner_->finish() : std::string();
+  locks_.release();
+  return failures;
 }
 
 insitu_report Session::report() const {
   insitu_report r = insitu_report_default();
+  static_assert(int(INSITU_MEMORY_COUNT) <= INSITU_MEMORY_ROOM &&
+                int(INSITU_END_COUNT) <= INSITU_END_ROOM &&
+                int(INSITU_REASON_COUNT) <= INSITU_REASON_ROOM);
+  r.purposes = INSITU_MEMORY_COUNT;
+  r.endings = INSITU_END_COUNT;
+  r.reasons = INSITU_REASON_COUNT;
   const scene::Statistics& s = statistics_;
   r.executions = s.executions;
   r.commit_s = s.commit_s;

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "api/array_watch.h"
+#include "api/given_watch.h"
+#include "api/output_locks.h"
 #include "api/query_args.h"
 #include "core/context.h"
 #include "core/memory.h"
@@ -20,7 +22,8 @@ namespace insitu::api {
 struct SessionMesh {
   SessionMesh(const std::string& name, core::Memory& memory) : mesh(name, memory), watch(memory) {}
   query::CommittedMesh mesh;
-  ArrayWatch watch; ///< used by checked sessions
+  ArrayWatch watch; ///< used by checked sessions, and so is the next
+  GivenWatch given;
   insitu_mesh handle = nullptr;
   bool locator_chosen = false; ///< by the caller, before the scene
 };
@@ -33,6 +36,10 @@ public:
 
   SessionMesh& mesh(const std::string& name);
   std::vector<std::unique_ptr<SessionMesh>>& meshes() { return meshes_; }
+
+  /// A field of a piece was given; what changed is told.
+  void note_field(SessionMesh& mesh, std::int32_t piece, const std::string& field);
+  void note_changed(SessionMesh& mesh, std::uint32_t what);
 
   insitu_commit_report commit(SessionMesh& mesh);
   /// Returns what failed, one line each.
@@ -54,7 +61,7 @@ public:
                     double* values);
 
   insitu_report report() const;
-  void write_summary(const std::string& path, double solver_seconds) const;
+  void write_summary(const std::string& path, double solver_seconds);
 
   core::Context& context() { return context_; }
   /// One thread at a time; see Occupied in entry.h.
@@ -83,6 +90,8 @@ private:
                       const QueryPoints& points,
                       core::FunctionRef<void(std::int64_t, std::span<const math::Vec3d>)> visit);
   std::vector<query::CommittedMesh*> commit_all();
+  void note_communicator();
+  void make_runner(const scene::SceneDescription& scene);
   void make_default_runner();
   /// Makes it; returns what is in the way, logged once.
   std::string try_default_runner();
@@ -98,6 +107,7 @@ private:
   core::Buffer<math::Vec3d> query_points_; ///< scratch of queries, kept from one to the next
   std::vector<std::unique_ptr<SessionMesh>> meshes_;
   std::optional<scene::SceneDescription> scene_; ///< that the caller gave
+  OutputLocks locks_; ///< of what the runner writes
   std::unique_ptr<scene::Runner> runner_;
   std::string default_failure_; ///< the last one logged
   std::string plan_;            ///< the last one

@@ -36,7 +36,7 @@ private:
 
 } // namespace
 
-void Session::write_summary(const std::string& path, double solver_seconds) const {
+void Session::write_summary(const std::string& path, double solver_seconds) {
   const insitu_report r = report();
   JsonObject json(1), seconds(2), commits(2), bytes(2), purposes(3), particles(2), reasons(2),
       locators(2);
@@ -94,6 +94,7 @@ void Session::write_summary(const std::string& path, double solver_seconds) cons
   json.add("probe_rows", r.probe_rows);
   json.add("files", r.files);
   json.add("failures", r.failures);
+  locks_.take(path);
   output::AtomicFile file(path);
   file.write(json.text() + "\n");
   file.commit();

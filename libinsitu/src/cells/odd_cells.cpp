@@ -65,8 +65,6 @@ void look(const mesh::MeshView& mesh, const CellGather& gather, std::int64_t beg
 
 OddCells find_odd_cells(const mesh::MeshView& mesh, const core::Threads& threads) {
   OddCells odd;
-  if (mesh.piece_count != 1 && !mesh.one_mesh)
-    return odd;
   const std::int64_t count = mesh.cell_count();
   const CellGather gather(mesh, 1.0);
   std::vector<Chunk> chunks(std::size_t((count + grain - 1) / grain));
@@ -106,8 +104,6 @@ OddCells find_odd_cells(const mesh::MeshView& mesh, const insitu_validation& cou
   const std::int64_t right =
       counts.cells - counts.ghost_cells - counts.inverted_cells - bad; // at least
   OddCells odd;
-  if (mesh.piece_count != 1 && !mesh.one_mesh)
-    return odd;
   const std::int64_t turned = std::min(counts.inverted_cells, std::max<std::int64_t>(right, 0));
   if (bad + turned > OddCells::most)
     return odd;

@@ -13,7 +13,7 @@ namespace insitu::cells {
 /// cell is turned over onto its neighbours.
 struct OddCells {
   static constexpr std::int64_t most = 32;
-  /// The mesh has one piece (or is as good: MeshView::one_mesh) and not more than `most` of them: `ids` has them all, ascending.
+  /// There are not more than `most` of them: `ids` has them all, ascending.
   bool few = false;
   std::vector<std::int64_t> ids;
 

@@ -34,11 +34,16 @@ struct Crossing {
   std::uint8_t vertices[4] = {};
   double weights[4] = {};
 
+  /// The field there, never beyond the values at the face's vertices: exact where these are equal.
   double value(const double* at_vertices) const {
-    double sum = weights[0] * at_vertices[vertices[0]];
-    for (int k = 1; k < count; ++k)
-      sum += weights[k] * at_vertices[vertices[k]];
-    return sum;
+    double low = at_vertices[vertices[0]], high = low, sum = weights[0] * low;
+    for (int k = 1; k < count; ++k) {
+      const double v = at_vertices[vertices[k]];
+      low = v < low ? v : low;
+      high = v > high ? v : high;
+      sum += weights[k] * v;
+    }
+    return sum < low ? low : sum > high ? high : sum;
   }
   /// The cell's parametric coordinates of the point.
   math::Vec3d parametric(mesh::Shape shape) const;

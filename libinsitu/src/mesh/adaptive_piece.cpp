@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "core/status.h"
+#include "core/caller_struct.h"
 
 namespace insitu::mesh {
 
@@ -58,9 +58,8 @@ bool AmrLevels::same_cells(const AmrLevels& other) const {
          std::equal(depth_of, depth_of + level_count, other.depth_of);
 }
 
-AmrLevels adopt_levels(const insitu_amr* amr, const std::string& name) {
-  if (!amr || amr->size != sizeof *amr)
-    refuse(name, "make the argument with insitu_amr_default()");
+AmrLevels adopt_levels(const insitu_amr* given, const std::string& name) {
+  const insitu_amr copy = core::from_caller(given, name), *const amr = &copy;
   if (amr->level_count < 1 || amr->level_count > INSITU_AMR_MOST_LEVELS)
     refuse(name,
            text(amr->level_count) + " levels, 1 to " + text(INSITU_AMR_MOST_LEVELS) + " expected");
@@ -91,9 +90,8 @@ AmrLevels adopt_levels(const insitu_amr* amr, const std::string& name) {
   return out;
 }
 
-AmrPiece adopt_patch(const insitu_patch* patch, const std::string& name) {
-  if (!patch || patch->size != sizeof *patch)
-    refuse(name, "make the argument with insitu_patch_default()");
+AmrPiece adopt_patch(const insitu_patch* given, const std::string& name) {
+  const insitu_patch copy = core::from_caller(given, name), *const patch = &copy;
   double product = 1; // exact as far as it matters
   for (int a = 0; a < 3; ++a) {
     const std::int64_t n = patch->cells[a], lower = patch->lower[a];
@@ -119,9 +117,8 @@ AmrPiece adopt_patch(const insitu_patch* patch, const std::string& name) {
   return out;
 }
 
-AmrPiece adopt_leaves(const insitu_leaves* leaves, const std::string& name) {
-  if (!leaves || leaves->size != sizeof *leaves)
-    refuse(name, "make the argument with insitu_leaves_default()");
+AmrPiece adopt_leaves(const insitu_leaves* given, const std::string& name) {
+  const insitu_leaves copy = core::from_caller(given, name), *const leaves = &copy;
   AmrPiece out;
   out.kind = AmrPiece::Kind::leaves;
   out.levels = adopt(&leaves->levels, name + ", levels", Pointers::followed);

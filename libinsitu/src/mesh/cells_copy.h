@@ -21,6 +21,8 @@ public:
 
   void copy(const MeshView& from, const core::Threads& threads);
   void release();
+  /// Whether pieces lie apart may change while the cells stay (MeshView::one_mesh).
+  void set_one_mesh(bool one) { one_mesh_ = one; }
   bool empty() const { return pieces_.empty(); }
 
   /// The cells on vertices at points [vertex, flat], as long as neither this nor they move.

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "core/caller_struct.h"
 #include "core/device_memory.h"
-#include "core/status.h"
 
 namespace insitu::mesh {
 
@@ -92,9 +92,7 @@ ExternalArray adopt(const insitu_array* array, const std::string& name, Pointers
   };
   if (!array)
     refuse("the array is null");
-  if (array->size != sizeof(insitu_array))
-    refuse("size is " + std::to_string(array->size) + ", " + std::to_string(sizeof(insitu_array)) +
-           " expected; make it with insitu_array_default()");
+  core::check_argument(array, name);
   const int item = size_of(array->type);
   if (item == 0)
     refuse("unknown type " + std::to_string(int(array->type)));

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/status.h"
+#include "core/caller_struct.h"
 #include "core/suggest.h"
 
 namespace insitu::mesh {
@@ -128,14 +128,13 @@ void Mesh::set_points(std::int32_t piece, const insitu_array* arrays, std::int32
   p.has_points = true;
 }
 
-void Mesh::set_cells(std::int32_t piece, const insitu_cells* cells) {
+void Mesh::set_cells(std::int32_t piece, const insitu_cells* given) {
   const std::string name = "mesh '" + name_ + "', " + piece_text(piece) + " cells";
   const auto refuse = [&](const std::string& what) {
     throw Error(INSITU_ERROR_ARGUMENT, name + ": " + what);
   };
   refuse_if_adaptive(name);
-  if (!cells || cells->size != sizeof(insitu_cells))
-    refuse("make the argument with insitu_cells_default()");
+  const insitu_cells copy = core::from_caller(given, name), *const cells = &copy;
   if (cells->count < 0 || cells->count > (std::int64_t(1) << 40))
     refuse("count " + std::to_string(cells->count));
   if (cells->index_base != 0 && cells->index_base != 1)
@@ -208,14 +207,13 @@ void Mesh::set_cells(std::int32_t piece, const insitu_cells* cells) {
   pending_ |= INSITU_CHANGED_ALL;
 }
 
-void Mesh::set_block(std::int32_t piece, const insitu_block* block) {
+void Mesh::set_block(std::int32_t piece, const insitu_block* given) {
   const std::string name = "mesh '" + name_ + "', " + piece_text(piece) + " block";
   const auto refuse = [&](const std::string& what) {
     throw Error(INSITU_ERROR_ARGUMENT, name + ": " + what);
   };
   refuse_if_adaptive(name);
-  if (!block || block->size != sizeof(insitu_block))
-    refuse("make the argument with insitu_block_default()");
+  const insitu_block copy = core::from_caller(given, name), *const block = &copy;
   if (block->kind < INSITU_BLOCK_UNIFORM || block->kind > INSITU_BLOCK_CURVILINEAR)
     refuse("unknown kind " + std::to_string(int(block->kind)));
   PieceView v;

@@ -57,6 +57,8 @@ public:
   void set_patch(std::int32_t piece, const insitu_patch* patch);
   void set_leaves(std::int32_t piece, const insitu_leaves* leaves);
   void drop_pieces(std::int32_t first);
+  /// Whether vertices of different pieces stay apart though they coincide (MeshView::join_pieces).
+  void set_separate_pieces(bool separate);
   void set_changed(std::uint32_t what) { pending_ |= what; }
   std::uint32_t pending() const { return pending_; }
   void clear_pending() { pending_ = 0; }
@@ -82,6 +84,7 @@ public:
   void set_stand_in(StandIn* stand_in) { stand_in_ = stand_in; }
   bool has_stand_in() const { return stand_in_ != nullptr; }
   void set_free_of_folds(bool free) { shown().free_of_folds = free; }
+  void set_one_mesh(bool one) { shown().one_mesh = one; }
   void set_covers_once(bool once) { shown().covers_once = once; }
 
   /// Registers what `from` has, as of its last update(), but for the vertices: those lie at
@@ -180,6 +183,7 @@ private:
 
   std::string name_;
   std::uint32_t pending_ = INSITU_CHANGED_ALL;
+  bool separate_pieces_ = false;
   std::vector<Piece> pieces_;
   std::vector<std::unique_ptr<Field>> fields_;
   // Views.

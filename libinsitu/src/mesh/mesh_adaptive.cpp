@@ -67,6 +67,12 @@ void Mesh::set_leaves(std::int32_t piece, const insitu_leaves* leaves) {
   pending_ |= INSITU_CHANGED_ALL;
 }
 
+void Mesh::set_separate_pieces(bool separate) {
+  if (separate_pieces_ != separate)
+    pending_ |= INSITU_CHANGED_GEOMETRY;
+  separate_pieces_ = separate;
+}
+
 void Mesh::drop_pieces(std::int32_t first) {
   if (first < 0 || std::size_t(first) > pieces_.size())
     throw Error(INSITU_ERROR_ARGUMENT, "mesh '" + name_ + "': drops pieces from " +

@@ -4,6 +4,7 @@ namespace insitu::mesh {
 
 void Mesh::share(const Mesh& from, const math::Vec3d* points) {
   pieces_ = from.pieces_;
+  separate_pieces_ = from.separate_pieces_;
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
     Piece& piece = pieces_[p];
     const std::int64_t first = from.first_vertex_[p];

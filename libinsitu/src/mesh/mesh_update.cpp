@@ -107,6 +107,7 @@ void Mesh::set_views() {
   view_.first_cell = first_cell_.data();
   view_.first_vertex = first_vertex_.data();
   view_.piece_count = std::int32_t(pieces_.size());
+  view_.join_pieces = !separate_pieces_;
   hide_earlier(); // of cells that may be others by now, until they are shown again
 }
 
@@ -310,6 +311,8 @@ void Mesh::visit_arrays(ArrayVisitor visit) const {
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
     const std::string piece = piece_name(p);
     const Piece& from = pieces_[p];
+    if (from.has_cells && from.view.cell_count == 0) // nobody reads them
+      continue;
     visit_components(from.points, piece + "points", ArrayKind::geometry, visit);
     const std::pair<const ExternalArray*, const char*> cells[] = {
         {&from.connectivity, "connectivity"}, {&from.types, "types"},

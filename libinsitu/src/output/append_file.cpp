@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
@@ -35,33 +34,17 @@ std::size_t read_at(int descriptor, const std::string& path, char* data, std::si
 
 } // namespace
 
-LockedFile::LockedFile(std::string path) : path_(std::move(path)) {
+LockedFile::LockedFile(std::string path) : path_(std::move(path)), lock_(path_) {
   prepare_folder(folder_of(path_));
-  open_and_lock();
+  open();
 }
 
-/// Where another session put a new file in its place between opening and locking, the new one is
-/// taken.
-void LockedFile::open_and_lock() {
-  for (;;) {
-    const int descriptor = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-    if (descriptor < 0) {
-      throw_file_error("write", path_, errno);
-    }
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-      ::close(descriptor);
-      throw BeingWritten(path_);
-    }
-    struct stat opened {
-    }, named{};
-    const bool same = ::fstat(descriptor, &opened) == 0 && ::stat(path_.c_str(), &named) == 0 &&
-                      opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
-    if (same) {
-      descriptor_ = descriptor;
-      return;
-    }
-    ::close(descriptor);
+void LockedFile::open() {
+  const int descriptor = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (descriptor < 0) {
+    throw_file_error("write", path_, errno);
   }
+  descriptor_ = descriptor;
 }
 
 LockedFile::~LockedFile() {
@@ -101,13 +84,8 @@ void LockedFile::renew(std::string_view head, std::optional<std::int64_t> copy_f
     at += std::int64_t(count);
   }
   out.commit();
-  const int before = std::exchange(descriptor_, -1);
-  try {
-    open_and_lock();
-  } catch (...) {
-    descriptor_ = before;
-    throw;
-  }
+  const int before = descriptor_;
+  open();
   ::close(before);
 }
 

@@ -6,21 +6,12 @@
 #include <string>
 #include <string_view>
 
-#include "core/status.h"
+#include "output/file_lock.h"
 
 namespace insitu::output {
 
-/// Thrown where another session, of this process or another, holds the file.
-class BeingWritten : public core::Error {
-public:
-  explicit BeingWritten(const std::string& path)
-      : core::Error(INSITU_ERROR_FILE,
-                    "cannot write '" + path + "': another table or another run is writing it") {}
-};
-
-/// A file that grows, with one writer at a time: a second one is refused (BeingWritten) where the
-/// file system has locks. All failures are core::Error (INSITU_ERROR_FILE) that name the file and
-/// the reason.
+/// A file that grows, with one writer at a time: a second one is refused (BeingWritten, see
+/// FileLock). All failures are core::Error (INSITU_ERROR_FILE) that name the file and the reason.
 class LockedFile {
 public:
   /// Makes the folder and the file if absent.
@@ -45,9 +36,10 @@ public:
   void renew(std::string_view head, std::optional<std::int64_t> copy_from = std::nullopt);
 
 private:
-  void open_and_lock();
+  void open();
 
   std::string path_;
+  FileLock lock_;
   int descriptor_ = -1;
 };
 

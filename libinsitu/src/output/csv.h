@@ -63,7 +63,7 @@ class AppendFile;
 /// append, so readers see whole rows; should a kill or a full disk cut that append short, the next
 /// flush or the next opening removes the partial last line. An existing file must have the same
 /// columns. One writer at a time: a second one on the same file, of this process or another, is
-/// refused where the file system has locks. Failures are core::Error (INSITU_ERROR_FILE) that name
+/// refused (FileLock). Failures are core::Error (INSITU_ERROR_FILE) that name
 /// the file and the reason; the rows not written stay in `rows` and go out with the next flush.
 class AppendTable {
 public:

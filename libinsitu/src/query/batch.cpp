@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "cells/on_feature.h"
 #include "cells/robust_inverse.h"
 #include "query/bit_tables.h"
 #include "query/gridlet_query.h"
@@ -75,7 +76,7 @@ void BatchLocator::claim_in_gridlets(std::span<const Vec3d> points) {
         locate_in_gridlet(gridlets, flat >> mesh::Gridlet::cell_bits, points[std::size_t(q)], why);
     if (!at || !could_own(at.cell, q))
       continue;
-    claim(q, at.cell, why);
+    claim(q, at.cell, cells::Decision(why));
     best_[q] = at;
     located_[q] = true;
   }
@@ -83,11 +84,12 @@ void BatchLocator::claim_in_gridlets(std::span<const Vec3d> points) {
 }
 
 /// The cell holds the query's point. The lowest id stays.
-void BatchLocator::claim(int query, std::int64_t cell, Reason reason) {
+void BatchLocator::claim(int query, std::int64_t cell, const cells::Decision& decision) {
   if (!could_own(cell, query))
     return;
   best_[query].cell = below_[query] = cell;
-  reason_[query] = reason;
+  reason_[query] = decision.reason();
+  decision_[query] = decision;
   located_[query] = false;
 }
 
@@ -96,7 +98,7 @@ void BatchLocator::decide_by_filter(mesh::Shape shape, const std::int64_t* cells
   contain(shape, s_.block);
   const std::uint64_t all = s_.block.cells.all();
   for_each_bit(s_.block.inside & all,
-               [&](int k) { claim(queries[k], cells[k], Reason::certified); });
+               [&](int k) { claim(queries[k], cells[k], cells::Decision(Reason::certified)); });
   decide_rest(shape, all & ~(s_.block.inside | s_.block.outside), cells, queries);
 }
 
@@ -190,7 +192,7 @@ void BatchLocator::decide_rest(mesh::Shape shape, std::uint64_t open, const std:
       return;
     Vec3d x[8];
     s_.block.cells.get(shape, k, x);
-    if (const Reason why = decide(shape, x, s_.block.point_of(k)); why != Reason::outside)
+    if (const cells::Decision why = decide(shape, x, s_.block.point_of(k)))
       claim(queries[k], cells[k], why);
   });
 }
@@ -206,14 +208,19 @@ void BatchLocator::find_parametric() {
     const PairBlock& b = s_.block;
     invert(shape, s_.block);
     for (int k = 0; k < b.cells.count; ++k) {
-      Vec3d& r = best_[queries[k]].parametric;
+      Vec3d r = b.parametric_of(k);
       if (is_plausible((b.converged >> k) & 1, b.margin[k])) {
-        r = b.parametric_of(k);
-        continue;
+        if (!(b.margin[k] > b.error[k])) {
+          Vec3d x[8];
+          s_.block.cells.get(shape, k, x);
+          r = cells::put_on_nearest(shape, x, s_.block.point_of(k), r, b.error[k]);
+        }
+      } else {
+        Vec3d x[8];
+        s_.block.cells.get(shape, k, x);
+        r = cells::robust_inverse(shape, x, s_.block.point_of(k));
       }
-      Vec3d x[8];
-      s_.block.cells.get(shape, k, x);
-      r = cells::robust_inverse(shape, x, s_.block.point_of(k));
+      best_[queries[k]].parametric = cells::put_on(shape, decision_[queries[k]], r);
     }
   });
 }

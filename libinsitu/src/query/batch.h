@@ -45,7 +45,7 @@ private:
   template <bool ProofIsEnough>
   void set_aside(const std::uint64_t* untried);
   bool could_own(std::int64_t cell, int query) const { return cell < below_[query]; }
-  void claim(int query, std::int64_t cell, Reason reason);
+  void claim(int query, std::int64_t cell, const cells::Decision& decision);
   void decide_by_filter(mesh::Shape shape, const std::int64_t* cells, const QueryId* queries);
   void decide_rest(mesh::Shape shape, std::uint64_t open, const std::int64_t* cells,
                    const QueryId* queries);
@@ -59,6 +59,7 @@ private:
   Location* const best_ = s_.best;
   std::int64_t* const below_ = s_.below;
   Reason* const reason_ = s_.reason;
+  cells::Decision* const decision_ = s_.decision;
   bool* const located_ = s_.located;
 };
 

@@ -144,7 +144,6 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
     log.warning(rounding);
   folds_are_known_ = true;
   odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);
-  mesh_.set_free_of_folds(odd_cells_.none());
   part_from_earlier(threads);
   forget_neighbours();
   ++topology_version_;
@@ -245,7 +244,10 @@ void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& 
   rebuild = rebuild || policy_.surface_area_is_due();
   if (rebuild) {
     build_tree(report, threads);
-    tree_.mark_odd(mesh_.view(), odd_cells_.ids, threads);
+    if (topology)
+      set_odd_cells(std::move(odd_cells_), threads);
+    else
+      tree_.mark_odd(mesh_.view(), odd_cells_.ids, threads);
   }
   tree_is_stale_ = false;
   update_locators(pending, threads);
@@ -271,8 +273,10 @@ void CommittedMesh::commit_on_device(std::uint32_t pending, insitu_commit_report
   } else if (!folds_are_known_ && many_were_located()) {
     folds_are_known_ = true;
     odd_cells_ = cells::find_odd_cells(view(), threads);
-    mesh_.set_free_of_folds(odd_cells_.none());
   }
+  if (mesh_.view().piece_count != 1)
+    odd_cells_ = {}; // whether pieces lie apart is not known without a tree here
+  mesh_.set_free_of_folds(odd_cells_.none());
   report.action = topology || locators_.pending()       ? INSITU_REBUILD
                   : (pending & INSITU_CHANGED_GEOMETRY) ? INSITU_REFIT
                                                         : INSITU_KEEP;
@@ -314,6 +318,8 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
       folds_are_known_ = false;
       odd_cells_ = {};
       mesh_.set_free_of_folds(false);
+      if (!geodetic_)
+        mesh_.set_one_mesh(false);
       mesh_.set_covers_once(false);
       ++geometry_version_;
     }

@@ -18,7 +18,7 @@ constexpr double neighbours_price = 1.0;
 
 void CommittedMesh::look_for_folds(const core::Threads& threads) {
   require_committed();
-  if (folds_are_known_)
+  if (folds_are_known_ || adaptive_) // a dual mesh knows its own
     return;
   set_odd_cells(cells::find_odd_cells(mesh_.view(), threads), threads);
 }
@@ -48,9 +48,15 @@ void CommittedMesh::forget_neighbours() {
   unguided_before_ = locate_counts_.unguided();
 }
 
-/// The tree, if it is there, has the mesh's cells.
+/// The tree, if it is there, has the mesh's cells. Cells answer alone only in a mesh that is as good
+/// as one piece.
 void CommittedMesh::set_odd_cells(cells::OddCells odd, const core::Threads& threads) {
   folds_are_known_ = true;
+  const mesh::MeshView& view = mesh_.view();
+  if (view.piece_count != 1 && !view.one_mesh && !geodetic_ && odd.few && !tree_.empty())
+    mesh_.set_one_mesh(pieces_are_apart(view, tree_, threads));
+  if (view.piece_count != 1 && !view.one_mesh)
+    odd = {};
   odd_cells_ = std::move(odd);
   mesh_.set_free_of_folds(odd_cells_.none());
   tree_.mark_odd(mesh_.view(), odd_cells_.ids, threads);

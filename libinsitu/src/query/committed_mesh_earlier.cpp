@@ -40,6 +40,7 @@ void CommittedMesh::keep_earlier(const std::vector<mesh::KeptField>& fields, boo
     earlier_cells_.copy(mesh_.view(), threads);
     earlier_cells_version_ = topology_version_;
   }
+  earlier_cells_.set_one_mesh(mesh_.view().one_mesh);
 }
 
 /// The cells are about to be others: what was kept of them becomes a mesh of its own. What has

@@ -56,7 +56,8 @@ std::unique_ptr<EarlierMesh> EarlierMesh::restored(const mesh::EarlierStep& step
     to.begin_step(1, view, memory);
     std::copy(from.steps[0].begin(), from.steps[0].end(), to.steps[0]->values.begin());
   }
-  const cells::OddCells odd = cells::find_odd_cells(view, threads);
+  const bool one = view.piece_count == 1 || view.one_mesh;
+  const cells::OddCells odd = one ? cells::find_odd_cells(view, threads) : cells::OddCells{};
   accel::Tree tree(memory);
   tree.build(view, threads, accel::Builder::automatic);
   tree.mark_odd(view, odd.ids, threads);

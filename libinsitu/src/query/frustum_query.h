@@ -303,7 +303,10 @@ bool FrustumFinder::in_frustum_along(const math::Vec3d& p, const Place& place, a
   } else if (shares(b) || shares(c)) {
     const int of = shares(b) ? b : c, turn = (axis - of + 3) % 3;
     const bool turned = (turn == 1) == (side == 1);
-    at.parametric = {(turned ? 1.0 - part[of] : part[of]) * fine, coarse, part[shares(b) ? c : b]};
+    const double across = turned ? 1.0 - part[of] : part[of];
+    // On the slanted face, exactly: fine and coarse sum to 1 but for rounding.
+    at.parametric = {across == 1.0 ? 1.0 - coarse : across * fine, coarse,
+                     part[shares(b) ? c : b]};
   } else {
     part[axis] = side ? coarse : fine;
     at.parametric = {part[0], part[1], part[2]};

@@ -24,7 +24,7 @@ Touch touch(const mesh::CellVertices& cell, const Vec3d& p) {
   constexpr double near = 1e-9; // rounding, also far from zero; neighbours 1e9 times as thin differ
   if (const auto map = cells::inverse_map(cell.shape, cell.x, p); map.converged)
     return map.margin < -near ? Touch::none : map.margin <= near ? Touch::hanging : Touch::covered;
-  const Reason why = decide(cell.shape, cell.x, p);
+  const Reason why = decide(cell.shape, cell.x, p).reason();
   if (why == Reason::outside)
     return Touch::none;
   return why == Reason::certified || why == Reason::exact ? Touch::covered : Touch::hanging;

@@ -15,4 +15,11 @@ namespace insitu::query {
 bool covers_once(const mesh::MeshView& mesh, const accel::FaceTable& faces, const accel::Tree& tree,
                  const core::Threads& threads);
 
+/// Whether a search finds no cell of one piece that shares interior with another piece's: no middle
+/// of an owning cell in or on another piece's cell, and no vertex in or on one that has no vertex
+/// of the same coordinates. Pieces whose boxes share no interior need no search. Not found: pieces
+/// that cross with no vertex of either inside the other. tree: of this mesh.
+bool pieces_are_apart(const mesh::MeshView& mesh, const accel::Tree& tree,
+                      const core::Threads& threads);
+
 } // namespace insitu::query

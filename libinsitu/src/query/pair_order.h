@@ -26,6 +26,7 @@ struct BatchScratch {
   Location best[batch_size];
   std::int64_t below[batch_size]; ///< cells of lower ids may still own the query
   Reason reason[batch_size];
+  cells::Decision decision[batch_size]; ///< of the owner, where one was claimed
   bool located[batch_size]; ///< the parametric coordinates are known
 
   /// For n candidates.

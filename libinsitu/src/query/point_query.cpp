@@ -41,9 +41,9 @@ bool meet(const accel::Box& b, const float* lower, const float* upper) {
   return yes;
 }
 
-/// All candidates of a box; the memory is the thread's, until the next call.
-std::span<const Candidate> find_candidates(const accel::Tree& tree, const float* lower,
-                                           const float* upper) {
+} // namespace
+
+std::span<const Candidate> PointQuery::candidates_in(const float* lower, const float* upper) const {
   thread_local std::vector<Candidate> candidates;
   candidates.clear();
   std::uint32_t stack[64 * 8];
@@ -66,16 +66,13 @@ std::span<const Candidate> find_candidates(const accel::Tree& tree, const float*
   return candidates;
 }
 
-} // namespace
-
 bool trying_pays(const mesh::MeshView& mesh) {
   if (gridlets_of(mesh))
     return true; // few cells lie outside of gridlets, and most of these are hexahedra
-  if (mesh.piece_count != 1 && !mesh.one_mesh)
-    return false;
-  const mesh::PieceView& cells = mesh.pieces[0];
-  return cells.layout != mesh::CellLayout::uniform ||
-         cells.uniform_shape != mesh::Shape::tetrahedron;
+  return std::any_of(mesh.pieces, mesh.pieces + mesh.piece_count, [](const mesh::PieceView& cells) {
+    return cells.layout != mesh::CellLayout::uniform ||
+           cells.uniform_shape != mesh::Shape::tetrahedron;
+  });
 }
 
 int PointQuery::tries() const {
@@ -110,7 +107,7 @@ Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
   float lower[3], upper[3];
   if (tree.empty() || !box_rule().box(p, lower, upper))
     return best;
-  const std::span<const Candidate> candidates = find_candidates(tree, lower, upper);
+  const std::span<const Candidate> candidates = candidates_in(lower, upper);
   const std::uint32_t first = std::uint32_t(first_stored_cell());
   if (first > 0)
     if (const Location at = locate_in_gridlets(candidates, p, reason))
@@ -143,21 +140,23 @@ Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
   if (best && proof_is_enough())
     return best;
   mesh::CellVertices owner;
+  cells::Decision decision;
   bool located = bool(best);
   for (const Candidate& c : candidates) {
     const std::int64_t flat = tree.cells()[c.slot];
     if (flat < first || (best && flat >= best.cell))
       continue;
     mesh::gather(mesh, flat, cell, options.alpha);
-    if (const Reason why = decide(cell.shape, cell.x, p); why != Reason::outside) {
+    if (const cells::Decision why = decide(cell.shape, cell.x, p)) {
       best.cell = flat;
-      reason = why;
+      decision = why;
+      reason = why.reason();
       owner = cell;
       located = false;
     }
   }
   if (best && !located)
-    best.parametric = parametric_in(owner.shape, owner.x, p);
+    best.parametric = parametric_in(owner.shape, owner.x, p, decision);
   return best;
 }
 

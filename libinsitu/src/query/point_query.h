@@ -50,6 +50,9 @@ struct PointQuery {
   std::int64_t first_stored_cell() const {
     return mesh.piece_count > 0 && mesh.pieces[0].gridlets ? mesh.first_cell[1] : 0;
   }
+  /// The cells whose boxes meet a box in the tree's frame; the memory is the thread's, until the
+  /// next call.
+  std::span<const Candidate> candidates_in(const float* lower, const float* upper) const;
   /// One point, depth first.
   Location locate(const math::Vec3d& p, Reason& reason) const;
 

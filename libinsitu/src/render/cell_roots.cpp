@@ -52,7 +52,7 @@ CellRoots::CellRoots(const mesh::CellVertices& cell, const RaySpace& space, doub
       const Vec3d middle = space.ray().origin + (0.5 * (a + b)) * space.ray().direction;
       const auto map = cells::inverse_map(cell.shape, cell.x, middle);
       const bool sure = map.converged && map.margin > -1e-9; // Newton may fail in collapsed cells
-      if (!sure && cells::decide(cell.shape, cell.x, middle) == cells::Reason::outside)
+      if (!sure && !cells::decide(cell.shape, cell.x, middle))
         continue;
     }
     stretch_[stretches_++] = {k, k + 1};
@@ -87,7 +87,7 @@ CellRoots::Point CellRoots::evaluate(double t) {
   double sum = 0;
   for (int v = 1; v < cell_.count; ++v)
     sum += weights[v] * (values_[v] - values_[0]);
-  p.f = (values_[0] - level_) + sum;
+  p.f = std::clamp((values_[0] - level_) + sum, low_ - level_, high_ - level_);
   finish(p);
   return p;
 }
@@ -101,10 +101,12 @@ void CellRoots::find(const double* values, double level,
     low = std::min(low, values[v]);
     high = std::max(high, values[v]);
   }
-  if (level < low || level > high || !std::isfinite(high - low))
-    return;
+  if (level <= low || level > high || !std::isfinite(high - low))
+    return; // all of the cell is on one side
   values_ = values;
   level_ = level;
+  low_ = low;
+  high_ = high;
   span_ = high - low;
   spread_ = std::max(high - level, level - low);
   bounds_are_set_ = false;

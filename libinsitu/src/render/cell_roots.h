@@ -23,18 +23,20 @@ enum class RootSearch { neubauer, cubic, exact };
 /// The ray's stretch inside the cell ends on faces, where the field is known from the face's
 /// vertices alone, to the same bits in both cells that share it. A value at or above the level
 /// counts as above, so a change of side between two faces is seen by exactly one cell, and no ray
-/// slips through a surface between cells. In between, `cubic` tracks the field by cubics that match
-/// values and derivatives at both ends (exact in cells that are parallelepipeds or tetrahedra) and
-/// are halved until they also meet the field in the middle; each change of side is bracketed
-/// between the cubic's extrema. Single roots are never missed; pairs closer than the cubic's
-/// remaining error (1/64 of the values' spread in the cell, of its halves 16 times better) can be.
-/// `exact` halves the stretch until PathBounds exclude the level from a part or show it monotone
-/// there, when a change of side brackets exactly one root, which Newton's method refines within the
-/// bracket. So pairs of roots are found as well; those that can be missed are nearer to each other
-/// than 2^-20 of the stretch, have less than 1e-10 of the values' spread between them, or lie where
-/// the cell folds or collapses. `neubauer` looks for a change of side over the stretch alone and
-/// interpolates linearly twice (Neubauer et al. 2002; Rathke et al. 2015, section 5): it finds one
-/// root of one or three, and none of two.
+/// slips through a surface between cells. A surface separates what is at or above the level from
+/// what is below: where a field's least value on a boundary is the level, there is none, and where
+/// its greatest is, all of that boundary is one. In between, `cubic` tracks the field by cubics
+/// that match values and derivatives at both ends (exact in cells that are parallelepipeds or
+/// tetrahedra) and are halved until they also meet the field in the middle; each change of side is
+/// bracketed between the cubic's extrema. Single roots are never missed; pairs closer than the
+/// cubic's remaining error (1/64 of the values' spread in the cell, of its halves 16 times better)
+/// can be. `exact` halves the stretch until PathBounds exclude the level from a part or show it
+/// monotone there, when a change of side brackets exactly one root, which Newton's method refines
+/// within the bracket. So pairs of roots are found as well; those that can be missed are nearer to
+/// each other than 2^-20 of the stretch, have less than 1e-10 of the values' spread between them,
+/// or lie where the cell folds or collapses. `neubauer` looks for a change of side over the stretch
+/// alone and interpolates linearly twice (Neubauer et al. 2002; Rathke et al. 2015, section 5): it
+/// finds one root of one or three, and none of two.
 class CellRoots {
 public:
   /// Prepares a cell for a ray; only stretches that meet [t_near, t_far] count, and nothing before
@@ -88,8 +90,9 @@ private:
   // Of the current find().
   const double* values_ = nullptr;
   double level_ = 0, extent_ = 0;
-  double span_ = 0;   ///< of the values
-  double spread_ = 0; ///< of the values from the level
+  double low_ = 0, high_ = 0; ///< of the values
+  double span_ = 0;           ///< of the values
+  double spread_ = 0;         ///< of the values from the level
   int parts_ = 0;
   bool bounds_are_set_ = false; ///< for values_
   const core::FunctionRef<bool(const LevelHit&)>* found_ = nullptr;

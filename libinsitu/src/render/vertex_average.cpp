@@ -25,8 +25,7 @@ VertexAverage::VertexAverage(const mesh::MeshView& mesh, const ScalarField& cell
 void VertexAverage::refresh(const mesh::MeshView& mesh, const ScalarField& cell_field,
                             const VertexCells& around, const core::Threads& threads) {
   for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
-    const std::int64_t first = mesh.first_vertex[p], first_cell = mesh.first_cell[p];
-    const mesh::PieceView& piece = mesh.pieces[p];
+    const std::int64_t first = mesh.first_vertex[p];
     threads.parallel_for(
         mesh.first_vertex[p + 1] - first, 4096, [&](std::int64_t begin, std::int64_t end) {
           for (std::int64_t v = first + begin; v < first + end; ++v) {
@@ -34,9 +33,10 @@ void VertexAverage::refresh(const mesh::MeshView& mesh, const ScalarField& cell_
             double sum = 0.0;
             std::int64_t count = 0;
             for (const std::uint32_t flat : cells) {
-              const std::int64_t cell = std::int64_t(flat) - first_cell;
-              const double value = cell_field.load(p, cell);
-              if (!std::isfinite(value) && !piece.owns(cell))
+              const std::int32_t of = mesh.piece_of(flat);
+              const std::int64_t cell = std::int64_t(flat) - mesh.first_cell[of];
+              const double value = cell_field.load(of, cell);
+              if (!std::isfinite(value) && !mesh.pieces[of].owns(cell))
                 continue; // a ghost's may be anything
               sum += value;
               ++count;

@@ -11,9 +11,10 @@ namespace insitu::render {
 
 /// The cells around each vertex of a mesh, the owning ones and other processes' that lend their
 /// values (mesh::is_duplicate; these may hold what is not finite), in ascending order: so sums over
-/// them do not depend on threads. Vertices are those of one piece, and of one gridlet. 8 bytes a
-/// vertex and 4 per corner of a cell; holds as long as the cells do, whatever values and
-/// coordinates become.
+/// them do not depend on threads. Vertices of different pieces that coincide are one
+/// (mesh::join_pieces) where MeshView::join_pieces says so; within a piece ids tell, and in
+/// gridlets vertices are those of one. 8 bytes a vertex and 4 per corner of a cell; holds as long
+/// as the cells do and, of several pieces, the coordinates.
 class VertexCells {
 public:
   VertexCells(const mesh::MeshView& mesh, const core::Threads& threads, core::Memory& memory);
@@ -28,6 +29,9 @@ public:
   static std::int64_t bytes_for(const mesh::MeshView& mesh, const core::Threads& threads);
 
 private:
+  void join(const mesh::MeshView& mesh, const core::Threads& threads);
+
+  core::Memory* memory_;
   core::Buffer<std::int64_t> end_;    ///< of each vertex's list
   core::Buffer<std::uint32_t> cells_; ///< flat ids fit, as in the tree
 };

@@ -55,6 +55,7 @@ Vec3d VertexGradients::of(const mesh::MeshView& mesh, const ScalarField& field,
   if (known.load(std::memory_order_acquire))
     return {x.load(std::memory_order_relaxed), y.load(std::memory_order_relaxed),
             z.load(std::memory_order_relaxed)};
+  const Vec3d here = mesh.pieces[p].point(vertex);
   mesh::CellVertices cell;
   double values[8];
   Vec3d sum;
@@ -63,8 +64,8 @@ Vec3d VertexGradients::of(const mesh::MeshView& mesh, const ScalarField& field,
     mesh::gather(mesh, flat, cell);
     int corner = 0;
     for (int k = 0; k < cell.count; ++k) {
-      values[k] = field.load(p, cell.ids[k]);
-      if (cell.ids[k] == vertex)
+      values[k] = field.load(cell.piece, cell.ids[k]);
+      if (cell.piece == p ? cell.ids[k] == vertex : cell.x[k] == here)
         corner = k;
     }
     const Vec3d g = cells::gradient(cell.shape, cell.x, values, corner_of(cell.shape, corner));

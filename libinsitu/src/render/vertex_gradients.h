@@ -12,8 +12,8 @@ namespace insitu::render {
 /// The gradient of a vertex field made continuous: at each vertex the plain average of its
 /// cells' gradients (VertexCells; zero where there is none). A vertex's is found when it is first
 /// asked for, since an isosurface meets few of a mesh's cells, and kept: new values cost no more
-/// than forgetting. The same for any number of threads. Vertices are those of one piece, and of one
-/// gridlet: at their borders there may be a step where no duplicates lend their values. 25 bytes a
+/// than forgetting. The same for any number of threads. At borders of pieces, where no vertices coincide and
+/// no duplicates lend their values, and of gridlets there may be a step. 25 bytes a
 /// vertex.
 class VertexGradients {
 public:

@@ -152,6 +152,29 @@ void Cursor::fail_choice(const std::string& word, const std::vector<std::string>
   fail(quote(word) + " is not one of " + join(names) + core::did_you_mean(word, names));
 }
 
+namespace {
+
+/// What the key is called now, if it was retired from this map; else null.
+const RetiredKey* find_retired(const Cursor& map, const std::string& key) {
+  const std::span<const RetiredKey> all = map.problems().retired();
+  if (all.empty())
+    return nullptr;
+  std::string place; // the path without indices
+  bool within = false;
+  for (const char c : map.path()) {
+    within = within || c == '[';
+    if (!within)
+      place += c;
+    within = within && c != ']';
+  }
+  const auto found = std::find_if(all.begin(), all.end(), [&](const RetiredKey& r) {
+    return place == r.place && key == r.old;
+  });
+  return found == all.end() ? nullptr : &*found;
+}
+
+} // namespace
+
 MapReader::MapReader(const Cursor& cursor, std::vector<std::string> keys)
     : cursor_(cursor), keys_(std::move(keys)), entries_(keys_.size(), nullptr),
       is_map_(cursor.is_map()) {
@@ -162,10 +185,17 @@ MapReader::MapReader(const Cursor& cursor, std::vector<std::string> keys)
   const std::string place = cursor.path().empty() ? "the scene" : cursor.path();
   Problems& problems = cursor.problems();
   for (const YamlNode::Entry& entry : cursor.node().entries) {
-    const int at = [&] {
-      const auto found = std::find(keys_.begin(), keys_.end(), entry.key);
+    const auto position = [&](const std::string& key) {
+      const auto found = std::find(keys_.begin(), keys_.end(), key);
       return found == keys_.end() ? -1 : static_cast<int>(found - keys_.begin());
-    }();
+    };
+    int at = position(entry.key);
+    if (const RetiredKey* const retired = at < 0 ? find_retired(cursor, entry.key) : nullptr) {
+      at = position(retired->now);
+      problems.warn(entry.line, "key " + quote(entry.key) + " in " + place + " is called " +
+                                    quote(retired->now) + " now; version " + retired->gone +
+                                    " will not know the old name");
+    }
     if (at < 0) {
       // Suggestions cost time: none for problems that will only be counted.
       std::string near = problems.full() ? "" : core::did_you_mean(entry.key, keys_);

@@ -198,7 +198,8 @@ struct CheckpointOptions {
 };
 
 struct SceneDescription {
-  std::string file;           ///< for messages
+  std::string file;                  ///< for messages
+  std::vector<std::string> warnings; ///< of reading it: keys that were retired
   std::string output = "out"; ///< folder, relative to the working directory
   LocatorOptions locator;
   CheckpointOptions checkpoint;

@@ -1,11 +1,9 @@
 #include "scene/frames.h"
 
 #include <cmath>
-#include <cstddef>
-#include <cstring>
 #include <vector>
 
-#include "core/status.h"
+#include "core/caller_struct.h"
 #include "geo/frames.h"
 
 namespace insitu::scene {
@@ -85,12 +83,7 @@ void convert_points(std::span<math::Vec3d> points, const insitu_frame& from,
 }
 
 insitu_frame read_frame(const insitu_frame& frame) {
-  constexpr std::size_t first_size = offsetof(insitu_frame, angle); // before it had units
-  if (frame.size != sizeof frame && frame.size != first_size)
-    throw core::Error(INSITU_ERROR_ARGUMENT, "frame: make it with insitu_frame_default()");
-  insitu_frame out = insitu_frame_default();
-  std::memcpy(&out, &frame, frame.size);
-  out.size = sizeof out;
+  const insitu_frame out = core::from_caller(&frame, "frame");
   geo::validate(to_geo(out));
   return out;
 }

@@ -207,12 +207,13 @@ void PageRecord::write(std::string entry) {
       page_ = std::make_unique<output::RunPage>(folder_, first_cycle_);
       statistics_.files += 2;
     }
-  } catch (const output::BeingWritten&) {
+  } catch (const output::BeingWritten& e) {
     refused_ = true;
     waiting_.clear();
     context_.log.warning("the page of the run in '" + folder_ +
                          "' is another session's; this one has none (give it a folder of its own, "
-                         "or say 'page: false' in its scene)");
+                         "or say 'page: false' in its scene): " +
+                         e.what());
     return;
   }
   std::size_t done = 0;

@@ -60,9 +60,10 @@ SceneDescription parse_scene_file(const std::string& path) {
 }
 
 SceneDescription parse_scene_text(std::string_view text, const std::string& name,
-                                  const std::string& base_folder) {
+                                  const std::string& base_folder,
+                                  std::span<const RetiredKey> retired) {
   const YamlNodePtr root = read_document(text, name);
-  Problems problems(name);
+  Problems problems(name, retired);
   SceneDescription scene;
   scene.file = name;
   const MapReader map(Cursor(*root, "", problems),
@@ -99,6 +100,7 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
     refuse_table(tracer.name, tracer.line);
   }
   problems.throw_if_any();
+  scene.warnings = problems.warnings();
   return scene;
 }
 

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "scene/description.h"
+#include "scene/retired_keys.h"
 
 namespace insitu::scene {
 
@@ -14,8 +15,10 @@ SceneDescription parse_scene_file(const std::string& path);
 /// Reads a scene from `text`. `name` stands for the file in messages, and names of files in the
 /// scene are relative to `base_folder` (empty: the working directory). No file is opened. Throws
 /// core::Error(INSITU_ERROR_SCENE) with all problems of the scene (Problems::most at most), one a
-/// line: "name:line: ...".
+/// line: "name:line: ...". Keys that are retired work, and the description's warnings name the new
+/// ones.
 SceneDescription parse_scene_text(std::string_view text, const std::string& name,
-                                  const std::string& base_folder = {});
+                                  const std::string& base_folder = {},
+                                  std::span<const RetiredKey> retired = retired_keys());
 
 } // namespace insitu::scene

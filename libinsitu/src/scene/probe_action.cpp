@@ -126,7 +126,8 @@ void ProbeAction::execute(query::CommittedMesh& mesh, const Step& step, bool due
     environment_.statistics.query_s += preparing.seconds();
     return;
   }
-  if (probe_.fields.empty() && mesh.mesh().own_view().cell_count() == 0)
+  if (probe_.fields.empty() && mesh.mesh().field_names().empty() &&
+      mesh.mesh().own_view().cell_count() == 0)
     return; // the fields that the mesh will have are not known yet
   if (probe_.fields.empty()) // all of the first time: a table keeps its columns
     for (const std::string& name : mesh.mesh().field_names())

@@ -34,6 +34,11 @@ void Problems::add(int line, int column, const std::string& message) {
   }
 }
 
+void Problems::warn(int line, const std::string& message) {
+  if (warnings_.size() < most)
+    warnings_.push_back(file_ + ":" + std::to_string(line) + ": " + message);
+}
+
 std::string Problems::message() const {
   std::vector<Problem> sorted = problems_;
   std::stable_sort(sorted.begin(), sorted.end(),

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "scene/retired_keys.h"
 
 namespace insitu::scene {
 
@@ -17,13 +20,20 @@ public:
   /// Problems beyond this many are only counted.
   static constexpr std::size_t most = 20;
 
-  explicit Problems(std::string file) : file_(std::move(file)) {}
+  /// retired: keys that still work, with a warning.
+  explicit Problems(std::string file, std::span<const RetiredKey> retired = retired_keys())
+      : file_(std::move(file)), retired_(retired) {}
 
   /// Notes "file:line: message"; with a `column`, "file:line:column: message". A line of 0 is left
   /// out.
   void add(int line, const std::string& message) { add(line, 0, message); }
   void add(int line, int column, const std::string& message);
 
+  /// Notes "file:line: message" of what works all the same; at most so many are kept.
+  void warn(int line, const std::string& message);
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+  std::span<const RetiredKey> retired() const { return retired_; }
   const std::string& file() const { return file_; }
   std::size_t count() const { return count_; }
   bool full() const { return count_ >= most; }
@@ -41,6 +51,8 @@ private:
   std::string file_;
   std::vector<Problem> problems_;
   std::size_t count_ = 0;
+  std::span<const RetiredKey> retired_;
+  std::vector<std::string> warnings_;
 };
 
 } // namespace insitu::scene

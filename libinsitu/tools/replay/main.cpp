@@ -72,6 +72,7 @@ public:
       : options_(options), steps_(steps_of(options.files)), session_(session_options()),
         mesh_(session_.mesh(options.mesh)) {
     mesh_.frame(options.frame);
+    mesh_.separate_pieces(options.separate_pieces);
   }
 
   ExitCode run() {
@@ -230,14 +231,15 @@ private:
     return most;
   }
 
-  /// Each thing once, of the first file that has it. Of what is converted the ghosts alone: fields
-  /// of integers mean the same as they are.
+  /// Each thing once, of the first file that has it. Of what is converted ghosts of another type
+  /// alone: fields of integers mean the same as they are.
   void say_notes(const std::string& file, const std::vector<insitu::vtk::Note>& skipped,
                  const std::vector<insitu::vtk::Note>& converted) {
     for (const insitu::vtk::Note& n : skipped)
       say_once(file + ": " + n.array + " is left out: " + n.reason, n.array + n.reason);
     for (const insitu::vtk::Note& n : converted)
-      if (n.array.find("vtkGhostType") != std::string::npos)
+      if (n.array.find("vtkGhostType") != std::string::npos &&
+          n.reason.find("another type") != std::string::npos)
         say_once(file + ": " + n.array + " is converted: " + n.reason, n.array + n.reason);
   }
 

@@ -30,6 +30,8 @@ them lacks are left out. Each of these is said once.
   --mesh NAME      what the scene calls the mesh (default: mesh)
   --frame FRAME    what the files' points are: cartesian (the default), geocentric, or 'geodetic
                    [radians] [kilometres] [depth]' for longitude, latitude and height (or depth)
+  --pieces HOW     joined (the default): vertices of different pieces that coincide are one for
+                   averages and smooth normals; or separate: each piece stands for itself
   --reverse        the last step first: time goes back, and with it tracers of 'direction: backward'
   --threads N      at most N threads (default: all that the process may use)
   --strict         refuse arrays that would have to be converted, such as integer fields
@@ -135,6 +137,10 @@ ReplayOptions parse_arguments(int argc, char** argv) {
       o.probe = take();
     } else if (key == "--out") {
       o.out = take();
+    } else if (key == "--pieces") {
+      if (take() != "joined" && value != "separate")
+        throw UsageError("--pieces: '" + value + "': joined or separate expected");
+      o.separate_pieces = value == "separate";
     } else if (key == "--mesh") {
       o.mesh = take();
     } else if (key == "--frame") {

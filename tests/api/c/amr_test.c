@@ -46,7 +46,9 @@ static void test_patches(void) {
   amr.level_count = 2;
   EXPECT(insitu_mesh_amr(mesh, &amr) == INSITU_OK);
   EXPECT_ERROR(insitu_mesh_points(mesh, 0, &a, 1), INSITU_ERROR_ORDER, "adaptive");
-  EXPECT_ERROR(insitu_mesh_patch(mesh, 0, &patch), INSITU_ERROR_ARGUMENT, "0 cells along axis 0");
+  EXPECT(insitu_mesh_patch(mesh, 0, &patch) == INSITU_OK); /* without cells: adds nothing */
+  patch.cells[0] = -1;
+  EXPECT_ERROR(insitu_mesh_patch(mesh, 0, &patch), INSITU_ERROR_ARGUMENT, "-1 cells along axis 0");
   for (i = 0; i < 3; ++i) {
     patch.cells[i] = 4;
     a.extent[i] = 4;

@@ -1,4 +1,5 @@
-/* Sizes, offsets and defaults of the argument structs as C has them, for layout_test.f90. */
+/* Sizes and offsets of the argument structs as C has them, for layout_test.f90, and frozen for
+ * tests/abi. Members called reserved are left out: later versions call them otherwise. */
 #include <stddef.h>
 
 #include "insitu/insitu.h"
@@ -105,7 +106,10 @@ int layout_of(int which, int64_t* out) {
                             AT(insitu_report, failures),
                             AT(insitu_report, located_by_reason),
                             AT(insitu_report, ranges_s),
-                            AT(insitu_report, classify_s)};
+                            AT(insitu_report, classify_s),
+                            AT(insitu_report, purposes),
+                            AT(insitu_report, endings),
+                            AT(insitu_report, reasons)};
   const int64_t locator[] = {sizeof(insitu_locator), AT(insitu_locator, size),
                              AT(insitu_locator, method), AT(insitu_locator, backend)};
   const int64_t info[] = {sizeof(insitu_locator_info),
@@ -165,13 +169,14 @@ int layout_of(int which, int64_t* out) {
 /** Every number of the public enumerations that insitu_c.f90 repeats, in its order. */
 int constants(int64_t* out) {
   const int64_t all[] = {
-      INSITU_OK, INSITU_ERROR_ARGUMENT, INSITU_ERROR_HANDLE, INSITU_ERROR_BUSY, INSITU_ERROR_ORDER,
-      INSITU_ERROR_MESH, INSITU_ERROR_FIELD, INSITU_ERROR_SCENE, INSITU_ERROR_FILE,
-      INSITU_ERROR_MEMORY, INSITU_ERROR_UNSUPPORTED, INSITU_ERROR_CONVERSION, INSITU_ERROR_ACTION,
-      INSITU_ERROR_INTERNAL, INSITU_FLOAT32, INSITU_FLOAT64, INSITU_INT32, INSITU_INT64,
-      INSITU_UINT8, INSITU_HOST, INSITU_DEVICE, INSITU_VERTEX, INSITU_CELL, INSITU_TETRAHEDRON,
-      INSITU_VOXEL, INSITU_HEXAHEDRON, INSITU_WEDGE, INSITU_PYRAMID, INSITU_FAST, INSITU_STANDARD,
-      INSITU_EXACT, INSITU_METHOD_AUTO, INSITU_METHOD_BVH, INSITU_METHOD_USER_GEOMETRY,
+      INSITU_MEMORY_ROOM, INSITU_END_ROOM, INSITU_REASON_ROOM, INSITU_OK, INSITU_ERROR_ARGUMENT,
+      INSITU_ERROR_HANDLE, INSITU_ERROR_BUSY, INSITU_ERROR_ORDER, INSITU_ERROR_MESH,
+      INSITU_ERROR_FIELD, INSITU_ERROR_SCENE, INSITU_ERROR_FILE, INSITU_ERROR_MEMORY,
+      INSITU_ERROR_UNSUPPORTED, INSITU_ERROR_CONVERSION, INSITU_ERROR_ACTION, INSITU_ERROR_INTERNAL,
+      INSITU_FLOAT32, INSITU_FLOAT64, INSITU_INT32, INSITU_INT64, INSITU_UINT8, INSITU_HOST,
+      INSITU_DEVICE, INSITU_VERTEX, INSITU_CELL, INSITU_TETRAHEDRON, INSITU_VOXEL,
+      INSITU_HEXAHEDRON, INSITU_WEDGE, INSITU_PYRAMID, INSITU_FAST, INSITU_STANDARD, INSITU_EXACT,
+      INSITU_METHOD_AUTO, INSITU_METHOD_BVH, INSITU_METHOD_USER_GEOMETRY,
       INSITU_METHOD_REPLICATED_FACES, INSITU_METHOD_SHARED_FACES,
       INSITU_METHOD_SHARED_BILINEAR_FACES, INSITU_BACKEND_AUTO, INSITU_BACKEND_CPU,
       INSITU_BACKEND_CUDA, INSITU_BACKEND_OPTIX, INSITU_CHANGED_NOTHING, INSITU_CHANGED_FIELDS,

@@ -90,7 +90,8 @@ program layout_test
       c_loc(report%points_outside), c_loc(report%particles_seeded), c_loc(report%particles), &
       c_loc(report%frames), c_loc(report%probe_rows), c_loc(report%files), &
       c_loc(report%failures), c_loc(report%located_by_reason), c_loc(report%ranges_s), &
-      c_loc(report%classify_s)])
+      c_loc(report%classify_s), c_loc(report%purposes), c_loc(report%endings), &
+      c_loc(report%reasons)])
   call compare('locator', 11, c_sizeof(locator), [ &
       c_loc(locator%size), c_loc(locator%method), c_loc(locator%backend)])
   call compare('locator_info', 12, c_sizeof(info), [ &
@@ -153,6 +154,7 @@ contains
     integer :: count
 
     associate (here => [ &
+        insitu_memory_room, insitu_end_room, insitu_reason_room, &
         insitu_ok, insitu_error_argument, insitu_error_handle, insitu_error_busy, &
         insitu_error_order, insitu_error_mesh, insitu_error_field, insitu_error_scene, &
         insitu_error_file, insitu_error_memory, insitu_error_unsupported, &

@@ -213,13 +213,13 @@ TEST_F(Replay, ErrorsNameTheFile) {
   EXPECT_EQ(o.err.rfind("insitu-replay: words.vtu: ", 0), 0u) << o.err;
 
   const auto bad = unstructured(2, {VTK_HEXAHEDRON}, 0.1);
-  const vtkIdType ids[3] = {0, 1, 2};
-  bad->InsertNextCell(VTK_TRIANGLE, 3, ids);
+  const vtkIdType ids[10] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  bad->InsertNextCell(VTK_QUADRATIC_TETRA, 10, ids);
   vtkDoubleArray::SafeDownCast(bad->GetCellData()->GetArray("number"))->InsertNextValue(0);
-  insitu::vtk::write(path("triangle.vtu"), bad);
-  o = run("--scene scene.yaml triangle.vtu");
+  insitu::vtk::write(path("quadratic.vtu"), bad);
+  o = run("--scene scene.yaml quadratic.vtu");
   EXPECT_EQ(o.code, 1);
-  EXPECT_NE(o.err.find("triangle.vtu: cell 8 is a vtkTriangle"), std::string::npos) << o.err;
+  EXPECT_NE(o.err.find("quadratic.vtu: cell 8 is a vtkQuadraticTetra"), std::string::npos) << o.err;
 
   o = run("--scene scene.yaml notes.txt");
   EXPECT_EQ(o.code, 1);

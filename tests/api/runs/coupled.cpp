@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "output/file_lock.h"
+
 namespace runs {
 
 namespace fs = std::filesystem;
@@ -13,7 +15,7 @@ namespace fs = std::filesystem;
 Files files_of(const std::string& folder) {
   Files files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file())
+    if (entry.is_regular_file() && entry.path().extension() != insitu::output::lock_suffix)
       files[fs::relative(entry.path(), folder).string()] = test::content(entry.path().string());
   return files;
 }

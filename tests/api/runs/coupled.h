@@ -14,6 +14,7 @@ namespace runs {
 
 /// Every file below a folder, by its path in it.
 using Files = std::map<std::string, std::string>;
+/// But for lock files, which a folder has while its session is open.
 Files files_of(const std::string& folder);
 
 /// The names alone, of those with an ending such as ".png".

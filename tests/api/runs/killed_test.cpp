@@ -15,6 +15,7 @@
 
 #include "coupled.h"
 #include "output/atomic_file.h"
+#include "output/file_lock.h"
 #include "output/png.h"
 #include "unit/output/netcdf_file.h"
 
@@ -73,7 +74,7 @@ bool unfinished(const std::string& name) {
 
 /// What a look at the folder found.
 struct Seen {
-  int files = 0, unfinished = 0, cut_lines = 0;
+  int files = 0, unfinished = 0, locks = 0, cut_lines = 0;
   std::vector<int> entries; ///< cycles on the page of the run
 };
 
@@ -99,6 +100,8 @@ Seen look(const std::string& folder) {
   std::error_code error;
   if (!std::filesystem::exists(folder, error))
     return seen;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) // the next run's to take
+    seen.locks += entry.path().extension() == insitu::output::lock_suffix;
   for (auto [name, content] : runs::files_of(folder)) {
     SCOPED_TRACE(name);
     if (unfinished(name)) {
@@ -153,7 +156,7 @@ TEST(KilledRun, LeavesWholeFilesAndTheNextOneCleansUp) {
   test::put(folder / "scene.yaml", scene);
   std::mt19937 random(20240521);
   std::uniform_int_distribution<int> microseconds(3'000, 250'000);
-  int killed = 0, cut_lines = 0, left_behind = 0;
+  int killed = 0, cut_lines = 0, left_behind = 0, locks = 0;
   for (int i = 0; i < 10; ++i) {
     const pid_t child = start(folder, "1000000");
     ASSERT_GT(child, 0);
@@ -165,11 +168,13 @@ TEST(KilledRun, LeavesWholeFilesAndTheNextOneCleansUp) {
     const Seen seen = look(folder / "out");
     cut_lines += seen.cut_lines;
     left_behind += seen.unfinished;
+    locks += seen.locks;
     EXPECT_LE(seen.unfinished, 4) << "what earlier runs left was not removed";
   }
   std::cout << killed << " of 10 runs killed; they left " << left_behind << " unfinished files and "
             << cut_lines << " tables with a cut last line\n";
   EXPECT_EQ(killed, 10);
+  EXPECT_GT(locks, 0) << "no run was killed while its session was open";
 
   std::filesystem::create_directories(folder / "out");
   test::put(folder / "out/blast_000007.png.1-0" + std::string(insitu::output::part_suffix), "half");
@@ -179,6 +184,7 @@ TEST(KilledRun, LeavesWholeFilesAndTheNextOneCleansUp) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
   const Seen seen = look(folder / "out");
   EXPECT_EQ(seen.unfinished, 0);
+  EXPECT_EQ(seen.locks, 0);
   EXPECT_EQ(seen.cut_lines, 0);
   EXPECT_GT(seen.files, 40);
   // Nothing of the killed runs is left in the tables.

@@ -104,7 +104,7 @@ TEST(Exit, FollowsAWallThatMoves) {
         }
         ASSERT_EQ(r.ending, INSITU_END_LEFT) << to << ", speed " << speed;
         const double wall = 1.0 + (to - 1.0) * r.p.time;
-        EXPECT_NEAR(r.p.x.x, wall, 4e-16) << to << ", speed " << speed; // rounding of both
+        EXPECT_NEAR(r.p.x.x, wall, 4e-15) << to << ", speed " << speed; // rounding: 16 epsilons
         // A wall faster than the particle is met to exit_tolerance of the interval.
         EXPECT_NEAR(r.p.time, t, speed > std::abs(to - 1.0) ? 1e-14 : 1e-9)
             << to << ", speed " << speed;

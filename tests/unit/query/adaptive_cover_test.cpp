@@ -56,7 +56,7 @@ public:
       if (!box.holds(p))
         continue;
       const auto& [flat, cell] = held_[std::size_t(number)];
-      const cells::Reason why = cells::decide(cell.shape, cell.x, p);
+      const cells::Reason why = cells::decide(cell.shape, cell.x, p).reason();
       if (why == cells::Reason::outside)
         continue;
       ++(why == cells::Reason::certified || why == cells::Reason::exact ? found.inside

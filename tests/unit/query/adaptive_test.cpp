@@ -76,7 +76,7 @@ std::int64_t lowest(const mesh::MeshView& view, const Vec3d& p) {
     mesh::CellVertices cell;
     mesh::gather(view, c, cell);
     if (mesh::box_of(cell).holds(p) &&
-        cells::decide(cell.shape, cell.x, p) != cells::Reason::outside)
+        cells::decide(cell.shape, cell.x, p))
       return c;
   }
   return -1;

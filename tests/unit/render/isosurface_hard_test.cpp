@@ -205,5 +205,50 @@ TEST(IsosurfaceHard, CellsWithoutThicknessAndSurfacesThatDoNotShow) {
   EXPECT_NE(mesh.draw(s).rgba, one.rgba);
 }
 
+/// A surface separates values at or above the level from values below: at the field's least value,
+/// which it has on a face of the boundary, there is none, and at its greatest all of the face is
+/// one.
+TEST(IsosurfaceHard, AtTheBoundarysValueIsAllOrNone) {
+  for (const Shape shape : {Shape::hexahedron, Shape::wedge, Shape::tetrahedron, Shape::pyramid}) {
+    for (const render::RootSearch how :
+         {render::RootSearch::exact, render::RootSearch::cubic, render::RootSearch::neubauer}) {
+      SCOPED_TRACE(testing::Message() << "shape " << int(shape) << " search " << int(how));
+      // A quarter of a shell: curved faces, whose crossings' weights do not sum to 1 exactly.
+      TestMesh shell = box_cells(2, shape, 0.0);
+      std::vector<double> radius;
+      for (Vec3d& v : shell.vertices) {
+        const double r = 2.0 + v.x, angle = 1.4 * v.y - 0.6;
+        radius.push_back(v.x == 0 || v.x == 1 ? 2.0 + v.x : r);
+        v = {r * std::cos(angle), r * std::sin(angle), v.z};
+      }
+      RenderMesh mesh(shell);
+      std::size_t next = 0;
+      const render::ScalarField field =
+          mesh.field("r", INSITU_VERTEX, [&](const Vec3d&) { return radius[next++]; });
+      const auto seen = [&](double value) {
+        const query::Sampler sampler = mesh.sampler();
+        render::Structures structures(mesh.committed.memory);
+        structures.begin(sampler, 0, 0, mesh.committed.threads);
+        std::vector<IsosurfaceSettings> settings{{field, {value}}};
+        settings[0].search = how;
+        const IsosurfaceTracer tracer(sampler, settings, structures);
+        std::vector<SurfaceHit> hits;
+        render::SurfaceCounts counts;
+        int found = 0;
+        for (int i = 0; i < 40 * 40; ++i) {
+          const Vec3d from{20.0, -0.5 + (i % 40 + 0.37) / 40, (i / 40 + 0.43) / 40};
+          tracer.trace({from, {-1, 0, 0}}, hits, counts);
+          found += !hits.empty();
+        }
+        return found;
+      };
+      EXPECT_EQ(seen(2.0), 0);
+      EXPECT_EQ(seen(3.0), 40 * 40);
+      EXPECT_EQ(seen(2.5), 40 * 40);
+      EXPECT_EQ(seen(std::nextafter(2.0, 3.0)), 40 * 40);
+    }
+  }
+}
+
 } // namespace
 } // namespace insitu::test

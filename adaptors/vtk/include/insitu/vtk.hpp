@@ -64,10 +64,14 @@ private:
 /** Gives a data set to a mesh; nothing is committed.
  *  - vtkUnstructuredGrid of tetrahedra, voxels, hexahedra, wedges and pyramids (32 or 64 bit
  *    storage), vtkStructuredGrid, vtkRectilinearGrid, vtkImageData; with at least 2 points along
- *    each axis of the structured ones. Other cells: INSITU_ERROR_UNSUPPORTED names the first.
+ *    each axis of the structured ones. Cells of fewer dimensions (boundary faces, edges) beside
+ *    cells of volume are left out, and keep their numbers; skipped() counts them. Other cells:
+ *    INSITU_ERROR_UNSUPPORTED names the first. A data set without cells adds nothing, and the
+ *    fields of other pieces stay.
  *  - Points, point data and cell data of float and double are read in place, interleaved
  *    (vtkAOSDataArrayTemplate) or with one array a component (vtkSOADataArrayTemplate).
- *  - The cell array vtkGhostType becomes the ghosts. Of a point array and a cell array of one name
+ *  - The cell array vtkGhostType becomes the ghosts, converted if it is of another type than
+ *    unsigned char. Of a point array and a cell array of one name
  *    the point array is taken. */
 [[nodiscard]] INSITU_VTK_API Attachment attach(Mesh& mesh, vtkDataSet* data,
                                                const AttachOptions& options = {});

@@ -45,6 +45,7 @@ typedef struct insitu_array {
   const char* converted; /**< null, or why an adaptor had to make this copy (for the audit) */
   int32_t indirect;      /**< 1: data holds pointers to the items' records; stride[0] 0: packed */
   int64_t offset;        /**< bytes from where a pointer points to the item; 0 unless indirect */
+  int64_t reserved[8];   /**< 0. Other structs hold arrays, so its size stays as it is */
 } insitu_array;
 
 static inline insitu_array insitu_array_default(void) {
@@ -62,6 +63,8 @@ static inline insitu_array insitu_array_default(void) {
   a.converted = NULL;
   a.indirect = 0;
   a.offset = 0;
+  for (i = 0; i < 8; ++i)
+    a.reserved[i] = 0;
   return a;
 }
 

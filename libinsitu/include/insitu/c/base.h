@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 #define INSITU_VERSION_MAJOR 0
-#define INSITU_VERSION_MINOR 1
+#define INSITU_VERSION_MINOR 2
 #define INSITU_VERSION_PATCH 0
 
 #if defined(INSITU_STATIC)

@@ -46,6 +46,7 @@ typedef struct insitu_commit_report {
   int64_t bytes_allocated; /**< newly allocated by this commit */
   double cost_ratio;      /**< cost of the refitted tree over that of the last build (1 if built) */
   insitu_builder builder; /**< of the tree that answers after the commit */
+  int32_t reserved;
 } insitu_commit_report;
 
 static inline insitu_commit_report insitu_commit_report_default(void) {
@@ -57,6 +58,7 @@ static inline insitu_commit_report insitu_commit_report_default(void) {
   r.cells = r.vertices = r.bytes = r.bytes_allocated = 0;
   r.cost_ratio = 1.0;
   r.builder = INSITU_BUILDER_NONE;
+  r.reserved = 0;
   return r;
 }
 
@@ -108,7 +110,7 @@ static inline insitu_validation insitu_validation_default(void) {
  *  counts are filled in either case. */
 INSITU_API insitu_status insitu_mesh_validate(insitu_mesh mesh, insitu_validation* validation);
 
-/** One line of the copy audit. */
+/** One line of the copy audit. They come as a list, so its size stays as it is. */
 typedef struct insitu_audit_entry {
   size_t size;
   char name[64];    /**< "piece 0 points x", "piece 0 field 'velocity' component 1", ... */
@@ -116,6 +118,7 @@ typedef struct insitu_audit_entry {
   int64_t bytes;    /**< bytes of the array's items */
   int32_t borrowed; /**< 1: the caller's memory in place; 0: converted */
   char reason[64];  /**< why it was converted */
+  int32_t reserved[9];
 } insitu_audit_entry;
 
 /** The copy audit. *count: in, the room in entries; out, the number of arrays (entries may be null

@@ -46,6 +46,7 @@ typedef struct insitu_cells {
   insitu_array types;   /**< for MIXED: uint8, VTK's numbers */
   insitu_array offsets; /**< for MIXED: int32 or int64, where a cell's ids start */
   int32_t index_base;   /**< 0 or 1: how the ids in connectivity (and in offsets) count */
+  int32_t reserved;     /**< 0 */
 } insitu_cells;
 
 static inline insitu_cells insitu_cells_default(void) {
@@ -58,6 +59,7 @@ static inline insitu_cells insitu_cells_default(void) {
   c.types = insitu_array_default();
   c.offsets = insitu_array_default();
   c.index_base = 0;
+  c.reserved = 0;
   return c;
 }
 
@@ -73,7 +75,7 @@ typedef enum insitu_block_kind INSITU_INT {
 typedef struct insitu_block {
   size_t size;
   insitu_block_kind kind;
-  int64_t vertices[3];         /**< vertices along i, j, k; at least 2 each */
+  int64_t vertices[3];         /**< vertices along i, j, k; below 2 along an axis: no cells */
   double origin[3];            /**< UNIFORM */
   double spacing[3];           /**< UNIFORM; not 0 */
   insitu_array coordinates[3]; /**< RECTILINEAR: vertices[a] values along axis a */
@@ -108,7 +110,8 @@ INSITU_API insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece,
                                            const insitu_block* block);
 
 /** A field on vertices or cells: one array of any component count, or one array a component;
- *  float32 or float64. All pieces must have it, with equal association and components. */
+ *  float32 or float64. All pieces that have cells must have it, with equal association and
+ *  components. A piece without cells adds nothing, with points and fields or without. */
 INSITU_API insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, const char* name,
                                            insitu_association association,
                                            const insitu_array* arrays, int32_t array_count);
@@ -118,6 +121,13 @@ INSITU_API insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* 
 /** Drops the pieces from `first` on, with all that was given for them: a regrid may leave fewer
  *  patches. first: 0 to the number of pieces. */
 INSITU_API insitu_status insitu_mesh_drop_pieces(insitu_mesh mesh, int32_t first);
+
+/** Whether the mesh's pieces are parts of one body (0, as at first) or stand for themselves (not 0).
+ *  Of one body, vertices of different pieces whose coordinates are equal bit for bit are one vertex
+ *  where isosurfaces of cell fields average values and smooth normals average gradients; within a
+ *  piece ids alone tell vertices apart, so cracks and baffles stay. Takes effect at the next commit
+ *  of the geometry, which this call asks for. */
+INSITU_API insitu_status insitu_mesh_separate_pieces(insitu_mesh mesh, int separate);
 
 /** How a ghost array counts. */
 typedef enum insitu_ghost_convention INSITU_INT {
@@ -159,6 +169,7 @@ typedef struct insitu_frame {
   insitu_angle angle;       /**< GEODETIC; else DEGREES */
   insitu_length length;     /**< GEODETIC: of the third number; else METRES */
   insitu_vertical vertical; /**< GEODETIC, UTM; else UP */
+  int32_t reserved;         /**< 0 */
 } insitu_frame;
 
 static inline insitu_frame insitu_frame_default(void) {
@@ -171,6 +182,7 @@ static inline insitu_frame insitu_frame_default(void) {
   f.angle = INSITU_DEGREES;
   f.length = INSITU_METRES;
   f.vertical = INSITU_UP;
+  f.reserved = 0;
   return f;
 }
 

@@ -63,10 +63,12 @@ typedef struct insitu_locate_args {
    *  outputs written. The call waits, to learn which points need the host's exact arithmetic; in
    *  INSITU_FAST it does not, but when fields are asked for the first time after a commit. */
   void* stream;
+  int64_t reserved[16]; /**< 0. insitu_sample_args holds it, so its size stays as it is */
 } insitu_locate_args;
 
 static inline insitu_locate_args insitu_locate_args_default(void) {
   insitu_locate_args a;
+  int i;
   a.size = sizeof a;
   a.points = NULL;
   a.point_arrays = 1;
@@ -80,6 +82,8 @@ static inline insitu_locate_args insitu_locate_args_default(void) {
   a.reasons = NULL;
   a.memory = INSITU_HOST;
   a.stream = NULL;
+  for (i = 0; i < 16; ++i)
+    a.reserved[i] = 0;
   return a;
 }
 

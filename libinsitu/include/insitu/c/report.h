@@ -46,7 +46,13 @@ typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_COUNT = 15
 } insitu_purpose;
 
-/** Totals since the session was opened. Seconds are wall-clock seconds in the library. */
+/** The room of the lists in insitu_report, which later versions of the library fill further. */
+enum { INSITU_MEMORY_ROOM = 32, INSITU_END_ROOM = 32, INSITU_REASON_ROOM = 16 };
+
+/** Totals since the session was opened. Seconds are wall-clock seconds in the library. Of lists the
+ *  first items are counted, as many as their counts tell: those of the library that runs, which may
+ *  know more than INSITU_MEMORY_COUNT, INSITU_END_COUNT and INSITU_REASON_COUNT of this header. The
+ *  others are 0. */
 typedef struct insitu_report {
   size_t size;
   int64_t executions;
@@ -55,18 +61,21 @@ typedef struct insitu_report {
   int64_t bytes_borrowed; /**< of the solver's arrays that are read in place */
   int64_t bytes_held;     /**< of the library's own memory, now */
   int64_t bytes_peak;
-  int64_t bytes_by_purpose[INSITU_MEMORY_COUNT]; /**< now */
+  int64_t bytes_by_purpose[INSITU_MEMORY_ROOM]; /**< now */
   int64_t points_located, points_outside;
   int64_t particles_seeded;
-  int64_t particles[INSITU_END_COUNT]; /**< sums up to particles_seeded */
+  int64_t particles[INSITU_END_ROOM]; /**< sums up to particles_seeded */
   int64_t frames, probe_rows, files;
-  int64_t failures;                               /**< actions that were skipped */
-  int64_t located_by_reason[INSITU_REASON_COUNT]; /**< every point located for whatever purpose:
+  int64_t failures;                              /**< actions that were skipped */
+  int64_t located_by_reason[INSITU_REASON_ROOM]; /**< every point located for whatever purpose:
                                  queries, probes, tracers and samples of frames, of all meshes */
   double ranges_s;   /**< of render_s: ranges of values of macrocells and cells, found for the first
                           time or refreshed after new values */
   double classify_s; /**< of render_s: macrocells and cells classified by transfer functions, and
                           trees of those that show; anew after new values or another function */
+  int32_t purposes, endings, reasons; /**< how many of bytes_by_purpose, particles and
+                                           located_by_reason are counted */
+  int32_t reserved;
 } insitu_report;
 
 static inline insitu_report insitu_report_default(void) {
@@ -77,16 +86,17 @@ static inline insitu_report insitu_report_default(void) {
   r.commit_s = r.query_s = r.advect_s = r.render_s = r.output_s = 0.0;
   r.keeps = r.refits = r.rebuilds = 0;
   r.bytes_borrowed = r.bytes_held = r.bytes_peak = 0;
-  for (i = 0; i < INSITU_MEMORY_COUNT; ++i)
+  for (i = 0; i < INSITU_MEMORY_ROOM; ++i)
     r.bytes_by_purpose[i] = 0;
   r.points_located = r.points_outside = 0;
   r.particles_seeded = 0;
-  for (i = 0; i < INSITU_END_COUNT; ++i)
+  for (i = 0; i < INSITU_END_ROOM; ++i)
     r.particles[i] = 0;
   r.frames = r.probe_rows = r.files = r.failures = 0;
-  for (i = 0; i < INSITU_REASON_COUNT; ++i)
+  for (i = 0; i < INSITU_REASON_ROOM; ++i)
     r.located_by_reason[i] = 0;
   r.ranges_s = r.classify_s = 0.0;
+  r.purposes = r.endings = r.reasons = r.reserved = 0;
   return r;
 }
 

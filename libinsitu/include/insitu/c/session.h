@@ -31,8 +31,10 @@ typedef struct insitu_session_options {
   insitu_log_level log_level; /**< messages up to this level reach the log */
   insitu_log_function log;    /**< null: errors and warnings go to stderr */
   void* log_user;
-  const void* communicator;     /**< address of an MPI_Comm, kept; serial in this version */
+  const void* communicator;     /**< address of an MPI_Comm; this version keeps it, does not use it,
+                                     and logs what that means */
   int32_t fortran_communicator; /**< the same as a Fortran integer; used if communicator is null */
+  int32_t reserved;             /**< 0 */
 } insitu_session_options;
 
 static inline insitu_session_options insitu_session_options_default(void) {
@@ -49,11 +51,18 @@ static inline insitu_session_options insitu_session_options_default(void) {
   o.log_user = NULL;
   o.communicator = NULL;
   o.fortran_communicator = 0;
+  o.reserved = 0;
   return o;
 }
 
 /** Opens a session. options may be null (the defaults). A bad scene is an error here, with file,
- *  line, key and the nearest valid key in the message; *session is then null. */
+ *  line, key and the nearest valid key in the message; *session is then null. What is wrong is
+ *  also logged, by the options' log or to stderr.
+ *
+ *  What a session writes is locked until it is closed, by folder and action: another session of
+ *  this process or another one, such as a second rank in the same folder, gets INSITU_ERROR_FILE
+ *  here, and the message names the file and who holds it. A run that was killed leaves locks that
+ *  the next one on that host takes over. */
 INSITU_API insitu_status insitu_session_open(const insitu_session_options* options,
                                              insitu_session* session);
 

@@ -4,6 +4,7 @@
 #include "accel/locator.h"
 #include "cells/contain_filter.h"
 #include "cells/kernels.h"
+#include "cells/on_feature.h"
 
 /// What locating kernels share: gathering a cell, proofs, writing answers.
 namespace insitu::accel::cuda {
@@ -131,8 +132,10 @@ private:
 /// What plain double tells of a point and a cell.
 enum class Proof : std::uint8_t { outside, inside, undecided, on_vertex };
 
+/// vertex: the first that p is, where that is all that is known.
 template <Shape S>
-__device__ inline Proof prove(const LocateArguments& a, std::uint32_t flat, const Vec3d& p) {
+__device__ inline Proof prove(const LocateArguments& a, std::uint32_t flat, const Vec3d& p,
+                              int& vertex) {
   const CellPlace at = place_of<S>(a, flat);
   return for_shape<S>(at, [&]<Shape Of>() {
     const Gathered<Of> cell(at);
@@ -141,8 +144,11 @@ __device__ inline Proof prove(const LocateArguments& a, std::uint32_t flat, cons
       return result == cells::FilterResult::inside ? Proof::inside : Proof::outside;
     bool on_vertex = false;
 #pragma unroll
-    for (int v = 0; v < Gathered<Of>::count; ++v)
-      on_vertex = on_vertex || cell.x[v] == p;
+    for (int v = Gathered<Of>::count - 1; v >= 0; --v)
+      if (cell.x[v] == p) {
+        on_vertex = true;
+        vertex = v;
+      }
     return on_vertex ? Proof::on_vertex : Proof::undecided;
   });
 }
@@ -229,11 +235,11 @@ __device__ inline void write_answer(const Outputs& out, std::uint32_t i, std::ui
 /// The answer of a point whose owner is known.
 template <bool map, Shape S>
 __device__ inline void finish(const LocateArguments& a, std::uint32_t i, std::uint32_t flat,
-                              cells::Reason reason, const Vec3d& p) {
+                              const cells::Decision& decision, const Vec3d& p) {
   if (flat == none)
     return write_outside(a.out, i);
   if constexpr (!map) {
-    write_owner(a.out, i, flat, reason);
+    write_owner(a.out, i, flat, decision.reason());
     if (a.out.field_count > 0)
       write_cell_values(a.out, i, place_of<S>(a, flat));
   } else {
@@ -242,9 +248,11 @@ __device__ inline void finish(const LocateArguments& a, std::uint32_t i, std::ui
       const Gathered<Of> cell(at);
       const auto found = invert<Of>(cell.x, p);
       if (cells::is_plausible(found.converged, found.margin))
-        write_answer(a.out, i, flat, at, cell, reason, found.r);
+        write_answer(a.out, i, flat, at, cell, decision.reason(),
+                     cells::put_on(Of, decision,
+                                   cells::put_on_nearest(Of, cell.x, p, found.r, found.error)));
       else
-        a.lists.hard_points[atomicAdd(a.lists.counters + Lists::hard, 1u)] = {i, flat, reason};
+        a.lists.hard_points[atomicAdd(a.lists.counters + Lists::hard, 1u)] = {i, flat, decision};
     });
   }
 }

@@ -72,14 +72,15 @@ __global__ void __launch_bounds__(block) locate_kernel(const __grid_constant__ L
   const std::uint32_t i = a.subset ? a.subset[thread] : std::uint32_t(thread);
   const Vec3d p = point_of(a, i);
   std::uint32_t best = none;
-  cells::Reason reason = cells::Reason::certified;
+  cells::Decision decision(cells::Reason::certified);
+  int vertex = -1;
   bool proven = false;
   if (a.candidates) {
 #pragma unroll 1
     for (int k = 0; k < 2 && best == none; ++k) {
       const std::uint32_t* likely = k == 0 ? a.candidates : a.others;
       const std::uint32_t candidate = likely ? likely[i] : none;
-      if (candidate != none && prove<S>(a, candidate, p) == Proof::inside) {
+      if (candidate != none && prove<S>(a, candidate, p, vertex) == Proof::inside) {
         best = candidate;
         proven = alone;
       }
@@ -95,13 +96,14 @@ __global__ void __launch_bounds__(block) locate_kernel(const __grid_constant__ L
       unsigned tried = 0, undecided = 0;
       for (int k; !proven && (k = next_candidate<alone>(list, tried, best)) >= 0;) {
         tried |= 1u << k;
-        const Proof proof = prove<S>(a, list.cell[k], p);
+        const Proof proof = prove<S>(a, list.cell[k], p, vertex);
         if (proof == Proof::undecided)
           undecided |= 1u << k;
         if (proof != Proof::inside && proof != Proof::on_vertex)
           continue;
         best = list.cell[k]; // in exact no lower one is left in the list
-        reason = proof == Proof::inside ? cells::Reason::certified : cells::Reason::on_vertex;
+        decision = proof == Proof::inside ? cells::Decision(cells::Reason::certified)
+                                          : cells::Decision(cells::Reason::on_vertex, vertex);
         proven = alone && proof == Proof::inside;
       }
       if (!proven)
@@ -110,8 +112,8 @@ __global__ void __launch_bounds__(block) locate_kernel(const __grid_constant__ L
             open.add(list.cell[k]);
     }
   }
-  if (!open.close(best == none ? no_cell : as_best(best, reason)))
-    finish<map, S>(a, i, best, reason, p);
+  if (!open.close(best == none ? no_cell : as_best(best, decision)))
+    finish<map, S>(a, i, best, decision, p);
 }
 
 } // namespace

@@ -28,11 +28,11 @@ struct Outputs {
 struct OpenPoint {
   std::uint32_t point; ///< `none`: asked again, with others
   std::uint32_t unused;
-  unsigned long long best; ///< the cell, and the reason in the low byte
+  unsigned long long best; ///< the cell, and the decision's code in the low byte
 };
 constexpr unsigned long long no_cell = ~0ull;
-constexpr unsigned long long as_best(std::uint32_t cell, cells::Reason reason) {
-  return (unsigned long long)(cell) << 8 | (unsigned long long)(reason);
+INSITU_HD constexpr unsigned long long as_best(std::uint32_t cell, cells::Decision decision) {
+  return (unsigned long long)(cell) << 8 | (unsigned long long)(decision.code());
 }
 /// One that may hold an open point, by its place in the list of those.
 struct OpenPair {
@@ -41,7 +41,7 @@ struct OpenPair {
 /// The point of a slice and the cell that holds it.
 struct OwnedPoint {
   std::uint32_t point, cell;
-  cells::Reason reason;
+  cells::Decision decision;
 };
 
 /// Lists that kernels append to.
@@ -97,7 +97,7 @@ void launch_gather_left(const LocateArguments& arguments, std::uint32_t first, s
                         PairData* out, cudaStream_t stream);
 /// What the host decided of them; `outside` where the cell does not hold the point.
 void launch_take_decided(const LocateArguments& arguments, std::uint32_t first, std::uint32_t count,
-                         const cells::Reason* decided, cudaStream_t stream);
+                         const cells::Decision* decided, cudaStream_t stream);
 /// The same as launch_gather_left of hard points.
 void launch_gather_hard(const LocateArguments& arguments, std::uint32_t first, std::uint32_t count,
                         PairData* out, cudaStream_t stream);

@@ -76,8 +76,8 @@ struct Workspace::Impl {
   Staging staging[2];
   DeviceBuffer<PairData> pair_data;
   PinnedBuffer<PairData> pair_host;
-  DeviceBuffer<cells::Reason> decided;
-  PinnedBuffer<cells::Reason> decided_host;
+  DeviceBuffer<cells::Decision> decided;
+  PinnedBuffer<cells::Decision> decided_host;
   DeviceBuffer<math::Vec3d> parametric;
   PinnedBuffer<math::Vec3d> parametric_host;
 };

@@ -10,13 +10,13 @@ namespace {
 constexpr int block = 128;
 
 template <Shape S>
-__device__ inline cells::Reason decide_in_double_double(const Vec3d* x, const Vec3d& p,
+__device__ inline cells::Decision decide_in_double_double(const Vec3d* x, const Vec3d& p,
                                                         bool& failed) {
   constexpr cells::FaceTable table = cells::face_table(S);
   cells::ContainQuery<math::DoubleDoublePredicates> query(table, x, p);
   const cells::ExactResult result = query.answer();
   failed = query.predicates().failed;
-  return cells::reason_of(result);
+  return cells::decision_of(result);
 }
 
 __global__ void __launch_bounds__(block)
@@ -31,20 +31,20 @@ __global__ void __launch_bounds__(block)
   const Vec3d p = point_of(a, open.point);
   const CellPlace at = place_of<Shape::none>(a, pair.cell);
   bool failed = false;
-  const cells::Reason reason = for_shape<Shape::none>(at, [&]<Shape S>() {
+  const cells::Decision decision = for_shape<Shape::none>(at, [&]<Shape S>() {
     const Gathered<S> cell(at);
     return decide_in_double_double<S>(cell.x, p, failed);
   });
   if (failed)
     a.lists.left_pairs[atomicAdd(a.lists.counters + Lists::left, 1u)] = pair;
-  else if (reason != cells::Reason::outside)
-    atomicMin(&open.best, as_best(pair.cell, reason));
+  else if (decision)
+    atomicMin(&open.best, as_best(pair.cell, decision));
 }
 
 __global__ void take_decided_kernel(const __grid_constant__ LocateArguments a, std::uint32_t first,
-                                    std::uint32_t count, const cells::Reason* decided) {
+                                    std::uint32_t count, const cells::Decision* decided) {
   const std::int64_t i = global_thread();
-  if (i >= count || decided[i] == cells::Reason::outside)
+  if (i >= count || !decided[i])
     return;
   const OpenPair pair = a.lists.left_pairs[first + i];
   atomicMin(&a.lists.open_points[pair.open].best, as_best(pair.cell, decided[i]));
@@ -60,7 +60,9 @@ __global__ void __launch_bounds__(block)
   if (o.point == none)
     return;
   const std::uint32_t cell = o.best == no_cell ? none : std::uint32_t(o.best >> 8);
-  finish<map, Shape::none>(a, o.point, cell, cells::Reason(o.best & 255u), point_of(a, o.point));
+  finish<map, Shape::none>(a, o.point, cell,
+                           cells::Decision::from_code(std::uint8_t(o.best & 255u)),
+                           point_of(a, o.point));
 }
 
 __global__ void finish_at_kernel(const __grid_constant__ LocateArguments a, const OwnedPoint* owned,
@@ -71,7 +73,8 @@ __global__ void finish_at_kernel(const __grid_constant__ LocateArguments a, cons
   const OwnedPoint o = owned[i];
   const CellPlace at = place_of<Shape::none>(a, o.cell);
   for_shape<Shape::none>(at, [&]<Shape S>() {
-    write_answer(a.out, o.point, o.cell, at, Gathered<S>(at), o.reason, parametric[i]);
+    write_answer(a.out, o.point, o.cell, at, Gathered<S>(at), o.decision.reason(),
+                 cells::put_on(S, o.decision, parametric[i]));
   });
 }
 
@@ -118,7 +121,7 @@ void launch_decide_pairs(const LocateArguments& a, std::uint32_t count, cudaStre
 }
 
 void launch_take_decided(const LocateArguments& a, std::uint32_t first, std::uint32_t count,
-                         const cells::Reason* decided, cudaStream_t stream) {
+                         const cells::Decision* decided, cudaStream_t stream) {
   if (count == 0)
     return;
   take_decided_kernel<<<blocks_for(count, block), block, 0, stream>>>(a, first, count, decided);

@@ -45,7 +45,10 @@ private:
         return true;
       }
       double weight[8];
-      cells::shape_functions(Of, map.r, weight);
+      Vec3d r = map.r;
+      if (!with_certificate) // on faces to rounding is on them: what is 0 on a wall is 0 there
+        r = cells::put_on_nearest(Of, cell.x, x, r, map.error);
+      cells::shape_functions(Of, r, weight);
 #pragma unroll
       for (int c = 0; c < 3; ++c) {
         double sum = weight[0] * from.load(cell.ids[0], c);
@@ -80,7 +83,8 @@ private:
         const std::uint32_t cell = list.cell[k];
         if (cell >= best)
           continue;
-        const Proof proof = prove<S>(a_, cell, x);
+        int vertex;
+        const Proof proof = prove<S>(a_, cell, x, vertex);
         if (proof == Proof::inside || proof == Proof::on_vertex)
           best = cell;
         else if (proof == Proof::undecided && cell < maybe && is_in(cell, x))

@@ -1,0 +1,209 @@
+/** @file mesh.h
+ *  Meshes, as the caller gives them: points, cells or blocks, fields, ghosts, a frame.
+ *
+ *  A mesh is a list of pieces, numbered from 0 without gaps; most meshes have piece 0 alone. A
+ *  piece is a set of cells over vertices, or an implicit block of hexahedra; those of an adaptive
+ *  mesh are patches or leaves instead (insitu/c/amr.h). Calling again replaces what was given
+ * before. Nothing is read before the commit. */
+#ifndef INSITU_C_MESH_H
+#define INSITU_C_MESH_H
+
+#include "insitu/c/array.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum insitu_association INSITU_INT {
+  INSITU_VERTEX = 0,
+  INSITU_CELL = 1
+} insitu_association;
+
+/** Cell shapes: VTK's numbers and point order. */
+typedef enum insitu_shape INSITU_INT {
+  INSITU_TETRAHEDRON = 10,
+  INSITU_VOXEL = 11,
+  INSITU_HEXAHEDRON = 12,
+  INSITU_WEDGE = 13,
+  INSITU_PYRAMID = 14
+} insitu_shape;
+
+typedef enum insitu_layout INSITU_INT {
+  INSITU_LAYOUT_UNIFORM = 0, /**< one shape; connectivity [count][vertices of the shape] */
+  INSITU_LAYOUT_MIXED = 1,   /**< types[count], offsets[count] or [count + 1], connectivity[...] */
+  INSITU_LAYOUT_PADDED = 2   /**< connectivity [count][8], unused ids -1; the shape follows from the
+                                  number of ids: 4, 5, 6, 8 */
+} insitu_layout;
+
+/** The cells of a piece. connectivity is int32 or int64; for UNIFORM and PADDED an item is a cell
+ *  with as many components as it has ids, for MIXED an item is one id. */
+typedef struct insitu_cells {
+  size_t size;
+  insitu_layout layout;
+  insitu_shape shape; /**< for UNIFORM; one of VOXEL, HEXAHEDRON for 8 ids in PADDED */
+  int64_t count;
+  insitu_array connectivity;
+  insitu_array types;   /**< for MIXED: uint8, VTK's numbers */
+  insitu_array offsets; /**< for MIXED: int32 or int64, where a cell's ids start */
+  int32_t index_base;   /**< 0 or 1: how the ids in connectivity (and in offsets) count */
+  int32_t reserved;     /**< 0 */
+} insitu_cells;
+
+static inline insitu_cells insitu_cells_default(void) {
+  insitu_cells c;
+  c.size = sizeof c;
+  c.layout = INSITU_LAYOUT_UNIFORM;
+  c.shape = INSITU_HEXAHEDRON;
+  c.count = 0;
+  c.connectivity = insitu_array_default();
+  c.types = insitu_array_default();
+  c.offsets = insitu_array_default();
+  c.index_base = 0;
+  c.reserved = 0;
+  return c;
+}
+
+typedef enum insitu_block_kind INSITU_INT {
+  INSITU_BLOCK_UNIFORM = 0,     /**< origin and spacing */
+  INSITU_BLOCK_RECTILINEAR = 1, /**< one coordinate array an axis */
+  INSITU_BLOCK_CURVILINEAR = 2  /**< points given by insitu_mesh_points */
+} insitu_block_kind;
+
+/** An implicit block: vertices (i, j, k), id i + ni*(j + nj*k); the cell (i, j, k) is the
+ *  hexahedron from vertex (i, j, k) to (i+1, j+1, k+1), id i + (ni-1)*(j + (nj-1)*k). Sub-blocks of
+ *  larger arrays, ghost layers and C order are said by the extents and strides of the arrays. */
+typedef struct insitu_block {
+  size_t size;
+  insitu_block_kind kind;
+  int64_t vertices[3];         /**< vertices along i, j, k; below 2 along an axis: no cells */
+  double origin[3];            /**< UNIFORM */
+  double spacing[3];           /**< UNIFORM; not 0 */
+  insitu_array coordinates[3]; /**< RECTILINEAR: vertices[a] values along axis a */
+} insitu_block;
+
+static inline insitu_block insitu_block_default(void) {
+  insitu_block b;
+  int i;
+  b.size = sizeof b;
+  b.kind = INSITU_BLOCK_CURVILINEAR;
+  for (i = 0; i < 3; ++i) {
+    b.vertices[i] = 0;
+    b.origin[i] = 0.0;
+    b.spacing[i] = 1.0;
+    b.coordinates[i] = insitu_array_default();
+  }
+  return b;
+}
+
+/** The vertices of a piece: one interleaved array of 3 components, or three arrays x, y, z of one
+ *  component (array_count 1 or 3), float32 or float64. */
+INSITU_API insitu_status insitu_mesh_points(insitu_mesh mesh, int32_t piece,
+                                            const insitu_array* arrays, int32_t array_count);
+
+/** The cells of a piece, by connectivity. Ghosts given before stay; give new ones, or
+ *  none, if they do not fit the new cells. */
+INSITU_API insitu_status insitu_mesh_cells(insitu_mesh mesh, int32_t piece,
+                                           const insitu_cells* cells);
+
+/** The cells of a piece, as an implicit block. Ghosts given before stay. */
+INSITU_API insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece,
+                                           const insitu_block* block);
+
+/** A field on vertices or cells: one array of any component count, or one array a component;
+ *  float32 or float64. All pieces that have cells must have it, with equal association and
+ *  components. A piece without cells adds nothing, with points and fields or without. */
+INSITU_API insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, const char* name,
+                                           insitu_association association,
+                                           const insitu_array* arrays, int32_t array_count);
+
+INSITU_API insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* name);
+
+/** Drops the pieces from `first` on, with all that was given for them: a regrid may leave fewer
+ *  patches. first: 0 to the number of pieces. */
+INSITU_API insitu_status insitu_mesh_drop_pieces(insitu_mesh mesh, int32_t first);
+
+/** Whether the mesh's pieces are parts of one body (0, as at first) or stand for themselves (not 0).
+ *  Of one body, vertices of different pieces whose coordinates are equal bit for bit are one vertex
+ *  where isosurfaces of cell fields average values and smooth normals average gradients; within a
+ *  piece ids alone tell vertices apart, so cracks and baffles stay. Takes effect at the next commit
+ *  of the geometry, which this call asks for. */
+INSITU_API insitu_status insitu_mesh_separate_pieces(insitu_mesh mesh, int separate);
+
+/** How a ghost array counts. */
+typedef enum insitu_ghost_convention INSITU_INT {
+  INSITU_GHOSTS_VTK = 0,   /**< bits: 1 duplicate, 8 refined, 32 hidden: the cell owns no point */
+  INSITU_GHOSTS_ASCENT = 1 /**< 0 real, otherwise ghost */
+} insitu_ghost_convention;
+
+/** One uint8 a cell. A ghost cell never owns a point and is never drawn, and may hold anything. But
+ *  a duplicate alone (VTK: 1 with neither 8 nor 32; Ascent: 1) lends its values, where its vertex
+ *  ids are in range and they are finite, to smooth normals and to averages of cell fields at the
+ *  vertices that it shares with owning cells: so surfaces meet without a seam where another process
+ *  goes on. array null: none. They stay when the cells are given again. */
+INSITU_API insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece,
+                                            const insitu_array* array,
+                                            insitu_ghost_convention convention);
+
+typedef enum insitu_frame_kind INSITU_INT {
+  INSITU_FRAME_CARTESIAN = 0,  /**< the solver's own coordinates */
+  INSITU_FRAME_GEOCENTRIC = 1, /**< ECEF metres on WGS84 */
+  INSITU_FRAME_GEODETIC = 2,   /**< longitude, latitude, height or depth on WGS84; units below */
+  INSITU_FRAME_ENU = 3,        /**< metres east, north, up of an origin (lon, lat, height) */
+  INSITU_FRAME_UTM = 4         /**< easting, northing, height in metres in a zone */
+} insitu_frame_kind;
+
+/** GEODETIC: the units of longitude and latitude, and what the third number is. */
+typedef enum insitu_angle INSITU_INT { INSITU_DEGREES = 0, INSITU_RADIANS = 1 } insitu_angle;
+typedef enum insitu_length INSITU_INT { INSITU_METRES = 0, INSITU_KILOMETRES = 1 } insitu_length;
+typedef enum insitu_vertical INSITU_INT {
+  INSITU_UP = 0,  /**< a height above the ellipsoid */
+  INSITU_DOWN = 1 /**< a depth below it; UTM may have it too */
+} insitu_vertical;
+
+typedef struct insitu_frame {
+  size_t size;
+  insitu_frame_kind kind;
+  double origin[3];         /**< ENU: longitude, latitude (degrees), height (metres) */
+  int32_t utm_zone;         /**< UTM: 1..60 */
+  int32_t utm_north;        /**< UTM: 1 north, 0 south */
+  insitu_angle angle;       /**< GEODETIC; else DEGREES */
+  insitu_length length;     /**< GEODETIC: of the third number; else METRES */
+  insitu_vertical vertical; /**< GEODETIC, UTM; else UP */
+  int32_t reserved;         /**< 0 */
+} insitu_frame;
+
+static inline insitu_frame insitu_frame_default(void) {
+  insitu_frame f;
+  f.size = sizeof f;
+  f.kind = INSITU_FRAME_CARTESIAN;
+  f.origin[0] = f.origin[1] = f.origin[2] = 0.0;
+  f.utm_zone = 0;
+  f.utm_north = 1;
+  f.angle = INSITU_DEGREES;
+  f.length = INSITU_METRES;
+  f.vertical = INSITU_UP;
+  f.reserved = 0;
+  return f;
+}
+
+/** The frame of the mesh's coordinates; points given in another frame are converted to it. Cells
+ *  are located as they are, straight in these coordinates. Of a geodetic mesh that means:
+ *
+ *  - Longitudes may start anywhere (-180, 0, 170, ...), and points may have any of the same
+ *    meridian: each is located once. Cells may wrap around (from 359.5 to 0.5), hold a pole or have
+ *    a vertex there: the few that do are located in copies, which insitu_report counts (memory) and
+ *    the commit's log tells; all others are read in place. A cell spans less than half a turn.
+ *  - Vector fields (3 components) are east, north and up; tracers take them as metres per second.
+ *    Near a pole that lies within a cell they are turned with the direction east before they are
+ *    interpolated; samples are in the east and north of the sampled point.
+ *  - It lies in host memory and is located on the CPU.
+ *
+ *  Vector fields of a mesh in any other frame are along its coordinates' axes: of a geocentric mesh
+ *  along the Earth's, x, y and z; of UTM with depths the third is the rate at which depth grows. */
+INSITU_API insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame* frame);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* INSITU_C_MESH_H */

@@ -1,0 +1,114 @@
+/** @file report.h
+ *  Reports: totals of a session. */
+#ifndef INSITU_C_REPORT_H
+#define INSITU_C_REPORT_H
+
+#include "insitu/c/query.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Why a particle ended. */
+typedef enum insitu_ending INSITU_INT {
+  INSITU_END_ALIVE = 0,
+  INSITU_END_LEFT = 1,            /**< left the mesh */
+  INSITU_END_STAGNATED = 2,       /**< came to rest in a steady field, or no step could be found */
+  INSITU_END_EXPIRED = 3,         /**< reached its time, length or age */
+  INSITU_END_STEP_LIMIT = 4,      /**< took the largest number of steps */
+  INSITU_END_SEED_OUTSIDE = 5,    /**< was seeded outside the mesh */
+  INSITU_END_NOT_FINITE = 6,      /**< the velocity is NaN or infinite */
+  INSITU_END_KILLED = 7,          /**< the session was closed while it lived */
+  INSITU_END_STOPPED = 8,         /**< met the boundary, where its scene says that it stops */
+  INSITU_END_REMOVED = 9,         /**< met the condition by which its scene removes particles */
+  INSITU_END_STEP_TOO_SMALL = 10, /**< no step of its scene's min_step kept the tolerance */
+  INSITU_END_COUNT = 11
+} insitu_ending;
+
+/** What the memory is for. */
+typedef enum insitu_purpose INSITU_INT {
+  INSITU_MEMORY_TREE = 0,        /**< nodes and leaves */
+  INSITU_MEMORY_BUILD = 1,       /**< kept scratch of the builder */
+  INSITU_MEMORY_RANGES = 2,      /**< value ranges */
+  INSITU_MEMORY_EARLIER = 3,     /**< earlier steps, kept for pathlines */
+  INSITU_MEMORY_QUERY = 4,       /**< scratch of queries */
+  INSITU_MEMORY_TRACER = 5,      /**< particles */
+  INSITU_MEMORY_FRAME = 6,       /**< images */
+  INSITU_MEMORY_CONVERTED = 7,   /**< arrays that adaptors had to convert */
+  INSITU_MEMORY_EMBREE = 8,      /**< what Embree holds */
+  INSITU_MEMORY_DEVICE = 9,      /**< on devices: copies of arrays, trees, scratch */
+  INSITU_MEMORY_AMR = 10,        /**< dual meshes of adaptive meshes */
+  INSITU_MEMORY_GATHERED = 11,   /**< fields of adaptive meshes at the dual's vertices */
+  INSITU_MEMORY_GEOCENTRIC = 12, /**< vertices of meshes drawn geocentric, heights exaggerated */
+  INSITU_MEMORY_CHART = 13,      /**< copies of a geodetic mesh's cells at its seam and poles, and
+                                      fields there */
+  INSITU_MEMORY_NEIGHBOURS = 14, /**< cells across faces, for tracers */
+  INSITU_MEMORY_COUNT = 15
+} insitu_purpose;
+
+/** The room of the lists in insitu_report, which later versions of the library fill further. */
+enum { INSITU_MEMORY_ROOM = 32, INSITU_END_ROOM = 32, INSITU_REASON_ROOM = 16 };
+
+/** Totals since the session was opened. Seconds are wall-clock seconds in the library. Of lists the
+ *  first items are counted, as many as their counts tell: those of the library that runs, which may
+ *  know more than INSITU_MEMORY_COUNT, INSITU_END_COUNT and INSITU_REASON_COUNT of this header. The
+ *  others are 0. */
+typedef struct insitu_report {
+  size_t size;
+  int64_t executions;
+  double commit_s, query_s, advect_s, render_s, output_s;
+  int64_t keeps, refits, rebuilds;
+  int64_t bytes_borrowed; /**< of the solver's arrays that are read in place */
+  int64_t bytes_held;     /**< of the library's own memory, now */
+  int64_t bytes_peak;
+  int64_t bytes_by_purpose[INSITU_MEMORY_ROOM]; /**< now */
+  int64_t points_located, points_outside;
+  int64_t particles_seeded;
+  int64_t particles[INSITU_END_ROOM]; /**< sums up to particles_seeded */
+  int64_t frames, probe_rows, files;
+  int64_t failures;                              /**< actions that were skipped */
+  int64_t located_by_reason[INSITU_REASON_ROOM]; /**< every point located for whatever purpose:
+                                 queries, probes, tracers and samples of frames, of all meshes */
+  double ranges_s;   /**< of render_s: ranges of values of macrocells and cells, found for the first
+                          time or refreshed after new values */
+  double classify_s; /**< of render_s: macrocells and cells classified by transfer functions, and
+                          trees of those that show; anew after new values or another function */
+  int32_t purposes, endings, reasons; /**< how many of bytes_by_purpose, particles and
+                                           located_by_reason are counted */
+  int32_t reserved;
+} insitu_report;
+
+static inline insitu_report insitu_report_default(void) {
+  insitu_report r;
+  int i;
+  r.size = sizeof r;
+  r.executions = 0;
+  r.commit_s = r.query_s = r.advect_s = r.render_s = r.output_s = 0.0;
+  r.keeps = r.refits = r.rebuilds = 0;
+  r.bytes_borrowed = r.bytes_held = r.bytes_peak = 0;
+  for (i = 0; i < INSITU_MEMORY_ROOM; ++i)
+    r.bytes_by_purpose[i] = 0;
+  r.points_located = r.points_outside = 0;
+  r.particles_seeded = 0;
+  for (i = 0; i < INSITU_END_ROOM; ++i)
+    r.particles[i] = 0;
+  r.frames = r.probe_rows = r.files = r.failures = 0;
+  for (i = 0; i < INSITU_REASON_ROOM; ++i)
+    r.located_by_reason[i] = 0;
+  r.ranges_s = r.classify_s = 0.0;
+  r.purposes = r.endings = r.reasons = r.reserved = 0;
+  return r;
+}
+
+INSITU_API insitu_status insitu_session_report(insitu_session session, insitu_report* report);
+
+/** Writes the report as JSON; solver_s: the solver's own seconds, for the library's share of the
+ *  run (negative: leave it out). */
+INSITU_API insitu_status insitu_session_write_summary(insitu_session session, const char* path,
+                                                      double solver_s);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* INSITU_C_REPORT_H */

@@ -1,0 +1,178 @@
+// clang-format off
+/** @file insitu.hpp
+ *  libinsitu for C++17 and later: a header-only layer over insitu.h that owns the handles, knows the
+ *  types and throws insitu::Error. The rules of insitu.h hold: arrays are external and read in place,
+ *  a commit is the only moment work happens, a session is used by one thread at a time.
+ *
+ *      insitu::Session session({.scene = "scene.yaml"});          // C++17: set the members one by one
+ *      insitu::Mesh mesh = session.mesh("hydro");
+ *      mesh.points(x.data(), y.data(), z.data(), vertex_count);   // once; again when they move elsewhere
+ *      mesh.hexahedra(connectivity.data(), cell_count);
+ *      mesh.cell_field("density", rho.data());
+ *      mesh.vertex_field("velocity", {vx.data(), vy.data(), vz.data()});
+ *      while (time < end) {
+ *        advance(dt);
+ *        mesh.changed(insitu::geometry | insitu::fields);
+ *        session.execute(cycle, time);
+ *      }
+ *      auto pressure = mesh.sample("pressure", points);           // any time after a commit */
+// clang-format on
+#ifndef INSITU_INSITU_HPP
+#define INSITU_INSITU_HPP
+
+#include <functional>
+#include <map>
+
+#include "insitu/array.hpp"
+#include "insitu/mesh.hpp"
+#include "insitu/types.hpp"
+
+namespace insitu {
+
+enum class LogLevel {
+  error = INSITU_LOG_ERROR,
+  warning = INSITU_LOG_WARNING,
+  info = INSITU_LOG_INFO,
+  debug = INSITU_LOG_DEBUG
+};
+
+/** Receives messages, on the thread that called the library. Must not call the library; what it
+ *  throws is dropped. */
+using Log = std::function<void(LogLevel level, const char* message)>;
+
+using Report = insitu_report;
+
+struct Options {
+  std::string scene = {};      /**< path of a scene file; empty: none */
+  std::string scene_text = {}; /**< the scene itself; at most one of both */
+  std::string output = {};     /**< output folder, overrides the scene's; empty: the scene's */
+  bool default_scene = false;  /**< with no scene: draw the first scalar field every tenth cycle */
+  int threads = 0;             /**< at most so many; 0: all that the process's affinity allows */
+  bool strict = false;         /**< refuse arrays that would have to be copied or converted */
+  LogLevel log_level = LogLevel::warning; /**< messages up to this level reach the log */
+  Log log = {};                           /**< empty: errors and warnings go to stderr */
+  const void* communicator = nullptr; /**< address of an MPI_Comm; kept, not used: see insitu.h */
+  int fortran_communicator = 0;       /**< the same as a Fortran integer, if communicator is null */
+};
+
+/** The version of the library that is running: major, minor, patch. */
+inline std::array<int, 3> version() {
+  std::array<int, 3> v{};
+  detail::check(insitu_version(&v[0], &v[1], &v[2]));
+  return v;
+}
+
+/** A session owns meshes and what the scene makes of them. Movable, not copyable. */
+class Session {
+public:
+  /** Opens a session. Throws INSITU_ERROR_SCENE for a bad scene: what() names file, line, key and
+   *  the nearest valid key. */
+  explicit Session(const Options& options = {}) : log_(std::make_unique<Log>(options.log)) {
+    insitu_session_options o = insitu_session_options_default();
+    o.scene = or_null(options.scene);
+    o.scene_text = or_null(options.scene_text);
+    o.output = or_null(options.output);
+    o.default_scene = options.default_scene ? 1 : 0;
+    o.threads = options.threads;
+    o.strict = options.strict ? 1 : 0;
+    o.log_level = static_cast<insitu_log_level>(options.log_level);
+    if (*log_) {
+      o.log = &forward;
+      o.log_user = log_.get();
+    }
+    o.communicator = options.communicator;
+    o.fortran_communicator = options.fortran_communicator;
+    detail::check(insitu_session_open(&o, &session_));
+  }
+  /** Closes the session; what fails then reaches the log. */
+  ~Session() {
+    if (session_)
+      (void)insitu_session_close(&session_);
+  }
+  Session(Session&& other) noexcept
+      : log_(std::move(other.log_)), session_(std::exchange(other.session_, nullptr)),
+        meshes_(std::move(other.meshes_)) {}
+  Session& operator=(Session&& other) noexcept {
+    std::swap(log_, other.log_);
+    std::swap(session_, other.session_);
+    std::swap(meshes_, other.meshes_);
+    return *this;
+  }
+
+  /** The mesh of that name, made empty on first use. Lives as long as the session. */
+  Mesh mesh(const std::string& name) {
+    std::shared_ptr<detail::MeshState>& state = meshes_[name];
+    if (!state) {
+      auto fresh = std::make_shared<detail::MeshState>();
+      detail::check(insitu_session_mesh(session_, name.c_str(), &fresh->handle));
+      state = std::move(fresh);
+    }
+    return Mesh(state);
+  }
+
+  /** Commits every mesh, then does what the scene asks for at this cycle. time: the solver's, not
+   *  decreasing while tracers live (see insitu_session_execute()). Returns false if a probe, tracer
+   * or frame failed: it was logged and skipped, the others were done, and the solver can go on;
+   * insitu_last_message() tells which. Throws Error for anything else, such as a mesh that was
+   * refused. */
+  bool execute(std::int64_t cycle, double time) {
+    const insitu_status status = insitu_session_execute(session_, cycle, time);
+    if (status != INSITU_ERROR_ACTION)
+      detail::check(status);
+    return status == INSITU_OK;
+  }
+
+  /** The state of the scene's tracers after the last execute, to a file; see
+   *  insitu_session_checkpoint(). */
+  void checkpoint(const std::string& path) {
+    detail::check(insitu_session_checkpoint(session_, path.c_str()));
+  }
+  /** Takes it up again, before the first execute; see insitu_session_restart(). */
+  void restart(const std::string& path) {
+    detail::check(insitu_session_restart(session_, path.c_str()));
+  }
+
+  /** Totals since the session was opened. */
+  Report report() const {
+    Report r = insitu_report_default();
+    detail::check(insitu_session_report(session_, &r));
+    return r;
+  }
+  /** Writes the report as JSON; solver_s: the solver's own seconds, for the library's share of the
+   *  run (negative: leave it out). */
+  /// What the scene needs of the meshes, and what it does without; see insitu_session_plan().
+  std::string plan() {
+    const char* text = nullptr;
+    detail::check(insitu_session_plan(session_, &text));
+    return text;
+  }
+  void write_summary(const std::string& path, double solver_s = -1.0) const {
+    detail::check(insitu_session_write_summary(session_, path.c_str(), solver_s));
+  }
+
+  /** Ends tracers, closes files, releases the meshes. The destructor does the same, but cannot
+   *  throw. */
+  void close() { detail::check(insitu_session_close(&session_)); }
+
+  /** For calls of insitu.h. */
+  insitu_session handle() const noexcept { return session_; }
+
+private:
+  static const char* or_null(const std::string& s) noexcept {
+    return s.empty() ? nullptr : s.c_str();
+  }
+  static void forward(insitu_log_level level, const char* message, void* user) {
+    try {
+      (*static_cast<const Log*>(user))(static_cast<LogLevel>(level), message);
+    } catch (...) { // nothing may pass through the library
+    }
+  }
+
+  std::unique_ptr<Log> log_; ///< its address is what the library keeps
+  insitu_session session_ = nullptr;
+  std::map<std::string, std::shared_ptr<detail::MeshState>> meshes_;
+};
+
+} // namespace insitu
+
+#endif // INSITU_INSITU_HPP

@@ -1,0 +1,215 @@
+/** @file mesh.hpp
+ *  The meshes of a session, for insitu.hpp (which includes this file). */
+#ifndef INSITU_MESH_HPP
+#define INSITU_MESH_HPP
+
+#include <algorithm>
+
+#include "insitu/piece.hpp"
+#include "insitu/types.hpp"
+
+namespace insitu {
+
+/** A mesh of a session: its piece 0, further pieces, and queries. Cheap to copy; all copies, and
+ * all that Session::mesh() returns for one name, are the same mesh. Once its session is closed,
+ * each call throws INSITU_ERROR_HANDLE. */
+class Mesh : public Piece {
+public:
+  /** Of no session, until another Mesh is assigned. */
+  Mesh() : Piece(nullptr, 0) {}
+
+  /** Piece p: pieces are numbered from 0 without gaps, in the order of their first use. */
+  Piece piece(int p) const { return Piece(state(), p); }
+
+  /** Makes the mesh an adaptive one, of patches or leaves; before its first piece. Again to change
+   *  the lattice or the reconstruction. */
+  void adaptive(const AmrLevels& levels) {
+    insitu_amr a = insitu_amr_default();
+    std::copy(levels.origin.begin(), levels.origin.end(), a.origin);
+    std::copy(levels.spacing.begin(), levels.spacing.end(), a.spacing);
+    a.level_count =
+        levels.ratios.empty() ? levels.count : static_cast<int>(levels.ratios.size()) + 1;
+    a.ratios = levels.ratios.empty() ? nullptr : levels.ratios.data();
+    a.finest_first = levels.finest_first ? 1 : 0;
+    a.reconstruction = static_cast<insitu_reconstruction>(levels.reconstruction);
+    detail::check(insitu_mesh_amr(handle(), &a));
+  }
+  /** What an adaptive mesh's last regrid made. INSITU_ERROR_ORDER before its commit. */
+  AmrInfo amr_info() const {
+    AmrInfo info = insitu_amr_info_default();
+    detail::check(insitu_mesh_amr_info(handle(), &info));
+    return info;
+  }
+  /** The levels of the cells of an adaptive mesh that points lie in, as the solver numbers levels;
+   *  -1 outside. cell_base: that of the answers (LocateOptions). */
+  std::vector<std::int32_t> cell_levels(const Locations& at, std::int64_t cell_base = 0) const {
+    std::vector<std::int32_t> levels(at.cells.size());
+    detail::check(insitu_mesh_cell_levels(handle(), static_cast<std::int64_t>(levels.size()),
+                                          at.cells.data(), at.pieces.data(), cell_base,
+                                          levels.data()));
+    return levels;
+  }
+  /** Drops the pieces from `first` on: a regrid may leave fewer patches. */
+  /// Pieces stand for themselves (insitu_mesh_separate_pieces).
+  void separate_pieces(bool separate = true) {
+    detail::check(insitu_mesh_separate_pieces(handle(), separate));
+  }
+  void drop_pieces(int first) { detail::check(insitu_mesh_drop_pieces(handle(), first)); }
+
+  /** Says what changed since the last commit; adds up. New arrays and cells say so by themselves.
+   */
+  void changed(Change what) { detail::check(insitu_mesh_changed(handle(), what)); }
+  void remove_field(const std::string& name) {
+    detail::check(insitu_mesh_remove_field(handle(), name.c_str()));
+  }
+  /** The frame of the mesh's coordinates (cartesian unless said). */
+  void frame(const Frame& frame) { detail::check(insitu_mesh_frame(handle(), &frame.get())); }
+
+  /** Chooses the locator, before the scene's choice; the next commit makes it. Throws
+   *  INSITU_ERROR_UNSUPPORTED if an explicit choice cannot be had here. */
+  void locator(Method method, Backend backend = Backend::automatic) {
+    insitu_locator l = insitu_locator_default();
+    l.method = static_cast<insitu_method>(method);
+    l.backend = static_cast<insitu_backend>(backend);
+    detail::check(insitu_mesh_locator(handle(), &l));
+  }
+  /** What answers since the last commit, why, and how points were decided. */
+  LocatorInfo locator_info() const {
+    LocatorInfo info = insitu_locator_info_default();
+    detail::check(insitu_mesh_locator_info(handle(), &info));
+    return info;
+  }
+
+  /** Brings the structures up to date, and says what was done, how long it took, what it
+   *  allocated. Session::execute commits by itself. Throws INSITU_ERROR_MESH if validation refuses
+   *  the mesh, INSITU_ERROR_FIELD if a field does not fit. */
+  CommitReport commit() {
+    CommitReport report = insitu_commit_report_default();
+    detail::check(insitu_mesh_commit(handle(), &report));
+    return report;
+  }
+  /** Validates the arrays as they are now. A mesh that would be refused is no exception here. */
+  Validation validate() {
+    Validation v{insitu_validation_default(), true, {}};
+    const insitu_status status = insitu_mesh_validate(handle(), &v.counts);
+    if (status != INSITU_OK && status != INSITU_ERROR_MESH)
+      detail::check(status);
+    v.accepted = status == INSITU_OK;
+    if (!v.accepted)
+      v.findings = insitu_last_message();
+    return v;
+  }
+  /** The copy audit: each array, the pointer that is read, and whether it is the caller's own. */
+  std::vector<AuditEntry> audit() const {
+    std::int32_t count = 0;
+    detail::check(insitu_mesh_audit(handle(), nullptr, &count));
+    std::vector<AuditEntry> entries(static_cast<std::size_t>(count));
+    if (count > 0)
+      detail::check(insitu_mesh_audit(handle(), entries.data(), &count));
+    return entries;
+  }
+
+  /** Which cell owns each point, after a commit: of the closed cells that hold it, the lowest
+   *  (piece, cell), but see insitu_accuracy for standard; no ghost cell. NaN and infinite points
+   *  are outside. */
+  Locations locate(const Points& points, const LocateOptions& options = {}) const {
+    Locations out;
+    const insitu_locate_args args = locate_args(points, options, out);
+    detail::check(insitu_mesh_locate(handle(), &args));
+    return out;
+  }
+  /** Locates, and interpolates a field: vertex fields by the cell's shape functions, cell fields by
+   *  the owner's value. Outside: NaN. */
+  Samples sample(const std::string& field, const Points& points,
+                 const LocateOptions& options = {}) const {
+    Samples out;
+    out.components = field_info(field).components;
+    out.values.resize(points.size() * static_cast<std::size_t>(out.components));
+    const char* name = field.c_str();
+    double* values = out.values.data();
+    sample_into(1, &name, &values, locate_args(points, options, out));
+    return out;
+  }
+  /** The same for several fields; points are located once. */
+  FieldSamples sample_fields(const std::vector<std::string>& names, const Points& points,
+                             const LocateOptions& options = {}) const {
+    FieldSamples out;
+    std::vector<const char*> c_names;
+    std::vector<double*> values;
+    out.values.reserve(names.size());
+    for (const std::string& name : names) {
+      const int n = field_info(name).components;
+      out.values.push_back(
+          {name, n, std::vector<double>(points.size() * static_cast<std::size_t>(n))});
+      c_names.push_back(name.c_str());
+      values.push_back(out.values.back().values.data());
+    }
+    sample_into(names.size(), c_names.data(), values.data(), locate_args(points, options, out));
+    return out;
+  }
+  /** One point in the mesh's frame, nothing allocated: fills values (one a component of the field;
+   *  NaN outside), returns whether the point is inside. */
+  bool sample_point(const std::string& field, const std::array<double, 3>& point,
+                    View<double> values) const {
+    const int n = field_info(field).components;
+    if (values.size() != static_cast<std::size_t>(n))
+      detail::refuse("values", detail::text(static_cast<std::int64_t>(values.size())) +
+                                   " given, field '" + field + "' has " + detail::text(n) +
+                                   " components");
+    std::int32_t found = 0;
+    detail::check(
+        insitu_mesh_sample_point(handle(), field.c_str(), point.data(), values.data(), &found));
+    return found != 0;
+  }
+  FieldInfo field_info(const std::string& name) const {
+    std::int32_t components = 0;
+    insitu_association association = INSITU_VERTEX;
+    detail::check(insitu_mesh_field_info(handle(), name.c_str(), &components, &association));
+    return {components, static_cast<Association>(association)};
+  }
+
+  /** For calls of insitu.h; belongs to the session. */
+  using Piece::handle;
+
+private:
+  friend class Session;
+
+  explicit Mesh(std::shared_ptr<detail::MeshState> state) : Piece(std::move(state), 0) {}
+
+  static insitu_locate_args locate_args(const Points& points, const LocateOptions& options,
+                                        Locations& out) {
+    const std::size_t n = points.size();
+    out.found.resize(n);
+    out.cells.resize(n);
+    out.pieces.resize(n);
+    out.parametric.resize(3 * n);
+    insitu_locate_args args = insitu_locate_args_default();
+    args.points = points.arrays();
+    args.point_arrays = points.array_count();
+    args.frame = options.frame ? &options.frame->get() : nullptr;
+    args.accuracy = static_cast<insitu_accuracy>(options.accuracy);
+    args.cell_base = options.cell_base;
+    args.cells = out.cells.data();
+    args.pieces = out.pieces.data();
+    args.parametric = out.parametric.data();
+    args.found = out.found.data();
+    if (options.reasons) {
+      out.reasons.resize(n);
+      args.reasons = reinterpret_cast<std::uint8_t*>(out.reasons.data());
+    }
+    return args;
+  }
+  void sample_into(std::size_t number, const char* const* names, double* const* values,
+                   const insitu_locate_args& locate) const {
+    insitu_sample_args args = insitu_sample_args_default();
+    args.locate = locate;
+    args.fields = names;
+    args.field_count = static_cast<std::int32_t>(number);
+    args.values = values;
+    detail::check(insitu_mesh_sample(handle(), &args));
+  }
+};
+
+} // namespace insitu
+
+#endif // INSITU_MESH_HPP

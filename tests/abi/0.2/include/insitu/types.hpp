@@ -1,0 +1,205 @@
+/** @file types.hpp
+ *  Enumerations, frames and results, for insitu.hpp (which includes this file). */
+#ifndef INSITU_TYPES_HPP
+#define INSITU_TYPES_HPP
+
+#include "insitu/array.hpp"
+
+namespace insitu {
+
+/** What changed since the last commit; combine with |. */
+enum Change : std::uint32_t {
+  fields = INSITU_CHANGED_FIELDS,     /**< field values */
+  geometry = INSITU_CHANGED_GEOMETRY, /**< vertex coordinates */
+  topology = INSITU_CHANGED_TOPOLOGY, /**< cells, pieces, ghosts (implies the two above) */
+  everything = INSITU_CHANGED_ALL
+};
+
+constexpr Change operator|(Change a, Change b) noexcept {
+  return static_cast<Change>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
+}
+
+enum class Association { vertex = INSITU_VERTEX, cell = INSITU_CELL };
+
+/** VTK's numbers and point order. */
+enum class Shape {
+  tetrahedron = INSITU_TETRAHEDRON,
+  voxel = INSITU_VOXEL,
+  hexahedron = INSITU_HEXAHEDRON,
+  wedge = INSITU_WEDGE,
+  pyramid = INSITU_PYRAMID
+};
+
+/** Vertices of a cell of that shape. */
+constexpr int vertex_count(Shape shape) noexcept {
+  return shape == Shape::tetrahedron ? 4
+         : shape == Shape::pyramid   ? 5
+         : shape == Shape::wedge     ? 6
+                                     : 8;
+}
+
+enum class Accuracy { fast = INSITU_FAST, standard = INSITU_STANDARD, exact = INSITU_EXACT };
+
+/** How points find their cells, and where; see insitu_method and insitu_backend. */
+enum class Method {
+  automatic = INSITU_METHOD_AUTO,
+  bvh = INSITU_METHOD_BVH,
+  user_geometry = INSITU_METHOD_USER_GEOMETRY,
+  replicated_faces = INSITU_METHOD_REPLICATED_FACES,
+  shared_faces = INSITU_METHOD_SHARED_FACES,
+  shared_bilinear_faces = INSITU_METHOD_SHARED_BILINEAR_FACES
+};
+enum class Backend {
+  automatic = INSITU_BACKEND_AUTO,
+  cpu = INSITU_BACKEND_CPU,
+  cuda = INSITU_BACKEND_CUDA,
+  optix = INSITU_BACKEND_OPTIX
+};
+
+/** Why a point has the owner that it has; see insitu_reason. */
+enum class Reason : std::uint8_t {
+  outside = INSITU_REASON_OUTSIDE,
+  certified = INSITU_REASON_CERTIFIED,
+  exact = INSITU_REASON_EXACT,
+  on_face = INSITU_REASON_ON_FACE,
+  on_edge = INSITU_REASON_ON_EDGE,
+  on_vertex = INSITU_REASON_ON_VERTEX
+};
+
+/** How ghost arrays count: VTK's bits, or Ascent's 0 real, otherwise ghost. */
+enum class GhostConvention { vtk = INSITU_GHOSTS_VTK, ascent = INSITU_GHOSTS_ASCENT };
+
+/** What an adaptive mesh's samples are between cell centres; see insitu_reconstruction. */
+enum class Reconstruction { dual = INSITU_DUAL, nearest = INSITU_NEAREST };
+
+/** The lattices of an adaptive mesh's levels; see insitu_amr. */
+struct AmrLevels {
+  std::array<double, 3> origin{
+      {0.0, 0.0, 0.0}}; /**< lower corner of cell (0, 0, 0) of every level */
+  std::array<double, 3> spacing{{1.0, 1.0, 1.0}}; /**< of the coarsest level; positive */
+  std::vector<std::int32_t> ratios =
+      {};                    /**< from the coarsest on, one less than the levels: 2 or 4 */
+  int count = 1;             /**< of levels, if ratios is empty: all are 2 then */
+  bool finest_first = false; /**< level 0 is the finest */
+  Reconstruction reconstruction = Reconstruction::dual;
+};
+
+/** How the corners of leaves count; see insitu_leaves. */
+struct LeafLattice {
+  int corner_bits = -1;                          /**< -1: in cells of the leaf's own level */
+  std::array<std::int64_t, 3> offset{{0, 0, 0}}; /**< added to corners */
+};
+
+/** Layers of ghost cells that the arrays of a patch's fields hold around it, along i, j, k; see
+ *  insitu_patch. */
+struct PatchGhosts {
+  std::array<int, 3> before{{0, 0, 0}}, after{{0, 0, 0}};
+};
+
+using AmrInfo = insitu_amr_info;
+using CommitReport = insitu_commit_report;
+using AuditEntry = insitu_audit_entry;
+using LocatorInfo = insitu_locator_info;
+
+/** Units of geodetic frames; see insitu_frame. */
+enum class Angle { degrees = INSITU_DEGREES, radians = INSITU_RADIANS };
+enum class Length { metres = INSITU_METRES, kilometres = INSITU_KILOMETRES };
+enum class Vertical { up = INSITU_UP, down = INSITU_DOWN };
+
+/** A frame of reference, of a mesh or of the points of a query. */
+class Frame {
+public:
+  /** The solver's own coordinates. */
+  static Frame cartesian() noexcept { return Frame(INSITU_FRAME_CARTESIAN); }
+  /** ECEF metres on WGS84. */
+  static Frame geocentric() noexcept { return Frame(INSITU_FRAME_GEOCENTRIC); }
+  /** Longitude, latitude and a height or depth; degrees, metres and heights unless said. */
+  static Frame geodetic(Vertical vertical = Vertical::up, Angle angle = Angle::degrees,
+                        Length length = Length::metres) noexcept {
+    Frame f(INSITU_FRAME_GEODETIC);
+    f.frame_.angle = static_cast<insitu_angle>(angle);
+    f.frame_.length = static_cast<insitu_length>(length);
+    f.frame_.vertical = static_cast<insitu_vertical>(vertical);
+    return f;
+  }
+  /** Metres east, north and up of an origin given in degrees and metres. */
+  static Frame enu(double longitude, double latitude, double height) noexcept {
+    Frame f(INSITU_FRAME_ENU);
+    f.frame_.origin[0] = longitude;
+    f.frame_.origin[1] = latitude;
+    f.frame_.origin[2] = height;
+    return f;
+  }
+  /** Easting, northing and a height or depth in metres in a zone from 1 to 60. */
+  static Frame utm(int zone, bool north, Vertical vertical = Vertical::up) noexcept {
+    Frame f(INSITU_FRAME_UTM);
+    f.frame_.utm_zone = zone;
+    f.frame_.utm_north = north ? 1 : 0;
+    f.frame_.vertical = static_cast<insitu_vertical>(vertical);
+    return f;
+  }
+  const insitu_frame& get() const noexcept { return frame_; }
+
+private:
+  explicit Frame(insitu_frame_kind kind) noexcept : frame_(insitu_frame_default()) {
+    frame_.kind = kind;
+  }
+  insitu_frame frame_;
+};
+
+struct LocateOptions {
+  Accuracy accuracy = Accuracy::standard;
+  std::int64_t cell_base = 0;   /**< 0 or 1: what the first cell is called */
+  const Frame* frame = nullptr; /**< of the points; null: the mesh's */
+  bool reasons = false;         /**< fill Locations::reasons */
+};
+
+/** Where points lie: one item a point, in the points' order. */
+struct Locations {
+  std::vector<std::uint8_t> found;  /**< [size()] 1 inside the mesh */
+  std::vector<std::int64_t> cells;  /**< [size()] the owner, cell_base - 1 outside */
+  std::vector<std::int32_t> pieces; /**< [size()] its piece, -1 outside */
+  std::vector<double> parametric;   /**< [size()][3] VTK's parametric coordinates, NaN outside */
+  std::vector<Reason> reasons;      /**< [size()] why, if asked for; else empty */
+
+  std::size_t size() const noexcept { return found.size(); }
+};
+
+/** Locations and the values of one field there. */
+struct Samples : Locations {
+  int components = 1;
+  std::vector<double> values; /**< [size()][components], NaN outside */
+
+  double operator()(std::size_t point, int component = 0) const {
+    return values[point * static_cast<std::size_t>(components) +
+                  static_cast<std::size_t>(component)];
+  }
+};
+
+/** Values of one field. */
+struct FieldValues {
+  std::string name;
+  int components = 1;
+  std::vector<double> values; /**< [points][components], NaN outside */
+};
+
+/** Locations and the values of several fields there. */
+struct FieldSamples : Locations {
+  std::vector<FieldValues> values; /**< in the order asked for */
+};
+
+struct FieldInfo {
+  int components;
+  Association association;
+};
+
+/** What validation found. */
+struct Validation {
+  insitu_validation counts;
+  bool accepted;        /**< false: a commit refuses the mesh */
+  std::string findings; /**< the first errors, if it does */
+};
+
+} // namespace insitu
+
+#endif // INSITU_TYPES_HPP

@@ -1,0 +1,507 @@
+!> libinsitu for Fortran 2008: in-situ queries, tracers and frames for a running simulation.
+!!
+!!     use insitu
+!!     type(insitu_session) :: session
+!!     type(insitu_mesh) :: mesh
+!!     call session%open(scene='scene.yaml', ierr=ierr)
+!!     call session%mesh('ocean', mesh, ierr)
+!!     call mesh%points(x, y, z, ierr)
+!!     call mesh%wedges(connectivity, ierr)
+!!     call mesh%cell_field('temperature', t(:, 2:nlevels + 1), ierr)
+!!     do cycle = 1, last
+!!       call step(dt)
+!!       call mesh%changed(insitu_fields)
+!!       call session%execute(cycle, time, ierr)
+!!     end do
+!!     call session%close(ierr)
+!!
+!! - ierr, the last of the arguments that must be given, is 0 (insitu_ok) or one of insitu_error_*;
+!!   session%message() then names the argument and the numbers. Options follow ierr, by keyword.
+!! - Arrays are external: the library keeps their address and reads them in place from the commit
+!!   on. They need the target attribute (the compiler says so if it is missing). Sections are given as
+!!   they are: padded columns, ghost levels, strides and backwards, nothing is copied. A procedure of
+!!   your own in between takes them as assumed-shape (a(:,:,:)) or pointer dummies with target: for an
+!!   explicit-shape or contiguous dummy the compiler makes a temporary copy of a section and frees it
+!!   when the procedure ends, and what the library kept is garbage. With INSITU_CHECKED=1 in the
+!!   environment a commit tells of memory that is gone, or whose values changed unsaid. One component
+!!   of an array of records is given by a pointer (p => cell%t): gfortran 12 passes a wrong address
+!!   for cell%t itself.
+!! - Query points are read during the call alone; any array or expression will do.
+!! - vector=.true.: the first dimension of the array holds the components of one item. Without it an
+!!   array of any rank is a scalar field, its items in Fortran's order.
+!! - Cells, vertices and pieces count from 1; 0 is "outside". Cells are in VTK's point order.
+module insitu
+  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_int32_t, c_int64_t, c_loc, &
+      c_null_ptr, c_ptr, c_sizeof
+  use, intrinsic :: iso_fortran_env, only: int32, int64, int8, real64
+  use insitu_arrays, only: view_of_bytes
+  use insitu_c
+  use insitu_core, only: keep_message, message_length, not_open, piece_index
+  use insitu_int64, only: below => mesh_of_integers
+  use insitu_text, only: from_c, to_c
+  implicit none
+  private
+
+  public :: &
+      insitu_ok, insitu_error_argument, insitu_error_handle, insitu_error_busy, insitu_error_order, &
+      insitu_error_mesh, insitu_error_field, insitu_error_scene, insitu_error_file, &
+      insitu_error_memory, insitu_error_unsupported, insitu_error_conversion, insitu_error_action, &
+      insitu_error_internal, &
+      insitu_tetrahedron, insitu_voxel, insitu_hexahedron, insitu_wedge, insitu_pyramid, &
+      insitu_fast, insitu_standard, insitu_exact, &
+      insitu_nothing, insitu_fields, insitu_geometry, insitu_topology, insitu_all, &
+      insitu_log_error, insitu_log_warning, insitu_log_info, insitu_log_debug, &
+      insitu_ghosts_vtk, insitu_ghosts_ascent, insitu_dual, insitu_nearest, &
+      insitu_keep, insitu_refit, insitu_rebuild, &
+      insitu_method_auto, insitu_method_bvh, insitu_method_user_geometry, &
+      insitu_method_replicated_faces, insitu_method_shared_faces, &
+      insitu_method_shared_bilinear_faces, &
+      insitu_backend_auto, insitu_backend_cpu, insitu_backend_cuda, insitu_backend_optix, &
+      insitu_builder_none, insitu_builder_morton, insitu_builder_surface_area, &
+      insitu_reason_outside, insitu_reason_certified, insitu_reason_exact, &
+      insitu_reason_on_face, insitu_reason_on_edge, insitu_reason_on_vertex, &
+      insitu_end_alive, insitu_end_left, insitu_end_stagnated, insitu_end_expired, &
+      insitu_end_step_limit, insitu_end_seed_outside, insitu_end_not_finite, insitu_end_killed, &
+      insitu_end_stopped, insitu_end_removed, insitu_end_step_too_small, &
+      insitu_memory_tree, insitu_memory_build, insitu_memory_ranges, insitu_memory_earlier, &
+      insitu_memory_query, insitu_memory_tracer, insitu_memory_frame, insitu_memory_converted, &
+      insitu_memory_embree, insitu_memory_device, insitu_memory_amr, insitu_memory_gathered, &
+      insitu_memory_geocentric, insitu_memory_chart, insitu_memory_neighbours, &
+      insitu_commit_report, insitu_validation, insitu_report, insitu_amr_info, &
+      insitu_status_name, insitu_version
+
+  !> One array of a mesh, as the copy audit has it.
+  type, public :: insitu_audit_entry
+    character(len=64) :: name = ''       !< 'piece 0 points x' and the like, as in C
+    integer(int64) :: bytes = 0          !< of the array's items
+    logical :: borrowed = .false.        !< the solver's memory, in place
+    character(len=64) :: reason = ''     !< why it was converted, if it was
+    type(c_ptr) :: address = c_null_ptr  !< what is read
+  end type insitu_audit_entry
+
+  !> What answers a mesh's queries since the last commit, and how they were decided.
+  type, public :: insitu_locator_info
+    integer :: method = insitu_method_auto    !< insitu_method_*
+    integer :: backend = insitu_backend_auto  !< insitu_backend_*
+    character(len=128) :: reason = ''         !< why these, in words
+    integer(int64) :: primitives = 0          !< cells, or triangles of the face methods
+    integer(int64) :: bytes = 0, bytes_peak = 0, bytes_copied = 0
+    integer(int64) :: kept = 0, by_neighbour = 0, by_tree = 0, settled_on_host = 0
+  end type insitu_locator_info
+
+  !> A mesh of a session; it lives as long as the session does. Copies are the same mesh.
+  type, extends(below), public :: insitu_mesh
+  contains
+    procedure :: uniform_block
+    procedure :: adaptive
+    procedure :: patch
+    procedure :: drop_pieces
+    procedure :: separate_pieces
+    procedure :: amr_info
+    procedure :: cell_levels
+    procedure :: remove_field
+    procedure :: ghosts
+    procedure :: changed
+    procedure :: commit
+    procedure :: validate
+    procedure :: audit
+    procedure :: sample_point
+    procedure :: locator => choose_locator
+    procedure :: locator_info
+  end type insitu_mesh
+
+  type, public :: insitu_session
+    private
+    type(c_ptr) :: handle = c_null_ptr
+    !> Of the last failed call of the session and its meshes. Kept for good, as meshes point to it.
+    character(len=message_length), pointer :: text => null()
+    integer :: failed = insitu_ok  !< why the last open failed; close answers it
+  contains
+    procedure :: open => session_open
+    procedure :: close => session_close
+    procedure :: mesh => session_mesh
+    procedure :: execute_int32
+    procedure :: execute_int64
+    generic :: execute => execute_int32, execute_int64
+    procedure :: report => session_report
+    procedure :: plan => session_plan
+    procedure :: checkpoint => session_checkpoint
+    procedure :: restart => session_restart
+    procedure :: write_summary
+    procedure :: message
+  end type insitu_session
+
+contains
+
+  function insitu_status_name(status) result(name)
+    integer, intent(in) :: status
+    character(len=:), allocatable :: name
+    name = from_c(c_status_name(int(status, c_int)))
+  end function insitu_status_name
+
+  !> Of the library that is running, such as '0.1.0'.
+  function insitu_version() result(text)
+    character(len=:), allocatable :: text
+    character(len=40) :: buffer
+    integer(c_int) :: numbers(3)
+
+    text = ''
+    if (c_version(numbers(1), numbers(2), numbers(3)) /= insitu_ok) return
+    write (buffer, '(i0, 2(".", i0))') numbers
+    text = trim(buffer)
+  end function insitu_version
+
+  !> scene: path of a scene file; scene_text: the scene itself; output: folder that overrides the
+  !! scene's; default_scene: without a scene, draw the first scalar field every tenth cycle; threads:
+  !! at most so many; strict: refuse arrays that would have to be copied; communicator: an MPI
+  !! communicator, kept (serial in this version). A blank text is as if it were absent. What is wrong
+  !! is logged too (to standard error), as an error of a run that asks no ierr.
+  subroutine session_open(self, scene, ierr, scene_text, output, default_scene, threads, strict, &
+                          log_level, communicator)
+    class(insitu_session), intent(inout) :: self
+    character(len=*), intent(in), optional :: scene
+    integer, intent(out) :: ierr
+    character(len=*), intent(in), optional :: scene_text, output
+    logical, intent(in), optional :: default_scene, strict
+    integer, intent(in), optional :: threads, log_level, communicator
+    type(c_session_options) :: options
+    character(len=:), allocatable, target :: scene_c, text_c, output_c
+    integer(c_int) :: status
+
+    if (.not. associated(self%text)) self%text => next_text()
+    self%text = ''
+    if (c_associated(self%handle)) then
+      self%text = 'open: the session is open already'
+      ierr = insitu_error_order
+      return
+    end if
+    options%size = c_sizeof(options)
+    if (given(scene)) then
+      scene_c = to_c(scene)
+      options%scene = c_loc(scene_c)
+    end if
+    if (given(scene_text)) then
+      text_c = to_c(scene_text)
+      options%scene_text = c_loc(text_c)
+    end if
+    if (given(output)) then
+      output_c = to_c(output)
+      options%output = c_loc(output_c)
+    end if
+    if (present(default_scene)) options%default_scene = merge(1, 0, default_scene)
+    if (present(strict)) options%strict = merge(1, 0, strict)
+    if (present(threads)) options%threads = int(threads, c_int32_t)
+    if (present(log_level)) options%log_level = int(log_level, c_int)
+    if (present(communicator)) options%fortran_communicator = int(communicator, c_int32_t)
+    status = c_session_open(options, self%handle)
+    call keep_message(self%text, status)
+    if (status /= insitu_ok) self%text = not_open // trim(self%text(:message_length - len(not_open)))
+    ierr = int(status)
+    self%failed = ierr
+  end subroutine session_open
+
+  !> Room for a session's message, which its meshes refer to even after it is closed; so it is
+  !! never given back. More sessions than there are texts share them.
+  function next_text() result(text)
+    character(len=message_length), pointer :: text
+    character(len=message_length), target, save :: texts(64)
+    integer, save :: last = 0
+
+    last = mod(last, size(texts)) + 1
+    text => texts(last)
+  end function next_text
+
+  pure logical function given(text)
+    character(len=*), intent(in), optional :: text
+    given = .false.
+    if (present(text)) given = len_trim(text) > 0
+  end function given
+
+  !> Closing a session that is not open is fine; one whose open failed answers that open's ierr once
+  !! more, so that a run that looks at the last ierr alone learns of it.
+  subroutine session_close(self, ierr)
+    class(insitu_session), intent(inout) :: self
+    integer, intent(out) :: ierr
+    integer(c_int) :: status
+
+    status = c_session_close(self%handle)
+    call keep_message(self%text, status)
+    ierr = int(status)
+    if (ierr == insitu_ok) ierr = self%failed
+    self%failed = insitu_ok
+  end subroutine session_close
+
+  !> The mesh of that name, made empty on first use.
+  subroutine session_mesh(self, name, mesh, ierr)
+    class(insitu_session), intent(in) :: self
+    character(len=*), intent(in) :: name
+    type(insitu_mesh), intent(out) :: mesh
+    integer, intent(out) :: ierr
+    integer(c_int) :: status
+
+    mesh%text => self%text
+    status = c_session_mesh(self%handle, to_c(name), mesh%handle)
+    call keep_message(self%text, status)
+    ierr = int(status)
+  end subroutine session_mesh
+
+  !> Commits every mesh, then does what the scene asks for at this cycle. insitu_error_action: some
+  !! probe, tracer or frame failed and was skipped; the solver can go on.
+  subroutine execute_int64(self, cycle, time, ierr)
+    class(insitu_session), intent(in) :: self
+    integer(int64), intent(in) :: cycle
+    real(real64), intent(in) :: time
+    integer, intent(out) :: ierr
+    integer(c_int) :: status
+
+    status = c_session_execute(self%handle, int(cycle, c_int64_t), real(time, c_double))
+    call keep_message(self%text, status)
+    ierr = int(status)
+  end subroutine execute_int64
+
+  subroutine execute_int32(self, cycle, time, ierr)
+    class(insitu_session), intent(in) :: self
+    integer(int32), intent(in) :: cycle
+    real(real64), intent(in) :: time
+    integer, intent(out) :: ierr
+    call self%execute_int64(int(cycle, int64), time, ierr)
+  end subroutine execute_int32
+
+  subroutine session_report(self, report, ierr)
+    class(insitu_session), intent(in) :: self
+    type(insitu_report), intent(out) :: report
+    integer, intent(out) :: ierr
+    integer(c_int) :: status
+
+    report%size = c_sizeof(report)
+    status = c_session_report(self%handle, report)
+    call keep_message(self%text, status)
+    ierr = int(status)
+  end subroutine session_report
+
+  !> What the scene needs of the meshes, which it commits, and what it does without, a line each.
+  subroutine session_plan(self, text, ierr)
+    class(insitu_session), intent(in) :: self
+    character(len=:), allocatable, intent(out) :: text
+    integer, intent(out) :: ierr
+    type(c_ptr) :: found
+    integer(c_int) :: status
+
+    status = c_session_plan(self%handle, found)
+    call keep_message(self%text, status)
+    ierr = int(status)
+    if (ierr == insitu_ok) then
+      text = from_c(found)
+    else
+      text = ''
+    end if
+  end subroutine session_plan
+
+  !> Writes the state of the scene's tracers after the last execute to a file.
+  subroutine session_checkpoint(self, path, ierr)
+    class(insitu_session), intent(in) :: self
+    character(len=*), intent(in) :: path
+    integer, intent(out) :: ierr
+    integer(c_int) :: status
+
+    status = c_session_checkpoint(self%handle, to_c(path))
+    call keep_message(self%text, status)
+    ierr = int(status)
+  end subroutine session_checkpoint
+
+  !> Takes such a file up again, before the first execute.
+  subroutine session_restart(self, path, ierr)
+    class(insitu_session), intent(in) :: self
+    character(len=*), intent(in) :: path
+    integer, intent(out) :: ierr
+    integer(c_int) :: status
+
+    status = c_session_restart(self%handle, to_c(path))
+    call keep_message(self%text, status)
+    ierr = int(status)
+  end subroutine session_restart
+
+  !> The report as JSON; solver_s: the solver's own seconds, for the library's share of the run.
+  subroutine write_summary(self, path, ierr, solver_s)
+    class(insitu_session), intent(in) :: self
+    character(len=*), intent(in) :: path
+    integer, intent(out) :: ierr
+    real(real64), intent(in), optional :: solver_s
+    real(c_double) :: seconds
+    integer(c_int) :: status
+
+    seconds = -1.0_c_double
+    if (present(solver_s)) seconds = solver_s
+    status = c_session_write_summary(self%handle, to_c(path), seconds)
+    call keep_message(self%text, status)
+    ierr = int(status)
+  end subroutine write_summary
+
+  !> Of the last failed call of this session or one of its meshes; '' if there was none.
+  function message(self) result(text)
+    class(insitu_session), intent(in) :: self
+    character(len=:), allocatable :: text
+    text = ''
+    if (associated(self%text)) text = trim(self%text)
+  end function message
+
+  !> An implicit block of vertices(1) x vertices(2) x vertices(3) vertices.
+  subroutine uniform_block(self, vertices, origin, spacing, ierr, piece)
+    class(insitu_mesh), intent(in) :: self
+    integer, intent(in) :: vertices(3)
+    real(real64), intent(in) :: origin(3), spacing(3)
+    integer, intent(out) :: ierr
+    integer, intent(in), optional :: piece
+    type(c_block) :: block
+
+    block%kind = insitu_block_uniform
+    block%vertices = vertices
+    block%origin = origin
+    block%spacing = spacing
+    call self%give_block(block, ierr, piece)
+  end subroutine uniform_block
+
+  subroutine remove_field(self, name, ierr)
+    class(insitu_mesh), intent(in) :: self
+    character(len=*), intent(in) :: name
+    integer, intent(out) :: ierr
+    call self%finish(c_mesh_remove_field(self%handle, to_c(name)), ierr)
+  end subroutine remove_field
+
+  !> One number a cell; convention: insitu_ghosts_vtk (default) or insitu_ghosts_ascent.
+  !! Keeps the array's address: no temporary (head of the module).
+  subroutine ghosts(self, bits, ierr, convention, piece)
+    class(insitu_mesh), intent(in) :: self
+    integer(int8), pointer, intent(in) :: bits(:)
+    integer, intent(out) :: ierr
+    integer, intent(in), optional :: convention, piece
+    integer(c_int) :: rule
+
+    rule = insitu_ghosts_vtk
+    if (present(convention)) rule = int(convention, c_int)
+    call self%finish(c_mesh_ghosts(self%handle, piece_index(piece), view_of_bytes(bits), rule), ierr)
+  end subroutine ghosts
+
+  !> What the solver changed in place: insitu_fields, insitu_geometry, insitu_topology, or several
+  !! by ior. Without ierr, a failure shows at the next commit.
+  subroutine changed(self, what, ierr)
+    class(insitu_mesh), intent(in) :: self
+    integer, intent(in) :: what
+    integer, intent(out), optional :: ierr
+    integer :: status
+
+    call self%finish(c_mesh_changed(self%handle, int(what, c_int32_t)), status)
+    if (present(ierr)) ierr = status
+  end subroutine changed
+
+  subroutine commit(self, ierr, report)
+    class(insitu_mesh), intent(in) :: self
+    integer, intent(out) :: ierr
+    type(insitu_commit_report), intent(out), optional :: report
+    type(insitu_commit_report) :: result
+
+    result%size = c_sizeof(result)
+    call self%finish(c_mesh_commit(self%handle, result), ierr)
+    if (present(report)) report = result
+  end subroutine commit
+
+  !> Chooses the locator, before the scene's choice; the next commit makes it.
+  !! insitu_error_unsupported if an explicit choice cannot be had here.
+  subroutine choose_locator(self, method, ierr, backend)
+    class(insitu_mesh), intent(in) :: self
+    integer, intent(in) :: method
+    integer, intent(out) :: ierr
+    integer, intent(in), optional :: backend
+    type(c_locator) :: choice
+
+    choice%size = c_sizeof(choice)
+    choice%method = int(method, c_int)
+    if (present(backend)) choice%backend = int(backend, c_int)
+    call self%finish(c_mesh_locator(self%handle, choice), ierr)
+  end subroutine choose_locator
+
+  !> insitu_error_order before the first commit.
+  subroutine locator_info(self, info, ierr)
+    class(insitu_mesh), intent(in) :: self
+    type(insitu_locator_info), intent(out) :: info
+    integer, intent(out) :: ierr
+    type(c_locator_info), target :: raw
+
+    raw%size = c_sizeof(raw)
+    call self%finish(c_mesh_locator_info(self%handle, raw), ierr)
+    if (ierr /= insitu_ok) return
+    info%method = int(raw%method)
+    info%backend = int(raw%backend)
+    info%reason = from_c(c_loc(raw%reason))
+    info%primitives = raw%primitives
+    info%bytes = raw%bytes
+    info%bytes_peak = raw%bytes_peak
+    info%bytes_copied = raw%bytes_copied
+    info%kept = raw%kept
+    info%by_neighbour = raw%by_neighbour
+    info%by_tree = raw%by_tree
+    info%settled_on_host = raw%settled_on_host
+  end subroutine locator_info
+
+  !> insitu_error_mesh if the mesh would be refused; the counts are filled in either case. A commit
+  !! has to follow before the next query.
+  subroutine validate(self, validation, ierr)
+    class(insitu_mesh), intent(in) :: self
+    type(insitu_validation), intent(out) :: validation
+    integer, intent(out) :: ierr
+
+    validation%size = c_sizeof(validation)
+    call self%finish(c_mesh_validate(self%handle, validation), ierr)
+  end subroutine validate
+
+  subroutine audit(self, entries, ierr)
+    class(insitu_mesh), intent(in) :: self
+    type(insitu_audit_entry), allocatable, intent(out) :: entries(:)
+    integer, intent(out) :: ierr
+    type(c_audit_entry), allocatable, target :: raw(:)
+    integer(c_int32_t) :: count
+    integer :: i
+
+    count = 0
+    call self%finish(c_mesh_audit(self%handle, c_null_ptr, count), ierr)
+    allocate (raw(count), entries(count))
+    if (ierr /= insitu_ok .or. count == 0) return
+    raw%size = c_sizeof(raw(1))
+    call self%finish(c_mesh_audit(self%handle, c_loc(raw), count), ierr)
+    do i = 1, size(raw)
+      entries(i)%name = from_c(c_loc(raw(i)%name))
+      entries(i)%reason = from_c(c_loc(raw(i)%reason))
+      entries(i)%bytes = raw(i)%bytes
+      entries(i)%borrowed = raw(i)%borrowed /= 0
+      entries(i)%address = raw(i)%data
+    end do
+  end subroutine audit
+
+  !> One point, in the mesh's frame: values has room for the field's components; NaN outside.
+  subroutine sample_point(self, field, point, values, ierr, found)
+    class(insitu_mesh), intent(in) :: self
+    character(len=*), intent(in) :: field
+    real(real64), intent(in) :: point(3)
+    real(real64), intent(inout), contiguous :: values(:)
+    integer, intent(out) :: ierr
+    logical, intent(out), optional :: found
+    integer(c_int32_t) :: components, inside
+    integer(c_int) :: association
+
+    components = 0
+    association = insitu_vertex
+    inside = 0
+    if (present(found)) found = .false.
+    call self%finish(c_mesh_field_info(self%handle, to_c(field), components, association), ierr)
+    if (ierr /= insitu_ok) return
+    if (size(values) < components) then
+      call self%refuse("sample_point '" // trim(field) // "': too little room for its components", ierr)
+      return
+    end if
+    call self%finish(c_mesh_sample_point(self%handle, to_c(field), point, values, inside), ierr)
+    if (present(found)) found = inside /= 0
+  end subroutine sample_point
+
+  include 'insitu_adaptive.inc'
+
+end module insitu
