@@ -174,7 +174,8 @@ void print_summary(const insitu::Report& r, double solver_seconds) {
     std::printf(
         "particles: %lld seeded = %lld alive + %lld left + %lld stagnated + %lld expired + "
         "%lld at the step limit + %lld seeded outside + %lld not finite + %lld killed + %lld "
-        "stopped + %lld removed + %lld whose step was too small\n",
+        "stopped + %lld removed + %lld whose step was too small + %lld before a hole, a hidden, a "
+        "ghost or a blank cell\n",
         static_cast<long long>(r.particles_seeded),
         static_cast<long long>(r.particles[INSITU_END_ALIVE]),
         static_cast<long long>(r.particles[INSITU_END_LEFT]),
@@ -186,7 +187,9 @@ void print_summary(const insitu::Report& r, double solver_seconds) {
         static_cast<long long>(r.particles[INSITU_END_KILLED]),
         static_cast<long long>(r.particles[INSITU_END_STOPPED]),
         static_cast<long long>(r.particles[INSITU_END_REMOVED]),
-        static_cast<long long>(r.particles[INSITU_END_STEP_TOO_SMALL]));
+        static_cast<long long>(r.particles[INSITU_END_STEP_TOO_SMALL]),
+        static_cast<long long>(r.particles[INSITU_END_HOLE] + r.particles[INSITU_END_HIDDEN] +
+                               r.particles[INSITU_END_PARTITION] + r.particles[INSITU_END_BLANK]));
   std::printf("%lld frames, %lld probe rows, %lld files, %lld failures\n",
               static_cast<long long>(r.frames), static_cast<long long>(r.probe_rows),
               static_cast<long long>(r.files), static_cast<long long>(r.failures));

@@ -13,10 +13,12 @@ trap 'rm -f "$object"' EXIT
 failed=0
 for source in volume volume_gather volume_levels volume_shadow path_tracer path_wave isosurface \
               cell_roots surfaces shade; do
-  target=libinsitu/CMakeFiles/insitu_objects.dir/src/render/$source.cpp.o
-  # The last command makes the object; those before it are of what it depends on.
+  # The command of a source that is compiled by itself, however others are grouped; the last one
+  # makes the object, those before it are of what it depends on.
+  target=libinsitu/CMakeFiles/insitu_objects.dir/src/render/path_tracer.cpp.o
   command=$(ninja -C "$build" -t commands "$target" | tail -1 |
-            sed -e 's/^[^ ]*ccache //' -e "s| -o $target| -o $object|" -e 's/ -MD -MT [^ ]* -MF [^ ]*//')
+            sed -e 's/^[^ ]*ccache //' -e "s| -o $target| -o $object|" -e 's/ -MD -MT [^ ]* -MF [^ ]*//' \
+                -e "s|render/path_tracer.cpp|render/$source.cpp|")
   seconds=$(cd "$build" && { TIMEFORMAT=%U; time eval "$command" 2>&1 >&3; } 3>&1 2>&1 | tail -1)
   verdict=
   if awk "BEGIN { exit !($seconds > $ceiling) }"; then

@@ -1,40 +1,38 @@
 # Frames' integrators are instantiated for few sets of effects: at most a dozen times a family, and
 # the code of a family stays below a ceiling, which keeps its build time bounded as well (see
-# build_time.sh, which measures that). Counted are symbols of the objects: what the compiler put
-# wholly in line has none, and its code counts where it is in line.
+# build_time.sh, which measures that). Counted are symbols of all objects, however sources are
+# grouped: what the compiler put wholly in line has none, and its code counts where it is in line.
 #
-# cmake -DNM=nm -DSIZE=size -DOBJECTS=<a;b;...> -P integrators.cmake
+# cmake -DNM=nm -DOBJECTS=<a;b;...> -P integrators.cmake
 
 set(most_instantiations 12)
-# family # classes # sources # most kilobytes of code: about twice what it was when this was set
+# family # classes # most kilobytes of their methods' code: about twice what it was when this was set
 set(families
-  "ray marching#VolumeMarcher Preintegration VolumeShadow#/render/volume[a-z_]*[.]cpp#200"
-  "path tracing#PathTracer PathWave Medium PathLights#/render/(path_[wtl][a-z]*|medium)[.]cpp#120"
-  "isosurfaces#IsosurfaceTracer CellRoots Surfaces Shader#/render/(isosurface|cell_roots[a-z_]*|path_bounds|surfaces|shade)[.]cpp#210"
-  "particles#Mover#/advect/(fly|mover|touch)[.]cpp#1500")
+  "ray marching#VolumeMarcher Preintegration VolumeShadow#140"
+  "path tracing#PathTracer PathWave Medium PathLights#140"
+  "isosurfaces#IsosurfaceTracer CellRoots Surfaces Shader#120"
+  "particles#Mover#320")
 
 foreach(family IN LISTS families)
   string(REPLACE "#" ";" parts "${family}")
   list(GET parts 0 name)
   list(GET parts 1 classes)
-  list(GET parts 2 pattern)
-  list(GET parts 3 ceiling)
+  list(GET parts 2 ceiling)
+  string(REPLACE " " "|" either "${classes}")
   string(REPLACE " " ";" classes "${classes}")
 
-  set(objects ${OBJECTS})
-  list(FILTER objects INCLUDE REGEX "${pattern}")
-  if(objects STREQUAL "")
-    message(FATAL_ERROR "${name}: no object matches ${pattern}")
-  endif()
-
-  execute_process(COMMAND ${SIZE} ${objects} OUTPUT_VARIABLE sizes RESULT_VARIABLE failed)
-  if(failed)
-    message(FATAL_ERROR "${name}: ${SIZE} failed")
+  execute_process(COMMAND ${NM} -C -S --defined-only ${OBJECTS}
+                  COMMAND grep -E "::(${either})(<|::)" OUTPUT_VARIABLE symbols
+                  RESULTS_VARIABLE failed)
+  if(NOT failed STREQUAL "0;0")
+    message(FATAL_ERROR "${name}: ${NM} failed, or no symbol of ${classes}: ${failed}")
   endif()
   set(text 0)
-  string(REGEX MATCHALL "\n *[0-9]+" lines "\n${sizes}")
+  string(REGEX MATCHALL "\n[0-9a-f]+ [0-9a-f]+ [tTwWuV] [^\n]*::(${either})(<[^\n()]*>)?::[^\n]*" lines
+         "\n${symbols}")
+  list(REMOVE_DUPLICATES lines)
   foreach(line IN LISTS lines)
-    string(REGEX MATCH "[0-9]+" bytes "${line}")
+    string(REGEX REPLACE "^\n[0-9a-f]+ ([0-9a-f]+) .*" "0x\\1" bytes "${line}")
     math(EXPR text "${text} + ${bytes}")
   endforeach()
   math(EXPR kilobytes "${text} / 1000")
@@ -42,11 +40,6 @@ foreach(family IN LISTS families)
     message(SEND_ERROR "${name}: ${kilobytes} kB of code, ${ceiling} allowed")
   endif()
 
-  execute_process(COMMAND ${NM} -C --defined-only ${objects} OUTPUT_VARIABLE symbols
-                  RESULT_VARIABLE failed)
-  if(failed)
-    message(FATAL_ERROR "${name}: ${NM} failed")
-  endif()
   string(REGEX REPLACE "[][;]" "_" symbols "${symbols}")
   foreach(class IN LISTS classes)
     # A class of its own, or a template's: "VolumeMarcher::", "Mover<insitu::advect::DriftVelocity>::".

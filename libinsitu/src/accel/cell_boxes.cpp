@@ -12,31 +12,38 @@
 HWY_BEFORE_NAMESPACE();
 namespace insitu::accel::HWY_NAMESPACE {
 
+#if HWY_TARGET == HWY_AVX3 && (HWY_TARGETS & HWY_AVX2)
+
+// Registers of four numbers are all that a cell fills.
+CellBoxes::Loop choose_loop(const mesh::CellArrays& arrays) {
+  return N_AVX2::choose_loop(arrays);
+}
+
+#else
+
 namespace hn = hwy::HWY_NAMESPACE;
 namespace mesh_simd = mesh::HWY_NAMESPACE;
+
+#if HWY_TARGET != HWY_SCALAR
 
 /// Numbers `first` and on of three, as double; nothing is read past the third.
 template <std::size_t first, class D>
 HWY_INLINE hn::Vec<D> load_some(D d, const double* p) {
-#if HWY_TARGET != HWY_SCALAR
   if constexpr (hn::MaxLanes(d) == 4)
     return hn::MaskedLoad(hn::FirstN(d, 3), d, p);
   else if constexpr (hn::MaxLanes(d) == 2 && first == 0)
     return hn::LoadU(d, p);
   else
-#endif
     return hn::Set(d, p[first]);
 }
 template <std::size_t first, class D>
 HWY_INLINE hn::Vec<D> load_some(D d, const float* p) {
-#if HWY_TARGET != HWY_SCALAR
   const hn::Rebind<float, D> df;
   if constexpr (hn::MaxLanes(d) == 4)
     return hn::PromoteTo(d, hn::MaskedLoad(hn::FirstN(df, 3), df, p));
   else if constexpr (hn::MaxLanes(d) == 2 && first == 0)
     return hn::PromoteTo(d, hn::LoadU(df, p));
   else
-#endif
     return hn::Set(d, double(p[first]));
 }
 
@@ -94,8 +101,6 @@ std::int64_t interleaved_boxes(const CellBoxes::Piece& piece, const std::uint32_
     };
     constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<double, 4>());
     bool good = count >= Layout::least && fit.template operator()<0>();
-    if constexpr (lanes == 1)
-      good = good && fit.template operator()<1>();
     if constexpr (lanes <= 2)
       good = good && fit.template operator()<2>();
     if (!good) {
@@ -111,7 +116,9 @@ std::int64_t interleaved_boxes(const CellBoxes::Piece& piece, const std::uint32_
   return refused;
 }
 
-/// Coordinates in arrays of their own.
+#endif
+
+/// Coordinates in arrays of their own, or registers of one number.
 template <class Layout, class Real>
 std::int64_t separate_boxes(const CellBoxes::Piece& piece, const std::uint32_t* cells,
                             std::uint32_t n, std::uint32_t more, Box* boxes) {
@@ -143,9 +150,15 @@ std::int64_t separate_boxes(const CellBoxes::Piece& piece, const std::uint32_t* 
 
 CellBoxes::Loop choose_loop(const mesh::CellArrays& arrays) {
   return mesh::with_layout(arrays, [&]<class Layout, class Real>() -> CellBoxes::Loop {
-    return arrays.interleaved ? &interleaved_boxes<Layout, Real> : &separate_boxes<Layout, Real>;
+#if HWY_TARGET != HWY_SCALAR
+    if (arrays.interleaved)
+      return &interleaved_boxes<Layout, Real>;
+#endif
+    return &separate_boxes<Layout, Real>;
   });
 }
+
+#endif
 
 } // namespace insitu::accel::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <functional>
-#include <utility>
-
 #include "advect/integration.h"
 #include "advect/stepping.h"
+#include "advect/visitor.h"
 
 namespace insitu::advect {
 
@@ -74,10 +72,10 @@ private:
 /// INSITU_END_ALIVE at `to`, INSITU_END_EXPIRED at max_length, or why it ended. p.x is always a
 /// point found inside, unless it was seeded outside or the mesh has moved away from it. All that is
 /// given by reference must outlive the coroutine.
-template <class M, VelocityField F, class Visit>
+template <class M, VelocityField F>
 Stepping integration(F& velocity, const IntegratorSettings& settings, double to, double max_length,
-                     State& p, Work& work, Visit visit) {
-  using Steps = Integration<M, F, Visit>;
+                     State& p, Work& work, Visitor visit) {
+  using Steps = Integration<M, F, Visitor>;
   Steps steps(velocity, settings, to, max_length, p, work, visit);
   Vec3d v;
   Trial trial;
@@ -124,18 +122,18 @@ Stepping integration(F& velocity, const IntegratorSettings& settings, double to,
 }
 
 /// The same by the method that the settings name.
-template <VelocityField F, class Visit>
+template <VelocityField F>
 Stepping integration(F& velocity, const IntegratorSettings& settings, double to, double max_length,
-                     State& p, Work& work, Visit visit) {
+                     State& p, Work& work, Visitor visit) {
   switch (settings.method) {
   case Method::euler:
-    return integration<Euler>(velocity, settings, to, max_length, p, work, std::move(visit));
+    return integration<Euler>(velocity, settings, to, max_length, p, work, visit);
   case Method::rk4:
-    return integration<Rk4>(velocity, settings, to, max_length, p, work, std::move(visit));
+    return integration<Rk4>(velocity, settings, to, max_length, p, work, visit);
   case Method::bs32:
-    return integration<Bs32>(velocity, settings, to, max_length, p, work, std::move(visit));
+    return integration<Bs32>(velocity, settings, to, max_length, p, work, visit);
   default:
-    return integration<Dopri5>(velocity, settings, to, max_length, p, work, std::move(visit));
+    return integration<Dopri5>(velocity, settings, to, max_length, p, work, visit);
   }
 }
 
@@ -144,7 +142,7 @@ template <VelocityField F, class Visit>
 requires(!WaitingField<F>) insitu_ending
     integrate(F& velocity, const IntegratorSettings& settings, double to, double max_length,
               State& p, Work& work, Visit&& visit) {
-  Stepping stepping = integration(velocity, settings, to, max_length, p, work, std::ref(visit));
+  Stepping stepping = integration(velocity, settings, to, max_length, p, work, Visitor(visit));
   stepping.resume();
   return stepping.ending();
 }

@@ -396,7 +396,7 @@ void Integration<M, F, Visit>::accept(Trial& trial) {
       previous_error_ = relative_error_;
     }
   }
-  if constexpr (dense)
+  if (dense && visit_.is_dense())
     tell(landed_ ? *landed_ : DenseStep(from, t, direction_ * h, before, trial, M::quintic));
   else if (!closing_in)
     tell();

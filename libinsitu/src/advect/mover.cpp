@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "advect/check.h"
+#include "advect/integrations.h"
 
 namespace insitu::advect {
 
@@ -192,7 +193,7 @@ insitu_ending Mover<V>::flow_to(State& p, double to, Work& work) {
         return INSITU_END_REMOVED;
       recorder_->straight(p);
     } else {
-      ending = integrate(velocity_, settings, to, max_length_, p, work, [](const State&) {});
+      ending = integrate(velocity_, settings, to, max_length_, p, work, Visitor());
     }
     // Steps that close in on a wall count as one.
     steps_left_ -= ending == INSITU_END_LEFT ? 1 : work.steps - steps;

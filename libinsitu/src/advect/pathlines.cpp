@@ -11,6 +11,7 @@
 
 #include "advect/chart_velocity.h"
 #include "advect/check.h"
+#include "advect/integrations.h"
 #include "advect/lanes.h"
 #include "advect/mesh_velocity.h"
 #include "advect/mover.h"
@@ -235,8 +236,7 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
             ending = integrate(v, integrator, to, settings_.length, p, chunk_work, *taker);
             taker->straight(p);
           } else {
-            ending =
-                integrate(v, integrator, to, settings_.length, p, chunk_work, [](const State&) {});
+            ending = integrate(v, integrator, to, settings_.length, p, chunk_work, Visitor());
           }
           cell = v.cell();
           p.x = in_frame(v, p, cell);
@@ -268,12 +268,11 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
               return {};
             v.begin(all.cells[std::size_t(i)]);
             if (!snapshots)
-              return integration(v, integrator, to, settings_.length, p, chunk_work,
-                                 [](const State&) {});
+              return integration(v, integrator, to, settings_.length, p, chunk_work, Visitor());
             takers[slot].emplace(*snapshots, std::size_t(i), p, v, sampler, settings_.accuracy,
                                  none);
             return integration(v, integrator, to, settings_.length, p, chunk_work,
-                               std::ref(*takers[slot]));
+                               Visitor(*takers[slot]));
           },
           [&](std::int64_t i, std::size_t slot, LaneVelocity& v, insitu_ending ending) {
             const State& p = states[slot];

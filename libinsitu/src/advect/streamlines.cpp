@@ -10,6 +10,7 @@
 
 #include "advect/chart_velocity.h"
 #include "advect/check.h"
+#include "advect/integrations.h"
 #include "advect/lanes.h"
 #include "advect/line_recorder.h"
 #include "advect/line_vertices.h"
@@ -102,7 +103,7 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
           vertices[slot].emplace(field, sampler, steady, line.vertices);
           const auto run = [&](auto& visit) {
             return integration(field, steady.integrator, time_of(l), settings.length, line.p, cost,
-                               std::ref(visit));
+                               Visitor(visit));
           };
           return vertices[slot]->is_even() ? run(vertices[slot]->even()) : run(*vertices[slot]);
         },

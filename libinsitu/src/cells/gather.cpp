@@ -12,6 +12,15 @@
 HWY_BEFORE_NAMESPACE();
 namespace insitu::cells::HWY_NAMESPACE {
 
+#if HWY_TARGET == HWY_AVX3 && (HWY_TARGETS & HWY_AVX2)
+
+// Registers of four numbers are all that is used.
+CellGather::Loop choose_loop(const mesh::CellArrays& arrays) {
+  return N_AVX2::choose_loop(arrays);
+}
+
+#else
+
 namespace hn = hwy::HWY_NAMESPACE;
 namespace mesh_simd = mesh::HWY_NAMESPACE;
 
@@ -94,6 +103,8 @@ CellGather::Loop choose_loop(const mesh::CellArrays& arrays) {
     return &separate_loop<Layout, Real>;
   });
 }
+
+#endif
 
 } // namespace insitu::cells::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -117,7 +117,10 @@ private:
     threads.parallel_for(
         std::int64_t(seeds_.size()), grain, [&](std::int64_t begin, std::int64_t end) {
           const auto chunk = std::size_t(begin / grain);
-          std::vector<Vec3d> line[advect::LaneBatch::lane_count];
+          struct Line : std::vector<Vec3d> {
+            void operator()(const advect::State& s) { push_back(s.x); }
+          };
+          Line line[advect::LaneBatch::lane_count];
           advect::State states[advect::LaneBatch::lane_count];
           const auto begin_line = [&](std::int64_t i, std::size_t slot) -> advect::State& {
             advect::State& p = states[slot] = {};
@@ -126,10 +129,9 @@ private:
             return p;
           };
           const auto integrate = [&](auto& v, std::int64_t i, std::size_t slot) {
-            return advect::integration(
-                v, settings, times[std::size_t(i)], std::numeric_limits<double>::infinity(),
-                begin_line(i, slot), works[chunk],
-                [&to = line[slot]](const advect::State& s) { to.push_back(s.x); });
+            return advect::integration(v, settings, times[std::size_t(i)],
+                                       std::numeric_limits<double>::infinity(), begin_line(i, slot),
+                                       works[chunk], advect::Visitor(line[slot]));
           };
           const auto finish = [&](std::int64_t i, std::size_t slot, insitu_ending ending) {
             ends_of[chunk].left += ending == INSITU_END_LEFT;

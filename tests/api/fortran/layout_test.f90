@@ -181,12 +181,13 @@ contains
         insitu_reason_count, insitu_end_alive, insitu_end_left, insitu_end_stagnated, &
         insitu_end_expired, insitu_end_step_limit, insitu_end_seed_outside, &
         insitu_end_not_finite, insitu_end_killed, insitu_end_stopped, insitu_end_removed, &
-        insitu_end_step_too_small, insitu_end_count, insitu_memory_tree, &
+        insitu_end_step_too_small, insitu_end_hole, insitu_end_hidden, insitu_end_blank, &
+        insitu_end_partition, insitu_end_count, insitu_memory_tree, &
         insitu_memory_build, insitu_memory_ranges, insitu_memory_earlier, insitu_memory_query, &
         insitu_memory_tracer, insitu_memory_frame, insitu_memory_converted, &
         insitu_memory_embree, insitu_memory_device, insitu_memory_amr, insitu_memory_gathered, &
         insitu_memory_geocentric, insitu_memory_chart, insitu_memory_neighbours, &
-        insitu_memory_count])
+        insitu_memory_blank, insitu_memory_count])
       count = constants(there)
       if (count == size(here)) then
         if (all(there(:count) == here)) return

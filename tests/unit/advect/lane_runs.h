@@ -65,8 +65,7 @@ inline Ends in_lanes(const query::Sampler& sampler, const Flow& flow,
         field.begin(-1);
         advect::State& p = ends.states[std::size_t(i)];
         p.x = seeds[std::size_t(i)];
-        return advect::integration(field, settings, to, infinity, p, ends.work,
-                                   [](const advect::State&) {});
+        return advect::integration(field, settings, to, infinity, p, ends.work, advect::Visitor());
       },
       [&](std::int64_t i, std::size_t, LaneVelocity& field, insitu_ending ending) {
         ends.endings[std::size_t(i)] = ending;

@@ -91,14 +91,15 @@ module insitu_c
       insitu_end_alive = 1, insitu_end_left = 2, insitu_end_stagnated = 3, insitu_end_expired = 4, &
       insitu_end_step_limit = 5, insitu_end_seed_outside = 6, insitu_end_not_finite = 7, &
       insitu_end_killed = 8, insitu_end_stopped = 9, insitu_end_removed = 10, &
-      insitu_end_step_too_small = 11, insitu_end_count = 11
+      insitu_end_step_too_small = 11, insitu_end_hole = 12, insitu_end_hidden = 13, &
+      insitu_end_blank = 14, insitu_end_partition = 15, insitu_end_count = 15
   integer, parameter :: &
       insitu_memory_tree = 1, insitu_memory_build = 2, insitu_memory_ranges = 3, &
       insitu_memory_earlier = 4, insitu_memory_query = 5, insitu_memory_tracer = 6, &
       insitu_memory_frame = 7, insitu_memory_converted = 8, insitu_memory_embree = 9, &
       insitu_memory_device = 10, insitu_memory_amr = 11, insitu_memory_gathered = 12, &
       insitu_memory_geocentric = 13, insitu_memory_chart = 14, insitu_memory_neighbours = 15, &
-      insitu_memory_count = 15
+      insitu_memory_blank = 16, insitu_memory_count = 16
 
   ! The room of the lists in insitu_report
   integer, parameter :: &

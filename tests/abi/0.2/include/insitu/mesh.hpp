@@ -49,16 +49,20 @@ public:
                                           levels.data()));
     return levels;
   }
-  /** Drops the pieces from `first` on: a regrid may leave fewer patches. */
-  /// Pieces stand for themselves (insitu_mesh_separate_pieces).
+  /** Pieces stand for themselves (insitu_mesh_separate_pieces). */
   void separate_pieces(bool separate = true) {
     detail::check(insitu_mesh_separate_pieces(handle(), separate));
   }
+  /** Drops the pieces from `first` on: a regrid may leave fewer patches. */
   void drop_pieces(int first) { detail::check(insitu_mesh_drop_pieces(handle(), first)); }
 
   /** Says what changed since the last commit; adds up. New arrays and cells say so by themselves.
    */
   void changed(Change what) { detail::check(insitu_mesh_changed(handle(), what)); }
+  /** Items of the field that hold this have no value (insitu_mesh_field_blank). */
+  void field_blank(const std::string& name, double value) {
+    detail::check(insitu_mesh_field_blank(handle(), name.c_str(), value));
+  }
   void remove_field(const std::string& name) {
     detail::check(insitu_mesh_remove_field(handle(), name.c_str()));
   }

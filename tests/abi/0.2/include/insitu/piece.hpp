@@ -114,8 +114,8 @@ public:
   }
 
   /** A curvilinear block of ni x nj x nk vertices (below 2 along an axis it has no cells), whose
-   *  points are given by points(). Vertex (i, j, k) has the id i + ni*(j + nj*k), cell (i, j, k) the id
-   *  i + (ni-1)*(j + (nj-1)*k); the arrays' strides say how it lies in memory. */
+   *  points are given by points(). Vertex (i, j, k) has the id i + ni*(j + nj*k), cell (i, j, k)
+   * the id i + (ni-1)*(j + (nj-1)*k); the arrays' strides say how it lies in memory. */
   void block(std::int64_t ni, std::int64_t nj, std::int64_t nk) {
     insitu_block b = insitu_block_default();
     set_extent(b, ni, nj, nk);
@@ -147,7 +147,8 @@ public:
 
   /** A patch of an adaptive mesh (see Mesh::adaptive): the cells lower to lower + cells - 1 of a
    *  level; cell (i, j, k) of it has the id i + cells[0]*(j + cells[1]*k). ghosts: layers that the
-   *  arrays of its fields hold around these cells, for samples beside the boundary (insitu_patch). */
+   *  arrays of its fields hold around these cells, for samples beside the boundary (insitu_patch).
+   */
   void patch(int level, const std::array<std::int64_t, 3>& lower,
              const std::array<std::int64_t, 3>& cells, const PatchGhosts& ghosts = {}) {
     insitu_patch p = insitu_patch_default();
@@ -199,6 +200,12 @@ public:
     detail::check(
         insitu_mesh_ghosts(handle(), index_, &a, static_cast<insitu_ghost_convention>(convention)));
   }
+  /** VTK's vtkGhostType of points, one uint8 a vertex: bit 2 hides (insitu_mesh_hidden_points). */
+  void hidden_points(const Array& values) {
+    const insitu_array a = values.get(counts().vertices, "hidden points");
+    detail::check(insitu_mesh_hidden_points(handle(), index_, &a));
+  }
+  void no_hidden_points() { detail::check(insitu_mesh_hidden_points(handle(), index_, nullptr)); }
   void no_ghosts() {
     detail::check(insitu_mesh_ghosts(handle(), index_, nullptr, INSITU_GHOSTS_VTK));
   }

@@ -118,15 +118,31 @@ INSITU_API insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, cons
 
 INSITU_API insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* name);
 
+/** Says that items of a field that hold `value`, as the field's type has it, have no value: land,
+ *  netCDF's _FillValue. NaN may be such a value. A vertex or cell is blank if one of its components
+ *  is. Adds up; forgotten when the field is removed. Cells with blank vertices still own points,
+ *  and all other fields have values there, but samples of this one are NaN, isosurfaces and volumes
+ *  leave these cells out, averages leave blank cells out, and tracers along it take them as a wall:
+ *  without effects at the boundary particles end as INSITU_END_BLANK. The field's values are copied
+ *  at every commit (INSITU_MEMORY_BLANK), unless NaN alone is blank; strict sessions refuse that.
+ *  Not in device memory nor on adaptive meshes: INSITU_ERROR_UNSUPPORTED or _ORDER. */
+INSITU_API insitu_status insitu_mesh_field_blank(insitu_mesh mesh, const char* name, double value);
+
+/** One uint8 a vertex of a piece, VTK's vtkGhostType of points: where bit 2 (hidden) is set, no
+ *  field on vertices has a value, as if all of them were blank there. Other bits do not count.
+ *  array null: none. */
+INSITU_API insitu_status insitu_mesh_hidden_points(insitu_mesh mesh, int32_t piece,
+                                                   const insitu_array* array);
+
 /** Drops the pieces from `first` on, with all that was given for them: a regrid may leave fewer
  *  patches. first: 0 to the number of pieces. */
 INSITU_API insitu_status insitu_mesh_drop_pieces(insitu_mesh mesh, int32_t first);
 
-/** Whether the mesh's pieces are parts of one body (0, as at first) or stand for themselves (not 0).
- *  Of one body, vertices of different pieces whose coordinates are equal bit for bit are one vertex
- *  where isosurfaces of cell fields average values and smooth normals average gradients; within a
- *  piece ids alone tell vertices apart, so cracks and baffles stay. Takes effect at the next commit
- *  of the geometry, which this call asks for. */
+/** Whether the mesh's pieces are parts of one body (0, as at first) or stand for themselves (not
+ * 0). Of one body, vertices of different pieces whose coordinates are equal bit for bit are one
+ * vertex where isosurfaces of cell fields average values and smooth normals average gradients;
+ * within a piece ids alone tell vertices apart, so cracks and baffles stay. Takes effect at the
+ * next commit of the geometry, which this call asks for. */
 INSITU_API insitu_status insitu_mesh_separate_pieces(insitu_mesh mesh, int separate);
 
 /** How a ghost array counts. */

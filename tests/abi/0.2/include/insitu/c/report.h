@@ -9,10 +9,14 @@
 extern "C" {
 #endif
 
-/** Why a particle ended. */
+/** Why a particle ended. Of those that left the mesh, what lies beyond the face is told apart: a
+ * cell that is hidden (VTK's ghost bits 8 and 32), a cell that another process owns (bit 1 alone),
+ * a cell in which the velocity is blank (insitu_mesh_field_blank), a gap or an obstacle, behind
+ * which the line straight out of the face comes to cells again, or nothing. One seeded in such a
+ * cell ends likewise. On adaptive meshes places without leaves are gaps. */
 typedef enum insitu_ending INSITU_INT {
   INSITU_END_ALIVE = 0,
-  INSITU_END_LEFT = 1,            /**< left the mesh */
+  INSITU_END_LEFT = 1,            /**< left the mesh, and nothing lies ahead */
   INSITU_END_STAGNATED = 2,       /**< came to rest in a steady field, or no step could be found */
   INSITU_END_EXPIRED = 3,         /**< reached its time, length or age */
   INSITU_END_STEP_LIMIT = 4,      /**< took the largest number of steps */
@@ -22,7 +26,11 @@ typedef enum insitu_ending INSITU_INT {
   INSITU_END_STOPPED = 8,         /**< met the boundary, where its scene says that it stops */
   INSITU_END_REMOVED = 9,         /**< met the condition by which its scene removes particles */
   INSITU_END_STEP_TOO_SMALL = 10, /**< no step of its scene's min_step kept the tolerance */
-  INSITU_END_COUNT = 11
+  INSITU_END_HOLE = 11,           /**< left the mesh where it goes on ahead: a gap or an obstacle */
+  INSITU_END_HIDDEN = 12,         /**< went into a hidden cell */
+  INSITU_END_BLANK = 13,          /**< went where its velocity has blank values */
+  INSITU_END_PARTITION = 14,      /**< went into a ghost cell, another process's */
+  INSITU_END_COUNT = 15
 } insitu_ending;
 
 /** What the memory is for. */
@@ -43,7 +51,8 @@ typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_CHART = 13,      /**< copies of a geodetic mesh's cells at its seam and poles, and
                                       fields there */
   INSITU_MEMORY_NEIGHBOURS = 14, /**< cells across faces, for tracers */
-  INSITU_MEMORY_COUNT = 15
+  INSITU_MEMORY_BLANK = 15,      /**< fields with blank values or hidden points, and their cells */
+  INSITU_MEMORY_COUNT = 16
 } insitu_purpose;
 
 /** The room of the lists in insitu_report, which later versions of the library fill further. */
