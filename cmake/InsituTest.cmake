@@ -2,6 +2,21 @@
 # A GoogleTest executable over the internal static library, registered with ctest once.
 find_package(GTest REQUIRED)
 
+# Headers that nearly all tests include are compiled once, for all of them.
+function(insitu_test_headers)
+  if(TARGET insitu_test_headers)
+    return()
+  endif()
+  # A program, as the tests are: libraries are compiled otherwise (-fPIC).
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "int main() {}\n")
+  add_executable(insitu_test_headers ${PROJECT_BINARY_DIR}/test_headers.cpp)
+  target_link_libraries(insitu_test_headers PRIVATE insitu_static insitu_flags GTest::gtest)
+  target_compile_options(insitu_test_headers PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_precompile_headers(insitu_test_headers PRIVATE
+    <algorithm> <array> <atomic> <cmath> <filesystem> <fstream> <functional> <limits> <map> <memory> <optional> <set>
+    <sstream> <string> <vector> <gtest/gtest.h>)
+endfunction()
+
 function(insitu_add_test name)
   cmake_parse_arguments(T "" "TIMEOUT" "SOURCES;LIBRARIES;LABELS;ARGS" ${ARGN})
   add_executable(${name} ${T_SOURCES})
@@ -9,6 +24,8 @@ function(insitu_add_test name)
                                         GTest::gtest_main)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/libinsitu/src
                                              ${PROJECT_SOURCE_DIR}/tests)
+  insitu_test_headers()
+  target_precompile_headers(${name} REUSE_FROM insitu_test_headers)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>) # what is tested is compiled as users have it
   add_test(NAME ${name} COMMAND ${name} ${T_ARGS})
   if(NOT T_TIMEOUT)

@@ -36,7 +36,7 @@ program blanks_test
   call mesh%points(points, ierr)
   call mesh%hexahedra(cells, ierr)
   call mesh%vertex_field('salt', salt, ierr)
-  call mesh%vertex_field('flow', flow, ierr)
+  call mesh%vertex_field('flow', flow, ierr, vector=.true.)
   call mesh%field_blank('salt', 1.0e20_real64, ierr)
   call expect_ok('blank', session, ierr)
   call mesh%field_blank('salty', 1.0e20_real64, ierr)

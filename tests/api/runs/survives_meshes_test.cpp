@@ -47,7 +47,7 @@ void expect_outside_and_no_frames(Coupled& run, const std::string& folder) {
   }
   const runs::Table t = runs::parse_table(files.at("t.csv"));
   ASSERT_EQ(t.rows.size(), 1u);
-  EXPECT_EQ(t.text(0, "ending"), "seed_outside");
+  EXPECT_EQ(t.text(0, "ending"), "partition");
 }
 
 TEST(Meshes, AnEmptyOne) {
