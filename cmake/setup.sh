@@ -25,6 +25,7 @@ test_packages=(
   "libgtest-dev:unit tests"
   "libboost-dev:exact rational oracle in tests"
   "pkg-config:test of the installed package"
+  "make:test of the installed package"
 )
 
 # Beyond what tests/gpu needs: 122 MB to fetch.

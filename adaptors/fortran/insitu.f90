@@ -157,7 +157,7 @@ contains
   !> scene: path of a scene file; scene_text: the scene itself; output: folder that overrides the
   !! scene's; default_scene: without a scene, draw the first scalar field every tenth cycle; threads:
   !! at most so many; strict: refuse arrays that would have to be copied; communicator: an MPI
-  !! communicator, kept (serial in this version). A blank text is as if it were absent. What is wrong
+  !! communicator, kept and not used in this version, which is logged. A blank text is as if it were absent. What is wrong
   !! is logged too (to standard error), as an error of a run that asks no ierr.
   subroutine session_open(self, scene, ierr, scene_text, output, default_scene, threads, strict, &
                           log_level, communicator)

@@ -52,6 +52,9 @@ module insitu_c
   integer(c_int), parameter :: &
       insitu_log_error = 1, insitu_log_warning = 2, insitu_log_info = 3, insitu_log_debug = 4
 
+  ! Of a session that is given no communicator: 0 is Open MPI's MPI_COMM_WORLD
+  integer(c_int32_t), parameter :: insitu_no_communicator = -1
+
   ! insitu_layout, insitu_block_kind, insitu_ghost_convention
   integer(c_int), parameter :: &
       insitu_layout_uniform = 0, insitu_layout_mixed = 1, insitu_layout_padded = 2
@@ -117,7 +120,7 @@ module insitu_c
     type(c_funptr) :: log = c_null_funptr
     type(c_ptr) :: log_user = c_null_ptr
     type(c_ptr) :: communicator = c_null_ptr
-    integer(c_int32_t) :: fortran_communicator = 0
+    integer(c_int32_t) :: fortran_communicator = insitu_no_communicator
     integer(c_int32_t) :: reserved = 0
   end type c_session_options
 

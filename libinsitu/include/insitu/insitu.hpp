@@ -52,7 +52,8 @@ struct Options {
   LogLevel log_level = LogLevel::warning; /**< messages up to this level reach the log */
   Log log = {};                           /**< empty: errors and warnings go to stderr */
   const void* communicator = nullptr; /**< address of an MPI_Comm; kept, not used: see insitu.h */
-  int fortran_communicator = 0;       /**< the same as a Fortran integer, if communicator is null */
+  /** The same as a Fortran integer, if communicator is null. */
+  int fortran_communicator = INSITU_NO_COMMUNICATOR;
 };
 
 /** The version of the library that is running: major, minor, patch. */

@@ -57,7 +57,7 @@ Session::Session(const insitu_session_options& options)
 }
 
 void Session::note_communicator() {
-  if (communicator_ || fortran_communicator_)
+  if (communicator_ || fortran_communicator_ != INSITU_NO_COMMUNICATOR)
     context_.log.warning(
         "communicator: this version keeps it and does not use it. Each process works on its own "
         "pieces alone: probes and tracers end where these do, images show these, totals are of this "

@@ -276,6 +276,9 @@ TEST(SessionLocks, ACommunicatorIsSaidToBeKeptOnly) {
   o.fortran_communicator = 1140850688;
   { insitu::Session one(o); }
   EXPECT_EQ(messages.size(), 2u);
+  o.fortran_communicator = 0; // Open MPI's MPI_COMM_WORLD
+  { insitu::Session one(o); }
+  EXPECT_EQ(messages.size(), 3u);
 }
 
 } // namespace

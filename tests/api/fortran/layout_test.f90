@@ -168,6 +168,7 @@ contains
         insitu_backend_cuda, insitu_backend_optix, &
         insitu_nothing, insitu_fields, insitu_geometry, insitu_topology, insitu_all, &
         insitu_log_error, insitu_log_warning, insitu_log_info, insitu_log_debug, &
+        insitu_no_communicator, &
         insitu_layout_uniform, insitu_layout_mixed, insitu_layout_padded, insitu_block_uniform, &
         insitu_block_rectilinear, insitu_block_curvilinear, insitu_ghosts_vtk, &
         insitu_ghosts_ascent, insitu_dual, insitu_nearest, insitu_frame_cartesian, &

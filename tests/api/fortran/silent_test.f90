@@ -1,5 +1,5 @@
 !> A session that cannot be opened says so: to standard error, which the test reads, and by every
-!! later ierr, the last one too; and a block of no cells is a mesh.
+!! later ierr, the last one too; a block of no cells is a mesh; and a communicator is told to be unused.
 program silent_test
   use, intrinsic :: iso_fortran_env, only: error_unit, real64
   use checks
@@ -11,6 +11,7 @@ program silent_test
 
   call silent()
   call empty()
+  call communicators()
   call finish_checks()
   write (error_unit, '(a)') 'all checks are done'
 
@@ -85,5 +86,19 @@ contains
       deallocate (x, y, z, p, u)
     end do
   end subroutine empty
+
+  !> A communicator is said to be kept only, that of number 0 too (Open MPI's MPI_COMM_WORLD); none
+  !! is not. What is printed between these lines is part of the answer.
+  subroutine communicators()
+    type(insitu_session) :: session
+
+    write (error_unit, '(a)') 'no communicator:'
+    call session%open(ierr=ierr)
+    call session%close(ierr)
+    write (error_unit, '(a)') 'communicator 0:'
+    call session%open(ierr=ierr, communicator=0)
+    call session%close(ierr)
+    call expect('close with a communicator', ierr == insitu_ok)
+  end subroutine communicators
 
 end program silent_test

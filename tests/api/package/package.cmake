@@ -1,6 +1,11 @@
-# Installs the build into a folder of its own, then builds and runs the numbered examples against it
-# as a user would: find_package, and pkg-config. Variables: BUILD, SOURCE, WORK, LIBDIR, C_COMPILER,
-# CXX_COMPILER, GENERATOR, CONFIGURATION, LINKER_FLAGS.
+# Installs the build into a folder of its own and moves that, then builds and runs programs against it as a user would:
+# the numbered examples by find_package, and by pkg-config what README.md shows, examples/Makefile in it. Variables:
+# BUILD, SOURCE, WORK, LIBDIR, C_COMPILER, CXX_COMPILER, Fortran_COMPILER (if the module was built), GENERATOR,
+# CONFIGURATION, LINKER_FLAGS.
+cmake_minimum_required(VERSION 3.22)
+include(${CMAKE_CURRENT_LIST_DIR}/pkg_config.cmake)
+
+# run(command...): a command that has to succeed.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE text ERROR_VARIABLE text)
   if(NOT status EQUAL 0)
@@ -10,13 +15,31 @@ function(run)
 endfunction()
 
 file(REMOVE_RECURSE ${WORK})
-set(prefix ${WORK}/prefix)
-run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+set(home ${WORK}/home)
+set(prefix ${home}/insitu)
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/installed)
+file(MAKE_DIRECTORY ${home})
+file(RENAME ${WORK}/installed ${prefix})
 
 set(languages c cpp)
-if(FORTRAN)
+if(Fortran_COMPILER)
   list(APPEND languages fortran)
+else()
+  message(STATUS "Fortran is skipped: the module was not built")
 endif()
+
+find_program(PKG_CONFIG pkg-config)
+if(PKG_CONFIG)
+  check_pc(insitu "")
+  if(Fortran_COMPILER)
+    check_pc(insitu-fortran insitu.mod)
+    check_pc_variables(insitu fortran_modules fortran_library)
+  endif()
+  link_as_readme_says()
+else()
+  message(STATUS "insitu.pc and examples/Makefile are skipped: pkg-config is not there")
+endif()
+
 foreach(language ${languages})
   run(${CMAKE_COMMAND} -S ${SOURCE}/examples/${language} -B ${WORK}/${language} -G ${GENERATOR}
       -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=${CONFIGURATION}
@@ -30,22 +53,6 @@ foreach(language ${languages})
   run(${CMAKE_COMMAND} --build ${WORK}/${language})
   run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/${language} --output-on-failure)
 endforeach()
-
-find_program(PKG_CONFIG pkg-config)
-if(PKG_CONFIG)
-  # The folder was renamed at installation, so the prefix is given anew.
-  execute_process(COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${prefix}/${LIBDIR}/pkgconfig
-                          ${PKG_CONFIG} --define-variable=prefix=${prefix} --cflags --libs insitu
-                  RESULT_VARIABLE status OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE)
-  if(NOT status EQUAL 0)
-    message(FATAL_ERROR "pkg-config does not know insitu")
-  endif()
-  separate_arguments(flags UNIX_COMMAND "${flags}")
-  separate_arguments(linker_flags UNIX_COMMAND "${LINKER_FLAGS}")
-  run(${C_COMPILER} -std=c99 ${SOURCE}/examples/c/02_probe.c -o ${WORK}/by_pkg_config ${flags}
-      ${linker_flags} -I${prefix}/include -L${prefix}/${LIBDIR} -lm)
-  run(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${prefix}/${LIBDIR} ${WORK}/by_pkg_config)
-endif()
 
 if(EXISTS ${prefix}/bin/insitu-replay)
   run(${prefix}/bin/insitu-replay --version)

@@ -19,6 +19,10 @@ typedef enum insitu_log_level INSITU_INT {
 /** Receives the library's messages, on the thread that called the library. Must not call back. */
 typedef void (*insitu_log_function)(insitu_log_level level, const char* message, void* user);
 
+/** The fortran_communicator of a session that is given none: a number that no MPI gives. 0 is one:
+ *  Open MPI's MPI_COMM_WORLD. */
+#define INSITU_NO_COMMUNICATOR (-1)
+
 typedef struct insitu_session_options {
   size_t size;
   const char* scene;      /**< path of a scene file; null: none */
@@ -33,7 +37,8 @@ typedef struct insitu_session_options {
   void* log_user;
   const void* communicator;     /**< address of an MPI_Comm; this version keeps it, does not use it,
                                      and logs what that means */
-  int32_t fortran_communicator; /**< the same as a Fortran integer; used if communicator is null */
+  int32_t fortran_communicator; /**< the same as a Fortran integer, if communicator is null;
+                                     INSITU_NO_COMMUNICATOR: none */
   int32_t reserved;             /**< 0 */
 } insitu_session_options;
 
@@ -50,7 +55,7 @@ static inline insitu_session_options insitu_session_options_default(void) {
   o.log = NULL;
   o.log_user = NULL;
   o.communicator = NULL;
-  o.fortran_communicator = 0;
+  o.fortran_communicator = INSITU_NO_COMMUNICATOR;
   o.reserved = 0;
   return o;
 }
