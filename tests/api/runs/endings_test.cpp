@@ -5,6 +5,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <limits>
+#include <memory>
 
 #include "coupled.h"
 #include "cubes.h"
@@ -308,6 +309,79 @@ TEST(Blanks, StrictSessionsRefuseTheCopy) {
   mesh.field_blank("salt", fill);
   EXPECT_THROW(mesh.commit(), insitu::Error);
   EXPECT_NE(std::string(insitu_last_message()).find("salt"), std::string::npos);
+}
+
+/// Land that comes and goes: a particle ends where it is when its cell falls dry.
+TEST(Blanks, CellsFallDry) {
+  const test::Folder folder;
+  insitu::Options options;
+  options.scene_text = "insitu: 1\npage: false\ntracers:\n  - {name: t, velocity: velocity, seeds: "
+                       "[[0.3, 0.31, 0.33], [0.05, 0.5, 0.5]]}\n";
+  options.output = folder.path();
+  {
+    insitu::Session session(options);
+    insitu::Mesh mesh = session.mesh("cube");
+    Solver s(MeshKind::hexahedra);
+    s.give(mesh);
+    mesh.field_blank("velocity", fill);
+    for (int cycle = 0; cycle <= 4; ++cycle) {
+      // From cycle 2 on all is dry from x = 1/4.
+      for (std::size_t v = 0; v < s.hidden.size(); ++v)
+        s.velocity[3 * v] = s.x(v) >= (cycle < 2 ? 0.99 : 0.24) ? fill : 0.05;
+      mesh.changed(insitu::fields);
+      ASSERT_TRUE(session.execute(cycle, 0.5 * cycle)) << insitu_last_message();
+    }
+  }
+  const Table t = runs::parse_table(test::content(folder / "t.csv"));
+  EXPECT_EQ(t.text(last_of(t, 0), "ending"), "blank");
+  EXPECT_NEAR(t.number(last_of(t, 0), "x"), 0.3 + 0.05 * 0.5, 1e-9);
+  EXPECT_EQ(t.text(last_of(t, 1), "ending"), "blank"); // at the new shore, 1/8
+  EXPECT_NEAR(t.number(last_of(t, 1), "x"), 0.125, 1e-9);
+}
+
+/// The velocity of cells, on a mesh whose vertices move, and with other cells at every step.
+TEST(Blanks, OfCellsThatMoveOrBecomeOthers) {
+  for (const bool others : {false, true}) {
+    SCOPED_TRACE(others ? "other cells" : "moving cells");
+    const test::Folder folder;
+    insitu::Options options;
+    options.scene_text = "insitu: 1\npage: false\ntracers:\n  - {name: t, velocity: velocity, "
+                         "seeds: [[0.3, 0.31, 0.33]]}\n";
+    options.output = folder.path();
+    {
+      insitu::Session session(options);
+      insitu::Mesh mesh = session.mesh("cube");
+      std::vector<std::unique_ptr<Solver>> solvers; // one, or one a step
+      for (int cycle = 0; cycle <= 6; ++cycle) {
+        if (cycle == 0 || others) {
+          solvers.push_back(
+              std::make_unique<Solver>(cycle % 2 ? MeshKind::wedges : MeshKind::hexahedra));
+          Solver& s = *solvers.back();
+          s.velocity.assign(3 * s.ghosts.size(), 0.0);
+          for (std::size_t c = 0; c < s.ghosts.size(); ++c)
+            s.velocity[3 * c] = s.middle(c) > wall ? fill : 0.25;
+          mesh.points(insitu::Array(s.arrays->mesh.points).components(3));
+          mesh.mixed_cells(s.arrays->mesh.types, s.arrays->mesh.offsets, s.arrays->mesh.ids);
+          mesh.cell_field("velocity", insitu::Array(s.velocity).components(3));
+          mesh.field_blank("velocity", fill);
+        } else {
+          // The whole cube goes on along x at a tenth of the flow.
+          auto& points = solvers.back()->arrays->mesh.points;
+          for (std::size_t v = 0; v < points.size(); v += 3)
+            points[v] += 0.25 * 0.1 * 0.25;
+          mesh.changed(insitu::geometry | insitu::fields);
+        }
+        ASSERT_TRUE(session.execute(cycle, 0.25 * cycle)) << insitu_last_message();
+      }
+    }
+    const Table t = runs::parse_table(test::content(folder / "t.csv"));
+    const std::size_t last = last_of(t, 0);
+    EXPECT_EQ(t.text(last, "ending"), "blank");
+    // 0.3 + 0.25 t = 0.625 (+ 0.025 t)
+    const double time = (wall - 0.3) / (others ? 0.25 : 0.225);
+    EXPECT_NEAR(t.number(last, "time"), time, 1e-6);
+    EXPECT_NEAR(t.number(last, "x"), 0.3 + 0.25 * time, 1e-6);
+  }
 }
 
 } // namespace
