@@ -41,8 +41,9 @@ insitu_ending Exits::ending(const query::Sampler& inside, const LeftAt& left) {
     return there == INSITU_END_LEFT ? INSITU_END_SEED_OUTSIDE : there;
   }
   const query::Sampler cells = inside.among_images();
+  // Where the cells have gone from it: what is there instead.
   if (left.cell < 0 || left.cell >= cells.mesh().cell_count())
-    return INSITU_END_LEFT;
+    return of_place(x, left.alpha);
   mesh::CellVertices cell;
   mesh::gather(cells.mesh(), left.cell, cell, left.alpha);
   Vec3d low = cell.x[0], high = low, centre;

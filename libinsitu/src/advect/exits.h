@@ -11,7 +11,7 @@ namespace insitu::advect {
 struct LeftAt {
   std::size_t particle = 0;
   Vec3d x;                ///< the last place inside, or the seed; in the mesh's frame
-  std::int64_t cell = -1; ///< that holds it; -1: seeded outside, or unknown
+  std::int64_t cell = -1; ///< that holds it; -1: none does, as for seeds outside
   Vec3d normal;           ///< of the face, outwards, among the cells; 0: not known
   double alpha = 1.0;     ///< of the coordinates there
   bool seeded = false;    ///< outside
