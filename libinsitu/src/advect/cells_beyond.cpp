@@ -7,6 +7,7 @@
 #include "cells/faces.h"
 #include "cells/kernels.h"
 #include "mesh/view.h"
+#include "query/proof.h"
 
 namespace insitu::advect {
 
@@ -65,7 +66,7 @@ CellsBeyond::CellsBeyond(const query::Sampler& sampler) : neighbours_(sampler.ne
   // Without its counts: these are no queries of the caller's.
   const query::Sampler bare(sampler.mesh(), sampler.tree());
   const mesh::MeshView& mesh = sampler.mesh();
-  if (!mesh.free_of_folds || mesh.cell_count() == 0)
+  if (!query::ProofRule(mesh, sampler.tree(), {}).for_some() || mesh.cell_count() == 0)
     return;
   for (const bool wedges : {false, true}) {
     Steps& steps = steps_[wedges];

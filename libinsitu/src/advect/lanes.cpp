@@ -28,7 +28,7 @@ void LaneBatch::answer(std::span<LaneVelocity* const> lanes) {
   for (LaneVelocity* l : lanes) {
     l->set_alpha(l->t_);
     if (l->crosses_) {
-      const std::int64_t cell = l->cell_across();
+      const std::int64_t cell = l->cell_across(l->beyond_);
       if (cell >= 0)
         guessed_.push_back({l, cell});
       else
@@ -37,11 +37,12 @@ void LaneBatch::answer(std::span<LaneVelocity* const> lanes) {
       ask(*l, *l->own_);
     } else {
       l->walked_ = 0;
-      if (const std::int64_t cell = l->keeps_ ? l->first_guess() : -1; cell >= 0) {
+      const bool proofs_count = l->keeps_ && l->proof_.counts_for(l->x_);
+      if (const std::int64_t cell = proofs_count ? l->first_guess() : -1; cell >= 0) {
         guessed_.push_back({l, cell});
         continue;
       }
-      LaneVelocity::Kept* const k = l->keeps_ ? l->first_to_try(l->x_) : nullptr;
+      LaneVelocity::Kept* const k = proofs_count ? l->first_to_try(l->x_) : nullptr;
       k ? ask(*l, *k) : missed_.push_back(l);
     }
   }

@@ -19,8 +19,9 @@ MeshVelocity::MeshVelocity(const query::Sampler& sampler, const mesh::FieldView&
                            insitu_accuracy accuracy)
     : sampler_(&sampler), fields_{now}, times_(t0, t1, earlier.before),
       steps_(times_.usable(1 + earlier.fields.size())),
-      moves_(sampler.mesh().earlier_points && t1 != t0), keeps_(sampler.mesh().free_of_folds),
-      accuracy_(accuracy) {
+      moves_(sampler.mesh().earlier_points && t1 != t0),
+      proof_(sampler.mesh(), sampler.tree(), {accuracy, moves_ ? 0.0 : 1.0}),
+      keeps_(proof_.for_some()), accuracy_(accuracy) {
   for (int step = 1; step < steps_; ++step)
     fields_[step] = earlier.fields[std::size_t(step - 1)];
 }
@@ -56,13 +57,13 @@ Sampled MeshVelocity::located(const Vec3d& x, Vec3d& v, query::Location* where) 
   return taken(at, v);
 }
 
-/// Of a point that no cell holds: where it is in the mesh, if it is beyond it by rounding alone. Not
-/// of one that was never in a cell.
+/// Of a point that no cell holds: where it is in the mesh, if it is beyond it by rounding alone.
+/// Not of one that was never in a cell.
 query::Location MeshVelocity::beside_mesh(const Vec3d& x, double least_reach) {
   Vec3d inside = x;
-  const double reach = std::max(
-      least_reach,
-      query::rounding_in(sampler_->mesh(), cell_ >= 0 ? cell_ : hint_, options().alpha));
+  const double reach =
+      std::max(least_reach,
+               query::rounding_in(sampler_->mesh(), cell_ >= 0 ? cell_ : hint_, options().alpha));
   const query::Location at = query::bring_inside(*sampler_, inside, reach, options());
   if (at) {
     beside_ = x;
@@ -267,13 +268,12 @@ Vec3d MeshVelocity::beyond(const Vec3d& x, const Vec3d& towards, double t) {
 
 /// The cell that holds a point a little way beyond a face of the own cell, at the point asked last.
 query::Location MeshVelocity::locate(const Vec3d& x) {
-  if (const std::int64_t cell = cell_across(); cell >= 0) {
+  if (const std::int64_t cell = cell_across(x); cell >= 0) {
     Kept& k = beside(cell);
     blend(k);
-    const auto map = cells::inverse_map(k.vertices.shape, k.vertices.x, x);
-    if (map.margin > map.error) {
+    if (const query::Location at = query::try_cell(k.vertices, cell, x)) {
       ++proven_;
-      return {cell, map.r};
+      return at;
     }
   }
   unguided_ += lacks_guide_;

@@ -18,6 +18,7 @@
 #include "mesh/view.h"
 #include "query/beside_mesh.h"
 #include "query/face_crossing.h"
+#include "query/proof.h"
 #include "query/sampler.h"
 
 namespace insitu::advect {
@@ -68,8 +69,8 @@ public:
   /// The point asked last or, where it lies beyond the mesh by rounding at its cell's size and no
   /// more, the place in the mesh that stands for it.
   math::Vec3d kept_inside(const math::Vec3d& x);
-  /// The same for where it is at time t, which is that of the point asked last to rounding: so is the
-  /// geometry.
+  /// The same for where it is at time t, which is that of the point asked last to rounding: so is
+  /// the geometry.
   math::Vec3d kept_inside(const math::Vec3d& x, double t);
 
   /// How much of the current step there is at time t; of the geometry it is 1 if nothing moved.
@@ -181,7 +182,7 @@ protected:
     set_alpha(t);
     if (confined_)
       return in_own_cell(x, v, at);
-    if (keeps_) {
+    if (keeps_ && proof_.counts_for(x)) {
       int walked = 0;
       const std::int64_t first = first_guess();
       Kept* k = first >= 0 ? &beside(first) : first_to_try(x);
@@ -262,13 +263,14 @@ protected:
     outside_ = r;
   }
   std::int64_t next_cell(const Kept& from, const math::Vec3d& r, double near) const;
-  std::int64_t cell_across() const;
+  std::int64_t cell_across(const math::Vec3d& x) const;
   void take_own(std::int64_t cell);
   /// Coordinates in the own cell, exactly on the faces on which x lies, as owners' are.
   math::Vec3d on_own_faces(const math::Vec3d& x, const math::Vec3d& r, double error) const {
     const mesh::CellVertices& c = own_->vertices;
     return cells::is_near_faces(c.shape, r, control::on_face)
-               ? cells::put_on_faces_of(c.shape, c.x, x, cells::put_on_nearest(c.shape, c.x, x, r, error),
+               ? cells::put_on_faces_of(c.shape, c.x, x,
+                                        cells::put_on_nearest(c.shape, c.x, x, r, error),
                                         control::on_face)
                : r;
   }
@@ -290,7 +292,8 @@ protected:
   StepTimes times_;
   int steps_; ///< of fields_, that serve
   bool moves_;
-  bool keeps_; ///< proofs are enough to know owners
+  query::ProofRule proof_; ///< of all coordinates between the steps
+  bool keeps_;             ///< it counts for some points
   insitu_accuracy accuracy_;
   double alpha_ = 1.0;                   ///< of the point asked last
   double step_weights_[most_steps] = {}; ///< the same, through more than two steps

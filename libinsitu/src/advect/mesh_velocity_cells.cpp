@@ -138,9 +138,10 @@ std::int64_t MeshVelocity::next_cell(const Kept& from, const Vec3d& r, double ne
   return cell >= 0 && cell < sampler_->mesh().cell_count() && may_own(cell) ? cell : -1;
 }
 
-/// The guess at the cell across the face of the own cell on which the point asked last lies.
-std::int64_t MeshVelocity::cell_across() const {
-  return keeps_ && beyond_cells_ ? next_cell(*own_, own_r_, 1e-6) : -1;
+/// The guess at the cell across the face of the own cell on which the point asked last lies, for a
+/// point x beyond that face.
+std::int64_t MeshVelocity::cell_across(const Vec3d& x) const {
+  return keeps_ && beyond_cells_ && proof_.counts_for(x) ? next_cell(*own_, own_r_, 1e-6) : -1;
 }
 
 /// What was the own cell is kept.

@@ -131,7 +131,7 @@ void BatchLocator::set_aside(const std::uint64_t* untried) {
 bool BatchLocator::try_likeliest(int tries) {
   TraversalScratch& t = s_.traversal;
   const Candidate* const candidates = t.candidates.data();
-  const bool enough = query_.proof_is_enough();
+  const bool enough = query_.proof().is_enough();
   const auto set_aside = [&](const std::uint64_t* untried) {
     enough ? this->set_aside<true>(untried) : this->set_aside<false>(untried);
   };

@@ -25,7 +25,7 @@ namespace insitu::query {
 /// through the exact test, one by one. Last the owners' parametric coordinates. Where
 /// PointQuery::tries says so, likeliest candidates are tried before, by Newton: if a
 /// certificate proves one, only those of lower ids are left to refute, or none
-/// (PointQuery::proof_is_enough). The answers are PointQuery's.
+/// (ProofRule::is_enough). The answers are PointQuery's.
 class BatchLocator {
 public:
   BatchLocator(const PointQuery& query, BatchScratch& scratch);

@@ -17,7 +17,7 @@ class DirectBatch {
 public:
   DirectBatch(const Finder& finder, const PointQuery& query, BatchScratch& scratch,
               BatchLocator& locator, BatchAnswers& answers)
-      : finder_(finder), query_(query), guesses_(query.tries() > 0 && query.proof_is_enough()),
+      : finder_(finder), query_(query), guesses_(query.tries() > 0 && query.proof().is_enough()),
         locator_(locator), pairs_(query.mesh, query.options.alpha, scratch), scratch_(scratch),
         s_(answers) {}
 

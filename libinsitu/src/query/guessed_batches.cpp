@@ -86,22 +86,22 @@ GuessedBatches::GuessedBatches(const PointQuery& query, BatchScratch& scratch, B
 
 bool GuessedBatches::may_pay(const PointQuery& query) {
   const mesh::MeshView& mesh = query.mesh;
-  return (mesh.free_of_folds || !query.tree.odd().empty()) && query.options.alpha == 1.0 &&
-         query.proof_is_enough() && (mesh.piece_count == 1 || mesh.one_mesh) &&
-         query.first_stored_cell() == 0;
+  const ProofRule proof = query.proof();
+  return proof.for_some() && query.options.alpha == 1.0 && proof.is_enough() &&
+         (mesh.piece_count == 1 || mesh.one_mesh) && query.first_stored_cell() == 0;
 }
 
-/// Guesses at cells that no point may be in are taken back, and where an odd cell may hold the
-/// point, so that a proof of another is worth nothing.
+/// Guesses at cells that own no point are taken back, and those for points for which a proof does
+/// not count.
 void GuessedBatches::check_guesses(std::span<const Vec3d> points) {
   const mesh::MeshView& mesh = query_.mesh;
   const std::size_t n = points.size();
   const auto cells = std::uint64_t(mesh.cell_count());
   for (std::size_t q = 0; q < n; ++q)
     s_.guessed[q] = std::uint64_t(s_.guessed[q]) < cells ? s_.guessed[q] : -1;
-  if (const accel::OddSlots& odd = query_.tree.odd(); !odd.empty())
+  if (const ProofRule proof = query_.proof(); !proof.for_all())
     for (std::size_t q = 0; q < n; ++q)
-      if (odd.may_hold(points[q]))
+      if (!proof.counts_for(points[q]))
         s_.guessed[q] = -1;
   if (all_own_)
     return;

@@ -76,9 +76,7 @@ bool trying_pays(const mesh::MeshView& mesh) {
 }
 
 int PointQuery::tries() const {
-  return (mesh.free_of_folds || !tree.odd().empty()) && options.alpha == 1.0 && trying_pays(mesh)
-             ? 3
-             : 0;
+  return proof().for_some() && options.alpha == 1.0 && trying_pays(mesh) ? 3 : 0;
 }
 
 /// The lowest of the candidates' cells in gridlets that hold p: the owner, since other cells have
@@ -137,7 +135,7 @@ Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
     if (is_on_boundary(map.margin, map.error))
       break;
   }
-  if (best && proof_is_enough())
+  if (best && proof().is_enough())
     return best;
   mesh::CellVertices owner;
   cells::Decision decision;

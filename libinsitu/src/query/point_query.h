@@ -6,6 +6,7 @@
 #include "accel/tree.h"
 #include "cells/decide.h"
 #include "cells/kernels.h"
+#include "query/proof.h"
 #include "query/sampler.h"
 
 /// What single and batched queries share: the query's box, the decision, the coordinates.
@@ -39,13 +40,10 @@ struct PointQuery {
   BoxRule box_rule() const {
     return BoxRule(tree.origin(), options.alpha, mesh.largest_displacement);
   }
-  /// On a mesh free of folds, and for points that none of a few odd cells may hold
-  /// (accel::OddSlots), so many candidates, those in whose boxes the point lies deepest, are
-  /// tried first by Newton's method: a certificate proves that the cell holds the point in its
-  /// interior.
+  /// Where proofs count, so many candidates, those in whose boxes the point lies deepest, are tried
+  /// first by Newton's method.
   int tries() const;
-  /// A cell so proven answers alone; else those of lower ids are looked at as well.
-  bool proof_is_enough() const { return options.accuracy != INSITU_EXACT || mesh.covers_once; }
+  ProofRule proof() const { return {mesh, tree, options}; }
   /// Cells below are gridlets', whose candidates stand for whole gridlets.
   std::int64_t first_stored_cell() const {
     return mesh.piece_count > 0 && mesh.pieces[0].gridlets ? mesh.first_cell[1] : 0;

@@ -12,7 +12,8 @@ RayBatch::RayBatch(const PointQuery& query, const accel::RayLocator& rays, Batch
 
 Answered RayBatch::run(std::span<const Vec3d> points) {
   const bool fast = query_.options.accuracy == INSITU_FAST;
-  if (query_.options.alpha != 1.0 || (!fast && !query_.mesh.free_of_folds))
+  const ProofRule proof = query_.proof();
+  if (query_.options.alpha != 1.0 || (!fast && !proof.for_some()))
     return answer_by_tree(points, {});
   const std::size_t n = points.size();
   batch_.begin(points);
@@ -21,9 +22,12 @@ Answered RayBatch::run(std::span<const Vec3d> points) {
     query_.options.coordinates ? answer_by_rule() : answer_by_cells(n);
     return batch_.answered();
   }
+  for (std::size_t q = 0; q < n && !proof.for_all(); ++q)
+    if (!proof.counts_for(points[q]))
+      cells_[q] = beyond_[q] = -1;
   const std::int64_t first = certify(cells_);
   const std::int64_t second = certify(beyond_);
-  if (!query_.proof_is_enough())
+  if (!proof.is_enough())
     return answer_by_tree(points, batch_.answered().locations);
   kept += first;
   by_neighbour += second;

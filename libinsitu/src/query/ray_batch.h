@@ -18,7 +18,7 @@ namespace insitu::query {
 /// not run in `fast`.
 ///
 /// The tree answers everything while the mesh is between two steps, and in `standard` and `exact`
-/// where cells may fold, since no certificate proves anything there.
+/// the points for which no proof counts (ProofRule).
 class RayBatch {
 public:
   RayBatch(const PointQuery& query, const accel::RayLocator& rays, BatchScratch& scratch,

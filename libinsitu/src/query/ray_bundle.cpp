@@ -29,10 +29,10 @@ RayBundleLocator::RayBundleLocator(const Sampler& sampler, const LocateOptions& 
   const bool by_rule = options.accuracy == INSITU_FAST && sampler.locators_ &&
                        sampler.locators_->rays(); // not by proof
   const bool by_leaves = sampler.adaptive_ && !sampler.adaptive_->gridlets();
-  const accel::OddSlots& odd = sampler.tree().odd();
-  ranked_ = sampler.mesh().piece_count > 1 || !odd.empty();
-  usable_ = !sampler.tree().empty() && (sampler.mesh().free_of_folds || !odd.empty()) &&
-            options.alpha == 1.0 && query.proof_is_enough() && !by_rule && !by_leaves;
+  const ProofRule proof = query.proof();
+  ranked_ = sampler.mesh().piece_count > 1 || !proof.for_all();
+  usable_ = !sampler.tree().empty() && proof.for_some() && options.alpha == 1.0 &&
+            proof.is_enough() && !by_rule && !by_leaves;
 }
 
 /// Neighbours, four by four, into one group.

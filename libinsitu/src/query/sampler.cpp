@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "accel/tree.h"
-#include "cells/kernels.h"
 #include "query/adaptive.h"
 #include "query/batch.h"
 #include "query/chart_image.h"
@@ -20,6 +19,7 @@
 #include "query/locators.h"
 #include "query/order.h"
 #include "query/point_query.h"
+#include "query/proof.h"
 #include "query/ray_batch.h"
 
 namespace insitu::query {
@@ -183,17 +183,12 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
     found = DualFinder(*adaptive_, hint, shown_).find(p, at, why, guess);
   else if (adaptive_)
     found = LeafFinder(adaptive_->leaves()).find(p, at, why);
-  const bool proofs_count =
-      mesh_->free_of_folds ||
-      (!tree_->odd().empty() && options.alpha == 1.0 && !tree_->odd().may_hold(p));
-  if (!found && guess >= 0 && proofs_count && guess < mesh_->cell_count() && owns(guess)) {
+  if (!found && guess >= 0 && guess < mesh_->cell_count() &&
+      ProofRule(*mesh_, *tree_, options).counts_for(p) && owns(guess)) {
     mesh::CellVertices cell;
     mesh::gather(*mesh_, guess, cell, options.alpha);
-    const auto map = cells::inverse_map(cell.shape, cell.x, p);
-    if (map.margin > map.error) {
-      at = {guess, map.r};
+    if ((at = try_cell(cell, guess, p)))
       why = Reason::certified;
-    }
   }
   if (!found && !at && (dual || !adaptive_))
     at = PointQuery{*mesh_, *tree_, options}.locate(p, why);

@@ -6,6 +6,7 @@
 #include "advect/cells_beyond.h"
 #include "core/status.h"
 #include "core/unsigned_zero.h"
+#include "query/proof.h"
 #include "scene/tracer_effects.h"
 #include "scene/track_writer.h"
 
@@ -85,7 +86,7 @@ void TracerAction::plan_neighbours(const query::CommittedMesh& mesh, Plan& plan)
               "once the tree was asked for one of them a cell: their numbers do not tell");
   else
     plan.skip(item, mesh.mesh().is_adaptive() ? "the leaves are found by their levels"
-                    : mesh.mesh().view().free_of_folds
+                    : query::ProofRule(mesh.mesh().view(), mesh.tree(), {}).for_some()
                         ? "the cells' numbers tell"
                         : "cells fold, or it is not known whether: particles ask the tree");
 }
