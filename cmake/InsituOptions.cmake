@@ -50,7 +50,7 @@ function(insitu_inlined_kernels target)
   endif()
 endfunction()
 
-# insitu_unity(target): compiles the target's C++ files in groups of one folder, which takes less than half of the
+# insitu_unity(target): compiles the target's C++ files in groups of one module, which takes less than half of the
 # time, as headers and templates of the standard library are worked through once a group. Files that Highway compiles
 # once for each SIMD target stay alone, and so do the named ones, whose local names others of their folder have too
 # or which instantiate long templates by themselves.
@@ -66,6 +66,7 @@ function(insitu_unity target)
     file(STRINGS ${file} once_a_target REGEX "foreach_target" LIMIT_COUNT 1)
     get_filename_component(folder ${file} DIRECTORY)
     file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})
+    string(REGEX REPLACE "^libinsitu/src/(accel/(embree|faces|morton)|[^/]+).*" "\\1" folder ${folder}) # rooms of a module together
     if(once_a_target OR name IN_LIST ARGN)
       set_source_files_properties(${file} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
       continue()

@@ -9,9 +9,9 @@
 #include <string_view>
 
 #include "core/status.h"
-#include "scene/parse.h"
-#include "scene/points.h"
-#include "scene/points_file.h"
+#include "scene/parse/parse.h"
+#include "scene/probes/points.h"
+#include "scene/probes/points_file.h"
 
 using namespace insitu;
 

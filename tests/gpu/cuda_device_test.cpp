@@ -1,7 +1,7 @@
 // The CUDA backend with arrays, points and tracers in device memory.
 #include <gtest/gtest.h>
 
-#include "advect/mesh_velocity.h"
+#include "advect/field/mesh_velocity.h"
 #include "cuda_mesh.h"
 
 using namespace insitu;

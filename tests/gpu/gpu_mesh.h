@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "accel/device_locator.h"
-#include "accel/faces/face_table.h"
+#include "accel/faces/mesh_faces.h"
 #include "fixtures/committed.h"
 
 /// What tests of ray methods on a device need: meshes with their faces, points that try to break
@@ -119,7 +119,7 @@ struct RayMesh {
   }
 
   fixtures::Committed on_cpu;
-  accel::FaceTable faces;
+  accel::MeshFaces faces;
 
 private:
   struct View {

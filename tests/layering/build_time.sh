@@ -11,20 +11,20 @@ ceiling=${2:-60}
 object=$(mktemp)
 trap 'rm -f "$object"' EXIT
 failed=0
-for source in volume volume_gather volume_levels volume_shadow path_tracer path_wave isosurface \
-              cell_roots surfaces shade; do
+for source in volume/volume volume/volume_gather volume/volume_levels volume/volume_shadow path/path_tracer \
+              path/path_wave surface/isosurface surface/cell_roots surface/surfaces surface/shade; do
   # The command of a source that is compiled by itself, however others are grouped; the last one
   # makes the object, those before it are of what it depends on.
-  target=libinsitu/CMakeFiles/insitu_objects.dir/src/render/path_tracer.cpp.o
+  target=libinsitu/CMakeFiles/insitu_objects.dir/src/render/path/path_tracer.cpp.o
   command=$(ninja -C "$build" -t commands "$target" | tail -1 |
             sed -e 's/^[^ ]*ccache //' -e "s| -o $target| -o $object|" -e 's/ -MD -MT [^ ]* -MF [^ ]*//' \
-                -e "s|render/path_tracer.cpp|render/$source.cpp|")
+                -e "s|render/path/path_tracer.cpp|render/$source.cpp|")
   seconds=$(cd "$build" && { TIMEFORMAT=%U; time eval "$command" 2>&1 >&3; } 3>&1 2>&1 | tail -1)
   verdict=
   if awk "BEGIN { exit !($seconds > $ceiling) }"; then
     verdict="  more than the ceiling of $ceiling s"
     failed=1
   fi
-  printf '%-16s %7.1f s%s\n' "$source" "$seconds" "$verdict"
+  printf '%-24s %7.1f s%s\n' "$source" "$seconds" "$verdict"
 done
 exit $failed

@@ -1,7 +1,7 @@
 # Holds every #include in libinsitu/src to the module order of DESIGN.md, section 2.
 # Run by: cmake -DSOURCE=<libinsitu/src> -P layering.cmake
 cmake_minimum_required(VERSION 3.22)
-set(order core math mesh cells amr accel query advect render output scene api)
+set(order core math mesh cells amr accel query commit advect render output scene api)
 
 # allowed(<module>): the modules to its left; advect and render do not see each other.
 function(allowed module result)
@@ -19,7 +19,10 @@ function(allowed module result)
   if(module STREQUAL "render")
     list(REMOVE_ITEM left advect)
   endif()
-  if(module MATCHES "^(query|advect|render)$") # meshes in longitude and latitude: geo/chart.h
+  if(module MATCHES "^(advect|render|output)$") # they get samplers, whoever committed the mesh
+    list(REMOVE_ITEM left commit)
+  endif()
+  if(module MATCHES "^(query|commit|advect|render)$") # meshes in longitude and latitude: geo/chart.h
     list(APPEND left geo)
   endif()
   if(module STREQUAL "scene" OR module STREQUAL "api")
@@ -41,7 +44,8 @@ foreach(module ${folders})
     continue()
   endif()
   allowed(${module} left)
-  file(GLOB_RECURSE files ${SOURCE}/${module}/*.h ${SOURCE}/${module}/*.cpp ${SOURCE}/${module}/*.inl)
+  file(GLOB_RECURSE files ${SOURCE}/${module}/*.h ${SOURCE}/${module}/*.cpp ${SOURCE}/${module}/*.inl ${SOURCE}/${module}/*.cu
+       ${SOURCE}/${module}/*.cuh)
   foreach(file ${files})
     file(STRINGS ${file} lines REGEX "^#include \"")
     foreach(line ${lines})

@@ -8,11 +8,11 @@
 #include "accel/locator.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "mesh/mesh.h"
+#include "mesh/registered/mesh.h"
 
 namespace insitu::accel {
 
-class FaceTable;
+class MeshFaces;
 
 /// Where queries are answered for the whole batch at once, on a device. Points and outputs lie in
 /// host memory, or all in device memory; then the work is queued on the stream. `fast` waits for
@@ -89,7 +89,7 @@ public:
   /// core::Error.
   /// host: asked for when faces or triangles are made, by methods that use faces.
   virtual void commit(const mesh::Mesh& mesh, HostView host, std::uint32_t what,
-                      const FaceTable* faces, const core::Threads& threads) = 0;
+                      const MeshFaces* faces, const core::Threads& threads) = 0;
   /// The answers of query::Sampler on the same mesh; `fast` answers by the papers' rules in float.
   virtual DeviceCounts locate(const DeviceQuery& query) const = 0;
   /// Moves tracers by steps of Kutta's method of order 4, as advect::Rk4 does. One that a

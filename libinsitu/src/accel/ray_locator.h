@@ -12,7 +12,7 @@
 
 namespace insitu::accel {
 
-class FaceTable;
+class MeshFaces;
 
 /// Sizes of a ray method's structures.
 struct RayLocatorReport {
@@ -29,7 +29,7 @@ public:
   virtual ~RayLocator() = default;
   /// Builds over all owning cells. faces: of this mesh, for methods that use them, else null. Both
   /// are read by the other calls, too. Throws core::Error.
-  virtual void build(const mesh::MeshView& mesh, const FaceTable* faces,
+  virtual void build(const mesh::MeshView& mesh, const MeshFaces* faces,
                      const core::Threads& threads) = 0;
   /// Follows moved vertices; the cells are those that were built.
   virtual void refit(const mesh::MeshView& mesh, const core::Threads& threads) = 0;

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "cells/kernels.h"
+#include "cells/kernels/kernels.h"
 #include "mesh/ghosts.h"
-#include "query/ahead.h"
 #include "query/chart_image.h"
-#include "query/face_crossing.h"
+#include "query/walk/ahead.h"
+#include "query/walk/face_crossing.h"
 
 namespace insitu::advect {
 

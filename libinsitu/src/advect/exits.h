@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "advect/settings.h"
+#include "advect/integrate/settings.h"
 #include "query/some_cells.h"
 
 namespace insitu::advect {

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "advect/settings.h"
+#include "advect/integrate/settings.h"
 #include "core/archive.h"
 #include "core/memory.h"
 

@@ -9,16 +9,16 @@
 #include <type_traits>
 #include <vector>
 
-#include "advect/chart_velocity.h"
-#include "advect/check.h"
-#include "advect/integrations.h"
-#include "advect/lanes.h"
-#include "advect/mesh_velocity.h"
-#include "advect/mover.h"
-#include "advect/snapshots.h"
+#include "advect/effects/mover.h"
+#include "advect/field/chart_velocity.h"
+#include "advect/field/mesh_velocity.h"
+#include "advect/integrate/check.h"
+#include "advect/integrate/integrations.h"
+#include "advect/lanes/lanes.h"
+#include "advect/lines/snapshots.h"
 #include "core/status.h"
-#include "query/attached.h"
-#include "query/beside_mesh.h"
+#include "query/walk/attached.h"
+#include "query/walk/beside_mesh.h"
 
 namespace insitu::advect {
 
@@ -149,8 +149,8 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
     math::Vec3d x = v.position(p.x);
     const query::LocateOptions options{settings_.accuracy, v.geometry_alpha(p.time)};
     if (sampler.chart() && cell >= 0 && !(x == p.x) && !sampler.locate(x, cell, options))
-      (void)query::bring_inside(
-          sampler, x, query::rounding_in(sampler.mesh(), cell, options.alpha), options);
+      (void)query::bring_inside(sampler, x, query::rounding_in(sampler.mesh(), cell, options.alpha),
+                                options);
     return x;
   };
   const std::unique_ptr<const CellsBeyond> beyond = CellsBeyond::worth(sampler, count);

@@ -4,12 +4,12 @@
 #include <limits>
 #include <span>
 
-#include "advect/crossing_velocity.h"
-#include "advect/effects.h"
+#include "advect/effects/effects.h"
 #include "advect/exits.h"
+#include "advect/field/crossing_velocity.h"
+#include "advect/integrate/settings.h"
+#include "advect/lines/snapshots.h"
 #include "advect/particles.h"
-#include "advect/settings.h"
-#include "advect/snapshots.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/view.h"

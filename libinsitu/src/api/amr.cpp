@@ -7,22 +7,22 @@ using api::with_mesh;
 extern "C" {
 
 insitu_status insitu_mesh_amr(insitu_mesh mesh, const insitu_amr* amr) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) { m.mesh().set_amr(amr); });
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) { m.mesh().set_amr(amr); });
 }
 
 insitu_status insitu_mesh_patch(insitu_mesh mesh, int32_t piece, const insitu_patch* patch) {
   return with_mesh(
-      mesh, [&](api::Session&, query::CommittedMesh& m) { m.mesh().set_patch(piece, patch); });
+      mesh, [&](api::Session&, commit::CommittedMesh& m) { m.mesh().set_patch(piece, patch); });
 }
 
 insitu_status insitu_mesh_leaves(insitu_mesh mesh, int32_t piece, const insitu_leaves* leaves) {
   return with_mesh(
-      mesh, [&](api::Session&, query::CommittedMesh& m) { m.mesh().set_leaves(piece, leaves); });
+      mesh, [&](api::Session&, commit::CommittedMesh& m) { m.mesh().set_leaves(piece, leaves); });
 }
 
 insitu_status insitu_mesh_cell_levels(insitu_mesh mesh, int64_t count, const int64_t* cells,
                                       const int32_t* pieces, int64_t cell_base, int32_t* levels) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     const mesh::Mesh& own = m.mesh();
     const std::string name = "mesh '" + own.name() + "', levels of cells: ";
     m.require_committed();

@@ -6,7 +6,7 @@
 
 #include "api/amr_watch.h"
 #include "core/parallel.h"
-#include "mesh/mesh.h"
+#include "mesh/registered/mesh.h"
 
 namespace insitu::api {
 

@@ -5,7 +5,7 @@
 #include "api/session.h"
 #include "core/caller_struct.h"
 #include "core/timer.h"
-#include "scene/frames.h"
+#include "scene/earth/reference_frames.h"
 
 namespace insitu::api {
 
@@ -39,7 +39,7 @@ accel::DeviceQuery query_of(const insitu_locate_args& args, std::int64_t first) 
 } // namespace
 
 /// Points and answers stay on the device; only points it has to settle come to the host.
-void Session::answer_in_device_memory(const query::CommittedMesh& mesh,
+void Session::answer_in_device_memory(const commit::CommittedMesh& mesh,
                                       const insitu_locate_args& args, const QueryPoints& points,
                                       std::span<const mesh::FieldView> fields,
                                       double* const* values) {
@@ -63,7 +63,7 @@ void Session::answer_in_device_memory(const query::CommittedMesh& mesh,
 }
 
 /// Points and answers on the host.
-void Session::answer_by_device(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+void Session::answer_by_device(const commit::CommittedMesh& mesh, const insitu_locate_args& args,
                                const QueryPoints& points, std::span<const mesh::FieldView> fields,
                                double* const* values) {
   const std::int64_t n = points.count();
@@ -91,7 +91,7 @@ void Session::answer_by_device(const query::CommittedMesh& mesh, const insitu_lo
 void Session::advance(SessionMesh& to, const insitu_advance_args& given) {
   const core::Timer timer;
   const insitu_advance_args args = core::from_caller(&given, "args");
-  const query::CommittedMesh& mesh = committed(to);
+  const commit::CommittedMesh& mesh = committed(to);
   if (!mesh.device())
     refuse(
         "advance: particles in device memory need a locator on a device; insitu_mesh_locator and "

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/log.h"
-#include "mesh/mesh.h"
+#include "mesh/registered/mesh.h"
 
 namespace insitu::api {
 

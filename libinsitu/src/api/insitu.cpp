@@ -5,7 +5,7 @@
 #include "api/entry.h"
 #include "core/caller_struct.h"
 #include "core/unsigned_zero.h"
-#include "scene/frames.h"
+#include "scene/earth/reference_frames.h"
 
 using namespace insitu;
 using api::guarded;
@@ -157,19 +157,19 @@ insitu_status insitu_session_execute(insitu_session session, int64_t cycle, doub
 
 insitu_status insitu_mesh_points(insitu_mesh mesh, int32_t piece, const insitu_array* arrays,
                                  int32_t array_count) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     m.mesh().set_points(piece, arrays, array_count);
   });
 }
 
 insitu_status insitu_mesh_cells(insitu_mesh mesh, int32_t piece, const insitu_cells* cells) {
   return with_mesh(
-      mesh, [&](api::Session&, query::CommittedMesh& m) { m.mesh().set_cells(piece, cells); });
+      mesh, [&](api::Session&, commit::CommittedMesh& m) { m.mesh().set_cells(piece, cells); });
 }
 
 insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece, const insitu_block* block) {
   return with_mesh(
-      mesh, [&](api::Session&, query::CommittedMesh& m) { m.mesh().set_block(piece, block); });
+      mesh, [&](api::Session&, commit::CommittedMesh& m) { m.mesh().set_block(piece, block); });
 }
 
 insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, const char* name,
@@ -183,7 +183,7 @@ insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, const char* nam
 }
 
 insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* name) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     require(name, "name");
     m.mesh().remove_field(name);
   });
@@ -191,17 +191,17 @@ insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* name) {
 
 insitu_status insitu_mesh_drop_pieces(insitu_mesh mesh, int32_t first) {
   return with_mesh(mesh,
-                   [&](api::Session&, query::CommittedMesh& m) { m.mesh().drop_pieces(first); });
+                   [&](api::Session&, commit::CommittedMesh& m) { m.mesh().drop_pieces(first); });
 }
 
 insitu_status insitu_mesh_separate_pieces(insitu_mesh mesh, int separate) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     m.mesh().set_separate_pieces(separate != 0);
   });
 }
 
 insitu_status insitu_mesh_field_blank(insitu_mesh mesh, const char* name, double value) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     require(name, "name");
     m.mesh().add_blank(name, value);
   });
@@ -209,20 +209,20 @@ insitu_status insitu_mesh_field_blank(insitu_mesh mesh, const char* name, double
 
 insitu_status insitu_mesh_hidden_points(insitu_mesh mesh, int32_t piece,
                                         const insitu_array* array) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     m.mesh().set_hidden_points(piece, array);
   });
 }
 
 insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece, const insitu_array* array,
                                  insitu_ghost_convention convention) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     m.mesh().set_ghosts(piece, array, convention);
   });
 }
 
 insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame* frame) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     require(frame, "frame");
     const insitu_frame now = scene::read_frame(*frame);
     const bool was = m.frame.kind == INSITU_FRAME_GEODETIC, is = now.kind == INSITU_FRAME_GEODETIC;
@@ -238,7 +238,7 @@ insitu_status insitu_mesh_locator(insitu_mesh mesh, const insitu_locator* locato
 }
 
 insitu_status insitu_mesh_locator_info(insitu_mesh mesh, insitu_locator_info* info) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     require(info, "info");
     core::to_caller(m.locator_info(), info, "info");
   });
@@ -271,7 +271,7 @@ insitu_status insitu_mesh_commit(insitu_mesh mesh, insitu_commit_report* report)
 }
 
 insitu_status insitu_mesh_validate(insitu_mesh mesh, insitu_validation* validation) {
-  return with_mesh(mesh, [&](api::Session& s, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session& s, commit::CommittedMesh& m) {
     const cells::Validation found = m.validate(s.context().threads);
     if (validation)
       core::to_caller(found.counts, validation, "validation");
@@ -281,14 +281,14 @@ insitu_status insitu_mesh_validate(insitu_mesh mesh, insitu_validation* validati
 }
 
 insitu_status insitu_mesh_amr_info(insitu_mesh mesh, insitu_amr_info* info) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     require(info, "info");
     core::to_caller(m.amr_info(), info, "info");
   });
 }
 
 insitu_status insitu_mesh_audit(insitu_mesh mesh, insitu_audit_entry* entries, int32_t* count) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     require(count, "count");
     const std::vector<insitu_audit_entry> all = m.audit();
     for (std::size_t i = 0; entries && i < all.size() && std::int64_t(i) < *count; ++i)
@@ -325,7 +325,7 @@ insitu_status insitu_mesh_sample_point(insitu_mesh mesh, const char* field, cons
 
 insitu_status insitu_mesh_field_info(insitu_mesh mesh, const char* name, int32_t* components,
                                      insitu_association* association) {
-  return with_mesh(mesh, [&](api::Session&, query::CommittedMesh& m) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     require(name, "name");
     const mesh::FieldView field = m.mesh().own_field(name);
     if (components)

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "output/file_lock.h"
-#include "scene/description.h"
+#include "output/files/file_lock.h"
+#include "scene/parse/description.h"
 
 namespace insitu::api {
 

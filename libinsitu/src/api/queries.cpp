@@ -5,7 +5,7 @@
 #include "api/session.h"
 #include "core/caller_struct.h"
 #include "core/timer.h"
-#include "scene/frames.h"
+#include "scene/earth/reference_frames.h"
 
 namespace insitu::api {
 
@@ -44,7 +44,7 @@ void put_answers(const query::Answered& answered, std::size_t first, const mesh:
 }
 
 /// The same of cells that are not the solver's own.
-void put_own_answers(const query::CommittedMesh& mesh, const query::Answered& answered,
+void put_own_answers(const commit::CommittedMesh& mesh, const query::Answered& answered,
                      std::span<const math::Vec3d> points, std::size_t first,
                      const insitu_locate_args& args) {
   if (!args.cells && !args.pieces && !args.parametric) // found and reasons are the same
@@ -59,7 +59,7 @@ void put_own_answers(const query::CommittedMesh& mesh, const query::Answered& an
 
 } // namespace
 
-const query::CommittedMesh& Session::committed(SessionMesh& mesh) {
+const commit::CommittedMesh& Session::committed(SessionMesh& mesh) {
   mesh.mesh.require_committed();
   if (checks(mesh))
     mesh.watch.expect_unchanged(INSITU_CHANGED_NOTHING, context_.threads);
@@ -67,7 +67,7 @@ const query::CommittedMesh& Session::committed(SessionMesh& mesh) {
 }
 
 void Session::for_each_slice(
-    const query::CommittedMesh& mesh, const insitu_locate_args& args, const QueryPoints& points,
+    const commit::CommittedMesh& mesh, const insitu_locate_args& args, const QueryPoints& points,
     core::FunctionRef<void(std::int64_t, std::span<const math::Vec3d>)> visit) {
   const std::int64_t n = points.count();
   // A conversion that fails must do so before anything is answered.
@@ -86,7 +86,7 @@ void Session::for_each_slice(
   }
 }
 
-void Session::answer(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+void Session::answer(const commit::CommittedMesh& mesh, const insitu_locate_args& args,
                      const QueryPoints& points, std::span<const mesh::FieldView> fields,
                      double* const* values) {
   if (args.memory == INSITU_DEVICE)
@@ -118,7 +118,7 @@ void Session::answer(const query::CommittedMesh& mesh, const insitu_locate_args&
 
 void Session::locate(SessionMesh& to, const insitu_locate_args& args) {
   const core::Timer timer;
-  const query::CommittedMesh& mesh = committed(to);
+  const commit::CommittedMesh& mesh = committed(to);
   const QueryPoints points(args);
   QueryOutputs(args, points.count()).refuse_overlaps(points, mesh.mesh(), {});
   answer(mesh, args, points, {}, nullptr);
@@ -132,7 +132,7 @@ void Session::sample(SessionMesh& to, const insitu_sample_args& given) {
     throw Error(INSITU_ERROR_ARGUMENT, "field_count is " + std::to_string(args.field_count) +
                                            (args.fields ? "" : ", fields is null") +
                                            (args.values ? "" : ", values is null"));
-  const query::CommittedMesh& mesh = committed(to);
+  const commit::CommittedMesh& mesh = committed(to);
   const QueryPoints points(args.locate);
   const std::int64_t n = points.count();
   QueryOutputs outputs(args.locate, n);
@@ -157,7 +157,7 @@ bool Session::sample_point(SessionMesh& to, const std::string& field, const doub
   to.mesh.require_committed();
   if (checks(to))
     to.watch.expect_unchanged_chunk();
-  const query::CommittedMesh& mesh = to.mesh;
+  const commit::CommittedMesh& mesh = to.mesh;
   const mesh::FieldView view = mesh.mesh().field(field);
   if (mesh.lies_on_device()) { // one point is a dear batch there
     insitu_locate_args args = insitu_locate_args_default();

@@ -8,8 +8,8 @@
 #include "insitu/insitu.h"
 
 #include "math/vec.h"
-#include "mesh/external_array.h"
-#include "mesh/mesh.h"
+#include "mesh/registered/external_array.h"
+#include "mesh/registered/mesh.h"
 
 namespace insitu::api {
 

@@ -5,7 +5,7 @@
 #include "core/caller_struct.h"
 #include "core/simd_target.h"
 #include "core/timer.h"
-#include "scene/parse.h"
+#include "scene/parse/parse.h"
 
 namespace insitu::api {
 
@@ -60,8 +60,10 @@ void Session::note_communicator() {
   if (communicator_ || fortran_communicator_ != INSITU_NO_COMMUNICATOR)
     context_.log.warning(
         "communicator: this version keeps it and does not use it. Each process works on its own "
-        "pieces alone: probes and tracers end where these do, images show these, totals are of this "
-        "process, and nothing is exchanged or waited for. Give each process an output folder of its "
+        "pieces alone: probes and tracers end where these do, images show these, totals are of "
+        "this "
+        "process, and nothing is exchanged or waited for. Give each process an output folder of "
+        "its "
         "own; a second session that writes the same files is refused");
 }
 
@@ -116,7 +118,7 @@ void Session::note_changed(SessionMesh& mesh, std::uint32_t what) {
 }
 
 insitu_commit_report Session::commit(SessionMesh& to) {
-  query::CommittedMesh& mesh = to.mesh;
+  commit::CommittedMesh& mesh = to.mesh;
   const std::uint32_t said = mesh.mesh().pending();
   if (checked_)
     to.given.check(mesh.mesh(), context_.log);
@@ -179,8 +181,8 @@ std::string Session::try_default_runner() {
   }
 }
 
-std::vector<query::CommittedMesh*> Session::commit_all() {
-  std::vector<query::CommittedMesh*> meshes;
+std::vector<commit::CommittedMesh*> Session::commit_all() {
+  std::vector<commit::CommittedMesh*> meshes;
   for (const auto& m : meshes_) {
     commit(*m);
     meshes.push_back(&m->mesh);
@@ -189,7 +191,7 @@ std::vector<query::CommittedMesh*> Session::commit_all() {
 }
 
 const std::string& Session::plan() {
-  const std::vector<query::CommittedMesh*> meshes = commit_all();
+  const std::vector<commit::CommittedMesh*> meshes = commit_all();
   if (!runner_ && default_scene_)
     make_default_runner();
   plan_ = runner_ ? runner_->plan(meshes).text() : std::string();
@@ -198,7 +200,7 @@ const std::string& Session::plan() {
 
 std::string Session::execute(std::int64_t cycle, double time) {
   locks_.take_missing();
-  const std::vector<query::CommittedMesh*> meshes = commit_all();
+  const std::vector<commit::CommittedMesh*> meshes = commit_all();
   ++statistics_.executions;
   const bool any_cells = std::any_of(meshes.begin(), meshes.end(), [](const auto* mesh) {
     return mesh->mesh().own_view().cell_count() > 0;
@@ -212,7 +214,7 @@ std::string Session::execute(std::int64_t cycle, double time) {
 void Session::checkpoint(const std::string& path) {
   if (!runner_ || statistics_.executions == 0)
     throw Error(INSITU_ERROR_ORDER, "checkpoint '" + path + "': nothing was executed yet");
-  std::vector<query::CommittedMesh*> meshes;
+  std::vector<commit::CommittedMesh*> meshes;
   for (const auto& m : meshes_) {
     if (!m->mesh.committed())
       throw Error(INSITU_ERROR_ORDER, "checkpoint '" + path + "': mesh '" + m->mesh.mesh().name() +

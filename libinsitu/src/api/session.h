@@ -11,17 +11,17 @@
 #include "api/given_watch.h"
 #include "api/output_locks.h"
 #include "api/query_args.h"
+#include "commit/committed_mesh.h"
 #include "core/context.h"
 #include "core/memory.h"
-#include "query/committed_mesh.h"
-#include "scene/runner.h"
+#include "scene/run/runner.h"
 
 namespace insitu::api {
 
 /// A mesh of a session, with the handle that the caller holds.
 struct SessionMesh {
   SessionMesh(const std::string& name, core::Memory& memory) : mesh(name, memory), watch(memory) {}
-  query::CommittedMesh mesh;
+  commit::CommittedMesh mesh;
   ArrayWatch watch; ///< used by checked sessions, and so is the next
   GivenWatch given;
   insitu_mesh handle = nullptr;
@@ -74,22 +74,22 @@ private:
     return checked_ && !mesh.mesh.mesh().lies_on_device();
   }
   /// The mesh, if it may be queried.
-  const query::CommittedMesh& committed(SessionMesh& mesh);
+  const commit::CommittedMesh& committed(SessionMesh& mesh);
   /// Locates the points, a slice at a time, and writes what args asks for and the fields' values.
-  void answer(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+  void answer(const commit::CommittedMesh& mesh, const insitu_locate_args& args,
               const QueryPoints& points, std::span<const mesh::FieldView> fields,
               double* const* values);
-  void answer_in_device_memory(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+  void answer_in_device_memory(const commit::CommittedMesh& mesh, const insitu_locate_args& args,
                                const QueryPoints& points, std::span<const mesh::FieldView> fields,
                                double* const* values);
-  void answer_by_device(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+  void answer_by_device(const commit::CommittedMesh& mesh, const insitu_locate_args& args,
                         const QueryPoints& points, std::span<const mesh::FieldView> fields,
                         double* const* values);
   /// Calls visit(first, points) for slices of points, as doubles in the mesh's frame.
-  void for_each_slice(const query::CommittedMesh& mesh, const insitu_locate_args& args,
+  void for_each_slice(const commit::CommittedMesh& mesh, const insitu_locate_args& args,
                       const QueryPoints& points,
                       core::FunctionRef<void(std::int64_t, std::span<const math::Vec3d>)> visit);
-  std::vector<query::CommittedMesh*> commit_all();
+  std::vector<commit::CommittedMesh*> commit_all();
   void note_communicator();
   void make_runner(const scene::SceneDescription& scene);
   void make_default_runner();
@@ -107,7 +107,7 @@ private:
   core::Buffer<math::Vec3d> query_points_; ///< scratch of queries, kept from one to the next
   std::vector<std::unique_ptr<SessionMesh>> meshes_;
   std::optional<scene::SceneDescription> scene_; ///< that the caller gave
-  OutputLocks locks_; ///< of what the runner writes
+  OutputLocks locks_;                            ///< of what the runner writes
   std::unique_ptr<scene::Runner> runner_;
   std::string default_failure_; ///< the last one logged
   std::string plan_;            ///< the last one

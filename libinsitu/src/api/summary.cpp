@@ -2,8 +2,8 @@
 
 #include "advect/particles.h"
 #include "api/session.h"
-#include "output/atomic_file.h"
-#include "output/csv.h"
+#include "output/files/atomic_file.h"
+#include "output/files/csv.h"
 
 namespace insitu::api {
 

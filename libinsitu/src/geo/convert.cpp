@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/status.h"
-#include "geo/frames.h"
+#include "geo/reference_frames.h"
 
 namespace insitu::geo {
 
@@ -62,15 +62,15 @@ double vertical(const Frame& frame, double value) {
 /// A frame's angle in degrees; the quarter turn of a pole exactly.
 double angle_to_degrees(const Frame& frame, double angle) {
   constexpr double pole = std::numbers::pi / 2;
-  return !frame.radians               ? angle
-         : std::abs(angle) == pole    ? std::copysign(90.0, angle)
-                                      : angle * (180 / std::numbers::pi);
+  return !frame.radians            ? angle
+         : std::abs(angle) == pole ? std::copysign(90.0, angle)
+                                   : angle * (180 / std::numbers::pi);
 }
 
 double angle_from_degrees(const Frame& frame, double angle) {
-  return !frame.radians           ? angle
-         : std::abs(angle) == 90  ? std::copysign(std::numbers::pi / 2, angle)
-                                  : angle * (std::numbers::pi / 180);
+  return !frame.radians          ? angle
+         : std::abs(angle) == 90 ? std::copysign(std::numbers::pi / 2, angle)
+                                 : angle * (std::numbers::pi / 180);
 }
 
 double central_meridian(const Frame& frame) {

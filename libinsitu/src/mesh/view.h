@@ -55,9 +55,9 @@ struct MeshView {
   const math::Vec3d* earlier_points = nullptr;
   /// How far a vertex is from its earlier place, at most, along any axis.
   double largest_displacement = 0.0;
-  /// Of several pieces: the mesh is as good as one piece, since no two pieces' cells share interior as
-  /// far as a search tells (query/overlaps.h), or since the pieces behind the first are copies of its
-  /// cells where these are hidden, or far from all others.
+  /// Of several pieces: the mesh is as good as one piece, since no two pieces' cells share interior
+  /// as far as a search tells (commit/checks/overlaps.h), or since the pieces behind the first are
+  /// copies of its cells where these are hidden, or far from all others.
   bool one_mesh = false;
   /// Vertices of different pieces that coincide bit for bit are one for averages and normals.
   bool join_pieces = false;

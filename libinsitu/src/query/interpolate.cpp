@@ -3,13 +3,13 @@
 #include <limits>
 #include <utility>
 
-#include "cells/kernels.h"
+#include "cells/kernels/kernels.h"
+#include "query/batch/query_boxes.h"
 #include "query/chart_image.h"
-#include "query/gridlet_query.h"
-#include "query/gridlet_values.h"
-#include "query/query_boxes.h"
+#include "query/lattice/gridlet_query.h"
+#include "query/lattice/gridlet_values.h"
+#include "query/lattice/stitching_values.h"
 #include "query/sampler.h"
-#include "query/stitching_values.h"
 
 /// Values at locations: Sampler's, but for finding these.
 namespace insitu::query {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "mesh/mesh.h"
+#include "mesh/registered/mesh.h"
 
 namespace insitu::query {
 
@@ -24,7 +24,7 @@ void Locators::make_faces(accel::HostView host, const core::Threads& threads) {
   if (pick_.method != Method::bvh)
     faces_.build(host(), threads);
   else
-    faces_ = accel::FaceTable(*memory_);
+    faces_ = accel::MeshFaces(*memory_);
 }
 
 void Locators::commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_t what,

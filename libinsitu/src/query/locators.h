@@ -5,9 +5,9 @@
 #include <string>
 
 #include "accel/device_locator.h"
-#include "accel/faces/face_table.h"
+#include "accel/faces/mesh_faces.h"
 #include "accel/ray_locator.h"
-#include "accel/tree.h"
+#include "accel/tree/tree.h"
 #include "core/log.h"
 #include "query/locator_choice.h"
 #include "query/sampler.h"
@@ -41,7 +41,7 @@ public:
   const accel::RayLocator* rays() const { return rays_.get(); }
   const accel::DeviceLocator* device() const { return device_.get(); }
   /// Made for methods that use faces, and to find out whether cells overlap; empty else.
-  const accel::FaceTable& faces() const { return faces_; }
+  const accel::MeshFaces& faces() const { return faces_; }
 
   /// How often structures beside the host's tree were made and refitted, since the mesh was made.
   struct Upkeep {
@@ -60,7 +60,7 @@ private:
   LocatorPick pick_;
   bool pending_ = true;
   std::string said_; ///< the last fallback that was logged
-  accel::FaceTable faces_;
+  accel::MeshFaces faces_;
   std::unique_ptr<accel::RayLocator> rays_;
   std::unique_ptr<accel::DeviceLocator> device_;
   Upkeep upkeep_;

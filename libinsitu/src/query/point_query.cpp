@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "cells/kernels.h"
-#include "query/candidates.h"
-#include "query/gridlet_query.h"
+#include "cells/kernels/kernels.h"
+#include "query/batch/candidates.h"
+#include "query/lattice/gridlet_query.h"
 
 namespace insitu::query {
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <span>
 
-#include "accel/tree.h"
-#include "cells/decide.h"
-#include "cells/kernels.h"
+#include "accel/tree/tree.h"
+#include "cells/exact/decide.h"
+#include "cells/kernels/kernels.h"
 #include "query/proof.h"
 #include "query/sampler.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "accel/tree.h"
-#include "cells/kernels.h"
+#include "accel/tree/tree.h"
+#include "cells/kernels/kernels.h"
 #include "query/sampler.h"
 
 /// The one rule that says when a proof answers for a point, and the one trial of a cell. A proof is

@@ -7,20 +7,20 @@
 #include <utility>
 #include <vector>
 
-#include "accel/tree.h"
-#include "query/adaptive.h"
-#include "query/batch.h"
+#include "accel/tree/tree.h"
+#include "query/batch/batch.h"
+#include "query/batch/direct_batch.h"
+#include "query/batch/guessed_batches.h"
+#include "query/batch/order.h"
+#include "query/batch/ray_batch.h"
 #include "query/chart_image.h"
-#include "query/culled_cells.h"
-#include "query/direct_batch.h"
-#include "query/dual_query.h"
-#include "query/guessed_batches.h"
-#include "query/leaf_query.h"
+#include "query/lattice/adaptive.h"
+#include "query/lattice/culled_cells.h"
+#include "query/lattice/dual_query.h"
+#include "query/lattice/leaf_query.h"
 #include "query/locators.h"
-#include "query/order.h"
 #include "query/point_query.h"
 #include "query/proof.h"
-#include "query/ray_batch.h"
 
 namespace insitu::query {
 

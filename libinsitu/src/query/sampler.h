@@ -6,7 +6,7 @@
 #include <span>
 
 #include "accel/morton/sort.h"
-#include "cells/decide.h"
+#include "cells/exact/decide.h"
 #include "core/parallel.h"
 #include "math/vec.h"
 #include "mesh/view.h"

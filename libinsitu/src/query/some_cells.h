@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "accel/tree.h"
+#include "accel/tree/tree.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/view.h"

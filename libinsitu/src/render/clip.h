@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "math/vec.h"
-#include "render/camera.h"
+#include "render/camera/camera.h"
 
 namespace insitu::render {
 

@@ -6,8 +6,8 @@
 #include <mutex>
 
 #include "core/timer.h"
-#include "render/path_tracer.h"
-#include "render/surfaces.h"
+#include "render/path/path_tracer.h"
+#include "render/surface/surfaces.h"
 
 namespace insitu::render {
 

@@ -7,14 +7,14 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "query/sampler.h"
-#include "render/camera.h"
+#include "render/camera/camera.h"
 #include "render/clip.h"
-#include "render/isosurface.h"
 #include "render/light.h"
-#include "render/outline.h"
-#include "render/path_settings.h"
-#include "render/triangle_surfaces.h"
-#include "render/volume.h"
+#include "render/path/path_settings.h"
+#include "render/surface/isosurface.h"
+#include "render/surface/outline.h"
+#include "render/surface/triangle_surfaces.h"
+#include "render/volume/volume.h"
 
 namespace insitu::render {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "math/vec.h"
-#include "render/color.h"
+#include "render/color/color.h"
 
 namespace insitu::render {
 

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <numeric>
 
-#include "amr/dual_cells.h"
+#include "amr/dual/dual_cells.h"
 
 namespace insitu::bench {
 
 namespace {
 
-std::unique_ptr<query::CommittedMesh> adaptive(double spacing, int level_count,
-                                               insitu_reconstruction reconstruction,
-                                               core::Memory& memory) {
-  auto out = std::make_unique<query::CommittedMesh>("amr", memory);
+std::unique_ptr<commit::CommittedMesh> adaptive(double spacing, int level_count,
+                                                insitu_reconstruction reconstruction,
+                                                core::Memory& memory) {
+  auto out = std::make_unique<commit::CommittedMesh>("amr", memory);
   insitu_amr amr = insitu_amr_default();
   for (double& h : amr.spacing)
     h = spacing;
@@ -24,9 +24,9 @@ std::unique_ptr<query::CommittedMesh> adaptive(double spacing, int level_count,
 
 } // namespace
 
-std::unique_ptr<query::CommittedMesh> register_patches(const workload::AmrMesh& blocks,
-                                                       insitu_reconstruction reconstruction,
-                                                       core::Memory& memory) {
+std::unique_ptr<commit::CommittedMesh> register_patches(const workload::AmrMesh& blocks,
+                                                        insitu_reconstruction reconstruction,
+                                                        core::Memory& memory) {
   auto out = adaptive(blocks.spacing, blocks.level_count, reconstruction, memory);
   const std::int64_t n = blocks.cells_a_block();
   for (std::size_t b = 0; b < blocks.blocks.size(); ++b) {
@@ -45,10 +45,10 @@ std::unique_ptr<query::CommittedMesh> register_patches(const workload::AmrMesh& 
   return out;
 }
 
-std::unique_ptr<query::CommittedMesh> register_leaves(const workload::AmrLeaves& leaves,
-                                                      double spacing, int level_count,
-                                                      insitu_reconstruction reconstruction,
-                                                      core::Memory& memory) {
+std::unique_ptr<commit::CommittedMesh> register_leaves(const workload::AmrLeaves& leaves,
+                                                       double spacing, int level_count,
+                                                       insitu_reconstruction reconstruction,
+                                                       core::Memory& memory) {
   auto out = adaptive(spacing, level_count, reconstruction, memory);
   insitu_leaves registered = insitu_leaves_default();
   const auto n = std::int64_t(leaves.levels.size());
@@ -103,7 +103,7 @@ DualStatistics statistics_of(const mesh::MeshView& dual) {
   return out;
 }
 
-PlainDual plain_dual(const query::CommittedMesh& mesh) {
+PlainDual plain_dual(const commit::CommittedMesh& mesh) {
   const mesh::MeshView& dual = mesh.mesh().view();
   const mesh::FieldView field = mesh.mesh().field("f");
   const mesh::PieceView &gridlets = dual.pieces[0], &stitching = dual.pieces[1];
@@ -164,8 +164,9 @@ PlainDual welded(const PlainDual& plain) {
   return out;
 }
 
-std::unique_ptr<query::CommittedMesh> register_plain(const PlainDual& plain, core::Memory& memory) {
-  auto out = std::make_unique<query::CommittedMesh>("plain", memory);
+std::unique_ptr<commit::CommittedMesh> register_plain(const PlainDual& plain,
+                                                      core::Memory& memory) {
+  auto out = std::make_unique<commit::CommittedMesh>("plain", memory);
   const auto count = std::int64_t(plain.values.size());
   const insitu_array points = insitu_array_of(plain.points.data(), INSITU_FLOAT64, count, 3);
   out->mesh().set_points(0, &points, 1);

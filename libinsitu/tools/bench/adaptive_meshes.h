@@ -4,21 +4,21 @@
 #include <memory>
 #include <vector>
 
-#include "query/committed_mesh.h"
+#include "commit/committed_mesh.h"
 #include "workload/amr.h"
 
 namespace insitu::bench {
 
 /// Adaptive meshes over the arrays, which must outlive them, with the cell field "f"; not
 /// committed.
-std::unique_ptr<query::CommittedMesh> register_patches(const workload::AmrMesh& blocks,
+std::unique_ptr<commit::CommittedMesh> register_patches(const workload::AmrMesh& blocks,
+                                                        insitu_reconstruction reconstruction,
+                                                        core::Memory& memory);
+/// spacing: of cells of level 0, in a box from the origin.
+std::unique_ptr<commit::CommittedMesh> register_leaves(const workload::AmrLeaves& leaves,
+                                                       double spacing, int level_count,
                                                        insitu_reconstruction reconstruction,
                                                        core::Memory& memory);
-/// spacing: of cells of level 0, in a box from the origin.
-std::unique_ptr<query::CommittedMesh> register_leaves(const workload::AmrLeaves& leaves,
-                                                      double spacing, int level_count,
-                                                      insitu_reconstruction reconstruction,
-                                                      core::Memory& memory);
 
 /// Bytes of a dual mesh's cubes in the layouts of Zellmann 2023, table 2: as hexahedra with their
 /// vertices, and as gridlets.
@@ -51,10 +51,10 @@ struct PlainDual {
   std::int64_t bytes_values() const { return std::int64_t(8 * values.size()); }
 };
 /// Of a committed mesh whose reconstruction is the dual, and its field "f".
-PlainDual plain_dual(const query::CommittedMesh& mesh);
+PlainDual plain_dual(const commit::CommittedMesh& mesh);
 /// The same with vertices at one place made one, so that cells share their faces.
 PlainDual welded(const PlainDual& plain);
 /// Over its arrays, which must outlive it; not committed.
-std::unique_ptr<query::CommittedMesh> register_plain(const PlainDual& plain, core::Memory& memory);
+std::unique_ptr<commit::CommittedMesh> register_plain(const PlainDual& plain, core::Memory& memory);
 
 } // namespace insitu::bench

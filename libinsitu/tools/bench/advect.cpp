@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "advect/lanes.h"
+#include "advect/lanes/lanes.h"
 #include "commands.h"
 #include "core/random.h"
 #include "format.h"
@@ -267,7 +267,7 @@ private:
   const Options& o_;
   Setup setup_;
   core::Threads all_;
-  std::unique_ptr<query::CommittedMesh> mesh_;
+  std::unique_ptr<commit::CommittedMesh> mesh_;
   Series neighbours_; ///< finding the table of cells across faces, where numbers do not tell
   std::int64_t neighbour_bytes_ = 0;
   std::vector<double> velocity_;

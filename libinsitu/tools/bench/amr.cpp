@@ -89,8 +89,8 @@ public:
   const Threads& threads() const { return context_.threads; }
 
 private:
-  std::unique_ptr<query::CommittedMesh> make(insitu_reconstruction reconstruction,
-                                             bool as_patches) {
+  std::unique_ptr<commit::CommittedMesh> make(insitu_reconstruction reconstruction,
+                                              bool as_patches) {
     return as_patches ? register_patches(blocks_, reconstruction, context_.memory)
                       : register_leaves(leaves_, blocks_.spacing, blocks_.level_count,
                                         reconstruction, context_.memory);
@@ -107,7 +107,7 @@ private:
   }
 
   /// The dual mesh of one that is no longer needed, vertices at one place made one.
-  Row as_plain(std::unique_ptr<query::CommittedMesh> dual, std::int64_t leaves) {
+  Row as_plain(std::unique_ptr<commit::CommittedMesh> dual, std::int64_t leaves) {
     progress("plain dual");
     const PlainDual plain = welded(plain_dual(*dual));
     dual.reset();
@@ -162,7 +162,7 @@ private:
     return row;
   }
 
-  Row measure(const std::string& name, query::CommittedMesh& mesh,
+  Row measure(const std::string& name, commit::CommittedMesh& mesh,
               std::optional<Method> peer = std::nullopt) {
     Row row;
     row.name = name;
@@ -215,7 +215,7 @@ private:
   }
 
   /// What a point of the raster costs in gridlets and in stitching cells.
-  void split_raster(const query::CommittedMesh& mesh, Row& row) {
+  void split_raster(const commit::CommittedMesh& mesh, Row& row) {
     const query::Sampler sampler = mesh.sampler();
     std::vector<query::Location> at(raster_.size());
     std::vector<std::uint8_t> reasons(raster_.size());
@@ -241,7 +241,7 @@ private:
   }
 
   /// Values alone, as Open VKL gives them.
-  void sample(const query::CommittedMesh& mesh, std::span<const math::Vec3d> points,
+  void sample(const commit::CommittedMesh& mesh, std::span<const math::Vec3d> points,
               std::vector<double>& values) const {
     const query::Sampler sampler = mesh.sampler();
     const mesh::FieldView field = mesh.mesh().field("f");
@@ -252,7 +252,7 @@ private:
   }
 
   /// Returns how many points had no value. With a peer's method: that too, in turns.
-  std::int64_t sample_all(const query::CommittedMesh& mesh, std::span<const math::Vec3d> points,
+  std::int64_t sample_all(const commit::CommittedMesh& mesh, std::span<const math::Vec3d> points,
                           Series& series, std::optional<Method> peer = std::nullopt,
                           Series* peers_series = nullptr) {
     std::vector<double> values(points.size());

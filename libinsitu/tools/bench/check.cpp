@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "cells/contain_exact.h"
+#include "cells/exact/contain_exact.h"
 
 namespace insitu::bench {
 

@@ -38,7 +38,7 @@ struct Answers {
 };
 
 /// Locates and interpolates "f", as insitu_mesh_sample does; leaves answers.locations.
-void sample(const core::Threads& threads, const query::CommittedMesh& mesh,
+void sample(const core::Threads& threads, const commit::CommittedMesh& mesh,
             std::span<const math::Vec3d> points, Answers& answers,
             const query::LocateOptions& options);
 

@@ -1,4 +1,4 @@
-#include "accel/tree.h"
+#include "accel/tree/tree.h"
 #include "commands.h"
 
 namespace insitu::bench {
@@ -11,7 +11,7 @@ Report commit(const Options& o) {
   Series first, first_again, validate, morton_cold, medium_cold, morton, medium, refit_morton,
       refit_medium;
   auto& context = setup.context;
-  std::unique_ptr<query::CommittedMesh> committed;
+  std::unique_ptr<commit::CommittedMesh> committed;
   for (int i = 0; i < o.repetitions; ++i) {
     progress("repetition " + std::to_string(i + 1) + " of " + std::to_string(o.repetitions));
     // A session's first commit: validation and a build, all pages new.

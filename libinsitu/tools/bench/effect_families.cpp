@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "output/overlay.h"
+#include "output/annotate/overlay.h"
 
 namespace insitu::bench {
 

@@ -8,7 +8,7 @@
 #include "format.h"
 #include "particle_effects.h"
 #include "render/frame.h"
-#include "render/structures.h"
+#include "render/structures/structures.h"
 #include "uniform_branches.h"
 
 namespace insitu::bench {
@@ -154,7 +154,7 @@ private:
 
   const Options& o_;
   Setup setup_;
-  std::unique_ptr<query::CommittedMesh> mesh_;
+  std::unique_ptr<commit::CommittedMesh> mesh_;
   std::vector<BareFrame> bare_;
   std::vector<double> of_cells_;
 };

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "commit/committed_mesh.h"
 #include "measure.h"
-#include "query/committed_mesh.h"
 #include "render/frame.h"
-#include "render/structures.h"
+#include "render/structures/structures.h"
 
 namespace insitu::bench {
 
@@ -11,7 +11,7 @@ namespace insitu::bench {
 /// Mesh, memory and threads must outlive it.
 class KeptFrames {
 public:
-  KeptFrames(const query::CommittedMesh& mesh, core::Memory& memory, const core::Threads& threads)
+  KeptFrames(const commit::CommittedMesh& mesh, core::Memory& memory, const core::Threads& threads)
       : mesh_(mesh), threads_(threads), structures_(memory) {
     structures_.begin(mesh.sampler(), mesh.tree_version(), mesh.fields_version(), threads);
   }
@@ -31,7 +31,7 @@ public:
   }
 
 private:
-  const query::CommittedMesh& mesh_;
+  const commit::CommittedMesh& mesh_;
   const core::Threads& threads_;
   render::Structures structures_;
 };

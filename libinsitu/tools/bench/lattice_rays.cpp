@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "measure.h"
-#include "query/ray_bundle.h"
-#include "render/ray_step.h"
+#include "query/ray_bundle/ray_bundle.h"
+#include "render/volume/ray_step.h"
 
 namespace insitu::bench {
 

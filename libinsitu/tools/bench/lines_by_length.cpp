@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "advect/mesh_velocity.h"
+#include "advect/field/mesh_velocity.h"
 
 namespace insitu::bench {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "advect.h"
-#include "query/committed_mesh.h"
+#include "commit/committed_mesh.h"
 
 namespace insitu::bench {
 
@@ -13,7 +13,7 @@ namespace insitu::bench {
 class LinesByLength {
 public:
   /// The arguments must outlive the object.
-  LinesByLength(const query::CommittedMesh& mesh, const core::Threads& threads)
+  LinesByLength(const commit::CommittedMesh& mesh, const core::Threads& threads)
       : mesh_(&mesh), threads_(&threads) {}
 
   /// The part of what ends are off that is across the lines at the true ends: the root of the mean
@@ -29,7 +29,7 @@ private:
                                 const std::vector<double>& lengths) const;
   math::Vec3d direction_at(const math::Vec3d& x) const;
 
-  const query::CommittedMesh* mesh_;
+  const commit::CommittedMesh* mesh_;
   const core::Threads* threads_;
 };
 

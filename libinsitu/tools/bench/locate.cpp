@@ -3,12 +3,12 @@
 
 #include "commands.h"
 #include "peers.h"
-#include "query/candidates.h"
-#include "query/order.h"
+#include "query/batch/candidates.h"
+#include "query/batch/order.h"
 
 namespace insitu::bench {
 
-void sample(const core::Threads& threads, const query::CommittedMesh& mesh,
+void sample(const core::Threads& threads, const commit::CommittedMesh& mesh,
             std::span<const math::Vec3d> points, Answers& answers,
             const query::LocateOptions& options) {
   const query::Sampler sampler = mesh.sampler();
@@ -66,7 +66,7 @@ std::vector<PeerRun> build_peers(const Setup& setup, std::int64_t queries, const
   return runs;
 }
 
-void build_ours(const Options& o, Setup& setup, query::CommittedMesh& committed, Figures& ours) {
+void build_ours(const Options& o, Setup& setup, commit::CommittedMesh& committed, Figures& ours) {
   for (int i = 0; i < std::min(o.repetitions, 3); ++i) {
     accel::Tree tree(setup.context.memory);
     const mesh::MeshView& view = committed.mesh().view();

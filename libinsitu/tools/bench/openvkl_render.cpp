@@ -3,7 +3,7 @@
 
 #include "openvkl_device.h"
 #include "openvkl_parts.h"
-#include "render/volume.h"
+#include "render/volume/volume.h"
 
 namespace insitu::bench {
 

@@ -53,7 +53,7 @@ struct Effect {
 } // namespace
 
 std::vector<ParticleRow> particle_effects(const Options& options, Setup& setup,
-                                          const query::CommittedMesh& mesh) {
+                                          const commit::CommittedMesh& mesh) {
   const Field flow(setup, 3, cells_of_flow);
   const Field wind(setup, 3, [](math::Vec3d x) { return math::Vec3d{0.1 * x.y, 0.1, 0.0}; });
   const Field mixing(setup, 1, [](math::Vec3d x) { return math::Vec3d{1e-4 * (1.1 - x.x), 0, 0}; });

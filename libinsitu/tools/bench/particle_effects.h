@@ -23,6 +23,6 @@ struct ParticleRow {
 
 /// Particles in a flow over the mesh's unit box, ten advances long, by the options' threads.
 std::vector<ParticleRow> particle_effects(const Options& options, Setup& setup,
-                                          const query::CommittedMesh& mesh);
+                                          const commit::CommittedMesh& mesh);
 
 } // namespace insitu::bench

@@ -9,7 +9,7 @@
 
 namespace insitu::bench {
 
-PixelSweep sweep_pixels(const query::CommittedMesh& mesh, core::Memory& memory,
+PixelSweep sweep_pixels(const commit::CommittedMesh& mesh, core::Memory& memory,
                         render::FrameSettings settings, int size, int repetitions) {
   const core::Threads single(1);
   KeptFrames frames(mesh, memory, single);

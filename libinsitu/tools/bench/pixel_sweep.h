@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "commit/committed_mesh.h"
 #include "core/memory.h"
-#include "query/committed_mesh.h"
 #include "render/frame.h"
 
 namespace insitu::bench {
@@ -14,7 +14,7 @@ struct PixelSweep {
 };
 
 /// On one core, with structures that are kept.
-PixelSweep sweep_pixels(const query::CommittedMesh& mesh, core::Memory& memory,
+PixelSweep sweep_pixels(const commit::CommittedMesh& mesh, core::Memory& memory,
                         render::FrameSettings settings, int size, int repetitions);
 
 } // namespace insitu::bench

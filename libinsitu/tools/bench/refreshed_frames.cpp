@@ -2,12 +2,12 @@
 
 #include "format.h"
 #include "measure.h"
-#include "render/structures.h"
+#include "render/structures/structures.h"
 #include "report.h"
 
 namespace insitu::bench {
 
-RefreshedFrames refresh_frames(Setup& setup, query::CommittedMesh& mesh,
+RefreshedFrames refresh_frames(Setup& setup, commit::CommittedMesh& mesh,
                                const render::FrameSettings& settings) {
   RefreshedFrames out;
   render::Structures structures(setup.context.memory);

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "query/committed_mesh.h"
+#include "commit/committed_mesh.h"
 #include "render/frame.h"
 #include "setup.h"
 
@@ -14,7 +14,7 @@ struct RefreshedFrames {
 
 /// What frames keep is not made anew for new values: of a sparse volume and a lit isosurface, which
 /// the settings are to show, before and after a commit of fields alone.
-RefreshedFrames refresh_frames(Setup& setup, query::CommittedMesh& mesh,
+RefreshedFrames refresh_frames(Setup& setup, commit::CommittedMesh& mesh,
                                const render::FrameSettings& settings);
 
 } // namespace insitu::bench

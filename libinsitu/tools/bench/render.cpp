@@ -11,10 +11,10 @@
 #include "kept_frames.h"
 #include "lattice_rays.h"
 #include "openvkl_parts.h"
-#include "output/png.h"
+#include "output/image/png.h"
 #include "pixel_sweep.h"
 #include "refreshed_frames.h"
-#include "render/structures.h"
+#include "render/structures/structures.h"
 
 namespace insitu::bench {
 
@@ -338,7 +338,7 @@ private:
   const Options& o_;
   Setup setup_;
   core::Threads all_;
-  std::unique_ptr<query::CommittedMesh> mesh_;
+  std::unique_ptr<commit::CommittedMesh> mesh_;
   double low_ = 0.0, high_ = 1.0;
   std::vector<Drawn> rows_;
   std::string text_, json_;

@@ -46,7 +46,7 @@ double time_queries(const query::Sampler& sampler, const core::Threads& threads,
                      [&] { sampler.locate(threads, points, found, options); });
 }
 
-BySize measure(Setup& setup, query::CommittedMesh& committed, const Options& o) {
+BySize measure(Setup& setup, commit::CommittedMesh& committed, const Options& o) {
   using workload::Pattern;
   BySize out{};
   out.cells = setup.mesh.cell_count();
@@ -72,7 +72,7 @@ BySize measure(Setup& setup, query::CommittedMesh& committed, const Options& o) 
   return out;
 }
 
-std::vector<ByBatch> measure_batches(Setup& setup, query::CommittedMesh& committed,
+std::vector<ByBatch> measure_batches(Setup& setup, commit::CommittedMesh& committed,
                                      const Options& o) {
   std::vector<ByBatch> out;
   for (std::int64_t n = 100; n <= 10 * std::min<std::int64_t>(setup.mesh.cell_count(), 1'000'000);

@@ -36,8 +36,8 @@ insitu_cells cells_of(const workload::Mesh& mesh) {
   return cells;
 }
 
-std::unique_ptr<query::CommittedMesh> Setup::register_mesh() {
-  auto out = std::make_unique<query::CommittedMesh>("bench", context.memory);
+std::unique_ptr<commit::CommittedMesh> Setup::register_mesh() {
+  auto out = std::make_unique<commit::CommittedMesh>("bench", context.memory);
   const insitu_array points =
       insitu_array_of(mesh.points.data(), INSITU_FLOAT64, mesh.vertex_count(), 3);
   out->mesh().set_points(0, &points, 1);
@@ -48,7 +48,7 @@ std::unique_ptr<query::CommittedMesh> Setup::register_mesh() {
   return out;
 }
 
-insitu_commit_report Setup::commit(query::CommittedMesh& committed) {
+insitu_commit_report Setup::commit(commit::CommittedMesh& committed) {
   return committed.commit(context.threads, context.log, context.memory, true);
 }
 

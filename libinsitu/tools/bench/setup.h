@@ -3,9 +3,9 @@
 #include <memory>
 #include <vector>
 
+#include "commit/committed_mesh.h"
 #include "core/context.h"
 #include "options.h"
-#include "query/committed_mesh.h"
 #include "workload/mesh.h"
 
 namespace insitu::bench {
@@ -19,8 +19,8 @@ public:
   explicit Setup(const Options& options);
 
   /// A new committed mesh over the arrays, with nothing built.
-  std::unique_ptr<query::CommittedMesh> register_mesh();
-  insitu_commit_report commit(query::CommittedMesh& mesh);
+  std::unique_ptr<commit::CommittedMesh> register_mesh();
+  insitu_commit_report commit(commit::CommittedMesh& mesh);
   /// Moves every vertex a little, there and back in turns, so that a refit has work to do.
   void wobble();
   /// Fits the field's values to moved vertices, in place.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "compare/verdict.h"
-#include "output/png.h"
+#include "output/image/png.h"
 
 namespace insitu::compare {
 

@@ -13,7 +13,7 @@
 #include <thread>
 #include <unistd.h>
 
-#include "output/json_text.h"
+#include "output/files/json_text.h"
 
 extern char** environ;
 

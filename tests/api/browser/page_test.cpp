@@ -9,9 +9,9 @@
 
 #include "api/runs/coupled.h"
 #include "browser.h"
-#include "output/json_text.h"
-#include "output/png.h"
-#include "output/run_page.h"
+#include "output/files/json_text.h"
+#include "output/image/png.h"
+#include "output/page/run_page.h"
 
 namespace {
 

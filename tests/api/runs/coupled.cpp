@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "output/file_lock.h"
+#include "output/files/file_lock.h"
 
 namespace runs {
 

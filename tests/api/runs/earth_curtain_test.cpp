@@ -6,7 +6,7 @@
 
 #include "coupled.h"
 #include "on_earth.h"
-#include "scene/curtain.h"
+#include "scene/probes/curtain.h"
 #include "unit/output/netcdf_file.h"
 
 namespace {

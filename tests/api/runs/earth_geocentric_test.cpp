@@ -3,7 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "geo/frames.h"
+#include "geo/reference_frames.h"
 #include "on_earth.h"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "coupled.h"
-#include "geo/frames.h"
+#include "geo/reference_frames.h"
 #include "on_earth.h"
 #include "unit/advect/earth_flow.h"
 #include "unit/output/netcdf_file.h"

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "coupled.h"
-#include "output/png.h"
+#include "output/image/png.h"
 
 namespace {
 

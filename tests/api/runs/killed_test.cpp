@@ -14,9 +14,9 @@
 #include <yaml-cpp/yaml.h>
 
 #include "coupled.h"
-#include "output/atomic_file.h"
-#include "output/file_lock.h"
-#include "output/png.h"
+#include "output/files/atomic_file.h"
+#include "output/files/file_lock.h"
+#include "output/image/png.h"
 #include "unit/output/netcdf_file.h"
 
 extern char** environ;
@@ -79,7 +79,7 @@ struct Seen {
 };
 
 /// The cycles of the entries of run.js. Expects a script that runs: each line is whole, or a
-/// comment (output/run_page.h); the last one may be cut.
+/// comment (output/page/run_page.h); the last one may be cut.
 std::vector<int> entries_of(const std::string& script) {
   std::vector<int> cycles;
   std::istringstream lines(script);
@@ -114,8 +114,8 @@ Seen look(const std::string& folder) {
       EXPECT_EQ(image.width, 128);
       EXPECT_EQ(image.height, 128);
     } else if (name.ends_with(".csv")) {
-      // output/csv.h: a kill in the midst of an append may cut the last line; the next run mends
-      // it.
+      // output/files/csv.h: a kill in the midst of an append may cut the last line; the next run
+      // mends it.
       if (!content.empty() && content.back() != '\n') {
         ++seen.cut_lines;
         content.resize(content.rfind('\n') + 1); // npos + 1 is 0

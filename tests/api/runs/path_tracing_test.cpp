@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "coupled.h"
-#include "output/png.h"
+#include "output/image/png.h"
 
 namespace {
 

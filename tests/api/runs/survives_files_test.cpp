@@ -8,8 +8,8 @@
 
 #include "core/status.h"
 #include "coupled.h"
-#include "output/atomic_file.h"
-#include "scene/action.h"
+#include "output/files/atomic_file.h"
+#include "scene/run/action.h"
 #include "unit/output/netcdf_file.h"
 
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "cells/faces.h"
+#include "cells/kernels/faces.h"
 #include "math/vec.h"
 #include "mesh/shape.h"
 

@@ -3,8 +3,8 @@
 #include <benchmark/benchmark.h>
 
 #include "cases.h"
-#include "cells/contain_exact.h"
-#include "cells/contain_filter.h"
+#include "cells/exact/contain_exact.h"
+#include "cells/kernels/contain_filter.h"
 #include "lanes.h"
 #include "math/predicates_exact.h"
 

@@ -5,7 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "cells/kernels_simd.h"
+#include "cells/kernels/kernels_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace insitu::test::HWY_NAMESPACE {

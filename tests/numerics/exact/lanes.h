@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "cells/contain_filter.h"
-#include "cells/kernels.h"
+#include "cells/kernels/contain_filter.h"
+#include "cells/kernels/kernels.h"
 
 /// The kernels that run over packs, behind run-time dispatch to every SIMD target of the machine.
 namespace insitu::test {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "cases.h"
-#include "cells/contain_exact.h"
+#include "cells/exact/contain_exact.h"
 #include "fixtures/simd_targets.h"
 #include "lanes.h"
 #include "oracle.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cases.h"
-#include "cells/faces.h"
+#include "cells/kernels/faces.h"
 
 namespace insitu::test {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "cells/contain_exact.h"
+#include "cells/exact/contain_exact.h"
 #include "math/vec.h"
 #include "mesh/shape.h"
 

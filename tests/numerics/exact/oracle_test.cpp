@@ -4,8 +4,8 @@
 #include <map>
 
 #include "cases.h"
-#include "cells/contain_exact.h"
-#include "cells/contain_filter.h"
+#include "cells/exact/contain_exact.h"
+#include "cells/kernels/contain_filter.h"
 #include "oracle.h"
 
 namespace insitu::test {

@@ -13,7 +13,7 @@
 #include <cstdlib>
 
 #include "cases.h"
-#include "cells/contain_exact.h"
+#include "cells/exact/contain_exact.h"
 #include "fixtures/committed.h"
 #include "lanes.h"
 #include "oracle.h"

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "cases.h"
-#include "cells/contain_exact.h"
+#include "cells/exact/contain_exact.h"
 #include "oracle.h"
 
 namespace insitu::test {

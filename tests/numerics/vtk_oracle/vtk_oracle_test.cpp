@@ -11,7 +11,7 @@
 #include <vtkUnstructuredGrid.h>
 
 #include "../../unit/query/query_test.h"
-#include "cells/faces.h"
+#include "cells/kernels/faces.h"
 
 using namespace insitu;
 using cells::Containment;

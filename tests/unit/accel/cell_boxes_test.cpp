@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "accel/cell_boxes.h"
-#include "cells/gather.h"
+#include "accel/tree/cell_boxes.h"
+#include "cells/kernels/gather.h"
 #include "core/random.h"
 #include "fixtures/arrays.h"
 #include "fixtures/simd_targets.h"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "accel/tree.h"
+#include "accel/tree/tree.h"
 
 namespace insitu::accel {
 

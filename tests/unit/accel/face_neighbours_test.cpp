@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "accel/faces/face_neighbours.h"
-#include "cells/faces.h"
+#include "cells/kernels/faces.h"
 #include "face_key.h"
 #include "fixtures/committed.h"
 #include "odd_mesh.h"

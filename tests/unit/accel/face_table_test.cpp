@@ -6,15 +6,15 @@
 #include <map>
 #include <numeric>
 
-#include "accel/faces/face_table.h"
-#include "cells/faces.h"
+#include "accel/faces/mesh_faces.h"
+#include "cells/kernels/faces.h"
 #include "face_key.h"
 #include "fixtures/committed.h"
 #include "odd_mesh.h"
 
 using namespace insitu;
-using accel::FaceTable;
 using accel::FaceTriangle;
+using accel::MeshFaces;
 using accel::Method;
 using accel::none;
 using math::Vec3d;

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "accel/cuda/fast_cell.h"
-#include "cells/contain_exact.h"
-#include "cells/kernels.h"
+#include "cells/exact/contain_exact.h"
+#include "cells/kernels/kernels.h"
 #include "fixtures/cells.h"
 
 using namespace insitu;

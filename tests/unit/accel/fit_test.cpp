@@ -6,8 +6,8 @@
 #include <unistd.h>
 #include <vector>
 
-#include "accel/cell_boxes.h"
-#include "accel/fit.h"
+#include "accel/tree/cell_boxes.h"
+#include "accel/tree/fit.h"
 #include "core/random.h"
 
 namespace insitu::accel {

@@ -40,7 +40,7 @@ fixtures::SolverArrays tetrahedra(const std::vector<Vec3d>& centres,
 }
 
 /// Registers the arrays; the tree is the caller's.
-void give(query::CommittedMesh& mesh, std::int32_t piece, const fixtures::SolverArrays& arrays) {
+void give(commit::CommittedMesh& mesh, std::int32_t piece, const fixtures::SolverArrays& arrays) {
   const insitu_array points = arrays.point_array();
   const insitu_cells cells = arrays.cells();
   mesh.mesh().set_points(piece, &points, 1);
@@ -58,7 +58,7 @@ bool same_bytes(const Tree& a, const Tree& b) {
 /// Checks the tree on one thread and on more, bytewise; returns how many levels it has.
 std::size_t check_builds(const fixtures::SolverArrays& arrays) {
   core::Memory memory;
-  query::CommittedMesh mesh("m", memory);
+  commit::CommittedMesh mesh("m", memory);
   give(mesh, 0, arrays);
   const mesh::MeshView& view = mesh.mesh().view();
   Tree one(memory), more(memory);
@@ -174,7 +174,7 @@ TEST(Morton, EveryShape) {
 
 TEST(Morton, SeveralPiecesAndGhosts) {
   core::Memory memory;
-  query::CommittedMesh mesh("m", memory);
+  commit::CommittedMesh mesh("m", memory);
   const fixtures::SolverArrays hexahedra(box(test::MeshKind::hexahedra, 9)),
       mixed(box(test::MeshKind::mixed, 8));
   give(mesh, 0, hexahedra);
@@ -209,7 +209,7 @@ TEST(Morton, BytesAndVisits) {
     const bool hexahedra = kind == test::MeshKind::hexahedra;
     const fixtures::SolverArrays arrays(box(kind, hexahedra ? 30 : 17));
     core::Memory memory;
-    query::CommittedMesh mesh("m", memory);
+    commit::CommittedMesh mesh("m", memory);
     give(mesh, 0, arrays);
     const mesh::MeshView& view = mesh.mesh().view();
     const std::int64_t before = memory.current();

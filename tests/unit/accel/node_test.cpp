@@ -3,8 +3,8 @@
 #include <cstring>
 #include <gtest/gtest.h>
 
-#include "accel/fit.h"
-#include "accel/node.h"
+#include "accel/tree/fit.h"
+#include "accel/tree/node.h"
 #include "core/random.h"
 
 using namespace insitu;

@@ -2,12 +2,12 @@
 #include <cstring>
 #include <gtest/gtest.h>
 
+#include "commit/tree_policy.h"
 #include "fixtures/committed.h"
-#include "query/tree_policy.h"
 
 using namespace insitu;
 using accel::Builder;
-using query::TreePolicy;
+using commit::TreePolicy;
 
 namespace {
 

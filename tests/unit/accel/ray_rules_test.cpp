@@ -1,9 +1,9 @@
 // The rules of the ray methods as plain code, against exact containment.
 #include <gtest/gtest.h>
 
-#include "accel/faces/face_table.h"
+#include "accel/faces/mesh_faces.h"
 #include "accel/rays/ray_rules.h"
-#include "cells/contain_exact.h"
+#include "cells/exact/contain_exact.h"
 #include "fixtures/committed.h"
 
 using namespace insitu;
@@ -33,7 +33,7 @@ TEST(RayRules, TheSideOfThePatchTellsTheCell) {
     const fixtures::Committed m(two_cells(seed), 1);
     const mesh::MeshView& view = m.mesh.mesh().view();
     core::Memory memory;
-    accel::FaceTable table(memory);
+    accel::MeshFaces table(memory);
     table.build(view, m.threads);
     core::Buffer<FaceTriangle> triangles(memory, INSITU_MEMORY_BUILD);
     table.triangles(view, m.threads, accel::Method::shared_bilinear_faces, triangles);

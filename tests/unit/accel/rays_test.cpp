@@ -1,7 +1,7 @@
 // A walk along a ray visits every cell that the ray meets.
 #include <gtest/gtest.h>
 
-#include "accel/ray_traversal.h"
+#include "accel/camera_rays/ray_traversal.h"
 #include "fixtures/committed.h"
 #include "fixtures/simd_targets.h"
 

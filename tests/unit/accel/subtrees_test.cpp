@@ -2,7 +2,7 @@
 #include <atomic>
 #include <gtest/gtest.h>
 
-#include "accel/subtrees.h"
+#include "accel/tree/subtrees.h"
 #include "fixtures/committed.h"
 
 using namespace insitu;

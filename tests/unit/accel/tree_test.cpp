@@ -213,7 +213,7 @@ TEST(Commit, RefitsUntilTheTreeCostsTooMuch) {
     action = report.action;
     if (action == INSITU_REFIT) {
       EXPECT_GE(report.cost_ratio, last);
-      EXPECT_LE(report.cost_ratio, query::TreePolicy::rebuild_ratio);
+      EXPECT_LE(report.cost_ratio, commit::TreePolicy::rebuild_ratio);
       last = report.cost_ratio;
       // Nothing changed: nothing done, the ratio is still the refitted tree's.
       EXPECT_EQ(m.commit().action, INSITU_KEEP);

@@ -1,7 +1,7 @@
 // Value ranges hold every value below a child, and little more.
 #include <gtest/gtest.h>
 
-#include "accel/value_ranges.h"
+#include "accel/tree/value_ranges.h"
 #include "fixtures/committed.h"
 
 using namespace insitu;

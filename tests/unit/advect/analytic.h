@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "advect/integrate.h"
+#include "advect/integrate/integrate.h"
 
 namespace insitu::test {
 

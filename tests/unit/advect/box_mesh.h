@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "accel/tree.h"
+#include "accel/tree/tree.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/random.h"

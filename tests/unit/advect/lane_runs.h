@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "advect/lanes.h"
+#include "advect/lanes/lanes.h"
 #include "analytic.h"
 #include "fixtures/committed.h"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "advect/streamlines.h"
+#include "advect/lines/streamlines.h"
 
 namespace insitu::test {
 

@@ -72,7 +72,7 @@ public:
   core::Memory memory;
   core::Threads threads;
   core::Log log{INSITU_LOG_ERROR, [](insitu_log_level, const char*, void*) {}, nullptr};
-  query::CommittedMesh mesh;
+  commit::CommittedMesh mesh;
 
   /// Particles that go with the velocity through `steps` steps to `end`, as the tracer has them at
   /// 0; step s has the cells mesh_of(s). whole: the step before is given with its cells. Returns

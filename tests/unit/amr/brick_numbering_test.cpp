@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "amr/brick_numbering.h"
+#include "amr/leaves/brick_numbering.h"
 #include "core/random.h"
 
 using namespace insitu;

@@ -7,10 +7,10 @@
 #include <set>
 #include <unordered_map>
 
-#include "amr/leaf_gradient.h"
-#include "cells/faces.h"
-#include "cells/folds.h"
-#include "cells/kernels.h"
+#include "amr/values/leaf_gradient.h"
+#include "cells/checks/folds.h"
+#include "cells/kernels/faces.h"
+#include "cells/kernels/kernels.h"
 #include "core/random.h"
 
 namespace insitu::test {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "amr/dual_mesh.h"
+#include "amr/dual/dual_mesh.h"
 #include "amr_mesh.h"
 
 namespace insitu::test {

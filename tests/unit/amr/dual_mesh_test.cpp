@@ -3,7 +3,7 @@
 #include <cstring>
 #include <gtest/gtest.h>
 
-#include "cells/kernels.h"
+#include "cells/kernels/kernels.h"
 #include "check_dual.h"
 
 using namespace insitu;

@@ -1,7 +1,7 @@
 // Cells that cannot be leaves of one mesh are named.
 #include <gtest/gtest.h>
 
-#include "amr/dual_mesh.h"
+#include "amr/dual/dual_mesh.h"
 #include "amr_mesh.h"
 #include "core/status.h"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "amr/leaf_map.h"
+#include "amr/leaves/leaf_map.h"
 #include "amr_mesh.h"
 
 using namespace insitu;

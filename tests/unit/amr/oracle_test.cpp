@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "amr/dual_mesh.h"
+#include "amr/dual/dual_mesh.h"
 #include "amr_mesh.h"
 
 namespace insitu::test {

@@ -8,9 +8,9 @@
 #include <tuple>
 #include <vector>
 
-#include "amr/balance.h"
-#include "amr/dual_parts.h"
-#include "amr/leaf_map.h"
+#include "amr/dual/dual_parts.h"
+#include "amr/leaves/balance.h"
+#include "amr/leaves/leaf_map.h"
 #include "amr_mesh.h"
 
 using namespace insitu;

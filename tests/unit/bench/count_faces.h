@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "cells/faces.h"
+#include "cells/kernels/faces.h"
 #include "workload/mesh.h"
 
 namespace insitu::workload {

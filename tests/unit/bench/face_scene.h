@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "accel/embree/device.h"
-#include "accel/faces/face_table.h"
-#include "accel/owners.h"
+#include "accel/faces/mesh_faces.h"
 #include "accel/rays/ray_rules.h"
+#include "accel/tree/owners.h"
+#include "commit/committed_mesh.h"
 #include "core/context.h"
-#include "query/committed_mesh.h"
 #include "workload/mesh.h"
 
 namespace insitu::test {
@@ -37,7 +37,7 @@ public:
     faces_.build(view, context_.threads);
     faces_.triangles(view, context_.threads, method, triangles_);
     origin_ = accel::Owners(view, context_.threads).origin();
-    length_ = accel::FaceTable::longest_distance(view, context_.threads) * 1.0001f;
+    length_ = accel::MeshFaces::longest_distance(view, context_.threads) * 1.0001f;
     for (std::int64_t v = 0; v < view.vertex_count(); ++v) {
       const math::Vec3d d = view.pieces[0].point(v) - origin_;
       for (int a = 0; a < 3; ++a)
@@ -88,9 +88,9 @@ private:
 
   core::Context context_;
   workload::Mesh box_;
-  query::CommittedMesh committed_;
+  commit::CommittedMesh committed_;
   core::Buffer<accel::FaceTriangle> triangles_;
-  accel::FaceTable faces_;
+  accel::MeshFaces faces_;
   accel::embree::Device device_;
   RTCScene scene_ = nullptr;
   std::vector<float> vertices_;

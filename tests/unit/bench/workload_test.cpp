@@ -5,9 +5,9 @@
 #include <map>
 #include <set>
 
-#include "cells/contain_exact.h"
-#include "cells/faces.h"
-#include "cells/folds.h"
+#include "cells/checks/folds.h"
+#include "cells/exact/contain_exact.h"
+#include "cells/kernels/faces.h"
 #include "core/random.h"
 #include "count_faces.h"
 #include "workload/mesh.h"

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "cells/conformity.h"
-#include "cells/contain_exact.h"
+#include "cells/checks/conformity.h"
+#include "cells/exact/contain_exact.h"
 #include "fixtures/committed.h"
 
 using namespace insitu;

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "cells/folds.h"
-#include "cells/kernels.h"
+#include "cells/checks/folds.h"
+#include "cells/kernels/kernels.h"
 #include "fixtures/committed.h"
 
 using namespace insitu;

@@ -1,11 +1,10 @@
 #include <cmath>
 #include <cstring>
-
 #include <gtest/gtest.h>
 
-#include "cells/kernels.h"
-#include "cells/kernels_simd.h"
-#include "cells/robust_inverse.h"
+#include "cells/exact/robust_inverse.h"
+#include "cells/kernels/kernels.h"
+#include "cells/kernels/kernels_simd.h"
 #include "fixtures/cells.h"
 #include "mesh/piece.h"
 
@@ -165,7 +164,9 @@ HWY_ATTR void invert_pack(Shape shape, const double* vertices, const double* poi
   const auto g = simd::gradient(shape, x, f, map.r);
   hn::StoreU(g.x.v, d, out + 32);
 }
-int pack_lanes() { return int(hn::Lanes(simd::PackTag())); }
+int pack_lanes() {
+  return int(hn::Lanes(simd::PackTag()));
+}
 } // namespace insitu::test_pack
 HWY_AFTER_NAMESPACE();
 
@@ -177,8 +178,8 @@ TEST(Kernels, APackGivesTheBitsOfScalars) {
       std::vector<Vec3d> p;
       for (std::uint64_t lane = 0; lane < 8; ++lane) {
         x.push_back(fixtures::jittered_cell(shape, 0.3, 11, 8 * i + lane));
-        p.push_back(cells::map_to_physical(
-            shape, x.back().data(), fixtures::random_parametric(shape, 12, 8 * i + lane)));
+        p.push_back(cells::map_to_physical(shape, x.back().data(),
+                                           fixtures::random_parametric(shape, 12, 8 * i + lane)));
         if (lane % 3 == 0)
           p.back().x += 0.7; // outside as well
         for (std::size_t v = 0; v < x.back().size(); ++v)

@@ -1,7 +1,7 @@
 // Every kind of finding: which cell, what was expected, how many; the same for any thread count.
 #include <gtest/gtest.h>
 
-#include "cells/validate.h"
+#include "cells/checks/validate.h"
 #include "core/status.h"
 #include "fixtures/committed.h"
 

@@ -9,7 +9,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/status.h"
-#include "mesh/mesh.h"
+#include "mesh/registered/mesh.h"
 
 /// What the tests of adaptive meshes share.
 namespace adaptive {

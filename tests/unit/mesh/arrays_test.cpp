@@ -7,7 +7,7 @@
 #include "core/device_memory.h"
 #include "core/status.h"
 #include "fixtures/arrays.h"
-#include "mesh/mesh.h"
+#include "mesh/registered/mesh.h"
 
 using namespace insitu;
 

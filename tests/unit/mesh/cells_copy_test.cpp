@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "fixtures/committed.h"
-#include "mesh/cells_copy.h"
+#include "mesh/registered/cells_copy.h"
 
 using namespace insitu;
 

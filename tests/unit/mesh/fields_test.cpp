@@ -1,7 +1,7 @@
 // Fields, ghost conventions, the copy audit, and reads within the arrays alone.
 #include <gtest/gtest.h>
 
-#include "accel/value_ranges.h"
+#include "accel/tree/value_ranges.h"
 #include "core/status.h"
 #include "fixtures/committed.h"
 

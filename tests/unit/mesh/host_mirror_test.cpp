@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/device_memory.h"
-#include "mesh/host_mirror.h"
+#include "mesh/registered/host_mirror.h"
 
 using namespace insitu;
 

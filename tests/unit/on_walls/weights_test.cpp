@@ -4,8 +4,8 @@
 
 #include "../advect/box_mesh.h"
 #include "../advect/lane_runs.h"
-#include "cells/faces.h"
-#include "cells/on_feature.h"
+#include "cells/kernels/faces.h"
+#include "cells/kernels/on_feature.h"
 #include "fixtures/committed.h"
 
 namespace insitu::test {

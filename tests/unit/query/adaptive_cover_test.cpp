@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "cells/decide.h"
+#include "cells/exact/decide.h"
 #include "core/random.h"
 #include "mesh/box.h"
 #include "unit/query/registered_amr.h"

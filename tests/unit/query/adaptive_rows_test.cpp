@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "amr/leaf_map.h"
+#include "amr/leaves/leaf_map.h"
 #include "core/random.h"
 #include "fixtures/simd_targets.h"
 #include "unit/query/registered_amr.h"
@@ -106,7 +106,7 @@ TEST(AdaptiveRows, RandomMeshesAnswerAsEachPointAlone) {
   }
 }
 
-// ---- bricks whose ids are sums of numbers along the axes (amr/brick_numbering.h)
+// ---- bricks whose ids are sums of numbers along the axes (amr/leaves/brick_numbering.h)
 
 /// A box of two levels: 32 x 16 x 16 coarse cells, of which 8 x 8 x 8 are refined.
 std::vector<std::pair<int, Index>> leaves_in_rows() {

@@ -2,11 +2,11 @@
 #include <cstdlib>
 #include <gtest/gtest.h>
 
-#include "cells/faces.h"
+#include "cells/kernels/faces.h"
+#include "commit/earlier/leaves_copy.h"
 #include "core/random.h"
 #include "mesh/box.h"
-#include "query/gridlet_query.h"
-#include "query/leaves_copy.h"
+#include "query/lattice/gridlet_query.h"
 #include "unit/query/registered_amr.h"
 
 /// Adaptive meshes as queries see them: the dual mesh's gridlets and stitching cells, or leaves.
@@ -75,8 +75,7 @@ std::int64_t lowest(const mesh::MeshView& view, const Vec3d& p) {
       continue;
     mesh::CellVertices cell;
     mesh::gather(view, c, cell);
-    if (mesh::box_of(cell).holds(p) &&
-        cells::decide(cell.shape, cell.x, p))
+    if (mesh::box_of(cell).holds(p) && cells::decide(cell.shape, cell.x, p))
       return c;
   }
   return -1;
@@ -266,9 +265,9 @@ TEST_P(Adaptive, LeavesCopiedAreTheSolversCells) {
   core::Memory memory;
   amr::LeafMap map(memory);
   map.build(mesh.amr.view(), mesh.committed.threads);
-  const query::LeavesCopy copy(map,
-                               {solvers.first_cell, solvers.first_cell + solvers.piece_count + 1},
-                               memory, mesh.committed.threads);
+  const commit::LeavesCopy copy(map,
+                                {solvers.first_cell, solvers.first_cell + solvers.piece_count + 1},
+                                memory, mesh.committed.threads);
   const mesh::MeshView& copied = copy.view();
   ASSERT_EQ(copied.piece_count, solvers.piece_count);
   ASSERT_EQ(copied.cell_count(), solvers.cell_count());
@@ -292,7 +291,7 @@ TEST_P(Adaptive, LeavesCopiedAreTheSolversCells) {
 
 TEST_P(Adaptive, FieldsAloneKeepTheDual) {
   RegisteredAmr mesh(GetParam(), INSITU_DUAL, linear);
-  const query::CommittedMesh& committed = mesh.committed.mesh;
+  const commit::CommittedMesh& committed = mesh.committed.mesh;
   const std::uint64_t topology = committed.topology_version();
   const void* const nodes = committed.tree().nodes();
   for (std::vector<double>& piece : mesh.values)

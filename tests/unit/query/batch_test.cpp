@@ -7,8 +7,8 @@
 #include <numeric>
 #include <random>
 
-#include "query/order.h"
-#include "query/query_boxes.h"
+#include "query/batch/order.h"
+#include "query/batch/query_boxes.h"
 #include "query_test.h"
 
 using namespace insitu;

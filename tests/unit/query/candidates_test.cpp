@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fixtures/simd_targets.h"
-#include "query/candidates.h"
+#include "query/batch/candidates.h"
 #include "query_test.h"
 
 using namespace insitu;

@@ -1,5 +1,5 @@
 // Where segments leave cells and the mesh, against slabs, a bilinear patch and holes.
-#include "query/face_crossing.h"
+#include "query/walk/face_crossing.h"
 #include "query_test.h"
 
 using namespace insitu;

@@ -6,9 +6,9 @@
 #include <set>
 #include <utility>
 
-#include "cells/kernels.h"
+#include "cells/kernels/kernels.h"
 #include "core/random.h"
-#include "query/dual_query.h"
+#include "query/lattice/dual_query.h"
 #include "unit/query/registered_amr.h"
 
 /// Stitching cells that are answered by their places: frusta and boxes, against the tree, which

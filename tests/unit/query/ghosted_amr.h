@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "amr/leaf_map.h"
+#include "amr/leaves/leaf_map.h"
 #include "unit/query/registered_amr.h"
 
 namespace insitu::test {

@@ -2,7 +2,7 @@
 #include <limits>
 #include <utility>
 
-#include "query/guessed_batches.h"
+#include "query/batch/guessed_batches.h"
 #include "query_test.h"
 
 using namespace insitu;

@@ -1,5 +1,5 @@
 // Vertices that touch a cell which has no corner there are counted.
-#include "query/hanging_vertices.h"
+#include "commit/checks/hanging_vertices.h"
 #include "query_test.h"
 
 using namespace insitu;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "cells/contain_exact.h"
-#include "cells/kernels.h"
+#include "cells/exact/contain_exact.h"
+#include "cells/kernels/kernels.h"
 #include "fixtures/cells.h"
 #include "fixtures/committed.h"
 

@@ -1,6 +1,6 @@
 // Samples along bundles of rays: the same answers, bit for bit, as a batch of points.
 #include "fixtures/simd_targets.h"
-#include "query/ray_bundle.h"
+#include "query/ray_bundle/ray_bundle.h"
 #include "query_test.h"
 #include "registered_amr.h"
 

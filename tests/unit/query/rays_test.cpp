@@ -359,7 +359,7 @@ TEST(Rays, GroupsChangeNothingAndMemoryComesBack) {
   for (const Method method : ray_methods) {
     core::Memory memory;
     {
-      accel::FaceTable faces(memory);
+      accel::MeshFaces faces(memory);
       faces.build(view, m.threads);
       const auto found = [&](std::int64_t group) {
         const auto rays = accel::make_embree_locator(method, memory, group);

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "render/isosurface.h"
-#include "render/volume.h"
+#include "render/surface/isosurface.h"
+#include "render/volume/volume.h"
 #include "unit/query/ghosted_amr.h"
 
 /// Surfaces and volumes of adaptive meshes: gridlets and stitching cells side by side.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fixtures/committed.h"
-#include "render/scalar_field.h"
+#include "render/structures/scalar_field.h"
 #include "unit/render/render_mesh.h"
 
 namespace insitu::test {

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "output/box_ticks.h"
+#include "output/annotate/box_ticks.h"
 #include "unit/render/render_mesh.h"
 
 /// Ticks along a box's outer edges, and their labels.

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/status.h"
-#include "render/camera_path.h"
+#include "render/camera/camera_path.h"
 
 namespace insitu::render {
 namespace {

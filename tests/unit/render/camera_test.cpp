@@ -4,7 +4,7 @@
 
 #include "core/random.h"
 #include "core/status.h"
-#include "render/camera.h"
+#include "render/camera/camera.h"
 
 namespace insitu::render {
 namespace {

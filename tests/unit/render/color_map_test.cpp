@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/status.h"
-#include "render/color_map.h"
-#include "render/color_space.h"
+#include "render/color/color_map.h"
+#include "render/color/color_space.h"
 
 namespace insitu::render {
 namespace {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "core/status.h"
-#include "render/medium.h"
-#include "render/preintegration.h"
-#include "render/structures.h"
+#include "render/color/preintegration.h"
+#include "render/path/medium.h"
+#include "render/structures/structures.h"
 #include "unit/render/render_mesh.h"
 
 /// Colours over a logarithmic range, and beyond a range.

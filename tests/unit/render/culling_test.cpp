@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/random.h"
-#include "query/gridlet_query.h"
+#include "query/lattice/gridlet_query.h"
 #include "render/frame.h"
 #include "render_mesh.h"
 #include "unit/query/registered_amr.h"
@@ -47,7 +47,7 @@ struct Drawn {
     begin();
   }
   void begin() {
-    const query::CommittedMesh& m = mesh.committed.mesh;
+    const commit::CommittedMesh& m = mesh.committed.mesh;
     structures.begin(sampler(), m.tree_version(), m.fields_version(), mesh.committed.threads);
   }
   query::Sampler sampler() const { return mesh.committed.sampler(); }

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <ostream>
 
-#include "render/structures.h"
+#include "render/structures/structures.h"
 #include "unit/render/path_mesh.h"
 
 namespace insitu::test {

@@ -1,6 +1,6 @@
 // Ghost cells in frames: what other processes' cells lend, and what is never read of them.
-#include "mesh/cells_copy.h"
-#include "render/vertex_average.h"
+#include "mesh/registered/cells_copy.h"
+#include "render/structures/vertex_average.h"
 #include "unit/render/same_frames.h"
 
 namespace insitu::test {
@@ -106,8 +106,8 @@ TEST(GhostCells, LendTheValuesOfCellFields) {
           difference(draw(pieces.committed, ask(pieces.field("c")), pieces.committed.memory, 2),
                      one),
           1e-5f);
-      // Hidden cells lend nothing: there is a seam, unless vertices of both pieces that coincide are
-      // one.
+      // Hidden cells lend nothing: there is a seam, unless vertices of both pieces that coincide
+      // are one.
       alone.committed.mesh.mesh().set_separate_pieces(true);
       alone.committed.commit();
       EXPECT_GE(

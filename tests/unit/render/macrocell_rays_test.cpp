@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "render/macrocells.h"
+#include "render/volume/macrocells.h"
 
 namespace insitu::test {
 namespace {

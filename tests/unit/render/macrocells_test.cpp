@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "core/status.h"
-#include "render/cell_values.h"
-#include "render/macrocells.h"
+#include "render/volume/cell_values.h"
+#include "render/volume/macrocells.h"
 #include "unit/query/ghosted_amr.h"
 #include "unit/render/placed_mesh.h"
 

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "render/structures.h"
+#include "render/structures/structures.h"
 #include "unit/render/render_mesh.h"
 
 namespace insitu::test {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "output/overlay.h"
+#include "output/annotate/overlay.h"
 
 namespace insitu::output {
 namespace {

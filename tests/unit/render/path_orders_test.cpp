@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "render/phase_function.h"
+#include "render/path/phase_function.h"
 #include "unit/render/path_mesh.h"
 #include "unit/render/placed_mesh.h"
 

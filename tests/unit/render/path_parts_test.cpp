@@ -5,9 +5,9 @@
 #include <set>
 
 #include "core/status.h"
-#include "render/path_lights.h"
-#include "render/path_random.h"
-#include "render/phase_function.h"
+#include "render/path/path_lights.h"
+#include "render/path/path_random.h"
+#include "render/path/phase_function.h"
 
 namespace insitu::test {
 namespace {

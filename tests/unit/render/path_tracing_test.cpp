@@ -2,7 +2,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "render/phase_function.h"
+#include "render/path/phase_function.h"
 #include "unit/query/registered_amr.h"
 #include "unit/render/block_mesh.h"
 #include "unit/render/path_mesh.h"

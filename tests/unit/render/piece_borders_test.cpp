@@ -3,10 +3,10 @@
 #include <list>
 #include <map>
 
-#include "cells/decide.h"
+#include "cells/exact/decide.h"
+#include "commit/checks/overlaps.h"
 #include "mesh/piece_borders.h"
-#include "query/overlaps.h"
-#include "render/vertex_average.h"
+#include "render/structures/vertex_average.h"
 #include "unit/render/same_frames.h"
 
 namespace insitu::test {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "render/preintegration.h"
+#include "render/color/preintegration.h"
 
 /// Integrals over values against quadrature.
 namespace insitu::test {

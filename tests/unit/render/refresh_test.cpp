@@ -56,7 +56,7 @@ public:
 private:
   template <class Frame>
   FrameImages draw(Structures& structures, Frame&& frame) {
-    const query::CommittedMesh& mesh = mesh_.mesh;
+    const commit::CommittedMesh& mesh = mesh_.mesh;
     structures.begin(mesh.sampler(), mesh.tree_version(), mesh.fields_version(), mesh_.threads);
     FrameSettings settings = frame(structures);
     settings.depth = settings.cell = true;

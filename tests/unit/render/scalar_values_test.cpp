@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "render/scalar_values.h"
+#include "render/volume/scalar_values.h"
 #include "unit/query/registered_amr.h"
 
 /// Numbers at locations of a dual mesh, many at once, against ScalarField's one by one.
@@ -31,7 +31,7 @@ public:
     }
     amr_.committed.commit(INSITU_CHANGED_ALL);
   }
-  const query::CommittedMesh& mesh() const { return amr_.committed.mesh; }
+  const commit::CommittedMesh& mesh() const { return amr_.committed.mesh; }
 
 private:
   static double scalar(const Vec3d& x) {

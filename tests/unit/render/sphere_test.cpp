@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <gtest/gtest.h>
 
-#include "cells/folds.h"
+#include "cells/checks/folds.h"
 #include "core/random.h"
 #include "unit/render/render_mesh.h"
 

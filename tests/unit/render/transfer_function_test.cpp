@@ -4,7 +4,7 @@
 
 #include "core/random.h"
 #include "core/status.h"
-#include "render/transfer_function.h"
+#include "render/color/transfer_function.h"
 
 namespace insitu::render {
 namespace {

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "render/structures.h"
+#include "render/structures/structures.h"
 #include "unit/render/placed_mesh.h"
 
 /// Rays and meshes that break marchers, against Beer and Lambert's law.

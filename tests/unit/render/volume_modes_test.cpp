@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/status.h"
-#include "render/structures.h"
+#include "render/structures/structures.h"
 #include "unit/query/registered_amr.h"
 #include "unit/render/render_mesh.h"
 

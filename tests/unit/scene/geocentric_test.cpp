@@ -6,12 +6,12 @@
 
 #include "../render/render_mesh.h"
 #include "core/context.h"
-#include "geo/frames.h"
-#include "scene/frame_settings.h"
-#include "scene/geocentric_view.h"
-#include "scene/globe.h"
-#include "scene/parse.h"
-#include "scene/runner.h"
+#include "geo/reference_frames.h"
+#include "scene/earth/geocentric_view.h"
+#include "scene/earth/globe.h"
+#include "scene/frames/frame_settings.h"
+#include "scene/parse/parse.h"
+#include "scene/run/runner.h"
 #include "scene_test.h"
 
 namespace insitu::test {
@@ -64,7 +64,7 @@ struct SeaRun {
   core::Context context;
   scene::Statistics statistics;
   scene::Runner runner;
-  query::CommittedMesh* list[1] = {&mesh.committed.mesh};
+  commit::CommittedMesh* list[1] = {&mesh.committed.mesh};
   scene::MeshList meshes{list};
 };
 
@@ -97,7 +97,7 @@ struct Drawn {
     return render::render_frame(mesh.sampler(), settings, context.threads, context.memory);
   }
   scene::FrameStructures structures;
-  const query::CommittedMesh& mesh;
+  const commit::CommittedMesh& mesh;
 };
 
 constexpr const char* boundary = "frames: [{name: f, size: [16, 16], geocentric: {exaggeration: "
@@ -243,7 +243,7 @@ TEST(Geocentric, FollowsTheMesh) {
   const double lon = 15 + 1e-6, lat = 35 + 0.3e-6;
   render::FrameSettings s = view_from(lon, lat, 1e5, 1);
   const auto depth = [&] {
-    const query::CommittedMesh& drawn = structures.geocentric(run.mesh.committed.mesh, 10);
+    const commit::CommittedMesh& drawn = structures.geocentric(run.mesh.committed.mesh, 10);
     s.isosurfaces.assign(1, {{drawn.mesh().field("height"), -1}, {-1000.0}, 1});
     return double(
         render::render_frame(drawn.sampler(), s, run.context.threads, run.context.memory).depth[0]);
@@ -298,7 +298,8 @@ TEST(Geocentric, UnitsAreTheMeshs) {
   other.mesh.committed.mesh.frame = frame;
   other.mesh.committed.commit(INSITU_CHANGED_ALL);
   const Drawn a(plain, 40), b(other, 40);
-  const mesh::PieceView &one = a.mesh.mesh().view().pieces[0], &two = b.mesh.mesh().view().pieces[0];
+  const mesh::PieceView &one = a.mesh.mesh().view().pieces[0],
+                        &two = b.mesh.mesh().view().pieces[0];
   ASSERT_EQ(one.vertex_count, two.vertex_count);
   for (std::int64_t v = 0; v < one.vertex_count; ++v) { // rounding of 6.4e6, and of pi
     const Vec3d d = one.point(v) - two.point(v);

@@ -8,8 +8,8 @@
 #include "../query/registered_amr.h"
 #include "../render/render_mesh.h"
 #include "core/context.h"
-#include "scene/parse.h"
-#include "scene/runner.h"
+#include "scene/parse/parse.h"
+#include "scene/run/runner.h"
 #include "scene_test.h"
 
 namespace insitu::test {
@@ -41,7 +41,7 @@ struct PlannedRun {
   core::Context context;
   scene::Statistics statistics;
   scene::Runner runner;
-  query::CommittedMesh* list[1] = {&mesh.committed.mesh};
+  commit::CommittedMesh* list[1] = {&mesh.committed.mesh};
   scene::MeshList meshes{list};
 };
 
@@ -310,7 +310,7 @@ TEST(Plan, MacrocellsAreWantedWhereSomethingMayBeEmpty) {
 TEST(Plan, CullingOfAdaptiveMeshes) {
   RegisteredAmr amr({.seed = 2, .kind = 0, .roots = 3, .levels = 4}, INSITU_DUAL,
                     [](const Vec3d& p) { return std::sin(p.x) + p.y; });
-  query::CommittedMesh* const list[] = {&amr.committed.mesh};
+  commit::CommittedMesh* const list[] = {&amr.committed.mesh};
   const auto run = [&](const std::string& keys, const std::string& effects = {}) {
     const std::filesystem::path folder =
         std::filesystem::temp_directory_path() / ("insitu-plan-amr-" + std::to_string(::getpid()));

@@ -5,9 +5,9 @@
 #include <set>
 #include <tuple>
 
-#include "scene/frames.h"
-#include "scene/points.h"
-#include "scene/points_file.h"
+#include "scene/earth/reference_frames.h"
+#include "scene/probes/points.h"
+#include "scene/probes/points_file.h"
 #include "scene_test.h"
 
 using namespace insitu;

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "core/status.h"
-#include "scene/parse.h"
+#include "scene/parse/parse.h"
 
 namespace insitu::scene::test {
 

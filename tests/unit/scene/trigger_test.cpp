@@ -3,7 +3,7 @@
 #include <limits>
 #include <sstream>
 
-#include "scene/trigger.h"
+#include "scene/expression/trigger.h"
 #include "scene_test.h"
 
 using namespace insitu::scene;

@@ -2,9 +2,9 @@
 
 #include "accel/cuda/locate_kernels.h"
 #include "accel/locator.h"
-#include "cells/contain_filter.h"
-#include "cells/kernels.h"
-#include "cells/on_feature.h"
+#include "cells/kernels/contain_filter.h"
+#include "cells/kernels/kernels.h"
+#include "cells/kernels/on_feature.h"
 
 /// What locating kernels share: gathering a cell, proofs, writing answers.
 namespace insitu::accel::cuda {

@@ -15,7 +15,7 @@ class BvhLocator final : public DeviceLocator {
 public:
   explicit BvhLocator(core::Memory& memory) : mesh_(memory), tree_(memory), workspace_(memory) {}
 
-  void commit(const mesh::Mesh& mesh, HostView, std::uint32_t what, const FaceTable*,
+  void commit(const mesh::Mesh& mesh, HostView, std::uint32_t what, const MeshFaces*,
               const core::Threads& threads) override {
     threads_ = &threads;
     // Queries and tracers that were queued still read what changes; the solver may still write it.

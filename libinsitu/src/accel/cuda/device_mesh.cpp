@@ -5,7 +5,7 @@
 
 #include "accel/cuda/frame_kernels.h"
 #include "core/status.h"
-#include "mesh/host_mirror.h"
+#include "mesh/registered/host_mirror.h"
 
 namespace insitu::accel::cuda {
 

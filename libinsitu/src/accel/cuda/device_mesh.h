@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "accel/cuda/device_buffer.h"
-#include "mesh/mesh.h"
+#include "mesh/registered/mesh.h"
 
 namespace insitu::accel::cuda {
 

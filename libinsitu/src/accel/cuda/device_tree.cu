@@ -9,8 +9,8 @@
 #include "accel/cuda/launch.h"
 #include "accel/cuda/topology.cuh"
 #include "accel/cuda/tree_node.h"
-#include "accel/extent.h"
-#include "accel/owners.h"
+#include "accel/tree/extent.h"
+#include "accel/tree/owners.h"
 #include "core/status.h"
 
 namespace insitu::accel::cuda {

@@ -5,7 +5,7 @@
 
 #include "accel/cuda/device_mesh.h"
 #include "accel/cuda/tree_node.h"
-#include "accel/node.h"
+#include "accel/tree/node.h"
 
 namespace insitu::accel::cuda {
 

@@ -85,7 +85,7 @@ INSITU_HD inline FastMap fast_inverse(mesh::Shape shape, const math::Vec3f* x) {
         -x[0], q);
     return {q, found ? least(least(q.x, q.y), least(1.0f - q.x - q.y, slack(q.z))) : NAN};
   }
-  if (shape == Shape::pyramid) { // u = (1-t) r, v = (1-t) s, w = 1-t: cells/inverse_map.inl
+  if (shape == Shape::pyramid) { // u = (1-t) r, v = (1-t) s, w = 1-t: cells/kernels/inverse_map.inl
     const Vec3f ea = x[0] - x[4], eb = x[1] - x[0], ec = x[3] - x[0];
     const Vec3f ed = (x[2] - x[0]) - eb - ec;
     Vec3f q{0.25f, 0.25f, 0.5f};

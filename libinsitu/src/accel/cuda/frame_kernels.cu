@@ -5,7 +5,7 @@
 #include "accel/cuda/device_buffer.h"
 #include "accel/cuda/frame_kernels.h"
 #include "accel/cuda/launch.h"
-#include "accel/extent.h"
+#include "accel/tree/extent.h"
 
 namespace insitu::accel::cuda {
 

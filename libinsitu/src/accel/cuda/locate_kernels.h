@@ -6,7 +6,7 @@
 #include "accel/cuda/device_mesh.h"
 #include "accel/cuda/device_tree.h"
 #include "accel/device_locator.h"
-#include "cells/decide.h"
+#include "cells/exact/decide.h"
 
 /// The kernels behind locate_points(), and what they hand to the host.
 namespace insitu::accel::cuda {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "cells/robust_inverse.h"
+#include "cells/exact/robust_inverse.h"
 
 namespace insitu::accel::cuda {
 

@@ -1,6 +1,6 @@
 #include "accel/cuda/answer.cuh"
 #include "accel/cuda/launch.h"
-#include "cells/contain_query.h"
+#include "cells/kernels/contain_query.h"
 
 /// What follows for points that the first kernel leaves open.
 namespace insitu::accel::cuda {
@@ -11,7 +11,7 @@ constexpr int block = 128;
 
 template <Shape S>
 __device__ inline cells::Decision decide_in_double_double(const Vec3d* x, const Vec3d& p,
-                                                        bool& failed) {
+                                                          bool& failed) {
   constexpr cells::FaceTable table = cells::face_table(S);
   cells::ContainQuery<math::DoubleDoublePredicates> query(table, x, p);
   const cells::ExactResult result = query.answer();

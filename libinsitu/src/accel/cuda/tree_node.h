@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "accel/node.h"
+#include "accel/tree/node.h"
 
 namespace insitu::accel::cuda {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "accel/embree/device.h"
-#include "accel/node.h"
+#include "accel/tree/node.h"
 
 namespace insitu::accel::embree {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "accel/owners.h"
 #include "accel/rays/ray_rules.h"
-#include "cells/contain_exact.h"
+#include "accel/tree/owners.h"
+#include "cells/exact/contain_exact.h"
 
 namespace insitu::accel::embree {
 
@@ -25,7 +25,7 @@ CellRays::CellRays(core::Memory& memory, std::int64_t group)
     : group_(group), cells_(memory, INSITU_MEMORY_TREE), boxes_(memory, INSITU_MEMORY_BUILD),
       device_(memory) {}
 
-void CellRays::build(const mesh::MeshView& mesh, const FaceTable*, const core::Threads& threads) {
+void CellRays::build(const mesh::MeshView& mesh, const MeshFaces*, const core::Threads& threads) {
   scene_.clear();
   set_boxes(mesh, threads);
   device_.reset_peak();

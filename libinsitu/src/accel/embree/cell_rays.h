@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "accel/embree/grouped_scene.h"
-#include "accel/node.h"
 #include "accel/ray_locator.h"
+#include "accel/tree/node.h"
 
 namespace insitu::accel::embree {
 
@@ -14,7 +14,7 @@ class CellRays final : public RayLocator {
 public:
   CellRays(core::Memory& memory, std::int64_t group);
 
-  void build(const mesh::MeshView& mesh, const FaceTable* faces,
+  void build(const mesh::MeshView& mesh, const MeshFaces* faces,
              const core::Threads& threads) override;
   void refit(const mesh::MeshView& mesh, const core::Threads& threads) override;
   void find(std::span<const math::Vec3d> points, std::span<std::int64_t> cells,

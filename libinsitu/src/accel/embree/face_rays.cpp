@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
-#include "accel/node.h"
-#include "accel/owners.h"
 #include "accel/rays/ray_rules.h"
-#include "cells/contain_exact.h"
+#include "accel/tree/node.h"
+#include "accel/tree/owners.h"
+#include "cells/exact/contain_exact.h"
 
 namespace insitu::accel::embree {
 
@@ -37,7 +37,7 @@ FaceRays::FaceRays(Method method, core::Memory& memory, std::int64_t group)
     : method_(method), group_(group), vertices_(memory, INSITU_MEMORY_TREE),
       triangles_(memory, INSITU_MEMORY_TREE), device_(memory) {}
 
-void FaceRays::build(const mesh::MeshView& mesh, const FaceTable* faces,
+void FaceRays::build(const mesh::MeshView& mesh, const MeshFaces* faces,
                      const core::Threads& threads) {
   scene_.clear();
   mesh_ = &mesh;
@@ -85,7 +85,7 @@ void FaceRays::set_vertices(const mesh::MeshView& mesh, const core::Threads& thr
                            }
                          });
   }
-  length_ = FaceTable::longest_distance(mesh, threads) * 1.0001f;
+  length_ = MeshFaces::longest_distance(mesh, threads) * 1.0001f;
 }
 
 void FaceRays::build_scene(const core::Threads& threads) {

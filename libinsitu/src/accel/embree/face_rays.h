@@ -1,18 +1,18 @@
 #pragma once
 
 #include "accel/embree/grouped_scene.h"
-#include "accel/faces/face_table.h"
+#include "accel/faces/mesh_faces.h"
 #include "accel/ray_locator.h"
 
 namespace insitu::accel::embree {
 
-/// The face methods: short rays at the triangles of a FaceTable, which must outlive this, as must
+/// The face methods: short rays at the triangles of a MeshFaces, which must outlive this, as must
 /// the mesh.
 class FaceRays final : public RayLocator {
 public:
   FaceRays(Method method, core::Memory& memory, std::int64_t group);
 
-  void build(const mesh::MeshView& mesh, const FaceTable* faces,
+  void build(const mesh::MeshView& mesh, const MeshFaces* faces,
              const core::Threads& threads) override;
   void refit(const mesh::MeshView& mesh, const core::Threads& threads) override;
   void find(std::span<const math::Vec3d> points, std::span<std::int64_t> cells,
@@ -28,7 +28,7 @@ private:
   Method method_;
   std::int64_t group_;
   const mesh::MeshView* mesh_ = nullptr;
-  const FaceTable* faces_ = nullptr;
+  const MeshFaces* faces_ = nullptr;
   math::Vec3d origin_;
   float length_ = 0.0f;
   std::int64_t vertex_count_ = 0;

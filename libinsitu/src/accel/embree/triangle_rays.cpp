@@ -1,4 +1,4 @@
-#include "accel/triangle_rays.h"
+#include "accel/camera_rays/triangle_rays.h"
 
 #include <algorithm>
 #include <cmath>

@@ -55,7 +55,7 @@ std::uint64_t mix(std::uint64_t hash, std::uint64_t value) {
 }
 
 /// The same from either side: the lowest vertex, that opposite in a quad, and the other two.
-HalfFace half_face_of(const FaceTable::Face& face, int f) {
+HalfFace half_face_of(const MeshFaces::Face& face, int f) {
   const std::uint32_t* v = face.vertices;
   const bool quad = v[3] != none;
   const std::uint32_t a = v[1], b = quad ? v[3] : v[2], opposite = quad ? v[2] : none;

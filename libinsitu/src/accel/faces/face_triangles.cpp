@@ -3,9 +3,9 @@
 #include <cmath>
 #include <vector>
 
-#include "accel/faces/face_table.h"
-#include "accel/node.h"
-#include "cells/faces.h"
+#include "accel/faces/mesh_faces.h"
+#include "accel/tree/node.h"
+#include "cells/kernels/faces.h"
 #include "math/predicates_exact.h"
 
 namespace insitu::accel {
@@ -79,7 +79,7 @@ public:
   Cutter(const mesh::MeshView& mesh, Method method, const std::vector<std::uint8_t>& inwards)
       : mesh_(mesh), method_(method), inwards_(inwards) {}
 
-  Cut cut(const FaceTable::Face& face) const {
+  Cut cut(const MeshFaces::Face& face) const {
     Cut result{0, Cut::triangle, std::uint8_t(inwards_[face.cell] & 1)};
     if (face.vertices[3] == none)
       return result;
@@ -98,7 +98,7 @@ public:
     return result;
   }
 
-  std::int64_t count(const FaceTable::Face& face, Cut cut) const {
+  std::int64_t count(const MeshFaces::Face& face, Cut cut) const {
     if (cut.kind >= Cut::curved)
       return 4;
     const int sides = method_ == Method::replicated_faces && face.other != none ? 2 : 1;
@@ -106,7 +106,7 @@ public:
   }
 
   /// Writes the face's triangles; returns behind the last.
-  FaceTriangle* write(const FaceTable::Face& face, Cut cut, FaceTriangle* out) const {
+  FaceTriangle* write(const MeshFaces::Face& face, Cut cut, FaceTriangle* out) const {
     // Outward from face.cell, the canonical corner first.
     std::uint32_t v[4];
     const int n = cut.kind == Cut::triangle ? 3 : 4;
@@ -146,7 +146,7 @@ private:
 
 } // namespace
 
-void FaceTable::triangles(const mesh::MeshView& mesh, const core::Threads& threads, Method method,
+void MeshFaces::triangles(const mesh::MeshView& mesh, const core::Threads& threads, Method method,
                           core::Buffer<FaceTriangle>& out) const {
   std::vector<std::uint8_t> inwards(std::size_t(mesh.cell_count()), 0);
   threads.parallel_for(mesh.cell_count(), grain, [&](std::int64_t begin, std::int64_t end) {
@@ -175,7 +175,7 @@ void FaceTable::triangles(const mesh::MeshView& mesh, const core::Threads& threa
   });
 }
 
-float FaceTable::longest_distance(const mesh::MeshView& mesh, const core::Threads& threads) {
+float MeshFaces::longest_distance(const mesh::MeshView& mesh, const core::Threads& threads) {
   std::vector<double> longest(std::size_t(mesh.cell_count() / grain) + 1, 0.0);
   threads.parallel_for(mesh.cell_count(), grain, [&](std::int64_t begin, std::int64_t end) {
     double square = 0.0;

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "accel/faces/face_table.h"
-#include "cells/faces.h"
+#include "accel/faces/mesh_faces.h"
+#include "cells/kernels/faces.h"
 #include "core/parallel.h"
 #include "mesh/view.h"
 
@@ -16,7 +16,7 @@ namespace insitu::accel {
 
 namespace half_faces {
 
-using Face = FaceTable::Face;
+using Face = MeshFaces::Face;
 
 inline constexpr cells::FaceTable tables[] = {
     cells::face_table(mesh::Shape::tetrahedron), cells::face_table(mesh::Shape::voxel),
@@ -110,7 +110,7 @@ public:
   }
 
 private:
-  using Face = FaceTable::Face;
+  using Face = MeshFaces::Face;
 
   template <class Put>
   void for_each(Put&& put) {

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "accel/morton/sort.h"
-#include "accel/node.h"
+#include "accel/tree/node.h"
 
 namespace insitu::accel::morton {
 

@@ -1,5 +1,5 @@
-#include "accel/extent.h"
 #include "accel/optix/kernels.h"
+#include "accel/tree/extent.h"
 
 namespace insitu::accel::optix {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "accel/cuda/device_buffer.h"
 #include "accel/faces/face_triangle.h"
-#include "accel/node.h"
+#include "accel/tree/node.h"
 #include "mesh/view.h"
 
 /// CUDA kernels behind the structures of the rays. Views and pointers are the device's.
@@ -17,7 +17,7 @@ void fill_cell_boxes(const mesh::MeshView& mesh, const math::Vec3d& origin,
                      cudaStream_t stream);
 
 /// The largest distance of two vertices of one of the cells, as a float rounded up; waits.
-/// FaceTable::longest_distance, on the device.
+/// MeshFaces::longest_distance, on the device.
 float longest_distance(const mesh::MeshView& mesh, const std::uint32_t* cells, std::int64_t n,
                        cuda::DeviceBuffer<std::uint32_t>& scratch, cudaStream_t stream);
 

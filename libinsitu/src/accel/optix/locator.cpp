@@ -6,7 +6,7 @@
 #include "accel/cuda/caller_ids.h"
 #include "accel/cuda/device_tree.h"
 #include "accel/cuda/locate.h"
-#include "accel/faces/face_table.h"
+#include "accel/faces/mesh_faces.h"
 #include "accel/optix/context.h"
 #include "accel/optix/kernels.h"
 #include "accel/optix/launch_streams.h"
@@ -26,7 +26,7 @@ class OptixLocator final : public DeviceLocator {
 public:
   OptixLocator(Method method, core::Memory& memory, std::int64_t group);
 
-  void commit(const mesh::Mesh& mesh, HostView host, std::uint32_t what, const FaceTable* faces,
+  void commit(const mesh::Mesh& mesh, HostView host, std::uint32_t what, const MeshFaces* faces,
               const core::Threads& threads) override;
   DeviceCounts locate(const DeviceQuery& query) const override;
   void advance(const DeviceTracers& tracers) const override {
@@ -42,9 +42,9 @@ private:
       throw core::Error(INSITU_ERROR_ORDER,
                         std::string("locator ") + name(method_) + " on optix: not committed");
   }
-  void commit_rays(HostView host, bool rebuild, const FaceTable* faces,
+  void commit_rays(HostView host, bool rebuild, const MeshFaces* faces,
                    const core::Threads& threads);
-  void upload_triangles(HostView host, const FaceTable& faces, const core::Threads& threads);
+  void upload_triangles(HostView host, const MeshFaces& faces, const core::Threads& threads);
   Launch launch_of(Ask ask) const;
   const Pipeline& pipeline_of(const Launch& launch) const;
   void run(const Launch& launch, cudaStream_t stream) const;
@@ -80,7 +80,7 @@ OptixLocator::OptixLocator(Method method, core::Memory& memory, std::int64_t gro
 }
 
 void OptixLocator::commit(const mesh::Mesh& mesh, HostView host, std::uint32_t what,
-                          const FaceTable* faces, const core::Threads& threads) {
+                          const MeshFaces* faces, const core::Threads& threads) {
   if (uses_faces(method_) && !faces)
     throw core::Error(INSITU_ERROR_ARGUMENT,
                       std::string("locator ") + name(method_) + " needs the mesh's faces");
@@ -106,7 +106,7 @@ void OptixLocator::commit(const mesh::Mesh& mesh, HostView host, std::uint32_t w
   committed_ = true;
 }
 
-void OptixLocator::commit_rays(HostView host, bool rebuild, const FaceTable* faces,
+void OptixLocator::commit_rays(HostView host, bool rebuild, const MeshFaces* faces,
                                const core::Threads& threads) {
   Primitives primitives;
   const auto fill = [&](Box* boxes, std::int64_t first, std::int64_t n) {
@@ -145,7 +145,7 @@ void OptixLocator::commit_rays(HostView host, bool rebuild, const FaceTable* fac
 }
 
 /// The triangles of the coordinates as they are.
-void OptixLocator::upload_triangles(HostView host, const FaceTable& faces,
+void OptixLocator::upload_triangles(HostView host, const MeshFaces& faces,
                                     const core::Threads& threads) {
   core::Buffer<FaceTriangle> fresh(*memory_, INSITU_MEMORY_BUILD);
   faces.triangles(host(), threads, method_, fresh);

@@ -6,7 +6,7 @@
 
 #include "accel/cuda/device_buffer.h"
 #include "accel/faces/face_triangle.h"
-#include "accel/node.h"
+#include "accel/tree/node.h"
 #include "core/parallel.h"
 
 namespace insitu::accel::optix {

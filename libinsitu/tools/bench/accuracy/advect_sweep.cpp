@@ -3,7 +3,7 @@
 
 #include "accuracy/sweeps.h"
 #include "advect.h"
-#include "advect/mesh_velocity.h"
+#include "advect/field/mesh_velocity.h"
 #include "core/random.h"
 #include "format.h"
 #include "lines_by_length.h"
@@ -153,7 +153,7 @@ private:
   Extent extent_;
   Setup setup_;
   std::vector<double> velocity_;
-  std::unique_ptr<query::CommittedMesh> mesh_;
+  std::unique_ptr<commit::CommittedMesh> mesh_;
   std::vector<Vec3d> seeds_, truth_;
   double length_ = 0.0; ///< of the true lines, the mean
 };

@@ -41,7 +41,7 @@ public:
     }
   }
 
-  std::unique_ptr<query::CommittedMesh> make(insitu_reconstruction reconstruction) {
+  std::unique_ptr<commit::CommittedMesh> make(insitu_reconstruction reconstruction) {
     auto out = register_leaves(leaves_, blocks_.spacing, blocks_.level_count, reconstruction,
                                context_.memory);
     out->commit(context_.threads, context_.log, context_.memory, true);
@@ -49,7 +49,8 @@ public:
   }
 
   /// The dual's cells, cubes as hexahedra, by a method of the papers.
-  std::unique_ptr<query::CommittedMesh> make_by_faces(const PlainDual& dual, accel::Method method) {
+  std::unique_ptr<commit::CommittedMesh> make_by_faces(const PlainDual& dual,
+                                                       accel::Method method) {
     auto out = register_plain(dual, context_.memory);
     out->set_locator({method, accel::Backend::cpu});
     out->commit(context_.threads, context_.log, context_.memory, true);
@@ -60,7 +61,7 @@ public:
   std::int64_t leaf_count() const { return std::int64_t(leaves_.levels.size()); }
 
   /// Of samples at random points.
-  Setting measure_values(const std::string& name, const query::CommittedMesh& mesh,
+  Setting measure_values(const std::string& name, const commit::CommittedMesh& mesh,
                          std::int64_t bytes, insitu_accuracy accuracy) {
     query::LocateOptions options;
     options.accuracy = accuracy;
@@ -117,7 +118,7 @@ public:
     return out;
   }
 
-  render::FrameSettings frame(const query::CommittedMesh& mesh, insitu_accuracy accuracy) const {
+  render::FrameSettings frame(const commit::CommittedMesh& mesh, insitu_accuracy accuracy) const {
     render::FrameSettings s;
     s.width = s.height = extent_.quick ? 64 : 192;
     s.camera = render::Camera::around({0, 0, 0}, {256, 256, 256}, 30, 20);
@@ -130,14 +131,14 @@ public:
     s.volume->accuracy = accuracy;
     return s;
   }
-  core::Image draw(const query::CommittedMesh& mesh, insitu_accuracy accuracy = INSITU_STANDARD,
+  core::Image draw(const commit::CommittedMesh& mesh, insitu_accuracy accuracy = INSITU_STANDARD,
                    render::FrameStatistics* statistics = nullptr) {
     return render::render_frame(mesh.sampler(), frame(mesh, accuracy), context_.threads,
                                 context_.memory, statistics)
         .color;
   }
 
-  Setting measure_image(const std::string& name, const query::CommittedMesh& mesh,
+  Setting measure_image(const std::string& name, const commit::CommittedMesh& mesh,
                         std::int64_t bytes, insitu_accuracy accuracy, const core::Image& truth) {
     Setting s;
     s.group = "images";
@@ -188,7 +189,7 @@ private:
       for (int j = 0; j <= n; ++j)
         for (int i = 0; i <= n; ++i)
           values.push_back(field({256.0 * i / n, 256.0 * j / n, 256.0 * k / n}));
-    query::CommittedMesh mesh("even", context_.memory);
+    commit::CommittedMesh mesh("even", context_.memory);
     insitu_block block = insitu_block_default();
     block.kind = INSITU_BLOCK_UNIFORM;
     for (int a = 0; a < 3; ++a) {
@@ -245,7 +246,7 @@ Sweep sweep_amr(const Extent& extent) {
                        const auto& make) {
     progress("amr: " + name);
     const std::int64_t before = adaptive.context().memory.current();
-    const std::unique_ptr<query::CommittedMesh> mesh = make();
+    const std::unique_ptr<commit::CommittedMesh> mesh = make();
     (void)mesh->mesh().field("f");
     const auto bytes = std::int64_t(arrays) + adaptive.context().memory.current() - before;
     s.settings.push_back(adaptive.measure_values(name, *mesh, bytes, accuracy));

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "accuracy/sweeps.h"
-#include "cells/contain_exact.h"
+#include "cells/exact/contain_exact.h"
 #include "commands.h"
 #include "format.h"
 #include "peers.h"
@@ -226,7 +226,7 @@ private:
   Case case_;
   Extent extent_;
   Setup setup_;
-  std::unique_ptr<query::CommittedMesh> mesh_;
+  std::unique_ptr<commit::CommittedMesh> mesh_;
   std::int64_t random_count_ = 0;
   std::vector<Vec3d> points_;
   std::vector<query::Location> truth_;

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "accuracy/sweeps.h"
-#include "cells/kernels.h"
+#include "cells/kernels/kernels.h"
 #include "format.h"
 #include "workload/mesh.h"
 #include "workload/queries.h"

@@ -3,10 +3,10 @@
 
 #include "accuracy/sweeps.h"
 #include "commands.h"
+#include "commit/tree_policy.h"
 #include "core/random.h"
 #include "core/timer.h"
 #include "format.h"
-#include "query/tree_policy.h"
 #include "sedov/solver.h"
 #include "setup.h"
 
@@ -77,7 +77,7 @@ private:
   Way way_;
   const core::Threads& threads_;
   accel::Tree tree_;
-  query::TreePolicy policy_;
+  commit::TreePolicy policy_;
 };
 
 /// The blast's mesh, cycle by cycle, with the tree kept in one way and points asked for in every
@@ -101,7 +101,7 @@ public:
 
   void run(Way way, Run& out) {
     sedov::Solver solver(config_);
-    query::CommittedMesh mesh("blast", context_.memory);
+    commit::CommittedMesh mesh("blast", context_.memory);
     const auto n = std::int64_t(solver.vertex_count());
     const insitu_array points[3] = {insitu_array_of(solver.x.data(), INSITU_FLOAT64, n, 1),
                                     insitu_array_of(solver.y.data(), INSITU_FLOAT64, n, 1),

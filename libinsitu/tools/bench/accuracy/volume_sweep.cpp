@@ -112,7 +112,7 @@ private:
   }
   Extent extent_;
   Setup setup_;
-  std::unique_ptr<query::CommittedMesh> mesh_;
+  std::unique_ptr<commit::CommittedMesh> mesh_;
 };
 
 std::string advise(const Sweep& s) {

@@ -1,8 +1,8 @@
-#include "accel/faces/face_table.h"
+#include "accel/faces/mesh_faces.h"
 #include "accel/ray_locator.h"
+#include "commit/committed_mesh.h"
 #include "core/timer.h"
 #include "methods/runner.h"
-#include "query/committed_mesh.h"
 #include "setup.h"
 
 namespace insitu::bench {
@@ -47,7 +47,7 @@ public:
       return {tree.cell_count(), tree.bytes(), memory.peak()};
     }
     core::Memory for_faces;
-    accel::FaceTable faces(for_faces);
+    accel::MeshFaces faces(for_faces);
     const core::Timer timer;
     if (uses_faces(method_))
       faces.build(view, context_.threads);
@@ -105,7 +105,7 @@ public:
 private:
   accel::Method method_;
   core::Context& context_;
-  query::CommittedMesh committed_;
+  commit::CommittedMesh committed_;
   std::span<const math::Vec3d> points_;
   std::vector<std::int64_t> cells_;
   std::vector<double> values_;

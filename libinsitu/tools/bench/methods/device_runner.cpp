@@ -2,8 +2,8 @@
 #include <stdexcept>
 
 #include "accel/device_locator.h"
-#include "accel/faces/face_table.h"
-#include "cells/odd_cells.h"
+#include "accel/faces/mesh_faces.h"
+#include "cells/checks/odd_cells.h"
 #include "core/timer.h"
 #include "methods/runner.h"
 
@@ -133,7 +133,7 @@ private:
   core::Context& context_;
   core::Memory memory_;
   mesh::Mesh mesh_;
-  accel::FaceTable faces_;
+  accel::MeshFaces faces_;
   std::unique_ptr<accel::DeviceLocator> locator_;
   std::size_t count_ = 0;
   Ways ways_;

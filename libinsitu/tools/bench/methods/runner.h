@@ -8,7 +8,7 @@
 
 #include "accel/locator.h"
 #include "core/context.h"
-#include "mesh/mesh.h"
+#include "mesh/registered/mesh.h"
 #include "workload/mesh.h"
 
 namespace insitu::bench {

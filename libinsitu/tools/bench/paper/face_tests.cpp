@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "cells/faces.h"
-#include "cells/kernels.h"
+#include "cells/kernels/faces.h"
+#include "cells/kernels/kernels.h"
 #include "measure.h"
 
 namespace insitu::bench::paper {

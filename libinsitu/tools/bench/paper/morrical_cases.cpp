@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "commit/committed_mesh.h"
 #include "kept_frames.h"
 #include "lattice_rays.h"
 #include "measure.h"
-#include "query/committed_mesh.h"
 #include "render.h"
 #include "workload/queries.h"
 
@@ -68,7 +68,7 @@ MorricalCase MorricalBench::measure(const MorricalSet& d) {
 /// The frame by the renderer, and by VTK; returns points of it, of one tile in 256.
 std::vector<math::Vec3d> MorricalBench::draw(const MorricalSet& d, const MethodMesh& mesh,
                                              MorricalCase& out) {
-  query::CommittedMesh committed("bench", context_.memory);
+  commit::CommittedMesh committed("bench", context_.memory);
   mesh.register_with(committed.mesh());
   committed.commit(context_.threads, context_.log, context_.memory, true);
   const query::Sampler sampler = committed.sampler();

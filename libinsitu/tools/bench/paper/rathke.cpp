@@ -8,7 +8,7 @@
 #include "lattice_rays.h"
 #include "paper/paper.h"
 #include "paper/papers_figures.h"
-#include "render/structures.h"
+#include "render/structures/structures.h"
 
 namespace insitu::bench::paper {
 
@@ -130,7 +130,7 @@ private:
   const Options o_;
   Setup setup_;
   int size_;
-  std::unique_ptr<query::CommittedMesh> mesh_;
+  std::unique_ptr<commit::CommittedMesh> mesh_;
 };
 
 const char* const sizes_note =

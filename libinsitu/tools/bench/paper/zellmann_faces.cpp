@@ -58,7 +58,7 @@ public:
 
 private:
   core::Context& context_;
-  std::unique_ptr<query::CommittedMesh> mesh_;
+  std::unique_ptr<commit::CommittedMesh> mesh_;
   std::unique_ptr<KeptFrames> frames_;
 };
 

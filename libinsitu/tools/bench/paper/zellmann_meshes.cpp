@@ -83,7 +83,7 @@ void AdaptiveCase::set_values() {
   }
 }
 
-std::unique_ptr<query::CommittedMesh> AdaptiveCase::make(core::Memory& memory) const {
+std::unique_ptr<commit::CommittedMesh> AdaptiveCase::make(core::Memory& memory) const {
   return is_octree_ ? register_leaves(octree_.leaves, octree_.spacing, octree_.level_count,
                                       INSITU_DUAL, memory)
                     : register_patches(blocks_, INSITU_DUAL, memory);
@@ -115,7 +115,7 @@ Held hold_reference(const Held& ours, int threads) {
   return out;
 }
 
-render::FrameSettings march_frame(const query::CommittedMesh& mesh, int size) {
+render::FrameSettings march_frame(const commit::CommittedMesh& mesh, int size) {
   render::FrameSettings s;
   s.width = s.height = size;
   s.camera = render::Camera::around({0, 0, 0}, {box, box, box}, 30, 20);
@@ -129,7 +129,7 @@ render::FrameSettings march_frame(const query::CommittedMesh& mesh, int size) {
   return s;
 }
 
-render::FrameSettings path_frame(const query::CommittedMesh& mesh, int size) {
+render::FrameSettings path_frame(const commit::CommittedMesh& mesh, int size) {
   render::FrameSettings s = march_frame(mesh, size);
   s.volume->function = {render::ColorMap::built_in("viridis"), 0.0, 1.0, {{0.3, 0.0}, {1.0, 0.2}}};
   s.path_tracing = render::PathTracingSettings{};

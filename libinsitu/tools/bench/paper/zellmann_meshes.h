@@ -33,7 +33,7 @@ public:
   /// The same with its finest levels left off.
   AdaptiveCase cut(int level_count) const;
   /// Over the arrays here; not committed.
-  std::unique_ptr<query::CommittedMesh> make(core::Memory& memory) const;
+  std::unique_ptr<commit::CommittedMesh> make(core::Memory& memory) const;
 
 private:
   void set_values();
@@ -46,7 +46,7 @@ private:
 struct Held {
   std::unique_ptr<core::Context> context;
   PlainDual plain; ///< of a reference
-  std::unique_ptr<query::CommittedMesh> mesh;
+  std::unique_ptr<commit::CommittedMesh> mesh;
   double data = 0.0, peak = 0.0, total = 0.0; ///< bytes; the solver's own arrays left out
 };
 /// As gridlets and stitching cells; and the same dual mesh as hexahedra and so on, its vertices
@@ -55,9 +55,9 @@ Held hold(const AdaptiveCase& mesh, int threads);
 Held hold_reference(const Held& ours, int threads);
 
 /// The volume over the mesh's box, thin enough for no ray to end early; nothing is skipped.
-render::FrameSettings march_frame(const query::CommittedMesh& mesh, int size);
+render::FrameSettings march_frame(const commit::CommittedMesh& mesh, int size);
 /// A convergence frame: one path a pixel, multiple isotropic scattering under a white dome.
-render::FrameSettings path_frame(const query::CommittedMesh& mesh, int size);
+render::FrameSettings path_frame(const commit::CommittedMesh& mesh, int size);
 /// View `i` of `count` around the box, spread over the sphere, from five distances in turn.
 render::Camera orbit(int i, int count);
 

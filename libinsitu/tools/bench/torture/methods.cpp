@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "commit/committed_mesh.h"
 #include "core/context.h"
 #include "core/random.h"
 #include "peers.h"
-#include "query/committed_mesh.h"
 #include "setup.h"
 
 namespace insitu::bench::torture {
@@ -63,7 +63,7 @@ std::vector<Method> answer_by_all(const Case& c, const std::vector<Point>& point
                                   std::vector<std::string>& columns) {
   std::vector<Method> out;
   core::Context context(1, core::Log(INSITU_LOG_ERROR, nullptr, nullptr));
-  query::CommittedMesh mesh("torture", context.memory);
+  commit::CommittedMesh mesh("torture", context.memory);
   const std::vector<float> floats(c.mesh.points.begin(), c.mesh.points.end());
   const insitu_array xyz =
       c.float32 ? insitu_array_of(floats.data(), INSITU_FLOAT32, c.mesh.vertex_count(), 3)

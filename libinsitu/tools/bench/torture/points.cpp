@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "cells/faces.h"
-#include "cells/kernels.h"
+#include "cells/kernels/faces.h"
+#include "cells/kernels/kernels.h"
 #include "core/random.h"
 #include "workload/queries.h"
 

@@ -2,7 +2,7 @@
 #include <array>
 #include <cstring>
 
-#include "cells/contain_exact.h"
+#include "cells/exact/contain_exact.h"
 #include "commands.h"
 #include "format.h"
 #include "torture/methods.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cells/kernels.h"
+#include "cells/kernels/kernels.h"
 
 namespace insitu::bench::torture {
 

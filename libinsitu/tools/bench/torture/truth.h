@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cells/contain_exact.h"
+#include "cells/exact/contain_exact.h"
 #include "torture/points.h"
 
 namespace insitu::bench::torture {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "cells/faces.h"
-#include "cells/kernels.h"
+#include "cells/kernels/faces.h"
+#include "cells/kernels/kernels.h"
 #include "core/random.h"
 #include "math/morton.h"
 

@@ -1,0 +1,110 @@
+#pragma once
+
+#include "advect/effects/drift.h"
+#include "advect/effects/effects.h"
+#include "advect/effects/inertia.h"
+#include "advect/effects/random_walk.h"
+#include "advect/effects/sides.h"
+#include "advect/effects/walls.h"
+#include "advect/field/chart_velocity.h"
+#include "advect/field/crossing_velocity.h"
+#include "advect/integrate/integrate.h"
+#include "advect/lines/recorder.h"
+#include "advect/particles.h"
+#include "core/parallel.h"
+
+namespace insitu::advect {
+
+/// Throws Error(INSITU_ERROR_FIELD or INSITU_ERROR_ARGUMENT): see Tracer::set_effects.
+void check_effects(const Effects& effects);
+
+/// What all threads share in one advance under effects.
+struct EffectSetup {
+  EffectSetup(const Effects& effects, const query::Sampler& sampler, const core::Threads& threads);
+
+  Effects effects;
+  Sides sides;         ///< that are periodic
+  math::Vec3d largest; ///< diffusion coefficient
+};
+
+inline insitu_ending ending_of(Moved moved) {
+  return moved == Moved::left      ? INSITU_END_LEFT
+         : moved == Moved::stopped ? INSITU_END_STOPPED
+                                   : INSITU_END_ALIVE;
+}
+
+/// Moves particles under effects; the counterpart of a plain call of integrate(). V: DriftVelocity,
+/// CrossingVelocity, or ChartVelocity on a geodetic mesh. The integrator's positions (State::x) are
+/// V's; displacements go between points among the cells (Space), in metres. One object serves one
+/// thread.
+template <class V>
+class Mover {
+public:
+  /// The arguments must outlive the object.
+  Mover(const EffectSetup& setup, V& velocity, const IntegratorSettings& settings,
+        double max_length);
+  Mover(const Mover&) = delete;
+
+  /// Who is told of the next particle's way, or null.
+  void take(Recorder* recorder) { recorder_ = recorder; }
+
+  /// Moves the particle, whose last cell was `hint`, from p.time to `to`; backwards, which neither
+  /// a walk nor inertia can, the velocity that walls meet is the opposite one. Returns as
+  /// integrate(), or INSITU_END_REMOVED where the recorder says so.
+  insitu_ending advance(State& p, std::int64_t hint, Carried& carried, double to, Work& work);
+
+  /// The cell of the particle's position, or -1.
+  std::int64_t cell() const { return spot_cell_ >= 0 ? spot_cell_ : velocity_.cell(); }
+  const EffectWork& effect_work() const { return work_; }
+
+private:
+  const MeshVelocity& flow() const { return velocity_.flow(); }
+  insitu_ending go(State& p, Carried& carried, double to, Work& work);
+  insitu_ending put_back(State& p, const State& before, const Spot& start, double to);
+  insitu_ending flow_to(State& p, double to, Work& work);
+  insitu_ending touch(State& p, double to, Work& work);
+  bool is_behind(const Spot& at, const Vec3d& n, double alpha) const;
+  struct Glide;
+  bool glide(const State& p, Glide& step, double to, Work& work);
+  insitu_ending pass(State& p, Spot at);
+  Sampled velocity_at(const Vec3d& point, double time, Vec3d& v);
+  /// Of the point among the cells at which the velocity was asked last.
+  Vec3d kept_inside(const Vec3d& point) { return velocity_.kept_at(point); }
+  bool is_over() const { return recorder_ && recorder_->is_over(); }
+  double cells_along(const Spot& at, const Vec3d& v, const Vec3d& wall, double alpha) const;
+  insitu_ending walk(State& p, Carried& carried, double dt);
+  bool find(const Vec3d& point, double time, Spot& at);
+  bool find(const State& p, Spot& at);
+  void placed(State& p, Spot at);
+
+  // With inertia: see fly.cpp. x is the particle's point among the cells.
+  insitu_ending fly(State& p, Carried& carried, double to, Work& work);
+  insitu_ending fly_from(Vec3d& x, State& p, Carried& carried, double to, Work& work);
+  insitu_ending touch_flying(Vec3d& x, State& p, Carried& carried, double to, Work& work);
+  Sampled force(const Vec3d& x, double t, Vec3d& b);
+  Inertia law_at(const Vec3d& x) const;
+  void landed(Vec3d& x, const Spot& at);
+
+  const EffectSetup* setup_;
+  const Effects* effects_;
+  IntegratorSettings settings_;
+  double max_length_;
+  V& velocity_;
+  EffectWork work_;
+  Space space_;
+  Walls walls_;
+  BoundaryEffect boundary_, walk_boundary_; ///< the former without put_back, which is go()'s
+  bool puts_back_ = false;
+  std::int64_t spot_cell_ = -1; ///< of the position, if a displacement was the last to move it
+  std::int64_t steps_left_ = 0;
+  Recorder* recorder_ = nullptr;
+  double direction_ = 1.0;    ///< in time; -1: backwards
+  double last_bounce_ = -1.0; ///< length of the path then; -1: none yet
+};
+
+extern template class Mover<DriftVelocity>;
+extern template class Mover<ChartVelocity>;
+extern template class Mover<CrossingVelocity<DriftVelocity>>;
+extern template class Mover<CrossingVelocity<ChartVelocity>>;
+
+} // namespace insitu::advect

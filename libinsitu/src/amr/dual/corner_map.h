@@ -1,0 +1,139 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "amr/leaves/brick_store.h"
+#include "amr/leaves/neighborhood.h"
+#include "core/count_bits.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+
+namespace insitu::amr {
+
+struct DualPart;
+
+/// What the stitching cell at a corner is, a byte:
+///
+/// - a frustum: between four leaves of the corner's depth and those of one or two depths above,
+///   across one axis; where these are fewer than four, a wedge or a pyramid. Sections across the
+///   axis are rectangles along the others;
+/// - a box: among leaves of one depth, virtual ones, or halved along some axes where the domain
+///   ends;
+/// - another cell.
+struct CornerKind {
+  std::uint8_t code = 0;
+
+  /// side: 1 if the coarser leaves lie on the high side of the axis; up: depths, 1 or 2.
+  static CornerKind frustum(int axis, int side, int up) {
+    return {std::uint8_t(1 + axis + 4 * side + 8 * (up - 1))};
+  }
+  /// moves: as VertexKey's; along an axis, 1: the domain ends at the corner, and the cell lies
+  /// above it; 2: below it; 0: neither.
+  static CornerKind box(std::uint32_t moves) { return {std::uint8_t(first_box + moves)}; }
+  static CornerKind other() { return {first_other}; }
+  /// Of the cell at a corner.
+  static CornerKind of(const Corner& corner);
+
+  explicit operator bool() const { return code != 0; }
+  bool is_frustum() const { return code != 0 && code < first_box; }
+  bool is_box() const { return code >= first_box && code < first_other; }
+  int axis() const { return (code - 1) & 3; }
+  int side() const { return (code - 1) >> 2 & 1; }
+  int up() const { return ((code - 1) >> 3) + 1; }
+  std::uint32_t moves() const { return std::uint32_t(code - first_box); }
+  bool operator==(const CornerKind&) const = default;
+
+  static constexpr int most_up = 2;
+  static constexpr std::uint8_t first_box = 1 + 8 * most_up, first_other = first_box + 27;
+};
+
+/// The stitching cell at a corner of its depth's lattice; see Corner.
+struct CornerCell {
+  std::int32_t corner[3];
+  std::uint8_t depth;
+  CornerKind kind;
+  bool real;          ///< none of its leaves is virtual
+  std::uint32_t cell; ///< of its part's stitching cells
+};
+
+/// Which stitching cell stands at a corner: a bit a corner, in bricks of 8x8x8, and a cell a bit.
+/// Those that fill re-entrant corners are left out.
+class CornerMap {
+public:
+  explicit CornerMap(core::Memory& memory);
+
+  /// first_cell: of each part's stitching cells.
+  void build(const std::vector<DualPart>& parts, const std::vector<std::int64_t>& first_cell,
+             const core::Threads& threads);
+  void clear();
+  std::int64_t bytes() const;
+
+  /// Depths that have some: [0, depth_count()).
+  int depth_count() const { return depth_count_; }
+  /// No corner is farther from the lattice's origin along an axis, in cells of depth 0.
+  double farthest(int axis) const { return farthest_[axis]; }
+  /// Whether there are frusta of a depth beside leaves `up` depths above.
+  bool has_frusta(int depth, int up) const {
+    return (kinds_of_[std::size_t(depth)] >> up & 1) != 0;
+  }
+
+  struct Found {
+    CornerKind kind;
+    bool real = false;      ///< none of its leaves is virtual
+    std::uint32_t cell = 0; ///< a stitching cell
+    explicit operator bool() const { return bool(kind); }
+  };
+  Found find(int depth, const std::int64_t* corner) const {
+    const std::uint32_t b = tables_[std::size_t(depth)].find(BrickStore::key_of(corner));
+    if (b == BrickTable::none)
+      return {};
+    const Brick& brick = bricks_[b];
+    const int word = int(corner[2] & 7);
+    const std::uint64_t bit = std::uint64_t(1) << ((corner[0] & 7) | (corner[1] & 7) << 3);
+    if ((brick.here[word] & bit) == 0)
+      return {};
+    const std::size_t at = rank(brick, word, bit);
+    return cells_[at].found();
+  }
+
+private:
+  /// Found, in five bytes side by side: mostly one line of the cache.
+  class Entry {
+  public:
+    Entry() = default;
+    explicit Entry(const Found& f) : kind_(std::uint8_t(f.kind.code | (f.real ? real_bit : 0))) {
+      std::memcpy(cell_, &f.cell, sizeof f.cell);
+    }
+    Found found() const {
+      Found f = {{std::uint8_t(kind_ & ~real_bit)}, (kind_ & real_bit) != 0};
+      std::memcpy(&f.cell, cell_, sizeof f.cell);
+      return f;
+    }
+
+  private:
+    static constexpr unsigned real_bit = 0x80;
+    static_assert(CornerKind::first_other < real_bit);
+    std::uint8_t kind_ = 0, cell_[sizeof(std::uint32_t)] = {};
+  };
+  struct Brick {
+    std::uint64_t here[8];  ///< a word a layer, a bit a corner
+    std::uint32_t first;    ///< of the cells here
+    std::uint16_t below[8]; ///< cells before a layer
+  };
+  static std::size_t rank(const Brick& brick, int word, std::uint64_t bit) {
+    return std::size_t(brick.first) + brick.below[word] +
+           core::count_bits(brick.here[word] & (bit - 1));
+  }
+
+  int depth_count_ = 0;
+  std::array<std::uint8_t, mesh::Lattice::most_depth + 1> kinds_of_{}; ///< bit 0: others
+  double farthest_[3] = {0, 0, 0};
+  std::vector<BrickTable> tables_;
+  core::Buffer<Brick> bricks_;
+  core::Buffer<Entry> cells_;
+};
+
+} // namespace insitu::amr

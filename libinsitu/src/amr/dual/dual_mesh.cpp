@@ -1,0 +1,184 @@
+#include "amr/dual/dual_mesh.h"
+
+#include "amr/dual/dual_parts.h"
+#include "amr/dual/stitching.h"
+#include "amr/values/vertex_values.h"
+#include "core/status.h"
+
+namespace insitu::amr {
+
+using mesh::Gridlet;
+
+struct DualMesh::State {
+  explicit State(core::Memory& m)
+      : memory(m), map(m), gridlets(m, INSITU_MEMORY_AMR), full(m, INSITU_MEMORY_AMR),
+        leaves(m, INSITU_MEMORY_AMR), stitching(m), values(m) {}
+
+  void clear();
+  void gather(const std::vector<DualPart>& parts, const core::Threads& threads);
+  void make_view();
+
+  core::Memory& memory;
+  LeafMap map;
+  DualCounts counts;
+  core::Buffer<Gridlet> gridlets;
+  core::Buffer<std::uint64_t> full;
+  core::Buffer<std::uint32_t> leaves;
+  Stitching stitching;
+  VertexValues values;
+  std::int64_t first_virtual = 0; ///< id
+  mesh::GridletsView gridlets_view;
+  mesh::PieceView pieces[2];
+  std::int64_t first_cell[3] = {0, 0, 0}, first_vertex[3] = {0, 0, 0};
+  mesh::MeshView view;
+};
+
+namespace {
+
+void count_cells(const std::vector<DualPart>& parts, DualCounts& counts) {
+  for (const DualPart& part : parts) {
+    counts.cubes += part.cubes;
+    counts.empty += part.empty;
+    for (const DualCell& c : part.cells) {
+      counts.boundary += c.boundary;
+      switch (c.shape) {
+      case mesh::Shape::tetrahedron:
+        ++counts.tetrahedra;
+        break;
+      case mesh::Shape::pyramid:
+        ++counts.pyramids;
+        break;
+      case mesh::Shape::wedge:
+        ++counts.wedges;
+        break;
+      default:
+        ++(c.distinct == 8 ? counts.hexahedra : counts.collapsed);
+      }
+    }
+  }
+}
+
+} // namespace
+
+void DualMesh::State::clear() {
+  counts = {};
+  gridlets.resize_discard(0);
+  full.resize_discard(0);
+  leaves.resize_discard(0);
+  stitching.clear();
+  values.clear();
+  make_view();
+}
+
+/// Copies the parts' gridlets together.
+void DualMesh::State::gather(const std::vector<DualPart>& parts, const core::Threads& threads) {
+  std::vector<std::size_t> first_gridlet(parts.size() + 1, 0), first_leaf(parts.size() + 1, 0);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    first_gridlet[p + 1] = first_gridlet[p] + parts[p].gridlets.size();
+    first_leaf[p + 1] = first_leaf[p] + parts[p].leaves.size();
+  }
+  if (first_leaf.back() > UINT32_MAX)
+    throw core::Error(INSITU_ERROR_MESH, "the gridlets of an adaptive mesh have " +
+                                             std::to_string(first_leaf.back()) +
+                                             " vertices; at most 2^32 - 1 can be numbered");
+  gridlets.resize_discard(first_gridlet.back());
+  full.resize_discard(8 * first_gridlet.back());
+  leaves.resize_discard(first_leaf.back());
+  threads.parallel_for(std::int64_t(parts.size()), 1, [&](std::int64_t begin, std::int64_t end) {
+    for (std::size_t p = std::size_t(begin); p < std::size_t(end); ++p) {
+      std::copy(parts[p].full.begin(), parts[p].full.end(), full.begin() + 8 * first_gridlet[p]);
+      std::copy(parts[p].leaves.begin(), parts[p].leaves.end(), leaves.begin() + first_leaf[p]);
+      for (std::size_t g = 0; g < parts[p].gridlets.size(); ++g) {
+        Gridlet copy = parts[p].gridlets[g];
+        copy.first += std::uint32_t(first_leaf[p]);
+        gridlets[first_gridlet[p] + g] = copy;
+      }
+    }
+  });
+  counts.gridlets = std::int64_t(gridlets.size());
+  counts.scalars = std::int64_t(leaves.size());
+}
+
+void DualMesh::State::make_view() {
+  gridlets_view.lattice = map.lattice();
+  gridlets_view.gridlets = gridlets.data();
+  gridlets_view.count = std::int64_t(gridlets.size());
+  gridlets_view.leaves = leaves.data();
+  gridlets_view.full = full.data();
+  pieces[0] = {};
+  pieces[0].layout = mesh::CellLayout::gridlets;
+  pieces[0].uniform_shape = mesh::Shape::voxel;
+  pieces[0].cell_count = gridlets_view.count * Gridlet::most_cells;
+  pieces[0].vertex_count = std::int64_t(leaves.size());
+  pieces[0].gridlets = &gridlets_view;
+  pieces[1] = stitching.piece();
+  for (int p = 0; p < 2; ++p) {
+    first_cell[p + 1] = first_cell[p] + pieces[p].cell_count;
+    first_vertex[p + 1] = first_vertex[p] + pieces[p].vertex_count;
+  }
+  view = {};
+  view.pieces = pieces;
+  view.first_cell = first_cell;
+  view.first_vertex = first_vertex;
+  view.piece_count = 2;
+}
+
+DualMesh::DualMesh(core::Memory& memory) : state_(std::make_unique<State>(memory)) {
+  state_->make_view();
+}
+DualMesh::~DualMesh() = default;
+
+void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads) {
+  State& s = *state_;
+  s.clear();
+  try {
+    s.map.build(mesh, threads);
+    s.first_virtual = mesh.cell_count();
+    const DualParts dual =
+        make_dual_parts(s.map.store(), s.map.lattice(), s.first_virtual, s.memory, threads);
+    s.gather(dual.parts, threads);
+    s.stitching.build(dual.parts, mesh, dual.made, threads);
+    s.values.build(s.map.store(), mesh, dual.made, s.stitching.means(),
+                   s.stitching.take_on_boundary(), threads);
+    s.counts.leaves = s.map.leaf_count();
+    s.counts.masked = s.map.masked_count();
+    count_cells(dual.parts, s.counts);
+    s.counts.folded = dual.folded;
+    s.counts.repaired = std::int64_t(dual.made.leaves.size());
+    s.counts.still_folded = dual.still_folded;
+    s.make_view();
+    s.view.free_of_folds = s.view.covers_once = s.counts.still_folded == 0;
+  } catch (...) {
+    s.clear();
+    throw;
+  }
+}
+
+const LeafMap& DualMesh::leaves() const {
+  return state_->map;
+}
+const CornerMap& DualMesh::corners() const {
+  return state_->stitching.corners();
+}
+const DualCounts& DualMesh::counts() const {
+  return state_->counts;
+}
+std::int64_t DualMesh::bytes() const {
+  const State& s = *state_;
+  return s.map.bytes() + s.stitching.bytes() + s.values.bytes() +
+         std::int64_t(s.gridlets.bytes() + s.full.bytes() + s.leaves.bytes());
+}
+const mesh::MeshView& DualMesh::view() const {
+  return state_->view;
+}
+
+DualMesh::Terms DualMesh::terms(std::int64_t vertex) const {
+  const std::uint32_t* leaf = state_->stitching.leaves() + vertex;
+  if (*leaf < state_->first_virtual)
+    return {leaf, nullptr, nullptr, 1};
+  const std::int64_t n = *leaf - state_->first_virtual;
+  const VertexValues& values = state_->values;
+  return {values.leaves(n), values.weights(n), values.ghosts(n), values.count(n)};
+}
+
+} // namespace insitu::amr

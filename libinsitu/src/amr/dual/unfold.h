@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "amr/dual/enumerate.h"
+#include "amr/dual/virtual_leaves.h"
+
+namespace insitu::amr {
+
+/// Splits coarse leaves until the cell of none of a map's steep corners folds;
+/// `split` becomes the map with these splits.
+VirtualLeaves unfold(const BrickStore& store, const mesh::Lattice& lattice,
+                     std::vector<SteepCorner> steep, std::int64_t real, BrickStore& split,
+                     const core::Threads& threads);
+
+/// The bricks whose dual cells these splits change: those with leaves that
+/// touch a cell that was split. A flag a brick.
+std::vector<char> changed_bricks(const BrickStore& store, const std::vector<mesh::AmrCell>& split);
+
+} // namespace insitu::amr

@@ -1,0 +1,205 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "accel/faces/face_neighbours.h"
+#include "accel/tree/tree.h"
+#include "cells/checks/odd_cells.h"
+#include "cells/checks/validate.h"
+#include "commit/earlier/earlier_mesh.h"
+#include "commit/standins/geodetic.h"
+#include "commit/tree_policy.h"
+#include "core/log.h"
+#include "mesh/registered/mesh.h"
+#include "query/batch/order.h"
+#include "query/lattice/adaptive.h"
+#include "query/locators.h"
+#include "query/sampler.h"
+
+namespace insitu::commit {
+
+/// A registered mesh with its tree, and the policy that keeps the tree up to date.
+class CommittedMesh {
+public:
+  CommittedMesh(const std::string& name, core::Memory& memory);
+
+  mesh::Mesh& mesh() { return mesh_; }
+  const mesh::Mesh& mesh() const { return mesh_; }
+  const accel::Tree& tree() const { return tree_; }
+  /// automatic: as the policy finds; otherwise how every tree is built from now on.
+  void set_builder(accel::Builder builder) { policy_.set_builder(builder); }
+  /// How batches of points are located from the next commit on; the tree is kept whatever the
+  /// choice, but for a mesh in device memory.
+  void set_locator(const query::LocatorChoice& choice) { locators_.choose(choice); }
+  const query::Locators& locators() const { return locators_; }
+  /// Answers whole batches, or null.
+  const accel::DeviceLocator* device() const { return locators_.device(); }
+  /// At the last commit one of the mesh's arrays at least was in device memory: only device()
+  /// answers.
+  bool lies_on_device() const { return on_device_; }
+  /// Throws INSITU_ERROR_ORDER before the first commit.
+  insitu_locator_info locator_info() const;
+  /// What device() did. reasons: of its answers, if they are on the host; they are counted.
+  void note(const accel::DeviceCounts& counts, std::span<const std::uint8_t> reasons = {}) const;
+  /// The frame of the mesh's coordinates. Conversions are geo's; a geodetic mesh is located in its
+  /// own chart (Geodetic), so a change to, from or of that is a change of topology.
+  insitu_frame frame = insitu_frame_default();
+
+  /// Brings the tree up to date with what changed: topology -> validate, rebuild; geometry ->
+  /// refit, or rebuild when that is due (see TreePolicy); fields -> nothing here, or a better tree
+  /// when that is due. strict refuses converted arrays. Throws core::Error; the mesh then is not
+  /// committed.
+  insitu_commit_report commit(const core::Threads& threads, const core::Log& log,
+                              const core::Memory& memory, bool strict);
+
+  /// Validates the arrays as they are; the mesh need not be committed.
+  cells::Validation validate(const core::Threads& threads);
+
+  bool committed() const { return committed_ && mesh_.pending() == 0; }
+  /// Throws INSITU_ERROR_ORDER unless committed.
+  void require_committed() const;
+  /// Queries, hinted ones above all, answer fastest once it is known that no cell folds. Topology
+  /// commits find out; after the vertices moved, this does, in about three refits' time (once a
+  /// step): for callers with many hints. A commit calls it if the step before located many points,
+  /// or with a ray method, whose candidates are worth little before.
+  void look_for_folds(const core::Threads& threads);
+  /// Finds the cells across faces, if there can be a table of them, for callers that go from cell
+  /// to cell. Kept until the topology changes.
+  void find_neighbours(const core::Threads& threads);
+  /// The same once particles have asked the tree for as many points as finding takes time: then it
+  /// costs at most as much again as was lost without. For callers that are about to move some.
+  void find_neighbours_if_due(const core::Threads& threads);
+  /// The points asked since the topology changed; and back, from a checkpoint on the same cells.
+  std::int64_t unguided() const { return locate_counts_.unguided() - unguided_before_; }
+  void restore_unguided(std::int64_t points) {
+    unguided_before_ = locate_counts_.unguided() - points;
+  }
+  /// The bytes of the table that this may make; 0 if none.
+  std::int64_t neighbours_bytes(const core::Threads& threads) const;
+  const accel::FaceNeighbours* neighbours() const { return neighbours_.get(); }
+  query::Sampler sampler() const {
+    return {mesh_.view(),
+            tree_,
+            &order_,
+            &locate_counts_,
+            &locators_,
+            adaptive_.get(),
+            geodetic_ ? &geodetic_->image() : nullptr,
+            neighbours_.get()};
+  }
+  /// A location as the solver counts cells, flat over the pieces of mesh().own_view(): the same but
+  /// on the dual of an adaptive mesh, where it is the leaf that holds p, and in copies of a
+  /// geodetic mesh's cells.
+  query::Location own(const query::Location& at, const math::Vec3d& p) const {
+    return adaptive_         ? adaptive_->own(at, p)
+           : geodetic_ && at ? query::Location{geodetic_->own(at.cell), at.parametric}
+                             : at;
+  }
+  /// The mesh's copy audit, and the copies of a geodetic mesh's cells.
+  std::vector<insitu_audit_entry> audit() const;
+  /// Of a geodetic mesh that was committed; else null.
+  const Geodetic* geodetic() const { return geodetic_.get(); }
+  /// Throws INSITU_ERROR_ORDER unless adaptive and committed.
+  insitu_amr_info amr_info() const;
+  /// Of all samplers of this mesh, since it was made.
+  const query::LocateCounts& locate_counts() const { return locate_counts_; }
+  std::int64_t located() const; ///< points, their sum
+  /// So many of these were located for frames: no reason to build the tree anew for values alone.
+  void note_drawn(std::int64_t points) const { drawn_ += points; }
+
+  /// Differs from that of every other mesh of the process, past ones included.
+  std::uint64_t id() const { return id_; }
+  /// Grow with each commit that changed values, or cells and coordinates: for caches made from
+  /// them.
+  std::uint64_t fields_version() const { return fields_version_; }
+  std::uint64_t tree_version() const { return tree_version_; }
+  std::uint64_t topology_version() const { return topology_version_; }
+  /// Grows with each commit of moved vertices or other cells, and not when only the tree is built
+  /// anew.
+  std::uint64_t geometry_version() const { return geometry_version_; }
+
+  /// Keeps copies of this step for pathlines, as mesh::Mesh::keep_earlier() does; of none of the
+  /// fields: releases all. with_cells: so that a change of topology leaves the step whole. The
+  /// cells are copied at most once a topology; those of an adaptive mesh not before it regrids. An
+  /// earlier mesh, which particles have left by now, is released.
+  void keep_earlier(const std::vector<mesh::KeptField>& fields, bool with_cells,
+                    const core::Threads& threads);
+  void release_earlier();
+  /// The bytes of the cells' copy.
+  std::int64_t earlier_cells_bytes(const core::Threads& threads) const;
+  /// The step that was kept, if the cells are others since; or null.
+  const EarlierMesh* earlier_mesh() const { return earlier_mesh_.get(); }
+  /// To a checkpoint; and back, where the cells are others by now.
+  mesh::CellsCopy& earlier_cells() { return earlier_cells_; }
+  void restore_earlier_mesh(const mesh::EarlierStep& step, mesh::CellsCopy cells,
+                            const std::optional<query::ChartImage>& on,
+                            const core::Threads& threads);
+  const std::optional<query::ChartImage>& earlier_chart() const { return kept_.chart; }
+
+private:
+  /// Whatever has changed since.
+  void require_a_commit() const;
+  std::optional<query::ChartImage> chart() const;
+  void part_from_earlier(const core::Threads& threads);
+  void note_queries();
+  void forget_neighbours();
+  void commit_on_host(std::uint32_t pending, insitu_commit_report& report,
+                      const core::Threads& threads, const core::Log& log);
+  void commit_on_device(std::uint32_t pending, insitu_commit_report& report,
+                        const core::Threads& threads, const core::Log& log);
+  void commit_adaptive(std::uint32_t pending, insitu_commit_report& report,
+                       const core::Threads& threads);
+  void build_tree(insitu_commit_report& report, const core::Threads& threads);
+  cells::Validation validate_leaves(const core::Threads& threads);
+  void require_adaptive_locator() const;
+  void require_geodetic_locator() const;
+  bool place_on_chart(std::uint32_t pending, const core::Threads& threads, const core::Log& log);
+  void validate_topology(const mesh::MeshView& view, const core::Threads& threads,
+                         const core::Log& log);
+  void accept(const cells::Validation& validation, const mesh::MeshView& view,
+              const core::Threads& threads, const core::Log& log);
+  void update_locators(std::uint32_t pending, const core::Threads& threads);
+  void set_odd_cells(cells::OddCells odd, const core::Threads& threads);
+  void look_for_overlaps(const core::Threads& threads);
+  bool many_were_located() const;
+
+  const std::uint64_t id_;
+  mesh::Mesh mesh_;
+  accel::Tree tree_;
+  query::Locators locators_;
+  std::unique_ptr<query::Adaptive> adaptive_; ///< of adaptive meshes
+  std::unique_ptr<Geodetic> geodetic_;        ///< of geodetic meshes
+  std::unique_ptr<accel::FaceNeighbours> neighbours_;
+  std::int64_t unguided_before_ = 0;  ///< points, when the topology last changed
+  mutable query::SpatialOrder order_; ///< scratch of queries
+  mutable query::LocateCounts locate_counts_;
+  core::Memory* memory_;
+  TreePolicy policy_;
+  std::int64_t located_before_ = 0;            ///< points, when the policy was last told
+  mutable std::atomic<std::int64_t> drawn_{0}; ///< points, for frames since then
+  std::int64_t located_lately_ = 0; ///< points, between the last two commits that changed something
+  bool committed_ = false;
+  bool on_device_ = false; ///< asked for with every point, so kept
+  bool folds_are_known_ = false;
+  cells::OddCells odd_cells_;  ///< if so
+  bool tree_is_stale_ = false; ///< the mesh was in device memory meanwhile
+  int commits_since_build_ = 0;
+  // The earlier step, for pathlines (committed_mesh_earlier.cpp).
+  mesh::CellsCopy earlier_cells_;
+  std::uint64_t earlier_cells_version_ = 0; ///< topology_version() of that copy
+  struct {
+    bool with_cells = false, covers_once = false;
+    std::uint64_t tree_version = 0;
+    cells::OddCells odd;
+    std::optional<query::ChartImage> chart;
+  } kept_; ///< with the step
+  std::unique_ptr<EarlierMesh> earlier_mesh_;
+  std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,
+                geometry_version_ = 0;
+};
+
+} // namespace insitu::commit

@@ -1,0 +1,71 @@
+/// What a committed mesh keeps of the step before, for pathlines.
+#include "commit/committed_mesh.h"
+
+namespace insitu::commit {
+
+namespace {
+
+/// Whether what is kept on one chart has a place on the other: both are none, or count alike.
+bool are_alike(const std::optional<query::ChartImage>& a,
+               const std::optional<query::ChartImage>& b) {
+  return a.has_value() == b.has_value() && (!a || a->units == b->units);
+}
+
+} // namespace
+
+std::optional<query::ChartImage> CommittedMesh::chart() const {
+  return geodetic_ ? std::optional(geodetic_->image()) : std::nullopt;
+}
+
+std::int64_t CommittedMesh::earlier_cells_bytes(const core::Threads& threads) const {
+  return adaptive_ ? 0 : mesh::CellsCopy::bytes_for(mesh_.view(), threads);
+}
+
+void CommittedMesh::release_earlier() {
+  mesh_.release_earlier();
+  earlier_cells_.release();
+  earlier_mesh_.reset();
+  kept_ = {};
+}
+
+void CommittedMesh::keep_earlier(const std::vector<mesh::KeptField>& fields, bool with_cells,
+                                 const core::Threads& threads) {
+  if (fields.empty())
+    return release_earlier();
+  earlier_mesh_.reset();
+  mesh_.keep_earlier(fields, threads);
+  kept_ = {with_cells, mesh_.view().covers_once, tree_version_, odd_cells_, chart()};
+  if (!kept_.with_cells || adaptive_) {
+    earlier_cells_.release();
+  } else if (earlier_cells_.empty() || earlier_cells_version_ != topology_version_) {
+    earlier_cells_.copy(mesh_.view(), threads);
+    earlier_cells_version_ = topology_version_;
+  }
+  earlier_cells_.set_one_mesh(mesh_.view().one_mesh);
+}
+
+/// The cells are about to be others: what was kept of them becomes a mesh of its own. What has
+/// become one already, of a step whose particles wait, stays.
+void CommittedMesh::part_from_earlier(const core::Threads& threads) {
+  mesh::TakenStep step = mesh_.take_earlier();
+  const bool whole = !step.fields.empty() && kept_.with_cells && are_alike(kept_.chart, chart());
+  const bool moved = kept_.tree_version != tree_version_; // and not the copies
+  if (whole && adaptive_)
+    earlier_mesh_ = std::make_unique<EarlierMesh>(
+        std::move(step), std::move(adaptive_), tree_.take(), topology_version_, *memory_, threads);
+  else if (whole && !earlier_cells_.empty() && !tree_is_stale_)
+    earlier_mesh_ = std::make_unique<EarlierMesh>(std::move(step), std::move(earlier_cells_),
+                                                  tree_.take(), moved, kept_.odd, kept_.covers_once,
+                                                  kept_.chart, topology_version_, threads);
+  earlier_cells_ = mesh::CellsCopy(*memory_);
+  kept_ = {};
+}
+
+void CommittedMesh::restore_earlier_mesh(const mesh::EarlierStep& step, mesh::CellsCopy cells,
+                                         const std::optional<query::ChartImage>& on,
+                                         const core::Threads& threads) {
+  if (are_alike(on, chart()))
+    earlier_mesh_ = EarlierMesh::restored(step, std::move(cells), on, *memory_, threads);
+}
+
+} // namespace insitu::commit

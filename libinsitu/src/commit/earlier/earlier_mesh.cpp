@@ -1,0 +1,76 @@
+#include "commit/earlier/earlier_mesh.h"
+
+#include <algorithm>
+
+namespace insitu::commit {
+
+EarlierMesh::EarlierMesh(mesh::TakenStep step, mesh::CellsCopy cells, accel::Tree tree, bool refit,
+                         const cells::OddCells& odd, bool covers_once,
+                         const std::optional<query::ChartImage>& chart,
+                         std::uint64_t topology_version, const core::Threads& threads)
+    : step_(std::move(step)), cells_(std::move(cells)), chart_(chart),
+      own_view_(cells_->on(step_.points.data())), view_(&own_view_), tree_(std::move(tree)),
+      topology_version_(topology_version) {
+  own_view_.free_of_folds = odd.none();
+  own_view_.covers_once = covers_once;
+  if (refit) {
+    tree_.refit(own_view_, threads);
+    tree_.mark_odd(own_view_, odd.ids, threads);
+  }
+}
+
+EarlierMesh::EarlierMesh(mesh::TakenStep step, std::unique_ptr<query::Adaptive> adaptive,
+                         accel::Tree tree, std::uint64_t topology_version, core::Memory& memory,
+                         const core::Threads& threads)
+    : step_(std::move(step)), adaptive_(std::move(adaptive)), view_(adaptive_->dual_view()),
+      tree_(std::move(tree)), topology_version_(topology_version) {
+  if (view_)
+    return;
+  std::vector<std::int64_t> first{0};
+  for (const mesh::FieldPieceView& piece : step_.fields.front()->steps.front()->views)
+    first.push_back(first.back() + piece.layout.count);
+  leaves_ = std::make_unique<LeavesCopy>(adaptive_->leaves(), std::move(first), memory, threads);
+  view_ = &leaves_->view();
+}
+
+std::unique_ptr<EarlierMesh> EarlierMesh::restored(const mesh::EarlierStep& step,
+                                                   mesh::CellsCopy cells,
+                                                   const std::optional<query::ChartImage>& chart,
+                                                   core::Memory& memory,
+                                                   const core::Threads& threads) {
+  if (cells.empty())
+    return nullptr;
+  mesh::TakenStep taken{core::Buffer<math::Vec3d>(memory, INSITU_MEMORY_EARLIER), {}};
+  taken.points.resize_discard(step.points.size());
+  std::copy(step.points.begin(), step.points.end(), taken.points.begin());
+  const mesh::MeshView& view = cells.on(taken.points.data());
+  if (!step.fits(view, view.vertex_count()))
+    return nullptr;
+  for (const mesh::EarlierStep::Field& from : step.fields) {
+    if (from.steps.empty())
+      continue;
+    mesh::EarlierField& to = *taken.fields.emplace_back(std::make_unique<mesh::EarlierField>());
+    to.name = from.name;
+    to.association = from.association;
+    to.components = from.components;
+    to.begin_step(1, view, memory);
+    std::copy(from.steps[0].begin(), from.steps[0].end(), to.steps[0]->values.begin());
+  }
+  const bool one = view.piece_count == 1 || view.one_mesh;
+  const cells::OddCells odd = one ? cells::find_odd_cells(view, threads) : cells::OddCells{};
+  accel::Tree tree(memory);
+  tree.build(view, threads, accel::Builder::automatic);
+  tree.mark_odd(view, odd.ids, threads);
+  tree.release_scratch();
+  return std::make_unique<EarlierMesh>(std::move(taken), std::move(cells), std::move(tree), false,
+                                       odd, false, chart, 0, threads);
+}
+
+std::optional<mesh::FieldView> EarlierMesh::field(const std::string& name) const {
+  for (const auto& field : step_.fields)
+    if (field->name == name)
+      return field->view(0);
+  return std::nullopt;
+}
+
+} // namespace insitu::commit

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "accel/tree/tree.h"
+#include "cells/checks/odd_cells.h"
+#include "commit/earlier/leaves_copy.h"
+#include "core/parallel.h"
+#include "mesh/registered/cells_copy.h"
+#include "mesh/registered/earlier_step.h"
+#include "query/chart_image.h"
+#include "query/lattice/adaptive.h"
+#include "query/sampler.h"
+
+namespace insitu::commit {
+
+/// The step before a change of topology, whole: cells, vertices, tree and fields, none of them the
+/// solver's. It is there until particles have gone from it to the cells that follow.
+class EarlierMesh {
+public:
+  /// Of cells of the solver's. tree: of these cells, where their vertices were when it was fitted
+  /// last; fitted anew if told so. odd: a few cells that it marks (cells::OddCells). chart: of a
+  /// geodetic mesh, whose cells are those of its images. topology_version: CommittedMesh's then.
+  EarlierMesh(mesh::TakenStep step, mesh::CellsCopy cells, accel::Tree tree, bool refit,
+              const cells::OddCells& odd, bool covers_once,
+              const std::optional<query::ChartImage>& chart, std::uint64_t topology_version,
+              const core::Threads& threads);
+  /// Of an adaptive mesh, whose cells nothing moves: its dual, or its leaves.
+  EarlierMesh(mesh::TakenStep step, std::unique_ptr<query::Adaptive> adaptive, accel::Tree tree,
+              std::uint64_t topology_version, core::Memory& memory, const core::Threads& threads);
+  /// Of a checkpoint; its topology_version() is 0. Null if the step was kept without its cells, or
+  /// does not fit them.
+  static std::unique_ptr<EarlierMesh> restored(const mesh::EarlierStep& step, mesh::CellsCopy cells,
+                                               const std::optional<query::ChartImage>& chart,
+                                               core::Memory& memory, const core::Threads& threads);
+
+  /// Its counts are no mesh's.
+  query::Sampler sampler() const {
+    return {*view_, tree_, nullptr, nullptr, nullptr, adaptive_.get(), chart_ ? &*chart_ : nullptr};
+  }
+  /// A field on these cells, if it was kept.
+  std::optional<mesh::FieldView> field(const std::string& name) const;
+  std::uint64_t topology_version() const { return topology_version_; }
+
+private:
+  mesh::TakenStep step_;
+  std::optional<mesh::CellsCopy> cells_; ///< not of an adaptive mesh
+  std::unique_ptr<query::Adaptive> adaptive_;
+  std::unique_ptr<LeavesCopy> leaves_;     ///< of an adaptive mesh without a dual
+  std::optional<query::ChartImage> chart_; ///< of a geodetic mesh
+  mesh::MeshView own_view_;
+  const mesh::MeshView* view_;
+  accel::Tree tree_;
+  std::uint64_t topology_version_;
+};
+
+} // namespace insitu::commit

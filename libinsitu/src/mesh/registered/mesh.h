@@ -1,0 +1,224 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/archive.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "mesh/adaptive.h"
+#include "mesh/registered/adaptive_piece.h"
+#include "mesh/registered/blank_values.h"
+#include "mesh/registered/earlier_step.h"
+#include "mesh/registered/external_array.h"
+#include "mesh/view.h"
+
+namespace insitu::mesh {
+
+/// Trees keep flat cell ids in 32 bits.
+constexpr std::int64_t most_cells = 0xffffffff;
+
+/// Cells in place of the solver's own: an adaptive mesh's dual cells, or those of a geodetic mesh
+/// with copies of some.
+class StandIn {
+public:
+  virtual ~StandIn() = default;
+  virtual const MeshView& view() const = 0;
+  /// A field of the solver's on these cells; valid until the next commit.
+  virtual FieldView field(const FieldView& own) = 0;
+  /// If these are the solver's vertices, which move with it: view(), to which commits add what they
+  /// find out. Else null.
+  virtual MeshView* solver_view() { return nullptr; }
+};
+
+/// What a solver registered: pieces, fields, ghosts. Holds pointers, never values, but for the
+/// earlier step that pathlines need. Registrations may be incomplete until update().
+class Mesh {
+public:
+  Mesh(std::string name, core::Memory& memory);
+  Mesh(const Mesh&) = delete;
+  Mesh& operator=(const Mesh&) = delete;
+
+  const std::string& name() const { return name_; }
+
+  // Registration; each throws core::Error and then changes nothing.
+  void set_points(std::int32_t piece, const insitu_array* arrays, std::int32_t array_count);
+  void set_cells(std::int32_t piece, const insitu_cells* cells);
+  void set_block(std::int32_t piece, const insitu_block* block);
+  void set_field(std::int32_t piece, const std::string& name, insitu_association association,
+                 const insitu_array* arrays, std::int32_t array_count);
+  void remove_field(const std::string& name);
+  /// Items of the field that hold this have no value; adds up (mesh_blanks.cpp).
+  void add_blank(const std::string& name, double value);
+  /// One byte a vertex, whose bit 2 says that no field on vertices has a value there; null: none.
+  void set_hidden_points(std::int32_t piece, const insitu_array* array);
+  void set_ghosts(std::int32_t piece, const insitu_array* array,
+                  insitu_ghost_convention convention);
+  // Of an adaptive mesh; the first makes it one (mesh_adaptive.cpp).
+  void set_amr(const insitu_amr* amr);
+  void set_patch(std::int32_t piece, const insitu_patch* patch);
+  void set_leaves(std::int32_t piece, const insitu_leaves* leaves);
+  void drop_pieces(std::int32_t first);
+  /// Whether vertices of different pieces stay apart though they coincide (MeshView::join_pieces).
+  void set_separate_pieces(bool separate);
+  void set_changed(std::uint32_t what) { pending_ |= what; }
+  std::uint32_t pending() const { return pending_; }
+  void clear_pending() { pending_ = 0; }
+
+  /// Checks that the registrations fit each other and makes the views. Throws core::Error. Passes
+  /// over leaves and pointers, when they are due, run on `threads`, or on the caller if null.
+  void update(const core::Threads* threads = nullptr);
+
+  bool is_adaptive() const { return amr_.has_value(); }
+  /// The pieces of an adaptive mesh as of the last update(), each checked by itself.
+  const AmrView& adaptive() const { return amr_view_; }
+  /// Of an adaptive mesh's cell, as the solver numbers levels.
+  int level_of(std::int32_t piece, std::int64_t cell) const;
+  insitu_reconstruction reconstruction() const { return amr_ ? amr_->reconstruction : INSITU_DUAL; }
+  /// Whether an array lies in device memory: then the host reads none of the mesh.
+  bool lies_on_device() const;
+
+  /// The views of the last update(): of the stand-in's cells if there is one, and of the solver's
+  /// own.
+  const MeshView& view() const { return stand_in_ ? stand_in_->view() : view_; }
+  const MeshView& own_view() const { return view_; }
+  /// From now on view() and field() are the stand-in's; null: the solver's own.
+  void set_stand_in(StandIn* stand_in) { stand_in_ = stand_in; }
+  bool has_stand_in() const { return stand_in_ != nullptr; }
+  void set_free_of_folds(bool free) { shown().free_of_folds = free; }
+  void set_one_mesh(bool one) { shown().one_mesh = one; }
+  void set_covers_once(bool once) { shown().covers_once = once; }
+
+  /// Registers what `from` has, as of its last update(), but for the vertices: those lie at
+  /// points[from.own_view().first_vertex[piece] + id], borrowed. Nothing else is copied but
+  /// pointers, and these are taken anew with each call; what changed is up to set_changed(). Not of
+  /// adaptive meshes.
+  void share(const Mesh& from, const math::Vec3d* points);
+
+  /// Which cells of an adaptive mesh are no leaves: a bit a flat cell, or null; kept by the caller.
+  void set_masked(const std::uint64_t* masked);
+
+  /// The field of that name, on view()'s cells and on own_view()'s; throws INSITU_ERROR_FIELD with
+  /// the nearest name.
+  FieldView field(const std::string& name) const;
+  FieldView own_field(const std::string& name) const;
+  bool has_field(const std::string& name) const;
+  std::vector<std::string> field_names() const;
+
+  /// Keeps copies of the coordinates and of these fields as the earlier step, for pathlines; called
+  /// at the end of a step. Of a field that was kept at the end of the step before, too, older steps
+  /// stay as far as it asks for them. What was kept is of the same cells: else release it.
+  void keep_earlier(const std::vector<KeptField>& fields, const core::Threads& threads);
+  void release_earlier();
+  /// What was kept last, which then is kept here no more: the cells become others.
+  TakenStep take_earlier();
+  /// What was kept, for a checkpoint, and back: returns false, and changes nothing, if it does not
+  /// fit the pieces as they are now (after update()).
+  EarlierStep copy_earlier() const;
+  bool set_earlier(const EarlierStep& step);
+  /// The copy of a field at the step before, if one was kept; valid until the next keep or release.
+  std::optional<FieldView> earlier_field(const std::string& name) const;
+  /// The same of all steps that were kept, the latest first.
+  std::vector<FieldView> earlier_fields(const std::string& name) const;
+  /// Shows (or hides) the kept coordinates in view(), once the solver moved its own and committed;
+  /// the next commit hides them. They stay hidden if no vertex moved.
+  void expose_earlier(bool expose, const core::Threads& threads);
+
+  /// Every registered array, in a fixed order, by the name that the audit gives it.
+  enum class ArrayKind { geometry, topology, field };
+  using ArrayVisitor =
+      core::FunctionRef<void(const ExternalArray&, const std::string& name, ArrayKind)>;
+  void visit_arrays(ArrayVisitor visit) const;
+  /// The same of one field alone; of none if there is no such field.
+  void visit_field_arrays(const std::string& name, ArrayVisitor visit) const;
+  /// The same of all fields of one piece.
+  void visit_piece_fields(std::int32_t piece, ArrayVisitor visit) const;
+  /// The copy audit, in the same order.
+  std::vector<insitu_audit_entry> audit() const;
+  std::int64_t bytes_borrowed() const;
+
+private:
+  struct Piece {
+    bool has_cells = false, has_points = false, is_block = false;
+    PieceView view;
+    std::vector<ExternalArray> points;
+    ExternalArray connectivity, types, offsets, ghosts, hidden_points, axes[3];
+    AmrPiece amr;
+  };
+  static std::int64_t vertices_of(const Piece& p) {
+    return p.is_block ? p.view.vertex_count : p.view.points.layout.count;
+  }
+  struct FieldPiece {
+    std::vector<ExternalArray> arrays;
+    std::vector<const std::byte*> components;
+    std::vector<std::int64_t> behind; ///< see FieldPieceView
+    ItemLayout layout;
+    bool is_float32 = false;
+    bool pointers_checked = true;
+    std::shared_ptr<BlankedValues> blanked; ///< read instead, if not null
+
+    FieldPieceView view() const {
+      return {components.data(), layout, is_float32, behind.empty() ? nullptr : behind.data()};
+    }
+  };
+  struct Field {
+    std::string name;
+    insitu_association association = INSITU_VERTEX;
+    int components = 0;
+    std::vector<double> blanks; ///< values that are none
+    std::vector<FieldPiece> pieces;
+    std::vector<FieldPieceView> views;
+  };
+
+  /// view(), unless the stand-in's vertices are its own.
+  MeshView& shown() {
+    MeshView* const shown = stand_in_ ? stand_in_->solver_view() : nullptr;
+    return shown ? *shown : view_;
+  }
+  void hide_earlier();
+  void set_views();
+  EarlierField& earlier_field_for(const std::string& name, insitu_association association,
+                                  int components);
+  void make_leaves_views();
+  Piece& piece_for(std::int32_t piece);
+  const Field* find(const std::string& name) const;
+  static void visit_field_piece(const Field& field, std::size_t p, ArrayVisitor visit);
+  void check_piece(std::size_t p) const;
+  void check_field(const Field& field) const;
+  void check_pointers(Field& field, const core::Threads* threads) const;
+  void update_fields(const core::Threads* threads);
+  bool hides_points(const Field& field, std::size_t p) const;
+  bool has_blanks(const Field& field) const;
+  void add_blanked(std::vector<insitu_audit_entry>& entries) const;
+  void make_blanked(Field& field, std::size_t p, const core::Threads* threads) const;
+  // Adaptive meshes.
+  void refuse_if_adaptive(const std::string& name) const;
+  const AmrLevels& levels_for(const std::string& name) const;
+  void update_adaptive(const core::Threads* threads);
+
+  std::string name_;
+  std::uint32_t pending_ = INSITU_CHANGED_ALL;
+  bool separate_pieces_ = false;
+  std::vector<Piece> pieces_;
+  std::vector<std::unique_ptr<Field>> fields_;
+  // Views.
+  std::vector<PieceView> piece_views_;
+  std::vector<std::int64_t> first_cell_{0}, first_vertex_{0};
+  MeshView view_;
+  StandIn* stand_in_ = nullptr;
+  // Of an adaptive mesh.
+  std::optional<AmrLevels> amr_;
+  std::vector<AmrPieceView> amr_pieces_;
+  AmrView amr_view_;
+  std::vector<LeavesView> leaves_views_;
+  const std::uint64_t* masked_ = nullptr;
+  // The earlier step.
+  core::Memory* memory_;
+  core::Buffer<math::Vec3d> earlier_points_;
+  std::vector<std::unique_ptr<EarlierField>> earlier_fields_;
+};
+
+} // namespace insitu::mesh

@@ -1,0 +1,121 @@
+#include "output/files/csv.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "core/status.h"
+#include "output/files/atomic_file.h"
+
+namespace insitu::output {
+
+namespace {
+
+template <class T>
+void append_shortest(std::string& text, T value) {
+  if (std::isnan(value)) {
+    return;
+  }
+  char digits[32];
+  const std::to_chars_result end = std::to_chars(digits, digits + sizeof digits, value);
+  text.append(digits, end.ptr);
+}
+
+} // namespace
+
+void append_number(std::string& text, double value) {
+  append_shortest(text, value);
+}
+void append_number(std::string& text, float value) {
+  append_shortest(text, value);
+}
+
+void append_number(std::string& text, std::int64_t value) {
+  char digits[24];
+  const std::to_chars_result end = std::to_chars(digits, digits + sizeof digits, value);
+  text.append(digits, end.ptr);
+}
+
+void append_text(std::string& text, std::string_view value) {
+  const bool quoted = value.find_first_of(",\"\r\n") != std::string_view::npos ||
+                      value.starts_with(' ') || value.ends_with(' ');
+  if (!quoted) {
+    text.append(value);
+    return;
+  }
+  text.push_back('"');
+  for (const char c : value) {
+    if (c == '"') {
+      text.push_back('"');
+    }
+    text.push_back(c == '\n' || c == '\r' ? ' ' : c);
+  }
+  text.push_back('"');
+}
+
+std::string& CsvRows::next() {
+  if (cells_++ > 0) {
+    text_.push_back(',');
+  }
+  return text_;
+}
+
+CsvRows& CsvRows::cell(double value) {
+  append_number(next(), value);
+  return *this;
+}
+
+CsvRows& CsvRows::cell(float value) {
+  append_number(next(), value);
+  return *this;
+}
+
+CsvRows& CsvRows::cell(std::int64_t value) {
+  append_number(next(), value);
+  return *this;
+}
+
+CsvRows& CsvRows::cell(std::string_view value) {
+  append_text(next(), value);
+  return *this;
+}
+
+void CsvRows::end_row() {
+  if (cells_ != columns_) {
+    const std::size_t given = cells_;
+    text_.resize(whole_);
+    cells_ = 0;
+    throw core::Error(INSITU_ERROR_INTERNAL, "row of " + std::to_string(given) +
+                                                 " cells in a table of " +
+                                                 std::to_string(columns_) + " columns");
+  }
+  text_.push_back('\n');
+  whole_ = text_.size();
+  cells_ = 0;
+}
+
+void CsvRows::clear() {
+  text_.erase(0, whole_);
+  whole_ = 0;
+}
+
+std::string csv_header(const std::vector<std::string>& columns) {
+  std::string header;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (i > 0) {
+      header.push_back(',');
+    }
+    append_text(header, columns[i]);
+  }
+  header.push_back('\n');
+  return header;
+}
+
+void write_csv(const std::string& path, const std::vector<std::string>& columns,
+               const CsvRows& rows) {
+  AtomicFile file(path);
+  file.write(csv_header(columns));
+  file.write(rows.text());
+  file.commit();
+}
+
+} // namespace insitu::output

@@ -1,0 +1,91 @@
+#include "query/lattice/adaptive.h"
+
+#include "core/timer.h"
+
+namespace insitu::query {
+
+void Adaptive::build(mesh::Mesh& mesh, const core::Threads& threads) {
+  const core::Timer timer;
+  mesh.set_stand_in(nullptr);
+  if (mesh.reconstruction() == INSITU_NEAREST) {
+    dual_.reset();
+    if (!leaves_)
+      leaves_ = std::make_unique<amr::LeafMap>(*memory_);
+    leaves_->build(mesh.adaptive(), threads);
+    leaves_->number_bricks(threads);
+  } else {
+    leaves_.reset();
+    if (!dual_)
+      dual_ = std::make_unique<DualStandIn>(*memory_);
+    dual_->build(mesh, threads);
+  }
+  mask(mesh.adaptive(), threads);
+  mesh.set_masked(leaves().masked_count() > 0 ? masked_.data() : nullptr);
+  if (dual_)
+    mesh.set_stand_in(dual_.get());
+  build_s_ = timer.seconds();
+}
+
+void Adaptive::fields_changed() {
+  if (dual_)
+    dual_->fields_changed();
+}
+
+void Adaptive::mask(const mesh::AmrView& mesh, const core::Threads& threads) {
+  const amr::LeafMap& map = leaves();
+  if (map.masked_count() == 0) {
+    masked_.release();
+    return;
+  }
+  const std::int64_t words = (mesh.cell_count() + 63) / 64;
+  masked_.resize_discard(std::size_t(words));
+  threads.parallel_for(words, 256, [&](std::int64_t begin, std::int64_t end) {
+    std::int32_t piece = 0;
+    for (std::int64_t w = begin; w < end; ++w) {
+      std::uint64_t bits = 0;
+      for (std::int64_t flat = 64 * w; flat < std::min(64 * w + 64, mesh.cell_count()); ++flat) {
+        while (flat < mesh.first_cell[piece] || flat >= mesh.first_cell[piece + 1])
+          piece = flat < mesh.first_cell[piece] ? 0 : piece + 1;
+        const mesh::AmrCell cell = mesh.cell(mesh.pieces[piece], flat - mesh.first_cell[piece]);
+        bits |= std::uint64_t(map.at(cell.depth, cell.index) != std::uint32_t(flat)) << (flat & 63);
+      }
+      masked_[std::size_t(w)] = bits;
+    }
+  });
+}
+
+Location Adaptive::own(const Location& at, const math::Vec3d& p) const {
+  if (!at || !dual_)
+    return at;
+  const amr::LeafMap::Leaf leaf = leaves().lowest(p);
+  if (!leaf) // between the boundary and its rounding
+    return {};
+  const mesh::Lattice& lattice = leaves().lattice();
+  Location own{std::int64_t(leaf.id), {}};
+  for (int a = 0; a < 3; ++a) {
+    const double low = lattice.place(a, leaf.cell.depth, 2 * leaf.cell.index[a]);
+    const double high = lattice.place(a, leaf.cell.depth, 2 * leaf.cell.index[a] + 2);
+    own.parametric[a] = (p[a] - low) / (high - low);
+  }
+  return own;
+}
+
+insitu_amr_info Adaptive::info() const {
+  insitu_amr_info info = insitu_amr_info_default();
+  info.leaves = leaves().leaf_count();
+  info.masked = leaves().masked_count();
+  info.bytes = leaves().bytes() + std::int64_t(masked_.bytes());
+  info.build_s = build_s_;
+  if (dual_) {
+    const amr::DualCounts& counts = dual_->dual().counts();
+    info.gridlets = counts.gridlets;
+    info.cubes = counts.cubes;
+    info.stitching = counts.stitching();
+    info.folded = counts.folded;
+    info.repaired = counts.repaired;
+    info.bytes = dual_->dual().bytes() + dual_->places().bytes() + std::int64_t(masked_.bytes());
+  }
+  return info;
+}
+
+} // namespace insitu::query

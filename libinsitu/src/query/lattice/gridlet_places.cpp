@@ -1,0 +1,58 @@
+#include "query/lattice/gridlet_places.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/count_bits.h"
+
+namespace insitu::query {
+
+void GridletPlaces::build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves,
+                          const core::Threads& threads) {
+  gridlets_ = &gridlets;
+  store_ = &leaves.store();
+  in_brick_.resize_discard(std::size_t(store_->brick_count()));
+  std::fill(in_brick_.begin(), in_brick_.end(), -1);
+  covers_.resize_discard(std::size_t(store_->brick_count()));
+  threads.parallel_for(store_->brick_count(), 64, [&](std::int64_t begin, std::int64_t end) {
+    using Store = amr::BrickStore;
+    for (std::int64_t b = begin; b < end; ++b) {
+      const std::uint32_t* const entries = store_->entries(b);
+      for (int k = 0; k < Store::side; ++k) {
+        Cover& cover = covers_[std::size_t(b)].layer[k] = {0, 0};
+        for (int i = 0; i < 64; ++i) {
+          const std::uint32_t entry = entries[64 * k + i];
+          cover.leaf |= std::uint64_t(Store::is_leaf(entry)) << i;
+          cover.finer |= std::uint64_t(!Store::is_leaf(entry) && entry != Store::nothing) << i;
+        }
+      }
+    }
+  });
+  all_full_.resize_discard(std::size_t((gridlets.count + 63) / 64));
+  std::fill(all_full_.begin(), all_full_.end(), 0);
+  double farthest[3] = {0, 0, 0}; // of coordinates, from zero and from the lattice's origin
+  const mesh::Lattice& lattice = gridlets.lattice;
+  for (std::int64_t g = 0; g < gridlets.count; ++g) {
+    const mesh::Gridlet& gridlet = gridlets.gridlets[g];
+    const std::int64_t lower[3] = {gridlet.lower[0], gridlet.lower[1], gridlet.lower[2]};
+    in_brick_[store_->find(gridlet.depth, amr::BrickStore::key_of(lower))] = std::int32_t(g);
+    std::int64_t full = 0;
+    for (int k = 0; k < 8; ++k)
+      full += core::count_bits(gridlets.full[8 * g + k]);
+    const bool all = full == std::int64_t(gridlet.size[0]) * gridlet.size[1] * gridlet.size[2];
+    all_full_[std::size_t(g >> 6)] |= std::uint64_t(all) << (g & 63);
+    for (int a = 0; a < 3; ++a)
+      for (const double x :
+           {gridlets.coordinate(gridlet, a, 0), gridlets.coordinate(gridlet, a, gridlet.size[a])})
+        farthest[a] = std::max(farthest[a], std::fabs(x) + std::fabs(x - lattice.origin[a]));
+  }
+  for (int d = 0; d <= mesh::Lattice::most_depth; ++d)
+    for (int a = 0; a < 3; ++a) {
+      Steps& steps = steps_[d];
+      steps.half_cell[a] = lattice.width(a, d + 1);
+      steps.a_unit[a] = (1.0 / lattice.spacing[a]) * double(std::int64_t(1) << d);
+      steps.rounding[a] = 0x1p-49 * (farthest[a] * steps.a_unit[a] + 16.0);
+    }
+}
+
+} // namespace insitu::query

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "render/camera/camera.h"
+#include "render/clip.h"
+#include "render/surface/isosurface.h"
+
+namespace insitu::render {
+
+/// Opacity from which on a ray is not followed further.
+constexpr float saturated = 0.999f;
+
+/// Adds what lies behind: a colour that hides a of what comes after it. color is times alpha. As
+/// Rgba its own fourth number says nothing: the next sample waits for alpha, so that stays apart.
+template <class Rgb>
+void blend_behind(Rgb& color, float& alpha, const Rgb& c, float a) {
+  const float weight = (1.0f - alpha) * a;
+  color = color + weight * c;
+  alpha += weight;
+}
+
+/// What a ray has gathered, front to back, and where it stands.
+struct RayState {
+  Ray ray;
+  Color color; ///< times alpha
+  float alpha = 0;
+  std::int64_t next = 0, end = 0; ///< lattice indices of its volume samples
+  std::int64_t first = 0;         ///< of them
+  double near = 0, far = 0;       ///< where it enters and leaves the volume's bounds
+  bool may_skip = false;          ///< by macrocells
+  bool is_thin = false;           ///< takes one sample for all from near to far
+  std::vector<Stretch> stays;     ///< what the frame's clips leave of it; empty without clips
+  std::vector<SurfaceHit> hits;
+  std::size_t next_hit = 0;
+  std::int64_t lit = 0, integrals = 0, shadow_rays = 0; ///< see VolumeCounts
+  /// Where alpha reached a half, and the flat cell there; see FrameImages.
+  double depth = HUGE_VAL;
+  std::int64_t depth_cell = -1;
+
+  /// A ray that has gathered nothing yet; vectors keep their memory.
+  void begin(const Ray& r) {
+    ray = r;
+    color = {};
+    alpha = 0;
+    next = end = first = 0;
+    near = far = 0;
+    may_skip = is_thin = false;
+    stays.clear();
+    hits.clear();
+    next_hit = 0;
+    lit = integrals = shadow_rays = 0;
+    depth = HUGE_VAL;
+    depth_cell = -1;
+  }
+
+  bool is_saturated() const { return alpha >= saturated; }
+  void blend(const Color& c, float a) { blend_behind(color, alpha, c, a); }
+  /// A medium in a cell that absorbs a of the light over a stretch of the ray.
+  void blend_stretch(const Color& c, float a, double from, double to, std::int64_t cell) {
+    const float before = alpha;
+    blend(c, a);
+    if (before < 0.5f && alpha >= 0.5f) {
+      // Transmittance decays exponentially within the stretch.
+      const double x = a < 1 ? std::log(0.5 / (1.0 - before)) / std::log1p(-double(a)) : 0.0;
+      depth = from + std::fmin(x, 1.0) * (to - from);
+      depth_cell = cell;
+    }
+  }
+  void blend_next_hit() {
+    const SurfaceHit& hit = hits[next_hit++];
+    const bool see_through = alpha < 0.5f;
+    blend(hit.color, hit.opacity);
+    if (see_through && alpha >= 0.5f) {
+      depth = hit.t;
+      depth_cell = hit.cell;
+    }
+  }
+};
+
+} // namespace insitu::render

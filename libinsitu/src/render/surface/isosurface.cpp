@@ -1,0 +1,256 @@
+#include "render/surface/isosurface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "accel/camera_rays/gridlet_rays.h"
+#include "accel/camera_rays/ray_traversal.h"
+#include "core/status.h"
+#include "mesh/box.h"
+
+namespace insitu::render {
+
+namespace {
+
+using math::Vec3d;
+
+/// Hits of one surface in two cells, nearer than this times the ray's length in them, are one.
+constexpr double twin_distance = 1e-9;
+
+bool same_scalar(const ScalarField& a, const ScalarField& b) {
+  return a.field.pieces == b.field.pieces && a.field.association == b.field.association &&
+         range_component(a) == range_component(b);
+}
+
+void check(const IsosurfaceSettings& s) {
+  const std::string name = std::string("isosurface of '") + s.field.field.name + "': ";
+  if (s.values.empty())
+    throw core::Error(INSITU_ERROR_ARGUMENT, name + "no value given");
+  for (const double v : s.values)
+    if (!std::isfinite(v))
+      throw core::Error(INSITU_ERROR_ARGUMENT, name + "a value is not finite");
+  if (!(s.opacity >= 0 && s.opacity <= 1))
+    throw core::Error(INSITU_ERROR_ARGUMENT,
+                      name + "opacity " + std::to_string(s.opacity) + "; 0 to 1 expected");
+  if (s.field.component >= s.field.field.components)
+    throw core::Error(INSITU_ERROR_FIELD, name + "component " + std::to_string(s.field.component) +
+                                              " asked for, " +
+                                              std::to_string(s.field.field.components) + " held");
+}
+
+} // namespace
+
+unsigned IsosurfaceTracer::Group::needed(std::uint32_t node) const {
+  unsigned children = 0;
+  for (const Level& level : levels)
+    children |= ranges->may_contain(node, level.low, level.high);
+  return children;
+}
+
+IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
+                                   const std::vector<IsosurfaceSettings>& settings,
+                                   Structures& structures, bool lit)
+    : sampler_(sampler) {
+  for (const IsosurfaceSettings& s : settings) {
+    check(s);
+    auto group = std::find_if(groups_.begin(), groups_.end(),
+                              [&](const Group& g) { return same_scalar(g.source, s.field); });
+    if (group == groups_.end()) {
+      group = groups_.emplace(groups_.end());
+      group->source = group->field = s.field;
+    }
+    for (const double v : s.values) {
+      group->levels.push_back(
+          {v, accel::float_below(v), accel::float_above(v), std::int32_t(surfaces_.size()), &s});
+      surfaces_.push_back({&s, std::size_t(group - groups_.begin()), v});
+    }
+  }
+  for (Group& group : groups_) {
+    group.has_blank_cells =
+        group.source.field.association == INSITU_CELL && group.source.field.has_blanks;
+    if (group.source.field.association == INSITU_CELL)
+      group.field = structures.average(group.source).field();
+    group.ranges = &structures.value_ranges(group.field);
+    for (const Level& level : group.levels)
+      if (lit && level.settings->normals == Normals::smooth) {
+        group.gradients = &structures.gradients(group.field);
+        group.around = &structures.vertex_cells();
+      }
+  }
+}
+
+void IsosurfaceTracer::test_cell(std::int64_t flat, Search& search) const {
+  ++search.counts.cells_tested;
+  const mesh::MeshView& mesh = sampler_.mesh();
+  mesh::CellVertices cell;
+  cell.piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
+  const mesh::PieceView& piece = mesh.pieces[cell.piece];
+  const std::int64_t local = flat - mesh.first_cell[cell.piece];
+  cell.shape = piece.shape(local);
+  cell.count = piece.vertex_ids(local, cell.ids);
+  std::optional<CellRoots>
+      roots; // most cells below a candidate leaf end before their points are read
+  for (const Group& group : groups_) {
+    if (group.has_blank_cells && std::isnan(group.source.load(cell.piece, local)))
+      continue; // averages of the cells around are none of its
+    double values[8], low = HUGE_VAL, high = -HUGE_VAL;
+    for (int v = 0; v < cell.count; ++v) {
+      values[v] = group.field.load(cell.piece, cell.ids[v]);
+      low = std::min(low, values[v]);
+      high = std::max(high, values[v]);
+    }
+    for (const Level& level : group.levels) {
+      if (!(low <= level.value && level.value <= high))
+        continue;
+      if (!roots) {
+        mesh::gather_points(piece, local, cell);
+        roots.emplace(cell, search.space, search.t_min, search.t_max);
+      }
+      if (!roots->meets())
+        return;
+      const bool opaque = level.settings->opacity >= 1;
+      const auto found = [&](const LevelHit& root) {
+        if (root.t > search.t_max + twin_distance * roots->extent())
+          return false;
+        if (search.stays && !stays_at(*search.stays, root.t))
+          return true; // cut away: the ray goes on
+        SurfaceHit hit;
+        hit.t = root.t;
+        hit.cell = flat;
+        hit.surface = level.surface;
+        hit.opacity = float(level.settings->opacity);
+        hit.extent = roots->extent();
+        hit.parametric = root.parametric;
+        hit.gradient = root.gradient;
+        search.hits.push_back(hit);
+        if (opaque)
+          search.t_max = std::min(search.t_max, root.t);
+        return !opaque;
+      };
+      roots->find(values, level.value, found, level.settings->search);
+    }
+  }
+  if (roots)
+    search.counts.evaluations += roots->evaluations();
+}
+
+Color IsosurfaceTracer::color(const SurfaceHit& hit) const {
+  const IsosurfaceSettings& settings = *surfaces_[std::size_t(hit.surface)].settings;
+  if (const Color* constant = std::get_if<Color>(&settings.color))
+    return *constant;
+  const ColorByField& by = std::get<ColorByField>(settings.color);
+  return by.function.color(by.field.at(sampler_.mesh(), {hit.cell, hit.parametric}));
+}
+
+Vec3d IsosurfaceTracer::gradient(const SurfaceHit& hit, const Vec3d& p,
+                                 SurfaceCounts& counts) const {
+  const Surface& surface = surfaces_[std::size_t(hit.surface)];
+  switch (surface.settings->normals) {
+  case Normals::smooth: {
+    const Group& group = groups_[surface.group];
+    return group.gradients->at(sampler_.mesh(), group.field, *group.around, hit.cell,
+                               hit.parametric);
+  }
+  case Normals::central:
+    return central_gradient(hit, p, counts);
+  case Normals::cell:
+    break;
+  }
+  return hit.gradient;
+}
+
+/// One-sided where the mesh ends.
+Vec3d IsosurfaceTracer::central_gradient(const SurfaceHit& hit, const Vec3d& p,
+                                         SurfaceCounts& counts) const {
+  const Surface& surface = surfaces_[std::size_t(hit.surface)];
+  const ScalarField& field = groups_[surface.group].field;
+  mesh::CellVertices cell;
+  mesh::gather(sampler_.mesh(), hit.cell, cell);
+  const Vec3d size = mesh::box_of(cell).size();
+  const double half = 0.5 * std::cbrt(size.x * size.y * size.z);
+  Vec3d gradient;
+  for (int a = 0; a < 3 && half > 0; ++a) {
+    double values[2] = {surface.value, surface.value}, length = 0;
+    for (int side = 0; side < 2; ++side) {
+      Vec3d q = p;
+      q[a] += side == 0 ? -half : half;
+      ++counts.evaluations;
+      if (const query::Location at = sampler_.locate(q, hit.cell)) {
+        values[side] = field.at(sampler_.mesh(), at);
+        length += half;
+      }
+    }
+    if (length > 0)
+      gradient[a] = (values[1] - values[0]) / length;
+  }
+  return gradient;
+}
+
+void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,
+                             const std::vector<Stretch>* stays) const {
+  hits.clear();
+  if (stays && stays->empty())
+    return;
+  constexpr double farthest = std::numeric_limits<double>::max();
+  Search search{RaySpace(ray),
+                stays,
+                stays ? stays->front().from : 0.0,
+                stays ? std::min(stays->back().to, farthest) : farthest,
+                hits,
+                counts};
+  accel::for_each_cell_along_ray(
+      sampler_.tree(), ray.origin, ray.direction, search.t_min, search.t_max,
+      [&](std::uint32_t node) {
+        unsigned children = 0;
+        for (const Group& group : groups_)
+          children |= group.needed(node);
+        return children;
+      },
+      [&](std::int64_t flat) {
+        const mesh::MeshView& mesh = sampler_.mesh();
+        const mesh::PieceView& piece = mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(flat)];
+        if (!piece.gridlets) {
+          test_cell(flat, search);
+          return search.t_max;
+        }
+        const std::int64_t first = mesh.first_cell[&piece - mesh.pieces];
+        accel::for_each_cell_along_ray(*piece.gridlets, (flat - first) >> mesh::Gridlet::cell_bits,
+                                       ray.origin, ray.direction, search.t_min, search.t_max,
+                                       [&](int local) { test_cell(flat + local, search); });
+        return search.t_max;
+      });
+  std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
+    if (a.t != b.t)
+      return a.t < b.t;
+    return a.surface != b.surface ? a.surface < b.surface : a.cell < b.cell;
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const SurfaceHit& hit = hits[i];
+    if (hit.t > search.t_max + twin_distance * hit.extent)
+      continue;
+    bool twin = false;
+    for (std::size_t k = kept; k-- > 0 && !twin;) {
+      SurfaceHit& other = hits[k];
+      if (hit.t - other.t > twin_distance * std::max(hit.extent, other.extent))
+        break;
+      if (other.surface != hit.surface || other.cell == hit.cell)
+        continue;
+      twin = true;
+      if (hit.cell < other.cell)
+        other = hit;
+    }
+    if (!twin)
+      hits[kept++] = hit;
+  }
+  hits.resize(kept);
+  // Nothing shows behind the first opaque hit.
+  for (std::size_t i = 0; i < hits.size(); ++i)
+    if (hits[i].opacity >= 1) {
+      hits.resize(i + 1);
+      break;
+    }
+}
+
+} // namespace insitu::render

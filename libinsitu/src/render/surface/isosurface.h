@@ -1,0 +1,101 @@
+#pragma once
+
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "query/sampler.h"
+#include "render/clip.h"
+#include "render/color/transfer_function.h"
+#include "render/structures/scalar_field.h"
+#include "render/structures/structures.h"
+#include "render/surface/cell_roots.h"
+#include "render/surface/surface_hit.h"
+
+namespace insitu::render {
+
+/// Colours of a surface by a field, of vertices or cells; the function's opacity is not used.
+struct ColorByField {
+  ScalarField field;
+  TransferFunction function;
+};
+
+/// What a surface's normals are taken from: the gradient in the cell that is hit; gradients
+/// averaged at the vertices and interpolated (VertexGradients); or central differences half a cell
+/// apart, with six points located for each hit (Rathke et al. 2015).
+enum class Normals { cell, smooth, central };
+
+/// Surfaces on which a field takes these values. A cell field is averaged to the vertices first
+/// (VertexAverage).
+struct IsosurfaceSettings {
+  ScalarField field;
+  std::vector<double> values;
+  double opacity = 1;
+  std::variant<Color, ColorByField> color = Color{0.6f, 0.6f, 0.6f}; ///< linear
+  Normals normals = Normals::cell;
+  RootSearch search = RootSearch::cubic;
+};
+
+/// Intersects rays with all surfaces of a frame in one traversal, pruned by the fields' value
+/// ranges.
+class IsosurfaceTracer {
+public:
+  /// Asks structures for averages of cell fields, value ranges, and, if hits will be lit, gradients
+  /// of smooth surfaces. The settings and the structures must outlive it.
+  IsosurfaceTracer(const query::Sampler& sampler, const std::vector<IsosurfaceSettings>& settings,
+                   Structures& structures, bool lit = true);
+
+  /// Of all settings together; see SurfaceHit::surface.
+  std::int32_t surface_count() const { return std::int32_t(surfaces_.size()); }
+
+  /// The ray's hits in depth order, up to and including the first opaque one, without colours. Of
+  /// hits of one surface at one place (of cells that overlap, or on an edge) the lowest cell id
+  /// counts. stays: where hits may be; null: anywhere ahead of the origin.
+  void trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,
+             const std::vector<Stretch>* stays = nullptr) const;
+  /// The surface's own colour at a hit.
+  Color color(const SurfaceHit& hit) const;
+  /// The field's gradient at a hit, which lies at p, as the surface's normals are chosen.
+  math::Vec3d gradient(const SurfaceHit& hit, const math::Vec3d& p, SurfaceCounts& counts) const;
+
+private:
+  struct Level {
+    double value = 0;
+    float low = 0, high = 0; ///< the value in floats, outwards
+    std::int32_t surface = 0;
+    const IsosurfaceSettings* settings = nullptr;
+  };
+  /// All levels of one scalar field.
+  struct Group {
+    ScalarField source, field; ///< as asked for, and at the vertices
+    bool has_blank_cells = false;
+    const accel::ValueRanges* ranges = nullptr;
+    const VertexGradients* gradients = nullptr; ///< if a surface asks for them
+    const VertexCells* around = nullptr;        ///< for these
+    std::vector<Level> levels;
+    /// Bit c: a level may be in child c's values.
+    unsigned needed(std::uint32_t node) const;
+  };
+  /// What a trace goes on with from cell to cell.
+  struct Search {
+    RaySpace space;
+    const std::vector<Stretch>* stays;
+    double t_min, t_max;
+    std::vector<SurfaceHit>& hits;
+    SurfaceCounts& counts;
+  };
+  void test_cell(std::int64_t flat, Search& search) const;
+
+  query::Sampler sampler_;
+  std::vector<Group> groups_;
+  struct Surface {
+    const IsosurfaceSettings* settings;
+    std::size_t group;
+    double value;
+  };
+  math::Vec3d central_gradient(const SurfaceHit& hit, const math::Vec3d& p,
+                               SurfaceCounts& counts) const;
+  std::vector<Surface> surfaces_; ///< by SurfaceHit::surface
+};
+
+} // namespace insitu::render

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+#include "math/vec.h"
+#include "render/color/color.h"
+
+namespace insitu::render {
+
+/// One crossing of a ray with a surface.
+struct SurfaceHit {
+  double t = 0;
+  std::int64_t cell = -1;     ///< flat; of a body: -1
+  std::int32_t surface = 0;   ///< isovalues of all settings, then the boundary, bodies; -1: a line
+  std::int64_t triangle = -1; ///< of a triangle mesh
+  float opacity = 1;
+  double extent = 0;      ///< of the ray in the cell, to tell hits apart
+  math::Vec3d parametric; ///< in the cell; of a triangle: weights of its second and third vertex
+  math::Vec3d gradient;   ///< across the surface, of any length
+  Color color;            ///< its own at first, then lit
+};
+
+struct SurfaceCounts {
+  std::int64_t cells_tested = 0;
+  std::int64_t evaluations = 0; ///< of fields inside cells, each with an inverse map
+  std::int64_t lit = 0;         ///< hits that a viewer sees and light falls on
+  std::int64_t shadow_rays = 0, occlusion_rays = 0;
+  std::int64_t shadow_samples = 0; ///< located for the volume's shadow
+};
+
+} // namespace insitu::render

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "render/camera/ray_state.h"
+#include "render/frame.h"
+#include "render/surface/isosurface.h"
+#include "render/surface/shade.h"
+#include "render/volume/volume_shadow.h"
+
+namespace insitu::render {
+
+/// All surfaces of a frame, cut by its clips and lit.
+class Surfaces final : public SceneSurfaces {
+public:
+  /// The settings and the structures must outlive it.
+  Surfaces(const query::Sampler& sampler, const FrameSettings& settings, Structures& structures);
+
+  /// Sets ray.hits, in depth order, up to and including the first opaque one. ray.stays must be set
+  /// if the frame has clips. pixel: what random numbers depend on.
+  void trace(RayState& ray, std::uint64_t pixel, SurfaceCounts& counts) const;
+
+  double open(const Ray& ray, double t_max) const override;
+  void meet(const Ray& ray, core::FunctionRef<bool(float opacity)> ends, std::uint64_t seed,
+            double& t, Color& color) const override;
+
+private:
+  void find(const Ray& ray, const std::vector<Stretch>* stays, std::vector<SurfaceHit>& hits,
+            SurfaceCounts& counts) const;
+  void light(const Ray& ray, std::uint64_t seed, SurfaceHit& hit, SurfaceCounts& counts) const;
+  Color color(const SurfaceHit& hit) const;
+  double open(const Ray& ray, double t_max, SurfaceCounts& counts) const;
+  double clearance(const SurfaceHit& hit, const math::Vec3d& position,
+                   const math::Vec3d& normal) const;
+
+  query::Sampler sampler_;
+  const FrameSettings& settings_;
+  double diagonal_;
+  std::optional<IsosurfaceTracer> isosurfaces_;
+  std::int32_t first_triangle_surface_ = 0;
+  std::optional<TriangleSurfaces> triangles_;
+  std::optional<Outline> outline_;
+  std::optional<Shader> shader_;              ///< none: plain colours
+  std::optional<VolumeShadow> volume_shadow_; ///< if asked for
+};
+
+} // namespace insitu::render

@@ -1,0 +1,179 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "query/sampler.h"
+#include "render/camera/ray_state.h"
+#include "render/color/preintegration.h"
+#include "render/color/transfer_function.h"
+#include "render/light.h"
+#include "render/structures/scalar_field.h"
+#include "render/surface/shade.h"
+#include "render/volume/macrocells.h"
+#include "render/volume/ray_step.h"
+#include "render/volume/step_levels.h"
+
+namespace insitu::query {
+struct ValueSample;
+}
+
+namespace insitu::render {
+
+class Structures;
+
+/// if_it_pays: see culling_pays(); not where macrocells serve better and are there, or serve from
+/// the third frame of the same values on; of path tracing never, whose samples are few where
+/// nothing shows.
+enum class Culling { never, if_it_pays, always };
+
+/// A field drawn as a medium that emits and absorbs.
+struct VolumeSettings {
+  ScalarField field;
+  TransferFunction function;
+  /// The distance between samples along a ray: step_factor times typical_cell_size(), or `step`
+  /// itself where it is given.
+  double step_factor = 0.5;
+  std::optional<double> step = std::nullopt;
+  /// Length of ray over which the function's opacities hold; 0: a hundredth of the mesh's diagonal.
+  double unit_distance = 0;
+  insitu_accuracy accuracy = INSITU_STANDARD; ///< of locating the samples
+  /// Nothing is looked for where the macrocells say that nothing shows. The image is the same.
+  bool skip_empty = true;
+  /// On the dual of an adaptive mesh samples can be looked for only in gridlets and stitching cells
+  /// that the function shows anything of, in a tree of these alone. The image is the same but where
+  /// a sample lies on a face of what is left out, whose value then comes from the cell beyond: by
+  /// rounding. Not with `preintegrated`, which needs values that do not show too.
+  Culling culling = Culling::if_it_pays;
+  /// Between two samples the function is integrated over all values between theirs, instead of
+  /// being asked at the samples alone. Vertex fields only: a cell field has but one value in a
+  /// cell.
+  bool preintegrated = false;
+  /// Colours are lit by the field's gradient, as Lighting says of surfaces.
+  bool shading = false;
+  /// The step varies from macrocell to macrocell so that the error of the opacity and of the colour
+  /// stays below this (see StepLevels); the step above is where it starts from.
+  std::optional<double> tolerance = std::nullopt;
+  /// Samples of a ray that are located at once (Rathke et al. 2015, section 7.2), at most
+  /// query::RayBundleLocator::most_depth; 0: as many as pays. It changes the time alone, and how
+  /// many are located in vain behind the sample that hides the rest. Not with a tolerance.
+  int sample_group = 0;
+};
+
+/// Throws core::Error: INSITU_ERROR_FIELD unless the field has the component, INSITU_ERROR_ARGUMENT
+/// for what does not go together.
+void check(const VolumeSettings& settings);
+/// The distance between samples, but for a tolerance. Throws core::Error (INSITU_ERROR_ARGUMENT)
+/// for one too short to be counted.
+double ray_step(const query::Sampler& sampler, const VolumeSettings& settings);
+/// As given, or a hundredth of the mesh's diagonal.
+double unit_distance_of(const query::Sampler& sampler, const VolumeSettings& settings);
+
+struct VolumeCounts {
+  std::int64_t samples = 0;   ///< located
+  std::int64_t skipped = 0;   ///< of the lattice, in macrocells that nothing shows of
+  std::int64_t lit = 0;       ///< by the field's gradient
+  std::int64_t integrals = 0; ///< stretches between two samples
+  std::int64_t shadow_rays = 0;
+};
+
+/// What a frame's volume needs of the structures that frames share. Null where it needs none.
+struct VolumeStructures {
+  const Majorants* majorants = nullptr;       ///< to skip what is empty
+  const query::CulledCells* culled = nullptr; ///< where samples are looked for; null: everywhere
+  const Macrocells* macrocells = nullptr;     ///< with cells' sizes, for a tolerance
+  core::CountedAllocator<char> counted = {};  ///< of the marcher's own tables
+};
+/// rays: of the frame.
+VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSettings& settings,
+                                   std::int64_t rays, Structures& structures);
+/// Whether macrocells are made for skipping: if the samples that they are likely to save, by a look
+/// at some cells, are more than the cells that have to be read once; ten times as many where those
+/// that do not show are culled already, and cost little.
+bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings, std::int64_t rays,
+                   bool culled = false);
+/// Whether a tree of what shows is made for a frame: if the samples that are likely to lie in
+/// primitives that do not show, by the same look, are more than three times the primitives, since a
+/// primitive's range and place take a third of what a sample saves.
+bool culling_pays(const query::Sampler& sampler, const VolumeSettings& settings, std::int64_t rays);
+
+/// Marches rays through a volume. Sample i of a ray lies at (i + 1/2) * step and stands for the
+/// distances from i * step to (i + 1) * step, whatever the mesh; the first and the last in the
+/// mesh's bounds, or in what clips leave, stand for all up to there; a ray that is within for less
+/// than that takes one sample in the middle. Nothing is gathered outside of cells. With a tolerance
+/// samples stand for 3^level steps, and lie in the middle all the same.
+class VolumeMarcher {
+public:
+  /// The structures must outlive it. clipped: the rays' `stays` say what is left of them.
+  VolumeMarcher(const query::Sampler& sampler, const VolumeSettings& settings,
+                const VolumeStructures& structures = {}, const Lighting& lighting = {},
+                bool clipped = false);
+
+  /// Surfaces that cast shadows on what `shading` lights; they must outlive this. None: no rays
+  /// are sent.
+  void set_surfaces(const SceneSurfaces* surfaces);
+
+  /// With a tolerance, of the finest samples.
+  double step() const { return step_; }
+  /// Macrocells where the tolerance is not held; see StepLevels.
+  std::int64_t unheld() const { return levels_ ? levels_->unheld() : 0; }
+
+  /// Sets the ray's samples: those within the tree's bounds, up to its first opaque hit.
+  void start(RayState& ray) const;
+
+  /// Gathers the samples of all rays, and those of their hits that lie before each ray's last
+  /// sample, in depth order. row: so many rays are a row of neighbouring pixels, one row after the
+  /// other; it changes the time alone.
+  VolumeCounts march(std::span<RayState> rays, int row = 0) const;
+
+private:
+  struct Gathered;
+  struct Planned;
+  struct Scratch;
+  static Scratch& scratch();
+
+  std::uint32_t advance(RayState& ray, std::int64_t first, int depth, std::int64_t& skipped) const;
+  void march_bundle(std::span<RayState> rays, int row, VolumeCounts& counts) const;
+  void gather_plainly(RayState& ray, std::int64_t first, std::uint32_t wanted,
+                      const query::ValueSample* samples) const;
+  std::int64_t march_thin(std::span<RayState> rays) const;
+  void march_levels(std::span<RayState> rays, VolumeCounts& counts) const;
+  void plan(RayState& ray, std::size_t most, Scratch& s, VolumeCounts& counts) const;
+  double longest_step() const {
+    return step_ * double(StepLevels::stride(int(classifiers_.size()) - 1));
+  }
+  double middle(std::int64_t begin, int level) const;
+  Stretch stretch(const RayState& ray, std::int64_t begin, std::int64_t stride) const;
+  void add_sample(RayState& ray, const Stretch& stretch, const query::Location& at,
+                  int level) const;
+  void add_value(RayState& ray, const Stretch& stretch, double value, const query::Location& at,
+                 int level) const;
+  void light(RayState& ray, const query::Location& at, Color& color) const;
+  void gather(RayState& ray, Gathered& last, std::int64_t index, double value,
+              const query::Location& at) const;
+  void finish(RayState& ray, Gathered& last) const;
+  void add(RayState& ray, const Stretch& stretch, const ColorSample& sample,
+           std::int64_t cell) const;
+
+  query::Sampler sampler_;
+  query::Sampler located_; ///< the same, or among what is not culled
+  ScalarField field_;
+  TransferFunction function_;
+  query::LocateOptions options_;
+  double step_, unit_distance_;
+  int sample_group_;
+  bool clipped_;
+  const Majorants* majorants_; ///< null: nothing to skip
+  std::optional<Shader> shader_;
+  Lighting lighting_;
+  const SceneSurfaces* surfaces_ = nullptr;
+  std::optional<StepLevels> levels_;
+  std::vector<Classifier> classifiers_; ///< by level
+  std::optional<Preintegration> preintegration_;
+  math::Vec3d low_, high_;             ///< nothing is outside of these
+  math::Vec3d inner_low_, inner_high_; ///< and the mesh reaches up to these
+};
+
+} // namespace insitu::render

@@ -1,0 +1,92 @@
+#include "scene/earth/geocentric_mesh.h"
+
+#include <sstream>
+
+#include "core/status.h"
+#include "geo/reference_frames.h"
+#include "scene/earth/reference_frames.h"
+
+namespace insitu::scene {
+
+namespace {
+
+/// Heights below this are refused: the vertical lines there come close to meeting.
+constexpr double lowest = -6.0e6;
+
+std::string text(double number) {
+  std::ostringstream out;
+  out << number;
+  return out.str();
+}
+
+} // namespace
+
+GeocentricMesh::GeocentricMesh(const std::string& name, double exaggeration, core::Memory& memory)
+    : exaggeration_(exaggeration), points_(memory, INSITU_MEMORY_GEOCENTRIC), drawn_(name, memory) {
+}
+
+const commit::CommittedMesh& GeocentricMesh::update(const commit::CommittedMesh& own,
+                                                    core::Context& context) {
+  own.require_committed();
+  const std::string name = "mesh '" + own.mesh().name() + "'";
+  if (own.frame.kind == INSITU_FRAME_CARTESIAN)
+    throw core::Error(INSITU_ERROR_SCENE, "geocentric: " + name +
+                                              " has Cartesian coordinates, which have no place on "
+                                              "Earth; insitu_mesh_frame gives it one");
+  if (own.mesh().is_adaptive())
+    throw core::Error(INSITU_ERROR_UNSUPPORTED, "geocentric: " + name + " is adaptive");
+  const bool topology = topology_ != own.topology_version();
+  const bool geometry = topology || geometry_ != own.geometry_version();
+  if (!geometry && fields_ == own.fields_version())
+    return drawn_;
+  topology_ = geometry_ = fields_ = 0; // until it is done
+  if (geometry)
+    convert(own, context);
+  drawn_.mesh().share(own.mesh(), points_.data());
+  drawn_.mesh().clear_pending();
+  drawn_.mesh().set_changed(topology   ? INSITU_CHANGED_ALL
+                            : geometry ? INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_FIELDS
+                                       : INSITU_CHANGED_FIELDS);
+  // What is wrong with the cells was said of own; in coordinates whose third counts downwards they
+  // may also be the other way around than here.
+  const core::Log silent(
+      INSITU_LOG_ERROR, [](insitu_log_level, const char*, void*) {}, nullptr);
+  drawn_.commit(context.threads, silent, context.memory, false);
+  topology_ = own.topology_version();
+  geometry_ = own.geometry_version();
+  fields_ = own.fields_version();
+  return drawn_;
+}
+
+void GeocentricMesh::convert(const commit::CommittedMesh& own, core::Context& context) {
+  const mesh::MeshView& view = own.mesh().own_view();
+  insitu_frame geodetic = insitu_frame_default();
+  geodetic.kind = INSITU_FRAME_GEODETIC;
+  points_.resize_discard(std::size_t(view.vertex_count()));
+  for (std::int32_t p = 0; p < view.piece_count; ++p) {
+    const mesh::PieceView& piece = view.pieces[p];
+    const std::int64_t first = view.first_vertex[p];
+    constexpr std::int64_t grain = 1 << 13;
+    context.threads.parallel_for(
+        view.first_vertex[p + 1] - first, grain, [&](std::int64_t begin, std::int64_t end) {
+          const std::span<math::Vec3d> points{points_.data() + first + begin,
+                                              std::size_t(end - begin)};
+          for (std::int64_t v = begin; v < end; ++v)
+            points[std::size_t(v - begin)] = piece.point(v);
+          convert_points(points, own.frame, geodetic);
+          for (math::Vec3d& point : points) {
+            point.z *= exaggeration_;
+            if (point.z < lowest)
+              throw core::Error(INSITU_ERROR_SCENE,
+                                "geocentric: an exaggeration of " + text(exaggeration_) +
+                                    " takes a vertex of mesh '" + own.mesh().name() +
+                                    "' at height " + text(point.z / exaggeration_) + " m to " +
+                                    text(point.z) + " m, near the Earth's centre");
+          }
+          geo::to_geocentric(geo::Frame::geodetic(), points, points);
+        });
+  }
+  ++conversions_;
+}
+
+} // namespace insitu::scene

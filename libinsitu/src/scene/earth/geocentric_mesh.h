@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+
+#include "commit/committed_mesh.h"
+#include "core/context.h"
+
+namespace insitu::scene {
+
+/// A mesh on Earth as frames from space draw it: its vertices in geocentric metres, their heights
+/// above the WGS84 ellipsoid times a factor (see geo::Frame). The vertices are the one copy,
+/// counted as INSITU_MEMORY_GEOCENTRIC; cells, ghosts and fields are the solver's arrays, read in
+/// place. It has a tree of its own.
+///
+/// Cells are straight here between their geocentric vertices, whatever they are in the solver's
+/// coordinates: an edge of length L lies up to L^2 / (8 R) below the surface that its ends are on,
+/// R = 6.37e6 m (a degree: 242 m), before any exaggeration.
+class GeocentricMesh {
+public:
+  GeocentricMesh(const std::string& name, double exaggeration, core::Memory& memory);
+
+  /// Brings it up to date with `own`, the solver's mesh, which is committed: vertices are converted
+  /// and the tree refitted or rebuilt only if own's changed since. Throws core::Error for a mesh
+  /// that is not on Earth, that is adaptive, or whose depths would reach the Earth's centre.
+  const commit::CommittedMesh& update(const commit::CommittedMesh& own, core::Context& context);
+
+  /// How often vertices were converted.
+  std::int64_t conversions() const { return conversions_; }
+
+private:
+  void convert(const commit::CommittedMesh& own, core::Context& context);
+
+  double exaggeration_;
+  core::Buffer<math::Vec3d> points_;
+  commit::CommittedMesh drawn_;
+  std::uint64_t geometry_ = 0, topology_ = 0, fields_ = 0; ///< versions of own
+  std::int64_t conversions_ = 0;
+};
+
+} // namespace insitu::scene

@@ -1,0 +1,201 @@
+#include "scene/frames/cinema_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "core/status.h"
+#include "core/unsigned_zero.h"
+#include "output/files/atomic_file.h"
+#include "scene/run/action.h"
+
+namespace insitu::scene {
+
+namespace {
+
+const char* name_of(ImageKind kind) {
+  switch (kind) {
+  case ImageKind::color:
+    break;
+  case ImageKind::depth:
+    return "depth";
+  case ImageKind::cell:
+    return "cell";
+  }
+  return "color";
+}
+
+/// A number that is a number of floating point to every reader: tools for Cinema databases take a
+/// column's type from its first row.
+std::string real(double value) {
+  std::string text;
+  output::append_number(text, core::unsigned_zero(value));
+  if (!text.empty() && text.find_first_not_of("-0123456789") == std::string::npos)
+    text += ".0";
+  return text;
+}
+
+void add_once(std::vector<std::string>& all, const std::string& one) {
+  if (std::find(all.begin(), all.end(), one) == all.end())
+    all.push_back(one);
+}
+
+/// The cells of a line of CSV without its end.
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
+      cells.back() += line[i++];
+    else if (line[i] == '"')
+      quoted = !quoted;
+    else if (line[i] == ',' && !quoted)
+      cells.emplace_back();
+    else
+      cells.back() += line[i];
+  }
+  return cells;
+}
+
+/// Gives the file the columns of both, unless it is absent, empty, or has them already. Returns
+/// them.
+std::vector<std::string> merge_columns(const std::string& path, std::vector<std::string> columns) {
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  if (!in || !std::getline(in, line) || in.eof())
+    return columns;
+  const std::vector<std::string> before = cells_of(line);
+  if (before == columns)
+    return columns;
+  if (before.front() != "cycle" || before.back() != "FILE")
+    throw core::Error(INSITU_ERROR_FILE, "'" + path + "' is another file than a table of frames");
+  columns.pop_back();
+  for (const std::string& column : before)
+    if (column != "FILE")
+      add_once(columns, column);
+  columns.emplace_back("FILE");
+  output::CsvRows rows(columns.size());
+  while (std::getline(in, line) && !in.eof()) {
+    const std::vector<std::string> cells = cells_of(line);
+    for (const std::string& column : columns) {
+      const auto at = std::size_t(std::find(before.begin(), before.end(), column) - before.begin());
+      rows.cell(std::string_view(at < cells.size() ? cells[at] : std::string()));
+    }
+    rows.end_row();
+  }
+  output::write_csv(path, columns, rows);
+  return columns;
+}
+
+} // namespace
+
+std::string range_label(const Name& field, const Component& component) {
+  return component.magnitude() ? field.text : field.text + "_" + std::to_string(component.index);
+}
+
+CameraAngles angles_of(const render::Camera& camera) {
+  const math::Vec3d d = camera.position - camera.look_at;
+  const auto degrees = [](double radians) {
+    return std::round(radians * (180e6 / 3.14159265358979323846)) * 1e-6 + 0.0; // not -0
+  };
+  const double across = std::hypot(d.x, d.y);
+  // Straight above there is no azimuth: that of the viewer who came up, as Camera::around() has it.
+  const math::Vec3d from = across > 1e-9 * std::fabs(d.z) ? d : d.z > 0 ? -camera.up : camera.up;
+  return {degrees(std::atan2(from.y, from.x)), degrees(std::atan2(d.z, across))};
+}
+
+CinemaTable::CinemaTable(const std::vector<Frame>& frames, const std::string& folder)
+    : path_(folder + "/data.csv"), columns_{"cycle", "time", "name"} {
+  bool cameras = false, images = false, formats = false, depth = false;
+  std::vector<std::string> ranges;
+  for (const Frame& frame : frames) {
+    cameras |= !frame.cameras.empty();
+    images |= frame.images != std::vector{ImageKind::color};
+    formats |= frame.formats != std::vector{ImageFormat::png};
+    depth |= std::count(frame.images.begin(), frame.images.end(), ImageKind::depth) > 0;
+    if (frame.volume)
+      add_once(ranges, range_label(frame.volume->field, frame.volume->component));
+    for (const Isosurface& surface : frame.isosurfaces)
+      if (const auto* by = std::get_if<ColorBy>(&surface.color))
+        add_once(ranges, range_label(by->field, by->component));
+    if (frame.boundary)
+      if (const auto* by = std::get_if<ColorBy>(&frame.boundary->color))
+        add_once(ranges, range_label(by->field, by->component));
+  }
+  if (cameras)
+    columns_.emplace_back("camera");
+  if (images)
+    columns_.emplace_back("image");
+  if (formats)
+    columns_.emplace_back("format");
+  columns_.insert(columns_.end(), {"phi", "theta", "camera_x", "camera_y", "camera_z"});
+  for (const std::string& range : ranges) {
+    columns_.push_back(range + "_low");
+    columns_.push_back(range + "_high");
+  }
+  if (depth)
+    columns_.insert(columns_.end(), {"depth_low", "depth_high"});
+  columns_.emplace_back("FILE");
+}
+
+CinemaTable::~CinemaTable() = default;
+
+void CinemaTable::open(std::int64_t cycle) {
+  columns_ = merge_columns(path_, columns_);
+  table_ = std::make_unique<output::AppendTable>(path_, columns_, cycle);
+}
+
+bool CinemaTable::add(const CinemaRow& row, const core::Log& log) {
+  const bool opens = !table_ && !given_up_;
+  if (opens) {
+    try {
+      open(row.cycle);
+    } catch (const core::Error& e) {
+      given_up_ = true;
+      log.warning(std::string(e.what()) + "; frames are drawn without their table");
+    }
+  }
+  if (given_up_)
+    return false;
+  const CameraAngles angles = angles_of(row.view);
+  std::map<std::string, std::string> cells{
+      {"cycle", std::to_string(row.cycle)},
+      {"time", real(row.time)},
+      {"name", row.name},
+      {"camera", row.camera},
+      {"image", name_of(row.image)},
+      {"format", row.format == ImageFormat::exr ? "exr" : "png"},
+      {"phi", real(angles.azimuth)},
+      {"theta", real(angles.elevation)},
+      {"camera_x", real(row.view.position.x)},
+      {"camera_y", real(row.view.position.y)},
+      {"camera_z", real(row.view.position.z)},
+      {"FILE", row.file}};
+  const auto add_range = [&](const std::string& label, const ValueRange& range) {
+    cells.emplace(label + "_low", real(range.low)); // the first of one label counts
+    cells.emplace(label + "_high", real(range.high));
+  };
+  for (const auto& [label, range] : row.ranges)
+    add_range(label, range);
+  if (row.depth)
+    add_range("depth", *row.depth);
+  output::CsvRows& rows = table_->rows();
+  for (const std::string& column : columns_) {
+    const auto cell = cells.find(column);
+    rows.cell(std::string_view(cell == cells.end() ? std::string() : cell->second));
+  }
+  rows.end_row();
+  flush_table(*table_);
+  return opens;
+}
+
+void CinemaTable::finish() {
+  if (table_)
+    table_->flush();
+  table_.reset();
+}
+
+} // namespace insitu::scene

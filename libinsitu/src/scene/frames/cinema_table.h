@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/log.h"
+#include "output/files/csv.h"
+#include "render/camera/camera.h"
+#include "scene/parse/description.h"
+
+namespace insitu::scene {
+
+/// The number that a field is coloured by, in the names of columns: "density", "velocity",
+/// "velocity_0".
+std::string range_label(const Name& field, const Component& component);
+
+/// One file of a frame, for the table.
+struct CinemaRow {
+  std::int64_t cycle = 0;
+  double time = 0;
+  std::string name, camera; ///< of the frame, and of its camera where it has several
+  ImageKind image = ImageKind::color;
+  ImageFormat format = ImageFormat::png;
+  render::Camera view;
+  std::vector<std::pair<std::string, ValueRange>> ranges; ///< of the colours, by range_label()
+  std::optional<ValueRange> depth;                        ///< of a depth image
+  std::string file;                                       ///< relative to the table's folder
+};
+
+/// The table of the files of all frames, `data.csv` in the output folder, which makes the folder a
+/// Cinema database of specification D (cinemascience.org): one row a file, its parameters in
+/// columns, its name in the last one, FILE. Columns that the scene's frames do not need are left
+/// out. It is opened with the first row: rows of an earlier run from that cycle on go, the others
+/// stay, and columns that only the earlier run had stay too, empty from then on. Where the file
+/// cannot be opened a warning says so, and frames are drawn without it.
+class CinemaTable {
+public:
+  CinemaTable(const std::vector<Frame>& frames, const std::string& folder);
+  ~CinemaTable();
+
+  /// Writes a row; returns whether it opened the file. Throws core::Error (INSITU_ERROR_FILE) if
+  /// the row cannot be appended.
+  bool add(const CinemaRow& row, const core::Log& log);
+  void finish();
+
+  const std::vector<std::string>& columns() const { return columns_; }
+
+private:
+  void open(std::int64_t cycle);
+
+  std::string path_;
+  std::vector<std::string> columns_;
+  std::unique_ptr<output::AppendTable> table_;
+  bool given_up_ = false;
+};
+
+/// Degrees, as in a scene: the direction from what a camera looks at to the camera, around +z from
+/// +x, and above the xy plane; rounded to 1e-6.
+struct CameraAngles {
+  double azimuth = 0, elevation = 0;
+};
+CameraAngles angles_of(const render::Camera& camera);
+
+} // namespace insitu::scene

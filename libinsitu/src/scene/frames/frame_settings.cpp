@@ -1,0 +1,395 @@
+#include "scene/frames/frame_settings.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/status.h"
+#include "output/annotate/box_ticks.h"
+#include "render/camera/camera_path.h"
+#include "render/clip.h"
+#include "scene/earth/geocentric_view.h"
+
+namespace insitu::scene {
+
+namespace {
+
+render::Color to_linear(const Color& c) {
+  return render::linear_of_srgb(c.red, c.green, c.blue);
+}
+
+render::Light to_render(const Light& light) {
+  using Kind = render::Light::Kind;
+  constexpr Kind kinds[] = {Kind::head, Kind::directional, Kind::point, Kind::dome};
+  return {kinds[int(light.kind)], light.vector, float(light.intensity) * to_linear(light.color)};
+}
+
+render::Clip to_render(const Clip& clip) {
+  using Kind = render::Clip::Kind;
+  constexpr Kind kinds[] = {Kind::plane, Kind::box, Kind::sphere};
+  return {kinds[int(clip.kind)], clip.point, clip.vector, clip.radius, clip.keep_inside};
+}
+
+/// An automatic logarithmic range of a field that reaches 0 begins at this part of its greatest
+/// value, as ParaView's does: the least value above 0 is often but what rounding left.
+constexpr double automatic_decades = 1e-4;
+
+/// How far apart the samples of a volume are, in typical cells.
+double step_of(Accuracy accuracy) {
+  switch (accuracy) {
+  case Accuracy::fast:
+    return 1.0;
+  case Accuracy::standard:
+    return 0.5;
+  case Accuracy::exact:
+    break;
+  }
+  return 0.25;
+}
+
+} // namespace
+
+FrameSettingsMaker::FrameSettingsMaker(const Frame& frame, const Environment& environment)
+    : frame_(frame), environment_(environment) {
+  if (frame_.volume)
+    volume_colors_ = color_map(frame_.volume->colors);
+  for (const Isosurface& surface : frame_.isosurfaces) {
+    const auto* by = std::get_if<ColorBy>(&surface.color);
+    surface_colors_.push_back(by ? std::optional(color_map(by->colors)) : std::nullopt);
+  }
+  if (frame_.boundary)
+    if (const auto* by = std::get_if<ColorBy>(&frame_.boundary->color))
+      boundary_colors_ = color_map(by->colors);
+  bodies_ = load_bodies();
+}
+
+render::FrameSettings FrameSettingsMaker::make(const commit::CommittedMesh& mesh,
+                                               render::Structures& structures) const {
+  render::FrameSettings settings;
+  settings.width = frame_.size[0];
+  settings.height = frame_.size[1];
+  settings.background = to_linear(frame_.background);
+  settings.background_alpha = float(frame_.background_alpha);
+  const auto asked = [&](ImageKind kind) {
+    return std::find(frame_.images.begin(), frame_.images.end(), kind) != frame_.images.end();
+  };
+  settings.cell = asked(ImageKind::cell);
+  // In which of the solver's cells a point of a dual cell lies takes the point.
+  settings.depth = asked(ImageKind::depth) || (settings.cell && mesh.mesh().has_stand_in());
+  const auto asks_for = [&](FrameEffect effect) {
+    return std::find(frame_.effects.begin(), frame_.effects.end(), effect) != frame_.effects.end();
+  };
+  settings.lighting.volume_shadows = asks_for(FrameEffect::volume_shadows);
+  settings.lighting.shadows = asks_for(FrameEffect::shadows) || settings.lighting.volume_shadows;
+  if (asks_for(FrameEffect::ambient_occlusion)) {
+    settings.lighting.occlusion_samples = frame_.occlusion.samples;
+    settings.lighting.occlusion_distance = frame_.occlusion.distance.value_or(0.0);
+  }
+  settings.lighting.enabled = asks_for(FrameEffect::lighting) || settings.lighting.shadows ||
+                              settings.lighting.occlusion_samples > 0;
+  for (const Light& light : frame_.lights)
+    settings.lighting.lights.push_back(to_render(light));
+  for (const Clip& clip : frame_.clips)
+    settings.clips.push_back(to_render(clip));
+  if (frame_.volume)
+    settings.volume = volume(mesh, structures, *frame_.volume);
+  if (frame_.path_tracing)
+    settings.path_tracing = path_tracing(*frame_.path_tracing);
+  for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
+    settings.isosurfaces.push_back(
+        isosurface(mesh, structures, frame_.isosurfaces[i], surface_colors_[i]));
+  if (frame_.boundary)
+    settings.boundary = boundary(mesh, structures, *frame_.boundary);
+  settings.bodies = bodies_;
+  if (frame_.outline)
+    settings.outline = {to_linear(frame_.outline->color), frame_.outline->width, {}};
+  return settings;
+}
+
+std::vector<std::pair<std::string, ValueRange>>
+FrameSettingsMaker::ranges(const render::FrameSettings& settings) const {
+  std::vector<std::pair<std::string, ValueRange>> all;
+  const auto add = [&](const Name& field, const Component& component,
+                       const render::TransferFunction& function) {
+    all.emplace_back(range_label(field, component), ValueRange{function.low(), function.high()});
+  };
+  if (frame_.volume && settings.volume)
+    add(frame_.volume->field, frame_.volume->component, settings.volume->function);
+  for (std::size_t i = 0; i < frame_.isosurfaces.size() && i < settings.isosurfaces.size(); ++i) {
+    const auto* by = std::get_if<ColorBy>(&frame_.isosurfaces[i].color);
+    const auto* drawn = std::get_if<render::ColorByField>(&settings.isosurfaces[i].color);
+    if (by && drawn)
+      add(by->field, by->component, drawn->function);
+  }
+  if (frame_.boundary && settings.boundary) {
+    const auto* by = std::get_if<ColorBy>(&frame_.boundary->color);
+    const auto* drawn = std::get_if<render::ColorByField>(&settings.boundary->color);
+    if (by && drawn)
+      add(by->field, by->component, drawn->function);
+  }
+  return all;
+}
+
+render::ColorMap FrameSettingsMaker::color_map(const ColorMap& colors) const {
+  try {
+    render::ColorMap map = colors.path.empty() ? render::ColorMap::built_in(colors.name)
+                                               : render::load_color_map(colors.path);
+    if (colors.scale)
+      map.set_scale(*colors.scale == ColorScale::log ? render::Scale::log : render::Scale::linear);
+    if (colors.below)
+      map.set_below(to_linear(*colors.below));
+    if (colors.above)
+      map.set_above(to_linear(*colors.above));
+    if (colors.nan)
+      map.set_nan_color(to_linear(*colors.nan));
+    if (map.scale() == render::Scale::log && colors.range && !(colors.range->low > 0))
+      throw core::Error(INSITU_ERROR_SCENE, "colour map '" + map.name() +
+                                                "' is logarithmic (UseLogScale): a range above 0 "
+                                                "or 'scale: linear' expected");
+    return map;
+  } catch (const core::Error& e) {
+    throw core::Error(e.status(), at_line(colors.line) + e.what());
+  }
+}
+
+std::string FrameSettingsMaker::at_line(int line) const {
+  return line > 0 ? environment_.scene_file + ":" + std::to_string(line) + ": " : std::string();
+}
+
+render::ScalarField FrameSettingsMaker::scalar(const commit::CommittedMesh& mesh, const Name& name,
+                                               const Component& component) const {
+  const mesh::FieldView field = find_field(mesh, name, environment_.scene_file);
+  if (component.index >= field.components)
+    throw core::Error(INSITU_ERROR_SCENE, at_line(name.line) + "component " +
+                                              std::to_string(component.index) + " of field '" +
+                                              name.text + "', which has " +
+                                              std::to_string(field.components));
+  return {field, component.index};
+}
+
+render::TransferFunction
+FrameSettingsMaker::transfer(render::Structures& structures, const render::ScalarField& field,
+                             const render::ColorMap& colors, const std::optional<ValueRange>& range,
+                             const std::vector<OpacityPoint>& opacity) const {
+  double low = 0, high = 1;
+  if (range) {
+    low = range->low;
+    high = range->high;
+  } else {
+    const render::ScalarRange found = structures.scalar_range(field);
+    if (found.low <= found.high) { // else no value at all: nothing will be drawn
+      low = found.low;
+      high = found.high;
+    }
+    if (colors.scale() == render::Scale::log && !(low > 0)) {
+      // Of a field that reaches 0, the highest decades; of one that is nowhere above it, all is
+      // below the range.
+      low = automatic_decades * high;
+      if (!(low > 0))
+        low = high = 1;
+    }
+  }
+  std::vector<render::OpacityPoint> points;
+  for (const OpacityPoint& p : opacity)
+    points.push_back({p.value, p.opacity});
+  if (opacity.empty() && low < high) // those that came with the colours, if any did
+    for (const render::MapOpacity& p : colors.opacity())
+      points.push_back({colors.scale() == render::Scale::log ? low * std::pow(high / low, p.u)
+                                                             : low + p.u * (high - low),
+                        p.opacity});
+  return {colors, low, high, std::move(points)};
+}
+
+render::VolumeSettings FrameSettingsMaker::volume(const commit::CommittedMesh& mesh,
+                                                  render::Structures& structures,
+                                                  const Volume& from) const {
+  render::ScalarField field = scalar(mesh, from.field, from.component);
+  render::TransferFunction function =
+      transfer(structures, field, *volume_colors_, from.colors.range, from.opacity);
+  function.set_nan_opacity(from.nan_opacity);
+  if (from.smooth && field.field.association == INSITU_CELL)
+    field = structures.average(field).field();
+  render::VolumeSettings to{field,
+                            function,
+                            frame_.step * step_of(frame_.accuracy),
+                            std::nullopt,
+                            from.unit_distance.value_or(0.0),
+                            to_api(frame_.accuracy)};
+  to.preintegrated = from.preintegrated;
+  to.shading = from.shading;
+  to.tolerance = from.tolerance;
+  constexpr render::Culling culling[] = {render::Culling::never, render::Culling::if_it_pays,
+                                         render::Culling::always};
+  to.culling = culling[int(from.culling)];
+  return to;
+}
+
+render::PathTracingSettings FrameSettingsMaker::path_tracing(const PathTracing& from) const {
+  const auto has = [&](FrameEffect effect) {
+    return std::find(frame_.effects.begin(), frame_.effects.end(), effect) != frame_.effects.end();
+  };
+  render::PathTracingSettings to;
+  to.scattering = has(FrameEffect::multiple_scattering) ? render::Scattering::multiple
+                  : has(FrameEffect::single_scattering) ? render::Scattering::single
+                                                        : render::Scattering::none;
+  to.samples = from.samples;
+  to.density = from.density;
+  to.anisotropy = from.anisotropy;
+  to.max_bounces = from.max_bounces;
+  to.cells_per_macrocell = from.cells_per_macrocell;
+  to.seed = static_cast<std::uint64_t>(from.seed);
+  to.shows_dome = from.dome_visible;
+  return to;
+}
+
+render::IsosurfaceSettings
+FrameSettingsMaker::isosurface(const commit::CommittedMesh& mesh, render::Structures& structures,
+                               const Isosurface& from,
+                               const std::optional<render::ColorMap>& colors) const {
+  render::IsosurfaceSettings to;
+  to.field = scalar(mesh, from.field, from.component);
+  to.values = from.values;
+  to.opacity = from.opacity;
+  constexpr render::Normals normals[] = {render::Normals::cell, render::Normals::smooth,
+                                         render::Normals::central};
+  to.normals = normals[int(from.normals)];
+  constexpr render::RootSearch searches[] = {render::RootSearch::neubauer,
+                                             render::RootSearch::cubic, render::RootSearch::exact};
+  to.search = searches[int(from.search)];
+  if (const auto* by = std::get_if<ColorBy>(&from.color)) {
+    const render::ScalarField field = scalar(mesh, by->field, by->component);
+    to.color = render::ColorByField{field, transfer(structures, field, *colors, by->colors.range)};
+  } else {
+    to.color = to_linear(std::get<Color>(from.color));
+  }
+  return to;
+}
+
+render::BoundarySettings FrameSettingsMaker::boundary(const commit::CommittedMesh& mesh,
+                                                      render::Structures& structures,
+                                                      const Boundary& from) const {
+  render::BoundarySettings to;
+  to.opacity = from.opacity;
+  if (const auto* by = std::get_if<ColorBy>(&from.color)) {
+    const render::ScalarField field = scalar(mesh, by->field, by->component);
+    to.color = render::ColorByField{
+        field, transfer(structures, field, *boundary_colors_, by->colors.range)};
+  } else {
+    to.color = to_linear(std::get<Color>(from.color));
+  }
+  return to;
+}
+
+std::vector<render::BodySettings> FrameSettingsMaker::load_bodies() const {
+  std::vector<render::BodySettings> bodies;
+  for (const Body& from : frame_.bodies) {
+    try {
+      bodies.push_back({std::make_shared<render::TriangleList>(render::read_stl(
+                            from.path, {environment_.context.memory, INSITU_MEMORY_FRAME})),
+                        from.opacity, to_linear(from.color)});
+    } catch (const core::Error& e) {
+      throw core::Error(e.status(), at_line(from.line) + e.what());
+    }
+  }
+  return bodies;
+}
+
+namespace {
+
+/// What follows from the mesh as it is now.
+struct Bounds {
+  math::Vec3d low, high;
+  double aspect;
+};
+
+/// What fits the image: the mesh's box, with `fit: box` what clips leave of it, if anything. The
+/// outline is not cut.
+std::vector<math::Vec3d> corners_to_fit(const Frame& frame, CameraFit fit, const Bounds& bounds) {
+  std::vector<render::Clip> clips;
+  if (fit == CameraFit::box && !frame.outline)
+    for (const Clip& clip : frame.clips)
+      clips.push_back(to_render(clip));
+  std::vector<math::Vec3d> corners = render::clipped_corners(clips, bounds.low, bounds.high);
+  return corners.empty() ? render::clipped_corners({}, bounds.low, bounds.high) : corners;
+}
+
+double aspect_of(const Frame& frame) {
+  return double(frame.size[0]) / frame.size[1];
+}
+
+render::Camera placed(const Viewpoint& from, const Bounds& bounds) {
+  render::Camera to;
+  to.position = *from.position;
+  to.look_at = from.look_at.value_or(0.5 * (bounds.low + bounds.high));
+  to.up = from.up;
+  to.fov = from.fov;
+  return to;
+}
+
+/// Viewpoints along a path, one number of them at a time.
+template <class Get>
+double along(const Camera& camera, double place, const Get& get) {
+  std::vector<double> at, values;
+  for (const CameraKey& key : camera.path) {
+    at.push_back(key.at);
+    values.push_back(get(key));
+  }
+  return render::smooth(at, values, place);
+}
+
+/// A path of angles goes around the mesh's centre, whatever its bounds become.
+Viewpoint view_along(const Camera& camera, double place) {
+  Viewpoint view = camera;
+  view.azimuth = along(camera, place, [](const CameraKey& k) { return k.azimuth; });
+  view.elevation =
+      std::clamp(along(camera, place, [](const CameraKey& k) { return k.elevation; }), -90.0, 90.0);
+  view.zoom = std::exp(along(camera, place, [](const CameraKey& k) { return std::log(k.zoom); }));
+  constexpr double half_degree = 3.14159265358979323846 / 360.0;
+  view.fov = std::atan(std::exp(along(
+                 camera, place,
+                 [](const CameraKey& k) { return std::log(std::tan(half_degree * k.fov)); }))) /
+             half_degree;
+  return view;
+}
+
+render::Camera placed_along(const Camera& camera, double place, const Bounds& bounds) {
+  std::vector<render::CameraKey> keys;
+  for (const CameraKey& key : camera.path)
+    keys.push_back({key.at, placed(key, bounds)});
+  return render::CameraPath(std::move(keys)).at(place);
+}
+
+} // namespace
+
+render::Camera FrameSettingsMaker::camera(const Camera& from, const commit::CommittedMesh& mesh,
+                                          const Step& step, std::int64_t drawn) const {
+  const Bounds bounds{mesh.tree().bounds_min(), mesh.tree().bounds_max(), aspect_of(frame_)};
+  const double place = from.path_by_time ? step.time : double(step.cycle);
+  const bool is_placed = (from.path.empty() ? from.position : from.path[0].position).has_value();
+  const Viewpoint view = from.path.empty() || is_placed ? Viewpoint(from) : view_along(from, place);
+  render::Camera to;
+  if (!is_placed)
+    // An orthographic camera stands before the whole mesh.
+    to = render::Camera::around(bounds.low, bounds.high, view.azimuth, view.elevation,
+                                from.orthographic ? 1.0 : view.zoom, view.fov, bounds.aspect);
+  if (!is_placed && from.on_earth)
+    to = turned_to_local(to);
+  if (is_placed)
+    to = from.path.empty() ? placed(from, bounds) : placed_along(from, place, bounds);
+  to = to.with_valid_up();
+  if (from.orbit_azimuth_per_frame != 0.0)
+    to = to.orbited(double(drawn) * from.orbit_azimuth_per_frame);
+  const double zoom = is_placed ? 1.0 : view.zoom;
+  const double margin = frame_.outline && frame_.outline->ticks ? output::box_label_margin
+                                                                : render::Camera::default_margin;
+  const render::Fit fit = from.fit == CameraFit::box ? render::Fit::box : render::Fit::sphere;
+  const std::vector<math::Vec3d> corners = corners_to_fit(frame_, from.fit, bounds);
+  if (from.orthographic)
+    to.orthographic_height =
+        from.orthographic_height.value_or(to.height_for(corners, fit, bounds.aspect, margin)) /
+        zoom;
+  if (from.fit == CameraFit::box && !is_placed && !from.orthographic_height)
+    to = to.fitted(corners, bounds.aspect, zoom, margin);
+  return to;
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+
+#include "commit/committed_mesh.h"
+#include "render/structures/structures.h"
+#include "scene/earth/geocentric_mesh.h"
+
+namespace insitu::scene {
+
+/// The structures that the frames of a session share, by mesh.
+class FrameStructures {
+public:
+  explicit FrameStructures(core::Context& context) : context_(&context) {}
+
+  /// The mesh in geocentric coordinates with heights exaggerated, as it is now; made when a frame
+  /// first asks for that factor, and kept while the mesh is there. Valid until the next commit of
+  /// `mesh`, or until end_cycle() finds it gone.
+  const commit::CommittedMesh& geocentric(const commit::CommittedMesh& mesh, double exaggeration);
+
+  /// Those of a mesh as it is now; valid until end_cycle().
+  render::Structures& of(const commit::CommittedMesh& mesh);
+  /// Gives back what the cycle's frames of a mesh did without, and all of meshes that are gone. In
+  /// a cycle without a frame of a mesh, what is there stays.
+  void end_cycle(std::span<commit::CommittedMesh* const> meshes);
+
+  /// Of all meshes, so far.
+  render::Structures::Counts counts() const;
+  render::Structures::Seconds seconds() const;
+  /// How often vertices were made geocentric, so far.
+  std::int64_t geocentric_conversions() const;
+
+private:
+  struct Entry {
+    std::unique_ptr<render::Structures> structures;
+    bool begun = false;
+  };
+  struct Geocentric {
+    std::unique_ptr<GeocentricMesh> mesh;
+    std::uint64_t id = 0; ///< of what it draws
+  };
+  bool is_there(std::uint64_t id, std::span<commit::CommittedMesh* const> meshes) const;
+
+  core::Context* context_;
+  std::map<std::uint64_t, Entry> by_mesh_; ///< by CommittedMesh::id()
+  /// By the solver's mesh and the exaggeration.
+  std::map<std::pair<std::uint64_t, double>, Geocentric> geocentric_;
+  std::int64_t gone_conversions_ = 0;
+  render::Structures::Counts gone_;          ///< of meshes that are gone
+  render::Structures::Seconds gone_seconds_; ///< of these
+};
+
+} // namespace insitu::scene

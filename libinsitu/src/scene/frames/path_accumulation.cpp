@@ -1,0 +1,25 @@
+#include "scene/frames/path_accumulation.h"
+
+namespace insitu::scene {
+
+void PathAccumulation::use(const commit::CommittedMesh& mesh, render::FrameSettings& settings) {
+  if (!settings.path_tracing) {
+    return;
+  }
+  const int right = settings.width - 1, bottom = settings.height - 1;
+  const render::RayGenerator rays(settings.camera, settings.width, settings.height);
+  const render::Ray a = rays(0, 0), b = rays(right, 0), c = rays(0, bottom);
+  const State state{mesh.id(),
+                    mesh.tree_version(),
+                    mesh.fields_version(),
+                    {a.origin, a.direction, b.origin, b.direction, c.origin, c.direction}};
+  if (!(state == state_)) {
+    sums_.restart();
+    first_cycle_ = settings.path_tracing->cycle;
+  }
+  settings.path_tracing->cycle = first_cycle_;
+  state_ = state;
+  settings.path_tracing->sums = &sums_;
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "commit/committed_mesh.h"
+#include "render/frame.h"
+
+namespace insitu::scene {
+
+/// Path tracing samples of the frames before, to go on with while mesh, fields and view stay the
+/// same.
+class PathAccumulation {
+public:
+  explicit PathAccumulation(core::Memory& memory) : sums_(memory) {}
+
+  /// Lets the settings add to the sums; they begin anew where anything has changed. Random numbers
+  /// are those of the cycle in which they began: the sums are of one frame of all the samples.
+  void use(const commit::CommittedMesh& mesh, render::FrameSettings& settings);
+
+private:
+  struct State {
+    std::uint64_t mesh = 0, geometry = 0, fields = 0;
+    std::array<math::Vec3d, 6> view; ///< the rays of three corners
+    friend bool operator==(const State&, const State&) = default;
+  };
+  State state_;
+  std::uint64_t first_cycle_ = 0;
+  render::PathSums sums_;
+};
+
+} // namespace insitu::scene

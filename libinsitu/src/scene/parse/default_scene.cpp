@@ -1,0 +1,31 @@
+#include "scene/parse/description.h"
+
+namespace insitu::scene {
+
+SceneDescription default_scene(const std::string& scalar_field, const std::string& mesh) {
+  SceneDescription scene;
+  scene.file = "default scene";
+  scene.trigger.every = 10;
+  Frame frame;
+  frame.name = "frame";
+  frame.mesh.text = mesh;
+  frame.volume.emplace().field.text = scalar_field;
+  frame.scalar_bar = true;
+  frame.time_label = true;
+  frame.trigger = scene.trigger;
+  scene.frames.push_back(frame);
+  return scene;
+}
+
+const char* accuracy_name(Accuracy accuracy) {
+  switch (accuracy) {
+  case Accuracy::fast:
+    return "fast";
+  case Accuracy::standard:
+    return "standard";
+  default:
+    return "exact";
+  }
+}
+
+} // namespace insitu::scene

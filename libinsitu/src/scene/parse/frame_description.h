@@ -1,0 +1,244 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "math/vec.h"
+#include "scene/expression/trigger.h"
+#include "scene/parse/names.h"
+
+/// The frames of a scene; see description.h.
+namespace insitu::scene {
+
+/// Each from 0 to 1, as displayed.
+struct Color {
+  double red = 0, green = 0, blue = 0;
+  friend bool operator==(const Color&, const Color&) = default;
+};
+
+/// The number drawn of a field: its only component, one of several, or a vector's magnitude.
+struct Component {
+  int index = -1; ///< -1: the value of a scalar field, the magnitude of a vector field
+  bool magnitude() const { return index < 0; }
+};
+
+struct ValueRange {
+  double low = 0, high = 1; ///< low < high
+};
+
+enum class ColorScale { linear, log }; ///< as render::Scale
+
+/// A built-in colour map by name, or a file in ParaView's JSON format, and the values that its
+/// colours stretch over.
+struct ColorMap {
+  std::string name = "viridis"; ///< built-in, or the file's name as written
+  std::string path; ///< of a file, resolved against the scene file's folder; empty: built-in
+  std::optional<ValueRange> range;        ///< nothing: the field's range at each frame
+  std::optional<ColorScale> scale;        ///< nothing: the file's, or linear
+  std::optional<Color> below, above, nan; ///< nothing: the file's, or as render::ColorMap says
+  int line = 0;
+};
+
+/// The direction is that of a view from `azimuth` degrees around +z, from +x, and `elevation`
+/// degrees above the xy plane, towards the mesh's centre from a distance that shows the whole mesh
+/// at zoom 1; or a placed camera. On Earth, that is of a geocentric frame, angles are about the
+/// vertical in the mesh's middle, from east and from the horizon.
+struct Viewpoint {
+  bool on_earth = false;
+  double azimuth = 30, elevation = 20, zoom = 1;
+  std::optional<math::Vec3d> position; ///< placed; azimuth, elevation and zoom then mean nothing
+  std::optional<math::Vec3d> look_at;  ///< nothing: the mesh's centre
+  math::Vec3d up{0, 0, 1};
+  double fov = 30;          ///< vertical field of view, degrees
+  bool looks_down = false;  ///< placed by longitude and latitude, and nothing said to look at
+  bool up_is_given = false; ///< else a camera placed so has its own
+};
+
+/// A viewpoint that the camera reaches at a cycle or a time.
+struct CameraKey : Viewpoint {
+  double at = 0;
+};
+
+enum class CameraFit { sphere, box }; ///< as render::Fit
+
+struct Camera : Viewpoint {
+  bool orthographic = false;
+  std::optional<double> orthographic_height; ///< nothing: so that the mesh fits
+  CameraFit fit = CameraFit::sphere;         ///< of what is automatic
+  double orbit_azimuth_per_frame = 0; ///< degrees that the camera goes on around the axis through
+                                      ///< what it looks at along `up` with each frame written
+  std::vector<CameraKey> path; ///< places ascend; all placed, or none; empty: the camera stands
+  bool path_by_time = false;   ///< else by cycle
+  int line = 0;
+};
+
+/// One of several cameras of a frame; its images are `frame_name_000120.png`.
+struct NamedCamera {
+  std::string name;
+  Camera camera;
+};
+
+struct OpacityPoint {
+  double value = 0, opacity = 0;
+};
+
+/// See render/volume/volume.h.
+enum class Culling { never, automatic, always };
+
+struct Volume {
+  Name field;
+  Component component;
+  ColorMap colors;
+  std::vector<OpacityPoint>
+      opacity;            ///< by value; empty: from 0 at the range's low end to 1 at its high end
+  double nan_opacity = 0; ///< of values that are not numbers
+  bool smooth = false;    ///< a cell field is averaged to the vertices first
+  std::optional<double> unit_distance; ///< length over which a ray loses the stated opacity;
+                                       ///< nothing: a hundredth of the mesh's diagonal
+  bool preintegrated = false;      ///< all values between two samples count; not with a tolerance
+  bool shading = false;            ///< lit by the field's gradient
+  std::optional<double> tolerance; ///< of opacity and colour; nothing: even steps
+  Culling culling = Culling::automatic;
+  int line = 0;
+};
+
+/// Colours of a surface by a field.
+struct ColorBy {
+  Name field;
+  Component component;
+  ColorMap colors;
+};
+
+/// See render/surface/isosurface.h.
+enum class Normals { cell, smooth, central };
+enum class RootSearch { neubauer, cubic, exact };
+
+struct Isosurface {
+  Name field;
+  Component component;
+  std::vector<double> values;
+  double opacity = 1;
+  std::variant<Color, ColorBy> color = Color{0.8, 0.8, 0.8};
+  Normals normals = Normals::cell;
+  RootSearch search = RootSearch::cubic;
+  int line = 0;
+};
+
+/// The mesh's own boundary.
+struct Boundary {
+  double opacity = 1;
+  std::variant<Color, ColorBy> color = Color{0.8, 0.8, 0.8};
+};
+
+/// Triangles of a file.
+struct Body {
+  std::string path; ///< resolved against the scene file's folder
+  double opacity = 1;
+  Color color{0.6, 0.6, 0.6};
+  int line = 0;
+};
+
+/// The mesh's bounding box.
+struct BoxOutline {
+  Color color{0, 0, 0};
+  double width = 1.5; ///< in pixels
+  bool ticks = false; ///< with numbers, along the outer edges
+};
+
+/// Light on surfaces; see render/light.h.
+struct Light {
+  enum class Kind { head, directional, point, dome };
+  Kind kind = Kind::head;
+  math::Vec3d vector; ///< directional: towards the light; point: its position
+  Color color{1, 1, 1};
+  double intensity = 1; ///< factor on the colour as linear light
+};
+
+/// What is cut away; see render/clip.h.
+struct Clip {
+  enum class Kind { plane, box, sphere };
+  Kind kind = Kind::plane;
+  math::Vec3d point;  ///< on the plane; the box's lowest corner; the sphere's centre
+  math::Vec3d vector; ///< the plane's normal, to where things go; the box's highest corner
+  double radius = 0;
+  bool keep_inside = true;
+};
+
+/// Of ambient occlusion.
+struct Occlusion {
+  int samples = 16;               ///< rays a hit
+  std::optional<double> distance; ///< how far they reach; nothing: a tenth of the mesh's diagonal
+};
+
+enum class FrameEffect {
+  lighting,
+  shadows,
+  volume_shadows,
+  ambient_occlusion,
+  single_scattering,
+  multiple_scattering
+};
+
+/// How a volume is path traced; which light is followed is among the effects.
+struct PathTracing {
+  int samples = 64;                ///< a pixel, in each frame
+  double density = 1;              ///< factor on the extinction
+  double anisotropy = 0;           ///< the mean cosine of scattering
+  int max_bounces = 4096;          ///< then a path is cut off
+  double cells_per_macrocell = 64; ///< of the grid of majorants, about
+  std::int64_t seed = 0;
+  bool dome_visible = false; ///< dome lights instead of the background
+  bool accumulate = false;   ///< goes on with the samples of the frame before while all is the same
+  int line = 0;
+};
+
+/// The mesh, which must be on Earth, is drawn in geocentric coordinates.
+struct Geocentric {
+  double exaggeration = 1;         ///< factor on heights above the ellipsoid
+  std::optional<Color> globe;      ///< of land, where the mesh does not cover the ellipsoid
+  std::optional<double> graticule; ///< degrees between meridians and between parallels
+  int line = 0;
+};
+
+enum class ImageKind { color, depth, cell };
+enum class ImageFormat { png, exr };
+
+/// `name`, `name_depth`, `name_cell`: what files of that image begin with.
+std::string image_stem(const std::string& name, ImageKind kind);
+
+struct Frame {
+  std::string name;                     ///< of the images, `name_000120.png`; unique in the scene
+  Name mesh;                            ///< empty: the first mesh of the session
+  std::array<int, 2> size{1024, 1024};  ///< width, height
+  std::optional<Geocentric> geocentric; ///< nothing: drawn in its own coordinates
+  Color background{1, 1, 1};
+  double background_alpha = 1; ///< of what stands behind everything; below 1 the image keeps alpha
+  Camera camera;
+  std::vector<NamedCamera> cameras; ///< instead of `camera`, unless empty; names are unique
+  std::vector<ImageKind> images{ImageKind::color}; ///< at least one, each once
+  std::vector<ImageFormat> formats{ImageFormat::png};
+  /// A frame has at least one of these.
+  std::optional<Volume> volume;
+  std::vector<Isosurface> isosurfaces;
+  std::optional<Boundary> boundary;
+  std::vector<Body> bodies;
+  std::optional<BoxOutline> outline;
+  std::vector<Light> lights; ///< none: a white one from the viewer
+  std::vector<Clip> clips;   ///< what each of them leaves is drawn
+  bool scalar_bar = false;
+  bool time_label = false;
+  bool axes = false; ///< draws where x, y and z point
+  std::vector<FrameEffect> effects;
+  Occlusion occlusion;                     ///< if among the effects
+  std::optional<PathTracing> path_tracing; ///< also there where an effect asks for it
+  Accuracy accuracy = Accuracy::standard;
+  double step = 1; ///< factor on the ray step that `accuracy` chooses
+  Trigger trigger; ///< its own, or else the scene's
+  int line = 0;
+};
+
+} // namespace insitu::scene

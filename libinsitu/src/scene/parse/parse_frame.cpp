@@ -1,0 +1,191 @@
+#include "scene/parse/parse_parts.h"
+
+namespace insitu::scene {
+namespace {
+
+void parse_size(const Cursor& cursor, std::array<int, 2>& size) {
+  const auto items = cursor.items();
+  if (!items) {
+    return;
+  }
+  if (items->size() != 2) {
+    cursor.expected("a list of 2 integers, width and height");
+    return;
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (const auto side = (*items)[i].integer(1, largest_image_side)) {
+      size[i] = static_cast<int>(*side);
+    }
+  }
+}
+
+/// A colour, `transparent`, or a map of both.
+void parse_background(const Cursor& cursor, Frame& frame) {
+  if (cursor.is_text() && cursor.node().text == "transparent") {
+    frame.background_alpha = 0;
+    return;
+  }
+  if (!cursor.is_map()) {
+    frame.background = parse_color(cursor, frame.background);
+    return;
+  }
+  const MapReader map(cursor, {"color", "alpha"});
+  if (const auto color = map.find("color")) {
+    frame.background = parse_color(*color, frame.background);
+  }
+  if (const auto alpha = map.require("alpha")) {
+    assign(frame.background_alpha, alpha->number({0, 1}));
+  }
+}
+
+/// The images' names, without cycle and ending, must be no other item's.
+void claim_names(const Cursor& cursor, const Frame& frame, ParseContext& context) {
+  std::vector<std::string> stems;
+  for (const NamedCamera& camera : frame.cameras) {
+    stems.push_back(frame.name + "_" + camera.name);
+  }
+  if (stems.empty()) {
+    stems.push_back(frame.name);
+  }
+  for (const std::string& stem : stems) {
+    for (const ImageKind kind : frame.images) {
+      const std::string name = image_stem(stem, kind);
+      if (name != frame.name && !context.names.insert(name).second) {
+        cursor.fail("its images would be called " + quote(name) +
+                    ", a name that is already used in this scene");
+      }
+    }
+  }
+}
+
+Geocentric parse_geocentric(const Cursor& cursor) {
+  Geocentric geocentric;
+  geocentric.line = cursor.line();
+  const MapReader map(cursor, {"exaggeration", "globe", "graticule"});
+  if (const auto factor = map.find("exaggeration")) {
+    assign(geocentric.exaggeration, factor->number({0, 1e6}));
+  }
+  if (const auto globe = map.find("globe")) {
+    geocentric.globe = parse_color(*globe, {0.75, 0.72, 0.65});
+  }
+  if (const auto graticule = map.find("graticule")) {
+    geocentric.graticule = graticule->number({0.001, 90});
+  }
+  return geocentric;
+}
+
+} // namespace
+
+std::string image_stem(const std::string& name, ImageKind kind) {
+  switch (kind) {
+  case ImageKind::color:
+    break;
+  case ImageKind::depth:
+    return name + "_depth";
+  case ImageKind::cell:
+    return name + "_cell";
+  }
+  return name;
+}
+
+Frame parse_frame(const Cursor& cursor, ParseContext& context) {
+  Frame frame;
+  frame.line = cursor.line();
+  const MapReader map(cursor, {"name",       "mesh",       "size",    "background", "camera",
+                               "cameras",    "images",     "format",  "volume",     "isosurfaces",
+                               "boundary",   "bodies",     "outline", "lights",     "clip",
+                               "scalar_bar", "time_label", "axes",    "effects",    "path_tracing",
+                               "geocentric", "accuracy",   "step",    "every",      "when"});
+  parse_item_name(map, context, frame.name);
+  if (const auto mesh = map.find("mesh")) {
+    assign(frame.mesh, parse_name(*mesh));
+  }
+  if (const auto size = map.find("size")) {
+    parse_size(*size, frame.size);
+  }
+  if (const auto background = map.find("background")) {
+    parse_background(*background, frame);
+  }
+  if (const auto geocentric = map.find("geocentric")) {
+    frame.geocentric = parse_geocentric(*geocentric);
+  }
+  const bool on_earth = frame.geocentric.has_value();
+  frame.camera = default_camera(on_earth);
+  if (const auto camera = map.find("camera")) {
+    frame.camera = parse_camera(*camera, on_earth);
+  }
+  if (const auto cameras = map.find("cameras")) {
+    frame.cameras = parse_cameras(*cameras, on_earth);
+    if (map.has("camera")) {
+      cameras->fail("a frame has either a 'camera' or 'cameras'");
+    }
+  }
+  if (const auto images = map.find("images")) {
+    frame.images = parse_words<ImageKind>(
+        *images,
+        {{"color", ImageKind::color}, {"depth", ImageKind::depth}, {"cell", ImageKind::cell}},
+        "image");
+  }
+  if (const auto format = map.find("format")) {
+    frame.formats = parse_words<ImageFormat>(
+        *format, {{"png", ImageFormat::png}, {"exr", ImageFormat::exr}}, "format");
+  }
+  if (const auto volume = map.find("volume")) {
+    frame.volume = parse_volume(*volume, context);
+  }
+  const auto surfaces = map.find("isosurfaces");
+  if (surfaces) {
+    frame.isosurfaces = parse_isosurfaces(*surfaces, context);
+  }
+  if (const auto boundary = map.find("boundary")) {
+    frame.boundary = parse_boundary(*boundary, context);
+  }
+  if (const auto bodies = map.find("bodies")) {
+    frame.bodies = parse_bodies(*bodies, context);
+  }
+  if (const auto outline = map.find("outline")) {
+    frame.outline = parse_outline(*outline);
+  }
+  if (const auto lights = map.find("lights")) {
+    frame.lights = parse_lights(*lights);
+  }
+  if (const auto clip = map.find("clip")) {
+    frame.clips = parse_clips(*clip);
+  }
+  if (const auto bar = map.find("scalar_bar")) {
+    assign(frame.scalar_bar, bar->boolean());
+  }
+  if (const auto label = map.find("time_label")) {
+    assign(frame.time_label, label->boolean());
+  }
+  if (const auto axes = map.find("axes")) {
+    assign(frame.axes, axes->boolean());
+  }
+  if (const auto effects = map.find("effects")) {
+    frame.effects = parse_effects<FrameEffect>(
+        *effects, {{"lighting", FrameEffect::lighting},
+                   {"shadows", FrameEffect::shadows},
+                   {"volume_shadows", FrameEffect::volume_shadows},
+                   {"ambient_occlusion", FrameEffect::ambient_occlusion,
+                    [&](const Cursor& options) { frame.occlusion = parse_occlusion(options); }},
+                   {"single_scattering", FrameEffect::single_scattering},
+                   {"multiple_scattering", FrameEffect::multiple_scattering}});
+  }
+  frame.path_tracing = parse_path_tracing(map, frame.effects);
+  if (const auto accuracy = map.find("accuracy")) {
+    assign(frame.accuracy, parse_accuracy(*accuracy));
+  }
+  if (const auto step = map.find("step")) {
+    assign(frame.step, step->number({0.01, 100}));
+  }
+  if (map && !map.has("volume") && !frame.boundary && frame.bodies.empty() && !frame.outline &&
+      (!surfaces || (surfaces->is_list() && frame.isosurfaces.empty()))) {
+    cursor.fail("the frame draws nothing; give it a 'volume', 'isosurfaces', 'boundary', "
+                "'bodies' or 'outline'");
+  }
+  claim_names(cursor, frame, context);
+  frame.trigger = parse_trigger(map, context.trigger);
+  return frame;
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "output/netcdf/netcdf_table.h"
+#include "scene/run/action.h"
+
+namespace insitu::scene {
+
+/// What a probe found, row by row.
+struct ProbeAnswers {
+  std::vector<query::Location> locations; ///< as the solver counts cells
+  std::vector<mesh::FieldView> fields;
+  std::vector<std::string> columns; ///< of the values
+  std::vector<double> values;       ///< [point][column], NaN outside
+};
+
+/// `<name>.nc`: a probe as CF time series, a record for each due cycle: the multidimensional
+/// array of stations and times. Of a curtain the stations are profiles: one more dimension, of its
+/// levels, with their coordinate; places and distances along the path are those it was given in.
+/// Points that move are trajectories: their places are in each record. cell is -1 and the values
+/// are NaN outside.
+class ProbeNetcdf {
+public:
+  ProbeNetcdf(const std::string& name, const Environment& environment, bool moves);
+  ~ProbeNetcdf();
+  void write(const commit::CommittedMesh& mesh, const Step& step, const ScenePoints& points,
+             const ProbeAnswers& answers);
+  void finish();
+
+private:
+  output::NetcdfLayout layout(const commit::CommittedMesh& mesh, const ScenePoints& points,
+                              const ProbeAnswers& answers) const;
+
+  std::string name_, path_;
+  Environment environment_;
+  std::unique_ptr<output::NetcdfTable> table_;
+  std::vector<std::string> columns_;
+  bool moves_ = false, pieces_ = false;
+  OnePieceNote one_piece_;
+};
+
+} // namespace insitu::scene

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "advect/particles.h"
+#include "scene/run/action.h"
+#include "scene/run/checkpoint.h"
+
+namespace insitu::scene {
+
+/// Executes a scene, cycle by cycle. Holds the tracers' particles and the open tables.
+class Runner {
+public:
+  /// output: overrides the scene's folder if not empty. Throws core::Error for what this build
+  /// lacks.
+  Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
+         Statistics& statistics);
+  ~Runner();
+
+  /// Does what is due. The meshes are committed. Failures are logged, counted and skipped; the
+  /// returned text holds one line each, empty if all went well.
+  std::string execute(MeshList meshes, std::int64_t cycle, double time);
+
+  /// What its items need of the meshes, which are committed, and what they do without.
+  Plan plan(MeshList meshes) const;
+
+  /// Writes the state of all tracers and moving probes, as it is after the last execute(), to a
+  /// file. The meshes are as they were then. Throws core::Error.
+  void write_checkpoint(const std::string& path, MeshList meshes);
+  /// Takes it up again, before the first execute(). Throws core::Error (INSITU_ERROR_FILE) for a
+  /// file that is not of this scene; this runner is then of no use.
+  void restart(const std::string& path);
+
+  /// Ends tracers and closes tables. Returns failures like execute().
+  std::string finish();
+
+  /// Particles of all tracers.
+  advect::Counts particle_counts() const;
+
+  /// How often the structures of frames were made.
+  render::Structures::Counts structure_counts() const { return structures_.counts(); }
+  render::Structures::Seconds structure_seconds() const { return structures_.seconds(); }
+
+  /// How often the vertices of meshes were made geocentric, for frames.
+  std::int64_t geocentric_conversions() const { return structures_.geocentric_conversions(); }
+
+  const LocatorOptions& locator() const { return locator_; }
+  const std::string& output() const { return environment_.output; }
+
+private:
+  bool is_due(const Action& action, const commit::CommittedMesh& mesh, const Step& step) const;
+  void keep_earlier(MeshList meshes);
+  void note_tracers();
+  void log_particles(const Action& action, std::int64_t cycle) const;
+  void end_page_cycle(const Step& step, bool due);
+  void finish_page(const std::string& failures);
+  void note_cycle(std::int64_t cycle);
+  void report(const std::string& what, const std::string& of, std::int64_t cycle);
+  void keep(core::Archive& archive);
+  void bring_back_earlier(MeshList meshes);
+  void write_due_checkpoint(MeshList meshes);
+
+  std::unique_ptr<PageRecord> page_;
+  FrameStructures structures_;
+  CinemaTable table_;
+  Environment environment_;
+  LocatorOptions locator_;
+  std::vector<std::unique_ptr<Action>> actions_;
+  std::map<std::string, std::set<std::string>>
+      reported_; ///< failures logged, by action, so that a log is not flooded
+  bool executed_ = false;
+  std::int64_t cycle_ = 0;                            ///< the last one executed
+  std::int64_t lowest_cycle_ = 0, highest_cycle_ = 0; ///< of this session
+  bool told_cycles_ = false;                          ///< that cycles come again
+  bool descends_ = false;                             ///< it was less than the one before
+  std::vector<double> times_;                         ///< of the last executions, the latest first
+  CheckpointOptions checkpoint_;
+  /// Of a restart, until the first execute().
+  struct RestoredMesh {
+    explicit RestoredMesh(core::Memory& memory) : cells(memory) {}
+    KeptMesh kept;
+    mesh::CellsCopy cells;
+  };
+  std::vector<RestoredMesh> kept_meshes_;
+};
+
+} // namespace insitu::scene

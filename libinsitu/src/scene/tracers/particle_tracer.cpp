@@ -1,0 +1,416 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/status.h"
+#include "core/timer.h"
+#include "scene/run/output_times.h"
+#include "scene/tracers/field_between.h"
+#include "scene/tracers/release.h"
+#include "scene/tracers/tracer_action.h"
+#include "scene/tracers/tracer_cells.h"
+#include "scene/tracers/tracer_effects.h"
+#include "scene/tracers/track_writer.h"
+
+namespace insitu::scene {
+
+namespace {
+
+/// Pathlines and streaklines: particles that live from cycle to cycle. How they move is here; how
+/// they are written is the writers'.
+class ParticleTracer final : public TracerAction {
+public:
+  ParticleTracer(const Tracer& tracer, const Environment& environment)
+      : TracerAction(tracer, environment), particles_(settings(), environment.context.memory),
+        own_(tracer.direction == TracerDirection::backward), clock_(tracer.release, own_),
+        geodesics_(tracer.geodesics, environment.context.memory),
+        output_clock_(tracer.times, own_) {
+    for (const TableFormat format : tracer_.output)
+      writers_.push_back(make_track_writer(format, tracer_, environment_));
+  }
+
+  advect::Counts counts() const override { return particles_.counts(); }
+
+  std::vector<mesh::KeptField> needs_earlier() const override {
+    if (particles_.counts().alive() == 0 && !clock_.goes_on(last_.time))
+      return {};
+    const int steps = advect::steps_of(tracer_.time_interpolation) - 1;
+    std::vector<mesh::KeptField> fields;
+    if (tracer_.attached != Attached::body) {
+      fields = effect_fields(tracer_.effects, steps);
+      fields.push_back({tracer_.velocity.text, steps});
+    }
+    if (has_times())
+      for (const Name& name : tracer_.fields)
+        fields.push_back({name.text, steps});
+    return fields;
+  }
+
+  bool goes_on_to_other_cells() const override { return tracer_.attached != Attached::body; }
+
+  void execute(commit::CommittedMesh& mesh, const Step& step, bool due) override {
+    const core::Timer timer;
+    if (!tracer_.geodesics.empty() && mesh.frame.kind == INSITU_FRAME_CARTESIAN)
+      throw core::Error(INSITU_ERROR_SCENE,
+                        environment_.scene_file + ":" + std::to_string(tracer_.line) +
+                            ": geodesics need a mesh with a place on Earth; the "
+                            "frame of this one is cartesian");
+    at_times_.reset();
+    due_times_ = output_clock_.due(step.time);
+    if (tracer_.attached == Attached::body) {
+      particles_.set_effects(effects_at(tracer_, mesh, step, 0, environment_.scene_file));
+      release(mesh, step);
+      begin_interval(mesh, step);
+      particles_.follow(mesh.sampler(), knows_cells(mesh), settled_, step.time,
+                        environment_.context.threads, snapshots());
+      settled_ = step.time;
+      topology_ = mesh.topology_version();
+      same_cells_ = false;
+    } else {
+      const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
+      const int earlier = seeded_ ? earlier_steps(mesh, step) : 0;
+      particles_.set_effects(effects_at(tracer_, mesh, step, earlier, environment_.scene_file));
+      release(mesh, step);
+      begin_interval(mesh, step);
+      advance(mesh, velocity, step);
+    }
+    geodesics_.follow(particles_.particles(), snapshots(), mesh.frame,
+                      environment_.context.threads);
+    output_clock_.note(step.time, due_times_);
+    environment_.statistics.advect_s += timer.seconds();
+    const core::Timer output_timer;
+    last_ = {step.cycle, step.time};
+    write(mesh, step, has_times() ? !due_times_.empty() : due);
+    at_times_.reset();
+    environment_.statistics.output_s += output_timer.seconds();
+  }
+
+  void keep(core::Archive& archive) override {
+    archive.value("executed", seeded_);
+    archive.value("time of particles", settled_);
+    archive.value("last cycle", last_.cycle);
+    archive.value("last time", last_.time);
+    clock_.keep(archive);
+    output_clock_.keep(archive);
+    particles_.keep(archive);
+    geodesics_.keep(archive);
+    for (const auto& writer : writers_)
+      writer->keep(archive);
+  }
+  void take_up_cells() override { same_cells_ = true; }
+
+  /// The solver's arrays may be gone: what needs no field is written.
+  void finish() override {
+    particles_.finish();
+    if (!seeded_)
+      return;
+    Failures failures;
+    for (const auto& writer : writers_)
+      failures.catch_of(
+          [&] { writer->finish(particles_.particles(), geodesics_, last_.cycle, last_.time); });
+    failures.throw_if_any();
+  }
+
+private:
+  advect::TracerSettings settings() const {
+    advect::TracerSettings s;
+    s.integrator = integrator();
+    s.accuracy = to_api(tracer_.accuracy);
+    s.time_interpolation = tracer_.time_interpolation;
+    s.attached = tracer_.attached == Attached::body;
+    s.backward = tracer_.direction == TracerDirection::backward;
+    if (tracer_.until.duration)
+      s.duration = *tracer_.until.duration;
+    if (tracer_.effects.age_limit)
+      s.duration = std::min(s.duration, *tracer_.effects.age_limit);
+    if (tracer_.until.length)
+      s.length = *tracer_.until.length;
+    return s;
+  }
+
+  /// Whether the mesh's cells are those of the step that the particles are at.
+  bool knows_cells(const commit::CommittedMesh& mesh) const {
+    return topology_ == mesh.topology_version() || same_cells_;
+  }
+
+  bool may_release(const commit::CommittedMesh& mesh, const Step& step) const {
+    const Release& release = tracer_.release;
+    return !release.when ||
+           release.when->evaluate(
+               step.cycle, step.time, [&](Reduction reduction, const std::string& field) {
+                 return reduce_field(mesh, {field, release.line}, environment_.scene_file,
+                                     reduction, environment_.context.threads);
+               });
+  }
+
+  /// How many steps before this one may serve, if they are kept: if the last is the step that the
+  /// particles are at, on the same cells.
+  int earlier_steps(const commit::CommittedMesh& mesh, const Step& step) const {
+    const bool known = knows_cells(mesh) && !step.first && settled_ == step.earlier_time;
+    return known ? advect::steps_of(tracer_.time_interpolation) - 1 : 0;
+  }
+
+  /// The step that the particles are at, if its cells are others; or null.
+  const commit::EarlierMesh* other_cells(const commit::CommittedMesh& mesh,
+                                         const Step& step) const {
+    const commit::EarlierMesh* const before = mesh.earlier_mesh();
+    const bool known = before && goes_on_to_other_cells() && seeded_ && !step.first &&
+                       settled_ == step.earlier_time && topology_ == before->topology_version();
+    return known ? before : nullptr;
+  }
+
+  /// Between which steps the particles move now.
+  void begin_interval(const commit::CommittedMesh& mesh, const Step& step) {
+    interval_ = advect::StepTimes(settled_, step.time, step.times_before);
+    interval_steps_ = earlier_steps(mesh, step);
+    interval_before_ = other_cells(mesh, step);
+    if (!due_times_.empty()) {
+      std::vector<double> times;
+      for (const DueTime& due : due_times_)
+        times.push_back(due.time);
+      at_times_.emplace(std::move(times), environment_.context.memory);
+    }
+  }
+  advect::Snapshots* snapshots() { return at_times_ ? &*at_times_ : nullptr; }
+
+  /// Says when the velocity is interpolated through fewer steps than were asked for, and when
+  /// through all of them again.
+  void note_steps(const Step& step, const advect::Advance& advance) {
+    const int asked = advect::steps_of(tracer_.time_interpolation);
+    if (asked == 2 || !own_.is_before(settled_, step.time) ||
+        advance.velocity_steps == served_steps_)
+      return;
+    served_steps_ = advance.velocity_steps;
+    environment_.context.log.info("cycle " + std::to_string(step.cycle) + ": tracer '" +
+                                  tracer_.name + "': the velocity is interpolated through " +
+                                  std::to_string(served_steps_) + " of " + std::to_string(asked) +
+                                  " steps in time");
+  }
+
+  /// Adds the particles that begin between the last step and this one.
+  void release(const commit::CommittedMesh& mesh, const Step& step) {
+    if (seeded_ && (std::isnan(step.time) || own_.is_before(step.time, settled_)))
+      throw core::Error(INSITU_ERROR_ARGUMENT,
+                        std::string("time went ") + (own_.backward() ? "on" : "back") + " from " +
+                            std::to_string(settled_) + " to " + std::to_string(step.time) +
+                            (own_.backward() ? ", and this tracer goes backward" : "") +
+                            "; the particles wait where they are");
+    const std::vector<double> times = clock_.due(step.cycle, step.time);
+    if (!times.empty() && may_release(mesh, step)) {
+      const std::vector<math::Vec3d>& points = seeds(mesh);
+      for (const double time : times)
+        particles_.seed(points, time);
+      clock_.note(step.time, times.size());
+    } else {
+      clock_.pass(step.time, times.size());
+    }
+    if (!seeded_)
+      settled_ = step.time;
+    seeded_ = true;
+    geodesics_.begin(particles_.particles(), mesh.frame);
+  }
+
+  void advance(commit::CommittedMesh& mesh, const mesh::FieldView& velocity, const Step& step) {
+    core::Context& context = environment_.context;
+    std::vector<mesh::FieldView> earlier;
+    if (earlier_steps(mesh, step) > 0)
+      earlier = mesh.mesh().earlier_fields(tracer_.velocity.text);
+    mesh.look_for_folds(context.threads); // particles ask with hints
+    mesh.find_neighbours_if_due(context.threads);
+    mesh.mesh().expose_earlier(!earlier.empty(), context.threads);
+    const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
+    std::optional<advect::StepBefore> before;
+    try {
+      if (interval_before_)
+        before = step_before(tracer_, *interval_before_, mesh.frame);
+      if (before && velocity.has_blanks)
+        before->sampler =
+            cells_.earlier_sampler(before->sampler, before->velocity, context.threads);
+      std::vector<mesh::FieldView> velocities{velocity};
+      velocities.insert(velocities.end(), earlier.begin(), earlier.end());
+      const query::Sampler sampler = cells_.sampler(mesh, velocities, context.threads);
+      const auto left_out = [&] { return cells_.left_out(mesh, context.threads); };
+      advect::Exits exits(mesh.sampler(), left_out, to_api(tracer_.accuracy));
+      particles_.tell_exits_by(&exits);
+      note_steps(step, particles_.advance(sampler, velocity, {earlier, step.times_before}, settled_,
+                                          step.time, context.threads, snapshots(),
+                                          before ? &*before : nullptr));
+    } catch (...) {
+      particles_.tell_exits_by(nullptr);
+      hide();
+      throw;
+    }
+    particles_.tell_exits_by(nullptr);
+    hide();
+    settled_ = step.time;
+    topology_ = mesh.topology_version();
+    same_cells_ = false;
+  }
+
+  /// What the writers see of a cycle. The rows that one asked for last are kept: the next one, of
+  /// another format, mostly asks for the same.
+  class Cycle final : public TrackCycle {
+  public:
+    Cycle(ParticleTracer& tracer, const commit::CommittedMesh& mesh, const Step& step, bool due)
+        : tracer_(tracer), mesh_(mesh), step_(step), due_(due) {}
+    const Step& step() const override { return step_; }
+    bool due() const override { return due_; }
+    const advect::Particles& particles() const override { return tracer_.particles_.particles(); }
+    std::int64_t seeded() const override { return particles().seeded(); }
+    const TrackGeodesics& geodesics() const override { return tracer_.geodesics_; }
+    bool has_times() const override { return tracer_.has_times(); }
+    std::span<const DueTime> times() const override { return tracer_.due_times_; }
+    const advect::Snapshots& snapshots() const override { return *tracer_.at_times_; }
+    const TrackRows& rows_at(std::size_t k) override {
+      if (known_time_ != k) {
+        rows_at_ = tracer_.rows_at(mesh_, step_, k);
+        known_time_ = k;
+      }
+      return rows_at_;
+    }
+    const TrackRows& rows(const std::vector<std::size_t>& indices) override {
+      if (!known_ || *known_ != indices) {
+        rows_ = tracer_.rows(mesh_, step_, indices);
+        known_ = indices;
+      }
+      return rows_;
+    }
+
+  private:
+    ParticleTracer& tracer_;
+    const commit::CommittedMesh& mesh_;
+    const Step& step_;
+    bool due_;
+    std::optional<std::vector<std::size_t>> known_;
+    TrackRows rows_;
+    std::optional<std::size_t> known_time_;
+    TrackRows rows_at_;
+  };
+
+  TrackRows no_rows(const commit::CommittedMesh& mesh, const Step& step) const {
+    TrackRows out;
+    out.cycle = step.cycle;
+    out.pieces = names_pieces(mesh.mesh());
+    out.frame = mesh.frame;
+    out.columns = field_columns(fields(mesh));
+    return out;
+  }
+
+  /// Of the particles at one of the tracer's times; fields are interpolated as the velocity is.
+  TrackRows rows_at(const commit::CommittedMesh& mesh, const Step& step, std::size_t k) const {
+    const advect::Particles& p = particles_.particles();
+    const advect::Snapshots& at = *at_times_;
+    TrackRows out = no_rows(mesh, step);
+    std::vector<std::size_t> items;
+    for (std::size_t i = 0; i < at.particles; ++i)
+      if (const std::size_t item = at.item(k, i); at.present[item]) {
+        const math::Vec3d& x = at.positions[item];
+        out.rows.push_back(track_row(p.ids[i], at.times[k], x,
+                                     own_cell(mesh, at.places[item].cell, x), INSITU_END_ALIVE));
+        items.push_back(item);
+      }
+    const std::size_t width = out.columns.size();
+    out.values.assign(items.size() * width, std::numeric_limits<double>::quiet_NaN());
+    std::size_t column = 0;
+    for (const mesh::FieldView& field : fields(mesh)) {
+      const FieldBetween between(mesh, field, interval_, interval_steps_, interval_before_,
+                                 to_api(tracer_.accuracy), at.times[k]);
+      const auto n = std::size_t(field.components);
+      environment_.context.threads.parallel_for(
+          std::int64_t(items.size()), 512, [&](std::int64_t begin, std::int64_t end) {
+            std::vector<double> u(n);
+            for (auto r = std::size_t(begin); r < std::size_t(end); ++r)
+              between.put(out.rows[r].position, at.places[items[r]], u.data(),
+                          out.values.data() + r * width + column);
+          });
+      column += n;
+    }
+    add_geodesics(out, [&](std::size_t r, double* to) { geodesics_.put_snapshot(items[r], to); });
+    return out;
+  }
+
+  TrackRows rows(const commit::CommittedMesh& mesh, const Step& step,
+                 const std::vector<std::size_t>& indices) const {
+    const advect::Particles& p = particles_.particles();
+    std::vector<math::Vec3d> points;
+    std::vector<std::int64_t> cells;
+    for (const std::size_t i : indices) {
+      points.push_back(p.positions[i]);
+      cells.push_back(p.cells[i]);
+    }
+    TrackRows out = no_rows(mesh, step);
+    out.values = sample(mesh, fields(mesh), points, cells);
+    for (std::size_t r = 0; r < indices.size(); ++r) {
+      const std::size_t i = indices[r];
+      out.rows.push_back(track_row(p.ids[i], p.times[i], points[r],
+                                   own_cell(mesh, cells[r], points[r]),
+                                   insitu_ending(p.endings[i])));
+    }
+    add_geodesics(out,
+                  [&](std::size_t r, double* to) { geodesics_.put(out.rows[r].particle, to); });
+    return out;
+  }
+
+  /// Further columns after those of the fields; put(r, out): of row r.
+  template <class Put>
+  void add_geodesics(TrackRows& out, Put&& put) const {
+    const std::size_t fields = out.columns.size(), width = fields + geodesics_.columns().size();
+    if (width == fields)
+      return;
+    for (const TrackGeodesic column : geodesics_.columns())
+      out.columns.emplace_back(geodesic_name(column));
+    std::vector<double> values(out.rows.size() * width);
+    for (std::size_t r = 0; r < out.rows.size(); ++r) {
+      std::copy_n(out.values.data() + r * fields, fields, values.data() + r * width);
+      put(r, values.data() + r * width + fields);
+    }
+    out.values = std::move(values);
+  }
+
+  void write(const commit::CommittedMesh& mesh, const Step& step, bool due) {
+    Cycle cycle(*this, mesh, step, due);
+    Failures failures;
+    bool keep = false;
+    for (const auto& writer : writers_) {
+      failures.catch_of([&] { writer->write(cycle); });
+      keep = keep || writer->keeps_ended();
+    }
+    if (!keep && !failures.any())
+      particles_.drop_ended(); // in the tables, and needed no more
+    failures.throw_if_any();
+  }
+
+  advect::Tracer particles_;
+  TracerCells cells_{environment_.context.memory};
+  OwnTime own_;
+  ReleaseClock clock_;
+  TrackGeodesics geodesics_;
+  OutputClock output_clock_;
+  // Of one execution.
+  std::vector<DueTime> due_times_; ///< of the tracer's own times
+  std::optional<advect::Snapshots> at_times_;
+  advect::StepTimes interval_{0.0, 0.0};
+  int interval_steps_ = 0;                               ///< before this one, that may serve
+  const commit::EarlierMesh* interval_before_ = nullptr; ///< or the one on other cells
+  std::vector<std::unique_ptr<TrackWriter>> writers_;
+  bool seeded_ = false;
+  double settled_ = 0.0; ///< the time that the particles are at
+  int served_steps_ = 0; ///< through which the velocity was interpolated last
+  std::uint64_t topology_ = 0;
+  bool same_cells_ = false; ///< as at the checkpoint of a restart
+  struct {
+    std::int64_t cycle = 0;
+    double time = 0.0;
+  } last_; ///< the last execution
+};
+
+} // namespace
+
+std::unique_ptr<TracerAction> make_tracer_action(const Tracer& tracer,
+                                                 const Environment& environment) {
+  if (tracer.kind == TracerKind::streamline)
+    return make_stream_tracer(tracer, environment);
+  return std::make_unique<ParticleTracer>(tracer, environment);
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,123 @@
+#include <algorithm>
+
+#include "core/timer.h"
+#include "core/unsigned_zero.h"
+#include "scene/tracers/drawn_lines.h"
+#include "scene/tracers/tracer_action.h"
+#include "scene/tracers/tracer_cells.h"
+#include "scene/tracers/tracer_effects.h"
+#include "scene/tracers/vtp_series.h"
+
+namespace insitu::scene {
+
+namespace {
+
+/// Streamlines of the velocity as it is when due.
+class StreamTracer final : public TracerAction {
+public:
+  using TracerAction::TracerAction;
+
+  advect::Counts counts() const override { return counts_; }
+  void keep(core::Archive& archive) override {
+    archive.value("seeded", counts_.seeded);
+    archive.value("endings", counts_.by_ending);
+  }
+
+  void execute(commit::CommittedMesh& mesh, const Step& step, bool due) override {
+    if (!due)
+      return;
+    const core::Timer timer;
+    advect::StreamlineSettings settings;
+    settings.integrator = integrator();
+    settings.direction = tracer_.direction == TracerDirection::both ? advect::Direction::both
+                         : tracer_.direction == TracerDirection::backward
+                             ? advect::Direction::backward
+                             : advect::Direction::forward;
+    settings.even_length = tracer_.spacing.length.value_or(0.0);
+    settings.even_time = tracer_.spacing.time.value_or(0.0);
+    settings.accuracy = to_api(tracer_.accuracy);
+    if (tracer_.until.duration)
+      settings.duration = *tracer_.until.duration;
+    if (tracer_.effects.age_limit)
+      settings.duration = std::min(settings.duration, *tracer_.effects.age_limit);
+    if (tracer_.until.length)
+      settings.length = *tracer_.until.length;
+    settings.effects = effects_at(tracer_, mesh, step, 0, environment_.scene_file);
+    mesh.look_for_folds(environment_.context.threads); // particles ask with hints
+    mesh.find_neighbours_if_due(environment_.context.threads);
+    const mesh::FieldView velocity = find_field(mesh, tracer_.velocity, environment_.scene_file);
+    const core::Threads& threads = environment_.context.threads;
+    const auto left_out = [&] { return cells_.left_out(mesh, threads); };
+    advect::Exits exits(mesh.sampler(), left_out, settings.accuracy);
+    settings.exits = &exits;
+    const advect::Streamlines streamlines =
+        advect::trace_streamlines(cells_.sampler(mesh, {&velocity, 1}, threads), velocity,
+                                  seeds(mesh), settings, threads, environment_.context.memory);
+    counts_ += streamlines.counts;
+    environment_.statistics.advect_s += timer.seconds();
+    const core::Timer output_timer;
+    const advect::Polylines& lines = streamlines.lines;
+    const std::vector<mesh::FieldView> recorded = fields(mesh);
+    const std::vector<std::string> columns = field_columns(recorded);
+    const std::vector<double> values =
+        sample(mesh, recorded, lines.points.span(), lines.cells.span());
+    if (writes(TableFormat::csv))
+      write_csv(mesh, step, lines, columns, values);
+    if (writes(TableFormat::vtp))
+      write_vtp(step, lines, VtkColumns(columns, values));
+    environment_.statistics.output_s += output_timer.seconds();
+  }
+
+private:
+  void write_csv(const commit::CommittedMesh& mesh, const Step& step,
+                 const advect::Polylines& lines, const std::vector<std::string>& columns,
+                 const std::vector<double>& values) {
+    const bool several = names_pieces(mesh.mesh());
+    std::vector<std::string> header{"line", "vertex", "s", "x", "y", "z", "cell"};
+    if (several)
+      header.push_back("piece");
+    header.push_back("ending");
+    header.insert(header.end(), columns.begin(), columns.end());
+    output::CsvRows rows(header.size());
+    for (std::size_t l = 0; l < lines.line_count(); ++l)
+      for (auto v = std::size_t(lines.offsets[l]); v < std::size_t(lines.offsets[l + 1]); ++v) {
+        rows.cell(lines.particles[l]).cell(std::int64_t(v) - lines.offsets[l]);
+        rows.cell(core::unsigned_zero(lines.times[v]));
+        for (int a = 0; a < 3; ++a)
+          rows.cell(core::unsigned_zero(lines.points[v][a]));
+        const OwnCell own = own_cell(mesh, lines.cells[v], lines.points[v]);
+        rows.cell(own.cell);
+        if (several)
+          rows.cell(int(own.piece));
+        rows.cell(advect::ending_name(insitu_ending(lines.endings[l])));
+        for (std::size_t c = 0; c < columns.size(); ++c)
+          rows.cell(values[v * columns.size() + c]);
+        rows.end_row();
+      }
+    output::write_csv(cycle_path(environment_, tracer_.name, step.cycle, ".csv"), header, rows);
+    ++environment_.statistics.files;
+  }
+
+  void write_vtp(const Step& step, const advect::Polylines& lines, const VtkColumns& columns) {
+    const DrawnLines drawn(lines);
+    output::VtkPolyData data;
+    data.points = vtk_points(lines.points.span());
+    data.point_data.push_back(output::vtk_array("s", lines.times.span()));
+    columns.add_to(data.point_data);
+    drawn.add_to(data, "line");
+    series_.write(environment_, tracer_.name, step, data);
+  }
+
+  advect::Counts counts_;
+  TracerCells cells_{environment_.context.memory};
+  VtpSeries series_;
+};
+
+} // namespace
+
+std::unique_ptr<TracerAction> make_stream_tracer(const Tracer& tracer,
+                                                 const Environment& environment) {
+  return std::make_unique<StreamTracer>(tracer, environment);
+}
+
+} // namespace insitu::scene

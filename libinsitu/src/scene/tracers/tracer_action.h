@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "advect/lines/streamlines.h"
+#include "advect/pathlines.h"
+#include "scene/run/action.h"
+
+namespace insitu::scene {
+
+/// A tracer of a scene. Path- and streaklines move at every cycle and write when due; streamlines
+/// are traced when due.
+///
+/// Files of path- and streaklines: scene/tracers/track_writer.h. CSV of streamlines: a table a
+/// cycle, with line, vertex, s, x, y, z, cell, [piece,] ending, fields. piece stands where the mesh
+/// has several.
+class TracerAction : public Action {
+public:
+  TracerAction(const Tracer& tracer, const Environment& environment);
+
+  const char* kind() const override { return "tracer"; }
+  const std::string& name() const override { return tracer_.name; }
+  const Trigger& trigger() const override { return tracer_.trigger; }
+  const Name& mesh_name() const override { return tracer_.mesh; }
+
+  void plan(const commit::CommittedMesh& mesh, Plan& plan) const override;
+  std::string state_name() const final;
+
+  virtual advect::Counts counts() const = 0;
+  const Tracer& tracer() const { return tracer_; }
+  /// The fields whose earlier steps are needed at the next cycle.
+  virtual std::vector<mesh::KeptField> needs_earlier() const { return {}; }
+  /// Whether these steps serve it over a change of topology as well.
+  virtual bool goes_on_to_other_cells() const { return false; }
+
+protected:
+  bool writes(TableFormat format) const;
+  bool has_times() const { return tracer_.times.interval || !tracer_.times.at.empty(); }
+  advect::IntegratorSettings integrator() const;
+  const std::vector<math::Vec3d>& seeds(const commit::CommittedMesh& mesh);
+  std::vector<mesh::FieldView> fields(const commit::CommittedMesh& mesh) const;
+  std::vector<std::string> field_columns(std::span<const mesh::FieldView> fields) const;
+  /// The fields' values at points whose cells are known (or -1), [point][column], NaN outside.
+  std::vector<double> sample(const commit::CommittedMesh& mesh,
+                             std::span<const mesh::FieldView> fields,
+                             std::span<const math::Vec3d> points,
+                             std::span<const std::int64_t> cells) const;
+
+  Tracer tracer_;
+  Environment environment_;
+
+private:
+  void plan_neighbours(const commit::CommittedMesh& mesh, Plan& plan) const;
+
+  std::optional<std::vector<math::Vec3d>> seeds_;
+};
+
+std::unique_ptr<TracerAction> make_tracer_action(const Tracer& tracer,
+                                                 const Environment& environment);
+std::unique_ptr<TracerAction> make_stream_tracer(const Tracer& tracer,
+                                                 const Environment& environment);
+
+} // namespace insitu::scene
