@@ -225,10 +225,11 @@ insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame* frame) {
   return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     require(frame, "frame");
     const insitu_frame now = scene::read_frame(*frame);
-    const bool was = m.frame.kind == INSITU_FRAME_GEODETIC, is = now.kind == INSITU_FRAME_GEODETIC;
-    if (was != is || (is && !(scene::to_geo(m.frame) == scene::to_geo(now))))
+    const bool was = m.reference_frame.kind == INSITU_FRAME_GEODETIC,
+               is = now.kind == INSITU_FRAME_GEODETIC;
+    if (was != is || (is && !(scene::to_geo(m.reference_frame) == scene::to_geo(now))))
       m.mesh().set_changed(INSITU_CHANGED_TOPOLOGY); // located otherwise
-    m.frame = now;
+    m.reference_frame = now;
   });
 }
 

@@ -25,7 +25,7 @@ void put_answers(const query::Answered& answered, std::size_t first, const mesh:
       to[first + answered.item(k)] = value(k);
   };
   const auto piece_of = [&](const query::Location& at) {
-    return !at ? -1 : view.piece_count == 1 ? 0 : view.piece_of(at.cell);
+    return !at ? -1 : view.piece_of(at.cell);
   };
   put(args.cells, [&](std::size_t k) {
     const query::Location& at = answered.locations[k];
@@ -72,7 +72,7 @@ void Session::for_each_slice(
   const std::int64_t n = points.count();
   // A conversion that fails must do so before anything is answered.
   const std::int64_t most = args.frame ? n : std::min(n, slice);
-  const insitu_frame from = args.frame ? scene::read_frame(*args.frame) : mesh.frame;
+  const insitu_frame from = args.frame ? scene::read_frame(*args.frame) : mesh.reference_frame;
   const math::Vec3d* const in_place = args.frame ? nullptr : points.in_place();
   if (!in_place)
     query_points_.resize_discard(std::size_t(most));
@@ -81,7 +81,7 @@ void Session::for_each_slice(
     if (!in_place)
       points.gather(first, {query_points_.data(), count}, context_.threads);
     if (args.frame)
-      scene::convert_points({query_points_.data(), count}, from, mesh.frame);
+      scene::convert_points({query_points_.data(), count}, from, mesh.reference_frame);
     visit(first, {in_place ? in_place + first : query_points_.data(), count});
   }
 }

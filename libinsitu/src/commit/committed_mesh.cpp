@@ -93,8 +93,9 @@ bool CommittedMesh::place_on_chart(std::uint32_t pending, const core::Threads& t
     geodetic_->fields_changed();
     return false;
   }
-  const geo::ChartUnits units{frame.angle == INSITU_RADIANS, frame.length == INSITU_KILOMETRES,
-                              frame.vertical == INSITU_DOWN};
+  const geo::ChartUnits units{reference_frame.angle == INSITU_RADIANS,
+                              reference_frame.length == INSITU_KILOMETRES,
+                              reference_frame.vertical == INSITU_DOWN};
   mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until it is done
   mesh_.set_stand_in(nullptr);
   if (!geodetic_)
@@ -135,7 +136,7 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
     throw core::Error(INSITU_ERROR_MESH, validation.findings);
   // Where depths count downwards, cells that are the right way round are mirrored, all of them.
   const insitu_validation& c = validation.counts;
-  const bool mirrored = frame.vertical == INSITU_DOWN &&
+  const bool mirrored = reference_frame.vertical == INSITU_DOWN &&
                         c.inverted_cells == c.cells - c.ghost_cells &&
                         c.zero_volume_cells + c.folded_cells + c.collapsed_cells == 0;
   if (!validation.warning.empty() && !mirrored)
@@ -212,7 +213,7 @@ void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& 
   bool topology = (pending & INSITU_CHANGED_TOPOLOGY) || tree_is_stale_;
   const bool geometry = (pending & INSITU_CHANGED_GEOMETRY) != 0;
   std::optional<cells::Validation> own; // nothing is read through ids that were not looked at
-  if (frame.kind == INSITU_FRAME_GEODETIC) {
+  if (reference_frame.kind == INSITU_FRAME_GEODETIC) {
     if (topology) {
       own = cells::validate(mesh_.name(), mesh_.own_view(), threads);
       if (!own->findings.empty())
@@ -299,7 +300,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
     locators_.decide(on_device_, mesh_.name(), log);
     if (mesh_.is_adaptive())
       require_adaptive_locator();
-    if (frame.kind == INSITU_FRAME_GEODETIC) {
+    if (reference_frame.kind == INSITU_FRAME_GEODETIC) {
       require_geodetic_locator();
     } else if (geodetic_) {
       mesh_.set_stand_in(nullptr);

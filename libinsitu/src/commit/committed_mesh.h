@@ -47,7 +47,7 @@ public:
   void note(const accel::DeviceCounts& counts, std::span<const std::uint8_t> reasons = {}) const;
   /// The frame of the mesh's coordinates. Conversions are geo's; a geodetic mesh is located in its
   /// own chart (Geodetic), so a change to, from or of that is a change of topology.
-  insitu_frame frame = insitu_frame_default();
+  insitu_frame reference_frame = insitu_frame_default();
 
   /// Brings the tree up to date with what changed: topology -> validate, rebuild; geometry ->
   /// refit, or rebuild when that is due (see TreePolicy); fields -> nothing here, or a better tree

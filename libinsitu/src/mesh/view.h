@@ -105,7 +105,7 @@ INSITU_HD inline void gather_points(const PieceView& piece, std::int64_t cell, C
 /// the mesh keeps no earlier points.
 INSITU_HD inline void gather(const MeshView& mesh, std::int64_t flat_cell, CellVertices& out,
                              double alpha = 1.0) {
-  out.piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat_cell);
+  out.piece = mesh.piece_of(flat_cell);
   const PieceView& piece = mesh.pieces[out.piece];
   const std::int64_t cell = flat_cell - mesh.first_cell[out.piece];
   out.shape = piece.shape(cell);

@@ -167,7 +167,7 @@ std::array<std::int64_t, reason_count> LocateCounts::totals() const {
 }
 
 bool Sampler::owns(std::int64_t flat) const {
-  const std::int32_t piece = mesh_->piece_count == 1 ? 0 : mesh_->piece_of(flat);
+  const std::int32_t piece = mesh_->piece_of(flat);
   return mesh_->pieces[piece].owns(flat - mesh_->first_cell[piece]);
 }
 

@@ -39,9 +39,9 @@ struct Ocean : fixtures::Committed {
         const geo::ChartUnits& units = {}, bool geocentric = false)
       : Committed() {
     TestMesh turned = from;
-    mesh.frame = fixtures::frame_of(units);
+    mesh.reference_frame = fixtures::frame_of(units);
     if (geocentric) {
-      mesh.frame.kind = INSITU_FRAME_GEOCENTRIC;
+      mesh.reference_frame.kind = INSITU_FRAME_GEOCENTRIC;
       for (Vec3d& x : turned.vertices)
         x = geocentric_of(x);
     }

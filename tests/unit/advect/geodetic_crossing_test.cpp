@@ -45,7 +45,7 @@ protected:
   Tracer through(const std::function<const TestMesh&(std::size_t)>& mesh_of, const Flow& flow,
                  std::span<const Vec3d> seeds, double end, int steps, bool whole = true) {
     Remeshed solver;
-    solver.mesh.frame = fixtures::frame_of({});
+    solver.mesh.reference_frame = fixtures::frame_of({});
     Tracer tracer(settings, memory);
     tracer.set_effects(effects);
     tracer.seed(seeds, 0.0);
@@ -252,13 +252,13 @@ TEST_F(GeodeticCrossing, InertiaGoesOverThePoleOnOtherCharts) {
 TEST_F(GeodeticCrossing, OtherUnitsAreOtherCells) {
   const Flow flow = [](const Vec3d&, double) { return Vec3d{1, 0, 0}; };
   Remeshed solver;
-  solver.mesh.frame = fixtures::frame_of({});
+  solver.mesh.reference_frame = fixtures::frame_of({});
   solver.remesh(ring(0), flow, 0.0);
   solver.keep();
   TestMesh radians = ring(1);
   for (Vec3d& p : radians.vertices)
     p = fixtures::in_units({.radians = true}, p);
-  solver.mesh.frame = fixtures::frame_of({.radians = true});
+  solver.mesh.reference_frame = fixtures::frame_of({.radians = true});
   solver.remesh(radians, flow, 1.0);
   EXPECT_FALSE(solver.mesh.earlier_mesh());
   solver.keep();

@@ -149,7 +149,7 @@ struct EarthFlow : fixtures::Committed {
   EarthFlow(const TestMesh& from, const ChartUnits& units, const Vec3d& omega, double up = 0)
       : Committed() {
     arrays = fixtures::SolverArrays(from);
-    mesh.frame = fixtures::frame_of(units);
+    mesh.reference_frame = fixtures::frame_of(units);
     for (const Vec3d& x : from.vertices) {
       const Vec3d v = rotation(units, Pole::none, x, omega);
       velocity.insert(velocity.end(), {v.x, v.y, up});

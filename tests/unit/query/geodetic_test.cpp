@@ -25,7 +25,7 @@ struct Earth : fixtures::Committed {
   explicit Earth(const test::TestMesh& from, const ChartUnits& units = {}, int pieces = 1)
       : Committed() {
     arrays = fixtures::SolverArrays(from);
-    mesh.frame = fixtures::frame_of(units);
+    mesh.reference_frame = fixtures::frame_of(units);
     give(pieces);
     commit();
   }

@@ -50,7 +50,7 @@ struct SeaRun {
         context(0, mesh.committed.log),
         runner(scene::parse_scene_text("insitu: 1\n" + items, "s.yaml"), folder.string(), context,
                statistics) {
-    mesh.committed.mesh.frame = geodetic();
+    mesh.committed.mesh.reference_frame = geodetic();
     mesh.field("height", INSITU_VERTEX, [](const Vec3d& p) { return p.z; });
     mesh.committed.commit(INSITU_CHANGED_ALL);
   }
@@ -257,7 +257,7 @@ TEST(Geocentric, FollowsTheMesh) {
 
 TEST(Geocentric, SaysWhatCannotBeDrawnSo) {
   SeaRun cartesian(boundary);
-  cartesian.mesh.committed.mesh.frame = insitu_frame_default();
+  cartesian.mesh.committed.mesh.reference_frame = insitu_frame_default();
   EXPECT_NE(
       cartesian.execute(0).find("s.yaml:2: geocentric: mesh 'test' has Cartesian coordinates"),
       std::string::npos);
@@ -295,7 +295,7 @@ TEST(Geocentric, UnitsAreTheMeshs) {
   frame.angle = INSITU_RADIANS;
   frame.length = INSITU_KILOMETRES;
   frame.vertical = INSITU_DOWN;
-  other.mesh.committed.mesh.frame = frame;
+  other.mesh.committed.mesh.reference_frame = frame;
   other.mesh.committed.commit(INSITU_CHANGED_ALL);
   const Drawn a(plain, 40), b(other, 40);
   const mesh::PieceView &one = a.mesh.mesh().view().pieces[0],

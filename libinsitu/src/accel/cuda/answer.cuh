@@ -29,7 +29,7 @@ __device__ inline CellPlace place_of(const LocateArguments& a, std::uint32_t fla
   if constexpr (S != Shape::none) {
     return {a.piece, 0, flat};
   } else {
-    const std::int32_t p = a.mesh.piece_count == 1 ? 0 : a.mesh.piece_of(flat);
+    const std::int32_t p = a.mesh.piece_of(flat);
     return {a.mesh.pieces[p], p, flat - a.mesh.first_cell[p]};
   }
 }

@@ -41,7 +41,7 @@ __device__ Box box_of(const mesh::MeshView& mesh, std::uint32_t flat, const math
 struct Owns {
   mesh::MeshView mesh;
   __device__ bool operator()(std::uint32_t flat) const {
-    const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
+    const std::int32_t p = mesh.piece_of(flat);
     return mesh.pieces[p].owns(flat - mesh.first_cell[p]);
   }
 };

@@ -32,7 +32,7 @@ struct FirstVertex {
   mesh::MeshView mesh;
   __device__ Bounds operator()(std::int64_t flat) const {
     Bounds out = no_bounds;
-    const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
+    const std::int32_t p = mesh.piece_of(flat);
     const mesh::PieceView& piece = mesh.pieces[p];
     const std::int64_t cell = flat - mesh.first_cell[p];
     if (!piece.owns(cell))

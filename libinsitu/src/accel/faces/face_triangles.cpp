@@ -22,7 +22,7 @@ void for_each_cell(const mesh::MeshView& mesh, std::int64_t begin, std::int64_t 
                    Visit&& visit) {
   mesh::CellVertices cell;
   for (std::int64_t flat = begin; flat < end; ++flat) {
-    const std::int32_t piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
+    const std::int32_t piece = mesh.piece_of(flat);
     if (!mesh.pieces[piece].owns(flat - mesh.first_cell[piece]))
       continue;
     mesh::gather(mesh, flat, cell);
@@ -83,7 +83,7 @@ public:
     Cut result{0, Cut::triangle, std::uint8_t(inwards_[face.cell] & 1)};
     if (face.vertices[3] == none)
       return result;
-    const std::int32_t piece = mesh_.piece_count == 1 ? 0 : mesh_.piece_of(face.cell);
+    const std::int32_t piece = mesh_.piece_of(face.cell);
     Vec3d x[4];
     for (int k = 0; k < 4; ++k)
       x[k] = mesh_.pieces[piece].point(face.vertices[k] - mesh_.first_vertex[piece]);

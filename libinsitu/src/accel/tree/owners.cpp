@@ -32,7 +32,7 @@ Owners::Owners(const mesh::MeshView& mesh, const core::Threads& threads) : mesh_
     for (std::int64_t flat = begin; flat < end; flat = selects_ ? next(flat) : flat + every) {
       if (selects_ && (!owns(flat) || n++ % every != 0))
         continue;
-      const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
+      const std::int32_t p = mesh.piece_of(flat);
       std::int64_t ids[8];
       mesh.pieces[p].vertex_ids(flat - mesh.first_cell[p], ids);
       const math::Vec3d x = mesh.pieces[p].point(ids[0]);

@@ -40,7 +40,7 @@ void ValueRanges::refresh(const Tree& tree, const mesh::MeshView& mesh,
   if (tree.empty())
     return;
   const auto cell_range = [&](std::uint32_t flat, float& lo, float& hi) {
-    const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
+    const std::int32_t p = mesh.piece_of(flat);
     const std::int64_t cell = flat - mesh.first_cell[p];
     const mesh::FieldPieceView& values = field.pieces[p];
     const auto add = [&](std::int64_t item) {

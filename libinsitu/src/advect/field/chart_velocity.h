@@ -222,7 +222,7 @@ private:
 
   geo::Pole pole_of(std::int64_t cell) const {
     const mesh::MeshView& mesh = images_.mesh();
-    return geo::Pole(mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(cell)].pole);
+    return geo::Pole(mesh.pieces[mesh.piece_of(cell)].pole);
   }
 
   math::Vec3d on_sheet(const math::Vec3d& x) const {

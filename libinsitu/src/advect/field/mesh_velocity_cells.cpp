@@ -52,12 +52,12 @@ bool has_points(const mesh::PieceView& piece) {
 /// Cells of gridlets have no vertices of their own to keep.
 bool MeshVelocity::can_keep(std::int64_t cell) const {
   const mesh::MeshView& mesh = sampler_->mesh();
-  return !mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(cell)].gridlets;
+  return !mesh.pieces[mesh.piece_of(cell)].gridlets;
 }
 
 void MeshVelocity::foresee(std::int64_t cell) const {
   const mesh::MeshView& mesh = sampler_->mesh();
-  const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(cell);
+  const std::int32_t p = mesh.piece_of(cell);
   const mesh::PieceView& piece = mesh.pieces[p];
   if (piece.layout == mesh::CellLayout::uniform || piece.layout == mesh::CellLayout::padded)
     __builtin_prefetch(piece.connectivity.data +
@@ -67,7 +67,7 @@ void MeshVelocity::foresee(std::int64_t cell) const {
 void MeshVelocity::open(Kept& k, std::int64_t cell) const {
   const mesh::MeshView& mesh = sampler_->mesh();
   mesh::CellVertices& c = k.vertices;
-  c.piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(cell);
+  c.piece = mesh.piece_of(cell);
   const mesh::PieceView& piece = mesh.pieces[c.piece];
   const std::int64_t local = cell - mesh.first_cell[c.piece];
   k.cell = -1;
@@ -126,7 +126,7 @@ void MeshVelocity::load(Kept& k, std::int64_t cell) const {
 /// A cell that may own points and has vertices to keep.
 bool MeshVelocity::may_own(std::int64_t cell) const {
   const mesh::MeshView& mesh = sampler_->mesh();
-  const std::int32_t p = mesh.piece_count == 1 ? 0 : mesh.piece_of(cell);
+  const std::int32_t p = mesh.piece_of(cell);
   const mesh::PieceView& piece = mesh.pieces[p];
   const std::int64_t local = cell - mesh.first_cell[p];
   return !piece.gridlets && piece.owns(local) && piece.shape(local) != mesh::Shape::none;

@@ -61,7 +61,7 @@ private:
   template <class Visit>
   void for_each_cell(std::int64_t begin, std::int64_t end, Visit&& visit) const {
     for (std::int64_t flat = begin; flat < end; ++flat) {
-      const std::int32_t piece = mesh_.piece_count == 1 ? 0 : mesh_.piece_of(flat);
+      const std::int32_t piece = mesh_.piece_of(flat);
       const mesh::PieceView& p = mesh_.pieces[piece];
       const std::int64_t cell = flat - mesh_.first_cell[piece];
       if (!p.owns(cell))

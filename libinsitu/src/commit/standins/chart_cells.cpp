@@ -62,7 +62,7 @@ public:
 
   /// False for cells that own nothing or have no place.
   bool gather(std::int64_t flat, mesh::CellVertices& c) const {
-    const std::int32_t p = mesh_.piece_count == 1 ? 0 : mesh_.piece_of(flat);
+    const std::int32_t p = mesh_.piece_of(flat);
     if (!mesh_.pieces[p].owns(flat - mesh_.first_cell[p]))
       return false;
     mesh::gather(mesh_, flat, c);

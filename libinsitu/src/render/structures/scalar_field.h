@@ -41,7 +41,7 @@ struct ScalarField {
 
   /// The value at a location, which must be inside.
   double at(const mesh::MeshView& mesh, const query::Location& location) const {
-    const std::int32_t piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(location.cell);
+    const std::int32_t piece = mesh.piece_of(location.cell);
     const std::int64_t cell = location.cell - mesh.first_cell[piece];
     if (field.association == INSITU_CELL)
       return load(piece, cell);

@@ -86,7 +86,7 @@ Vec3d VertexGradients::of(const mesh::MeshView& mesh, const ScalarField& field,
 Vec3d VertexGradients::at(const mesh::MeshView& mesh, const ScalarField& field,
                           const VertexCells& around, std::int64_t flat,
                           const Vec3d& parametric) const {
-  const std::int32_t piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
+  const std::int32_t piece = mesh.piece_of(flat);
   const mesh::PieceView& cells_of = mesh.pieces[piece];
   const std::int64_t local = flat - mesh.first_cell[piece];
   std::int64_t ids[8];

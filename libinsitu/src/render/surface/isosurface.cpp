@@ -84,7 +84,7 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, Search& search) const {
   ++search.counts.cells_tested;
   const mesh::MeshView& mesh = sampler_.mesh();
   mesh::CellVertices cell;
-  cell.piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(flat);
+  cell.piece = mesh.piece_of(flat);
   const mesh::PieceView& piece = mesh.pieces[cell.piece];
   const std::int64_t local = flat - mesh.first_cell[cell.piece];
   cell.shape = piece.shape(local);
@@ -209,7 +209,7 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
       },
       [&](std::int64_t flat) {
         const mesh::MeshView& mesh = sampler_.mesh();
-        const mesh::PieceView& piece = mesh.pieces[mesh.piece_count == 1 ? 0 : mesh.piece_of(flat)];
+        const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(flat)];
         if (!piece.gridlets) {
           test_cell(flat, search);
           return search.t_max;

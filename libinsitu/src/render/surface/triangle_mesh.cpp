@@ -47,7 +47,7 @@ int corner_count(const Face& face) {
 }
 
 void corners(const mesh::MeshView& mesh, const Face& face, Vec3d* x) {
-  const std::int32_t piece = mesh.piece_count == 1 ? 0 : mesh.piece_of(face.cell);
+  const std::int32_t piece = mesh.piece_of(face.cell);
   for (int k = 0; k < corner_count(face); ++k)
     x[k] = mesh.pieces[piece].point(std::int64_t(face.vertices[k]) - mesh.first_vertex[piece]);
 }

@@ -107,7 +107,7 @@ void TriangleSurfaces::trace(const Ray& ray, std::vector<SurfaceHit>& hits,
 double TriangleSurfaces::value(const ScalarField& field, const TriangleMesh& mesh,
                                const SurfaceHit& hit) const {
   const mesh::MeshView& view = sampler_.mesh();
-  const std::int32_t piece = view.piece_count == 1 ? 0 : view.piece_of(hit.cell);
+  const std::int32_t piece = view.piece_of(hit.cell);
   if (field.field.association == INSITU_CELL)
     return field.load(piece, hit.cell - view.first_cell[piece]);
   std::uint32_t ids[3];

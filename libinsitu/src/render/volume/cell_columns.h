@@ -74,7 +74,7 @@ public:
       };
       for (std::int64_t at = begin; at < end; ++at) {
         const std::int64_t flat = tree_.cells()[at];
-        const std::int32_t p = mesh_.piece_count == 1 ? 0 : mesh_.piece_of(flat);
+        const std::int32_t p = mesh_.piece_of(flat);
         const mesh::PieceView& piece = mesh_.pieces[p];
         if (!piece.gridlets) {
           add(int(gather_.shape(flat)), flat);

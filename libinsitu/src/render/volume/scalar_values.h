@@ -72,9 +72,7 @@ private:
       values[i] = cells::weighted_mean(8, weight, number);
     }
   }
-  std::int32_t piece_of(std::int64_t cell) const {
-    return mesh_.piece_count == 1 ? 0 : mesh_.piece_of(cell);
-  }
+  std::int32_t piece_of(std::int64_t cell) const { return mesh_.piece_of(cell); }
 
   const ScalarField& field_;
   const mesh::MeshView& mesh_;

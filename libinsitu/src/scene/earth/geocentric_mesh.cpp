@@ -29,7 +29,7 @@ const commit::CommittedMesh& GeocentricMesh::update(const commit::CommittedMesh&
                                                     core::Context& context) {
   own.require_committed();
   const std::string name = "mesh '" + own.mesh().name() + "'";
-  if (own.frame.kind == INSITU_FRAME_CARTESIAN)
+  if (own.reference_frame.kind == INSITU_FRAME_CARTESIAN)
     throw core::Error(INSITU_ERROR_SCENE, "geocentric: " + name +
                                               " has Cartesian coordinates, which have no place on "
                                               "Earth; insitu_mesh_frame gives it one");
@@ -73,7 +73,7 @@ void GeocentricMesh::convert(const commit::CommittedMesh& own, core::Context& co
                                               std::size_t(end - begin)};
           for (std::int64_t v = begin; v < end; ++v)
             points[std::size_t(v - begin)] = piece.point(v);
-          convert_points(points, own.frame, geodetic);
+          convert_points(points, own.reference_frame, geodetic);
           for (math::Vec3d& point : points) {
             point.z *= exaggeration_;
             if (point.z < lowest)

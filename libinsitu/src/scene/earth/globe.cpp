@@ -101,7 +101,8 @@ private:
         std::int64_t(count), grain, [&](std::int64_t begin, std::int64_t end) {
           for (std::int64_t i = begin; i < end; ++i)
             points_[std::size_t(i)] = seen_[std::size_t(i)].place;
-          convert_points({points_.data() + begin, std::size_t(end - begin)}, geodetic, own_.frame);
+          convert_points({points_.data() + begin, std::size_t(end - begin)}, geodetic,
+                         own_.reference_frame);
         });
     own_.sampler().locate(context_.threads, {points_.data(), count}, {locations_.data(), count});
   }

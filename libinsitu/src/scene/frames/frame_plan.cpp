@@ -95,11 +95,11 @@ private:
 
   void geocentric() {
     if (!frame_.geocentric) {
-      if (mesh_.frame.kind != INSITU_FRAME_CARTESIAN)
+      if (mesh_.reference_frame.kind != INSITU_FRAME_CARTESIAN)
         plan_.skip("geocentric vertices", "drawn in the mesh's own coordinates");
       return;
     }
-    if (mesh_.frame.kind == INSITU_FRAME_CARTESIAN)
+    if (mesh_.reference_frame.kind == INSITU_FRAME_CARTESIAN)
       throw core::Error(INSITU_ERROR_SCENE, "geocentric: the mesh has Cartesian coordinates");
     char factor[32];
     std::snprintf(factor, sizeof factor, "%g", frame_.geocentric->exaggeration);

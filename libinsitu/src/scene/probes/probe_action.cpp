@@ -238,8 +238,9 @@ void ProbeAction::write_vtp(const commit::CommittedMesh& mesh, const Step& step,
   }
   const VtkColumns columns(answers.columns, answers.values);
   const std::optional<CurtainSurface> surface =
-      points_->curtain ? std::optional<CurtainSurface>(std::in_place, *points_, mesh.frame)
-                       : std::nullopt;
+      points_->curtain
+          ? std::optional<CurtainSurface>(std::in_place, *points_, mesh.reference_frame)
+          : std::nullopt;
   output::VtkPolyData data;
   data.points = vtk_points(surface ? surface->points : points_->mesh_points);
   if (surface)

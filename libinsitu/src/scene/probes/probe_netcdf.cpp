@@ -80,7 +80,7 @@ output::NetcdfLayout ProbeNetcdf::layout(const commit::CommittedMesh& mesh,
                                          const ProbeAnswers& answers) const {
   using output::NetcdfVariable;
   const CurtainPlaces* curtain = points.curtain ? &*points.curtain : nullptr;
-  const insitu_frame& frame = curtain ? curtain->frame : mesh.frame;
+  const insitu_frame& frame = curtain ? curtain->frame : mesh.reference_frame;
   const auto position = cf_position(frame);
   const auto mapping = cf_grid_mapping(frame);
   const std::size_t n = curtain ? curtain->stations.size() : points.mesh_points.size();

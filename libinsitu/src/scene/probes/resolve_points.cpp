@@ -46,7 +46,7 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
                            const commit::CommittedMesh& mesh, const std::string& scene_file) {
   ScenePoints out;
   FrameOfReference used = frame;
-  const insitu_frame_kind kind = to_api(used, mesh.frame).kind;
+  const insitu_frame_kind kind = to_api(used, mesh.reference_frame).kind;
   if (std::holds_alternative<Sphere>(source) && kind == INSITU_FRAME_GEODETIC)
     refuse(used, scene_file,
            "a sphere has no meaning in longitude and latitude, which the mesh is in; give it in "
@@ -61,16 +61,17 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
     out.mesh_points = std::move(table.points);
     out.names = std::move(table.names);
   } else if (const auto* transect = std::get_if<Transect>(&source);
-             transect && to_api(used, mesh.frame).kind == INSITU_FRAME_GEODETIC) {
+             transect && to_api(used, mesh.reference_frame).kind == INSITU_FRAME_GEODETIC) {
     math::Vec3d ends[] = {transect->from, transect->to};
-    const geo::Frame units = to_geo(to_api(used, mesh.frame)); // the mesh's may be radians
+    const geo::Frame units =
+        to_geo(to_api(used, mesh.reference_frame)); // the mesh's may be radians
     geo::Frame degrees = units;
     degrees.radians = false;
     geo::convert(units, degrees, ends, ends);
     out.mesh_points = geo::geodesic(ends[0], ends[1], transect->count);
     geo::convert(degrees, units, out.mesh_points, out.mesh_points);
   } else if (const auto* curtain = std::get_if<Curtain>(&source)) {
-    out.curtain = resolve_curtain(*curtain, to_api(used, mesh.frame));
+    out.curtain = resolve_curtain(*curtain, to_api(used, mesh.reference_frame));
     for (math::Vec3d at : out.curtain->stations)
       for (const double level : out.curtain->levels) {
         at.z = level;
@@ -83,7 +84,7 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
       out.mesh_points.push_back(point_at(source, i));
   }
   try {
-    convert_points(out.mesh_points, to_api(used, mesh.frame), mesh.frame);
+    convert_points(out.mesh_points, to_api(used, mesh.reference_frame), mesh.reference_frame);
   } catch (const core::Error& e) {
     throw core::Error(
         e.status(),

@@ -50,7 +50,7 @@ public:
 
   void execute(commit::CommittedMesh& mesh, const Step& step, bool due) override {
     const core::Timer timer;
-    if (!tracer_.geodesics.empty() && mesh.frame.kind == INSITU_FRAME_CARTESIAN)
+    if (!tracer_.geodesics.empty() && mesh.reference_frame.kind == INSITU_FRAME_CARTESIAN)
       throw core::Error(INSITU_ERROR_SCENE,
                         environment_.scene_file + ":" + std::to_string(tracer_.line) +
                             ": geodesics need a mesh with a place on Earth; the "
@@ -74,7 +74,7 @@ public:
       begin_interval(mesh, step);
       advance(mesh, velocity, step);
     }
-    geodesics_.follow(particles_.particles(), snapshots(), mesh.frame,
+    geodesics_.follow(particles_.particles(), snapshots(), mesh.reference_frame,
                       environment_.context.threads);
     output_clock_.note(step.time, due_times_);
     environment_.statistics.advect_s += timer.seconds();
@@ -207,7 +207,7 @@ private:
     if (!seeded_)
       settled_ = step.time;
     seeded_ = true;
-    geodesics_.begin(particles_.particles(), mesh.frame);
+    geodesics_.begin(particles_.particles(), mesh.reference_frame);
   }
 
   void advance(commit::CommittedMesh& mesh, const mesh::FieldView& velocity, const Step& step) {
@@ -222,7 +222,7 @@ private:
     std::optional<advect::StepBefore> before;
     try {
       if (interval_before_)
-        before = step_before(tracer_, *interval_before_, mesh.frame);
+        before = step_before(tracer_, *interval_before_, mesh.reference_frame);
       if (before && velocity.has_blanks)
         before->sampler =
             cells_.earlier_sampler(before->sampler, before->velocity, context.threads);
@@ -291,7 +291,7 @@ private:
     TrackRows out;
     out.cycle = step.cycle;
     out.pieces = names_pieces(mesh.mesh());
-    out.frame = mesh.frame;
+    out.frame = mesh.reference_frame;
     out.columns = field_columns(fields(mesh));
     return out;
   }

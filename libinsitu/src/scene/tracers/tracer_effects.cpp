@@ -183,15 +183,16 @@ advect::Effects effects_at(const Tracer& tracer, const commit::CommittedMesh& me
   const TracerEffects& from = tracer.effects;
   const Resolver resolve(mesh, earlier, scene_file);
   advect::Effects to;
-  to.geocentric = mesh.frame.kind == INSITU_FRAME_GEOCENTRIC;
-  to.drifts = drifts_of(from, mesh.frame, [&](const Name& name) { return resolve.field(name); });
+  to.geocentric = mesh.reference_frame.kind == INSITU_FRAME_GEOCENTRIC;
+  to.drifts =
+      drifts_of(from, mesh.reference_frame, [&](const Name& name) { return resolve.field(name); });
   if (from.diffusion) {
     to.diffusion = advect::Diffusion{resolve.coefficient(from.diffusion->horizontal),
                                      resolve.coefficient(from.diffusion->vertical),
                                      from.diffusion->step, seed_of(tracer)};
   }
   if (from.inertia) {
-    to.inertia = inertia_of(from, mesh.frame);
+    to.inertia = inertia_of(from, mesh.reference_frame);
   }
   if (from.boundary) {
     to.boundary.emplace();

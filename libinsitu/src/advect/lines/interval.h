@@ -1,0 +1,96 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "advect/effects/mover.h"
+#include "advect/field/cells_beyond.h"
+#include "advect/pathlines.h"
+
+namespace insitu::advect {
+
+/// Moves the particles of a tracer through one interval of time; see Tracer::advance(). Each way
+/// of moving them has a file of its own: in lanes by the flow alone (interval_lanes.cpp), one by
+/// one (interval_one_by_one.h), which interval.cpp does on the same cells and interval_crossing.cpp
+/// from the cells of the step before to others.
+class Interval {
+public:
+  /// What an advance is asked for.
+  struct Asked {
+    const query::Sampler& sampler;
+    const mesh::FieldView& velocity;
+    const EarlierSteps& earlier; ///< as many steps as the interpolation takes
+    double t0, t1;
+    const core::Threads& threads;
+    Snapshots* snapshots;     ///< or null
+    const StepBefore* before; ///< or null
+    Exits* exits;             ///< or null
+  };
+  /// The arguments must outlive the object.
+  Interval(const Asked& asked, const TracerSettings& settings, const Effects& effects,
+           Particles& particles);
+
+  Advance run();
+
+private:
+  bool is_before(double a, double b) const { return settings_.backward ? b < a : a < b; }
+  double at_age(double from, double age) const {
+    return settings_.backward ? from - age : from + age;
+  }
+  std::int64_t count() const { return std::int64_t(particles_.size()); }
+  Work& work_of(std::int64_t begin) { return work_[std::size_t(begin / grain_)]; }
+  /// The particle's state if it moves, and until when.
+  bool prepare(std::size_t i, State& p, double& to) const;
+  /// Returns how it ended, if it did.
+  insitu_ending store(std::size_t i, const State& p, std::int64_t cell, insitu_ending ending,
+                      double geometry_alpha);
+  /// Of the velocity of one thread.
+  template <class V>
+  void note(const V& velocity) {
+    result_.velocity_steps = velocity.velocity_steps();
+    result_.blended_velocity = result_.velocity_steps > 1;
+    result_.blended_geometry = velocity.blends_geometry();
+  }
+
+  void run_in_lanes();
+  void run_on_same_cells();
+  void run_crossing();
+
+  /// The velocity between the step before and the current one on its own cells. V: a
+  /// CrossingVelocity.
+  template <class V>
+  V crossing(Between what) const {
+    return V(asked_.sampler, asked_.velocity, *asked_.before, asked_.t0, asked_.t1,
+             settings_.accuracy, effects_.drifts, what);
+  }
+
+  // One by one: interval_one_by_one.h.
+  template <class Make>
+  void carry(Make&& make);
+  template <class V>
+  void flow(V& velocity, std::int64_t begin, std::int64_t end);
+  template <class V>
+  void move(V& velocity, Mover<V>& mover, std::int64_t begin, std::int64_t end);
+  template <class V>
+  math::Vec3d in_frame(const V& velocity, const State& p, std::int64_t cell) const;
+
+  const Asked asked_;
+  const TracerSettings& settings_;
+  const Effects& effects_;
+  Particles& particles_;
+  const bool crosses_; ///< to other cells
+  const IntegratorSettings integrator_;
+  std::int64_t grain_; ///< particles of a chunk
+  std::optional<EffectSetup> setup_;
+  std::vector<Work> work_; ///< [chunk]
+  std::vector<EffectWork> effect_work_;
+  std::unique_ptr<const CellsBeyond> beyond_;
+  const Sides no_sides_;
+  std::mutex left_mutex_;
+  std::vector<LeftAt> left_; ///< the particles that leave, if there are exits
+  Advance result_;
+};
+
+} // namespace insitu::advect
