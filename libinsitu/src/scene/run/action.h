@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "advect/particles.h"
 #include "commit/committed_mesh.h"
 #include "core/archive.h"
 #include "core/context.h"
@@ -56,6 +57,12 @@ public:
   /// Adds what it needs of the mesh beyond the tree, and what it does without. May throw like
   /// execute().
   virtual void plan(const commit::CommittedMesh& mesh, Plan& plan) const = 0;
+  /// What became of its particles, if it has any.
+  virtual std::optional<advect::Counts> particles() const { return std::nullopt; }
+  /// The fields whose earlier steps it needs at the next cycle.
+  virtual std::vector<mesh::KeptField> needs_earlier() const { return {}; }
+  /// Whether these steps serve it over a change of topology as well.
+  virtual bool goes_on_to_other_cells() const { return false; }
 };
 
 /// What every action is made with.

@@ -165,12 +165,11 @@ void Runner::keep_earlier(MeshList meshes) {
     std::vector<mesh::KeptField> fields;
     bool with_cells = false;
     for (const auto& action : actions_) {
-      const auto* tracer = dynamic_cast<const TracerAction*>(action.get());
-      if (!tracer || mesh->lies_on_device())
+      if (mesh->lies_on_device())
         continue;
-      const Name& of = tracer->mesh_name();
+      const Name& of = action->mesh_name();
       const bool here = of.empty() ? mesh == meshes.front() : of.text == mesh->mesh().name();
-      for (const mesh::KeptField& need : tracer->needs_earlier()) {
+      for (const mesh::KeptField& need : action->needs_earlier()) {
         if (!here || !mesh->mesh().has_field(need.name))
           continue;
         const auto known = std::find_if(fields.begin(), fields.end(),
@@ -179,7 +178,7 @@ void Runner::keep_earlier(MeshList meshes) {
           fields.push_back(need);
         else
           known->steps = std::max(known->steps, need.steps);
-        with_cells = with_cells || tracer->goes_on_to_other_cells();
+        with_cells = with_cells || action->goes_on_to_other_cells();
       }
     }
     mesh->keep_earlier(fields, with_cells, environment_.context.threads);
@@ -189,16 +188,17 @@ void Runner::keep_earlier(MeshList meshes) {
 
 /// What became of a tracer's particles.
 void Runner::log_particles(const Action& action, std::int64_t cycle) const {
-  const auto* tracer = dynamic_cast<const TracerAction*>(&action);
-  if (tracer && environment_.context.log.wants(INSITU_LOG_INFO))
-    environment_.context.log.info("cycle " + std::to_string(cycle) + ": tracer '" + tracer->name() +
-                                  "': " + advect::describe(tracer->counts()));
+  if (!environment_.context.log.wants(INSITU_LOG_INFO))
+    return;
+  if (const std::optional<advect::Counts> counts = action.particles())
+    environment_.context.log.info("cycle " + std::to_string(cycle) + ": " + action.kind() + " '" +
+                                  action.name() + "': " + advect::describe(*counts));
 }
 
 void Runner::note_tracers() {
   for (const auto& action : actions_)
-    if (const auto* tracer = dynamic_cast<const TracerAction*>(action.get()))
-      page_->add_tracer(tracer->name(), tracer->counts());
+    if (const std::optional<advect::Counts> counts = action->particles())
+      page_->add_tracer(action->name(), *counts);
 }
 
 /// Its seconds are in the page's next entry.
@@ -269,8 +269,8 @@ std::string Runner::finish() {
 advect::Counts Runner::particle_counts() const {
   advect::Counts sum;
   for (const auto& action : actions_)
-    if (const auto* tracer = dynamic_cast<const TracerAction*>(action.get()))
-      sum += tracer->counts();
+    if (const std::optional<advect::Counts> counts = action->particles())
+      sum += *counts;
   return sum;
 }
 

@@ -27,12 +27,8 @@ public:
   void plan(const commit::CommittedMesh& mesh, Plan& plan) const override;
   std::string state_name() const final;
 
+  std::optional<advect::Counts> particles() const final { return counts(); }
   virtual advect::Counts counts() const = 0;
-  const Tracer& tracer() const { return tracer_; }
-  /// The fields whose earlier steps are needed at the next cycle.
-  virtual std::vector<mesh::KeptField> needs_earlier() const { return {}; }
-  /// Whether these steps serve it over a change of topology as well.
-  virtual bool goes_on_to_other_cells() const { return false; }
 
 protected:
   bool writes(TableFormat format) const;
