@@ -11,7 +11,7 @@ function(insitu_test_headers)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "int main() {}\n")
   add_executable(insitu_test_headers ${PROJECT_BINARY_DIR}/test_headers.cpp)
   target_link_libraries(insitu_test_headers PRIVATE insitu_static insitu_flags GTest::gtest)
-  target_compile_options(insitu_test_headers PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_options(insitu_test_headers PRIVATE $<$<CONFIG:Release>:-O1> "$<$<CONFIG:RelWithDebInfo>:SHELL:-O1 -g1>")
   target_precompile_headers(insitu_test_headers PRIVATE
     <algorithm> <array> <atomic> <cmath> <filesystem> <fstream> <functional> <limits> <map> <memory> <optional> <set>
     <sstream> <string> <vector> <gtest/gtest.h>)
@@ -26,7 +26,7 @@ function(insitu_add_test name)
                                              ${PROJECT_SOURCE_DIR}/tests)
   insitu_test_headers()
   target_precompile_headers(${name} REUSE_FROM insitu_test_headers)
-  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>) # what is tested is compiled as users have it
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1> "$<$<CONFIG:RelWithDebInfo>:SHELL:-O1 -g1>") # what is tested is compiled as users have it
   add_test(NAME ${name} COMMAND ${name} ${T_ARGS})
   if(NOT T_TIMEOUT)
     set(T_TIMEOUT 300)

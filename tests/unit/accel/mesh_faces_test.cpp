@@ -53,7 +53,7 @@ Oracle brute_force(const mesh::MeshView& view) {
 void expect_faces(const mesh::MeshView& view, const core::Threads& threads,
                   const std::string& what) {
   core::Memory memory;
-  FaceTable table(memory);
+  MeshFaces table(memory);
   table.build(view, threads);
   Oracle wanted = brute_force(view);
   std::int64_t boundary = 0, crowded = 0, faces = 0;
@@ -65,7 +65,7 @@ void expect_faces(const mesh::MeshView& view, const core::Threads& threads,
   EXPECT_EQ(table.boundary_faces(), boundary) << what;
   EXPECT_EQ(table.crowded_faces(), crowded) << what;
   EXPECT_EQ(table.face_count(), faces) << what;
-  for (const FaceTable::Face& face : table.faces()) {
+  for (const MeshFaces::Face& face : table.faces()) {
     Key key;
     const int n = face.vertices[3] == none ? 3 : 4;
     ASSERT_TRUE(key_of({face.vertices, face.vertices + n}, key)) << what;
@@ -111,7 +111,7 @@ TestMesh with_turned_wedges(TestMesh mesh) {
 
 } // namespace
 
-TEST(FaceTable, HasEachFaceOnceWithItsCells) {
+TEST(MeshFaces, HasEachFaceOnceWithItsCells) {
   for (const MeshKind kind : all_kinds) {
     for (const int threads : {1, 4}) {
       const fixtures::Committed m(test::make_mesh({.kind = kind, .size = 7}, 5), threads);
@@ -120,7 +120,7 @@ TEST(FaceTable, HasEachFaceOnceWithItsCells) {
   }
 }
 
-TEST(FaceTable, SurvivesWhatMeshesDo) {
+TEST(MeshFaces, SurvivesWhatMeshesDo) {
   test::Random random(17);
   for (const MeshKind kind : all_kinds) {
     test::OddMesh odd(test::make_mesh({.kind = kind, .size = 5}, 6), random);
@@ -134,17 +134,17 @@ TEST(FaceTable, SurvivesWhatMeshesDo) {
   }
 }
 
-TEST(FaceTable, IsTheSameForAnyThreadCount) {
+TEST(MeshFaces, IsTheSameForAnyThreadCount) {
   const fixtures::Committed m(test::make_mesh({.kind = MeshKind::mixed, .size = 20}, 7));
   core::Memory memory;
-  FaceTable one(memory), many(memory);
+  MeshFaces one(memory), many(memory);
   one.build(m.mesh.mesh().view(), core::Threads(1));
   many.build(m.mesh.mesh().view(), core::Threads(4));
   ASSERT_EQ(one.face_count(), many.face_count());
   EXPECT_EQ(0, std::memcmp(one.faces().data(), many.faces().data(), one.faces().size_bytes()));
 }
 
-TEST(FaceTable, CountsWhatDoesNotFit) {
+TEST(MeshFaces, CountsWhatDoesNotFit) {
   const auto table = [](const std::vector<test::MeshCell>& cells) {
     TestMesh from;
     test::Random random(1);
@@ -159,7 +159,7 @@ TEST(FaceTable, CountsWhatDoesNotFit) {
     mesh.set_points(0, &points, 1);
     mesh.set_cells(0, &c);
     mesh.update();
-    FaceTable faces(memory);
+    MeshFaces faces(memory);
     faces.build(mesh.view(), core::Threads(1));
     return std::array<std::int64_t, 4>{faces.boundary_faces(), faces.crowded_faces(),
                                        faces.turned_faces(), faces.split_faces()};
@@ -180,7 +180,7 @@ TEST(FaceTable, CountsWhatDoesNotFit) {
         << "a quad against two triangles";
 }
 
-TEST(FaceTable, TrianglesFaceTheirCells) {
+TEST(MeshFaces, TrianglesFaceTheirCells) {
   for (const MeshKind kind : all_kinds)
     for (const bool turned : {false, true}) {
       TestMesh from = test::make_mesh({.kind = kind, .size = 5, .jitter = 0.03}, 8);
@@ -189,11 +189,11 @@ TEST(FaceTable, TrianglesFaceTheirCells) {
       const fixtures::Committed m(from);
       const mesh::MeshView& view = m.mesh.mesh().view();
       core::Memory memory;
-      FaceTable table(memory);
+      MeshFaces table(memory);
       table.build(view, m.threads);
       core::Buffer<FaceTriangle> triangles(memory, INSITU_MEMORY_BUILD);
       std::int64_t flat_triangles = 0, sides = 0;
-      for (const FaceTable::Face& f : table.faces()) {
+      for (const MeshFaces::Face& f : table.faces()) {
         flat_triangles += f.vertices[3] == none ? 1 : 2;
         sides += (f.vertices[3] == none ? 1 : 2) * (f.other == none ? 1 : 2);
       }
@@ -222,11 +222,11 @@ TEST(FaceTable, TrianglesFaceTheirCells) {
     }
 }
 
-TEST(FaceTable, KnowsTheLongestDistance) {
+TEST(MeshFaces, KnowsTheLongestDistance) {
   TestMesh from = test::make_mesh({.kind = MeshKind::hexahedra, .size = 2, .jitter = 0}, 9);
   from.vertices.push_back({50, 0, 0}); // of no cell
   const fixtures::Committed m(from);
-  const float longest = FaceTable::longest_distance(m.mesh.mesh().view(), m.threads);
+  const float longest = MeshFaces::longest_distance(m.mesh.mesh().view(), m.threads);
   EXPECT_GE(double(longest), std::sqrt(3.0));
   EXPECT_LE(double(longest), std::sqrt(3.0) * 1.000001);
 }
