@@ -15,8 +15,8 @@ namespace insitu::mesh {
 ///   Shape shape(cell), int vertex_ids(cell, ids[8]), Vec3d point(id), bool owns(cell)
 ///
 /// PieceView answers them for unstructured, implicit structured and adaptive pieces, and all of the
-/// library takes it. No kernel is a template over this concept; it lets a test hold PieceView, and a
-/// stub of a polyhedral piece, against the four.
+/// library takes PieceView. No kernel is a template over this concept: it lets a test hold
+/// PieceView, and a stub of a polyhedral piece, against the four.
 template <class C>
 concept CellSource = requires(const C& c, std::int64_t cell, std::int64_t* ids) {
   { c.shape(cell) } -> std::same_as<Shape>;
