@@ -1,4 +1,4 @@
-# Holds every #include in libinsitu/src to the module order of DESIGN.md, section 2.
+# Holds every #include in libinsitu/src to the module order of libinsitu/doc/design/README.md.
 # Run by: cmake -DSOURCE=<libinsitu/src> -P layering.cmake
 cmake_minimum_required(VERSION 3.22)
 set(order core math mesh cells amr accel query commit advect render output scene api)

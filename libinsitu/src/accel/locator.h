@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-/// Locator methods and where they run; the table is in DESIGN.md, section 6.
+/// Locator methods and where they run; the table is in doc/design/tree.md.
 namespace insitu::accel {
 
 enum class Method : std::uint8_t {

@@ -10,12 +10,13 @@
 
 namespace insitu::mesh {
 
-/// The interface through which every kernel, tree and face table sees cells:
+/// The four questions that a piece answers about its cells:
 ///
 ///   Shape shape(cell), int vertex_ids(cell, ids[8]), Vec3d point(id), bool owns(cell)
 ///
-/// PieceView fills it in for unstructured and implicit structured pieces; a polyhedral piece fills
-/// in the same four. Kernels are templates over it.
+/// PieceView answers them for unstructured, implicit structured and adaptive pieces, and all of the
+/// library takes PieceView. No kernel is a template over this concept: it lets a test hold
+/// PieceView, and a stub of a polyhedral piece, against the four.
 template <class C>
 concept CellSource = requires(const C& c, std::int64_t cell, std::int64_t* ids) {
   { c.shape(cell) } -> std::same_as<Shape>;

@@ -47,7 +47,7 @@ INSITU_HD inline PointRay point_ray(const math::Vec3d& p, const math::Vec3d& fra
 }
 
 /// Whether the point lies in the corner tetrahedron of quad v0, v1, v2, v3, and there on the side
-/// of the bilinear patch where the diagonal v0-v2 is, a c > b d (DESIGN.md, section 5): what
+/// of the bilinear patch where the diagonal v0-v2 is, a c > b d (doc/design/locate.md): what
 /// cell_of_hit asks. The tetrahedron is asked for as well, since rounding may make it flat: then a
 /// ray from afar hits its back, and the products say nothing. T: float, or double.
 template <class T>
