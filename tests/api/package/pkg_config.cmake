@@ -128,3 +128,16 @@ function(link_as_readme_says)
     endif()
   endforeach()
 endfunction()
+
+# The Makefile of libinsitu/doc/guide/coupling-fortran.md, in the folder that link_as_readme_says() has set up.
+function(make_as_fortran_guide_says)
+  find_program(MAKE make)
+  if(NOT Fortran_COMPILER OR NOT MAKE)
+    return()
+  endif()
+  run_by_hand("examples/fortran/Makefile" ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${prefix}/${LIBDIR}/pkgconfig
+              ${MAKE} -C examples/fortran run)
+  if(NOT text MATCHES "in place.*around: +0\\.25000")
+    message(FATAL_ERROR "The program of examples/fortran/Makefile does not print 'in place' and 0.25000 but: ${text}")
+  endif()
+endfunction()

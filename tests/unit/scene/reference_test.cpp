@@ -1,12 +1,15 @@
-// SCENE.md is the reference of the keys: it must have a row for each key that the reader knows, and
-// no other.
+// doc/scene.md is the reference of the keys: it must have a row for each key that the reader knows,
+// and no other, and in each section an example that the reader takes. Scenes of the guides are held
+// to that too.
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <map>
 #include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "scene_test.h"
 
@@ -16,7 +19,7 @@ namespace {
 
 /// The keys in the first column of each section's table.
 std::map<std::string, std::set<std::string>> documented() {
-  std::ifstream file(INSITU_SCENE_REFERENCE);
+  std::ifstream file(INSITU_PAGES "/scene.md");
   std::map<std::string, std::set<std::string>> keys;
   std::string line, section;
   while (std::getline(file, line)) {
@@ -27,6 +30,32 @@ std::map<std::string, std::set<std::string>> documented() {
     }
   }
   return keys;
+}
+
+/// A block of YAML in a page: a scene, or keys of one.
+struct Example {
+  std::string section, text;
+  int line = 0; ///< of the page, from 1
+};
+
+std::vector<Example> examples_of(const std::filesystem::path& page) {
+  std::ifstream file(page);
+  std::vector<Example> examples;
+  std::string line, section;
+  bool inside = false;
+  for (int number = 1; std::getline(file, line); ++number) {
+    if (inside && line == "```")
+      inside = false;
+    else if (inside)
+      examples.back().text += line + '\n';
+    else if (line.rfind("## ", 0) == 0)
+      section = line.substr(3);
+    else if (line == "```yaml") {
+      inside = true;
+      examples.push_back({section, "", number});
+    }
+  }
+  return examples;
 }
 
 /// The keys that the reader lists when it finds one that it does not know.
@@ -103,4 +132,28 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
     EXPECT_EQ(found->second, expected) << section;
   }
   EXPECT_EQ(sections.size(), scenes.size());
+}
+
+TEST(SceneReference, HasAnExampleOfEverySection) {
+  std::map<std::string, std::string> text_of;
+  for (const Example& example : examples_of(INSITU_PAGES "/scene.md"))
+    text_of[example.section] += example.text;
+  for (const auto& [section, keys] : documented())
+    EXPECT_TRUE(std::any_of(keys.begin(), keys.end(),
+                            [&](const std::string& key) {
+                              return text_of[section].find(key + ":") != std::string::npos;
+                            }))
+        << "no example of section '" << section << "' has one of its keys";
+}
+
+TEST(SceneReference, ExamplesAreTaken) {
+  std::vector<std::filesystem::path> pages = {INSITU_PAGES "/scene.md"};
+  for (const auto& entry : std::filesystem::directory_iterator(INSITU_PAGES "/guide"))
+    pages.push_back(entry.path());
+  for (const auto& page : pages)
+    for (const Example& example : examples_of(page)) {
+      const std::string version = example.text.rfind("insitu:", 0) == 0 ? "" : "insitu: 1\n";
+      EXPECT_EQ(test::error_of_text(version + example.text), "no error")
+          << page << ", line " << example.line;
+    }
 }

@@ -18,7 +18,7 @@
 
 /// What a scene asks for, as plain data: made by parse_scene_file() or default_scene(), executed by
 /// the runner. Every member stands here with the default that a scene file gets where it says
-/// nothing; SCENE.md describes the keys. Numbers are finite and within the limits of SCENE.md.
+/// nothing; doc/scene.md describes the keys. Numbers are finite and within its limits.
 /// Names of fields and meshes are as written: only the runner knows the mesh, so each has its line
 /// for "file:line: ..." messages. Lines count from 1; 0 is "not in a file".
 namespace insitu::scene {
