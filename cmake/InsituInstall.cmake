@@ -24,3 +24,6 @@ foreach(name insitu insitu-fortran)
 endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# The pages, where README.md's links lead to.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/libinsitu/doc DESTINATION ${CMAKE_INSTALL_DOCDIR}/libinsitu
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg")

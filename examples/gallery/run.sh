@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README's gallery with the miniapps, and writes the gallery between its marks.
+# Makes the pictures of the gallery (libinsitu/doc/gallery.md) with the miniapps, and writes it between the page's marks.
 #   bash examples/gallery/run.sh [--no-install] [--bin DIR] [picture ...]
 # Without names: all of them, a few minutes. --bin: built programs, instead of building them. The pictures are
 # libinsitu/doc/gallery_*.png, of 100 KiB at most each; the runs themselves stay in out/gallery.
@@ -60,13 +60,13 @@ done
 table() {
   local i=0 row='' entry name scene caption
   echo "Made by \`bash examples/gallery/run.sh\` with the miniapps; what each shows is a few lines of a scene, in"
-  echo "[examples/gallery](examples/gallery)."
+  echo "[examples/gallery](../../examples/gallery)."
   echo
   echo "<table>"
   for entry in "${pictures[@]}"; do
     IFS='|' read -r name _ scene _ caption <<< "$entry"
     [ $((i % 2)) -ne 0 ] || echo "<tr>"
-    echo "<td width=\"50%\" valign=\"top\"><img src=\"libinsitu/doc/gallery_$name.png\" alt=\"$caption\"><br>$caption (<a href=\"examples/gallery/$scene.yaml\">$scene</a>)</td>"
+    echo "<td width=\"50%\" valign=\"top\"><img src=\"gallery_$name.png\" alt=\"$caption\"><br>$caption (<a href=\"../../examples/gallery/$scene.yaml\">$scene</a>)</td>"
     i=$((i + 1))
     [ $((i % 2)) -ne 0 ] || echo "</tr>"
   done
@@ -74,11 +74,11 @@ table() {
   echo "</table>"
 }
 
-begin='<!-- gallery -->' end='<!-- /gallery -->'
-grep -qxF -- "$begin" README.md && grep -qxF -- "$end" README.md ||
-  { echo "gallery: README.md has no lines $begin and $end" >&2; exit 2; }
-table > out/gallery/readme.md
-awk -v file=out/gallery/readme.md -v begin="$begin" -v end="$end" '$0 == end { skip = 0 } !skip
-  $0 == begin { print ""; while ((getline line < file) > 0) print line; print ""; skip = 1 }' README.md > out/gallery/README.md
-cp out/gallery/README.md README.md
-say "written: README.md (the gallery)"
+begin='<!-- gallery -->' end='<!-- /gallery -->' page=libinsitu/doc/gallery.md
+grep -qxF -- "$begin" "$page" && grep -qxF -- "$end" "$page" ||
+  { echo "gallery: $page has no lines $begin and $end" >&2; exit 2; }
+table > out/gallery/table.md
+awk -v file=out/gallery/table.md -v begin="$begin" -v end="$end" '$0 == end { skip = 0 } !skip
+  $0 == begin { print ""; while ((getline line < file) > 0) print line; print ""; skip = 1 }' "$page" > out/gallery/page.md
+cp out/gallery/page.md "$page"
+say "written: $page"

@@ -1,30 +1,31 @@
 #!/usr/bin/env bash
-# Makes the README's tables of measured figures: libinsitu beside VTK's locators, each row one run, adaptive meshes, and
+# Makes the tables of measured figures (libinsitu/doc/measured): libinsitu beside VTK's locators, each row one run, adaptive meshes, and
 # what effects of frames cost.
-#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl]
-#     [--readme]
+#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl|--ratios]
+#     [--write]
 # cells: 1000000, about twenty minutes; the large rows take eight times as many. A part alone: --measured, the tables beside
 # VTK's locators; --scale, 1e4 to 3e7 cells, three minutes and 8 GiB, and libinsitu/doc/scale.svg; --amr, adaptive
 # meshes, two minutes, beside Open VKL if the binary was built with it; --amr_octrees, the same of octrees alone; --amr_sizes, these by number of leaves, a minute;
 # --effects, five minutes; --accuracy, what accuracy costs, a minute (small meshes; its page goes to out/accuracy);
 # --frames, frames by ray marching, three minutes, beside VTK's and, by a binary that was built with it, Open VKL's;
 # --advect, particles, beside VTK's in hexahedra, two minutes; --openvkl, points beside Open VKL, two minutes, by such a
-# binary.
-# --readme: puts each part between the README's marks of its name, <!-- scale --> and so on, instead of printing it.
+# binary; --ratios, nothing is measured: five ratios of the pages, for the README.
+# --write: puts each part into its page, between the marks of its name, <!-- scale --> and so on, instead of printing it; the
+# ratios into the README.
 # INSITU_BENCH: another binary.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 bench=${INSITU_BENCH:-build/release/bin/insitu-bench}
-cells=1000000 readme= parts="measured scale amr amr_octrees amr_sizes frames effects advect accuracy"
+cells=1000000 write= parts="measured scale amr amr_octrees amr_sizes frames effects advect accuracy"
 for argument; do
   case $argument in
-    --readme) readme=1 ;;
-    --measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl) parts=${argument#--} ;;
-    *[!0-9]* | '') sed -n '2,14s/^# //p' "$0" >&2; exit 2 ;;
+    --write|--readme) write=1 ;;
+    --measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl|--ratios) parts=${argument#--} ;;
+    *[!0-9]* | '') sed -n '2,16s/^# //p' "$0" >&2; exit 2 ;;
     *) cells=$argument ;;
   esac
 done
-[ -x "$bench" ] || { echo "build first: bash tests/run.sh, or cmake --build --preset release" >&2; exit 2; }
+[ -x "$bench" ] || [ "$parts" = ratios ] || { echo "build first: bash tests/run.sh, or cmake --build --preset release" >&2; exit 2; }
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 static=vtkStaticCellLocator tree=vtkCellTreeLocator
@@ -209,17 +210,39 @@ accuracy() {
   echo '```'
 }
 
-# fill PART: puts what that function prints between the README's marks of that name.
+# ratios: five of the figures that stand in the pages, with their dates, for the README.
+ratios() {
+  local pages=libinsitu/doc/measured
+  # date PAGE: of its table.
+  date_of() { grep -oE '20[0-9]{2}-[0-9]{2}-[0-9]{2} on' "$pages/$1.md" | head -1 | cut -d' ' -f1; }
+  # cell PAGE ROW COLUMN: of a Markdown table.
+  cell() { awk -F'|' -v row=" $2 " -v c="$3" '$2 == row { split($(c + 1), v, ";"); gsub(/ /, "", v[1]); print v[1]; exit }' "$pages/$1.md"; }
+  # faster PAGE AFTER: of the first line "N times as fast" behind a line that begins so.
+  faster() { awk -v after="$2" 'index($0, after) == 1 { seen = 1 } seen && match($0, /[0-9.]+ times as fast/) { print substr($0, RSTART, RLENGTH); exit }' "$pages/$1.md" | cut -d' ' -f1; }
+  # raster ROW: million samples a second of a row of the adaptive table.
+  raster() { awk -v row="$1" 'index($0, row) == 1 { sub(/^[^0-9]*/, ""); print $5; exit }' "$pages/amr.md"; }
+  echo "| what | ratio | measured |"
+  echo "|---|---|---|"
+  echo "| random points located in hexahedra, beside \`vtkStaticCellLocator\` | $(cell measured 'hex, random' 4) times as fast | [$(date_of measured)]($pages/measured.md) |"
+  echo "| the same in \`exact\`, beside \`standard\` | $(cell measured 'hex, random' 5) of the time | [$(date_of measured)]($pages/measured.md) |"
+  echo "| samples of an adaptive mesh's dual on a raster, beside Open VKL's \`octant\` | $(awk -v a="$(raster 'patches, dual mesh')" -v b="$(raster 'Open VKL, octant')" 'BEGIN { printf "%.1f", a / b }') times as many | [$(date_of amr)]($pages/amr.md) |"
+  echo "| particles by RK4 at an error no larger, beside \`vtkStreamTracer\` | $(faster advect 'vtkStreamTracer RK4 ') times as fast | [$(date_of advect)]($pages/advect.md) |"
+  echo "| a volume's frame, beside VTK's ray cast mapper | $(faster frames vtkUnstructuredGridVolumeRayCastMapper) times as fast | [$(date_of frames)]($pages/frames.md) |"
+}
+
+# fill PART: puts what that function prints between the marks of that name in its page.
 fill() {
-  grep -q "^<!-- $1 -->\$" README.md && grep -q "^<!-- /$1 -->\$" README.md ||
-    { echo "README.md has no lines <!-- $1 --> and <!-- /$1 -->" >&2; exit 2; }
+  local page=libinsitu/doc/measured/$1.md
+  [ "$1" = ratios ] && page=README.md
+  grep -q "^<!-- $1 -->\$" "$page" && grep -q "^<!-- /$1 -->\$" "$page" ||
+    { echo "$page has no lines <!-- $1 --> and <!-- /$1 -->" >&2; exit 2; }
   "$1" > "$out/$1.md"
   awk -v file="$out/$1.md" -v begin="<!-- $1 -->" -v end="<!-- /$1 -->" '$0 == end { skip = 0 } !skip
-    $0 == begin { print ""; while ((getline line < file) > 0) print line; print ""; skip = 1 }' README.md > "$out/README.md"
-  cp "$out/README.md" README.md
-  echo "README.md: $1 written"
+    $0 == begin { print ""; while ((getline line < file) > 0) print line; print ""; skip = 1 }' "$page" > "$out/page.md"
+  cp "$out/page.md" "$page"
+  echo "$page: $1 written"
 }
 
 for part in $parts; do
-  if [ -n "$readme" ]; then fill "$part"; else "$part"; echo; fi
+  if [ -n "$write" ]; then fill "$part"; else "$part"; echo; fi
 done

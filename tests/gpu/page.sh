@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Puts tables of `insitu-bench methods`, from files, between the README's <!-- methods --> marks.
-#   bash tests/gpu/readme.sh tests/gpu/measured/*
+# Puts tables of `insitu-bench methods`, from files, between the <!-- methods --> marks of libinsitu/doc/measured/methods.md.
+#   bash tests/gpu/page.sh tests/gpu/measured/*
 set -euo pipefail
 [ $# -ge 1 ] || { sed -n '2,3s/^# //p' "$0" >&2; exit 2; }
-readme=$(dirname "$0")/../../README.md
+page=$(dirname "$0")/../../libinsitu/doc/measured/methods.md
 text=$(mktemp)
 trap 'rm -f "$text"' EXIT
 for log; do
@@ -13,5 +13,5 @@ done > "$text"
 awk -v text="$text" '
   /^<!-- methods -->$/ { print; while ((getline line < text) > 0) print line; print ""; skip = 1 }
   /^<!-- \/methods -->$/ { skip = 0 }
-  !skip { print }' "$readme" > "$readme.new"
-mv "$readme.new" "$readme"
+  !skip { print }' "$page" > "$page.new"
+mv "$page.new" "$page"
