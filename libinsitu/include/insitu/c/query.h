@@ -19,7 +19,7 @@ extern "C" {
  *  cell that holds the point, by a certificate in floating point or else by exact arithmetic; the
  *  reasons tell which. Standard and exact differ only where cells of one piece overlap without
  *  folding: there standard may answer any cell that holds the point in its interior, always the
- * same one between two commits, and exact answers the lowest id (but see the page libinsitu/doc/design/tree.md for ray
+ * same one between two commits, and exact answers the lowest id (but see doc/design/tree.md for ray
  * methods where cells cross). */
 typedef enum insitu_accuracy INSITU_INT {
   INSITU_FAST = 0,     /**< by a ray method or on a device: the papers' rules in float. Nothing is
