@@ -24,6 +24,7 @@ program checkpoint_test
   call run_from(3, 4, checkpoint_after=-1)
   resumed = table()
   call expect('the table is the whole run''s', len(whole) > 100 .and. resumed == whole)
+  deallocate (whole, resumed)
   call refusals()
   call finish_checks()
 
