@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes the tables of measured figures (libinsitu/doc/measured): libinsitu beside VTK's locators, each row one run, adaptive meshes, and
 # what effects of frames cost.
-#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl|--ratios]
+#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl|--sedov|--ratios]
 #     [--write]
 # cells: 1000000, about twenty minutes; the large rows take eight times as many. A part alone: --measured, the tables beside
 # VTK's locators; --scale, 1e4 to 3e7 cells, three minutes and 8 GiB, and libinsitu/doc/scale.svg; --amr, adaptive
@@ -9,7 +9,7 @@
 # --effects, five minutes; --accuracy, what accuracy costs, a minute (small meshes; its page goes to out/accuracy);
 # --frames, frames by ray marching, three minutes, beside VTK's and, by a binary that was built with it, Open VKL's;
 # --advect, particles, beside VTK's in hexahedra, two minutes; --openvkl, points beside Open VKL, two minutes, by such a
-# binary; --ratios, nothing is measured: five ratios of the pages, for the README.
+# binary; --sedov, what the main job ends with, a minute; --ratios, nothing is measured: five ratios of the pages, for the README.
 # --write: puts each part into its page, between the marks of its name, <!-- scale --> and so on, instead of printing it; the
 # ratios into the README.
 # INSITU_BENCH: another binary.
@@ -20,7 +20,7 @@ cells=1000000 write= parts="measured scale amr amr_octrees amr_sizes frames effe
 for argument; do
   case $argument in
     --write|--readme) write=1 ;;
-    --measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl|--ratios) parts=${argument#--} ;;
+    --measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl|--sedov|--ratios) parts=${argument#--} ;;
     *[!0-9]* | '') sed -n '2,16s/^# //p' "$0" >&2; exit 2 ;;
     *) cells=$argument ;;
   esac
@@ -161,7 +161,7 @@ scale() {
   "$bench" scale --threads 1 --repetitions 3 --svg libinsitu/doc/scale.svg 2> /dev/null
   echo '```'
   echo
-  echo '![Time and work by number of cells, and time by size of the batch](libinsitu/doc/scale.svg)'
+  echo '![Time and work by number of cells, and time by size of the batch](../scale.svg)'
 }
 
 amr() {
@@ -175,7 +175,7 @@ amr() {
 
 amr_octrees() {
   echo "\`insitu-bench amr\`, $(date -u +%Y-%m-%d) on $(nproc) cores, $(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo)," \
-    "one thread: columns as above."
+    "one thread: columns as in [adaptive meshes](amr.md)."
   echo
   echo '```'
   "$bench" amr 2> /dev/null |
@@ -210,24 +210,43 @@ accuracy() {
   echo '```'
 }
 
-# ratios: five of the figures that stand in the pages, with their dates, for the README.
+# ratios: five of the figures that stand in the pages, with their dates, for the README. Fails where a page lacks one, as after
+# a run without its peer.
 ratios() {
   local pages=libinsitu/doc/measured
-  # date PAGE: of its table.
-  date_of() { grep -oE '20[0-9]{2}-[0-9]{2}-[0-9]{2} on' "$pages/$1.md" | head -1 | cut -d' ' -f1; }
+  # date_of PAGE: of its table.
+  date_of() { grep -m 1 -oE '20[0-9]{2}-[0-9]{2}-[0-9]{2} on ' "$pages/$1.md" | cut -d' ' -f1; }
   # cell PAGE ROW COLUMN: of a Markdown table.
   cell() { awk -F'|' -v row=" $2 " -v c="$3" '$2 == row { split($(c + 1), v, ";"); gsub(/ /, "", v[1]); print v[1]; exit }' "$pages/$1.md"; }
   # faster PAGE AFTER: of the first line "N times as fast" behind a line that begins so.
   faster() { awk -v after="$2" 'index($0, after) == 1 { seen = 1 } seen && match($0, /[0-9.]+ times as fast/) { print substr($0, RSTART, RLENGTH); exit }' "$pages/$1.md" | cut -d' ' -f1; }
-  # raster ROW: million samples a second of a row of the adaptive table.
-  raster() { awk -v row="$1" 'index($0, row) == 1 { sub(/^[^0-9]*/, ""); print $5; exit }' "$pages/amr.md"; }
+  # raster: samples in turns, of the line that the adaptive page has where Open VKL was there.
+  raster() { sed -nE "s/^dual mesh of patches over Open VKL's octant, in turns: .* ([0-9.]+) on the raster\$/\1/p" "$pages/amr.md"; }
+  # line PAGE WHAT FIGURE UNIT: a row of the README's table.
+  line() {
+    local date
+    date=$(date_of "$1") || date=
+    [[ "$3" =~ ^[0-9]+(\.[0-9]+)?$ && -n "$date" ]] ||
+      { echo "$pages/$1.md has no figure or no date for: $2 (figure '$3', date '$date')" >&2; return 1; }
+    echo "| $2 | $3 $4 | [$date]($pages/$1.md) |"
+  }
   echo "| what | ratio | measured |"
   echo "|---|---|---|"
-  echo "| random points located in hexahedra, beside \`vtkStaticCellLocator\` | $(cell measured 'hex, random' 4) times as fast | [$(date_of measured)]($pages/measured.md) |"
-  echo "| the same in \`exact\`, beside \`standard\` | $(cell measured 'hex, random' 5) of the time | [$(date_of measured)]($pages/measured.md) |"
-  echo "| samples of an adaptive mesh's dual on a raster, beside Open VKL's \`octant\` | $(awk -v a="$(raster 'patches, dual mesh')" -v b="$(raster 'Open VKL, octant')" 'BEGIN { printf "%.1f", a / b }') times as many | [$(date_of amr)]($pages/amr.md) |"
-  echo "| particles by RK4 at an error no larger, beside \`vtkStreamTracer\` | $(faster advect 'vtkStreamTracer RK4 ') times as fast | [$(date_of advect)]($pages/advect.md) |"
-  echo "| a volume's frame, beside VTK's ray cast mapper | $(faster frames vtkUnstructuredGridVolumeRayCastMapper) times as fast | [$(date_of frames)]($pages/frames.md) |"
+  line measured "random points located in hexahedra, beside \`vtkStaticCellLocator\`" "$(cell measured 'hex, random' 4)" "times as fast" &&
+    line measured "the same in \`exact\`, beside \`standard\`" "$(cell measured 'hex, random' 5)" "of the time" &&
+    line amr "samples of an adaptive mesh's dual on a raster, beside Open VKL's \`octant\`" "$(raster)" "times as many" &&
+    line advect "particles by RK4 at an error no larger, beside \`vtkStreamTracer\`" "$(faster advect 'vtkStreamTracer RK4 ')" "times as fast" &&
+    line frames "a volume's frame, beside VTK's ray cast mapper" "$(faster frames vtkUnstructuredGridVolumeRayCastMapper)" "times as fast"
+}
+
+# sedov: what the main job ends with.
+sedov() {
+  echo "\`examples/sedov\` with its scene and \`--material 1000\`, $(date -u +%Y-%m-%d) on $(nproc) cores," \
+    "$(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo)."
+  echo
+  echo '```'
+  "$(dirname "$bench")/sedov" --scene examples/sedov/scene.yaml --output out/sedov --material 1000
+  echo '```'
 }
 
 # fill PART: puts what that function prints between the marks of that name in its page.

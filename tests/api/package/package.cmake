@@ -1,9 +1,10 @@
 # Installs the build into a folder of its own and moves that, then builds and runs programs against it as a user would:
 # the numbered examples by find_package, and by pkg-config what README.md shows, examples/Makefile in it. Variables:
-# BUILD, SOURCE, WORK, LIBDIR, C_COMPILER, CXX_COMPILER, Fortran_COMPILER (if the module was built), GENERATOR,
+# BUILD, SOURCE, WORK, LIBDIR, DOCDIR, C_COMPILER, CXX_COMPILER, Fortran_COMPILER (if the module was built), GENERATOR,
 # CONFIGURATION, LINKER_FLAGS.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/pkg_config.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/pages.cmake)
 
 # run(command...): a command that has to succeed.
 function(run)
@@ -20,6 +21,7 @@ set(prefix ${home}/insitu)
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/installed)
 file(MAKE_DIRECTORY ${home})
 file(RENAME ${WORK}/installed ${prefix})
+check_pages()
 
 set(languages c cpp)
 if(Fortran_COMPILER)
