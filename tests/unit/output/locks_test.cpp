@@ -105,7 +105,7 @@ TEST(FileLocks, WhatAProcessLeavesThatExitsOrIsKilled) {
   const std::string target = folder / "a";
   // At exit() they are removed, though nobody closed them.
   EXPECT_EQ(status_of(child_of([&] {
-              static FileLock* const kept = new FileLock(target); // and never given back
+              static FileLock* volatile kept = new FileLock(target); // and never given back
               (void)kept;
               std::exit(std::filesystem::exists(lock_file(target)) ? 0 : 1);
               return 2;
