@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "cells/kernels/kernels.h"
+#include "mesh/box.h"
 #include "mesh/ghosts.h"
 #include "query/chart_image.h"
 #include "query/walk/ahead.h"
@@ -46,14 +47,7 @@ insitu_ending Exits::ending(const query::Sampler& inside, const LeftAt& left) {
     return of_place(x, left.alpha);
   mesh::CellVertices cell;
   mesh::gather(cells.mesh(), left.cell, cell, left.alpha);
-  Vec3d low = cell.x[0], high = low, centre;
-  for (int v = 0; v < cell.count; ++v) {
-    centre += (1.0 / cell.count) * cell.x[v];
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], cell.x[v][a]);
-      high[a] = std::max(high[a], cell.x[v][a]);
-    }
-  }
+  const mesh::Box box = mesh::box_of(cell);
   const auto unit = [](const Vec3d& v) {
     const double length = std::sqrt(dot(v, v));
     return length > 0.0 && std::isfinite(length) ? v / length : Vec3d{};
@@ -61,8 +55,8 @@ insitu_ending Exits::ending(const query::Sampler& inside, const LeftAt& left) {
   // The face that it left through, if that is known; else the nearest one, and away from the cell.
   const auto map = cells::inverse_map(cell.shape, cell.x, x);
   const Vec3d ways[] = {unit(left.normal), query::nearest_face(cell, left.cell, map.r).normal,
-                        unit(x - centre)};
-  const double size = std::sqrt(dot(high - low, high - low));
+                        unit(x - box.middle())};
+  const double size = std::sqrt(dot(box.size(), box.size()));
   const double rounding = 8.0 * std::numeric_limits<double>::epsilon() * std::sqrt(dot(x, x));
   for (const Vec3d& way : ways) {
     if (way == Vec3d{})

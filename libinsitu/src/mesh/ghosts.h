@@ -14,6 +14,14 @@ inline bool is_duplicate(const PieceView& piece, std::int64_t cell) {
                           piece.ghost_mask) == 1;
 }
 
+/// Gives a view ghosts in the place of the solver's: a byte a cell, of which any of these bits
+/// takes a cell out. They must outlive the view.
+inline void set_ghosts(PieceView& piece, const std::uint8_t* of_cells, std::uint8_t bits) {
+  piece.ghosts = reinterpret_cast<const std::byte*>(of_cells);
+  piece.ghost_layout = {piece.cell_count, {piece.cell_count, 1}, {1, 0, 0}, true};
+  piece.ghost_mask = bits;
+}
+
 /// For cells that validation leaves out: whether shape() and vertex_ids() can be asked, and give a
 /// shape and ids of vertices that there are.
 inline bool has_sound_ids(const PieceView& piece, std::int64_t cell) {

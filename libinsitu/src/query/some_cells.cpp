@@ -2,6 +2,8 @@
 
 #include <atomic>
 
+#include "mesh/ghosts.h"
+
 namespace insitu::query {
 
 void SomeCells::update(const mesh::MeshView& mesh, const core::Threads& threads, Changed changed,
@@ -55,17 +57,12 @@ void SomeCells::update(const mesh::MeshView& mesh, const core::Threads& threads,
 Sampler SomeCells::of(const Sampler& whole) {
   const mesh::MeshView& mesh = whole.mesh();
   pieces_.assign(mesh.pieces, mesh.pieces + mesh.piece_count);
-  for (std::size_t p = 0; p < pieces_.size(); ++p) {
-    mesh::PieceView& piece = pieces_[p];
-    piece.ghosts = reinterpret_cast<const std::byte*>(left_out_[p].data());
-    piece.ghost_layout = {piece.cell_count, {piece.cell_count, 1}, {1, 0, 0}, true};
-    piece.ghost_mask = 1;
-  }
+  for (std::size_t p = 0; p < pieces_.size(); ++p)
+    mesh::set_ghosts(pieces_[p], left_out_[p].data(), 1);
   view_ = mesh;
   view_.pieces = pieces_.data();
-  if (takes_others_) { // which nobody has looked at
+  if (takes_others_) // nobody has validated these
     view_.free_of_folds = view_.covers_once = view_.one_mesh = false;
-  }
   return whole.in(view_, tree_);
 }
 

@@ -3,7 +3,6 @@
 #include <vtkFloatArray.h>
 #include <vtkIntArray.h>
 #include <vtkSignedCharArray.h>
-#include <vtkXMLUnstructuredGridWriter.h>
 
 #include "replay.h"
 
@@ -27,12 +26,6 @@ struct Fills : Replay {
     }
     grid->GetPointData()->AddArray(velocity);
     return grid;
-  }
-  void write(const std::string& name, vtkUnstructuredGrid* grid) const {
-    vtkNew<vtkXMLUnstructuredGridWriter> writer;
-    writer->SetFileName(path(name).c_str());
-    writer->SetInputData(grid);
-    ASSERT_EQ(writer->Write(), 1);
   }
   void SetUp() override {
     Replay::SetUp();

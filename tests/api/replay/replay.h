@@ -16,6 +16,7 @@
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
 #include <vtkIntArray.h>
+#include <vtkXMLUnstructuredGridWriter.h>
 
 #include "insitu/vtk.hpp"
 
@@ -51,6 +52,13 @@ struct Replay : testing::Test {
   std::string path(const std::string& name) const { return (folder / name).string(); }
   void put(const std::string& name, const std::string& text) const {
     std::ofstream(path(name)) << text;
+  }
+  /// A .vtu file.
+  void write(const std::string& name, vtkUnstructuredGrid* grid) const {
+    vtkNew<vtkXMLUnstructuredGridWriter> writer;
+    writer->SetFileName(path(name).c_str());
+    writer->SetInputData(grid);
+    ASSERT_EQ(writer->Write(), 1);
   }
   /// A file of probed points, three numbers each, to the bit.
   void put_points(const std::string& name, const std::vector<double>& xyz) const {

@@ -1,7 +1,6 @@
 /// insitu-replay on series whose parts, cells and fields come and go, and whose cycles are all 0.
 
 #include <vtkUnstructuredGridWriter.h>
-#include <vtkXMLUnstructuredGridWriter.h>
 
 #include "replay.h"
 
@@ -25,12 +24,6 @@ struct Series : Replay {
     }
     grid->GetPointData()->AddArray(velocity);
     return grid;
-  }
-  void write(const std::string& name, vtkUnstructuredGrid* grid) const {
-    vtkNew<vtkXMLUnstructuredGridWriter> writer;
-    writer->SetFileName(path(name).c_str());
-    writer->SetInputData(grid);
-    ASSERT_EQ(writer->Write(), 1);
   }
   void index(const std::string& name,
              const std::vector<std::pair<double, std::vector<std::string>>>& steps) const {

@@ -201,12 +201,8 @@ void Geodetic::hide(const mesh::MeshView& own, const core::Threads& threads) {
 void Geodetic::set_views(const mesh::MeshView& own) {
   pieces_.assign(own.pieces, own.pieces + own.piece_count);
   for (std::int32_t p = 0; p < own.piece_count; ++p)
-    if (const auto& mask = masks_[std::size_t(p)]) {
-      mesh::PieceView& piece = pieces_[std::size_t(p)];
-      piece.ghosts = reinterpret_cast<const std::byte*>(mask->data());
-      piece.ghost_layout = {piece.cell_count, {piece.cell_count, 1}, {1, 0, 0}, true};
-      piece.ghost_mask = 3;
-    }
+    if (const auto& mask = masks_[std::size_t(p)])
+      mesh::set_ghosts(pieces_[std::size_t(p)], mask->data(), 3);
   for (const auto& c : copies_)
     pieces_.push_back(c->view());
   first_cell_.assign(1, 0);

@@ -192,8 +192,8 @@ private:
   void update_fields(const core::Threads* threads);
   bool hides_points(const Field& field, std::size_t p) const;
   bool has_blanks(const Field& field) const;
-  void add_blanked(std::vector<insitu_audit_entry>& entries) const;
-  void make_blanked(Field& field, std::size_t p, const core::Threads* threads) const;
+  void audit_blanks(std::vector<insitu_audit_entry>& entries) const;
+  void add_view(Field& field, std::size_t p, const core::Threads* threads) const;
   // Adaptive meshes.
   void refuse_if_adaptive(const std::string& name) const;
   const AmrLevels& levels_for(const std::string& name) const;

@@ -52,7 +52,7 @@ bool Mesh::has_blanks(const Field& field) const {
 }
 
 /// Adds the view of the field's values on a piece: of the solver's own, or of a copy.
-void Mesh::make_blanked(Field& field, std::size_t p, const core::Threads* threads) const {
+void Mesh::add_view(Field& field, std::size_t p, const core::Threads* threads) const {
   FieldPiece& piece = field.pieces[p];
   const bool hides = hides_points(field, p);
   std::vector<double> blanks = field.blanks;
@@ -78,7 +78,7 @@ void Mesh::make_blanked(Field& field, std::size_t p, const core::Threads* thread
   field.views.push_back({copy.components().data(), copy.layout(), copy.is_float32(), nullptr});
 }
 
-void Mesh::add_blanked(std::vector<insitu_audit_entry>& entries) const {
+void Mesh::audit_blanks(std::vector<insitu_audit_entry>& entries) const {
   for (const auto& field : fields_)
     for (std::size_t p = 0; p < field->pieces.size(); ++p)
       if (const auto& copy = field->pieces[p].blanked) {

@@ -132,7 +132,7 @@ void Mesh::update_fields(const core::Threads* threads) {
       if (first_cell_[i + 1] == first_cell_[i])
         field->views.push_back({no_values, {}, false, nullptr});
       else
-        make_blanked(*field, i, threads);
+        add_view(*field, i, threads);
   }
 }
 
@@ -347,7 +347,7 @@ std::vector<insitu_audit_entry> Mesh::audit() const {
     e.borrowed = array.converted.empty();
     entries.push_back(e);
   });
-  add_blanked(entries);
+  audit_blanks(entries);
   return entries;
 }
 
