@@ -52,7 +52,7 @@ endfunction()
 
 # insitu_unity(target): compiles the target's C++ files in groups of one module, which takes less than half of the
 # time, as headers and templates of the standard library are worked through once a group. Files that Highway compiles
-# once for each SIMD target stay alone, and so do the named ones, whose local names others of their folder have too
+# once for each SIMD target stay alone, and so do the named ones, whose local names others of their module have too
 # or which instantiate long templates by themselves.
 function(insitu_unity target)
   get_target_property(sources ${target} SOURCES)

@@ -2,6 +2,9 @@
 # A GoogleTest executable over the internal static library, registered with ctest once.
 find_package(GTest REQUIRED)
 
+# What is tested is compiled as users have it; tests themselves need little of that.
+set(insitu_test_options $<$<CONFIG:Release>:-O1> "$<$<CONFIG:RelWithDebInfo>:SHELL:-O1 -g1>")
+
 # Headers that nearly all tests include are compiled once, for all of them.
 function(insitu_test_headers)
   if(TARGET insitu_test_headers)
@@ -11,7 +14,7 @@ function(insitu_test_headers)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "int main() {}\n")
   add_executable(insitu_test_headers ${PROJECT_BINARY_DIR}/test_headers.cpp)
   target_link_libraries(insitu_test_headers PRIVATE insitu_static insitu_flags GTest::gtest)
-  target_compile_options(insitu_test_headers PRIVATE $<$<CONFIG:Release>:-O1> "$<$<CONFIG:RelWithDebInfo>:SHELL:-O1 -g1>")
+  target_compile_options(insitu_test_headers PRIVATE ${insitu_test_options})
   target_precompile_headers(insitu_test_headers PRIVATE
     <algorithm> <array> <atomic> <cmath> <filesystem> <fstream> <functional> <limits> <map> <memory> <optional> <set>
     <sstream> <string> <vector> <gtest/gtest.h>)
@@ -26,7 +29,7 @@ function(insitu_add_test name)
                                              ${PROJECT_SOURCE_DIR}/tests)
   insitu_test_headers()
   target_precompile_headers(${name} REUSE_FROM insitu_test_headers)
-  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1> "$<$<CONFIG:RelWithDebInfo>:SHELL:-O1 -g1>") # what is tested is compiled as users have it
+  target_compile_options(${name} PRIVATE ${insitu_test_options})
   add_test(NAME ${name} COMMAND ${name} ${T_ARGS})
   if(NOT T_TIMEOUT)
     set(T_TIMEOUT 300)

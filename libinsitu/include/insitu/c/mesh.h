@@ -124,8 +124,9 @@ INSITU_API insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* 
  *  and all other fields have values there, but samples of this one are NaN, isosurfaces and volumes
  *  leave these cells out, averages leave blank cells out, and tracers along it take them as a wall:
  *  without effects at the boundary particles end as INSITU_END_BLANK. The field's values are copied
- *  at every commit (INSITU_MEMORY_BLANK), unless NaN alone is blank; strict sessions refuse that.
- *  Not in device memory nor on adaptive meshes: INSITU_ERROR_UNSUPPORTED or _ORDER. */
+ *  at every commit (INSITU_MEMORY_BLANK), unless it has one component and NaN alone is blank;
+ * strict sessions refuse that. Not in device memory nor on adaptive meshes:
+ * INSITU_ERROR_UNSUPPORTED or _ORDER. */
 INSITU_API insitu_status insitu_mesh_field_blank(insitu_mesh mesh, const char* name, double value);
 
 /** One uint8 a vertex of a piece, VTK's vtkGhostType of points: where bit 2 (hidden) is set, no
