@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "amr/leaves/leaf_map.h"
 #include "cells/checks/conformity.h"
 #include "cells/checks/float_rounding.h"
 #include "commit/checks/hanging_vertices.h"
@@ -86,28 +87,29 @@ cells::Validation CommittedMesh::validate_leaves(const core::Threads& threads) {
   return found;
 }
 
-/// Finds where the cells of a geodetic mesh are located; true if these are others than before.
-bool CommittedMesh::place_on_chart(std::uint32_t pending, const core::Threads& threads,
-                                   const core::Log& log) {
-  if (!(pending & (INSITU_CHANGED_TOPOLOGY | INSITU_CHANGED_GEOMETRY)) && geodetic_) {
-    geodetic_->fields_changed();
-    return false;
+/// Brings the stand-in up to date. Cells that were made leave with their step before others are.
+StandIn::Found CommittedMesh::commit_stand_in(std::uint32_t changed, const core::Threads& threads,
+                                              const core::Log& log) {
+  if (!stand_in_)
+    return {};
+  if (is_made() && stand_in_->is_due(mesh_, changed)) {
+    mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until there are others
+    part_from_earlier(threads);
+    if (!stand_in_)
+      stand_in_ = make_stand_in(mesh_, reference_frame, *memory_);
   }
-  const geo::ChartUnits units{reference_frame.angle == INSITU_RADIANS,
-                              reference_frame.length == INSITU_KILOMETRES,
-                              reference_frame.vertical == INSITU_DOWN};
-  mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until it is done
-  mesh_.set_stand_in(nullptr);
-  if (!geodetic_)
-    geodetic_ = std::make_unique<Geodetic>(*memory_);
-  const bool others = geodetic_->build(mesh_, units, threads);
-  if (geodetic_->has_copies())
-    mesh_.set_stand_in(geodetic_.get());
-  if (others && geodetic_->has_copies())
-    log.info("mesh '" + mesh_.name() + "': " + std::to_string(geodetic_->hidden_cells()) +
-             " cells wrap around or hold a pole; " + std::to_string(geodetic_->copied_cells()) +
-             " copies of cells there, " + std::to_string(geodetic_->bytes()) + " bytes");
-  return others;
+  return stand_in_->commit(mesh_, reference_frame, changed, threads, log);
+}
+
+void CommittedMesh::choose_stand_in() {
+  if (stand_in_ && !stand_in_->serves(mesh_, reference_frame)) {
+    mesh_.set_stand_in(nullptr);
+    stand_in_.reset();
+  }
+  if (!stand_in_)
+    stand_in_ = make_stand_in(mesh_, reference_frame, *memory_);
+  if (stand_in_)
+    stand_in_->require(mesh_.name(), locators_.pick(), on_device_);
 }
 
 /// Tells the policy what was asked of the tree since the last commit.
@@ -125,11 +127,7 @@ void CommittedMesh::note_queries() {
   located_before_ = points;
 }
 
-void CommittedMesh::validate_topology(const mesh::MeshView& view, const core::Threads& threads,
-                                      const core::Log& log) {
-  accept(cells::validate(mesh_.name(), view, threads), view, threads, log);
-}
-
+/// Throws INSITU_ERROR_MESH for cells that cannot be located in.
 void CommittedMesh::accept(const cells::Validation& validation, const mesh::MeshView& view,
                            const core::Threads& threads, const core::Log& log) {
   if (!validation.findings.empty())
@@ -145,6 +143,11 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
     log.warning(rounding);
   folds_are_known_ = true;
   odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);
+  enter_topology(threads);
+}
+
+/// From here on the cells are others.
+void CommittedMesh::enter_topology(const core::Threads& threads) {
   part_from_earlier(threads);
   forget_neighbours();
   ++topology_version_;
@@ -160,82 +163,52 @@ void CommittedMesh::build_tree(insitu_commit_report& report, const core::Threads
   commits_since_build_ = 0;
 }
 
-/// The cells are a lattice's, or made from it, so they need no validation and never move.
-void CommittedMesh::commit_adaptive(std::uint32_t pending, insitu_commit_report& report,
-                                    const core::Threads& threads) {
-  const bool regrid = !adaptive_ || !adaptive_->fits(mesh_) ||
-                      (pending & ~std::uint32_t(INSITU_CHANGED_FIELDS)) != 0;
-  if (regrid) {
-    policy_.topology_changed();
-    mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until there are leaves
-    part_from_earlier(threads);
-    forget_neighbours();
-    if (!adaptive_)
-      adaptive_ = std::make_unique<query::Adaptive>(*memory_);
-    adaptive_->build(mesh_, threads);
-    report.validated = 1;
-    ++topology_version_;
-  } else {
-    adaptive_->fields_changed();
-  }
-  locators_.commit(
-      mesh_, [this]() -> const mesh::MeshView& { return mesh_.view(); }, pending, threads);
-  if (regrid || policy_.surface_area_is_due()) {
-    build_tree(report, threads);
-    ++tree_version_;
-  }
-}
-
 std::vector<insitu_audit_entry> CommittedMesh::audit() const {
   std::vector<insitu_audit_entry> entries = mesh_.audit();
-  if (geodetic_ && geodetic_->has_copies()) {
-    insitu_audit_entry e{};
-    e.size = sizeof e;
-    std::snprintf(e.name, sizeof e.name, "copies of %lld cells",
-                  static_cast<long long>(geodetic_->copied_cells()));
-    std::snprintf(e.reason, sizeof e.reason,
-                  "located beyond the seam of longitude or on a pole's chart");
-    e.bytes = geodetic_->bytes();
-    entries.push_back(e);
-  }
+  if (stand_in_)
+    stand_in_->audit(entries);
   return entries;
 }
 
 insitu_amr_info CommittedMesh::amr_info() const {
   require_a_commit();
-  if (!adaptive_)
+  const auto info = stand_in_ ? stand_in_->amr_info() : std::nullopt;
+  if (!info)
     throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() + "' is not an adaptive mesh");
-  return adaptive_->info();
+  return *info;
 }
 
 void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& report,
                                    const core::Threads& threads, const core::Log& log) {
   bool topology = (pending & INSITU_CHANGED_TOPOLOGY) || tree_is_stale_;
-  const bool geometry = (pending & INSITU_CHANGED_GEOMETRY) != 0;
-  std::optional<cells::Validation> own; // nothing is read through ids that were not looked at
-  if (reference_frame.kind == INSITU_FRAME_GEODETIC) {
-    if (topology) {
-      own = cells::validate(mesh_.name(), mesh_.own_view(), threads);
-      if (!own->findings.empty())
-        throw core::Error(INSITU_ERROR_MESH, own->findings);
-    }
-    topology =
-        place_on_chart(topology ? std::uint32_t(INSITU_CHANGED_ALL) : pending, threads, log) ||
-        topology;
-    if (geodetic_->has_copies())
-      own.reset(); // of cells that are hidden
-  }
+  const StandIn::Found found =
+      commit_stand_in(topology ? std::uint32_t(INSITU_CHANGED_ALL) : pending, threads, log);
+  topology = topology || found.other_cells;
   if (topology)
     pending |= INSITU_CHANGED_TOPOLOGY; // for the locators
-  bool rebuild = topology;
   if (topology) {
     policy_.topology_changed();
-    if (own)
-      accept(*own, mesh_.view(), threads, log);
-    else
-      validate_topology(mesh_.view(), threads, log);
     report.validated = 1;
-  } else if (geometry) {
+    if (is_made())
+      enter_topology(threads);
+    else
+      accept(found.validation ? *found.validation
+                              : cells::validate(mesh_.name(), mesh_.view(), threads),
+             mesh_.view(), threads, log);
+  }
+  const bool other_tree = update_tree(topology, pending, report, threads);
+  tree_is_stale_ = false;
+  update_locators(pending, threads);
+  if (other_tree)
+    ++tree_version_;
+}
+
+/// Builds or refits the tree, if it is due; true then.
+bool CommittedMesh::update_tree(bool topology, std::uint32_t& pending, insitu_commit_report& report,
+                                const core::Threads& threads) {
+  bool rebuild = topology;
+  const bool refit = !topology && (pending & INSITU_CHANGED_GEOMETRY) != 0;
+  if (refit) {
     tree_.refit(mesh_.view(), threads);
     report.action = INSITU_REFIT;
     rebuild = policy_.rebuild_is_due(tree_.cost_ratio());
@@ -245,15 +218,12 @@ void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& 
   rebuild = rebuild || policy_.surface_area_is_due();
   if (rebuild) {
     build_tree(report, threads);
-    if (topology)
+    if (topology && !is_made())
       set_odd_cells(std::move(odd_cells_), threads);
     else
       tree_.mark_odd(mesh_.view(), odd_cells_.ids, threads);
   }
-  tree_is_stale_ = false;
-  update_locators(pending, threads);
-  if (rebuild || geometry)
-    ++tree_version_;
+  return rebuild || refit;
 }
 
 /// The host reads a copy, and only to validate and to find faces; there is no tree but the
@@ -269,7 +239,7 @@ void CommittedMesh::commit_on_device(std::uint32_t pending, insitu_commit_report
   tree_is_stale_ = true;
   const bool topology = (pending & INSITU_CHANGED_TOPOLOGY) != 0;
   if (topology) {
-    validate_topology(view(), threads, log);
+    accept(cells::validate(mesh_.name(), view(), threads), view(), threads, log);
     report.validated = 1;
   } else if (!folds_are_known_ && many_were_located()) {
     folds_are_known_ = true;
@@ -298,14 +268,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
     committed_ = false;
     on_device_ = mesh_.lies_on_device();
     locators_.decide(on_device_, mesh_.name(), log);
-    if (mesh_.is_adaptive())
-      require_adaptive_locator();
-    if (reference_frame.kind == INSITU_FRAME_GEODETIC) {
-      require_geodetic_locator();
-    } else if (geodetic_) {
-      mesh_.set_stand_in(nullptr);
-      geodetic_.reset();
-    }
+    choose_stand_in();
     mesh_.update(&threads);
     if (strict)
       for (const insitu_audit_entry& e : mesh_.audit())
@@ -319,14 +282,12 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
       folds_are_known_ = false;
       odd_cells_ = {};
       mesh_.set_free_of_folds(false);
-      if (!geodetic_)
+      if (!is_copied())
         mesh_.set_one_mesh(false);
       mesh_.set_covers_once(false);
       ++geometry_version_;
     }
-    if (mesh_.is_adaptive())
-      commit_adaptive(pending, report, threads);
-    else if (lies_on_device())
+    if (lies_on_device())
       commit_on_device(pending, report, threads, log);
     else
       commit_on_host(pending, report, threads, log);
@@ -347,7 +308,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
   report.builder = tree_.empty() || lies_on_device()                 ? INSITU_BUILDER_NONE
                    : tree_.builder() == accel::Builder::surface_area ? INSITU_BUILDER_SURFACE_AREA
                                                                      : INSITU_BUILDER_MORTON;
-  const mesh::MeshView& counted = geodetic_ ? mesh_.own_view() : mesh_.view();
+  const mesh::MeshView& counted = is_copied() ? mesh_.own_view() : mesh_.view();
   report.cells = counted.cell_count();
   report.vertices = counted.vertex_count();
   report.bytes = locators_.info(tree_).bytes;

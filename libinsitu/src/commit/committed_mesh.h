@@ -11,12 +11,11 @@
 #include "cells/checks/odd_cells.h"
 #include "cells/checks/validate.h"
 #include "commit/earlier/earlier_mesh.h"
-#include "commit/standins/geodetic.h"
+#include "commit/standins/stand_in.h"
 #include "commit/tree_policy.h"
 #include "core/log.h"
 #include "mesh/registered/mesh.h"
 #include "query/batch/order.h"
-#include "query/lattice/adaptive.h"
 #include "query/locators.h"
 #include "query/sampler.h"
 
@@ -46,7 +45,7 @@ public:
   /// What device() did. reasons: of its answers, if they are on the host; they are counted.
   void note(const accel::DeviceCounts& counts, std::span<const std::uint8_t> reasons = {}) const;
   /// The frame of the mesh's coordinates. Conversions are geo's; a geodetic mesh is located in its
-  /// own chart (Geodetic), so a change to, from or of that is a change of topology.
+  /// own chart (StandIn), so a change to, from or of that is a change of topology.
   insitu_frame reference_frame = insitu_frame_default();
 
   /// Brings the tree up to date with what changed: topology -> validate, rebuild; geometry ->
@@ -82,27 +81,24 @@ public:
   std::int64_t neighbours_bytes(const core::Threads& threads) const;
   const accel::FaceNeighbours* neighbours() const { return neighbours_.get(); }
   query::Sampler sampler() const {
+    const query::PointLocator* const own = stand_in_ ? stand_in_->locator() : nullptr;
     return {mesh_.view(),
             tree_,
             &order_,
             &locate_counts_,
-            &locators_,
-            adaptive_.get(),
-            geodetic_ ? &geodetic_->image() : nullptr,
+            own ? own : &locators_.point_locator(),
+            stand_in_ ? stand_in_->chart() : nullptr,
             neighbours_.get()};
   }
-  /// A location as the solver counts cells, flat over the pieces of mesh().own_view(): the same but
-  /// on the dual of an adaptive mesh, where it is the leaf that holds p, and in copies of a
-  /// geodetic mesh's cells.
+  /// A location as the solver counts cells, flat over the pieces of mesh().own_view(): the same
+  /// unless a stand-in has other cells.
   query::Location own(const query::Location& at, const math::Vec3d& p) const {
-    return adaptive_         ? adaptive_->own(at, p)
-           : geodetic_ && at ? query::Location{geodetic_->own(at.cell), at.parametric}
-                             : at;
+    return stand_in_ ? stand_in_->own(at, p) : at;
   }
-  /// The mesh's copy audit, and the copies of a geodetic mesh's cells.
+  /// The mesh's copy audit, and the copies of a stand-in.
   std::vector<insitu_audit_entry> audit() const;
-  /// Of a geodetic mesh that was committed; else null.
-  const Geodetic* geodetic() const { return geodetic_.get(); }
+  /// Of a mesh that was committed and needs one; else null.
+  const StandIn* stand_in() const { return stand_in_.get(); }
   /// Throws INSITU_ERROR_ORDER unless adaptive and committed.
   insitu_amr_info amr_info() const;
   /// Of all samplers of this mesh, since it was made.
@@ -144,6 +140,11 @@ private:
   /// Whatever has changed since.
   void require_a_commit() const;
   std::optional<query::ChartImage> chart() const;
+  /// The cells are made from the solver's, and right by construction.
+  bool is_made() const { return stand_in_ && stand_in_->is_made(); }
+  /// The cells are the solver's, some of them in copies.
+  bool is_copied() const { return stand_in_ && !stand_in_->is_made(); }
+  void choose_stand_in();
   void part_from_earlier(const core::Threads& threads);
   void note_queries();
   void forget_neighbours();
@@ -151,15 +152,13 @@ private:
                       const core::Threads& threads, const core::Log& log);
   void commit_on_device(std::uint32_t pending, insitu_commit_report& report,
                         const core::Threads& threads, const core::Log& log);
-  void commit_adaptive(std::uint32_t pending, insitu_commit_report& report,
-                       const core::Threads& threads);
   void build_tree(insitu_commit_report& report, const core::Threads& threads);
   cells::Validation validate_leaves(const core::Threads& threads);
-  void require_adaptive_locator() const;
-  void require_geodetic_locator() const;
-  bool place_on_chart(std::uint32_t pending, const core::Threads& threads, const core::Log& log);
-  void validate_topology(const mesh::MeshView& view, const core::Threads& threads,
-                         const core::Log& log);
+  StandIn::Found commit_stand_in(std::uint32_t changed, const core::Threads& threads,
+                                 const core::Log& log);
+  bool update_tree(bool topology, std::uint32_t& pending, insitu_commit_report& report,
+                   const core::Threads& threads);
+  void enter_topology(const core::Threads& threads);
   void accept(const cells::Validation& validation, const mesh::MeshView& view,
               const core::Threads& threads, const core::Log& log);
   void update_locators(std::uint32_t pending, const core::Threads& threads);
@@ -171,8 +170,7 @@ private:
   mesh::Mesh mesh_;
   accel::Tree tree_;
   query::Locators locators_;
-  std::unique_ptr<query::Adaptive> adaptive_; ///< of adaptive meshes
-  std::unique_ptr<Geodetic> geodetic_;        ///< of geodetic meshes
+  std::unique_ptr<StandIn> stand_in_; ///< of meshes that need one
   std::unique_ptr<accel::FaceNeighbours> neighbours_;
   std::int64_t unguided_before_ = 0;  ///< points, when the topology last changed
   mutable query::SpatialOrder order_; ///< scratch of queries

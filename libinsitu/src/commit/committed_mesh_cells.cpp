@@ -18,7 +18,7 @@ constexpr double neighbours_price = 1.0;
 
 void CommittedMesh::look_for_folds(const core::Threads& threads) {
   require_committed();
-  if (folds_are_known_ || adaptive_) // a dual mesh knows its own
+  if (folds_are_known_ || is_made()) // which know their own
     return;
   set_odd_cells(cells::find_odd_cells(mesh_.view(), threads), threads);
 }
@@ -53,7 +53,7 @@ void CommittedMesh::forget_neighbours() {
 void CommittedMesh::set_odd_cells(cells::OddCells odd, const core::Threads& threads) {
   folds_are_known_ = true;
   const mesh::MeshView& view = mesh_.view();
-  if (view.piece_count != 1 && !view.one_mesh && !geodetic_ && odd.few && !tree_.empty())
+  if (view.piece_count != 1 && !view.one_mesh && !is_copied() && odd.few && !tree_.empty())
     mesh_.set_one_mesh(pieces_are_apart(view, tree_, threads));
   if (view.piece_count != 1 && !view.one_mesh)
     odd = {};

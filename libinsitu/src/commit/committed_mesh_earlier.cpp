@@ -14,11 +14,12 @@ bool are_alike(const std::optional<query::ChartImage>& a,
 } // namespace
 
 std::optional<query::ChartImage> CommittedMesh::chart() const {
-  return geodetic_ ? std::optional(geodetic_->image()) : std::nullopt;
+  const query::ChartImage* const image = stand_in_ ? stand_in_->chart() : nullptr;
+  return image ? std::optional(*image) : std::nullopt;
 }
 
 std::int64_t CommittedMesh::earlier_cells_bytes(const core::Threads& threads) const {
-  return adaptive_ ? 0 : mesh::CellsCopy::bytes_for(mesh_.view(), threads);
+  return is_made() ? 0 : mesh::CellsCopy::bytes_for(mesh_.view(), threads);
 }
 
 void CommittedMesh::release_earlier() {
@@ -35,7 +36,7 @@ void CommittedMesh::keep_earlier(const std::vector<mesh::KeptField>& fields, boo
   earlier_mesh_.reset();
   mesh_.keep_earlier(fields, threads);
   kept_ = {with_cells, mesh_.view().covers_once, tree_version_, odd_cells_, chart()};
-  if (!kept_.with_cells || adaptive_) {
+  if (!kept_.with_cells || is_made()) {
     earlier_cells_.release();
   } else if (earlier_cells_.empty() || earlier_cells_version_ != topology_version_) {
     earlier_cells_.copy(mesh_.view(), threads);
@@ -50,9 +51,9 @@ void CommittedMesh::part_from_earlier(const core::Threads& threads) {
   mesh::TakenStep step = mesh_.take_earlier();
   const bool whole = !step.fields.empty() && kept_.with_cells && are_alike(kept_.chart, chart());
   const bool moved = kept_.tree_version != tree_version_; // and not the copies
-  if (whole && adaptive_)
+  if (whole && is_made())
     earlier_mesh_ = std::make_unique<EarlierMesh>(
-        std::move(step), std::move(adaptive_), tree_.take(), topology_version_, *memory_, threads);
+        std::move(step), std::move(stand_in_), tree_.take(), topology_version_, threads);
   else if (whole && !earlier_cells_.empty() && !tree_is_stale_)
     earlier_mesh_ = std::make_unique<EarlierMesh>(std::move(step), std::move(earlier_cells_),
                                                   tree_.take(), moved, kept_.odd, kept_.covers_once,

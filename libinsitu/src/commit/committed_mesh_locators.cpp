@@ -37,28 +37,4 @@ void CommittedMesh::note(const accel::DeviceCounts& counts,
   locate_counts_.add(by_reason);
 }
 
-void CommittedMesh::require_adaptive_locator() const {
-  const std::string name = "mesh '" + mesh_.name() + "' is adaptive: ";
-  if (on_device_)
-    throw core::Error(INSITU_ERROR_UNSUPPORTED, name + "its arrays in device memory are not read");
-  if (locators_.pick().method != accel::Method::bvh ||
-      locators_.pick().backend != accel::Backend::cpu)
-    throw core::Error(INSITU_ERROR_UNSUPPORTED, name + "it is located by bvh on the CPU, not by " +
-                                                    accel::name(locators_.pick().method) + " on " +
-                                                    accel::name(locators_.pick().backend));
-}
-
-void CommittedMesh::require_geodetic_locator() const {
-  const std::string name = "mesh '" + mesh_.name() + "' is geodetic: ";
-  if (mesh_.is_adaptive())
-    throw core::Error(INSITU_ERROR_UNSUPPORTED, name + "adaptive meshes are not located in "
-                                                       "longitude and latitude; give it in local "
-                                                       "or UTM metres");
-  if (on_device_ || locators_.pick().backend != accel::Backend::cpu)
-    throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                      name + "it is located on the CPU, in host memory, not by " +
-                          accel::name(locators_.pick().method) + " on " +
-                          accel::name(locators_.pick().backend));
-}
-
 } // namespace insitu::commit

@@ -4,6 +4,8 @@
 #include <cstring>
 
 #include "mesh/registered/mesh.h"
+#include "query/batch/device_calls.h"
+#include "query/batch/ray_method.h"
 
 namespace insitu::query {
 
@@ -33,6 +35,7 @@ void Locators::commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_
   const bool rebuild = anew || (what & accel::rebuild_due);
   const bool refit = !rebuild && (what & INSITU_CHANGED_GEOMETRY);
   if (pending_) {
+    chosen_.reset();
     rays_.reset();
     device_.reset();
   }
@@ -42,10 +45,15 @@ void Locators::commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_
   if (!on_cpu) {
     if (!device_)
       device_ = accel::make_device_locator(pick_.backend, pick_.method, *memory_);
+    if (!chosen_)
+      chosen_ = std::make_unique<DeviceCalls>(
+          *device_, [this](const accel::DeviceCounts& counts) { note(counts); });
     device_->commit(mesh, host, anew ? std::uint32_t(INSITU_CHANGED_ALL) : what, &faces_, threads);
   } else if (by_rays) {
     if (!rays_)
       rays_ = accel::make_embree_locator(pick_.method, *memory_);
+    if (!chosen_)
+      chosen_ = std::make_unique<RayMethod>(*rays_, ray_counts_);
     if (rebuild)
       rays_->build(mesh.view(), &faces_, threads);
     else if (refit)

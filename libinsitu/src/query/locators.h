@@ -10,7 +10,7 @@
 #include "accel/tree/tree.h"
 #include "core/log.h"
 #include "query/locator_choice.h"
-#include "query/sampler.h"
+#include "query/batch/tree_locator.h"
 
 namespace insitu::query {
 
@@ -40,6 +40,11 @@ public:
   /// Null unless these answer.
   const accel::RayLocator* rays() const { return rays_.get(); }
   const accel::DeviceLocator* device() const { return device_.get(); }
+  /// How points find their cells by these structures; valid until the next commit.
+  const PointLocator& point_locator() const {
+    const PointLocator& by_tree = TreeLocator::plain();
+    return chosen_ ? *chosen_ : by_tree;
+  }
   /// Made for methods that use faces, and to find out whether cells overlap; empty else.
   const accel::MeshFaces& faces() const { return faces_; }
 
@@ -63,6 +68,7 @@ private:
   accel::MeshFaces faces_;
   std::unique_ptr<accel::RayLocator> rays_;
   std::unique_ptr<accel::DeviceLocator> device_;
+  std::unique_ptr<PointLocator> chosen_; ///< by rays or a device; null: by the tree
   Upkeep upkeep_;
   mutable RayCounts ray_counts_;
   mutable std::atomic<std::int64_t> settled_on_host_{0};

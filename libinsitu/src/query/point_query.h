@@ -7,7 +7,7 @@
 #include "cells/exact/decide.h"
 #include "cells/kernels/kernels.h"
 #include "query/proof.h"
-#include "query/sampler.h"
+#include "query/location.h"
 
 /// What single and batched queries share: the query's box, the decision, the coordinates.
 namespace insitu::query {

@@ -2,7 +2,7 @@
 
 #include "accel/tree/tree.h"
 #include "cells/kernels/kernels.h"
-#include "query/sampler.h"
+#include "query/location.h"
 
 /// The one rule that says when a proof answers for a point, and the one trial of a cell. A proof is
 /// a certificate of Newton's method that a cell holds the point in its interior.

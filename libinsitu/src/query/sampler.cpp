@@ -2,23 +2,14 @@
 
 #include <algorithm>
 #include <cstring>
-#include <memory>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "accel/tree/tree.h"
-#include "query/batch/batch.h"
-#include "query/batch/direct_batch.h"
 #include "query/batch/guessed_batches.h"
 #include "query/batch/order.h"
-#include "query/batch/ray_batch.h"
+#include "query/batch/tree_locator.h"
 #include "query/chart_image.h"
-#include "query/lattice/adaptive.h"
 #include "query/lattice/culled_cells.h"
-#include "query/lattice/dual_query.h"
-#include "query/lattice/leaf_query.h"
-#include "query/locators.h"
 #include "query/point_query.h"
 #include "query/proof.h"
 
@@ -28,74 +19,17 @@ using math::Vec3d;
 
 namespace {
 
-BatchScratch& batch_scratch() {
-  thread_local std::unique_ptr<BatchScratch> scratch = std::make_unique<BatchScratch>();
-  return *scratch;
-}
-
-BatchAnswers& batch_answers() {
-  thread_local std::unique_ptr<BatchAnswers> answers = std::make_unique<BatchAnswers>();
-  return *answers;
-}
-
-/// Runs batches over points in their own or another order, and counts.
-class Batches {
+/// How many points were answered for which reason, until it is added to what all threads count.
+class Tally {
 public:
-  /// counts, locators, adaptive: or null. shown: see DualFinder.
-  Batches(const PointQuery& query, LocateCounts* counts, const Locators* locators,
-          const Adaptive* adaptive, const std::uint64_t* shown)
-      : locator_(query, batch_scratch()), counts_(counts),
-        ray_counts_(locators ? &locators->ray_counts() : nullptr) {
-    if (locators && locators->rays())
-      by_rays_ = std::make_unique<RayBatch>(query, *locators->rays(), batch_scratch(), locator_,
-                                            batch_answers());
-    else if (adaptive && adaptive->gridlets())
-      by_places_.emplace(DualFinder(*adaptive, -1, shown), query, batch_scratch(), locator_,
-                         batch_answers());
-    else if (adaptive)
-      by_leaves_.emplace(LeafFinder(adaptive->leaves()), query, batch_scratch(), locator_,
-                         batch_answers());
-    else if (GuessedBatches::may_pay(query))
-      by_guesses_.emplace(query, batch_scratch(), locator_, batch_answers());
+  explicit Tally(LocateCounts* to) : to_(to) {}
+  ~Tally() {
+    if (to_)
+      to_->add(by_reason_);
   }
-  ~Batches() {
-    if (counts_)
-      counts_->add(by_reason_);
-    if (by_rays_) {
-      ray_counts_->kept += by_rays_->kept;
-      ray_counts_->by_neighbour += by_rays_->by_neighbour;
-      ray_counts_->by_tree += by_rays_->by_tree;
-    }
-  }
-  Batches(const Batches&) = delete;
-  Batches& operator=(const Batches&) = delete;
+  Tally(const Tally&) = delete;
+  Tally& operator=(const Tally&) = delete;
 
-  /// The answers of at most batch_size points; valid until the next run.
-  Answered run(std::span<const Vec3d> points) {
-    const Answered answered = by_rays_     ? by_rays_->run(points)
-                              : by_places_ ? by_places_->run(points)
-                              : by_leaves_ ? by_leaves_->run(points)
-                                           : by_tree(points);
-    note(answered);
-    return answered;
-  }
-
-  /// A grain of points that follow each other, the first `count`; see GuessedBatches::run.
-  template <class Put>
-  void run_grain(std::span<const Vec3d> points, std::size_t count, Put&& put) {
-    if (by_guesses_)
-      return by_guesses_->run(points, count, [&](std::size_t first, const Answered& answered) {
-        note(answered);
-        put(first, answered);
-      });
-    for (std::size_t first = 0; first < count; first += batch_size) {
-      const std::size_t n = std::min<std::size_t>(batch_size, count - first);
-      ask_for_batch(points, first + n);
-      put(first, run(points.subspan(first, n)));
-    }
-  }
-
-private:
   void note(const Answered& answered) {
     // Eight at a time where they are alike, else in turns: counting one waits for the last one.
     static_assert(sizeof(Reason) == 1);
@@ -115,18 +49,9 @@ private:
       for (int reason = 0; reason < reason_count; ++reason)
         by_reason_[reason] += turn[reason];
   }
-  Answered by_tree(std::span<const Vec3d> points) {
-    locator_.run(points);
-    return {locator_.locations(), locator_.reasons()};
-  }
 
-  BatchLocator locator_;
-  LocateCounts* counts_;
-  RayCounts* ray_counts_;
-  std::unique_ptr<RayBatch> by_rays_;
-  std::optional<DirectBatch<DualFinder>> by_places_;
-  std::optional<DirectBatch<LeafFinder>> by_leaves_;
-  std::optional<GuessedBatches> by_guesses_;
+private:
+  LocateCounts* to_;
   std::int64_t by_reason_[reason_count] = {};
 };
 
@@ -141,29 +66,11 @@ void store(const Answered& answered, std::span<Location> locations,
 
 } // namespace
 
-LocateCounts::Copy& LocateCounts::mine() {
-  static std::atomic<unsigned> threads{0};
-  thread_local const unsigned thread = threads.fetch_add(1, std::memory_order_relaxed);
-  return copies_[thread % copy_count];
-}
-
-void LocateCounts::add(const std::int64_t (&by_reason)[reason_count]) {
-  Copy& copy = mine();
-  for (int i = 0; i < reason_count; ++i)
-    if (by_reason[i])
-      copy.by_reason[i].fetch_add(by_reason[i], std::memory_order_relaxed);
-}
-
-void LocateCounts::add(Reason reason) {
-  mine().by_reason[int(reason)].fetch_add(1, std::memory_order_relaxed);
-}
-
-std::array<std::int64_t, reason_count> LocateCounts::totals() const {
-  std::array<std::int64_t, reason_count> sum{};
-  for (const Copy& copy : copies_)
-    for (std::size_t i = 0; i < sum.size(); ++i)
-      sum[i] += copy.by_reason[i].load(std::memory_order_relaxed);
-  return sum;
+Sampler::Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrder* order,
+                 LocateCounts* counts, const PointLocator* locator, const ChartImage* chart,
+                 const accel::FaceNeighbours* neighbours)
+    : mesh_(&mesh), tree_(&tree), order_(order), counts_(counts),
+      locator_(locator ? locator : &TreeLocator::plain()), chart_(chart), neighbours_(neighbours) {
 }
 
 bool Sampler::owns(std::int64_t flat) const {
@@ -176,22 +83,18 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
   const Vec3d p = chart_ ? (*chart_)(given) : given;
   Reason why = Reason::outside;
   Location at;
-  const bool dual = adaptive_ && adaptive_->gridlets();
-  bool found = false;
-  std::int64_t guess = hint; // or, without one, what the point's place suggests
-  if (dual)
-    found = DualFinder(*adaptive_, hint, shown_).find(p, at, why, guess);
-  else if (adaptive_)
-    found = LeafFinder(adaptive_->leaves()).find(p, at, why);
-  if (!found && guess >= 0 && guess < mesh_->cell_count() &&
-      ProofRule(*mesh_, *tree_, options).counts_for(p) && owns(guess)) {
-    mesh::CellVertices cell;
-    mesh::gather(*mesh_, guess, cell, options.alpha);
-    if ((at = try_cell(cell, guess, p)))
-      why = Reason::certified;
+  std::int64_t guess = -1;
+  if (!locator_->find(p, hint, at, why, guess)) {
+    if (guess >= 0 && guess < mesh_->cell_count() &&
+        ProofRule(*mesh_, *tree_, options).counts_for(p) && owns(guess)) {
+      mesh::CellVertices cell;
+      mesh::gather(*mesh_, guess, cell, options.alpha);
+      if ((at = try_cell(cell, guess, p)))
+        why = Reason::certified;
+    }
+    if (!at)
+      at = PointQuery{*mesh_, *tree_, options}.locate(p, why);
   }
-  if (!found && !at && (dual || !adaptive_))
-    at = PointQuery{*mesh_, *tree_, options}.locate(p, why);
   if (counts_)
     counts_->add(why);
   if (reason)
@@ -202,8 +105,7 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
 Sampler Sampler::among(const CulledCells& cells) const {
   Sampler some = *this;
   some.tree_ = &cells.tree();
-  some.locators_ = nullptr; // these know all cells
-  some.shown_ = cells.shown();
+  some.locator_ = &cells.locator();
   return some;
 }
 
@@ -216,19 +118,22 @@ void Sampler::count_certified(std::int64_t points) const {
 
 void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> locations,
                             const LocateOptions& options, std::span<std::uint8_t> reasons) const {
-  const PointQuery query{*mesh_, *tree_, options};
-  Batches batches(query, counts_, locators_, adaptive_, shown_);
   std::vector<Vec3d> images(chart_ ? std::min<std::size_t>(batch_size, points.size()) : 0);
-  for (std::size_t first = 0; first < points.size(); first += batch_size) {
-    const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
-    if (chart_)
-      std::transform(points.begin() + std::ptrdiff_t(first),
-                     points.begin() + std::ptrdiff_t(first + n), images.begin(), *chart_);
-    Answered answered =
-        batches.run(chart_ ? std::span<const Vec3d>(images).first(n) : points.subspan(first, n));
-    answered.first = first;
-    store(answered, locations, reasons);
-  }
+  Tally tally(counts_);
+  locator_->with_batches({*mesh_, *tree_, options}, [&](Batches& batches) {
+    for (std::size_t first = 0; first < points.size(); first += batch_size) {
+      const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
+      std::span<const Vec3d> batch = points.subspan(first, n);
+      if (chart_) {
+        std::ranges::transform(batch, images.begin(), *chart_);
+        batch = std::span<const Vec3d>(images).first(n);
+      }
+      Answered answered = batches.run(batch);
+      tally.note(answered);
+      answered.first = first;
+      store(answered, locations, reasons);
+    }
+  });
 }
 
 void Sampler::locate(const core::Threads& threads, std::span<const Vec3d> points,
@@ -239,14 +144,13 @@ void Sampler::locate(const core::Threads& threads, std::span<const Vec3d> points
 }
 
 void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
-                    const LocateOptions& options, Put put) const {
-  if (locators_ && locators_->device() && options.alpha == 1.0)
-    return visit_on_device(threads, points, options, put);
+                    const LocateOptions& options, PutAnswers put) const {
+  if (locator_->visit(threads, points, options, counts_, put))
+    return;
   constexpr auto grain = std::int64_t(GuessedBatches::grain);
   static_assert(grain % batch_size == 0);
   const PointQuery query{*mesh_, *tree_, options};
   const bool sorts = order_ && is_incoherent(points, *tree_);
-  const auto image = [&](const Vec3d& p) { return chart_ ? (*chart_)(p) : p; };
   // So many at a time that numbers of points fit 32 bits and the memory stays bounded.
   constexpr std::size_t slice = std::size_t(1) << 22;
   for (std::size_t from = 0; from < points.size(); from += slice) {
@@ -255,69 +159,52 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
         sorts ? order_->sort(threads, part, *tree_) : std::span<const accel::morton::Coded>();
     threads.parallel_for(
         std::int64_t(part.size()), grain, [&](std::int64_t begin, std::int64_t end) {
-          Batches batches(query, counts_, locators_, adaptive_, shown_);
-          if (!sorts) {
-            const auto count = std::size_t(end - begin);
-            auto own = part.subspan(std::size_t(begin));
-            thread_local std::vector<Vec3d> images;
-            if (chart_) {
-              images.resize(count);
-              std::transform(own.begin(), own.begin() + std::ptrdiff_t(count), images.begin(),
-                             image);
-              own = images;
-            }
-            return batches.run_grain(own, count, [&](std::size_t first, Answered answered) {
-              answered.first = from + std::size_t(begin) + first;
+          const auto grain_begin = std::size_t(begin), grain_end = std::size_t(end);
+          Tally tally(counts_);
+          locator_->with_batches(query, [&](Batches& batches) {
+            const auto give = [&](Answered answered, std::size_t first) {
+              tally.note(answered);
+              answered.first = first;
               put(answered);
-            });
-          }
-          Vec3d batch[batch_size];
-          for (auto first = std::size_t(begin); first < std::size_t(end); first += batch_size) {
-            const std::size_t n = std::min<std::size_t>(batch_size, std::size_t(end) - first);
-            for (std::size_t i = 0; i < n; ++i)
-              batch[i] = image(part[sorted[first + i].id]);
-            Answered answered = batches.run({batch, n});
-            answered.first = from;
-            answered.order = &sorted[first];
-            put(answered);
-          }
+            };
+            if (sorts)
+              visit_sorted(batches, part, sorted.subspan(grain_begin, grain_end - grain_begin),
+                           [&](const Answered& answered) { give(answered, from); });
+            else
+              visit_in_order(batches, part.subspan(grain_begin), grain_end - grain_begin,
+                             [&](std::size_t first, const Answered& answered) {
+                               give(answered, from + grain_begin + first);
+                             });
+          });
         });
   }
 }
 
-/// The device answers slices, which are given on in parallel.
-void Sampler::visit_on_device(const core::Threads& threads, std::span<const Vec3d> points,
-                              const LocateOptions& options, Put put) const {
-  constexpr std::size_t slice = std::size_t(1) << 20;
-  const std::size_t most = std::min(slice, points.size());
-  std::vector<std::int64_t> cells(most);
-  std::vector<Vec3d> parametric(most);
-  std::vector<std::uint8_t> reasons(most);
-  for (std::size_t from = 0; from < points.size(); from += slice) {
-    const std::size_t n = std::min(slice, points.size() - from);
-    accel::DeviceQuery query;
-    query.points = &points[from].x;
-    query.count = std::int64_t(n);
-    query.accuracy = options.accuracy;
-    query.cells = cells.data();
-    query.parametric = &parametric.data()->x;
-    query.reasons = reasons.data();
-    locators_->note(locators_->device()->locate(query));
-    threads.parallel_for(std::int64_t(n), std::int64_t(batch_size),
-                         [&](std::int64_t begin, std::int64_t end) {
-                           Location locations[batch_size];
-                           Reason why[batch_size];
-                           std::int64_t by_reason[reason_count] = {};
-                           const auto first = std::size_t(begin), count = std::size_t(end - begin);
-                           for (std::size_t k = 0; k < count; ++k) {
-                             locations[k] = {cells[first + k], parametric[first + k]};
-                             why[k] = Reason(reasons[first + k]);
-                             ++by_reason[reasons[first + k]];
-                           }
-                           if (counts_)
-                             counts_->add(by_reason);
-                           put({{locations, count}, {why, count}, from + first, nullptr});
-                         });
+/// A grain of points in their own order.
+void Sampler::visit_in_order(Batches& batches, std::span<const Vec3d> points, std::size_t count,
+                             Batches::Put put) const {
+  thread_local std::vector<Vec3d> images;
+  if (chart_) {
+    images.resize(count);
+    std::transform(points.begin(), points.begin() + std::ptrdiff_t(count), images.begin(), *chart_);
+    points = images;
+  }
+  batches.run_grain(points, count, put);
+}
+
+/// A grain of points in spatial order.
+void Sampler::visit_sorted(Batches& batches, std::span<const Vec3d> points,
+                           std::span<const accel::morton::Coded> order, PutAnswers put) const {
+  Vec3d batch[batch_size];
+  for (std::size_t first = 0; first < order.size(); first += batch_size) {
+    const std::size_t n = std::min<std::size_t>(batch_size, order.size() - first);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3d& p = points[order[first + i].id];
+      batch[i] = chart_ ? (*chart_)(p) : p;
+    }
+    Answered answered = batches.run({batch, n});
+    answered.order = &order[first];
+    put(answered);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cells/kernels/kernels.h"
+#include "commit/standins/dual_cells.h"
 #include "core/random.h"
 #include "query/lattice/dual_query.h"
 #include "unit/query/registered_amr.h"
@@ -21,19 +22,22 @@ using math::Vec3d;
 /// A dual mesh whose finder is at hand.
 struct Dual {
   explicit Dual(const Recipe& recipe)
-      : mesh(recipe, INSITU_DUAL, [](const Vec3d& p) { return p.x; }), adaptive(memory) {
-    adaptive.build(mesh.committed.mesh.mesh(), mesh.committed.threads);
+      : mesh(recipe, INSITU_DUAL, [](const Vec3d& p) { return p.x; }), cells(memory) {
+    cells.build(mesh.committed.mesh.mesh(), mesh.committed.threads);
   }
-  ~Dual() { mesh.committed.mesh.mesh().set_stand_in(nullptr); }
 
-  const mesh::MeshView& view() const { return *adaptive.dual_view(); }
+  const mesh::MeshView& view() const { return cells.view(); }
+  const amr::LeafMap& leaves() const { return cells.dual().leaves(); }
+  query::DualPlaces places(const std::uint64_t* shown = nullptr) const {
+    return {&cells.places(), &cells.dual().corners(), shown};
+  }
   std::int64_t first() const { return view().first_cell[1]; }
   /// The tree's alone.
   query::Sampler by_tree() const { return {view(), mesh.committed.mesh.tree()}; }
 
   core::Memory memory;
   RegisteredAmr mesh;
-  query::Adaptive adaptive;
+  commit::DualCells cells;
 };
 
 /// Points, and how they were answered.
@@ -110,12 +114,12 @@ TEST_P(Frusta, AnswersAreTheTrees) {
   Dual dual(GetParam());
   const mesh::MeshView& view = dual.view();
   const query::Sampler tree = dual.by_tree();
-  const mesh::Lattice& lattice = dual.adaptive.leaves().lattice();
+  const mesh::Lattice& lattice = dual.leaves().lattice();
   const Vec3d origin = {lattice.origin[0], lattice.origin[1], lattice.origin[2]};
   const std::int64_t stitching = view.cell_count() - dual.first();
   if (stitching == 0)
     return;
-  query::DualFinder finder(dual.adaptive);
+  query::DualFinder finder(dual.places());
   Seen seen;
   for (int i = 0; i < 6000; ++i) {
     const auto r = [&](int c) {
@@ -175,7 +179,7 @@ TEST_P(Frusta, AnswersAreTheTrees) {
   }
   // Beside an edge of a level the guess may be at another cell; and the leaf map, which says where
   // to look, does not know of leaves that were split.
-  const bool split = dual.adaptive.info().repaired > 0;
+  const bool split = dual.cells.dual().counts().repaired > 0;
   EXPECT_LE(seen.missed, (split ? 0.12 : 0.05) * seen.frusta) << seen.frusta;
   EXPECT_GT(seen.found, 0) << seen.inside;
   if (seen.guessed > 100) {
@@ -185,10 +189,10 @@ TEST_P(Frusta, AnswersAreTheTrees) {
 
 TEST_P(Frusta, TheWayToALeafIsTheLeafMaps) {
   const Dual dual(GetParam());
-  if (dual.adaptive.leaves().leaf_count() == 0)
+  if (dual.leaves().leaf_count() == 0)
     return;
-  const query::GridletPlaces& places = *dual.adaptive.gridlets();
-  const amr::LeafMap& leaves = dual.adaptive.leaves();
+  const query::GridletPlaces& places = dual.cells.places();
+  const amr::LeafMap& leaves = dual.leaves();
   const accel::Tree& tree = dual.mesh.committed.mesh.tree();
   std::int64_t seen[3] = {0, 0, 0}, first[3], last[3], at[3];
   for (int depth = 0; depth < places.depth_count(); ++depth) {
@@ -219,12 +223,12 @@ TEST_P(Frusta, TheWayToALeafIsTheLeafMaps) {
 TEST_P(Frusta, ThoseThatAreNotShownAreOutside) {
   Dual dual(GetParam());
   const mesh::MeshView& view = dual.view();
-  const std::int64_t gridlets = dual.adaptive.gridlets()->gridlets().count;
+  const std::int64_t gridlets = dual.cells.places().gridlets().count;
   const std::int64_t stitching = view.cell_count() - dual.first();
   std::vector<std::uint64_t> shown(std::size_t(gridlets + stitching + 63) / 64);
   for (std::size_t w = 0; w < shown.size(); ++w)
     shown[w] = core::random_bits(5, w, 0);
-  query::DualFinder all(dual.adaptive), some(dual.adaptive, -1, shown.data());
+  query::DualFinder all(dual.places()), some(dual.places(shown.data()));
   for (std::int64_t c = 0; c < stitching; c += 1 + stitching / 3000) {
     mesh::CellVertices cell;
     mesh::gather(view, dual.first() + c, cell);
@@ -253,7 +257,7 @@ TEST_P(Frusta, ThoseThatAreNotShownAreOutside) {
 
 TEST(FrustaOf, NoNumberAndFarPointsAreNowhere) {
   Dual dual({.seed = 2, .kind = 0, .roots = 2, .levels = 3});
-  query::DualFinder finder(dual.adaptive);
+  query::DualFinder finder(dual.places());
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = HUGE_VAL;
   for (const double x : {nan, infinite, -infinite, 1e300, -1e300, 1e12})
     for (int a = 0; a < 3; ++a) {

@@ -19,18 +19,14 @@ EarlierMesh::EarlierMesh(mesh::TakenStep step, mesh::CellsCopy cells, accel::Tre
   }
 }
 
-EarlierMesh::EarlierMesh(mesh::TakenStep step, std::unique_ptr<query::Adaptive> adaptive,
-                         accel::Tree tree, std::uint64_t topology_version, core::Memory& memory,
-                         const core::Threads& threads)
-    : step_(std::move(step)), adaptive_(std::move(adaptive)), view_(adaptive_->dual_view()),
-      tree_(std::move(tree)), topology_version_(topology_version) {
-  if (view_)
-    return;
+EarlierMesh::EarlierMesh(mesh::TakenStep step, std::unique_ptr<StandIn> made, accel::Tree tree,
+                         std::uint64_t topology_version, const core::Threads& threads)
+    : step_(std::move(step)), made_(std::move(made)), tree_(std::move(tree)),
+      topology_version_(topology_version) {
   std::vector<std::int64_t> first{0};
   for (const mesh::FieldPieceView& piece : step_.fields.front()->steps.front()->views)
     first.push_back(first.back() + piece.layout.count);
-  leaves_ = std::make_unique<LeavesCopy>(adaptive_->leaves(), std::move(first), memory, threads);
-  view_ = &leaves_->view();
+  view_ = &made_->keep(std::move(first), threads);
 }
 
 std::unique_ptr<EarlierMesh> EarlierMesh::restored(const mesh::EarlierStep& step,

@@ -7,12 +7,11 @@
 
 #include "accel/tree/tree.h"
 #include "cells/checks/odd_cells.h"
-#include "commit/earlier/leaves_copy.h"
+#include "commit/standins/stand_in.h"
 #include "core/parallel.h"
 #include "mesh/registered/cells_copy.h"
 #include "mesh/registered/earlier_step.h"
 #include "query/chart_image.h"
-#include "query/lattice/adaptive.h"
 #include "query/sampler.h"
 
 namespace insitu::commit {
@@ -28,9 +27,9 @@ public:
               const cells::OddCells& odd, bool covers_once,
               const std::optional<query::ChartImage>& chart, std::uint64_t topology_version,
               const core::Threads& threads);
-  /// Of an adaptive mesh, whose cells nothing moves: its dual, or its leaves.
-  EarlierMesh(mesh::TakenStep step, std::unique_ptr<query::Adaptive> adaptive, accel::Tree tree,
-              std::uint64_t topology_version, core::Memory& memory, const core::Threads& threads);
+  /// Of cells that were made (StandIn::is_made), which nothing moves.
+  EarlierMesh(mesh::TakenStep step, std::unique_ptr<StandIn> made, accel::Tree tree,
+              std::uint64_t topology_version, const core::Threads& threads);
   /// Of a checkpoint; its topology_version() is 0. Null if the step was kept without its cells, or
   /// does not fit them.
   static std::unique_ptr<EarlierMesh> restored(const mesh::EarlierStep& step, mesh::CellsCopy cells,
@@ -39,7 +38,8 @@ public:
 
   /// Its counts are no mesh's.
   query::Sampler sampler() const {
-    return {*view_, tree_, nullptr, nullptr, nullptr, adaptive_.get(), chart_ ? &*chart_ : nullptr};
+    return {*view_,  tree_, nullptr, nullptr, made_ ? made_->locator() : nullptr,
+            chart_ ? &*chart_ : nullptr};
   }
   /// A field on these cells, if it was kept.
   std::optional<mesh::FieldView> field(const std::string& name) const;
@@ -47,9 +47,8 @@ public:
 
 private:
   mesh::TakenStep step_;
-  std::optional<mesh::CellsCopy> cells_; ///< not of an adaptive mesh
-  std::unique_ptr<query::Adaptive> adaptive_;
-  std::unique_ptr<LeavesCopy> leaves_;     ///< of an adaptive mesh without a dual
+  std::optional<mesh::CellsCopy> cells_; ///< not of cells that were made
+  std::unique_ptr<StandIn> made_;
   std::optional<query::ChartImage> chart_; ///< of a geodetic mesh
   mesh::MeshView own_view_;
   const mesh::MeshView* view_;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
+#include "core/status.h"
 #include "mesh/ghosts.h"
 
 namespace insitu::commit {
@@ -94,6 +96,64 @@ Geodetic::Geodetic(core::Memory& memory) : memory_(&memory) {}
 
 Geodetic::~Geodetic() = default;
 
+void Geodetic::require(const std::string& mesh_name, const query::LocatorPick& pick,
+                       bool on_device) const {
+  if (on_device || pick.backend != accel::Backend::cpu)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      "mesh '" + mesh_name +
+                          "' is geodetic: it is located on the CPU, in host memory, not by " +
+                          accel::name(pick.method) + " on " + accel::name(pick.backend));
+}
+
+bool Geodetic::is_due(const mesh::Mesh& /*mesh*/, std::uint32_t changed) const {
+  return !built_ || (changed & (INSITU_CHANGED_TOPOLOGY | INSITU_CHANGED_GEOMETRY)) != 0;
+}
+
+StandIn::Found Geodetic::commit(mesh::Mesh& mesh, const insitu_frame& frame, std::uint32_t changed,
+                                const core::Threads& threads, const core::Log& log) {
+  Found found;
+  if (changed & INSITU_CHANGED_TOPOLOGY) { // nothing is read through ids that were not looked at
+    found.validation = cells::validate(mesh.name(), mesh.own_view(), threads);
+    if (!found.validation->findings.empty())
+      throw core::Error(INSITU_ERROR_MESH, found.validation->findings);
+  }
+  if (is_due(mesh, changed)) {
+    mesh.set_changed(INSITU_CHANGED_TOPOLOGY); // until it is done
+    mesh.set_stand_in(nullptr);
+    built_ = false;
+    found.other_cells = build(mesh,
+                              {frame.angle == INSITU_RADIANS, frame.length == INSITU_KILOMETRES,
+                               frame.vertical == INSITU_DOWN},
+                              threads);
+    built_ = true;
+    if (has_copies())
+      mesh.set_stand_in(this);
+    if (found.other_cells && has_copies())
+      log.info("mesh '" + mesh.name() + "': " + std::to_string(hidden_cells()) +
+               " cells wrap around or hold a pole; " + std::to_string(copied_cells()) +
+               " copies of cells there, " + std::to_string(bytes()) + " bytes");
+  } else {
+    fields_changed();
+  }
+  if (has_copies())
+    found.validation.reset(); // it is of cells that are hidden, too
+  return found;
+}
+
+void Geodetic::audit(std::vector<insitu_audit_entry>& entries) const {
+  if (!has_copies())
+    return;
+  insitu_audit_entry e{};
+  e.size = sizeof e;
+  std::snprintf(e.name, sizeof e.name, "copies of %lld cells",
+                static_cast<long long>(copied_cells()));
+  std::snprintf(e.reason, sizeof e.reason,
+                "located beyond the seam of longitude or on a pole's chart");
+  e.bytes = bytes();
+  entries.push_back(e);
+}
+
+/// True if the cells it stands in for are others than before (from none on).
 bool Geodetic::build(const mesh::Mesh& mesh, const geo::ChartUnits& units,
                      const core::Threads& threads) {
   own_ = &mesh.own_view();
@@ -219,7 +279,11 @@ void Geodetic::set_views(const mesh::MeshView& own) {
   view_.one_mesh = own.piece_count == 1;
 }
 
-std::int64_t Geodetic::own(std::int64_t flat) const {
+query::Location Geodetic::own(const query::Location& at, const math::Vec3d& /*p*/) const {
+  return at ? query::Location{own_cell(at.cell), at.parametric} : at;
+}
+
+std::int64_t Geodetic::own_cell(std::int64_t flat) const {
   if (!own_ || flat < own_->cell_count())
     return flat;
   const std::int32_t p = view_.piece_of(flat);

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "commit/standins/chart_cells.h"
+#include "commit/standins/stand_in.h"
 #include "core/memory.h"
-#include "mesh/registered/mesh.h"
 
 namespace insitu::commit {
 
@@ -17,35 +17,49 @@ namespace insitu::commit {
 /// all cells of these are there under their own ids, the hidden ones as ghosts. Fields are gathered
 /// to the copies when they are first asked for after a commit; vectors (3 components: east, north,
 /// up) of those at a pole are turned to its chart's east and north.
-class Geodetic final : public mesh::StandIn {
+class Geodetic final : public StandIn {
 public:
   explicit Geodetic(core::Memory& memory);
   ~Geodetic() override;
 
-  /// After the mesh's update(), when its cells or vertices changed. True if the cells it stands in
-  /// for are others than before (from none on). Throws INSITU_ERROR_MESH (find_chart_cells); it
-  /// then must not be used.
-  bool build(const mesh::Mesh& mesh, const geo::ChartUnits& units, const core::Threads& threads);
-  /// The solver's values changed: what was gathered is stale.
-  void fields_changed();
+  bool serves(const mesh::Mesh& mesh, const insitu_frame& frame) const override {
+    return !mesh.is_adaptive() && frame.kind == INSITU_FRAME_GEODETIC;
+  }
+  void require(const std::string& mesh_name, const query::LocatorPick& pick,
+               bool on_device) const override;
+  bool is_due(const mesh::Mesh& mesh, std::uint32_t changed) const override;
+  Found commit(mesh::Mesh& mesh, const insitu_frame& frame, std::uint32_t changed,
+               const core::Threads& threads, const core::Log& log) override;
+  bool is_made() const override { return false; }
+  const mesh::MeshView& keep(std::vector<std::int64_t>, const core::Threads&) override {
+    return view_;
+  }
 
-  const query::ChartImage& image() const { return image_; }
-  /// Otherwise the solver's cells are located as they are, and this does not stand in.
+  /// Without copies the solver's cells are located as they are.
+  bool stands() const override { return has_copies(); }
   bool has_copies() const { return !copies_.empty(); }
   std::int64_t copied_cells() const;
   std::int64_t hidden_cells() const { return std::int64_t(hidden_.size()); }
   std::int64_t bytes() const;
-  /// The solver's own cell, flat over its pieces.
-  std::int64_t own(std::int64_t flat) const;
 
   const mesh::MeshView& view() const override { return view_; }
   mesh::MeshView* solver_view() override { return &view_; }
   /// Thread-safe.
   mesh::FieldView field(const mesh::FieldView& own) override;
+  query::Location own(const query::Location& at, const math::Vec3d& p) const override;
+  const query::ChartImage& image() const { return image_; }
+  const query::ChartImage* chart() const override { return &image_; }
+  std::optional<Held> held() const override {
+    return Held{"copies of cells at the seam and the poles", bytes(), "a geodetic mesh"};
+  }
+  void audit(std::vector<insitu_audit_entry>& entries) const override;
 
 private:
   struct Copies;
   struct Gathered;
+  bool build(const mesh::Mesh& mesh, const geo::ChartUnits& units, const core::Threads& threads);
+  void fields_changed();
+  std::int64_t own_cell(std::int64_t flat) const;
   void copy(const mesh::MeshView& own, const std::vector<ChartCopy>& cells, geo::Pole pole,
             Copies& to) const;
   void hide(const mesh::MeshView& own, const core::Threads& threads);
@@ -53,6 +67,7 @@ private:
   void gather(const mesh::FieldView& own, Gathered& to) const;
 
   core::Memory* memory_;
+  bool built_ = false; ///< at the last commit that changed cells or vertices
   const mesh::MeshView* own_ = nullptr;
   query::ChartImage image_;
   std::vector<std::int64_t> hidden_;

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "query/batch/batch_answers.h"
+#include "query/batch/bit_tables.h"
 
 namespace insitu::query {
 

@@ -49,6 +49,9 @@ void CulledCells::make(const Sampler& sampler, const core::Threads& threads,
     return (shown_[std::size_t(i >> 6)] >> (i & 63)) & 1;
   });
   tree_.take_part(whole, slots_.span(), threads);
+  DualPlaces places = *sampler.locator().dual();
+  places.shown = shown_.data();
+  locator_.emplace(places);
 }
 
 } // namespace insitu::query

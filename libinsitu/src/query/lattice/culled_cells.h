@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "accel/tree/tree.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "query/lattice/place_locators.h"
 #include "query/sampler.h"
 
 namespace insitu::query {
@@ -30,8 +32,8 @@ public:
   /// Primitives in all, and of these those that are left out.
   std::int64_t primitives() const { return primitives_; }
   std::int64_t culled() const { return primitives_ - tree_.cell_count(); }
-  /// A bit a primitive, whether it is kept.
-  const std::uint64_t* shown() const { return shown_.data(); }
+  /// Finds points in the primitives that are kept alone; after make().
+  const PointLocator& locator() const { return *locator_; }
   std::int64_t bytes() const {
     return tree_.bytes() + std::int64_t(shown_.bytes() + slots_.bytes());
   }
@@ -41,6 +43,7 @@ private:
   core::Buffer<std::uint64_t> shown_; ///< a bit a primitive
   core::Buffer<std::uint64_t> slots_; ///< a bit a place in the whole tree's cells
   std::int64_t primitives_ = 0;
+  std::optional<DualLocator> locator_;
 };
 
 } // namespace insitu::query

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "query/lattice/adaptive.h"
+#include "query/lattice/dual_places.h"
 #include "query/lattice/frustum_query.h"
 #include "query/lattice/gridlet_query.h"
 
@@ -10,11 +10,12 @@ namespace insitu::query {
 /// that are frusta.
 class DualFinder {
 public:
-  /// adaptive: not `nearest`. hint: a cell that is tried first, or -1. shown: a bit a gridlet, and
-  /// then a bit a stitching cell, whether they may answer; null: all.
-  explicit DualFinder(const Adaptive& adaptive, std::int64_t hint = -1,
-                      const std::uint64_t* shown = nullptr)
-      : DualFinder(*adaptive.gridlets(), *adaptive.corners(), hint, shown) {}
+  /// hint: a cell that is tried first, or -1.
+  explicit DualFinder(const DualPlaces& at, std::int64_t hint = -1)
+      : places_(at.gridlets), lattice_(&places_->gridlets().lattice),
+        gridlets_(*places_, hint < places_->cell_count() ? hint : -1, at.shown),
+        frusta_(*at.corners, *lattice_, places_->cell_count(), at.shown,
+                places_->gridlets().count) {}
 
   static constexpr bool finds_all = false;
 
@@ -47,12 +48,6 @@ public:
   }
 
 private:
-  DualFinder(const GridletPlaces& places, const amr::CornerMap& corners, std::int64_t hint,
-             const std::uint64_t* shown)
-      : places_(&places), lattice_(&places.gridlets().lattice),
-        gridlets_(places, hint < places.cell_count() ? hint : -1, shown),
-        frusta_(corners, *lattice_, places.cell_count(), shown, places.gridlets().count) {}
-
   /// The gridlet of the last one's depth that has p, most likely.
   bool take_beside_last(const math::Vec3d& p) {
     std::int64_t lower[3];

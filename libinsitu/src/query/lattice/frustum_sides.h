@@ -6,7 +6,7 @@
 #include "amr/dual/corner_map.h"
 #include "math/expansion.h"
 #include "mesh/lattice.h"
-#include "query/sampler.h"
+#include "query/location.h"
 
 namespace insitu::query {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "mesh/gridlet.h"
-#include "query/sampler.h"
+#include "query/location.h"
 
 /// Points in gridlets and values there, a register full at a time; compiled per SIMD target and
 /// dispatched at run time. What comes out has the bits of GridletFinder and GridletValues, one by

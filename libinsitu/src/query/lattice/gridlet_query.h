@@ -10,7 +10,7 @@
 #include "query/batch/batch_answers.h"
 #include "query/lattice/gridlet_lanes.h"
 #include "query/lattice/gridlet_places.h"
-#include "query/sampler.h"
+#include "query/location.h"
 
 /// Points in gridlets: without a tree, and exactly, since the cells are boxes whose faces are
 /// doubles.

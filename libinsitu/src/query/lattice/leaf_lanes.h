@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "amr/leaves/leaf_map.h"
-#include "query/sampler.h"
+#include "query/location.h"
 
 /// Points that follow each other in an adaptive mesh's leaves of one depth, a register full at a
 /// time; compiled per SIMD target and dispatched at run time. What is found has the bits of

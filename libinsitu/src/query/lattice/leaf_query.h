@@ -4,7 +4,7 @@
 
 #include "amr/leaves/leaf_map.h"
 #include "query/lattice/leaf_lanes.h"
-#include "query/sampler.h"
+#include "query/location.h"
 
 namespace insitu::query {
 

@@ -4,9 +4,7 @@
 
 #include "core/count_bits.h"
 #include "query/batch/bit_tables.h"
-#include "query/lattice/adaptive.h"
 #include "query/lattice/dual_query.h"
-#include "query/locators.h"
 #include "query/point_query.h"
 #include "query/ray_bundle/ray_bundle_scratch.h"
 
@@ -26,13 +24,10 @@ RayBundleScratch& bundle_scratch() {
 RayBundleLocator::RayBundleLocator(const Sampler& sampler, const LocateOptions& options)
     : sampler_(sampler), options_(options), s_(bundle_scratch()) {
   const PointQuery query{sampler.mesh(), sampler.tree(), options};
-  const bool by_rule = options.accuracy == INSITU_FAST && sampler.locators_ &&
-                       sampler.locators_->rays(); // not by proof
-  const bool by_leaves = sampler.adaptive_ && !sampler.adaptive_->gridlets();
   const ProofRule proof = query.proof();
   ranked_ = sampler.mesh().piece_count > 1 || !proof.for_all();
   usable_ = !sampler.tree().empty() && proof.for_some() && options.alpha == 1.0 &&
-            proof.is_enough() && !by_rule && !by_leaves;
+            proof.is_enough() && sampler.locator().answers_by_proof(options);
 }
 
 /// Neighbours, four by four, into one group.
@@ -95,7 +90,7 @@ void RayBundleLocator::run(std::int64_t first, int depth, std::span<const std::u
   s_.rest.clear();
   if (!take_wanted(wanted))
     return;
-  if (usable_ && sampler_.adaptive_)
+  if (usable_ && sampler_.locator().dual())
     locate_by_place();
   if (usable_ && set_slab() && enter_all_cells()) {
     prove(false);
@@ -105,8 +100,7 @@ void RayBundleLocator::run(std::int64_t first, int depth, std::span<const std::u
       for_each_bit(s_.wanted[slot], [&](int k) { leave(place_of(k, slot)); });
   }
   locate_rest();
-  if (sampler_.counts_)
-    sampler_.counts_->add(s_.by_reason);
+  sampler_.count(s_.by_reason);
 }
 
 /// False if none is.
@@ -123,7 +117,7 @@ bool RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
 
 /// Without the tree, which is then asked for the others alone.
 void RayBundleLocator::locate_by_place() {
-  DualFinder finder(*sampler_.adaptive_, -1, sampler_.shown_);
+  DualFinder finder(*sampler_.locator().dual());
   Vec3d points[most_depth];
   std::uint16_t places[most_depth];
   Location at[most_depth];

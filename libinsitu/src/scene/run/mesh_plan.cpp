@@ -19,12 +19,10 @@ void plan_mesh(const commit::CommittedMesh& mesh, Plan& plan) {
   }
   if (!mesh.mesh().is_adaptive())
     plan.skip("dual mesh", "the mesh is not adaptive");
-  else if (mesh.mesh().reconstruction() == INSITU_DUAL)
-    held("dual mesh", mesh.amr_info().bytes, "built at the last regrid");
-  else
+  else if (mesh.mesh().reconstruction() != INSITU_DUAL)
     plan.skip("dual mesh", "the reconstruction is by nearest leaves");
-  if (const commit::Geodetic* geodetic = mesh.geodetic())
-    held("copies of cells at the seam and the poles", geodetic->bytes(), "a geodetic mesh");
+  if (const auto more = mesh.stand_in() ? mesh.stand_in()->held() : std::nullopt)
+    held(more->item, more->bytes, more->why);
 }
 
 } // namespace insitu::scene

@@ -1,12 +1,43 @@
-#include "query/lattice/adaptive.h"
+#include "commit/standins/adaptive.h"
 
+#include <utility>
+
+#include "core/status.h"
 #include "core/timer.h"
 
-namespace insitu::query {
+namespace insitu::commit {
+
+void Adaptive::require(const std::string& mesh_name, const query::LocatorPick& pick,
+                       bool on_device) const {
+  const std::string name = "mesh '" + mesh_name + "' is adaptive: ";
+  if (on_device)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED, name + "its arrays in device memory are not read");
+  if (pick.method != accel::Method::bvh || pick.backend != accel::Backend::cpu)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED, name + "it is located by bvh on the CPU, not by " +
+                                                    accel::name(pick.method) + " on " +
+                                                    accel::name(pick.backend));
+}
+
+bool Adaptive::is_due(const mesh::Mesh& mesh, std::uint32_t changed) const {
+  return !locator_ || stands() != (mesh.reconstruction() == INSITU_DUAL) ||
+         (changed & ~std::uint32_t(INSITU_CHANGED_FIELDS)) != 0;
+}
+
+StandIn::Found Adaptive::commit(mesh::Mesh& mesh, const insitu_frame& /*frame*/,
+                                std::uint32_t changed, const core::Threads& threads,
+                                const core::Log& /*log*/) {
+  const bool due = is_due(mesh, changed);
+  if (due)
+    build(mesh, threads);
+  else if (dual_)
+    dual_->fields_changed();
+  return {due, std::nullopt};
+}
 
 void Adaptive::build(mesh::Mesh& mesh, const core::Threads& threads) {
   const core::Timer timer;
   mesh.set_stand_in(nullptr);
+  locator_.reset();
   if (mesh.reconstruction() == INSITU_NEAREST) {
     dual_.reset();
     if (!leaves_)
@@ -16,19 +47,27 @@ void Adaptive::build(mesh::Mesh& mesh, const core::Threads& threads) {
   } else {
     leaves_.reset();
     if (!dual_)
-      dual_ = std::make_unique<DualStandIn>(*memory_);
+      dual_ = std::make_unique<DualCells>(*memory_);
     dual_->build(mesh, threads);
   }
   mask(mesh.adaptive(), threads);
   mesh.set_masked(leaves().masked_count() > 0 ? masked_.data() : nullptr);
   if (dual_)
-    mesh.set_stand_in(dual_.get());
+    locator_ = std::make_unique<query::DualLocator>(
+        query::DualPlaces{&dual_->places(), &dual_->dual().corners()});
+  else
+    locator_ = std::make_unique<query::LeafLocator>(*leaves_);
+  if (dual_)
+    mesh.set_stand_in(this);
   build_s_ = timer.seconds();
 }
 
-void Adaptive::fields_changed() {
+const mesh::MeshView& Adaptive::keep(std::vector<std::int64_t> first_cell,
+                                     const core::Threads& threads) {
   if (dual_)
-    dual_->fields_changed();
+    return view();
+  kept_ = std::make_unique<LeavesCopy>(*leaves_, std::move(first_cell), *memory_, threads);
+  return kept_->view();
 }
 
 void Adaptive::mask(const mesh::AmrView& mesh, const core::Threads& threads) {
@@ -54,14 +93,14 @@ void Adaptive::mask(const mesh::AmrView& mesh, const core::Threads& threads) {
   });
 }
 
-Location Adaptive::own(const Location& at, const math::Vec3d& p) const {
+query::Location Adaptive::own(const query::Location& at, const math::Vec3d& p) const {
   if (!at || !dual_)
     return at;
   const amr::LeafMap::Leaf leaf = leaves().lowest(p);
   if (!leaf) // between the boundary and its rounding
     return {};
   const mesh::Lattice& lattice = leaves().lattice();
-  Location own{std::int64_t(leaf.id), {}};
+  query::Location own{std::int64_t(leaf.id), {}};
   for (int a = 0; a < 3; ++a) {
     const double low = lattice.place(a, leaf.cell.depth, 2 * leaf.cell.index[a]);
     const double high = lattice.place(a, leaf.cell.depth, 2 * leaf.cell.index[a] + 2);
@@ -70,7 +109,13 @@ Location Adaptive::own(const Location& at, const math::Vec3d& p) const {
   return own;
 }
 
-insitu_amr_info Adaptive::info() const {
+std::optional<StandIn::Held> Adaptive::held() const {
+  if (!dual_)
+    return std::nullopt;
+  return Held{"dual mesh", amr_info()->bytes, "built at the last regrid"};
+}
+
+std::optional<insitu_amr_info> Adaptive::amr_info() const {
   insitu_amr_info info = insitu_amr_info_default();
   info.leaves = leaves().leaf_count();
   info.masked = leaves().masked_count();
@@ -88,4 +133,4 @@ insitu_amr_info Adaptive::info() const {
   return info;
 }
 
-} // namespace insitu::query
+} // namespace insitu::commit

@@ -1,4 +1,4 @@
-#include "commit/earlier/leaves_copy.h"
+#include "commit/standins/leaves_copy.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,11 +1,11 @@
-#include "query/lattice/dual_stand_in.h"
+#include "commit/standins/dual_cells.h"
 
 #include <algorithm>
 #include <limits>
 
 #include "amr/values/leaf_gradient.h"
 
-namespace insitu::query {
+namespace insitu::commit {
 
 namespace {
 
@@ -39,7 +39,7 @@ private:
 
 } // namespace
 
-struct DualStandIn::Gathered {
+struct DualCells::Gathered {
   explicit Gathered(core::Memory& memory) : bytes(memory, INSITU_MEMORY_GATHERED) {}
 
   std::string name;
@@ -50,11 +50,11 @@ struct DualStandIn::Gathered {
   std::vector<mesh::FieldPieceView> views;
 };
 
-DualStandIn::DualStandIn(core::Memory& memory) : memory_(&memory), dual_(memory), places_(memory) {}
+DualCells::DualCells(core::Memory& memory) : memory_(&memory), dual_(memory), places_(memory) {}
 
-DualStandIn::~DualStandIn() = default;
+DualCells::~DualCells() = default;
 
-void DualStandIn::build(const mesh::Mesh& mesh, const core::Threads& threads) {
+void DualCells::build(const mesh::Mesh& mesh, const core::Threads& threads) {
   own_ = &mesh.own_view();
   threads_ = &threads;
   fields_.clear();
@@ -62,19 +62,19 @@ void DualStandIn::build(const mesh::Mesh& mesh, const core::Threads& threads) {
   places_.build(*dual_.view().pieces[0].gridlets, dual_.leaves(), threads);
 }
 
-void DualStandIn::fields_changed() {
+void DualCells::fields_changed() {
   for (const auto& f : fields_)
     f->fresh = false;
 }
 
-std::int64_t DualStandIn::value_bytes() const {
+std::int64_t DualCells::value_bytes() const {
   std::int64_t sum = 0;
   for (const auto& f : fields_)
     sum += std::int64_t(f->bytes.bytes());
   return sum;
 }
 
-mesh::FieldView DualStandIn::field(const mesh::FieldView& own) {
+mesh::FieldView DualCells::field(const mesh::FieldView& own) {
   const std::lock_guard lock(mutex_);
   const auto known = std::find_if(fields_.begin(), fields_.end(),
                                   [&](const auto& f) { return f->name == own.name; });
@@ -89,7 +89,7 @@ mesh::FieldView DualStandIn::field(const mesh::FieldView& own) {
   return {g.name.c_str(), INSITU_VERTEX, g.components, g.views.data()};
 }
 
-void DualStandIn::gather(const mesh::FieldView& own, Gathered& to) const {
+void DualCells::gather(const mesh::FieldView& own, Gathered& to) const {
   const mesh::MeshView& dual = dual_.view();
   const int n = to.components = own.components;
   bool all_float32 = true;
@@ -142,4 +142,4 @@ void DualStandIn::gather(const mesh::FieldView& own, Gathered& to) const {
   }
 }
 
-} // namespace insitu::query
+} // namespace insitu::commit

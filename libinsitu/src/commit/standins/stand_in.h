@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cells/checks/validate.h"
+#include "core/log.h"
+#include "mesh/registered/mesh.h"
+#include "query/chart_image.h"
+#include "query/locator_choice.h"
+#include "query/point_locator.h"
+
+namespace insitu::commit {
+
+/// What a kind of mesh needs whose points are not simply located in the solver's cells: other cells
+/// in their place (view(), if stands()), a locator of its own, a chart. A committed mesh has at most
+/// one, and asks it instead of asking what the mesh is. A new kind of mesh is a new stand-in here
+/// and a line in make_stand_in().
+class StandIn : public mesh::StandIn {
+public:
+  /// Whether this is the stand-in for the mesh as it is registered by now.
+  virtual bool serves(const mesh::Mesh& mesh, const insitu_frame& frame) const = 0;
+  /// Throws INSITU_ERROR_UNSUPPORTED, by the mesh's name, where points cannot be located so.
+  virtual void require(const std::string& mesh_name, const query::LocatorPick& pick,
+                       bool on_device) const = 0;
+
+  /// What a commit found.
+  struct Found {
+    bool other_cells = false; ///< than before
+    /// Of the solver's cells, where these were looked at and are located as they are.
+    std::optional<cells::Validation> validation;
+  };
+  /// Whether a commit of these changes (INSITU_CHANGED_*) makes cells anew.
+  virtual bool is_due(const mesh::Mesh& mesh, std::uint32_t changed) const = 0;
+  /// Brings the cells up to date with the mesh, after its update(), and puts them in place.
+  /// Throws core::Error; the stand-in then must not be used but for another commit.
+  virtual Found commit(mesh::Mesh& mesh, const insitu_frame& frame, std::uint32_t changed,
+                       const core::Threads& threads, const core::Log& log) = 0;
+
+  /// True: the cells are made from the solver's (a dual, leaves), right by construction, without
+  /// vertices of the solver's that move, and go with the step they are of (keep()). False: they are
+  /// the solver's, some of them in copies elsewhere.
+  virtual bool is_made() const = 0;
+  /// The cells of a step that has passed, if is_made(): without the solver's arrays from now on.
+  /// first_cell: of the solver's pieces, [piece count + 1].
+  virtual const mesh::MeshView& keep(std::vector<std::int64_t> first_cell,
+                                     const core::Threads& threads) = 0;
+  /// Whether view() is in place; if not, points are located in the solver's cells.
+  virtual bool stands() const = 0;
+
+  /// A location as the solver counts cells, flat over its pieces; at may be outside.
+  virtual query::Location own(const query::Location& at, const math::Vec3d& p) const = 0;
+  /// How points find these cells; null: as in any mesh.
+  virtual const query::PointLocator* locator() const { return nullptr; }
+  /// Where points of the mesh's frame lie among the cells; null: where they are.
+  virtual const query::ChartImage* chart() const { return nullptr; }
+
+  /// Memory that is held with the mesh: what for, bytes, why.
+  struct Held {
+    const char* item;
+    std::int64_t bytes;
+    const char* why;
+  };
+  virtual std::optional<Held> held() const = 0;
+  /// Adds copies of the solver's arrays.
+  virtual void audit(std::vector<insitu_audit_entry>& /*entries*/) const {}
+  /// Of adaptive meshes.
+  virtual std::optional<insitu_amr_info> amr_info() const { return std::nullopt; }
+};
+
+/// The stand-in for the mesh as it is registered; null if it needs none. Throws
+/// INSITU_ERROR_UNSUPPORTED for a kind of mesh in a frame that it cannot be located in.
+std::unique_ptr<StandIn> make_stand_in(const mesh::Mesh& mesh, const insitu_frame& frame,
+                                       core::Memory& memory);
+
+} // namespace insitu::commit
