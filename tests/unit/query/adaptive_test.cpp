@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cells/kernels/faces.h"
-#include "commit/earlier/leaves_copy.h"
+#include "commit/standins/leaves_copy.h"
 #include "core/random.h"
 #include "mesh/box.h"
 #include "query/lattice/gridlet_query.h"
