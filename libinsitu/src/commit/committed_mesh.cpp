@@ -286,6 +286,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
         mesh_.set_one_mesh(false);
       mesh_.set_covers_once(false);
       ++geometry_version_;
+      facts_.forget();
     }
     if (lies_on_device())
       commit_on_device(pending, report, threads, log);

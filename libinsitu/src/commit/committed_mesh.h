@@ -16,6 +16,7 @@
 #include "core/log.h"
 #include "mesh/registered/mesh.h"
 #include "query/batch/order.h"
+#include "query/facts_cache.h"
 #include "query/locators.h"
 #include "query/sampler.h"
 
@@ -88,7 +89,8 @@ public:
             &locate_counts_,
             own ? own : &locators_.point_locator(),
             stand_in_ ? stand_in_->chart() : nullptr,
-            neighbours_.get()};
+            neighbours_.get(),
+            &facts_};
   }
   /// A location as the solver counts cells, flat over the pieces of mesh().own_view(): the same
   /// unless a stand-in has other cells.
@@ -173,6 +175,7 @@ private:
   std::unique_ptr<StandIn> stand_in_; ///< of meshes that need one
   std::unique_ptr<accel::FaceNeighbours> neighbours_;
   std::int64_t unguided_before_ = 0;  ///< points, when the topology last changed
+  query::FactsCache facts_;
   mutable query::SpatialOrder order_; ///< scratch of queries
   mutable query::LocateCounts locate_counts_;
   core::Memory* memory_;

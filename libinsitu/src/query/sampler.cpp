@@ -9,6 +9,7 @@
 #include "query/batch/order.h"
 #include "query/batch/tree_locator.h"
 #include "query/chart_image.h"
+#include "query/facts_cache.h"
 #include "query/lattice/culled_cells.h"
 #include "query/point_query.h"
 #include "query/proof.h"
@@ -68,9 +69,13 @@ void store(const Answered& answered, std::span<Location> locations,
 
 Sampler::Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrder* order,
                  LocateCounts* counts, const PointLocator* locator, const ChartImage* chart,
-                 const accel::FaceNeighbours* neighbours)
+                 const accel::FaceNeighbours* neighbours, const FactsCache* facts)
     : mesh_(&mesh), tree_(&tree), order_(order), counts_(counts),
-      locator_(locator ? locator : &TreeLocator::plain()), chart_(chart), neighbours_(neighbours) {
+      locator_(locator ? locator : &TreeLocator::plain()), chart_(chart), neighbours_(neighbours),
+      facts_(facts) {}
+
+mesh::MeshFacts Sampler::facts(const core::Threads* threads) const {
+  return facts_ ? facts_->of(*mesh_, threads) : mesh::find_facts(*mesh_, threads);
 }
 
 bool Sampler::owns(std::int64_t flat) const {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "mesh/view.h"
+#include "mesh/facts.h"
 #include "query/point_locator.h"
 
 namespace insitu::accel {
@@ -14,6 +14,7 @@ class Tree;
 namespace insitu::query {
 
 class CulledCells;
+class FactsCache;
 class SpatialOrder;
 struct ChartImage;
 
@@ -26,13 +27,17 @@ public:
   /// the answers are counted in, or null. locator: how points find their cells; null: by the tree.
   /// chart: of a geodetic mesh, whose points are located by their images; else null. neighbours:
   /// of the mesh's cells, for callers that go from cell to cell, where they are known; else null.
+  /// facts: where facts of the mesh are kept; null: they are found each time.
   Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrder* order = nullptr,
           LocateCounts* counts = nullptr, const PointLocator* locator = nullptr,
-          const ChartImage* chart = nullptr, const accel::FaceNeighbours* neighbours = nullptr);
+          const ChartImage* chart = nullptr, const accel::FaceNeighbours* neighbours = nullptr,
+          const FactsCache* facts = nullptr);
 
   const mesh::MeshView& mesh() const { return *mesh_; }
   const accel::Tree& tree() const { return *tree_; }
   const PointLocator& locator() const { return *locator_; }
+  /// Of the mesh as a whole, found when first asked for. threads: null: on the calling thread.
+  mesh::MeshFacts facts(const core::Threads* threads = nullptr) const;
   const ChartImage* chart() const { return chart_; }
   const accel::FaceNeighbours* neighbours() const { return neighbours_; }
   /// The same for points that are images already (ChartImage); vectors in cells on a turned chart
@@ -129,6 +134,7 @@ private:
   const PointLocator* locator_;
   const ChartImage* chart_;
   const accel::FaceNeighbours* neighbours_;
+  const FactsCache* facts_;
 };
 
 } // namespace insitu::query

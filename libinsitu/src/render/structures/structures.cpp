@@ -33,6 +33,7 @@ void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, st
     culled_.clear();
     triangles_.erase(std::string());
   }
+  (void)sampler.facts(&threads); // which all frames ask for, without threads
   sampler_ = std::make_unique<query::Sampler>(sampler);
   threads_ = &threads;
   geometry_ = geometry;

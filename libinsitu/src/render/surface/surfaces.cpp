@@ -4,17 +4,13 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "render/volume/ray_step.h"
 
 namespace insitu::render {
 
 namespace {
 
 using math::Vec3d;
-
-double diagonal_of(const query::Sampler& sampler) {
-  const Vec3d d = sampler.tree().bounds_max() - sampler.tree().bounds_min();
-  return std::sqrt(dot(d, d));
-}
 
 /// Above a surface by this part of the cell's thickness, a ray does not meet it again for rounding:
 /// roots are found to 1e-11 of it.
@@ -26,7 +22,7 @@ constexpr double clearance_of_coordinates = 0x1p-48;
 
 Surfaces::Surfaces(const query::Sampler& sampler, const FrameSettings& settings,
                    Structures& structures)
-    : sampler_(sampler), settings_(settings), diagonal_(diagonal_of(sampler)) {
+    : sampler_(sampler), settings_(settings), diagonal_(mesh_diagonal(sampler)) {
   if (!settings.isosurfaces.empty())
     isosurfaces_.emplace(sampler, settings.isosurfaces, structures, settings.lighting.enabled);
   if (isosurfaces_)
@@ -34,9 +30,11 @@ Surfaces::Surfaces(const query::Sampler& sampler, const FrameSettings& settings,
   if (settings.boundary || !settings.bodies.empty())
     triangles_.emplace(sampler, settings.boundary, settings.bodies, first_triangle_surface_,
                        structures);
-  if (settings.outline)
-    outline_.emplace(*settings.outline, settings.camera, settings.width, settings.height,
-                     sampler.tree().bounds_min(), sampler.tree().bounds_max(), structures.memory());
+  if (settings.outline) {
+    const mesh::Box box = sampler.facts().bounds;
+    outline_.emplace(*settings.outline, settings.camera, settings.width, settings.height, box.low,
+                     box.high, structures.memory());
+  }
   if (settings.lighting.enabled)
     shader_.emplace(settings.lighting, 0.1 * diagonal_);
   if (!settings.lighting.volume_shadows || !settings.volume)

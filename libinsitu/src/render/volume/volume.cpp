@@ -61,14 +61,9 @@ VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings
       unit_distance_(unit_distance_of(sampler, settings)), sample_group_(settings.sample_group),
       clipped_(clipped), majorants_(settings.skip_empty ? structures.majorants : nullptr),
       low_(sampler.tree().bounds_min()), high_(sampler.tree().bounds_max()) {
-  // Trees round their boxes outwards by 2^-22, see accel::round_down. Taken back, but for half a
-  // float's rounding, that is where the mesh ends.
-  const Vec3d& origin = sampler.tree().origin();
-  for (int a = 0; a < 3; ++a) {
-    const double low = low_[a] - origin[a], high = high_[a] - origin[a];
-    inner_low_[a] = origin[a] + low / (1 - std::copysign(0x1p-22, low));
-    inner_high_[a] = origin[a] + high / (1 + std::copysign(0x1p-22, high));
-  }
+  const mesh::Box ends = sampler.facts().bounds; // trees round their boxes outwards
+  inner_low_ = ends.low;
+  inner_high_ = ends.high;
   check(settings);
   options_.accuracy = settings.accuracy;
   options_.coordinates = settings.field.field.association != INSITU_CELL;

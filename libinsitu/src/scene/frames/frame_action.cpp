@@ -97,8 +97,9 @@ private:
     settings.camera = settings_.camera(camera.camera, mesh, step, drawn_);
     output::BoxTicks ticks;
     if (frame_.outline && frame_.outline->ticks) {
+      const mesh::Box box = mesh.sampler().facts().bounds;
       ticks = output::box_ticks(settings.camera, settings.width, settings.height,
-                                mesh.tree().bounds_min(), mesh.tree().bounds_max());
+                                box.low, box.high);
       settings.outline->ticks = ticks.lines;
     }
     if (!accumulations_.empty())

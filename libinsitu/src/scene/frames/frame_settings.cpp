@@ -362,7 +362,8 @@ render::Camera placed_along(const Camera& camera, double place, const Bounds& bo
 
 render::Camera FrameSettingsMaker::camera(const Camera& from, const commit::CommittedMesh& mesh,
                                           const Step& step, std::int64_t drawn) const {
-  const Bounds bounds{mesh.tree().bounds_min(), mesh.tree().bounds_max(), aspect_of(frame_)};
+  const mesh::Box box = mesh.sampler().facts().bounds;
+  const Bounds bounds{box.low, box.high, aspect_of(frame_)};
   const double place = from.path_by_time ? step.time : double(step.cycle);
   const bool is_placed = (from.path.empty() ? from.position : from.path[0].position).has_value();
   const Viewpoint view = from.path.empty() || is_placed ? Viewpoint(from) : view_along(from, place);
