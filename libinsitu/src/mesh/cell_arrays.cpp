@@ -7,7 +7,7 @@ namespace insitu::mesh {
 bool CellArrays::make(const PieceView& p, CellArrays& m) {
   const ItemLayout& layout = p.points.layout;
   const bool block = p.layout == CellLayout::block;
-  if (p.implicit_points || p.gridlets || p.leaves || (!layout.linear && !block))
+  if (p.implicit_points || !p.shares_vertices() || (!layout.linear && !block))
     return false;
   m.layout = p.layout;
   if (block) {

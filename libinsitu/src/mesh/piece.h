@@ -144,9 +144,48 @@ struct PieceView {
     return ghosts || layout == CellLayout::gridlets || (leaves && leaves->masked);
   }
 
-  /// What trees hold: cells, but whole gridlets, which go by the id of their first cell.
-  INSITU_HD std::int64_t cells_an_item() const {
-    return layout == CellLayout::gridlets ? Gridlet::most_cells : 1;
+  // What trees hold are items: cells, or runs of cells (gridlets), which go by their first cell.
+
+  /// Cells come in runs. A vertex is then found through its run: a cell's vertices come from
+  /// cell_points(), and not one by one from their ids.
+  INSITU_HD bool in_runs() const { return layout == CellLayout::gridlets; }
+  INSITU_HD std::int64_t cells_an_item() const { return in_runs() ? Gridlet::most_cells : 1; }
+  /// The cells of the item that begins at `cell` that own points: how many, and the first of them.
+  struct ItemCells {
+    std::int64_t count, first;
+  };
+  INSITU_HD ItemCells item_cells(std::int64_t cell) const {
+    ItemCells found{0, cell};
+    for (std::int64_t c = cell + cells_an_item(); c-- > cell;)
+      if (owns(c))
+        found = {found.count + 1, c};
+    return found;
+  }
+  /// visit(vertex) for all vertices of the item that `cell` begins, in a cell's order or ascending.
+  template <class Visit>
+  void for_each_item_vertex(std::int64_t cell, Visit&& visit) const {
+    if (in_runs()) {
+      const Gridlet& g = gridlets->gridlets[cell >> Gridlet::cell_bits];
+      for (std::int64_t v = g.first, end = v + g.vertex_count(); v < end; ++v)
+        visit(v);
+      return;
+    }
+    std::int64_t ids[8];
+    const int n = vertex_ids(cell, ids);
+    for (int v = 0; v < n; ++v)
+      visit(ids[v]);
+  }
+  /// Neighbouring cells of the piece have the ids of their common vertices in common.
+  INSITU_HD bool shares_vertices() const {
+    return layout != CellLayout::gridlets && layout != CellLayout::leaves;
+  }
+  /// The coordinates of a cell's vertices: ids[count], as vertex_ids() tells them.
+  INSITU_HD void cell_points(std::int64_t cell, const std::int64_t* ids, int count,
+                             math::Vec3d* x) const {
+    if (in_runs())
+      return gridlets->points(cell, x);
+    for (int v = 0; v < count; ++v)
+      x[v] = point(ids[v]);
   }
 
   /// Id v of 8 in the padded layout, as the solver counts; -1 is padding.

@@ -70,6 +70,11 @@ struct MeshView {
   INSITU_HD std::int64_t cell_count() const { return first_cell[piece_count]; }
   INSITU_HD std::int64_t vertex_count() const { return first_vertex[piece_count]; }
 
+  /// Cells below this flat id come in runs (PieceView::in_runs): those of the first piece, or none.
+  INSITU_HD std::int64_t first_single_cell() const {
+    return piece_count > 0 && pieces[0].in_runs() ? first_cell[1] : 0;
+  }
+
   /// The piece that holds a flat cell id.
   INSITU_HD std::int32_t piece_of(std::int64_t flat_cell) const {
     std::int32_t lo = 0, hi = piece_count - 1;
@@ -95,10 +100,7 @@ struct CellVertices {
 
 /// The coordinates of the vertices in out.ids, those of the piece's cell.
 INSITU_HD inline void gather_points(const PieceView& piece, std::int64_t cell, CellVertices& out) {
-  if (piece.gridlets) // ids alone would have to be searched for
-    return piece.gridlets->points(cell, out.x);
-  for (int v = 0; v < out.count; ++v)
-    out.x[v] = piece.point(out.ids[v]);
+  piece.cell_points(cell, out.ids, out.count, out.x);
 }
 
 /// Gathers a cell. alpha blends the earlier (0) and the current (1) coordinates; it must be 1 if

@@ -81,7 +81,7 @@ int PointQuery::tries() const {
 
 /// The lowest of the candidates' cells in gridlets that hold p: the owner, since other cells have
 /// higher ids.
-Location PointQuery::locate_in_gridlets(std::span<const Candidate> candidates, const Vec3d& p,
+Location PointQuery::locate_in_runs(std::span<const Candidate> candidates, const Vec3d& p,
                                         Reason& reason) const {
   const mesh::GridletsView* const gridlets = gridlets_of(mesh);
   Location best;
@@ -106,9 +106,9 @@ Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
   if (tree.empty() || !box_rule().box(p, lower, upper))
     return best;
   const std::span<const Candidate> candidates = candidates_in(lower, upper);
-  const std::uint32_t first = std::uint32_t(first_stored_cell());
+  const std::uint32_t first = std::uint32_t(mesh.first_single_cell());
   if (first > 0)
-    if (const Location at = locate_in_gridlets(candidates, p, reason))
+    if (const Location at = locate_in_runs(candidates, p, reason))
       return at;
   mesh::CellVertices cell;
   std::uint64_t tried = ~std::uint64_t(0);

@@ -44,10 +44,6 @@ struct PointQuery {
   /// first by Newton's method.
   int tries() const;
   ProofRule proof() const { return {mesh, tree, options}; }
-  /// Cells below are gridlets', whose candidates stand for whole gridlets.
-  std::int64_t first_stored_cell() const {
-    return mesh.piece_count > 0 && mesh.pieces[0].gridlets ? mesh.first_cell[1] : 0;
-  }
   /// The cells whose boxes meet a box in the tree's frame; the memory is the thread's, until the
   /// next call.
   std::span<const Candidate> candidates_in(const float* lower, const float* upper) const;
@@ -55,7 +51,7 @@ struct PointQuery {
   Location locate(const math::Vec3d& p, Reason& reason) const;
 
 private:
-  Location locate_in_gridlets(std::span<const Candidate> candidates, const math::Vec3d& p,
+  Location locate_in_runs(std::span<const Candidate> candidates, const math::Vec3d& p,
                               Reason& reason) const;
 };
 

@@ -100,7 +100,7 @@ FaceNeighbours::FaceNeighbours(core::Memory& memory)
 
 bool FaceNeighbours::fits(const mesh::MeshView& mesh) {
   for (std::int32_t p = 0; p < mesh.piece_count; ++p)
-    if (mesh.pieces[p].gridlets || mesh.pieces[p].leaves)
+    if (!mesh.pieces[p].shares_vertices())
       return false;
   return mesh.cell_count() < std::int64_t(none) && mesh.vertex_count() < std::int64_t(none);
 }

@@ -53,17 +53,7 @@ void ValueRanges::refresh(const Tree& tree, const mesh::MeshView& mesh,
     };
     if (field.association == INSITU_CELL)
       return add(cell);
-    const mesh::PieceView& piece = mesh.pieces[p];
-    if (piece.gridlets) {
-      const mesh::Gridlet& g = piece.gridlets->gridlets[cell >> mesh::Gridlet::cell_bits];
-      for (std::int64_t v = g.first, end = v + g.vertex_count(); v < end; ++v)
-        add(v);
-      return;
-    }
-    std::int64_t ids[8];
-    const int n = piece.vertex_ids(cell, ids);
-    for (int v = 0; v < n; ++v)
-      add(ids[v]);
+    mesh.pieces[p].for_each_item_vertex(cell, add);
   };
 
   const Node* nodes = tree.nodes();

@@ -117,7 +117,7 @@ HWY_EXPORT(choose_loop);
 CellGather::CellGather(const mesh::MeshView& mesh, double alpha) : mesh_(&mesh), alpha_(alpha) {
   if (mesh.piece_count == 1)
     only_ = 0;
-  else if (mesh.piece_count == 2 && mesh.pieces[0].gridlets)
+  else if (mesh.piece_count == 2 && mesh.pieces[0].in_runs())
     only_ = 1;
   else
     return;

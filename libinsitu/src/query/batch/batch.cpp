@@ -38,8 +38,8 @@ void BatchLocator::run(std::span<const Vec3d> points, std::span<const Location> 
     return;
   set_boxes(rule_, points, s_.boxes);
   find_candidates(query_.tree, s_.boxes, s_.traversal);
-  if (query_.first_stored_cell() > 0)
-    claim_in_gridlets(points);
+  if (query_.mesh.first_single_cell() > 0)
+    claim_in_runs(points);
   if (const int tries = known.empty() ? query_.tries() : 0; tries > 0 && try_likeliest(tries))
     return;
   const Candidate* candidates = s_.traversal.candidates.data();
@@ -58,10 +58,10 @@ void BatchLocator::run(std::span<const Vec3d> points, std::span<const Location> 
 }
 
 /// Takes gridlets out of the candidates, and claims their cells.
-void BatchLocator::claim_in_gridlets(std::span<const Vec3d> points) {
+void BatchLocator::claim_in_runs(std::span<const Vec3d> points) {
   TraversalScratch& t = s_.traversal;
   Candidate* const candidates = t.candidates.data();
-  const std::int64_t first = query_.first_stored_cell();
+  const std::int64_t first = query_.mesh.first_single_cell();
   const mesh::GridletsView& gridlets = *gridlets_of(query_.mesh);
   std::size_t kept = 0;
   for (std::size_t c = 0; c < t.found; ++c) {

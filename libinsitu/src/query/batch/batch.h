@@ -40,7 +40,7 @@ public:
   std::span<const Reason> reasons() const { return {reason_, std::size_t(count_)}; }
 
 private:
-  void claim_in_gridlets(std::span<const math::Vec3d> points);
+  void claim_in_runs(std::span<const math::Vec3d> points);
   bool try_likeliest(int tries);
   template <bool ProofIsEnough>
   void set_aside(const std::uint64_t* untried);

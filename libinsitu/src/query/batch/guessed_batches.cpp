@@ -88,7 +88,7 @@ bool GuessedBatches::may_pay(const PointQuery& query) {
   const mesh::MeshView& mesh = query.mesh;
   const ProofRule proof = query.proof();
   return proof.for_some() && query.options.alpha == 1.0 && proof.is_enough() &&
-         (mesh.piece_count == 1 || mesh.one_mesh) && query.first_stored_cell() == 0;
+         (mesh.piece_count == 1 || mesh.one_mesh) && mesh.first_single_cell() == 0;
 }
 
 /// Guesses at cells that own no point are taken back, and those for points for which a proof does

@@ -153,10 +153,9 @@ bool RayBundleLocator::enter_all_cells() {
   s_.runs.clear();
   if (samples == 0)
     return true;
-  const PointQuery query{mesh, sampler_.tree(), options_};
   std::size_t found = 0;
   // A cell takes as long as a sample does by itself.
-  if (!find_cells(sampler_.tree(), slab, std::uint32_t(query.first_stored_cell()),
+  if (!find_cells(sampler_.tree(), slab, std::uint32_t(mesh.first_single_cell()),
                   std::size_t(samples) * 3 / 4, s_.found, found))
     return false;
   for (int k = 0; k < depth_; ++k) {

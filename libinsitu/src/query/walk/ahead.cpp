@@ -41,8 +41,6 @@ bool meets_cells_ahead(const Sampler& sampler, const Vec3d& from, const Vec3d& d
   const Vec3d p = from - tree.origin();
   const double wider = alpha == 1.0 ? 0.0 : mesh.largest_displacement;
   const cells::RaySpace space({from, direction});
-  const std::int64_t in_gridlets =
-      mesh.piece_count > 0 && mesh.pieces[0].gridlets ? mesh.first_cell[1] : 0;
   std::vector<std::uint32_t> stack{0};
   while (!stack.empty()) {
     const accel::Node& node = tree.nodes()[stack.back()];
@@ -56,7 +54,7 @@ bool meets_cells_ahead(const Sampler& sampler, const Vec3d& from, const Vec3d& d
       }
       for (int k = 0; k < node.child_cell_count(c); ++k) {
         const std::int64_t flat = tree.cells()[node.child_cells(c) + std::uint32_t(k)];
-        if (flat < in_gridlets)
+        if (flat < mesh.first_single_cell())
           return true;
         mesh::CellVertices cell;
         mesh::gather(mesh, flat, cell, alpha);

@@ -99,7 +99,7 @@ std::optional<Vec3d> nearest_inside(const Sampler& sampler, const Vec3d& p, doub
   };
   for (const Candidate& candidate : query.candidates_in(lower, upper)) {
     const std::int64_t flat = sampler.tree().cells()[candidate.slot];
-    if (flat < query.first_stored_cell()) { // it stands for a gridlet
+    if (flat < mesh.first_single_cell()) { // it stands for a gridlet
       const mesh::GridletsView& all = *gridlets_of(mesh);
       const std::int64_t gridlet = flat >> mesh::Gridlet::cell_bits;
       const mesh::Gridlet& g = all.gridlets[gridlet];

@@ -98,7 +98,7 @@ std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
   core::CountedVector<Face> faces(counted);
   bool apart = mesh.piece_count > 1;
   for (std::int32_t p = 0; p < mesh.piece_count; ++p)
-    apart = apart || mesh.pieces[p].gridlets;
+    apart = apart || mesh.pieces[p].in_runs();
   {
     accel::MeshFaces table(memory);
     table.build(mesh, threads);
@@ -220,7 +220,7 @@ std::int64_t TriangleMesh::most_bytes_while_made(const mesh::MeshView& mesh,
   // What is taken from the table is no more than it held, but for what finds pairs among pieces.
   bool apart = mesh.piece_count > 1;
   for (std::int32_t p = 0; p < mesh.piece_count; ++p)
-    apart = apart || mesh.pieces[p].gridlets;
+    apart = apart || mesh.pieces[p].in_runs();
   return (apart ? 3 : 1) * accel::MeshFaces::most_bytes_while_built(mesh, threads);
 }
 

@@ -57,8 +57,8 @@ public:
   explicit OwningCells(const query::Sampler& sampler)
       : tree_(sampler.tree()), mesh_(sampler.mesh()), gather_(sampler.mesh(), 1.0) {}
 
-  /// visit(columns), from any thread, of all owning cells, but those of gridlets where
-  /// whole(gridlet), asked first, is true.
+  /// visit(columns), from any thread, of all owning cells, but those of runs where
+  /// whole(number of the run), asked first, is true.
   template <class Whole, class Visit>
   void for_each(const core::Threads& threads, Whole&& whole, Visit&& visit) const {
     // In the tree's order, in which threads are far apart.
@@ -76,15 +76,15 @@ public:
         const std::int64_t flat = tree_.cells()[at];
         const std::int32_t p = mesh_.piece_of(flat);
         const mesh::PieceView& piece = mesh_.pieces[p];
-        if (!piece.gridlets) {
+        if (!piece.in_runs()) {
           add(int(gather_.shape(flat)), flat);
           continue;
         }
-        if (whole(flat >> mesh::Gridlet::cell_bits)) // of the first piece
+        if (whole(flat / piece.cells_an_item())) // of the first piece
           continue;
         for (std::int64_t k = 0; k < piece.cells_an_item(); ++k)
           if (piece.owns(flat - mesh_.first_cell[p] + k))
-            add(of_gridlets, flat + k);
+            add(of_runs, flat + k);
       }
       for (int shape = 0; shape < kinds; ++shape)
         while (scratch->waiting[std::size_t(shape)].count > 0)
@@ -93,7 +93,7 @@ public:
   }
 
 private:
-  static constexpr int of_gridlets = 0;                      ///< where Shape::none would be
+  static constexpr int of_runs = 0;                          ///< where Shape::none would be
   static constexpr int most_waiting = 2 * CellColumns::size; ///< the second half is asked for early
   static constexpr int kinds = int(mesh::Shape::pyramid) + 1;
   struct Waiting {
@@ -110,7 +110,7 @@ private:
     const int n = std::min(cells.count, CellColumns::size), more = cells.count - n;
     to.count_ = n;
     std::copy_n(cells.flat, n, to.flat_);
-    if (shape == of_gridlets) {
+    if (shape == of_runs) {
       to.shape_ = mesh::Shape::voxel;
       mesh::CellVertices cell;
       for (int k = 0; k < n; ++k) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -45,14 +44,8 @@ struct CellSizes {
       const std::int64_t flat = tree.cells()[i * items / count];
       mesh::gather(mesh, flat, cell);
       const mesh::Box box = mesh::box_of(cell);
-      const mesh::GridletsView* gridlets = mesh.pieces[cell.piece].gridlets;
-      double weight = 1;
-      if (gridlets) {
-        const std::int64_t first = (flat - mesh.first_cell[cell.piece]) >> 6;
-        weight = 0;
-        for (int k = 0; k < mesh::Gridlet::side; ++k)
-          weight += std::popcount(gridlets->full[first + k]);
-      }
+      const mesh::PieceView& piece = mesh.pieces[cell.piece];
+      const double weight = double(piece.item_cells(flat - mesh.first_cell[cell.piece]).count);
       picked.push_back({box.size(), weight});
       weights += weight;
       mean += weight * picked.back().extent;
