@@ -19,8 +19,8 @@
 !!   insitu_error_*; session%message() then names the argument and the numbers. Options follow ierr,
 !!   by keyword.
 !! - Arrays are external: the library keeps their address and reads them in place from the commit
-!!   on. They need the target attribute (the compiler says so if it is missing). The library takes
-!!   sections as they are, padded columns, ghost levels, strides and reversed ones, and copies
+!!   on. Each array needs the target attribute (the compiler says so if it is missing). The library
+!!   takes sections as they are, padded columns, ghost levels, strides and reversed ones, and copies
 !!   nothing. A procedure of your own between solver and module takes arrays as assumed-shape
 !!   (a(:,:,:)) or pointer dummies with target: for an explicit-shape or contiguous dummy the
 !!   compiler makes a temporary copy of a section and frees it when the procedure ends, and the
