@@ -15,20 +15,22 @@
 !!     end do
 !!     call session%close(ierr)
 !!
-!! - ierr, the last of the arguments that must be given, is 0 (insitu_ok) or one of insitu_error_*;
-!!   session%message() then names the argument and the numbers. Options follow ierr, by keyword.
+!! - ierr, the last of the arguments that a caller must give, is 0 (insitu_ok) or one of
+!!   insitu_error_*; session%message() then names the argument and the numbers. Options follow ierr,
+!!   by keyword.
 !! - Arrays are external: the library keeps their address and reads them in place from the commit
-!!   on. They need the target attribute (the compiler says so if it is missing). Sections are given as
-!!   they are: padded columns, ghost levels, strides and backwards, nothing is copied. A procedure of
-!!   your own in between takes them as assumed-shape (a(:,:,:)) or pointer dummies with target: for an
-!!   explicit-shape or contiguous dummy the compiler makes a temporary copy of a section and frees it
-!!   when the procedure ends, and what the library kept is garbage. With INSITU_CHECKED=1 in the
-!!   environment a commit tells of memory that is gone, or whose values changed unsaid. One component
-!!   of an array of records is given by a pointer (p => cell%t): gfortran 12 passes a wrong address
-!!   for cell%t itself.
-!! - Query points are read during the call alone; any array or expression will do.
-!! - vector=.true.: the first dimension of the array holds the components of one item. Without it an
-!!   array of any rank is a scalar field, its items in Fortran's order.
+!!   on. Each array needs the target attribute (the compiler says so if it is missing). The library
+!!   takes sections as they are, padded columns, ghost levels, strides and reversed ones, and copies
+!!   nothing. A procedure of your own between solver and module takes arrays as assumed-shape
+!!   (a(:,:,:)) or pointer dummies with target: for an explicit-shape or contiguous dummy the
+!!   compiler makes a temporary copy of a section and frees it when the procedure ends, and the
+!!   address that the library kept leads to garbage. With INSITU_CHECKED=1 in the environment a
+!!   commit reports memory that is gone, and memory whose values changed although the solver said
+!!   nothing. A pointer gives one component of an array of records (p => cell%t): gfortran 12 passes
+!!   a wrong address for cell%t itself.
+!! - The library reads query points during the call alone; any array or expression will do.
+!! - With vector=.true. the first dimension of the array holds the components of one item. Without
+!!   it an array of any rank is a scalar field, its items in Fortran's order.
 !! - Cells, vertices and pieces count from 1; 0 is "outside". Cells are in VTK's point order.
 module insitu
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_int32_t, c_int64_t, c_loc, &
@@ -71,26 +73,28 @@ module insitu
       insitu_commit_report, insitu_validation, insitu_report, insitu_amr_info, &
       insitu_status_name, insitu_version
 
-  !> One array of a mesh, as the copy audit has it.
+  !> One array of a mesh, as the copy audit reports it.
   type, public :: insitu_audit_entry
-    character(len=64) :: name = ''       !< 'piece 0 points x' and the like, as in C
-    integer(int64) :: bytes = 0          !< of the array's items
-    logical :: borrowed = .false.        !< the solver's memory, in place
-    character(len=64) :: reason = ''     !< why it was converted, if it was
-    type(c_ptr) :: address = c_null_ptr  !< what is read
+    character(len=64) :: name = ''       !< name as in C, such as 'piece 0 points x'
+    integer(int64) :: bytes = 0          !< bytes of the array's items
+    logical :: borrowed = .false.        !< whether the library reads the solver's memory in place
+    character(len=64) :: reason = ''     !< why the array was converted, if it was
+    type(c_ptr) :: address = c_null_ptr  !< the address that the library reads
   end type insitu_audit_entry
 
-  !> What answers a mesh's queries since the last commit, and how they were decided.
+  !> What answers a mesh's queries since the last commit, and how it decided points.
   type, public :: insitu_locator_info
     integer :: method = insitu_method_auto    !< insitu_method_*
     integer :: backend = insitu_backend_auto  !< insitu_backend_*
-    character(len=128) :: reason = ''         !< why these, in words
-    integer(int64) :: primitives = 0          !< cells, or triangles of the face methods
+    character(len=128) :: reason = ''         !< why this method and backend, in words
+    integer(int64) :: primitives = 0          !< number of cells, or of triangles of the face
+                                              !< methods
     integer(int64) :: bytes = 0, bytes_peak = 0, bytes_copied = 0
     integer(int64) :: kept = 0, by_neighbour = 0, by_tree = 0, settled_on_host = 0
   end type insitu_locator_info
 
-  !> A mesh of a session; it lives as long as the session does. Copies are the same mesh.
+  !> A mesh of a session, which owns it. The mesh lives as long as the session does; copies of this
+  !! variable are the same mesh.
   type, extends(below), public :: insitu_mesh
   contains
     procedure :: uniform_block
@@ -116,9 +120,10 @@ module insitu
   type, public :: insitu_session
     private
     type(c_ptr) :: handle = c_null_ptr
-    !> Of the last failed call of the session and its meshes. Kept for good, as meshes point to it.
+    !> The message of the last failed call of the session and its meshes. The memory is kept for
+    !! good, since meshes point to it.
     character(len=message_length), pointer :: text => null()
-    integer :: failed = insitu_ok  !< why the last open failed; close answers it
+    integer :: failed = insitu_ok  !< ierr of the last open, which close answers once more
   contains
     procedure :: open => session_open
     procedure :: close => session_close
@@ -142,7 +147,7 @@ contains
     name = from_c(c_status_name(int(status, c_int)))
   end function insitu_status_name
 
-  !> Of the library that is running, such as '0.1.0'.
+  !> Returns the version of the library that is running, such as '0.2.0'.
   function insitu_version() result(text)
     character(len=:), allocatable :: text
     character(len=40) :: buffer
@@ -156,7 +161,7 @@ contains
 
   include 'insitu_session.inc'
 
-  !> An implicit block of vertices(1) x vertices(2) x vertices(3) vertices.
+  !> Makes the piece an implicit block of vertices(1) x vertices(2) x vertices(3) vertices.
   subroutine uniform_block(self, vertices, origin, spacing, ierr, piece)
     class(insitu_mesh), intent(in) :: self
     integer, intent(in) :: vertices(3)
@@ -179,8 +184,9 @@ contains
     call self%finish(c_mesh_remove_field(self%handle, to_c(name)), ierr)
   end subroutine remove_field
 
-  !> One number a cell; convention: insitu_ghosts_vtk (default) or insitu_ghosts_ascent.
-  !! Keeps the array's address: no temporary (head of the module).
+  !> Gives the ghosts, one number a cell; convention: insitu_ghosts_vtk (default) or
+  !! insitu_ghosts_ascent. The library keeps the array's address, so bits must not be a temporary
+  !! (head of the module).
   subroutine ghosts(self, bits, ierr, convention, piece)
     class(insitu_mesh), intent(in) :: self
     integer(int8), pointer, intent(in) :: bits(:)
@@ -193,8 +199,8 @@ contains
     call self%finish(c_mesh_ghosts(self%handle, piece_index(piece), view_of_bytes(bits), rule), ierr)
   end subroutine ghosts
 
-  !> What the solver changed in place: insitu_fields, insitu_geometry, insitu_topology, or several
-  !! by ior. Without ierr, a failure shows at the next commit.
+  !> Says what the solver changed in place: insitu_fields, insitu_geometry, insitu_topology, or
+  !! several joined by ior. Without ierr, a failure shows at the next commit.
   subroutine changed(self, what, ierr)
     class(insitu_mesh), intent(in) :: self
     integer, intent(in) :: what
@@ -216,8 +222,8 @@ contains
     if (present(report)) report = result
   end subroutine commit
 
-  !> Chooses the locator, before the scene's choice; the next commit makes it.
-  !! insitu_error_unsupported if an explicit choice cannot be had here.
+  !> Chooses the locator, in place of the scene's choice; the next commit makes it.
+  !! insitu_error_unsupported: an explicit choice cannot be had here.
   subroutine choose_locator(self, method, ierr, backend)
     class(insitu_mesh), intent(in) :: self
     integer, intent(in) :: method
@@ -231,7 +237,7 @@ contains
     call self%finish(c_mesh_locator(self%handle, choice), ierr)
   end subroutine choose_locator
 
-  !> insitu_error_order before the first commit.
+  !> Fills info with what answers queries. insitu_error_order: the mesh has no commit yet.
   subroutine locator_info(self, info, ierr)
     class(insitu_mesh), intent(in) :: self
     type(insitu_locator_info), intent(out) :: info
@@ -254,8 +260,8 @@ contains
     info%settled_on_host = raw%settled_on_host
   end subroutine locator_info
 
-  !> insitu_error_mesh if the mesh would be refused; the counts are filled in either case. A commit
-  !! has to follow before the next query.
+  !> Validates the arrays as they are now. insitu_error_mesh: a commit would refuse the mesh; the
+  !! call fills the counts in either case. A commit has to follow before the next query.
   subroutine validate(self, validation, ierr)
     class(insitu_mesh), intent(in) :: self
     type(insitu_validation), intent(out) :: validation
@@ -288,7 +294,8 @@ contains
     end do
   end subroutine audit
 
-  !> One point, in the mesh's frame: values has room for the field's components; NaN outside.
+  !> Samples a field at one point in the mesh's frame. values has room for the field's components,
+  !! and gets NaN outside.
   subroutine sample_point(self, field, point, values, ierr, found)
     class(insitu_mesh), intent(in) :: self
     character(len=*), intent(in) :: field

@@ -1,5 +1,5 @@
 /** @file mesh.hpp
- *  The meshes of a session, for insitu.hpp (which includes this file). */
+ *  The meshes of a session, for insitu.hpp, which includes this file. */
 #ifndef INSITU_MESH_HPP
 #define INSITU_MESH_HPP
 
@@ -10,19 +10,19 @@
 
 namespace insitu {
 
-/** A mesh of a session: its piece 0, further pieces, and queries. Cheap to copy; all copies, and
- * all that Session::mesh() returns for one name, are the same mesh. Once its session is closed,
- * each call throws INSITU_ERROR_HANDLE. */
+/** A mesh of a session: its piece 0, further pieces, and queries. A Mesh is cheap to copy; all
+ *  copies, and all that Session::mesh() returns for one name, are the same mesh, which the session
+ *  owns. Once the session is closed, each call throws INSITU_ERROR_HANDLE. */
 class Mesh : public Piece {
 public:
-  /** Of no session, until another Mesh is assigned. */
+  /** Makes a Mesh of no session, until another Mesh is assigned to it. */
   Mesh() : Piece(nullptr, 0) {}
 
-  /** Piece p: pieces are numbered from 0 without gaps, in the order of their first use. */
+  /** Returns piece p. Pieces are numbered from 0 without gaps, in the order of their first use. */
   Piece piece(int p) const { return Piece(state(), p); }
 
-  /** Makes the mesh an adaptive one, of patches or leaves; before its first piece. Again to change
-   *  the lattice or the reconstruction. */
+  /** Makes the mesh an adaptive one, of patches or leaves. The first call comes before the mesh's
+   *  first piece; a later call changes the lattice or the reconstruction. */
   void adaptive(const AmrLevels& levels) {
     insitu_amr a = insitu_amr_default();
     std::copy(levels.origin.begin(), levels.origin.end(), a.origin);
@@ -34,14 +34,15 @@ public:
     a.reconstruction = static_cast<insitu_reconstruction>(levels.reconstruction);
     detail::check(insitu_mesh_amr(handle(), &a));
   }
-  /** What an adaptive mesh's last regrid made. INSITU_ERROR_ORDER before its commit. */
+  /** Returns what the last regrid of an adaptive mesh made. Throws INSITU_ERROR_ORDER before its
+   *  commit. */
   AmrInfo amr_info() const {
     AmrInfo info = insitu_amr_info_default();
     detail::check(insitu_mesh_amr_info(handle(), &info));
     return info;
   }
-  /** The levels of the cells of an adaptive mesh that points lie in, as the solver numbers levels;
-   *  -1 outside. cell_base: that of the answers (LocateOptions). */
+  /** Returns the levels of the cells of an adaptive mesh that points lie in, as the solver numbers
+   *  levels; -1 outside. cell_base: that of the answers (LocateOptions). */
   std::vector<std::int32_t> cell_levels(const Locations& at, std::int64_t cell_base = 0) const {
     std::vector<std::int32_t> levels(at.cells.size());
     detail::check(insitu_mesh_cell_levels(handle(), static_cast<std::int64_t>(levels.size()),
@@ -49,27 +50,27 @@ public:
                                           levels.data()));
     return levels;
   }
-  /** Pieces stand for themselves (insitu_mesh_separate_pieces). */
+  /** Says whether pieces stand for themselves (insitu_mesh_separate_pieces). */
   void separate_pieces(bool separate = true) {
     detail::check(insitu_mesh_separate_pieces(handle(), separate));
   }
-  /** Drops the pieces from `first` on: a regrid may leave fewer patches. */
+  /** Drops the pieces from `first` on, since a regrid may leave fewer patches. */
   void drop_pieces(int first) { detail::check(insitu_mesh_drop_pieces(handle(), first)); }
 
-  /** Says what changed since the last commit; adds up. New arrays and cells say so by themselves.
-   */
+  /** Tells the library what changed since the last commit; calls add up. Calls that give new arrays
+   *  and cells imply it. */
   void changed(Change what) { detail::check(insitu_mesh_changed(handle(), what)); }
-  /** Items of the field that hold this have no value (insitu_mesh_field_blank). */
+  /** Says that items of the field that hold this value have no value (insitu_mesh_field_blank). */
   void field_blank(const std::string& name, double value) {
     detail::check(insitu_mesh_field_blank(handle(), name.c_str(), value));
   }
   void remove_field(const std::string& name) {
     detail::check(insitu_mesh_remove_field(handle(), name.c_str()));
   }
-  /** The frame of the mesh's coordinates (cartesian unless said). */
+  /** Sets the frame of the mesh's coordinates, which is cartesian at first. */
   void frame(const Frame& frame) { detail::check(insitu_mesh_frame(handle(), &frame.get())); }
 
-  /** Chooses the locator, before the scene's choice; the next commit makes it. Throws
+  /** Chooses the locator, in place of the scene's choice; the next commit makes it. Throws
    *  INSITU_ERROR_UNSUPPORTED if an explicit choice cannot be had here. */
   void locator(Method method, Backend backend = Backend::automatic) {
     insitu_locator l = insitu_locator_default();
@@ -77,14 +78,15 @@ public:
     l.backend = static_cast<insitu_backend>(backend);
     detail::check(insitu_mesh_locator(handle(), &l));
   }
-  /** What answers since the last commit, why, and how points were decided. */
+  /** Returns what answers queries since the last commit, why, and how it decided points. Throws
+   *  INSITU_ERROR_ORDER before the first commit. */
   LocatorInfo locator_info() const {
     LocatorInfo info = insitu_locator_info_default();
     detail::check(insitu_mesh_locator_info(handle(), &info));
     return info;
   }
 
-  /** Brings the structures up to date, and says what was done, how long it took, what it
+  /** Brings the structures up to date, and reports what was done, how long it took, and what it
    *  allocated. Session::execute commits by itself. Throws INSITU_ERROR_MESH if validation refuses
    *  the mesh, INSITU_ERROR_FIELD if a field does not fit. */
   CommitReport commit() {
@@ -92,7 +94,8 @@ public:
     detail::check(insitu_mesh_commit(handle(), &report));
     return report;
   }
-  /** Validates the arrays as they are now. A mesh that would be refused is no exception here. */
+  /** Validates the arrays as they are now. A mesh that a commit would refuse makes no exception
+   *  here. */
   Validation validate() {
     Validation v{insitu_validation_default(), true, {}};
     const insitu_status status = insitu_mesh_validate(handle(), &v.counts);
@@ -103,7 +106,8 @@ public:
       v.findings = insitu_last_message();
     return v;
   }
-  /** The copy audit: each array, the pointer that is read, and whether it is the caller's own. */
+  /** Returns the copy audit: each array, the pointer that the library reads, and whether the memory
+   *  is the caller's own. */
   std::vector<AuditEntry> audit() const {
     std::int32_t count = 0;
     detail::check(insitu_mesh_audit(handle(), nullptr, &count));
@@ -113,17 +117,17 @@ public:
     return entries;
   }
 
-  /** Which cell owns each point, after a commit: of the closed cells that hold it, the lowest
-   *  (piece, cell), but see insitu_accuracy for standard; no ghost cell. NaN and infinite points
-   *  are outside. */
+  /** Finds the cell that owns each point, after a commit: the lowest (piece, cell) of the closed
+   *  cells that hold the point (insitu_accuracy tells where Accuracy::standard may differ), and
+   *  never a ghost cell. NaN and infinite points are outside. */
   Locations locate(const Points& points, const LocateOptions& options = {}) const {
     Locations out;
     const insitu_locate_args args = locate_args(points, options, out);
     detail::check(insitu_mesh_locate(handle(), &args));
     return out;
   }
-  /** Locates, and interpolates a field: vertex fields by the cell's shape functions, cell fields by
-   *  the owner's value. Outside: NaN. */
+  /** Locates points, and interpolates a field: vertex fields by the cell's shape functions, cell
+   *  fields by the owner's value. Points that are outside get NaN. */
   Samples sample(const std::string& field, const Points& points,
                  const LocateOptions& options = {}) const {
     Samples out;
@@ -134,7 +138,7 @@ public:
     sample_into(1, &name, &values, locate_args(points, options, out));
     return out;
   }
-  /** The same for several fields; points are located once. */
+  /** Does as sample() for several fields, and locates points once. */
   FieldSamples sample_fields(const std::vector<std::string>& names, const Points& points,
                              const LocateOptions& options = {}) const {
     FieldSamples out;
@@ -151,8 +155,9 @@ public:
     sample_into(names.size(), c_names.data(), values.data(), locate_args(points, options, out));
     return out;
   }
-  /** One point in the mesh's frame, nothing allocated: fills values (one a component of the field;
-   *  NaN outside), returns whether the point is inside. */
+  /** Samples a field at one point in the mesh's frame, and allocates nothing. The call fills
+   *  values, which has one item a component of the field (NaN outside), and returns whether the
+   *  point is inside. */
   bool sample_point(const std::string& field, const std::array<double, 3>& point,
                     View<double> values) const {
     const int n = field_info(field).components;
@@ -172,7 +177,7 @@ public:
     return {components, static_cast<Association>(association)};
   }
 
-  /** For calls of insitu.h; belongs to the session. */
+  /** Returns the handle for calls of insitu.h; it belongs to the session. */
   using Piece::handle;
 
 private:

@@ -1,5 +1,5 @@
 /** @file piece.hpp
- *  One piece of a mesh, for insitu.hpp (which includes this file). */
+ *  One piece of a mesh, for insitu.hpp, which includes this file. */
 #ifndef INSITU_PIECE_HPP
 #define INSITU_PIECE_HPP
 
@@ -18,8 +18,8 @@ inline void check(insitu_status status) {
     throw Error(status, insitu_last_message());
 }
 
-/** What the wrapper knows of a mesh: the counts that pointers alone do not carry. Shared by all
- *  Mesh objects of one mesh. */
+/** What the wrapper knows of a mesh: the counts that pointers alone do not carry. All Mesh objects
+ *  of one mesh share it. */
 struct MeshState {
   struct Counts {
     std::int64_t vertices = -1, cells = -1;
@@ -37,40 +37,43 @@ struct MeshState {
 
 } // namespace detail
 
-/** One piece of a mesh: vertices, cells, fields, ghosts. Calling again replaces what was given
- *  before. All arrays are external: see Array for how long they are read. Give points and cells
- *  before fields and ghosts: bare pointers take their counts from them. Ghosts stay when
- *  cells are given again. Every function throws Error; then nothing has changed. */
+/** One piece of a mesh: vertices, cells, fields, ghosts. A later call replaces what an earlier one
+ *  gave. All arrays are external; Array says how long the library reads them. Points and cells come
+ *  before fields and ghosts, since bare pointers take their counts from them. Ghosts stay when
+ *  cells are given again. A function that fails throws Error, and nothing has changed. */
 class Piece {
 public:
-  /** n vertices as x, y, z: float or double, one unit of length for all. */
+  /** Gives n vertices as x, y, z: float or double, one unit of length for all. */
   template <class T, class N, class = std::enable_if_t<detail::is_real<T> && std::is_integral_v<N>>>
   void points(const T* x, const T* y, const T* z, N n) {
     points(Array(x, n), Array(y, n), Array(z, n));
   }
-  /** n vertices, interleaved: [n][3]. */
+  /** Gives n interleaved vertices: [n][3]. */
   template <class T, class N, class = std::enable_if_t<detail::is_real<T> && std::is_integral_v<N>>>
   void points(const T* xyz, N n) {
     points(Array(xyz, n).components(3));
   }
-  /** Vertices in containers or layouts of any stride; equal type, count and strides. */
+  /** Gives vertices in containers or layouts of any stride; the three arrays have equal type, count
+   *  and strides. */
   void points(const Array& x, const Array& y, const Array& z) { give_points({x, y, z}, 1); }
-  /** Interleaved vertices: components(3) is understood. */
+  /** Gives interleaved vertices; components(3) is understood. */
   void points(const Array& xyz) { give_points({xyz}, 3); }
 
-  /** Cells of one shape: connectivity [count][vertex_count(shape)] of int32 or int64, whose ids
-   *  begin with index_base (0 or 1), in VTK's order. */
+  /** Gives cells of one shape: connectivity is [count][vertex_count(shape)] of int32 or int64, in
+   *  VTK's order, whose ids begin with index_base (0 or 1). */
   template <class I, class N,
             class = std::enable_if_t<detail::is_index<I> && std::is_integral_v<N>>>
   void cells(Shape shape, const I* connectivity, N count, int index_base = 0) {
     cells(shape, Array(connectivity, count).components(vertex_count(shape)), index_base);
   }
-  /** The same from a container (its size gives the number of cells) or in any stride. */
+  /** Gives cells of one shape from a container, whose size gives the number of cells, or in any
+   *  stride. */
   void cells(Shape shape, Array connectivity, int index_base = 0) {
     give_cells(INSITU_LAYOUT_UNIFORM, shape, vertex_count(shape), connectivity, index_base);
   }
-  /** cells() with the shape in the name: (connectivity, count, index_base = 0) with a pointer,
-   *  (connectivity, index_base = 0) with a container or an Array. */
+  /** hexahedra() and the three functions below are cells() with the shape in the name:
+   *  (connectivity, count, index_base = 0) with a pointer, (connectivity, index_base = 0) with a
+   *  container or an Array. */
   template <class C, class... Rest>
   void hexahedra(C&& connectivity, Rest... rest) {
     cells(Shape::hexahedron, std::forward<C>(connectivity), rest...);
@@ -88,9 +91,10 @@ public:
     cells(Shape::pyramid, std::forward<C>(connectivity), rest...);
   }
 
-  /** Cells of several shapes. types: one uint8 a cell, VTK's numbers; offsets: where a cell's ids
-   *  start in connectivity, one a cell or one more; both offsets and connectivity int32 or int64,
-   *  counting from index_base. Containers, or Arrays with a count. */
+  /** Gives cells of several shapes. types: one uint8 a cell, VTK's numbers. offsets: the place in
+   *  connectivity where a cell's ids start, one a cell or one more. offsets and connectivity are
+   *  int32 or int64, and count from index_base. All three are containers, or Arrays with a
+   *  count. */
   void mixed_cells(const Array& types, const Array& offsets, const Array& connectivity,
                    int index_base = 0) {
     insitu_cells c = insitu_cells_default();
@@ -102,8 +106,8 @@ public:
     c.index_base = index_base;
     give(c);
   }
-  /** Cells of several shapes as [count][8] ids, unused ones -1; the shape follows from the number
-   * of ids: 4, 5, 6 or 8. */
+  /** Gives cells of several shapes as [count][8] ids, in which unused ids are -1; the shape follows
+   *  from the number of ids: 4, 5, 6 or 8. */
   template <class I, class N,
             class = std::enable_if_t<detail::is_index<I> && std::is_integral_v<N>>>
   void padded_cells(const I* connectivity, N count, int index_base = 0) {
@@ -113,15 +117,16 @@ public:
     give_cells(INSITU_LAYOUT_PADDED, Shape::hexahedron, 8, connectivity, index_base);
   }
 
-  /** A curvilinear block of ni x nj x nk vertices (below 2 along an axis it has no cells), whose
-   *  points are given by points(). Vertex (i, j, k) has the id i + ni*(j + nj*k), cell (i, j, k)
-   * the id i + (ni-1)*(j + (nj-1)*k); the arrays' strides say how it lies in memory. */
+  /** Makes the piece a curvilinear block of ni x nj x nk vertices (below 2 along an axis it has no
+   *  cells), whose points points() gives. Vertex (i, j, k) has the id i + ni*(j + nj*k), cell
+   *  (i, j, k) the id i + (ni-1)*(j + (nj-1)*k); the arrays' strides say how the block lies in
+   *  memory. */
   void block(std::int64_t ni, std::int64_t nj, std::int64_t nk) {
     insitu_block b = insitu_block_default();
     set_extent(b, ni, nj, nk);
     give(b);
   }
-  /** A block with evenly spaced vertices; no points. */
+  /** Makes the piece a block with evenly spaced vertices; it needs no points(). */
   void uniform_block(const std::array<std::int64_t, 3>& vertices,
                      const std::array<double, 3>& origin, const std::array<double, 3>& spacing) {
     insitu_block b = insitu_block_default();
@@ -133,8 +138,8 @@ public:
     }
     give(b);
   }
-  /** A block with one array of coordinates an axis: containers, or Arrays with a count; no points.
-   */
+  /** Makes the piece a block with one array of coordinates an axis, containers or Arrays with a
+   *  count; it needs no points(). */
   void rectilinear_block(const Array& x, const Array& y, const Array& z) {
     insitu_block b = insitu_block_default();
     b.kind = INSITU_BLOCK_RECTILINEAR;
@@ -145,10 +150,10 @@ public:
     give(b);
   }
 
-  /** A patch of an adaptive mesh (see Mesh::adaptive): the cells lower to lower + cells - 1 of a
-   *  level; cell (i, j, k) of it has the id i + cells[0]*(j + cells[1]*k). ghosts: layers that the
-   *  arrays of its fields hold around these cells, for samples beside the boundary (insitu_patch).
-   */
+  /** Makes the piece a patch of an adaptive mesh (see Mesh::adaptive) with the cells from lower to
+   *  lower + cells - 1 of a level; cell (i, j, k) of the patch has the id
+   *  i + cells[0]*(j + cells[1]*k). ghosts: layers that the arrays of its fields hold around these
+   *  cells, for samples beside the boundary (insitu_patch). */
   void patch(int level, const std::array<std::int64_t, 3>& lower,
              const std::array<std::int64_t, 3>& cells, const PatchGhosts& ghosts = {}) {
     insitu_patch p = insitu_patch_default();
@@ -160,8 +165,9 @@ public:
     detail::check(insitu_mesh_patch(handle(), index_, &p));
     state_->counts(index_) = {0, cells[0] * cells[1] * cells[2]};
   }
-  /** Leaves of octrees of an adaptive mesh: a level (uint8, int32 or int64) and a lower corner's
-   *  index (3 components of int32 or int64) each; containers, or Arrays with a count. */
+  /** Makes the piece leaves of octrees of an adaptive mesh. Each leaf has a level (uint8, int32 or
+   *  int64) and the index of its lower corner (3 components of int32 or int64). Both are
+   *  containers, or Arrays with a count. */
   void leaves(const Array& levels, Array corners, const LeafLattice& lattice = {}) {
     insitu_leaves l = insitu_leaves_default();
     l.levels = levels.get(-1, "levels");
@@ -172,16 +178,16 @@ public:
     state_->counts(index_) = {0, l.levels.count};
   }
 
-  /** Values on cells, float or double: a scalar, or with components() a vector. A bare pointer has
-   *  as many items as the piece has cells. */
+  /** Gives values on cells, float or double: a scalar, or with components() a vector. A bare
+   *  pointer has as many items as the piece has cells. */
   void cell_field(const std::string& name, const Array& values) {
     give_field(name, INSITU_CELL, &values, 1);
   }
-  /** A vector on cells, one array a component: {vx, vy, vz}. */
+  /** Gives a vector on cells, one array a component: {vx, vy, vz}. */
   void cell_field(const std::string& name, std::initializer_list<Array> components) {
     give_field(name, INSITU_CELL, components.begin(), components.size());
   }
-  /** Values on vertices, as for cells. */
+  /** Gives values on vertices, as cell_field() does on cells. */
   void vertex_field(const std::string& name, const Array& values) {
     give_field(name, INSITU_VERTEX, &values, 1);
   }
@@ -189,18 +195,19 @@ public:
     give_field(name, INSITU_VERTEX, components.begin(), components.size());
   }
 
-  /** The same with the association as a value: one array, or one array a component. */
+  /** Gives a field with the association as a value: one array, or one array a component. */
   void field(const std::string& name, Association association, View<const Array> arrays) {
     give_field(name, static_cast<insitu_association>(association), arrays.data(), arrays.size());
   }
 
-  /** One uint8 a cell; a ghost cell never owns a point and is never drawn. */
+  /** Gives the ghosts, one uint8 a cell; a ghost cell never owns a point and is never drawn. */
   void ghosts(const Array& values, GhostConvention convention = GhostConvention::vtk) {
     const insitu_array a = values.get(counts().cells, "ghosts");
     detail::check(
         insitu_mesh_ghosts(handle(), index_, &a, static_cast<insitu_ghost_convention>(convention)));
   }
-  /** VTK's vtkGhostType of points, one uint8 a vertex: bit 2 hides (insitu_mesh_hidden_points). */
+  /** Gives VTK's vtkGhostType of points, one uint8 a vertex: bit 2 hides
+   *  (insitu_mesh_hidden_points). */
   void hidden_points(const Array& values) {
     const insitu_array a = values.get(counts().vertices, "hidden points");
     detail::check(insitu_mesh_hidden_points(handle(), index_, &a));

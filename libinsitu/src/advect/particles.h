@@ -14,55 +14,58 @@ namespace insitu::advect {
 /// How many particles were seeded, and what became of them.
 struct Counts {
   std::int64_t seeded = 0;
-  std::array<std::int64_t, INSITU_END_COUNT> by_ending{}; ///< [INSITU_END_ALIVE]: still alive
+  std::array<std::int64_t, INSITU_END_COUNT> by_ending{}; ///< [insitu_ending]; INSITU_END_ALIVE
+                                                          ///< counts particles that still live
 
   std::int64_t alive() const { return by_ending[INSITU_END_ALIVE]; }
   std::int64_t sum() const;
   Counts& operator+=(const Counts& b);
 };
 
-/// "200 seeded = 150 alive + 50 left": the endings that there are.
+/// Returns a text such as "200 seeded = 150 alive + 50 left", with the endings that occur.
 std::string describe(const Counts& counts);
 
-/// The name of an ending in files and messages, such as "left"; "unknown" for another number.
+/// Returns the name of an ending in files and messages, such as "left", and "unknown" for any other
+/// number.
 const char* ending_name(insitu_ending ending);
 
 /// What effects know of a particle besides its State.
 struct Carried {
   std::int64_t id = 0;
-  std::int64_t walk_steps = 0; ///< of the random walk so far
-  math::Vec3d velocity;        ///< its own, under inertia; NaN: none yet
+  std::int64_t walk_steps = 0; ///< steps of the random walk so far
+  math::Vec3d velocity;        ///< velocity of the particle under inertia; NaN: none yet
 };
 
-/// Particles, as a structure of arrays of equal length; ids count up from 0 in the order of seeding
-/// and are never used again. None is lost: a particle is here, with its ending, or was dropped
-/// after it had ended and is counted.
+/// Particles as a structure of arrays of equal length. Ids count up from 0 in the order of seeding,
+/// and no id is used twice. No particle is lost: it is here, with its ending, or it was dropped
+/// after it had ended, and is counted.
 class Particles {
 public:
   explicit Particles(core::Memory& memory);
 
-  /// What some effects keep for every particle, from now on.
+  /// Make the arrays that some effects need, from now on, for every particle.
   void keep_walk_steps();
   void keep_velocities();
   void keep_parametric();
 
-  /// Adds particles at rest, alive, in no cell.
+  /// Adds particles that are alive, in no cell, and have no velocity of their own yet.
   void seed(std::span<const math::Vec3d> points, double time);
 
-  /// Ends those that are still alive as killed.
+  /// Ends the particles that are still alive as killed.
   void kill();
 
-  /// Forgets the particles that have ended; the others keep their order. Counts stay.
+  /// Forgets the particles that have ended. Particles that are alive keep their order, and counts
+  /// stay.
   void drop_ended();
 
   std::size_t size() const { return ids.size(); }
   std::int64_t seeded() const { return seeded_; }
 
-  /// Recounted from the particles. Throws Error(INSITU_ERROR_INTERNAL) if they do not sum up to
-  /// what was seeded.
+  /// Returns the counts, recounted from the particles. Throws Error(INSITU_ERROR_INTERNAL) if they
+  /// do not sum up to the particles that were seeded.
   Counts counts() const;
 
-  /// Everything, to a checkpoint or back.
+  /// Writes all particles to a checkpoint, or reads them from one.
   void keep(core::Archive& archive);
 
   State state(std::size_t i) const;
@@ -72,17 +75,18 @@ public:
 
   core::Buffer<std::int64_t> ids;
   core::Buffer<math::Vec3d> positions;
-  core::Buffer<std::int64_t> cells;   ///< flat id of the last cell, the next query's hint; -1: none
-  core::Buffer<double> times;         ///< of the position
+  core::Buffer<std::int64_t> cells;   ///< flat id of the last cell, which is the hint of the next
+                                      ///< query; -1: none
+  core::Buffer<double> times;         ///< times of the positions
   core::Buffer<double> seeding_times; ///< age = time - seeding time
-  core::Buffer<double> lengths;       ///< of the path so far
-  core::Buffer<double> steps;         ///< that the integrator wants next; 0: none yet
-  core::Buffer<std::uint8_t> endings; ///< insitu_ending
-  core::Buffer<std::uint8_t> fresh;   ///< 1: not found inside yet
-  // Of effects; empty without them.
-  core::Buffer<std::int64_t> walk_steps; ///< of the random walk so far
-  core::Buffer<math::Vec3d> velocities;  ///< of particles with inertia; NaN: none yet
-  core::Buffer<math::Vec3d> parametric;  ///< in their cells, of attached particles
+  core::Buffer<double> lengths;       ///< lengths of the paths so far
+  core::Buffer<double> steps;         ///< steps that the integrator wants next; 0: none yet
+  core::Buffer<std::uint8_t> endings; ///< an insitu_ending each
+  core::Buffer<std::uint8_t> fresh;   ///< 1: the particle was not found inside yet
+  // The arrays below serve effects, and are empty without them.
+  core::Buffer<std::int64_t> walk_steps; ///< steps of the random walk so far
+  core::Buffer<math::Vec3d> velocities;  ///< velocities of particles with inertia; NaN: none yet
+  core::Buffer<math::Vec3d> parametric;  ///< coordinates of attached particles in their cells
 
 private:
   template <class F>
@@ -90,7 +94,7 @@ private:
 
   bool keeps_walk_steps_ = false, keeps_velocities_ = false, keeps_parametric_ = false;
   std::int64_t seeded_ = 0;
-  Counts dropped_; ///< by_ending alone
+  Counts dropped_; ///< by_ending of dropped particles; seeded is not used
 };
 
 } // namespace insitu::advect

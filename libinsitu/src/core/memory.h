@@ -12,10 +12,11 @@
 
 namespace insitu::core {
 
-/// The name of a purpose in files and messages, such as "tree"; "unknown" for another number.
+/// Returns the name of a purpose in files and messages, such as "tree", and "unknown" for any other
+/// number.
 const char* purpose_name(insitu_purpose purpose);
 
-/// Counts the bytes a session holds, by purpose. Thread-safe.
+/// Counts the bytes that a session holds, by purpose. Thread-safe.
 class Memory {
 public:
   void add(insitu_purpose purpose, std::int64_t bytes);
@@ -24,7 +25,7 @@ public:
     return by_purpose_[purpose].load(std::memory_order_relaxed);
   }
   std::int64_t peak() const { return peak_.load(std::memory_order_relaxed); }
-  /// Starts a new peak at the current use.
+  /// Makes the current use the peak.
   void reset_peak() { peak_.store(current()); }
 
 private:
@@ -33,12 +34,14 @@ private:
   std::atomic<std::int64_t> by_purpose_[INSITU_MEMORY_COUNT]{};
 };
 
-/// 64-byte aligned memory, in huge pages where it is large; throws Error(INSITU_ERROR_MEMORY).
+/// Allocates memory that is aligned to 64 bytes, in huge pages where it is large. Throws
+/// Error(INSITU_ERROR_MEMORY).
 void* allocate_bytes(std::size_t bytes);
 void free_bytes(void* p) noexcept;
 
-/// Counted, uninitialised memory of a trivial type that is kept and reused: resizing to a smaller
-/// or equal size never allocates, since first-touch page faults cost more than the work itself.
+/// A Buffer holds counted, uninitialised memory of a trivial type, and keeps it for reuse: resizing
+/// to a smaller or equal size never allocates, since the page faults of first touches cost more
+/// than the work itself.
 template <class T>
 class Buffer {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -63,13 +66,13 @@ public:
   Buffer& operator=(const Buffer&) = delete;
   ~Buffer() { release(); }
 
-  /// Changes the size; the contents are lost if memory has to grow.
+  /// Changes the size. The contents are lost if memory has to grow.
   void resize_discard(std::size_t n) {
     if (n > capacity_)
       reallocate(n, false);
     size_ = n;
   }
-  /// Changes the size; the first min(old, new) items are kept.
+  /// Changes the size, and keeps the first min(old, new) items.
   void resize(std::size_t n) {
     if (n > capacity_)
       reallocate(n > capacity_ + capacity_ / 2 ? n : capacity_ + capacity_ / 2, true);
@@ -80,7 +83,7 @@ public:
     resize(size_ + 1);
     data_[size_ - 1] = copy;
   }
-  /// Gives unused capacity back.
+  /// Gives unused capacity back to the system.
   void shrink() {
     if (capacity_ > size_)
       reallocate(size_, true);

@@ -6,7 +6,8 @@
 
 namespace insitu::core {
 
-/// A non-owning reference to a callable; lives no longer than the call it is passed to.
+/// A reference to a callable, which it does not own. It must not outlive the call that it is passed
+/// to.
 template <class Signature>
 class FunctionRef;
 template <class R, class... A>
@@ -25,7 +26,8 @@ private:
   R (*call_)(void*, A...);
 };
 
-/// The threads of a session: at most `limit`, at most what the process's affinity allows.
+/// The threads of a session: at most `limit` (0: no limit), and at most as many as the affinity of
+/// the process allows.
 class Threads {
 public:
   explicit Threads(int limit = 0);
@@ -36,12 +38,13 @@ public:
   int count() const { return count_; }
 
   /// Calls body(begin, end) for consecutive ranges of at most `grain` items that cover [0, n). The
-  /// ranges depend on n and grain alone, never on the thread count. Every range runs in the default
-  /// floating-point environment. The first exception is rethrown.
+  /// ranges depend on n and grain alone, never on the number of threads. Every range runs in the
+  /// default floating-point environment. The call rethrows the first exception.
   void parallel_for(std::int64_t n, std::int64_t grain,
                     FunctionRef<void(std::int64_t, std::int64_t)> body) const;
 
-  /// Runs f on the session's threads, so that parallel code inside it (Embree's) keeps the limit.
+  /// Runs f on the threads of the session, so that parallel code inside it (that of Embree) keeps
+  /// the limit.
   void run(FunctionRef<void()> f) const;
 
 private:

@@ -7,7 +7,7 @@
 
 namespace insitu::core {
 
-/// The one exception type of the library; src/api turns it into a status and a message.
+/// The one exception type of the library. src/api turns it into a status and a message.
 class Error : public std::runtime_error {
 public:
   Error(insitu_status status, const std::string& message)

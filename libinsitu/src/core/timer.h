@@ -4,7 +4,7 @@
 
 namespace insitu::core {
 
-/// Wall-clock seconds since construction.
+/// Measures wall-clock seconds since its construction.
 class Timer {
 public:
   double seconds() const {

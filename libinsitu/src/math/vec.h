@@ -4,7 +4,7 @@
 
 namespace insitu::math {
 
-/// Three numbers; T is float, double or a SIMD pack.
+/// A vector of three numbers; T is float, double or a SIMD pack.
 template <class T>
 struct Vec3 {
   T x{}, y{}, z{};

@@ -6,7 +6,7 @@
 
 namespace insitu::mesh {
 
-/// Cell shapes; values and point order are VTK's.
+/// Cell shapes. Their values and their order of points are those of VTK.
 enum class Shape : std::uint8_t {
   none = 0,
   tetrahedron = 10,

@@ -11,14 +11,15 @@
 #include "query/lattice/stitching_values.h"
 #include "query/sampler.h"
 
-/// Values at locations: Sampler's, but for finding these.
+/// The functions of Sampler that give values at locations; other files have those that find
+/// locations.
 namespace insitu::query {
 
 using math::Vec3d;
 
 namespace {
 
-/// The pieces of cells, most of which lie in the piece of the one before.
+/// Tells the pieces of cells, of which most lie in the piece of the cell before.
 class PieceOfCells {
 public:
   explicit PieceOfCells(const mesh::MeshView& mesh) : mesh_(mesh) {}
@@ -38,7 +39,7 @@ private:
   std::int64_t begin_ = 0, end_ = 0;
 };
 
-/// One component of a cell field, of cells most of which lie in the piece of the one before.
+/// Loads one component of a cell field, at cells of which most lie in the piece of the cell before.
 class CellValues {
 public:
   CellValues(const mesh::MeshView& mesh, const mesh::FieldView& field)
@@ -72,8 +73,8 @@ private:
   std::int64_t stride_ = 0;
 };
 
-/// Of a field with blank vertices, on a face that has none: the others, whose weights are 0 there,
-/// take no part.
+/// Interpolates a field with blank vertices on a face that has none: the vertices off the face,
+/// whose weights are 0, take no part, so that their NaN does not spread.
 double beside_blanks(const mesh::FieldPieceView& from, int c, const double* weight,
                      const std::int64_t* ids, int n) {
   double sum = 0.0;
@@ -116,12 +117,16 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
       }
     }
   };
-  // One field of an adaptive mesh's dual: most locations lie in gridlets.
+  // Interpolates one field of the dual mesh of an adaptive mesh, where most locations lie in
+  // gridlets. First the stitching cells among one_by_one are prefetched: the ids of their vertices,
+  // then the values there. Then runs of locations that lie in gridlets are interpolated together,
+  // and all others one by one.
   const auto put_one = [&](auto in_gridlets, const auto& in_stitching) {
     const std::int64_t end = mesh_->first_cell[1];
     const auto components = std::size_t(fields[0].components);
-    double in_turn[64];                     // values that lie elsewhere in the end
-    std::int64_t stitching[batch_size + 1]; // without branches: one more is written than is kept
+    double in_turn[64];                     // values of a run, which go to their items after it
+    std::int64_t stitching[batch_size + 1]; // stitching cells, counted without a branch: the loop
+                                            // writes one item more than it keeps
     std::size_t count = 0;
     for (const std::uint16_t k : answered.one_by_one) {
       stitching[count] = at[k].cell - end;
@@ -151,7 +156,7 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
       }
     }
   };
-  // One number a cell: little but finding it is left to do.
+  // Loads a cell field of one component, of which a location needs little but its place.
   const auto put_own = [&] {
     CellValues value(*mesh_, fields[0]);
     for (std::size_t k = 0; k < at.size(); ++k)
@@ -174,11 +179,12 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
 
 bool Sampler::takes_coordinates(std::span<const mesh::FieldView> fields) const {
   return std::any_of(fields.begin(), fields.end(), [&](const mesh::FieldView& field) {
-    return field.association != INSITU_CELL || (chart_ && field.components == 3); // turned
+    return field.association != INSITU_CELL || (chart_ && field.components == 3); // it is turned
   });
 }
 
-/// piece: the location's.
+/// Interpolates the fields at one location, which lies in `piece`. values_of(f) tells where the
+/// values of field f go.
 template <class Fields, class ValuesOf>
 inline void Sampler::interpolate_to(const Fields& fields, std::int32_t piece, const Location& at,
                                     ValuesOf&& values_of) const {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/random.h"
+#include "query/lattice/dual_places.h"
 #include "query/lattice/gridlet_query.h"
 #include "render/frame.h"
 #include "render_mesh.h"
@@ -189,7 +190,7 @@ TEST_P(CullingOf, KeepsWhatMayShowAndNothingElse) {
       for (std::int64_t c = first; c < first + mesh::Gridlet::most_cells; ++c)
         sure = sure || (gridlets.is_full(c) && may_show(c).first);
       ASSERT_TRUE(!sure || in_tree[std::size_t(first)]) << g;
-      ASSERT_EQ((cells->shown()[g / 64] >> (g % 64)) & 1, in_tree[std::size_t(first)]);
+      ASSERT_EQ((cells->locator().dual()->shown[g / 64] >> (g % 64)) & 1, in_tree[std::size_t(first)]);
     }
     const query::Sampler some = whole.among(*cells);
     std::vector<query::Location> all(points.size()), serial(points.size()), parallel(points.size());

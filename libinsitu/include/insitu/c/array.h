@@ -1,5 +1,5 @@
 /** @file array.h
- *  Arrays: views of the caller's memory. */
+ *  Arrays are views of the caller's memory. */
 #ifndef INSITU_C_ARRAY_H
 #define INSITU_C_ARRAY_H
 
@@ -19,19 +19,21 @@ typedef enum insitu_type INSITU_INT {
 
 typedef enum insitu_memory INSITU_INT { INSITU_HOST = 0, INSITU_DEVICE = 1 } insitu_memory;
 
-/** A view of the caller's memory; not owned, not copied.
- *  Item (i, j, k), component c lies at data + i*stride[0] + j*stride[1] + k*stride[2] +
- *  c*component_stride bytes. A one-dimensional array sets count and leaves extent 0; otherwise
- *  count is the product of the extents and item ids run i fastest. Strides may be negative.
- *  Validity: read between the commit and the return of the last call that uses the mesh in this
- *  step, hence also by insitu_session_execute. Memory may be freed or moved once the mesh is
- *  released or the array replaced. Nothing is read past the last item.
+/** A view of the caller's memory, which the library neither owns nor copies.
+ *  Component c of item (i, j, k) lies at data + i*stride[0] + j*stride[1] + k*stride[2] +
+ *  c*component_stride bytes. A one-dimensional array sets count and leaves extent 0. In any other
+ *  array count is the product of the extents, and item ids run i fastest. Strides may be negative.
  *
- *  Items behind pointers, for solvers that keep one record a cell: with indirect 1, data is an
- * array of pointers, stride[0] bytes apart, and component c of item i lies offset +
- * c*component_stride bytes behind pointer i. Fields and the arrays of insitu_leaves may lie so, in
- * host memory. The pointers are read together with the values; a commit of INSITU_CHANGED_TOPOLOGY,
- * and the first one after the array was given, refuses a null pointer by its index. */
+ *  Validity: the library reads the memory from the commit to the return of the last call that uses
+ *  the mesh in this step, insitu_session_execute among them. The caller may free or move the memory
+ *  once the mesh is released or the array replaced. The library reads nothing past the last item.
+ *
+ *  Items behind pointers serve solvers that keep one record a cell: where indirect is 1, data is an
+ *  array of pointers, stride[0] bytes apart, and component c of item i lies
+ *  offset + c*component_stride bytes behind pointer i. Fields and the arrays of insitu_leaves may
+ *  lie so, in host memory. The library reads the pointers whenever it reads the values. A commit of
+ *  INSITU_CHANGED_TOPOLOGY, and the first commit after the array was given, refuses a null pointer
+ *  and names its index. */
 typedef struct insitu_array {
   size_t size;
   const void* data;
@@ -42,10 +44,13 @@ typedef struct insitu_array {
   int64_t stride[3];        /**< bytes; 0: packed */
   int64_t component_stride; /**< bytes; 0: the components of an item are adjacent */
   insitu_memory memory;
-  const char* converted; /**< null, or why an adaptor had to make this copy (for the audit) */
-  int32_t indirect;      /**< 1: data holds pointers to the items' records; stride[0] 0: packed */
-  int64_t offset;        /**< bytes from where a pointer points to the item; 0 unless indirect */
-  int64_t reserved[8];   /**< 0. Other structs hold arrays, so its size stays as it is */
+  const char* converted; /**< why an adaptor had to make this copy (for the audit); null: no copy */
+  int32_t indirect;      /**< 1: data holds pointers to the items' records, packed if stride[0]
+                              is 0 */
+  int64_t offset;        /**< bytes from the place that a pointer names to the item; 0 unless
+                              indirect is 1 */
+  int64_t reserved[8];   /**< always 0. Other structs hold arrays, so the size of this one stays as
+                              it is */
 } insitu_array;
 
 static inline insitu_array insitu_array_default(void) {
@@ -68,7 +73,8 @@ static inline insitu_array insitu_array_default(void) {
   return a;
 }
 
-/** A packed array of count items of components values each. */
+/** Makes a packed array in host memory of count items with as many values each as components
+ *  says. */
 static inline insitu_array insitu_array_of(const void* data, insitu_type type, int64_t count,
                                            int32_t components) {
   insitu_array a = insitu_array_default();

@@ -1,10 +1,10 @@
 /** @file mesh.h
- *  Meshes, as the caller gives them: points, cells or blocks, fields, ghosts, a frame.
+ *  The caller describes a mesh by points, cells or blocks, fields, ghosts and a frame.
  *
  *  A mesh is a list of pieces, numbered from 0 without gaps; most meshes have piece 0 alone. A
- *  piece is a set of cells over vertices, or an implicit block of hexahedra; those of an adaptive
- *  mesh are patches or leaves instead (insitu/c/amr.h). Calling again replaces what was given
- * before. Nothing is read before the commit. */
+ *  piece is a set of cells over vertices, or an implicit block of hexahedra; the pieces of an
+ *  adaptive mesh are patches or leaves instead (insitu/c/amr.h). A later call replaces what an
+ *  earlier one gave. The library reads no array before the commit. */
 #ifndef INSITU_C_MESH_H
 #define INSITU_C_MESH_H
 
@@ -19,7 +19,7 @@ typedef enum insitu_association INSITU_INT {
   INSITU_CELL = 1
 } insitu_association;
 
-/** Cell shapes: VTK's numbers and point order. */
+/** Cell shapes, with VTK's numbers and VTK's order of points. */
 typedef enum insitu_shape INSITU_INT {
   INSITU_TETRAHEDRON = 10,
   INSITU_VOXEL = 11,
@@ -31,22 +31,25 @@ typedef enum insitu_shape INSITU_INT {
 typedef enum insitu_layout INSITU_INT {
   INSITU_LAYOUT_UNIFORM = 0, /**< one shape; connectivity [count][vertices of the shape] */
   INSITU_LAYOUT_MIXED = 1,   /**< types[count], offsets[count] or [count + 1], connectivity[...] */
-  INSITU_LAYOUT_PADDED = 2   /**< connectivity [count][8], unused ids -1; the shape follows from the
-                                  number of ids: 4, 5, 6, 8 */
+  INSITU_LAYOUT_PADDED = 2   /**< connectivity [count][8], in which unused ids are -1; the shape
+                                  follows from the number of ids: 4, 5, 6, 8 */
 } insitu_layout;
 
-/** The cells of a piece. connectivity is int32 or int64; for UNIFORM and PADDED an item is a cell
- *  with as many components as it has ids, for MIXED an item is one id. */
+/** The cells of a piece. connectivity is int32 or int64. For UNIFORM and PADDED one item of it is a
+ *  cell, with as many components as the cell has ids; for MIXED one item is one id. */
 typedef struct insitu_cells {
   size_t size;
   insitu_layout layout;
-  insitu_shape shape; /**< for UNIFORM; one of VOXEL, HEXAHEDRON for 8 ids in PADDED */
+  insitu_shape shape; /**< for UNIFORM: the shape; for PADDED: VOXEL or HEXAHEDRON, the shape of 8
+                           ids */
   int64_t count;
   insitu_array connectivity;
   insitu_array types;   /**< for MIXED: uint8, VTK's numbers */
-  insitu_array offsets; /**< for MIXED: int32 or int64, where a cell's ids start */
-  int32_t index_base;   /**< 0 or 1: how the ids in connectivity (and in offsets) count */
-  int32_t reserved;     /**< 0 */
+  insitu_array offsets; /**< for MIXED: int32 or int64, the places in connectivity where the ids of
+                             cells start */
+  int32_t index_base;   /**< 0 or 1: the number from which the ids in connectivity (and offsets)
+                             count */
+  int32_t reserved;     /**< always 0 */
 } insitu_cells;
 
 static inline insitu_cells insitu_cells_default(void) {
@@ -64,21 +67,23 @@ static inline insitu_cells insitu_cells_default(void) {
 }
 
 typedef enum insitu_block_kind INSITU_INT {
-  INSITU_BLOCK_UNIFORM = 0,     /**< origin and spacing */
-  INSITU_BLOCK_RECTILINEAR = 1, /**< one coordinate array an axis */
-  INSITU_BLOCK_CURVILINEAR = 2  /**< points given by insitu_mesh_points */
+  INSITU_BLOCK_UNIFORM = 0,     /**< vertices follow from origin and spacing */
+  INSITU_BLOCK_RECTILINEAR = 1, /**< vertices follow from one coordinate array an axis */
+  INSITU_BLOCK_CURVILINEAR = 2  /**< insitu_mesh_points gives the vertices */
 } insitu_block_kind;
 
-/** An implicit block: vertices (i, j, k), id i + ni*(j + nj*k); the cell (i, j, k) is the
- *  hexahedron from vertex (i, j, k) to (i+1, j+1, k+1), id i + (ni-1)*(j + (nj-1)*k). Sub-blocks of
- *  larger arrays, ghost layers and C order are said by the extents and strides of the arrays. */
+/** An implicit block has vertices (i, j, k) with ids i + ni*(j + nj*k). Its cell (i, j, k) is the
+ *  hexahedron from vertex (i, j, k) to (i+1, j+1, k+1), with the id i + (ni-1)*(j + (nj-1)*k). The
+ *  extents and strides of the arrays describe sub-blocks of larger arrays, ghost layers and C
+ *  order. */
 typedef struct insitu_block {
   size_t size;
   insitu_block_kind kind;
-  int64_t vertices[3];         /**< vertices along i, j, k; below 2 along an axis: no cells */
-  double origin[3];            /**< UNIFORM */
-  double spacing[3];           /**< UNIFORM; not 0 */
-  insitu_array coordinates[3]; /**< RECTILINEAR: vertices[a] values along axis a */
+  int64_t vertices[3];         /**< number of vertices along i, j, k; below 2 along an axis: the
+                                    block has no cells */
+  double origin[3];            /**< for UNIFORM */
+  double spacing[3];           /**< for UNIFORM; not 0 */
+  insitu_array coordinates[3]; /**< for RECTILINEAR: vertices[a] values along axis a */
 } insitu_block;
 
 static inline insitu_block insitu_block_default(void) {
@@ -95,23 +100,24 @@ static inline insitu_block insitu_block_default(void) {
   return b;
 }
 
-/** The vertices of a piece: one interleaved array of 3 components, or three arrays x, y, z of one
- *  component (array_count 1 or 3), float32 or float64. */
+/** Gives the vertices of a piece: one interleaved array of 3 components, or three arrays x, y, z of
+ *  one component (array_count 1 or 3), float32 or float64. */
 INSITU_API insitu_status insitu_mesh_points(insitu_mesh mesh, int32_t piece,
                                             const insitu_array* arrays, int32_t array_count);
 
-/** The cells of a piece, by connectivity. Ghosts given before stay; give new ones, or
- *  none, if they do not fit the new cells. */
+/** Gives the cells of a piece by connectivity. Ghosts given before stay; where they do not fit the
+ *  new cells, the caller gives others, or none. */
 INSITU_API insitu_status insitu_mesh_cells(insitu_mesh mesh, int32_t piece,
                                            const insitu_cells* cells);
 
-/** The cells of a piece, as an implicit block. Ghosts given before stay. */
+/** Gives the cells of a piece as an implicit block. Ghosts given before stay. */
 INSITU_API insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece,
                                            const insitu_block* block);
 
-/** A field on vertices or cells: one array of any component count, or one array a component;
- *  float32 or float64. All pieces that have cells must have it, with equal association and
- *  components. A piece without cells adds nothing, with points and fields or without. */
+/** Gives a field on vertices or cells: one array of any number of components, or one array a
+ *  component; float32 or float64. All pieces that have cells must have the field, with equal
+ *  association and components. A piece without cells adds nothing, whether or not it has points and
+ *  fields. */
 INSITU_API insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, const char* name,
                                            insitu_association association,
                                            const insitu_array* arrays, int32_t array_count);
@@ -119,44 +125,47 @@ INSITU_API insitu_status insitu_mesh_field(insitu_mesh mesh, int32_t piece, cons
 INSITU_API insitu_status insitu_mesh_remove_field(insitu_mesh mesh, const char* name);
 
 /** Says that items of a field that hold `value`, as the field's type has it, have no value: land,
- *  netCDF's _FillValue. NaN may be such a value. A vertex or cell is blank if one of its components
- *  is. Adds up; forgotten when the field is removed. Cells with blank vertices still own points,
- *  and all other fields have values there, but samples of this one are NaN, isosurfaces and volumes
- *  leave these cells out, averages leave blank cells out, and tracers along it take them as a wall:
- *  without effects at the boundary particles end as INSITU_END_BLANK. The field's values are copied
- *  at every commit (INSITU_MEMORY_BLANK), unless it has one component and NaN alone is blank;
- * strict sessions refuse that. Not in device memory nor on adaptive meshes:
- * INSITU_ERROR_UNSUPPORTED or _ORDER. */
+ *  say, or netCDF's _FillValue. NaN may be such a value. A vertex or cell is blank if one of its
+ *  components is. Calls add up; removing the field forgets them. Cells with blank vertices still
+ *  own points, and all other fields have values there, but samples of this field are NaN,
+ *  isosurfaces and volumes leave these cells out, averages leave blank cells out, and tracers along
+ *  this field take these cells as a wall: without effects at the boundary particles end as
+ *  INSITU_END_BLANK. Every commit copies the field's values (INSITU_MEMORY_BLANK), unless the field
+ *  has one component and NaN alone is blank; strict sessions refuse the copy. Fields in device
+ *  memory (INSITU_ERROR_UNSUPPORTED) and on adaptive meshes (INSITU_ERROR_ORDER) have no blank
+ *  values. */
 INSITU_API insitu_status insitu_mesh_field_blank(insitu_mesh mesh, const char* name, double value);
 
-/** One uint8 a vertex of a piece, VTK's vtkGhostType of points: where bit 2 (hidden) is set, no
- *  field on vertices has a value, as if all of them were blank there. Other bits do not count.
- *  array null: none. */
+/** Gives VTK's vtkGhostType of points, one uint8 a vertex of a piece: where bit 2 (hidden) is set,
+ *  no field on vertices has a value, as if all of them were blank there. The library ignores other
+ *  bits. array null takes the hidden points away. */
 INSITU_API insitu_status insitu_mesh_hidden_points(insitu_mesh mesh, int32_t piece,
                                                    const insitu_array* array);
 
-/** Drops the pieces from `first` on, with all that was given for them: a regrid may leave fewer
- *  patches. first: 0 to the number of pieces. */
+/** Drops the pieces from `first` on, with everything that was given for them, since a regrid may
+ *  leave fewer patches. first: 0 to the number of pieces. */
 INSITU_API insitu_status insitu_mesh_drop_pieces(insitu_mesh mesh, int32_t first);
 
-/** Whether the mesh's pieces are parts of one body (0, as at first) or stand for themselves (not
- * 0). Of one body, vertices of different pieces whose coordinates are equal bit for bit are one
- * vertex where isosurfaces of cell fields average values and smooth normals average gradients;
- * within a piece ids alone tell vertices apart, so cracks and baffles stay. Takes effect at the
- * next commit of the geometry, which this call asks for. */
+/** Says whether the mesh's pieces are parts of one body (separate 0, as at first) or stand for
+ *  themselves (separate not 0). In one body, vertices of different pieces whose coordinates are
+ *  equal bit for bit are one vertex where isosurfaces of cell fields average values and smooth
+ *  normals average gradients. Within a piece ids alone tell vertices apart, so cracks and baffles
+ *  stay. The call takes effect at the next commit of the geometry, which it asks for. */
 INSITU_API insitu_status insitu_mesh_separate_pieces(insitu_mesh mesh, int separate);
 
-/** How a ghost array counts. */
+/** How the library reads a ghost array. */
 typedef enum insitu_ghost_convention INSITU_INT {
-  INSITU_GHOSTS_VTK = 0,   /**< bits: 1 duplicate, 8 refined, 32 hidden: the cell owns no point */
-  INSITU_GHOSTS_ASCENT = 1 /**< 0 real, otherwise ghost */
+  INSITU_GHOSTS_VTK = 0,   /**< bits; 1 (duplicate), 8 (refined) or 32 (hidden): the cell owns no
+                                point */
+  INSITU_GHOSTS_ASCENT = 1 /**< 0: a real cell; any other number: a ghost cell */
 } insitu_ghost_convention;
 
-/** One uint8 a cell. A ghost cell never owns a point and is never drawn, and may hold anything. But
- *  a duplicate alone (VTK: 1 with neither 8 nor 32; Ascent: 1) lends its values, where its vertex
- *  ids are in range and they are finite, to smooth normals and to averages of cell fields at the
- *  vertices that it shares with owning cells: so surfaces meet without a seam where another process
- *  goes on. array null: none. They stay when the cells are given again. */
+/** Gives the ghosts of a piece, one uint8 a cell. A ghost cell never owns a point, is never drawn,
+ *  and may hold anything. But a cell that is only a duplicate (VTK: 1 with neither 8 nor 32;
+ *  Ascent: 1) lends its values, where its vertex ids are in range and the values are finite, to
+ *  smooth normals and to averages of cell fields at the vertices that it shares with owning cells:
+ *  so surfaces meet without a seam where another process goes on. array null takes the ghosts away.
+ *  Ghosts stay when the caller gives the cells again. */
 INSITU_API insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece,
                                             const insitu_array* array,
                                             insitu_ghost_convention convention);
@@ -164,29 +173,31 @@ INSITU_API insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece,
 typedef enum insitu_frame_kind INSITU_INT {
   INSITU_FRAME_CARTESIAN = 0,  /**< the solver's own coordinates */
   INSITU_FRAME_GEOCENTRIC = 1, /**< ECEF metres on WGS84 */
-  INSITU_FRAME_GEODETIC = 2,   /**< longitude, latitude, height or depth on WGS84; units below */
-  INSITU_FRAME_ENU = 3,        /**< metres east, north, up of an origin (lon, lat, height) */
-  INSITU_FRAME_UTM = 4         /**< easting, northing, height in metres in a zone */
+  INSITU_FRAME_GEODETIC = 2,   /**< longitude, latitude, and height or depth on WGS84, in the units
+                                    below */
+  INSITU_FRAME_ENU = 3,        /**< metres east, north and up of an origin
+                                    (longitude, latitude, height) */
+  INSITU_FRAME_UTM = 4         /**< metres of easting, northing and height in a zone */
 } insitu_frame_kind;
 
-/** GEODETIC: the units of longitude and latitude, and what the third number is. */
+/** The units of GEODETIC longitudes and latitudes and of the third number, and its direction. */
 typedef enum insitu_angle INSITU_INT { INSITU_DEGREES = 0, INSITU_RADIANS = 1 } insitu_angle;
 typedef enum insitu_length INSITU_INT { INSITU_METRES = 0, INSITU_KILOMETRES = 1 } insitu_length;
 typedef enum insitu_vertical INSITU_INT {
   INSITU_UP = 0,  /**< a height above the ellipsoid */
-  INSITU_DOWN = 1 /**< a depth below it; UTM may have it too */
+  INSITU_DOWN = 1 /**< a depth below the ellipsoid; UTM may have it too */
 } insitu_vertical;
 
 typedef struct insitu_frame {
   size_t size;
   insitu_frame_kind kind;
-  double origin[3];         /**< ENU: longitude, latitude (degrees), height (metres) */
-  int32_t utm_zone;         /**< UTM: 1..60 */
-  int32_t utm_north;        /**< UTM: 1 north, 0 south */
-  insitu_angle angle;       /**< GEODETIC; else DEGREES */
-  insitu_length length;     /**< GEODETIC: of the third number; else METRES */
-  insitu_vertical vertical; /**< GEODETIC, UTM; else UP */
-  int32_t reserved;         /**< 0 */
+  double origin[3];         /**< for ENU: longitude, latitude (degrees), height (metres) */
+  int32_t utm_zone;         /**< for UTM: 1 to 60 */
+  int32_t utm_north;        /**< for UTM: 1 north, 0 south */
+  insitu_angle angle;       /**< for GEODETIC; otherwise DEGREES */
+  insitu_length length;     /**< for GEODETIC: unit of the third number; otherwise METRES */
+  insitu_vertical vertical; /**< for GEODETIC and UTM; otherwise UP */
+  int32_t reserved;         /**< always 0 */
 } insitu_frame;
 
 static inline insitu_frame insitu_frame_default(void) {
@@ -203,20 +214,23 @@ static inline insitu_frame insitu_frame_default(void) {
   return f;
 }
 
-/** The frame of the mesh's coordinates; points given in another frame are converted to it. Cells
- *  are located as they are, straight in these coordinates. Of a geodetic mesh that means:
+/** Sets the frame of the mesh's coordinates; the library converts points of another frame to it. It
+ *  locates points in cells as the arrays give them, straight in these coordinates. For a geodetic
+ *  mesh that means:
  *
- *  - Longitudes may start anywhere (-180, 0, 170, ...), and points may have any of the same
- *    meridian: each is located once. Cells may wrap around (from 359.5 to 0.5), hold a pole or have
- *    a vertex there: the few that do are located in copies, which insitu_report counts (memory) and
- *    the commit's log tells; all others are read in place. A cell spans less than half a turn.
- *  - Vector fields (3 components) are east, north and up; tracers take them as metres per second.
- *    Near a pole that lies within a cell they are turned with the direction east before they are
- *    interpolated; samples are in the east and north of the sampled point.
- *  - It lies in host memory and is located on the CPU.
+ *  - Longitudes may start anywhere (-180, 0, 170, ...), and points may have any longitude of the
+ *    same meridian: each point is located once. Cells may wrap around (from 359.5 to 0.5), hold a
+ *    pole or have a vertex there: the library locates points in copies of these few cells, which
+ *    insitu_report counts (memory) and the commit's log tells, and reads all other cells in place.
+ *    A cell spans less than half a turn.
+ *  - Vector fields (3 components) are along east, north and up; tracers take them as metres per
+ *    second. Near a pole that lies within a cell the library turns vectors with the direction east
+ *    before it interpolates them; samples are along the east and north of the sampled point.
+ *  - The mesh lies in host memory, and points are located on the CPU.
  *
- *  Vector fields of a mesh in any other frame are along its coordinates' axes: of a geocentric mesh
- *  along the Earth's, x, y and z; of UTM with depths the third is the rate at which depth grows. */
+ *  In any other frame vector fields are along the axes of the mesh's coordinates: in a geocentric
+ *  mesh along the Earth's x, y and z; in UTM with depths the third component is the rate at which
+ *  depth grows. */
 INSITU_API insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame* frame);
 
 #ifdef __cplusplus

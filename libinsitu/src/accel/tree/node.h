@@ -10,7 +10,7 @@
 
 namespace insitu::accel {
 
-/// A box of floats in the tree's local frame.
+/// A box of floats in the local frame of the tree.
 struct Box {
   float lower[3] = {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
                     std::numeric_limits<float>::infinity()};
@@ -30,8 +30,8 @@ struct Box {
   }
 };
 
-/// A float at or below (above) the double: rounding to nearest errs by half an ulp at most, and
-/// 2^-22 of the value is more than an ulp.
+/// round_down returns a float at or below the double, round_up one at or above it. Rounding to
+/// nearest errs by half an ulp at most, and 2^-22 of the value is more than an ulp.
 INSITU_HD inline float round_down(double x) {
   const float f = float(x);
   return f - std::fabs(f) * 0x1p-22f - 0x1p-120f;
@@ -41,21 +41,25 @@ INSITU_HD inline float round_up(double x) {
   return f + std::fabs(f) * 0x1p-22f + 0x1p-120f;
 }
 
-/// One over the grid's spacing; exact, but zero for the largest, which only boxes beyond 1e37 need.
+/// Returns one over the spacing of a grid. The result is exact, but zero for the largest spacing,
+/// which only boxes beyond 1e37 need.
 INSITU_HD inline float inverse_scale(std::uint8_t exponent) {
   return std::bit_cast<float>((254u - std::uint32_t(exponent)) << 23);
 }
 
-/// What distances to faces are too large in Node::depth, in steps of a node's grid: so one of 0 is
-/// never -0, whose sign would put the query outside. Nobody cares for so small a part of a step.
+/// Node::depth makes the distances to faces larger by this part of a step of the grid of the node,
+/// so that a distance of 0 is never -0, whose sign would put the query outside. No query depends on
+/// so small a part of a step.
 constexpr float depth_slack = 0x1p-14f;
 
-constexpr float whole_steps = 0x1p23f; ///< a float below 2^22 plus this ends in its nearest integer
+constexpr float whole_steps = 0x1p23f; ///< adding this number rounds a float below 2^22 to its
+                                       ///< nearest integer, which the low bits of the sum hold
 
-/// An 8-wide node of 80 bytes. Child boxes are quantised, outwards, to 8 bits on a grid whose
-/// spacing is a power of two per axis: lower + 2^(exponent - 127) * byte, exact but for one
-/// rounding, which encoding has checked. Inner children lie at first_child in order; the cells of
-/// leaf children at first_cell + (meta >> 3), meta & 7 of them. meta is 0 for no child.
+/// A node of 80 bytes with up to 8 children. The boxes of the children are quantised, outwards, to
+/// 8 bits on a grid whose spacing is a power of two per axis: lower + 2^(exponent - 127) * byte,
+/// exact but for one rounding, which encoding has checked. Inner children lie at first_child, in
+/// order. The meta & 7 cells of a leaf child lie at first_cell + (meta >> 3). meta is 0 where there
+/// is no child.
 struct alignas(16) Node {
   float lower[3];
   std::uint8_t exponent[3];
@@ -69,9 +73,9 @@ struct alignas(16) Node {
   INSITU_HD float scale(int axis) const {
     return std::bit_cast<float>(std::uint32_t(exponent[axis]) << 23);
   }
-  /// Bit c: there is a child c.
+  /// Returns the children that there are: bit c stands for child c.
   unsigned children() const {
-    // The high bit of every byte that is not 0, then these eight bits side by side.
+    // Each byte that is not 0 gives its high bit; the product lays these eight bits side by side.
     constexpr std::uint64_t low = 0x7f7f7f7f7f7f7f7full;
     const std::uint64_t all = std::bit_cast<std::uint64_t>(meta);
     const std::uint64_t high = (((all & low) + low) | all) & ~low;
@@ -94,8 +98,8 @@ struct alignas(16) Node {
     }
     return b;
   }
-  /// How far a box [lower, upper] reaches into a child's, in steps of the grid, 0 to 255. Scaling
-  /// by a power of two is exact, so signs are child_box's.
+  /// Returns how far a box [lower, upper] reaches into the box of a child, in steps of the grid, 0
+  /// to 255. Scaling by a power of two is exact, so the signs are those that child_box gives.
   INSITU_HD std::uint8_t depth(int child, const float* box_lower, const float* box_upper) const {
     float least = 255.0f;
     for (int a = 0; a < 3; ++a) {
@@ -113,10 +117,12 @@ struct alignas(16) Node {
 };
 static_assert(sizeof(Node) == 80);
 
-constexpr int most_leaf_cells = 1; ///< what the builders make; the format could hold four
+constexpr int most_leaf_cells = 1; ///< the builders put one cell into a leaf; the format could hold
+                                   ///< four
 
-/// The biased exponent of the smallest power of two with extent / 2^e <= 254; the spare step takes
-/// the roundings. Not below lo's ulp, or steps would vanish in the sum.
+/// Returns the biased exponent of the smallest power of two with extent / 2^e <= 254; one spare
+/// step takes the roundings. The power is not below the ulp of lo or hi, or steps would vanish in
+/// the sum.
 INSITU_HD inline std::uint8_t grid_exponent(float lo, float hi) {
   const float at_least = (std::fabs(lo) + std::fabs(hi)) * 0x1p-23f;
   float unit = (hi - lo) * (1.0f / 253.0f);
@@ -125,8 +131,8 @@ INSITU_HD inline std::uint8_t grid_exponent(float lo, float hi) {
   return std::uint8_t(e < 1 ? 1 : (e > 254 ? 254 : e));
 }
 
-/// Quantises the children's boxes into the node, outwards. Children whose meta is 0 get an inverted
-/// box. (accel/tree/fit.h does the same faster.)
+/// Quantises the boxes of the children into the node, outwards. Children whose meta is 0 get an
+/// inverted box. accel/tree/fit.h does the same faster.
 INSITU_HD inline void encode_boxes(Node& node, const Box* children) {
   Box all;
   for (int c = 0; c < 8; ++c)

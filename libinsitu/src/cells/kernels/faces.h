@@ -6,10 +6,11 @@
 #include "math/vec.h"
 #include "mesh/shape.h"
 
-/// Faces and edges of the cell shapes by local vertex number, in VTK's point order.
+/// The faces and edges of the cell shapes by local vertex number, in the point order of VTK.
 namespace insitu::cells {
 
-/// A face is cyclic and turns counterclockwise seen from outside the cell; vertex_count is 3 or 4.
+/// The vertices of a face are in cyclic order, counterclockwise as seen from outside the cell;
+/// vertex_count is 3 or 4.
 struct Face {
   std::uint8_t vertex_count = 0;
   std::uint8_t vertices[4] = {};
@@ -25,11 +26,12 @@ struct FaceTable {
   Edge edges[12] = {};
 };
 
-/// The table of a shape; with zero faces for Shape::none.
+/// Returns the table of a shape, which has no faces for Shape::none.
 ///
-/// Outward means outward for a cell in VTK's documented order. For the wedge that is the order in
-/// which triangle 0, 1, 2 faces away from 3, 4, 5, as VTK's manual, its face table and its readers
-/// have it (the wedge's shape functions have a negative Jacobian there; containment does not care).
+/// Outward means outward for a cell in the order that VTK documents. For the wedge that is the
+/// order in which triangle 0, 1, 2 faces away from 3, 4, 5: the manual, the face table and the
+/// readers of VTK have it so. The shape functions of the wedge have a negative Jacobian there,
+/// which containment does not depend on.
 INSITU_HD constexpr FaceTable face_table(mesh::Shape shape) {
   switch (shape) {
   case mesh::Shape::tetrahedron:
@@ -101,9 +103,9 @@ INSITU_HD constexpr FaceTable face_table(mesh::Shape shape) {
   return {};
 }
 
-/// How far a point with these weights (shape_functions) lies from a face, in parametric units,
-/// negative beyond it: the weight of the vertices that are not on it. The least over a cell's faces
-/// is InverseMap's margin.
+/// Returns how far a point with these weights (shape_functions) lies from a face, in parametric
+/// units, negative beyond the face: the sum of the weights of the vertices that are not on the
+/// face. The least distance over the faces of a cell is the margin of InverseMap.
 INSITU_HD inline double parametric_distance(mesh::Shape shape, int face, const double* weights) {
   const FaceTable table = face_table(shape);
   const Face& f = table.faces[face];
@@ -113,8 +115,9 @@ INSITU_HD inline double parametric_distance(mesh::Shape shape, int face, const d
   return 1.0 - on;
 }
 
-/// Side k of a face, from its vertex k to the next, among the shape's edges; reversed: it runs from
-/// the edge's second vertex to its first.
+/// Side k of a face goes from its vertex k to the next one. `edge` is its number among the edges of
+/// the shape, or -1 if it is none of them; `reversed` says that the side goes from the second
+/// vertex of the edge to the first.
 struct FaceSide {
   int edge = -1;
   bool reversed = false;
@@ -133,16 +136,16 @@ INSITU_HD constexpr FaceSide face_side(mesh::Shape shape, int face, int k) {
   return {};
 }
 
-/// Four local vertices of a quad in cyclic order: p00, p10, p11, p01 of its patch.
+/// The four local vertices of a quad in cyclic order: p00, p10, p11, p01 of its patch.
 struct Quad {
   std::uint8_t vertices[4] = {};
 };
 
-/// The quad's canonical order: cyclic, from the corner with the lexicographically lowest (x, y, z)
-/// towards the lower of that corner's two neighbours. Both cells that share the quad get the same
-/// coordinates in the same order, and so the same diagonal p00-p11, whatever their numbering.
-/// Corners that coincide may leave two orders to choose from; these give the same triangles, or the
-/// same up to triangles without area.
+/// Returns the canonical order of a quad. It is cyclic, from the corner with the lexicographically
+/// lowest (x, y, z) towards the lower of the two neighbours of that corner. Both cells that share
+/// the quad get the same coordinates in the same order, and so the same diagonal p00-p11, however
+/// each numbers its vertices. Corners that coincide may leave two orders to choose from; both give
+/// the same triangles, or triangles that differ only by ones without area.
 template <class T>
 INSITU_HD constexpr Quad canonical_order(const Face& quad, const math::Vec3<T>* vertices) {
   const auto lower = [vertices](std::uint8_t i, std::uint8_t j) {

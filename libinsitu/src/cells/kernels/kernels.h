@@ -9,11 +9,11 @@
 #include "math/vec.h"
 #include "mesh/shape.h"
 
-/// The cell kernels for scalars: host, and device under nvcc. cells/kernels/kernels_simd.h gives
-/// the same text per SIMD target.
+/// The cell kernels for scalars, on the host and, under nvcc, on the device.
+/// cells/kernels/kernels_simd.h includes the same text once per SIMD target.
 namespace insitu::cells {
 
-#define INSITU_LAMBDA // under nvcc a lambda inside a kernel is compiled for where the kernel is
+#define INSITU_LAMBDA // under nvcc, a lambda inside a kernel is compiled for where that kernel runs
 #define INSITU_INLINE INSITU_HD inline
 
 using math::absolute;
@@ -28,7 +28,8 @@ using mesh::vertex_count;
 #include "cells/kernels/inverse_map.inl"
 #include "cells/kernels/shape_functions.inl"
 
-/// What contain_lanes.inl needs of a number: its sign bit, and products that may be fused.
+/// contain_lanes.inl needs the sign bit of a number, and products that the compiler may fuse with
+/// sums.
 struct SignBit {
   bool on;
 };

@@ -9,16 +9,18 @@
 
 namespace insitu::render {
 
-/// Into the scene; its direction has unit length.
+/// A ray goes into the scene; its direction has unit length.
 using cells::Ray;
 
 /// How an automatic camera makes the mesh fit the image.
 enum class Fit {
-  sphere, ///< the sphere around the mesh's box just fits: the same size from every side
-  box     ///< the box's corners as seen just fit, but for a margin: as large as can be
+  sphere, ///< the sphere around the box of the mesh just fits: the mesh has the same size from
+          ///< every side
+  box     ///< the corners of the box just fit as they are seen, but for a margin: the mesh is as
+          ///< large as can be
 };
 
-/// x changes first.
+/// Returns the corners of a box; x changes first.
 inline std::array<math::Vec3d, 8> box_corners(const math::Vec3d& low, const math::Vec3d& high) {
   std::array<math::Vec3d, 8> corners;
   for (std::size_t i = 0; i < 8; ++i)
@@ -26,36 +28,38 @@ inline std::array<math::Vec3d, 8> box_corners(const math::Vec3d& low, const math
   return corners;
 }
 
-/// Where a frame is seen from.
+/// The place from which a frame is seen.
 struct Camera {
   math::Vec3d position{0, 0, 1};
   math::Vec3d look_at{0, 0, 0};
-  math::Vec3d up{0, 1, 0}; ///< any length, not along the view
-  double fov = 30;         ///< vertical field of view, degrees; perspective only
-  /// Height of the view volume in mesh units; above 0 makes the camera orthographic.
+  math::Vec3d up{0, 1, 0}; ///< of any length, not along the view
+  double fov = 30;         ///< vertical field of view in degrees, for perspective only
+  /// Height of the view volume in mesh units. A height above 0 makes the camera orthographic.
   double orthographic_height = 0;
 
-  /// A camera towards the middle of a box from `azimuth` degrees around +z, counted from +x, and
-  /// `elevation` degrees above the xy plane, so far away that the sphere around the box just fits
-  /// an image of that aspect (width / height) at zoom 1. Up is +z; from above or below, away from
-  /// the viewer who came up (or down) at that azimuth.
+  /// Returns a camera that looks at the middle of a box from `azimuth` degrees around +z, counted
+  /// from +x, and `elevation` degrees above the xy plane. It stands so far away that, at zoom 1,
+  /// the sphere around the box just fits an image of that aspect (width / height). Up is +z. For a
+  /// view from straight above or below, up points away from a viewer who came up (or down) at that
+  /// azimuth.
   static Camera around(const math::Vec3d& low, const math::Vec3d& high, double azimuth,
                        double elevation, double zoom = 1, double fov = 30, double aspect = 1);
 
-  /// The camera moved, without being turned, so that points fit an image of that aspect and their
-  /// picture is centred; an orthographic camera gets the height too, and stays as far away as it
-  /// is. Zoom divides the distance, or the height. margin: the part of the image's half that stays
-  /// free at its border. What has no extent (a point, a line seen end on) is seen from near.
+  /// Returns the camera moved, but not turned, so that the points fit an image of that aspect and
+  /// their picture is centred. An orthographic camera also gets the height, and stays as far away
+  /// as it is. Zoom divides the distance, or the height. margin: the part of the half of the image
+  /// that stays free at its border. Points without extent (one point, or a line seen end on) are
+  /// seen from near.
   Camera fitted(std::span<const math::Vec3d> points, double aspect, double zoom = 1,
                 double margin = default_margin) const;
-  /// Of a box.
+  /// Returns the camera fitted to the corners of a box.
   Camera fitted(const math::Vec3d& low, const math::Vec3d& high, double aspect, double zoom = 1,
                 double margin = default_margin) const {
     return fitted(box_corners(low, high), aspect, zoom, margin);
   }
 
-  /// The height of an orthographic camera's view, from where it stands, by which points fit; with
-  /// Fit::sphere the sphere around their box.
+  /// Returns the height of the view of an orthographic camera, from where it stands, by which
+  /// points fit; with Fit::sphere the sphere around their box fits.
   double height_for(std::span<const math::Vec3d> points, Fit fit, double aspect,
                     double margin = default_margin) const;
   double height_for(const math::Vec3d& low, const math::Vec3d& high, Fit fit, double aspect,
@@ -64,37 +68,39 @@ struct Camera {
   }
   static constexpr double default_margin = 0.02;
 
-  /// The camera with another up where its own points along the view: the axis farthest from it.
+  /// Returns the camera itself, or, where its up points along the view, the camera with another up:
+  /// the axis farthest from the view.
   Camera with_valid_up() const;
 
-  /// The camera turned by `degrees` around the axis through look_at along up.
+  /// Returns the camera turned by `degrees` around the axis through look_at along up.
   Camera orbited(double degrees) const;
 };
 
-/// The axes of an image in space, of unit length and at right angles. Throws core::Error
-/// (INSITU_ERROR_ARGUMENT) if the camera has no direction.
+/// The axes of an image in space, which have unit length and are at right angles. Throws
+/// core::Error (INSITU_ERROR_ARGUMENT) if the camera has no direction.
 struct CameraAxes {
   math::Vec3d right, down, forward;
   explicit CameraAxes(const Camera& camera);
 };
 
-/// The rays of an image's pixels, through their centres; pixel (0, 0) is the upper left one.
+/// Makes the rays through the centres of the pixels of an image; pixel (0, 0) is the upper left
+/// one.
 class RayGenerator {
 public:
   /// Throws core::Error (INSITU_ERROR_ARGUMENT) if the camera has no direction or no extent.
   RayGenerator(const Camera& camera, int width, int height);
   Ray operator()(int x, int y) const;
 
-  /// Where a point is seen: x and y in pixels, (0, 0) the image's upper left corner; nothing for a
-  /// point that is not before the camera.
+  /// Returns where a point is seen: x and y in pixels, where (0, 0) is the upper left corner of the
+  /// image. The optional is empty for a point that is not before the camera.
   std::optional<std::array<double, 2>> project(const math::Vec3d& point) const;
 
 private:
   CameraAxes axes_;
   math::Vec3d origin_;
-  math::Vec3d corner_; ///< from the axis to the centre of pixel (0, 0)
-  double pixel_;       ///< its extent, at distance 1 (orthographic: in mesh units)
-  double middle_[2];   ///< of the image, in pixels
+  math::Vec3d corner_; ///< vector from the axis to the centre of pixel (0, 0)
+  double pixel_;       ///< extent of a pixel at distance 1 (orthographic: in mesh units)
+  double middle_[2];   ///< middle of the image in pixels
   bool orthographic_;
 };
 

@@ -10,9 +10,9 @@
 
 namespace insitu::render {
 
-/// The number drawn of a field: a component, or with -1 the magnitude (of a field of one component:
-/// its value). A magnitude is taken at the vertices and interpolated from there, so that it lies
-/// within the range of its cell's vertices.
+/// The number that is drawn of a field: a component, or, for component -1, the magnitude (for a
+/// field of one component, its value). A magnitude is taken at the vertices and interpolated from
+/// there, so that it lies within the range of the vertices of its cell.
 struct ScalarField {
   mesh::FieldView field;
   int component = -1;
@@ -31,7 +31,7 @@ struct ScalarField {
     return std::sqrt(sum);
   }
 
-  /// Asks for an item that will be loaded.
+  /// Prefetches an item that will be loaded.
   void prefetch(std::int32_t piece, std::int64_t item) const {
     const mesh::FieldPieceView& from = field.pieces[piece];
     if (from.layout.linear)
@@ -39,7 +39,7 @@ struct ScalarField {
                          item * from.layout.stride[0]);
   }
 
-  /// The value at a location, which must be inside.
+  /// Returns the value at a location, which must be inside.
   double at(const mesh::MeshView& mesh, const query::Location& location) const {
     const std::int32_t piece = mesh.piece_of(location.cell);
     const std::int64_t cell = location.cell - mesh.first_cell[piece];
@@ -57,14 +57,15 @@ struct ScalarField {
 };
 
 /// The least and the greatest finite value in owning cells or at their vertices; low > high if
-/// there is none.
+/// there is no finite value.
 struct ScalarRange {
   double low = HUGE_VAL, high = -HUGE_VAL;
 };
 ScalarRange scalar_range(const mesh::MeshView& mesh, const ScalarField& scalar,
                          const core::Threads& threads);
 
-/// ValueRanges' component for the same number: its magnitude of one component would be |value|.
+/// Returns the component by which ValueRanges has the same number: the magnitude that it takes of a
+/// field of one component would be |value|.
 inline int range_component(const ScalarField& f) {
   return f.component < 0 && f.field.components == 1 ? 0 : f.component;
 }

@@ -10,19 +10,21 @@
 #include "scene/parse/cursor.h"
 #include "scene/parse/description.h"
 
-/// The sections of a scene; included by the parse_*.cpp only. Each function returns what it could
-/// read, and notes the problems in the cursor's Problems.
+/// The sections of a scene. Only the files parse_*.cpp include this header. Each function returns
+/// what it could read, and notes the problems in the Problems of the cursor.
 namespace insitu::scene {
 
 /// What the sections share.
 struct ParseContext {
   std::string base_folder;
-  Trigger trigger;                            ///< the scene's
-  std::set<std::string> names;                ///< of the probes, tracers and frames so far
-  const std::vector<Probe>* probes = nullptr; ///< so far
+  Trigger trigger;                            ///< the trigger of the scene
+  std::set<std::string> names;                ///< names of the probes, tracers and frames that were
+                                              ///< read so far
+  const std::vector<Probe>* probes = nullptr; ///< probes that were read so far
 };
 
-/// Counts of points, of pixels along a side, of cycles and steps beyond these are slips.
+/// Counts of points, of pixels along a side, of cycles and of steps beyond these limits are slips
+/// of the author.
 constexpr std::int64_t most_points = 1'000'000'000;
 constexpr std::int64_t most_levels = 1'000'000;
 constexpr std::int64_t largest_image_side = 16384;
@@ -32,19 +34,20 @@ constexpr std::size_t most_isovalues = 256;
 
 std::string resolve_path(const std::string& path, const std::string& base_folder);
 
-/// `every` and `when` of the map, or `fallback` where it has neither.
+/// Reads `every` and `when` of the map, and returns `fallback` where the map has neither.
 Trigger parse_trigger(const MapReader& map, const Trigger& fallback);
-/// Nothing where it is none.
+/// Reads a condition. The optional is empty where the text is no condition.
 std::optional<Expression> parse_condition(const Cursor& cursor);
 LocatorOptions parse_locator(const Cursor& cursor);
 std::optional<Accuracy> parse_accuracy(const Cursor& cursor);
-/// `name`: required, fit for a file name, and not yet in use.
+/// Reads `name`, which is required, must be fit for the name of a file, and must not be in use yet.
 void parse_item_name(const MapReader& map, ParseContext& context, std::string& name);
-/// Whether a text may stand in a file's name: within the folder, on every file system.
+/// Returns whether a text may stand in the name of a file: it stays within the folder, on every
+/// file system.
 bool fits_file_name(const std::string& text);
 std::optional<Name> parse_name(const Cursor& cursor);
 std::vector<Name> parse_names(const Cursor& cursor);
-/// A list of the words `formats`, at least one.
+/// Reads a list of the words `formats`, with one word at least.
 std::vector<TableFormat> parse_output(const Cursor& cursor,
                                       std::initializer_list<Choice<TableFormat>> formats);
 
@@ -58,7 +61,8 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context);
 Release parse_release(const Cursor& cursor);
 OutputTimes parse_times(const Cursor& cursor);
 CheckpointOptions parse_checkpoint(const Cursor& cursor);
-/// Whether seeds are those of a probe, `{probe: name}`; then they are read by the second.
+/// Returns whether seeds are those of a probe, `{probe: name}`, which parse_seeds_of_probe then
+/// reads.
 bool names_probe(const Cursor& seeds);
 void parse_seeds_of_probe(const Cursor& cursor, const ParseContext& context, bool has_frame,
                           Tracer& tracer);
@@ -66,15 +70,17 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context);
 
 Color parse_color(const Cursor& cursor, const Color& fallback);
 Component parse_component(const Cursor& cursor);
-/// `colors`, `range`, `scale`, `below`, `above` and `nan` of a map that may hold others too.
+/// Reads `colors`, `range`, `scale`, `below`, `above` and `nan` of a map that may hold other keys
+/// too.
 ColorMap parse_color_map(const MapReader& map, const ParseContext& context);
-/// on_earth: of a geocentric frame.
+/// Reads a camera; on_earth: whether it belongs to a geocentric frame.
 Camera parse_camera(const Cursor& cursor, bool on_earth);
 Camera default_camera(bool on_earth);
-/// Of a frame's map; also there where an effect asks for it.
+/// Reads the path tracing of the map of a frame. The result is also there where an effect asks for
+/// path tracing.
 std::optional<PathTracing> parse_path_tracing(const MapReader& frame,
                                               const std::vector<FrameEffect>& effects);
-/// A map of names and cameras.
+/// Reads a map of names and cameras.
 std::vector<NamedCamera> parse_cameras(const Cursor& cursor, bool on_earth);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);
 std::vector<Light> parse_lights(const Cursor& cursor);
@@ -85,7 +91,7 @@ Boundary parse_boundary(const Cursor& cursor, const ParseContext& context);
 std::vector<Body> parse_bodies(const Cursor& cursor, const ParseContext& context);
 BoxOutline parse_outline(const Cursor& cursor);
 
-/// A list of some of the words, at least one and each once.
+/// Reads a list of some of the words, with one word at least and no word twice.
 template <class T>
 std::vector<T> parse_words(const Cursor& cursor, std::initializer_list<Choice<T>> words,
                            const char* what) {
@@ -105,7 +111,7 @@ std::vector<T> parse_words(const Cursor& cursor, std::initializer_list<Choice<T>
   return found;
 }
 
-/// An effect's name, and whether this version has it.
+/// The name of an effect, and the effect, which is empty if this version does not have it.
 template <class T>
 struct EffectChoice {
   EffectChoice(const char* of_name, std::optional<T> what,
@@ -114,11 +120,12 @@ struct EffectChoice {
 
   const char* name;
   std::optional<T> effect;
-  std::function<void(const Cursor&)> options; ///< reads them; empty: it has none
+  std::function<void(const Cursor&)> options; ///< reads the options of the effect; empty: it has no
+                                              ///< options
 };
 
-/// A list of effects, each a name or a map of a name and its options. Notes unknown and repeated
-/// ones and those that this version does not have.
+/// Reads a list of effects, each of which is a name, or a map of a name and its options. Notes
+/// unknown effects, repeated ones, and those that this version does not have.
 template <class T>
 std::vector<T> parse_effects(const Cursor& cursor, const std::vector<EffectChoice<T>>& known) {
   std::vector<T> effects;

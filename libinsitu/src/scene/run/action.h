@@ -19,23 +19,24 @@
 #include "scene/run/plan.h"
 #include "scene/run/statistics.h"
 
-/// What the parts of a runner share.
+/// Types and functions that the parts of a runner share.
 namespace insitu::scene {
 
 using MeshList = std::span<commit::CommittedMesh* const>;
 
-/// One cycle, as actions see it.
+/// One cycle of the solver, as actions see it.
 struct Step {
   MeshList meshes;
   std::int64_t cycle;
   double time;
-  bool first;                                ///< the first execution of the session
-  double earlier_time;                       ///< of the execution before
-  std::span<const double> times_before = {}; ///< of those before it, as far as fields may look back
+  bool first;                                ///< whether this is the first execution of the session
+  double earlier_time;                       ///< time of the execution before this one
+  std::span<const double> times_before = {}; ///< times of the executions before earlier_time, as
+                                             ///< far as fields may look back
 };
 
-/// Something a scene asks for: a probe, a tracer, a frame. A failed action throws core::Error from
-/// execute() and is tried again when it is next due.
+/// An action is something that a scene asks for: a probe, a tracer, a frame. An action that fails
+/// throws core::Error from execute(), and the runner tries it again when it is next due.
 class Action {
 public:
   virtual ~Action() = default;
@@ -43,88 +44,98 @@ public:
   virtual const std::string& name() const = 0;
   virtual const Trigger& trigger() const = 0;
   virtual const Name& mesh_name() const = 0;
-  /// Called at every cycle; due: the trigger says so.
+  /// Runs the action. The runner calls this at every cycle; due says whether the trigger holds.
   virtual void execute(commit::CommittedMesh& mesh, const Step& step, bool due) = 0;
-  /// The session closes.
+  /// Ends the action when the session closes.
   virtual void finish() {}
-  /// What a checkpoint knows it by, in words that hold all that its state depends on; empty: it has
-  /// none.
+  /// Returns the name by which a checkpoint knows the state of the action, in words that hold
+  /// everything that the state depends on. An empty name means that the action has no state.
   virtual std::string state_name() const { return {}; }
-  /// Its state, to a checkpoint or back.
+  /// Writes the state of the action to a checkpoint, or reads it from one.
   virtual void keep(core::Archive& /*archive*/) {}
-  /// Before the first cycle after a restart: the mesh has the cells of the checkpoint.
+  /// The runner calls this before the first cycle after a restart, when the mesh has the cells of
+  /// the checkpoint.
   virtual void take_up_cells() {}
-  /// Adds what it needs of the mesh beyond the tree, and what it does without. May throw like
-  /// execute().
+  /// Adds to the plan what the action needs of the mesh beyond the tree, and what it does without.
+  /// May throw as execute() does.
   virtual void plan(const commit::CommittedMesh& mesh, Plan& plan) const = 0;
-  /// What became of its particles, if it has any.
+  /// Returns what became of the particles of the action; an empty optional means that it has no
+  /// particles.
   virtual std::optional<advect::Counts> particles() const { return std::nullopt; }
-  /// The fields whose earlier steps it needs at the next cycle.
+  /// Returns the fields whose earlier steps the action needs at the next cycle.
   virtual std::vector<mesh::KeptField> needs_earlier() const { return {}; }
-  /// Whether these steps serve it over a change of topology as well.
+  /// Returns whether these earlier steps serve the action over a change of topology as well.
   virtual bool goes_on_to_other_cells() const { return false; }
 };
 
-/// What every action is made with.
+/// Every action is made with an Environment.
 struct Environment {
   core::Context& context;
   Statistics& statistics;
   FrameStructures& structures;
-  CinemaTable& table;         ///< of the frames' files
-  std::string scene_file;     ///< for messages
-  std::string output;         ///< folder
-  PageRecord* page = nullptr; ///< null: the scene has none
+  CinemaTable& table;         ///< the table of the files of frames
+  std::string scene_file;     ///< path of the scene file, for messages
+  std::string output;         ///< output folder
+  PageRecord* page = nullptr; ///< the page of the run; null: the scene asks for no page
 };
 
-/// The mesh of that name (the first one if empty); throws INSITU_ERROR_SCENE.
+/// Returns the mesh of that name, or the first mesh if the name is empty. Throws INSITU_ERROR_SCENE
+/// if there is no such mesh.
 commit::CommittedMesh& find_mesh(MeshList meshes, const Name& name, const std::string& scene_file);
 
-/// The field of that name, with "file:line: " before the message if there is none.
+/// Returns the field of that name. If there is none, the message of the error starts with
+/// "file:line: ".
 mesh::FieldView find_field(const commit::CommittedMesh& mesh, const Name& name,
                            const std::string& scene_file);
-/// The same on the solver's own cells (those of an adaptive mesh, not of its dual).
+/// Returns the field of that name on the own cells of the solver, which on an adaptive mesh are not
+/// those of its dual.
 mesh::FieldView find_own_field(const commit::CommittedMesh& mesh, const Name& name,
                                const std::string& scene_file);
 
-/// Where a curtain stands, in the coordinates it was given in.
+/// The places of a curtain, in the coordinates in which the scene gives it.
 struct CurtainPlaces {
   insitu_frame frame = insitu_frame_default();
-  std::vector<math::Vec3d> stations; ///< x, y, 0
-  std::vector<double> distances;     ///< [station] along its path: metres, or lengths of the frame
-  std::vector<double> levels;        ///< the third coordinates
+  std::vector<math::Vec3d> stations; ///< (x, y, 0) of each station
+  std::vector<double> distances;     ///< [station] distance along the path: metres, or lengths of
+                                     ///< the frame
+  std::vector<double> levels;        ///< [level] third coordinates
 };
 
-/// Points of a scene in the mesh's coordinates.
+/// The points of a scene in the coordinates of the mesh.
 struct ScenePoints {
   std::vector<math::Vec3d> mesh_points;
-  std::vector<std::string> names;       ///< or empty
-  std::optional<CurtainPlaces> curtain; ///< then the points are [station][level]
+  std::vector<std::string> names;       ///< [point] names of the points; empty: the points have
+                                        ///< none
+  std::optional<CurtainPlaces> curtain; ///< if given, the points are [station][level]
 };
 ScenePoints resolve_points(const PointSource& source, const FrameOfReference& frame,
                            const commit::CommittedMesh& mesh, const std::string& scene_file);
 
-/// Minimum, maximum or mean of a field (of a vector field's magnitudes) over owning cells, or over
-/// the vertices they use. NaN values are left out; NaN if nothing is left.
+/// Returns the minimum, maximum or mean of a field (for a vector field, of its magnitudes) over
+/// owning cells, or over the vertices that they use. NaN values are left out; the result is NaN if
+/// no value is left.
 double reduce_field(const commit::CommittedMesh& mesh, const Name& field,
                     const std::string& scene_file, Reduction reduction,
                     const core::Threads& threads);
 
-/// A flat cell id of mesh.mesh().own_view() in the solver's numbering; -1 outside.
+/// A cell of the own view of a mesh (mesh.mesh().own_view()) in the numbering of the solver; all
+/// members are -1 outside.
 struct OwnCell {
   std::int32_t piece = -1;
   std::int64_t cell = -1;
-  std::int64_t flat = -1; ///< counted through the pieces: what tables without pieces name
+  std::int64_t flat = -1; ///< id counted through the pieces, which tables without pieces name
 };
 OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat);
-/// The same of a cell of mesh.mesh().view() that holds the point.
+/// Returns the OwnCell of a cell of mesh.mesh().view() that holds the point.
 OwnCell own_cell(const commit::CommittedMesh& mesh, std::int64_t flat, const math::Vec3d& at);
 
-/// Whether files name pieces beside cells: where there are several, and of adaptive meshes, whose
-/// patches come and go, always. A table that grows keeps the answer of when it was opened.
+/// Returns whether files name pieces beside cells: they do where a mesh has several pieces, and on
+/// adaptive meshes, whose patches come and go, always. A table that grows keeps the answer of the
+/// time when it was opened.
 bool names_pieces(const mesh::Mesh& mesh);
 
-/// Of a table that grows and was opened for a mesh of one piece: says once that the mesh has
-/// several by now, so that cells are counted through them.
+/// Logs once, for a table that grows and was opened for a mesh of one piece, that the mesh has
+/// several pieces by now, so that the table counts cells through them.
 class OnePieceNote {
 public:
   void say(bool several, const std::string& path, const core::Log& log);
@@ -133,17 +144,18 @@ private:
   bool said_ = false;
 };
 
-/// Throws INSITU_ERROR_FIELD if a table that is open cannot take these columns any more: fields
-/// changed during the run.
+/// Throws INSITU_ERROR_FIELD if a table that is open cannot take these columns any more, since the
+/// fields changed during the run.
 void require_columns(const output::AppendTable& table, const std::vector<std::string>& open,
                      const std::vector<std::string>& now);
 
-/// Writes the rows. Rows that cannot be written wait for the next flush, but not without limit: a
-/// disk that stays full must not fill the memory too.
+/// Writes the rows of a table. Rows that cannot be written wait for the next flush, up to a limit:
+/// a disk that stays full must not fill the memory too.
 void flush_table(output::AppendTable& table);
 void flush_table(output::NetcdfTable& table);
 
-/// Formats of one item, of which one that fails does not keep the others from being written.
+/// Collects the failures of the formats of one item, so that a format that fails does not keep the
+/// other formats from being written.
 class Failures {
 public:
   template <class Act>
@@ -168,10 +180,10 @@ private:
 
 insitu_accuracy to_api(Accuracy accuracy);
 
-/// "velocity_x" and so on for the components of a field.
+/// Returns the names of the components of a field: "velocity_x" and so on.
 std::vector<std::string> component_names(const mesh::FieldView& field);
 
-/// `<output>/<name>_<cycle, six digits><extension>`
+/// Returns the path `<output>/<name>_<cycle, six digits><extension>`.
 std::string cycle_path(const Environment& environment, const std::string& name, std::int64_t cycle,
                        const std::string& extension);
 

@@ -1,5 +1,6 @@
 /** @file array.hpp
- *  Views of the caller's memory, for insitu.hpp (which includes this file): View, Array, Points. */
+ *  View, Array and Points are views of the caller's memory, for insitu.hpp, which includes this
+ *  file. */
 #ifndef INSITU_ARRAY_HPP
 #define INSITU_ARRAY_HPP
 
@@ -20,7 +21,8 @@
 #include <span>
 #endif
 
-/** An exception is caught in another library than the one that throws it. */
+/** Marks an exception class as visible, since one library throws the exception and another catches
+ *  it. */
 #if defined(__GNUC__)
 #define INSITU_VISIBLE __attribute__((visibility("default")))
 #else
@@ -29,21 +31,22 @@
 
 namespace insitu {
 
-/** What every failed call throws. what() is the library's message: it names the argument and the
- *  numbers. */
+/** Every failed call throws this exception. what() is the library's message, which names the
+ *  argument and the numbers. */
 class INSITU_VISIBLE Error : public std::runtime_error {
 public:
   Error(insitu_status status, const std::string& message)
       : std::runtime_error(message.empty() ? insitu_status_name(status) : message),
         status_(status) {}
-  /** INSITU_ERROR_...; never INSITU_OK. */
+  /** Returns an INSITU_ERROR_... value, never INSITU_OK. */
   insitu_status status() const noexcept { return status_; }
 
 private:
   insitu_status status_;
 };
 
-/** A pointer and a number of items: what std::span is in C++20. Not owned, not copied. */
+/** A pointer and a number of items, as std::span is in C++20. A View neither owns nor copies the
+ *  memory. */
 template <class T>
 class View {
 public:
@@ -53,7 +56,8 @@ public:
   constexpr View(T* data, std::size_t size) noexcept : data_(data), size_(size) {}
   template <std::size_t N>
   constexpr View(T (&items)[N]) noexcept : data_(items), size_(N) {}
-  /** Of anything with data() and size(): std::vector, std::array, std::span, another View. */
+  /** Takes a view of anything with data() and size(): std::vector, std::array, std::span, another
+   *  View. */
   template <class C, class Item = std::remove_pointer_t<decltype(std::declval<C&>().data())>,
             class = std::enable_if_t<std::is_convertible_v<Item (*)[], T (*)[]>>>
   constexpr View(C& container) noexcept : data_(container.data()), size_(container.size()) {}
@@ -81,7 +85,7 @@ View(C&) -> View<std::remove_pointer_t<decltype(std::declval<C&>().data())>>;
 
 namespace detail {
 
-/** The library's number for a C++ type; 0 if it has none. */
+/** Returns the library's number for a C++ type, or 0 for a type that the library does not read. */
 template <class T>
 constexpr int type_number() {
   using U = std::remove_cv_t<T>;
@@ -125,7 +129,7 @@ template <class T, std::size_t N>
 struct is_view<std::span<T, N>> : std::true_type {};
 #endif
 
-/** Whether the memory outlives the expression C: a named container, or a view of one. */
+/** Whether the memory outlives the expression C, as that of a named container or a view does. */
 template <class C>
 constexpr bool outlives = std::is_lvalue_reference_v<C> || is_view<std::remove_cv_t<C>>::value;
 
@@ -140,8 +144,8 @@ inline std::string text(std::int64_t number) {
 } // namespace detail
 
 /** An array of the caller's, in any layout: items of one or more components, evenly spaced, or a
- *  block of them inside a larger array. Converts from pointers and from containers, so that it is
- *  rarely named:
+ *  block of items inside a larger array. Pointers and containers convert to it, so that programs
+ *  rarely name it:
  *
  *      mesh.cell_field("density", rho.data());                // as many as the mesh has cells
  *      mesh.cell_field("density", rho);                       // a container: its size is checked
@@ -151,23 +155,24 @@ inline std::string text(std::int64_t number) {
  *      mesh.cell_field("T", Array::behind<double>(&leaf[0].data, offsetof(Zone, T))
  *                               .stride(sizeof(Leaf))); // one record a cell, behind a pointer each
  *
- *  The memory is external: read in place from the next commit to the return of the last call that
- *  uses the mesh in that step. A temporary container is refused at compile time. */
+ *  The memory is external: the library reads it in place from the next commit to the return of the
+ *  last call that uses the mesh in that step. The compiler refuses a temporary container. */
 class Array {
 public:
-  /** From the first item; as many items as the mesh has, unless count() says otherwise. */
+  /** Takes the array that starts at the first item. It has as many items as the mesh has, unless
+   *  count() says otherwise. */
   template <class P, class = std::enable_if_t<detail::is_number_pointer<P>>>
   Array(P data) noexcept : array_(insitu_array_default()) {
     array_.data = data;
     array_.type = static_cast<insitu_type>(detail::type_number<std::remove_pointer_t<P>>());
   }
-  /** A number of items, at least 0. */
+  /** Takes an array of a number of items, at least 0. */
   template <class T, class N,
             class = std::enable_if_t<detail::is_number<T> && std::is_integral_v<N>>>
   Array(const T* data, N items) noexcept : Array(data) {
     count(static_cast<std::int64_t>(items));
   }
-  /** All values of a std::vector, std::array, std::span, View or C array. */
+  /** Takes all values of a std::vector, std::array, std::span, View or C array. */
   template <class C, class T = detail::item_of<C>, class = std::enable_if_t<detail::is_number<T>>>
   Array(C&& container) noexcept : Array(static_cast<const T*>(container.data())) {
     static_assert(detail::outlives<C>, "the library reads this memory later: give a container that "
@@ -180,8 +185,9 @@ public:
   }
   Array(std::nullptr_t) = delete;
 
-  /** Items of type T in records of their own: item i lies offset bytes behind pointer i, and
-   * stride() is from one pointer to the next. Of fields and leaves, in host memory. */
+  /** Makes an array of items of type T in records of their own: item i lies offset bytes behind
+   *  pointer i, and stride() counts from one pointer to the next. Fields and leaves in host memory
+   *  may lie so. */
   template <class T, class Pointer, class = std::enable_if_t<detail::is_number<T>>>
   static Array behind(Pointer* const* pointers, std::size_t offset) noexcept {
     Array a(static_cast<const T*>(nullptr));
@@ -191,29 +197,29 @@ public:
     return a;
   }
 
-  /** Number of items. */
+  /** Sets the number of items. */
   Array& count(std::int64_t items) noexcept {
     array_.count = items;
     counted_ = true;
     return *this;
   }
-  /** Values of one item (1 unless said). */
+  /** Sets the number of values of one item, which is 1 at first. */
   Array& components(int number) noexcept {
     array_.components = number;
     return *this;
   }
-  /** Bytes from one item to the next; may be negative. Default: packed. */
+  /** Sets the bytes from one item to the next, which may be negative. Items are packed at first. */
   Array& stride(std::int64_t bytes) noexcept {
     array_.stride[0] = bytes;
     return *this;
   }
-  /** Bytes from one component of an item to the next. Default: adjacent. */
+  /** Sets the bytes from one component of an item to the next. Components are adjacent at first. */
   Array& component_stride(std::int64_t bytes) noexcept {
     array_.component_stride = bytes;
     return *this;
   }
-  /** Items (i, j, k) of a block within a larger array: how many along each axis, and the bytes
-   *  from one to the next along it. Item ids run i fastest, whatever the strides. */
+  /** Makes the items a block within a larger array: extent items along each axis, stride_bytes from
+   *  one to the next along it. Item ids run i fastest, whatever the strides. */
   Array& block(const std::array<std::int64_t, 3>& extent,
                const std::array<std::int64_t, 3>& stride_bytes) noexcept {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -222,13 +228,14 @@ public:
     }
     return count(extent[0] * extent[1] * extent[2]);
   }
-  /** The memory is a device's: the mesh then answers there (see insitu_mesh_locator), and queries
-   * whose points and answers stay there are made through insitu.h. */
+  /** Says that the memory is a device's: the mesh then answers there (see insitu_mesh_locator).
+   *  Queries whose points and answers stay there go through insitu.h. */
   Array& on_device() noexcept {
     array_.memory = INSITU_DEVICE;
     return *this;
   }
-  /** Says that this is a copy that an adaptor had to make, and why (a string that lives on). */
+  /** Says that this array is a copy that an adaptor had to make, and why. The array keeps the
+   *  pointer, so the text must live on. */
   Array& converted(const char* reason) noexcept {
     array_.converted = reason;
     return *this;
@@ -238,8 +245,9 @@ public:
   insitu_type type() const noexcept { return array_.type; }
   int components() const noexcept { return array_.components; }
 
-  /** The C struct. expected: the number of items if the array does not know it (-1: unknown, an
-   *  error). Throws Error if the container's size does not fit the layout. */
+  /** Returns the C struct. expected: the number of items for an array that does not know its own;
+   *  -1: unknown, which is an error for such an array. Throws Error if the size of the container
+   *  does not fit the layout. */
   insitu_array get(std::int64_t expected, const std::string& name) const {
     insitu_array out = array_;
     if (!counted_ && values_ >= 0 && is_packed()) {
@@ -265,7 +273,7 @@ private:
            : array_.type == INSITU_FLOAT32 || array_.type == INSITU_INT32 ? 4
                                                                           : 8;
   }
-  /** Nothing may be read outside the container. */
+  /** Throws Error if the layout reaches outside the container. */
   void check_reach(const insitu_array& a, const std::string& name) const {
     if (a.count <= 0)
       return;
@@ -289,11 +297,12 @@ private:
   }
 
   insitu_array array_;
-  std::int64_t values_ = -1; ///< of the container; -1: a pointer alone
+  std::int64_t values_ = -1; ///< number of the container's values; -1: a pointer alone
   bool counted_ = false;
 };
 
-/** The points of a query, read during the call only (temporaries are fine):
+/** The points of a query, which the library reads during the call only, so that temporaries are
+ *  fine:
  *
  *      mesh.locate({xyz.data(), n});           // interleaved
  *      mesh.locate({x.data(), y.data(), z.data(), n});
@@ -301,21 +310,21 @@ private:
  *      mesh.locate(points);                    // a container of n std::array<double, 3> */
 class Points {
 public:
-  /** Interleaved x, y, z of count points. */
+  /** Takes interleaved x, y, z of count points. */
   template <class T, class N, class = std::enable_if_t<detail::is_real<T> && std::is_integral_v<N>>>
   Points(const T* xyz, N count) noexcept : arrays_{one(xyz, count, 3)}, number_(1) {}
-  /** x, y and z of count points. */
+  /** Takes separate arrays x, y and z of count points. */
   template <class T, class N, class = std::enable_if_t<detail::is_real<T> && std::is_integral_v<N>>>
   Points(const T* x, const T* y, const T* z, N count) noexcept
       : arrays_{one(x, count, 1), one(y, count, 1), one(z, count, 1)}, number_(3) {}
-  /** A container of 3 n numbers, interleaved; throws Error if 3 does not divide its size. */
+  /** Takes a container of 3 n interleaved numbers; throws Error if 3 does not divide its size. */
   template <class C, class T = detail::item_of<C>, std::enable_if_t<detail::is_real<T>, int> = 0>
   Points(const C& xyz) : Points(static_cast<const T*>(xyz.data()), xyz.size() / 3) {
     if (xyz.size() % 3 != 0)
       detail::refuse("points", detail::text(static_cast<std::int64_t>(xyz.size())) +
                                    " values are not whole points of 3 coordinates");
   }
-  /** A container of std::array<float or double, 3>. */
+  /** Takes a container of std::array<float or double, 3>. */
   template <class C, class P = detail::item_of<C>, class T = typename P::value_type,
             std::enable_if_t<detail::is_real<T> && std::is_same_v<P, std::array<T, 3>>, int> = 0>
   Points(const C& points)

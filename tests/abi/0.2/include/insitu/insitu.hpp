@@ -1,8 +1,8 @@
 // clang-format off
 /** @file insitu.hpp
- *  libinsitu for C++17 and later: a header-only layer over insitu.h that owns the handles, knows the
- *  types and throws insitu::Error. The rules of insitu.h hold: arrays are external and read in place,
- *  a commit is the only moment work happens, a session is used by one thread at a time.
+ *  libinsitu for C++17 and later is a header-only layer over insitu.h that owns the handles, knows
+ *  the types and throws insitu::Error. The rules of insitu.h hold: arrays are external and read in
+ *  place, work happens in commits alone, and one thread at a time uses a session.
  *
  *      insitu::Session session({.scene = "scene.yaml"});          // C++17: set the members one by one
  *      insitu::Mesh mesh = session.mesh("hydro");
@@ -36,38 +36,45 @@ enum class LogLevel {
   debug = INSITU_LOG_DEBUG
 };
 
-/** Receives messages, on the thread that called the library. Must not call the library; what it
- *  throws is dropped. */
+/** Receives messages, on the thread that called the library. The function must not call the
+ *  library; the layer drops what it throws. */
 using Log = std::function<void(LogLevel level, const char* message)>;
 
 using Report = insitu_report;
 
 struct Options {
-  std::string scene = {};      /**< path of a scene file; empty: none */
-  std::string scene_text = {}; /**< the scene itself; at most one of both */
-  std::string output = {};     /**< output folder, overrides the scene's; empty: the scene's */
-  bool default_scene = false;  /**< with no scene: draw the first scalar field every tenth cycle */
-  int threads = 0;             /**< at most so many; 0: all that the process's affinity allows */
-  bool strict = false;         /**< refuse arrays that would have to be copied or converted */
+  std::string scene = {};      /**< path of a scene file; empty: no file */
+  std::string scene_text = {}; /**< the scene itself, as text; a session takes one of scene and
+                                    scene_text at most */
+  std::string output = {};     /**< output folder, which overrides the scene's; empty: the
+                                    scene's */
+  bool default_scene = false;  /**< a session without a scene draws the first scalar field every
+                                    tenth cycle */
+  int threads = 0;             /**< the most threads that the session runs; 0: all that the
+                                    process's affinity allows */
+  bool strict = false;         /**< commits refuse arrays that would have to be copied or
+                                    converted */
   LogLevel log_level = LogLevel::warning; /**< messages up to this level reach the log */
   Log log = {};                           /**< empty: errors and warnings go to stderr */
-  const void* communicator = nullptr; /**< address of an MPI_Comm; kept, not used: see insitu.h */
-  /** The same as a Fortran integer, if communicator is null. */
+  const void* communicator = nullptr;     /**< address of an MPI_Comm; kept, but not used: see
+                                               insitu_session_options */
+  /** The communicator as a Fortran integer, if communicator is null. */
   int fortran_communicator = INSITU_NO_COMMUNICATOR;
 };
 
-/** The version of the library that is running: major, minor, patch. */
+/** Returns the version of the library that is running: major, minor, patch. */
 inline std::array<int, 3> version() {
   std::array<int, 3> v{};
   detail::check(insitu_version(&v[0], &v[1], &v[2]));
   return v;
 }
 
-/** A session owns meshes and what the scene makes of them. Movable, not copyable. */
+/** A session owns meshes and what the scene makes of them. A Session can be moved, but not
+ *  copied. */
 class Session {
 public:
-  /** Opens a session. Throws INSITU_ERROR_SCENE for a bad scene: what() names file, line, key and
-   *  the nearest valid key. */
+  /** Opens a session. Throws INSITU_ERROR_SCENE for a bad scene, whose what() gives file, line, key
+   *  and the nearest valid key, and INSITU_ERROR_FILE if another session writes the same files. */
   explicit Session(const Options& options = {}) : log_(std::make_unique<Log>(options.log)) {
     insitu_session_options o = insitu_session_options_default();
     o.scene = or_null(options.scene);
@@ -85,7 +92,7 @@ public:
     o.fortran_communicator = options.fortran_communicator;
     detail::check(insitu_session_open(&o, &session_));
   }
-  /** Closes the session; what fails then reaches the log. */
+  /** Closes the session; a failure then reaches the log. */
   ~Session() {
     if (session_)
       (void)insitu_session_close(&session_);
@@ -100,7 +107,8 @@ public:
     return *this;
   }
 
-  /** The mesh of that name, made empty on first use. Lives as long as the session. */
+  /** Returns the mesh of that name, which the first call makes, empty. The mesh lives as long as
+   *  the session. */
   Mesh mesh(const std::string& name) {
     std::shared_ptr<detail::MeshState>& state = meshes_[name];
     if (!state) {
@@ -111,11 +119,12 @@ public:
     return Mesh(state);
   }
 
-  /** Commits every mesh, then does what the scene asks for at this cycle. time: the solver's, not
-   *  decreasing while tracers live (see insitu_session_execute()). Returns false if a probe, tracer
-   * or frame failed: it was logged and skipped, the others were done, and the solver can go on;
-   * insitu_last_message() tells which. Throws Error for anything else, such as a mesh that was
-   * refused. */
+  /** Commits every mesh, then runs the probes, tracers and frames that the scene asks for at this
+   *  cycle. time: the solver's, which must not decrease while tracers live (see
+   *  insitu_session_execute()). Returns false if a probe, tracer or frame failed: the library
+   *  logged and skipped it and ran all others, and the solver can go on; insitu_last_message()
+   *  tells which one failed. Throws Error for any other failure, such as a mesh that was
+   *  refused. */
   bool execute(std::int64_t cycle, double time) {
     const insitu_status status = insitu_session_execute(session_, cycle, time);
     if (status != INSITU_ERROR_ACTION)
@@ -123,39 +132,40 @@ public:
     return status == INSITU_OK;
   }
 
-  /** The state of the scene's tracers after the last execute, to a file; see
+  /** Writes the state of the scene's tracers after the last execute to a file; see
    *  insitu_session_checkpoint(). */
   void checkpoint(const std::string& path) {
     detail::check(insitu_session_checkpoint(session_, path.c_str()));
   }
-  /** Takes it up again, before the first execute; see insitu_session_restart(). */
+  /** Takes up a checkpoint's file before the first execute; see insitu_session_restart(). */
   void restart(const std::string& path) {
     detail::check(insitu_session_restart(session_, path.c_str()));
   }
 
-  /** Totals since the session was opened. */
+  /** Returns totals since the session was opened. */
   Report report() const {
     Report r = insitu_report_default();
     detail::check(insitu_session_report(session_, &r));
     return r;
   }
-  /** Writes the report as JSON; solver_s: the solver's own seconds, for the library's share of the
-   *  run (negative: leave it out). */
-  /// What the scene needs of the meshes, and what it does without; see insitu_session_plan().
+  /** Returns a text that tells what the scene needs of the meshes, and what it does without; see
+   *  insitu_session_plan(). */
   std::string plan() {
     const char* text = nullptr;
     detail::check(insitu_session_plan(session_, &text));
     return text;
   }
+  /** Writes the report to a file, as JSON. solver_s: the solver's own seconds, from which the
+   *  library's share of the run follows; negative: the share is left out. */
   void write_summary(const std::string& path, double solver_s = -1.0) const {
     detail::check(insitu_session_write_summary(session_, path.c_str(), solver_s));
   }
 
-  /** Ends tracers, closes files, releases the meshes. The destructor does the same, but cannot
+  /** Ends tracers, closes files and releases the meshes. The destructor does the same, but cannot
    *  throw. */
   void close() { detail::check(insitu_session_close(&session_)); }
 
-  /** For calls of insitu.h. */
+  /** Returns the handle for calls of insitu.h; it belongs to this Session. */
   insitu_session handle() const noexcept { return session_; }
 
 private:
@@ -165,11 +175,11 @@ private:
   static void forward(insitu_log_level level, const char* message, void* user) {
     try {
       (*static_cast<const Log*>(user))(static_cast<LogLevel>(level), message);
-    } catch (...) { // nothing may pass through the library
+    } catch (...) { // no exception may pass through the library
     }
   }
 
-  std::unique_ptr<Log> log_; ///< its address is what the library keeps
+  std::unique_ptr<Log> log_; ///< the library keeps the address of this function
   insitu_session session_ = nullptr;
   std::map<std::string, std::shared_ptr<detail::MeshState>> meshes_;
 };

@@ -1,5 +1,5 @@
 /** @file types.hpp
- *  Enumerations, frames and results, for insitu.hpp (which includes this file). */
+ *  Enumerations, frames and results for insitu.hpp, which includes this file. */
 #ifndef INSITU_TYPES_HPP
 #define INSITU_TYPES_HPP
 
@@ -7,11 +7,12 @@
 
 namespace insitu {
 
-/** What changed since the last commit; combine with |. */
+/** What changed since the last commit. Values combine with |. */
 enum Change : std::uint32_t {
-  fields = INSITU_CHANGED_FIELDS,     /**< field values */
-  geometry = INSITU_CHANGED_GEOMETRY, /**< vertex coordinates */
-  topology = INSITU_CHANGED_TOPOLOGY, /**< cells, pieces, ghosts (implies the two above) */
+  fields = INSITU_CHANGED_FIELDS,     /**< values of fields changed */
+  geometry = INSITU_CHANGED_GEOMETRY, /**< coordinates of vertices changed */
+  topology = INSITU_CHANGED_TOPOLOGY, /**< cells, pieces or ghosts changed (implies the two
+                                           above) */
   everything = INSITU_CHANGED_ALL
 };
 
@@ -21,7 +22,7 @@ constexpr Change operator|(Change a, Change b) noexcept {
 
 enum class Association { vertex = INSITU_VERTEX, cell = INSITU_CELL };
 
-/** VTK's numbers and point order. */
+/** Cell shapes, with VTK's numbers and VTK's order of points. */
 enum class Shape {
   tetrahedron = INSITU_TETRAHEDRON,
   voxel = INSITU_VOXEL,
@@ -30,7 +31,7 @@ enum class Shape {
   pyramid = INSITU_PYRAMID
 };
 
-/** Vertices of a cell of that shape. */
+/** Returns the number of vertices of a cell of that shape. */
 constexpr int vertex_count(Shape shape) noexcept {
   return shape == Shape::tetrahedron ? 4
          : shape == Shape::pyramid   ? 5
@@ -40,7 +41,7 @@ constexpr int vertex_count(Shape shape) noexcept {
 
 enum class Accuracy { fast = INSITU_FAST, standard = INSITU_STANDARD, exact = INSITU_EXACT };
 
-/** How points find their cells, and where; see insitu_method and insitu_backend. */
+/** How points find their cells; see insitu_method. */
 enum class Method {
   automatic = INSITU_METHOD_AUTO,
   bvh = INSITU_METHOD_BVH,
@@ -66,32 +67,34 @@ enum class Reason : std::uint8_t {
   on_vertex = INSITU_REASON_ON_VERTEX
 };
 
-/** How ghost arrays count: VTK's bits, or Ascent's 0 real, otherwise ghost. */
+/** How the library reads ghost arrays; see insitu_ghost_convention. */
 enum class GhostConvention { vtk = INSITU_GHOSTS_VTK, ascent = INSITU_GHOSTS_ASCENT };
 
-/** What an adaptive mesh's samples are between cell centres; see insitu_reconstruction. */
+/** How samples of an adaptive mesh follow from the cells' values; see insitu_reconstruction. */
 enum class Reconstruction { dual = INSITU_DUAL, nearest = INSITU_NEAREST };
 
 /** The lattices of an adaptive mesh's levels; see insitu_amr. */
 struct AmrLevels {
   std::array<double, 3> origin{
-      {0.0, 0.0, 0.0}}; /**< lower corner of cell (0, 0, 0) of every level */
-  std::array<double, 3> spacing{{1.0, 1.0, 1.0}}; /**< of the coarsest level; positive */
-  std::vector<std::int32_t> ratios =
-      {};                    /**< from the coarsest on, one less than the levels: 2 or 4 */
-  int count = 1;             /**< of levels, if ratios is empty: all are 2 then */
-  bool finest_first = false; /**< level 0 is the finest */
+      {0.0, 0.0, 0.0}}; /**< the lower corner of cell (0, 0, 0) of every level */
+  std::array<double, 3> spacing{{1.0, 1.0, 1.0}}; /**< the spacing of the coarsest level;
+                                                       positive */
+  std::vector<std::int32_t> ratios = {}; /**< the ratio, 2 or 4, of each level to the next finer
+                                            one, from the coarsest on: one fewer than levels */
+  int count = 1;             /**< number of levels if ratios is empty; all ratios are then 2 */
+  bool finest_first = false; /**< whether level 0 is the finest, not the coarsest */
   Reconstruction reconstruction = Reconstruction::dual;
 };
 
-/** How the corners of leaves count; see insitu_leaves. */
+/** What the corners of leaves count; see insitu_leaves. */
 struct LeafLattice {
-  int corner_bits = -1;                          /**< -1: in cells of the leaf's own level */
-  std::array<std::int64_t, 3> offset{{0, 0, 0}}; /**< added to corners */
+  int corner_bits = -1;                          /**< -1: corners count cells of the leaf's own
+                                                      level */
+  std::array<std::int64_t, 3> offset{{0, 0, 0}}; /**< added to corners, in the same cells */
 };
 
-/** Layers of ghost cells that the arrays of a patch's fields hold around it, along i, j, k; see
- *  insitu_patch. */
+/** Numbers of layers of ghost cells that the arrays of a patch's fields hold around the patch,
+ *  along i, j, k; see insitu_patch. */
 struct PatchGhosts {
   std::array<int, 3> before{{0, 0, 0}}, after{{0, 0, 0}};
 };
@@ -106,14 +109,15 @@ enum class Angle { degrees = INSITU_DEGREES, radians = INSITU_RADIANS };
 enum class Length { metres = INSITU_METRES, kilometres = INSITU_KILOMETRES };
 enum class Vertical { up = INSITU_UP, down = INSITU_DOWN };
 
-/** A frame of reference, of a mesh or of the points of a query. */
+/** The frame of reference of a mesh, or of the points of a query. */
 class Frame {
 public:
-  /** The solver's own coordinates. */
+  /** Makes the frame of the solver's own coordinates. */
   static Frame cartesian() noexcept { return Frame(INSITU_FRAME_CARTESIAN); }
-  /** ECEF metres on WGS84. */
+  /** Makes the frame of ECEF metres on WGS84. */
   static Frame geocentric() noexcept { return Frame(INSITU_FRAME_GEOCENTRIC); }
-  /** Longitude, latitude and a height or depth; degrees, metres and heights unless said. */
+  /** Makes a frame of longitude, latitude and a height or depth on WGS84; without arguments in
+   *  degrees and metres, with heights. */
   static Frame geodetic(Vertical vertical = Vertical::up, Angle angle = Angle::degrees,
                         Length length = Length::metres) noexcept {
     Frame f(INSITU_FRAME_GEODETIC);
@@ -122,7 +126,7 @@ public:
     f.frame_.vertical = static_cast<insitu_vertical>(vertical);
     return f;
   }
-  /** Metres east, north and up of an origin given in degrees and metres. */
+  /** Makes a frame of metres east, north and up of an origin, given in degrees and metres. */
   static Frame enu(double longitude, double latitude, double height) noexcept {
     Frame f(INSITU_FRAME_ENU);
     f.frame_.origin[0] = longitude;
@@ -130,7 +134,8 @@ public:
     f.frame_.origin[2] = height;
     return f;
   }
-  /** Easting, northing and a height or depth in metres in a zone from 1 to 60. */
+  /** Makes a frame of easting, northing and a height or depth, in metres, in a zone from 1 to
+   *  60. */
   static Frame utm(int zone, bool north, Vertical vertical = Vertical::up) noexcept {
     Frame f(INSITU_FRAME_UTM);
     f.frame_.utm_zone = zone;
@@ -149,26 +154,28 @@ private:
 
 struct LocateOptions {
   Accuracy accuracy = Accuracy::standard;
-  std::int64_t cell_base = 0;   /**< 0 or 1: what the first cell is called */
-  const Frame* frame = nullptr; /**< of the points; null: the mesh's */
-  bool reasons = false;         /**< fill Locations::reasons */
+  std::int64_t cell_base = 0;   /**< 0 or 1: the id of the first cell of a piece */
+  const Frame* frame = nullptr; /**< frame of the points, which must live through the call; null:
+                                     the mesh's */
+  bool reasons = false;         /**< whether the call fills Locations::reasons */
 };
 
-/** Where points lie: one item a point, in the points' order. */
+/** Where points lie, one item a point, in the points' order. */
 struct Locations {
-  std::vector<std::uint8_t> found;  /**< [size()] 1 inside the mesh */
-  std::vector<std::int64_t> cells;  /**< [size()] the owner, cell_base - 1 outside */
-  std::vector<std::int32_t> pieces; /**< [size()] its piece, -1 outside */
-  std::vector<double> parametric;   /**< [size()][3] VTK's parametric coordinates, NaN outside */
-  std::vector<Reason> reasons;      /**< [size()] why, if asked for; else empty */
+  std::vector<std::uint8_t> found;  /**< [size()] 1 inside the mesh, 0 outside */
+  std::vector<std::int64_t> cells;  /**< [size()] the owner's id; cell_base - 1 outside */
+  std::vector<std::int32_t> pieces; /**< [size()] the owner's piece; -1 outside */
+  std::vector<double> parametric;   /**< [size()][3] VTK's parametric coordinates; NaN outside */
+  std::vector<Reason> reasons;      /**< [size()] why the points have these owners; empty unless
+                                         asked for */
 
   std::size_t size() const noexcept { return found.size(); }
 };
 
-/** Locations and the values of one field there. */
+/** Locations of points, and the values of one field there. */
 struct Samples : Locations {
   int components = 1;
-  std::vector<double> values; /**< [size()][components], NaN outside */
+  std::vector<double> values; /**< [size()][components]; NaN outside */
 
   double operator()(std::size_t point, int component = 0) const {
     return values[point * static_cast<std::size_t>(components) +
@@ -176,16 +183,16 @@ struct Samples : Locations {
   }
 };
 
-/** Values of one field. */
+/** The values of one field. */
 struct FieldValues {
   std::string name;
   int components = 1;
-  std::vector<double> values; /**< [points][components], NaN outside */
+  std::vector<double> values; /**< [points][components]; NaN outside */
 };
 
-/** Locations and the values of several fields there. */
+/** Locations of points, and the values of several fields there. */
 struct FieldSamples : Locations {
-  std::vector<FieldValues> values; /**< in the order asked for */
+  std::vector<FieldValues> values; /**< one item a field, in the order asked for */
 };
 
 struct FieldInfo {
@@ -197,7 +204,7 @@ struct FieldInfo {
 struct Validation {
   insitu_validation counts;
   bool accepted;        /**< false: a commit refuses the mesh */
-  std::string findings; /**< the first errors, if it does */
+  std::string findings; /**< the first errors, if a commit refuses the mesh; else empty */
 };
 
 } // namespace insitu

@@ -1,5 +1,5 @@
 /** @file report.h
- *  Reports: totals of a session. */
+ *  A report holds the totals of a session. */
 #ifndef INSITU_C_REPORT_H
 #define INSITU_C_REPORT_H
 
@@ -9,11 +9,11 @@
 extern "C" {
 #endif
 
-/** Why a particle ended. Of those that left the mesh, what lies beyond the face is told apart: a
- * cell that is hidden (VTK's ghost bits 8 and 32), a cell that another process owns (bit 1 alone),
- * a cell in which the velocity is blank (insitu_mesh_field_blank), a gap or an obstacle, behind
- * which the line straight out of the face comes to cells again, or nothing. One seeded in such a
- * cell ends likewise. On adaptive meshes places without leaves are gaps. */
+/** Why a particle ended. The endings of particles that left the mesh tell what lies beyond the
+ *  face: a cell that is hidden (VTK's ghost bits 8 and 32), a cell that another process owns (bit 1
+ *  alone), a cell in which the velocity is blank (insitu_mesh_field_blank), a gap or an obstacle,
+ *  behind which the line straight out of the face comes to cells again, or nothing. A particle that
+ *  was seeded in such a cell ends likewise. On adaptive meshes places without leaves are gaps. */
 typedef enum insitu_ending INSITU_INT {
   INSITU_END_ALIVE = 0,
   INSITU_END_LEFT = 1,            /**< left the mesh, and nothing lies ahead */
@@ -25,29 +25,32 @@ typedef enum insitu_ending INSITU_INT {
   INSITU_END_KILLED = 7,          /**< the session was closed while it lived */
   INSITU_END_STOPPED = 8,         /**< met the boundary, where its scene says that it stops */
   INSITU_END_REMOVED = 9,         /**< met the condition by which its scene removes particles */
-  INSITU_END_STEP_TOO_SMALL = 10, /**< no step of its scene's min_step kept the tolerance */
-  INSITU_END_HOLE = 11,           /**< left the mesh where it goes on ahead: a gap or an obstacle */
+  INSITU_END_STEP_TOO_SMALL = 10, /**< no step as large as its scene's min_step kept the
+                                       tolerance */
+  INSITU_END_HOLE = 11,           /**< left the mesh at a gap or an obstacle, behind which the mesh
+                                       goes on */
   INSITU_END_HIDDEN = 12,         /**< went into a hidden cell */
   INSITU_END_BLANK = 13,          /**< went where its velocity has blank values */
-  INSITU_END_PARTITION = 14,      /**< went into a ghost cell, another process's */
+  INSITU_END_PARTITION = 14,      /**< went into a ghost cell, which another process owns */
   INSITU_END_COUNT = 15
 } insitu_ending;
 
-/** What the memory is for. */
+/** What a session holds memory for. */
 typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_TREE = 0,        /**< nodes and leaves */
-  INSITU_MEMORY_BUILD = 1,       /**< kept scratch of the builder */
+  INSITU_MEMORY_BUILD = 1,       /**< the builder's scratch, kept between builds */
   INSITU_MEMORY_RANGES = 2,      /**< value ranges */
   INSITU_MEMORY_EARLIER = 3,     /**< earlier steps, kept for pathlines */
   INSITU_MEMORY_QUERY = 4,       /**< scratch of queries */
   INSITU_MEMORY_TRACER = 5,      /**< particles */
   INSITU_MEMORY_FRAME = 6,       /**< images */
   INSITU_MEMORY_CONVERTED = 7,   /**< arrays that adaptors had to convert */
-  INSITU_MEMORY_EMBREE = 8,      /**< what Embree holds */
+  INSITU_MEMORY_EMBREE = 8,      /**< memory that Embree holds */
   INSITU_MEMORY_DEVICE = 9,      /**< on devices: copies of arrays, trees, scratch */
   INSITU_MEMORY_AMR = 10,        /**< dual meshes of adaptive meshes */
   INSITU_MEMORY_GATHERED = 11,   /**< fields of adaptive meshes at the dual's vertices */
-  INSITU_MEMORY_GEOCENTRIC = 12, /**< vertices of meshes drawn geocentric, heights exaggerated */
+  INSITU_MEMORY_GEOCENTRIC = 12, /**< vertices of meshes drawn geocentric, with heights
+                                      exaggerated */
   INSITU_MEMORY_CHART = 13,      /**< copies of a geodetic mesh's cells at its seam and poles, and
                                       fields there */
   INSITU_MEMORY_NEIGHBOURS = 14, /**< cells across faces, for tracers */
@@ -55,34 +58,36 @@ typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_COUNT = 16
 } insitu_purpose;
 
-/** The room of the lists in insitu_report, which later versions of the library fill further. */
+/** The room of the lists in insitu_report, of which later versions of the library use more. */
 enum { INSITU_MEMORY_ROOM = 32, INSITU_END_ROOM = 32, INSITU_REASON_ROOM = 16 };
 
-/** Totals since the session was opened. Seconds are wall-clock seconds in the library. Of lists the
- *  first items are counted, as many as their counts tell: those of the library that runs, which may
- *  know more than INSITU_MEMORY_COUNT, INSITU_END_COUNT and INSITU_REASON_COUNT of this header. The
- *  others are 0. */
+/** Totals since the session was opened. Seconds are wall-clock seconds in the library. purposes,
+ *  endings and reasons tell how many items of the lists the running library counts, which may be
+ *  more than INSITU_MEMORY_COUNT, INSITU_END_COUNT and INSITU_REASON_COUNT of this header. Items
+ *  after those are 0. */
 typedef struct insitu_report {
   size_t size;
   int64_t executions;
   double commit_s, query_s, advect_s, render_s, output_s;
   int64_t keeps, refits, rebuilds;
-  int64_t bytes_borrowed; /**< of the solver's arrays that are read in place */
-  int64_t bytes_held;     /**< of the library's own memory, now */
+  int64_t bytes_borrowed; /**< bytes of the solver's arrays that the library reads in place */
+  int64_t bytes_held;     /**< bytes of the library's own memory, now */
   int64_t bytes_peak;
-  int64_t bytes_by_purpose[INSITU_MEMORY_ROOM]; /**< now */
+  int64_t bytes_by_purpose[INSITU_MEMORY_ROOM]; /**< bytes held now, by insitu_purpose */
   int64_t points_located, points_outside;
   int64_t particles_seeded;
-  int64_t particles[INSITU_END_ROOM]; /**< sums up to particles_seeded */
+  int64_t particles[INSITU_END_ROOM]; /**< [insitu_ending] the counts sum up to particles_seeded */
   int64_t frames, probe_rows, files;
-  int64_t failures;                              /**< actions that were skipped */
-  int64_t located_by_reason[INSITU_REASON_ROOM]; /**< every point located for whatever purpose:
-                                 queries, probes, tracers and samples of frames, of all meshes */
-  double ranges_s;   /**< of render_s: ranges of values of macrocells and cells, found for the first
-                          time or refreshed after new values */
-  double classify_s; /**< of render_s: macrocells and cells classified by transfer functions, and
-                          trees of those that show; anew after new values or another function */
-  int32_t purposes, endings, reasons; /**< how many of bytes_by_purpose, particles and
+  int64_t failures;                              /**< actions that failed and were skipped */
+  int64_t located_by_reason[INSITU_REASON_ROOM]; /**< [insitu_reason] every point located for
+                                                      whatever purpose: queries, probes, tracers and
+                                                      samples of frames, of all meshes */
+  double ranges_s;   /**< part of render_s: finding the value ranges of macrocells and cells for the
+                          first time, or refreshing them after new values */
+  double classify_s; /**< part of render_s: classifying macrocells and cells by transfer functions,
+                          and building trees of those that show, after new values or another
+                          function */
+  int32_t purposes, endings, reasons; /**< how many items of bytes_by_purpose, particles and
                                            located_by_reason are counted */
   int32_t reserved;
 } insitu_report;
@@ -111,8 +116,8 @@ static inline insitu_report insitu_report_default(void) {
 
 INSITU_API insitu_status insitu_session_report(insitu_session session, insitu_report* report);
 
-/** Writes the report as JSON; solver_s: the solver's own seconds, for the library's share of the
- *  run (negative: leave it out). */
+/** Writes the report to a file, as JSON. solver_s: the solver's own seconds, from which the
+ *  library's share of the run follows; negative: the share is left out. */
 INSITU_API insitu_status insitu_session_write_summary(insitu_session session, const char* path,
                                                       double solver_s);
 
