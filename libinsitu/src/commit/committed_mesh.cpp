@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <optional>
 
-#include "amr/leaves/leaf_map.h"
 #include "cells/checks/conformity.h"
 #include "cells/checks/float_rounding.h"
 #include "commit/checks/hanging_vertices.h"
@@ -57,8 +56,9 @@ cells::Validation CommittedMesh::validate(const core::Threads& threads) {
     mesh_.set_changed(INSITU_CHANGED_FIELDS); // the next commit is cheap, but has to come
   const std::unique_ptr<mesh::HostMirror> mirror =
       mesh_.lies_on_device() ? make_mirror(mesh_) : nullptr;
-  if (mesh_.is_adaptive())
-    return validate_leaves(threads);
+  if (const auto stand_in = make_stand_in(mesh_, reference_frame, *memory_))
+    if (const auto found = stand_in->validate(mesh_, threads))
+      return *found;
   const mesh::MeshView& view = mirror ? mirror->view() : mesh_.view();
   cells::Validation found = cells::validate(mesh_.name(), view, threads);
   if (found.findings.empty()) {
@@ -69,20 +69,6 @@ cells::Validation CommittedMesh::validate(const core::Threads& threads) {
     const HangingVertices v = find_hanging_vertices(view, threads);
     found.counts.hanging_vertices = v.hanging;
     found.counts.covered_vertices = v.covered;
-  }
-  return found;
-}
-
-cells::Validation CommittedMesh::validate_leaves(const core::Threads& threads) {
-  cells::Validation found;
-  found.counts = insitu_validation_default();
-  found.counts.cells = mesh_.adaptive().cell_count();
-  amr::LeafMap leaves(*memory_);
-  try {
-    leaves.build(mesh_.adaptive(), threads);
-    found.counts.ghost_cells = leaves.masked_count();
-  } catch (const core::Error& e) {
-    found.findings = e.what();
   }
   return found;
 }

@@ -155,7 +155,6 @@ private:
   void commit_on_device(std::uint32_t pending, insitu_commit_report& report,
                         const core::Threads& threads, const core::Log& log);
   void build_tree(insitu_commit_report& report, const core::Threads& threads);
-  cells::Validation validate_leaves(const core::Threads& threads);
   StandIn::Found commit_stand_in(std::uint32_t changed, const core::Threads& threads,
                                  const core::Log& log);
   bool update_tree(bool topology, std::uint32_t& pending, insitu_commit_report& report,

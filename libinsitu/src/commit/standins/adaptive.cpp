@@ -18,6 +18,21 @@ void Adaptive::require(const std::string& mesh_name, const query::LocatorPick& p
                                                     accel::name(pick.backend));
 }
 
+std::optional<cells::Validation> Adaptive::validate(const mesh::Mesh& mesh,
+                                                    const core::Threads& threads) const {
+  cells::Validation found;
+  found.counts = insitu_validation_default();
+  found.counts.cells = mesh.adaptive().cell_count();
+  amr::LeafMap leaves(*memory_);
+  try {
+    leaves.build(mesh.adaptive(), threads);
+    found.counts.ghost_cells = leaves.masked_count();
+  } catch (const core::Error& e) {
+    found.findings = e.what();
+  }
+  return found;
+}
+
 bool Adaptive::is_due(const mesh::Mesh& mesh, std::uint32_t changed) const {
   return !locator_ || stands() != (mesh.reconstruction() == INSITU_DUAL) ||
          (changed & ~std::uint32_t(INSITU_CHANGED_FIELDS)) != 0;

@@ -22,6 +22,8 @@ public:
   }
   void require(const std::string& mesh_name, const query::LocatorPick& pick,
                bool on_device) const override;
+  std::optional<cells::Validation> validate(const mesh::Mesh& mesh,
+                                            const core::Threads& threads) const override;
   bool is_due(const mesh::Mesh& mesh, std::uint32_t changed) const override;
   Found commit(mesh::Mesh& mesh, const insitu_frame& frame, std::uint32_t changed,
                const core::Threads& threads, const core::Log& log) override;

@@ -27,6 +27,13 @@ public:
   virtual void require(const std::string& mesh_name, const query::LocatorPick& pick,
                        bool on_device) const = 0;
 
+  /// Validates the mesh as it is registered, where its cells are no solver's cells of vertices; none:
+  /// the cells are validated as any.
+  virtual std::optional<cells::Validation> validate(const mesh::Mesh& /*mesh*/,
+                                                    const core::Threads& /*threads*/) const {
+    return std::nullopt;
+  }
+
   /// What a commit found.
   struct Found {
     bool other_cells = false; ///< than before
