@@ -104,7 +104,11 @@ public:
           images.depth[pixel_of(x, y)] = float(state.depth);
         if (settings_.cell)
           images.cell[pixel_of(x, y)] = state.depth_cell;
-        finish(state, images.color.pixel(x, y));
+        float* const pixel = images.color.pixel(x, y);
+        pixel[0] = state.color.r;
+        pixel[1] = state.color.g;
+        pixel[2] = state.color.b;
+        pixel[3] = state.alpha;
       }
     counters.cells_tested += surface_counts.cells_tested;
     counters.evaluations += surface_counts.evaluations;
@@ -134,16 +138,6 @@ private:
     counters.paths += counts;
   }
 
-  /// Over the background, with straight alpha.
-  void finish(RayState& state, float* pixel) const {
-    state.blend(settings_.background, settings_.background_alpha);
-    const float scale = state.alpha > 0 ? 1.0f / state.alpha : 0.0f;
-    pixel[0] = scale * state.color.r;
-    pixel[1] = scale * state.color.g;
-    pixel[2] = scale * state.color.b;
-    pixel[3] = state.alpha;
-  }
-
   const FrameSettings& settings_;
   RayGenerator rays_;
   std::optional<VolumeMarcher> volume_;
@@ -162,9 +156,37 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
   return render_frame(sampler, settings, structures, threads, statistics);
 }
 
+void put_over_background(core::Image& partial, const FrameSettings& settings,
+                         const core::Threads& threads) {
+  threads.parallel_for(partial.height, tile_side, [&](std::int64_t begin, std::int64_t end) {
+    for (int y = int(begin); y < int(end); ++y)
+      for (int x = 0; x < partial.width; ++x) {
+        float* const pixel = partial.pixel(x, y);
+        Color color{pixel[0], pixel[1], pixel[2]};
+        float& alpha = pixel[3];
+        blend_behind(color, alpha, settings.background, settings.background_alpha);
+        const float scale = alpha > 0 ? 1.0f / alpha : 0.0f;
+        pixel[0] = scale * color.r;
+        pixel[1] = scale * color.g;
+        pixel[2] = scale * color.b;
+      }
+  });
+}
+
 FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
                          Structures& structures, const core::Threads& threads,
                          FrameStatistics* statistics) {
+  const core::Timer timer;
+  FrameImages images = render_partial_frame(sampler, settings, structures, threads, statistics);
+  put_over_background(images.color, settings, threads);
+  if (statistics)
+    statistics->seconds = timer.seconds();
+  return images;
+}
+
+FrameImages render_partial_frame(const query::Sampler& sampler, const FrameSettings& settings,
+                                 Structures& structures, const core::Threads& threads,
+                                 FrameStatistics* statistics) {
   const core::Timer timer;
   PathSums* const sums = settings.path_tracing ? settings.path_tracing->sums : nullptr;
   if (sums)

@@ -75,7 +75,15 @@ struct FrameStatistics {
 FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
                          Structures& structures, const core::Threads& threads,
                          FrameStatistics* statistics = nullptr);
-/// The same with structures for this frame alone.
+/// What this mesh alone adds to an image: color is times alpha, without the background, so that
+/// partial images of meshes can be blended by depth before put_over_background().
+FrameImages render_partial_frame(const query::Sampler& sampler, const FrameSettings& settings,
+                                 Structures& structures, const core::Threads& threads,
+                                 FrameStatistics* statistics = nullptr);
+/// Puts a partial image over the background of the settings; its alpha then is straight.
+void put_over_background(core::Image& partial, const FrameSettings& settings,
+                         const core::Threads& threads);
+/// Draws a frame with structures for this frame alone.
 FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
                          const core::Threads& threads, core::Memory& memory,
                          FrameStatistics* statistics = nullptr);
