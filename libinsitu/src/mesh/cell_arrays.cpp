@@ -34,13 +34,10 @@ bool CellArrays::make(const PieceView& p, CellArrays& m) {
     m.offset_stride = p.offsets.stride;
     m.offset_is_int32 = p.offsets.is_int32;
   }
-  m.point_stride = layout.stride[0];
-  m.points_are_float32 = p.points.is_float32;
-  for (int a = 0; a < 3; ++a)
-    m.component[a] = p.points.component[a];
-  const std::int64_t size = m.points_are_float32 ? 4 : 8;
-  m.interleaved =
-      m.component[1] - m.component[0] == size && m.component[2] - m.component[1] == size;
+  m.points = p.points;
+  const std::int64_t size = m.points.is_float32 ? 4 : 8;
+  const std::byte* const* const of = m.points.component;
+  m.interleaved = of[1] - of[0] == size && of[2] - of[1] == size;
   return true;
 }
 

@@ -14,7 +14,7 @@ namespace insitu::mesh {
 
 struct CellArrays {
   CellLayout layout = CellLayout::uniform;
-  bool ids_are_int32 = true, points_are_float32 = false;
+  bool ids_are_int32 = true;
   int uniform_count = 0;       ///< vertices of a cell of UNIFORM layout
   bool ids_are_packed = false; ///< int32 ids side by side; they and the stride of points fit SIMD
   const std::byte* ids = nullptr;
@@ -25,9 +25,11 @@ struct CellArrays {
   bool offset_is_int32 = false;
   std::uint32_t block_cells[2] = {1, 1};    ///< blocks: along i, j
   std::int64_t block_stride[3] = {0, 0, 0}; ///< blocks: bytes between vertices along i, j, k
-  const std::byte* component[3] = {};       ///< coordinate a of a vertex: component[a] + its offset
-  std::int64_t point_stride = 0;
-  bool interleaved = false; ///< x, y, z of a vertex are adjacent
+  PointsView points;                        ///< evenly spaced, but for blocks
+  bool interleaved = false;                 ///< x, y, z of a vertex are adjacent
+
+  /// Bytes from one vertex to the next.
+  std::int64_t point_stride() const { return points.layout.stride[0]; }
 
   /// False where there are none: points without arrays of their own, or not evenly spaced. Then
   /// PieceView is the way.
@@ -47,7 +49,7 @@ struct UniformLayout {
   static int offsets(const CellArrays& m, std::int64_t cell, std::int64_t* out) {
     const std::byte* ids = m.ids + cell * m.cell_stride;
     for (int v = 0; v < count; ++v)
-      out[v] = (std::int64_t(load_as<Index>(ids + v * m.id_stride)) - m.base) * m.point_stride;
+      out[v] = (std::int64_t(load_as<Index>(ids + v * m.id_stride)) - m.base) * m.point_stride();
     return count;
   }
   INSITU_PREFETCH static void prefetch(const CellArrays& m, std::int64_t cell) {
@@ -66,7 +68,7 @@ struct MixedLayout {
         m.ids +
         (load_index(m.offsets + cell * m.offset_stride, m.offset_is_int32) - m.base) * m.id_stride;
     for (int v = 0; v < count; ++v)
-      out[v] = (std::int64_t(load_as<Index>(ids + v * m.id_stride)) - m.base) * m.point_stride;
+      out[v] = (std::int64_t(load_as<Index>(ids + v * m.id_stride)) - m.base) * m.point_stride();
     return count;
   }
   INSITU_PREFETCH static void prefetch(const CellArrays& m, std::int64_t cell) {
@@ -86,7 +88,7 @@ struct PaddedLayout {
       const std::int64_t id = std::int64_t(load_as<Index>(ids + count * m.id_stride)) - m.base;
       if (id < 0)
         break;
-      out[count] = id * m.point_stride;
+      out[count] = id * m.point_stride();
     }
     return count;
   }
@@ -120,7 +122,7 @@ struct BlockLayout {
 template <class F>
 auto with_layout(const CellArrays& m, F&& f) {
   const auto real = [&]<class Layout>() {
-    return m.points_are_float32 ? f.template operator()<Layout, float>()
+    return m.points.is_float32 ? f.template operator()<Layout, float>()
                                 : f.template operator()<Layout, double>();
   };
   const auto index = [&]<class Index>() {

@@ -31,7 +31,7 @@ HWY_INLINE int offsets_from(const CellArrays& m, std::int64_t origin, std::int64
       constexpr int lanes = int(hn::MaxLanes(d));
       const std::byte* ids = m.ids + cell * m.cell_stride;
       const auto base = hn::Set(d_ids, std::int32_t(m.base));
-      const auto stride = hn::BitCast(d_even, hn::Set(d, m.point_stride));
+      const auto stride = hn::BitCast(d_even, hn::Set(d, m.point_stride()));
       const auto from = hn::Set(d, origin);
       int v = 0;
       for (; v + lanes <= count; v += lanes) {
@@ -41,7 +41,7 @@ HWY_INLINE int offsets_from(const CellArrays& m, std::int64_t origin, std::int64
       }
       for (; v < count; ++v)
         out[v] =
-            origin + (std::int64_t(load_as<std::int32_t>(ids + 4 * v)) - m.base) * m.point_stride;
+            origin + (std::int64_t(load_as<std::int32_t>(ids + 4 * v)) - m.base) * m.point_stride();
       return count;
     }
 #endif
@@ -56,7 +56,7 @@ HWY_INLINE int offsets_from(const CellArrays& m, std::int64_t origin, std::int64
 template <class Layout, bool interleaved>
 HWY_INLINE int vertex_places(const CellArrays& m, std::int64_t cell, std::int64_t* out) {
   static_assert(sizeof(std::int64_t) >= sizeof(void*));
-  return offsets_from<Layout>(m, interleaved ? reinterpret_cast<std::intptr_t>(m.component[0]) : 0,
+  return offsets_from<Layout>(m, interleaved ? reinterpret_cast<std::intptr_t>(m.points.component[0]) : 0,
                               cell, out);
 }
 
@@ -66,13 +66,13 @@ HWY_INLINE int vertex_places(const CellArrays& m, std::int64_t cell, std::int64_
 template <bool interleaved>
 HWY_INLINE void prefetch_points(const CellArrays& m, const std::int64_t* places, int count) {
   if constexpr (interleaved) {
-    const std::int64_t end = m.component[2] - m.component[0];
+    const std::int64_t end = m.points.component[2] - m.points.component[0];
     for (int v = 0; v < count; ++v)
       __builtin_prefetch(reinterpret_cast<const void*>(places[v] + (v & 1 ? end : 0)));
   } else {
     for (int v = 0; v < count; v += count == 4 ? 1 : 2)
       for (int a = 0; a < 3; ++a)
-        __builtin_prefetch(m.component[a] + places[v]);
+        __builtin_prefetch(m.points.component[a] + places[v]);
   }
 }
 

@@ -129,9 +129,9 @@ std::int64_t separate_boxes(const CellBoxes::Piece& piece, const std::uint32_t* 
     int count;
     const std::int64_t* offsets = ahead.next(i, count);
     const auto point = [&](int v) {
-      return math::Vec3d{double(mesh::load_as<Real>(m.component[0] + offsets[v])),
-                         double(mesh::load_as<Real>(m.component[1] + offsets[v])),
-                         double(mesh::load_as<Real>(m.component[2] + offsets[v]))};
+      return math::Vec3d{double(mesh::load_as<Real>(m.points.component[0] + offsets[v])),
+                         double(mesh::load_as<Real>(m.points.component[1] + offsets[v])),
+                         double(mesh::load_as<Real>(m.points.component[2] + offsets[v]))};
     };
     boxes[i] = Box{};
     if (count >= Layout::least) {

@@ -90,7 +90,7 @@ void separate_loop(const mesh::CellArrays& m, const std::int64_t* cells, int n, 
     const int count = mesh_simd::vertex_places<Layout, false>(m, cells[i], offsets);
     for (int v = 0; v < count; ++v)
       for (int a = 0; a < 3; ++a)
-        block.vertex[v][a][i] = double(mesh::load_as<Real>(m.component[a] + offsets[v]));
+        block.vertex[v][a][i] = double(mesh::load_as<Real>(m.points.component[a] + offsets[v]));
   }
 }
 
