@@ -136,6 +136,7 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
 void CommittedMesh::enter_topology(const core::Threads& threads) {
   part_from_earlier(threads);
   forget_neighbours();
+  facts_.forget();
   ++topology_version_;
 }
 
