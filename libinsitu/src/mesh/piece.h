@@ -130,7 +130,11 @@ struct PieceView {
     return p;
   }
 
-  /// False for ghost, blanked and empty cells: they never own a point and are never drawn.
+  /// Whether the cell is there: trees and tables of faces hold it, points are located in it, averages
+  /// take its value. Ghost, blanked and empty cells are not: they may hold anything. By now a cell
+  /// that exists owns points as well; cells that come from other processes will exist and not own.
+  INSITU_HD bool exists(std::int64_t cell) const { return owns(cell); }
+  /// Whether the cell may be the answer for a point, and counts in sums over cells.
   INSITU_HD bool owns(std::int64_t cell) const {
     if (layout == CellLayout::gridlets)
       return gridlets->is_full(cell);
@@ -139,8 +143,8 @@ struct PieceView {
     return !ghosts || (load_as<std::uint8_t>(ghosts + ghost_layout.offset(cell)) & ghost_mask) == 0;
   }
 
-  /// False only if all cells own points.
-  INSITU_HD bool may_not_own() const {
+  /// False only if all cells exist.
+  INSITU_HD bool may_not_exist() const {
     return ghosts || layout == CellLayout::gridlets || (leaves && leaves->masked);
   }
 

@@ -15,11 +15,11 @@ namespace {
 
 /// The vertices of a piece that its owning cells have.
 std::vector<std::uint8_t> used_vertices(const PieceView& piece) {
-  const bool all = !piece.may_not_own();
+  const bool all = !piece.may_not_exist();
   std::vector<std::uint8_t> used(std::size_t(piece.vertex_count), all);
   std::int64_t ids[8];
   for (std::int64_t cell = 0; !all && cell < piece.cell_count; ++cell) {
-    if (!piece.owns(cell))
+    if (!piece.exists(cell))
       continue;
     const int n = piece.vertex_ids(cell, ids);
     for (int v = 0; v < n; ++v)
@@ -97,7 +97,7 @@ AmongOthers find_among_others(const MeshView& mesh, Boxes boxes, bool with_cells
         found[p].vertices.push_back(mesh.first_vertex[p] + v);
     CellVertices cell;
     for (std::int64_t c = 0; with_cells && c < piece.cell_count; ++c) {
-      if (!piece.owns(c))
+      if (!piece.exists(c))
         continue;
       gather(mesh, mesh.first_cell[p] + c, cell);
       if (among(middle_of(cell)))

@@ -80,7 +80,7 @@ mesh::MeshFacts Sampler::facts(const core::Threads* threads) const {
 
 bool Sampler::owns(std::int64_t flat) const {
   const std::int32_t piece = mesh_->piece_of(flat);
-  return mesh_->pieces[piece].owns(flat - mesh_->first_cell[piece]);
+  return mesh_->pieces[piece].exists(flat - mesh_->first_cell[piece]);
 }
 
 Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOptions& options,

@@ -44,7 +44,7 @@ struct Owns {
   mesh::MeshView mesh;
   __device__ bool operator()(std::uint32_t flat) const {
     const std::int32_t p = mesh.piece_of(flat);
-    return mesh.pieces[p].owns(flat - mesh.first_cell[p]);
+    return mesh.pieces[p].exists(flat - mesh.first_cell[p]);
   }
 };
 

@@ -35,7 +35,7 @@ struct FirstVertex {
     const std::int32_t p = mesh.piece_of(flat);
     const mesh::PieceView& piece = mesh.pieces[p];
     const std::int64_t cell = flat - mesh.first_cell[p];
-    if (!piece.owns(cell))
+    if (!piece.exists(cell))
       return out;
     std::int64_t ids[8];
     if (piece.vertex_ids(cell, ids) == 0)

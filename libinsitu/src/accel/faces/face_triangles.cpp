@@ -23,7 +23,7 @@ void for_each_cell(const mesh::MeshView& mesh, std::int64_t begin, std::int64_t 
   mesh::CellVertices cell;
   for (std::int64_t flat = begin; flat < end; ++flat) {
     const std::int32_t piece = mesh.piece_of(flat);
-    if (!mesh.pieces[piece].owns(flat - mesh.first_cell[piece]))
+    if (!mesh.pieces[piece].exists(flat - mesh.first_cell[piece]))
       continue;
     mesh::gather(mesh, flat, cell);
     visit(flat, cell);

@@ -123,7 +123,7 @@ private:
           ++piece;
         const mesh::PieceView& p = mesh_.pieces[piece];
         const std::int64_t cell = flat - mesh_.first_cell[piece];
-        if (!p.owns(cell))
+        if (!p.exists(cell))
           continue;
         std::int64_t local[8];
         std::uint32_t ids[8];

@@ -144,7 +144,7 @@ std::int64_t MeshFaces::most_bytes_while_built(const mesh::MeshView& mesh,
                          [&](std::int64_t begin, std::int64_t end) {
                            std::int64_t sum = 0;
                            for (std::int64_t cell = begin; cell < end; ++cell)
-                             sum += piece.owns(cell)
+                             sum += piece.exists(cell)
                                         ? cells::face_table(piece.shape(cell)).face_count
                                         : 0;
                            halves += sum;

@@ -20,7 +20,7 @@ void RefusedCells::check(const mesh::MeshView& mesh) const {
 /// The middle of one vertex of some cells of each chunk is middle enough.
 Owners::Owners(const mesh::MeshView& mesh, const core::Threads& threads) : mesh_(&mesh) {
   for (std::int32_t p = 0; p < mesh.piece_count; ++p)
-    selects_ |= mesh.pieces[p].may_not_own();
+    selects_ |= mesh.pieces[p].may_not_exist();
   const std::int64_t cells = mesh.cell_count();
   const auto chunks = std::size_t((cells + grain - 1) / grain);
   start_.assign(chunks + 1, 0);

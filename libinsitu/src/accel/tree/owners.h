@@ -80,7 +80,7 @@ private:
     const std::int32_t p = mesh_->piece_of(flat);
     const mesh::PieceView& piece = mesh_->pieces[p];
     const std::int64_t cell = flat - mesh_->first_cell[p], most = piece.cells_an_item();
-    return most > 1 ? cell % most == 0 : piece.owns(cell);
+    return most > 1 ? cell % most == 0 : piece.exists(cell);
   }
   /// The next flat id that may stand for something.
   std::int64_t next(std::int64_t flat) const {

@@ -22,7 +22,7 @@ std::vector<Result> over_boxes(const mesh::MeshView& mesh, const core::Threads& 
     mesh::CellVertices c;
     for (std::int64_t cell = begin; cell < end; ++cell) {
       const std::int32_t piece = mesh.piece_of(cell);
-      if (!mesh.pieces[piece].owns(cell - mesh.first_cell[piece]))
+      if (!mesh.pieces[piece].exists(cell - mesh.first_cell[piece]))
         continue;
       mesh::gather(mesh, cell, c);
       f(results[std::size_t(begin / grain)], box_of(c));

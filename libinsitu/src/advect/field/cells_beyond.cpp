@@ -51,7 +51,7 @@ void for_a_few(const mesh::MeshView& mesh, Visit&& visit) {
     const std::int32_t p = mesh.piece_of(cell);
     const mesh::PieceView& piece = mesh.pieces[p];
     const std::int64_t local = cell - mesh.first_cell[p];
-    if (!piece.in_runs() && piece.owns(local))
+    if (!piece.in_runs() && piece.exists(local))
       visit(cell, piece.shape(local));
   }
 }

@@ -64,7 +64,7 @@ private:
       const std::int32_t piece = mesh_.piece_of(flat);
       const mesh::PieceView& p = mesh_.pieces[piece];
       const std::int64_t cell = flat - mesh_.first_cell[piece];
-      if (!p.owns(cell))
+      if (!p.exists(cell))
         continue;
       std::int64_t ids[8];
       const int n = p.vertex_ids(cell, ids);

@@ -24,7 +24,7 @@ std::string float_rounding(const std::string& mesh_name, const mesh::MeshView& v
     mesh::CellVertices cell;
     for (std::int64_t i = 0; i < picked; ++i) {
       const std::int64_t of_piece = i * cells / picked;
-      if (!view.pieces[p].owns(of_piece)) // may hold garbage
+      if (!view.pieces[p].exists(of_piece)) // may hold garbage
         continue;
       mesh::gather(view, view.first_cell[p] + of_piece, cell);
       const mesh::Box box = mesh::box_of(cell);

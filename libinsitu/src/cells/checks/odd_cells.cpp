@@ -50,7 +50,7 @@ void look(const mesh::MeshView& mesh, const CellGather& gather, std::int64_t beg
   for (std::int64_t cell = begin; cell < end; ++cell) {
     while (cell >= mesh.first_cell[piece + 1])
       ++piece;
-    if (!mesh.pieces[piece].owns(cell - mesh.first_cell[piece]))
+    if (!mesh.pieces[piece].exists(cell - mesh.first_cell[piece]))
       continue;
     const int shape = int(gather.shape(cell)) - first;
     ids[shape][waiting[shape]++] = cell;

@@ -44,7 +44,7 @@ public:
   ChunkValidator(const PieceView& piece, const std::string& name) : p_(piece), name_(name) {}
 
   void cell(std::int64_t cell, Findings& f) {
-    if (!p_.owns(cell)) { // never read by any kernel, so it may hold garbage
+    if (!p_.exists(cell)) { // never read by any kernel, so it may hold garbage
       ++f.counts.ghost_cells;
       return;
     }

@@ -38,7 +38,7 @@ std::vector<std::uint8_t> used_vertices(const mesh::MeshView& mesh, const core::
     for (std::int64_t flat = begin; flat < end; ++flat) {
       const std::int32_t piece = mesh.piece_of(flat);
       const std::int64_t cell = flat - mesh.first_cell[piece];
-      if (!mesh.pieces[piece].owns(cell))
+      if (!mesh.pieces[piece].exists(cell))
         continue;
       std::int64_t ids[8];
       const int n = mesh.pieces[piece].vertex_ids(cell, ids);

@@ -22,7 +22,7 @@ void store(std::byte* to, T value) {
 /// The cell's shape in a copy: of a cell that owns no point none, where looking it up could read
 /// past the arrays, since such cells may hold garbage.
 Shape copied_shape(const PieceView& from, std::int64_t cell) {
-  return from.layout == CellLayout::uniform || from.owns(cell) ? from.shape(cell) : Shape::none;
+  return from.layout == CellLayout::uniform || from.exists(cell) ? from.shape(cell) : Shape::none;
 }
 
 } // namespace
@@ -80,7 +80,7 @@ void CellsCopy::fill(const Piece& p, const PieceView& from, const std::vector<st
     std::int64_t at = before[std::size_t(begin / grain)], ids[8];
     for (std::int64_t c = begin; c < end; ++c) {
       if (p.owns >= 0)
-        store(base + p.owns + c, std::uint8_t(from.owns(c) ? 0 : 2));
+        store(base + p.owns + c, std::uint8_t(from.exists(c) ? 0 : 2));
       if (p.ids < 0)
         continue;
       const Shape shape = copied_shape(from, c);

@@ -79,7 +79,7 @@ GuessedBatches::GuessedBatches(const PointQuery& query, BatchScratch& scratch, B
                                BatchAnswers& answers)
     : query_(query), tree_(tree), s_(guess_scratch()), batch_(query, scratch, tree, answers) {
   const mesh::MeshView& mesh = query.mesh;
-  all_own_ = mesh.piece_count == 1 && !mesh.pieces[0].may_not_own() &&
+  all_own_ = mesh.piece_count == 1 && !mesh.pieces[0].may_not_exist() &&
              mesh.pieces[0].layout != mesh::CellLayout::mixed &&
              mesh.pieces[0].layout != mesh::CellLayout::padded;
 }
@@ -109,7 +109,7 @@ void GuessedBatches::check_guesses(std::span<const Vec3d> points) {
     if (const std::int64_t cell = s_.guessed[q]; cell >= 0) {
       const std::int32_t p = mesh.piece_of(cell);
       const std::int64_t local = cell - mesh.first_cell[p];
-      if (!mesh.pieces[p].owns(local) || mesh.pieces[p].shape(local) == mesh::Shape::none)
+      if (!mesh.pieces[p].exists(local) || mesh.pieces[p].shape(local) == mesh::Shape::none)
         s_.guessed[q] = -1;
     }
 }

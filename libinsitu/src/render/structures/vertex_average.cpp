@@ -37,7 +37,7 @@ void VertexAverage::refresh(const mesh::MeshView& mesh, const ScalarField& cell_
               const std::int64_t cell = std::int64_t(flat) - mesh.first_cell[of];
               const double value = cell_field.load(of, cell);
               if ((std::isnan(value) && cell_field.field.has_blanks) ||
-                  (!std::isfinite(value) && !mesh.pieces[of].owns(cell)))
+                  (!std::isfinite(value) && !mesh.pieces[of].exists(cell)))
                 continue; // none, or a ghost's, which may be anything
               sum += value;
               ++count;

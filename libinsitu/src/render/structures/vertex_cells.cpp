@@ -15,7 +15,7 @@ constexpr std::int64_t grain = 4096;
 
 /// Whether a cell counts at its vertices.
 bool counts(const mesh::PieceView& piece, std::int64_t cell) {
-  return piece.owns(cell) || (mesh::is_duplicate(piece, cell) && mesh::has_sound_ids(piece, cell));
+  return piece.exists(cell) || (mesh::is_duplicate(piece, cell) && mesh::has_sound_ids(piece, cell));
 }
 
 /// Whether two cells have the same vertices, by coordinates, in any order.
@@ -31,7 +31,7 @@ bool are_copies(const mesh::MeshView& mesh, std::uint32_t a, std::uint32_t b) {
 void leave_out_copies(const mesh::MeshView& mesh, std::vector<std::uint32_t>& cells) {
   const auto owns = [&](std::uint32_t flat) {
     const std::int32_t p = mesh.piece_of(flat);
-    return mesh.pieces[p].owns(flat - mesh.first_cell[p]);
+    return mesh.pieces[p].exists(flat - mesh.first_cell[p]);
   };
   std::vector<std::uint32_t> kept;
   for (const std::uint32_t cell : cells)

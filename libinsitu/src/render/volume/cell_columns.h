@@ -83,7 +83,7 @@ public:
         if (whole(flat / piece.cells_an_item())) // of the first piece
           continue;
         for (std::int64_t k = 0; k < piece.cells_an_item(); ++k)
-          if (piece.owns(flat - mesh_.first_cell[p] + k))
+          if (piece.exists(flat - mesh_.first_cell[p] + k))
             add(of_runs, flat + k);
       }
       for (int shape = 0; shape < kinds; ++shape)
