@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -33,9 +32,6 @@ struct FrameRow {
   /// what is not culled, and both asked for.
   double plain = 0, skip = 0, culled_plain = 0, culled_skip = 0;
   double paths = 0, culled_paths = 0;
-  /// The same right after a commit of new values, as the library chooses but for culling; and with.
-  double fresh = 0, fresh_auto = 0;
-  bool auto_culls = false;
   bool differs = false;
 };
 
@@ -76,8 +72,6 @@ public:
           row.differs = row.differs || !same(image[0], image[1]);
         }
       }
-    row.fresh = fresh(s, render::Culling::never).first;
-    std::tie(row.fresh_auto, row.auto_culls) = fresh(s, render::Culling::if_it_pays);
     s.path_tracing = render::PathTracingSettings{};
     s.path_tracing->samples = 1;
     s.lighting.lights = {{render::Light::Kind::dome, {}, {1, 1, 1}}};
@@ -91,28 +85,6 @@ public:
   }
 
 private:
-  /// A frame with what it needs of new values, and whether something was culled.
-  std::pair<double, bool> fresh(FrameSettings s, render::Culling culling) const {
-    s.volume->skip_empty = true;
-    s.volume->culling = culling;
-    Structures structures(held_.context->memory);
-    const query::Sampler sampler = held_.mesh->sampler();
-    render::FrameStatistics statistics;
-    Series series;
-    for (int i = 0; i <= o_.repetitions; ++i) {
-      structures.begin(sampler, 0, std::uint64_t(i), held_.context->threads);
-      const auto draw = [&] {
-        (void)render::render_frame(sampler, s, structures, held_.context->threads, &statistics);
-      };
-      if (i > 0)
-        series.time(draw);
-      else
-        draw(); // touches pages
-      structures.end();
-    }
-    return {series.for_ratio(o_.threads), statistics.primitives > 0};
-  }
-
   /// Of what frames keep: as after a commit of new values, and as after another function alone.
   void costs(const FrameSettings& s, FrameRow& row) const {
     const core::Memory& memory = held_.context->memory;
@@ -188,22 +160,20 @@ AmrFrames measure_amr_frames(const Options& options) {
                     frame_size(options), frame_size(options));
   out.text += "a frame when these are there: all samples,\n"
               "among what shows (cull), without empty macrocells where these pay (skip), both so; "
-              "after new values, with what these\n"
-              "take, as the library chooses without culling and with it (*: culls); paths: one a "
-              "pixel; MB: ranges and tree of what shows\n\n";
-  out.text += format("%-13s %-6s %6s | %7s %7s %7s %7s | %6s %6s %6s %6s | %7s %6s  | %6s %6s | "
-                     "%5s %s\n",
-                     "", "shows", "culled", "macroc.", "primit.", "major.", "cull", "all", "cull",
-                     "skip", "both", "without", "with", "paths", "cull", "MB", "images");
+              "paths: one a pixel; MB: ranges\n"
+              "and tree of what shows\n\n";
+  out.text += format("%-13s %-6s %6s | %7s %7s %7s %7s | %6s %6s %6s %6s | %6s %6s | %5s %s\n", "",
+                     "shows", "culled", "macroc.", "primit.", "major.", "cull", "all", "cull",
+                     "skip", "both", "paths", "cull", "MB", "images");
   for (const FrameRow& r : rows) {
     out.differ = out.differ || r.differs;
     const double share = double(r.culled) / double(std::max<std::int64_t>(1, r.primitives));
-    out.text += format("%-13s %-6s %5.0f%% | %7.4f %7.4f %7.4f %7.4f | %6.3f %6.3f %6.3f %6.3f | "
-                       "%7.3f %6.3f%s | %6.3f %6.3f | %5.1f %s\n",
-                       r.mesh.c_str(), r.function.c_str(), 100.0 * share, r.refresh, r.ranges,
-                       r.reclassify, r.cull, r.plain, r.culled_plain, r.skip, r.culled_skip,
-                       r.fresh, r.fresh_auto, r.auto_culls ? "*" : " ", r.paths, r.culled_paths,
-                       1e-6 * double(r.bytes), r.differs ? "differ" : "same");
+    out.text +=
+        format("%-13s %-6s %5.0f%% | %7.4f %7.4f %7.4f %7.4f | %6.3f %6.3f %6.3f %6.3f | "
+               "%6.3f %6.3f | %5.1f %s\n",
+               r.mesh.c_str(), r.function.c_str(), 100.0 * share, r.refresh, r.ranges, r.reclassify,
+               r.cull, r.plain, r.culled_plain, r.skip, r.culled_skip, r.paths, r.culled_paths,
+               1e-6 * double(r.bytes), r.differs ? "differ" : "same");
     out.json += format("  %s: {\"primitives\": %lld, \"culled\": %lld, \"refresh_s\": %s, "
                        "\"ranges_s\": %s, \"reclassify_s\": %s, \"cull_s\": %s, ",
                        quoted("frames of " + r.mesh + ", " + r.function).c_str(),
@@ -212,13 +182,11 @@ AmrFrames measure_amr_frames(const Options& options) {
                        number(r.reclassify).c_str(), number(r.cull).c_str());
     out.json +=
         format("\"frame_s\": %s, \"frame_culled_s\": %s, \"frame_skip_s\": %s, "
-               "\"frame_skip_culled_s\": %s, \"fresh_s\": %s, \"fresh_auto_s\": %s, "
-               "\"auto_culls\": %d, \"paths_s\": %s, \"paths_culled_s\": %s, "
+               "\"frame_skip_culled_s\": %s, \"paths_s\": %s, \"paths_culled_s\": %s, "
                "\"bytes\": %lld, \"differs\": %d},\n",
                number(r.plain).c_str(), number(r.culled_plain).c_str(), number(r.skip).c_str(),
-               number(r.culled_skip).c_str(), number(r.fresh).c_str(), number(r.fresh_auto).c_str(),
-               int(r.auto_culls), number(r.paths).c_str(), number(r.culled_paths).c_str(),
-               static_cast<long long>(r.bytes), int(r.differs));
+               number(r.culled_skip).c_str(), number(r.paths).c_str(),
+               number(r.culled_paths).c_str(), static_cast<long long>(r.bytes), int(r.differs));
   }
   return out;
 }

@@ -261,7 +261,7 @@ TEST(BenchProgram, AmrTellsTheErrorAtCentresAndStandsBesideOpenVkl) {
       const std::size_t at = r.out.find("\"frames of " + mesh + ", " + shows + "\": {");
       ASSERT_NE(at, std::string::npos) << mesh << ", " << shows;
       for (const char* key : {"primitives", "refresh_s", "ranges_s", "reclassify_s", "cull_s",
-                              "frame_s", "frame_culled_s", "fresh_s", "fresh_auto_s", "bytes"})
+                              "frame_s", "frame_culled_s", "bytes"})
         EXPECT_GT(number(r.out, key, at), 0.0) << mesh << ", " << shows << ' ' << key;
       EXPECT_EQ(number(r.out, "culled", at) > 0.0, shows != "all");
       EXPECT_EQ(number(r.out, "differs", at), 0.0) << mesh << ", " << shows;

@@ -328,73 +328,21 @@ TEST(Culling, EverythingAndNothing) {
   EXPECT_EQ(all.tree().cell_count(), drawn.sampler().tree().cell_count());
 }
 
-/// By itself only where samples that do not show are many for what there is to cull.
-TEST(Culling, IsChosenWhereItPays) {
+/// However many samples do not show; and then not where integrals need what does not show too.
+TEST(Culling, IsDoneOnlyIfAskedFor) {
   Drawn drawn(octree);
-  const auto culls = [&](int size, const TransferFunction& function, bool preintegrated = false) {
-    FrameSettings s = drawn.settings(function);
-    s.width = s.height = size;
-    s.volume->preintegrated = preintegrated;
-    s.volume->skip_empty = false;
+  FrameSettings s = drawn.settings(opacities({{0.45, 0}, {0.5, 0.3}, {0.55, 0}}));
+  s.width = s.height = 256;
+  const auto culls = [&] {
     drawn.draw(s);
     return drawn.statistics.primitives > 0;
   };
-  const TransferFunction shell = opacities({{0.45, 0}, {0.5, 0.3}, {0.55, 0}});
-  EXPECT_TRUE(culls(256, shell));
-  EXPECT_FALSE(culls(4, shell));
-  EXPECT_FALSE(culls(256, shell, true));
-  EXPECT_FALSE(culls(256, opacities({{0, 0.1}})));
-  EXPECT_FALSE(culls(256, opacities({{0, 0.1}}, 1)));
-  FrameSettings s = drawn.settings(shell);
-  s.width = s.height = 256;
-  s.path_tracing = render::PathTracingSettings{};
-  s.path_tracing->samples = 1;
-  drawn.draw(s);
-  EXPECT_EQ(drawn.statistics.primitives, 0);
-}
-
-/// The first two frames of some values cull; those after them have macrocells, if cells lie in
-/// gridlets.
-TEST(Culling, MacrocellsTakeOverInLaterFrames) {
-  Drawn drawn({.seed = 3, .kind = 0, .roots = 40, .levels = 1});
-  drawn.mesh.committed.mesh.set_builder(accel::Builder::morton); // the tree stays what it is
-  FrameSettings s = drawn.settings(opacities({{0.45, 0}, {0.5, 0.3}, {0.55, 0}}));
-  s.volume->step_factor = 1;
-  s.width = s.height = 48; // too few samples for macrocells beside culling
-  const auto same = [](const render::FrameImages& a, const render::FrameImages& b) {
-    const auto bytes = a.color.rgba.size() * sizeof a.color.rgba[0];
-    return a.color.rgba.size() == b.color.rgba.size() &&
-           std::memcmp(a.color.rgba.data(), b.color.rgba.data(), bytes) == 0;
-  };
-  for (const bool anew : {false, true}) {
-    if (anew) {
-      drawn.mesh.committed.commit(INSITU_CHANGED_FIELDS);
-      drawn.begin();
-      s.volume->field = drawn.field();
-    }
-    const render::FrameImages first = drawn.draw(s);
-    EXPECT_GT(drawn.statistics.primitives, 0);
-    EXPECT_TRUE(same(drawn.draw(s), first));
-    EXPECT_GT(drawn.statistics.primitives, 0);
-    for (const bool another_cycle : {false, true, true}) {
-      if (another_cycle) {
-        drawn.structures.end();
-        drawn.begin();
-      }
-      EXPECT_TRUE(same(drawn.draw(s), first));
-      EXPECT_EQ(drawn.statistics.primitives, 0);
-    }
-    EXPECT_EQ(drawn.structures.counts().macrocells, 1);
-    EXPECT_EQ(drawn.structures.counts().macrocells_refreshed, anew ? 1 : 0);
-  }
-  // Stitching cells mostly.
-  Drawn octree_drawn(octree);
-  FrameSettings of_octree = octree_drawn.settings(s.volume->function);
-  of_octree.width = of_octree.height = 256;
-  for (int frame = 0; frame < 4; ++frame) {
-    octree_drawn.draw(of_octree);
-    EXPECT_GT(octree_drawn.statistics.primitives, 0);
-  }
+  EXPECT_FALSE(culls());
+  EXPECT_EQ(drawn.structures.counts().primitive_ranges, 0);
+  s.volume->culling = Culling::always;
+  EXPECT_TRUE(culls());
+  s.volume->preintegrated = true;
+  EXPECT_FALSE(culls());
 }
 
 /// Nothing to cull: cells as they are, and meshes that are not adaptive.

@@ -330,9 +330,8 @@ TEST(Plan, CullingOfAdaptiveMeshes) {
         const std::int64_t held = context.memory.current(INSITU_MEMORY_RANGES) +
                                   context.memory.current(INSITU_MEMORY_TREE);
         EXPECT_LE(held, std::max<std::int64_t>(e.bytes, 0)) << plan.text();
-        const bool made = e.needed && e.why == "culling";
-        EXPECT_EQ(runner.structure_counts().culled, made ? 1 : 0) << plan.text();
-        EXPECT_EQ(held > 0, made) << plan.text();
+        EXPECT_EQ(runner.structure_counts().culled, e.needed ? 1 : 0) << plan.text();
+        EXPECT_EQ(held > 0, e.needed) << plan.text();
         EXPECT_EQ(bytes_of(plan, "dual mesh"), amr.committed.mesh.amr_info().bytes);
         return std::pair(e.needed, e.why);
       }
@@ -341,10 +340,9 @@ TEST(Plan, CullingOfAdaptiveMeshes) {
   };
   const std::string steps = "opacity: [[0.5, 0], [0.5, 1]]";
   EXPECT_EQ(run("culling: always, " + steps), std::pair(true, std::string("culling")));
-  EXPECT_TRUE(run(steps).first); // if it pays, which it does not for so few rays
-  EXPECT_FALSE(run("culling: never, " + steps).first);
+  for (const char* const never : {"", "culling: never, "})
+    EXPECT_EQ(run(never + steps), std::pair(false, std::string("culling is not asked for")));
   EXPECT_FALSE(run("culling: always, preintegrated: true, " + steps).first);
-  EXPECT_FALSE(run("opacity: [[0, 1]], nan_opacity: 1").first);
 }
 
 } // namespace

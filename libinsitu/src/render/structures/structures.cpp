@@ -75,10 +75,8 @@ template <class T, class Make, class Refresh>
 const T& Structures::up_to_date(ValuesEntry<T>& entry, std::int64_t& made, std::int64_t& refreshed,
                                 double& seconds, Make&& make, Refresh&& refresh) {
   entry.used = true;
-  if (entry.value && entry.is_fresh) {
-    ++entry.times;
+  if (entry.value && entry.is_fresh)
     return *entry.value;
-  }
   const core::Timer timer;
   if (!entry.value) {
     entry.value = make();
@@ -87,7 +85,6 @@ const T& Structures::up_to_date(ValuesEntry<T>& entry, std::int64_t& made, std::
     refresh(*entry.value);
     ++refreshed;
   }
-  entry.times = 1;
   entry.is_fresh = true;
   seconds += timer.seconds();
   return *entry.value;
@@ -217,16 +214,6 @@ const query::CulledCells* Structures::culled(const ScalarField& field,
   ++counts_.culled;
   seconds_.culled += timer.seconds();
   return entry.value.get();
-}
-
-int Structures::times_culled(const ScalarField& field) const {
-  const auto known = primitive_ranges_.find(key_of(field));
-  return known != primitive_ranges_.end() && known->second.is_fresh ? known->second.times : 0;
-}
-
-bool Structures::has_macrocells(const ScalarField& field) const {
-  const auto known = macrocells_.find({key_of(field), Macrocells::usual_cells});
-  return known != macrocells_.end() && known->second.is_fresh;
 }
 
 const VertexGradients& Structures::gradients(const ScalarField& vertex_field) {

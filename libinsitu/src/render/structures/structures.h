@@ -108,10 +108,6 @@ public:
   /// made anew when the values or the function's opacities change. Null where there are none to
   /// cull.
   const query::CulledCells* culled(const ScalarField& field, const TransferFunction& function);
-  /// How often these values, as they are, were asked for what is culled of them.
-  int times_culled(const ScalarField& field) const;
-  /// Whether macrocells(field) need not look at the cells.
-  bool has_macrocells(const ScalarField& field) const;
   /// Of a vertex field, or of an average's field().
   const VertexGradients& gradients(const ScalarField& vertex_field);
   /// For averages and gradients; kept while the geometry holds.
@@ -138,7 +134,6 @@ private:
   struct ValuesEntry {
     std::unique_ptr<T> value;
     bool used = false, is_fresh = false;
-    int times = 0; ///< asked for since it is fresh
   };
   /// The same of what a function makes of values.
   template <class T>

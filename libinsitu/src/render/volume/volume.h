@@ -24,10 +24,12 @@ namespace insitu::render {
 
 class Structures;
 
-/// if_it_pays: see culling_pays(); not where macrocells serve better and are there, or serve from
-/// the third frame of the same values on; of path tracing never, whose samples are few where
-/// nothing shows.
-enum class Culling { never, if_it_pays, always };
+/// Whether the frame's locator leaves out the gridlets and stitching cells of an adaptive mesh's
+/// dual that the transfer function makes invisible (Zellmann 2023, section 5.1). The scene decides,
+/// because no look at some cells tells well enough when culling pays: on meshes of blocks,
+/// a frame that skips samples by macrocells takes less time than a culled one; on meshes of many
+/// stitching cells, the culled frame takes less.
+enum class Culling { never, always };
 
 /// A field drawn as a medium that emits and absorbs.
 struct VolumeSettings {
@@ -42,11 +44,12 @@ struct VolumeSettings {
   insitu_accuracy accuracy = INSITU_STANDARD; ///< of locating the samples
   /// Nothing is looked for where the macrocells say that nothing shows. The image is the same.
   bool skip_empty = true;
-  /// On the dual of an adaptive mesh samples can be looked for only in gridlets and stitching cells
-  /// that the function shows anything of, in a tree of these alone. The image is the same but where
-  /// a sample lies on a face of what is left out, whose value then comes from the cell beyond: by
-  /// rounding. Not with `preintegrated`, which needs values that do not show too.
-  Culling culling = Culling::if_it_pays;
+  /// With Culling::always, samples are located in a tree of the gridlets and stitching cells that
+  /// the function shows anything of. The image stays the same, except that a sample on a face of a
+  /// primitive that was left out takes its value from the cell beyond the face, which differs by
+  /// rounding. Meshes without such primitives are drawn without culling, and so are frames with
+  /// `preintegrated`, because integrals between samples need values that do not show too.
+  Culling culling = Culling::never;
   /// Between two samples the function is integrated over all values between theirs, instead of
   /// being asked at the samples alone. Vertex fields only: a cell field has but one value in a
   /// cell.
@@ -89,15 +92,11 @@ struct VolumeStructures {
 /// rays: of the frame.
 VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSettings& settings,
                                    std::int64_t rays, Structures& structures);
-/// Whether macrocells are made for skipping: if the samples that they are likely to save, by a look
-/// at some cells, are more than the cells that have to be read once; ten times as many where those
-/// that do not show are culled already, and cost little.
+/// Whether macrocells are made for skipping: if the samples that macrocells are likely to save, by
+/// a look at some cells, are more than the cells that have to be read once. In a culled frame a
+/// sample where nothing shows costs little, so ten times as many have to be saved.
 bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings, std::int64_t rays,
                    bool culled = false);
-/// Whether a tree of what shows is made for a frame: if the samples that are likely to lie in
-/// primitives that do not show, by the same look, are more than three times the primitives, since a
-/// primitive's range and place take a third of what a sample saves.
-bool culling_pays(const query::Sampler& sampler, const VolumeSettings& settings, std::int64_t rays);
 
 /// Marches rays through a volume. Sample i of a ray lies at (i + 1/2) * step and stands for the
 /// distances from i * step to (i + 1) * step, whatever the mesh; the first and the last in the

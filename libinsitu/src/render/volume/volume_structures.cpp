@@ -12,11 +12,10 @@ namespace {
 
 using math::Vec3d;
 
-/// A look at some cells: how many of all there are, the part of them that nothing shows of, by
-/// number and by volume, the part in gridlets, and the part of the mesh's box that their boxes
-/// could fill.
+/// A look at some cells: how many of all there are, the part of them that nothing shows of, and the
+/// part of the mesh's box that their boxes could fill.
 struct Look {
-  double cells = 0, empty = 0, empty_volume = 0, in_gridlets = 0, filled = 1;
+  double cells = 0, empty = 0, filled = 1;
 };
 
 int full_cells(const mesh::GridletsView& all, std::int64_t gridlet) {
@@ -43,14 +42,13 @@ Look look_at_some(const query::Sampler& sampler, const VolumeSettings& settings)
   const ScalarField& field = settings.field;
   mesh::CellVertices cell;
   std::int64_t empty = 0;
-  double volume = 0, empty_volume = 0, cells = 0, in_gridlets = 0;
+  double volume = 0, cells = 0;
   for (std::int64_t i = 0; i < count; ++i) {
     std::int64_t flat = tree.cells()[i * items / count];
     double several = 1;
     if (gridlets && flat < mesh.first_cell[1]) {
       several = double(full_cells(*gridlets, flat >> mesh::Gridlet::cell_bits));
       flat = first_full_cell(*gridlets, flat); // which has to stand for all
-      in_gridlets += several;
     }
     mesh::gather(mesh, flat, cell);
     double low = HUGE_VAL, high = -HUGE_VAL;
@@ -72,20 +70,15 @@ Look look_at_some(const query::Sampler& sampler, const VolumeSettings& settings)
                            : low <= high ? settings.function.max_opacity(low, high)
                                          : 0.0;
     const Vec3d d = to - from;
-    const double of_all = several * d.x * d.y * d.z;
-    volume += of_all;
-    if (opacity < TransferFunction::invisible) {
+    volume += several * d.x * d.y * d.z;
+    if (opacity < TransferFunction::invisible)
       ++empty;
-      empty_volume += of_all;
-    }
     cells += several;
   }
   Look look;
   const double each = double(items) / double(count);
   look.cells = each * cells;
   look.empty = double(empty) / double(count);
-  look.in_gridlets = in_gridlets / cells;
-  look.empty_volume = volume > 0 ? empty_volume / volume : 0.0;
   const Vec3d box = tree.bounds_max() - tree.bounds_min();
   const double of_box = box.x * box.y * box.z;
   look.filled = of_box > 0 ? std::min(1.0, each * volume / of_box) : 1.0;
@@ -121,30 +114,6 @@ bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings
   return expected_samples(sampler, settings, rays) * share > (culled ? 10 : 1) * look.cells;
 }
 
-bool culling_pays(const query::Sampler& sampler, const VolumeSettings& settings,
-                  std::int64_t rays) {
-  if (shows_all(settings.function))
-    return false;
-  return expected_samples(sampler, settings, rays) * look_at_some(sampler, settings).empty_volume >
-         3.0 * double(sampler.tree().cell_count());
-}
-
-namespace {
-
-/// Whether macrocells leave out about what culling does, in less time a frame. They do among
-/// gridlets, whose cells are about as large as their neighbours; where most are stitching cells,
-/// few macrocells have none that shows. They cost what two culled frames lose, so the third has
-/// them.
-bool macrocells_take_over(const query::Sampler& sampler, const VolumeSettings& settings,
-                          std::int64_t rays, const Structures& structures) {
-  return (structures.times_culled(settings.field) >= 2 ||
-          structures.has_macrocells(settings.field)) &&
-         look_at_some(sampler, settings).in_gridlets > 0.75 &&
-         skipping_pays(sampler, settings, rays);
-}
-
-} // namespace
-
 VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSettings& settings,
                                    std::int64_t rays, Structures& structures) {
   VolumeStructures found;
@@ -152,11 +121,7 @@ VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSe
   check(settings);
   if (sampler.tree().empty())
     return found;
-  const bool may_cull = settings.culling != Culling::never && !settings.preintegrated &&
-                        PrimitiveRanges::serve(sampler, settings.field);
-  if (may_cull && (settings.culling == Culling::always ||
-                   (culling_pays(sampler, settings, rays) &&
-                    !macrocells_take_over(sampler, settings, rays, structures))))
+  if (settings.culling == Culling::always && !settings.preintegrated)
     found.culled = structures.culled(settings.field, settings.function);
   // With a tolerance macrocells are there in any case.
   const bool is_cheap = found.culled && !settings.tolerance;

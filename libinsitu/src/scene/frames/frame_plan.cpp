@@ -229,15 +229,8 @@ private:
       plan_.skip(item, "culling is not asked for");
     else if (v.preintegrated && !frame_.path_tracing)
       plan_.skip(item, "pre-integration needs what does not show too");
-    else if (v.culling == Culling::always)
-      plan_.need_at_most(item, most, "culling");
-    else if (frame_.path_tracing)
-      plan_.skip(item, "path tracing takes few samples where nothing shows");
-    else if (shows_all(v))
-      plan_.skip(item, "the opacity is nowhere 0, of NaN neither");
     else
-      plan_.need_at_most(item, most,
-                         "to cull what does not show, if a look at some cells tells that it pays");
+      plan_.need_at_most(item, most, "culling");
   }
 
   static bool shows_all(const Volume& v) {

@@ -217,9 +217,7 @@ render::VolumeSettings FrameSettingsMaker::volume(const commit::CommittedMesh& m
   to.preintegrated = from.preintegrated;
   to.shading = from.shading;
   to.tolerance = from.tolerance;
-  constexpr render::Culling culling[] = {render::Culling::never, render::Culling::if_it_pays,
-                                         render::Culling::always};
-  to.culling = culling[int(from.culling)];
+  to.culling = from.culling == Culling::always ? render::Culling::always : render::Culling::never;
   return to;
 }
 

@@ -87,7 +87,7 @@ struct OpacityPoint {
 };
 
 /// See render/volume/volume.h.
-enum class Culling { never, automatic, always };
+enum class Culling { never, always };
 
 struct Volume {
   Name field;
@@ -102,7 +102,7 @@ struct Volume {
   bool preintegrated = false;      ///< all values between two samples count; not with a tolerance
   bool shading = false;            ///< lit by the field's gradient
   std::optional<double> tolerance; ///< of opacity and colour; nothing: even steps
-  Culling culling = Culling::automatic;
+  Culling culling = Culling::never;
   int line = 0;
 };
 

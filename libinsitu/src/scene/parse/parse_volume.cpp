@@ -66,9 +66,8 @@ Volume parse_volume(const Cursor& cursor, const ParseContext& context) {
     }
   }
   if (const auto culling = map.find("culling")) {
-    assign(volume.culling, culling->choice<Culling>({{"never", Culling::never},
-                                                     {"auto", Culling::automatic},
-                                                     {"always", Culling::always}}));
+    assign(volume.culling,
+           culling->choice<Culling>({{"never", Culling::never}, {"always", Culling::always}}));
   }
   return volume;
 }
