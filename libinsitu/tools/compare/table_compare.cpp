@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/status.h"
+#include "output/files/csv.h"
 
 namespace insitu::compare {
 
@@ -23,40 +24,6 @@ std::size_t find(const std::vector<std::string>& names, const std::string& name)
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return find(names, name) != none;
-}
-
-/// Splits one record off the text at `at`, counting the lines that it takes.
-std::vector<std::string> take_record(const std::string& text, std::size_t& at, std::size_t& line,
-                                     const std::string& name) {
-  std::vector<std::string> cells(1);
-  const std::size_t begin = line;
-  bool quoted = false;
-  for (; at < text.size(); ++at) {
-    const char c = text[at];
-    line += c == '\n' ? 1 : 0;
-    if (quoted) {
-      if (c == '"' && at + 1 < text.size() && text[at + 1] == '"') {
-        cells.back() += text[++at];
-      } else if (c == '"') {
-        quoted = false;
-      } else {
-        cells.back() += c;
-      }
-    } else if (c == '"' && cells.back().empty()) {
-      quoted = true;
-    } else if (c == ',') {
-      cells.emplace_back();
-    } else if (c == '\n') {
-      ++at;
-      return cells;
-    } else if (c != '\r') {
-      cells.back() += c;
-    }
-  }
-  if (quoted) {
-    unusable("'" + name + "' line " + std::to_string(begin) + ": a quoted cell does not end");
-  }
-  return cells;
 }
 
 /// Pairs of rows to compare, and what has no partner.
@@ -256,12 +223,23 @@ private:
 
 Table parse_csv(const std::string& text, const std::string& name) {
   Table table;
-  std::size_t at = text.starts_with("\xef\xbb\xbf") ? 3 : 0; // a byte order mark
+  std::string_view rest = text;
+  rest.remove_prefix(rest.starts_with("\xef\xbb\xbf") ? 3 : 0); // a byte order mark
   std::size_t line = 1;
   bool first = true;
-  while (at < text.size()) {
+  std::vector<output::CsvCell> record;
+  while (!rest.empty()) {
     const std::size_t begin = line;
-    std::vector<std::string> cells = take_record(text, at, line, name);
+    const std::string_view before = rest;
+    if (!output::take_csv_record(rest, record)) {
+      unusable("'" + name + "' line " + std::to_string(begin) +
+               ": a quoted cell does not end, or more than a comma follows it");
+    }
+    line += std::size_t(std::count(before.begin(), before.end() - rest.size(), '\n'));
+    std::vector<std::string> cells;
+    for (output::CsvCell& cell : record) {
+      cells.push_back(std::move(cell.text));
+    }
     const bool blank = cells.size() == 1 && cells[0].empty();
     if (blank && (first || table.columns.size() > 1)) {
       continue;

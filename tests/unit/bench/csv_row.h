@@ -3,20 +3,17 @@
 #include <string>
 #include <vector>
 
+#include "output/files/csv.h"
+
 namespace insitu::test {
 
-/// The columns of a row of CSV on one line; quotes around a column go, doubled ones within are not
-/// looked for.
-inline std::vector<std::string> split_csv(const std::string& line) {
-  std::vector<std::string> out(1);
-  bool quoted = false;
-  for (const char c : line)
-    if (c == '"')
-      quoted = !quoted;
-    else if (c == ',' && !quoted)
-      out.emplace_back();
-    else
-      out.back() += c;
+/// The columns of a row of CSV on one line.
+inline std::vector<std::string> split_csv(std::string_view line) {
+  std::vector<output::CsvCell> cells;
+  output::take_csv_record(line, cells);
+  std::vector<std::string> out;
+  for (const output::CsvCell& cell : cells)
+    out.push_back(cell.text);
   return out;
 }
 

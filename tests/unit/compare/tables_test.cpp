@@ -43,6 +43,9 @@ TEST(ParseCsv, QuotesBlankLinesAndHeaders) {
   EXPECT_EQ(plain.rows.size(), 2u);
   EXPECT_EQ(parse_csv("v\n1\n\n2\n", "t").rows.size(),
             3u); // one column: an empty line is a missing value
+  const Table blanks = parse_csv("a , b\n x,\" y \" \r\n", "t");
+  EXPECT_EQ(blanks.columns, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(blanks.rows[0], (std::vector<std::string>{"x", " y "}));
 }
 
 TEST(ParseCsv, BrokenTablesAreNamed) {
@@ -53,6 +56,7 @@ TEST(ParseCsv, BrokenTablesAreNamed) {
     EXPECT_STREQ(error.what(), "'gauges.csv' line 3: 2 cells expected, 1 found");
   }
   EXPECT_THROW((void)parse_csv("a\n\"open", "t"), Error);
+  EXPECT_THROW((void)parse_csv("a\n\"one\" two\n", "t"), Error);
   EXPECT_THROW((void)parse_csv("", "t"), Error);
 }
 

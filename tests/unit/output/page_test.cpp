@@ -68,6 +68,17 @@ TEST(JsonTexts, OfBrokenUtf8AreAsciiToo) {
   }
 }
 
+TEST(JsonTexts, HaveLinesWhereAsked) {
+  JsonText j = JsonText::spaced();
+  j.open('{').key("a").value(1).key("rows").open('[');
+  for (int i = 0; i < 2; ++i)
+    j.line().open('[').value(i).value(true).close();
+  j.close().key("b").open('{').line().key("c").open('{').line().key("d").value(2);
+  j.close().close().close();
+  EXPECT_EQ(j.text(), "{\"a\": 1, \"rows\": [\n  [0, true],\n  [1, true]\n], \"b\": {\n  \"c\": "
+                      "{\n    \"d\": 2\n  }\n}}");
+}
+
 TEST(JsonTexts, NumbersThatJsonLacksAreNull) {
   JsonText j;
   const double infinity = std::numeric_limits<double>::infinity();

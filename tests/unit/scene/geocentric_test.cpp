@@ -1,107 +1,12 @@
 // Frames from space: a geodetic mesh drawn in geocentric coordinates, its heights exaggerated.
 #include <cmath>
-#include <filesystem>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include "../render/render_mesh.h"
-#include "core/context.h"
-#include "geo/reference_frames.h"
-#include "scene/earth/geocentric_view.h"
+#include "geocentric_sea.h"
 #include "scene/earth/globe.h"
-#include "scene/frames/frame_settings.h"
-#include "scene/parse/parse.h"
-#include "scene/run/runner.h"
-#include "scene_test.h"
 
 namespace insitu::test {
 namespace {
-
-using scene::geocentric_place;
-
-constexpr double west = 10, south = 30, extent = 10, deepest = 4000; // degrees, metres
-constexpr int cells_along = 20;
-constexpr double degree = 3.14159265358979323846 / 180;
-
-/// Longitude, latitude, height of a place in the unit cube.
-Vec3d on_earth(const Vec3d& p) {
-  return {west + extent * p.x, south + extent * p.y, deepest * (p.z - 1)};
-}
-
-insitu_frame geodetic() {
-  insitu_frame frame = insitu_frame_default();
-  frame.kind = INSITU_FRAME_GEODETIC;
-  return frame;
-}
-
-/// A sea from 10 to 20 E, 30 to 40 N, 4 km deep.
-TestMesh sea(Shape shape) {
-  TestMesh mesh = box_cells(cells_along, shape, 0);
-  for (Vec3d& p : mesh.vertices)
-    p = on_earth(p);
-  return mesh;
-}
-
-/// Its frames, cycle by cycle.
-struct SeaRun {
-  explicit SeaRun(const std::string& items, Shape shape = Shape::wedge)
-      : mesh(sea(shape)), folder(std::filesystem::temp_directory_path() /
-                                 ("insitu-geocentric-" + std::to_string(::getpid()))),
-        context(0, mesh.committed.log),
-        runner(scene::parse_scene_text("insitu: 1\n" + items, "s.yaml"), folder.string(), context,
-               statistics) {
-    mesh.committed.mesh.reference_frame = geodetic();
-    mesh.field("height", INSITU_VERTEX, [](const Vec3d& p) { return p.z; });
-    mesh.committed.commit(INSITU_CHANGED_ALL);
-  }
-  ~SeaRun() { std::filesystem::remove_all(folder); }
-
-  std::string execute(std::int64_t cycle) { return runner.execute(meshes, cycle, double(cycle)); }
-  std::int64_t bytes() const { return context.memory.current(INSITU_MEMORY_GEOCENTRIC); }
-
-  RenderMesh mesh;
-  std::filesystem::path folder;
-  core::Context context;
-  scene::Statistics statistics;
-  scene::Runner runner;
-  commit::CommittedMesh* list[1] = {&mesh.committed.mesh};
-  scene::MeshList meshes{list};
-};
-
-/// How far along the ray WGS84 is first met.
-double distance_to_ellipsoid(const render::Ray& ray) {
-  const double a = 6378137.0, b = a * (1 - 1 / 298.257223563);
-  const Vec3d o{ray.origin.x / a, ray.origin.y / a, ray.origin.z / b};
-  const Vec3d d{ray.direction.x / a, ray.direction.y / a, ray.direction.z / b};
-  const double dd = dot(d, d), od = dot(o, d), oo = dot(o, o) - 1;
-  const double root = od * od - dd * oo;
-  return root < 0 ? HUGE_VAL : (-od - std::sqrt(root)) / dd;
-}
-
-render::FrameSettings view_from(double longitude, double latitude, double height, int size) {
-  render::FrameSettings s;
-  s.width = s.height = size;
-  s.depth = s.cell = true;
-  s.camera.position = geocentric_place(longitude, latitude, height);
-  const scene::LocalAxes axes = scene::local_axes(longitude, latitude);
-  s.camera.look_at = s.camera.position - 1e6 * axes.up;
-  s.camera.up = axes.north;
-  return s;
-}
-
-struct Drawn {
-  Drawn(SeaRun& run, double exaggeration)
-      : structures(run.context),
-        mesh(structures.geocentric(run.mesh.committed.mesh, exaggeration)) {}
-  render::FrameImages draw(const render::FrameSettings& settings, core::Context& context) const {
-    return render::render_frame(mesh.sampler(), settings, context.threads, context.memory);
-  }
-  scene::FrameStructures structures;
-  const commit::CommittedMesh& mesh;
-};
-
-constexpr const char* boundary = "frames: [{name: f, size: [16, 16], geocentric: {exaggeration: "
-                                 "100}, boundary: {color: {field: height}}}]";
 
 /// Seen from 2000 km above, each pixel's distance is that of the ellipsoid, but for the facets:
 /// these lie below it by at most the sag of their longest edge, which an oblique ray lengthens.
@@ -375,81 +280,6 @@ TEST(Geocentric, TheGraticuleLiesOnItsMultiples) {
     EXPECT_TRUE(dark_near(15, along + 20)) << along;
     EXPECT_FALSE(dark_near(along, along + 20)) << along;
   }
-}
-
-double length(const Vec3d& v) {
-  return std::sqrt(dot(v, v));
-}
-
-TEST(GeocentricCamera, StandsAbovePlaces) {
-  const auto camera = [](const std::string& keys) {
-    return scene::test::parse("frames: [{name: f, boundary: {}, geocentric: {}, camera: {" + keys +
-                              "}}]")
-        .frames[0]
-        .camera;
-  };
-  const scene::Camera down = camera("longitude: -30, latitude: 40, altitude: 3e6");
-  EXPECT_LT(length(*down.position - geocentric_place(-30, 40, 3e6)), 1e-6);
-  EXPECT_LT(length(*down.look_at - geocentric_place(-30, 40, 0)), 1e-6);
-  EXPECT_LT(length(down.up - scene::local_axes(-30, 40).north), 1e-12);
-  const scene::Camera at =
-      camera("longitude: -30, latitude: 10, altitude: 3e6, look_at: {longitude: -30, latitude: 40, "
-             "height: 10}");
-  EXPECT_LT(length(*at.look_at - geocentric_place(-30, 40, 10)), 1e-6);
-  EXPECT_LT(length(at.up - scene::local_axes(-30, 10).up), 1e-12);
-  const scene::Camera pole = camera("longitude: 0, latitude: 90, altitude: 1e6");
-  EXPECT_LT(length(pole.up - Vec3d{-1, 0, 0}), 1e-12);
-  const scene::Camera keyed = camera(
-      "path: [{cycle: 0, longitude: 0, latitude: 0, altitude: 1e6}, {cycle: 9, longitude: 90, "
-      "latitude: 0, altitude: 2e6}]");
-  EXPECT_LT(length(*keyed.path[1].look_at - geocentric_place(90, 0, 0)), 1e-6);
-}
-
-TEST(GeocentricCamera, Errors) {
-  const auto error = [](const std::string& keys) {
-    return scene::test::error_of("frames: [{name: f, boundary: {}, " + keys + "}]");
-  };
-  EXPECT_NE(error("camera: {longitude: 1, latitude: 2, altitude: 3}").find("'geocentric'"),
-            std::string::npos);
-  EXPECT_NE(error("geocentric: {}, camera: {longitude: 1, altitude: 3}").find("latitude"),
-            std::string::npos);
-  EXPECT_NE(error("geocentric: {}, camera: {position: [1e7, 0, 0], longitude: 1, latitude: 2, "
-                  "altitude: 3}")
-                .find("either a position or longitude"),
-            std::string::npos);
-  EXPECT_NE(error("geocentric: {exaggeration: -1}").find("exaggeration"), std::string::npos);
-}
-
-/// The automatic camera: above the mesh's middle, north up, and all of it in the image.
-TEST(GeocentricCamera, SeesTheWholeMeshFromAbove) {
-  SeaRun run(boundary);
-  const Drawn drawn(run, 100);
-  const scene::Frame frame = scene::test::parse(boundary).frames[0];
-  core::Context& context = run.context;
-  scene::CinemaTable table({}, run.folder.string());
-  const scene::Environment environment{
-      context, run.statistics, *const_cast<scene::FrameStructures*>(&drawn.structures),
-      table,   "s.yaml",       run.folder.string()};
-  const scene::FrameSettingsMaker maker(frame, environment);
-  const render::Camera camera =
-      maker.camera(frame.camera, drawn.mesh, {run.meshes, 0, 0.0, true, 0.0}, 0);
-  Vec3d place = camera.position;
-  geo::from_geocentric(geo::Frame::geodetic(), {&place, 1}, {&place, 1});
-  EXPECT_NEAR(place.x, 15, 1);
-  EXPECT_NEAR(place.y, 35, 1);
-  EXPECT_GT(place.z, 1e6);
-  const render::RayGenerator rays(camera, 100, 100);
-  const auto pixel = [&](double lon, double lat) {
-    return *rays.project(geocentric_place(lon, lat, 0));
-  };
-  for (const double lon : {west, west + extent})
-    for (const double lat : {south, south + extent})
-      for (const double at : pixel(lon, lat)) {
-        EXPECT_GT(at, 0);
-        EXPECT_LT(at, 100);
-      }
-  EXPECT_LT(pixel(15, 40)[1], pixel(15, 30)[1]) << "north is up";
-  EXPECT_LT(pixel(10, 35)[0], pixel(20, 35)[0]) << "east is right";
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "output/files/csv.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -50,6 +51,37 @@ void append_text(std::string& text, std::string_view value) {
     text.push_back(c == '\n' || c == '\r' ? ' ' : c);
   }
   text.push_back('"');
+}
+
+bool take_csv_record(std::string_view& text, std::vector<CsvCell>& cells) {
+  constexpr std::string_view blanks = " \t\r";
+  cells.clear();
+  std::size_t at = 0;
+  for (bool more = true; more; ++at) {
+    at = std::min(text.find_first_not_of(blanks, at), text.size());
+    CsvCell& cell = cells.emplace_back(CsvCell{{}, at});
+    if (at < text.size() && text[at] == '"') {
+      for (++at; at < text.size() && (text[at] != '"' || text.substr(at, 2) == "\"\""); ++at) {
+        cell.text += text[at];
+        at += text[at] == '"' ? 1 : 0;
+      }
+      if (at == text.size()) {
+        return false;
+      }
+      at = std::min(text.find_first_not_of(blanks, at + 1), text.size());
+      if (at < text.size() && text[at] != ',' && text[at] != '\n') {
+        return false;
+      }
+    } else {
+      const std::size_t begin = at;
+      at = std::min(text.find_first_of(",\n", at), text.size());
+      cell.text = text.substr(begin, at - begin);
+      cell.text.erase(cell.text.find_last_not_of(blanks) + 1);
+    }
+    more = at < text.size() && text[at] == ',';
+  }
+  text.remove_prefix(std::min(at, text.size()));
+  return true;
 }
 
 std::string& CsvRows::next() {

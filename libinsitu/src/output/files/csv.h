@@ -20,6 +20,17 @@ void append_number(std::string& text, std::int64_t value);
 /// Line breaks become blanks, so a row is always one line.
 void append_text(std::string& text, std::string_view value);
 
+/// A cell of a text: without its quotes, and where it begins in its record.
+struct CsvCell {
+  std::string text;
+  std::size_t at = 0;
+};
+
+/// Takes a record off the text, as RFC 4180 has it: up to a line break that is not within quotes.
+/// Blanks around a cell are no part of it unless they are quoted. False where a quote is not closed
+/// or is followed by more than a comma: in the last of the cells; the text is then of no use.
+bool take_csv_record(std::string_view& text, std::vector<CsvCell>& cells);
+
 /// Builds one table in memory, row by row: `csv.cell(1).cell(2.5).end_row()`.
 class CsvRows {
 public:

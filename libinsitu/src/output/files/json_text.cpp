@@ -1,5 +1,6 @@
 #include "output/files/json_text.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -36,17 +37,36 @@ void append_code_point(std::string& text, char32_t c) {
 
 } // namespace
 
+JsonText JsonText::spaced() {
+  JsonText text;
+  text.blank_ = " ";
+  return text;
+}
+
 void JsonText::separate() {
   if (!first_) {
     text_ += ',';
   }
+  text_ += first_ || !line_.empty() ? line_ : blank_;
+  line_.clear();
   first_ = false;
+}
+
+JsonText& JsonText::line() {
+  std::string& closing = closing_.back();
+  if (closing.size() == 1) { // as far in as brackets with lines of their own stand around it
+    const auto depth = std::count_if(closing_.begin(), closing_.end(),
+                                     [](const std::string& c) { return c.size() > 1; });
+    closing = "\n" + std::string(2 * std::size_t(depth), ' ') + closing;
+  }
+  line_ = closing.substr(0, closing.size() - 1) + "  ";
+  return *this;
 }
 
 JsonText& JsonText::open(char bracket) {
   separate();
   text_ += bracket;
-  closing_ += bracket == '{' ? '}' : ']';
+  closing_.emplace_back(1, bracket == '{' ? '}' : ']');
   first_ = true;
   return *this;
 }
@@ -60,7 +80,7 @@ JsonText& JsonText::close() {
 
 JsonText& JsonText::key(std::string_view name) {
   value(name);
-  text_ += ':';
+  text_ += ':' + blank_;
   first_ = true;
   return *this;
 }

@@ -7,17 +7,23 @@
 
 namespace insitu::output {
 
-/// Builds one line of JSON that may also stand in a script or in a page, whatever texts it holds:
-/// it is ASCII, without line breaks and without "<".
+/// Builds JSON that may also stand in a script or in a page, whatever texts it holds: it is ASCII,
+/// without "<", and one line but for those that line() begins.
 ///
 ///   JsonText j;
 ///   j.open('{').key("cycle").value(12).key("values").open('[').value(0.5).close().close();
 class JsonText {
 public:
+  JsonText() = default;
+  /// With a blank behind commas and colons, for people who read the file.
+  static JsonText spaced();
+
   /// '{' or '['; close() writes its other half.
   JsonText& open(char bracket);
   JsonText& close();
   JsonText& key(std::string_view name);
+  /// The next item begins a line, indented, and the bracket that it is in closes on a line.
+  JsonText& line();
   /// The shortest decimal that reads back as the same number; NaN and infinities, which JSON lacks,
   /// are null.
   JsonText& value(double number);
@@ -39,8 +45,10 @@ private:
   void separate();
 
   std::string text_;
-  std::string closing_; ///< brackets still open
-  bool first_ = true;   ///< within the innermost bracket, or after a key
+  std::vector<std::string> closing_; ///< of brackets still open
+  std::string blank_;                ///< behind commas and colons
+  std::string line_;                 ///< the line break before the next item, if any
+  bool first_ = true;                ///< within the innermost bracket, or after a key
 };
 
 } // namespace insitu::output

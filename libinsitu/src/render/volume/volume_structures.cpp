@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "accel/tree/tree.h"
@@ -18,25 +17,9 @@ struct Look {
   double cells = 0, empty = 0, filled = 1;
 };
 
-int full_cells(const mesh::GridletsView& all, std::int64_t gridlet) {
-  int count = 0;
-  for (int k = 0; k < mesh::Gridlet::side; ++k)
-    count += std::popcount(all.full[mesh::Gridlet::side * gridlet + k]);
-  return count;
-}
-
-std::int64_t first_full_cell(const mesh::GridletsView& all, std::int64_t first) {
-  std::int64_t cell = first;
-  while (!all.is_full(cell) && cell + 1 < first + mesh::Gridlet::most_cells)
-    ++cell;
-  return cell;
-}
-
 Look look_at_some(const query::Sampler& sampler, const VolumeSettings& settings) {
   const accel::Tree& tree = sampler.tree();
   const mesh::MeshView& mesh = sampler.mesh();
-  const mesh::GridletsView* const gridlets =
-      mesh.piece_count > 0 ? mesh.pieces[0].gridlets : nullptr;
   constexpr std::int64_t most = 2048;
   const std::int64_t items = tree.cell_count(), count = std::min(items, most);
   const ScalarField& field = settings.field;
@@ -45,11 +28,10 @@ Look look_at_some(const query::Sampler& sampler, const VolumeSettings& settings)
   double volume = 0, cells = 0;
   for (std::int64_t i = 0; i < count; ++i) {
     std::int64_t flat = tree.cells()[i * items / count];
-    double several = 1;
-    if (gridlets && flat < mesh.first_cell[1]) {
-      several = double(full_cells(*gridlets, flat >> mesh::Gridlet::cell_bits));
-      flat = first_full_cell(*gridlets, flat); // which has to stand for all
-    }
+    const std::int32_t p = mesh.piece_of(flat);
+    const auto [count_here, first] = mesh.pieces[p].item_cells(flat - mesh.first_cell[p]);
+    const double several = double(count_here);
+    flat = mesh.first_cell[p] + first; // which has to stand for all
     mesh::gather(mesh, flat, cell);
     double low = HUGE_VAL, high = -HUGE_VAL;
     bool nan = false;

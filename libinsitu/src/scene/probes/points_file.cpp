@@ -9,17 +9,13 @@
 
 #include "core/status.h"
 #include "core/suggest.h"
+#include "output/files/csv.h"
 #include "scene/parse/problems.h"
 
 namespace insitu::scene {
 namespace {
 
 constexpr std::size_t longest_line = 1 << 16; // bytes
-
-struct Field {
-  std::string text;
-  int column; // of its first byte, from 1
-};
 
 /// Which column of the file is which number; -1: none.
 struct Columns {
@@ -28,43 +24,9 @@ struct Columns {
   std::size_t count = 0;
 };
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) {
-    return text.substr(0, 0);
-  }
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-/// Splits a line at its commas. False, with the column, where a quotation mark is not closed or
-/// followed by more.
-bool split(std::string_view line, std::vector<Field>& fields, int& bad_column) {
-  fields.clear();
-  std::size_t at = 0;
-  for (;;) {
-    at = std::min(line.find_first_not_of(" \t", at), line.size());
-    Field field{{}, static_cast<int>(at + 1)};
-    std::size_t end = 0;
-    if (at < line.size() && line[at] == '"') {
-      for (++at; at < line.size() && (line[at] != '"' || line.substr(at, 2) == "\"\""); ++at) {
-        field.text += line[at];
-        at += line[at] == '"' ? 1 : 0;
-      }
-      end = at < line.size() ? line.find_first_not_of(" \t", at + 1) : 0;
-      if (at >= line.size() || (end != std::string_view::npos && line[end] != ',')) {
-        bad_column = field.column;
-        return false;
-      }
-    } else {
-      end = line.find(',', at);
-      field.text = trimmed(line.substr(at, end == std::string_view::npos ? end : end - at));
-    }
-    fields.push_back(std::move(field));
-    if (end == std::string_view::npos) {
-      return true;
-    }
-    at = end + 1;
-  }
+/// Of its first byte, from 1.
+int column_of(const output::CsvCell& cell) {
+  return static_cast<int>(cell.at + 1);
 }
 
 /// 0 to 2: a number of the position; 3: the name; -1: something else.
@@ -93,7 +55,7 @@ int meaning(const std::string& column, bool& geographic, bool& depth) {
 }
 
 /// Reads the header; notes problems, and is then of no use.
-Columns read_header(const std::vector<Field>& fields, int line, PointTable& table,
+Columns read_header(const std::vector<output::CsvCell>& fields, int line, PointTable& table,
                     Problems& problems) {
   static const std::array<const char*, 3> cartesian_names{"x", "y", "z"};
   static const std::array<const char*, 3> geographic_names{"lon", "lat", "height' or 'depth"};
@@ -113,7 +75,7 @@ Columns read_header(const std::vector<Field>& fields, int line, PointTable& tabl
       found[geographic ? 1 : 0] = true;
     }
     if (column >= 0 && !(found[0] && found[1])) {
-      problems.add(line, fields[i].column,
+      problems.add(line, column_of(fields[i]),
                    "column " + quote(fields[i].text) + " repeats column " +
                        quote(fields[static_cast<std::size_t>(column)].text));
     }
@@ -155,8 +117,8 @@ bool parse_number(std::string_view text, double& value) {
          std::isfinite(value);
 }
 
-void read_row(const std::vector<Field>& fields, const Columns& columns, int line, PointTable& table,
-              Problems& problems) {
+void read_row(const std::vector<output::CsvCell>& fields, const Columns& columns, int line,
+              PointTable& table, Problems& problems) {
   if (fields.size() != columns.count) {
     problems.add(line, std::to_string(columns.count) + " columns expected, " +
                            std::to_string(fields.size()) + " found");
@@ -164,16 +126,16 @@ void read_row(const std::vector<Field>& fields, const Columns& columns, int line
   }
   math::Vec3d point;
   for (int i = 0; i < 3; ++i) {
-    const Field& field =
+    const output::CsvCell& field =
         fields[static_cast<std::size_t>(columns.position[static_cast<std::size_t>(i)])];
     if (!parse_number(field.text, point[i])) {
-      problems.add(line, field.column,
+      problems.add(line, column_of(field),
                    "a finite number expected, " +
                        (field.text.empty() ? "nothing" : quote(field.text)) + " found");
       return;
     }
     if (table.geographic && i == 1 && (point.y < -90 || point.y > 90)) {
-      problems.add(line, field.column,
+      problems.add(line, column_of(field),
                    "a latitude from -90 to 90 degrees expected, " + quote(field.text) + " found");
       return;
     }
@@ -194,7 +156,7 @@ PointTable parse_points_text(std::string_view text, const std::string& file) {
     text.remove_prefix(3);
   }
   Columns columns;
-  std::vector<Field> fields;
+  std::vector<output::CsvCell> fields;
   bool has_header = false;
   int line = 0;
   while (!text.empty() && !problems.full()) {
@@ -202,20 +164,16 @@ PointTable parse_points_text(std::string_view text, const std::string& file) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     std::string_view row = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
-    if (!row.empty() && row.back() == '\r') {
-      row.remove_suffix(1);
-    }
-    const std::string_view content = trimmed(row);
-    int bad_column = 0;
-    if (content.empty() || content[0] == '#') {
+    const std::size_t first = row.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos || row[first] == '#') {
       continue;
     }
     if (row.size() > longest_line) {
       problems.add(line, "the line has more than " + std::to_string(longest_line) + " bytes");
       break;
     }
-    if (!split(row, fields, bad_column)) {
-      problems.add(line, bad_column,
+    if (!output::take_csv_record(row, fields)) { // records of points are one line each
+      problems.add(line, column_of(fields.back()),
                    "the quotation mark is not closed, or followed by more than a comma");
     } else if (has_header) {
       read_row(fields, columns, line, table, problems);

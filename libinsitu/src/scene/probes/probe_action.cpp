@@ -1,12 +1,12 @@
 #include "scene/probes/probe_action.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "core/timer.h"
 #include "core/unsigned_zero.h"
 #include "output/files/atomic_file.h"
+#include "output/files/json_text.h"
 #include "query/walk/attached.h"
 #include "scene/probes/curtain.h"
 
@@ -256,47 +256,39 @@ void ProbeAction::write_json(const commit::CommittedMesh& mesh, const Step& step
                              const ProbeAnswers& answers) {
   const mesh::MeshView& view = mesh.mesh().own_view();
   const bool pieces = names_pieces(mesh.mesh());
-  // Numbers as in CSV; what CSV leaves empty and what JSON cannot say is null.
-  const auto number = [](double v) {
-    std::string text;
-    if (std::isfinite(v))
-      output::append_number(text, v);
-    return text.empty() ? std::string("null") : text;
-  };
   const CurtainPlaces* curtain = points_->curtain ? &*points_->curtain : nullptr;
   const std::size_t width = answers.columns.size();
-  std::string text =
-      "{\"cycle\": " + std::to_string(step.cycle) + ", \"time\": " + number(step.time) +
-      ", \"columns\": [" + (curtain ? "\"distance\", \"" + level_name(*curtain) + "\", " : "") +
-      (moves() ? "\"x\", \"y\", \"z\", " : "") + "\"cell\"" + (pieces ? ", \"piece\"" : "");
-  for (const std::string& c : answers.columns) {
-    text += ", \"";
-    for (const char ch : c) { // field names are the solver's: anything may stand in them
-      if (ch == '"' || ch == '\\')
-        text += '\\';
-      text += static_cast<unsigned char>(ch) < 0x20 ? ' ' : ch;
-    }
-    text += '"';
-  }
-  text += "], \"points\": [";
+  output::JsonText json = output::JsonText::spaced();
+  json.open('{').key("cycle").value(step.cycle).key("time").value(step.time);
+  json.key("columns").open('[');
+  if (curtain)
+    json.value("distance").value(level_name(*curtain));
+  if (moves())
+    json.value("x").value("y").value("z");
+  json.value("cell");
+  if (pieces)
+    json.value("piece");
+  for (const std::string& c : answers.columns)
+    json.value(c);
+  json.close().key("points").open('[');
   for (std::size_t i = 0; i < answers.locations.size(); ++i) {
     const OwnCell own = own_cell(view, answers.locations[i].cell);
-    text += i ? ",\n  [" : "\n  [";
+    json.line().open('[');
     if (curtain)
-      text += number(core::unsigned_zero(curtain->distances[i / curtain->levels.size()])) + ", " +
-              number(core::unsigned_zero(curtain->levels[i % curtain->levels.size()])) + ", ";
+      json.value(curtain->distances[i / curtain->levels.size()])
+          .value(curtain->levels[i % curtain->levels.size()]);
     for (int c = 0; moves() && c < 3; ++c)
-      text += number(core::unsigned_zero(points_->mesh_points[i][c])) + ", ";
-    text += std::to_string(own.cell);
+      json.value(points_->mesh_points[i][c]);
+    json.value(own.cell);
     if (pieces)
-      text += ", " + std::to_string(own.piece);
+      json.value(own.piece);
     for (std::size_t c = 0; c < width; ++c)
-      text += ", " + number(answers.values[i * width + c]);
-    text += "]";
+      json.value(answers.values[i * width + c]);
+    json.close();
   }
-  text += "\n]}\n";
+  json.close().close();
   output::AtomicFile file(cycle_path(environment_, probe_.name, step.cycle, ".json"));
-  file.write(text);
+  file.write(json.text() + "\n");
   file.commit();
   ++environment_.statistics.files;
 }
