@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <concepts>
 #include <cstdint>
 
@@ -158,11 +159,13 @@ struct PieceView {
   struct ItemCells {
     std::int64_t count, first;
   };
-  INSITU_HD ItemCells item_cells(std::int64_t cell) const {
+  ItemCells item_cells(std::int64_t cell) const {
+    if (!in_runs())
+      return {owns(cell), cell};
     ItemCells found{0, cell};
-    for (std::int64_t c = cell + cells_an_item(); c-- > cell;)
-      if (owns(c))
-        found = {found.count + 1, c};
+    for (int word = Gridlet::side; word-- > 0;) // a bit a cell
+      if (const std::uint64_t full = gridlets->full[(cell >> 6) + word])
+        found = {found.count + std::popcount(full), cell + 64 * word + std::countr_zero(full)};
     return found;
   }
   /// visit(vertex) for all vertices of the item that `cell` begins, in a cell's order or ascending.
