@@ -33,10 +33,7 @@ display=$(command -v xvfb-run > /dev/null && echo xvfb-run -a || true) # for VTK
 
 # ours KEY, theirs KEY: the first value of a key of the run just made, at the top and in its peer's object.
 ours() { awk -F': ' -v k="\"$1\"" '$1 ~ k { sub(/,$/, "", $2); print $2; exit }' "$out/run.json"; }
-theirs() {
-  awk -F': ' -v p="\"$peer\": {" -v k="\"$1\"" 'index($0, p) { inside = 1 }
-    inside && $1 ~ k { sub(/,$/, "", $2); print $2; exit }' "$out/run.json"
-}
+theirs() { sed -nE "s/.*\"$peer\": \{.*\"$1\": ([^,}]*).*/\1/p" "$out/run.json"; }
 locate() { "$bench" locate --repetitions 3 "$@" --json "$out/run.json" > /dev/null; }
 
 # row NAME PEER OPTIONS...: a run and its row.

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "core/random.h"
 #include "format.h"
+#include "json.h"
 #include "lines_by_length.h"
 #include "workload/flow.h"
 
@@ -79,7 +80,7 @@ public:
             format("%-34s %9s %9s %9s %9s %8s %9s %9s %6s %6s\n", "", "s, core",
                    format("s, %d", all_.count()).c_str(), "M step/s", "M eval/s", "eval/st",
                    "error", "across", "left", "lost");
-    json_ = "{\n  \"lines\": " + std::to_string(seeds_.size()) + ",\n  \"rows\": [";
+    json_ = {{"lines", seeds_.size()}, {"rows", Json::array()}, {"peers", Json::array()}};
     for (const double cells : {1.0, 0.5, 0.25, 0.125})
       for (const bool aware : {false, true})
         add(measure(Method::rk4, aware, cells));
@@ -88,11 +89,9 @@ public:
         add(measure(Method::dopri5, aware, tolerance));
     for (const double tolerance : {1e-2, 1e-4})
       add(measure(Method::bs32, false, tolerance));
-    json_ += "\n  ],\n  \"peers\": [";
     for (const PeerLines& peer : peers)
       add(peer);
-    json_ += "\n  ]\n}\n";
-    return {text_, json_, 0};
+    return {text_, json_text(json_), 0};
   }
 
 private:
@@ -222,15 +221,16 @@ private:
                     r.seconds, r.all_seconds, 1e-6 * steps / r.seconds,
                     1e-6 * evaluations / r.seconds, evaluations / steps, r.error, r.across,
                     static_cast<long long>(r.left), static_cast<long long>(r.lost));
-    json_ += std::string(rows_.size() > 1 ? "," : "") + "\n    {\"name\": " + quoted(r.name) +
-             ", \"seconds\": " + number(r.seconds) +
-             ", \"seconds_all_cores\": " + number(r.all_seconds) +
-             ", \"steps\": " + std::to_string(r.work.steps) +
-             ", \"steps_per_s\": " + number(steps / r.seconds) +
-             ", \"evaluations\": " + std::to_string(r.work.evaluations) +
-             ", \"error\": " + number(r.error) + ", \"across\": " + number(r.across) +
-             ", \"left\": " + std::to_string(r.left) + ", \"lost\": " + std::to_string(r.lost) +
-             "}";
+    json_["rows"].push_back({{"name", r.name},
+                             {"seconds", number(r.seconds)},
+                             {"seconds_all_cores", number(r.all_seconds)},
+                             {"steps", r.work.steps},
+                             {"steps_per_s", number(steps / r.seconds)},
+                             {"evaluations", r.work.evaluations},
+                             {"error", number(r.error)},
+                             {"across", number(r.across)},
+                             {"left", r.left},
+                             {"lost", r.lost}});
   }
 
   /// A peer, and the fastest of our rows that errs no more.
@@ -256,12 +256,14 @@ private:
     if (best)
       text_ += format("  at an error no larger: %s, %.1f times as fast on one core\n",
                       best->name.c_str(), ratio);
-    json_ += std::string(json_.back() == '[' ? "" : ",") + "\n    {\"name\": " + quoted(peer.name) +
-             ", \"seconds\": " + number(seconds) + ", \"steps\": " + std::to_string(peer.steps) +
-             ", \"steps_per_s\": " + number(double(peer.steps) / seconds) +
-             ", \"error\": " + number(error) + ", \"across\": " + number(error) +
-             ", \"lost\": " + std::to_string(lost) +
-             ", \"ratio_at_equal_error\": " + number(ratio) + "}";
+    json_["peers"].push_back({{"name", peer.name},
+                              {"seconds", number(seconds)},
+                              {"steps", peer.steps},
+                              {"steps_per_s", number(double(peer.steps) / seconds)},
+                              {"error", number(error)},
+                              {"across", number(error)},
+                              {"lost", lost},
+                              {"ratio_at_equal_error", number(ratio)}});
   }
 
   const Options& o_;
@@ -275,7 +277,8 @@ private:
   std::vector<double> times_;
   std::vector<Vec3d> truth_;
   std::vector<Row> rows_;
-  std::string text_, json_;
+  std::string text_;
+  Json json_;
 };
 
 } // namespace

@@ -296,9 +296,10 @@ Output amr(const Options& options) {
                     bench.threads().count() == 1 ? "" : "s", options.repetitions);
   out.text += format("%-28s %8s %9s %8s %8s %8s %8s %8s %6s %9s %8s\n", "", "build s", "Mleaves/s",
                      "fields s", "random", "raster", "MB", "tree MB", "lost", "error", "wrong");
-  out.json = "{\n";
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Row& r = rows[i];
+  AmrFrames frames = measure_amr_frames(options);
+  out.exit_code = frames.differ ? 1 : 0;
+  Json& json = frames.json;
+  for (const Row& r : rows) {
     const double random = mqps(r.random_points, r.random);
     const double coherent = mqps(r.coherent_points, r.coherent);
     const std::string fields = r.fields.empty() ? "-" : format("%.3f", r.fields.median());
@@ -307,31 +308,28 @@ Output amr(const Options& options) {
                r.build.median(), 1e-6 * double(r.leaves) / r.build.median(), fields.c_str(), random,
                coherent, 1e-6 * double(r.bytes + r.bytes_values), 1e-6 * double(r.bytes_tree),
                static_cast<long long>(r.lost), r.error, static_cast<long long>(r.wrong_at_centres));
-    out.json += format(
-        "  %s: {\"leaves\": %lld, \"build_s\": %s, \"fields_s\": %s, "
-        "\"mqps\": %s, \"mqps_raster\": %s, \"bytes\": %lld, ",
-        quoted(r.name).c_str(), static_cast<long long>(r.leaves), number(r.build.median()).c_str(),
-        r.fields.empty() ? "null" : number(r.fields.median()).c_str(), number(random).c_str(),
-        number(coherent).c_str(), static_cast<long long>(r.bytes + r.bytes_values + r.bytes_tree));
+    Json& row = json[r.name];
+    row = {{"leaves", r.leaves},
+           {"build_s", number(r.build.median())},
+           {"fields_s", r.fields.empty() ? Json() : number(r.fields.median())},
+           {"mqps", number(random)},
+           {"mqps_raster", number(coherent)},
+           {"bytes", r.bytes + r.bytes_values + r.bytes_tree}};
     if (r.info)
-      out.json +=
-          format("\"compression\": %s, \"gridlets\": %lld, \"cubes\": %lld, "
-                 "\"stitching\": %lld, \"folded\": %lld, \"repaired\": %lld, ",
-                 number(r.compression).c_str(), static_cast<long long>(r.info->gridlets),
-                 static_cast<long long>(r.info->cubes), static_cast<long long>(r.info->stitching),
-                 static_cast<long long>(r.info->folded), static_cast<long long>(r.info->repaired));
+      row.update({{"compression", number(r.compression)},
+                  {"gridlets", r.info->gridlets},
+                  {"cubes", r.info->cubes},
+                  {"stitching", r.info->stitching},
+                  {"folded", r.info->folded},
+                  {"repaired", r.info->repaired}});
     if (!r.peer.empty())
-      out.json += format("\"ratio_random\": %s, \"ratio_raster\": %s, ",
-                         number(times(r.peer.random, r.random)).c_str(),
-                         number(times(r.peer.coherent, r.coherent)).c_str());
-    out.json += format("\"lost\": %lld, \"max_error_at_centres\": %s, "
-                       "\"wrong_at_centres\": %lld}%s\n",
-                       static_cast<long long>(r.lost), number(r.error).c_str(),
-                       static_cast<long long>(r.wrong_at_centres), i + 1 < rows.size() ? "," : "");
+      row.update({{"ratio_random", number(times(r.peer.random, r.random))},
+                  {"ratio_raster", number(times(r.peer.coherent, r.coherent))}});
+    row.update({{"lost", r.lost},
+                {"max_error_at_centres", number(r.error)},
+                {"wrong_at_centres", r.wrong_at_centres}});
   }
-  const AmrFrames frames = measure_amr_frames(options);
-  out.exit_code = frames.differ ? 1 : 0;
-  out.json = "{\n" + frames.json + out.json.substr(2) + "}\n";
+  out.json = json_text(json);
   const insitu_amr_info& info = *rows[0].info;
   out.text += format("\ndual mesh of the patches: %s gridlets of %s cubes, %s stitching cells, "
                      "%s folded, %s leaves split\n",

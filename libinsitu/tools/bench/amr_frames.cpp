@@ -174,19 +174,24 @@ AmrFrames measure_amr_frames(const Options& options) {
                r.mesh.c_str(), r.function.c_str(), 100.0 * share, r.refresh, r.ranges, r.reclassify,
                r.cull, r.plain, r.culled_plain, r.skip, r.culled_skip, r.paths, r.culled_paths,
                1e-6 * double(r.bytes), r.differs ? "differ" : "same");
-    out.json += format("  %s: {\"primitives\": %lld, \"culled\": %lld, \"refresh_s\": %s, "
-                       "\"ranges_s\": %s, \"reclassify_s\": %s, \"cull_s\": %s, ",
-                       quoted("frames of " + r.mesh + ", " + r.function).c_str(),
-                       static_cast<long long>(r.primitives), static_cast<long long>(r.culled),
-                       number(r.refresh).c_str(), number(r.ranges).c_str(),
-                       number(r.reclassify).c_str(), number(r.cull).c_str());
-    out.json +=
-        format("\"frame_s\": %s, \"frame_culled_s\": %s, \"frame_skip_s\": %s, "
-               "\"frame_skip_culled_s\": %s, \"paths_s\": %s, \"paths_culled_s\": %s, "
-               "\"bytes\": %lld, \"differs\": %d},\n",
-               number(r.plain).c_str(), number(r.culled_plain).c_str(), number(r.skip).c_str(),
-               number(r.culled_skip).c_str(), number(r.paths).c_str(),
-               number(r.culled_paths).c_str(), static_cast<long long>(r.bytes), int(r.differs));
+    out.json["frames of " + r.mesh + ", " + r.function] = {
+        {"primitives", r.primitives},
+        {"culled", r.culled},
+        {"refresh_s", number(r.refresh)},
+        {"ranges_s", number(r.ranges)},
+        {"reclassify_s", number(r.reclassify)},
+        {"cull_s", number(r.cull)},
+        {"frame_s", number(r.plain)},
+        {"frame_culled_s", number(r.culled_plain)},
+        {"frame_skip_s", number(r.skip)},
+        {"frame_skip_culled_s", number(r.culled_skip)},
+        {"fresh_s", number(r.fresh)},
+        {"fresh_auto_s", number(r.fresh_auto)},
+        {"auto_culls", int(r.auto_culls)},
+        {"paths_s", number(r.paths)},
+        {"paths_culled_s", number(r.culled_paths)},
+        {"bytes", r.bytes},
+        {"differs", int(r.differs)}};
   }
   return out;
 }

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "json.h"
 #include "options.h"
 
 namespace insitu::bench {
@@ -10,7 +11,7 @@ namespace insitu::bench {
 /// it costs to tell.
 struct AmrFrames {
   std::string text;
-  std::string json;    ///< members of an object, a line each, with a comma behind each
+  Json json;
   bool differ = false; ///< some image is another one when cells are culled
 };
 AmrFrames measure_amr_frames(const Options& options);

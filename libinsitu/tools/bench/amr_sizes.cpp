@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "format.h"
+#include "json.h"
 #include "measure.h"
 #include "paper/zellmann_meshes.h"
 #include "report.h"
@@ -67,7 +68,7 @@ Output measure_amr_sizes(const Options& options) {
       sizes.push_back(measure(mesh, options));
     }
   Output out;
-  out.json = "{";
+  Json json;
   out.text = format("dual meshes by number of leaves; the counts of Zellmann 2023, tables 1 and 2 "
                     "(full and empty: cells of gridlets;\nstit%%: stitching cells of all that are "
                     "not empty; folded: cells before leaves are split, and after)\n\n"
@@ -86,23 +87,28 @@ Output measure_amr_sizes(const Options& options) {
                100.0 * double(s.dual.stitching()) / double(s.dual.stitching() + s.dual.full_cells),
                grouped(s.info.folded).c_str(), grouped(s.info.repaired).c_str(),
                grouped(s.dual.folded).c_str(), s.compression);
-    out.json += format(
-        "%s\n  \"%s of %lld\": {\"leaves\": %lld, \"build_s\": %s, \"compression\": %s, "
-        "\"gridlets\": %lld, \"stitching\": %lld, \"tetrahedra\": %lld, \"pyramids\": %lld, "
-        "\"wedges\": %lld, \"hexahedra\": %lld, \"full\": %lld, \"empty\": %lld, \"folded\": %lld, "
-        "\"repaired\": %lld, \"folded_after\": %lld, \"data_bytes\": %s, \"peak_bytes\": %s, "
-        "\"bytes\": %s}",
-        &s == &sizes[0] ? "" : ",", s.mesh.c_str(), static_cast<long long>(s.info.leaves),
-        static_cast<long long>(s.info.leaves), number(s.build_s).c_str(),
-        number(s.compression).c_str(), static_cast<long long>(s.dual.gridlets),
-        static_cast<long long>(s.dual.stitching()), static_cast<long long>(s.dual.tetrahedra),
-        static_cast<long long>(s.dual.pyramids), static_cast<long long>(s.dual.wedges),
-        static_cast<long long>(s.dual.hexahedra), static_cast<long long>(s.dual.full_cells),
-        static_cast<long long>(s.dual.empty_cells), static_cast<long long>(s.info.folded),
-        static_cast<long long>(s.info.repaired), static_cast<long long>(s.dual.folded),
-        number(s.data).c_str(), number(s.peak).c_str(), number(s.total).c_str());
+    std::string key = s.mesh + " of " + std::to_string(s.info.leaves);
+    while (json.contains(key)) // the least sizes are alike
+      key += ", again";
+    json[key] = {{"leaves", s.info.leaves},
+                 {"build_s", number(s.build_s)},
+                 {"compression", number(s.compression)},
+                 {"gridlets", s.dual.gridlets},
+                 {"stitching", s.dual.stitching()},
+                 {"tetrahedra", s.dual.tetrahedra},
+                 {"pyramids", s.dual.pyramids},
+                 {"wedges", s.dual.wedges},
+                 {"hexahedra", s.dual.hexahedra},
+                 {"full", s.dual.full_cells},
+                 {"empty", s.dual.empty_cells},
+                 {"folded", s.info.folded},
+                 {"repaired", s.info.repaired},
+                 {"folded_after", s.dual.folded},
+                 {"data_bytes", number(s.data)},
+                 {"peak_bytes", number(s.peak)},
+                 {"bytes", number(s.total)}};
   }
-  out.json += "\n}\n";
+  out.json = json_text(json);
   out.text +=
       format("\nbuild times go as the leaves to the power of %.2f in blocks, of %.2f in "
              "front octrees, of %.2f in balanced ones, of %.2f in random ones\n\n"

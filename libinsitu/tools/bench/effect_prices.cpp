@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "output/files/csv.h"
 #include "svg_axis.h"
 
 namespace insitu::bench {
@@ -11,8 +12,10 @@ std::string csv(const std::vector<EffectPrice>& prices, int threads) {
   std::string out = "of,effect,seconds without,seconds with,time over bare,least,most,bytes added,"
                     "evaluations without,evaluations with\n";
   for (const EffectPrice& p : prices) {
-    out += p.kind + ",\"" + p.effect + "\"" +
-           format(",%.6g,%.6g,%.6g,%.6g,%.6g,%lld", p.bare.for_ratio(threads),
+    output::append_text(out, p.kind);
+    out += ",";
+    output::append_text(out, p.effect);
+    out += format(",%.6g,%.6g,%.6g,%.6g,%.6g,%lld", p.bare.for_ratio(threads),
                   p.with.for_ratio(threads), p.ratio(threads), p.least_ratio(threads),
                   p.most_ratio(threads), static_cast<long long>(p.bytes_added));
     out += p.evaluations > 0 ? format(",%lld,%lld\n", static_cast<long long>(p.evaluations_bare),
@@ -39,12 +42,7 @@ std::string plot(const std::vector<EffectPrice>& prices, int threads) {
   Axis x{0, 1, left, width - right};
   x.fit(least, most);
   const double bottom = top + line * double(prices.size()) + gap * double(kinds.size());
-  const double height = bottom + 46.0;
-  std::string out =
-      format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" "
-             "viewBox=\"0 0 %.0f %.0f\" font-family=\"sans-serif\" font-size=\"12\">\n"
-             "<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n",
-             width, height, width, height);
+  std::string out;
   for (int e = x.low; e <= x.high; ++e)
     for (int digit = 1; digit <= (e < x.high ? 9 : 1); ++digit) {
       const double at = x.at(digit * std::pow(10.0, e));
@@ -82,7 +80,7 @@ std::string plot(const std::vector<EffectPrice>& prices, int threads) {
       y += line;
     }
   }
-  return out + "</svg>\n";
+  return image(width, bottom + 46.0, out);
 }
 
 } // namespace insitu::bench

@@ -6,6 +6,7 @@
 #include "effect_families.h"
 #include "effect_prices.h"
 #include "format.h"
+#include "json.h"
 #include "particle_effects.h"
 #include "render/frame.h"
 #include "render/structures/structures.h"
@@ -199,19 +200,23 @@ Output effects(const Options& o) {
              "drawn in turns with it.\n\n";
   out.text += format("%-12s %-28s %9s %9s %8s %10s\n", "frame", "effect", "bare s", "with s",
                      "time", "memory");
-  out.json = "[";
+  Json json = Json::array();
+  const auto price = [&](const std::string& of, const auto& row) {
+    return Json{{"frame", of},
+                {"effect", row.effect},
+                {"bare_s", number(row.bare.for_ratio(o.threads))},
+                {"with_s", number(row.with.for_ratio(o.threads))},
+                {"bytes_added", row.bytes_with - row.bytes_bare}};
+  };
   for (const Row& row : rows) {
     const double bare = row.bare.for_ratio(o.threads), with = row.with.for_ratio(o.threads);
     const double megabytes = 1e-6 * double(row.bytes_with - row.bytes_bare);
     out.text += format("%-12s %-28s %9.3f %9.3f %+7.1f%% %+7.2f MB\n", row.family.c_str(),
                        row.effect.c_str(), bare, with, 100 * (with / bare - 1), megabytes);
-    out.json += std::string(out.json.size() > 1 ? "," : "") +
-                "\n  {\"frame\": " + quoted(row.family) + ", \"effect\": " + quoted(row.effect) +
-                ", \"bare_s\": " + number(bare) + ", \"with_s\": " + number(with) +
-                ", \"bytes_added\": " + std::to_string(row.bytes_with - row.bytes_bare) + "}";
+    json.push_back(price(row.family, row));
   }
   out.text += uniform_branches::text(bench.bare());
-  out.json += uniform_branches::json(bench.bare());
+  uniform_branches::add(bench.bare(), json);
   out.text +=
       "\nParticles, ten advances; evaluations of the velocity without and with the effect.\n\n";
   out.text += format("%-32s %9s %9s %8s %12s %12s %11s %9s\n", "effect", "bare s", "with s", "time",
@@ -222,15 +227,14 @@ Output effects(const Options& o) {
                        with, 100 * (with / bare - 1), grouped(row.evaluations_bare).c_str(),
                        grouped(row.evaluations).c_str(), grouped(row.walk_steps).c_str(),
                        grouped(row.contacts).c_str());
-    out.json += ",\n  {\"frame\": \"particles\", \"effect\": " + quoted(row.effect) +
-                ", \"bare_s\": " + number(bare) + ", \"with_s\": " + number(with) +
-                ", \"bytes_added\": " + std::to_string(row.bytes_with - row.bytes_bare) +
-                ", \"evaluations_bare\": " + std::to_string(row.evaluations_bare) +
-                ", \"evaluations\": " + std::to_string(row.evaluations) +
-                ", \"walk_steps\": " + std::to_string(row.walk_steps) +
-                ", \"contacts\": " + std::to_string(row.contacts) + "}";
+    Json one = price("particles", row);
+    one.update({{"evaluations_bare", row.evaluations_bare},
+                {"evaluations", row.evaluations},
+                {"walk_steps", row.walk_steps},
+                {"contacts", row.contacts}});
+    json.push_back(one);
   }
-  out.json += "\n]\n";
+  out.json = json_text(json);
   std::vector<EffectPrice> prices;
   for (const Row& row : rows)
     prices.push_back({row.family, row.effect, row.bare, row.with, row.bytes_with - row.bytes_bare});

@@ -16,7 +16,6 @@ PixelSweep sweep_pixels(const commit::CommittedMesh& mesh, core::Memory& memory,
   PixelSweep sweep;
   sweep.text =
       format("\nthe volume by size, on one core\n%14s %9s %12s\n", "pixels", "s", "ns a pixel");
-  sweep.json = ",\n  \"by_pixels\": [";
   std::vector<double> all_pixels, all_seconds;
   for (const double factor : {0.5, 0.75, 1.0, 1.5, 2.0}) {
     const int side = std::max(1, int(std::lround(factor * size)));
@@ -24,14 +23,13 @@ PixelSweep sweep_pixels(const commit::CommittedMesh& mesh, core::Memory& memory,
     settings.width = settings.height = side;
     const double seconds = frames.time(settings, repetitions), pixels = double(side) * side;
     sweep.text += format("%7d x %-4d %9.3f %12.0f\n", side, side, seconds, 1e9 * seconds / pixels);
-    sweep.json += std::string(all_pixels.empty() ? "" : ", ") +
-                  "{\"side\": " + std::to_string(side) + ", \"s\": " + number(seconds) + "}";
+    sweep.json["by_pixels"].push_back({{"side", side}, {"s", number(seconds)}});
     all_pixels.push_back(pixels);
     all_seconds.push_back(seconds);
   }
   const double power = power_of(all_pixels, all_seconds);
   sweep.text += format("time goes as the pixels to the power of %.2f\n", power);
-  sweep.json += "], \"power_of_pixels\": " + number(power);
+  sweep.json["power_of_pixels"] = number(power);
   return sweep;
 }
 

@@ -4,13 +4,15 @@
 
 #include "commit/committed_mesh.h"
 #include "core/memory.h"
+#include "json.h"
 #include "render/frame.h"
 
 namespace insitu::bench {
 
 /// How a frame's time goes with its pixels: the same frame at half to twice the size.
 struct PixelSweep {
-  std::string text, json;
+  std::string text;
+  Json json; ///< an object
 };
 
 /// On one core, with structures that are kept.

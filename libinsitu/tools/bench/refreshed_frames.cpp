@@ -65,11 +65,13 @@ RefreshedFrames refresh_frames(Setup& setup, commit::CommittedMesh& mesh,
              "and again, of nothing new, %.3f s\n",
              1e6 * report.seconds, static_cast<long long>(built), static_cast<long long>(kept),
              refreshed, anew, frame_refreshed, frame_anew, frame);
-  out.json = ",\n  \"built_after_fields_commit\": " + std::to_string(built) +
-             ", \"refreshed_after_fields_commit\": " + std::to_string(kept) +
-             ", \"refresh_s\": " + number(refreshed) + ", \"structures_s\": " + number(anew) +
-             ", \"refreshed_frame_s\": " + number(frame_refreshed) +
-             ", \"frame_again_s\": " + number(frame) + ", \"first_frame_s\": " + number(frame_anew);
+  out.json = {{"built_after_fields_commit", built},
+              {"refreshed_after_fields_commit", kept},
+              {"refresh_s", number(refreshed)},
+              {"structures_s", number(anew)},
+              {"refreshed_frame_s", number(frame_refreshed)},
+              {"frame_again_s", number(frame)},
+              {"first_frame_s", number(frame_anew)}};
   return out;
 }
 

@@ -3,13 +3,15 @@
 #include <string>
 
 #include "commit/committed_mesh.h"
+#include "json.h"
 #include "render/frame.h"
 #include "setup.h"
 
 namespace insitu::bench {
 
 struct RefreshedFrames {
-  std::string text, json;
+  std::string text;
+  Json json; ///< an object
 };
 
 /// What frames keep is not made anew for new values: of a sparse volume and a lit isosurface, which

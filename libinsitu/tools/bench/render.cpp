@@ -8,6 +8,7 @@
 #include "accuracy/images.h"
 #include "commands.h"
 #include "format.h"
+#include "json.h"
 #include "kept_frames.h"
 #include "lattice_rays.h"
 #include "openvkl_parts.h"
@@ -56,7 +57,6 @@ public:
     text_ +=
         format("%-30s %6s %9s %9s %9s %9s %9s %10s\n", "frame", "step", "1 core s", "prepare s",
                format("%d cores", all_.count()).c_str(), "Msamples", "M/s, core", "error");
-    json_ = "{\n  \"frames\": [";
     for (const double factor : {2.0, 1.0, 0.5, 0.25})
       add(measure("volume", base, factor, &truth));
     rows_.front().name = "volume"; // the one that others are held against
@@ -69,7 +69,6 @@ public:
     surface.isosurfaces.push_back(
         {render::ScalarField{mesh_->mesh().field("f"), 0}, {0.5 * (low_ + high_)}, 1});
     add(measure("isosurface", surface, 1.0, nullptr));
-    json_ += "\n  ]";
     const double bare = rows_[1].one.for_ratio(1);
     text_ += format("\nof the volume at the default step: dense %.2f, sparse %.2f (%.2f with "
                     "structures kept) of the time; steps of 2: %.2f\n",
@@ -81,18 +80,17 @@ public:
     const PixelSweep sweep =
         sweep_pixels(*mesh_, setup_.context.memory, base, o_.size, o_.repetitions);
     text_ += sweep.text;
-    json_ += sweep.json;
+    json_.update(sweep.json);
     progress("fields-only commit");
     const RefreshedFrames refreshed = refresh_frames(setup_, *mesh_, with_surface(frame(band())));
     text_ += refreshed.text;
-    json_ += refreshed.json;
+    json_.update(refreshed.json);
     if (o_.peers) {
       vtk(base, truth);
       openvkl();
     }
     groups(base);
-    json_ += "\n}\n";
-    return {text_, json_, 0};
+    return {text_, json_text(json_), 0};
   }
 
 private:
@@ -192,12 +190,13 @@ private:
     text_ += format("%-30s %6g %9.3f %9.3f %9.3f %9.2f %9.2f %10s\n", d.name.c_str(), d.factor, one,
                     d.statistics.prepare_seconds, all, 1e-6 * double(d.statistics.samples), rate,
                     d.error ? format("%.2e", *d.error).c_str() : "-");
-    json_ += std::string(rows_.empty() ? "" : ",") + "\n    {\"name\": " + quoted(d.name) +
-             ", \"step\": " + number(d.factor) + ", \"one_core_s\": " + number(one) +
-             ", \"all_cores_s\": " + number(all) +
-             ", \"prepare_s\": " + number(d.statistics.prepare_seconds) +
-             ", \"samples\": " + std::to_string(d.statistics.samples) +
-             ", \"rms_error\": " + (d.error ? number(*d.error) : "null") + "}";
+    json_["frames"].push_back({{"name", d.name},
+                               {"step", number(d.factor)},
+                               {"one_core_s", number(one)},
+                               {"all_cores_s", number(all)},
+                               {"prepare_s", number(d.statistics.prepare_seconds)},
+                               {"samples", d.statistics.samples},
+                               {"rms_error", d.error ? number(*d.error) : Json()}});
     rows_.push_back(d);
   }
 
@@ -220,20 +219,19 @@ private:
     for (int i = 0; i < 4; ++i) // the longest step that is no worse
       if (!equal && *rows_[std::size_t(i)].error <= error)
         equal = &rows_[std::size_t(i)];
-    json_ += ",\n  \"vtk\": {\"cells\": " + std::to_string(frame->cells) +
-             ", \"convert_s\": " + number(frame->convert_seconds) +
-             ", \"first_s\": " + number(frame->first_seconds) +
-             ", \"frame_s\": " + number(frame->time.for_ratio(1)) +
-             ", \"rms_error\": " + number(error);
+    json_["vtk"] = {{"cells", frame->cells},
+                    {"convert_s", number(frame->convert_seconds)},
+                    {"first_s", number(frame->first_seconds)},
+                    {"frame_s", number(frame->time.for_ratio(1))},
+                    {"rms_error", number(error)}};
     if (equal) {
       const double ratio = frame->time.for_ratio(1) / equal->one.for_ratio(1);
       text_ += format("ours with a step of %g and an error of %.2e is %.1f times as fast\n",
                       equal->factor, *equal->error, ratio);
-      json_ += ", \"ratio_at_equal_error\": " + number(ratio);
+      json_["vtk"]["ratio_at_equal_error"] = number(ratio);
     } else {
       text_ += "none of ours is as near to the converged frame\n";
     }
-    json_ += "}";
   }
 
   /// The standard workload's frame by Open VKL, in turns with ours, at the same samples.
@@ -273,10 +271,11 @@ private:
                build.for_ratio(1), "", "s", "Msamples", "error", "ratio");
     text_ += format("%-30s %9.3f %9.2f %10.2e\n", "libinsitu", time.for_ratio(1),
                     1e-6 * double(ours.statistics.samples), error);
-    json_ += ",\n  \"openvkl\": {\"build_s\": " + number(build.for_ratio(1)) +
-             ", \"ours_s\": " + number(time.for_ratio(1)) +
-             ", \"ours_samples\": " + std::to_string(ours.statistics.samples) +
-             ", \"ours_rms_error\": " + number(error);
+    Json& json = json_["openvkl"];
+    json = {{"build_s", number(build.for_ratio(1))},
+            {"ours_s", number(time.for_ratio(1))},
+            {"ours_samples", ours.statistics.samples},
+            {"ours_rms_error", number(error)}};
     for (const Way& way : ways) {
       const std::string name = std::string("Open VKL, ") + way.name;
       save(name, way.image);
@@ -284,11 +283,12 @@ private:
       const double theirs = rms_error(way.image, truth);
       text_ += format("%-30s %9.3f %9.2f %10.2e %6.2f\n", name.c_str(), way.time.for_ratio(1),
                       1e-6 * double(way.samples), theirs, ratio);
-      json_ += std::string(", \"") + way.name + "_s\": " + number(way.time.for_ratio(1)) + ", \"" +
-               way.name + "_samples\": " + std::to_string(way.samples) + ", \"" + way.name +
-               "_rms_error\": " + number(theirs) + ", \"ratio_" + way.name + "\": " + number(ratio);
+      const std::string key = way.name;
+      json.update({{key + "_s", number(way.time.for_ratio(1))},
+                   {key + "_samples", way.samples},
+                   {key + "_rms_error", number(theirs)},
+                   {"ratio_" + key, number(ratio)}});
     }
-    json_ += "}";
   }
 
   /// Rathke 2015, tables 1 to 3: samples located one by one, in batches, and in bundles of rays by
@@ -300,24 +300,21 @@ private:
     for (const double step : steps)
       text_ += format(" %8g", step);
     text_ += "\n";
-    json_ += ",\n  \"located_mqps\": {";
     const int ways[] = {-1, 0, 1, 4, 8, 16, 24, 32};
     for (const int way : ways) {
       const std::string name = way < 0    ? "one by one, the last cell first"
                                : way == 0 ? "batches along rays"
                                           : "bundles, " + std::to_string(way) + " of a ray at once";
       text_ += format("%-34s", name.c_str());
-      json_ += std::string(way < 0 ? "" : ",") + "\n    " + quoted(name) + ": [";
+      Json& rates = json_["located_mqps"][name];
       for (const double step : steps) {
         progress(name + format(", step %g", step));
         const double rate = locate_all(settings, step, way);
         text_ += format(" %8.2f", rate);
-        json_ += std::string(step == steps[0] ? "" : ", ") + number(rate);
+        rates.push_back(number(rate));
       }
       text_ += "\n";
-      json_ += "]";
     }
-    json_ += "\n  }";
   }
 
   /// Returns millions a second.
@@ -341,7 +338,8 @@ private:
   std::unique_ptr<commit::CommittedMesh> mesh_;
   double low_ = 0.0, high_ = 1.0;
   std::vector<Drawn> rows_;
-  std::string text_, json_;
+  std::string text_;
+  Json json_;
 };
 
 } // namespace

@@ -1,30 +1,31 @@
 #include "report.h"
 
-#include <cmath>
-
 #include "format.h"
+#include "json.h"
 
 namespace insitu::bench {
 
 namespace {
 
-std::string seconds(const Series& s) {
-  return s.empty() ? "null" : number(s.median());
+Json seconds(const Series& s) {
+  return s.empty() ? Json() : number(s.median());
 }
 
-std::string figures_json(const Figures& f, const std::string& indent) {
-  const auto line = [&](const char* key, const std::string& value) {
-    return indent + "\"" + key + "\": " + value + ",\n";
-  };
-  return line("cells", std::to_string(f.cells)) + line("queries", std::to_string(f.queries)) +
-         line("threads", std::to_string(f.threads)) + line("build_s", seconds(f.build)) +
-         line("refit_s", seconds(f.refit)) + line("mqps", number(f.mqps(f.locate))) +
-         line("mqps_sample", number(f.mqps(f.sample))) + line("bytes", std::to_string(f.bytes)) +
-         line("bytes_peak", std::to_string(f.bytes_peak)) +
-         line("lost", std::to_string(f.verdict.lost)) +
-         line("wrong", f.tells_cells ? std::to_string(f.verdict.wrong) : "null") +
-         line("not_lowest", f.tells_cells ? std::to_string(f.verdict.not_lowest) : "null") +
-         indent + "\"max_error\": " + number(f.verdict.max_error);
+Json figures_json(const Figures& f) {
+  const auto count = [&](std::int64_t n) { return f.tells_cells ? Json(n) : Json(); };
+  return {{"cells", f.cells},
+          {"queries", f.queries},
+          {"threads", f.threads},
+          {"build_s", seconds(f.build)},
+          {"refit_s", seconds(f.refit)},
+          {"mqps", number(f.mqps(f.locate))},
+          {"mqps_sample", number(f.mqps(f.sample))},
+          {"bytes", f.bytes},
+          {"bytes_peak", f.bytes_peak},
+          {"lost", f.verdict.lost},
+          {"wrong", count(f.verdict.wrong)},
+          {"not_lowest", count(f.verdict.not_lowest)},
+          {"max_error", number(f.verdict.max_error)}};
 }
 
 std::string series_row(const std::string& name, const Series& s, std::int64_t items) {
@@ -40,23 +41,6 @@ std::string grouped(std::int64_t n) {
   for (int i = int(digits.size()) - 3; i > (n < 0 ? 1 : 0); i -= 3)
     digits.insert(std::size_t(i), ",");
   return digits;
-}
-
-std::string number(double x) {
-  return std::isfinite(x) ? format("%.9g", x) : "null";
-}
-
-std::string quoted(const std::string& s) {
-  std::string out = "\"";
-  for (const char c : s) {
-    if (c == '"' || c == '\\')
-      out += '\\';
-    if (static_cast<unsigned char>(c) < 0x20)
-      out += format("\\u%04x", unsigned(c));
-    else
-      out += c;
-  }
-  return out + "\"";
 }
 
 std::string describe(const Options& o, std::int64_t cells, int threads) {
@@ -112,42 +96,31 @@ std::string table(const Report& r) {
 }
 
 std::string json(const Report& r, const Options& o) {
-  std::string out = "{\n";
-  out += "  \"command\": " + quoted(name(o.command)) + ",\n";
-  out +=
-      "  \"mesh\": " + quoted(o.mesh_file.empty() ? workload::name(o.kind) : o.mesh_file) + ",\n";
+  Json out = {{"command", name(o.command)},
+              {"mesh", o.mesh_file.empty() ? workload::name(o.kind) : o.mesh_file}};
   if (o.mesh_file.empty()) {
-    out += "  \"kind\": " + quoted(workload::name(o.spacing)) + ",\n";
-    out += "  \"jitter\": " + number(o.jitter) + ",\n";
+    out["kind"] = workload::name(o.spacing);
+    out["jitter"] = number(o.jitter);
   }
-  out += std::string("  \"numbering\": ") + (o.shuffled ? "\"shuffled\"" : "\"natural\"") + ",\n";
-  out += "  \"pattern\": " + quoted(workload::name(o.pattern)) + ",\n";
-  out += "  \"accuracy\": " + quoted(o.accuracy == INSITU_EXACT ? "exact" : "standard") + ",\n";
-  out += "  \"repetitions\": " + std::to_string(o.repetitions) + ",\n";
-  out += figures_json(r.ours, "  ") + ",\n";
+  out["numbering"] = o.shuffled ? "shuffled" : "natural";
+  out["pattern"] = workload::name(o.pattern);
+  out["accuracy"] = o.accuracy == INSITU_EXACT ? "exact" : "standard";
+  out["repetitions"] = o.repetitions;
+  out.update(figures_json(r.ours));
   for (const auto& [name, value] : r.numbers)
-    out += "  " + quoted(name) + ": " + number(value) + ",\n";
-  out += "  \"timings\": {";
-  const char* separator = "\n";
-  for (const auto& [name, s] : r.timings) {
-    out += separator + format("    %s: {\"min\": %s, \"median\": %s, \"max\": %s, \"cpu\": %s}",
-                              quoted(name).c_str(), number(s.min()).c_str(),
-                              number(s.median()).c_str(), number(s.max()).c_str(),
-                              number(s.cpu_median()).c_str());
-    separator = ",\n";
-  }
-  out += "\n  }";
+    out[name] = number(value);
+  out["timings"] = Json::object();
+  for (const auto& [name, s] : r.timings)
+    out["timings"][name] = {{"min", number(s.min())},
+                            {"median", number(s.median())},
+                            {"max", number(s.max())},
+                            {"cpu", number(s.cpu_median())}};
   if (o.peers) {
-    out += ",\n  \"peers\": {";
-    separator = "\n";
-    for (const Figures& peer : r.peers) {
-      out += separator + ("    " + quoted(peer.name)) + ": {\n" + figures_json(peer, "      ") +
-             "\n    }";
-      separator = ",\n";
-    }
-    out += r.peers.empty() ? "}" : "\n  }";
+    out["peers"] = Json::object();
+    for (const Figures& peer : r.peers)
+      out["peers"][peer.name] = figures_json(peer);
   }
-  return out + "\n}\n";
+  return json_text(out);
 }
 
 } // namespace insitu::bench

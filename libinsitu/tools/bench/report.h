@@ -46,9 +46,6 @@ struct Report {
 /// The mesh and conditions, for titles.
 std::string describe(const Options& options, std::int64_t cells, int threads);
 
-/// Text as a JSON string, and a number as JSON has it (null unless finite).
-std::string quoted(const std::string& text);
-std::string number(double value);
 /// With commas between groups of three digits.
 std::string grouped(std::int64_t n);
 

@@ -3,6 +3,7 @@
 #include "chart.h"
 #include "commands.h"
 #include "format.h"
+#include "json.h"
 
 namespace insitu::bench {
 
@@ -105,19 +106,17 @@ std::string csv(const std::vector<BySize>& sizes, const std::vector<ByBatch>& ba
 
 std::string plot(const std::string& shape, const std::vector<BySize>& sizes,
                  const std::vector<ByBatch>& batches, std::int64_t batch_cells) {
-  Chart time{shape + ": time", "cells", "ns a query; ns a cell built or refitted", {}};
-  Chart work{shape + ": work", "cells", "tree nodes, candidate cells a query", {}};
-  Chart batch{"batches on " + grouped(batch_cells) + " cells",
-              "queries in the batch",
-              "milliseconds a batch",
-              {}};
+  Chart time{shape + ": time", "cells", "ns a query; ns a cell built or refitted"};
+  Chart work{shape + ": work", "cells", "tree nodes, candidate cells a query"};
+  Chart batch{"batches on " + grouped(batch_cells) + " cells", "queries in the batch",
+              "milliseconds a batch"};
   const auto line = [](Chart& chart, const char* label, const auto& items, auto&& point) {
-    Chart::Line& l = chart.lines.emplace_back(Chart::Line{label, {}, false});
+    Chart::Line& l = chart.lines.emplace_back(Chart::Line{label, Chart::Style::joined, {}});
     for (const auto& item : items)
       l.points.push_back(point(item));
   };
   const auto by_cells = [](auto&& value) {
-    return [value](const BySize& s) { return std::pair(double(s.cells), value(s)); };
+    return [value](const BySize& s) { return Chart::Point{double(s.cells), value(s), "", ""}; };
   };
   line(time, "random", sizes, by_cells([](const BySize& s) { return s.random; }));
   line(time, "uniform", sizes, by_cells([](const BySize& s) { return s.uniform; }));
@@ -128,14 +127,14 @@ std::string plot(const std::string& shape, const std::vector<BySize>& sizes,
        by_cells([](const BySize& s) { return s.random_work.candidates; }));
   const auto by_queries = [](auto&& value) {
     return [value](const ByBatch& b) {
-      return std::pair(double(b.queries), 1e-6 * double(b.queries) * value(b));
+      return Chart::Point{double(b.queries), 1e-6 * double(b.queries) * value(b), "", ""};
     };
   };
   line(batch, "random", batches, by_queries([](const ByBatch& b) { return b.random; }));
   line(batch, "sorted", batches, by_queries([](const ByBatch& b) { return b.sorted; }));
   const double slope = batches.empty() ? 0.0 : 0.5 * batches.back().sorted;
   line(batch, "linear", batches, by_queries([slope](const ByBatch&) { return slope; }));
-  batch.lines.back().dashed = true;
+  batch.lines.back().style = Chart::Style::dashed;
   return svg({time, work, batch});
 }
 
@@ -175,32 +174,30 @@ Output scale(const Options& o) {
              threads, threads == 1 ? "" : "s", threads == 1 ? " of processor time" : "");
   out.text += format("  %12s %9s %9s %8s %9s %9s %14s %18s\n", "cells", "build", "refit", "B/cell",
                      "uniform", "random", "nodes, random", "candidates, random");
-  std::string json = "{\n  \"command\": \"scale\",\n  \"by_cells\": [";
-  const char* separator = "\n";
+  Json json = {{"command", "scale"}, {"by_cells", Json::array()}, {"by_queries", Json::array()}};
   for (const BySize& s : sizes) {
     out.text += format("  %12s %9.1f %9.1f %8.1f %9.1f %9.1f %14.2f %18.2f\n",
                        grouped(s.cells).c_str(), s.build, s.refit, s.bytes, s.uniform, s.random,
                        s.random_work.nodes, s.random_work.candidates);
-    json += separator + format("    {\"cells\": %lld, \"build_ns\": %.4g, \"refit_ns\": %.4g, "
-                               "\"bytes\": %.4g, \"uniform_ns\": %.4g, \"random_ns\": %.4g, "
-                               "\"random_nodes\": %.4g, \"random_candidates\": %.4g}",
-                               static_cast<long long>(s.cells), s.build, s.refit, s.bytes,
-                               s.uniform, s.random, s.random_work.nodes, s.random_work.candidates);
-    separator = ",\n";
+    json["by_cells"].push_back({{"cells", s.cells},
+                                {"build_ns", number(s.build, 4)},
+                                {"refit_ns", number(s.refit, 4)},
+                                {"bytes", number(s.bytes, 4)},
+                                {"uniform_ns", number(s.uniform, 4)},
+                                {"random_ns", number(s.random, 4)},
+                                {"random_nodes", number(s.random_work.nodes, 4)},
+                                {"random_candidates", number(s.random_work.candidates, 4)}});
   }
   out.text += "\n  " + grouped(batch_cells) + " cells:\n" +
               format("  %12s %9s %9s\n", "queries", "random", "sorted");
-  json += "\n  ],\n  \"by_queries\": [";
-  separator = "\n";
   for (const ByBatch& b : batches) {
     out.text += format("  %12s %9.1f %9.1f\n", grouped(b.queries).c_str(), b.random, b.sorted);
-    json += separator + format("    {\"cells\": %lld, \"queries\": %lld, \"random_ns\": %.4g, "
-                               "\"sorted_ns\": %.4g}",
-                               static_cast<long long>(batch_cells),
-                               static_cast<long long>(b.queries), b.random, b.sorted);
-    separator = ",\n";
+    json["by_queries"].push_back({{"cells", batch_cells},
+                                  {"queries", b.queries},
+                                  {"random_ns", number(b.random, 4)},
+                                  {"sorted_ns", number(b.sorted, 4)}});
   }
-  out.json = json + "\n  ]\n}\n";
+  out.json = json_text(json);
   if (!o.csv_file.empty())
     write_file("--csv", o.csv_file, csv(sizes, batches, batch_cells));
   if (!o.svg_file.empty())

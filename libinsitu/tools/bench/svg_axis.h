@@ -6,12 +6,11 @@
 
 #include "format.h"
 
-/// What charts draw with.
+/// What charts and bars draw with.
 namespace insitu::bench::drawing {
 
-constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73",
-                                   "#cc79a7", "#56b4e9", "#e69f00",
-                                   "#6a3d9a", "#8c510a"};
+constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                   "#56b4e9", "#e69f00", "#6a3d9a", "#8c510a"};
 
 /// Text as SVG and HTML have it.
 inline std::string escaped(const std::string& text) {
@@ -26,6 +25,15 @@ inline std::string text(double x, double y, const char* anchor, const std::strin
                         const char* more = "") {
   return format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\"%s>", x, y, anchor, more) + words +
          "</text>\n";
+}
+
+/// An image of that size on white.
+inline std::string image(double width, double height, const std::string& content) {
+  return format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" "
+                "viewBox=\"0 0 %.0f %.0f\" font-family=\"sans-serif\" font-size=\"12\">\n"
+                "<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n",
+                width, height, width, height) +
+         content + "</svg>\n";
 }
 
 /// A logarithmic axis from one power of ten to another, drawn from `from` to `to`.

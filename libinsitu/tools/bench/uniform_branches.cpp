@@ -90,15 +90,13 @@ std::string uniform_branches::text(std::span<const BareFrame> frames) {
   return out;
 }
 
-std::string uniform_branches::json(std::span<const BareFrame> frames) {
-  std::string out;
+void uniform_branches::add(std::span<const BareFrame> frames, Json& rows) {
   for (const BareFrame& frame : frames)
-    out += std::string(",\n  {\"frame\": ") + quoted(frame.family) +
-           ", \"effect\": \"uniform branches\", \"branches\": " +
-           std::to_string(std::int64_t(branches_of(frame).count)) +
-           ", \"branch_ns\": " + number(1e9 * frame.branch_seconds) +
-           ", \"share_of_time\": " + number(share(frame)) + "}";
-  return out;
+    rows.push_back({{"frame", frame.family},
+                    {"effect", "uniform branches"},
+                    {"branches", std::int64_t(branches_of(frame).count)},
+                    {"branch_ns", number(1e9 * frame.branch_seconds)},
+                    {"share_of_time", number(share(frame))}});
 }
 
 } // namespace insitu::bench

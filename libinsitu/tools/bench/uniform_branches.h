@@ -3,6 +3,7 @@
 #include <span>
 #include <string>
 
+#include "json.h"
 #include "render/frame.h"
 
 namespace insitu::bench {
@@ -24,7 +25,8 @@ namespace uniform_branches {
 /// Seconds of one.
 double measure_branch();
 std::string text(std::span<const BareFrame> frames);
-std::string json(std::span<const BareFrame> frames);
+/// A row each to a list.
+void add(std::span<const BareFrame> frames, Json& rows);
 
 } // namespace uniform_branches
 

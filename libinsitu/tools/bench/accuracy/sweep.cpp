@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "format.h"
+#include "output/files/csv.h"
 
 namespace insitu::bench::accuracy {
 
@@ -140,44 +141,27 @@ std::string say_losers(const Sweep& sweep) {
   return out;
 }
 
-namespace {
-/// Commas and quotes of a text would end its column.
-std::string column(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos)
-    return text;
-  std::string out = "\"";
-  for (const char c : text)
-    out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
-}
-std::string value(double x) {
-  return std::isfinite(x) ? format("%.6g", x) : "";
-}
-} // namespace
-
 std::string csv(const Sweep& sweep) {
-  std::string out = "group,setting," + column(sweep.error_label) +
-                    ",seconds,seconds_least,"
-                    "seconds_most," +
-                    column(sweep.work_label) + ",default,on_front,peer";
-  for (const std::string& label : sweep.more_labels)
-    out += "," + column(label);
-  out += "\n";
+  std::vector<std::string> columns = {"group",         "setting",      sweep.error_label, "seconds",
+                                      "seconds_least", "seconds_most", sweep.work_label,  "default",
+                                      "on_front",      "peer"};
+  columns.insert(columns.end(), sweep.more_labels.begin(), sweep.more_labels.end());
+  output::CsvRows rows(columns.size());
+  const auto value = [](double x) { return std::isfinite(x) ? format("%.6g", x) : std::string(); };
   for (const std::string& group : sweep.groups()) {
     const std::vector<const Setting*> best = front(sweep, group, seconds);
     for (const Setting* s : sweep.of(group, true)) {
       const bool on_front = std::find(best.begin(), best.end(), s) != best.end();
-      out += column(s->group) + "," + column(s->name) + "," + value(s->error) + "," +
-             value(s->seconds()) + "," + value(s->least_seconds()) + "," +
-             value(s->most_seconds()) + "," + (s->work > 0.0 ? value(s->work) : "") + "," +
-             (s->is_default ? "1" : "0") + "," + (on_front ? "1" : "0") + "," +
-             (s->is_peer ? "1" : "0");
-      for (const double m : s->more)
-        out += "," + value(m);
-      out += "\n";
+      rows.cell(s->group).cell(s->name).cell(value(s->error)).cell(value(s->seconds()));
+      rows.cell(value(s->least_seconds())).cell(value(s->most_seconds()));
+      rows.cell(s->work > 0.0 ? value(s->work) : "");
+      rows.cell(int(s->is_default)).cell(int(on_front)).cell(int(s->is_peer));
+      for (std::size_t i = 0; i < sweep.more_labels.size(); ++i)
+        rows.cell(i < s->more.size() ? value(s->more[i]) : "");
+      rows.end_row();
     }
   }
-  return out;
+  return output::csv_header(columns) + std::string(rows.text());
 }
 
 } // namespace insitu::bench::accuracy

@@ -6,6 +6,7 @@
 #include "accel/device_locator.h"
 #include "commands.h"
 #include "format.h"
+#include "json.h"
 #include "methods/rates.h"
 #include "query/locator_choice.h"
 
@@ -302,39 +303,42 @@ std::string text_of(const std::vector<Row>& rows, const Bench& bench, const Opti
 }
 
 std::string json_of(const std::vector<Row>& rows, const Options& o) {
-  std::string text = "{\"command\": \"methods\", \"cells\": " + std::to_string(o.cells[0]) +
-                     ", \"device\": " + quoted(device_name()) + ", \"rows\": [";
+  Json json = {{"command", "methods"},
+               {"cells", o.cells[0]},
+               {"device", device_name()},
+               {"rows", Json::array()}};
   for (const Row& r : rows) {
-    text += (&r == &rows.front() ? "\n" : ",\n") + std::string("  {\"shape\": ") + quoted(r.mesh) +
-            ", \"backend\": " + quoted(name(r.backend)) + ", \"method\": " + quoted(name(r.method));
+    Json& row = json["rows"].emplace_back(
+        Json{{"shape", r.mesh}, {"backend", name(r.backend)}, {"method", name(r.method)}});
     if (!r.absent.empty()) {
-      text += ", \"absent\": " + quoted(r.absent) + "}";
+      row["absent"] = r.absent;
       continue;
     }
-    text += ", \"primitives\": " + std::to_string(r.sizes.primitives) +
-            ", \"bytes\": " + std::to_string(r.sizes.bytes) +
-            ", \"peak_whole\": " + std::to_string(r.sizes.peak_whole) +
-            ", \"peak_groups\": " + std::to_string(r.sizes.peak) +
-            ", \"faces_s\": " + number(r.sizes.faces_s) +
-            ", \"exact_kept\": " + std::to_string(r.ways.kept) +
-            ", \"exact_by_neighbour\": " + std::to_string(r.ways.by_neighbour) +
-            ", \"exact_by_tree\": " + std::to_string(r.ways.by_tree) +
-            ", \"exact_on_host\": " + std::to_string(r.ways.on_host) +
-            ", \"build_s\": " + number(r.build_s) + ", \"refit_s\": " + number(r.refit_s) +
-            ", \"random_points\": " + std::to_string(r.inside.points) +
-            ", \"boundary_points\": " + std::to_string(r.boundary.points);
+    row.update({{"primitives", r.sizes.primitives},
+                {"bytes", r.sizes.bytes},
+                {"peak_whole", r.sizes.peak_whole},
+                {"peak_groups", r.sizes.peak},
+                {"faces_s", number(r.sizes.faces_s)},
+                {"exact_kept", r.ways.kept},
+                {"exact_by_neighbour", r.ways.by_neighbour},
+                {"exact_by_tree", r.ways.by_tree},
+                {"exact_on_host", r.ways.on_host},
+                {"build_s", number(r.build_s)},
+                {"refit_s", number(r.refit_s)},
+                {"random_points", r.inside.points},
+                {"boundary_points", r.boundary.points}});
     for (int a = 0; a < accuracy_count; ++a) {
-      text += std::string(", \"other_") + accuracy_names[a] +
-              "\": " + std::to_string(r.inside.other[a]) + ", \"boundary_other_" +
-              accuracy_names[a] + "\": " + std::to_string(r.boundary.other[a]);
-      for (int w = 0; w < wanted_count; ++w)
-        text += std::string(", \"uniform_") + accuracy_names[a] + "_" + wanted_names[w] +
-                "\": " + number(r.uniform.of[a][w]) + ", \"random_" + accuracy_names[a] + "_" +
-                wanted_names[w] + "\": " + number(r.random.of[a][w]);
+      const std::string accuracy = accuracy_names[a];
+      row["other_" + accuracy] = r.inside.other[a];
+      row["boundary_other_" + accuracy] = r.boundary.other[a];
+      for (int w = 0; w < wanted_count; ++w) {
+        row["uniform_" + accuracy + "_" + wanted_names[w]] = number(r.uniform.of[a][w]);
+        row["random_" + accuracy + "_" + wanted_names[w]] = number(r.random.of[a][w]);
+      }
     }
-    text += ", \"joules\": " + (r.joules ? number(*r.joules) : std::string("null")) + "}";
+    row["joules"] = r.joules ? number(*r.joules) : Json();
   }
-  return text + "\n]}\n";
+  return json_text(json);
 }
 
 } // namespace

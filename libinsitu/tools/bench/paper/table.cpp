@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "format.h"
+#include "json.h"
+#include "output/files/csv.h"
 #include "report.h"
 
 namespace insitu::bench::paper {
@@ -12,16 +14,6 @@ namespace {
 
 std::string shown(const Cell& cell) {
   return cell.text().empty() ? "-" : cell.text();
-}
-
-/// A field of a CSV file.
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos)
-    return text;
-  std::string out = "\"";
-  for (const char c : text)
-    out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
 }
 
 /// Words broken into lines of at most `width` characters, each after `indent`.
@@ -97,51 +89,37 @@ std::string text(const Table& table) {
 }
 
 std::string csv(const Table& table) {
-  std::string out = "section," + field(table.label.empty() ? "row" : table.label);
-  for (const std::string& column : table.columns)
-    out += "," + field(column);
-  out += "\n";
+  std::vector<std::string> columns = {"section", table.label.empty() ? "row" : table.label};
+  columns.insert(columns.end(), table.columns.begin(), table.columns.end());
+  output::CsvRows rows(columns.size());
   for (const Table::Row& row : table.rows) {
-    out += field(row.section) + "," + field(row.name);
+    rows.cell(row.section).cell(row.name);
     for (std::size_t i = 0; i < table.columns.size(); ++i)
-      out += "," + (i < row.cells.size() ? field(row.cells[i].exact()) : std::string());
-    out += "\n";
+      rows.cell(i < row.cells.size() ? row.cells[i].exact() : std::string());
+    rows.end_row();
   }
-  return out;
+  return output::csv_header(columns) + std::string(rows.text());
 }
 
 std::string json(const Tables& tables) {
-  const auto list = [](const std::vector<std::string>& items) {
-    std::string out = "[";
-    for (const std::string& item : items)
-      out += (out.size() > 1 ? ", " : "") + item;
-    return out + "]";
-  };
-  const auto all_quoted = [&](const std::vector<std::string>& words) {
-    std::vector<std::string> out;
-    for (const std::string& w : words)
-      out.push_back(quoted(w));
-    return list(out);
-  };
-  std::string out = "{\"title\": " + quoted(tables.title) +
-                    ", \"notes\": " + all_quoted(tables.notes) + ", \"tables\": [";
+  Json out = {{"title", tables.title}, {"notes", tables.notes}, {"tables", Json::array()}};
   for (const Table& t : tables.tables) {
-    out += std::string(&t == &tables.tables.front() ? "" : ",") + "\n {\"key\": " + quoted(t.key) +
-           ", \"title\": " + quoted(t.title) + ", \"columns\": " + all_quoted(t.columns) +
-           ", \"left_out\": " + all_quoted(t.left_out) + ", \"rows\": [";
+    Json rows = Json::array();
     for (const Table::Row& row : t.rows) {
-      std::vector<std::string> cells;
+      Json cells = Json::array();
       for (const Cell& c : row.cells)
-        cells.push_back(c.is_number()      ? c.exact()
-                        : c.text().empty() ? std::string("null")
-                                           : quoted(c.text()));
-      out += std::string(&row == &t.rows.front() ? "" : ",") +
-             "\n  {\"section\": " + quoted(row.section) + ", \"row\": " + quoted(row.name) +
-             ", \"cells\": " + list(cells) + "}";
+        cells.push_back(c.is_number()      ? Json::parse(c.exact())
+                        : c.text().empty() ? Json()
+                                           : Json(c.text()));
+      rows.push_back({{"section", row.section}, {"row", row.name}, {"cells", cells}});
     }
-    out += "]}";
+    out["tables"].push_back({{"key", t.key},
+                             {"title", t.title},
+                             {"columns", t.columns},
+                             {"left_out", t.left_out},
+                             {"rows", rows}});
   }
-  return out + "\n]}\n";
+  return json_text(out);
 }
 
 } // namespace insitu::bench::paper

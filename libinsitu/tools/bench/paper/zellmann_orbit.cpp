@@ -89,15 +89,16 @@ Orbit measure_orbit(const AdaptiveCase& mesh, const Held& ours, const Held& refe
   t.columns = {"gridlets",    "stitching", "outside",     "all samples", "march s",
                "reference s", "paths s",   "path points", "gridlet ns",  "stitching ns"};
   t.left_out = {"the paper's curves (a figure without numbers); path tracing's points by kind."};
-  Chart chart{
-      std::string("Figure 7: ") + mesh.name(), "samples of a frame", "seconds, ray marching", {}};
+  Chart chart{std::string("Figure 7: ") + mesh.name(), "samples of a frame",
+              "seconds, ray marching"};
   for (const bool gridlets : {true, false}) {
     Chart::Line line;
     line.label = gridlets ? "gridlet samples" : "stitching samples";
     for (const View& v : all)
       if (const double n = double(gridlets ? v.gridlets : v.stitching); n > 0 && v.march > 0)
-        line.points.emplace_back(n, v.march);
-    std::sort(line.points.begin(), line.points.end());
+        line.points.push_back({n, v.march, "", ""});
+    std::sort(line.points.begin(), line.points.end(),
+              [](const Chart::Point& a, const Chart::Point& b) { return a.x < b.x; });
     chart.lines.push_back(line);
   }
   out.plot = svg({chart});

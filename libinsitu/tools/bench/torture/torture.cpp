@@ -5,6 +5,7 @@
 #include "cells/exact/contain_exact.h"
 #include "commands.h"
 #include "format.h"
+#include "json.h"
 #include "torture/methods.h"
 #include "torture/truth.h"
 
@@ -121,13 +122,10 @@ public:
       fail(c, "the cells themselves",
            format("%lld points in gaps, %lld in overlaps", static_cast<long long>(gaps),
                   static_cast<long long>(overlaps)));
-    std::string json = format("    {\"name\": %s, \"valid\": %s, \"cells\": %lld, \"points\": %zu, "
-                              "\"owned\": %lld, \"gaps\": %lld, \"overlaps\": %lld,\n"
-                              "     \"methods\": {",
-                              quoted(c.name).c_str(), c.valid ? "true" : "false",
-                              static_cast<long long>(c.mesh.cell_count()), points.size(),
-                              static_cast<long long>(truth.owned), static_cast<long long>(gaps),
-                              static_cast<long long>(overlaps));
+    Json json = {
+        {"name", c.name},          {"valid", c.valid},         {"cells", c.mesh.cell_count()},
+        {"points", points.size()}, {"owned", truth.owned},     {"gaps", gaps},
+        {"overlaps", overlaps},    {"methods", Json::object()}};
     std::vector<Score> worst(columns_.size());
     std::vector<std::vector<Score>> worst_by_place(place_count, worst);
     totals_.resize(columns_.size());
@@ -160,14 +158,11 @@ public:
                format("%lld answers differ in bits from the batch's",
                       static_cast<long long>(differ)));
       }
-      json += format("%s\n      %s: {\"lost\": %lld, \"wrong\": %lld, \"not_lowest\": %lld, "
-                     "\"differ\": %lld, \"false_reasons\": %lld, \"max_error\": %s}",
-                     m == 0 ? "" : ",", quoted(method.name).c_str(), static_cast<long long>(s.lost),
-                     static_cast<long long>(s.wrong), static_cast<long long>(s.not_lowest),
-                     static_cast<long long>(differ), static_cast<long long>(reasons),
-                     number(s.max_error).c_str());
+      json["methods"][method.name] = {
+          {"lost", s.lost},   {"wrong", s.wrong},         {"not_lowest", s.not_lowest},
+          {"differ", differ}, {"false_reasons", reasons}, {"max_error", number(s.max_error)}};
     }
-    json_ += (json_.empty() ? "" : ",\n") + json + "}}";
+    cases_.push_back(json);
     rows_ += row(c.name + (c.valid ? "" : " !"), c.mesh.cell_count(), truth.owned, worst);
     for (std::size_t k = 0; k < worst.size(); ++k)
       totals_[k].add(worst[k]);
@@ -205,9 +200,8 @@ public:
       text += format("  %lld FAILED:\n", static_cast<long long>(failures_)) + lines_;
     else
       text += "  Ours lost none, and misplaced no others.\n";
-    std::string json = "{\n  \"command\": \"torture\",\n";
-    json += format("  \"failures\": %lld,\n  \"cases\": [\n", static_cast<long long>(failures_));
-    return {text, json + json_ + "\n  ]\n}\n", failures_ == 0 ? 0 : 1};
+    const Json json = {{"command", "torture"}, {"failures", failures_}, {"cases", cases_}};
+    return {text, json_text(json), failures_ == 0 ? 0 : 1};
   }
 
 private:
@@ -235,7 +229,8 @@ private:
   std::vector<Score> totals_;
   std::vector<std::vector<Score>> by_place_; ///< of valid meshes, by column
   std::array<std::int64_t, place_count> valid_{}, valid_owned_{};
-  std::string rows_, lines_, json_;
+  std::string rows_, lines_;
+  Json cases_;
 };
 
 } // namespace
