@@ -5,7 +5,7 @@
 
 #include "options.h"
 #include "query/sampler.h"
-#include "report.h"
+#include "report/report.h"
 #include "setup.h"
 
 namespace insitu::bench {

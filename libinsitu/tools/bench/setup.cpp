@@ -2,7 +2,7 @@
 
 #include "core/random.h"
 #include "measure.h"
-#include "vtk_parts.h"
+#include "peers/vtk_parts.h"
 
 namespace insitu::bench {
 

@@ -5,7 +5,7 @@
 
 #include "accuracy/sweeps.h"
 #include "commands.h"
-#include "format.h"
+#include "report/format.h"
 
 namespace insitu::bench {
 

@@ -2,12 +2,12 @@
 #include <cmath>
 
 #include "accuracy/sweeps.h"
-#include "advect.h"
+#include "commands/advect.h"
 #include "advect/field/mesh_velocity.h"
 #include "core/random.h"
-#include "format.h"
-#include "lines_by_length.h"
-#include "report.h"
+#include "report/format.h"
+#include "commands/lines_by_length.h"
+#include "report/report.h"
 #include "setup.h"
 #include "workload/flow.h"
 

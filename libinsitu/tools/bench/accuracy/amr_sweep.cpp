@@ -5,8 +5,8 @@
 #include "accuracy/sweeps.h"
 #include "adaptive_meshes.h"
 #include "commands.h"
-#include "format.h"
-#include "openvkl_parts.h"
+#include "report/format.h"
+#include "peers/openvkl_parts.h"
 #include "render/frame.h"
 #include "workload/amr.h"
 

@@ -7,8 +7,8 @@
 #include "accuracy/sweeps.h"
 #include "cells/exact/contain_exact.h"
 #include "commands.h"
-#include "format.h"
-#include "peers.h"
+#include "report/format.h"
+#include "peers/peers.h"
 #include "setup.h"
 #include "workload/queries.h"
 

@@ -3,7 +3,7 @@
 
 #include "accuracy/sweeps.h"
 #include "cells/kernels/kernels.h"
-#include "format.h"
+#include "report/format.h"
 #include "workload/mesh.h"
 #include "workload/queries.h"
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "accuracy/sweeps.h"
-#include "format.h"
-#include "svg_axis.h"
+#include "report/format.h"
+#include "report/svg_axis.h"
 
 namespace insitu::bench::accuracy {
 

@@ -1,8 +1,8 @@
 #include <tuple>
 
 #include "accuracy/sweep.h"
-#include "chart.h"
-#include "format.h"
+#include "report/chart.h"
+#include "report/format.h"
 
 namespace insitu::bench::accuracy {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "format.h"
+#include "report/format.h"
 #include "output/files/csv.h"
 
 namespace insitu::bench::accuracy {

@@ -6,7 +6,7 @@
 #include "commit/tree_policy.h"
 #include "core/random.h"
 #include "core/timer.h"
-#include "format.h"
+#include "report/format.h"
 #include "sedov/solver.h"
 #include "setup.h"
 

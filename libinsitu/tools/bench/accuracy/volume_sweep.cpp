@@ -5,8 +5,8 @@
 #include "accuracy/images.h"
 #include "accuracy/sweeps.h"
 #include "commands.h"
-#include "format.h"
-#include "render.h"
+#include "report/format.h"
+#include "commands/render.h"
 
 namespace insitu::bench::accuracy {
 

@@ -5,8 +5,8 @@
 
 #include "accel/device_locator.h"
 #include "commands.h"
-#include "format.h"
-#include "json.h"
+#include "report/format.h"
+#include "report/json.h"
 #include "methods/rates.h"
 #include "query/locator_choice.h"
 

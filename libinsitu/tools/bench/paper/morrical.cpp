@@ -2,7 +2,7 @@
 #include <cmath>
 #include <functional>
 
-#include "format.h"
+#include "report/format.h"
 #include "paper/morrical_cases.h"
 #include "paper/paper.h"
 #include "paper/papers_figures.h"

@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "commit/committed_mesh.h"
-#include "kept_frames.h"
-#include "lattice_rays.h"
+#include "commands/kept_frames.h"
+#include "commands/lattice_rays.h"
 #include "measure.h"
-#include "render.h"
+#include "commands/render.h"
 #include "workload/queries.h"
 
 namespace insitu::bench::paper {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "commands.h"
-#include "format.h"
+#include "report/format.h"
 #include "free_memory.h"
 
 namespace insitu::bench {

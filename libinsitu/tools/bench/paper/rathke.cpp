@@ -3,9 +3,9 @@
 #include <numeric>
 
 #include "commands.h"
-#include "format.h"
-#include "kept_frames.h"
-#include "lattice_rays.h"
+#include "report/format.h"
+#include "commands/kept_frames.h"
+#include "commands/lattice_rays.h"
 #include "paper/paper.h"
 #include "paper/papers_figures.h"
 #include "render/structures/structures.h"

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "format.h"
-#include "json.h"
+#include "report/format.h"
+#include "report/json.h"
 #include "output/files/csv.h"
-#include "report.h"
+#include "report/report.h"
 
 namespace insitu::bench::paper {
 

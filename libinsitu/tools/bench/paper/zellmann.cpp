@@ -3,8 +3,8 @@
 
 #include "accuracy/images.h"
 #include "commands.h"
-#include "format.h"
-#include "kept_frames.h"
+#include "report/format.h"
+#include "commands/kept_frames.h"
 #include "paper/paper.h"
 #include "paper/papers_figures.h"
 #include "paper/zellmann_meshes.h"

@@ -4,9 +4,9 @@
 
 #include "accuracy/images.h"
 #include "commands.h"
-#include "format.h"
-#include "kept_frames.h"
-#include "lattice_rays.h"
+#include "report/format.h"
+#include "commands/kept_frames.h"
+#include "commands/lattice_rays.h"
 #include "paper/face_tests.h"
 #include "paper/zellmann_meshes.h"
 

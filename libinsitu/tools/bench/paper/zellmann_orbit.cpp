@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "chart.h"
+#include "report/chart.h"
 #include "commands.h"
-#include "format.h"
-#include "kept_frames.h"
-#include "lattice_rays.h"
+#include "report/format.h"
+#include "commands/kept_frames.h"
+#include "commands/lattice_rays.h"
 #include "paper/zellmann_meshes.h"
 
 namespace insitu::bench::paper {

@@ -5,7 +5,7 @@
 #include "commit/committed_mesh.h"
 #include "core/context.h"
 #include "core/random.h"
-#include "peers.h"
+#include "peers/peers.h"
 #include "setup.h"
 
 namespace insitu::bench::torture {

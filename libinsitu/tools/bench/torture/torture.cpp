@@ -4,8 +4,8 @@
 
 #include "cells/exact/contain_exact.h"
 #include "commands.h"
-#include "format.h"
-#include "json.h"
+#include "report/format.h"
+#include "report/json.h"
 #include "torture/methods.h"
 #include "torture/truth.h"
 
