@@ -11,49 +11,13 @@
 
 #include "advect/integrate/control.h"
 #include "advect/integrate/dense.h"
+#include "advect/integrate/fields.h"
 #include "advect/integrate/integrators.h"
 #include "advect/integrate/settings.h"
 
 /// What integrate() and integration() decide between the velocities they ask for; included by
 /// integrate.h alone.
 namespace insitu::advect {
-
-/// A field of cells, each with a formula of its own, for steps that end at faces. confine(x, w, t)
-/// chooses the cell into which a particle at x goes in direction w: until release(), that cell's
-/// formula answers, also some way beyond its faces, and points too far beyond are outside.
-/// depth(x, t) is how far within that cell a point lies, negative outside, in parametric units;
-/// last_depth() is that of the point asked last. cross(x, w, t) chooses the next cell, where a
-/// particle comes to a face. Where the point asked last is a path's end, or out of the cell at part
-/// `high` of it, the field may know more at once: is_inside_before(path), at its quarters too, and
-/// face_on(path, low, high), the part where it goes out of the cell, negative if not known.
-enum class Crossed : std::uint8_t { into_next, to_boundary, nowhere };
-template <class F>
-concept CellwiseField = requires(F& f, const Vec3d& x, double t) {
-  { f.confine(x, x, t) } -> std::same_as<bool>;
-  f.release();
-  { f.depth(x, t) } -> std::same_as<double>;
-  { f.last_depth() } -> std::same_as<double>;
-  { f.cross(x, x, t) } -> std::same_as<Crossed>;
-};
-
-/// A field that knows where its domain ends: leave(a, b, t, dt), with a the particle's place, is
-/// where the segment leaves it, travelled from t to t + dt: contextually false, or with t (in
-/// [0, 1]), inside (a point in the domain, on the boundary to rounding), face and normal. The
-/// particle's place is then that point. It may tell by way_out(a, b, t) at what part of the
-/// segment that is, or a negative number, and change nothing. One that takes points beyond its
-/// domain by rounding for points in it tells by kept_inside(x), with x the point asked last, where
-/// a particle that comes there is, and by kept_inside(x, t) where at a time that is its own to
-/// rounding.
-template <class F>
-concept ExitingField = requires(F& f, const Vec3d& x, double t) {
-  { f.leave(x, x, t, t)->inside } -> std::convertible_to<Vec3d>;
-  { f.leave(x, x, t, t)->t } -> std::convertible_to<double>;
-};
-
-/// The cells of this extent that displacement d crosses.
-inline double cells_crossed(const Vec3d& d, const Vec3d& extent) {
-  return std::max({std::abs(d.x) / extent.x, std::abs(d.y) / extent.y, std::abs(d.z) / extent.z});
-}
 
 /// What integration() knows between two velocities, by one method.
 template <class M, VelocityField F, class Visit>

@@ -1,47 +1,8 @@
 #pragma once
 
-#include <cmath>
-#include <concepts>
-#include <cstdint>
-
-#include "math/vec.h"
+#include "advect/integrate/fields.h"
 
 namespace insitu::advect {
-
-using math::Vec3d;
-
-/// What a velocity field answers at a point and a time.
-enum class Sampled : std::uint8_t { inside, outside, not_finite };
-
-/// A velocity field dx/dt = v(x, t). It is asked at trial points; accepted() tells it that the
-/// point asked last is the particle's new position, and extent() is then the size, along x, y and
-/// z, of the cell around that position: the measure of steps and of where a particle leaves. It is
-/// positive, and infinite for an unbounded field without cells.
-template <class F>
-concept VelocityField = requires(F& f, const Vec3d& x, double t, Vec3d& v) {
-  { f(x, t, v) } -> std::same_as<Sampled>;
-  f.accepted();
-  { f.extent() } -> std::convertible_to<Vec3d>;
-};
-
-/// Euclidean length without overflow or underflow in between.
-inline double length_of(const Vec3d& v) {
-  return std::hypot(v.x, v.y, v.z);
-}
-
-/// What a displacement d at the position x measures in the units of lengths and tolerances: for
-/// error vectors per unit time as well, and so for speeds. A field whose coordinates are not
-/// lengths, such as degrees, has a double length(x, d), linear in the size of d; others cost
-/// nothing.
-template <class F>
-double measure(const F& field, const Vec3d& x, const Vec3d& d) {
-  if constexpr (requires {
-                  { field.length(x, d) } -> std::same_as<double>;
-                })
-    return field.length(x, d);
-  else
-    return length_of(d);
-}
 
 /// One trial step.
 struct Trial {

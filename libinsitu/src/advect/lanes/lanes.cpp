@@ -26,23 +26,24 @@ void LaneBatch::answer(std::span<LaneVelocity* const> lanes) {
   crossing_.clear();
   guessed_.clear();
   for (LaneVelocity* l : lanes) {
-    l->set_alpha(l->t_);
+    l->moment_.set(l->t_);
     if (l->crosses_) {
-      const std::int64_t cell = l->cell_across(l->beyond_);
+      const std::int64_t cell = l->cells_.across(l->confined_.coordinates(), l->beyond_);
       if (cell >= 0)
         guessed_.push_back({l, cell});
       else
         crossing_.push_back(l);
-    } else if (l->confined_) {
-      ask(*l, *l->own_);
+    } else if (l->confined_.is_on()) {
+      ask(*l, l->cells_.own(l->moment_));
     } else {
       l->walked_ = 0;
-      const bool proofs_count = l->keeps_ && l->proof_.counts_for(l->x_);
-      if (const std::int64_t cell = proofs_count ? l->first_guess() : -1; cell >= 0) {
+      const bool proofs_count = l->cells_.counts_for(l->x_);
+      if (const std::int64_t cell = proofs_count ? l->cells_.first_guess(l->hint_) : -1;
+          cell >= 0) {
         guessed_.push_back({l, cell});
         continue;
       }
-      LaneVelocity::Kept* const k = proofs_count ? l->first_to_try(l->x_) : nullptr;
+      KeptCell* const k = proofs_count ? l->cells_.first_to_try(l->x_) : nullptr;
       k ? ask(*l, *k) : missed_.push_back(l);
     }
   }
@@ -61,10 +62,10 @@ void LaneBatch::answer(std::span<LaneVelocity* const> lanes) {
 void LaneBatch::try_next() {
   guessed_.clear();
   for (LaneVelocity* l : missed_) {
-    const std::int64_t cell = l->next_guess(l->tried_, l->walked_);
+    const std::int64_t cell = l->cells_.next_guess(*l->tried_, l->walked_);
     if (cell >= 0)
       guessed_.push_back({l, cell});
-    else if (LaneVelocity::Kept* const k = l->other_to_try(l->tried_, l->x_))
+    else if (KeptCell* const k = l->cells_.other_to_try(*l->tried_, l->x_))
       ask(*l, *k);
     else
       lost_.push_back(l);
@@ -76,16 +77,16 @@ void LaneBatch::try_next() {
 /// Many wait for their cells' data at once.
 void LaneBatch::ask_guessed() {
   for (const Guessed& g : guessed_)
-    g.lane->foresee(g.cell);
+    g.lane->cells_.foresee(g.cell);
   for (const Guessed& g : guessed_)
-    g.lane->expect(g.cell);
+    g.lane->cells_.expect(g.cell, g.lane->moment_);
   for (const Guessed& g : guessed_)
-    ask(*g.lane, g.lane->beside(g.cell));
+    ask(*g.lane, g.lane->cells_.beside(g.cell, g.lane->moment_));
 }
 
-void LaneBatch::ask(LaneVelocity& lane, LaneVelocity::Kept& cell) {
+void LaneBatch::ask(LaneVelocity& lane, KeptCell& cell) {
   lane.tried_ = &cell;
-  lane.blend(cell);
+  cell.move_to(lane.moment_);
   asked_[row_of(cell.vertices.shape)].push_back({&lane, &cell});
 }
 
@@ -97,7 +98,7 @@ void LaneBatch::try_cells() {
     answers_.resize(asked.size());
     for (std::size_t i = 0; i < asked.size(); ++i) {
       const LaneVelocity& l = *asked[i].lane;
-      const LaneVelocity::Kept& k = *asked[i].cell;
+      const KeptCell& k = *asked[i].cell;
       // In place: a copy would wait for the parts to be written.
       LaneQuery& query = queries_[i];
       const Vec3d& x = l.crosses_ ? l.beyond_ : l.x_;
@@ -106,49 +107,50 @@ void LaneBatch::try_cells() {
       query.point.z = x.z;
       query.vertices = k.vertices.x;
       query.velocity = k.values != 1 ? k.velocity : nullptr;
-      if (l.steps_ == 2) {
-        query.weights[0] = l.alpha_;
-        query.weights[1] = 1.0 - l.alpha_;
-      } else if (l.steps_ > 2) {
-        std::copy_n(l.step_weights_, most_steps, query.weights);
+      if (l.moment_.steps() == 2) {
+        query.weights[0] = l.moment_.alpha();
+        query.weights[1] = 1.0 - l.moment_.alpha();
+      } else if (l.moment_.steps() > 2) {
+        std::copy_n(l.moment_.weights(), most_steps, query.weights);
       }
     }
     invert_lanes(asked.front().cell->vertices.shape, queries_.data(), int(asked.size()),
-                 asked.front().lane->steps_, answers_.data());
+                 asked.front().lane->moment_.steps(), answers_.data());
     for (std::size_t i = 0; i < asked.size(); ++i) {
       LaneVelocity& l = *asked[i].lane;
-      LaneVelocity::Kept& k = *asked[i].cell;
+      const KeptCell& k = *asked[i].cell;
       const LaneAnswer& found = answers_[i];
       const bool proven = found.margin > found.error;
       if (l.crosses_) { // see MeshVelocity::locate
         if (proven) {
-          ++l.proven_;
+          l.cells_.count_proven();
           l.beyond_at_ = {k.cell, found.r};
         } else {
           crossing_.push_back(&l);
         }
         continue;
       }
-      if (l.confined_) { // see in_own_cell
-        l.own_r_ = found.r;
-        l.depth_ = l.depth_at(found.r, found.margin);
-        l.sampled_ = found.converged && found.margin > -0.5 ? Sampled::inside : Sampled::outside;
+      if (l.confined_.is_on()) { // see in_own_cell
+        l.sampled_ = l.confined_.found(k, found.converged, found.r, found.margin)
+                         ? Sampled::inside
+                         : Sampled::outside;
       } else if (proven) {
-        l.proven_in(&k);
+        l.cells_.proven_in(k);
         l.sampled_ = Sampled::inside;
       } else {
-        l.found_outside(found.converged, found.r);
+        l.cells_.found_outside(found.converged, found.r);
         missed_.push_back(&l);
         continue;
       }
       if (l.sampled_ == Sampled::inside) {
         l.hint_ = k.cell;
-        const Vec3d r = l.confined_ ? l.on_own_faces(l.x_, found.r, found.error) : found.r;
+        const Vec3d r =
+            l.confined_.is_on() ? Confinement::on_faces(k, l.x_, found.r, found.error) : found.r;
         if (k.values == 1 || !(r == found.r))
-          l.sampled_ = l.value(k, r, l.v_);
+          l.sampled_ = k.interpolate(r, l.moment_, l.v_);
         else {
           l.v_ = found.velocity;
-          l.sampled_ = LaneVelocity::finite(l.v_) ? Sampled::inside : Sampled::not_finite;
+          l.sampled_ = Moment::is_finite(l.v_) ? Sampled::inside : Sampled::not_finite;
         }
       }
     }
@@ -164,7 +166,7 @@ void LaneBatch::locate() {
   // One by one where hints decide, or each has a geometry of its own; or where the batch itself
   // would cost more.
   constexpr std::size_t few = 2;
-  if (!first.keeps_ || first.moves_ || all < few) {
+  if (!first.cells_.serves() || first.moment_.moves() || all < few) {
     for (LaneVelocity* l : lost_)
       l->sampled_ = l->located(l->x_, l->v_, nullptr);
     for (LaneVelocity* l : crossing_)
@@ -177,17 +179,17 @@ void LaneBatch::locate() {
   for (const LaneVelocity* l : crossing_)
     points_.push_back(l->beyond_);
   locations_.resize(all);
-  sampler_->locate_serial(points_, locations_, first.options());
+  sampler_->locate_serial(points_, locations_, first.moment_.options());
   for (std::size_t i = 0; i < misses; ++i)
-    lost_[i]->note_unguided();
+    lost_[i]->cells_.note_unguided(lost_[i]->cells_.last());
   for (std::size_t i = misses; i < all; ++i)
-    crossing_[i - misses]->unguided_ += crossing_[i - misses]->lacks_guide_;
+    crossing_[i - misses]->cells_.note_unguided(crossing_[i - misses]->cells_.own());
   for (std::size_t i = 0; i < misses; ++i)
     if (!locations_[i])
       locations_[i] = lost_[i]->beside_mesh(lost_[i]->x_);
   for (std::size_t i = 0; i < misses; ++i)
     if (locations_[i])
-      lost_[i]->expect(locations_[i].cell);
+      lost_[i]->cells_.expect(locations_[i].cell, lost_[i]->moment_);
   for (std::size_t i = 0; i < misses; ++i)
     lost_[i]->sampled_ = lost_[i]->taken(locations_[i], lost_[i]->v_);
   for (std::size_t i = misses; i < all; ++i)

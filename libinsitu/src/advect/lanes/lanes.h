@@ -43,7 +43,7 @@ private:
   bool crosses_ = false; ///< a cell is asked for, not a velocity
   math::Vec3d beyond_;   ///< the place whose cell it is
   query::Location beyond_at_;
-  Kept* tried_ = nullptr; ///< that which was tried last
+  KeptCell* tried_ = nullptr; ///< that which was tried last
   int walked_ = 0;
   Sampled sampled_ = Sampled::outside;
 };
@@ -62,13 +62,13 @@ public:
 private:
   struct Asked {
     LaneVelocity* lane;
-    LaneVelocity::Kept* cell;
+    KeptCell* cell;
   };
   struct Guessed {
     LaneVelocity* lane;
     std::int64_t cell;
   };
-  void ask(LaneVelocity& lane, LaneVelocity::Kept& cell);
+  void ask(LaneVelocity& lane, KeptCell& cell);
   void ask_guessed();
   void try_cells();
   void try_next();

@@ -1,0 +1,88 @@
+#include "advect/field/cell_cache.h"
+
+#include <utility>
+
+#include "cells/exact/decide.h"
+
+namespace insitu::advect {
+
+using math::Vec3d;
+
+CellCache::CellCache(const Moment& moment)
+    : sampler_(&moment.sampler()),
+      proof_(moment.mesh(), sampler_->tree(), {moment.accuracy(), moment.moves() ? 0.0 : 1.0}) {}
+
+/// Cells of gridlets have no vertices of their own to keep.
+bool CellCache::can_keep(std::int64_t cell) const {
+  const mesh::MeshView& mesh = sampler_->mesh();
+  return !mesh.pieces[mesh.piece_of(cell)].gridlets;
+}
+
+/// A cell that may own points and has vertices to keep.
+bool CellCache::may_own(std::int64_t cell) const {
+  const mesh::MeshView& mesh = sampler_->mesh();
+  const std::int32_t p = mesh.piece_of(cell);
+  const mesh::PieceView& piece = mesh.pieces[p];
+  const std::int64_t local = cell - mesh.first_cell[p];
+  return !piece.gridlets && piece.owns(local) && piece.shape(local) != mesh::Shape::none;
+}
+
+/// The guess at a neighbour, or a cell across an edge or vertex; or -1.
+std::int64_t CellCache::next_cell(const KeptCell& from, const Vec3d& r, double near) const {
+  const std::int64_t cell = beyond_->guess(from.cell, from.vertices.shape, r, near);
+  return cell >= 0 && cell < sampler_->mesh().cell_count() && may_own(cell) ? cell : -1;
+}
+
+void CellCache::open(KeptCell& k, std::int64_t cell, const Moment& moment) const {
+  k.open(cell, moment);
+  if (beyond_)
+    beyond_->foresee(cell);
+}
+
+void CellCache::load(KeptCell& k, std::int64_t cell, const Moment& moment) const {
+  if (k.opened != cell)
+    open(k, cell, moment);
+  k.load(moment);
+}
+
+const KeptCell& CellCache::keep(std::int64_t cell, const Moment& moment) {
+  for (int i = 0; i < 2; ++i)
+    if (kept_[i]->cell == cell) {
+      last_ = i;
+      return *kept_[i];
+    }
+  last_ ^= 1;
+  load(*kept_[last_], cell, moment);
+  return *kept_[last_];
+}
+
+KeptCell& CellCache::take_own(std::int64_t cell, const Moment& moment) {
+  for (KeptCell*& k : kept_)
+    if (k->cell == cell) {
+      std::swap(k, own_);
+      return own(moment);
+    }
+  load(*own_, cell, moment);
+  return own(moment);
+}
+
+void CellCache::foresee(std::int64_t cell) const {
+  const mesh::MeshView& mesh = sampler_->mesh();
+  const std::int32_t p = mesh.piece_of(cell);
+  const mesh::PieceView& piece = mesh.pieces[p];
+  if (piece.layout == mesh::CellLayout::uniform || piece.layout == mesh::CellLayout::padded)
+    __builtin_prefetch(piece.connectivity.data +
+                       (cell - mesh.first_cell[p]) * piece.connectivity.stride);
+}
+
+bool CellCache::hold(const Vec3d& x, const Moment& moment) {
+  for (KeptCell* k : {own_, kept_[0], kept_[1]})
+    if (k->cell >= 0) {
+      k->move_to(moment);
+      if (cells::decide(k->vertices.shape, k->vertices.x, x))
+        return true;
+    }
+  return false;
+}
+
+} // namespace insitu::advect

@@ -1,0 +1,164 @@
+#pragma once
+
+#include <cstdint>
+
+#include "advect/field/cells_beyond.h"
+#include "advect/field/kept_cell.h"
+#include "query/proof.h"
+
+namespace insitu::advect {
+
+/// The cells of a particle that are kept with all that is asked of them: the last two that held its
+/// points or were tried, by turns, and its own cell, for a particle that is confined to one. A
+/// point that is proven to be in a kept cell, or in one that is guessed from where the point lies
+/// in a kept one, does without the sampler. The counts of points are told to the sampler in the
+/// end.
+class CellCache {
+public:
+  /// Of the moment's mesh and fields. The sampler must outlive the object.
+  explicit CellCache(const Moment& moment);
+  ~CellCache() {
+    sampler_->count_certified(proven_);
+    sampler_->count_unguided(unguided_);
+  }
+  CellCache(const CellCache&) = delete;
+  CellCache& operator=(const CellCache&) = delete;
+
+  /// The cells in which points are looked for that the last cell does not hold; or null. It must
+  /// outlive the object. Where cells overlap, another one may answer.
+  void walk_by(const CellsBeyond* beyond) {
+    beyond_ = beyond && beyond->knows() ? beyond : nullptr;
+    lacks_guide_ = serves() && beyond && beyond->lacks_neighbours();
+  }
+  /// Begins with a new particle: what is kept of another one's way must not decide where cells
+  /// overlap.
+  void begin() {
+    for (KeptCell& k : cells_)
+      k.forget();
+  }
+
+  /// Whether proofs count for some points of the mesh; if not, no cell is kept.
+  bool serves() const { return proof_.for_some(); }
+  /// Whether a proof counts for this point.
+  bool counts_for(const math::Vec3d& x) const { return proof_.counts_for(x); }
+  bool can_keep(std::int64_t cell) const;
+
+  const KeptCell& own() const { return *own_; }
+  /// The own cell, moved to a moment.
+  KeptCell& own(const Moment& moment) {
+    own_->move_to(moment);
+    return *own_;
+  }
+  /// The kept cell that answered last.
+  const KeptCell& last() const { return *kept_[last_]; }
+
+  /// The kept cell that is proven to hold x, and the coordinates there; or null, where the sampler
+  /// has to be asked. hint: the last cell of a particle whose first point this is, or -1.
+  [[gnu::always_inline]] const KeptCell* prove(const math::Vec3d& x, std::int64_t hint,
+                                               const Moment& moment, math::Vec3d& r) {
+    int walked = 0;
+    const std::int64_t first = first_guess(hint);
+    KeptCell* k = first >= 0 ? &beside(first, moment) : first_to_try(x);
+    while (k) {
+      k->move_to(moment);
+      const auto map = cells::inverse_map(k->vertices.shape, k->vertices.x, x);
+      if (map.margin > map.error) {
+        proven_in(*k);
+        r = map.r;
+        return k;
+      }
+      found_outside(map.converged, map.r);
+      const std::int64_t next = next_guess(*k, walked);
+      k = next >= 0 ? &beside(next, moment) : other_to_try(*k, x);
+    }
+    return nullptr;
+  }
+
+  // The parts of prove(), for many particles at a time. The kept cells that may hold a point are
+  // tried one after the other: the last, and one that is guessed from where the point lies in it,
+  // or the other whose box holds it.
+
+  /// Before a new particle's first point: its last cell, or -1.
+  std::int64_t first_guess(std::int64_t hint) const {
+    return kept_[last_]->cell < 0 && hint >= 0 && may_own(hint) ? hint : -1;
+  }
+  /// The kept cell that is tried first, or null.
+  KeptCell* first_to_try(const math::Vec3d& x) const {
+    KeptCell* const last = kept_[last_];
+    if (beyond_ && beyond_->knows_most() ? last->cell >= 0 : last->may_hold(x))
+      return last;
+    return kept_[last_ ^ 1]->may_hold(x) ? kept_[last_ ^ 1] : nullptr;
+  }
+  /// A cell to go on to from one beyond whose faces a point was just found, or -1.
+  std::int64_t next_guess(const KeptCell& tried, int& walked) const {
+    if (!beyond_ || !outside_known_ || walked++ == beyond_->most_guesses())
+      return -1;
+    const std::int64_t cell = next_cell(tried, outside_, 0.0);
+    return cell == kept_[last_]->cell ? -1 : cell;
+  }
+  /// The kept cell that is tried when nothing is guessed, or null.
+  KeptCell* other_to_try(const KeptCell& tried, const math::Vec3d& x) const {
+    KeptCell* const other = kept_[last_ ^ 1];
+    return &tried != other && other->may_hold(x) ? other : nullptr;
+  }
+  void proven_in(const KeptCell& k) {
+    ++proven_;
+    last_ = &k == kept_[last_] ? last_ : last_ ^ 1;
+  }
+  void found_outside(bool converged, const math::Vec3d& r) {
+    outside_known_ = converged;
+    outside_ = r;
+  }
+
+  /// This cell, kept beside the last one.
+  KeptCell& beside(std::int64_t cell, const Moment& moment) {
+    KeptCell& k = *kept_[last_ ^ 1];
+    if (k.cell != cell)
+      load(k, cell, moment);
+    return k;
+  }
+  /// This cell, which has answered, as the last one.
+  const KeptCell& keep(std::int64_t cell, const Moment& moment);
+  /// Makes this cell the own one; what was the own cell may be kept.
+  KeptCell& take_own(std::int64_t cell, const Moment& moment);
+  /// Asks for what open() reads of a cell, and opens the cell that will be kept next, if it is not
+  /// kept.
+  void foresee(std::int64_t cell) const;
+  void expect(std::int64_t cell, const Moment& moment) {
+    if (serves() && kept_[0]->cell != cell && kept_[1]->cell != cell && can_keep(cell))
+      open(*kept_[last_ ^ 1], cell, moment);
+  }
+
+  /// The guess at the cell across the face of the own cell on which the point with coordinates r
+  /// lies, for a point x beyond that face; or -1.
+  std::int64_t across(const math::Vec3d& r, const math::Vec3d& x) const {
+    return beyond_ && counts_for(x) ? next_cell(*own_, r, 1e-6) : -1;
+  }
+  /// Whether the own cell or a kept one holds x at a moment.
+  bool hold(const math::Vec3d& x, const Moment& moment);
+
+  void count_proven() { ++proven_; }
+  /// The sampler is asked for a point that a neighbour of this cell might have held.
+  void note_unguided(const KeptCell& from) { unguided_ += lacks_guide_ && from.cell >= 0; }
+
+private:
+  std::int64_t next_cell(const KeptCell& from, const math::Vec3d& r, double near) const;
+  bool may_own(std::int64_t cell) const;
+  void open(KeptCell& k, std::int64_t cell, const Moment& moment) const;
+  void load(KeptCell& k, std::int64_t cell, const Moment& moment) const;
+
+  const query::Sampler* sampler_;
+  query::ProofRule proof_; ///< of all coordinates between the steps
+  const CellsBeyond* beyond_ = nullptr;
+  bool lacks_guide_ = false; ///< the guesses tell little, and a table would be better
+  bool outside_known_ = false;
+  math::Vec3d outside_;       ///< coordinates in the cell that was tried last
+  std::int64_t proven_ = 0;   ///< points located without the sampler
+  std::int64_t unguided_ = 0; ///< points for which the sampler was asked for want of a guide
+  KeptCell cells_[3];
+  KeptCell* kept_[2] = {&cells_[0], &cells_[1]};
+  KeptCell* own_ = &cells_[2];
+  int last_ = 0; ///< of kept_, that which answered last
+};
+
+} // namespace insitu::advect
