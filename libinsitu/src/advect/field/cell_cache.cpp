@@ -12,10 +12,10 @@ CellCache::CellCache(const Moment& moment)
     : sampler_(&moment.sampler()),
       proof_(moment.mesh(), sampler_->tree(), {moment.accuracy(), moment.moves() ? 0.0 : 1.0}) {}
 
-/// Cells of gridlets have no vertices of their own to keep.
+/// Cells in runs have no vertices of their own to keep.
 bool CellCache::can_keep(std::int64_t cell) const {
   const mesh::MeshView& mesh = sampler_->mesh();
-  return !mesh.pieces[mesh.piece_of(cell)].gridlets;
+  return !mesh.pieces[mesh.piece_of(cell)].in_runs();
 }
 
 /// A cell that may own points and has vertices to keep.
@@ -24,7 +24,7 @@ bool CellCache::may_own(std::int64_t cell) const {
   const std::int32_t p = mesh.piece_of(cell);
   const mesh::PieceView& piece = mesh.pieces[p];
   const std::int64_t local = cell - mesh.first_cell[p];
-  return !piece.gridlets && piece.owns(local) && piece.shape(local) != mesh::Shape::none;
+  return !piece.in_runs() && piece.exists(local) && piece.shape(local) != mesh::Shape::none;
 }
 
 /// The guess at a neighbour, or a cell across an edge or vertex; or -1.

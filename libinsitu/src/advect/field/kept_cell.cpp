@@ -44,7 +44,7 @@ void read(const std::byte* const* component, const mesh::ItemLayout& layout, boo
 
 bool has_points(const mesh::PieceView& piece) {
   return piece.points.component[0] && piece.points.layout.linear && !piece.implicit_points &&
-         !piece.gridlets && !piece.leaves;
+         piece.shares_vertices();
 }
 
 } // namespace
