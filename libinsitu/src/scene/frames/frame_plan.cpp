@@ -14,7 +14,7 @@
 #include "render/volume/step_levels.h"
 #include "scene/earth/globe.h"
 #include "scene/frames/frame_plan_images.h"
-#include "scene/run/action.h"
+#include "scene/run/lookup.h"
 
 namespace insitu::scene {
 

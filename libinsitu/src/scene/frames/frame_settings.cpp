@@ -8,6 +8,7 @@
 #include "render/camera/camera_path.h"
 #include "render/clip.h"
 #include "scene/earth/geocentric_view.h"
+#include "scene/run/lookup.h"
 
 namespace insitu::scene {
 
@@ -147,21 +148,17 @@ render::ColorMap FrameSettingsMaker::color_map(const ColorMap& colors) const {
                                                 "or 'scale: linear' expected");
     return map;
   } catch (const core::Error& e) {
-    throw core::Error(e.status(), at_line(colors.line) + e.what());
+    throw core::Error(e.status(), at_line(environment_.scene_file, colors.line) + e.what());
   }
-}
-
-std::string FrameSettingsMaker::at_line(int line) const {
-  return line > 0 ? environment_.scene_file + ":" + std::to_string(line) + ": " : std::string();
 }
 
 render::ScalarField FrameSettingsMaker::scalar(const commit::CommittedMesh& mesh, const Name& name,
                                                const Component& component) const {
   const mesh::FieldView field = find_field(mesh, name, environment_.scene_file);
   if (component.index >= field.components)
-    throw core::Error(INSITU_ERROR_SCENE, at_line(name.line) + "component " +
-                                              std::to_string(component.index) + " of field '" +
-                                              name.text + "', which has " +
+    throw core::Error(INSITU_ERROR_SCENE, at_line(environment_.scene_file, name.line) +
+                                              "component " + std::to_string(component.index) +
+                                              " of field '" + name.text + "', which has " +
                                               std::to_string(field.components));
   return {field, component.index};
 }
@@ -287,7 +284,7 @@ std::vector<render::BodySettings> FrameSettingsMaker::load_bodies() const {
                             from.path, {environment_.context.memory, INSITU_MEMORY_FRAME})),
                         from.opacity, to_linear(from.color)});
     } catch (const core::Error& e) {
-      throw core::Error(e.status(), at_line(from.line) + e.what());
+      throw core::Error(e.status(), at_line(environment_.scene_file, from.line) + e.what());
     }
   }
   return bodies;

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "render/frame.h"
-#include "scene/run/action.h"
+#include "scene/run/environment.h"
+#include "scene/run/step.h"
 
 namespace insitu::scene {
 
@@ -34,7 +35,6 @@ public:
 
 private:
   render::ColorMap color_map(const ColorMap& colors) const;
-  std::string at_line(int line) const;
   render::ScalarField scalar(const commit::CommittedMesh& mesh, const Name& name,
                              const Component& component) const;
   render::TransferFunction transfer(render::Structures& structures,
