@@ -34,7 +34,7 @@ public:
   std::span<const render::BodySettings> bodies() const { return bodies_; }
 
 private:
-  render::ColorMap color_map(const ColorMap& colors) const;
+  render::ColorMap color_map(const ColorMapChoice& colors) const;
   render::ScalarField scalar(const commit::CommittedMesh& mesh, const Name& name,
                              const Component& component) const;
   render::TransferFunction transfer(render::Structures& structures,
@@ -47,7 +47,6 @@ private:
   render::IsosurfaceSettings isosurface(const commit::CommittedMesh& mesh,
                                         render::Structures& structures, const Isosurface& from,
                                         const std::optional<render::ColorMap>& colors) const;
-  render::PathTracingSettings path_tracing(const PathTracing& from) const;
   render::BoundarySettings boundary(const commit::CommittedMesh& mesh,
                                     render::Structures& structures, const Boundary& from) const;
   std::vector<render::BodySettings> load_bodies() const;
