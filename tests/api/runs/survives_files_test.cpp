@@ -9,7 +9,7 @@
 #include "core/status.h"
 #include "coupled.h"
 #include "output/files/atomic_file.h"
-#include "scene/run/action.h"
+#include "scene/run/growing_table.h"
 #include "unit/output/netcdf_file.h"
 
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "core/status.h"
-#include "render/volume/cell_values.h"
 #include "render/volume/macrocells.h"
+#include "render/volume/possible_values.h"
 #include "unit/query/ghosted_amr.h"
 #include "unit/render/placed_mesh.h"
 
@@ -210,7 +210,7 @@ TEST(Macrocells, OfGridletsAreThoseOfTheirCells) {
           mesh::gather(view, flat, cell);
           if (!view.pieces[cell.piece].owns(flat - view.first_cell[cell.piece]))
             continue;
-          render::CellValues values;
+          render::PossibleValues values;
           Vec3d low = cell.x[0], high = cell.x[0];
           for (int v = 0; v < cell.count; ++v) {
             values.add(field.load(cell.piece, cell.ids[v]));

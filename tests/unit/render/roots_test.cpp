@@ -34,7 +34,7 @@ mesh::CellVertices cell_of(Shape shape, double jitter, std::uint64_t seed) {
 std::vector<double> roots(const mesh::CellVertices& cell, const render::Ray& ray,
                           const double* values, double level, RootSearch search = RootSearch::exact,
                           std::int64_t* evaluations = nullptr) {
-  const render::RaySpace space(ray);
+  const cells::RaySpace space(ray);
   render::CellRoots finder(cell, space, 0, HUGE_VAL);
   std::vector<double> found;
   finder.find(

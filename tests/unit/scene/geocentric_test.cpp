@@ -223,7 +223,7 @@ TEST(Geocentric, LandIsWhereTheMeshIsNot) {
   const render::FrameImages before = drawn.draw(s, run.context);
   render::FrameImages images = drawn.draw(s, run.context);
   scene::Geocentric asked;
-  asked.globe = scene::Color{1, 0, 0};
+  asked.globe = render::Color{1, 0, 0};
   scene::draw_globe(asked, run.mesh.committed.mesh, s, run.context, images);
   const render::RayGenerator rays(s.camera, 65, 65);
   int land = 0, sea = 0, space = 0;

@@ -34,7 +34,7 @@ TEST(SceneCameras, Orthographic) {
   const Camera automatic = frame("camera: {orthographic: true, fit: box}").camera;
   EXPECT_TRUE(automatic.orthographic);
   EXPECT_FALSE(automatic.orthographic_height);
-  EXPECT_EQ(automatic.fit, CameraFit::box);
+  EXPECT_EQ(automatic.fit, render::Fit::box);
   const Camera given = frame("camera: {orthographic: 2.5}").camera;
   EXPECT_TRUE(given.orthographic);
   EXPECT_EQ(given.orthographic_height, 2.5);
@@ -156,7 +156,7 @@ TEST(SceneCameras, Backgrounds) {
   EXPECT_EQ(frame("accuracy: fast").background_alpha, 1);
   EXPECT_EQ(frame("background: transparent").background_alpha, 0);
   const Frame half = frame("background: {color: black, alpha: 0.5}");
-  EXPECT_EQ(half.background, (Color{0, 0, 0}));
+  EXPECT_EQ(half.background, render::linear_of_srgb(0, 0, 0));
   EXPECT_EQ(half.background_alpha, 0.5);
   expect_error(frame_error("background: {color: black}"), "key 'alpha' is missing");
   expect_error(frame_error("background: {alpha: 2}"),

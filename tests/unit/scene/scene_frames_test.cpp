@@ -39,7 +39,7 @@ TEST(SceneFrames, Defaults) {
   EXPECT_EQ(f.line, 2);
   EXPECT_TRUE(f.mesh.empty());
   EXPECT_EQ(f.size, (std::array<int, 2>{1024, 1024}));
-  EXPECT_EQ(f.background, (Color{1, 1, 1}));
+  EXPECT_EQ(f.background, render::linear_of_srgb(1, 1, 1));
   EXPECT_FALSE(f.scalar_bar || f.time_label);
   EXPECT_TRUE(f.effects.empty() && f.isosurfaces.empty());
   EXPECT_EQ(f.accuracy, Accuracy::standard);
@@ -65,13 +65,13 @@ TEST(SceneFrames, Keys) {
       "effects: [lighting], accuracy: fast, step: 0.5");
   EXPECT_EQ(f.mesh.text, "m");
   EXPECT_EQ(f.size, (std::array<int, 2>{1, 16384}));
-  EXPECT_EQ(f.background, (Color{0, 0.5, 1}));
+  EXPECT_EQ(f.background, render::linear_of_srgb(0, 0.5, 1));
   EXPECT_TRUE(f.scalar_bar && f.time_label);
   EXPECT_EQ(f.effects, std::vector<FrameEffect>{FrameEffect::lighting});
   EXPECT_EQ(f.accuracy, Accuracy::fast);
   EXPECT_EQ(f.step, 0.5);
-  EXPECT_EQ(frame("background: '#ff8000'").background, (Color{1, 128 / 255.0, 0}));
-  EXPECT_EQ(frame("background: black").background, (Color{0, 0, 0}));
+  EXPECT_EQ(frame("background: '#ff8000'").background, render::linear_of_srgb(1, 128 / 255.0, 0));
+  EXPECT_EQ(frame("background: black").background, render::linear_of_srgb(0, 0, 0));
 }
 
 TEST(SceneFrames, Cameras) {
@@ -153,20 +153,20 @@ TEST(SceneFrames, Volumes) {
 TEST(SceneFrames, ScalesAndColoursBeyondTheRange) {
   const Volume v = volume("scale: log, range: [0.1, 2], below: blue, above: [1, 0.5, 0], nan: "
                           "'#ff0000', nan_opacity: 0.3");
-  EXPECT_EQ(v.colors.scale, ColorScale::log);
-  EXPECT_EQ(v.colors.below, (Color{0, 0, 1}));
-  EXPECT_EQ(v.colors.above, (Color{1, 0.5, 0}));
-  EXPECT_EQ(v.colors.nan, (Color{1, 0, 0}));
+  EXPECT_EQ(v.colors.scale, render::Scale::log);
+  EXPECT_EQ(v.colors.below, render::linear_of_srgb(0, 0, 1));
+  EXPECT_EQ(v.colors.above, render::linear_of_srgb(1, 0.5, 0));
+  EXPECT_EQ(v.colors.nan, render::linear_of_srgb(1, 0, 0));
   EXPECT_EQ(v.nan_opacity, 0.3);
   const Volume plain = volume("scale: linear");
-  EXPECT_EQ(plain.colors.scale, ColorScale::linear);
+  EXPECT_EQ(plain.colors.scale, render::Scale::linear);
   EXPECT_FALSE(plain.colors.below || plain.colors.above || plain.colors.nan);
   EXPECT_EQ(plain.nan_opacity, 0);
   EXPECT_FALSE(volume("smooth: true").colors.scale);
   const auto by = std::get<ColorBy>(
       isosurface("color: {field: t, scale: log, below: red, above: white, nan: black}").color);
-  EXPECT_EQ(by.colors.scale, ColorScale::log);
-  EXPECT_EQ(by.colors.above, (Color{1, 1, 1}));
+  EXPECT_EQ(by.colors.scale, render::Scale::log);
+  EXPECT_EQ(by.colors.above, render::linear_of_srgb(1, 1, 1));
   EXPECT_NE(volume_error("scale: log, range: [0, 1]").find("'scale: log' needs a range above 0"),
             std::string::npos);
   EXPECT_NE(volume_error("scale: logarithmic").find("linear"), std::string::npos);
@@ -216,10 +216,11 @@ TEST(SceneFrames, Isosurfaces) {
   EXPECT_EQ(plain.field.text, "p");
   EXPECT_EQ(plain.values, std::vector<double>{1});
   EXPECT_EQ(plain.opacity, 1);
-  EXPECT_EQ(std::get<Color>(plain.color), (Color{0.8, 0.8, 0.8}));
+  EXPECT_EQ(std::get<render::Color>(plain.color), render::linear_of_srgb(0.8, 0.8, 0.8));
   EXPECT_EQ(isosurface("opacity: 0.5").opacity, 0.5);
   EXPECT_EQ(isosurface("component: 1").component.index, 1);
-  EXPECT_EQ(std::get<Color>(isosurface("color: red").color), (Color{1, 0, 0}));
+  EXPECT_EQ(std::get<render::Color>(isosurface("color: red").color),
+            render::linear_of_srgb(1, 0, 0));
   const auto by = std::get<ColorBy>(
       isosurface("color: {field: t, component: 0, colors: plasma, range: [0, 1]}").color);
   EXPECT_EQ(by.field.text, "t");
@@ -320,8 +321,8 @@ TEST(SceneFrames, PathTracing) {
   EXPECT_EQ(defaults.anisotropy, 0);
   EXPECT_EQ(defaults.max_bounces, 4096);
   EXPECT_EQ(defaults.cells_per_macrocell, 64);
-  EXPECT_EQ(defaults.seed, 0);
-  EXPECT_FALSE(defaults.dome_visible || defaults.accumulate);
+  EXPECT_EQ(defaults.seed, 0u);
+  EXPECT_FALSE(defaults.shows_dome || defaults.accumulate);
   EXPECT_TRUE(frame("path_tracing: {}").path_tracing);
   const Frame all = frame("effects: [lighting, single_scattering], path_tracing: {samples: 7, "
                           "density: 2.5, anisotropy: -0.5, max_bounces: 9, cells_per_macrocell: 8, "
@@ -332,8 +333,8 @@ TEST(SceneFrames, PathTracing) {
   EXPECT_EQ(all.path_tracing->anisotropy, -0.5);
   EXPECT_EQ(all.path_tracing->max_bounces, 9);
   EXPECT_EQ(all.path_tracing->cells_per_macrocell, 8);
-  EXPECT_EQ(all.path_tracing->seed, 12);
-  EXPECT_TRUE(all.path_tracing->dome_visible && all.path_tracing->accumulate);
+  EXPECT_EQ(all.path_tracing->seed, 12u);
+  EXPECT_TRUE(all.path_tracing->shows_dome && all.path_tracing->accumulate);
   EXPECT_NE(frame_error("path_tracing: {samples: 0}").find("path_tracing.samples"),
             std::string::npos);
   EXPECT_NE(frame_error("path_tracing: {anisotropy: 1}").find("path_tracing.anisotropy"),

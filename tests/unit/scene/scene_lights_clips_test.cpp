@@ -26,17 +26,16 @@ TEST(SceneLights, Kinds) {
                             "{point: [1, 2, 3], color: red}, {dome: true, color: [0.5, 1, 0]}]")
                           .lights;
   ASSERT_EQ(lights.size(), 4u);
-  EXPECT_EQ(lights[0].kind, Light::Kind::head);
-  EXPECT_EQ(lights[0].color, (Color{1, 1, 1}));
-  EXPECT_EQ(lights[0].intensity, 1);
-  EXPECT_EQ(lights[1].kind, Light::Kind::directional);
+  EXPECT_EQ(lights[0].kind, render::Light::Kind::head);
+  EXPECT_EQ(lights[0].color, render::linear_of_srgb(1, 1, 1));
+  EXPECT_EQ(lights[1].kind, render::Light::Kind::directional);
   EXPECT_EQ(lights[1].vector, (math::Vec3d{0, 0, 2}));
-  EXPECT_EQ(lights[1].intensity, 3);
-  EXPECT_EQ(lights[2].kind, Light::Kind::point);
+  EXPECT_EQ(lights[1].color, (render::Color{3, 3, 3}));
+  EXPECT_EQ(lights[2].kind, render::Light::Kind::point);
   EXPECT_EQ(lights[2].vector, (math::Vec3d{1, 2, 3}));
-  EXPECT_EQ(lights[2].color, (Color{1, 0, 0}));
-  EXPECT_EQ(lights[3].kind, Light::Kind::dome);
-  EXPECT_EQ(lights[3].color, (Color{0.5, 1, 0}));
+  EXPECT_EQ(lights[2].color, render::linear_of_srgb(1, 0, 0));
+  EXPECT_EQ(lights[3].kind, render::Light::Kind::dome);
+  EXPECT_EQ(lights[3].color, render::linear_of_srgb(0.5, 1, 0));
 }
 
 TEST(SceneLights, Errors) {
@@ -64,14 +63,14 @@ TEST(SceneClip, Kinds) {
                            "{sphere: {center: [4, 5, 6], radius: 7, keep: outside}}]")
                          .clips;
   ASSERT_EQ(clips.size(), 4u);
-  EXPECT_EQ(clips[0].kind, Clip::Kind::plane);
+  EXPECT_EQ(clips[0].kind, render::Clip::Kind::plane);
   EXPECT_EQ(clips[0].point, (math::Vec3d{1, 2, 3}));
   EXPECT_EQ(clips[0].vector, (math::Vec3d{0, 1, 0}));
-  EXPECT_EQ(clips[1].kind, Clip::Kind::box);
+  EXPECT_EQ(clips[1].kind, render::Clip::Kind::box);
   EXPECT_EQ(clips[1].vector, (math::Vec3d{1, 2, 3}));
   EXPECT_TRUE(clips[1].keep_inside);
   EXPECT_FALSE(clips[2].keep_inside);
-  EXPECT_EQ(clips[3].kind, Clip::Kind::sphere);
+  EXPECT_EQ(clips[3].kind, render::Clip::Kind::sphere);
   EXPECT_EQ(clips[3].point, (math::Vec3d{4, 5, 6}));
   EXPECT_EQ(clips[3].radius, 7);
   EXPECT_FALSE(clips[3].keep_inside);
@@ -95,11 +94,11 @@ TEST(SceneTriangles, BoundaryBodiesAndOutline) {
                               "outline: {}}]")
                       .frames[0];
   EXPECT_EQ(f.boundary->opacity, 1);
-  EXPECT_EQ(std::get<Color>(f.boundary->color), (Color{0.8, 0.8, 0.8}));
+  EXPECT_EQ(std::get<render::Color>(f.boundary->color), render::linear_of_srgb(0.8, 0.8, 0.8));
   EXPECT_EQ(f.bodies[0].path, "/base/a/b.stl");
   EXPECT_EQ(f.bodies[0].opacity, 1);
   EXPECT_EQ(f.bodies[0].line, 2);
-  EXPECT_EQ(f.outline->color, (Color{0, 0, 0}));
+  EXPECT_EQ(f.outline->color, render::linear_of_srgb(0, 0, 0));
   EXPECT_EQ(f.outline->width, 1.5);
   EXPECT_FALSE(f.outline->ticks);
   const Frame g =
@@ -109,7 +108,7 @@ TEST(SceneTriangles, BoundaryBodiesAndOutline) {
   EXPECT_EQ(std::get<ColorBy>(g.boundary->color).field.text, "p");
   EXPECT_EQ(g.bodies[0].path, "/c.stl");
   EXPECT_EQ(g.bodies[0].opacity, 0.5);
-  EXPECT_EQ(g.bodies[0].color, (Color{1, 0, 0}));
+  EXPECT_EQ(g.bodies[0].color, render::linear_of_srgb(1, 0, 0));
   EXPECT_EQ(g.outline->width, 3);
   EXPECT_TRUE(g.outline->ticks);
   EXPECT_TRUE(tells(frame_error("bodies: [{}]"), "'file'"));
@@ -123,10 +122,10 @@ TEST(SceneTriangles, NormalsAndSearchOfIsosurfaces) {
         .frames[0]
         .isosurfaces[0];
   };
-  EXPECT_EQ(surface("").normals, Normals::cell);
-  EXPECT_EQ(surface("").search, RootSearch::cubic);
-  EXPECT_EQ(surface(", search: exact").search, RootSearch::exact);
-  EXPECT_EQ(surface(", normals: smooth").normals, Normals::smooth);
-  EXPECT_EQ(surface(", normals: central").normals, Normals::central);
-  EXPECT_EQ(surface(", search: neubauer").search, RootSearch::neubauer);
+  EXPECT_EQ(surface("").normals, render::Normals::cell);
+  EXPECT_EQ(surface("").search, render::RootSearch::cubic);
+  EXPECT_EQ(surface(", search: exact").search, render::RootSearch::exact);
+  EXPECT_EQ(surface(", normals: smooth").normals, render::Normals::smooth);
+  EXPECT_EQ(surface(", normals: central").normals, render::Normals::central);
+  EXPECT_EQ(surface(", search: neubauer").search, render::RootSearch::neubauer);
 }

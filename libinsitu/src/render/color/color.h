@@ -7,6 +7,7 @@ namespace insitu::render {
 /// Linear RGB, or sRGB where a name says so; each from 0 to 1.
 struct Color {
   float r = 0, g = 0, b = 0;
+  friend bool operator==(const Color&, const Color&) = default;
 };
 
 inline Color operator+(const Color& a, const Color& b) {

@@ -50,7 +50,7 @@ Bounds determinant(const Bounds (&a)[3], const Bounds (&b)[3], const Bounds (&c)
 
 } // namespace
 
-PathBounds::PathBounds(const mesh::CellVertices& cell, const RaySpace& space)
+PathBounds::PathBounds(const mesh::CellVertices& cell, const cells::RaySpace& space)
     : shape_(cell.shape), count_(cell.count) {
   for (int k = 0; k < 8; ++k)
     cells::shape_functions(shape_, Vec3d{double(k & 1), double(k >> 1 & 1), double(k >> 2)},

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "cells/kernels/ray_cell.h"
 #include "math/vec.h"
 #include "mesh/view.h"
-#include "render/camera/ray_cell.h"
 
 namespace insitu::render {
 
@@ -24,7 +24,7 @@ struct Bounds {
 /// along the ray, may be definite. Bounds are widened by far more than their rounding.
 class PathBounds {
 public:
-  PathBounds(const mesh::CellVertices& cell, const RaySpace& space);
+  PathBounds(const mesh::CellVertices& cell, const cells::RaySpace& space);
 
   /// The field's values at the cell's vertices; what is told is relative to the level.
   void set_values(const double* values, double level);

@@ -26,17 +26,17 @@ bool above(double f) {
   return f >= 0.0;
 }
 
-bool on_edge(const Crossing& c) {
+bool on_edge(const cells::Crossing& c) {
   constexpr double none = 1e-9;
   return std::any_of(c.weights, c.weights + c.count, [](double w) { return w <= none; });
 }
 
 } // namespace
 
-CellRoots::CellRoots(const mesh::CellVertices& cell, const RaySpace& space, double t_near,
+CellRoots::CellRoots(const mesh::CellVertices& cell, const cells::RaySpace& space, double t_near,
                      double t_far)
     : cell_(cell), space_(space), t_near_(t_near) {
-  const int n = face_crossings(cell, space, crossings_);
+  const int n = cells::face_crossings(cell, space, crossings_);
   if (n < 2 || crossings_[n - 1].t < t_near || crossings_[0].t > t_far)
     return;
   extent_ = crossings_[n - 1].t - crossings_[0].t;
@@ -64,7 +64,7 @@ void CellRoots::finish(Point& p) const {
   p.slope = dot(p.gradient, space_.ray().direction);
 }
 
-CellRoots::Point CellRoots::at_crossing(const Crossing& c) const {
+CellRoots::Point CellRoots::at_crossing(const cells::Crossing& c) const {
   Point p;
   p.t = c.t;
   p.f = c.value(values_) - level_;

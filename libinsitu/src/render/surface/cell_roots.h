@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "cells/kernels/ray_cell.h"
 #include "core/parallel.h"
-#include "render/camera/ray_cell.h"
 #include "render/path/path_bounds.h"
 
 namespace insitu::render {
@@ -41,7 +41,8 @@ class CellRoots {
 public:
   /// Prepares a cell for a ray; only stretches that meet [t_near, t_far] count, and nothing before
   /// t_near. Cell and space must outlive this.
-  CellRoots(const mesh::CellVertices& cell, const RaySpace& space, double t_near, double t_far);
+  CellRoots(const mesh::CellVertices& cell, const cells::RaySpace& space, double t_near,
+            double t_far);
   CellRoots(const CellRoots&) = delete;
   CellRoots& operator=(const CellRoots&) = delete;
 
@@ -67,7 +68,7 @@ private:
   struct Stretch {
     int first, last; ///< crossings
   };
-  Point at_crossing(const Crossing& c) const;
+  Point at_crossing(const cells::Crossing& c) const;
   Point evaluate(double t);
   void finish(Point& p) const;
   bool is_linear(const Point& a, const Point& b) const;
@@ -80,10 +81,10 @@ private:
   bool report(const Point& p);
 
   const mesh::CellVertices& cell_;
-  const RaySpace& space_;
+  const cells::RaySpace& space_;
   double t_near_;
-  Crossing crossings_[most_crossings];
-  Stretch stretch_[most_crossings];
+  cells::Crossing crossings_[cells::most_crossings];
+  Stretch stretch_[cells::most_crossings];
   int stretches_ = 0;
   std::int64_t evaluations_ = 0;
   std::optional<PathBounds> bounds_; ///< once they are needed

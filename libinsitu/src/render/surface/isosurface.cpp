@@ -193,7 +193,7 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
   if (stays && stays->empty())
     return;
   constexpr double farthest = std::numeric_limits<double>::max();
-  Search search{RaySpace(ray),
+  Search search{cells::RaySpace(ray),
                 stays,
                 stays ? stays->front().from : 0.0,
                 stays ? std::min(stays->back().to, farthest) : farthest,

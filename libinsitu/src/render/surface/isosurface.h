@@ -10,6 +10,7 @@
 #include "render/structures/scalar_field.h"
 #include "render/structures/structures.h"
 #include "render/surface/cell_roots.h"
+#include "render/surface/normals.h"
 #include "render/surface/surface_hit.h"
 
 namespace insitu::render {
@@ -19,11 +20,6 @@ struct ColorByField {
   ScalarField field;
   TransferFunction function;
 };
-
-/// What a surface's normals are taken from: the gradient in the cell that is hit; gradients
-/// averaged at the vertices and interpolated (VertexGradients); or central differences half a cell
-/// apart, with six points located for each hit (Rathke et al. 2015).
-enum class Normals { cell, smooth, central };
 
 /// Surfaces on which a field takes these values. A cell field is averaged to the vertices first
 /// (VertexAverage).
@@ -78,7 +74,7 @@ private:
   };
   /// What a trace goes on with from cell to cell.
   struct Search {
-    RaySpace space;
+    cells::RaySpace space;
     const std::vector<Stretch>* stays;
     double t_min, t_max;
     std::vector<SurfaceHit>& hits;

@@ -1,6 +1,6 @@
 #include "render/volume/gridlet_cells.h"
 
-#include "render/volume/cell_values.h"
+#include "render/volume/possible_values.h"
 
 namespace insitu::render {
 
@@ -28,7 +28,7 @@ bool GridletCells::find(const mesh::GridletsView& all, std::int64_t gridlet,
     // Vertices of no leaf belong to no full cell.
     const double x = all.leaves[vertex] == mesh::GridletsView::no_leaf ? 0.0 : at(vertex);
     not_finite += x - x;
-    lower_[v] = upper_[v] = x + 0.0; // one zero, as CellValues::add
+    lower_[v] = upper_[v] = x + 0.0; // one zero, as PossibleValues::add
   }
   if (not_finite != 0.0)
     return false;
@@ -40,7 +40,7 @@ bool GridletCells::find(const mesh::GridletsView& all, std::int64_t gridlet,
     }
   }
   for (int v = 0; v < n; ++v)
-    CellValues::widen(lower_[v], upper_[v]);
+    PossibleValues::widen(lower_[v], upper_[v]);
   const std::int64_t first = gridlet << mesh::Gridlet::cell_bits;
   for (int k = 0; k < g.size[2]; ++k) {
     if (all.full[(first >> 6) + k] == ~std::uint64_t(0))
@@ -48,8 +48,8 @@ bool GridletCells::find(const mesh::GridletsView& all, std::int64_t gridlet,
     for (int j = 0; j < g.size[1]; ++j)
       for (int i = 0; i < g.size[0]; ++i)
         if (!all.is_full(first + i + 8 * (j + 8 * k))) {
-          lower_[place(i, j, k)] = CellValues::infinity;
-          upper_[place(i, j, k)] = -CellValues::infinity;
+          lower_[place(i, j, k)] = PossibleValues::infinity;
+          upper_[place(i, j, k)] = -PossibleValues::infinity;
         }
   }
   return true;

@@ -6,7 +6,7 @@
 
 namespace insitu::render {
 
-/// What CellValues finds for every cell of a gridlet, the cells all at once: minima and maxima
+/// What PossibleValues finds for every cell of a gridlet, the cells all at once: minima and maxima
 /// along one axis after the other, of numbers that lie side by side. Kept by a thread, for its
 /// size.
 class GridletCells {

@@ -10,8 +10,8 @@
 #include "accel/tree/tree.h"
 #include "core/status.h"
 #include "render/volume/cell_columns.h"
-#include "render/volume/cell_values.h"
 #include "render/volume/gridlet_cells.h"
+#include "render/volume/possible_values.h"
 #include "render/volume/scalar_values.h"
 
 namespace insitu::render {
@@ -20,7 +20,7 @@ namespace {
 
 using math::Vec3d;
 
-constexpr double infinity = CellValues::infinity;
+constexpr double infinity = PossibleValues::infinity;
 constexpr double largest_count = 0x1p24;
 
 /// Some boxes of cells, each standing for `weight` of them, and how many cells there are in all.
@@ -275,7 +275,7 @@ void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field
     numbers_of.load(cells.cells(), *numbers_here);
     const int vertices = of_cells ? 1 : mesh::vertex_count(cells.shape());
     for (int k = 0; k < int(cells.cells().size()); ++k) {
-      CellValues values;
+      PossibleValues values;
       for (int v = 0; v < vertices; ++v)
         values.add(numbers_here->vertex[v][k]);
       values.finish(!of_cells);

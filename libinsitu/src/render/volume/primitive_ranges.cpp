@@ -5,7 +5,7 @@
 
 #include "accel/tree/tree.h"
 #include "render/structures/vertex_numbers.h"
-#include "render/volume/cell_values.h"
+#include "render/volume/possible_values.h"
 
 namespace insitu::render {
 
@@ -13,7 +13,7 @@ namespace {
 
 /// Vertices of no leaf belong to no cell.
 void add_gridlet(const mesh::GridletsView& all, std::int64_t gridlet, const VertexNumbers& at,
-                 CellValues& values) {
+                 PossibleValues& values) {
   const mesh::Gridlet& g = all.gridlets[gridlet];
   for (std::int64_t v = g.first, end = v + g.vertex_count(); v < end; ++v)
     if (all.leaves[v] != mesh::GridletsView::no_leaf)
@@ -21,7 +21,7 @@ void add_gridlet(const mesh::GridletsView& all, std::int64_t gridlet, const Vert
 }
 
 void add_stitching(const mesh::PieceView& piece, std::int64_t cell, const VertexNumbers& at,
-                   CellValues& values) {
+                   PossibleValues& values) {
   for (int v = 0; v < 8; ++v) { // without asking for the shape first
     const std::int64_t id = mesh::from_base(piece.padded_id(cell, v), piece.index_base);
     if (id < 0)
@@ -57,14 +57,14 @@ void PrimitiveRanges::refresh(const query::Sampler& sampler, const ScalarField& 
                               const core::Threads& threads) {
   const mesh::MeshView& mesh = sampler.mesh();
   const mesh::GridletsView& gridlets = *mesh.pieces[0].gridlets;
-  const auto set = [&](std::int64_t i, const CellValues& values) {
+  const auto set = [&](std::int64_t i, const PossibleValues& values) {
     ranges_[std::size_t(i)] = {lower_float(values.lower), upper_float(values.upper)};
     has_nan_[std::size_t(i)] = values.nan;
   };
   const VertexNumbers in_gridlets(field, 0), in_stitching(field, 1);
   threads.parallel_for(gridlets.count, 64, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t g = begin; g < end; ++g) {
-      CellValues values;
+      PossibleValues values;
       add_gridlet(gridlets, g, in_gridlets, values);
       values.finish_several();
       set(g, values);
@@ -72,7 +72,7 @@ void PrimitiveRanges::refresh(const query::Sampler& sampler, const ScalarField& 
   });
   threads.parallel_for(mesh.pieces[1].cell_count, 4096, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t cell = begin; cell < end; ++cell) {
-      CellValues values;
+      PossibleValues values;
       add_stitching(mesh.pieces[1], cell, in_stitching, values);
       values.finish(true);
       set(gridlets.count + cell, values);

@@ -48,7 +48,7 @@ public:
         points_(context.memory, INSITU_MEMORY_FRAME),
         locations_(context.memory, INSITU_MEMORY_FRAME) {
     if (frame_.globe)
-      land_ = render::linear_of_srgb(frame_.globe->red, frame_.globe->green, frame_.globe->blue);
+      land_ = *frame_.globe;
   }
 
   void paint() {

@@ -1,7 +1,9 @@
+#include "scene/expression/reduce.h"
+
 #include <cmath>
 #include <limits>
 
-#include "scene/run/action.h"
+#include "scene/run/lookup.h"
 
 namespace insitu::scene {
 

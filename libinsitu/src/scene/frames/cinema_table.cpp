@@ -10,7 +10,7 @@
 #include "core/status.h"
 #include "core/unsigned_zero.h"
 #include "output/files/atomic_file.h"
-#include "scene/run/action.h"
+#include "scene/run/growing_table.h"
 
 namespace insitu::scene {
 

@@ -9,10 +9,12 @@
 #include "output/annotate/box_ticks.h"
 #include "output/annotate/overlay.h"
 #include "scene/earth/globe.h"
+#include "scene/expression/trigger.h"
 #include "scene/frames/frame_files.h"
 #include "scene/frames/frame_plan.h"
 #include "scene/frames/frame_settings.h"
 #include "scene/frames/path_accumulation.h"
+#include "scene/run/step.h"
 
 namespace insitu::scene {
 

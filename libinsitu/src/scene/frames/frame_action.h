@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "scene/run/action.h"
+#include "scene/run/environment.h"
 
 namespace insitu::scene {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "render/frame.h"
-#include "scene/run/action.h"
+#include "scene/run/environment.h"
 
 namespace insitu::scene {
 

@@ -14,7 +14,7 @@
 #include "render/volume/step_levels.h"
 #include "scene/earth/globe.h"
 #include "scene/frames/frame_plan_images.h"
-#include "scene/run/action.h"
+#include "scene/run/lookup.h"
 
 namespace insitu::scene {
 
@@ -303,15 +303,16 @@ private:
                std::to_string(s.values.size()) +
                    (s.values.size() == 1 ? " isovalue" : " isovalues"));
     const std::string gradients = "vertex gradients of " + what;
-    if (s.normals == Normals::smooth && is_lit()) {
+    if (s.normals == render::Normals::smooth && is_lit()) {
       plan_.need(gradients, view_.vertex_count() * render::VertexGradients::bytes_a_vertex,
                  "smooth normals; found where they are seen");
       sums_over_cells_ = true;
-    } else if (s.normals == Normals::smooth)
+    } else if (s.normals == render::Normals::smooth)
       plan_.skip(gradients, "nothing is lit");
     else
-      plan_.skip(gradients, s.normals == Normals::cell ? "normals are the cells' own gradients"
-                                                       : "normals are central differences");
+      plan_.skip(gradients, s.normals == render::Normals::cell
+                                ? "normals are the cells' own gradients"
+                                : "normals are central differences");
     if (const auto* by = std::get_if<ColorBy>(&s.color)) {
       const mesh::FieldView colors = find_field(mesh_, by->field, {});
       range(scalar_name(by->field, by->component, colors.components), by->colors.range);

@@ -8,26 +8,11 @@
 #include "render/camera/camera_path.h"
 #include "render/clip.h"
 #include "scene/earth/geocentric_view.h"
+#include "scene/run/lookup.h"
 
 namespace insitu::scene {
 
 namespace {
-
-render::Color to_linear(const Color& c) {
-  return render::linear_of_srgb(c.red, c.green, c.blue);
-}
-
-render::Light to_render(const Light& light) {
-  using Kind = render::Light::Kind;
-  constexpr Kind kinds[] = {Kind::head, Kind::directional, Kind::point, Kind::dome};
-  return {kinds[int(light.kind)], light.vector, float(light.intensity) * to_linear(light.color)};
-}
-
-render::Clip to_render(const Clip& clip) {
-  using Kind = render::Clip::Kind;
-  constexpr Kind kinds[] = {Kind::plane, Kind::box, Kind::sphere};
-  return {kinds[int(clip.kind)], clip.point, clip.vector, clip.radius, clip.keep_inside};
-}
 
 /// An automatic logarithmic range of a field that reaches 0 begins at this part of its greatest
 /// value, as ParaView's does: the least value above 0 is often but what rounding left.
@@ -67,7 +52,7 @@ render::FrameSettings FrameSettingsMaker::make(const commit::CommittedMesh& mesh
   render::FrameSettings settings;
   settings.width = frame_.size[0];
   settings.height = frame_.size[1];
-  settings.background = to_linear(frame_.background);
+  settings.background = frame_.background;
   settings.background_alpha = float(frame_.background_alpha);
   const auto asked = [&](ImageKind kind) {
     return std::find(frame_.images.begin(), frame_.images.end(), kind) != frame_.images.end();
@@ -86,14 +71,12 @@ render::FrameSettings FrameSettingsMaker::make(const commit::CommittedMesh& mesh
   }
   settings.lighting.enabled = asks_for(FrameEffect::lighting) || settings.lighting.shadows ||
                               settings.lighting.occlusion_samples > 0;
-  for (const Light& light : frame_.lights)
-    settings.lighting.lights.push_back(to_render(light));
-  for (const Clip& clip : frame_.clips)
-    settings.clips.push_back(to_render(clip));
+  settings.lighting.lights = frame_.lights;
+  settings.clips = frame_.clips;
   if (frame_.volume)
     settings.volume = volume(mesh, structures, *frame_.volume);
   if (frame_.path_tracing)
-    settings.path_tracing = path_tracing(*frame_.path_tracing);
+    settings.path_tracing = *frame_.path_tracing;
   for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
     settings.isosurfaces.push_back(
         isosurface(mesh, structures, frame_.isosurfaces[i], surface_colors_[i]));
@@ -101,7 +84,7 @@ render::FrameSettings FrameSettingsMaker::make(const commit::CommittedMesh& mesh
     settings.boundary = boundary(mesh, structures, *frame_.boundary);
   settings.bodies = bodies_;
   if (frame_.outline)
-    settings.outline = {to_linear(frame_.outline->color), frame_.outline->width, {}};
+    settings.outline = {frame_.outline->color, frame_.outline->width, {}};
   return settings;
 }
 
@@ -129,39 +112,35 @@ FrameSettingsMaker::ranges(const render::FrameSettings& settings) const {
   return all;
 }
 
-render::ColorMap FrameSettingsMaker::color_map(const ColorMap& colors) const {
+render::ColorMap FrameSettingsMaker::color_map(const ColorMapChoice& colors) const {
   try {
     render::ColorMap map = colors.path.empty() ? render::ColorMap::built_in(colors.name)
                                                : render::load_color_map(colors.path);
     if (colors.scale)
-      map.set_scale(*colors.scale == ColorScale::log ? render::Scale::log : render::Scale::linear);
+      map.set_scale(*colors.scale);
     if (colors.below)
-      map.set_below(to_linear(*colors.below));
+      map.set_below(*colors.below);
     if (colors.above)
-      map.set_above(to_linear(*colors.above));
+      map.set_above(*colors.above);
     if (colors.nan)
-      map.set_nan_color(to_linear(*colors.nan));
+      map.set_nan_color(*colors.nan);
     if (map.scale() == render::Scale::log && colors.range && !(colors.range->low > 0))
       throw core::Error(INSITU_ERROR_SCENE, "colour map '" + map.name() +
                                                 "' is logarithmic (UseLogScale): a range above 0 "
                                                 "or 'scale: linear' expected");
     return map;
   } catch (const core::Error& e) {
-    throw core::Error(e.status(), at_line(colors.line) + e.what());
+    throw core::Error(e.status(), at_line(environment_.scene_file, colors.line) + e.what());
   }
-}
-
-std::string FrameSettingsMaker::at_line(int line) const {
-  return line > 0 ? environment_.scene_file + ":" + std::to_string(line) + ": " : std::string();
 }
 
 render::ScalarField FrameSettingsMaker::scalar(const commit::CommittedMesh& mesh, const Name& name,
                                                const Component& component) const {
   const mesh::FieldView field = find_field(mesh, name, environment_.scene_file);
   if (component.index >= field.components)
-    throw core::Error(INSITU_ERROR_SCENE, at_line(name.line) + "component " +
-                                              std::to_string(component.index) + " of field '" +
-                                              name.text + "', which has " +
+    throw core::Error(INSITU_ERROR_SCENE, at_line(environment_.scene_file, name.line) +
+                                              "component " + std::to_string(component.index) +
+                                              " of field '" + name.text + "', which has " +
                                               std::to_string(field.components));
   return {field, component.index};
 }
@@ -188,9 +167,7 @@ FrameSettingsMaker::transfer(render::Structures& structures, const render::Scala
         low = high = 1;
     }
   }
-  std::vector<render::OpacityPoint> points;
-  for (const OpacityPoint& p : opacity)
-    points.push_back({p.value, p.opacity});
+  std::vector<OpacityPoint> points = opacity;
   if (opacity.empty() && low < high) // those that came with the colours, if any did
     for (const render::MapOpacity& p : colors.opacity())
       points.push_back({colors.scale() == render::Scale::log ? low * std::pow(high / low, p.u)
@@ -221,24 +198,6 @@ render::VolumeSettings FrameSettingsMaker::volume(const commit::CommittedMesh& m
   return to;
 }
 
-render::PathTracingSettings FrameSettingsMaker::path_tracing(const PathTracing& from) const {
-  const auto has = [&](FrameEffect effect) {
-    return std::find(frame_.effects.begin(), frame_.effects.end(), effect) != frame_.effects.end();
-  };
-  render::PathTracingSettings to;
-  to.scattering = has(FrameEffect::multiple_scattering) ? render::Scattering::multiple
-                  : has(FrameEffect::single_scattering) ? render::Scattering::single
-                                                        : render::Scattering::none;
-  to.samples = from.samples;
-  to.density = from.density;
-  to.anisotropy = from.anisotropy;
-  to.max_bounces = from.max_bounces;
-  to.cells_per_macrocell = from.cells_per_macrocell;
-  to.seed = static_cast<std::uint64_t>(from.seed);
-  to.shows_dome = from.dome_visible;
-  return to;
-}
-
 render::IsosurfaceSettings
 FrameSettingsMaker::isosurface(const commit::CommittedMesh& mesh, render::Structures& structures,
                                const Isosurface& from,
@@ -247,17 +206,13 @@ FrameSettingsMaker::isosurface(const commit::CommittedMesh& mesh, render::Struct
   to.field = scalar(mesh, from.field, from.component);
   to.values = from.values;
   to.opacity = from.opacity;
-  constexpr render::Normals normals[] = {render::Normals::cell, render::Normals::smooth,
-                                         render::Normals::central};
-  to.normals = normals[int(from.normals)];
-  constexpr render::RootSearch searches[] = {render::RootSearch::neubauer,
-                                             render::RootSearch::cubic, render::RootSearch::exact};
-  to.search = searches[int(from.search)];
+  to.normals = from.normals;
+  to.search = from.search;
   if (const auto* by = std::get_if<ColorBy>(&from.color)) {
     const render::ScalarField field = scalar(mesh, by->field, by->component);
     to.color = render::ColorByField{field, transfer(structures, field, *colors, by->colors.range)};
   } else {
-    to.color = to_linear(std::get<Color>(from.color));
+    to.color = std::get<render::Color>(from.color);
   }
   return to;
 }
@@ -272,7 +227,7 @@ render::BoundarySettings FrameSettingsMaker::boundary(const commit::CommittedMes
     to.color = render::ColorByField{
         field, transfer(structures, field, *boundary_colors_, by->colors.range)};
   } else {
-    to.color = to_linear(std::get<Color>(from.color));
+    to.color = std::get<render::Color>(from.color);
   }
   return to;
 }
@@ -283,9 +238,9 @@ std::vector<render::BodySettings> FrameSettingsMaker::load_bodies() const {
     try {
       bodies.push_back({std::make_shared<render::TriangleList>(render::read_stl(
                             from.path, {environment_.context.memory, INSITU_MEMORY_FRAME})),
-                        from.opacity, to_linear(from.color)});
+                        from.opacity, from.color});
     } catch (const core::Error& e) {
-      throw core::Error(e.status(), at_line(from.line) + e.what());
+      throw core::Error(e.status(), at_line(environment_.scene_file, from.line) + e.what());
     }
   }
   return bodies;
@@ -301,11 +256,10 @@ struct Bounds {
 
 /// What fits the image: the mesh's box, with `fit: box` what clips leave of it, if anything. The
 /// outline is not cut.
-std::vector<math::Vec3d> corners_to_fit(const Frame& frame, CameraFit fit, const Bounds& bounds) {
+std::vector<math::Vec3d> corners_to_fit(const Frame& frame, render::Fit fit, const Bounds& bounds) {
   std::vector<render::Clip> clips;
-  if (fit == CameraFit::box && !frame.outline)
-    for (const Clip& clip : frame.clips)
-      clips.push_back(to_render(clip));
+  if (fit == render::Fit::box && !frame.outline)
+    clips = frame.clips;
   std::vector<math::Vec3d> corners = render::clipped_corners(clips, bounds.low, bounds.high);
   return corners.empty() ? render::clipped_corners({}, bounds.low, bounds.high) : corners;
 }
@@ -380,13 +334,12 @@ render::Camera FrameSettingsMaker::camera(const Camera& from, const commit::Comm
   const double zoom = is_placed ? 1.0 : view.zoom;
   const double margin = frame_.outline && frame_.outline->ticks ? output::box_label_margin
                                                                 : render::Camera::default_margin;
-  const render::Fit fit = from.fit == CameraFit::box ? render::Fit::box : render::Fit::sphere;
   const std::vector<math::Vec3d> corners = corners_to_fit(frame_, from.fit, bounds);
   if (from.orthographic)
     to.orthographic_height =
-        from.orthographic_height.value_or(to.height_for(corners, fit, bounds.aspect, margin)) /
+        from.orthographic_height.value_or(to.height_for(corners, from.fit, bounds.aspect, margin)) /
         zoom;
-  if (from.fit == CameraFit::box && !is_placed && !from.orthographic_height)
+  if (from.fit == render::Fit::box && !is_placed && !from.orthographic_height)
     to = to.fitted(corners, bounds.aspect, zoom, margin);
   return to;
 }

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "render/frame.h"
-#include "scene/run/action.h"
+#include "scene/run/environment.h"
+#include "scene/run/step.h"
 
 namespace insitu::scene {
 
@@ -33,8 +34,7 @@ public:
   std::span<const render::BodySettings> bodies() const { return bodies_; }
 
 private:
-  render::ColorMap color_map(const ColorMap& colors) const;
-  std::string at_line(int line) const;
+  render::ColorMap color_map(const ColorMapChoice& colors) const;
   render::ScalarField scalar(const commit::CommittedMesh& mesh, const Name& name,
                              const Component& component) const;
   render::TransferFunction transfer(render::Structures& structures,
@@ -47,7 +47,6 @@ private:
   render::IsosurfaceSettings isosurface(const commit::CommittedMesh& mesh,
                                         render::Structures& structures, const Isosurface& from,
                                         const std::optional<render::ColorMap>& colors) const;
-  render::PathTracingSettings path_tracing(const PathTracing& from) const;
   render::BoundarySettings boundary(const commit::CommittedMesh& mesh,
                                     render::Structures& structures, const Boundary& from) const;
   std::vector<render::BodySettings> load_bodies() const;

@@ -8,17 +8,19 @@
 #include <vector>
 
 #include "math/vec.h"
+#include "render/camera/camera.h"
+#include "render/clip.h"
+#include "render/color/color_map.h"
+#include "render/color/transfer_function.h"
+#include "render/light.h"
+#include "render/path/path_settings.h"
+#include "render/surface/cell_roots.h"
+#include "render/surface/normals.h"
 #include "scene/expression/trigger.h"
 #include "scene/parse/names.h"
 
-/// The frames of a scene; see description.h.
+/// The frames of a scene; see description.h. Colours are linear, as the renderer takes them.
 namespace insitu::scene {
-
-/// Each from 0 to 1, as displayed.
-struct Color {
-  double red = 0, green = 0, blue = 0;
-  friend bool operator==(const Color&, const Color&) = default;
-};
 
 /// The number drawn of a field: its only component, one of several, or a vector's magnitude.
 struct Component {
@@ -30,16 +32,15 @@ struct ValueRange {
   double low = 0, high = 1; ///< low < high
 };
 
-enum class ColorScale { linear, log }; ///< as render::Scale
-
 /// A built-in colour map by name, or a file in ParaView's JSON format, and the values that its
 /// colours stretch over.
-struct ColorMap {
+struct ColorMapChoice {
   std::string name = "viridis"; ///< built-in, or the file's name as written
   std::string path; ///< of a file, resolved against the scene file's folder; empty: built-in
-  std::optional<ValueRange> range;        ///< nothing: the field's range at each frame
-  std::optional<ColorScale> scale;        ///< nothing: the file's, or linear
-  std::optional<Color> below, above, nan; ///< nothing: the file's, or as render::ColorMap says
+  std::optional<ValueRange> range;    ///< nothing: the field's range at each frame
+  std::optional<render::Scale> scale; ///< nothing: the file's, or linear
+  /// Linear; nothing: the file's, or as render::ColorMap says.
+  std::optional<render::Color> below, above, nan;
   int line = 0;
 };
 
@@ -63,12 +64,10 @@ struct CameraKey : Viewpoint {
   double at = 0;
 };
 
-enum class CameraFit { sphere, box }; ///< as render::Fit
-
 struct Camera : Viewpoint {
   bool orthographic = false;
   std::optional<double> orthographic_height; ///< nothing: so that the mesh fits
-  CameraFit fit = CameraFit::sphere;         ///< of what is automatic
+  render::Fit fit = render::Fit::sphere;     ///< of what is automatic
   double orbit_azimuth_per_frame = 0; ///< degrees that the camera goes on around the axis through
                                       ///< what it looks at along `up` with each frame written
   std::vector<CameraKey> path; ///< places ascend; all placed, or none; empty: the camera stands
@@ -82,9 +81,7 @@ struct NamedCamera {
   Camera camera;
 };
 
-struct OpacityPoint {
-  double value = 0, opacity = 0;
-};
+using render::OpacityPoint;
 
 /// See render/volume/volume.h.
 enum class Culling { never, always };
@@ -92,7 +89,7 @@ enum class Culling { never, always };
 struct Volume {
   Name field;
   Component component;
-  ColorMap colors;
+  ColorMapChoice colors;
   std::vector<OpacityPoint>
       opacity;            ///< by value; empty: from 0 at the range's low end to 1 at its high end
   double nan_opacity = 0; ///< of values that are not numbers
@@ -110,62 +107,39 @@ struct Volume {
 struct ColorBy {
   Name field;
   Component component;
-  ColorMap colors;
+  ColorMapChoice colors;
 };
-
-/// See render/surface/isosurface.h.
-enum class Normals { cell, smooth, central };
-enum class RootSearch { neubauer, cubic, exact };
 
 struct Isosurface {
   Name field;
   Component component;
   std::vector<double> values;
   double opacity = 1;
-  std::variant<Color, ColorBy> color = Color{0.8, 0.8, 0.8};
-  Normals normals = Normals::cell;
-  RootSearch search = RootSearch::cubic;
+  std::variant<render::Color, ColorBy> color = render::linear_of_srgb(0.8, 0.8, 0.8);
+  render::Normals normals = render::Normals::cell;
+  render::RootSearch search = render::RootSearch::cubic;
   int line = 0;
 };
 
 /// The mesh's own boundary.
 struct Boundary {
   double opacity = 1;
-  std::variant<Color, ColorBy> color = Color{0.8, 0.8, 0.8};
+  std::variant<render::Color, ColorBy> color = render::linear_of_srgb(0.8, 0.8, 0.8);
 };
 
 /// Triangles of a file.
 struct Body {
   std::string path; ///< resolved against the scene file's folder
   double opacity = 1;
-  Color color{0.6, 0.6, 0.6};
+  render::Color color = render::linear_of_srgb(0.6, 0.6, 0.6);
   int line = 0;
 };
 
 /// The mesh's bounding box.
 struct BoxOutline {
-  Color color{0, 0, 0};
+  render::Color color{0, 0, 0};
   double width = 1.5; ///< in pixels
   bool ticks = false; ///< with numbers, along the outer edges
-};
-
-/// Light on surfaces; see render/light.h.
-struct Light {
-  enum class Kind { head, directional, point, dome };
-  Kind kind = Kind::head;
-  math::Vec3d vector; ///< directional: towards the light; point: its position
-  Color color{1, 1, 1};
-  double intensity = 1; ///< factor on the colour as linear light
-};
-
-/// What is cut away; see render/clip.h.
-struct Clip {
-  enum class Kind { plane, box, sphere };
-  Kind kind = Kind::plane;
-  math::Vec3d point;  ///< on the plane; the box's lowest corner; the sphere's centre
-  math::Vec3d vector; ///< the plane's normal, to where things go; the box's highest corner
-  double radius = 0;
-  bool keep_inside = true;
 };
 
 /// Of ambient occlusion.
@@ -183,24 +157,17 @@ enum class FrameEffect {
   multiple_scattering
 };
 
-/// How a volume is path traced; which light is followed is among the effects.
-struct PathTracing {
-  int samples = 64;                ///< a pixel, in each frame
-  double density = 1;              ///< factor on the extinction
-  double anisotropy = 0;           ///< the mean cosine of scattering
-  int max_bounces = 4096;          ///< then a path is cut off
-  double cells_per_macrocell = 64; ///< of the grid of majorants, about
-  std::int64_t seed = 0;
-  bool dome_visible = false; ///< dome lights instead of the background
-  bool accumulate = false;   ///< goes on with the samples of the frame before while all is the same
+/// How a volume is path traced.
+struct PathTracing : render::PathTracingSettings {
+  bool accumulate = false; ///< goes on with the samples of the frame before while all is the same
   int line = 0;
 };
 
 /// The mesh, which must be on Earth, is drawn in geocentric coordinates.
 struct Geocentric {
-  double exaggeration = 1;         ///< factor on heights above the ellipsoid
-  std::optional<Color> globe;      ///< of land, where the mesh does not cover the ellipsoid
-  std::optional<double> graticule; ///< degrees between meridians and between parallels
+  double exaggeration = 1;            ///< factor on heights above the ellipsoid
+  std::optional<render::Color> globe; ///< of land, where the mesh does not cover the ellipsoid
+  std::optional<double> graticule;    ///< degrees between meridians and between parallels
   int line = 0;
 };
 
@@ -215,7 +182,7 @@ struct Frame {
   Name mesh;                            ///< empty: the first mesh of the session
   std::array<int, 2> size{1024, 1024};  ///< width, height
   std::optional<Geocentric> geocentric; ///< nothing: drawn in its own coordinates
-  Color background{1, 1, 1};
+  render::Color background = render::linear_of_srgb(1, 1, 1);
   double background_alpha = 1; ///< of what stands behind everything; below 1 the image keeps alpha
   Camera camera;
   std::vector<NamedCamera> cameras; ///< instead of `camera`, unless empty; names are unique
@@ -227,8 +194,8 @@ struct Frame {
   std::optional<Boundary> boundary;
   std::vector<Body> bodies;
   std::optional<BoxOutline> outline;
-  std::vector<Light> lights; ///< none: a white one from the viewer
-  std::vector<Clip> clips;   ///< what each of them leaves is drawn
+  std::vector<render::Light> lights; ///< none: a white one from the viewer
+  std::vector<render::Clip> clips;   ///< what each of them leaves is drawn
   bool scalar_bar = false;
   bool time_label = false;
   bool axes = false; ///< draws where x, y and z point

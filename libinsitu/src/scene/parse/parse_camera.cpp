@@ -222,7 +222,7 @@ Camera parse_camera(const Cursor& cursor, bool on_earth) {
   }
   if (const auto fit = map.find("fit")) {
     assign(camera.fit,
-           fit->choice<CameraFit>({{"sphere", CameraFit::sphere}, {"box", CameraFit::box}}));
+           fit->choice<render::Fit>({{"sphere", render::Fit::sphere}, {"box", render::Fit::box}}));
   }
   if (const auto orbit = map.find("orbit")) {
     const MapReader steps(*orbit, {"azimuth_per_frame"});

@@ -3,21 +3,22 @@
 namespace insitu::scene {
 namespace {
 
+/// As displayed, from 0 to 1 each.
 struct NamedColor {
   const char* name;
-  Color color;
+  double red, green, blue;
 };
-constexpr NamedColor named_colors[] = {{"black", {0, 0, 0}},
-                                       {"white", {1, 1, 1}},
-                                       {"gray", {0.5, 0.5, 0.5}},
-                                       {"grey", {0.5, 0.5, 0.5}},
-                                       {"red", {1, 0, 0}},
-                                       {"green", {0, 0.5, 0}},
-                                       {"blue", {0, 0, 1}},
-                                       {"yellow", {1, 1, 0}},
-                                       {"cyan", {0, 1, 1}},
-                                       {"magenta", {1, 0, 1}},
-                                       {"orange", {1, 165 / 255.0, 0}}};
+constexpr NamedColor named_colors[] = {{"black", 0, 0, 0},
+                                       {"white", 1, 1, 1},
+                                       {"gray", 0.5, 0.5, 0.5},
+                                       {"grey", 0.5, 0.5, 0.5},
+                                       {"red", 1, 0, 0},
+                                       {"green", 0, 0.5, 0},
+                                       {"blue", 0, 0, 1},
+                                       {"yellow", 1, 1, 0},
+                                       {"cyan", 0, 1, 1},
+                                       {"magenta", 1, 0, 1},
+                                       {"orange", 1, 165 / 255.0, 0}};
 
 int hexadecimal_digit(char c) {
   if (c >= '0' && c <= '9') {
@@ -29,7 +30,7 @@ int hexadecimal_digit(char c) {
   return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-std::optional<Color> hexadecimal_color(const std::string& text) {
+std::optional<render::Color> hexadecimal_color(const std::string& text) {
   if (text.size() != 7 || text[0] != '#') {
     return std::nullopt;
   }
@@ -42,15 +43,15 @@ std::optional<Color> hexadecimal_color(const std::string& text) {
     }
     parts[i] = (16 * high + low) / 255.0;
   }
-  return Color{parts[0], parts[1], parts[2]};
+  return render::linear_of_srgb(parts[0], parts[1], parts[2]);
 }
 
 } // namespace
 
-Color parse_color(const Cursor& cursor, const Color& fallback) {
+render::Color parse_color(const Cursor& cursor, const render::Color& fallback) {
   if (cursor.is_list()) {
     const auto values = cursor.numbers(3, {0, 1});
-    return values ? Color{(*values)[0], (*values)[1], (*values)[2]} : fallback;
+    return values ? render::linear_of_srgb((*values)[0], (*values)[1], (*values)[2]) : fallback;
   }
   if (!cursor.is_text() || cursor.node().text.empty()) {
     cursor.expected(
@@ -64,7 +65,7 @@ Color parse_color(const Cursor& cursor, const Color& fallback) {
   std::vector<std::string> names;
   for (const NamedColor& named : named_colors) {
     if (text == named.name) {
-      return named.color;
+      return render::linear_of_srgb(named.red, named.green, named.blue);
     }
     names.emplace_back(named.name);
   }
@@ -118,8 +119,8 @@ std::optional<ValueRange> parse_range(const Cursor& cursor) {
 
 } // namespace
 
-ColorMap parse_color_map(const MapReader& map, const ParseContext& context) {
-  ColorMap to;
+ColorMapChoice parse_color_map(const MapReader& map, const ParseContext& context) {
+  ColorMapChoice to;
   if (const auto colors = map.find("colors")) {
     to.line = colors->line();
     if (const auto name = colors->text()) {
@@ -130,16 +131,16 @@ ColorMap parse_color_map(const MapReader& map, const ParseContext& context) {
     }
   }
   if (const auto scale = map.find("scale")) {
-    to.scale =
-        scale->choice<ColorScale>({{"linear", ColorScale::linear}, {"log", ColorScale::log}});
+    to.scale = scale->choice<render::Scale>(
+        {{"linear", render::Scale::linear}, {"log", render::Scale::log}});
   }
   if (const auto range = map.find("range")) {
     to.range = parse_range(*range);
-    if (to.scale == ColorScale::log && to.range && !(to.range->low > 0)) {
+    if (to.scale == render::Scale::log && to.range && !(to.range->low > 0)) {
       range->fail("'scale: log' needs a range above 0");
     }
   }
-  const auto color = [&](const char* key, std::optional<Color>& into) {
+  const auto color = [&](const char* key, std::optional<render::Color>& into) {
     if (const auto given = map.find(key)) {
       into = parse_color(*given, {});
     }

@@ -66,7 +66,7 @@ Geocentric parse_geocentric(const Cursor& cursor) {
     assign(geocentric.exaggeration, factor->number({0, 1e6}));
   }
   if (const auto globe = map.find("globe")) {
-    geocentric.globe = parse_color(*globe, {0.75, 0.72, 0.65});
+    geocentric.globe = parse_color(*globe, render::linear_of_srgb(0.75, 0.72, 0.65));
   }
   if (const auto graticule = map.find("graticule")) {
     geocentric.graticule = graticule->number({0.001, 90});

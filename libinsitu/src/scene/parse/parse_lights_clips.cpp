@@ -49,33 +49,36 @@ void parse_true(const Cursor& cursor) {
   }
 }
 
-Light parse_light(const Cursor& cursor) {
-  Light light;
+render::Light parse_light(const Cursor& cursor) {
+  render::Light light;
   const MapReader map(cursor, {"head", "directional", "point", "dome", "color", "intensity"});
   const std::vector<const char*> kinds{"head", "directional", "point", "dome"};
   const int kind = only_kind(map, kinds, "a light");
   if (kind >= 0) {
-    light.kind = static_cast<Light::Kind>(kind);
+    light.kind = static_cast<render::Light::Kind>(kind);
     const Cursor value = *map.find(kinds[static_cast<std::size_t>(kind)]);
-    if (light.kind == Light::Kind::directional) {
+    if (light.kind == render::Light::Kind::directional) {
       assign(light.vector, parse_direction(value));
-    } else if (light.kind == Light::Kind::point) {
+    } else if (light.kind == render::Light::Kind::point) {
       assign(light.vector, value.vector());
     } else {
       parse_true(value);
     }
   }
-  if (const auto color = map.find("color")) {
-    light.color = parse_color(*color, light.color);
+  render::Color color = render::linear_of_srgb(1, 1, 1);
+  if (const auto given = map.find("color")) {
+    color = parse_color(*given, color);
   }
-  if (const auto intensity = map.find("intensity")) {
-    assign(light.intensity, intensity->number({0, 1e30}));
+  double intensity = 1; // a factor on linear light
+  if (const auto given = map.find("intensity")) {
+    assign(intensity, given->number({0, 1e30}));
   }
+  light.color = float(intensity) * color;
   return light;
 }
 
-void parse_plane(const Cursor& cursor, Clip& clip) {
-  clip.kind = Clip::Kind::plane;
+void parse_plane(const Cursor& cursor, render::Clip& clip) {
+  clip.kind = render::Clip::Kind::plane;
   const MapReader map(cursor, {"point", "normal"});
   if (const auto point = map.require("point")) {
     assign(clip.point, point->vector());
@@ -85,14 +88,14 @@ void parse_plane(const Cursor& cursor, Clip& clip) {
   }
 }
 
-void parse_keep(const MapReader& map, Clip& clip) {
+void parse_keep(const MapReader& map, render::Clip& clip) {
   if (const auto keep = map.find("keep")) {
     assign(clip.keep_inside, keep->choice<bool>({{"inside", true}, {"outside", false}}));
   }
 }
 
-void parse_box(const Cursor& cursor, Clip& clip) {
-  clip.kind = Clip::Kind::box;
+void parse_box(const Cursor& cursor, render::Clip& clip) {
+  clip.kind = render::Clip::Kind::box;
   const MapReader map(cursor, {"min", "max", "keep"});
   const auto low = map.require("min"), high = map.require("max");
   if (low && high) {
@@ -108,8 +111,8 @@ void parse_box(const Cursor& cursor, Clip& clip) {
   parse_keep(map, clip);
 }
 
-void parse_sphere(const Cursor& cursor, Clip& clip) {
-  clip.kind = Clip::Kind::sphere;
+void parse_sphere(const Cursor& cursor, render::Clip& clip) {
+  clip.kind = render::Clip::Kind::sphere;
   const MapReader map(cursor, {"center", "radius", "keep"});
   if (const auto center = map.require("center")) {
     assign(clip.point, center->vector());
@@ -120,8 +123,8 @@ void parse_sphere(const Cursor& cursor, Clip& clip) {
   parse_keep(map, clip);
 }
 
-Clip parse_clip(const Cursor& cursor) {
-  Clip clip;
+render::Clip parse_clip(const Cursor& cursor) {
+  render::Clip clip;
   const MapReader map(cursor, {"plane", "box", "sphere"});
   switch (only_kind(map, {"plane", "box", "sphere"}, "a clip")) {
   case 0:
@@ -155,8 +158,8 @@ std::vector<T> parse_list(const Cursor& cursor, std::size_t most, Parse&& parse)
 
 } // namespace
 
-std::vector<Light> parse_lights(const Cursor& cursor) {
-  return parse_list<Light>(cursor, most_lights, parse_light);
+std::vector<render::Light> parse_lights(const Cursor& cursor) {
+  return parse_list<render::Light>(cursor, most_lights, parse_light);
 }
 
 Occlusion parse_occlusion(const Cursor& cursor) {
@@ -173,8 +176,8 @@ Occlusion parse_occlusion(const Cursor& cursor) {
   return occlusion;
 }
 
-std::vector<Clip> parse_clips(const Cursor& cursor) {
-  return parse_list<Clip>(cursor, most_clips, parse_clip);
+std::vector<render::Clip> parse_clips(const Cursor& cursor) {
+  return parse_list<render::Clip>(cursor, most_clips, parse_clip);
 }
 
 } // namespace insitu::scene

@@ -68,11 +68,12 @@ void parse_seeds_of_probe(const Cursor& cursor, const ParseContext& context, boo
                           Tracer& tracer);
 Frame parse_frame(const Cursor& cursor, ParseContext& context);
 
-Color parse_color(const Cursor& cursor, const Color& fallback);
+/// The linear colour of what is given as displayed.
+render::Color parse_color(const Cursor& cursor, const render::Color& fallback);
 Component parse_component(const Cursor& cursor);
 /// Reads `colors`, `range`, `scale`, `below`, `above` and `nan` of a map that may hold other keys
 /// too.
-ColorMap parse_color_map(const MapReader& map, const ParseContext& context);
+ColorMapChoice parse_color_map(const MapReader& map, const ParseContext& context);
 /// Reads a camera; on_earth: whether it belongs to a geocentric frame.
 Camera parse_camera(const Cursor& cursor, bool on_earth);
 Camera default_camera(bool on_earth);
@@ -83,9 +84,9 @@ std::optional<PathTracing> parse_path_tracing(const MapReader& frame,
 /// Reads a map of names and cameras.
 std::vector<NamedCamera> parse_cameras(const Cursor& cursor, bool on_earth);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);
-std::vector<Light> parse_lights(const Cursor& cursor);
+std::vector<render::Light> parse_lights(const Cursor& cursor);
 Occlusion parse_occlusion(const Cursor& cursor);
-std::vector<Clip> parse_clips(const Cursor& cursor);
+std::vector<render::Clip> parse_clips(const Cursor& cursor);
 std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseContext& context);
 Boundary parse_boundary(const Cursor& cursor, const ParseContext& context);
 std::vector<Body> parse_bodies(const Cursor& cursor, const ParseContext& context);

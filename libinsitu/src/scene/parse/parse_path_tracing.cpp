@@ -37,10 +37,12 @@ PathTracing parse_map(const Cursor& cursor) {
     assign(paths.cells_per_macrocell, cells->number({1, 1e9}));
   }
   if (const auto seed = map.find("seed")) {
-    assign(paths.seed, seed->integer(0, std::numeric_limits<std::int64_t>::max()));
+    if (const auto number = seed->integer(0, std::numeric_limits<std::int64_t>::max())) {
+      paths.seed = static_cast<std::uint64_t>(*number);
+    }
   }
   if (const auto visible = map.find("dome_visible")) {
-    assign(paths.dome_visible, visible->boolean());
+    assign(paths.shows_dome, visible->boolean());
   }
   if (const auto accumulate = map.find("accumulate")) {
     assign(paths.accumulate, accumulate->boolean());
@@ -62,10 +64,14 @@ std::optional<PathTracing> parse_path_tracing(const MapReader& frame,
   if (single && multiple) {
     frame.cursor().fail("'single_scattering' is part of 'multiple_scattering'; give one of them");
   }
-  if (map) {
-    return parse_map(*map);
+  if (!map && !single && !multiple) {
+    return std::nullopt;
   }
-  return single || multiple ? std::optional(PathTracing{}) : std::nullopt;
+  PathTracing paths = map ? parse_map(*map) : PathTracing{};
+  paths.scattering = multiple ? render::Scattering::multiple
+                     : single ? render::Scattering::single
+                              : render::Scattering::none;
+  return paths;
 }
 
 } // namespace insitu::scene

@@ -42,18 +42,20 @@ Isosurface parse_isosurface(const Cursor& cursor, const ParseContext& context) {
     if (color->is_map()) {
       surface.color = parse_color_by(*color, context);
     } else {
-      surface.color = parse_color(*color, std::get<Color>(surface.color));
+      surface.color = parse_color(*color, std::get<render::Color>(surface.color));
     }
   }
   if (const auto normals = map.find("normals")) {
-    assign(surface.normals, normals->choice<Normals>({{"cell", Normals::cell},
-                                                      {"smooth", Normals::smooth},
-                                                      {"central", Normals::central}}));
+    assign(surface.normals,
+           normals->choice<render::Normals>({{"cell", render::Normals::cell},
+                                             {"smooth", render::Normals::smooth},
+                                             {"central", render::Normals::central}}));
   }
   if (const auto search = map.find("search")) {
-    assign(surface.search, search->choice<RootSearch>({{"neubauer", RootSearch::neubauer},
-                                                       {"cubic", RootSearch::cubic},
-                                                       {"exact", RootSearch::exact}}));
+    assign(surface.search,
+           search->choice<render::RootSearch>({{"neubauer", render::RootSearch::neubauer},
+                                               {"cubic", render::RootSearch::cubic},
+                                               {"exact", render::RootSearch::exact}}));
   }
   return surface;
 }
@@ -88,7 +90,7 @@ Boundary parse_boundary(const Cursor& cursor, const ParseContext& context) {
     if (color->is_map()) {
       boundary.color = parse_color_by(*color, context);
     } else {
-      boundary.color = parse_color(*color, std::get<Color>(boundary.color));
+      boundary.color = parse_color(*color, std::get<render::Color>(boundary.color));
     }
   }
   return boundary;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "output/vtk/xml_vtk.h"
-#include "scene/run/action.h"
+#include "scene/probes/resolve_points.h"
 
 /// How the points of a curtain are written.
 namespace insitu::scene {

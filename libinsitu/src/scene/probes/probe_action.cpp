@@ -9,6 +9,9 @@
 #include "output/files/json_text.h"
 #include "query/walk/attached.h"
 #include "scene/probes/curtain.h"
+#include "scene/run/failures.h"
+#include "scene/run/lookup.h"
+#include "scene/run/own_cell.h"
 
 namespace insitu::scene {
 

@@ -4,8 +4,14 @@
 #include <optional>
 
 #include "output/files/csv.h"
+#include "scene/expression/trigger.h"
+#include "scene/parse/description.h"
 #include "scene/probes/probe_netcdf.h"
+#include "scene/probes/resolve_points.h"
 #include "scene/run/action.h"
+#include "scene/run/environment.h"
+#include "scene/run/growing_table.h"
+#include "scene/run/step.h"
 #include "scene/tracers/vtp_series.h"
 
 namespace insitu::scene {

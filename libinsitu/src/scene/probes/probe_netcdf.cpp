@@ -6,6 +6,7 @@
 #include "core/status.h"
 #include "core/unsigned_zero.h"
 #include "scene/earth/cf.h"
+#include "scene/run/own_cell.h"
 
 namespace insitu::scene {
 

@@ -6,7 +6,10 @@
 #include <vector>
 
 #include "output/netcdf/netcdf_table.h"
-#include "scene/run/action.h"
+#include "scene/probes/resolve_points.h"
+#include "scene/run/environment.h"
+#include "scene/run/growing_table.h"
+#include "scene/run/step.h"
 
 namespace insitu::scene {
 

@@ -1,9 +1,10 @@
+#include "scene/probes/resolve_points.h"
+
 #include "core/status.h"
 #include "geo/geodesic.h"
 #include "scene/earth/reference_frames.h"
 #include "scene/probes/points.h"
 #include "scene/probes/points_file.h"
-#include "scene/run/action.h"
 
 namespace insitu::scene {
 

@@ -8,6 +8,7 @@
 
 #include "output/files/checkpoint.h"
 #include "scene/run/runner.h"
+#include "scene/run/step.h"
 
 namespace insitu::scene {
 

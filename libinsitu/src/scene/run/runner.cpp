@@ -5,8 +5,10 @@
 
 #include "core/status.h"
 #include "core/timer.h"
+#include "scene/expression/reduce.h"
 #include "scene/frames/frame_action.h"
 #include "scene/probes/probe_action.h"
+#include "scene/run/lookup.h"
 #include "scene/run/mesh_plan.h"
 #include "scene/tracers/tracer_action.h"
 

@@ -7,8 +7,11 @@
 #include <vector>
 
 #include "advect/particles.h"
+#include "scene/parse/description.h"
 #include "scene/run/action.h"
 #include "scene/run/checkpoint.h"
+#include "scene/run/environment.h"
+#include "scene/run/step.h"
 
 namespace insitu::scene {
 

@@ -5,17 +5,16 @@
 namespace insitu::scene {
 
 FieldBetween::FieldBetween(const commit::CommittedMesh& mesh, const mesh::FieldView& field,
-                           const advect::StepTimes& interval, int steps_before,
-                           const commit::EarlierMesh* before, insitu_accuracy accuracy, double time)
-    : sampler_(mesh.sampler()), field_(field), before_(before),
+                           const StepInterval& interval, insitu_accuracy accuracy, double time)
+    : sampler_(mesh.sampler()), field_(field), before_(interval.other_cells),
       steps_(mesh.mesh().earlier_fields(field.name)) {
   options_.accuracy = accuracy;
   steps_.insert(steps_.begin(), field);
-  steps_.resize(std::min(steps_.size(), std::size_t(1 + steps_before)));
-  count_ = interval.usable(steps_.size());
+  steps_.resize(std::min(steps_.size(), std::size_t(1 + interval.steps_before)));
+  count_ = interval.times.usable(steps_.size());
   if (count_ > 1)
-    interval.weights(time, count_, weights_);
-  alpha_ = interval.alpha(time);
+    interval.times.weights(time, count_, weights_);
+  alpha_ = interval.times.alpha(time);
   if (before_)
     field_before_ = before_->field(field.name);
   if (field_before_ && field_before_->components != field.components)

@@ -9,16 +9,23 @@
 
 namespace insitu::scene {
 
+/// Between which steps particles move.
+struct StepInterval {
+  advect::StepTimes times{0.0, 0.0};
+  int steps_before = 0; ///< before this one on the current cells, that may serve
+  /// The step before, if it is on other cells; or null.
+  const commit::EarlierMesh* other_cells = nullptr;
+};
+
 /// A field at a time between the last step and this one, interpolated as the velocity is: over the
 /// steps on these cells, or between the step before on its own cells and this one
 /// (advect::CrossingVelocity).
 class FieldBetween {
 public:
-  /// steps_before: of these cells, that may serve. before: the step on other cells, or null; it is
-  /// left out of account if it does not have the field, or another kind of it.
+  /// A step on other cells is left out of account if it does not have the field, or has another
+  /// kind of it.
   FieldBetween(const commit::CommittedMesh& mesh, const mesh::FieldView& field,
-               const advect::StepTimes& interval, int steps_before,
-               const commit::EarlierMesh* before, insitu_accuracy accuracy, double time);
+               const StepInterval& interval, insitu_accuracy accuracy, double time);
 
   /// place: x among the current cells, or none. scratch, to: [components]; `to` is left alone where
   /// no step holds x. Thread-safe.

@@ -1,11 +1,16 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/status.h"
 #include "core/timer.h"
+#include "scene/expression/reduce.h"
+#include "scene/run/environment.h"
+#include "scene/run/failures.h"
+#include "scene/run/lookup.h"
 #include "scene/run/output_times.h"
+#include "scene/run/step.h"
 #include "scene/tracers/field_between.h"
+#include "scene/tracers/particle_cycle.h"
 #include "scene/tracers/release.h"
 #include "scene/tracers/tracer_action.h"
 #include "scene/tracers/tracer_cells.h"
@@ -115,7 +120,7 @@ private:
   advect::TracerSettings settings() const {
     advect::TracerSettings s;
     s.integrator = integrator();
-    s.accuracy = to_api(tracer_.accuracy);
+    s.accuracy = accuracy();
     s.time_interpolation = tracer_.time_interpolation;
     s.attached = tracer_.attached == Attached::body;
     s.backward = tracer_.direction == TracerDirection::backward;
@@ -161,9 +166,8 @@ private:
 
   /// Between which steps the particles move now.
   void begin_interval(const commit::CommittedMesh& mesh, const Step& step) {
-    interval_ = advect::StepTimes(settled_, step.time, step.times_before);
-    interval_steps_ = earlier_steps(mesh, step);
-    interval_before_ = other_cells(mesh, step);
+    interval_ = {advect::StepTimes(settled_, step.time, step.times_before),
+                 earlier_steps(mesh, step), other_cells(mesh, step)};
     if (!due_times_.empty()) {
       std::vector<double> times;
       for (const DueTime& due : due_times_)
@@ -221,8 +225,8 @@ private:
     const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
     std::optional<advect::StepBefore> before;
     try {
-      if (interval_before_)
-        before = step_before(tracer_, *interval_before_, mesh.reference_frame);
+      if (interval_.other_cells)
+        before = step_before(tracer_, *interval_.other_cells, mesh.reference_frame);
       if (before && velocity.has_blanks)
         before->sampler =
             cells_.earlier_sampler(before->sampler, before->velocity, context.threads);
@@ -230,7 +234,7 @@ private:
       velocities.insert(velocities.end(), earlier.begin(), earlier.end());
       const query::Sampler sampler = cells_.sampler(mesh, velocities, context.threads);
       const auto left_out = [&] { return cells_.left_out(mesh, context.threads); };
-      advect::Exits exits(mesh.sampler(), left_out, to_api(tracer_.accuracy));
+      advect::Exits exits(mesh.sampler(), left_out, accuracy());
       particles_.tell_exits_by(&exits);
       note_steps(step, particles_.advance(sampler, velocity, {earlier, step.times_before}, settled_,
                                           step.time, context.threads, snapshots(),
@@ -247,128 +251,10 @@ private:
     same_cells_ = false;
   }
 
-  /// What the writers see of a cycle. The rows that one asked for last are kept: the next one, of
-  /// another format, mostly asks for the same.
-  class Cycle final : public TrackCycle {
-  public:
-    Cycle(ParticleTracer& tracer, const commit::CommittedMesh& mesh, const Step& step, bool due)
-        : tracer_(tracer), mesh_(mesh), step_(step), due_(due) {}
-    const Step& step() const override { return step_; }
-    bool due() const override { return due_; }
-    const advect::Particles& particles() const override { return tracer_.particles_.particles(); }
-    std::int64_t seeded() const override { return particles().seeded(); }
-    const TrackGeodesics& geodesics() const override { return tracer_.geodesics_; }
-    bool has_times() const override { return tracer_.has_times(); }
-    std::span<const DueTime> times() const override { return tracer_.due_times_; }
-    const advect::Snapshots& snapshots() const override { return *tracer_.at_times_; }
-    const TrackRows& rows_at(std::size_t k) override {
-      if (known_time_ != k) {
-        rows_at_ = tracer_.rows_at(mesh_, step_, k);
-        known_time_ = k;
-      }
-      return rows_at_;
-    }
-    const TrackRows& rows(const std::vector<std::size_t>& indices) override {
-      if (!known_ || *known_ != indices) {
-        rows_ = tracer_.rows(mesh_, step_, indices);
-        known_ = indices;
-      }
-      return rows_;
-    }
-
-  private:
-    ParticleTracer& tracer_;
-    const commit::CommittedMesh& mesh_;
-    const Step& step_;
-    bool due_;
-    std::optional<std::vector<std::size_t>> known_;
-    TrackRows rows_;
-    std::optional<std::size_t> known_time_;
-    TrackRows rows_at_;
-  };
-
-  TrackRows no_rows(const commit::CommittedMesh& mesh, const Step& step) const {
-    TrackRows out;
-    out.cycle = step.cycle;
-    out.pieces = names_pieces(mesh.mesh());
-    out.frame = mesh.reference_frame;
-    out.columns = field_columns(fields(mesh));
-    return out;
-  }
-
-  /// Of the particles at one of the tracer's times; fields are interpolated as the velocity is.
-  TrackRows rows_at(const commit::CommittedMesh& mesh, const Step& step, std::size_t k) const {
-    const advect::Particles& p = particles_.particles();
-    const advect::Snapshots& at = *at_times_;
-    TrackRows out = no_rows(mesh, step);
-    std::vector<std::size_t> items;
-    for (std::size_t i = 0; i < at.particles; ++i)
-      if (const std::size_t item = at.item(k, i); at.present[item]) {
-        const math::Vec3d& x = at.positions[item];
-        out.rows.push_back(track_row(p.ids[i], at.times[k], x,
-                                     own_cell(mesh, at.places[item].cell, x), INSITU_END_ALIVE));
-        items.push_back(item);
-      }
-    const std::size_t width = out.columns.size();
-    out.values.assign(items.size() * width, std::numeric_limits<double>::quiet_NaN());
-    std::size_t column = 0;
-    for (const mesh::FieldView& field : fields(mesh)) {
-      const FieldBetween between(mesh, field, interval_, interval_steps_, interval_before_,
-                                 to_api(tracer_.accuracy), at.times[k]);
-      const auto n = std::size_t(field.components);
-      environment_.context.threads.parallel_for(
-          std::int64_t(items.size()), 512, [&](std::int64_t begin, std::int64_t end) {
-            std::vector<double> u(n);
-            for (auto r = std::size_t(begin); r < std::size_t(end); ++r)
-              between.put(out.rows[r].position, at.places[items[r]], u.data(),
-                          out.values.data() + r * width + column);
-          });
-      column += n;
-    }
-    add_geodesics(out, [&](std::size_t r, double* to) { geodesics_.put_snapshot(items[r], to); });
-    return out;
-  }
-
-  TrackRows rows(const commit::CommittedMesh& mesh, const Step& step,
-                 const std::vector<std::size_t>& indices) const {
-    const advect::Particles& p = particles_.particles();
-    std::vector<math::Vec3d> points;
-    std::vector<std::int64_t> cells;
-    for (const std::size_t i : indices) {
-      points.push_back(p.positions[i]);
-      cells.push_back(p.cells[i]);
-    }
-    TrackRows out = no_rows(mesh, step);
-    out.values = sample(mesh, fields(mesh), points, cells);
-    for (std::size_t r = 0; r < indices.size(); ++r) {
-      const std::size_t i = indices[r];
-      out.rows.push_back(track_row(p.ids[i], p.times[i], points[r],
-                                   own_cell(mesh, cells[r], points[r]),
-                                   insitu_ending(p.endings[i])));
-    }
-    add_geodesics(out,
-                  [&](std::size_t r, double* to) { geodesics_.put(out.rows[r].particle, to); });
-    return out;
-  }
-
-  /// Further columns after those of the fields; put(r, out): of row r.
-  template <class Put>
-  void add_geodesics(TrackRows& out, Put&& put) const {
-    const std::size_t fields = out.columns.size(), width = fields + geodesics_.columns().size();
-    if (width == fields)
-      return;
-    for (const TrackGeodesic column : geodesics_.columns())
-      out.columns.emplace_back(geodesic_name(column));
-    std::vector<double> values(out.rows.size() * width);
-    for (std::size_t r = 0; r < out.rows.size(); ++r) {
-      std::copy_n(out.values.data() + r * fields, fields, values.data() + r * width);
-      put(r, values.data() + r * width + fields);
-    }
-    out.values = std::move(values);
-  }
-
   void write(const commit::CommittedMesh& mesh, const Step& step, bool due) {
-    Cycle cycle(*this, mesh, step, due);
+    ParticleCycle cycle(
+        {*this, particles_.particles(), geodesics_, due_times_, snapshots(), interval_}, mesh, step,
+        due);
     Failures failures;
     bool keep = false;
     for (const auto& writer : writers_) {
@@ -389,9 +275,7 @@ private:
   // Of one execution.
   std::vector<DueTime> due_times_; ///< of the tracer's own times
   std::optional<advect::Snapshots> at_times_;
-  advect::StepTimes interval_{0.0, 0.0};
-  int interval_steps_ = 0;                               ///< before this one, that may serve
-  const commit::EarlierMesh* interval_before_ = nullptr; ///< or the one on other cells
+  StepInterval interval_;
   std::vector<std::unique_ptr<TrackWriter>> writers_;
   bool seeded_ = false;
   double settled_ = 0.0; ///< the time that the particles are at

@@ -2,6 +2,10 @@
 
 #include "core/timer.h"
 #include "core/unsigned_zero.h"
+#include "scene/run/environment.h"
+#include "scene/run/lookup.h"
+#include "scene/run/own_cell.h"
+#include "scene/run/step.h"
 #include "scene/tracers/drawn_lines.h"
 #include "scene/tracers/tracer_action.h"
 #include "scene/tracers/tracer_cells.h"

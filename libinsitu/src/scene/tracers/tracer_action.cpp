@@ -7,6 +7,10 @@
 #include "core/status.h"
 #include "core/unsigned_zero.h"
 #include "query/proof.h"
+#include "scene/probes/resolve_points.h"
+#include "scene/run/growing_table.h"
+#include "scene/run/lookup.h"
+#include "scene/run/own_cell.h"
 #include "scene/tracers/tracer_effects.h"
 #include "scene/tracers/track_writer.h"
 

@@ -5,7 +5,10 @@
 
 #include "advect/lines/streamlines.h"
 #include "advect/pathlines.h"
+#include "scene/expression/trigger.h"
+#include "scene/parse/description.h"
 #include "scene/run/action.h"
+#include "scene/run/environment.h"
 
 namespace insitu::scene {
 
@@ -30,11 +33,9 @@ public:
   std::optional<advect::Counts> particles() const final { return counts(); }
   virtual advect::Counts counts() const = 0;
 
-protected:
-  bool writes(TableFormat format) const;
   bool has_times() const { return tracer_.times.interval || !tracer_.times.at.empty(); }
-  advect::IntegratorSettings integrator() const;
-  const std::vector<math::Vec3d>& seeds(const commit::CommittedMesh& mesh);
+  insitu_accuracy accuracy() const { return to_api(tracer_.accuracy); }
+  const core::Threads& threads() const { return environment_.context.threads; }
   std::vector<mesh::FieldView> fields(const commit::CommittedMesh& mesh) const;
   std::vector<std::string> field_columns(std::span<const mesh::FieldView> fields) const;
   /// The fields' values at points whose cells are known (or -1), [point][column], NaN outside.
@@ -42,6 +43,11 @@ protected:
                              std::span<const mesh::FieldView> fields,
                              std::span<const math::Vec3d> points,
                              std::span<const std::int64_t> cells) const;
+
+protected:
+  bool writes(TableFormat format) const;
+  advect::IntegratorSettings integrator() const;
+  const std::vector<math::Vec3d>& seeds(const commit::CommittedMesh& mesh);
 
   Tracer tracer_;
   Environment environment_;

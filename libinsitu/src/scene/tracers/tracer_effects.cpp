@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/status.h"
+#include "scene/run/lookup.h"
 
 namespace insitu::scene {
 namespace {

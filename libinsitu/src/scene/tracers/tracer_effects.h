@@ -7,7 +7,8 @@
 #include "advect/effects/effects.h"
 #include "advect/field/crossing_velocity.h"
 #include "commit/earlier/earlier_mesh.h"
-#include "scene/run/action.h"
+#include "scene/parse/description.h"
+#include "scene/run/step.h"
 
 namespace insitu::scene {
 

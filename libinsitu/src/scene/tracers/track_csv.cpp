@@ -1,4 +1,6 @@
 #include "output/files/csv.h"
+#include "scene/run/environment.h"
+#include "scene/run/growing_table.h"
 #include "scene/tracers/track_table.h"
 
 namespace insitu::scene {

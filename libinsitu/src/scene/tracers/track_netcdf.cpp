@@ -1,6 +1,8 @@
 #include "core/status.h"
 #include "output/netcdf/netcdf_table.h"
 #include "scene/earth/cf.h"
+#include "scene/run/environment.h"
+#include "scene/run/growing_table.h"
 #include "scene/tracers/track_table.h"
 
 namespace insitu::scene {

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "scene/run/own_cell.h"
+
 namespace insitu::scene {
 
 void TrackTable::write(TrackCycle& cycle) {

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "advect/lines/tracks.h"
+#include "scene/run/environment.h"
 #include "scene/tracers/drawn_lines.h"
 #include "scene/tracers/track_writer.h"
 #include "scene/tracers/vtp_series.h"

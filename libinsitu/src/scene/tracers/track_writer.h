@@ -9,8 +9,11 @@
 
 #include "advect/lines/snapshots.h"
 #include "core/archive.h"
-#include "scene/run/action.h"
+#include "scene/parse/description.h"
+#include "scene/run/environment.h"
 #include "scene/run/output_times.h"
+#include "scene/run/own_cell.h"
+#include "scene/run/step.h"
 #include "scene/tracers/track_geodesics.h"
 
 /// How the particles of path- and streaklines are written: the tracer moves them, and hands each of

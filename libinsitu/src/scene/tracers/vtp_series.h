@@ -3,7 +3,8 @@
 #include <memory>
 
 #include "output/vtk/xml_vtk.h"
-#include "scene/run/action.h"
+#include "scene/run/environment.h"
+#include "scene/run/step.h"
 
 namespace insitu::scene {
 

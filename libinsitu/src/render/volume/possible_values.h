@@ -8,7 +8,7 @@ namespace insitu::render {
 
 /// What samples among some values may be: within [lower, upper], or no number. Doubles as fields
 /// are: 1e-300 has no range in float.
-struct CellValues {
+struct PossibleValues {
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   double lower = infinity, upper = -infinity;
   bool nan = false; ///< or infinite

@@ -1,16 +1,15 @@
-#include <cmath>
+#include "scene/expression/expression.h"
 
-#include "scene/expression/trigger.h"
-#include "scene/parse/problems.h"
+#include <cmath>
+#include <optional>
+
+#include "core/status.h"
+#include "scene/expression/expression_text.h"
 
 namespace insitu::scene {
 namespace {
 
 constexpr std::size_t shown_width = 100; // of a long expression in a message
-
-bool continues_letter(char c) {
-  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
-}
 
 } // namespace
 
@@ -117,19 +116,6 @@ bool Expression::evaluate_at(std::int64_t cycle, double time, double age,
   return Evaluation(*this, cycle, time, age, none, values).condition(nodes_.size() - 1);
 }
 
-const char* reduction_name(Reduction reduction) {
-  switch (reduction) {
-  case Reduction::min:
-    return "min";
-  case Reduction::max:
-    return "max";
-  case Reduction::value:
-    return "value";
-  default:
-    return "mean";
-  }
-}
-
 std::string describe(const ExpressionError& error, std::string_view text) {
   std::size_t at = error.column - 1;
   std::string message =
@@ -152,6 +138,15 @@ std::string describe(const ExpressionError& error, std::string_view text) {
     }
   }
   return message + "\n    " + shown + "\n    " + below + "^";
+}
+
+Expression Expression::parse(std::string_view text, std::string_view file, int line) {
+  try {
+    return Expression(text);
+  } catch (const ExpressionError& error) {
+    throw core::Error(INSITU_ERROR_SCENE, std::string(file) + ":" + std::to_string(line) + ": " +
+                                              describe(error, text));
+  }
 }
 
 } // namespace insitu::scene

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "advect/lines/snapshots.h"
+#include "scene/tracers/field_between.h"
+#include "scene/tracers/tracer_action.h"
+#include "scene/tracers/track_writer.h"
+
+namespace insitu::scene {
+
+/// The particles of a tracer after they moved.
+struct MovedParticles {
+  const TracerAction& tracer;
+  const advect::Particles& particles;
+  const TrackGeodesics& geodesics;
+  std::span<const DueTime> times;     ///< of the tracer's own, that this cycle reaches
+  const advect::Snapshots* snapshots; ///< the particles at those times; null without any
+  StepInterval interval;
+};
+
+/// What the writers see of a cycle of path- and streaklines. The rows that one asked for last are
+/// kept: the next one, of another format, mostly asks for the same.
+class ParticleCycle final : public TrackCycle {
+public:
+  /// mesh and step must outlive this.
+  ParticleCycle(const MovedParticles& moved, const commit::CommittedMesh& mesh, const Step& step,
+                bool due)
+      : moved_(moved), mesh_(mesh), step_(step), due_(due) {}
+
+  const Step& step() const override { return step_; }
+  bool due() const override { return due_; }
+  const advect::Particles& particles() const override { return moved_.particles; }
+  std::int64_t seeded() const override { return particles().seeded(); }
+  const TrackGeodesics& geodesics() const override { return moved_.geodesics; }
+  bool has_times() const override { return moved_.tracer.has_times(); }
+  std::span<const DueTime> times() const override { return moved_.times; }
+  const advect::Snapshots& snapshots() const override { return *moved_.snapshots; }
+  const TrackRows& rows_at(std::size_t k) override;
+  const TrackRows& rows(const std::vector<std::size_t>& indices) override;
+
+private:
+  TrackRows no_rows() const;
+  TrackRows make_rows_at(std::size_t k) const;
+  TrackRows make_rows(const std::vector<std::size_t>& indices) const;
+  template <class Put>
+  void add_geodesics(TrackRows& out, Put&& put) const;
+
+  MovedParticles moved_;
+  const commit::CommittedMesh& mesh_;
+  const Step& step_;
+  bool due_;
+  std::optional<std::vector<std::size_t>> known_;
+  TrackRows rows_;
+  std::optional<std::size_t> known_time_;
+  TrackRows rows_at_;
+};
+
+} // namespace insitu::scene
