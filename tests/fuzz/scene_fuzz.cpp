@@ -94,7 +94,7 @@ void check(const scene::SceneDescription& described) {
       require(!frame.volume->field.empty(), "a volume's field");
       const auto& range = frame.volume->colors.range;
       require(!range || range->low < range->high, "range");
-      require(!range || frame.volume->colors.scale != scene::ColorScale::log || range->low > 0,
+      require(!range || frame.volume->colors.scale != render::Scale::log || range->low > 0,
               "a logarithmic range above 0");
     }
     for (const scene::Isosurface& surface : frame.isosurfaces) {
