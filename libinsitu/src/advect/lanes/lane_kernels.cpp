@@ -5,7 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "cells/kernels/kernels_simd.h"
+#include "cells/kernels/pack_pair_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace insitu::advect::HWY_NAMESPACE {
@@ -152,16 +152,22 @@ void invert_all(mesh::Shape shape, const LaneQuery* queries, int count, int step
                 LaneAnswer* answers) {
   const int lanes = int(hn::Lanes(simd::PackTag()));
   simd::with_inverse(shape, [&](auto vertices, const auto& map) HWY_ATTR {
-    for (int i = 0; i < count; i += lanes) {
-      const LaneQuery* const q = queries + i;
-      const int n = count - i < lanes ? count - i : lanes;
-      PackVec x[vertices()], p;
-      gather_cells<vertices()>(
-          lanes, n, [q](int l) HWY_ATTR { return q[l].vertices; }, x);
-      gather<1>(
-          lanes, n, [q](int l) HWY_ATTR { return &q[l].point; }, &p);
-      answer<vertices()>(shape, q, n, steps, map(x, p), answers + i);
-    }
+    const auto in_pack = [&](int i) HWY_ATTR { return count - i < lanes ? count - i : lanes; };
+    simd::invert_range<vertices()>(
+        map, 0, count,
+        [&]<class Put>(int, int i, const Put& put, PackVec& p) HWY_ATTR {
+          const LaneQuery* const q = queries + i;
+          PackVec x[vertices()];
+          gather_cells<vertices()>(
+              lanes, in_pack(i), [q](int l) HWY_ATTR { return q[l].vertices; }, x);
+          for (int v = 0; v < vertices(); ++v)
+            put(v, x[v]);
+          gather<1>(
+              lanes, in_pack(i), [q](int l) HWY_ATTR { return &q[l].point; }, &p);
+        },
+        [&](int, int i, const simd::InverseMap<Pack>& found) HWY_ATTR {
+          answer<vertices()>(shape, queries + i, in_pack(i), steps, found, answers + i);
+        });
   });
 }
 

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdint>
 #include <hwy/highway.h>
-#include <type_traits>
 #include <utility>
 
 #include "cells/kernels/faces.h"
@@ -196,27 +195,6 @@ using mesh::vertex_count;
 
 #undef INSITU_INLINE
 #undef INSITU_LAMBDA
-
-/// Calls f(vertices, map) with the number of a shape's vertices, a constant, and its inverse
-/// map(x, p), of packs or of pairs of packs (cells/kernels/pack_pair_simd.h).
-template <class F>
-HWY_INLINE void with_inverse(Shape shape, const F& f) {
-  switch (shape) {
-  case Shape::tetrahedron:
-    return f(std::integral_constant<int, 4>(),
-             [](const auto* x, const auto& p) HWY_ATTR { return inverse_tetrahedron(x, p); });
-  case Shape::pyramid:
-    return f(std::integral_constant<int, 5>(),
-             [](const auto* x, const auto& p) HWY_ATTR { return inverse_pyramid(x, p); });
-  case Shape::wedge:
-    return f(std::integral_constant<int, 6>(),
-             [](const auto* x, const auto& p) HWY_ATTR { return inverse_wedge(x, p); });
-  default:
-    return f(std::integral_constant<int, 8>(), [shape](const auto* x, const auto& p) HWY_ATTR {
-      return inverse_hexahedron(shape, x, p);
-    });
-  }
-}
 
 } // namespace insitu::cells::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -7,6 +7,8 @@
 #define INSITU_CELLS_PACK_PAIR_SIMD_H
 #endif
 
+#include <type_traits>
+
 #include "cells/kernels/kernels_simd.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -118,6 +120,27 @@ HWY_INLINE void invert_range(const Map& map, int begin, int end, const Load& loa
     Vec3<Pack> x[vectors], p;
     load(0, i, PutWhole{x}, p);
     store(0, i, map(static_cast<const Vec3<Pack>*>(x), p));
+  }
+}
+
+/// Calls f(vertices, map) with the number of a shape's vertices, a constant, and its inverse
+/// map(x, p), of packs or pairs of packs.
+template <class F>
+HWY_INLINE void with_inverse(Shape shape, const F& f) {
+  switch (shape) {
+  case Shape::tetrahedron:
+    return f(std::integral_constant<int, 4>(),
+             [](const auto* x, const auto& p) HWY_ATTR { return inverse_tetrahedron(x, p); });
+  case Shape::pyramid:
+    return f(std::integral_constant<int, 5>(),
+             [](const auto* x, const auto& p) HWY_ATTR { return inverse_pyramid(x, p); });
+  case Shape::wedge:
+    return f(std::integral_constant<int, 6>(),
+             [](const auto* x, const auto& p) HWY_ATTR { return inverse_wedge(x, p); });
+  default:
+    return f(std::integral_constant<int, 8>(), [shape](const auto* x, const auto& p) HWY_ATTR {
+      return inverse_hexahedron(shape, x, p);
+    });
   }
 }
 
