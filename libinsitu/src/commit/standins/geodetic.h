@@ -31,9 +31,6 @@ public:
   Found commit(mesh::Mesh& mesh, const insitu_frame& frame, std::uint32_t changed,
                const core::Threads& threads, const core::Log& log) override;
   bool is_made() const override { return false; }
-  const mesh::MeshView& keep(std::vector<std::int64_t>, const core::Threads&) override {
-    return view_;
-  }
 
   /// Without copies the solver's cells are located as they are.
   bool stands() const override { return has_copies(); }

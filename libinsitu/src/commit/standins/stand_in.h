@@ -17,7 +17,7 @@ namespace insitu::commit {
 
 /// What a kind of mesh needs whose points are not simply located in the solver's cells: other cells
 /// in their place (view(), if stands()), a locator of its own, a chart. A committed mesh has at most
-/// one, and asks it instead of asking what the mesh is. A new kind of mesh is a new stand-in here
+/// one stand-in, and asks it instead of asking what the mesh is. A new kind of mesh is a new stand-in here
 /// and a line in make_stand_in().
 class StandIn : public mesh::StandIn {
 public:
@@ -27,8 +27,8 @@ public:
   virtual void require(const std::string& mesh_name, const query::LocatorPick& pick,
                        bool on_device) const = 0;
 
-  /// Validates the mesh as it is registered, where its cells are no solver's cells of vertices; none:
-  /// the cells are validated as any.
+  /// Validates the mesh as it is registered, if its cells have no vertices of the solver's. An empty
+  /// optional means that the cells are validated like those of any mesh.
   virtual std::optional<cells::Validation> validate(const mesh::Mesh& /*mesh*/,
                                                     const core::Threads& /*threads*/) const {
     return std::nullopt;
@@ -53,8 +53,10 @@ public:
   virtual bool is_made() const = 0;
   /// The cells of a step that has passed, if is_made(): without the solver's arrays from now on.
   /// first_cell: of the solver's pieces, [piece count + 1].
-  virtual const mesh::MeshView& keep(std::vector<std::int64_t> first_cell,
-                                     const core::Threads& threads) = 0;
+  virtual const mesh::MeshView& keep(std::vector<std::int64_t> /*first_cell*/,
+                                     const core::Threads& /*threads*/) {
+    return view();
+  }
   /// Whether view() is in place; if not, points are located in the solver's cells.
   virtual bool stands() const = 0;
 
