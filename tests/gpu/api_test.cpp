@@ -1,46 +1,22 @@
 // The C API with a locator on a device: host and device arrays, streams, refusals.
 #include <cmath>
-#include <cuda_runtime_api.h>
 #include <gtest/gtest.h>
 #include <string>
 #include <vector>
 
 #include "insitu/insitu.h"
 
-#include "accel/device_locator.h"
+#include "on_device.h"
+#include "query/device/device_locator.h"
 #include "workload/mesh.h"
 #include "workload/queries.h"
 
 using namespace insitu;
+using test::OnDevice;
 
 namespace {
 
 #define REQUIRE_OK(call) ASSERT_EQ(call, INSITU_OK) << insitu_last_message()
-
-/// A copy of host memory on the device.
-template <class T>
-class OnDevice {
-public:
-  explicit OnDevice(const std::vector<T>& host) : OnDevice(host.size()) {
-    cudaMemcpy(data_, host.data(), host.size() * sizeof(T), cudaMemcpyHostToDevice);
-  }
-  explicit OnDevice(std::size_t n) : size_(n) {
-    cudaMalloc(reinterpret_cast<void**>(&data_), n * sizeof(T));
-  }
-  ~OnDevice() { cudaFree(data_); }
-  OnDevice(const OnDevice&) = delete;
-  OnDevice& operator=(const OnDevice&) = delete;
-  T* data() const { return data_; }
-  std::vector<T> host() const {
-    std::vector<T> out(size_);
-    cudaMemcpy(out.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost);
-    return out;
-  }
-
-private:
-  T* data_ = nullptr;
-  std::size_t size_;
-};
 
 insitu_array on_device(const void* data, insitu_type type, std::int64_t count, int components) {
   insitu_array a = insitu_array_of(data, type, count, components);
@@ -67,7 +43,7 @@ void expect_same(const std::vector<double>& a, const std::vector<double>& b, con
 class GpuApi : public testing::Test {
 protected:
   void SetUp() override {
-    if (const std::string why = accel::why_unavailable(accel::Backend::cuda); !why.empty())
+    if (const std::string why = query::why_unavailable(accel::Backend::cuda); !why.empty())
       GTEST_SKIP() << why;
     mesh_ = workload::make_box(workload::Kind::hexahedra, 12, 0.2);
     field_ = workload::vertex_field(mesh_);
@@ -191,8 +167,7 @@ TEST_F(GpuApi, SmallDeviceArraysInPlace) {
   REQUIRE_OK(insitu_mesh_commit(device, nullptr));
   expect_answers(sample_host(device), expected); // host points, host answers
 
-  cudaStream_t stream = nullptr;
-  ASSERT_EQ(cudaStreamCreate(&stream), cudaSuccess);
+  const device::Stream stream;
   const OnDevice<std::int64_t> cells(count_);
   const OnDevice<double> parametric(3 * count_), values(count_);
   const OnDevice<std::uint8_t> found(count_), reasons(count_);
@@ -206,22 +181,22 @@ TEST_F(GpuApi, SmallDeviceArraysInPlace) {
   s.locate.found = found.data();
   s.locate.reasons = reasons.data();
   s.locate.memory = INSITU_DEVICE;
-  s.locate.stream = stream;
+  s.locate.stream = stream.get();
   REQUIRE_OK(insitu_mesh_sample(device, &s));
-  ASSERT_EQ(cudaStreamSynchronize(stream), cudaSuccess);
+  stream.wait("answering");
   Answers got(0);
-  got.cells = cells.host();
-  got.parametric = parametric.host();
-  got.found = found.host();
-  got.values = values.host();
+  got.cells = cells.read();
+  got.parametric = parametric.read();
+  got.found = found.read();
+  got.values = values.read();
   expect_answers(got, expected);
-  cudaStreamDestroy(stream);
 
   // Moved on the device: a refit, no copy.
   for (double& x : mesh_.points)
     x *= 2.0;
-  cudaMemcpy(coordinates.data(), mesh_.points.data(), mesh_.points.size() * 8,
-             cudaMemcpyHostToDevice);
+  device::copy_to_device(coordinates.data(), mesh_.points.data(), mesh_.points.size() * 8, nullptr,
+                         "moving vertices");
+  device::wait(nullptr, "moving vertices");
   REQUIRE_OK(insitu_mesh_changed(device, INSITU_CHANGED_GEOMETRY));
   insitu_commit_report report = insitu_commit_report_default();
   REQUIRE_OK(insitu_mesh_commit(device, &report));
@@ -256,8 +231,8 @@ TEST_F(GpuApi, SmallTracersGoOnTheDevice) {
   args.steps = 400;
   args.step = 2.0 * 3.14159265358979323846 / 400.0; // once around
   REQUIRE_OK(insitu_mesh_advance(host_, &args));
-  const std::vector<double> at = positions.host();
-  const std::vector<std::uint8_t> end = endings.host();
+  const std::vector<double> at = positions.read();
+  const std::vector<std::uint8_t> end = endings.read();
   for (std::size_t i = 0; i < 100; ++i) {
     EXPECT_EQ(end[i], INSITU_END_ALIVE) << i;
     for (std::size_t a = 0; a < 3; ++a) // RK4: 2 pi h^4 / 120 of the radius

@@ -1,6 +1,7 @@
 // The CUDA backend with arrays, points and tracers in device memory.
 #include <gtest/gtest.h>
 
+#include "advect/device/device_tracer.h"
 #include "advect/field/mesh_velocity.h"
 #include "cuda_mesh.h"
 
@@ -38,19 +39,18 @@ TEST_F(Cuda, ArraysAndPointsInDeviceMemory) {
   expect_same(on_gpu(*locator, points, INSITU_EXACT, fields), expected, points, "device arrays");
 
   // The same, asked on a stream with all in device memory.
-  cudaStream_t stream;
-  ASSERT_EQ(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), cudaSuccess);
+  const device::Stream stream;
   std::vector<double> flat(&points[0].x, &points[0].x + 3 * points.size());
   const test::OnDevice<double> p(flat), parametric(flat.size()), values(flat.size());
   const test::OnDevice<std::int64_t> owners(points.size());
   const test::OnDevice<std::uint8_t> reasons(points.size());
   double* value_arrays[] = {values.data()};
-  accel::DeviceQuery query;
+  query::DeviceQuery query;
   query.points = p.data();
   query.count = std::int64_t(points.size());
   query.on_device = true;
   query.accuracy = INSITU_EXACT;
-  query.stream = stream;
+  query.stream = stream.get();
   query.cells = owners.data();
   query.parametric = parametric.data();
   query.reasons = reasons.data();
@@ -58,13 +58,12 @@ TEST_F(Cuda, ArraysAndPointsInDeviceMemory) {
   query.values = value_arrays;
   Answers got(points.size(), fields);
   got.counts = locator->locate(query);
-  ASSERT_EQ(cudaStreamSynchronize(stream), cudaSuccess);
+  stream.wait("answering");
   got.cells = owners.read();
   got.parametric = parametric.read();
   got.reasons = reasons.read();
   got.values = {values.read()};
   expect_same(got, expected, points, "on a stream");
-  cudaStreamDestroy(stream);
 }
 
 TEST_F(Cuda, TracersMoveAsOnTheCpu) {
@@ -110,16 +109,16 @@ TEST_F(Cuda, TracersMoveAsOnTheCpu) {
     const test::OnDevice<std::uint32_t> cells(
         std::vector<std::uint32_t>(seeds.size(), accel::none));
     const test::OnDevice<std::uint8_t> endings(std::vector<std::uint8_t>(seeds.size(), 0));
-    accel::DeviceTracers tracers;
-    tracers.positions = positions.data();
-    tracers.cells = cells.data();
-    tracers.endings = endings.data();
-    tracers.count = std::int64_t(seeds.size());
-    tracers.velocity = field;
-    tracers.step = h;
-    tracers.steps = steps / 4; // in parts, as a solver's steps are
+    advect::DeviceParticles particles;
+    particles.positions = positions.data();
+    particles.cells = cells.data();
+    particles.endings = endings.data();
+    particles.count = std::int64_t(seeds.size());
+    particles.velocity = field;
+    particles.step = h;
+    particles.steps = steps / 4; // in parts, as a solver's steps are
     for (int part = 0; part < 4; ++part)
-      mesh.locator->advance(tracers);
+      advect::DeviceTracer(*mesh.locator).advance(particles);
     const std::vector<double> got = positions.read();
     const std::vector<std::uint8_t> got_endings = endings.read();
     EXPECT_EQ(got_endings, expected_endings);

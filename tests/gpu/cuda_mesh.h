@@ -16,13 +16,13 @@ using math::Vec3d;
 class Cuda : public testing::Test {
 protected:
   void SetUp() override {
-    if (const std::string why = accel::why_unavailable(Backend::cuda); !why.empty())
+    if (const std::string why = query::why_unavailable(Backend::cuda); !why.empty())
       GTEST_SKIP() << why;
   }
 };
 
-inline std::unique_ptr<accel::DeviceLocator> make_locator(core::Memory& memory) {
-  return accel::make_device_locator(Backend::cuda, Method::bvh, memory);
+inline std::unique_ptr<query::DeviceLocator> make_locator(core::Memory& memory) {
+  return query::make_device_locator(Backend::cuda, Method::bvh, memory);
 }
 
 inline bool same_bits(double a, double b) {
@@ -35,7 +35,7 @@ struct Answers {
   std::vector<double> parametric;
   std::vector<std::uint8_t> reasons;
   std::vector<std::vector<double>> values;
-  accel::DeviceCounts counts;
+  query::DeviceCounts counts;
 
   Answers(std::size_t n, std::span<const mesh::FieldView> fields)
       : cells(n, -7), parametric(3 * n, -7.0), reasons(n, 77) {
@@ -63,13 +63,13 @@ inline Answers on_cpu(const query::Sampler& sampler, const core::Threads& thread
   return out;
 }
 
-inline Answers on_gpu(const accel::DeviceLocator& locator, const std::vector<Vec3d>& points,
+inline Answers on_gpu(const query::DeviceLocator& locator, const std::vector<Vec3d>& points,
                       insitu_accuracy accuracy, std::span<const mesh::FieldView> fields) {
   Answers out(points.size(), fields);
   std::vector<double*> values;
   for (auto& v : out.values)
     values.push_back(v.data());
-  accel::DeviceQuery query;
+  query::DeviceQuery query;
   query.points = points.empty() ? nullptr : &points[0].x;
   query.count = std::int64_t(points.size());
   query.accuracy = accuracy;
@@ -165,7 +165,7 @@ struct GpuMesh {
   fixtures::Committed on_cpu;
   std::vector<double> vectors;
   std::vector<float> scalars;
-  std::unique_ptr<accel::DeviceLocator> locator;
+  std::unique_ptr<query::DeviceLocator> locator;
 };
 
 inline TestMesh one_shape(MeshKind kind, int size, double jitter, std::uint64_t seed) {

@@ -29,7 +29,7 @@ TEST_F(Cuda, AnswersWhateverIsAsked) {
   const std::vector<Vec3d> points = test::hard_points(from, 3000, 4);
   const std::vector<mesh::FieldView> fields = mesh.fields();
   const Answers all = on_gpu(*mesh.locator, points, INSITU_EXACT, fields);
-  accel::DeviceQuery query;
+  query::DeviceQuery query;
   query.points = &points[0].x;
   query.count = std::int64_t(points.size());
   query.accuracy = INSITU_EXACT;

@@ -1,14 +1,14 @@
 #pragma once
 
 #include <cmath>
-#include <cuda_runtime_api.h>
 #include <limits>
 #include <string>
 #include <vector>
 
-#include "accel/device_locator.h"
 #include "accel/faces/mesh_faces.h"
 #include "fixtures/committed.h"
+#include "on_device.h"
+#include "query/device/device_locator.h"
 
 /// What tests of ray methods on a device need: meshes with their faces, points that try to break
 /// them, device memory, and the CPU's exact answers.
@@ -17,33 +17,6 @@ namespace insitu::test {
 inline const accel::Method ray_methods[] = {
     accel::Method::user_geometry, accel::Method::replicated_faces, accel::Method::shared_faces,
     accel::Method::shared_bilinear_faces};
-
-/// Device memory that holds a vector's values.
-template <class T>
-class OnDevice {
-public:
-  explicit OnDevice(std::size_t n) : size_(n) {
-    if (cudaMalloc(&data_, n * sizeof(T)) != cudaSuccess)
-      throw std::bad_alloc();
-    (void)cudaMemset(data_, 0xee, n * sizeof(T));
-  }
-  explicit OnDevice(const std::vector<T>& values) : OnDevice(values.size()) {
-    (void)cudaMemcpy(data_, values.data(), values.size() * sizeof(T), cudaMemcpyHostToDevice);
-  }
-  OnDevice(const OnDevice&) = delete;
-  OnDevice& operator=(const OnDevice&) = delete;
-  ~OnDevice() { (void)cudaFree(data_); }
-  T* data() const { return static_cast<T*>(data_); }
-  std::vector<T> read() const {
-    std::vector<T> out(size_);
-    (void)cudaMemcpy(out.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost);
-    return out;
-  }
-
-private:
-  void* data_ = nullptr;
-  std::size_t size_;
-};
 
 /// Random points of the box and around it, on faces, edges and vertices, and such that are nowhere.
 inline std::vector<math::Vec3d> hard_points(const TestMesh& mesh, int count, std::uint64_t seed) {
@@ -90,7 +63,7 @@ inline const Case cases[] = {
     {"one", {.kind = MeshKind::hexahedra, .size = 1, .jitter = 0.0}},
 };
 
-/// The mesh as it is, as an accel::HostView.
+/// The mesh as it is, as an query::HostView.
 struct OwnView {
   const mesh::Mesh* mesh;
   const mesh::MeshView& operator()() const { return mesh->view(); }
@@ -108,10 +81,10 @@ struct RayMesh {
   }
   const mesh::MeshView& view() const { return on_cpu.mesh.mesh().view(); }
 
-  void commit(accel::DeviceLocator& locator, std::uint32_t what = INSITU_CHANGED_ALL) {
+  void commit(query::DeviceLocator& locator, std::uint32_t what = INSITU_CHANGED_ALL) {
     locator.commit(on_cpu.mesh.mesh(), host(), what, &faces, on_cpu.threads);
   }
-  accel::HostView host() const { return host_; }
+  query::HostView host() const { return host_; }
   std::vector<query::Location> exact(const std::vector<math::Vec3d>& points) const {
     std::vector<query::Location> out(points.size());
     on_cpu.sampler().locate(on_cpu.threads, points, out, {.accuracy = INSITU_EXACT});
@@ -130,17 +103,17 @@ private:
 };
 
 /// The cells that the locator tells for points in host memory.
-inline std::vector<std::int64_t> cells_of(const accel::DeviceLocator& locator,
+inline std::vector<std::int64_t> cells_of(const query::DeviceLocator& locator,
                                           const std::vector<math::Vec3d>& points,
                                           insitu_accuracy accuracy,
-                                          accel::DeviceCounts* counts = nullptr) {
+                                          query::DeviceCounts* counts = nullptr) {
   std::vector<std::int64_t> cells(points.size(), -7);
-  accel::DeviceQuery query;
+  query::DeviceQuery query;
   query.points = &points[0].x;
   query.count = std::int64_t(points.size());
   query.accuracy = accuracy;
   query.cells = cells.data();
-  const accel::DeviceCounts c = locator.locate(query);
+  const query::DeviceCounts c = locator.locate(query);
   if (counts)
     *counts = c;
   return cells;

@@ -2,12 +2,12 @@
 #include <cstdio>
 #include <gtest/gtest.h>
 
-#include "accel/device_locator.h"
+#include "query/device/device_locator.h"
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   const std::string why =
-      insitu::accel::why_unavailable(insitu::accel::Backend::INSITU_GPU_TEST_BACKEND);
+      insitu::query::why_unavailable(insitu::accel::Backend::INSITU_GPU_TEST_BACKEND);
   if (why.empty())
     return RUN_ALL_TESTS();
   std::printf("skipped: %s\n", why.c_str());

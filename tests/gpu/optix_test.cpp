@@ -1,9 +1,10 @@
 // The ray methods on OptiX answer as the CPU's tree does, whatever the rays find.
+#include <cuda_runtime_api.h>
 #include <gtest/gtest.h>
 
-#include "accel/optix/locator.h"
 #include "core/status.h"
 #include "gpu_mesh.h"
+#include "query/device/optix/locator.h"
 
 using namespace insitu;
 using accel::Method;
@@ -16,12 +17,12 @@ constexpr std::int64_t one_level = std::int64_t(1) << 40;
 class Optix : public testing::Test {
 protected:
   void SetUp() override {
-    if (const std::string why = accel::why_no_optix(); !why.empty())
+    if (const std::string why = query::why_no_optix(); !why.empty())
       GTEST_SKIP() << why;
   }
 };
 
-void expect_exact(const test::RayMesh& mesh, const accel::DeviceLocator& locator,
+void expect_exact(const test::RayMesh& mesh, const query::DeviceLocator& locator,
                   const std::vector<Vec3d>& points, const std::string& what) {
   const std::vector<query::Location> exact = mesh.exact(points);
   const std::vector<std::int64_t> cells = test::cells_of(locator, points, INSITU_EXACT);
@@ -34,7 +35,7 @@ void expect_exact(const test::RayMesh& mesh, const accel::DeviceLocator& locator
 }
 
 /// The share of points whose owner `fast` does not tell.
-double wrong_share(const test::RayMesh& mesh, const accel::DeviceLocator& locator,
+double wrong_share(const test::RayMesh& mesh, const query::DeviceLocator& locator,
                    const std::vector<Vec3d>& points) {
   const std::vector<query::Location> exact = mesh.exact(points);
   const std::vector<std::int64_t> cells = test::cells_of(locator, points, INSITU_FAST);
@@ -53,7 +54,7 @@ TEST_F(Optix, TellsTheExactOwnersOfEveryShape) {
     const std::vector<Vec3d> points = test::hard_points(from, 20000, 12);
     for (const Method method : test::ray_methods)
       for (const std::int64_t group : {one_level, std::int64_t(150)}) {
-        const auto locator = accel::make_optix_locator(method, mesh.on_cpu.memory, group);
+        const auto locator = query::make_optix_locator(method, mesh.on_cpu.memory, group);
         mesh.commit(*locator);
         EXPECT_EQ(locator->report().ray_groups > 1, locator->report().primitives > group);
         expect_exact(mesh, *locator, points,
@@ -72,9 +73,9 @@ TEST_F(Optix, MostCandidatesOfTheRaysAreKept) {
   for (int i = 0; i < 50000; ++i)
     points.push_back(random.uniform(from.low, from.high));
   for (const Method method : test::ray_methods) {
-    const auto locator = accel::make_optix_locator(method, mesh.on_cpu.memory);
+    const auto locator = query::make_optix_locator(method, mesh.on_cpu.memory);
     mesh.commit(*locator);
-    accel::DeviceCounts counts;
+    query::DeviceCounts counts;
     test::cells_of(*locator, points, INSITU_STANDARD, &counts);
     const bool flat = method == Method::shared_faces || method == Method::replicated_faces;
     EXPECT_GT(double(counts.candidates_kept), (flat ? 0.88 : 0.99) * 50000) << name(method);
@@ -88,7 +89,7 @@ TEST_F(Optix, FollowsMovedVertices) {
     test::RayMesh mesh(from);
     for (const Method method : test::ray_methods)
       for (const std::int64_t group : {one_level, std::int64_t(150)}) {
-        const auto locator = accel::make_optix_locator(method, mesh.on_cpu.memory, group);
+        const auto locator = query::make_optix_locator(method, mesh.on_cpu.memory, group);
         mesh.commit(*locator);
         for (int step = 0; step < 3; ++step) {
           // A shear, then jitter, which makes planar quads curved.
@@ -142,7 +143,7 @@ TEST_F(Optix, AnswersOnTheDeviceAsOnTheHost) {
   cudaStream_t stream;
   ASSERT_EQ(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), cudaSuccess);
   for (const Method method : test::ray_methods) {
-    const auto locator = accel::make_optix_locator(method, mesh.on_cpu.memory, 1000);
+    const auto locator = query::make_optix_locator(method, mesh.on_cpu.memory, 1000);
     mesh.commit(*locator);
     for (const insitu_accuracy accuracy : {INSITU_FAST, INSITU_STANDARD, INSITU_EXACT}) {
       SCOPED_TRACE(std::string(name(method)) + ", accuracy " + std::to_string(int(accuracy)));
@@ -150,7 +151,7 @@ TEST_F(Optix, AnswersOnTheDeviceAsOnTheHost) {
       const test::OnDevice<double> parametric(3 * n), values_v(2 * n), values_c(n);
       const test::OnDevice<std::uint8_t> reasons(n);
       double* const values[] = {values_v.data(), values_c.data()};
-      accel::DeviceQuery query;
+      query::DeviceQuery query;
       query.points = &on_device.data()->x;
       query.count = std::int64_t(n);
       query.on_device = true;
@@ -204,7 +205,7 @@ TEST_F(Optix, FastIsWrongAsOftenAsItsRuleIs) {
   for (int i = 0; i < 400000; ++i)
     points.push_back(random.uniform(from.low + Vec3d{1, 1, 1}, from.high - Vec3d{1, 1, 1}));
   for (const Method method : test::ray_methods) {
-    const auto locator = accel::make_optix_locator(method, mesh.on_cpu.memory);
+    const auto locator = query::make_optix_locator(method, mesh.on_cpu.memory);
     mesh.commit(*locator);
     const double wrong = wrong_share(mesh, *locator, points);
     RecordProperty(name(method), std::to_string(wrong));
@@ -233,7 +234,7 @@ TEST_F(Optix, SmallMeshWithGhosts) {
   mesh.faces.build(mesh.view(), mesh.on_cpu.threads);
   const std::vector<Vec3d> points = test::hard_points(from, 5000, 62);
   for (const Method method : test::ray_methods) {
-    const auto locator = accel::make_optix_locator(method, mesh.on_cpu.memory);
+    const auto locator = query::make_optix_locator(method, mesh.on_cpu.memory);
     mesh.commit(*locator);
     expect_exact(mesh, *locator, points, name(method));
   }
@@ -257,7 +258,7 @@ TEST_F(Optix, SmallMeshOnTheDeviceIsReadInPlace) {
   there.update();
   const std::vector<Vec3d> points = test::hard_points(from, 3000, 72);
   for (const Method method : test::ray_methods) {
-    const auto locator = accel::make_optix_locator(method, mesh.on_cpu.memory);
+    const auto locator = query::make_optix_locator(method, mesh.on_cpu.memory);
     locator->commit(there, mesh.host(), INSITU_CHANGED_ALL, &mesh.faces, mesh.on_cpu.threads);
     EXPECT_EQ(locator->report().bytes_copied, 0);
     expect_exact(mesh, *locator, points, name(method));
@@ -271,10 +272,10 @@ TEST_F(Optix, ProvenCandidatesAnswerAloneWhereCellsCoverOnce) {
   mesh.on_cpu.mesh.mesh().set_covers_once(true);
   const std::vector<Vec3d> points = test::hard_points(from, 5000, 82);
   for (const Method method : test::ray_methods) {
-    const auto locator = accel::make_optix_locator(method, mesh.on_cpu.memory);
+    const auto locator = query::make_optix_locator(method, mesh.on_cpu.memory);
     mesh.commit(*locator);
     expect_exact(mesh, *locator, points, name(method));
-    accel::DeviceCounts counts;
+    query::DeviceCounts counts;
     test::cells_of(*locator, points, INSITU_EXACT, &counts);
     EXPECT_GT(counts.candidates_kept, 1000) << name(method);
   }
@@ -283,8 +284,8 @@ TEST_F(Optix, ProvenCandidatesAnswerAloneWhereCellsCoverOnce) {
 TEST_F(Optix, RefusesWhatItCannotAnswer) {
   const test::TestMesh from = test::make_mesh({.size = 2}, 91);
   test::RayMesh mesh(from);
-  EXPECT_THROW(accel::make_optix_locator(Method::bvh, mesh.on_cpu.memory), core::Error);
-  const auto locator = accel::make_optix_locator(Method::shared_faces, mesh.on_cpu.memory);
+  EXPECT_THROW(query::make_optix_locator(Method::bvh, mesh.on_cpu.memory), core::Error);
+  const auto locator = query::make_optix_locator(Method::shared_faces, mesh.on_cpu.memory);
   EXPECT_THROW(test::cells_of(*locator, {{1, 1, 1}}, INSITU_EXACT), core::Error);
   EXPECT_THROW(locator->commit(mesh.on_cpu.mesh.mesh(), mesh.host(), INSITU_CHANGED_ALL, nullptr,
                                mesh.on_cpu.threads),

@@ -1,7 +1,7 @@
 # Holds every #include in libinsitu/src to the module order of libinsitu/doc/design/README.md.
 # Run by: cmake -DSOURCE=<libinsitu/src> -P layering.cmake
 cmake_minimum_required(VERSION 3.22)
-set(order core math mesh cells amr accel query commit advect render output scene api)
+set(order core math mesh device cells amr accel query commit advect render output scene api)
 
 # allowed(<module>): the modules to its left; advect and render do not see each other.
 function(allowed module result)

@@ -1,10 +1,11 @@
 // Queries of meshes whose locator runs on a device.
 #include <algorithm>
 
-#include "accel/device_locator.h"
+#include "advect/device/device_tracer.h"
 #include "api/session.h"
 #include "core/caller_struct.h"
 #include "core/timer.h"
+#include "query/device/device_locator.h"
 #include "scene/earth/reference_frames.h"
 
 namespace insitu::api {
@@ -19,8 +20,8 @@ T* from(T* array, std::int64_t first, int components = 1) {
 }
 
 /// What is asked, answers written from item `first` on.
-accel::DeviceQuery query_of(const insitu_locate_args& args, std::int64_t first) {
-  accel::DeviceQuery q;
+query::DeviceQuery query_of(const insitu_locate_args& args, std::int64_t first) {
+  query::DeviceQuery q;
   q.accuracy = args.accuracy;
   q.cells = from(args.cells, first);
   q.by_piece = true;
@@ -51,7 +52,7 @@ void Session::answer_in_device_memory(const commit::CommittedMesh& mesh,
   const math::Vec3d* const in_place = points.in_place();
   if (!in_place)
     refuse("points: in device memory one packed array of float64 with 3 components expected");
-  accel::DeviceQuery q = query_of(args, 0);
+  query::DeviceQuery q = query_of(args, 0);
   q.points = &in_place->x;
   q.count = points.count();
   q.on_device = true;
@@ -70,7 +71,7 @@ void Session::answer_by_device(const commit::CommittedMesh& mesh, const insitu_l
   std::vector<std::uint8_t> reasons;
   std::vector<double*> values_here(fields.size());
   for_each_slice(mesh, args, points, [&](std::int64_t first, std::span<const math::Vec3d> slice) {
-    accel::DeviceQuery q = query_of(args, first);
+    query::DeviceQuery q = query_of(args, first);
     q.points = &slice.data()->x;
     q.count = std::int64_t(slice.size());
     if (!q.reasons) { // they are counted
@@ -111,8 +112,9 @@ void Session::advance(SessionMesh& to, const insitu_advance_args& given) {
   require(velocity.components == 3, std::string("velocity: field '") + args.velocity + "' has " +
                                         std::to_string(velocity.components) +
                                         " components, 3 expected");
-  mesh.device()->advance({args.positions, args.cells, args.endings, args.count, velocity, args.step,
-                          args.steps, args.stream});
+  advect::DeviceTracer(*mesh.device())
+      .advance({args.positions, args.cells, args.endings, args.count, velocity, args.step,
+                args.steps, args.stream});
   statistics_.advect_s += timer.seconds();
 }
 

@@ -10,6 +10,7 @@
 #include "commit/checks/hanging_vertices.h"
 #include "core/status.h"
 #include "core/timer.h"
+#include "device/available.h"
 #include "mesh/registered/host_mirror.h"
 #include "query/point_query.h"
 
@@ -20,7 +21,7 @@ namespace {
 std::unique_ptr<mesh::HostMirror> make_mirror(const mesh::Mesh& mesh) {
   return std::make_unique<mesh::HostMirror>(
       mesh, [](std::byte* to, const std::byte* from, std::size_t bytes) {
-        accel::copy_from_device(to, from, bytes);
+        device::copy_from_device(to, from, bytes);
       });
 }
 
@@ -200,7 +201,7 @@ bool CommittedMesh::update_tree(bool topology, std::uint32_t& pending, insitu_co
     report.action = INSITU_REFIT;
     rebuild = policy_.rebuild_is_due(tree_.cost_ratio());
     if (rebuild)
-      pending |= accel::rebuild_due; // boxes that spoil the tree spoil the locators' structures
+      pending |= query::rebuild_due; // boxes that spoil the tree spoil the locators' structures
   }
   rebuild = rebuild || policy_.surface_area_is_due();
   if (rebuild) {

@@ -37,14 +37,14 @@ public:
   void set_locator(const query::LocatorChoice& choice) { locators_.choose(choice); }
   const query::Locators& locators() const { return locators_; }
   /// Answers whole batches, or null.
-  const accel::DeviceLocator* device() const { return locators_.device(); }
+  const query::DeviceLocator* device() const { return locators_.device(); }
   /// At the last commit one of the mesh's arrays at least was in device memory: only device()
   /// answers.
   bool lies_on_device() const { return on_device_; }
   /// Throws INSITU_ERROR_ORDER before the first commit.
   insitu_locator_info locator_info() const;
   /// What device() did. reasons: of its answers, if they are on the host; they are counted.
-  void note(const accel::DeviceCounts& counts, std::span<const std::uint8_t> reasons = {}) const;
+  void note(const query::DeviceCounts& counts, std::span<const std::uint8_t> reasons = {}) const;
   /// The frame of the mesh's coordinates. Conversions are geo's; a geodetic mesh is located in its
   /// own chart (StandIn), so a change to, from or of that is a change of topology.
   insitu_frame reference_frame = insitu_frame_default();
@@ -173,7 +173,7 @@ private:
   query::Locators locators_;
   std::unique_ptr<StandIn> stand_in_; ///< of meshes that need one
   std::unique_ptr<accel::FaceNeighbours> neighbours_;
-  std::int64_t unguided_before_ = 0;  ///< points, when the topology last changed
+  std::int64_t unguided_before_ = 0; ///< points, when the topology last changed
   query::FactsCache facts_;
   mutable query::SpatialOrder order_; ///< scratch of queries
   mutable query::LocateCounts locate_counts_;

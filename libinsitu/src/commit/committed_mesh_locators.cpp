@@ -28,7 +28,7 @@ insitu_locator_info CommittedMesh::locator_info() const {
   return locators_.info(tree_);
 }
 
-void CommittedMesh::note(const accel::DeviceCounts& counts,
+void CommittedMesh::note(const query::DeviceCounts& counts,
                          std::span<const std::uint8_t> reasons) const {
   locators_.note(counts);
   std::int64_t by_reason[query::reason_count] = {};

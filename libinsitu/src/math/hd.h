@@ -6,3 +6,12 @@
 #else
 #define INSITU_HD
 #endif
+
+/// Before a loop of kernels for a device: its steps become registers, or the loop stays a loop.
+#if defined(__CUDACC__)
+#define INSITU_UNROLL _Pragma("unroll")
+#define INSITU_NO_UNROLL _Pragma("unroll 1")
+#else
+#define INSITU_UNROLL
+#define INSITU_NO_UNROLL
+#endif

@@ -1,7 +1,7 @@
 #include "query/locator_choice.h"
 
-#include "accel/device_locator.h"
 #include "core/status.h"
+#include "query/device/device_locator.h"
 
 namespace insitu::query {
 
@@ -16,7 +16,7 @@ namespace {
 
 /// Throws unless the backend can be used here.
 void require(Backend backend) {
-  if (const std::string why = accel::why_unavailable(backend); !why.empty())
+  if (const std::string why = why_unavailable(backend); !why.empty())
     refuse(std::string("backend ") + name(backend) + ": " + why);
 }
 
@@ -56,7 +56,7 @@ LocatorPick pick_locator(const LocatorChoice& choice, bool on_device) {
     return {Method::bvh, Backend::cpu, "the mesh lies in host memory; bvh is fastest on a CPU", ""};
   if (*choice.method == Method::bvh)
     return {Method::bvh, Backend::cpu, "the mesh lies in host memory", ""};
-  const std::string why = accel::why_unavailable(Backend::optix);
+  const std::string why = why_unavailable(Backend::optix);
   if (why.empty())
     return {*choice.method, Backend::optix, "ray methods run on OptiX where it can be used", ""};
   return {*choice.method, Backend::cpu, "no OptiX here: Embree",

@@ -22,17 +22,17 @@ void Locators::decide(bool on_device, const std::string& mesh_name, const core::
   pick_ = pick;
 }
 
-void Locators::make_faces(accel::HostView host, const core::Threads& threads) {
+void Locators::make_faces(HostView host, const core::Threads& threads) {
   if (pick_.method != Method::bvh)
     faces_.build(host(), threads);
   else
     faces_ = accel::MeshFaces(*memory_);
 }
 
-void Locators::commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_t what,
+void Locators::commit(const mesh::Mesh& mesh, HostView host, std::uint32_t what,
                       const core::Threads& threads) {
   const bool anew = pending_ || (what & INSITU_CHANGED_TOPOLOGY);
-  const bool rebuild = anew || (what & accel::rebuild_due);
+  const bool rebuild = anew || (what & rebuild_due);
   const bool refit = !rebuild && (what & INSITU_CHANGED_GEOMETRY);
   if (pending_) {
     chosen_.reset();
@@ -44,10 +44,10 @@ void Locators::commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_
   const bool by_rays = pick_.method != Method::bvh;
   if (!on_cpu) {
     if (!device_)
-      device_ = accel::make_device_locator(pick_.backend, pick_.method, *memory_);
+      device_ = make_device_locator(pick_.backend, pick_.method, *memory_);
     if (!chosen_)
-      chosen_ = std::make_unique<DeviceCalls>(
-          *device_, [this](const accel::DeviceCounts& counts) { note(counts); });
+      chosen_ = std::make_unique<DeviceCalls>(*device_,
+                                              [this](const DeviceCounts& counts) { note(counts); });
     device_->commit(mesh, host, anew ? std::uint32_t(INSITU_CHANGED_ALL) : what, &faces_, threads);
   } else if (by_rays) {
     if (!rays_)
@@ -66,7 +66,7 @@ void Locators::commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_
   pending_ = false;
 }
 
-void Locators::note(const accel::DeviceCounts& counts) const {
+void Locators::note(const DeviceCounts& counts) const {
   ray_counts_.kept += counts.candidates_kept;
   ray_counts_.by_tree += counts.by_tree;
   settled_on_host_ += counts.settled_on_host;
@@ -86,7 +86,7 @@ insitu_locator_info Locators::info(const accel::Tree& tree) const {
     info.bytes_peak += r.peak_bytes + faces_.bytes();
   }
   if (device_) {
-    const accel::DeviceReport r = device_->report();
+    const DeviceReport r = device_->report();
     info.primitives = r.primitives;
     info.bytes += r.bytes;
     info.bytes_peak += std::max(r.peak_bytes, r.bytes);

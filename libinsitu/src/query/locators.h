@@ -4,13 +4,13 @@
 #include <memory>
 #include <string>
 
-#include "accel/device_locator.h"
 #include "accel/faces/mesh_faces.h"
 #include "accel/ray_locator.h"
 #include "accel/tree/tree.h"
 #include "core/log.h"
-#include "query/locator_choice.h"
 #include "query/batch/tree_locator.h"
+#include "query/device/device_locator.h"
+#include "query/locator_choice.h"
 
 namespace insitu::query {
 
@@ -31,15 +31,15 @@ public:
   /// Decides what the next commit makes; throws as pick_locator.
   void decide(bool on_device, const std::string& mesh_name, const core::Log& log);
   /// Finds faces anew, if rays ask for them or for knowing overlaps; before commit().
-  void make_faces(accel::HostView host, const core::Threads& threads);
-  /// Brings the structures up to date. what: INSITU_CHANGED_*, and accel::rebuild_due. Throws
+  void make_faces(HostView host, const core::Threads& threads);
+  /// Brings the structures up to date. what: INSITU_CHANGED_*, and rebuild_due. Throws
   /// core::Error; then there are none.
-  void commit(const mesh::Mesh& mesh, accel::HostView host, std::uint32_t what,
+  void commit(const mesh::Mesh& mesh, HostView host, std::uint32_t what,
               const core::Threads& threads);
 
   /// Null unless these answer.
   const accel::RayLocator* rays() const { return rays_.get(); }
-  const accel::DeviceLocator* device() const { return device_.get(); }
+  const DeviceLocator* device() const { return device_.get(); }
   /// How points find their cells by these structures; valid until the next commit.
   const PointLocator& point_locator() const {
     const PointLocator& by_tree = TreeLocator::plain();
@@ -55,7 +55,7 @@ public:
   const Upkeep& upkeep() const { return upkeep_; }
   /// Counts of this mesh, since it was made.
   RayCounts& ray_counts() const { return ray_counts_; }
-  void note(const accel::DeviceCounts& counts) const;
+  void note(const DeviceCounts& counts) const;
   /// tree: of the host, which counts where it stands.
   insitu_locator_info info(const accel::Tree& tree) const;
 
@@ -67,7 +67,7 @@ private:
   std::string said_; ///< the last fallback that was logged
   accel::MeshFaces faces_;
   std::unique_ptr<accel::RayLocator> rays_;
-  std::unique_ptr<accel::DeviceLocator> device_;
+  std::unique_ptr<DeviceLocator> device_;
   std::unique_ptr<PointLocator> chosen_; ///< by rays or a device; null: by the tree
   Upkeep upkeep_;
   mutable RayCounts ray_counts_;

@@ -3,17 +3,17 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "accel/cuda/fast_cell.h"
 #include "cells/exact/contain_exact.h"
 #include "cells/kernels/kernels.h"
 #include "fixtures/cells.h"
+#include "query/device/fast_cell.h"
 
 using namespace insitu;
-using accel::cuda::fast_inverse;
-using accel::cuda::fast_margin;
-using accel::cuda::FastMap;
 using math::Vec3d;
 using mesh::Shape;
+using query::on_device::fast_inverse;
+using query::on_device::fast_margin;
+using query::on_device::FastMap;
 
 namespace {
 

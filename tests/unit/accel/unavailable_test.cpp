@@ -1,9 +1,9 @@
 // What is said where a backend cannot be used.
 #include <gtest/gtest.h>
 
-#include "accel/device_locator.h"
 #include "accel/optix/unavailable.h"
 #include "core/status.h"
+#include "query/device/device_locator.h"
 
 using namespace insitu;
 using accel::Backend;
@@ -23,15 +23,15 @@ TEST(Unavailable, OptixSaysWhatTheDriverLacks) {
 }
 
 TEST(Unavailable, LocatorsAreRefusedWithTheReason) {
-  EXPECT_EQ(accel::why_unavailable(Backend::cpu), "");
+  EXPECT_EQ(query::why_unavailable(Backend::cpu), "");
   core::Memory memory;
   for (const auto& [backend, method] :
        {std::pair{Backend::cuda, Method::bvh}, {Backend::optix, Method::user_geometry}}) {
-    const std::string why = accel::why_unavailable(backend);
+    const std::string why = query::why_unavailable(backend);
     if (why.empty())
       continue; // it can be used here
     try {
-      accel::make_device_locator(backend, method, memory);
+      query::make_device_locator(backend, method, memory);
       ADD_FAILURE() << name(backend) << " was made, though: " << why;
     } catch (const core::Error& e) {
       EXPECT_EQ(e.status(), INSITU_ERROR_UNSUPPORTED);

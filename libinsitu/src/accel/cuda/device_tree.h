@@ -3,18 +3,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "accel/cuda/device_mesh.h"
 #include "accel/cuda/tree_node.h"
 #include "accel/tree/node.h"
+#include "device/device_mesh.h"
 
 namespace insitu::accel::cuda {
-
-/// The tree as kernels see it.
-struct TreeView {
-  const TreeNode* nodes = nullptr; ///< null if no cell owns points
-  const std::uint32_t* cells = nullptr;
-  math::Vec3d origin;
-};
 
 /// The hierarchy of the `bvh` method, built and fitted on the device: 8-wide quantised nodes,
 /// breadth first, over the owning cells in Morton order.
@@ -24,9 +17,9 @@ public:
 
   /// Both throw INSITU_ERROR_MESH for a cell whose coordinates no float holds; they return when
   /// done.
-  void build(const DeviceMesh& mesh, cudaStream_t stream);
+  void build(const device::DeviceMesh& mesh, device::StreamHandle stream);
   /// For moved vertices of the same topology.
-  void refit(const DeviceMesh& mesh, cudaStream_t stream);
+  void refit(const device::DeviceMesh& mesh, device::StreamHandle stream);
   /// Scratch is kept between builds, as on the CPU.
   void release_scratch();
 
@@ -38,25 +31,23 @@ public:
   std::int64_t scratch_bytes() const; ///< kept
 
 private:
-  std::int64_t collect_owners(const DeviceMesh& mesh, cudaStream_t stream);
-  void make_topology(std::uint32_t n, const std::uint32_t* order, cudaStream_t stream);
-  void fit(const DeviceMesh& mesh, bool from_boxes, cudaStream_t stream);
-  void check_refused(const DeviceMesh& mesh, cudaStream_t stream);
-  template <class F>
-  void with_scratch(const char* what, F&& call); ///< CUB's two calls
+  std::int64_t collect_owners(const device::DeviceMesh& mesh, device::StreamHandle stream);
+  void make_topology(std::uint32_t n, const std::uint32_t* order, device::StreamHandle stream);
+  void fit(const device::DeviceMesh& mesh, bool from_boxes, device::StreamHandle stream);
+  void check_refused(const device::DeviceMesh& mesh, device::StreamHandle stream);
 
-  DeviceBuffer<TreeNode> nodes_;
-  DeviceBuffer<std::uint32_t> cells_;
+  device::Buffer<TreeNode> nodes_;
+  device::Buffer<std::uint32_t> cells_;
   std::vector<std::uint32_t> levels_; ///< first nodes, root first, and the number of nodes
   math::Vec3d origin_;
   std::int64_t cell_count_ = 0;
   // Scratch.
-  DeviceBuffer<Box> boxes_;      ///< of cells, by flat id
-  DeviceBuffer<Box> node_boxes_; ///< of nodes; also of refits
-  DeviceBuffer<std::uint64_t> codes_[2];
-  DeviceBuffer<std::uint32_t> order_, splits_;
-  DeviceBuffer<std::byte> items_, cub_;
-  DeviceBuffer<std::uint32_t> counters_;
+  device::Buffer<Box> boxes_;      ///< of cells, by flat id
+  device::Buffer<Box> node_boxes_; ///< of nodes; also of refits
+  device::Buffer<std::uint64_t> codes_[2];
+  device::Buffer<std::uint32_t> order_, splits_;
+  device::Buffer<std::byte> items_, scratch_;
+  device::Buffer<std::uint32_t> counters_;
 };
 
 } // namespace insitu::accel::cuda

@@ -2,8 +2,7 @@
 
 #include <cstdint>
 
-#include "accel/cuda/tree_node.h"
-#include "math/morton.h"
+#include "device/arithmetic.cuh"
 
 /// Which cells a node holds: the binary radix tree of sorted codes (Karras 2012), opened to eight
 /// children a node.
@@ -15,17 +14,18 @@ struct TreeItem {
 };
 
 /// How many leading bits two codes share; equal ones are told apart by their places. -1: no code.
-__device__ inline int shared_bits(const std::uint64_t* codes, std::uint32_t count, std::int64_t i,
-                                  std::int64_t j) {
+INSITU_HD inline int shared_bits(const std::uint64_t* codes, std::uint32_t count, std::int64_t i,
+                                 std::int64_t j) {
   if (j < 0 || j >= count)
     return -1;
   const std::uint64_t difference = codes[i] ^ codes[j];
-  return difference ? __clzll(std::int64_t(difference)) : 64 + __clz(int(i ^ j));
+  return difference ? device::leading_zeros(difference)
+                    : 64 + device::leading_zeros(std::uint32_t(i ^ j));
 }
 
 /// The last cell of the first child of inner node i.
-__device__ inline std::uint32_t find_split(const std::uint64_t* codes, std::uint32_t count,
-                                           std::uint32_t node) {
+INSITU_HD inline std::uint32_t find_split(const std::uint64_t* codes, std::uint32_t count,
+                                          std::uint32_t node) {
   const std::int64_t i = node;
   const auto shared = [&](std::int64_t j) { return shared_bits(codes, count, i, j); };
   const std::int64_t d = shared(i + 1) > shared(i - 1) ? 1 : -1;
@@ -54,7 +54,7 @@ struct Opened {
   int count = 1;
 
   /// halve: in the middle, deep down where codes tell little.
-  __device__ Opened(const TreeItem& item, const std::uint32_t* splits, bool halve) {
+  INSITU_HD Opened(const TreeItem& item, const std::uint32_t* splits, bool halve) {
     if (item.end - item.begin < 8) {
       count = int(item.end - item.begin) + 1;
       for (int c = 0; c < count; ++c)

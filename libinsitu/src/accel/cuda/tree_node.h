@@ -22,6 +22,13 @@ struct alignas(16) TreeNode {
 };
 static_assert(sizeof(TreeNode) == 80);
 
+/// The tree as kernels see it.
+struct TreeView {
+  const TreeNode* nodes = nullptr; ///< null if no cell owns points
+  const std::uint32_t* cells = nullptr;
+  math::Vec3d origin;
+};
+
 /// A tree is no deeper, whatever its cells: from `splits_end` on, ranges are halved by number.
 constexpr int most_levels = 32, splits_end = 20;
 

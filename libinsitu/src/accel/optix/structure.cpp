@@ -92,7 +92,7 @@ void Structure::note_peak() {
   peak_bytes_ = std::max(peak_bytes_, bytes());
 }
 
-void Structure::build(const Primitives& primitives, cudaStream_t stream) {
+void Structure::build(const Primitives& primitives, device::StreamHandle stream) {
   clear();
   const std::int64_t most = Context::get().most_primitives();
   const std::int64_t group = std::clamp<std::int64_t>(group_, 1, most);
@@ -101,7 +101,7 @@ void Structure::build(const Primitives& primitives, cudaStream_t stream) {
   try {
     for (std::int64_t first = 0; first < primitives.count; first += group) {
       const std::int64_t n = std::min(group, primitives.count - first);
-      groups_.push_back({first, n, cuda::DeviceBuffer<std::byte>(*memory_), 0});
+      groups_.push_back({first, n, device::Buffer<std::byte>(*memory_), 0});
       build_group(primitives, groups_.back(), stream);
     }
     output_.release();
@@ -109,7 +109,7 @@ void Structure::build(const Primitives& primitives, cudaStream_t stream) {
       build_top(stream);
     else
       handle_ = groups_[0].handle;
-    cuda::check(cudaStreamSynchronize(stream), "building the structure of the rays");
+    device::wait(stream, "building the structure of the rays");
   } catch (...) {
     clear();
     throw;
@@ -119,7 +119,8 @@ void Structure::build(const Primitives& primitives, cudaStream_t stream) {
   count_ = primitives.count;
 }
 
-void Structure::build_group(const Primitives& primitives, Group& group, cudaStream_t stream) {
+void Structure::build_group(const Primitives& primitives, Group& group,
+                            device::StreamHandle stream) {
   OptixDeviceContext context = Context::get().handle();
   if (primitives.boxes) {
     boxes_.resize_discard(std::size_t(group.count));
@@ -144,9 +145,8 @@ void Structure::build_group(const Primitives& primitives, Group& group, cudaStre
                         &loose, &compacted, 1),
         "building a structure of " + std::to_string(group.count) + " primitives");
   std::uint64_t size = 0;
-  cuda::check(cudaMemcpyAsync(&size, size_.data(), sizeof size, cudaMemcpyDeviceToHost, stream),
-              "reading the size of a structure");
-  cuda::check(cudaStreamSynchronize(stream), "building a structure");
+  device::copy_to_host(&size, size_.data(), sizeof size, stream, "reading the size of a structure");
+  device::wait(stream, "building a structure");
   group.memory.resize_discard(size);
   note_peak();
   check(
@@ -154,7 +154,7 @@ void Structure::build_group(const Primitives& primitives, Group& group, cudaStre
       "compacting a structure");
 }
 
-void Structure::build_top(cudaStream_t stream) {
+void Structure::build_top(device::StreamHandle stream) {
   std::vector<OptixInstance> instances(groups_.size());
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     OptixInstance& instance = instances[g];
@@ -166,10 +166,8 @@ void Structure::build_top(cudaStream_t stream) {
     instance.traversableHandle = groups_[g].handle;
   }
   instances_.resize_discard(instances.size());
-  cuda::check(cudaMemcpyAsync(instances_.data(), instances.data(),
-                              instances.size() * sizeof(OptixInstance), cudaMemcpyHostToDevice,
-                              stream),
-              "copying instances");
+  device::copy_to_device(instances_.data(), instances.data(),
+                         instances.size() * sizeof(OptixInstance), stream, "copying instances");
   OptixBuildInput input{};
   input.type = OPTIX_BUILD_INPUT_TYPE_INSTANCES;
   input.instanceArray.instances = address(instances_.data());
@@ -191,7 +189,7 @@ void Structure::build_top(cudaStream_t stream) {
         "building the top level over " + std::to_string(instances.size()) + " groups");
 }
 
-void Structure::refit(const Primitives& primitives, cudaStream_t stream) {
+void Structure::refit(const Primitives& primitives, device::StreamHandle stream) {
   if (primitives.count != count_)
     throw core::Error(INSITU_ERROR_INTERNAL, "refit of " + std::to_string(primitives.count) +
                                                  " primitives in a structure of " +
@@ -203,14 +201,15 @@ void Structure::refit(const Primitives& primitives, cudaStream_t stream) {
       build_top(stream);
     else if (count_ > 0)
       handle_ = groups_[0].handle;
-    cuda::check(cudaStreamSynchronize(stream), "refitting the structure of the rays");
+    device::wait(stream, "refitting the structure of the rays");
   } catch (...) {
     clear();
     throw;
   }
 }
 
-void Structure::refit_group(const Primitives& primitives, Group& group, cudaStream_t stream) {
+void Structure::refit_group(const Primitives& primitives, Group& group,
+                            device::StreamHandle stream) {
   OptixDeviceContext context = Context::get().handle();
   if (primitives.boxes) { // the group before is done with them, since work follows in order
     boxes_.resize_discard(std::size_t(group.count));

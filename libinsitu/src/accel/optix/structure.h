@@ -4,10 +4,10 @@
 #include <optix.h>
 #include <vector>
 
-#include "accel/cuda/device_buffer.h"
 #include "accel/faces/face_triangle.h"
 #include "accel/tree/node.h"
 #include "core/parallel.h"
+#include "device/buffer.h"
 
 namespace insitu::accel::optix {
 
@@ -32,9 +32,9 @@ public:
   Structure(core::Memory& memory, std::int64_t group);
 
   /// Both return when done. Throw core::Error; the structure then is empty.
-  void build(const Primitives& primitives, cudaStream_t stream);
+  void build(const Primitives& primitives, device::StreamHandle stream);
   /// The same primitives, moved: the triangles' ids and the boxes' number are as they were built.
-  void refit(const Primitives& primitives, cudaStream_t stream);
+  void refit(const Primitives& primitives, device::StreamHandle stream);
 
   OptixTraversableHandle handle() const { return handle_; } ///< 0: empty, rays miss
   bool two_level() const { return groups_.size() > 1; }
@@ -46,14 +46,14 @@ public:
 private:
   struct Group {
     std::int64_t first, count;
-    cuda::DeviceBuffer<std::byte> memory;
+    device::Buffer<std::byte> memory;
     OptixTraversableHandle handle;
   };
   struct Input; ///< of a group, as the driver wants it
   void clear();
-  void build_group(const Primitives& primitives, Group& group, cudaStream_t stream);
-  void refit_group(const Primitives& primitives, Group& group, cudaStream_t stream);
-  void build_top(cudaStream_t stream);
+  void build_group(const Primitives& primitives, Group& group, device::StreamHandle stream);
+  void refit_group(const Primitives& primitives, Group& group, device::StreamHandle stream);
+  void build_top(device::StreamHandle stream);
   void note_peak();
 
   core::Memory* memory_;
@@ -61,12 +61,12 @@ private:
   std::int64_t count_ = 0, peak_bytes_ = 0;
   std::vector<Group> groups_;
   OptixTraversableHandle handle_ = 0;
-  cuda::DeviceBuffer<OptixInstance> instances_;
-  cuda::DeviceBuffer<std::byte> top_;
+  device::Buffer<OptixInstance> instances_;
+  device::Buffer<std::byte> top_;
   // Scratch; given back after builds, small and kept for refits.
-  cuda::DeviceBuffer<std::byte> output_, temporary_;
-  cuda::DeviceBuffer<Box> boxes_;
-  cuda::DeviceBuffer<std::uint64_t> size_;
+  device::Buffer<std::byte> output_, temporary_;
+  device::Buffer<Box> boxes_;
+  device::Buffer<std::uint64_t> size_;
 };
 
 } // namespace insitu::accel::optix

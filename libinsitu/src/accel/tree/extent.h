@@ -1,11 +1,11 @@
 #pragma once
 
 #include "accel/tree/node.h"
+#include "math/number.h"
 
 namespace insitu::accel {
 
-/// Coordinates beyond do not fit a float box with its margins.
-inline constexpr double largest_coordinate = 1e37;
+using math::largest_coordinate;
 
 /// The box of gathered vertices.
 class Extent {

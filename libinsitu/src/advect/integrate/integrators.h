@@ -1,6 +1,7 @@
 #pragma once
 
 #include "advect/integrate/fields.h"
+#include "advect/integrate/kutta.h"
 
 namespace insitu::advect {
 
@@ -86,17 +87,7 @@ Trial trial_of(F& velocity, const Vec3d& x, double t, double h, const Vec3d& k1)
 // ---------------------------------------------------------------------------- implementation
 
 inline Vec3d Rk4::point(int s, const Vec3d& x, double h, const Vec3d& k1, const Trial& trial) {
-  const auto& [k2, k3, k4, k5, k6, k7] = trial.k;
-  switch (s) {
-  case 0:
-    return x + (0.5 * h) * k1;
-  case 1:
-    return x + (0.5 * h) * k2;
-  case 2:
-    return x + h * k3;
-  default:
-    return x + ((h / 6) * k1 + (h / 3) * k2 + (h / 3) * k3 + (h / 6) * k4);
-  }
+  return kutta_point(s, x, h, k1, trial.k[0], trial.k[1], trial.k[2]);
 }
 
 inline Vec3d Bs32::point(int s, const Vec3d& x, double h, const Vec3d& k1, const Trial& trial) {

@@ -9,8 +9,7 @@ using math::Vec3d;
 
 /// The device answers slices, which are given on in parallel.
 bool DeviceCalls::visit(const core::Threads& threads, std::span<const Vec3d> points,
-                        const LocateOptions& options, LocateCounts* counts,
-                        PutAnswers put) const {
+                        const LocateOptions& options, LocateCounts* counts, PutAnswers put) const {
   if (options.alpha != 1.0)
     return false;
   constexpr std::size_t slice = std::size_t(1) << 20;
@@ -20,7 +19,7 @@ bool DeviceCalls::visit(const core::Threads& threads, std::span<const Vec3d> poi
   std::vector<std::uint8_t> reasons(most);
   for (std::size_t from = 0; from < points.size(); from += slice) {
     const std::size_t n = std::min(slice, points.size() - from);
-    accel::DeviceQuery query;
+    DeviceQuery query;
     query.points = &points[from].x;
     query.count = std::int64_t(n);
     query.accuracy = options.accuracy;

@@ -2,8 +2,8 @@
 
 #include <functional>
 
-#include "accel/device_locator.h"
 #include "query/batch/tree_locator.h"
+#include "query/device/device_locator.h"
 
 namespace insitu::query {
 
@@ -12,14 +12,13 @@ namespace insitu::query {
 class DeviceCalls final : public TreeLocator {
 public:
   /// note: told what each slice of a call counted.
-  using Note = std::function<void(const accel::DeviceCounts& counts)>;
-  DeviceCalls(const accel::DeviceLocator& device, Note note)
-      : device_(device), note_(std::move(note)) {}
+  using Note = std::function<void(const DeviceCounts& counts)>;
+  DeviceCalls(const DeviceLocator& device, Note note) : device_(device), note_(std::move(note)) {}
   bool visit(const core::Threads& threads, std::span<const math::Vec3d> points,
              const LocateOptions& options, LocateCounts* counts, PutAnswers put) const override;
 
 private:
-  const accel::DeviceLocator& device_;
+  const DeviceLocator& device_;
   Note note_;
 };
 

@@ -1,4 +1,4 @@
-// Builds without CUDA: accel::why_unavailable says so before these are called.
+// Builds without CUDA: query::why_unavailable says so before these are called.
 #include <stdexcept>
 
 #include "methods/runner.h"

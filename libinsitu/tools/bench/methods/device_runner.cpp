@@ -1,11 +1,11 @@
 #include <cuda_runtime_api.h>
 #include <stdexcept>
 
-#include "accel/device_locator.h"
 #include "accel/faces/mesh_faces.h"
 #include "cells/checks/odd_cells.h"
 #include "core/timer.h"
 #include "methods/runner.h"
+#include "query/device/device_locator.h"
 
 namespace insitu::bench {
 
@@ -51,7 +51,7 @@ public:
     mesh_.set_free_of_folds(free);
     // As a committed mesh knows it: it looks for overlaps with ray methods alone.
     mesh_.set_covers_once(free && method != accel::Method::bvh);
-    locator_ = accel::make_device_locator(backend, method, memory_);
+    locator_ = query::make_device_locator(backend, method, memory_);
   }
 
   Sizes build(double& build_seconds) override {
@@ -65,14 +65,14 @@ public:
     Sizes sizes;
     if (backend_ == accel::Backend::optix) {
       const auto whole =
-          accel::make_device_locator(backend_, method_, memory_, std::int64_t(1) << 40);
+          query::make_device_locator(backend_, method_, memory_, std::int64_t(1) << 40);
       whole->commit(mesh_, host, INSITU_CHANGED_ALL, &faces_, context_.threads);
       sizes.peak_whole = whole->report().ray_peak_bytes;
     }
     locator_->commit(mesh_, host, INSITU_CHANGED_ALL, &faces_, context_.threads);
     locator_->commit(mesh_, host, INSITU_CHANGED_ALL, &faces_,
                      context_.threads); // buffers are warm now
-    const accel::DeviceReport r = locator_->report();
+    const query::DeviceReport r = locator_->report();
     const bool by_rays = backend_ == accel::Backend::optix;
     build_seconds = by_rays ? faces_seconds + r.rays_seconds : r.tree_seconds;
     sizes.faces_s = faces_seconds;
@@ -85,7 +85,7 @@ public:
   double refit() override {
     const auto host = [this]() -> const mesh::MeshView& { return mesh_.view(); };
     locator_->commit(mesh_, host, INSITU_CHANGED_GEOMETRY, &faces_, context_.threads);
-    const accel::DeviceReport r = locator_->report();
+    const query::DeviceReport r = locator_->report();
     return backend_ == accel::Backend::optix ? r.rays_seconds : r.tree_seconds;
   }
 
@@ -100,7 +100,7 @@ public:
   }
 
   void answer(Wanted wanted, insitu_accuracy accuracy) override {
-    accel::DeviceQuery query;
+    query::DeviceQuery query;
     query.points = points_.data();
     query.count = std::int64_t(count_);
     query.on_device = true;
@@ -113,7 +113,7 @@ public:
       query.fields = std::span(&field, 1);
       query.values = &values;
     }
-    const accel::DeviceCounts counts = locator_->locate(query);
+    const query::DeviceCounts counts = locator_->locate(query);
     ways_ = {counts.candidates_kept, 0, counts.by_tree, counts.settled_on_host};
     check(cudaDeviceSynchronize(), "locating");
   }
@@ -134,7 +134,7 @@ private:
   core::Memory memory_;
   mesh::Mesh mesh_;
   accel::MeshFaces faces_;
-  std::unique_ptr<accel::DeviceLocator> locator_;
+  std::unique_ptr<query::DeviceLocator> locator_;
   std::size_t count_ = 0;
   Ways ways_;
   OnDevice<double> points_, values_;

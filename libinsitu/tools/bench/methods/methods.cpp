@@ -3,12 +3,12 @@
 #include <iterator>
 #include <optional>
 
-#include "accel/device_locator.h"
 #include "commands.h"
+#include "methods/rates.h"
+#include "query/device/device_locator.h"
+#include "query/locator_choice.h"
 #include "report/format.h"
 #include "report/json.h"
-#include "methods/rates.h"
-#include "query/locator_choice.h"
 
 namespace insitu::bench {
 
@@ -149,7 +149,7 @@ private:
     row.backend = backend;
     row.method = method;
     row.mesh = mesh;
-    row.absent = accel::why_unavailable(backend);
+    row.absent = query::why_unavailable(backend);
     if (!row.absent.empty())
       return row;
     progress(mesh + ", " + full_name(row));
@@ -287,7 +287,7 @@ std::string text_of(const std::vector<Row>& rows, const Bench& bench, const Opti
     text += energy_table(rows, bench);
   text += "\n";
   for (int b = 0; b < accel::backend_count; ++b)
-    if (const std::string why = accel::why_unavailable(Backend(b)); !why.empty())
+    if (const std::string why = query::why_unavailable(Backend(b)); !why.empty())
       text += std::string("Not here: ") + name(Backend(b)) + ", " + why + ".\n";
   for (const bool on_device : {false, true}) {
     text += on_device ? "auto, mesh in device memory: " : "auto, mesh in host memory: ";

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <functional>
 
-#include "report/format.h"
 #include "paper/morrical_cases.h"
 #include "paper/paper.h"
 #include "paper/papers_figures.h"
+#include "report/format.h"
 
 namespace insitu::bench::paper {
 
@@ -72,7 +72,7 @@ private:
   }
   static void name_absent(std::vector<std::string>& notes) {
     for (int b = 0; b < accel::backend_count; ++b)
-      if (const std::string why = accel::why_unavailable(Backend(b)); !why.empty())
+      if (const std::string why = query::why_unavailable(Backend(b)); !why.empty())
         notes.push_back("Left out: " + std::string(name(Backend(b))) + ", " + why +
                         (Backend(b) == Backend::optix
                              ? ". The rows of ray methods are Embree's, on the processor"

@@ -2,17 +2,17 @@
 
 #include <algorithm>
 
-#include "commit/committed_mesh.h"
 #include "commands/kept_frames.h"
 #include "commands/lattice_rays.h"
-#include "measure.h"
 #include "commands/render.h"
+#include "commit/committed_mesh.h"
+#include "measure.h"
 #include "workload/queries.h"
 
 namespace insitu::bench::paper {
 
 bool is_here(int backend, int method) {
-  return has(Backend(backend), Method(method)) && accel::why_unavailable(Backend(backend)).empty();
+  return has(Backend(backend), Method(method)) && query::why_unavailable(Backend(backend)).empty();
 }
 
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "accel/device_locator.h"
 #include "core/context.h"
 #include "methods/rates.h"
 #include "options.h"
+#include "query/device/device_locator.h"
 
 namespace insitu::bench::paper {
 
