@@ -225,7 +225,7 @@ private:
     const std::int64_t ranges = query::CulledCells::primitives_of(mesh_.sampler()) *
                                 render::PrimitiveRanges::bytes_a_primitive;
     const std::int64_t most = ranges + mesh_.tree().bytes();
-    if (v.culling == Culling::never)
+    if (v.culling == render::Culling::never)
       plan_.skip(item, "culling is not asked for");
     else if (v.preintegrated && !frame_.path_tracing)
       plan_.skip(item, "pre-integration needs what does not show too");

@@ -19,13 +19,13 @@ namespace {
 constexpr double automatic_decades = 1e-4;
 
 /// How far apart the samples of a volume are, in typical cells.
-double step_of(Accuracy accuracy) {
+double step_of(insitu_accuracy accuracy) {
   switch (accuracy) {
-  case Accuracy::fast:
+  case INSITU_FAST:
     return 1.0;
-  case Accuracy::standard:
+  case INSITU_STANDARD:
     return 0.5;
-  case Accuracy::exact:
+  case INSITU_EXACT:
     break;
   }
   return 0.25;
@@ -190,11 +190,11 @@ render::VolumeSettings FrameSettingsMaker::volume(const commit::CommittedMesh& m
                             frame_.step * step_of(frame_.accuracy),
                             std::nullopt,
                             from.unit_distance.value_or(0.0),
-                            to_api(frame_.accuracy)};
+                            frame_.accuracy};
   to.preintegrated = from.preintegrated;
   to.shading = from.shading;
   to.tolerance = from.tolerance;
-  to.culling = from.culling == Culling::always ? render::Culling::always : render::Culling::never;
+  to.culling = from.culling;
   return to;
 }
 

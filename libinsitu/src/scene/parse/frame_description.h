@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "insitu/insitu.h"
+
 #include "math/vec.h"
 #include "render/camera/camera.h"
 #include "render/clip.h"
@@ -16,6 +18,7 @@
 #include "render/path/path_settings.h"
 #include "render/surface/cell_roots.h"
 #include "render/surface/normals.h"
+#include "render/volume/culling.h"
 #include "scene/expression/trigger.h"
 #include "scene/parse/names.h"
 
@@ -83,9 +86,6 @@ struct NamedCamera {
 
 using render::OpacityPoint;
 
-/// See render/volume/volume.h.
-enum class Culling { never, always };
-
 struct Volume {
   Name field;
   Component component;
@@ -99,7 +99,7 @@ struct Volume {
   bool preintegrated = false;      ///< all values between two samples count; not with a tolerance
   bool shading = false;            ///< lit by the field's gradient
   std::optional<double> tolerance; ///< of opacity and colour; nothing: even steps
-  Culling culling = Culling::never;
+  render::Culling culling = render::Culling::never;
   int line = 0;
 };
 
@@ -202,7 +202,7 @@ struct Frame {
   std::vector<FrameEffect> effects;
   Occlusion occlusion;                     ///< if among the effects
   std::optional<PathTracing> path_tracing; ///< also there where an effect asks for it
-  Accuracy accuracy = Accuracy::standard;
+  insitu_accuracy accuracy = INSITU_STANDARD;
   double step = 1; ///< factor on the ray step that `accuracy` chooses
   Trigger trigger; ///< its own, or else the scene's
   int line = 0;
