@@ -86,10 +86,15 @@ struct NamedCamera {
 
 using render::OpacityPoint;
 
-struct Volume {
+/// The number of a field that is drawn or colours a surface, and its colours.
+struct ColorBy {
   Name field;
   Component component;
   ColorMapChoice colors;
+};
+using SurfaceColor = std::variant<render::Color, ColorBy>;
+
+struct Volume : ColorBy {
   std::vector<OpacityPoint>
       opacity;            ///< by value; empty: from 0 at the range's low end to 1 at its high end
   double nan_opacity = 0; ///< of values that are not numbers
@@ -103,19 +108,12 @@ struct Volume {
   int line = 0;
 };
 
-/// Colours of a surface by a field.
-struct ColorBy {
-  Name field;
-  Component component;
-  ColorMapChoice colors;
-};
-
 struct Isosurface {
   Name field;
   Component component;
   std::vector<double> values;
   double opacity = 1;
-  std::variant<render::Color, ColorBy> color = render::linear_of_srgb(0.8, 0.8, 0.8);
+  SurfaceColor color = render::linear_of_srgb(0.8, 0.8, 0.8);
   render::Normals normals = render::Normals::cell;
   render::RootSearch search = render::RootSearch::cubic;
   int line = 0;
@@ -124,7 +122,7 @@ struct Isosurface {
 /// The mesh's own boundary.
 struct Boundary {
   double opacity = 1;
-  std::variant<render::Color, ColorBy> color = render::linear_of_srgb(0.8, 0.8, 0.8);
+  SurfaceColor color = render::linear_of_srgb(0.8, 0.8, 0.8);
 };
 
 /// Triangles of a file.
@@ -206,6 +204,16 @@ struct Frame {
   double step = 1; ///< factor on the ray step that `accuracy` chooses
   Trigger trigger; ///< its own, or else the scene's
   int line = 0;
+
+  /// Whether images keep the alpha of what is drawn, because the background lets light through.
+  bool keeps_alpha() const { return background_alpha < 1; }
 };
+
+/// Returns the frame's `cameras`, or else its `camera`, without a name.
+std::vector<NamedCamera> cameras_of(const Frame& frame);
+
+/// What a frame colours by fields: its volume, its isosurfaces, its boundary, as far as it has them
+/// and they have no colour of their own. The pointers point into the frame.
+std::vector<const ColorBy*> colorings_of(const Frame& frame);
 
 } // namespace insitu::scene

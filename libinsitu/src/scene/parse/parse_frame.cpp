@@ -88,6 +88,29 @@ std::string image_stem(const std::string& name, ImageKind kind) {
   return name;
 }
 
+std::vector<NamedCamera> cameras_of(const Frame& frame) {
+  return frame.cameras.empty() ? std::vector{NamedCamera{"", frame.camera}} : frame.cameras;
+}
+
+std::vector<const ColorBy*> colorings_of(const Frame& frame) {
+  std::vector<const ColorBy*> all;
+  const auto add = [&](const SurfaceColor& color) {
+    if (const auto* by = std::get_if<ColorBy>(&color)) {
+      all.push_back(by);
+    }
+  };
+  if (frame.volume) {
+    all.push_back(&*frame.volume);
+  }
+  for (const Isosurface& surface : frame.isosurfaces) {
+    add(surface.color);
+  }
+  if (frame.boundary) {
+    add(frame.boundary->color);
+  }
+  return all;
+}
+
 Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   Frame frame;
   frame.line = cursor.line();
