@@ -60,11 +60,12 @@ TEST(DecideFrame, ImagesBesideThatOfColour) {
   expect(Decided(all)->cell, true, "while it is drawn");
   expect(Decided(all, dual_mesh())->depth, true, "while it is drawn");
   expect(Decided(cell)->depth, false, not_asked);
-  EXPECT_FALSE(Decided(cell)->leaves);
-  const Decided leaves(cell, dual_mesh());
-  EXPECT_TRUE(leaves->leaves);
-  expect(leaves->depth, true, "while it is drawn: it tells leaves from dual cells");
-  EXPECT_FALSE(Decided("boundary: {}", dual_mesh())->leaves);
+  EXPECT_FALSE(Decided(cell)->own_cells);
+  const Decided told(cell, dual_mesh());
+  EXPECT_TRUE(told->own_cells);
+  expect(told->depth, true,
+         "while it is drawn: it tells the solver's cells from those in their place");
+  EXPECT_FALSE(Decided("boundary: {}", dual_mesh())->own_cells);
   expect(Decided(globe)->depth, true, "while it is drawn: what the globe hides");
   expect(Decided(globe)->globe, true, "while it is drawn, some rows at a time");
   expect(Decided("boundary: {}, geocentric: {}")->depth, false, not_asked);

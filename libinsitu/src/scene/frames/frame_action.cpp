@@ -137,7 +137,7 @@ private:
     if (drawing.decisions.globe)
       draw_globe(*frame_.geocentric, drawing.own, settings, environment_.context, images);
     draw_overlays(images.color, drawing, ticks);
-    if (drawing.decisions.leaves)
+    if (drawing.decisions.own_cells)
       count_as_the_solver(mesh, settings, images);
     environment_.statistics.render_s += timer.seconds();
     write(drawing, cameras_[number].name, images);
@@ -182,7 +182,7 @@ private:
     ++environment_.statistics.frames;
   }
 
-  /// Cells of an adaptive mesh's dual become the leaves that are seen.
+  /// Cells that stand in for the solver's become those of the solver that are seen.
   void count_as_the_solver(const commit::CommittedMesh& mesh, const render::FrameSettings& settings,
                            render::FrameImages& images) const {
     const render::RayGenerator rays(settings.camera, settings.width, settings.height);

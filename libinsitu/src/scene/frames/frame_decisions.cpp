@@ -25,11 +25,11 @@ void decide_images(const Frame& frame, const FrameFacts& facts, FrameDecisions& 
   const bool cell = asks_for(frame.images, ImageKind::cell);
   d.cell = {cell, cell ? while_drawn : "not among the frame's images"};
   // In which of the solver's cells a point of a cell that stands in for it lies takes the point.
-  d.leaves = cell && facts.has_stand_in;
+  d.own_cells = cell && facts.has_stand_in;
   if (asks_for(frame.images, ImageKind::depth))
     d.depth = {true, while_drawn};
-  else if (d.leaves)
-    d.depth = {true, "while it is drawn: it tells leaves from dual cells"};
+  else if (d.own_cells)
+    d.depth = {true, "while it is drawn: it tells the solver's cells from those in their place"};
   else if (globe)
     d.depth = {true, "while it is drawn: what the globe hides"};
   else

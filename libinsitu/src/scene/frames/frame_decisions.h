@@ -53,8 +53,8 @@ struct IsosurfaceDecisions {
 /// Everything that a frame decides from its description and the facts of its mesh. The settings of
 /// the renderer and the frame's part of the plan are both made from these decisions.
 struct FrameDecisions {
-  Decision depth, cell; ///< images beside that of colour
-  bool leaves = false;  ///< whether the image of cells is told of leaves, by points at their depth
+  Decision depth, cell;   ///< images beside that of colour
+  bool own_cells = false; ///< whether points at the depth tell the solver's cells from others
   Decision globe;
   bool lit = false;
   Decision surface_lighting, shadows, volume_shadows, occlusion;
