@@ -174,6 +174,29 @@ TEST(Geocentric, SaysWhatCannotBeDrawnSo) {
       << message;
 }
 
+/// Cells that wrap around have copies in the solver's own chart, not where they are drawn: no point
+/// tells what an image shows, and none is planned.
+TEST(Geocentric, ImagesOfCellsThatWrapNeedNoDepth) {
+  const auto is_needed = [](const std::string& geocentric) {
+    SeaRun run("frames: [{name: f, size: [16, 16], boundary: {}, images: [cell]" + geocentric +
+               "}]");
+    std::vector<double>& points = run.mesh.committed.arrays.points;
+    for (std::size_t i = 0; i < points.size(); i += 3)
+      points[i] += points[i] > west + 0.45 * extent ? -195 : 165;
+    run.mesh.committed.commit(INSITU_CHANGED_ALL);
+    EXPECT_TRUE(run.mesh.committed.mesh.mesh().has_stand_in());
+    const scene::Plan plan = run.runner.plan(run.meshes);
+    EXPECT_EQ(run.execute(0), "");
+    for (const scene::Plan::Entry& e : plan.entries())
+      if (e.item == "image of depth")
+        return e.needed;
+    ADD_FAILURE() << plan.text();
+    return false;
+  };
+  EXPECT_TRUE(is_needed(""));
+  EXPECT_FALSE(is_needed(", geocentric: {}"));
+}
+
 /// All kinds of surfaces and volumes are drawn in such frames, alike by one thread and many.
 TEST(Geocentric, EveryKindOfFrameIsDrawn) {
   for (const char* what : {"boundary: {color: {field: height}}", "volume: {field: height}",

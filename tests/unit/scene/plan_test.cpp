@@ -276,6 +276,21 @@ TEST(Plan, SaysWhatIsDoneForSamples) {
        {"skipped  scalar bar", "nothing is coloured by a field", "needed   lighting of surfaces"});
 }
 
+/// What cannot be drawn is planned as its error, and nothing else of the frame is.
+TEST(Plan, SaysWhatCannotBeDrawnInTheWordsOfItsError) {
+  for (const char* keys :
+       {"volume: {field: nix}", "volume: {field: p, component: 7}",
+        "boundary: {color: {field: nix}}", "isosurfaces: [{field: c, component: 1, values: [0]}]",
+        "boundary: {}, geocentric: {globe: [1, 1, 1]}"}) {
+    PlannedRun run("frames: [{name: f, size: [8, 8], " + std::string(keys) + "}]");
+    const scene::Plan plan = run.plan();
+    const scene::Plan::Entry& last = plan.entries().back();
+    EXPECT_EQ(last.item, "all of it");
+    EXPECT_EQ(run.execute(0), "frame 'f': " + last.why);
+    EXPECT_EQ(plan.bytes(), 0) << plan.text();
+  }
+}
+
 /// Integrals count while a frame is drawn, as many bytes as planned: exactly, as long as neither
 /// opacity points nor ends of the range coincide, and nothing else is held.
 TEST(Plan, TablesOfIntegralsAreCounted) {

@@ -42,7 +42,7 @@ TEST(SceneFrames, Defaults) {
   EXPECT_EQ(f.background, render::linear_of_srgb(1, 1, 1));
   EXPECT_FALSE(f.scalar_bar || f.time_label);
   EXPECT_TRUE(f.effects.empty() && f.isosurfaces.empty());
-  EXPECT_EQ(f.accuracy, Accuracy::standard);
+  EXPECT_EQ(f.accuracy, INSITU_STANDARD);
   EXPECT_EQ(f.step, 1);
   EXPECT_EQ(f.camera.azimuth, 30);
   EXPECT_EQ(f.camera.elevation, 20);
@@ -68,7 +68,7 @@ TEST(SceneFrames, Keys) {
   EXPECT_EQ(f.background, render::linear_of_srgb(0, 0.5, 1));
   EXPECT_TRUE(f.scalar_bar && f.time_label);
   EXPECT_EQ(f.effects, std::vector<FrameEffect>{FrameEffect::lighting});
-  EXPECT_EQ(f.accuracy, Accuracy::fast);
+  EXPECT_EQ(f.accuracy, INSITU_FAST);
   EXPECT_EQ(f.step, 0.5);
   EXPECT_EQ(frame("background: '#ff8000'").background, render::linear_of_srgb(1, 128 / 255.0, 0));
   EXPECT_EQ(frame("background: black").background, render::linear_of_srgb(0, 0, 0));
@@ -145,9 +145,9 @@ TEST(SceneFrames, Volumes) {
   const Volume more = volume("preintegrated: true, shading: true");
   EXPECT_TRUE(more.preintegrated && more.shading);
   EXPECT_EQ(volume("tolerance: 0.01").tolerance, 0.01);
-  EXPECT_EQ(v.culling, Culling::never);
-  EXPECT_EQ(volume("culling: never").culling, Culling::never);
-  EXPECT_EQ(volume("culling: always").culling, Culling::always);
+  EXPECT_EQ(v.culling, render::Culling::never);
+  EXPECT_EQ(volume("culling: never").culling, render::Culling::never);
+  EXPECT_EQ(volume("culling: always").culling, render::Culling::always);
 }
 
 TEST(SceneFrames, ScalesAndColoursBeyondTheRange) {

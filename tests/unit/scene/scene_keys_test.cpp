@@ -77,7 +77,7 @@ TEST(SceneKeys, ProbeDefaults) {
   EXPECT_EQ(probe.line, 3);
   EXPECT_EQ(probe.frame.kind, FrameOfReference::Kind::mesh);
   EXPECT_TRUE(probe.fields.empty());
-  EXPECT_EQ(probe.accuracy, Accuracy::exact);
+  EXPECT_EQ(probe.accuracy, INSITU_EXACT);
   EXPECT_EQ(probe.output, std::vector<TableFormat>{TableFormat::csv});
 }
 
@@ -90,10 +90,10 @@ TEST(SceneKeys, ProbeKeys) {
   ASSERT_EQ(probe.fields.size(), 2u);
   EXPECT_EQ(probe.fields[1].text, "u");
   EXPECT_EQ(probe.fields[1].line, 3);
-  EXPECT_EQ(probe.accuracy, Accuracy::fast);
+  EXPECT_EQ(probe.accuracy, INSITU_FAST);
   const std::vector<TableFormat> formats{TableFormat::vtp, TableFormat::csv, TableFormat::json};
   EXPECT_EQ(probe.output, formats);
-  EXPECT_EQ(parse(test::probe("accuracy: standard")).probes[0].accuracy, Accuracy::standard);
+  EXPECT_EQ(parse(test::probe("accuracy: standard")).probes[0].accuracy, INSITU_STANDARD);
 }
 
 TEST(SceneKeys, PathsAreRelativeToTheScene) {
@@ -190,7 +190,7 @@ TEST(SceneKeys, TracerDefaults) {
   EXPECT_EQ(tracer.integrator.at_min_step, insitu::advect::AtMinStep::end);
   EXPECT_FALSE(tracer.until.duration || tracer.until.length);
   EXPECT_TRUE(tracer.fields.empty());
-  EXPECT_EQ(tracer.accuracy, Accuracy::standard);
+  EXPECT_EQ(tracer.accuracy, INSITU_STANDARD);
   EXPECT_EQ(tracer.output, std::vector<TableFormat>{TableFormat::csv});
 }
 
@@ -218,7 +218,7 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(tracer.integrator.max_steps, 77);
   EXPECT_EQ(tracer.until.duration, 3);
   EXPECT_EQ(tracer.until.length, 4);
-  EXPECT_EQ(tracer.accuracy, Accuracy::exact);
+  EXPECT_EQ(tracer.accuracy, INSITU_EXACT);
   EXPECT_EQ(tracer.output.size(), 2u);
   EXPECT_EQ(parse(test::tracer("kind: streamline, spacing: {length: 3}")).tracers[0].spacing.length,
             3);

@@ -12,6 +12,7 @@
 #include "render/light.h"
 #include "render/structures/scalar_field.h"
 #include "render/surface/shade.h"
+#include "render/volume/culling.h"
 #include "render/volume/macrocells.h"
 #include "render/volume/ray_step.h"
 #include "render/volume/step_levels.h"
@@ -23,13 +24,6 @@ struct ValueSample;
 namespace insitu::render {
 
 class Structures;
-
-/// Whether the frame's locator leaves out the gridlets and stitching cells of an adaptive mesh's
-/// dual that the transfer function makes invisible (Zellmann 2023, section 5.1). The scene decides,
-/// because no look at some cells tells well enough when culling pays: on meshes of blocks,
-/// a frame that skips samples by macrocells takes less time than a culled one; on meshes of many
-/// stitching cells, the culled frame takes less.
-enum class Culling { never, always };
 
 /// A field drawn as a medium that emits and absorbs.
 struct VolumeSettings {

@@ -25,9 +25,7 @@ GeocentricMesh::GeocentricMesh(const std::string& name, double exaggeration, cor
     : exaggeration_(exaggeration), points_(memory, INSITU_MEMORY_GEOCENTRIC), drawn_(name, memory) {
 }
 
-const commit::CommittedMesh& GeocentricMesh::update(const commit::CommittedMesh& own,
-                                                    core::Context& context) {
-  own.require_committed();
+void GeocentricMesh::check(const commit::CommittedMesh& own) {
   const std::string name = "mesh '" + own.mesh().name() + "'";
   if (own.reference_frame.kind == INSITU_FRAME_CARTESIAN)
     throw core::Error(INSITU_ERROR_SCENE, "geocentric: " + name +
@@ -35,6 +33,12 @@ const commit::CommittedMesh& GeocentricMesh::update(const commit::CommittedMesh&
                                               "Earth; insitu_mesh_frame gives it one");
   if (own.mesh().is_adaptive())
     throw core::Error(INSITU_ERROR_UNSUPPORTED, "geocentric: " + name + " is adaptive");
+}
+
+const commit::CommittedMesh& GeocentricMesh::update(const commit::CommittedMesh& own,
+                                                    core::Context& context) {
+  own.require_committed();
+  check(own);
   const bool topology = topology_ != own.topology_version();
   const bool geometry = topology || geometry_ != own.geometry_version();
   if (!geometry && fields_ == own.fields_version())

@@ -19,6 +19,9 @@ class GeocentricMesh {
 public:
   GeocentricMesh(const std::string& name, double exaggeration, core::Memory& memory);
 
+  /// Throws core::Error for a solver's mesh that is not on Earth or that is adaptive.
+  static void check(const commit::CommittedMesh& own);
+
   /// Brings it up to date with `own`, the solver's mesh, which is committed: vertices are converted
   /// and the tree refitted or rebuilt only if own's changed since. Throws core::Error for a mesh
   /// that is not on Earth, that is adaptive, or whose depths would reach the Earth's centre.

@@ -169,8 +169,7 @@ const std::int64_t globe_bytes_a_pixel = sizeof(Seen) + sizeof(Vec3d) + sizeof(q
 void draw_globe(const Geocentric& frame, const commit::CommittedMesh& own,
                 const render::FrameSettings& settings, core::Context& context,
                 render::FrameImages& images) {
-  if (frame.globe || frame.graticule)
-    GlobePainter(frame, own, settings, context, images).paint();
+  GlobePainter(frame, own, settings, context, images).paint();
 }
 
 } // namespace insitu::scene

@@ -7,11 +7,12 @@
 
 namespace insitu::scene {
 
-/// What of a geocentric frame is seen beside the mesh, drawn into the finished image: the WGS84
-/// ellipsoid as land where the mesh does not cover it, lit from the viewer, and meridians and
-/// parallels on it. images.depth must be there; land gets its own, and no cell. A mesh is in front
-/// of the land where images.depth is less: what has not reached half its opacity there is hidden.
-/// own: the mesh in its own coordinates, which tells what it covers, at height 0 exactly.
+/// What of a geocentric frame is seen beside the mesh, as far as the frame asks for it, drawn into
+/// the finished image: the WGS84 ellipsoid as land where the mesh does not cover it, lit from the
+/// viewer, and meridians and parallels on it. images.depth must be there; land gets its own, and no
+/// cell. A mesh is in front of the land where images.depth is less: what has not reached half its
+/// opacity there is hidden. own: the mesh in its own coordinates, which tells what it covers, at
+/// height 0 exactly.
 void draw_globe(const Geocentric& frame, const commit::CommittedMesh& own,
                 const render::FrameSettings& settings, core::Context& context,
                 render::FrameImages& images);

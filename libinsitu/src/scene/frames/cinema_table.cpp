@@ -92,8 +92,9 @@ std::vector<std::string> merge_columns(const std::string& path, std::vector<std:
 
 } // namespace
 
-std::string range_label(const Name& field, const Component& component) {
-  return component.magnitude() ? field.text : field.text + "_" + std::to_string(component.index);
+std::string range_label(const ColorBy& by) {
+  return by.component.magnitude() ? by.field.text
+                                  : by.field.text + "_" + std::to_string(by.component.index);
 }
 
 CameraAngles angles_of(const render::Camera& camera) {
@@ -116,14 +117,8 @@ CinemaTable::CinemaTable(const std::vector<Frame>& frames, const std::string& fo
     images |= frame.images != std::vector{ImageKind::color};
     formats |= frame.formats != std::vector{ImageFormat::png};
     depth |= std::count(frame.images.begin(), frame.images.end(), ImageKind::depth) > 0;
-    if (frame.volume)
-      add_once(ranges, range_label(frame.volume->field, frame.volume->component));
-    for (const Isosurface& surface : frame.isosurfaces)
-      if (const auto* by = std::get_if<ColorBy>(&surface.color))
-        add_once(ranges, range_label(by->field, by->component));
-    if (frame.boundary)
-      if (const auto* by = std::get_if<ColorBy>(&frame.boundary->color))
-        add_once(ranges, range_label(by->field, by->component));
+    for (const ColorBy* by : colorings_of(frame))
+      add_once(ranges, range_label(*by));
   }
   if (cameras)
     columns_.emplace_back("camera");

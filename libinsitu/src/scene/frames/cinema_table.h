@@ -13,9 +13,9 @@
 
 namespace insitu::scene {
 
-/// The number that a field is coloured by, in the names of columns: "density", "velocity",
+/// The number by which a frame colours, in the names of columns: "density", "velocity",
 /// "velocity_0".
-std::string range_label(const Name& field, const Component& component);
+std::string range_label(const ColorBy& by);
 
 /// One file of a frame, for the table.
 struct CinemaRow {

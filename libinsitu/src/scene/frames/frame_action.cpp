@@ -14,6 +14,7 @@
 #include "scene/frames/frame_plan.h"
 #include "scene/frames/frame_settings.h"
 #include "scene/frames/path_accumulation.h"
+#include "scene/run/lookup.h"
 #include "scene/run/step.h"
 
 namespace insitu::scene {
@@ -23,9 +24,10 @@ namespace {
 class FrameAction final : public Action {
 public:
   FrameAction(const Frame& frame, const Environment& environment)
-      : frame_(frame), environment_(environment), settings_(frame_, environment_) {
+      : frame_(frame), environment_(environment), settings_(frame_, environment_),
+        cameras_(cameras_of(frame_)) {
     if (frame_.path_tracing && frame_.path_tracing->accumulate)
-      for (std::size_t i = 0; i < std::max<std::size_t>(1, frame_.cameras.size()); ++i)
+      for (std::size_t i = 0; i < cameras_.size(); ++i)
         accumulations_.emplace_back(environment_.context.memory);
   }
 
@@ -44,17 +46,14 @@ public:
       return;
     }
     told_nothing_ = false;
+    const FrameDecisions decisions = decide(mesh);
     render::Structures& structures = environment_.structures.of(mesh);
-    render::FrameSettings settings = settings_.make(mesh, structures);
+    Drawing drawing{own, mesh, step, decisions, structures, settings_.make(decisions, structures)};
+    if (drawing.settings.path_tracing)
+      drawing.settings.path_tracing->cycle = std::uint64_t(step.cycle);
     environment_.statistics.render_s += timer.seconds();
-    if (frame_.geocentric && (frame_.geocentric->globe || frame_.geocentric->graticule))
-      settings.depth = true;
-    if (settings.path_tracing)
-      settings.path_tracing->cycle = std::uint64_t(step.cycle);
-    if (frame_.cameras.empty())
-      draw(own, mesh, step, {"", frame_.camera}, 0, settings, structures);
-    for (std::size_t i = 0; i < frame_.cameras.size(); ++i)
-      draw(own, mesh, step, frame_.cameras[i], i, settings, structures);
+    for (std::size_t i = 0; i < cameras_.size(); ++i)
+      draw(drawing, i);
     ++drawn_;
   }
 
@@ -64,20 +63,44 @@ public:
       std::snprintf(drawn, sizeof drawn, ", geocentric, heights times %g",
                     frame_.geocentric->exaggeration);
       plan.begin("frame '" + frame_.name + "'", mesh.mesh().name() + drawn);
+      at_geocentric([&] { GeocentricMesh::check(mesh); });
     }
-    plan_frame(frame_, settings_, mesh, environment_.context.threads, plan);
+    plan_frame(frame_, settings_, decide(mesh), mesh, environment_.context.threads, plan);
   }
 
 private:
-  const commit::CommittedMesh& geocentric(const commit::CommittedMesh& own) {
+  /// The images of one cycle.
+  struct Drawing {
+    const commit::CommittedMesh& own;  ///< the solver's mesh
+    const commit::CommittedMesh& mesh; ///< the mesh that is drawn
+    const Step& step;
+    const FrameDecisions& decisions;
+    render::Structures& structures;
+    render::FrameSettings settings; ///< the camera and what follows it are set for each image
+  };
+
+  FrameDecisions decide(const commit::CommittedMesh& mesh) const {
+    return decide_frame(frame_, facts_of(frame_, mesh, environment_.scene_file));
+  }
+
+  /// Errors of the scene get the line of `geocentric`.
+  template <class Call>
+  void at_geocentric(const Call& call) const {
     try {
-      return environment_.structures.geocentric(own, frame_.geocentric->exaggeration);
+      call();
     } catch (const core::Error& e) {
       if (e.status() != INSITU_ERROR_SCENE)
         throw;
-      throw core::Error(e.status(), environment_.scene_file + ":" +
-                                        std::to_string(frame_.geocentric->line) + ": " + e.what());
+      throw core::Error(e.status(),
+                        at_line(environment_.scene_file, frame_.geocentric->line) + e.what());
     }
+  }
+
+  const commit::CommittedMesh& geocentric(const commit::CommittedMesh& own) {
+    const commit::CommittedMesh* drawn = nullptr;
+    at_geocentric(
+        [&] { drawn = &environment_.structures.geocentric(own, frame_.geocentric->exaggeration); });
+    return *drawn;
   }
 
   /// A mesh without cells, or one that hides them all, is no error: a solver's cells may come
@@ -91,68 +114,77 @@ private:
     told_nothing_ = true;
   }
 
-  /// number: the camera's. own: the solver's mesh, of which `mesh` is what is drawn.
-  void draw(const commit::CommittedMesh& own, const commit::CommittedMesh& mesh, const Step& step,
-            const NamedCamera& camera, std::size_t number, render::FrameSettings& settings,
-            render::Structures& structures) {
+  void draw(Drawing& drawing, std::size_t number) {
     const core::Timer timer;
-    settings.camera = settings_.camera(camera.camera, mesh, step, drawn_);
+    render::FrameSettings& settings = drawing.settings;
+    const commit::CommittedMesh& mesh = drawing.mesh;
+    settings.camera = settings_.camera(cameras_[number].camera, mesh, drawing.step, drawn_);
     output::BoxTicks ticks;
     if (frame_.outline && frame_.outline->ticks) {
       const mesh::Box box = mesh.sampler().facts().bounds;
-      ticks = output::box_ticks(settings.camera, settings.width, settings.height,
-                                box.low, box.high);
+      ticks =
+          output::box_ticks(settings.camera, settings.width, settings.height, box.low, box.high);
       settings.outline->ticks = ticks.lines;
     }
     if (!accumulations_.empty())
       accumulations_[number].use(mesh, settings);
     render::FrameStatistics done;
     const std::int64_t located = mesh.located();
-    render::FrameImages images = render::render_frame(mesh.sampler(), settings, structures,
+    render::FrameImages images = render::render_frame(mesh.sampler(), settings, drawing.structures,
                                                       environment_.context.threads, &done);
     mesh.note_drawn(mesh.located() - located);
+    warn(done, settings, drawing.step);
+    if (drawing.decisions.globe)
+      draw_globe(*frame_.geocentric, drawing.own, settings, environment_.context, images);
+    draw_overlays(images.color, drawing, ticks);
+    if (drawing.decisions.own_cells)
+      count_as_the_solver(mesh, settings, images);
+    environment_.statistics.render_s += timer.seconds();
+    write(drawing, cameras_[number].name, images);
+  }
+
+  void warn(const render::FrameStatistics& done, const render::FrameSettings& settings,
+            const Step& step) {
+    const std::string of =
+        "frame '" + frame_.name + "', cycle " + std::to_string(step.cycle) + ": ";
     if (done.unheld > 0 && !told_unheld_) {
       told_unheld_ = true;
       char tolerance[32];
       std::snprintf(tolerance, sizeof tolerance, "%g", *settings.volume->tolerance);
       environment_.context.log.warning(
-          "frame '" + frame_.name + "', cycle " + std::to_string(step.cycle) +
-          ": the volume's tolerance of " + tolerance + " is not held in " +
+          of + "the volume's tolerance of " + tolerance + " is not held in " +
           std::to_string(done.unheld) +
           " macrocells, where the opacity makes a step or the field needs samples nearer than 1/81 "
           "of what accuracy chooses");
     }
     if (done.paths.cut > 0)
       environment_.context.log.warning(
-          "frame '" + frame_.name + "', cycle " + std::to_string(step.cycle) + ": " +
-          std::to_string(done.paths.cut) + " of " + std::to_string(done.paths.paths) +
+          of + std::to_string(done.paths.cut) + " of " + std::to_string(done.paths.paths) +
           " paths were cut off after " + std::to_string(settings.path_tracing->max_bounces) +
           " bounces; a larger max_bounces loses less light");
-    if (frame_.geocentric)
-      draw_globe(*frame_.geocentric, own, settings, environment_.context, images);
-    draw_overlays(images.color, settings, ticks, step);
-    if (settings.cell)
-      count_as_the_solver(mesh, settings, images);
-    environment_.statistics.render_s += timer.seconds();
+  }
 
-    const core::Timer output_timer;
+  void write(const Drawing& drawing, const std::string& camera, const render::FrameImages& images) {
+    const core::Timer timer;
     CinemaRow row;
-    row.cycle = step.cycle;
-    row.time = step.time;
+    row.cycle = drawing.step.cycle;
+    row.time = drawing.step.time;
     row.name = frame_.name;
-    row.camera = camera.name;
-    row.view = settings.camera;
-    row.ranges = settings_.ranges(settings);
+    row.camera = camera;
+    row.view = drawing.settings.camera;
+    const std::vector<const ColorBy*> by = colorings_of(frame_);
+    const std::vector<const render::TransferFunction*> functions = functions_of(drawing.settings);
+    for (std::size_t i = 0; i < by.size(); ++i)
+      row.ranges.emplace_back(range_label(*by[i]),
+                              ValueRange{functions[i]->low(), functions[i]->high()});
     write_frame_files(frame_, environment_, images, row);
-    environment_.statistics.output_s += output_timer.seconds();
+    environment_.statistics.output_s += timer.seconds();
     ++environment_.statistics.frames;
   }
 
-  /// Cells of an adaptive mesh's dual become the leaves that are seen.
+  /// Cells that stand in for the solver's become those of the solver that are seen.
   void count_as_the_solver(const commit::CommittedMesh& mesh, const render::FrameSettings& settings,
                            render::FrameImages& images) const {
-    if (!mesh.mesh().has_stand_in() || images.cell.empty() || images.depth.empty())
-      return;
     const render::RayGenerator rays(settings.camera, settings.width, settings.height);
     environment_.context.threads.parallel_for(
         settings.height, 16, [&](std::int64_t begin, std::int64_t end) {
@@ -168,46 +200,28 @@ private:
         });
   }
 
-  void draw_overlays(core::Image& image, const render::FrameSettings& settings,
-                     const output::BoxTicks& ticks, const Step& step) const {
+  void draw_overlays(core::Image& image, const Drawing& drawing,
+                     const output::BoxTicks& ticks) const {
     output::Overlay overlay;
-    overlay.background = settings.background;
+    overlay.background = drawing.settings.background;
     output::draw_box_labels(image, ticks, overlay);
-    if (frame_.scalar_bar)
-      draw_scalar_bar(image, settings, overlay);
-    if (frame_.axes)
-      output::draw_axes(image, render::CameraAxes(settings.camera), overlay);
-    if (frame_.time_label)
-      output::draw_time_label(image, step.time, step.cycle, overlay);
-  }
-
-  /// Of the volume, or else of the first surface that is coloured by a field.
-  void draw_scalar_bar(core::Image& image, const render::FrameSettings& settings,
-                       output::Overlay overlay) const {
-    if (settings.volume) {
-      overlay.names_nan = frame_.volume->colors.nan.has_value();
-      output::draw_scalar_bar(image, settings.volume->function, frame_.volume->field.text, overlay);
-      return;
+    if (drawing.decisions.scalar_bar) {
+      const ColorBy& first = *colorings_of(frame_).front();
+      output::Overlay with_nan = overlay;
+      with_nan.names_nan = first.colors.nan.has_value();
+      output::draw_scalar_bar(image, *functions_of(drawing.settings).front(), first.field.text,
+                              with_nan);
     }
-    const auto draw = [&](const auto& color, const auto& drawn) {
-      const auto* by = std::get_if<ColorBy>(&color);
-      const auto* function = std::get_if<render::ColorByField>(&drawn);
-      if (!by || !function)
-        return false;
-      overlay.names_nan = by->colors.nan.has_value();
-      output::draw_scalar_bar(image, function->function, by->field.text, overlay);
-      return true;
-    };
-    for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
-      if (draw(frame_.isosurfaces[i].color, settings.isosurfaces[i].color))
-        return;
-    if (frame_.boundary)
-      draw(frame_.boundary->color, settings.boundary->color);
+    if (frame_.axes)
+      output::draw_axes(image, render::CameraAxes(drawing.settings.camera), overlay);
+    if (frame_.time_label)
+      output::draw_time_label(image, drawing.step.time, drawing.step.cycle, overlay);
   }
 
   Frame frame_;
   Environment environment_;
   FrameSettingsMaker settings_;
+  std::vector<NamedCamera> cameras_;
   std::deque<PathAccumulation> accumulations_; ///< of the cameras, where asked for
   std::int64_t drawn_ = 0;                     ///< frames so far, for the orbit
   bool told_unheld_ = false;                   ///< that a tolerance is not held

@@ -12,20 +12,7 @@ class FrameFiles {
 public:
   FrameFiles(const Frame& frame, const render::FrameImages& images, const CinemaRow& row)
       : images_(images), width_(images.color.width), height_(images.color.height),
-        keep_alpha_(frame.background_alpha < 1), attributes_{{"cycle", row.cycle},
-                                                             {"time", row.time}} {}
-
-  bool has(ImageKind kind) const {
-    switch (kind) {
-    case ImageKind::color:
-      break;
-    case ImageKind::depth:
-      return !images_.depth.empty();
-    case ImageKind::cell:
-      return !images_.cell.empty();
-    }
-    return true;
-  }
+        keep_alpha_(frame.keeps_alpha()), attributes_{{"cycle", row.cycle}, {"time", row.time}} {}
 
   void write_png(const std::string& path, ImageKind kind,
                  const std::optional<output::DepthScale>& scale) const {
@@ -73,8 +60,6 @@ void write_frame_files(const Frame& frame, const Environment& environment,
   const std::string stem = row.camera.empty() ? frame.name : frame.name + "_" + row.camera;
   std::vector<CinemaRow> rows;
   for (const ImageKind kind : frame.images) {
-    if (!files.has(kind))
-      continue;
     std::optional<output::DepthScale> scale;
     if (kind == ImageKind::depth)
       scale = output::depth_scale(images.depth);

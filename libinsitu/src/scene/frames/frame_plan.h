@@ -7,9 +7,10 @@
 
 namespace insitu::scene {
 
-/// Adds what a frame, whose bodies and colours were read, needs of a mesh, and what it does
-/// without. Throws INSITU_ERROR_FIELD if it lacks a field.
+/// Adds what a frame, whose bodies and colours were read and which has decided, needs of a mesh,
+/// and what it does without.
 void plan_frame(const Frame& frame, const FrameSettingsMaker& settings,
-                const commit::CommittedMesh& mesh, const core::Threads& threads, Plan& plan);
+                const FrameDecisions& decisions, const commit::CommittedMesh& mesh,
+                const core::Threads& threads, Plan& plan);
 
 } // namespace insitu::scene

@@ -19,97 +19,65 @@ namespace {
 constexpr double automatic_decades = 1e-4;
 
 /// How far apart the samples of a volume are, in typical cells.
-double step_of(Accuracy accuracy) {
+double step_of(insitu_accuracy accuracy) {
   switch (accuracy) {
-  case Accuracy::fast:
+  case INSITU_FAST:
     return 1.0;
-  case Accuracy::standard:
+  case INSITU_STANDARD:
     return 0.5;
-  case Accuracy::exact:
+  case INSITU_EXACT:
     break;
   }
   return 0.25;
+}
+
+render::Lighting lighting(const Frame& frame, const FrameDecisions& decisions) {
+  render::Lighting to;
+  to.enabled = decisions.lit;
+  to.shadows = decisions.shadows.made;
+  to.volume_shadows = decisions.volume_shadows.made;
+  if (decisions.occlusion) {
+    to.occlusion_samples = frame.occlusion.samples;
+    to.occlusion_distance = frame.occlusion.distance.value_or(0.0);
+  }
+  to.lights = frame.lights;
+  return to;
 }
 
 } // namespace
 
 FrameSettingsMaker::FrameSettingsMaker(const Frame& frame, const Environment& environment)
     : frame_(frame), environment_(environment) {
-  if (frame_.volume)
-    volume_colors_ = color_map(frame_.volume->colors);
-  for (const Isosurface& surface : frame_.isosurfaces) {
-    const auto* by = std::get_if<ColorBy>(&surface.color);
-    surface_colors_.push_back(by ? std::optional(color_map(by->colors)) : std::nullopt);
-  }
-  if (frame_.boundary)
-    if (const auto* by = std::get_if<ColorBy>(&frame_.boundary->color))
-      boundary_colors_ = color_map(by->colors);
+  for (const ColorBy* by : colorings_of(frame_))
+    maps_.emplace(by, color_map(by->colors));
   bodies_ = load_bodies();
 }
 
-render::FrameSettings FrameSettingsMaker::make(const commit::CommittedMesh& mesh,
+render::FrameSettings FrameSettingsMaker::make(const FrameDecisions& decisions,
                                                render::Structures& structures) const {
   render::FrameSettings settings;
   settings.width = frame_.size[0];
   settings.height = frame_.size[1];
   settings.background = frame_.background;
   settings.background_alpha = float(frame_.background_alpha);
-  const auto asked = [&](ImageKind kind) {
-    return std::find(frame_.images.begin(), frame_.images.end(), kind) != frame_.images.end();
-  };
-  settings.cell = asked(ImageKind::cell);
-  // In which of the solver's cells a point of a dual cell lies takes the point.
-  settings.depth = asked(ImageKind::depth) || (settings.cell && mesh.mesh().has_stand_in());
-  const auto asks_for = [&](FrameEffect effect) {
-    return std::find(frame_.effects.begin(), frame_.effects.end(), effect) != frame_.effects.end();
-  };
-  settings.lighting.volume_shadows = asks_for(FrameEffect::volume_shadows);
-  settings.lighting.shadows = asks_for(FrameEffect::shadows) || settings.lighting.volume_shadows;
-  if (asks_for(FrameEffect::ambient_occlusion)) {
-    settings.lighting.occlusion_samples = frame_.occlusion.samples;
-    settings.lighting.occlusion_distance = frame_.occlusion.distance.value_or(0.0);
-  }
-  settings.lighting.enabled = asks_for(FrameEffect::lighting) || settings.lighting.shadows ||
-                              settings.lighting.occlusion_samples > 0;
-  settings.lighting.lights = frame_.lights;
+  settings.cell = decisions.cell.made;
+  settings.depth = decisions.depth.made;
+  settings.lighting = lighting(frame_, decisions);
   settings.clips = frame_.clips;
   if (frame_.volume)
-    settings.volume = volume(mesh, structures, *frame_.volume);
+    settings.volume = volume(structures, *frame_.volume, *decisions.volume);
   if (frame_.path_tracing)
     settings.path_tracing = *frame_.path_tracing;
   for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
     settings.isosurfaces.push_back(
-        isosurface(mesh, structures, frame_.isosurfaces[i], surface_colors_[i]));
+        isosurface(structures, frame_.isosurfaces[i], decisions.isosurfaces[i]));
   if (frame_.boundary)
-    settings.boundary = boundary(mesh, structures, *frame_.boundary);
+    settings.boundary = {frame_.boundary->opacity,
+                         surface_color(structures, frame_.boundary->color, decisions.boundary)};
   settings.bodies = bodies_;
   if (frame_.outline)
     settings.outline = {frame_.outline->color, frame_.outline->width, {}};
   return settings;
-}
-
-std::vector<std::pair<std::string, ValueRange>>
-FrameSettingsMaker::ranges(const render::FrameSettings& settings) const {
-  std::vector<std::pair<std::string, ValueRange>> all;
-  const auto add = [&](const Name& field, const Component& component,
-                       const render::TransferFunction& function) {
-    all.emplace_back(range_label(field, component), ValueRange{function.low(), function.high()});
-  };
-  if (frame_.volume && settings.volume)
-    add(frame_.volume->field, frame_.volume->component, settings.volume->function);
-  for (std::size_t i = 0; i < frame_.isosurfaces.size() && i < settings.isosurfaces.size(); ++i) {
-    const auto* by = std::get_if<ColorBy>(&frame_.isosurfaces[i].color);
-    const auto* drawn = std::get_if<render::ColorByField>(&settings.isosurfaces[i].color);
-    if (by && drawn)
-      add(by->field, by->component, drawn->function);
-  }
-  if (frame_.boundary && settings.boundary) {
-    const auto* by = std::get_if<ColorBy>(&frame_.boundary->color);
-    const auto* drawn = std::get_if<render::ColorByField>(&settings.boundary->color);
-    if (by && drawn)
-      add(by->field, by->component, drawn->function);
-  }
-  return all;
 }
 
 render::ColorMap FrameSettingsMaker::color_map(const ColorMapChoice& colors) const {
@@ -134,27 +102,16 @@ render::ColorMap FrameSettingsMaker::color_map(const ColorMapChoice& colors) con
   }
 }
 
-render::ScalarField FrameSettingsMaker::scalar(const commit::CommittedMesh& mesh, const Name& name,
-                                               const Component& component) const {
-  const mesh::FieldView field = find_field(mesh, name, environment_.scene_file);
-  if (component.index >= field.components)
-    throw core::Error(INSITU_ERROR_SCENE, at_line(environment_.scene_file, name.line) +
-                                              "component " + std::to_string(component.index) +
-                                              " of field '" + name.text + "', which has " +
-                                              std::to_string(field.components));
-  return {field, component.index};
-}
-
 render::TransferFunction
-FrameSettingsMaker::transfer(render::Structures& structures, const render::ScalarField& field,
-                             const render::ColorMap& colors, const std::optional<ValueRange>& range,
+FrameSettingsMaker::transfer(render::Structures& structures, const Coloring& coloring,
                              const std::vector<OpacityPoint>& opacity) const {
+  const render::ColorMap& colors = map_of(*coloring.by);
   double low = 0, high = 1;
-  if (range) {
-    low = range->low;
-    high = range->high;
+  if (!coloring.pass) {
+    low = coloring.by->colors.range->low;
+    high = coloring.by->colors.range->high;
   } else {
-    const render::ScalarRange found = structures.scalar_range(field);
+    const render::ScalarRange found = structures.scalar_range(coloring.field);
     if (found.low <= found.high) { // else no value at all: nothing will be drawn
       low = found.low;
       high = found.high;
@@ -176,59 +133,47 @@ FrameSettingsMaker::transfer(render::Structures& structures, const render::Scala
   return {colors, low, high, std::move(points)};
 }
 
-render::VolumeSettings FrameSettingsMaker::volume(const commit::CommittedMesh& mesh,
-                                                  render::Structures& structures,
-                                                  const Volume& from) const {
-  render::ScalarField field = scalar(mesh, from.field, from.component);
-  render::TransferFunction function =
-      transfer(structures, field, *volume_colors_, from.colors.range, from.opacity);
+std::variant<render::Color, render::ColorByField>
+FrameSettingsMaker::surface_color(render::Structures& structures, const SurfaceColor& color,
+                                  const std::optional<Coloring>& coloring) const {
+  if (coloring)
+    return render::ColorByField{coloring->field, transfer(structures, *coloring)};
+  return std::get<render::Color>(color);
+}
+
+render::VolumeSettings FrameSettingsMaker::volume(render::Structures& structures,
+                                                  const Volume& from,
+                                                  const VolumeDecisions& decisions) const {
+  render::TransferFunction function = transfer(structures, decisions.coloring, from.opacity);
   function.set_nan_opacity(from.nan_opacity);
-  if (from.smooth && field.field.association == INSITU_CELL)
+  render::ScalarField field = decisions.coloring.field;
+  if (decisions.average)
     field = structures.average(field).field();
   render::VolumeSettings to{field,
                             function,
                             frame_.step * step_of(frame_.accuracy),
                             std::nullopt,
                             from.unit_distance.value_or(0.0),
-                            to_api(frame_.accuracy)};
-  to.preintegrated = from.preintegrated;
-  to.shading = from.shading;
-  to.tolerance = from.tolerance;
-  to.culling = from.culling == Culling::always ? render::Culling::always : render::Culling::never;
+                            frame_.accuracy};
+  to.preintegrated = decisions.preintegration.made;
+  to.shading = decisions.shading.made;
+  if (decisions.step_levels)
+    to.tolerance = from.tolerance;
+  if (decisions.culling && *decisions.culling)
+    to.culling = render::Culling::always;
   return to;
 }
 
 render::IsosurfaceSettings
-FrameSettingsMaker::isosurface(const commit::CommittedMesh& mesh, render::Structures& structures,
-                               const Isosurface& from,
-                               const std::optional<render::ColorMap>& colors) const {
+FrameSettingsMaker::isosurface(render::Structures& structures, const Isosurface& from,
+                               const IsosurfaceDecisions& decisions) const {
   render::IsosurfaceSettings to;
-  to.field = scalar(mesh, from.field, from.component);
+  to.field = decisions.field;
   to.values = from.values;
   to.opacity = from.opacity;
-  to.normals = from.normals;
+  to.normals = decisions.normals;
   to.search = from.search;
-  if (const auto* by = std::get_if<ColorBy>(&from.color)) {
-    const render::ScalarField field = scalar(mesh, by->field, by->component);
-    to.color = render::ColorByField{field, transfer(structures, field, *colors, by->colors.range)};
-  } else {
-    to.color = std::get<render::Color>(from.color);
-  }
-  return to;
-}
-
-render::BoundarySettings FrameSettingsMaker::boundary(const commit::CommittedMesh& mesh,
-                                                      render::Structures& structures,
-                                                      const Boundary& from) const {
-  render::BoundarySettings to;
-  to.opacity = from.opacity;
-  if (const auto* by = std::get_if<ColorBy>(&from.color)) {
-    const render::ScalarField field = scalar(mesh, by->field, by->component);
-    to.color = render::ColorByField{
-        field, transfer(structures, field, *boundary_colors_, by->colors.range)};
-  } else {
-    to.color = std::get<render::Color>(from.color);
-  }
+  to.color = surface_color(structures, from.color, decisions.coloring);
   return to;
 }
 
@@ -342,6 +287,21 @@ render::Camera FrameSettingsMaker::camera(const Camera& from, const commit::Comm
   if (from.fit == render::Fit::box && !is_placed && !from.orthographic_height)
     to = to.fitted(corners, bounds.aspect, zoom, margin);
   return to;
+}
+
+std::vector<const render::TransferFunction*> functions_of(const render::FrameSettings& settings) {
+  std::vector<const render::TransferFunction*> all;
+  const auto add = [&](const std::variant<render::Color, render::ColorByField>& color) {
+    if (const auto* by = std::get_if<render::ColorByField>(&color))
+      all.push_back(&by->function);
+  };
+  if (settings.volume)
+    all.push_back(&settings.volume->function);
+  for (const render::IsosurfaceSettings& surface : settings.isosurfaces)
+    add(surface.color);
+  if (settings.boundary)
+    add(settings.boundary->color);
+  return all;
 }
 
 } // namespace insitu::scene

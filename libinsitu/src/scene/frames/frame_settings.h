@@ -1,9 +1,13 @@
 #pragma once
 
+#include <map>
 #include <optional>
+#include <span>
+#include <variant>
 #include <vector>
 
 #include "render/frame.h"
+#include "scene/frames/frame_decisions.h"
 #include "scene/run/environment.h"
 #include "scene/run/step.h"
 
@@ -16,47 +20,37 @@ public:
   /// core::Error. frame must outlive this.
   FrameSettingsMaker(const Frame& frame, const Environment& environment);
 
-  /// For the mesh as it is now, but for the camera. What settings point to lives until the
-  /// structures' next end().
-  render::FrameSettings make(const commit::CommittedMesh& mesh,
-                             render::Structures& structures) const;
+  /// Makes all settings but the camera. What they point to lives until the structures' next end().
+  render::FrameSettings make(const FrameDecisions& decisions, render::Structures& structures) const;
   /// One of the frame's cameras at a step. drawn: frames so far, for orbits.
   render::Camera camera(const Camera& camera, const commit::CommittedMesh& mesh, const Step& step,
                         std::int64_t drawn) const;
 
-  /// The ranges that its colours stretch over, by range_label().
-  std::vector<std::pair<std::string, ValueRange>>
-  ranges(const render::FrameSettings& settings) const;
-
-  /// Of the volume, if there is one.
-  const std::optional<render::ColorMap>& volume_colors() const { return volume_colors_; }
+  /// Returns the colours of what the frame colours by a field, read from their files.
+  const render::ColorMap& map_of(const ColorBy& by) const { return maps_.at(&by); }
   /// Of the frame, read from their files.
   std::span<const render::BodySettings> bodies() const { return bodies_; }
 
 private:
   render::ColorMap color_map(const ColorMapChoice& colors) const;
-  render::ScalarField scalar(const commit::CommittedMesh& mesh, const Name& name,
-                             const Component& component) const;
-  render::TransferFunction transfer(render::Structures& structures,
-                                    const render::ScalarField& field,
-                                    const render::ColorMap& colors,
-                                    const std::optional<ValueRange>& range,
+  render::TransferFunction transfer(render::Structures& structures, const Coloring& coloring,
                                     const std::vector<OpacityPoint>& opacity = {}) const;
-  render::VolumeSettings volume(const commit::CommittedMesh& mesh, render::Structures& structures,
-                                const Volume& from) const;
-  render::IsosurfaceSettings isosurface(const commit::CommittedMesh& mesh,
-                                        render::Structures& structures, const Isosurface& from,
-                                        const std::optional<render::ColorMap>& colors) const;
-  render::BoundarySettings boundary(const commit::CommittedMesh& mesh,
-                                    render::Structures& structures, const Boundary& from) const;
+  std::variant<render::Color, render::ColorByField>
+  surface_color(render::Structures& structures, const SurfaceColor& color,
+                const std::optional<Coloring>& coloring) const;
+  render::VolumeSettings volume(render::Structures& structures, const Volume& from,
+                                const VolumeDecisions& decisions) const;
+  render::IsosurfaceSettings isosurface(render::Structures& structures, const Isosurface& from,
+                                        const IsosurfaceDecisions& decisions) const;
   std::vector<render::BodySettings> load_bodies() const;
 
   const Frame& frame_;
   Environment environment_;
-  std::optional<render::ColorMap> volume_colors_;
-  std::vector<std::optional<render::ColorMap>> surface_colors_;
-  std::optional<render::ColorMap> boundary_colors_;
+  std::map<const ColorBy*, render::ColorMap> maps_; ///< of colorings_of() the frame
   std::vector<render::BodySettings> bodies_;
 };
+
+/// Returns the functions by which settings colour, in the order of colorings_of() the frame.
+std::vector<const render::TransferFunction*> functions_of(const render::FrameSettings& settings);
 
 } // namespace insitu::scene

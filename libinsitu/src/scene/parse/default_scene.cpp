@@ -17,15 +17,4 @@ SceneDescription default_scene(const std::string& scalar_field, const std::strin
   return scene;
 }
 
-const char* accuracy_name(Accuracy accuracy) {
-  switch (accuracy) {
-  case Accuracy::fast:
-    return "fast";
-  case Accuracy::standard:
-    return "standard";
-  default:
-    return "exact";
-  }
-}
-
 } // namespace insitu::scene

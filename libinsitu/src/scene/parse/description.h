@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "insitu/insitu.h"
+
 #include "accel/locator.h"
 #include "advect/integrate/settings.h"
 #include "math/vec.h"
@@ -101,7 +103,7 @@ struct Probe {
   FrameOfReference frame;
   std::vector<Name> fields; ///< empty: all fields of the mesh
   Attached attached = Attached::lab;
-  Accuracy accuracy = Accuracy::exact;
+  insitu_accuracy accuracy = INSITU_EXACT;
   std::vector<TableFormat> output{TableFormat::csv};
   Trigger trigger; ///< the trigger of the probe itself, or else that of the scene
   int line = 0;
@@ -188,7 +190,7 @@ struct Tracer {
                                         ///< velocity
   std::vector<Name> fields;             ///< fields that are recorded along the tracks; empty: none
   std::vector<TrackGeodesic> geodesics; ///< for path- and streaklines, recorded after the fields
-  Accuracy accuracy = Accuracy::standard;
+  insitu_accuracy accuracy = INSITU_STANDARD;
   std::vector<TableFormat> output{TableFormat::csv}; ///< csv, vtp or netcdf (netcdf not for
                                                      ///< streamlines)
   Trigger trigger; ///< the trigger of the tracer itself, or else that of the scene, at which
@@ -229,7 +231,5 @@ struct SceneDescription {
 /// the first mesh) from an automatic camera, with scalar bar and time label, one frame every tenth
 /// cycle.
 SceneDescription default_scene(const std::string& scalar_field, const std::string& mesh = {});
-
-const char* accuracy_name(Accuracy accuracy);
 
 } // namespace insitu::scene

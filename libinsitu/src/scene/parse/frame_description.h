@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "insitu/insitu.h"
+
 #include "math/vec.h"
 #include "render/camera/camera.h"
 #include "render/clip.h"
@@ -16,6 +18,7 @@
 #include "render/path/path_settings.h"
 #include "render/surface/cell_roots.h"
 #include "render/surface/normals.h"
+#include "render/volume/culling.h"
 #include "scene/expression/trigger.h"
 #include "scene/parse/names.h"
 
@@ -83,13 +86,15 @@ struct NamedCamera {
 
 using render::OpacityPoint;
 
-/// See render/volume/volume.h.
-enum class Culling { never, always };
-
-struct Volume {
+/// The number of a field that is drawn or colours a surface, and its colours.
+struct ColorBy {
   Name field;
   Component component;
   ColorMapChoice colors;
+};
+using SurfaceColor = std::variant<render::Color, ColorBy>;
+
+struct Volume : ColorBy {
   std::vector<OpacityPoint>
       opacity;            ///< by value; empty: from 0 at the range's low end to 1 at its high end
   double nan_opacity = 0; ///< of values that are not numbers
@@ -99,15 +104,8 @@ struct Volume {
   bool preintegrated = false;      ///< all values between two samples count; not with a tolerance
   bool shading = false;            ///< lit by the field's gradient
   std::optional<double> tolerance; ///< of opacity and colour; nothing: even steps
-  Culling culling = Culling::never;
+  render::Culling culling = render::Culling::never;
   int line = 0;
-};
-
-/// Colours of a surface by a field.
-struct ColorBy {
-  Name field;
-  Component component;
-  ColorMapChoice colors;
 };
 
 struct Isosurface {
@@ -115,7 +113,7 @@ struct Isosurface {
   Component component;
   std::vector<double> values;
   double opacity = 1;
-  std::variant<render::Color, ColorBy> color = render::linear_of_srgb(0.8, 0.8, 0.8);
+  SurfaceColor color = render::linear_of_srgb(0.8, 0.8, 0.8);
   render::Normals normals = render::Normals::cell;
   render::RootSearch search = render::RootSearch::cubic;
   int line = 0;
@@ -124,7 +122,7 @@ struct Isosurface {
 /// The mesh's own boundary.
 struct Boundary {
   double opacity = 1;
-  std::variant<render::Color, ColorBy> color = render::linear_of_srgb(0.8, 0.8, 0.8);
+  SurfaceColor color = render::linear_of_srgb(0.8, 0.8, 0.8);
 };
 
 /// Triangles of a file.
@@ -202,10 +200,20 @@ struct Frame {
   std::vector<FrameEffect> effects;
   Occlusion occlusion;                     ///< if among the effects
   std::optional<PathTracing> path_tracing; ///< also there where an effect asks for it
-  Accuracy accuracy = Accuracy::standard;
+  insitu_accuracy accuracy = INSITU_STANDARD;
   double step = 1; ///< factor on the ray step that `accuracy` chooses
   Trigger trigger; ///< its own, or else the scene's
   int line = 0;
+
+  /// Whether images keep the alpha of what is drawn, because the background lets light through.
+  bool keeps_alpha() const { return background_alpha < 1; }
 };
+
+/// Returns the frame's `cameras`, or else its `camera`, without a name.
+std::vector<NamedCamera> cameras_of(const Frame& frame);
+
+/// What a frame colours by fields: its volume, its isosurfaces, its boundary, as far as it has them
+/// and they have no colour of their own. The pointers point into the frame.
+std::vector<const ColorBy*> colorings_of(const Frame& frame);
 
 } // namespace insitu::scene

@@ -2,8 +2,6 @@
 
 #include <string>
 
-#include "insitu/insitu.h"
-
 namespace insitu::scene {
 
 /// The name of something that must exist when the scene runs: a field, a mesh. Empty where not
@@ -13,19 +11,5 @@ struct Name {
   int line = 0;
   bool empty() const { return text.empty(); }
 };
-
-enum class Accuracy { fast, standard, exact };
-
-inline insitu_accuracy to_api(Accuracy accuracy) {
-  switch (accuracy) {
-  case Accuracy::fast:
-    return INSITU_FAST;
-  case Accuracy::standard:
-    return INSITU_STANDARD;
-  case Accuracy::exact:
-    break;
-  }
-  return INSITU_EXACT;
-}
 
 } // namespace insitu::scene

@@ -170,9 +170,9 @@ LocatorOptions parse_locator(const Cursor& cursor) {
   return options;
 }
 
-std::optional<Accuracy> parse_accuracy(const Cursor& cursor) {
-  return cursor.choice<Accuracy>(
-      {{"fast", Accuracy::fast}, {"standard", Accuracy::standard}, {"exact", Accuracy::exact}});
+std::optional<insitu_accuracy> parse_accuracy(const Cursor& cursor) {
+  return cursor.choice<insitu_accuracy>(
+      {{"fast", INSITU_FAST}, {"standard", INSITU_STANDARD}, {"exact", INSITU_EXACT}});
 }
 
 bool fits_file_name(const std::string& text) {

@@ -74,6 +74,70 @@ Geocentric parse_geocentric(const Cursor& cursor) {
   return geocentric;
 }
 
+void parse_views(const MapReader& map, Frame& frame) {
+  if (const auto geocentric = map.find("geocentric")) {
+    frame.geocentric = parse_geocentric(*geocentric);
+  }
+  const bool on_earth = frame.geocentric.has_value();
+  frame.camera = default_camera(on_earth);
+  if (const auto camera = map.find("camera")) {
+    frame.camera = parse_camera(*camera, on_earth);
+  }
+  if (const auto cameras = map.find("cameras")) {
+    frame.cameras = parse_cameras(*cameras, on_earth);
+    if (map.has("camera")) {
+      cameras->fail("a frame has either a 'camera' or 'cameras'");
+    }
+  }
+}
+
+/// What is drawn, and by which light.
+void parse_drawn(const MapReader& map, const ParseContext& context, Frame& frame) {
+  if (const auto volume = map.find("volume")) {
+    frame.volume = parse_volume(*volume, context);
+  }
+  if (const auto surfaces = map.find("isosurfaces")) {
+    frame.isosurfaces = parse_isosurfaces(*surfaces, context);
+  }
+  if (const auto boundary = map.find("boundary")) {
+    frame.boundary = parse_boundary(*boundary, context);
+  }
+  if (const auto bodies = map.find("bodies")) {
+    frame.bodies = parse_bodies(*bodies, context);
+  }
+  if (const auto outline = map.find("outline")) {
+    frame.outline = parse_outline(*outline);
+  }
+  if (const auto lights = map.find("lights")) {
+    frame.lights = parse_lights(*lights);
+  }
+  if (const auto clip = map.find("clip")) {
+    frame.clips = parse_clips(*clip);
+  }
+}
+
+void parse_frame_effects(const MapReader& map, Frame& frame) {
+  if (const auto effects = map.find("effects")) {
+    frame.effects = parse_effects<FrameEffect>(
+        *effects, {{"lighting", FrameEffect::lighting},
+                   {"shadows", FrameEffect::shadows},
+                   {"volume_shadows", FrameEffect::volume_shadows},
+                   {"ambient_occlusion", FrameEffect::ambient_occlusion,
+                    [&](const Cursor& options) { frame.occlusion = parse_occlusion(options); }},
+                   {"single_scattering", FrameEffect::single_scattering},
+                   {"multiple_scattering", FrameEffect::multiple_scattering}});
+  }
+}
+
+void check_draws_something(const MapReader& map, const Frame& frame) {
+  const auto surfaces = map.find("isosurfaces");
+  if (map && !map.has("volume") && !frame.boundary && frame.bodies.empty() && !frame.outline &&
+      (!surfaces || (surfaces->is_list() && frame.isosurfaces.empty()))) {
+    map.cursor().fail("the frame draws nothing; give it a 'volume', 'isosurfaces', 'boundary', "
+                      "'bodies' or 'outline'");
+  }
+}
+
 } // namespace
 
 std::string image_stem(const std::string& name, ImageKind kind) {
@@ -86,6 +150,29 @@ std::string image_stem(const std::string& name, ImageKind kind) {
     return name + "_cell";
   }
   return name;
+}
+
+std::vector<NamedCamera> cameras_of(const Frame& frame) {
+  return frame.cameras.empty() ? std::vector{NamedCamera{"", frame.camera}} : frame.cameras;
+}
+
+std::vector<const ColorBy*> colorings_of(const Frame& frame) {
+  std::vector<const ColorBy*> all;
+  const auto add = [&](const SurfaceColor& color) {
+    if (const auto* by = std::get_if<ColorBy>(&color)) {
+      all.push_back(by);
+    }
+  };
+  if (frame.volume) {
+    all.push_back(&*frame.volume);
+  }
+  for (const Isosurface& surface : frame.isosurfaces) {
+    add(surface.color);
+  }
+  if (frame.boundary) {
+    add(frame.boundary->color);
+  }
+  return all;
 }
 
 Frame parse_frame(const Cursor& cursor, ParseContext& context) {
@@ -106,20 +193,7 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   if (const auto background = map.find("background")) {
     parse_background(*background, frame);
   }
-  if (const auto geocentric = map.find("geocentric")) {
-    frame.geocentric = parse_geocentric(*geocentric);
-  }
-  const bool on_earth = frame.geocentric.has_value();
-  frame.camera = default_camera(on_earth);
-  if (const auto camera = map.find("camera")) {
-    frame.camera = parse_camera(*camera, on_earth);
-  }
-  if (const auto cameras = map.find("cameras")) {
-    frame.cameras = parse_cameras(*cameras, on_earth);
-    if (map.has("camera")) {
-      cameras->fail("a frame has either a 'camera' or 'cameras'");
-    }
-  }
+  parse_views(map, frame);
   if (const auto images = map.find("images")) {
     frame.images = parse_words<ImageKind>(
         *images,
@@ -130,28 +204,7 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
     frame.formats = parse_words<ImageFormat>(
         *format, {{"png", ImageFormat::png}, {"exr", ImageFormat::exr}}, "format");
   }
-  if (const auto volume = map.find("volume")) {
-    frame.volume = parse_volume(*volume, context);
-  }
-  const auto surfaces = map.find("isosurfaces");
-  if (surfaces) {
-    frame.isosurfaces = parse_isosurfaces(*surfaces, context);
-  }
-  if (const auto boundary = map.find("boundary")) {
-    frame.boundary = parse_boundary(*boundary, context);
-  }
-  if (const auto bodies = map.find("bodies")) {
-    frame.bodies = parse_bodies(*bodies, context);
-  }
-  if (const auto outline = map.find("outline")) {
-    frame.outline = parse_outline(*outline);
-  }
-  if (const auto lights = map.find("lights")) {
-    frame.lights = parse_lights(*lights);
-  }
-  if (const auto clip = map.find("clip")) {
-    frame.clips = parse_clips(*clip);
-  }
+  parse_drawn(map, context, frame);
   if (const auto bar = map.find("scalar_bar")) {
     assign(frame.scalar_bar, bar->boolean());
   }
@@ -161,16 +214,7 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   if (const auto axes = map.find("axes")) {
     assign(frame.axes, axes->boolean());
   }
-  if (const auto effects = map.find("effects")) {
-    frame.effects = parse_effects<FrameEffect>(
-        *effects, {{"lighting", FrameEffect::lighting},
-                   {"shadows", FrameEffect::shadows},
-                   {"volume_shadows", FrameEffect::volume_shadows},
-                   {"ambient_occlusion", FrameEffect::ambient_occlusion,
-                    [&](const Cursor& options) { frame.occlusion = parse_occlusion(options); }},
-                   {"single_scattering", FrameEffect::single_scattering},
-                   {"multiple_scattering", FrameEffect::multiple_scattering}});
-  }
+  parse_frame_effects(map, frame);
   frame.path_tracing = parse_path_tracing(map, frame.effects);
   if (const auto accuracy = map.find("accuracy")) {
     assign(frame.accuracy, parse_accuracy(*accuracy));
@@ -178,11 +222,7 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   if (const auto step = map.find("step")) {
     assign(frame.step, step->number({0.01, 100}));
   }
-  if (map && !map.has("volume") && !frame.boundary && frame.bodies.empty() && !frame.outline &&
-      (!surfaces || (surfaces->is_list() && frame.isosurfaces.empty()))) {
-    cursor.fail("the frame draws nothing; give it a 'volume', 'isosurfaces', 'boundary', "
-                "'bodies' or 'outline'");
-  }
+  check_draws_something(map, frame);
   claim_names(cursor, frame, context);
   frame.trigger = parse_trigger(map, context.trigger);
   return frame;

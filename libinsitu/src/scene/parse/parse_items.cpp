@@ -183,6 +183,135 @@ void check_backward_effects(const Cursor& effects, const Tracer& tracer) {
   }
 }
 
+void refuse_on_streamlines(const Cursor& key, const Tracer& tracer, const std::string& why) {
+  if (tracer.kind == TracerKind::streamline) {
+    key.fail(why + "; this key belongs to path- and streaklines");
+  }
+}
+
+void parse_kind_and_release(const MapReader& map, Tracer& tracer) {
+  if (const auto kind = map.find("kind")) {
+    assign(tracer.kind, kind->choice<TracerKind>({{"streamline", TracerKind::streamline},
+                                                  {"pathline", TracerKind::pathline},
+                                                  {"streakline", TracerKind::streakline}}));
+  }
+  if (tracer.kind == TracerKind::streakline) {
+    tracer.release.every = 1;
+  }
+  if (const auto release = map.find("release")) {
+    refuse_on_streamlines(*release, tracer, "streamlines begin anew whenever they are due");
+    tracer.release = parse_release(*release);
+  }
+}
+
+void parse_geodesics(const MapReader& map, Tracer& tracer) {
+  const auto geodesics = map.find("geodesics");
+  if (!geodesics) {
+    return;
+  }
+  refuse_on_streamlines(*geodesics, tracer, "streamlines are of one time");
+  tracer.geodesics =
+      parse_words<TrackGeodesic>(*geodesics,
+                                 {{"path_length", TrackGeodesic::path_length},
+                                  {"release_distance", TrackGeodesic::release_distance},
+                                  {"release_bearing", TrackGeodesic::release_bearing}},
+                                 "column");
+}
+
+void parse_velocity(const MapReader& map, Tracer& tracer) {
+  const bool attached = tracer.attached == Attached::body;
+  if (const auto velocity = attached ? map.find("velocity") : map.require("velocity")) {
+    assign(tracer.velocity, parse_name(*velocity));
+  }
+  if (const auto interpolation = map.find("time_interpolation")) {
+    refuse_on_streamlines(*interpolation, tracer, "streamlines see one step alone");
+    assign(tracer.time_interpolation, interpolation->choice<advect::TimeInterpolation>(
+                                          {{"linear", advect::TimeInterpolation::linear},
+                                           {"quadratic", advect::TimeInterpolation::quadratic},
+                                           {"cubic", advect::TimeInterpolation::cubic}}));
+  }
+}
+
+void parse_output_times(const MapReader& map, Tracer& tracer) {
+  const auto times = map.find("times");
+  if (!times) {
+    return;
+  }
+  refuse_on_streamlines(*times, tracer, "streamlines are of one moment");
+  for (const char* key : {"every", "when"}) {
+    if (const auto value = map.find(key)) {
+      value->fail("'times' says when the particles are written");
+    }
+  }
+  tracer.times = parse_times(*times);
+}
+
+void parse_direction(const MapReader& map, Tracer& tracer) {
+  const auto direction = map.find("direction");
+  if (!direction) {
+    return;
+  }
+  assign(tracer.direction,
+         direction->choice<TracerDirection>({{"forward", TracerDirection::forward},
+                                             {"backward", TracerDirection::backward},
+                                             {"both", TracerDirection::both}}));
+  if (tracer.kind != TracerKind::streamline && tracer.direction == TracerDirection::both) {
+    direction->fail("path- and streaklines follow the run, whose time goes one way: forward, or "
+                    "backward where steps are replayed in reverse");
+  }
+}
+
+void parse_effects_on(const MapReader& map, Tracer& tracer) {
+  const auto effects = map.find("effects");
+  if (!effects) {
+    return;
+  }
+  tracer.effects = parse_tracer_effects(*effects);
+  if (tracer.kind == TracerKind::streamline) {
+    check_line_effects(*effects, tracer);
+  } else if (tracer.direction == TracerDirection::backward) {
+    check_backward_effects(*effects, tracer);
+  }
+  if (has_periodic_sides(tracer.effects) &&
+      std::find(tracer.geodesics.begin(), tracer.geodesics.end(), TrackGeodesic::path_length) !=
+          tracer.geodesics.end()) {
+    map.find("geodesics")
+        ->fail("'path_length' adds up the ways from cycle to cycle, in which a "
+               "passage through 'periodic' sides would count as one");
+  }
+}
+
+/// Particles that go with the material are moved by nothing else.
+void check_attached(const MapReader& map, const Tracer& tracer) {
+  if (const auto effects = map.find("effects")) {
+    check_attached_effects(*effects, tracer.effects);
+  }
+  for (const char* key : {"velocity", "time_interpolation", "integrator", "direction"}) {
+    if (const auto value = map.find(key)) {
+      value->fail("'attached: body' moves particles with the mesh's material; this key moves "
+                  "them otherwise");
+    }
+  }
+  if (tracer.kind == TracerKind::streamline) {
+    map.find("attached")->fail("streamlines do not move with the material");
+  }
+}
+
+void parse_tables(const MapReader& map, Tracer& tracer) {
+  const auto output = map.find("output");
+  if (!output) {
+    return;
+  }
+  tracer.output = parse_output(
+      *output,
+      {{"csv", TableFormat::csv}, {"vtp", TableFormat::vtp}, {"netcdf", TableFormat::netcdf}});
+  if (tracer.kind == TracerKind::streamline &&
+      std::find(tracer.output.begin(), tracer.output.end(), TableFormat::netcdf) !=
+          tracer.output.end()) {
+    output->fail("netcdf is for path- and streaklines, which are trajectories in time");
+  }
+}
+
 } // namespace
 
 Probe parse_probe(const Cursor& cursor, ParseContext& context) {
@@ -213,70 +342,14 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
                                "attached", "accuracy", "output",     "every",
                                "when"});
   parse_common(map, context, "seeds", tracer.seeds, tracer.seeds_line, tracer);
-  if (const auto kind = map.find("kind")) {
-    assign(tracer.kind, kind->choice<TracerKind>({{"streamline", TracerKind::streamline},
-                                                  {"pathline", TracerKind::pathline},
-                                                  {"streakline", TracerKind::streakline}}));
-  }
-  if (tracer.kind == TracerKind::streakline) {
-    tracer.release.every = 1;
-  }
-  if (const auto release = map.find("release")) {
-    if (tracer.kind == TracerKind::streamline) {
-      release->fail("streamlines begin anew whenever they are due; this key belongs to path- and "
-                    "streaklines");
-    }
-    tracer.release = parse_release(*release);
-  }
-  if (const auto geodesics = map.find("geodesics")) {
-    if (tracer.kind == TracerKind::streamline) {
-      geodesics->fail("streamlines are of one time; this key belongs to path- and streaklines");
-    }
-    tracer.geodesics =
-        parse_words<TrackGeodesic>(*geodesics,
-                                   {{"path_length", TrackGeodesic::path_length},
-                                    {"release_distance", TrackGeodesic::release_distance},
-                                    {"release_bearing", TrackGeodesic::release_bearing}},
-                                   "column");
-  }
-  const bool attached = tracer.attached == Attached::body;
-  if (const auto velocity = attached ? map.find("velocity") : map.require("velocity")) {
-    assign(tracer.velocity, parse_name(*velocity));
-  }
-  if (const auto interpolation = map.find("time_interpolation")) {
-    if (tracer.kind == TracerKind::streamline) {
-      interpolation->fail("streamlines see one step alone; this key belongs to path- and "
-                          "streaklines");
-    }
-    assign(tracer.time_interpolation, interpolation->choice<advect::TimeInterpolation>(
-                                          {{"linear", advect::TimeInterpolation::linear},
-                                           {"quadratic", advect::TimeInterpolation::quadratic},
-                                           {"cubic", advect::TimeInterpolation::cubic}}));
-  }
-  if (const auto times = map.find("times")) {
-    if (tracer.kind == TracerKind::streamline) {
-      times->fail("streamlines are of one moment; this key belongs to path- and streaklines");
-    }
-    for (const char* key : {"every", "when"}) {
-      if (const auto value = map.find(key)) {
-        value->fail("'times' says when the particles are written");
-      }
-    }
-    tracer.times = parse_times(*times);
-  }
+  parse_kind_and_release(map, tracer);
+  parse_geodesics(map, tracer);
+  parse_velocity(map, tracer);
+  parse_output_times(map, tracer);
   if (const auto integrator = map.find("integrator")) {
     tracer.integrator = parse_integrator(*integrator);
   }
-  if (const auto direction = map.find("direction")) {
-    assign(tracer.direction,
-           direction->choice<TracerDirection>({{"forward", TracerDirection::forward},
-                                               {"backward", TracerDirection::backward},
-                                               {"both", TracerDirection::both}}));
-    if (tracer.kind != TracerKind::streamline && tracer.direction == TracerDirection::both) {
-      direction->fail("path- and streaklines follow the run, whose time goes one way: forward, or "
-                      "backward where steps are replayed in reverse");
-    }
-  }
+  parse_direction(map, tracer);
   if (const auto spacing = map.find("spacing")) {
     if (tracer.kind != TracerKind::streamline) {
       spacing->fail("path- and streaklines have a vertex for each time at which they are written: "
@@ -287,45 +360,11 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context) {
   if (const auto until = map.find("until")) {
     tracer.until = parse_limits(*until);
   }
-  if (const auto effects = map.find("effects")) {
-    tracer.effects = parse_tracer_effects(*effects);
-    if (tracer.kind == TracerKind::streamline) {
-      check_line_effects(*effects, tracer);
-    } else if (tracer.direction == TracerDirection::backward) {
-      check_backward_effects(*effects, tracer);
-    }
-    if (has_periodic_sides(tracer.effects) &&
-        std::find(tracer.geodesics.begin(), tracer.geodesics.end(), TrackGeodesic::path_length) !=
-            tracer.geodesics.end()) {
-      map.find("geodesics")
-          ->fail("'path_length' adds up the ways from cycle to cycle, in which a "
-                 "passage through 'periodic' sides would count as one");
-    }
+  parse_effects_on(map, tracer);
+  if (tracer.attached == Attached::body) {
+    check_attached(map, tracer);
   }
-  if (attached) {
-    if (const auto effects = map.find("effects")) {
-      check_attached_effects(*effects, tracer.effects);
-    }
-    for (const char* key : {"velocity", "time_interpolation", "integrator", "direction"}) {
-      if (const auto value = map.find(key)) {
-        value->fail("'attached: body' moves particles with the mesh's material; this key moves "
-                    "them otherwise");
-      }
-    }
-    if (tracer.kind == TracerKind::streamline) {
-      map.find("attached")->fail("streamlines do not move with the material");
-    }
-  }
-  if (const auto output = map.find("output")) {
-    tracer.output = parse_output(
-        *output,
-        {{"csv", TableFormat::csv}, {"vtp", TableFormat::vtp}, {"netcdf", TableFormat::netcdf}});
-    if (tracer.kind == TracerKind::streamline &&
-        std::find(tracer.output.begin(), tracer.output.end(), TableFormat::netcdf) !=
-            tracer.output.end()) {
-      output->fail("netcdf is for path- and streaklines, which are trajectories in time");
-    }
-  }
+  parse_tables(map, tracer);
   return tracer;
 }
 

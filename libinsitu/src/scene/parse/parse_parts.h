@@ -39,7 +39,7 @@ Trigger parse_trigger(const MapReader& map, const Trigger& fallback);
 /// Reads a condition. The optional is empty where the text is no condition.
 std::optional<Expression> parse_condition(const Cursor& cursor);
 LocatorOptions parse_locator(const Cursor& cursor);
-std::optional<Accuracy> parse_accuracy(const Cursor& cursor);
+std::optional<insitu_accuracy> parse_accuracy(const Cursor& cursor);
 /// Reads `name`, which is required, must be fit for the name of a file, and must not be in use yet.
 void parse_item_name(const MapReader& map, ParseContext& context, std::string& name);
 /// Returns whether a text may stand in the name of a file: it stays within the folder, on every

@@ -66,8 +66,8 @@ Volume parse_volume(const Cursor& cursor, const ParseContext& context) {
     }
   }
   if (const auto culling = map.find("culling")) {
-    assign(volume.culling,
-           culling->choice<Culling>({{"never", Culling::never}, {"always", Culling::always}}));
+    assign(volume.culling, culling->choice<render::Culling>({{"never", render::Culling::never},
+                                                             {"always", render::Culling::always}}));
   }
   return volume;
 }

@@ -32,7 +32,7 @@ ProbeAnswers ProbeAction::sample(const commit::CommittedMesh& mesh,
   a.values.assign(n * width, std::numeric_limits<double>::quiet_NaN());
   const query::Sampler sampler = mesh.sampler();
   query::LocateOptions options;
-  options.accuracy = to_api(probe_.accuracy);
+  options.accuracy = probe_.accuracy;
   if (moves()) { // their places are known, to the bit
     for (std::size_t i = 0; i < n; ++i) {
       if (places_[i])
@@ -77,7 +77,7 @@ void ProbeAction::follow(commit::CommittedMesh& mesh) {
   places_.resize(points.size());
   const query::Sampler sampler = mesh.sampler();
   query::LocateOptions options;
-  options.accuracy = to_api(probe_.accuracy);
+  options.accuracy = probe_.accuracy;
   environment_.context.threads.parallel_for(
       std::int64_t(points.size()), 512, [&](std::int64_t begin, std::int64_t end) {
         for (auto i = std::size_t(begin); i < std::size_t(end); ++i)

@@ -53,6 +53,20 @@ void Plan::skip(std::string item, std::string why) {
       {of_, mesh_, std::move(item), false, false, -1, false, Held::kept, std::move(why)});
 }
 
+void Plan::tell(std::string item, const Decision& decision, std::int64_t bytes, Held held) {
+  if (decision)
+    need(std::move(item), bytes, decision.why, held);
+  else
+    skip(std::move(item), decision.why);
+}
+
+void Plan::tell_at_most(std::string item, const Decision& decision, std::int64_t bytes, Held held) {
+  if (decision)
+    need_at_most(std::move(item), bytes, decision.why, held);
+  else
+    skip(std::move(item), decision.why);
+}
+
 std::int64_t Plan::kept_bytes() const {
   std::int64_t sum = 0;
   for (const Entry& e : entries_)

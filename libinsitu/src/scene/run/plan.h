@@ -6,6 +6,13 @@
 
 namespace insitu::scene {
 
+/// What was decided, and why.
+struct Decision {
+  bool made = false;
+  const char* why = "";
+  explicit operator bool() const { return made; }
+};
+
 /// What the items of a scene need beyond the meshes' trees, and what they do without: for people to
 /// read before a run, and for tests to hold against what was made.
 class Plan {
@@ -33,6 +40,11 @@ public:
   /// Of what is decided, or found out, when it is made.
   void need_at_most(std::string item, std::int64_t bytes, std::string why, Held held = Held::kept);
   void skip(std::string item, std::string why);
+  /// Either of need() or need_at_most(), and skip(), as was decided.
+  void tell(std::string item, const Decision& decision, std::int64_t bytes = -1,
+            Held held = Held::kept);
+  void tell_at_most(std::string item, const Decision& decision, std::int64_t bytes,
+                    Held held = Held::kept);
 
   const std::vector<Entry>& entries() const { return entries_; }
   /// Of what is needed and kept, beside what meshes hold themselves.

@@ -39,7 +39,7 @@ public:
                              : advect::Direction::forward;
     settings.even_length = tracer_.spacing.length.value_or(0.0);
     settings.even_time = tracer_.spacing.time.value_or(0.0);
-    settings.accuracy = to_api(tracer_.accuracy);
+    settings.accuracy = tracer_.accuracy;
     if (tracer_.until.duration)
       settings.duration = *tracer_.until.duration;
     if (tracer_.effects.age_limit)

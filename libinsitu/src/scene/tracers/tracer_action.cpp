@@ -162,7 +162,7 @@ std::vector<double> TracerAction::sample(const commit::CommittedMesh& mesh,
     return values;
   const query::Sampler sampler = mesh.sampler();
   query::LocateOptions options;
-  options.accuracy = to_api(tracer_.accuracy);
+  options.accuracy = tracer_.accuracy;
   environment_.context.threads.parallel_for(
       std::int64_t(points.size()), 512, [&](std::int64_t begin, std::int64_t end) {
         for (auto i = std::size_t(begin); i < std::size_t(end); ++i)

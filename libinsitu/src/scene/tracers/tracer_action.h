@@ -34,7 +34,7 @@ public:
   virtual advect::Counts counts() const = 0;
 
   bool has_times() const { return tracer_.times.interval || !tracer_.times.at.empty(); }
-  insitu_accuracy accuracy() const { return to_api(tracer_.accuracy); }
+  insitu_accuracy accuracy() const { return tracer_.accuracy; }
   const core::Threads& threads() const { return environment_.context.threads; }
   std::vector<mesh::FieldView> fields(const commit::CommittedMesh& mesh) const;
   std::vector<std::string> field_columns(std::span<const mesh::FieldView> fields) const;

@@ -1,0 +1,160 @@
+#include "scene/frames/frame_decisions.h"
+
+#include <algorithm>
+
+#include "core/status.h"
+#include "query/lattice/culled_cells.h"
+#include "scene/run/lookup.h"
+
+namespace insitu::scene {
+
+namespace {
+
+constexpr const char* while_drawn = "while it is drawn";
+constexpr const char* no_effect = "not among the frame's effects";
+
+template <class Item>
+bool asks_for(const std::vector<Item>& items, Item item) {
+  return std::find(items.begin(), items.end(), item) != items.end();
+}
+
+void decide_images(const Frame& frame, const FrameFacts& facts, FrameDecisions& d) {
+  const bool globe = frame.geocentric && (frame.geocentric->globe || frame.geocentric->graticule);
+  d.globe = globe ? Decision{true, "while it is drawn, some rows at a time"}
+                  : Decision{false, "neither globe nor graticule is asked for"};
+  const bool cell = asks_for(frame.images, ImageKind::cell);
+  d.cell = {cell, cell ? while_drawn : "not among the frame's images"};
+  // In which of the solver's cells a point of a cell that stands in for it lies takes the point.
+  d.own_cells = cell && facts.has_stand_in;
+  if (asks_for(frame.images, ImageKind::depth))
+    d.depth = {true, while_drawn};
+  else if (d.own_cells)
+    d.depth = {true, "while it is drawn: it tells the solver's cells from those in their place"};
+  else if (globe)
+    d.depth = {true, "while it is drawn: what the globe hides"};
+  else
+    d.depth = {false, "not among the frame's images"};
+}
+
+void decide_lighting(const Frame& frame, FrameDecisions& d) {
+  const auto choose = [&](FrameEffect effect) {
+    const bool asked = asks_for(frame.effects, effect);
+    return Decision{asked, asked ? "an effect of the frame" : no_effect};
+  };
+  d.shadows = choose(FrameEffect::shadows);
+  d.volume_shadows = choose(FrameEffect::volume_shadows);
+  d.occlusion = choose(FrameEffect::ambient_occlusion);
+  if (d.volume_shadows && !d.shadows)
+    d.shadows = {true, "with volume shadows"};
+  d.lit = asks_for(frame.effects, FrameEffect::lighting) || d.shadows || d.occlusion;
+  if (frame.isosurfaces.empty() && !frame.boundary && frame.bodies.empty())
+    d.surface_lighting = {false, "there is none"};
+  else if (d.lit)
+    d.surface_lighting = {true, "an effect of the frame, or with shadows or occlusion"};
+  else
+    d.surface_lighting = {false, no_effect};
+}
+
+Coloring decide_coloring(const ColorBy& by, const FrameFacts& facts) {
+  return {&by, facts.scalar(by.field, by.component),
+          by.colors.range ? Decision{false, "the range is given"}
+                          : Decision{true, "the range of the colours is automatic"}};
+}
+
+std::optional<Coloring> decide_coloring(const SurfaceColor& color, const FrameFacts& facts) {
+  const auto* by = std::get_if<ColorBy>(&color);
+  return by ? std::optional(decide_coloring(*by, facts)) : std::nullopt;
+}
+
+VolumeDecisions decide_volume(const Volume& volume, bool path_traced, const FrameFacts& facts) {
+  VolumeDecisions d;
+  d.coloring = decide_coloring(volume, facts);
+  const bool of_cells = d.coloring.field.field.association == INSITU_CELL;
+  d.flat = of_cells && !volume.smooth;
+  d.path_traced = path_traced;
+  d.average = d.flat      ? Decision{false, "the volume shows one value a cell"}
+              : !of_cells ? Decision{false, "a vertex field"}
+                          : Decision{true, "a smooth volume of a cell field"};
+  const auto choose = [&](bool asked, bool needs_slope, const char* why) {
+    return !asked                  ? Decision{false, "not asked for"}
+           : path_traced           ? Decision{false, "the volume is path traced"}
+           : needs_slope && d.flat ? Decision{false, "the volume shows one value a cell"}
+                                   : Decision{true, why};
+  };
+  d.shading = choose(volume.shading, true, "by the gradient, of samples that show");
+  d.preintegration = choose(volume.preintegrated, true, "tables of integrals, while it is drawn");
+  d.step_levels =
+      choose(volume.tolerance.has_value(), false, "the volume has a tolerance; while it is drawn");
+  if (facts.has_primitives && !d.flat)
+    d.culling = volume.culling == render::Culling::never
+                    ? Decision{false, "culling is not asked for"}
+                : d.preintegration ? Decision{false, "pre-integration needs what does not show too"}
+                                   : Decision{true, "culling"};
+  return d;
+}
+
+IsosurfaceDecisions decide_isosurface(const Isosurface& surface, bool lit,
+                                      const FrameFacts& facts) {
+  IsosurfaceDecisions d;
+  d.field = facts.scalar(surface.field, surface.component);
+  d.averages = d.field.field.association == INSITU_CELL;
+  d.normals = surface.normals;
+  if (surface.normals == render::Normals::cell) {
+    d.gradients = {false, "normals are the cells' own gradients"};
+  } else if (surface.normals == render::Normals::central) {
+    d.gradients = {false, "normals are central differences"};
+  } else if (lit) {
+    d.gradients = {true, "smooth normals; found where they are seen"};
+  } else {
+    d.gradients = {false, "nothing is lit"};
+    d.normals = render::Normals::cell;
+  }
+  d.coloring = decide_coloring(surface.color, facts);
+  return d;
+}
+
+bool sums_over_cells(const FrameDecisions& d) {
+  return (d.volume && d.volume->average) ||
+         std::any_of(d.isosurfaces.begin(), d.isosurfaces.end(),
+                     [](const IsosurfaceDecisions& s) { return s.averages || s.gradients; });
+}
+
+} // namespace
+
+FrameFacts facts_of(const Frame& frame, const commit::CommittedMesh& mesh,
+                    const std::string& scene_file) {
+  FrameFacts facts;
+  facts.scalar = [&mesh, scene_file](const Name& name, const Component& component) {
+    const mesh::FieldView field = find_field(mesh, name, scene_file);
+    if (component.index >= field.components)
+      throw core::Error(INSITU_ERROR_SCENE, at_line(scene_file, name.line) + "component " +
+                                                std::to_string(component.index) + " of field '" +
+                                                name.text + "', which has " +
+                                                std::to_string(field.components));
+    return render::ScalarField{field, component.index};
+  };
+  facts.has_stand_in = mesh.mesh().has_stand_in() && !frame.geocentric;
+  facts.has_primitives = facts.has_stand_in && query::CulledCells::serves(mesh.sampler());
+  return facts;
+}
+
+FrameDecisions decide_frame(const Frame& frame, const FrameFacts& facts) {
+  FrameDecisions d;
+  decide_images(frame, facts, d);
+  decide_lighting(frame, d);
+  if (frame.volume)
+    d.volume = decide_volume(*frame.volume, frame.path_tracing.has_value(), facts);
+  for (const Isosurface& surface : frame.isosurfaces)
+    d.isosurfaces.push_back(decide_isosurface(surface, d.lit, facts));
+  if (frame.boundary)
+    d.boundary = decide_coloring(frame.boundary->color, facts);
+  d.scalar_bar = !frame.scalar_bar             ? Decision{false, "not asked for"}
+                 : colorings_of(frame).empty() ? Decision{false, "nothing is coloured by a field"}
+                                               : Decision{true, "drawn over the image"};
+  d.vertex_cells = sums_over_cells(d)
+                       ? Decision{true, "for vertex averages and gradients"}
+                       : Decision{false, "neither averages nor gradients at vertices are needed"};
+  return d;
+}
+
+} // namespace insitu::scene

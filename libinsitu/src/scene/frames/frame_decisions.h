@@ -1,0 +1,70 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commit/committed_mesh.h"
+#include "render/structures/scalar_field.h"
+#include "scene/parse/frame_description.h"
+#include "scene/run/plan.h"
+
+namespace insitu::scene {
+
+/// What the decisions of a frame need to know of the mesh that it draws.
+struct FrameFacts {
+  /// Returns the number that is drawn of a field. Throws core::Error for a field or a component
+  /// that the mesh does not have.
+  std::function<render::ScalarField(const Name&, const Component&)> scalar;
+  bool has_stand_in = false;   ///< whether other cells are drawn in the place of the solver's
+  bool has_primitives = false; ///< whether these cells are primitives that can be culled
+};
+
+/// mesh: of the solver, or the geocentric one that is drawn in its place. The facts are valid until
+/// the next commit of the mesh.
+FrameFacts facts_of(const Frame& frame, const commit::CommittedMesh& mesh,
+                    const std::string& scene_file);
+
+/// A volume or a surface is coloured by the values of a field.
+struct Coloring {
+  const ColorBy* by = nullptr; ///< points into the frame
+  render::ScalarField field;
+  Decision pass; ///< whether a pass over the values finds the range of the colours
+};
+
+struct VolumeDecisions {
+  Coloring coloring;
+  Decision average;  ///< whether the average of the field at the vertices is drawn in its place
+  bool flat = false; ///< whether what is drawn has one value a cell
+  bool path_traced = false; ///< whether paths are traced; if not, rays are marched
+  Decision shading, preintegration, step_levels;
+  std::optional<Decision> culling; ///< an empty optional: the mesh has nothing that can be culled
+};
+
+struct IsosurfaceDecisions {
+  render::ScalarField field;
+  bool averages = false; ///< whether the renderer averages the field at the vertices
+  Decision gradients;    ///< whether normals need gradients at the vertices
+  render::Normals normals = render::Normals::cell;
+  std::optional<Coloring> coloring;
+};
+
+/// Everything that a frame decides from its description and the facts of its mesh. The settings of
+/// the renderer and the frame's part of the plan are both made from these decisions.
+struct FrameDecisions {
+  Decision depth, cell;   ///< images beside that of colour
+  bool own_cells = false; ///< whether points at the depth tell the solver's cells from others
+  Decision globe;
+  bool lit = false;
+  Decision surface_lighting, shadows, volume_shadows, occlusion;
+  std::optional<VolumeDecisions> volume;
+  std::vector<IsosurfaceDecisions> isosurfaces;
+  std::optional<Coloring> boundary; ///< an empty optional: no boundary, or one of a single colour
+  Decision scalar_bar;
+  Decision vertex_cells; ///< whether something sums over the cells around vertices
+};
+
+FrameDecisions decide_frame(const Frame& frame, const FrameFacts& facts);
+
+} // namespace insitu::scene
