@@ -275,29 +275,4 @@ void write_vtp(const std::string& path, const VtkPolyData& data) {
   document.write(path);
 }
 
-void write_vtu(const std::string& path, const VtkUnstructured& data) {
-  const std::size_t cells = data.cell_types.size();
-  if (data.cell_ends.size() != cells) {
-    refuse(path, std::to_string(cells) + " cell types, but " +
-                     std::to_string(data.cell_ends.size()) + " cell ends");
-  }
-  check(path, data, cells);
-  check_cells(path, "cell", data.cell_ends, data.connectivity, data.connectivity.size(),
-              data.points.tuples);
-
-  Document document("UnstructuredGrid");
-  document.time(data);
-  document.open("Piece NumberOfPoints=\"" + std::to_string(data.points.tuples) +
-                "\" NumberOfCells=\"" + std::to_string(cells) + "\"");
-  document.add("PointData", data.point_data);
-  document.add("CellData", data.cell_data);
-  add_points(document, data.points);
-  document.open("Cells");
-  document.add(Block{vtk_array("connectivity", data.connectivity)});
-  document.add(Block{vtk_array("offsets", data.cell_ends)});
-  document.add(Block{vtk_array("types", data.cell_types)});
-  document.close("Cells");
-  document.write(path);
-}
-
 } // namespace insitu::output
