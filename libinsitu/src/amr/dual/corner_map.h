@@ -102,9 +102,7 @@ private:
   class Entry {
   public:
     Entry() = default;
-    explicit Entry(const Found& f) : kind_(f.kind) {
-      std::memcpy(cell_, &f.cell, sizeof f.cell);
-    }
+    explicit Entry(const Found& f) : kind_(f.kind) { std::memcpy(cell_, &f.cell, sizeof f.cell); }
     Found found() const {
       Found f = {kind_};
       std::memcpy(&f.cell, cell_, sizeof f.cell);
