@@ -35,11 +35,9 @@ void require_finite(const Frame& frame, const Vec3d& p, std::size_t index) {
                                              {"longitude", "latitude", "height"},
                                              {"east", "north", "up"},
                                              {"easting", "northing", "height"}};
-  for (int i = 0; i < 3; ++i) {
-    if (!std::isfinite(p[i])) {
+  for (int i = 0; i < 3; ++i)
+    if (!std::isfinite(p[i]))
       refuse(frame, names[int(frame.kind)][i], p[i], index, "is not finite");
-    }
-  }
 }
 
 /// A point of a geodetic frame, in its units.
@@ -99,12 +97,10 @@ Vec3d to_utm(const Frame& to, const Vec3d& p, std::size_t index) {
 Vec3d from_utm(const Frame& from, const Vec3d& p, std::size_t index) {
   const double x = p.x - false_easting;
   const double y = p.y - (from.north ? 0.0 : false_northing_south);
-  if (std::abs(x) > series_reach) {
+  if (std::abs(x) > series_reach)
     refuse(from, "easting", p.x, index, "is more than 3,900 km from the zone's central meridian");
-  }
-  if (std::abs(y) > pole_northing) {
+  if (std::abs(y) > pole_northing)
     refuse(from, "northing", p.y, index, "lies beyond a pole");
-  }
   Vec3d out;
   TransverseMercator::UTM().Reverse(central_meridian(from), x, y, out.y, out.x);
   out.z = vertical(from, p.z);
@@ -133,18 +129,16 @@ public:
   /// Of a frame that is a chart: to longitude, latitude, height.
   Vec3d to_degrees(const Vec3d& p, std::size_t index) const {
     require_finite(frame_, p, index);
-    if (frame_.kind == FrameKind::utm) {
+    if (frame_.kind == FrameKind::utm)
       return from_utm(frame_, p, index);
-    }
     require_angles(frame_, p, index);
     return {angle_to_degrees(frame_, p.x), angle_to_degrees(frame_, p.y),
             vertical(frame_, frame_.kilometres ? p.z * 1000 : p.z)};
   }
 
   Vec3d from_degrees(const Vec3d& p, std::size_t index) const {
-    if (frame_.kind == FrameKind::utm) {
+    if (frame_.kind == FrameKind::utm)
       return to_utm(frame_, p, index);
-    }
     const double longitude = std::abs(p.x) > 180 ? std::remainder(p.x, 360.0) : p.x;
     return {angle_from_degrees(frame_, longitude), angle_from_degrees(frame_, p.y),
             vertical(frame_, frame_.kilometres ? p.z / 1000 : p.z)};
@@ -162,9 +156,8 @@ public:
   }
 
   Vec3d from_geocentric(const Vec3d& p, std::size_t index) const {
-    if (frame_.kind == FrameKind::geocentric) {
+    if (frame_.kind == FrameKind::geocentric)
       return p;
-    }
     if (frame_.kind == FrameKind::enu) {
       const Vec3d d = p - origin_;
       return {dot(east_, d), dot(north_, d), dot(up_, d)};

@@ -66,12 +66,10 @@ Frame Frame::utm(std::string_view text) {
   const char* const last = text.data() + text.size();
   const std::from_chars_result digits = std::from_chars(text.data(), last, zone);
   const char* rest = digits.ptr;
-  while (rest != last && *rest == ' ') {
+  while (rest != last && *rest == ' ')
     ++rest;
-  }
-  if (digits.ec != std::errc() || last - rest != 1) {
+  if (digits.ec != std::errc() || last - rest != 1)
     refuse(quoted + ": a number from 1 to 60 and N or S expected, such as '33N'");
-  }
   const char hemisphere = *rest;
   if (hemisphere != 'N' && hemisphere != 'n' && hemisphere != 'S' && hemisphere != 's') {
     refuse(quoted + ": '" + hemisphere +
@@ -104,19 +102,15 @@ std::string describe(const Frame& frame) {
 }
 
 void validate(const Frame& frame) {
-  if (frame.kind == FrameKind::utm && (frame.zone < 1 || frame.zone > 60)) {
+  if (frame.kind == FrameKind::utm && (frame.zone < 1 || frame.zone > 60))
     refuse("utm zone " + std::to_string(frame.zone) + ": zones go from 1 to 60");
-  }
   if (frame.kind == FrameKind::enu) {
-    if (!(std::abs(frame.latitude) <= 90)) {
+    if (!(std::abs(frame.latitude) <= 90))
       refuse("enu origin: latitude " + number(frame.latitude) + " is not in [-90, 90]");
-    }
-    if (!(std::abs(frame.longitude) <= 540)) {
+    if (!(std::abs(frame.longitude) <= 540))
       refuse("enu origin: longitude " + number(frame.longitude) + " is not in [-540, 540]");
-    }
-    if (!std::isfinite(frame.height)) {
+    if (!std::isfinite(frame.height))
       refuse("enu origin: height " + number(frame.height) + " is not finite");
-    }
   }
 }
 

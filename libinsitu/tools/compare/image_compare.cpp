@@ -16,9 +16,8 @@ using output::PngImage;
 struct LinearTable {
   std::array<double, 256> value;
   LinearTable() {
-    for (int code = 0; code < 256; ++code) {
+    for (int code = 0; code < 256; ++code)
       value[std::size_t(code)] = output::decode_srgb(std::uint8_t(code));
-    }
   }
 };
 
@@ -39,11 +38,9 @@ std::vector<Lab> lab_over(const PngImage& image, double background) {
 }
 
 bool is_opaque(const PngImage& image) {
-  for (std::size_t i = 3; image.channels == 4 && i < image.pixels.size(); i += 4) {
-    if (image.pixels[i] != 255) {
+  for (std::size_t i = 3; image.channels == 4 && i < image.pixels.size(); i += 4)
+    if (image.pixels[i] != 255)
       return false;
-    }
-  }
   return true;
 }
 
@@ -80,9 +77,8 @@ PngImage difference_image(const PngImage& a, const std::vector<double>& moved, d
 std::string pixel_text(const PngImage& image, int x, int y) {
   const std::uint8_t* pixel = image.pixel(x, y);
   std::string text = "(";
-  for (int k = 0; k < image.channels; ++k) {
+  for (int k = 0; k < image.channels; ++k)
     text += (k > 0 ? ", " : "") + std::to_string(pixel[k]);
-  }
   return text + ")";
 }
 
@@ -100,13 +96,11 @@ void measure(const PngImage& a, const PngImage& b, ImageVerdict& verdict,
              std::vector<double>& moved) {
   const bool opaque = is_opaque(a) && is_opaque(b);
   for (const double background : {0.0, 1.0}) {
-    if (opaque && background > 0) {
+    if (opaque && background > 0)
       break;
-    }
     const std::vector<Lab> in_a = lab_over(a, background), in_b = lab_over(b, background);
-    for (std::size_t i = 0; i < in_a.size(); ++i) {
+    for (std::size_t i = 0; i < in_a.size(); ++i)
       moved[i] = std::max(moved[i], delta_e_2000(in_a[i], in_b[i]));
-    }
     const Similarity similarity =
         structural_similarity(lightness(in_a, a), lightness(in_b, b), 100);
     verdict.similarity = std::min(verdict.similarity, similarity.mean);

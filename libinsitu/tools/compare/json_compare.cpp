@@ -25,15 +25,13 @@ using Leaves = std::map<std::string, Leaf>;
 /// YAML, which contains JSON, forbids tabs where JSON allows them: outside strings.
 std::string without_tabs(std::string text) {
   bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (in_string && text[i] == '\\') {
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (in_string && text[i] == '\\')
       ++i;
-    } else if (text[i] == '"') {
+    else if (text[i] == '"')
       in_string = !in_string;
-    } else if (text[i] == '\t' && !in_string) {
+    else if (text[i] == '\t' && !in_string)
       text[i] = ' ';
-    }
-  }
   return text;
 }
 
@@ -62,9 +60,8 @@ Leaf make_leaf(const YAML::Node& node) {
 
 void flatten(const YAML::Node& node, const std::string& path, const std::string& key,
              const std::vector<std::string>& ignored, Leaves& leaves) {
-  if (listed(ignored, path, key)) {
+  if (listed(ignored, path, key))
     return;
-  }
   if (node.IsMap() && node.size() > 0) {
     for (const auto& item : node) {
       const std::string name = item.first.Scalar();
@@ -72,9 +69,8 @@ void flatten(const YAML::Node& node, const std::string& path, const std::string&
     }
   } else if (node.IsSequence() && node.size() > 0) {
     std::size_t i = 0;
-    for (const auto& item : node) {
+    for (const auto& item : node)
       flatten(item, path + "[" + std::to_string(i++) + "]", key, ignored, leaves);
-    }
   } else {
     Leaf leaf = make_leaf(node);
     leaf.order = leaves.size();
@@ -86,9 +82,8 @@ void flatten(const YAML::Node& node, const std::string& path, const std::string&
 Leaves parse(const std::string& text, const std::string& name, const JsonOptions& options) {
   try {
     const YAML::Node root = YAML::Load(without_tabs(text));
-    if (!root.IsMap() && !root.IsSequence()) {
+    if (!root.IsMap() && !root.IsSequence())
       throw core::Error(INSITU_ERROR_FILE, "'" + name + "' is neither a JSON object nor a list");
-    }
     Leaves leaves;
     flatten(root, "", "", options.ignored, leaves);
     return leaves;
@@ -139,9 +134,8 @@ Verdict compare_json(const std::string& a, const std::string& name_a, const std:
     const Leaf& other = found->second;
     if (leaf.kind == Leaf::number && other.kind == Leaf::number) {
       const Tolerance tolerance = tolerance_for(path, leaf.key, options);
-      if (leaf.as_text == other.as_text || same_number(leaf.value, other.value, tolerance)) {
+      if (leaf.as_text == other.as_text || same_number(leaf.value, other.value, tolerance))
         continue;
-      }
       findings.push_back({leaf.order, path + ": " + change_text(leaf.value, other.value)});
       const double relative = excess(leaf.value, other.value, {1, 0});
       if (relative > worst) {
@@ -163,18 +157,14 @@ Verdict compare_json(const std::string& a, const std::string& name_a, const std:
 
   Verdict verdict;
   constexpr std::size_t most = 20;
-  for (std::size_t i = 0; i < std::min(findings.size(), most); ++i) {
+  for (std::size_t i = 0; i < std::min(findings.size(), most); ++i)
     verdict.differ(findings[i].line);
-  }
-  if (findings.size() > most) {
+  if (findings.size() > most)
     verdict.differ("and " + count_text(findings.size() - most, "more value"));
-  }
-  if (findings.size() > 1 && worst > 0) {
+  if (findings.size() > 1 && worst > 0)
     verdict.differ("relatively, " + worst_path + " moved most");
-  }
-  if (verdict.same) {
+  if (verdict.same)
     verdict.lines.push_back("same: " + count_text(in_a.size(), "value"));
-  }
   return verdict;
 }
 

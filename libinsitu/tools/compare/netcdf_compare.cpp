@@ -99,9 +99,8 @@ public:
     Values out;
     check(nc_inq_vartype(id_, v.id, &out.type), v.name);
     std::size_t count = 1;
-    for (const std::size_t n : v.shape) {
+    for (const std::size_t n : v.shape)
       count *= n;
-    }
     require_known(out.type, v.name);
     if (out.type == NC_CHAR) {
       out.text.resize(count);
@@ -195,9 +194,8 @@ private:
 };
 
 std::string text_of(const Values& v) {
-  if (v.type == NC_CHAR) {
+  if (v.type == NC_CHAR)
     return "'" + v.text + "'";
-  }
   std::string out;
   for (std::size_t i = 0; i < v.size(); ++i) {
     out += (i ? ", " : "") +
@@ -217,9 +215,8 @@ public:
     compare_attributes(a_.attributes, b_.attributes, "");
     std::size_t count = 0;
     for (const Variable& v : a_.variables) {
-      if (ignored(v.name)) {
+      if (ignored(v.name))
         continue;
-      }
       if (const Variable* other = b_.find(v.name)) {
         compare_attributes(v.attributes, other->attributes, v.name);
         compare_values(v, *other);
@@ -228,14 +225,11 @@ public:
         verdict_.differ("variable '" + v.name + "' is missing in the second file");
       }
     }
-    for (const Variable& v : b_.variables) {
-      if (!ignored(v.name) && !a_.find(v.name)) {
+    for (const Variable& v : b_.variables)
+      if (!ignored(v.name) && !a_.find(v.name))
         verdict_.differ("variable '" + v.name + "' is missing in the first file");
-      }
-    }
-    if (verdict_.same) {
+    if (verdict_.same)
       verdict_.lines.push_back("same: " + count_text(count, "variable"));
-    }
     return verdict_;
   }
 
@@ -246,18 +240,14 @@ private:
   }
 
   void check_names() const {
-    if (options_.lenient) {
+    if (options_.lenient)
       return;
-    }
     std::vector<std::string> named = options_.ignored;
-    for (const NamedTolerance& variable : options_.variables) {
+    for (const NamedTolerance& variable : options_.variables)
       named.push_back(variable.name);
-    }
-    for (const std::string& name : named) {
-      if (name.find(':') == std::string::npos && !a_.find(name) && !b_.find(name)) {
+    for (const std::string& name : named)
+      if (name.find(':') == std::string::npos && !a_.find(name) && !b_.find(name))
         unusable("no variable '" + name + "' in either file");
-      }
-    }
   }
 
   void compare_dimensions() {
@@ -270,51 +260,43 @@ private:
                         std::to_string(other->second));
       }
     }
-    for (const auto& [name, length] : b_.dimensions) {
-      if (!a_.dimensions.contains(name)) {
+    for (const auto& [name, length] : b_.dimensions)
+      if (!a_.dimensions.contains(name))
         verdict_.differ("dimension '" + name + "' is missing in the first file");
-      }
-    }
   }
 
   void compare_attributes(const Attributes& a, const Attributes& b, const std::string& of) {
     for (const auto& [name, value] : a) {
       const std::string full = of + ":" + name;
       const auto other = b.find(name);
-      if (ignored(full)) {
+      if (ignored(full))
         continue;
-      }
       if (other == b.end()) {
         verdict_.differ("attribute '" + full + "' is missing in the second file");
         continue;
       }
       bool same = value.type == other->second.type && value.size() == other->second.size() &&
                   value.text == other->second.text;
-      for (std::size_t i = 0; same && value.type != NC_CHAR && i < value.size(); ++i) {
+      for (std::size_t i = 0; same && value.type != NC_CHAR && i < value.size(); ++i)
         same = value.same(i, other->second, {});
-      }
       if (!same) {
         verdict_.differ("attribute '" + full + "': " + text_of(value) + " -> " +
                         text_of(other->second));
       }
     }
-    for (const auto& [name, value] : b) {
-      if (!a.contains(name) && !ignored(of + ":" + name)) {
+    for (const auto& [name, value] : b)
+      if (!a.contains(name) && !ignored(of + ":" + name))
         verdict_.differ("attribute '" + of + ":" + name + "' is missing in the first file");
-      }
-    }
   }
 
   /// Lengths that differ are told of the dimensions; here whether the variables can be compared.
   bool comparable(const Variable& a, const Variable& b) const {
-    if (a.dimensions != b.dimensions) {
+    if (a.dimensions != b.dimensions)
       return false;
-    }
     for (std::size_t d = 0; d < a.shape.size(); ++d) {
       const bool grows = d == 0 && a.dimensions[0] == a_.unlimited && a_.unlimited == b_.unlimited;
-      if (a.shape[d] != b.shape[d] && !grows) {
+      if (a.shape[d] != b.shape[d] && !grows)
         return false;
-      }
     }
     return true;
   }
@@ -342,16 +324,14 @@ private:
     }
     const std::size_t count = std::min(x.size(), y.size());
     Tolerance tolerance = options_.tolerance;
-    for (const NamedTolerance& variable : options_.variables) {
+    for (const NamedTolerance& variable : options_.variables)
       tolerance = variable.name == a.name ? variable.tolerance : tolerance;
-    }
     const bool exact = tolerance.relative == 0 && tolerance.absolute == 0;
     std::size_t moved = 0, worst_at = 0;
     double worst = -1;
     for (std::size_t i = 0; i < count; ++i) {
-      if (x.type == NC_CHAR ? x.text[i] == y.text[i] : x.same(i, y, tolerance)) {
+      if (x.type == NC_CHAR ? x.text[i] == y.text[i] : x.same(i, y, tolerance))
         continue;
-      }
       ++moved;
       // Where nothing is admitted, the largest change is the worst.
       const double far =

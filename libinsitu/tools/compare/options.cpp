@@ -44,9 +44,8 @@ namespace {
 
 double number_of(const std::string& option, const std::string& text) {
   double value = 0;
-  if (!parse_number(text, value) || !(value >= 0) || std::isinf(value)) {
+  if (!parse_number(text, value) || !(value >= 0) || std::isinf(value))
     refuse(option + " '" + text + "': a number of 0 or more expected");
-  }
   return value;
 }
 
@@ -54,9 +53,8 @@ NamedTolerance column_of(const std::string& option, const std::string& text) {
   const std::size_t second = text.rfind(':');
   const std::size_t first =
       second == std::string::npos || second == 0 ? std::string::npos : text.rfind(':', second - 1);
-  if (first == std::string::npos || first == 0) {
+  if (first == std::string::npos || first == 0)
     refuse(option + " '" + text + "': name:relative:absolute expected, such as pressure:1e-6:0");
-  }
   return {text.substr(0, first),
           {number_of(option, text.substr(first + 1, second - first - 1)),
            number_of(option, text.substr(second + 1))}};
@@ -70,9 +68,8 @@ Options parse_options(const std::vector<std::string>& arguments) {
   const std::map<std::string, void (*)(Options&, const std::string&, const std::string&)> valued = {
       {"--kind",
        [](Options& o, const std::string& name, const std::string& v) {
-         if (v != "png" && v != "exr" && v != "csv" && v != "json" && v != "nc") {
+         if (v != "png" && v != "exr" && v != "csv" && v != "json" && v != "nc")
            refuse(name + " '" + v + "': png, exr, csv, json or nc expected");
-         }
          o.kind = v;
        }},
       {"--tolerance-relative",
@@ -93,16 +90,14 @@ Options parse_options(const std::vector<std::string>& arguments) {
       {"--max-share",
        [](Options& o, const std::string& name, const std::string& v) {
          o.image.max_share = number_of(name, v);
-         if (o.image.max_share > 1) {
+         if (o.image.max_share > 1)
            refuse(name + " '" + v + "': a share from 0 to 1 expected");
-         }
        }},
       {"--min-similarity",
        [](Options& o, const std::string& name, const std::string& v) {
          o.image.min_similarity = number_of(name, v);
-         if (o.image.min_similarity > 1) {
+         if (o.image.min_similarity > 1)
            refuse(name + " '" + v + "': a similarity from 0 to 1 expected");
-         }
        }},
       {"--difference",
        [](Options& o, const std::string&, const std::string& v) { o.difference = v; }},
@@ -121,15 +116,13 @@ Options parse_options(const std::vector<std::string>& arguments) {
       const auto found = valued.find(argument);
       if (found == valued.end()) {
         std::vector<std::string> known;
-        for (const auto& [name, action] : valued) {
+        for (const auto& [name, action] : valued)
           known.push_back(name);
-        }
         refuse("no option '" + argument + "'" + core::did_you_mean(argument, known) +
                " (see insitu-compare --help)");
       }
-      if (i + 1 == arguments.size()) {
+      if (i + 1 == arguments.size())
         refuse(argument + ": a value expected");
-      }
       found->second(options, argument, arguments[++i]);
     }
   }

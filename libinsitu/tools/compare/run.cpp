@@ -25,9 +25,8 @@ namespace fs = std::filesystem;
 std::string read_text(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
-  if (!in || (in.peek() != std::ifstream::traits_type::eof() && !(text << in.rdbuf()))) {
+  if (!in || (in.peek() != std::ifstream::traits_type::eof() && !(text << in.rdbuf())))
     throw core::Error(INSITU_ERROR_FILE, "cannot read '" + path + "'");
-  }
   return text.str();
 }
 
@@ -44,9 +43,8 @@ Verdict compare_files(const Options& options, const std::string& kind) {
   if (kind == "png") {
     ImageVerdict verdict =
         compare_images(output::read_png(options.a), output::read_png(options.b), options.image);
-    if (!options.difference.empty() && verdict.difference.width > 0) {
+    if (!options.difference.empty() && verdict.difference.width > 0)
       output::write_png(options.difference, verdict.difference);
-    }
     return verdict;
   }
   if (kind == "exr") {
@@ -78,13 +76,11 @@ public:
 
   void add(const std::string& title, const Verdict& verdict) {
     same_ = same_ && verdict.same;
-    if (quiet_) {
+    if (quiet_)
       return;
-    }
     out_ << title << ": " << (verdict.same ? "" : "DIFFERENT\n");
-    for (const std::string& line : verdict.lines) {
+    for (const std::string& line : verdict.lines)
       out_ << (verdict.same ? "" : "  ") << line << '\n';
-    }
   }
 
   bool same() const { return same_; }
@@ -97,11 +93,9 @@ private:
 
 std::set<std::string> files_in(const std::string& folder) {
   std::set<std::string> names;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file() && !kind_of(entry.path()).empty()) {
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file() && !kind_of(entry.path()).empty())
       names.insert(fs::relative(entry.path(), folder).generic_string());
-    }
-  }
   return names;
 }
 
@@ -123,9 +117,8 @@ int compare_folders(const Options& options, Report& report, std::ostream& err) {
     one.difference =
         options.difference.empty() ? "" : (fs::path(options.difference) / name).string();
     const std::string kind = kind_of(name);
-    if (!options.kind.empty() && options.kind != kind) {
+    if (!options.kind.empty() && options.kind != kind)
       continue;
-    }
     Verdict verdict;
     if (!fs::exists(one.a) || !fs::exists(one.b)) {
       verdict.differ("missing in the " + std::string(fs::exists(one.a) ? "second" : "first") +
@@ -146,9 +139,8 @@ int compare_folders(const Options& options, Report& report, std::ostream& err) {
 int compare(const Options& options, std::ostream& out, std::ostream& err) {
   Report report(options.quiet, out);
   const bool folder_a = fs::is_directory(options.a), folder_b = fs::is_directory(options.b);
-  if (folder_a && folder_b) {
+  if (folder_a && folder_b)
     return compare_folders(options, report, err);
-  }
   if (folder_a || folder_b) {
     throw core::Error(INSITU_ERROR_FILE, "'" + (folder_a ? options.a : options.b) +
                                              "' is a folder, '" +

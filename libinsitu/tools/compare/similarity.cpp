@@ -18,9 +18,8 @@ double lab_curve(double t) {
 }
 
 double hue_degrees(double a, double b) {
-  if (a == 0 && b == 0) {
+  if (a == 0 && b == 0)
     return 0;
-  }
   const double h = std::atan2(b, a) / degree;
   return h < 0 ? h + 360 : h;
 }
@@ -35,9 +34,8 @@ constexpr int reach = 5;
 /// Weighted means over the window, along x and then along y.
 std::vector<double> blur(const std::vector<double>& in, int width, int height) {
   double weight[2 * reach + 1];
-  for (int k = -reach; k <= reach; ++k) {
+  for (int k = -reach; k <= reach; ++k)
     weight[k + reach] = std::exp(-k * k / (2 * 1.5 * 1.5));
-  }
   const auto pass = [&](const std::vector<double>& from, bool along_x) {
     std::vector<double> to(from.size());
     const int length = along_x ? width : height;

@@ -9,12 +9,10 @@
 namespace insitu::compare {
 
 bool same_number(double a, double b, const Tolerance& tolerance) {
-  if (std::isnan(a) || std::isnan(b)) {
+  if (std::isnan(a) || std::isnan(b))
     return std::isnan(a) && std::isnan(b);
-  }
-  if (std::isinf(a) || std::isinf(b)) {
+  if (std::isinf(a) || std::isinf(b))
     return a == b;
-  }
   return std::abs(a - b) <=
          tolerance.absolute + tolerance.relative * std::max(std::abs(a), std::abs(b));
 }
@@ -35,23 +33,19 @@ bool parse_number(const std::string& text, double& value) {
   const std::size_t end = text.find_last_not_of(" \t") + 1;
   const char* first = text.data() + begin;
   const char* const last = text.data() + end;
-  if (*first == '+' && last - first > 1 && first[1] != '-') {
+  if (*first == '+' && last - first > 1 && first[1] != '-')
     ++first;
-  }
   const std::from_chars_result read = std::from_chars(first, last, value);
-  if (read.ptr != last) {
+  if (read.ptr != last)
     return false;
-  }
-  if (read.ec == std::errc::result_out_of_range) {
+  if (read.ec == std::errc::result_out_of_range)
     value = std::strtod(text.c_str(), nullptr); // to zero or to infinity
-  }
   return read.ec != std::errc::invalid_argument;
 }
 
 std::string number_text(double value) {
-  if (std::isnan(value)) {
+  if (std::isnan(value))
     return "nan";
-  }
   char text[32];
   return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
 }

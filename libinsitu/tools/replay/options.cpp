@@ -1,7 +1,8 @@
 #include "options.h"
 
 #include <charconv>
-#include <cstring>
+#include <map>
+#include <optional>
 #include <sstream>
 
 namespace insitu_replay {
@@ -102,6 +103,17 @@ ReplayOptions::Blank read_blank(const std::string& text) {
 } // namespace
 
 ReplayOptions parse_arguments(int argc, char** argv) {
+  static const std::map<std::string, bool ReplayOptions::*> switches = {
+      {"--help", &ReplayOptions::help},       {"-h", &ReplayOptions::help},
+      {"--version", &ReplayOptions::version}, {"--strict", &ReplayOptions::strict},
+      {"--plan", &ReplayOptions::plan},       {"--validate", &ReplayOptions::validate},
+      {"--reverse", &ReplayOptions::reverse}};
+  static const std::map<std::string, std::string ReplayOptions::*> texts = {
+      {"--scene", &ReplayOptions::scene},
+      {"--probe", &ReplayOptions::probe},
+      {"--out", &ReplayOptions::out},
+      {"--mesh", &ReplayOptions::mesh},
+      {"--summary", &ReplayOptions::summary}};
   ReplayOptions o;
   bool only_files = false;
   for (int i = 1; i < argc; ++i) {
@@ -114,59 +126,36 @@ ReplayOptions parse_arguments(int argc, char** argv) {
       only_files = true;
       continue;
     }
-    std::string value;
-    bool has_value = false;
+    std::optional<std::string> value;
     if (const auto equals = key.find('='); equals != std::string::npos) {
       value = key.substr(equals + 1);
       key.resize(equals);
-      has_value = true;
+    }
+    if (const auto found = switches.find(key); found != switches.end()) {
+      if (value)
+        throw UsageError(key + ": takes no value");
+      o.*found->second = true;
+      continue;
     }
     const auto take = [&]() -> const std::string& {
-      if (!has_value) {
-        if (i + 1 >= argc)
-          throw UsageError(key + ": a value is missing");
+      if (!value && i + 1 >= argc)
+        throw UsageError(key + ": a value is missing");
+      if (!value)
         value = argv[++i];
-        has_value = true;
-      }
-      if (value.empty())
+      if (value->empty())
         throw UsageError(key + ": the value is empty");
-      return value;
+      return *value;
     };
-    const bool is_switch = key == "--help" || key == "-h" || key == "--version" ||
-                           key == "--strict" || key == "--plan" || key == "--validate" ||
-                           key == "--reverse";
-    if (is_switch && has_value)
-      throw UsageError(key + ": takes no value");
-    if (key == "--help" || key == "-h") {
-      o.help = true;
-    } else if (key == "--version") {
-      o.version = true;
-    } else if (key == "--strict") {
-      o.strict = true;
-    } else if (key == "--plan") {
-      o.plan = true;
-    } else if (key == "--validate") {
-      o.validate = true;
-    } else if (key == "--reverse") {
-      o.reverse = true;
-    } else if (key == "--scene") {
-      o.scene = take();
-    } else if (key == "--probe") {
-      o.probe = take();
-    } else if (key == "--out") {
-      o.out = take();
+    if (const auto found = texts.find(key); found != texts.end()) {
+      o.*found->second = take();
     } else if (key == "--pieces") {
-      if (take() != "joined" && value != "separate")
-        throw UsageError("--pieces: '" + value + "': joined or separate expected");
-      o.separate_pieces = value == "separate";
+      if (take() != "joined" && *value != "separate")
+        throw UsageError("--pieces: '" + *value + "': joined or separate expected");
+      o.separate_pieces = *value == "separate";
     } else if (key == "--blank") {
       o.blanks.push_back(read_blank(take()));
-    } else if (key == "--mesh") {
-      o.mesh = take();
     } else if (key == "--frame") {
       o.frame = read_frame(take());
-    } else if (key == "--summary") {
-      o.summary = take();
     } else if (key == "--threads") {
       const std::string& text = take();
       const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), o.threads);

@@ -10,9 +10,7 @@
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
-#include <vtkUnstructuredGrid.h>
 #include <vtkXMLPolyDataReader.h>
-#include <vtkXMLUnstructuredGridReader.h>
 
 #include "output/vtk/xml_vtk.h"
 #include "unit/output/folder.h"
@@ -150,34 +148,6 @@ TEST(VtkOracle, Surfaces) {
     }
     EXPECT_EQ(read->GetCellData()->GetArray("value")->GetTuple1(1), 8);
   }
-}
-
-TEST(VtkOracle, Cells) {
-  const Folder folder;
-  std::vector<double> xyz;
-  for (int k = 0; k < 9; ++k) {
-    xyz.insert(xyz.end(), {double(k & 1), double((k >> 1) & 1), k == 8 ? 2.0 : double(k >> 2)});
-  }
-  const std::vector<std::int64_t> connectivity{0, 1, 3, 2, 4, 5, 7, 6, 4, 5, 7, 6, 8}, ends{8, 13};
-  const std::vector<std::uint8_t> types{12, 14};
-  const std::vector<std::int32_t> level{3, 4};
-  VtkUnstructured data;
-  data.points = vtk_array("Points", xyz, 3);
-  data.connectivity = connectivity;
-  data.cell_ends = ends;
-  data.cell_types = types;
-  data.cell_data = {vtk_array("level", level)};
-  write_vtu(folder / "c.vtu", data);
-  vtkNew<vtkXMLUnstructuredGridReader> reader;
-  reader->SetFileName((folder / "c.vtu").c_str());
-  reader->Update();
-  vtkUnstructuredGrid* read = reader->GetOutput();
-  ASSERT_EQ(read->GetNumberOfCells(), 2);
-  EXPECT_EQ(read->GetCellType(0), 12);
-  EXPECT_EQ(read->GetCellType(1), 14);
-  EXPECT_EQ(read->GetCell(1)->GetPointId(4), 8);
-  EXPECT_EQ(read->GetPoint(8)[2], 2.0);
-  EXPECT_EQ(read->GetCellData()->GetArray("level")->GetTuple1(1), 4);
 }
 
 TEST(VtkOracle, Empty) {

@@ -145,7 +145,7 @@ TEST(LeaveMesh, HolesHaveWalls) {
   EXPECT_EQ(exit->normal.x + exit->normal.y + exit->normal.z, 1.0);
 }
 
-TEST(LeaveCell, BilinearFacesAreMetWhereTheyAre) {
+TEST(LeaveMesh, BilinearFacesAreMetWhereTheyAre) {
   // The top is z = 1 + h (2 x - 1)(2 y - 1), on a base that is flat.
   for (const double h : {0.0, 1e-9, 0.2, -0.4})
     for (const Vec3d scale : {Vec3d{1, 1, 1}, Vec3d{1e5, 1e5, 1}}) {
@@ -162,7 +162,7 @@ TEST(LeaveCell, BilinearFacesAreMetWhereTheyAre) {
                       random.uniform(0.01, 0.5)};
         const Vec3d b{scale.x * random.uniform(0.1, 0.9), scale.y * random.uniform(0.1, 0.9),
                       random.uniform(1.5, 3)};
-        const auto out = query::leave_cell(m.mesh.mesh().view(), 0, a, b);
+        const auto out = query::leave_mesh(m.sampler(), 0, a, b);
         ASSERT_TRUE(out) << test::text(a) << test::text(b);
         const double u = 2 * out->point.x / scale.x - 1, v = 2 * out->point.y / scale.y - 1;
         EXPECT_NEAR(out->point.z, 1 + h * u * v, 4e-15); // a few roundings of 1
@@ -172,54 +172,18 @@ TEST(LeaveCell, BilinearFacesAreMetWhereTheyAre) {
         Vec3d normal{-2 * h * v / scale.x, -2 * h * u / scale.y, 1};
         normal = normal / length(normal);
         EXPECT_LT(length(normal - out->normal), 1e-14);
-        const auto exit = query::leave_mesh(m.sampler(), 0, a, b);
-        ASSERT_TRUE(exit);
-        EXPECT_NEAR(exit->t, out->t, 1e-14);
-        EXPECT_EQ(exit->owner, 0);
-        EXPECT_LT(length(exit->inside - out->point), 1e-13 * scale.x);
+        EXPECT_EQ(out->owner, 0);
+        EXPECT_LT(length(out->inside - out->point), 1e-13 * scale.x);
       }
     }
 }
 
-TEST(LeaveCell, FollowsTheSegmentFromFaceToFace) {
-  // Where a segment leaves a cell both this and the next one hold it, to rounding; all together
-  // they make up the segment.
-  for (const auto kind : all_kinds) {
-    const fixtures::Committed m(box(kind, 5, 0.3));
-    const query::Sampler sampler = m.sampler();
-    Random random(13);
-    for (int i = 0; i < 50; ++i) {
-      Vec3d a, b;
-      for (int k = 0; k < 3; ++k) {
-        a[k] = random.uniform(0, 5);
-        b[k] = random.uniform(0, 5);
-      }
-      const Vec3d d = b - a;
-      std::int64_t cell = sampler.locate(a).cell;
-      Vec3d from = a;
-      int passed = 0;
-      while (const auto out = query::leave_cell(m.mesh.mesh().view(), cell, from, b)) {
-        ASSERT_LT(++passed, 200);
-        EXPECT_GT(dot(out->normal, d), -1e-12);
-        EXPECT_LT(std::abs(length(cross(out->point - a, d))), 1e-13 * length(d));
-        from = out->point + 1e-12 * d;
-        const std::int64_t next = sampler.locate(from).cell;
-        ASSERT_NE(next, cell);
-        cell = next;
-      }
-      EXPECT_EQ(cell, sampler.locate(b).cell) << kind_name(kind);
-    }
-  }
-}
-
-TEST(LeaveCell, DegenerateSegmentsAndCellsAnswer) {
+TEST(LeaveMesh, DegenerateSegmentsAndCellsAnswer) {
   const test::TestMesh mesh = box(test::MeshKind::mixed, 3, 0.2);
   const fixtures::Committed m(mesh);
   const mesh::MeshView& view = m.mesh.mesh().view();
   const Vec3d p = test::inner_points(view, 1, 1)[0];
   const std::int64_t cell = m.sampler().locate(p).cell;
-  EXPECT_FALSE(query::leave_cell(view, cell, p, p));
-  EXPECT_FALSE(query::leave_cell(view, cell, p, {NAN, 0, 0}));
   EXPECT_FALSE(query::leave_mesh(m.sampler(), cell, p, p));
   EXPECT_FALSE(query::leave_mesh(m.sampler(), cell, p, {INFINITY, 0, 0}));
   EXPECT_FALSE(query::leave_mesh(m.sampler(), -1, p, {9, 9, 9}));

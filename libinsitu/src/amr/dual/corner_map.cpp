@@ -131,7 +131,7 @@ void CornerMap::build(const std::vector<DualPart>& parts,
   cells_.resize_discard(count);
   for_cells(parts, threads, [&](const CornerCell& c, std::size_t part) {
     const std::size_t at = rank(brick_of(c), layer_of(c), bit_of(c));
-    cells_[at] = Entry({c.kind, c.real, std::uint32_t(first_cell[part]) + c.cell});
+    cells_[at] = Entry({c.kind, std::uint32_t(first_cell[part]) + c.cell});
   });
 }
 

@@ -55,7 +55,6 @@ struct CornerCell {
   std::int32_t corner[3];
   std::uint8_t depth;
   CornerKind kind;
-  bool real;          ///< none of its leaves is virtual
   std::uint32_t cell; ///< of its part's stitching cells
 };
 
@@ -82,7 +81,6 @@ public:
 
   struct Found {
     CornerKind kind;
-    bool real = false;      ///< none of its leaves is virtual
     std::uint32_t cell = 0; ///< a stitching cell
     explicit operator bool() const { return bool(kind); }
   };
@@ -104,19 +102,16 @@ private:
   class Entry {
   public:
     Entry() = default;
-    explicit Entry(const Found& f) : kind_(std::uint8_t(f.kind.code | (f.real ? real_bit : 0))) {
-      std::memcpy(cell_, &f.cell, sizeof f.cell);
-    }
+    explicit Entry(const Found& f) : kind_(f.kind) { std::memcpy(cell_, &f.cell, sizeof f.cell); }
     Found found() const {
-      Found f = {{std::uint8_t(kind_ & ~real_bit)}, (kind_ & real_bit) != 0};
+      Found f = {kind_};
       std::memcpy(&f.cell, cell_, sizeof f.cell);
       return f;
     }
 
   private:
-    static constexpr unsigned real_bit = 0x80;
-    static_assert(CornerKind::first_other < real_bit);
-    std::uint8_t kind_ = 0, cell_[sizeof(std::uint32_t)] = {};
+    CornerKind kind_;
+    std::uint8_t cell_[sizeof(std::uint32_t)] = {};
   };
   struct Brick {
     std::uint64_t here[8];  ///< a word a layer, a bit a corner

@@ -65,15 +65,13 @@ void add_cell(const Corner& corner, const mesh::Lattice& lattice, std::int64_t f
               bool is_wanted, DualCells& cells, DualPart& part) {
   DualCell cell;
   bool folded = false;
-  const bool real = !touches_virtual(corner, first_virtual);
   if (cells.make(corner, cell)) {
-    folded = (corner.most_up > 1 || !real) && cells.folds();
+    folded = (corner.most_up > 1 || touches_virtual(corner, first_virtual)) && cells.folds();
     if (is_wanted) {
       part.at_corners.push_back({{std::int32_t(corner.index[0]), std::int32_t(corner.index[1]),
                                   std::int32_t(corner.index[2])},
                                  std::uint8_t(corner.depth),
                                  CornerKind::of(corner),
-                                 real,
                                  std::uint32_t(part.cells.size())});
       part.cells.push_back(cell);
     }

@@ -67,13 +67,6 @@ void DualCells::fields_changed() {
     f->fresh = false;
 }
 
-std::int64_t DualCells::value_bytes() const {
-  std::int64_t sum = 0;
-  for (const auto& f : fields_)
-    sum += std::int64_t(f->bytes.bytes());
-  return sum;
-}
-
 mesh::FieldView DualCells::field(const mesh::FieldView& own) {
   const std::lock_guard lock(mutex_);
   const auto known = std::find_if(fields_.begin(), fields_.end(),

@@ -26,7 +26,6 @@ public:
 
   const amr::DualMesh& dual() const { return dual_; }
   const query::GridletPlaces& places() const { return places_; }
-  std::int64_t value_bytes() const;
 
   const mesh::MeshView& view() const { return dual_.view(); }
   /// Thread-safe.

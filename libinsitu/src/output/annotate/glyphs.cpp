@@ -247,9 +247,8 @@ struct GlyphSet {
   Glyph missing = make(unknown);
 
   GlyphSet() {
-    for (const Drawing& drawing : drawings) {
+    for (const Drawing& drawing : drawings)
       glyphs.emplace(drawing.code_point, make(drawing));
-    }
     glyphs.emplace(U' ', Glyph{4, true, {}});
     glyphs.emplace(U'\u00a0', Glyph{4, true, {}});
   }

@@ -21,12 +21,10 @@ std::size_t read_at(int descriptor, const std::string& path, char* data, std::si
   std::size_t done = 0;
   while (done < bytes) {
     const ssize_t count = ::pread(descriptor, data + done, bytes - done, offset + off_t(done));
-    if (count == 0) {
+    if (count == 0)
       break;
-    }
-    if (count < 0 && errno != EINTR) {
+    if (count < 0 && errno != EINTR)
       throw_file_error("read", path, errno);
-    }
     done += count > 0 ? std::size_t(count) : 0;
   }
   return done;
@@ -41,23 +39,20 @@ LockedFile::LockedFile(std::string path) : path_(std::move(path)), lock_(path_) 
 
 void LockedFile::open() {
   const int descriptor = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  if (descriptor < 0) {
+  if (descriptor < 0)
     throw_file_error("write", path_, errno);
-  }
   descriptor_ = descriptor;
 }
 
 LockedFile::~LockedFile() {
-  if (descriptor_ >= 0) {
+  if (descriptor_ >= 0)
     ::close(descriptor_);
-  }
 }
 
 std::int64_t LockedFile::size() const {
   struct stat status {};
-  if (::fstat(descriptor_, &status) != 0) {
+  if (::fstat(descriptor_, &status) != 0)
     throw_file_error("read", path_, errno);
-  }
   return status.st_size;
 }
 
@@ -66,9 +61,8 @@ std::size_t LockedFile::read(std::int64_t at, char* data, std::size_t bytes) con
 }
 
 void LockedFile::cut(std::int64_t size, const char* doing) {
-  if (::ftruncate(descriptor_, off_t(size)) != 0) {
+  if (::ftruncate(descriptor_, off_t(size)) != 0)
     throw_file_error(doing, path_, errno);
-  }
 }
 
 void LockedFile::renew(std::string_view head, std::optional<std::int64_t> copy_from) {
@@ -77,9 +71,8 @@ void LockedFile::renew(std::string_view head, std::optional<std::int64_t> copy_f
   std::vector<char> block(copy_from ? std::size_t(1) << 20 : 0);
   for (std::int64_t at = copy_from.value_or(0); copy_from;) {
     const std::size_t count = read(at, block.data(), block.size());
-    if (count == 0) {
+    if (count == 0)
       break;
-    }
     out.write(block.data(), count);
     at += std::int64_t(count);
   }
@@ -104,9 +97,8 @@ AppendFile::AppendFile(std::string path) : LockedFile(std::move(path)) {
     }
     end = begin;
   }
-  if (end < all) {
+  if (end < all)
     cut(end, "cut the partial last line of");
-  }
 }
 
 std::string AppendFile::first_line() const {
@@ -115,12 +107,10 @@ std::string AppendFile::first_line() const {
   for (;;) {
     const std::size_t count = read(std::int64_t(line.size()), block, sizeof block);
     const void* end = std::memchr(block, '\n', count);
-    if (end != nullptr) {
+    if (end != nullptr)
       return line.append(block, static_cast<const char*>(end) - block + 1);
-    }
-    if (count == 0) {
+    if (count == 0)
       return line;
-    }
     line.append(block, count);
   }
 }
@@ -138,9 +128,8 @@ bool AppendFile::cut_from(
   char block[1 << 16];
   for (std::int64_t at = header; at < end_of_file;) {
     const std::size_t count = read(at, block, sizeof block);
-    if (count == 0) {
+    if (count == 0)
       break;
-    }
     at += std::int64_t(count);
     carry.append(block, count);
     std::size_t begin = 0;
@@ -171,9 +160,8 @@ void LockedFile::append(std::string_view text) {
   const int error = write_all(descriptor_, text.data(), text.size(), &done);
   if (error != 0) {
     // Back to where the file ended before: rows that are still held must not appear twice.
-    if (::ftruncate(descriptor_, off_t(size()) - off_t(done)) != 0) {
+    if (::ftruncate(descriptor_, off_t(size()) - off_t(done)) != 0)
       throw_file_error("take back a partial append to", path_, errno);
-    }
     throw_file_error("append to", path_, error);
   }
 }
@@ -181,17 +169,14 @@ void LockedFile::append(std::string_view text) {
 void LockedFile::replace(std::int64_t at, std::string_view text) {
   // Linux appends by pwrite too where a file was opened to append.
   const int flags = ::fcntl(descriptor_, F_GETFL);
-  if (flags < 0 || ::fcntl(descriptor_, F_SETFL, flags & ~O_APPEND) != 0) {
+  if (flags < 0 || ::fcntl(descriptor_, F_SETFL, flags & ~O_APPEND) != 0)
     throw_file_error("write", path_, errno);
-  }
   const ssize_t written = ::pwrite(descriptor_, text.data(), text.size(), off_t(at));
   const int error = written < 0 ? errno : 0;
-  if (::fcntl(descriptor_, F_SETFL, flags) != 0) {
+  if (::fcntl(descriptor_, F_SETFL, flags) != 0)
     throw_file_error("write", path_, errno);
-  }
-  if (written != ssize_t(text.size())) {
+  if (written != ssize_t(text.size()))
     throw_file_error("write", path_, error != 0 ? error : EIO);
-  }
 }
 
 } // namespace insitu::output

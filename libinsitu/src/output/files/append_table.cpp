@@ -21,9 +21,8 @@ AppendTable::AppendTable(std::string path, std::vector<std::string> columns,
     : rows_(columns.size()), file_(std::make_unique<AppendFile>(std::move(path))) {
   const std::string header = csv_header(columns);
   // A run that starts anew, with other columns perhaps, owes nothing to a table without rows.
-  if (from && !file_->cut_from(*from, first_cell)) {
+  if (from && !file_->cut_from(*from, first_cell))
     file_->clear();
-  }
   std::string found = file_->first_line();
   if (found.empty()) {
     file_->append(header);

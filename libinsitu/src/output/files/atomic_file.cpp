@@ -41,15 +41,13 @@ int open_part(const std::string& target, std::string& part) {
            std::string(part_suffix);
     const int descriptor = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0) {
-      if (errno == EEXIST || errno == EINTR) {
+      if (errno == EEXIST || errno == EINTR)
         continue;
-      }
       return -1;
     }
     (void)::flock(descriptor, LOCK_EX);
-    if (is_linked(descriptor)) {
+    if (is_linked(descriptor))
       return descriptor;
-    }
     ::close(descriptor);
   }
 }
@@ -74,13 +72,12 @@ int write_all(int descriptor, const char* data, std::size_t bytes, std::size_t* 
   *done = 0;
   while (*done < bytes) {
     const ssize_t count = ::write(descriptor, data + *done, bytes - *done);
-    if (count > 0) {
+    if (count > 0)
       *done += std::size_t(count);
-    } else if (count == 0) {
+    else if (count == 0)
       return EIO;
-    } else if (errno != EINTR) {
+    else if (errno != EINTR)
       return errno;
-    }
   }
   return 0;
 }
@@ -88,12 +85,10 @@ int write_all(int descriptor, const char* data, std::size_t bytes, std::size_t* 
 void make_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) {
+  if (error)
     throw_file_error("make folder", folder, error.value());
-  }
-  if (!std::filesystem::is_directory(folder, error)) {
+  if (!std::filesystem::is_directory(folder, error))
     throw_file_error("make folder", folder, ENOTDIR);
-  }
 }
 
 std::size_t remove_stale_parts(const std::string& folder) {
@@ -102,16 +97,13 @@ std::size_t remove_stale_parts(const std::string& folder) {
   std::filesystem::directory_iterator entry(folder, error);
   for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
     const std::string path = entry->path().string();
-    if (!path.ends_with(part_suffix)) {
+    if (!path.ends_with(part_suffix))
       continue;
-    }
     const int descriptor = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC);
-    if (descriptor < 0) {
+    if (descriptor < 0)
       continue;
-    }
-    if (try_lock(descriptor) && ::unlink(path.c_str()) == 0) {
+    if (try_lock(descriptor) && ::unlink(path.c_str()) == 0)
       ++removed;
-    }
     ::close(descriptor);
   }
   return removed;
@@ -122,25 +114,21 @@ void prepare_folder(const std::string& folder) {
   static std::set<std::string> prepared;
   const std::lock_guard<std::mutex> lock(mutex);
   std::error_code error;
-  if (!std::filesystem::is_directory(folder, error)) {
+  if (!std::filesystem::is_directory(folder, error))
     make_folder(folder);
-  }
-  if (prepared.insert(std::filesystem::absolute(folder, error).string()).second) {
+  if (prepared.insert(std::filesystem::absolute(folder, error).string()).second)
     remove_stale_parts(folder);
-  }
 }
 
 AtomicFile::AtomicFile(std::string target) : target_(std::move(target)) {
   prepare_folder(folder_of(target_));
   std::error_code error;
-  if (std::filesystem::is_directory(target_, error)) {
+  if (std::filesystem::is_directory(target_, error))
     throw_file_error("write", target_, EISDIR);
-  }
   buffer_.reserve(buffer_bytes);
   descriptor_ = open_part(target_, part_);
-  if (descriptor_ < 0) {
+  if (descriptor_ < 0)
     throw_file_error("write", target_, errno);
-  }
 }
 
 AtomicFile::~AtomicFile() {
@@ -168,16 +156,14 @@ void AtomicFile::write(const void* data, std::size_t bytes) {
                       "write to '" + target_ + "' after it was committed or had failed");
   }
   const char* from = static_cast<const char*>(data);
-  if (buffer_.size() + bytes > buffer_bytes) {
+  if (buffer_.size() + bytes > buffer_bytes)
     flush();
-  }
   if (bytes >= buffer_bytes) {
     std::size_t done = 0;
     const int error = write_all(descriptor_, from, bytes, &done);
     written_ += done;
-    if (error != 0) {
+    if (error != 0)
       fail("write", error);
-    }
     return;
   }
   buffer_.insert(buffer_.end(), from, from + bytes);
@@ -187,9 +173,8 @@ void AtomicFile::flush() {
   std::size_t done = 0;
   const int error = write_all(descriptor_, buffer_.data(), buffer_.size(), &done);
   written_ += done;
-  if (error != 0) {
+  if (error != 0)
     fail("write", error);
-  }
   buffer_.clear();
 }
 
@@ -201,36 +186,32 @@ void AtomicFile::flush_to_device() {
   flush();
   // Some file systems have no way to flush (EINVAL); the rename is still all or nothing for every
   // process of this machine.
-  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOTSUP) {
+  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOTSUP)
     fail("flush", errno);
-  }
 }
 
 void AtomicFile::close_committed() {
   const int descriptor = descriptor_;
   descriptor_ = -1;
   // Network file systems report a lost write here at the latest.
-  if (::close(descriptor) != 0 && errno != EINTR) {
+  if (::close(descriptor) != 0 && errno != EINTR)
     throw_file_error("close", target_, errno);
-  }
 }
 
 void AtomicFile::commit() {
   flush_to_device();
   // Renamed while the lock is held, so a cleaner never sees an unlocked unfinished file.
-  if (::rename(part_.c_str(), target_.c_str()) != 0) {
+  if (::rename(part_.c_str(), target_.c_str()) != 0)
     fail("rename to", errno);
-  }
   close_committed();
 }
 
 void AtomicFile::commit_if_absent() {
   flush_to_device();
-  if (::link(part_.c_str(), target_.c_str()) == 0 || errno == EEXIST) {
+  if (::link(part_.c_str(), target_.c_str()) == 0 || errno == EEXIST)
     ::unlink(part_.c_str());
-  } else if (::rename(part_.c_str(), target_.c_str()) != 0) { // a file system without links
+  else if (::rename(part_.c_str(), target_.c_str()) != 0) // a file system without links
     fail("rename to", errno);
-  }
   close_committed();
 }
 

@@ -13,9 +13,8 @@ namespace {
 
 template <class T>
 void append_shortest(std::string& text, T value) {
-  if (std::isnan(value)) {
+  if (std::isnan(value))
     return;
-  }
   char digits[32];
   const std::to_chars_result end = std::to_chars(digits, digits + sizeof digits, value);
   text.append(digits, end.ptr);
@@ -45,9 +44,8 @@ void append_text(std::string& text, std::string_view value) {
   }
   text.push_back('"');
   for (const char c : value) {
-    if (c == '"') {
+    if (c == '"')
       text.push_back('"');
-    }
     text.push_back(c == '\n' || c == '\r' ? ' ' : c);
   }
   text.push_back('"');
@@ -65,13 +63,11 @@ bool take_csv_record(std::string_view& text, std::vector<CsvCell>& cells) {
         cell.text += text[at];
         at += text[at] == '"' ? 1 : 0;
       }
-      if (at == text.size()) {
+      if (at == text.size())
         return false;
-      }
       at = std::min(text.find_first_not_of(blanks, at + 1), text.size());
-      if (at < text.size() && text[at] != ',' && text[at] != '\n') {
+      if (at < text.size() && text[at] != ',' && text[at] != '\n')
         return false;
-      }
     } else {
       const std::size_t begin = at;
       at = std::min(text.find_first_of(",\n", at), text.size());
@@ -85,9 +81,8 @@ bool take_csv_record(std::string_view& text, std::vector<CsvCell>& cells) {
 }
 
 std::string& CsvRows::next() {
-  if (cells_++ > 0) {
+  if (cells_++ > 0)
     text_.push_back(',');
-  }
   return text_;
 }
 
@@ -133,9 +128,8 @@ void CsvRows::clear() {
 std::string csv_header(const std::vector<std::string>& columns) {
   std::string header;
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    if (i > 0) {
+    if (i > 0)
       header.push_back(',');
-    }
     append_text(header, columns[i]);
   }
   header.push_back('\n');

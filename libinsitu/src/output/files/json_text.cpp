@@ -14,9 +14,8 @@ namespace {
 void append_unit(std::string& text, unsigned unit) {
   constexpr char digits[] = "0123456789abcdef";
   text += "\\u";
-  for (int shift = 12; shift >= 0; shift -= 4) {
+  for (int shift = 12; shift >= 0; shift -= 4)
     text += digits[unit >> shift & 0xf];
-  }
 }
 
 void append_code_point(std::string& text, char32_t c) {
@@ -44,9 +43,8 @@ JsonText JsonText::spaced() {
 }
 
 void JsonText::separate() {
-  if (!first_) {
+  if (!first_)
     text_ += ',';
-  }
   text_ += first_ || !line_.empty() ? line_ : blank_;
   line_.clear();
   first_ = false;
@@ -111,9 +109,8 @@ JsonText& JsonText::value(bool b) {
 JsonText& JsonText::value(std::string_view text) {
   separate();
   text_ += '"';
-  for (const char32_t c : decode_utf8(text)) {
+  for (const char32_t c : decode_utf8(text))
     append_code_point(text_, c);
-  }
   text_ += '"';
   return *this;
 }

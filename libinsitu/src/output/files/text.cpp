@@ -37,9 +37,8 @@ public:
   /// Pixels below the top of the line box.
   float y(float units) const {
     int i = 0;
-    while (i < 3 && units > knots_[i + 1].units) {
+    while (i < 3 && units > knots_[i + 1].units)
       ++i;
-    }
     const Knot& a = knots_[i];
     const Knot& b = knots_[i + 1];
     return a.pixel + (units - a.units) / (b.units - a.units) * (b.pixel - a.pixel);
@@ -115,12 +114,10 @@ void blend(float* pixel, const std::array<float, 4>& color, float coverage) {
   const float alpha = color[3] * coverage;
   const float below = pixel[3] * (1 - alpha);
   const float total = alpha + below;
-  if (total <= 0) {
+  if (total <= 0)
     return;
-  }
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i)
     pixel[i] = (color[std::size_t(i)] * alpha + pixel[i] * below) / total;
-  }
   pixel[3] = total;
 }
 
@@ -148,25 +145,21 @@ void draw_layer(core::Image& image, int x, int y, std::string_view text, const F
       const auto pixel = [&](const GlyphPoint& p) {
         return GlyphPoint{float(pen + margin) + font.x(g, p.x), float(margin) + font.y(p.y)};
       };
-      if (stroke.size() == 1) {
+      if (stroke.size() == 1)
         coverage.add(pixel(stroke[0]), pixel(stroke[0]), 0.64f * font.stroke + extra);
-      }
-      for (std::size_t i = 1; i < stroke.size(); ++i) {
+      for (std::size_t i = 1; i < stroke.size(); ++i)
         coverage.add(pixel(stroke[i - 1]), pixel(stroke[i]), 0.5f * font.stroke + extra);
-      }
     }
   });
   for (int row = 0; row < coverage.height(); ++row) {
     const int to_y = y + row - margin;
-    if (to_y < 0 || to_y >= image.height) {
+    if (to_y < 0 || to_y >= image.height)
       continue;
-    }
     for (int column = 0; column < coverage.width(); ++column) {
       const int to_x = x + column - margin;
       const float covered = coverage.at(column, row);
-      if (to_x >= 0 && to_x < image.width && covered > 0) {
+      if (to_x >= 0 && to_x < image.width && covered > 0)
         blend(image.pixel(to_x, to_y), color, covered);
-      }
     }
   }
 }
@@ -174,13 +167,11 @@ void draw_layer(core::Image& image, int x, int y, std::string_view text, const F
 } // namespace
 
 void draw_text(core::Image& image, int x, int y, std::string_view text, const TextStyle& style) {
-  if (text.empty() || style.height < 1) {
+  if (text.empty() || style.height < 1)
     return;
-  }
   const FittedFont font(style.height);
-  if (style.halo_width > 0) {
+  if (style.halo_width > 0)
     draw_layer(image, x, y, text, font, style.height, style.halo_width, style.halo_color);
-  }
   draw_layer(image, x, y, text, font, style.height, 0, style.color);
 }
 

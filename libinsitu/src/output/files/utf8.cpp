@@ -15,14 +15,12 @@ std::size_t sequence(std::string_view text, char32_t& c) {
                              : (first >> 4) == 0x0e ? 3
                              : (first >> 3) == 0x1e ? 4
                                                     : 0;
-  if (length == 0 || length > text.size()) {
+  if (length == 0 || length > text.size())
     return 0;
-  }
   c = length == 1 ? first : first & (0xffu >> (length + 1));
   for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xc0) != 0x80) {
+    if ((byte(i) & 0xc0) != 0x80)
       return 0;
-    }
     c = c << 6 | (byte(i) & 0x3fu);
   }
   constexpr char32_t least[] = {0, 0, 0x80, 0x800, 0x10000};

@@ -51,9 +51,8 @@ void append_bytes(png_structp png, png_bytep data, std::size_t count) {
   } catch (const core::Error&) { // of counted memory
     fits = false;
   }
-  if (!fits) {
+  if (!fits)
     png_error(png, "out of memory");
-  }
 }
 
 void no_flush(png_structp) {}
@@ -71,30 +70,25 @@ struct Raster {
 bool encode_with_libpng(Encoder& encoder, const Raster& image) {
   encoder.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &encoder, on_error, on_warning);
   encoder.info = encoder.png == nullptr ? nullptr : png_create_info_struct(encoder.png);
-  if (encoder.info == nullptr) {
+  if (encoder.info == nullptr)
     return false;
-  }
-  if (setjmp(png_jmpbuf(encoder.png)) != 0) {
+  if (setjmp(png_jmpbuf(encoder.png)) != 0)
     return false;
-  }
   png_set_write_fn(encoder.png, &encoder, append_bytes, no_flush);
   png_set_IHDR(encoder.png, encoder.info, png_uint_32(image.width), png_uint_32(image.height),
                image.bit_depth, image.color_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                PNG_FILTER_TYPE_DEFAULT);
-  if (image.bit_depth == 8) {
+  if (image.bit_depth == 8)
     png_set_sRGB(encoder.png, encoder.info, PNG_sRGB_INTENT_PERCEPTUAL);
-  }
-  if (image.text_count > 0) {
+  if (image.text_count > 0)
     png_set_text(encoder.png, encoder.info, image.text, image.text_count);
-  }
   // A frame is written while the solver waits: low effort, and the filters that suit smooth
   // shading.
   png_set_compression_level(encoder.png, 3);
   png_set_filter(encoder.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB | PNG_FILTER_UP);
   png_write_info(encoder.png, encoder.info);
-  for (int y = 0; y < image.height; ++y) {
+  for (int y = 0; y < image.height; ++y)
     png_write_row(encoder.png, image.bytes + std::size_t(y) * image.stride);
-  }
   png_write_end(encoder.png, encoder.info);
   return true;
 }
@@ -104,9 +98,8 @@ void encode_to_file(const std::string& path, const Raster& image, const Counted&
   // As much as if nothing could be compressed: so that memory does not depend on what is seen.
   const auto rows = std::size_t(image.height);
   encoder.bytes.reserve(rows * image.stride + rows * image.stride / 1000 + 16 * rows + 1024);
-  if (!encode_with_libpng(encoder, image)) {
+  if (!encode_with_libpng(encoder, image))
     throw core::Error(INSITU_ERROR_FILE, "cannot write '" + path + "': libpng: " + encoder.message);
-  }
   AtomicFile file(path);
   file.write(encoder.bytes.data(), encoder.bytes.size());
   file.commit();
@@ -132,9 +125,8 @@ struct Decoder : Coder {
 
 void take_bytes(png_structp png, png_bytep data, std::size_t count) {
   Decoder* decoder = static_cast<Decoder*>(png_get_io_ptr(png));
-  if (count > decoder->file.size() - decoder->position) {
+  if (count > decoder->file.size() - decoder->position)
     png_error(png, "the file ends too early");
-  }
   std::memcpy(data, decoder->file.data() + decoder->position, count);
   decoder->position += count;
 }
@@ -143,12 +135,10 @@ void take_bytes(png_structp png, png_bytep data, std::size_t count) {
 bool start_decoding(Decoder& decoder, PngImage& image) {
   decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_error, on_warning);
   decoder.info = decoder.png == nullptr ? nullptr : png_create_info_struct(decoder.png);
-  if (decoder.info == nullptr) {
+  if (decoder.info == nullptr)
     return false;
-  }
-  if (setjmp(png_jmpbuf(decoder.png)) != 0) {
+  if (setjmp(png_jmpbuf(decoder.png)) != 0)
     return false;
-  }
   png_set_read_fn(decoder.png, &decoder, take_bytes);
   png_read_info(decoder.png, decoder.info);
   png_set_expand(decoder.png);
@@ -163,9 +153,8 @@ bool start_decoding(Decoder& decoder, PngImage& image) {
 }
 
 bool finish_decoding(Decoder& decoder, png_bytepp rows) {
-  if (setjmp(png_jmpbuf(decoder.png)) != 0) {
+  if (setjmp(png_jmpbuf(decoder.png)) != 0)
     return false;
-  }
   png_read_image(decoder.png, rows);
   png_read_end(decoder.png, nullptr);
   return true;
@@ -221,29 +210,24 @@ void write_png(const std::string& path, const core::Image& image, bool keep_alph
 PngImage read_png(const std::string& path) {
   Decoder decoder;
   std::ifstream in(path, std::ios::binary | std::ios::ate);
-  if (!in) {
+  if (!in)
     throw core::Error(INSITU_ERROR_FILE, "cannot open '" + path + "'");
-  }
   const std::streamoff size = in.tellg();
   decoder.file.resize(size > 0 ? std::size_t(size) : 0);
   in.seekg(0);
   in.read(reinterpret_cast<char*>(decoder.file.data()), std::streamsize(decoder.file.size()));
-  if (!in || size < 8 || png_sig_cmp(decoder.file.data(), 0, 8) != 0) {
+  if (!in || size < 8 || png_sig_cmp(decoder.file.data(), 0, 8) != 0)
     throw_unreadable(path, "it does not begin as a PNG file");
-  }
   PngImage image;
-  if (!start_decoding(decoder, image)) {
+  if (!start_decoding(decoder, image))
     throw_unreadable(path, decoder.message);
-  }
   const std::size_t stride = std::size_t(image.width) * std::size_t(image.channels);
   image.pixels.resize(stride * std::size_t(image.height));
   std::vector<png_bytep> rows(std::size_t(image.height));
-  for (std::size_t y = 0; y < rows.size(); ++y) {
+  for (std::size_t y = 0; y < rows.size(); ++y)
     rows[y] = image.pixels.data() + y * stride;
-  }
-  if (!finish_decoding(decoder, rows.data())) {
+  if (!finish_decoding(decoder, rows.data()))
     throw_unreadable(path, decoder.message);
-  }
   return image;
 }
 

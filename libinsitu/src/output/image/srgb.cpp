@@ -30,18 +30,16 @@ struct SrgbTable {
     for (int k = 1; k < 256; ++k) {
       const double bound = linear_of(k - 0.5);
       float above = float(bound);
-      if (double(above) < bound) {
+      if (double(above) < bound)
         above = std::nextafter(above, 2.0f);
-      }
       least[std::size_t(k)] = above;
     }
     least[256] = std::numeric_limits<float>::infinity();
     int code = 0;
     for (std::uint32_t i = first; i < last; ++i) {
       const float lower = std::bit_cast<float>(i << shift);
-      while (lower >= least[std::size_t(code) + 1]) {
+      while (lower >= least[std::size_t(code) + 1])
         ++code;
-      }
       start[i - first] = std::uint8_t(code);
     }
   }
@@ -53,24 +51,20 @@ const SrgbTable& table() {
 }
 
 std::uint8_t encode(const SrgbTable& t, float linear) {
-  if (!(linear >= 0x1p-13f)) { // NaN too
+  if (!(linear >= 0x1p-13f)) // NaN too
     return 0;
-  }
-  if (linear >= 1.0f) {
+  if (linear >= 1.0f)
     return 255;
-  }
   unsigned code =
       t.start[(std::bit_cast<std::uint32_t>(linear) >> SrgbTable::shift) - SrgbTable::first];
-  while (linear >= t.least[code + 1]) {
+  while (linear >= t.least[code + 1])
     ++code;
-  }
   return std::uint8_t(code);
 }
 
 std::uint8_t encode_alpha(float alpha) {
-  if (!(alpha > 0.0f)) {
+  if (!(alpha > 0.0f))
     return 0;
-  }
   return alpha >= 1.0f ? std::uint8_t(255) : std::uint8_t(std::lround(double(alpha) * 255.0));
 }
 
@@ -96,9 +90,8 @@ PngImage to_srgb(const core::Image& image, bool keep_alpha) {
     *to++ = encode(t, from[0]);
     *to++ = encode(t, from[1]);
     *to++ = encode(t, from[2]);
-    if (keep_alpha) {
+    if (keep_alpha)
       *to++ = encode_alpha(from[3]);
-    }
   }
   return out;
 }

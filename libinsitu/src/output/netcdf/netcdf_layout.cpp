@@ -57,9 +57,8 @@ class Dataset {
 public:
   explicit Dataset(std::string path) : path_(std::move(path)) {}
   ~Dataset() {
-    if (id >= 0) {
+    if (id >= 0)
       nc_close(id);
-    }
   }
   Dataset(const Dataset&) = delete;
   Dataset& operator=(const Dataset&) = delete;
@@ -107,24 +106,20 @@ void define(const Dataset& file, const NetcdfLayout& layout, std::vector<int>& v
   }
   for (const NetcdfVariable& v : layout.variables) {
     std::vector<int> shape;
-    if (v.per_record) {
+    if (v.per_record)
       shape.push_back(record);
-    }
-    for (const std::string& name : v.dimensions) {
+    for (const std::string& name : v.dimensions)
       shape.push_back(dimensions.at(name));
-    }
     int id = 0;
     file.check(nc_def_var(file.id, v.name.c_str(), to_netcdf(v.type), int(shape.size()),
                           shape.data(), &id),
                "write the variable '" + v.name + "' of");
     variables.push_back(id);
-    for (const NetcdfAttribute& a : v.attributes) {
+    for (const NetcdfAttribute& a : v.attributes)
       put_attribute(file, id, a);
-    }
   }
-  for (const NetcdfAttribute& a : layout.attributes) {
+  for (const NetcdfAttribute& a : layout.attributes)
     put_attribute(file, NC_GLOBAL, a);
-  }
 }
 
 void put_values(const Dataset& file, int id, const NetcdfVariable& v) {
@@ -145,15 +140,12 @@ void put_values(const Dataset& file, int id, const NetcdfVariable& v) {
 std::int64_t NetcdfLayout::record_bytes() const {
   std::int64_t bytes = 0;
   for (const NetcdfVariable& v : variables) {
-    if (!v.per_record) {
+    if (!v.per_record)
       continue;
-    }
     std::int64_t count = 1;
-    for (const std::string& name : v.dimensions) {
-      for (const auto& [known, length] : dimensions) {
+    for (const std::string& name : v.dimensions)
+      for (const auto& [known, length] : dimensions)
         count *= known == name ? length : 1;
-      }
-    }
     bytes += (count * bytes_of(v.type) + 3) / 4 * 4;
   }
   return bytes;
@@ -164,25 +156,21 @@ std::string NetcdfLayout::free_name(const std::string& name) const {
   for (const char c : name) {
     const bool letter = (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_';
     const bool other = (c >= '0' && c <= '9') || c == '.' || c == '@' || c == '+' || c == '-';
-    if (clean.empty() && !letter && !(c >= '0' && c <= '9')) {
+    if (clean.empty() && !letter && !(c >= '0' && c <= '9'))
       clean = "_";
-    }
-    if (letter || other || !clean.starts_with('_') || clean.size() > 1) {
+    if (letter || other || !clean.starts_with('_') || clean.size() > 1)
       clean += letter || other ? c : '_';
-    }
   }
   clean.resize(std::min<std::size_t>(clean.size(), NC_MAX_NAME - 8));
-  if (clean.empty()) {
+  if (clean.empty())
     clean = "_";
-  }
   const auto taken = [&](const std::string& candidate) {
     return std::any_of(variables.begin(), variables.end(),
                        [&](const NetcdfVariable& v) { return v.name == candidate; });
   };
   std::string free = clean;
-  for (int n = 2; taken(free); ++n) {
+  for (int n = 2; taken(free); ++n)
     free = clean + "_" + std::to_string(n);
-  }
   return free;
 }
 
@@ -196,27 +184,22 @@ std::string netcdf_head(const std::string& path, const NetcdfLayout& layout) {
     std::vector<int> variables;
     define(file, layout, variables);
     file.check(nc_enddef(file.id), "write");
-    for (std::size_t i = 0; i < variables.size(); ++i) {
-      if (!layout.variables[i].per_record) {
+    for (std::size_t i = 0; i < variables.size(); ++i)
+      if (!layout.variables[i].per_record)
         put_values(file, variables[i], layout.variables[i]);
-      }
-    }
     file.close();
   }
   std::ifstream in(place.part(), std::ios::binary);
   std::string head((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  if (!in || head.size() < 12) {
+  if (!in || head.size() < 12)
     throw core::Error(INSITU_ERROR_FILE, "cannot read '" + place.part() + "'");
-  }
   return head;
 }
 
 std::int64_t NetcdfSummary::dimension(const std::string& name) const {
-  for (const auto& [known, length] : dimensions) {
-    if (known == name) {
+  for (const auto& [known, length] : dimensions)
+    if (known == name)
       return length;
-    }
-  }
   return 0;
 }
 
@@ -243,9 +226,8 @@ NetcdfSummary summarize_netcdf(const std::string& path) {
   }
   int record = -1, of_first = -1;
   file.check(nc_inq_unlimdim(file.id, &record), "read");
-  if (record >= 0) {
+  if (record >= 0)
     out.records = out.dimensions[std::size_t(record)].second;
-  }
   const bool counted = out.records > 0 && variables > 0 &&
                        nc_inq_varndims(file.id, 0, &of_first) == NC_NOERR && of_first == 1;
   const std::size_t begin = 0, end = std::size_t(out.records) - 1;

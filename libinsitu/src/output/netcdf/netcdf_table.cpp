@@ -18,16 +18,14 @@ namespace {
 constexpr std::int64_t count_at = 4, count_end = 12;
 
 void append_big_endian(std::string& to, std::uint64_t bits, int bytes) {
-  for (int b = bytes - 1; b >= 0; --b) {
+  for (int b = bytes - 1; b >= 0; --b)
     to.push_back(static_cast<char>(bits >> (8 * b)));
-  }
 }
 
 std::int64_t big_endian(const char* bytes) {
   std::uint64_t bits = 0;
-  for (int b = 0; b < 8; ++b) {
+  for (int b = 0; b < 8; ++b)
     bits = bits << 8 | static_cast<unsigned char>(bytes[b]);
-  }
   return static_cast<std::int64_t>(bits);
 }
 
@@ -42,9 +40,8 @@ std::int64_t read_number(const LockedFile& file, std::int64_t at) {
 
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
-  for (const std::string& name : names) {
+  for (const std::string& name : names)
     text += (text.empty() ? "" : ",") + name;
-  }
   return text;
 }
 
@@ -53,9 +50,8 @@ std::string joined(const std::vector<std::string>& names) {
 std::optional<NetcdfSummary> summary_before(const std::string& path,
                                             std::optional<std::int64_t> from) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error) || std::filesystem::file_size(path, error) == 0) {
+  if (!std::filesystem::exists(path, error) || std::filesystem::file_size(path, error) == 0)
     return std::nullopt;
-  }
   NetcdfSummary summary = summarize_netcdf(path);
   return summary.keeps_before(from) ? std::optional(std::move(summary)) : std::nullopt;
 }
@@ -77,9 +73,8 @@ NetcdfRecords& NetcdfRecords::put(std::int8_t value) {
   return *this;
 }
 NetcdfRecords& NetcdfRecords::put(std::span<const double> values) {
-  for (const double value : values) {
+  for (const double value : values)
     put(value);
-  }
   return *this;
 }
 
@@ -103,9 +98,8 @@ NetcdfTable::NetcdfTable(std::string path, NetcdfLayout layout, std::optional<st
     // As many as are counted and there: what a kill cut short is written again.
     const std::int64_t whole = (file_->size() - head_bytes_) / record_bytes_;
     records_ = std::clamp<std::int64_t>(big_endian(found.data() + count_at), 0, whole);
-    if (from) {
+    if (from)
       records_ = first_with(*from);
-    }
     file_->cut(head_bytes_ + records_ * record_bytes_, "cut the records of an earlier run from");
     set_records(records_);
     return;
@@ -113,9 +107,8 @@ NetcdfTable::NetcdfTable(std::string path, NetcdfLayout layout, std::optional<st
   // A run that starts anew, with other fields perhaps, owes nothing to a file without records.
   if (count > 0) {
     const NetcdfSummary old = summarize_netcdf(file_->path());
-    if (old.keeps_before(from)) {
+    if (old.keeps_before(from))
       refuse(old);
-    }
   }
   file_->renew(head);
 }
@@ -134,9 +127,8 @@ const std::string& NetcdfTable::path() const {
 
 void NetcdfTable::refuse(const NetcdfSummary& old) const {
   std::vector<std::string> wanted;
-  for (const NetcdfVariable& v : layout_.variables) {
+  for (const NetcdfVariable& v : layout_.variables)
     wanted.push_back(v.name);
-  }
   const bool names_differ = old.variables != wanted;
   throw core::Error(INSITU_ERROR_FILE,
                     "cannot append to '" + file_->path() + "': its " +
@@ -164,20 +156,18 @@ std::int64_t NetcdfTable::first_with(std::int64_t from) const {
   while (low < high) {
     const std::int64_t middle = low + (high - low) / 2;
     const std::int64_t found = number(middle);
-    if (descends ? found > from : found < from) {
+    if (descends ? found > from : found < from)
       low = middle + 1;
-    } else {
+    else
       high = middle;
-    }
   }
   return low;
 }
 
 void NetcdfTable::flush() {
   const std::string& bytes = rows_.bytes();
-  if (bytes.empty()) {
+  if (bytes.empty())
     return;
-  }
   const auto count = std::int64_t(bytes.size()) / record_bytes_;
   if (count * record_bytes_ != std::int64_t(bytes.size())) {
     const std::size_t given = bytes.size();
@@ -205,9 +195,8 @@ void NetcdfTable::shorten(std::int64_t records) {
 
 void NetcdfTable::change(NetcdfLayout layout) {
   std::string head = netcdf_head(path(), layout);
-  if (layout.record_bytes() != record_bytes_) {
+  if (layout.record_bytes() != record_bytes_)
     throw core::Error(INSITU_ERROR_INTERNAL, "'" + path() + "': records of another size");
-  }
   std::string count;
   append_big_endian(count, static_cast<std::uint64_t>(records_), 8);
   head.replace(std::size_t(count_at), count.size(), count);

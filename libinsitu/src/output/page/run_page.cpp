@@ -23,9 +23,8 @@ static_assert(line_begin.size() == unfinished_begin.size());
 std::optional<std::int64_t> cycle_of(std::string_view line) {
   constexpr std::string_view key = "{\"cycle\":";
   if ((!line.starts_with(line_begin) && !line.starts_with(unfinished_begin)) ||
-      !line.substr(line_begin.size()).starts_with(key)) {
+      !line.substr(line_begin.size()).starts_with(key))
     return std::nullopt;
-  }
   line.remove_prefix(line_begin.size() + key.size());
   std::int64_t cycle = 0;
   const auto parsed = std::from_chars(line.data(), line.data() + line.size(), cycle);

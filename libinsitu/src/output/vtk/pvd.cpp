@@ -30,15 +30,13 @@ constexpr Entity entities[] = {{'&', "&amp;"},  {'<', "&lt;"},   {'>', "&gt;"},
 
 /// False if the line is not one that PvdSeries writes.
 bool parse_entry(std::string_view line, double& time, std::string& file) {
-  if (!line.starts_with(entry_begin) || !line.ends_with(entry_end)) {
+  if (!line.starts_with(entry_begin) || !line.ends_with(entry_end))
     return false;
-  }
   line.remove_prefix(entry_begin.size());
   line.remove_suffix(entry_end.size());
   const std::size_t middle = line.find(entry_middle);
-  if (middle == std::string_view::npos) {
+  if (middle == std::string_view::npos)
     return false;
-  }
   const std::from_chars_result end = std::from_chars(line.data(), line.data() + middle, time);
   file = xml_unescape(line.substr(middle + entry_middle.size()));
   return end.ec == std::errc() && end.ptr == line.data() + middle;
@@ -51,11 +49,10 @@ std::string xml_escape(std::string_view text) {
   for (const char c : text) {
     const auto entity = std::find_if(std::begin(entities), std::end(entities),
                                      [&](const Entity& e) { return e.character == c; });
-    if (entity != std::end(entities)) {
+    if (entity != std::end(entities))
       out += entity->name;
-    } else {
+    else
       out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
   }
   return out;
 }
@@ -75,9 +72,8 @@ std::string xml_unescape(std::string_view text) {
 PvdSeries::PvdSeries(std::string path, bool resume, bool backward)
     : path_(std::move(path)), backward_(backward) {
   std::error_code error;
-  if (!resume || !std::filesystem::exists(path_, error)) {
+  if (!resume || !std::filesystem::exists(path_, error))
     return;
-  }
   std::ifstream in(path_);
   std::string line;
   for (std::size_t number = 1; std::getline(in, line); ++number) {
@@ -92,9 +88,8 @@ PvdSeries::PvdSeries(std::string path, bool resume, bool backward)
                                                " was not written by this library");
     }
   }
-  if (in.bad() || !in.eof()) {
+  if (in.bad() || !in.eof())
     throw core::Error(INSITU_ERROR_FILE, "cannot read '" + path_ + "'");
-  }
   resumed_ = entries_.size();
 }
 
@@ -103,9 +98,8 @@ void PvdSeries::add(double time, const std::string& file) {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const auto& [when, name] = entries_[i];
     const bool beyond = i < resumed_ && (backward_ ? when < time : when > time);
-    if (beyond || when == time || name == file) {
+    if (beyond || when == time || name == file)
       continue;
-    }
     resumed += i < resumed_;
     std::swap(entries_[kept++], entries_[i]);
   }

@@ -54,9 +54,8 @@ void write_counting(AtomicFile& file, std::int64_t first, std::size_t count) {
   std::int64_t chunk[1024];
   for (std::size_t done = 0; done < count;) {
     const std::size_t n = std::min<std::size_t>(count - done, std::size(chunk));
-    for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t i = 0; i < n; ++i)
       chunk[i] = first + std::int64_t(done + i);
-    }
     file.write(chunk, n * sizeof *chunk);
     done += n;
   }
@@ -97,9 +96,8 @@ public:
 
   void add(const char* section, const std::vector<VtkArray>& arrays) {
     open(section);
-    for (const VtkArray& array : arrays) {
+    for (const VtkArray& array : arrays)
       add(Block{array});
-    }
     close(section);
   }
 
@@ -109,11 +107,10 @@ public:
     for (const Block& block : blocks_) {
       const std::uint64_t bytes = block.bytes();
       file.write(&bytes, sizeof bytes);
-      if (block.counting) {
+      if (block.counting)
         write_counting(file, block.first, block.array.tuples);
-      } else {
+      else
         file.write(block.array.data, block.bytes());
-      }
     }
     file.write("\n </AppendedData>\n</VTKFile>\n");
     file.commit();
@@ -133,17 +130,14 @@ private:
 void check(const std::string& path, const VtkDataSet& data, std::size_t cells) {
   const VtkArray& points = data.points;
   if (points.components != 3 ||
-      (points.scalar != VtkScalar::float32 && points.scalar != VtkScalar::float64)) {
+      (points.scalar != VtkScalar::float32 && points.scalar != VtkScalar::float64))
     refuse(path, "points: 3 components of float32 or float64 expected");
-  }
   const auto check_counts = [&](const char* where, const std::vector<VtkArray>& arrays,
                                 std::size_t expected) {
-    for (const VtkArray& array : arrays) {
-      if (array.tuples != expected) {
+    for (const VtkArray& array : arrays)
+      if (array.tuples != expected)
         refuse(path, std::string(where) + " '" + array.name + "': " + std::to_string(expected) +
                          " items expected, " + std::to_string(array.tuples) + " given");
-      }
-    }
   };
   check_counts("point data", data.point_data, points.tuples);
   check_counts("cell data", data.cell_data, cells);
@@ -180,12 +174,10 @@ struct Lines {
   explicit Lines(const VtkPolyData& data) {
     std::int64_t begin = 0;
     for (const std::int64_t end : data.line_ends) {
-      for (std::int64_t i = begin; i < end; ++i) {
+      for (std::int64_t i = begin; i < end; ++i)
         points.push_back(data.line_points.empty() ? i : data.line_points[std::size_t(i)]);
-      }
-      if (end - begin == 1) {
+      if (end - begin == 1)
         points.push_back(points.back());
-      }
       ends.push_back(std::int64_t(points.size()));
       begin = end;
     }
@@ -280,31 +272,6 @@ void write_vtp(const std::string& path, const VtkPolyData& data) {
     document.add(Block{vtk_array("offsets", quad_ends)});
     document.close("Polys");
   }
-  document.write(path);
-}
-
-void write_vtu(const std::string& path, const VtkUnstructured& data) {
-  const std::size_t cells = data.cell_types.size();
-  if (data.cell_ends.size() != cells) {
-    refuse(path, std::to_string(cells) + " cell types, but " +
-                     std::to_string(data.cell_ends.size()) + " cell ends");
-  }
-  check(path, data, cells);
-  check_cells(path, "cell", data.cell_ends, data.connectivity, data.connectivity.size(),
-              data.points.tuples);
-
-  Document document("UnstructuredGrid");
-  document.time(data);
-  document.open("Piece NumberOfPoints=\"" + std::to_string(data.points.tuples) +
-                "\" NumberOfCells=\"" + std::to_string(cells) + "\"");
-  document.add("PointData", data.point_data);
-  document.add("CellData", data.cell_data);
-  add_points(document, data.points);
-  document.open("Cells");
-  document.add(Block{vtk_array("connectivity", data.connectivity)});
-  document.add(Block{vtk_array("offsets", data.cell_ends)});
-  document.add(Block{vtk_array("types", data.cell_types)});
-  document.close("Cells");
   document.write(path);
 }
 

@@ -52,19 +52,11 @@ struct VtkPolyData : VtkDataSet {
   std::span<const std::int64_t> quads;
 };
 
-/// Cells by VTK numbering: connectivity, where each cell ends in it, and its type.
-struct VtkUnstructured : VtkDataSet {
-  std::span<const std::int64_t> connectivity;
-  std::span<const std::int64_t> cell_ends;
-  std::span<const std::uint8_t> cell_types;
-};
-
-/// Write a file atomically: VTK XML 1.0, UInt64 headers, arrays appended raw in this machine's byte
-/// order (named in the file), so nothing is copied or encoded. Throw core::Error:
+/// Writes a file atomically: VTK XML 1.0, UInt64 headers, arrays appended raw in this machine's byte
+/// order (named in the file), so nothing is copied or encoded. Throws core::Error:
 /// INSITU_ERROR_ARGUMENT naming the array whose count does not fit, INSITU_ERROR_FILE if the file
 /// cannot be written.
 void write_vtp(const std::string& path, const VtkPolyData& data);
-void write_vtu(const std::string& path, const VtkUnstructured& data);
 
 /// The index of a series of files over time (`.pvd`), rewritten atomically at every `add`, so a
 /// viewer can open it while the simulation runs.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <numeric>
 #include <utility>
 
 #undef HWY_TARGET_INCLUDE
@@ -137,49 +138,6 @@ struct RunWriter {
   }
 };
 
-/// The nodes from which a batch goes on, with their boxes: down from the root, level by level,
-/// while at most eight nodes meet the box of the whole batch. Batches of neighbours spare half of
-/// the levels this way.
-struct Entry {
-  std::uint32_t node[8] = {};
-  int count = 1; ///< 1 at first: the root, whose box need not be tested
-  accel::Box box[8];
-};
-
-HWY_INLINE void find_entry(const accel::Node* nodes, const QueryBoxes& queries, Entry& entry) {
-  ChildBoxes children;
-  while (entry.count > 0) {
-    Entry next;
-    next.count = 0;
-    for (int i = 0; i < entry.count; ++i) {
-      const accel::Node& node = nodes[entry.node[i]];
-      children.decode(node);
-      const unsigned hits = children.overlapping(queries.all) & node.children();
-      if ((hits & ~unsigned(node.inner)) || next.count + std::popcount(hits) > 8)
-        return;
-      for (unsigned rest = hits; rest; rest &= rest - 1) {
-        const int c = std::countr_zero(rest);
-        next.box[next.count] = node.child_box(c);
-        next.node[next.count++] = node.child_node(c);
-      }
-    }
-    entry = next;
-  }
-}
-
-/// The first level's runs.
-HWY_INLINE void enter(const Entry& entry, const QueryBoxes& queries, RunWriter& to) {
-  QueryId all[batch_size + 8];
-  std::uint8_t hits[batch_size + 8];
-  for (int q = 0; q < queries.count; ++q)
-    all[q] = QueryId(q);
-  ChildBoxes boxes;
-  boxes.set(entry.box, entry.count);
-  for (int q = 0; q < queries.count; ++q)
-    hits[q] = std::uint8_t(entry.node[0] == 0 ? 1u : boxes.overlapping(queries.bounds[q]));
-  to.add(all, hits, std::size_t(queries.count), entry.node);
-}
-
 /// The nodes of a node's children; those of leaf children mean nothing.
 HWY_INLINE void child_nodes(const accel::Node& node, std::uint32_t* to) {
   const hn::CappedTag<std::uint32_t, 8> d;
@@ -197,13 +155,12 @@ void find_candidates_target(const accel::Tree& tree, const QueryBoxes& queries,
   scratch.found = scratch.visited = 0;
   if (queries.count == 0)
     return;
-  scratch.level.make_room(8, 8 * batch_size);
-  RunWriter first(scratch.level);
-  Entry entry;
-  find_entry(nodes, queries, entry);
-  enter(entry, queries, first);
-  first.close();
-  std::size_t run_count = first.run_count, found = 0;
+  scratch.level.make_room(1, std::size_t(queries.count));
+  scratch.level.runs[0] = {0, 0}; // the root
+  scratch.level.runs[1] = {0, std::uint32_t(queries.count)};
+  std::iota(scratch.level.queries.begin(), scratch.level.queries.begin() + queries.count,
+            QueryId(0));
+  std::size_t run_count = 1, found = 0;
   ChildBoxes children;
   while (run_count > 0) {
     const NodeRun* runs = scratch.level.runs.data();

@@ -12,7 +12,6 @@
 #include <cstdint>
 #include <cstring>
 #include <hwy/highway.h>
-#include <limits>
 
 #include "accel/tree/node.h"
 #include "query/batch/bit_tables.h"
@@ -51,20 +50,6 @@ public:
         const auto face = hn::MulAdd(sign, step, corner);
         face_[a][i] = hn::Add(face, hn::Set(d, accel::depth_slack));
       }
-    }
-  }
-
-  /// Boxes of their own, at most eight; depths would be lengths.
-  HWY_INLINE void set(const accel::Box* boxes, int count) {
-    for (int a = 0; a < 3; ++a) {
-      alignas(64) float face[16];
-      for (int c = 0; c < 8; ++c) {
-        face[2 * c] = c < count ? -boxes[c].lower[a] : nothing;
-        face[2 * c + 1] = c < count ? boxes[c].upper[a] : nothing;
-      }
-      steps_a_unit_[a] = hn::Set(d, 1.0f);
-      for (int i = 0; i < parts; ++i)
-        face_[a][i] = hn::Load(d, face + i * lanes);
     }
   }
 
@@ -118,7 +103,6 @@ private:
   static constexpr hn::Rebind<std::uint32_t, Pairs> d_slots{};
   static constexpr hn::Rebind<std::uint8_t, Pairs> d_offsets{};
   static constexpr int lanes = int(hn::MaxLanes(Floats())), pairs = lanes / 2, parts = 16 / lanes;
-  static constexpr float nothing = -std::numeric_limits<float>::infinity();
 
   /// Of the query and each child, the least way that it reaches beyond a face, in both lanes.
   HWY_INLINE hn::Vec<Floats> reach(const float* bounds, int part) const {
@@ -160,10 +144,6 @@ public:
     node_ = &node;
     for (int c = 0; c < 8; ++c)
       box_[c] = node.child_box(c);
-  }
-  void set(const accel::Box* boxes, int count) {
-    for (int c = 0; c < 8; ++c)
-      box_[c] = c < count ? boxes[c] : accel::Box();
   }
   unsigned overlapping(const float* bounds) const {
     unsigned bits = 0;

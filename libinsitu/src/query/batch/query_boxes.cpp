@@ -1,6 +1,5 @@
 #include "query/batch/query_boxes.h"
 
-#include <algorithm>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
@@ -30,7 +29,6 @@ void set_boxes_target(const BoxRule& rule, std::span<const math::Vec3d> points, 
   const auto farthest = hn::Set(df, float(BoxRule::farthest));
   const auto none = hn::Set(df, -std::numeric_limits<float>::infinity());
   boxes.count = int(points.size());
-  auto most_xy = none, most_z = none;
   for (std::size_t q = 0; q < points.size(); ++q) {
     const auto p = hn::MaskedLoad(xyz, d, &points[q].x);
     const auto from = hn::Sub(p, origin), w = hn::Add(wider, hn::Mul(relative, hn::Abs(p)));
@@ -39,15 +37,9 @@ void set_boxes_target(const BoxRule& rule, std::span<const math::Vec3d> points, 
     // Down is the other way up.
     const auto lower = hn::IfThenElse(finite, round_up(hn::Sub(w, from)), none);
     const auto upper = hn::IfThenElse(finite, round_up(hn::Add(from, w)), none);
-    const auto xy = hn::InterleaveLower(df, upper, lower),
-               z = hn::InterleaveUpper(df, upper, lower);
-    hn::Store(xy, df, boxes.bounds[q]);
-    hn::Store(z, df, boxes.bounds[q] + 4);
-    most_xy = hn::Max(most_xy, xy);
-    most_z = hn::Max(most_z, z);
+    hn::Store(hn::InterleaveLower(df, upper, lower), df, boxes.bounds[q]);
+    hn::Store(hn::InterleaveUpper(df, upper, lower), df, boxes.bounds[q] + 4);
   }
-  hn::Store(most_xy, df, boxes.all);
-  hn::Store(most_z, df, boxes.all + 4);
 }
 
 #else
@@ -55,7 +47,6 @@ void set_boxes_target(const BoxRule& rule, std::span<const math::Vec3d> points, 
 void set_boxes_target(const BoxRule& rule, std::span<const math::Vec3d> points, QueryBoxes& boxes) {
   constexpr float none = -std::numeric_limits<float>::infinity();
   boxes.count = int(points.size());
-  std::fill_n(boxes.all, 8, none);
   for (std::size_t q = 0; q < points.size(); ++q) {
     float lower[3], upper[3];
     const bool finite = rule.box(points[q], lower, upper);
@@ -63,8 +54,6 @@ void set_boxes_target(const BoxRule& rule, std::span<const math::Vec3d> points, 
       float* const b = boxes.bounds[q] + 2 * a;
       b[0] = finite ? upper[a] : none;
       b[1] = finite ? -lower[a] : none;
-      boxes.all[2 * a] = std::max(boxes.all[2 * a], b[0]);
-      boxes.all[2 * a + 1] = std::max(boxes.all[2 * a + 1], b[1]);
     }
   }
 }

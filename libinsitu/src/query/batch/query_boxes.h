@@ -20,7 +20,6 @@ static_assert(batch_size <= 1 << 16);
 struct QueryBoxes {
   int count = 0;
   alignas(32) float bounds[batch_size][8];
-  alignas(32) float all[8]; ///< the box of all boxes
 };
 
 /// The boxes of at most batch_size points by the rule. Compiled per SIMD target and dispatched at

@@ -28,12 +28,6 @@ public:
     if (in_gridlet_ && take_beside_last(p) && gridlets_.find_in_last(p, at, reason))
       return true;
     in_gridlet_ = false;
-    if (frusta_.find_in_box_like_last(p, at, reason))
-      return true;
-    if (frusta_.find_like_last(p, at, reason, [&](int depth, const std::int64_t* index) {
-          return places_->way_to_leaf(depth, index) == 0;
-        }))
-      return true;
     return find_by_place(p, at, reason, guess);
   }
 

@@ -13,8 +13,7 @@ namespace insitu::query {
 
 /// Finds frusta by their places. What it answers is proven by bounds on rounding, and for points on
 /// or very near one of a frustum's sides by exact arithmetic: on sides the lowest id of the two or
-/// four frusta there owns. Boxes likewise, but for points on their faces. Remembers the last
-/// frustum and box, since neighbours often lie in one like it.
+/// four frusta there owns. Boxes likewise, but for points on their faces.
 class FrustumFinder {
 public:
   /// first_cell: the flat id of the first stitching cell. shown: a bit a stitching cell, from bit
@@ -36,24 +35,13 @@ public:
                const amr::CornerMap::Found& found, Location& at, Reason& reason,
                std::int64_t& guess) {
     const Place place = sides_.place(p, depth);
-    if (found.kind.is_box()) {
-      if (!in_box(p, place, corner, found, at, reason))
-        return false;
-      last_box_depth_ = depth;
-      return true;
-    }
+    if (found.kind.is_box())
+      return in_box(p, place, corner, found, at, reason);
     if (found.kind.is_frustum())
       return in_frustum(p, place, found.kind, corner[found.kind.axis()], at, reason, guess);
     propose(found.cell, guess);
     return false;
   }
-
-  /// The same for boxes of the last one's depth.
-  bool find_in_box_like_last(const math::Vec3d& p, Location& at, Reason& reason);
-  /// The same for frusta of the last one's kind, in its plane, such that find_at() or find_within()
-  /// find for the point alone. is_leaf(depth, index): whether that cell is a leaf.
-  template <class IsLeaf>
-  bool find_like_last(const math::Vec3d& p, Location& at, Reason& reason, IsLeaf&& is_leaf);
 
   /// Whether there are frusta of a depth beside leaves `up` depths above.
   bool has_frusta(int depth, int up) const {
@@ -66,17 +54,6 @@ public:
 private:
   using Place = FrustumSides::Place;
 
-  /// Frusta of a kind whose corners lie in a plane across its axis.
-  struct Plane {
-    int depth = -1; ///< -1: none
-    amr::CornerKind kind;
-    std::int64_t plane = 0;
-    double low = 0.0, high = 0.0; ///< about: their ends
-  };
-
-  static std::int64_t nearest_corner(const Place& place, int axis) {
-    return place.floor[axis] + (place.steps[axis] - double(place.floor[axis]) >= 0.5);
-  }
   bool in_box(const math::Vec3d& p, const Place& place, const std::int64_t* corner,
               const amr::CornerMap::Found& found, Location& at, Reason& reason) const;
   bool in_frustum(const math::Vec3d& p, const Place& place, amr::CornerKind kind,
@@ -113,8 +90,6 @@ private:
   FrustumSides sides_;
   const std::uint64_t* shown_;
   std::int64_t first_cell_, first_shown_;
-  Plane last_plane_;        ///< that of the last frustum
-  int last_box_depth_ = -1; ///< of the last box, until a point lies in none like it
 };
 
 // Implementation
@@ -176,60 +151,6 @@ inline bool FrustumFinder::in_box(const math::Vec3d& p, const Place& place,
   reason = Reason::certified;
   answer(found.cell, at, reason);
   return true;
-}
-
-inline bool FrustumFinder::find_in_box_like_last(const math::Vec3d& p, Location& at,
-                                                 Reason& reason) {
-  if (last_box_depth_ < 0)
-    return false;
-  const Place place = sides_.place(p, last_box_depth_);
-  const std::int64_t corner[3] = {nearest_corner(place, 0), nearest_corner(place, 1),
-                                  nearest_corner(place, 2)};
-  const amr::CornerMap::Found found = map_->find(place.depth, corner);
-  // Without virtual leaves, one as deep holds the point, whose own place leads to this box too.
-  if (found.kind.is_box() && found.real && in_box(p, place, corner, found, at, reason))
-    return true;
-  last_box_depth_ = -1;
-  return false;
-}
-
-template <class IsLeaf>
-inline bool FrustumFinder::find_like_last(const math::Vec3d& p, Location& at, Reason& reason,
-                                          IsLeaf&& is_leaf) {
-  const int depth = last_plane_.depth, axis = last_plane_.kind.axis();
-  const amr::CornerKind kind = last_plane_.kind;
-  const std::int64_t plane = last_plane_.plane;
-  if (depth < 0 || !(p[axis] > last_plane_.low && p[axis] < last_plane_.high))
-    return false;
-  const Place place = sides_.place(p, depth);
-  const bool in_coarser = (place.floor[axis] >= plane) == (kind.side() == 1);
-  const int up = in_coarser ? kind.up() : 0;
-  std::int64_t leaf[3], corner[3];
-  for (int a = 0; a < 3; ++a) {
-    leaf[a] = place.floor[a] >> up;
-    corner[a] = nearest_corner(place, a);
-  }
-  bool real = false; // leaves around that corner, of which one holds p
-  const auto is_like = [&] {
-    if (corner[axis] != plane)
-      return false;
-    const amr::CornerMap::Found found = map_->find(depth, corner);
-    real = found.real;
-    return found.kind == kind;
-  };
-  if (!is_like()) {
-    if (!in_coarser)
-      return false;
-    const std::int64_t half = std::int64_t(1) << (up - 1);
-    for (int a = 0; a < 3; ++a)
-      corner[a] = a == axis ? plane : leaf[a] * 2 * half + half;
-    if (!is_like())
-      return false;
-  }
-  if (!real && !is_leaf(depth - up, leaf))
-    return false;
-  std::int64_t no_guess = 0;
-  return in_frustum(p, place, kind, plane, at, reason, no_guess);
 }
 
 /// In one of this kind whose corner lies in a plane across its axis.
@@ -311,12 +232,6 @@ bool FrustumFinder::in_frustum_along(const math::Vec3d& p, const Place& place, a
     at.parametric = {part[0], part[1], part[2]};
   }
   answer(found.cell, at, reason);
-  if (last_plane_.depth != depth || last_plane_.plane != plane || !(last_plane_.kind == kind)) {
-    const std::int64_t to = side ? 1 : -1;
-    const double ends[2] = {sides_.lattice().place(axis, depth, 2 * plane - to),
-                            sides_.lattice().place(axis, depth, 2 * plane + to * leaf_width)};
-    last_plane_ = {depth, kind, plane, ends[1 - side], ends[side]};
-  }
   return true;
 }
 

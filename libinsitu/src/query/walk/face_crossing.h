@@ -18,13 +18,6 @@ struct FaceCrossing {
   math::Vec3d normal;     ///< of the face there, unit, out of the cell (0 if the face has no area)
 };
 
-/// Where the segment from a, in or on the cell, leaves it; nothing if b is still in the cell (or
-/// not finite). Of faces that meet where it leaves, the one that faces it most. alpha: see
-/// LocateOptions.
-std::optional<FaceCrossing> leave_cell(const mesh::MeshView& mesh, std::int64_t cell,
-                                       const math::Vec3d& a, const math::Vec3d& b,
-                                       double alpha = 1.0);
-
 /// The face that is nearest to parametric coordinates in or about the cell, its point there, and
 /// its normal; t is 0.
 FaceCrossing nearest_face(const mesh::CellVertices& vertices, std::int64_t cell,

@@ -144,30 +144,6 @@ WayOut on_parametric_face(const mesh::CellVertices& c, std::int64_t flat, int fa
   return make(c, flat, face, t, f.vertex_count, f.vertices, weights);
 }
 
-std::optional<FaceCrossing> leave_cell(const mesh::MeshView& mesh, std::int64_t cell,
-                                       const Vec3d& a, const Vec3d& b, double alpha) {
-  const Segment s(a, b);
-  if (!s.valid())
-    return std::nullopt;
-  mesh::CellVertices c;
-  mesh::gather(mesh, cell, c, alpha);
-  const WaysOut ways = ways_out(c, cell, s, 0.0);
-  if (ways.count > 0)
-    return ways.distance > s.length ? std::nullopt : std::optional<FaceCrossing>(ways.faces[0]);
-  if (cells::holds(cells::contain_exact(c.shape, c.x, b).where))
-    return std::nullopt;
-  // It grazes a corner: the nearest face.
-  double n[8];
-  cells::shape_functions(c.shape, cells::parametric_in(c.shape, c.x, a), n);
-  std::optional<FaceCrossing> best;
-  for (int f = 0; f < cells::face_table(c.shape).face_count; ++f)
-    if (cells::parametric_distance(c.shape, f, n) <= 1e-9)
-      if (const WayOut x = on_parametric_face(c, cell, f, n, 0.0);
-          !best || dot(x.normal, s.direction) > dot(best->normal, s.direction))
-        best = x;
-  return best;
-}
-
 FaceCrossing nearest_face(const mesh::CellVertices& vertices, std::int64_t cell,
                           const Vec3d& parametric) {
   double n[8];

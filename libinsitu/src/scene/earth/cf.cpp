@@ -148,12 +148,10 @@ NetcdfVariable cf_values(const output::NetcdfLayout& layout, const std::string& 
                          const std::optional<NetcdfVariable>& grid_mapping) {
   NetcdfVariable v = variable("", NetcdfType::float64, {text("long_name", column), no_number()});
   v.name = layout.free_name(column);
-  if (!coordinates.empty()) {
+  if (!coordinates.empty())
     v.attributes.push_back(text("coordinates", coordinates));
-  }
-  if (grid_mapping) {
+  if (grid_mapping)
     v.attributes.push_back(text("grid_mapping", grid_mapping->name));
-  }
   return v;
 }
 

@@ -92,9 +92,8 @@ private:
   }
 
   double reduction(std::size_t use) {
-    if (!reduced_[use]) {
+    if (!reduced_[use])
       reduced_[use] = reduce_(expression_.uses_[use].reduction, expression_.uses_[use].field);
-    }
     return *reduced_[use];
   }
 
@@ -123,9 +122,8 @@ std::string describe(const ExpressionError& error, std::string_view text) {
   // A window around the column, so that one problem never fills a screen.
   if (text.size() > shown_width) {
     std::size_t first = at > shown_width / 2 ? at - shown_width / 2 : 0;
-    while (first > 0 && first < text.size() && continues_letter(text[first])) {
+    while (first > 0 && first < text.size() && continues_letter(text[first]))
       --first;
-    }
     text = text.substr(first, shown_width);
     at -= first;
   }
@@ -133,9 +131,8 @@ std::string describe(const ExpressionError& error, std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto c = static_cast<unsigned char>(text[i]);
     shown += c < 0x20 || c == 0x7F ? ' ' : text[i];
-    if (i < at && !continues_letter(text[i])) {
+    if (i < at && !continues_letter(text[i]))
       below += ' ';
-    }
   }
   return message + "\n    " + shown + "\n    " + below + "^";
 }

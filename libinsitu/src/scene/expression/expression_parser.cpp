@@ -32,9 +32,8 @@ public:
                                    " bytes, more than " + std::to_string(longest_expression));
     }
     text_.start();
-    if (text_.is_at_end()) {
+    if (text_.is_at_end())
       text_.fail("the condition is empty");
-    }
     const std::size_t root = parse_or();
     text_.start();
     if (!text_.is_at_end()) {
@@ -62,20 +61,17 @@ private:
   bool is_condition(std::size_t node) const { return out_.nodes_[node].kind >= Kind::less; }
 
   void require_condition(std::size_t node, std::size_t start) const {
-    if (!is_condition(node)) {
+    if (!is_condition(node))
       text_.fail("a condition expected, a number found; compare it with something", start);
-    }
   }
   void require_number(std::size_t node, std::size_t start) const {
-    if (is_condition(node)) {
+    if (is_condition(node))
       text_.fail("a number expected, a condition found", start);
-    }
   }
 
   std::size_t append(Expression::Node node) {
-    if (node.depth > deepest_tree) {
+    if (node.depth > deepest_tree)
       text_.fail("more than " + std::to_string(deepest_tree) + " terms in a row");
-    }
     out_.nodes_.push_back(node);
     return out_.nodes_.size() - 1;
   }
@@ -140,9 +136,8 @@ private:
         return append_binary(kind, left, right);
       }
     }
-    if (text_.next() == '=') {
+    if (text_.next() == '=')
       text_.fail("'=' is not a comparison; write '=='");
-    }
     return left;
   }
 
@@ -151,9 +146,8 @@ private:
     std::size_t left = parse_product();
     for (;;) {
       const bool plus = text_.accept("+");
-      if (!plus && !text_.accept("-")) {
+      if (!plus && !text_.accept("-"))
         return left;
-      }
       require_number(left, first);
       const std::size_t second = text_.start();
       const std::size_t right = parse_product();
@@ -167,9 +161,8 @@ private:
     std::size_t left = parse_factor();
     for (;;) {
       const bool times = text_.accept("*");
-      if (!times && !text_.accept("/")) {
+      if (!times && !text_.accept("/"))
         return left;
-      }
       require_number(left, first);
       const std::size_t second = text_.start();
       const std::size_t right = parse_factor();
@@ -193,15 +186,12 @@ private:
       text_.expect(")", "at the end of the parenthesis");
       return inside;
     }
-    if (text_.is_number()) {
+    if (text_.is_number())
       return append({Kind::number, text_.number()});
-    }
-    if (text_.accept_word("cycle")) {
+    if (text_.accept_word("cycle"))
       return append({Kind::cycle});
-    }
-    if (text_.accept_word("time")) {
+    if (text_.accept_word("time"))
       return append({Kind::time});
-    }
     if (text_.accept_word("abs")) {
       text_.expect("(", "after 'abs'");
       const std::size_t second = text_.start();
@@ -210,25 +200,20 @@ private:
       text_.expect(")", "after the value of 'abs'");
       return append_unary(Kind::absolute, operand);
     }
-    if (out_.scope_ == Expression::Scope::point) {
+    if (out_.scope_ == Expression::Scope::point)
       return parse_field_at_point(first);
-    }
-    for (const Reduction reduction : {Reduction::min, Reduction::max, Reduction::mean}) {
-      if (text_.accept_word(reduction_name(reduction))) {
+    for (const Reduction reduction : {Reduction::min, Reduction::max, Reduction::mean})
+      if (text_.accept_word(reduction_name(reduction)))
         return parse_reduction(reduction);
-      }
-    }
     fail_at_operand(first);
   }
 
   /// `age`, or the name of a field.
   std::size_t parse_field_at_point(std::size_t first) {
-    if (text_.accept_word("age")) {
+    if (text_.accept_word("age"))
       return append({Kind::age});
-    }
-    if (!text_.is_letter_at(first) && !text_.is_quote_at(first)) {
+    if (!text_.is_letter_at(first) && !text_.is_quote_at(first))
       text_.fail("a value expected, " + text_.here() + " found");
-    }
     const std::string field = text_.field_name("");
     text_.start();
     if (text_.next() == '(') {
@@ -247,9 +232,8 @@ private:
   std::size_t append_use(const Expression::FieldUse& use) {
     const auto found = std::find(out_.uses_.begin(), out_.uses_.end(), use);
     const auto index = static_cast<std::size_t>(found - out_.uses_.begin());
-    if (found == out_.uses_.end()) {
+    if (found == out_.uses_.end())
       out_.uses_.push_back(use);
-    }
     return append({Kind::reduction, 0, index});
   }
 

@@ -40,65 +40,56 @@ bool ExpressionText::is_comparison() const {
 
 std::string_view ExpressionText::name_at(std::size_t place) const {
   std::size_t end = place;
-  while (is_name(byte_at(end))) {
+  while (is_name(byte_at(end)))
     ++end;
-  }
   return text_.substr(place, end - place);
 }
 
 std::string ExpressionText::here() const {
-  if (is_at_end()) {
+  if (is_at_end())
     return "end of the condition";
-  }
-  if (is_name(next())) {
+  if (is_name(next()))
     return quote(name_at(at_));
-  }
   std::size_t end = at_ + 1;
-  while (end < text_.size() && continues_letter(text_[end])) {
+  while (end < text_.size() && continues_letter(text_[end]))
     ++end;
-  }
   return quote(text_.substr(at_, end - at_));
 }
 
 std::size_t ExpressionText::start() {
   while (at_ < text_.size() &&
-         (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n' || text_[at_] == '\r')) {
+         (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n' || text_[at_] == '\r'))
     ++at_;
-  }
   return at_;
 }
 
 bool ExpressionText::accept(std::string_view symbol) {
   start();
-  if (text_.substr(at_, symbol.size()) != symbol) {
+  if (text_.substr(at_, symbol.size()) != symbol)
     return false;
-  }
   at_ += symbol.size();
   return true;
 }
 
 bool ExpressionText::accept_word(std::string_view word) {
   start();
-  if (text_.substr(at_, word.size()) != word || is_name(byte_at(at_ + word.size()))) {
+  if (text_.substr(at_, word.size()) != word || is_name(byte_at(at_ + word.size())))
     return false;
-  }
   at_ += word.size();
   return true;
 }
 
 void ExpressionText::expect(std::string_view symbol, const std::string& after) {
-  if (!accept(symbol)) {
+  if (!accept(symbol))
     fail("'" + std::string(symbol) + "' expected " + after + ", " + here() + " found");
-  }
 }
 
 double ExpressionText::number() {
   const char* begin = text_.data() + at_;
   double value = 0;
   const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), value);
-  if (error != std::errc() || !std::isfinite(value)) {
+  if (error != std::errc() || !std::isfinite(value))
     fail(here() + " is not a finite number");
-  }
   const std::size_t begin_at = at_;
   at_ += static_cast<std::size_t>(end - begin);
   if (is_name(next())) {
@@ -113,18 +104,16 @@ std::string ExpressionText::field_name(const std::string& in) {
   const std::size_t first = at_;
   if (is_quote_at(at_)) {
     const std::size_t close = text_.find(text_[at_], at_ + 1);
-    if (close == std::string_view::npos) {
+    if (close == std::string_view::npos)
       fail("the quotation mark is not closed");
-    }
     field = text_.substr(at_ + 1, close - at_ - 1);
     at_ = close + 1;
   } else {
     field = name_at(at_);
     at_ += field.size();
   }
-  if (field.empty()) {
+  if (field.empty())
     fail("the name of a field expected" + in + ", " + here() + " found", first);
-  }
   return field;
 }
 

@@ -71,9 +71,8 @@ Columns read_header(const std::vector<output::CsvCell>& fields, int line, PointT
       continue;
     }
     int& column = index == 3 ? columns.name : columns.position[static_cast<std::size_t>(index)];
-    if (index < 3) {
+    if (index < 3)
       found[geographic ? 1 : 0] = true;
-    }
     if (column >= 0 && !(found[0] && found[1])) {
       problems.add(line, column_of(fields[i]),
                    "column " + quote(fields[i].text) + " repeats column " +
@@ -96,12 +95,9 @@ Columns read_header(const std::vector<output::CsvCell>& fields, int line, PointT
     if (columns.position[i] < 0) {
       const std::string wanted = found[1] ? geographic_names[i] : cartesian_names[i];
       std::string near;
-      for (const std::string& one : unknown) {
-        if (wanted.size() > 1 &&
-            !core::suggest(one, {wanted.substr(0, wanted.find('\''))}).empty()) {
+      for (const std::string& one : unknown)
+        if (wanted.size() > 1 && !core::suggest(one, {wanted.substr(0, wanted.find('\''))}).empty())
           near = "; is it " + quote(one) + "?";
-        }
-      }
       problems.add(line, "column '" + wanted + "' is missing" + near);
     }
   }
@@ -109,9 +105,8 @@ Columns read_header(const std::vector<output::CsvCell>& fields, int line, PointT
 }
 
 bool parse_number(std::string_view text, double& value) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-')
     text.remove_prefix(1);
-  }
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
   return result.ec == std::errc() && result.ptr == text.data() + text.size() &&
          std::isfinite(value);
@@ -141,9 +136,8 @@ void read_row(const std::vector<output::CsvCell>& fields, const Columns& columns
     }
   }
   table.points.push_back(point);
-  if (columns.name >= 0) {
+  if (columns.name >= 0)
     table.names.push_back(fields[static_cast<std::size_t>(columns.name)].text);
-  }
 }
 
 } // namespace
@@ -152,9 +146,8 @@ PointTable parse_points_text(std::string_view text, const std::string& file) {
   Problems problems(file);
   PointTable table;
   table.file = file;
-  if (text.substr(0, 3) == "\xEF\xBB\xBF") {
+  if (text.substr(0, 3) == "\xEF\xBB\xBF")
     text.remove_prefix(3);
-  }
   Columns columns;
   std::vector<output::CsvCell> fields;
   bool has_header = false;
@@ -165,9 +158,8 @@ PointTable parse_points_text(std::string_view text, const std::string& file) {
     std::string_view row = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     const std::size_t first = row.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos || row[first] == '#') {
+    if (first == std::string_view::npos || row[first] == '#')
       continue;
-    }
     if (row.size() > longest_line) {
       problems.add(line, "the line has more than " + std::to_string(longest_line) + " bytes");
       break;
@@ -183,11 +175,10 @@ PointTable parse_points_text(std::string_view text, const std::string& file) {
     }
     has_header = true;
   }
-  if (!has_header) {
+  if (!has_header)
     problems.add(0, "the file is empty; its first line names the columns: x,y,z or lon,lat,height");
-  } else if (table.points.empty() && problems.count() == 0) {
+  else if (table.points.empty() && problems.count() == 0)
     problems.add(0, "the file has no points");
-  }
   problems.throw_if_any();
   return table;
 }
@@ -202,9 +193,8 @@ PointTable read_points_file(const std::string& path) {
   }
   std::string text(static_cast<std::size_t>(size), '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (static_cast<std::uintmax_t>(file.gcount()) != size) {
+  if (static_cast<std::uintmax_t>(file.gcount()) != size)
     throw core::Error(INSITU_ERROR_FILE, "file of points '" + path + "' cannot be read");
-  }
   return parse_points_text(text, path);
 }
 

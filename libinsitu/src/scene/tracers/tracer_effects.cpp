@@ -11,9 +11,8 @@ namespace {
 /// Tracers of one scene walk ways of their own (FNV-1a of the name).
 std::uint64_t seed_of(const Tracer& tracer) {
   std::uint64_t hash = 0xcbf29ce484222325ull;
-  for (const char c : tracer.name) {
+  for (const char c : tracer.name)
     hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-  }
   return hash + std::uint64_t(tracer.effects.diffusion->seed);
 }
 
@@ -25,16 +24,14 @@ public:
   advect::FieldInTime field(const Name& name) const {
     advect::FieldInTime out{find_field(mesh_, name, scene_file_), {}};
     out.earlier = mesh_.mesh().earlier_fields(name.text);
-    if (out.earlier.size() > std::size_t(earlier_)) {
+    if (out.earlier.size() > std::size_t(earlier_))
       out.earlier.resize(std::size_t(earlier_));
-    }
     return out;
   }
   advect::Coefficient coefficient(const NumberOrField& from) const {
     advect::Coefficient out{from.number, {}};
-    if (!from.field.empty()) {
+    if (!from.field.empty())
       out.field = field(from.field);
-    }
     return out;
   }
 
@@ -58,13 +55,11 @@ advect::Inertia inertia_of(const TracerEffects& effects, const insitu_frame& fra
   to.begins = from.velocity;
   to.rotation = effects.rotation.value_or(math::Vec3d{});
   // The axes are left-handed there, so that the product's components have the other sign.
-  if (points_down(frame)) {
+  if (points_down(frame))
     to.rotation = -to.rotation;
-  }
   const double solid = from.density.value_or(1.0), fluid = from.fluid_density.value_or(0.0);
-  if (from.added_mass) {
+  if (from.added_mass)
     to.fluid_share = 3.0 * fluid / (2.0 * solid + fluid);
-  }
   to.acceleration = (1.0 - (from.added_mass ? to.fluid_share : fluid / solid)) * from.gravity;
   if (from.response_time) {
     to.response_time = *from.response_time;
@@ -147,9 +142,8 @@ advect::Removes removes_when(const RemoveEffect& remove, const commit::Committed
     const double* from = components.data();
     for (const mesh::FieldView& f : fields) {
       double squares = 0.0;
-      for (int c = 0; c < f.components; ++c) {
+      for (int c = 0; c < f.components; ++c)
         squares += from[c] * from[c];
-      }
       values.push_back(f.components == 1 ? from[0] : std::sqrt(squares));
       from += f.components;
     }
@@ -162,20 +156,17 @@ advect::Removes removes_when(const RemoveEffect& remove, const commit::Committed
 std::vector<mesh::KeptField> effect_fields(const TracerEffects& effects, int steps) {
   std::vector<mesh::KeptField> fields;
   const auto add = [&](const Name& name, int of) {
-    if (!name.empty()) {
+    if (!name.empty())
       fields.push_back({name.text, of});
-    }
   };
   if (effects.diffusion) {
     add(effects.diffusion->horizontal.field, 1);
     add(effects.diffusion->vertical.field, 1);
   }
-  if (effects.settling) {
+  if (effects.settling)
     add(effects.settling->speed.field, steps);
-  }
-  if (effects.windage) {
+  if (effects.windage)
     add(effects.windage->field, steps);
-  }
   return fields;
 }
 
@@ -192,34 +183,28 @@ advect::Effects effects_at(const Tracer& tracer, const commit::CommittedMesh& me
                                      resolve.coefficient(from.diffusion->vertical),
                                      from.diffusion->step, seed_of(tracer)};
   }
-  if (from.inertia) {
+  if (from.inertia)
     to.inertia = inertia_of(from, mesh.reference_frame);
-  }
   if (from.boundary) {
     to.boundary.emplace();
     to.boundary->response = response_of(from.boundary->other);
     to.boundary->restitution = from.boundary->restitution;
-    for (int a = 0; a < 3; ++a) {
+    for (int a = 0; a < 3; ++a)
       to.boundary->periodic[a] = from.boundary->periodic[a];
-    }
   }
-  if (from.remove) {
+  if (from.remove)
     to.removes = removes_when(*from.remove, mesh, step, scene_file);
-  }
   return to;
 }
 
 std::optional<advect::StepBefore> step_before(const Tracer& tracer, const commit::EarlierMesh& mesh,
                                               const insitu_frame& frame) {
   const std::optional<mesh::FieldView> velocity = mesh.field(tracer.velocity.text);
-  for (const mesh::KeptField& of : effect_fields(tracer.effects, 1)) {
-    if (!mesh.field(of.name)) {
+  for (const mesh::KeptField& of : effect_fields(tracer.effects, 1))
+    if (!mesh.field(of.name))
       return std::nullopt;
-    }
-  }
-  if (!velocity || velocity->components != 3) {
+  if (!velocity || velocity->components != 3)
     return std::nullopt;
-  }
   return advect::StepBefore{mesh.sampler(), *velocity,
                             drifts_of(tracer.effects, frame, [&](const Name& name) {
                               return advect::FieldInTime{*mesh.field(name.text), {}};
