@@ -63,8 +63,7 @@ Sampled Mover<V>::force(const Vec3d& x, double t, Vec3d& b) {
 template <class V>
 Inertia Mover<V>::law_at(const Vec3d& x) const {
   Inertia law = *effects_->inertia;
-  if (space_.is_chart())
-    law.rotation = space_.from_earth(x, law.rotation);
+  law.rotation = space_.from_earth(x, law.rotation);
   return law;
 }
 
@@ -76,7 +75,7 @@ insitu_ending Mover<V>::fly(State& p, Carried& carried, double to, Work& work) {
   carried.velocity = space_.from_east_north(x, carried.velocity);
   const insitu_ending ending = fly_from(x, p, carried, to, work);
   carried.velocity = space_.to_east_north(x, carried.velocity);
-  if (Spot at; ending == INSITU_END_ALIVE && space_.is_chart() && find(x, p.time, at))
+  if (Spot at; ending == INSITU_END_ALIVE && space_.is_curved() && find(x, p.time, at))
     placed(p, at);
   else
     p.x = velocity_.place(x);
@@ -260,7 +259,7 @@ void Mover<V>::try_once(const Flier& f, FlightStep& step) {
     return space_.image(x + space_.displacement(x, d), space_.pole_of(x));
   };
   const auto back = [&](const Vec3d& y, const Vec3d& at_y) {
-    if (!space_.is_chart())
+    if (!space_.is_curved())
       return at_y;
     // The rotation is another there: what that changes, by the velocity at the start.
     const Vec3d other = space_.transport(y, x, law_at(y).rotation) - step.law.rotation;
@@ -349,9 +348,6 @@ insitu_ending Mover<V>::accept(Flier& f, FlightStep& step) {
   return INSITU_END_ALIVE;
 }
 
-template class Mover<DriftVelocity>;
-template class Mover<ChartVelocity>;
-template class Mover<CrossingVelocity<DriftVelocity>>;
-template class Mover<CrossingVelocity<ChartVelocity>>;
+INSITU_MOVERS()
 
 } // namespace insitu::advect

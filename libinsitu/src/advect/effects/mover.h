@@ -117,9 +117,12 @@ private:
   double last_bounce_ = -1.0; ///< length of the path then; -1: none yet
 };
 
-extern template class Mover<DriftVelocity>;
-extern template class Mover<ChartVelocity>;
-extern template class Mover<CrossingVelocity<DriftVelocity>>;
-extern template class Mover<CrossingVelocity<ChartVelocity>>;
+/// Compiles what has been defined of Mover for every velocity.
+#define INSITU_MOVERS(EXTERN)                                                                      \
+  EXTERN template class Mover<DriftVelocity>;                                                      \
+  EXTERN template class Mover<ChartVelocity>;                                                      \
+  EXTERN template class Mover<CrossingVelocity<DriftVelocity>>;                                    \
+  EXTERN template class Mover<CrossingVelocity<ChartVelocity>>;
+INSITU_MOVERS(extern)
 
 } // namespace insitu::advect

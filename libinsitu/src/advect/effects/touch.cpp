@@ -56,7 +56,7 @@ double Mover<V>::cells_along(const Spot& at, const Vec3d& v, const Vec3d& wall,
   const Vec3d extent = walls_.extent(at.cell, alpha);
   const Scale per_metre = walls_.scale(at.x);
   const double out = math::dot(v, wall);
-  if (!space_.is_chart() || boundary_.response != AtBoundary::slide || !(out > 0.0))
+  if (!space_.is_curved() || boundary_.response != AtBoundary::slide || !(out > 0.0))
     return cells_crossed(per_metre.coordinates(v), extent);
   return std::max(cells_crossed(per_metre.coordinates(v - out * wall), extent),
                   cells_crossed(out * wall, walls_.edges(at.cell, alpha)));
@@ -247,13 +247,10 @@ std::optional<insitu_ending> Mover<V>::step_along(Contact& c, State& p, double t
     return INSITU_END_ALIVE;
   // On a flat wall it saves a step to find the wall again, to ask what is behind it.
   c.flat =
-      !space_.is_chart() && !flow().blends_geometry() && walls_.is_on_flat_face(c.at, c.n, then);
+      !space_.is_curved() && !flow().blends_geometry() && walls_.is_on_flat_face(c.at, c.n, then);
   return {};
 }
 
-template class Mover<DriftVelocity>;
-template class Mover<ChartVelocity>;
-template class Mover<CrossingVelocity<DriftVelocity>>;
-template class Mover<CrossingVelocity<ChartVelocity>>;
+INSITU_MOVERS()
 
 } // namespace insitu::advect

@@ -106,9 +106,6 @@ void Mover<V>::landed(Vec3d& x, const Spot& at) {
   velocity_.begin(at.cell);
 }
 
-template class Mover<DriftVelocity>;
-template class Mover<ChartVelocity>;
-template class Mover<CrossingVelocity<DriftVelocity>>;
-template class Mover<CrossingVelocity<ChartVelocity>>;
+INSITU_MOVERS()
 
 } // namespace insitu::advect
