@@ -19,6 +19,6 @@ awk '
     if ($0 !~ /^c/) entered[id] = 1
   }
   END { for (id in entered) if (sub(/.*\/libinsitu\//, "libinsitu/", names[id])) print names[id] }
-' "$build/walk.out" | sort > "$build/walk.txt"
+' "$build/walk.out" | sort -u > "$build/walk.txt"
 cat "$build/walk.txt"
 echo "$(wc -l < "$build/walk.txt") files"

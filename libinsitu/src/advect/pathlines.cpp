@@ -123,9 +123,7 @@ Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0,
         all.times[i] = std::max(begins, std::min(last, t1));
         all.endings[i] = INSITU_END_EXPIRED;
       }
-      all.lengths[i] += sampler.chart()
-                            ? query::metres_between(*sampler.chart(), from, all.positions[i])
-                            : length_of(all.positions[i] - from);
+      all.lengths[i] += query::distance(sampler, from, all.positions[i]);
       if (all.lengths[i] >= settings_.length)
         all.endings[i] = INSITU_END_EXPIRED;
       if (effects_.removes && all.endings[i] == INSITU_END_ALIVE &&

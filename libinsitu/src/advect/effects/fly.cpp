@@ -10,10 +10,7 @@ namespace insitu::advect {
 
 namespace {
 
-constexpr double first_cells = 0.1, largest_cells = 1.0, fixed_cells = 0.25, contact_cells = 0.1;
-/// A particle that would not come further than this part of a cell from the wall rests on it: a
-/// ball bounces infinitely often in a finite time.
-constexpr double rest_cells = 1e-6;
+constexpr double first_cells = 0.1, largest_cells = 1.0, fixed_cells = 0.25;
 constexpr double safety = 0.9, largest_growth = 5.0, smallest_factor = 0.2;
 constexpr double largest_relative_error = 0.01;
 constexpr int most_trials = 2200; // halving 1e308 to 1e-308 takes 2047
@@ -66,8 +63,7 @@ Sampled Mover<V>::force(const Vec3d& x, double t, Vec3d& b) {
 template <class V>
 Inertia Mover<V>::law_at(const Vec3d& x) const {
   Inertia law = *effects_->inertia;
-  if (space_.is_chart())
-    law.rotation = space_.from_earth(x, law.rotation);
+  law.rotation = space_.from_earth(x, law.rotation);
   return law;
 }
 
@@ -79,7 +75,7 @@ insitu_ending Mover<V>::fly(State& p, Carried& carried, double to, Work& work) {
   carried.velocity = space_.from_east_north(x, carried.velocity);
   const insitu_ending ending = fly_from(x, p, carried, to, work);
   carried.velocity = space_.to_east_north(x, carried.velocity);
-  if (Spot at; ending == INSITU_END_ALIVE && space_.is_chart() && find(x, p.time, at))
+  if (Spot at; ending == INSITU_END_ALIVE && space_.is_curved() && find(x, p.time, at))
     placed(p, at);
   else
     p.x = velocity_.place(x);
@@ -98,274 +94,260 @@ bool presses(const Vec3d& way, const Vec3d& back, const Vec3d& x) {
 
 } // namespace
 
+/// A particle on its way, and what its next step begins with.
+template <class V>
+struct Mover<V>::Flier {
+  Vec3d& x; ///< its point among the cells
+  State& p;
+  Carried& carried;
+  const double to;
+  Work& work;
+  Vec3d force = {}; ///< b of inertial_step(), at x
+  bool knows_force = false;
+  bool begun = false;    ///< its first place was recorded
+  bool closing = false;  ///< in on an obstacle: a step has left the mesh
+  double too_long = 0.0; ///< the longest step that left the mesh, while closing
+};
+
+/// One step of it, of which the length is tried until it will do.
+template <class V>
+struct Mover<V>::FlightStep {
+  Vec3d v;      ///< velocity at the beginning
+  Vec3d extent; ///< of the cell there
+  Scale per_metre;
+  Inertia law;
+  double cell_time = 0.0; ///< to cross a cell
+  double remaining = 0.0, length_left = 0.0;
+  double wanted = 0.0, h = 0.0; ///< length in time, before and after the limits
+
+  InertialTrial trial; ///< the last one
+  double cells = 0.0;  ///< that it crosses
+  double chord = 0.0;  ///< its length
+  double relative_error = 1e-4;
+  bool cut = false;     ///< by the limits
+  bool retried = false; ///< after a longer trial
+  bool forced = false;  ///< taken as the smallest step, with an error over the tolerance
+
+  bool is_close(double tolerance) const { return cells <= tolerance && h <= tolerance * cell_time; }
+};
+
 template <class V>
 insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to, Work& work) {
-  const bool adaptive = is_adaptive(settings_.method);
-  Vec3d b;
-  bool known = false; // b, at x
-  bool closing = false, begun = false;
-  double too_long = 0.0; // the longest step that left the mesh, while closing
+  Flier f{x, p, carried, to, work};
   for (;;) {
-    if (!known) {
-      Vec3d u;
-      query::Location at;
-      work.evaluations += 2;
-      Sampled s = velocity_.sample(x, p.time, u, at);
-      if (s == Sampled::inside)
-        s = force(x, p.time, b);
-      if (s != Sampled::inside)
-        return s == Sampled::not_finite ? INSITU_END_NOT_FINITE
-               : p.fresh                ? INSITU_END_SEED_OUTSIDE
-                                        : INSITU_END_LEFT;
-      velocity_.accepted();
-      x = kept_inside(x);
-      spot_cell_ = -1;
-      p.fresh = false;
-      if (std::isnan(carried.velocity.x))
-        carried.velocity =
-            effects_->inertia->begins ? space_.from_scene(x, *effects_->inertia->begins) : u;
-      known = true;
-      if (recorder_) {
-        p.x = velocity_.place(x);
-        begun ? recorder_->straight(p) : (*recorder_)(p);
-        if (is_over())
-          return INSITU_END_REMOVED;
-      }
-      begun = true;
-    }
-    if (!(p.time < to))
-      return INSITU_END_ALIVE;
-    const double remaining = to - p.time, length_left = max_length_ - p.length;
-    const Vec3d extent = walls_.extent(cell(), flow().geometry_alpha(p.time));
-    const Scale per_metre = walls_.scale(x);
-    const Inertia inertia = law_at(x);
-    const Vec3d v = carried.velocity;
-    const double cells = cells_crossed(per_metre.coordinates(v), extent);
-    if (!std::isfinite(cells))
-      return INSITU_END_NOT_FINITE;
-    if (std::isfinite(max_length_) && length_left <= 1e-12 * max_length_)
-      return INSITU_END_EXPIRED;
-    if (steps_left_ <= 0)
-      return INSITU_END_STEP_LIMIT;
-
-    const double cell_time = cells > 0.0 ? 1.0 / cells : remaining;
-    double limit = (adaptive ? largest_cells : fixed_cells) * cell_time;
-    if (settings_.max_step > 0.0)
-      limit = settings_.max_step;
-    double wanted = p.step;
-    if (!closing && !adaptive)
-      wanted = settings_.step > 0.0 ? settings_.step : limit;
-    else if (wanted == 0.0)
-      wanted = settings_.step > 0.0 ? settings_.step : first_cells * cell_time;
-    double h = std::min({wanted, adaptive || settings_.step == 0.0 ? limit : wanted, remaining});
-    if (const double speed = length_of(v); speed > 0.0)
-      h = std::min(h, length_left / speed);
-    const bool cut = h < wanted;
-
-    const auto stage = [&](const Vec3d& y, double t, Vec3d& at_y) { return force(y, t, at_y); };
-    const auto go = [&](const Vec3d& d) {
-      return space_.image(x + space_.displacement(x, d), space_.pole_of(x));
-    };
-    const auto back = [&](const Vec3d& y, const Vec3d& at_y) {
-      if (!space_.is_chart())
-        return at_y;
-      // The rotation is another there: what that changes, by the velocity at the start.
-      const Vec3d other = space_.transport(y, x, law_at(y).rotation) - inertia.rotation;
-      return space_.transport(y, x, at_y) - 2.0 * math::cross(other, v);
-    };
-    InertialTrial trial;
-    double relative_error = 1e-4, chord = 0.0;
-    bool exit = false, retried = false, forced = false;
-    for (int trials = 0;; ++trials) {
-      trial = inertial_step(stage, go, back, inertia, v, p.time, h, b);
-      work.evaluations += 3;
-      const double crossed = cells_crossed(per_metre.coordinates(trial.moved), extent);
-      chord = length_of(trial.moved);
-      double factor = 1.0;
-      const auto is_close = [&] {
-        return crossed <= settings_.exit_tolerance && h <= settings_.exit_tolerance * cell_time;
-      };
-      // Steps that rounding brings back to a wall, since they are so short, would go on without
-      // end. A wall that responds takes them all; others are left by what goes on through them.
-      if (trial.sampled == Sampled::inside && (closing || effects_->boundary)) {
-        const Vec3d to_wall = kept_inside(trial.x) - trial.x;
-        const Vec3d on = too_long * v + (0.5 * too_long * too_long / h) * (trial.v - v);
-        if (!(to_wall == Vec3d{}) &&
-            (effects_->boundary || is_close() || presses(per_metre.coordinates(on), to_wall, x)))
-          trial.sampled = Sampled::outside;
-      }
-      if (trial.sampled == Sampled::not_finite && crossed <= settings_.exit_tolerance)
-        return INSITU_END_NOT_FINITE;
-      if (trial.sampled != Sampled::inside) {
-        exit = trials == most_trials || is_close() || p.time + 0.5 * h == p.time;
-        if (exit)
-          break;
-        too_long = closing ? std::max(too_long, h) : h;
-        closing = true;
-        factor = 0.5;
-      } else if (crossed > 2.0 * largest_cells && settings_.max_step == 0.0 && adaptive) {
-        factor = std::max(largest_cells / crossed, 1e-3);
-      } else if (chord > length_left * (1.0 + 1e-12) && trials < most_trials) {
-        factor = std::min(length_left / chord, 1.0 - 1e-12);
-      } else if (adaptive) {
-        const double fastest = std::max(length_of(v), length_of(trial.v));
-        const double tolerance =
-            std::max(std::min(settings_.tolerance, largest_relative_error * fastest), 1e-300);
-        relative_error = std::max(trial.error / tolerance, 1e-4);
-        const bool smallest =
-            settings_.min_step > 0.0 ? h <= settings_.min_step : crossed <= settings_.min_cells;
-        forced = relative_error > 1.0 && (smallest || trials == most_trials);
-        if (forced && settings_.min_step > 0.0 && settings_.at_min_step == AtMinStep::end) {
-          ++work.rejected;
-          return INSITU_END_STEP_TOO_SMALL;
-        }
-        if (relative_error > 1.0 && !forced)
-          factor = std::max({smallest_factor, safety / std::sqrt(relative_error),
-                             std::min(settings_.min_step / h, 1.0 - 1e-12)});
-      }
-      if (factor == 1.0)
-        break;
-      ++work.rejected;
-      retried = true;
-      h *= factor;
-    }
-
-    if (exit) {
-      closing = false;
+    insitu_ending ending = f.knows_force ? INSITU_END_ALIVE : feel(f);
+    if (ending != INSITU_END_ALIVE || !(p.time < to))
+      return ending;
+    FlightStep step;
+    if (ending = plan(f, step); ending != INSITU_END_ALIVE)
+      return ending;
+    ending = try_lengths(f, step);
+    if (ending == INSITU_END_ALIVE) {
+      ending = accept(f, step);
+    } else if (ending == INSITU_END_LEFT) {
+      f.closing = f.knows_force = false;
       p.step = 0.0;
-      known = false;
-      if (!effects_->boundary)
-        return INSITU_END_LEFT;
-      if (const insitu_ending ending = touch_flying(x, p, carried, to, work);
-          ending != INSITU_END_ALIVE)
-        return ending;
-      continue;
+      if (effects_->boundary)
+        ending = touch_flying(x, p, carried, to, work);
     }
-    velocity_.accepted();
-    trial.x = kept_inside(trial.x);
-    if (recorder_) {
-      State then = p;
-      then.x = velocity_.place(trial.x);
-      then.time = h == remaining ? to : p.time + h;
-      recorder_->flew(then, Flight(space_, inertia, x, v, p.time, h, b, trial));
-      if (is_over())
-        return INSITU_END_REMOVED;
-    }
-    ++work.steps;
-    work.forced += forced;
-    steps_left_ -= !(closing && retried);
-    carried.velocity = space_.transport(x, trial.x, trial.v);
-    x = trial.x;
-    p.time = h == remaining ? to : p.time + h;
-    p.length += chord;
-    b = trial.force;
-    if (closing) {
-      p.step = h;
-      closing = retried; // two steps of one size in a row: past the obstacle
-    } else if (adaptive) {
-      const double factor = forced ? largest_growth
-                                   : std::clamp(safety / std::sqrt(relative_error), smallest_factor,
-                                                retried ? 1.0 : largest_growth);
-      p.step = cut && !retried ? std::max(wanted, h * factor) : h * factor;
-    }
+    if (ending != INSITU_END_ALIVE)
+      return ending;
   }
 }
 
-/// A particle with inertia at the wall: its velocity is turned there. One that the forces press to
-/// the wall, and that would not come far from it, goes on along it.
+/// Asks for the force where the particle is, and for the velocity of one that is new.
 template <class V>
-insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, double to, Work& work) {
-  Spot at;
-  if (!find(x, p.time, at))
-    return INSITU_END_LEFT; // the mesh has moved away from it
-  const double response_time = effects_->inertia->response_time;
-  double now = flow().geometry_alpha(p.time);
-  const Vec3d extent = walls_.extent(at.cell, now);
-  const Vec3d edges = walls_.edges(at.cell, now);
-  const double little = rest_cells * std::min({edges.x, edges.y, edges.z});
-  const bool stuck = last_bounce_ >= 0.0 && p.length - last_bounce_ <= little;
-  const Vec3d d = walls_.scale(at.x).coordinates(carried.velocity);
-  Vec3d n;
-  if (const double skins = cells_crossed(d, walls_.skin(at, now)); skins > 0.0) {
-    const Moved moved =
-        walls_.move(at, (8.0 / skins) * d, boundary_, now, p.length, &carried.velocity);
-    landed(x, at);
-    if (moved != Moved::inside)
-      return ending_of(moved);
-    n = walls_.wall();
+insitu_ending Mover<V>::feel(Flier& f) {
+  Vec3d u;
+  query::Location at;
+  f.work.evaluations += 2;
+  Sampled s = velocity_.sample(f.x, f.p.time, u, at);
+  if (s == Sampled::inside)
+    s = force(f.x, f.p.time, f.force);
+  if (s != Sampled::inside)
+    return s == Sampled::not_finite ? INSITU_END_NOT_FINITE
+           : f.p.fresh              ? INSITU_END_SEED_OUTSIDE
+                                    : INSITU_END_LEFT;
+  velocity_.accepted();
+  f.x = kept_inside(f.x);
+  spot_cell_ = -1;
+  f.p.fresh = false;
+  if (std::isnan(f.carried.velocity.x))
+    f.carried.velocity =
+        effects_->inertia->begins ? space_.from_scene(f.x, *effects_->inertia->begins) : u;
+  f.knows_force = true;
+  if (recorder_) {
+    f.p.x = velocity_.place(f.x);
+    f.begun ? recorder_->straight(f.p) : (*recorder_)(f.p);
+    if (is_over())
+      return INSITU_END_REMOVED;
   }
-  last_bounce_ = p.length;
-  --steps_left_;
-  if (n == Vec3d{} && !stuck)
-    return INSITU_END_ALIVE; // through a periodic side
-  BoundaryEffect rest = boundary_;
-  if (rest.response == AtBoundary::reflect)
-    rest.response = AtBoundary::slide;
-  do {
-    Vec3d b;
-    velocity_.begin(at.cell);
-    ++work.evaluations;
-    if (const Sampled s = force(at.x, p.time, b); s != Sampled::inside)
-      return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
-    // What turns the velocity out of the wall presses; along the wall it turns about the normal.
-    Inertia law = law_at(at.x);
-    const Vec3d turn = -2.0 * math::cross(law.rotation, carried.velocity);
-    const Vec3d acceleration = b - carried.velocity / response_time + turn;
-    if (n != Vec3d{}) {
-      law.rotation = math::dot(law.rotation, n) * n;
-      b += math::dot(turn, n) * n;
-    }
-    const Scale per_metre = walls_.scale(at.x);
-    const double press = math::dot(acceleration, n), back = math::dot(carried.velocity, n);
-    if (!stuck && !(press > 0.0 && back * back / (2.0 * press) <= little))
-      return INSITU_END_ALIVE;
-    const double remaining = to - p.time;
-    const Vec3d soon = carried.velocity + std::min(response_time, remaining) * acceleration;
-    const double cells = std::max(cells_crossed(per_metre.coordinates(carried.velocity), extent),
-                                  cells_crossed(per_metre.coordinates(soon), extent));
-    const double h = cells > 0.0 ? std::min(contact_cells / cells, remaining) : remaining;
-    const LinearPart linear(law, h);
-    const double then = flow().geometry_alpha(p.time + h);
-    const Vec3d moves = h * linear.phi(1, carried.velocity) + (h * h) * linear.phi(2, b);
-    carried.velocity = linear.phi(0, carried.velocity) + h * linear.phi(1, b);
-    Spot end = at;
-    end.x = walls_.carry(at, now, then);
-    const Moved moved = walls_.move(end, per_metre.coordinates(moves) - (end.x - at.x), rest, then,
-                                    p.length, &carried.velocity);
-    at = end;
-    now = then;
-    p.time = h < remaining ? p.time + h : to;
-    last_bounce_ = p.length;
-    landed(x, at);
-    if (recorder_) {
-      p.x = velocity_.place(x);
-      recorder_->straight(p);
-      if (is_over())
-        return INSITU_END_REMOVED;
-    }
-    ++work.steps;
-    --steps_left_;
-    if (moved != Moved::inside)
-      return ending_of(moved);
-    n = walls_.wall();
-    const Vec3d behind = by_axis(n, walls_.skin(at, now));
-    if (n == Vec3d{} || walls_.is_inside(at.x + 8.0 * behind, at.cell, now))
-      break;
-  } while (p.time < to && steps_left_ > 0 && p.length < max_length_);
+  f.begun = true;
   return INSITU_END_ALIVE;
 }
 
-/// The place of a particle after a displacement.
+/// Finds the length with which the next step is tried first; or why there is none.
 template <class V>
-void Mover<V>::landed(Vec3d& x, const Spot& at) {
-  x = at.x;
-  spot_cell_ = at.cell;
-  velocity_.begin(at.cell);
+insitu_ending Mover<V>::plan(const Flier& f, FlightStep& step) const {
+  const bool adaptive = is_adaptive(settings_.method);
+  step.remaining = f.to - f.p.time;
+  step.length_left = max_length_ - f.p.length;
+  step.extent = walls_.extent(cell(), flow().geometry_alpha(f.p.time));
+  step.per_metre = walls_.scale(f.x);
+  step.law = law_at(f.x);
+  step.v = f.carried.velocity;
+  const double cells = cells_crossed(step.per_metre.coordinates(step.v), step.extent);
+  if (!std::isfinite(cells))
+    return INSITU_END_NOT_FINITE;
+  if (std::isfinite(max_length_) && step.length_left <= 1e-12 * max_length_)
+    return INSITU_END_EXPIRED;
+  if (steps_left_ <= 0)
+    return INSITU_END_STEP_LIMIT;
+
+  step.cell_time = cells > 0.0 ? 1.0 / cells : step.remaining;
+  double limit = (adaptive ? largest_cells : fixed_cells) * step.cell_time;
+  if (settings_.max_step > 0.0)
+    limit = settings_.max_step;
+  double wanted = f.p.step;
+  if (!f.closing && !adaptive)
+    wanted = settings_.step > 0.0 ? settings_.step : limit;
+  else if (wanted == 0.0)
+    wanted = settings_.step > 0.0 ? settings_.step : first_cells * step.cell_time;
+  step.h = std::min({wanted, adaptive || settings_.step == 0.0 ? limit : wanted, step.remaining});
+  if (const double speed = length_of(step.v); speed > 0.0)
+    step.h = std::min(step.h, step.length_left / speed);
+  step.wanted = wanted;
+  step.cut = step.h < wanted;
+  return INSITU_END_ALIVE;
 }
 
-template class Mover<DriftVelocity>;
-template class Mover<ChartVelocity>;
-template class Mover<CrossingVelocity<DriftVelocity>>;
-template class Mover<CrossingVelocity<ChartVelocity>>;
+/// Tries the step, shorter and shorter, until it will do. INSITU_END_LEFT: it leaves the mesh,
+/// however short it is.
+template <class V>
+insitu_ending Mover<V>::try_lengths(Flier& f, FlightStep& step) {
+  for (int trials = 0;; ++trials) {
+    const bool is_last = trials == most_trials;
+    try_once(f, step);
+    if (step.trial.sampled == Sampled::not_finite && step.cells <= settings_.exit_tolerance)
+      return INSITU_END_NOT_FINITE;
+    double factor = 0.5;
+    if (step.trial.sampled == Sampled::inside) {
+      factor = factor_after(step, is_last);
+    } else {
+      if (is_last || step.is_close(settings_.exit_tolerance) || f.p.time + 0.5 * step.h == f.p.time)
+        return INSITU_END_LEFT;
+      f.too_long = f.closing ? std::max(f.too_long, step.h) : step.h;
+      f.closing = true;
+    }
+    if (step.forced && settings_.min_step > 0.0 && settings_.at_min_step == AtMinStep::end) {
+      ++f.work.rejected;
+      return INSITU_END_STEP_TOO_SMALL;
+    }
+    if (factor == 1.0)
+      return INSITU_END_ALIVE;
+    ++f.work.rejected;
+    step.retried = true;
+    step.h *= factor;
+  }
+}
+
+template <class V>
+void Mover<V>::try_once(const Flier& f, FlightStep& step) {
+  const Vec3d& x = f.x;
+  const auto stage = [&](const Vec3d& y, double t, Vec3d& at_y) { return force(y, t, at_y); };
+  const auto go = [&](const Vec3d& d) {
+    return space_.image(x + space_.displacement(x, d), space_.pole_of(x));
+  };
+  const auto back = [&](const Vec3d& y, const Vec3d& at_y) {
+    if (!space_.is_curved())
+      return at_y;
+    // The rotation is another there: what that changes, by the velocity at the start.
+    const Vec3d other = space_.transport(y, x, law_at(y).rotation) - step.law.rotation;
+    return space_.transport(y, x, at_y) - 2.0 * math::cross(other, step.v);
+  };
+  step.trial = inertial_step(stage, go, back, step.law, step.v, f.p.time, step.h, f.force);
+  f.work.evaluations += 3;
+  step.cells = cells_crossed(step.per_metre.coordinates(step.trial.moved), step.extent);
+  step.chord = length_of(step.trial.moved);
+  if (step.trial.sampled == Sampled::inside && (f.closing || effects_->boundary) &&
+      is_kept_back(f, step))
+    step.trial.sampled = Sampled::outside;
+}
+
+/// Whether the end of a step is only brought back to a wall by rounding: such steps, since they are
+/// so short, would go on without end. A wall that responds takes them all; others are left by what
+/// goes on through them.
+template <class V>
+bool Mover<V>::is_kept_back(const Flier& f, const FlightStep& step) {
+  const Vec3d to_wall = kept_inside(step.trial.x) - step.trial.x;
+  if (to_wall == Vec3d{})
+    return false;
+  if (effects_->boundary || step.is_close(settings_.exit_tolerance))
+    return true;
+  const Vec3d on =
+      f.too_long * step.v + (0.5 * f.too_long * f.too_long / step.h) * (step.trial.v - step.v);
+  return presses(step.per_metre.coordinates(on), to_wall, f.x);
+}
+
+/// The part of its length with which a step that ends inside is tried again; 1: it will do.
+template <class V>
+double Mover<V>::factor_after(FlightStep& step, bool is_last) const {
+  const bool adaptive = is_adaptive(settings_.method);
+  if (step.cells > 2.0 * largest_cells && settings_.max_step == 0.0 && adaptive)
+    return std::max(largest_cells / step.cells, 1e-3);
+  if (step.chord > step.length_left * (1.0 + 1e-12) && !is_last)
+    return std::min(step.length_left / step.chord, 1.0 - 1e-12);
+  if (!adaptive)
+    return 1.0;
+  const double fastest = std::max(length_of(step.v), length_of(step.trial.v));
+  const double tolerance =
+      std::max(std::min(settings_.tolerance, largest_relative_error * fastest), 1e-300);
+  step.relative_error = std::max(step.trial.error / tolerance, 1e-4);
+  if (!(step.relative_error > 1.0))
+    return 1.0;
+  step.forced = is_last || (settings_.min_step > 0.0 ? step.h <= settings_.min_step
+                                                     : step.cells <= settings_.min_cells);
+  return step.forced ? 1.0
+                     : std::max({smallest_factor, safety / std::sqrt(step.relative_error),
+                                 std::min(settings_.min_step / step.h, 1.0 - 1e-12)});
+}
+
+/// Takes the particle to the end of the step, and tells the recorder.
+template <class V>
+insitu_ending Mover<V>::accept(Flier& f, FlightStep& step) {
+  const double until = step.h == step.remaining ? f.to : f.p.time + step.h;
+  velocity_.accepted();
+  step.trial.x = kept_inside(step.trial.x);
+  if (recorder_) {
+    State then = f.p;
+    then.x = velocity_.place(step.trial.x);
+    then.time = until;
+    recorder_->flew(then,
+                    Flight(space_, step.law, f.x, step.v, f.p.time, step.h, f.force, step.trial));
+    if (is_over())
+      return INSITU_END_REMOVED;
+  }
+  ++f.work.steps;
+  f.work.forced += step.forced;
+  steps_left_ -= !(f.closing && step.retried);
+  f.carried.velocity = space_.transport(f.x, step.trial.x, step.trial.v);
+  f.x = step.trial.x;
+  f.p.time = until;
+  f.p.length += step.chord;
+  f.force = step.trial.force;
+  if (f.closing) {
+    f.p.step = step.h;
+    f.closing = step.retried; // two steps of one size in a row: past the obstacle
+  } else if (is_adaptive(settings_.method)) {
+    const double factor = step.forced
+                              ? largest_growth
+                              : std::clamp(safety / std::sqrt(step.relative_error), smallest_factor,
+                                           step.retried ? 1.0 : largest_growth);
+    f.p.step = step.cut && !step.retried ? std::max(step.wanted, step.h * factor) : step.h * factor;
+  }
+  return INSITU_END_ALIVE;
+}
+
+INSITU_MOVERS()
 
 } // namespace insitu::advect

@@ -208,9 +208,6 @@ insitu_ending Mover<V>::flow_to(State& p, double to, Work& work) {
   }
 }
 
-template class Mover<DriftVelocity>;
-template class Mover<ChartVelocity>;
-template class Mover<CrossingVelocity<DriftVelocity>>;
-template class Mover<CrossingVelocity<ChartVelocity>>;
+INSITU_MOVERS()
 
 } // namespace insitu::advect

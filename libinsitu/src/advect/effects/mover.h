@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "advect/effects/drift.h"
 #include "advect/effects/effects.h"
 #include "advect/effects/inertia.h"
@@ -64,7 +66,11 @@ private:
   insitu_ending flow_to(State& p, double to, Work& work);
   insitu_ending touch(State& p, double to, Work& work);
   bool is_behind(const Spot& at, const Vec3d& n, double alpha) const;
+  struct Contact;
   struct Glide;
+  std::optional<insitu_ending> step_along(Contact& c, State& p, double to, Work& work);
+  std::optional<insitu_ending> glided(Contact& c, const Glide& step, State& p, Work& work);
+  bool same_axes(const Vec3d& x, const Vec3d& y) const;
   bool glide(const State& p, Glide& step, double to, Work& work);
   insitu_ending pass(State& p, Spot at);
   Sampled velocity_at(const Vec3d& point, double time, Vec3d& v);
@@ -77,9 +83,18 @@ private:
   bool find(const State& p, Spot& at);
   void placed(State& p, Spot at);
 
-  // With inertia: see fly.cpp. x is the particle's point among the cells.
+  // With inertia: see fly.cpp and touch_flying.cpp. x is the particle's point among the cells.
+  struct Flier;
+  struct FlightStep;
   insitu_ending fly(State& p, Carried& carried, double to, Work& work);
   insitu_ending fly_from(Vec3d& x, State& p, Carried& carried, double to, Work& work);
+  insitu_ending feel(Flier& f);
+  insitu_ending plan(const Flier& f, FlightStep& step) const;
+  insitu_ending try_lengths(Flier& f, FlightStep& step);
+  void try_once(const Flier& f, FlightStep& step);
+  bool is_kept_back(const Flier& f, const FlightStep& step);
+  double factor_after(FlightStep& step, bool is_last) const;
+  insitu_ending accept(Flier& f, FlightStep& step);
   insitu_ending touch_flying(Vec3d& x, State& p, Carried& carried, double to, Work& work);
   Sampled force(const Vec3d& x, double t, Vec3d& b);
   Inertia law_at(const Vec3d& x) const;
@@ -102,9 +117,12 @@ private:
   double last_bounce_ = -1.0; ///< length of the path then; -1: none yet
 };
 
-extern template class Mover<DriftVelocity>;
-extern template class Mover<ChartVelocity>;
-extern template class Mover<CrossingVelocity<DriftVelocity>>;
-extern template class Mover<CrossingVelocity<ChartVelocity>>;
+/// Compiles what has been defined of Mover for every velocity.
+#define INSITU_MOVERS(EXTERN)                                                                      \
+  EXTERN template class Mover<DriftVelocity>;                                                      \
+  EXTERN template class Mover<ChartVelocity>;                                                      \
+  EXTERN template class Mover<CrossingVelocity<DriftVelocity>>;                                    \
+  EXTERN template class Mover<CrossingVelocity<ChartVelocity>>;
+INSITU_MOVERS(extern)
 
 } // namespace insitu::advect

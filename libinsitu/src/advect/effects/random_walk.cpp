@@ -157,7 +157,7 @@ bool RandomWalk::walk(Spot& at, double dt, std::int64_t id, std::int64_t number,
         k[a] = std::max(0.0, k[a] + 0.5 * drift[a] * g[a]);
     }
   }
-  if (space.is_chart() || space.is_geocentric())
+  if (space.is_curved() || space.is_geocentric())
     drift += dt * space.walk_drift(at.x, k.x, k.z);
   const Vec3d d = drift + by_axis(root_by_axis((2.0 * dt) * k), normals);
   if (!std::isfinite(length_of(d)))

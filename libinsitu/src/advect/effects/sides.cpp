@@ -96,6 +96,10 @@ Sides sides_of(const query::Sampler& sampler, const BoundaryEffect& boundary,
   const query::ChartImage* chart = sampler.chart();
   if (!chart)
     return Sides(whole_box(sampler.mesh(), threads), boundary.periodic);
+  if (boundary.periodic[1] || boundary.periodic[2])
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      "tracer: on a mesh in longitude and latitude periodic sides are those along "
+                      "x, its western and eastern ones: no others are as long as each other");
   const mesh::MeshView& mesh = sampler.among_images().mesh();
   for (std::int32_t p = 0; p < mesh.piece_count; ++p)
     if (geo::Pole(mesh.pieces[p].pole) != geo::Pole::none)

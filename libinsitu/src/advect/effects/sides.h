@@ -121,8 +121,8 @@ private:
 };
 
 /// The sides of this boundary's periodic axes. A geodetic mesh has them in longitude, unless it
-/// goes around the Earth, which it does without; throws Error(INSITU_ERROR_UNSUPPORTED) if it has
-/// cells on a chart turned to a pole.
+/// goes around the Earth, which it does without; throws Error(INSITU_ERROR_UNSUPPORTED) for other
+/// axes of it, and if it has cells on a chart turned to a pole.
 Sides sides_of(const query::Sampler& sampler, const BoundaryEffect& boundary,
                const core::Threads& threads);
 

@@ -50,7 +50,8 @@ public:
     return space;
   }
 
-  bool is_chart() const { return chart_ != nullptr; }
+  /// Whether the metres and the axes of coordinates are others from place to place.
+  bool is_curved() const { return chart_ != nullptr; }
   bool is_geocentric() const { return geocentric_; }
   geo::Pole pole_of(const Vec3d& x) const { return chart_ ? chart_->pole_of(x) : geo::Pole::none; }
 

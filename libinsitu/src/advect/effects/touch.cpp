@@ -56,7 +56,7 @@ double Mover<V>::cells_along(const Spot& at, const Vec3d& v, const Vec3d& wall,
   const Vec3d extent = walls_.extent(at.cell, alpha);
   const Scale per_metre = walls_.scale(at.x);
   const double out = math::dot(v, wall);
-  if (!space_.is_chart() || boundary_.response != AtBoundary::slide || !(out > 0.0))
+  if (!space_.is_curved() || boundary_.response != AtBoundary::slide || !(out > 0.0))
     return cells_crossed(per_metre.coordinates(v), extent);
   return std::max(cells_crossed(per_metre.coordinates(v - out * wall), extent),
                   cells_crossed(out * wall, walls_.edges(at.cell, alpha)));
@@ -114,125 +114,143 @@ bool Mover<V>::glide(const State& p, Glide& step, double to, Work& work) {
   return true;
 }
 
+/// A particle that is at a wall.
+template <class V>
+struct Mover<V>::Contact {
+  Spot at;
+  std::optional<Vec3d> v = {}; ///< the velocity there, if it was asked for
+  Vec3d n = {};                ///< of the wall, outwards, once that is known
+  bool flat = false;           ///< that wall, where the particle is
+};
+
 /// A particle that the velocity takes out of the mesh: goes on along the wall, or back from it, for
 /// as long as the velocity presses it to the wall.
 template <class V>
 insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
-  Spot at;
-  if (!find(p, at))
+  Contact c;
+  if (!find(p, c.at))
     return INSITU_END_LEFT; // the mesh has moved away from it
   if (boundary_.response == AtBoundary::leave || boundary_.response == AtBoundary::stop)
-    return pass(p, at);
-  Vec3d n; // of the wall it is at, once that is known
-  const bool may_glide =
-      boundary_.response == AtBoundary::slide && !space_.is_chart() && !flow().blends_geometry();
-  bool flat = false;          // that wall, where the particle is
-  std::optional<Vec3d> known; // the velocity there, if it was asked for
+    return pass(p, c.at);
   do {
-    Vec3d v;
-    if (known) {
-      v = *known;
-      known.reset();
-    } else {
+    if (!c.v) {
+      Vec3d v;
       ++work.evaluations;
-      velocity_.begin(at.cell);
-      if (const Sampled s = velocity_at(at.x, p.time, v); s != Sampled::inside)
+      velocity_.begin(c.at.cell);
+      if (const Sampled s = velocity_at(c.at.x, p.time, v); s != Sampled::inside)
         return s == Sampled::outside ? INSITU_END_LEFT : INSITU_END_NOT_FINITE;
       velocity_.accepted();
+      c.v = v;
     }
-    if (Glide step{n, v, at}; flat && glide(p, step, to, work)) {
-      const Vec3d from = at.x;
-      const std::int64_t cell = at.cell;
-      ++work_.contacts;
-      at = step.at;
-      known = step.v;
-      p.length += length_of(at.x - from);
-      p.time = step.until;
-      p.x = velocity_.place(at.x);
-      spot_cell_ = at.cell;
-      if (recorder_)
-        recorder_->bent(p, step.first - at.x);
-      ++work.steps;
-      --steps_left_;
-      if (is_over())
-        return INSITU_END_REMOVED;
-      if (at.cell != cell) {
-        if (is_behind(at, n, 1.0))
-          break;
-        flat = walls_.is_on_flat_face(at, n, 1.0);
-      }
-      continue;
-    }
-    const double now = flow().geometry_alpha(p.time);
-    const Vec3d rate = walls_.scale(at.x).coordinates(v);
-    const double cells = cells_along(at, v, n, now);
-    if (settings_.ends_at_rest && !(cells > 0.0))
-      return INSITU_END_STAGNATED;
-    const auto same_axes = [&](const Vec3d& x) { // also behind a periodic side
-      return space_.same_axes(at.x, x) ||
-             (setup_->sides.any() && space_.same_axes(at.x, at.x + setup_->sides.between(at.x, x)));
-    };
-    const double remaining = direction_ * (to - p.time);
-    double h = std::min(cells > 0.0 ? contact_cells / cells : remaining, remaining);
-    if (settings_.max_step > 0.0)
-      h = std::min(h, settings_.max_step);
-    if (max_length_ - p.length < length_of(v) * h)
-      h = (max_length_ - p.length) / length_of(v);
-    const double until = h < remaining ? p.time + direction_ * h : to;
-    const double then = flow().geometry_alpha(until);
-    // Heun's method along the wall. What the wall itself moves is not resisted. Between its ends
-    // the step begins along the first rate, which led to `first`.
-    Vec3d mean = rate;
-    std::optional<Vec3d> first;
-    Spot end = at;
-    end.x = walls_.carry(at, now, then);
-    const Vec3d shift = end.x - at.x;
-    if (boundary_.response == AtBoundary::slide) {
-      Spot ahead = end;
-      double length = 0.0;
-      BoundaryEffect quiet = boundary_;
-      Vec3d v1;
-      if (walls_.move(ahead, h * rate - shift, quiet, then, length) == Moved::inside) {
-        velocity_.begin(ahead.cell);
-        ++work.evaluations;
-        if (velocity_at(ahead.x, until, v1) == Sampled::inside && same_axes(ahead.x)) {
-          mean = 0.5 * (rate + walls_.scale(ahead.x).coordinates(v1));
-          first = ahead.x;
-        }
-      }
-    }
-    const Vec3d from = at.x;
-    const Moved moved = walls_.move(end, h * mean - shift, boundary_, then, p.length);
-    n = walls_.wall();
-    const bool turned = !same_axes(end.x);
-    at = end;
-    p.time = until;
-    placed(p, at);
-    if (recorder_)
-      recorder_->bent(p, first && !turned ? Way(space_, setup_->sides, at.x, *first).displacement()
-                                          : Vec3d{});
-    ++work.steps;
-    --steps_left_;
-    if (moved != Moved::inside)
-      return ending_of(moved);
-    if (is_over())
-      return INSITU_END_REMOVED;
-    if (settings_.ends_at_rest && h * cells > 0.5 * contact_cells &&
-        cells_crossed(Way(space_, setup_->sides, from, at.x).displacement(),
-                      walls_.extent(at.cell, then)) <= rest_cells)
-      return INSITU_END_STAGNATED;
-    // On a flat wall it saves a step to find the wall again, to ask what is behind it.
-    if (boundary_.response != AtBoundary::slide || n == Vec3d{} || turned ||
-        is_behind(at, n, then) || !(math::dot(v, n) > 0.0))
-      break;
-    flat = may_glide && walls_.is_on_flat_face(at, n, then);
+    Glide step{c.n, *c.v, c.at};
+    const std::optional<insitu_ending> ending =
+        c.flat && glide(p, step, to, work) ? glided(c, step, p, work) : step_along(c, p, to, work);
+    if (ending)
+      return *ending;
   } while (p.time != to && steps_left_ > 0 && p.length < max_length_);
   return INSITU_END_ALIVE;
 }
 
-template class Mover<DriftVelocity>;
-template class Mover<ChartVelocity>;
-template class Mover<CrossingVelocity<DriftVelocity>>;
-template class Mover<CrossingVelocity<ChartVelocity>>;
+/// Takes the particle to the end of a step along a flat wall. Returns how its touch of the wall
+/// ends, if it does.
+template <class V>
+std::optional<insitu_ending> Mover<V>::glided(Contact& c, const Glide& step, State& p, Work& work) {
+  const Spot from = c.at;
+  ++work_.contacts;
+  c.at = step.at;
+  c.v = step.v;
+  p.length += length_of(c.at.x - from.x);
+  p.time = step.until;
+  p.x = velocity_.place(c.at.x);
+  spot_cell_ = c.at.cell;
+  if (recorder_)
+    recorder_->bent(p, step.first - c.at.x);
+  ++work.steps;
+  --steps_left_;
+  if (is_over())
+    return INSITU_END_REMOVED;
+  if (c.at.cell != from.cell) {
+    if (is_behind(c.at, c.n, 1.0))
+      return INSITU_END_ALIVE;
+    c.flat = walls_.is_on_flat_face(c.at, c.n, 1.0);
+  }
+  return {};
+}
+
+/// Whether the axes at both places, which are near each other, are almost the same, also behind a
+/// periodic side.
+template <class V>
+bool Mover<V>::same_axes(const Vec3d& x, const Vec3d& y) const {
+  return space_.same_axes(x, y) ||
+         (setup_->sides.any() && space_.same_axes(x, x + setup_->sides.between(x, y)));
+}
+
+/// A step along the wall by Heun's method, or back from it. What the wall itself moves is not
+/// resisted. Returns how the particle's touch of the wall ends, if it does.
+template <class V>
+std::optional<insitu_ending> Mover<V>::step_along(Contact& c, State& p, double to, Work& work) {
+  const Spot from = c.at;
+  const Vec3d v = *c.v;
+  c.v.reset();
+  const double now = flow().geometry_alpha(p.time);
+  const Vec3d rate = walls_.scale(from.x).coordinates(v);
+  const double cells = cells_along(from, v, c.n, now);
+  if (settings_.ends_at_rest && !(cells > 0.0))
+    return INSITU_END_STAGNATED;
+  const double remaining = direction_ * (to - p.time);
+  double h = std::min(cells > 0.0 ? contact_cells / cells : remaining, remaining);
+  if (settings_.max_step > 0.0)
+    h = std::min(h, settings_.max_step);
+  if (max_length_ - p.length < length_of(v) * h)
+    h = (max_length_ - p.length) / length_of(v);
+  const double until = h < remaining ? p.time + direction_ * h : to;
+  const double then = flow().geometry_alpha(until);
+  c.at.x = walls_.carry(from, now, then);
+  const Vec3d shift = c.at.x - from.x;
+  // Between its ends the step begins along the first rate, which led to `first`.
+  Vec3d mean = rate;
+  std::optional<Vec3d> first;
+  if (boundary_.response == AtBoundary::slide) {
+    Spot ahead = c.at;
+    double length = 0.0;
+    Vec3d v1;
+    if (walls_.move(ahead, h * rate - shift, boundary_, then, length) == Moved::inside) {
+      velocity_.begin(ahead.cell);
+      ++work.evaluations;
+      if (velocity_at(ahead.x, until, v1) == Sampled::inside && same_axes(from.x, ahead.x)) {
+        mean = 0.5 * (rate + walls_.scale(ahead.x).coordinates(v1));
+        first = ahead.x;
+      }
+    }
+  }
+  const Moved moved = walls_.move(c.at, h * mean - shift, boundary_, then, p.length);
+  c.n = walls_.wall();
+  const bool turned = !same_axes(from.x, c.at.x);
+  p.time = until;
+  placed(p, c.at);
+  if (recorder_)
+    recorder_->bent(p, first && !turned ? Way(space_, setup_->sides, c.at.x, *first).displacement()
+                                        : Vec3d{});
+  ++work.steps;
+  --steps_left_;
+  if (moved != Moved::inside)
+    return ending_of(moved);
+  if (is_over())
+    return INSITU_END_REMOVED;
+  if (settings_.ends_at_rest && h * cells > 0.5 * contact_cells &&
+      cells_crossed(Way(space_, setup_->sides, from.x, c.at.x).displacement(),
+                    walls_.extent(c.at.cell, then)) <= rest_cells)
+    return INSITU_END_STAGNATED;
+  const bool slides = boundary_.response == AtBoundary::slide;
+  if (!slides || c.n == Vec3d{} || turned || is_behind(c.at, c.n, then) ||
+      !(math::dot(v, c.n) > 0.0))
+    return INSITU_END_ALIVE;
+  // On a flat wall it saves a step to find the wall again, to ask what is behind it.
+  c.flat =
+      !space_.is_curved() && !flow().blends_geometry() && walls_.is_on_flat_face(c.at, c.n, then);
+  return {};
+}
+
+INSITU_MOVERS()
 
 } // namespace insitu::advect

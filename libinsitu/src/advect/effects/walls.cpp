@@ -49,7 +49,7 @@ Vec3d Walls::edges(std::int64_t cell, double alpha) const {
     return edges_of(box_of(c));
   }
   const Box b = box(cell, alpha);
-  return space_.is_chart() ? scale(b.middle()).edges(edges_of(b)) : edges_of(b);
+  return space_.is_curved() ? scale(b.middle()).edges(edges_of(b)) : edges_of(b);
 }
 
 Vec3d Walls::middle(std::int64_t cell, double alpha) const {
@@ -85,7 +85,7 @@ Vec3d Walls::carry(const Spot& at, double alpha0, double alpha1) const {
 
 bool Walls::is_on_flat_face(const Spot& at, const Vec3d& normal, double alpha) const {
   constexpr double near = 16.0, even = 0.05; // skins
-  if (space_.is_chart() || normal == Vec3d{})
+  if (space_.is_curved() || normal == Vec3d{})
     return false;
   mesh::CellVertices c;
   mesh::gather(sampler_->mesh(), at.cell, c, alpha);
@@ -174,7 +174,7 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
     d = (1.0 - exit->t + double(parts - k - 1)) * part;
     const Vec3d from = at.x;
     at = {exit->inside, exit->owner};
-    if (space_.is_chart() && part.z == 0.0) // to the bit: rounding of the exit is no way down
+    if (space_.is_curved() && part.z == 0.0) // to the bit: rounding of the exit is no way down
       if (const query::Location found = locate({at.x.x, at.x.y, from.z}, at.cell, alpha))
         at = {{at.x.x, at.x.y, from.z}, found.cell};
     enter_axes(from, at.x, carried);
@@ -210,7 +210,7 @@ Moved Walls::move(Spot& at, Vec3d d, const BoundaryEffect& boundary, double alph
       return s.coordinates(rest);
     };
     Vec3d rest = turned(per_metre, n);
-    if (space_.is_chart() && !mirror) { // with the metric halfway along the wall: of second order
+    if (space_.is_curved() && !mirror) { // with the metric halfway along the wall: of second order
       const Scale halfway = scale(at.x + 0.5 * rest);
       rest = turned(halfway, normal_in_metres(halfway, exit->normal));
     }
@@ -233,7 +233,7 @@ void Walls::enter_axes(const Vec3d& x, const Vec3d& y, Vec3d* carried) {
 
 /// A spot in an overhang of its sheet by its image.
 void Walls::rename(Spot& at, double alpha, Vec3d* carried) {
-  if (!space_.is_chart())
+  if (!space_.is_curved())
     return;
   const Vec3d y = space_.image(at.x, space_.pole_of(at.x));
   if (y == at.x)
@@ -247,7 +247,7 @@ void Walls::rename(Spot& at, double alpha, Vec3d* carried) {
 /// Where a sheet of a chart ends, the mesh may go on in another: takes the spot there, a little
 /// beyond, and the rest of its way to the same end.
 bool Walls::next_sheet(Spot& at, Vec3d& rest, double alpha, Vec3d* carried) {
-  if (!space_.is_chart())
+  if (!space_.is_curved())
     return false;
   const geo::Pole pole = space_.pole_of(at.x);
   const double skins = cells_crossed(rest, skin(at, alpha));
@@ -277,7 +277,7 @@ bool Walls::next_sheet(Spot& at, Vec3d& rest, double alpha, Vec3d* carried) {
 /// nothing along it rises or sinks.
 Vec3d Walls::normal_in_metres(const Scale& per_metre, const Vec3d& normal) const {
   Vec3d n = per_metre.covector(normal);
-  if (space_.is_chart() && std::abs(n.z) < 1e-9 * std::hypot(n.x, n.y))
+  if (space_.is_curved() && std::abs(n.z) < 1e-9 * std::hypot(n.x, n.y))
     n.z = 0.0;
   return unit_or_zero(n);
 }

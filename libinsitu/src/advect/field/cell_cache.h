@@ -52,10 +52,12 @@ public:
   /// The kept cell that answered last.
   const KeptCell& last() const { return *kept_[last_]; }
 
-  /// The kept cell that is proven to hold x, and the coordinates there; or null, where the sampler
-  /// has to be asked. hint: the last cell of a particle whose first point this is, or -1.
-  [[gnu::always_inline]] const KeptCell* prove(const math::Vec3d& x, std::int64_t hint,
-                                               const Moment& moment, math::Vec3d& r) {
+  /// Finds the kept cell that is proven to hold x, and calls found(cell, coordinates there). False,
+  /// and it is not called: the sampler has to be asked. hint: the last cell of a particle whose
+  /// first point this is, or -1.
+  template <class Found>
+  [[gnu::always_inline]] bool prove(const math::Vec3d& x, std::int64_t hint, const Moment& moment,
+                                    const Found& found) {
     int walked = 0;
     const std::int64_t first = first_guess(hint);
     KeptCell* k = first >= 0 ? &beside(first, moment) : first_to_try(x);
@@ -64,14 +66,14 @@ public:
       const auto map = cells::inverse_map(k->vertices.shape, k->vertices.x, x);
       if (map.margin > map.error) {
         proven_in(*k);
-        r = map.r;
-        return k;
+        found(*k, map.r);
+        return true;
       }
       found_outside(map.converged, map.r);
       const std::int64_t next = next_guess(*k, walked);
       k = next >= 0 ? &beside(next, moment) : other_to_try(*k, x);
     }
-    return nullptr;
+    return false;
   }
 
   // The parts of prove(), for many particles at a time. The kept cells that may hold a point are

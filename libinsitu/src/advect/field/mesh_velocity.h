@@ -110,14 +110,15 @@ protected:
     moment_.set(t);
     if (confined_.is_on())
       return in_own_cell(x, v, at);
-    math::Vec3d r;
-    if (cells_.counts_for(x))
-      if (const KeptCell* const k = cells_.prove(x, hint_, moment_, r)) {
-        hint_ = k->cell;
-        if constexpr (tells_where)
-          *at = {k->cell, r};
-        return k->interpolate(r, moment_, v);
-      }
+    Sampled sampled;
+    const auto found = [&](const KeptCell& k, const math::Vec3d& r) {
+      hint_ = k.cell;
+      if constexpr (tells_where)
+        *at = {k.cell, r};
+      sampled = k.interpolate(r, moment_, v);
+    };
+    if (cells_.counts_for(x) && cells_.prove(x, hint_, moment_, found))
+      return sampled;
     return located(x, v, at);
   }
 

@@ -31,13 +31,6 @@ IntegratorSettings settings_for(const mesh::FieldView& velocity, IntegratorSetti
   return settings;
 }
 
-void check_chart_effects(const Effects& effects) {
-  if (effects.boundary && (effects.boundary->periodic[1] || effects.boundary->periodic[2]))
-    throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                      "tracer: on a mesh in longitude and latitude periodic sides are those along "
-                      "x, its western and eastern ones: no others are as long as each other");
-}
-
 void check_settings(const IntegratorSettings& s) {
   const auto refuse = [](const std::string& what, double value, const char* wanted) {
     throw core::Error(INSITU_ERROR_ARGUMENT,

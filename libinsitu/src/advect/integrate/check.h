@@ -25,7 +25,4 @@ void check_settings(const IntegratorSettings& settings);
 /// end in time.
 void check_line_effects(const StreamlineSettings& settings);
 
-/// Throws Error(INSITU_ERROR_UNSUPPORTED) for effects that no geodetic mesh has.
-void check_chart_effects(const Effects& effects);
-
 } // namespace insitu::advect

@@ -87,8 +87,6 @@ void Interval::run_on_same_cells() {
 }
 
 Advance Interval::run() {
-  if (asked_.sampler.chart())
-    check_chart_effects(effects_);
   if (crosses_)
     run_crossing();
   else if (asked_.sampler.chart() || setup_)

@@ -38,7 +38,7 @@ math::Vec3d Interval::in_frame(const V& velocity, const State& p, std::int64_t c
   const query::Sampler& sampler = asked_.sampler;
   math::Vec3d x = velocity.position(p.x);
   const query::LocateOptions options{settings_.accuracy, velocity.geometry_alpha(p.time)};
-  if (sampler.chart() && cell >= 0 && !(x == p.x) && !sampler.locate(x, cell, options))
+  if (cell >= 0 && !(x == p.x) && !sampler.locate(x, cell, options))
     (void)query::bring_inside(sampler, x, query::rounding_in(sampler.mesh(), cell, options.alpha),
                               options);
   return x;

@@ -36,8 +36,6 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
   StreamlineSettings steady = settings;
   check_settings(settings.integrator);
   check_line_effects(settings);
-  if (sampler.chart())
-    check_chart_effects(settings.effects);
   steady.integrator = settings_for(velocity, settings.integrator);
   steady.integrator.ends_at_rest = true;
 

@@ -38,10 +38,13 @@ math::Vec3d in_space(const geo::ChartUnits& units, const math::Vec3d& p) {
 
 } // namespace
 
-double metres_between(const ChartImage& chart, const math::Vec3d& a, const math::Vec3d& b) {
+double distance(const Sampler& sampler, const math::Vec3d& a, const math::Vec3d& b) {
+  const ChartImage* const chart = sampler.chart();
+  if (!chart)
+    return std::hypot(b.x - a.x, b.y - a.y, b.z - a.z);
   if (a.x == b.x && a.y == b.y)
-    return std::abs((b.z - a.z) * chart.units.up_per_unit());
-  const math::Vec3d d = in_space(chart.units, b) - in_space(chart.units, a);
+    return std::abs((b.z - a.z) * chart->units.up_per_unit());
+  const math::Vec3d d = in_space(chart->units, b) - in_space(chart->units, a);
   return std::sqrt(dot(d, d));
 }
 

@@ -14,8 +14,8 @@ math::Vec3d position(const Sampler& sampler, const Location& at);
 /// there, at even vertical steps.
 math::Vec3d on_the_way(const Sampler& sampler, const math::Vec3d& a, const math::Vec3d& b,
                        double part);
-/// The straight distance of two points of a geodetic mesh.
-double metres_between(const ChartImage& chart, const math::Vec3d& a, const math::Vec3d& b);
+/// The straight distance of two points: of a geodetic mesh in metres.
+double distance(const Sampler& sampler, const math::Vec3d& a, const math::Vec3d& b);
 
 /// Takes a point to where its material has gone: to `at` in the mesh as it is now. With other cells
 /// than when `at` was found (same_cells: false), or no location yet, it is where x is, and is

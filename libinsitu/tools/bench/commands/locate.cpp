@@ -78,152 +78,216 @@ void build_ours(const Options& o, Setup& setup, commit::CommittedMesh& committed
   }
 }
 
-} // namespace
+/// One run of `insitu-bench locate`.
+class Locating {
+public:
+  explicit Locating(const Options& o);
+  void time();
+  void check();
+  Report report();
 
-Report locate(const Options& o) {
-  using workload::Pattern;
-  Setup setup(o);
-  auto& context = setup.context;
-  const core::Threads& threads = context.threads;
-  Report r;
-  r.title = "insitu-bench locate: " + describe(o, setup.mesh.cell_count(), threads.count());
+private:
+  using Pattern = workload::Pattern;
+  std::span<const math::Vec3d> points() const { return queries_.points; }
+  void time_once(const query::Sampler& sampler, const query::Sampler& unsorted);
+  void report_times();
+  void report_fields();
+  void report_work();
+  void report_peers();
+  void number(const std::string& name, double value) { report_.numbers.emplace_back(name, value); }
+  double ratio(const Series& a, const Series& b) const {
+    return a.for_ratio(threads_.count()) / b.for_ratio(threads_.count());
+  }
 
-  progress("making the queries");
-  const std::int64_t count = o.points > 0 ? o.points : setup.mesh.cell_count();
-  const workload::Queries queries = workload::make_queries(setup.mesh, o.pattern, count);
-  const std::span<const math::Vec3d> points = queries.points;
-  Answers answers(points.size());
-  query::LocateOptions options, exact;
-  options.accuracy = o.accuracy;
-  exact.accuracy = INSITU_EXACT;
+  const Options& o_;
+  const bool sorts_, on_boundary_;
+  Setup setup_;
+  const core::Threads& threads_;
+  workload::Queries queries_, few_;      ///< few: for peers
+  workload::Queries random_;             ///< where it is not the batch itself
+  Answers answers_, theirs_;             ///< theirs: a peer's
+  std::vector<query::Location> randoms_; ///< answers to the random queries
+  query::LocateOptions options_, exact_;
+  query::SpatialOrder order_;
+  std::unique_ptr<commit::CommittedMesh> committed_;
+  std::vector<PeerRun> peers_;
+  Series locate_exact_, locate_random_, locate_unsorted_, sort_;
+  Report report_;
+};
 
-  progress("committing");
-  auto committed = setup.register_mesh();
-  setup.commit(*committed);
-  build_ours(o, setup, *committed, r.ours);
-  context.memory.reset_peak();
-  committed = setup.register_mesh();
-  setup.commit(*committed);
-  r.ours.bytes = committed->tree().bytes();
-  r.ours.bytes_peak = context.memory.peak();
-  workload::Queries few = queries; // for peers
+/// The first queries, as many as peers are to answer.
+workload::Queries queries_for_peers(workload::Queries few, const Options& o) {
   if (!o.peers || (o.peer_points > 0 && o.peer_points < std::int64_t(few.points.size()))) {
     const auto n = std::size_t(o.peers ? o.peer_points : 0);
     few.points.resize(n);
     few.made_in.resize(std::min(few.made_in.size(), n));
   }
-  std::vector<PeerRun> peers = build_peers(setup, std::int64_t(few.points.size()), o);
+  return few;
+}
 
-  const query::Sampler sampler = committed->sampler();
+workload::Queries make_queries(const Setup& setup, workload::Pattern pattern, const Options& o) {
+  return workload::make_queries(setup.mesh, pattern,
+                                o.points > 0 ? o.points : setup.mesh.cell_count());
+}
+
+Locating::Locating(const Options& o)
+    : o_(o), sorts_(o.pattern == Pattern::random || o.pattern == Pattern::sorted),
+      on_boundary_(workload::is_boundary(o.pattern)), setup_(o), threads_(setup_.context.threads),
+      queries_((progress("making the queries"), make_queries(setup_, o.pattern, o))),
+      few_(queries_for_peers(queries_, o)), answers_(points().size()), theirs_(few_.points.size()),
+      order_(setup_.context.memory) {
+  options_.accuracy = o.accuracy;
+  exact_.accuracy = INSITU_EXACT;
+  if (o.pattern == Pattern::sorted || on_boundary_)
+    random_ = make_queries(setup_, Pattern::random, o);
+  randoms_.resize(on_boundary_ ? random_.points.size() : 0);
+  Figures& ours = report_.ours;
+  report_.title = "insitu-bench locate: " + describe(o, setup_.mesh.cell_count(), threads_.count());
+  ours.name = "libinsitu";
+  ours.cells = setup_.mesh.cell_count();
+  ours.queries = std::int64_t(points().size());
+  ours.threads = threads_.count();
+
+  progress("committing");
+  committed_ = setup_.register_mesh();
+  setup_.commit(*committed_);
+  build_ours(o, setup_, *committed_, ours);
+  setup_.context.memory.reset_peak();
+  committed_ = setup_.register_mesh();
+  setup_.commit(*committed_);
+  ours.bytes = committed_->tree().bytes();
+  ours.bytes_peak = setup_.context.memory.peak();
+  peers_ = build_peers(setup_, std::int64_t(few_.points.size()), o);
+}
+
+void Locating::time() {
+  const query::Sampler sampler = committed_->sampler();
   const query::Sampler unsorted(sampler.mesh(), sampler.tree()); // takes batches as they are
-  const bool sorts = o.pattern == Pattern::random || o.pattern == Pattern::sorted;
-  const bool on_boundary = workload::is_boundary(o.pattern);
-  workload::Queries random; // where it is not the batch itself
-  if (o.pattern == Pattern::sorted || on_boundary)
-    random = workload::make_queries(setup.mesh, Pattern::random, count);
-  std::vector<query::Location> random_answers(on_boundary ? random.points.size() : 0);
-  const std::span<const math::Vec3d> to_sort =
-      o.pattern == Pattern::sorted ? std::span<const math::Vec3d>(random.points) : points;
-  query::SpatialOrder order(context.memory);
-
-  Answers theirs(few.points.size());
-  Series locate_exact, locate_random, locate_unsorted, sort;
-  for (int i = 0; i < o.repetitions; ++i) {
-    progress("repetition " + std::to_string(i + 1) + " of " + std::to_string(o.repetitions));
-    sampler.locate(threads, points, answers.locations, options); // peers have emptied the caches
-    r.ours.locate.time([&] { sampler.locate(threads, points, answers.locations, options); });
-    locate_exact.time([&] { sampler.locate(threads, points, answers.locations, exact); });
-    if (on_boundary)
-      locate_random.time([&] { sampler.locate(threads, random.points, random_answers, options); });
-    if (sorts) {
-      locate_unsorted.time([&] { unsorted.locate(threads, points, answers.locations, options); });
-      sort.time([&] { order.sort(threads, to_sort, committed->tree()); });
-    }
-    r.ours.sample.time([&] { sample(threads, *committed, points, answers, options); });
-    for (PeerRun& run : peers)
-      run.figures.locate.time([&] { run.peer->locate(few.points, theirs.cells); });
+  for (int i = 0; i < o_.repetitions; ++i) {
+    progress("repetition " + std::to_string(i + 1) + " of " + std::to_string(o_.repetitions));
+    time_once(sampler, unsorted);
   }
+}
 
+void Locating::time_once(const query::Sampler& sampler, const query::Sampler& unsorted) {
+  std::vector<query::Location>& found = answers_.locations;
+  sampler.locate(threads_, points(), found, options_); // peers have emptied the caches
+  report_.ours.locate.time([&] { sampler.locate(threads_, points(), found, options_); });
+  locate_exact_.time([&] { sampler.locate(threads_, points(), found, exact_); });
+  if (on_boundary_)
+    locate_random_.time([&] { sampler.locate(threads_, random_.points, randoms_, options_); });
+  if (sorts_) {
+    locate_unsorted_.time([&] { unsorted.locate(threads_, points(), found, options_); });
+    const std::span<const math::Vec3d> to_sort =
+        o_.pattern == Pattern::sorted ? std::span<const math::Vec3d>(random_.points) : points();
+    sort_.time([&] { order_.sort(threads_, to_sort, committed_->tree()); });
+  }
+  report_.ours.sample.time([&] { sample(threads_, *committed_, points(), answers_, options_); });
+  for (PeerRun& run : peers_)
+    run.figures.locate.time([&] { run.peer->locate(few_.points, theirs_.cells); });
+}
+
+void Locating::check() {
   progress("checking");
   std::vector<std::int64_t> owners;
   // Rounding may put points on the boundary elsewhere, and not every mesh fills its box: exact
   // arithmetic tells who holds them.
-  const bool fills_box = o.mesh_file.empty() && o.spacing != workload::Spacing::sparse;
-  if (on_boundary || (o.pattern == Pattern::march && !fills_box)) {
-    std::vector<query::Location> truth(points.size());
-    sampler.locate(threads, points, truth, exact);
+  const bool fills_box = o_.mesh_file.empty() && o_.spacing != workload::Spacing::sparse;
+  if (on_boundary_ || (o_.pattern == Pattern::march && !fills_box)) {
+    std::vector<query::Location> truth(points().size());
+    committed_->sampler().locate(threads_, points(), truth, exact_);
     for (const query::Location& at : truth)
       owners.push_back(at.cell);
   }
-  r.ours.verdict = check(setup.mesh, queries, owners, answers.cells, answers.values);
-  for (PeerRun& run : peers) {
+  report_.ours.verdict =
+      bench::check(setup_.mesh, queries_, owners, answers_.cells, answers_.values);
+  for (PeerRun& run : peers_) {
     progress("checking " + run.figures.name);
-    run.figures.sample.time([&] { run.peer->sample(few.points, theirs.cells, theirs.values); });
-    run.figures.verdict =
-        check(setup.mesh, few, owners, theirs.cells, theirs.values, run.figures.tells_cells);
-    r.peers.push_back(std::move(run.figures));
+    run.figures.sample.time([&] { run.peer->sample(few_.points, theirs_.cells, theirs_.values); });
+    run.figures.verdict = bench::check(setup_.mesh, few_, owners, theirs_.cells, theirs_.values,
+                                       run.figures.tells_cells);
+    report_.peers.push_back(std::move(run.figures));
   }
+}
 
-  r.ours.name = "libinsitu";
-  r.ours.cells = setup.mesh.cell_count();
-  r.ours.queries = std::int64_t(points.size());
-  r.ours.threads = threads.count();
-  r.timings = {{"rebuild_morton", r.ours.build},
-               {"refit", r.ours.refit},
-               {"locate", r.ours.locate},
-               {"locate_exact", locate_exact},
-               {"sample", r.ours.sample}};
-  const auto number = [&](const std::string& name, double value) {
-    r.numbers.emplace_back(name, value);
-  };
-  const auto ratio = [&](const Series& a, const Series& b) {
-    return a.for_ratio(threads.count()) / b.for_ratio(threads.count());
-  };
-  if (o.accuracy != INSITU_EXACT)
-    number("exact_over_standard", ratio(locate_exact, r.ours.locate));
-  if (sorts) {
-    r.timings.emplace_back("locate_unsorted", locate_unsorted);
-    r.timings.emplace_back("locate_sort", sort);
-    number("sort_ns", 1e9 * sort.median() / double(points.size()));
-    number("mqps_unsorted", r.ours.mqps(locate_unsorted));
+Report Locating::report() {
+  report_times();
+  report_fields();
+  report_work();
+  report_peers();
+  return std::move(report_);
+}
+
+void Locating::report_times() {
+  Figures& ours = report_.ours;
+  report_.timings = {{"rebuild_morton", ours.build},
+                     {"refit", ours.refit},
+                     {"locate", ours.locate},
+                     {"locate_exact", locate_exact_},
+                     {"sample", ours.sample}};
+  if (o_.accuracy != INSITU_EXACT)
+    number("exact_over_standard", ratio(locate_exact_, ours.locate));
+  if (sorts_) {
+    report_.timings.emplace_back("locate_unsorted", locate_unsorted_);
+    report_.timings.emplace_back("locate_sort", sort_);
+    number("sort_ns", 1e9 * sort_.median() / double(points().size()));
+    number("mqps_unsorted", ours.mqps(locate_unsorted_));
   }
-  if (on_boundary) {
-    r.timings.emplace_back("locate_random", locate_random);
-    number("boundary_over_random", ratio(r.ours.locate, locate_random));
+  if (on_boundary_) {
+    report_.timings.emplace_back("locate_random", locate_random_);
+    number("boundary_over_random", ratio(ours.locate, locate_random_));
   }
-  if (o.fields > 1) {
-    progress("sampling fields");
-    const FieldTimes fields = time_fields(o, setup.mesh, setup.field, points);
-    r.timings.emplace_back("sample_one_field", fields.one);
-    r.timings.emplace_back("sample_all_fields", fields.all);
-    number("fields_over_one", ratio(fields.all, fields.one));
-  }
-  const Latency latency = time_single_points(sampler, points);
+}
+
+void Locating::report_fields() {
+  if (o_.fields <= 1)
+    return;
+  progress("sampling fields");
+  const FieldTimes fields = time_fields(o_, setup_.mesh, setup_.field, points());
+  report_.timings.emplace_back("sample_one_field", fields.one);
+  report_.timings.emplace_back("sample_all_fields", fields.all);
+  number("fields_over_one", ratio(fields.all, fields.one));
+}
+
+void Locating::report_work() {
+  const query::Sampler sampler = committed_->sampler();
+  const Latency latency = time_single_points(sampler, points());
   number("single_us", latency.single);
   number("single_exact_us", latency.single_exact);
   number("hinted_us", latency.hinted);
-  const Work work = count_work(committed->tree(), points);
+  const Work work = count_work(committed_->tree(), points());
   number("nodes_per_query", work.nodes);
   number("candidates_per_query", work.candidates);
-  number("sorted_inside", query::is_incoherent(points, committed->tree()));
+  number("sorted_inside", query::is_incoherent(points(), committed_->tree()));
   constexpr const char* reasons[] = {"outside", "certified", "exact",
                                      "on_face", "on_edge",   "on_vertex"};
-  std::vector<std::uint8_t> reason(points.size());
-  sampler.locate(threads, points, answers.locations, options, reason);
+  std::vector<std::uint8_t> reason(points().size());
+  sampler.locate(threads_, points(), answers_.locations, options_, reason);
   for (std::uint8_t k = 0; k < query::reason_count; ++k)
     number(std::string("reason_") + reasons[k],
            double(std::count(reason.begin(), reason.end(), k)));
-  for (const Figures& peer : r.peers) {
-    r.timings.emplace_back("locate_" + peer.name, peer.locate);
-    number("ratio_" + peer.name, r.ratio(peer, r.ours.locate));
-    if (sorts)
-      number("ratio_unsorted_" + peer.name, r.ratio(peer, locate_unsorted));
+}
+
+void Locating::report_peers() {
+  for (const Figures& peer : report_.peers) {
+    report_.timings.emplace_back("locate_" + peer.name, peer.locate);
+    number("ratio_" + peer.name, report_.ratio(peer, report_.ours.locate));
+    if (sorts_)
+      number("ratio_unsorted_" + peer.name, report_.ratio(peer, locate_unsorted_));
   }
-  if (o.peers && peers.empty())
-    r.notes.push_back("No peers: insitu-bench was built without VTK.");
-  if (!peers.empty())
-    r.notes.push_back("Peers run on one thread; their peak is resident memory.");
-  return r;
+  if (o_.peers && peers_.empty())
+    report_.notes.push_back("No peers: insitu-bench was built without VTK.");
+  if (!peers_.empty())
+    report_.notes.push_back("Peers run on one thread; their peak is resident memory.");
+}
+
+} // namespace
+
+Report locate(const Options& o) {
+  Locating run(o);
+  run.time();
+  run.check();
+  return run.report();
 }
 
 } // namespace insitu::bench
