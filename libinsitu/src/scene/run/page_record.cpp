@@ -154,14 +154,15 @@ void PageRecord::add_session(JsonText& entry) const {
   entry.close().close();
 }
 
-std::string PageRecord::make_entry(bool finished) {
+std::string PageRecord::make_entry(bool finished, const core::Timer& began) {
   const Statistics &s = statistics_, &b = before_;
   JsonText e;
   e.open('{').key("cycle").value(cycle_).key("time").value(time_);
   if (!begun_)
     add_session(e);
   begun_ = true;
-  e.key("executions").value(s.executions - b.executions).key("wall").short_value(since_.seconds());
+  e.key("executions").value(s.executions - b.executions).key("wall");
+  e.short_value(since_.seconds() - began.seconds());
   e.key("seconds").open('[');
   for (const double seconds :
        {s.commit_s - b.commit_s, s.query_s - b.query_s, s.advect_s - b.advect_s,
@@ -193,7 +194,7 @@ std::string PageRecord::make_entry(bool finished) {
   if (finished)
     e.key("finished").value(true);
   e.close();
-  since_ = {};
+  since_ = began;
   before_ = statistics_;
   return e.text();
 }
@@ -227,7 +228,7 @@ void PageRecord::write(std::string entry) {
   waiting_.clear();
 }
 
-void PageRecord::end_cycle(std::int64_t cycle, double time, bool due) {
+void PageRecord::end_cycle(std::int64_t cycle, double time, bool due, const core::Timer& began) {
   for (const std::string& warning : context_.log.take_warnings())
     if (warned_.size() < core::Log::most_kept && warned_.insert(warning).second)
       add_message("warning", warning);
@@ -237,12 +238,12 @@ void PageRecord::end_cycle(std::int64_t cycle, double time, bool due) {
     first_cycle_ = cycle;
   cycle_ = cycle;
   time_ = time;
-  write(make_entry(false));
+  write(make_entry(false, began));
 }
 
 void PageRecord::finish() {
   if (begun_ && !refused_)
-    write(make_entry(true));
+    write(make_entry(true, {}));
   page_.reset();
 }
 

@@ -49,7 +49,8 @@ public:
   /// Whether there was an entry.
   bool begun() const { return begun_; }
   /// Throws INSITU_ERROR_FILE if the page cannot be written; its entry then waits for the next.
-  void end_cycle(std::int64_t cycle, double time, bool due);
+  /// began: with the work on this entry, whose seconds and wall time are the next entry's.
+  void end_cycle(std::int64_t cycle, double time, bool due, const core::Timer& began);
   /// The session closes: the page says so.
   void finish();
 
@@ -59,14 +60,14 @@ private:
   };
   void add_message(const std::string& level, const std::string& text);
   void add_session(output::JsonText& entry) const;
-  std::string make_entry(bool finished);
+  std::string make_entry(bool finished, const core::Timer& began);
   void write(std::string entry);
 
   const std::string file_, folder_;
   std::string files_; ///< JSON: the tables that grow
   core::Context& context_;
   Statistics& statistics_;
-  core::Timer since_; ///< the last entry
+  core::Timer since_; ///< work on the last entry began
   Statistics before_;
   std::int64_t cycle_ = 0;
   double time_ = 0;

@@ -211,7 +211,7 @@ void Runner::end_page_cycle(const Step& step, bool due) {
     if (!page_->begun())
       page_->add_plan(plan(step.meshes).text());
   }
-  page_->end_cycle(step.cycle, step.time, due);
+  page_->end_cycle(step.cycle, step.time, due, timer);
   environment_.statistics.output_s += timer.seconds();
 }
 
