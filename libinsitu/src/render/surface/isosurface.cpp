@@ -51,7 +51,7 @@ unsigned IsosurfaceTracer::Group::needed(std::uint32_t node) const {
 IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
                                    const std::vector<IsosurfaceSettings>& settings,
                                    Structures& structures, bool lit)
-    : sampler_(sampler) {
+    : sampler_(sampler), lit_(lit) {
   for (const IsosurfaceSettings& s : settings) {
     check(s);
     auto group = std::find_if(groups_.begin(), groups_.end(),
@@ -201,12 +201,7 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
                 counts};
   accel::for_each_cell_along_ray(
       sampler_.tree(), ray.origin, ray.direction, search.t_min, search.t_max,
-      [&](std::uint32_t node) {
-        unsigned children = 0;
-        for (const Group& group : groups_)
-          children |= group.needed(node);
-        return children;
-      },
+      [&](std::uint32_t node) { return needed(node); },
       [&](std::int64_t flat) {
         const mesh::MeshView& mesh = sampler_.mesh();
         const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(flat)];
@@ -220,6 +215,23 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
                                        [&](int local) { test_cell(flat + local, search); });
         return search.t_max;
       });
+  CellValues none;
+  settle(hits, none);
+}
+
+unsigned IsosurfaceTracer::needed(std::uint32_t node) const {
+  unsigned children = 0;
+  for (const Group& group : groups_)
+    children |= group.needed(node);
+  return children;
+}
+
+bool IsosurfaceTracer::is_exact() const {
+  return std::all_of(surfaces_.begin(), surfaces_.end(),
+                     [](const Surface& s) { return s.settings->search == RootSearch::exact; });
+}
+
+void IsosurfaceTracer::settle(std::vector<SurfaceHit>& hits, CellValues& last) const {
   std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
     if (a.t != b.t)
       return a.t < b.t;
@@ -228,8 +240,6 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
   std::size_t kept = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const SurfaceHit& hit = hits[i];
-    if (hit.t > search.t_max + twin_distance * hit.extent)
-      continue;
     bool twin = false;
     for (std::size_t k = kept; k-- > 0 && !twin;) {
       SurfaceHit& other = hits[k];
@@ -250,6 +260,21 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
     if (hits[i].opacity >= 1) {
       hits.resize(i + 1);
       break;
+    }
+  for (SurfaceHit& hit : hits)
+    if (lit_ && std::isnan(hit.gradient.x)) {
+      if (last.surface != hit.surface || last.flat != hit.cell) {
+        last.surface = hit.surface;
+        last.flat = hit.cell;
+        mesh::CellVertices cell;
+        mesh::gather(sampler_.mesh(), hit.cell, cell);
+        const ScalarField& field = groups_[surfaces_[std::size_t(hit.surface)].group].field;
+        double values[8];
+        for (int v = 0; v < cell.count; ++v)
+          values[v] = field.load(cell.piece, cell.ids[v]);
+        last.cell = TrilinearCell(cell.shape, cell.x, values);
+      }
+      hit.gradient = last.cell.gradient(hit.parametric);
     }
 }
 
