@@ -65,7 +65,7 @@ public:
   };
   void settle(std::vector<SurfaceHit>& hits, CellValues& last) const;
   /// Whether all surfaces are searched by RootSearch::exact, as tiles do.
-  bool is_exact() const;
+  bool is_exact() const { return is_exact_; }
 
   struct Level {
     double value = 0;
@@ -83,13 +83,11 @@ public:
     std::vector<Level> levels;
     /// Bit c: a level may be in child c's values.
     unsigned needed(std::uint32_t node) const;
+    /// The values at a cell's vertices; false if the cell has no surface because it is blank or one
+    /// is not a number.
+    bool load(std::int32_t piece, std::int64_t cell, const std::int64_t* ids, int n,
+              double* values) const;
   };
-  const std::vector<Group>& groups() const { return groups_; }
-  /// Bit c: a level of any group may be in child c's values.
-  unsigned needed(std::uint32_t node) const;
-  const query::Sampler& sampler() const { return sampler_; }
-
-private:
   /// What a trace goes on with from cell to cell.
   struct Search {
     cells::RaySpace space;
@@ -98,10 +96,20 @@ private:
     std::vector<SurfaceHit>& hits;
     SurfaceCounts& counts;
   };
+  /// Adds a root of a cell to a search's hits unless it is cut away or hidden; whether the ray goes
+  /// on. extent: of the ray in the cell.
+  static bool keep(const LevelHit& root, double extent, std::int64_t flat, const Level& level,
+                   Search& search);
+  const std::vector<Group>& groups() const { return groups_; }
+  /// Bit c: a level of any group may be in child c's values.
+  unsigned needed(std::uint32_t node) const;
+  const query::Sampler& sampler() const { return sampler_; }
+
+private:
   void test_cell(std::int64_t flat, Search& search) const;
 
   query::Sampler sampler_;
-  bool lit_;
+  bool lit_, is_exact_ = false;
   std::vector<Group> groups_;
   struct Surface {
     const IsosurfaceSettings* settings;

@@ -21,19 +21,8 @@ static_assert(IsosurfaceTile::side == TileRange::side);
 
 /// Cells between two looks at how far a tile is open.
 constexpr int look_after = 64;
-/// Rays decide pixel by pixel in parts of cells that so many splits have left unproven.
-constexpr int most_splits = 5;
-/// Where rounding may make more of parametric coordinates, in double, and where terms are larger,
-/// for float, a patch is split.
-constexpr double most_noise = 1e-5, most_size = 1e4;
 /// Of a depth: what float's rounding and twins may make of it.
 constexpr double depth_slack = 1e-6;
-
-PatchDomain domain_of(mesh::Shape shape) {
-  return shape == mesh::Shape::tetrahedron ? PatchDomain::simplex
-         : shape == mesh::Shape::wedge     ? PatchDomain::prism
-                                           : PatchDomain::cube;
-}
 
 } // namespace
 
@@ -126,19 +115,12 @@ struct IsosurfaceTile::Work {
     ++counts->cells_tested;
     for (std::size_t g = 0; g < surfaces->groups().size(); ++g) {
       const Group& group = surfaces->groups()[g];
-      if (group.has_blank_cells && std::isnan(group.source.load(p, local)))
-        continue; // averages of the cells around are none of its
-      double values[8], low = HUGE_VAL, high = -HUGE_VAL;
-      bool is_number = true;
-      for (int v = 0; v < n; ++v) {
-        values[v] = group.field.load(p, ids[v]);
-        is_number = is_number && !std::isnan(values[v]);
-        low = std::min(low, values[v]);
-        high = std::max(high, values[v]);
-      }
-      if (!is_number || !std::isfinite(high - low) ||
-          std::none_of(group.levels.begin(), group.levels.end(),
-                       [&](const Level& l) { return low < l.value && l.value <= high; }))
+      double values[8];
+      if (!group.load(p, local, ids, n, values))
+        continue;
+      const auto [low, high] = std::minmax_element(values, values + n);
+      if (std::none_of(group.levels.begin(), group.levels.end(),
+                       [&](const Level& l) { return *low < l.value && l.value <= *high; }))
         continue;
       if (!is_seen) {
         Vec3d x[8];
@@ -160,8 +142,8 @@ struct IsosurfaceTile::Work {
         patches.f[c][at] = f[c];
       }
       batch.cell[at] = flat;
-      batch.low[at] = low;
-      batch.high[at] = high;
+      batch.low[at] = *low;
+      batch.high[at] = *high;
       if (patches.count == Patches::most)
         process(batch, group);
     }
@@ -216,12 +198,9 @@ struct IsosurfaceTile::Work {
     PatchSetup part_setup;
     split(patches, p, parts);
     set_up(parts, tile, view.orthographic, part_setup);
-    for (int k = 0; k < parts.count; ++k) {
-      const double sum = parts.lower[0][k] + parts.lower[1][k] +
-                         (parts.domain == PatchDomain::simplex ? parts.lower[2][k] : 0.0);
-      if (parts.domain == PatchDomain::cube || sum < 1.0)
+    for (int k = 0; k < parts.count; ++k)
+      if (is_in_domain(parts, k))
         descend(parts, part_setup, k, depth + 1);
-    }
   }
 
   bool is_unsure(std::int32_t pixel) const { return unsure[pixel >> 6] >> (pixel & 63) & 1; }

@@ -8,87 +8,13 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "render/surface/tiles/patch_lanes_simd.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace insitu::render::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 /// What a residual of floats may be off, in parametric coordinates, of the size of its terms.
 constexpr float float_slack = 0x1p-20f;
-/// Nearer to a face of the cell than this, in parametric coordinates, the search by the ray
-/// decides.
-constexpr double face_slack = 1e-8;
-/// A step of Newton's method in double from less than this leaves no error that counts.
-constexpr double small_step = 1e-5;
-/// How far iterates may leave the cube.
-constexpr double reach = 1e-2;
-
-using Floats = hn::CappedTag<float, 16>;
-using Doubles = hn::CappedTag<double, 8>;
-
-/// A vector of numbers with operators; products and sums may fuse.
-template <class D>
-struct Lanes {
-  using Real = hn::TFromD<D>;
-  hn::Vec<D> v;
-
-  Lanes() = default;
-  HWY_INLINE explicit Lanes(hn::Vec<D> a) : v(a) {}
-  HWY_INLINE explicit Lanes(Real a) : v(hn::Set(D(), a)) {}
-  HWY_INLINE friend Lanes operator+(Lanes a, Lanes b) { return Lanes(hn::Add(a.v, b.v)); }
-  HWY_INLINE friend Lanes operator-(Lanes a, Lanes b) { return Lanes(hn::Sub(a.v, b.v)); }
-  HWY_INLINE friend Lanes operator*(Lanes a, Lanes b) { return Lanes(hn::Mul(a.v, b.v)); }
-  HWY_INLINE friend Lanes operator/(Lanes a, Lanes b) { return Lanes(hn::Div(a.v, b.v)); }
-  HWY_INLINE friend Lanes least(Lanes a, Lanes b) { return Lanes(hn::Min(a.v, b.v)); }
-  HWY_INLINE friend Lanes greatest(Lanes a, Lanes b) { return Lanes(hn::Max(a.v, b.v)); }
-  HWY_INLINE friend Lanes size(Lanes a) { return Lanes(hn::Abs(a.v)); }
-  /// a b + c and c - a b.
-  HWY_INLINE friend Lanes mul_add(Lanes a, Lanes b, Lanes c) {
-    return Lanes(hn::MulAdd(a.v, b.v, c.v));
-  }
-  HWY_INLINE friend Lanes sub_mul(Lanes c, Lanes a, Lanes b) {
-    return Lanes(hn::NegMulAdd(a.v, b.v, c.v));
-  }
-  HWY_INLINE Lanes within(Real low, Real high) const {
-    return least(greatest(*this, Lanes(low)), Lanes(high));
-  }
-};
-
-/// A trilinear function of parametric coordinates; a linear one where `linear`.
-template <class D, bool linear>
-struct Trilinear {
-  using L = Lanes<D>;
-  typename L::Real k[8];
-
-  HWY_INLINE void load(const double (&rows)[8][Patches::most], int p) {
-    for (int n = 0; n < 8; ++n)
-      k[n] = typename L::Real(rows[n][p]);
-  }
-  HWY_INLINE L at(const L (&r)[3]) const {
-    if constexpr (linear)
-      return mul_add(L(k[3]), r[2], mul_add(L(k[2]), r[1], mul_add(L(k[1]), r[0], L(k[0]))));
-    const L a = mul_add(L(k[4]), r[0], L(k[2])), b = mul_add(L(k[7]), r[0], L(k[5]));
-    const L p = mul_add(r[1], a, mul_add(L(k[1]), r[0], L(k[0])));
-    const L q = mul_add(r[1], b, mul_add(L(k[6]), r[0], L(k[3])));
-    return mul_add(r[2], q, p);
-  }
-  HWY_INLINE L at(const L (&r)[3], L (&slope)[3]) const {
-    if constexpr (linear) {
-      for (int a = 0; a < 3; ++a)
-        slope[a] = L(k[a + 1]);
-      return at(r);
-    }
-    const L a = mul_add(L(k[4]), r[0], L(k[2])), b = mul_add(L(k[7]), r[0], L(k[5]));
-    const L p = mul_add(r[1], a, mul_add(L(k[1]), r[0], L(k[0])));
-    const L q = mul_add(r[1], b, mul_add(L(k[6]), r[0], L(k[3])));
-    const L g = mul_add(L(k[4]), r[1], L(k[1])), h = mul_add(L(k[7]), r[1], L(k[6]));
-    slope[0] = mul_add(r[2], h, g);
-    slope[1] = mul_add(r[2], b, a);
-    slope[2] = q;
-    return mul_add(r[2], q, p);
-  }
-};
-
 /// The three products of a patch for rays in the lanes.
 template <class D, bool orthographic, bool linear>
 struct System {
@@ -129,34 +55,9 @@ struct System {
         for (int b = 0; b < 3; ++b)
           slope[a][b] = sub_mul(slope[a][b], t[a], w_slope[b]);
     }
-    // Cross products of rows are the columns of the inverse, times the determinant.
-    L c[3][3];
-    for (int a = 0; a < 3; ++a) {
-      const L(&m)[3] = slope[(a + 1) % 3], (&n)[3] = slope[(a + 2) % 3];
-      for (int b = 0; b < 3; ++b)
-        c[a][b] = sub_mul(m[(b + 1) % 3] * n[(b + 2) % 3], m[(b + 2) % 3], n[(b + 1) % 3]);
-    }
-    const L determinant =
-        mul_add(slope[0][0], c[0][0], mul_add(slope[0][1], c[0][1], slope[0][2] * c[0][2]));
-    const L inverse = L(typename L::Real(1)) / determinant;
-    for (int b = 0; b < 3; ++b)
-      out[b] = mul_add(g[0], c[0][b], mul_add(g[1], c[1][b], g[2] * c[2][b])) * inverse;
+    newton_step(slope, g, out);
   }
 };
-
-/// How far a point is within the unit cube, at the least; below 0 outside.
-template <class L>
-HWY_INLINE L cube_margin(const L (&r)[3]) {
-  const L one(typename L::Real(1));
-  return least(least(least(r[0], one - r[0]), least(r[1], one - r[1])), least(r[2], one - r[2]));
-}
-
-/// The same for the slanted face of the cell, of which the patch is a part.
-template <class L, PatchDomain domain>
-HWY_INLINE L slant_margin(const L (&r)[3], const L (&lower)[3], L side) {
-  const L rest = L(typename L::Real(1)) - mul_add(side, r[0] + r[1], lower[0] + lower[1]);
-  return domain == PatchDomain::simplex ? rest - mul_add(side, r[2], lower[2]) : rest;
-}
 
 /// Pixels whose floats are near a hit, until there are enough for a vector of doubles.
 struct Waiting {
@@ -388,41 +289,6 @@ bool is_visible_target(const PatchSetup& s, int p, const TileRange& tile) {
   return false;
 }
 
-void mark_target(const Patches& patches, const PatchSetup& s, int p, const TileRange& tile,
-                 bool orthographic, PatchHits& hits) {
-  const Doubles d;
-  constexpr int lanes = int(hn::MaxLanes(d));
-  double size = 0;
-  for (int c = 0; c < 8; ++c)
-    size = std::max(
-        {size, std::fabs(patches.x[c][p]), std::fabs(patches.y[c][p]), std::fabs(patches.z[c][p])});
-  const auto slack = hn::Set(d, 0x1p-40 * size);
-  for (int y = s.y0[p]; y <= s.y1[p]; ++y)
-    for (int x = s.x0[p]; x <= s.x1[p]; x += lanes) {
-      const auto column = hn::Add(hn::Iota(d, double(x)), hn::Set(d, tile.column0));
-      const auto row = hn::Set(d, y + tile.row0);
-      auto left = hn::Set(d, 1e300), right = hn::Neg(left), up = left, down = right;
-      for (int c = 0; c < 8; ++c) {
-        const auto w = hn::Set(d, orthographic ? 1.0 : patches.z[c][p]);
-        const auto across = hn::NegMulAdd(column, w, hn::Set(d, patches.x[c][p]));
-        const auto along = hn::NegMulAdd(row, w, hn::Set(d, patches.y[c][p]));
-        left = hn::Min(left, across);
-        right = hn::Max(right, across);
-        up = hn::Min(up, along);
-        down = hn::Max(down, along);
-      }
-      const auto meets = hn::And(hn::And(hn::Le(left, slack), hn::Ge(right, hn::Neg(slack))),
-                                 hn::And(hn::Le(up, slack), hn::Ge(down, hn::Neg(slack))));
-      std::uint8_t byte[8] = {};
-      hn::StoreMaskBits(d, meets, byte);
-      for (int k = 0; k < lanes && x + k <= s.x1[p]; ++k) {
-        const int pixel = TileRange::index(x + k, y);
-        if ((byte[0] >> k & 1) && tile.farthest[pixel] >= float(s.nearest[p]))
-          hits.unsure_pixel[hits.unsure++] = pixel;
-      }
-    }
-}
-
 } // namespace insitu::render::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -431,7 +297,6 @@ namespace insitu::render {
 
 HWY_EXPORT(solve_target);
 HWY_EXPORT(is_visible_target);
-HWY_EXPORT(mark_target);
 
 void solve(const Patches& patches, const PatchSetup& setup, int p, const TileRange& tile,
            bool orthographic, PatchHits& hits) {
@@ -440,11 +305,6 @@ void solve(const Patches& patches, const PatchSetup& setup, int p, const TileRan
 
 bool is_visible(const PatchSetup& setup, int p, const TileRange& tile) {
   return HWY_DYNAMIC_DISPATCH(is_visible_target)(setup, p, tile);
-}
-
-void mark_unsure(const Patches& patches, const PatchSetup& setup, int p, const TileRange& tile,
-                 bool orthographic, PatchHits& hits) {
-  HWY_DYNAMIC_DISPATCH(mark_target)(patches, setup, p, tile, orthographic, hits);
 }
 
 } // namespace insitu::render

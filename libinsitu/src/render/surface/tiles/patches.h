@@ -78,8 +78,27 @@ struct PatchHits {
   std::int32_t unsure_pixel[most]; ///< where a search by the ray must decide
 };
 
-/// A patch with a larger e is split.
-constexpr double most_error = 0.45;
+/// A patch with a larger e is split, and so is one where rounding makes more of parametric
+/// coordinates in double, or whose terms are larger than floats bear.
+constexpr double most_error = 0.45, most_noise = 1e-5, most_size = 1e4;
+/// So often.
+constexpr int most_splits = 5;
+/// Whether a part of a cell, as patch p is, reaches into the cell: prisms and simplices are parts
+/// of the cube.
+inline bool is_in_domain(const Patches& patches, int p) {
+  if (patches.domain == PatchDomain::cube)
+    return true;
+  const double sum = patches.lower[0][p] + patches.lower[1][p];
+  return sum + (patches.domain == PatchDomain::simplex ? patches.lower[2][p] : 0.0) < 1.0;
+}
+
+/// What is found of patches that have a ray each, through the image place (0, 0); a bit a patch.
+struct PatchRoots {
+  unsigned hit = 0, unsure = 0; ///< neither: missed
+  unsigned unproven = 0;        ///< the error is larger than most_error: to be split
+  alignas(64) double depth[Patches::most];
+  alignas(64) double parametric[3][Patches::most]; ///< in the cell
+};
 
 void set_up(const Patches& patches, const TileRange& tile, bool orthographic, PatchSetup& setup);
 /// The eight parts of patch p.
@@ -90,6 +109,12 @@ bool is_visible(const PatchSetup& setup, int p, const TileRange& tile);
 /// tell.
 void solve(const Patches& patches, const PatchSetup& setup, int p, const TileRange& tile,
            bool orthographic, PatchHits& hits);
+/// Solves all patches for their own rays. They are set up as orthographic, for ray_tile().
+PatchRoots solve_rays(const Patches& patches, const PatchSetup& setup);
+/// A tile of the one pixel at the image place (0, 0).
+inline TileRange ray_tile() {
+  return {0, 0, 0, 0, 0.0, 0.0, nullptr};
+}
 /// Appends the pixels whose rays may pass through patch p to the unsure ones.
 void mark_unsure(const Patches& patches, const PatchSetup& setup, int p, const TileRange& tile,
                  bool orthographic, PatchHits& hits);

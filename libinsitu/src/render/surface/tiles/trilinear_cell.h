@@ -4,6 +4,7 @@
 
 #include "math/vec.h"
 #include "mesh/shape.h"
+#include "render/surface/tiles/patches.h"
 
 namespace insitu::render {
 
@@ -41,6 +42,12 @@ void to_corners(mesh::Shape shape, const T* v, T (&corner)[8]) {
     return;
   }
   }
+}
+
+inline PatchDomain domain_of(mesh::Shape shape) {
+  return shape == mesh::Shape::tetrahedron ? PatchDomain::simplex
+         : shape == mesh::Shape::wedge     ? PatchDomain::prism
+                                           : PatchDomain::cube;
 }
 
 /// A cell's map and field as polynomials, for the gradients at many of its points.
