@@ -59,7 +59,29 @@ public:
   /// Or null.
   const query::CulledCells* culled() const { return culled_; }
 
-  void draw_tile(int x0, int y0, FrameImages& images, Counters& counters) const {
+  /// The side of what draw() takes at once.
+  int side() const { return tiled() ? IsosurfaceTile::side : tile_side; }
+
+  void draw(int x0, int y0, FrameImages& images, Counters& counters) const {
+    if (!tiled())
+      return draw_tile(x0, y0, nullptr, images, counters);
+    thread_local IsosurfaceTile tile;
+    const int x1 = std::min(x0 + IsosurfaceTile::side, settings_.width);
+    const int y1 = std::min(y0 + IsosurfaceTile::side, settings_.height);
+    SurfaceCounts counts;
+    tile.trace(*tiled(), rays_, settings_.clips, x0, y0, x1, y1, counts);
+    counters.cells_tested += counts.cells_tested;
+    counters.evaluations += counts.evaluations;
+    for (int y = y0; y < y1; y += tile_side)
+      for (int x = x0; x < x1; x += tile_side)
+        draw_tile(x, y, &tile, images, counters);
+  }
+
+private:
+  const IsosurfaceTracer* tiled() const { return surfaces_ ? surfaces_->tiled() : nullptr; }
+
+  void draw_tile(int x0, int y0, IsosurfaceTile* tile, FrameImages& images,
+                 Counters& counters) const {
     thread_local std::vector<RayState> states;
     const int x1 = std::min(x0 + tile_side, settings_.width);
     const int y1 = std::min(y0 + tile_side, settings_.height);
@@ -79,7 +101,7 @@ public:
               state.stays.size() != 1 || state.stays[0].from > 0 || state.stays[0].to < HUGE_VAL;
         }
         if (surfaces_)
-          surfaces_->trace(state, pixel_of(x, y), surface_counts);
+          surfaces_->trace(state, pixel_of(x, y), tile, surface_counts);
         hits += std::int64_t(state.hits.size());
         if (volume_)
           volume_->start(state);
@@ -120,7 +142,6 @@ public:
     counters.shadow_samples += surface_counts.shadow_samples;
   }
 
-private:
   std::size_t pixel_of(int x, int y) const {
     return std::size_t(y) * std::size_t(settings_.width) + std::size_t(x);
   }
@@ -202,13 +223,13 @@ FrameImages render_partial_frame(const query::Sampler& sampler, const FrameSetti
     images.depth.resize(pixels);
   if (settings.cell)
     images.cell.resize(pixels);
-  const std::int64_t columns = (settings.width + tile_side - 1) / tile_side;
-  const std::int64_t rows = (settings.height + tile_side - 1) / tile_side;
+  const int side = renderer.side();
+  const std::int64_t columns = (settings.width + side - 1) / side;
+  const std::int64_t rows = (settings.height + side - 1) / side;
   Counters counters;
   threads.parallel_for(columns * rows, 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t tile = begin; tile < end; ++tile)
-      renderer.draw_tile(int(tile % columns) * tile_side, int(tile / columns) * tile_side, images,
-                         counters);
+      renderer.draw(int(tile % columns) * side, int(tile / columns) * side, images, counters);
   });
   if (sums)
     sums->end(settings.path_tracing->samples);

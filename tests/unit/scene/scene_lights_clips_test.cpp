@@ -123,8 +123,8 @@ TEST(SceneTriangles, NormalsAndSearchOfIsosurfaces) {
         .isosurfaces[0];
   };
   EXPECT_EQ(surface("").normals, render::Normals::cell);
-  EXPECT_EQ(surface("").search, render::RootSearch::cubic);
-  EXPECT_EQ(surface(", search: exact").search, render::RootSearch::exact);
+  EXPECT_EQ(surface("").search, render::RootSearch::exact);
+  EXPECT_EQ(surface(", search: cubic").search, render::RootSearch::cubic);
   EXPECT_EQ(surface(", normals: smooth").normals, render::Normals::smooth);
   EXPECT_EQ(surface(", normals: central").normals, render::Normals::central);
   EXPECT_EQ(surface(", search: neubauer").search, render::RootSearch::neubauer);

@@ -22,6 +22,71 @@ bool lower(const Vec3d& a, const Vec3d& b) {
   return a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
+/// A face is seen edge-on where its projection has less area than this, of the square of its reach
+/// from the ray: what remains is rounding.
+constexpr double edge_on_area = 0x1p-40;
+/// So far, of that reach, a crossing may lie off the ray.
+constexpr double off_the_ray = 1e-7;
+
+double squared_reach(const Face& face, const Vec3d* q) {
+  double most = 0;
+  for (int k = 0; k < face.vertex_count; ++k) {
+    const Vec3d& p = q[face.vertices[k]];
+    most = std::max(most, p.x * p.x + p.y * p.y);
+  }
+  return most;
+}
+
+/// The crossing of a face that is seen edge-on: the ray runs within it from edge to edge, and
+/// counts as crossing it in the middle, for both cells. False where the ray passes beside it.
+bool cross_edge_on(const Face& face, const Vec3d* x, const Vec3d* q, Crossing& c) {
+  const int n = face.vertex_count;
+  std::uint8_t order[4];
+  int place[4]; // of the face's vertices in that order
+  for (int k = 0; k < n; ++k) {
+    place[k] = 0;
+    for (int l = 0; l < n; ++l) {
+      const Vec3d &other = x[face.vertices[l]], &own = x[face.vertices[k]];
+      place[k] += lower(other, own) || (!lower(own, other) && l < k) ? 1 : 0;
+    }
+  }
+  for (int k = 0; k < n; ++k)
+    order[place[k]] = face.vertices[k];
+  Vec3d way; // the line that the projection is, through the ray's point (0, 0)
+  for (int k = 0; k < n; ++k)
+    if (const Vec3d& p = q[order[k]]; p.x * p.x + p.y * p.y > way.x * way.x + way.y * way.y)
+      way = p;
+  Crossing ends[2];
+  ends[0].t = HUGE_VAL;
+  ends[1].t = -HUGE_VAL;
+  for (int k = 0; k < n; ++k) {
+    int a = place[k], b = place[(k + 1) % n];
+    if (a > b)
+      std::swap(a, b);
+    const Vec3d &p = q[order[a]], &r = q[order[b]];
+    const double from = p.x * way.x + p.y * way.y, to = r.x * way.x + r.y * way.y;
+    if ((from > 0) == (to > 0))
+      continue;
+    const double u = from / (from - to), t = (1 - u) * p.z + u * r.z;
+    for (Crossing& end : ends)
+      if (&end == ends ? t < end.t : t > end.t) {
+        end.t = t;
+        std::fill(end.weights, end.weights + n, 0.0);
+        end.weights[a] = 1 - u;
+        end.weights[b] = u;
+      }
+  }
+  if (!(ends[0].t <= ends[1].t))
+    return false;
+  c.count = n;
+  c.t = 0.5 * (ends[0].t + ends[1].t);
+  for (int k = 0; k < n; ++k) {
+    c.vertices[k] = order[k];
+    c.weights[k] = 0.5 * (ends[0].weights[k] + ends[1].weights[k]);
+  }
+  return true;
+}
+
 bool cross_triangle(const Face& face, const Vec3d* x, const Vec3d* q, Crossing& c) {
   std::uint8_t v[3] = {face.vertices[0], face.vertices[1], face.vertices[2]};
   const double e0 = edge_function(q[v[1]], q[v[2]]), e1 = edge_function(q[v[2]], q[v[0]]),
@@ -35,7 +100,9 @@ bool cross_triangle(const Face& face, const Vec3d* x, const Vec3d* q, Crossing& 
                w2 = std::fabs(edge_function(q[v[0]], q[v[1]]));
   const double sum = w0 + w1 + w2;
   if (!(sum > 0.0))
-    return false; // seen edge-on: its edges belong to other faces too
+    return false; // its edges belong to other faces too
+  if (sum <= edge_on_area * squared_reach(face, q))
+    return cross_edge_on(face, x, q, c);
   c.count = 3;
   std::copy(v, v + 3, c.vertices);
   c.weights[0] = w0 / sum;
@@ -89,6 +156,16 @@ void set_patch_point(double u, double v, const Quad& quad, const Vec3d* q, Cross
   c.t = 0;
   for (int k = 0; k < 4; ++k)
     c.t += c.weights[k] * q[c.vertices[k]].z;
+}
+
+/// Whether rounding moved a crossing aside, as it does where the face is seen edge-on.
+bool lies_off(const Crossing& c, const Face& face, const Vec3d* q) {
+  double x = 0, y = 0;
+  for (int k = 0; k < c.count; ++k) {
+    x += c.weights[k] * q[c.vertices[k]].x;
+    y += c.weights[k] * q[c.vertices[k]].y;
+  }
+  return x * x + y * y > off_the_ray * off_the_ray * squared_reach(face, q);
 }
 
 double outside(double u, double v) {
@@ -151,7 +228,7 @@ int cross_quad(const Face& face, const Vec3d* x, const Vec3d* q, Crossing* out) 
       return 0; // no area
     const int best = n == 2 && outside(uv[1][0], uv[1][1]) < outside(uv[0][0], uv[0][1]) ? 1 : 0;
     set_patch_point(uv[best][0], uv[best][1], quad, q, out[0]);
-    return 1;
+    return !lies_off(out[0], face, q) || cross_edge_on(face, x, q, out[0]) ? 1 : 0;
   }
   int found = 0;
   for (int i = 0; i < n; ++i)

@@ -240,4 +240,9 @@ std::optional<std::array<double, 2>> RayGenerator::project(const Vec3d& point) c
                                middle_[1] + scale * dot(from, axes_.down)};
 }
 
+ViewSpace RayGenerator::view() const {
+  return {origin_, axes_.right / pixel_,     axes_.down / pixel_, axes_.forward,
+          pixel_,  {middle_[0], middle_[1]}, orthographic_};
+}
+
 } // namespace insitu::render

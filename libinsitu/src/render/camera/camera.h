@@ -6,6 +6,7 @@
 
 #include "cells/kernels/ray_cell.h"
 #include "math/vec.h"
+#include "render/camera/view_space.h"
 
 namespace insitu::render {
 
@@ -94,6 +95,8 @@ public:
   /// Returns where a point is seen: x and y in pixels, where (0, 0) is the upper left corner of the
   /// image. The optional is empty for a point that is not before the camera.
   std::optional<std::array<double, 2>> project(const math::Vec3d& point) const;
+  /// Returns the frame of reference in which these rays are places of an image.
+  ViewSpace view() const;
 
 private:
   CameraAxes axes_;

@@ -8,6 +8,7 @@
 #include "accel/camera_rays/ray_traversal.h"
 #include "core/status.h"
 #include "mesh/box.h"
+#include "render/surface/tiles/isosurface_rays.h"
 
 namespace insitu::render {
 
@@ -51,7 +52,7 @@ unsigned IsosurfaceTracer::Group::needed(std::uint32_t node) const {
 IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
                                    const std::vector<IsosurfaceSettings>& settings,
                                    Structures& structures, bool lit)
-    : sampler_(sampler) {
+    : sampler_(sampler), lit_(lit) {
   for (const IsosurfaceSettings& s : settings) {
     check(s);
     auto group = std::find_if(groups_.begin(), groups_.end(),
@@ -66,6 +67,9 @@ IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
       surfaces_.push_back({&s, std::size_t(group - groups_.begin()), v});
     }
   }
+  is_exact_ = std::all_of(settings.begin(), settings.end(), [](const IsosurfaceSettings& s) {
+    return s.search == RootSearch::exact;
+  });
   for (Group& group : groups_) {
     group.has_blank_cells =
         group.source.field.association == INSITU_CELL && group.source.field.has_blanks;
@@ -80,6 +84,39 @@ IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
   }
 }
 
+bool IsosurfaceTracer::Group::load(std::int32_t piece, std::int64_t cell, const std::int64_t* ids,
+                                   int n, double* values) const {
+  if (has_blank_cells && std::isnan(source.load(piece, cell)))
+    return false; // averages of the cells around are none of its
+  double sum = 0;
+  for (int v = 0; v < n; ++v) {
+    values[v] = field.load(piece, ids[v]);
+    sum += values[v] - values[0];
+  }
+  return std::isfinite(sum);
+}
+
+bool IsosurfaceTracer::keep(const LevelHit& root, double extent, std::int64_t flat,
+                            const Level& level, Search& search) {
+  if (root.t > search.t_max + twin_distance * extent)
+    return false;
+  if (search.stays && !stays_at(*search.stays, root.t))
+    return true; // cut away: the ray goes on
+  SurfaceHit hit;
+  hit.t = root.t;
+  hit.cell = flat;
+  hit.surface = level.surface;
+  hit.opacity = float(level.settings->opacity);
+  hit.extent = extent;
+  hit.parametric = root.parametric;
+  hit.gradient = root.gradient;
+  search.hits.push_back(hit);
+  const bool opaque = level.settings->opacity >= 1;
+  if (opaque)
+    search.t_max = std::min(search.t_max, root.t);
+  return !opaque;
+}
+
 void IsosurfaceTracer::test_cell(std::int64_t flat, Search& search) const {
   ++search.counts.cells_tested;
   const mesh::MeshView& mesh = sampler_.mesh();
@@ -92,16 +129,12 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, Search& search) const {
   std::optional<CellRoots>
       roots; // most cells below a candidate leaf end before their points are read
   for (const Group& group : groups_) {
-    if (group.has_blank_cells && std::isnan(group.source.load(cell.piece, local)))
-      continue; // averages of the cells around are none of its
-    double values[8], low = HUGE_VAL, high = -HUGE_VAL;
-    for (int v = 0; v < cell.count; ++v) {
-      values[v] = group.field.load(cell.piece, cell.ids[v]);
-      low = std::min(low, values[v]);
-      high = std::max(high, values[v]);
-    }
+    double values[8];
+    if (!group.load(cell.piece, local, cell.ids, cell.count, values))
+      continue;
+    const auto [low, high] = std::minmax_element(values, values + cell.count);
     for (const Level& level : group.levels) {
-      if (!(low <= level.value && level.value <= high))
+      if (!(*low <= level.value && level.value <= *high))
         continue;
       if (!roots) {
         mesh::gather_points(piece, local, cell);
@@ -109,26 +142,10 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, Search& search) const {
       }
       if (!roots->meets())
         return;
-      const bool opaque = level.settings->opacity >= 1;
-      const auto found = [&](const LevelHit& root) {
-        if (root.t > search.t_max + twin_distance * roots->extent())
-          return false;
-        if (search.stays && !stays_at(*search.stays, root.t))
-          return true; // cut away: the ray goes on
-        SurfaceHit hit;
-        hit.t = root.t;
-        hit.cell = flat;
-        hit.surface = level.surface;
-        hit.opacity = float(level.settings->opacity);
-        hit.extent = roots->extent();
-        hit.parametric = root.parametric;
-        hit.gradient = root.gradient;
-        search.hits.push_back(hit);
-        if (opaque)
-          search.t_max = std::min(search.t_max, root.t);
-        return !opaque;
-      };
-      roots->find(values, level.value, found, level.settings->search);
+      roots->find(
+          values, level.value,
+          [&](const LevelHit& root) { return keep(root, roots->extent(), flat, level, search); },
+          level.settings->search);
     }
   }
   if (roots)
@@ -199,27 +216,45 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
                 stays ? std::min(stays->back().to, farthest) : farthest,
                 hits,
                 counts};
+  std::optional<RayCells> side_by_side;
+  if (is_exact_)
+    side_by_side.emplace(*this, search);
+  const auto take = [&](std::int64_t flat) {
+    if (side_by_side)
+      side_by_side->add(flat);
+    else
+      test_cell(flat, search);
+  };
   accel::for_each_cell_along_ray(
       sampler_.tree(), ray.origin, ray.direction, search.t_min, search.t_max,
-      [&](std::uint32_t node) {
-        unsigned children = 0;
-        for (const Group& group : groups_)
-          children |= group.needed(node);
-        return children;
-      },
+      [&](std::uint32_t node) { return needed(node); },
       [&](std::int64_t flat) {
         const mesh::MeshView& mesh = sampler_.mesh();
         const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(flat)];
         if (!piece.gridlets) {
-          test_cell(flat, search);
+          take(flat);
           return search.t_max;
         }
         const std::int64_t first = mesh.first_cell[&piece - mesh.pieces];
         accel::for_each_cell_along_ray(*piece.gridlets, (flat - first) >> mesh::Gridlet::cell_bits,
                                        ray.origin, ray.direction, search.t_min, search.t_max,
-                                       [&](int local) { test_cell(flat + local, search); });
+                                       [&](int local) { take(flat + local); });
         return search.t_max;
       });
+  if (side_by_side)
+    side_by_side->flush();
+  CellValues none;
+  settle(hits, none);
+}
+
+unsigned IsosurfaceTracer::needed(std::uint32_t node) const {
+  unsigned children = 0;
+  for (const Group& group : groups_)
+    children |= group.needed(node);
+  return children;
+}
+
+void IsosurfaceTracer::settle(std::vector<SurfaceHit>& hits, CellValues& last) const {
   std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
     if (a.t != b.t)
       return a.t < b.t;
@@ -228,8 +263,6 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
   std::size_t kept = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const SurfaceHit& hit = hits[i];
-    if (hit.t > search.t_max + twin_distance * hit.extent)
-      continue;
     bool twin = false;
     for (std::size_t k = kept; k-- > 0 && !twin;) {
       SurfaceHit& other = hits[k];
@@ -250,6 +283,21 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
     if (hits[i].opacity >= 1) {
       hits.resize(i + 1);
       break;
+    }
+  for (SurfaceHit& hit : hits)
+    if (lit_ && std::isnan(hit.gradient.x)) {
+      if (last.surface != hit.surface || last.flat != hit.cell) {
+        last.surface = hit.surface;
+        last.flat = hit.cell;
+        mesh::CellVertices cell;
+        mesh::gather(sampler_.mesh(), hit.cell, cell);
+        const ScalarField& field = groups_[surfaces_[std::size_t(hit.surface)].group].field;
+        double values[8];
+        for (int v = 0; v < cell.count; ++v)
+          values[v] = field.load(cell.piece, cell.ids[v]);
+        last.cell = TrilinearCell(cell.shape, cell.x, values);
+      }
+      hit.gradient = last.cell.gradient(hit.parametric);
     }
 }
 

@@ -12,6 +12,7 @@
 #include "render/surface/cell_roots.h"
 #include "render/surface/normals.h"
 #include "render/surface/surface_hit.h"
+#include "render/surface/tiles/trilinear_cell.h"
 
 namespace insitu::render {
 
@@ -29,7 +30,7 @@ struct IsosurfaceSettings {
   double opacity = 1;
   std::variant<Color, ColorByField> color = Color{0.6f, 0.6f, 0.6f}; ///< linear
   Normals normals = Normals::cell;
-  RootSearch search = RootSearch::cubic;
+  RootSearch search = RootSearch::exact;
 };
 
 /// Intersects rays with all surfaces of a frame in one traversal, pruned by the fields' value
@@ -54,7 +55,18 @@ public:
   /// The field's gradient at a hit, which lies at p, as the surface's normals are chosen.
   math::Vec3d gradient(const SurfaceHit& hit, const math::Vec3d& p, SurfaceCounts& counts) const;
 
-private:
+  /// Puts all hits of a ray into depth order, makes twins one, and leaves out what lies behind the
+  /// first opaque one. A hit whose gradient is not a number gets the cell's own, if hits are lit;
+  /// `last` keeps the cell for the next ray.
+  struct CellValues {
+    std::int32_t surface = -1; ///< none
+    std::int64_t flat = -1;
+    TrilinearCell cell;
+  };
+  void settle(std::vector<SurfaceHit>& hits, CellValues& last) const;
+  /// Whether all surfaces are searched by RootSearch::exact, as tiles do.
+  bool is_exact() const { return is_exact_; }
+
   struct Level {
     double value = 0;
     float low = 0, high = 0; ///< the value in floats, outwards
@@ -71,6 +83,10 @@ private:
     std::vector<Level> levels;
     /// Bit c: a level may be in child c's values.
     unsigned needed(std::uint32_t node) const;
+    /// The values at a cell's vertices; false if the cell has no surface because it is blank or one
+    /// is not a number.
+    bool load(std::int32_t piece, std::int64_t cell, const std::int64_t* ids, int n,
+              double* values) const;
   };
   /// What a trace goes on with from cell to cell.
   struct Search {
@@ -80,9 +96,20 @@ private:
     std::vector<SurfaceHit>& hits;
     SurfaceCounts& counts;
   };
+  /// Adds a root of a cell to a search's hits unless it is cut away or hidden; whether the ray goes
+  /// on. extent: of the ray in the cell.
+  static bool keep(const LevelHit& root, double extent, std::int64_t flat, const Level& level,
+                   Search& search);
+  const std::vector<Group>& groups() const { return groups_; }
+  /// Bit c: a level of any group may be in child c's values.
+  unsigned needed(std::uint32_t node) const;
+  const query::Sampler& sampler() const { return sampler_; }
+
+private:
   void test_cell(std::int64_t flat, Search& search) const;
 
   query::Sampler sampler_;
+  bool lit_, is_exact_ = false;
   std::vector<Group> groups_;
   struct Surface {
     const IsosurfaceSettings* settings;

@@ -63,8 +63,17 @@ void Surfaces::find(const Ray& ray, const std::vector<Stretch>* stays,
     triangles_->trace(ray, hits, stays);
 }
 
-void Surfaces::trace(RayState& state, std::uint64_t pixel, SurfaceCounts& counts) const {
-  find(state.ray, settings_.clips.empty() ? nullptr : &state.stays, state.hits, counts);
+void Surfaces::trace(RayState& state, std::uint64_t pixel, IsosurfaceTile* tile,
+                     SurfaceCounts& counts) const {
+  const std::vector<Stretch>* const stays = settings_.clips.empty() ? nullptr : &state.stays;
+  if (tile) {
+    tile->hits(int(pixel % std::uint64_t(settings_.width)),
+               int(pixel / std::uint64_t(settings_.width)), state.hits);
+    if (triangles_)
+      triangles_->trace(state.ray, state.hits, stays);
+  } else {
+    find(state.ray, stays, state.hits, counts);
+  }
   std::uint64_t index = 0;
   for (SurfaceHit& hit : state.hits) {
     hit.color = color(hit);

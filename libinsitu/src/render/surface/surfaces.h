@@ -8,6 +8,7 @@
 #include "render/frame.h"
 #include "render/surface/isosurface.h"
 #include "render/surface/shade.h"
+#include "render/surface/tiles/isosurface_tile.h"
 #include "render/volume/volume_shadow.h"
 
 namespace insitu::render {
@@ -20,7 +21,12 @@ public:
 
   /// Sets ray.hits, in depth order, up to and including the first opaque one. ray.stays must be set
   /// if the frame has clips. pixel: what random numbers depend on.
-  void trace(RayState& ray, std::uint64_t pixel, SurfaceCounts& counts) const;
+  /// tile: holds the isosurfaces' hits of the pixel, or null.
+  void trace(RayState& ray, std::uint64_t pixel, IsosurfaceTile* tile, SurfaceCounts& counts) const;
+  /// The isosurfaces, if hits of a tile can be found side by side; otherwise null.
+  const IsosurfaceTracer* tiled() const {
+    return isosurfaces_ && isosurfaces_->is_exact() ? &*isosurfaces_ : nullptr;
+  }
 
   double open(const Ray& ray, double t_max) const override;
   void meet(const Ray& ray, core::FunctionRef<bool(float opacity)> ends, std::uint64_t seed,

@@ -115,7 +115,7 @@ struct Isosurface {
   double opacity = 1;
   SurfaceColor color = render::linear_of_srgb(0.8, 0.8, 0.8);
   render::Normals normals = render::Normals::cell;
-  render::RootSearch search = render::RootSearch::cubic;
+  render::RootSearch search = render::RootSearch::exact;
   int line = 0;
 };
 

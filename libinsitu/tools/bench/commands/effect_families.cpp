@@ -106,8 +106,8 @@ private:
            s.isosurfaces[0].normals = render::Normals::central;
          },
          false},
-        {"exact search",
-         [](FrameSettings& s) { s.isosurfaces[0].search = render::RootSearch::exact; }},
+        {"search by cubics",
+         [](FrameSettings& s) { s.isosurfaces[0].search = render::RootSearch::cubic; }, false},
         {"Neubauer's search",
          [](FrameSettings& s) { s.isosurfaces[0].search = render::RootSearch::neubauer; }, false},
         {"colours by field",

@@ -1,0 +1,194 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "accel/camera_rays/ray_traversal.h"
+#include "render/surface/tiles/isosurface_tile.h"
+#include "unit/render/placed_mesh.h"
+
+/// Isosurfaces cell by cell in tiles of the screen beside the search by the ray.
+namespace insitu::test {
+
+using render::Camera;
+using render::IsosurfaceSettings;
+using render::IsosurfaceTile;
+using render::IsosurfaceTracer;
+using render::SurfaceHit;
+
+inline double sphere(const Vec3d& p) {
+  const Vec3d d = p - Vec3d{0.5, 0.5, 0.5};
+  return std::sqrt(dot(d, d)) +
+         0.012 * std::sin(23 * p.x) * std::sin(19 * p.y) * std::sin(21 * p.z);
+}
+
+inline double gyroid(const Vec3d& p) {
+  const double k = 2 * M_PI * 2;
+  return std::sin(k * p.x) * std::cos(k * p.y) + std::sin(k * p.y) * std::cos(k * p.z) +
+         std::sin(k * p.z) * std::cos(k * p.x);
+}
+
+/// Whether a hit lies on the ray and on its surface, by its own cell's map.
+inline bool is_root(const IsosurfaceTracer& tracer, const render::Ray& ray, const SurfaceHit& hit) {
+  const mesh::MeshView& mesh = tracer.sampler().mesh();
+  mesh::CellVertices cell;
+  mesh::gather(mesh, hit.cell, cell);
+  const Vec3d p = cells::map_to_physical(cell.shape, cell.x, hit.parametric);
+  const Vec3d off = p - (ray.origin + hit.t * ray.direction);
+  for (const IsosurfaceTracer::Group& group : tracer.groups())
+    for (const IsosurfaceTracer::Level& level : group.levels)
+      if (level.surface == hit.surface) {
+        const double value = group.field.at(mesh, {hit.cell, hit.parametric});
+        return std::sqrt(dot(off, off)) < 1e-8 * hit.extent &&
+               std::fabs(value - level.value) < 1e-8 * (1 + std::fabs(level.value));
+      }
+  return false;
+}
+
+/// Where other searches differ from that in one cell after the other.
+struct Compared {
+  std::int64_t rays = 0, hits = 0, other = 0;
+  double worst = 0;  ///< difference of depths, of the extent in the cell
+  std::string first; ///< what differs, in words
+
+  void compare(const IsosurfaceTracer& tracer, const render::Ray& ray,
+               const std::vector<SurfaceHit>& right, const std::vector<SurfaceHit>& found,
+               const char* name, int x, int y) {
+    bool same = found.size() == right.size();
+    for (std::size_t i = 0; same && i < right.size(); ++i) {
+      const double off =
+          std::fabs(found[i].t - right[i].t) / std::max(right[i].extent, found[i].extent);
+      // Where a cell folds, that search can take a place for a root that is none.
+      same = found[i].surface == right[i].surface &&
+             (off < 1e-6 || (is_root(tracer, ray, found[i]) && !is_root(tracer, ray, right[i])));
+      if (same && off < 1e-6)
+        worst = std::max(worst, off);
+    }
+    if (same || other++ > 0)
+      return;
+    first = "pixel " + std::to_string(x) + ", " + std::to_string(y) + ":";
+    for (const auto* list : {&found, &right}) {
+      first += list == &right ? " cell by cell" : std::string(" ") + name;
+      for (const SurfaceHit& hit : *list)
+        first += " t " + std::to_string(hit.t) + " cell " + std::to_string(hit.cell) + " at " +
+                 std::to_string(hit.parametric.x) + " " + std::to_string(hit.parametric.y) + " " +
+                 std::to_string(hit.parametric.z) + " surface " + std::to_string(hit.surface) + ";";
+    }
+  }
+};
+
+/// The hits of a ray by the search in one cell after the other.
+inline void trace_cell_by_cell(const IsosurfaceTracer& tracer, const render::Ray& ray,
+                               const std::vector<render::Stretch>* stays,
+                               std::vector<SurfaceHit>& hits) {
+  hits.clear();
+  if (stays && stays->empty())
+    return;
+  const mesh::MeshView& mesh = tracer.sampler().mesh();
+  render::SurfaceCounts counts;
+  IsosurfaceTracer::Search search{cells::RaySpace(ray),
+                                  stays,
+                                  stays ? stays->front().from : 0.0,
+                                  stays ? std::min(stays->back().to, 1e300) : 1e300,
+                                  hits,
+                                  counts};
+  const auto test = [&](std::int64_t flat) {
+    mesh::CellVertices cell;
+    mesh::gather(mesh, flat, cell);
+    render::CellRoots roots(cell, search.space, search.t_min, search.t_max);
+    if (!roots.meets())
+      return;
+    const std::int64_t local = flat - mesh.first_cell[cell.piece];
+    for (const IsosurfaceTracer::Group& group : tracer.groups()) {
+      double values[8];
+      if (group.load(cell.piece, local, cell.ids, cell.count, values))
+        for (const IsosurfaceTracer::Level& level : group.levels)
+          roots.find(
+              values, level.value,
+              [&](const render::LevelHit& root) {
+                return IsosurfaceTracer::keep(root, roots.extent(), flat, level, search);
+              },
+              render::RootSearch::exact);
+    }
+  };
+  accel::for_each_cell_along_ray(
+      tracer.sampler().tree(), ray.origin, ray.direction, search.t_min, search.t_max,
+      [&](std::uint32_t node) { return tracer.needed(node); },
+      [&](std::int64_t flat) {
+        const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(flat)];
+        for (std::int64_t c = flat; c < flat + piece.cells_an_item(); ++c)
+          if (piece.owns(c - mesh.first_cell[mesh.piece_of(flat)]))
+            test(c);
+        return search.t_max;
+      });
+  IsosurfaceTracer::CellValues none;
+  tracer.settle(hits, none);
+}
+
+/// Compares the hits of a frame's rays: of tiles, and of rays one by one.
+inline Compared compare(const query::Sampler& sampler,
+                        const std::vector<IsosurfaceSettings>& settings,
+                        render::Structures& structures, const Camera& camera, int width, int height,
+                        const std::vector<render::Clip>& clips = {}) {
+  const IsosurfaceTracer tracer(sampler, settings, structures);
+  const render::RayGenerator rays(camera, width, height);
+  IsosurfaceTile tile;
+  Compared result;
+  std::vector<SurfaceHit> together, alone, right;
+  std::vector<render::Stretch> stays;
+  render::SurfaceCounts counts;
+  for (int y0 = 0; y0 < height; y0 += IsosurfaceTile::side)
+    for (int x0 = 0; x0 < width; x0 += IsosurfaceTile::side) {
+      const int x1 = std::min(width, x0 + IsosurfaceTile::side);
+      const int y1 = std::min(height, y0 + IsosurfaceTile::side);
+      tile.trace(tracer, rays, clips, x0, y0, x1, y1, counts);
+      for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x) {
+          const render::Ray ray = rays(x, y);
+          render::clip_ray(clips, ray, 0, HUGE_VAL, stays);
+          const auto* const left = clips.empty() ? nullptr : &stays;
+          together.clear();
+          tile.hits(x, y, together);
+          tracer.trace(ray, alone, counts, left);
+          trace_cell_by_cell(tracer, ray, left, right);
+          ++result.rays;
+          result.hits += std::int64_t(right.size());
+          result.compare(tracer, ray, right, together, "tile", x, y);
+          result.compare(tracer, ray, right, alone, "ray", x, y);
+        }
+    }
+  return result;
+}
+
+inline std::vector<double> at_vertices(const TestMesh& mesh, double (*of)(const Vec3d&)) {
+  std::vector<double> values;
+  for (const Vec3d& p : mesh.vertices)
+    values.push_back(of(p));
+  return values;
+}
+
+struct View {
+  const char* name;
+  Camera camera;
+};
+
+inline std::vector<View> views() {
+  Camera far = Camera::around({0, 0, 0}, {1, 1, 1}, 40, 25);
+  Camera straight = Camera::around({0, 0, 0}, {1, 1, 1}, 0, 0);
+  Camera inside;
+  inside.position = {0.52, 0.47, 0.55};
+  inside.look_at = {0.9, 0.6, 0.2};
+  inside.up = {0, 0, 1};
+  inside.fov = 100;
+  Camera flat = far;
+  flat.orthographic_height = 1.8;
+  Camera flat_straight = straight;
+  flat_straight.orthographic_height = 1.0;
+  Camera near = far;
+  near.position = near.look_at + 0.35 * (near.position - near.look_at) / 2.0;
+  near.fov = 60;
+  return {{"far", far},           {"straight", straight},        {"inside", inside},
+          {"orthographic", flat}, {"along axes", flat_straight}, {"near", near}};
+}
+
+} // namespace insitu::test
