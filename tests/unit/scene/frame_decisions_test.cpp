@@ -53,6 +53,9 @@ TEST(DecideFrame, ImagesBesideThatOfColour) {
   const std::string globe = "boundary: {}, geocentric: {graticule: 10}";
   const std::string not_asked = "not among the frame's images";
   const Decided none("boundary: {}");
+  expect(none->samples, false, "one sample a pixel");
+  expect(Decided("boundary: {}, samples_per_pixel: 5")->samples, true,
+         "several samples a pixel, one after the other");
   expect(none->depth, false, not_asked);
   expect(none->cell, false, not_asked);
   expect(none->globe, false, "neither globe nor graticule is asked for");

@@ -44,6 +44,7 @@ TEST(SceneFrames, Defaults) {
   EXPECT_TRUE(f.effects.empty() && f.isosurfaces.empty());
   EXPECT_EQ(f.accuracy, INSITU_STANDARD);
   EXPECT_EQ(f.step, 1);
+  EXPECT_EQ(f.samples_per_pixel, 1);
   EXPECT_EQ(f.camera.azimuth, 30);
   EXPECT_EQ(f.camera.elevation, 20);
   EXPECT_EQ(f.camera.zoom, 1);
@@ -286,6 +287,19 @@ TEST(SceneFrames, Errors) {
   EXPECT_NE(
       frame_error("iso: 1").find("key 'iso' is unknown in frames[0]; did you mean 'isosurfaces'?"),
       std::string::npos);
+}
+
+TEST(SceneFrames, SamplesOfPixels) {
+  EXPECT_EQ(frame("samples_per_pixel: 9").samples_per_pixel, 9);
+  EXPECT_EQ(frame("samples_per_pixel: 4, path_tracing: {samples: 4}").samples_per_pixel, 4);
+  EXPECT_EQ(frame_error("samples_per_pixel: 0"),
+            "s.yaml:2: frames[0].samples_per_pixel: an integer from 1 to 256 expected, '0' found");
+  EXPECT_EQ(frame_error("samples_per_pixel: 5, path_tracing: {samples: 4}"),
+            "s.yaml:2: frames[0].samples_per_pixel: at most as many as the 4 'samples' of "
+            "'path_tracing' expected, which are spread over them, 5 found");
+  EXPECT_EQ(frame_error("samples_per_pixel: 5, geocentric: {graticule: 10}"),
+            "s.yaml:2: frames[0].samples_per_pixel: a frame with a 'globe' or a 'graticule' has "
+            "one sample a pixel");
 }
 
 TEST(SceneFrames, Effects) {

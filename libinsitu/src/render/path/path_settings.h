@@ -52,7 +52,7 @@ struct PathSums {
 /// A volume drawn by following light, in place of ray marching.
 struct PathTracingSettings {
   Scattering scattering = Scattering::multiple;
-  int samples = 64;      ///< paths a pixel, each through the pixel's centre
+  int samples = 64;      ///< paths a pixel, spread over the samples of pixels
   double density = 1;    ///< factor on the extinction
   double anisotropy = 0; ///< the mean cosine of scattering, in (-1, 1)
   /// Bounces after which a path is cut off, which makes the image darker by what it missed: paths

@@ -37,6 +37,15 @@ public:
   /// pass.
   void set_surfaces(const SceneSurfaces* surfaces) { surfaces_ = surfaces; }
 
+  /// Lets the paths of a pixel be those that have the numbers first, first + stride, ... among all
+  /// that the frame has. depth: whether they tell the depth.
+  void set_samples(std::int64_t count, std::int64_t first, std::int64_t stride, bool depth) {
+    settings_.samples = int(count);
+    settings_.depth = depth;
+    first_sample_ = first;
+    stride_ = stride;
+  }
+
   /// Draws pixels: rays, which come with their surface hits, get colour and alpha, and no hit is
   /// left to blend. pixels: the number of each in the image, which with the sample keys the random
   /// numbers. Thread-safe for different pixels; what a pixel gets depends on nothing else.
@@ -53,6 +62,7 @@ private:
   bool clip_to_bounds(const Ray& ray, double& near, double& far) const;
 
   PathTracingSettings settings_;
+  std::int64_t first_sample_ = 0, stride_ = 1;
   const query::CulledCells* culled_;
   Medium medium_;
   PathLights lights_;

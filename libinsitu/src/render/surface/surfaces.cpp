@@ -69,7 +69,7 @@ void Surfaces::trace(RayState& state, std::uint64_t pixel, SurfaceCounts& counts
   for (SurfaceHit& hit : state.hits) {
     hit.color = color(hit);
     if (shader_)
-      light(state.ray, core::splitmix64(pixel) + index++, hit, counts);
+      light(state.ray, core::splitmix64(pixel ^ (state.sample << 32)) + index++, hit, counts);
   }
   if (outline_)
     outline_->add(int(pixel % std::uint64_t(settings_.width)),

@@ -19,7 +19,7 @@ public:
   Surfaces(const query::Sampler& sampler, const FrameSettings& settings, Structures& structures);
 
   /// Sets ray.hits, in depth order, up to and including the first opaque one. ray.stays must be set
-  /// if the frame has clips. pixel: what random numbers depend on.
+  /// if the frame has clips. pixel: what random numbers depend on, with the ray's sample.
   void trace(RayState& ray, std::uint64_t pixel, SurfaceCounts& counts) const;
 
   double open(const Ray& ray, double t_max) const override;

@@ -19,6 +19,9 @@ bool asks_for(const std::vector<Item>& items, Item item) {
 }
 
 void decide_images(const Frame& frame, const FrameFacts& facts, FrameDecisions& d) {
+  d.samples = frame.samples_per_pixel > 1
+                  ? Decision{true, "several samples a pixel, one after the other"}
+                  : Decision{false, "one sample a pixel"};
   const bool globe = frame.geocentric && (frame.geocentric->globe || frame.geocentric->graticule);
   d.globe = globe ? Decision{true, "while it is drawn, some rows at a time"}
                   : Decision{false, "neither globe nor graticule is asked for"};

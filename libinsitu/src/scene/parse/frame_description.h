@@ -179,6 +179,7 @@ struct Frame {
   std::string name;                     ///< of the images, `name_000120.png`; unique in the scene
   Name mesh;                            ///< empty: the first mesh of the session
   std::array<int, 2> size{1024, 1024};  ///< width, height
+  int samples_per_pixel = 1;            ///< rays, whose colours are averaged
   std::optional<Geocentric> geocentric; ///< nothing: drawn in its own coordinates
   render::Color background = render::linear_of_srgb(1, 1, 1);
   double background_alpha = 1; ///< of what stands behind everything; below 1 the image keeps alpha
