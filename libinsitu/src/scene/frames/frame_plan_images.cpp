@@ -44,7 +44,7 @@ void overlays(const Frame& frame, const FrameDecisions& decisions, Plan& plan) {
   const auto overlay = [&](const char* item, bool asked) {
     plan.tell(item, {asked, asked ? "drawn over the image" : "not asked for"});
   };
-  overlay("time label", frame.time_label);
+  overlay("time label", frame.time_label.has_value());
   overlay("axes", frame.axes);
 }
 

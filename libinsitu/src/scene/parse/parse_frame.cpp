@@ -232,15 +232,7 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
         *format, {{"png", ImageFormat::png}, {"exr", ImageFormat::exr}}, "format");
   }
   parse_drawn(map, context, frame);
-  if (const auto bar = map.find("scalar_bar")) {
-    assign(frame.scalar_bar, bar->boolean());
-  }
-  if (const auto label = map.find("time_label")) {
-    assign(frame.time_label, label->boolean());
-  }
-  if (const auto axes = map.find("axes")) {
-    assign(frame.axes, axes->boolean());
-  }
+  parse_labels(map, frame);
   parse_frame_effects(map, frame);
   frame.path_tracing = parse_path_tracing(map, frame.effects);
   parse_samples(map, frame);
