@@ -49,9 +49,12 @@ void decide_lighting(const Frame& frame, FrameDecisions& d) {
   d.occlusion = choose(FrameEffect::ambient_occlusion);
   if (d.volume_shadows && !d.shadows)
     d.shadows = {true, "with volume shadows"};
-  d.lit = asks_for(frame.effects, FrameEffect::lighting) || d.shadows || d.occlusion;
+  const bool by_default = !frame.has_effects_key && !frame.isosurfaces.empty();
+  d.lit = by_default || asks_for(frame.effects, FrameEffect::lighting) || d.shadows || d.occlusion;
   if (frame.isosurfaces.empty() && !frame.boundary && frame.bodies.empty())
     d.surface_lighting = {false, "there is none"};
+  else if (by_default)
+    d.surface_lighting = {true, "isosurfaces, and no effects are listed"};
   else if (d.lit)
     d.surface_lighting = {true, "an effect of the frame, or with shadows or occlusion"};
   else

@@ -206,7 +206,8 @@ struct Frame {
   std::optional<output::TimeLabel> time_label; ///< an empty optional: none is drawn
   bool axes = false;                           ///< draws where x, y and z point
   std::vector<FrameEffect> effects;
-  Occlusion occlusion;                     ///< if among the effects
+  bool has_effects_key = false; ///< else isosurfaces are lit, whatever the list of effects
+  Occlusion occlusion;          ///< if among the effects
   std::optional<PathTracing> path_tracing; ///< also there where an effect asks for it
   insitu_accuracy accuracy = INSITU_STANDARD;
   double step = 1; ///< factor on the ray step that `accuracy` chooses

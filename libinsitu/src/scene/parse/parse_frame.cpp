@@ -137,6 +137,7 @@ void parse_drawn(const MapReader& map, const ParseContext& context, Frame& frame
 
 void parse_frame_effects(const MapReader& map, Frame& frame) {
   if (const auto effects = map.find("effects")) {
+    frame.has_effects_key = true;
     frame.effects = parse_effects<FrameEffect>(
         *effects, {{"lighting", FrameEffect::lighting},
                    {"shadows", FrameEffect::shadows},
