@@ -366,7 +366,7 @@ TEST(SceneFrames, PathTracing) {
   EXPECT_EQ(defaults.density, 1);
   EXPECT_EQ(defaults.anisotropy, 0);
   EXPECT_EQ(defaults.max_bounces, 4096);
-  EXPECT_EQ(defaults.cells_per_macrocell, 64);
+  EXPECT_EQ(defaults.cells_per_macrocell, 4);
   EXPECT_EQ(defaults.seed, 0u);
   EXPECT_FALSE(defaults.shows_dome || defaults.accumulate);
   EXPECT_TRUE(frame("path_tracing: {}").path_tracing);

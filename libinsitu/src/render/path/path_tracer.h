@@ -14,6 +14,11 @@
 
 namespace insitu::render {
 
+/// How fine the grid of majorants is.
+inline MacrocellFineness fineness_of(const PathTracingSettings& settings) {
+  return {settings.cells_per_macrocell, PathTracingSettings::most_macrocells};
+}
+
 /// Follows light through a volume, without bias: free flights by delta tracking (Woodcock et al.
 /// 1965) through the majorants of macrocells, transmittances of shadow rays by ratio tracking
 /// (Novak et al. 2014). Dome lights are met by the paths that leave the medium, all others by a
