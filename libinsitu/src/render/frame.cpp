@@ -7,6 +7,7 @@
 
 #include "core/timer.h"
 #include "render/path/path_tracer.h"
+#include "render/pixel_average.h"
 #include "render/surface/surfaces.h"
 
 namespace insitu::render {
@@ -33,6 +34,8 @@ public:
     if (settings.volume && settings.path_tracing) {
       PathTracingSettings tracing = *settings.path_tracing;
       tracing.depth = settings.depth || settings.cell;
+      if (settings.samples_per_pixel > 1)
+        tracing.sums = nullptr; // the whole samples are added up
       paths_.emplace(sampler, *settings.volume, tracing, settings.camera, settings.lighting.lights,
                      settings.clips, structures, threads);
       culled_ = paths_->culled();
@@ -58,6 +61,16 @@ public:
   std::int64_t unheld() const { return volume_ ? volume_->unheld() : 0; }
   /// Or null.
   const query::CulledCells* culled() const { return culled_; }
+
+  /// Draws from now on this sample of each pixel of a frame that has several.
+  void set_sample(const PixelAverage::Sample& sample) {
+    sample_ = std::uint64_t(sample.number);
+    if (sample.number > 0)
+      rays_ = RayGenerator(settings_.camera, settings_.width, settings_.height).shifted(sample.at);
+    if (paths_)
+      paths_->set_samples(sample.paths, sample.first_path, settings_.samples_per_pixel,
+                          sample.number == 0 && (settings_.depth || settings_.cell));
+  }
 
   /// The side of what draw() takes at once.
   int side() const { return tiled() ? IsosurfaceTile::side : tile_side; }
@@ -95,6 +108,7 @@ private:
       for (int x = x0; x < x1; ++x) {
         RayState& state = states[at++];
         state.begin(rays_(x, y));
+        state.sample = sample_;
         if (!settings_.clips.empty()) {
           clip_ray(settings_.clips, state.ray, 0, HUGE_VAL, state.stays);
           clipped +=
@@ -122,9 +136,9 @@ private:
         RayState& state = states[at++];
         while (state.next_hit < state.hits.size() && !state.is_saturated())
           state.blend_next_hit();
-        if (settings_.depth)
+        if (!images.depth.empty())
           images.depth[pixel_of(x, y)] = float(state.depth);
-        if (settings_.cell)
+        if (!images.cell.empty())
           images.cell[pixel_of(x, y)] = state.depth_cell;
         float* const pixel = images.color.pixel(x, y);
         pixel[0] = state.color.r;
@@ -161,6 +175,7 @@ private:
 
   const FrameSettings& settings_;
   RayGenerator rays_;
+  std::uint64_t sample_ = 0; ///< of each pixel
   std::optional<VolumeMarcher> volume_;
   std::optional<PathTracer> paths_;
   std::optional<Surfaces> surfaces_;
@@ -212,7 +227,8 @@ FrameImages render_partial_frame(const query::Sampler& sampler, const FrameSetti
   PathSums* const sums = settings.path_tracing ? settings.path_tracing->sums : nullptr;
   if (sums)
     sums->begin(settings.width, settings.height);
-  const FrameRenderer renderer(sampler, settings, structures, threads);
+  const PixelAverage average(settings);
+  FrameRenderer renderer(sampler, settings, structures, threads);
   const double prepared = timer.seconds();
   const core::CountedAllocator<float> counted(structures.memory(), INSITU_MEMORY_FRAME);
   FrameImages images{core::Image(settings.width, settings.height, counted),
@@ -227,15 +243,33 @@ FrameImages render_partial_frame(const query::Sampler& sampler, const FrameSetti
   const std::int64_t columns = (settings.width + side - 1) / side;
   const std::int64_t rows = (settings.height + side - 1) / side;
   Counters counters;
-  threads.parallel_for(columns * rows, 1, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t tile = begin; tile < end; ++tile)
-      renderer.draw(int(tile % columns) * side, int(tile / columns) * side, images, counters);
-  });
+  const auto draw = [&](FrameImages& into) {
+    threads.parallel_for(columns * rows, 1, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t tile = begin; tile < end; ++tile)
+        renderer.draw(int(tile % columns) * side, int(tile / columns) * side, into, counters);
+    });
+  };
+  if (settings.samples_per_pixel == 1) {
+    draw(images);
+  } else {
+    FrameImages one{core::Image(settings.width, settings.height, counted),
+                    core::CountedVector<float>(counted),
+                    core::CountedVector<std::int64_t>(counted)};
+    for (const PixelAverage::Sample& sample : average.samples()) {
+      renderer.set_sample(sample);
+      draw(sample.number == 0 ? images : one);
+      if (sample.number == 0)
+        average.begin(images.color, threads);
+      else
+        average.add(images.color, one.color, sample, threads);
+    }
+    average.finish(images.color, threads);
+  }
   if (sums)
     sums->end(settings.path_tracing->samples);
   if (statistics) {
     statistics->paths = counters.paths;
-    statistics->rays = std::int64_t(settings.width) * settings.height;
+    statistics->rays = std::int64_t(pixels) * settings.samples_per_pixel;
     statistics->samples = counters.samples;
     statistics->skipped = counters.skipped;
     statistics->step = renderer.step();

@@ -22,6 +22,10 @@ namespace insitu::render {
 struct FrameSettings {
   int width = 1024, height = 1024;
   Camera camera;
+  /// Rays a pixel, see pixel_samples(), whose colours and alphas are averaged in linear light
+  /// before the background comes behind. Images of depth and cells are those of the first. Paths
+  /// that are traced are dealt out to the samples in turn, so there must be as many.
+  int samples_per_pixel = 1;
   Color background{1, 1, 1}; ///< linear
   float background_alpha = 1;
   std::optional<VolumeSettings> volume;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "output/annotate/overlay.h"
+#include "output/annotate/time_label.h"
 
 namespace insitu::output {
 namespace {
@@ -142,7 +143,7 @@ TEST(Overlay, BarShowsTheMapFromBottomToTop) {
 
 TEST(Overlay, TimeLabelIsDrawnAndSmallImagesSurvive) {
   core::Image image(200, 100);
-  draw_time_label(image, 0.25, 120);
+  draw_time_label(image, TimeLabel()(0.25, 120));
   double ink = 0;
   for (int y = 50; y < 100; ++y)
     for (int x = 0; x < 150; ++x)
@@ -150,7 +151,7 @@ TEST(Overlay, TimeLabelIsDrawnAndSmallImagesSurvive) {
   EXPECT_GT(ink, 50);
   for (const int side : {1, 5, 20, 40}) {
     core::Image tiny(side, side);
-    draw_time_label(tiny, 1e300);
+    draw_time_label(tiny, TimeLabel()(1e300, 0));
     draw_scalar_bar(tiny, {render::ColorMap::built_in("grey"), 0, 0}, "a long title of a field");
   }
 }

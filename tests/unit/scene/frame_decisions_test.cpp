@@ -53,6 +53,9 @@ TEST(DecideFrame, ImagesBesideThatOfColour) {
   const std::string globe = "boundary: {}, geocentric: {graticule: 10}";
   const std::string not_asked = "not among the frame's images";
   const Decided none("boundary: {}");
+  expect(none->samples, false, "one sample a pixel");
+  expect(Decided("boundary: {}, samples_per_pixel: 5")->samples, true,
+         "several samples a pixel, one after the other");
   expect(none->depth, false, not_asked);
   expect(none->cell, false, not_asked);
   expect(none->globe, false, "neither globe nor graticule is asked for");
@@ -91,6 +94,22 @@ TEST(DecideFrame, Lighting) {
     EXPECT_EQ(d->volume_shadows.made, c.volume_shadows);
     EXPECT_EQ(d->occlusion.made, c.occlusion);
   }
+  // Isosurfaces are lit where the frame has no word about effects.
+  const std::string isosurface = "isosurfaces: [{field: p, values: [1]}]";
+  const std::string listed = "isosurfaces, and no effects are listed";
+  expect(Decided(isosurface)->surface_lighting, true, listed);
+  expect(Decided(isosurface + ", boundary: {}")->surface_lighting, true, listed);
+  expect(Decided(isosurface + ", volume: {field: p}, lights: [{dome: true}]")->surface_lighting,
+         true, listed);
+  EXPECT_TRUE(Decided(isosurface)->lit);
+  for (const char* effects : {"", "single_scattering"}) {
+    const Decided bare(isosurface + ", volume: {field: p}, effects: [" + effects + "]");
+    EXPECT_FALSE(bare->lit) << effects;
+    expect(bare->surface_lighting, false, "not among the frame's effects");
+  }
+  for (const char* keys : {"boundary: {}", "boundary: {}, lights: [{dome: true}]"})
+    EXPECT_FALSE(Decided(keys)->lit) << keys;
+  EXPECT_FALSE(Decided(isosurface)->shadows || Decided(isosurface)->occlusion);
   expect(Decided("volume: {field: p}, effects: [lighting]")->surface_lighting, false,
          "there is none");
   expect(Decided("boundary: {}, effects: [volume_shadows]")->shadows, true, "with volume shadows");

@@ -44,6 +44,7 @@ TEST(SceneFrames, Defaults) {
   EXPECT_TRUE(f.effects.empty() && f.isosurfaces.empty());
   EXPECT_EQ(f.accuracy, INSITU_STANDARD);
   EXPECT_EQ(f.step, 1);
+  EXPECT_EQ(f.samples_per_pixel, 1);
   EXPECT_EQ(f.camera.azimuth, 30);
   EXPECT_EQ(f.camera.elevation, 20);
   EXPECT_EQ(f.camera.zoom, 1);
@@ -270,10 +271,6 @@ TEST(SceneFrames, Errors) {
   EXPECT_NE(error_of("frames:\n- name: f\n  volume: {field: r}\n  background: #ff0000\n")
                 .find("within quotes"),
             std::string::npos);
-  EXPECT_NE(frame_error("scalar_bar: yes").find("true or false expected, 'yes' found"),
-            std::string::npos);
-  EXPECT_NE(frame_error("time_label: 1").find("true or false expected, '1' found"),
-            std::string::npos);
   EXPECT_NE(frame_error("step: 0").find("frames[0].step: a number from 0.01 to 100 expected"),
             std::string::npos);
   EXPECT_EQ(frame_error("accuracy: exat"), "s.yaml:2: frames[0].accuracy: 'exat' is not one of "
@@ -286,6 +283,55 @@ TEST(SceneFrames, Errors) {
   EXPECT_NE(
       frame_error("iso: 1").find("key 'iso' is unknown in frames[0]; did you mean 'isosurfaces'?"),
       std::string::npos);
+}
+
+TEST(SceneFrames, SamplesOfPixels) {
+  EXPECT_EQ(frame("samples_per_pixel: 9").samples_per_pixel, 9);
+  EXPECT_EQ(frame("samples_per_pixel: 4, path_tracing: {samples: 4}").samples_per_pixel, 4);
+  EXPECT_EQ(frame_error("samples_per_pixel: 0"),
+            "s.yaml:2: frames[0].samples_per_pixel: an integer from 1 to 256 expected, '0' found");
+  EXPECT_EQ(frame_error("samples_per_pixel: 5, path_tracing: {samples: 4}"),
+            "s.yaml:2: frames[0].samples_per_pixel: at most as many as the 4 'samples' of "
+            "'path_tracing' expected, which are spread over them, 5 found");
+  EXPECT_EQ(frame_error("samples_per_pixel: 5, geocentric: {graticule: 10}"),
+            "s.yaml:2: frames[0].samples_per_pixel: a frame with a 'globe' or a 'graticule' has "
+            "one sample a pixel");
+}
+
+TEST(SceneFrames, Labels) {
+  EXPECT_EQ((*frame("time_label: true").time_label)(0.25, 120), "cycle 120  time 0.25");
+  EXPECT_EQ((*frame("time_label: 't = {time:.3f} s'").time_label)(0.25, 120), "t = 0.250 s");
+  EXPECT_FALSE(frame("time_label: FALSE").time_label);
+  const Frame bar = frame("scalar_bar: {title: density, unit: 'kg/m\u00b3'}");
+  EXPECT_EQ(bar.scalar_bar->title, "density");
+  EXPECT_EQ(bar.scalar_bar->unit, "kg/m\u00b3");
+  EXPECT_EQ(frame("scalar_bar: true").scalar_bar->title, "");
+  EXPECT_TRUE(frame("scalar_bar: {}").scalar_bar);
+  EXPECT_FALSE(frame("scalar_bar: false").scalar_bar);
+
+  const std::string at = "s.yaml:2: frames[0].";
+  const std::string no_label =
+      at + "time_label: true or false, or a text within quotes with {time} or {cycle}, expected, ";
+  EXPECT_EQ(frame_error("time_label: 1"), no_label + "'1' found");
+  EXPECT_EQ(frame_error("time_label: yes"), no_label + "'yes' found");
+  EXPECT_EQ(frame_error("time_label: {time: 1}"), no_label + "a map found");
+  EXPECT_EQ(frame_error("time_label: '{tiem}'"),
+            at + "time_label: '{tiem}' is neither {time} nor {cycle}, alone or as in {time:.3f}, "
+                 "{time:.2e}, {time:.4g}, {cycle:6} or {cycle:06}; a brace itself is {{ or }}");
+  EXPECT_EQ(frame_error("time_label: '{time'"),
+            at + "time_label: '{' without '}'; a brace itself is {{ or }}");
+  EXPECT_EQ(frame_error("time_label: '{time} \u03b8'"),
+            at + "time_label: the character '\u03b8' cannot be drawn; ASCII, signs of units and "
+                 "superscripts can");
+  EXPECT_EQ(frame_error("scalar_bar: yes"),
+            at +
+                "scalar_bar: true or false, or a map of 'title' and 'unit', expected, 'yes' found");
+  EXPECT_EQ(frame_error("scalar_bar: {title: ''}"),
+            at + "scalar_bar.title: a text expected, the text '' found");
+  EXPECT_EQ(frame_error("scalar_bar: {unit: \u03a9}"),
+            at + "scalar_bar.unit: the character '\u03a9' cannot be drawn; ASCII, signs of units "
+                 "and superscripts can");
+  EXPECT_NE(frame_error("scalar_bar: {titel: a}").find("did you mean 'title'?"), std::string::npos);
 }
 
 TEST(SceneFrames, Effects) {
@@ -320,7 +366,7 @@ TEST(SceneFrames, PathTracing) {
   EXPECT_EQ(defaults.density, 1);
   EXPECT_EQ(defaults.anisotropy, 0);
   EXPECT_EQ(defaults.max_bounces, 4096);
-  EXPECT_EQ(defaults.cells_per_macrocell, 64);
+  EXPECT_EQ(defaults.cells_per_macrocell, 4);
   EXPECT_EQ(defaults.seed, 0u);
   EXPECT_FALSE(defaults.shows_dome || defaults.accumulate);
   EXPECT_TRUE(frame("path_tracing: {}").path_tracing);

@@ -256,8 +256,21 @@ struct GlyphSet {
 
 } // namespace
 
-const Glyph& glyph(char32_t code_point) {
+namespace {
+
+const GlyphSet& glyph_set() {
   static const GlyphSet set;
+  return set;
+}
+
+} // namespace
+
+bool has_glyph(char32_t code_point) {
+  return glyph_set().glyphs.contains(code_point);
+}
+
+const Glyph& glyph(char32_t code_point) {
+  const GlyphSet& set = glyph_set();
   const auto found = set.glyphs.find(code_point);
   return found == set.glyphs.end() ? set.missing : found->second;
 }

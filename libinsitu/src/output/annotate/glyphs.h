@@ -21,5 +21,7 @@ struct Glyph {
 
 /// The glyph of a code point, or that of "unknown". Made once, on first use.
 const Glyph& glyph(char32_t code_point);
+/// Whether there is a glyph of it.
+bool has_glyph(char32_t code_point);
 
 } // namespace insitu::output

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "output/annotate/overlay_style.h"
+#include "output/annotate/time_label.h"
 
 namespace insitu::output {
 
@@ -38,16 +39,6 @@ void fill(core::Image& image, int x0, int y0, int x1, int y1, const render::Colo
       p[2] = c.b;
       p[3] = 1;
     }
-}
-
-/// By to_chars: the solver may have set a locale whose decimals have commas. What is rounded to
-/// zero has no sign.
-std::string printed(double value, std::chars_format format, int digits) {
-  char text[400];
-  std::string out(text, std::to_chars(text, text + sizeof text, value, format, digits).ptr);
-  if (out.front() == '-' && out.find_first_not_of("-0.e+") == std::string::npos)
-    out.erase(0, 1);
-  return out;
 }
 
 /// 1.5e-07 -> 1.5e-7.
@@ -178,10 +169,7 @@ std::vector<std::string> tick_labels(const std::vector<double>& values) {
     labels.clear();
     bool told_apart = true;
     for (const double v : values) {
-      const std::string text =
-          v == 0 ? "0"
-                 : printed(v, scientific ? std::chars_format::scientific : std::chars_format::fixed,
-                           digits);
+      const std::string text = v == 0 ? "0" : printed(v, scientific ? 'e' : 'f', digits);
       double read = 0;
       std::from_chars(text.data(), text.data() + text.size(), read);
       // Within a millionth of the largest, the label is the value.
@@ -352,11 +340,8 @@ void draw_scalar_bar(core::Image& image, const render::TransferFunction& functio
   }
 }
 
-void draw_time_label(core::Image& image, double time, std::int64_t cycle, const Overlay& overlay) {
+void draw_time_label(core::Image& image, const std::string& label, const Overlay& overlay) {
   const int height = text_height(image);
-  std::string label = "time " + printed(time, std::chars_format::general, 6);
-  if (cycle >= 0)
-    label = "cycle " + std::to_string(cycle) + "  " + label;
   draw_text(image, height, image.height - 2 * height, label, style_on(overlay.background, height));
 }
 

@@ -18,16 +18,15 @@ struct Overlay {
 };
 
 /// A vertical bar at the right edge with the function's colours over [low, high], ticks at round
-/// values, their labels and, above it, the title (the field's name; may be empty). A logarithmic
+/// values, their labels and, above it, the title (which may be empty). A logarithmic
 /// function has ticks at powers of ten, and shorter ones between. Colours of values below and above
 /// the range are triangles at the bar's ends. Where the function has opacities, they are not shown:
 /// the bar is a key to colours.
 void draw_scalar_bar(core::Image& image, const render::TransferFunction& function,
                      const std::string& title, const Overlay& overlay = {});
 
-/// "time 0.25" or, with a cycle from 0 up, "cycle 120  time 0.25", at the lower left.
-void draw_time_label(core::Image& image, double time, std::int64_t cycle = -1,
-                     const Overlay& overlay = {});
+/// A line of text, see TimeLabel, at the lower left.
+void draw_time_label(core::Image& image, const std::string& label, const Overlay& overlay = {});
 
 /// Where x (red), y (green) and z (blue) point, in parallel projection whatever the camera's, at
 /// the lower right: three arrows of equal length in space from axes_place(), the nearest drawn

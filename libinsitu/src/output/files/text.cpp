@@ -175,6 +175,20 @@ void draw_text(core::Image& image, int x, int y, std::string_view text, const Te
   draw_layer(image, x, y, text, font, style.height, 0, style.color);
 }
 
+std::string first_without_glyph(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    std::size_t end = at + 1; // the bytes of one character
+    while (end < text.size() && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80)
+      ++end;
+    const std::string_view one = text.substr(at, end - at);
+    for (const char32_t c : decode_utf8(one))
+      if (!has_glyph(c))
+        return std::string(one);
+    at = end;
+  }
+  return {};
+}
+
 int text_width(std::string_view text, int height) {
   return height < 1 ? 0 : lay_out(FittedFont(height), text, [](const Glyph&, int) {});
 }

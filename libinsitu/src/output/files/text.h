@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <string_view>
 
 #include "core/image.h"
@@ -24,6 +25,9 @@ struct TextStyle {
 /// middle dot, minus sign, en dash); anything else is drawn as a small box. Digits are all equally
 /// wide.
 void draw_text(core::Image& image, int x, int y, std::string_view text, const TextStyle& style);
+
+/// Returns the first character of a text that draw_text draws as a box, or an empty text.
+std::string first_without_glyph(std::string_view text);
 
 /// The width in pixels of what draw_text draws.
 int text_width(std::string_view text, int height);

@@ -230,6 +230,14 @@ Ray RayGenerator::operator()(int x, int y) const {
   return {origin_, d / length(d)};
 }
 
+RayGenerator RayGenerator::shifted(const PixelOffset& offset) const {
+  RayGenerator to = *this;
+  to.corner_ += (offset[0] * pixel_) * axes_.right + (offset[1] * pixel_) * axes_.down;
+  to.middle_[0] -= offset[0];
+  to.middle_[1] -= offset[1];
+  return to;
+}
+
 std::optional<std::array<double, 2>> RayGenerator::project(const Vec3d& point) const {
   const Vec3d from = point - origin_;
   const double depth = dot(from, axes_.forward);

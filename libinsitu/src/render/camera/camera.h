@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "cells/kernels/ray_cell.h"
 #include "math/vec.h"
@@ -77,6 +78,15 @@ struct Camera {
   Camera orbited(double degrees) const;
 };
 
+/// A place in a pixel: so far to the right of its centre and below it, in pixels.
+using PixelOffset = std::array<double, 2>;
+
+/// Returns the places of so many samples in each pixel, the first of which is the centre. The
+/// samples are a lattice of rank 1, which puts one sample in each of `count` columns and rows of
+/// the pixel, with the generator that keeps them farthest apart. Odd counts are even about the
+/// centre.
+std::vector<PixelOffset> pixel_samples(int count);
+
 /// The axes of an image in space, which have unit length and are at right angles. Throws
 /// core::Error (INSITU_ERROR_ARGUMENT) if the camera has no direction.
 struct CameraAxes {
@@ -84,13 +94,18 @@ struct CameraAxes {
   explicit CameraAxes(const Camera& camera);
 };
 
-/// Makes the rays through the centres of the pixels of an image; pixel (0, 0) is the upper left
-/// one.
+/// Makes the rays through the centres of the pixels of an image, or through places beside the
+/// centres, see shifted(); pixel (0, 0) is the upper left one.
 class RayGenerator {
 public:
   /// Throws core::Error (INSITU_ERROR_ARGUMENT) if the camera has no direction or no extent.
   RayGenerator(const Camera& camera, int width, int height);
   Ray operator()(int x, int y) const;
+
+  /// Returns a generator whose rays go through places that lie `offset` pixels to the right of the
+  /// centres and below them. The image of the result is that of this one, moved to the left and up:
+  /// project() tells places in the moved image.
+  RayGenerator shifted(const PixelOffset& offset) const;
 
   /// Returns where a point is seen: x and y in pixels, where (0, 0) is the upper left corner of the
   /// image. The optional is empty for a point that is not before the camera.

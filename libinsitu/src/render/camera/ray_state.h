@@ -25,7 +25,8 @@ void blend_behind(Rgb& color, float& alpha, const Rgb& c, float a) {
 /// What a ray has gathered, front to back, and where it stands.
 struct RayState {
   Ray ray;
-  Color color; ///< times alpha
+  std::uint64_t sample = 0; ///< which of the pixel's samples, see pixel_samples()
+  Color color;              ///< times alpha
   float alpha = 0;
   std::int64_t next = 0, end = 0; ///< lattice indices of its volume samples
   std::int64_t first = 0;         ///< of them

@@ -52,7 +52,7 @@ struct PathSums {
 /// A volume drawn by following light, in place of ray marching.
 struct PathTracingSettings {
   Scattering scattering = Scattering::multiple;
-  int samples = 64;      ///< paths a pixel, each through the pixel's centre
+  int samples = 64;      ///< paths a pixel, spread over the samples of pixels
   double density = 1;    ///< factor on the extinction
   double anisotropy = 0; ///< the mean cosine of scattering, in (-1, 1)
   /// Bounces after which a path is cut off, which makes the image darker by what it missed: paths
@@ -63,7 +63,9 @@ struct PathTracingSettings {
   bool shows_dome = false; ///< dome lights instead of the background behind the medium
   /// Sets RayState::depth too: where half of the paths (of the first 256) have stopped.
   bool depth = false;
-  double cells_per_macrocell = 64; ///< about, of the grid of majorants
+  /// Of the grid of majorants: about so many cells to a macrocell, but at most most_macrocells.
+  double cells_per_macrocell = 4;
+  static constexpr double most_macrocells = 0x1p18;
   std::uint64_t seed = 0, cycle = 0;
   /// Adds to these, and draws their mean; null: this frame's samples alone. Not owned. Whoever
   /// keeps them empties them when what is drawn changes.

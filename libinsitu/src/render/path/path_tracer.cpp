@@ -42,8 +42,8 @@ PathTracer::PathTracer(const query::Sampler& sampler, const VolumeSettings& volu
                                                 : nullptr),
       medium_(culled_ ? sampler.among(*culled_) : sampler, volume.field, volume.function,
               settings.density, unit_distance_of(sampler, volume),
-              structures.majorants(volume.field, volume.function, settings.cells_per_macrocell),
-              threads, structures.memory()),
+              structures.majorants(volume.field, volume.function, fineness_of(settings)), threads,
+              structures.memory()),
       lights_(lights, camera), clips_(clips), low_(sampler.tree().bounds_min()),
       high_(sampler.tree().bounds_max()) {
   options_.accuracy = volume.accuracy;

@@ -14,6 +14,11 @@
 
 namespace insitu::render {
 
+/// How fine the grid of majorants is.
+inline MacrocellFineness fineness_of(const PathTracingSettings& settings) {
+  return {settings.cells_per_macrocell, PathTracingSettings::most_macrocells};
+}
+
 /// Follows light through a volume, without bias: free flights by delta tracking (Woodcock et al.
 /// 1965) through the majorants of macrocells, transmittances of shadow rays by ratio tracking
 /// (Novak et al. 2014). Dome lights are met by the paths that leave the medium, all others by a
@@ -37,6 +42,15 @@ public:
   /// pass.
   void set_surfaces(const SceneSurfaces* surfaces) { surfaces_ = surfaces; }
 
+  /// Lets the paths of a pixel be those that have the numbers first, first + stride, ... among all
+  /// that the frame has. depth: whether they tell the depth.
+  void set_samples(std::int64_t count, std::int64_t first, std::int64_t stride, bool depth) {
+    settings_.samples = int(count);
+    settings_.depth = depth;
+    first_sample_ = first;
+    stride_ = stride;
+  }
+
   /// Draws pixels: rays, which come with their surface hits, get colour and alpha, and no hit is
   /// left to blend. pixels: the number of each in the image, which with the sample keys the random
   /// numbers. Thread-safe for different pixels; what a pixel gets depends on nothing else.
@@ -53,6 +67,7 @@ private:
   bool clip_to_bounds(const Ray& ray, double& near, double& far) const;
 
   PathTracingSettings settings_;
+  std::int64_t first_sample_ = 0, stride_ = 1;
   const query::CulledCells* culled_;
   Medium medium_;
   PathLights lights_;

@@ -145,8 +145,9 @@ bool PathWave::start_next(Path& path) {
     path = {};
     path.item = item;
     path.sample = sample;
-    path.random = PathRandom(settings_.seed, settings_.cycle, std::uint64_t(pixels_[item]),
-                             std::uint64_t(first_sample_ + sample));
+    path.random =
+        PathRandom(settings_.seed, settings_.cycle, std::uint64_t(pixels_[item]),
+                   std::uint64_t(first_sample_ + tracer_.first_sample_ + tracer_.stride_ * sample));
     path.ray = state.ray;
     path.throughput = {1, 1, 1};
     path.t = s_.starts[item].from;

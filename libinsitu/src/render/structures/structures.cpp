@@ -140,19 +140,18 @@ ScalarRange Structures::scalar_range(const ScalarField& field) {
   return *entry.value;
 }
 
-const Macrocells& Structures::macrocells(const ScalarField& field, double cells_each) {
+const Macrocells& Structures::macrocells(const ScalarField& field,
+                                         const MacrocellFineness& fineness) {
   return up_to_date(
-      macrocells_[{key_of(field), cells_each}], counts_.macrocells, counts_.macrocells_refreshed,
+      macrocells_[{key_of(field), fineness}], counts_.macrocells, counts_.macrocells_refreshed,
       seconds_.macrocells,
-      [&] {
-        return std::make_unique<Macrocells>(*sampler_, field, *threads_, *memory_, cells_each);
-      },
+      [&] { return std::make_unique<Macrocells>(*sampler_, field, *threads_, *memory_, fineness); },
       [&](Macrocells& known) { known.refresh(*sampler_, field, *threads_); });
 }
 
 const Macrocells& Structures::macrocells_with_sizes(const ScalarField& field) {
   macrocells(field);
-  Macrocells& cells = *macrocells_[GridKey{key_of(field), Macrocells::usual_cells}].value;
+  Macrocells& cells = *macrocells_[GridKey{key_of(field), {}}].value;
   if (!cells.has_sizes())
     cells.measure(*sampler_, *threads_);
   return cells;
@@ -174,9 +173,9 @@ typename Map::mapped_type& Structures::entry_of(Map& map, const typename Map::ke
 }
 
 const Majorants& Structures::majorants(const ScalarField& field, const TransferFunction& function,
-                                       double cells_each) {
-  const Macrocells& cells = macrocells(field, cells_each);
-  FunctionEntry<Majorants>& entry = entry_of(majorants_, {key_of(field), cells_each}, function);
+                                       const MacrocellFineness& fineness) {
+  const Macrocells& cells = macrocells(field, fineness);
+  FunctionEntry<Majorants>& entry = entry_of(majorants_, {key_of(field), fineness}, function);
   if (entry.value && entry.is_fresh)
     return *entry.value;
   const core::Timer timer;

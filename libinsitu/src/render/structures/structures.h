@@ -97,13 +97,12 @@ public:
   const accel::ValueRanges& value_ranges(const ScalarField& vertex_field);
   /// Found anew for new values.
   ScalarRange scalar_range(const ScalarField& field);
-  const Macrocells& macrocells(const ScalarField& field,
-                               double cells_each = Macrocells::usual_cells);
+  const Macrocells& macrocells(const ScalarField& field, const MacrocellFineness& fineness = {});
   /// The same, which know their cells' sizes.
   const Macrocells& macrocells_with_sizes(const ScalarField& field);
   /// Of macrocells(field); classified anew when the values or the function's opacities change.
   const Majorants& majorants(const ScalarField& field, const TransferFunction& function,
-                             double cells_each = Macrocells::usual_cells);
+                             const MacrocellFineness& fineness = {});
   /// What a function shows of an adaptive mesh, for which the field's PrimitiveRanges are kept;
   /// made anew when the values or the function's opacities change. Null where there are none to
   /// cull.
@@ -176,7 +175,7 @@ private:
   std::map<Key, ValuesEntry<accel::ValueRanges>> value_ranges_;
   std::map<Key, ValuesEntry<VertexGradients>> gradients_;
   std::map<Key, Entry<ScalarRange>> scalar_ranges_;
-  using GridKey = std::pair<Key, double>; ///< with the cells to a macrocell
+  using GridKey = std::pair<Key, MacrocellFineness>;
   std::map<GridKey, ValuesEntry<Macrocells>> macrocells_;
   std::multimap<GridKey, FunctionEntry<Majorants>> majorants_;
   std::map<Key, ValuesEntry<PrimitiveRanges>> primitive_ranges_;

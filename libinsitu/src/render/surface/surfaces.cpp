@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "render/path/path_tracer.h"
 #include "render/volume/ray_step.h"
 
 namespace insitu::render {
@@ -41,10 +42,10 @@ Surfaces::Surfaces(const query::Sampler& sampler, const FrameSettings& settings,
     return;
   const VolumeSettings& volume = *settings.volume;
   if (settings.path_tracing)
-    volume_shadow_.emplace(sampler, volume, settings.path_tracing->density,
-                           &structures.majorants(volume.field, volume.function,
-                                                 settings.path_tracing->cells_per_macrocell),
-                           settings.clips);
+    volume_shadow_.emplace(
+        sampler, volume, settings.path_tracing->density,
+        &structures.majorants(volume.field, volume.function, fineness_of(*settings.path_tracing)),
+        settings.clips);
   else
     volume_shadow_.emplace(sampler, volume, 1.0,
                            volume_structures(sampler, volume,
@@ -78,7 +79,7 @@ void Surfaces::trace(RayState& state, std::uint64_t pixel, IsosurfaceTile* tile,
   for (SurfaceHit& hit : state.hits) {
     hit.color = color(hit);
     if (shader_)
-      light(state.ray, core::splitmix64(pixel) + index++, hit, counts);
+      light(state.ray, core::splitmix64(pixel ^ (state.sample << 32)) + index++, hit, counts);
   }
   if (outline_)
     outline_->add(int(pixel % std::uint64_t(settings_.width)),

@@ -21,7 +21,6 @@ namespace {
 using math::Vec3d;
 
 constexpr double infinity = PossibleValues::infinity;
-constexpr double largest_count = 0x1p24;
 
 /// Some boxes of cells, each standing for `weight` of them, and how many cells there are in all.
 struct CellSizes {
@@ -70,7 +69,9 @@ struct CellSizes {
 
 } // namespace
 
-MacrocellGrid Macrocells::grid_of(const query::Sampler& sampler, double cells_each) {
+MacrocellGrid Macrocells::grid_of(const query::Sampler& sampler,
+                                  const MacrocellFineness& fineness) {
+  const double cells_each = fineness.cells_each;
   if (!(cells_each > 0))
     throw core::Error(INSITU_ERROR_ARGUMENT, "macrocells of " + std::to_string(cells_each) +
                                                  " cells each; more than 0 expected");
@@ -85,7 +86,7 @@ MacrocellGrid Macrocells::grid_of(const query::Sampler& sampler, double cells_ea
   double across[3];
   for (int a = 0; a < 3; ++a)
     across[a] = sizes.mean[a] > 0 && extent[a] > sizes.mean[a] ? extent[a] / sizes.mean[a] : 1.0;
-  double left = std::clamp(sizes.cells / cells_each, 1.0, largest_count);
+  double left = std::clamp(sizes.cells / cells_each, 1.0, fineness.most_macrocells);
   int order[3] = {0, 1, 2};
   std::sort(order, order + 3, [&](int a, int b) { return across[a] < across[b]; });
   double product = across[0] * across[1] * across[2];
@@ -239,8 +240,9 @@ bool MacrocellGrid::resolves(const Ray& ray, double far) const {
 }
 
 Macrocells::Macrocells(const query::Sampler& sampler, const ScalarField& field,
-                       const core::Threads& threads, core::Memory& memory, double cells_each)
-    : grid_(grid_of(sampler, cells_each)), ranges_(memory, INSITU_MEMORY_RANGES),
+                       const core::Threads& threads, core::Memory& memory,
+                       const MacrocellFineness& fineness)
+    : grid_(grid_of(sampler, fineness)), ranges_(memory, INSITU_MEMORY_RANGES),
       has_nan_(memory, INSITU_MEMORY_RANGES), smallest_(memory, INSITU_MEMORY_RANGES) {
   ranges_.resize_discard(std::size_t(grid_.count()));
   has_nan_.resize_discard(std::size_t(grid_.count()));

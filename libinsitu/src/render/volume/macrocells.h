@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <compare>
 #include <cstdint>
 
 #include "core/memory.h"
@@ -41,6 +42,19 @@ struct MacrocellGrid {
   bool resolves(const Ray& ray, double far) const;
 };
 
+/// How fine a grid of macrocells is: about so many owning cells to each, and at most so many
+/// macrocells.
+struct MacrocellFineness {
+  static constexpr double usual_cells = 64, largest_count = 0x1p24;
+
+  MacrocellFineness(double cells = usual_cells, double most = largest_count)
+      : cells_each(cells), most_macrocells(most) {}
+
+  double cells_each, most_macrocells;
+
+  friend auto operator<=>(const MacrocellFineness&, const MacrocellFineness&) = default;
+};
+
 /// The least and greatest value that a scalar takes in the cells that meet a macrocell; lower >
 /// upper where there is none. Cells with a NaN at a vertex, or an infinite value, are marked: what
 /// is drawn of NaN does not depend on the range. Ranges are double as fields are: a field of 1e-300
@@ -51,7 +65,6 @@ struct MacrocellGrid {
 class Macrocells {
 public:
   static constexpr double margin = 1.0 / 256;
-  static constexpr double usual_cells = 64; ///< to a macrocell
   struct Range {
     double lower, upper;
   };
@@ -60,12 +73,12 @@ public:
   static constexpr std::int64_t bytes_each_with_size = bytes_each + sizeof(float);
 
   /// The grid that they make of a mesh; looks at some of its cells.
-  static MacrocellGrid grid_of(const query::Sampler& sampler, double cells_each);
+  static MacrocellGrid grid_of(const query::Sampler& sampler, const MacrocellFineness& fineness);
 
-  /// About `cells_each` owning cells to a macrocell of the mesh's bounds, at most 2^24 of them.
-  /// They have the proportions of a mean cell's box; none is smaller than a quarter of it.
+  /// They fill the mesh's bounds, have the proportions of a mean cell's box; none is smaller than a
+  /// quarter of it.
   Macrocells(const query::Sampler& sampler, const ScalarField& field, const core::Threads& threads,
-             core::Memory& memory, double cells_each = usual_cells);
+             core::Memory& memory, const MacrocellFineness& fineness = {});
 
   /// New values on the same cells: no memory is allocated, the grid stays.
   void refresh(const query::Sampler& sampler, const ScalarField& field,

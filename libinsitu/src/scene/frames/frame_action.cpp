@@ -21,6 +21,11 @@ namespace insitu::scene {
 
 namespace {
 
+std::string title_of(const ScalarBar& bar, const ColorBy& by) {
+  const std::string title = bar.title.empty() ? by.field.text : bar.title;
+  return bar.unit.empty() ? title : title + " (" + bar.unit + ")";
+}
+
 class FrameAction final : public Action {
 public:
   FrameAction(const Frame& frame, const Environment& environment)
@@ -209,13 +214,14 @@ private:
       const ColorBy& first = *colorings_of(frame_).front();
       output::Overlay with_nan = overlay;
       with_nan.names_nan = first.colors.nan.has_value();
-      output::draw_scalar_bar(image, *functions_of(drawing.settings).front(), first.field.text,
-                              with_nan);
+      output::draw_scalar_bar(image, *functions_of(drawing.settings).front(),
+                              title_of(*frame_.scalar_bar, first), with_nan);
     }
     if (frame_.axes)
       output::draw_axes(image, render::CameraAxes(drawing.settings.camera), overlay);
     if (frame_.time_label)
-      output::draw_time_label(image, drawing.step.time, drawing.step.cycle, overlay);
+      output::draw_time_label(image, (*frame_.time_label)(drawing.step.time, drawing.step.cycle),
+                              overlay);
   }
 
   Frame frame_;

@@ -19,6 +19,9 @@ bool asks_for(const std::vector<Item>& items, Item item) {
 }
 
 void decide_images(const Frame& frame, const FrameFacts& facts, FrameDecisions& d) {
+  d.samples = frame.samples_per_pixel > 1
+                  ? Decision{true, "several samples a pixel, one after the other"}
+                  : Decision{false, "one sample a pixel"};
   const bool globe = frame.geocentric && (frame.geocentric->globe || frame.geocentric->graticule);
   d.globe = globe ? Decision{true, "while it is drawn, some rows at a time"}
                   : Decision{false, "neither globe nor graticule is asked for"};
@@ -46,9 +49,12 @@ void decide_lighting(const Frame& frame, FrameDecisions& d) {
   d.occlusion = choose(FrameEffect::ambient_occlusion);
   if (d.volume_shadows && !d.shadows)
     d.shadows = {true, "with volume shadows"};
-  d.lit = asks_for(frame.effects, FrameEffect::lighting) || d.shadows || d.occlusion;
+  const bool by_default = !frame.has_effects_key && !frame.isosurfaces.empty();
+  d.lit = by_default || asks_for(frame.effects, FrameEffect::lighting) || d.shadows || d.occlusion;
   if (frame.isosurfaces.empty() && !frame.boundary && frame.bodies.empty())
     d.surface_lighting = {false, "there is none"};
+  else if (by_default)
+    d.surface_lighting = {true, "isosurfaces, and no effects are listed"};
   else if (d.lit)
     d.surface_lighting = {true, "an effect of the frame, or with shadows or occlusion"};
   else

@@ -53,6 +53,7 @@ struct IsosurfaceDecisions {
 /// Everything that a frame decides from its description and the facts of its mesh. The settings of
 /// the renderer and the frame's part of the plan are both made from these decisions.
 struct FrameDecisions {
+  Decision samples;       ///< whether pixels have several samples, with an image for one of them
   Decision depth, cell;   ///< images beside that of colour
   bool own_cells = false; ///< whether points at the depth tell the solver's cells from others
   Decision globe;

@@ -5,7 +5,7 @@
 
 #include "output/annotate/box_ticks.h"
 #include "render/color/preintegration.h"
-#include "render/path/path_settings.h"
+#include "render/path/path_tracer.h"
 #include "render/structures/vertex_gradients.h"
 #include "render/surface/outline.h"
 #include "render/surface/triangle_mesh.h"
@@ -170,7 +170,7 @@ private:
                              mesh_.tree().bytes());
   }
   std::int64_t usual_macrocells() const {
-    return render::Macrocells::grid_of(mesh_.sampler(), render::Macrocells::usual_cells).count();
+    return render::Macrocells::grid_of(mesh_.sampler(), {}).count();
   }
 
   static bool shows_all(const Volume& v) {
@@ -212,12 +212,11 @@ private:
 
   void path_majorants(const std::string& what, const PathTracing& p) {
     const std::int64_t count =
-        render::Macrocells::grid_of(mesh_.sampler(), p.cells_per_macrocell).count();
-    char each[48];
-    std::snprintf(each, sizeof each, ", %g cells to each", p.cells_per_macrocell);
-    const std::string of =
-        what + (p.cells_per_macrocell == render::Macrocells::usual_cells ? std::string()
-                                                                         : std::string(each));
+        render::Macrocells::grid_of(mesh_.sampler(), render::fineness_of(p)).count();
+    char each[80];
+    std::snprintf(each, sizeof each, ", %g cells to each, %g of them at most",
+                  p.cells_per_macrocell, PathTracing::most_macrocells);
+    const std::string of = what + each;
     plan_.need("macrocell grid of " + of, count * render::Macrocells::bytes_each, "path tracing");
     plan_.need("majorants of " + of, count * render::Majorants::bytes_each, "path tracing");
     plan_.need("extinctions of " + of, count * std::int64_t(sizeof(float)),

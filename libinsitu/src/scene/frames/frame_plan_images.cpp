@@ -44,7 +44,7 @@ void overlays(const Frame& frame, const FrameDecisions& decisions, Plan& plan) {
   const auto overlay = [&](const char* item, bool asked) {
     plan.tell(item, {asked, asked ? "drawn over the image" : "not asked for"});
   };
-  overlay("time label", frame.time_label);
+  overlay("time label", frame.time_label.has_value());
   overlay("axes", frame.axes);
 }
 
@@ -55,6 +55,8 @@ void plan_images(const Frame& frame, const FrameDecisions& decisions, Plan& plan
   plan.need("image of " + std::to_string(frame.size[0]) + " x " + std::to_string(frame.size[1]),
             pixels * std::int64_t(core::Image::bytes_a_pixel), "while it is drawn",
             Held::while_executed);
+  plan.tell("image of a sample", decisions.samples,
+            pixels * std::int64_t(core::Image::bytes_a_pixel), Held::while_executed);
   plan.tell("image of depth", decisions.depth, pixels * std::int64_t(sizeof(float)),
             Held::while_executed);
   plan.tell("image of cells", decisions.cell, pixels * std::int64_t(sizeof(std::int64_t)),

@@ -58,6 +58,7 @@ render::FrameSettings FrameSettingsMaker::make(const FrameDecisions& decisions,
   render::FrameSettings settings;
   settings.width = frame_.size[0];
   settings.height = frame_.size[1];
+  settings.samples_per_pixel = frame_.samples_per_pixel;
   settings.background = frame_.background;
   settings.background_alpha = float(frame_.background_alpha);
   settings.cell = decisions.cell.made;

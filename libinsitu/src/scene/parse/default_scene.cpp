@@ -10,8 +10,8 @@ SceneDescription default_scene(const std::string& scalar_field, const std::strin
   frame.name = "frame";
   frame.mesh.text = mesh;
   frame.volume.emplace().field.text = scalar_field;
-  frame.scalar_bar = true;
-  frame.time_label = true;
+  frame.scalar_bar.emplace();
+  frame.time_label.emplace();
   frame.trigger = scene.trigger;
   scene.frames.push_back(frame);
   return scene;

@@ -10,6 +10,7 @@
 #include "insitu/insitu.h"
 
 #include "math/vec.h"
+#include "output/annotate/time_label.h"
 #include "render/camera/camera.h"
 #include "render/clip.h"
 #include "render/color/color_map.h"
@@ -140,6 +141,12 @@ struct BoxOutline {
   bool ticks = false; ///< with numbers, along the outer edges
 };
 
+/// What stands above the bar of a frame's first colours.
+struct ScalarBar {
+  std::string title; ///< empty: the name of the field
+  std::string unit;  ///< empty: none is written
+};
+
 /// Of ambient occlusion.
 struct Occlusion {
   int samples = 16;               ///< rays a hit
@@ -179,6 +186,7 @@ struct Frame {
   std::string name;                     ///< of the images, `name_000120.png`; unique in the scene
   Name mesh;                            ///< empty: the first mesh of the session
   std::array<int, 2> size{1024, 1024};  ///< width, height
+  int samples_per_pixel = 1;            ///< rays, whose colours are averaged
   std::optional<Geocentric> geocentric; ///< nothing: drawn in its own coordinates
   render::Color background = render::linear_of_srgb(1, 1, 1);
   double background_alpha = 1; ///< of what stands behind everything; below 1 the image keeps alpha
@@ -192,13 +200,14 @@ struct Frame {
   std::optional<Boundary> boundary;
   std::vector<Body> bodies;
   std::optional<BoxOutline> outline;
-  std::vector<render::Light> lights; ///< none: a white one from the viewer
-  std::vector<render::Clip> clips;   ///< what each of them leaves is drawn
-  bool scalar_bar = false;
-  bool time_label = false;
-  bool axes = false; ///< draws where x, y and z point
+  std::vector<render::Light> lights;           ///< none: a white one from the viewer
+  std::vector<render::Clip> clips;             ///< what each of them leaves is drawn
+  std::optional<ScalarBar> scalar_bar;         ///< an empty optional: none is drawn
+  std::optional<output::TimeLabel> time_label; ///< an empty optional: none is drawn
+  bool axes = false;                           ///< draws where x, y and z point
   std::vector<FrameEffect> effects;
-  Occlusion occlusion;                     ///< if among the effects
+  bool has_effects_key = false; ///< else isosurfaces are lit, whatever the list of effects
+  Occlusion occlusion;          ///< if among the effects
   std::optional<PathTracing> path_tracing; ///< also there where an effect asks for it
   insitu_accuracy accuracy = INSITU_STANDARD;
   double step = 1; ///< factor on the ray step that `accuracy` chooses

@@ -19,6 +19,25 @@ void parse_size(const Cursor& cursor, std::array<int, 2>& size) {
   }
 }
 
+constexpr std::int64_t most_samples_per_pixel = 256;
+
+void parse_samples(const MapReader& map, Frame& frame) {
+  const auto samples = map.find("samples_per_pixel");
+  const auto count = samples ? samples->integer(1, most_samples_per_pixel) : std::nullopt;
+  if (!count || *count == 1) {
+    return;
+  }
+  frame.samples_per_pixel = static_cast<int>(*count);
+  if (frame.path_tracing && frame.path_tracing->samples < *count) {
+    samples->fail("at most as many as the " + std::to_string(frame.path_tracing->samples) +
+                  " 'samples' of 'path_tracing' expected, which are spread over them, " +
+                  std::to_string(*count) + " found");
+  }
+  if (frame.geocentric && (frame.geocentric->globe || frame.geocentric->graticule)) {
+    samples->fail("a frame with a 'globe' or a 'graticule' has one sample a pixel");
+  }
+}
+
 /// A colour, `transparent`, or a map of both.
 void parse_background(const Cursor& cursor, Frame& frame) {
   if (cursor.is_text() && cursor.node().text == "transparent") {
@@ -118,6 +137,7 @@ void parse_drawn(const MapReader& map, const ParseContext& context, Frame& frame
 
 void parse_frame_effects(const MapReader& map, Frame& frame) {
   if (const auto effects = map.find("effects")) {
+    frame.has_effects_key = true;
     frame.effects = parse_effects<FrameEffect>(
         *effects, {{"lighting", FrameEffect::lighting},
                    {"shadows", FrameEffect::shadows},
@@ -178,11 +198,19 @@ std::vector<const ColorBy*> colorings_of(const Frame& frame) {
 Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   Frame frame;
   frame.line = cursor.line();
-  const MapReader map(cursor, {"name",       "mesh",       "size",    "background", "camera",
-                               "cameras",    "images",     "format",  "volume",     "isosurfaces",
-                               "boundary",   "bodies",     "outline", "lights",     "clip",
-                               "scalar_bar", "time_label", "axes",    "effects",    "path_tracing",
-                               "geocentric", "accuracy",   "step",    "every",      "when"});
+  const MapReader map(cursor, {"name",       "mesh",
+                               "size",       "background",
+                               "camera",     "cameras",
+                               "images",     "format",
+                               "volume",     "isosurfaces",
+                               "boundary",   "bodies",
+                               "outline",    "lights",
+                               "clip",       "scalar_bar",
+                               "time_label", "axes",
+                               "effects",    "path_tracing",
+                               "geocentric", "accuracy",
+                               "step",       "every",
+                               "when",       "samples_per_pixel"});
   parse_item_name(map, context, frame.name);
   if (const auto mesh = map.find("mesh")) {
     assign(frame.mesh, parse_name(*mesh));
@@ -205,17 +233,10 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
         *format, {{"png", ImageFormat::png}, {"exr", ImageFormat::exr}}, "format");
   }
   parse_drawn(map, context, frame);
-  if (const auto bar = map.find("scalar_bar")) {
-    assign(frame.scalar_bar, bar->boolean());
-  }
-  if (const auto label = map.find("time_label")) {
-    assign(frame.time_label, label->boolean());
-  }
-  if (const auto axes = map.find("axes")) {
-    assign(frame.axes, axes->boolean());
-  }
+  parse_labels(map, frame);
   parse_frame_effects(map, frame);
   frame.path_tracing = parse_path_tracing(map, frame.effects);
+  parse_samples(map, frame);
   if (const auto accuracy = map.find("accuracy")) {
     assign(frame.accuracy, parse_accuracy(*accuracy));
   }

@@ -91,6 +91,8 @@ std::vector<Isosurface> parse_isosurfaces(const Cursor& cursor, const ParseConte
 Boundary parse_boundary(const Cursor& cursor, const ParseContext& context);
 std::vector<Body> parse_bodies(const Cursor& cursor, const ParseContext& context);
 BoxOutline parse_outline(const Cursor& cursor);
+/// Reads what is written over the image: `scalar_bar`, `time_label` and `axes`.
+void parse_labels(const MapReader& map, Frame& frame);
 
 /// Reads a list of some of the words, with one word at least and no word twice.
 template <class T>
