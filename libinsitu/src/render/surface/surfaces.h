@@ -20,8 +20,8 @@ public:
   Surfaces(const query::Sampler& sampler, const FrameSettings& settings, Structures& structures);
 
   /// Sets ray.hits, in depth order, up to and including the first opaque one. ray.stays must be set
-  /// if the frame has clips. pixel: what random numbers depend on, with the ray's
-  /// sample.   /// tile: holds the isosurfaces' hits of the pixel, or null.
+  /// if the frame has clips. pixel: what random numbers depend on, with the ray's sample. tile:
+  /// holds the isosurfaces' hits of the pixel, or null.
   void trace(RayState& ray, std::uint64_t pixel, IsosurfaceTile* tile, SurfaceCounts& counts) const;
   /// The isosurfaces, if hits of a tile can be found side by side; otherwise null.
   const IsosurfaceTracer* tiled() const {
