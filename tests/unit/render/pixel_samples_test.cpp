@@ -216,7 +216,6 @@ TEST(PixelSamples, AddUpOverFrames) {
   RenderMesh mesh(6, Shape::hexahedron, 0.2);
   FrameSettings s = blob_frame(mesh.field("blob", INSITU_VERTEX, blob_of), 32);
   s.boundary = {0.3, render::Color{1, 0.5f, 0.25f}};
-  s.depth = true;
   s.samples_per_pixel = 3;
   s.path_tracing->samples = 12;
   const core::Image at_once = images_of(mesh, s).color;
@@ -225,9 +224,7 @@ TEST(PixelSamples, AddUpOverFrames) {
   core::Image image;
   for (const int samples : {4, 3, 5}) {
     s.path_tracing->samples = samples;
-    const FrameImages images = images_of(mesh, s);
-    EXPECT_LT(images.depth[16 * 32 + 16], HUGE_VALF);
-    image = images.color;
+    image = images_of(mesh, s).color;
   }
   EXPECT_EQ(sums.samples, 12);
   for (std::size_t i = 0; i < image.rgba.size(); ++i)

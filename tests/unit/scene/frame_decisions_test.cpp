@@ -207,7 +207,8 @@ TEST(DecideFrame, WhatSumsOverCells) {
   EXPECT_FALSE(sums("volume: {field: c}, boundary: {color: {field: c}}"));
   EXPECT_TRUE(sums("volume: {field: c, smooth: true}"));
   EXPECT_TRUE(sums("isosurfaces: [{field: c, values: [1]}]"));
-  EXPECT_FALSE(sums("isosurfaces: [{field: p, values: [1], normals: smooth}]"));
+  EXPECT_FALSE(sums("isosurfaces: [{field: p, values: [1], normals: smooth}], effects: []"));
+  EXPECT_TRUE(sums("isosurfaces: [{field: p, values: [1], normals: smooth}]"));
   EXPECT_TRUE(sums("isosurfaces: [{field: p, values: [1], normals: smooth}], effects: [lighting]"));
 }
 

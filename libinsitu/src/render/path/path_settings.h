@@ -65,7 +65,7 @@ struct PathTracingSettings {
   bool depth = false;
   /// Of the grid of majorants: about so many cells to a macrocell, but at most most_macrocells.
   double cells_per_macrocell = 4;
-  static constexpr double most_macrocells = 0x1p18;
+  static constexpr double most_macrocells = 0x1p14;
   std::uint64_t seed = 0, cycle = 0;
   /// Adds to these, and draws their mean; null: this frame's samples alone. Not owned. Whoever
   /// keeps them empties them when what is drawn changes.
