@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "output/annotate/overlay.h"
+#include "output/annotate/time_label.h"
 
 namespace insitu::bench {
 
@@ -159,7 +160,7 @@ private:
 
   static void draw_labels(core::Image& image, const FrameSettings& s) {
     output::draw_scalar_bar(image, s.volume->function, "f");
-    output::draw_time_label(image, 0.25, 120);
+    output::draw_time_label(image, output::TimeLabel()(0.25, 120));
   }
   /// A sphere of quads in two, each 64 around and 32 from pole to pole.
   static render::BodySettings ball() {
