@@ -48,7 +48,7 @@ void CommittedMesh::keep_earlier(const std::vector<mesh::KeptField>& fields, boo
 /// The cells are about to be others: what was kept of them becomes a mesh of its own. What has
 /// become one already, of a step whose particles wait, stays.
 void CommittedMesh::part_from_earlier(const core::Threads& threads) {
-  mesh::TakenStep step = mesh_.take_earlier();
+  mesh::TakenStep step = mesh_.take_earlier(threads);
   const bool whole = !step.fields.empty() && kept_.with_cells && are_alike(kept_.chart, chart());
   const bool moved = kept_.tree_version != tree_version_; // and not the copies
   if (whole && is_made())

@@ -1,5 +1,6 @@
 // Steps before the current one, as far as they are kept.
 #include <gtest/gtest.h>
+#include <memory>
 
 #include "fixtures/committed.h"
 
@@ -128,4 +129,95 @@ TEST(Earlier, IsHiddenWhenTheVerticesAreOthers) {
   EXPECT_EQ(m.mesh.mesh().view().earlier_points, nullptr) << "of 64 vertices, where there are 125";
   m.mesh.mesh().expose_earlier(true, m.threads);
   EXPECT_EQ(m.mesh.mesh().view().earlier_points, nullptr);
+}
+
+namespace {
+
+/// A rectilinear block of n^3 vertices, and a velocity in three sections of larger arrays.
+template <class Real>
+struct Sections {
+  static constexpr std::int64_t n = 5, ghosts = 2, wide = n + 2 * ghosts;
+  std::vector<double> axis = std::vector<double>(n), tall = std::vector<double>(n);
+  std::vector<Real> values = std::vector<Real>(3 * wide * wide * wide);
+  fixtures::Committed m;
+
+  Sections() {
+    for (std::int64_t i = 0; i < n; ++i)
+      tall[std::size_t(i)] = axis[std::size_t(i)] = 0.1 * double(i);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = Real(i) / 7;
+    insitu_block block = insitu_block_default();
+    block.kind = INSITU_BLOCK_RECTILINEAR;
+    insitu_array sections[3];
+    for (int a = 0; a < 3; ++a) {
+      block.vertices[a] = n;
+      block.coordinates[a] =
+          insitu_array_of(a == 2 ? tall.data() : axis.data(), INSITU_FLOAT64, n, 1);
+      sections[a] =
+          insitu_array_of(&values[at(a, 0, 0, 0)],
+                          sizeof(Real) == 4 ? INSITU_FLOAT32 : INSITU_FLOAT64, n * n * n, 1);
+      std::int64_t stride = sizeof(Real);
+      for (int d = 0; d < 3; ++d, stride *= wide) {
+        sections[a].extent[d] = n;
+        sections[a].stride[d] = stride;
+      }
+    }
+    m.mesh.mesh().set_block(0, &block);
+    m.mesh.mesh().set_field(0, "v", INSITU_VERTEX, sections, 3);
+    m.mesh.mesh().set_field(0, "one", INSITU_VERTEX, sections, 1);
+    m.commit();
+  }
+  static std::size_t at(int c, std::int64_t i, std::int64_t j, std::int64_t k) {
+    return std::size_t(((c * wide + k + ghosts) * wide + j + ghosts) * wide + i + ghosts);
+  }
+  /// The copies are the values that these arrays had.
+  void check(const std::vector<Real>& then) const {
+    const auto v = m.mesh.mesh().earlier_field("v"), one = m.mesh.mesh().earlier_field("one");
+    ASSERT_TRUE(v && one);
+    for (std::int64_t id = 0; id < n * n * n; ++id)
+      for (int c = 0; c < 3; ++c) {
+        const double expected = then[at(c, id % n, id / n % n, id / (n * n))];
+        ASSERT_EQ(v->pieces[0].load(id, c), expected);
+        if (c == 0) {
+          ASSERT_EQ(one->pieces[0].load(id, 0), expected);
+        }
+      }
+  }
+};
+
+} // namespace
+
+// Sections go row by row, and of a block's coordinates nothing is kept but the axes, until it
+// moves.
+TEST(Earlier, OfABlockKeepsSectionsByRowsAndTheAxesAlone) {
+  const auto run = [](auto s) {
+    constexpr std::int64_t n = decltype(s)::element_type::n;
+    mesh::Mesh& mesh = s->m.mesh.mesh();
+    mesh.keep_earlier({{"v"}, {"one"}}, s->m.threads);
+    EXPECT_EQ(s->m.memory.current(INSITU_MEMORY_EARLIER), 8 * (4 * n * n * n + 3 * n));
+    EXPECT_EQ(mesh.earlier_points_bytes(), 8 * 3 * n);
+    const auto then = s->values;
+    s->values.assign(s->values.size(), -1);
+    s->m.commit(INSITU_CHANGED_FIELDS);
+    s->check(then);
+    mesh.expose_earlier(true, s->m.threads);
+    EXPECT_EQ(mesh.view().earlier_points, nullptr);
+    const std::vector<math::Vec3d> kept = mesh.copy_earlier().points;
+    ASSERT_EQ(kept.size(), std::size_t(n * n * n));
+    s->tall.back() += 0.25;
+    s->m.commit(INSITU_CHANGED_GEOMETRY);
+    mesh.expose_earlier(true, s->m.threads);
+    ASSERT_NE(mesh.view().earlier_points, nullptr);
+    EXPECT_EQ(mesh.view().largest_displacement, (0.4 + 0.25) - 0.4);
+    for (std::int64_t id = 0; id < n * n * n; ++id) {
+      const math::Vec3d expected{0.1 * double(id % n), 0.1 * double(id / n % n),
+                                 0.1 * double(id / (n * n))};
+      EXPECT_EQ(mesh.view().earlier_points[id], expected);
+      EXPECT_EQ(kept[std::size_t(id)], expected);
+    }
+    EXPECT_EQ(mesh.take_earlier(s->m.threads).points.size(), std::size_t(n * n * n));
+    EXPECT_EQ(s->m.memory.current(INSITU_MEMORY_EARLIER), 0);
+  };
+  run(std::make_unique<Sections<double>>());
+  run(std::make_unique<Sections<float>>());
 }

@@ -92,7 +92,8 @@ void keep_arrays(const PieceView& from, PieceView& to) {
 } // namespace
 
 Mesh::Mesh(std::string name, core::Memory& memory)
-    : name_(std::move(name)), memory_(&memory), earlier_points_(memory, INSITU_MEMORY_EARLIER) {
+    : name_(std::move(name)), memory_(&memory), earlier_points_(memory, INSITU_MEMORY_EARLIER),
+      earlier_axes_(memory, INSITU_MEMORY_EARLIER) {
   view_.first_cell = first_cell_.data();
   view_.first_vertex = first_vertex_.data();
 }

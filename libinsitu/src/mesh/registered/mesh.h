@@ -112,9 +112,12 @@ public:
   /// at the end of a step. Of a field that was kept at the end of the step before, too, older steps
   /// stay as far as it asks for them. What was kept is of the same cells: else release it.
   void keep_earlier(const std::vector<KeptField>& fields, const core::Threads& threads);
+  /// The bytes that coordinates take in it. Of blocks whose coordinates come from axes, it keeps
+  /// these.
+  std::int64_t earlier_points_bytes() const;
   void release_earlier();
   /// What was kept last, which then is kept here no more: the cells become others.
-  TakenStep take_earlier();
+  TakenStep take_earlier(const core::Threads& threads);
   /// What was kept, for a checkpoint, and back: returns false, and changes nothing, if it does not
   /// fit the pieces as they are now (after update()).
   EarlierStep copy_earlier() const;
@@ -179,6 +182,11 @@ private:
     return shown ? *shown : view_;
   }
   void hide_earlier();
+  void keep_points(const MeshView& now, const core::Threads& threads);
+  void keep_axes(const MeshView& now);
+  bool axes_stand(const MeshView& now) const;
+  bool kept_fits(const MeshView& now) const;
+  void make_earlier_points(const core::Threads& threads);
   void set_views();
   EarlierField& earlier_field_for(const std::string& name, insitu_association association,
                                   int components);
@@ -218,6 +226,8 @@ private:
   // The earlier step.
   core::Memory* memory_;
   core::Buffer<math::Vec3d> earlier_points_;
+  std::vector<PieceView> earlier_blocks_; ///< in place of points: all pieces, on earlier_axes_
+  core::Buffer<double> earlier_axes_;
   std::vector<std::unique_ptr<EarlierField>> earlier_fields_;
 };
 

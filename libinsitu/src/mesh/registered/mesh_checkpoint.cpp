@@ -29,6 +29,12 @@ EarlierStep Mesh::copy_earlier() const {
       out.fields.back().steps.emplace_back(step->values.begin(), step->values.end());
   }
   out.points.assign(earlier_points_.begin(), earlier_points_.end());
+  if (!earlier_blocks_.empty()) {
+    out.points.clear();
+    for (const PieceView& block : earlier_blocks_)
+      for (std::int64_t i = 0; i < block.vertex_count; ++i)
+        out.points.push_back(block.point(i));
+  }
   return out;
 }
 

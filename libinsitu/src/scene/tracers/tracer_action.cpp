@@ -76,8 +76,7 @@ void TracerAction::plan(const commit::CommittedMesh& mesh, Plan& plan) const {
                   : "at a regrid the leaves are kept, 13 bytes each, until particles crossed");
     return;
   }
-  plan.need("earlier coordinates",
-            view.first_vertex[view.piece_count] * std::int64_t(sizeof(math::Vec3d)),
+  plan.need("earlier coordinates", mesh.mesh().earlier_points_bytes(),
             "the mesh may move under the particles");
   if (const std::int64_t bytes = mesh.earlier_cells_bytes(environment_.context.threads))
     plan.need("copy of the cells", bytes, "the cells may become others under the particles");
