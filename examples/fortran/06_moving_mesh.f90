@@ -29,6 +29,8 @@ program moving_mesh
     end if
     call mesh%commit(ierr, report)
     if (ierr /= insitu_ok) error stop 1
+    if (report%action == insitu_refit) call mesh%complete(ierr, report) ! else the first query does
+    if (ierr /= insitu_ok) error stop 1
     write (output_unit, '(a, i0, 3a, f5.2)') 'cycle ', cycle, ': ', action(report%action), &
         ', cost ratio ', report%cost_ratio
   end do

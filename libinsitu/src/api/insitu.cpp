@@ -271,6 +271,16 @@ insitu_status insitu_mesh_commit(insitu_mesh mesh, insitu_commit_report* report)
   });
 }
 
+insitu_status insitu_mesh_complete(insitu_mesh mesh, insitu_commit_report* report) {
+  return with_mesh(mesh, [&](api::Session& s, commit::CommittedMesh& m) {
+    if (report)
+      core::check_size(report, "report"); // before anything is done
+    const insitu_commit_report done = m.complete(s.context().memory);
+    if (report)
+      core::to_caller(done, report, "report");
+  });
+}
+
 insitu_status insitu_mesh_validate(insitu_mesh mesh, insitu_validation* validation) {
   return with_mesh(mesh, [&](api::Session& s, commit::CommittedMesh& m) {
     const cells::Validation found = m.validate(s.context().threads);

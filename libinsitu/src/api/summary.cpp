@@ -40,6 +40,16 @@ void Session::write_summary(const std::string& path, double solver_seconds) {
   add("refit", r.refits);
   add("rebuild", r.rebuilds);
   json.close();
+  // Of the refits those that commits put off, and what became of them when the tree was asked.
+  commit::FitsDone fits;
+  for (const auto& m : meshes_)
+    fits += m->mesh.fits_done();
+  open("fits_put_off");
+  add("said", fits.put_off);
+  add("refit", fits.refits);
+  add("rebuild", fits.rebuilds);
+  add("seconds", fits.seconds);
+  json.close();
   open("bytes");
   add("borrowed", r.bytes_borrowed);
   add("held", r.bytes_held);
@@ -62,7 +72,7 @@ void Session::write_summary(const std::string& path, double solver_seconds) {
   // Of all meshes, by ray methods and devices (insitu_locator_info).
   insitu_locator_info sum = insitu_locator_info_default();
   for (const auto& m : meshes_) {
-    const insitu_locator_info info = m->mesh.locators().info(m->mesh.tree());
+    const insitu_locator_info info = m->mesh.locators().info(m->mesh.standing_tree());
     sum.kept += info.kept;
     sum.by_neighbour += info.by_neighbour;
     sum.by_tree += info.by_tree;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 #include "cells/checks/conformity.h"
 #include "cells/checks/float_rounding.h"
@@ -34,7 +35,9 @@ std::uint64_t next_id() {
 
 CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
     : id_(next_id()), mesh_(name, memory), tree_(memory), locators_(memory), order_(memory),
-      memory_(&memory), earlier_cells_(memory) {}
+      memory_(&memory), fit_(tree_, mesh_, policy_, odd_cells_), earlier_cells_(memory) {
+  on_demand_.tree = &fit_;
+}
 
 void CommittedMesh::require_a_commit() const {
   if (!committed_)
@@ -110,7 +113,9 @@ std::int64_t CommittedMesh::located() const {
 void CommittedMesh::note_queries() {
   const std::int64_t points = located();
   located_lately_ = points - located_before_;
-  policy_.served(located_lately_, drawn_.exchange(0), tree_.cost_ratio());
+  const std::int64_t drawn = drawn_.exchange(0);
+  if (!fit_.is_due()) // else nobody asked the tree
+    policy_.served(located_lately_, drawn, tree_.cost_ratio());
   located_before_ = points;
 }
 
@@ -137,12 +142,14 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
 void CommittedMesh::enter_topology(const core::Threads& threads) {
   part_from_earlier(threads);
   forget_neighbours();
-  facts_.forget();
+  on_demand_.facts.forget();
+  on_demand_.steps.forget();
   ++topology_version_;
 }
 
 void CommittedMesh::build_tree(insitu_commit_report& report, const core::Threads& threads) {
   mesh_.set_changed(INSITU_CHANGED_TOPOLOGY); // until built: a build that fails leaves no tree
+  fit_.forget();
   const accel::Builder builder = policy_.builder();
   const core::Timer timer;
   tree_.build(mesh_.view(), threads, builder);
@@ -197,10 +204,13 @@ bool CommittedMesh::update_tree(bool topology, std::uint32_t& pending, insitu_co
   bool rebuild = topology;
   const bool refit = !topology && (pending & INSITU_CHANGED_GEOMETRY) != 0;
   if (refit) {
-    tree_.refit(mesh_.view(), threads);
+    fit_.put_off(threads.count());
     report.action = INSITU_REFIT;
-    rebuild = policy_.rebuild_is_due(tree_.cost_ratio());
-    if (rebuild)
+    if (!fit_may_wait(threads)) {
+      fit_.complete();
+      report.action = fit_.action();
+    }
+    if (report.action == INSITU_REBUILD)
       pending |= query::rebuild_due; // boxes that spoil the tree spoil the locators' structures
   }
   rebuild = rebuild || policy_.surface_area_is_due();
@@ -225,6 +235,7 @@ void CommittedMesh::commit_on_device(std::uint32_t pending, insitu_commit_report
     return mirror->view();
   };
   tree_is_stale_ = true;
+  fit_.forget();
   const bool topology = (pending & INSITU_CHANGED_TOPOLOGY) != 0;
   if (topology) {
     accept(cells::validate(mesh_.name(), view(), threads), view(), threads, log);
@@ -274,7 +285,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
         mesh_.set_one_mesh(false);
       mesh_.set_covers_once(false);
       ++geometry_version_;
-      facts_.forget();
+      on_demand_.facts.forget();
     }
     if (lies_on_device())
       commit_on_device(pending, report, threads, log);
@@ -288,11 +299,20 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
     if (geometry && !lies_on_device() && many_were_located() && query::trying_pays(mesh_.view()))
       look_for_folds(threads);
   }
+  if (std::exchange(rebuilds_seen_, fit_.done().rebuilds) != fit_.done().rebuilds)
+    commits_since_build_ = 0;
   // The builder's scratch is worth keeping only while rebuilds come often.
   constexpr int patience = 4;
   if (report.action != INSITU_REBUILD && ++commits_since_build_ == patience)
     tree_.release_scratch();
   report.seconds = timer.seconds();
+  describe(report);
+  report.bytes_allocated = std::max<std::int64_t>(0, memory.current() - bytes_before);
+  return report;
+}
+
+/// The mesh and its tree as they stand.
+void CommittedMesh::describe(insitu_commit_report& report) const {
   report.cost_ratio = tree_.cost_ratio();
   report.builder = tree_.empty() || lies_on_device()                 ? INSITU_BUILDER_NONE
                    : tree_.builder() == accel::Builder::surface_area ? INSITU_BUILDER_SURFACE_AREA
@@ -301,6 +321,19 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
   report.cells = counted.cell_count();
   report.vertices = counted.vertex_count();
   report.bytes = locators_.info(tree_).bytes;
+}
+
+insitu_commit_report CommittedMesh::complete(const core::Memory& memory) {
+  require_committed();
+  const core::Timer timer;
+  const std::int64_t bytes_before = memory.current();
+  insitu_commit_report report = insitu_commit_report_default();
+  if (fit_.is_due()) {
+    fit_.complete();
+    report.action = fit_.action();
+  }
+  report.seconds = timer.seconds();
+  describe(report);
   report.bytes_allocated = std::max<std::int64_t>(0, memory.current() - bytes_before);
   return report;
 }

@@ -12,12 +12,13 @@
 #include "cells/checks/validate.h"
 #include "commit/earlier/earlier_mesh.h"
 #include "commit/standins/stand_in.h"
+#include "commit/tree_fit.h"
 #include "commit/tree_policy.h"
 #include "core/log.h"
 #include "mesh/registered/mesh.h"
 #include "query/batch/order.h"
-#include "query/facts_cache.h"
 #include "query/locators.h"
+#include "query/on_demand.h"
 #include "query/sampler.h"
 
 namespace insitu::commit {
@@ -29,7 +30,14 @@ public:
 
   mesh::Mesh& mesh() { return mesh_; }
   const mesh::Mesh& mesh() const { return mesh_; }
-  const accel::Tree& tree() const { return tree_; }
+  /// The tree, fitted now if that was put off (tree_fit.h); throws as complete() then.
+  const accel::Tree& tree() const {
+    fit_.complete();
+    return tree_;
+  }
+  /// The same tree as it stands: its boxes may be those of an earlier step, its cells are this
+  /// one's.
+  const accel::Tree& standing_tree() const { return tree_; }
   /// automatic: as the policy finds; otherwise how every tree is built from now on.
   void set_builder(accel::Builder builder) { policy_.set_builder(builder); }
   /// How batches of points are located from the next commit on; the tree is kept whatever the
@@ -50,11 +58,17 @@ public:
   insitu_frame reference_frame = insitu_frame_default();
 
   /// Brings the tree up to date with what changed: topology -> validate, rebuild; geometry ->
-  /// refit, or rebuild when that is due (see TreePolicy); fields -> nothing here, or a better tree
-  /// when that is due. strict refuses converted arrays. Throws core::Error; the mesh then is not
-  /// committed.
+  /// refit, or rebuild when that is due (see TreePolicy), once somebody asks the tree; fields ->
+  /// nothing here, or a better tree when that is due. strict refuses converted arrays. Throws
+  /// core::Error; the mesh then is not committed.
   insitu_commit_report commit(const core::Threads& threads, const core::Log& log,
                               const core::Memory& memory, bool strict);
+
+  /// Does now what the commit has put off until a query needs it, and says what it was. Throws
+  /// core::Error; the mesh stays committed, and the work is still to be done.
+  insitu_commit_report complete(const core::Memory& memory);
+  /// What was put off and done since, when it was asked for.
+  const FitsDone& fits_done() const { return fit_.done(); }
 
   /// Validates the arrays as they are; the mesh need not be committed.
   cells::Validation validate(const core::Threads& threads);
@@ -90,7 +104,7 @@ public:
             own ? own : &locators_.point_locator(),
             stand_in_ ? stand_in_->chart() : nullptr,
             neighbours_.get(),
-            &facts_};
+            &on_demand_};
   }
   /// A location as the solver counts cells, flat over the pieces of mesh().own_view(): the same
   /// unless a stand-in has other cells.
@@ -155,6 +169,8 @@ private:
   void commit_on_device(std::uint32_t pending, insitu_commit_report& report,
                         const core::Threads& threads, const core::Log& log);
   void build_tree(insitu_commit_report& report, const core::Threads& threads);
+  bool fit_may_wait(const core::Threads& threads) const;
+  void describe(insitu_commit_report& report) const;
   StandIn::Found commit_stand_in(std::uint32_t changed, const core::Threads& threads,
                                  const core::Log& log);
   bool update_tree(bool topology, std::uint32_t& pending, insitu_commit_report& report,
@@ -173,12 +189,13 @@ private:
   query::Locators locators_;
   std::unique_ptr<StandIn> stand_in_; ///< of meshes that need one
   std::unique_ptr<accel::FaceNeighbours> neighbours_;
-  std::int64_t unguided_before_ = 0; ///< points, when the topology last changed
-  query::FactsCache facts_;
+  std::int64_t unguided_before_ = 0;  ///< points, when the topology last changed
   mutable query::SpatialOrder order_; ///< scratch of queries
   mutable query::LocateCounts locate_counts_;
   core::Memory* memory_;
   TreePolicy policy_;
+  TreeFit fit_; ///< of tree_
+  query::OnDemand on_demand_;
   std::int64_t located_before_ = 0;            ///< points, when the policy was last told
   mutable std::atomic<std::int64_t> drawn_{0}; ///< points, for frames since then
   std::int64_t located_lately_ = 0; ///< points, between the last two commits that changed something
@@ -188,6 +205,7 @@ private:
   cells::OddCells odd_cells_;  ///< if so
   bool tree_is_stale_ = false; ///< the mesh was in device memory meanwhile
   int commits_since_build_ = 0;
+  std::int64_t rebuilds_seen_ = 0; ///< of those that were put off
   // The earlier step, for pathlines (committed_mesh_earlier.cpp).
   mesh::CellsCopy earlier_cells_;
   std::uint64_t earlier_cells_version_ = 0; ///< topology_version() of that copy

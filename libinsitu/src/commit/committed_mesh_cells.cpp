@@ -54,18 +54,20 @@ void CommittedMesh::set_odd_cells(cells::OddCells odd, const core::Threads& thre
   folds_are_known_ = true;
   const mesh::MeshView& view = mesh_.view();
   if (view.piece_count != 1 && !view.one_mesh && !is_copied() && odd.few && !tree_.empty())
-    mesh_.set_one_mesh(pieces_are_apart(view, tree_, threads));
+    mesh_.set_one_mesh(pieces_are_apart(view, tree(), threads));
   if (view.piece_count != 1 && !view.one_mesh)
     odd = {};
   odd_cells_ = std::move(odd);
   mesh_.set_free_of_folds(odd_cells_.none());
+  if (!odd_cells_.ids.empty())
+    fit_.complete(); // which may be a build
   tree_.mark_odd(mesh_.view(), odd_cells_.ids, threads);
 }
 
 /// Worth its time only to candidates: they may then answer alone in `exact`.
 void CommittedMesh::look_for_overlaps(const core::Threads& threads) {
   if (locators_.pick().method != accel::Method::bvh)
-    mesh_.set_covers_once(covers_once(mesh_.view(), locators_.faces(), tree_, threads));
+    mesh_.set_covers_once(covers_once(mesh_.view(), locators_.faces(), tree(), threads));
 }
 
 } // namespace insitu::commit

@@ -50,11 +50,11 @@ void CommittedMesh::keep_earlier(const std::vector<mesh::KeptField>& fields, boo
 void CommittedMesh::part_from_earlier(const core::Threads& threads) {
   mesh::TakenStep step = mesh_.take_earlier(threads);
   const bool whole = !step.fields.empty() && kept_.with_cells && are_alike(kept_.chart, chart());
-  const bool moved = kept_.tree_version != tree_version_; // and not the copies
+  const bool moved = kept_.tree_version != tree_version_ || fit_.is_due(); // and not the copies
   if (whole && is_made())
-    earlier_mesh_ = std::make_unique<EarlierMesh>(
-        std::move(step), std::move(stand_in_), tree_.take(), topology_version_, threads);
-  else if (whole && !earlier_cells_.empty() && !tree_is_stale_)
+    earlier_mesh_ = std::make_unique<EarlierMesh>(std::move(step), std::move(stand_in_),
+                                                  tree_.take(), topology_version_, threads);
+  else if (whole && !earlier_cells_.empty() && !tree_is_stale_ && !fit_.is_broken())
     earlier_mesh_ = std::make_unique<EarlierMesh>(std::move(step), std::move(earlier_cells_),
                                                   tree_.take(), moved, kept_.odd, kept_.covers_once,
                                                   kept_.chart, topology_version_, threads);

@@ -1,8 +1,18 @@
+#include <cmath>
+
 #include "commit/committed_mesh.h"
 #include "core/status.h"
 
 /// What a committed mesh has to do with the locator that its user chose.
 namespace insitu::commit {
+
+namespace {
+
+bool is_within(const math::Vec3d& p, double bound) {
+  return std::abs(p.x) < bound && std::abs(p.y) < bound && std::abs(p.z) < bound;
+}
+
+} // namespace
 
 /// Structures of the locator beside the tree, which stands.
 void CommittedMesh::update_locators(std::uint32_t pending, const core::Threads& threads) {
@@ -17,6 +27,16 @@ void CommittedMesh::update_locators(std::uint32_t pending, const core::Threads& 
   if ((anew || moved) && folds_are_known_)
     look_for_overlaps(threads);
   locators_.commit(mesh_, view, pending, threads);
+}
+
+/// Rays, devices and stand-ins have structures beside the tree that are made with it. Vertices that
+/// are not finite are told by the commit.
+bool CommittedMesh::fit_may_wait(const core::Threads& threads) const {
+  constexpr double bound = 0.25 * math::largest_coordinate; // from any origin within as well
+  const query::LocatorPick& pick = locators_.pick();
+  return !locators_.pending() && pick.method == accel::Method::bvh &&
+         pick.backend == accel::Backend::cpu && !stand_in_ && !tree_.empty() &&
+         is_within(tree_.origin(), bound) && mesh_.vertices_are_within(bound, threads);
 }
 
 bool CommittedMesh::many_were_located() const {

@@ -82,7 +82,7 @@ int PointQuery::tries() const {
 /// The lowest of the candidates' cells in gridlets that hold p: the owner, since other cells have
 /// higher ids.
 Location PointQuery::locate_in_runs(std::span<const Candidate> candidates, const Vec3d& p,
-                                        Reason& reason) const {
+                                    Reason& reason) const {
   const mesh::GridletsView* const gridlets = gridlets_of(mesh);
   Location best;
   for (const Candidate& c : candidates) {

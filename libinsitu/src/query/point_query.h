@@ -6,8 +6,8 @@
 #include "accel/tree/tree.h"
 #include "cells/exact/decide.h"
 #include "cells/kernels/kernels.h"
-#include "query/proof.h"
 #include "query/location.h"
+#include "query/proof.h"
 
 /// What single and batched queries share: the query's box, the decision, the coordinates.
 namespace insitu::query {
@@ -43,7 +43,7 @@ struct PointQuery {
   /// Where proofs count, so many candidates, those in whose boxes the point lies deepest, are tried
   /// first by Newton's method.
   int tries() const;
-  ProofRule proof() const { return {mesh, tree, options}; }
+  ProofRule proof() const { return {mesh, tree.odd(), options}; }
   /// The cells whose boxes meet a box in the tree's frame; the memory is the thread's, until the
   /// next call.
   std::span<const Candidate> candidates_in(const float* lower, const float* upper) const;
@@ -52,7 +52,7 @@ struct PointQuery {
 
 private:
   Location locate_in_runs(std::span<const Candidate> candidates, const math::Vec3d& p,
-                              Reason& reason) const;
+                          Reason& reason) const;
 };
 
 using cells::decide;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "accel/tree/tree.h"
+#include "accel/tree/odd_slots.h"
 #include "cells/kernels/kernels.h"
 #include "query/location.h"
 
@@ -14,10 +14,10 @@ namespace insitu::query {
 /// boxes are those of the current coordinates.
 class ProofRule {
 public:
-  /// The arguments must outlive the object.
-  ProofRule(const mesh::MeshView& mesh, const accel::Tree& tree, const LocateOptions& options)
-      : odd_(&tree.odd()), for_all_(mesh.free_of_folds),
-        for_some_(mesh.free_of_folds || (!tree.odd().empty() && options.alpha == 1.0)),
+  /// odd: what the tree marks. The arguments must outlive the object.
+  ProofRule(const mesh::MeshView& mesh, const accel::OddSlots& odd, const LocateOptions& options)
+      : odd_(&odd), for_all_(mesh.free_of_folds),
+        for_some_(mesh.free_of_folds || (!odd.empty() && options.alpha == 1.0)),
         is_enough_(options.accuracy != INSITU_EXACT || mesh.covers_once) {}
 
   /// Whether proofs count for some points at all, or for every point.

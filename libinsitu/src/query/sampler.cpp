@@ -9,8 +9,8 @@
 #include "query/batch/order.h"
 #include "query/batch/tree_locator.h"
 #include "query/chart_image.h"
-#include "query/facts_cache.h"
 #include "query/lattice/culled_cells.h"
+#include "query/on_demand.h"
 #include "query/point_query.h"
 #include "query/proof.h"
 
@@ -69,13 +69,23 @@ void store(const Answered& answered, std::span<Location> locations,
 
 Sampler::Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrder* order,
                  LocateCounts* counts, const PointLocator* locator, const ChartImage* chart,
-                 const accel::FaceNeighbours* neighbours, const FactsCache* facts)
+                 const accel::FaceNeighbours* neighbours, const OnDemand* on_demand)
     : mesh_(&mesh), tree_(&tree), order_(order), counts_(counts),
       locator_(locator ? locator : &TreeLocator::plain()), chart_(chart), neighbours_(neighbours),
-      facts_(facts) {}
+      on_demand_(on_demand) {}
+
+const accel::Tree& Sampler::tree() const {
+  if (on_demand_ && on_demand_->tree)
+    on_demand_->tree->complete();
+  return *tree_;
+}
+
+const accel::OddSlots& Sampler::odd() const {
+  return tree_->odd();
+}
 
 mesh::MeshFacts Sampler::facts(const core::Threads* threads) const {
-  return facts_ ? facts_->of(*mesh_, threads) : mesh::find_facts(*mesh_, threads);
+  return on_demand_ ? on_demand_->facts.of(*mesh_, threads) : mesh::find_facts(*mesh_, threads);
 }
 
 bool Sampler::owns(std::int64_t flat) const {
@@ -91,14 +101,14 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
   std::int64_t guess = -1;
   if (!locator_->find(p, hint, at, why, guess)) {
     if (guess >= 0 && guess < mesh_->cell_count() &&
-        ProofRule(*mesh_, *tree_, options).counts_for(p) && owns(guess)) {
+        ProofRule(*mesh_, odd(), options).counts_for(p) && owns(guess)) {
       mesh::CellVertices cell;
       mesh::gather(*mesh_, guess, cell, options.alpha);
       if ((at = try_cell(cell, guess, p)))
         why = Reason::certified;
     }
     if (!at)
-      at = PointQuery{*mesh_, *tree_, options}.locate(p, why);
+      at = PointQuery{*mesh_, tree(), options}.locate(p, why);
   }
   if (counts_)
     counts_->add(why);
@@ -125,7 +135,7 @@ void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> l
                             const LocateOptions& options, std::span<std::uint8_t> reasons) const {
   std::vector<Vec3d> images(chart_ ? std::min<std::size_t>(batch_size, points.size()) : 0);
   Tally tally(counts_);
-  locator_->with_batches({*mesh_, *tree_, options}, [&](Batches& batches) {
+  locator_->with_batches({*mesh_, tree(), options}, [&](Batches& batches) {
     for (std::size_t first = 0; first < points.size(); first += batch_size) {
       const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
       std::span<const Vec3d> batch = points.subspan(first, n);
@@ -154,14 +164,14 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
     return;
   constexpr auto grain = std::int64_t(GuessedBatches::grain);
   static_assert(grain % batch_size == 0);
-  const PointQuery query{*mesh_, *tree_, options};
-  const bool sorts = order_ && is_incoherent(points, *tree_);
+  const PointQuery query{*mesh_, tree(), options};
+  const bool sorts = order_ && is_incoherent(points, query.tree);
   // So many at a time that numbers of points fit 32 bits and the memory stays bounded.
   constexpr std::size_t slice = std::size_t(1) << 22;
   for (std::size_t from = 0; from < points.size(); from += slice) {
     const std::span<const Vec3d> part = points.subspan(from, std::min(slice, points.size() - from));
     const auto sorted =
-        sorts ? order_->sort(threads, part, *tree_) : std::span<const accel::morton::Coded>();
+        sorts ? order_->sort(threads, part, query.tree) : std::span<const accel::morton::Coded>();
     threads.parallel_for(
         std::int64_t(part.size()), grain, [&](std::int64_t begin, std::int64_t end) {
           const auto grain_begin = std::size_t(begin), grain_end = std::size_t(end);

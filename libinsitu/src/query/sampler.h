@@ -8,15 +8,16 @@
 
 namespace insitu::accel {
 class FaceNeighbours;
+class OddSlots;
 class Tree;
 } // namespace insitu::accel
 
 namespace insitu::query {
 
 class CulledCells;
-class FactsCache;
 class SpatialOrder;
 struct ChartImage;
+struct OnDemand;
 
 /// Answers point queries on a committed mesh. Cheap to copy; valid until the next commit. All calls
 /// are const, and their answers do not depend on threads or batching. All but the parallel
@@ -27,14 +28,20 @@ public:
   /// the answers are counted in, or null. locator: how points find their cells; null: by the tree.
   /// chart: of a geodetic mesh, whose points are located by their images; else null. neighbours:
   /// of the mesh's cells, for callers that go from cell to cell, where they are known; else null.
-  /// facts: where facts of the mesh are kept; null: they are found each time.
+  /// on_demand: where what the mesh finds out when first asked is kept, and the tree's fit, if it
+  /// waits; null: the tree is fitted, and the rest is found each time.
   Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrder* order = nullptr,
           LocateCounts* counts = nullptr, const PointLocator* locator = nullptr,
           const ChartImage* chart = nullptr, const accel::FaceNeighbours* neighbours = nullptr,
-          const FactsCache* facts = nullptr);
+          const OnDemand* on_demand = nullptr);
 
   const mesh::MeshView& mesh() const { return *mesh_; }
-  const accel::Tree& tree() const { return *tree_; }
+  /// The tree, whose boxes are fitted now if that was put off. May throw for want of memory, or
+  /// INSITU_ERROR_MESH.
+  const accel::Tree& tree() const;
+  /// What the tree marks as odd. Asks for no fit.
+  const accel::OddSlots& odd() const;
+  const OnDemand* on_demand() const { return on_demand_; }
   const PointLocator& locator() const { return *locator_; }
   /// Of the mesh as a whole, found when first asked for. threads: null: on the calling thread.
   mesh::MeshFacts facts(const core::Threads* threads = nullptr) const;
@@ -134,7 +141,7 @@ private:
   const PointLocator* locator_;
   const ChartImage* chart_;
   const accel::FaceNeighbours* neighbours_;
-  const FactsCache* facts_;
+  const OnDemand* on_demand_;
 };
 
 } // namespace insitu::query

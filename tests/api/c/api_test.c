@@ -91,8 +91,14 @@ static void test_answers(void) {
   points[2][0] = points[5][0] = points[8][0] = points[11][0] = 3;
   EXPECT(insitu_mesh_changed(mesh, INSITU_CHANGED_GEOMETRY) == INSITU_OK);
   EXPECT_ERROR(insitu_mesh_locate(mesh, &args.locate), INSITU_ERROR_ORDER, "commit");
+  EXPECT_ERROR(insitu_mesh_complete(mesh, NULL), INSITU_ERROR_ORDER, "commit");
   EXPECT(insitu_mesh_commit(mesh, &report) == INSITU_OK && report.action == INSITU_REFIT);
   EXPECT(insitu_mesh_locate(mesh, &args.locate) == INSITU_OK && owner[3] == 2);
+  EXPECT(insitu_mesh_complete(mesh, &report) == INSITU_OK && report.action == INSITU_KEEP);
+  EXPECT(insitu_mesh_changed(mesh, INSITU_CHANGED_GEOMETRY) == INSITU_OK);
+  EXPECT(insitu_mesh_commit(mesh, NULL) == INSITU_OK);
+  EXPECT(insitu_mesh_complete(mesh, &report) == INSITU_OK && report.action == INSITU_REFIT &&
+         report.cells == 2);
   EXPECT(insitu_mesh_changed(mesh, INSITU_CHANGED_TOPOLOGY) == INSITU_OK);
   EXPECT(insitu_mesh_commit(mesh, &report) == INSITU_OK && report.action == INSITU_REBUILD);
   points[2][0] = points[5][0] = points[8][0] = points[11][0] = 2;

@@ -44,6 +44,16 @@ Tree::Tree(core::Memory& memory)
 Tree::~Tree() = default;
 Tree::Tree(Tree&&) noexcept = default;
 
+namespace {
+
+/// Writes nothing where none is marked: others may read that while a fit that was put off runs.
+void forget(OddSlots& odd) {
+  if (!odd.empty())
+    odd = {};
+}
+
+} // namespace
+
 Tree Tree::take() {
   Tree taken(std::move(*this));
   embree_ = std::move(taken.embree_);
@@ -74,7 +84,7 @@ void Tree::build(const mesh::MeshView& mesh, const core::Threads& threads, Build
                           std::to_string(mesh.cell_count()) + " given");
   nodes_.resize_discard(0);
   cells_.resize_discard(0);
-  odd_ = {};
+  forget(odd_);
   levels_.clear();
   bounds_ = Box{};
   const Owners owners(mesh, threads);
@@ -223,7 +233,7 @@ void Tree::flatten(const void* root_pointer, const core::Threads& threads) {
 }
 
 void Tree::refit(const mesh::MeshView& mesh, const core::Threads& threads) {
-  odd_ = {};
+  forget(odd_);
   if (nodes_.empty())
     return;
   const CellBoxes boxes(mesh, origin_);

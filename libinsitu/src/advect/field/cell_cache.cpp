@@ -10,7 +10,7 @@ using math::Vec3d;
 
 CellCache::CellCache(const Moment& moment)
     : sampler_(&moment.sampler()),
-      proof_(moment.mesh(), sampler_->tree(), {moment.accuracy(), moment.moves() ? 0.0 : 1.0}) {}
+      proof_(moment.mesh(), sampler_->odd(), {moment.accuracy(), moment.moves() ? 0.0 : 1.0}) {}
 
 /// Cells in runs have no vertices of their own to keep.
 bool CellCache::can_keep(std::int64_t cell) const {

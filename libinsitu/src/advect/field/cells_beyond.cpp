@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 #include <vector>
 
 #include "cells/kernels/faces.h"
 #include "cells/kernels/kernels.h"
 #include "mesh/view.h"
+#include "query/on_demand.h"
 #include "query/proof.h"
 
 namespace insitu::advect {
@@ -63,24 +65,37 @@ CellsBeyond::CellsBeyond(const query::Sampler& sampler) : neighbours_(sampler.ne
     knows_ = knows_most_ = true;
     return;
   }
-  // Without its counts: these are no queries of the caller's.
-  const query::Sampler bare(sampler.mesh(), sampler.tree());
   const mesh::MeshView& mesh = sampler.mesh();
-  if (!query::ProofRule(mesh, sampler.tree(), {}).for_some() || mesh.cell_count() == 0)
+  if (!query::ProofRule(mesh, sampler.odd(), {}).for_some() || mesh.cell_count() == 0)
     return;
+  const query::NumberStepsCache* const kept =
+      sampler.on_demand() ? &sampler.on_demand()->steps : nullptr;
+  const std::optional<query::NumberSteps> known = kept ? kept->get() : std::nullopt;
+  steps_ = known ? *known : learn(sampler);
+  if (kept && !known)
+    kept->put(steps_);
   for (const bool wedges : {false, true}) {
-    Steps& steps = steps_[wedges];
-    const int sides = wedges ? 5 : most_sides;
-    for (int side = 0; side < sides; ++side)
-      learn(bare, wedges, side, steps);
+    const query::NumberSteps::Of& steps = of(wedges);
     knows_ |= steps.known != 0;
-    knows_most_ |= std::popcount(steps.known) > sides / 2;
+    knows_most_ |= std::popcount(steps.known) > (wedges ? 5 : most_sides) / 2;
   }
   lacks_neighbours_ = accel::FaceNeighbours::fits(mesh) && !tells_most(mesh);
 }
 
+query::NumberSteps CellsBeyond::learn(const query::Sampler& sampler) {
+  // Without its counts: these are no queries of the caller's.
+  const query::Sampler bare(sampler.mesh(), sampler.tree());
+  query::NumberSteps steps;
+  for (int side = 0; side < most_sides; ++side)
+    learn(bare, false, side, steps.bricks);
+  for (int side = 0; side < 5; ++side)
+    learn(bare, true, side, steps.wedges);
+  return steps;
+}
+
 /// The step over one side, if most of the cells that are looked at have it.
-void CellsBeyond::learn(const query::Sampler& sampler, bool wedges, int side, Steps& steps) {
+void CellsBeyond::learn(const query::Sampler& sampler, bool wedges, int side,
+                        query::NumberSteps::Of& steps) {
   const mesh::MeshView& mesh = sampler.mesh();
   std::vector<std::int64_t> found;
   for_a_few(mesh, [&](std::int64_t cell, Shape shape) {
@@ -111,7 +126,7 @@ bool CellsBeyond::tells_most(const mesh::MeshView& mesh) const {
   for_a_few(mesh, [&](std::int64_t, Shape shape) {
     faces += cells::face_table(shape).face_count;
     if (is_brick(shape) || shape == Shape::wedge)
-      told += std::popcount(steps_[shape == Shape::wedge].known);
+      told += std::popcount(of(shape == Shape::wedge).known);
   });
   return 2 * told > faces;
 }

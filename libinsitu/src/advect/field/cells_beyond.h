@@ -7,6 +7,7 @@
 #include "math/vec.h"
 #include "mesh/shape.h"
 #include "query/sampler.h"
+#include "query/walk/number_steps.h"
 
 namespace insitu::advect {
 
@@ -15,8 +16,8 @@ namespace insitu::advect {
 /// same almost everywhere. Where the mesh has a table of neighbours, by that.
 class CellsBeyond {
 public:
-  /// Without a table looks for steps that most of a few cells have; the time of some tens of
-  /// queries. On a geodetic mesh, of its images.
+  /// Without a table looks for steps that most of a few cells have, once a topology; the time of
+  /// some tens of queries. On a geodetic mesh, of its images.
   explicit CellsBeyond(const query::Sampler& sampler);
   /// For so many particles; null where that would take longer than they may gain.
   static std::unique_ptr<const CellsBeyond> worth(const query::Sampler& sampler,
@@ -45,7 +46,7 @@ public:
       return face < 0 ? -1 : neighbours_->across(cell, face);
     }
     const unsigned sides = sides_beyond(shape, r, near);
-    const Steps& steps = steps_[shape == mesh::Shape::wedge];
+    const query::NumberSteps::Of& steps = of(shape == mesh::Shape::wedge);
     if (sides == 0 || (sides & ~steps.known) != 0)
       return -1;
     for (int side = 0; side < most_sides; ++side)
@@ -64,20 +65,21 @@ private:
   /// The face beyond which the point is furthest, or -1.
   static int face_beyond(mesh::Shape shape, const math::Vec3d& r, double near);
 
-  static constexpr int most_sides = 6;
-  struct Steps {
-    std::int64_t step[most_sides] = {};
-    unsigned known = 0; ///< bits of sides
-  };
+  static constexpr int most_sides = query::NumberSteps::most_sides;
+  const query::NumberSteps::Of& of(bool wedges) const {
+    return wedges ? steps_.wedges : steps_.bricks;
+  }
 
   /// Bits: hexahedra and voxels have their faces' order (r = 0, r = 1, s = 0, ...), wedges r, s,
   /// their sum, t = 0 and t = 1; others none.
   static unsigned sides_beyond(mesh::Shape shape, const math::Vec3d& r, double near);
-  static void learn(const query::Sampler& sampler, bool wedges, int side, Steps& steps);
+  static query::NumberSteps learn(const query::Sampler& sampler);
+  static void learn(const query::Sampler& sampler, bool wedges, int side,
+                    query::NumberSteps::Of& steps);
   bool tells_most(const mesh::MeshView& mesh) const;
 
   const accel::FaceNeighbours* neighbours_;
-  Steps steps_[2]; ///< of hexahedra and voxels; of wedges
+  query::NumberSteps steps_;
   bool knows_ = false, knows_most_ = false, lacks_neighbours_ = false;
 };
 

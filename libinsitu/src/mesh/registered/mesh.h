@@ -71,6 +71,8 @@ public:
   /// Checks that the registrations fit each other and makes the views. Throws core::Error. Passes
   /// over leaves and pointers, when they are due, run on `threads`, or on the caller if null.
   void update(const core::Threads* threads = nullptr);
+  /// Whether all coordinates of view() are finite and below this, read or not.
+  bool vertices_are_within(double bound, const core::Threads& threads) const;
 
   bool is_adaptive() const { return amr_.has_value(); }
   /// The pieces of an adaptive mesh as of the last update(), each checked by itself.

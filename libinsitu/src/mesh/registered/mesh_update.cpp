@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <cstring>
 
 #include "core/status.h"
+#include "mesh/registered/copy_items.h"
 #include "mesh/registered/mesh.h"
 
 namespace insitu::mesh {
@@ -113,6 +116,50 @@ void Mesh::set_views() {
   view_.piece_count = std::int32_t(pieces_.size());
   view_.join_pieces = !separate_pieces_;
   hide_earlier(); // of cells that may be others by now, until they are shown again
+}
+
+namespace {
+
+bool axes_are_within(const PieceView& block, double bound) {
+  bool within = true;
+  for (int a = 0; a < 3; ++a) {
+    const double last = double(block.block_vertices[a] - 1) * block.spacing[a];
+    if (!block.axis[a])
+      within &= std::abs(block.origin[a]) < bound && std::abs(block.origin[a] + last) < bound;
+    for (std::int64_t i = 0; block.axis[a] && i < block.block_vertices[a]; ++i)
+      within &= std::abs(load_real(block.axis[a] + i * block.axis_stride[a],
+                                   block.axis_is_float32)) < bound;
+  }
+  return within;
+}
+
+} // namespace
+
+bool Mesh::vertices_are_within(double bound, const core::Threads& threads) const {
+  constexpr std::int64_t few = 256;
+  const MeshView& mesh = view();
+  std::atomic<bool> all{true};
+  for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
+    const PieceView& piece = mesh.pieces[p];
+    if (piece.implicit_points) {
+      all = all && axes_are_within(piece, bound);
+      continue;
+    }
+    threads.parallel_for(piece.vertex_count, 1 << 14, [&](std::int64_t begin, std::int64_t end) {
+      math::Vec3d x[few];
+      bool within = true;
+      for (std::int64_t from = begin; from < end; from += few) {
+        const std::int64_t n = std::min(few, end - from);
+        copy_points(piece, from, from + n, x);
+        for (std::int64_t i = 0; i < n; ++i)
+          within &= bool(int(std::abs(x[i].x) < bound) & int(std::abs(x[i].y) < bound) &
+                         int(std::abs(x[i].z) < bound));
+      }
+      if (!within)
+        all = false;
+    });
+  }
+  return all;
 }
 
 void Mesh::update_fields(const core::Threads* threads) {

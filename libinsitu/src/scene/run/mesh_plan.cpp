@@ -7,7 +7,7 @@ void plan_mesh(const commit::CommittedMesh& mesh, Plan& plan) {
     plan.need(item, bytes, std::move(why), Plan::Held::with_mesh);
   };
   const insitu_locator_info info = mesh.locator_info();
-  const std::int64_t tree = mesh.tree().bytes(), faces = mesh.locators().faces().bytes();
+  const std::int64_t tree = mesh.standing_tree().bytes(), faces = mesh.locators().faces().bytes();
   held("tree", tree, "built at the first commit");
   if (faces > 0) {
     held("face table of the locator", faces, "the faces that its method shoots rays at");

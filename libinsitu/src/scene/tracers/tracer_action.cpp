@@ -36,7 +36,8 @@ void TracerAction::plan(const commit::CommittedMesh& mesh, Plan& plan) const {
   if (tracer_.attached != Attached::body && mesh.mesh().has_field(tracer_.velocity.text) &&
       mesh.mesh().field(tracer_.velocity.text).has_blanks)
     plan.need("cells in which '" + tracer_.velocity.text + "' has values",
-              view.cell_count() + mesh.tree().bytes(), "the others are walls to its particles");
+              view.cell_count() + mesh.standing_tree().bytes(),
+              "the others are walls to its particles");
   if (tracer_.kind == TracerKind::streamline) {
     find_field(mesh, tracer_.velocity, environment_.scene_file); // it must be there
     for (const mesh::KeptField& of : effect_fields(tracer_.effects, 0))
@@ -88,10 +89,11 @@ void TracerAction::plan_neighbours(const commit::CommittedMesh& mesh, Plan& plan
     plan.need(item, mesh.neighbours_bytes(environment_.context.threads),
               "once the tree was asked for one of them a cell: their numbers do not tell");
   else
-    plan.skip(item, mesh.mesh().is_adaptive() ? "the leaves are found by their levels"
-                    : query::ProofRule(mesh.mesh().view(), mesh.tree(), {}).for_some()
-                        ? "the cells' numbers tell"
-                        : "cells fold, or it is not known whether: particles ask the tree");
+    plan.skip(item,
+              mesh.mesh().is_adaptive() ? "the leaves are found by their levels"
+              : query::ProofRule(mesh.mesh().view(), mesh.standing_tree().odd(), {}).for_some()
+                  ? "the cells' numbers tell"
+                  : "cells fold, or it is not known whether: particles ask the tree");
 }
 
 bool TracerAction::writes(TableFormat format) const {

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "accel/tree/tree.h"
+#include "cells/checks/odd_cells.h"
+#include "commit/tree_policy.h"
+#include "mesh/registered/mesh.h"
+#include "query/on_demand.h"
+
+namespace insitu::commit {
+
+/// Fits of a mesh's tree: those that commits said were due, and those that were done, most of them
+/// later, when somebody asked for the tree. rebuilds: done after a refit.
+struct FitsDone {
+  std::int64_t put_off = 0, refits = 0, rebuilds = 0;
+  double seconds = 0.0;
+  FitsDone& operator+=(const FitsDone& more) {
+    put_off += more.put_off;
+    refits += more.refits;
+    rebuilds += more.rebuilds;
+    seconds += more.seconds;
+    return *this;
+  }
+};
+
+/// The fit of a committed mesh's tree to vertices that moved: a refit, and a rebuild where the
+/// policy then finds one due. A commit puts it off, and it is done once, when the tree is first
+/// asked; a step in which nobody asks has no fit.
+class TreeFit final : public query::PutOff {
+public:
+  /// What it works on, of one CommittedMesh.
+  TreeFit(accel::Tree& tree, const mesh::Mesh& mesh, TreePolicy& policy, const cells::OddCells& odd)
+      : tree_(tree), mesh_(mesh), policy_(policy), odd_(odd) {}
+
+  /// The vertices moved. threads: the most that the fit may take.
+  void put_off(int threads);
+  /// The tree is built anew, or goes.
+  void forget();
+  /// What the last fit did.
+  insitu_action action() const { return action_; }
+  /// A build failed for want of memory, and there is no tree until another one is made.
+  bool is_broken() const { return is_broken_; }
+  const FitsDone& done() const { return done_; }
+
+private:
+  void do_it() const override;
+  void build(const core::Threads& threads) const;
+
+  accel::Tree& tree_;
+  const mesh::Mesh& mesh_;
+  TreePolicy& policy_;
+  const cells::OddCells& odd_;
+  int threads_ = 1;
+  mutable bool is_broken_ = false;
+  mutable insitu_action action_ = INSITU_KEEP;
+  mutable FitsDone done_;
+};
+
+} // namespace insitu::commit
