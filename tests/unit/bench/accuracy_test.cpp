@@ -219,7 +219,7 @@ TEST_F(Accuracy, FinerMajorantsLocateFewerPoints) {
   for (const char* cells : {"4", "16", "64", "256", "1024", "4096"}) {
     const Row& row = find(all, group, std::string("macrocells of ") + cells + " cells");
     EXPECT_GT(row.work, before) << cells;
-    EXPECT_EQ(row.is_default, std::string(cells) == "64");
+    EXPECT_EQ(row.is_default, std::string(cells) == "4");
     // The image is that of any other, within what 1024 pixels tell.
     EXPECT_NEAR(row.error / find(all, "single scattering", "single scattering, 64").error, 1.0,
                 0.15)
