@@ -45,7 +45,7 @@ void Session::write_summary(const std::string& path, double solver_seconds) {
   for (const auto& m : meshes_)
     fits += m->mesh.fits_done();
   open("fits_put_off");
-  add("said", fits.put_off);
+  add("count", fits.put_off);
   add("refit", fits.refits);
   add("rebuild", fits.rebuilds);
   add("seconds", fits.seconds);

@@ -12,7 +12,7 @@ namespace {
 /// The side of a frame: of the soak, ten million rays in all, or a few thousand.
 int size_of_frames() {
   const char* const asked = std::getenv("INSITU_TILE_PIXELS");
-  return asked ? std::atoi(asked) : 30;
+  return asked ? std::atoi(asked) : 20;
 }
 
 class Tiles : public testing::TestWithParam<Shape> {};

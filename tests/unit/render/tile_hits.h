@@ -106,7 +106,8 @@ inline void trace_cell_by_cell(const IsosurfaceTracer& tracer, const render::Ray
           roots.find(
               values, level.value,
               [&](const render::LevelHit& root) {
-                return IsosurfaceTracer::keep(root, roots.extent(), flat, level, search);
+                return IsosurfaceTracer::keep(
+                    IsosurfaceTracer::hit_of(root, roots.extent(), flat, level), search);
               },
               render::RootSearch::exact);
     }
@@ -121,7 +122,7 @@ inline void trace_cell_by_cell(const IsosurfaceTracer& tracer, const render::Ray
             test(c);
         return search.t_max;
       });
-  IsosurfaceTracer::CellValues none;
+  IsosurfaceTracer::LastCell none;
   tracer.settle(hits, none);
 }
 

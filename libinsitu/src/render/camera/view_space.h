@@ -38,21 +38,16 @@ struct ViewSpace {
     const double high[2] = {column(x1) + border, row(y1) + border};
     const math::Vec3d axes[2] = {right, down};
     accel::Frustum frustum;
+    frustum.eye = origin;
     frustum.forward = forward;
-    frustum.depth_offset = -dot(forward, origin);
-    for (int a = 0; a < 2; ++a) {
-      accel::Frustum::Side &near = frustum.sides[std::size_t(2 * a)],
-                           &far = frustum.sides[std::size_t(2 * a + 1)];
+    for (std::size_t a = 0; a < 2; ++a)
       if (orthographic) {
-        near = {axes[a], -low[a]};
-        far = {-axes[a], high[a]};
+        frustum.sides[2 * a] = {axes[a], -low[a]};
+        frustum.sides[2 * a + 1] = {-axes[a], high[a]};
       } else {
-        near = {axes[a] - low[a] * forward, 0};
-        far = {high[a] * forward - axes[a], 0};
+        frustum.sides[2 * a] = {axes[a] - low[a] * forward};
+        frustum.sides[2 * a + 1] = {high[a] * forward - axes[a]};
       }
-      near.offset -= dot(near.normal, origin);
-      far.offset -= dot(far.normal, origin);
-    }
     return frustum;
   }
 };

@@ -96,12 +96,8 @@ bool IsosurfaceTracer::Group::load(std::int32_t piece, std::int64_t cell, const 
   return std::isfinite(sum);
 }
 
-bool IsosurfaceTracer::keep(const LevelHit& root, double extent, std::int64_t flat,
-                            const Level& level, Search& search) {
-  if (root.t > search.t_max + twin_distance * extent)
-    return false;
-  if (search.stays && !stays_at(*search.stays, root.t))
-    return true; // cut away: the ray goes on
+SurfaceHit IsosurfaceTracer::hit_of(const LevelHit& root, double extent, std::int64_t flat,
+                                    const Level& level) {
   SurfaceHit hit;
   hit.t = root.t;
   hit.cell = flat;
@@ -110,11 +106,36 @@ bool IsosurfaceTracer::keep(const LevelHit& root, double extent, std::int64_t fl
   hit.extent = extent;
   hit.parametric = root.parametric;
   hit.gradient = root.gradient;
+  return hit;
+}
+
+bool IsosurfaceTracer::keep(const SurfaceHit& hit, Search& search) {
+  if (hit.t > search.t_max + twin_distance * hit.extent)
+    return false;
+  if (search.stays && !stays_at(*search.stays, hit.t))
+    return true; // cut away: the ray goes on
   search.hits.push_back(hit);
-  const bool opaque = level.settings->opacity >= 1;
-  if (opaque)
-    search.t_max = std::min(search.t_max, root.t);
-  return !opaque;
+  if (hit.opacity < 1)
+    return true;
+  search.t_max = std::min(search.t_max, hit.t);
+  return false;
+}
+
+void IsosurfaceTracer::search_by_ray(std::int64_t flat, const Group& group, const Level& level,
+                                     const cells::RaySpace& space, double t_min, double t_max,
+                                     const core::FunctionRef<bool(const SurfaceHit&)>& found,
+                                     SurfaceCounts& counts) const {
+  mesh::CellVertices cell;
+  mesh::gather(sampler_.mesh(), flat, cell);
+  double values[8];
+  for (int v = 0; v < cell.count; ++v)
+    values[v] = group.field.load(cell.piece, cell.ids[v]);
+  CellRoots roots(cell, space, t_min, t_max);
+  roots.find(
+      values, level.value,
+      [&](const LevelHit& root) { return found(hit_of(root, roots.extent(), flat, level)); },
+      RootSearch::exact);
+  counts.evaluations += roots.evaluations();
 }
 
 void IsosurfaceTracer::test_cell(std::int64_t flat, Search& search) const {
@@ -144,7 +165,9 @@ void IsosurfaceTracer::test_cell(std::int64_t flat, Search& search) const {
         return;
       roots->find(
           values, level.value,
-          [&](const LevelHit& root) { return keep(root, roots->extent(), flat, level, search); },
+          [&](const LevelHit& root) {
+            return keep(hit_of(root, roots->extent(), flat, level), search);
+          },
           level.settings->search);
     }
   }
@@ -243,7 +266,7 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
       });
   if (side_by_side)
     side_by_side->flush();
-  CellValues none;
+  LastCell none;
   settle(hits, none);
 }
 
@@ -254,7 +277,7 @@ unsigned IsosurfaceTracer::needed(std::uint32_t node) const {
   return children;
 }
 
-void IsosurfaceTracer::settle(std::vector<SurfaceHit>& hits, CellValues& last) const {
+void IsosurfaceTracer::settle(std::vector<SurfaceHit>& hits, LastCell& last) const {
   std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
     if (a.t != b.t)
       return a.t < b.t;

@@ -58,12 +58,12 @@ public:
   /// Puts all hits of a ray into depth order, makes twins one, and leaves out what lies behind the
   /// first opaque one. A hit whose gradient is not a number gets the cell's own, if hits are lit;
   /// `last` keeps the cell for the next ray.
-  struct CellValues {
+  struct LastCell {
     std::int32_t surface = -1; ///< none
     std::int64_t flat = -1;
     TrilinearCell cell;
   };
-  void settle(std::vector<SurfaceHit>& hits, CellValues& last) const;
+  void settle(std::vector<SurfaceHit>& hits, LastCell& last) const;
   /// Whether all surfaces are searched by RootSearch::exact, as tiles do.
   bool is_exact() const { return is_exact_; }
 
@@ -96,10 +96,17 @@ public:
     std::vector<SurfaceHit>& hits;
     SurfaceCounts& counts;
   };
-  /// Adds a root of a cell to a search's hits unless it is cut away or hidden; whether the ray goes
-  /// on. extent: of the ray in the cell.
-  static bool keep(const LevelHit& root, double extent, std::int64_t flat, const Level& level,
-                   Search& search);
+  /// A root in a cell as a hit. extent: of the ray in the cell.
+  static SurfaceHit hit_of(const LevelHit& root, double extent, std::int64_t flat,
+                           const Level& level);
+  /// Adds a hit to a search's unless it is cut away or hidden; whether the ray goes on.
+  static bool keep(const SurfaceHit& hit, Search& search);
+  /// Searches one cell for one level by the ray alone (CellRoots, exact): found(hit) for each hit
+  /// from t_min on, in order, until it returns false.
+  void search_by_ray(std::int64_t flat, const Group& group, const Level& level,
+                     const cells::RaySpace& space, double t_min, double t_max,
+                     const core::FunctionRef<bool(const SurfaceHit&)>& found,
+                     SurfaceCounts& counts) const;
   const std::vector<Group>& groups() const { return groups_; }
   /// Bit c: a level of any group may be in child c's values.
   unsigned needed(std::uint32_t node) const;

@@ -7,15 +7,15 @@
 
 #include "accuracy/images.h"
 #include "commands.h"
-#include "report/format.h"
-#include "report/json.h"
 #include "commands/kept_frames.h"
 #include "commands/lattice_rays.h"
-#include "peers/openvkl_parts.h"
-#include "output/image/png.h"
 #include "commands/pixel_sweep.h"
 #include "commands/refreshed_frames.h"
+#include "output/image/png.h"
+#include "peers/openvkl_parts.h"
 #include "render/structures/structures.h"
+#include "report/format.h"
+#include "report/json.h"
 
 namespace insitu::bench {
 
@@ -69,6 +69,15 @@ public:
     surface.isosurfaces.push_back(
         {render::ScalarField{mesh_->mesh().field("f"), 0}, {0.5 * (low_ + high_)}, 1});
     add(measure("isosurface", surface, 1.0, nullptr));
+    surface.isosurfaces[0].search = render::RootSearch::cubic;
+    add(measure("isosurface, cubics ray by ray", surface, 1.0, nullptr));
+    surface.isosurfaces[0].search = render::RootSearch::exact;
+    surface.lighting.shadows = true;
+    surface.lighting.lights.emplace_back().kind = render::Light::Kind::directional;
+    surface.lighting.lights[0].vector = {1.0, 0.4, 0.8};
+    add(measure("isosurface, shadows", surface, 1.0, nullptr));
+    surface.lighting.occlusion_samples = 8;
+    add(measure("isosurface, shadows, occlusion", surface, 1.0, nullptr));
     const double bare = rows_[1].one.for_ratio(1);
     text_ += format("\nof the volume at the default step: dense %.2f, sparse %.2f (%.2f with "
                     "structures kept) of the time; steps of 2: %.2f\n",
@@ -77,6 +86,8 @@ public:
     text_ += format("million rays a second on one core (Rathke 2015, table 4): isosurface %.2f, "
                     "volume %.2f\n",
                     mrays(rows_[7]), mrays(rows_[1]));
+    text_ += format("an isosurface by cubics ray by ray takes %.1f times as long as cell by cell\n",
+                    rows_[8].one.for_ratio(1) / rows_[7].one.for_ratio(1));
     const PixelSweep sweep =
         sweep_pixels(*mesh_, setup_.context.memory, base, o_.size, o_.repetitions);
     text_ += sweep.text;

@@ -97,7 +97,7 @@ public:
     render::FrameSettings settings = volume();
     if (isosurface) {
       settings.volume.reset();
-      settings.isosurfaces = surface(render::RootSearch::cubic);
+      settings.isosurfaces = surface(render::RootSearch::exact);
     }
     core::Memory memory;
     KeptFrames frames(*mesh_, memory, threads());

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "render/surface/tiles/trilinear_cell.h"
-
 namespace insitu::render {
 
 using math::Vec3d;
@@ -35,41 +33,15 @@ struct RayCells::CellHits {
 
 void RayCells::add(std::int64_t flat) {
   ++search_.counts.cells_tested;
-  const mesh::MeshView& mesh = surfaces_.sampler().mesh();
-  const std::int32_t p = mesh.piece_of(flat);
-  const mesh::PieceView& piece = mesh.pieces[p];
-  const std::int64_t local = flat - mesh.first_cell[p];
-  const mesh::Shape shape = piece.shape(local);
-  std::int64_t ids[8];
-  const int n = piece.vertex_ids(local, ids);
-  bool is_seen = false;
-  Vec3d corner[8];
-  for (const Group& group : surfaces_.groups()) {
-    double values[8];
-    if (!group.load(p, local, ids, n, values))
-      continue;
-    const auto [low, high] = std::minmax_element(values, values + n);
-    for (const Level& level : group.levels) {
-      if (!(*low < level.value && level.value <= *high))
-        continue;
-      if (!is_seen) {
-        Vec3d x[8];
-        piece.cell_points(local, ids, n, x);
-        for (int v = 0; v < n; ++v)
-          x[v] = search_.space(x[v]);
-        to_corners(shape, x, corner);
-        is_seen = true;
-      }
-      double f[8];
-      to_corners(shape, values, f);
-      for (double& v : f)
-        v -= level.value;
-      Batch& batch = batches_[int(domain_of(shape))];
-      put({flat, &group, &level, 0}, corner, f, batch);
+  for_each_active(surfaces_, flat, search_.space, [&](const ActiveCell& cell) {
+    Batch& batch = batches_[int(cell.domain)];
+    for (const Level& level : cell.group->levels) {
+      if (cell.holds(level))
+        put(cell, level, batch);
       if (batch.patches.count >= enough)
         solve(batch);
     }
-  }
+  });
 }
 
 void RayCells::flush() {
@@ -78,11 +50,10 @@ void RayCells::flush() {
       solve(batch);
 }
 
-void RayCells::put(const Waiting& waiting, const Vec3d (&corner)[8], const double (&f)[8],
-                   Batch& batch) const {
+void RayCells::put(const ActiveCell& cell, const Level& level, Batch& batch) const {
   double reach = 0; // across the ray: what a pixel's slack is measured by
-  Vec3d low = corner[0], high = corner[0];
-  for (const Vec3d& c : corner) {
+  Vec3d low = cell.corner[0], high = cell.corner[0];
+  for (const Vec3d& c : cell.corner) {
     reach = std::max({reach, std::fabs(c.x), std::fabs(c.y)});
     for (int a = 0; a < 3; ++a) {
       low[a] = std::min(low[a], c[a]);
@@ -95,17 +66,14 @@ void RayCells::put(const Waiting& waiting, const Vec3d (&corner)[8], const doubl
   const double scale = reach > 0 ? 1 / reach : 1;
   Patches& patches = batch.patches;
   const int at = patches.count++;
+  cell.put(patches, at);
   for (int c = 0; c < 8; ++c) {
-    patches.x[c][at] = scale * corner[c].x;
-    patches.y[c][at] = scale * corner[c].y;
-    patches.z[c][at] = corner[c].z;
-    patches.f[c][at] = f[c];
+    patches.x[c][at] *= scale;
+    patches.y[c][at] *= scale;
+    patches.f[c][at] -= level.value;
   }
-  for (auto& lower : patches.lower)
-    lower[at] = 0;
   const Vec3d size = high - low;
-  batch.waiting[at] = waiting;
-  batch.waiting[at].extent = std::sqrt(dot(size, size));
+  batch.waiting[at] = {cell.flat, cell.group, &level, std::sqrt(dot(size, size))};
 }
 
 void RayCells::solve(Batch& batch) {
@@ -161,23 +129,14 @@ void RayCells::keep(const Waiting& waiting, double t, const Vec3d& parametric) {
   root.parametric = parametric;
   root.gradient.x = std::numeric_limits<double>::quiet_NaN(); // found when the hit is known to stay
   if (t >= search_.t_min)
-    IsosurfaceTracer::keep(root, waiting.extent, waiting.cell, *waiting.level, search_);
+    IsosurfaceTracer::keep(
+        IsosurfaceTracer::hit_of(root, waiting.extent, waiting.cell, *waiting.level), search_);
 }
 
 void RayCells::search_by_ray(const Waiting& waiting) {
-  mesh::CellVertices cell;
-  mesh::gather(surfaces_.sampler().mesh(), waiting.cell, cell);
-  double values[8];
-  for (int v = 0; v < cell.count; ++v)
-    values[v] = waiting.group->field.load(cell.piece, cell.ids[v]);
-  CellRoots roots(cell, search_.space, search_.t_min, search_.t_max);
-  roots.find(
-      values, waiting.level->value,
-      [&](const LevelHit& root) {
-        return IsosurfaceTracer::keep(root, roots.extent(), waiting.cell, *waiting.level, search_);
-      },
-      RootSearch::exact);
-  search_.counts.evaluations += roots.evaluations();
+  surfaces_.search_by_ray(
+      waiting.cell, *waiting.group, *waiting.level, search_.space, search_.t_min, search_.t_max,
+      [&](const SurfaceHit& hit) { return IsosurfaceTracer::keep(hit, search_); }, search_.counts);
 }
 
 } // namespace insitu::render

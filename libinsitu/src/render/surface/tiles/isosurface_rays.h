@@ -1,7 +1,7 @@
 #pragma once
 
 #include "render/surface/isosurface.h"
-#include "render/surface/tiles/patches.h"
+#include "render/surface/tiles/active_cell.h"
 
 namespace insitu::render {
 
@@ -37,8 +37,7 @@ private:
     Waiting waiting[Patches::most];
   };
   struct CellHits;
-  void put(const Waiting& waiting, const math::Vec3d (&corner)[8], const double (&f)[8],
-           Batch& batch) const;
+  void put(const ActiveCell& cell, const Level& level, Batch& batch) const;
   void solve(Batch& batch);
   bool split_up(const Patches& patches, int p, int depth, CellHits& found) const;
   void keep(const Waiting& waiting, double t, const math::Vec3d& parametric);

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "accel/camera_rays/frustum_traversal.h"
+#include "render/surface/tiles/active_cell.h"
 #include "render/surface/tiles/patches.h"
-#include "render/surface/tiles/trilinear_cell.h"
 
 namespace insitu::render {
 
@@ -63,7 +63,7 @@ struct IsosurfaceTile::Work {
   std::vector<Record> records;
   std::int32_t first[TileRange::pixels];
   std::vector<Stretch> stays;
-  IsosurfaceTracer::CellValues last;
+  IsosurfaceTracer::LastCell last;
 
   void begin(int x0, int y0, int x1, int y1) {
     tile = {x0, y0, x1 - 1, y1 - 1, view.column(x0), view.row(y0), farthest};
@@ -95,58 +95,27 @@ struct IsosurfaceTile::Work {
     const mesh::MeshView& mesh = surfaces->sampler().mesh();
     const std::int32_t p = mesh.piece_of(flat);
     const mesh::PieceView& piece = mesh.pieces[p];
+    const std::int64_t first_of_piece = mesh.first_cell[p];
     if (!piece.in_runs())
-      return add_cell(flat, p);
-    const std::int64_t local = flat - mesh.first_cell[p];
-    for (int word = 0; word < mesh::Gridlet::side; ++word)
-      for (std::uint64_t full = piece.gridlets->full[(local >> 6) + word]; full; full &= full - 1)
-        add_cell(flat + 64 * word + std::countr_zero(full), p);
+      return add_cell(flat);
+    for (std::int64_t cell = flat; cell < flat + piece.cells_an_item(); ++cell)
+      if (piece.exists(cell - first_of_piece))
+        add_cell(cell);
   }
 
-  void add_cell(std::int64_t flat, std::int32_t p) {
-    const mesh::MeshView& mesh = surfaces->sampler().mesh();
-    const mesh::PieceView& piece = mesh.pieces[p];
-    const std::int64_t local = flat - mesh.first_cell[p];
-    const mesh::Shape shape = piece.shape(local);
-    std::int64_t ids[8];
-    const int n = piece.vertex_ids(local, ids);
-    bool is_seen = false;
-    Vec3d corner[8];
+  void add_cell(std::int64_t flat) {
     ++counts->cells_tested;
-    for (std::size_t g = 0; g < surfaces->groups().size(); ++g) {
-      const Group& group = surfaces->groups()[g];
-      double values[8];
-      if (!group.load(p, local, ids, n, values))
-        continue;
-      const auto [low, high] = std::minmax_element(values, values + n);
-      if (std::none_of(group.levels.begin(), group.levels.end(),
-                       [&](const Level& l) { return *low < l.value && l.value <= *high; }))
-        continue;
-      if (!is_seen) {
-        Vec3d x[8];
-        piece.cell_points(local, ids, n, x);
-        for (int v = 0; v < n; ++v)
-          x[v] = view(x[v]);
-        to_corners(shape, x, corner);
-        is_seen = true;
-      }
-      double f[8];
-      to_corners(shape, values, f);
-      Batch& batch = batches[3 * g + std::size_t(domain_of(shape))];
-      Patches& patches = batch.patches;
-      const int at = patches.count++;
-      for (int c = 0; c < 8; ++c) {
-        patches.x[c][at] = corner[c].x;
-        patches.y[c][at] = corner[c].y;
-        patches.z[c][at] = corner[c].z;
-        patches.f[c][at] = f[c];
-      }
+    for_each_active(*surfaces, flat, view, [&](const ActiveCell& cell) {
+      const auto group = std::size_t(cell.group - surfaces->groups().data());
+      Batch& batch = batches[3 * group + std::size_t(cell.domain)];
+      const int at = batch.patches.count++;
+      cell.put(batch.patches, at);
       batch.cell[at] = flat;
-      batch.low[at] = *low;
-      batch.high[at] = *high;
-      if (patches.count == Patches::most)
-        process(batch, group);
-    }
+      batch.low[at] = cell.low;
+      batch.high[at] = cell.high;
+      if (batch.patches.count == Patches::most)
+        process(batch, *cell.group);
+    });
   }
 
   void flush() {
@@ -213,88 +182,69 @@ struct IsosurfaceTile::Work {
                                std::fabs(corners.y[7][k] - corners.y[0][k]),
                                std::fabs(corners.z[7][k] - corners.z[0][k])};
       const double extent = reach[2] + view.pixel * (reach[0] + reach[1]);
-      for (const CellHit& found_hit : cell_hits) {
-        if (has_unsure && is_unsure(found_hit.pixel))
+      for (const CellHit& at : cell_hits) {
+        if (has_unsure && is_unsure(at.pixel))
           continue;
-        const double length = view.length_at(tile.x0 + TileRange::x_of(found_hit.pixel),
-                                             tile.y0 + TileRange::y_of(found_hit.pixel));
-        SurfaceHit hit;
-        hit.t = found_hit.depth * length;
-        hit.extent = extent;
-        hit.parametric = found_hit.parametric;
-        hit.gradient.x = std::numeric_limits<double>::quiet_NaN(); // found when it is known to stay
-        take(hit, found_hit.pixel, cell, level, nullptr);
+        LevelHit root;
+        root.t = at.depth * length_at(at.pixel);
+        root.parametric = at.parametric;
+        root.gradient.x =
+            std::numeric_limits<double>::quiet_NaN(); // found when it is known to stay
+        if (root.t >= 0)
+          take(IsosurfaceTracer::hit_of(root, extent, cell, level), at.pixel, at.depth,
+               clipped(at.pixel));
       }
       cell_hits.clear();
     }
     if (!has_unsure)
       return;
     has_unsure = false;
-    mesh::CellVertices vertices;
-    const mesh::MeshView& mesh = surfaces->sampler().mesh();
-    mesh::gather(mesh, cell, vertices);
-    double values[8];
-    for (int v = 0; v < vertices.count; ++v)
-      values[v] = group.field.load(vertices.piece, vertices.ids[v]);
     for (int word = 0; word < TileRange::pixels / 64; ++word)
       for (; unsure[word]; unsure[word] &= unsure[word] - 1)
-        search(64 * word + std::countr_zero(unsure[word]), cell, vertices, values, level);
+        search(64 * word + std::countr_zero(unsure[word]), cell, group, level);
   }
 
   /// Searches the cell by the pixel's ray.
-  void search(std::int32_t pixel, std::int64_t cell, const mesh::CellVertices& vertices,
-              const double* values, const Level& level) {
-    const Ray ray = (*rays)(tile.x0 + TileRange::x_of(pixel), tile.y0 + TileRange::y_of(pixel));
+  void search(std::int32_t pixel, std::int64_t cell, const Group& group, const Level& level) {
     double from = 0, to = std::numeric_limits<double>::max();
-    const std::vector<Stretch>* const left = clipped(ray);
+    const std::vector<Stretch>* const left = clipped(pixel);
     if (left) {
       if (left->empty())
         return;
       from = left->front().from;
       to = std::min(to, left->back().to);
     }
-    const cells::RaySpace space(ray);
-    CellRoots roots(vertices, space, from, to);
-    roots.find(
-        values, level.value,
-        [&](const LevelHit& root) {
-          SurfaceHit hit;
-          hit.t = root.t;
-          hit.extent = roots.extent();
-          hit.parametric = root.parametric;
-          hit.gradient = root.gradient;
-          return take(hit, pixel, cell, level, left);
-        },
-        RootSearch::exact);
-    counts->evaluations += roots.evaluations();
+    const double length = length_at(pixel);
+    surfaces->search_by_ray(
+        cell, group, level, cells::RaySpace(ray_of(pixel)), from, to,
+        [&](const SurfaceHit& hit) { return take(hit, pixel, hit.t / length, left); }, *counts);
   }
 
-  /// What clips leave of a ray; null without clips.
-  const std::vector<Stretch>* clipped(const Ray& ray) {
+  Ray ray_of(std::int32_t pixel) const {
+    return (*rays)(tile.x0 + TileRange::x_of(pixel), tile.y0 + TileRange::y_of(pixel));
+  }
+  /// How long the pixel's ray is at depth 1.
+  double length_at(std::int32_t pixel) const {
+    return view.length_at(tile.x0 + TileRange::x_of(pixel), tile.y0 + TileRange::y_of(pixel));
+  }
+
+  /// What clips leave of a pixel's ray; null without clips.
+  const std::vector<Stretch>* clipped(std::int32_t pixel) {
     if (clips->empty())
       return nullptr;
-    clip_ray(*clips, ray, 0, HUGE_VAL, stays);
+    clip_ray(*clips, ray_of(pixel), 0, HUGE_VAL, stays);
     return &stays;
   }
 
-  /// Keeps a hit unless it is cut away; whether the ray goes on. left: as clipped() tells, or null.
-  bool take(SurfaceHit& hit, std::int32_t pixel, std::int64_t cell, const Level& level,
+  /// Keeps a hit unless it is cut away; whether the ray goes on. left: as clipped() tells.
+  bool take(const SurfaceHit& hit, std::int32_t pixel, double depth,
             const std::vector<Stretch>* left) {
-    if (!(hit.t >= 0))
-      return true;
-    const int x = tile.x0 + TileRange::x_of(pixel), y = tile.y0 + TileRange::y_of(pixel);
-    if (!left)
-      left = clips->empty() ? nullptr : clipped((*rays)(x, y));
     if (left && !stays_at(*left, hit.t))
       return true;
-    hit.cell = cell;
-    hit.surface = level.surface;
-    hit.opacity = float(level.settings->opacity);
     records.push_back({hit, first[pixel]});
     first[pixel] = std::int32_t(records.size()) - 1;
     if (hit.opacity < 1)
       return true;
-    const double depth = hit.t / view.length_at(x, y);
     farthest[pixel] = std::min(farthest[pixel], float(depth * (1 + depth_slack)));
     return false;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "accel/camera_rays/frustum.h"
 #include "accel/tree/node.h"
 
 namespace insitu::accel {
@@ -25,5 +26,30 @@ struct BoxRay {
 /// among them. Runs on the widest vectors that the processor has.
 unsigned children_along_ray(const Node& node, unsigned among, const BoxRay& ray, double t_min,
                             double t_max, double near[8]);
+
+/// A frustum beside boxes of a tree, whose frame begins at `corner`: linear functions that are not
+/// negative within, and the depth.
+struct BoxFrustum {
+  struct Function {
+    math::Vec3d normal;
+    double offset; ///< dot(normal, p) + offset
+  };
+  Function sides[4], depth;
+
+  BoxFrustum(const Frustum& frustum, const math::Vec3d& corner) {
+    const math::Vec3d eye = frustum.eye - corner;
+    for (std::size_t s = 0; s < 4; ++s) {
+      const Frustum::Side& side = frustum.sides[s];
+      sides[s] = {side.normal, side.shift - dot(side.normal, eye)};
+    }
+    depth = {frustum.forward, -dot(frustum.forward, eye)};
+  }
+};
+
+/// Returns bit c if child c of the node is among `among`, bits too, and its box may reach into the
+/// frustum. depth[c] becomes the least depth in that box. Boxes are widened by the rounding of the
+/// test. `among` must name children that exist.
+unsigned children_in_frustum(const Node& node, unsigned among, const BoxFrustum& frustum,
+                             double depth[8]);
 
 } // namespace insitu::accel
