@@ -14,7 +14,7 @@ namespace insitu::render {
 
 namespace {
 
-constexpr int tile_side = 16;
+constexpr int tile_side = 16, volume_tile_side = 32;
 
 struct Counters {
   std::atomic<std::int64_t> samples{0}, skipped{0}, cells_tested{0}, evaluations{0}, hits{0},
@@ -73,7 +73,7 @@ public:
   }
 
   /// The side of what draw() takes at once.
-  int side() const { return tiled() ? IsosurfaceTile::side : tile_side; }
+  int side() const { return tiled() ? IsosurfaceTile::side : part(); }
 
   void draw(int x0, int y0, FrameImages& images, Counters& counters) const {
     if (!tiled())
@@ -85,19 +85,21 @@ public:
     tile.trace(*tiled(), rays_, settings_.clips, x0, y0, x1, y1, counts);
     counters.cells_tested += counts.cells_tested;
     counters.evaluations += counts.evaluations;
-    for (int y = y0; y < y1; y += tile_side)
-      for (int x = x0; x < x1; x += tile_side)
+    for (int y = y0; y < y1; y += part())
+      for (int x = x0; x < x1; x += part())
         draw_tile(x, y, &tile, images, counters);
   }
 
 private:
+  /// The side of what draw_tile() takes; volumes share cells between more rays.
+  int part() const { return volume_ ? volume_tile_side : tile_side; }
   const IsosurfaceTracer* tiled() const { return surfaces_ ? surfaces_->tiled() : nullptr; }
 
   void draw_tile(int x0, int y0, IsosurfaceTile* tile, FrameImages& images,
                  Counters& counters) const {
     thread_local std::vector<RayState> states;
-    const int x1 = std::min(x0 + tile_side, settings_.width);
-    const int y1 = std::min(y0 + tile_side, settings_.height);
+    const int x1 = std::min(x0 + part(), settings_.width);
+    const int y1 = std::min(y0 + part(), settings_.height);
     const std::size_t count = std::size_t(x1 - x0) * std::size_t(y1 - y0);
     if (states.size() < count)
       states.resize(count);

@@ -73,7 +73,7 @@ struct FrameStatistics {
   double seconds = 0;              ///< all
 };
 
-/// Draws the mesh as committed. Tiles of 16 x 16 pixels run in parallel; the image is the same to
+/// Draws the mesh as committed. Tiles of the image run in parallel; the image is the same to
 /// the byte for any number of threads. Throws core::Error, INSITU_ERROR_ARGUMENT or
 /// INSITU_ERROR_FIELD, if the settings do not fit.
 FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,

@@ -9,7 +9,6 @@
 #include "query/ray_bundle/ray_bundle_scratch.h"
 
 namespace insitu::query {
-
 using math::Vec3d;
 
 namespace {
@@ -39,16 +38,18 @@ void RayBundleLocator::set_rays(std::span<const LatticeRay> rays, int row, doubl
   const int across = row > 0 ? (row + side - 1) / side : 0;
   const int down = row > 0 ? ((rays_ + row - 1) / row + side - 1) / side : 0;
   const bool tiled = row > 0 && across * down <= bundle_groups;
+  row_ = tiled ? std::min(row, rays_) : rays_;
   groups_ = tiled ? across * down : (rays_ + bundle_lanes - 1) / bundle_lanes;
-  std::fill_n(s_.ray, bundle_rays, std::uint16_t(bundle_rays));
+  one_origin_ = true;
   for (int r = 0; r < rays_; ++r) {
     const int x = tiled ? r % row : 0, y = tiled ? r / row : 0;
     const int slot =
         tiled ? (y / side * across + x / side) * bundle_lanes + y % side * side + x % side : r;
     s_.slot[r] = std::uint16_t(slot);
-    s_.ray[slot] = std::uint16_t(r);
     s_.origin[slot] = rays[std::size_t(r)].origin;
     s_.direction[slot] = rays[std::size_t(r)].direction;
+    const Vec3d off = rays[std::size_t(r)].origin - rays[0].origin;
+    one_origin_ = one_origin_ && off.x == 0.0 && off.y == 0.0 && off.z == 0.0;
   }
 }
 
@@ -59,7 +60,7 @@ void RayBundleLocator::answer(std::span<const std::uint16_t> places,
   if (from_)
     from_->at(at, values);
   for (std::size_t n = 0; n < places.size(); ++n) {
-    const int i = int(s_.ray[slot_of(places[n])]) * depth_ + index_of(places[n]);
+    const int i = s_.answer[slot_of(places[n])] + index_of(places[n]);
     if (locations_)
       locations_[i] = at[n];
     if (from_)
@@ -81,6 +82,7 @@ void RayBundleLocator::locate(std::int64_t first, int depth, std::span<const std
   locations_ = locations.empty() ? nullptr : locations.data();
   run(first, depth, wanted);
   from_ = nullptr;
+  value_samples_ = nullptr;
 }
 
 void RayBundleLocator::run(std::int64_t first, int depth, std::span<const std::uint32_t> wanted) {
@@ -92,10 +94,7 @@ void RayBundleLocator::run(std::int64_t first, int depth, std::span<const std::u
     return;
   if (usable_ && sampler_.locator().dual())
     locate_by_place();
-  if (usable_ && set_slab() && enter_all_cells()) {
-    prove(false);
-    prove(true);
-  } else {
+  if (!usable_ || !set_slab() || !enter_all_cells()) {
     for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
       for_each_bit(s_.wanted[slot], [&](int k) { leave(place_of(k, slot)); });
   }
@@ -110,6 +109,7 @@ bool RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
   std::uint32_t any = 0;
   for (std::size_t r = 0; r < wanted.size(); ++r) {
     any |= s_.wanted[s_.slot[r]] = wanted[r] & within;
+    s_.answer[s_.slot[r]] = std::int32_t(r) * depth_;
     samples_ += core::count_bits(wanted[r] & within);
   }
   return any != 0;
@@ -144,26 +144,23 @@ void RayBundleLocator::locate_by_place() {
 
 /// False if cells are too many for it to pay.
 bool RayBundleLocator::enter_all_cells() {
-  BundleSlab& slab = s_.slab;
   const mesh::MeshView& mesh = sampler_.mesh();
   int samples = 0;
   for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
     samples += int(core::count_bits(s_.wanted[slot]));
-  s_.open.clear();
-  s_.runs.clear();
   if (samples == 0)
     return true;
   std::size_t found = 0;
-  // A cell takes as long as a sample does by itself.
-  if (!find_cells(sampler_.tree(), slab, std::uint32_t(mesh.first_single_cell()),
-                  std::size_t(samples) * 3 / 4, s_.found, found))
+  // A batch takes about as long for a sample as this does for two cells, or one of tetrahedra,
+  // whose boxes tell a batch little.
+  const std::size_t most = std::size_t(trying_pays(mesh) ? samples / 2 : samples);
+  if (!find_cells(sampler_.tree(), s_.slab, std::uint32_t(mesh.first_single_cell()), most, s_.found,
+                  found))
     return false;
-  for (int k = 0; k < depth_; ++k) {
-    std::fill_n(slab.best[k], groups_ * bundle_lanes, 0);
-    std::fill_n(slab.second[k], groups_ * bundle_lanes, 0);
-    if (ranked_)
-      std::fill_n(slab.piece[k], groups_ * bundle_lanes, mesh.piece_count);
-  }
+  set_states(s_.wanted, s_.slab);
+  if (ranked_)
+    for (int k = 0; k < depth_; ++k)
+      std::fill_n(s_.slab.piece[k], groups_ * bundle_lanes, mesh.piece_count);
   const cells::CellGather gather(mesh, 1.0);
   constexpr int first_shape = int(mesh::Shape::tetrahedron), shapes = 5;
   for (int i = 0; i < shapes; ++i) {
@@ -173,142 +170,80 @@ bool RayBundleLocator::enter_all_cells() {
     else if (found > 0 && gather.shape(0) == shape)
       enter_shape(gather, shape, {s_.found.data(), found});
   }
-  for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
-    for_each_bit(s_.wanted[slot], [&](int k) {
-      if (slab.best[k][slot] != 0)
-        return s_.open.push_back(std::uint16_t(place_of(k, slot)));
-      const auto place = std::uint16_t(place_of(k, slot));
-      const Location none;
-      answer({&place, 1}, {&none, 1});
-      ++s_.by_reason[int(Reason::outside)];
-    });
+  for (int g = 0; g < groups_; ++g)
+    settle_group(g);
+  s_.by_reason[int(Reason::certified)] +=
+      samples - std::int64_t(s_.rest.size()) - s_.by_reason[int(Reason::outside)];
   return true;
 }
 
-/// Those of the found cells that have the shape. Cells are numbered block by block, so that a
-/// shape's begin with a block of their own.
+/// Those of the found cells that have the shape.
 void RayBundleLocator::enter_shape(const cells::CellGather& gather, mesh::Shape shape,
                                    std::span<const std::uint32_t> found) {
-  constexpr int size = cells::CellBlock::size;
+  constexpr std::size_t size = cells::CellBlock::size;
   const mesh::MeshView& mesh = sampler_.mesh();
-  const int begin = s_.runs.empty() ? 0 : s_.runs.back().end;
-  int end = begin;
-  if (s_.cells.size() < std::size_t(begin) + found.size() + size)
-    s_.cells.resize(std::size_t(begin) + found.size() + size);
-  s_.ranks.resize(s_.cells.size());
   const accel::Tree& tree = sampler_.tree();
+  s_.cells.clear();
+  s_.ranks.clear();
   for (const std::uint32_t slot : found) {
     const std::int64_t cell = tree.cells()[slot];
     if (!gather.one_shape() && gather.shape(cell) != shape)
       continue;
     if (ranked_)
-      s_.ranks[std::size_t(end)] = tree.odd().has(slot) ? -1 : mesh.piece_of(cell);
-    s_.cells[std::size_t(end++)] = cell;
+      s_.ranks.push_back(tree.odd().has(slot) ? -1 : mesh.piece_of(cell));
+    s_.cells.push_back(cell);
   }
-  if (end == begin)
-    return;
-  const int past = begin + (end - begin + size - 1) / size * size;
-  s_.runs.push_back({shape, begin, past});
-  if (s_.blocks.size() < std::size_t(past / size))
-    s_.blocks.resize(std::size_t(past / size) + 8);
-  for (int at = begin; at < end; at += size) {
-    cells::CellBlock& block = s_.blocks[std::size_t(at / size)];
-    block.count = std::min(end - at, size);
-    gather.fill(&s_.cells[std::size_t(at)], block.count, end - at - block.count, block);
+  BundleClaims to{};
+  to.origin = s_.origin;
+  to.direction = s_.direction;
+  to.one_origin = one_origin_;
+  to.first = double(first_);
+  to.step = step_;
+  to.answer = s_.answer;
+  to.values = &s_.values;
+  to.values_at_vertices = from_ && !from_->is_per_cell();
+  to.samples = value_samples_;
+  to.locations = locations_;
+  const std::size_t count = s_.cells.size();
+  for (std::size_t at = 0; at < count; at += size) {
+    cells::CellBlock& block = s_.block;
+    block.count = int(std::min(count - at, size));
+    to.cells = &s_.cells[at];
+    gather.fill(to.cells, block.count, int(count - at) - block.count, block);
     block.fill_up(shape);
-    if (from_) {
-      if (s_.values.size() < s_.blocks.size())
-        s_.values.resize(s_.blocks.size());
-      from_->load({&s_.cells[std::size_t(at)], std::size_t(block.count)},
-                  s_.values[std::size_t(at / size)]);
-    }
-    if (ranked_)
-      enter_cells(shape, block, at, &s_.ranks[std::size_t(at)], s_.slab);
-    else
-      enter_cells(shape, block, at, s_.slab);
+    if (from_)
+      from_->load({to.cells, std::size_t(block.count)}, s_.values);
+    claim_cells(shape, block, ranked_ ? &s_.ranks[at] : nullptr, s_.slab, s_.lists, to);
   }
 }
 
-/// Each open sample's likeliest cell, or its second, by Newton. Those that neither is proven to
-/// hold are left.
-void RayBundleLocator::prove(bool second) {
-  const auto key = [&](int place) {
-    const BundleSlab& slab = s_.slab;
-    const auto& keys = second ? slab.second : slab.best;
-    return keys[index_of(place)][slot_of(place)];
-  };
-  if (s_.open.empty())
-    return;
-  // Samples in the order of their cells.
-  const auto numbers = std::size_t(s_.runs.back().end);
-  s_.count.assign(numbers + 1, 0);
-  for (const std::uint16_t place : s_.open)
-    ++s_.count[std::size_t(cell_of_key(key(place))) + 1];
-  for (std::size_t c = 0; c < numbers; ++c)
-    s_.count[c + 1] += s_.count[c];
-  s_.sorted.resize(s_.open.size());
-  for (const std::uint16_t place : s_.open)
-    s_.sorted[s_.count[std::size_t(cell_of_key(key(place)))]++] = place;
-  s_.open.clear();
-  std::size_t begin = 0; // counts are now where the next cell's samples begin
-  for (const RayBundleScratch::Run& run : s_.runs) {
-    const std::size_t end = s_.count[std::size_t(run.end) - 1];
-    for (; begin < end; begin = std::min(end, begin + BundleSamples::size))
-      prove_some(run.shape,
-                 {&s_.sorted[begin], std::min<std::size_t>(end - begin, BundleSamples::size)},
-                 second);
-  }
-}
-
-void RayBundleLocator::prove_some(mesh::Shape shape, std::span<const std::uint16_t> places,
-                                  bool second) {
-  BundleSamples& samples = s_.samples;
+/// What became of a group's samples, when all cells have been looked at.
+void RayBundleLocator::settle_group(int g) {
   const BundleSlab& slab = s_.slab;
-  const auto& keys = second ? slab.second : slab.best;
-  const int count = int(places.size());
-  for (int i = 0; i < count; ++i) {
-    const int place = places[std::size_t(i)];
-    const Vec3d p = point(place);
-    samples.cell[i] = std::uint16_t(cell_of_key(keys[index_of(place)][slot_of(place)]));
-    for (int a = 0; a < 3; ++a)
-      samples.point[a][i] = p[a];
-  }
-  for (int i = count; i < count + 8; ++i) // what idle lanes read
-    for (int a = 0; a < 3; ++a)
-      samples.point[a][i] = samples.point[a][count - 1];
-  const bool at_vertices = from_ && !from_->is_per_cell();
-  invert(shape, s_.blocks.data(), at_vertices ? s_.values.data() : nullptr, 0, count, samples);
-  if (from_ && !at_vertices)
-    for (int i = 0; i < count; ++i) {
-      const unsigned c = samples.cell[i];
-      samples.value[i] =
-          s_.values[c / cells::CellBlock::size].vertex[0][c % cells::CellBlock::size];
-    }
-  for (int i = 0; i < count; ++i) {
-    const int place = places[std::size_t(i)];
-    const double margin = samples.margin[i], error = samples.error[i];
-    if (margin > error) {
-      const std::int64_t cell = s_.cells[samples.cell[i]];
-      // A lower piece's cell that may hold it comes first, and an odd one may as well.
-      if (const std::int32_t lowest = ranked_ ? slab.piece[index_of(place)][slot_of(place)] : 0;
-          ranked_ && (lowest < 0 || lowest < s_.ranks[samples.cell[i]])) {
-        leave(place);
-        continue;
-      }
-      const int at = int(s_.ray[slot_of(place)]) * depth_ + index_of(place);
-      if (locations_)
-        locations_[at] = {
-            cell, {samples.parametric[0][i], samples.parametric[1][i], samples.parametric[2][i]}};
-      if (from_)
-        value_samples_[at] = {cell, samples.value[i]};
-      ++s_.by_reason[int(Reason::certified)];
-    } else if (!second && !is_on_boundary(margin, error) &&
-               slab.second[index_of(place)][slot_of(place)] != 0) {
-      s_.open.push_back(std::uint16_t(place));
-    } else {
+  const int count = find_unclaimed(g, slab, s_.unclaimed);
+  for (int n = 0; n < count; ++n) {
+    const auto place = std::uint16_t(s_.unclaimed[n]);
+    if (slab.state[index_of(place)][slot_of(place)] == touched) {
       leave(place);
+      continue;
     }
+    const Location none;
+    answer({&place, 1}, {&none, 1});
+    ++s_.by_reason[int(Reason::outside)];
   }
+  if (!ranked_)
+    return;
+  // A lower piece's cell that may hold it comes first, and an odd one may as well.
+  for (int slot = g * bundle_lanes; slot < (g + 1) * bundle_lanes; ++slot)
+    for_each_bit(s_.wanted[slot], [&](int k) {
+      if (slab.state[k][slot] != claimed)
+        return;
+      const int at = s_.answer[slot] + k;
+      const std::int64_t cell = locations_ ? locations_[at].cell : value_samples_[at].cell;
+      const std::int32_t lowest = slab.piece[k][slot];
+      if (lowest < 0 || lowest < sampler_.mesh().piece_of(cell))
+        leave(place_of(k, slot));
+    });
 }
 
 inline void RayBundleLocator::leave(int place) {

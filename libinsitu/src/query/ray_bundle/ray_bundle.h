@@ -27,24 +27,18 @@ public:
   virtual void at(std::span<const Location> at, double* values) const = 0;
 };
 
-/// A sample's cell, or -1, and what was interpolated there.
-struct ValueSample {
-  std::int64_t cell;
-  double value;
-};
-
 struct RayBundleScratch;
 
 /// Locates samples along neighbouring rays cell by cell: the tree is asked once for all cells that
 /// the samples of a stretch might lie in; each cell's linearised inverse map, in floats, names the
-/// samples that it is likely to hold; Newton's certificate proves the likeliest cell of each
-/// sample, many samples of a cell at once, or else the second. What is left, on faces mostly, goes
-/// through Sampler::locate_serial, and so does everything where a proof is not enough (PointQuery),
-/// where cells may fold, and where the cells are as many as the samples. A sample near no cell is
-/// outside.
+/// samples that it may hold; Newton's certificate proves those that it does, many samples of a cell
+/// at once. What no cell is proven to hold, on faces mostly, goes through Sampler::locate_serial,
+/// and so does everything where a proof is not enough (PointQuery), where cells may fold, and where
+/// the cells are as many as the samples. A sample near no cell is outside.
 ///
-/// The answers are locate_serial's, bit for bit, but where cells overlap without folding: then in
-/// `standard` any cell of the lowest piece that is proven to hold the sample.
+/// The answers are locate_serial's, but for parametric coordinates of hexahedra, which differ by
+/// what Newton's method leaves of them (less than 1e-9), and where cells overlap without folding:
+/// then in `standard` any cell of the lowest piece that is proven to hold the sample.
 ///
 /// Not thread-safe; its scratch is the thread's, so one at a time may be used on a thread.
 class RayBundleLocator {
@@ -83,19 +77,19 @@ private:
   bool enter_all_cells();
   void enter_shape(const cells::CellGather& gather, mesh::Shape shape,
                    std::span<const std::uint32_t> found);
-  void prove(bool second);
-  void prove_some(mesh::Shape shape, std::span<const std::uint16_t> places, bool second);
+  void settle_group(int g);
   void leave(int place);
   void locate_rest();
 
   const Sampler sampler_;
   const LocateOptions options_;
   RayBundleScratch& s_;
-  bool usable_; ///< a proof is worth something
-  bool ranked_; ///< not if the sample may be in a lower piece or in an odd cell
+  bool usable_;             ///< a proof is worth something
+  bool one_origin_ = false; ///< of the rays
+  bool ranked_;             ///< not if the sample may be in a lower piece or in an odd cell
   double step_ = 0.0;
   std::int64_t first_ = 0;
-  int depth_ = 0, rays_ = 0, groups_ = 0;
+  int depth_ = 0, rays_ = 0, row_ = 1, groups_ = 0;
   Location* locations_ = nullptr;        ///< or null
   const CellValues* from_ = nullptr;     ///< or null
   ValueSample* value_samples_ = nullptr; ///< or null

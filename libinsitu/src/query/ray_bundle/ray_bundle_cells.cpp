@@ -8,284 +8,220 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "cells/kernels/kernels_simd.h"
-#include "query/ray_bundle/ray_bundle_groups_simd.h"
+#include "query/ray_bundle/ray_bundle_claims_simd.h"
+#include "query/ray_bundle/ray_bundle_starts_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace insitu::query::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-namespace simd = cells::HWY_NAMESPACE;
-using mesh::Shape;
-using simd::Pack;
-using PackVec = simd::Vec3<Pack>;
-
-/// What is needed of up to 64 cells: a linear stand-in for the inverse map, as far as it may be
-/// off, and the cell's extent along the slab's axes.
-struct LinearMaps {
-  static constexpr int size = cells::CellBlock::size;
-  /// Coordinate a of the reference cell is affine[4 a + 3] + sum over b of affine[4 a + b] x[b].
-  alignas(64) float affine[12][size];
-  alignas(64) float slack[size]; ///< added to the likelihood of what the cell holds, it is >= 0
-  alignas(64) float lower[3][size], upper[3][size];
-};
-
-/// The map of a reference cell's coordinates about an anchor: x = anchor + J (r - at) + rest, the
-/// rest at most the sum of these vectors' lengths in any norm, component by component.
-struct Linear {
-  PackVec anchor, j[3];
-  double at[3];    ///< what the coordinates are at the anchor
-  double range[3]; ///< how far r goes from `at` in the cell
-  PackVec rest[4];
-  int rests;
-};
-
-HWY_INLINE PackVec times(double s, const PackVec& v) {
-  return Pack(s) * v;
-}
-
-HWY_INLINE Linear linear_of(Shape shape, const PackVec* x) {
-  Linear m;
-  m.rests = 0;
-  for (int a = 0; a < 3; ++a) {
-    m.at[a] = 0.0;
-    m.range[a] = 1.0;
-  }
-  if (shape == Shape::tetrahedron) {
-    m.anchor = x[0];
-    for (int a = 0; a < 3; ++a)
-      m.j[a] = x[1 + a] - x[0];
-  } else if (shape == Shape::wedge) { // r s-triangle at t = 1/2, products taken at r = s = 1/3
-    const PackVec e1 = x[1] - x[0], e2 = x[2] - x[0], e3 = x[3] - x[0];
-    const PackVec crt = (x[4] - x[0]) - e1 - e3, cst = (x[5] - x[0]) - e2 - e3;
-    m.j[0] = e1 + times(0.5, crt);
-    m.j[1] = e2 + times(0.5, cst);
-    m.j[2] = e3 + times(1.0 / 3.0, crt + cst);
-    m.anchor = x[0] + times(0.5, e3); // at r = s = 0, t = 1/2
-    m.range[2] = 0.5;
-    m.rest[0] = times(1.0 / 3.0, crt); // |r - 1/3| |t - 1/2|
-    m.rest[1] = times(1.0 / 3.0, cst);
-    m.rests = 2;
-  } else if (shape ==
-             Shape::pyramid) { // in u, v, w about the apex; u v / w near (u + v) / 2 - w / 4
-    const PackVec b = x[1] - x[0], c = x[3] - x[0], e = (x[2] - x[0]) - b - c;
-    m.anchor = x[4];
-    m.j[0] = b + times(0.5, e);
-    m.j[1] = c + times(0.5, e);
-    m.j[2] = (x[0] - x[4]) - times(0.25, e);
-    m.rest[0] = times(0.25, e);
-    m.rests = 1;
-  } else { // about the middle
-    const int swap = shape == Shape::voxel ? 1 : 0;
-    const PackVec &p2 = x[2 + swap], &p3 = x[3 - swap], &p6 = x[6 + swap], &p7 = x[7 - swap];
-    // Sums and differences along r, then s, then t.
-    const PackVec s01 = x[0] + x[1], s32 = p3 + p2, s45 = x[4] + x[5], s76 = p7 + p6;
-    const PackVec d01 = x[1] - x[0], d32 = p2 - p3, d45 = x[5] - x[4], d76 = p6 - p7;
-    const PackVec ss0 = s01 + s32, ss1 = s45 + s76, ds0 = d01 + d32, ds1 = d45 + d76;
-    const PackVec sd0 = s32 - s01, sd1 = s76 - s45, dd0 = d32 - d01, dd1 = d76 - d45;
-    m.anchor = times(0.125, ss0 + ss1);
-    m.j[0] = times(0.25, ds0 + ds1);
-    m.j[1] = times(0.25, sd0 + sd1);
-    m.j[2] = times(0.25, ss1 - ss0);
-    for (int a = 0; a < 3; ++a)
-      m.range[a] = 0.5;
-    m.rest[0] = times(0.125, dd0 + dd1); // 1/2 of it, times 1/4
-    m.rest[1] = times(0.125, ds1 - ds0);
-    m.rest[2] = times(0.125, sd1 - sd0);
-    m.rest[3] = times(0.125, dd1 - dd0); // times 1/8
-    m.rests = 4;
-  }
-  return m;
-}
-
-/// The linear stand-ins of a block's cells. With A any matrix near J's inverse, r - at = A (x -
-/// anchor) - (A J - 1) (r - at) - A rest: the last two, and roundings, are the slack.
-void linear_maps(Shape shape, const cells::CellBlock& block, const BundleSlab& slab,
-                 LinearMaps& out) {
-  const simd::PackTag d;
-  const hn::Rebind<float, simd::PackTag> df;
-  const int lanes = int(hn::Lanes(d)), vertices = mesh::vertex_count(shape);
-  const bool is_hexahedron = vertices == 8;
-  const double reach = double(slab.reach);
-  for (int i = 0; i < block.count; i += lanes) {
-    PackVec x[8];
-    PackVec low, high;
-    for (int v = 0; v < vertices; ++v) { // into the slab's frame
-      const PackVec p{simd::load_pack(block.vertex[v][0] + i) - Pack(slab.middle.x),
-                      simd::load_pack(block.vertex[v][1] + i) - Pack(slab.middle.y),
-                      simd::load_pack(block.vertex[v][2] + i) - Pack(slab.middle.z)};
-      const auto along = [&](const math::Vec3d& axis) HWY_ATTR {
-        return dot(PackVec{Pack(axis.x), Pack(axis.y), Pack(axis.z)}, p);
-      };
-      x[v] = {along(slab.axes[0]), along(slab.axes[1]), along(slab.axes[2])};
-      low = v == 0
-                ? x[v]
-                : PackVec{smaller(low.x, x[v].x), smaller(low.y, x[v].y), smaller(low.z, x[v].z)};
-      high = v == 0
-                 ? x[v]
-                 : PackVec{larger(high.x, x[v].x), larger(high.y, x[v].y), larger(high.z, x[v].z)};
-    }
-    const auto store = [&](const Pack& p, float* row)
-                           HWY_ATTR { hn::StoreU(hn::DemoteTo(df, p.v), df, row + i); };
-    const auto store_bound = [&](const Pack& p, double sign, float* row) HWY_ATTR {
-      store(p + Pack(sign) * (Pack(slab.rounding + 0x1p-20 * reach) + Pack(0x1p-20) * absolute(p)),
-            row);
-    };
-    store_bound(low.x, -1.0, out.lower[0]);
-    store_bound(low.y, -1.0, out.lower[1]);
-    store_bound(low.z, -1.0, out.lower[2]);
-    store_bound(high.x, 1.0, out.upper[0]);
-    store_bound(high.y, 1.0, out.upper[1]);
-    store_bound(high.z, 1.0, out.upper[2]);
-    const Linear m = linear_of(shape, x);
-    const PackVec bc = cross(m.j[1], m.j[2]), ca = cross(m.j[2], m.j[0]),
-                  ab = cross(m.j[0], m.j[1]);
-    const Pack inverse = Pack(1.0) / dot(m.j[0], bc);
-    const PackVec rows[3] = {inverse * bc, inverse * ca, inverse * ab};
-    const auto rounded = [&](const Pack& p)
-                             HWY_ATTR { return Pack(hn::PromoteTo(d, hn::DemoteTo(df, p.v))); };
-    Pack slack[3], constant[3];
-    PackVec kept[3];
-    for (int a = 0; a < 3; ++a) {
-      const PackVec r{rounded(rows[a].x), rounded(rows[a].y), rounded(rows[a].z)};
-      kept[a] = r;
-      constant[a] = Pack(m.at[a]) - dot(r, m.anchor);
-      const Pack sum = absolute(r.x) + absolute(r.y) + absolute(r.z);
-      slack[a] =
-          sum * Pack(slab.rounding + 0x1p-19 * reach) + Pack(0x1p-20) * absolute(constant[a]);
-      for (int b = 0; b < 3; ++b)
-        slack[a] =
-            slack[a] + Pack(m.range[b]) * absolute(dot(r, m.j[b]) - Pack(a == b ? 1.0 : 0.0));
-      for (int k = 0; k < m.rests; ++k)
-        slack[a] = slack[a] + absolute(dot(r, m.rest[k]));
-    }
-    // Of the likelihoods below, each takes at most so many coordinates.
-    const Pack all = is_hexahedron ? larger(slack[0], larger(slack[1], slack[2]))
-                                   : slack[0] + slack[1] + slack[2];
-    // No inverse to speak of: then the cell is looked at last, but for all samples about it.
-    const auto sound = all < Pack(1e3);
-    const Pack zero(0.0);
-    for (int a = 0; a < 3; ++a) {
-      store(select(sound, kept[a].x, zero), out.affine[4 * a]);
-      store(select(sound, kept[a].y, zero), out.affine[4 * a + 1]);
-      store(select(sound, kept[a].z, zero), out.affine[4 * a + 2]);
-      store(select(sound, constant[a], Pack(is_hexahedron ? 1.49 : -0.99)), out.affine[4 * a + 3]);
-    }
-    store(select(sound, all + Pack(1e-6), Pack(1e3)), out.slack);
-  }
-}
-
-/// How deep in the reference cell linear coordinates lie: the smallest slack of its inequalities.
-template <Shape shape>
-HWY_INLINE FloatVec likelihood(const FloatVec& r, const FloatVec& s, const FloatVec& t) {
-  const Floats d;
-  const auto one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
-  if constexpr (shape == Shape::hexahedron)
-    return hn::Sub(half, hn::Max(hn::Abs(r), hn::Max(hn::Abs(s), hn::Abs(t))));
-  if constexpr (shape == Shape::tetrahedron)
-    return hn::Min(hn::Min(r, s), hn::Min(t, hn::Sub(hn::Sub(one, r), hn::Add(s, t))));
-  if constexpr (shape == Shape::wedge)
-    return hn::Min(hn::Min(r, s), hn::Min(hn::Sub(one, hn::Add(r, s)), hn::Sub(half, hn::Abs(t))));
-  return hn::Min(hn::Min(hn::Min(r, hn::Sub(t, r)), hn::Min(s, hn::Sub(t, s))), hn::Sub(one, t));
-}
-
 /// The groups that cell i's extent meets: a bit each, and which samples of theirs.
-HWY_INLINE unsigned groups_met(const LinearMaps& maps, int i, const BundleSlab& slab,
-                               std::int32_t* first, std::int32_t* last) {
+HWY_INLINE std::uint64_t groups_met(const LinearMaps& maps, int i, const BundleSlab& slab,
+                                    std::int32_t* first, std::int32_t* last) {
   const Floats d;
   const hn::Rebind<std::int32_t, Floats> di;
-  unsigned bits = 0;
+  std::uint64_t bits = 0;
   for (std::size_t g = 0; g < std::size_t(slab.groups); g += hn::MaxLanes(d)) {
     const GroupSamples samples = samples_of_groups(slab, g, maps.lower, maps.upper, i);
     hn::StoreU(hn::ConvertTo(di, samples.first), di, first + g);
     hn::StoreU(hn::ConvertTo(di, samples.last), di, last + g);
     std::uint8_t bytes[8] = {};
     hn::StoreMaskBits(d, samples.any, bytes);
-    bits |= (unsigned(bytes[0]) | unsigned(bytes[1]) << 8) << g;
+    bits |= (std::uint64_t(bytes[0]) | std::uint64_t(bytes[1]) << 8) << g;
   }
   return bits;
 }
 
+/// A block's cells and the samples that they may hold.
 template <Shape shape, bool with_pieces>
-HWY_INLINE void enter_shape(const LinearMaps& maps, int count, int first,
-                            const std::int32_t* pieces, BundleSlab& slab) {
-  const Floats d;
-  const hn::Rebind<std::int32_t, Floats> di;
-  constexpr int lanes = int(hn::MaxLanes(d));
-  std::int32_t from[bundle_groups], to[bundle_groups];
-  for (int i = 0; i < count; ++i) {
-    unsigned met = groups_met(maps, i, slab, from, to);
+class BlockClaims {
+public:
+  BlockClaims(Shape exact_shape, const cells::CellBlock& block, const std::int32_t* pieces,
+              BundleSlab& slab, BundleLists& lists, const BundleClaims& to)
+      : shape_(exact_shape), block_(block), pieces_(pieces), slab_(slab), lists_(lists), to_(to) {
+    linear_maps(exact_shape, block, slab, maps_);
+    if (shape == Shape::hexahedron)
+      set_hexahedra(exact_shape, block, hexahedra_);
+  }
+
+  HWY_INLINE void claim_all() {
+    lists_.found.count = parts_ = 0;
+    for (int i = 0; i < block_.count; ++i)
+      find_in_cell(i);
+    claim_found();
+  }
+
+private:
+  /// Touches what cell i may hold, and lists what is not claimed.
+  HWY_INLINE void find_in_cell(int i) {
+    std::int32_t from[bundle_groups], to[bundle_groups];
+    std::uint64_t met = groups_met(maps_, i, slab_, from, to);
     if (!met)
-      continue;
+      return;
+    begin_part(i);
+    const Floats d;
     FloatVec affine[12];
     for (int a = 0; a < 12; ++a)
-      affine[a] = hn::Set(d, maps.affine[a][i]);
-    const auto slack = hn::Set(d, with_pieces && pieces[i] < 0 ? 1e3f : maps.slack[i]);
-    const auto number = hn::Set(di, first + i);
+      affine[a] = hn::Set(d, maps_.affine[a][i]);
     for (; met; met &= met - 1) {
       const int g = std::countr_zero(met);
       std::uint32_t wanted =
-          slab.wanted[g] & (~std::uint32_t(0) >> (31 - to[g])) & (~std::uint32_t(0) << from[g]);
+          slab_.wanted[g] & (~std::uint32_t(0) >> (31 - to[g])) & (~std::uint32_t(0) << from[g]);
       for (; wanted; wanted &= wanted - 1) {
-        const int k = std::countr_zero(wanted);
-        const auto steps = hn::Set(d, float(k));
-        for (int s = g * bundle_lanes; s < (g + 1) * bundle_lanes; s += lanes) {
-          const auto at = [&](int a) HWY_ATTR {
-            return hn::MulAdd(steps, hn::Load(d, slab.along[a] + s), hn::Load(d, slab.base[a] + s));
-          };
-          const auto x = at(0), y = at(1), z = at(2);
-          const auto linear = [&](int a) HWY_ATTR {
-            const FloatVec* row = affine + 4 * a;
-            return hn::MulAdd(row[0], x, hn::MulAdd(row[1], y, hn::MulAdd(row[2], z, row[3])));
-          };
-          const auto depth = likelihood<shape>(linear(0), linear(1), linear(2));
-          const auto holds = hn::RebindMask(di, hn::Ge(hn::Add(depth, slack), hn::Zero(d)));
-          const auto level =
-              hn::ConvertTo(di, hn::MulAdd(hn::Max(depth, hn::Set(d, -1.0f)), hn::Set(d, 16384.0f),
-                                           hn::Set(d, 16386.0f)));
-          const auto key = hn::IfThenElseZero(holds, hn::Or(hn::ShiftLeft<16>(level), number));
-          std::int32_t* const best = slab.best[k] + s;
-          std::int32_t* const second = slab.second[k] + s;
-          const auto before = hn::Load(di, best);
-          hn::Store(hn::Max(before, key), di, best);
-          hn::Store(hn::Max(hn::Min(before, key), hn::Load(di, second)), di, second);
-          if constexpr (with_pieces) {
-            std::int32_t* const piece = slab.piece[k] + s;
-            const auto lowest = hn::Min(hn::Load(di, piece), hn::Set(di, pieces[i]));
-            hn::Store(hn::IfThenElse(holds, lowest, hn::Load(di, piece)), di, piece);
-          }
+        find_in_group(i, g, std::countr_zero(wanted), affine);
+        if (lists_.found.count > CellSamples::size) {
+          claim_found();
+          begin_part(i);
         }
       }
     }
   }
-}
+
+  /// Sample k of the rays of group g.
+  HWY_INLINE void find_in_group(int i, int g, int k, const FloatVec* affine) {
+    const Floats d;
+    const hn::Rebind<std::int32_t, Floats> di;
+    constexpr int lanes = int(hn::MaxLanes(d));
+    const bool is_odd = with_pieces && pieces_[i] < 0;
+    const auto least = hn::Set(d, is_odd ? -unsound_slack : -maps_.slack[i]);
+    const auto end_state = hn::Set(di, is_odd ? untouched : claimed);
+    const auto steps = hn::Set(d, float(k));
+    CellSamples& found = lists_.found;
+    for (int s = g * bundle_lanes; s < (g + 1) * bundle_lanes; s += lanes) {
+      const auto at = [&](int a) HWY_ATTR {
+        return hn::MulAdd(steps, hn::Load(d, slab_.along[a] + s), hn::Load(d, slab_.base[a] + s));
+      };
+      const auto x = at(0), y = at(1), z = at(2);
+      const auto linear = [&](int a) HWY_ATTR {
+        const FloatVec* row = affine + 4 * a;
+        return hn::MulAdd(row[0], x, hn::MulAdd(row[1], y, hn::MulAdd(row[2], z, row[3])));
+      };
+      const auto r = linear(0), u = linear(1), t = linear(2);
+      std::int32_t* const state = slab_.state[k] + s;
+      const auto before = hn::Load(di, state);
+      const auto holds = hn::And(hn::RebindMask(di, hn::Ge(likelihood<shape>(r, u, t), least)),
+                                 hn::Gt(before, hn::Set(di, unwanted)));
+      if (hn::AllFalse(di, holds))
+        continue;
+      hn::Store(hn::IfThenElse(holds, hn::Max(before, hn::Set(di, touched)), before), di, state);
+      if constexpr (with_pieces) {
+        std::int32_t* const lowest = slab_.piece[k] + s;
+        const auto was = hn::Load(di, lowest);
+        hn::Store(hn::IfThenElse(holds, hn::Min(was, hn::Set(di, pieces_[i])), was), di, lowest);
+      }
+      const auto open = hn::And(holds, hn::Lt(before, end_state));
+      if (hn::AllFalse(di, open))
+        continue;
+      const int n = found.count;
+      const Packer packed(hn::RebindMask(d, open));
+      if (shape == Shape::hexahedron) {
+        packed.store(r, found.start[0] + n);
+        packed.store(u, found.start[1] + n);
+        packed.store(t, found.start[2] + n);
+      }
+      packed.store(hn::Iota(di, std::int32_t(k * bundle_rays + s)), found.place + n);
+      found.count += int(hn::CountTrue(di, open));
+    }
+  }
+
+  HWY_INLINE void begin_part(int i) {
+    cell_[parts_] = i;
+    begin_[parts_++] = lists_.found.count;
+  }
+
+  /// Claims what the cells are proven to hold of the listed samples, and empties the list.
+  HWY_INLINE void claim_found() {
+    begin_[parts_] = lists_.found.count;
+    if constexpr (shape == Shape::hexahedron) {
+      CellSamples& likely = lists_.likely;
+      likely.count = 0;
+      for (int p = 0; p < parts_; ++p) {
+        const int begin = begin_[p];
+        begin_[p] = likely.count;
+        settle_starts(maps_, cell_[p], lists_.found, begin, begin_[p + 1], likely);
+      }
+      begin_[parts_] = likely.count;
+      for (int p = 0; p < parts_; ++p)
+        claim_in_hexahedron(shape_, block_, hexahedra_, cell_[p], likely, begin_[p], begin_[p + 1],
+                            slab_, to_);
+    } else {
+      for (int p = 0; p < parts_; ++p)
+        claim_in_any<shape>(block_, cell_[p], lists_.found, begin_[p], begin_[p + 1], slab_, to_);
+    }
+    lists_.found.count = parts_ = 0;
+  }
+
+  const Shape shape_;
+  const cells::CellBlock& block_;
+  const std::int32_t* const pieces_;
+  BundleSlab& slab_;
+  BundleLists& lists_;
+  const BundleClaims& to_;
+  LinearMaps maps_;
+  HexahedronMaps hexahedra_; ///< of hexahedra
+  // The list's parts, one a cell.
+  int parts_ = 0;
+  int cell_[cells::CellBlock::size + 1], begin_[cells::CellBlock::size + 2];
+};
 
 template <bool with_pieces>
-HWY_INLINE void enter_any(Shape shape, const cells::CellBlock& block, int first,
-                          const std::int32_t* pieces, BundleSlab& slab) {
-  LinearMaps maps;
-  linear_maps(shape, block, slab, maps);
-  const auto enter = [&]<Shape s>() HWY_ATTR {
-    enter_shape<s, with_pieces>(maps, block.count, first, pieces, slab);
+HWY_INLINE void claim_any(Shape shape, const cells::CellBlock& block, const std::int32_t* pieces,
+                          BundleSlab& slab, BundleLists& lists, const BundleClaims& to) {
+  const auto claim = [&]<Shape s>() HWY_ATTR {
+    BlockClaims<s, with_pieces>(shape, block, pieces, slab, lists, to).claim_all();
   };
   switch (shape) {
   case Shape::tetrahedron:
-    return enter.template operator()<Shape::tetrahedron>();
+    return claim.template operator()<Shape::tetrahedron>();
   case Shape::wedge:
-    return enter.template operator()<Shape::wedge>();
+    return claim.template operator()<Shape::wedge>();
   case Shape::pyramid:
-    return enter.template operator()<Shape::pyramid>();
+    return claim.template operator()<Shape::pyramid>();
   default:
-    return enter.template operator()<Shape::hexahedron>();
+    return claim.template operator()<Shape::hexahedron>();
   }
 }
 
-void enter_target(Shape shape, const cells::CellBlock& block, int first, BundleSlab& slab) {
-  enter_any<false>(shape, block, first, nullptr, slab);
+void claim_target(Shape shape, const cells::CellBlock& block, BundleSlab& slab, BundleLists& lists,
+                  const BundleClaims& to) {
+  claim_any<false>(shape, block, nullptr, slab, lists, to);
 }
-void enter_pieces_target(Shape shape, const cells::CellBlock& block, int first,
-                         const std::int32_t* pieces, BundleSlab& slab) {
-  enter_any<true>(shape, block, first, pieces, slab);
+void claim_with_pieces_target(Shape shape, const cells::CellBlock& block,
+                              const std::int32_t* pieces, BundleSlab& slab, BundleLists& lists,
+                              const BundleClaims& to) {
+  claim_any<true>(shape, block, pieces, slab, lists, to);
+}
+
+void set_states_target(const std::uint32_t* wanted, BundleSlab& slab) {
+  const hn::CappedTag<std::int32_t, bundle_lanes> d;
+  for (int s = 0; s < slab.groups * bundle_lanes; s += int(hn::MaxLanes(d))) {
+    auto bits = hn::Load(d, reinterpret_cast<const std::int32_t*>(wanted) + s);
+    for (int k = 0; k < slab.depth; ++k) {
+      const auto is_wanted = hn::TestBit(bits, hn::Set(d, 1));
+      hn::Store(hn::IfThenElse(is_wanted, hn::Set(d, untouched), hn::Set(d, unwanted)), d,
+                slab.state[k] + s);
+      bits = hn::ShiftRight<1>(bits);
+    }
+  }
+}
+
+int find_unclaimed_target(int group, const BundleSlab& slab, std::int32_t* places) {
+  const hn::CappedTag<std::int32_t, bundle_lanes> d;
+  int count = 0;
+  for (std::uint32_t rest = slab.wanted[group]; rest; rest &= rest - 1) {
+    const int k = std::countr_zero(rest);
+    for (int s = group * bundle_lanes; s < (group + 1) * bundle_lanes; s += int(hn::MaxLanes(d))) {
+      const auto state = hn::Load(d, slab.state[k] + s);
+      const auto open =
+          hn::And(hn::Gt(state, hn::Set(d, unwanted)), hn::Lt(state, hn::Set(d, claimed)));
+      if (hn::AllFalse(d, open))
+        continue;
+      const Packer packed(hn::RebindMask(Floats(), open));
+      packed.store(hn::Iota(d, std::int32_t(k * bundle_rays + s)), places + count);
+      count += int(hn::CountTrue(d, open));
+    }
+  }
+  return count;
 }
 
 } // namespace insitu::query::HWY_NAMESPACE
@@ -294,16 +230,25 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace insitu::query {
 
-HWY_EXPORT(enter_target);
-HWY_EXPORT(enter_pieces_target);
+HWY_EXPORT(claim_target);
+HWY_EXPORT(claim_with_pieces_target);
+HWY_EXPORT(set_states_target);
+HWY_EXPORT(find_unclaimed_target);
 
-void enter_cells(mesh::Shape shape, const cells::CellBlock& block, int first, BundleSlab& slab) {
-  HWY_DYNAMIC_DISPATCH(enter_target)(shape, block, first, slab);
+void claim_cells(mesh::Shape shape, const cells::CellBlock& block, const std::int32_t* pieces,
+                 BundleSlab& slab, BundleLists& lists, const BundleClaims& to) {
+  if (pieces)
+    HWY_DYNAMIC_DISPATCH(claim_with_pieces_target)(shape, block, pieces, slab, lists, to);
+  else
+    HWY_DYNAMIC_DISPATCH(claim_target)(shape, block, slab, lists, to);
 }
 
-void enter_cells(mesh::Shape shape, const cells::CellBlock& block, int first,
-                 const std::int32_t* pieces, BundleSlab& slab) {
-  HWY_DYNAMIC_DISPATCH(enter_pieces_target)(shape, block, first, pieces, slab);
+void set_states(const std::uint32_t* wanted, BundleSlab& slab) {
+  HWY_DYNAMIC_DISPATCH(set_states_target)(wanted, slab);
+}
+
+int find_unclaimed(int group, const BundleSlab& slab, std::int32_t* places) {
+  return HWY_DYNAMIC_DISPATCH(find_unclaimed_target)(group, slab, places);
 }
 
 } // namespace insitu::query

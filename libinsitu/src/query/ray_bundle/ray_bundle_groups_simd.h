@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <hwy/highway.h>
 
+#include "query/batch/bit_tables.h"
 #include "query/ray_bundle/ray_bundle_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,6 +20,43 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Floats = hn::CappedTag<float, bundle_lanes>;
 using FloatVec = hn::Vec<Floats>;
+
+/// Puts the lanes of a mask side by side; what follows them says nothing.
+class Packer {
+public:
+  using Ints = hn::Rebind<std::int32_t, Floats>;
+  HWY_INLINE explicit Packer(const hn::Mask<Floats>& mask) : mask_(mask) {
+#if HWY_TARGET == HWY_AVX2 // Highway 1.0 copies a row of its table by a string instruction
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(Floats(), mask, bits);
+    const hn::Rebind<std::uint8_t, Floats> bytes;
+    order_ = hn::BitCast(Ints(), hn::PromoteTo(hn::RebindToUnsigned<Floats>(),
+                                               hn::LoadU(bytes, set_bits[bits[0]].data())));
+#endif
+  }
+  HWY_INLINE void store(const FloatVec& v, float* to) const {
+    const Floats d;
+#if HWY_TARGET == HWY_AVX2
+    hn::StoreU(hn::TableLookupLanes(v, hn::IndicesFromVec(d, order_)), d, to);
+#else
+    hn::StoreU(hn::Compress(v, mask_), d, to);
+#endif
+  }
+  HWY_INLINE void store(const hn::Vec<Ints>& v, std::int32_t* to) const {
+    const Ints d;
+#if HWY_TARGET == HWY_AVX2
+    hn::StoreU(hn::TableLookupLanes(v, hn::IndicesFromVec(d, order_)), d, to);
+#else
+    hn::StoreU(hn::Compress(v, hn::RebindMask(d, mask_)), d, to);
+#endif
+  }
+
+private:
+  hn::Mask<Floats> mask_;
+#if HWY_TARGET == HWY_AVX2
+  hn::Vec<Ints> order_;
+#endif
+};
 
 /// Of some groups.
 struct GroupSamples {

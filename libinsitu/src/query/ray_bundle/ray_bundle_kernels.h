@@ -7,14 +7,25 @@
 #include "cells/kernels/cell_block.h"
 #include "math/vec.h"
 #include "mesh/shape.h"
+#include "query/location.h"
 
 /// What RayBundleLocator does with SIMD; compiled per target and dispatched at run time.
 namespace insitu::query {
 
 constexpr int bundle_lanes = 16;  ///< rays of a group
-constexpr int bundle_groups = 16; ///< of a bundle
-constexpr int bundle_rays = bundle_lanes * bundle_groups;
+constexpr int bundle_groups = 64; ///< of a bundle
+constexpr int bundle_rays = bundle_lanes * bundle_groups, bundle_rays_log2 = 10;
+static_assert(bundle_rays == 1 << bundle_rays_log2);
 constexpr int bundle_depth = 32; ///< samples of a ray
+
+/// A sample's cell, or -1, and what was interpolated there.
+struct ValueSample {
+  std::int64_t cell;
+  double value;
+};
+
+/// A sample is not asked for, near no cell so far, near one, or proven to be in one.
+enum SampleState : std::int32_t { unwanted = -1, untouched, touched, claimed };
 
 /// The samples of a bundle of rays in a frame of their own, in floats: axes u, v across the rays
 /// and w along them, the origin in the samples' middle. Sample k of the ray in slot s lies at
@@ -34,10 +45,9 @@ struct BundleSlab {
   alignas(64) float first_w[bundle_groups], last_w[bundle_groups];
   alignas(64) float first_per_w[bundle_groups], last_per_w[bundle_groups];
   alignas(64) float index_rounding[bundle_groups];
-  // What cells have been found for a sample: the likelihood, 15 bits, above the cell's number, 16
-  // bits; 0: none. That of slot s at [k][s].
-  alignas(64) std::int32_t best[bundle_depth][bundle_rays], second[bundle_depth][bundle_rays];
-  /// The lowest piece of those cells; -1 with odd cells among them.
+  /// What is known of sample k of slot s, at [k][s].
+  alignas(64) std::int32_t state[bundle_depth][bundle_rays];
+  /// The lowest piece of the cells that may hold it; -1 with odd cells among them.
   alignas(64) std::int32_t piece[bundle_depth][bundle_rays];
 };
 
@@ -46,34 +56,46 @@ struct BundleSlab {
 bool find_cells(const accel::Tree& tree, const BundleSlab& slab, std::uint32_t least,
                 std::size_t most, std::vector<std::uint32_t>& slots, std::size_t& count);
 
-/// Enters cells of one shape, numbered from `first` on, for all samples that they might hold: no
-/// sample of a cell is left out, whatever the rounding.
-void enter_cells(mesh::Shape shape, const cells::CellBlock& block, int first, BundleSlab& slab);
-/// The same, and pieces, -1 for odd cells: then all samples about it.
-void enter_cells(mesh::Shape shape, const cells::CellBlock& block, int first,
-                 const std::int32_t* pieces, BundleSlab& slab);
-
 /// A field's values at the vertices of up to 64 cells, as CellBlock holds these; of a cell field,
 /// in row 0, the cells' own.
 struct ValueBlock {
   alignas(64) double vertex[8][cells::CellBlock::row];
 };
 
-/// Samples, each with a cell, those of a cell side by side.
-struct BundleSamples {
-  static constexpr int size = 512, row = size + 8; ///< so few that they stay in the nearest cache
-  std::uint16_t cell[row];
-  alignas(64) double point[3][row];
-  alignas(64) double parametric[3][row];      ///< by invert
-  alignas(64) double margin[row], error[row]; ///< by invert; see cells::InverseMap
-  alignas(64) double value[row];              ///< by invert, if it is given values
+/// Samples that cells may hold, those of a cell side by side.
+struct CellSamples {
+  static constexpr int size = 1024, row = size + 3 * bundle_lanes;
+  int count = 0;
+  /// Of hexahedra, the samples' coordinates, as far as they are known.
+  alignas(64) float start[3][row];
+  alignas(64) std::int32_t place[row] = {}; ///< k bundle_rays + slot
+};
+struct BundleLists {
+  CellSamples found, likely;
 };
 
-/// Inverts the maps of samples [begin, end), whose cells have one shape: number c's vertices are
-/// column c % 64 of blocks[c / 64]. The same bits as cells::inverse_map. Reads points
-/// of up to 7 samples behind the end, and writes answers of these. values: null, or of the blocks'
-/// vertices, to be interpolated; the same bits as cells::weighted_mean.
-void invert(mesh::Shape shape, const cells::CellBlock* blocks, const ValueBlock* values, int begin,
-            int end, BundleSamples& samples);
+/// Where claims go: to places answer[slot] + k.
+struct BundleClaims {
+  const math::Vec3d *origin, *direction; ///< of the rays, by slot
+  bool one_origin;                       ///< all rays begin where that of slot 0 does
+  double first, step;                    ///< sample k lies at (first + k + 1/2) step
+  const std::int32_t* answer;            ///< by slot
+  const std::int64_t* cells;             ///< flat ids of the block's
+  const ValueBlock* values;              ///< of the block's, or null
+  bool values_at_vertices;
+  ValueSample* samples; ///< or null
+  Location* locations;  ///< or null
+};
+
+/// What a stretch begins with. wanted: by slot, bit k: sample k is wanted.
+void set_states(const std::uint32_t* wanted, BundleSlab& slab);
+/// Touches all samples that the block's cells, of one shape, might hold, whatever the rounding, and
+/// claims those that they are proven to hold. pieces: null, or of the cells, -1 for odd ones, which
+/// touch all samples about them and claim none.
+void claim_cells(mesh::Shape shape, const cells::CellBlock& block, const std::int32_t* pieces,
+                 BundleSlab& slab, BundleLists& lists, const BundleClaims& to);
+/// The places of a group's samples that are wanted and not claimed; how many. Writes up to
+/// bundle_lanes numbers behind them.
+int find_unclaimed(int group, const BundleSlab& slab, std::int32_t* places);
 
 } // namespace insitu::query

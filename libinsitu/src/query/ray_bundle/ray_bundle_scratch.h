@@ -8,28 +8,24 @@
 /// What RayBundleLocator's parts share.
 namespace insitu::query {
 
-/// Of one thread, kept for its life: some hundred kilobytes, and the vertices of a stretch's cells.
+/// Of one thread, kept for its life: some hundred kilobytes.
 struct RayBundleScratch {
   BundleSlab slab;
-  BundleSamples samples;
+  BundleLists lists;
   // By slot: a group's rays are neighbours.
   math::Vec3d origin[bundle_rays], direction[bundle_rays];
-  std::uint32_t wanted[bundle_rays];
-  std::uint16_t ray[bundle_rays], slot[bundle_rays];
-  // The stretch's cells, shape by shape.
-  std::vector<std::uint32_t> found; ///< their places in the tree
-  std::vector<std::int64_t> cells;
+  alignas(64) std::uint32_t wanted[bundle_rays];
+  std::uint16_t slot[bundle_rays];
+  std::int32_t answer[bundle_rays]; ///< by slot, where the ray's answers begin
+  std::vector<std::uint32_t> found; ///< of the stretch's cells, their places in the tree
+  // Of some cells of one shape.
+  cells::CellBlock block;
+  ValueBlock values;
+  std::vector<std::int64_t> cells; ///< and those of their shape that come after them
   std::vector<std::int32_t> ranks; ///< their pieces, -1 of odd cells; if RayBundleLocator::ranked_
-  std::vector<cells::CellBlock> blocks;
-  std::vector<ValueBlock> values;
-  struct Run {
-    mesh::Shape shape;
-    int begin, end;
-  };
-  std::vector<Run> runs;
-  // Samples in the order of their cells, and those that are left.
-  std::vector<std::uint32_t> count;
-  std::vector<std::uint16_t> open, sorted, rest;
+  // Samples that are left.
+  std::int32_t unclaimed[(bundle_depth + 1) * bundle_lanes]; ///< of a group
+  std::vector<std::uint16_t> rest;
   std::vector<math::Vec3d> points;
   std::vector<Location> answers;
   std::int64_t by_reason[reason_count];
@@ -44,9 +40,6 @@ constexpr int slot_of(int place) {
 }
 constexpr int index_of(int place) {
   return place / bundle_rays;
-}
-constexpr int cell_of_key(std::int32_t key) {
-  return key & 0xffff;
 }
 
 inline math::Vec3d RayBundleLocator::point(int place) const {

@@ -18,32 +18,28 @@ Vec3d normalized(const Vec3d& v) {
 
 } // namespace
 
-/// A frame along the rays about the samples' middle. False if there is none.
+/// A frame along the rays about the stretch's middle, whatever of it is wanted, so that what floats
+/// make of a sample does not hang on others. False if there is none.
 bool RayBundleLocator::set_slab() {
   BundleSlab& slab = s_.slab;
   Vec3d middle, along, ends[2];
-  int count = 0, low = bundle_depth, high = 0;
   double far = 0.0;
-  for (int slot = 0; slot < groups_ * bundle_lanes; ++slot) {
-    const std::uint32_t wanted = s_.wanted[slot];
-    if (!wanted)
-      continue;
-    const int first = std::countr_zero(wanted), last = 31 - std::countl_zero(wanted);
-    low = std::min(low, first);
-    high = std::max(high, last);
-    const Vec3d at = 0.5 * (point(place_of(first, slot)) + point(place_of(last, slot)));
+  for (int r = 0; r < rays_; ++r) {
+    const int slot = s_.slot[r];
+    const Vec3d at = 0.5 * (point(place_of(0, slot)) + point(place_of(depth_ - 1, slot)));
     middle += at;
     along += s_.direction[slot];
-    ends[count > 0] = at;
-    ++count;
+    ends[r > 0] = at;
     for (int a = 0; a < 3; ++a)
       far = std::max(far, std::fabs(s_.origin[slot][a]));
   }
-  if (count == 0)
-    return true; // and no samples
+  const int count = rays_;
   slab.middle = middle / double(count);
   slab.axes[2] = normalized(along);
-  const Vec3d across = ends[1] - ends[0];
+  // Along a row of pixels, so that boxes of groups are tight.
+  Vec3d across = point(place_of(0, s_.slot[row_ - 1])) - point(place_of(0, s_.slot[0]));
+  if (!(dot(across, across) > 0.0))
+    across = ends[1] - ends[0];
   slab.axes[0] = across - dot(across, slab.axes[2]) * slab.axes[2];
   if (count == 1 || !(dot(slab.axes[0], slab.axes[0]) > 1e-12 * dot(across, across))) {
     const Vec3d& w = slab.axes[2];
@@ -59,6 +55,14 @@ bool RayBundleLocator::set_slab() {
                        dot(slab.middle, slab.middle) + slab.rounding;
   if (!std::isfinite(sound))
     return false;
+  slab.reach = 0.0f;
+  for (int r = 0; r < rays_; ++r)
+    for (const int k : {0, depth_ - 1}) {
+      const Vec3d p = point(place_of(k, s_.slot[r])) - slab.middle;
+      for (int a = 0; a < 3; ++a)
+        slab.reach = std::max(slab.reach, std::fabs(float(dot(slab.axes[a], p))));
+    }
+  slab.reach *= 1.0f + 0x1p-20f;
   set_groups();
   return std::isfinite(slab.reach) && slab.reach < 1e30f;
 }
@@ -71,7 +75,6 @@ void RayBundleLocator::set_groups() {
     slab.lower[a] = none;
     slab.upper[a] = -none;
   }
-  slab.reach = 0.0f;
   for (int g = 0; g < bundle_groups; ++g) {
     slab.wanted[g] = 0;
     for (int a = 0; a < 2; ++a) {
@@ -96,7 +99,6 @@ void RayBundleLocator::set_groups() {
         const float lower = std::min(p, q), upper = std::max(p, q);
         slab.lower[a] = std::min(slab.lower[a], lower);
         slab.upper[a] = std::max(slab.upper[a], upper);
-        slab.reach = std::max({slab.reach, std::fabs(base), -lower, upper});
         if (a < 2) {
           slab.group_lower[a][g] = std::min(slab.group_lower[a][g], lower);
           slab.group_upper[a][g] = std::max(slab.group_upper[a][g], upper);

@@ -239,14 +239,14 @@ void VolumeMarcher::march_bundle(std::span<RayState> rays, int row, VolumeCounts
   locator.set_rays(s.rays, row, step_);
   const ScalarValues values(field_, sampler_.mesh());
   const bool is_plain = !preintegration_ && !shader_ && !clipped_;
+  const int depth = sample_group_ > 0 ? sample_group_ : 16;
   while (!s.active.empty()) {
-    // All rays over the same stretch, so that their samples share cells; a longer one once few rays
-    // are left. What it is depends on the rays alone. What lies behind the sample that saturates a
-    // ray is located in vain.
-    const int depth = sample_group_ > 0 ? sample_group_ : s.active.size() < 64 ? 32 : 16;
+    // All rays over the same stretch, so that their samples share cells; what lies behind the
+    // sample that saturates a ray is located in vain.
     std::int64_t first = rays[s.active[0]].next;
     for (const std::uint32_t r : s.active)
       first = std::min(first, rays[r].next);
+    first -= first % depth; // the same stretches, whatever is skipped
     s.wanted.assign(rays.size(), 0);
     for (const std::uint32_t r : s.active)
       if (rays[r].next < first + depth) {

@@ -54,8 +54,8 @@ struct VolumeSettings {
   /// stays below this (see StepLevels); the step above is where it starts from.
   std::optional<double> tolerance = std::nullopt;
   /// Samples of a ray that are located at once (Rathke et al. 2015, section 7.2), at most
-  /// query::RayBundleLocator::most_depth; 0: as many as pays. It changes the time alone, and how
-  /// many are located in vain behind the sample that hides the rest. Not with a tolerance.
+  /// query::RayBundleLocator::most_depth; 0: 16. It changes the time alone, and how many are
+  /// located in vain behind the sample that hides the rest, but for rounding. Not with a tolerance.
   int sample_group = 0;
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 using math::Vec3d;
 
-constexpr int tile = 16;
+constexpr int tile = 32;
 
 double step_of(const query::Sampler& sampler, const render::VolumeSettings& volume) {
   return volume.step ? *volume.step : volume.step_factor * render::typical_cell_size(sampler);
