@@ -121,7 +121,7 @@ module insitu_c
     type(c_ptr) :: log_user = c_null_ptr
     type(c_ptr) :: communicator = c_null_ptr
     integer(c_int32_t) :: fortran_communicator = insitu_no_communicator
-    integer(c_int32_t) :: reserved = 0
+    integer(c_int32_t) :: preview = 0
   end type c_session_options
 
   type, bind(c) :: c_array

@@ -21,7 +21,8 @@ int layout_of(int which, int64_t* out) {
                              AT(insitu_session_options, log),
                              AT(insitu_session_options, log_user),
                              AT(insitu_session_options, communicator),
-                             AT(insitu_session_options, fortran_communicator)};
+                             AT(insitu_session_options, fortran_communicator),
+                             AT(insitu_session_options, preview)};
   const int64_t array[] = {
       sizeof(insitu_array),     AT(insitu_array, size),       AT(insitu_array, data),
       AT(insitu_array, type),   AT(insitu_array, components), AT(insitu_array, count),

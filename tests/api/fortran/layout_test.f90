@@ -42,7 +42,7 @@ program layout_test
       c_loc(options%size), c_loc(options%scene), c_loc(options%scene_text), c_loc(options%output), &
       c_loc(options%default_scene), c_loc(options%threads), c_loc(options%strict), &
       c_loc(options%log_level), c_loc(options%log), c_loc(options%log_user), &
-      c_loc(options%communicator), c_loc(options%fortran_communicator)])
+      c_loc(options%communicator), c_loc(options%fortran_communicator), c_loc(options%preview)])
   call compare('array', 1, c_sizeof(array), [ &
       c_loc(array%size), c_loc(array%data), c_loc(array%type), c_loc(array%components), &
       c_loc(array%count), c_loc(array%extent), c_loc(array%stride), &
