@@ -112,7 +112,7 @@ program layout_test
       c_loc(amr_info%size), c_loc(amr_info%leaves), c_loc(amr_info%masked), &
       c_loc(amr_info%gridlets), c_loc(amr_info%cubes), c_loc(amr_info%stitching), &
       c_loc(amr_info%folded), c_loc(amr_info%repaired), c_loc(amr_info%bytes), &
-      c_loc(amr_info%build_s)])
+      c_loc(amr_info%build_s), c_loc(amr_info%by_places)])
   call compare_constants()
   if (failures > 0) error stop 1
 
