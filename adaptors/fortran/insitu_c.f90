@@ -121,7 +121,7 @@ module insitu_c
     type(c_ptr) :: log_user = c_null_ptr
     type(c_ptr) :: communicator = c_null_ptr
     integer(c_int32_t) :: fortran_communicator = insitu_no_communicator
-    integer(c_int32_t) :: reserved = 0
+    integer(c_int32_t) :: preview = 0
   end type c_session_options
 
   type, bind(c) :: c_array
@@ -190,6 +190,7 @@ module insitu_c
     integer(c_int64_t) :: leaves = 0, masked = 0, gridlets = 0, cubes = 0, stitching = 0
     integer(c_int64_t) :: folded = 0, repaired = 0, bytes = 0
     real(c_double) :: build_s = 0.0_c_double
+    integer(c_int64_t) :: by_places = 0
   end type insitu_amr_info
 
   type, bind(c) :: c_frame

@@ -5,6 +5,7 @@
 #include "core/caller_struct.h"
 #include "core/simd_target.h"
 #include "core/timer.h"
+#include "scene/frames/preview.h"
 #include "scene/parse/parse.h"
 
 namespace insitu::api {
@@ -34,20 +35,23 @@ core::Log log_of(const insitu_session_options& o) {
 
 Session::Session(const insitu_session_options& options)
     : context_(options.threads, log_of(options)), strict_(options.strict != 0),
-      default_scene_(options.default_scene != 0), output_(options.output ? options.output : ""),
-      communicator_(options.communicator), fortran_communicator_(options.fortran_communicator),
+      default_scene_(options.default_scene != 0), preview_(options.preview != 0),
+      output_(options.output ? options.output : ""), communicator_(options.communicator),
+      fortran_communicator_(options.fortran_communicator),
       query_points_(context_.memory, INSITU_MEMORY_QUERY) {
   if (options.threads < 0)
     throw Error(INSITU_ERROR_ARGUMENT,
                 "threads: " + std::to_string(options.threads) + ", 0 (all) or more expected");
   if (core::simd_target().asked)
     context_.log.info("SIMD target " + core::simd_target().name);
+  if (preview_ && !output_.empty())
+    output_ = scene::preview_folder(output_);
   if (options.scene && options.scene_text)
     throw Error(INSITU_ERROR_ARGUMENT, "scene and scene_text are both given, at most one expected");
   if (options.scene)
-    scene_ = scene::parse_scene_file(options.scene);
+    scene_ = as_asked(scene::parse_scene_file(options.scene));
   else if (options.scene_text)
-    scene_ = scene::parse_scene_text(options.scene_text, "scene");
+    scene_ = as_asked(scene::parse_scene_text(options.scene_text, "scene"));
   if (scene_) {
     for (const std::string& warning : scene_->warnings)
       context_.log.warning(warning);
@@ -65,6 +69,10 @@ void Session::note_communicator() {
         "process, and nothing is exchanged or waited for. Give each process an output folder of "
         "its "
         "own; a second session that writes the same files is refused");
+}
+
+scene::SceneDescription Session::as_asked(scene::SceneDescription scene) const {
+  return preview_ ? scene::preview_of(std::move(scene)) : scene;
 }
 
 void Session::make_runner(const scene::SceneDescription& scene) {
@@ -161,7 +169,7 @@ void Session::make_default_runner() {
   for (const auto& m : meshes_)
     for (const std::string& name : m->mesh.mesh().field_names())
       if (m->mesh.mesh().field(name).components == 1) {
-        make_runner(scene::default_scene(name, m->mesh.mesh().name()));
+        make_runner(as_asked(scene::default_scene(name, m->mesh.mesh().name())));
         return;
       }
   throw Error(INSITU_ERROR_FIELD, "the default scene needs a scalar field, and no mesh has one");

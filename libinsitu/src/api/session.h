@@ -91,6 +91,8 @@ private:
                       core::FunctionRef<void(std::int64_t, std::span<const math::Vec3d>)> visit);
   std::vector<commit::CommittedMesh*> commit_all();
   void note_communicator();
+  /// Returns the scene, or what a preview draws of it.
+  scene::SceneDescription as_asked(scene::SceneDescription scene) const;
   void make_runner(const scene::SceneDescription& scene);
   void make_default_runner();
   /// Makes it; returns what is in the way, logged once.
@@ -98,7 +100,7 @@ private:
 
   core::Context context_;
   bool strict_;
-  bool default_scene_;
+  bool default_scene_, preview_;
   bool checked_ = is_checked();
   std::string output_;
   const void* communicator_; ///< kept for the parallel version

@@ -6,7 +6,7 @@
   static_assert(offsetof(type, member) + sizeof(type::member) == sizeof(type))
 ENDS_WITH(insitu_advance_args, stream);
 ENDS_WITH(insitu_amr, reconstruction);
-ENDS_WITH(insitu_amr_info, build_s);
+ENDS_WITH(insitu_amr_info, by_places);
 ENDS_WITH(insitu_array, reserved);
 ENDS_WITH(insitu_audit_entry, reserved);
 ENDS_WITH(insitu_block, coordinates);
@@ -20,7 +20,7 @@ ENDS_WITH(insitu_locator_info, settled_on_host);
 ENDS_WITH(insitu_patch, ghosts_after);
 ENDS_WITH(insitu_report, reserved);
 ENDS_WITH(insitu_sample_args, values);
-ENDS_WITH(insitu_session_options, reserved);
+ENDS_WITH(insitu_session_options, preview);
 ENDS_WITH(insitu_validation, covered_vertices);
 #undef ENDS_WITH
 

@@ -24,7 +24,7 @@ std::unique_ptr<commit::CommittedMesh> register_leaves(const workload::AmrLeaves
 /// vertices, and as gridlets.
 struct CubeBytes {
   double hexahedra = 0.0, gridlets = 0.0;
-  double compression() const { return hexahedra / gridlets; }
+  double compression() const { return gridlets > 0 ? hexahedra / gridlets : 0.0; }
 };
 CubeBytes cube_bytes(const mesh::MeshView& dual, std::int64_t cubes);
 

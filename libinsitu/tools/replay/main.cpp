@@ -80,7 +80,7 @@ public:
       say("note: the numbers in the files' names do not ascend; steps are taken in the order "
           "given");
     ExitCode code = done;
-    for (std::size_t i = 0; i < steps_.size(); ++i) {
+    for (std::size_t i = options_.preview ? steps_.size() - 1 : 0; i < steps_.size(); ++i) {
       const std::size_t s = options_.reverse ? steps_.size() - 1 - i : i;
       read_step(s, i);
       if (options_.validate) {
@@ -121,6 +121,7 @@ private:
     o.output = options_.out;
     o.threads = options_.threads;
     o.strict = options_.strict;
+    o.preview = options_.preview;
     o.log = [this](insitu::LogLevel level, const char* message) {
       say((level == insitu::LogLevel::error ? "" : "note: ") + std::string(message));
       if (level == insitu::LogLevel::error)
@@ -134,7 +135,7 @@ private:
     std::fprintf(stderr, "insitu-replay: %s\n", message.c_str());
   }
 
-  /// Gives the files of a step, the i-th that is read, to the mesh.
+  /// Gives the files of a step, the i-th in the order asked for, to the mesh.
   void read_step(std::size_t s, std::size_t i) {
     const Step& step = steps_[s];
     const std::string& first = step.files.front();
@@ -144,6 +145,7 @@ private:
     for (const std::string& file : step.files)
       for (Part& part : read_parts(file))
         parts.push_back(std::move(part));
+    const bool is_first = cycles_.empty();
     const double earlier = time_; // of the step read before
     if (!parts.empty()) {
       drop_surfaces(parts, [this](const std::string& what) { say_once(what); });
@@ -153,7 +155,7 @@ private:
     give(parts, first);
     if (!parts.empty())
       give_blanks(first, field_names_of(parts));
-    if (i > 0 && (options_.reverse ? time_ > earlier : time_ < earlier))
+    if (!is_first && (options_.reverse ? time_ > earlier : time_ < earlier))
       throw FileError(first, "time " + std::to_string(time_) + " follows " +
                                  std::to_string(earlier) + "; give the files in the order of time");
   }

@@ -43,6 +43,10 @@ them lacks are left out. Each of these is said once.
   --strict         refuse arrays that would have to be converted, such as integer fields
   --plan           print what the scene needs for the first step, what it does without and why,
                    with bytes; run nothing
+  --preview        draw every frame of the scene, whatever its trigger, of the last step alone, and
+                   nothing else, for a look: images keep their aspect and fit into 160 x 120 pixels
+                   (1024 x 1024 becomes 120 x 120), with one sample a pixel, or at most 16 paths of
+                   a path traced volume; they lie in the folder preview of the output folder
   --validate       check the meshes, print what was found, run nothing
   --summary FILE   write times, memory and counts as JSON at the end
   --version
@@ -107,7 +111,7 @@ ReplayOptions parse_arguments(int argc, char** argv) {
       {"--help", &ReplayOptions::help},       {"-h", &ReplayOptions::help},
       {"--version", &ReplayOptions::version}, {"--strict", &ReplayOptions::strict},
       {"--plan", &ReplayOptions::plan},       {"--validate", &ReplayOptions::validate},
-      {"--reverse", &ReplayOptions::reverse}};
+      {"--reverse", &ReplayOptions::reverse}, {"--preview", &ReplayOptions::preview}};
   static const std::map<std::string, std::string ReplayOptions::*> texts = {
       {"--scene", &ReplayOptions::scene},
       {"--probe", &ReplayOptions::probe},
@@ -171,6 +175,13 @@ ReplayOptions parse_arguments(int argc, char** argv) {
     throw UsageError("no mesh files given");
   if (o.plan && o.validate)
     throw UsageError("--plan and --validate: give one of both");
+  if (o.preview)
+    for (const auto& [other, key] : {std::pair{o.plan, "--plan"},
+                                     {o.validate, "--validate"},
+                                     {o.reverse, "--reverse"},
+                                     {!o.probe.empty(), "--probe"}})
+      if (other)
+        throw UsageError(std::string("--preview and ") + key + ": give one of both");
   if (!o.scene.empty() && !o.probe.empty())
     throw UsageError("--scene and --probe: give one of both");
   return o;

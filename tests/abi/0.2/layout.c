@@ -21,7 +21,8 @@ int layout_of(int which, int64_t* out) {
                              AT(insitu_session_options, log),
                              AT(insitu_session_options, log_user),
                              AT(insitu_session_options, communicator),
-                             AT(insitu_session_options, fortran_communicator)};
+                             AT(insitu_session_options, fortran_communicator),
+                             AT(insitu_session_options, preview)};
   const int64_t array[] = {
       sizeof(insitu_array),     AT(insitu_array, size),       AT(insitu_array, data),
       AT(insitu_array, type),   AT(insitu_array, components), AT(insitu_array, count),
@@ -136,11 +137,12 @@ int layout_of(int which, int64_t* out) {
   const int64_t leaves[] = {sizeof(insitu_leaves),          AT(insitu_leaves, size),
                             AT(insitu_leaves, levels),      AT(insitu_leaves, corners),
                             AT(insitu_leaves, corner_bits), AT(insitu_leaves, offset)};
-  const int64_t amr_info[] = {
-      sizeof(insitu_amr_info),        AT(insitu_amr_info, size),     AT(insitu_amr_info, leaves),
-      AT(insitu_amr_info, masked),    AT(insitu_amr_info, gridlets), AT(insitu_amr_info, cubes),
-      AT(insitu_amr_info, stitching), AT(insitu_amr_info, folded),   AT(insitu_amr_info, repaired),
-      AT(insitu_amr_info, bytes),     AT(insitu_amr_info, build_s)};
+  const int64_t amr_info[] = {sizeof(insitu_amr_info),        AT(insitu_amr_info, size),
+                              AT(insitu_amr_info, leaves),    AT(insitu_amr_info, masked),
+                              AT(insitu_amr_info, gridlets),  AT(insitu_amr_info, cubes),
+                              AT(insitu_amr_info, stitching), AT(insitu_amr_info, folded),
+                              AT(insitu_amr_info, repaired),  AT(insitu_amr_info, bytes),
+                              AT(insitu_amr_info, build_s),   AT(insitu_amr_info, by_places)};
   const struct {
     const int64_t* numbers;
     size_t count;

@@ -42,7 +42,7 @@ program layout_test
       c_loc(options%size), c_loc(options%scene), c_loc(options%scene_text), c_loc(options%output), &
       c_loc(options%default_scene), c_loc(options%threads), c_loc(options%strict), &
       c_loc(options%log_level), c_loc(options%log), c_loc(options%log_user), &
-      c_loc(options%communicator), c_loc(options%fortran_communicator)])
+      c_loc(options%communicator), c_loc(options%fortran_communicator), c_loc(options%preview)])
   call compare('array', 1, c_sizeof(array), [ &
       c_loc(array%size), c_loc(array%data), c_loc(array%type), c_loc(array%components), &
       c_loc(array%count), c_loc(array%extent), c_loc(array%stride), &
@@ -112,7 +112,7 @@ program layout_test
       c_loc(amr_info%size), c_loc(amr_info%leaves), c_loc(amr_info%masked), &
       c_loc(amr_info%gridlets), c_loc(amr_info%cubes), c_loc(amr_info%stitching), &
       c_loc(amr_info%folded), c_loc(amr_info%repaired), c_loc(amr_info%bytes), &
-      c_loc(amr_info%build_s)])
+      c_loc(amr_info%build_s), c_loc(amr_info%by_places)])
   call compare_constants()
   if (failures > 0) error stop 1
 

@@ -23,7 +23,7 @@ using math::Vec3d;
 struct Dual {
   explicit Dual(const Recipe& recipe)
       : mesh(recipe, INSITU_DUAL, [](const Vec3d& p) { return p.x; }), cells(memory) {
-    cells.build(mesh.committed.mesh.mesh(), mesh.committed.threads);
+    cells.build(mesh.committed.mesh.mesh(), mesh.committed.threads, amr::Cubes::gridlets);
   }
 
   const mesh::MeshView& view() const { return cells.view(); }

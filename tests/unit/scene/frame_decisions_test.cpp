@@ -107,12 +107,34 @@ TEST(DecideFrame, Lighting) {
     EXPECT_FALSE(bare->lit) << effects;
     expect(bare->surface_lighting, false, "not among the frame's effects");
   }
-  for (const char* keys : {"boundary: {}", "boundary: {}, lights: [{dome: true}]"})
-    EXPECT_FALSE(Decided(keys)->lit) << keys;
+  EXPECT_FALSE(Decided("volume: {field: p}, lights: [{dome: true}]")->lit);
   EXPECT_FALSE(Decided(isosurface)->shadows || Decided(isosurface)->occlusion);
   expect(Decided("volume: {field: p}, effects: [lighting]")->surface_lighting, false,
          "there is none");
   expect(Decided("boundary: {}, effects: [volume_shadows]")->shadows, true, "with volume shadows");
+}
+
+/// Of a boundary and of bodies of one colour only light shows the shape.
+TEST(DecideFrame, SurfacesOfOneColourAreLitWithoutAWordAboutEffects) {
+  const std::string file = "bodies: [{file: wing.stl}]";
+  const std::string colored = "boundary: {color: {field: p}}";
+  const std::string one = "a boundary of one colour, and no effects are listed";
+  const std::string bodies = "bodies, and no effects are listed";
+  for (const char* keys :
+       {"boundary: {}", "boundary: {color: blue, opacity: 0.5}, volume: {field: p}",
+        "boundary: {}, lights: [{dome: true}]"})
+    expect(Decided(keys)->surface_lighting, true, one);
+  for (const std::string& keys : {file, file + ", boundary: {}", file + ", " + colored})
+    expect(Decided(keys)->surface_lighting, true, bodies);
+  expect(Decided("isosurfaces: [{field: p, values: [1]}], boundary: {}, " + file)->surface_lighting,
+         true, "isosurfaces, and no effects are listed");
+  for (const std::string& keys :
+       {colored, std::string("boundary: {}, effects: []"), file + ", effects: []",
+        std::string("boundary: {}, volume: {field: p}, effects: [single_scattering]")}) {
+    const Decided bare(keys);
+    EXPECT_FALSE(bare->lit) << keys;
+    expect(bare->surface_lighting, false, "not among the frame's effects");
+  }
 }
 
 TEST(DecideFrame, WhatIsDrawnOfAVolume) {

@@ -144,6 +144,9 @@ typedef struct insitu_amr_info {
   int64_t repaired;       /**< leaves that were split for the dual mesh alone */
   int64_t bytes;          /**< memory of the dual mesh; values and tree are left out */
   double build_s;
+  int64_t by_places; /**< 1: cubes lie in gridlets, and points find dual cells by their places; 0:
+                          there are no gridlets, as they do not pay where three cells in four
+                          are no cubes, and points go by the tree; or there is no dual mesh */
 } insitu_amr_info;
 
 static inline insitu_amr_info insitu_amr_info_default(void) {
@@ -151,6 +154,7 @@ static inline insitu_amr_info insitu_amr_info_default(void) {
   i.size = sizeof i;
   i.leaves = i.masked = i.gridlets = i.cubes = i.stitching = i.folded = i.repaired = i.bytes = 0;
   i.build_s = 0.0;
+  i.by_places = 0;
   return i;
 }
 

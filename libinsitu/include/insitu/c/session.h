@@ -43,7 +43,9 @@ typedef struct insitu_session_options {
                                      not use it, and logs what that means */
   int32_t fortran_communicator; /**< the communicator as a Fortran integer, if communicator is null;
                                      INSITU_NO_COMMUNICATOR: no communicator */
-  int32_t reserved;             /**< always 0 */
+  int32_t preview;              /**< 1: each execute draws every frame of the scene, whatever its
+                                     trigger, at 160 x 120 pixels at most, into the folder `preview`
+                                     of the output folder, and does nothing else of the scene */
 } insitu_session_options;
 
 static inline insitu_session_options insitu_session_options_default(void) {
@@ -60,7 +62,7 @@ static inline insitu_session_options insitu_session_options_default(void) {
   o.log_user = NULL;
   o.communicator = NULL;
   o.fortran_communicator = INSITU_NO_COMMUNICATOR;
-  o.reserved = 0;
+  o.preview = 0;
   return o;
 }
 

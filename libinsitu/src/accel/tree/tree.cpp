@@ -128,8 +128,9 @@ void Tree::build_in_morton_order(const mesh::MeshView& mesh, const Owners& owner
     morton_ = std::make_unique<Morton>(*memory_);
   const std::int64_t n = owners.count();
   core::Buffer<Box>& boxes = morton_->boxes;
-  // Boxes lie by flat id; where most of these stand for nothing, by rank, and ids are set last.
-  const bool by_rank = n < mesh.cell_count() / 4;
+  // Boxes lie by flat id; where half of these and more stand for nothing, by rank, which takes less
+  // memory, and ids are set last.
+  const bool by_rank = n < mesh.cell_count() / 2;
   core::Buffer<std::uint32_t>& flat_ids = morton_->flat_ids;
   flat_ids.resize_discard(by_rank ? std::size_t(n) : 0);
   boxes.resize_discard(std::size_t(by_rank ? n : mesh.cell_count()));

@@ -1,5 +1,8 @@
 #include "amr/dual/dual_mesh.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "amr/dual/dual_parts.h"
 #include "amr/dual/stitching.h"
 #include "amr/values/vertex_values.h"
@@ -27,6 +30,7 @@ struct DualMesh::State {
   Stitching stitching;
   VertexValues values;
   std::int64_t first_virtual = 0; ///< id
+  bool has_gridlets = true;
   mesh::GridletsView gridlets_view;
   mesh::PieceView pieces[2];
   std::int64_t first_cell[3] = {0, 0, 0}, first_vertex[3] = {0, 0, 0};
@@ -123,26 +127,70 @@ void DualMesh::State::make_view() {
   view.piece_count = 2;
 }
 
+bool gridlets_pay(const DualCounts& counts) {
+  constexpr std::int64_t stitching_a_cube = 3, least = 1 << 15; // see doc/notes/amr.md
+  return counts.stitching() < std::max(stitching_a_cube * counts.cubes, least);
+}
+
+namespace {
+
+/// Makes the cubes of a part's gridlets cells like the others.
+void turn_cubes_into_cells(DualPart& part) {
+  constexpr int order[8] = {0, 1, 3, 2, 4, 5, 7, 6}; // from a voxel's vertices to a hexahedron's
+  const mesh::GridletsView gridlets{{},
+                                    part.gridlets.data(),
+                                    std::int64_t(part.gridlets.size()),
+                                    part.leaves.data(),
+                                    part.full.data()};
+  part.cells.reserve(part.cells.size() + std::size_t(part.cubes));
+  for (std::int64_t cell = 0; cell < gridlets.count * Gridlet::most_cells; ++cell) {
+    if (!gridlets.is_full(cell))
+      continue;
+    std::int64_t ids[8];
+    gridlets.vertex_ids(cell, ids);
+    DualCell cube{{}, {}, mesh::Shape::hexahedron, 8, false};
+    for (int v = 0; v < 8; ++v)
+      cube.leaves[v] = part.leaves[std::size_t(ids[order[v]])];
+    part.cells.push_back(cube);
+  }
+  part.gridlets = {};
+  part.full = {};
+  part.leaves = {};
+  part.cubes = part.empty = 0;
+}
+
+} // namespace
+
 DualMesh::DualMesh(core::Memory& memory) : state_(std::make_unique<State>(memory)) {
   state_->make_view();
 }
 DualMesh::~DualMesh() = default;
 
-void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads) {
+void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads, Cubes cubes) {
   State& s = *state_;
   s.clear();
   try {
     s.map.build(mesh, threads);
     s.first_virtual = mesh.cell_count();
-    const DualParts dual =
+    DualParts dual =
         make_dual_parts(s.map.store(), s.map.lattice(), s.first_virtual, s.memory, threads);
+    count_cells(dual.parts, s.counts);
+    s.has_gridlets = cubes == Cubes::counts ? gridlets_pay(s.counts) : cubes == Cubes::gridlets;
+    if (!s.has_gridlets) {
+      threads.parallel_for(std::int64_t(dual.parts.size()), 1,
+                           [&](std::int64_t begin, std::int64_t end) {
+                             for (std::int64_t p = begin; p < end; ++p)
+                               turn_cubes_into_cells(dual.parts[std::size_t(p)]);
+                           });
+      s.counts.hexahedra += std::exchange(s.counts.cubes, 0);
+      s.counts.empty = 0;
+    }
     s.gather(dual.parts, threads);
-    s.stitching.build(dual.parts, mesh, dual.made, threads);
+    s.stitching.build(dual.parts, mesh, dual.made, s.has_gridlets, threads);
     s.values.build(s.map.store(), mesh, dual.made, s.stitching.means(),
                    s.stitching.take_on_boundary(), threads);
     s.counts.leaves = s.map.leaf_count();
     s.counts.masked = s.map.masked_count();
-    count_cells(dual.parts, s.counts);
     s.counts.folded = dual.folded;
     s.counts.repaired = std::int64_t(dual.made.leaves.size());
     s.counts.still_folded = dual.still_folded;
@@ -156,6 +204,9 @@ void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads) {
 
 const LeafMap& DualMesh::leaves() const {
   return state_->map;
+}
+bool DualMesh::has_gridlets() const {
+  return state_->has_gridlets;
 }
 const CornerMap& DualMesh::corners() const {
   return state_->stitching.corners();

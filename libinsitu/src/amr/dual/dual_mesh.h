@@ -25,6 +25,15 @@ struct DualCounts {
   std::int64_t stitching() const { return tetrahedra + pyramids + wedges + hexahedra + collapsed; }
 };
 
+/// What cubes are: cells of gridlets, or cells like all others. counts: as gridlets_pay() says.
+enum class Cubes { counts, gridlets, cells };
+
+/// Whether gridlets, in which points find their cells by their places on the lattices, are worth
+/// it. Where most cells stitch, cells that are all alike, in a tree, are sooner drawn and no later
+/// found; of a few thousand cells most stitch at the domain's boundary, and nothing is gained. A
+/// sum of such counts over processes decides for all of them.
+bool gridlets_pay(const DualCounts& counts);
+
 /// The dual mesh of an adaptive mesh (Moran and Ellsworth 2011; Wald 2020; Zellmann 2023, section
 /// 4.1): a vertex at the centre of every leaf, a cell at every corner of the finest leaves there.
 /// Cells among leaves of one depth are cubes and lie in gridlets (Zellmann 2023, section 4.2), the
@@ -54,16 +63,18 @@ public:
   /// Builds anew, at a regrid; the result does not depend on the thread count. Throws what
   /// LeafMap::build throws, and INSITU_ERROR_MESH for more vertices than ids can number; then the
   /// dual mesh is empty.
-  void build(const mesh::AmrView& mesh, const core::Threads& threads);
+  void build(const mesh::AmrView& mesh, const core::Threads& threads, Cubes cubes = Cubes::counts);
 
   const LeafMap& leaves() const;
   const DualCounts& counts() const;
   std::int64_t bytes() const; ///< of gridlets, stitching cells and the map, without values
 
-  /// Piece 0: the gridlets (CellLayout::gridlets). Piece 1: stitching cells (PADDED, int32 ids,
+  /// Piece 0: the gridlets (CellLayout::gridlets). Piece 1: all other cells (PADDED, int32 ids,
   /// points of their own). Valid until the next build.
   const mesh::MeshView& view() const;
 
+  /// Whether cubes lie in gridlets. If not, piece 0 is empty, and so are corners().
+  bool has_gridlets() const;
   /// Which cells of piece 1 stand at corners.
   const CornerMap& corners() const;
 

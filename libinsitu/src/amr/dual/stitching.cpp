@@ -143,7 +143,8 @@ void Stitching::clear() {
 }
 
 void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& mesh,
-                      const VirtualLeaves& virtual_leaves, const core::Threads& threads) {
+                      const VirtualLeaves& virtual_leaves, bool with_corners,
+                      const core::Threads& threads) {
   clear();
   std::vector<std::int64_t> first(parts.size() + 1, 0);
   for (std::size_t p = 0; p < parts.size(); ++p)
@@ -189,7 +190,8 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
           *id++ = v < mesh::vertex_count(c.shape) ? std::int32_t(number(c.vertex(v))) : -1;
     }
   });
-  corners_.build(parts, first, threads);
+  if (with_corners)
+    corners_.build(parts, first, threads);
   points_.resize_discard(std::size_t(3 * vertices));
   leaves_.resize_discard(std::size_t(vertices));
   // Of each vertex that ghost cells give a value; else 0.

@@ -16,7 +16,7 @@ class Stitching {
 public:
   explicit Stitching(core::Memory& memory);
   void build(const std::vector<DualPart>& parts, const mesh::AmrView& mesh,
-             const VirtualLeaves& virtual_leaves, const core::Threads& threads);
+             const VirtualLeaves& virtual_leaves, bool with_corners, const core::Threads& threads);
   void clear();
 
   std::int64_t cell_count() const { return std::int64_t(ids_.size() / 8); }
@@ -25,7 +25,7 @@ public:
     return std::int64_t(ids_.bytes() + points_.bytes() + leaves_.bytes()) + corners_.bytes();
   }
   mesh::PieceView piece() const;
-  /// Which of the cells stand at corners.
+  /// Which of the cells stand at corners; empty if built without.
   const CornerMap& corners() const { return corners_; }
   /// The vertices in re-entrant corners; of the last build.
   std::span<const MeanVertex> means() const { return means_; }

@@ -67,11 +67,13 @@ void Adaptive::build(mesh::Mesh& mesh, const core::Threads& threads) {
   }
   mask(mesh.adaptive(), threads);
   mesh.set_masked(leaves().masked_count() > 0 ? masked_.data() : nullptr);
-  if (dual_)
+  if (!dual_)
+    locator_ = std::make_unique<query::LeafLocator>(*leaves_);
+  else if (dual_->dual().has_gridlets())
     locator_ = std::make_unique<query::DualLocator>(
         query::DualPlaces{&dual_->places(), &dual_->dual().corners()});
   else
-    locator_ = std::make_unique<query::LeafLocator>(*leaves_);
+    locator_ = std::make_unique<query::TreeLocator>();
   if (dual_)
     mesh.set_stand_in(this);
   build_s_ = timer.seconds();
@@ -127,7 +129,10 @@ query::Location Adaptive::own(const query::Location& at, const math::Vec3d& p) c
 std::optional<StandIn::Held> Adaptive::held() const {
   if (!dual_)
     return std::nullopt;
-  return Held{"dual mesh", amr_info()->bytes, "built at the last regrid"};
+  return Held{"dual mesh", amr_info()->bytes,
+              dual_->dual().has_gridlets()
+                  ? "built at the last regrid; cubes lie in gridlets"
+                  : "built at the last regrid; without gridlets, as most of its cells stitch"};
 }
 
 std::optional<insitu_amr_info> Adaptive::amr_info() const {
@@ -143,6 +148,7 @@ std::optional<insitu_amr_info> Adaptive::amr_info() const {
     info.stitching = counts.stitching();
     info.folded = counts.folded;
     info.repaired = counts.repaired;
+    info.by_places = dual_->dual().has_gridlets();
     info.bytes = dual_->dual().bytes() + dual_->places().bytes() + std::int64_t(masked_.bytes());
   }
   return info;

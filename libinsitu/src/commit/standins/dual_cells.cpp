@@ -54,12 +54,15 @@ DualCells::DualCells(core::Memory& memory) : memory_(&memory), dual_(memory), pl
 
 DualCells::~DualCells() = default;
 
-void DualCells::build(const mesh::Mesh& mesh, const core::Threads& threads) {
+void DualCells::build(const mesh::Mesh& mesh, const core::Threads& threads, amr::Cubes cubes) {
   own_ = &mesh.own_view();
   threads_ = &threads;
   fields_.clear();
-  dual_.build(mesh.adaptive(), threads);
-  places_.build(*dual_.view().pieces[0].gridlets, dual_.leaves(), threads);
+  dual_.build(mesh.adaptive(), threads, cubes);
+  if (dual_.has_gridlets())
+    places_.build(*dual_.view().pieces[0].gridlets, dual_.leaves(), threads);
+  else
+    places_.release();
 }
 
 void DualCells::fields_changed() {

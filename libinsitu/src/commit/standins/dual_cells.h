@@ -20,11 +20,13 @@ public:
 
   /// At a regrid. Throws INSITU_ERROR_MESH; the object then must not be used. The mesh and the
   /// threads must outlive it: fields are gathered later.
-  void build(const mesh::Mesh& mesh, const core::Threads& threads);
+  void build(const mesh::Mesh& mesh, const core::Threads& threads,
+             amr::Cubes cubes = amr::Cubes::counts);
   /// The solver's values changed: what was gathered is stale.
   void fields_changed();
 
   const amr::DualMesh& dual() const { return dual_; }
+  /// Empty unless dual().has_gridlets().
   const query::GridletPlaces& places() const { return places_; }
 
   const mesh::MeshView& view() const { return dual_.view(); }

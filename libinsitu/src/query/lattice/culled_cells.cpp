@@ -27,7 +27,7 @@ void set_bits(core::Buffer<std::uint64_t>& bits, std::int64_t count, const core:
 } // namespace
 
 bool CulledCells::serves(const Sampler& sampler) {
-  return gridlets_of(sampler.mesh()) && sampler.mesh().piece_count == 2 &&
+  return sampler.locator().dual() && sampler.mesh().piece_count == 2 &&
          sampler.tree().odd().empty() && !sampler.tree().empty();
 }
 

@@ -18,7 +18,7 @@ public:
   explicit CulledCells(core::Memory& memory)
       : tree_(memory), shown_(memory, INSITU_MEMORY_RANGES), slots_(memory, INSITU_MEMORY_RANGES) {}
 
-  /// Whether the sampler's mesh is a dual mesh whose cells can be left out.
+  /// Whether the sampler's mesh is a dual mesh whose cells can be left out: one with gridlets.
   static bool serves(const Sampler& sampler);
   /// Gridlets and stitching cells, in this order.
   static std::int64_t primitives_of(const Sampler& sampler);

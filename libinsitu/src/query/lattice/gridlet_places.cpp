@@ -7,6 +7,14 @@
 
 namespace insitu::query {
 
+void GridletPlaces::release() {
+  gridlets_ = nullptr;
+  store_ = nullptr;
+  in_brick_.release();
+  covers_.release();
+  all_full_.release();
+}
+
 void GridletPlaces::build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves,
                           const core::Threads& threads) {
   gridlets_ = &gridlets;

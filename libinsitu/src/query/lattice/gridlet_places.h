@@ -18,6 +18,9 @@ public:
   void build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves,
              const core::Threads& threads);
 
+  /// Until the next build the object must not be asked.
+  void release();
+
   const mesh::GridletsView& gridlets() const { return *gridlets_; }
   /// Of the gridlets, full or not; the dual's other cells come next.
   std::int64_t cell_count() const { return gridlets_->count * mesh::Gridlet::most_cells; }

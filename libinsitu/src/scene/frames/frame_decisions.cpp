@@ -39,6 +39,17 @@ void decide_images(const Frame& frame, const FrameFacts& facts, FrameDecisions& 
     d.depth = {false, "not among the frame's images"};
 }
 
+/// Returns why surfaces are lit where the frame has no word about effects, or null where they are
+/// not: colours of a field tell something of a boundary without light, one colour tells nothing.
+const char* lit_by_default(const Frame& frame) {
+  return frame.has_effects_key        ? nullptr
+         : !frame.isosurfaces.empty() ? "isosurfaces, and no effects are listed"
+         : !frame.bodies.empty()      ? "bodies, and no effects are listed"
+         : frame.boundary && std::holds_alternative<render::Color>(frame.boundary->color)
+             ? "a boundary of one colour, and no effects are listed"
+             : nullptr;
+}
+
 void decide_lighting(const Frame& frame, FrameDecisions& d) {
   const auto choose = [&](FrameEffect effect) {
     const bool asked = asks_for(frame.effects, effect);
@@ -49,12 +60,12 @@ void decide_lighting(const Frame& frame, FrameDecisions& d) {
   d.occlusion = choose(FrameEffect::ambient_occlusion);
   if (d.volume_shadows && !d.shadows)
     d.shadows = {true, "with volume shadows"};
-  const bool by_default = !frame.has_effects_key && !frame.isosurfaces.empty();
+  const char* const by_default = lit_by_default(frame);
   d.lit = by_default || asks_for(frame.effects, FrameEffect::lighting) || d.shadows || d.occlusion;
   if (frame.isosurfaces.empty() && !frame.boundary && frame.bodies.empty())
     d.surface_lighting = {false, "there is none"};
   else if (by_default)
-    d.surface_lighting = {true, "isosurfaces, and no effects are listed"};
+    d.surface_lighting = {true, by_default};
   else if (d.lit)
     d.surface_lighting = {true, "an effect of the frame, or with shadows or occlusion"};
   else

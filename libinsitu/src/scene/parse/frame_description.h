@@ -206,7 +206,7 @@ struct Frame {
   std::optional<output::TimeLabel> time_label; ///< an empty optional: none is drawn
   bool axes = false;                           ///< draws where x, y and z point
   std::vector<FrameEffect> effects;
-  bool has_effects_key = false; ///< else isosurfaces are lit, whatever the list of effects
+  bool has_effects_key = false; ///< else surfaces of one colour and isosurfaces are lit
   Occlusion occlusion;          ///< if among the effects
   std::optional<PathTracing> path_tracing; ///< also there where an effect asks for it
   insitu_accuracy accuracy = INSITU_STANDARD;

@@ -110,6 +110,7 @@ module insitu
     procedure :: ghosts
     procedure :: changed
     procedure :: commit
+    procedure :: complete
     procedure :: validate
     procedure :: audit
     procedure :: sample_point
@@ -221,6 +222,18 @@ contains
     call self%finish(c_mesh_commit(self%handle, result), ierr)
     if (present(report)) report = result
   end subroutine commit
+
+  !> Does now what the last commit has put off until a query needs it.
+  subroutine complete(self, ierr, report)
+    class(insitu_mesh), intent(in) :: self
+    integer, intent(out) :: ierr
+    type(insitu_commit_report), intent(out), optional :: report
+    type(insitu_commit_report) :: result
+
+    result%size = c_sizeof(result)
+    call self%finish(c_mesh_complete(self%handle, result), ierr)
+    if (present(report)) report = result
+  end subroutine complete
 
   !> Chooses the locator, in place of the scene's choice; the next commit makes it.
   !! insitu_error_unsupported: an explicit choice cannot be had here.

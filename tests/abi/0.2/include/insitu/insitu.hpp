@@ -60,6 +60,9 @@ struct Options {
                                                insitu_session_options */
   /** The communicator as a Fortran integer, if communicator is null. */
   int fortran_communicator = INSITU_NO_COMMUNICATOR;
+  bool preview = false; /**< each execute draws every frame of the scene, small, into the folder
+                             `preview` of the output folder, and does nothing else of the scene: see
+                             insitu_session_options */
 };
 
 /** Returns the version of the library that is running: major, minor, patch. */
@@ -90,6 +93,7 @@ public:
     }
     o.communicator = options.communicator;
     o.fortran_communicator = options.fortran_communicator;
+    o.preview = options.preview ? 1 : 0;
     detail::check(insitu_session_open(&o, &session_));
   }
   /** Closes the session; a failure then reaches the log. */

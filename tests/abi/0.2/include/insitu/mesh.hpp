@@ -94,6 +94,13 @@ public:
     detail::check(insitu_mesh_commit(handle(), &report));
     return report;
   }
+  /** Does now what the last commit has put off until a query needs it, and reports what that was.
+   *  Throws INSITU_ERROR_ORDER if the mesh is not committed. */
+  CommitReport complete() {
+    CommitReport report = insitu_commit_report_default();
+    detail::check(insitu_mesh_complete(handle(), &report));
+    return report;
+  }
   /** Validates the arrays as they are now. A mesh that a commit would refuse makes no exception
    *  here. */
   Validation validate() {

@@ -26,7 +26,7 @@ INSITU_API insitu_status insitu_mesh_changed(insitu_mesh mesh, uint32_t what);
 
 typedef enum insitu_action INSITU_INT {
   INSITU_KEEP = 0,   /**< the commit had nothing to do, or refreshed value ranges */
-  INSITU_REFIT = 1,  /**< the commit refitted boxes to moved vertices */
+  INSITU_REFIT = 1,  /**< vertices moved: boxes are refitted, once a query asks the tree */
   INSITU_REBUILD = 2 /**< the commit built the tree anew */
 } insitu_action;
 
@@ -47,8 +47,8 @@ typedef struct insitu_commit_report {
   int64_t vertices;
   int64_t bytes;           /**< bytes that the mesh's structures hold after the commit */
   int64_t bytes_allocated; /**< bytes that this commit newly allocated */
-  double cost_ratio;       /**< cost of the refitted tree over the cost of the last build; 1 after a
-                                build */
+  double cost_ratio;       /**< cost of the refitted tree over the cost of the last build, as of the
+                                last refit; 1 after a build */
   insitu_builder builder;  /**< how the tree that answers after the commit was built */
   int32_t reserved;
 } insitu_commit_report;
@@ -67,8 +67,11 @@ static inline insitu_commit_report insitu_commit_report_default(void) {
 }
 
 /** Brings the structures up to date. After a change of topology the commit rebuilds; after a change
- *  of geometry it refits, or rebuilds once the refitted tree costs too much; after a change of
- *  fields it refreshes value ranges; without a change it does nothing. Once queries and tracers,
+ *  of geometry it notes that the tree is to be refitted, or rebuilt once the refitted tree costs
+ *  too much: the first query that asks the tree does so (insitu_mesh_complete does so now), and
+ *  points that are found in the cell that held them before ask it for nothing. Ray methods, devices
+ *  and geodetic meshes refit in the commit. After a change of fields a commit refreshes value
+ *  ranges; without a change it does nothing. Once queries and tracers,
  *  but not frames, have located enough points, a commit of geometry or fields also rebuilds by
  *  surface area. The mesh's first commit validates the mesh, and so does a commit after a change of
  *  topology. report may be null. Where a device answers (insitu_mesh_locator), the commit waits for
@@ -76,6 +79,13 @@ static inline insitu_commit_report insitu_commit_report_default(void) {
  *  changes, and the solver may still write it. INSITU_ERROR_MESH: validation refused the mesh.
  *  INSITU_ERROR_FIELD: a field does not fit. */
 INSITU_API insitu_status insitu_mesh_commit(insitu_mesh mesh, insitu_commit_report* report);
+
+/** Does now what the last commit has put off until a query needs it: the tree's refit, or its
+ *  rebuild. Answers are the same with and without this call; it chooses when the time is spent, and
+ *  where want of memory is told: without it, the query that needed the work returns
+ *  INSITU_ERROR_MEMORY, and the next one tries again. report may be null; its action says what was
+ *  done, INSITU_KEEP if nothing was left to do. INSITU_ERROR_ORDER: the mesh is not committed. */
+INSITU_API insitu_status insitu_mesh_complete(insitu_mesh mesh, insitu_commit_report* report);
 
 /** What validation found, as counts by kind. Errors refuse a mesh; warnings are only counted. */
 typedef struct insitu_validation {
