@@ -84,6 +84,13 @@ const accel::OddSlots& Sampler::odd() const {
   return tree_->odd();
 }
 
+const SoundCells* Sampler::sound_cells(bool moves) const {
+  return on_demand_ && !mesh_->free_of_folds && (mesh_->piece_count == 1 || mesh_->one_mesh) &&
+                 on_demand_->sound.serves(moves)
+             ? &on_demand_->sound
+             : nullptr;
+}
+
 mesh::MeshFacts Sampler::facts(const core::Threads* threads) const {
   return on_demand_ ? on_demand_->facts.of(*mesh_, threads) : mesh::find_facts(*mesh_, threads);
 }
@@ -100,12 +107,16 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
   Location at;
   std::int64_t guess = -1;
   if (!locator_->find(p, hint, at, why, guess)) {
-    if (guess >= 0 && guess < mesh_->cell_count() &&
-        ProofRule(*mesh_, odd(), options).counts_for(p) && owns(guess)) {
-      mesh::CellVertices cell;
-      mesh::gather(*mesh_, guess, cell, options.alpha);
-      if ((at = try_cell(cell, guess, p)))
-        why = Reason::certified;
+    if (guess >= 0 && guess < mesh_->cell_count() && owns(guess)) {
+      const SoundCells* const sound = sound_cells(options.alpha != 1.0);
+      if (sound || ProofRule(*mesh_, odd(), options).counts_for(p)) {
+        mesh::CellVertices cell;
+        mesh::gather(*mesh_, guess, cell, options.alpha);
+        if ((at = try_cell(cell, guess, p)) && sound && !sound->is_sound(*mesh_, guess))
+          at = {};
+        if (at)
+          why = Reason::certified;
+      }
     }
     if (!at)
       at = PointQuery{*mesh_, tree(), options}.locate(p, why);
@@ -124,9 +135,9 @@ Sampler Sampler::among(const CulledCells& cells) const {
   return some;
 }
 
-void Sampler::count_certified(std::int64_t points) const {
+void Sampler::count(Reason reason, std::int64_t points) const {
   std::int64_t by_reason[reason_count] = {};
-  by_reason[int(Reason::certified)] = points;
+  by_reason[int(reason)] = points;
   if (counts_ && points > 0)
     counts_->add(by_reason);
 }

@@ -15,6 +15,7 @@ class Tree;
 namespace insitu::query {
 
 class CulledCells;
+class SoundCells;
 class SpatialOrder;
 struct ChartImage;
 struct OnDemand;
@@ -43,6 +44,10 @@ public:
   const accel::OddSlots& odd() const;
   const OnDemand* on_demand() const { return on_demand_; }
   const PointLocator& locator() const { return *locator_; }
+  /// Where it is not known of all cells whether they fold, those that are found to be sound when
+  /// they are asked for, which answer alone; null: ProofRule says when cells do. moves: for
+  /// geometry between two steps.
+  const SoundCells* sound_cells(bool moves) const;
   /// Of the mesh as a whole, found when first asked for. threads: null: on the calling thread.
   mesh::MeshFacts facts(const core::Threads* threads = nullptr) const;
   const ChartImage* chart() const { return chart_; }
@@ -65,8 +70,9 @@ public:
   Sampler among(const CulledCells& cells) const;
 
   /// The lowest flat cell id of the closed cells that hold p. hint: a cell to try first, or -1;
-  /// it changes the time, not the answer, unless cells overlap without folding: then the hint's
-  /// cell may answer, and in standard any that holds p.
+  /// it changes the time, not the answer, unless cells overlap without folding, or, of vertices
+  /// that moved, a folded one lies over a sound one: then the hint's cell may answer, and in
+  /// standard any that holds p.
   Location locate(const math::Vec3d& p, std::int64_t hint = -1, const LocateOptions& options = {},
                   Reason* reason = nullptr) const;
 
@@ -76,7 +82,9 @@ public:
       counts_->add(by_reason);
   }
   /// The same for points each of which is proven to be strictly inside its cell.
-  void count_certified(std::int64_t points) const;
+  void count_certified(std::int64_t points) const { count(Reason::certified, points); }
+  /// The same for points each of which is on its cell's boundary, or beside it by rounding.
+  void count_on_faces(std::int64_t points) const { count(Reason::on_face, points); }
   /// Counts points as LocateCounts::add_unguided().
   void count_unguided(std::int64_t points) const {
     if (counts_ && points > 0)
@@ -123,6 +131,7 @@ public:
                        double alpha = 1.0) const;
 
 private:
+  void count(Reason reason, std::int64_t points) const;
   bool owns(std::int64_t flat) const;
   void visit_in_order(Batches& batches, std::span<const math::Vec3d> points, std::size_t count,
                       Batches::Put put) const;

@@ -48,8 +48,11 @@ void Integration<M, F, Visit>::release() {
 template <class M, VelocityField F, class Visit>
 bool Integration<M, F, Visit>::finish() {
   const bool was_confined = confined_;
+  bool stays = false;
+  if constexpr (requires { velocity_.stays_in_own(p_.x, p_.time); })
+    stays = was_confined && velocity_.stays_in_own(p_.x, p_.time);
   release();
-  return was_confined;
+  return was_confined && !stays;
 }
 
 /// The first theta in [low, high] at which the path comes to the face of its cell, out of which it

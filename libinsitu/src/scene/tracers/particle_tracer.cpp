@@ -219,7 +219,8 @@ private:
     std::vector<mesh::FieldView> earlier;
     if (earlier_steps(mesh, step) > 0)
       earlier = mesh.mesh().earlier_fields(tracer_.velocity.text);
-    mesh.look_for_folds(context.threads); // particles ask with hints
+    if (!mesh.tells_sound_cells())
+      mesh.look_for_folds(context.threads); // particles ask with hints
     mesh.find_neighbours_if_due(context.threads);
     mesh.mesh().expose_earlier(!earlier.empty(), context.threads);
     const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
