@@ -83,7 +83,7 @@ public:
   void look_for_folds(const core::Threads& threads);
   /// Whether cells are asked one by one whether they fold (query::SoundCells), so that those who
   /// stay in few of them need not look at all.
-  bool tells_sound_cells() const { return sampler().sound_cells(true) != nullptr; }
+  bool tells_sound_cells() const { return !stand_in_ && sampler().sound_cells(true); }
   /// Finds the cells across faces, if there can be a table of them, for callers that go from cell
   /// to cell. Kept until the topology changes.
   void find_neighbours(const core::Threads& threads);

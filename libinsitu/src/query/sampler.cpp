@@ -107,16 +107,12 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
   Location at;
   std::int64_t guess = -1;
   if (!locator_->find(p, hint, at, why, guess)) {
-    if (guess >= 0 && guess < mesh_->cell_count() && owns(guess)) {
-      const SoundCells* const sound = sound_cells(options.alpha != 1.0);
-      if (sound || ProofRule(*mesh_, odd(), options).counts_for(p)) {
-        mesh::CellVertices cell;
-        mesh::gather(*mesh_, guess, cell, options.alpha);
-        if ((at = try_cell(cell, guess, p)) && sound && !sound->is_sound(*mesh_, guess))
-          at = {};
-        if (at)
-          why = Reason::certified;
-      }
+    if (guess >= 0 && guess < mesh_->cell_count() &&
+        ProofRule(*mesh_, odd(), options).counts_for(p) && owns(guess)) {
+      mesh::CellVertices cell;
+      mesh::gather(*mesh_, guess, cell, options.alpha);
+      if ((at = try_cell(cell, guess, p)))
+        why = Reason::certified;
     }
     if (!at)
       at = PointQuery{*mesh_, tree(), options}.locate(p, why);

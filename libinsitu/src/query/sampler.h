@@ -45,8 +45,8 @@ public:
   const OnDemand* on_demand() const { return on_demand_; }
   const PointLocator& locator() const { return *locator_; }
   /// Where it is not known of all cells whether they fold, those that are found to be sound when
-  /// they are asked for, which answer alone; null: ProofRule says when cells do. moves: for
-  /// geometry between two steps.
+  /// they are asked for, which answer alone for a particle that comes from them or from beside
+  /// them; null: ProofRule says when cells do. moves: for geometry between two steps.
   const SoundCells* sound_cells(bool moves) const;
   /// Of the mesh as a whole, found when first asked for. threads: null: on the calling thread.
   mesh::MeshFacts facts(const core::Threads* threads = nullptr) const;
@@ -70,9 +70,8 @@ public:
   Sampler among(const CulledCells& cells) const;
 
   /// The lowest flat cell id of the closed cells that hold p. hint: a cell to try first, or -1;
-  /// it changes the time, not the answer, unless cells overlap without folding, or, of vertices
-  /// that moved, a folded one lies over a sound one: then the hint's cell may answer, and in
-  /// standard any that holds p.
+  /// it changes the time, not the answer, unless cells overlap without folding: then the hint's
+  /// cell may answer, and in standard any that holds p.
   Location locate(const math::Vec3d& p, std::int64_t hint = -1, const LocateOptions& options = {},
                   Reason* reason = nullptr) const;
 
@@ -130,9 +129,11 @@ public:
   math::Vec3d gradient(const mesh::FieldView& field, int component, const Location& at,
                        double alpha = 1.0) const;
 
+  /// Whether a cell owns points.
+  bool owns(std::int64_t flat) const;
+
 private:
   void count(Reason reason, std::int64_t points) const;
-  bool owns(std::int64_t flat) const;
   void visit_in_order(Batches& batches, std::span<const math::Vec3d> points, std::size_t count,
                       Batches::Put put) const;
   void visit_sorted(Batches& batches, std::span<const math::Vec3d> points,

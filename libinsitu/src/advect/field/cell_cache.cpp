@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "advect/field/owners.h"
 #include "cells/exact/decide.h"
 #include "cells/kernels/on_feature.h"
 
@@ -107,7 +108,7 @@ query::Location CellCache::near_own(const Vec3d& x, const Moment& moment) {
 
 bool CellCache::closes(KeptCell& k, const Moment& moment, const Vec3d& r, double error) {
   const unsigned on = cells::vertices_near(k.vertices.shape, r, error);
-  return beyond_ && on != 0 && beyond_->cells_about(moment.mesh(), k.cell, on).closed;
+  return beyond_ && on != 0 && cells_about(moment.mesh(), *beyond_, k.cell, on).closed;
 }
 
 bool CellCache::hold(const Vec3d& x, const Moment& moment) {

@@ -134,56 +134,6 @@ std::int64_t CellsBeyond::across(std::int64_t cell, Shape shape, int face) const
   return of(wedge).known >> side & 1U ? cell + of(wedge).step[side] : -1;
 }
 
-namespace {
-
-/// Whether all of some ids are among others.
-bool are_among(const std::int64_t* ids, int count, const std::int64_t* others, int other_count) {
-  return std::all_of(ids, ids + count, [&](std::int64_t id) {
-    return std::find(others, others + other_count, id) != others + other_count;
-  });
-}
-
-} // namespace
-
-CellsAbout CellsBeyond::cells_about(const mesh::MeshView& mesh, std::int64_t cell,
-                                    unsigned on) const {
-  CellsAbout about;
-  const std::int32_t p = mesh.piece_of(cell);
-  const mesh::PieceView& piece = mesh.pieces[p];
-  std::int64_t feature[8], ids[8], others[8];
-  int corners = 0;
-  const int of_cell = piece.vertex_ids(cell - mesh.first_cell[p], ids);
-  for (int v = 0; v < of_cell; ++v)
-    if (on >> v & 1U)
-      feature[corners++] = ids[v];
-  about.cells[about.count++] = cell;
-  for (int k = 0; k < about.count; ++k) {
-    const std::int64_t from = about.cells[k] - mesh.first_cell[p];
-    const Shape shape = piece.shape(from);
-    piece.vertex_ids(from, ids);
-    const cells::FaceTable table = cells::face_table(shape);
-    for (int f = 0; f < table.face_count; ++f) {
-      std::int64_t face[4];
-      const int n = table.faces[f].vertex_count;
-      for (int v = 0; v < n; ++v)
-        face[v] = ids[table.faces[f].vertices[v]];
-      if (!are_among(feature, corners, face, n))
-        continue;
-      const std::int64_t flat = across(about.cells[k], shape, f), to = flat - mesh.first_cell[p];
-      if (flat < 0 || to < 0 || to >= piece.cell_count || !piece.owns(to) ||
-          piece.shape(to) == Shape::none || !are_among(face, n, others, piece.vertex_ids(to, others)))
-        return about;
-      if (std::find(about.cells, about.cells + about.count, flat) != about.cells + about.count)
-        continue;
-      if (about.count == CellsAbout::most)
-        return about;
-      about.cells[about.count++] = flat;
-    }
-  }
-  about.closed = true;
-  return about;
-}
-
 bool CellsBeyond::tells_most(const mesh::MeshView& mesh) const {
   int told = 0, faces = 0;
   for_a_few(mesh, [&](std::int64_t, Shape shape) {

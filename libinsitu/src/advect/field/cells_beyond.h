@@ -11,16 +11,6 @@
 
 namespace insitu::advect {
 
-/// The cells that share a face, edge or vertex, told by the vertex ids of the faces on which it
-/// lies; closed: each of these faces has a cell on both sides, so no other cell comes near the
-/// places there, unless cells overlap.
-struct CellsAbout {
-  static constexpr int most = 32;
-  bool closed = false;
-  int count = 0;
-  std::int64_t cells[most];
-};
-
 /// Guesses at the cell beyond a face, which have to be proven. By number: where cells are numbered
 /// row by row, as on blocks and in layers, the step from a cell's number to its neighbour's is the
 /// same almost everywhere. Where the mesh has a table of neighbours, by that.
@@ -65,9 +55,8 @@ public:
     return cell;
   }
 
-  /// The cells that own points about the face, edge or vertex of a cell with these local vertices,
-  /// a bit each, as far as guesses find them.
-  CellsAbout cells_about(const mesh::MeshView& mesh, std::int64_t cell, unsigned on) const;
+  /// The guess at the cell across a face of a shape (cells::face_table), or -1.
+  std::int64_t across(std::int64_t cell, mesh::Shape shape, int face) const;
 
   /// Asks for what a guess from this cell reads.
   void foresee(std::int64_t cell) const {
@@ -78,9 +67,6 @@ public:
 private:
   /// The face beyond which the point is furthest, or -1.
   static int face_beyond(mesh::Shape shape, const math::Vec3d& r, double near);
-
-  /// The guess at the cell across a face of a shape (cells::face_table), or -1.
-  std::int64_t across(std::int64_t cell, mesh::Shape shape, int face) const;
 
   static constexpr int most_sides = query::NumberSteps::most_sides;
   const query::NumberSteps::Of& of(bool wedges) const {

@@ -25,8 +25,8 @@ constexpr double little_way = 1e-7;
 
 /// A vector this way that crosses so much of a cell.
 Vec3d part_of_cell(const Vec3d& towards, const Vec3d& extent, double cells) {
-  const double crossed = cells_crossed(towards, extent);
-  return crossed > 0.0 && std::isfinite(crossed) ? (cells / crossed) * towards : Vec3d{};
+  const double crossed = cells_crossed(towards, extent), factor = cells / crossed;
+  return std::isfinite(crossed) && std::isfinite(factor) ? factor * towards : Vec3d{};
 }
 
 /// The faces of a cell, a bit each, on which x lies and along which it goes. most: the way that it

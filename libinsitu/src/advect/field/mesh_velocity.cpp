@@ -65,6 +65,16 @@ bool MeshVelocity::is_kept_in_mesh(const Vec3d& x) {
          (how == Held::on_boundary && cells_.closes(k, moment_, place_.r, place_.error));
 }
 
+/// Whether x, in no cell that is kept, lies beside the one that answered last, by rounding, at a
+/// face across which no cell is known: boundary_.inside() then stands for it.
+bool MeshVelocity::is_beside_kept(const Vec3d& x) {
+  if (!cells_.takes_boundaries() || place_.cell < 0 || !place_.is_of(x, moment_))
+    return false;
+  KeptCell& k = confined_.is_on() ? cells_.own(moment_) : cells_.last(moment_);
+  return k.cell == place_.cell && cells::is_on_boundary(place_.margin, place_.error) &&
+         boundary_.beside_cell(moment_, x, k);
+}
+
 Vec3d MeshVelocity::kept_inside(const Vec3d& x) {
   if (boundary_.stands_for(x, moment_))
     return boundary_.inside();
@@ -72,8 +82,11 @@ Vec3d MeshVelocity::kept_inside(const Vec3d& x) {
   const bool may_be_beyond =
       is_free ? cells_.takes_boundaries() && place_.is_of(x, moment_) && !place_.is_inside()
               : confined_.may_be_beyond();
-  if (!may_be_beyond || is_kept_in_mesh(x) || cells_.hold(x, moment_) ||
-      moment_.locate(x, is_free ? hint_ : cells_.own().cell))
+  if (!may_be_beyond || is_kept_in_mesh(x) || cells_.hold(x, moment_))
+    return x;
+  if (is_beside_kept(x))
+    return boundary_.inside();
+  if (moment_.locate(x, is_free ? hint_ : cells_.own().cell))
     return x;
   return beside_mesh(x, is_free ? 0.0 : confined_.reach(cells_.own(), moment_))
              ? boundary_.inside()
@@ -100,8 +113,10 @@ Vec3d MeshVelocity::kept_inside(const Vec3d& x, double t) {
   if (geometry_alpha(t) == moment_.geometry_alpha())
     return y;
   moment_.set(t);
-  return is_kept_in_mesh(y) || moment_.locate(y, cell_) || !beside_mesh(y) ? y
-                                                                          : boundary_.inside();
+  if (is_kept_in_mesh(y) || (cells_.takes_boundaries() && cells_.hold(y, moment_)))
+    return y;
+  return !is_beside_kept(y) && (moment_.locate(y, cell_) || !beside_mesh(y)) ? y
+                                                                            : boundary_.inside();
 }
 
 Vec3d MeshVelocity::extent() {

@@ -151,6 +151,7 @@ protected:
     place_.error = error;
   }
   bool is_kept_in_mesh(const math::Vec3d& x);
+  bool is_beside_kept(const math::Vec3d& x);
   // where: the place at which to say where x lies, or null.
   Sampled in_own_cell(const math::Vec3d& x, math::Vec3d& v, query::Location* where);
   Sampled located(const math::Vec3d& x, math::Vec3d& v, query::Location* where);
