@@ -61,8 +61,9 @@ bool MeshVelocity::is_kept_in_mesh(const Vec3d& x) {
     note_place(x, k, map.r, map.margin, map.error);
   }
   const Held how = cells_.held(k, moment_, place_.margin, place_.error);
-  return how == Held::inside ||
-         (how == Held::on_boundary && cells_.closes(k, moment_, place_.r, place_.error));
+  if (how == Held::on_boundary)
+    return cells_.closes(k, moment_, place_.r, place_.error);
+  return how == Held::inside || (confined_.is_on() && cells_.near_own(x, moment_));
 }
 
 /// Whether x, in no cell that is kept, lies beside the one that answered last, by rounding, at a
