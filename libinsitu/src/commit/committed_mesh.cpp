@@ -38,6 +38,7 @@ CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
       memory_(&memory), fit_(tree_, mesh_, policy_, odd_cells_), on_demand_(memory),
       earlier_cells_(memory) {
   on_demand_.tree = &fit_;
+  on_demand_.displacement = &displacement_;
 }
 
 void CommittedMesh::require_a_commit() const {
@@ -269,6 +270,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
   const std::int64_t bytes_before = memory.current();
   if (!committed_ || pending != 0 || locators_.pending()) {
     committed_ = false;
+    displacement_.forget(); // update() hides the earlier step
     on_device_ = mesh_.lies_on_device();
     locators_.decide(on_device_, mesh_.name(), log);
     choose_stand_in();

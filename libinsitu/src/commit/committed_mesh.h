@@ -144,6 +144,10 @@ public:
   void keep_earlier(const std::vector<mesh::KeptField>& fields, bool with_cells,
                     const core::Threads& threads);
   void release_earlier();
+  /// Shows the coordinates that were kept, as mesh::Mesh::expose_earlier() does, but that how far
+  /// vertices moved is found when the tree is asked; and hides them.
+  void show_earlier(const core::Threads& threads);
+  void hide_earlier(const core::Threads& threads);
   /// The bytes of the cells' copy.
   std::int64_t earlier_cells_bytes(const core::Threads& threads) const;
   /// The step that was kept, if the cells are others since; or null.
@@ -198,6 +202,7 @@ private:
   core::Memory* memory_;
   TreePolicy policy_;
   TreeFit fit_; ///< of tree_
+  Displacement displacement_{mesh_};
   query::OnDemand on_demand_;
   std::int64_t located_before_ = 0;            ///< points, when the policy was last told
   mutable std::atomic<std::int64_t> drawn_{0}; ///< points, for frames since then

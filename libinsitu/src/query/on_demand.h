@@ -44,6 +44,7 @@ struct OnDemand {
   explicit OnDemand(core::Memory& memory) : sound(memory) {}
 
   const PutOff* tree = nullptr; ///< the fit of its boxes to vertices that moved
+  const PutOff* displacement = nullptr; ///< MeshView::largest_displacement
   FactsCache facts;
   NumberStepsCache steps;
   SoundCells sound;

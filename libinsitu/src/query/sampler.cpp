@@ -75,8 +75,10 @@ Sampler::Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrd
       on_demand_(on_demand) {}
 
 const accel::Tree& Sampler::tree() const {
-  if (on_demand_ && on_demand_->tree)
-    on_demand_->tree->complete();
+  if (on_demand_)
+    for (const PutOff* work : {on_demand_->tree, on_demand_->displacement})
+      if (work)
+        work->complete();
   return *tree_;
 }
 

@@ -37,7 +37,8 @@ public:
           const OnDemand* on_demand = nullptr);
 
   const mesh::MeshView& mesh() const { return *mesh_; }
-  /// The tree, whose boxes are fitted now if that was put off. May throw for want of memory, or
+  /// The tree, whose boxes are fitted now if that was put off, as the displacement that makes
+  /// queries between two steps wider. May throw for want of memory, or
   /// INSITU_ERROR_MESH.
   const accel::Tree& tree() const;
   /// What the tree marks as odd. Asks for no fit.

@@ -108,7 +108,11 @@ query::Location CellCache::near_own(const Vec3d& x, const Moment& moment) {
 
 bool CellCache::closes(KeptCell& k, const Moment& moment, const Vec3d& r, double error) {
   const unsigned on = cells::vertices_near(k.vertices.shape, r, error);
-  return beyond_ && on != 0 && cells_about(moment.mesh(), *beyond_, k.cell, on).closed;
+  if (!beyond_ || on == 0)
+    return false;
+  if (k.closed_on != on && cells_about(moment.mesh(), *beyond_, k.cell, on).closed)
+    k.closed_on = on;
+  return k.closed_on == on;
 }
 
 bool CellCache::hold(const Vec3d& x, const Moment& moment) {

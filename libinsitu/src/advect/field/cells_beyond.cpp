@@ -7,6 +7,7 @@
 
 #include "cells/kernels/faces.h"
 #include "cells/kernels/kernels.h"
+#include "cells/kernels/on_feature.h"
 #include "mesh/view.h"
 #include "query/on_demand.h"
 #include "query/proof.h"
@@ -156,19 +157,8 @@ unsigned CellsBeyond::sides_beyond(Shape shape, const Vec3d& r, double near) {
 }
 
 int CellsBeyond::face_beyond(Shape shape, const Vec3d& r, double near) {
-  double distance[6], weight[8];
-  int faces = 6;
-  if (is_brick(shape)) {
-    for (int a = 0; a < 3; ++a) {
-      distance[2 * a] = r[a];
-      distance[2 * a + 1] = 1.0 - r[a];
-    }
-  } else {
-    cells::shape_functions(shape, r, weight);
-    faces = cells::face_table(shape).face_count;
-    for (int f = 0; f < faces; ++f)
-      distance[f] = cells::parametric_distance(shape, f, weight);
-  }
+  double distance[6];
+  const int faces = cells::parametric_distances(shape, r, distance);
   const double* const least = std::min_element(distance, distance + faces);
   return *least < near ? int(least - distance) : -1;
 }

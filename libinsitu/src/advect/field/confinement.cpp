@@ -85,6 +85,10 @@ bool Confinement::start(CellCache& cells, const Moment& moment, const Vec3d& x,
       own = &cells.take_own(at.cell, moment);
     along_ = faces_along(*own, moment, x, way, most_way(cells, moment, way));
   }
+  is_answered_ = is_known && own->cell == cell && cells.takes_boundaries();
+  if (is_answered_)
+    (void)found(*own, true, place.r, place.margin);
+  begin_step();
   return is_on_ = true;
 }
 
@@ -119,10 +123,10 @@ double Confinement::depth(const KeptCell& own, const Vec3d& x) {
 /// The least distance from a face but for those the particle goes along, unless it is this far
 /// beyond one of these.
 double Confinement::depth_beside(mesh::Shape shape, const Vec3d& r) const {
-  double n[8], depth = std::numeric_limits<double>::infinity();
-  cells::shape_functions(shape, r, n);
-  for (int f = 0; f < cells::face_table(shape).face_count; ++f) {
-    const double d = cells::parametric_distance(shape, f, n);
+  double distance[6], depth = std::numeric_limits<double>::infinity();
+  const int faces = cells::parametric_distances(shape, r, distance);
+  for (int f = 0; f < faces; ++f) {
+    const double d = distance[f];
     if ((along_ >> f & 1U) == 0)
       depth = std::min(depth, d);
     else if (d < -beyond_along)

@@ -15,6 +15,9 @@ namespace insitu::advect {
 class Confinement {
 public:
   bool is_on() const { return is_on_; }
+  /// Whether the cell to which start() has confined a particle answered for its place before, with
+  /// the velocity that it has there now.
+  bool is_answered() const { return is_answered_; }
   void release() { is_on_ = false; }
 
   /// Confines a particle at x to the cell into which it goes; hint: a cell near it, or -1; place:
@@ -90,6 +93,7 @@ private:
   double depth_beside(mesh::Shape shape, const math::Vec3d& r) const;
 
   bool is_on_ = false;
+  bool is_answered_ = false;
   bool landed_ = false; ///< the particle has just come to a face of the own cell
   /// Faces of the own cell, a bit each, along which the particle goes: they are no ends of its way.
   unsigned along_ = 0;

@@ -19,6 +19,7 @@ struct KeptCell {
   int values = 0;           ///< of the velocity: as many as vertices, or 1 of a cell field
   /// Whether it answers alone, where that is asked a cell at a time (Sampler::sound_cells).
   query::SoundCells::Known sound = query::SoundCells::Known::unknown;
+  unsigned closed_on = 0; ///< vertices of a feature about which cells close, the last found, or 0
   mesh::CellVertices vertices;
   Box box;                             ///< of the vertices; of a mesh that moves, of everything
   math::Vec3d now[8], earlier[8];      ///< coordinates, if the mesh moves

@@ -80,6 +80,8 @@ public:
     moment_.set(t);
     return confined_.start(cells_, moment_, x, towards, hint_, place_);
   }
+  /// Whether confine() leaves the velocity at the particle as it is.
+  bool is_answered() const { return confined_.is_answered(); }
   void release() {
     if (confined_.is_on() && cells_.takes_boundaries())
       cells_.give_back_own();

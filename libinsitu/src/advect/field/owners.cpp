@@ -22,6 +22,14 @@ bool are_among(const std::int64_t* ids, int count, const std::int64_t* others, i
   });
 }
 
+/// The local vertices of a face, a bit each.
+unsigned vertices_of(const cells::Face& face) {
+  unsigned on = 0;
+  for (int k = 0; k < face.vertex_count; ++k)
+    on |= 1U << face.vertices[k];
+  return on;
+}
+
 } // namespace
 
 CellsAbout cells_about(const mesh::MeshView& mesh, const CellsBeyond& beyond, std::int64_t cell,
@@ -39,14 +47,15 @@ CellsAbout cells_about(const mesh::MeshView& mesh, const CellsBeyond& beyond, st
   for (int k = 0; k < about.count; ++k) {
     const std::int64_t from = about.cells[k] - mesh.first_cell[p];
     const Shape shape = piece.shape(from);
-    piece.vertex_ids(from, ids);
+    if (k > 0)
+      piece.vertex_ids(from, ids);
     const cells::FaceTable table = cells::face_table(shape);
     for (int f = 0; f < table.face_count; ++f) {
       std::int64_t face[4];
       const int n = table.faces[f].vertex_count;
       for (int v = 0; v < n; ++v)
         face[v] = ids[table.faces[f].vertices[v]];
-      if (!are_among(feature, corners, face, n))
+      if (k == 0 ? (on & ~vertices_of(table.faces[f])) != 0 : !are_among(feature, corners, face, n))
         continue;
       const std::int64_t flat = beyond.across(about.cells[k], shape, f), to = flat - mesh.first_cell[p];
       if (flat < 0 || to < 0 || to >= piece.cell_count || !piece.owns(to) ||
@@ -57,6 +66,10 @@ CellsAbout cells_about(const mesh::MeshView& mesh, const CellsBeyond& beyond, st
       if (about.count == CellsAbout::most)
         return about;
       about.cells[about.count++] = flat;
+      if (corners == n) { // no third cell has that face
+        about.closed = true;
+        return about;
+      }
     }
   }
   about.closed = true;

@@ -15,8 +15,12 @@ bool Integration<M, F, Visit>::confine() {
       release();
     } else if ((!confined_ && velocity_.confine(p_.x, direction_ * k1_, time())) ||
                (confined_ && entered_)) {
+      const bool begins = !confined_;
       confined_ = true;
       entered_ = false;
+      if constexpr (requires { velocity_.is_answered(); })
+        if (begins && velocity_.is_answered())
+          return false;
       ++work_.evaluations;
       return true;
     }

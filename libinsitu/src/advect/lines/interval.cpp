@@ -13,6 +13,8 @@ namespace {
 
 /// Particles of a chunk: enough to fill lanes again and again, if there are that many.
 std::int64_t grain_of(std::int64_t particles, const core::Threads& threads) {
+  if (threads.count() == 1)
+    return 1 << 14;
   return std::clamp<std::int64_t>(particles / (4 * threads.count()), 16, 1024);
 }
 

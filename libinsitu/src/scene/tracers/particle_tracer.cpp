@@ -222,8 +222,11 @@ private:
     if (tracer_.effects.moves() || !mesh.tells_sound_cells())
       mesh.look_for_folds(context.threads); // particles ask with hints
     mesh.find_neighbours_if_due(context.threads);
-    mesh.mesh().expose_earlier(!earlier.empty(), context.threads);
-    const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
+    const auto hide = [&] { mesh.hide_earlier(context.threads); };
+    if (earlier.empty())
+      hide();
+    else
+      mesh.show_earlier(context.threads);
     std::optional<advect::StepBefore> before;
     try {
       if (interval_.other_cells)
