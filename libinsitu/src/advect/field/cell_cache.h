@@ -81,8 +81,10 @@ public:
   }
   /// How a kept cell holds a point of which an inverse map found this.
   Held held(KeptCell& k, const Moment& moment, double margin, double error) {
+    constexpr double rounding = 1e-9; // so near to a face coordinates are put on it (put_on_nearest)
     const bool inside = margin > error;
-    if ((inside || (takes_boundaries_ && cells::is_on_boundary(margin, error))) &&
+    if ((inside ||
+         (takes_boundaries_ && error < rounding && cells::is_on_boundary(margin, error))) &&
         answers_alone(k, moment))
       return inside ? Held::inside : Held::on_boundary;
     return Held::no;

@@ -94,9 +94,14 @@ bool Confinement::start(CellCache& cells, const Moment& moment, const Vec3d& x,
 
 Vec3d Confinement::way_in(const CellCache& cells, const Moment& moment,
                           const Vec3d& towards) const {
-  return cells.takes_boundaries()
-             ? towards - cells.own().moved(r_) / std::abs(moment.times().interval())
-             : towards;
+  if (!cells.takes_boundaries())
+    return towards;
+  // What is no way within the step is none, of whatever direction rounding has made it.
+  constexpr double no_way = 0.1 * control::on_face; // in cells
+  const KeptCell& own = cells.own();
+  const double interval = std::abs(moment.times().interval());
+  const Vec3d way = towards - own.moved(r_) / interval;
+  return cells_crossed(interval * way, own.extent(moment)) <= no_way ? Vec3d{} : way;
 }
 
 /// The way that a particle may go until the step ends, in cells, if cells take boundaries.
