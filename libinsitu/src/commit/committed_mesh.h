@@ -81,6 +81,9 @@ public:
   /// step): for callers with many hints. A commit calls it if the step before located many points,
   /// or with a ray method, whose candidates are worth little before.
   void look_for_folds(const core::Threads& threads);
+  /// Whether cells are asked one by one whether they fold (query::SoundCells), so that those who
+  /// stay in few of them need not look at all.
+  bool tells_sound_cells() const { return !stand_in_ && sampler().sound_cells(true); }
   /// Finds the cells across faces, if there can be a table of them, for callers that go from cell
   /// to cell. Kept until the topology changes.
   void find_neighbours(const core::Threads& threads);
@@ -141,6 +144,10 @@ public:
   void keep_earlier(const std::vector<mesh::KeptField>& fields, bool with_cells,
                     const core::Threads& threads);
   void release_earlier();
+  /// Shows the coordinates that were kept, as mesh::Mesh::expose_earlier() does, but that how far
+  /// vertices moved is found when the tree is asked; and hides them.
+  void show_earlier(const core::Threads& threads);
+  void hide_earlier(const core::Threads& threads);
   /// The bytes of the cells' copy.
   std::int64_t earlier_cells_bytes(const core::Threads& threads) const;
   /// The step that was kept, if the cells are others since; or null.
@@ -195,6 +202,7 @@ private:
   core::Memory* memory_;
   TreePolicy policy_;
   TreeFit fit_; ///< of tree_
+  Displacement displacement_{mesh_};
   query::OnDemand on_demand_;
   std::int64_t located_before_ = 0;            ///< points, when the policy was last told
   mutable std::atomic<std::int64_t> drawn_{0}; ///< points, for frames since then

@@ -29,6 +29,17 @@ void CommittedMesh::release_earlier() {
   kept_ = {};
 }
 
+void CommittedMesh::show_earlier(const core::Threads& threads) {
+  displacement_.forget();
+  if (mesh_.show_earlier(threads))
+    displacement_.put_off(threads.count());
+}
+
+void CommittedMesh::hide_earlier(const core::Threads& threads) {
+  displacement_.forget();
+  mesh_.expose_earlier(false, threads);
+}
+
 void CommittedMesh::keep_earlier(const std::vector<mesh::KeptField>& fields, bool with_cells,
                                  const core::Threads& threads) {
   if (fields.empty())

@@ -55,4 +55,22 @@ private:
   mutable FitsDone done_;
 };
 
+/// How far vertices moved since the earlier step, which is asked for with the tree alone, and found
+/// when it is first asked then.
+class Displacement final : public query::PutOff {
+public:
+  explicit Displacement(mesh::Mesh& mesh) : mesh_(mesh) {}
+  void put_off(int threads) {
+    threads_ = threads;
+    set_due(true);
+  }
+  void forget() { set_due(false); }
+
+private:
+  void do_it() const override { mesh_.find_displacement(core::Threads(threads_)); }
+
+  mesh::Mesh& mesh_;
+  int threads_ = 1;
+};
+
 } // namespace insitu::commit

@@ -5,6 +5,7 @@
 
 #include "core/parallel.h"
 #include "query/facts_cache.h"
+#include "query/sound_cells.h"
 #include "query/walk/number_steps.h"
 
 namespace insitu::query {
@@ -40,9 +41,13 @@ private:
 
 /// What a committed mesh finds out when it is first asked for it.
 struct OnDemand {
+  explicit OnDemand(core::Memory& memory) : sound(memory) {}
+
   const PutOff* tree = nullptr; ///< the fit of its boxes to vertices that moved
+  const PutOff* displacement = nullptr; ///< MeshView::largest_displacement
   FactsCache facts;
   NumberStepsCache steps;
+  SoundCells sound;
 };
 
 } // namespace insitu::query

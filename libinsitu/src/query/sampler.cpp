@@ -75,13 +75,22 @@ Sampler::Sampler(const mesh::MeshView& mesh, const accel::Tree& tree, SpatialOrd
       on_demand_(on_demand) {}
 
 const accel::Tree& Sampler::tree() const {
-  if (on_demand_ && on_demand_->tree)
-    on_demand_->tree->complete();
+  if (on_demand_)
+    for (const PutOff* work : {on_demand_->tree, on_demand_->displacement})
+      if (work)
+        work->complete();
   return *tree_;
 }
 
 const accel::OddSlots& Sampler::odd() const {
   return tree_->odd();
+}
+
+const SoundCells* Sampler::sound_cells(bool moves) const {
+  return on_demand_ && !mesh_->free_of_folds && (mesh_->piece_count == 1 || mesh_->one_mesh) &&
+                 on_demand_->sound.serves(moves)
+             ? &on_demand_->sound
+             : nullptr;
 }
 
 mesh::MeshFacts Sampler::facts(const core::Threads* threads) const {
@@ -124,9 +133,9 @@ Sampler Sampler::among(const CulledCells& cells) const {
   return some;
 }
 
-void Sampler::count_certified(std::int64_t points) const {
+void Sampler::count(Reason reason, std::int64_t points) const {
   std::int64_t by_reason[reason_count] = {};
-  by_reason[int(Reason::certified)] = points;
+  by_reason[int(reason)] = points;
   if (counts_ && points > 0)
     counts_->add(by_reason);
 }

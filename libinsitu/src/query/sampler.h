@@ -15,6 +15,7 @@ class Tree;
 namespace insitu::query {
 
 class CulledCells;
+class SoundCells;
 class SpatialOrder;
 struct ChartImage;
 struct OnDemand;
@@ -36,13 +37,18 @@ public:
           const OnDemand* on_demand = nullptr);
 
   const mesh::MeshView& mesh() const { return *mesh_; }
-  /// The tree, whose boxes are fitted now if that was put off. May throw for want of memory, or
+  /// The tree, whose boxes are fitted now if that was put off, as the displacement that makes
+  /// queries between two steps wider. May throw for want of memory, or
   /// INSITU_ERROR_MESH.
   const accel::Tree& tree() const;
   /// What the tree marks as odd. Asks for no fit.
   const accel::OddSlots& odd() const;
   const OnDemand* on_demand() const { return on_demand_; }
   const PointLocator& locator() const { return *locator_; }
+  /// Where it is not known of all cells whether they fold, those that are found to be sound when
+  /// they are asked for, which answer alone for a particle that comes from them or from beside
+  /// them; null: ProofRule says when cells do. moves: for geometry between two steps.
+  const SoundCells* sound_cells(bool moves) const;
   /// Of the mesh as a whole, found when first asked for. threads: null: on the calling thread.
   mesh::MeshFacts facts(const core::Threads* threads = nullptr) const;
   const ChartImage* chart() const { return chart_; }
@@ -76,7 +82,9 @@ public:
       counts_->add(by_reason);
   }
   /// The same for points each of which is proven to be strictly inside its cell.
-  void count_certified(std::int64_t points) const;
+  void count_certified(std::int64_t points) const { count(Reason::certified, points); }
+  /// The same for points each of which is on its cell's boundary, or beside it by rounding.
+  void count_on_faces(std::int64_t points) const { count(Reason::on_face, points); }
   /// Counts points as LocateCounts::add_unguided().
   void count_unguided(std::int64_t points) const {
     if (counts_ && points > 0)
@@ -122,8 +130,11 @@ public:
   math::Vec3d gradient(const mesh::FieldView& field, int component, const Location& at,
                        double alpha = 1.0) const;
 
-private:
+  /// Whether a cell owns points.
   bool owns(std::int64_t flat) const;
+
+private:
+  void count(Reason reason, std::int64_t points) const;
   void visit_in_order(Batches& batches, std::span<const math::Vec3d> points, std::size_t count,
                       Batches::Put put) const;
   void visit_sorted(Batches& batches, std::span<const math::Vec3d> points,

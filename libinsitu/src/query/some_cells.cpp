@@ -3,6 +3,7 @@
 #include <atomic>
 
 #include "mesh/ghosts.h"
+#include "query/on_demand.h"
 
 namespace insitu::query {
 
@@ -55,6 +56,8 @@ void SomeCells::update(const mesh::MeshView& mesh, const core::Threads& threads,
 }
 
 Sampler SomeCells::of(const Sampler& whole) {
+  if (whole.on_demand() && whole.on_demand()->displacement)
+    whole.on_demand()->displacement->complete(); // of which this has a copy
   const mesh::MeshView& mesh = whole.mesh();
   pieces_.assign(mesh.pieces, mesh.pieces + mesh.piece_count);
   for (std::size_t p = 0; p < pieces_.size(); ++p)

@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "advect/field/owners.h"
 #include "cells/exact/decide.h"
+#include "cells/kernels/on_feature.h"
 
 namespace insitu::advect {
 
@@ -10,7 +12,8 @@ using math::Vec3d;
 
 CellCache::CellCache(const Moment& moment)
     : sampler_(&moment.sampler()),
-      proof_(moment.mesh(), sampler_->odd(), {moment.accuracy(), moment.moves() ? 0.0 : 1.0}) {}
+      proof_(moment.mesh(), sampler_->odd(), {moment.accuracy(), moment.moves() ? 0.0 : 1.0}),
+      sound_(sampler_->sound_cells(moment.moves())) {}
 
 /// Cells in runs have no vertices of their own to keep.
 bool CellCache::can_keep(std::int64_t cell) const {
@@ -25,6 +28,14 @@ bool CellCache::may_own(std::int64_t cell) const {
   const mesh::PieceView& piece = mesh.pieces[p];
   const std::int64_t local = cell - mesh.first_cell[p];
   return !piece.in_runs() && piece.exists(local) && piece.shape(local) != mesh::Shape::none;
+}
+
+void CellCache::find_sound(KeptCell& k, const Moment& moment) const {
+  k.sound = sound_->known(k.cell);
+  if (k.sound != query::SoundCells::Known::unknown)
+    return;
+  const query::SoundCells::Asked asked[] = {{k.cell, k.current(moment), &k.sound}};
+  sound_->find(sampler_->mesh().cell_count(), k.vertices.shape, asked);
 }
 
 /// The guess at a neighbour, or a cell across an edge or vertex; or -1.
@@ -73,6 +84,35 @@ void CellCache::foresee(std::int64_t cell) const {
   if (piece.layout == mesh::CellLayout::uniform || piece.layout == mesh::CellLayout::padded)
     __builtin_prefetch(piece.connectivity.data +
                        (cell - mesh.first_cell[p]) * piece.connectivity.stride);
+}
+
+query::Location CellCache::near_own(const Vec3d& x, const Moment& moment) {
+  KeptCell& own = this->own(moment);
+  const auto map = cells::inverse_map(own.vertices.shape, own.vertices.x, x);
+  if (const Held how = held(own, moment, map.margin, map.error); how != Held::no) {
+    count(how);
+    return {own.cell, map.r};
+  }
+  const std::int64_t cell = beyond_ && map.converged ? next_cell(own, map.r, 0.0) : -1;
+  if (cell < 0)
+    return {};
+  KeptCell& next = beside(cell, moment);
+  next.move_to(moment);
+  const auto there = cells::inverse_map(next.vertices.shape, next.vertices.x, x);
+  const Held how = held(next, moment, there.margin, there.error);
+  if (how == Held::no)
+    return {};
+  count(how);
+  return {cell, there.r};
+}
+
+bool CellCache::closes(KeptCell& k, const Moment& moment, const Vec3d& r, double error) {
+  const unsigned on = cells::vertices_near(k.vertices.shape, r, error);
+  if (!beyond_ || on == 0)
+    return false;
+  if (k.closed_on != on && cells_about(moment.mesh(), *beyond_, k.cell, on).closed)
+    k.closed_on = on;
+  return k.closed_on == on;
 }
 
 bool CellCache::hold(const Vec3d& x, const Moment& moment) {

@@ -1,12 +1,34 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "advect/field/cells_beyond.h"
 #include "advect/field/kept_cell.h"
 #include "query/proof.h"
 
 namespace insitu::advect {
+
+/// How a kept cell holds a point.
+enum class Held : std::uint8_t {
+  no,
+  inside,      ///< proven
+  on_boundary, ///< on one of its faces, or beside it by what rounding makes of coordinates
+};
+
+/// Where a kept cell was found to hold a point.
+struct PlaceInCell {
+  std::int64_t cell = -1; ///< or -1: no kept cell did
+  math::Vec3d x;
+  double alpha = 1.0; ///< of the geometry
+  math::Vec3d r;
+  double margin = 0.0, error = 0.0; ///< see cells::InverseMap
+
+  bool is_inside() const { return margin > error; }
+  bool is_of(const math::Vec3d& point, const Moment& moment) const {
+    return cell >= 0 && x == point && alpha == moment.geometry_alpha();
+  }
+};
 
 /// The cells of a particle that are kept with all that is asked of them: the last two that held its
 /// points or were tried, by turns, and its own cell, for a particle that is confined to one. A
@@ -19,6 +41,7 @@ public:
   explicit CellCache(const Moment& moment);
   ~CellCache() {
     sampler_->count_certified(proven_);
+    sampler_->count_on_faces(on_boundary_);
     sampler_->count_unguided(unguided_);
   }
   CellCache(const CellCache&) = delete;
@@ -30,6 +53,13 @@ public:
     beyond_ = beyond && beyond->knows() ? beyond : nullptr;
     lacks_guide_ = serves() && beyond && beyond->lacks_neighbours();
   }
+  /// From now on a point of a mesh that moves may be on the boundary of the cell that it is looked
+  /// for in, to rounding, and that cell answers, for what is the same in all cells there.
+  void take_boundaries(const Moment& moment) {
+    takes_boundaries_ = moment.moves() && !moment.is_by_cell() && serves() &&
+                        moment.accuracy() != INSITU_EXACT;
+  }
+  bool takes_boundaries() const { return takes_boundaries_; }
   /// Begins with a new particle: what is kept of another one's way must not decide where cells
   /// overlap.
   void begin() {
@@ -38,9 +68,29 @@ public:
   }
 
   /// Whether proofs count for some points of the mesh; if not, no cell is kept.
-  bool serves() const { return proof_.for_some(); }
-  /// Whether a proof counts for this point.
-  bool counts_for(const math::Vec3d& x) const { return proof_.counts_for(x); }
+  bool serves() const { return sound_ || proof_.for_some(); }
+  /// Whether a proof counts for this point, of a cell that answers alone.
+  bool counts_for(const math::Vec3d& x) const { return sound_ || proof_.counts_for(x); }
+  /// Whether a cell answers alone for what it is proven to hold.
+  bool answers_alone(KeptCell& k, const Moment& moment) const {
+    if (!sound_)
+      return true;
+    if (k.sound == query::SoundCells::Known::unknown)
+      find_sound(k, moment);
+    return k.sound == query::SoundCells::Known::sound;
+  }
+  /// How a kept cell holds a point of which an inverse map found this.
+  Held held(KeptCell& k, const Moment& moment, double margin, double error) {
+    constexpr double rounding = 1e-9; // so near to a face coordinates are put on it (put_on_nearest)
+    const bool inside = margin > error;
+    if ((inside ||
+         (takes_boundaries_ && error < rounding && cells::is_on_boundary(margin, error))) &&
+        answers_alone(k, moment))
+      return inside ? Held::inside : Held::on_boundary;
+    return Held::no;
+  }
+  /// Where that is asked a cell at a time, or null.
+  const query::SoundCells* sound_cells() const { return sound_; }
   bool can_keep(std::int64_t cell) const;
 
   const KeptCell& own() const { return *own_; }
@@ -51,9 +101,13 @@ public:
   }
   /// The kept cell that answered last.
   const KeptCell& last() const { return *kept_[last_]; }
+  KeptCell& last(const Moment& moment) {
+    kept_[last_]->move_to(moment);
+    return *kept_[last_];
+  }
 
-  /// Finds the kept cell that is proven to hold x, and calls found(cell, coordinates there). False,
-  /// and it is not called: the sampler has to be asked. hint: the last cell of a particle whose
+  /// Finds the kept cell that holds x, and calls found(cell, inverse map, how). False, and it is not
+  /// called: the sampler has to be asked. hint: the last cell of a particle whose
   /// first point this is, or -1.
   template <class Found>
   [[gnu::always_inline]] bool prove(const math::Vec3d& x, std::int64_t hint, const Moment& moment,
@@ -64,9 +118,9 @@ public:
     while (k) {
       k->move_to(moment);
       const auto map = cells::inverse_map(k->vertices.shape, k->vertices.x, x);
-      if (map.margin > map.error) {
-        proven_in(*k);
-        found(*k, map.r);
+      if (const Held how = held(*k, moment, map.margin, map.error); how != Held::no) {
+        answered(*k, how);
+        found(*k, map, how);
         return true;
       }
       found_outside(map.converged, map.r);
@@ -103,8 +157,8 @@ public:
     KeptCell* const other = kept_[last_ ^ 1];
     return &tried != other && other->may_hold(x) ? other : nullptr;
   }
-  void proven_in(const KeptCell& k) {
-    ++proven_;
+  void answered(const KeptCell& k, Held how) {
+    count(how);
     last_ = &k == kept_[last_] ? last_ : last_ ^ 1;
   }
   void found_outside(bool converged, const math::Vec3d& r) {
@@ -123,6 +177,13 @@ public:
   const KeptCell& keep(std::int64_t cell, const Moment& moment);
   /// Makes this cell the own one; what was the own cell may be kept.
   KeptCell& take_own(std::int64_t cell, const Moment& moment);
+  /// The own cell is kept as the one that answered last, and no own one any more.
+  void give_back_own() {
+    std::swap(own_, kept_[last_]);
+    if (kept_[last_ ^ 1]->cell == kept_[last_]->cell)
+      kept_[last_ ^ 1]->forget();
+    own_->forget();
+  }
   /// Asks for what open() reads of a cell, and opens the cell that will be kept next, if it is not
   /// kept.
   void foresee(std::int64_t cell) const;
@@ -136,26 +197,36 @@ public:
   std::int64_t across(const math::Vec3d& r, const math::Vec3d& x) const {
     return beyond_ && counts_for(x) ? next_cell(*own_, r, 1e-6) : -1;
   }
+  /// The own cell, or else that which is guessed from where x lies in it, if one of them holds x;
+  /// or none.
+  query::Location near_own(const math::Vec3d& x, const Moment& moment);
+  /// Whether x, at coordinates r on the boundary of this cell, is in the mesh, as far as cells that
+  /// share vertices tell.
+  bool closes(KeptCell& k, const Moment& moment, const math::Vec3d& r, double error);
   /// Whether the own cell or a kept one holds x at a moment.
   bool hold(const math::Vec3d& x, const Moment& moment);
 
-  void count_proven() { ++proven_; }
+  void count(Held how) { ++(how == Held::inside ? proven_ : on_boundary_); }
   /// The sampler is asked for a point that a neighbour of this cell might have held.
   void note_unguided(const KeptCell& from) { unguided_ += lacks_guide_ && from.cell >= 0; }
 
 private:
   std::int64_t next_cell(const KeptCell& from, const math::Vec3d& r, double near) const;
   bool may_own(std::int64_t cell) const;
+  void find_sound(KeptCell& k, const Moment& moment) const;
   void open(KeptCell& k, std::int64_t cell, const Moment& moment) const;
   void load(KeptCell& k, std::int64_t cell, const Moment& moment) const;
 
   const query::Sampler* sampler_;
   query::ProofRule proof_; ///< of all coordinates between the steps
+  const query::SoundCells* sound_; ///< instead, or null
   const CellsBeyond* beyond_ = nullptr;
+  bool takes_boundaries_ = false;
   bool lacks_guide_ = false; ///< the guesses tell little, and a table would be better
   bool outside_known_ = false;
   math::Vec3d outside_;       ///< coordinates in the cell that was tried last
   std::int64_t proven_ = 0;   ///< points located without the sampler
+  std::int64_t on_boundary_ = 0; ///< the same, on boundaries
   std::int64_t unguided_ = 0; ///< points for which the sampler was asked for want of a guide
   KeptCell cells_[3];
   KeptCell* kept_[2] = {&cells_[0], &cells_[1]};

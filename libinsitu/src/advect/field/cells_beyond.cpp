@@ -7,6 +7,7 @@
 
 #include "cells/kernels/faces.h"
 #include "cells/kernels/kernels.h"
+#include "cells/kernels/on_feature.h"
 #include "mesh/view.h"
 #include "query/on_demand.h"
 #include "query/proof.h"
@@ -66,7 +67,9 @@ CellsBeyond::CellsBeyond(const query::Sampler& sampler) : neighbours_(sampler.ne
     return;
   }
   const mesh::MeshView& mesh = sampler.mesh();
-  if (!query::ProofRule(mesh, sampler.odd(), {}).for_some() || mesh.cell_count() == 0)
+  if ((!query::ProofRule(mesh, sampler.odd(), {}).for_some() && 
+       !sampler.sound_cells(mesh.earlier_points != nullptr)) ||
+      mesh.cell_count() == 0)
     return;
   const query::NumberStepsCache* const kept =
       sampler.on_demand() ? &sampler.on_demand()->steps : nullptr;
@@ -121,6 +124,17 @@ void CellsBeyond::learn(const query::Sampler& sampler, bool wedges, int side,
   }
 }
 
+std::int64_t CellsBeyond::across(std::int64_t cell, Shape shape, int face) const {
+  if (neighbours_)
+    return neighbours_->across(cell, face);
+  const bool wedge = shape == Shape::wedge;
+  if (!wedge && !is_brick(shape))
+    return -1;
+  constexpr int of_wedge[] = {3, 4, 1, 2, 0};
+  const int side = wedge ? of_wedge[face] : face;
+  return of(wedge).known >> side & 1U ? cell + of(wedge).step[side] : -1;
+}
+
 bool CellsBeyond::tells_most(const mesh::MeshView& mesh) const {
   int told = 0, faces = 0;
   for_a_few(mesh, [&](std::int64_t, Shape shape) {
@@ -143,19 +157,8 @@ unsigned CellsBeyond::sides_beyond(Shape shape, const Vec3d& r, double near) {
 }
 
 int CellsBeyond::face_beyond(Shape shape, const Vec3d& r, double near) {
-  double distance[6], weight[8];
-  int faces = 6;
-  if (is_brick(shape)) {
-    for (int a = 0; a < 3; ++a) {
-      distance[2 * a] = r[a];
-      distance[2 * a + 1] = 1.0 - r[a];
-    }
-  } else {
-    cells::shape_functions(shape, r, weight);
-    faces = cells::face_table(shape).face_count;
-    for (int f = 0; f < faces; ++f)
-      distance[f] = cells::parametric_distance(shape, f, weight);
-  }
+  double distance[6];
+  const int faces = cells::parametric_distances(shape, r, distance);
   const double* const least = std::min_element(distance, distance + faces);
   return *least < near ? int(least - distance) : -1;
 }

@@ -55,6 +55,9 @@ public:
     return cell;
   }
 
+  /// The guess at the cell across a face of a shape (cells::face_table), or -1.
+  std::int64_t across(std::int64_t cell, mesh::Shape shape, int face) const;
+
   /// Asks for what a guess from this cell reads.
   void foresee(std::int64_t cell) const {
     if (neighbours_)

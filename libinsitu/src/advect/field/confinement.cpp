@@ -25,18 +25,19 @@ constexpr double little_way = 1e-7;
 
 /// A vector this way that crosses so much of a cell.
 Vec3d part_of_cell(const Vec3d& towards, const Vec3d& extent, double cells) {
-  const double crossed = cells_crossed(towards, extent);
-  return crossed > 0.0 && std::isfinite(crossed) ? (cells / crossed) * towards : Vec3d{};
+  const double crossed = cells_crossed(towards, extent), factor = cells / crossed;
+  return std::isfinite(crossed) && std::isfinite(factor) ? factor * towards : Vec3d{};
 }
 
-/// The faces of a cell, a bit each, on which x lies and along which it goes.
+/// The faces of a cell, a bit each, on which x lies and along which it goes. most: the way that it
+/// may go, in cells.
 unsigned faces_along(const KeptCell& cell, const Moment& moment, const Vec3d& x,
-                     const Vec3d& towards) {
+                     const Vec3d& towards, double most) {
   constexpr double way = 1e-3, slope = 1e-7; // in cells
   const mesh::CellVertices& c = cell.vertices;
   const Vec3d on = x + part_of_cell(towards, cell.extent(moment), way);
-  const auto here = cells::inverse_map(c.shape, c.x, x),
-             there = cells::inverse_map(c.shape, c.x, on);
+  const auto here = cells::inverse_map(c.shape, c.x, x);
+  const auto there = on == x ? here : cells::inverse_map(c.shape, c.x, on);
   if (!here.converged || !there.converged)
     return 0;
   double n[8], m[8];
@@ -46,7 +47,8 @@ unsigned faces_along(const KeptCell& cell, const Moment& moment, const Vec3d& x,
   for (int f = 0; f < cells::face_table(c.shape).face_count; ++f) {
     const double from = cells::parametric_distance(c.shape, f, n);
     const double change = cells::parametric_distance(c.shape, f, m) - from;
-    if (std::abs(from) <= control::on_face && std::abs(change) <= way * slope)
+    if (std::abs(from) <= control::on_face &&
+        (std::abs(change) <= way * slope || most * std::abs(change) <= way * control::on_face))
       faces |= 1U << f;
   }
   return faces;
@@ -65,20 +67,56 @@ bool is_on_face(mesh::Shape shape, const Vec3d& r) {
 } // namespace
 
 bool Confinement::start(CellCache& cells, const Moment& moment, const Vec3d& x,
-                        const Vec3d& towards, std::int64_t hint) {
+                        const Vec3d& towards, std::int64_t hint, const PlaceInCell& place) {
   is_on_ = false;
   along_ = 0;
-  query::Location at = moment.locate(x, hint);
-  if (!at || !cells.can_keep(at.cell))
+  const bool is_known = place.is_of(x, moment);
+  const std::int64_t cell = is_known ? place.cell : moment.locate(x, hint).cell;
+  if (cell < 0 || !cells.can_keep(cell))
     return false;
-  KeptCell* own = &cells.take_own(at.cell, moment);
-  if (depth(*own, x) < 1e-9) { // on a face: of the cells there, the one that is entered
-    at = moment.locate(x + part_of_cell(towards, own->extent(moment), little_way), at.cell);
-    if (at && at.cell != own->cell && cells.can_keep(at.cell))
+  KeptCell* own = &cells.take_own(cell, moment);
+  r_ = place.r;
+  if ((is_known ? place.margin : depth(*own, x)) < 1e-9) { // of the cells at the face, the one
+    const Vec3d way = way_in(cells, moment, towards);      // that is entered
+    const Vec3d on = x + part_of_cell(way, own->extent(moment), little_way);
+    if (const query::Location at = cells.takes_boundaries() ? beside_own(cells, moment, on)
+                                                            : moment.locate(on, cell);
+        at && at.cell != cell && cells.can_keep(at.cell))
       own = &cells.take_own(at.cell, moment);
-    along_ = faces_along(*own, moment, x, towards);
+    along_ = faces_along(*own, moment, x, way, most_way(cells, moment, way));
   }
+  is_answered_ = is_known && own->cell == cell && cells.takes_boundaries();
+  if (is_answered_)
+    (void)found(*own, true, place.r, place.margin);
+  begin_step();
   return is_on_ = true;
+}
+
+Vec3d Confinement::way_in(const CellCache& cells, const Moment& moment,
+                          const Vec3d& towards) const {
+  if (!cells.takes_boundaries())
+    return towards;
+  // What is no way within the step is none, of whatever direction rounding has made it.
+  constexpr double no_way = 0.1 * control::on_face; // in cells
+  const KeptCell& own = cells.own();
+  const double interval = std::abs(moment.times().interval());
+  const Vec3d way = towards - own.moved(r_) / interval;
+  return cells_crossed(interval * way, own.extent(moment)) <= no_way ? Vec3d{} : way;
+}
+
+/// The way that a particle may go until the step ends, in cells, if cells take boundaries.
+double Confinement::most_way(const CellCache& cells, const Moment& moment, const Vec3d& way) {
+  return cells.takes_boundaries()
+             ? cells_crossed(std::abs(moment.times().interval()) * way, cells.own().extent(moment))
+             : std::numeric_limits<double>::infinity();
+}
+
+/// The cell of a place near a particle in the own cell.
+query::Location Confinement::beside_own(CellCache& cells, const Moment& moment, const Vec3d& x) {
+  if (const query::Location at = cells.near_own(x, moment))
+    return at;
+  cells.note_unguided(cells.own());
+  return moment.locate(x, cells.own().cell);
 }
 
 double Confinement::depth(const KeptCell& own, const Vec3d& x) {
@@ -90,10 +128,10 @@ double Confinement::depth(const KeptCell& own, const Vec3d& x) {
 /// The least distance from a face but for those the particle goes along, unless it is this far
 /// beyond one of these.
 double Confinement::depth_beside(mesh::Shape shape, const Vec3d& r) const {
-  double n[8], depth = std::numeric_limits<double>::infinity();
-  cells::shape_functions(shape, r, n);
-  for (int f = 0; f < cells::face_table(shape).face_count; ++f) {
-    const double d = cells::parametric_distance(shape, f, n);
+  double distance[6], depth = std::numeric_limits<double>::infinity();
+  const int faces = cells::parametric_distances(shape, r, distance);
+  for (int f = 0; f < faces; ++f) {
+    const double d = distance[f];
     if ((along_ >> f & 1U) == 0)
       depth = std::min(depth, d);
     else if (d < -beyond_along)
@@ -102,13 +140,13 @@ double Confinement::depth_beside(mesh::Shape shape, const Vec3d& r) const {
   return depth;
 }
 
-Vec3d Confinement::on_faces(const KeptCell& own, const Vec3d& x, const Vec3d& r, double error) {
+Vec3d Confinement::on_faces(const KeptCell& own, const Vec3d& x, const Vec3d& r, double error,
+                            bool moves) {
   const mesh::CellVertices& c = own.vertices;
-  return cells::is_near_faces(c.shape, r, control::on_face)
-             ? cells::put_on_faces_of(c.shape, c.x, x,
-                                      cells::put_on_nearest(c.shape, c.x, x, r, error),
-                                      control::on_face)
-             : r;
+  if (!cells::is_near_faces(c.shape, r, control::on_face))
+    return r;
+  const Vec3d put = cells::put_on_nearest(c.shape, c.x, x, r, error);
+  return moves ? put : cells::put_on_faces_of(c.shape, c.x, x, put, control::on_face);
 }
 
 double Confinement::face_on(const KeptCell& own, const DenseStep& path, double low, double high) {
@@ -124,16 +162,20 @@ bool Confinement::is_inside_before(const KeptCell& own, const DenseStep& path) c
 
 Vec3d Confinement::beyond(CellCache& cells, const Moment& moment, const Vec3d& x,
                           const Vec3d& towards) {
-  towards_ = towards;
-  return x + part_of_cell(towards, cells.own(moment).extent(moment), little_way);
+  const KeptCell& own = cells.own(moment);
+  towards_ = way_in(cells, moment, towards);
+  return x + part_of_cell(towards_, own.extent(moment), little_way);
 }
 
 query::Location Confinement::locate(CellCache& cells, const Moment& moment, const Vec3d& x) const {
+  if (cells.takes_boundaries())
+    return beside_own(cells, moment, x);
   if (const std::int64_t cell = cells.across(r_, x); cell >= 0) {
     KeptCell& k = cells.beside(cell, moment);
     k.move_to(moment);
-    if (const query::Location at = query::try_cell(k.vertices, cell, x)) {
-      cells.count_proven();
+    if (const query::Location at = query::try_cell(k.vertices, cell, x);
+        at && cells.answers_alone(k, moment)) {
+      cells.count(Held::inside);
       return at;
     }
   }
@@ -152,7 +194,9 @@ Crossed Confinement::enter(CellCache& cells, const Moment& moment, const Vec3d& 
   const KeptCell& own = cells.take_own(at.cell, moment);
   // It may still be on another face than that it came through.
   along_ =
-      is_on_face(own.vertices.shape, at.parametric) ? faces_along(own, moment, x, towards_) : 0;
+      is_on_face(own.vertices.shape, at.parametric)
+          ? faces_along(own, moment, x, towards_, most_way(cells, moment, towards_))
+          : 0;
   return Crossed::into_next;
 }
 
@@ -167,8 +211,9 @@ Crossed Confinement::cross(CellCache& cells, const Moment& moment, const Vec3d& 
     const query::FaceCrossing face = query::nearest_face(own.vertices, own.cell, map.r);
     const Vec3d extent = own.extent(moment);
     for (double part = 1e-8; part < 1e-4; part *= 10.0) {
-      const query::Location out =
-          moment.locate(face.point + part_of_cell(face.normal, extent, part), own.cell);
+      const Vec3d y = face.point + part_of_cell(face.normal, extent, part);
+      const query::Location out = cells.takes_boundaries() ? beside_own(cells, moment, y)
+                                                           : moment.locate(y, own.cell);
       if (!out || out.cell != own.cell)
         return enter(cells, moment, x, out);
     }

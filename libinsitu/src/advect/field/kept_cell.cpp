@@ -76,6 +76,8 @@ void KeptCell::load(const Moment& moment) {
   const std::int64_t local = opened - mesh.first_cell[c.piece];
   cell = opened;
   opened = -1;
+  sound = query::SoundCells::Known::unknown;
+  closed_on = 0;
   alpha = 1.0;
   if (has_points(piece))
     read(piece.points.component, piece.points.layout, piece.points.is_float32, c.ids, c.count, c.x);

@@ -5,6 +5,7 @@
 #include "advect/field/box.h"
 #include "advect/field/moment.h"
 #include "cells/kernels/kernels.h"
+#include "query/sound_cells.h"
 
 namespace insitu::advect {
 
@@ -16,6 +17,9 @@ struct KeptCell {
   std::int64_t opened = -1; ///< of the cell that is open and not yet loaded, or -1
   double alpha = 1.0;       ///< of the geometry in vertices.x
   int values = 0;           ///< of the velocity: as many as vertices, or 1 of a cell field
+  /// Whether it answers alone, where that is asked a cell at a time (Sampler::sound_cells).
+  query::SoundCells::Known sound = query::SoundCells::Known::unknown;
+  unsigned closed_on = 0; ///< vertices of a feature about which cells close, the last found, or 0
   mesh::CellVertices vertices;
   Box box;                             ///< of the vertices; of a mesh that moves, of everything
   math::Vec3d now[8], earlier[8];      ///< coordinates, if the mesh moves
@@ -27,6 +31,19 @@ struct KeptCell {
   /// Of the cell that is open.
   void load(const Moment& moment);
 
+  /// How far the material at coordinates r moves between the steps, if the mesh moves.
+  math::Vec3d moved(const math::Vec3d& r) const {
+    double weight[8];
+    cells::shape_functions(vertices.shape, r, weight);
+    math::Vec3d by;
+    for (int i = 0; i < vertices.count; ++i)
+      by += weight[i] * (now[i] - earlier[i]);
+    return by;
+  }
+  /// The vertices at the current step.
+  const math::Vec3d* current(const Moment& moment) const {
+    return moment.moves() ? now : vertices.x;
+  }
   /// Moves the vertices to where they are at a moment.
   void move_to(const Moment& moment) {
     if (!moment.moves() || alpha == moment.alpha())

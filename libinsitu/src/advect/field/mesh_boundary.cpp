@@ -24,6 +24,17 @@ query::Location MeshBoundary::beside(const Moment& moment, const Vec3d& x, std::
   return at;
 }
 
+bool MeshBoundary::beside_cell(const Moment& moment, const Vec3d& x, const KeptCell& cell) {
+  Vec3d inside = x;
+  if (!query::bring_into_cell(cell.vertices, inside,
+                              query::rounding_in(moment.mesh(), cell.cell, moment.geometry_alpha())))
+    return false;
+  beside_ = x;
+  alpha_ = moment.geometry_alpha();
+  inside_ = inside;
+  return true;
+}
+
 double MeshBoundary::way_out(const Moment& moment, std::int64_t cell, const Vec3d& extent,
                              const Vec3d& a, const Vec3d& b) {
   const auto exit = query::leave_mesh(moment.sampler(), cell, a, b, moment.options());

@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "advect/field/kept_cell.h"
 #include "advect/field/moment.h"
 #include "query/walk/face_crossing.h"
 
@@ -18,6 +19,8 @@ public:
   /// that was never in a cell (-1).
   query::Location beside(const Moment& moment, const math::Vec3d& x, std::int64_t cell,
                          double least_reach = 0.0);
+  /// The same of a point that lies beyond this kept cell, at the moment, alone.
+  bool beside_cell(const Moment& moment, const math::Vec3d& x, const KeptCell& cell);
   /// Whether inside() stands for x: the point that was found beside the mesh last, if the geometry
   /// is what it was.
   bool stands_for(const math::Vec3d& x, const Moment& moment) const {

@@ -8,6 +8,7 @@ void MeshVelocity::begin(std::int64_t hint) {
   const std::int64_t cells = sampler().mesh().cell_count();
   hint_ = hint < cells ? hint : -1; // the mesh may have become smaller
   cell_ = sized_ = -1;
+  place_.cell = -1;
   confined_.release();
   cells_.begin();
 }
@@ -17,8 +18,9 @@ Sampled MeshVelocity::in_own_cell(const Vec3d& x, Vec3d& v, query::Location* whe
   const auto map = cells::inverse_map(own.vertices.shape, own.vertices.x, x);
   if (!confined_.found(own, map.converged, map.r, map.margin))
     return Sampled::outside;
-  hint_ = own.cell;
-  const Vec3d r = Confinement::on_faces(own, x, map.r, map.error);
+  note_place(x, own, map.r, map.margin, map.error);
+  const Vec3d r =
+      Confinement::on_faces(own, x, map.r, map.error, cells_.takes_boundaries());
   if (where)
     *where = {own.cell, r};
   return own.interpolate(r, moment_, v);
@@ -27,6 +29,7 @@ Sampled MeshVelocity::in_own_cell(const Vec3d& x, Vec3d& v, query::Location* whe
 /// By the sampler: the point is in no cell that is kept, or cannot be proven to be.
 Sampled MeshVelocity::located(const Vec3d& x, Vec3d& v, query::Location* where) {
   cells_.note_unguided(cells_.last());
+  place_.cell = -1;
   query::Location at = moment_.locate(x, cells_.serves() ? -1 : hint_);
   if (!at)
     at = beside_mesh(x);
@@ -45,12 +48,65 @@ Sampled MeshVelocity::taken(const query::Location& at, Vec3d& v) {
   return moment_.interpolate(at, v);
 }
 
+/// Whether the cell that answered last tells that x, of that point or the same to rounding, is in
+/// the mesh.
+bool MeshVelocity::is_kept_in_mesh(const Vec3d& x) {
+  if (!cells_.takes_boundaries() || place_.cell < 0)
+    return false;
+  KeptCell& k = confined_.is_on() ? cells_.own(moment_) : cells_.last(moment_);
+  if (k.cell != place_.cell)
+    return false;
+  if (!place_.is_of(x, moment_)) {
+    const auto map = cells::inverse_map(k.vertices.shape, k.vertices.x, x);
+    note_place(x, k, map.r, map.margin, map.error);
+  }
+  const Held how = cells_.held(k, moment_, place_.margin, place_.error);
+  if (how == Held::on_boundary)
+    return cells_.closes(k, moment_, place_.r, place_.error);
+  return how == Held::inside || (confined_.is_on() && cells_.near_own(x, moment_));
+}
+
+/// Whether x, in no cell that is kept, lies beside the one that answered last, by rounding, at a
+/// face across which no cell is known: boundary_.inside() then stands for it.
+bool MeshVelocity::is_beside_kept(const Vec3d& x) {
+  if (!cells_.takes_boundaries() || place_.cell < 0 || !place_.is_of(x, moment_))
+    return false;
+  KeptCell& k = confined_.is_on() ? cells_.own(moment_) : cells_.last(moment_);
+  return k.cell == place_.cell && cells::is_on_boundary(place_.margin, place_.error) &&
+         boundary_.beside_cell(moment_, x, k);
+}
+
 Vec3d MeshVelocity::kept_inside(const Vec3d& x) {
   if (boundary_.stands_for(x, moment_))
     return boundary_.inside();
-  if (!confined_.may_be_beyond() || cells_.hold(x, moment_) || moment_.locate(x, cells_.own().cell))
+  const bool is_free = !confined_.is_on();
+  const bool may_be_beyond =
+      is_free ? cells_.takes_boundaries() && place_.is_of(x, moment_) && !place_.is_inside()
+              : confined_.may_be_beyond();
+  if (!may_be_beyond || is_kept_in_mesh(x) || cells_.hold(x, moment_))
     return x;
-  return beside_mesh(x, confined_.reach(cells_.own(), moment_)) ? boundary_.inside() : x;
+  if (is_beside_kept(x))
+    return boundary_.inside();
+  if (moment_.locate(x, is_free ? hint_ : cells_.own().cell))
+    return x;
+  return beside_mesh(x, is_free ? 0.0 : confined_.reach(cells_.own(), moment_))
+             ? boundary_.inside()
+             : x;
+}
+
+bool MeshVelocity::stays_in_own(const Vec3d& x, double t) {
+  if (!cells_.takes_boundaries() || !confined_.is_on())
+    return false;
+  moment_.set(t);
+  KeptCell& own = cells_.own(moment_);
+  if (!place_.is_of(x, moment_) || place_.cell != own.cell) {
+    const auto map = cells::inverse_map(own.vertices.shape, own.vertices.x, x);
+    note_place(x, own, map.r, map.margin, map.error);
+  }
+  if (cells_.held(own, moment_, place_.margin, place_.error) == Held::no)
+    return false;
+  cell_ = hint_ = own.cell;
+  return true;
 }
 
 Vec3d MeshVelocity::kept_inside(const Vec3d& x, double t) {
@@ -58,15 +114,18 @@ Vec3d MeshVelocity::kept_inside(const Vec3d& x, double t) {
   if (geometry_alpha(t) == moment_.geometry_alpha())
     return y;
   moment_.set(t);
-  return moment_.locate(y, cell_) || !beside_mesh(y) ? y : boundary_.inside();
+  if (is_kept_in_mesh(y) || (cells_.takes_boundaries() && cells_.hold(y, moment_)))
+    return y;
+  return !is_beside_kept(y) && (moment_.locate(y, cell_) || !beside_mesh(y)) ? y
+                                                                            : boundary_.inside();
 }
 
 Vec3d MeshVelocity::extent() {
   if (sized_ != cell_) {
     sized_ = cell_;
     for (const KeptCell* k : {&cells_.own(), &cells_.last()})
-      if (!moment_.moves() && k->cell == cell_)
-        return extent_ = edges_of(k->box);
+      if (k->cell == cell_ && (!moment_.moves() || k->alpha == moment_.alpha()))
+        return extent_ = k->extent(moment_);
     mesh::CellVertices c;
     mesh::gather(sampler().mesh(), cell_, c, moment_.geometry_alpha());
     extent_ = edges_of(box_of(c));

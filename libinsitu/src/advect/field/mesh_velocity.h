@@ -23,6 +23,9 @@ public:
 
   /// See CellCache.
   void walk_by(const CellsBeyond* beyond) { cells_.walk_by(beyond); }
+  /// For callers that ask for no more than velocities: on a mesh that moves a particle on a face of
+  /// its cell is in that cell, to rounding, whichever cell is the owner there. Ways are then rates.
+  void take_boundaries() { cells_.take_boundaries(moment_); }
 
   /// Begins with a new particle; hint: its last cell, or -1.
   void begin(std::int64_t hint);
@@ -40,7 +43,10 @@ public:
 
   /// The cell of the point asked last, if that was inside.
   std::int64_t asked() const { return hint_; }
-  void accepted() { cell_ = hint_; }
+  void accepted() {
+    cell_ = hint_;
+    confined_.begin_step();
+  }
   /// The cell of the particle's position (flat id), or -1 if it was never inside.
   std::int64_t cell() const { return cell_; }
   /// The bounding box of that cell; an edge far shorter than the others counts as 1e-6 of the
@@ -72,9 +78,15 @@ public:
   // For steps that end at faces: see CellwiseField and Confinement.
   bool confine(const math::Vec3d& x, const math::Vec3d& towards, double t) {
     moment_.set(t);
-    return confined_.start(cells_, moment_, x, towards, hint_);
+    return confined_.start(cells_, moment_, x, towards, hint_, place_);
   }
-  void release() { confined_.release(); }
+  /// Whether confine() leaves the velocity at the particle as it is.
+  bool is_answered() const { return confined_.is_answered(); }
+  void release() {
+    if (confined_.is_on() && cells_.takes_boundaries())
+      cells_.give_back_own();
+    confined_.release();
+  }
   double depth(const math::Vec3d& x, double t) {
     moment_.set(t);
     return confined_.depth(cells_.own(moment_), x);
@@ -86,8 +98,12 @@ public:
     return confined_.face_on(cells_.own(), path, low, high);
   }
   bool is_inside_before(const DenseStep& path) const {
-    return !moment_.moves() && confined_.is_inside_before(cells_.own(), path);
+    return moment_.moves() ? confined_.stays_clear()
+                           : confined_.is_inside_before(cells_.own(), path);
   }
+  /// At the end of a way by cells: whether x, the point asked last, is in the own cell, which then
+  /// is that of the particle.
+  bool stays_in_own(const math::Vec3d& x, double t);
   Crossed cross(const math::Vec3d& x, const math::Vec3d& towards, double t) {
     return crossed(x, locate(beyond(x, towards, t)));
   }
@@ -111,8 +127,11 @@ protected:
     if (confined_.is_on())
       return in_own_cell(x, v, at);
     Sampled sampled;
-    const auto found = [&](const KeptCell& k, const math::Vec3d& r) {
-      hint_ = k.cell;
+    const auto found = [&](const KeptCell& k, const auto& map, Held how) {
+      note_place(x, k, map.r, map.margin, map.error);
+      const math::Vec3d r = how == Held::inside
+                                ? map.r
+                                : Confinement::on_faces(k, x, map.r, map.error, true);
       if constexpr (tells_where)
         *at = {k.cell, r};
       sampled = k.interpolate(r, moment_, v);
@@ -122,6 +141,19 @@ protected:
     return located(x, v, at);
   }
 
+  /// A kept cell answers for x, the point asked last.
+  void note_place(const math::Vec3d& x, const KeptCell& k, const math::Vec3d& r, double margin,
+                  double error) {
+    hint_ = k.cell;
+    place_.cell = k.cell;
+    place_.x = x;
+    place_.alpha = moment_.geometry_alpha();
+    place_.r = r;
+    place_.margin = margin;
+    place_.error = error;
+  }
+  bool is_kept_in_mesh(const math::Vec3d& x);
+  bool is_beside_kept(const math::Vec3d& x);
   // where: the place at which to say where x lies, or null.
   Sampled in_own_cell(const math::Vec3d& x, math::Vec3d& v, query::Location* where);
   Sampled located(const math::Vec3d& x, math::Vec3d& v, query::Location* where);
@@ -135,6 +167,7 @@ protected:
   CellCache cells_;
   Confinement confined_;
   MeshBoundary boundary_;
+  PlaceInCell place_;       ///< of the point asked last, if a kept cell answered
   std::int64_t hint_ = -1;  ///< the cell of the point asked last
   std::int64_t cell_ = -1;  ///< the cell of the particle's position
   std::int64_t sized_ = -1; ///< the cell whose extent is kept

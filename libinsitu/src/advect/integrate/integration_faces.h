@@ -15,8 +15,12 @@ bool Integration<M, F, Visit>::confine() {
       release();
     } else if ((!confined_ && velocity_.confine(p_.x, direction_ * k1_, time())) ||
                (confined_ && entered_)) {
+      const bool begins = !confined_;
       confined_ = true;
       entered_ = false;
+      if constexpr (requires { velocity_.is_answered(); })
+        if (begins && velocity_.is_answered())
+          return false;
       ++work_.evaluations;
       return true;
     }
@@ -48,8 +52,11 @@ void Integration<M, F, Visit>::release() {
 template <class M, VelocityField F, class Visit>
 bool Integration<M, F, Visit>::finish() {
   const bool was_confined = confined_;
+  bool stays = false;
+  if constexpr (requires { velocity_.stays_in_own(p_.x, p_.time); })
+    stays = was_confined && velocity_.stays_in_own(p_.x, p_.time);
   release();
-  return was_confined;
+  return was_confined && !stays;
 }
 
 /// The first theta in [low, high] at which the path comes to the face of its cell, out of which it

@@ -87,10 +87,28 @@ void LaneBatch::ask_guessed() {
 void LaneBatch::ask(LaneVelocity& lane, KeptCell& cell) {
   lane.tried_ = &cell;
   cell.move_to(lane.moment_);
-  asked_[row_of(cell.vertices.shape)].push_back({&lane, &cell});
+  const std::size_t row = row_of(cell.vertices.shape);
+  asked_[row].push_back({&lane, &cell});
+  using Known = query::SoundCells::Known;
+  if (const query::SoundCells* const sound = lane.cells_.sound_cells();
+      sound && cell.sound == Known::unknown &&
+      (cell.sound = sound->known(cell.cell)) == Known::unknown)
+    unsure_[row].push_back({cell.cell, cell.current(lane.moment_), &cell.sound});
+}
+
+/// Of the cells that were asked for.
+void LaneBatch::find_sound() {
+  for (std::size_t row = 0; row < std::size(unsure_); ++row)
+    if (!unsure_[row].empty()) {
+      const Asked& asked = asked_[row].front();
+      asked.lane->cells_.sound_cells()->find(sampler_->mesh().cell_count(),
+                                             asked.cell->vertices.shape, unsure_[row]);
+      unsure_[row].clear();
+    }
 }
 
 void LaneBatch::try_cells() {
+  find_sound();
   for (std::vector<Asked>& asked : asked_) {
     if (asked.empty())
       continue;
@@ -118,24 +136,26 @@ void LaneBatch::try_cells() {
                  asked.front().lane->moment_.steps(), answers_.data());
     for (std::size_t i = 0; i < asked.size(); ++i) {
       LaneVelocity& l = *asked[i].lane;
-      const KeptCell& k = *asked[i].cell;
+      KeptCell& k = *asked[i].cell;
       const LaneAnswer& found = answers_[i];
-      const bool proven = found.margin > found.error;
+      const bool confined = !l.crosses_ && l.confined_.is_on();
+      const Held how =
+          confined ? Held::no : l.cells_.held(k, l.moment_, found.margin, found.error);
       if (l.crosses_) { // see MeshVelocity::locate
-        if (proven) {
-          l.cells_.count_proven();
+        if (how != Held::no) {
+          l.cells_.count(how);
           l.beyond_at_ = {k.cell, found.r};
         } else {
           crossing_.push_back(&l);
         }
         continue;
       }
-      if (l.confined_.is_on()) { // see in_own_cell
+      if (confined) { // see in_own_cell
         l.sampled_ = l.confined_.found(k, found.converged, found.r, found.margin)
                          ? Sampled::inside
                          : Sampled::outside;
-      } else if (proven) {
-        l.cells_.proven_in(k);
+      } else if (how != Held::no) {
+        l.cells_.answered(k, how);
         l.sampled_ = Sampled::inside;
       } else {
         l.cells_.found_outside(found.converged, found.r);
@@ -143,9 +163,11 @@ void LaneBatch::try_cells() {
         continue;
       }
       if (l.sampled_ == Sampled::inside) {
-        l.hint_ = k.cell;
-        const Vec3d r =
-            l.confined_.is_on() ? Confinement::on_faces(k, l.x_, found.r, found.error) : found.r;
+        l.note_place(l.x_, k, found.r, found.margin, found.error);
+        const Vec3d r = confined || how == Held::on_boundary
+                            ? Confinement::on_faces(k, l.x_, found.r, found.error,
+                                                    l.cells_.takes_boundaries())
+                            : found.r;
         if (k.values == 1 || !(r == found.r))
           l.sampled_ = k.interpolate(r, l.moment_, l.v_);
         else {

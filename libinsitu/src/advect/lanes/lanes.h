@@ -69,6 +69,7 @@ private:
     std::int64_t cell;
   };
   void ask(LaneVelocity& lane, KeptCell& cell);
+  void find_sound();
   void ask_guessed();
   void try_cells();
   void try_next();
@@ -76,6 +77,7 @@ private:
 
   const query::Sampler* sampler_;
   std::vector<Asked> asked_[5]; ///< by shape
+  std::vector<query::SoundCells::Asked> unsure_[5]; ///< cells of these, likewise
   std::vector<LaneVelocity*> missed_, lost_, crossing_;
   std::vector<Guessed> guessed_;
   std::vector<LaneQuery> queries_;

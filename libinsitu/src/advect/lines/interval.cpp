@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "advect/field/owners.h"
 #include "advect/integrate/check.h"
 #include "advect/lines/interval_one_by_one.h"
 
@@ -12,6 +13,8 @@ namespace {
 
 /// Particles of a chunk: enough to fill lanes again and again, if there are that many.
 std::int64_t grain_of(std::int64_t particles, const core::Threads& threads) {
+  if (threads.count() == 1)
+    return 1 << 14;
   return std::clamp<std::int64_t>(particles / (4 * threads.count()), 16, 1024);
 }
 
@@ -57,11 +60,16 @@ insitu_ending Interval::store(std::size_t i, const State& p, std::int64_t cell,
     ending = is_before(seeded, t1) ? INSITU_END_LEFT // where there were cells before
                                    : INSITU_END_SEED_OUTSIDE;
   if (ending == INSITU_END_ALIVE && effects_.removes) {
-    const query::Location here =
-        asked_.sampler.locate(p.x, cell, {settings_.accuracy, geometry_alpha});
+    const query::Location here = owner_of(asked_.sampler, beyond_.get(), cell, p.x,
+                                          {settings_.accuracy, geometry_alpha});
     if (here && effects_.removes(here, p.x, std::abs(p.time - seeded)))
       ending = INSITU_END_REMOVED;
   }
+  if (ending != INSITU_END_ALIVE && ending != INSITU_END_LEFT && cell >= 0 &&
+      moves_in_lanes() && result_.blended_geometry) // it may be another one of those at a face
+    if (const query::Location at = owner_of(asked_.sampler, beyond_.get(), cell, p.x,
+                                            {settings_.accuracy, geometry_alpha}))
+      cell = at.cell;
   particles_.set_state(i, p, cell >= 0 || crosses_ ? cell : particles_.cells[i]);
   particles_.endings[i] = std::uint8_t(ending);
   if (asked_.exits && (ending == INSITU_END_LEFT || ending == INSITU_END_SEED_OUTSIDE)) {
@@ -89,10 +97,10 @@ void Interval::run_on_same_cells() {
 Advance Interval::run() {
   if (crosses_)
     run_crossing();
-  else if (asked_.sampler.chart() || setup_)
-    run_on_same_cells();
-  else
+  else if (moves_in_lanes())
     run_in_lanes();
+  else
+    run_on_same_cells();
   for (const LeftAt& at : left_)
     particles_.endings[at.particle] = std::uint8_t(asked_.exits->ending(asked_.sampler, at));
   for (const EffectWork& w : effect_work_)

@@ -54,6 +54,7 @@ private:
     result_.blended_geometry = velocity.blends_geometry();
   }
 
+  bool moves_in_lanes() const { return !crosses_ && !asked_.sampler.chart() && !setup_; }
   void run_in_lanes();
   void run_on_same_cells();
   void run_crossing();

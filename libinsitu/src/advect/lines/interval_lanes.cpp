@@ -20,7 +20,11 @@ void Interval::run_in_lanes() {
         asked_.sampler, begin, end,
         [&](std::deque<LaneVelocity>& to) {
           velocity(
-              [&](auto&&... arguments) { to.emplace_back(arguments...).walk_by(beyond_.get()); });
+              [&](auto&&... arguments) {
+                LaneVelocity& v = to.emplace_back(arguments...);
+                v.walk_by(beyond_.get());
+                v.take_boundaries();
+              });
         },
         [&](std::int64_t i, std::size_t slot, LaneVelocity& v) -> Stepping {
           State& p = states[slot];

@@ -81,6 +81,25 @@ INSITU_HD inline math::Vec3d put_on(mesh::Shape shape, const Decision& decision,
   return decision.is_on_boundary() ? put_on(shape, vertices_of(shape, decision), r) : r;
 }
 
+/// How far parametric coordinates lie from each face of a shape, at most six; returns how many
+/// there are. To rounding the same as parametric_distance of their weights.
+INSITU_HD inline int parametric_distances(mesh::Shape shape, const math::Vec3d& r,
+                                          double* distance) {
+  if (shape == mesh::Shape::hexahedron || shape == mesh::Shape::voxel) {
+    for (int a = 0; a < 3; ++a) {
+      distance[2 * a] = r[a];
+      distance[2 * a + 1] = 1.0 - r[a];
+    }
+    return 6;
+  }
+  double weights[8];
+  shape_functions(shape, r, weights);
+  const int faces = face_table(shape).face_count;
+  for (int f = 0; f < faces; ++f)
+    distance[f] = parametric_distance(shape, f, weights);
+  return faces;
+}
+
 /// Whether a face, or where it goes on beyond the cell, is as near as this to coordinates that may
 /// lie beyond other faces. At the price of a few additions.
 INSITU_HD inline bool is_near_faces(mesh::Shape shape, const math::Vec3d& r, double near) {

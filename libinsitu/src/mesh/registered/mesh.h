@@ -131,6 +131,10 @@ public:
   /// Shows (or hides) the kept coordinates in view(), once the solver moved its own and committed;
   /// the next commit hides them. They stay hidden if no vertex moved.
   void expose_earlier(bool expose, const core::Threads& threads);
+  /// The parts of it: whether the coordinates are shown, by which the largest displacement is
+  /// infinite; and what it is.
+  bool show_earlier(const core::Threads& threads);
+  void find_displacement(const core::Threads& threads);
 
   /// Every registered array, in a fixed order, by the name that the audit gives it.
   enum class ArrayKind { geometry, topology, field };
@@ -187,6 +191,7 @@ private:
   void keep_points(const MeshView& now, const core::Threads& threads);
   void keep_axes(const MeshView& now);
   bool axes_stand(const MeshView& now) const;
+  bool points_stand(const MeshView& now) const;
   bool kept_fits(const MeshView& now) const;
   void make_earlier_points(const core::Threads& threads);
   void set_views();

@@ -1,6 +1,7 @@
 /// What a mesh keeps of the steps before, for pathlines.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mesh/registered/copy_items.h"
 #include "mesh/registered/mesh.h"
@@ -183,14 +184,47 @@ bool Mesh::kept_fits(const MeshView& now) const {
   return true;
 }
 
+/// Whether no vertex moved. Where some did, the first that are looked at mostly tell.
+bool Mesh::points_stand(const MeshView& current) const {
+  math::Vec3d now[few_points];
+  for (std::int32_t p = 0; p < current.piece_count; ++p) {
+    const math::Vec3d* then = earlier_points_.data() + current.first_vertex[p];
+    const std::int64_t count = current.pieces[p].vertex_count;
+    for (std::int64_t from = 0; from < count; from += few_points) {
+      const std::int64_t n = std::min(few_points, count - from);
+      copy_points(current.pieces[p], from, from + n, now);
+      for (std::int64_t i = 0; i < n; ++i)
+        for (int a = 0; a < 3; ++a)
+          if (std::abs(now[i][a] - then[from + i][a]) > 0.0)
+            return false;
+    }
+  }
+  return true;
+}
+
 void Mesh::expose_earlier(bool expose, const core::Threads& threads) {
   hide_earlier();
+  if (expose && show_earlier(threads))
+    find_displacement(threads);
+}
+
+bool Mesh::show_earlier(const core::Threads& threads) {
+  hide_earlier();
   if (stand_in_ && !stand_in_->solver_view())
-    return;
+    return false;
   MeshView& current = shown();
-  if (!expose || !kept_fits(current) || (!earlier_blocks_.empty() && axes_stand(current)))
-    return;
+  if (!kept_fits(current) || (!earlier_blocks_.empty() && axes_stand(current)))
+    return false;
   make_earlier_points(threads);
+  if (points_stand(current))
+    return false; // the current coordinates are the earlier ones
+  current.earlier_points = earlier_points_.data();
+  current.largest_displacement = std::numeric_limits<double>::infinity();
+  return true;
+}
+
+void Mesh::find_displacement(const core::Threads& threads) {
+  MeshView& current = shown();
   double largest = 0.0;
   for (std::int32_t p = 0; p < current.piece_count; ++p) {
     const std::int64_t count = current.pieces[p].vertex_count;
@@ -213,9 +247,6 @@ void Mesh::expose_earlier(bool expose, const core::Threads& threads) {
     for (const double m : most)
       largest = m > largest ? m : largest;
   }
-  if (largest == 0.0)
-    return; // nothing moved: the current coordinates are the earlier ones
-  current.earlier_points = earlier_points_.data();
   current.largest_displacement = largest;
 }
 

@@ -135,6 +135,13 @@ double rounding_in(const mesh::MeshView& mesh, std::int64_t cell, double alpha) 
   return 16.0 * std::numeric_limits<double>::epsilon() * most;
 }
 
+bool bring_into_cell(const mesh::CellVertices& cell, Vec3d& p, double reach) {
+  const std::optional<Vec3d> inside = nearest_in(cell, p, reach);
+  if (inside)
+    p = *inside;
+  return bool(inside);
+}
+
 Location bring_inside(const Sampler& sampler, Vec3d& p, double reach,
                       const LocateOptions& options) {
   if (!(reach > 0.0))

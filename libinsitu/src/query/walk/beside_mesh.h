@@ -17,4 +17,7 @@ double rounding_in(const mesh::MeshView& mesh, std::int64_t cell, double alpha);
 Location bring_inside(const Sampler& sampler, math::Vec3d& p, double reach,
                       const LocateOptions& options = {});
 
+/// The same for a point that is to come into this cell, of which only it is asked: whether it did.
+bool bring_into_cell(const mesh::CellVertices& cell, math::Vec3d& p, double reach);
+
 } // namespace insitu::query

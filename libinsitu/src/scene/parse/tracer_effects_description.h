@@ -66,6 +66,9 @@ struct TracerEffects {
   std::optional<WallEffect> boundary;
   std::optional<double> age_limit;
   std::optional<RemoveEffect> remove;
+
+  /// Whether particles go other ways than the flow's.
+  bool moves() const { return diffusion || settling || windage || inertia || boundary; }
 };
 
 } // namespace insitu::scene

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "advect/field/owners.h"
+
 namespace insitu::scene {
 
 const TrackRows& ParticleCycle::rows_at(std::size_t k) {
@@ -79,21 +81,40 @@ TrackRows ParticleCycle::make_rows_at(std::size_t k) const {
   return out;
 }
 
+/// Where the particles with these indices are, by their owners; none of those that are outside.
+std::vector<query::Location>
+ParticleCycle::places(const std::vector<std::size_t>& indices) const {
+  const advect::Particles& p = particles();
+  const query::Sampler sampler = mesh_.sampler();
+  const auto beyond =
+      advect::CellsBeyond::worth(sampler, std::int64_t(moved_.mesh_moved ? indices.size() : 0));
+  query::LocateOptions options;
+  options.accuracy = moved_.tracer.accuracy();
+  std::vector<query::Location> places(indices.size());
+  moved_.tracer.threads().parallel_for(
+      std::int64_t(indices.size()), 512, [&](std::int64_t begin, std::int64_t end) {
+        for (auto r = std::size_t(begin); r < std::size_t(end); ++r)
+          places[r] = advect::owner_of(sampler, beyond.get(), p.cells[indices[r]],
+                                       p.positions[indices[r]], options);
+      });
+  return places;
+}
+
 /// Rows of the particles with these indices, as they are.
 TrackRows ParticleCycle::make_rows(const std::vector<std::size_t>& indices) const {
   const advect::Particles& p = particles();
-  std::vector<math::Vec3d> points;
-  std::vector<std::int64_t> cells;
-  for (const std::size_t i : indices) {
-    points.push_back(p.positions[i]);
-    cells.push_back(p.cells[i]);
-  }
   TrackRows out = no_rows();
-  out.values = moved_.tracer.sample(mesh_, moved_.tracer.fields(mesh_), points, cells);
+  const std::vector<mesh::FieldView> fields = moved_.tracer.fields(mesh_);
+  std::vector<query::Location> at(indices.size());
+  if (!fields.empty() || moved_.mesh_moved)
+    at = places(indices);
+  out.values = moved_.tracer.values_at(mesh_, fields, at);
   for (std::size_t r = 0; r < indices.size(); ++r) {
     const std::size_t i = indices[r];
-    out.rows.push_back(track_row(p.ids[i], p.times[i], points[r],
-                                 own_cell(mesh_, cells[r], points[r]),
+    const bool is_told = moved_.mesh_moved && at[r] && p.endings[i] == INSITU_END_ALIVE;
+    const std::int64_t cell = is_told ? at[r].cell : p.cells[i];
+    out.rows.push_back(track_row(p.ids[i], p.times[i], p.positions[i],
+                                 own_cell(mesh_, cell, p.positions[i]),
                                  insitu_ending(p.endings[i])));
   }
   add_geodesics(out, [&](std::size_t r, double* to) { geodesics().put(out.rows[r].particle, to); });

@@ -20,6 +20,8 @@ struct MovedParticles {
   std::span<const DueTime> times;     ///< of the tracer's own, that this cycle reaches
   const advect::Snapshots* snapshots; ///< the particles at those times; null without any
   StepInterval interval;
+  /// The mesh has moved under them: the cell of a particle on a face may be any of those there.
+  bool mesh_moved;
 };
 
 /// What the writers see of a cycle of path- and streaklines. The rows that one asked for last are
@@ -46,6 +48,7 @@ private:
   TrackRows no_rows() const;
   TrackRows make_rows_at(std::size_t k) const;
   TrackRows make_rows(const std::vector<std::size_t>& indices) const;
+  std::vector<query::Location> places(const std::vector<std::size_t>& indices) const;
   template <class Put>
   void add_geodesics(TrackRows& out, Put&& put) const;
 

@@ -219,10 +219,14 @@ private:
     std::vector<mesh::FieldView> earlier;
     if (earlier_steps(mesh, step) > 0)
       earlier = mesh.mesh().earlier_fields(tracer_.velocity.text);
-    mesh.look_for_folds(context.threads); // particles ask with hints
+    if (tracer_.effects.moves() || !mesh.tells_sound_cells())
+      mesh.look_for_folds(context.threads); // particles ask with hints
     mesh.find_neighbours_if_due(context.threads);
-    mesh.mesh().expose_earlier(!earlier.empty(), context.threads);
-    const auto hide = [&] { mesh.mesh().expose_earlier(false, context.threads); };
+    const auto hide = [&] { mesh.hide_earlier(context.threads); };
+    if (earlier.empty())
+      hide();
+    else
+      mesh.show_earlier(context.threads);
     std::optional<advect::StepBefore> before;
     try {
       if (interval_.other_cells)
@@ -236,9 +240,11 @@ private:
       const auto left_out = [&] { return cells_.left_out(mesh, context.threads); };
       advect::Exits exits(mesh.sampler(), left_out, accuracy());
       particles_.tell_exits_by(&exits);
-      note_steps(step, particles_.advance(sampler, velocity, {earlier, step.times_before}, settled_,
-                                          step.time, context.threads, snapshots(),
-                                          before ? &*before : nullptr));
+      const advect::Advance advance =
+          particles_.advance(sampler, velocity, {earlier, step.times_before}, settled_, step.time,
+                             context.threads, snapshots(), before ? &*before : nullptr);
+      note_steps(step, advance);
+      mesh_moved_ = mesh_moved_ || advance.blended_geometry;
     } catch (...) {
       particles_.tell_exits_by(nullptr);
       hide();
@@ -253,8 +259,8 @@ private:
 
   void write(const commit::CommittedMesh& mesh, const Step& step, bool due) {
     ParticleCycle cycle(
-        {*this, particles_.particles(), geodesics_, due_times_, snapshots(), interval_}, mesh, step,
-        due);
+        {*this, particles_.particles(), geodesics_, due_times_, snapshots(), interval_, mesh_moved_},
+        mesh, step, due);
     Failures failures;
     bool keep = false;
     for (const auto& writer : writers_) {
@@ -278,6 +284,7 @@ private:
   StepInterval interval_;
   std::vector<std::unique_ptr<TrackWriter>> writers_;
   bool seeded_ = false;
+  bool mesh_moved_ = false; ///< under the particles, ever
   double settled_ = 0.0; ///< the time that the particles are at
   int served_steps_ = 0; ///< through which the velocity was interpolated last
   std::uint64_t topology_ = 0;

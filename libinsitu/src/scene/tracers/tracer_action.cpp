@@ -155,20 +155,34 @@ std::vector<double> TracerAction::sample(const commit::CommittedMesh& mesh,
                                          std::span<const mesh::FieldView> fields,
                                          std::span<const math::Vec3d> points,
                                          std::span<const std::int64_t> cells) const {
-  std::size_t width = 0;
-  for (const mesh::FieldView& f : fields)
-    width += std::size_t(f.components);
-  std::vector<double> values(points.size() * width, std::numeric_limits<double>::quiet_NaN());
-  if (width == 0)
-    return values;
+  std::vector<query::Location> places(points.size());
   const query::Sampler sampler = mesh.sampler();
   query::LocateOptions options;
   options.accuracy = tracer_.accuracy;
+  if (!fields.empty())
+    environment_.context.threads.parallel_for(
+        std::int64_t(points.size()), 512, [&](std::int64_t begin, std::int64_t end) {
+          for (auto i = std::size_t(begin); i < std::size_t(end); ++i)
+            places[i] = sampler.locate(points[i], cells[i], options);
+        });
+  return values_at(mesh, fields, places);
+}
+
+std::vector<double> TracerAction::values_at(const commit::CommittedMesh& mesh,
+                                            std::span<const mesh::FieldView> fields,
+                                            std::span<const query::Location> places) const {
+  std::size_t width = 0;
+  for (const mesh::FieldView& f : fields)
+    width += std::size_t(f.components);
+  std::vector<double> values(places.size() * width, std::numeric_limits<double>::quiet_NaN());
+  if (width == 0)
+    return values;
+  const query::Sampler sampler = mesh.sampler();
   environment_.context.threads.parallel_for(
-      std::int64_t(points.size()), 512, [&](std::int64_t begin, std::int64_t end) {
+      std::int64_t(places.size()), 512, [&](std::int64_t begin, std::int64_t end) {
         for (auto i = std::size_t(begin); i < std::size_t(end); ++i)
-          if (const query::Location at = sampler.locate(points[i], cells[i], options))
-            sampler.interpolate(fields, at, values.data() + i * width);
+          if (places[i])
+            sampler.interpolate(fields, places[i], values.data() + i * width);
       });
   return values;
 }

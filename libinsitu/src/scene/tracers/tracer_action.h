@@ -43,6 +43,10 @@ public:
                              std::span<const mesh::FieldView> fields,
                              std::span<const math::Vec3d> points,
                              std::span<const std::int64_t> cells) const;
+  /// The same at places, [place][column], NaN outside.
+  std::vector<double> values_at(const commit::CommittedMesh& mesh,
+                                std::span<const mesh::FieldView> fields,
+                                std::span<const query::Location> places) const;
 
 protected:
   bool writes(TableFormat format) const;
