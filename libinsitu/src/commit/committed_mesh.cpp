@@ -35,10 +35,11 @@ std::uint64_t next_id() {
 
 CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
     : id_(next_id()), mesh_(name, memory), tree_(memory), locators_(memory), order_(memory),
-      memory_(&memory), fit_(tree_, mesh_, policy_, odd_cells_), on_demand_(memory),
+      memory_(&memory), fit_(tree_, mesh_, policy_, odd_cells_), sound_(memory),
       earlier_cells_(memory) {
   on_demand_.tree = &fit_;
   on_demand_.displacement = &displacement_;
+  on_demand_.sound = &sound_;
 }
 
 void CommittedMesh::require_a_commit() const {
@@ -138,7 +139,7 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
   folds_are_known_ = true;
   odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);
   enter_topology(threads);
-  on_demand_.sound.begin(c.inverted_cells > c.cells - c.ghost_cells - c.inverted_cells -
+  sound_.begin(c.inverted_cells > c.cells - c.ghost_cells - c.inverted_cells -
                                                 c.folded_cells - c.zero_volume_cells);
 }
 
@@ -148,7 +149,7 @@ void CommittedMesh::enter_topology(const core::Threads& threads) {
   forget_neighbours();
   on_demand_.facts.forget();
   on_demand_.steps.forget();
-  on_demand_.sound.end();
+  sound_.end();
   ++topology_version_;
 }
 
@@ -292,7 +293,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
       mesh_.set_covers_once(false);
       ++geometry_version_;
       on_demand_.facts.forget();
-      on_demand_.sound.forget();
+      sound_.forget();
     }
     if (lies_on_device())
       commit_on_device(pending, report, threads, log);

@@ -203,6 +203,7 @@ private:
   TreePolicy policy_;
   TreeFit fit_; ///< of tree_
   Displacement displacement_{mesh_};
+  query::SoundCells sound_;
   query::OnDemand on_demand_;
   std::int64_t located_before_ = 0;            ///< points, when the policy was last told
   mutable std::atomic<std::int64_t> drawn_{0}; ///< points, for frames since then
@@ -217,12 +218,7 @@ private:
   // The earlier step, for pathlines (committed_mesh_earlier.cpp).
   mesh::CellsCopy earlier_cells_;
   std::uint64_t earlier_cells_version_ = 0; ///< topology_version() of that copy
-  struct {
-    bool with_cells = false, covers_once = false;
-    std::uint64_t tree_version = 0;
-    cells::OddCells odd;
-    std::optional<query::ChartImage> chart;
-  } kept_; ///< with the step
+  EarlierMesh::Kept kept_; ///< with the step
   std::unique_ptr<EarlierMesh> earlier_mesh_;
   std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,
                 geometry_version_ = 0;

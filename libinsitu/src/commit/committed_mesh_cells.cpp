@@ -52,7 +52,7 @@ void CommittedMesh::forget_neighbours() {
 /// good as one piece.
 void CommittedMesh::set_odd_cells(cells::OddCells odd, const core::Threads& threads) {
   folds_are_known_ = true;
-  on_demand_.sound.close();
+  sound_.close();
   const mesh::MeshView& view = mesh_.view();
   if (view.piece_count != 1 && !view.one_mesh && !is_copied() && odd.few && !tree_.empty())
     mesh_.set_one_mesh(pieces_are_apart(view, tree(), threads));

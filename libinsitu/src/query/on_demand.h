@@ -41,13 +41,11 @@ private:
 
 /// What a committed mesh finds out when it is first asked for it.
 struct OnDemand {
-  explicit OnDemand(core::Memory& memory) : sound(memory) {}
-
   const PutOff* tree = nullptr; ///< the fit of its boxes to vertices that moved
   const PutOff* displacement = nullptr; ///< MeshView::largest_displacement
   FactsCache facts;
   NumberStepsCache steps;
-  SoundCells sound;
+  const SoundCells* sound = nullptr;
 };
 
 } // namespace insitu::query

@@ -87,9 +87,9 @@ const accel::OddSlots& Sampler::odd() const {
 }
 
 const SoundCells* Sampler::sound_cells(bool moves) const {
-  return on_demand_ && !mesh_->free_of_folds && (mesh_->piece_count == 1 || mesh_->one_mesh) &&
-                 on_demand_->sound.serves(moves)
-             ? &on_demand_->sound
+  return on_demand_ && on_demand_->sound && !mesh_->free_of_folds &&
+                 (mesh_->piece_count == 1 || mesh_->one_mesh) && on_demand_->sound->serves(moves)
+             ? on_demand_->sound
              : nullptr;
 }
 

@@ -62,8 +62,9 @@ public:
   }
 
   /// The same on other cells, by their tree alone; both must outlive it.
-  Sampler in(const mesh::MeshView& cells, const accel::Tree& tree) const {
-    return {cells, tree, order_, counts_, nullptr, chart_};
+  Sampler in(const mesh::MeshView& cells, const accel::Tree& tree,
+             const OnDemand* on_demand = nullptr) const {
+    return {cells, tree, order_, counts_, nullptr, chart_, nullptr, on_demand};
   }
 
   /// The same for points of which only those in some cells matter; all others come out as outside.

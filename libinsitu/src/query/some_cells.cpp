@@ -49,10 +49,16 @@ void SomeCells::update(const mesh::MeshView& mesh, const core::Threads& threads,
   takes_others_ = other_in;
   view_ = mesh;
   (void)of(Sampler(mesh, tree_));
-  if (differs)
+  if (differs || changed != Changed::nothing)
+    on_demand_.facts.forget();
+  if (changed == Changed::topology)
+    on_demand_.steps.forget();
+  if (differs) {
+    fit_.set(false, 1);
     tree_.build(view_, threads, accel::Builder::automatic);
-  else if (changed == Changed::geometry && !tree_.empty())
-    tree_.refit(view_, threads);
+  } else if (changed == Changed::geometry && !tree_.empty()) {
+    fit_.set(true, threads.count());
+  }
 }
 
 Sampler SomeCells::of(const Sampler& whole) {
@@ -66,7 +72,8 @@ Sampler SomeCells::of(const Sampler& whole) {
   view_.pieces = pieces_.data();
   if (takes_others_) // nobody has validated these
     view_.free_of_folds = view_.covers_once = view_.one_mesh = false;
-  return whole.in(view_, tree_);
+  on_demand_.sound = whole.on_demand() && !takes_others_ ? whole.on_demand()->sound : nullptr;
+  return whole.in(view_, tree_, &on_demand_);
 }
 
 } // namespace insitu::query

@@ -30,6 +30,7 @@ public:
   void close() { is_open_ = false; }
   /// There are no cells that could be asked for.
   void end() { is_there_ = false; }
+  bool are_inverted() const { return are_inverted_; }
   /// Whether cells can be asked for; moves: for geometry between two steps.
   bool serves(bool moves) const { return is_there_ && (is_open_ || moves); }
 

@@ -5,18 +5,31 @@
 namespace insitu::commit {
 
 EarlierMesh::EarlierMesh(mesh::TakenStep step, mesh::CellsCopy cells, accel::Tree tree, bool refit,
-                         const cells::OddCells& odd, bool covers_once,
-                         const std::optional<query::ChartImage>& chart,
-                         std::uint64_t topology_version, const core::Threads& threads)
-    : step_(std::move(step)), cells_(std::move(cells)), chart_(chart),
+                         const Kept& kept, std::uint64_t topology_version, core::Memory& memory,
+                         const core::Threads& threads)
+    : step_(std::move(step)), cells_(std::move(cells)), chart_(kept.chart),
       own_view_(cells_->on(step_.points.data())), view_(&own_view_), tree_(std::move(tree)),
       topology_version_(topology_version) {
-  own_view_.free_of_folds = odd.none();
-  own_view_.covers_once = covers_once;
-  if (refit) {
+  sound_.emplace(memory).begin(kept.are_inverted);
+  if (!kept.folds_are_known)
+    sound_->forget();
+  on_demand_.tree = &fit_;
+  on_demand_.sound = &*sound_;
+  own_view_.free_of_folds = kept.odd.none();
+  own_view_.covers_once = kept.covers_once;
+  if (!refit)
+    return;
+  if (kept.odd.ids.empty()) {
+    tree_.mark_odd(own_view_, {}, threads);
+    fit_.put_off(threads.count());
+  } else {
     tree_.refit(own_view_, threads);
-    tree_.mark_odd(own_view_, odd.ids, threads);
+    tree_.mark_odd(own_view_, kept.odd.ids, threads);
   }
+}
+
+void EarlierMesh::Fit::do_it() const {
+  mesh_.tree_.refit(mesh_.own_view_, core::Threads(threads_));
 }
 
 EarlierMesh::EarlierMesh(mesh::TakenStep step, std::unique_ptr<StandIn> made, accel::Tree tree,
@@ -58,8 +71,12 @@ std::unique_ptr<EarlierMesh> EarlierMesh::restored(const mesh::EarlierStep& step
   tree.build(view, threads, accel::Builder::automatic);
   tree.mark_odd(view, odd.ids, threads);
   tree.release_scratch();
+  Kept kept;
+  kept.folds_are_known = true;
+  kept.odd = odd;
+  kept.chart = chart;
   return std::make_unique<EarlierMesh>(std::move(taken), std::move(cells), std::move(tree), false,
-                                       odd, false, chart, 0, threads);
+                                       kept, 0, memory, threads);
 }
 
 std::optional<mesh::FieldView> EarlierMesh::field(const std::string& name) const {

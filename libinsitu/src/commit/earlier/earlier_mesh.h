@@ -12,6 +12,7 @@
 #include "mesh/registered/cells_copy.h"
 #include "mesh/registered/earlier_step.h"
 #include "query/chart_image.h"
+#include "query/on_demand.h"
 #include "query/sampler.h"
 
 namespace insitu::commit {
@@ -20,12 +21,19 @@ namespace insitu::commit {
 /// solver's. It is there until particles have gone from it to the cells that follow.
 class EarlierMesh {
 public:
+  /// What was known of the step's cells.
+  struct Kept {
+    bool with_cells = false, covers_once = false;
+    bool folds_are_known = false, are_inverted = false; ///< most of them: query::SoundCells
+    std::uint64_t tree_version = 0;                     ///< CommittedMesh's then
+    cells::OddCells odd;                                ///< a few cells that the tree marks
+    std::optional<query::ChartImage> chart; ///< of a geodetic mesh, whose cells are of its images
+  };
   /// Of cells of the solver's. tree: of these cells, where their vertices were when it was fitted
-  /// last; fitted anew if told so. odd: a few cells that it marks (cells::OddCells). chart: of a
-  /// geodetic mesh, whose cells are those of its images. topology_version: CommittedMesh's then.
+  /// last; if told so, it is fitted anew when it is first asked. topology_version: CommittedMesh's
+  /// then.
   EarlierMesh(mesh::TakenStep step, mesh::CellsCopy cells, accel::Tree tree, bool refit,
-              const cells::OddCells& odd, bool covers_once,
-              const std::optional<query::ChartImage>& chart, std::uint64_t topology_version,
+              const Kept& kept, std::uint64_t topology_version, core::Memory& memory,
               const core::Threads& threads);
   /// Of cells that were made (StandIn::is_made), which nothing moves.
   EarlierMesh(mesh::TakenStep step, std::unique_ptr<StandIn> made, accel::Tree tree,
@@ -38,14 +46,34 @@ public:
 
   /// Its counts are no mesh's.
   query::Sampler sampler() const {
-    return {*view_,  tree_, nullptr, nullptr, made_ ? made_->locator() : nullptr,
-            chart_ ? &*chart_ : nullptr};
+    return {*view_,
+            tree_,
+            nullptr,
+            nullptr,
+            made_ ? made_->locator() : nullptr,
+            chart_ ? &*chart_ : nullptr,
+            nullptr,
+            made_ ? nullptr : &on_demand_};
   }
   /// A field on these cells, if it was kept.
   std::optional<mesh::FieldView> field(const std::string& name) const;
   std::uint64_t topology_version() const { return topology_version_; }
 
 private:
+  class Fit final : public query::PutOff {
+  public:
+    explicit Fit(EarlierMesh& mesh) : mesh_(mesh) {}
+    void put_off(int threads) {
+      threads_ = threads;
+      set_due(true);
+    }
+
+  private:
+    void do_it() const override;
+    EarlierMesh& mesh_;
+    int threads_ = 1;
+  };
+
   mesh::TakenStep step_;
   std::optional<mesh::CellsCopy> cells_; ///< not of cells that were made
   std::unique_ptr<StandIn> made_;
@@ -54,6 +82,9 @@ private:
   const mesh::MeshView* view_;
   accel::Tree tree_;
   std::uint64_t topology_version_;
+  Fit fit_{*this};
+  std::optional<query::SoundCells> sound_; ///< not of cells that were made
+  query::OnDemand on_demand_;
 };
 
 } // namespace insitu::commit
