@@ -139,8 +139,8 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
   folds_are_known_ = true;
   odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);
   enter_topology(threads);
-  sound_.begin(c.inverted_cells > c.cells - c.ghost_cells - c.inverted_cells -
-                                                c.folded_cells - c.zero_volume_cells);
+  sound_.begin(c.inverted_cells >
+               c.cells - c.ghost_cells - c.inverted_cells - c.folded_cells - c.zero_volume_cells);
 }
 
 /// From here on the cells are others.

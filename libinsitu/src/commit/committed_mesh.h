@@ -218,7 +218,7 @@ private:
   // The earlier step, for pathlines (committed_mesh_earlier.cpp).
   mesh::CellsCopy earlier_cells_;
   std::uint64_t earlier_cells_version_ = 0; ///< topology_version() of that copy
-  EarlierMesh::Kept kept_; ///< with the step
+  EarlierMesh::Kept kept_;                  ///< with the step
   std::unique_ptr<EarlierMesh> earlier_mesh_;
   std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,
                 geometry_version_ = 0;

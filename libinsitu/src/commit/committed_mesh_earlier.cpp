@@ -46,8 +46,10 @@ void CommittedMesh::keep_earlier(const std::vector<mesh::KeptField>& fields, boo
     return release_earlier();
   earlier_mesh_.reset();
   mesh_.keep_earlier(fields, threads);
-  kept_ = {with_cells,    mesh_.view().covers_once, folds_are_known_, sound_.are_inverted(),
-           tree_version_, odd_cells_,               chart()};
+  kept_ = {with_cells,       mesh_.view().covers_once,
+           folds_are_known_, sound_.are_inverted(),
+           tree_version_,    odd_cells_,
+           chart()};
   if (!kept_.with_cells || is_made()) {
     earlier_cells_.release();
   } else if (earlier_cells_.empty() || earlier_cells_version_ != topology_version_) {
@@ -67,9 +69,9 @@ void CommittedMesh::part_from_earlier(const core::Threads& threads) {
     earlier_mesh_ = std::make_unique<EarlierMesh>(std::move(step), std::move(stand_in_),
                                                   tree_.take(), topology_version_, threads);
   else if (whole && !earlier_cells_.empty() && !tree_is_stale_ && !fit_.is_broken())
-    earlier_mesh_ = std::make_unique<EarlierMesh>(std::move(step), std::move(earlier_cells_),
-                                                  tree_.take(), moved, kept_, topology_version_,
-                                                  *memory_, threads);
+    earlier_mesh_ =
+        std::make_unique<EarlierMesh>(std::move(step), std::move(earlier_cells_), tree_.take(),
+                                      moved, kept_, topology_version_, *memory_, threads);
   earlier_cells_ = mesh::CellsCopy(*memory_);
   kept_ = {};
 }

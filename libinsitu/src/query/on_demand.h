@@ -41,7 +41,7 @@ private:
 
 /// What a committed mesh finds out when it is first asked for it.
 struct OnDemand {
-  const PutOff* tree = nullptr; ///< the fit of its boxes to vertices that moved
+  const PutOff* tree = nullptr;         ///< the fit of its boxes to vertices that moved
   const PutOff* displacement = nullptr; ///< MeshView::largest_displacement
   FactsCache facts;
   NumberStepsCache steps;

@@ -56,8 +56,8 @@ public:
   /// From now on a point of a mesh that moves may be on the boundary of the cell that it is looked
   /// for in, to rounding, and that cell answers, for what is the same in all cells there.
   void take_boundaries(const Moment& moment) {
-    takes_boundaries_ = moment.moves() && !moment.is_by_cell() && serves() &&
-                        moment.accuracy() != INSITU_EXACT;
+    takes_boundaries_ =
+        moment.moves() && !moment.is_by_cell() && serves() && moment.accuracy() != INSITU_EXACT;
   }
   bool takes_boundaries() const { return takes_boundaries_; }
   /// Begins with a new particle: what is kept of another one's way must not decide where cells
@@ -81,7 +81,8 @@ public:
   }
   /// How a kept cell holds a point of which an inverse map found this.
   Held held(KeptCell& k, const Moment& moment, double margin, double error) {
-    constexpr double rounding = 1e-9; // so near to a face coordinates are put on it (put_on_nearest)
+    constexpr double rounding =
+        1e-9; // so near to a face coordinates are put on it (put_on_nearest)
     const bool inside = margin > error;
     if ((inside ||
          (takes_boundaries_ && error < rounding && cells::is_on_boundary(margin, error))) &&
@@ -106,9 +107,9 @@ public:
     return *kept_[last_];
   }
 
-  /// Finds the kept cell that holds x, and calls found(cell, inverse map, how). False, and it is not
-  /// called: the sampler has to be asked. hint: the last cell of a particle whose
-  /// first point this is, or -1.
+  /// Finds the kept cell that holds x, and calls found(cell, inverse map, how). False, and it is
+  /// not called: the sampler has to be asked. hint: the last cell of a particle whose first point
+  /// this is, or -1.
   template <class Found>
   [[gnu::always_inline]] bool prove(const math::Vec3d& x, std::int64_t hint, const Moment& moment,
                                     const Found& found) {
@@ -218,16 +219,16 @@ private:
   void load(KeptCell& k, std::int64_t cell, const Moment& moment) const;
 
   const query::Sampler* sampler_;
-  query::ProofRule proof_; ///< of all coordinates between the steps
+  query::ProofRule proof_;         ///< of all coordinates between the steps
   const query::SoundCells* sound_; ///< instead, or null
   const CellsBeyond* beyond_ = nullptr;
   bool takes_boundaries_ = false;
   bool lacks_guide_ = false; ///< the guesses tell little, and a table would be better
   bool outside_known_ = false;
-  math::Vec3d outside_;       ///< coordinates in the cell that was tried last
-  std::int64_t proven_ = 0;   ///< points located without the sampler
+  math::Vec3d outside_;          ///< coordinates in the cell that was tried last
+  std::int64_t proven_ = 0;      ///< points located without the sampler
   std::int64_t on_boundary_ = 0; ///< the same, on boundaries
-  std::int64_t unguided_ = 0; ///< points for which the sampler was asked for want of a guide
+  std::int64_t unguided_ = 0;    ///< points for which the sampler was asked for want of a guide
   KeptCell cells_[3];
   KeptCell* kept_[2] = {&cells_[0], &cells_[1]};
   KeptCell* own_ = &cells_[2];

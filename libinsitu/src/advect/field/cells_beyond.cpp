@@ -67,7 +67,7 @@ CellsBeyond::CellsBeyond(const query::Sampler& sampler) : neighbours_(sampler.ne
     return;
   }
   const mesh::MeshView& mesh = sampler.mesh();
-  if ((!query::ProofRule(mesh, sampler.odd(), {}).for_some() && 
+  if ((!query::ProofRule(mesh, sampler.odd(), {}).for_some() &&
        !sampler.sound_cells(mesh.earlier_points != nullptr)) ||
       mesh.cell_count() == 0)
     return;

@@ -79,8 +79,8 @@ bool Confinement::start(CellCache& cells, const Moment& moment, const Vec3d& x,
   if ((is_known ? place.margin : depth(*own, x)) < 1e-9) { // of the cells at the face, the one
     const Vec3d way = way_in(cells, moment, towards);      // that is entered
     const Vec3d on = x + part_of_cell(way, own->extent(moment), little_way);
-    if (const query::Location at = cells.takes_boundaries() ? beside_own(cells, moment, on)
-                                                            : moment.locate(on, cell);
+    if (const query::Location at =
+            cells.takes_boundaries() ? beside_own(cells, moment, on) : moment.locate(on, cell);
         at && at.cell != cell && cells.can_keep(at.cell))
       own = &cells.take_own(at.cell, moment);
     along_ = faces_along(*own, moment, x, way, most_way(cells, moment, way));
@@ -193,10 +193,9 @@ Crossed Confinement::enter(CellCache& cells, const Moment& moment, const Vec3d& 
     return Crossed::nowhere;
   const KeptCell& own = cells.take_own(at.cell, moment);
   // It may still be on another face than that it came through.
-  along_ =
-      is_on_face(own.vertices.shape, at.parametric)
-          ? faces_along(own, moment, x, towards_, most_way(cells, moment, towards_))
-          : 0;
+  along_ = is_on_face(own.vertices.shape, at.parametric)
+               ? faces_along(own, moment, x, towards_, most_way(cells, moment, towards_))
+               : 0;
   return Crossed::into_next;
 }
 
@@ -212,8 +211,8 @@ Crossed Confinement::cross(CellCache& cells, const Moment& moment, const Vec3d& 
     const Vec3d extent = own.extent(moment);
     for (double part = 1e-8; part < 1e-4; part *= 10.0) {
       const Vec3d y = face.point + part_of_cell(face.normal, extent, part);
-      const query::Location out = cells.takes_boundaries() ? beside_own(cells, moment, y)
-                                                           : moment.locate(y, own.cell);
+      const query::Location out =
+          cells.takes_boundaries() ? beside_own(cells, moment, y) : moment.locate(y, own.cell);
       if (!out || out.cell != own.cell)
         return enter(cells, moment, x, out);
     }

@@ -62,7 +62,8 @@ public:
 
   /// Where a particle goes in the own cell: of a mesh that moves, against its material, if cells
   /// take boundaries.
-  math::Vec3d way_in(const CellCache& cells, const Moment& moment, const math::Vec3d& towards) const;
+  math::Vec3d way_in(const CellCache& cells, const Moment& moment,
+                     const math::Vec3d& towards) const;
 
   // The parts of a CellwiseField's cross(): a place a little way on from x, the cell that holds it,
   // and what follows from where it is.
@@ -97,10 +98,10 @@ private:
   bool landed_ = false; ///< the particle has just come to a face of the own cell
   /// Faces of the own cell, a bit each, along which the particle goes: they are no ends of its way.
   unsigned along_ = 0;
-  double depth_ = 0.0;  ///< of the point that was found last
-  math::Vec3d r_;       ///< in the own cell, of the point asked last
+  double depth_ = 0.0;       ///< of the point that was found last
+  math::Vec3d r_;            ///< in the own cell, of the point asked last
   math::Vec3d least_, most_; ///< of the coordinates found since the step began
-  math::Vec3d towards_; ///< where the particle goes, at the face that it comes to
+  math::Vec3d towards_;      ///< where the particle goes, at the face that it comes to
 };
 
 } // namespace insitu::advect

@@ -26,8 +26,9 @@ query::Location MeshBoundary::beside(const Moment& moment, const Vec3d& x, std::
 
 bool MeshBoundary::beside_cell(const Moment& moment, const Vec3d& x, const KeptCell& cell) {
   Vec3d inside = x;
-  if (!query::bring_into_cell(cell.vertices, inside,
-                              query::rounding_in(moment.mesh(), cell.cell, moment.geometry_alpha())))
+  if (!query::bring_into_cell(
+          cell.vertices, inside,
+          query::rounding_in(moment.mesh(), cell.cell, moment.geometry_alpha())))
     return false;
   beside_ = x;
   alpha_ = moment.geometry_alpha();

@@ -19,8 +19,7 @@ Sampled MeshVelocity::in_own_cell(const Vec3d& x, Vec3d& v, query::Location* whe
   if (!confined_.found(own, map.converged, map.r, map.margin))
     return Sampled::outside;
   note_place(x, own, map.r, map.margin, map.error);
-  const Vec3d r =
-      Confinement::on_faces(own, x, map.r, map.error, cells_.takes_boundaries());
+  const Vec3d r = Confinement::on_faces(own, x, map.r, map.error, cells_.takes_boundaries());
   if (where)
     *where = {own.cell, r};
   return own.interpolate(r, moment_, v);
@@ -89,9 +88,8 @@ Vec3d MeshVelocity::kept_inside(const Vec3d& x) {
     return boundary_.inside();
   if (moment_.locate(x, is_free ? hint_ : cells_.own().cell))
     return x;
-  return beside_mesh(x, is_free ? 0.0 : confined_.reach(cells_.own(), moment_))
-             ? boundary_.inside()
-             : x;
+  return beside_mesh(x, is_free ? 0.0 : confined_.reach(cells_.own(), moment_)) ? boundary_.inside()
+                                                                                : x;
 }
 
 bool MeshVelocity::stays_in_own(const Vec3d& x, double t) {
@@ -117,7 +115,7 @@ Vec3d MeshVelocity::kept_inside(const Vec3d& x, double t) {
   if (is_kept_in_mesh(y) || (cells_.takes_boundaries() && cells_.hold(y, moment_)))
     return y;
   return !is_beside_kept(y) && (moment_.locate(y, cell_) || !beside_mesh(y)) ? y
-                                                                            : boundary_.inside();
+                                                                             : boundary_.inside();
 }
 
 Vec3d MeshVelocity::extent() {

@@ -129,9 +129,8 @@ protected:
     Sampled sampled;
     const auto found = [&](const KeptCell& k, const auto& map, Held how) {
       note_place(x, k, map.r, map.margin, map.error);
-      const math::Vec3d r = how == Held::inside
-                                ? map.r
-                                : Confinement::on_faces(k, x, map.r, map.error, true);
+      const math::Vec3d r =
+          how == Held::inside ? map.r : Confinement::on_faces(k, x, map.r, map.error, true);
       if constexpr (tells_where)
         *at = {k.cell, r};
       sampled = k.interpolate(r, moment_, v);

@@ -57,9 +57,11 @@ CellsAbout cells_about(const mesh::MeshView& mesh, const CellsBeyond& beyond, st
         face[v] = ids[table.faces[f].vertices[v]];
       if (k == 0 ? (on & ~vertices_of(table.faces[f])) != 0 : !are_among(feature, corners, face, n))
         continue;
-      const std::int64_t flat = beyond.across(about.cells[k], shape, f), to = flat - mesh.first_cell[p];
+      const std::int64_t flat = beyond.across(about.cells[k], shape, f),
+                         to = flat - mesh.first_cell[p];
       if (flat < 0 || to < 0 || to >= piece.cell_count || !piece.owns(to) ||
-          piece.shape(to) == Shape::none || !are_among(face, n, others, piece.vertex_ids(to, others)))
+          piece.shape(to) == Shape::none ||
+          !are_among(face, n, others, piece.vertex_ids(to, others)))
         return about;
       if (std::find(about.cells, about.cells + about.count, flat) != about.cells + about.count)
         continue;

@@ -139,8 +139,7 @@ void LaneBatch::try_cells() {
       KeptCell& k = *asked[i].cell;
       const LaneAnswer& found = answers_[i];
       const bool confined = !l.crosses_ && l.confined_.is_on();
-      const Held how =
-          confined ? Held::no : l.cells_.held(k, l.moment_, found.margin, found.error);
+      const Held how = confined ? Held::no : l.cells_.held(k, l.moment_, found.margin, found.error);
       if (l.crosses_) { // see MeshVelocity::locate
         if (how != Held::no) {
           l.cells_.count(how);
@@ -164,10 +163,10 @@ void LaneBatch::try_cells() {
       }
       if (l.sampled_ == Sampled::inside) {
         l.note_place(l.x_, k, found.r, found.margin, found.error);
-        const Vec3d r = confined || how == Held::on_boundary
-                            ? Confinement::on_faces(k, l.x_, found.r, found.error,
-                                                    l.cells_.takes_boundaries())
-                            : found.r;
+        const Vec3d r =
+            confined || how == Held::on_boundary
+                ? Confinement::on_faces(k, l.x_, found.r, found.error, l.cells_.takes_boundaries())
+                : found.r;
         if (k.values == 1 || !(r == found.r))
           l.sampled_ = k.interpolate(r, l.moment_, l.v_);
         else {

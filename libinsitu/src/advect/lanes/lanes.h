@@ -76,7 +76,7 @@ private:
   void locate();
 
   const query::Sampler* sampler_;
-  std::vector<Asked> asked_[5]; ///< by shape
+  std::vector<Asked> asked_[5];                     ///< by shape
   std::vector<query::SoundCells::Asked> unsure_[5]; ///< cells of these, likewise
   std::vector<LaneVelocity*> missed_, lost_, crossing_;
   std::vector<Guessed> guessed_;

@@ -60,13 +60,13 @@ insitu_ending Interval::store(std::size_t i, const State& p, std::int64_t cell,
     ending = is_before(seeded, t1) ? INSITU_END_LEFT // where there were cells before
                                    : INSITU_END_SEED_OUTSIDE;
   if (ending == INSITU_END_ALIVE && effects_.removes) {
-    const query::Location here = owner_of(asked_.sampler, beyond_.get(), cell, p.x,
-                                          {settings_.accuracy, geometry_alpha});
+    const query::Location here =
+        owner_of(asked_.sampler, beyond_.get(), cell, p.x, {settings_.accuracy, geometry_alpha});
     if (here && effects_.removes(here, p.x, std::abs(p.time - seeded)))
       ending = INSITU_END_REMOVED;
   }
-  if (ending != INSITU_END_ALIVE && ending != INSITU_END_LEFT && cell >= 0 &&
-      moves_in_lanes() && result_.blended_geometry) // it may be another one of those at a face
+  if (ending != INSITU_END_ALIVE && ending != INSITU_END_LEFT && cell >= 0 && moves_in_lanes() &&
+      result_.blended_geometry) // it may be another one of those at a face
     if (const query::Location at = owner_of(asked_.sampler, beyond_.get(), cell, p.x,
                                             {settings_.accuracy, geometry_alpha}))
       cell = at.cell;

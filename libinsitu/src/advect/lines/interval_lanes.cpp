@@ -19,12 +19,11 @@ void Interval::run_in_lanes() {
     run_lanes(
         asked_.sampler, begin, end,
         [&](std::deque<LaneVelocity>& to) {
-          velocity(
-              [&](auto&&... arguments) {
-                LaneVelocity& v = to.emplace_back(arguments...);
-                v.walk_by(beyond_.get());
-                v.take_boundaries();
-              });
+          velocity([&](auto&&... arguments) {
+            LaneVelocity& v = to.emplace_back(arguments...);
+            v.walk_by(beyond_.get());
+            v.take_boundaries();
+          });
         },
         [&](std::int64_t i, std::size_t slot, LaneVelocity& v) -> Stepping {
           State& p = states[slot];

@@ -82,8 +82,7 @@ TrackRows ParticleCycle::make_rows_at(std::size_t k) const {
 }
 
 /// Where the particles with these indices are, by their owners; none of those that are outside.
-std::vector<query::Location>
-ParticleCycle::places(const std::vector<std::size_t>& indices) const {
+std::vector<query::Location> ParticleCycle::places(const std::vector<std::size_t>& indices) const {
   const advect::Particles& p = particles();
   const query::Sampler sampler = mesh_.sampler();
   const auto beyond =

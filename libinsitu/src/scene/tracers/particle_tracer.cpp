@@ -258,9 +258,9 @@ private:
   }
 
   void write(const commit::CommittedMesh& mesh, const Step& step, bool due) {
-    ParticleCycle cycle(
-        {*this, particles_.particles(), geodesics_, due_times_, snapshots(), interval_, mesh_moved_},
-        mesh, step, due);
+    ParticleCycle cycle({*this, particles_.particles(), geodesics_, due_times_, snapshots(),
+                         interval_, mesh_moved_},
+                        mesh, step, due);
     Failures failures;
     bool keep = false;
     for (const auto& writer : writers_) {
@@ -285,8 +285,8 @@ private:
   std::vector<std::unique_ptr<TrackWriter>> writers_;
   bool seeded_ = false;
   bool mesh_moved_ = false; ///< under the particles, ever
-  double settled_ = 0.0; ///< the time that the particles are at
-  int served_steps_ = 0; ///< through which the velocity was interpolated last
+  double settled_ = 0.0;    ///< the time that the particles are at
+  int served_steps_ = 0;    ///< through which the velocity was interpolated last
   std::uint64_t topology_ = 0;
   bool same_cells_ = false; ///< as at the checkpoint of a restart
   struct {
