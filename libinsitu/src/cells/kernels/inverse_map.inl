@@ -108,25 +108,45 @@ INSITU_HD inline BentStep<T> bent_step(const Map& map, const Vec3<T>& q, const N
   return b;
 }
 
+/// A bound in the maximum norm on the error of q + step, the step n.step but for a correction of at
+/// most `bend`; infinite where there is none, or where it is not asked for (`if_in`). n: at q, with
+/// largest_of(n.step) = size. scale: see inverse_quality. apex: q is a pyramid's, in u, v, w.
+///
+/// With A the computed inverse of the Jacobian at q, eta >= |A (x(q) - p)| and kappa >= |1 - A J|
+/// within 2 eta of q (the maximum norm), kappa < 1/4, Banach's theorem for q - A (x(q) - p) gives
+/// one preimage there, and it differs from q + n.step by at most kappa eta / (1 - kappa) and
+/// roundings, from the answer by the bend as well. kappa is the rounding of A and, from the second
+/// derivatives, at most 2 eta 43 reach / w, where w is 1, or in a pyramid 1 - t.
+template <class T>
+INSITU_INLINE T error_of_step(const decltype(T(0.0) < T(0.0))& if_in, const Vec3<T>& q,
+                                 const NewtonStep<T>& n, const T& size, const T& bend,
+                                 const Vec3<T>& scale, bool apex) {
+  const T two(2.0);
+  const InverseQuality<T> quality = inverse_quality(n, scale);
+  const T w = apex ? q.z : T(1.0);
+  const T eta = size + T(0x1p-43) * quality.reach;
+  const T kappa = quality.contraction + T(0x1p7) * quality.reach * eta / w;
+  const auto near = apex ? (absolute(q.x) < two * w) & (absolute(q.y) < two * w) & (w < two)
+                         : largest_of(q) < two;
+  const Vec3<T> f = absolute_of(n.f);
+  const auto certified = if_in & quality.sound & near & (kappa < T(0.25)) & (w > T(8.0) * eta) &
+                         (f.x < scale.x) & (f.y < scale.y) & (f.z < scale.z);
+  return select(certified, two * (kappa * eta + bend) + T(0x1p-43) * quality.reach, T(HUGE_VAL));
+}
+
 /// Newton's method for x(q) = p by bent steps, where map(q, x, a, b, c) gives x and its three
 /// derivatives.
 /// Lanes that are done are frozen, so a pack gives the same bits as scalars one by one. A lane is
 /// given up at a step out of [-2, 3], or past a pyramid's apex (`apex`): points of a sound cell
 /// take none. scale: see inverse_quality. error: of the answer, in the maximum norm.
-///
-/// The certificate is the last step's. With A the computed inverse of the Jacobian at q, eta >=
-/// |A (x(q) - p)| and kappa >= |1 - A J| within 2 eta of q (the maximum norm), kappa < 1/4,
-/// Banach's theorem for q - A (x(q) - p) gives one preimage there, and it differs from q + step by
-/// at most kappa eta / (1 - kappa) and roundings, from the answer by the bend as well. kappa is the
-/// rounding of A and, from the second derivatives, at most 2 eta 43 reach / w, where w is 1, or in
-/// a pyramid 1 - t.
+/// The certificate is error_of_step() of the last step.
 template <class T, class Map>
 INSITU_HD inline decltype(T(0.0) < T(0.0))
 newton(const Map& map, const Vec3<T>& p, const Vec3<T>& scale, bool apex, Vec3<T>& q, T& error) {
   constexpr int most_iterations = 12;
   // A bent step's error is about bend^2 / step: at rounding, which near an apex is that of w. A
   // singular Jacobian makes a zero step, which proves nothing.
-  const T lowest(-2.0), highest(3.0), small(1e-5), small_bend(3e-11), zero(0.0), two(2.0);
+  const T lowest(-2.0), highest(3.0), small(1e-5), small_bend(3e-11), zero(0.0);
   auto converged = zero < zero, left = converged;
   NewtonStep<T> n;
   BentStep<T> bent;
@@ -149,17 +169,7 @@ newton(const Map& map, const Vec3<T>& p, const Vec3<T>& scale, bool apex, Vec3<T
       break;
     q = {select(done, q.x, next.x), select(done, q.y, next.y), select(done, q.z, next.z)};
   }
-  const InverseQuality<T> quality = inverse_quality(n, scale);
-  const T w = apex ? q.z : T(1.0);
-  const T eta = bent.size + T(0x1p-43) * quality.reach;
-  const T kappa = quality.contraction + T(0x1p7) * quality.reach * eta / w;
-  const auto near = apex ? (absolute(q.x) < two * w) & (absolute(q.y) < two * w) & (w < two)
-                         : largest_of(q) < two;
-  const Vec3<T> f = absolute_of(n.f);
-  const auto certified = converged & quality.sound & near & (kappa < T(0.25)) & (w > T(8.0) * eta) &
-                         (f.x < scale.x) & (f.y < scale.y) & (f.z < scale.z);
-  error =
-      select(certified, two * (kappa * eta + bent.bend) + T(0x1p-43) * quality.reach, T(HUGE_VAL));
+  error = error_of_step(converged, q, n, bent.size, bent.bend, scale, apex);
   q = {select(converged, q.x + bent.step.x, q.x), select(converged, q.y + bent.step.y, q.y),
        select(converged, q.z + bent.step.z, q.z)};
   return converged;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -41,6 +42,8 @@ void RayBundleLocator::set_rays(std::span<const LatticeRay> rays, int row, doubl
   row_ = tiled ? std::min(row, rays_) : rays_;
   groups_ = tiled ? across * down : (rays_ + bundle_lanes - 1) / bundle_lanes;
   one_origin_ = true;
+  s_.far = 0.0;
+  s_.mean_origin = s_.mean_direction = {};
   for (int r = 0; r < rays_; ++r) {
     const int x = tiled ? r % row : 0, y = tiled ? r / row : 0;
     const int slot =
@@ -50,7 +53,13 @@ void RayBundleLocator::set_rays(std::span<const LatticeRay> rays, int row, doubl
     s_.direction[slot] = rays[std::size_t(r)].direction;
     const Vec3d off = rays[std::size_t(r)].origin - rays[0].origin;
     one_origin_ = one_origin_ && off.x == 0.0 && off.y == 0.0 && off.z == 0.0;
+    s_.mean_origin += rays[std::size_t(r)].origin;
+    s_.mean_direction += rays[std::size_t(r)].direction;
+    for (int a = 0; a < 3; ++a)
+      s_.far = std::max(s_.far, std::fabs(rays[std::size_t(r)].origin[a]));
   }
+  s_.mean_origin = s_.mean_origin / double(std::max(rays_, 1));
+  s_.mean_direction = s_.mean_direction / double(std::max(rays_, 1));
 }
 
 /// At most most_depth.

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <hwy/highway.h>
 
 #include "query/ray_bundle/ray_bundle_linear_simd.h"
@@ -67,8 +68,8 @@ HWY_INLINE PackVec points_of(const BundleClaims& to, const std::int32_t* place) 
   return {coordinate(0), coordinate(1), coordinate(2)};
 }
 
-/// A step of Newton's method from q, which is near the root already, with the certificate of
-/// cells::newton; from anywhere where that is not enough.
+/// A step of Newton's method from where the root is near already; where that is not certified, the
+/// whole of it.
 HWY_INLINE simd::InverseMap<Pack> invert_near(const simd::TrilinearMap<Pack>& map, const PackVec& f,
                                               const PackVec& scale, const simd::PackMask& idle,
                                               const PackVec& start) {
@@ -76,17 +77,10 @@ HWY_INLINE simd::InverseMap<Pack> invert_near(const simd::TrilinearMap<Pack>& ma
   PackVec x, a, b, c;
   map(start, x, a, b, c);
   const auto n = simd::newton_step(a, b, c, f - x);
-  const auto quality = simd::inverse_quality(n, scale);
   const Pack size = simd::largest_of(n.step);
-  const Pack eta = size + Pack(0x1p-43) * quality.reach;
-  const Pack kappa = quality.contraction + Pack(0x1p7) * quality.reach * eta;
-  const PackVec left = simd::absolute_of(n.f);
-  const auto certified = quality.sound & (size < Pack(1e-5)) & (kappa < Pack(0.25)) &
-                         (simd::largest_of(start) < Pack(2.0)) & (left.x < scale.x) &
-                         (left.y < scale.y) & (left.z < scale.z);
   out.r = start + n.step;
-  out.error = Pack(2.0) * (kappa * eta) + Pack(0x1p-43) * quality.reach;
-  if (!simd::all_of(certified | idle)) {
+  out.error = simd::error_of_step(size < Pack(1e-5), start, n, size, Pack(0.0), scale, false);
+  if (!simd::all_of((out.error < Pack(HUGE_VAL)) | idle)) {
     out.r = {Pack(0.5), Pack(0.5), Pack(0.5)};
     out.converged = simd::newton(map, f, scale, false, out.r, out.error);
   }

@@ -14,6 +14,8 @@ struct RayBundleScratch {
   BundleLists lists;
   // By slot: a group's rays are neighbours.
   math::Vec3d origin[bundle_rays], direction[bundle_rays];
+  math::Vec3d mean_origin, mean_direction;
+  double far; ///< no origin's coordinate is larger
   alignas(64) std::uint32_t wanted[bundle_rays];
   std::uint16_t slot[bundle_rays];
   std::int32_t answer[bundle_rays]; ///< by slot, where the ray's answers begin

@@ -22,26 +22,15 @@ Vec3d normalized(const Vec3d& v) {
 /// make of a sample does not hang on others. False if there is none.
 bool RayBundleLocator::set_slab() {
   BundleSlab& slab = s_.slab;
-  Vec3d middle, along, ends[2];
-  double far = 0.0;
-  for (int r = 0; r < rays_; ++r) {
-    const int slot = s_.slot[r];
-    const Vec3d at = 0.5 * (point(place_of(0, slot)) + point(place_of(depth_ - 1, slot)));
-    middle += at;
-    along += s_.direction[slot];
-    ends[r > 0] = at;
-    for (int a = 0; a < 3; ++a)
-      far = std::max(far, std::fabs(s_.origin[slot][a]));
-  }
-  const int count = rays_;
-  slab.middle = middle / double(count);
-  slab.axes[2] = normalized(along);
+  slab.middle = s_.mean_origin + ((double(first_) + 0.5 * depth_) * step_) * s_.mean_direction;
+  slab.axes[2] = normalized(s_.mean_direction);
   // Along a row of pixels, so that boxes of groups are tight.
   Vec3d across = point(place_of(0, s_.slot[row_ - 1])) - point(place_of(0, s_.slot[0]));
-  if (!(dot(across, across) > 0.0))
-    across = ends[1] - ends[0];
+  if (!(dot(across, across) > 0.0) && rays_ > 1)
+    across = point(place_of(0, s_.slot[rays_ - 1])) - point(place_of(0, s_.slot[0]));
   slab.axes[0] = across - dot(across, slab.axes[2]) * slab.axes[2];
-  if (count == 1 || !(dot(slab.axes[0], slab.axes[0]) > 1e-12 * dot(across, across))) {
+  if (!(dot(across, across) > 0.0) ||
+      !(dot(slab.axes[0], slab.axes[0]) > 1e-12 * dot(across, across))) {
     const Vec3d& w = slab.axes[2];
     slab.axes[0] = std::fabs(w.x) < 0.6 ? cross(w, Vec3d{1, 0, 0}) : cross(w, Vec3d{0, 1, 0});
   }
@@ -50,7 +39,7 @@ bool RayBundleLocator::set_slab() {
   slab.depth = depth_;
   slab.groups = groups_;
   // Of a sample's own coordinates, and of the sums that lead to them.
-  slab.rounding = 0x1p-48 * (far + std::fabs((double(first_) + depth_) * step_));
+  slab.rounding = 0x1p-48 * (s_.far + std::fabs((double(first_) + depth_) * step_));
   const double sound = dot(slab.axes[0], slab.axes[0]) + dot(slab.axes[2], slab.axes[2]) +
                        dot(slab.middle, slab.middle) + slab.rounding;
   if (!std::isfinite(sound))
