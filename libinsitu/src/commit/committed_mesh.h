@@ -144,10 +144,10 @@ public:
   void keep_earlier(const std::vector<mesh::KeptField>& fields, bool with_cells,
                     const core::Threads& threads);
   void release_earlier();
-  /// Shows the coordinates that were kept, as mesh::Mesh::expose_earlier() does, but that how far
-  /// vertices moved is found when the tree is asked; and hides them.
+  /// Shows the coordinates that were kept (mesh::Mesh::show_earlier), and hides them. How far
+  /// vertices moved is found when the tree is asked.
   void show_earlier(const core::Threads& threads);
-  void hide_earlier(const core::Threads& threads);
+  void hide_earlier();
   /// The bytes of the cells' copy.
   std::int64_t earlier_cells_bytes(const core::Threads& threads) const;
   /// The step that was kept, if the cells are others since; or null.

@@ -35,9 +35,9 @@ void CommittedMesh::show_earlier(const core::Threads& threads) {
     displacement_.put_off(threads.count());
 }
 
-void CommittedMesh::hide_earlier(const core::Threads& threads) {
+void CommittedMesh::hide_earlier() {
   displacement_.forget();
-  mesh_.expose_earlier(false, threads);
+  mesh_.hide_earlier();
 }
 
 void CommittedMesh::keep_earlier(const std::vector<mesh::KeptField>& fields, bool with_cells,

@@ -296,7 +296,7 @@ TEST(GeodeticWalls, SurfacesThatSinkTakeParticlesAlong) {
       for (std::size_t v = 0; v < from.vertices.size(); ++v)
         sea.arrays.points[3 * v + 2] = from.vertices[v].z * (3980.0 / 4000) - 20;
       ASSERT_EQ(sea.commit(INSITU_CHANGED_GEOMETRY).action, INSITU_REFIT);
-      sea.mesh.mesh().expose_earlier(true, sea.threads);
+      sea.mesh.show_earlier(sea.threads);
       ASSERT_NE(sea.mesh.mesh().view().earlier_points, nullptr);
       const std::vector<Vec3d> seeds{
           {20, 60, -10}, {359.999, 40, -10}, {20, 89, 0}, {50, -90, -5}, {20, 20, -50}};
@@ -305,7 +305,7 @@ TEST(GeodeticWalls, SurfacesThatSinkTakeParticlesAlong) {
       t.seed(seeds, 0.0);
       const mesh::FieldView v = sea.flow();
       const auto a = t.advance(sea.sampler(), v, &v, 0, 1000, sea.threads);
-      sea.mesh.mesh().expose_earlier(false, sea.threads);
+      sea.mesh.hide_earlier();
       EXPECT_TRUE(a.blended_geometry);
       for (std::size_t i = 0; i < seeds.size(); ++i) {
         if (response == AtBoundary::stop && i != 4) {

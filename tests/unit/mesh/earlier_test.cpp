@@ -12,6 +12,12 @@ test::TestMesh box(test::MeshKind kind, int size) {
   return test::make_mesh({.kind = kind, .size = size}, 21);
 }
 
+/// With how far vertices moved, which queries find when they ask.
+void show_earlier(mesh::Mesh& mesh, const core::Threads& threads) {
+  if (mesh.show_earlier(threads))
+    mesh.find_displacement(threads);
+}
+
 } // namespace
 
 TEST(Earlier, KeepsAStepUntilToldOtherwise) {
@@ -31,7 +37,7 @@ TEST(Earlier, KeepsAStepUntilToldOtherwise) {
   mesh.keep_earlier({{"velocity"}, {"density"}}, m.threads);
   EXPECT_EQ(m.memory.current(INSITU_MEMORY_EARLIER),
             std::int64_t(8 * (3 * n + density.size() + 3 * n)));
-  mesh.expose_earlier(true, m.threads);
+  show_earlier(mesh, m.threads);
   EXPECT_EQ(mesh.view().earlier_points, nullptr) << "nothing moved";
 
   const std::vector<double> before = m.arrays.points;
@@ -41,7 +47,7 @@ TEST(Earlier, KeepsAStepUntilToldOtherwise) {
   }
   density.assign(density.size(), 8.0);
   m.commit(INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_FIELDS);
-  mesh.expose_earlier(true, m.threads);
+  show_earlier(mesh, m.threads);
   ASSERT_NE(mesh.view().earlier_points, nullptr);
   EXPECT_EQ(mesh.view().largest_displacement, 0.375);
   const auto earlier = mesh.earlier_field("velocity"), rho = mesh.earlier_field("density");
@@ -64,7 +70,7 @@ TEST(Earlier, KeepsAStepUntilToldOtherwise) {
     }
   mesh.keep_earlier({{"density"}}, m.threads); // no more velocity
   EXPECT_FALSE(mesh.earlier_field("velocity"));
-  mesh.expose_earlier(false, m.threads);
+  mesh.hide_earlier();
   EXPECT_EQ(mesh.view().earlier_points, nullptr);
   mesh.release_earlier();
   EXPECT_EQ(m.memory.current(INSITU_MEMORY_EARLIER), 0);
@@ -118,7 +124,7 @@ TEST(Earlier, IsHiddenWhenTheVerticesAreOthers) {
   m.mesh.mesh().keep_earlier({}, m.threads);
   m.arrays.points[5] += 0.25;
   m.commit(INSITU_CHANGED_GEOMETRY);
-  m.mesh.mesh().expose_earlier(true, m.threads);
+  m.mesh.show_earlier(m.threads);
   ASSERT_NE(m.mesh.mesh().view().earlier_points, nullptr);
   m.arrays = fixtures::SolverArrays(box(test::MeshKind::hexahedra, 4));
   const insitu_array points = m.arrays.point_array();
@@ -127,7 +133,7 @@ TEST(Earlier, IsHiddenWhenTheVerticesAreOthers) {
   m.mesh.mesh().set_cells(0, &cells);
   m.commit();
   EXPECT_EQ(m.mesh.mesh().view().earlier_points, nullptr) << "of 64 vertices, where there are 125";
-  m.mesh.mesh().expose_earlier(true, m.threads);
+  m.mesh.show_earlier(m.threads);
   EXPECT_EQ(m.mesh.mesh().view().earlier_points, nullptr);
 }
 
@@ -200,13 +206,13 @@ TEST(Earlier, OfABlockKeepsSectionsByRowsAndTheAxesAlone) {
     s->values.assign(s->values.size(), -1);
     s->m.commit(INSITU_CHANGED_FIELDS);
     s->check(then);
-    mesh.expose_earlier(true, s->m.threads);
+    show_earlier(mesh, s->m.threads);
     EXPECT_EQ(mesh.view().earlier_points, nullptr);
     const std::vector<math::Vec3d> kept = mesh.copy_earlier().points;
     ASSERT_EQ(kept.size(), std::size_t(n * n * n));
     s->tall.back() += 0.25;
     s->m.commit(INSITU_CHANGED_GEOMETRY);
-    mesh.expose_earlier(true, s->m.threads);
+    show_earlier(mesh, s->m.threads);
     ASSERT_NE(mesh.view().earlier_points, nullptr);
     EXPECT_EQ(mesh.view().largest_displacement, (0.4 + 0.25) - 0.4);
     for (std::int64_t id = 0; id < n * n * n; ++id) {

@@ -158,7 +158,7 @@ public:
     } else {
       commit(moved_ ? INSITU_CHANGED_FIELDS | INSITU_CHANGED_GEOMETRY : INSITU_CHANGED_FIELDS);
       if (moved_)
-        mesh.mesh().expose_earlier(true, threads);
+        mesh.show_earlier(threads);
       moved_ = false;
     }
     if (!by_cells)

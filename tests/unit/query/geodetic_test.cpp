@@ -169,7 +169,7 @@ TEST(GeodeticMesh, MovingMeshes) {
   EXPECT_EQ(earth.mesh.topology_version(), topology);
   expect_one_owner(earth, degrees, "breathing");
   // Between the steps, copies too: a point at the surface of the blended mesh.
-  earth.mesh.mesh().expose_earlier(true, earth.threads);
+  earth.mesh.show_earlier(earth.threads);
   ASSERT_NE(earth.mesh.mesh().view().earlier_points, nullptr);
   for (const Vec3d& p : {Vec3d{3, 4, 0}, Vec3d{3, 90, 0}, Vec3d{180, 5, 0}}) {
     const Vec3d deep{p.x, p.y, -4020 + 1e-6};

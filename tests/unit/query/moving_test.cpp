@@ -16,7 +16,7 @@ void check_blended(test::MeshKind kind, double offset, double distance) {
   for (double& x : m.arrays.points)
     x += distance * (1 + random.uniform(-0.1, 0.1));
   m.commit(INSITU_CHANGED_GEOMETRY);
-  m.mesh.mesh().expose_earlier(true, m.threads);
+  m.mesh.show_earlier(m.threads);
   const mesh::MeshView& view = m.mesh.mesh().view();
   ASSERT_NE(view.earlier_points, nullptr);
   for (const double alpha : {0.0, 1.0 / 3, 0.999, 1.0}) {

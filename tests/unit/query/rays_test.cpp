@@ -181,7 +181,7 @@ TEST(Rays, LeavePointsBetweenStepsToTheTree) {
   for (double& x : m.arrays.points)
     x += random.uniform(-0.05, 0.05);
   m.commit(INSITU_CHANGED_GEOMETRY);
-  m.mesh.mesh().expose_earlier(true, m.threads);
+  m.mesh.show_earlier(m.threads);
   const auto points = test::inner_points(m.sampler().mesh(), 1000, 5);
   for (const insitu_accuracy accuracy : {INSITU_FAST, INSITU_STANDARD, INSITU_EXACT}) {
     std::vector<Location> at(points.size());

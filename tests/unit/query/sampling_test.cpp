@@ -77,7 +77,7 @@ TEST(Sampling, GradientsFollowTheBlendedMesh) {
   const insitu_array a = insitu_array_of(f.data(), INSITU_FLOAT64, m.arrays.vertex_count(), 1);
   m.mesh.mesh().set_field(0, "f", INSITU_VERTEX, &a, 1);
   m.commit(INSITU_CHANGED_GEOMETRY);
-  m.mesh.mesh().expose_earlier(true, m.threads);
+  m.mesh.show_earlier(m.threads);
   const mesh::FieldView field = m.mesh.mesh().field("f");
   for (const double alpha : {0.0, 0.5, 1.0}) {
     const query::Location at = m.sampler().locate({1.3, 1.4, 1.6}, -1, {INSITU_STANDARD, alpha});

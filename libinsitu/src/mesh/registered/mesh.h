@@ -128,13 +128,12 @@ public:
   std::optional<FieldView> earlier_field(const std::string& name) const;
   /// The same of all steps that were kept, the latest first.
   std::vector<FieldView> earlier_fields(const std::string& name) const;
-  /// Shows (or hides) the kept coordinates in view(), once the solver moved its own and committed;
-  /// the next commit hides them. They stay hidden if no vertex moved.
-  void expose_earlier(bool expose, const core::Threads& threads);
-  /// The parts of it: whether the coordinates are shown, by which the largest displacement is
-  /// infinite; and what it is.
+  /// Shows the kept coordinates in view(), once the solver moved its own and committed, until the
+  /// next commit; whether there are any to be shown: not if no vertex moved. The largest
+  /// displacement is infinite until it is found.
   bool show_earlier(const core::Threads& threads);
   void find_displacement(const core::Threads& threads);
+  void hide_earlier();
 
   /// Every registered array, in a fixed order, by the name that the audit gives it.
   enum class ArrayKind { geometry, topology, field };
@@ -187,7 +186,6 @@ private:
     MeshView* const shown = stand_in_ ? stand_in_->solver_view() : nullptr;
     return shown ? *shown : view_;
   }
-  void hide_earlier();
   void keep_points(const MeshView& now, const core::Threads& threads);
   void keep_axes(const MeshView& now);
   bool axes_stand(const MeshView& now) const;

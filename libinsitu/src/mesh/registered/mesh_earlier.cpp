@@ -202,12 +202,6 @@ bool Mesh::points_stand(const MeshView& current) const {
   return true;
 }
 
-void Mesh::expose_earlier(bool expose, const core::Threads& threads) {
-  hide_earlier();
-  if (expose && show_earlier(threads))
-    find_displacement(threads);
-}
-
 bool Mesh::show_earlier(const core::Threads& threads) {
   hide_earlier();
   if (stand_in_ && !stand_in_->solver_view())

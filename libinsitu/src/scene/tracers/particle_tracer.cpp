@@ -222,7 +222,7 @@ private:
     if (tracer_.effects.moves() || !mesh.tells_sound_cells())
       mesh.look_for_folds(context.threads); // particles ask with hints
     mesh.find_neighbours_if_due(context.threads);
-    const auto hide = [&] { mesh.hide_earlier(context.threads); };
+    const auto hide = [&] { mesh.hide_earlier(); };
     if (earlier.empty())
       hide();
     else
