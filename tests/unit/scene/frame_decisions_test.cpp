@@ -169,6 +169,25 @@ TEST(DecideFrame, WhatIsDrawnOfAVolume) {
   expect(volume("field: p", paths).shading, false, "not asked for");
 }
 
+/// Rings are kept out by default, and only where a word about it or about effects stands as it is.
+TEST(DecideFrame, IntegralsOfAVolumeWithoutAWordAboutThem) {
+  const auto integrals = [](const std::string& keys, const std::string& frame = {}) {
+    return Decided("volume: {" + keys + "}" + frame)->volume->preintegration;
+  };
+  const std::string made = "against rings, by default: tables of integrals, while it is drawn";
+  expect(integrals("field: p"), true, made);
+  expect(integrals("field: c, smooth: true"), true, made);
+  expect(integrals("field: p", ", accuracy: exact"), true, made);
+  expect(integrals("field: c"), false, "the volume shows one value a cell");
+  expect(integrals("field: p, preintegrated: false"), false, "the volume says no");
+  for (const char* effects : {"", "lighting", "single_scattering"})
+    expect(integrals("field: p", ", effects: [" + std::string(effects) + "]"), false,
+           "the frame lists its effects");
+  expect(integrals("field: p, tolerance: 0.1"), false, "a tolerance makes steps uneven");
+  expect(integrals("field: p, culling: always"), false, "culling leaves out what does not show");
+  expect(integrals("field: p", ", accuracy: fast"), false, "the frame's accuracy is fast");
+}
+
 /// Only meshes with primitives can be culled, and not where values that do not show count.
 TEST(DecideFrame, Culling) {
   const auto culling = [](const std::string& keys, const FrameFacts& facts = dual_mesh()) {

@@ -260,7 +260,7 @@ TEST(Plan, SaysWhatIsDoneForSamples) {
     for (const char* expected : all)
       EXPECT_NE(plan.find(expected), std::string::npos) << expected << " in\n" << plan;
   };
-  says(text("field: p, shading: true"),
+  says(text("field: p, shading: true, preintegrated: false"),
        {"needed   volume shading of 'p'", "skipped  lighting of surfaces", "there is none",
         "skipped  pre-integration of 'p'", "skipped  step levels of 'p'"});
   says(text("field: c, shading: true, preintegrated: true"),

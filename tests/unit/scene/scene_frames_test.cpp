@@ -142,9 +142,10 @@ TEST(SceneFrames, Volumes) {
   EXPECT_TRUE(volume("component: magnitude").component.magnitude());
   EXPECT_FALSE(volume("range: auto").colors.range);
   EXPECT_EQ(volume("colors: plasma").colors.path, "");
-  EXPECT_FALSE(v.preintegrated || v.shading || v.tolerance);
+  EXPECT_FALSE(v.preintegrated.has_value() || v.shading || v.tolerance);
   const Volume more = volume("preintegrated: true, shading: true");
-  EXPECT_TRUE(more.preintegrated && more.shading);
+  EXPECT_TRUE(more.preintegrated == true && more.shading);
+  EXPECT_EQ(volume("preintegrated: false").preintegrated, false);
   EXPECT_EQ(volume("tolerance: 0.01").tolerance, 0.01);
   EXPECT_EQ(v.culling, render::Culling::never);
   EXPECT_EQ(volume("culling: never").culling, render::Culling::never);

@@ -9,6 +9,17 @@ namespace {
 
 constexpr double deepest = 40; // exp(-40) is nothing to a float, and 1 - it is 1 to a double
 
+/// 1 - exp(-depth), to 1e-11 of itself. Of the thin stretches, which nearly all are, by Taylor's
+/// series.
+double absorbed(double depth) {
+  if (depth > 0.25)
+    return -std::expm1(-depth);
+  const double square = depth * depth;
+  const double last =
+      1.0 / 120 - depth * (1.0 / 720) + square * (1.0 / 5040 - depth * (1.0 / 40320));
+  return depth * (1 - 0.5 * depth + square * (1.0 / 6 - depth * (1.0 / 24) + square * last));
+}
+
 } // namespace
 
 Preintegration::Preintegration(const TransferFunction& function, double step, double unit_distance,
@@ -36,7 +47,7 @@ Preintegration::Preintegration(const TransferFunction& function, double step, do
   };
   const auto of = [&](double opacity, const Color& c) {
     const double t = extinction(opacity);
-    return Integral{t, {t * double(c.r), t * double(c.g), t * double(c.b)}};
+    return Integral{{t, t * double(c.r), t * double(c.g), t * double(c.b)}};
   };
   below_ = of(points.front().opacity, function.color(-HUGE_VAL));
   const int each = knots_in(breaks.size());
@@ -53,7 +64,7 @@ Preintegration::Preintegration(const TransferFunction& function, double step, do
       const double value = std::max(first, std::min(low + u * width, last));
       return of(log ? function.opacity(value) : a0 + u * (a1 - a0), function.color(value));
     };
-    parts_.push_back({low, each / width, int(knots_.size()), each});
+    parts_.push_back({low, each / width, 1 / (each / width), int(knots_.size()), each});
     for (int i = 0; i <= each; ++i) {
       knot.after = knot.before = inside(double(i) / each);
       knots_.push_back(knot);
@@ -65,9 +76,8 @@ Preintegration::Preintegration(const TransferFunction& function, double step, do
                                  {0.7745966692414834, 5.0 / 18}}) {
         const Integral d = inside((i + 0.5 + 0.5 * x) / each);
         const double weight = w * width / each;
-        knot.sum.t += weight * d.t;
-        for (int c = 0; c < 3; ++c)
-          knot.sum.k[c] += weight * d.k[c];
+        for (int c = 0; c < 4; ++c)
+          knot.sum.of[c] += weight * d.of[c];
       }
     }
     // Cubics stay monotone with slopes of at most three times the mean's (Fritsch, Carlson 1980).
@@ -78,13 +88,12 @@ Preintegration::Preintegration(const TransferFunction& function, double step, do
         from = std::min(from, steepest);
         to = std::min(to, steepest);
       };
-      limit(q.sum.t - p.sum.t, p.after.t, q.before.t);
-      for (int c = 0; c < 3; ++c)
-        limit(q.sum.k[c] - p.sum.k[c], p.after.k[c], q.before.k[c]);
+      for (int c = 0; c < 4; ++c)
+        limit(q.sum.of[c] - p.sum.of[c], p.after.of[c], q.before.of[c]);
     }
   }
   knot.after = of(points.back().opacity, function.color(HUGE_VAL));
-  parts_.push_back({breaks.back(), 0, int(knots_.size()), 0});
+  parts_.push_back({breaks.back(), 0, 0, int(knots_.size()), 0});
   knots_.push_back(knot);
 }
 
@@ -103,58 +112,62 @@ std::int64_t Preintegration::bytes() const {
   return std::int64_t(parts_.capacity() * sizeof(Part) + knots_.capacity() * sizeof(Knot));
 }
 
-std::size_t Preintegration::part_of(double value) const {
+std::size_t Preintegration::part_of(double value, std::size_t likely) const {
+  if (likely > 0 && likely < parts_.size() && parts_[likely - 1].value <= value &&
+      value < parts_[likely].value)
+    return likely;
   const auto above = std::upper_bound(parts_.begin(), parts_.end(), value,
                                       [](double v, const Part& p) { return v < p.value; });
   return std::size_t(above - parts_.begin());
 }
 
-/// part: part_of(value); 0 is all below the first break.
-Preintegration::Integral Preintegration::at(double value, std::size_t part) const {
+/// part: the value's; 0 is all below the first break.
+void Preintegration::add_up(double value, std::size_t part, Integral& sum) const {
   const Part& p = parts_[part == 0 ? 0 : part - 1];
-  Integral sum;
   if (part == 0 || p.count == 0) { // linear to either side
     const Integral& slope = part == 0 ? below_ : knots_.back().after;
     const Integral& from = knots_[std::size_t(p.first)].sum;
     const double d = value - p.value;
-    sum.t = from.t + d * slope.t;
-    for (int c = 0; c < 3; ++c)
-      sum.k[c] = from.k[c] + d * slope.k[c];
-    return sum;
+    for (int c = 0; c < 4; ++c)
+      sum.of[c] = from.of[c] + d * slope.of[c];
+    return;
   }
   const double x = (value - p.value) * p.scale;
   const int i = x > 0 ? (x < p.count ? int(x) : p.count - 1) : 0;
-  const double u = std::min(std::max(x - i, 0.0), 1.0), w = 1 / p.scale;
+  const double u = std::min(std::max(x - i, 0.0), 1.0), w = p.width;
   const Knot &a = knots_[std::size_t(p.first + i)], &b = *(&a + 1);
   const double rise = u * u * (3 - 2 * u), from = u * (1 - u) * (1 - u) * w,
                to = u * u * (1 - u) * w;
-  const auto cubic = [&](double ya, double yb, double da, double db) {
-    return ya + ((yb - ya) * rise + (da * from - db * to)); // exactly ya where nothing rises
-  };
-  sum.t = cubic(a.sum.t, b.sum.t, a.after.t, b.before.t);
-  for (int c = 0; c < 3; ++c)
-    sum.k[c] = cubic(a.sum.k[c], b.sum.k[c], a.after.k[c], b.before.k[c]);
-  return sum;
+  for (int c = 0; c < 4; ++c) // exactly a.sum where nothing rises
+    sum.of[c] = a.sum.of[c] +
+                ((b.sum.of[c] - a.sum.of[c]) * rise + (a.after.of[c] * from - b.before.of[c] * to));
 }
 
-ColorSample Preintegration::operator()(double a, double b) const {
-  const std::size_t part_a = part_of(a), part_b = part_of(b);
-  const double difference = b - a;
+Preintegration::Place Preintegration::place(double value, const Place& near) const {
+  Place p;
+  p.value = value;
+  p.part = part_of(value, near.part);
+  add_up(value, p.part, p.sum);
+  return p;
+}
+
+ColorSample Preintegration::operator()(const Place& a, const Place& b) const {
+  const double difference = b.value - a.value;
   // Within an interval the middle's value does, and integrals would cancel.
-  const double scale = part_a == 0 ? 0.0 : parts_[part_a - 1].scale;
-  if ((part_a == part_b && std::fabs(difference) * scale < 0.5) ||
-      std::fabs(difference) <= 1e-9 * std::max(std::fabs(a), std::fabs(b)) ||
+  const double scale = a.part == 0 ? 0.0 : parts_[a.part - 1].scale;
+  if ((a.part == b.part && std::fabs(difference) * scale < 0.5) ||
+      std::fabs(difference) <= 1e-9 * std::max(std::fabs(a.value), std::fabs(b.value)) ||
       !std::isfinite(difference))
-    return classifier_(0.5 * a + 0.5 * b);
-  const Integral from = at(a, part_a), to = at(b, part_b);
-  const double rise = to.t - from.t;
+    return classifier_(0.5 * a.value + 0.5 * b.value);
+  const double rise = b.sum.of[0] - a.sum.of[0];
   const double depth = exponent_ * (rise / difference);
   ColorSample sample;
   if (!(depth > least_))
     return sample;
-  sample.alpha = float(-std::expm1(-depth));
-  sample.color = {float((to.k[0] - from.k[0]) / rise), float((to.k[1] - from.k[1]) / rise),
-                  float((to.k[2] - from.k[2]) / rise)};
+  sample.alpha = float(absorbed(depth));
+  const double scaled = 1 / rise;
+  const auto mean = [&](int c) { return float((b.sum.of[c] - a.sum.of[c]) * scaled); };
+  sample.color = {mean(1), mean(2), mean(3)};
   return sample;
 }
 

@@ -27,17 +27,28 @@ public:
   Preintegration(const TransferFunction& function, double step, double unit_distance,
                  const core::CountedAllocator<char>& counted = {});
 
-  /// Of a stretch from value a to value b, which must be numbers.
-  ColorSample operator()(double a, double b) const;
+  /// The integrals up to a value: t, then t times red, green and blue.
+  struct Integral {
+    double of[4] = {0, 0, 0, 0};
+  };
+  /// A value with its integrals, which the stretches on either side of a sample share.
+  struct Place {
+    double value = 0;
+    std::size_t part = 0;
+    Integral sum;
+  };
+  /// Of a number. near: a place whose part is likely to be the value's, for time's sake.
+  Place place(double value, const Place& near) const;
+
+  /// Of a stretch between two values, which must be numbers.
+  ColorSample operator()(const Place& a, const Place& b) const;
+  ColorSample operator()(double a, double b) const { return (*this)(place(a, {}), place(b, {})); }
 
   /// Of the tables of a function of so many opacity points.
   static std::int64_t most_bytes(int opacity_points, Scale scale);
   std::int64_t bytes() const;
 
 private:
-  struct Integral {
-    double t = 0, k[3] = {0, 0, 0};
-  };
   /// An end of a table interval: the integrals up to it, and their derivatives within the interval
   /// that begins here (`after`) and the one that ends here (`before`).
   struct Knot {
@@ -45,11 +56,11 @@ private:
   };
   /// Between two values at which something breaks.
   struct Part {
-    double value, scale; ///< its first; intervals per value
+    double value, scale, width; ///< its first; intervals per value; an interval's
     int first, count;
   };
-  std::size_t part_of(double value) const;
-  Integral at(double value, std::size_t part) const;
+  std::size_t part_of(double value, std::size_t likely) const;
+  void add_up(double value, std::size_t part, Integral& sum) const;
 
   Classifier classifier_;
   static constexpr int most_parts_of_log = 300;

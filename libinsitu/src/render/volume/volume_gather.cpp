@@ -78,25 +78,29 @@ void VolumeMarcher::gather(RayState& ray, Gathered& last, std::int64_t index, do
   if (!at || ray.is_saturated())
     return;
   const double middle = (double(index) + 0.5) * step_;
-  if (last.index < 0 || value - value != 0 || last.value - last.value != 0) {
+  const Preintegration::Place place = preintegration_->place(value, last.place);
+  if (last.index < 0 || value - value != 0 || last.place.value - last.place.value != 0) {
     finish(ray, last);
     if (!ray.is_saturated())
       add_value(ray, {stretch(ray, index, 1).from, middle}, value, at, 0);
   } else {
     ++ray.integrals;
-    ColorSample segment = (*preintegration_)(last.value, value);
+    ColorSample segment = (*preintegration_)(last.place, place);
     if (shader_ && segment.alpha > 0)
       light(ray, at, segment.color);
-    add(ray, {middle - step_, middle}, segment, at.cell);
+    if (ray.next_hit < ray.hits.size())
+      add(ray, {middle - step_, middle}, segment, at.cell);
+    else if (segment.alpha > 0)
+      ray.blend_stretch(segment.color, segment.alpha, middle - step_, middle, at.cell);
   }
-  last = {index, value, at};
+  last = {index, place, at};
 }
 
 /// What is behind the last sample, of its value.
 void VolumeMarcher::finish(RayState& ray, Gathered& last) const {
   if (last.index >= 0 && !ray.is_saturated())
-    add_value(ray, {(double(last.index) + 0.5) * step_, stretch(ray, last.index, 1).to}, last.value,
-              last.at, 0);
+    add_value(ray, {(double(last.index) + 0.5) * step_, stretch(ray, last.index, 1).to},
+              last.place.value, last.at, 0);
   last.index = -1;
 }
 

@@ -11,7 +11,7 @@ namespace insitu::render {
 /// What a ray last met, for the stretch up to what it meets next.
 struct VolumeMarcher::Gathered {
   std::int64_t index = -1; ///< of the sample; -1: none that is still open
-  double value = 0;
+  Preintegration::Place place; ///< of its value
   query::Location at;
 };
 

@@ -83,7 +83,27 @@ std::optional<Coloring> decide_coloring(const SurfaceColor& color, const FrameFa
   return by ? std::optional(decide_coloring(*by, facts)) : std::nullopt;
 }
 
-VolumeDecisions decide_volume(const Volume& volume, bool path_traced, const FrameFacts& facts) {
+/// Where the volume has no word about it, samples alone would draw rings; frames that list their
+/// effects have what they list.
+Decision integrates(const Frame& frame) {
+  const Volume& volume = *frame.volume;
+  if (volume.preintegrated)
+    return *volume.preintegrated ? Decision{true, "tables of integrals, while it is drawn"}
+                                 : Decision{false, "the volume says no"};
+  if (frame.has_effects_key)
+    return {false, "the frame lists its effects"};
+  if (volume.tolerance)
+    return {false, "a tolerance makes steps uneven"};
+  if (volume.culling == render::Culling::always)
+    return {false, "culling leaves out what does not show"};
+  if (frame.accuracy == INSITU_FAST)
+    return {false, "the frame's accuracy is fast"};
+  return {true, "against rings, by default: tables of integrals, while it is drawn"};
+}
+
+VolumeDecisions decide_volume(const Frame& frame, const FrameFacts& facts) {
+  const Volume& volume = *frame.volume;
+  const bool path_traced = frame.path_tracing.has_value();
   VolumeDecisions d;
   d.coloring = decide_coloring(volume, facts);
   const bool of_cells = d.coloring.field.field.association == INSITU_CELL;
@@ -99,7 +119,8 @@ VolumeDecisions decide_volume(const Volume& volume, bool path_traced, const Fram
                                    : Decision{true, why};
   };
   d.shading = choose(volume.shading, true, "by the gradient, of samples that show");
-  d.preintegration = choose(volume.preintegrated, true, "tables of integrals, while it is drawn");
+  const Decision integral = integrates(frame);
+  d.preintegration = integral.made ? choose(true, true, integral.why) : integral;
   d.step_levels =
       choose(volume.tolerance.has_value(), false, "the volume has a tolerance; while it is drawn");
   if (facts.has_primitives && !d.flat)
@@ -160,7 +181,7 @@ FrameDecisions decide_frame(const Frame& frame, const FrameFacts& facts) {
   decide_images(frame, facts, d);
   decide_lighting(frame, d);
   if (frame.volume)
-    d.volume = decide_volume(*frame.volume, frame.path_tracing.has_value(), facts);
+    d.volume = decide_volume(frame, facts);
   for (const Isosurface& surface : frame.isosurfaces)
     d.isosurfaces.push_back(decide_isosurface(surface, d.lit, facts));
   if (frame.boundary)

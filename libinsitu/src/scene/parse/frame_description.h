@@ -102,7 +102,9 @@ struct Volume : ColorBy {
   bool smooth = false;    ///< a cell field is averaged to the vertices first
   std::optional<double> unit_distance; ///< length over which a ray loses the stated opacity;
                                        ///< nothing: a hundredth of the mesh's diagonal
-  bool preintegrated = false;      ///< all values between two samples count; not with a tolerance
+  /// All values between two samples count; not with a tolerance. Without a word
+  /// decide_frame() chooses.
+  std::optional<bool> preintegrated;
   bool shading = false;            ///< lit by the field's gradient
   std::optional<double> tolerance; ///< of opacity and colour; nothing: even steps
   render::Culling culling = render::Culling::never;

@@ -53,14 +53,14 @@ Volume parse_volume(const Cursor& cursor, const ParseContext& context) {
     assign(volume.unit_distance, distance->number(positive));
   }
   if (const auto preintegrated = map.find("preintegrated")) {
-    assign(volume.preintegrated, preintegrated->boolean());
+    volume.preintegrated = preintegrated->boolean();
   }
   if (const auto shading = map.find("shading")) {
     assign(volume.shading, shading->boolean());
   }
   if (const auto tolerance = map.find("tolerance")) {
     assign(volume.tolerance, tolerance->number(positive));
-    if (volume.preintegrated) {
+    if (volume.preintegrated.value_or(false)) {
       tolerance->fail("pre-integration takes even steps, a tolerance makes them uneven; one of "
                       "them expected");
     }
