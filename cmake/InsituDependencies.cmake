@@ -60,8 +60,17 @@ if(NOT INSITU_WITH_FORTRAN STREQUAL "OFF")
   endif()
 endif()
 
-if(INSITU_WITH_MPI)
-  message(STATUS "insitu: MPI is not in this version - sessions are serial")
+# Only libinsitu-mpi links MPI, which programs have one of.
+set(INSITU_HAVE_MPI FALSE)
+if(NOT INSITU_WITH_MPI STREQUAL "OFF")
+  find_package(MPI QUIET COMPONENTS C)
+  if(MPI_C_FOUND)
+    set(INSITU_HAVE_MPI TRUE)
+  elseif(INSITU_WITH_MPI STREQUAL "AUTO")
+    message(STATUS "insitu: no MPI - no libinsitu-mpi, sessions are serial")
+  else()
+    message(FATAL_ERROR "insitu: INSITU_WITH_MPI is ${INSITU_WITH_MPI} and no MPI was found")
+  endif()
 endif()
 
 # Kernels are compiled for cards from Turing on; CMAKE_CUDA_ARCHITECTURES chooses others.

@@ -19,7 +19,7 @@ packages=(
   "libnetcdf-dev:tracks and probes in netCDF"
   "nlohmann-json3-dev:figures of insitu-bench"
   "libp4est-dev:p4est adaptor and the amr_blast miniapp"
-  "mpi-default-dev:headers that those of p4est need"
+  "mpi-default-dev:sessions of several processes; headers that those of p4est need"
   "libvtk9-dev:VTK adaptor, insitu-replay, second opinion in tests"
 )
 test_packages=(

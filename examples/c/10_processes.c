@@ -15,8 +15,7 @@ static insitu_status open_session(int* rank, const char* folder, insitu_session*
   insitu_session_options options = insitu_session_options_default();
   options.scene_text = scene;
   options.output = folder;
-  options.threads = 1;              /* cores of the node / processes on it */
-  options.fortran_communicator = 0; /* MPI_Comm_c2f(comm), or options.communicator = &comm */
+  options.threads = 1; /* of a program on MPI: options.communicator = &comm */
   options.log = on_log;
   options.log_user = rank;
   return insitu_session_open(&options, session);

@@ -102,6 +102,11 @@ insitu_status insitu_session_open(const insitu_session_options* options, insitu_
         known = core::from_caller(options, "options");
       *session = reinterpret_cast<insitu_session>(
           api::sessions().add(std::make_shared<api::Session>(known)));
+    } catch (const parallel::AgreedError& e) { // one process tells it for all
+      if (e.at_root())
+        core::Log(known.log_level, known.log, known.log_user)
+            .error(std::string("insitu_session_open: ") + e.what());
+      throw;
     } catch (const std::exception& e) { // a host that asks no status learns of it
       core::Log(known.log_level, known.log, known.log_user)
           .error(std::string("insitu_session_open: ") + e.what());
@@ -147,8 +152,6 @@ insitu_status insitu_session_mesh(insitu_session session, const char* name, insi
 
 insitu_status insitu_session_execute(insitu_session session, int64_t cycle, double time) {
   return with_session(session, [&](api::Session& s) {
-    if (!(time - time == 0.0))
-      throw core::Error(INSITU_ERROR_ARGUMENT, "time: not finite");
     const std::string failures = s.execute(cycle, core::unsigned_zero(time));
     if (!failures.empty())
       throw core::Error(INSITU_ERROR_ACTION, failures);

@@ -34,14 +34,15 @@ core::Log log_of(const insitu_session_options& o) {
 } // namespace
 
 Session::Session(const insitu_session_options& options)
-    : context_(options.threads, log_of(options)), strict_(options.strict != 0),
-      default_scene_(options.default_scene != 0), preview_(options.preview != 0),
-      output_(options.output ? options.output : ""), communicator_(options.communicator),
-      fortran_communicator_(options.fortran_communicator),
+    : processes_(options, log_of(options)), context_(processes_.threads(options), log_of(options)),
+      strict_(options.strict != 0), default_scene_(options.default_scene != 0),
+      preview_(options.preview != 0), output_(options.output ? options.output : ""),
       query_points_(context_.memory, INSITU_MEMORY_QUERY) {
-  if (options.threads < 0)
-    throw Error(INSITU_ERROR_ARGUMENT,
-                "threads: " + std::to_string(options.threads) + ", 0 (all) or more expected");
+  processes_.world().agree_after([&] { begin(options); });
+  processes_.agree_on_session(options);
+}
+
+void Session::begin(const insitu_session_options& options) {
   if (core::simd_target().asked)
     context_.log.info("SIMD target " + core::simd_target().name);
   if (preview_ && !output_.empty())
@@ -57,18 +58,6 @@ Session::Session(const insitu_session_options& options)
       context_.log.warning(warning);
     make_runner(*scene_);
   }
-  note_communicator();
-}
-
-void Session::note_communicator() {
-  if (communicator_ || fortran_communicator_ != INSITU_NO_COMMUNICATOR)
-    context_.log.warning(
-        "communicator: this version keeps it and does not use it. Each process works on its own "
-        "pieces alone: probes and tracers end where these do, images show these, totals are of "
-        "this "
-        "process, and nothing is exchanged or waited for. Give each process an output folder of "
-        "its "
-        "own; a second session that writes the same files is refused");
 }
 
 scene::SceneDescription Session::as_asked(scene::SceneDescription scene) const {
@@ -207,9 +196,27 @@ const std::string& Session::plan() {
 }
 
 std::string Session::execute(std::int64_t cycle, double time) {
-  locks_.take_missing();
-  const std::vector<commit::CommittedMesh*> meshes = commit_all();
+  processes_.world().check_usable();
+  std::vector<commit::CommittedMesh*> meshes;
+  processes_.world().agree_after([&] {
+    if (!(time - time == 0.0))
+      throw Error(INSITU_ERROR_ARGUMENT, "time: not finite");
+    locks_.take_missing();
+    meshes = commit_all();
+  });
+  processes_.agree_on_step(cycle, time, meshes);
   ++statistics_.executions;
+  if (processes_.size() == 1)
+    return run(meshes, cycle, time);
+  processes_.world().agree_after([&] {
+    if (const std::string failures = run(meshes, cycle, time); !failures.empty())
+      throw Error(INSITU_ERROR_ACTION, failures);
+  });
+  return {};
+}
+
+std::string Session::run(const std::vector<commit::CommittedMesh*>& meshes, std::int64_t cycle,
+                         double time) {
   const bool any_cells = std::any_of(meshes.begin(), meshes.end(), [](const auto* mesh) {
     return mesh->mesh().own_view().cell_count() > 0;
   });
@@ -251,6 +258,11 @@ void Session::restart(const std::string& path) {
 std::string Session::finish() {
   const std::string failures = runner_ ? runner_->finish() : std::string();
   locks_.release();
+  processes_.world().check_usable(); // files are closed, whatever MPI does
+  processes_.world().agree_after([&] {
+    if (!failures.empty())
+      throw Error(INSITU_ERROR_FILE, failures);
+  });
   return failures;
 }
 

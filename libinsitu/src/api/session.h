@@ -10,6 +10,7 @@
 #include "api/array_watch.h"
 #include "api/given_watch.h"
 #include "api/output_locks.h"
+#include "api/processes.h"
 #include "api/query_args.h"
 #include "commit/committed_mesh.h"
 #include "core/context.h"
@@ -42,7 +43,7 @@ public:
   void note_changed(SessionMesh& mesh, std::uint32_t what);
 
   insitu_commit_report commit(SessionMesh& mesh);
-  /// Returns what failed, one line each.
+  /// Returns what failed, one line each. Collective, as finish() is.
   std::string execute(std::int64_t cycle, double time);
   /// What the scene needs; kept until the next call.
   const std::string& plan();
@@ -90,7 +91,8 @@ private:
                       const QueryPoints& points,
                       core::FunctionRef<void(std::int64_t, std::span<const math::Vec3d>)> visit);
   std::vector<commit::CommittedMesh*> commit_all();
-  void note_communicator();
+  std::string run(const std::vector<commit::CommittedMesh*>& meshes, std::int64_t cycle,
+                  double time);
   /// Returns the scene, or what a preview draws of it.
   scene::SceneDescription as_asked(scene::SceneDescription scene) const;
   void make_runner(const scene::SceneDescription& scene);
@@ -98,13 +100,15 @@ private:
   /// Makes it; returns what is in the way, logged once.
   std::string try_default_runner();
 
+  /// Opens it as far as one process can by itself.
+  void begin(const insitu_session_options& options);
+
+  Processes processes_; ///< first: the others take part in what fails of the rest
   core::Context context_;
   bool strict_;
   bool default_scene_, preview_;
   bool checked_ = is_checked();
   std::string output_;
-  const void* communicator_; ///< kept for the parallel version
-  std::int32_t fortran_communicator_;
   scene::Statistics statistics_;
   core::Buffer<math::Vec3d> query_points_; ///< scratch of queries, kept from one to the next
   std::vector<std::unique_ptr<SessionMesh>> meshes_;

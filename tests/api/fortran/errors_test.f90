@@ -187,7 +187,7 @@ contains
     character(len=:), allocatable :: text
     logical :: there
 
-    call session%open(ierr=ierr, scene_text=probe_scene, output='errors_test_out', communicator=0)
+    call session%open(ierr=ierr, scene_text=probe_scene, output='errors_test_out')
     call expect_ok('open with a scene', session, ierr)
     call session%mesh('box', mesh, ierr)
     call mesh%points(xyz, ierr)

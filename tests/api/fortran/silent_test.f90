@@ -1,5 +1,6 @@
 !> A session that cannot be opened says so: to standard error, which the test reads, and by every
-!! later ierr, the last one too; a block of no cells is a mesh; and a communicator is told to be unused.
+!! later ierr, the last one too; a block of no cells is a mesh; and a communicator of a program
+!! that does not initialise MPI is told of.
 program silent_test
   use, intrinsic :: iso_fortran_env, only: error_unit, real64
   use checks
@@ -87,8 +88,8 @@ contains
     end do
   end subroutine empty
 
-  !> A communicator is said to be kept only, that of number 0 too (Open MPI's MPI_COMM_WORLD); none
-  !! is not. What is printed between these lines is part of the answer.
+  !> A communicator is one of number 0 too (Open MPI's MPI_COMM_WORLD), of which something is said where
+  !! MPI is not initialised; of none nothing is. What is printed between these lines is part of the answer.
   subroutine communicators()
     type(insitu_session) :: session
 
@@ -98,7 +99,7 @@ contains
     write (error_unit, '(a)') 'communicator 0:'
     call session%open(ierr=ierr, communicator=0)
     call session%close(ierr)
-    call expect('close with a communicator', ierr == insitu_ok)
+    call expect('close with a communicator', ierr == insitu_ok .or. ierr == insitu_error_handle)
   end subroutine communicators
 
 end program silent_test

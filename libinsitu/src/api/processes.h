@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "commit/committed_mesh.h"
+#include "core/log.h"
+#include "parallel/world.h"
+
+namespace insitu::api {
+
+/// The processes of a session, and what they have to agree on before one of them works. The calls
+/// that open, execute and close a session are collective; see parallel/world.h.
+class Processes {
+public:
+  /// Those of the communicator that the options give, or this one alone. Throws core::Error.
+  Processes(const insitu_session_options& options, const core::Log& log);
+
+  parallel::World& world() { return *world_; }
+  int size() const { return world_->size(); }
+
+  /// How many threads a session of these options may have here: the node's cores divided by its
+  /// processes, unless the options say it.
+  int threads(const insitu_session_options& options) const;
+
+  /// All have opened a session of the same options and scene. Throws parallel::AgreedError.
+  void agree_on_session(const insitu_session_options& options);
+  /// All execute the same cycle of the same time, and meshes of one name have fields alike. A
+  /// process may lack a mesh. Throws parallel::AgreedError.
+  void agree_on_step(std::int64_t cycle, double time,
+                     std::span<commit::CommittedMesh* const> meshes);
+
+private:
+  std::unique_ptr<parallel::World> world_;
+  std::string last_fields_; ///< that were compared
+};
+
+} // namespace insitu::api

@@ -1,0 +1,61 @@
+/* What libinsitu-mpi gives to libinsitu, which loads it when a session is given a communicator:
+ * serial programs never load MPI. Both libraries are of one version. Each function returns 0, or
+ * another number with a message. */
+#ifndef INSITU_PARALLEL_MPI_FUNCTIONS_H
+#define INSITU_PARALLEL_MPI_FUNCTIONS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { INSITU_MPI_VERSION = 1, INSITU_MPI_MESSAGE = 1024 };
+enum { INSITU_MPI_SUM, INSITU_MPI_LEAST, INSITU_MPI_GREATEST };
+enum {
+  INSITU_MPI_OK,
+  INSITU_MPI_FAILED,   /* MPI said so */
+  INSITU_MPI_ORDER,    /* MPI is not initialised yet, or finalised already */
+  INSITU_MPI_ARGUMENT, /* what is given is no communicator to work on */
+  INSITU_MPI_THREAD    /* not the thread that may call MPI */
+};
+
+typedef struct insitu_mpi_world insitu_mpi_world;
+
+typedef struct insitu_mpi_part {
+  int rank;
+  void* bytes; /* of what is sent they are only read */
+  size_t size;
+} insitu_mpi_part;
+
+typedef struct insitu_mpi_functions {
+  int version;
+  /* Duplicates the communicator at an address, or with none that of a Fortran integer; collective
+   * over it. level: of MPI_Query_thread. */
+  int (*open)(const void* communicator, int fortran_communicator, insitu_mpi_world** world,
+              int* rank, int* size, int* on_this_node, int* single_threaded, char* message);
+  /* Whether MPI may be called now, by this thread; not collective. */
+  int (*check)(char* message);
+  /* Frees the communicator unless MPI is finalised; collective. */
+  int (*close)(insitu_mpi_world* world, char* message);
+  int (*reduce)(insitu_mpi_world* world, int64_t* values, size_t count, int reduction,
+                char* message);
+  int (*broadcast)(insitu_mpi_world* world, void* bytes, size_t size, int root, char* message);
+  /* A number to and from each process. */
+  int (*swap_numbers)(insitu_mpi_world* world, const int64_t* to, int64_t* from, char* message);
+  int (*transfer)(insitu_mpi_world* world, const insitu_mpi_part* out, size_t out_count,
+                  const insitu_mpi_part* in, size_t in_count, char* message);
+  /* Messages of more bytes than this go in pieces; returns what it was. At most 2^30, as it is
+   * unless a test lowers it. */
+  size_t (*set_longest)(size_t bytes);
+} insitu_mpi_functions;
+
+/* The one symbol of the library. */
+const insitu_mpi_functions* insitu_mpi(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

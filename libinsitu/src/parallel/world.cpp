@@ -1,0 +1,211 @@
+#include "parallel/world.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <new>
+#include <optional>
+
+namespace insitu::parallel {
+
+namespace {
+
+constexpr std::size_t longest_message = 4096;
+
+/// Integers that ascend as the numbers do, and back.
+std::int64_t ordered(double value) {
+  const auto bits = std::bit_cast<std::int64_t>(
+      value != value ? std::numeric_limits<double>::quiet_NaN() : value);
+  return bits < 0 ? bits ^ std::numeric_limits<std::int64_t>::max() : bits;
+}
+double number_of(std::int64_t key) {
+  return std::bit_cast<double>(key < 0 ? key ^ std::numeric_limits<std::int64_t>::max() : key);
+}
+
+/// FNV-1a.
+std::uint64_t hash_of(const std::string& text, std::uint64_t hash) {
+  for (const char c : text)
+    hash = (hash ^ std::uint8_t(c)) * 0x100000001b3u;
+  return (hash ^ 0xff) * 0x100000001b3u; // an end, which no byte of text is
+}
+std::uint64_t hash_of(const std::vector<Named>& all) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const Named& one : all)
+    hash = hash_of(one.value, hash_of(one.name, hash));
+  return hash;
+}
+
+std::string numbered(int rank, int size) {
+  return "process " + std::to_string(rank) + " of " + std::to_string(size);
+}
+
+std::span<std::byte> bytes_of(std::string& text) {
+  return std::as_writable_bytes(std::span(text.data(), text.size()));
+}
+
+} // namespace
+
+void World::reduce(std::span<double> values, Reduction reduction) {
+  if (reduction == Reduction::sum)
+    throw core::Error(INSITU_ERROR_INTERNAL, "a sum of doubles over processes has no order");
+  std::vector<std::int64_t> keys(values.size());
+  std::transform(values.begin(), values.end(), keys.begin(), ordered);
+  reduce(std::span(keys), reduction);
+  std::transform(keys.begin(), keys.end(), values.begin(), number_of);
+}
+
+std::string World::broadcast(const std::string& text, int root) {
+  std::int64_t length = rank() == root ? std::int64_t(text.size()) : 0;
+  broadcast(std::as_writable_bytes(std::span(&length, 1)), root);
+  std::string all = rank() == root ? text : std::string(std::size_t(length), '\0');
+  broadcast(bytes_of(all), root);
+  return all;
+}
+
+void World::agree(const core::Error* failure) {
+  if (size() == 1) {
+    if (failure)
+      throw AgreedError(failure->status(), failure->what(), true);
+    return;
+  }
+  std::int64_t first = failure ? rank() : size();
+  reduce(std::span(&first, 1), Reduction::least);
+  if (first == size())
+    return;
+  // What it said is cut, so that every process has the room for it.
+  char said[longest_message] = {};
+  std::int64_t status = 0;
+  if (rank() == first) {
+    status = failure->status();
+    const std::string what = failure->what();
+    what.copy(said, sizeof said - 1);
+  }
+  broadcast(std::as_writable_bytes(std::span(&status, 1)), int(first));
+  broadcast(std::as_writable_bytes(std::span(said)), int(first));
+  throw AgreedError(insitu_status(status), numbered(int(first), size()) + ": " + said, is_root());
+}
+
+void World::agree_after(core::FunctionRef<void()> work) {
+  std::optional<core::Error> failure;
+  try {
+    work();
+  } catch (const core::Error& e) {
+    failure = e;
+  } catch (const std::bad_alloc&) {
+    failure.emplace(INSITU_ERROR_MEMORY, "out of memory");
+  } catch (const std::exception& e) {
+    failure.emplace(INSITU_ERROR_INTERNAL, e.what());
+  }
+  agree(failure ? &*failure : nullptr);
+}
+
+void World::require_same(const std::vector<Named>& mine) {
+  if (size() == 1)
+    return;
+  const auto hash = std::bit_cast<std::int64_t>(hash_of(mine));
+  std::int64_t least_and_greatest[] = {hash, ~hash};
+  reduce(std::span(least_and_greatest), Reduction::least);
+  if (least_and_greatest[0] == ~least_and_greatest[1])
+    return;
+  // The root's values, one after the other, until one differs somewhere.
+  std::int64_t count = std::int64_t(mine.size());
+  broadcast(std::as_writable_bytes(std::span(&count, 1)));
+  for (std::int64_t i = 0;; ++i) {
+    const bool here = i < std::int64_t(mine.size());
+    const Named own = here ? mine[std::size_t(i)] : Named{"nothing further", ""};
+    Named root = i < count ? own : Named{"nothing further", ""};
+    root.name = broadcast(root.name);
+    root.value = broadcast(root.value);
+    std::int64_t first = own.name == root.name && own.value == root.value ? size() : rank();
+    reduce(std::span(&first, 1), Reduction::least);
+    if (first < size()) {
+      const std::string name = broadcast(own.name, int(first));
+      const std::string value = broadcast(own.value, int(first));
+      const auto told = [](const std::string& n, const std::string& v) {
+        return v.empty() ? n : n + " " + v;
+      };
+      throw AgreedError(INSITU_ERROR_ARGUMENT,
+                        "processes differ: " + told(root.name, root.value) + " on process 0, " +
+                            told(name, value) + " on " + numbered(int(first), size()),
+                        is_root());
+    }
+    if (i >= count)
+      return; // two lists of one hash, which differ nowhere
+  }
+}
+
+std::vector<Parcel> World::exchange(std::span<const Parcel> parcels) {
+  const auto processes = std::size_t(size());
+  std::vector<std::int64_t> to(processes), from(processes);
+  std::vector<Parcel> received;
+  std::vector<Outgoing> out;
+  std::vector<Incoming> in;
+  // How many parcels, how long they are, then the parcels: each step's memory before its data.
+  agree_after([&] {
+    for (const Parcel& p : parcels)
+      if (p.rank >= 0 && p.rank < size())
+        ++to[std::size_t(p.rank)];
+      else
+        throw core::Error(INSITU_ERROR_INTERNAL, "a parcel for process " + std::to_string(p.rank));
+  });
+  swap_numbers(to, from);
+  std::vector<std::vector<std::int64_t>> lengths_out(processes), lengths_in(processes);
+  agree_after([&] {
+    for (const Parcel& p : parcels)
+      lengths_out[std::size_t(p.rank)].push_back(std::int64_t(p.bytes.size()));
+    for (std::size_t r = 0; r < processes; ++r) {
+      lengths_in[r].resize(std::size_t(from[r]));
+      if (int(r) == rank())
+        lengths_in[r] = lengths_out[r];
+      else if (from[r] > 0)
+        in.push_back({int(r), std::as_writable_bytes(std::span(lengths_in[r]))});
+      if (int(r) != rank() && to[r] > 0)
+        out.push_back({int(r), std::as_bytes(std::span(lengths_out[r]))});
+    }
+  });
+  transfer(out, in);
+  agree_after([&] {
+    out.clear();
+    in.clear();
+    for (std::size_t r = 0; r < processes; ++r)
+      for (const std::int64_t length : lengths_in[r])
+        received.push_back({int(r), std::vector<std::byte>(std::size_t(length))});
+    for (Parcel& p : received)
+      if (p.rank != rank() && !p.bytes.empty())
+        in.push_back({p.rank, p.bytes});
+    std::size_t own = 0; // where the parcels to this process itself begin
+    while (own < received.size() && received[own].rank < rank())
+      ++own;
+    for (const Parcel& p : parcels)
+      if (p.rank == rank())
+        received[own++].bytes = p.bytes;
+      else if (!p.bytes.empty())
+        out.push_back({p.rank, p.bytes});
+  });
+  transfer(out, in);
+  return received;
+}
+
+void World::gather(std::span<const std::byte> mine, std::size_t most,
+                   core::FunctionRef<void(int, std::span<const std::byte>)> take) {
+  std::int64_t rounds = std::int64_t((mine.size() + most - 1) / most);
+  reduce(std::span(&rounds, 1), Reduction::greatest);
+  for (; rounds > 0; --rounds) {
+    const std::size_t now = std::min(most, mine.size());
+    std::vector<Parcel> parcels;
+    agree_after([&] {
+      if (now > 0)
+        parcels.push_back({0, {mine.begin(), mine.begin() + std::ptrdiff_t(now)}});
+    });
+    mine = mine.subspan(now);
+    const std::vector<Parcel> received = exchange(parcels);
+    agree_after([&] {
+      for (const Parcel& p : received)
+        take(p.rank, p.bytes);
+    });
+  }
+}
+
+} // namespace insitu::parallel

@@ -1,0 +1,223 @@
+/// Sessions over processes: mpiexec -n 1, 3. One process errs, and all hear of it; nobody hangs.
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <insitu/insitu.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "api/mpi/main.h"
+
+namespace {
+
+int rank() {
+  int r = -1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &r);
+  return r;
+}
+int size() {
+  int s = -1;
+  MPI_Comm_size(MPI_COMM_WORLD, &s);
+  return s;
+}
+bool is_last() {
+  return rank() == size() - 1;
+}
+std::string last_process() {
+  return "process " + std::to_string(size() - 1) + " of " + std::to_string(size());
+}
+
+const char* const scene = "insitu: 1\nprobes: [{name: gauges, points: [[0.5, 0.5, 0.5]]}]\n";
+
+/// A session of all processes, and what it said.
+struct Solver {
+  std::unique_ptr<insitu::Session> session;
+  insitu_status status = INSITU_OK;
+  std::string error;
+  std::vector<std::string> messages;
+  std::vector<double> values = std::vector<double>(8, 2.5);
+
+  using Change = std::function<void(insitu::Options&)>;
+  explicit Solver(const Change& change = {}) {
+    static const MPI_Comm world = MPI_COMM_WORLD;
+    insitu::Options o;
+    o.scene_text = scene;
+    o.output = "process_" + std::to_string(rank());
+    o.communicator = &world;
+    o.log = [this](insitu::LogLevel, const char* m) { messages.emplace_back(m); };
+    if (change)
+      change(o);
+    tell([&] { session = std::make_unique<insitu::Session>(o); });
+  }
+  void tell(const std::function<void()>& call) {
+    status = INSITU_OK;
+    error.clear();
+    try {
+      call();
+    } catch (const insitu::Error& e) {
+      status = e.status();
+      error = e.what();
+    }
+  }
+  insitu::Mesh give(const std::string& field = "f", int components = 1) {
+    insitu::Mesh mesh = session->mesh("box");
+    insitu_block block = insitu_block_default();
+    block.kind = INSITU_BLOCK_UNIFORM;
+    block.vertices[0] = block.vertices[1] = block.vertices[2] = 2;
+    EXPECT_EQ(insitu_mesh_block(mesh.handle(), 0, &block), INSITU_OK);
+    values.assign(std::size_t(8 * components), 2.5);
+    const insitu_array array = insitu_array_of(values.data(), INSITU_FLOAT64, 8, components);
+    EXPECT_EQ(insitu_mesh_field(mesh.handle(), 0, field.c_str(), INSITU_VERTEX, &array, 1),
+              INSITU_OK);
+    return mesh;
+  }
+  insitu_status execute(std::int64_t cycle, double time) {
+    status = insitu_session_execute(session->handle(), cycle, time);
+    error = insitu_last_message();
+    return status;
+  }
+};
+
+TEST(Sessions, OfAllProcessesExecuteTogether) {
+  Solver solver;
+  ASSERT_EQ(solver.error, "");
+  solver.give();
+  for (int cycle = 0; cycle < 3; ++cycle)
+    EXPECT_EQ(solver.execute(cycle, 0.5 * cycle), INSITU_OK) << solver.error;
+  EXPECT_EQ(solver.messages.size(), rank() == 0 && size() > 1 ? 1u : 0u);
+}
+
+/// Whatever one process does wrong, all return the same status, and a message with who and what.
+TEST(Sessions, AFailureOfOneIsAFailureOfAll) {
+  const std::string prefix = size() > 1 ? last_process() + ": " : "";
+  {
+    const Solver bad([](insitu::Options& o) {
+      if (is_last())
+        o.scene_text = "insitu: 1\nprobs: []\n";
+    });
+    EXPECT_EQ(bad.status, INSITU_ERROR_SCENE);
+    EXPECT_EQ(bad.error.find(prefix + "scene:2"), 0u) << bad.error;
+    EXPECT_EQ(bad.messages.size(), rank() == 0 ? (size() > 1 ? 2u : 1u) : 0u);
+  }
+  {
+    const Solver bad([](insitu::Options& o) { o.threads = is_last() ? -3 : 1; });
+    EXPECT_EQ(bad.status, INSITU_ERROR_ARGUMENT);
+    EXPECT_EQ(bad.error, prefix + "threads: -3, 0 (all) or more expected");
+  }
+  Solver solver;
+  solver.give();
+  EXPECT_EQ(solver.execute(0, is_last() ? std::nan("") : 0.0), INSITU_ERROR_ARGUMENT);
+  EXPECT_EQ(solver.error, prefix + "time: not finite");
+  // A commit fails: a field of two values for eight vertices.
+  const insitu_array few = insitu_array_of(solver.values.data(), INSITU_FLOAT64, 2, 1);
+  if (is_last())
+    insitu_mesh_field(solver.session->mesh("box").handle(), 0, "f", INSITU_VERTEX, &few, 1);
+  EXPECT_NE(solver.execute(0, 0.0), INSITU_OK);
+  EXPECT_EQ(solver.error.find(prefix), 0u) << solver.error;
+  EXPECT_NE(solver.error.find("'f'"), std::string::npos) << solver.error;
+  // It is mended, and all go on.
+  solver.give();
+  EXPECT_EQ(solver.execute(0, 0.0), INSITU_OK) << solver.error;
+}
+
+/// An action that fails on one process.
+TEST(Sessions, AFailedActionIsToldToAll) {
+  Solver solver([](insitu::Options& o) {
+    if (is_last()) {
+      std::filesystem::create_directories("here");
+      std::filesystem::remove_all("here/file");
+      std::fclose(std::fopen("here/file", "w"));
+      o.output = "here/file/out";
+    }
+  });
+  ASSERT_EQ(solver.error, "");
+  solver.give();
+  EXPECT_EQ(solver.execute(0, 0.0), INSITU_ERROR_ACTION);
+  EXPECT_EQ(solver.error.find(size() > 1 ? last_process() + ": probe 'gauges'" : "probe 'gauges'"),
+            0u)
+      << solver.error;
+}
+
+/// Until the root alone writes.
+TEST(Sessions, OfOneFolderAreRefusedTogether) {
+  const Solver solver([](insitu::Options& o) { o.output = "one_folder"; });
+  EXPECT_EQ(solver.status, size() > 1 ? INSITU_ERROR_FILE : INSITU_OK);
+  EXPECT_EQ(solver.error.find("needs an output folder of its own") != std::string::npos, size() > 1)
+      << solver.error;
+}
+
+TEST(Sessions, WhatDiffersIsNamed) {
+  if (size() == 1)
+    GTEST_SKIP() << "one process differs from nobody";
+  const auto expect = [](const Solver& s, const std::string& root, const std::string& last) {
+    EXPECT_EQ(s.error,
+              "processes differ: " + root + " on process 0, " + last + " on " + last_process());
+  };
+  {
+    const Solver bad([](insitu::Options& o) {
+      if (is_last())
+        o.scene_text = "insitu: 1\n";
+    });
+    EXPECT_EQ(bad.status, INSITU_ERROR_ARGUMENT);
+    EXPECT_EQ(bad.error.find("processes differ: scene of "), 0u) << bad.error;
+  }
+  Solver solver;
+  solver.give();
+  EXPECT_EQ(solver.execute(is_last() ? 8 : 7, 0.5), INSITU_ERROR_ARGUMENT);
+  expect(solver, "cycle 7", "cycle 8");
+  EXPECT_EQ(solver.execute(7, is_last() ? 0.25 : 0.1), INSITU_ERROR_ARGUMENT);
+  expect(solver, "time 0.1", "time 0.25");
+  solver.session.reset();
+  Solver fields;
+  fields.give("v", is_last() ? 3 : 1);
+  EXPECT_EQ(fields.execute(0, 0), INSITU_ERROR_FIELD);
+  EXPECT_NE(
+      fields.error.find("processes differ: field 'v' of mesh 'box' has 1 component at vertices on "
+                        "process 0, 3 components at vertices on process " +
+                        std::to_string(size() - 1)),
+      std::string::npos)
+      << fields.error;
+}
+
+/// Two sessions at once, and one of a part of the processes.
+TEST(Sessions, OfOtherGroupsWorkBesideIt) {
+  MPI_Comm part = MPI_COMM_NULL;
+  MPI_Comm_split(MPI_COMM_WORLD, rank() == 0, 0, &part);
+  Solver all([](insitu::Options& o) { o.output = "all_" + std::to_string(rank()); });
+  Solver some([&](insitu::Options& o) {
+    o.output = "some_" + std::to_string(rank());
+    o.communicator = &part;
+  });
+  all.give();
+  some.give();
+  EXPECT_EQ(all.execute(0, 0.0), INSITU_OK) << all.error;
+  for (int cycle = 0; cycle < 3; ++cycle)
+    EXPECT_EQ(some.execute(cycle, cycle), INSITU_OK) << some.error;
+  EXPECT_EQ(all.execute(1, 1.0), INSITU_OK) << all.error;
+  some.session.reset();
+  all.session.reset();
+  MPI_Comm_free(&part);
+}
+
+/// MPI was initialised for calls of its main thread.
+TEST(Sessions, ACallOfAnotherThreadIsRefusedOnThatProcess) {
+  Solver solver;
+  solver.give();
+  insitu_status status = INSITU_OK;
+  std::string said;
+  std::thread([&] {
+    status = insitu_session_execute(solver.session->handle(), 0, 0.0);
+    said = insitu_last_message();
+  }).join();
+  EXPECT_EQ(status, INSITU_ERROR_ORDER);
+  EXPECT_NE(said.find("another thread"), std::string::npos) << said;
+  EXPECT_EQ(solver.execute(0, 0.0), INSITU_OK) << solver.error;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  return run_on_all_processes(argc, argv);
+}
