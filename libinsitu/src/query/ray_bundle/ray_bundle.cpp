@@ -5,7 +5,6 @@
 
 #include "core/count_bits.h"
 #include "query/batch/bit_tables.h"
-#include "query/lattice/dual_query.h"
 #include "query/point_query.h"
 #include "query/ray_bundle/ray_bundle_scratch.h"
 
@@ -28,6 +27,12 @@ RayBundleLocator::RayBundleLocator(const Sampler& sampler, const LocateOptions& 
   ranked_ = sampler.mesh().piece_count > 1 || !proof.for_all();
   usable_ = !sampler.tree().empty() && proof.for_some() && options.alpha == 1.0 &&
             proof.is_enough() && sampler.locator().answers_by_proof(options);
+  const mesh::MeshView& mesh = sampler.mesh();
+  has_blocks_ =
+      proof.for_all() &&
+      std::any_of(mesh.pieces, mesh.pieces + mesh.piece_count, [](const mesh::PieceView& piece) {
+        return piece.layout == mesh::CellLayout::block && piece.implicit_points;
+      });
 }
 
 /// Neighbours, four by four, into one group.
@@ -99,74 +104,56 @@ void RayBundleLocator::run(std::int64_t first, int depth, std::span<const std::u
   depth_ = depth;
   std::fill_n(s_.by_reason, reason_count, 0);
   s_.rest.clear();
-  if (!take_wanted(wanted))
+  const int asked = take_wanted(wanted);
+  if (asked == 0)
     return;
-  if (usable_ && sampler_.locator().dual())
-    locate_by_place();
-  if (!usable_ || !set_slab() || !enter_all_cells()) {
+  if (!usable_ || !set_slab() || !claim_in_all_cells(asked)) {
     for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
       for_each_bit(s_.wanted[slot], [&](int k) { leave(place_of(k, slot)); });
   }
+  s_.by_reason[int(Reason::certified)] +=
+      asked - std::int64_t(s_.rest.size()) - s_.by_reason[int(Reason::outside)];
   locate_rest();
   sampler_.count(s_.by_reason);
 }
 
-/// False if none is.
-bool RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
+/// How many.
+int RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
   std::fill_n(s_.wanted, bundle_rays, 0u);
   const std::uint32_t within = ~std::uint32_t(0) >> (bundle_depth - depth_);
-  std::uint32_t any = 0;
+  int count = 0;
   for (std::size_t r = 0; r < wanted.size(); ++r) {
-    any |= s_.wanted[s_.slot[r]] = wanted[r] & within;
+    s_.wanted[s_.slot[r]] = wanted[r] & within;
     s_.answer[s_.slot[r]] = std::int32_t(r) * depth_;
-    samples_ += core::count_bits(wanted[r] & within);
+    count += int(core::count_bits(wanted[r] & within));
   }
-  return any != 0;
+  samples_ += count;
+  return count;
 }
 
-/// Without the tree, which is then asked for the others alone.
-void RayBundleLocator::locate_by_place() {
-  DualFinder finder(*sampler_.locator().dual());
-  Vec3d points[most_depth];
-  std::uint16_t places[most_depth];
-  Location at[most_depth];
-  for (int slot = 0; slot < groups_ * bundle_lanes; ++slot) {
-    std::size_t count = 0, found = 0;
-    for_each_bit(s_.wanted[slot], [&](int k) {
-      places[count] = std::uint16_t(place_of(k, slot));
-      points[count] = point(places[count]);
-      ++count;
-    });
-    for (std::size_t q = 0; q < count; ++q) {
-      Reason why;
-      std::int64_t guess = -1; // which the bundle finds as well
-      at[found] = {};
-      if (!finder.find(points[q], at[found], why, guess))
-        continue;
-      s_.wanted[slot] &= ~(std::uint32_t(1) << index_of(places[q]));
-      ++s_.by_reason[int(why)];
-      places[found++] = places[q];
-    }
-    answer({places, found}, {at, found});
-  }
-}
-
-/// False if cells are too many for it to pay.
-bool RayBundleLocator::enter_all_cells() {
+/// False, and s_.wanted says which samples are left, if cells are too many for it to pay.
+bool RayBundleLocator::claim_in_all_cells(int samples) {
   const mesh::MeshView& mesh = sampler_.mesh();
-  int samples = 0;
-  for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
-    samples += int(core::count_bits(s_.wanted[slot]));
-  if (samples == 0)
-    return true;
-  std::size_t found = 0;
+  set_states(s_.wanted, s_.slab);
+  const auto leave_out = [&](int claimed) {
+    samples -= claimed;
+    if (claimed == 0 || samples == 0)
+      return;
+    clear_claimed(s_.slab, s_.wanted);
+    set_groups();
+  };
+  leave_out(claim_in_blocks());
   // A batch takes about as long for a sample as this does for two cells, or one of tetrahedra,
   // whose boxes tell a batch little.
-  const std::size_t most = std::size_t(trying_pays(mesh) ? samples / 2 : samples);
-  if (!find_cells(sampler_.tree(), s_.slab, std::uint32_t(mesh.first_single_cell()), most, s_.found,
-                  found))
+  const auto most_cells = [&] { return std::size_t(trying_pays(mesh) ? samples / 2 : samples); };
+  std::size_t found = 0;
+  if (samples > 0 && !find_cells(sampler_.tree(), s_.slab, most_cells(), s_.found, found))
     return false;
-  set_states(s_.wanted, s_.slab);
+  leave_out(claim_in_gridlets(found));
+  if (samples == 0)
+    return true;
+  if (found > most_cells())
+    return false;
   if (ranked_)
     for (int k = 0; k < depth_; ++k)
       std::fill_n(s_.slab.piece[k], groups_ * bundle_lanes, mesh.piece_count);
@@ -181,9 +168,22 @@ bool RayBundleLocator::enter_all_cells() {
   }
   for (int g = 0; g < groups_; ++g)
     settle_group(g);
-  s_.by_reason[int(Reason::certified)] +=
-      samples - std::int64_t(s_.rest.size()) - s_.by_reason[int(Reason::outside)];
   return true;
+}
+
+BundleClaims RayBundleLocator::claims() {
+  BundleClaims to{};
+  to.origin = s_.origin;
+  to.direction = s_.direction;
+  to.one_origin = one_origin_;
+  to.first = double(first_);
+  to.step = step_;
+  to.answer = s_.answer;
+  to.values = &s_.values;
+  to.values_at_vertices = from_ && !from_->is_per_cell();
+  to.samples = value_samples_;
+  to.locations = locations_;
+  return to;
 }
 
 /// Those of the found cells that have the shape.
@@ -202,17 +202,7 @@ void RayBundleLocator::enter_shape(const cells::CellGather& gather, mesh::Shape 
       s_.ranks.push_back(tree.odd().has(slot) ? -1 : mesh.piece_of(cell));
     s_.cells.push_back(cell);
   }
-  BundleClaims to{};
-  to.origin = s_.origin;
-  to.direction = s_.direction;
-  to.one_origin = one_origin_;
-  to.first = double(first_);
-  to.step = step_;
-  to.answer = s_.answer;
-  to.values = &s_.values;
-  to.values_at_vertices = from_ && !from_->is_per_cell();
-  to.samples = value_samples_;
-  to.locations = locations_;
+  BundleClaims to = claims();
   const std::size_t count = s_.cells.size();
   for (std::size_t at = 0; at < count; at += size) {
     cells::CellBlock& block = s_.block;

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "accel/tree/tree.h"
 #include "cells/kernels/cell_block.h"
+#include "core/parallel.h"
 #include "math/vec.h"
-#include "mesh/shape.h"
+#include "mesh/view.h"
 #include "query/location.h"
 
 /// What RayBundleLocator does with SIMD; compiled per target and dispatched at run time.
@@ -51,10 +54,10 @@ struct BundleSlab {
   alignas(64) std::int32_t piece[bundle_depth][bundle_rays];
 };
 
-/// The places in tree.cells() of cells in whose boxes wanted samples may lie, flat ids from `least`
-/// on; false if there are more than `most`. The vector is never made smaller.
-bool find_cells(const accel::Tree& tree, const BundleSlab& slab, std::uint32_t least,
-                std::size_t most, std::vector<std::uint32_t>& slots, std::size_t& count);
+/// The places in tree.cells() of cells and gridlets in whose boxes wanted samples may lie; false if
+/// there are more than `most`. The vector is never made smaller.
+bool find_cells(const accel::Tree& tree, const BundleSlab& slab, std::size_t most,
+                std::vector<std::uint32_t>& slots, std::size_t& count);
 
 /// A field's values at the vertices of up to 64 cells, as CellBlock holds these; of a cell field,
 /// in row 0, the cells' own.
@@ -87,8 +90,43 @@ struct BundleClaims {
   Location* locations;  ///< or null
 };
 
+/// Cells that are boxes side by side: a gridlet's, or a structured block's.
+struct LatticeCells {
+  // Even ones; lengths in cells, but for the first.
+  double start[3], steps_a_unit[3]; ///< the lower corner; cells
+  double least[3];                  ///< places so near to a face may be on its other side
+  double most[3];                   ///< cells in all, less that
+  /// Of others: coordinates of faces, ascending, [plane_count]; null: even ones.
+  const double* planes[3] = {nullptr, nullptr, nullptr};
+  std::int64_t plane_count[3];
+  std::int64_t first_cell, next[3];    ///< a flat id; from it to the next along each axis
+  mesh::Shape shape;                   ///< voxels or hexahedra
+  const std::uint64_t* full = nullptr; ///< a bit a cell that is there; null: all are
+  const mesh::PieceView* blanked =
+      nullptr;                     ///< where some cells may not exist, `first_cell` its first
+  std::int64_t first_of_piece = 0; ///< flat id
+  float lower[3][1], upper[3][1];  ///< along the slab's axes, rounded outwards
+};
+
+/// A number a vertex of such cells, that of the first one's lowest at `first` (null: none is
+/// known).
+struct LatticeNumbers {
+  const std::byte* first = nullptr;
+  bool is_float32 = false;
+  std::int64_t next[3] = {0, 0, 0}; ///< bytes to the next along each axis; a number's size along i
+};
+
 /// What a stretch begins with. wanted: by slot, bit k: sample k is wanted.
 void set_states(const std::uint32_t* wanted, BundleSlab& slab);
+/// Leaves those that are not claimed in `wanted`.
+void clear_claimed(const BundleSlab& slab, std::uint32_t* wanted);
+/// Claims all samples strictly inside of the cells, and touches those on faces or too near to tell;
+/// how many are claimed. With numbers it writes to.samples, to the bit as cells::weighted_mean, and
+/// to.locations; without, it gives `answer` places and locations, some at a time.
+using AnswerPlaces =
+    core::FunctionRef<void(std::span<const std::uint16_t> places, std::span<const Location> at)>;
+int claim_lattice(const LatticeCells& cells, const LatticeNumbers& numbers, BundleSlab& slab,
+                  const BundleClaims& to, AnswerPlaces answer);
 /// Touches all samples that the block's cells, of one shape, might hold, whatever the rounding, and
 /// claims those that they are proven to hold. pieces: null, or of the cells, -1 for odd ones, which
 /// touch all samples about them and claim none.

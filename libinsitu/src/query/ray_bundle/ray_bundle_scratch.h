@@ -20,6 +20,7 @@ struct RayBundleScratch {
   std::uint16_t slot[bundle_rays];
   std::int32_t answer[bundle_rays]; ///< by slot, where the ray's answers begin
   std::vector<std::uint32_t> found; ///< of the stretch's cells, their places in the tree
+  std::vector<double> planes[3];    ///< of a rectilinear block, those about the stretch
   // Of some cells of one shape.
   cells::CellBlock block;
   ValueBlock values;
