@@ -24,7 +24,7 @@ RayBundleLocator::RayBundleLocator(const Sampler& sampler, const LocateOptions& 
     : sampler_(sampler), options_(options), s_(bundle_scratch()) {
   const PointQuery query{sampler.mesh(), sampler.tree(), options};
   const ProofRule proof = query.proof();
-  ranked_ = sampler.mesh().piece_count > 1 || !proof.for_all();
+  ranked_ = !proof.for_all();
   usable_ = !sampler.tree().empty() && proof.for_some() && options.alpha == 1.0 &&
             proof.is_enough() && sampler.locator().answers_by_proof(options);
   const mesh::MeshView& mesh = sampler.mesh();
@@ -54,8 +54,7 @@ void RayBundleLocator::set_rays(std::span<const LatticeRay> rays, int row, doubl
     const int slot =
         tiled ? (y / side * across + x / side) * bundle_lanes + y % side * side + x % side : r;
     s_.slot[r] = std::uint16_t(slot);
-    s_.origin[slot] = rays[std::size_t(r)].origin;
-    s_.direction[slot] = rays[std::size_t(r)].direction;
+    s_.rays.set(slot, rays[std::size_t(r)].origin, rays[std::size_t(r)].direction);
     const Vec3d off = rays[std::size_t(r)].origin - rays[0].origin;
     one_origin_ = one_origin_ && off.x == 0.0 && off.y == 0.0 && off.z == 0.0;
     s_.mean_origin += rays[std::size_t(r)].origin;
@@ -158,14 +157,18 @@ bool RayBundleLocator::claim_in_all_cells(int samples) {
     for (int k = 0; k < depth_; ++k)
       std::fill_n(s_.slab.piece[k], groups_ * bundle_lanes, mesh.piece_count);
   const cells::CellGather gather(mesh, 1.0);
-  constexpr int first_shape = int(mesh::Shape::tetrahedron), shapes = 5;
-  for (int i = 0; i < shapes; ++i) {
-    const auto shape = mesh::Shape(first_shape + i);
-    if (!gather.one_shape())
-      enter_shape(gather, shape, {s_.found.data(), found});
-    else if (found > 0 && gather.shape(0) == shape)
-      enter_shape(gather, shape, {s_.found.data(), found});
+  for (ShapeCells& of : s_.by_shape)
+    of.clear();
+  for (std::size_t i = 0; i < found; ++i) {
+    const std::uint32_t slot = s_.found[i];
+    const std::int64_t cell = sampler_.tree().cells()[slot];
+    ShapeCells& of = s_.by_shape[int(gather.shape(cell)) - first_shape];
+    of.cells.push_back(cell);
+    if (ranked_)
+      of.ranks.push_back(sampler_.tree().odd().has(slot) ? -1 : mesh.piece_of(cell));
   }
+  for (int i = 0; i < shape_count; ++i)
+    claim_in_shape(gather, mesh::Shape(first_shape + i), s_.by_shape[i]);
   for (int g = 0; g < groups_; ++g)
     settle_group(g);
   return true;
@@ -173,8 +176,7 @@ bool RayBundleLocator::claim_in_all_cells(int samples) {
 
 BundleClaims RayBundleLocator::claims() {
   BundleClaims to{};
-  to.origin = s_.origin;
-  to.direction = s_.direction;
+  to.rays = &s_.rays;
   to.one_origin = one_origin_;
   to.first = double(first_);
   to.step = step_;
@@ -186,33 +188,20 @@ BundleClaims RayBundleLocator::claims() {
   return to;
 }
 
-/// Those of the found cells that have the shape.
-void RayBundleLocator::enter_shape(const cells::CellGather& gather, mesh::Shape shape,
-                                   std::span<const std::uint32_t> found) {
+void RayBundleLocator::claim_in_shape(const cells::CellGather& gather, mesh::Shape shape,
+                                      const ShapeCells& of) {
   constexpr std::size_t size = cells::CellBlock::size;
-  const mesh::MeshView& mesh = sampler_.mesh();
-  const accel::Tree& tree = sampler_.tree();
-  s_.cells.clear();
-  s_.ranks.clear();
-  for (const std::uint32_t slot : found) {
-    const std::int64_t cell = tree.cells()[slot];
-    if (!gather.one_shape() && gather.shape(cell) != shape)
-      continue;
-    if (ranked_)
-      s_.ranks.push_back(tree.odd().has(slot) ? -1 : mesh.piece_of(cell));
-    s_.cells.push_back(cell);
-  }
   BundleClaims to = claims();
-  const std::size_t count = s_.cells.size();
+  const std::size_t count = of.cells.size();
   for (std::size_t at = 0; at < count; at += size) {
     cells::CellBlock& block = s_.block;
     block.count = int(std::min(count - at, size));
-    to.cells = &s_.cells[at];
+    to.cells = &of.cells[at];
     gather.fill(to.cells, block.count, int(count - at) - block.count, block);
     block.fill_up(shape);
     if (from_)
       from_->load({to.cells, std::size_t(block.count)}, s_.values);
-    claim_cells(shape, block, ranked_ ? &s_.ranks[at] : nullptr, s_.slab, s_.lists, to);
+    claim_cells(shape, block, ranked_ ? &of.ranks[at] : nullptr, s_.slab, s_.lists, to);
   }
 }
 

@@ -36,6 +36,7 @@ public:
 };
 
 struct RayBundleScratch;
+struct ShapeCells;
 
 /// Locates samples along neighbouring rays cell by cell: the tree is asked once for all cells that
 /// the samples of a stretch might lie in; each cell's linearised inverse map, in floats, names the
@@ -94,8 +95,7 @@ private:
   bool set_slab();
   void set_groups();
   bool claim_in_all_cells(int samples);
-  void enter_shape(const cells::CellGather& gather, mesh::Shape shape,
-                   std::span<const std::uint32_t> found);
+  void claim_in_shape(const cells::CellGather& gather, mesh::Shape shape, const ShapeCells& of);
   void settle_group(int g);
   void leave(int place);
   void locate_rest();

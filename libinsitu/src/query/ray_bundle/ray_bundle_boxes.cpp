@@ -189,6 +189,9 @@ int RayBundleLocator::claim_in_lattice(const Vec3d& low, const Vec3d& high, Latt
                                                  std::fabs(axis.z) * half.z;
     const double rounding =
         2.0 * slab.rounding + 0x1p-20 * (double(slab.reach) + std::fabs(at) + reach);
+    const double slack = 1e-3 * half[a] + 0x1p-45 * (std::fabs(low[a]) + std::fabs(high[a]));
+    cells.low[a] = low[a] - slack;
+    cells.high[a] = high[a] + slack;
     cells.lower[a][0] = float(at - reach - rounding);
     cells.upper[a][0] = float(at + reach + rounding);
   }

@@ -21,6 +21,26 @@ constexpr int bundle_rays = bundle_lanes * bundle_groups, bundle_rays_log2 = 10;
 static_assert(bundle_rays == 1 << bundle_rays_log2);
 constexpr int bundle_depth = 32; ///< samples of a ray
 
+/// By slot, in columns.
+struct BundleRays {
+  alignas(64) double origin[3][bundle_rays], direction[3][bundle_rays];
+  alignas(64) double inverse[3][bundle_rays]; ///< 1 / direction
+
+  math::Vec3d origin_of(int slot) const {
+    return {origin[0][slot], origin[1][slot], origin[2][slot]};
+  }
+  math::Vec3d direction_of(int slot) const {
+    return {direction[0][slot], direction[1][slot], direction[2][slot]};
+  }
+  void set(int slot, const math::Vec3d& from, const math::Vec3d& along) {
+    for (int a = 0; a < 3; ++a) {
+      origin[a][slot] = from[a];
+      direction[a][slot] = along[a];
+      inverse[a][slot] = 1.0 / along[a];
+    }
+  }
+};
+
 /// A sample's cell, or -1, and what was interpolated there.
 struct ValueSample {
   std::int64_t cell;
@@ -79,12 +99,12 @@ struct BundleLists {
 
 /// Where claims go: to places answer[slot] + k.
 struct BundleClaims {
-  const math::Vec3d *origin, *direction; ///< of the rays, by slot
-  bool one_origin;                       ///< all rays begin where that of slot 0 does
-  double first, step;                    ///< sample k lies at (first + k + 1/2) step
-  const std::int32_t* answer;            ///< by slot
-  const std::int64_t* cells;             ///< flat ids of the block's
-  const ValueBlock* values;              ///< of the block's, or null
+  const BundleRays* rays;
+  bool one_origin;            ///< all rays begin where that of slot 0 does
+  double first, step;         ///< sample k lies at (first + k + 1/2) step
+  const std::int32_t* answer; ///< by slot
+  const std::int64_t* cells;  ///< flat ids of the block's
+  const ValueBlock* values;   ///< of the block's, or null
   bool values_at_vertices;
   ValueSample* samples; ///< or null
   Location* locations;  ///< or null
@@ -99,13 +119,13 @@ struct LatticeCells {
   /// Of others: coordinates of faces, ascending, [plane_count]; null: even ones.
   const double* planes[3] = {nullptr, nullptr, nullptr};
   std::int64_t plane_count[3];
-  std::int64_t first_cell, next[3];    ///< a flat id; from it to the next along each axis
-  mesh::Shape shape;                   ///< voxels or hexahedra
-  const std::uint64_t* full = nullptr; ///< a bit a cell that is there; null: all are
-  const mesh::PieceView* blanked =
-      nullptr;                     ///< where some cells may not exist, `first_cell` its first
-  std::int64_t first_of_piece = 0; ///< flat id
-  float lower[3][1], upper[3][1];  ///< along the slab's axes, rounded outwards
+  std::int64_t first_cell, next[3];         ///< a flat id; from it to the next along each axis
+  mesh::Shape shape;                        ///< voxels or hexahedra
+  const std::uint64_t* full = nullptr;      ///< a bit a cell that is there; null: all are
+  const mesh::PieceView* blanked = nullptr; ///< the piece, where some cells may not exist
+  std::int64_t first_of_piece = 0;          ///< flat id
+  double low[3], high[3];                   ///< a box that holds all of it, with some slack
+  float lower[3][1], upper[3][1];           ///< along the slab's axes, rounded outwards
 };
 
 /// A number a vertex of such cells, that of the first one's lowest at `first` (null: none is

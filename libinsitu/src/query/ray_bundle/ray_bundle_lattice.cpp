@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <type_traits>
 #include <utility>
 
@@ -60,23 +61,32 @@ HWY_INLINE AlongAxis in_even_cells(const LatticeCells& cells, int a, Reals p) {
   return at;
 }
 
-/// cell: where to look first, and then where it is.
-HWY_INLINE AlongAxis between_planes(const LatticeCells& cells, int a, Reals p, Reals& cell) {
+/// A cell between two planes for each lane.
+struct Cursor {
+  Reals cell, low, high;
+};
+
+/// Moves the cursor from where it was to where p is, or to the nearest cell.
+HWY_INLINE AlongAxis between_planes(const LatticeCells& cells, int a, Reals p, Cursor& at) {
   const Real d;
   const Reals one = hn::Set(d, 1.0), last = hn::Set(d, double(cells.plane_count[a] - 2));
-  Reals low, high;
   for (;;) {
-    const auto at = whole(cell);
-    low = hn::GatherIndex(d, cells.planes[a], at);
-    high = hn::GatherIndex(d, cells.planes[a] + 1, at);
-    const RealMask down = hn::And(hn::Lt(p, low), hn::Gt(cell, hn::Zero(d)));
-    const RealMask up = hn::And(hn::Gt(p, high), hn::Lt(cell, last));
+    const RealMask down = hn::And(hn::Lt(p, at.low), hn::Gt(at.cell, hn::Zero(d)));
+    const RealMask up = hn::And(hn::Gt(p, at.high), hn::Lt(at.cell, last));
     if (hn::AllFalse(d, hn::Or(down, up)))
       break;
-    cell = hn::Sub(hn::Add(cell, hn::IfThenElseZero(up, one)), hn::IfThenElseZero(down, one));
+    const Reals above = hn::Add(at.cell, one), below = hn::Sub(at.cell, one);
+    const Reals next =
+        hn::IfThenElse(up, hn::Add(above, one), hn::IfThenElse(down, below, at.cell));
+    const Reals plane = hn::GatherIndex(d, cells.planes[a], whole(next));
+    const Reals low = hn::IfThenElse(up, at.high, hn::IfThenElse(down, plane, at.low));
+    at.high = hn::IfThenElse(up, plane, hn::IfThenElse(down, at.low, at.high));
+    at.low = low;
+    at.cell = hn::IfThenElse(up, above, hn::IfThenElse(down, below, at.cell));
   }
-  return {cell, hn::Div(hn::Sub(p, low), hn::Sub(high, low)),
-          hn::And(hn::Lt(low, p), hn::Lt(p, high)), hn::And(hn::Le(low, p), hn::Le(p, high))};
+  return {at.cell, hn::Div(hn::Sub(p, at.low), hn::Sub(at.high, at.low)),
+          hn::And(hn::Lt(at.low, p), hn::Lt(p, at.high)),
+          hn::And(hn::Le(at.low, p), hn::Le(p, at.high))};
 }
 
 /// The samples of a bundle in some cells.
@@ -117,20 +127,49 @@ public:
   }
 
 private:
+  /// The numbers k of samples that the rays of a register, from slot s on, may have in the box.
+  HWY_INLINE std::uint32_t met(const Reals* origin, int s) const {
+    const Real d;
+    Reals from = hn::Set(d, -HUGE_VAL), to = hn::Set(d, HUGE_VAL);
+    for (int a = 0; a < 3; ++a) {
+      const Reals per_unit = hn::Load(d, to_.rays->inverse[a] + s);
+      const Reals low = hn::Mul(hn::Sub(hn::Set(d, cells_.low[a]), origin[a]), per_unit);
+      const Reals high = hn::Mul(hn::Sub(hn::Set(d, cells_.high[a]), origin[a]), per_unit);
+      from = hn::Max(hn::Min(low, high), from);
+      to = hn::Min(hn::Max(low, high), to);
+    }
+    const RealMask meets = hn::Le(from, to);
+    if (hn::AllFalse(d, meets))
+      return 0;
+    const double per_step = 1.0 / to_.step;
+    const auto index = [&](Reals t) HWY_ATTR {
+      return hn::Sub(hn::Mul(t, hn::Set(d, per_step)), hn::Set(d, to_.first + 0.5));
+    };
+    const Reals none = hn::Set(d, HUGE_VAL);
+    const double first = hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(meets, index(from), none)));
+    const double last =
+        hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElse(meets, index(to), hn::Neg(none))));
+    const double slack = 1e-3 + 0x1p-45 * to_.first;
+    const double end = double(bundle_depth - 1);
+    if (!(first - slack < end + 1.0) || !(last + slack > 0.0))
+      return 0;
+    const int begin = first - slack > 0.0 ? int(std::fmin(std::ceil(first - slack), end)) : 0;
+    const int behind = last + slack < end ? int(last + slack) : bundle_depth - 1;
+    return (~std::uint32_t(0) << begin) & (~std::uint32_t(0) >> (bundle_depth - 1 - behind));
+  }
+
   /// The samples of rays from slot s on, a register full.
   HWY_INLINE void claim_along(int s, std::uint32_t wanted) {
     const Real d;
     const Int di;
     Reals origin[3], direction[3];
-    hn::LoadInterleaved3(d, &to_.direction[s].x, direction[0], direction[1], direction[2]);
-    if (to_.one_origin) {
-      origin[0] = hn::Set(d, to_.origin->x);
-      origin[1] = hn::Set(d, to_.origin->y);
-      origin[2] = hn::Set(d, to_.origin->z);
-    } else {
-      hn::LoadInterleaved3(d, &to_.origin[s].x, origin[0], origin[1], origin[2]);
+    for (int a = 0; a < 3; ++a) {
+      direction[a] = hn::Load(d, to_.rays->direction[a] + s);
+      origin[a] = to_.one_origin ? hn::Set(d, to_.rays->origin[a][0])
+                                 : hn::Load(d, to_.rays->origin[a] + s);
     }
-    Reals cursor[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    wanted &= met(origin, s);
+    Cursor cursor[3];
     bool begun = false;
     for (; wanted; wanted &= wanted - 1) {
       const int k = std::countr_zero(wanted);
@@ -150,7 +189,7 @@ private:
           at[a] = in_even_cells(cells_, a, p);
         } else {
           if (!begun)
-            cursor[a] = hn::Set(d, first_cell_of(a, hn::GetLane(p)));
+            cursor[a] = cursor_at(a, hn::GetLane(p));
           at[a] = between_planes(cells_, a, p, cursor[a]);
         }
       }
@@ -163,11 +202,13 @@ private:
   }
 
   /// The cell of a place along an axis, or the one nearest to it.
-  HWY_INLINE double first_cell_of(int a, double p) const {
+  HWY_INLINE Cursor cursor_at(int a, double p) const {
+    const Real d;
     const double* const planes = cells_.planes[a];
     const std::int64_t n = cells_.plane_count[a];
     const std::int64_t above = std::upper_bound(planes, planes + n, p) - planes;
-    return double(std::clamp<std::int64_t>(above - 1, 0, n - 2));
+    const std::int64_t cell = std::clamp<std::int64_t>(above - 1, 0, n - 2);
+    return {hn::Set(d, double(cell)), hn::Set(d, planes[cell]), hn::Set(d, planes[cell + 1])};
   }
 
   /// What of samples k, those of the bits, is sure to be in a cell that is there.

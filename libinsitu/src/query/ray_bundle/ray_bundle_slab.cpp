@@ -78,7 +78,8 @@ void RayBundleLocator::set_groups() {
       if (!wanted)
         continue;
       slab.wanted[g] |= wanted;
-      const Vec3d from = point(place_of(0, slot)) - slab.middle, step = step_ * s_.direction[slot];
+      const Vec3d from = point(place_of(0, slot)) - slab.middle,
+                  step = step_ * s_.rays.direction_of(slot);
       const int first = std::countr_zero(wanted), last = 31 - std::countl_zero(wanted);
       for (int a = 0; a < 3; ++a) {
         const float base = float(dot(slab.axes[a], from)), along = float(dot(slab.axes[a], step));
