@@ -47,6 +47,9 @@ void RayBundleLocator::set_rays(std::span<const LatticeRay> rays, int row, doubl
   row_ = tiled ? std::min(row, rays_) : rays_;
   groups_ = tiled ? across * down : (rays_ + bundle_lanes - 1) / bundle_lanes;
   one_origin_ = true;
+  if (rays_ > 0 && rays_ < groups_ * bundle_lanes) // the others are like the first
+    for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
+      s_.rays.set(slot, rays[0].origin, rays[0].direction);
   s_.far = 0.0;
   s_.mean_origin = s_.mean_direction = {};
   for (int r = 0; r < rays_; ++r) {
@@ -139,7 +142,7 @@ bool RayBundleLocator::claim_in_all_cells(int samples) {
     if (claimed == 0 || samples == 0)
       return;
     clear_claimed(s_.slab, s_.wanted);
-    set_groups();
+    bound_groups(s_.wanted, s_.slab);
   };
   leave_out(claim_in_blocks());
   // A batch takes about as long for a sample as this does for two cells, or one of tetrahedra,

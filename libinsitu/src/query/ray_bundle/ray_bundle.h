@@ -93,7 +93,7 @@ private:
   LatticeNumbers numbers_of(std::int32_t piece, const std::int64_t* vertices,
                             const std::int64_t* lowest) const;
   bool set_slab();
-  void set_groups();
+
   bool claim_in_all_cells(int samples);
   void claim_in_shape(const cells::CellGather& gather, mesh::Shape shape, const ShapeCells& of);
   void settle_group(int g);

@@ -136,6 +136,12 @@ struct LatticeNumbers {
   std::int64_t next[3] = {0, 0, 0}; ///< bytes to the next along each axis; a number's size along i
 };
 
+/// Where rays of slots [0, rays) are in the slab's frame, of which middle, axes, depth and rounding
+/// are known.
+void place_rays(const BundleClaims& to, int rays, BundleSlab& slab);
+/// Where each group's wanted samples are, and all.
+void bound_groups(const std::uint32_t* wanted, BundleSlab& slab);
+
 /// What a stretch begins with. wanted: by slot, bit k: sample k is wanted.
 void set_states(const std::uint32_t* wanted, BundleSlab& slab);
 /// Leaves those that are not claimed in `wanted`.
