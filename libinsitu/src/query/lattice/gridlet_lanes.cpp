@@ -140,10 +140,7 @@ std::size_t values_ahead_of(const mesh::Gridlet* gridlets, std::int64_t end, con
         low[lane] = numbers + vertex[lane];
       value = value_of(
           [&](bool up_j, bool up_k, Reals& first, Reals& second) HWY_ATTR {
-            const T* at[lanes];
-            for (int lane = 0; lane < lanes; ++lane)
-              at[lane] = low[lane] + (up_j ? row : 0) + (up_k ? layer : 0);
-            load_pairs(d, at, first, second);
+            load_pairs(d, low, (up_j ? row : 0) + (up_k ? layer : 0), first, second);
           },
           i1, j1, k1);
     } else {
@@ -161,7 +158,7 @@ std::size_t values_ahead_of(const mesh::Gridlet* gridlets, std::int64_t end, con
       }
       value = value_of(
           [&](bool up_j, bool up_k, Reals& first, Reals& second) HWY_ATTR {
-            load_pairs(d, up_k ? up_j ? last : layer : up_j ? row : low, first, second);
+            load_pairs(d, up_k ? up_j ? last : layer : up_j ? row : low, 0, first, second);
           },
           i1, j1, k1);
     }

@@ -5,6 +5,7 @@
 
 #include "core/count_bits.h"
 #include "query/batch/bit_tables.h"
+#include "query/lattice/gridlet_query.h"
 #include "query/point_query.h"
 #include "query/ray_bundle/ray_bundle_scratch.h"
 
@@ -26,13 +27,11 @@ RayBundleLocator::RayBundleLocator(const Sampler& sampler, const LocateOptions& 
   const ProofRule proof = query.proof();
   ranked_ = !proof.for_all();
   usable_ = !sampler.tree().empty() && proof.for_some() && options.alpha == 1.0 &&
-            proof.is_enough() && sampler.locator().answers_by_proof(options);
+            proof.is_enough() && sampler.locator().answers_by_proof(options) &&
+            (!gridlets_of(sampler.mesh()) || sampler.locator().dual());
   const mesh::MeshView& mesh = sampler.mesh();
-  has_blocks_ =
-      proof.for_all() &&
-      std::any_of(mesh.pieces, mesh.pieces + mesh.piece_count, [](const mesh::PieceView& piece) {
-        return piece.layout == mesh::CellLayout::block && piece.implicit_points;
-      });
+  has_blocks_ = proof.for_all() && !sampler.chart() &&
+                std::any_of(mesh.pieces, mesh.pieces + mesh.piece_count, has_places);
 }
 
 /// Neighbours, four by four, into one group.
@@ -133,7 +132,8 @@ int RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
   return count;
 }
 
-/// False, and s_.wanted says which samples are left, if cells are too many for it to pay.
+/// Of so many samples. False, and s_.wanted says which are left, if cells are too many for it to
+/// pay.
 bool RayBundleLocator::claim_in_all_cells(int samples) {
   const mesh::MeshView& mesh = sampler_.mesh();
   set_states(s_.wanted, s_.slab);
@@ -165,7 +165,10 @@ bool RayBundleLocator::claim_in_all_cells(int samples) {
   for (std::size_t i = 0; i < found; ++i) {
     const std::uint32_t slot = s_.found[i];
     const std::int64_t cell = sampler_.tree().cells()[slot];
-    ShapeCells& of = s_.by_shape[int(gather.shape(cell)) - first_shape];
+    const mesh::Shape shape = gather.shape(cell);
+    if (shape == mesh::Shape::none)
+      continue;
+    ShapeCells& of = s_.by_shape[int(shape) - first_shape];
     of.cells.push_back(cell);
     if (ranked_)
       of.ranks.push_back(sampler_.tree().odd().has(slot) ? -1 : mesh.piece_of(cell));

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "cells/kernels/gather.h"
+#include "mesh/box.h"
 #include "query/ray_bundle/ray_bundle_kernels.h"
 #include "query/sampler.h"
 
@@ -49,7 +50,7 @@ struct ShapeCells;
 ///
 /// The answers are locate_serial's, but for parametric coordinates of hexahedra, which differ by
 /// what Newton's method leaves of them (less than 1e-9), and where cells overlap without folding:
-/// then in `standard` any cell of the lowest piece that is proven to hold the sample.
+/// then in `standard` any cell that is proven to hold the sample.
 ///
 /// Not thread-safe; its scratch is the thread's, so one at a time may be used on a thread.
 class RayBundleLocator {
@@ -83,17 +84,19 @@ private:
   void answer(std::span<const std::uint16_t> places, std::span<const Location> at) const;
   int take_wanted(std::span<const std::uint32_t> wanted);
   BundleClaims claims();
+  static bool has_places(const mesh::PieceView& piece);
+  mesh::Box box_of_samples() const;
   int claim_in_blocks();
+  bool set_block(const mesh::PieceView& piece, const mesh::Box& samples, LatticeCells& cells,
+                 std::int64_t* lowest, mesh::Box& box);
   static bool set_even_axis(const mesh::PieceView& piece, int axis, LatticeCells& cells);
-  bool set_planes(const mesh::PieceView& piece, int axis, std::int64_t& lowest,
-                  LatticeCells& cells);
+  bool set_planes(const mesh::PieceView& piece, int axis, const mesh::Box& samples,
+                  std::int64_t& lowest, LatticeCells& cells);
   int claim_in_gridlets(std::size_t& found);
-  int claim_in_lattice(const math::Vec3d& low, const math::Vec3d& high, LatticeCells& cells,
-                       const LatticeNumbers& numbers);
+  int claim_in_lattice(const mesh::Box& box, LatticeCells& cells, const LatticeNumbers& numbers);
   LatticeNumbers numbers_of(std::int32_t piece, const std::int64_t* vertices,
                             const std::int64_t* lowest) const;
   bool set_slab();
-
   bool claim_in_all_cells(int samples);
   void claim_in_shape(const cells::CellGather& gather, mesh::Shape shape, const ShapeCells& of);
   void settle_group(int g);
@@ -104,9 +107,9 @@ private:
   const LocateOptions options_;
   RayBundleScratch& s_;
   bool usable_;             ///< a proof is worth something
-  bool has_blocks_;         ///< whose samples' places along the axes tell their cells
+  bool has_blocks_;         ///< some pieces have places, and no cells fold
   bool one_origin_ = false; ///< of the rays
-  bool ranked_;             ///< not if the sample may be in a lower piece or in an odd cell
+  bool ranked_;             ///< a proof counts only where no odd cell may hold the sample
   double step_ = 0.0;
   std::int64_t first_ = 0;
   int depth_ = 0, rays_ = 0, row_ = 1, groups_ = 0;

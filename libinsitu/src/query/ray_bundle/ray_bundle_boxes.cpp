@@ -9,38 +9,81 @@ namespace insitu::query {
 
 using math::Vec3d;
 
+/// Whether a sample's place along each axis tells its cell in the piece.
+bool RayBundleLocator::has_places(const mesh::PieceView& piece) {
+  return piece.layout == mesh::CellLayout::block && piece.implicit_points && piece.cell_count > 0;
+}
+
+/// A box about the wanted samples.
+mesh::Box RayBundleLocator::box_of_samples() const {
+  const BundleSlab& slab = s_.slab;
+  mesh::Box box;
+  for (int c = 0; c < 3; ++c) {
+    double low = slab.middle[c], high = low, rounding = slab.rounding + 0x1p-48 * std::fabs(low);
+    for (int a = 0; a < 3; ++a) {
+      const double axis = slab.axes[a][c];
+      const double lower = axis * double(slab.lower[a]), upper = axis * double(slab.upper[a]);
+      low += std::min(lower, upper);
+      high += std::max(lower, upper);
+      rounding += 0x1p-20 * double(slab.reach);
+    }
+    box.low[c] = low - rounding;
+    box.high[c] = high + rounding;
+  }
+  return box;
+}
+
 /// By their axes, without the tree; how many samples.
 int RayBundleLocator::claim_in_blocks() {
+  if (!has_blocks_)
+    return 0;
   const mesh::MeshView& mesh = sampler_.mesh();
+  const mesh::Box samples = box_of_samples();
   int count = 0;
-  for (std::int32_t p = 0; p < mesh.piece_count && has_blocks_; ++p) {
-    const mesh::PieceView& piece = mesh.pieces[p];
-    if (piece.layout != mesh::CellLayout::block || !piece.implicit_points || piece.cell_count == 0)
-      continue;
+  for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
     LatticeCells cells{};
     std::int64_t lowest[3] = {0, 0, 0}; // vertex
-    Vec3d low, high;
+    mesh::Box box;
+    if (!has_places(mesh.pieces[p]) || !set_block(mesh.pieces[p], samples, cells, lowest, box))
+      continue;
     cells.first_of_piece = mesh.first_cell[p];
-    cells.first_cell = cells.first_of_piece;
-    cells.shape = piece.uniform_shape;
-    cells.blanked = piece.may_not_exist() ? &piece : nullptr;
-    std::int64_t next = 1;
-    bool usable = true;
-    for (int a = 0; a < 3 && usable; ++a) {
-      cells.next[a] = next;
-      next *= piece.block_vertices[a] - 1;
-      usable =
-          piece.axis[a] ? set_planes(piece, a, lowest[a], cells) : set_even_axis(piece, a, cells);
-      cells.first_cell += lowest[a] * cells.next[a];
-      low[a] = piece.axis[a] ? cells.planes[a][0] : cells.start[a];
-      high[a] = piece.axis[a]
-                    ? cells.planes[a][cells.plane_count[a] - 1]
-                    : cells.start[a] + (double(piece.block_vertices[a]) - 1) * piece.spacing[a];
-    }
-    if (usable)
-      count += claim_in_lattice(low, high, cells, numbers_of(p, piece.block_vertices, lowest));
+    cells.first_cell += cells.first_of_piece;
+    count += claim_in_lattice(box, cells, numbers_of(p, mesh.pieces[p].block_vertices, lowest));
   }
   return count;
+}
+
+/// The cells about the samples, from vertex `lowest` on, and their box; false if there are none, or
+/// their places do not tell them.
+bool RayBundleLocator::set_block(const mesh::PieceView& piece, const mesh::Box& samples,
+                                 LatticeCells& cells, std::int64_t* lowest, mesh::Box& box) {
+  for (int a = 0; a < 3; ++a) {
+    const auto face = [&](std::int64_t i) {
+      return piece.axis[a]
+                 ? mesh::load_real(piece.axis[a] + i * piece.axis_stride[a], piece.axis_is_float32)
+                 : piece.origin[a] + double(i) * piece.spacing[a];
+    };
+    box.low[a] = face(0);
+    box.high[a] = face(piece.block_vertices[a] - 1);
+    if (!(box.low[a] <= samples.high[a] && samples.low[a] <= box.high[a]))
+      return false;
+  }
+  cells.shape = piece.uniform_shape;
+  cells.blanked = piece.may_not_exist() ? &piece : nullptr;
+  std::int64_t next = 1;
+  for (int a = 0; a < 3; ++a) {
+    cells.next[a] = next;
+    next *= piece.block_vertices[a] - 1;
+    if (!(piece.axis[a] ? set_planes(piece, a, samples, lowest[a], cells)
+                        : set_even_axis(piece, a, cells)))
+      return false;
+    cells.first_cell += lowest[a] * cells.next[a];
+    if (!piece.axis[a])
+      continue;
+    box.low[a] = s_.planes[a].front();
+    box.high[a] = s_.planes[a].back();
+  }
+  return true;
 }
 
 /// False where coordinates are so far from zero that their rounding shows in a cell, or descend.
@@ -57,21 +100,14 @@ bool RayBundleLocator::set_even_axis(const mesh::PieceView& piece, int a, Lattic
   return step > 0.0 && rounding < 1e-10;
 }
 
-/// The faces about the stretch, from vertex `lowest` on. False if they are too many or do not
+/// The faces about the samples, from vertex `lowest` on. False if they are too many or do not
 /// ascend.
-bool RayBundleLocator::set_planes(const mesh::PieceView& piece, int a, std::int64_t& lowest,
-                                  LatticeCells& cells) {
+bool RayBundleLocator::set_planes(const mesh::PieceView& piece, int a, const mesh::Box& samples,
+                                  std::int64_t& lowest, LatticeCells& cells) {
   constexpr std::int64_t most = 4096;
   const auto plane = [&](std::int64_t i) {
     return mesh::load_real(piece.axis[a] + i * piece.axis_stride[a], piece.axis_is_float32);
   };
-  double low = HUGE_VAL, high = -HUGE_VAL;
-  for (int r = 0; r < rays_; ++r)
-    for (const int k : {0, depth_ - 1}) {
-      const double x = point(place_of(k, s_.slot[r]))[a];
-      low = std::min(low, x);
-      high = std::max(high, x);
-    }
   const auto planes_below = [&](double x) {
     std::int64_t from = 0, to = piece.block_vertices[a];
     while (from < to) {
@@ -84,8 +120,9 @@ bool RayBundleLocator::set_planes(const mesh::PieceView& piece, int a, std::int6
     return from;
   };
   const std::int64_t last = piece.block_vertices[a] - 1;
-  lowest = std::clamp<std::int64_t>(planes_below(low) - 1, 0, last - 1);
-  const std::int64_t highest = std::clamp<std::int64_t>(planes_below(high), lowest + 1, last);
+  lowest = std::clamp<std::int64_t>(planes_below(samples.low[a]) - 1, 0, last - 1);
+  const std::int64_t highest =
+      std::clamp<std::int64_t>(planes_below(samples.high[a]), lowest + 1, last);
   if (highest - lowest >= most)
     return false;
   std::vector<double>& planes = s_.planes[a];
@@ -120,7 +157,7 @@ int RayBundleLocator::claim_in_gridlets(std::size_t& found) {
     const mesh::Gridlet& g = all.gridlets[gridlet];
     const GridletBox box = box_of(*dual->gridlets, gridlet);
     LatticeCells cells{};
-    Vec3d low, high;
+    mesh::Box within;
     std::int64_t vertices[3];
     for (int a = 0; a < 3; ++a) {
       cells.start[a] = box.start[a];
@@ -128,8 +165,8 @@ int RayBundleLocator::claim_in_gridlets(std::size_t& found) {
       cells.least[a] = box.least[a];
       cells.most[a] = box.most[a];
       cells.next[a] = std::int64_t(1) << (3 * a);
-      low[a] = box.start[a];
-      high[a] = all.coordinate(g, a, g.size[a]);
+      within.low[a] = box.start[a];
+      within.high[a] = all.coordinate(g, a, g.size[a]);
       vertices[a] = g.size[a] + 1;
     }
     cells.first_cell = cells.first_of_piece = box.first_cell;
@@ -138,7 +175,7 @@ int RayBundleLocator::claim_in_gridlets(std::size_t& found) {
     LatticeNumbers numbers = numbers_of(0, vertices, nullptr);
     if (numbers.first)
       numbers.first += std::int64_t(g.first) * numbers.next[0];
-    count += claim_in_lattice(low, high, cells, numbers);
+    count += claim_in_lattice(within, cells, numbers);
   }
   found = kept;
   return count;
@@ -168,6 +205,8 @@ LatticeNumbers RayBundleLocator::numbers_of(std::int32_t piece, const std::int64
   const std::byte* first = at.first;
   for (int a = 0; a < 3 && lowest; ++a)
     first += lowest[a] * out.next[a];
+  if (out.next[1] < 0 || out.next[2] < 0)
+    return {};
   const bool aligned = reinterpret_cast<std::uintptr_t>(first) % std::size_t(size) == 0 &&
                        out.next[1] % size == 0 && out.next[2] % size == 0;
   if (!aligned)
@@ -177,11 +216,11 @@ LatticeNumbers RayBundleLocator::numbers_of(std::int32_t piece, const std::int64
   return out;
 }
 
-/// low, high: the box that the cells fill.
-int RayBundleLocator::claim_in_lattice(const Vec3d& low, const Vec3d& high, LatticeCells& cells,
+/// box: what the cells fill.
+int RayBundleLocator::claim_in_lattice(const mesh::Box& box, LatticeCells& cells,
                                        const LatticeNumbers& numbers) {
   const BundleSlab& slab = s_.slab;
-  const Vec3d middle = 0.5 * (low + high) - slab.middle, half = 0.5 * (high - low);
+  const Vec3d middle = 0.5 * (box.low + box.high) - slab.middle, half = 0.5 * (box.high - box.low);
   for (int a = 0; a < 3; ++a) {
     const Vec3d& axis = slab.axes[a];
     const double at = dot(axis, middle), reach = std::fabs(axis.x) * half.x +
@@ -189,9 +228,10 @@ int RayBundleLocator::claim_in_lattice(const Vec3d& low, const Vec3d& high, Latt
                                                  std::fabs(axis.z) * half.z;
     const double rounding =
         2.0 * slab.rounding + 0x1p-20 * (double(slab.reach) + std::fabs(at) + reach);
-    const double slack = 1e-3 * half[a] + 0x1p-45 * (std::fabs(low[a]) + std::fabs(high[a]));
-    cells.low[a] = low[a] - slack;
-    cells.high[a] = high[a] + slack;
+    const double slack =
+        1e-3 * half[a] + 0x1p-45 * (std::fabs(box.low[a]) + std::fabs(box.high[a]));
+    cells.low[a] = box.low[a] - slack;
+    cells.high[a] = box.high[a] + slack;
     cells.lower[a][0] = float(at - reach - rounding);
     cells.upper[a][0] = float(at + reach + rounding);
   }

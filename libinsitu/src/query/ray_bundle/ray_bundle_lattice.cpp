@@ -96,9 +96,10 @@ public:
   LatticeClaims(const LatticeCells& cells, const LatticeNumbers& numbers, BundleSlab& slab,
                 const BundleClaims& to, AnswerPlaces answer)
       : cells_(cells), numbers_(numbers), slab_(slab), to_(to), answer_(answer) {
-    // The order of a voxel's vertices.
-    for (int v = 0; v < 8; ++v)
-      offset_[v] = (v & 2 ? numbers.next[1] : 0) + (v & 4 ? numbers.next[2] : 0);
+    if constexpr (!std::is_void_v<T>) {
+      row_ = numbers.next[1] / std::int64_t(sizeof(T));
+      layer_ = numbers.next[2] / std::int64_t(sizeof(T));
+    }
   }
 
   HWY_INLINE int claim_all() {
@@ -236,13 +237,16 @@ private:
     if constexpr (std::is_void_v<T>) {
       give(k, s, cell, there, r);
     } else {
-      alignas(64) double value[real_lanes];
-      hn::Store(value_of(sum_of(numbers_.next), r).v, d, value);
+      alignas(64) ValueSample value[real_lanes];
+      static_assert(sizeof(ValueSample) == 2 * sizeof(double));
+      hn::StoreInterleaved2(hn::BitCast(d, hn::Load(dl, cell)),
+                            value_of(sum_of(numbers_.next), r).v, d,
+                            reinterpret_cast<double*>(value));
       if (to_.locations)
         store_locations(k, s, cell, there, r);
       for (unsigned bits = there; bits; bits &= bits - 1) {
         const int lane = std::countr_zero(bits);
-        to_.samples[to_.answer[s + lane] + k] = {cell[lane], value[lane]};
+        to_.samples[to_.answer[s + lane] + k] = value[lane];
       }
     }
   }
@@ -277,12 +281,13 @@ private:
     alignas(64) std::int64_t from[real_lanes];
     hn::Store(whole(offset), Long(), from);
     simd::Pack number[8], weight[8];
-    for (int v = 0; v < 8; v += 2) {
-      const T* at[real_lanes];
-      for (int lane = 0; lane < real_lanes; ++lane)
-        at[lane] = reinterpret_cast<const T*>(numbers_.first + from[lane] + offset_[v]);
-      load_pairs(Real(), at, number[v].v, number[v + 1].v);
-    }
+    const T* at[real_lanes];
+    for (int lane = 0; lane < real_lanes; ++lane)
+      at[lane] = reinterpret_cast<const T*>(numbers_.first + from[lane]);
+    load_pairs(Real(), at, 0, number[0].v, number[1].v);
+    load_pairs(Real(), at, row_, number[2].v, number[3].v);
+    load_pairs(Real(), at, layer_, number[4].v, number[5].v);
+    load_pairs(Real(), at, row_ + layer_, number[6].v, number[7].v);
     if (cells_.shape == Shape::hexahedron) { // turns where voxels count on
       std::swap(number[2], number[3]);
       std::swap(number[6], number[7]);
@@ -325,7 +330,7 @@ private:
   BundleSlab& slab_;
   const BundleClaims& to_;
   AnswerPlaces answer_;
-  std::int64_t offset_[8];
+  std::int64_t row_ = 0, layer_ = 0; ///< in numbers
   int count_ = 0;
 };
 
