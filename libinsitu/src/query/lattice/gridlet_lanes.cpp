@@ -7,6 +7,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "query/lattice/number_pairs_simd.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace insitu::query::HWY_NAMESPACE {
 
@@ -25,11 +27,9 @@ std::size_t values_ahead_of(const mesh::Gridlet*, std::int64_t, const T*, const 
 #else
 
 constexpr int lanes = HWY_MAX_BYTES >= 32 ? 4 : 2;
-using PairTag = hn::FixedTag<double, 2>;
 using RealTag = hn::FixedTag<double, lanes>;
 using LongTag = hn::RebindToSigned<RealTag>;
 using IntTag = hn::Rebind<std::int32_t, RealTag>;
-using Pair = hn::Vec<PairTag>;
 using Reals = hn::Vec<RealTag>;
 using RealMask = hn::Mask<RealTag>;
 
@@ -87,27 +87,6 @@ std::size_t cells_ahead_target(const GridletBox& box, const math::Vec3d* points,
   return done;
 }
 
-HWY_INLINE Pair pair_at(const double* from) {
-  return hn::LoadU(PairTag(), from);
-}
-HWY_INLINE Pair pair_at(const float* from) {
-  return hn::PromoteTo(PairTag(), hn::LoadU(hn::Rebind<float, PairTag>(), from));
-}
-
-/// The numbers at `offset` from each lane's place, and those next to them.
-template <class T>
-HWY_INLINE void load_pairs(const T* const* from, std::int64_t offset, Reals& first, Reals& second) {
-  const RealTag d;
-#if HWY_MAX_BYTES >= 32
-  const Reals even = hn::Combine(d, pair_at(from[2] + offset), pair_at(from[0] + offset));
-  const Reals odd = hn::Combine(d, pair_at(from[3] + offset), pair_at(from[1] + offset));
-#else
-  const Reals even = pair_at(from[0] + offset), odd = pair_at(from[1] + offset);
-#endif
-  first = hn::InterleaveLower(d, even, odd);
-  second = hn::InterleaveUpper(d, even, odd);
-}
-
 /// As GridletValues, from the pairs of numbers along i: pairs(j, k, first, second).
 template <class Pairs>
 HWY_INLINE Reals value_of(Pairs&& pairs, Reals i1, Reals j1, Reals k1) {
@@ -160,8 +139,9 @@ std::size_t values_ahead_of(const mesh::Gridlet* gridlets, std::int64_t end, con
       for (int lane = 0; lane < lanes; ++lane)
         low[lane] = numbers + vertex[lane];
       value = value_of(
-          [&](bool up_j, bool up_k, Reals& first, Reals& second)
-              HWY_ATTR { load_pairs(low, (up_j ? row : 0) + (up_k ? layer : 0), first, second); },
+          [&](bool up_j, bool up_k, Reals& first, Reals& second) HWY_ATTR {
+            load_pairs(d, low, (up_j ? row : 0) + (up_k ? layer : 0), first, second);
+          },
           i1, j1, k1);
     } else {
       const T *row[lanes], *layer[lanes], *last[lanes];
@@ -178,7 +158,7 @@ std::size_t values_ahead_of(const mesh::Gridlet* gridlets, std::int64_t end, con
       }
       value = value_of(
           [&](bool up_j, bool up_k, Reals& first, Reals& second) HWY_ATTR {
-            load_pairs(up_k ? up_j ? last : layer : up_j ? row : low, 0, first, second);
+            load_pairs(d, up_k ? up_j ? last : layer : up_j ? row : low, 0, first, second);
           },
           i1, j1, k1);
     }

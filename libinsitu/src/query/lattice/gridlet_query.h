@@ -83,6 +83,24 @@ inline Location locate_in_gridlet(const mesh::GridletsView& all, std::int64_t gr
   return {};
 }
 
+/// A gridlet's box; `least` and `most` keep off what rounding may put into a neighbour.
+inline GridletBox box_of(const GridletPlaces& places, std::int64_t gridlet) {
+  const mesh::GridletsView& all = places.gridlets();
+  const mesh::Gridlet& g = all.gridlets[gridlet];
+  const GridletPlaces::Steps& steps = places.steps(g.depth);
+  GridletBox box;
+  box.first_cell = gridlet << mesh::Gridlet::cell_bits;
+  box.full = &all.full[8 * gridlet];
+  box.all_full = places.all_full(gridlet);
+  for (int a = 0; a < 3; ++a) {
+    box.start[a] = all.lattice.origin[a] + steps.half_cell[a] * double(2 * g.lower[a] + 1);
+    box.steps_a_unit[a] = steps.a_unit[a];
+    box.least[a] = steps.rounding[a];
+    box.most[a] = g.size[a] - steps.rounding[a];
+  }
+  return box;
+}
+
 /// Finds gridlets by their places. Remembers the last one, since neighbours mostly lie in one
 /// (Zellmann 2023, section 5.2).
 class GridletFinder {
@@ -149,18 +167,8 @@ private:
   bool shows_last() const { return !shown_ || ((shown_[last_ >> 6] >> (last_ & 63)) & 1) != 0; }
 
   void take(std::int64_t gridlet) {
-    const mesh::Gridlet& g = all_->gridlets[gridlet];
-    const GridletPlaces::Steps& steps = places_->steps(g.depth);
     last_ = gridlet;
-    box_.first_cell = gridlet << mesh::Gridlet::cell_bits;
-    box_.full = &all_->full[8 * gridlet];
-    box_.all_full = places_->all_full(gridlet);
-    for (int a = 0; a < 3; ++a) {
-      box_.start[a] = all_->lattice.origin[a] + steps.half_cell[a] * double(2 * g.lower[a] + 1);
-      box_.steps_a_unit[a] = steps.a_unit[a];
-      box_.least[a] = steps.rounding[a];
-      box_.most[a] = g.size[a] - steps.rounding[a];
-    }
+    box_ = box_of(*places_, gridlet);
   }
 
   /// Almost all points strictly inside of the gridlet's cells, and none else.

@@ -5,7 +5,7 @@
 
 #include "core/count_bits.h"
 #include "query/batch/bit_tables.h"
-#include "query/lattice/dual_query.h"
+#include "query/lattice/gridlet_query.h"
 #include "query/point_query.h"
 #include "query/ray_bundle/ray_bundle_scratch.h"
 
@@ -25,9 +25,13 @@ RayBundleLocator::RayBundleLocator(const Sampler& sampler, const LocateOptions& 
     : sampler_(sampler), options_(options), s_(bundle_scratch()) {
   const PointQuery query{sampler.mesh(), sampler.tree(), options};
   const ProofRule proof = query.proof();
-  ranked_ = sampler.mesh().piece_count > 1 || !proof.for_all();
+  ranked_ = !proof.for_all();
   usable_ = !sampler.tree().empty() && proof.for_some() && options.alpha == 1.0 &&
-            proof.is_enough() && sampler.locator().answers_by_proof(options);
+            proof.is_enough() && sampler.locator().answers_by_proof(options) &&
+            (!gridlets_of(sampler.mesh()) || sampler.locator().dual());
+  const mesh::MeshView& mesh = sampler.mesh();
+  has_blocks_ = proof.for_all() && !sampler.chart() &&
+                std::any_of(mesh.pieces, mesh.pieces + mesh.piece_count, has_places);
 }
 
 /// Neighbours, four by four, into one group.
@@ -42,6 +46,9 @@ void RayBundleLocator::set_rays(std::span<const LatticeRay> rays, int row, doubl
   row_ = tiled ? std::min(row, rays_) : rays_;
   groups_ = tiled ? across * down : (rays_ + bundle_lanes - 1) / bundle_lanes;
   one_origin_ = true;
+  if (rays_ > 0 && rays_ < groups_ * bundle_lanes) // the others are like the first
+    for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
+      s_.rays.set(slot, rays[0].origin, rays[0].direction);
   s_.far = 0.0;
   s_.mean_origin = s_.mean_direction = {};
   for (int r = 0; r < rays_; ++r) {
@@ -49,8 +56,7 @@ void RayBundleLocator::set_rays(std::span<const LatticeRay> rays, int row, doubl
     const int slot =
         tiled ? (y / side * across + x / side) * bundle_lanes + y % side * side + x % side : r;
     s_.slot[r] = std::uint16_t(slot);
-    s_.origin[slot] = rays[std::size_t(r)].origin;
-    s_.direction[slot] = rays[std::size_t(r)].direction;
+    s_.rays.set(slot, rays[std::size_t(r)].origin, rays[std::size_t(r)].direction);
     const Vec3d off = rays[std::size_t(r)].origin - rays[0].origin;
     one_origin_ = one_origin_ && off.x == 0.0 && off.y == 0.0 && off.z == 0.0;
     s_.mean_origin += rays[std::size_t(r)].origin;
@@ -99,112 +105,84 @@ void RayBundleLocator::run(std::int64_t first, int depth, std::span<const std::u
   depth_ = depth;
   std::fill_n(s_.by_reason, reason_count, 0);
   s_.rest.clear();
-  if (!take_wanted(wanted))
+  const int asked = take_wanted(wanted);
+  if (asked == 0)
     return;
-  if (usable_ && sampler_.locator().dual())
-    locate_by_place();
-  if (!usable_ || !set_slab() || !enter_all_cells()) {
+  if (!usable_ || !set_slab() || !claim_in_all_cells(asked)) {
     for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
       for_each_bit(s_.wanted[slot], [&](int k) { leave(place_of(k, slot)); });
   }
+  s_.by_reason[int(Reason::certified)] +=
+      asked - std::int64_t(s_.rest.size()) - s_.by_reason[int(Reason::outside)];
   locate_rest();
   sampler_.count(s_.by_reason);
 }
 
-/// False if none is.
-bool RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
+/// How many.
+int RayBundleLocator::take_wanted(std::span<const std::uint32_t> wanted) {
   std::fill_n(s_.wanted, bundle_rays, 0u);
   const std::uint32_t within = ~std::uint32_t(0) >> (bundle_depth - depth_);
-  std::uint32_t any = 0;
+  int count = 0;
   for (std::size_t r = 0; r < wanted.size(); ++r) {
-    any |= s_.wanted[s_.slot[r]] = wanted[r] & within;
+    s_.wanted[s_.slot[r]] = wanted[r] & within;
     s_.answer[s_.slot[r]] = std::int32_t(r) * depth_;
-    samples_ += core::count_bits(wanted[r] & within);
+    count += int(core::count_bits(wanted[r] & within));
   }
-  return any != 0;
+  samples_ += count;
+  return count;
 }
 
-/// Without the tree, which is then asked for the others alone.
-void RayBundleLocator::locate_by_place() {
-  DualFinder finder(*sampler_.locator().dual());
-  Vec3d points[most_depth];
-  std::uint16_t places[most_depth];
-  Location at[most_depth];
-  for (int slot = 0; slot < groups_ * bundle_lanes; ++slot) {
-    std::size_t count = 0, found = 0;
-    for_each_bit(s_.wanted[slot], [&](int k) {
-      places[count] = std::uint16_t(place_of(k, slot));
-      points[count] = point(places[count]);
-      ++count;
-    });
-    for (std::size_t q = 0; q < count; ++q) {
-      Reason why;
-      std::int64_t guess = -1; // which the bundle finds as well
-      at[found] = {};
-      if (!finder.find(points[q], at[found], why, guess))
-        continue;
-      s_.wanted[slot] &= ~(std::uint32_t(1) << index_of(places[q]));
-      ++s_.by_reason[int(why)];
-      places[found++] = places[q];
-    }
-    answer({places, found}, {at, found});
-  }
-}
-
-/// False if cells are too many for it to pay.
-bool RayBundleLocator::enter_all_cells() {
+/// Of so many samples. False, and s_.wanted says which are left, if cells are too many for it to
+/// pay.
+bool RayBundleLocator::claim_in_all_cells(int samples) {
   const mesh::MeshView& mesh = sampler_.mesh();
-  int samples = 0;
-  for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
-    samples += int(core::count_bits(s_.wanted[slot]));
-  if (samples == 0)
-    return true;
-  std::size_t found = 0;
+  set_states(s_.wanted, s_.slab);
+  const auto leave_out = [&](int claimed) {
+    samples -= claimed;
+    if (claimed == 0 || samples == 0)
+      return;
+    clear_claimed(s_.slab, s_.wanted);
+    bound_groups(s_.wanted, s_.slab);
+  };
+  leave_out(claim_in_blocks());
   // A batch takes about as long for a sample as this does for two cells, or one of tetrahedra,
   // whose boxes tell a batch little.
-  const std::size_t most = std::size_t(trying_pays(mesh) ? samples / 2 : samples);
-  if (!find_cells(sampler_.tree(), s_.slab, std::uint32_t(mesh.first_single_cell()), most, s_.found,
-                  found))
+  const auto most_cells = [&] { return std::size_t(trying_pays(mesh) ? samples / 2 : samples); };
+  std::size_t found = 0;
+  if (samples > 0 && !find_cells(sampler_.tree(), s_.slab, most_cells(), s_.found, found))
     return false;
-  set_states(s_.wanted, s_.slab);
+  leave_out(claim_in_gridlets(found));
+  if (samples == 0)
+    return true;
+  if (found > most_cells())
+    return false;
   if (ranked_)
     for (int k = 0; k < depth_; ++k)
       std::fill_n(s_.slab.piece[k], groups_ * bundle_lanes, mesh.piece_count);
   const cells::CellGather gather(mesh, 1.0);
-  constexpr int first_shape = int(mesh::Shape::tetrahedron), shapes = 5;
-  for (int i = 0; i < shapes; ++i) {
-    const auto shape = mesh::Shape(first_shape + i);
-    if (!gather.one_shape())
-      enter_shape(gather, shape, {s_.found.data(), found});
-    else if (found > 0 && gather.shape(0) == shape)
-      enter_shape(gather, shape, {s_.found.data(), found});
+  for (ShapeCells& of : s_.by_shape)
+    of.clear();
+  for (std::size_t i = 0; i < found; ++i) {
+    const std::uint32_t slot = s_.found[i];
+    const std::int64_t cell = sampler_.tree().cells()[slot];
+    const mesh::Shape shape = gather.shape(cell);
+    if (shape == mesh::Shape::none)
+      continue;
+    ShapeCells& of = s_.by_shape[int(shape) - first_shape];
+    of.cells.push_back(cell);
+    if (ranked_)
+      of.ranks.push_back(sampler_.tree().odd().has(slot) ? -1 : mesh.piece_of(cell));
   }
+  for (int i = 0; i < shape_count; ++i)
+    claim_in_shape(gather, mesh::Shape(first_shape + i), s_.by_shape[i]);
   for (int g = 0; g < groups_; ++g)
     settle_group(g);
-  s_.by_reason[int(Reason::certified)] +=
-      samples - std::int64_t(s_.rest.size()) - s_.by_reason[int(Reason::outside)];
   return true;
 }
 
-/// Those of the found cells that have the shape.
-void RayBundleLocator::enter_shape(const cells::CellGather& gather, mesh::Shape shape,
-                                   std::span<const std::uint32_t> found) {
-  constexpr std::size_t size = cells::CellBlock::size;
-  const mesh::MeshView& mesh = sampler_.mesh();
-  const accel::Tree& tree = sampler_.tree();
-  s_.cells.clear();
-  s_.ranks.clear();
-  for (const std::uint32_t slot : found) {
-    const std::int64_t cell = tree.cells()[slot];
-    if (!gather.one_shape() && gather.shape(cell) != shape)
-      continue;
-    if (ranked_)
-      s_.ranks.push_back(tree.odd().has(slot) ? -1 : mesh.piece_of(cell));
-    s_.cells.push_back(cell);
-  }
+BundleClaims RayBundleLocator::claims() {
   BundleClaims to{};
-  to.origin = s_.origin;
-  to.direction = s_.direction;
+  to.rays = &s_.rays;
   to.one_origin = one_origin_;
   to.first = double(first_);
   to.step = step_;
@@ -213,16 +191,23 @@ void RayBundleLocator::enter_shape(const cells::CellGather& gather, mesh::Shape 
   to.values_at_vertices = from_ && !from_->is_per_cell();
   to.samples = value_samples_;
   to.locations = locations_;
-  const std::size_t count = s_.cells.size();
+  return to;
+}
+
+void RayBundleLocator::claim_in_shape(const cells::CellGather& gather, mesh::Shape shape,
+                                      const ShapeCells& of) {
+  constexpr std::size_t size = cells::CellBlock::size;
+  BundleClaims to = claims();
+  const std::size_t count = of.cells.size();
   for (std::size_t at = 0; at < count; at += size) {
     cells::CellBlock& block = s_.block;
     block.count = int(std::min(count - at, size));
-    to.cells = &s_.cells[at];
+    to.cells = &of.cells[at];
     gather.fill(to.cells, block.count, int(count - at) - block.count, block);
     block.fill_up(shape);
     if (from_)
       from_->load({to.cells, std::size_t(block.count)}, s_.values);
-    claim_cells(shape, block, ranked_ ? &s_.ranks[at] : nullptr, s_.slab, s_.lists, to);
+    claim_cells(shape, block, ranked_ ? &of.ranks[at] : nullptr, s_.slab, s_.lists, to);
   }
 }
 

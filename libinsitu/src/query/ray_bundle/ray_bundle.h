@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "cells/kernels/gather.h"
+#include "mesh/box.h"
 #include "query/ray_bundle/ray_bundle_kernels.h"
 #include "query/sampler.h"
 
@@ -25,20 +27,30 @@ public:
   /// At locations: the cell's number, or cells::weighted_mean of the vertices'; 0 where there is
   /// none.
   virtual void at(std::span<const Location> at, double* values) const = 0;
+  /// Where the numbers at a piece's vertices lie, if they lie there as they are.
+  struct AtVertices {
+    const std::byte* first = nullptr; ///< vertex 0's; null: not said
+    mesh::ItemLayout layout;
+    bool is_float32 = false;
+  };
+  virtual AtVertices at_vertices(std::int32_t /*piece*/) const { return {}; }
 };
 
 struct RayBundleScratch;
+struct ShapeCells;
 
 /// Locates samples along neighbouring rays cell by cell: the tree is asked once for all cells that
 /// the samples of a stretch might lie in; each cell's linearised inverse map, in floats, names the
 /// samples that it may hold; Newton's certificate proves those that it does, many samples of a cell
-/// at once. What no cell is proven to hold, on faces mostly, goes through Sampler::locate_serial,
-/// and so does everything where a proof is not enough (PointQuery), where cells may fold, and where
-/// the cells are as many as the samples. A sample near no cell is outside.
+/// at once. Gridlets, and uniform and rectilinear blocks, take the samples in all their cells at
+/// once: there a sample's place along each axis tells its cell. What no cell is proven to hold, on
+/// faces mostly, goes through Sampler::locate_serial, and so does everything where a proof is not
+/// enough (PointQuery), where cells may fold, and where the cells are as many as the samples. A
+/// sample near no cell is outside.
 ///
 /// The answers are locate_serial's, but for parametric coordinates of hexahedra, which differ by
 /// what Newton's method leaves of them (less than 1e-9), and where cells overlap without folding:
-/// then in `standard` any cell of the lowest piece that is proven to hold the sample.
+/// then in `standard` any cell that is proven to hold the sample.
 ///
 /// Not thread-safe; its scratch is the thread's, so one at a time may be used on a thread.
 class RayBundleLocator {
@@ -70,13 +82,23 @@ private:
   void run(std::int64_t first, int depth, std::span<const std::uint32_t> wanted);
   math::Vec3d point(int place) const;
   void answer(std::span<const std::uint16_t> places, std::span<const Location> at) const;
-  bool take_wanted(std::span<const std::uint32_t> wanted);
-  void locate_by_place();
+  int take_wanted(std::span<const std::uint32_t> wanted);
+  BundleClaims claims();
+  static bool has_places(const mesh::PieceView& piece);
+  mesh::Box box_of_samples() const;
+  int claim_in_blocks();
+  bool set_block(const mesh::PieceView& piece, const mesh::Box& samples, LatticeCells& cells,
+                 std::int64_t* lowest, mesh::Box& box);
+  static bool set_even_axis(const mesh::PieceView& piece, int axis, LatticeCells& cells);
+  bool set_planes(const mesh::PieceView& piece, int axis, const mesh::Box& samples,
+                  std::int64_t& lowest, LatticeCells& cells);
+  int claim_in_gridlets(std::size_t& found);
+  int claim_in_lattice(const mesh::Box& box, LatticeCells& cells, const LatticeNumbers& numbers);
+  LatticeNumbers numbers_of(std::int32_t piece, const std::int64_t* vertices,
+                            const std::int64_t* lowest) const;
   bool set_slab();
-  void set_groups();
-  bool enter_all_cells();
-  void enter_shape(const cells::CellGather& gather, mesh::Shape shape,
-                   std::span<const std::uint32_t> found);
+  bool claim_in_all_cells(int samples);
+  void claim_in_shape(const cells::CellGather& gather, mesh::Shape shape, const ShapeCells& of);
   void settle_group(int g);
   void leave(int place);
   void locate_rest();
@@ -85,8 +107,9 @@ private:
   const LocateOptions options_;
   RayBundleScratch& s_;
   bool usable_;             ///< a proof is worth something
+  bool has_blocks_;         ///< some pieces have places, and no cells fold
   bool one_origin_ = false; ///< of the rays
-  bool ranked_;             ///< not if the sample may be in a lower piece or in an odd cell
+  bool ranked_;             ///< a proof counts only where no odd cell may hold the sample
   double step_ = 0.0;
   std::int64_t first_ = 0;
   int depth_ = 0, rays_ = 0, row_ = 1, groups_ = 0;

@@ -205,6 +205,20 @@ void set_states_target(const std::uint32_t* wanted, BundleSlab& slab) {
   }
 }
 
+void clear_claimed_target(const BundleSlab& slab, std::uint32_t* wanted) {
+  const hn::CappedTag<std::int32_t, bundle_lanes> d;
+  for (int s = 0; s < slab.groups * bundle_lanes; s += int(hn::MaxLanes(d))) {
+    std::int32_t* const bits = reinterpret_cast<std::int32_t*>(wanted) + s;
+    auto gone = hn::Zero(d);
+    for (int k = slab.depth; k-- > 0;) {
+      const auto is_claimed =
+          hn::Eq(hn::Load(d, slab.state[k] + s), hn::Set(d, std::int32_t(claimed)));
+      gone = hn::Or(hn::ShiftLeft<1>(gone), hn::IfThenElseZero(is_claimed, hn::Set(d, 1)));
+    }
+    hn::Store(hn::AndNot(gone, hn::Load(d, bits)), d, bits);
+  }
+}
+
 int find_unclaimed_target(int group, const BundleSlab& slab, std::int32_t* places) {
   const hn::CappedTag<std::int32_t, bundle_lanes> d;
   int count = 0;
@@ -233,6 +247,7 @@ namespace insitu::query {
 HWY_EXPORT(claim_target);
 HWY_EXPORT(claim_with_pieces_target);
 HWY_EXPORT(set_states_target);
+HWY_EXPORT(clear_claimed_target);
 HWY_EXPORT(find_unclaimed_target);
 
 void claim_cells(mesh::Shape shape, const cells::CellBlock& block, const std::int32_t* pieces,
@@ -245,6 +260,10 @@ void claim_cells(mesh::Shape shape, const cells::CellBlock& block, const std::in
 
 void set_states(const std::uint32_t* wanted, BundleSlab& slab) {
   HWY_DYNAMIC_DISPATCH(set_states_target)(wanted, slab);
+}
+
+void clear_claimed(const BundleSlab& slab, std::uint32_t* wanted) {
+  HWY_DYNAMIC_DISPATCH(clear_claimed_target)(slab, wanted);
 }
 
 int find_unclaimed(int group, const BundleSlab& slab, std::int32_t* places) {

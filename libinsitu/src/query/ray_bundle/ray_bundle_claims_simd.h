@@ -59,11 +59,11 @@ HWY_INLINE PackVec points_of(const BundleClaims& to, const std::int32_t* place) 
   const auto k = hn::PromoteTo(d, hn::ShiftRight<bundle_rays_log2>(at));
   const auto along =
       hn::Mul(hn::Add(hn::Add(hn::Set(d, to.first), k), hn::Set(d, 0.5)), hn::Set(d, to.step));
-  const auto index = hn::PromoteTo(dl, hn::Add(hn::Add(slot, slot), slot));
+  const auto index = hn::PromoteTo(dl, slot);
   const auto coordinate = [&](int a) HWY_ATTR {
-    const double* const from = &to.origin->x + a;
+    const double* const from = to.rays->origin[a];
     const auto begin = to.one_origin ? hn::Set(d, *from) : hn::GatherIndex(d, from, index);
-    return Pack(hn::Add(begin, hn::Mul(along, hn::GatherIndex(d, &to.direction->x + a, index))));
+    return Pack(hn::Add(begin, hn::Mul(along, hn::GatherIndex(d, to.rays->direction[a], index))));
   };
   return {coordinate(0), coordinate(1), coordinate(2)};
 }

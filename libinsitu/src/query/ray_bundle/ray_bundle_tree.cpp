@@ -95,8 +95,8 @@ HWY_INLINE bool holds_samples(const ChildExtents& extents, int c, const BundleSl
   return false;
 }
 
-bool find_cells_target(const accel::Tree& tree, const BundleSlab& slab, std::uint32_t least,
-                       std::size_t most, std::vector<std::uint32_t>& slots, std::size_t& count) {
+bool find_cells_target(const accel::Tree& tree, const BundleSlab& slab, std::size_t most,
+                       std::vector<std::uint32_t>& slots, std::size_t& count) {
   const SlabBox box = slab_box(tree, slab);
   if (slots.size() < most + 64)
     slots.resize(most + 64);
@@ -118,10 +118,8 @@ bool find_cells_target(const accel::Tree& tree, const BundleSlab& slab, std::uin
       }
       if (!holds_samples(extents, c, slab))
         continue;
-      for (int k = 0; k < node.child_cell_count(c); ++k) {
-        slots[count] = node.child_cells(c) + std::uint32_t(k);
-        count += tree.cells()[slots[count]] >= least;
-      }
+      for (int k = 0; k < node.child_cell_count(c); ++k)
+        slots[count++] = node.child_cells(c) + std::uint32_t(k);
     }
     if (count > most)
       return false;
@@ -137,9 +135,9 @@ namespace insitu::query {
 
 HWY_EXPORT(find_cells_target);
 
-bool find_cells(const accel::Tree& tree, const BundleSlab& slab, std::uint32_t least,
-                std::size_t most, std::vector<std::uint32_t>& slots, std::size_t& count) {
-  return HWY_DYNAMIC_DISPATCH(find_cells_target)(tree, slab, least, most, slots, count);
+bool find_cells(const accel::Tree& tree, const BundleSlab& slab, std::size_t most,
+                std::vector<std::uint32_t>& slots, std::size_t& count) {
+  return HWY_DYNAMIC_DISPATCH(find_cells_target)(tree, slab, most, slots, count);
 }
 
 } // namespace insitu::query

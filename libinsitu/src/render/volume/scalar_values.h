@@ -45,6 +45,14 @@ public:
       at_gridlets<double>(*gridlets, at, values);
   }
 
+  AtVertices at_vertices(std::int32_t piece) const override {
+    const mesh::FieldPieceView& numbers = field_.field.pieces[piece];
+    if (is_per_cell() || numbers.behind || (field_.component < 0 && field_.field.components > 1))
+      return {};
+    return {numbers.component[field_.component > 0 ? field_.component : 0], numbers.layout,
+            numbers.is_float32};
+  }
+
 private:
   void at_any(std::span<const query::Location> at, double* values) const {
     for (std::size_t i = 0; i < at.size(); ++i)
