@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <memory>
 #include <new>
 
 #include "cells/exact/decide.h"
@@ -132,6 +133,8 @@ void LoneCells::find_if_due(const mesh::MeshView& mesh, const core::Threads& thr
 }
 
 void LoneCells::find(const mesh::MeshView& mesh, const core::Threads& threads) const {
+  if (!mesh.free_of_folds && tree_.odd().empty())
+    return;                       // which cells fold may be found out later
   if (is_settled_.exchange(true)) // others do without meanwhile
     return;
   try {
@@ -164,44 +167,55 @@ void LoneCells::find_all(const mesh::MeshView& mesh, const core::Threads& thread
   std::fill(bits_.begin(), bits_.end(), std::uint64_t(0));
   for (std::int64_t slot = 0; slot < tree_.cell_count(); ++slot)
     bits_[tree_.cells()[slot] >> 6] |= bit_of(tree_.cells()[slot]);
-  if (!strike_boxes(mesh, threads))
+  const auto odd = tree_.odd().boxes();
+  const auto odd_box = [&](std::int64_t i) { return odd[std::size_t(i)]; };
+  const auto face_box = [&](std::int64_t i) { return box_of(mesh, faces_[std::size_t(i)]); };
+  if (!strike(std::int64_t(odd.size()), threads, odd_box) ||
+      !strike(std::int64_t(faces_.size()), threads, face_box))
     return;
-  keep_covered_once(mesh, threads);
+  keep_covered_once(mesh);
   known_.store(true, std::memory_order_release);
 }
 
-/// Leaves the cells whose boxes meet neither a face that stays nor an odd cell. False: a box is not
-/// finite.
-bool LoneCells::strike_boxes(const mesh::MeshView& mesh, const core::Threads& threads) const {
-  const PointQuery query{mesh, tree_, {}};
-  const BoxRule rule = query.box_rule();
+/// Strikes the cells whose boxes meet those of `count` boxes: box(i). False: one is not finite.
+template <class Box>
+bool LoneCells::strike(std::int64_t count, const core::Threads& threads, const Box& box) const {
+  struct Batch {
+    QueryBoxes boxes;
+    TraversalScratch traversal;
+  };
+  const BoxRule rule(tree_.origin());
   std::atomic<bool> all_finite{true};
-  const auto strike = [&](const mesh::Box& box) {
-    float lower[3], upper[3], other[3];
-    if (!rule.box(box.low, lower, other) || !rule.box(box.high, other, upper)) {
-      all_finite = false;
-      return;
+  threads.parallel_for(count, batch_size, [&](std::int64_t begin, std::int64_t end) {
+    const auto batch = std::make_unique<Batch>(); // too large for a thread's stack
+    batch->boxes.count = int(end - begin);
+    for (std::int64_t i = begin; i < end; ++i) {
+      const mesh::Box of = box(i);
+      float lower[3], upper[3], other[3];
+      if (!rule.box(of.low, lower, other) || !rule.box(of.high, other, upper))
+        all_finite = false;
+      float* const bounds = batch->boxes.bounds[i - begin];
+      for (int a = 0; a < 3; ++a) {
+        bounds[2 * a] = upper[a];
+        bounds[2 * a + 1] = -lower[a];
+      }
     }
-    for (const Candidate& c : query.candidates_in(lower, upper)) {
-      const std::int64_t cell = tree_.cells()[c.slot];
+    if (!all_finite)
+      return;
+    find_candidates(tree_, batch->boxes, batch->traversal);
+    for (std::size_t c = 0; c < batch->traversal.found; ++c) {
+      const std::int64_t cell = tree_.cells()[batch->traversal.candidates[c].slot];
       Word word(bits_[std::size_t(cell) >> 6]);
       if (word.load(std::memory_order_relaxed) & bit_of(cell))
         word.fetch_and(~bit_of(cell), std::memory_order_relaxed);
     }
-  };
-  for (const mesh::Box& box : tree_.odd().boxes())
-    strike(box);
-  threads.parallel_for(std::int64_t(faces_.size()), 1024,
-                       [&](std::int64_t begin, std::int64_t end) {
-                         for (std::int64_t f = begin; f < end; ++f)
-                           strike(box_of(mesh, faces_[std::size_t(f)]));
-                       });
+  });
   return all_finite;
 }
 
 /// Of these, leaves the lots that cover space once. A lot hangs together through vertices, and
 /// meets no face that stays.
-void LoneCells::keep_covered_once(const mesh::MeshView& mesh, const core::Threads&) const {
+void LoneCells::keep_covered_once(const mesh::MeshView& mesh) const {
   constexpr int most_turns = 8;
   const PointQuery query{mesh, tree_, {}};
   Lots lots(mesh.vertex_count(), memory_);

@@ -44,16 +44,16 @@ public:
     if (!are_known())
       asked_.fetch_add(std::int64_t(points), std::memory_order_relaxed);
   }
-  /// Finds out, if that is due, in a mesh in which proofs count (ProofRule::for_some) and whose
-  /// tree is fitted. Must not be called from a task of the threads'.
+  /// Finds out, if that is due and it is known which cells fold; the tree must be fitted.
   void find_if_due(const mesh::MeshView& mesh, const core::Threads& threads) const;
   /// The same, due or not.
   void find(const mesh::MeshView& mesh, const core::Threads& threads) const;
 
 private:
   void find_all(const mesh::MeshView& mesh, const core::Threads& threads) const;
-  bool strike_boxes(const mesh::MeshView& mesh, const core::Threads& threads) const;
-  void keep_covered_once(const mesh::MeshView& mesh, const core::Threads& threads) const;
+  template <class Box>
+  bool strike(std::int64_t count, const core::Threads& threads, const Box& box) const;
+  void keep_covered_once(const mesh::MeshView& mesh) const;
 
   const accel::Tree& tree_;
   core::Memory& memory_;

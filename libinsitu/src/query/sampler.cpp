@@ -189,8 +189,8 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
   static_assert(grain % batch_size == 0);
   if (const LoneCells* const lone = lone_cells(options)) {
     lone->note(points.size());
-    if (const accel::Tree& all = tree(); ProofRule(*mesh_, all.odd(), options).for_some())
-      lone->find_if_due(*mesh_, threads);
+    tree();
+    lone->find_if_due(*mesh_, threads);
   }
   const PointQuery query = point_query(options);
   const bool sorts = order_ && is_incoherent(points, query.tree);
