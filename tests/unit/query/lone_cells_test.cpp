@@ -227,6 +227,15 @@ TEST(LoneCells, OfTwoBlocksOnOneSideOfAFace) {
     both.vertices[std::size_t(v)].x =
         from.low.x + 1.21 * (both.vertices[std::size_t(v)].x - from.low.x);
   EXPECT_EQ(check(fixtures::Committed(both), "on one side"), 0);
+  // A block through that face is alone on its other side, and there alone.
+  const Vec3d middle = 0.5 * (from.low + from.high);
+  add(both, moved(from, [&](const Vec3d& p) {
+        const Vec3d by = 0.7 * (p - middle);
+        return Vec3d{from.low.x, middle.y, middle.z} + by;
+      }));
+  const std::int64_t found = check(fixtures::Committed(both), "and one through the face", 900);
+  EXPECT_GT(found, 50);
+  EXPECT_LT(found, 200);
 }
 
 TEST(LoneCells, BesideOddCells) {
