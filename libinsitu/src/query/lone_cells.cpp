@@ -21,7 +21,7 @@ using math::Vec3d;
 using Word = std::atomic_ref<std::uint64_t>;
 
 /// From how many points a cell on finding out pays: see doc/notes/locating.md.
-constexpr double price_with_faces = 8.0, price = 2.0;
+constexpr double price_with_faces = 4.0, price = 1.5;
 /// Faces that are kept at most: so many a cell, and some more for small meshes.
 constexpr double most_faces_a_cell = 0.25;
 constexpr std::int64_t more_faces = 4096;

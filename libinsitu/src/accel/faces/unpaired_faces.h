@@ -20,7 +20,8 @@ bool can_pair_faces(const mesh::MeshView& mesh);
 /// opposite order round the face, cancel: as a chain they are the boundary of all cells together.
 /// Of three cells with one face two cancel at most; faces of cells that turn it the same way, and
 /// quads that meet triangles, stay. Faces without area count as none. Of a mesh that
-/// can_pair_faces(); meanwhile the call holds 16 bytes a face of each cell.
+/// can_pair_faces(). Where neighbours are far apart by number the call holds up to 20 bytes a face
+/// of each cell meanwhile, else little.
 void find_unpaired_faces(const mesh::MeshView& mesh, const core::Threads& threads,
                          core::Memory& memory, core::Buffer<FaceVertices>& out);
 
