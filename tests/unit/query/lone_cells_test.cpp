@@ -159,7 +159,7 @@ TEST(LoneCells, AreMostOfABox) {
     for (const double jitter : {0.0, 0.1}) {
       const fixtures::Committed m(upright(box(kind, 8, jitter, 3.0, {1, 0.1, 7})));
       ASSERT_TRUE(m.sampler().mesh().free_of_folds) << kind_name(kind);
-      const std::int64_t alone = check(m, kind_name(kind));
+      const std::int64_t alone = check(m, kind_name(kind), 100);
       EXPECT_GT(share(m, alone), kind == MeshKind::tetrahedra ? 0.2 : 0.25) << kind_name(kind);
     }
 }
@@ -178,11 +178,11 @@ TEST(LoneCells, OfABandWoundOneAndAHalfTimes) {
     const fixtures::Committed once(wound(from, 0.9)), overlapping(wound(from, 1.5)),
         twice(wound(from, 2.0));
     ASSERT_TRUE(overlapping.sampler().mesh().free_of_folds) << kind_name(kind);
-    const std::int64_t all = check(once, "wound 0.9 times"),
-                       some = check(overlapping, "wound 1.5 times");
+    const std::int64_t all = check(once, "wound 0.9 times", 60),
+                       some = check(overlapping, "wound 1.5 times", 150);
     EXPECT_GT(some, 0) << kind_name(kind);
     EXPECT_LT(some, all / 2) << kind_name(kind);
-    EXPECT_EQ(check(twice, "wound twice"), 0) << kind_name(kind);
+    EXPECT_EQ(check(twice, "wound twice", 30), 0) << kind_name(kind);
   }
 }
 
@@ -426,7 +426,7 @@ TEST(LoneCells, OfRandomHeapsOfBlocks) {
           insitu_array_of(ghosts.data(), INSITU_UINT8, std::int64_t(ghosts.size()), 1);
       m.mesh.mesh().set_ghosts(0, &bits, INSITU_GHOSTS_VTK);
       m.commit(INSITU_CHANGED_TOPOLOGY);
-      check(m, "size " + std::to_string(size) + ", seed " + std::to_string(seed), 150, seed);
+      check(m, "size " + std::to_string(size) + ", seed " + std::to_string(seed), 60, seed);
       if (HasFailure())
         return;
     }
