@@ -36,10 +36,11 @@ std::uint64_t next_id() {
 CommittedMesh::CommittedMesh(const std::string& name, core::Memory& memory)
     : id_(next_id()), mesh_(name, memory), tree_(memory), locators_(memory), order_(memory),
       memory_(&memory), fit_(tree_, mesh_, policy_, odd_cells_), sound_(memory),
-      earlier_cells_(memory) {
+      lone_(tree_, memory), earlier_cells_(memory) {
   on_demand_.tree = &fit_;
   on_demand_.displacement = &displacement_;
   on_demand_.sound = &sound_;
+  on_demand_.lone = &lone_;
 }
 
 void CommittedMesh::require_a_commit() const {
@@ -150,6 +151,7 @@ void CommittedMesh::enter_topology(const core::Threads& threads) {
   on_demand_.facts.forget();
   on_demand_.steps.forget();
   sound_.end();
+  lone_.begin(!stand_in_ && !lies_on_device());
   ++topology_version_;
 }
 
@@ -294,6 +296,7 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
       ++geometry_version_;
       on_demand_.facts.forget();
       sound_.forget();
+      lone_.forget();
     }
     if (lies_on_device())
       commit_on_device(pending, report, threads, log);

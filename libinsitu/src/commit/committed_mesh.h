@@ -204,6 +204,7 @@ private:
   TreeFit fit_; ///< of tree_
   Displacement displacement_{mesh_};
   query::SoundCells sound_;
+  query::LoneCells lone_; ///< of tree_
   query::OnDemand on_demand_;
   std::int64_t located_before_ = 0;            ///< points, when the policy was last told
   mutable std::atomic<std::int64_t> drawn_{0}; ///< points, for frames since then

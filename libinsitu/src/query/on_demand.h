@@ -5,6 +5,7 @@
 
 #include "core/parallel.h"
 #include "query/facts_cache.h"
+#include "query/lone_cells.h"
 #include "query/sound_cells.h"
 #include "query/walk/number_steps.h"
 
@@ -46,6 +47,7 @@ struct OnDemand {
   FactsCache facts;
   NumberStepsCache steps;
   const SoundCells* sound = nullptr;
+  const LoneCells* lone = nullptr;
 };
 
 } // namespace insitu::query

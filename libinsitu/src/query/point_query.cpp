@@ -135,7 +135,7 @@ Location PointQuery::locate(const Vec3d& p, Reason& reason) const {
     if (is_on_boundary(map.margin, map.error))
       break;
   }
-  if (best && proof().is_enough())
+  if (best && proof().is_enough(best.cell))
     return best;
   mesh::CellVertices owner;
   cells::Decision decision;

@@ -36,6 +36,7 @@ struct PointQuery {
   const mesh::MeshView& mesh;
   const accel::Tree& tree;
   LocateOptions options;
+  const LoneCells* lone = nullptr; ///< which cells are alone, where that is known and counts
 
   BoxRule box_rule() const {
     return BoxRule(tree.origin(), options.alpha, mesh.largest_displacement);
@@ -43,7 +44,7 @@ struct PointQuery {
   /// Where proofs count, so many candidates, those in whose boxes the point lies deepest, are tried
   /// first by Newton's method.
   int tries() const;
-  ProofRule proof() const { return {mesh, tree.odd(), options}; }
+  ProofRule proof() const { return {mesh, tree.odd(), options, lone}; }
   /// The cells whose boxes meet a box in the tree's frame; the memory is the thread's, until the
   /// next call.
   std::span<const Candidate> candidates_in(const float* lower, const float* upper) const;

@@ -3,6 +3,7 @@
 #include "accel/tree/odd_slots.h"
 #include "cells/kernels/kernels.h"
 #include "query/location.h"
+#include "query/lone_cells.h"
 
 /// The one rule that says when a proof answers for a point, and the one trial of a cell. A proof is
 /// a certificate of Newton's method that a cell holds the point in its interior.
@@ -14,9 +15,11 @@ namespace insitu::query {
 /// boxes are those of the current coordinates.
 class ProofRule {
 public:
-  /// odd: what the tree marks. The arguments must outlive the object.
-  ProofRule(const mesh::MeshView& mesh, const accel::OddSlots& odd, const LocateOptions& options)
-      : odd_(&odd), for_all_(mesh.free_of_folds),
+  /// odd: what the tree marks. lone: which cells are alone, as far as it is known; or null. The
+  /// arguments must outlive the object.
+  ProofRule(const mesh::MeshView& mesh, const accel::OddSlots& odd, const LocateOptions& options,
+            const LoneCells* lone = nullptr)
+      : odd_(&odd), lone_(lone), for_all_(mesh.free_of_folds),
         for_some_(mesh.free_of_folds || (!odd.empty() && options.alpha == 1.0)),
         is_enough_(options.accuracy != INSITU_EXACT || mesh.covers_once) {}
 
@@ -27,12 +30,16 @@ public:
   bool counts_for(const math::Vec3d& p) const {
     return for_all_ || (for_some_ && !odd_->may_hold(p));
   }
-  /// A cell so proven is the answer; else cells of lower ids are looked at as well, since cells may
-  /// overlap and `exact` names the lowest.
+  /// A cell so proven is the answer, whichever it is; else cells of lower ids are looked at as
+  /// well, since cells may overlap and `exact` names the lowest, but for cells that are alone.
   bool is_enough() const { return is_enough_; }
+  bool is_enough(std::int64_t cell) const { return is_enough_ || (lone_ && lone_->has(cell)); }
+  /// Whether it is so for some cells at all.
+  bool may_be_enough() const { return is_enough_ || lone_; }
 
 private:
   const accel::OddSlots* odd_;
+  const LoneCells* lone_;
   bool for_all_, for_some_, is_enough_;
 };
 

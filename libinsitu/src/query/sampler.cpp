@@ -93,6 +93,18 @@ const SoundCells* Sampler::sound_cells(bool moves) const {
              : nullptr;
 }
 
+const LoneCells* Sampler::lone_cells(const LocateOptions& options) const {
+  return on_demand_ && options.accuracy == INSITU_EXACT && options.alpha == 1.0 &&
+                 !mesh_->covers_once
+             ? on_demand_->lone
+             : nullptr;
+}
+
+PointQuery Sampler::point_query(const LocateOptions& options) const {
+  const LoneCells* const lone = lone_cells(options);
+  return {*mesh_, tree(), options, lone && lone->are_known() ? lone : nullptr};
+}
+
 mesh::MeshFacts Sampler::facts(const core::Threads* threads) const {
   return on_demand_ ? on_demand_->facts.of(*mesh_, threads) : mesh::find_facts(*mesh_, threads);
 }
@@ -117,7 +129,7 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
         why = Reason::certified;
     }
     if (!at)
-      at = PointQuery{*mesh_, tree(), options}.locate(p, why);
+      at = point_query(options).locate(p, why);
   }
   if (counts_)
     counts_->add(why);
@@ -144,7 +156,9 @@ void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> l
                             const LocateOptions& options, std::span<std::uint8_t> reasons) const {
   std::vector<Vec3d> images(chart_ ? std::min<std::size_t>(batch_size, points.size()) : 0);
   Tally tally(counts_);
-  locator_->with_batches({*mesh_, tree(), options}, [&](Batches& batches) {
+  if (const LoneCells* const lone = lone_cells(options))
+    lone->note(points.size());
+  locator_->with_batches(point_query(options), [&](Batches& batches) {
     for (std::size_t first = 0; first < points.size(); first += batch_size) {
       const std::size_t n = std::min<std::size_t>(batch_size, points.size() - first);
       std::span<const Vec3d> batch = points.subspan(first, n);
@@ -173,7 +187,12 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
     return;
   constexpr auto grain = std::int64_t(GuessedBatches::grain);
   static_assert(grain % batch_size == 0);
-  const PointQuery query{*mesh_, tree(), options};
+  if (const LoneCells* const lone = lone_cells(options)) {
+    lone->note(points.size());
+    tree();
+    lone->find_if_due(*mesh_, threads);
+  }
+  const PointQuery query = point_query(options);
   const bool sorts = order_ && is_incoherent(points, query.tree);
   // So many at a time that numbers of points fit 32 bits and the memory stays bounded.
   constexpr std::size_t slice = std::size_t(1) << 22;

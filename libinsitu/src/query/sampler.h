@@ -15,10 +15,12 @@ class Tree;
 namespace insitu::query {
 
 class CulledCells;
+class LoneCells;
 class SoundCells;
 class SpatialOrder;
 struct ChartImage;
 struct OnDemand;
+struct PointQuery;
 
 /// Answers point queries on a committed mesh. Cheap to copy; valid until the next commit. All calls
 /// are const, and their answers do not depend on threads or batching. All but the parallel
@@ -49,6 +51,8 @@ public:
   /// they are asked for, which answer alone for a particle that comes from them or from beside
   /// them; null: ProofRule says when cells do. moves: for geometry between two steps.
   const SoundCells* sound_cells(bool moves) const;
+  /// The query of points with these options, where the tree is fitted now as by tree().
+  PointQuery point_query(const LocateOptions& options) const;
   /// Of the mesh as a whole, found when first asked for. threads: null: on the calling thread.
   mesh::MeshFacts facts(const core::Threads* threads = nullptr) const;
   const ChartImage* chart() const { return chart_; }
@@ -135,6 +139,8 @@ public:
   bool owns(std::int64_t flat) const;
 
 private:
+  /// Which cells are alone, if it counts in a query; else null.
+  const LoneCells* lone_cells(const LocateOptions& options) const;
   void count(Reason reason, std::int64_t points) const;
   void visit_in_order(Batches& batches, std::span<const math::Vec3d> points, std::size_t count,
                       Batches::Put put) const;

@@ -21,6 +21,8 @@ public:
            std::span<const std::uint32_t> cells, const core::Threads& threads);
 
   bool empty() const { return slots_.empty(); }
+  /// Of the cells, at the coordinates that they were marked at.
+  std::span<const mesh::Box> boxes() const { return boxes_; }
   bool has(std::uint32_t slot) const {
     return (filter_ >> (slot & 63) & 1) != 0 &&
            std::binary_search(slots_.begin(), slots_.end(), slot);

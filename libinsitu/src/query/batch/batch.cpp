@@ -131,7 +131,8 @@ void BatchLocator::set_aside(const std::uint64_t* untried) {
 bool BatchLocator::try_likeliest(int tries) {
   TraversalScratch& t = s_.traversal;
   const Candidate* const candidates = t.candidates.data();
-  const bool enough = query_.proof().is_enough();
+  const ProofRule proof = query_.proof();
+  const bool enough = proof.is_enough();
   const auto set_aside = [&](const std::uint64_t* untried) {
     enough ? this->set_aside<true>(untried) : this->set_aside<false>(untried);
   };
@@ -166,7 +167,7 @@ bool BatchLocator::try_likeliest(int tries) {
           for_each_bit(b.certified, [&](int k) {
             const int q = queries[k];
             best_[q] = {cells[k], b.parametric_of(k)};
-            below_[q] = enough ? 0 : cells[k];
+            below_[q] = proof.is_enough(cells[k]) ? 0 : cells[k];
             reason_[q] = Reason::certified;
             located_[q] = true;
             next[q] = 0;

@@ -87,21 +87,26 @@ GuessedBatches::GuessedBatches(const PointQuery& query, BatchScratch& scratch, B
 bool GuessedBatches::may_pay(const PointQuery& query) {
   const mesh::MeshView& mesh = query.mesh;
   const ProofRule proof = query.proof();
-  return proof.for_some() && query.options.alpha == 1.0 && proof.is_enough() &&
+  return proof.for_some() && query.options.alpha == 1.0 && proof.may_be_enough() &&
          (mesh.piece_count == 1 || mesh.one_mesh) && mesh.first_single_cell() == 0;
 }
 
-/// Guesses at cells that own no point are taken back, and those for points for which a proof does
-/// not count.
+/// Guesses at cells that own no point are taken back, those for points for which a proof does not
+/// count, and those of which it would not be enough.
 void GuessedBatches::check_guesses(std::span<const Vec3d> points) {
   const mesh::MeshView& mesh = query_.mesh;
   const std::size_t n = points.size();
   const auto cells = std::uint64_t(mesh.cell_count());
   for (std::size_t q = 0; q < n; ++q)
     s_.guessed[q] = std::uint64_t(s_.guessed[q]) < cells ? s_.guessed[q] : -1;
-  if (const ProofRule proof = query_.proof(); !proof.for_all())
+  const ProofRule proof = query_.proof();
+  if (!proof.for_all())
     for (std::size_t q = 0; q < n; ++q)
       if (!proof.counts_for(points[q]))
+        s_.guessed[q] = -1;
+  if (!proof.is_enough())
+    for (std::size_t q = 0; q < n; ++q)
+      if (s_.guessed[q] >= 0 && !proof.is_enough(s_.guessed[q]))
         s_.guessed[q] = -1;
   if (all_own_)
     return;
