@@ -1,10 +1,13 @@
 #include "render/surface/isosurface.h"
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 
 #include "accel/camera_rays/gridlet_rays.h"
+#include "accel/camera_rays/packet_traversal.h"
 #include "accel/camera_rays/ray_traversal.h"
 #include "core/status.h"
 #include "mesh/box.h"
@@ -18,6 +21,13 @@ using math::Vec3d;
 
 /// Hits of one surface in two cells, nearer than this times the ray's length in them, are one.
 constexpr double twin_distance = 1e-9;
+/// Cells that wait for a ray alone before they are searched.
+constexpr int lone_pairs = 4;
+
+std::uint64_t next_number() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
 
 bool same_scalar(const ScalarField& a, const ScalarField& b) {
   return a.field.pieces == b.field.pieces && a.field.association == b.field.association &&
@@ -52,7 +62,7 @@ unsigned IsosurfaceTracer::Group::needed(std::uint32_t node) const {
 IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
                                    const std::vector<IsosurfaceSettings>& settings,
                                    Structures& structures, bool lit)
-    : sampler_(sampler), lit_(lit) {
+    : sampler_(sampler), number_(next_number()), lit_(lit) {
   for (const IsosurfaceSettings& s : settings) {
     check(s);
     auto group = std::find_if(groups_.begin(), groups_.end(),
@@ -117,7 +127,7 @@ bool IsosurfaceTracer::keep(const SurfaceHit& hit, Search& search) {
   search.hits.push_back(hit);
   if (hit.opacity < 1)
     return true;
-  search.t_max = std::min(search.t_max, hit.t);
+  search.t_max = search.any ? -1.0 : std::min(search.t_max, hit.t);
   return false;
 }
 
@@ -227,47 +237,124 @@ Vec3d IsosurfaceTracer::central_gradient(const SurfaceHit& hit, const Vec3d& p,
   return gradient;
 }
 
+template <class Visit>
+void IsosurfaceTracer::for_each_cell(std::int64_t item, const Search& search, Visit&& visit) const {
+  const mesh::MeshView& mesh = sampler_.mesh();
+  const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(item)];
+  if (!piece.gridlets) {
+    visit(item);
+    return;
+  }
+  const Ray& ray = search.space.ray();
+  const std::int64_t first = mesh.first_cell[&piece - mesh.pieces];
+  accel::for_each_cell_along_ray(*piece.gridlets, (item - first) >> mesh::Gridlet::cell_bits,
+                                 ray.origin, ray.direction, search.t_min, search.t_max,
+                                 [&](int local) { visit(item + local); });
+}
+
+IsosurfaceTracer::Search IsosurfaceTracer::search_of(const Ray& ray,
+                                                     const std::vector<Stretch>* stays,
+                                                     std::vector<SurfaceHit>& hits,
+                                                     SurfaceCounts& counts) const {
+  constexpr double farthest = std::numeric_limits<double>::max();
+  return {cells::RaySpace(ray),
+          stays,
+          stays ? stays->front().from : 0.0,
+          stays ? std::min(stays->back().to, farthest) : farthest,
+          hits,
+          counts};
+}
+
 void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,
                              const std::vector<Stretch>* stays) const {
   hits.clear();
   if (stays && stays->empty())
     return;
-  constexpr double farthest = std::numeric_limits<double>::max();
-  Search search{cells::RaySpace(ray),
-                stays,
-                stays ? stays->front().from : 0.0,
-                stays ? std::min(stays->back().to, farthest) : farthest,
-                hits,
-                counts};
+  Search search = search_of(ray, stays, hits, counts);
+  const auto ended = [](int) {};
   std::optional<RayCells> side_by_side;
-  if (is_exact_)
-    side_by_side.emplace(*this, search);
-  const auto take = [&](std::int64_t flat) {
-    if (side_by_side)
-      side_by_side->add(flat);
-    else
-      test_cell(flat, search);
-  };
+  if (is_exact_) {
+    side_by_side.emplace(*this, lone_pairs, ended);
+    side_by_side->add_ray(search, nullptr);
+  }
   accel::for_each_cell_along_ray(
       sampler_.tree(), ray.origin, ray.direction, search.t_min, search.t_max,
       [&](std::uint32_t node) { return needed(node); },
-      [&](std::int64_t flat) {
-        const mesh::MeshView& mesh = sampler_.mesh();
-        const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(flat)];
-        if (!piece.gridlets) {
-          take(flat);
-          return search.t_max;
-        }
-        const std::int64_t first = mesh.first_cell[&piece - mesh.pieces];
-        accel::for_each_cell_along_ray(*piece.gridlets, (flat - first) >> mesh::Gridlet::cell_bits,
-                                       ray.origin, ray.direction, search.t_min, search.t_max,
-                                       [&](int local) { take(flat + local); });
+      [&](std::int64_t item) {
+        for_each_cell(item, search, [&](std::int64_t flat) {
+          if (side_by_side)
+            side_by_side->add(flat, 1);
+          else
+            test_cell(flat, search);
+        });
         return search.t_max;
       });
   if (side_by_side)
     side_by_side->flush();
   LastCell none;
   settle(hits, none);
+}
+
+void IsosurfaceTracer::trace(std::span<LightRay> rays, SurfaceCounts& counts) const {
+  if (!is_exact_) {
+    thread_local std::vector<SurfaceHit> hits; // kept for the thread's life
+    for (LightRay& ray : rays) {
+      trace(ray.ray, hits, counts, ray.stays);
+      ray.open = open_past(hits);
+    }
+    return;
+  }
+  for (std::size_t first = 0; first < rays.size(); first += RayCells::most)
+    trace_packet(rays.subspan(first, std::min<std::size_t>(RayCells::most, rays.size() - first)),
+                 counts);
+}
+
+void IsosurfaceTracer::trace_packet(std::span<LightRay> rays, SurfaceCounts& counts) const {
+  thread_local std::vector<SurfaceHit> hits[RayCells::most]; // kept for the thread's life
+  std::optional<Search> searches[RayCells::most];
+  const accel::Tree& tree = sampler_.tree();
+  const Vec3d low = tree.bounds_min() - tree.origin(), high = tree.bounds_max() - tree.origin();
+  double largest = 0;
+  for (int a = 0; a < 3; ++a)
+    largest = std::max({largest, std::fabs(low[a]), std::fabs(high[a])});
+  accel::RayPacket packet(tree.origin(), float(largest));
+  const auto ended = [&](int i) { packet.end_at(i, searches[i]->t_max); };
+  RayCells cells(*this, RayCells::most_pairs, ended);
+  LightRay* traced[RayCells::most];
+  int count = 0;
+  for (LightRay& ray : rays) {
+    ray.open = 1;
+    if (ray.stays->empty())
+      continue;
+    const int i = count++;
+    traced[i] = &ray;
+    hits[i].clear();
+    searches[i].emplace(search_of(ray.ray, ray.stays, hits[i], counts));
+    searches[i]->any = true;
+    packet.set(i, ray.ray.origin, ray.ray.direction, searches[i]->t_max);
+    cells.add_ray(*searches[i], ray.start);
+  }
+  accel::for_each_cell_along_packet(
+      tree, packet, [&](std::uint32_t node) { return needed(node); },
+      [&](std::int64_t item, unsigned of) {
+        const mesh::MeshView& mesh = sampler_.mesh();
+        if (!mesh.pieces[mesh.piece_of(item)].gridlets) {
+          cells.add(item, of);
+          return;
+        }
+        for (; of; of &= of - 1) {
+          const int i = std::countr_zero(of);
+          for_each_cell(item, *searches[i], [&](std::int64_t flat) { cells.add(flat, 1u << i); });
+        }
+      });
+  cells.flush();
+  LastCell none;
+  for (int i = 0; i < count; ++i) {
+    for (SurfaceHit& hit : hits[i])
+      hit.gradient = {}; // nothing is lit here
+    settle(hits[i], none);
+    traced[i]->open = open_past(hits[i]);
+  }
 }
 
 unsigned IsosurfaceTracer::needed(std::uint32_t node) const {

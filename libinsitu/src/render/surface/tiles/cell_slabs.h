@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+
+#include "math/vec.h"
+#include "mesh/shape.h"
+
+namespace insitu::render {
+
+/// Up to 16 rays beside cells, a ray a lane.
+struct RayLanes {
+  static constexpr int most = 16;
+  alignas(64) double origin[3][most] = {};
+  alignas(64) float direction[3][most] = {};
+  alignas(64) float t_max[most] = {};
+};
+
+/// Slabs that hold a cell and the surfaces within it, by which rays are told to have no hit there
+/// without a look at its vertices.
+///
+/// For any vector n, n x over the cell lies between its least and its greatest at the vertices:
+/// weights of vertices are positive and add up to one. The cell's own axes are taken, and across
+/// the slanted face of wedges and tetrahedra. So does what a linear function leaves of the field:
+/// where the field is a level, g x lies between two numbers, and with the field's mean gradient as
+/// g these are near to each other. A ray that is never in all slabs at once has no hit.
+///
+/// Besides, with the mean inverse derivatives M of the map, |M J - 1| <= e < 1 in each row and
+/// derivatives of what is left that are no larger than h, f(p) - f(q) is g (p - q) but for
+/// |p - q| max|M| sum(h) / (1 - e), for any two points of the cell (the mean value theorem, along
+/// the straight line in parametric coordinates): `wander`, over |g|.
+struct CellSlabs {
+  static constexpr int most = 5;
+  /// Of an even normal that is none: the slab holds everything.
+  struct Slab {
+    float normal[3]; ///< of length 1, or 0
+    float from, to;  ///< of the normal times (p - centre) / size
+  };
+
+  math::Vec3d centre;
+  double inverse_size = 0;  ///< 0: nothing is known of the cell
+  double low = 0, high = 0; ///< of the values
+  int count = 0;            ///< of slabs
+  Slab slab[most];          ///< the first one is the field's, of the part of values that is 0
+  double place = 0;         ///< by how much its ends move from the least value to the largest
+  float rounding = 0;       ///< of a position, over the size
+  float wander = 1e30f;
+
+  CellSlabs() = default;
+  /// x, values: of n vertices. The values are finite.
+  CellSlabs(mesh::Shape shape, int n, const math::Vec3d* x, const double* values);
+
+  /// Bits of rays, among those of `rays`, that may have a hit on the level in the cell.
+  unsigned may_meet(const RayLanes& lanes, unsigned rays, double level) const;
+  /// Whether a ray that starts on the surface of a level at a point of the cell, raised along a
+  /// normal by `clearance`, surely does not meet the level in the cell again.
+  bool leaves(const math::Vec3d& normal, double clearance, const math::Vec3d& direction) const;
+};
+
+} // namespace insitu::render
