@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <limits>
 
-#include "accel/camera_rays/gridlet_rays.h"
-#include "accel/camera_rays/packet_traversal.h"
 #include "accel/camera_rays/ray_traversal.h"
 #include "core/status.h"
 #include "mesh/box.h"
@@ -237,21 +234,6 @@ Vec3d IsosurfaceTracer::central_gradient(const SurfaceHit& hit, const Vec3d& p,
   return gradient;
 }
 
-template <class Visit>
-void IsosurfaceTracer::for_each_cell(std::int64_t item, const Search& search, Visit&& visit) const {
-  const mesh::MeshView& mesh = sampler_.mesh();
-  const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(item)];
-  if (!piece.gridlets) {
-    visit(item);
-    return;
-  }
-  const Ray& ray = search.space.ray();
-  const std::int64_t first = mesh.first_cell[&piece - mesh.pieces];
-  accel::for_each_cell_along_ray(*piece.gridlets, (item - first) >> mesh::Gridlet::cell_bits,
-                                 ray.origin, ray.direction, search.t_min, search.t_max,
-                                 [&](int local) { visit(item + local); });
-}
-
 IsosurfaceTracer::Search IsosurfaceTracer::search_of(const Ray& ray,
                                                      const std::vector<Stretch>* stays,
                                                      std::vector<SurfaceHit>& hits,
@@ -293,68 +275,6 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
     side_by_side->flush();
   LastCell none;
   settle(hits, none);
-}
-
-void IsosurfaceTracer::trace(std::span<LightRay> rays, SurfaceCounts& counts) const {
-  if (!is_exact_) {
-    thread_local std::vector<SurfaceHit> hits; // kept for the thread's life
-    for (LightRay& ray : rays) {
-      trace(ray.ray, hits, counts, ray.stays);
-      ray.open = open_past(hits);
-    }
-    return;
-  }
-  for (std::size_t first = 0; first < rays.size(); first += RayCells::most)
-    trace_packet(rays.subspan(first, std::min<std::size_t>(RayCells::most, rays.size() - first)),
-                 counts);
-}
-
-void IsosurfaceTracer::trace_packet(std::span<LightRay> rays, SurfaceCounts& counts) const {
-  thread_local std::vector<SurfaceHit> hits[RayCells::most]; // kept for the thread's life
-  std::optional<Search> searches[RayCells::most];
-  const accel::Tree& tree = sampler_.tree();
-  const Vec3d low = tree.bounds_min() - tree.origin(), high = tree.bounds_max() - tree.origin();
-  double largest = 0;
-  for (int a = 0; a < 3; ++a)
-    largest = std::max({largest, std::fabs(low[a]), std::fabs(high[a])});
-  accel::RayPacket packet(tree.origin(), float(largest));
-  const auto ended = [&](int i) { packet.end_at(i, searches[i]->t_max); };
-  RayCells cells(*this, RayCells::most_pairs, ended);
-  LightRay* traced[RayCells::most];
-  int count = 0;
-  for (LightRay& ray : rays) {
-    ray.open = 1;
-    if (ray.stays->empty())
-      continue;
-    const int i = count++;
-    traced[i] = &ray;
-    hits[i].clear();
-    searches[i].emplace(search_of(ray.ray, ray.stays, hits[i], counts));
-    searches[i]->any = true;
-    packet.set(i, ray.ray.origin, ray.ray.direction, searches[i]->t_max);
-    cells.add_ray(*searches[i], ray.start);
-  }
-  accel::for_each_cell_along_packet(
-      tree, packet, [&](std::uint32_t node) { return needed(node); },
-      [&](std::int64_t item, unsigned of) {
-        const mesh::MeshView& mesh = sampler_.mesh();
-        if (!mesh.pieces[mesh.piece_of(item)].gridlets) {
-          cells.add(item, of);
-          return;
-        }
-        for (; of; of &= of - 1) {
-          const int i = std::countr_zero(of);
-          for_each_cell(item, *searches[i], [&](std::int64_t flat) { cells.add(flat, 1u << i); });
-        }
-      });
-  cells.flush();
-  LastCell none;
-  for (int i = 0; i < count; ++i) {
-    for (SurfaceHit& hit : hits[i])
-      hit.gradient = {}; // nothing is lit here
-    settle(hits[i], none);
-    traced[i]->open = open_past(hits[i]);
-  }
 }
 
 unsigned IsosurfaceTracer::needed(std::uint32_t node) const {

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "accel/camera_rays/gridlet_rays.h"
 #include "query/sampler.h"
 #include "render/clip.h"
 #include "render/color/transfer_function.h"
@@ -158,5 +159,20 @@ private:
                                SurfaceCounts& counts) const;
   std::vector<Surface> surfaces_; ///< by SurfaceHit::surface
 };
+
+template <class Visit>
+void IsosurfaceTracer::for_each_cell(std::int64_t item, const Search& search, Visit&& visit) const {
+  const mesh::MeshView& mesh = sampler_.mesh();
+  const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(item)];
+  if (!piece.gridlets) {
+    visit(item);
+    return;
+  }
+  const Ray& ray = search.space.ray();
+  const std::int64_t first = mesh.first_cell[&piece - mesh.pieces];
+  accel::for_each_cell_along_ray(*piece.gridlets, (item - first) >> mesh::Gridlet::cell_bits,
+                                 ray.origin, ray.direction, search.t_min, search.t_max,
+                                 [&](int local) { visit(item + local); });
+}
 
 } // namespace insitu::render

@@ -154,30 +154,27 @@ CellSlabs::CellSlabs(mesh::Shape shape, int n, const Vec3d* x, const double* val
         slab_of(unit_or_zero(m[0] + m[1] + (domain == PatchDomain::simplex ? m[2] : Vec3d{})), y,
                 nullptr, n);
   // How far the gradient wanders.
-  double error = 0, left = 0, longest = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    double greatest = 0;
-    for (int c = 0; c < 8; ++c)
-      if (const int b = c | 1 << axis; b != c)
-        greatest = std::max(greatest, std::fabs((of_corner[b] - of_corner[c]) / steep -
-                                                dot(normal, corner[b] - corner[c])));
-    left += greatest;
-    longest = std::max(longest, dot(m[axis], m[axis]));
-  }
+  double worst = 0;
   for (int a = 0; a < 3; ++a) {
-    double row = 0;
+    double off = 0, row = 0;
     for (int axis = 0; axis < 3; ++axis) {
       double greatest = 0;
       for (int c = 0; c < 8; ++c)
-        if (const int b = c | 1 << axis; b != c)
-          greatest = std::max(
-              greatest, std::fabs(dot(m[a], corner[b] - corner[c]) - (a == axis ? 1.0 : 0.0)));
+        if (const int b = c | 1 << axis; b != c) {
+          const Vec3d edge = corner[b] - corner[c];
+          greatest = std::max(greatest, std::fabs(dot(m[a], edge) - (a == axis ? 1.0 : 0.0)));
+          if (a == axis)
+            off =
+                std::max(off, std::fabs((of_corner[b] - of_corner[c]) / steep - dot(normal, edge)));
+        }
       row += greatest;
     }
-    error = std::max(error, row);
+    worst = std::max(worst, row);
+    length[a] = float(1.001 * std::sqrt(dot(m[a], m[a])));
+    left[a] = float(1.001 * off + 1e-7);
   }
-  if (error < 0.9)
-    wander = float(1.001 * std::sqrt(longest) * left / (1 - error) + 1e-6);
+  if (worst < 0.9)
+    error = float(worst);
 }
 
 unsigned CellSlabs::may_meet(const RayLanes& lanes, unsigned rays, double level) const {
@@ -192,16 +189,30 @@ unsigned CellSlabs::may_meet(const RayLanes& lanes, unsigned rays, double level)
   return HWY_DYNAMIC_DISPATCH(meet_target)(*this, first, lanes, rays);
 }
 
+/// What the field may do along a vector beside what its mean gradient says, over |g|.
+double CellSlabs::wander(const Vec3d& along) const {
+  double largest = 0, sum = 0, of_all = 0;
+  for (int a = 0; a < 3; ++a) {
+    const float(&n)[3] = slab[1 + a].normal;
+    const double way = double(length[a]) * std::fabs(dot(Vec3d{n[0], n[1], n[2]}, along));
+    largest = std::max(largest, way);
+    sum += double(left[a]) * way;
+    of_all += double(left[a]);
+  }
+  const double e = double(error);
+  return sum + of_all * largest * e / (1 - e) + 1e-6;
+}
+
 bool CellSlabs::leaves(const Vec3d& normal, double clearance, const Vec3d& direction) const {
-  if (!(wander < 1))
+  if (!(error < 1))
     return false;
   const Vec3d n{slab[0].normal[0], slab[0].normal[1], slab[0].normal[2]};
-  const double across = dot(n, normal), rise = std::fabs(across) - double(wander);
+  const double across = dot(n, normal), rise = std::fabs(across) - wander(normal);
   if (!(rise > 0.01))
     return false;
   // The start itself is off the surface by what its root and rounding are off.
   return clearance * inverse_size * rise > 2e-8 + 4.0 * double(rounding) &&
-         std::copysign(1.0, across) * dot(n, direction) > double(wander) + 1e-5;
+         std::copysign(1.0, across) * dot(n, direction) > wander(direction) + 1e-5;
 }
 
 } // namespace insitu::render

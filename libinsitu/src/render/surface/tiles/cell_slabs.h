@@ -24,10 +24,10 @@ struct RayLanes {
 /// where the field is a level, g x lies between two numbers, and with the field's mean gradient as
 /// g these are near to each other. A ray that is never in all slabs at once has no hit.
 ///
-/// Besides, with the mean inverse derivatives M of the map, |M J - 1| <= e < 1 in each row and
-/// derivatives of what is left that are no larger than h, f(p) - f(q) is g (p - q) but for
-/// |p - q| max|M| sum(h) / (1 - e), for any two points of the cell (the mean value theorem, along
-/// the straight line in parametric coordinates): `wander`, over |g|.
+/// Besides, with the mean inverse derivatives M of the map, |M J - 1| <= e < 1 in each row, and
+/// derivatives of what is left along axis a that are no larger than h_a, f(p) - f(q) is g (p - q)
+/// but for the sum of h_a (|M_a (p - q)| + e / (1 - e) max|M (p - q)|), for any two points of the
+/// cell (the mean value theorem, along the straight line in parametric coordinates).
 struct CellSlabs {
   static constexpr int most = 5;
   /// Of an even normal that is none: the slab holds everything.
@@ -43,7 +43,9 @@ struct CellSlabs {
   Slab slab[most];          ///< the first one is the field's, of the part of values that is 0
   double place = 0;         ///< by how much its ends move from the least value to the largest
   float rounding = 0;       ///< of a position, over the size
-  float wander = 1e30f;
+  float length[3];          ///< |M_a|, whose directions are the normals of slabs 1 to 3
+  float left[3];            ///< h_a / |g|
+  float error = 1;          ///< e
 
   CellSlabs() = default;
   /// x, values: of n vertices. The values are finite.
@@ -54,6 +56,9 @@ struct CellSlabs {
   /// Whether a ray that starts on the surface of a level at a point of the cell, raised along a
   /// normal by `clearance`, surely does not meet the level in the cell again.
   bool leaves(const math::Vec3d& normal, double clearance, const math::Vec3d& direction) const;
+
+private:
+  double wander(const math::Vec3d& along) const;
 };
 
 } // namespace insitu::render

@@ -27,7 +27,7 @@ public:
   }
 
 private:
-  static constexpr int place_bits = 11, places = 1 << place_bits;
+  static constexpr int place_bits = 12, places = 1 << place_bits;
   struct Entry {
     std::int64_t key = -1;
     CellSlabs slabs;
