@@ -110,18 +110,21 @@ private:
       for (int x = x0; x < x1; ++x) {
         RayState& state = states[at++];
         state.begin(rays_(x, y));
+        state.pixel = pixel_of(x, y);
         state.sample = sample_;
         if (!settings_.clips.empty()) {
           clip_ray(settings_.clips, state.ray, 0, HUGE_VAL, state.stays);
           clipped +=
               state.stays.size() != 1 || state.stays[0].from > 0 || state.stays[0].to < HUGE_VAL;
         }
-        if (surfaces_)
-          surfaces_->trace(state, pixel_of(x, y), tile, surface_counts);
-        hits += std::int64_t(state.hits.size());
-        if (volume_)
-          volume_->start(state);
       }
+    if (surfaces_)
+      surfaces_->trace(std::span(states.data(), count), tile, surface_counts);
+    for (RayState& state : std::span(states.data(), count)) {
+      hits += std::int64_t(state.hits.size());
+      if (volume_)
+        volume_->start(state);
+    }
     if (paths_)
       trace_paths(x0, y0, x1, y1, std::span(states.data(), count), counters);
     if (volume_) {

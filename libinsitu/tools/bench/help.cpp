@@ -129,6 +129,7 @@ Paper
   --cells N         of the largest mesh; the others in the paper's proportions, or as large as the paper's [300000]
   --full            as many cells as the memory that is free holds, at most the paper's
   --quick           small meshes and frames, for a test
+  --table N         rathke: this table alone, 1 to 4
   --size N          frames of N x N pixels [256]; rates are given for the paper's 1024 x 1024
   --out FOLDER      a .csv of each table there, and plots
 

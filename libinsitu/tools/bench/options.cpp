@@ -154,6 +154,7 @@ const Option options[] = {
     {"--out", {C::render, C::accuracy, C::paper}, text(&Options::out_folder)},
     {"--quick", {C::accuracy, C::paper}, set_extent, false},
     {"--full", {C::accuracy, C::paper}, set_extent, false},
+    {"--table", {C::paper}, number(&Options::table, 1, 4)},
     {"--sweep",
      {C::accuracy},
      [](Options& o, const Argument& a) { o.sweeps.emplace_back(a.text); }},
@@ -241,6 +242,8 @@ Options parse(int argc, char** argv) {
   }
   if (o.command == C::paper && o.full && !o.cells.empty())
     throw UsageError("--full: takes as many cells as the memory holds; without --cells");
+  if (o.table > 0 && o.paper != "rathke")
+    throw UsageError("--table: for paper rathke only");
   if (o.cells.empty())
     o.cells = {o.command != C::paper ? 1'000'000 : o.quick ? 6'000 : 300'000};
   if (o.cells.size() > 1 && o.command != C::scale)

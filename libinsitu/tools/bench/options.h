@@ -53,6 +53,7 @@ struct Options {
   bool full = false;                          ///< accuracy, paper: large meshes
   bool quick = false;                         ///< paper: small meshes, for a test
   std::string paper;                          ///< paper: "morrical", "rathke" or "zellmann"
+  int table = 0;                              ///< paper rathke: this one only; 0: all
   std::vector<std::string> sweeps;            ///< accuracy: only these; empty: all
   std::string out_folder;                     ///< render, accuracy, paper: where files go; or none
   std::string json_file, csv_file, svg_file;

@@ -24,7 +24,7 @@ void expect_same(const query::Sampler& sampler, const std::vector<IsosurfaceSett
   render::Structures structures(memory);
   structures.begin(sampler, 0, 0, core::Threads(1));
   const int size = size_of_frames();
-  std::int64_t hits = 0, rays = 0;
+  std::int64_t hits = 0, rays = 0, light = 0, shadowed = 0;
   for (const View& view : views) {
     const Compared found =
         compare(sampler, settings, structures, view.camera, size, size + 20, clips);
@@ -33,7 +33,15 @@ void expect_same(const query::Sampler& sampler, const std::vector<IsosurfaceSett
     EXPECT_LT(found.worst, tolerance) << what << ", " << view.name;
     hits += found.hits;
     rays += found.rays;
+    const Compared lit =
+        compare_light(sampler, settings, structures, view.camera, std::max(6, size / 4), clips);
+    EXPECT_EQ(lit.other, 0) << what << ", light in " << view.name << ", of " << lit.rays << ": "
+                            << lit.first;
+    light += lit.rays;
+    shadowed += lit.hits;
   }
+  EXPECT_GT(light, 0) << what;
+  EXPECT_GT(shadowed, 0) << what;
   EXPECT_GT(hits, rays / 20) << what;
 }
 

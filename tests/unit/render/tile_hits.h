@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "accel/camera_rays/ray_traversal.h"
+#include "core/random.h"
 #include "render/surface/tiles/isosurface_tile.h"
 #include "unit/render/placed_mesh.h"
 
@@ -158,6 +161,75 @@ inline Compared compare(const query::Sampler& sampler,
           result.compare(tracer, ray, right, alone, "ray", x, y);
         }
     }
+  return result;
+}
+
+/// Rays of light from what a camera sees of surfaces, in packets, beside the search in one cell
+/// after the other.
+inline Compared compare_light(const query::Sampler& sampler,
+                              const std::vector<IsosurfaceSettings>& settings,
+                              render::Structures& structures, const Camera& camera, int size,
+                              const std::vector<render::Clip>& clips = {}) {
+  const IsosurfaceTracer tracer(sampler, settings, structures);
+  const render::RayGenerator cameras(camera, size, size);
+  constexpr int directions = 5; // of each hit; packets are of several hits
+  std::vector<SurfaceHit> hits, right;
+  std::vector<render::SecondaryStart> starts;
+  std::vector<render::LightRay> rays;
+  std::vector<std::vector<render::Stretch>> stays;
+  render::SurfaceCounts counts;
+  Compared result;
+  for (int pixel = 0; pixel < size * size; ++pixel) {
+    const render::Ray seen = cameras(pixel % size, pixel / size);
+    tracer.trace(seen, hits, counts);
+    for (const SurfaceHit& hit : hits) {
+      const Vec3d position = seen.origin + hit.t * seen.direction;
+      // Scaled first: gradients may be as small as their field's values.
+      const double largest = std::max(
+          {std::fabs(hit.gradient.x), std::fabs(hit.gradient.y), std::fabs(hit.gradient.z)});
+      if (!(largest > 0 && std::isfinite(largest)))
+        continue;
+      const Vec3d g = hit.gradient / largest;
+      const Vec3d up = g / std::copysign(std::sqrt(dot(g, g)), -dot(g, seen.direction));
+      const double clearance = 1e-5 * hit.extent;
+      for (int k = 0; k < directions; ++k) {
+        Vec3d d;
+        for (int a = 0; a < 3; ++a)
+          d[a] = 2 * core::random_unit(7, rays.size(), std::uint64_t(a)) - 1;
+        d = d / std::sqrt(dot(d, d));
+        if (dot(d, up) < 0)
+          d = -d;
+        starts.push_back({hit.cell, hit.surface, up, clearance});
+        rays.push_back({{position + clearance * up, d}});
+        stays.emplace_back();
+        render::clip_ray(clips, rays.back().ray, 0, k % 2 == 0 ? HUGE_VAL : 0.2, stays.back());
+      }
+    }
+  }
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    rays[i].stays = &stays[i];
+    rays[i].start = i % 7 == 3 ? nullptr : &starts[i];
+  }
+  tracer.trace(std::span(rays), counts);
+  for (const render::LightRay& ray : rays) {
+    trace_cell_by_cell(tracer, ray.ray, ray.stays, right);
+    ++result.rays;
+    result.hits += !right.empty();
+    const bool same = ray.open == render::open_past(right) ||
+                      // Where a cell folds, that search can take a place for a root that is none.
+                      std::any_of(right.begin(), right.end(), [&](const SurfaceHit& hit) {
+                        return !is_root(tracer, ray.ray, hit);
+                      });
+    if (same || result.other++ > 0)
+      continue;
+    const auto at = std::to_string(&ray - rays.data());
+    result.first = "ray " + at + " lets through " + std::to_string(ray.open) + " and not " +
+                   std::to_string(render::open_past(right));
+    if (!right.empty())
+      result.first += ", t " + std::to_string(right[0].t) + " cell " +
+                      std::to_string(right[0].cell) + " from cell " +
+                      std::to_string(starts[std::size_t(&ray - rays.data())].cell);
+  }
   return result;
 }
 

@@ -25,6 +25,7 @@ void blend_behind(Rgb& color, float& alpha, const Rgb& c, float a) {
 /// What a ray has gathered, front to back, and where it stands.
 struct RayState {
   Ray ray;
+  std::uint64_t pixel = 0;  ///< its number in the image
   std::uint64_t sample = 0; ///< which of the pixel's samples, see pixel_samples()
   Color color;              ///< times alpha
   float alpha = 0;

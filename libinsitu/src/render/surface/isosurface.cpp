@@ -1,10 +1,10 @@
 #include "render/surface/isosurface.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
-#include "accel/camera_rays/gridlet_rays.h"
 #include "accel/camera_rays/ray_traversal.h"
 #include "core/status.h"
 #include "mesh/box.h"
@@ -18,6 +18,13 @@ using math::Vec3d;
 
 /// Hits of one surface in two cells, nearer than this times the ray's length in them, are one.
 constexpr double twin_distance = 1e-9;
+/// Cells that wait for a ray alone before they are searched.
+constexpr int lone_pairs = 4;
+
+std::uint64_t next_number() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
 
 bool same_scalar(const ScalarField& a, const ScalarField& b) {
   return a.field.pieces == b.field.pieces && a.field.association == b.field.association &&
@@ -52,7 +59,7 @@ unsigned IsosurfaceTracer::Group::needed(std::uint32_t node) const {
 IsosurfaceTracer::IsosurfaceTracer(const query::Sampler& sampler,
                                    const std::vector<IsosurfaceSettings>& settings,
                                    Structures& structures, bool lit)
-    : sampler_(sampler), lit_(lit) {
+    : sampler_(sampler), number_(next_number()), lit_(lit) {
   for (const IsosurfaceSettings& s : settings) {
     check(s);
     auto group = std::find_if(groups_.begin(), groups_.end(),
@@ -117,7 +124,7 @@ bool IsosurfaceTracer::keep(const SurfaceHit& hit, Search& search) {
   search.hits.push_back(hit);
   if (hit.opacity < 1)
     return true;
-  search.t_max = std::min(search.t_max, hit.t);
+  search.t_max = search.any ? -1.0 : std::min(search.t_max, hit.t);
   return false;
 }
 
@@ -227,41 +234,41 @@ Vec3d IsosurfaceTracer::central_gradient(const SurfaceHit& hit, const Vec3d& p,
   return gradient;
 }
 
+IsosurfaceTracer::Search IsosurfaceTracer::search_of(const Ray& ray,
+                                                     const std::vector<Stretch>* stays,
+                                                     std::vector<SurfaceHit>& hits,
+                                                     SurfaceCounts& counts) const {
+  constexpr double farthest = std::numeric_limits<double>::max();
+  return {cells::RaySpace(ray),
+          stays,
+          stays ? stays->front().from : 0.0,
+          stays ? std::min(stays->back().to, farthest) : farthest,
+          hits,
+          counts};
+}
+
 void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,
                              const std::vector<Stretch>* stays) const {
   hits.clear();
   if (stays && stays->empty())
     return;
-  constexpr double farthest = std::numeric_limits<double>::max();
-  Search search{cells::RaySpace(ray),
-                stays,
-                stays ? stays->front().from : 0.0,
-                stays ? std::min(stays->back().to, farthest) : farthest,
-                hits,
-                counts};
+  Search search = search_of(ray, stays, hits, counts);
+  const auto ended = [](int) {};
   std::optional<RayCells> side_by_side;
-  if (is_exact_)
-    side_by_side.emplace(*this, search);
-  const auto take = [&](std::int64_t flat) {
-    if (side_by_side)
-      side_by_side->add(flat);
-    else
-      test_cell(flat, search);
-  };
+  if (is_exact_) {
+    side_by_side.emplace(*this, lone_pairs, ended);
+    side_by_side->add_ray(search, nullptr);
+  }
   accel::for_each_cell_along_ray(
       sampler_.tree(), ray.origin, ray.direction, search.t_min, search.t_max,
       [&](std::uint32_t node) { return needed(node); },
-      [&](std::int64_t flat) {
-        const mesh::MeshView& mesh = sampler_.mesh();
-        const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(flat)];
-        if (!piece.gridlets) {
-          take(flat);
-          return search.t_max;
-        }
-        const std::int64_t first = mesh.first_cell[&piece - mesh.pieces];
-        accel::for_each_cell_along_ray(*piece.gridlets, (flat - first) >> mesh::Gridlet::cell_bits,
-                                       ray.origin, ray.direction, search.t_min, search.t_max,
-                                       [&](int local) { take(flat + local); });
+      [&](std::int64_t item) {
+        for_each_cell(item, search, [&](std::int64_t flat) {
+          if (side_by_side)
+            side_by_side->add(flat, 1);
+          else
+            test_cell(flat, search);
+        });
         return search.t_max;
       });
   if (side_by_side)

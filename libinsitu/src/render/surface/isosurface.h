@@ -1,9 +1,11 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
+#include "accel/camera_rays/gridlet_rays.h"
 #include "query/sampler.h"
 #include "render/clip.h"
 #include "render/color/transfer_function.h"
@@ -33,6 +35,23 @@ struct IsosurfaceSettings {
   RootSearch search = RootSearch::exact;
 };
 
+/// Where rays of light start: on a surface, of a cell that a hit tells, above it by `clearance`
+/// along the normal.
+struct SecondaryStart {
+  std::int64_t cell = -1;
+  std::int32_t surface = -1;
+  math::Vec3d normal;
+  double clearance = 0;
+};
+
+/// A ray of which nothing but what light comes through is asked.
+struct LightRay {
+  Ray ray;
+  const std::vector<Stretch>* stays = nullptr; ///< where hits count; not null
+  const SecondaryStart* start = nullptr;       ///< or null
+  double open = 1;                             ///< the part of light that surfaces let through
+};
+
 /// Intersects rays with all surfaces of a frame in one traversal, pruned by the fields' value
 /// ranges.
 class IsosurfaceTracer {
@@ -50,6 +69,9 @@ public:
   /// counts. stays: where hits may be; null: anywhere ahead of the origin.
   void trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,
              const std::vector<Stretch>* stays = nullptr) const;
+  /// Sets `open` of each ray. Rays that start near to each other should be beside each other: they
+  /// pass the tree in packets.
+  void trace(std::span<LightRay> rays, SurfaceCounts& counts) const;
   /// The surface's own colour at a hit.
   Color color(const SurfaceHit& hit) const;
   /// The field's gradient at a hit, which lies at p, as the surface's normals are chosen.
@@ -95,6 +117,7 @@ public:
     double t_min, t_max;
     std::vector<SurfaceHit>& hits;
     SurfaceCounts& counts;
+    bool any = false; ///< an opaque hit ends it, wherever it is: t_max becomes -1
   };
   /// A root in a cell as a hit. extent: of the ray in the cell.
   static SurfaceHit hit_of(const LevelHit& root, double extent, std::int64_t flat,
@@ -111,11 +134,20 @@ public:
   /// Bit c: a level of any group may be in child c's values.
   unsigned needed(std::uint32_t node) const;
   const query::Sampler& sampler() const { return sampler_; }
+  /// Of all tracers of the process no other has this number; never 0.
+  std::uint64_t number() const { return number_; }
 
 private:
   void test_cell(std::int64_t flat, Search& search) const;
+  void trace_packet(std::span<LightRay> rays, SurfaceCounts& counts) const;
+  Search search_of(const Ray& ray, const std::vector<Stretch>* stays, std::vector<SurfaceHit>& hits,
+                   SurfaceCounts& counts) const;
+  /// visit(flat cell) for the cells of a tree's item that a ray may meet.
+  template <class Visit>
+  void for_each_cell(std::int64_t item, const Search& search, Visit&& visit) const;
 
   query::Sampler sampler_;
+  std::uint64_t number_;
   bool lit_, is_exact_ = false;
   std::vector<Group> groups_;
   struct Surface {
@@ -127,5 +159,20 @@ private:
                                SurfaceCounts& counts) const;
   std::vector<Surface> surfaces_; ///< by SurfaceHit::surface
 };
+
+template <class Visit>
+void IsosurfaceTracer::for_each_cell(std::int64_t item, const Search& search, Visit&& visit) const {
+  const mesh::MeshView& mesh = sampler_.mesh();
+  const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(item)];
+  if (!piece.gridlets) {
+    visit(item);
+    return;
+  }
+  const Ray& ray = search.space.ray();
+  const std::int64_t first = mesh.first_cell[&piece - mesh.pieces];
+  accel::for_each_cell_along_ray(*piece.gridlets, (item - first) >> mesh::Gridlet::cell_bits,
+                                 ray.origin, ray.direction, search.t_min, search.t_max,
+                                 [&](int local) { visit(item + local); });
+}
 
 } // namespace insitu::render

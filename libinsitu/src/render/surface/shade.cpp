@@ -49,16 +49,14 @@ Shader::Shader(const Lighting& lighting, double occlusion_distance) : lighting_(
     lighting_.occlusion_distance = occlusion_distance;
 }
 
-/// The open part of the half space above, weighted by the cosine.
-double Shader::sky(const SurfacePoint& at, int samples, double distance, std::uint64_t stream,
-                   const Open& open) const {
+/// take(direction) for rays of the half space above, as dense as the cosine.
+template <class Take>
+void Shader::dome(const SurfacePoint& at, int samples, int stream, Take&& take) const {
   Vec3d u, v;
   across(at.normal, u, v);
-  const Vec3d origin = at.position + at.clearance * at.normal;
   // The same even set everywhere, shifted at random.
-  const double shift[2] = {core::random_unit(at.seed, stream, 0),
-                           core::random_unit(at.seed, stream, 1)};
-  double sum = 0;
+  const double shift[2] = {core::random_unit(at.seed, std::uint64_t(stream), 0),
+                           core::random_unit(at.seed, std::uint64_t(stream), 1)};
   for (int s = 0; s < samples; ++s) {
     double a = (s + 0.5) / samples + shift[0], b = radical_inverse(std::uint32_t(s)) + shift[1];
     a -= std::floor(a);
@@ -67,30 +65,25 @@ double Shader::sky(const SurfacePoint& at, int samples, double distance, std::ui
     const double r = std::sqrt(a), angle = 2 * std::numbers::pi * b;
     const Vec3d d = (r * std::cos(angle)) * u + (r * std::sin(angle)) * v +
                     std::sqrt(std::fmax(0.0, 1 - a)) * at.normal;
-    sum += open({origin, unit(d)}, distance);
+    take(unit(d));
   }
-  return sum / samples;
 }
 
-Color Shader::operator()(const SurfacePoint& at, const Open& open, SurfaceCounts& counts) const {
+template <class Sky, class Beam>
+Color Shader::light(const SurfacePoint& at, Sky&& sky, Beam&& beam) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   double ambient = lighting_.ambient;
-  if (lighting_.occlusion_samples > 0) {
-    counts.occlusion_rays += lighting_.occlusion_samples;
-    ambient *= sky(at, lighting_.occlusion_samples, lighting_.occlusion_distance, 0, open);
-  }
+  if (lighting_.occlusion_samples > 0)
+    ambient *= sky(lighting_.occlusion_samples, lighting_.occlusion_distance, 0);
   Color sum{float(ambient), float(ambient), float(ambient)};
-  std::uint64_t stream = 0;
+  int stream = 0;
   for (const Light& light : lighting_.lights) {
     ++stream;
     double share = lighting_.diffuse;
     if (light.kind == Light::Kind::dome) {
-      if (lighting_.shadows) {
-        const int samples =
-            lighting_.occlusion_samples > 0 ? lighting_.occlusion_samples : dome_samples;
-        counts.shadow_rays += samples;
-        share *= sky(at, samples, infinity, stream, open);
-      }
+      if (lighting_.shadows)
+        share *= sky(lighting_.occlusion_samples > 0 ? lighting_.occlusion_samples : dome_samples,
+                     infinity, stream);
     } else if (light.kind == Light::Kind::head) {
       share *= std::fmax(0.0, dot(at.normal, at.to_viewer)); // what is seen is lit
     } else {
@@ -102,20 +95,61 @@ Color Shader::operator()(const SurfacePoint& at, const Open& open, SurfaceCounts
         continue;
       share *= is_point ? cosine / square : cosine;
       if (lighting_.shadows) {
-        ++counts.shadow_rays;
-        const Vec3d origin = at.position + at.clearance * at.normal;
         if (is_point) {
-          const Vec3d rest = light.vector - origin;
+          const Vec3d rest = light.vector - at.start();
           const double length = std::sqrt(dot(rest, rest));
-          share *= length > 0 ? open({origin, rest / length}, length) : 1.0;
+          share *= length > 0 ? beam(rest / length, length, stream) : 1.0;
         } else {
-          share *= open({origin, towards}, infinity);
+          share *= beam(towards, infinity, stream);
         }
       }
     }
     sum = sum + float(share) * light.color;
   }
   return sum;
+}
+
+void Shader::send(const SurfacePoint& at, const Send& take, SurfaceCounts& counts) const {
+  light(
+      at,
+      [&](int samples, double distance, int stream) {
+        (stream == 0 ? counts.occlusion_rays : counts.shadow_rays) += samples;
+        dome(at, samples, stream, [&](const Vec3d& d) { take(stream, d, distance); });
+        return 1.0;
+      },
+      [&](const Vec3d& direction, double t_max, int stream) {
+        ++counts.shadow_rays;
+        take(stream, direction, t_max);
+        return 1.0;
+      });
+}
+
+Color Shader::factor(const SurfacePoint& at,
+                     const core::FunctionRef<double(int stream)>& next) const {
+  return light(
+      at,
+      [&](int samples, double, int stream) {
+        double sum = 0;
+        for (int s = 0; s < samples; ++s)
+          sum += next(stream);
+        return sum / samples;
+      },
+      [&](const Vec3d&, double, int stream) { return next(stream); });
+}
+
+Color Shader::operator()(const SurfacePoint& at, const Open& open, SurfaceCounts& counts) const {
+  return light(
+      at,
+      [&](int samples, double distance, int stream) {
+        (stream == 0 ? counts.occlusion_rays : counts.shadow_rays) += samples;
+        double sum = 0;
+        dome(at, samples, stream, [&](const Vec3d& d) { sum += open({at.start(), d}, distance); });
+        return sum / samples;
+      },
+      [&](const Vec3d& direction, double t_max, int) {
+        ++counts.shadow_rays;
+        return open({at.start(), direction}, t_max);
+      });
 }
 
 } // namespace insitu::render

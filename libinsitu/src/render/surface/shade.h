@@ -17,6 +17,9 @@ struct SurfacePoint {
   math::Vec3d to_viewer;  ///< of length 1
   double clearance = 0;   ///< how far above the surface rays start that must not meet it again
   std::uint64_t seed = 0; ///< of its random numbers
+
+  /// Where rays of light start.
+  math::Vec3d start() const { return position + clearance * normal; }
 };
 
 /// What a volume's light and its scattered light meet of a frame's surfaces.
@@ -48,12 +51,25 @@ public:
   /// The factor on a surface's colour.
   Color operator()(const SurfacePoint& at, const Open& open, SurfaceCounts& counts) const;
 
+  /// The rays that the factor asks for, in streams: occlusion and each light have one.
+  int streams() const { return 1 + int(lighting_.lights.size()); }
+  /// Takes a ray of a stream from the point; its origin is SurfacePoint::start().
+  using Send = core::FunctionRef<void(int stream, const math::Vec3d& direction, double t_max)>;
+  void send(const SurfacePoint& at, const Send& take, SurfaceCounts& counts) const;
+  /// The factor by the answers to these rays: next(stream) is what comes through the stream's next
+  /// one.
+  Color factor(const SurfacePoint& at, const core::FunctionRef<double(int stream)>& next) const;
+
   /// Whether rays are sent at other surfaces.
   bool sends_rays() const { return lighting_.shadows || lighting_.occlusion_samples > 0; }
 
 private:
-  double sky(const SurfacePoint& at, int samples, double distance, std::uint64_t stream,
-             const Open& open) const;
+  /// sky(samples, distance, stream): the open part of the half space above; beam(direction, t_max,
+  /// stream): of a single ray.
+  template <class Sky, class Beam>
+  Color light(const SurfacePoint& at, Sky&& sky, Beam&& beam) const;
+  template <class Take>
+  void dome(const SurfacePoint& at, int samples, int stream, Take&& take) const;
 
   Lighting lighting_;
 };

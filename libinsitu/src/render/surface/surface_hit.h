@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "math/vec.h"
 #include "render/color/color.h"
@@ -19,6 +20,14 @@ struct SurfaceHit {
   math::Vec3d gradient;   ///< across the surface, of any length
   Color color;            ///< its own at first, then lit
 };
+
+/// The part of light that comes past hits.
+inline double open_past(const std::vector<SurfaceHit>& hits) {
+  double open = 1;
+  for (const SurfaceHit& hit : hits)
+    open *= 1.0 - double(hit.opacity);
+  return open;
+}
 
 struct SurfaceCounts {
   std::int64_t cells_tested = 0;

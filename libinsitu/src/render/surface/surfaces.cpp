@@ -5,6 +5,7 @@
 
 #include "core/random.h"
 #include "render/path/path_tracer.h"
+#include "render/surface/tiles/isosurface_rays.h"
 #include "render/volume/ray_step.h"
 
 namespace insitu::render {
@@ -18,6 +19,8 @@ using math::Vec3d;
 constexpr double clearance_of_thickness = 1e-5;
 /// A position is rounded to 2^-53 of its largest coordinate, a few times over.
 constexpr double clearance_of_coordinates = 0x1p-48;
+/// Rays of light that are sent before they are answered: some hundred kilobytes.
+constexpr std::size_t rays_at_once = 4096;
 
 } // namespace
 
@@ -64,35 +67,69 @@ void Surfaces::find(const Ray& ray, const std::vector<Stretch>* stays,
     triangles_->trace(ray, hits, stays);
 }
 
-void Surfaces::trace(RayState& state, std::uint64_t pixel, IsosurfaceTile* tile,
-                     SurfaceCounts& counts) const {
-  const std::vector<Stretch>* const stays = settings_.clips.empty() ? nullptr : &state.stays;
-  if (tile) {
-    tile->hits(int(pixel % std::uint64_t(settings_.width)),
-               int(pixel / std::uint64_t(settings_.width)), state.hits);
-    if (triangles_)
-      triangles_->trace(state.ray, state.hits, stays);
-  } else {
-    find(state.ray, stays, state.hits, counts);
+void Surfaces::trace(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCounts& counts) const {
+  thread_local std::vector<Seen> seen; // kept for the thread's life
+  seen.clear();
+  const auto width = std::uint64_t(settings_.width);
+  for (RayState& state : rays) {
+    const std::vector<Stretch>* const stays = settings_.clips.empty() ? nullptr : &state.stays;
+    if (tile) {
+      tile->hits(int(state.pixel % width), int(state.pixel / width), state.hits);
+      if (triangles_)
+        triangles_->trace(state.ray, state.hits, stays);
+    } else {
+      find(state.ray, stays, state.hits, counts);
+    }
+    std::uint64_t index = 0;
+    for (SurfaceHit& hit : state.hits) {
+      hit.color = color(hit);
+      seen.push_back(
+          {&state.ray, core::splitmix64(state.pixel ^ (state.sample << 32)) + index++, &hit});
+    }
   }
-  std::uint64_t index = 0;
-  for (SurfaceHit& hit : state.hits) {
-    hit.color = color(hit);
-    if (shader_)
-      light(state.ray, core::splitmix64(pixel ^ (state.sample << 32)) + index++, hit, counts);
-  }
+  if (shader_)
+    light(seen, counts);
   if (outline_)
-    outline_->add(int(pixel % std::uint64_t(settings_.width)),
-                  int(pixel / std::uint64_t(settings_.width)), state.ray, state.hits);
+    for (RayState& state : rays)
+      outline_->add(int(state.pixel % width), int(state.pixel / width), state.ray, state.hits);
 }
 
 Color Surfaces::color(const SurfaceHit& hit) const {
   return hit.surface < first_triangle_surface_ ? isosurfaces_->color(hit) : triangles_->color(hit);
 }
 
-void Surfaces::light(const Ray& ray, std::uint64_t seed, SurfaceHit& hit,
-                     SurfaceCounts& counts) const {
-  ++counts.lit;
+/// Rays of a batch of hits, by stream (see Shader::send), and what comes through them.
+struct Surfaces::LightScratch {
+  struct Sent {
+    std::uint32_t point;
+    math::Vec3d direction;
+    double t_max, open;
+  };
+  std::vector<SurfacePoint> points;
+  std::vector<SecondaryStart> starts;
+  std::vector<std::vector<Sent>> streams;
+  std::vector<std::size_t> next;
+  std::size_t sent = 0;
+
+  void begin(int stream_count) {
+    points.clear();
+    starts.clear();
+    streams.resize(std::size_t(stream_count));
+    for (auto& stream : streams)
+      stream.clear();
+    next.assign(std::size_t(stream_count), 0);
+    sent = 0;
+  }
+};
+
+Surfaces::LightScratch& Surfaces::scratch() {
+  thread_local LightScratch kept; // for the thread's life
+  return kept;
+}
+
+SurfacePoint Surfaces::point_of(const Seen& seen, SurfaceCounts& counts) const {
+  const SurfaceHit& hit = *seen.hit;
+  const Ray& ray = *seen.ray;
   SurfacePoint at;
   at.position = ray.origin + hit.t * ray.direction;
   at.to_viewer = -ray.direction;
@@ -107,36 +144,86 @@ void Surfaces::light(const Ray& ray, std::uint64_t seed, SurfaceHit& hit,
   } else {
     at.normal = at.to_viewer; // without a direction it faces the viewer
   }
-  at.seed = seed;
+  at.seed = seen.seed;
   if (shader_->sends_rays())
     at.clearance = clearance(hit, at.position, at.normal);
-  const Color factor = (*shader_)(
-      at,
-      [&](const Ray& to, double t_max) {
-        const double left = open(to, t_max, counts);
-        return volume_shadow_ && left > 0
-                   ? left * volume_shadow_->through(to, t_max, counts.shadow_samples)
-                   : left;
-      },
-      counts);
-  hit.color = {factor.r * hit.color.r, factor.g * hit.color.g, factor.b * hit.color.b};
+  return at;
+}
+
+void Surfaces::light(std::span<const Seen> seen, SurfaceCounts& counts) const {
+  LightScratch& s = scratch();
+  for (std::size_t first = 0; first < seen.size(); first += s.points.size()) {
+    s.begin(shader_->streams());
+    for (const Seen& at : seen.subspan(first)) {
+      if (s.sent >= rays_at_once)
+        break;
+      const SurfacePoint& point = s.points.emplace_back(point_of(at, counts));
+      s.starts.push_back({at.hit->cell, at.hit->surface, point.normal, point.clearance});
+      shader_->send(
+          point,
+          [&](int stream, const Vec3d& direction, double t_max) {
+            s.streams[std::size_t(stream)].push_back(
+                {std::uint32_t(s.points.size() - 1), direction, t_max, 1.0});
+            ++s.sent;
+          },
+          counts);
+    }
+    answer(s, counts);
+    counts.lit += std::int64_t(s.points.size());
+    for (std::size_t i = 0; i < s.points.size(); ++i) {
+      SurfaceHit& hit = *seen[first + i].hit;
+      const Color factor = shader_->factor(s.points[i], [&](int stream) {
+        return s.streams[std::size_t(stream)][s.next[std::size_t(stream)]++].open;
+      });
+      hit.color = {factor.r * hit.color.r, factor.g * hit.color.g, factor.b * hit.color.b};
+    }
+  }
+}
+
+/// Finds what comes through the rays that were sent, packets of neighbours in a stream.
+void Surfaces::answer(LightScratch& s, SurfaceCounts& counts) const {
+  thread_local std::vector<Stretch> stays[RayCells::most]; // kept for the thread's life
+  LightRay rays[RayCells::most];
+  for (auto& stream : s.streams)
+    for (std::size_t first = 0; first < stream.size(); first += RayCells::most) {
+      const std::size_t count = std::min<std::size_t>(RayCells::most, stream.size() - first);
+      for (std::size_t i = 0; i < count; ++i) {
+        const LightScratch::Sent& sent = stream[first + i];
+        rays[i] = {
+            {s.points[sent.point].start(), sent.direction}, &stays[i], &s.starts[sent.point]};
+        clip_ray(settings_.clips, rays[i].ray, 0, sent.t_max, stays[i]);
+      }
+      open(std::span(rays, count), counts);
+      for (std::size_t i = 0; i < count; ++i) {
+        LightScratch::Sent& sent = stream[first + i];
+        sent.open = rays[i].open;
+        if (volume_shadow_ && sent.open > 0)
+          sent.open *= volume_shadow_->through(rays[i].ray, sent.t_max, counts.shadow_samples);
+      }
+    }
 }
 
 /// How much light surfaces let through.
-double Surfaces::open(const Ray& ray, double t_max, SurfaceCounts& counts) const {
-  thread_local std::vector<Stretch> stays; // kept for the thread's life
-  thread_local std::vector<SurfaceHit> hits;
-  clip_ray(settings_.clips, ray, 0, t_max, stays);
-  find(ray, &stays, hits, counts);
-  double through = 1;
-  for (const SurfaceHit& hit : hits)
-    through *= 1.0 - double(hit.opacity);
-  return through;
+void Surfaces::open(std::span<LightRay> rays, SurfaceCounts& counts) const {
+  thread_local std::vector<SurfaceHit> hits; // kept for the thread's life
+  if (isosurfaces_)
+    isosurfaces_->trace(rays, counts);
+  if (triangles_)
+    for (LightRay& ray : rays)
+      if (ray.open > 0) {
+        hits.clear();
+        triangles_->trace(ray.ray, hits, ray.stays);
+        ray.open *= open_past(hits);
+      }
 }
 
 double Surfaces::open(const Ray& ray, double t_max) const {
+  thread_local std::vector<Stretch> stays; // kept for the thread's life
   SurfaceCounts none;
-  return open(ray, t_max, none);
+  clip_ray(settings_.clips, ray, 0, t_max, stays);
+  LightRay alone{ray, &stays};
+  open(std::span(&alone, 1), none);
+  return alone.open;
 }
 
 void Surfaces::meet(const Ray& ray, core::FunctionRef<bool(float)> ends, std::uint64_t seed,
@@ -150,8 +237,10 @@ void Surfaces::meet(const Ray& ray, core::FunctionRef<bool(float)> ends, std::ui
   for (SurfaceHit& hit : hits)
     if (hit.opacity >= 1 || ends(hit.opacity)) {
       hit.color = color(hit);
-      if (shader_)
-        light(ray, seed, hit, none);
+      if (shader_) {
+        const Seen seen{&ray, seed, &hit};
+        light(std::span(&seen, 1), none);
+      }
       t = hit.t;
       color_seen = hit.color;
       return;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "render/camera/ray_state.h"
@@ -19,10 +20,10 @@ public:
   /// The settings and the structures must outlive it.
   Surfaces(const query::Sampler& sampler, const FrameSettings& settings, Structures& structures);
 
-  /// Sets ray.hits, in depth order, up to and including the first opaque one. ray.stays must be set
-  /// if the frame has clips. pixel: what random numbers depend on, with the ray's sample. tile:
-  /// holds the isosurfaces' hits of the pixel, or null.
-  void trace(RayState& ray, std::uint64_t pixel, IsosurfaceTile* tile, SurfaceCounts& counts) const;
+  /// Sets ray.hits of each ray, in depth order, up to and including the first opaque one.
+  /// ray.pixel and, if the frame has clips, ray.stays must be set. Random numbers depend on the
+  /// pixel and the ray's sample. tile: holds the isosurfaces' hits of the pixels, or null.
+  void trace(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCounts& counts) const;
   /// The isosurfaces, if hits of a tile can be found side by side; otherwise null.
   const IsosurfaceTracer* tiled() const {
     return isosurfaces_ && isosurfaces_->is_exact() ? &*isosurfaces_ : nullptr;
@@ -35,9 +36,19 @@ public:
 private:
   void find(const Ray& ray, const std::vector<Stretch>* stays, std::vector<SurfaceHit>& hits,
             SurfaceCounts& counts) const;
-  void light(const Ray& ray, std::uint64_t seed, SurfaceHit& hit, SurfaceCounts& counts) const;
+  /// A hit to be lit, and the ray that sees it. seed: of its random numbers.
+  struct Seen {
+    const Ray* ray;
+    std::uint64_t seed;
+    SurfaceHit* hit;
+  };
+  struct LightScratch;
+  static LightScratch& scratch();
+  void light(std::span<const Seen> seen, SurfaceCounts& counts) const;
+  SurfacePoint point_of(const Seen& seen, SurfaceCounts& counts) const;
+  void answer(LightScratch& scratch, SurfaceCounts& counts) const;
   Color color(const SurfaceHit& hit) const;
-  double open(const Ray& ray, double t_max, SurfaceCounts& counts) const;
+  void open(std::span<LightRay> rays, SurfaceCounts& counts) const;
   double clearance(const SurfaceHit& hit, const math::Vec3d& position,
                    const math::Vec3d& normal) const;
 

@@ -35,23 +35,38 @@ struct ActiveCell {
   }
 };
 
+/// A cell's vertices, looked up.
+struct CellSource {
+  std::int32_t piece;
+  std::int64_t local;
+  mesh::Shape shape;
+  int count;
+  std::int64_t ids[8];
+
+  CellSource(const mesh::MeshView& mesh, std::int64_t flat) : piece(mesh.piece_of(flat)) {
+    const mesh::PieceView& view = mesh.pieces[piece];
+    local = flat - mesh.first_cell[piece];
+    shape = view.shape(local);
+    count = view.vertex_ids(local, ids);
+  }
+  void points(const mesh::MeshView& mesh, math::Vec3d* x) const {
+    mesh.pieces[piece].cell_points(local, ids, count, x);
+  }
+};
+
 /// visit(const ActiveCell&) for each group of which the cell holds a level. space: puts a point
 /// into the caller's space.
 template <class Space, class Visit>
 void for_each_active(const IsosurfaceTracer& surfaces, std::int64_t flat, const Space& space,
                      Visit&& visit) {
   const mesh::MeshView& mesh = surfaces.sampler().mesh();
-  const std::int32_t p = mesh.piece_of(flat);
-  const mesh::PieceView& piece = mesh.pieces[p];
-  const std::int64_t local = flat - mesh.first_cell[p];
-  const mesh::Shape shape = piece.shape(local);
-  std::int64_t ids[8];
-  const int n = piece.vertex_ids(local, ids);
+  const CellSource source(mesh, flat);
+  const int n = source.count;
   ActiveCell cell;
   bool is_placed = false; // most cells below a candidate leaf end before their points are read
   for (const IsosurfaceTracer::Group& group : surfaces.groups()) {
     double values[8];
-    if (!group.load(p, local, ids, n, values))
+    if (!group.load(source.piece, source.local, source.ids, n, values))
       continue;
     const auto [low, high] = std::minmax_element(values, values + n);
     cell.low = *low;
@@ -61,16 +76,16 @@ void for_each_active(const IsosurfaceTracer& surfaces, std::int64_t flat, const 
       continue;
     if (!is_placed) {
       math::Vec3d x[8];
-      piece.cell_points(local, ids, n, x);
+      source.points(mesh, x);
       for (int v = 0; v < n; ++v)
         x[v] = space(x[v]);
-      to_corners(shape, x, cell.corner);
+      to_corners(source.shape, x, cell.corner);
       cell.flat = flat;
-      cell.domain = domain_of(shape);
+      cell.domain = domain_of(source.shape);
       is_placed = true;
     }
     cell.group = &group;
-    to_corners(shape, values, cell.f);
+    to_corners(source.shape, values, cell.f);
     visit(std::as_const(cell));
   }
 }
