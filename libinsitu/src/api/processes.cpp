@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -48,7 +49,7 @@ std::string told(const std::string& text) {
 }
 
 /// The shortest text that is this number again.
-std::string exact(double value) {
+std::string shortest(double value) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
@@ -108,7 +109,19 @@ int Processes::threads(const insitu_session_options& options) const {
   return int(std::max(1L, cores / world_->on_this_node()));
 }
 
-void Processes::agree_on_session(const insitu_session_options& o) {
+void Processes::wait_for_all(const std::string& call) {
+  const char* const given = std::getenv("INSITU_WAIT");
+  const double asked = given ? std::atof(given) : 0;
+  const double seconds = asked > 0 ? asked : 60;
+  const int missing = world_->wait_for_all(seconds);
+  if (missing >= 0)
+    throw Error(INSITU_ERROR_ORDER, call + ": process " + std::to_string(missing) + " of " +
+                                        std::to_string(size()) + " did not call it within " +
+                                        shortest(seconds) +
+                                        " s (INSITU_WAIT); the session can only be closed");
+}
+
+void Processes::agree_on_session(const insitu_session_options& o, bool checked) {
   if (size() == 1)
     return;
   std::string scene = "none";
@@ -123,14 +136,15 @@ void Processes::agree_on_session(const insitu_session_options& o) {
   world_->require_same({{"scene", scene},
                         {"default_scene", std::to_string(o.default_scene != 0)},
                         {"strict", std::to_string(o.strict != 0)},
-                        {"preview", std::to_string(o.preview != 0)}});
+                        {"preview", std::to_string(o.preview != 0)},
+                        {"checked", std::to_string(checked)}});
 }
 
 void Processes::agree_on_step(std::int64_t cycle, double time,
                               std::span<commit::CommittedMesh* const> meshes) {
   if (size() == 1)
     return;
-  world_->require_same({{"cycle", std::to_string(cycle)}, {"time", exact(time)}});
+  world_->require_same({{"cycle", std::to_string(cycle)}, {"time", shortest(time)}});
   std::string fields;
   world_->agree_after([&] { fields = fields_of(meshes); });
   std::int64_t changed = fields != last_fields_;

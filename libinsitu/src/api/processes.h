@@ -25,8 +25,13 @@ public:
   /// processes, unless the options say it.
   int threads(const insitu_session_options& options) const;
 
-  /// All have opened a session of the same options and scene. Throws parallel::AgreedError.
-  void agree_on_session(const insitu_session_options& options);
+  /// In a checked session, waits for all processes, for as many seconds as the environment's
+  /// INSITU_WAIT says (60 without it). Throws core::Error (INSITU_ERROR_ORDER) that names one that
+  /// does not come; the session is then of no use but to be closed.
+  void wait_for_all(const std::string& call);
+  /// All have opened a session of the same options and scene, checked or not. Throws
+  /// parallel::AgreedError.
+  void agree_on_session(const insitu_session_options& options, bool checked);
   /// All execute the same cycle of the same time, and meshes of one name have fields alike. A
   /// process may lack a mesh. Throws parallel::AgreedError.
   void agree_on_step(std::int64_t cycle, double time,

@@ -39,7 +39,7 @@ Session::Session(const insitu_session_options& options)
       preview_(options.preview != 0), output_(options.output ? options.output : ""),
       query_points_(context_.memory, INSITU_MEMORY_QUERY) {
   processes_.world().agree_after([&] { begin(options); });
-  processes_.agree_on_session(options);
+  processes_.agree_on_session(options, checked_);
 }
 
 void Session::begin(const insitu_session_options& options) {
@@ -197,6 +197,8 @@ const std::string& Session::plan() {
 
 std::string Session::execute(std::int64_t cycle, double time) {
   processes_.world().check_usable();
+  if (checked_)
+    processes_.wait_for_all("execute");
   std::vector<commit::CommittedMesh*> meshes;
   processes_.world().agree_after([&] {
     if (!(time - time == 0.0))
@@ -259,6 +261,8 @@ std::string Session::finish() {
   const std::string failures = runner_ ? runner_->finish() : std::string();
   locks_.release();
   processes_.world().check_usable(); // files are closed, whatever MPI does
+  if (checked_)
+    processes_.wait_for_all("close");
   processes_.world().agree_after([&] {
     if (!failures.empty())
       throw Error(INSITU_ERROR_FILE, failures);

@@ -120,6 +120,12 @@ public:
   }
 
 private:
+  int do_wait_for_all(double seconds) override {
+    char message[INSITU_MPI_MESSAGE] = "";
+    int missing = -1;
+    check(mpi_.wait_for_all(world_, seconds, &missing, message), message);
+    return missing;
+  }
   void do_reduce(std::span<std::int64_t> values, Reduction reduction) override {
     char message[INSITU_MPI_MESSAGE] = "";
     const int op = reduction == Reduction::sum     ? INSITU_MPI_SUM

@@ -55,6 +55,11 @@ public:
   /// thread. Not collective.
   virtual void check_usable() const {}
 
+  /// Waits until all processes have called this, at most for so long, and returns -1; or the lowest
+  /// rank of those that have not, after which the World is of no use. The root waits for `seconds`,
+  /// the others for the root's word, twice as long.
+  int wait_for_all(double seconds) { return size() > 1 ? do_wait_for_all(seconds) : -1; }
+
   /// Replaces each value by its reduction over all processes, which are given equally many. A sum
   /// wraps round.
   void reduce(std::span<std::int64_t> values, Reduction reduction) {
@@ -103,6 +108,7 @@ protected:
     int rank;
     std::span<std::byte> bytes;
   };
+  virtual int do_wait_for_all(double) { return -1; }
   virtual void do_reduce(std::span<std::int64_t> values, Reduction reduction) = 0;
   virtual void do_broadcast(std::span<std::byte> bytes, int root) = 0;
   /// to[r] goes to process r; from[r] is what process r has for this one.

@@ -1,12 +1,17 @@
+#define _POSIX_C_SOURCE 200809L /* nanosleep */
+
 #include "parallel/mpi/functions.h"
 
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
 
 struct insitu_mpi_world {
   MPI_Comm communicator; /* the session's own */
-  int size;
+  int rank, size;
+  int missing; /* a process that did not come, after which nothing is sent any more; or -1 */
+  int told;    /* what the root says of that; here, as a message may come late */
 };
 
 static size_t longest = (size_t)1 << 30;
@@ -55,9 +60,10 @@ static int check(char* message) {
 
 static int close_world(insitu_mpi_world* world, char* message) {
   const int status = check(message);
-  if (status == INSITU_MPI_OK)
+  if (status == INSITU_MPI_OK && world->missing < 0)
     MPI_Comm_free(&world->communicator);
-  free(world);
+  if (world->missing < 0)
+    free(world);
   return status;
 }
 
@@ -85,7 +91,9 @@ static int open_world(const void* given, int fortran, insitu_mpi_world** made, i
   MPI_Comm_set_errhandler(world->communicator, MPI_ERRORS_RETURN);
   MPI_Comm_rank(world->communicator, rank);
   MPI_Comm_size(world->communicator, size);
+  world->rank = *rank;
   world->size = *size;
+  world->missing = -1;
   *on_this_node = 1;
   error = MPI_Comm_split_type(world->communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
   if (error == MPI_SUCCESS && node != MPI_COMM_NULL) {
@@ -98,13 +106,90 @@ static int open_world(const void* given, int fortran, insitu_mpi_world** made, i
   return INSITU_MPI_OK;
 }
 
+/* Whether messages may be sent in this world. */
+static int check_world(const insitu_mpi_world* world, char* message) {
+  const int status = check(message);
+  if (status != INSITU_MPI_OK || world->missing < 0)
+    return status;
+  snprintf(message, INSITU_MPI_MESSAGE,
+           "process %d of %d did not come in time before; the session can only be closed",
+           world->missing, world->size);
+  return INSITU_MPI_ORDER;
+}
+
+/* Tests the request until the time comes; returns whether it is done. A sleep leaves the core to
+ * processes that share it. */
+static int await(MPI_Request* request, double deadline) {
+  const struct timespec pause = {0, 50000};
+  for (int polls = 0;; ++polls) {
+    int done = 0;
+    if (MPI_Test(request, &done, MPI_STATUS_IGNORE) != MPI_SUCCESS || done)
+      return done;
+    if (MPI_Wtime() > deadline) {
+      MPI_Cancel(request);
+      MPI_Request_free(request);
+      return 0;
+    }
+    if (polls > 1000)
+      nanosleep(&pause, NULL);
+  }
+}
+
+enum { tag_here = 2, tag_verdict = 3, tag_gone = 4 };
+
+/* The root: who does not come until the deadline; itself, if others have waited for it in vain. */
+static int find_missing(insitu_mpi_world* world, MPI_Request* coming, double deadline) {
+  int missing = -1, gone = 0;
+  for (int r = 1; r < world->size; ++r)
+    MPI_Irecv(NULL, 0, MPI_BYTE, r, tag_here, world->communicator, &coming[r]);
+  for (int r = world->size - 1; r > 0; --r) /* the lowest is left */
+    if (!await(&coming[r], deadline))
+      missing = r;
+  MPI_Iprobe(MPI_ANY_SOURCE, tag_gone, world->communicator, &gone, MPI_STATUS_IGNORE);
+  return gone ? 0 : missing;
+}
+
+/* All tell the root that they are here, and the root tells them who is not. */
+static int wait_for_all(insitu_mpi_world* world, double seconds, int* missing, char* message) {
+  const int status = check_world(world, message);
+  if (status != INSITU_MPI_OK)
+    return status;
+  const double begin = MPI_Wtime();
+  MPI_Request request = MPI_REQUEST_NULL;
+  if (world->rank == 0) {
+    MPI_Request* coming = malloc((size_t)world->size * sizeof *coming);
+    if (!coming)
+      return fail(INSITU_MPI_FAILED, message, "out of memory for MPI's requests");
+    world->told = find_missing(world, coming, begin + seconds);
+    free(coming);
+    for (int r = 1; r < world->size; ++r) { /* those that are not here may come yet */
+      MPI_Isend(&world->told, 1, MPI_INT, r, tag_verdict, world->communicator, &request);
+      await(&request, MPI_Wtime() + 1);
+    }
+  } else {
+    MPI_Isend(NULL, 0, MPI_BYTE, 0, tag_here, world->communicator, &request);
+    int heard = await(&request, begin + 2 * seconds);
+    if (heard) {
+      MPI_Irecv(&world->told, 1, MPI_INT, 0, tag_verdict, world->communicator, &request);
+      heard = await(&request, begin + 2 * seconds);
+    }
+    if (!heard) {
+      world->told = 0;
+      MPI_Isend(NULL, 0, MPI_BYTE, 0, tag_gone, world->communicator, &request);
+      await(&request, MPI_Wtime() + 1);
+    }
+  }
+  *missing = world->missing = world->told;
+  return INSITU_MPI_OK;
+}
+
 static int reduce(insitu_mpi_world* world, int64_t* values, size_t count, int reduction,
                   char* message) {
   const MPI_Op op = reduction == INSITU_MPI_SUM     ? MPI_SUM
                     : reduction == INSITU_MPI_LEAST ? MPI_MIN
                                                     : MPI_MAX;
   const size_t most = longest / sizeof *values > 0 ? longest / sizeof *values : 1;
-  int status = check(message);
+  int status = check_world(world, message);
   for (size_t i = 0; i < count && status == INSITU_MPI_OK; i += most) {
     const int now = (int)(count - i < most ? count - i : most);
     const int error =
@@ -116,7 +201,7 @@ static int reduce(insitu_mpi_world* world, int64_t* values, size_t count, int re
 }
 
 static int broadcast(insitu_mpi_world* world, void* bytes, size_t size, int root, char* message) {
-  int status = check(message);
+  int status = check_world(world, message);
   for (size_t i = 0; i < size && status == INSITU_MPI_OK; i += longest) {
     const int now = (int)(size - i < longest ? size - i : longest);
     const int error = MPI_Bcast((char*)bytes + i, now, MPI_BYTE, root, world->communicator);
@@ -127,7 +212,7 @@ static int broadcast(insitu_mpi_world* world, void* bytes, size_t size, int root
 }
 
 static int swap_numbers(insitu_mpi_world* world, const int64_t* to, int64_t* from, char* message) {
-  const int status = check(message);
+  const int status = check_world(world, message);
   if (status != INSITU_MPI_OK)
     return status;
   const int error =
@@ -146,7 +231,7 @@ static size_t pieces_of(const insitu_mpi_part* parts, size_t count) {
 static int transfer(insitu_mpi_world* world, const insitu_mpi_part* out, size_t out_count,
                     const insitu_mpi_part* in, size_t in_count, char* message) {
   enum { tag = 1, at_once = 1 << 20 };
-  int status = check(message);
+  int status = check_world(world, message);
   if (status != INSITU_MPI_OK)
     return status;
   const size_t most = pieces_of(in, in_count) + pieces_of(out, out_count);
@@ -189,8 +274,15 @@ static size_t set_longest(size_t bytes) {
 }
 
 const insitu_mpi_functions* insitu_mpi(void) {
-  static const insitu_mpi_functions functions = {INSITU_MPI_VERSION, open_world, check,
-                                                 close_world,        reduce,     broadcast,
-                                                 swap_numbers,       transfer,   set_longest};
+  static const insitu_mpi_functions functions = {.version = INSITU_MPI_VERSION,
+                                                 .open = open_world,
+                                                 .check = check,
+                                                 .close = close_world,
+                                                 .wait_for_all = wait_for_all,
+                                                 .reduce = reduce,
+                                                 .broadcast = broadcast,
+                                                 .swap_numbers = swap_numbers,
+                                                 .transfer = transfer,
+                                                 .set_longest = set_longest};
   return &functions;
 }

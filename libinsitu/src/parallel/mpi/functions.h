@@ -39,6 +39,8 @@ typedef struct insitu_mpi_functions {
   int (*check)(char* message);
   /* Frees the communicator unless MPI is finalised; collective. */
   int (*close)(insitu_mpi_world* world, char* message);
+  /* See World::wait_for_all; *missing is -1 where all came. */
+  int (*wait_for_all)(insitu_mpi_world* world, double seconds, int* missing, char* message);
   int (*reduce)(insitu_mpi_world* world, int64_t* values, size_t count, int reduction,
                 char* message);
   int (*broadcast)(insitu_mpi_world* world, void* bytes, size_t size, int root, char* message);
