@@ -69,6 +69,31 @@ inline bool half_face(const cells::Face& face, const std::uint32_t* ids, Face& o
   return true;
 }
 
+/// Calls put(face, f) for the half faces f of the cells [begin, end) that exist, in their order.
+template <class Put>
+void for_each(const mesh::MeshView& mesh, std::int64_t begin, std::int64_t end, Put&& put) {
+  std::int32_t piece = mesh.piece_of(begin);
+  MeshFaces::Face face{{}, 0, none};
+  for (std::int64_t flat = begin; flat < end; ++flat) {
+    while (flat >= mesh.first_cell[piece + 1])
+      ++piece;
+    const mesh::PieceView& p = mesh.pieces[piece];
+    const std::int64_t cell = flat - mesh.first_cell[piece];
+    if (!p.exists(cell))
+      continue;
+    std::int64_t local[8];
+    std::uint32_t ids[8];
+    const int n = p.vertex_ids(cell, local);
+    for (int v = 0; v < n; ++v)
+      ids[v] = std::uint32_t(mesh.first_vertex[piece] + local[v]);
+    face.cell = std::uint32_t(flat);
+    const cells::FaceTable& table = tables[int(p.shape(cell)) - int(mesh::Shape::tetrahedron)];
+    for (int f = 0; f < table.face_count; ++f)
+      if (half_face(table.faces[f], ids, face))
+        put(face, f);
+  }
+}
+
 } // namespace half_faces
 
 /// Half faces in buckets of lowest vertices, in the order of the cells, whatever the threads.
@@ -116,27 +141,9 @@ private:
   void for_each(Put&& put) {
     threads_.parallel_for(mesh_.cell_count(), grain_, [&](std::int64_t begin, std::int64_t end) {
       std::size_t* next = &next_[std::size_t(begin / grain_) * buckets_];
-      std::int32_t piece = mesh_.piece_of(begin);
-      Face face{{}, 0, none};
-      for (std::int64_t flat = begin; flat < end; ++flat) {
-        while (flat >= mesh_.first_cell[piece + 1])
-          ++piece;
-        const mesh::PieceView& p = mesh_.pieces[piece];
-        const std::int64_t cell = flat - mesh_.first_cell[piece];
-        if (!p.exists(cell))
-          continue;
-        std::int64_t local[8];
-        std::uint32_t ids[8];
-        const int n = p.vertex_ids(cell, local);
-        for (int v = 0; v < n; ++v)
-          ids[v] = std::uint32_t(mesh_.first_vertex[piece] + local[v]);
-        face.cell = std::uint32_t(flat);
-        const cells::FaceTable& table =
-            half_faces::tables[int(p.shape(cell)) - int(mesh::Shape::tetrahedron)];
-        for (int f = 0; f < table.face_count; ++f)
-          if (half_faces::half_face(table.faces[f], ids, face))
-            put(next[face.vertices[0] >> shift_], face, f);
-      }
+      half_faces::for_each(mesh_, begin, end, [&](const Face& face, int f) {
+        put(next[face.vertices[0] >> shift_], face, f);
+      });
     });
   }
 

@@ -60,30 +60,11 @@ private:
 /// Adds the faces of the cells [begin, end) that do not cancel within a window.
 void add_faces_of(const mesh::MeshView& mesh, std::int64_t begin, std::int64_t end, Window& window,
                   Faces& left) {
-  std::int32_t piece = mesh.piece_of(begin);
-  for (std::int64_t flat = begin; flat < end; ++flat) {
-    while (flat >= mesh.first_cell[piece + 1])
-      ++piece;
-    const mesh::PieceView& p = mesh.pieces[piece];
-    const std::int64_t cell = flat - mesh.first_cell[piece];
-    if (!p.exists(cell))
-      continue;
-    std::int64_t local[8];
-    std::uint32_t ids[8];
-    const int n = p.vertex_ids(cell, local);
-    for (int v = 0; v < n; ++v)
-      ids[v] = std::uint32_t(mesh.first_vertex[piece] + local[v]);
-    const cells::FaceTable& table =
-        half_faces::tables[int(p.shape(cell)) - int(mesh::Shape::tetrahedron)];
-    for (int f = 0; f < table.face_count; ++f) {
-      MeshFaces::Face face{{}, 0, none};
-      if (!half_faces::half_face(table.faces[f], ids, face))
-        continue;
-      FaceVertices vertices;
-      std::copy_n(face.vertices, 4, vertices.vertices);
-      window.put(vertices, left);
-    }
-  }
+  half_faces::for_each(mesh, begin, end, [&](const MeshFaces::Face& face, int) {
+    FaceVertices vertices;
+    std::copy_n(face.vertices, 4, vertices.vertices);
+    window.put(vertices, left);
+  });
   window.empty(left);
 }
 
