@@ -54,8 +54,8 @@ int main(int argc, char** argv) {
   int failed = 0, any = 0, rank = 0;
   MPI_Init(&argc, &argv);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  failed += run(rank, 2, "execute: process 2 of 3 did not call it within 1.5 s");
-  failed += run(rank, 0, "execute: process 0 of 3 did not call it within 1.5 s");
+  failed += run(rank, 2, "execute: process 2 of 3 did not call it within 4 s");
+  failed += run(rank, 0, "execute: process 0 of 3 did not call it within 4 s");
   MPI_Allreduce(&failed, &any, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
   MPI_Finalize();
   return any != 0;

@@ -1,7 +1,7 @@
 # Installs the build into a folder of its own and moves that, then builds and runs programs against it as a user would:
 # the numbered examples by find_package, and by pkg-config what README.md shows, examples/Makefile in it. Variables:
 # BUILD, SOURCE, WORK, LIBDIR, DOCDIR, C_COMPILER, CXX_COMPILER, Fortran_COMPILER (if the module was built), GENERATOR,
-# CONFIGURATION, LINKER_FLAGS.
+# CONFIGURATION, LINKER_FLAGS, MPI_PROGRAM (a program on MPI, if that was found).
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/pkg_config.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/pages.cmake)
@@ -56,6 +56,12 @@ foreach(language ${languages})
   run(${CMAKE_COMMAND} --build ${WORK}/${language})
   run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/${language} --output-on-failure)
 endforeach()
+
+# Beside the library, and found there: no other libinsitu-mpi is where the loader looks.
+if(MPI_PROGRAM)
+  run(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${prefix}/${LIBDIR} OMPI_ALLOW_RUN_AS_ROOT=1
+      OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ${MPI_PROGRAM})
+endif()
 
 if(EXISTS ${prefix}/bin/insitu-replay)
   run(${prefix}/bin/insitu-replay --version)
