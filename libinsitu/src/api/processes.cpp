@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <set>
 #include <sstream>
 #include <unistd.h>
 
@@ -54,39 +55,63 @@ std::string shortest(double value) {
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-/// A line for each field: "mesh 'm': field 'f'" and "1 component at vertices", with a tab between.
+/// Adds a pair of texts to a list of pairs. Names hold any byte but 0.
+void add_pair(std::string& list, const std::string& first, const std::string& second) {
+  list.append(first).push_back('\0');
+  list.append(second).push_back('\0');
+}
+
+/// Takes the pairs of a list in their order.
+void for_each_pair(const std::string& list,
+                   core::FunctionRef<void(const std::string&, const std::string&)> take) {
+  std::istringstream in(list);
+  for (std::string first, second; std::getline(in, first, '\0') && std::getline(in, second, '\0');)
+    take(first, second);
+}
+
+/// The name of each mesh with nothing, and "field 'f' of mesh 'm'" with "1 component at vertices".
 std::string fields_of(std::span<commit::CommittedMesh* const> meshes) {
   std::string all;
-  for (const commit::CommittedMesh* const m : meshes)
+  for (const commit::CommittedMesh* const m : meshes) {
+    add_pair(all, m->mesh().name(), "");
     for (const std::string& name : m->mesh().field_names()) {
       const mesh::FieldView field = m->mesh().field(name);
-      all += "field '" + name + "' of mesh '" + m->mesh().name() + "'\t" +
-             std::to_string(field.components) +
-             (field.components == 1 ? " component at " : " components at ") +
-             (field.association == INSITU_VERTEX ? "vertices\n" : "cells\n");
+      add_pair(all, "field '" + name + "' of mesh '" + m->mesh().name() + "'",
+               std::to_string(field.components) +
+                   (field.components == 1 ? " component at " : " components at ") +
+                   (field.association == INSITU_VERTEX ? "vertices" : "cells"));
     }
+  }
   return all;
 }
 
 /// Of the fields of all processes, at the root.
 class FieldsOfAll {
 public:
-  void add(int rank, const std::string& lines) {
-    std::istringstream in(lines);
-    for (std::string line; std::getline(in, line);) {
-      const std::size_t tab = line.rfind('\t');
-      const std::string name = line.substr(0, tab), what = line.substr(tab + 1);
+  void add(int rank, const std::string& list) {
+    for_each_pair(list, [&](const std::string& name, const std::string& what) {
+      if (what.empty()) {
+        meshes_.insert(name);
+        return;
+      }
       const auto [known, is_new] = first_.try_emplace(name, rank, what);
       if (!is_new && known->second.second != what)
         throw Error(INSITU_ERROR_FIELD, "processes differ: " + name + " has " +
                                             known->second.second + " on process " +
                                             std::to_string(known->second.first) + ", " + what +
                                             " on process " + std::to_string(rank));
-    }
+    });
+  }
+  std::string meshes() const {
+    std::string all;
+    for (const std::string& name : meshes_)
+      add_pair(all, name, "");
+    return all;
   }
 
 private:
   std::map<std::string, std::pair<int, std::string>> first_; ///< who has it first, and how
+  std::set<std::string> meshes_;
 };
 
 } // namespace
@@ -140,28 +165,35 @@ void Processes::agree_on_session(const insitu_session_options& o, bool checked) 
                         {"checked", std::to_string(checked)}});
 }
 
-void Processes::agree_on_step(std::int64_t cycle, double time,
-                              std::span<commit::CommittedMesh* const> meshes) {
+std::vector<std::string> Processes::agree_on_step(std::int64_t cycle, double time,
+                                                  std::span<commit::CommittedMesh* const> meshes) {
   if (size() == 1)
-    return;
+    return {};
   world_->require_same({{"cycle", std::to_string(cycle)}, {"time", shortest(time)}});
   std::string fields;
   world_->agree_after([&] { fields = fields_of(meshes); });
   std::int64_t changed = fields != last_fields_;
   world_->reduce(std::span(&changed, 1), parallel::Reduction::greatest);
   if (!changed)
-    return;
+    return {};
   FieldsOfAll all;
-  std::map<int, std::string> lines;
+  std::map<int, std::string> lists;
   world_->gather(std::as_bytes(std::span(fields.data(), fields.size())), std::size_t(1) << 20,
                  [&](int rank, std::span<const std::byte> bytes) {
-                   lines[rank].append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+                   lists[rank].append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
                  });
   world_->agree_after([&] {
-    for (const auto& [rank, text] : lines)
-      all.add(rank, text);
+    for (const auto& [rank, list] : lists)
+      all.add(rank, list);
   });
   last_fields_ = std::move(fields);
+  std::vector<std::string> absent;
+  for_each_pair(world_->broadcast(all.meshes()), [&](const std::string& name, const std::string&) {
+    if (std::none_of(meshes.begin(), meshes.end(),
+                     [&](const auto* m) { return m->mesh().name() == name; }))
+      absent.push_back(name);
+  });
+  return absent;
 }
 
 } // namespace insitu::api

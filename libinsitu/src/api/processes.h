@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "commit/committed_mesh.h"
 #include "core/log.h"
@@ -32,10 +33,11 @@ public:
   /// All have opened a session of the same options and scene, checked or not. Throws
   /// parallel::AgreedError.
   void agree_on_session(const insitu_session_options& options, bool checked);
-  /// All execute the same cycle of the same time, and meshes of one name have fields alike. A
-  /// process may lack a mesh. Throws parallel::AgreedError.
-  void agree_on_step(std::int64_t cycle, double time,
-                     std::span<commit::CommittedMesh* const> meshes);
+  /// All execute the same cycle of the same time, and meshes of one name have fields alike.
+  /// Returns the names of the meshes that this process lacks and others have, which it takes as
+  /// empty. Throws parallel::AgreedError.
+  std::vector<std::string> agree_on_step(std::int64_t cycle, double time,
+                                         std::span<commit::CommittedMesh* const> meshes);
 
 private:
   std::unique_ptr<parallel::World> world_;

@@ -206,11 +206,15 @@ std::string Session::execute(std::int64_t cycle, double time) {
     locks_.take_missing();
     meshes = commit_all();
   });
-  processes_.agree_on_step(cycle, time, meshes);
+  const std::vector<std::string> absent = processes_.agree_on_step(cycle, time, meshes);
   ++statistics_.executions;
   if (processes_.size() == 1)
     return run(meshes, cycle, time);
   processes_.world().agree_after([&] {
+    for (const std::string& name : absent)
+      mesh(name);
+    if (!absent.empty())
+      meshes = commit_all();
     if (const std::string failures = run(meshes, cycle, time); !failures.empty())
       throw Error(INSITU_ERROR_ACTION, failures);
   });

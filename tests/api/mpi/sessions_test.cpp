@@ -89,6 +89,18 @@ TEST(Sessions, OfAllProcessesExecuteTogether) {
   EXPECT_EQ(solver.messages.size(), rank() == 0 && size() > 1 ? 1u : 0u);
 }
 
+/// A process may have nothing: at first, and by then something.
+TEST(Sessions, AMeshThatAProcessLacksIsEmptyThere) {
+  Solver solver;
+  ASSERT_EQ(solver.error, "");
+  if (!is_last() || size() == 1)
+    solver.give();
+  for (int cycle = 0; cycle < 2; ++cycle)
+    EXPECT_EQ(solver.execute(cycle, cycle), INSITU_OK) << solver.error;
+  solver.give();
+  EXPECT_EQ(solver.execute(2, 2), INSITU_OK) << solver.error;
+}
+
 /// Whatever one process does wrong, all return the same status, and a message with who and what.
 TEST(Sessions, AFailureOfOneIsAFailureOfAll) {
   const std::string prefix = size() > 1 ? last_process() + ": " : "";
