@@ -70,6 +70,7 @@ module insitu
       insitu_memory_query, insitu_memory_tracer, insitu_memory_frame, insitu_memory_converted, &
       insitu_memory_embree, insitu_memory_device, insitu_memory_amr, insitu_memory_gathered, &
       insitu_memory_geocentric, insitu_memory_chart, insitu_memory_neighbours, insitu_memory_blank, &
+      insitu_memory_halo, &
       insitu_commit_report, insitu_validation, insitu_report, insitu_amr_info, &
       insitu_status_name, insitu_version
 
@@ -162,15 +163,18 @@ contains
 
   include 'insitu_session.inc'
 
-  !> Makes the piece an implicit block of vertices(1) x vertices(2) x vertices(3) vertices.
-  subroutine uniform_block(self, vertices, origin, spacing, ierr, piece)
+  !> Makes the piece an implicit block of vertices(1) x vertices(2) x vertices(3) vertices. first: the numbers of its
+  !! first vertex, counted from 0 at the origin.
+  subroutine uniform_block(self, vertices, origin, spacing, ierr, piece, first)
     class(insitu_mesh), intent(in) :: self
     integer, intent(in) :: vertices(3)
     real(real64), intent(in) :: origin(3), spacing(3)
     integer, intent(out) :: ierr
     integer, intent(in), optional :: piece
+    integer(int64), intent(in), optional :: first(3)
     type(c_block) :: block
 
+    if (present(first)) block%first = first
     block%kind = insitu_block_uniform
     block%vertices = vertices
     block%origin = origin

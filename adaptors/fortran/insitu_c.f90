@@ -102,7 +102,7 @@ module insitu_c
       insitu_memory_frame = 7, insitu_memory_converted = 8, insitu_memory_embree = 9, &
       insitu_memory_device = 10, insitu_memory_amr = 11, insitu_memory_gathered = 12, &
       insitu_memory_geocentric = 13, insitu_memory_chart = 14, insitu_memory_neighbours = 15, &
-      insitu_memory_blank = 16, insitu_memory_count = 16
+      insitu_memory_blank = 16, insitu_memory_halo = 17, insitu_memory_count = 17
 
   ! The room of the lists in insitu_report
   integer, parameter :: &
@@ -159,6 +159,7 @@ module insitu_c
     real(c_double) :: origin(3) = 0.0_c_double
     real(c_double) :: spacing(3) = 1.0_c_double
     type(c_array) :: coordinates(3)
+    integer(c_int64_t) :: first(3) = 0
   end type c_block
 
   type, bind(c) :: c_amr

@@ -26,6 +26,7 @@ module insitu_core
     procedure :: give_cells
     procedure :: give_block
     procedure :: give_leaves
+    procedure :: give_global_ids
     procedure :: give_field
     procedure :: find_cells
     procedure :: find_values
@@ -114,6 +115,15 @@ contains
     where (sized%coordinates%size == 0) sized%coordinates%size = c_sizeof(sized%coordinates(1))
     call self%finish(c_mesh_block(self%handle, piece_index(piece), sized), ierr)
   end subroutine give_block
+
+  subroutine give_global_ids(self, association, ids, ierr, piece)
+    class(mesh_core), intent(in) :: self
+    integer(c_int), intent(in) :: association
+    type(c_array), intent(in) :: ids
+    integer, intent(out) :: ierr
+    integer, intent(in), optional :: piece
+    call self%finish(c_mesh_global_ids(self%handle, piece_index(piece), association, ids), ierr)
+  end subroutine give_global_ids
 
   subroutine give_leaves(self, leaves, ierr, corner_bits, offset, piece)
     class(mesh_core), intent(in) :: self

@@ -33,6 +33,9 @@ function(allowed module result)
   if(module MATCHES "^(query|commit|advect|render)$") # meshes in longitude and latitude: geo/chart.h
     list(APPEND left geo)
   endif()
+  if(module STREQUAL "commit") # the halo comes from other processes
+    list(APPEND left parallel)
+  endif()
   if(module STREQUAL "scene" OR module STREQUAL "api")
     list(APPEND left geo parallel)
   endif()

@@ -224,6 +224,13 @@ insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece, const insitu_a
   });
 }
 
+insitu_status insitu_mesh_global_ids(insitu_mesh mesh, int32_t piece,
+                                     insitu_association association, const insitu_array* array) {
+  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
+    m.mesh().set_global_ids(piece, association, array);
+  });
+}
+
 insitu_status insitu_mesh_frame(insitu_mesh mesh, const insitu_frame* frame) {
   return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     require(frame, "frame");

@@ -65,7 +65,8 @@ scene::SceneDescription Session::as_asked(scene::SceneDescription scene) const {
 }
 
 void Session::make_runner(const scene::SceneDescription& scene) {
-  auto runner = std::make_unique<scene::Runner>(scene, output_, context_, statistics_);
+  auto runner =
+      std::make_unique<scene::Runner>(scene, output_, context_, processes_.world(), statistics_);
   locks_.take(scene, runner->output());
   runner_ = std::move(runner);
 }
@@ -256,7 +257,8 @@ void Session::restart(const std::string& path) {
                                         " times; restart before the first execute");
   // A runner of its own: should it fail, the one that is there goes on as if nothing had been
   // asked.
-  auto fresh = std::make_unique<scene::Runner>(*scene_, output_, context_, statistics_);
+  auto fresh =
+      std::make_unique<scene::Runner>(*scene_, output_, context_, processes_.world(), statistics_);
   fresh->restart(path);
   runner_ = std::move(fresh);
 }

@@ -11,6 +11,7 @@
 #include "cells/checks/odd_cells.h"
 #include "cells/checks/validate.h"
 #include "commit/earlier/earlier_mesh.h"
+#include "commit/halo/halo.h"
 #include "commit/standins/stand_in.h"
 #include "commit/tree_fit.h"
 #include "commit/tree_policy.h"
@@ -20,6 +21,7 @@
 #include "query/locators.h"
 #include "query/on_demand.h"
 #include "query/sampler.h"
+#include "query/seams.h"
 
 namespace insitu::commit {
 
@@ -98,7 +100,18 @@ public:
   /// The bytes of the table that this may make; 0 if none.
   std::int64_t neighbours_bytes(const core::Threads& threads) const;
   const accel::FaceNeighbours* neighbours() const { return neighbours_.get(); }
-  query::Sampler sampler() const {
+  /// Collective, of a committed mesh: gives it the cells of other processes that touch its own, or
+  /// brings them up to date; a mesh that has a stand-in on some process gets none. Throws
+  /// parallel::AgreedError; the mesh then has no halo and is to be committed again.
+  void update_halo(parallel::World& world, const core::Threads& threads, const core::Log& log);
+  /// What of others is in the views; null: nothing.
+  const Halo* halo() const { return halo_.get(); }
+  /// How all processes know a cell of mesh().own_view() of this process, whose rank is known since
+  /// the last update_halo().
+  CellName name(std::int64_t flat) const;
+  query::Sampler sampler() const { return own_sampler().at(halo_ ? &seams_ : nullptr); }
+  /// The same where of several cells the lowest flat id of this process counts.
+  query::Sampler own_sampler() const {
     const query::PointLocator* const own = stand_in_ ? stand_in_->locator() : nullptr;
     return {mesh_.view(),
             tree_,
@@ -160,6 +173,21 @@ public:
   const std::optional<query::ChartImage>& earlier_chart() const { return kept_.chart; }
 
 private:
+  /// Tells cells at seams apart by their names.
+  class NamesAtSeams final : public query::Seams {
+  public:
+    explicit NamesAtSeams(const CommittedMesh& mesh) : mesh_(mesh) {}
+    bool is_at_seam(std::int64_t flat) const override;
+    bool is_before(std::int64_t flat, std::int64_t other) const override;
+
+  private:
+    const CommittedMesh& mesh_;
+  };
+
+  /// Brings all up to date with what is pending.
+  void commit_pending(insitu_commit_report& report, const core::Threads& threads,
+                      const core::Log& log, bool strict);
+  void drop_halo();
   /// Whatever has changed since.
   void require_a_commit() const;
   std::optional<query::ChartImage> chart() const;
@@ -216,6 +244,11 @@ private:
   bool tree_is_stale_ = false; ///< the mesh was in device memory meanwhile
   int commits_since_build_ = 0;
   std::int64_t rebuilds_seen_ = 0; ///< of those that were put off
+  // The halo (committed_mesh_halo.cpp).
+  std::unique_ptr<Halo> halo_;
+  NamesAtSeams seams_{*this};
+  int rank_ = 0;
+  std::uint64_t halo_topology_ = 0, halo_geometry_ = 0, halo_fields_ = 0; ///< versions in it
   // The earlier step, for pathlines (committed_mesh_earlier.cpp).
   mesh::CellsCopy earlier_cells_;
   std::uint64_t earlier_cells_version_ = 0; ///< topology_version() of that copy

@@ -9,7 +9,7 @@ ENDS_WITH(insitu_amr, reconstruction);
 ENDS_WITH(insitu_amr_info, by_places);
 ENDS_WITH(insitu_array, reserved);
 ENDS_WITH(insitu_audit_entry, reserved);
-ENDS_WITH(insitu_block, coordinates);
+ENDS_WITH(insitu_block, first);
 ENDS_WITH(insitu_cells, reserved);
 ENDS_WITH(insitu_commit_report, reserved);
 ENDS_WITH(insitu_frame, reserved);

@@ -123,7 +123,7 @@ template <class F>
 auto with_layout(const CellArrays& m, F&& f) {
   const auto real = [&]<class Layout>() {
     return m.points.is_float32 ? f.template operator()<Layout, float>()
-                                : f.template operator()<Layout, double>();
+                               : f.template operator()<Layout, double>();
   };
   const auto index = [&]<class Index>() {
     if (m.layout == CellLayout::mixed)

@@ -56,8 +56,8 @@ HWY_INLINE int offsets_from(const CellArrays& m, std::int64_t origin, std::int64
 template <class Layout, bool interleaved>
 HWY_INLINE int vertex_places(const CellArrays& m, std::int64_t cell, std::int64_t* out) {
   static_assert(sizeof(std::int64_t) >= sizeof(void*));
-  return offsets_from<Layout>(m, interleaved ? reinterpret_cast<std::intptr_t>(m.points.component[0]) : 0,
-                              cell, out);
+  return offsets_from<Layout>(
+      m, interleaved ? reinterpret_cast<std::intptr_t>(m.points.component[0]) : 0, cell, out);
 }
 
 /// Asks for the coordinates at some places of a cell. Vertices 2 v and 2 v + 1 are neighbours in

@@ -46,6 +46,7 @@ struct PieceView {
   bool implicit_points = false; ///< uniform or rectilinear: coordinates from the axes
   double origin[3] = {0, 0, 0};
   double spacing[3] = {0, 0, 0};
+  std::int64_t block_first[3] = {0, 0, 0}; ///< uniform: the first vertex's numbers from the origin
   const std::byte* axis[3] = {nullptr, nullptr, nullptr}; ///< rectilinear
   std::int64_t axis_stride[3] = {0, 0, 0};
   bool axis_is_float32 = false;
@@ -57,6 +58,7 @@ struct PieceView {
   const std::byte* ghosts = nullptr;
   ItemLayout ghost_layout;
   std::uint8_t ghost_mask = 0; ///< bits that take a cell out
+  bool is_halo = false;        ///< of cells that another process owns
   /// A geo::Pole: copies of a geodetic mesh's cells, on the chart turned to it; vectors too.
   std::int8_t pole = 0;
 
@@ -126,17 +128,21 @@ struct PieceView {
                                  row / block_vertices[1]};
     math::Vec3d p;
     for (int a = 0; a < 3; ++a)
-      p[a] = axis[a] ? load_real(axis[a] + ijk[a] * axis_stride[a], axis_is_float32)
-                     : origin[a] + double(ijk[a]) * spacing[a];
+      p[a] = block_coordinate(a, ijk[a]);
     return p;
   }
+  /// Of vertex i along an axis, of a block with implicit points.
+  INSITU_HD double block_coordinate(int a, std::int64_t i) const {
+    return axis[a] ? load_real(axis[a] + i * axis_stride[a], axis_is_float32)
+                   : origin[a] + double(block_first[a] + i) * spacing[a];
+  }
 
-  /// Whether the cell is there: trees and tables of faces hold it, points are located in it, averages
-  /// take its value. Ghost, blanked and empty cells are not: they may hold anything. By now a cell
-  /// that exists owns points as well; cells that come from other processes will exist and not own.
-  INSITU_HD bool exists(std::int64_t cell) const { return owns(cell); }
-  /// Whether the cell may be the answer for a point, and counts in sums over cells.
-  INSITU_HD bool owns(std::int64_t cell) const {
+  /// Whether the cell may be the answer for a point, and counts in sums over cells: all that exist,
+  /// but for those of a halo.
+  INSITU_HD bool owns(std::int64_t cell) const { return !is_halo && exists(cell); }
+  /// Whether the cell is there: trees and tables of faces hold it, points are located in it,
+  /// averages take its value. Ghost, blanked and empty cells are not: they may hold anything.
+  INSITU_HD bool exists(std::int64_t cell) const {
     if (layout == CellLayout::gridlets)
       return gridlets->is_full(cell);
     if (layout == CellLayout::leaves)
@@ -155,13 +161,13 @@ struct PieceView {
   /// cell_points(), and not one by one from their ids.
   INSITU_HD bool in_runs() const { return layout == CellLayout::gridlets; }
   INSITU_HD std::int64_t cells_an_item() const { return in_runs() ? Gridlet::most_cells : 1; }
-  /// The cells of the item that begins at `cell` that own points: how many, and the first of them.
+  /// The cells of the item that begins at `cell` that exist: how many, and the first of them.
   struct ItemCells {
     std::int64_t count, first;
   };
   ItemCells item_cells(std::int64_t cell) const {
     if (!in_runs())
-      return {owns(cell), cell};
+      return {exists(cell), cell};
     ItemCells found{0, cell};
     for (int word = Gridlet::side; word-- > 0;) // a bit a cell
       if (const std::uint64_t full = gridlets->full[(cell >> 6) + word])

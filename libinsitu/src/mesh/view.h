@@ -53,6 +53,8 @@ struct MeshView {
   const std::int64_t* first_cell = nullptr;   ///< [piece_count + 1]
   const std::int64_t* first_vertex = nullptr; ///< [piece_count + 1]
   std::int32_t piece_count = 0;
+  /// So many of these, the last ones, are a halo: cells of other processes that touch this one's.
+  std::int32_t halo_piece_count = 0;
   /// Coordinates of the vertices at the earlier step, by flat id, which the mesh keeps for
   /// pathlines only; null: none are kept.
   const math::Vec3d* earlier_points = nullptr;
@@ -75,6 +77,10 @@ struct MeshView {
   bool covers_once = false;
 
   INSITU_HD std::int64_t cell_count() const { return first_cell[piece_count]; }
+  /// Those of this process, whose flat ids come first.
+  INSITU_HD std::int64_t own_cell_count() const {
+    return first_cell[piece_count - halo_piece_count];
+  }
   INSITU_HD std::int64_t vertex_count() const { return first_vertex[piece_count]; }
 
   /// Cells below this flat id come in runs (PieceView::in_runs): those of the first piece, or none.

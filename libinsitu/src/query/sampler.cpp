@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "accel/tree/tree.h"
+#include "query/batch/candidates.h"
 #include "query/batch/guessed_batches.h"
 #include "query/batch/order.h"
 #include "query/batch/tree_locator.h"
@@ -13,6 +15,7 @@
 #include "query/on_demand.h"
 #include "query/point_query.h"
 #include "query/proof.h"
+#include "query/seams.h"
 
 namespace insitu::query {
 
@@ -131,11 +134,70 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
     if (!at)
       at = point_query(options).locate(p, why);
   }
+  if (seams_)
+    settle_at_seam(p, options, at, why);
   if (counts_)
     counts_->add(why);
   if (reason)
     *reason = why;
   return at;
+}
+
+/// A point that is not strictly inside of its cell, which touches another process's, may be in one
+/// of those as well; in `exact` one that is inside too, since cells may overlap. Looks at all cells
+/// that hold it, and returns whether another one than `at` is the first.
+bool Sampler::settle_at_seam(const Vec3d& p, const LocateOptions& options, Location& at,
+                             Reason& reason) const {
+  const bool inside = reason == Reason::certified || reason == Reason::exact;
+  if (!at || (inside && (options.accuracy != INSITU_EXACT || mesh_->covers_once)) ||
+      !seams_->is_at_seam(at.cell))
+    return false;
+  const PointQuery query = point_query(options);
+  float lower[3], upper[3];
+  if (!query.box_rule().box(p, lower, upper))
+    return false;
+  bool other = false;
+  mesh::CellVertices cell;
+  for (const Candidate& c : query.candidates_in(lower, upper)) {
+    const std::int64_t flat = query.tree.cells()[c.slot];
+    if (!seams_->is_before(flat, at.cell))
+      continue;
+    mesh::gather(*mesh_, flat, cell, options.alpha);
+    if (const cells::Decision why = cells::decide(cell.shape, cell.x, p)) {
+      at = {flat, cells::parametric_in(cell.shape, cell.x, p, why)};
+      reason = why.reason();
+      other = true;
+    }
+  }
+  return other;
+}
+
+/// Of points of this call; the result is valid until the thread's next call.
+Answered Sampler::settle_at_seams(const Answered& answered, std::span<const Vec3d> points,
+                                  const LocateOptions& options) const {
+  thread_local std::vector<Location> locations;
+  thread_local std::vector<Reason> reasons;
+  const auto copy = [&] {
+    locations.assign(answered.locations.begin(), answered.locations.end());
+    reasons.assign(answered.reasons.begin(), answered.reasons.end());
+  };
+  bool copied = false;
+  for (std::size_t k = 0; k < answered.locations.size(); ++k) {
+    Location at = answered.locations[k];
+    Reason why = answered.reasons[k];
+    if (!settle_at_seam(points[answered.item(k)], options, at, why))
+      continue;
+    if (!std::exchange(copied, true))
+      copy();
+    locations[k] = at;
+    reasons[k] = why;
+  }
+  Answered settled = answered;
+  if (copied) {
+    settled.locations = locations;
+    settled.reasons = reasons;
+  }
+  return settled;
 }
 
 Sampler Sampler::among(const CulledCells& cells) const {
@@ -169,7 +231,7 @@ void Sampler::locate_serial(std::span<const Vec3d> points, std::span<Location> l
       Answered answered = batches.run(batch);
       tally.note(answered);
       answered.first = first;
-      store(answered, locations, reasons);
+      store(seams_ ? settle_at_seams(answered, points, options) : answered, locations, reasons);
     }
   });
 }
@@ -208,7 +270,7 @@ void Sampler::visit(const core::Threads& threads, std::span<const Vec3d> points,
             const auto give = [&](Answered answered, std::size_t first) {
               tally.note(answered);
               answered.first = first;
-              put(answered);
+              put(seams_ ? settle_at_seams(answered, points, options) : answered);
             };
             if (sorts)
               visit_sorted(batches, part, sorted.subspan(grain_begin, grain_end - grain_begin),

@@ -16,6 +16,7 @@ namespace insitu::query {
 
 class CulledCells;
 class LoneCells;
+class Seams;
 class SoundCells;
 class SpatialOrder;
 struct ChartImage;
@@ -37,6 +38,14 @@ public:
           LocateCounts* counts = nullptr, const PointLocator* locator = nullptr,
           const ChartImage* chart = nullptr, const accel::FaceNeighbours* neighbours = nullptr,
           const OnDemand* on_demand = nullptr);
+
+  /// The same where cells of other processes are beside the mesh's own: a point on several cells is
+  /// owned by the first of all of them. null: by the lowest flat id. seams must outlive it.
+  Sampler at(const Seams* seams) const {
+    Sampler s = *this;
+    s.seams_ = seams;
+    return s;
+  }
 
   const mesh::MeshView& mesh() const { return *mesh_; }
   /// The tree, whose boxes are fitted now if that was put off, as the displacement that makes
@@ -144,6 +153,10 @@ private:
   void count(Reason reason, std::int64_t points) const;
   void visit_in_order(Batches& batches, std::span<const math::Vec3d> points, std::size_t count,
                       Batches::Put put) const;
+  bool settle_at_seam(const math::Vec3d& p, const LocateOptions& options, Location& at,
+                      Reason& reason) const;
+  Answered settle_at_seams(const Answered& answered, std::span<const math::Vec3d> points,
+                           const LocateOptions& options) const;
   void visit_sorted(Batches& batches, std::span<const math::Vec3d> points,
                     std::span<const accel::morton::Coded> order, PutAnswers put) const;
   void to_true_axes(const mesh::PieceView& cells, std::span<const double> weights,
@@ -160,6 +173,7 @@ private:
   const ChartImage* chart_;
   const accel::FaceNeighbours* neighbours_;
   const OnDemand* on_demand_;
+  const Seams* seams_ = nullptr;
 };
 
 } // namespace insitu::query

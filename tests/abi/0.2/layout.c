@@ -203,7 +203,7 @@ int constants(int64_t* out) {
       INSITU_MEMORY_CONVERTED + 1, INSITU_MEMORY_EMBREE + 1, INSITU_MEMORY_DEVICE + 1,
       INSITU_MEMORY_AMR + 1, INSITU_MEMORY_GATHERED + 1, INSITU_MEMORY_GEOCENTRIC + 1,
       INSITU_MEMORY_CHART + 1, INSITU_MEMORY_NEIGHBOURS + 1, INSITU_MEMORY_BLANK + 1,
-      INSITU_MEMORY_COUNT};
+      INSITU_MEMORY_HALO + 1, INSITU_MEMORY_COUNT};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     out[i] = all[i];
   return (int)(sizeof all / sizeof *all);

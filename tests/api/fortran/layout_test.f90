@@ -188,7 +188,7 @@ contains
         insitu_memory_tracer, insitu_memory_frame, insitu_memory_converted, &
         insitu_memory_embree, insitu_memory_device, insitu_memory_amr, insitu_memory_gathered, &
         insitu_memory_geocentric, insitu_memory_chart, insitu_memory_neighbours, &
-        insitu_memory_blank, insitu_memory_count])
+        insitu_memory_blank, insitu_memory_halo, insitu_memory_count])
       count = constants(there)
       if (count == size(here)) then
         if (all(there(:count) == here)) return

@@ -49,7 +49,7 @@ struct SeaRun {
                                  ("insitu-geocentric-" + std::to_string(::getpid()))),
         context(0, mesh.committed.log),
         runner(scene::parse_scene_text("insitu: 1\n" + items, "s.yaml"), folder.string(), context,
-               statistics) {
+               world, statistics) {
     mesh.committed.mesh.reference_frame = geodetic();
     mesh.field("height", INSITU_VERTEX, [](const Vec3d& p) { return p.z; });
     mesh.committed.commit(INSITU_CHANGED_ALL);
@@ -62,6 +62,7 @@ struct SeaRun {
   RenderMesh mesh;
   std::filesystem::path folder;
   core::Context context;
+  parallel::SerialWorld world;
   scene::Statistics statistics;
   scene::Runner runner;
   commit::CommittedMesh* list[1] = {&mesh.committed.mesh};

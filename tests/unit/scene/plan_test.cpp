@@ -27,7 +27,7 @@ struct PlannedRun {
                                                 ("insitu-plan-" + std::to_string(::getpid()))),
         context(0, mesh.committed.log),
         runner(scene::parse_scene_text("insitu: 1\n" + items, "s.yaml"), folder.string(), context,
-               statistics) {
+               world, statistics) {
     mesh.field("p", INSITU_VERTEX, [](const Vec3d& p) { return p.x + p.y * p.z; });
     mesh.field("c", INSITU_CELL, [](const Vec3d& p) { return p.x - p.y; });
   }
@@ -39,6 +39,7 @@ struct PlannedRun {
   RenderMesh mesh;
   std::filesystem::path folder;
   core::Context context;
+  parallel::SerialWorld world;
   scene::Statistics statistics;
   scene::Runner runner;
   commit::CommittedMesh* list[1] = {&mesh.committed.mesh};
@@ -332,12 +333,13 @@ TEST(Plan, CullingOfAdaptiveMeshes) {
     const std::filesystem::path folder =
         std::filesystem::temp_directory_path() / ("insitu-plan-amr-" + std::to_string(::getpid()));
     core::Context context(0, amr.committed.log);
+    parallel::SerialWorld world;
     scene::Statistics statistics;
     scene::Runner runner(
         scene::parse_scene_text("insitu: 1\nframes: [{name: f, size: [8, 8], " + effects +
                                     "volume: {field: f, range: [0, 1], " + keys + "}}]",
                                 "s.yaml"),
-        folder.string(), context, statistics);
+        folder.string(), context, world, statistics);
     const scene::MeshList meshes{list};
     const scene::Plan plan = runner.plan(meshes);
     EXPECT_EQ(runner.execute(meshes, 0, 0.0), "");

@@ -55,7 +55,9 @@ typedef enum insitu_purpose INSITU_INT {
                                       fields there */
   INSITU_MEMORY_NEIGHBOURS = 14, /**< cells across faces, for tracers */
   INSITU_MEMORY_BLANK = 15,      /**< fields with blank values or hidden points, and their cells */
-  INSITU_MEMORY_COUNT = 16
+  INSITU_MEMORY_HALO = 16,       /**< cells of other processes that touch this one's, with their
+                                      vertices and fields */
+  INSITU_MEMORY_COUNT = 17
 } insitu_purpose;
 
 /** The room of the lists in insitu_report, of which later versions of the library use more. */

@@ -232,10 +232,18 @@ void Mesh::set_block(std::int32_t piece, const insitu_block* given) {
     v.vertex_count *= n;
     v.origin[a] = block->origin[a];
     v.spacing[a] = block->spacing[a];
+    v.block_first[a] = block->first[a];
     if (block->kind == INSITU_BLOCK_UNIFORM && n > 1 &&
         (block->spacing[a] == 0.0 || !std::isfinite(block->spacing[a])))
       refuse("spacing along axis " + std::to_string(a) + " is " +
              std::to_string(block->spacing[a]));
+    constexpr std::int64_t farthest = std::int64_t(1) << 52; // which doubles count exactly
+    if (block->first[a] < -farthest || block->first[a] > farthest)
+      refuse("first vertex " + std::to_string(block->first[a]) + " along axis " +
+             std::to_string(a));
+    if (block->first[a] != 0 && block->kind != INSITU_BLOCK_UNIFORM)
+      refuse("first vertex " + std::to_string(block->first[a]) + " along axis " +
+             std::to_string(a) + "; only a uniform block's vertices count from its origin");
     if (block->kind != INSITU_BLOCK_RECTILINEAR)
       continue;
     const std::string one = name + ", coordinates of axis " + std::to_string(a);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,19 @@ public:
   virtual MeshView* solver_view() { return nullptr; }
 };
 
+/// Pieces of other processes' cells that touch a mesh's own (commit/halo/halo.h). What they refer to
+/// stays as it is until the mesh's next update().
+class HaloPieces {
+public:
+  virtual ~HaloPieces() = default;
+  virtual std::span<const PieceView> pieces() const = 0;
+  /// Of one of these; `no_values` where they were not brought here.
+  virtual FieldPieceView values(const std::string& field, std::size_t piece) const = 0;
+};
+
+/// The components of a field on a piece whose values nobody reads: as many as a field may have.
+extern const std::byte* const no_values[1 << 16];
+
 /// What a solver registered: pieces, fields, ghosts. Holds pointers, never values, but for the
 /// earlier step that pathlines need. Registrations may be incomplete until update().
 class Mesh {
@@ -57,6 +71,10 @@ public:
   void set_hidden_points(std::int32_t piece, const insitu_array* array);
   void set_ghosts(std::int32_t piece, const insitu_array* array,
                   insitu_ghost_convention convention);
+  /// One integer a cell or vertex of the piece, which is its number in the mesh of all processes;
+  /// null: none (mesh_global_ids.cpp).
+  void set_global_ids(std::int32_t piece, insitu_association association,
+                      const insitu_array* array);
   // Of an adaptive mesh; the first makes it one (mesh_adaptive.cpp).
   void set_amr(const insitu_amr* amr);
   void set_patch(std::int32_t piece, const insitu_patch* patch);
@@ -90,9 +108,19 @@ public:
   /// From now on view() and field() are the stand-in's; null: the solver's own.
   void set_stand_in(StandIn* stand_in) { stand_in_ = stand_in; }
   bool has_stand_in() const { return stand_in_ != nullptr; }
+  /// Adds these pieces to the views, behind the solver's, from the next update() on; null: none.
+  void set_halo(const HaloPieces* halo) { halo_ = halo; }
   void set_free_of_folds(bool free) { shown().free_of_folds = free; }
   void set_one_mesh(bool one) { shown().one_mesh = one; }
   void set_covers_once(bool once) { shown().covers_once = once; }
+
+  /// Whether all pieces that have any have global ids, as of the last update().
+  bool has_global_ids(insitu_association association) const { return has_global_ids_[association]; }
+  /// Of a cell or vertex of own_view(); -1 if there are none.
+  std::int64_t global_id(insitu_association association, std::int64_t flat) const;
+  /// Empty if the global ids of the cells that own points ascend, from piece to piece and in each;
+  /// else where they do not.
+  const std::string& global_ids_descend() const { return global_ids_descend_; }
 
   /// Registers what `from` has, as of its last update(), but for the vertices: those lie at
   /// points[from.own_view().first_vertex[piece] + id], borrowed. Nothing else is copied but
@@ -154,6 +182,7 @@ private:
     PieceView view;
     std::vector<ExternalArray> points;
     ExternalArray connectivity, types, offsets, ghosts, hidden_points, axes[3];
+    ExternalArray global_ids[2]; ///< [association]
     AmrPiece amr;
   };
   static std::int64_t vertices_of(const Piece& p) {
@@ -192,6 +221,7 @@ private:
   bool points_stand(const MeshView& now) const;
   bool kept_fits(const MeshView& now) const;
   void make_earlier_points(const core::Threads& threads);
+  void add_halo();
   void set_views();
   EarlierField& earlier_field_for(const std::string& name, insitu_association association,
                                   int components);
@@ -201,6 +231,9 @@ private:
   static void visit_field_piece(const Field& field, std::size_t p, ArrayVisitor visit);
   void check_piece(std::size_t p) const;
   void check_field(const Field& field) const;
+  void check_global_ids(const core::Threads* threads);
+  void check_global_ids(std::size_t p, insitu_association of, std::int64_t& last,
+                        const core::Threads* threads);
   void check_pointers(Field& field, const core::Threads* threads) const;
   void update_fields(const core::Threads* threads);
   bool hides_points(const Field& field, std::size_t p) const;
@@ -215,6 +248,8 @@ private:
   std::string name_;
   std::uint32_t pending_ = INSITU_CHANGED_ALL;
   bool separate_pieces_ = false;
+  bool has_global_ids_[2] = {false, false}; ///< [association]
+  std::string global_ids_descend_;
   std::vector<Piece> pieces_;
   std::vector<std::unique_ptr<Field>> fields_;
   // Views.
@@ -222,6 +257,7 @@ private:
   std::vector<std::int64_t> first_cell_{0}, first_vertex_{0};
   MeshView view_;
   StandIn* stand_in_ = nullptr;
+  const HaloPieces* halo_ = nullptr;
   // Of an adaptive mesh.
   std::optional<AmrLevels> amr_;
   std::vector<AmrPieceView> amr_pieces_;

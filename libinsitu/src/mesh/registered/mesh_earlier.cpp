@@ -160,7 +160,8 @@ bool Mesh::axes_stand(const MeshView& now) const {
     for (int d = 0; d < 3 && b.vertex_count > 0; ++d) {
       if (!a.axis[d] != !b.axis[d])
         return false;
-      if (!a.axis[d] && (a.origin[d] != b.origin[d] || a.spacing[d] != b.spacing[d]))
+      if (!a.axis[d] && (a.origin[d] != b.origin[d] || a.spacing[d] != b.spacing[d] ||
+                         a.block_first[d] != b.block_first[d]))
         return false;
       for (std::int64_t i = 0; a.axis[d] && i < b.block_vertices[d]; ++i)
         if (load_real(a.axis[d] + i * a.axis_stride[d], a.axis_is_float32) !=

@@ -11,13 +11,7 @@ namespace insitu::mesh {
 
 using core::Error;
 
-namespace {
-
-/// The components of a field on a piece without cells, whose values nobody reads: as many as a
-/// field may have.
 const std::byte* const no_values[1 << 16] = {};
-
-} // namespace
 
 void Mesh::check_piece(std::size_t index) const {
   const Piece& p = pieces_[index];
@@ -86,6 +80,7 @@ void Mesh::update(const core::Threads* threads) {
   }
   for (std::size_t p = 0; p < pieces_.size(); ++p)
     check_piece(p);
+  check_global_ids(threads);
   piece_views_.clear();
   first_cell_.assign(1, 0);
   first_vertex_.assign(1, 0);
@@ -105,15 +100,30 @@ void Mesh::update(const core::Threads* threads) {
     first_cell_.push_back(first_cell_.back() + p.view.cell_count);
     first_vertex_.push_back(first_vertex_.back() + piece_views_.back().vertex_count);
   }
+  add_halo();
   update_fields(threads);
   set_views();
+}
+
+void Mesh::add_halo() {
+  for (const PieceView& piece : halo_ ? halo_->pieces() : std::span<const PieceView>()) {
+    piece_views_.push_back(piece);
+    first_cell_.push_back(first_cell_.back() + piece.cell_count);
+    first_vertex_.push_back(first_vertex_.back() + piece.vertex_count);
+  }
+  if (first_cell_.back() > most_cells)
+    throw Error(INSITU_ERROR_UNSUPPORTED,
+                "mesh '" + name_ + "': " + std::to_string(first_cell_.back()) +
+                    " cells with those of other processes that touch them; a mesh holds at most " +
+                    std::to_string(most_cells));
 }
 
 void Mesh::set_views() {
   view_.pieces = piece_views_.data();
   view_.first_cell = first_cell_.data();
   view_.first_vertex = first_vertex_.data();
-  view_.piece_count = std::int32_t(pieces_.size());
+  view_.piece_count = std::int32_t(piece_views_.size());
+  view_.halo_piece_count = std::int32_t(piece_views_.size() - pieces_.size());
   view_.join_pieces = !separate_pieces_;
   hide_earlier(); // of cells that may be others by now, until they are shown again
 }
@@ -123,9 +133,9 @@ namespace {
 bool axes_are_within(const PieceView& block, double bound) {
   bool within = true;
   for (int a = 0; a < 3; ++a) {
-    const double last = double(block.block_vertices[a] - 1) * block.spacing[a];
     if (!block.axis[a])
-      within &= std::abs(block.origin[a]) < bound && std::abs(block.origin[a] + last) < bound;
+      within &= std::abs(block.block_coordinate(a, 0)) < bound &&
+                std::abs(block.block_coordinate(a, block.block_vertices[a] - 1)) < bound;
     for (std::int64_t i = 0; block.axis[a] && i < block.block_vertices[a]; ++i)
       within &= std::abs(load_real(block.axis[a] + i * block.axis_stride[a],
                                    block.axis_is_float32)) < bound;
@@ -173,6 +183,8 @@ void Mesh::update_fields(const core::Threads* threads) {
         field->views.push_back({no_values, {}, false, nullptr});
       else
         add_view(*field, i, threads);
+    for (std::size_t i = pieces_.size(); i < piece_views_.size(); ++i)
+      field->views.push_back(halo_->values(field->name, i - pieces_.size()));
   }
 }
 
@@ -221,6 +233,8 @@ void Mesh::visit_arrays(ArrayVisitor visit) const {
         {&from.offsets, "offsets"},
         {&from.ghosts, "ghosts"},
         {&from.hidden_points, "hidden points"},
+        {&from.global_ids[INSITU_VERTEX], "global ids of vertices"},
+        {&from.global_ids[INSITU_CELL], "global ids of cells"},
         {&from.amr.levels, "levels"},
         {&from.amr.corners, "corners"}};
     for (const auto& [array, name] : cells)

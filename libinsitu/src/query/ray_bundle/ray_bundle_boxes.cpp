@@ -58,13 +58,8 @@ int RayBundleLocator::claim_in_blocks() {
 bool RayBundleLocator::set_block(const mesh::PieceView& piece, const mesh::Box& samples,
                                  LatticeCells& cells, std::int64_t* lowest, mesh::Box& box) {
   for (int a = 0; a < 3; ++a) {
-    const auto face = [&](std::int64_t i) {
-      return piece.axis[a]
-                 ? mesh::load_real(piece.axis[a] + i * piece.axis_stride[a], piece.axis_is_float32)
-                 : piece.origin[a] + double(i) * piece.spacing[a];
-    };
-    box.low[a] = face(0);
-    box.high[a] = face(piece.block_vertices[a] - 1);
+    box.low[a] = piece.block_coordinate(a, 0);
+    box.high[a] = piece.block_coordinate(a, piece.block_vertices[a] - 1);
     if (!(box.low[a] <= samples.high[a] && samples.low[a] <= box.high[a]))
       return false;
   }
@@ -88,10 +83,11 @@ bool RayBundleLocator::set_block(const mesh::PieceView& piece, const mesh::Box& 
 
 /// False where coordinates are so far from zero that their rounding shows in a cell, or descend.
 bool RayBundleLocator::set_even_axis(const mesh::PieceView& piece, int a, LatticeCells& cells) {
-  const double start = piece.origin[a], step = piece.spacing[a];
+  const double start = piece.block_coordinate(a, 0), step = piece.spacing[a];
   const double count = double(piece.block_vertices[a]) - 1.0;
   const double end = start + count * step, per_unit = 1.0 / step;
-  const double farthest = std::max(std::fabs(start), std::fabs(end) + std::fabs(end - start));
+  const double farthest = std::max({std::fabs(start), std::fabs(piece.origin[a]),
+                                    std::fabs(end) + std::fabs(end - piece.origin[a])});
   const double rounding = 0x1p-49 * (farthest * per_unit + 16.0); // some units in the last place
   cells.start[a] = start;
   cells.steps_a_unit[a] = per_unit;

@@ -13,9 +13,10 @@ namespace {
 
 constexpr std::int64_t grain = 4096;
 
-/// Whether a cell counts at its vertices.
-bool counts(const mesh::PieceView& piece, std::int64_t cell) {
-  return piece.exists(cell) || (mesh::is_duplicate(piece, cell) && mesh::has_sound_ids(piece, cell));
+/// Whether a cell counts at its vertices. Where a halo is, a solver's duplicates would count twice.
+bool counts(const mesh::MeshView& mesh, const mesh::PieceView& piece, std::int64_t cell) {
+  return piece.exists(cell) || (mesh.halo_piece_count == 0 && mesh::is_duplicate(piece, cell) &&
+                                mesh::has_sound_ids(piece, cell));
 }
 
 /// Whether two cells have the same vertices, by coordinates, in any order.
@@ -52,7 +53,7 @@ void for_each_corner(const mesh::MeshView& mesh, const core::Threads& threads, V
                          [&](std::int64_t begin, std::int64_t stop) {
                            std::int64_t ids[8];
                            for (std::int64_t cell = begin; cell < stop; ++cell) {
-                             if (!counts(piece, cell))
+                             if (!counts(mesh, piece, cell))
                                continue;
                              const int n = piece.vertex_ids(cell, ids);
                              for (int v = 0; v < n; ++v)
@@ -140,7 +141,9 @@ std::int64_t VertexCells::bytes_for(const mesh::MeshView& mesh, const core::Thre
                          [&](std::int64_t begin, std::int64_t stop) {
                            std::int64_t sum = 0;
                            for (std::int64_t cell = begin; cell < stop; ++cell)
-                             sum += counts(piece, cell) ? mesh::vertex_count(piece.shape(cell)) : 0;
+                             sum += counts(mesh, piece, cell)
+                                        ? mesh::vertex_count(piece.shape(cell))
+                                        : 0;
                            corners += sum;
                          });
   }

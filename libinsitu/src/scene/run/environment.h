@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/context.h"
+#include "parallel/world.h"
 #include "scene/frames/cinema_table.h"
 #include "scene/frames/frame_structures.h"
 #include "scene/run/page_record.h"
@@ -14,6 +15,7 @@ namespace insitu::scene {
 /// Every action is made with an Environment.
 struct Environment {
   core::Context& context;
+  parallel::World& world; ///< the processes of the session; see Action::execute()
   Statistics& statistics;
   FrameStructures& structures;
   CinemaTable& table;         ///< the table of the files of frames

@@ -15,10 +15,17 @@
 namespace insitu::scene {
 
 Runner::Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
-               Statistics& statistics)
-    : structures_(context), table_(scene.frames, output.empty() ? scene.output : output),
-      environment_{context, statistics, structures_,
-                   table_,  scene.file, output.empty() ? scene.output : output},
+               parallel::World& world, Statistics& statistics)
+    : structures_(context),
+      table_(scene.frames, output.empty() ? scene.output : output), environment_{context,
+                                                                                 world,
+                                                                                 statistics,
+                                                                                 structures_,
+                                                                                 table_,
+                                                                                 scene.file,
+                                                                                 output.empty()
+                                                                                     ? scene.output
+                                                                                     : output},
       locator_(scene.locator), checkpoint_(scene.checkpoint) {
   if (locator_.choice.backend || locator_.choice.method) { // what can never be had is said at once
     try {

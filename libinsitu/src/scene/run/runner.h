@@ -21,7 +21,7 @@ public:
   /// output: overrides the scene's folder if not empty. Throws core::Error for what this build
   /// lacks.
   Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
-         Statistics& statistics);
+         parallel::World& world, Statistics& statistics);
   ~Runner();
 
   /// Does what is due. The meshes are committed. Failures are logged, counted and skipped; the

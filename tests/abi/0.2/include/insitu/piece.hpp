@@ -126,15 +126,18 @@ public:
     set_extent(b, ni, nj, nk);
     give(b);
   }
-  /** Makes the piece a block with evenly spaced vertices; it needs no points(). */
+  /** Makes the piece a block with evenly spaced vertices; it needs no points(). first: the numbers
+   * of its first vertex, counted from the origin. */
   void uniform_block(const std::array<std::int64_t, 3>& vertices,
-                     const std::array<double, 3>& origin, const std::array<double, 3>& spacing) {
+                     const std::array<double, 3>& origin, const std::array<double, 3>& spacing,
+                     const std::array<std::int64_t, 3>& first = {0, 0, 0}) {
     insitu_block b = insitu_block_default();
     b.kind = INSITU_BLOCK_UNIFORM;
     set_extent(b, vertices[0], vertices[1], vertices[2]);
     for (std::size_t a = 0; a < 3; ++a) {
       b.origin[a] = origin[a];
       b.spacing[a] = spacing[a];
+      b.first[a] = first[a];
     }
     give(b);
   }
@@ -205,6 +208,18 @@ public:
     const insitu_array a = values.get(counts().cells, "ghosts");
     detail::check(
         insitu_mesh_ghosts(handle(), index_, &a, static_cast<insitu_ghost_convention>(convention)));
+  }
+  /** Gives the numbers that the piece's cells or vertices have in the mesh of all processes, int32
+   * or int64 (insitu_mesh_global_ids). */
+  void global_ids(Association association, const Array& values) {
+    const bool cells = association == Association::cell;
+    const insitu_array a = values.get(cells ? counts().cells : counts().vertices, "global ids");
+    detail::check(
+        insitu_mesh_global_ids(handle(), index_, static_cast<insitu_association>(association), &a));
+  }
+  void no_global_ids(Association association) {
+    detail::check(insitu_mesh_global_ids(handle(), index_,
+                                         static_cast<insitu_association>(association), nullptr));
   }
   /** Gives VTK's vtkGhostType of points, one uint8 a vertex: bit 2 hides
    *  (insitu_mesh_hidden_points). */

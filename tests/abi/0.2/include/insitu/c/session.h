@@ -39,8 +39,11 @@ typedef struct insitu_session_options {
   insitu_log_level log_level; /**< messages up to this level reach the log */
   insitu_log_function log;    /**< null: errors and warnings go to stderr */
   void* log_user;
-  const void* communicator;     /**< address of an MPI_Comm, or null; this version keeps it, does
-                                     not use it, and logs what that means */
+  const void* communicator;     /**< address of an MPI_Comm, which is duplicated, or null. With it,
+                                     opening, executing and closing the session are collective
+                                     over its processes, which agree on scenes, cycles, fields and
+                                     errors; each works on its own pieces. A build without MPI
+                                     logs that it does not use it */
   int32_t fortran_communicator; /**< the communicator as a Fortran integer, if communicator is null;
                                      INSITU_NO_COMMUNICATOR: no communicator */
   int32_t preview;              /**< 1: each execute draws every frame of the scene, whatever its
@@ -68,7 +71,11 @@ static inline insitu_session_options insitu_session_options_default(void) {
 
 /** Opens a session. options null means the defaults. A bad scene is an error of this call, whose
  *  message gives file, line, key and the nearest valid key; *session is then null. The call also
- *  logs what is wrong, by the options' log or to stderr.
+ *  logs what is wrong, by the options' log or to stderr. With a communicator the call is
+ *  collective: all processes return the same status, and a message that names the first one that
+ *  failed, which the root's log alone tells. INSITU_ERROR_UNSUPPORTED: the program has another MPI
+ *  than libinsitu-mpi, or that library is not found; INSITU_ERROR_ORDER: MPI is not initialised, or
+ *  is finalised, or another thread calls.
  *
  *  A session locks what it writes, by folder and action, until it is closed: another session of
  *  this process or of another one, such as a second rank in the same folder, gets INSITU_ERROR_FILE

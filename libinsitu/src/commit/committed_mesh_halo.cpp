@@ -1,0 +1,76 @@
+/// The cells of other processes beside a mesh's own.
+#include "commit/committed_mesh.h"
+
+namespace insitu::commit {
+
+using parallel::Reduction;
+
+CellName CommittedMesh::name(std::int64_t flat) const {
+  const mesh::MeshView& view = mesh_.own_view();
+  const std::int32_t piece = view.piece_of(flat), own = view.piece_count - view.halo_piece_count;
+  const std::int64_t cell = flat - view.first_cell[piece];
+  if (piece >= own)
+    return halo_->name(std::size_t(piece - own), cell);
+  return {mesh_.global_id(INSITU_CELL, flat), rank_, piece, cell};
+}
+
+bool CommittedMesh::NamesAtSeams::is_at_seam(std::int64_t flat) const {
+  return flat >= mesh_.mesh_.own_view().own_cell_count() || mesh_.halo_->is_at_seam(flat);
+}
+
+bool CommittedMesh::NamesAtSeams::is_before(std::int64_t flat, std::int64_t other) const {
+  return mesh_.name(flat) < mesh_.name(other);
+}
+
+void CommittedMesh::drop_halo() {
+  if (!halo_)
+    return;
+  mesh_.set_halo(nullptr);
+  mesh_.set_changed(INSITU_CHANGED_ALL);
+  halo_.reset();
+}
+
+void CommittedMesh::update_halo(parallel::World& world, const core::Threads& threads,
+                                const core::Log& log) {
+  rank_ = world.rank();
+  if (world.size() == 1)
+    return;
+  std::int64_t any[] = {stand_in_ || mesh_.is_adaptive() || on_device_,
+                        !halo_ || halo_topology_ != topology_version_,
+                        halo_geometry_ != geometry_version_, halo_fields_ != fields_version_};
+  world.reduce(std::span(any), Reduction::greatest);
+  const bool none = any[0], topology = any[1], geometry = any[2], fields = any[3];
+  try {
+    world.agree_after([&] {
+      if (none)
+        drop_halo();
+      else if (!halo_)
+        halo_ = std::make_unique<Halo>(*memory_);
+    });
+    if (!none && topology)
+      halo_->find(*this, world);
+    else if (!none && geometry)
+      halo_->refresh_points(*this, world);
+    if (!none && (topology || fields))
+      halo_->refresh_fields(*this, world);
+    world.agree_after([&] {
+      mesh_.set_halo(halo_.get());
+      if (!none && (topology || geometry || fields))
+        mesh_.set_changed(topology ? std::uint32_t(INSITU_CHANGED_ALL)
+                          : geometry
+                              ? std::uint32_t(INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_FIELDS)
+                              : std::uint32_t(INSITU_CHANGED_FIELDS));
+      insitu_commit_report report = insitu_commit_report_default();
+      if (mesh_.pending() != 0)
+        commit_pending(report, threads, log, false);
+    });
+  } catch (...) {
+    drop_halo();
+    throw;
+  }
+  halo_topology_ = topology_version_;
+  halo_geometry_ = geometry_version_;
+  halo_fields_ = fields_version_;
+}
+
+} // namespace insitu::commit

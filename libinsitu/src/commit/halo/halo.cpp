@@ -1,0 +1,245 @@
+#include "commit/halo/halo.h"
+
+#include <algorithm>
+
+#include "commit/committed_mesh.h"
+
+namespace insitu::commit {
+
+using parallel::ByteReader;
+using parallel::ByteWriter;
+using parallel::Parcel;
+
+mesh::PieceView Halo::Borrowed::view() {
+  const auto bytes = [](const auto& buffer) {
+    return reinterpret_cast<const std::byte*>(buffer.data());
+  };
+  mesh::PieceView v;
+  v.layout = mesh::CellLayout::mixed;
+  v.is_halo = true;
+  v.cell_count = std::int64_t(types.size());
+  v.vertex_count = std::int64_t(points.size());
+  v.connectivity = {bytes(connectivity), std::int64_t(connectivity.size()), sizeof(std::int32_t),
+                    true};
+  v.id_stride = sizeof(std::int32_t);
+  v.offsets = {bytes(offsets), std::int64_t(offsets.size()), sizeof(std::int64_t), false};
+  v.types = bytes(types);
+  v.types_stride = 1;
+  for (int a = 0; a < 3; ++a)
+    v.points.component[a] = bytes(points) + std::size_t(a) * sizeof(double);
+  v.points.layout = {v.vertex_count, {v.vertex_count, 1}, {sizeof(math::Vec3d), 0, 0}, true};
+  return v;
+}
+
+void Halo::swap(parallel::World& world, core::FunctionRef<void(std::vector<ByteWriter>& to)> write,
+                core::FunctionRef<void(int rank, ByteReader& from)> read) {
+  std::vector<Parcel> parcels;
+  world.agree_after([&] {
+    std::vector<ByteWriter> to(std::size_t(world.size()));
+    write(to);
+    for (std::size_t r = 0; r < to.size(); ++r)
+      if (!to[r].empty()) {
+        bytes_sent_ += std::int64_t(to[r].size());
+        parcels.push_back({int(r), to[r].take()});
+      }
+  });
+  const std::vector<Parcel> received = world.exchange(parcels);
+  world.agree_after([&] {
+    for (const Parcel& p : received) {
+      ByteReader from(p.bytes);
+      read(p.rank, from);
+    }
+  });
+}
+
+/// Writes the cells, grouped by pieces: of each its number and sizes, then its arrays.
+void Halo::lend(const CommittedMesh& mesh, const std::vector<std::vector<std::int64_t>>& cells,
+                std::vector<ByteWriter>& to) {
+  const mesh::MeshView& view = mesh.mesh().own_view();
+  const bool has_global = mesh.mesh().has_global_ids(INSITU_CELL);
+  std::vector<std::int64_t> global, offsets;
+  std::vector<std::int32_t> connectivity;
+  std::vector<std::uint8_t> types;
+  std::vector<math::Vec3d> points;
+  for (std::size_t r = 0; r < cells.size(); ++r)
+    for (auto begin = cells[r].begin(); begin != cells[r].end();) {
+      const std::int32_t p = view.piece_of(*begin);
+      const mesh::PieceView& piece = view.pieces[p];
+      const auto end = std::lower_bound(begin, cells[r].end(), view.first_cell[p + 1]);
+      Lent& lent = lent_.emplace_back(Lent{int(r), p, {}, {}});
+      std::int64_t ids[8];
+      for (auto c = begin; c != end; ++c) {
+        lent.cells.push_back(*c - view.first_cell[p]);
+        const int n = piece.vertex_ids(lent.cells.back(), ids);
+        lent.vertices.insert(lent.vertices.end(), ids, ids + n);
+      }
+      std::ranges::sort(lent.vertices);
+      lent.vertices.erase(std::unique(lent.vertices.begin(), lent.vertices.end()),
+                          lent.vertices.end());
+      global.clear(), offsets.clear(), connectivity.clear(), types.clear(), points.clear();
+      for (const std::int64_t cell : lent.cells) {
+        const int n = piece.vertex_ids(cell, ids);
+        offsets.push_back(std::int64_t(connectivity.size()));
+        types.push_back(std::uint8_t(piece.shape(cell)));
+        for (int v = 0; v < n; ++v)
+          connectivity.push_back(std::int32_t(std::ranges::lower_bound(lent.vertices, ids[v]) -
+                                              lent.vertices.begin()));
+        if (has_global)
+          global.push_back(mesh.mesh().global_id(INSITU_CELL, view.first_cell[p] + cell));
+        seam_[std::size_t((view.first_cell[p] + cell) >> 6)] |=
+            std::uint64_t(1) << ((view.first_cell[p] + cell) & 63);
+      }
+      for (const std::int64_t v : lent.vertices)
+        points.push_back(piece.point(v));
+      to[r].value(p);
+      to[r].value(std::int32_t(has_global));
+      to[r].value(std::int64_t(lent.cells.size()));
+      to[r].value(std::int64_t(points.size()));
+      to[r].value(std::int64_t(connectivity.size()));
+      to[r].array(std::span<const std::int64_t>(lent.cells));
+      to[r].array(std::span<const std::int64_t>(global));
+      to[r].array(std::span<const std::int64_t>(offsets));
+      to[r].array(std::span<const std::int32_t>(connectivity));
+      to[r].array(std::span<const std::uint8_t>(types));
+      to[r].array(std::span<const math::Vec3d>(points));
+      begin = end;
+    }
+}
+
+void Halo::borrow(int rank, ByteReader& from) {
+  while (!from.at_end()) {
+    Borrowed& b = borrowed_.emplace_back(*memory_);
+    b.rank = rank;
+    b.piece = from.value<std::int32_t>();
+    b.has_global = from.value<std::int32_t>() != 0;
+    const auto cells = std::size_t(from.value<std::int64_t>());
+    const auto vertices = std::size_t(from.value<std::int64_t>());
+    const auto ids = std::size_t(from.value<std::int64_t>());
+    const auto read = [&](auto& buffer, std::size_t count) {
+      if (count > from.left()) // each item has a byte at least
+        throw core::Error(INSITU_ERROR_INTERNAL, "a parcel of cells is too short");
+      buffer.resize_discard(count);
+      from.array(buffer.span());
+    };
+    read(b.cells, cells);
+    read(b.global, b.has_global ? cells : 0);
+    read(b.offsets, cells);
+    read(b.connectivity, ids);
+    read(b.types, cells);
+    read(b.points, vertices);
+  }
+}
+
+void Halo::find(const CommittedMesh& mesh, parallel::World& world) {
+  world.agree_after([&] { (void)mesh.tree(); }); // which is fitted now, or built
+  directory_.gather(mesh.standing_tree(), world);
+  const std::vector<std::vector<std::int64_t>> cells = touching_cells(mesh, world);
+  std::vector<Borrowed> before;
+  swap(
+      world,
+      [&](std::vector<ByteWriter>& to) {
+        lent_.clear();
+        seam_.assign(std::size_t((mesh.mesh().own_view().own_cell_count() + 63) / 64), 0);
+        lend(mesh, cells, to);
+        before = std::exchange(borrowed_, {});
+      },
+      [&](int rank, ByteReader& from) { borrow(rank, from); });
+  views_.clear();
+  for (Borrowed& b : borrowed_)
+    views_.push_back(b.view());
+}
+
+void Halo::refresh_points(const CommittedMesh& mesh, parallel::World& world) {
+  swap(
+      world,
+      [&](std::vector<ByteWriter>& to) {
+        const mesh::MeshView& view = mesh.mesh().own_view();
+        for (const Lent& lent : lent_)
+          for (const std::int64_t v : lent.vertices)
+            to[std::size_t(lent.rank)].value(view.pieces[lent.piece].point(v));
+      },
+      [&](int rank, ByteReader& from) {
+        for (Borrowed& b : borrowed_)
+          if (b.rank == rank)
+            from.array(b.points.span());
+      });
+}
+
+/// Of each piece, each field by name: its association, components, type and values.
+void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
+  std::vector<std::string> names = mesh.mesh().field_names();
+  std::ranges::sort(names);
+  swap(
+      world,
+      [&](std::vector<ByteWriter>& to) {
+        for (const Lent& lent : lent_)
+          for (const std::string& name : names) {
+            const mesh::FieldView field = mesh.mesh().own_field(name);
+            const mesh::FieldPieceView& values = field.pieces[lent.piece];
+            ByteWriter& out = to[std::size_t(lent.rank)];
+            out.value(std::int32_t(field.association));
+            out.value(std::int32_t(field.components));
+            out.value(std::int32_t(values.is_float32));
+            const auto& items = field.association == INSITU_CELL ? lent.cells : lent.vertices;
+            for (const std::int64_t item : items)
+              for (int c = 0; c < field.components; ++c)
+                if (values.is_float32)
+                  out.value(float(values.load(item, c)));
+                else
+                  out.value(values.load(item, c));
+          }
+      },
+      [&](int rank, ByteReader& from) {
+        for (Borrowed& b : borrowed_) {
+          if (b.rank != rank)
+            continue;
+          for (const std::string& name : names) {
+            const bool of_cells = from.value<std::int32_t>() == INSITU_CELL;
+            const auto components = std::size_t(from.value<std::int32_t>());
+            const bool is_float32 = from.value<std::int32_t>() != 0;
+            const std::size_t items = of_cells ? b.cells.size() : b.points.size();
+            const std::size_t size = is_float32 ? sizeof(float) : sizeof(double);
+            if (items * components * size > from.left())
+              throw core::Error(INSITU_ERROR_INTERNAL, "a parcel of values is too short");
+            std::unique_ptr<Values>& values = b.fields[name];
+            if (!values)
+              values = std::make_unique<Values>(*memory_);
+            values->bytes.resize_discard(items * components * size);
+            from.array(values->bytes.span());
+            values->components.clear();
+            for (std::size_t c = 0; c < components; ++c)
+              values->components.push_back(values->bytes.data() + c * size);
+            const auto stride = std::int64_t(components * size);
+            const auto count = std::int64_t(items);
+            values->view = {values->components.data(),
+                            {count, {count, 1}, {stride, 0, 0}, true},
+                            is_float32,
+                            nullptr};
+          }
+          std::erase_if(b.fields,
+                        [&](const auto& f) { return !std::ranges::binary_search(names, f.first); });
+        }
+      });
+}
+
+mesh::FieldPieceView Halo::values(const std::string& field, std::size_t piece) const {
+  const auto& fields = borrowed_[piece].fields;
+  const auto found = fields.find(field);
+  return found == fields.end() ? mesh::FieldPieceView{mesh::no_values, {}, false, nullptr}
+                               : found->second->view;
+}
+
+CellName Halo::name(std::size_t piece, std::int64_t cell) const {
+  const Borrowed& b = borrowed_[piece];
+  const auto i = std::size_t(cell);
+  return {b.has_global ? b.global[i] : -1, b.rank, b.piece, b.cells[i]};
+}
+
+std::int64_t Halo::cell_count() const {
+  std::int64_t count = 0;
+  for (const mesh::PieceView& piece : views_)
+    count += piece.cell_count;
+  return count;
+}
+
+} // namespace insitu::commit

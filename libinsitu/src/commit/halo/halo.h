@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "commit/halo/directory.h"
+#include "core/memory.h"
+#include "mesh/registered/mesh.h"
+#include "parallel/bytes.h"
+#include "parallel/world.h"
+
+namespace insitu::commit {
+
+class CommittedMesh;
+
+/// A cell as all processes know it. Of the cells that hold a point the least owns it.
+struct CellName {
+  std::int64_t global = -1; ///< its global id; -1: the solver gives none
+  int rank = 0;
+  std::int32_t piece = 0;
+  std::int64_t cell = 0; ///< in the piece
+  /// By global ids, where all cells have them, else by process, piece and cell.
+  bool operator<(const CellName& b) const {
+    return std::tie(global, rank, piece, cell) < std::tie(b.global, b.rank, b.piece, b.cell);
+  }
+};
+
+/// The cells of other processes that touch this process's cells: copies of their vertices, global
+/// ids and fields, as pieces of the mesh behind the solver's own. They exist and do not own points,
+/// so a mesh with its halo has at its seams what the whole mesh has there. Cells touch here if
+/// their boxes do, rounded outwards to floats: more than needed, never less. What of a mesh is
+/// borrowed here and lent to others stays the same until the cells of a process change.
+class Halo final : public mesh::HaloPieces {
+public:
+  explicit Halo(core::Memory& memory) : memory_(&memory) {}
+
+  /// Collective, of a committed mesh without a stand-in: finds the cells and copies their vertices.
+  /// The mesh's views are of the halo before until its next update().
+  void find(const CommittedMesh& mesh, parallel::World& world);
+  /// Collective: copies the vertices again, which moved. Throws parallel::AgreedError, as all here.
+  void refresh_points(const CommittedMesh& mesh, parallel::World& world);
+  /// Collective: copies the values of all fields.
+  void refresh_fields(const CommittedMesh& mesh, parallel::World& world);
+
+  std::span<const mesh::PieceView> pieces() const override { return views_; }
+  mesh::FieldPieceView values(const std::string& field, std::size_t piece) const override;
+
+  /// Of the cell that is number `cell` in halo piece `piece`.
+  CellName name(std::size_t piece, std::int64_t cell) const;
+  std::int64_t cell_count() const;
+  /// Whether a cell of this process, by its flat id, touches others.
+  bool is_at_seam(std::int64_t flat) const {
+    return std::size_t(flat >> 6) < seam_.size() &&
+           (seam_[std::size_t(flat >> 6)] >> (flat & 63)) & 1;
+  }
+  const Directory& directory() const { return directory_; }
+  /// Sent since the halo was made.
+  std::int64_t bytes_sent() const { return bytes_sent_; }
+
+private:
+  /// Cells and vertices of a piece of this process that another process has.
+  struct Lent {
+    int rank;
+    std::int32_t piece;
+    std::vector<std::int64_t> cells, vertices; ///< in the piece, ascending
+  };
+  struct Values {
+    core::Buffer<std::byte> bytes;
+    std::vector<const std::byte*> components;
+    mesh::FieldPieceView view;
+    explicit Values(core::Memory& memory) : bytes(memory, INSITU_MEMORY_HALO) {}
+  };
+  struct Borrowed {
+    int rank = 0;
+    std::int32_t piece = 0;
+    bool has_global = false;
+    core::Buffer<math::Vec3d> points;
+    core::Buffer<std::int64_t> cells, global, offsets;
+    core::Buffer<std::int32_t> connectivity;
+    core::Buffer<std::uint8_t> types;
+    std::map<std::string, std::unique_ptr<Values>> fields;
+    explicit Borrowed(core::Memory& memory)
+        : points(memory, INSITU_MEMORY_HALO), cells(memory, INSITU_MEMORY_HALO),
+          global(memory, INSITU_MEMORY_HALO), offsets(memory, INSITU_MEMORY_HALO),
+          connectivity(memory, INSITU_MEMORY_HALO), types(memory, INSITU_MEMORY_HALO) {}
+    mesh::PieceView view();
+  };
+
+  std::vector<std::vector<std::int64_t>> touching_cells(const CommittedMesh& mesh,
+                                                        parallel::World& world);
+  void lend(const CommittedMesh& mesh, const std::vector<std::vector<std::int64_t>>& cells,
+            std::vector<parallel::ByteWriter>& to);
+  void borrow(int rank, parallel::ByteReader& from);
+  /// Exchanges what write() has for each process that borrows here; read() gets what comes.
+  void swap(parallel::World& world,
+            core::FunctionRef<void(std::vector<parallel::ByteWriter>& to)> write,
+            core::FunctionRef<void(int rank, parallel::ByteReader& from)> read);
+
+  core::Memory* memory_;
+  Directory directory_;
+  std::vector<Lent> lent_;
+  std::vector<Borrowed> borrowed_; ///< by rank, then piece
+  std::vector<mesh::PieceView> views_;
+  std::vector<std::uint64_t> seam_; ///< a bit a flat cell
+  std::int64_t bytes_sent_ = 0;
+};
+
+} // namespace insitu::commit

@@ -1,0 +1,146 @@
+/// Which cells of this process touch which other process's.
+#include <algorithm>
+#include <bit>
+
+#include "commit/committed_mesh.h"
+#include "commit/halo/halo.h"
+
+namespace insitu::commit {
+
+using parallel::ByteReader;
+using parallel::ByteWriter;
+
+namespace {
+
+/// A box of floats in the mesh's coordinates, which holds that of a cell.
+accel::Box outwards(const mesh::Box& box) {
+  accel::Box out;
+  for (int a = 0; a < 3; ++a) {
+    out.lower[a] = accel::round_down(box.low[a]);
+    out.upper[a] = accel::round_up(box.high[a]);
+  }
+  return out;
+}
+
+mesh::Box widened(const accel::Box& box) {
+  mesh::Box out;
+  for (int a = 0; a < 3; ++a) {
+    out.low[a] = double(box.lower[a]);
+    out.high[a] = double(box.upper[a]);
+  }
+  return out;
+}
+
+bool overlap(const accel::Box& a, const accel::Box& b) {
+  bool yes = true;
+  for (int axis = 0; axis < 3; ++axis)
+    yes &= a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis];
+  return yes;
+}
+
+/// visit(flat) of the tree's cells whose leaves meet a box of the mesh's coordinates, until it
+/// returns true; whether it did.
+template <class Visit>
+bool visit_cells(const accel::Tree& tree, const mesh::Box& box, Visit&& visit) {
+  if (tree.empty())
+    return false;
+  const accel::Box local = outwards({box.low - tree.origin(), box.high - tree.origin()});
+  std::uint32_t stack[64 * 8];
+  int size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const accel::Node& node = tree.nodes()[stack[--size]];
+    for (int c = 0; c < 8; ++c) {
+      if (!node.meta[c] || !overlap(node.child_box(c), local))
+        continue;
+      if (node.is_inner(c)) {
+        stack[size++] = node.child_node(c);
+        continue;
+      }
+      for (int k = 0; k < node.child_cell_count(c); ++k)
+        if (visit(std::int64_t(tree.cells()[node.child_cells(c) + std::uint32_t(k)])))
+          return true;
+    }
+  }
+  return false;
+}
+
+mesh::Box box_of_cell(const mesh::MeshView& view, std::int64_t flat) {
+  mesh::CellVertices cell;
+  mesh::gather(view, flat, cell);
+  return mesh::box_of(cell);
+}
+
+/// The cells of this process near another one's, ascending.
+std::vector<std::int64_t> near(const mesh::MeshView& view, const accel::Tree& tree,
+                               std::span<const mesh::Box> boxes) {
+  std::vector<std::int64_t> cells;
+  for (const mesh::Box& box : boxes)
+    visit_cells(tree, box, [&](std::int64_t flat) {
+      if (flat < view.own_cell_count())
+        cells.push_back(flat);
+      return false;
+    });
+  std::ranges::sort(cells);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return cells;
+}
+
+/// Whether a cell of this process touches the box.
+bool touches(const mesh::MeshView& view, const accel::Tree& tree, const mesh::Box& box) {
+  return visit_cells(tree, box, [&](std::int64_t flat) {
+    return flat < view.own_cell_count() && meet(box_of_cell(view, flat), box);
+  });
+}
+
+} // namespace
+
+/// First each process tells the boxes of its cells that lie near another's; this one says by a bit
+/// each which it touches. Returns, of each process, the cells that it touches here.
+std::vector<std::vector<std::int64_t>> Halo::touching_cells(const CommittedMesh& mesh,
+                                                            parallel::World& world) {
+  const mesh::MeshView& view = mesh.mesh().own_view();
+  const accel::Tree& tree = mesh.standing_tree();
+  const auto processes = std::size_t(world.size());
+  std::vector<std::vector<std::int64_t>> cells(processes);
+  std::vector<std::vector<std::uint8_t>> wanted(processes); // of each other process's boxes
+  swap(
+      world,
+      [&](std::vector<ByteWriter>& to) {
+        for (int r = 0; r < world.size(); ++r) {
+          if (r == world.rank() || !directory_.may_touch(world.rank(), r))
+            continue;
+          cells[std::size_t(r)] = near(view, tree, directory_.boxes(r));
+          for (const std::int64_t flat : cells[std::size_t(r)])
+            to[std::size_t(r)].value(outwards(box_of_cell(view, flat)));
+        }
+      },
+      [&](int rank, ByteReader& from) {
+        std::vector<std::uint8_t>& bits = wanted[std::size_t(rank)];
+        while (!from.at_end())
+          bits.push_back(touches(view, tree, widened(from.value<accel::Box>())));
+      });
+  swap(
+      world,
+      [&](std::vector<ByteWriter>& to) {
+        for (std::size_t r = 0; r < processes; ++r)
+          for (std::size_t i = 0; i < wanted[r].size(); i += 8) {
+            std::uint8_t byte = 0;
+            for (std::size_t k = i; k < std::min(i + 8, wanted[r].size()); ++k)
+              byte = std::uint8_t(byte | wanted[r][k] << (k - i));
+            to[r].value(byte);
+          }
+      },
+      [&](int rank, ByteReader& from) {
+        std::vector<std::int64_t>& mine = cells[std::size_t(rank)];
+        const std::vector<std::uint8_t> bits = from.array<std::uint8_t>((mine.size() + 7) / 8);
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < mine.size(); ++i)
+          if (bits[i / 8] >> (i % 8) & 1)
+            mine[kept++] = mine[i];
+        mine.resize(kept);
+      });
+  return cells;
+}
+
+} // namespace insitu::commit

@@ -1,0 +1,257 @@
+#include <gtest/gtest.h>
+#include <map>
+#include <set>
+
+#include "commit/committed_mesh.h"
+#include "fixtures/parts.h"
+#include "threaded_world.h"
+
+using namespace insitu;
+using math::Vec3d;
+
+namespace {
+
+test::TestMesh mesh_of(std::uint64_t seed, double jitter = 0.2) {
+  test::MeshOptions options;
+  options.size = 4;
+  options.jitter = jitter;
+  options.kind = test::MeshKind(seed % 6);
+  return test::make_mesh(options, seed);
+}
+
+/// A process's part of a whole mesh, committed, with a field on vertices and one on cells.
+struct Process {
+  Process(const test::TestMesh& whole, const fixtures::Partition& partition,
+          parallel::World& world_, bool ids = true)
+      : world(world_), part(whole, partition, world.rank()) {
+    part.give(mesh.mesh(), ids);
+    give_fields(whole, 1.0);
+    commit();
+  }
+  void give_fields(const test::TestMesh& whole, double factor) {
+    std::vector<double> of_cells, of_vertices;
+    for (std::size_t c = 0; c < whole.cells.size(); ++c)
+      of_cells.push_back(factor * double(c));
+    for (const Vec3d& x : whole.vertices)
+      of_vertices.insert(of_vertices.end(), {factor * std::sin(3 * x.x), x.y * x.z});
+    part.give_field(mesh.mesh(), "cell", INSITU_CELL, 1, of_cells);
+    part.give_field(mesh.mesh(), "vertex", INSITU_VERTEX, 2, of_vertices);
+  }
+  void commit() {
+    mesh.commit(threads, log, memory, false);
+    mesh.update_halo(world, threads, log);
+  }
+
+  parallel::World& world;
+  core::Memory memory;
+  core::Threads threads{1};
+  core::Log log{insitu_log_level(0), nullptr, nullptr};
+  commit::CommittedMesh mesh{"part", memory};
+  fixtures::Part part;
+};
+
+std::set<int> vertices_of(const test::MeshCell& cell) {
+  return {cell.vertices.begin(), cell.vertices.begin() + mesh::vertex_count(cell.shape)};
+}
+
+/// Every cell that shares a vertex with one of this process's own is there, own or in the halo, and
+/// is that of the whole mesh, with its values.
+void expect_whole_about_own_cells(const test::TestMesh& whole, const fixtures::Partition& partition,
+                                  const Process& p, double factor, const std::string& which) {
+  const mesh::MeshView& view = p.mesh.mesh().own_view();
+  const mesh::FieldView of_cells =
+      p.mesh.mesh().has_field("cell") ? p.mesh.mesh().own_field("cell") : mesh::FieldView{};
+  std::set<std::int64_t> here;
+  std::set<int> own_vertices;
+  for (std::int64_t flat = 0; flat < view.cell_count(); ++flat) {
+    const std::int32_t piece = view.piece_of(flat);
+    const std::int64_t cell = flat - view.first_cell[piece];
+    if (!view.pieces[piece].exists(cell))
+      continue;
+    const bool own = view.pieces[piece].owns(cell);
+    EXPECT_EQ(own, flat < view.own_cell_count()) << which;
+    const commit::CellName name = p.mesh.name(flat);
+    ASSERT_GE(name.global, 0) << which;
+    EXPECT_EQ(name.rank, partition.process[std::size_t(name.global)]) << which;
+    EXPECT_TRUE(here.insert(name.global).second) << which << ": twice cell " << name.global;
+    mesh::CellVertices vertices;
+    mesh::gather(view, flat, vertices);
+    const test::MeshCell& of_whole = whole.cells[std::size_t(name.global)];
+    ASSERT_EQ(vertices.shape, of_whole.shape) << which;
+    for (int v = 0; v < vertices.count; ++v)
+      EXPECT_EQ(vertices.x[v], whole.vertices[std::size_t(of_whole.vertices[std::size_t(v)])])
+          << which;
+    EXPECT_EQ(of_cells.pieces[piece].load(cell, 0), factor * double(name.global)) << which;
+    if (own)
+      own_vertices.merge(vertices_of(of_whole));
+  }
+  for (std::size_t c = 0; c < whole.cells.size(); ++c)
+    for (const int v : vertices_of(whole.cells[c]))
+      EXPECT_TRUE(here.contains(std::int64_t(c)) || !own_vertices.contains(v))
+          << which << ": lacks cell " << c;
+}
+
+/// Vertices, middles of cells and of pairs of vertices, and points anywhere.
+std::vector<Vec3d> hard_points(const test::TestMesh& mesh) {
+  std::vector<Vec3d> points = mesh.vertices;
+  for (const test::MeshCell& cell : mesh.cells) {
+    const int n = mesh::vertex_count(cell.shape);
+    const auto x = [&](int v) {
+      return mesh.vertices[std::size_t(cell.vertices[std::size_t(v % n)])];
+    };
+    for (int v = 0; v < n; ++v)
+      points.push_back(0.5 * (x(v) + x(v + 1)));
+    points.push_back(0.25 * (x(0) + x(1) + x(2) + x(3)));
+  }
+  for (std::uint64_t i = 0; i < 300; ++i)
+    points.push_back({4.4 * core::random_unit(3, i, 0) - 0.2,
+                      4.4 * core::random_unit(3, i, 1) - 0.2,
+                      4.4 * core::random_unit(3, i, 2) - 0.2});
+  return points;
+}
+
+struct Answer {
+  std::int64_t cell = -1;
+  Vec3d parametric;
+  double values[3] = {0, 0, 0};
+};
+
+Answer answer_of(const Process& p, const Vec3d& x, bool one_by_one, const query::Location& found) {
+  const query::Sampler sampler = p.mesh.sampler();
+  const query::Location at = one_by_one ? sampler.locate(x) : found;
+  Answer a;
+  if (!at || !sampler.mesh().pieces[sampler.mesh().piece_of(at.cell)].owns(
+                 at.cell - sampler.mesh().first_cell[sampler.mesh().piece_of(at.cell)]))
+    return a;
+  a.cell = p.mesh.name(at.cell).global;
+  a.parametric = at.parametric;
+  sampler.interpolate(p.mesh.mesh().field("cell"), at, a.values);
+  sampler.interpolate(p.mesh.mesh().field("vertex"), at, a.values + 1);
+  return a;
+}
+
+std::vector<Answer> answers_of(const Process& p, const std::vector<Vec3d>& points, bool batch) {
+  std::vector<query::Location> found(points.size());
+  if (batch)
+    p.mesh.sampler().locate(p.threads, points, found);
+  std::vector<Answer> all;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    all.push_back(answer_of(p, points[i], !batch, found[i]));
+  return all;
+}
+
+} // namespace
+
+TEST(Halo, HoldsTheCellsThatTouch) {
+  for (const std::uint64_t seed : {0, 1, 2, 3, 4, 5})
+    for (const int processes : {1, 2, 3, 4, 8}) {
+      const test::TestMesh whole = mesh_of(seed);
+      for (const fixtures::Partition& partition : fixtures::partitions(whole, processes))
+        test::run_processes(processes, [&](parallel::World& world) {
+          Process p(whole, partition, world);
+          expect_whole_about_own_cells(whole, partition, p, 1.0,
+                                       partition.name + " on " + std::to_string(processes));
+        });
+    }
+}
+
+/// To the bit: the answers of one process that has all cells.
+TEST(Halo, SeamsAreOwnedOnceByTheLowestGlobalId) {
+  for (const std::uint64_t seed : {0, 1, 3, 4, 5}) {
+    const test::TestMesh whole = mesh_of(seed, seed == 1 ? 0.0 : 0.2);
+    const std::vector<Vec3d> points = hard_points(whole);
+    std::vector<Answer> truth;
+    test::run_processes(1, [&](parallel::World& world) {
+      truth = answers_of(Process(whole, fixtures::slabs(whole, 1), world), points, false);
+    });
+    for (const int processes : {2, 3, 8})
+      for (const fixtures::Partition& partition : fixtures::partitions(whole, processes))
+        for (const bool batch : {false, true}) {
+          std::vector<Answer> merged(points.size());
+          std::vector<int> owners(points.size());
+          std::mutex mutex;
+          test::run_processes(processes, [&](parallel::World& world) {
+            const std::vector<Answer> own =
+                answers_of(Process(whole, partition, world), points, batch);
+            const std::lock_guard lock(mutex);
+            for (std::size_t i = 0; i < points.size(); ++i)
+              if (own[i].cell >= 0) {
+                ++owners[i];
+                merged[i] = own[i];
+              }
+          });
+          for (std::size_t i = 0; i < points.size(); ++i) {
+            const std::string which = partition.name + " on " + std::to_string(processes) +
+                                      (batch ? ", batch" : "") + ", seed " + std::to_string(seed) +
+                                      ", point " + std::to_string(i);
+            EXPECT_EQ(owners[i], truth[i].cell >= 0) << which;
+            EXPECT_EQ(merged[i].cell, truth[i].cell) << which;
+            EXPECT_EQ(merged[i].parametric, truth[i].parametric) << which;
+            for (int c = 0; c < 3; ++c)
+              EXPECT_EQ(merged[i].values[c], truth[i].values[c]) << which;
+          }
+        }
+  }
+}
+
+TEST(Halo, WithoutGlobalIdsSeamsAreOwnedOnceByTheLowestProcess) {
+  const test::TestMesh whole = mesh_of(5);
+  const std::vector<Vec3d> points = hard_points(whole);
+  const fixtures::Partition partition = fixtures::boxes(whole, 4);
+  std::vector<std::int64_t> owners(points.size()), lowest(points.size(), 99),
+      answered(points.size(), 99);
+  std::mutex mutex;
+  test::run_processes(4, [&](parallel::World& world) {
+    const Process p(whole, partition, world, false);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const query::Location at = p.mesh.sampler().locate(points[i]);
+      const query::Location own = p.mesh.own_sampler().locate(points[i]);
+      const std::int64_t own_cells = p.mesh.mesh().own_view().own_cell_count();
+      const std::lock_guard lock(mutex);
+      owners[i] += at && at.cell < own_cells;
+      if (own && own.cell < own_cells)
+        lowest[i] = std::min<std::int64_t>(lowest[i], world.rank());
+      if (at && at.cell < own_cells)
+        answered[i] = world.rank();
+    }
+  });
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(owners[i], lowest[i] < 99) << "point " << i;
+    EXPECT_EQ(answered[i], lowest[i]) << "point " << i;
+  }
+}
+
+TEST(Halo, FollowsVerticesAndValues) {
+  test::TestMesh whole = mesh_of(7);
+  const test::TestMesh before = whole;
+  for (Vec3d& x : whole.vertices)
+    x = {x.x + 0.1 * x.y, x.y - 0.05 * x.z, x.z + 0.3};
+  for (const fixtures::Partition& partition : fixtures::partitions(before, 3))
+    test::run_processes(3, [&](parallel::World& world) {
+      Process p(before, partition, world);
+      p.give_fields(before, 2.0);
+      p.commit();
+      expect_whole_about_own_cells(before, partition, p, 2.0, partition.name + ", values");
+      p.part.move(p.mesh.mesh(), whole.vertices);
+      p.give_fields(whole, 3.0);
+      p.commit();
+      expect_whole_about_own_cells(whole, partition, p, 3.0, partition.name + ", vertices");
+    });
+}
+
+/// What a mesh says of itself is of its own cells.
+TEST(Halo, IsNotCounted) {
+  const test::TestMesh whole = mesh_of(8);
+  const fixtures::Partition partition = fixtures::boxes(whole, 3);
+  std::vector<std::int64_t> sums(2);
+  test::run_processes(3, [&](parallel::World& world) {
+    Process p(whole, partition, world);
+    const std::int64_t own =
+        std::count(partition.process.begin(), partition.process.end(), world.rank());
+    EXPECT_GT(p.mesh.halo()->cell_count(), 0);
+    EXPECT_EQ(p.mesh.sampler().facts().cells, own);
+    p.mesh.mesh().set_changed(INSITU_CHANGED_FIELDS);
+    EXPECT_EQ(p.mesh.commit(p.threads, p.log, p.memory, false).cells, own);
+    EXPECT_GT(p.memory.current(INSITU_MEMORY_HALO), 0);
+  });
+}
