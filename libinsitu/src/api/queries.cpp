@@ -17,9 +17,11 @@ namespace {
 /// the scratch that any number of points needs.
 constexpr std::int64_t slice = std::int64_t(1) << 20;
 
-/// Writes answers where the caller wants them, an array at a time. first: added to the items.
-void put_answers(const query::Answered& answered, std::size_t first, const mesh::MeshView& view,
-                 const insitu_locate_args& args) {
+/// Writes answers where the caller wants them, an array at a time. first: added to the items. view:
+/// the mesh's own.
+void put_answers(const query::Answered& answered, std::size_t first, const mesh::Mesh& mesh,
+                 int rank, const insitu_locate_args& args) {
+  const mesh::MeshView& view = mesh.own_view();
   const auto put = [&](auto* to, auto&& value) {
     for (std::size_t k = 0; to && k < answered.locations.size(); ++k)
       to[first + answered.item(k)] = value(k);
@@ -34,6 +36,11 @@ void put_answers(const query::Answered& answered, std::size_t first, const mesh:
   put(args.pieces, [&](std::size_t k) { return piece_of(answered.locations[k]); });
   put(args.found, [&](std::size_t k) { return std::uint8_t(answered.locations[k] ? 1 : 0); });
   put(args.reasons, [&](std::size_t k) { return std::uint8_t(answered.reasons[k]); });
+  put(args.ranks, [&](std::size_t k) { return answered.locations[k] ? rank : -1; });
+  put(args.global_cells, [&](std::size_t k) {
+    const query::Location& at = answered.locations[k];
+    return at ? mesh.global_id(INSITU_CELL, at.cell) : std::int64_t(-1);
+  });
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t k = 0; args.parametric && k < answered.locations.size(); ++k) {
     const query::Location& at = answered.locations[k];
@@ -45,17 +52,47 @@ void put_answers(const query::Answered& answered, std::size_t first, const mesh:
 
 /// The same of cells that are not the solver's own.
 void put_own_answers(const commit::CommittedMesh& mesh, const query::Answered& answered,
-                     std::span<const math::Vec3d> points, std::size_t first,
+                     std::span<const math::Vec3d> points, std::size_t first, int rank,
                      const insitu_locate_args& args) {
-  if (!args.cells && !args.pieces && !args.parametric) // found and reasons are the same
-    return put_answers(answered, first, mesh.mesh().own_view(), args);
+  if (!args.cells && !args.pieces && !args.parametric && !args.global_cells) // others are the same
+    return put_answers(answered, first, mesh.mesh(), rank, args);
   std::vector<query::Location> own(answered.locations.size());
   for (std::size_t k = 0; k < own.size(); ++k)
     own[k] = mesh.own(answered.locations[k], points[answered.item(k)]);
   query::Answered as_own = answered;
   as_own.locations = own;
-  put_answers(as_own, first, mesh.mesh().own_view(), args);
+  put_answers(as_own, first, mesh.mesh(), rank, args);
 }
+
+/// Answers of which those in a halo's cells are outside: a query is of this process's own.
+class OwnAnswers {
+public:
+  explicit OwnAnswers(const mesh::MeshView& view)
+      : own_(view.own_cell_count()), has_halo_(view.halo_piece_count > 0) {}
+
+  /// The result is valid as long as the object and what was given.
+  query::Answered of(const query::Answered& answered) {
+    query::Answered own = answered;
+    if (!has_halo_)
+      return own;
+    locations_.assign(answered.locations.begin(), answered.locations.end());
+    reasons_.assign(answered.reasons.begin(), answered.reasons.end());
+    for (std::size_t k = 0; k < locations_.size(); ++k)
+      if (locations_[k].cell >= own_) {
+        locations_[k] = {};
+        reasons_[k] = query::Reason::outside;
+      }
+    own.locations = locations_;
+    own.reasons = reasons_;
+    return own;
+  }
+
+private:
+  const std::int64_t own_;
+  const bool has_halo_;
+  std::vector<query::Location> locations_;
+  std::vector<query::Reason> reasons_;
+};
 
 } // namespace
 
@@ -95,18 +132,20 @@ void Session::answer(const commit::CommittedMesh& mesh, const insitu_locate_args
     return answer_by_device(mesh, args, points, fields, values);
   query::LocateOptions options;
   options.accuracy = args.accuracy;
-  const mesh::MeshView& view = mesh.mesh().own_view();
-  const query::Sampler sampler = mesh.sampler();
+  const query::Sampler sampler = mesh.own_sampler();
+  const int rank = processes_.world().rank();
   const bool counts_otherwise = mesh.mesh().has_stand_in();
   options.coordinates =
       args.parametric || args.reasons || counts_otherwise || sampler.takes_coordinates(fields);
   const std::int64_t outside = mesh.locate_counts().totals()[std::size_t(query::Reason::outside)];
   for_each_slice(mesh, args, points, [&](std::int64_t first, std::span<const math::Vec3d> some) {
-    sampler.visit(context_.threads, some, options, [&](const query::Answered& answered) {
+    sampler.visit(context_.threads, some, options, [&](const query::Answered& of_all) {
+      OwnAnswers own(mesh.mesh().view());
+      const query::Answered answered = own.of(of_all);
       if (counts_otherwise)
-        put_own_answers(mesh, answered, some, std::size_t(first), args);
+        put_own_answers(mesh, answered, some, std::size_t(first), rank, args);
       else
-        put_answers(answered, std::size_t(first), view, args);
+        put_answers(answered, std::size_t(first), mesh.mesh(), rank, args);
       if (!fields.empty())
         sampler.interpolate(fields, answered, std::size_t(first), values);
     });
@@ -118,6 +157,13 @@ void Session::answer(const commit::CommittedMesh& mesh, const insitu_locate_args
 
 void Session::locate(SessionMesh& to, const insitu_locate_args& args) {
   const core::Timer timer;
+  if (args.scope == INSITU_SCOPE_EVERYWHERE) {
+    insitu_sample_args as_sample = insitu_sample_args_default();
+    as_sample.locate = args;
+    ask_everywhere(to, as_sample);
+    statistics_.query_s += timer.seconds();
+    return;
+  }
   const commit::CommittedMesh& mesh = committed(to);
   const QueryPoints points(args);
   QueryOutputs(args, points.count()).refuse_overlaps(points, mesh.mesh(), {});
@@ -128,10 +174,12 @@ void Session::locate(SessionMesh& to, const insitu_locate_args& args) {
 void Session::sample(SessionMesh& to, const insitu_sample_args& given) {
   const core::Timer timer;
   const insitu_sample_args args = core::from_caller(&given, "args");
-  if (args.field_count < 0 || (args.field_count > 0 && (!args.fields || !args.values)))
-    throw Error(INSITU_ERROR_ARGUMENT, "field_count is " + std::to_string(args.field_count) +
-                                           (args.fields ? "" : ", fields is null") +
-                                           (args.values ? "" : ", values is null"));
+  if (args.locate.scope == INSITU_SCOPE_EVERYWHERE) {
+    ask_everywhere(to, args);
+    statistics_.query_s += timer.seconds();
+    return;
+  }
+  require_field_lists(args);
   const commit::CommittedMesh& mesh = committed(to);
   const QueryPoints points(args.locate);
   const std::int64_t n = points.count();
@@ -169,8 +217,10 @@ bool Session::sample_point(SessionMesh& to, const std::string& field, const doub
     return found != 0;
   }
   ++statistics_.points_located;
-  const query::Sampler sampler = mesh.sampler();
-  const query::Location at = sampler.locate({point[0], point[1], point[2]});
+  const query::Sampler sampler = mesh.own_sampler();
+  query::Location at = sampler.locate({point[0], point[1], point[2]});
+  if (at && at.cell >= mesh.mesh().view().own_cell_count())
+    at = {};
   if (at)
     sampler.interpolate(view, at, values);
   else

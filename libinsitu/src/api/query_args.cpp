@@ -20,8 +20,13 @@ QueryPoints::QueryPoints(const insitu_locate_args& args) {
     throw Error(INSITU_ERROR_ARGUMENT,
                 "cell_base: " + std::to_string(args.cell_base) + ", 0 or 1 expected");
   if (args.memory != INSITU_HOST && args.memory != INSITU_DEVICE)
-    throw Error(INSITU_ERROR_ARGUMENT,
-                "memory: unknown value " + std::to_string(int(args.memory)));
+    throw Error(INSITU_ERROR_ARGUMENT, "memory: unknown value " + std::to_string(int(args.memory)));
+  if (args.scope != INSITU_SCOPE_LOCAL && args.scope != INSITU_SCOPE_EVERYWHERE)
+    throw Error(INSITU_ERROR_ARGUMENT, "scope: unknown value " + std::to_string(int(args.scope)));
+  if (args.memory == INSITU_DEVICE &&
+      (args.scope == INSITU_SCOPE_EVERYWHERE || args.ranks || args.global_cells))
+    throw Error(INSITU_ERROR_UNSUPPORTED,
+                "scope, ranks, global_cells: other processes' cells are asked on the host");
   for (int i = 0; i < args.point_arrays; ++i) {
     if (args.points[i].memory != args.memory)
       throw Error(INSITU_ERROR_ARGUMENT,
@@ -64,12 +69,21 @@ void QueryPoints::gather(std::int64_t first, std::span<math::Vec3d> out,
   });
 }
 
+void require_field_lists(const insitu_sample_args& args) {
+  if (args.field_count < 0 || (args.field_count > 0 && (!args.fields || !args.values)))
+    throw Error(INSITU_ERROR_ARGUMENT, "field_count is " + std::to_string(args.field_count) +
+                                           (args.fields ? "" : ", fields is null") +
+                                           (args.values ? "" : ", values is null"));
+}
+
 QueryOutputs::QueryOutputs(const insitu_locate_args& args, std::int64_t count) {
   add(args.cells, count * std::int64_t(sizeof *args.cells), "cells");
   add(args.pieces, count * std::int64_t(sizeof *args.pieces), "pieces");
   add(args.parametric, count * 3 * std::int64_t(sizeof *args.parametric), "parametric");
   add(args.found, count, "found");
   add(args.reasons, count, "reasons");
+  add(args.ranks, count * std::int64_t(sizeof *args.ranks), "ranks");
+  add(args.global_cells, count * std::int64_t(sizeof *args.global_cells), "global_cells");
 }
 
 void QueryOutputs::add(const void* data, std::int64_t bytes, std::string name) {

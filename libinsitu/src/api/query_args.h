@@ -30,6 +30,9 @@ private:
   std::vector<mesh::ExternalArray> arrays_;
 };
 
+/// Throws core::Error unless there are as many fields as said.
+void require_field_lists(const insitu_sample_args& args);
+
 /// Where a query writes.
 class QueryOutputs {
 public:

@@ -80,6 +80,8 @@ private:
   void answer(const commit::CommittedMesh& mesh, const insitu_locate_args& args,
               const QueryPoints& points, std::span<const mesh::FieldView> fields,
               double* const* values);
+  /// The same of cells of all processes. Collective; throws parallel::AgreedError.
+  void ask_everywhere(SessionMesh& to, const insitu_sample_args& args);
   void answer_in_device_memory(const commit::CommittedMesh& mesh, const insitu_locate_args& args,
                                const QueryPoints& points, std::span<const mesh::FieldView> fields,
                                double* const* values);

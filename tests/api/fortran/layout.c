@@ -78,7 +78,9 @@ int layout_of(int which, int64_t* out) {
                             AT(insitu_locate_args, cell_base), AT(insitu_locate_args, cells),
                             AT(insitu_locate_args, pieces),    AT(insitu_locate_args, parametric),
                             AT(insitu_locate_args, found),     AT(insitu_locate_args, reasons),
-                            AT(insitu_locate_args, memory),    AT(insitu_locate_args, stream)};
+                            AT(insitu_locate_args, memory),    AT(insitu_locate_args, stream),
+                            AT(insitu_locate_args, scope),     AT(insitu_locate_args, ranks),
+                            AT(insitu_locate_args, global_cells)};
   const int64_t sample[] = {sizeof(insitu_sample_args),          AT(insitu_sample_args, size),
                             AT(insitu_sample_args, locate),      AT(insitu_sample_args, fields),
                             AT(insitu_sample_args, field_count), AT(insitu_sample_args, values)};

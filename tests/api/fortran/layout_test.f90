@@ -77,7 +77,8 @@ program layout_test
       c_loc(locate%size), c_loc(locate%points), c_loc(locate%point_arrays), c_loc(locate%frame), &
       c_loc(locate%accuracy), c_loc(locate%cell_base), c_loc(locate%cells), &
       c_loc(locate%pieces), c_loc(locate%parametric), c_loc(locate%found), c_loc(locate%reasons), &
-      c_loc(locate%memory), c_loc(locate%stream)])
+      c_loc(locate%memory), c_loc(locate%stream), c_loc(locate%scope), c_loc(locate%ranks), &
+      c_loc(locate%global_cells)])
   call compare('sample', 9, c_sizeof(sample), [ &
       c_loc(sample%size), c_loc(sample%locate), c_loc(sample%fields), c_loc(sample%field_count), &
       c_loc(sample%values)])

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "commit/committed_mesh.h"
+#include "commit/halo/everywhere.h"
 #include "fixtures/parts.h"
 #include "threaded_world.h"
 
@@ -254,4 +255,71 @@ TEST(Halo, IsNotCounted) {
     EXPECT_EQ(p.mesh.commit(p.threads, p.log, p.memory, false).cells, own);
     EXPECT_GT(p.memory.current(INSITU_MEMORY_HALO), 0);
   });
+}
+
+/// Each process asks some of the points; with a halo and without.
+TEST(Everywhere, AnswersAsOneProcessDoes) {
+  const std::vector<std::string> fields{"vertex", "cell"};
+  for (const std::uint64_t seed : {0, 3, 5}) {
+    const test::TestMesh whole = mesh_of(seed);
+    const std::vector<Vec3d> points = hard_points(whole);
+    std::vector<Answer> truth;
+    test::run_processes(1, [&](parallel::World& world) {
+      truth = answers_of(Process(whole, fixtures::slabs(whole, 1), world), points, true);
+    });
+    for (const int processes : {1, 2, 3, 8})
+      for (const fixtures::Partition& partition : fixtures::partitions(whole, processes))
+        test::run_processes(processes, [&](parallel::World& world) {
+          const Process p(whole, partition, world);
+          std::vector<std::size_t> mine;
+          std::vector<Vec3d> asked;
+          for (std::size_t i = 0; i < points.size(); ++i)
+            if (world.size() == 1 || int(i % 3) == world.rank()) { // some processes ask nothing
+              mine.push_back(i);
+              asked.push_back(points[i]);
+            }
+          std::size_t answered = 0;
+          commit::Everywhere(p.mesh, world)
+              .sample(asked, fields, {}, p.threads,
+                      [&](std::size_t first, std::span<const commit::OwnerOfAll> owners,
+                          std::span<const double> values) {
+                        for (std::size_t k = 0; k < owners.size(); ++k) {
+                          const Answer& a = truth[mine[first + k]];
+                          const std::string which = partition.name + " on " +
+                                                    std::to_string(processes) + ", point " +
+                                                    std::to_string(mine[first + k]);
+                          ASSERT_EQ(bool(owners[k]), a.cell >= 0) << which;
+                          ++answered;
+                          if (!owners[k]) {
+                            EXPECT_TRUE(std::isnan(values[3 * k])) << which;
+                            continue;
+                          }
+                          EXPECT_EQ(owners[k].cell.global, a.cell) << which;
+                          EXPECT_EQ(owners[k].cell.rank, partition.process[std::size_t(a.cell)]);
+                          EXPECT_EQ(owners[k].parametric, a.parametric) << which;
+                          EXPECT_EQ(values[3 * k], a.values[1]) << which;
+                          EXPECT_EQ(values[3 * k + 1], a.values[2]) << which;
+                          EXPECT_EQ(values[3 * k + 2], a.values[0]) << which;
+                        }
+                      });
+          EXPECT_EQ(answered, asked.size());
+        });
+  }
+}
+
+TEST(Everywhere, NamesAFieldThatNobodyHas) {
+  const test::TestMesh whole = mesh_of(0);
+  for (const fixtures::Partition& partition : fixtures::partitions(whole, 3))
+    test::run_processes(3, [&](parallel::World& world) {
+      const Process p(whole, partition, world);
+      const std::vector<std::string> fields{"pressure"};
+      commit::Everywhere everywhere(p.mesh, world);
+      try {
+        everywhere.components(fields);
+        ADD_FAILURE() << "no error";
+      } catch (const parallel::AgreedError& e) {
+        EXPECT_EQ(e.status(), INSITU_ERROR_FIELD);
+        EXPECT_NE(std::string(e.what()).find("'pressure'"), std::string::npos) << e.what();
+      }
+    });
 }

@@ -43,6 +43,17 @@ typedef enum insitu_reason INSITU_INT {
   INSITU_REASON_COUNT = 6
 } insitu_reason;
 
+/** Whose cells may hold the points of a query. */
+typedef enum insitu_scope INSITU_INT {
+  INSITU_SCOPE_LOCAL = 0,     /**< this process's; the call is this process's alone */
+  INSITU_SCOPE_EVERYWHERE = 1 /**< those of all processes of the session. The call is collective:
+                                   all processes make it with the same fields and accuracy, each
+                                   with points of its own, or with none. Of the cells that hold a
+                                   point the one with the lowest global id answers
+                                   (insitu_mesh_global_ids); without global ids the lowest
+                                   (process, piece, cell). The processes' meshes are committed */
+} insitu_scope;
+
 /** Arguments of insitu_mesh_locate. points: one array of 3 components, or three arrays of 1
  *  (float32 or float64). Outputs are memory of the caller, one item a point, in the points' order;
  *  each may be null, and is then left out. INSITU_ERROR_ARGUMENT: an output shares memory with
@@ -68,8 +79,13 @@ typedef struct insitu_locate_args {
    *  arithmetic. In INSITU_FAST it waits only when fields are asked for the first time after a
    *  commit. */
   void* stream;
-  int64_t reserved[16]; /**< always 0. insitu_sample_args holds this struct, so its size stays as it
-                             is */
+  insitu_scope scope; /**< INSITU_SCOPE_EVERYWHERE: on the host */
+  int32_t padding;    /**< always 0 */
+  int32_t* ranks;     /**< [count] the owner's process in the session's communicator; -1 outside */
+  int64_t* global_cells; /**< [count] the owner's global id; -1 outside, and where the solver gives
+                              none */
+  int64_t reserved[13];  /**< always 0. insitu_sample_args holds this struct, so its size stays as
+                              it is */
 } insitu_locate_args;
 
 static inline insitu_locate_args insitu_locate_args_default(void) {
@@ -88,7 +104,11 @@ static inline insitu_locate_args insitu_locate_args_default(void) {
   a.reasons = NULL;
   a.memory = INSITU_HOST;
   a.stream = NULL;
-  for (i = 0; i < 16; ++i)
+  a.scope = INSITU_SCOPE_LOCAL;
+  a.padding = 0;
+  a.ranks = NULL;
+  a.global_cells = NULL;
+  for (i = 0; i < 13; ++i)
     a.reserved[i] = 0;
   return a;
 }

@@ -62,6 +62,9 @@ module insitu_c
       insitu_block_uniform = 0, insitu_block_rectilinear = 1, insitu_block_curvilinear = 2
   integer(c_int), parameter :: insitu_ghosts_vtk = 0, insitu_ghosts_ascent = 1
 
+  ! insitu_scope
+  integer(c_int), parameter :: insitu_scope_local = 0, insitu_scope_everywhere = 1
+
   ! insitu_reconstruction
   integer(c_int), parameter :: insitu_dual = 0, insitu_nearest = 1
 
@@ -266,7 +269,11 @@ module insitu_c
     type(c_ptr) :: reasons = c_null_ptr
     integer(c_int) :: memory = insitu_host
     type(c_ptr) :: stream = c_null_ptr
-    integer(c_int64_t) :: reserved(16) = 0
+    integer(c_int) :: scope = insitu_scope_local
+    integer(c_int32_t) :: padding = 0
+    type(c_ptr) :: ranks = c_null_ptr
+    type(c_ptr) :: global_cells = c_null_ptr
+    integer(c_int64_t) :: reserved(13) = 0
   end type c_locate_args
 
   type, bind(c) :: c_sample_args

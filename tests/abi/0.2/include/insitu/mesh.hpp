@@ -138,7 +138,7 @@ public:
   Samples sample(const std::string& field, const Points& points,
                  const LocateOptions& options = {}) const {
     Samples out;
-    out.components = field_info(field).components;
+    out.components = components_of(field, options);
     out.values.resize(points.size() * static_cast<std::size_t>(out.components));
     const char* name = field.c_str();
     double* values = out.values.data();
@@ -153,7 +153,7 @@ public:
     std::vector<double*> values;
     out.values.reserve(names.size());
     for (const std::string& name : names) {
-      const int n = field_info(name).components;
+      const int n = components_of(name, options);
       out.values.push_back(
           {name, n, std::vector<double>(points.size() * static_cast<std::size_t>(n))});
       c_names.push_back(name.c_str());
@@ -192,6 +192,18 @@ private:
 
   explicit Mesh(std::shared_ptr<detail::MeshState> state) : Piece(std::move(state), 0) {}
 
+  /** Of a query everywhere 0 for a field that is not here: the others must not wait for a process
+   *  that throws, and a query of points at which it cannot take values fails on all alike. */
+  int components_of(const std::string& field, const LocateOptions& options) const {
+    if (!options.everywhere)
+      return field_info(field).components;
+    std::int32_t components = 0;
+    insitu_association association = INSITU_VERTEX;
+    return insitu_mesh_field_info(handle(), field.c_str(), &components, &association) == INSITU_OK
+               ? components
+               : 0;
+  }
+
   static insitu_locate_args locate_args(const Points& points, const LocateOptions& options,
                                         Locations& out) {
     const std::size_t n = points.size();
@@ -212,6 +224,13 @@ private:
     if (options.reasons) {
       out.reasons.resize(n);
       args.reasons = reinterpret_cast<std::uint8_t*>(out.reasons.data());
+    }
+    if (options.everywhere) {
+      out.ranks.resize(n);
+      out.global_cells.resize(n);
+      args.scope = INSITU_SCOPE_EVERYWHERE;
+      args.ranks = out.ranks.data();
+      args.global_cells = out.global_cells.data();
     }
     return args;
   }

@@ -158,6 +158,9 @@ struct LocateOptions {
   const Frame* frame = nullptr; /**< frame of the points, which must live through the call; null:
                                      the mesh's */
   bool reasons = false;         /**< whether the call fills Locations::reasons */
+  bool everywhere = false;      /**< whether cells of all processes may hold the points; the call is
+                                     then collective (INSITU_SCOPE_EVERYWHERE), and fills
+                                     Locations::ranks and Locations::global_cells */
 };
 
 /** Where points lie, one item a point, in the points' order. */
@@ -168,6 +171,10 @@ struct Locations {
   std::vector<double> parametric;   /**< [size()][3] VTK's parametric coordinates; NaN outside */
   std::vector<Reason> reasons;      /**< [size()] why the points have these owners; empty unless
                                          asked for */
+  std::vector<std::int32_t> ranks;  /**< [size()] the owner's process, -1 outside; of queries
+                                         everywhere */
+  std::vector<std::int64_t> global_cells; /**< [size()] the owner's global id, -1 outside or without
+                                               global ids; of queries everywhere */
 
   std::size_t size() const noexcept { return found.size(); }
 };

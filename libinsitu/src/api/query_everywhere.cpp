@@ -1,0 +1,92 @@
+/// Queries that any process's cells may answer.
+#include <limits>
+
+#include "api/query_args.h"
+#include "api/session.h"
+#include "commit/halo/everywhere.h"
+#include "scene/earth/reference_frames.h"
+
+namespace insitu::api {
+
+using core::Error;
+
+namespace {
+
+/// Writes owners where the caller wants them.
+void put_owners(std::size_t first, std::span<const commit::OwnerOfAll> owners,
+                const insitu_locate_args& args) {
+  const auto put = [&](auto* to, auto outside, auto&& value) {
+    for (std::size_t k = 0; to && k < owners.size(); ++k)
+      to[first + k] = owners[k] ? value(owners[k]) : outside;
+  };
+  using Owner = const commit::OwnerOfAll&;
+  put(args.cells, args.cell_base - 1, [&](Owner o) { return o.cell.cell + args.cell_base; });
+  put(args.pieces, std::int32_t(-1), [](Owner o) { return o.cell.piece; });
+  put(args.found, std::uint8_t(0), [](Owner) { return std::uint8_t(1); });
+  put(args.reasons, std::uint8_t(0), [](Owner o) { return std::uint8_t(o.reason); });
+  put(args.ranks, std::int32_t(-1), [](Owner o) { return std::int32_t(o.cell.rank); });
+  put(args.global_cells, std::int64_t(-1), [](Owner o) { return o.cell.global; });
+  for (std::size_t k = 0; args.parametric && k < owners.size(); ++k)
+    for (int c = 0; c < 3; ++c)
+      args.parametric[3 * (first + k) + std::size_t(c)] =
+          owners[k] ? owners[k].parametric[c] : std::numeric_limits<double>::quiet_NaN();
+}
+
+} // namespace
+
+void Session::ask_everywhere(SessionMesh& to, const insitu_sample_args& asked) {
+  const insitu_locate_args& args = asked.locate;
+  parallel::World& world = processes_.world();
+  world.check_usable();
+  if (checked_)
+    processes_.wait_for_all("a query everywhere");
+  std::vector<math::Vec3d> points;
+  std::vector<std::string> names;
+  world.agree_after([&] {
+    const commit::CommittedMesh& mesh = committed(to);
+    const QueryPoints given(args);
+    QueryOutputs(args, given.count()).refuse_overlaps(given, mesh.mesh(), {});
+    require_field_lists(asked);
+    for (int f = 0; f < asked.field_count; ++f) {
+      const bool named = asked.fields[f] != nullptr;
+      if (!named || (!asked.values[f] && given.count() > 0))
+        throw Error(INSITU_ERROR_ARGUMENT, std::string(named ? "values" : "fields") + "[" +
+                                               std::to_string(f) + "] is null");
+      names.emplace_back(asked.fields[f]);
+    }
+    points.resize(std::size_t(given.count()));
+    given.gather(0, points, context_.threads);
+    if (args.frame)
+      scene::convert_points(points, scene::read_frame(*args.frame), mesh.reference_frame);
+  });
+  std::string all;
+  for (const std::string& name : names)
+    all += name + "\n";
+  world.require_same({{"mesh", to.mesh.mesh().name()},
+                      {"accuracy", std::to_string(int(args.accuracy))},
+                      {"fields", all}});
+  commit::Everywhere everywhere(to.mesh, world);
+  const std::vector<int> components = everywhere.components(names);
+  const auto put = [&](std::size_t first, std::span<const commit::OwnerOfAll> owners,
+                       std::span<const double> found) {
+    put_owners(first, owners, args);
+    std::size_t width = 0, column = 0;
+    for (const int n : components)
+      width += std::size_t(n);
+    for (std::size_t f = 0; f < components.size(); ++f) {
+      const auto n = std::size_t(components[f]);
+      for (std::size_t k = 0; k < owners.size(); ++k)
+        std::copy_n(found.begin() + std::ptrdiff_t(k * width + column), n,
+                    asked.values[f] + (first + k) * n);
+      column += n;
+    }
+    for (const commit::OwnerOfAll& owner : owners)
+      statistics_.points_outside += !owner;
+  };
+  query::LocateOptions options;
+  options.accuracy = args.accuracy;
+  everywhere.sample(points, names, options, context_.threads, put);
+  statistics_.points_located += std::int64_t(points.size());
+}
+
+} // namespace insitu::api
