@@ -1,5 +1,6 @@
 /// The cells of other processes beside a mesh's own.
 #include "commit/committed_mesh.h"
+#include "commit/halo/seam_faces.h"
 
 namespace insitu::commit {
 
@@ -40,6 +41,7 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
                         halo_geometry_ != geometry_version_, halo_fields_ != fields_version_};
   world.reduce(std::span(any), Reduction::greatest);
   const bool none = any[0], topology = any[1], geometry = any[2], fields = any[3];
+  SeamMismatches mismatches;
   try {
     world.agree_after([&] {
       if (none)
@@ -63,7 +65,11 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
       insitu_commit_report report = insitu_commit_report_default();
       if (mesh_.pending() != 0)
         commit_pending(report, threads, log, false);
+      if (!none && topology)
+        mismatches = find_seam_mismatches(*this);
     });
+    if (const std::string what = commit::describe(mismatches, world); !what.empty() && world.is_root())
+      log.warning("mesh '" + mesh_.name() + "': " + what);
   } catch (...) {
     drop_halo();
     throw;

@@ -1,0 +1,180 @@
+#include "commit/halo/seam_faces.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+
+#include "cells/kernels/faces.h"
+#include "commit/committed_mesh.h"
+
+namespace insitu::commit {
+
+using math::Vec3d;
+
+namespace {
+
+struct Face {
+  int count = 0;
+  std::array<Vec3d, 4> x{}; ///< the vertices, in the order of their coordinates
+  std::int64_t cell = 0;    ///< flat
+
+  bool operator<(const Face& b) const {
+    return std::tie(count, x[0].x, x[0].y, x[0].z, x[1].x, x[1].y, x[1].z, x[2].x, x[2].y, x[2].z,
+                    x[3].x, x[3].y, x[3].z) <
+           std::tie(b.count, b.x[0].x, b.x[0].y, b.x[0].z, b.x[1].x, b.x[1].y, b.x[1].z, b.x[2].x,
+                    b.x[2].y, b.x[2].z, b.x[3].x, b.x[3].y, b.x[3].z);
+  }
+  Vec3d middle() const {
+    Vec3d sum;
+    for (int v = 0; v < count; ++v)
+      sum += x[std::size_t(v)];
+    return sum / double(count);
+  }
+  double diameter() const {
+    double most = 0.0;
+    for (int a = 0; a < count; ++a)
+      for (int b = 0; b < a; ++b)
+        most = std::max(most, norm(x[std::size_t(a)] - x[std::size_t(b)]));
+    return most;
+  }
+  static double norm(const Vec3d& d) { return std::sqrt(dot(d, d)); }
+};
+
+void add_faces(const mesh::MeshView& view, std::int64_t flat, std::vector<Face>& faces) {
+  mesh::CellVertices cell;
+  mesh::gather(view, flat, cell);
+  const cells::FaceTable table = cells::face_table(cell.shape);
+  for (int f = 0; f < table.face_count; ++f) {
+    Face face;
+    face.count = table.faces[f].vertex_count;
+    face.cell = flat;
+    for (int v = 0; v < face.count; ++v) { // in its place among those before
+      const Vec3d x = cell.x[table.faces[f].vertices[v]];
+      std::size_t at = std::size_t(v);
+      for (; at > 0 && std::tie(x.x, x.y, x.z) <
+                           std::tie(face.x[at - 1].x, face.x[at - 1].y, face.x[at - 1].z);
+           --at)
+        face.x[at] = face.x[at - 1];
+      face.x[at] = x;
+    }
+    faces.push_back(face);
+  }
+}
+
+/// Leaves those that occur once: the others match to the bit.
+void leave_unmatched(std::vector<Face>& faces) {
+  std::sort(faces.begin(), faces.end());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < faces.size();) {
+    std::size_t end = i + 1;
+    while (end < faces.size() && !(faces[i] < faces[end]))
+      ++end;
+    if (end == i + 1)
+      faces[kept++] = faces[i];
+    i = end;
+  }
+  faces.resize(kept);
+}
+
+/// Whether every vertex of one face has one of the other nearby.
+bool are_near(const Face& a, const Face& b) {
+  const double within = SeamMismatches::tolerance * std::max(a.diameter(), b.diameter());
+  return a.count == b.count && std::all_of(a.x.begin(), a.x.begin() + a.count, [&](const Vec3d& x) {
+           return std::any_of(b.x.begin(), b.x.begin() + b.count,
+                              [&](const Vec3d& y) { return Face::norm(x - y) <= within; });
+         });
+}
+
+/// Faces by where their middles lie, in cubes as wide as the largest distance that counts.
+class FacesByPlace {
+public:
+  FacesByPlace(std::span<const Face> faces, double width) : faces_(faces), width_(width) {
+    for (std::size_t f = 0; f < faces.size(); ++f)
+      by_cube_.emplace(key(cube(faces[f].middle(), {0, 0, 0})), f);
+  }
+  /// The first face near this one; or null.
+  const Face* near(const Face& face) const {
+    const Face* first = nullptr;
+    for (int neighbour = 0; neighbour < 27; ++neighbour) {
+      const std::array<int, 3> step{neighbour % 3 - 1, neighbour / 3 % 3 - 1, neighbour / 9 - 1};
+      const auto [from, to] = by_cube_.equal_range(key(cube(face.middle(), step)));
+      for (auto i = from; i != to; ++i)
+        if (are_near(face, faces_[i->second]) && (!first || faces_[i->second].cell < first->cell))
+          first = &faces_[i->second];
+    }
+    return first;
+  }
+
+private:
+  std::array<double, 3> cube(const Vec3d& x, const std::array<int, 3>& step) const {
+    std::array<double, 3> c;
+    for (int a = 0; a < 3; ++a)
+      c[std::size_t(a)] = std::floor(x[a] / width_) + step[std::size_t(a)];
+    return c;
+  }
+  static std::size_t key(const std::array<double, 3>& cube) {
+    std::size_t hash = 0;
+    for (const double c : cube)
+      hash = hash * 0x9e3779b97f4a7c15u + std::hash<double>()(c + 0.0);
+    return hash;
+  }
+
+  std::span<const Face> faces_;
+  double width_;
+  std::unordered_multimap<std::size_t, std::size_t> by_cube_;
+};
+
+std::string told(const CellName& cell) {
+  return "process " + std::to_string(cell.rank) + ", piece " + std::to_string(cell.piece) +
+         ", cell " + std::to_string(cell.cell);
+}
+
+} // namespace
+
+SeamMismatches find_seam_mismatches(const CommittedMesh& mesh) {
+  SeamMismatches found;
+  const mesh::MeshView& view = mesh.mesh().own_view();
+  const std::int64_t own_cells = view.own_cell_count();
+  if (view.halo_piece_count == 0 || !mesh.halo())
+    return found;
+  std::vector<Face> faces;
+  for (std::int64_t flat = 0; flat < view.cell_count(); ++flat)
+    if (flat >= own_cells || mesh.halo()->is_at_seam(flat))
+      add_faces(view, flat, faces);
+  leave_unmatched(faces);
+  const auto others = std::stable_partition(faces.begin(), faces.end(),
+                                            [&](const Face& f) { return f.cell < own_cells; });
+  double largest = 0.0;
+  for (const Face& face : faces)
+    largest = std::max(largest, face.diameter());
+  if (largest == 0.0 || others == faces.begin() || others == faces.end())
+    return found;
+  const FacesByPlace by_place(std::span(others, faces.end()), SeamMismatches::tolerance * largest);
+  for (const Face& face : std::span(faces.begin(), others))
+    if (const Face* const other = by_place.near(face)) {
+      const CellName own = mesh.name(face.cell);
+      if (found.count++ == 0 || own < found.own) {
+        found.own = own;
+        found.other = mesh.name(other->cell);
+      }
+    }
+  return found;
+}
+
+std::string describe(const SeamMismatches& found, parallel::World& world) {
+  std::int64_t count = found.count;
+  world.reduce(std::span(&count, 1), parallel::Reduction::sum);
+  if (count == 0)
+    return {};
+  std::int64_t first = found.count > 0 ? world.rank() : world.size();
+  world.reduce(std::span(&first, 1), parallel::Reduction::least);
+  const std::string pair =
+      world.broadcast(told(found.own) + " and " + told(found.other), int(first));
+  return std::to_string(count) +
+         " faces on seams lie within a millionth of their size of another process's face and do "
+         "not match it to the bit, the first of " +
+         pair + ": points between them have no owner, or one on each side";
+}
+
+} // namespace insitu::commit
