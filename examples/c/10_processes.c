@@ -1,6 +1,6 @@
-/* 10: a solver of several processes. This version works on each process's pieces alone, so each
- * needs a folder of its own; two that would write the same files are told apart. Two sessions stand
- * for two processes here. */
+/* 10: a solver of several processes without a communicator. Each session works on its process's
+ * pieces alone, so each needs a folder of its own; two that would write the same files are told
+ * apart. Two sessions stand for two processes here. */
 #include <insitu/insitu.h>
 #include <stdio.h>
 

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
-#include <fstream>
 #include <iterator>
 #include <map>
-#include <set>
 #include <sstream>
 #include <unistd.h>
 
+#include "api/meshes_of_all.h"
 #include "core/simd_target.h"
 #include "parallel/mpi_world.h"
 
@@ -31,11 +30,11 @@ std::unique_ptr<parallel::World> world_of(const insitu_session_options& o, const
   }
   auto world = parallel::make_mpi_world(o.communicator, o.fortran_communicator, log);
   if (world->size() > 1 && world->is_root())
-    log.warning("communicator: the processes agree on scenes, cycles, fields and errors, and this "
-                "version does no more: each process works on its own pieces alone. Probes and "
-                "tracers end where these do, images show these, and totals are of one process. "
-                "Give each process an output folder of its own, since a second session that writes "
-                "the same files is refused");
+    log.warning(
+        "communicator: conditions, probes, tables and the page are of all processes, and the "
+        "root writes them; in this version each process works on its own pieces alone for "
+        "tracers, which end where these do, for images, which show these, and for queries. "
+        "Their files of process N are in the folder process_N of the output folder");
   return world;
 }
 
@@ -55,75 +54,37 @@ std::string shortest(double value) {
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-/// Adds a pair of texts to a list of pairs. Names hold any byte but 0.
-void add_pair(std::string& list, const std::string& first, const std::string& second) {
-  list.append(first).push_back('\0');
-  list.append(second).push_back('\0');
+/// A frame of reference as text, for messages.
+std::string told(const insitu_frame& f) {
+  constexpr const char* kinds[] = {"cartesian", "geocentric", "geodetic", "east_north_up", "utm"};
+  std::string text = std::size_t(f.kind) < std::size(kinds) ? kinds[f.kind] : "unknown";
+  for (const double x : f.origin)
+    text += " " + shortest(x);
+  for (const int x : {f.utm_zone, f.utm_north, int(f.angle), int(f.length), int(f.vertical)})
+    text += " " + std::to_string(x);
+  return text;
 }
 
-/// Takes the pairs of a list in their order.
-void for_each_pair(const std::string& list,
-                   core::FunctionRef<void(const std::string&, const std::string&)> take) {
-  std::istringstream in(list);
-  for (std::string first, second; std::getline(in, first, '\0') && std::getline(in, second, '\0');)
-    take(first, second);
+bool has_cells(const commit::CommittedMesh& mesh) {
+  return mesh.mesh().own_view().cell_count() > 0;
 }
-
-/// The name of each mesh with nothing, and "field 'f' of mesh 'm'" with "1 component at vertices".
-std::string fields_of(std::span<commit::CommittedMesh* const> meshes) {
-  std::string all;
-  for (const commit::CommittedMesh* const m : meshes) {
-    add_pair(all, m->mesh().name(), "");
-    for (const std::string& name : m->mesh().field_names()) {
-      const mesh::FieldView field = m->mesh().field(name);
-      add_pair(all, "field '" + name + "' of mesh '" + m->mesh().name() + "'",
-               std::to_string(field.components) +
-                   (field.components == 1 ? " component at " : " components at ") +
-                   (field.association == INSITU_VERTEX ? "vertices" : "cells"));
-    }
-  }
-  return all;
-}
-
-/// Of the fields of all processes, at the root.
-class FieldsOfAll {
-public:
-  void add(int rank, const std::string& list) {
-    for_each_pair(list, [&](const std::string& name, const std::string& what) {
-      if (what.empty()) {
-        meshes_.insert(name);
-        return;
-      }
-      const auto [known, is_new] = first_.try_emplace(name, rank, what);
-      if (!is_new && known->second.second != what)
-        throw Error(INSITU_ERROR_FIELD, "processes differ: " + name + " has " +
-                                            known->second.second + " on process " +
-                                            std::to_string(known->second.first) + ", " + what +
-                                            " on process " + std::to_string(rank));
-    });
-  }
-  std::string meshes() const {
-    std::string all;
-    for (const std::string& name : meshes_)
-      add_pair(all, name, "");
-    return all;
-  }
-
-private:
-  std::map<std::string, std::pair<int, std::string>> first_; ///< who has it first, and how
-  std::set<std::string> meshes_;
-};
 
 } // namespace
 
 Processes::Processes(const insitu_session_options& options, const core::Log& log)
-    : world_(world_of(options, log)) {
+    : Processes(world_of(options, log), options) {}
+
+Processes::Processes(std::shared_ptr<parallel::World> world, const insitu_session_options& options)
+    : world_(std::move(world)) {
   // What follows in a session throws for these; nobody waits for a process that does.
   world_->agree_after([&] {
     core::require_simd_target();
     if (options.threads < 0)
       throw Error(INSITU_ERROR_ARGUMENT,
                   "threads: " + std::to_string(options.threads) + ", 0 (all) or more expected");
+    if (options.scene && options.scene_text)
+      throw Error(INSITU_ERROR_ARGUMENT,
+                  "scene and scene_text are both given, at most one expected");
   });
 }
 
@@ -151,12 +112,10 @@ void Processes::agree_on_session(const insitu_session_options& o, bool checked) 
     return;
   std::string scene = "none";
   world_->agree_after([&] {
-    if (o.scene) { // it was read already
-      std::ifstream in(o.scene, std::ios::binary);
-      scene = told({std::istreambuf_iterator<char>(in), {}});
-    } else if (o.scene_text) {
-      scene = told(o.scene_text);
-    }
+    if (o.scene)
+      scene = "file '" + std::string(o.scene) + "'"; // the root reads it
+    else if (o.scene_text)
+      scene = told(std::string(o.scene_text));
   });
   world_->require_same({{"scene", scene},
                         {"default_scene", std::to_string(o.default_scene != 0)},
@@ -165,35 +124,85 @@ void Processes::agree_on_session(const insitu_session_options& o, bool checked) 
                         {"checked", std::to_string(checked)}});
 }
 
-std::vector<std::string> Processes::agree_on_step(std::int64_t cycle, double time,
-                                                  std::span<commit::CommittedMesh* const> meshes) {
-  if (size() == 1)
-    return {};
-  world_->require_same({{"cycle", std::to_string(cycle)}, {"time", shortest(time)}});
-  std::string fields;
-  world_->agree_after([&] { fields = fields_of(meshes); });
-  std::int64_t changed = fields != last_fields_;
+void Processes::agree_on_time(std::int64_t cycle, double time) {
+  if (size() > 1)
+    world_->require_same({{"cycle", std::to_string(cycle)}, {"time", shortest(time)}});
+}
+
+std::vector<std::string>
+Processes::agree_on_meshes(std::span<commit::CommittedMesh* const> meshes) {
+  if (size() == 1) {
+    names_.clear();
+    for (const commit::CommittedMesh* const m : meshes)
+      names_.push_back(m->mesh().name());
+    return names_;
+  }
+  std::string mine, list;
+  world_->agree_after([&] {
+    mine = list_meshes(meshes);
+    list = mine;
+    for (const commit::CommittedMesh* const m : meshes)
+      list += (has_cells(*m) ? "cells in " : "no cells in ") + told(m->reference_frame) + "\n";
+  });
+  std::int64_t changed = names_.empty() || list != last_list_;
   world_->reduce(std::span(&changed, 1), parallel::Reduction::greatest);
   if (!changed)
-    return {};
-  FieldsOfAll all;
+    return names_;
+  last_list_.clear(); // compared again, should this fail
   std::map<int, std::string> lists;
-  world_->gather(std::as_bytes(std::span(fields.data(), fields.size())), std::size_t(1) << 20,
+  world_->gather(std::as_bytes(std::span(mine.data(), mine.size())), std::size_t(1) << 20,
                  [&](int rank, std::span<const std::byte> bytes) {
                    lists[rank].append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
                  });
+  MeshesOfAll all;
   world_->agree_after([&] {
-    for (const auto& [rank, list] : lists)
-      all.add(rank, list);
+    for (const auto& [rank, of] : lists)
+      all.add(rank, of);
   });
-  last_fields_ = std::move(fields);
-  std::vector<std::string> absent;
-  for_each_pair(world_->broadcast(all.meshes()), [&](const std::string& name, const std::string&) {
-    if (std::none_of(meshes.begin(), meshes.end(),
-                     [&](const auto* m) { return m->mesh().name() == name; }))
-      absent.push_back(name);
-  });
-  return absent;
+  names_ = MeshesOfAll::read_names(world_->broadcast(all.names()));
+  scalar_ = all.scalar();
+  scalar_ = {world_->broadcast(scalar_.first), world_->broadcast(scalar_.second)};
+  agree_on_frames(meshes, names_);
+  last_list_ = std::move(list);
+  return names_;
+}
+
+std::pair<std::string, std::string>
+Processes::scalar_of_all(std::span<commit::CommittedMesh* const> meshes) const {
+  if (size() > 1)
+    return scalar_;
+  MeshesOfAll mine;
+  mine.add(0, list_meshes(meshes));
+  return mine.scalar();
+}
+
+/// The frame of each mesh is that of the first process that has cells of it.
+void Processes::agree_on_frames(std::span<commit::CommittedMesh* const> meshes,
+                                const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    commit::CommittedMesh* mine = nullptr;
+    for (commit::CommittedMesh* const m : meshes)
+      if (m->mesh().name() == name)
+        mine = m;
+    const bool has = mine && has_cells(*mine);
+    std::int64_t first = has ? world_->rank() : size();
+    world_->reduce(std::span(&first, 1), parallel::Reduction::least);
+    if (first == size())
+      continue;
+    insitu_frame frame = mine ? mine->reference_frame : insitu_frame_default();
+    world_->broadcast(std::as_writable_bytes(std::span(&frame, 1)), int(first));
+    world_->agree_after([&] {
+      if (!mine || told(mine->reference_frame) == told(frame))
+        return;
+      if (has)
+        throw Error(INSITU_ERROR_ARGUMENT, "processes differ: the frame of mesh '" + name +
+                                               "' is " + told(frame) + " on process " +
+                                               std::to_string(first) + ", " +
+                                               told(mine->reference_frame) + " here");
+      mine->reference_frame = frame;
+      mine->mesh().set_changed(INSITU_CHANGED_TOPOLOGY);
+    });
+  }
 }
 
 } // namespace insitu::api

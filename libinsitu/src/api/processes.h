@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commit/committed_mesh.h"
@@ -18,6 +19,8 @@ class Processes {
 public:
   /// Those of the communicator that the options give, or this one alone. Throws core::Error.
   Processes(const insitu_session_options& options, const core::Log& log);
+  /// Those of a World.
+  Processes(std::shared_ptr<parallel::World> world, const insitu_session_options& options);
 
   parallel::World& world() { return *world_; }
   int size() const { return world_->size(); }
@@ -33,15 +36,26 @@ public:
   /// All have opened a session of the same options and scene, checked or not. Throws
   /// parallel::AgreedError.
   void agree_on_session(const insitu_session_options& options, bool checked);
-  /// All execute the same cycle of the same time, and meshes of one name have fields alike.
-  /// Returns the names of the meshes that this process lacks and others have, which it takes as
-  /// empty. Throws parallel::AgreedError.
-  std::vector<std::string> agree_on_step(std::int64_t cycle, double time,
-                                         std::span<commit::CommittedMesh* const> meshes);
+  /// All are at the same cycle of the same time. Throws parallel::AgreedError.
+  void agree_on_time(std::int64_t cycle, double time);
+  /// Meshes of one name have fields alike, and lie in the same frame of reference: those without
+  /// cells take that of the others. Returns the names of the meshes of all processes, in one order
+  /// for all; a process takes meshes that it lacks as empty. Of one process: of its meshes. Throws
+  /// parallel::AgreedError.
+  std::vector<std::string> agree_on_meshes(std::span<commit::CommittedMesh* const> meshes);
+  /// The first scalar field of the first mesh that has one, and that mesh, as of the last
+  /// agree_on_meshes(); empty names if there is none.
+  std::pair<std::string, std::string>
+  scalar_of_all(std::span<commit::CommittedMesh* const> meshes) const;
 
 private:
-  std::unique_ptr<parallel::World> world_;
-  std::string last_fields_; ///< that were compared
+  void agree_on_frames(std::span<commit::CommittedMesh* const> meshes,
+                       const std::vector<std::string>& names);
+
+  std::shared_ptr<parallel::World> world_;
+  std::string last_list_;          ///< of meshes and their frames, that were compared
+  std::vector<std::string> names_; ///< of the meshes then
+  std::pair<std::string, std::string> scalar_;
 };
 
 } // namespace insitu::api

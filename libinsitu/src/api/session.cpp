@@ -34,30 +34,48 @@ core::Log log_of(const insitu_session_options& o) {
 } // namespace
 
 Session::Session(const insitu_session_options& options)
-    : processes_(options, log_of(options)), context_(processes_.threads(options), log_of(options)),
+    : Session(options, Processes(options, log_of(options))) {}
+
+Session::Session(const insitu_session_options& options, std::shared_ptr<parallel::World> world)
+    : Session(options, Processes(std::move(world), options)) {}
+
+Session::Session(const insitu_session_options& options, Processes processes)
+    : processes_(std::move(processes)), context_(processes_.threads(options), log_of(options)),
       strict_(options.strict != 0), default_scene_(options.default_scene != 0),
       preview_(options.preview != 0), output_(options.output ? options.output : ""),
       query_points_(context_.memory, INSITU_MEMORY_QUERY) {
-  processes_.world().agree_after([&] { begin(options); });
-  processes_.agree_on_session(options, checked_);
+  read_scene(options);
+  processes_.world().agree_after([&] {
+    if (core::simd_target().asked)
+      context_.log.info("SIMD target " + core::simd_target().name);
+    if (preview_ && !output_.empty())
+      output_ = scene::preview_folder(output_);
+    if (!scene_)
+      return;
+    for (const std::string& warning : scene_->warnings)
+      if (processes_.world().is_root())
+        context_.log.warning(warning);
+    make_runner(*scene_);
+  });
 }
 
-void Session::begin(const insitu_session_options& options) {
-  if (core::simd_target().asked)
-    context_.log.info("SIMD target " + core::simd_target().name);
-  if (preview_ && !output_.empty())
-    output_ = scene::preview_folder(output_);
-  if (options.scene && options.scene_text)
-    throw Error(INSITU_ERROR_ARGUMENT, "scene and scene_text are both given, at most one expected");
-  if (options.scene)
-    scene_ = as_asked(scene::parse_scene_file(options.scene));
-  else if (options.scene_text)
-    scene_ = as_asked(scene::parse_scene_text(options.scene_text, "scene"));
-  if (scene_) {
-    for (const std::string& warning : scene_->warnings)
-      context_.log.warning(warning);
-    make_runner(*scene_);
-  }
+/// The root reads a scene's file for all processes; a text is that of each of them.
+void Session::read_scene(const insitu_session_options& options) {
+  parallel::World& world = processes_.world();
+  std::string text;
+  world.agree_after([&] {
+    if (options.scene_text)
+      scene_ = as_asked(scene::parse_scene_text(options.scene_text, "scene"));
+  });
+  processes_.agree_on_session(options, checked_);
+  if (!options.scene)
+    return;
+  world.agree_after([&] {
+    if (world.is_root())
+      text = scene::read_scene_file(options.scene);
+  });
+  text = world.broadcast(text);
+  world.agree_after([&] { scene_ = as_asked(scene::parse_scene_of_file(text, options.scene)); });
 }
 
 scene::SceneDescription Session::as_asked(scene::SceneDescription scene) const {
@@ -67,7 +85,8 @@ scene::SceneDescription Session::as_asked(scene::SceneDescription scene) const {
 void Session::make_runner(const scene::SceneDescription& scene) {
   auto runner =
       std::make_unique<scene::Runner>(scene, output_, context_, processes_.world(), statistics_);
-  locks_.take(scene, runner->output());
+  if (processes_.world().is_root())
+    locks_.take(scene, runner->output());
   runner_ = std::move(runner);
 }
 
@@ -154,26 +173,23 @@ insitu_commit_report Session::commit(SessionMesh& to) {
   return report;
 }
 
-/// The first scalar field of the first mesh that has one.
-void Session::make_default_runner() {
-  for (const auto& m : meshes_)
-    for (const std::string& name : m->mesh.mesh().field_names())
-      if (m->mesh.mesh().field(name).components == 1) {
-        make_runner(as_asked(scene::default_scene(name, m->mesh.mesh().name())));
-        return;
-      }
-  throw Error(INSITU_ERROR_FIELD, "the default scene needs a scalar field, and no mesh has one");
+void Session::make_default_runner(const std::vector<commit::CommittedMesh*>& meshes) {
+  const auto [field, mesh] = processes_.scalar_of_all(meshes);
+  if (field.empty())
+    throw Error(INSITU_ERROR_FIELD, "the default scene needs a scalar field, and no mesh has one");
+  make_runner(as_asked(scene::default_scene(field, mesh)));
 }
 
-std::string Session::try_default_runner() {
+std::string Session::try_default_runner(const std::vector<commit::CommittedMesh*>& meshes) {
   try {
-    make_default_runner();
+    processes_.world().agree_after([&] { make_default_runner(meshes); });
     return {};
   } catch (const Error& e) {
     ++statistics_.failures;
     if (default_failure_ != e.what()) {
       default_failure_ = e.what();
-      context_.log.error(default_failure_);
+      if (processes_.world().is_root())
+        context_.log.error(default_failure_);
     }
     return e.what();
   }
@@ -188,87 +204,113 @@ std::vector<commit::CommittedMesh*> Session::commit_all() {
   return meshes;
 }
 
+/// Begins a collective call.
+void Session::meet(const char* call) {
+  processes_.world().check_usable();
+  if (checked_)
+    processes_.wait_for_all(call);
+}
+
+std::vector<commit::CommittedMesh*> Session::commit_on_all() {
+  parallel::World& world = processes_.world();
+  std::vector<commit::CommittedMesh*> meshes;
+  world.agree_after([&] { meshes = commit_all(); });
+  const std::vector<std::string> names = processes_.agree_on_meshes(meshes);
+  if (world.size() == 1)
+    return meshes;
+  world.agree_after([&] {
+    for (const std::string& name : names)
+      mesh(name);
+    std::sort(meshes_.begin(), meshes_.end(), [&](const auto& a, const auto& b) {
+      return std::find(names.begin(), names.end(), a->mesh.mesh().name()) <
+             std::find(names.begin(), names.end(), b->mesh.mesh().name());
+    });
+    meshes.clear(); // those that are empty here, or whose frame is another now, are committed too
+    for (const auto& m : meshes_) {
+      if (!m->mesh.committed())
+        commit(*m);
+      meshes.push_back(&m->mesh);
+    }
+  });
+  return meshes;
+}
+
 const std::string& Session::plan() {
-  const std::vector<commit::CommittedMesh*> meshes = commit_all();
-  if (!runner_ && default_scene_)
-    make_default_runner();
-  plan_ = runner_ ? runner_->plan(meshes).text() : std::string();
+  meet("plan");
+  const std::vector<commit::CommittedMesh*> meshes = commit_on_all();
+  processes_.world().agree_after([&] {
+    if (!runner_ && default_scene_)
+      make_default_runner(meshes);
+    plan_ = runner_ ? runner_->plan(meshes).text() : std::string();
+  });
   return plan_;
 }
 
 std::string Session::execute(std::int64_t cycle, double time) {
-  processes_.world().check_usable();
-  if (checked_)
-    processes_.wait_for_all("execute");
-  std::vector<commit::CommittedMesh*> meshes;
-  processes_.world().agree_after([&] {
+  meet("execute");
+  parallel::World& world = processes_.world();
+  world.agree_after([&] {
     if (!(time - time == 0.0))
       throw Error(INSITU_ERROR_ARGUMENT, "time: not finite");
     locks_.take_missing();
-    meshes = commit_all();
   });
-  const std::vector<std::string> absent = processes_.agree_on_step(cycle, time, meshes);
+  processes_.agree_on_time(cycle, time);
+  const std::vector<commit::CommittedMesh*> meshes = commit_on_all();
   ++statistics_.executions;
-  if (processes_.size() == 1)
-    return run(meshes, cycle, time);
-  processes_.world().agree_after([&] {
-    for (const std::string& name : absent)
-      mesh(name);
-    if (!absent.empty())
-      meshes = commit_all();
-    if (const std::string failures = run(meshes, cycle, time); !failures.empty())
-      throw Error(INSITU_ERROR_ACTION, failures);
-  });
-  return {};
-}
-
-std::string Session::run(const std::vector<commit::CommittedMesh*>& meshes, std::int64_t cycle,
-                         double time) {
-  const bool any_cells = std::any_of(meshes.begin(), meshes.end(), [](const auto* mesh) {
-    return mesh->mesh().own_view().cell_count() > 0;
-  });
-  if (!runner_ && default_scene_ && (any_cells || meshes.empty()))
-    if (std::string failure = try_default_runner(); !failure.empty())
-      return failure;
+  if (!runner_ && default_scene_) {
+    std::int64_t cells = 0;
+    for (const commit::CommittedMesh* const m : meshes)
+      cells += m->mesh().own_view().cell_count();
+    world.reduce(std::span(&cells, 1), parallel::Reduction::sum);
+    if (cells > 0 || meshes.empty())
+      if (std::string failure = try_default_runner(meshes); !failure.empty())
+        return failure;
+  }
   return runner_ ? runner_->execute(meshes, cycle, time) : std::string();
 }
 
 void Session::checkpoint(const std::string& path) {
-  if (!runner_ || statistics_.executions == 0)
-    throw Error(INSITU_ERROR_ORDER, "checkpoint '" + path + "': nothing was executed yet");
-  std::vector<commit::CommittedMesh*> meshes;
-  for (const auto& m : meshes_) {
-    if (!m->mesh.committed())
-      throw Error(INSITU_ERROR_ORDER, "checkpoint '" + path + "': mesh '" + m->mesh.mesh().name() +
-                                          "' was changed since the last execute; a checkpoint is "
-                                          "of the step that was executed last");
-    meshes.push_back(&m->mesh);
-  }
-  locks_.take(path);
-  runner_->write_checkpoint(path, meshes);
+  meet("checkpoint");
+  processes_.world().agree_after([&] {
+    if (!runner_ || statistics_.executions == 0)
+      throw Error(INSITU_ERROR_ORDER, "checkpoint '" + path + "': nothing was executed yet");
+    std::vector<commit::CommittedMesh*> meshes;
+    for (const auto& m : meshes_) {
+      if (!m->mesh.committed())
+        throw Error(INSITU_ERROR_ORDER, "checkpoint '" + path + "': mesh '" +
+                                            m->mesh.mesh().name() +
+                                            "' was changed since the last execute; a checkpoint is "
+                                            "of the step that was executed last");
+      meshes.push_back(&m->mesh);
+    }
+    if (processes_.world().is_root())
+      locks_.take(path);
+    runner_->write_checkpoint(path, meshes);
+  });
 }
 
 void Session::restart(const std::string& path) {
-  if (!scene_)
-    throw Error(INSITU_ERROR_ORDER, "restart from '" + path + "': the session has no scene");
-  if (statistics_.executions > 0)
-    throw Error(INSITU_ERROR_ORDER, "restart from '" + path + "': this session has executed " +
-                                        std::to_string(statistics_.executions) +
-                                        " times; restart before the first execute");
-  // A runner of its own: should it fail, the one that is there goes on as if nothing had been
-  // asked.
-  auto fresh =
-      std::make_unique<scene::Runner>(*scene_, output_, context_, processes_.world(), statistics_);
-  fresh->restart(path);
-  runner_ = std::move(fresh);
+  meet("restart");
+  processes_.world().agree_after([&] {
+    if (!scene_)
+      throw Error(INSITU_ERROR_ORDER, "restart from '" + path + "': the session has no scene");
+    if (statistics_.executions > 0)
+      throw Error(INSITU_ERROR_ORDER, "restart from '" + path + "': this session has executed " +
+                                          std::to_string(statistics_.executions) +
+                                          " times; restart before the first execute");
+    // A runner of its own: should it fail, the one that is there goes on as if nothing had been
+    // asked.
+    auto fresh = std::make_unique<scene::Runner>(*scene_, output_, context_, processes_.world(),
+                                                 statistics_);
+    fresh->restart(path);
+    runner_ = std::move(fresh);
+  });
 }
 
 std::string Session::finish() {
   const std::string failures = runner_ ? runner_->finish() : std::string();
   locks_.release();
-  processes_.world().check_usable(); // files are closed, whatever MPI does
-  if (checked_)
-    processes_.wait_for_all("close");
+  meet("close"); // files are closed, whatever MPI does
   processes_.world().agree_after([&] {
     if (!failures.empty())
       throw Error(INSITU_ERROR_FILE, failures);

@@ -33,6 +33,8 @@ struct SessionMesh {
 class Session {
 public:
   explicit Session(const insitu_session_options& options);
+  /// With processes that the options do not give, for tests.
+  Session(const insitu_session_options& options, std::shared_ptr<parallel::World> world);
   ~Session();
 
   SessionMesh& mesh(const std::string& name);
@@ -45,7 +47,8 @@ public:
   insitu_commit_report commit(SessionMesh& mesh);
   /// Returns what failed, one line each. Collective, as finish() is.
   std::string execute(std::int64_t cycle, double time);
-  /// What the scene needs; kept until the next call.
+  /// What the scene needs of this process; kept until the next call. Collective, as are the next
+  /// ones and write_summary().
   const std::string& plan();
   /// The state of all tracers, to a file and back; the latter before the first execute().
   void checkpoint(const std::string& path);
@@ -93,17 +96,18 @@ private:
                       const QueryPoints& points,
                       core::FunctionRef<void(std::int64_t, std::span<const math::Vec3d>)> visit);
   std::vector<commit::CommittedMesh*> commit_all();
-  std::string run(const std::vector<commit::CommittedMesh*>& meshes, std::int64_t cycle,
-                  double time);
+  /// Commits them on all processes; they then are the same meshes in the same order.
+  std::vector<commit::CommittedMesh*> commit_on_all();
+  void meet(const char* call);
   /// Returns the scene, or what a preview draws of it.
   scene::SceneDescription as_asked(scene::SceneDescription scene) const;
   void make_runner(const scene::SceneDescription& scene);
-  void make_default_runner();
+  void make_default_runner(const std::vector<commit::CommittedMesh*>& meshes);
   /// Makes it; returns what is in the way, logged once.
-  std::string try_default_runner();
+  std::string try_default_runner(const std::vector<commit::CommittedMesh*>& meshes);
 
-  /// Opens it as far as one process can by itself.
-  void begin(const insitu_session_options& options);
+  Session(const insitu_session_options& options, Processes processes);
+  void read_scene(const insitu_session_options& options);
 
   Processes processes_; ///< first: the others take part in what fails of the rest
   core::Context context_;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <insitu/insitu.hpp>
 #include <string>
@@ -134,10 +135,10 @@ TEST(Sessions, AFailureOfOneIsAFailureOfAll) {
   EXPECT_EQ(solver.execute(0, 0.0), INSITU_OK) << solver.error;
 }
 
-/// An action that fails on one process.
+/// The root cannot write; the folders of the others do not matter.
 TEST(Sessions, AFailedActionIsToldToAll) {
   Solver solver([](insitu::Options& o) {
-    if (is_last()) {
+    if (rank() == 0) {
       std::filesystem::create_directories("here");
       std::filesystem::remove_all("here/file");
       std::fclose(std::fopen("here/file", "w"));
@@ -147,17 +148,27 @@ TEST(Sessions, AFailedActionIsToldToAll) {
   ASSERT_EQ(solver.error, "");
   solver.give();
   EXPECT_EQ(solver.execute(0, 0.0), INSITU_ERROR_ACTION);
-  EXPECT_EQ(solver.error.find(size() > 1 ? last_process() + ": probe 'gauges'" : "probe 'gauges'"),
-            0u)
-      << solver.error;
+  const std::string root = size() > 1 ? "process 0 of " + std::to_string(size()) + ": " : "";
+  EXPECT_EQ(solver.error.find("probe 'gauges': " + root), 0u) << solver.error;
 }
 
-/// Until the root alone writes.
-TEST(Sessions, OfOneFolderAreRefusedTogether) {
-  const Solver solver([](insitu::Options& o) { o.output = "one_folder"; });
-  EXPECT_EQ(solver.status, size() > 1 ? INSITU_ERROR_FILE : INSITU_OK);
-  EXPECT_EQ(solver.error.find("needs an output folder of its own") != std::string::npos, size() > 1)
-      << solver.error;
+/// The root alone writes: one table, with a row for the point, of which all have a cell.
+TEST(Sessions, OfOneFolderWriteOneTable) {
+  if (rank() == 0)
+    std::filesystem::remove_all("one_folder");
+  MPI_Barrier(MPI_COMM_WORLD);
+  {
+    Solver solver([](insitu::Options& o) { o.output = "one_folder"; });
+    ASSERT_EQ(solver.error, "");
+    solver.give();
+    EXPECT_EQ(solver.execute(0, 0.0), INSITU_OK) << solver.error;
+  }
+  std::ifstream in("one_folder/gauges.csv");
+  const std::string table{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_EQ(table, size() > 1 ? "cycle,time,point,cell,process,r,s,t,f\n"
+                                "0,0,0,0,0,0.5,0.5,0.5,2.5\n"
+                              : "cycle,time,point,cell,r,s,t,f\n"
+                                "0,0,0,0,0.5,0.5,0.5,2.5\n");
 }
 
 TEST(Sessions, WhatDiffersIsNamed) {

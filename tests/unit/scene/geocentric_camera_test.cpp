@@ -57,9 +57,12 @@ TEST(GeocentricCamera, SeesTheWholeMeshFromAbove) {
   const scene::Frame frame = scene::test::parse(boundary).frames[0];
   core::Context& context = run.context;
   scene::CinemaTable table({}, run.folder.string());
+  scene::FieldReductions reductions(run.world, context.threads);
   const scene::Environment environment{
-      context, run.statistics, *const_cast<scene::FrameStructures*>(&drawn.structures),
-      table,   "s.yaml",       run.folder.string()};
+      context,        run.world,
+      run.statistics, *const_cast<scene::FrameStructures*>(&drawn.structures),
+      reductions,     table,
+      "s.yaml",       run.folder.string()};
   const scene::FrameSettingsMaker maker(frame, environment);
   const render::Camera camera =
       maker.camera(frame.camera, drawn.mesh, {run.meshes, 0, 0.0, true, 0.0}, 0);

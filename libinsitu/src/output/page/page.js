@@ -106,6 +106,16 @@ function makeCost(run) {
   const cards = [make("div", {class: "card"}, make("h3", {}, "Seconds a cycle"),
       plotOver(spans, {label: "Seconds a cycle", series, shown: kept.parts ||= new Set(parts), stacked: true, starts, format: formatSeconds,
                        toggled: (part, on) => kept.parts[on ? "add" : "delete"](part)}), table)];
+  const spread = run.entries.filter((e) => e.processes);
+  if (spread.length > 0) {
+    const kinds = ["least", "mean", "greatest"];
+    const sum = (kind, i) => spread.reduce((total, e) => total + e.processes[kind][i], 0);
+    cards[0].append(make("p", {class: "note"}, `${spread[0].processes.count} processes; the seconds above are the root's, these the least, mean ` +
+        "and greatest of a cycle's, added up:"), make("table", {},
+        make("thead", {}, make("tr", {}, ...["", ...kinds].map((t, i) => make("th", {scope: "col", class: i ? "number" : ""}, t)))),
+        make("tbody", {}, ...parts.map((p, i) => make("tr", {}, make("th", {scope: "row"}, p),
+            ...kinds.map((kind) => make("td", {class: "number"}, formatSeconds(sum(kind, i)))))))));
+  }
   const purposes = (run.purposes || []).map((name, i) => ({name, values: run.entries.map((e) => e.bytes[i] || 0)}))
       .filter((s) => s.values.some((v) => v > 0));
   const peak = minmax(run.entries.map((e) => e.peak))[1];

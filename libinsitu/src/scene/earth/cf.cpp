@@ -130,6 +130,12 @@ NetcdfVariable cf_piece() {
                   {text("long_name", "piece of the mesh"), {"_FillValue", std::int32_t(-1)}});
 }
 
+NetcdfVariable cf_process() {
+  return variable(
+      "process", NetcdfType::int32,
+      {text("long_name", "process that has the cell"), {"_FillValue", std::int32_t(-1)}});
+}
+
 NetcdfVariable cf_ending() {
   std::vector<std::int8_t> values;
   std::string meanings;

@@ -27,6 +27,7 @@ output::NetcdfVariable cf_time();
 output::NetcdfVariable cf_cycle();
 output::NetcdfVariable cf_cell();
 output::NetcdfVariable cf_piece();
+output::NetcdfVariable cf_process();
 /// insitu_ending as a flag, with all meanings.
 output::NetcdfVariable cf_ending();
 /// A column of values, NaN where there is none; coordinates: names, for the attribute.

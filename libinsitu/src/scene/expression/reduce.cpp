@@ -1,29 +1,19 @@
 #include "scene/expression/reduce.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "math/exact_sum.h"
 #include "scene/run/lookup.h"
 
 namespace insitu::scene {
 
 namespace {
 
-struct Partial {
-  double min = std::numeric_limits<double>::infinity();
-  double max = -std::numeric_limits<double>::infinity();
-  double sum = 0.0;
-  std::int64_t count = 0;
-
-  void add(double v) {
-    if (std::isnan(v))
-      return;
-    min = v < min ? v : min;
-    max = v > max ? v : max;
-    sum += v;
-    ++count;
-  }
-};
+constexpr std::int64_t grain = 1 << 14;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 double magnitude(const mesh::FieldPieceView& values, int components, std::int64_t item) {
   if (components == 1)
@@ -36,58 +26,92 @@ double magnitude(const mesh::FieldPieceView& values, int components, std::int64_
   return std::sqrt(sum);
 }
 
-} // namespace
+struct Extremes {
+  double least = infinity, greatest = -infinity;
 
-double reduce_field(const commit::CommittedMesh& mesh, const Name& name,
-                    const std::string& scene_file, Reduction reduction,
-                    const core::Threads& threads) {
-  constexpr std::int64_t grain = 1 << 14;
-  const mesh::FieldView field = find_own_field(mesh, name, scene_file);
-  const mesh::MeshView& view = mesh.mesh().own_view();
-  Partial all;
-  for (std::int32_t p = 0; p < view.piece_count; ++p) {
+  void add(double v) { // neither holds for NaN
+    least = v < least ? v : least;
+    greatest = v > greatest ? v : greatest;
+  }
+  void add(const Extremes& other) {
+    least = std::min(least, other.least);
+    greatest = std::max(greatest, other.greatest);
+  }
+};
+
+struct Sum {
+  math::ExactSum sum;
+  std::int64_t count = 0;
+
+  void add(double v) {
+    if (std::isnan(v))
+      return;
+    sum.add(v);
+    ++count;
+  }
+  void add(const Sum& other) {
+    sum.add(other.sum);
+    count += other.count;
+  }
+};
+
+/// Of what counts of a field here, in parts that do not depend on threads.
+template <class Part>
+Part part_of(const mesh::FieldView& field, const mesh::MeshView& view,
+             const CountedVertices& counted, const core::Threads& threads) {
+  Part all;
+  const bool cells = field.association == INSITU_CELL;
+  for (std::int32_t p = 0; p < view.piece_count && field.pieces; ++p) {
     const mesh::PieceView& piece = view.pieces[p];
-    const bool cells = field.association == INSITU_CELL;
     const std::int64_t count = cells ? piece.cell_count : piece.vertex_count;
-    // Vertices count if an owning cell uses them: those of ghost cells alone may hold anything.
-    std::vector<bool> used;
-    if (!cells && piece.ghosts) {
-      used.assign(std::size_t(count), false);
-      for (std::int64_t c = 0; c < piece.cell_count; ++c) {
-        std::int64_t ids[8];
-        if (!piece.owns(c))
-          continue;
-        const int n = piece.vertex_ids(c, ids);
-        for (int v = 0; v < n; ++v)
-          used[std::size_t(ids[v])] = true;
-      }
-    }
-    std::vector<Partial> partials(std::size_t((count + grain - 1) / grain));
+    std::vector<Part> parts(std::size_t((count + grain - 1) / grain));
     threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
-      Partial& part = partials[std::size_t(begin / grain)];
+      Part& part = parts[std::size_t(begin / grain)];
       for (std::int64_t i = begin; i < end; ++i)
-        if (cells ? piece.owns(i) : (used.empty() || used[std::size_t(i)]))
+        if (cells ? piece.owns(i) : counted.counts(p, i))
           part.add(magnitude(field.pieces[p], field.components, i));
     });
-    for (const Partial& part : partials) { // in order, so that the sum is the same on any threads
-      all.min = part.min < all.min ? part.min : all.min;
-      all.max = part.max > all.max ? part.max : all.max;
-      all.sum += part.sum;
-      all.count += part.count;
-    }
+    for (const Part& part : parts)
+      all.add(part);
   }
-  if (all.count == 0)
-    return std::numeric_limits<double>::quiet_NaN();
-  switch (reduction) {
-  case Reduction::min:
-    return all.min;
-  case Reduction::max:
-    return all.max;
-  case Reduction::mean:
-  case Reduction::value: // of a point: not asked for here
-    break;
+  return all;
+}
+
+} // namespace
+
+double FieldReductions::operator()(const commit::CommittedMesh& mesh, const Name& name,
+                                   const std::string& scene_file, Reduction reduction) {
+  const mesh::FieldView field =
+      find_fields(mesh, {&name, 1}, scene_file, world_, CellsOf::own_view).front();
+  CountedVertices& counted = counted_[mesh.mesh().name()];
+  if (field.association == INSITU_VERTEX)
+    counted.update(mesh, world_, threads_);
+  const mesh::MeshView& view = mesh.mesh().own_view();
+  if (reduction == Reduction::mean) {
+    Sum all;
+    world_.agree_after([&] { all = part_of<Sum>(field, view, counted, threads_); });
+    world_.reduce(std::span(&all.count, 1), parallel::Reduction::sum);
+    world_.reduce(all.sum.words(), parallel::Reduction::sum);
+    return all.count > 0 ? all.sum.mean(all.count) : nan;
   }
-  return all.sum / double(all.count);
+  double least_and_least_of_negative[2] = {nan, nan};
+  world_.agree_after([&] {
+    const auto all = part_of<Extremes>(field, view, counted, threads_);
+    if (all.least > all.greatest) // no value
+      return;
+    least_and_least_of_negative[0] = all.least + 0.0; // 0 rather than -0
+    least_and_least_of_negative[1] = -(all.greatest + 0.0);
+  });
+  world_.reduce(least_and_least_of_negative, parallel::Reduction::least); // NaN comes last
+  return reduction == Reduction::min ? least_and_least_of_negative[0]
+                                     : -least_and_least_of_negative[1];
+}
+
+double reduce_field(const commit::CommittedMesh& mesh, const Name& field,
+                    const std::string& scene_file, Reduction reduction,
+                    const core::Threads& threads) {
+  parallel::SerialWorld alone;
+  return FieldReductions(alone, threads)(mesh, field, scene_file, reduction);
 }
 
 } // namespace insitu::scene

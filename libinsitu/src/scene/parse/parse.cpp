@@ -40,6 +40,10 @@ void parse_list(const MapReader& map, const char* key, ParseContext& context,
 } // namespace
 
 SceneDescription parse_scene_file(const std::string& path) {
+  return parse_scene_of_file(read_scene_file(path), path);
+}
+
+std::string read_scene_file(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) {
     throw core::Error(INSITU_ERROR_FILE, "scene file '" + path + "' is a folder");
@@ -56,6 +60,10 @@ SceneDescription parse_scene_file(const std::string& path) {
     throw core::Error(INSITU_ERROR_FILE, "scene file '" + path + "' cannot be read");
   }
   text.resize(static_cast<std::size_t>(file.gcount()));
+  return text;
+}
+
+SceneDescription parse_scene_of_file(std::string_view text, const std::string& path) {
   return parse_scene_text(text, path, std::filesystem::path(path).parent_path().string());
 }
 

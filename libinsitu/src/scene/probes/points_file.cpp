@@ -184,6 +184,10 @@ PointTable parse_points_text(std::string_view text, const std::string& file) {
 }
 
 PointTable read_points_file(const std::string& path) {
+  return parse_points_text(read_points_text(path), path);
+}
+
+std::string read_points_text(const std::string& path) {
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
   std::ifstream file(path, std::ios::binary);
@@ -195,7 +199,7 @@ PointTable read_points_file(const std::string& path) {
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (static_cast<std::uintmax_t>(file.gcount()) != size)
     throw core::Error(INSITU_ERROR_FILE, "file of points '" + path + "' cannot be read");
-  return parse_points_text(text, path);
+  return text;
 }
 
 FrameOfReference frame_of(const PointTable& table, const FrameOfReference& stated,

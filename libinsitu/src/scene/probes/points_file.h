@@ -27,6 +27,8 @@ struct PointTable {
 /// ("file:line:column: ...", Problems::most at most; the column counts bytes from 1) of its text.
 PointTable read_points_file(const std::string& path);
 
+/// The text of the file alone.
+std::string read_points_text(const std::string& path);
 /// The same of a text; `file` stands in messages.
 PointTable parse_points_text(std::string_view text, const std::string& file);
 

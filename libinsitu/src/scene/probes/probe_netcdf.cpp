@@ -6,7 +6,6 @@
 #include "core/status.h"
 #include "core/unsigned_zero.h"
 #include "scene/earth/cf.h"
-#include "scene/run/own_cell.h"
 
 namespace insitu::scene {
 
@@ -100,8 +99,10 @@ output::NetcdfLayout ProbeNetcdf::layout(const commit::CommittedMesh& mesh,
     return v;
   };
   out.variables = {cf_cycle(), cf_time(), of_all(cf_cell())};
-  if (pieces_)
+  if (names_.pieces)
     out.variables.push_back(of_all(cf_piece()));
+  if (names_.processes)
+    out.variables.push_back(of_all(cf_process()));
   if (curtain)
     add_curtain(out, *curtain);
   else if (moves_)
@@ -137,11 +138,11 @@ output::NetcdfLayout ProbeNetcdf::layout(const commit::CommittedMesh& mesh,
 }
 
 void ProbeNetcdf::write(const commit::CommittedMesh& mesh, const Step& step,
-                        const ScenePoints& points, const ProbeAnswers& answers) {
-  const mesh::MeshView& view = mesh.mesh().own_view();
+                        const ScenePoints& points, const ProbeAnswers& answers,
+                        const CellNames& names) {
   if (!table_) {
     columns_ = answers.columns;
-    pieces_ = names_pieces(mesh.mesh());
+    names_ = names;
     table_ =
         std::make_unique<output::NetcdfTable>(path_, layout(mesh, points, answers), step.cycle);
     ++environment_.statistics.files;
@@ -151,24 +152,26 @@ void ProbeNetcdf::write(const commit::CommittedMesh& mesh, const Step& step,
                           "' was opened for other fields than this cycle's: they changed during "
                           "the run");
   } else {
-    one_piece_.say(!pieces_ && names_pieces(mesh.mesh()), path_, environment_.context.log);
+    names_.require_for(path_, names);
+    one_piece_.say(!names_.pieces && !names_.global && names.pieces, path_,
+                   environment_.context.log);
   }
   output::NetcdfRecords& to = table_->rows();
-  const std::size_t n = answers.locations.size(), width = answers.columns.size();
+  const std::size_t n = answers.cells.size(), width = answers.columns.size();
   to.put(step.cycle).put(step.time);
-  std::vector<OwnCell> cells;
-  for (const query::Location& at : answers.locations)
-    cells.push_back(own_cell(view, at.cell));
-  for (const OwnCell& own : cells)
-    to.put(pieces_ ? own.cell : own.flat);
-  for (std::size_t i = 0; pieces_ && i < n; ++i)
-    to.put(cells[i].piece);
+  for (const OwnCell& own : answers.cells)
+    to.put(names_.cell(own));
+  for (std::size_t i = 0; names_.pieces && i < n; ++i)
+    to.put(answers.cells[i].piece);
+  for (std::size_t i = 0; names_.processes && i < n; ++i)
+    to.put(answers.cells[i].process);
   for (int c = 0; moves_ && c < 3; ++c)
     for (const math::Vec3d& x : points.mesh_points)
       to.put(core::unsigned_zero(x[c]));
   for (int c = 0; c < 3; ++c)
-    for (const query::Location& at : answers.locations)
-      to.put(at ? at.parametric[c] : std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < n; ++i)
+      to.put(answers.found(i) ? answers.parametric[i][c]
+                              : std::numeric_limits<double>::quiet_NaN());
   for (std::size_t c = 0; c < width; ++c)
     for (std::size_t i = 0; i < n; ++i)
       to.put(answers.values[i * width + c]);

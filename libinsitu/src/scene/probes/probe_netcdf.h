@@ -6,20 +6,13 @@
 #include <vector>
 
 #include "output/netcdf/netcdf_table.h"
+#include "scene/probes/probe_answers.h"
 #include "scene/probes/resolve_points.h"
 #include "scene/run/environment.h"
 #include "scene/run/growing_table.h"
 #include "scene/run/step.h"
 
 namespace insitu::scene {
-
-/// What a probe found, row by row.
-struct ProbeAnswers {
-  std::vector<query::Location> locations; ///< as the solver counts cells
-  std::vector<mesh::FieldView> fields;
-  std::vector<std::string> columns; ///< of the values
-  std::vector<double> values;       ///< [point][column], NaN outside
-};
 
 /// `<name>.nc`: a probe as CF time series, a record for each due cycle: the multidimensional
 /// array of stations and times. Of a curtain the stations are profiles: one more dimension, of its
@@ -31,7 +24,7 @@ public:
   ProbeNetcdf(const std::string& name, const Environment& environment, bool moves);
   ~ProbeNetcdf();
   void write(const commit::CommittedMesh& mesh, const Step& step, const ScenePoints& points,
-             const ProbeAnswers& answers);
+             const ProbeAnswers& answers, const CellNames& names);
   void finish();
 
 private:
@@ -42,7 +35,8 @@ private:
   Environment environment_;
   std::unique_ptr<output::NetcdfTable> table_;
   std::vector<std::string> columns_;
-  bool moves_ = false, pieces_ = false;
+  bool moves_ = false;
+  CellNames names_; ///< in the table
   OnePieceNote one_piece_;
 };
 

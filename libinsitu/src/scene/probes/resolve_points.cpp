@@ -43,8 +43,21 @@ CurtainPlaces resolve_curtain(const Curtain& curtain, const insitu_frame& frame)
 
 } // namespace
 
+std::string read_points_for_all(const PointSource& source, parallel::World& world) {
+  const auto* const file = std::get_if<PointFile>(&source);
+  if (!file)
+    return {};
+  std::string text;
+  world.agree_after([&] {
+    if (world.is_root())
+      text = read_points_text(file->path);
+  });
+  return world.broadcast(text);
+}
+
 ScenePoints resolve_points(const PointSource& source, const FrameOfReference& frame,
-                           const commit::CommittedMesh& mesh, const std::string& scene_file) {
+                           const commit::CommittedMesh& mesh, const std::string& scene_file,
+                           const std::string* text) {
   ScenePoints out;
   FrameOfReference used = frame;
   const insitu_frame_kind kind = to_api(used, mesh.reference_frame).kind;
@@ -57,7 +70,7 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
            "a curtain has no upright in geocentric coordinates, which the mesh is in; give it in "
            "another frame");
   if (const auto* file = std::get_if<PointFile>(&source)) {
-    PointTable table = read_points_file(file->path);
+    PointTable table = text ? parse_points_text(*text, file->path) : read_points_file(file->path);
     used = frame_of(table, frame, scene_file);
     out.mesh_points = std::move(table.points);
     out.names = std::move(table.names);

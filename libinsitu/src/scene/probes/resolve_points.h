@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "commit/committed_mesh.h"
+#include "parallel/world.h"
 #include "scene/parse/description.h"
 
 namespace insitu::scene {
@@ -25,7 +26,12 @@ struct ScenePoints {
                                         ///< none
   std::optional<CurtainPlaces> curtain; ///< if given, the points are [station][level]
 };
+/// file: the text of a source that is a file, if it was read already; null: it is read.
 ScenePoints resolve_points(const PointSource& source, const FrameOfReference& frame,
-                           const commit::CommittedMesh& mesh, const std::string& scene_file);
+                           const commit::CommittedMesh& mesh, const std::string& scene_file,
+                           const std::string* file = nullptr);
+/// Returns the text of a source that is a file, which the root reads, on all processes. Collective.
+/// Throws parallel::AgreedError.
+std::string read_points_for_all(const PointSource& source, parallel::World& world);
 
 } // namespace insitu::scene

@@ -15,6 +15,13 @@ namespace insitu::scene {
 
 /// An action is something that a scene asks for: a probe, a tracer, a frame. An action that fails
 /// throws core::Error from execute(), and the runner tries it again when it is next due.
+///
+/// Where a session has several processes (Environment::world), all of them execute an action at the
+/// same cycles, due or not alike, each with its own cells of the mesh or none. A collective action
+/// exchanges what it needs meanwhile, as a row of phases (World::agree_after), and the root alone
+/// writes its files; whatever it throws is a parallel::AgreedError, on all processes alike. Any
+/// other action does what it does on the process's own cells, and the runner agrees on its
+/// failures.
 class Action {
 public:
   virtual ~Action() = default;
@@ -22,9 +29,15 @@ public:
   virtual const std::string& name() const = 0;
   virtual const Trigger& trigger() const = 0;
   virtual const Name& mesh_name() const = 0;
+  /// Whether the action is of this mesh, which is one of the session's.
+  bool is_of(const commit::CommittedMesh& mesh, MeshList meshes) const {
+    const Name& name = mesh_name();
+    return name.empty() ? &mesh == meshes.front() : name.text == mesh.mesh().name();
+  }
+  virtual bool is_collective() const { return false; }
   /// Runs the action. The runner calls this at every cycle; due says whether the trigger holds.
   virtual void execute(commit::CommittedMesh& mesh, const Step& step, bool due) = 0;
-  /// Ends the action when the session closes.
+  /// Ends the action when the session closes. Not collective: MPI may have been finalised.
   virtual void finish() {}
   /// Returns the name by which a checkpoint knows the state of the action, in words that hold
   /// everything that the state depends on. An empty name means that the action has no state.

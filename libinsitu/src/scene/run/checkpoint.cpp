@@ -95,6 +95,12 @@ void remove_old_checkpoints(const std::string& folder, std::int64_t cycle, std::
 
 // Of the runner.
 
+void Runner::require_one_process(const char* what) const {
+  if (environment_.world.size() > 1)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      std::string(what) + " of several processes is not there yet");
+}
+
 /// All but the meshes.
 void Runner::keep(core::Archive& archive) {
   archive.value("cycle", cycle_);
@@ -120,6 +126,7 @@ void Runner::keep(core::Archive& archive) {
 }
 
 void Runner::write_checkpoint(const std::string& path, MeshList meshes) {
+  require_one_process("a checkpoint");
   if (!executed_)
     throw core::Error(INSITU_ERROR_ORDER,
                       "checkpoint '" + path + "': nothing was executed yet in this session");
@@ -141,6 +148,7 @@ void Runner::write_checkpoint(const std::string& path, MeshList meshes) {
 }
 
 void Runner::restart(const std::string& path) {
+  require_one_process("a restart");
   output::CheckpointReader archive(path);
   keep(archive);
   std::size_t count = 0;
@@ -172,12 +180,9 @@ void Runner::bring_back_earlier(MeshList meshes) {
         mesh->restore_earlier_mesh(kept.step, std::move(restored.cells), kept.chart, threads);
         continue;
       }
-      for (const auto& action : actions_) {
-        const Name& of = action->mesh_name();
-        const bool here = of.empty() ? mesh == meshes.front() : of.text == kept.name;
-        if (here)
+      for (const auto& action : actions_)
+        if (action->is_of(*mesh, meshes))
           action->take_up_cells();
-      }
     }
   kept_meshes_.clear();
 }

@@ -5,6 +5,7 @@
 
 #include "core/context.h"
 #include "parallel/world.h"
+#include "scene/expression/reduce.h"
 #include "scene/frames/cinema_table.h"
 #include "scene/frames/frame_structures.h"
 #include "scene/run/page_record.h"
@@ -18,10 +19,12 @@ struct Environment {
   parallel::World& world; ///< the processes of the session; see Action::execute()
   Statistics& statistics;
   FrameStructures& structures;
+  FieldReductions& reductions;
   CinemaTable& table;         ///< the table of the files of frames
   std::string scene_file;     ///< path of the scene file, for messages
   std::string output;         ///< output folder
-  PageRecord* page = nullptr; ///< the page of the run; null: the scene asks for no page
+  PageRecord* page = nullptr; ///< the page of the run; null: the scene asks for no page, or the
+                              ///< root has it
 };
 
 /// Returns the path `<output>/<name>_<cycle, six digits><extension>`.

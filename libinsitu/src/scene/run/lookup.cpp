@@ -1,6 +1,8 @@
 #include "scene/run/lookup.h"
 
-#include <vector>
+#include <algorithm>
+#include <map>
+#include <sstream>
 
 #include "core/status.h"
 #include "core/suggest.h"
@@ -48,6 +50,77 @@ mesh::FieldView find_field(const commit::CommittedMesh& mesh, const Name& name,
 mesh::FieldView find_own_field(const commit::CommittedMesh& mesh, const Name& name,
                                const std::string& scene_file) {
   return at_line_of(name, scene_file, [&] { return mesh.mesh().own_field(name.text); });
+}
+
+std::vector<mesh::FieldView> find_fields(const commit::CommittedMesh& mesh,
+                                         std::span<const Name> names, const std::string& scene_file,
+                                         parallel::World& world, CellsOf cells) {
+  std::vector<mesh::FieldView> views;
+  std::vector<std::int64_t> known; // components and association, as one number; -1: not known here
+  world.agree_after([&] {
+    const bool has_cells = mesh.mesh().own_view().cell_count() > 0;
+    known.assign(names.size(), -1);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      views.push_back({names[i].text.c_str()});
+      if (world.size() > 1 && !has_cells && !mesh.mesh().has_field(names[i].text))
+        continue;
+      views[i] = cells == CellsOf::view ? find_field(mesh, names[i], scene_file)
+                                        : find_own_field(mesh, names[i], scene_file);
+      known[i] = std::int64_t(views[i].components) << 1 | std::int64_t(views[i].association);
+    }
+  });
+  world.reduce(known, parallel::Reduction::greatest);
+  world.agree_after([&] {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (known[i] < 0) // on all processes: says it as one of them would
+        find_field(mesh, names[i], scene_file);
+      views[i].components = int(known[i] >> 1);
+      views[i].association = insitu_association(known[i] & 1);
+    }
+  });
+  return views;
+}
+
+std::vector<std::string> field_names_of_all(const commit::CommittedMesh& mesh,
+                                            parallel::World& world) {
+  std::vector<std::string> names = mesh.mesh().field_names();
+  if (world.size() == 1)
+    return names;
+  const auto joined = [](const std::vector<std::string>& list) {
+    std::string text;
+    for (const std::string& name : list)
+      text.append(name).push_back('\0'); // names hold any byte but that
+    return text;
+  };
+  const auto parted = [](const std::string& text) {
+    std::istringstream in(text);
+    std::vector<std::string> list;
+    for (std::string name; std::getline(in, name, '\0');)
+      list.push_back(name);
+    return list;
+  };
+  const std::string mine = joined(names);
+  std::map<int, std::string> lists;
+  world.gather(std::as_bytes(std::span(mine.data(), mine.size())), std::size_t(1) << 20,
+               [&](int rank, std::span<const std::byte> bytes) {
+                 lists[rank].append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+               });
+  std::string all;
+  world.agree_after([&] {
+    names.clear();
+    for (const auto& [rank, list] : lists)
+      for (const std::string& name : parted(list))
+        if (std::find(names.begin(), names.end(), name) == names.end())
+          names.push_back(name);
+    all = joined(names);
+  });
+  return parted(world.broadcast(all));
+}
+
+std::int64_t cells_of_all(const mesh::Mesh& mesh, parallel::World& world) {
+  std::int64_t count = mesh.own_view().cell_count();
+  world.reduce(std::span(&count, 1), parallel::Reduction::sum);
+  return count;
 }
 
 } // namespace insitu::scene

@@ -27,6 +27,19 @@ bool has(const std::vector<TableFormat>& formats, TableFormat format) {
   return std::find(formats.begin(), formats.end(), format) != formats.end();
 }
 
+/// How seconds differ between processes.
+void add_processes(JsonText& entry, const SecondsOfAll& all) {
+  entry.key("processes").open('{').key("count").value(std::int64_t(all.processes));
+  for (const auto& [key, seconds] : {std::pair("least", &all.least), std::pair("mean", &all.mean),
+                                     std::pair("greatest", &all.greatest)}) {
+    entry.key(key).open('[');
+    for (const double s : *seconds)
+      entry.short_value(s);
+    entry.close();
+  }
+  entry.close();
+}
+
 /// The tables that grow over the run: files of a single cycle are too many to list.
 std::string tables_of(const SceneDescription& scene) {
   std::string list;
@@ -154,7 +167,8 @@ void PageRecord::add_session(JsonText& entry) const {
   entry.close().close();
 }
 
-std::string PageRecord::make_entry(bool finished, const core::Timer& began) {
+/// seconds: of several processes; null: the session ends.
+std::string PageRecord::make_entry(const SecondsOfAll* all, const core::Timer& began) {
   const Statistics &s = statistics_, &b = before_;
   JsonText e;
   e.open('{').key("cycle").value(cycle_).key("time").value(time_);
@@ -164,14 +178,15 @@ std::string PageRecord::make_entry(bool finished, const core::Timer& began) {
   e.key("executions").value(s.executions - b.executions).key("wall");
   e.short_value(since_.seconds() - began.seconds());
   e.key("seconds").open('[');
-  for (const double seconds :
-       {s.commit_s - b.commit_s, s.query_s - b.query_s, s.advect_s - b.advect_s,
-        s.render_s - b.render_s, s.output_s - b.output_s})
-    e.short_value(seconds);
+  const Seconds until_now = seconds_of(s), until_before = seconds_of(b);
+  for (std::size_t i = 0; i < until_now.size(); ++i)
+    e.short_value(until_now[i] - until_before[i]);
   e.close().key("bytes").open('[');
   for (int p = 0; p < INSITU_MEMORY_COUNT; ++p)
     e.value(context_.memory.current(insitu_purpose(p)));
   e.close().key("peak").value(context_.memory.peak());
+  if (all && all->processes > 1)
+    add_processes(e, *all);
   if (s.failures > b.failures)
     e.key("failures").value(s.failures - b.failures);
   for (auto& [key, list] : {std::pair<const char*, std::string*>{"frames", &frames_},
@@ -191,7 +206,7 @@ std::string PageRecord::make_entry(bool finished, const core::Timer& began) {
     e.close();
     messages_.clear();
   }
-  if (finished)
+  if (!all)
     e.key("finished").value(true);
   e.close();
   since_ = began;
@@ -228,22 +243,24 @@ void PageRecord::write(std::string entry) {
   waiting_.clear();
 }
 
-void PageRecord::end_cycle(std::int64_t cycle, double time, bool due, const core::Timer& began) {
+void PageRecord::take_warnings() {
   for (const std::string& warning : context_.log.take_warnings())
     if (warned_.size() < core::Log::most_kept && warned_.insert(warning).second)
       add_message("warning", warning);
-  if (!wanted(due))
-    return;
+}
+
+void PageRecord::end_cycle(std::int64_t cycle, double time, const SecondsOfAll& seconds,
+                           const core::Timer& began) {
   if (!begun_)
     first_cycle_ = cycle;
   cycle_ = cycle;
   time_ = time;
-  write(make_entry(false, began));
+  write(make_entry(&seconds, began));
 }
 
 void PageRecord::finish() {
   if (begun_ && !refused_)
-    write(make_entry(true, {}));
+    write(make_entry(nullptr, {}));
   page_.reset();
 }
 

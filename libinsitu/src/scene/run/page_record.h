@@ -44,13 +44,17 @@ public:
   /// What the items need and why (shown if it differs from the one before).
   void add_plan(const std::string& text);
 
+  /// Takes the warnings that the log had since the last call, for the cycle's entry.
+  void take_warnings();
   /// Whether the cycle will have an entry, so that what is dear need not be noted in vain.
   bool wanted(bool due) const { return !refused_ && (due || !messages_.empty()); }
   /// Whether there was an entry.
   bool begun() const { return begun_; }
-  /// Throws INSITU_ERROR_FILE if the page cannot be written; its entry then waits for the next.
-  /// began: with the work on this entry, whose seconds and wall time are the next entry's.
-  void end_cycle(std::int64_t cycle, double time, bool due, const core::Timer& began);
+  /// Makes the cycle's entry. Throws INSITU_ERROR_FILE if the page cannot be written; the entry
+  /// then waits for the next. seconds: of all processes since the entry before. began: with the
+  /// work on this entry, whose seconds and wall time are the next entry's.
+  void end_cycle(std::int64_t cycle, double time, const SecondsOfAll& seconds,
+                 const core::Timer& began);
   /// The session closes: the page says so.
   void finish();
 
@@ -60,7 +64,7 @@ private:
   };
   void add_message(const std::string& level, const std::string& text);
   void add_session(output::JsonText& entry) const;
-  std::string make_entry(bool finished, const core::Timer& began);
+  std::string make_entry(const SecondsOfAll* seconds, const core::Timer& began);
   void write(std::string entry);
 
   const std::string file_, folder_;

@@ -14,18 +14,21 @@
 
 namespace insitu::scene {
 
-Runner::Runner(const SceneDescription& scene, const std::string& output, core::Context& context,
+namespace {
+
+/// Actions that are not collective write on every process: beside the root's files, on the others.
+std::string folder_of_local_actions(const std::string& output, const parallel::World& world) {
+  return world.is_root() ? output : output + "/process_" + std::to_string(world.rank());
+}
+
+} // namespace
+
+Runner::Runner(const SceneDescription& scene, const std::string& given, core::Context& context,
                parallel::World& world, Statistics& statistics)
-    : structures_(context),
-      table_(scene.frames, output.empty() ? scene.output : output), environment_{context,
-                                                                                 world,
-                                                                                 statistics,
-                                                                                 structures_,
-                                                                                 table_,
-                                                                                 scene.file,
-                                                                                 output.empty()
-                                                                                     ? scene.output
-                                                                                     : output},
+    : with_page_(scene.page), structures_(context), reductions_(world, context.threads),
+      table_(scene.frames, folder_of_local_actions(given.empty() ? scene.output : given, world)),
+      environment_{context,     world,  statistics, structures_,
+                   reductions_, table_, scene.file, given.empty() ? scene.output : given},
       locator_(scene.locator), checkpoint_(scene.checkpoint) {
   if (locator_.choice.backend || locator_.choice.method) { // what can never be had is said at once
     try {
@@ -35,16 +38,18 @@ Runner::Runner(const SceneDescription& scene, const std::string& output, core::C
                         scene.file + ":" + std::to_string(locator_.line) + ": " + e.what());
     }
   }
-  if (scene.page) {
+  if (with_page_ && world.is_root()) {
     page_ = std::make_unique<PageRecord>(scene, environment_.output, context, statistics);
     environment_.page = page_.get();
   }
   for (const Probe& p : scene.probes)
     actions_.push_back(std::make_unique<ProbeAction>(p, environment_));
+  Environment local = environment_;
+  local.output = folder_of_local_actions(environment_.output, world);
   for (const Tracer& t : scene.tracers)
-    actions_.push_back(make_tracer_action(t, environment_));
+    actions_.push_back(make_tracer_action(t, local));
   for (const Frame& f : scene.frames)
-    actions_.push_back(make_frame_action(f, environment_));
+    actions_.push_back(make_frame_action(f, local));
 }
 
 Runner::~Runner() = default;
@@ -54,18 +59,20 @@ bool Runner::is_due(const Action& action, const commit::CommittedMesh& mesh,
   const core::Timer timer;
   const bool due = action.trigger().due(
       step.cycle, step.time, [&](Reduction reduction, const std::string& field) {
-        return reduce_field(mesh, {field, action.trigger().line}, environment_.scene_file,
-                            reduction, environment_.context.threads);
+        return environment_.reductions(mesh, {field, action.trigger().line},
+                                       environment_.scene_file, reduction);
       });
   environment_.statistics.query_s += timer.seconds();
   return due;
 }
 
-/// Counts a failure, and logs it unless it was logged before. Texts that carry the cycle or a
-/// number differ each time, so that of one action the first few are logged.
+/// Counts a failure, and logs it at the root unless it was logged before. Texts that carry the
+/// cycle or a number differ each time, so that of one action the first few are logged.
 void Runner::report(const std::string& what, const std::string& of, std::int64_t cycle) {
   constexpr std::size_t most = 8;
   ++environment_.statistics.failures;
+  if (!environment_.world.is_root())
+    return;
   std::set<std::string>& known = reported_[of];
   if (known.size() > most || !known.insert(what).second)
     return;
@@ -77,20 +84,25 @@ void Runner::report(const std::string& what, const std::string& of, std::int64_t
     page_->add_failure(text);
 }
 
-namespace {
-
 /// A mesh without cells may lack the fields that it will have: there is nothing to do for it yet.
-bool is_for_want_of_cells(const commit::CommittedMesh* mesh, const std::exception& e) {
-  const auto* error = dynamic_cast<const core::Error*>(&e);
-  return error && error->status() == INSITU_ERROR_FIELD && mesh &&
-         mesh->mesh().own_view().cell_count() == 0;
+/// Collective.
+bool Runner::is_for_want_of_cells(const Action& action, const core::Error& error,
+                                  MeshList meshes) const {
+  if (error.status() != INSITU_ERROR_FIELD)
+    return false;
+  std::int64_t cells = 1;
+  for (const commit::CommittedMesh* mesh : meshes)
+    if (action.is_of(*mesh, meshes)) {
+      cells = cells_of_all(mesh->mesh(), environment_.world);
+      break;
+    }
+  return cells == 0;
 }
-
-} // namespace
 
 /// Files are named by cycles: says once that some may be of an earlier execution's name.
 void Runner::note_cycle(std::int64_t cycle) {
-  if (executed_ && !told_cycles_ && cycle >= lowest_cycle_ && cycle <= highest_cycle_) {
+  if (environment_.world.is_root() && executed_ && !told_cycles_ && cycle >= lowest_cycle_ &&
+      cycle <= highest_cycle_) {
     told_cycles_ = true;
     environment_.context.log.warning(
         "cycle " + std::to_string(cycle) + " follows cycle " + std::to_string(cycle_) +
@@ -111,45 +123,33 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
                   times.empty() ? times : times.subspan(1)};
   std::string failures;
   bool any_due = false;
-  const auto failed = [&](const std::string& of, const std::exception& e) {
-    const bool memory = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
-    const std::string what = of + ": " + (memory ? "out of memory" : e.what());
+  parallel::World& world = environment_.world;
+  const auto failed = [&](const std::string& of, const core::Error& e) {
+    const std::string what = of + ": " + e.what();
     failures += (failures.empty() ? "" : "\n") + what;
     report(what, of, cycle);
   };
   note_cycle(cycle);
-  bring_back_earlier(meshes);
+  world.agree_after([&] { bring_back_earlier(meshes); });
   for (const auto& action : actions_) {
-    const commit::CommittedMesh* found = nullptr;
     try {
-      commit::CommittedMesh& mesh = find_mesh(meshes, action->mesh_name(), environment_.scene_file);
-      found = &mesh;
-      if (mesh.lies_on_device())
-        throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                          "mesh '" + mesh.mesh().name() +
-                              "' lies in device memory; scenes read host memory");
-      const bool due = is_due(*action, mesh, step);
-      any_due = any_due || due;
-      action->execute(mesh, step, due);
-      if (due)
-        log_particles(*action, cycle);
-    } catch (const std::exception& e) {
-      if (!is_for_want_of_cells(found, e))
+      any_due |= execute(*action, step);
+    } catch (const core::Error& e) {
+      if (!is_for_want_of_cells(*action, e, meshes))
         failed(std::string(action->kind()) + " '" + action->name() + "'", e);
     }
   }
   structures_.end_cycle(meshes);
   try {
-    keep_earlier(meshes);
-  } catch (const std::exception& e) { // no memory: pathlines take the next velocity as steady
+    world.agree_after([&] { keep_earlier(meshes); });
+  } catch (const core::Error& e) { // no memory: pathlines take the next velocity as steady
     for (commit::CommittedMesh* mesh : meshes)
       mesh->release_earlier();
     failed("the earlier step", e);
   }
   try {
-    if (page_)
-      end_page_cycle(step, any_due);
-  } catch (const std::exception& e) {
+    end_page_cycle(step, any_due);
+  } catch (const core::Error& e) {
     failed("page", e);
   }
   descends_ = executed_ && cycle < cycle_;
@@ -159,12 +159,46 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   times_.resize(std::min(times_.size(), std::size_t(advect::most_steps - 1)));
   const core::Timer timer;
   try {
-    write_due_checkpoint(meshes);
-  } catch (const std::exception& e) {
+    world.agree_after([&] { write_due_checkpoint(meshes); });
+  } catch (const core::Error& e) {
     failed("checkpoint", e);
   }
   environment_.statistics.output_s += timer.seconds();
   return failures;
+}
+
+/// Executes an action, all processes alike; returns whether it was due. Throws
+/// parallel::AgreedError.
+bool Runner::execute(Action& action, const Step& step) {
+  parallel::World& world = environment_.world;
+  commit::CommittedMesh* mesh = nullptr;
+  world.agree_after([&] {
+    mesh = &find_mesh(step.meshes, action.mesh_name(), environment_.scene_file);
+    if (mesh->lies_on_device())
+      throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                        "mesh '" + mesh->mesh().name() +
+                            "' lies in device memory; scenes read host memory");
+  });
+  const bool due = is_due(action, *mesh, step);
+  if (action.is_collective())
+    action.execute(*mesh, step, due);
+  else
+    world.agree_after([&] { execute_alone(action, *mesh, step, due); });
+  if (due && world.is_root())
+    log_particles(action, step.cycle);
+  return due;
+}
+
+/// Of several processes one without cells may lack fields that others have, and does nothing then.
+void Runner::execute_alone(Action& action, commit::CommittedMesh& mesh, const Step& step,
+                           bool due) const {
+  try {
+    action.execute(mesh, step, due);
+  } catch (const core::Error& e) {
+    if (environment_.world.size() == 1 || e.status() != INSITU_ERROR_FIELD ||
+        mesh.mesh().own_view().cell_count() > 0)
+      throw;
+  }
 }
 
 /// Copies what pathlines will need of this step, and only then.
@@ -176,8 +210,7 @@ void Runner::keep_earlier(MeshList meshes) {
     for (const auto& action : actions_) {
       if (mesh->lies_on_device())
         continue;
-      const Name& of = action->mesh_name();
-      const bool here = of.empty() ? mesh == meshes.front() : of.text == mesh->mesh().name();
+      const bool here = action->is_of(*mesh, meshes);
       for (const mesh::KeptField& need : action->needs_earlier()) {
         if (!here || !mesh->mesh().has_field(need.name))
           continue;
@@ -210,15 +243,31 @@ void Runner::note_tracers() {
       page_->add_tracer(action->name(), *counts);
 }
 
-/// Its seconds are in the page's next entry.
+/// Its seconds are in the page's next entry. Collective.
 void Runner::end_page_cycle(const Step& step, bool due) {
+  if (!with_page_)
+    return;
   const core::Timer timer;
-  if (page_->wanted(due)) {
+  parallel::World& world = environment_.world;
+  std::int64_t has_entry = 0;
+  world.agree_after([&] {
+    if (!page_)
+      return;
+    page_->take_warnings();
+    has_entry = page_->wanted(due);
+  });
+  world.reduce(std::span(&has_entry, 1), parallel::Reduction::greatest);
+  if (!has_entry)
+    return;
+  const SecondsOfAll seconds = seconds_.since_last(environment_.statistics, world);
+  world.agree_after([&] {
+    if (!page_)
+      return;
     note_tracers();
     if (!page_->begun())
       page_->add_plan(plan(step.meshes).text());
-  }
-  page_->end_cycle(step.cycle, step.time, due, timer);
+    page_->end_cycle(step.cycle, step.time, seconds, timer);
+  });
   environment_.statistics.output_s += timer.seconds();
 }
 

@@ -15,7 +15,8 @@
 
 namespace insitu::scene {
 
-/// Executes a scene, cycle by cycle. Holds the tracers' particles and the open tables.
+/// Executes a scene, cycle by cycle. Holds the tracers' particles and the open tables. execute(),
+/// write_checkpoint() and restart() are collective over the processes of the World.
 class Runner {
 public:
   /// output: overrides the scene's folder if not empty. Throws core::Error for what this build
@@ -24,8 +25,9 @@ public:
          parallel::World& world, Statistics& statistics);
   ~Runner();
 
-  /// Does what is due. The meshes are committed. Failures are logged, counted and skipped; the
-  /// returned text holds one line each, empty if all went well.
+  /// Does what is due. The meshes are committed, and of the same names in the same order on all
+  /// processes. Failures are counted and skipped, and the root logs them; the returned text, the
+  /// same on all processes, holds one line each, empty if all went well.
   std::string execute(MeshList meshes, std::int64_t cycle, double time);
 
   /// What its items need of the meshes, which are committed, and what they do without.
@@ -56,6 +58,9 @@ public:
 
 private:
   bool is_due(const Action& action, const commit::CommittedMesh& mesh, const Step& step) const;
+  bool execute(Action& action, const Step& step);
+  void execute_alone(Action& action, commit::CommittedMesh& mesh, const Step& step, bool due) const;
+  bool is_for_want_of_cells(const Action& action, const core::Error& error, MeshList meshes) const;
   void keep_earlier(MeshList meshes);
   void note_tracers();
   void log_particles(const Action& action, std::int64_t cycle) const;
@@ -63,12 +68,16 @@ private:
   void finish_page(const std::string& failures);
   void note_cycle(std::int64_t cycle);
   void report(const std::string& what, const std::string& of, std::int64_t cycle);
+  void require_one_process(const char* what) const;
   void keep(core::Archive& archive);
   void bring_back_earlier(MeshList meshes);
   void write_due_checkpoint(MeshList meshes);
 
-  std::unique_ptr<PageRecord> page_;
+  const bool with_page_;
+  std::unique_ptr<PageRecord> page_; ///< at the root
+  ProcessSeconds seconds_;           ///< of the page's entries
   FrameStructures structures_;
+  FieldReductions reductions_;
   CinemaTable table_;
   Environment environment_;
   LocatorOptions locator_;

@@ -5,6 +5,8 @@
 
 #include "insitu/insitu.h"
 
+#include "parallel/world.h"
+
 namespace insitu::scene {
 
 /// Totals of a session; see insitu_report.
@@ -14,6 +16,30 @@ struct Statistics {
   std::int64_t keeps = 0, refits = 0, rebuilds = 0;
   std::int64_t points_located = 0, points_outside = 0;
   std::int64_t frames = 0, probe_rows = 0, files = 0, failures = 0;
+};
+
+/// commit, query, advect, render, output.
+using Seconds = std::array<double, 5>;
+inline Seconds seconds_of(const Statistics& s) {
+  return {s.commit_s, s.query_s, s.advect_s, s.render_s, s.output_s};
+}
+
+/// Seconds of several processes.
+struct SecondsOfAll {
+  int processes = 1;
+  Seconds least{}, mean{}, greatest{};
+};
+/// Collective; means are of whole nanoseconds.
+SecondsOfAll seconds_of_all(const Seconds& mine, parallel::World& world);
+
+/// The seconds of all processes from one entry of the page to the next.
+class ProcessSeconds {
+public:
+  /// Those since the last call, or since the beginning. Collective.
+  SecondsOfAll since_last(const Statistics& now, parallel::World& world);
+
+private:
+  Seconds before_{};
 };
 
 } // namespace insitu::scene

@@ -1,0 +1,181 @@
+#include "scene/probes/attached_points.h"
+
+#include <cstring>
+
+#include "query/walk/attached.h"
+
+namespace insitu::scene {
+
+namespace {
+
+template <class T>
+std::vector<parallel::Parcel> to_root(const std::vector<T>& items) {
+  std::vector<parallel::Parcel> parcels;
+  if (items.empty())
+    return parcels;
+  parcels.push_back({0, std::vector<std::byte>(items.size() * sizeof(T))});
+  std::memcpy(parcels[0].bytes.data(), items.data(), parcels[0].bytes.size());
+  return parcels;
+}
+
+/// visit(rank, item) of what came, in the order of ranks.
+template <class T, class Visit>
+void for_each_item(const std::vector<parallel::Parcel>& parcels, Visit&& visit) {
+  for (const parallel::Parcel& parcel : parcels)
+    for (std::size_t at = 0; at < parcel.bytes.size(); at += sizeof(T)) {
+      T item;
+      std::memcpy(&item, parcel.bytes.data() + at, sizeof(T));
+      visit(parcel.rank, item);
+    }
+}
+
+} // namespace
+
+/// A process has a cell that holds a point.
+struct AttachedPoints::Claim {
+  std::int64_t point;
+  std::int64_t cell; ///< the global id, if cells have them
+};
+
+struct AttachedPoints::Moved {
+  std::int64_t point;
+  math::Vec3d x;
+};
+
+void AttachedPoints::restore(std::vector<query::Location> places) {
+  places_ = std::move(places);
+  owners_.clear();
+  for (const query::Location& at : places_)
+    owners_.push_back(at ? world_.rank() : -1);
+}
+
+void AttachedPoints::follow(const commit::CommittedMesh& mesh, const query::LocateOptions& options,
+                            bool by_ids, std::vector<math::Vec3d>& points) {
+  const bool known = !places_.empty();
+  std::int64_t other_cells = !known || (topology_ != mesh.topology_version() && !same_cells_);
+  world_.reduce(std::span(&other_cells, 1), parallel::Reduction::greatest);
+  same_cells_ = false;
+  if (other_cells && known)
+    share(points);
+  std::vector<Moved> lost;
+  std::vector<std::int64_t> some; // that nobody owns
+  std::vector<Claim> claims;
+  world_.agree_after([&] {
+    if (other_cells) {
+      owners_.assign(points.size(), -1);
+      places_.assign(points.size(), {});
+    }
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (owners_[i] < 0)
+        some.push_back(std::int64_t(i));
+    move(mesh.sampler(), options, points, lost);
+    claims = locate(mesh, options, by_ids, some, points);
+  });
+  if (!some.empty())
+    settle(some, claims);
+  tell_lost(lost, points);
+  topology_ = mesh.topology_version();
+}
+
+/// Tells all processes where the points are.
+void AttachedPoints::share(std::vector<math::Vec3d>& points) {
+  if (world_.size() == 1)
+    return;
+  std::vector<parallel::Parcel> mine;
+  world_.agree_after([&] {
+    std::vector<Moved> moved;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (owners_[i] == world_.rank())
+        moved.push_back({std::int64_t(i), points[i]});
+    mine = to_root(moved);
+  });
+  const std::vector<parallel::Parcel> all = world_.exchange(mine);
+  for_each_item<Moved>(all, [&](int, const Moved& m) { points[std::size_t(m.point)] = m.x; });
+  world_.broadcast(std::as_writable_bytes(std::span(points)));
+}
+
+/// Those that this process owns.
+void AttachedPoints::move(const query::Sampler& sampler, const query::LocateOptions& options,
+                          std::vector<math::Vec3d>& points, std::vector<Moved>& lost) {
+  threads_.parallel_for(std::int64_t(points.size()), 512,
+                        [&](std::int64_t begin, std::int64_t end) {
+                          for (auto i = std::size_t(begin); i < std::size_t(end); ++i)
+                            if (owners_[i] == world_.rank())
+                              query::follow(sampler, true, options, places_[i], points[i]);
+                        });
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (owners_[i] == world_.rank() && !places_[i])
+      lost.push_back({std::int64_t(i), points[i]});
+}
+
+/// Those that nobody owns and this process's cells hold.
+std::vector<AttachedPoints::Claim> AttachedPoints::locate(const commit::CommittedMesh& mesh,
+                                                          const query::LocateOptions& options,
+                                                          bool by_ids,
+                                                          std::span<const std::int64_t> some,
+                                                          std::vector<math::Vec3d>& points) {
+  std::vector<Claim> claims;
+  if (mesh.mesh().own_view().cell_count() == 0)
+    return claims;
+  const query::Sampler sampler = mesh.sampler();
+  threads_.parallel_for(std::int64_t(some.size()), 512, [&](std::int64_t begin, std::int64_t end) {
+    for (const std::int64_t point : some.subspan(std::size_t(begin), std::size_t(end - begin))) {
+      const auto i = std::size_t(point);
+      query::follow(sampler, false, options, places_[i], points[i]);
+    }
+  });
+  for (const std::int64_t point : some) {
+    query::Location& place = places_[std::size_t(point)];
+    if (place && world_.size() > 1 && !sampler.owns(place.cell))
+      place = {};
+    if (place)
+      claims.push_back(
+          {point, by_ids ? mesh.mesh().global_id(INSITU_CELL,
+                                                 mesh.own(place, points[std::size_t(point)]).cell)
+                         : 0});
+  }
+  return claims;
+}
+
+/// The lowest cell owns a point: by global ids, or else of the lowest process.
+void AttachedPoints::settle(std::span<const std::int64_t> some, const std::vector<Claim>& mine) {
+  std::vector<parallel::Parcel> out;
+  world_.agree_after([&] { out = to_root(mine); });
+  const std::vector<parallel::Parcel> in = world_.exchange(out);
+  std::vector<std::int64_t> cells;
+  world_.agree_after([&] {
+    cells.assign(world_.is_root() ? owners_.size() : 0, -1);
+    for_each_item<Claim>(in, [&](int rank, const Claim& claim) {
+      const auto i = std::size_t(claim.point);
+      if (owners_[i] >= 0 && cells[i] <= claim.cell)
+        return;
+      owners_[i] = rank;
+      cells[i] = claim.cell;
+    });
+  });
+  world_.broadcast(std::as_writable_bytes(std::span(owners_)));
+  for (const std::int64_t point : some)
+    if (owners_[std::size_t(point)] != world_.rank())
+      places_[std::size_t(point)] = {};
+}
+
+/// Points that left all cells, such as with a vertex that is not finite, are nobody's from now on.
+void AttachedPoints::tell_lost(const std::vector<Moved>& lost, std::vector<math::Vec3d>& points) {
+  std::int64_t count = std::int64_t(lost.size());
+  world_.reduce(std::span(&count, 1), parallel::Reduction::sum);
+  if (count == 0)
+    return;
+  std::vector<Moved> all(static_cast<std::size_t>(count));
+  std::vector<parallel::Parcel> out;
+  world_.agree_after([&] { out = to_root(lost); });
+  const std::vector<parallel::Parcel> in = world_.exchange(out);
+  auto to = all.begin();
+  for_each_item<Moved>(in, [&](int, const Moved& m) { *to++ = m; });
+  world_.broadcast(std::as_writable_bytes(std::span(all)));
+  for (const Moved& m : all) {
+    owners_[std::size_t(m.point)] = -1;
+    points[std::size_t(m.point)] = m.x;
+  }
+}
+
+} // namespace insitu::scene

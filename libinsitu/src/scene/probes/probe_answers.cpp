@@ -1,0 +1,168 @@
+#include "scene/probes/probe_answers.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "mesh/box.h"
+#include "scene/run/growing_table.h"
+
+namespace insitu::scene {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// The answers of this process to some points, of which the first has this number.
+struct Slice {
+  std::size_t first;
+  std::span<const math::Vec3d> points;
+  std::size_t width; ///< of a row of values
+  std::vector<OwnCell> cells;
+  std::vector<math::Vec3d> parametric;
+  std::vector<double> values;
+};
+
+/// What the root is told of a point, before its values.
+struct Told {
+  std::int64_t point;
+  OwnCell cell;
+  math::Vec3d parametric, x;
+};
+
+/// The numbers of the points that a process of several may own; a mesh in longitude and latitude
+/// has a tree in coordinates of its own.
+std::vector<std::size_t> near(const commit::CommittedMesh& mesh,
+                              std::span<const math::Vec3d> points) {
+  std::vector<std::size_t> some;
+  const bool all = mesh.reference_frame.kind == INSITU_FRAME_GEODETIC || mesh.tree().empty();
+  const mesh::Box box =
+      all ? mesh::Box{} : mesh::Box{mesh.tree().bounds_min(), mesh.tree().bounds_max()};
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (all || box.holds(points[i]))
+      some.push_back(i);
+  return some;
+}
+
+void answer(const ProbeQuestion& q, Slice& slice, const parallel::World& world,
+            const core::Threads& threads) {
+  const std::size_t n = slice.points.size();
+  slice.cells.assign(n, {});
+  slice.parametric.assign(n, {});
+  slice.values.assign(n * slice.width, nan);
+  if (world.size() > 1 && q.mesh.mesh().own_view().cell_count() == 0)
+    return;
+  const query::Sampler sampler = q.mesh.sampler();
+  const auto put = [&](std::size_t i, const query::Location& at) {
+    if (!at || (world.size() > 1 && !sampler.owns(at.cell)))
+      return;
+    sampler.interpolate(q.fields, at, slice.values.data() + i * slice.width);
+    const query::Location own = q.mesh.own(at, slice.points[i]);
+    slice.cells[i] = own_cell(q.mesh.mesh(), own.cell, world);
+    slice.parametric[i] = own.parametric;
+  };
+  if (q.attached) { // their places are known, to the bit
+    for (std::size_t i = 0; i < n; ++i)
+      put(i, q.attached->place(slice.first + i));
+    return;
+  }
+  if (world.size() == 1) {
+    sampler.visit(threads, slice.points, q.options, [&](const query::Answered& answered) {
+      for (std::size_t k = 0; k < answered.locations.size(); ++k)
+        put(answered.item(k), answered.locations[k]);
+    });
+    return;
+  }
+  const std::vector<std::size_t> some = near(q.mesh, slice.points);
+  std::vector<math::Vec3d> points;
+  for (const std::size_t i : some)
+    points.push_back(slice.points[i]);
+  sampler.visit(threads, points, q.options, [&](const query::Answered& answered) {
+    for (std::size_t k = 0; k < answered.locations.size(); ++k)
+      put(some[answered.item(k)], answered.locations[k]);
+  });
+}
+
+/// The rows of what was found.
+std::vector<parallel::Parcel> pack(const Slice& slice) {
+  const std::size_t row = sizeof(Told) + slice.width * sizeof(double);
+  std::size_t found = 0;
+  for (const OwnCell& cell : slice.cells)
+    found += cell.flat >= 0;
+  if (found == 0)
+    return {};
+  std::vector<parallel::Parcel> parcels{{0, std::vector<std::byte>(found * row)}};
+  std::byte* to = parcels[0].bytes.data();
+  for (std::size_t i = 0; i < slice.cells.size(); ++i) {
+    if (slice.cells[i].flat < 0)
+      continue;
+    const Told told{std::int64_t(slice.first + i), slice.cells[i], slice.parametric[i],
+                    slice.points[i]};
+    std::memcpy(to, &told, sizeof told);
+    if (slice.width > 0)
+      std::memcpy(to + sizeof told, slice.values.data() + i * slice.width,
+                  slice.width * sizeof(double));
+    to += row;
+  }
+  return parcels;
+}
+
+/// Keeps of each point the answer of the lowest cell; parcels come in the order of processes.
+void merge(const std::vector<parallel::Parcel>& parcels, std::size_t width, bool by_ids,
+           ProbeAnswers& all, std::vector<math::Vec3d>& points) {
+  const std::size_t row = sizeof(Told) + width * sizeof(double);
+  for (const parallel::Parcel& parcel : parcels)
+    for (const std::byte *at = parcel.bytes.data(), *end = at + parcel.bytes.size(); at != end;
+         at += row) {
+      Told told;
+      std::memcpy(&told, at, sizeof told);
+      const auto i = std::size_t(told.point);
+      if (all.found(i) && !(by_ids && told.cell.global < all.cells[i].global))
+        continue;
+      all.cells[i] = told.cell;
+      all.parametric[i] = told.parametric;
+      points[i] = told.x;
+      if (width > 0)
+        std::memcpy(all.values.data() + i * width, at + sizeof told, width * sizeof(double));
+    }
+}
+
+} // namespace
+
+ProbeAnswers answer_points(const ProbeQuestion& question, std::vector<math::Vec3d>& points,
+                           parallel::World& world, const core::Threads& threads) {
+  const std::size_t n = points.size();
+  std::size_t width = 0;
+  ProbeAnswers all;
+  world.agree_after([&] {
+    for (const mesh::FieldView& f : question.fields)
+      for (std::string& column : component_names(f))
+        all.columns.push_back(std::move(column));
+    width = all.columns.size();
+    if (world.size() == 1) {
+      Slice whole{0, points, width, {}, {}, {}};
+      answer(question, whole, world, threads);
+      all.cells = std::move(whole.cells);
+      all.parametric = std::move(whole.parametric);
+      all.values = std::move(whole.values);
+    } else if (world.is_root()) {
+      all.cells.assign(n, {});
+      all.parametric.assign(n, {});
+      all.values.assign(n * width, nan);
+    }
+  });
+  for (std::size_t first = 0; world.size() > 1 && first < n; first += points_of_slice) {
+    std::vector<parallel::Parcel> mine;
+    world.agree_after([&] {
+      const std::size_t count = std::min(points_of_slice, n - first);
+      Slice slice{first, std::span(points).subspan(first, count), width, {}, {}, {}};
+      answer(question, slice, world, threads);
+      mine = pack(slice);
+    });
+    const std::vector<parallel::Parcel> told = world.exchange(mine);
+    merge(told, width, question.by_ids, all, points);
+  }
+  return all;
+}
+
+} // namespace insitu::scene

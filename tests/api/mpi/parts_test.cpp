@@ -1,0 +1,139 @@
+/// A mesh cut into slabs over processes, of which some have none: mpiexec -n 1, 2, 3, 4, 8. What
+/// the session of all processes writes is what one process writes that has the whole mesh.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <insitu/insitu.hpp>
+#include <iterator>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "api/mpi/main.h"
+
+namespace {
+
+constexpr int side = 6; ///< cells along each axis, of moved vertices
+
+const char* const scene =
+    "insitu: 1\n"
+    "page: false\n"
+    "probes:\n"
+    "  - {name: grid, points: {box: {min: [0, 0, 0], max: [6, 6, 6], counts: [13, 13, 13]}},\n"
+    "     output: [csv, vtp, json, netcdf]}\n"
+    "  - {name: mean, points: [[1, 1, 1]], when: mean(p) > 0.5}\n"
+    "  - {name: body, points: {box: {min: [1, 1, 0.5], max: [5, 5, 5.5], counts: [2, 2, 11]}}, "
+    "attached: body}\n";
+
+/// The slab [first, last) of cells along z, with the numbers that these have in the whole.
+struct Slab {
+  int first, last;
+  std::vector<double> points, p, c;
+  std::vector<std::int32_t> connectivity;
+  std::vector<std::int64_t> cells, vertices;
+
+  Slab(int first_layer, int last_layer) : first(first_layer), last(last_layer) {
+    constexpr int n = side + 1;
+    const auto local = [&](int i, int j, int k) { return ((k - first) * n + j) * n + i; };
+    for (int k = first; k <= last; ++k)
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i)
+          vertices.push_back((k * n + j) * n + i);
+    for (int k = first; k < last; ++k)
+      for (int j = 0; j < side; ++j)
+        for (int i = 0; i < side; ++i) {
+          cells.push_back((k * side + j) * side + i);
+          for (const auto [di, dj, dk] : {std::array{0, 0, 0},
+                                          {1, 0, 0},
+                                          {1, 1, 0},
+                                          {0, 1, 0},
+                                          {0, 0, 1},
+                                          {1, 0, 1},
+                                          {1, 1, 1},
+                                          {0, 1, 1}})
+            connectivity.push_back(local(i + di, j + dj, k + dk));
+        }
+    step(0);
+  }
+  bool empty() const { return first == last; }
+  /// Vertices and values of a cycle, each a function of its number.
+  void step(int cycle) {
+    constexpr int n = side + 1;
+    points.clear();
+    p.clear();
+    c.clear();
+    for (const std::int64_t v : vertices) {
+      const double i = double(v % n), j = double(v / n % n), k = double(v / n / n);
+      points.insert(points.end(), {i + 0.2 * std::sin(j + k), j + 0.2 * std::cos(i + 0.1 * cycle),
+                                   k + 0.1 * std::sin(i * j)});
+      p.push_back(std::sin(i + 0.3 * cycle) + 0.1 * k);
+    }
+    for (const std::int64_t cell : cells)
+      c.push_back(std::cos(double(cell) + cycle));
+  }
+};
+
+/// Runs some cycles; comm: null: of this process alone.
+void run(Slab& slab, const MPI_Comm* comm, const std::string& output) {
+  insitu::Options options;
+  options.scene_text = scene;
+  options.output = output;
+  options.communicator = comm;
+  options.log_level = insitu::LogLevel::error;
+  insitu::Session session(options);
+  for (int cycle = 0; cycle < 4; ++cycle) {
+    slab.step(cycle);
+    insitu::Mesh mesh = session.mesh("m");
+    if (!slab.empty() && cycle > 0) { // the arrays stay where they are
+      mesh.changed(insitu::geometry | insitu::fields);
+    } else if (!slab.empty()) {
+      insitu::Piece piece = mesh.piece(0);
+      piece.points(slab.points);
+      piece.hexahedra(slab.connectivity);
+      piece.global_ids(insitu::Association::cell, slab.cells);
+      piece.global_ids(insitu::Association::vertex, slab.vertices);
+      piece.vertex_field("p", slab.p);
+      piece.cell_field("c", slab.c);
+    }
+    session.execute(cycle, 0.5 * cycle);
+  }
+}
+
+std::map<std::string, std::string> files_of(const std::string& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    std::ifstream in(entry.path(), std::ios::binary);
+    files[entry.path().filename().string()] = {std::istreambuf_iterator<char>(in), {}};
+  }
+  return files;
+}
+
+TEST(Parts, FilesAreThoseOfOneProcess) {
+  int rank = 0, size = 1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &size);
+  const std::string together = "together_" + std::to_string(size), alone = "alone";
+  if (rank == 0) {
+    std::filesystem::remove_all(together);
+    std::filesystem::remove_all(alone);
+    Slab whole(0, side);
+    run(whole, nullptr, alone);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const MPI_Comm world = MPI_COMM_WORLD;
+  Slab slab(side * rank / size, side * (rank + 1) / size);
+  run(slab, &world, together);
+  if (rank > 0)
+    return;
+  const auto expected = files_of(alone), found = files_of(together);
+  EXPECT_GE(expected.size(), 12u);
+  EXPECT_EQ(found.size(), expected.size());
+  for (const auto& [name, text] : expected)
+    EXPECT_TRUE(found.contains(name) && found.at(name) == text) << name;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  return run_on_all_processes(argc, argv);
+}

@@ -1,0 +1,214 @@
+#include "part_session.h"
+
+using namespace insitu;
+using namespace insitu::test;
+
+namespace {
+
+constexpr int processes = 3;
+
+/// What a call of all processes throws: the same everywhere.
+template <class Call>
+std::string failure_of(Call&& call) {
+  try {
+    call();
+  } catch (const core::Error& e) {
+    return e.what();
+  }
+  return {};
+}
+
+PartSession::Options with(const std::string& items, const std::string& folder) {
+  PartSession::Options options;
+  options.scene = "insitu: 1\npage: false\n" + items;
+  options.folder = folder;
+  return options;
+}
+
+const std::string probe = "probes: [{name: a, points: [[1, 1, 1]], fields: [p]}]\n";
+
+/// Runs one process's body on a few cubes; the files of the folder `out` are returned.
+void run(const std::string& items, const std::function<void(PartSession&, parallel::World&)>& body,
+         const std::string& output = {}) {
+  const TestMesh whole = jittered_cubes(3);
+  const OwnFolder folder;
+  run_processes(processes, [&](parallel::World& world) {
+    PartSession process(world, whole, fixtures::boxes(whole, processes),
+                        with(items, output.empty() ? folder / "out" : output));
+    body(process, world);
+  });
+}
+
+bool is_last(const parallel::World& world) {
+  return world.rank() == world.size() - 1;
+}
+
+} // namespace
+
+/// A process with cells lacks the field that a probe wants.
+TEST(ProcessFailures, AFieldThatOneProcessLacks) {
+  run(probe, [](PartSession& process, parallel::World& world) {
+    EXPECT_EQ(process.execute(0), "");
+    if (is_last(world))
+      process.mesh().mesh().remove_field("p");
+    const std::string said = process.session().execute(1, 0.25);
+    EXPECT_EQ(said.find("probe 'a': process 2 of 3: "), 0u) << said;
+    EXPECT_NE(said.find("field 'p'"), std::string::npos) << said;
+    EXPECT_EQ(process.messages().size(), world.is_root() ? 1u : 0u); // told once
+  });
+}
+
+TEST(ProcessFailures, AConditionOfAFieldThatOneProcessLacks) {
+  run("when: mean(c) > -5\n" + probe, [](PartSession& process, parallel::World& world) {
+    EXPECT_EQ(process.execute(0), "");
+    if (is_last(world))
+      process.mesh().mesh().remove_field("c");
+    const std::string said = process.session().execute(1, 0.25);
+    EXPECT_EQ(said.find("probe 'a': process 2 of 3: "), 0u) << said;
+    EXPECT_NE(said.find("field 'c'"), std::string::npos) << said;
+  });
+}
+
+/// The root cannot write; all hear of it, and of the next cycle's too, which works.
+TEST(ProcessFailures, TheRootCannotWrite) {
+  const OwnFolder folder;
+  std::ofstream(folder / "file") << "no folder";
+  run(
+      probe,
+      [&](PartSession& process, parallel::World& world) {
+        const std::string said = process.execute(0);
+        EXPECT_EQ(said.find("probe 'a': process 0 of 3: "), 0u) << said;
+        world.agree_after([&] {
+          if (world.is_root())
+            std::filesystem::remove(folder / "file");
+        });
+        EXPECT_EQ(process.execute(1), "");
+        EXPECT_EQ(process.session().finish(), "");
+      },
+      folder / "file");
+  EXPECT_TRUE(std::filesystem::exists(folder / "file/a.csv"));
+}
+
+TEST(ProcessFailures, AFileOfPointsThatIsNotThere) {
+  run("probes: [{name: a, points: /nowhere/points.csv}]\n",
+      [](PartSession& process, parallel::World&) {
+        const std::string said = process.execute(0);
+        EXPECT_EQ(said.find("probe 'a': process 0 of 3: file of points '/nowhere/points.csv'"), 0u)
+            << said;
+      });
+}
+
+/// A commit fails on one process.
+TEST(ProcessFailures, ACommitOfOneProcess) {
+  run(probe, [](PartSession& process, parallel::World& world) {
+    EXPECT_EQ(process.execute(0), "");
+    const double value = 1;
+    const insitu_array few = insitu_array_of(&value, INSITU_FLOAT64, 1, 1);
+    if (is_last(world))
+      process.mesh().mesh().set_field(0, "p", INSITU_VERTEX, &few, 1);
+    const std::string said = failure_of([&] { process.session().execute(1, 0.25); });
+    EXPECT_EQ(said.find("process 2 of 3: mesh 'm'"), 0u) << said;
+  });
+}
+
+/// Cycles, times, fields and frames of reference that differ.
+TEST(ProcessFailures, WhatDiffersIsNamed) {
+  run(probe, [](PartSession& process, parallel::World& world) {
+    EXPECT_EQ(process.execute(0), "");
+    const int extra = is_last(world);
+    EXPECT_EQ(failure_of([&] { process.session().execute(7 + extra, 0.5); }),
+              "processes differ: cycle 7 on process 0, cycle 8 on process 2 of 3");
+    EXPECT_EQ(failure_of([&] { process.session().execute(8, 0.5 + extra); }),
+              "processes differ: time 0.5 on process 0, time 1.5 on process 2 of 3");
+    if (extra)
+      process.mesh().reference_frame.kind = INSITU_FRAME_GEOCENTRIC;
+    const std::string said = failure_of([&] { process.session().execute(9, 0.5); });
+    EXPECT_NE(said.find("processes differ: the frame of mesh 'm' is cartesian"), std::string::npos)
+        << said;
+    if (extra)
+      process.mesh().reference_frame.kind = INSITU_FRAME_CARTESIAN;
+    EXPECT_EQ(process.execute(10), "");
+  });
+}
+
+/// Scenes of a file are read by the root; others that give another file are named.
+TEST(ProcessFailures, Scenes) {
+  const TestMesh whole = jittered_cubes(2);
+  const OwnFolder folder;
+  std::ofstream(folder / "good.yaml") << "insitu: 1\npage: false\n" + probe;
+  std::ofstream(folder / "bad.yaml") << "insitu: 1\nprobs: []\n";
+  const auto open = [&](parallel::World& world, const std::string& file) {
+    PartSession::Options options;
+    options.scene = file;
+    options.scene_is_file = true;
+    options.folder = folder / "out";
+    const fixtures::Partition partition = fixtures::boxes(whole, processes);
+    return failure_of([&] {
+      PartSession process(world, whole, partition, options);
+      EXPECT_EQ(process.execute(0), "");
+      process.session().finish();
+    });
+  };
+  run_processes(processes, [&](parallel::World& world) {
+    EXPECT_EQ(open(world, folder / "good.yaml"), "");
+    const std::string bad = open(world, folder / "bad.yaml");
+    EXPECT_EQ(bad.find("process 0 of 3: " + (folder / "bad.yaml") + ":2"), 0u) << bad;
+    const std::string other = open(world, folder / (is_last(world) ? "bad.yaml" : "good.yaml"));
+    EXPECT_EQ(other.find("processes differ: scene file '"), 0u) << other;
+    const std::string none = open(world, folder / "none.yaml");
+    EXPECT_EQ(none.find("process 0 of 3: scene file '"), 0u) << none;
+  });
+}
+
+/// Not there yet, and said alike by all.
+TEST(ProcessFailures, CheckpointsAreRefused) {
+  const OwnFolder folder;
+  run("checkpoint: {every: 1}\n" + probe, [&](PartSession& process, parallel::World&) {
+    EXPECT_NE(process.execute(0).find("a checkpoint of several processes is not there yet"),
+              std::string::npos);
+    EXPECT_NE(failure_of([&] {
+                process.session().checkpoint(folder / "c.insitu");
+              }).find("a checkpoint of several processes is not there yet"),
+              std::string::npos);
+    EXPECT_NE(failure_of([&] { process.session().restart(folder / "c.insitu"); }), "");
+  });
+}
+
+/// Meshes that processes make in other orders, or that have no cells anywhere, or no fields.
+TEST(ProcessFailures, NothingIsNoFailure) {
+  const TestMesh whole = jittered_cubes(2);
+  const OwnFolder folder;
+  run_processes(processes, [&](parallel::World& world) {
+    api::Session session(
+        [&] {
+          insitu_session_options o = insitu_session_options_default();
+          o.scene_text = "insitu: 1\npage: false\nprobes:\n"
+                         "  - {name: first, points: [[1, 1, 1]], fields: [f]}\n"
+                         "  - {name: second, mesh: b, points: [[1, 1, 1]], fields: [f]}\n"
+                         "  - {name: all, mesh: b, points: [[1, 1, 1]]}\n";
+          static thread_local std::string output;
+          output = folder / "out";
+          o.output = output.c_str();
+          o.threads = 1;
+          return o;
+        }(),
+        std::shared_ptr<parallel::World>(&world, [](auto*) {}));
+    session.mesh(world.rank() == 1 ? "b" : "a");
+    if (world.rank() < 2)
+      session.mesh(world.rank() == 1 ? "a" : "b");
+    EXPECT_EQ(session.execute(0, 0), "");
+    // Cells of 'a' at last, of the last process, which has no 'b' of its own making.
+    fixtures::Part part(whole, fixtures::slabs(whole, 1), is_last(world) ? 0 : 1);
+    part.give(session.mesh("a").mesh.mesh());
+    part.give_field(session.mesh("a").mesh.mesh(), "f", INSITU_CELL, 1,
+                    std::vector<double>(whole.cells.size(), 4.0));
+    EXPECT_EQ(session.execute(1, 1), "");
+    EXPECT_EQ(session.finish(), "");
+  });
+  const auto files = files_of(folder / "out");
+  EXPECT_EQ(files.size(), 1u);
+  const std::string table = read_file(folder / "out/first.csv");
+  EXPECT_NE(table.find("cycle,time,point,cell,process,r,s,t,f"), std::string::npos) << table;
+  EXPECT_NE(table.find("\n1,1,0,"), std::string::npos) << table;
+  EXPECT_EQ(table.substr(table.size() - 3), ",4\n") << table;
+}
