@@ -33,18 +33,43 @@ insitu_ending Exits::of_place(const Vec3d& image, double alpha) {
              : INSITU_END_HIDDEN;
 }
 
-insitu_ending Exits::ending(const query::Sampler& inside, const LeftAt& left) {
+insitu_ending Exits::ending(const query::Sampler& inside, const Beyond& beyond) {
+  if (!beyond.open)
+    return INSITU_END_LEFT;
+  if (beyond.way == Vec3d{})
+    return of_place(beyond.x, beyond.alpha);
+  return query::meets_cells_ahead(inside.among_images(), beyond.x, beyond.way, beyond.alpha)
+             ? INSITU_END_HOLE
+             : INSITU_END_LEFT;
+}
+
+insitu_ending Exits::stronger(insitu_ending a, insitu_ending b) {
+  for (const insitu_ending ending :
+       {INSITU_END_BLANK, INSITU_END_HIDDEN, INSITU_END_PARTITION, INSITU_END_HOLE})
+    if (a == ending || b == ending)
+      return ending;
+  return a;
+}
+
+insitu_ending Exits::ending(const query::Sampler& inside, const LeftAt& left, Beyond* open) {
+  const auto leave_open = [&](const Vec3d& at, const Vec3d& way) {
+    if (open)
+      *open = {true, at, way, left.alpha};
+  };
   const Vec3d x = inside.chart() ? (*inside.chart())(left.x) : left.x;
   if (!(std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z)))
     return left.seeded ? INSITU_END_SEED_OUTSIDE : INSITU_END_LEFT;
   if (left.seeded) {
     const insitu_ending there = of_place(x, left.alpha);
+    leave_open(x, {});
     return there == INSITU_END_LEFT ? INSITU_END_SEED_OUTSIDE : there;
   }
   const query::Sampler cells = inside.among_images();
   // Where the cells have gone from it: what is there instead.
-  if (left.cell < 0 || left.cell >= cells.mesh().cell_count())
+  if (left.cell < 0 || left.cell >= cells.mesh().cell_count()) {
+    leave_open(x, {});
     return of_place(x, left.alpha);
+  }
   mesh::CellVertices cell;
   mesh::gather(cells.mesh(), left.cell, cell, left.alpha);
   const mesh::Box box = mesh::box_of(cell);
@@ -70,9 +95,11 @@ insitu_ending Exits::ending(const query::Sampler& inside, const LeftAt& left) {
       if (const insitu_ending there = of_place(beyond, left.alpha); there != INSITU_END_LEFT)
         return there;
     }
-    if (!goes_on)
+    if (!goes_on) {
+      leave_open(beyond, way);
       return query::meets_cells_ahead(cells, beyond, way, left.alpha) ? INSITU_END_HOLE
                                                                       : INSITU_END_LEFT;
+    }
   }
   return INSITU_END_LEFT;
 }

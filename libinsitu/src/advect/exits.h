@@ -28,9 +28,20 @@ public:
         insitu_accuracy accuracy)
       : whole_(whole), left_out_(left_out), accuracy_(accuracy) {}
 
+  /// A place, or a way on from there, about which cells of other processes have a say too.
+  struct Beyond {
+    bool open = false; ///< others may tell
+    Vec3d x, way;      ///< way: 0: the place alone
+    double alpha = 1.0;
+  };
+
   /// inside: the tracer's cells. INSITU_END_SEED_OUTSIDE or INSITU_END_LEFT where nothing else is
-  /// to be said.
-  insitu_ending ending(const query::Sampler& inside, const LeftAt& left);
+  /// to be said. beyond, if not null: is set where these cells do not tell, and others may.
+  insitu_ending ending(const query::Sampler& inside, const LeftAt& left, Beyond* beyond = nullptr);
+  /// What the cells here have to say about another process's particle: INSITU_END_LEFT: nothing.
+  insitu_ending ending(const query::Sampler& inside, const Beyond& beyond);
+  /// What counts, of what the cells of two processes have to say.
+  static insitu_ending stronger(insitu_ending a, insitu_ending b);
 
 private:
   insitu_ending of_place(const Vec3d& image, double alpha);

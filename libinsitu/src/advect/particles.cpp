@@ -120,24 +120,89 @@ void Particles::keep_parametric() {
 }
 
 void Particles::seed(std::span<const math::Vec3d> points, double time) {
-  const std::size_t first = size();
-  for_each_array([&](auto& array) { array.resize(first + points.size()); });
+  seed(points, time, {});
+}
+
+void Particles::seed(std::span<const math::Vec3d> points, double time,
+                     std::span<const std::uint8_t> keeps) {
+  const auto kept = [&](std::size_t p) { return keeps.empty() || keeps[p] != 0; };
+  std::size_t i = size(), more = 0;
+  for (std::size_t p = 0; p < points.size(); ++p)
+    more += kept(p);
+  for_each_array([&](auto& array) { array.resize(i + more); });
   for (std::size_t p = 0; p < points.size(); ++p) {
-    const std::size_t i = first + p;
-    ids[i] = seeded_++;
-    positions[i] = points[p];
-    cells[i] = -1;
-    times[i] = seeding_times[i] = time;
-    lengths[i] = steps[i] = 0.0;
-    endings[i] = INSITU_END_ALIVE;
-    fresh[i] = 1;
-    if (keeps_walk_steps_)
-      walk_steps[i] = 0;
-    if (keeps_velocities_)
-      velocities[i] = no_velocity;
-    if (keeps_parametric_)
-      parametric[i] = {};
+    if (!kept(p))
+      continue;
+    set(i++, {seeded_ + std::int64_t(p), points[p], -1, time, time, 0.0, 0.0, INSITU_END_ALIVE, 1,
+              0, no_velocity});
   }
+  seeded_ += std::int64_t(points.size());
+  here_ += std::int64_t(more);
+}
+
+void Particles::set(std::size_t i, const Record& from) {
+  ids[i] = from.id;
+  positions[i] = from.position;
+  cells[i] = from.cell;
+  times[i] = from.time;
+  seeding_times[i] = from.seeding_time;
+  lengths[i] = from.length;
+  steps[i] = from.step;
+  endings[i] = from.ending;
+  fresh[i] = from.fresh;
+  if (keeps_walk_steps_)
+    walk_steps[i] = from.walk_steps;
+  if (keeps_velocities_)
+    velocities[i] = from.velocity;
+  if (keeps_parametric_)
+    parametric[i] = {};
+}
+
+Particles::Record Particles::record(std::size_t i) const {
+  return {ids[i],
+          positions[i],
+          cells[i],
+          times[i],
+          seeding_times[i],
+          lengths[i],
+          steps[i],
+          endings[i],
+          fresh[i],
+          keeps_walk_steps_ ? walk_steps[i] : 0,
+          keeps_velocities_ ? velocities[i] : no_velocity};
+}
+
+void Particles::leave(std::size_t i) {
+  endings[i] = gone;
+  --here_;
+}
+
+void Particles::arrive(const Record& from) {
+  const std::size_t i = size();
+  try {
+    for_each_array([&](auto& array) { array.resize(i + 1); });
+  } catch (...) {
+    for_each_array([&](auto& array) { array.resize(i); });
+    throw;
+  }
+  set(i, from);
+  ++here_;
+}
+
+void Particles::take_back_to(std::size_t to) {
+  here_ -= std::int64_t(size() - to);
+  for_each_array([&](auto& array) { array.resize(to); });
+}
+
+void Particles::drop_gone() {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < size(); ++i)
+    if (endings[i] != gone) {
+      if (kept != i)
+        for_each_array([&](auto& array) { array[kept] = array[i]; });
+      ++kept;
+    }
+  for_each_array([&](auto& array) { array.resize(kept); });
 }
 
 void Particles::keep(core::Archive& archive) {
@@ -147,6 +212,7 @@ void Particles::keep(core::Archive& archive) {
   for_each_array([&](auto& array) { archive.array("particles", array); });
   archive.value("seeded", seeded_);
   archive.value("dropped", dropped_.by_ending);
+  here_ = dropped_.sum() + std::int64_t(size());
 }
 
 void Particles::kill() {
@@ -159,7 +225,8 @@ void Particles::drop_ended() {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < size(); ++i) {
     if (endings[i] != INSITU_END_ALIVE) {
-      ++dropped_.by_ending[endings[i]];
+      if (endings[i] != gone)
+        ++dropped_.by_ending[endings[i]];
       continue;
     }
     for_each_array([&](auto& array) { array[kept] = array[i]; });
@@ -170,7 +237,7 @@ void Particles::drop_ended() {
 
 Counts Particles::counts() const {
   Counts c = dropped_;
-  c.seeded = seeded_;
+  c.seeded = here_;
   for (const std::uint8_t ending : endings)
     if (ending < INSITU_END_COUNT)
       ++c.by_ending[ending];

@@ -50,6 +50,32 @@ public:
 
   /// Adds particles that are alive, in no cell, and have no velocity of their own yet.
   void seed(std::span<const math::Vec3d> points, double time);
+  /// Of seeds that all processes have, adds those that are kept here: keeps[i] of points[i]. Ids
+  /// count all of them.
+  void seed(std::span<const math::Vec3d> points, double time, std::span<const std::uint8_t> keeps);
+
+  // Particles that go from process to process. Those that are here are counted here.
+
+  /// The ending of a particle that went to another process: its place among the particles stays
+  /// until drop_gone().
+  static constexpr std::uint8_t gone = INSITU_END_COUNT;
+  /// A particle in plain data; its cell is of this process.
+  struct Record {
+    std::int64_t id;
+    math::Vec3d position;
+    std::int64_t cell;
+    double time, seeding_time, length, step;
+    std::uint8_t ending, fresh;
+    std::int64_t walk_steps;
+    math::Vec3d velocity;
+  };
+  Record record(std::size_t i) const;
+  void leave(std::size_t i);
+  /// Adds one that comes from another process.
+  void arrive(const Record& from);
+  /// Takes back the last that arrived, down to so many particles.
+  void take_back_to(std::size_t size);
+  void drop_gone();
 
   /// Ends the particles that are still alive as killed.
   void kill();
@@ -62,7 +88,7 @@ public:
   std::int64_t seeded() const { return seeded_; }
 
   /// Returns the counts, recounted from the particles. Throws Error(INSITU_ERROR_INTERNAL) if they
-  /// do not sum up to the particles that were seeded.
+  /// do not sum up to the particles that were seeded; of several processes, of those that are here.
   Counts counts() const;
 
   /// Writes all particles to a checkpoint, or reads them from one.
@@ -91,10 +117,12 @@ public:
 private:
   template <class F>
   void for_each_array(F&& f);
+  void set(std::size_t i, const Record& from);
 
   bool keeps_walk_steps_ = false, keeps_velocities_ = false, keeps_parametric_ = false;
-  std::int64_t seeded_ = 0;
-  Counts dropped_; ///< by_ending of dropped particles; seeded is not used
+  std::int64_t seeded_ = 0; ///< on all processes
+  std::int64_t here_ = 0;   ///< of them, those that are here or have ended here
+  Counts dropped_;          ///< by_ending of dropped particles; seeded is not used
 };
 
 } // namespace insitu::advect

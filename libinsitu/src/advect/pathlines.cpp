@@ -52,19 +52,25 @@ void Tracer::seed(std::span<const math::Vec3d> points, double time) {
   particles_.seed(points, time);
 }
 
+EarlierSteps Tracer::check_fields(const mesh::FieldView& velocity, const EarlierSteps& earlier,
+                                  const StepBefore* before) const {
+  check_velocity(velocity);
+  for (const mesh::FieldView& field : earlier.fields)
+    check_velocity(field);
+  if (before)
+    check_velocity(before->velocity);
+  EarlierSteps steps = earlier;
+  steps.fields = steps.fields.first(
+      std::min(steps.fields.size(), std::size_t(steps_of(settings_.time_interpolation) - 1)));
+  return steps;
+}
+
 Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& velocity,
                         const EarlierSteps& earlier_velocity, double t0, double t1,
                         const core::Threads& threads, Snapshots* snapshots,
                         const StepBefore* before) {
-  check_velocity(velocity);
-  for (const mesh::FieldView& earlier : earlier_velocity.fields)
-    check_velocity(earlier);
   check_interval(t0, t1);
-  if (before)
-    check_velocity(before->velocity);
-  EarlierSteps steps = earlier_velocity;
-  steps.fields = steps.fields.first(
-      std::min(steps.fields.size(), std::size_t(steps_of(settings_.time_interpolation) - 1)));
+  const EarlierSteps steps = check_fields(velocity, earlier_velocity, before);
   return Interval({sampler, velocity, steps, t0, t1, threads, snapshots, before, exits_}, settings_,
                   effects_, particles_)
       .run();

@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "advect/across/rounds.h"
 #include "advect/effects/effects.h"
 #include "advect/exits.h"
 #include "advect/field/crossing_velocity.h"
@@ -27,11 +28,20 @@ struct TracerSettings {
   bool attached = false; ///< particles go with the mesh's material: follow() instead of advance()
 };
 
+/// What one advance took of the processes: sums over all of them.
+struct Travel {
+  std::int64_t hops = 0;      ///< of particles, from process to process
+  std::int64_t questions = 0; ///< about places that no cell of the asker holds
+  std::int64_t rounds = 0;    ///< of this process
+  std::int64_t bytes = 0;     ///< sent, of travellers, questions and answers
+};
+
 /// What one advance did.
 struct Advance {
   Counts counts; ///< after it
   Work work;
   EffectWork effects;
+  Travel travel;
   bool blended_velocity = false; ///< false: the current velocity was used throughout
   int velocity_steps = 1;        ///< through which it was interpolated, the current one included
   bool blended_geometry =
@@ -58,6 +68,11 @@ public:
   /// then.
   void seed(std::span<const math::Vec3d> points, double time);
 
+  /// The same on several processes, all of which have all the points: each keeps the particles
+  /// whose places now its cells own, and the root those that no process has. Collective.
+  void seed(std::span<const math::Vec3d> points, double time, const query::Sampler& sampler,
+            const Across& across);
+
   /// Moves every living particle from t0, or from its seeding time in between, to t1. sampler and
   /// velocity are of the step at t1; earlier_velocity is of the step at t0 and those before, on
   /// the same cells, and the sampler's mesh may have the coordinates of t0
@@ -76,6 +91,15 @@ public:
                   const EarlierSteps& earlier_velocity, double t0, double t1,
                   const core::Threads& threads, Snapshots* snapshots = nullptr,
                   const StepBefore* before = nullptr);
+  /// The same with the particles of several processes, which go to where their cells are. The
+  /// sampler's mesh has the cells of other processes that touch this one's; `before`, sides that
+  /// are periodic, and meshes in longitude and latitude are refused (INSITU_ERROR_UNSUPPORTED).
+  /// What is returned is the sum over all processes, but for the rest of Advance. Collective; all
+  /// throw alike.
+  Advance advance(const Across& across, const query::Sampler& sampler,
+                  const mesh::FieldView& velocity, const EarlierSteps& earlier_velocity, double t0,
+                  double t1, const core::Threads& threads, Snapshots* snapshots = nullptr,
+                  const StepBefore* before = nullptr);
 
   /// Takes attached particles from t0 to t1, where the sampler's mesh is: with the same cells as
   /// before (same_cells) to the same place in their cells, otherwise they are located where they
@@ -89,6 +113,8 @@ public:
 
   /// Forgets particles that have ended (their counts stay).
   void drop_ended() { particles_.drop_ended(); }
+  /// Forgets those that went to other processes.
+  void drop_gone() { particles_.drop_gone(); }
 
   /// The particles, to a checkpoint or back.
   void keep(core::Archive& archive) { particles_.keep(archive); }
@@ -100,6 +126,8 @@ public:
 
 private:
   void check_interval(double t0, double t1) const;
+  EarlierSteps check_fields(const mesh::FieldView& velocity, const EarlierSteps& earlier,
+                            const StepBefore* before) const;
   /// Whether a comes before b, on the way the particles go.
   bool is_before(double a, double b) const { return settings_.backward ? b < a : a < b; }
   /// When a particle that began at `from` has this age.

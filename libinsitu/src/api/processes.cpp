@@ -31,10 +31,10 @@ std::unique_ptr<parallel::World> world_of(const insitu_session_options& o, const
   auto world = parallel::make_mpi_world(o.communicator, o.fortran_communicator, log);
   if (world->size() > 1 && world->is_root())
     log.warning(
-        "communicator: conditions, probes, tables and the page are of all processes, and the "
-        "root writes them; in this version each process works on its own pieces alone for "
-        "tracers, which end where these do, for images, which show these, and for queries. "
-        "Their files of process N are in the folder process_N of the output folder");
+        "communicator: conditions, probes, tracers, tables and the page are of all processes, and "
+        "the root writes them; in this version each process works on its own pieces alone for "
+        "images, which show these, and for queries. Images of process N are in the "
+        "folder process_N of the output folder");
   return world;
 }
 

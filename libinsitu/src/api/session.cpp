@@ -308,9 +308,20 @@ void Session::restart(const std::string& path) {
 }
 
 std::string Session::finish() {
-  const std::string failures = runner_ ? runner_->finish() : std::string();
+  std::optional<Error> unmet; // files are closed, whatever MPI does
+  std::string failures;
+  try {
+    meet("close");
+    if (runner_)
+      failures = runner_->meet_end();
+  } catch (const Error& e) {
+    unmet = e;
+  }
+  if (runner_)
+    failures += runner_->finish();
   locks_.release();
-  meet("close"); // files are closed, whatever MPI does
+  if (unmet)
+    throw *unmet; // NOLINT: as it was
   processes_.world().agree_after([&] {
     if (!failures.empty())
       throw Error(INSITU_ERROR_FILE, failures);

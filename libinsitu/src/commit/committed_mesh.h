@@ -109,6 +109,8 @@ public:
   /// How all processes know a cell of mesh().own_view() of this process, whose rank is known since
   /// the last update_halo().
   CellName name(std::int64_t flat) const;
+  /// The flat id here of a cell of some process; -1: it is neither this process's nor in the halo.
+  std::int64_t find(const CellName& name) const;
   query::Sampler sampler() const { return own_sampler().at(halo_ ? &seams_ : nullptr); }
   /// The same where of several cells the lowest flat id of this process counts.
   query::Sampler own_sampler() const {

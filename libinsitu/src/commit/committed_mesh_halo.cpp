@@ -15,6 +15,20 @@ CellName CommittedMesh::name(std::int64_t flat) const {
   return {mesh_.global_id(INSITU_CELL, flat), rank_, piece, cell};
 }
 
+std::int64_t CommittedMesh::find(const CellName& name) const {
+  const mesh::MeshView& view = mesh_.own_view();
+  const std::int32_t own = view.piece_count - view.halo_piece_count;
+  if (name.rank == rank_) {
+    const bool is_here = name.piece >= 0 && name.piece < own && name.cell >= 0 &&
+                         name.cell < view.pieces[name.piece].cell_count;
+    return is_here ? view.first_cell[name.piece] + name.cell : -1;
+  }
+  if (!halo_)
+    return -1;
+  const auto [piece, cell] = halo_->find(name);
+  return cell < 0 ? -1 : view.first_cell[own + std::int32_t(piece)] + cell;
+}
+
 bool CommittedMesh::NamesAtSeams::is_at_seam(std::int64_t flat) const {
   return flat >= mesh_.mesh_.own_view().own_cell_count() || mesh_.halo_->is_at_seam(flat);
 }

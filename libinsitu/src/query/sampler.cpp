@@ -11,6 +11,7 @@
 #include "query/batch/order.h"
 #include "query/batch/tree_locator.h"
 #include "query/chart_image.h"
+#include "query/elsewhere.h"
 #include "query/lattice/culled_cells.h"
 #include "query/on_demand.h"
 #include "query/point_query.h"
@@ -140,6 +141,8 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
     counts_->add(why);
   if (reason)
     *reason = why;
+  if (!at)
+    missed(given, options.alpha);
   return at;
 }
 
@@ -198,6 +201,10 @@ Answered Sampler::settle_at_seams(const Answered& answered, std::span<const Vec3
     settled.reasons = reasons;
   }
   return settled;
+}
+
+void Sampler::tell_missed(const Vec3d& point, double alpha) const {
+  outlook_->missed(point, alpha);
 }
 
 Sampler Sampler::among(const CulledCells& cells) const {

@@ -16,6 +16,7 @@ namespace insitu::query {
 
 class CulledCells;
 class LoneCells;
+class Outlook;
 class Seams;
 class SoundCells;
 class SpatialOrder;
@@ -77,7 +78,22 @@ public:
   /// The same on other cells, by their tree alone; both must outlive it.
   Sampler in(const mesh::MeshView& cells, const accel::Tree& tree,
              const OnDemand* on_demand = nullptr) const {
-    return {cells, tree, order_, counts_, nullptr, chart_, nullptr, on_demand};
+    Sampler s(cells, tree, order_, counts_, nullptr, chart_, nullptr, on_demand);
+    s.seams_ = seams_;
+    s.outlook_ = outlook_;
+    return s;
+  }
+  /// The same, of whose points that no cell holds the outlook is told by locate() of one point
+  /// (and may throw Elsewhere there); null: nobody is. It must outlive the sampler.
+  Sampler with_outlook(const Outlook* outlook) const {
+    Sampler s = *this;
+    s.outlook_ = outlook;
+    return s;
+  }
+  /// The outlook is told of a point that no cell was found to hold, as by locate().
+  void missed(const math::Vec3d& point, double alpha) const {
+    if (outlook_)
+      tell_missed(point, alpha);
   }
 
   /// The same for points of which only those in some cells matter; all others come out as outside.
@@ -150,6 +166,7 @@ public:
 private:
   /// Which cells are alone, if it counts in a query; else null.
   const LoneCells* lone_cells(const LocateOptions& options) const;
+  void tell_missed(const math::Vec3d& point, double alpha) const;
   void count(Reason reason, std::int64_t points) const;
   void visit_in_order(Batches& batches, std::span<const math::Vec3d> points, std::size_t count,
                       Batches::Put put) const;
@@ -174,6 +191,7 @@ private:
   const accel::FaceNeighbours* neighbours_;
   const OnDemand* on_demand_;
   const Seams* seams_ = nullptr;
+  const Outlook* outlook_ = nullptr;
 };
 
 } // namespace insitu::query

@@ -28,10 +28,10 @@ void SomeCells::update(const mesh::MeshView& mesh, const core::Threads& threads,
       std::int64_t in = 0;
       bool others = false, lost = false, added = false;
       for (std::int64_t c = begin; c < end; ++c) {
-        const bool takes_it = takes(p, c), owns = piece.owns(c);
+        const bool takes_it = takes(p, c), is_there = piece.exists(c);
         others |= fresh || (out[std::size_t(c)] == 0) != takes_it;
-        lost |= owns && !takes_it;
-        added |= takes_it && !owns;
+        lost |= is_there && !takes_it;
+        added |= takes_it && !is_there;
         out[std::size_t(c)] = takes_it ? 0 : 1;
         in += takes_it;
       }

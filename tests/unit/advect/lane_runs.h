@@ -67,8 +67,8 @@ inline Ends in_lanes(const query::Sampler& sampler, const Flow& flow,
         p.x = seeds[std::size_t(i)];
         return advect::integration(field, settings, to, infinity, p, ends.work, advect::Visitor());
       },
-      [&](std::int64_t i, std::size_t, LaneVelocity& field, insitu_ending ending) {
-        ends.endings[std::size_t(i)] = ending;
+      [&](std::int64_t i, std::size_t, LaneVelocity& field, const advect::Stepping& stepping) {
+        ends.endings[std::size_t(i)] = stepping.ending();
         ends.cells[std::size_t(i)] = field.cell();
       });
   return ends;

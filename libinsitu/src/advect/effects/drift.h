@@ -7,6 +7,7 @@
 #include "advect/effects/space.h"
 #include "advect/field/mesh_velocity.h"
 #include "geo/upright.h"
+#include "query/elsewhere.h"
 
 namespace insitu::advect {
 
@@ -38,10 +39,23 @@ public:
   math::Vec3d enter(const math::Vec3d& position) const { return position; }
   math::Vec3d position(const math::Vec3d& x) const { return x; }
   void go_by(const DriftVelocity&) const {}
+  void travel_by(Journey* journey) { flow_.travel_by(journey); }
+  Journey* journey() const { return flow_.journey(); }
+  KeptVelocity keep() const { return flow_.keep(); }
+  void go_on_from(const KeptVelocity& kept) { flow_.go_on_from(kept); }
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
+    Sampled sampled;
+    if (journey() && flow_.take_far(x, t, sampled, v)) [[unlikely]]
+      return sampled;
     query::Location at;
-    return sample(x, t, v, at);
+    try {
+      return sample(x, t, v, at);
+    } catch (query::Elsewhere& e) {
+      e.is_for_value = e.point == x;
+      e.time = t;
+      throw;
+    }
   }
   /// At a point among the cells, in lengths along the axes there; `at` is where it lies.
   Sampled sample(const math::Vec3d& x, double t, math::Vec3d& v, query::Location& at) {

@@ -134,7 +134,27 @@ struct Mover<V>::FlightStep {
 template <class V>
 insitu_ending Mover<V>::fly_from(Vec3d& x, State& p, Carried& carried, double to, Work& work) {
   Flier f{x, p, carried, to, work};
+  if (goes_on_) {
+    const KeptMover::Flier& from = now_.flier;
+    x = from.x;
+    f.force = from.force;
+    f.knows_force = from.knows_force;
+    f.begun = from.begun;
+    f.closing = from.closing;
+    f.too_long = from.too_long;
+    if (now_.stage == Stage::touch_flying)
+      if (const insitu_ending ending = touch_flying(x, p, carried, to, work);
+          ending != INSITU_END_ALIVE)
+        return ending;
+    take_up();
+  }
   for (;;) {
+    if (travels() && cell() >= 0) {
+      p.x = velocity_.place(x);
+      now_.flier = {x, f.force, f.knows_force, f.begun, f.closing, f.too_long};
+      if (moves_on(Stage::fly, cell()))
+        return INSITU_END_COUNT;
+    }
     insitu_ending ending = f.knows_force ? INSITU_END_ALIVE : feel(f);
     if (ending != INSITU_END_ALIVE || !(p.time < to))
       return ending;

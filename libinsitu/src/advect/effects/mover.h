@@ -40,7 +40,7 @@ inline insitu_ending ending_of(Moved moved) {
 /// V's; displacements go between points among the cells (Space), in metres. One object serves one
 /// thread.
 template <class V>
-class Mover {
+class Mover final : private MarkedMover {
 public:
   /// The arguments must outlive the object.
   Mover(const EffectSetup& setup, V& velocity, const IntegratorSettings& settings,
@@ -52,12 +52,14 @@ public:
 
   /// Moves the particle, whose last cell was `hint`, from p.time to `to`; backwards, which neither
   /// a walk nor inertia can, the velocity that walls meet is the opposite one. Returns as
-  /// integrate(), or INSITU_END_REMOVED where the recorder says so.
+  /// integrate(), or INSITU_END_REMOVED where the recorder says so. On several processes (the
+  /// velocity has a Journey, which has begun) it may go on from a mark, or end at one.
   insitu_ending advance(State& p, std::int64_t hint, Carried& carried, double to, Work& work);
 
   /// The cell of the particle's position, or -1.
   std::int64_t cell() const { return spot_cell_ >= 0 ? spot_cell_ : velocity_.cell(); }
   const EffectWork& effect_work() const { return work_; }
+  void set_effect_work(const EffectWork& work) { work_ = work; }
 
 private:
   const MeshVelocity& flow() const { return velocity_.flow(); }
@@ -83,6 +85,21 @@ private:
   bool find(const State& p, Spot& at);
   void placed(State& p, Spot at);
 
+  // On several processes: see KeptMover.
+  using Stage = KeptMover::Stage;
+  void mark(KeptMover& to) const override;
+  void go_on_from_mark(Carried& carried);
+  void take_up();
+  bool goes_on_at(Stage stage) const { return goes_on_ && now_.stage == stage; }
+  bool travels() const {
+    if constexpr (TravellingField<V>)
+      return velocity_.journey() != nullptr;
+    return false;
+  }
+  bool moves_on(Stage stage, std::int64_t cell);
+  void name_start(KeptMover::Undo& undo) const;
+  bool moves_back(const KeptMover::Undo& undo);
+
   // With inertia: see fly.cpp and touch_flying.cpp. x is the particle's point among the cells.
   struct Flier;
   struct FlightStep;
@@ -95,6 +112,7 @@ private:
   bool is_kept_back(const Flier& f, const FlightStep& step);
   double factor_after(FlightStep& step, bool is_last) const;
   insitu_ending accept(Flier& f, FlightStep& step);
+  std::optional<insitu_ending> meet_flying(Vec3d& x, State& p, Carried& carried, double now);
   insitu_ending touch_flying(Vec3d& x, State& p, Carried& carried, double to, Work& work);
   Sampled force(const Vec3d& x, double t, Vec3d& b);
   Inertia law_at(const Vec3d& x) const;
@@ -115,6 +133,11 @@ private:
   Recorder* recorder_ = nullptr;
   double direction_ = 1.0;    ///< in time; -1: backwards
   double last_bounce_ = -1.0; ///< length of the path then; -1: none yet
+  KeptMover now_; ///< what a mark of the particle will have; spot_cell etc. are set by mark()
+  bool goes_on_ = false;             ///< from there
+  std::int64_t steps_before_ = 0;    ///< of the work, before this call of integrate()
+  const Carried* carried_ = nullptr; ///< the particle's
+  const Work* flow_work_ = nullptr;
 };
 
 /// Compiles what has been defined of Mover for every velocity.

@@ -128,11 +128,23 @@ struct Mover<V>::Contact {
 template <class V>
 insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
   Contact c;
-  if (!find(p, c.at))
-    return INSITU_END_LEFT; // the mesh has moved away from it
-  if (boundary_.response == AtBoundary::leave || boundary_.response == AtBoundary::stop)
-    return pass(p, c.at);
+  if (goes_on_) {
+    take_up();
+    c = {now_.contact.at, {}, now_.contact.n, now_.contact.flat};
+    if (now_.contact.has_v)
+      c.v = now_.contact.v;
+  } else {
+    if (!find(p, c.at))
+      return INSITU_END_LEFT; // the mesh has moved away from it
+    if (boundary_.response == AtBoundary::leave || boundary_.response == AtBoundary::stop)
+      return pass(p, c.at);
+  }
   do {
+    if (travels()) {
+      now_.contact = {c.at, c.v.has_value(), c.flat, c.v.value_or(Vec3d{}), c.n};
+      if (moves_on(Stage::touch, c.at.cell))
+        return INSITU_END_COUNT;
+    }
     if (!c.v) {
       Vec3d v;
       ++work.evaluations;

@@ -14,15 +14,14 @@ constexpr double rest_cells = 1e-6;
 
 } // namespace
 
-/// A particle with inertia at the wall: its velocity is turned there. One that the forces press to
-/// the wall, and that would not come far from it, goes on along it.
+/// A particle with inertia comes to the wall: its velocity is turned there. Returns how its contact
+/// ends, if it does: else now_.flying is set.
 template <class V>
-insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, double to, Work& work) {
+std::optional<insitu_ending> Mover<V>::meet_flying(Vec3d& x, State& p, Carried& carried,
+                                                   double now) {
   Spot at;
   if (!find(x, p.time, at))
     return INSITU_END_LEFT; // the mesh has moved away from it
-  const double response_time = effects_->inertia->response_time;
-  double now = flow().geometry_alpha(p.time);
   const Vec3d extent = walls_.extent(at.cell, now);
   const Vec3d edges = walls_.edges(at.cell, now);
   const double little = rest_cells * std::min({edges.x, edges.y, edges.z});
@@ -41,10 +40,41 @@ insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, doubl
   --steps_left_;
   if (n == Vec3d{} && !stuck)
     return INSITU_END_ALIVE; // through a periodic side
+  now_.flying = {at, n, extent, little, stuck};
+  return std::nullopt;
+}
+
+/// A particle with inertia at the wall: its velocity is turned there. One that the forces press to
+/// the wall, and that would not come far from it, goes on along it.
+template <class V>
+insitu_ending Mover<V>::touch_flying(Vec3d& x, State& p, Carried& carried, double to, Work& work) {
+  const bool goes_on = goes_on_;
+  if (goes_on)
+    take_up();
+  KeptMover::FlyingContact& c = now_.flying;
+  const double response_time = effects_->inertia->response_time;
+  double now = flow().geometry_alpha(p.time);
+  if (!goes_on) {
+    if (const std::optional<insitu_ending> ending = meet_flying(x, p, carried, now))
+      return *ending;
+  }
+  Spot at = c.at;
+  Vec3d n = c.n;
+  const Vec3d extent = c.extent;
+  const double little = c.little;
+  const bool stuck = c.stuck;
   BoundaryEffect rest = boundary_;
   if (rest.response == AtBoundary::reflect)
     rest.response = AtBoundary::slide;
   do {
+    if (travels()) {
+      c.at = at;
+      c.n = n;
+      p.x = velocity_.place(x);
+      now_.flier = {x, {}, false, true, false, 0.0};
+      if (moves_on(Stage::touch_flying, at.cell))
+        return INSITU_END_COUNT;
+    }
     Vec3d b;
     velocity_.begin(at.cell);
     ++work.evaluations;

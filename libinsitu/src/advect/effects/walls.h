@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "advect/effects/effects.h"
+#include "advect/effects/kept_mover.h"
 #include "advect/effects/sides.h"
 #include "advect/effects/space.h"
 #include "advect/field/box.h"
@@ -10,12 +11,6 @@
 #include "query/sampler.h"
 
 namespace insitu::advect {
-
-/// Where a particle is.
-struct Spot {
-  math::Vec3d x;          ///< among the cells: see Space
-  std::int64_t cell = -1; ///< that holds x
-};
 
 /// What became of a displacement.
 enum class Moved : std::uint8_t { inside, left, stopped };

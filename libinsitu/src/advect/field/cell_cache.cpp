@@ -56,6 +56,18 @@ void CellCache::load(KeptCell& k, std::int64_t cell, const Moment& moment) const
   k.load(moment);
 }
 
+void CellCache::go_on_from(const Kept& kept, const Moment& moment) {
+  const auto take = [&](KeptCell& k, std::int64_t cell) {
+    k.forget();
+    if (cell >= 0)
+      load(k, cell, moment);
+  };
+  for (int i = 0; i < 2; ++i)
+    take(*kept_[i], kept.cells[i]);
+  take(*own_, kept.own);
+  last_ = kept.last;
+}
+
 const KeptCell& CellCache::keep(std::int64_t cell, const Moment& moment) {
   for (int i = 0; i < 2; ++i)
     if (kept_[i]->cell == cell) {

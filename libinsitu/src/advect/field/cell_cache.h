@@ -67,6 +67,14 @@ public:
       k.forget();
   }
 
+  /// The cells that are kept, by flat ids or -1; what is kept of them follows from the mesh.
+  struct Kept {
+    std::int64_t cells[2], own;
+    std::int32_t last;
+  };
+  Kept keep() const { return {{kept_[0]->cell, kept_[1]->cell}, own_->cell, last_}; }
+  void go_on_from(const Kept& kept, const Moment& moment);
+
   /// Whether proofs count for some points of the mesh; if not, no cell is kept.
   bool serves() const { return sound_ || proof_.for_some(); }
   /// Whether a proof counts for this point, of a cell that answers alone.

@@ -5,6 +5,8 @@
 
 #include "advect/field/cell_cache.h"
 #include "advect/field/confinement.h"
+#include "advect/field/journey.h"
+#include "advect/field/kept_velocity.h"
 #include "advect/field/mesh_boundary.h"
 #include "advect/field/moment.h"
 #include "advect/integrate/integrate.h"
@@ -29,6 +31,28 @@ public:
 
   /// Begins with a new particle; hint: its last cell, or -1.
   void begin(std::int64_t hint);
+  /// See KeptVelocity; go_on_from(): of another object for the same mesh and fields, as it is after
+  /// begin().
+  KeptVelocity keep() const {
+    return {moment_.keep(), cells_.keep(), confined_, boundary_, place_,
+            hint_,          cell_,         sized_,    extent_};
+  }
+  void go_on_from(const KeptVelocity& kept) {
+    moment_.go_on_from(kept.moment);
+    cells_.go_on_from(kept.cells, moment_);
+    confined_ = kept.confined;
+    boundary_ = kept.boundary;
+    place_ = kept.place;
+    hint_ = kept.hint;
+    cell_ = kept.cell;
+    sized_ = kept.sized;
+    extent_ = kept.extent;
+  }
+
+  /// Who takes the particle from process to process, or null; see Journey.
+  void travel_by(Journey* journey) { journey_ = journey; }
+  Journey* journey() const { return journey_; }
+
   /// A particle's position in the mesh's frame, as integrate() has it, and back again.
   math::Vec3d enter(const math::Vec3d& position) const { return position; }
   math::Vec3d position(const math::Vec3d& x) const { return x; }
@@ -39,6 +63,19 @@ public:
   /// The same, and where x lies.
   Sampled sample(const math::Vec3d& x, double t, math::Vec3d& v, query::Location& at) {
     return ask<true>(x, t, v, &at);
+  }
+
+  /// Whether what is at this place and time is known from another process; takes that.
+  bool take_far(const math::Vec3d& x, double t, Sampled& sampled, math::Vec3d& v) {
+    const std::int64_t k = journey_->find_far(x, t);
+    if (k < 0)
+      return false;
+    moment_.set(t);
+    sampled = journey_->far(k).sampled;
+    v = journey_->far(k).v;
+    hint_ = Journey::far_cell(k);
+    place_.cell = -1;
+    return true;
   }
 
   /// The cell of the point asked last, if that was inside.
@@ -171,6 +208,7 @@ protected:
   std::int64_t cell_ = -1;  ///< the cell of the particle's position
   std::int64_t sized_ = -1; ///< the cell whose extent is kept
   math::Vec3d extent_;
+  Journey* journey_ = nullptr;
 };
 
 } // namespace insitu::advect

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -25,11 +26,27 @@ public:
          double t0, double t1, insitu_accuracy accuracy);
 
   void set(double t) {
+    time_ = t;
     alpha_ = times_.alpha(t);
     if (steps_ > 2)
       times_.weights(t, steps_, weights_);
   }
 
+  /// What set() has found, in plain data.
+  struct Kept {
+    double alpha, weights[most_steps];
+  };
+  Kept keep() const {
+    Kept kept{alpha_, {}};
+    std::copy_n(weights_, most_steps, kept.weights);
+    return kept;
+  }
+  void go_on_from(const Kept& kept) {
+    alpha_ = kept.alpha;
+    std::copy_n(kept.weights, most_steps, weights_);
+  }
+
+  double time() const { return time_; } ///< of the last set()
   /// How much of the current step there is in the velocity through two steps.
   double alpha() const { return alpha_; }
   /// How much of the current step there is in the geometry: 1 if nothing moved.
@@ -94,7 +111,7 @@ private:
   int steps_; ///< of fields_, that serve
   bool moves_;
   insitu_accuracy accuracy_;
-  double alpha_ = 1.0;
+  double time_ = 0.0, alpha_ = 1.0;
   double weights_[most_steps] = {}; ///< of the moment, through more than two steps
 };
 

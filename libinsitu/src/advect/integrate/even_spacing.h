@@ -22,6 +22,18 @@ public:
   EvenSpacing(const Field& field, double time, double length, Put& put)
       : field_(field), time_(time), length_(length), put_(put) {}
 
+  /// How far it has come, and a spacing that goes on from there.
+  struct Kept {
+    double begin, travelled;
+    std::int64_t count;
+  };
+  Kept keep() const { return {begin_, travelled_, count_}; }
+  void go_on_from(const Kept& kept) {
+    begin_ = kept.begin;
+    travelled_ = kept.travelled;
+    count_ = kept.count;
+  }
+
   /// As visitor of integrate().
   void operator()(const State& p) { // the start
     begin_ = p.time;

@@ -64,14 +64,40 @@ private:
   Crossed crossed_ = Crossed::nowhere;
 };
 
+/// A field whose particle may go on in another process: journey() is null where there is but one.
+/// See Journey.
+template <class F>
+concept TravellingField = requires(F& f) {
+  f.journey();
+};
+
+/// Whether the particle has come from elsewhere, in the midst of its way: takes that up.
+template <class F, class Steps>
+bool goes_on(F& velocity, Steps& steps, bool& settled) {
+  if constexpr (TravellingField<F>)
+    if (auto* const journey = velocity.journey())
+      return journey->go_on(velocity, steps, settled);
+  return false;
+}
+
+/// Between two steps: whether the particle goes on elsewhere.
+template <class F, class Steps>
+bool moves_on(const F& velocity, const Steps& steps, bool settled) {
+  if constexpr (TravellingField<F>)
+    if (auto* const journey = velocity.journey()) [[unlikely]]
+      return journey->moves_on(velocity, steps, settled);
+  return false;
+}
+
 /// Moves a particle from p.time until `to` (before p.time: backwards; may be infinite), or until
 /// its path is max_length long. visit(p) is called at the start and after every step, except those
 /// that only close in on an exit. A visitor that can be called with (p, DenseStep) is called so
 /// after every step, those included, and at the start with p alone. By returning false, if it
 /// returns a bool, it ends the way there, as INSITU_END_REMOVED unless `to` is reached. Ends with
 /// INSITU_END_ALIVE at `to`, INSITU_END_EXPIRED at max_length, or why it ended. p.x is always a
-/// point found inside, unless it was seeded outside or the mesh has moved away from it. All that is
-/// given by reference must outlive the coroutine.
+/// point found inside, unless it was seeded outside or the mesh has moved away from it. Ends with
+/// INSITU_END_COUNT between two steps if the particle goes on in another process (Journey). All
+/// that is given by reference must outlive the coroutine.
 template <class M, VelocityField F>
 Stepping integration(F& velocity, const IntegratorSettings& settings, double to, double max_length,
                      State& p, Work& work, Visitor visit) {
@@ -79,15 +105,26 @@ Stepping integration(F& velocity, const IntegratorSettings& settings, double to,
   Steps steps(velocity, settings, to, max_length, p, work, visit);
   Vec3d v;
   Trial trial;
-  const Sampled first = co_await Awaited(velocity, p.x, p.time, v);
-  insitu_ending ending = steps.begin(first, v);
-  if (ending != INSITU_END_COUNT)
-    co_return ending;
+  insitu_ending ending = INSITU_END_COUNT;
+  bool settled = false; // for the next step, in its cell, when it was taken up there
+  if (!goes_on(velocity, steps, settled)) {
+    const Sampled first = co_await Awaited(velocity, p.x, p.time, v);
+    ending = steps.begin(first, v);
+    if (ending != INSITU_END_COUNT)
+      co_return ending;
+  }
   while (ending == INSITU_END_COUNT && !steps.at_end()) {
-    if (steps.confine()) {
-      const Sampled sampled = co_await Awaited(velocity, p.x, steps.time(), v);
-      steps.confined(sampled, v);
+    if (!settled) {
+      if (moves_on(velocity, steps, settled))
+        co_return INSITU_END_COUNT;
+      if (steps.confine()) {
+        const Sampled sampled = co_await Awaited(velocity, p.x, steps.time(), v);
+        steps.confined(sampled, v);
+        if (moves_on(velocity, steps, true))
+          co_return INSITU_END_COUNT;
+      }
     }
+    settled = false;
     ending = steps.plan();
     if (ending != INSITU_END_COUNT)
       break;

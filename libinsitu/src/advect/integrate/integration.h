@@ -13,6 +13,7 @@
 #include "advect/integrate/dense.h"
 #include "advect/integrate/fields.h"
 #include "advect/integrate/integrators.h"
+#include "advect/integrate/kept_steps.h"
 #include "advect/integrate/settings.h"
 
 /// What integrate() and integration() decide between the velocities they ask for; included by
@@ -29,6 +30,31 @@ public:
         visit_(visit), from_(p.time), direction_(to < p.time ? -1.0 : 1.0),
         span_(std::abs(to - p.time)),
         by_cell_(M::adaptive ? s_.max_step == 0.0 : s_.step == 0.0 && s_.max_step == 0.0) {}
+
+  /// What all that follows depends on, between two steps, but for the arguments of the constructor;
+  /// and an integration that goes on from there, to the bit, with the same `to`.
+  KeptSteps keep() const {
+    return {from_,           direction_,  span_,     k1_,         elapsed_,
+            previous_error_, rate_limit_, steps_,    closing_in_, closely_,
+            free_steps_,     idle_faces_, confined_, entered_,    told_to_end_};
+  }
+  void go_on_from(const KeptSteps& k) {
+    from_ = k.from;
+    direction_ = k.direction;
+    span_ = k.span;
+    k1_ = k.k1;
+    elapsed_ = k.elapsed;
+    previous_error_ = k.previous_error;
+    rate_limit_ = k.rate_limit;
+    steps_ = k.steps;
+    closing_in_ = k.closing_in;
+    closely_ = k.closely;
+    free_steps_ = k.free_steps;
+    idle_faces_ = k.idle_faces;
+    confined_ = k.confined;
+    entered_ = k.entered;
+    told_to_end_ = k.told_to_end;
+  }
 
   double time() const { return from_ + direction_ * elapsed_; }
   bool at_end() const { return !(elapsed_ < span_); }
@@ -122,7 +148,7 @@ private:
   State& p_;
   Work& work_;
   Visit& visit_;
-  const double from_, direction_, span_;
+  double from_, direction_, span_;
   const bool by_cell_;
 
   Vec3d k1_; ///< the velocity at p

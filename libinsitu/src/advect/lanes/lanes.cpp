@@ -33,6 +33,9 @@ void LaneBatch::answer(std::span<LaneVelocity* const> lanes) {
         guessed_.push_back({l, cell});
       else
         crossing_.push_back(l);
+    } else if (l->journey() && !l->confined_.is_on() &&
+               l->take_far(l->x_, l->t_, l->sampled_, l->v_)) {
+      continue;
     } else if (l->confined_.is_on()) {
       ask(*l, l->cells_.own(l->moment_));
     } else {
@@ -189,9 +192,9 @@ void LaneBatch::locate() {
   constexpr std::size_t few = 2;
   if (!first.cells_.serves() || first.moment_.moves() || all < few) {
     for (LaneVelocity* l : lost_)
-      l->sampled_ = l->located(l->x_, l->v_, nullptr);
+      l->note_elsewhere([&] { l->sampled_ = l->located(l->x_, l->v_, nullptr); });
     for (LaneVelocity* l : crossing_)
-      l->beyond_at_ = l->locate(l->beyond_);
+      l->note_elsewhere([&] { l->beyond_at_ = l->locate(l->beyond_); });
     return;
   }
   points_.clear();
@@ -206,15 +209,31 @@ void LaneBatch::locate() {
   for (std::size_t i = misses; i < all; ++i)
     crossing_[i - misses]->cells_.note_unguided(crossing_[i - misses]->cells_.own());
   for (std::size_t i = 0; i < misses; ++i)
-    if (!locations_[i])
-      locations_[i] = lost_[i]->beside_mesh(lost_[i]->x_);
+    if (!locations_[i]) {
+      LaneVelocity& lost = *lost_[i];
+      lost.note_elsewhere([&] {
+        try {
+          sampler_->missed(lost.x_, lost.moment_.geometry_alpha());
+        } catch (query::Elsewhere& e) {
+          e.is_for_value = true;
+          e.time = lost.t_;
+          throw;
+        }
+        locations_[i] = lost.beside_mesh(lost.x_);
+      });
+    }
   for (std::size_t i = 0; i < misses; ++i)
     if (locations_[i])
       lost_[i]->cells_.expect(locations_[i].cell, lost_[i]->moment_);
   for (std::size_t i = 0; i < misses; ++i)
     lost_[i]->sampled_ = lost_[i]->taken(locations_[i], lost_[i]->v_);
-  for (std::size_t i = misses; i < all; ++i)
-    crossing_[i - misses]->beyond_at_ = locations_[i];
+  for (std::size_t i = misses; i < all; ++i) {
+    LaneVelocity& crossing = *crossing_[i - misses];
+    crossing.beyond_at_ = locations_[i];
+    if (!locations_[i])
+      crossing.note_elsewhere(
+          [&] { sampler_->missed(crossing.beyond_, crossing.moment_.geometry_alpha()); });
+  }
 }
 
 } // namespace insitu::advect

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "advect/field/mesh_velocity.h"
 #include "advect/integrate/integrate.h"
 #include "advect/lanes/lane_kernels.h"
+#include "query/elsewhere.h"
 
 /// Many particles at a time on one thread: each goes on until it needs a velocity, then all
 /// velocities are found together. The answers are those of particles one by one, to the bit.
@@ -30,14 +32,37 @@ public:
     beyond_ = beyond(x, towards, t);
     crosses_ = true;
   }
-  Crossed answer_crossing() { return crossed(x_, beyond_at_); }
-  Sampled answer(math::Vec3d& v) const {
+  /// Throw query::Elsewhere where the question took a point that another process may hold.
+  Crossed answer_crossing() {
+    check_here();
+    return crossed(x_, beyond_at_);
+  }
+  Sampled answer(math::Vec3d& v) {
+    check_here();
     v = v_;
     return sampled_;
   }
 
 private:
   friend class LaneBatch;
+  void check_here() {
+    if (elsewhere_) [[unlikely]] {
+      const query::Elsewhere at = *elsewhere_;
+      elsewhere_.reset();
+      throw at;
+    }
+  }
+  /// Does this lane's part of an answer; what is thrown of a point elsewhere waits for the lane.
+  template <class Work>
+  void note_elsewhere(Work&& work) {
+    try {
+      work();
+    } catch (const query::Elsewhere& at) {
+      elsewhere_ = at;
+    }
+  }
+
+  std::optional<query::Elsewhere> elsewhere_;
   math::Vec3d x_, v_;
   double t_ = 0.0;
   bool crosses_ = false; ///< a cell is asked for, not a velocity
@@ -88,7 +113,7 @@ private:
 
 /// Runs the integrations of items [begin, end), some at a time: start(item, slot, velocity) gives
 /// one of them (its State, and what else it needs by reference, are the caller's, by slot, of which
-/// there are lane_count), and finished(item, slot, velocity, ending) is called at its end. make()
+/// there are lane_count), and finished(item, slot, velocity, stepping) is called at its end. make()
 /// adds a LaneVelocity to a deque.
 template <class Make, class Start, class Finished>
 void run_lanes(const query::Sampler& sampler, std::int64_t begin, std::int64_t end, Make&& make,
@@ -123,9 +148,8 @@ void run_lanes(const query::Sampler& sampler, std::int64_t begin, std::int64_t e
           waiting.push_back(&velocities[l]);
           break;
         }
-        const insitu_ending ending = lane.stepping.ending();
+        finished(lane.item, l, velocities[l], lane.stepping);
         lane.stepping = {};
-        finished(lane.item, l, velocities[l], ending);
       }
     }
     batch.answer(waiting);

@@ -25,7 +25,7 @@ Interval::Interval(const Asked& asked, const TracerSettings& settings, const Eff
     : asked_(asked), settings_(settings), effects_(effects), particles_(particles),
       crosses_(asked.before && asked.t1 != asked.t0),
       integrator_(settings_for(asked.velocity, settings.integrator)),
-      grain_(grain_of(std::int64_t(particles.size()), asked.threads)) {
+      grain_(grain_of(std::int64_t(particles.size()), asked.threads)), here_(asked.sampler) {
   // On a geodetic mesh and between cells drifts are the velocity's, which integrate() alone
   // follows.
   if (asked.sampler.chart() || crosses_ ? effects.displaces() : effects.any())
@@ -34,7 +34,8 @@ Interval::Interval(const Asked& asked, const TracerSettings& settings, const Eff
     asked.snapshots->begin(particles.size(), settings.backward);
   work_.resize(std::size_t((count() + grain_ - 1) / grain_));
   effect_work_.resize(setup_ ? work_.size() : 0);
-  beyond_ = CellsBeyond::worth(asked.sampler, count());
+  if (!asked.across)
+    beyond_ = CellsBeyond::worth(asked.sampler, count());
 }
 
 bool Interval::prepare(std::size_t i, State& p, double& to) const {
@@ -61,14 +62,14 @@ insitu_ending Interval::store(std::size_t i, const State& p, std::int64_t cell,
                                    : INSITU_END_SEED_OUTSIDE;
   if (ending == INSITU_END_ALIVE && effects_.removes) {
     const query::Location here =
-        owner_of(asked_.sampler, beyond_.get(), cell, p.x, {settings_.accuracy, geometry_alpha});
+        owner_of(here_, beyond_.get(), cell, p.x, {settings_.accuracy, geometry_alpha});
     if (here && effects_.removes(here, p.x, std::abs(p.time - seeded)))
       ending = INSITU_END_REMOVED;
   }
   if (ending != INSITU_END_ALIVE && ending != INSITU_END_LEFT && cell >= 0 && moves_in_lanes() &&
       result_.blended_geometry) // it may be another one of those at a face
-    if (const query::Location at = owner_of(asked_.sampler, beyond_.get(), cell, p.x,
-                                            {settings_.accuracy, geometry_alpha}))
+    if (const query::Location at =
+            owner_of(here_, beyond_.get(), cell, p.x, {settings_.accuracy, geometry_alpha}))
       cell = at.cell;
   particles_.set_state(i, p, cell >= 0 || crosses_ ? cell : particles_.cells[i]);
   particles_.endings[i] = std::uint8_t(ending);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "advect/across/rounds.h"
 #include "advect/effects/mover.h"
 #include "advect/field/cells_beyond.h"
 #include "advect/pathlines.h"
@@ -14,7 +15,7 @@ namespace insitu::advect {
 /// Moves the particles of a tracer through one interval of time; see Tracer::advance(). Each way
 /// of moving them has a file of its own: in lanes by the flow alone (interval_lanes.cpp), one by
 /// one (interval_one_by_one.h), which interval.cpp does on the same cells and interval_crossing.cpp
-/// from the cells of the step before to others.
+/// from the cells of the step before to others; and on several processes (interval_across.cpp).
 class Interval {
 public:
   /// What an advance is asked for.
@@ -24,15 +25,18 @@ public:
     const EarlierSteps& earlier; ///< as many steps as the interpolation takes
     double t0, t1;
     const core::Threads& threads;
-    Snapshots* snapshots;     ///< or null
-    const StepBefore* before; ///< or null
-    Exits* exits;             ///< or null
+    Snapshots* snapshots;           ///< or null
+    const StepBefore* before;       ///< or null
+    Exits* exits;                   ///< or null
+    const Across* across = nullptr; ///< the processes that have the particles, or null
   };
   /// The arguments must outlive the object.
   Interval(const Asked& asked, const TracerSettings& settings, const Effects& effects,
            Particles& particles);
 
   Advance run();
+  /// The same on several processes. Collective.
+  Advance run_across();
 
 private:
   bool is_before(double a, double b) const { return settings_.backward ? b < a : a < b; }
@@ -67,6 +71,20 @@ private:
              settings_.accuracy, effects_.drifts, what);
   }
 
+  // On several processes: interval_across.cpp.
+  void refuse_across() const;
+  template <class V>
+  struct Leg;
+  void lanes_across(Rounds& rounds, std::span<const std::size_t> particles);
+  void effects_across(Rounds& rounds, std::span<const std::size_t> particles);
+  template <class V>
+  void begin_leg(Leg<V>& leg, std::size_t i, V& velocity, const Rounds& rounds,
+                 const EffectWork& effects);
+  template <class V>
+  bool end_leg(Leg<V>& leg, std::size_t i, V& velocity, Rounds& rounds, Work& done,
+               core::FunctionRef<insitu_ending(std::int64_t& cell)> end);
+  void sum_up();
+
   // One by one: interval_one_by_one.h.
   template <class Make>
   void carry(Make&& make);
@@ -89,6 +107,7 @@ private:
   std::vector<EffectWork> effect_work_;
   std::unique_ptr<const CellsBeyond> beyond_;
   const Sides no_sides_;
+  query::Sampler here_; ///< on several processes: that which knows of the others
   std::mutex left_mutex_;
   std::vector<LeftAt> left_; ///< the particles that leave, if there are exits
   Advance result_;

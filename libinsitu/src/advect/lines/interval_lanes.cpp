@@ -37,9 +37,10 @@ void Interval::run_in_lanes() {
                                no_sides_);
           return integration(v, integrator_, to, settings_.length, p, work, Visitor(*takers[slot]));
         },
-        [&](std::int64_t i, std::size_t slot, LaneVelocity& v, insitu_ending ending) {
+        [&](std::int64_t i, std::size_t slot, LaneVelocity& v, const Stepping& stepping) {
           const State& p = states[slot];
-          ending = store(std::size_t(i), p, v.cell(), ending, v.geometry_alpha(p.time));
+          const insitu_ending ending =
+              store(std::size_t(i), p, v.cell(), stepping.ending(), v.geometry_alpha(p.time));
           if (!snapshots)
             return;
           takers[slot]->straight(p);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "advect/effects/flight.h"
+#include "advect/field/journey.h"
 #include "advect/integrate/dense.h"
 #include "advect/integrate/settings.h"
 
@@ -9,10 +10,8 @@ namespace insitu::advect {
 /// Is told by a Mover where its particle goes. Of the integrator's steps it hears as a visitor of
 /// integrate(); positions are then the integrator's, and the particle's velocity still has the
 /// coordinates that they are in.
-class Recorder {
+class Recorder : public Marked {
 public:
-  virtual ~Recorder() = default;
-
   /// It begins, or goes on, from there.
   virtual void operator()(const State& p) = 0;
   virtual void operator()(const State& p, const DenseStep& path) = 0;

@@ -35,7 +35,10 @@ public:
     places.resize_discard(items);
     present.resize_discard(items);
     std::fill(present.begin(), present.end(), std::uint8_t(0));
+    hops.assign(particles, 0);
   }
+  /// Room for more particles, those behind the others.
+  void grow(std::size_t particle_count);
   std::size_t item(std::size_t k, std::size_t i) const { return k * particles + i; }
   bool is_before(double a, double b) const { return backward_ ? b < a : a < b; }
 
@@ -44,6 +47,8 @@ public:
   core::Buffer<math::Vec3d> positions;  ///< in the mesh's coordinates
   core::Buffer<query::Location> places; ///< none where a path cuts a corner of the mesh
   core::Buffer<std::uint8_t> present;   ///< 0: the particle had not begun, or has ended, by then
+  /// How often a particle had changed process in the interval when it came to be here.
+  std::vector<std::int32_t> hops;
 
 private:
   bool backward_ = false;
@@ -99,6 +104,18 @@ public:
       all_.present[all_.item(--next_, particle_)] = 0;
     last_ = point;
     last_time_ = before.time;
+  }
+
+  RecorderMark mark() const override { return {first_, next_, last_, last_time_}; }
+  /// Goes on from a mark of this or, in another process, of the same particle's; what was taken
+  /// here since is taken back.
+  void go_on_from(const RecorderMark& mark) {
+    while (next_ > mark.next)
+      all_.present[all_.item(--next_, particle_)] = 0;
+    first_ = mark.first;
+    next_ = mark.next;
+    last_ = mark.last;
+    last_time_ = mark.last_time;
   }
 
   /// It ended at its time: its end tells of that.

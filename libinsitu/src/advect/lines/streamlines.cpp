@@ -105,9 +105,9 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
           };
           return vertices[slot]->is_even() ? run(vertices[slot]->even()) : run(*vertices[slot]);
         },
-        [&](std::int64_t l, std::size_t slot, LaneVelocity&, insitu_ending ending) {
+        [&](std::int64_t l, std::size_t slot, LaneVelocity&, const Stepping& stepping) {
           Line& line = under_way[slot];
-          store(l, line, vertices[slot]->finish(line.p, ending));
+          store(l, line, vertices[slot]->finish(line.p, stepping.ending()));
         });
   };
   const std::optional<EffectSetup> setup =

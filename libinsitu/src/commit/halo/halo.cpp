@@ -235,6 +235,16 @@ CellName Halo::name(std::size_t piece, std::int64_t cell) const {
   return {b.has_global ? b.global[i] : -1, b.rank, b.piece, b.cells[i]};
 }
 
+std::pair<std::size_t, std::int64_t> Halo::find(const CellName& name) const {
+  const auto of = [](const Borrowed& b) { return std::pair(b.rank, b.piece); };
+  const auto b = std::ranges::lower_bound(borrowed_, std::pair(name.rank, name.piece), {}, of);
+  if (b == borrowed_.end() || of(*b) != std::pair(name.rank, name.piece))
+    return {0, -1};
+  const auto cell = std::lower_bound(b->cells.begin(), b->cells.end(), name.cell);
+  const bool found = cell != b->cells.end() && *cell == name.cell;
+  return {std::size_t(b - borrowed_.begin()), found ? cell - b->cells.begin() : -1};
+}
+
 std::int64_t Halo::cell_count() const {
   std::int64_t count = 0;
   for (const mesh::PieceView& piece : views_)

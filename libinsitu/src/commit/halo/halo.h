@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "commit/halo/directory.h"
@@ -52,6 +53,9 @@ public:
 
   /// Of the cell that is number `cell` in halo piece `piece`.
   CellName name(std::size_t piece, std::int64_t cell) const;
+  /// The halo piece that has a cell of another process, and its number there; a number of -1: the
+  /// halo does not have it. The name's global id is not looked at.
+  std::pair<std::size_t, std::int64_t> find(const CellName& name) const;
   std::int64_t cell_count() const;
   /// Whether a cell of this process, by its flat id, touches others.
   bool is_at_seam(std::int64_t flat) const {

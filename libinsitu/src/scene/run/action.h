@@ -37,6 +37,9 @@ public:
   virtual bool is_collective() const { return false; }
   /// Runs the action. The runner calls this at every cycle; due says whether the trigger holds.
   virtual void execute(commit::CommittedMesh& mesh, const Step& step, bool due) = 0;
+  /// The session is about to close, and messages can still be sent. Collective; throws
+  /// parallel::AgreedError.
+  virtual void meet_end() {}
   /// Ends the action when the session closes. Not collective: MPI may have been finalised.
   virtual void finish() {}
   /// Returns the name by which a checkpoint knows the state of the action, in words that hold
@@ -53,6 +56,8 @@ public:
   /// Returns what became of the particles of the action; an empty optional means that it has no
   /// particles.
   virtual std::optional<advect::Counts> particles() const { return std::nullopt; }
+  /// Of several processes, the share of this one: the sum over all is particles().
+  virtual std::optional<advect::Counts> particles_here() const { return particles(); }
   /// Returns the fields whose earlier steps the action needs at the next cycle.
   virtual std::vector<mesh::KeptField> needs_earlier() const { return {}; }
   /// Returns whether these earlier steps serve the action over a change of topology as well.

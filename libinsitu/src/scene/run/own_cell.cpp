@@ -32,6 +32,16 @@ OwnCell own_cell(const commit::CommittedMesh& mesh, std::int64_t flat, const mat
   return own_cell(mesh.mesh().own_view(), mesh.own({flat, {}}, at).cell);
 }
 
+OwnCell own_cell(const commit::CommittedMesh& mesh, std::int64_t flat, const math::Vec3d& at,
+                 const parallel::World& world) {
+  const std::int64_t own = mesh.own({flat, {}}, at).cell;
+  const mesh::MeshView& view = mesh.mesh().own_view();
+  if (own < view.own_cell_count() || own >= view.cell_count())
+    return own_cell(mesh.mesh(), own, world);
+  const commit::CellName name = mesh.name(own); // another process's
+  return {name.piece, name.cell, name.cell, name.global, name.rank};
+}
+
 void CellNames::require_for(const std::string& path, const CellNames& now) const {
   if (global && !now.global)
     throw core::Error(INSITU_ERROR_FIELD,

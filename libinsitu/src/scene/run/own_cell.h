@@ -21,6 +21,8 @@ OwnCell own_cell(const mesh::Mesh& mesh, std::int64_t flat, const parallel::Worl
 OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat);
 /// Returns the OwnCell of a cell of mesh.mesh().view() that holds the point.
 OwnCell own_cell(const commit::CommittedMesh& mesh, std::int64_t flat, const math::Vec3d& at);
+OwnCell own_cell(const commit::CommittedMesh& mesh, std::int64_t flat, const math::Vec3d& at,
+                 const parallel::World& world);
 
 /// Returns whether files name pieces beside cells: they do where a mesh has several pieces, and on
 /// adaptive meshes, whose patches come and go, always. A table that grows keeps the answer of the

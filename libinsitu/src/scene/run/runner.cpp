@@ -302,6 +302,18 @@ Plan Runner::plan(MeshList meshes) const {
   return plan;
 }
 
+std::string Runner::meet_end() {
+  std::string failures;
+  for (const auto& action : actions_) {
+    try {
+      action->meet_end();
+    } catch (const parallel::AgreedError& e) {
+      failures += std::string(action->kind()) + " '" + action->name() + "': " + e.what() + "\n";
+    }
+  }
+  return failures;
+}
+
 std::string Runner::finish() {
   std::string failures;
   for (const auto& action : actions_) {
@@ -327,7 +339,7 @@ std::string Runner::finish() {
 advect::Counts Runner::particle_counts() const {
   advect::Counts sum;
   for (const auto& action : actions_)
-    if (const std::optional<advect::Counts> counts = action->particles())
+    if (const std::optional<advect::Counts> counts = action->particles_here())
       sum += *counts;
   return sum;
 }

@@ -42,8 +42,11 @@ public:
 
   /// Ends tracers and closes tables. Returns failures like execute().
   std::string finish();
+  /// Before finish(), if messages can still be sent: what actions need of other processes then.
+  /// Collective. Returns what failed, on all processes alike.
+  std::string meet_end();
 
-  /// Particles of all tracers.
+  /// Particles of all tracers, as far as this process has them.
   advect::Counts particle_counts() const;
 
   /// How often the structures of frames were made.

@@ -23,13 +23,22 @@ const TrackRows& ParticleCycle::rows(const std::vector<std::size_t>& indices) {
   return rows_;
 }
 
+std::vector<mesh::FieldView> ParticleCycle::fields() const {
+  return moved_.fields ? *moved_.fields : moved_.tracer.fields(mesh_);
+}
+
 TrackRows ParticleCycle::no_rows() const {
   TrackRows out;
   out.cycle = step_.cycle;
-  out.pieces = names_pieces(mesh_.mesh());
+  out.names = moved_.names;
   out.frame = mesh_.reference_frame;
-  out.columns = moved_.tracer.field_columns(moved_.tracer.fields(mesh_));
+  out.columns = moved_.tracer.field_columns(fields());
   return out;
+}
+
+/// A cell that holds the point, as the solver counts cells.
+OwnCell ParticleCycle::named_cell(std::int64_t flat, const math::Vec3d& x) const {
+  return own_cell(mesh_, flat, x, moved_.world);
 }
 
 /// Further columns after those of the fields; put(r, out): of row r.
@@ -57,14 +66,14 @@ TrackRows ParticleCycle::make_rows_at(std::size_t k) const {
   for (std::size_t i = 0; i < at.particles; ++i)
     if (const std::size_t item = at.item(k, i); at.present[item]) {
       const math::Vec3d& x = at.positions[item];
-      out.rows.push_back(track_row(p.ids[i], at.times[k], x,
-                                   own_cell(mesh_, at.places[item].cell, x), INSITU_END_ALIVE));
+      out.rows.push_back(track_row(p.ids[i], at.times[k], x, named_cell(at.places[item].cell, x),
+                                   INSITU_END_ALIVE));
       items.push_back(item);
     }
   const std::size_t width = out.columns.size();
   out.values.assign(items.size() * width, std::numeric_limits<double>::quiet_NaN());
   std::size_t column = 0;
-  for (const mesh::FieldView& field : moved_.tracer.fields(mesh_)) {
+  for (const mesh::FieldView& field : fields()) {
     const FieldBetween between(mesh_, field, moved_.interval, moved_.tracer.accuracy(),
                                at.times[k]);
     const auto n = std::size_t(field.components);
@@ -103,18 +112,17 @@ std::vector<query::Location> ParticleCycle::places(const std::vector<std::size_t
 TrackRows ParticleCycle::make_rows(const std::vector<std::size_t>& indices) const {
   const advect::Particles& p = particles();
   TrackRows out = no_rows();
-  const std::vector<mesh::FieldView> fields = moved_.tracer.fields(mesh_);
+  const std::vector<mesh::FieldView> recorded = fields();
   std::vector<query::Location> at(indices.size());
-  if (!fields.empty() || moved_.mesh_moved)
+  if (!recorded.empty() || moved_.mesh_moved)
     at = places(indices);
-  out.values = moved_.tracer.values_at(mesh_, fields, at);
+  out.values = moved_.tracer.values_at(mesh_, recorded, at);
   for (std::size_t r = 0; r < indices.size(); ++r) {
     const std::size_t i = indices[r];
     const bool is_told = moved_.mesh_moved && at[r] && p.endings[i] == INSITU_END_ALIVE;
     const std::int64_t cell = is_told ? at[r].cell : p.cells[i];
     out.rows.push_back(track_row(p.ids[i], p.times[i], p.positions[i],
-                                 own_cell(mesh_, cell, p.positions[i]),
-                                 insitu_ending(p.endings[i])));
+                                 named_cell(cell, p.positions[i]), insitu_ending(p.endings[i])));
   }
   add_geodesics(out, [&](std::size_t r, double* to) { geodesics().put(out.rows[r].particle, to); });
   return out;

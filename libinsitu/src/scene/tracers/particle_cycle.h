@@ -20,8 +20,12 @@ struct MovedParticles {
   std::span<const DueTime> times;     ///< of the tracer's own, that this cycle reaches
   const advect::Snapshots* snapshots; ///< the particles at those times; null without any
   StepInterval interval;
+  CellNames names; ///< of the mesh's cells
+  const parallel::World& world;
   /// The mesh has moved under them: the cell of a particle on a face may be any of those there.
   bool mesh_moved;
+  /// The tracer's fields, as all processes have them; null: they are the mesh's.
+  const std::vector<mesh::FieldView>* fields = nullptr;
 };
 
 /// What the writers see of a cycle of path- and streaklines. The rows that one asked for last are
@@ -46,6 +50,8 @@ public:
 
 private:
   TrackRows no_rows() const;
+  std::vector<mesh::FieldView> fields() const;
+  OwnCell named_cell(std::int64_t flat, const math::Vec3d& x) const;
   TrackRows make_rows_at(std::size_t k) const;
   TrackRows make_rows(const std::vector<std::size_t>& indices) const;
   std::vector<query::Location> places(const std::vector<std::size_t>& indices) const;

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/status.h"
 #include "core/timer.h"
 #include "core/unsigned_zero.h"
 #include "scene/run/environment.h"
@@ -7,6 +8,8 @@
 #include "scene/run/own_cell.h"
 #include "scene/run/step.h"
 #include "scene/tracers/drawn_lines.h"
+#include "scene/tracers/gathered_lines.h"
+#include "scene/tracers/mesh_homes.h"
 #include "scene/tracers/tracer_action.h"
 #include "scene/tracers/tracer_cells.h"
 #include "scene/tracers/tracer_effects.h"
@@ -30,22 +33,10 @@ public:
   void execute(commit::CommittedMesh& mesh, const Step& step, bool due) override {
     if (!due)
       return;
+    if (across())
+      return execute_across(mesh, step);
     const core::Timer timer;
-    advect::StreamlineSettings settings;
-    settings.integrator = integrator();
-    settings.direction = tracer_.direction == TracerDirection::both ? advect::Direction::both
-                         : tracer_.direction == TracerDirection::backward
-                             ? advect::Direction::backward
-                             : advect::Direction::forward;
-    settings.even_length = tracer_.spacing.length.value_or(0.0);
-    settings.even_time = tracer_.spacing.time.value_or(0.0);
-    settings.accuracy = tracer_.accuracy;
-    if (tracer_.until.duration)
-      settings.duration = *tracer_.until.duration;
-    if (tracer_.effects.age_limit)
-      settings.duration = std::min(settings.duration, *tracer_.effects.age_limit);
-    if (tracer_.until.length)
-      settings.length = *tracer_.until.length;
+    advect::StreamlineSettings settings = line_settings();
     settings.effects = effects_at(tracer_, mesh, step, 0, environment_.scene_file);
     mesh.look_for_folds(environment_.context.threads); // particles ask with hints
     mesh.find_neighbours_if_due(environment_.context.threads);
@@ -65,21 +56,58 @@ public:
     const std::vector<std::string> columns = field_columns(recorded);
     const std::vector<double> values =
         sample(mesh, recorded, lines.points.span(), lines.cells.span());
+    std::vector<OwnCell> cells;
+    for (std::size_t v = 0; v < lines.points.size(); ++v)
+      cells.push_back(own_cell(mesh, lines.cells[v], lines.points[v], environment_.world));
+    const CellNames names = name_cells(mesh.mesh(), environment_.world);
     if (writes(TableFormat::csv))
-      write_csv(mesh, step, lines, columns, values);
+      write_csv(step, lines, {names, cells}, columns, values);
     if (writes(TableFormat::vtp))
       write_vtp(step, lines, VtkColumns(columns, values));
     environment_.statistics.output_s += output_timer.seconds();
   }
 
+  bool is_collective() const override { return across(); }
+  std::optional<advect::Counts> particles_here() const override {
+    // The root has those of all lines.
+    return environment_.world.is_root() ? counts_ : advect::Counts();
+  }
+
 private:
-  void write_csv(const commit::CommittedMesh& mesh, const Step& step,
-                 const advect::Polylines& lines, const std::vector<std::string>& columns,
-                 const std::vector<double>& values) {
-    const bool several = names_pieces(mesh.mesh());
+  bool across() const { return environment_.world.size() > 1; }
+  advect::StreamlineSettings line_settings() const {
+    advect::StreamlineSettings settings;
+    settings.integrator = integrator();
+    settings.direction = tracer_.direction == TracerDirection::both ? advect::Direction::both
+                         : tracer_.direction == TracerDirection::backward
+                             ? advect::Direction::backward
+                             : advect::Direction::forward;
+    settings.even_length = tracer_.spacing.length.value_or(0.0);
+    settings.even_time = tracer_.spacing.time.value_or(0.0);
+    settings.accuracy = tracer_.accuracy;
+    if (tracer_.until.duration)
+      settings.duration = *tracer_.until.duration;
+    if (tracer_.effects.age_limit)
+      settings.duration = std::min(settings.duration, *tracer_.effects.age_limit);
+    if (tracer_.until.length)
+      settings.length = *tracer_.until.length;
+    return settings;
+  }
+  void execute_across(commit::CommittedMesh& mesh, const Step& step);
+
+  /// The cells of the lines' vertices, and how files name them.
+  struct Cells {
+    const CellNames& names;
+    const std::vector<OwnCell>& of;
+  };
+  void write_csv(const Step& step, const advect::Polylines& lines, const Cells& cells,
+                 const std::vector<std::string>& columns, const std::vector<double>& values) {
+    const CellNames& names = cells.names;
     std::vector<std::string> header{"line", "vertex", "s", "x", "y", "z", "cell"};
-    if (several)
+    if (names.pieces)
       header.push_back("piece");
+    if (names.processes)
+      header.push_back("process");
     header.push_back("ending");
     header.insert(header.end(), columns.begin(), columns.end());
     output::CsvRows rows(header.size());
@@ -89,10 +117,12 @@ private:
         rows.cell(core::unsigned_zero(lines.times[v]));
         for (int a = 0; a < 3; ++a)
           rows.cell(core::unsigned_zero(lines.points[v][a]));
-        const OwnCell own = own_cell(mesh, lines.cells[v], lines.points[v]);
-        rows.cell(own.cell);
-        if (several)
+        const OwnCell& own = cells.of[v];
+        rows.cell(names.cell(own));
+        if (names.pieces)
           rows.cell(int(own.piece));
+        if (names.processes)
+          rows.cell(int(own.process));
         rows.cell(advect::ending_name(insitu_ending(lines.endings[l])));
         for (std::size_t c = 0; c < columns.size(); ++c)
           rows.cell(values[v * columns.size() + c]);
@@ -116,6 +146,57 @@ private:
   TracerCells cells_{environment_.context.memory};
   VtpSeries series_;
 };
+
+/// Each process has the rows of what was traced there; the root puts the lines together and writes.
+void StreamTracer::execute_across(commit::CommittedMesh& mesh, const Step& step) {
+  const core::Timer timer;
+  parallel::World& world = environment_.world;
+  core::Context& context = environment_.context;
+  mesh.update_halo(world, context.threads, context.log);
+  const std::vector<mesh::FieldView> velocity =
+      find_fields(mesh, {&tracer_.velocity, 1}, environment_.scene_file, world);
+  const std::vector<mesh::FieldView> recorded =
+      find_fields(mesh, tracer_.fields, environment_.scene_file, world);
+  const CellNames names = name_cells(mesh.mesh(), world);
+  const std::vector<math::Vec3d>& points = seeds_of_all(mesh);
+  advect::StreamlineSettings settings = line_settings();
+  std::optional<query::Sampler> sampler;
+  const auto left_out = [&] { return cells_.left_out(mesh, context.threads); };
+  std::optional<advect::Exits> exits;
+  world.agree_after([&] {
+    if (!mesh.halo())
+      throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                        "tracer: no streamlines where cells stand in the place of the solver's, on "
+                        "a mesh that is spread over processes");
+    settings.effects = effects_at(tracer_, mesh, step, 0, environment_.scene_file);
+    if (mesh.mesh().own_view().own_cell_count() > 0) {
+      mesh.look_for_folds(context.threads); // particles ask with hints
+      mesh.find_neighbours_if_due(context.threads);
+    }
+    sampler = cells_.sampler(mesh, velocity, context.threads);
+    exits.emplace(mesh.sampler(), left_out, settings.accuracy);
+    settings.exits = &*exits;
+  });
+  const MeshHomes homes(mesh);
+  const advect::LinePieces here =
+      advect::trace_lines_across({world, homes}, *sampler, velocity.front(), points, settings,
+                                 context.threads, context.memory);
+  counts_ += here.counts;
+  environment_.statistics.advect_s += timer.seconds();
+  const core::Timer output_timer;
+  const GatheredLines all(here, *this, mesh, recorded, world, context.memory,
+                          settings.direction == advect::Direction::both ? 2 : 1);
+  world.agree_after([&] {
+    if (!world.is_root())
+      return;
+    const std::vector<std::string> columns = field_columns(recorded);
+    if (writes(TableFormat::csv))
+      write_csv(step, all.lines, {names, all.cells}, columns, all.values);
+    if (writes(TableFormat::vtp))
+      write_vtp(step, all.lines, VtkColumns(columns, all.values));
+  });
+  environment_.statistics.output_s += output_timer.seconds();
+}
 
 } // namespace
 

@@ -135,6 +135,18 @@ const std::vector<math::Vec3d>& TracerAction::seeds(const commit::CommittedMesh&
   return *seeds_;
 }
 
+const std::vector<math::Vec3d>& TracerAction::seeds_of_all(const commit::CommittedMesh& mesh) {
+  parallel::World& world = environment_.world;
+  if (seeds_)
+    return *seeds_;
+  const std::string text = read_points_for_all(tracer_.seeds, world);
+  world.agree_after([&] {
+    seeds_ = resolve_points(tracer_.seeds, tracer_.frame, mesh, environment_.scene_file, &text)
+                 .mesh_points;
+  });
+  return *seeds_;
+}
+
 std::vector<mesh::FieldView> TracerAction::fields(const commit::CommittedMesh& mesh) const {
   std::vector<mesh::FieldView> out;
   for (const Name& name : tracer_.fields)

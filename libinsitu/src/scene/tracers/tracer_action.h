@@ -52,6 +52,8 @@ protected:
   bool writes(TableFormat format) const;
   advect::IntegratorSettings integrator() const;
   const std::vector<math::Vec3d>& seeds(const commit::CommittedMesh& mesh);
+  /// The same of several processes, for which the root reads a file. Collective.
+  const std::vector<math::Vec3d>& seeds_of_all(const commit::CommittedMesh& mesh);
 
   Tracer tracer_;
   Environment environment_;

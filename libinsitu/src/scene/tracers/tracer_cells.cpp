@@ -9,11 +9,11 @@ namespace insitu::scene {
 
 namespace {
 
-/// Whether a cell that owns points has values in all of these fields.
+/// Whether a cell that exists has values in all of these fields.
 bool has_values(const mesh::MeshView& mesh, std::span<const mesh::FieldView> fields, std::int32_t p,
                 std::int64_t cell) {
   const mesh::PieceView& piece = mesh.pieces[p];
-  if (!piece.owns(cell))
+  if (!piece.exists(cell))
     return false;
   std::int64_t ids[8];
   int count = 0;
@@ -34,7 +34,7 @@ bool has_values(const mesh::MeshView& mesh, std::span<const mesh::FieldView> fie
 
 /// Whether a cell that owns no points can be looked at.
 bool can_be_read(const mesh::PieceView& piece, std::int64_t cell) {
-  if (piece.owns(cell) || !mesh::has_sound_ids(piece, cell))
+  if (piece.exists(cell) || !mesh::has_sound_ids(piece, cell))
     return false;
   std::int64_t ids[8];
   const int count = piece.vertex_ids(cell, ids);

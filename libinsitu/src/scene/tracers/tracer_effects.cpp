@@ -16,12 +16,19 @@ std::uint64_t seed_of(const Tracer& tracer) {
   return hash + std::uint64_t(tracer.effects.diffusion->seed);
 }
 
+bool lacks(const commit::CommittedMesh& mesh, const Name& field) {
+  return mesh.mesh().view().cell_count() == 0 && !mesh.mesh().has_field(field.text);
+}
+
 class Resolver {
 public:
   Resolver(const commit::CommittedMesh& mesh, int earlier, const std::string& scene_file)
       : mesh_(mesh), earlier_(earlier), scene_file_(scene_file) {}
 
-  advect::FieldInTime field(const Name& name) const {
+  /// A process without cells may lack a field, whose values it does not need.
+  advect::FieldInTime field(const Name& name, int components) const {
+    if (lacks(mesh_, name))
+      return {{name.text.c_str(), INSITU_VERTEX, components}, {}};
     advect::FieldInTime out{find_field(mesh_, name, scene_file_), {}};
     out.earlier = mesh_.mesh().earlier_fields(name.text);
     if (out.earlier.size() > std::size_t(earlier_))
@@ -31,7 +38,7 @@ public:
   advect::Coefficient coefficient(const NumberOrField& from) const {
     advect::Coefficient out{from.number, {}};
     if (!from.field.empty())
-      out.field = field(from.field);
+      out.field = field(from.field, 1);
     return out;
   }
 
@@ -101,7 +108,7 @@ std::vector<advect::Drift> drifts_of(const TracerEffects& from, const insitu_fra
     } else if (from.settling->speed.field.empty()) {
       drift.constant = from.settling->speed.number * down;
     } else {
-      drift.field = field(from.settling->speed.field);
+      drift.field = field(from.settling->speed.field, 1);
       drift.direction = down;
       if (drift.field->now.components != 1) {
         throw core::Error(INSITU_ERROR_FIELD,
@@ -114,7 +121,7 @@ std::vector<advect::Drift> drifts_of(const TracerEffects& from, const insitu_fra
   }
   if (from.windage) {
     advect::Drift drift;
-    drift.field = field(from.windage->field);
+    drift.field = field(from.windage->field, 3);
     drift.factor = from.windage->factor;
     if (drift.field->now.components != 3) {
       throw core::Error(INSITU_ERROR_FIELD, "the field '" + from.windage->field.text +
@@ -132,6 +139,8 @@ advect::Removes removes_when(const RemoveEffect& remove, const commit::Committed
   std::vector<mesh::FieldView> fields;
   std::size_t width = 0;
   for (const Expression::FieldUse& use : remove.when.uses()) {
+    if (lacks(mesh, {use.field, remove.line}))
+      return [](const query::Location&, const math::Vec3d&, double) { return false; };
     fields.push_back(find_field(mesh, {use.field, remove.line}, scene_file));
     width += std::size_t(fields.back().components);
   }
@@ -176,8 +185,9 @@ advect::Effects effects_at(const Tracer& tracer, const commit::CommittedMesh& me
   const Resolver resolve(mesh, earlier, scene_file);
   advect::Effects to;
   to.geocentric = mesh.reference_frame.kind == INSITU_FRAME_GEOCENTRIC;
-  to.drifts =
-      drifts_of(from, mesh.reference_frame, [&](const Name& name) { return resolve.field(name); });
+  to.drifts = drifts_of(from, mesh.reference_frame, [&](const Name& name, int components) {
+    return resolve.field(name, components);
+  });
   if (from.diffusion) {
     to.diffusion = advect::Diffusion{resolve.coefficient(from.diffusion->horizontal),
                                      resolve.coefficient(from.diffusion->vertical),
@@ -206,7 +216,7 @@ std::optional<advect::StepBefore> step_before(const Tracer& tracer, const commit
   if (!velocity || velocity->components != 3)
     return std::nullopt;
   return advect::StepBefore{mesh.sampler(), *velocity,
-                            drifts_of(tracer.effects, frame, [&](const Name& name) {
+                            drifts_of(tracer.effects, frame, [&](const Name& name, int) {
                               return advect::FieldInTime{*mesh.field(name.text), {}};
                             })};
 }

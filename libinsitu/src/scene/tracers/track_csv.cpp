@@ -7,7 +7,7 @@ namespace insitu::scene {
 
 namespace {
 
-/// `<name>.csv`: cycle, time, particle, x, y, z, cell, [piece,] ending, and the values.
+/// `<name>.csv`: cycle, time, particle, x, y, z, cell, [piece,] [process,] ending, and the values.
 class TrackCsv final : public TrackTable {
 public:
   TrackCsv(const Tracer& tracer, const Environment& environment)
@@ -16,13 +16,18 @@ public:
 private:
   void open(const TrackRows& rows, std::int64_t) override {
     std::vector<std::string> columns{"cycle", "time", "particle", "x", "y", "z", "cell"};
-    if (table_ ? pieces_ : rows.pieces)
+    const CellNames& names = table_ ? names_ : rows.names;
+    if (names.pieces)
       columns.push_back("piece");
+    if (names.processes)
+      columns.push_back("process");
     columns.push_back("ending");
     columns.insert(columns.end(), rows.columns.begin(), rows.columns.end());
     if (table_) {
       require_columns(*table_, columns_, columns);
-      one_piece_.say(!pieces_ && rows.pieces, path_, environment_.context.log);
+      names_.require_for(path_, rows.names);
+      one_piece_.say(!names_.pieces && !names_.global && rows.names.pieces, path_,
+                     environment_.context.log);
       return;
     }
     table_ = std::make_unique<output::AppendTable>(
@@ -31,7 +36,7 @@ private:
     ++environment_.statistics.files;
     columns_ = std::move(columns);
     value_columns_ = rows.columns;
-    pieces_ = rows.pieces;
+    names_ = rows.names;
   }
 
   void add(const TrackRows& rows) override {
@@ -41,9 +46,11 @@ private:
       const TrackRow& row = rows.rows[r];
       csv.cell(rows.cycle).cell(row.time).cell(row.particle);
       csv.cell(row.position.x).cell(row.position.y).cell(row.position.z);
-      csv.cell(pieces_ ? row.cell.cell : row.cell.flat);
-      if (pieces_)
+      csv.cell(names_.cell(row.cell));
+      if (names_.pieces)
         csv.cell(int(row.cell.piece));
+      if (names_.processes)
+        csv.cell(int(row.cell.process));
       csv.cell(advect::ending_name(row.ending));
       for (std::size_t c = 0; c < width; ++c)
         csv.cell(rows.values[r * width + c]);
@@ -57,13 +64,13 @@ private:
   std::int64_t size() const override { return table_->size(); }
   void shorten(std::int64_t size) override { table_->shorten(size); }
   const std::vector<std::string>& value_columns() const override { return value_columns_; }
-  bool has_pieces() const override { return pieces_; }
+  const CellNames& cell_names() const override { return names_; }
 
   std::string path_;
   Environment environment_;
   std::unique_ptr<output::AppendTable> table_;
   std::vector<std::string> columns_, value_columns_;
-  bool pieces_ = false;
+  CellNames names_;
   OnePieceNote one_piece_;
 };
 

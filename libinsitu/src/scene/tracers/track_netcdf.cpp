@@ -26,7 +26,9 @@ private:
                           "'" + path_ +
                               "' was opened for other fields than this cycle's: they changed "
                               "during the run");
-      one_piece_.say(!pieces_ && rows.pieces, path_, environment_.context.log);
+      names_.require_for(path_, rows.names);
+      one_piece_.say(!names_.pieces && !names_.global && rows.names.pieces, path_,
+                     environment_.context.log);
       if (seeded > instances_) {
         const std::int64_t more = enough(instances_, seeded);
         table_->change(layout(rows, more));
@@ -36,7 +38,7 @@ private:
     }
     const auto from = rows.cycle == TrackRows::no_cycle ? std::nullopt : std::optional(rows.cycle);
     const auto old = output::summary_before(path_, from);
-    pieces_ = rows.pieces;
+    names_ = rows.names;
     const std::int64_t instances =
         enough(old ? old->dimension("trajectory") : seeded, std::max<std::int64_t>(seeded, 1));
     table_ = std::make_unique<output::NetcdfTable>(path_, layout(rows, instances), from);
@@ -76,8 +78,10 @@ private:
     out.variables = {cf_cycle(), cf_time(), index};
     out.variables.insert(out.variables.end(), position.begin(), position.end());
     out.variables.push_back(cf_cell());
-    if (pieces_)
+    if (names_.pieces)
       out.variables.push_back(cf_piece());
+    if (names_.processes)
+      out.variables.push_back(cf_process());
     out.variables.push_back(cf_ending());
     out.variables.push_back(std::move(ids));
     if (mapping)
@@ -101,9 +105,11 @@ private:
       const TrackRow& row = rows.rows[r];
       to.put(rows.cycle).put(row.time).put(row.particle);
       to.put(row.position.x).put(row.position.y).put(row.position.z);
-      to.put(pieces_ ? row.cell.cell : row.cell.flat);
-      if (pieces_)
+      to.put(names_.cell(row.cell));
+      if (names_.pieces)
         to.put(row.cell.piece);
+      if (names_.processes)
+        to.put(row.cell.process);
       to.put(std::int8_t(row.ending)).put(std::span(rows.values).subspan(r * width, width));
     }
   }
@@ -114,14 +120,14 @@ private:
   std::int64_t size() const override { return table_->records(); }
   void shorten(std::int64_t size) override { table_->shorten(size); }
   const std::vector<std::string>& value_columns() const override { return columns_; }
-  bool has_pieces() const override { return pieces_; }
+  const CellNames& cell_names() const override { return names_; }
 
   std::string name_, path_;
   Environment environment_;
   std::unique_ptr<output::NetcdfTable> table_;
   std::vector<TrackGeodesic> geodesics_;
   std::vector<std::string> columns_;
-  bool pieces_ = false;
+  CellNames names_;
   OnePieceNote one_piece_;
   std::int64_t instances_ = 0;
 };

@@ -41,6 +41,13 @@ void keep_frame(core::Archive& archive, insitu_frame& frame) {
   archive.value("vertical", frame.vertical);
 }
 
+/// Bits of one byte: pieces alone are as they were before there were other names.
+void keep_names(core::Archive& archive, CellNames& names) {
+  std::uint8_t bits = std::uint8_t(names.pieces | names.global << 1 | names.processes << 2);
+  archive.value("pieces", bits);
+  names = {(bits & 2) != 0, (bits & 1) != 0, (bits & 4) != 0};
+}
+
 } // namespace
 
 void TrackTable::keep(core::Archive& archive) {
@@ -51,13 +58,13 @@ void TrackTable::keep(core::Archive& archive) {
   none.cycle = TrackRows::no_cycle;
   if (is_there) {
     none.columns = value_columns();
-    none.pieces = has_pieces();
+    none.names = cell_names();
     none.frame = frame_;
   }
   archive.array("endings written", written_);
   archive.value("table", is_there);
   archive.array("columns", none.columns);
-  archive.value("pieces", none.pieces);
+  keep_names(archive, none.names);
   keep_frame(archive, none.frame);
   std::int64_t kept = is_there && !archive.restores() ? size() : 0;
   archive.value("size", kept);
@@ -73,7 +80,7 @@ void TrackTable::finish(const advect::Particles& p, const TrackGeodesics& geodes
   if (is_open()) {
     TrackRows rows;
     rows.cycle = cycle;
-    rows.pieces = has_pieces();
+    rows.names = cell_names();
     rows.columns = value_columns();
     for (std::size_t i = 0; i < p.size(); ++i) {
       const auto id = std::size_t(p.ids[i]);

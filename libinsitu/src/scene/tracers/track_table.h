@@ -27,7 +27,8 @@ protected:
   virtual void shorten(std::int64_t size) = 0;
   /// The columns of the open file's values.
   virtual const std::vector<std::string>& value_columns() const = 0;
-  virtual bool has_pieces() const = 0;
+  /// How the open file names cells.
+  virtual const CellNames& cell_names() const = 0;
 
 private:
   std::vector<std::uint8_t> written_;           ///< [id] 1: the row of its ending is in the table

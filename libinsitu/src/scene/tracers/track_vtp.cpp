@@ -94,15 +94,17 @@ private:
                        double time) {
     std::vector<math::Vec3d> points;
     std::vector<std::int64_t> ids, cells;
-    std::vector<std::int32_t> pieces;
+    std::vector<std::int32_t> pieces, processes;
+    const CellNames& names = (*parts.begin())->names;
     std::vector<std::uint8_t> endings;
     std::vector<double> values;
     for (const TrackRows* part : parts) {
       for (const TrackRow& row : part->rows) {
         points.push_back(row.position);
         ids.push_back(row.particle);
-        cells.push_back(row.cell.cell);
+        cells.push_back(names.cell(row.cell));
         pieces.push_back(row.cell.piece);
+        processes.push_back(row.cell.process);
         endings.push_back(std::uint8_t(row.ending));
       }
       values.insert(values.end(), part->values.begin(), part->values.end());
@@ -113,8 +115,11 @@ private:
     data.points = vtk_points(points);
     data.point_data.push_back(output::vtk_array("particle", std::span<const std::int64_t>(ids)));
     data.point_data.push_back(output::vtk_array("cell", std::span<const std::int64_t>(cells)));
-    if (from.pieces)
+    if (names.pieces)
       data.point_data.push_back(output::vtk_array("piece", std::span<const std::int32_t>(pieces)));
+    if (names.processes)
+      data.point_data.push_back(
+          output::vtk_array("process", std::span<const std::int32_t>(processes)));
     data.point_data.push_back(output::vtk_array("ending", std::span<const std::uint8_t>(endings)));
     columns.add_to(data.point_data);
     series_.write(environment_, name_, path, time, data);

@@ -38,7 +38,7 @@ struct TrackRows {
   static constexpr std::int64_t no_cycle = std::numeric_limits<std::int64_t>::max();
   std::int64_t cycle = 0;
   std::vector<TrackRow> rows;
-  bool pieces = false;                         ///< the mesh has several
+  CellNames names;                             ///< of the rows' cells
   insitu_frame frame = insitu_frame_default(); ///< of the mesh
   std::vector<std::string> columns;            ///< of the values: fields, then geodesics
   std::vector<double> values;                  ///< [row][column], NaN outside

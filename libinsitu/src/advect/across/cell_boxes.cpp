@@ -1,0 +1,108 @@
+#include "advect/across/cell_boxes.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace insitu::advect {
+
+using math::Vec3d;
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr mesh::Box nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+
+/// Coordinates between the steps may be beyond both by rounding.
+void widen(mesh::Box& box) {
+  for (int a = 0; a < 3; ++a) {
+    const double rounding = 8.0 * std::numeric_limits<double>::epsilon() *
+                            std::max(std::abs(box.low[a]), std::abs(box.high[a]));
+    box.low[a] -= rounding;
+    box.high[a] += rounding;
+  }
+}
+
+} // namespace
+
+std::vector<mesh::Box> OwnBoxes::find(const mesh::MeshView& mesh, const Homes& homes,
+                                      const core::Threads& threads) {
+  const std::int64_t cells = mesh.cell_count();
+  const std::int64_t grain = std::max<std::int64_t>((cells + most - 1) / most, 1);
+  std::vector<mesh::Box> boxes(std::size_t((cells + grain - 1) / grain), nothing);
+  threads.parallel_for(cells, grain, [&](std::int64_t begin, std::int64_t end) {
+    mesh::Box& box = boxes[std::size_t(begin / grain)];
+    mesh::CellVertices c;
+    for (std::int64_t cell = begin; cell < end; ++cell) {
+      const std::int32_t p = mesh.piece_of(cell);
+      if (!mesh.pieces[p].exists(cell - mesh.first_cell[p]) || !homes.is_own(cell))
+        continue;
+      mesh::gather(mesh, cell, c);
+      box.extend(mesh::box_of(c));
+      if (mesh.earlier_points) {
+        mesh::gather(mesh, cell, c, 0.0);
+        box.extend(mesh::box_of(c));
+      }
+    }
+  });
+  std::erase_if(boxes, [](const mesh::Box& box) { return !(box.low.x <= box.high.x); });
+  std::ranges::for_each(boxes, widen);
+  return boxes;
+}
+
+OtherCells::OtherCells(parallel::World& world, std::span<const mesh::Box> own) {
+  std::vector<parallel::Parcel> parcels;
+  world.agree_after([&] {
+    const std::span<const std::byte> bytes = std::as_bytes(own);
+    for (int r = 0; r < world.size(); ++r)
+      if (r != world.rank() && !own.empty())
+        parcels.push_back({r, {bytes.begin(), bytes.end()}});
+  });
+  const std::vector<parallel::Parcel> received = world.exchange(parcels);
+  world.agree_after([&] {
+    for (const parallel::Parcel& p : received) {
+      Of& of = others_.emplace_back(Of{p.rank, nothing, {}});
+      of.boxes.resize(p.bytes.size() / sizeof(mesh::Box));
+      std::memcpy(of.boxes.data(), p.bytes.data(), p.bytes.size());
+      for (const mesh::Box& box : of.boxes)
+        of.all.extend(box);
+    }
+  });
+}
+
+bool OtherCells::Of::holds(const Vec3d& point) const {
+  return all.holds(point) &&
+         std::ranges::any_of(boxes, [&](const mesh::Box& box) { return box.holds(point); });
+}
+
+void OtherCells::missed(const Vec3d& point, double alpha) const {
+  if (std::ranges::none_of(others_, [&](const Of& of) { return of.holds(point); }) ||
+      outside_.contains({point, alpha}))
+    return;
+  throw query::Elsewhere{point, alpha};
+}
+
+std::vector<int> OtherCells::ranks_at(const Vec3d& point) const {
+  std::vector<int> ranks;
+  for (const Of& of : others_)
+    if (of.holds(point))
+      ranks.push_back(of.rank);
+  return ranks;
+}
+
+bool OtherCells::Place::operator==(const Place& b) const {
+  return point == b.point && alpha == b.alpha;
+}
+
+std::size_t OtherCells::Hash::operator()(const Place& place) const {
+  std::uint64_t hash = 0xcbf29ce484222325ull;
+  for (const double part : {place.point.x, place.point.y, place.point.z, place.alpha}) {
+    hash = (hash ^ std::bit_cast<std::uint64_t>(part + 0.0)) * 0x9e3779b97f4a7c15ull;
+    hash ^= hash >> 29;
+  }
+  return std::size_t(hash);
+}
+
+} // namespace insitu::advect

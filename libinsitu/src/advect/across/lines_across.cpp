@@ -1,0 +1,243 @@
+#include "advect/across/lines_across.h"
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "advect/across/exits_across.h"
+#include "advect/integrate/check.h"
+#include "advect/integrate/integrations.h"
+#include "advect/lanes/lanes.h"
+#include "core/status.h"
+
+namespace insitu::advect {
+
+using math::Vec3d;
+
+namespace {
+
+void refuse(const std::string& what) {
+  throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                    "tracer: " + what + " on a mesh that is spread over processes");
+}
+
+/// Traces the lines of all processes; each is a particle, whose id is the line's number.
+class Lines {
+public:
+  Lines(const Across& across, const query::Sampler& sampler, const mesh::FieldView& velocity,
+        const StreamlineSettings& settings, std::int64_t per_seed, const core::Threads& threads,
+        Particles& particles)
+      : across_(across), sampler_(sampler), here_(sampler), velocity_(velocity),
+        settings_(settings), per_seed_(per_seed), threads_(threads), particles_(particles) {}
+
+  LinePieces run();
+
+private:
+  struct Leg {
+    State p;
+    Work work;
+    OnTheWay way;
+    std::vector<LineVertex> list;
+    std::optional<LineVertices<LaneVelocity>> vertices;
+    std::optional<Journey> journey;
+  };
+  double time_of(std::int64_t line) const {
+    const bool backward = settings_.direction == Direction::backward || line % per_seed_ == 1;
+    return backward ? -settings_.duration : settings_.duration;
+  }
+  void carry(Rounds& rounds, std::span<const std::size_t> some);
+  Stepping begin(Leg& leg, std::size_t i, LaneVelocity& field, const Rounds& rounds);
+  void end(Leg& leg, std::size_t i, const LaneVelocity& field, const Stepping& stepping,
+           Rounds& rounds);
+  void keep(const Leg& leg, std::int64_t line);
+  void sum_up();
+
+  const Across& across_;
+  const query::Sampler& sampler_;
+  query::Sampler here_;
+  const mesh::FieldView& velocity_;
+  const StreamlineSettings& settings_;
+  const std::int64_t per_seed_;
+  const core::Threads& threads_;
+  Particles& particles_;
+  std::unique_ptr<const CellsBeyond> beyond_;
+  std::mutex mutex_;
+  std::vector<LeftAt> left_;
+  LinePieces result_;
+};
+
+Stepping Lines::begin(Leg& leg, std::size_t i, LaneVelocity& field, const Rounds& rounds) {
+  if (particles_.endings[i] != INSITU_END_ALIVE)
+    return {};
+  leg.way = rounds.way_of(i);
+  leg.work = {};
+  leg.p = {};
+  leg.p.x = particles_.positions[i];
+  const WayMark& mark = leg.way.mark;
+  if (leg.way.is_marked)
+    leg.p = mark.p;
+  field.begin(-1);
+  leg.vertices.emplace(field, here_, settings_, leg.list);
+  leg.journey.emplace(across_.homes);
+  if (leg.way.is_marked) {
+    leg.vertices->go_on_from(mark.recorder);
+    leg.journey->begin(mark, leg.way.stays, leg.p, leg.work, &*leg.vertices);
+  } else {
+    leg.journey->begin(leg.p, leg.work, &*leg.vertices);
+  }
+  leg.journey->know(rounds.far_of(i));
+  field.travel_by(&*leg.journey);
+  const Visitor visitor =
+      leg.vertices->is_even() ? Visitor(leg.vertices->even()) : Visitor(*leg.vertices);
+  return integration(field, settings_.integrator, time_of(particles_.ids[i]), settings_.length,
+                     leg.p, leg.work, visitor);
+}
+
+/// What there is of the line here is a piece of it.
+void Lines::keep(const Leg& leg, std::int64_t line) {
+  for (const LineVertex& v : leg.list)
+    if (v.cell < -1)
+      refuse(
+          "no streamlines whose steps go over cells of several processes (shorter steps, such as "
+          "'integrator: {max_step}', do not)");
+  const std::lock_guard lock(mutex_);
+  result_.pieces.push_back({line, leg.way.hops, leg.vertices->first(), leg.list});
+}
+
+void Lines::end(Leg& leg, std::size_t i, const LaneVelocity& field, const Stepping& stepping,
+                Rounds& rounds) {
+  const Journey& journey = *leg.journey;
+  const std::int64_t line = particles_.ids[i];
+  Work done;
+  const auto goes_on = [&] {
+    OnTheWay way = leg.way;
+    way.stays = false;
+    way.stays_here = journey.stays();
+    const bool has_moved =
+        journey.is_marked() && (!leg.way.is_marked || journey.mark().p.time != leg.way.mark.p.time);
+    way.tries = has_moved ? 0 : leg.way.tries;
+    way.is_new_step = has_moved;
+    way.is_marked = journey.is_marked();
+    if (!way.is_marked)
+      return way;
+    leg.vertices->go_on_from(journey.mark().recorder);
+    keep(leg, line);
+    way.mark = journey.mark();
+    done = way.mark.work;
+    particles_.set_state(i, way.mark.p, way.mark.cell);
+    return way;
+  };
+  try {
+    insitu_ending ending = stepping.ending();
+    if (ending == INSITU_END_COUNT) {
+      rounds.moves(i, goes_on());
+    } else {
+      ending = leg.vertices->finish(leg.p, ending);
+      keep(leg, line);
+      done = leg.work;
+      particles_.set_state(i, leg.p, field.cell());
+      particles_.endings[i] = std::uint8_t(ending);
+      const bool seeded = ending == INSITU_END_SEED_OUTSIDE;
+      if (settings_.exits && (seeded || ending == INSITU_END_LEFT)) {
+        const bool any = !leg.list.empty() && !seeded;
+        const std::lock_guard lock(mutex_);
+        left_.push_back({i, any ? leg.list.back().point : leg.p.x,
+                         any ? leg.list.back().cell : field.cell(), leg.p.exit_normal, 1.0,
+                         seeded});
+      }
+    }
+  } catch (const query::Elsewhere& at) {
+    rounds.waits(i, goes_on(), at);
+  }
+  const std::lock_guard lock(mutex_);
+  result_.work += done;
+}
+
+void Lines::carry(Rounds& rounds, std::span<const std::size_t> some) {
+  const auto count = std::int64_t(some.size());
+  const std::int64_t grain = std::clamp<std::int64_t>(count / (4 * threads_.count()), 16, 1024);
+  threads_.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<Leg> legs(std::size_t(std::min<std::int64_t>(LaneBatch::lane_count, end - begin)));
+    run_lanes(
+        here_, begin, end,
+        [&](std::deque<LaneVelocity>& to) {
+          to.emplace_back(here_, velocity_, nullptr, 0.0, 0.0, settings_.accuracy)
+              .walk_by(beyond_.get());
+        },
+        [&](std::int64_t item, std::size_t slot, LaneVelocity& field) {
+          return this->begin(legs[slot], some[std::size_t(item)], field, rounds);
+        },
+        [&](std::int64_t item, std::size_t slot, const LaneVelocity& field,
+            const Stepping& stepping) {
+          this->end(legs[slot], some[std::size_t(item)], field, stepping, rounds);
+        });
+  });
+}
+
+void Lines::sum_up() {
+  Counts counts = particles_.counts();
+  std::vector<std::int64_t> sums{counts.seeded, result_.work.steps, result_.work.rejected,
+                                 result_.work.forced, result_.work.evaluations};
+  const std::size_t first = sums.size();
+  sums.insert(sums.end(), counts.by_ending.begin(), counts.by_ending.end());
+  across_.world.reduce(std::span(sums), parallel::Reduction::sum);
+  counts.seeded = sums[0];
+  result_.work = {sums[1], sums[2], sums[3], sums[4]};
+  std::copy(sums.begin() + std::ptrdiff_t(first), sums.end(), counts.by_ending.begin());
+  result_.counts = counts;
+}
+
+LinePieces Lines::run() {
+  parallel::World& world = across_.world;
+  std::vector<mesh::Box> own;
+  world.agree_after([&] { own = OwnBoxes::find(sampler_.mesh(), across_.homes, threads_); });
+  OtherCells others(world, own);
+  here_ = sampler_.with_outlook(&others);
+  Rounds rounds(across_, sampler_, settings_.accuracy, others, particles_, nullptr);
+  world.agree_after([&] { beyond_ = CellsBeyond::worth(sampler_, particles_.seeded()); });
+  rounds.run([&](std::span<const std::size_t> some) { carry(rounds, some); },
+             [&](const Vec3d& x, double t, Vec3d& v) {
+               MeshVelocity field(sampler_, velocity_, nullptr, 0.0, 0.0, settings_.accuracy);
+               field.begin(-1);
+               return field(x, t, v);
+             });
+  rounds.bring_home(left_);
+  if (settings_.exits)
+    tell_exits(world, *settings_.exits, sampler_, left_, particles_);
+  world.agree_after([&] {
+    for (std::size_t i = 0; i < particles_.size(); ++i)
+      if (particles_.endings[i] != Particles::gone)
+        result_.ends.push_back({particles_.ids[i], particles_.endings[i]});
+  });
+  sum_up();
+  return std::move(result_);
+}
+
+} // namespace
+
+LinePieces trace_lines_across(const Across& across, const query::Sampler& sampler,
+                              const mesh::FieldView& velocity, std::span<const Vec3d> seeds,
+                              const StreamlineSettings& settings, const core::Threads& threads,
+                              core::Memory& memory) {
+  StreamlineSettings steady = settings;
+  std::vector<Vec3d> starts;
+  const std::int64_t per_seed = settings.direction == Direction::both ? 2 : 1;
+  across.world.agree_after([&] {
+    check_velocity(velocity);
+    check_settings(settings.integrator);
+    if (sampler.chart())
+      refuse("no streamlines in longitude and latitude");
+    if (settings.effects.any())
+      refuse("no effects on streamlines");
+    steady.integrator = settings_for(velocity, settings.integrator);
+    steady.integrator.ends_at_rest = true;
+    for (const Vec3d& seed : seeds)
+      starts.insert(starts.end(), std::size_t(per_seed), seed);
+  });
+  Particles particles(memory);
+  seed_across(particles, starts, 0.0, sampler, settings.accuracy, across);
+  return Lines(across, sampler, velocity, steady, per_seed, threads, particles).run();
+}
+
+} // namespace insitu::advect

@@ -1,0 +1,23 @@
+#include "advect/across/traveller.h"
+
+namespace insitu::advect {
+
+void Traveller::name_cells(core::FunctionRef<CellName(std::int64_t)> name_of) {
+  cell = name_of(particle.cell);
+  std::size_t k = 0;
+  if (way.is_marked)
+    way.mark.for_each_cell([&](std::int64_t& id) { kept[k++] = name_of(id); });
+}
+
+void Traveller::find_cells(const Homes& homes) {
+  const auto find = [&](const CellName& name) {
+    return name.rank >= 0 ? homes.find(name) : std::int64_t(-1);
+  };
+  particle.cell = find(cell);
+  left.cell = has_left ? particle.cell : -1;
+  std::size_t k = 0;
+  if (way.is_marked)
+    way.mark.for_each_cell([&](std::int64_t& id) { id = find(kept[k++]); });
+}
+
+} // namespace insitu::advect

@@ -1,0 +1,261 @@
+// Particles on several processes: see Interval.
+#include <algorithm>
+
+#include "advect/across/exits_across.h"
+#include "advect/integrate/integrations.h"
+#include "advect/lanes/lanes.h"
+#include "advect/lines/interval.h"
+#include "core/status.h"
+
+namespace insitu::advect {
+
+/// One particle's way here, until its end or until another process goes on with it.
+template <class V>
+struct Interval::Leg {
+  State p;
+  Work work;
+  OnTheWay way; ///< as it began here
+  double to = 0.0;
+  bool moves = false;
+  std::optional<SnapshotTaker<V>> taker;
+  std::optional<Journey> journey;
+};
+
+/// What is not done over processes yet.
+void Interval::refuse_across() const {
+  const auto refuse = [](const std::string& what) {
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      "tracer: " + what + " on a mesh that is spread over processes");
+  };
+  if (asked_.sampler.chart())
+    refuse("no particles in longitude and latitude");
+  if (crosses_)
+    refuse("particles do not go on to other cells");
+  if (effects_.boundary && effects_.boundary->any_periodic())
+    refuse("no periodic sides");
+}
+
+template <class V>
+void Interval::begin_leg(Leg<V>& leg, std::size_t i, V& velocity, const Rounds& rounds,
+                         const EffectWork& effects) {
+  leg.way = rounds.way_of(i);
+  leg.work = {};
+  leg.moves = prepare(i, leg.p, leg.to);
+  if (!leg.moves)
+    return;
+  const WayMark& mark = leg.way.mark;
+  if (leg.way.is_marked)
+    leg.p = mark.p;
+  velocity.begin(particles_.cells[i]);
+  if (asked_.snapshots) {
+    leg.taker.emplace(*asked_.snapshots, i, leg.p, velocity, here_, settings_.accuracy, no_sides_);
+    if (leg.way.is_marked)
+      leg.taker->go_on_from(mark.recorder);
+  }
+  leg.journey.emplace(asked_.across->homes);
+  const Marked* const recorder = leg.taker ? &*leg.taker : nullptr;
+  if (leg.way.is_marked)
+    leg.journey->begin(mark, leg.way.stays, leg.p, leg.work, recorder, effects);
+  else
+    leg.journey->begin(leg.p, leg.work, recorder);
+  leg.journey->know(rounds.far_of(i));
+  velocity.travel_by(&*leg.journey);
+}
+
+/// The particle is at its end, or has been taken as far as it can go here. Returns whether it is at
+/// its end.
+template <class V>
+bool Interval::end_leg(Leg<V>& leg, std::size_t i, V& velocity, Rounds& rounds, Work& done,
+                       core::FunctionRef<insitu_ending(std::int64_t& cell)> end) {
+  const Journey& journey = *leg.journey;
+  const auto goes_on = [&] {
+    OnTheWay way = leg.way;
+    way.stays = false;
+    way.stays_here = journey.stays();
+    const bool has_moved =
+        journey.is_marked() && (!leg.way.is_marked || journey.mark().p.time != leg.way.mark.p.time);
+    way.tries = has_moved ? 0 : leg.way.tries;
+    way.is_new_step = has_moved;
+    way.is_marked = journey.is_marked();
+    if (leg.taker)
+      leg.taker->go_on_from(journey.mark().recorder);
+    if (!way.is_marked)
+      return way;
+    way.mark = journey.mark();
+    done += way.mark.work;
+    particles_.set_state(i, way.mark.p, way.mark.cell);
+    return way;
+  };
+  try {
+    std::int64_t cell = -1;
+    insitu_ending ending = end(cell);
+    if (ending == INSITU_END_COUNT) {
+      rounds.moves(i, goes_on());
+      return false;
+    }
+    if (cell < -1)
+      rounds.ends_far(i, cell);
+    ending = store(i, leg.p, cell, ending, velocity.geometry_alpha(leg.p.time));
+    if (leg.taker && ending != INSITU_END_ALIVE)
+      leg.taker->ended(leg.p);
+    done += leg.work;
+    return true;
+  } catch (const query::Elsewhere& at) {
+    rounds.waits(i, goes_on(), at);
+    return false;
+  }
+}
+
+/// Many particles at a time, by the flow alone.
+void Interval::lanes_across(Rounds& rounds, std::span<const std::size_t> particles) {
+  const auto count = std::int64_t(particles.size());
+  asked_.threads.parallel_for(count, grain_, [&](std::int64_t begin, std::int64_t end) {
+    Work done;
+    std::vector<Leg<LaneVelocity>> legs(
+        std::size_t(std::min<std::int64_t>(LaneBatch::lane_count, end - begin)));
+    run_lanes(
+        here_, begin, end,
+        [&](std::deque<LaneVelocity>& to) {
+          LaneVelocity& v = to.emplace_back(here_, asked_.velocity, asked_.earlier, asked_.t0,
+                                            asked_.t1, settings_.accuracy);
+          v.walk_by(beyond_.get());
+          v.take_boundaries();
+        },
+        [&](std::int64_t item, std::size_t slot, LaneVelocity& v) -> Stepping {
+          Leg<LaneVelocity>& leg = legs[slot];
+          begin_leg(leg, particles[std::size_t(item)], v, rounds, {});
+          if (!leg.moves)
+            return {};
+          const Visitor visitor = leg.taker ? Visitor(*leg.taker) : Visitor();
+          return integration(v, integrator_, leg.to, settings_.length, leg.p, leg.work, visitor);
+        },
+        [&](std::int64_t item, std::size_t slot, LaneVelocity& v, const Stepping& stepping) {
+          Leg<LaneVelocity>& leg = legs[slot];
+          const auto way_ends = [&](std::int64_t& cell) {
+            const insitu_ending ending = stepping.ending();
+            cell = v.cell();
+            if (leg.taker && ending != INSITU_END_COUNT)
+              leg.taker->straight(leg.p);
+            return ending;
+          };
+          end_leg(leg, particles[std::size_t(item)], v, rounds, done, way_ends);
+        });
+    const std::lock_guard lock(left_mutex_);
+    result_.work += done;
+  });
+}
+
+/// One by one, under effects.
+void Interval::effects_across(Rounds& rounds, std::span<const std::size_t> particles) {
+  const auto count = std::int64_t(particles.size());
+  asked_.threads.parallel_for(count, grain_, [&](std::int64_t begin, std::int64_t end) {
+    Work done;
+    DriftVelocity velocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
+                           settings_.accuracy, effects_.drifts);
+    velocity.walk_by(beyond_.get());
+    Mover<DriftVelocity> mover(*setup_, velocity, integrator_, settings_.length);
+    Leg<DriftVelocity> leg;
+    for (std::int64_t item = begin; item < end; ++item) {
+      const std::size_t i = particles[std::size_t(item)];
+      const EffectWork before = mover.effect_work();
+      begin_leg(leg, i, velocity, rounds, before);
+      if (!leg.moves)
+        continue;
+      mover.take(leg.taker ? &*leg.taker : nullptr);
+      Carried carried = particles_.carried(i);
+      const bool is_over = end_leg(leg, i, velocity, rounds, done, [&](std::int64_t& cell) {
+        const insitu_ending ending =
+            mover.advance(leg.p, particles_.cells[i], carried, leg.to, leg.work);
+        cell = mover.cell();
+        return ending;
+      });
+      // What was done since the mark is done again.
+      const bool is_marked = leg.journey->is_marked();
+      if (!is_over)
+        mover.set_effect_work(is_marked ? leg.journey->mark().mover.effects : before);
+      if (is_over || is_marked)
+        particles_.set_carried(i, is_over ? carried : leg.journey->mark().mover.carried);
+    }
+    const std::lock_guard lock(left_mutex_);
+    result_.work += done;
+    result_.effects += mover.effect_work();
+  });
+}
+
+/// Of all processes.
+void Interval::sum_up() {
+  parallel::World& world = asked_.across->world;
+  Counts& counts = result_.counts;
+  world.agree_after([&] { counts = particles_.counts(); });
+  std::vector<std::int64_t> sums{counts.seeded,
+                                 result_.work.steps,
+                                 result_.work.rejected,
+                                 result_.work.forced,
+                                 result_.work.evaluations,
+                                 result_.effects.walk_steps,
+                                 result_.effects.contacts,
+                                 result_.effects.pinned,
+                                 result_.travel.hops,
+                                 result_.travel.questions,
+                                 result_.travel.bytes};
+  const std::size_t first = sums.size();
+  sums.insert(sums.end(), counts.by_ending.begin(), counts.by_ending.end());
+  world.reduce(std::span(sums), parallel::Reduction::sum);
+  counts.seeded = sums[0];
+  result_.work = {sums[1], sums[2], sums[3], sums[4]};
+  result_.effects = {sums[5], sums[6], sums[7]};
+  result_.travel = {sums[8], sums[9], result_.travel.rounds, sums[10]};
+  std::copy(sums.begin() + std::ptrdiff_t(first), sums.end(), counts.by_ending.begin());
+  world.agree_after([&] {
+    if (counts.seeded != particles_.seeded() || counts.sum() != counts.seeded)
+      throw core::Error(INSITU_ERROR_INTERNAL,
+                        "tracer: " + std::to_string(particles_.seeded()) +
+                            " particles were seeded, but all processes have " +
+                            std::to_string(counts.sum()));
+  });
+}
+
+Advance Interval::run_across() {
+  parallel::World& world = asked_.across->world;
+  std::vector<mesh::Box> own;
+  world.agree_after([&] {
+    refuse_across();
+    own = OwnBoxes::find(asked_.sampler.mesh(), asked_.across->homes, asked_.threads);
+  });
+  OtherCells others(world, own);
+  here_ = asked_.sampler.with_outlook(&others);
+  std::int64_t particles = count();
+  world.reduce(std::span(&particles, 1), parallel::Reduction::sum);
+  Rounds rounds(*asked_.across, asked_.sampler, settings_.accuracy, others, particles_,
+                asked_.snapshots);
+  world.agree_after([&] {
+    beyond_ = CellsBeyond::worth(asked_.sampler, particles);
+    note(MeshVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
+                      settings_.accuracy));
+  });
+  // A process without cells may lack the fields of effects.
+  const math::Vec3d coefficient = setup_ ? setup_->largest : math::Vec3d{};
+  double largest[] = {coefficient.x, coefficient.y, coefficient.z};
+  world.reduce(std::span(largest), parallel::Reduction::greatest);
+  if (setup_)
+    setup_->largest = {largest[0], largest[1], largest[2]};
+  rounds.run(
+      [&](std::span<const std::size_t> some) {
+        setup_ ? effects_across(rounds, some) : lanes_across(rounds, some);
+      },
+      [&](const math::Vec3d& x, double t, math::Vec3d& v) {
+        DriftVelocity velocity(asked_.sampler, asked_.velocity, asked_.earlier, asked_.t0,
+                               asked_.t1, settings_.accuracy, effects_.drifts);
+        velocity.begin(-1);
+        return velocity(x, t, v);
+      });
+  rounds.bring_home(left_);
+  result_.travel = {rounds.hops(), rounds.questions(), rounds.rounds(), rounds.bytes()};
+  if (asked_.exits)
+    tell_exits(world, *asked_.exits, asked_.sampler, left_, particles_);
+  sum_up();
+  here_ = asked_.sampler;
+  return result_;
+}
+
+} // namespace insitu::advect

@@ -1,0 +1,203 @@
+// Particles of a mesh that is spread over processes.
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "core/status.h"
+#include "core/timer.h"
+#include "scene/probes/resolve_points.h"
+#include "scene/run/failures.h"
+#include "scene/run/lookup.h"
+#include "scene/tracers/gathered_cycle.h"
+#include "scene/tracers/mesh_homes.h"
+#include "scene/tracers/particle_tracer.h"
+#include "scene/tracers/tracer_effects.h"
+
+namespace insitu::scene {
+
+namespace {
+
+bool has_cells(const commit::CommittedMesh& mesh) {
+  return mesh.mesh().own_view().own_cell_count() > 0;
+}
+
+} // namespace
+
+/// What is not done over processes.
+void ParticleTracer::refuse_across(const commit::CommittedMesh& mesh) const {
+  const auto refuse = [&](const std::string& what) {
+    throw core::Error(INSITU_ERROR_UNSUPPORTED, environment_.scene_file + ":" +
+                                                    std::to_string(tracer_.line) + ": " + what +
+                                                    " on a mesh that is spread over processes");
+  };
+  if (!tracer_.geodesics.empty())
+    refuse("no geodesics");
+  if (tracer_.attached == Attached::body)
+    refuse("no particles that go with the mesh's material");
+  if (!mesh.halo())
+    refuse(
+        "no particles where cells stand in the place of the solver's (adaptive meshes, meshes in "
+        "longitude and latitude)");
+}
+
+void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& step, bool due) {
+  const core::Timer timer;
+  parallel::World& world = environment_.world;
+  core::Context& context = environment_.context;
+  mesh.update_halo(world, context.threads, context.log);
+  const std::vector<mesh::FieldView> velocity =
+      find_fields(mesh, {&tracer_.velocity, 1}, environment_.scene_file, world);
+  recorded_ = find_fields(mesh, tracer_.fields, environment_.scene_file, world);
+  names_ = name_cells(mesh.mesh(), world);
+  const int earlier = agree_on_steps(mesh, step);
+  world.agree_after([&] {
+    refuse_across(mesh);
+    check_time(step);
+    particles_.drop_gone(); // if the last execution failed
+    at_times_.reset();
+    due_times_ = output_clock_.due(step.time);
+    particles_.set_effects(effects_at(tracer_, mesh, step, earlier, environment_.scene_file));
+  });
+  const MeshHomes homes(mesh);
+  const advect::Across across{world, homes};
+  release_across(mesh, step, across);
+  world.agree_after([&] {
+    begin_interval(mesh, step);
+    interval_.steps_before = earlier;
+  });
+  advance_across(mesh, velocity.front(), step, across);
+  output_clock_.note(step.time, due_times_);
+  environment_.statistics.advect_s += timer.seconds();
+  const core::Timer output_timer;
+  last_ = {step.cycle, step.time};
+  write_across(mesh, step, has_times() ? !due_times_.empty() : due);
+  at_times_.reset();
+  environment_.statistics.output_s += output_timer.seconds();
+}
+
+/// How many steps before this one serve on all processes that have cells.
+int ParticleTracer::agree_on_steps(const commit::CommittedMesh& mesh, const Step& step) {
+  parallel::World& world = environment_.world;
+  std::int64_t steps = std::numeric_limits<std::int64_t>::max();
+  world.agree_after([&] {
+    if (!has_cells(mesh))
+      return;
+    if (other_cells(mesh, step))
+      throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                        "tracer: particles do not go on to other cells on a mesh that is spread "
+                        "over processes");
+    const int known = seeded_ ? earlier_steps(mesh, step) : 0;
+    steps = std::min<std::int64_t>(
+        known, std::int64_t(mesh.mesh().earlier_fields(tracer_.velocity.text).size()));
+  });
+  world.reduce(std::span(&steps, 1), parallel::Reduction::least);
+  return steps == std::numeric_limits<std::int64_t>::max() ? 0 : int(steps);
+}
+
+void ParticleTracer::release_across(const commit::CommittedMesh& mesh, const Step& step,
+                                    const advect::Across& across) {
+  parallel::World& world = environment_.world;
+  std::vector<double> times;
+  world.agree_after([&] { times = clock_.due(step.cycle, step.time); });
+  if (!times.empty() && may_release(mesh, step)) {
+    const std::vector<math::Vec3d>& points = seeds_of_all(mesh);
+    for (const double time : times)
+      particles_.seed(points, time, mesh.sampler(), across);
+    clock_.note(step.time, times.size());
+  } else {
+    clock_.pass(step.time, times.size());
+  }
+  if (!seeded_)
+    settled_ = step.time;
+  seeded_ = true;
+}
+
+void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::FieldView& velocity,
+                                    const Step& step, const advect::Across& across) {
+  core::Context& context = environment_.context;
+  parallel::World& world = environment_.world;
+  std::vector<mesh::FieldView> earlier;
+  std::optional<query::Sampler> sampler;
+  const auto left_out = [&] { return cells_.left_out(mesh, context.threads); };
+  std::optional<advect::Exits> exits;
+  const auto end = [&] {
+    particles_.tell_exits_by(nullptr);
+    mesh.hide_earlier();
+  };
+  std::int64_t moved = 0;
+  try {
+    world.agree_after([&] {
+      if (interval_.steps_before > 0 && has_cells(mesh))
+        earlier = mesh.mesh().earlier_fields(tracer_.velocity.text);
+      if (has_cells(mesh)) {
+        mesh.look_for_folds(context.threads);
+        mesh.find_neighbours_if_due(context.threads);
+      }
+      if (interval_.steps_before == 0)
+        mesh.hide_earlier();
+      else
+        mesh.show_earlier(context.threads);
+      std::vector<mesh::FieldView> velocities{velocity};
+      velocities.insert(velocities.end(), earlier.begin(), earlier.end());
+      sampler = cells_.sampler(mesh, velocities, context.threads);
+      exits.emplace(mesh.sampler(), left_out, accuracy());
+      particles_.tell_exits_by(&*exits);
+    });
+    const advect::Advance advance =
+        particles_.advance(across, *sampler, velocity, {earlier, step.times_before}, settled_,
+                           step.time, context.threads, snapshots());
+    counts_ = advance.counts;
+    moved = advance.blended_geometry;
+    if (world.is_root())
+      note_steps(step, advance);
+  } catch (...) {
+    end();
+    throw;
+  }
+  end();
+  world.reduce(std::span(&moved, 1), parallel::Reduction::greatest);
+  mesh_moved_ = mesh_moved_ || moved;
+  settled_ = step.time;
+  topology_ = mesh.topology_version();
+  same_cells_ = false;
+}
+
+/// The root's writers get the rows of all processes.
+void ParticleTracer::write_across(const commit::CommittedMesh& mesh, const Step& step, bool due) {
+  parallel::World& world = environment_.world;
+  std::int64_t wanted[2] = {due, 0};
+  for (const std::uint8_t ending : particles_.particles().endings)
+    wanted[1] |= ending != INSITU_END_ALIVE && ending != advect::Particles::gone;
+  world.reduce(std::span(wanted), parallel::Reduction::greatest);
+  bool keep = false;
+  for (const auto& writer : writers_)
+    keep = keep || writer->keeps_ended();
+  if (wanted[0] || wanted[1]) {
+    ParticleCycle here({*this, particles_.particles(), geodesics_, due_times_, snapshots(),
+                        interval_, names_, world, mesh_moved_, &recorded_},
+                       mesh, step, wanted[0] != 0);
+    GatheredCycle cycle(here, wanted[0] != 0, world, environment_.context.memory);
+    world.agree_after([&] {
+      Failures failures;
+      for (const auto& writer : writers_)
+        if (world.is_root())
+          failures.catch_of([&] { writer->write(cycle); });
+      failures.throw_if_any();
+    });
+  }
+  if (!keep)
+    particles_.drop_ended();
+  particles_.drop_gone();
+}
+
+void ParticleTracer::meet_end() {
+  if (!across() || !seeded_)
+    return;
+  all_.emplace(environment_.context.memory);
+  gather_particles(particles_.particles(), environment_.world, *all_);
+  counts_.by_ending[INSITU_END_KILLED] += counts_.alive();
+  counts_.by_ending[INSITU_END_ALIVE] = 0;
+}
+
+} // namespace insitu::scene

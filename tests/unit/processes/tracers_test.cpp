@@ -1,0 +1,117 @@
+// Tracers of scenes over processes: the files of one process, to the byte.
+#include <algorithm>
+#include <cmath>
+
+#include "part_session.h"
+
+using namespace insitu;
+using namespace insitu::test;
+
+namespace {
+
+/// Seeds in the mesh and outside, some on faces.
+const char* const seeds = "{box: {min: [0.5, 0.5, 0.5], max: [5.5, 4.5, 4.5], counts: [6, 5, 3]}}";
+
+std::string scene_of(const std::string& more = "") {
+  return std::string("insitu: 1\npage: false\ntracers:\n"
+                     "  - {name: paths, velocity: u, kind: pathline, seeds: ") +
+         seeds +
+         ", fields: [p, u, c], output: [csv, vtp, netcdf], every: 2}\n"
+         "  - {name: streaks, velocity: u, kind: streakline, seeds: {points: [[1, 1, 1], [3.1, "
+         "2.2, "
+         "2.7], [4, 4, 2]]}, times: {interval: 0.06}, fields: [p], output: [csv, vtp, netcdf]}\n" +
+         more;
+}
+
+const Act five_cycles = [](PartSession& process, parallel::World&) {
+  for (int cycle = 0; cycle < 5; ++cycle)
+    EXPECT_EQ(process.execute(cycle), "");
+};
+
+/// The same on a mesh whose vertices move.
+const Act five_cycles_of_moving = [](PartSession& process, parallel::World&) {
+  const TestMesh whole = jittered_cubes();
+  for (int cycle = 0; cycle < 5; ++cycle) {
+    std::vector<Vec3d> points;
+    for (const Vec3d& x : whole.vertices)
+      points.push_back(x + 0.03 * cycle * Vec3d{std::sin(x.y), 0.5 * x.z, std::cos(x.x)});
+    if (cycle > 0 && !process.part().empty())
+      process.part().move(process.mesh().mesh(), points);
+    EXPECT_EQ(process.execute(cycle), "");
+  }
+};
+
+void expect_files_of_one(const std::string& scene, const std::vector<int>& sizes,
+                         const Act& act = five_cycles, const std::string& ending = "killed") {
+  const TestMesh whole = jittered_cubes();
+  PartSession::Options options;
+  options.scene = scene;
+  const auto expected = run_parts(whole, fixtures::slabs(whole, 1), options, act);
+  const std::string rows = expected.begin()->second; // of many endings, not of some alone
+  EXPECT_GT(std::ranges::count(rows, '\n'), 100);
+  EXPECT_NE(rows.find(ending), std::string::npos);
+  for (const int processes : sizes)
+    for (const fixtures::Partition& partition : fixtures::partitions(whole, processes))
+      expect_same(expected, run_parts(whole, partition, options, act),
+                  partition.name + " on " + std::to_string(processes));
+}
+
+} // namespace
+
+TEST(ProcessTracers, FilesAreThoseOfOneProcessToTheByte) {
+  expect_files_of_one(scene_of(), {1, 2, 3, 4, 8});
+}
+
+TEST(ProcessTracers, FilesOnAMeshThatMovesAreThoseOfOneProcessToTheByte) {
+  expect_files_of_one(scene_of(), {2, 4, 8}, five_cycles_of_moving);
+}
+
+TEST(ProcessTracers, EffectsAreThoseOfOneProcessToTheByte) {
+  expect_files_of_one(
+      std::string("insitu: 1\npage: false\ntracers:\n"
+                  "  - {name: walls, velocity: u, kind: pathline, seeds: ") +
+          seeds +
+          ", effects: [{boundary: {other: slide}}, {settling: {speed: 0.3}}, {diffusion: "
+          "{horizontal: 0.02, vertical: 0.01}}], fields: [p], output: [csv]}\n"
+          "  - {name: heavy, velocity: u, kind: pathline, seeds: " +
+          seeds +
+          ", effects: [{boundary: {other: reflect}}, {inertia: {response_time: 0.1, "
+          "gravity: [0, 0, -1]}}], fields: [p], output: [csv]}\n"
+          "  - {name: removed, velocity: u, kind: pathline, seeds: " +
+          seeds + ", effects: [{remove: {when: 'p > 9'}}], output: [csv]}\n",
+      {2, 4});
+}
+
+TEST(ProcessTracers, StreamlinesAreThoseOfOneProcessToTheByte) {
+  const std::string more =
+      std::string(", until: {duration: 3}, fields: [p, c], output: [csv, vtp], "
+                  "every: 2}\n");
+  const auto lines = [&](const std::string& name, const std::string& options) {
+    return "  - {name: " + name + ", velocity: u, kind: streamline, seeds: " + seeds + options +
+           more;
+  };
+  expect_files_of_one("insitu: 1\npage: false\ntracers:\n" + lines("both", ", direction: both") +
+                          lines("even", ", spacing: {length: 0.1}") +
+                          lines("back", ", direction: backward, spacing: {time: 0.05}") +
+                          lines("kutta", ", integrator: {method: rk4}"),
+                      {1, 2, 3, 4, 8}, five_cycles, "left");
+}
+
+/// What is not done over processes is refused by name, on all of them, and nobody hangs.
+TEST(ProcessTracers, RefusesByName) {
+  const TestMesh whole = jittered_cubes();
+  for (const auto& [tracer, word] : std::vector<std::pair<std::string, std::string>>{
+           {"velocity: u, kind: streamline, effects: [{boundary: slide}]", "streamlines"},
+           {"velocity: u, kind: pathline, effects: [{boundary: {periodic: [x]}}]", "periodic"}}) {
+    PartSession::Options options;
+    options.scene = "insitu: 1\npage: false\ntracers: [{name: t, " + tracer +
+                    ", seeds: {points: [[1, 1, 1]]}, output: [csv]}]\n";
+    const OwnFolder folder;
+    options.folder = folder / "out";
+    run_processes(2, [&](parallel::World& world) {
+      PartSession process(world, whole, fixtures::slabs(whole, 2), options);
+      EXPECT_NE(process.execute(0).find(word), std::string::npos) << word;
+      (void)process.session().finish();
+    });
+  }
+}
