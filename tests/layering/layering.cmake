@@ -30,6 +30,9 @@ function(allowed module result)
   if(module MATCHES "^(advect|render)$") # they get samplers, whoever committed the mesh
     list(REMOVE_ITEM left commit)
   endif()
+  if(module STREQUAL "render") # frames of a mesh that is spread over processes
+    list(APPEND left parallel)
+  endif()
   if(module MATCHES "^(query|commit|advect|render)$") # meshes in longitude and latitude: geo/chart.h
     list(APPEND left geo)
   endif()

@@ -124,6 +124,10 @@ public:
             neighbours_.get(),
             &on_demand_};
   }
+  /// Makes the facts that samplers tell those of the whole mesh, where it is spread over processes,
+  /// until cells or vertices change here; and whether they are.
+  void set_whole_facts(mesh::MeshFacts whole) { on_demand_.facts.set_whole(std::move(whole)); }
+  bool knows_whole_facts() const { return on_demand_.facts.is_whole(); }
   /// A location as the solver counts cells, flat over the pieces of mesh().own_view(): the same
   /// unless a stand-in has other cells.
   query::Location own(const query::Location& at, const math::Vec3d& p) const {

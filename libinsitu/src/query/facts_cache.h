@@ -22,12 +22,23 @@ public:
     const std::lock_guard lock(mutex_);
     return *(facts_ = std::move(found));
   }
+  /// Those of the whole mesh, where it is spread over processes; to the next forget(), and nobody
+  /// asks meanwhile.
+  void set_whole(mesh::MeshFacts whole) {
+    facts_ = std::move(whole);
+    is_whole_ = true;
+  }
+  bool is_whole() const { return is_whole_; }
   /// The cells or their vertices changed; nobody asks meanwhile.
-  void forget() { facts_.reset(); }
+  void forget() {
+    facts_.reset();
+    is_whole_ = false;
+  }
 
 private:
   mutable std::mutex mutex_;
   mutable std::optional<mesh::MeshFacts> facts_;
+  bool is_whole_ = false;
 };
 
 } // namespace insitu::query

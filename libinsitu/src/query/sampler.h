@@ -48,6 +48,9 @@ public:
     return s;
   }
 
+  /// Null unless given by at().
+  const Seams* seams() const { return seams_; }
+
   const mesh::MeshView& mesh() const { return *mesh_; }
   /// The tree, whose boxes are fitted now if that was put off, as the displacement that makes
   /// queries between two steps wider. May throw for want of memory, or

@@ -69,6 +69,8 @@ struct FrameStatistics {
   std::int64_t shadow_rays = 0, occlusion_rays = 0;
   std::int64_t shadow_samples = 0; ///< located for the volume's shadow on surfaces
   PathCounts paths;                ///< of path tracing
+  /// Of a frame of several processes, by this one, to others.
+  std::int64_t bytes_sent = 0, parcels_sent = 0, exchanges = 0;
   double prepare_seconds = 0;      ///< averages, value ranges, tables
   double seconds = 0;              ///< all
 };

@@ -23,7 +23,11 @@ const char* const scene =
     "     output: [csv, vtp, json, netcdf]}\n"
     "  - {name: mean, points: [[1, 1, 1]], when: mean(p) > 0.5}\n"
     "  - {name: body, points: {box: {min: [1, 1, 0.5], max: [5, 5, 5.5], counts: [2, 2, 11]}}, "
-    "attached: body}\n";
+    "attached: body}\n"
+    "frames:\n"
+    "  - {name: smoke, size: [70, 66], images: [color, depth, cell], volume: {field: p},\n"
+    "     isosurfaces: [{field: p, values: [0.5], opacity: 0.5, normals: smooth}],\n"
+    "     boundary: {opacity: 0.1, color: {field: c}}}\n";
 
 /// The slab [first, last) of cells along z, with the numbers that these have in the whole.
 struct Slab {

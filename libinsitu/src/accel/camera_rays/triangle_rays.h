@@ -8,6 +8,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "math/vec.h"
+#include "mesh/box.h"
 
 namespace insitu::accel {
 
@@ -23,9 +24,11 @@ class TriangleRays {
 public:
   using Ids = std::array<std::uint32_t, 3>;
 
-  /// Coordinates and triangles must outlive this and are finite. Throws core::Error.
+  /// Coordinates and triangles must outlive this and are finite. bounds: of all triangles of which
+  /// these may be a part, each of which answers alike in any part; null: of these. Throws
+  /// core::Error.
   TriangleRays(std::span<const math::Vec3d> points, std::span<const Ids> triangles,
-               const core::Threads& threads, core::Memory& memory);
+               const mesh::Box* bounds, const core::Threads& threads, core::Memory& memory);
   ~TriangleRays();
   TriangleRays(const TriangleRays&) = delete;
   TriangleRays& operator=(const TriangleRays&) = delete;

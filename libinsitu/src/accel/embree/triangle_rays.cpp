@@ -71,14 +71,16 @@ void filter(const RTCFilterFunctionNArguments* args) {
 } // namespace
 
 TriangleRays::TriangleRays(std::span<const Vec3d> points, std::span<const Ids> triangles,
-                           const core::Threads& threads, core::Memory& memory)
+                           const mesh::Box* bounds, const core::Threads& threads,
+                           core::Memory& memory)
     : scene_(std::make_unique<Scene>(memory)) {
   Scene& s = *scene_;
   s.points = points;
   s.triangles = triangles;
   if (triangles.empty())
     return;
-  s.low = s.high = points[triangles[0][0]];
+  s.low = bounds ? bounds->low : points[triangles[0][0]];
+  s.high = bounds ? bounds->high : s.low;
   for (const Ids& ids : triangles)
     for (const std::uint32_t id : ids)
       for (int a = 0; a < 3; ++a) {

@@ -32,7 +32,7 @@ mesh::PieceView Halo::Borrowed::view() {
 }
 
 void Halo::swap(parallel::World& world, core::FunctionRef<void(std::vector<ByteWriter>& to)> write,
-                core::FunctionRef<void(int rank, ByteReader& from)> read) {
+                core::FunctionRef<void(int rank, ByteReader& from)> read) const {
   std::vector<Parcel> parcels;
   world.agree_after([&] {
     std::vector<ByteWriter> to(std::size_t(world.size()));
@@ -162,6 +162,27 @@ void Halo::refresh_points(const CommittedMesh& mesh, parallel::World& world) {
         for (Borrowed& b : borrowed_)
           if (b.rank == rank)
             from.array(b.points.span());
+      });
+}
+
+void Halo::refresh_values(const CommittedMesh& mesh, parallel::World& world,
+                          std::span<double> values) const {
+  const mesh::MeshView& view = mesh.mesh().own_view();
+  swap(
+      world,
+      [&](std::vector<ByteWriter>& to) {
+        for (const Lent& lent : lent_)
+          for (const std::int64_t v : lent.vertices)
+            to[std::size_t(lent.rank)].value(
+                values[std::size_t(view.first_vertex[lent.piece] + v)]);
+      },
+      [&](int rank, ByteReader& from) {
+        auto piece = view.piece_count - view.halo_piece_count;
+        for (const Borrowed& b : borrowed_) {
+          const auto first = std::size_t(view.first_vertex[piece++]);
+          if (b.rank == rank)
+            from.array(values.subspan(first, b.points.size()));
+        }
       });
 }
 

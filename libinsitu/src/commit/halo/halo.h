@@ -47,6 +47,11 @@ public:
   void refresh_points(const CommittedMesh& mesh, parallel::World& world);
   /// Collective: copies the values of all fields.
   void refresh_fields(const CommittedMesh& mesh, parallel::World& world);
+  /// Collective: gives numbers that each process has found at the vertices of its own cells to
+  /// those that have copies of these. values: by flat vertex of the view; those of the halo are
+  /// set.
+  void refresh_values(const CommittedMesh& mesh, parallel::World& world,
+                      std::span<double> values) const;
 
   std::span<const mesh::PieceView> pieces() const override { return views_; }
   mesh::FieldPieceView values(const std::string& field, std::size_t piece) const override;
@@ -103,7 +108,7 @@ private:
   /// Exchanges what write() has for each process that borrows here; read() gets what comes.
   void swap(parallel::World& world,
             core::FunctionRef<void(std::vector<parallel::ByteWriter>& to)> write,
-            core::FunctionRef<void(int rank, parallel::ByteReader& from)> read);
+            core::FunctionRef<void(int rank, parallel::ByteReader& from)> read) const;
 
   core::Memory* memory_;
   Directory directory_;
@@ -111,7 +116,7 @@ private:
   std::vector<Borrowed> borrowed_; ///< by rank, then piece
   std::vector<mesh::PieceView> views_;
   std::vector<std::uint64_t> seam_; ///< a bit a flat cell
-  std::int64_t bytes_sent_ = 0;
+  mutable std::int64_t bytes_sent_ = 0;
 };
 
 } // namespace insitu::commit

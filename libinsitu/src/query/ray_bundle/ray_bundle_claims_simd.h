@@ -69,7 +69,7 @@ HWY_INLINE PackVec points_of(const BundleClaims& to, const std::int32_t* place) 
 }
 
 /// A step of Newton's method from where the root is near already; where that is not certified, the
-/// whole of it.
+/// whole of it. A lane's answer does not hang on the other lanes.
 HWY_INLINE simd::InverseMap<Pack> invert_near(const simd::TrilinearMap<Pack>& map, const PackVec& f,
                                               const PackVec& scale, const simd::PackMask& idle,
                                               const PackVec& start) {
@@ -80,9 +80,13 @@ HWY_INLINE simd::InverseMap<Pack> invert_near(const simd::TrilinearMap<Pack>& ma
   const Pack size = simd::largest_of(n.step);
   out.r = start + n.step;
   out.error = simd::error_of_step(size < Pack(1e-5), start, n, size, Pack(0.0), scale, false);
-  if (!simd::all_of((out.error < Pack(HUGE_VAL)) | idle)) {
-    out.r = {Pack(0.5), Pack(0.5), Pack(0.5)};
-    out.converged = simd::newton(map, f, scale, false, out.r, out.error);
+  const simd::PackMask near = out.error < Pack(HUGE_VAL);
+  if (!simd::all_of(near | idle)) {
+    PackVec r{Pack(0.5), Pack(0.5), Pack(0.5)};
+    Pack error;
+    out.converged = simd::newton(map, f, scale, false, r, error);
+    out.r = {select(near, out.r.x, r.x), select(near, out.r.y, r.y), select(near, out.r.z, r.z)};
+    out.error = select(near, out.error, error);
   }
   const Pack one(1.0);
   const auto slack = [&](const Pack& u) HWY_ATTR { return smaller(u, one - u); };

@@ -13,6 +13,18 @@ Majorants::Majorants(const Macrocells& cells, const TransferFunction& function,
   refresh(cells, function, threads);
 }
 
+Majorants::Majorants(const Majorants& from, core::Memory& memory,
+                     core::FunctionRef<bool(int i, int j, int k)> is_shown)
+    : grid_(from.grid_), opacity_(memory, INSITU_MEMORY_RANGES), empty_share_(from.empty_share_) {
+  opacity_.resize_discard(from.opacity_.size());
+  for (int k = 0; k < grid_.counts[2]; ++k)
+    for (int j = 0; j < grid_.counts[1]; ++j)
+      for (int i = 0; i < grid_.counts[0]; ++i) {
+        const auto m = std::size_t(grid_.index(i, j, k));
+        opacity_[m] = from.opacity_[m] > 0 || !is_shown(i, j, k) ? from.opacity_[m] : 1.0f;
+      }
+}
+
 void Majorants::refresh(const Macrocells& cells, const TransferFunction& function,
                         const core::Threads& threads) {
   grid_ = cells.grid();

@@ -94,7 +94,8 @@ const VertexCells& Structures::vertex_cells() {
   vertex_cells_.used = true;
   if (!vertex_cells_.value) {
     const core::Timer timer;
-    vertex_cells_.value = std::make_unique<VertexCells>(sampler_->mesh(), *threads_, *memory_);
+    vertex_cells_.value =
+        std::make_unique<VertexCells>(sampler_->mesh(), sampler_->seams(), *threads_, *memory_);
     ++counts_.vertex_cells;
     seconds_.vertex_cells += timer.seconds();
   }
@@ -111,6 +112,11 @@ const VertexAverage& Structures::average(const ScalarField& cell_field) {
         return std::make_unique<VertexAverage>(mesh, cell_field, around, *threads_, *memory_);
       },
       [&](VertexAverage& known) { known.refresh(mesh, cell_field, around, *threads_); });
+}
+
+std::span<double> Structures::average_values(const ScalarField& cell_field) {
+  average(cell_field);
+  return averages_[key_of(cell_field)].value->values();
 }
 
 const accel::ValueRanges& Structures::value_ranges(const ScalarField& vertex_field) {
@@ -227,8 +233,10 @@ const VertexGradients& Structures::gradients(const ScalarField& vertex_field) {
 const TriangleMesh& Structures::boundary() {
   Entry<TriangleMesh>& entry = triangles_[std::string()];
   entry.used = true;
-  if (!entry.value) {
-    entry.value = TriangleMesh::boundary(sampler_->mesh(), *threads_, *memory_);
+  const mesh::Box bounds = sampler_->facts().bounds; // which other processes may change
+  if (!entry.value || !(entry.value->bounds().low == bounds.low) ||
+      !(entry.value->bounds().high == bounds.high)) {
+    entry.value = TriangleMesh::boundary(sampler_->mesh(), bounds, *threads_, *memory_);
     ++counts_.boundaries;
   }
   return *entry.value;

@@ -93,6 +93,8 @@ public:
   /// A cell field at the vertices. Like all that says nothing else, kept while the geometry holds,
   /// and given new values in place.
   const VertexAverage& average(const ScalarField& cell_field);
+  /// Its values, see VertexAverage::values().
+  std::span<double> average_values(const ScalarField& cell_field);
   /// Of a vertex field, or of an average's field().
   const accel::ValueRanges& value_ranges(const ScalarField& vertex_field);
   /// Found anew for new values.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ public:
 
   /// A vertex field of one component; valid as long as this object.
   ScalarField field() const;
+  /// By flat vertex, for those of other processes' cells, which are not right of themselves.
+  std::span<double> values() { return values_.span(); }
 
 private:
   std::string name_;

@@ -65,8 +65,8 @@ void for_each_corner(const mesh::MeshView& mesh, const core::Threads& threads, V
 
 } // namespace
 
-VertexCells::VertexCells(const mesh::MeshView& mesh, const core::Threads& threads,
-                         core::Memory& memory)
+VertexCells::VertexCells(const mesh::MeshView& mesh, const query::Seams* seams,
+                         const core::Threads& threads, core::Memory& memory)
     : memory_(&memory), end_(memory, INSITU_MEMORY_FRAME), cells_(memory, INSITU_MEMORY_FRAME) {
   const std::int64_t vertex_count = mesh.vertex_count();
   end_.resize_discard(std::size_t(vertex_count) + 1);
@@ -89,11 +89,12 @@ VertexCells::VertexCells(const mesh::MeshView& mesh, const core::Threads& thread
                 cells_.data() + end_[std::size_t(v)]);
   });
   if (mesh.join_pieces && mesh.piece_count > 1)
-    join(mesh, threads);
+    join(mesh, seams, threads);
 }
 
 /// Gives vertices of different pieces that coincide the cells of all of these.
-void VertexCells::join(const mesh::MeshView& mesh, const core::Threads& threads) {
+void VertexCells::join(const mesh::MeshView& mesh, const query::Seams* seams,
+                       const core::Threads& threads) {
   const mesh::JoinedVertices joined = mesh::join_pieces(mesh, threads);
   if (joined.end.empty())
     return;
@@ -107,6 +108,9 @@ void VertexCells::join(const mesh::MeshView& mesh, const core::Threads& threads)
     for (auto v = first; v != last; ++v) // vertices ascend with pieces, and so do these's cells
       lists[g].insert(lists[g].end(), of(*v).begin(), of(*v).end());
     leave_out_copies(mesh, lists[g]);
+    if (seams)
+      std::sort(lists[g].begin(), lists[g].end(),
+                [&](std::uint32_t a, std::uint32_t b) { return seams->is_before(a, b); });
     for (auto v = first; v != last; ++v)
       sizes[std::size_t(*v)] = -std::int64_t(g) - 1;
   }

@@ -6,6 +6,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/view.h"
+#include "query/seams.h"
 
 namespace insitu::render {
 
@@ -13,11 +14,14 @@ namespace insitu::render {
 /// values (mesh::is_duplicate; these may hold what is not finite), in ascending order: so sums over
 /// them do not depend on threads. Vertices of different pieces that coincide are one
 /// (mesh::join_pieces) where MeshView::join_pieces says so; within a piece ids tell, and in
-/// gridlets vertices are those of one. 8 bytes a vertex and 4 per corner of a cell; holds as long
-/// as the cells do and, of several pieces, the coordinates.
+/// gridlets vertices are those of one. Among cells of other processes the order is that of all
+/// cells, so that sums do not depend on processes either. 8 bytes a vertex and 4 per corner of a
+/// cell; holds as long as the cells do and, of several pieces, the coordinates.
 class VertexCells {
 public:
-  VertexCells(const mesh::MeshView& mesh, const core::Threads& threads, core::Memory& memory);
+  /// seams: of a mesh with a halo; else null.
+  VertexCells(const mesh::MeshView& mesh, const query::Seams* seams, const core::Threads& threads,
+              core::Memory& memory);
 
   /// Flat cells around a flat vertex.
   std::span<const std::uint32_t> of(std::int64_t vertex) const {
@@ -29,7 +33,7 @@ public:
   static std::int64_t bytes_for(const mesh::MeshView& mesh, const core::Threads& threads);
 
 private:
-  void join(const mesh::MeshView& mesh, const core::Threads& threads);
+  void join(const mesh::MeshView& mesh, const query::Seams* seams, const core::Threads& threads);
 
   core::Memory* memory_;
   core::Buffer<std::int64_t> end_;    ///< of each vertex's list

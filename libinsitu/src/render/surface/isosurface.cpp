@@ -249,6 +249,13 @@ IsosurfaceTracer::Search IsosurfaceTracer::search_of(const Ray& ray,
 
 void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,
                              const std::vector<Stretch>* stays) const {
+  collect(ray, hits, counts, stays);
+  LastCell none;
+  settle(hits, none);
+}
+
+void IsosurfaceTracer::collect(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,
+                               const std::vector<Stretch>* stays) const {
   hits.clear();
   if (stays && stays->empty())
     return;
@@ -273,8 +280,6 @@ void IsosurfaceTracer::trace(const Ray& ray, std::vector<SurfaceHit>& hits, Surf
       });
   if (side_by_side)
     side_by_side->flush();
-  LastCell none;
-  settle(hits, none);
 }
 
 unsigned IsosurfaceTracer::needed(std::uint32_t node) const {
@@ -285,6 +290,11 @@ unsigned IsosurfaceTracer::needed(std::uint32_t node) const {
 }
 
 void IsosurfaceTracer::settle(std::vector<SurfaceHit>& hits, LastCell& last) const {
+  put_in_order(hits);
+  complete(hits, last);
+}
+
+void IsosurfaceTracer::put_in_order(std::vector<SurfaceHit>& hits) {
   std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
     if (a.t != b.t)
       return a.t < b.t;
@@ -314,6 +324,9 @@ void IsosurfaceTracer::settle(std::vector<SurfaceHit>& hits, LastCell& last) con
       hits.resize(i + 1);
       break;
     }
+}
+
+void IsosurfaceTracer::complete(std::span<SurfaceHit> hits, LastCell& last) const {
   for (SurfaceHit& hit : hits)
     if (lit_ && std::isnan(hit.gradient.x)) {
       if (last.surface != hit.surface || last.flat != hit.cell) {

@@ -86,6 +86,12 @@ public:
     TrilinearCell cell;
   };
   void settle(std::vector<SurfaceHit>& hits, LastCell& last) const;
+  /// The parts of these: the hits of a ray as cells have them, in no order, twins among them, some
+  /// behind opaque ones; their order; their gradients.
+  void collect(const Ray& ray, std::vector<SurfaceHit>& hits, SurfaceCounts& counts,
+               const std::vector<Stretch>* stays) const;
+  static void put_in_order(std::vector<SurfaceHit>& hits);
+  void complete(std::span<SurfaceHit> hits, LastCell& last) const;
   /// Whether all surfaces are searched by RootSearch::exact, as tiles do.
   bool is_exact() const { return is_exact_; }
 
@@ -164,6 +170,8 @@ template <class Visit>
 void IsosurfaceTracer::for_each_cell(std::int64_t item, const Search& search, Visit&& visit) const {
   const mesh::MeshView& mesh = sampler_.mesh();
   const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(item)];
+  if (piece.is_halo)
+    return; // its process finds its hits
   if (!piece.gridlets) {
     visit(item);
     return;

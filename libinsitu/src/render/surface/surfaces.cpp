@@ -22,15 +22,20 @@ constexpr double clearance_of_coordinates = 0x1p-48;
 /// Rays of light that are sent before they are answered: some hundred kilobytes.
 constexpr std::size_t rays_at_once = 4096;
 
+Vec3d place_of(const Ray& ray, const SurfaceHit& hit) {
+  return ray.origin + hit.t * ray.direction;
+}
+
 } // namespace
 
 Surfaces::Surfaces(const query::Sampler& sampler, const FrameSettings& settings,
-                   Structures& structures)
-    : sampler_(sampler), settings_(settings), diagonal_(mesh_diagonal(sampler)) {
-  if (!settings.isosurfaces.empty())
+                   Structures& structures, Parts parts)
+    : sampler_(sampler), settings_(settings), diagonal_(mesh_diagonal(sampler)), parts_(parts) {
+  const bool has_cells = parts == Parts::whole || !sampler.tree().empty();
+  if (!settings.isosurfaces.empty() && has_cells)
     isosurfaces_.emplace(sampler, settings.isosurfaces, structures, settings.lighting.enabled);
-  if (isosurfaces_)
-    first_triangle_surface_ = isosurfaces_->surface_count();
+  for (const IsosurfaceSettings& surface : settings.isosurfaces)
+    first_triangle_surface_ += std::int32_t(surface.values.size());
   if (settings.boundary || !settings.bodies.empty())
     triangles_.emplace(sampler, settings.boundary, settings.bodies, first_triangle_surface_,
                        structures);
@@ -68,21 +73,72 @@ void Surfaces::find(const Ray& ray, const std::vector<Stretch>* stays,
 }
 
 void Surfaces::trace(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCounts& counts) const {
+  const auto width = std::uint64_t(settings_.width);
+  for (RayState& state : rays)
+    if (tile) {
+      tile->hits(int(state.pixel % width), int(state.pixel / width), state.hits);
+      if (triangles_)
+        triangles_->trace(state.ray, state.hits, stays_of(state));
+    } else {
+      find(state.ray, stays_of(state), state.hits, counts);
+    }
+  light(rays, counts);
+}
+
+void Surfaces::find_own(std::span<RayState> rays, IsosurfaceTile* tile,
+                        SurfaceCounts& counts) const {
+  const auto width = std::uint64_t(settings_.width);
+  IsosurfaceTracer::LastCell last;
+  for (RayState& state : rays) {
+    if (isosurfaces_ && tile) {
+      tile->raw_hits(int(state.pixel % width), int(state.pixel / width), state.hits);
+    } else if (isosurfaces_) {
+      isosurfaces_->collect(state.ray, state.hits, counts, stays_of(state));
+      isosurfaces_->complete(state.hits, last);
+    }
+    for (SurfaceHit& hit : state.hits) {
+      hit.color = isosurfaces_->color(hit);
+      if (shader_)
+        hit.gradient = isosurfaces_->gradient(hit, place_of(state.ray, hit), counts);
+    }
+    if (!settings_.boundary)
+      continue;
+    thread_local std::vector<SurfaceHit> boundary; // kept for the thread's life
+    boundary.clear();
+    triangles_->collect_boundary(state.ray, boundary, stays_of(state));
+    for (SurfaceHit& hit : boundary) {
+      hit.color = triangles_->color(hit);
+      state.hits.push_back(hit);
+    }
+  }
+}
+
+void Surfaces::finish(std::span<RayState> rays, SurfaceCounts& counts) const {
+  thread_local std::vector<SurfaceHit> boundary; // kept for the thread's life
+  for (RayState& state : rays) {
+    boundary.clear();
+    std::erase_if(state.hits, [&](const SurfaceHit& hit) {
+      if (hit.surface >= first_triangle_surface_)
+        boundary.push_back(hit);
+      return hit.surface >= first_triangle_surface_;
+    });
+    IsosurfaceTracer::put_in_order(state.hits);
+    if (triangles_)
+      triangles_->add(state.ray, boundary, state.hits, stays_of(state));
+  }
+  light(rays, counts);
+}
+
+/// Colours hits that are in order, lights them, and adds what is neither lit nor cut.
+void Surfaces::light(std::span<RayState> rays, SurfaceCounts& counts) const {
   thread_local std::vector<Seen> seen; // kept for the thread's life
   seen.clear();
   const auto width = std::uint64_t(settings_.width);
   for (RayState& state : rays) {
-    const std::vector<Stretch>* const stays = settings_.clips.empty() ? nullptr : &state.stays;
-    if (tile) {
-      tile->hits(int(state.pixel % width), int(state.pixel / width), state.hits);
-      if (triangles_)
-        triangles_->trace(state.ray, state.hits, stays);
-    } else {
-      find(state.ray, stays, state.hits, counts);
-    }
     std::uint64_t index = 0;
     for (SurfaceHit& hit : state.hits) {
-      hit.color = color(hit);
+      if (parts_ == Parts::whole || (hit.cell < 0 && hit.triangle >= 0)) // of a body
+        hit.color = color(hit);
       seen.push_back(
           {&state.ray, core::splitmix64(state.pixel ^ (state.sample << 32)) + index++, &hit});
     }
@@ -131,10 +187,10 @@ SurfacePoint Surfaces::point_of(const Seen& seen, SurfaceCounts& counts) const {
   const SurfaceHit& hit = *seen.hit;
   const Ray& ray = *seen.ray;
   SurfacePoint at;
-  at.position = ray.origin + hit.t * ray.direction;
+  at.position = place_of(ray, hit);
   at.to_viewer = -ray.direction;
   // Scaled first: gradients may be as small as their field's values.
-  const Vec3d g = hit.surface < first_triangle_surface_
+  const Vec3d g = parts_ == Parts::whole && hit.surface < first_triangle_surface_
                       ? isosurfaces_->gradient(hit, at.position, counts)
                       : hit.gradient;
   const double largest = std::max({std::fabs(g.x), std::fabs(g.y), std::fabs(g.z)});

@@ -17,8 +17,13 @@ namespace insitu::render {
 /// All surfaces of a frame, cut by its clips and lit.
 class Surfaces final : public SceneSurfaces {
 public:
+  /// Whether hits are found where they are shaded, or the mesh is spread over processes
+  /// (render/processes): one of them then shades a ray's hits, and all find some.
+  enum class Parts { whole, shared };
+
   /// The settings and the structures must outlive it.
-  Surfaces(const query::Sampler& sampler, const FrameSettings& settings, Structures& structures);
+  Surfaces(const query::Sampler& sampler, const FrameSettings& settings, Structures& structures,
+           Parts parts = Parts::whole);
 
   /// Sets ray.hits of each ray, in depth order, up to and including the first opaque one.
   /// ray.pixel and, if the frame has clips, ray.stays must be set. Random numbers depend on the
@@ -28,6 +33,13 @@ public:
   const IsosurfaceTracer* tiled() const {
     return isosurfaces_ && isosurfaces_->is_exact() ? &*isosurfaces_ : nullptr;
   }
+
+  /// Of a frame of several processes. find_own() adds to ray.hits the hits of a ray with
+  /// isosurfaces in this process's cells, in no order, with gradients and their own colours;
+  /// finish() makes what trace() leaves of the hits of all processes, by whatever numbers their
+  /// cells have.
+  void find_own(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCounts& counts) const;
+  void finish(std::span<RayState> rays, SurfaceCounts& counts) const;
 
   double open(const Ray& ray, double t_max) const override;
   void meet(const Ray& ray, core::FunctionRef<bool(float opacity)> ends, std::uint64_t seed,
@@ -45,6 +57,10 @@ private:
   struct LightScratch;
   static LightScratch& scratch();
   void light(std::span<const Seen> seen, SurfaceCounts& counts) const;
+  void light(std::span<RayState> rays, SurfaceCounts& counts) const;
+  const std::vector<Stretch>* stays_of(const RayState& state) const {
+    return settings_.clips.empty() ? nullptr : &state.stays;
+  }
   SurfacePoint point_of(const Seen& seen, SurfaceCounts& counts) const;
   void answer(LightScratch& scratch, SurfaceCounts& counts) const;
   Color color(const SurfaceHit& hit) const;
@@ -55,6 +71,7 @@ private:
   query::Sampler sampler_;
   const FrameSettings& settings_;
   double diagonal_;
+  Parts parts_;
   std::optional<IsosurfaceTracer> isosurfaces_;
   std::int32_t first_triangle_surface_ = 0;
   std::optional<TriangleSurfaces> triangles_;

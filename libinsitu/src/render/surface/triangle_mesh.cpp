@@ -92,6 +92,7 @@ TriangleMesh::TriangleMesh(core::Memory& memory)
       cells_(memory, INSITU_MEMORY_FRAME) {}
 
 std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
+                                                     const mesh::Box& bounds,
                                                      const core::Threads& threads,
                                                      core::Memory& memory) {
   const core::CountedAllocator<Face> counted(memory, INSITU_MEMORY_FRAME);
@@ -109,6 +110,8 @@ std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
   }
   if (apart)
     remove_pairs(mesh, faces, threads);
+  if (mesh.halo_piece_count > 0) // the others' boundary
+    std::erase_if(faces, [&](const Face& face) { return face.cell >= mesh.own_cell_count(); });
 
   std::unique_ptr<TriangleMesh> out(new TriangleMesh(memory));
   core::CountedVector<std::uint32_t> ids(counted);
@@ -132,8 +135,9 @@ std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
       at[k] = place(face.vertices[k]);
       out->points_[at[k]] = x[k];
     }
-    if (count == 3) {
-      out->triangles_.push_back({at[0], at[1], at[2]});
+    if (count == 3) { // from the lowest corner on, so that roundings do not hang on numbers
+      const auto first = std::size_t(std::min_element(x, x + 3, lower) - x);
+      out->triangles_.push_back({at[first], at[(first + 1) % 3], at[(first + 2) % 3]});
     } else {
       const cells::Quad q = cells::canonical_order(cells::Face{4, {0, 1, 2, 3}}, x);
       const auto& v = q.vertices;
@@ -143,7 +147,8 @@ std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
     }
     out->cells_.push_back(face.cell);
   }
-  out->build(threads);
+  out->bounds_ = bounds;
+  out->build(threads, &out->bounds_);
   return out;
 }
 
@@ -155,15 +160,15 @@ TriangleMesh::body(const TriangleList& list, const core::Threads& threads, core:
   out->triangles_.resize_discard(list.corners.size() / 3);
   for (std::uint32_t i = 0; i < out->triangles_.size(); ++i)
     out->triangles_[i] = {3 * i, 3 * i + 1, 3 * i + 2};
-  out->build(threads);
+  out->build(threads, nullptr);
   return out;
 }
 
-void TriangleMesh::build(const core::Threads& threads) {
+void TriangleMesh::build(const core::Threads& threads, const mesh::Box* bounds) {
   triangles_.shrink();
   cells_.shrink();
-  rays_ =
-      std::make_unique<accel::TriangleRays>(points_.span(), triangles_.span(), threads, *memory_);
+  rays_ = std::make_unique<accel::TriangleRays>(points_.span(), triangles_.span(), bounds, threads,
+                                                *memory_);
 }
 
 namespace {

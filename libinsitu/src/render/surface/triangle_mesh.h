@@ -30,13 +30,16 @@ class TriangleMesh {
 public:
   /// The faces of owning cells that no other cell has, each quad as two triangles along the
   /// diagonal of its canonical corner: good to look at, not the exact boundary of curved cells.
-  /// Faces of different pieces meet if their corners have the same coordinates.
-  static std::unique_ptr<TriangleMesh> boundary(const mesh::MeshView& mesh,
+  /// Faces of different pieces meet if their corners have the same coordinates. bounds: of the
+  /// whole mesh, of which this may be the part of one process: rays meet each part as the whole.
+  static std::unique_ptr<TriangleMesh> boundary(const mesh::MeshView& mesh, const mesh::Box& bounds,
                                                 const core::Threads& threads, core::Memory& memory);
   static std::unique_ptr<TriangleMesh> body(const TriangleList& list, const core::Threads& threads,
                                             core::Memory& memory);
 
   const accel::TriangleRays& rays() const { return *rays_; }
+  /// As boundary() was given them; nothing of a body.
+  const mesh::Box& bounds() const { return bounds_; }
   std::int64_t count() const { return std::int64_t(triangles_.size()); }
   std::int64_t bytes() const;
   /// About what bytes() will be, of a body of so many triangles; and of the boundary of a mesh that
@@ -64,12 +67,13 @@ public:
 
 private:
   explicit TriangleMesh(core::Memory& memory);
-  void build(const core::Threads& threads);
+  void build(const core::Threads& threads, const mesh::Box* bounds);
 
   core::Memory* memory_;
   core::Buffer<math::Vec3d> points_;
   core::Buffer<accel::TriangleRays::Ids> triangles_;
   core::Buffer<std::uint32_t> vertices_, cells_;
+  mesh::Box bounds_{};
   std::unique_ptr<accel::TriangleRays> rays_;
 };
 

@@ -43,6 +43,7 @@ TriangleSurfaces::TriangleSurfaces(const query::Sampler& sampler,
     }
     surfaces_.push_back(surface);
   }
+  bodies_ = surfaces_.size();
   for (const BodySettings& body : bodies) {
     check_opacity(body.opacity, "body");
     surfaces_.push_back({&structures.body(*body.triangles), float(body.opacity), body.color});
@@ -51,14 +52,37 @@ TriangleSurfaces::TriangleSurfaces(const query::Sampler& sampler,
 
 void TriangleSurfaces::trace(const Ray& ray, std::vector<SurfaceHit>& hits,
                              const std::vector<Stretch>* stays) const {
+  const std::size_t before = hits.size();
+  meet(ray, 0, surfaces_.size(), hits, stays);
+  if (hits.size() > before)
+    settle(hits);
+}
+
+void TriangleSurfaces::collect_boundary(const Ray& ray, std::vector<SurfaceHit>& hits,
+                                        const std::vector<Stretch>* stays) const {
+  meet(ray, 0, bodies_, hits, stays);
+}
+
+void TriangleSurfaces::add(const Ray& ray, std::span<const SurfaceHit> boundary,
+                           std::vector<SurfaceHit>& hits, const std::vector<Stretch>* stays) const {
+  const std::size_t before = hits.size();
+  meet(ray, bodies_, surfaces_.size(), hits, stays);
+  hits.insert(hits.end(), boundary.begin(), boundary.end());
+  if (hits.size() > before)
+    settle(hits);
+}
+
+/// Adds hits with surfaces [first, last) up to the last of `hits`, if that is opaque.
+void TriangleSurfaces::meet(const Ray& ray, std::size_t first, std::size_t last,
+                            std::vector<SurfaceHit>& hits,
+                            const std::vector<Stretch>* stays) const {
   if (stays && stays->empty())
     return;
   const double t_min = stays ? stays->front().from : 0.0;
   double t_max = stays ? stays->back().to : std::numeric_limits<double>::infinity();
   if (!hits.empty() && hits.back().opacity >= 1)
     t_max = std::min(t_max, hits.back().t);
-  const std::size_t before = hits.size();
-  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+  for (std::size_t s = first; s < last; ++s) {
     const Surface& surface = surfaces_[s];
     const TriangleMesh& mesh = *surface.mesh;
     mesh.rays().meet(ray.origin, ray.direction, t_min, t_max, [&](const accel::TriangleHit& met) {
@@ -77,14 +101,16 @@ void TriangleSurfaces::trace(const Ray& ray, std::vector<SurfaceHit>& hits,
       return surface.opacity >= 1;
     });
   }
-  if (hits.size() == before)
-    return;
+}
+
+/// Puts hits in order, makes twins one, and leaves out what lies behind the first opaque one.
+void TriangleSurfaces::settle(std::vector<SurfaceHit>& hits) {
   std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
     if (a.t != b.t)
       return a.t < b.t;
     if (a.surface != b.surface)
       return a.surface < b.surface;
-    return a.triangle != b.triangle ? a.triangle < b.triangle : a.cell < b.cell;
+    return a.cell != b.cell ? a.cell < b.cell : a.triangle < b.triangle;
   });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {

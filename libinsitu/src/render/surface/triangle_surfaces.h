@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -42,6 +43,13 @@ public:
   /// leaves them so. stays: as in IsosurfaceTracer::trace.
   void trace(const Ray& ray, std::vector<SurfaceHit>& hits,
              const std::vector<Stretch>* stays) const;
+  /// The parts of it where the mesh is spread over processes: adds hits with the boundary of this
+  /// process's cells as they are; and puts hits with bodies and boundary hits of all processes
+  /// among `hits`.
+  void collect_boundary(const Ray& ray, std::vector<SurfaceHit>& hits,
+                        const std::vector<Stretch>* stays) const;
+  void add(const Ray& ray, std::span<const SurfaceHit> boundary, std::vector<SurfaceHit>& hits,
+           const std::vector<Stretch>* stays) const;
   /// The surface's own colour at a hit of these.
   Color color(const SurfaceHit& hit) const;
 
@@ -51,10 +59,14 @@ private:
     float opacity;
     std::variant<Color, const ColorByField*> color;
   };
+  void meet(const Ray& ray, std::size_t first, std::size_t last, std::vector<SurfaceHit>& hits,
+            const std::vector<Stretch>* stays) const;
+  static void settle(std::vector<SurfaceHit>& hits);
   double value(const ScalarField& field, const TriangleMesh& mesh, const SurfaceHit& hit) const;
 
   query::Sampler sampler_;
   std::int32_t first_;
+  std::size_t bodies_ = 0; ///< the first of them among the surfaces
   std::vector<Surface> surfaces_;
 };
 

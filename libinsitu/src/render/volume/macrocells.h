@@ -115,6 +115,10 @@ public:
   Majorants(const Macrocells& cells, const TransferFunction& function, const core::Threads& threads,
             core::Memory& memory);
 
+  /// The same, but above 0 in macrocells (i, j, k) that are shown, whatever their values.
+  Majorants(const Majorants& from, core::Memory& memory,
+            core::FunctionRef<bool(int i, int j, int k)> is_shown);
+
   /// Other values in the same macrocells, or another function: no memory is allocated.
   void refresh(const Macrocells& cells, const TransferFunction& function,
                const core::Threads& threads);

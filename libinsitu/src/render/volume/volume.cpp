@@ -98,7 +98,7 @@ void VolumeMarcher::set_surfaces(const SceneSurfaces* surfaces) {
 void VolumeMarcher::start(RayState& ray) const {
   ray.next = ray.end = 0;
   ray.is_thin = false;
-  if (located_.tree().empty()) // all of it is culled
+  if (!takes_part_ && located_.tree().empty()) // all of it is culled
     return;
   std::optional<Stretch> in = stretch_in_box(ray.ray, low_, high_);
   if (!in || !(in->to >= 0) || !std::isfinite(in->to) || (clipped_ && ray.stays.empty()))
@@ -238,8 +238,7 @@ void VolumeMarcher::march_bundle(std::span<RayState> rays, int row, VolumeCounts
   query::RayBundleLocator locator(located_, options_);
   locator.set_rays(s.rays, row, step_);
   const ScalarValues values(field_, sampler_.mesh());
-  const bool is_plain = !preintegration_ && !shader_ && !clipped_;
-  const int depth = sample_group_ > 0 ? sample_group_ : 16;
+  const int depth = group();
   while (!s.active.empty()) {
     // All rays over the same stretch, so that their samples share cells; what lies behind the
     // sample that saturates a ray is located in vain.
@@ -260,19 +259,8 @@ void VolumeMarcher::march_bundle(std::span<RayState> rays, int row, VolumeCounts
     for (const std::uint32_t r : s.active) {
       RayState& ray = rays[r];
       const std::size_t begin = r * std::size_t(depth);
-      if (is_plain && ray.next_hit == ray.hits.size()) {
-        gather_plainly(ray, first, s.wanted[r], &s.samples[begin]);
-        if (ray.next < ray.end && !ray.is_saturated())
-          s.active[kept++] = r;
-        continue;
-      }
-      for (std::uint32_t rest = s.wanted[r]; rest && !ray.is_saturated(); rest &= rest - 1) {
-        const int k = std::countr_zero(rest);
-        const std::size_t i = begin + std::size_t(k);
-        const auto [cell, value] = s.samples[i];
-        gather(ray, s.last[r], first + k, value,
-               shader_ ? s.locations[i] : query::Location{cell, {}});
-      }
+      gather_stretch(ray, s.last[r], first, s.wanted[r], &s.samples[begin],
+                     shader_ ? &s.locations[begin] : nullptr);
       if (ray.next < ray.end && !ray.is_saturated())
         s.active[kept++] = r;
       else

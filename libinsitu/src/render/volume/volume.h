@@ -18,6 +18,7 @@
 #include "render/volume/step_levels.h"
 
 namespace insitu::query {
+struct LatticeRay;
 struct ValueSample;
 }
 
@@ -98,6 +99,8 @@ bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings
 /// than that takes one sample in the middle. Nothing is gathered outside of cells. With a tolerance
 /// samples stand for 3^level steps, and lie in the middle all the same.
 class VolumeMarcher {
+  struct Gathered;
+
 public:
   /// The structures must outlive it. clipped: the rays' `stays` say what is left of them.
   VolumeMarcher(const query::Sampler& sampler, const VolumeSettings& settings,
@@ -121,14 +124,72 @@ public:
   /// other; it changes the time alone.
   VolumeCounts march(std::span<RayState> rays, int row = 0) const;
 
+  // Where a mesh is spread over processes (render/processes), one of them gathers a ray and all
+  // claim samples of it.
+
+  /// Rays start and end where the whole mesh of sampler.facts() does, though cells may be few here,
+  /// or none. Locations that are gathered then hold the field's gradient in place of coordinates.
+  void take_part();
+  bool is_lit() const { return shader_.has_value(); }
+  /// Samples of a ray that are located at once: stretches begin at multiples of it.
+  int group() const { return sample_group_ > 0 ? sample_group_ : 16; }
+
+  /// The samples of some rays that cells of this process claim.
+  struct Claims {
+    std::vector<std::uint32_t> wanted;       ///< by ray; bit k: sample first + k is claimed
+    std::vector<query::ValueSample> samples; ///< at place()
+    std::vector<math::Vec3d> gradients;      ///< the same, if colours are lit; otherwise empty
+    std::size_t rays = 0;
+    int group = 1;
+    std::size_t place(std::size_t ray, int k) const {
+      return (std::size_t(k / group) * rays + ray) * std::size_t(group) + std::size_t(k % group);
+    }
+  };
+  /// Leaves those samples of a ray that was started which cells of this process may hold.
+  void keep_near(RayState& ray) const;
+  /// Claims samples [first, first + depth), depth at most 32 and both multiples of group(), as far
+  /// as keep_near() left them and something may show. rays: at most
+  /// query::RayBundleLocator::most_rays; lattice: the same; row as for march(). open: the rays that
+  /// have not ended, ascending; those that end are taken out. Flat cells below own_cells are of
+  /// this process.
+  void claim(std::span<RayState> rays, std::span<const query::LatticeRay> lattice, int row,
+             std::int64_t first, int depth, std::int64_t own_cells,
+             std::vector<std::uint16_t>& open, Claims& claims, VolumeCounts& counts) const;
+  /// The same of the sample of each thin ray: sample 0.
+  void claim_thin(std::span<RayState> rays, std::int64_t own_cells, Claims& claims,
+                  VolumeCounts& counts) const;
+
+  /// What rays have in the making between stretches that they gather.
+  class Progress {
+  public:
+    explicit Progress(std::size_t rays);
+    Progress(Progress&&) noexcept;
+    ~Progress();
+
+  private:
+    friend class VolumeMarcher;
+    std::vector<Gathered> last_;
+  };
+  /// Gathers those of samples [first, first + 32) of ray r whose bit is set in `wanted`, at
+  /// locations if colours are lit. Stretches come in order, and those without samples need not.
+  void gather(RayState& ray, Progress& progress, std::size_t r, std::int64_t first,
+              std::uint32_t wanted, const query::ValueSample* samples,
+              const query::Location* locations) const;
+  /// The same of a thin ray's sample.
+  void gather_thin(RayState& ray, double value, const query::Location& at) const;
+  /// After the last stretch.
+  void finish(std::span<RayState> rays, Progress& progress) const;
+
 private:
-  struct Gathered;
   struct Planned;
   struct Scratch;
   static Scratch& scratch();
 
   std::uint32_t advance(RayState& ray, std::int64_t first, int depth, std::int64_t& skipped) const;
   void march_bundle(std::span<RayState> rays, int row, VolumeCounts& counts) const;
+  bool is_plain() const { return !preintegration_ && !shader_ && !clipped_; }
+  void gather_stretch(RayState& ray, Gathered& last, std::int64_t first, std::uint32_t wanted,
+                      const query::ValueSample* samples, const query::Location* locations) const;
   void gather_plainly(RayState& ray, std::int64_t first, std::uint32_t wanted,
                       const query::ValueSample* samples) const;
   std::int64_t march_thin(std::span<RayState> rays) const;
@@ -143,6 +204,7 @@ private:
                   int level) const;
   void add_value(RayState& ray, const Stretch& stretch, double value, const query::Location& at,
                  int level) const;
+  math::Vec3d gradient(const query::Location& at) const;
   void light(RayState& ray, const query::Location& at, Color& color) const;
   void gather(RayState& ray, Gathered& last, std::int64_t index, double value,
               const query::Location& at) const;
@@ -158,6 +220,7 @@ private:
   double step_, unit_distance_;
   int sample_group_;
   bool clipped_;
+  bool takes_part_ = false;    ///< see take_part()
   const Majorants* majorants_; ///< null: nothing to skip
   std::optional<Shader> shader_;
   Lighting lighting_;

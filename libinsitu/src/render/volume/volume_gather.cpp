@@ -22,6 +22,19 @@ std::uint32_t bits_between(std::int64_t begin, std::int64_t end) {
 
 } // namespace
 
+/// Samples of a ray from `first` on. locations: may be null unless colours are lit.
+void VolumeMarcher::gather_stretch(RayState& ray, Gathered& last, std::int64_t first,
+                                   std::uint32_t wanted, const query::ValueSample* samples,
+                                   const query::Location* locations) const {
+  if (is_plain() && ray.next_hit == ray.hits.size())
+    return gather_plainly(ray, first, wanted, samples);
+  for (std::uint32_t rest = wanted; rest && !ray.is_saturated(); rest &= rest - 1) {
+    const int k = std::countr_zero(rest);
+    const auto [cell, value] = samples[k];
+    gather(ray, last, first + k, value, shader_ ? locations[k] : query::Location{cell, {}});
+  }
+}
+
 /// What gather() makes of samples that nothing but the function says anything about.
 void VolumeMarcher::gather_plainly(RayState& ray, std::int64_t first, std::uint32_t wanted,
                                    const query::ValueSample* samples) const {
@@ -128,16 +141,21 @@ void VolumeMarcher::add_value(RayState& ray, const Stretch& stretch, double valu
   add(ray, stretch, sample, at.cell);
 }
 
-/// As a surface across the gradient would be, seen from the side that the viewer is on.
-void VolumeMarcher::light(RayState& ray, const query::Location& at, Color& color) const {
-  ++ray.lit;
-  const Vec3d& view = ray.ray.direction;
+/// Of the field, at a location of this process.
+Vec3d VolumeMarcher::gradient(const query::Location& at) const {
   mesh::CellVertices cell;
   mesh::gather(sampler_.mesh(), at.cell, cell);
   double values[8];
   for (int v = 0; v < cell.count; ++v)
     values[v] = field_.load(cell.piece, cell.ids[v]);
-  Vec3d normal = cells::gradient(cell.shape, cell.x, values, at.parametric);
+  return cells::gradient(cell.shape, cell.x, values, at.parametric);
+}
+
+/// As a surface across the gradient would be, seen from the side that the viewer is on.
+void VolumeMarcher::light(RayState& ray, const query::Location& at, Color& color) const {
+  ++ray.lit;
+  const Vec3d& view = ray.ray.direction;
+  Vec3d normal = takes_part_ ? at.parametric : gradient(at);
   const double most = std::max({std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)});
   if (!(most > 0) || !std::isfinite(most))
     return;               // flat: there is no side to be lit from
@@ -145,11 +163,15 @@ void VolumeMarcher::light(RayState& ray, const query::Location& at, Color& color
   normal = normal / std::sqrt(dot(normal, normal));
   if (dot(normal, view) > 0)
     normal = -normal;
-  Vec3d position;
-  double weight[8] = {};
-  cells::shape_functions(cell.shape, at.parametric, weight);
-  for (int v = 0; v < cell.count; ++v)
-    position += weight[v] * cell.x[v];
+  Vec3d position; // which point lights alone ask for, and these are refused where it takes part
+  if (!takes_part_) {
+    mesh::CellVertices cell;
+    mesh::gather(sampler_.mesh(), at.cell, cell);
+    double weight[8] = {};
+    cells::shape_functions(cell.shape, at.parametric, weight);
+    for (int v = 0; v < cell.count; ++v)
+      position += weight[v] * cell.x[v];
+  }
   SurfaceCounts sent;
   const Color sum = (*shader_)(
       {position, normal, -view},

@@ -11,6 +11,7 @@
 #include "scene/earth/globe.h"
 #include "scene/expression/trigger.h"
 #include "scene/frames/frame_files.h"
+#include "scene/frames/frame_on_all.h"
 #include "scene/frames/frame_plan.h"
 #include "scene/frames/frame_settings.h"
 #include "scene/frames/path_accumulation.h"
@@ -40,10 +41,13 @@ public:
   const std::string& name() const override { return frame_.name; }
   const Trigger& trigger() const override { return frame_.trigger; }
   const Name& mesh_name() const override { return frame_.mesh; }
+  bool is_collective() const override { return environment_.world.size() > 1; }
 
   void execute(commit::CommittedMesh& own, const Step& step, bool due) override {
     if (!due)
       return;
+    if (environment_.world.size() > 1)
+      return execute_on_all(own, step);
     const core::Timer timer;
     const commit::CommittedMesh& mesh = frame_.geocentric ? geocentric(own) : own;
     if (mesh.tree().empty()) {
@@ -82,7 +86,62 @@ private:
     const FrameDecisions& decisions;
     render::Structures& structures;
     render::FrameSettings settings; ///< the camera and what follows it are set for each image
+    const render::FramePart* part = nullptr; ///< of several processes; null: there is one
   };
+
+  /// Draws what several processes have of the mesh.
+  void execute_on_all(commit::CommittedMesh& mesh, const Step& step) {
+    const core::Timer timer;
+    parallel::World& world = environment_.world;
+    const FieldsByName fields = frame_fields(frame_, mesh, environment_);
+    FrameDecisions decisions;
+    world.agree_after([&] {
+      check_on_all(mesh);
+      decisions = decide_frame(frame_, facts_of(frame_, mesh, environment_.scene_file, &fields));
+    });
+    // A halo that is there must not be of an earlier step.
+    const bool with_halo = decisions.vertex_cells.made || frame_.boundary || mesh.halo();
+    if (with_halo)
+      mesh.update_halo(world, environment_.context.threads, environment_.context.log);
+    know_whole_facts(mesh, environment_);
+    if (mesh.sampler().facts().cells == 0) {
+      if (world.is_root())
+        note_nothing_drawn(mesh, step);
+      return;
+    }
+    told_nothing_ = false;
+    const render::FramePart part = frame_part(mesh, world);
+    render::Structures* structures = nullptr;
+    std::optional<FieldsByName> refreshed;
+    if (with_halo) // its commit has other views
+      refreshed = frame_fields(frame_, mesh, environment_);
+    world.agree_after([&] {
+      structures = &environment_.structures.of(mesh);
+      if (refreshed)
+        decisions =
+            decide_frame(frame_, facts_of(frame_, mesh, environment_.scene_file, &*refreshed));
+    });
+    complete_averages(decisions, mesh, *structures, world);
+    const RangesByColor ranges = frame_ranges(decisions, *structures, world);
+    render::FrameSettings settings;
+    world.agree_after([&] { settings = settings_.make(decisions, *structures, &ranges); });
+    Drawing drawing{mesh, mesh, step, decisions, *structures, std::move(settings), &part};
+    environment_.statistics.render_s += timer.seconds();
+    for (std::size_t i = 0; i < cameras_.size(); ++i)
+      draw(drawing, i);
+    ++drawn_;
+  }
+
+  /// Refuses what is not there yet on several processes, beside what the renderer refuses.
+  void check_on_all(const commit::CommittedMesh& mesh) const {
+    const char* const what = frame_.geocentric ? "geocentric frames"
+                             : mesh.mesh().has_stand_in() || mesh.mesh().is_adaptive()
+                                 ? "frames of adaptive and geodetic meshes"
+                                 : nullptr;
+    if (what)
+      throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                        std::string(what) + " over several processes are not there yet");
+  }
 
   FrameDecisions decide(const commit::CommittedMesh& mesh) const {
     return decide_frame(frame_, facts_of(frame_, mesh, environment_.scene_file));
@@ -121,10 +180,30 @@ private:
 
   void draw(Drawing& drawing, std::size_t number) {
     const core::Timer timer;
+    const commit::CommittedMesh& mesh = drawing.mesh;
+    output::BoxTicks ticks;
+    environment_.world.agree_after([&] { aim(drawing, number, ticks); });
+    render::FrameStatistics done;
+    const std::int64_t located = mesh.located();
+    render::FrameImages images =
+        drawing.part
+            ? render::render_shared_frame(*drawing.part, mesh.own_sampler(), drawing.settings,
+                                          drawing.structures, environment_.context.threads, &done)
+            : render::render_frame(mesh.sampler(), drawing.settings, drawing.structures,
+                                   environment_.context.threads, &done);
+    mesh.note_drawn(mesh.located() - located);
+    environment_.statistics.render_s += timer.seconds();
+    environment_.world.agree_after([&] {
+      if (environment_.world.is_root())
+        show(drawing, number, ticks, done, images);
+    });
+  }
+
+  /// Sets what follows the camera.
+  void aim(Drawing& drawing, std::size_t number, output::BoxTicks& ticks) {
     render::FrameSettings& settings = drawing.settings;
     const commit::CommittedMesh& mesh = drawing.mesh;
     settings.camera = settings_.camera(cameras_[number].camera, mesh, drawing.step, drawn_);
-    output::BoxTicks ticks;
     if (frame_.outline && frame_.outline->ticks) {
       const mesh::Box box = mesh.sampler().facts().bounds;
       ticks =
@@ -133,17 +212,19 @@ private:
     }
     if (!accumulations_.empty())
       accumulations_[number].use(mesh, settings);
-    render::FrameStatistics done;
-    const std::int64_t located = mesh.located();
-    render::FrameImages images = render::render_frame(mesh.sampler(), settings, drawing.structures,
-                                                      environment_.context.threads, &done);
-    mesh.note_drawn(mesh.located() - located);
+  }
+
+  /// Draws over an image, and writes the files.
+  void show(const Drawing& drawing, std::size_t number, const output::BoxTicks& ticks,
+            const render::FrameStatistics& done, render::FrameImages& images) {
+    const core::Timer timer;
+    const render::FrameSettings& settings = drawing.settings;
     warn(done, settings, drawing.step);
     if (drawing.decisions.globe)
       draw_globe(*frame_.geocentric, drawing.own, settings, environment_.context, images);
     draw_overlays(images.color, drawing, ticks);
     if (drawing.decisions.own_cells)
-      count_as_the_solver(mesh, settings, images);
+      count_as_the_solver(drawing.mesh, settings, images);
     environment_.statistics.render_s += timer.seconds();
     write(drawing, cameras_[number].name, images);
   }

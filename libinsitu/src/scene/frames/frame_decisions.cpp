@@ -160,10 +160,11 @@ bool sums_over_cells(const FrameDecisions& d) {
 } // namespace
 
 FrameFacts facts_of(const Frame& frame, const commit::CommittedMesh& mesh,
-                    const std::string& scene_file) {
+                    const std::string& scene_file, const FieldsByName* fields) {
   FrameFacts facts;
-  facts.scalar = [&mesh, scene_file](const Name& name, const Component& component) {
-    const mesh::FieldView field = find_field(mesh, name, scene_file);
+  facts.scalar = [&mesh, scene_file, fields](const Name& name, const Component& component) {
+    const mesh::FieldView field =
+        fields ? fields->at(name.text) : find_field(mesh, name, scene_file);
     if (component.index >= field.components)
       throw core::Error(INSITU_ERROR_SCENE, at_line(scene_file, name.line) + "component " +
                                                 std::to_string(component.index) + " of field '" +

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,10 +22,14 @@ struct FrameFacts {
   bool has_primitives = false; ///< whether these cells are primitives that can be culled
 };
 
-/// mesh: of the solver, or the geocentric one that is drawn in its place. The facts are valid until
-/// the next commit of the mesh.
+/// The fields that a frame names.
+using FieldsByName = std::map<std::string, mesh::FieldView>;
+
+/// mesh: of the solver, or the geocentric one that is drawn in its place. fields: those of all
+/// processes where there are several, which must outlive the facts; null: those of the mesh. The
+/// facts are valid until the next commit of the mesh.
 FrameFacts facts_of(const Frame& frame, const commit::CommittedMesh& mesh,
-                    const std::string& scene_file);
+                    const std::string& scene_file, const FieldsByName* fields = nullptr);
 
 /// A volume or a surface is coloured by the values of a field.
 struct Coloring {

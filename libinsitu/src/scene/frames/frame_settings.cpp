@@ -54,7 +54,9 @@ FrameSettingsMaker::FrameSettingsMaker(const Frame& frame, const Environment& en
 }
 
 render::FrameSettings FrameSettingsMaker::make(const FrameDecisions& decisions,
-                                               render::Structures& structures) const {
+                                               render::Structures& structures,
+                                               const RangesByColor* ranges) const {
+  const From from{structures, ranges};
   render::FrameSettings settings;
   settings.width = frame_.size[0];
   settings.height = frame_.size[1];
@@ -66,15 +68,15 @@ render::FrameSettings FrameSettingsMaker::make(const FrameDecisions& decisions,
   settings.lighting = lighting(frame_, decisions);
   settings.clips = frame_.clips;
   if (frame_.volume)
-    settings.volume = volume(structures, *frame_.volume, *decisions.volume);
+    settings.volume = volume(from, *frame_.volume, *decisions.volume);
   if (frame_.path_tracing)
     settings.path_tracing = *frame_.path_tracing;
   for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
     settings.isosurfaces.push_back(
-        isosurface(structures, frame_.isosurfaces[i], decisions.isosurfaces[i]));
+        isosurface(from, frame_.isosurfaces[i], decisions.isosurfaces[i]));
   if (frame_.boundary)
     settings.boundary = {frame_.boundary->opacity,
-                         surface_color(structures, frame_.boundary->color, decisions.boundary)};
+                         surface_color(from, frame_.boundary->color, decisions.boundary)};
   settings.bodies = bodies_;
   if (frame_.outline)
     settings.outline = {frame_.outline->color, frame_.outline->width, {}};
@@ -104,7 +106,7 @@ render::ColorMap FrameSettingsMaker::color_map(const ColorMapChoice& colors) con
 }
 
 render::TransferFunction
-FrameSettingsMaker::transfer(render::Structures& structures, const Coloring& coloring,
+FrameSettingsMaker::transfer(const From& from, const Coloring& coloring,
                              const std::vector<OpacityPoint>& opacity) const {
   const render::ColorMap& colors = map_of(*coloring.by);
   double low = 0, high = 1;
@@ -112,7 +114,8 @@ FrameSettingsMaker::transfer(render::Structures& structures, const Coloring& col
     low = coloring.by->colors.range->low;
     high = coloring.by->colors.range->high;
   } else {
-    const render::ScalarRange found = structures.scalar_range(coloring.field);
+    const render::ScalarRange found =
+        from.ranges ? from.ranges->at(coloring.by) : from.structures.scalar_range(coloring.field);
     if (found.low <= found.high) { // else no value at all: nothing will be drawn
       low = found.low;
       high = found.high;
@@ -135,21 +138,20 @@ FrameSettingsMaker::transfer(render::Structures& structures, const Coloring& col
 }
 
 std::variant<render::Color, render::ColorByField>
-FrameSettingsMaker::surface_color(render::Structures& structures, const SurfaceColor& color,
+FrameSettingsMaker::surface_color(const From& from, const SurfaceColor& color,
                                   const std::optional<Coloring>& coloring) const {
   if (coloring)
-    return render::ColorByField{coloring->field, transfer(structures, *coloring)};
+    return render::ColorByField{coloring->field, transfer(from, *coloring)};
   return std::get<render::Color>(color);
 }
 
-render::VolumeSettings FrameSettingsMaker::volume(render::Structures& structures,
-                                                  const Volume& from,
+render::VolumeSettings FrameSettingsMaker::volume(const From& made_of, const Volume& from,
                                                   const VolumeDecisions& decisions) const {
-  render::TransferFunction function = transfer(structures, decisions.coloring, from.opacity);
+  render::TransferFunction function = transfer(made_of, decisions.coloring, from.opacity);
   function.set_nan_opacity(from.nan_opacity);
   render::ScalarField field = decisions.coloring.field;
   if (decisions.average)
-    field = structures.average(field).field();
+    field = made_of.structures.average(field).field();
   render::VolumeSettings to{field,
                             function,
                             frame_.step * step_of(frame_.accuracy),
@@ -166,7 +168,7 @@ render::VolumeSettings FrameSettingsMaker::volume(render::Structures& structures
 }
 
 render::IsosurfaceSettings
-FrameSettingsMaker::isosurface(render::Structures& structures, const Isosurface& from,
+FrameSettingsMaker::isosurface(const From& made_of, const Isosurface& from,
                                const IsosurfaceDecisions& decisions) const {
   render::IsosurfaceSettings to;
   to.field = decisions.field;
@@ -174,7 +176,7 @@ FrameSettingsMaker::isosurface(render::Structures& structures, const Isosurface&
   to.opacity = from.opacity;
   to.normals = decisions.normals;
   to.search = from.search;
-  to.color = surface_color(structures, from.color, decisions.coloring);
+  to.color = surface_color(made_of, from.color, decisions.coloring);
   return to;
 }
 

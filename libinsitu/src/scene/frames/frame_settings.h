@@ -13,6 +13,9 @@
 
 namespace insitu::scene {
 
+/// The ranges of values by which a frame colours.
+using RangesByColor = std::map<const ColorBy*, render::ScalarRange>;
+
 /// Turns the description of a frame into what the renderer takes, cycle by cycle.
 class FrameSettingsMaker {
 public:
@@ -21,7 +24,9 @@ public:
   FrameSettingsMaker(const Frame& frame, const Environment& environment);
 
   /// Makes all settings but the camera. What they point to lives until the structures' next end().
-  render::FrameSettings make(const FrameDecisions& decisions, render::Structures& structures) const;
+  /// ranges: of all processes where there are several; null: of the structures' mesh.
+  render::FrameSettings make(const FrameDecisions& decisions, render::Structures& structures,
+                             const RangesByColor* ranges = nullptr) const;
   /// One of the frame's cameras at a step. drawn: frames so far, for orbits.
   render::Camera camera(const Camera& camera, const commit::CommittedMesh& mesh, const Step& step,
                         std::int64_t drawn) const;
@@ -33,14 +38,19 @@ public:
 
 private:
   render::ColorMap color_map(const ColorMapChoice& colors) const;
-  render::TransferFunction transfer(render::Structures& structures, const Coloring& coloring,
+  /// What settings are made of besides the frame.
+  struct From {
+    render::Structures& structures;
+    const RangesByColor* ranges;
+  };
+  render::TransferFunction transfer(const From& from, const Coloring& coloring,
                                     const std::vector<OpacityPoint>& opacity = {}) const;
   std::variant<render::Color, render::ColorByField>
-  surface_color(render::Structures& structures, const SurfaceColor& color,
+  surface_color(const From& from, const SurfaceColor& color,
                 const std::optional<Coloring>& coloring) const;
-  render::VolumeSettings volume(render::Structures& structures, const Volume& from,
+  render::VolumeSettings volume(const From& made_of, const Volume& from,
                                 const VolumeDecisions& decisions) const;
-  render::IsosurfaceSettings isosurface(render::Structures& structures, const Isosurface& from,
+  render::IsosurfaceSettings isosurface(const From& made_of, const Isosurface& from,
                                         const IsosurfaceDecisions& decisions) const;
   std::vector<render::BodySettings> load_bodies() const;
 

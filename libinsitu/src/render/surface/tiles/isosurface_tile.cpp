@@ -96,6 +96,8 @@ struct IsosurfaceTile::Work {
     const std::int32_t p = mesh.piece_of(flat);
     const mesh::PieceView& piece = mesh.pieces[p];
     const std::int64_t first_of_piece = mesh.first_cell[p];
+    if (piece.is_halo)
+      return;
     if (!piece.in_runs())
       return add_cell(flat);
     for (std::int64_t cell = flat; cell < flat + piece.cells_an_item(); ++cell)
@@ -248,6 +250,13 @@ struct IsosurfaceTile::Work {
     farthest[pixel] = std::min(farthest[pixel], float(depth * (1 + depth_slack)));
     return false;
   }
+
+  /// Appends a pixel's.
+  void records_of(int x, int y, std::vector<SurfaceHit>& out) const {
+    for (std::int32_t i = first[TileRange::index(x - tile.x0, y - tile.y0)]; i >= 0;
+         i = records[std::size_t(i)].next)
+      out.push_back(records[std::size_t(i)].hit);
+  }
 };
 
 IsosurfaceTile::IsosurfaceTile() : work_(std::make_unique<Work>()) {}
@@ -274,11 +283,14 @@ void IsosurfaceTile::trace(const IsosurfaceTracer& surfaces, const RayGenerator&
 }
 
 void IsosurfaceTile::hits(int x, int y, std::vector<SurfaceHit>& out) {
-  Work& work = *work_;
-  const int pixel = TileRange::index(x - work.tile.x0, y - work.tile.y0);
-  for (std::int32_t i = work.first[pixel]; i >= 0; i = work.records[std::size_t(i)].next)
-    out.push_back(work.records[std::size_t(i)].hit);
-  work.surfaces->settle(out, work.last);
+  work_->records_of(x, y, out);
+  work_->surfaces->settle(out, work_->last);
+}
+
+void IsosurfaceTile::raw_hits(int x, int y, std::vector<SurfaceHit>& out) {
+  const std::size_t before = out.size();
+  work_->records_of(x, y, out);
+  work_->surfaces->complete(std::span(out).subspan(before), work_->last);
 }
 
 } // namespace insitu::render

@@ -28,6 +28,9 @@ public:
   /// Appends a pixel's hits in depth order, up to and including the first opaque one, without
   /// colours, as IsosurfaceTracer::trace does.
   void hits(int x, int y, std::vector<SurfaceHit>& out);
+  /// Appends them as cells have them; see IsosurfaceTracer::collect. Gradients are there if hits
+  /// are lit.
+  void raw_hits(int x, int y, std::vector<SurfaceHit>& out);
 
 private:
   struct Work;

@@ -190,16 +190,19 @@ private:
     D r[3] = {load(waiting_.r[0]), load(waiting_.r[1]), load(waiting_.r[2])};
     D t[3], g[3];
     doubles_.turn(load(waiting_.column), load(waiting_.row), t);
+    const auto idle = hn::Not(hn::FirstN(d, std::size_t(n)));
+    auto done = idle; // which keep what they are: a pixel's hit does not hang on the others
     D last(0.0);
     for (int k = 0; k < 2; ++k) {
       doubles_.step(t, r, g);
-      last = D(0.0);
+      D sum(0.0);
       for (int a = 0; a < 3; ++a) {
-        last = last + size(g[a]); // and not the largest, which forgets what is not a number
-        r[a] = r[a] - g[a];
+        sum = sum + size(g[a]); // and not the largest, which forgets what is not a number
+        r[a] = D(hn::IfThenElse(done, r[a].v, (r[a] - g[a]).v));
       }
-      if (linear || hn::AllTrue(d, hn::Or(hn::Lt(last.v, hn::Set(d, small_step)),
-                                          hn::Not(hn::FirstN(d, std::size_t(n))))))
+      last = D(hn::IfThenElse(done, last.v, sum.v));
+      done = hn::Or(hn::Lt(last.v, hn::Set(d, small_step)), idle);
+      if (linear || hn::AllTrue(d, done))
         break;
     }
     D lower[3];

@@ -1,0 +1,101 @@
+#include "render/processes/frame_part.h"
+
+#include <optional>
+#include <string>
+
+#include "core/status.h"
+#include "core/timer.h"
+#include "render/processes/shared_frame.h"
+
+namespace insitu::render {
+
+namespace {
+
+[[noreturn]] void refuse(const char* what) {
+  throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                    std::string(what) + " over several processes are not there yet");
+}
+
+} // namespace
+
+void check_shared(const FrameSettings& s, bool has_halo) {
+  if (s.lighting.shadows || s.lighting.volume_shadows)
+    refuse("shadows");
+  if (s.lighting.occlusion_samples > 0)
+    refuse("rays of ambient occlusion");
+  if (s.path_tracing)
+    refuse("traced paths");
+  if (s.volume && s.volume->tolerance)
+    refuse("a volume's steps by a tolerance");
+  if (s.volume && s.volume->shading)
+    for (const Light& light : s.lighting.lights)
+      if (light.kind == Light::Kind::point)
+        refuse("point lights on a volume");
+  if (s.boundary && !has_halo)
+    refuse("boundaries of meshes without cells of other processes");
+  for (const IsosurfaceSettings& surface : s.isosurfaces) {
+    if (surface.normals == Normals::central && s.lighting.enabled)
+      refuse("central differences");
+    const bool of_cells = surface.field.field.association == INSITU_CELL;
+    if (!has_halo && surface.normals == Normals::smooth && s.lighting.enabled)
+      refuse("smooth normals");
+    if (!has_halo && of_cells)
+      refuse("isosurfaces of cell fields");
+  }
+}
+
+FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sampler,
+                                const FrameSettings& settings, Structures& structures,
+                                const core::Threads& threads, FrameStatistics* statistics) {
+  const core::Timer timer;
+  const bool several = settings.samples_per_pixel > 1, is_root = part.world.is_root();
+  const core::CountedAllocator<float> counted(structures.memory(), INSITU_MEMORY_FRAME);
+  const auto blank = [&] {
+    return FrameImages{is_root ? core::Image(settings.width, settings.height, counted)
+                               : core::Image(0, 0, counted),
+                       core::CountedVector<float>(counted),
+                       core::CountedVector<std::int64_t>(counted)};
+  };
+  FrameImages images, one;
+  std::optional<PixelAverage> average;
+  std::optional<SharedFrame> frame;
+  part.world.agree_after([&] { check_shared(settings, part.has_halo); });
+  const SharedFrame::Volume volume(part, sampler, settings, structures);
+  part.world.agree_after([&] {
+    average.emplace(settings);
+    images = blank();
+    if (settings.depth)
+      images.depth.resize(images.color.rgba.size() / 4);
+    if (settings.cell)
+      images.cell.resize(images.color.rgba.size() / 4);
+    if (several)
+      one = blank();
+    frame.emplace(part, sampler, settings, volume, structures, threads);
+  });
+  const double prepared = timer.seconds();
+  for (const PixelAverage::Sample& sample : average->samples()) {
+    if (several)
+      frame->set_sample(sample);
+    frame->draw(sample.number == 0 ? images : one);
+    if (!several || !is_root)
+      continue;
+    if (sample.number == 0)
+      average->begin(images.color, threads);
+    else
+      average->add(images.color, one.color, sample, threads);
+  }
+  if (several && is_root)
+    average->finish(images.color, threads);
+  if (is_root)
+    put_over_background(images.color, settings, threads);
+  if (statistics) {
+    *statistics = {};
+    frame->add_to(*statistics);
+    statistics->rays = std::int64_t(settings.width) * settings.height * settings.samples_per_pixel;
+    statistics->prepare_seconds = prepared;
+    statistics->seconds = timer.seconds();
+  }
+  return images;
+}
+
+} // namespace insitu::render

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "parallel/world.h"
+#include "render/frame.h"
+
+/// Frames of a mesh that is spread over processes (design/parallel.md): tiles of the image go round
+/// the processes; each finds hits and claims samples in its own cells, and sends them to the
+/// tile's owner, which runs the code of frames of one process on what it gets.
+namespace insitu::render {
+
+/// What a process has to do with a frame of several.
+struct FramePart {
+  parallel::World& world;
+  /// Flat cells below this are of this process, the others came from other processes.
+  std::int64_t own_cells;
+  /// The number of a flat cell of this process among the cells of all: of cells that hold a point
+  /// the lowest owns it.
+  std::function<std::int64_t(std::int64_t flat)> key;
+  /// Whether this process knows the cells of others around its own, so that what is summed over
+  /// the cells around a vertex is whole. Where smooth normals are those of a cell field, averages
+  /// at vertices of these cells are those of the processes that own them.
+  bool has_halo = false;
+  /// About so many bytes of samples are on their way to one process, or from one, at a time.
+  std::size_t most_bytes = std::size_t(32) << 20;
+};
+
+/// Throws core::Error (INSITU_ERROR_UNSUPPORTED) for what is not there yet on several processes.
+void check_shared(const FrameSettings& settings, bool has_halo);
+
+/// Draws a frame, to the bit as render_frame() draws that of the whole mesh on one process. Images
+/// are complete at the root and empty elsewhere; their cells are numbered by FramePart::key.
+/// Collective; the settings are the same on all processes but for fields and structures. The
+/// sampler's facts() are those of the whole mesh; its cells may be none. Throws AgreedError.
+FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sampler,
+                                const FrameSettings& settings, Structures& structures,
+                                const core::Threads& threads,
+                                FrameStatistics* statistics = nullptr);
+
+} // namespace insitu::render

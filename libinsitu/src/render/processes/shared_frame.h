@@ -1,0 +1,124 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "render/pixel_average.h"
+#include "render/processes/frame_part.h"
+#include "render/processes/frame_tiles.h"
+#include "render/processes/tile_data.h"
+#include "render/processes/tile_mail.h"
+#include "render/surface/surfaces.h"
+
+namespace insitu::render {
+
+/// A frame of several processes while it is drawn: its tiles, group by group. Calls are collective
+/// and throw AgreedError, but for the constructor.
+class SharedFrame {
+public:
+  /// What the processes find out about a volume beforehand. Collective.
+  struct Volume {
+    Volume(const FramePart& part, const query::Sampler& sampler, const FrameSettings& settings,
+           Structures& structures);
+    VolumeStructures structures;
+
+  private:
+    std::unique_ptr<Majorants> majorants_;
+  };
+
+  /// All must outlive it. Not collective; throws core::Error.
+  SharedFrame(const FramePart& part, const query::Sampler& sampler, const FrameSettings& settings,
+              const Volume& volume, Structures& structures, const core::Threads& threads);
+
+  /// Draws from now on this sample of each pixel of a frame that has several. Not collective.
+  void set_sample(const PixelAverage::Sample& sample);
+  /// Draws into the images of the root.
+  void draw(FrameImages& images);
+  /// What was done here, so far. Not collective.
+  void add_to(FrameStatistics& statistics) const;
+
+private:
+  /// A tile's rays at the process that owns it.
+  struct OwnTile {
+    std::uint32_t slot = 0;               ///< in the group
+    std::vector<RayState> rays;           ///< of the tile, and maybe some more
+    std::vector<std::int32_t> end;        ///< rounds that a ray takes part in end here
+    std::vector<int> sources;             ///< processes whose cells may be seen in the tile
+    std::vector<std::uint64_t> saturated; ///< a bit a ray
+    bool has_news = false;                ///< sources do not know yet which rays are
+    std::optional<VolumeMarcher::Progress> progress;
+  };
+  /// A tile's rays where this process's cells may be seen in it.
+  struct NearTile {
+    std::uint32_t slot = 0;
+    std::vector<RayState> rays;                   ///< of the tile, and maybe some more
+    std::vector<query::LatticeRay> lattice;       ///< the same
+    std::vector<std::vector<std::uint16_t>> open; ///< by part: rays that have not ended
+  };
+
+  void begin(const FrameTile& tile, std::vector<RayState>& rays) const;
+  void begin_group();
+  template <class Work>
+  void for_tiles(std::size_t count, Work&& work) const;
+  const FrameTile& tile_of(std::uint32_t slot) const { return (*group_)[slot]; }
+  std::span<RayState> rays_of(OwnTile& tile) const {
+    return {tile.rays.data(), tile_of(tile.slot).rays()};
+  }
+  std::span<RayState> rays_of(NearTile& tile) const {
+    return {tile.rays.data(), tile_of(tile.slot).rays()};
+  }
+  OwnTile& own_of(std::uint32_t slot);
+  NearTile& near_of(std::uint32_t slot);
+
+  void find_hits();
+  TileParcel find_own_hits(NearTile& near);
+  void shade(OwnTile& tile);
+  void finish(FrameImages& images);
+  TileParcel finish(OwnTile& tile);
+
+  void march();
+  void tell_ends();
+  void start(NearTile& near) const;
+  void march_thin();
+  void claim(std::int64_t round);
+  TileParcel claim(NearTile& near, std::int64_t first);
+  void gather(std::vector<TileParcel> parcels,
+              core::FunctionRef<void(OwnTile&, std::size_t ray, const ClaimReader&)> take);
+  std::int64_t tell_saturated(std::int64_t round);
+  void stop_saturated(NearTile& near, ByteReader from) const;
+  void count(const VolumeCounts& counts);
+
+  const FramePart& part_;
+  const query::Sampler sampler_;
+  const FrameSettings& settings_;
+  const core::Threads& threads_;
+  RayGenerator rays_;
+  std::uint64_t sample_ = 0; ///< of each pixel
+  std::optional<VolumeMarcher> volume_;
+  std::optional<Surfaces> surfaces_;
+  int depth_ = ClaimReader::most_depth; ///< samples of a ray in a round
+  std::vector<std::vector<FrameTile>> groups_;
+  TileMail mail_;
+  // Of the group that is being drawn; vectors keep their memory.
+  const std::vector<FrameTile>* group_ = nullptr;
+  std::vector<OwnTile> own_;
+  std::vector<NearTile> near_;
+  std::size_t own_count_ = 0, near_count_ = 0;
+  std::mutex mutex_;
+  VolumeCounts volume_counts_;   ///< under the mutex
+  SurfaceCounts surface_counts_; ///< under the mutex
+  std::int64_t hits_ = 0;        ///< under the mutex
+};
+
+template <class Work>
+void SharedFrame::for_tiles(std::size_t count, Work&& work) const {
+  threads_.parallel_for(std::int64_t(count), 1, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i)
+      work(std::size_t(i));
+  });
+}
+
+} // namespace insitu::render

@@ -1,0 +1,215 @@
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "render/processes/shared_frame.h"
+
+/// The volume of a frame of several processes, in rounds of samples by depth.
+namespace insitu::render {
+
+void SharedFrame::march() {
+  tell_ends();
+  // The first round, the last one's end, and whether there are thin rays; the latter two negative.
+  std::int64_t rounds[3] = {std::numeric_limits<std::int64_t>::max(), 0, 0};
+  part_.world.agree_after([&] {
+    for (std::size_t i = 0; i < own_count_; ++i) {
+      OwnTile& tile = own_[i];
+      const std::span<RayState> rays = rays_of(tile);
+      tile.progress.emplace(rays.size());
+      tile.saturated.assign(FrameTile::most_rays / 64, 0);
+      tile.has_news = false;
+      tile.end.assign(rays.size(), 0);
+      for (std::size_t r = 0; r < rays.size(); ++r) {
+        volume_->start(rays[r]);
+        if (rays[r].is_thin)
+          rounds[2] = -1;
+        if (rays[r].next >= rays[r].end)
+          continue;
+        tile.end[r] = std::int32_t((rays[r].end - 1) / depth_ + 1);
+        rounds[0] = std::min(rounds[0], rays[r].next / depth_);
+        rounds[1] = std::min(rounds[1], -std::int64_t(tile.end[r]));
+      }
+    }
+  });
+  part_.world.reduce(std::span(rounds), parallel::Reduction::least);
+  if (rounds[2] < 0)
+    march_thin();
+  for (std::int64_t round = rounds[0]; round < -rounds[1]; ++round) {
+    claim(round);
+    if (round + 1 == -rounds[1] || tell_saturated(round) == 0)
+      break;
+  }
+}
+
+/// Owners tell where opaque hits end rays, and all start theirs.
+void SharedFrame::tell_ends() {
+  if (surfaces_) {
+    std::vector<TileParcel> parcels;
+    part_.world.agree_after([&] {
+      ByteWriter writer;
+      for (std::size_t i = 0; i < own_count_; ++i) {
+        writer.clear();
+        const std::span<RayState> rays = rays_of(own_[i]);
+        for (std::size_t r = 0; r < rays.size(); ++r)
+          if (const auto& hits = rays[r].hits; !hits.empty() && hits.back().opacity >= 1) {
+            writer.put(std::uint16_t(r));
+            writer.put(hits.back().t);
+          }
+        for (const int source : own_[i].sources)
+          if (writer.size() > 0)
+            parcels.push_back({source, own_[i].slot, writer.bytes()});
+      }
+    });
+    mail_.exchange_in_turns(std::move(parcels), [&](const std::vector<TileParcel>& received) {
+      for (const TileParcel& parcel : received) {
+        NearTile& tile = near_of(parcel.slot);
+        for (ByteReader reader = parcel.reader(); !reader.is_done();) {
+          RayState& ray = tile.rays[reader.get<std::uint16_t>()];
+          ray.hits.emplace_back().t = reader.get<double>(); // opaque
+        }
+      }
+    });
+  }
+  part_.world.agree_after([&] { for_tiles(near_count_, [&](std::size_t i) { start(near_[i]); }); });
+}
+
+void SharedFrame::start(NearTile& near) const {
+  near.lattice.resize(FrameTile::most_rays);
+  const std::vector<FrameTile::Part> parts = tile_of(near.slot).parts();
+  near.open.resize(parts.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    near.open[p].clear();
+    for (std::size_t r = 0; r < parts[p].rays(); ++r) {
+      RayState& ray = near.rays[parts[p].first_ray + r];
+      near.lattice[parts[p].first_ray + r] = {ray.ray.origin, ray.ray.direction};
+      volume_->start(ray);
+      volume_->keep_near(ray);
+      if (ray.next < ray.end)
+        near.open[p].push_back(std::uint16_t(r));
+    }
+  }
+}
+
+void SharedFrame::march_thin() {
+  std::vector<TileParcel> parcels;
+  part_.world.agree_after([&] {
+    parcels.resize(near_count_);
+    for_tiles(near_count_, [&](std::size_t i) {
+      thread_local VolumeMarcher::Claims claims; // these two for the thread's life
+      thread_local ByteWriter writer;
+      VolumeCounts counts;
+      volume_->claim_thin(rays_of(near_[i]), part_.own_cells, claims, counts);
+      writer.clear();
+      write_claims(claims, 0, part_.key, writer);
+      parcels[i] = {tile_of(near_[i].slot).owner, near_[i].slot, writer.bytes()};
+      count(counts);
+    });
+  });
+  gather(std::move(parcels), [&](OwnTile& tile, std::size_t ray, const ClaimReader& claimed) {
+    const query::ValueSample& sample = *claimed.samples();
+    volume_->gather_thin(tile.rays[ray], sample.value, *claimed.locations());
+  });
+}
+
+/// All claim samples of the group's rays, and owners gather them.
+void SharedFrame::claim(std::int64_t round) {
+  const std::int64_t first = round * depth_;
+  std::vector<TileParcel> parcels;
+  part_.world.agree_after([&] {
+    parcels.resize(near_count_);
+    for_tiles(near_count_, [&](std::size_t i) { parcels[i] = claim(near_[i], first); });
+  });
+  gather(std::move(parcels), [&](OwnTile& tile, std::size_t r, const ClaimReader& claimed) {
+    RayState& ray = tile.rays[r];
+    volume_->gather(ray, *tile.progress, r, first, claimed.wanted(), claimed.samples(),
+                    claimed.locations());
+    if (ray.is_saturated() && !(tile.saturated[r / 64] >> (r % 64) & 1)) {
+      tile.saturated[r / 64] |= std::uint64_t(1) << (r % 64);
+      tile.has_news = true;
+    }
+  });
+}
+
+TileParcel SharedFrame::claim(NearTile& near, std::int64_t first) {
+  thread_local VolumeMarcher::Claims claims; // these two for the thread's life
+  thread_local ByteWriter writer;
+  writer.clear();
+  VolumeCounts counts;
+  const FrameTile& tile = tile_of(near.slot);
+  const std::vector<FrameTile::Part> parts = tile.parts();
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const FrameTile::Part& part = parts[p];
+    if (near.open[p].empty())
+      continue;
+    volume_->claim(std::span(&near.rays[part.first_ray], part.rays()),
+                   std::span(&near.lattice[part.first_ray], part.rays()), part.x1 - part.x0, first,
+                   depth_, part_.own_cells, near.open[p], claims, counts);
+    write_claims(claims, part.first_ray, part_.key, writer);
+  }
+  count(counts);
+  return {tile.owner, near.slot, writer.bytes()};
+}
+
+/// Sends claims to the owners of their tiles, who take those of a ray together.
+void SharedFrame::gather(
+    std::vector<TileParcel> parcels,
+    core::FunctionRef<void(OwnTile&, std::size_t ray, const ClaimReader&)> take) {
+  part_.world.agree_after(
+      [&] { std::erase_if(parcels, [](const TileParcel& p) { return p.bytes.empty(); }); });
+  const std::vector<TileParcel> received = mail_.exchange(std::move(parcels));
+  part_.world.agree_after([&] {
+    for_tiles(own_count_, [&](std::size_t i) {
+      ClaimReader claimed(volume_->is_lit());
+      for (const TileParcel& parcel : received)
+        if (parcel.slot == own_[i].slot)
+          claimed.add(parcel.reader());
+      while (claimed.next())
+        take(own_[i], claimed.ray(), claimed);
+    });
+  });
+}
+
+/// Owners tell which rays are saturated before they end. Returns how many of all rays go on.
+std::int64_t SharedFrame::tell_saturated(std::int64_t round) {
+  std::vector<TileParcel> parcels;
+  std::int64_t left = 0;
+  part_.world.agree_after([&] {
+    ByteWriter writer;
+    for (std::size_t i = 0; i < own_count_; ++i) {
+      OwnTile& tile = own_[i];
+      for (std::size_t r = 0; r < tile.end.size(); ++r)
+        left += tile.end[r] > round + 1 && !(tile.saturated[r / 64] >> (r % 64) & 1);
+      if (!tile.has_news)
+        continue;
+      tile.has_news = false;
+      writer.clear();
+      for (const std::uint64_t word : tile.saturated)
+        writer.put(word);
+      for (const int source : tile.sources)
+        parcels.push_back({source, tile.slot, writer.bytes()});
+    }
+  });
+  part_.world.reduce(std::span(&left, 1), parallel::Reduction::sum);
+  if (left == 0)
+    return 0;
+  const std::vector<TileParcel> received = mail_.exchange(std::move(parcels));
+  part_.world.agree_after([&] {
+    for (const TileParcel& parcel : received)
+      stop_saturated(near_of(parcel.slot), parcel.reader());
+  });
+  return left;
+}
+
+void SharedFrame::stop_saturated(NearTile& near, ByteReader from) const {
+  std::uint64_t done[FrameTile::most_rays / 64];
+  for (std::uint64_t& word : done)
+    word = from.get<std::uint64_t>();
+  const std::vector<FrameTile::Part> parts = tile_of(near.slot).parts();
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    std::erase_if(near.open[p], [&](std::uint16_t r) {
+      const std::size_t ray = parts[p].first_ray + r;
+      return done[ray / 64] >> (ray % 64) & 1;
+    });
+}
+
+} // namespace insitu::render

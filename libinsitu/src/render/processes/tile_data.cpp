@@ -1,0 +1,117 @@
+#include "render/processes/tile_data.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace insitu::render {
+
+namespace {
+
+struct SentHit {
+  std::uint16_t ray;
+  std::uint16_t none = 0;
+  std::int32_t surface;
+  double t;
+  std::int64_t key;
+  double extent;
+  math::Vec3d gradient;
+  float opacity;
+  Color color;
+  std::int64_t triangle;
+};
+static_assert(sizeof(SentHit) == std::size_t(bytes_a_hit));
+
+} // namespace
+
+void write_hits(std::span<const RayState> rays, const CellKey& key, ByteWriter& to) {
+  for (std::size_t r = 0; r < rays.size(); ++r)
+    for (const SurfaceHit& hit : rays[r].hits)
+      to.put(SentHit{std::uint16_t(r), 0, hit.surface, hit.t, key(hit.cell), hit.extent,
+                     hit.gradient, hit.opacity, hit.color, hit.triangle});
+}
+
+void read_hits(ByteReader from, std::span<RayState> rays) {
+  while (!from.is_done()) {
+    const auto sent = from.get<SentHit>();
+    SurfaceHit hit;
+    hit.t = sent.t;
+    hit.cell = sent.key;
+    hit.surface = sent.surface;
+    hit.triangle = sent.triangle;
+    hit.opacity = sent.opacity;
+    hit.extent = sent.extent;
+    hit.gradient = sent.gradient;
+    hit.color = sent.color;
+    rays[sent.ray].hits.push_back(hit);
+  }
+}
+
+void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, const CellKey& key,
+                  ByteWriter& to) {
+  for (std::size_t r = 0; r < claims.wanted.size(); ++r) {
+    const std::uint32_t wanted = claims.wanted[r];
+    if (!wanted)
+      continue;
+    std::uint32_t changes = 0;
+    std::int64_t last = -1;
+    for (std::uint32_t rest = wanted; rest; rest &= rest - 1) {
+      const int k = std::countr_zero(rest);
+      const std::int64_t cell = claims.samples[claims.place(r, k)].cell;
+      if (cell != last)
+        changes |= std::uint32_t(1) << k;
+      last = cell;
+    }
+    to.put(std::uint16_t(first_ray + r));
+    to.put(wanted);
+    to.put(changes);
+    for (std::uint32_t rest = wanted; rest; rest &= rest - 1) {
+      const int k = std::countr_zero(rest);
+      const std::size_t at = claims.place(r, k);
+      if (changes >> k & 1)
+        to.put(key(claims.samples[at].cell));
+      to.put(claims.samples[at].value);
+      if (!claims.gradients.empty())
+        to.put(claims.gradients[at]);
+    }
+  }
+}
+
+void ClaimReader::add(ByteReader claims) {
+  begin(runs_.emplace_back(Run{claims, no_ray}));
+}
+
+bool ClaimReader::next() {
+  ray_ = no_ray;
+  for (const Run& run : runs_)
+    ray_ = std::min(ray_, run.ray);
+  if (ray_ == no_ray)
+    return false;
+  wanted_ = 0;
+  for (Run& run : runs_)
+    if (run.ray == ray_)
+      take(run);
+  return true;
+}
+
+void ClaimReader::take(Run& run) {
+  ByteReader& from = run.reader;
+  const auto wanted = from.get<std::uint32_t>(), changes = from.get<std::uint32_t>();
+  std::int64_t key = -1;
+  for (std::uint32_t rest = wanted; rest; rest &= rest - 1) {
+    const int k = std::countr_zero(rest);
+    if (changes >> k & 1)
+      key = from.get<std::int64_t>();
+    const auto value = from.get<double>();
+    math::Vec3d gradient;
+    if (with_gradients_)
+      gradient = from.get<math::Vec3d>();
+    if ((wanted_ >> k & 1) && samples_[k].cell <= key)
+      continue;
+    wanted_ |= std::uint32_t(1) << k;
+    samples_[k] = {key, value};
+    locations_[k] = {key, gradient};
+  }
+  begin(run);
+}
+
+} // namespace insitu::render

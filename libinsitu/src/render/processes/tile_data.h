@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "query/ray_bundle/ray_bundle.h"
+#include "render/camera/ray_state.h"
+#include "render/processes/bytes.h"
+#include "render/volume/volume.h"
+
+/// What is sent about a tile's rays, which are numbered within the tile, to its owner.
+namespace insitu::render {
+
+using CellKey = std::function<std::int64_t(std::int64_t flat)>;
+
+/// Bytes of a hit on its way.
+constexpr std::int64_t bytes_a_hit = 80;
+/// Bytes of the samples of a ray in a round, of each of them, of each change of cell among them,
+/// and of a gradient where colours are lit.
+constexpr std::int64_t bytes_a_run = 10, bytes_a_sample = 8, bytes_a_change = 8,
+                       bytes_a_gradient = 24;
+
+/// Writes the hits of rays, those in cells of this process.
+void write_hits(std::span<const RayState> rays, const CellKey& key, ByteWriter& to);
+/// Adds them to the hits of the rays; cells are keys.
+void read_hits(ByteReader from, std::span<RayState> rays);
+
+/// Writes claims of rays from the tile's ray `first_ray` on, ray by ray.
+void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, const CellKey& key,
+                  ByteWriter& to);
+
+/// Reads the claims of all processes on a tile's samples in a round.
+class ClaimReader {
+public:
+  static constexpr int most_depth = 32; ///< samples of a ray
+
+  explicit ClaimReader(bool with_gradients) : with_gradients_(with_gradients) {}
+  void clear() { runs_.clear(); }
+  /// Of a process, those of rays in ascending order.
+  void add(ByteReader claims);
+
+  /// Goes on to the next ray of which a sample is claimed; false if there is none. Of claims on one
+  /// sample that of the lowest key stays.
+  bool next();
+  std::size_t ray() const { return ray_; }
+  std::uint32_t wanted() const { return wanted_; }
+  /// most_depth of them; cells are keys.
+  const query::ValueSample* samples() const { return samples_; }
+  /// The same, with gradients in place of coordinates if there are some.
+  const query::Location* locations() const { return locations_; }
+
+private:
+  struct Run {
+    ByteReader reader;
+    std::size_t ray;
+  };
+  static constexpr std::size_t no_ray = ~std::size_t(0);
+  static void begin(Run& run) {
+    run.ray = run.reader.is_done() ? no_ray : run.reader.get<std::uint16_t>();
+  }
+  void take(Run& run);
+
+  bool with_gradients_;
+  std::vector<Run> runs_; ///< by process
+  std::size_t ray_ = 0;
+  std::uint32_t wanted_ = 0;
+  query::ValueSample samples_[most_depth];
+  query::Location locations_[most_depth];
+};
+
+} // namespace insitu::render

@@ -1,0 +1,49 @@
+#include "render/processes/whole_facts.h"
+
+#include "render/processes/bytes.h"
+
+namespace insitu::render {
+
+namespace {
+
+std::vector<std::byte> written(const mesh::MeshFacts& facts) {
+  ByteWriter writer;
+  writer.put(facts.bounds);
+  writer.put(facts.cells);
+  for (const mesh::MeshFacts::SizeClass& size : facts.sizes)
+    writer.put(size);
+  return writer.bytes();
+}
+
+mesh::MeshFacts read(std::span<const std::byte> bytes) {
+  ByteReader reader(bytes);
+  mesh::MeshFacts facts;
+  facts.bounds = reader.get<mesh::Box>();
+  facts.cells = reader.get<std::int64_t>();
+  while (!reader.is_done())
+    facts.sizes.push_back(reader.get<mesh::MeshFacts::SizeClass>());
+  return facts;
+}
+
+} // namespace
+
+mesh::MeshFacts whole_facts(parallel::World& world, const mesh::MeshFacts& mine) {
+  if (world.size() == 1)
+    return mine;
+  std::vector<std::byte> bytes;
+  mesh::MeshFacts whole;
+  world.agree_after([&] { bytes = written(mine); });
+  // Facts are short, and come in one piece each.
+  constexpr std::size_t most = std::size_t(1) << 20;
+  world.gather(bytes, most, [&](int, std::span<const std::byte> part) { whole.add(read(part)); });
+  std::string text;
+  world.agree_after([&] {
+    bytes = written(whole);
+    text.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  });
+  text = world.broadcast(text);
+  world.agree_after([&] { whole = read(std::as_bytes(std::span(text))); });
+  return whole;
+}
+
+} // namespace insitu::render

@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "accel/tree/tree.h"
+#include "core/count_bits.h"
+#include "render/volume/scalar_values.h"
+#include "render/volume/volume.h"
+#include "render/volume/volume_scratch.h"
+
+/// A volume's rays where the mesh is spread over processes: samples are claimed where their cells
+/// are, and gathered where the ray is.
+namespace insitu::render {
+
+using math::Vec3d;
+
+VolumeMarcher::Progress::Progress(std::size_t rays) : last_(rays) {}
+VolumeMarcher::Progress::Progress(Progress&&) noexcept = default;
+VolumeMarcher::Progress::~Progress() = default;
+
+void VolumeMarcher::take_part() {
+  takes_part_ = true;
+  low_ = inner_low_;
+  high_ = inner_high_;
+}
+
+void VolumeMarcher::keep_near(RayState& ray) const {
+  const accel::Tree& tree = located_.tree();
+  const std::optional<Stretch> in =
+      tree.empty() ? std::nullopt : stretch_in_box(ray.ray, tree.bounds_min(), tree.bounds_max());
+  if (!in) {
+    ray.end = ray.next;
+    ray.is_thin = false;
+    return;
+  }
+  // A sample on the box's face is within a few roundings of where the ray meets the box.
+  const double slack = 1.0 + 1e-9 * (std::fabs(in->from) + std::fabs(in->to)) / step_;
+  const double first = in->from / step_ - slack, last = in->to / step_ + slack;
+  if (first > double(ray.next))
+    ray.next = first < double(ray.end) ? std::int64_t(first) : ray.end;
+  if (last < double(ray.end))
+    ray.end = last > double(ray.next) ? std::int64_t(last) + 1 : ray.next;
+  ray.first = ray.next;
+}
+
+void VolumeMarcher::claim(std::span<RayState> rays, std::span<const query::LatticeRay> lattice,
+                          int row, std::int64_t first, int depth, std::int64_t own_cells,
+                          std::vector<std::uint16_t>& open, Claims& claims,
+                          VolumeCounts& counts) const {
+  Scratch& s = scratch();
+  claims.wanted.assign(rays.size(), 0);
+  claims.rays = rays.size();
+  claims.group = group();
+  std::optional<query::RayBundleLocator> locator;
+  const ScalarValues values(field_, sampler_.mesh());
+  for (int begin = 0; begin < depth; begin += group()) {
+    const std::int64_t from = first + begin;
+    s.active.clear();
+    s.wanted.assign(rays.size(), 0);
+    for (const std::uint16_t r : open)
+      if (RayState& ray = rays[r]; ray.next < std::min(ray.end, from + group()))
+        if (const std::uint32_t wanted = advance(ray, from, group(), counts.skipped)) {
+          s.wanted[r] = wanted;
+          s.active.push_back(r);
+          counts.samples += core::count_bits(wanted);
+        }
+    if (s.active.empty())
+      continue;
+    if (!locator) {
+      locator.emplace(located_, options_);
+      locator->set_rays(lattice, row, step_);
+      claims.samples.resize(rays.size() * std::size_t(depth));
+      claims.gradients.resize(shader_ ? claims.samples.size() : 0);
+    }
+    const std::size_t block = claims.place(0, begin), size = rays.size() * std::size_t(group());
+    s.locations.resize(shader_ ? size : 0);
+    locator->locate(from, group(), s.wanted, values, std::span(claims.samples).subspan(block, size),
+                    s.locations);
+    for (const std::uint32_t r : s.active)
+      for (std::uint32_t rest = s.wanted[r]; rest; rest &= rest - 1) {
+        const int k = std::countr_zero(rest);
+        const std::size_t i = r * std::size_t(group()) + std::size_t(k);
+        const auto [cell, value] = claims.samples[block + i];
+        // What does not show adds nothing; an integral between two samples needs it all the same.
+        if (cell < 0 || cell >= own_cells ||
+            (!preintegration_ && !(classifiers_[0](value).alpha > 0)))
+          continue;
+        claims.wanted[r] |= std::uint32_t(1) << (begin + k);
+        if (shader_)
+          claims.gradients[block + i] = gradient(s.locations[i]);
+      }
+  }
+  std::erase_if(open, [&](std::uint16_t r) {
+    return rays[r].next >= rays[r].end || rays[r].end <= first + depth;
+  });
+}
+
+void VolumeMarcher::claim_thin(std::span<RayState> rays, std::int64_t own_cells, Claims& claims,
+                               VolumeCounts& counts) const {
+  Scratch& s = scratch();
+  claims.wanted.assign(rays.size(), 0);
+  claims.rays = rays.size();
+  claims.group = 1;
+  claims.samples.resize(rays.size());
+  claims.gradients.resize(shader_ ? rays.size() : 0);
+  s.points.clear();
+  s.active.clear();
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    const RayState& ray = rays[r];
+    const double middle = 0.5 * (ray.near + ray.far);
+    if (!ray.is_thin || (clipped_ && !stays_at(ray.stays, middle)))
+      continue;
+    s.active.push_back(std::uint32_t(r));
+    s.points.push_back(ray.ray.origin + middle * ray.ray.direction);
+  }
+  if (s.active.empty())
+    return;
+  counts.samples += std::int64_t(s.active.size());
+  s.found.resize(s.points.size());
+  located_.locate_serial(s.points, s.found, options_);
+  for (std::size_t a = 0; a < s.active.size(); ++a) {
+    const query::Location& at = s.found[a];
+    const std::size_t r = s.active[a];
+    if (!at || at.cell >= own_cells)
+      continue;
+    claims.wanted[r] = 1;
+    claims.samples[r] = {at.cell, field_.at(sampler_.mesh(), at)};
+    if (shader_)
+      claims.gradients[r] = gradient(at);
+  }
+}
+
+void VolumeMarcher::gather(RayState& ray, Progress& progress, std::size_t r, std::int64_t first,
+                           std::uint32_t wanted, const query::ValueSample* samples,
+                           const query::Location* locations) const {
+  const auto below = [&](std::int64_t index) {
+    const std::int64_t bits = index - first;
+    return bits <= 0 ? 0u : bits >= 32 ? ~0u : (std::uint32_t(1) << bits) - 1;
+  };
+  // Others may have taken the ray to be longer.
+  wanted &= below(ray.end) & ~below(ray.next);
+  if (!ray.is_saturated())
+    gather_stretch(ray, progress.last_[r], first, wanted, samples, locations);
+}
+
+void VolumeMarcher::gather_thin(RayState& ray, double value, const query::Location& at) const {
+  add_value(ray, {ray.near, ray.far}, value, at, 0);
+}
+
+void VolumeMarcher::finish(std::span<RayState> rays, Progress& progress) const {
+  if (preintegration_)
+    for (std::size_t r = 0; r < rays.size(); ++r)
+      finish(rays[r], progress.last_[r]);
+}
+
+} // namespace insitu::render

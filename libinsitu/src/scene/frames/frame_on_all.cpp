@@ -1,0 +1,102 @@
+#include "scene/frames/frame_on_all.h"
+
+#include <numeric>
+#include <vector>
+
+#include "render/processes/whole_facts.h"
+#include "scene/run/lookup.h"
+#include "scene/run/own_cell.h"
+
+namespace insitu::scene {
+
+FieldsByName frame_fields(const Frame& frame, const commit::CommittedMesh& mesh,
+                          const Environment& environment) {
+  std::vector<const Name*> named;
+  for (const ColorBy* by : colorings_of(frame))
+    named.push_back(&by->field);
+  for (const Isosurface& surface : frame.isosurfaces)
+    named.push_back(&surface.field);
+  std::vector<Name> names;
+  for (const Name* name : named)
+    names.push_back(*name);
+  std::vector<mesh::FieldView> views =
+      find_fields(mesh, names, environment.scene_file, environment.world);
+  FieldsByName fields;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    views[i].name = named[i]->text.c_str(); // which the frame keeps
+    fields.emplace(named[i]->text, views[i]);
+  }
+  return fields;
+}
+
+void know_whole_facts(commit::CommittedMesh& mesh, const Environment& environment) {
+  parallel::World& world = environment.world;
+  std::int64_t is_old = !mesh.knows_whole_facts();
+  world.reduce(std::span(&is_old, 1), parallel::Reduction::greatest);
+  if (!is_old)
+    return;
+  mesh::MeshFacts mine;
+  world.agree_after(
+      [&] { mine = mesh::find_facts(mesh.mesh().view(), &environment.context.threads); });
+  mesh.set_whole_facts(render::whole_facts(world, mine));
+}
+
+void complete_averages(const FrameDecisions& decisions, const commit::CommittedMesh& mesh,
+                       render::Structures& structures, parallel::World& world) {
+  if (!mesh.halo())
+    return;
+  for (const IsosurfaceDecisions& surface : decisions.isosurfaces) {
+    if (!surface.averages || !surface.gradients)
+      continue;
+    std::span<double> values;
+    world.agree_after([&] { values = structures.average_values(surface.field); });
+    mesh.halo()->refresh_values(mesh, world, values);
+  }
+}
+
+RangesByColor frame_ranges(const FrameDecisions& decisions, render::Structures& structures,
+                           parallel::World& world) {
+  std::vector<const Coloring*> asked;
+  const auto ask = [&](const std::optional<Coloring>& coloring) {
+    if (coloring && coloring->pass)
+      asked.push_back(&*coloring);
+  };
+  if (decisions.volume && decisions.volume->coloring.pass)
+    asked.push_back(&decisions.volume->coloring);
+  for (const IsosurfaceDecisions& surface : decisions.isosurfaces)
+    ask(surface.coloring);
+  ask(decisions.boundary);
+  std::vector<double> low(asked.size()), high(asked.size());
+  world.agree_after([&] {
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      const render::ScalarRange range = structures.scalar_range(asked[i]->field);
+      low[i] = range.low;
+      high[i] = range.high;
+    }
+  });
+  world.reduce(low, parallel::Reduction::least);
+  world.reduce(high, parallel::Reduction::greatest);
+  RangesByColor ranges;
+  for (std::size_t i = 0; i < asked.size(); ++i)
+    ranges[asked[i]->by] = {low[i], high[i]};
+  return ranges;
+}
+
+render::FramePart frame_part(const commit::CommittedMesh& mesh, parallel::World& world) {
+  const mesh::MeshView& view = mesh.mesh().view();
+  const std::int64_t own = view.own_cell_count();
+  const bool by_ids = name_cells(mesh.mesh(), world).global;
+  std::vector<std::int64_t> cells(std::size_t(world.size()));
+  cells[std::size_t(world.rank())] = own;
+  world.reduce(cells, parallel::Reduction::sum);
+  const std::int64_t before =
+      std::accumulate(cells.begin(), cells.begin() + world.rank(), std::int64_t(0));
+  const mesh::Mesh& of = mesh.mesh();
+  return {world, own,
+          [&of, by_ids, before](std::int64_t flat) {
+            return by_ids ? of.global_id(INSITU_CELL, flat) : before + flat;
+          },
+          mesh.halo() != nullptr};
+}
+
+} // namespace insitu::scene

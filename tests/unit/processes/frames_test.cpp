@@ -1,0 +1,93 @@
+#include "part_session.h"
+
+using namespace insitu;
+using namespace insitu::test;
+
+namespace {
+
+const std::vector<int> all_sizes = {1, 2, 3, 4, 8};
+
+/// Frames with all that is there on several processes.
+const char* const all_frames =
+    "insitu: 1\n"
+    "page: false\n"
+    "frames:\n"
+    "  - {name: smoke, size: [70, 66], images: [color, depth, cell], format: [png, exr],\n"
+    "     volume: {field: p, opacity: [[0, 0], [1, 0.1], [5, 0.8]]}, scalar_bar: true, axes: "
+    "true}\n"
+    "  - {name: lit, size: [66, 70], volume: {field: c, smooth: true, shading: true,\n"
+    "     opacity: [[-1, 0], [1, 0.5]]}, every: 2}\n"
+    "  - {name: surfaces, size: [64, 64], images: [color, depth, cell], samples_per_pixel: 2,\n"
+    "     isosurfaces: [{field: p, values: [1, 3], opacity: 0.6, normals: smooth,\n"
+    "       color: {field: c}}, {field: c, values: [0.2], normals: smooth}],\n"
+    "     boundary: {color: {field: u, component: 0}, opacity: 0.2}, outline: {ticks: true},\n"
+    "     cameras: {side: {azimuth: 90}, top: {elevation: 80, orthographic: true, fit: box}}}\n";
+
+const Act two_cycles = [](PartSession& process, parallel::World&) {
+  for (int cycle = 0; cycle < 3; ++cycle)
+    EXPECT_EQ(process.execute(cycle), "");
+};
+
+} // namespace
+
+/// With global ids, whatever the partition: images, depths, cells and ranges of colours.
+TEST(ProcessFrames, FilesAreThoseOfOneProcessToTheByte) {
+  const TestMesh whole = jittered_cubes();
+  PartSession::Options options;
+  options.scene = all_frames;
+  const auto expected = run_parts(whole, fixtures::slabs(whole, 1), options, two_cycles);
+  EXPECT_GE(expected.size(), 30u);
+  for (const int processes : all_sizes)
+    for (const fixtures::Partition& partition : fixtures::partitions(whole, processes))
+      expect_same(expected, run_parts(whole, partition, options, two_cycles),
+                  partition.name + " on " + std::to_string(processes));
+}
+
+/// Without global ids the first process's cells come first, as a mesh of one process in that order
+/// has them: colours and depths are the same; cells have other numbers.
+TEST(ProcessFrames, WithoutGlobalIds) {
+  const TestMesh whole = jittered_cubes(4);
+  PartSession::Options options;
+  options.scene = all_frames;
+  options.ids = false;
+  const fixtures::Partition partition = fixtures::boxes(whole, 3);
+  TestMesh in_order = whole;
+  std::stable_sort(
+      in_order.cells.begin(), in_order.cells.end(), [&](const MeshCell& a, const MeshCell& b) {
+        const auto process = [&](const MeshCell& cell) {
+          const auto at =
+              std::find_if(whole.cells.begin(), whole.cells.end(),
+                           [&](const MeshCell& c) { return c.vertices == cell.vertices; });
+          return partition.process[std::size_t(at - whole.cells.begin())];
+        };
+        return process(a) < process(b);
+      });
+  // Fields of cells go by their numbers: here by none.
+  std::string plain = options.scene;
+  for (std::size_t at; (at = plain.find("field: c")) != std::string::npos;)
+    plain.replace(at, 8, "field: p");
+  options.scene = plain;
+  const auto expected = run_parts(in_order, fixtures::slabs(in_order, 1), options, two_cycles);
+  expect_same(expected, run_parts(whole, partition, options, two_cycles), "boxes");
+}
+
+/// What is not there yet fails on all processes alike, and the session goes on.
+TEST(ProcessFrames, RefusedByName) {
+  const TestMesh whole = jittered_cubes(3);
+  for (const auto& [frame, text] : std::map<std::string, std::string>{
+           {"boundary: {}, effects: [shadows]", "shadows over several processes are not there yet"},
+           {"volume: {field: p}, path_tracing: {}", "traced paths over several processes"},
+           {"volume: {field: p, tolerance: 0.01}", "steps by a tolerance over several processes"},
+           {"volume: {field: q}", "q"}}) {
+    PartSession::Options options;
+    options.scene = "insitu: 1\npage: false\nframes:\n  - {name: f, size: [32, 32], " + frame +
+                    "}\n  - {name: g, size: [32, 32], boundary: {}}\n";
+    const auto files = run_parts(whole, fixtures::empty_root(whole, 3), options,
+                                 [&](PartSession& process, parallel::World&) {
+                                   const std::string failures = process.execute(0);
+                                   EXPECT_NE(failures.find(text), std::string::npos) << failures;
+                                 });
+    EXPECT_TRUE(files.contains("g_000000.png"));
+    EXPECT_FALSE(files.contains("f_000000.png"));
+  }
+}
