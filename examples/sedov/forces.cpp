@@ -72,11 +72,14 @@ void Solver::evaluate(const State& state) {
   double rate = 0.0;
   for (const Part& part : parts) {
     if (!(part.volume > 0.0))
-      throw std::runtime_error("sedov: the volume of cell " + std::to_string(part.tangled) +
-                               " became " + std::to_string(part.volume) + " in cycle " +
-                               std::to_string(cycle_) + "; a lower cfl may help");
+      throw std::runtime_error("sedov: the volume of cell " +
+                               std::to_string(cell_ids[part.tangled]) + " became " +
+                               std::to_string(part.volume) + " in cycle " + std::to_string(cycle_) +
+                               "; a lower cfl may help");
     rate = std::max(rate, part.rate);
   }
+  exchange_forces();
+  rate = processes_.largest(rate);
   stable_timestep_ = rate > 0.0 ? 1.0 / rate : std::numeric_limits<double>::infinity();
 }
 
@@ -113,7 +116,7 @@ Solver::CellResult Solver::evaluate_cell(const State& state, std::size_t cell) {
   const double volume = volume_gradient(px, py, pz, gx, gy, gz);
   if (!(volume > 0.0))
     return {0.0, volume};
-  const double mass = cell_mass_[cell], rho = mass / volume;
+  const double mass = cell_mass_, rho = mass / volume;
   const double p = std::max(0.0, (config_.gamma - 1.0) * rho * specific_energy);
   const double sound_speed = std::sqrt(config_.gamma * p / rho);
 

@@ -1,11 +1,13 @@
 // The blast wave miniapp, coupled: runs the solver, hands its arrays to libinsitu every cycle, and
 // prints at the end where the time went and how far the shock got against the similarity solution.
-// On a terminal a line of progress is shown meanwhile; --table prints a line for each cycle.
+// On a terminal a line of progress is shown meanwhile; --table prints a line for each cycle. On
+// several processes (mpirun -n 4 sedov ...) the first one alone prints.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <insitu/insitu.hpp>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -30,7 +32,7 @@ struct Options {
 };
 
 constexpr const char* usage =
-    "usage: sedov [options]\n"
+    "usage: sedov [options], or mpirun -n PROCESSES sedov [options]\n"
     "  --cells N            cells along each edge of the cube (45)\n"
     "  --end TIME           stop at this time (when the shock is at 5/6 of the cube's edge)\n"
     "  --cycles N           stop after this many cycles\n"
@@ -98,13 +100,15 @@ Options parse(int argc, char** argv) {
   return options;
 }
 
-// The coupling: the solver's own arrays, once; they keep their place.
+// The coupling: the solver's own arrays of this process's box, once; they keep their place.
 insitu::Mesh couple(insitu::Session& session, sedov::Solver& solver, bool block) {
   insitu::Mesh mesh = session.mesh("hydro");
-  const auto [nx, ny, nz] = solver.config().cells;
+  const sedov::Box& box = solver.box();
+  if (solver.cell_count() == 0) // more processes than cells
+    return mesh;
   mesh.points(solver.x, solver.y, solver.z);
   if (block)
-    mesh.block(nx + 1, ny + 1, nz + 1);
+    mesh.block(box.length(0) + 1, box.length(1) + 1, box.length(2) + 1);
   else
     mesh.hexahedra(solver.connectivity);
   mesh.cell_field("density", solver.density);
@@ -118,22 +122,31 @@ insitu::Mesh couple(insitu::Session& session, sedov::Solver& solver, bool block)
 class MaterialCheck {
 public:
   MaterialCheck(int count, const sedov::Solver& solver)
-      : points_(static_cast<std::size_t>(count), solver.cell_count(), 1) {}
+      : count_(count), points_(static_cast<std::size_t>(count), solver, 1) {}
 
   void locate(const insitu::Mesh& mesh, const sedov::Solver& solver) {
     points_.move(solver);
     const insitu::Locations found = mesh.locate(points_.positions);
-    worst_.join(points_.compare(solver, found.cells, found.parametric));
+    worst_.join(
+        over_all(points_.compare(solver, found.cells, found.parametric), solver.processes()));
     ++times_;
   }
   void print() const {
-    std::printf("material: %zu points located %d times: %lld lost, %lld in another cell at worst; "
+    std::printf("material: %d points located %d times: %lld lost, %lld in another cell at worst; "
                 "(r, s, t) off by at most %.1e, %.1f roundings of a coordinate\n",
-                points_.cells.size(), times_, static_cast<long long>(worst_.lost),
+                count_, times_, static_cast<long long>(worst_.lost),
                 static_cast<long long>(worst_.changed), worst_.largest, worst_.roundings);
   }
 
 private:
+  static sedov::Drift over_all(sedov::Drift drift, const sedov::Processes& processes) {
+    std::int64_t counts[] = {drift.lost, drift.changed};
+    processes.add(counts);
+    return {counts[0], counts[1], processes.largest(drift.largest),
+            processes.largest(drift.roundings)};
+  }
+
+  int count_; // of all processes
   sedov::MaterialPoints points_;
   sedov::Drift worst_;
   int times_ = 0;
@@ -195,17 +208,18 @@ void print_summary(const insitu::Report& r, double solver_seconds) {
               static_cast<long long>(r.files), static_cast<long long>(r.failures));
 }
 
-void run(const Options& options) {
+void run(const Options& options, const sedov::Processes& processes) {
   using Clock = std::chrono::steady_clock;
   const sedov::Config& config = options.config;
   const sedov::SedovTaylor exact(config.gamma, config.energy, config.density);
   const double end = options.end > 0.0 ? options.end : exact.shock_time(config.length * 5.0 / 6.0);
 
-  sedov::Solver solver(config);
+  sedov::Solver solver(config, processes);
   insitu::Options session_options;
   session_options.scene = options.scene;
   session_options.output = options.output;
   session_options.threads = options.library_threads;
+  session_options.communicator = processes.communicator();
   insitu::Session session(session_options);
   insitu::Mesh mesh = couple(session, solver, options.block);
   const double energy = solver.total_energy();
@@ -217,8 +231,9 @@ void run(const Options& options) {
     material->locate(mesh, solver);
   }
   Spent before(session.report());
-  const bool progress = !options.quiet && !options.table && isatty(STDOUT_FILENO) == 1;
-  if (options.table)
+  const bool is_root = processes.is_root();
+  const bool progress = is_root && !options.quiet && !options.table && isatty(STDOUT_FILENO) == 1;
+  if (options.table && is_root)
     std::printf("%6s %11s %8s %9s %10s | %8s %8s %8s %8s\n", "cycle", "time", "shock", "drift",
                 "solver ms", "commit", "query", "advect", "render");
   while (solver.time() < end && solver.cycle() < options.cycles) {
@@ -237,22 +252,25 @@ void run(const Options& options) {
     if (!options.table)
       continue;
     const Spent now(session.report());
-    std::printf("%6d %11.5e %8.5f %9.1e %10.2f | %8.2f %8.2f %8.2f %8.2f\n", solver.cycle(),
-                solver.time(), solver.shock_radius(), solver.total_energy() / energy - 1.0,
-                1e3 * step.count(), now.commit - before.commit, now.query - before.query,
-                now.advect - before.advect, now.render - before.render);
+    const double shock = solver.shock_radius(), drift = solver.total_energy() / energy - 1.0;
+    if (is_root)
+      std::printf("%6d %11.5e %8.5f %9.1e %10.2f | %8.2f %8.2f %8.2f %8.2f\n", solver.cycle(),
+                  solver.time(), shock, drift, 1e3 * step.count(), now.commit - before.commit,
+                  now.query - before.query, now.advect - before.advect, now.render - before.render);
     before = now;
   }
   if (progress)
     std::printf("\r%50s\r", "");
-  std::printf("%d cycles, %.2f s in the solver, %.2f ms a cycle; energy drift %.1e\n",
-              solver.cycle(), elapsed.count(), 1e3 * elapsed.count() / solver.cycle(),
-              solver.total_energy() / energy - 1.0);
-  std::printf("shock radius %.5f, similarity solution %.5f\n", solver.shock_radius(),
-              exact.shock_radius(solver.time()));
-  print_summary(session.report(), elapsed.count());
-  if (material)
-    material->print();
+  const double shock = solver.shock_radius(), drift = solver.total_energy() / energy - 1.0;
+  if (is_root) {
+    std::printf("%d cycles, %.2f s in the solver, %.2f ms a cycle; energy drift %.1e\n",
+                solver.cycle(), elapsed.count(), 1e3 * elapsed.count() / solver.cycle(), drift);
+    std::printf("shock radius %.5f, similarity solution %.5f\n", shock,
+                exact.shock_radius(solver.time()));
+    print_summary(session.report(), elapsed.count());
+    if (material)
+      material->print();
+  }
   if (!options.output.empty())
     session.write_summary(options.output + "/summary.json", elapsed.count());
 }
@@ -260,19 +278,26 @@ void run(const Options& options) {
 } // namespace
 
 int main(int argc, char** argv) {
+#ifdef SEDOV_HAVE_MPI
+  const auto processes = sedov::launched_processes(argc, argv);
+#else
+  const auto processes = std::make_unique<sedov::Processes>();
+#endif
   for (int i = 1; i < argc; ++i)
     if (std::string(argv[i]) == "--help") {
-      std::fputs(usage, stdout);
+      if (processes->is_root())
+        std::fputs(usage, stdout);
       return EXIT_SUCCESS;
     }
   try {
-    run(parse(argc, argv));
-  } catch (const std::invalid_argument& error) {
-    std::fprintf(stderr, "sedov: %s\n%s", error.what(), usage);
+    run(parse(argc, argv), *processes);
+  } catch (const std::invalid_argument& error) { // all processes throw it
+    if (processes->is_root())
+      std::fprintf(stderr, "sedov: %s\n%s", error.what(), usage);
     return EXIT_FAILURE;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "sedov: %s\n", error.what());
-    return EXIT_FAILURE;
+    processes->abort(); // others may wait for this one
   }
   return EXIT_SUCCESS;
 }

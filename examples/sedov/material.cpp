@@ -82,15 +82,23 @@ void Drift::join(const Drift& other) {
   roundings = std::max(roundings, other.roundings);
 }
 
-MaterialPoints::MaterialPoints(std::size_t count, std::size_t cell_count, std::uint64_t seed)
-    : cells(count), parametric(3 * count), positions(3 * count) {
+MaterialPoints::MaterialPoints(std::size_t count, const Solver& solver, std::uint64_t seed) {
   std::mt19937_64 random(seed); // its bits are the standard's, distributions' are not
   const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  const auto [nx, ny, nz] = solver.config().cells;
+  const std::size_t cell_count = static_cast<std::size_t>(nx) * ny * nz;
   for (std::size_t i = 0; i < count; ++i) {
-    cells[i] = static_cast<std::int64_t>(random() % cell_count);
-    for (std::size_t a = 0; a < 3; ++a)
-      parametric[3 * i + a] = 1e-6 + (1.0 - 2e-6) * unit(); // no rounding puts it on a face
+    const int id = static_cast<int>(random() % cell_count);
+    double at[3];
+    for (double& r : at)
+      r = 1e-6 + (1.0 - 2e-6) * unit(); // no rounding puts it on a face
+    const Triple cell{id % nx, id / nx % ny, id / (nx * ny)};
+    if (!solver.box().has(cell))
+      continue;
+    cells.push_back(solver.box().cell(cell));
+    parametric.insert(parametric.end(), at, at + 3);
   }
+  positions.resize(parametric.size());
 }
 
 void MaterialPoints::move(const Solver& solver) {

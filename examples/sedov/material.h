@@ -24,8 +24,9 @@ struct Drift {
 
 class MaterialPoints {
 public:
-  // Random cells and parametric coordinates inside them; the same for the same seed.
-  MaterialPoints(std::size_t count, std::size_t cell_count, std::uint64_t seed);
+  // Random cells of the whole cube and parametric coordinates inside them, the same for the same
+  // seed; of these, the ones whose cells this process has.
+  MaterialPoints(std::size_t count, const Solver& solver, std::uint64_t seed);
 
   // Moves the points to where their cells' vertices are now.
   void move(const Solver& solver);
@@ -34,9 +35,9 @@ public:
   Drift compare(const Solver& solver, const std::vector<std::int64_t>& cells,
                 const std::vector<double>& parametric) const;
 
-  std::vector<std::int64_t> cells;
-  std::vector<double> parametric; // [count][3], VTK's, from 0 to 1
-  std::vector<double> positions;  // [count][3]
+  std::vector<std::int64_t> cells; // their numbers in this process's box
+  std::vector<double> parametric;  // [count][3], VTK's, from 0 to 1
+  std::vector<double> positions;   // [count][3]
 };
 
 } // namespace sedov

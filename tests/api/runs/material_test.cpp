@@ -26,7 +26,7 @@ TEST_P(Material, PointsKeepTheirCellsThroughRefitsAndRebuilds) {
   const Case c = GetParam();
   Coupled run({.cells = 10, .threads = c.threads, .block = c.block});
   ASSERT_TRUE(run.execute()) << insitu_last_message();
-  sedov::MaterialPoints points(5000, run.solver.cell_count(), 20240607);
+  sedov::MaterialPoints points(5000, run.solver, 20240607);
   insitu::LocateOptions options;
   options.accuracy = c.accuracy;
   sedov::Drift worst;
@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(Couplings, Material,
 /// The comparison is able to fail.
 TEST(MaterialPoints, TellsAnswersThatAreOff) {
   const sedov::Solver solver(sedov::Config{.cells = {4, 4, 4}});
-  sedov::MaterialPoints points(100, solver.cell_count(), 1);
+  sedov::MaterialPoints points(100, solver, 1);
   points.move(solver);
   std::vector<std::int64_t> cells = points.cells;
   std::vector<double> parametric = points.parametric;
