@@ -1,11 +1,13 @@
 !> The wind-driven circulation of an ocean basin on the sphere, from rest: a miniapp in Fortran,
 !! coupled. It prints the day, the gyres' transport, the fastest current, what is lost of water and
-!! heat, and at the end where the time went. The solver runs on when the library cannot.
+!! heat, and at the end where the time went. The solver runs on when the library cannot. On several
+!! processes (mpirun -n 4 gyre ...) the first one alone prints.
 program gyre
   use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit, real64
   use gyre_basin, only: atlantic
   use gyre_coupling, only: coupling_type
   use gyre_model, only: model_type
+  use gyre_processes, only: processes_type
   implicit none
 
   integer, parameter :: text_length = 1024, report_every = 10
@@ -17,16 +19,18 @@ program gyre
   end type options_type
 
   type(options_type) :: options
+  type(processes_type) :: processes
   type(model_type), target :: model
   type(coupling_type) :: coupling
   real(real64) :: solver_s
   integer(int64) :: begin
   integer :: cycle
 
+  call processes%launch()
   call read_options(options)
-  call model%start(atlantic(), options%resolution)
-  write (output_unit, '(2(a, i0), a)') 'gyre: ', model%mesh%ncells(), ' wedges in ', &
-      model%mesh%nlevels, ' levels'
+  call model%start(atlantic(), options%resolution, processes)
+  if (processes%is_root()) write (output_unit, '(2(a, i0), a)') 'gyre: ', &
+      model%mesh%ncolumns * model%mesh%nlevels, ' wedges in ', model%mesh%nlevels, ' levels'
 
   call coupling%begin(model, options%scene, options%output, options%library_threads)
   call coupling%show(0, model%time)
@@ -39,24 +43,36 @@ program gyre
     call coupling%show(cycle, model%time)
     if (modulo(cycle, report_every) == 0 .or. cycle == options%cycles) call print_day(cycle)
   end do
-  write (output_unit, '(a, i0, a, f7.3, 2(a, es8.1))') 'gyre: ', options%cycles, &
-      ' days, solver ', solver_s, ' s, lost: water ', model%flow%imbalance(), ', heat ', &
-      model%heat_error()
+  call print_end()
   if (coupling%works) call coupling%finish(options%output, solver_s)
+  call processes%finish()
 
 contains
 
   subroutine print_day(cycle)
     integer, intent(in) :: cycle
     real(real64), parameter :: sverdrup = 1.0e6_real64
+    real(real64) :: current, coldest, warmest, water, heat
     if (options%quiet) return
-    associate (psi => model%transport%psi, t => model%heat%t(:, 1:model%mesh%nlevels))
-      write (output_unit, '(a, i4, 2(a, f6.1), a, f6.3, 2(a, f6.2), 2(a, es8.1))') 'day ', cycle, &
-          '  transport ', minval(psi) / sverdrup, ' to ', maxval(psi) / sverdrup, ' Sv  current ', &
-          maxval(norm2(model%flow%velocity, dim=1)), ' m/s  temperature ', minval(t), ' to ', &
-          maxval(t), '  lost: water ', model%flow%imbalance(), ' heat ', model%heat_error()
+    current = processes%largest(maxval(norm2(model%flow%velocity, dim=1)))
+    coldest = -processes%largest(-minval(model%heat%t(:, 1:model%mesh%nlevels)))
+    warmest = processes%largest(maxval(model%heat%t(:, 1:model%mesh%nlevels)))
+    water = model%flow%imbalance(model%mesh)
+    heat = model%heat_error()
+    associate (psi => model%transport%psi)
+      if (processes%is_root()) write (output_unit, '(a, i4, 2(a, f6.1), a, f6.3, 2(a, f6.2), 2(a, es8.1))') &
+          'day ', cycle, '  transport ', minval(psi) / sverdrup, ' to ', maxval(psi) / sverdrup, ' Sv  current ', &
+          current, ' m/s  temperature ', coldest, ' to ', warmest, '  lost: water ', water, ' heat ', heat
     end associate
   end subroutine print_day
+
+  subroutine print_end()
+    real(real64) :: water, heat
+    water = model%flow%imbalance(model%mesh)
+    heat = model%heat_error()
+    if (processes%is_root()) write (output_unit, '(a, i0, a, f7.3, 2(a, es8.1))') 'gyre: ', options%cycles, &
+        ' days, solver ', solver_s, ' s, lost: water ', water, ', heat ', heat
+  end subroutine print_end
 
   subroutine read_options(options)
     type(options_type), intent(out) :: options
@@ -101,7 +117,8 @@ contains
 
   subroutine stop_with_usage(what)
     character(len=*), intent(in) :: what
-    write (error_unit, '(a)') 'gyre: ' // what, 'usage: gyre [options]', &
+    if (processes%is_root()) write (error_unit, '(a)') &
+        'gyre: ' // what, 'usage: gyre [options], or mpirun -n PROCESSES gyre [options]', &
         '  --cycles N           days (120)', &
         '  --resolution N       a quarter of the cells from west to east, a third of those from', &
         '                       south to north, at least 2 (16)', &
@@ -109,6 +126,7 @@ contains
         '  --output DIR         where it writes, instead of the scene''s folder', &
         '  --library-threads N  threads of libinsitu (all)', &
         '  --quiet              no line per day'
+    call processes%finish()
     stop 1
   end subroutine stop_with_usage
 

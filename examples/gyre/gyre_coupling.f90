@@ -10,6 +10,7 @@ module gyre_coupling
     type(insitu_session) :: session
     type(insitu_mesh) :: mesh
     logical :: works = .false.                           !< if not, the solver runs on alone
+    logical :: is_root = .true.                          !< who prints, of several processes
   contains
     procedure :: begin, show, finish
   end type coupling_type
@@ -22,16 +23,18 @@ contains
     character(len=*), intent(in) :: scene, output
     integer, intent(in) :: threads
     integer :: ierr
-    call self%session%open(scene=scene, output=output, threads=threads, ierr=ierr)
-    if (ierr == insitu_ok) call self%session%mesh('ocean', self%mesh, ierr)
     associate (m => model%mesh, mesh => self%mesh)
+      call self%session%open(scene=scene, output=output, threads=threads, communicator=m%processes%communicator, ierr=ierr)
+      if (ierr == insitu_ok) call self%session%mesh('ocean', mesh, ierr)
       if (ierr == insitu_ok) call mesh%points(m%lon, m%lat, m%depth, ierr, frame='geodetic depth')
       if (ierr == insitu_ok) call mesh%wedges(m%connectivity, ierr)
-      if (ierr == insitu_ok) call mesh%cell_field('temperature', model%heat%t(:, 1:m%nlevels), ierr) ! a section
+      if (ierr == insitu_ok) call mesh%cell_field('temperature', &
+          model%heat%t(m%first_column:m%last_column, 1:m%nlevels), ierr) ! a section
       if (ierr == insitu_ok) call mesh%vertex_field('velocity', model%flow%velocity, ierr, vector=.true.)
+      self%works = ierr == insitu_ok
+      self%is_root = m%processes%is_root()
     end associate
-    self%works = ierr == insitu_ok
-    if (.not. self%works) write (error_unit, '(2a)') 'gyre: not coupled: ', self%session%message()
+    if (self%is_root .and. .not. self%works) write (error_unit, '(2a)') 'gyre: not coupled: ', self%session%message()
   end subroutine begin
 
   subroutine show(self, cycle, time)
@@ -51,7 +54,7 @@ contains
     type(insitu_report) :: report
     integer :: ierr
     call self%session%report(report, ierr)
-    write (output_unit, '(6(i0, a))') report%frames, ' frames, ', report%probe_rows, ' probe rows, ', &
+    if (self%is_root) write (output_unit, '(6(i0, a))') report%frames, ' frames, ', report%probe_rows, ' probe rows, ', &
         report%particles_seeded, ' particles, ', report%failures, ' failures, ', report%bytes_held, ' bytes held'
     if (output /= '') call self%session%write_summary(trim(output) // '/summary.json', ierr, solver_s=solver_s)
     call self%session%close(ierr)

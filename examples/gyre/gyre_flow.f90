@@ -16,14 +16,16 @@ module gyre_flow
 
   type, public :: flow_type
     real(real64), allocatable :: across(:,:)             !< (nlevels, nedges), m3/s, left to right
-    real(real64), allocatable :: upward(:,:)             !< (ncolumns, nlevels + 1), m3/s, at interfaces
-    !> East, north, up (m/s) at the vertices: (3, nv*(nlevels + 1)).
+    !> (near_first:near_last, nlevels + 1), m3/s, at interfaces.
+    real(real64), allocatable :: upward(:,:)
+    !> East, north, up (m/s) at the strip's vertices, all interfaces.
     real(real64), allocatable :: velocity(:,:)
     complex(real64), allocatable, private :: spiral(:,:) !< (nlevels, nedges): transport at full wind
     real(real64), allocatable, private :: share(:,:)     !< (nlevels, nedges) of the rest
-    real(real64), allocatable, private :: slope(:,:,:)   !< (2, nv, nlevels + 1) of the interfaces
-    complex(real64), allocatable, private :: vertex_spiral(:) !< (nv*(nlevels + 1)), m/s
-    complex(real64), allocatable, private :: vertex_transport(:) !< (nv), m2/s, of the spiral
+    ! At the strip's vertices, first_vertex to last_vertex of the surface.
+    real(real64), allocatable, private :: slope(:,:,:)   !< (2, :, nlevels + 1) of the interfaces
+    complex(real64), allocatable, private :: vertex_spiral(:) !< on all interfaces, m/s
+    complex(real64), allocatable, private :: vertex_transport(:) !< m2/s, of the spiral
   contains
     procedure :: start
     procedure :: update
@@ -36,30 +38,35 @@ contains
     class(flow_type), intent(out) :: self
     type(mesh_type), intent(in) :: mesh
     type(wind_type), intent(in) :: wind
-    real(real64) :: depth(mesh%nlevels + 1), latitude, of_column(mesh%ncolumns)
-    integer :: e, k, i, c, n
+    real(real64) :: depth(mesh%nlevels + 1), latitude, hat(3), of_column(mesh%near_first:mesh%near_last)
+    integer :: e, k, i, j, c, n
 
     n = mesh%nlevels
-    allocate (self%across(n, mesh%nedges), self%upward(mesh%ncolumns, n + 1), source=0.0_real64)
+    allocate (self%across(n, mesh%nedges), source=0.0_real64)
+    allocate (self%upward(mesh%near_first:mesh%near_last, n + 1), source=0.0_real64)
     allocate (self%velocity(3, size(mesh%lon)), source=0.0_real64)
     allocate (self%spiral(n, mesh%nedges), self%share(n, mesh%nedges))
     do e = 1, mesh%nedges
       depth = mesh%edge_depth(e)
-      latitude = 0.5_real64 * sum(mesh%lat(mesh%edge_vertices(:, e)))
+      latitude = 0.5_real64 * sum(mesh%surface_lat(mesh%edge_vertices(:, e)))
       self%spiral(:, e) = beside_coast(mesh, e, wind%ekman_transport(latitude, depth(2:)) &
                                               - wind%ekman_transport(latitude, depth(:n)))
       self%share(:, e) = mode_share(depth(2:), depth(:n), depth(1))
     end do
-    allocate (self%vertex_spiral(size(mesh%lon)), self%vertex_transport(mesh%nv))
+    allocate (self%vertex_spiral(size(mesh%lon)), self%vertex_transport(mesh%first_vertex:mesh%last_vertex))
     self%vertex_spiral = wind%ekman_velocity(mesh%lat, mesh%depth)
-    self%vertex_transport = wind%ekman_transport(mesh%lat(:mesh%nv), 0.0_real64) &
-                          - wind%ekman_transport(mesh%lat(:mesh%nv), mesh%depth(:mesh%nv))
-    allocate (self%slope(2, mesh%nv, n + 1))
+    associate (floor => size(self%vertex_transport))     ! its vertices come first
+      self%vertex_transport = wind%ekman_transport(mesh%lat(:floor), 0.0_real64) &
+                            - wind%ekman_transport(mesh%lat(:floor), mesh%depth(:floor))
+    end associate
+    allocate (self%slope(2, mesh%first_vertex:mesh%last_vertex, n + 1))
     do k = 1, n + 1
       do i = 1, 2
-        do c = 1, mesh%ncolumns                          ! upwards, so minus the depth's
-          of_column(c) = -dot_product(mesh%gradient(i, :, c), &
-                                      mesh%depth(mesh%triangle(:, c) + (k - 1) * mesh%nv))
+        do c = mesh%near_first, mesh%near_last           ! upwards, so minus the depth's
+          do j = 1, 3
+            hat(j) = mesh%interface_depth(mesh%triangle(j, c), k)
+          end do
+          of_column(c) = -dot_product(mesh%gradient(i, :, c), hat)
         end do
         self%slope(i, :, k) = vertex_mean(mesh, of_column)
       end do
@@ -115,10 +122,9 @@ contains
         of_spiral = strength * (real(self%spiral(:, e)) * mesh%edge_vector(2, e) &
                               - aimag(self%spiral(:, e)) * mesh%edge_vector(1, e))
         self%across(:, e) = of_spiral + (psi(v(1)) - psi(v(2)) - sum(of_spiral)) * self%share(:, e)
-        do k = 1, mesh%nlevels                           ! what flows in is carried up
-          self%upward(c(1), k + 1) = self%upward(c(1), k + 1) - self%across(k, e)
-          self%upward(c(2), k + 1) = self%upward(c(2), k + 1) + self%across(k, e)
-        end do
+        ! What flows in is carried up.
+        if (mesh%is_near(c(1))) self%upward(c(1), 2:) = self%upward(c(1), 2:) - self%across(:, e)
+        if (mesh%is_near(c(2))) self%upward(c(2), 2:) = self%upward(c(2), 2:) + self%across(:, e)
       end associate
     end do
     do k = 2, mesh%nlevels + 1
@@ -126,32 +132,39 @@ contains
     end do
   end subroutine update_fluxes
 
-  !> Largest flux through the surface, where there should be none, by the largest flux of all.
-  pure real(real64) function imbalance(self)
+  !> Largest flux through the surface, where there should be none, by the largest flux of all: over the
+  !! whole basin.
+  real(real64) function imbalance(self, mesh)
     class(flow_type), intent(in) :: self
-    imbalance = maxval(abs(self%upward(:, size(self%upward, 2)))) &
-              / max(maxval(abs(self%across)), tiny(1.0_real64))
+    type(mesh_type), intent(in) :: mesh
+    real(real64) :: lost, flux
+
+    lost = mesh%processes%largest(maxval(abs(self%upward(:, size(self%upward, 2)))))
+    flux = mesh%processes%largest(maxval(abs(self%across)))
+    imbalance = lost / max(flux, tiny(1.0_real64))
   end function imbalance
 
   subroutine update_vertices(self, mesh, psi, strength)
     class(flow_type), intent(inout) :: self
     type(mesh_type), intent(in) :: mesh
     real(real64), intent(in) :: psi(:), strength
-    real(real64) :: slope(2, mesh%ncolumns), transport(2, mesh%nv), w(mesh%nv), u(2)
+    real(real64) :: slope(2, mesh%near_first:mesh%near_last), u(2)
+    real(real64), dimension(mesh%first_vertex:mesh%last_vertex) :: w, eastwards, northwards
     integer :: c, k, v, id
 
-    do c = 1, mesh%ncolumns
+    do c = mesh%near_first, mesh%near_last
       slope(:, c) = matmul(mesh%gradient(:, :, c), psi(mesh%triangle(:, c)))
     end do
-    transport(1, :) = -vertex_mean(mesh, slope(2, :)) - strength * real(self%vertex_transport)
-    transport(2, :) = vertex_mean(mesh, slope(1, :)) - strength * aimag(self%vertex_transport)
+    eastwards = -vertex_mean(mesh, slope(2, :)) - strength * real(self%vertex_transport)
+    northwards = vertex_mean(mesh, slope(1, :)) - strength * aimag(self%vertex_transport)
     do k = 1, mesh%nlevels + 1
       w = 0.0_real64
-      if (k > 1 .and. k <= mesh%nlevels) w = vertex_mean(mesh, self%upward(:, k) / mesh%area)
-      do v = 1, mesh%nv
-        id = v + (k - 1) * mesh%nv
-        u = transport(:, v) * exp(-mesh%depth(id) / fall) &
-          / (fall * (1.0_real64 - exp(-mesh%depth(v) / fall)))
+      if (k > 1 .and. k <= mesh%nlevels) &
+        w = vertex_mean(mesh, self%upward(:, k) / mesh%area(mesh%near_first:mesh%near_last))
+      do v = mesh%first_vertex, mesh%last_vertex
+        id = mesh%own_id(v, k)
+        u = [eastwards(v), northwards(v)] * exp(-mesh%depth(id) / fall) &
+          / (fall * (1.0_real64 - exp(-mesh%depth(mesh%own_id(v, 1)) / fall)))
         u = u + strength * [real(self%vertex_spiral(id)), aimag(self%vertex_spiral(id))]
         if (mesh%on_coast(v)) u = u - dot_product(u, mesh%coast_normal(:, v)) * mesh%coast_normal(:, v)
         self%velocity(1:2, id) = u

@@ -22,12 +22,12 @@ module gyre_heat
   real(real64), parameter :: courant = 0.9_real64
 
   type, public :: heat_type
-    !> Degrees C (ncolumns, 0:nlevels + 1): level 0 is the sea floor, equal to the lowest one, and
+    !> Degrees C (near_first:near_last, 0:nlevels + 1): level 0 is the sea floor, equal to the lowest one, and
     !! level nlevels + 1 the air.
     real(real64), allocatable :: t(:,:)
-    real(real64) :: gained = 0.0_real64                  !< through the surface, K m3
+    real(real64) :: gained = 0.0_real64                  !< through the whole surface, K m3
     real(real64), allocatable, private :: along(:,:)     !< (nlevels, nedges), m3/s of mixing
-    real(real64), allocatable, private :: upright(:,:)   !< (ncolumns, 2:nlevels), m3/s of mixing
+    real(real64), allocatable, private :: upright(:,:)   !< (own columns, 2:nlevels), m3/s of mixing
   contains
     procedure :: start
     procedure :: step
@@ -45,17 +45,21 @@ contains
   subroutine start(self, mesh)
     class(heat_type), intent(out) :: self
     type(mesh_type), intent(in) :: mesh
-    real(real64) :: depth(mesh%ncolumns, mesh%nlevels + 1), latitude(mesh%ncolumns), edge(mesh%nlevels + 1)
-    integer :: c, e, k, n
+    real(real64) :: depth(mesh%near_first:mesh%near_last, mesh%nlevels + 1)
+    real(real64) :: latitude(mesh%near_first:mesh%near_last), edge(mesh%nlevels + 1), corner(3)
+    integer :: c, e, i, k, n
 
     n = mesh%nlevels
-    do c = 1, mesh%ncolumns
-      latitude(c) = sum(mesh%lat(mesh%triangle(:, c))) / 3.0_real64
+    do c = mesh%near_first, mesh%near_last
+      latitude(c) = sum(mesh%surface_lat(mesh%triangle(:, c))) / 3.0_real64
       do k = 1, n + 1
-        depth(c, k) = sum(mesh%depth(mesh%triangle(:, c) + (k - 1) * mesh%nv)) / 3.0_real64
+        do i = 1, 3
+          corner(i) = mesh%interface_depth(mesh%triangle(i, c), k)
+        end do
+        depth(c, k) = sum(corner) / 3.0_real64
       end do
     end do
-    allocate (self%t(mesh%ncolumns, 0:n + 1))
+    allocate (self%t(mesh%near_first:mesh%near_last, 0:n + 1))
     do k = 1, n
       self%t(:, k) = deep + (air_temperature(latitude) - deep) &
                    * exp(-0.5_real64 * (depth(:, k) + depth(:, k + 1)) / thermocline)
@@ -63,16 +67,18 @@ contains
     self%t(:, 0) = self%t(:, 1)
     self%t(:, n + 1) = air_temperature(latitude)
 
-    allocate (self%along(n, mesh%nedges), self%upright(mesh%ncolumns, 2:n))
+    allocate (self%along(n, mesh%nedges), self%upright(mesh%first_column:mesh%last_column, 2:n))
     do e = 1, mesh%nedges
       edge = mesh%edge_depth(e)
       self%along(:, e) = eddy_diffusivity * (edge(:n) - edge(2:)) * norm2(mesh%edge_vector(:, e)) &
                        / mesh%centre_distance(e)
     end do
-    do k = 2, n
-      self%upright(:, k) = mesh%area * 2.0_real64 / (depth(:, k - 1) - depth(:, k + 1)) &
-          * (deep_diffusivity + (mixed_diffusivity - deep_diffusivity) * exp(-(depth(:, k) / mixed_depth)**2))
-    end do
+    associate (a => mesh%first_column, b => mesh%last_column)
+      do k = 2, n
+        self%upright(:, k) = mesh%area(a:b) * 2.0_real64 / (depth(a:b, k - 1) - depth(a:b, k + 1)) &
+            * (deep_diffusivity + (mixed_diffusivity - deep_diffusivity) * exp(-(depth(a:b, k) / mixed_depth)**2))
+      end do
+    end associate
   end subroutine start
 
   !> dt seconds, in as many steps as the currents and the mixing along the levels need.
@@ -85,30 +91,46 @@ contains
 
     n = max(1, ceiling(dt * fastest(self, mesh, flow) / courant))
     do i = 1, n
+      call refresh_neighbours(self, mesh)
       call carry(self, mesh, flow, dt / real(n, real64))
       call mix_upright(self, mesh, dt / real(n, real64))
       self%t(:, 0) = self%t(:, 1)
     end do
   end subroutine step
 
-  !> The largest share of a cell's water that is exchanged in a second.
-  pure real(real64) function fastest(self, mesh, flow)
+  !> The columns beside the strip get the temperatures that their own processes have.
+  subroutine refresh_neighbours(self, mesh)
+    class(heat_type), intent(inout) :: self
+    type(mesh_type), intent(in) :: mesh
+    integer :: row                                       !< columns between two meridians
+
+    row = max(mesh%near_last - mesh%last_column, mesh%first_column - mesh%near_first)
+    if (row == 0) return
+    associate (a => mesh%first_column, b => mesh%last_column, n => mesh%nlevels, lower => mesh%near_first, &
+               upper => mesh%near_last)
+      call mesh%processes%swap(self%t(a:a + row - 1, 1:n), mesh%west, self%t(b + 1:upper, 1:n), mesh%east)
+      call mesh%processes%swap(self%t(b - row + 1:b, 1:n), mesh%east, self%t(lower:a - 1, 1:n), mesh%west)
+    end associate
+  end subroutine refresh_neighbours
+
+  !> The largest share of a cell's water that is exchanged in a second, in the whole basin.
+  real(real64) function fastest(self, mesh, flow)
     class(heat_type), intent(in) :: self
     type(mesh_type), intent(in) :: mesh
     type(flow_type), intent(in) :: flow
-    real(real64) :: rate(mesh%ncolumns, mesh%nlevels)
+    real(real64) :: rate(mesh%first_column:mesh%last_column, mesh%nlevels)
     integer :: e
 
-    associate (n => mesh%nlevels)
-      rate = max(0.0_real64, flow%upward(:, 2:)) - min(0.0_real64, flow%upward(:, :n))
+    associate (a => mesh%first_column, b => mesh%last_column, n => mesh%nlevels)
+      rate = max(0.0_real64, flow%upward(a:b, 2:)) - min(0.0_real64, flow%upward(a:b, :n))
     end associate
     do e = 1, mesh%nedges
       associate (c => mesh%edge_columns(:, e), f => flow%across(:, e))
-        rate(c(1), :) = rate(c(1), :) + max(0.0_real64, f) + self%along(:, e)
-        rate(c(2), :) = rate(c(2), :) - min(0.0_real64, f) + self%along(:, e)
+        if (mesh%is_own(c(1))) rate(c(1), :) = rate(c(1), :) + max(0.0_real64, f) + self%along(:, e)
+        if (mesh%is_own(c(2))) rate(c(2), :) = rate(c(2), :) - min(0.0_real64, f) + self%along(:, e)
       end associate
     end do
-    fastest = maxval(rate / mesh%volume)
+    fastest = mesh%processes%largest(maxval(rate / mesh%volume))
   end function fastest
 
   subroutine carry(self, mesh, flow, dt)
@@ -116,26 +138,30 @@ contains
     type(mesh_type), intent(in) :: mesh
     type(flow_type), intent(in) :: flow
     real(real64), intent(in) :: dt
-    real(real64) :: gain(mesh%ncolumns, mesh%nlevels), through(mesh%nlevels), upwards(mesh%ncolumns)
+    real(real64) :: gain(mesh%first_column:mesh%last_column, mesh%nlevels), through(mesh%nlevels)
+    real(real64) :: upwards(mesh%first_column:mesh%last_column)
     integer :: e, k
 
     gain = 0.0_real64
     do e = 1, mesh%nedges
       associate (l => mesh%edge_columns(1, e), r => mesh%edge_columns(2, e), f => flow%across(:, e), &
                  n => mesh%nlevels)
+        if (.not. (mesh%is_own(l) .or. mesh%is_own(r))) cycle
         through = max(f, 0.0_real64) * self%t(l, 1:n) + min(f, 0.0_real64) * self%t(r, 1:n) &
                 + self%along(:, e) * (self%t(l, 1:n) - self%t(r, 1:n))
-        gain(l, :) = gain(l, :) - through
-        gain(r, :) = gain(r, :) + through
+        if (mesh%is_own(l)) gain(l, :) = gain(l, :) - through
+        if (mesh%is_own(r)) gain(r, :) = gain(r, :) + through
       end associate
     end do
-    do k = 2, mesh%nlevels
-      upwards = max(flow%upward(:, k), 0.0_real64) * self%t(:, k - 1) &
-              + min(flow%upward(:, k), 0.0_real64) * self%t(:, k)
-      gain(:, k - 1) = gain(:, k - 1) - upwards
-      gain(:, k) = gain(:, k) + upwards
-    end do
-    self%t(:, 1:mesh%nlevels) = self%t(:, 1:mesh%nlevels) + dt * gain / mesh%volume
+    associate (a => mesh%first_column, b => mesh%last_column, n => mesh%nlevels)
+      do k = 2, n
+        upwards = max(flow%upward(a:b, k), 0.0_real64) * self%t(a:b, k - 1) &
+                + min(flow%upward(a:b, k), 0.0_real64) * self%t(a:b, k)
+        gain(:, k - 1) = gain(:, k - 1) - upwards
+        gain(:, k) = gain(:, k) + upwards
+      end do
+      self%t(a:b, 1:n) = self%t(a:b, 1:n) + dt * gain / mesh%volume
+    end associate
   end subroutine carry
 
   !> Implicit: a tridiagonal system in each column, solved from the bottom up and back.
@@ -143,35 +169,38 @@ contains
     class(heat_type), intent(inout) :: self
     type(mesh_type), intent(in) :: mesh
     real(real64), intent(in) :: dt
-    real(real64) :: ratio(mesh%ncolumns, mesh%nlevels), pivot(mesh%ncolumns), above(mesh%ncolumns)
-    real(real64) :: below(mesh%ncolumns)
+    real(real64) :: ratio(mesh%first_column:mesh%last_column, mesh%nlevels)
+    real(real64), dimension(mesh%first_column:mesh%last_column) :: pivot, above, below
     integer :: k
 
-    associate (n => mesh%nlevels)
+    associate (a => mesh%first_column, b => mesh%last_column, n => mesh%nlevels)
       below = 0.0_real64
       do k = 1, n
-        above = dt * exchange * mesh%area
+        above = dt * exchange * mesh%area(a:b)
         if (k < n) above = dt * self%upright(:, k + 1)
         pivot = mesh%volume(:, k) + below + above
         if (k > 1) pivot = pivot - below * ratio(:, k - 1)
-        self%t(:, k) = mesh%volume(:, k) * self%t(:, k)
-        if (k > 1) self%t(:, k) = self%t(:, k) + below * self%t(:, k - 1)
-        self%t(:, k) = self%t(:, k) / pivot
+        self%t(a:b, k) = mesh%volume(:, k) * self%t(a:b, k)
+        if (k > 1) self%t(a:b, k) = self%t(a:b, k) + below * self%t(a:b, k - 1)
+        self%t(a:b, k) = self%t(a:b, k) / pivot
         ratio(:, k) = above / pivot
         below = above
       end do
       do k = n, 1, -1                                    ! begins with the air's
-        self%t(:, k) = self%t(:, k) + ratio(:, k) * self%t(:, k + 1)
+        self%t(a:b, k) = self%t(a:b, k) + ratio(:, k) * self%t(a:b, k + 1)
       end do
-      self%gained = self%gained + dt * exchange * sum(mesh%area * (self%t(:, n + 1) - self%t(:, n)))
+      self%gained = self%gained + dt * exchange &
+          * mesh%processes%total(mesh%area(a:b) * (self%t(a:b, n + 1) - self%t(a:b, n)))
     end associate
   end subroutine mix_upright
 
-  !> The temperature's integral, K m3.
-  pure real(real64) function content(self, mesh)
+  !> The temperature's integral over the whole basin, K m3.
+  real(real64) function content(self, mesh)
     class(heat_type), intent(in) :: self
     type(mesh_type), intent(in) :: mesh
-    content = sum(mesh%volume * self%t(:, 1:mesh%nlevels))
+    associate (t => self%t(mesh%first_column:mesh%last_column, 1:mesh%nlevels))
+      content = mesh%processes%total(pack(mesh%volume * t, .true.))
+    end associate
   end function content
 
 end module gyre_heat

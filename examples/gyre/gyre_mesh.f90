@@ -1,12 +1,20 @@
 !> A layered mesh of wedges over a basin: a triangulated surface, in longitude and latitude, extruded
 !! down to the bottom.
 !!
+!! Each process knows the surface of the whole basin, and the water below a strip of it, from one
+!! meridian to another. Columns and vertices are numbered meridian by meridian, so a strip's are
+!! first_column to last_column and first_vertex to last_vertex; neighbours share the vertices of the
+!! meridian between them. To know what happens at its vertices a process follows the columns beside its
+!! strip too: its own and these are near.
+!!
 !! Vertex v of interface k has id v + (k - 1)*nv, the cell of column c in level k has id
-!! c + (k - 1)*ncolumns; both count from 1 and from the bottom. Metric terms are those of a sphere:
-!! a triangle is taken at the latitude of its centroid.
+!! c + (k - 1)*ncolumns; both count from 1 and from the bottom. In a strip's own numbers its vertices and
+!! columns alone count, in the same order. Metric terms are those of a sphere: a triangle is taken at the
+!! latitude of its centroid.
 module gyre_mesh
-  use, intrinsic :: iso_fortran_env, only: int32, real64
+  use, intrinsic :: iso_fortran_env, only: int32, int64, real64
   use gyre_basin, only: basin_type, earth_radius, radians
+  use gyre_processes, only: processes_type
   implicit none
   private
 
@@ -24,41 +32,93 @@ module gyre_mesh
   real(real64), parameter :: crowding = 2.5_real64
 
   type, public :: mesh_type
+    ! The surface of the whole basin.
     integer :: nv = 0                                    !< vertices of one interface
-    integer :: ncolumns = 0, nedges = 0
+    integer :: ncolumns = 0
     integer :: nlevels = size(fixed_depth) - 1 + nbelow
     integer :: bandwidth = 0                             !< largest difference of an edge's vertices
-    real(real64), allocatable :: lon(:), lat(:), depth(:) !< all vertices: nv*(nlevels + 1)
-    integer(int32), allocatable :: connectivity(:,:)     !< (6, ncells), VTK's order
+    real(real64), allocatable :: surface_lon(:), surface_lat(:), bottom(:) !< (nv)
     integer, allocatable :: triangle(:,:)                !< (3, ncolumns), counter-clockwise from above
     real(real64), allocatable :: area(:)                 !< (ncolumns), m2
     real(real64), allocatable :: cos_lat(:)              !< (ncolumns), at the centroids
     real(real64), allocatable :: gradient(:,:,:)         !< (2, 3, ncolumns): east, north of the hats
     logical, allocatable :: on_coast(:)                  !< (nv)
     real(real64), allocatable :: coast_normal(:,:)       !< (2, nv), unit and outwards; 0 inside
-    integer, allocatable :: edge_vertices(:,:)           !< (2, nedges), edges between two columns
+
+    ! This process's strip.
+    type(processes_type) :: processes
+    integer :: west = -1, east = -1                      !< processes of the neighbouring strips; -1: none
+    integer :: first_column = 1, last_column = 0         !< own ones
+    integer :: near_first = 1, near_last = 0             !< own columns and those beside the strip
+    integer :: first_vertex = 1, last_vertex = 0
+    real(real64), allocatable :: lon(:), lat(:), depth(:) !< own vertices, all interfaces
+    integer(int32), allocatable :: connectivity(:,:)     !< (6, ncells), VTK's order, in own numbers
+    real(real64), allocatable :: volume(:,:)             !< (first_column:last_column, nlevels), m3
+    integer :: nedges = 0                                !< edges between two columns, one of them near
+    integer, allocatable :: edge_vertices(:,:)           !< (2, nedges)
     integer, allocatable :: edge_columns(:,:)            !< (2, nedges): left of the edge, right of it
     real(real64), allocatable :: edge_vector(:,:)        !< (2, nedges), m east and north
     real(real64), allocatable :: centre_distance(:)      !< (nedges), m
-    real(real64), allocatable :: volume(:,:)             !< (ncolumns, nlevels), m3
   contains
     procedure :: ncells
+    procedure :: own_id
+    procedure :: is_own
+    procedure :: is_near
+    procedure :: cell_ids
+    procedure :: vertex_ids
     procedure :: interface_depth
     procedure :: edge_depth
   end type mesh_type
 
 contains
 
+  !> Of this process's strip.
   pure integer function ncells(self)
     class(mesh_type), intent(in) :: self
-    ncells = self%ncolumns * self%nlevels
+    ncells = (self%last_column - self%first_column + 1) * self%nlevels
   end function ncells
+
+  !> Of vertex v of the surface, on interface k, in the strip's own numbers.
+  pure integer function own_id(self, v, k)
+    class(mesh_type), intent(in) :: self
+    integer, intent(in) :: v, k
+    own_id = v - self%first_vertex + 1 + (k - 1) * (self%last_vertex - self%first_vertex + 1)
+  end function own_id
+
+  pure logical function is_own(self, column)
+    class(mesh_type), intent(in) :: self
+    integer, intent(in) :: column
+    is_own = column >= self%first_column .and. column <= self%last_column
+  end function is_own
+
+  pure logical function is_near(self, column)
+    class(mesh_type), intent(in) :: self
+    integer, intent(in) :: column
+    is_near = column >= self%near_first .and. column <= self%near_last
+  end function is_near
+
+  !> The ids in the whole basin.
+  pure function cell_ids(self) result(ids)
+    class(mesh_type), intent(in) :: self
+    integer(int64) :: ids(self%ncells())
+    integer :: c, k
+    ids = [((int(c, int64) + int(k - 1, int64) * self%ncolumns, c=self%first_column, self%last_column), &
+            k=1, self%nlevels)]
+  end function cell_ids
+
+  pure function vertex_ids(self) result(ids)
+    class(mesh_type), intent(in) :: self
+    integer(int64) :: ids(size(self%lon))
+    integer :: v, k
+    ids = [((int(v, int64) + int(k - 1, int64) * self%nv, v=self%first_vertex, self%last_vertex), &
+            k=1, self%nlevels + 1)]
+  end function vertex_ids
 
   !> Depth of interface k at vertex v of the surface.
   pure real(real64) function interface_depth(self, v, k)
     class(mesh_type), intent(in) :: self
     integer, intent(in) :: v, k
-    interface_depth = self%depth(v + (k - 1) * self%nv)
+    interface_depth = level_depth(self%nlevels + 1 - k, self%bottom(v))
   end function interface_depth
 
   !> Depths of all interfaces at the middle of an edge.
@@ -74,31 +134,58 @@ contains
     end do
   end function edge_depth
 
-  !> nwest by nnorth quadrangles from coast to coast, each cut in two, this way and that.
-  function basin_mesh(basin, nwest, nnorth) result(mesh)
+  !> nwest by nnorth quadrangles from coast to coast, each cut in two, this way and that; dealt out in
+  !! strips between meridians.
+  function basin_mesh(basin, nwest, nnorth, processes) result(mesh)
     type(basin_type), intent(in) :: basin
     integer, intent(in) :: nwest, nnorth
+    type(processes_type), intent(in), optional :: processes
     type(mesh_type) :: mesh
 
+    if (present(processes)) mesh%processes = processes
     mesh%nv = (nwest + 1) * (nnorth + 1)
     mesh%ncolumns = 2 * nwest * nnorth
-    call place_vertices(mesh, basin, nwest, nnorth)
+    call choose_strip(mesh, nwest, nnorth)
+    call place_surface(mesh, basin, nwest, nnorth)
+    call place_vertices(mesh)
     call cut_triangles(mesh, nwest, nnorth)
     call extrude(mesh)
     call measure_columns(mesh)
     call find_edges(mesh)
   end function basin_mesh
 
-  subroutine place_vertices(mesh, basin, nwest, nnorth)
+  !> A process may have no columns.
+  subroutine choose_strip(mesh, nwest, nnorth)
+    type(mesh_type), intent(inout) :: mesh
+    integer, intent(in) :: nwest, nnorth
+    integer :: process, first, last, begin(0:mesh%processes%number)
+
+    associate (rank => mesh%processes%rank, number => mesh%processes%number)
+      begin = [(nwest * process / number, process=0, number)] ! quadrangles east of that many meridians
+      first = begin(rank)
+      last = begin(rank + 1)
+      if (first == last) return
+      do process = 0, number - 1
+        if (begin(process) < first .and. begin(process + 1) == first) mesh%west = process
+        if (begin(process) == last .and. begin(process + 1) > last) mesh%east = process
+      end do
+    end associate
+    mesh%first_column = 2 * nnorth * first + 1
+    mesh%last_column = 2 * nnorth * last
+    mesh%near_first = 2 * nnorth * max(first - 1, 0) + 1
+    mesh%near_last = 2 * nnorth * min(last + 1, nwest)
+    mesh%first_vertex = (nnorth + 1) * first + 1
+    mesh%last_vertex = (nnorth + 1) * (last + 1)
+  end subroutine choose_strip
+
+  subroutine place_surface(mesh, basin, nwest, nnorth)
     type(mesh_type), intent(inout) :: mesh
     type(basin_type), intent(in) :: basin
     integer, intent(in) :: nwest, nnorth
-    real(real64) :: share, latitude, bottom
-    integer :: i, j, k, v, n, all
+    real(real64) :: share, latitude
+    integer :: i, j, v
 
-    n = mesh%nlevels + 1
-    all = mesh%nv * n
-    allocate (mesh%lon(all), mesh%lat(all), mesh%depth(all))
+    allocate (mesh%surface_lon(mesh%nv), mesh%surface_lat(mesh%nv), mesh%bottom(mesh%nv))
     do i = 0, nwest
       share = (exp(crowding * real(i, real64) / real(nwest, real64)) - 1.0_real64) &
             / (exp(crowding) - 1.0_real64)
@@ -107,12 +194,26 @@ contains
         associate (south => basin%latitude(1), north => basin%latitude(size(basin%latitude)))
           latitude = south + (north - south) * real(j, real64) / real(nnorth, real64)
         end associate
-        bottom = basin%bottom(share, latitude)
-        do k = 1, n
-          mesh%lon(v + (k - 1) * mesh%nv) = basin%longitude(share, latitude)
-          mesh%lat(v + (k - 1) * mesh%nv) = latitude
-          mesh%depth(v + (k - 1) * mesh%nv) = level_depth(n - k, bottom)
-        end do
+        mesh%surface_lon(v) = basin%longitude(share, latitude)
+        mesh%surface_lat(v) = latitude
+        mesh%bottom(v) = basin%bottom(share, latitude)
+      end do
+    end do
+  end subroutine place_surface
+
+  subroutine place_vertices(mesh)
+    type(mesh_type), intent(inout) :: mesh
+    integer :: k, v, all
+
+    all = (mesh%last_vertex - mesh%first_vertex + 1) * (mesh%nlevels + 1)
+    allocate (mesh%lon(all), mesh%lat(all), mesh%depth(all))
+    do k = 1, mesh%nlevels + 1
+      do v = mesh%first_vertex, mesh%last_vertex
+        associate (id => mesh%own_id(v, k))
+          mesh%lon(id) = mesh%surface_lon(v)
+          mesh%lat(id) = mesh%surface_lat(v)
+          mesh%depth(id) = mesh%interface_depth(v, k)
+        end associate
       end do
     end do
   end subroutine place_vertices
@@ -162,31 +263,33 @@ contains
   !! coordinate goes down, that is the lower one, listed counter-clockwise from above.
   subroutine extrude(mesh)
     type(mesh_type), intent(inout) :: mesh
-    integer :: k, c, cell
+    integer :: i, k, c, cell
 
     allocate (mesh%connectivity(6, mesh%ncells()))
     cell = 0
     do k = 1, mesh%nlevels
-      do c = 1, mesh%ncolumns
+      do c = mesh%first_column, mesh%last_column
         cell = cell + 1
-        mesh%connectivity(1:3, cell) = int(mesh%triangle(:, c) + (k - 1) * mesh%nv, int32)
-        mesh%connectivity(4:6, cell) = int(mesh%triangle(:, c) + k * mesh%nv, int32)
+        do i = 1, 3
+          mesh%connectivity(i, cell) = int(mesh%own_id(mesh%triangle(i, c), k), int32)
+          mesh%connectivity(3 + i, cell) = int(mesh%own_id(mesh%triangle(i, c), k + 1), int32)
+        end do
       end do
     end do
   end subroutine extrude
 
   subroutine measure_columns(mesh)
     type(mesh_type), intent(inout) :: mesh
-    real(real64) :: x(3), y(3), twice
+    real(real64) :: x(3), y(3), twice, upper(3), lower(3)
     integer :: c, i, j, k, l
 
     allocate (mesh%area(mesh%ncolumns), mesh%cos_lat(mesh%ncolumns))
-    allocate (mesh%gradient(2, 3, mesh%ncolumns), mesh%volume(mesh%ncolumns, mesh%nlevels))
+    allocate (mesh%gradient(2, 3, mesh%ncolumns), mesh%volume(mesh%first_column:mesh%last_column, mesh%nlevels))
     do c = 1, mesh%ncolumns
       associate (v => mesh%triangle(:, c))
-        mesh%cos_lat(c) = cos(radians(sum(mesh%lat(v)) / 3.0_real64))
-        x = earth_radius * mesh%cos_lat(c) * radians(mesh%lon(v))
-        y = earth_radius * radians(mesh%lat(v))
+        mesh%cos_lat(c) = cos(radians(sum(mesh%surface_lat(v)) / 3.0_real64))
+        x = earth_radius * mesh%cos_lat(c) * radians(mesh%surface_lon(v))
+        y = earth_radius * radians(mesh%surface_lat(v))
         twice = (x(2) - x(1)) * (y(3) - y(1)) - (x(3) - x(1)) * (y(2) - y(1))
         mesh%area(c) = 0.5_real64 * twice
         do i = 1, 3
@@ -194,15 +297,19 @@ contains
           k = 1 + modulo(i + 1, 3)
           mesh%gradient(:, i, c) = [y(j) - y(k), x(k) - x(j)] / twice
         end do
+        if (.not. mesh%is_own(c)) cycle
         do l = 1, mesh%nlevels
-          mesh%volume(c, l) = mesh%area(c) / 3.0_real64 &
-              * sum(mesh%depth(v + (l - 1) * mesh%nv) - mesh%depth(v + l * mesh%nv))
+          do i = 1, 3
+            lower(i) = mesh%interface_depth(v(i), l)
+            upper(i) = mesh%interface_depth(v(i), l + 1)
+          end do
+          mesh%volume(c, l) = mesh%area(c) / 3.0_real64 * sum(lower - upper)
         end do
       end associate
     end do
   end subroutine measure_columns
 
-  !> Edges between two columns go into the list, edges of one column are the coast.
+  !> Edges between two columns, one of them near, go into the list; edges of one column are the coast.
   subroutine find_edges(mesh)
     type(mesh_type), intent(inout) :: mesh
     integer :: first(3 * mesh%ncolumns, 3)               ! per half edge: lower vertex, higher, column
@@ -242,6 +349,8 @@ contains
           i = partner(h)
           if (i == 0 .and. pass == 1) call note_coast(first(h, 1), first(h, 2))
           if (i <= h) cycle
+          if (pass == 1) mesh%bandwidth = max(mesh%bandwidth, abs(first(h, 1) - first(h, 2)))
+          if (.not. (mesh%is_near(first(h, 3)) .or. mesh%is_near(first(i, 3)))) cycle
           found = found + 1
           if (pass == 2) call note_edge(found, h, i)
         end do
@@ -288,9 +397,8 @@ contains
       mesh%edge_vertices(:, e) = first(h, 1:2)
       mesh%edge_columns(:, e) = [l, r]
       mesh%edge_vector(:, e) = metres(first(h, 1), first(h, 2))
-      mesh%bandwidth = max(mesh%bandwidth, abs(first(h, 1) - first(h, 2)))
-      between(1) = sum(mesh%lon(mesh%triangle(:, r))) - sum(mesh%lon(mesh%triangle(:, l)))
-      between(2) = sum(mesh%lat(mesh%triangle(:, r))) - sum(mesh%lat(mesh%triangle(:, l)))
+      between(1) = sum(mesh%surface_lon(mesh%triangle(:, r))) - sum(mesh%surface_lon(mesh%triangle(:, l)))
+      between(2) = sum(mesh%surface_lat(mesh%triangle(:, r))) - sum(mesh%surface_lat(mesh%triangle(:, l)))
       between(1) = between(1) * 0.5_real64 * (mesh%cos_lat(l) + mesh%cos_lat(r))
       mesh%centre_distance(e) = earth_radius * norm2(radians(between)) / 3.0_real64
     end subroutine note_edge
@@ -298,28 +406,33 @@ contains
     pure function metres(a, b)
       integer, intent(in) :: a, b
       real(real64) :: metres(2)
-      metres(1) = earth_radius * radians(mesh%lon(b) - mesh%lon(a)) &
-                * cos(radians(0.5_real64 * (mesh%lat(a) + mesh%lat(b))))
-      metres(2) = earth_radius * radians(mesh%lat(b) - mesh%lat(a))
+      associate (lon => mesh%surface_lon, lat => mesh%surface_lat)
+        metres(1) = earth_radius * radians(lon(b) - lon(a)) * cos(radians(0.5_real64 * (lat(a) + lat(b))))
+        metres(2) = earth_radius * radians(lat(b) - lat(a))
+      end associate
     end function metres
 
   end subroutine find_edges
 
-  !> Values of the columns at the vertices of the surface: means over the columns around each, by area.
+  !> Values of the near columns at the strip's vertices of the surface: means over the columns around
+  !! each, by area.
   pure function vertex_mean(mesh, of_column) result(mean)
     type(mesh_type), intent(in) :: mesh
-    real(real64), intent(in) :: of_column(:)
-    real(real64) :: mean(mesh%nv)
-    real(real64) :: weight(mesh%nv)
-    integer :: c
+    real(real64), intent(in) :: of_column(mesh%near_first:)
+    real(real64) :: mean(mesh%first_vertex:mesh%last_vertex)
+    real(real64) :: weight(mesh%first_vertex:mesh%last_vertex)
+    integer :: c, i
 
     mean = 0.0_real64
     weight = 0.0_real64
-    do c = 1, mesh%ncolumns
-      associate (v => mesh%triangle(:, c))
-        mean(v) = mean(v) + mesh%area(c) * of_column(c)
-        weight(v) = weight(v) + mesh%area(c)
-      end associate
+    do c = mesh%near_first, mesh%near_last
+      do i = 1, 3
+        associate (v => mesh%triangle(i, c))
+          if (v < mesh%first_vertex .or. v > mesh%last_vertex) cycle
+          mean(v) = mean(v) + mesh%area(c) * of_column(c)
+          weight(v) = weight(v) + mesh%area(c)
+        end associate
+      end do
     end do
     mean = mean / weight
   end function vertex_mean

@@ -5,6 +5,7 @@ module gyre_model
   use gyre_flow, only: flow_type
   use gyre_heat, only: heat_type
   use gyre_mesh, only: basin_mesh, mesh_type
+  use gyre_processes, only: processes_type
   use gyre_transport, only: transport_type
   use gyre_wind, only: wind_type
   implicit none
@@ -32,13 +33,15 @@ module gyre_model
 
 contains
 
-  !> 4 and 3 times `resolution` quadrangles from west to east and from south to north.
-  subroutine start(self, basin, resolution)
+  !> 4 and 3 times `resolution` quadrangles from west to east and from south to north; dealt out to the
+  !! processes, which all make it and step it alike.
+  subroutine start(self, basin, resolution, processes)
     class(model_type), intent(out) :: self
     type(basin_type), intent(in) :: basin
     integer, intent(in) :: resolution
+    type(processes_type), intent(in), optional :: processes
 
-    self%mesh = basin_mesh(basin, 4 * resolution, 3 * resolution)
+    self%mesh = basin_mesh(basin, 4 * resolution, 3 * resolution, processes)
     self%wind%south = basin%latitude(1)
     self%wind%north = basin%latitude(size(basin%latitude))
     call self%transport%start(self%mesh, self%wind, drag)
@@ -69,7 +72,7 @@ contains
   end subroutine advance
 
   !> What of the heat is not accounted for by the surface, of all.
-  pure real(real64) function heat_error(self)
+  real(real64) function heat_error(self)
     class(model_type), intent(in) :: self
     heat_error = (self%heat%content(self%mesh) - self%heat_at_start - self%heat%gained) &
                / self%heat_at_start

@@ -8,7 +8,8 @@
 !!
 !! Linear finite elements. The beta term is made skew-symmetric, so it neither makes nor takes energy;
 !! in time it is extrapolated (Adams-Bashforth of order 3), the drag is implicit. The matrix is
-!! factored once (Cholesky, banded).
+!! factored once (Cholesky, banded). The surface is small beside the water below it: every process
+!! works all of it out.
 module gyre_transport
   use, intrinsic :: iso_fortran_env, only: real64
   use gyre_basin, only: earth_spin, earth_radius
@@ -47,7 +48,7 @@ contains
       associate (v => mesh%triangle(:, c))
         do i = 1, 3
           self%curl(v(i)) = self%curl(v(i)) + mesh%area(c) / (3.0_real64 * density) &
-                                            * wind%curl(sum(mesh%lat(v)) / 3.0_real64)
+                                            * wind%curl(sum(mesh%surface_lat(v)) / 3.0_real64)
         end do
       end associate
     end do

@@ -131,7 +131,7 @@ contains
       call model%transport%step(model%mesh, 0.25_real64 * day, 1.0_real64)
     end do
     call model%flow%update(model%mesh, model%transport%psi, 1.0_real64)
-    call expect_near('no water is lost', model%flow%imbalance(), 0.0_real64, 1.0e-13_real64)
+    call expect_near('no water is lost', model%flow%imbalance(model%mesh), 0.0_real64, 1.0e-13_real64)
 
     ! Sverdrup's transport is the limit without drag, whose torque is by theory of order drag / beta * x
     ! times the squared wave number of the wind: 0.10 where this looks. It is halved with the drag.
@@ -272,7 +272,7 @@ contains
     do i = 1, 30
       call model%advance()
     end do
-    call expect_near('the Atlantic loses no water', model%flow%imbalance(), 0.0_real64, 1.0e-13_real64)
+    call expect_near('the Atlantic loses no water', model%flow%imbalance(model%mesh), 0.0_real64, 1.0e-13_real64)
     call expect_near('nor heat', model%heat_error(), 0.0_real64, 1.0e-12_real64)
     call expect('the temperature keeps its bounds', minval(model%heat%t) >= low - 1.0e-9_real64 .and. &
                 maxval(model%heat%t) <= high + 1.0e-9_real64)
