@@ -58,10 +58,6 @@ void blast_primitives(const blast_cell* cell, double w[GAS_VALUES]) {
   w[4] = cell->pressure;
 }
 
-static double volume(const blast_solver* s, size_t i) {
-  return s->work[i].size * s->work[i].size * s->work[i].size;
-}
-
 /* The conserved values' mean over the cell, by SAMPLES^3 midpoints. */
 static void fill(const blast_solver* s, size_t i) {
   enum { SAMPLES = 4 };
@@ -89,7 +85,7 @@ static int fill_all(const blast_solver* s) {
     fill(s, i);
     good = blast_update_primitives(s->cells[i], s->config.gamma) && good;
   }
-  return good;
+  return blast_all(s, good);
 }
 
 static int is_sound(const blast_config* c) {
@@ -110,6 +106,7 @@ blast_solver* blast_new(const blast_config* config, sc_MPI_Comm comm) {
   s->connectivity = p8est_connectivity_new_brick(c->trees[0], c->trees[1], c->trees[2], c->periodic,
                                                  c->periodic, c->periodic);
   s->forest = p8est_new_ext(comm, s->connectivity, 0, c->coarsest, 1, sizeof(blast_cell), NULL, s);
+  p8est_partition(s->forest, 1, NULL);
   good = blast_list_cells(s) && fill_all(s);
   for (level = c->coarsest; good && level < c->finest; ++level) {
     const int changed = blast_regrid(s);
@@ -126,6 +123,8 @@ blast_solver* blast_new(const blast_config* config, sc_MPI_Comm comm) {
 void blast_free(blast_solver* s) {
   if (!s)
     return;
+  if (s->ghost)
+    p8est_ghost_destroy(s->ghost);
   if (s->forest)
     p8est_destroy(s->forest);
   if (s->connectivity)
@@ -133,20 +132,17 @@ void blast_free(blast_solver* s) {
   free(s->cells);
   free(s->work);
   free(s->faces);
+  free(s->ghost_cells);
+  free(s->mirrors);
   free(s);
 }
 
-/* Neumaier's sums, so that the totals are no less exact than what is summed. */
+static double content(const blast_solver* s, size_t i, int k) {
+  return s->work[i].size * s->work[i].size * s->work[i].size * s->cells[i]->u[k];
+}
+
 void blast_totals(const blast_solver* s, double totals[GAS_VALUES]) {
-  size_t i;
   int k;
-  for (k = 0; k < GAS_VALUES; ++k) {
-    double sum = 0.0, rest = 0.0;
-    for (i = 0; i < (size_t)s->forest->local_num_quadrants; ++i) {
-      const double term = volume(s, i) * s->cells[i]->u[k], next = sum + term;
-      rest += fabs(sum) >= fabs(term) ? (sum - next) + term : (term - next) + sum;
-      sum = next;
-    }
-    totals[k] = sum + rest;
-  }
+  for (k = 0; k < GAS_VALUES; ++k)
+    totals[k] = blast_sum(s, content, k);
 }

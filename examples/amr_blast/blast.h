@@ -2,11 +2,18 @@
  * reconstruction, HLLC fluxes (HLL beside shocks, which HLLC lets run ahead along the grid), Heun's
  * method in time; or all of first order. Refined where density or pressure jump. What one cell
  * loses through a face its neighbour gains, across hanging faces too, so mass and energy are
- * conserved to rounding. One process. */
+ * conserved to rounding.
+ *
+ * On several processes p8est deals out the cells. A process knows its neighbours' cells beside its
+ * own as ghosts, whose values are theirs, and adds up what goes through the faces of a cell in the
+ * order of one process: so all results are the same to the bit on any number of them. Functions
+ * that are given a solver are called by all its processes alike, and return the same, unless they
+ * are said to be local. */
 #ifndef AMR_BLAST_H
 #define AMR_BLAST_H
 
 #include <p8est.h>
+#include <p8est_ghost.h>
 #include <stddef.h>
 
 #include "gas.h"
@@ -78,9 +85,12 @@ typedef struct blast_solver {
   p8est_connectivity_t* connectivity;
   p8est_t* forest;
   blast_cell** cells; /* [forest->local_num_quadrants], in p8est's order */
-  blast_work* work;   /* the same */
+  blast_work* work;   /* the same, and then those of the ghosts */
   blast_face* faces;
   size_t face_count, face_room;
+  p8est_ghost_t* ghost;    /* null on one process */
+  blast_cell* ghost_cells; /* in the order of ghost->ghosts */
+  void** mirrors;          /* room for as many addresses as cells are others' ghosts */
   double time;
   long cycle;
 } blast_solver;
@@ -101,15 +111,26 @@ int blast_regrid(blast_solver* solver);
 /* Sums of the conserved values over all cells: mass, momentum (3), energy. */
 void blast_totals(const blast_solver* solver, double totals[GAS_VALUES]);
 
-/* The centre of cell i. */
+/* Local: the centre of cell i. */
 void blast_centre(const blast_solver* solver, size_t i, double centre[3]);
 
-/* Of the record: from u; 0 if density or pressure is not positive. */
+/* Local. Of the record: from u; 0 if density or pressure is not positive. */
 int blast_update_primitives(blast_cell* cell, double gamma);
 void blast_primitives(const blast_cell* cell, double w[GAS_VALUES]);
 
-/* grid.c: lists of cells and faces, from the forest as it is; 0 if there is no memory. */
+/* grid.c: lists of cells, ghosts and faces, from the forest as it is; 0 if there is no memory. */
 int blast_list_cells(blast_solver* solver);
+
+/* processes.c: ghosts get what their own processes have of their records, and of their work. */
+void blast_exchange_cells(blast_solver* solver);
+void blast_exchange_work(blast_solver* solver);
+
+double blast_largest(const blast_solver* solver, double mine);
+int blast_all(const blast_solver* solver, int good); /* 1 if it is good on all */
+
+/* A sum over all cells, which is the same to the bit however they are dealt out. */
+typedef double (*blast_term)(const blast_solver* solver, size_t i, int which);
+double blast_sum(const blast_solver* solver, blast_term term, int which);
 
 #ifdef __cplusplus
 }

@@ -50,6 +50,27 @@ static double size_of(const blast_solver* s, const p8est_quadrant_t* q) {
   return s->config.tree_size * P8EST_QUADRANT_LEN(q->level) / P8EST_ROOT_LEN;
 }
 
+/* Null: neither here nor a ghost, so none of the cells here has this part of the face. */
+static blast_cell* cell_at(blast_solver* s, const p8est_quadrant_t* q, int is_ghost,
+                           p4est_locidx_t number) {
+  return is_ghost ? (q ? s->ghost_cells + number : NULL) : cell_of(q);
+}
+
+static blast_cell* whole_cell(blast_solver* s, const p8est_iter_face_side_t* side) {
+  return cell_at(s, side->is.full.quad, side->is.full.is_ghost, side->is.full.quadid);
+}
+
+/* The one at a quarter of the face. */
+static blast_cell* cell_at_quarter(blast_solver* s, const p8est_iter_face_side_t* side, int i) {
+  return side->is_hanging ? cell_at(s, side->is.hanging.quad[i], side->is.hanging.is_ghost[i],
+                                    side->is.hanging.quadid[i])
+                          : whole_cell(s, side);
+}
+
+static int is_here(const p8est_iter_face_side_t* side, int i) {
+  return side->is_hanging ? !side->is.hanging.is_ghost[i] : !side->is.full.is_ghost;
+}
+
 static void visit_face(p8est_iter_face_info_t* info, void* user) {
   blast_solver* const s = user;
   p8est_iter_face_side_t* const first = p8est_iter_fside_array_index_int(&info->sides, 0);
@@ -66,16 +87,14 @@ static void visit_face(p8est_iter_face_info_t* info, void* user) {
     const p8est_quadrant_t* const q = first->is.full.quad;
     add_face(s, lower ? cell_of(q) : NULL, upper ? cell_of(q) : NULL, size_of(s, q), axis, -1);
   } else if (!lower->is_hanging && !upper->is_hanging) {
-    add_face(s, cell_of(lower->is.full.quad), cell_of(upper->is.full.quad),
-             size_of(s, lower->is.full.quad), axis, -1);
+    add_face(s, whole_cell(s, lower), whole_cell(s, upper), size_of(s, lower->is.full.quad), axis,
+             -1);
   } else {
-    for (i = 0; i < P8EST_HALF; ++i) {
-      const p8est_quadrant_t* const l =
-          lower->is_hanging ? lower->is.hanging.quad[i] : lower->is.full.quad;
-      const p8est_quadrant_t* const u =
-          upper->is_hanging ? upper->is.hanging.quad[i] : upper->is.full.quad;
-      add_face(s, cell_of(l), cell_of(u), size_of(s, lower->is_hanging ? l : u), axis, i);
-    }
+    const p8est_iter_face_side_t* const fine = lower->is_hanging ? lower : upper;
+    for (i = 0; i < P8EST_HALF; ++i)
+      if (is_here(lower, i) || is_here(upper, i))
+        add_face(s, cell_at_quarter(s, lower, i), cell_at_quarter(s, upper, i),
+                 size_of(s, fine->is.hanging.quad[i]), axis, i);
   }
 }
 
@@ -91,14 +110,29 @@ static void* enlarged(void* old, size_t count, size_t size, int* good) {
   return now ? now : old;
 }
 
+/* Across corners too, so that of a face in quarters all cells are known. */
+static int list_ghosts(blast_solver* s) {
+  int good = 1;
+  if (s->forest->mpisize == 1)
+    return 1;
+  if (s->ghost)
+    p8est_ghost_destroy(s->ghost);
+  s->ghost = p8est_ghost_new(s->forest, P8EST_CONNECT_FULL);
+  s->ghost_cells =
+      enlarged(s->ghost_cells, s->ghost->ghosts.elem_count, sizeof *s->ghost_cells, &good);
+  s->mirrors = enlarged(s->mirrors, s->ghost->mirrors.elem_count, sizeof *s->mirrors, &good);
+  return good;
+}
+
 int blast_list_cells(blast_solver* s) {
   const size_t n = (size_t)s->forest->local_num_quadrants;
   p4est_topidx_t t;
   size_t i, k = 0;
-  int good = 1, pass;
+  int good = list_ghosts(s), pass;
   s->cells = enlarged(s->cells, n, sizeof *s->cells, &good);
-  s->work = enlarged(s->work, n, sizeof *s->work, &good);
-  if (!good)
+  s->work =
+      enlarged(s->work, n + (s->ghost ? s->ghost->ghosts.elem_count : 0), sizeof *s->work, &good);
+  if (!blast_all(s, good))
     return 0;
   for (t = 0; t < s->connectivity->num_trees; ++t) {
     p8est_tree_t* const tree = p8est_tree_array_index(s->forest->trees, t);
@@ -112,9 +146,11 @@ int blast_list_cells(blast_solver* s) {
       s->work[k].size = size_of(s, q);
     }
   }
+  blast_exchange_cells(s); /* faces ask for their numbers and levels */
+  blast_exchange_work(s);
   for (pass = 0; good && pass < 2; ++pass) { /* the first may find too little room */
     s->face_count = 0;
-    p8est_iterate(s->forest, NULL, s, NULL, visit_face, NULL, NULL);
+    p8est_iterate(s->forest, s->ghost, s, NULL, visit_face, NULL, NULL);
     if (s->face_count <= s->face_room)
       break;
     s->faces = enlarged(s->faces, s->face_count, sizeof *s->faces, &good);
@@ -124,7 +160,7 @@ int blast_list_cells(blast_solver* s) {
   for (i = 0; good && i < s->face_count; ++i)
     if (s->faces[i].quarter >= 0)
       s->faces[i].lower->checkers = s->faces[i].upper->checkers = 2.0;
-  return good;
+  return blast_all(s, good);
 }
 
 static double jump(double a, double b) {
@@ -136,6 +172,7 @@ static void mark(blast_solver* s) {
   const size_t n = (size_t)s->forest->local_num_quadrants;
   size_t i;
   int round;
+  blast_exchange_cells(s);
   for (i = 0; i < n; ++i)
     s->cells[i]->jump = 0.0;
   for (i = 0; i < s->face_count; ++i) {
@@ -152,6 +189,7 @@ static void mark(blast_solver* s) {
     c->wanted = c->jump > s->config.refine ? 1 : c->jump < s->config.coarsen ? -1 : 0;
   }
   for (round = 1; round <= s->config.margin; ++round) { /* 1 + round: marked in this round */
+    blast_exchange_cells(s);
     for (i = 0; i < s->face_count; ++i) {
       const blast_face* const f = s->faces + i;
       if (!f->lower || !f->upper)
@@ -209,6 +247,7 @@ int blast_regrid(blast_solver* s) {
   p8est_refine_ext(s->forest, 0, s->config.finest, is_refined, NULL, replace);
   p8est_coarsen_ext(s->forest, 0, 0, is_coarsened, NULL, replace);
   p8est_balance_ext(s->forest, P8EST_CONNECT_FULL, NULL, replace);
+  p8est_partition(s->forest, 1, NULL); /* eight siblings stay together, to be coarsened */
   if (p8est_revision(s->forest) == revision)
     return 0;
   if (!blast_list_cells(s))

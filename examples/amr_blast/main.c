@@ -1,6 +1,7 @@
 /* A blast in a brick on an adaptive grid, coupled: the solver moves its refined front every few
  * cycles, libinsitu reads p8est's quadrants and the records behind them in place. At the end: where
- * the time went, and how well mass and energy were kept. */
+ * the time went, and how well mass and energy were kept. On several processes (mpirun -n 4
+ * amr_blast ...) the first one alone prints. */
 #include <insitu/p4est.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +12,8 @@
 typedef struct meshes {
   insitu_mesh hydro, grid;
 } meshes;
+
+static int is_root = 1; /* who prints, of several processes */
 
 /* The coupling: the forest, and what of each record is a field. Again after every regrid. */
 static insitu_status couple(meshes to, blast_solver* blast) {
@@ -42,18 +45,19 @@ static insitu_status couple(meshes to, blast_solver* blast) {
 /* Says what failed, once for each status; the run goes on without it. */
 static void report_failure(insitu_status status) {
   static insitu_status last = INSITU_OK;
-  if (status != INSITU_OK && status != last)
+  if (is_root && status != INSITU_OK && status != last)
     fprintf(stderr, "amr_blast: %s: %s\n", insitu_status_name(status), insitu_last_message());
   last = status;
 }
 
-static insitu_session open_session(const options* o, meshes* to) {
+static insitu_session open_session(const options* o, sc_MPI_Comm* communicator, meshes* to) {
   insitu_session session = NULL;
   insitu_session_options how = insitu_session_options_default();
   insitu_status status;
   how.scene = o->scene;
   how.output = o->output;
   how.threads = o->library_threads;
+  how.communicator = communicator;
   status = insitu_session_open(&how, &session);
   if (status == INSITU_OK)
     status = insitu_session_mesh(session, "hydro", &to->hydro);
@@ -93,29 +97,34 @@ static int advance(const options* o, blast_solver* blast, meshes to, long* regri
   const double begin = sc_MPI_Wtime();
   int moved = 0;
   if (blast_step(blast, o->end - blast->time) < 0.0) {
-    fprintf(stderr, "amr_blast: cycle %ld: density or pressure is not positive\n", blast->cycle);
+    if (is_root)
+      fprintf(stderr, "amr_blast: cycle %ld: density or pressure is not positive\n", blast->cycle);
     return 0;
   }
   if (blast->cycle % o->regrid == 0)
     moved = blast_regrid(blast);
   if (moved < 0) {
-    fprintf(stderr, "amr_blast: no memory for the grid\n");
+    if (is_root)
+      fprintf(stderr, "amr_blast: no memory for the grid\n");
     return 0;
   }
   *solver_s += sc_MPI_Wtime() - begin;
   *regrids += moved;
-  return moved ? couple(to, blast) == INSITU_OK
-               : insitu_mesh_changed(to.hydro, INSITU_CHANGED_FIELDS) == INSITU_OK;
+  return blast_all(blast,
+                   (moved ? couple(to, blast)
+                          : insitu_mesh_changed(to.hydro, INSITU_CHANGED_FIELDS)) == INSITU_OK);
 }
 
 static int run(const options* o) {
-  blast_solver* const blast = blast_new(&o->config, sc_MPI_COMM_WORLD);
+  sc_MPI_Comm world = sc_MPI_COMM_WORLD;
+  blast_solver* const blast = blast_new(&o->config, world);
+  const int is_alone = !blast || blast->forest->mpisize == 1;
   meshes to = {NULL, NULL};
-  insitu_session session = open_session(o, &to);
+  insitu_session session = open_session(o, is_alone ? NULL : &world, &to);
   double before[GAS_VALUES], now[GAS_VALUES], solver_s = 0.0;
   long regrids = 0;
-  int good = blast && to.hydro && couple(to, blast) == INSITU_OK;
-  if (!blast)
+  int good = blast && blast_all(blast, to.hydro && couple(to, blast) == INSITU_OK);
+  if (!blast && is_root)
     fprintf(stderr, "amr_blast: no memory, or a grid of no sense\n");
   if (good) {
     blast_totals(blast, before);
@@ -132,13 +141,13 @@ static int run(const options* o) {
       continue;
     blast_totals(blast, now);
     printf("%6ld %11.5e %9ld %9.1e %9.1e\n", blast->cycle, blast->time,
-           (long)blast->forest->local_num_quadrants, now[0] / before[0] - 1.0,
+           (long)blast->forest->global_num_quadrants, now[0] / before[0] - 1.0,
            now[4] / before[4] - 1.0);
   }
   if (good) {
     blast_totals(blast, now);
     printf("%ld cycles, %ld regrids, %ld cells of levels up to %d, %.2f s in the solver\n",
-           blast->cycle, regrids, (long)blast->forest->local_num_quadrants, o->config.finest,
+           blast->cycle, regrids, (long)blast->forest->global_num_quadrants, o->config.finest,
            solver_s);
     printf("drift of mass %.1e, of energy %.1e\n", now[0] / before[0] - 1.0,
            now[4] / before[4] - 1.0);
@@ -151,10 +160,14 @@ static int run(const options* o) {
 
 int main(int argc, char** argv) {
   options o;
-  int status = parse_options(argc, argv, &o);
+  int rank = 0, status = parse_options(argc, argv, &o);
   if (status >= 0)
     return status;
   if (sc_MPI_Init(&argc, &argv) != sc_MPI_SUCCESS)
+    return EXIT_FAILURE;
+  sc_MPI_Comm_rank(sc_MPI_COMM_WORLD, &rank);
+  is_root = rank == 0;
+  if (!is_root && !freopen("/dev/null", "w", stdout))
     return EXIT_FAILURE;
   p4est_init(NULL, SC_LP_ERROR);
   status = run(&o);

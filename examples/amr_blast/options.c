@@ -5,7 +5,7 @@
 #include <string.h>
 
 static const char usage[] =
-    "usage: amr_blast [options]\n"
+    "usage: amr_blast [options], or mpirun -n PROCESSES amr_blast [options]\n"
     "  --coarsest N         level of the coarsest cells (2); a unit cube is of level 0\n"
     "  --finest N           level of the finest cells (5)\n"
     "  --trees N            unit cubes along y and z, and N + 1 along x (2)\n"

@@ -14,7 +14,7 @@ static double step_length(const blast_solver* s, double longest) {
            s->work[i].size;
     fastest = fmax(fastest, rate);
   }
-  return fmin(longest, s->config.courant / fastest);
+  return fmin(longest, s->config.courant / blast_largest(s, fastest));
 }
 
 static double smaller_of_equal_sign(double a, double b) {
@@ -82,7 +82,7 @@ static void at_face(const blast_solver* s, const blast_cell* cell, const blast_f
     memcpy(w, mean, sizeof mean);
 }
 
-static void exchange(blast_solver* s, const blast_face* f) {
+static void cross(blast_solver* s, const blast_face* f) {
   double flux[GAS_VALUES], l[GAS_VALUES], u[GAS_VALUES];
   blast_work* const lower = f->lower ? s->work + f->lower->number : NULL;
   blast_work* const upper = f->upper ? s->work + f->upper->number : NULL;
@@ -110,16 +110,18 @@ static void find_gains(blast_solver* s) {
   size_t i;
   for (i = 0; i < (size_t)s->forest->local_num_quadrants; ++i)
     memset(s->work[i].gain, 0, sizeof s->work[i].gain);
+  blast_exchange_cells(s);
   find_slopes(s);
+  blast_exchange_work(s);
   for (i = 0; i < s->face_count; ++i)
-    exchange(s, s->faces + i);
+    cross(s, s->faces + i);
 }
 
 /* u = (1 - share) * before + share * (u + dt * gain); 0 if that is no gas. */
 static int move_on(blast_solver* s, double dt, double share) {
   size_t i;
-  int k;
-  for (i = 0; i < (size_t)s->forest->local_num_quadrants; ++i) {
+  int k, good = 1;
+  for (i = 0; good && i < (size_t)s->forest->local_num_quadrants; ++i) {
     blast_cell* const cell = s->cells[i];
     const blast_work* const work = s->work + i;
     const double volume = work->size * work->size * work->size;
@@ -127,10 +129,9 @@ static int move_on(blast_solver* s, double dt, double share) {
       const double next = cell->u[k] + dt / volume * work->gain[k];
       cell->u[k] = share == 1.0 ? next : (1.0 - share) * work->before[k] + share * next;
     }
-    if (!blast_update_primitives(cell, s->config.gamma))
-      return 0;
+    good = blast_update_primitives(cell, s->config.gamma);
   }
-  return 1;
+  return blast_all(s, good);
 }
 
 double blast_step(blast_solver* s, double longest) {
