@@ -160,10 +160,10 @@ static int run(const options* o) {
 
 int main(int argc, char** argv) {
   options o;
-  int rank = 0, status = parse_options(argc, argv, &o);
+  int rank = 0, level = 0, status = parse_options(argc, argv, &o);
   if (status >= 0)
     return status;
-  if (sc_MPI_Init(&argc, &argv) != sc_MPI_SUCCESS)
+  if (sc_MPI_Init_thread(&argc, &argv, sc_MPI_THREAD_FUNNELED, &level) != sc_MPI_SUCCESS)
     return EXIT_FAILURE;
   sc_MPI_Comm_rank(sc_MPI_COMM_WORLD, &rank);
   is_root = rank == 0;

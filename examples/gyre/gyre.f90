@@ -55,8 +55,10 @@ contains
     real(real64) :: current, coldest, warmest, water, heat
     if (options%quiet) return
     current = processes%largest(maxval(norm2(model%flow%velocity, dim=1)))
-    coldest = -processes%largest(-minval(model%heat%t(:, 1:model%mesh%nlevels)))
-    warmest = processes%largest(maxval(model%heat%t(:, 1:model%mesh%nlevels)))
+    associate (t => model%heat%t(model%mesh%first_column:model%mesh%last_column, 1:model%mesh%nlevels))
+      coldest = -processes%largest(-minval(t))
+      warmest = processes%largest(maxval(t))
+    end associate
     water = model%flow%imbalance(model%mesh)
     heat = model%heat_error()
     associate (psi => model%transport%psi)

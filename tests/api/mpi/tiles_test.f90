@@ -1,0 +1,201 @@
+!> Tiles with halos on several processes: mpiexec -n 3. Answers are held against the fields' closed forms:
+!! a cell's density is its own, the velocity is linear.
+program tiles_test
+  use, intrinsic :: iso_fortran_env, only: error_unit, int64, real64
+  use insitu
+  use mpi_f08
+  use tiles
+  implicit none
+
+  character(len=*), parameter :: scene = &
+      'insitu: 1' // new_line('a') // &
+      'page: false' // new_line('a') // &
+      'probes:' // new_line('a') // &
+      '  - name: grid' // new_line('a') // &
+      '    points: {grid: {min: [0.11, 0.13, 0.17], max: [4.3, 4.1, 4.9], counts: [8, 7, 6]}}' // new_line('a') // &
+      '    fields: [density, velocity]' // new_line('a')
+  ! The grid again: none of its points is on a face.
+  real(real64), parameter :: low(3) = [0.11_real64, 0.13_real64, 0.17_real64], high(3) = [4.3_real64, 4.1_real64, 4.9_real64]
+  integer, parameter :: counts(3) = [8, 7, 6], steps = 3
+  integer :: rank, processes, level, wrong, all_wrong
+
+  call MPI_Init_thread(MPI_THREAD_FUNNELED, level)
+  call MPI_Comm_rank(MPI_COMM_WORLD, rank)
+  call MPI_Comm_size(MPI_COMM_WORLD, processes)
+  wrong = 0
+  call run(.false., 'plain')
+  call run(.true., 'ghosts')
+  call MPI_Allreduce(wrong, all_wrong, 1, MPI_INTEGER, MPI_SUM, MPI_COMM_WORLD)
+  call MPI_Finalize()
+  if (all_wrong > 0) error stop 1
+
+contains
+
+  subroutine run(with_ghosts, name)
+    logical, intent(in) :: with_ghosts
+    character(len=*), intent(in) :: name
+    type(insitu_session) :: session
+    type(insitu_mesh) :: mesh
+    type(tile_type), allocatable, target :: made(:)
+    character(len=64) :: folder
+    real(real64) :: time
+    integer :: step, ierr
+
+    write (folder, '(a, a, i0)') name, '_', rank
+    call make_tiles(rank, chunks_of(processes), made)
+    call session%open(ierr=ierr, scene_text=scene, output=trim(folder), strict=.true., &
+                      communicator=MPI_COMM_WORLD%mpi_val)
+    call expect('open ' // session%message(), ierr == insitu_ok)
+    call session%mesh('box', mesh, ierr)
+    call give_tiles(mesh, made, with_ghosts, ierr)
+    call expect('tiles ' // session%message(), ierr == insitu_ok)
+    do step = 0, steps
+      time = 0.1_real64 * real(step, real64)
+      if (step > 0) call move_on(made, time)
+      call mesh%changed(insitu_fields)
+      call session%execute(step, time, ierr)
+      call expect('execute ' // session%message(), ierr == insitu_ok)
+    end do
+    call check_cells(mesh, made, time, with_ghosts)
+    call session%close(ierr)
+    call expect('close ' // session%message(), ierr == insitu_ok)
+    call check_table(trim(folder) // '/grid.csv')
+  end subroutine run
+
+  !> Along x and y.
+  pure function chunks_of(processes) result(chunks)
+    integer, intent(in) :: processes
+    integer :: chunks(2)
+
+    chunks(1) = int(sqrt(real(processes)))
+    do while (modulo(processes, chunks(1)) /= 0)
+      chunks(1) = chunks(1) - 1
+    end do
+    chunks(2) = processes / chunks(1)
+  end function chunks_of
+
+  !> The process's own queries: it finds the middle of each of its cells in its own tile, by its own number,
+  !! and no other cell of the box.
+  subroutine check_cells(mesh, made, time, with_ghosts)
+    type(insitu_mesh), intent(in) :: mesh
+    type(tile_type), intent(in) :: made(:)
+    real(real64), intent(in) :: time
+    logical, intent(in) :: with_ghosts
+    real(real64) :: x(1), y(1), z(1), value(1)
+    integer(int64) :: cell(1)
+    integer :: i, j, k, t, piece(1), owner, first(3), size_of(3), ierr, owners, everywhere
+    logical :: found(1)
+
+    owners = 0
+    do k = 0, cells(3) - 1
+      do j = 0, cells(2) - 1
+        do i = 0, cells(1) - 1
+          owner = 0
+          do t = 1, size(made)
+            if (all([i, j, k] >= made(t)%first .and. [i, j, k] <= made(t)%last)) owner = t
+          end do
+          x = middle(i, 1)
+          y = middle(j, 2)
+          z = middle(k, 3)
+          call mesh%locate(x, y, z, cell, ierr, found=found, pieces=piece)
+          call expect('locate', ierr == insitu_ok .and. (found(1) .eqv. owner > 0))
+          if (owner == 0) cycle
+          owners = owners + 1
+          first = made(owner)%first - merge(halo, 0, with_ghosts)
+          size_of = made(owner)%last - made(owner)%first + 1 + merge(2 * halo, 0, with_ghosts)
+          call expect('piece', piece(1) == owner)
+          call expect('cell', cell(1) == 1 + i - first(1) + size_of(1) * (j - first(2) + size_of(2) * (k - first(3))))
+          call mesh%sample('density', x, y, z, value, ierr)
+          call expect('density', ierr == insitu_ok .and. abs(value(1) - density_at(i, j, k, time)) <= 0.0_real64)
+        end do
+      end do
+    end do
+    call MPI_Allreduce(owners, everywhere, 1, MPI_INTEGER, MPI_SUM, MPI_COMM_WORLD)
+    call expect('each cell is found once', everywhere == product(cells))
+  end subroutine check_cells
+
+  subroutine expect(what, holds)
+    character(len=*), intent(in) :: what
+    logical, intent(in) :: holds
+    if (holds) return
+    wrong = wrong + 1
+    if (wrong <= 5) write (error_unit, '(a, i0, 2a)') 'process ', rank, ' failed: ', what
+  end subroutine expect
+
+  !> Every point of the grid is found once a cycle, by whoever has its cell, with the values there.
+  subroutine check_table(name)
+    character(len=*), intent(in) :: name
+    character(len=1024) :: header, row
+    integer :: unit, status, rows, everywhere
+
+    rows = 0
+    open (newunit=unit, file=name, status='old', action='read', iostat=status)
+    if (status == 0) then
+      read (unit, '(a)') header
+      do
+        read (unit, '(a)', iostat=status) row
+        if (status /= 0) exit
+        if (entry(header, row, 'density') == '') cycle   ! outside of what this process has
+        rows = rows + 1
+        call check_row(header, row)
+      end do
+      close (unit)
+    end if
+    call MPI_Allreduce(rows, everywhere, 1, MPI_INTEGER, MPI_SUM, MPI_COMM_WORLD)
+    call expect('each point of the grid is found once a cycle', everywhere == (steps + 1) * product(counts))
+  end subroutine check_table
+
+  subroutine check_row(header, row)
+    character(len=*), intent(in) :: header, row
+    real(real64) :: at(3), velocity(3)
+    integer :: n, cell(3)
+
+    n = nint(number(header, row, 'point'))
+    at = low + (high - low) * real([modulo(n, counts(1)), modulo(n / counts(1), counts(2)), n / (counts(1) * counts(2))], &
+                                   real64) / real(counts - 1, real64)
+    cell = cell_of(at)
+    call expect('density of the table', abs(number(header, row, 'density') &
+        - density_at(cell(1), cell(2), cell(3), number(header, row, 'time'))) <= 0.0_real64)
+    velocity = [number(header, row, 'velocity_x'), number(header, row, 'velocity_y'), number(header, row, 'velocity_z')]
+    ! Some roundings of numbers of at most 10.
+    call expect('velocity of the table', all(abs(velocity - velocity_at(at)) < 1.0e-13_real64))
+  end subroutine check_row
+
+  !> What stands in the column of that name.
+  pure function entry(header, row, name) result(text)
+    character(len=*), intent(in) :: header, row, name
+    character(len=64) :: text
+    integer :: column
+
+    column = 1
+    do while (part(header, column) /= name)
+      column = column + 1
+    end do
+    text = part(row, column)
+  end function entry
+
+  real(real64) function number(header, row, name)
+    character(len=*), intent(in) :: header, row, name
+    character(len=64) :: text
+
+    text = entry(header, row, name)
+    read (text, *) number
+  end function number
+
+  !> Of a list with commas, the n-th.
+  pure function part(list, n) result(text)
+    character(len=*), intent(in) :: list
+    integer, intent(in) :: n
+    character(len=64) :: text
+    integer :: i, begin, length
+
+    begin = 1
+    do i = 1, n
+      length = index(list(begin:), ',') - 1
+      if (length < 0) length = len_trim(list(begin:))
+      text = list(begin:begin + length - 1)
+      begin = min(begin + length + 1, len(list))
+    end do
+  end function part
+
+end program tiles_test
