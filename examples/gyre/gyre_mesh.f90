@@ -53,6 +53,7 @@ module gyre_mesh
     integer :: first_vertex = 1, last_vertex = 0
     real(real64), allocatable :: lon(:), lat(:), depth(:) !< own vertices, all interfaces
     integer(int32), allocatable :: connectivity(:,:)     !< (6, ncells), VTK's order, in own numbers
+    integer(int64), allocatable :: cell_ids(:), vertex_ids(:) !< of cells and vertices in the whole basin
     real(real64), allocatable :: volume(:,:)             !< (first_column:last_column, nlevels), m3
     integer :: nedges = 0                                !< edges between two columns, one of them near
     integer, allocatable :: edge_vertices(:,:)           !< (2, nedges)
@@ -64,8 +65,6 @@ module gyre_mesh
     procedure :: own_id
     procedure :: is_own
     procedure :: is_near
-    procedure :: cell_ids
-    procedure :: vertex_ids
     procedure :: interface_depth
     procedure :: edge_depth
   end type mesh_type
@@ -96,23 +95,6 @@ contains
     integer, intent(in) :: column
     is_near = column >= self%near_first .and. column <= self%near_last
   end function is_near
-
-  !> The ids in the whole basin.
-  pure function cell_ids(self) result(ids)
-    class(mesh_type), intent(in) :: self
-    integer(int64) :: ids(self%ncells())
-    integer :: c, k
-    ids = [((int(c, int64) + int(k - 1, int64) * self%ncolumns, c=self%first_column, self%last_column), &
-            k=1, self%nlevels)]
-  end function cell_ids
-
-  pure function vertex_ids(self) result(ids)
-    class(mesh_type), intent(in) :: self
-    integer(int64) :: ids(size(self%lon))
-    integer :: v, k
-    ids = [((int(v, int64) + int(k - 1, int64) * self%nv, v=self%first_vertex, self%last_vertex), &
-            k=1, self%nlevels + 1)]
-  end function vertex_ids
 
   !> Depth of interface k at vertex v of the surface.
   pure real(real64) function interface_depth(self, v, k)
@@ -206,13 +188,14 @@ contains
     integer :: k, v, all
 
     all = (mesh%last_vertex - mesh%first_vertex + 1) * (mesh%nlevels + 1)
-    allocate (mesh%lon(all), mesh%lat(all), mesh%depth(all))
+    allocate (mesh%lon(all), mesh%lat(all), mesh%depth(all), mesh%vertex_ids(all))
     do k = 1, mesh%nlevels + 1
       do v = mesh%first_vertex, mesh%last_vertex
         associate (id => mesh%own_id(v, k))
           mesh%lon(id) = mesh%surface_lon(v)
           mesh%lat(id) = mesh%surface_lat(v)
           mesh%depth(id) = mesh%interface_depth(v, k)
+          mesh%vertex_ids(id) = int(v, int64) + int(k - 1, int64) * mesh%nv
         end associate
       end do
     end do
@@ -265,11 +248,12 @@ contains
     type(mesh_type), intent(inout) :: mesh
     integer :: i, k, c, cell
 
-    allocate (mesh%connectivity(6, mesh%ncells()))
+    allocate (mesh%connectivity(6, mesh%ncells()), mesh%cell_ids(mesh%ncells()))
     cell = 0
     do k = 1, mesh%nlevels
       do c = mesh%first_column, mesh%last_column
         cell = cell + 1
+        mesh%cell_ids(cell) = int(c, int64) + int(k - 1, int64) * mesh%ncolumns
         do i = 1, 3
           mesh%connectivity(i, cell) = int(mesh%own_id(mesh%triangle(i, c), k), int32)
           mesh%connectivity(3 + i, cell) = int(mesh%own_id(mesh%triangle(i, c), k + 1), int32)

@@ -2,7 +2,7 @@
 !! processes, several tiles a chunk, and two rows of halo cells around each tile, in which cells of
 !! neighbours are, or outside of the box nothing. Fields are known in closed form.
 module tiles
-  use, intrinsic :: iso_fortran_env, only: int8, real64
+  use, intrinsic :: iso_fortran_env, only: int64, int8, real64
   use insitu
   implicit none
   private
@@ -19,6 +19,8 @@ module tiles
     !> (first - halo:last + halo), along each axis.
     real(real64), allocatable :: density(:,:,:)
     integer(int8), allocatable :: ghosts(:)              !< the same, 1 of a halo's cells
+    integer(int64), allocatable :: cell_ids(:)           !< the same: those of a tile follow each other
+    integer(int64), allocatable :: vertex_ids(:)         !< of all its vertices, with the halo's
     real(real64), allocatable :: velocity(:,:,:,:)       !< (3, vertices, with the halo's)
   end type tile_type
 
@@ -80,6 +82,7 @@ contains
         made(t)%last(a) = low(a) + (high(a) - low(a)) * (at(a) + 1) / tiles_a_chunk(a) - 1
       end do
       call fill(made(t))
+      call number(made(t), int(size(made) * rank + t - 1, int64))
     end do
   end subroutine make_tiles
 
@@ -115,6 +118,22 @@ contains
     call set_density(tile, 0.0_real64)
   end subroutine fill
 
+  !> The cells tile by tile, of which this is one; vertices, which tiles share, through the whole box and its halo.
+  subroutine number(tile, which)
+    type(tile_type), intent(inout) :: tile
+    integer(int64), intent(in) :: which
+    integer :: i, j, k
+    integer(int64) :: n, wide(2)
+
+    n = size(tile%density, kind=int64)
+    tile%cell_ids = [(which * product(int(cells, int64)) * 8_int64 + int(i, int64), i=1, int(n))]
+    wide = int(cells(1:2) + 1 + 2 * halo, int64)
+    tile%vertex_ids = [(((int(i + halo, int64) + wide(1) * (int(j + halo, int64) + wide(2) * int(k + halo, int64)), &
+                          i=lbound(tile%vertexx, 1), ubound(tile%vertexx, 1)), &
+                         j=lbound(tile%vertexy, 1), ubound(tile%vertexy, 1)), &
+                        k=lbound(tile%vertexz, 1), ubound(tile%vertexz, 1))]
+  end subroutine number
+
   !> A step of the solver, its exchange of halos included.
   subroutine move_on(made, time)
     type(tile_type), intent(inout) :: made(:)
@@ -140,7 +159,7 @@ contains
     end do
   end subroutine set_density
 
-  !> The coupling: a piece a tile, with the halo's cells as ghosts or without them.
+  !> The coupling: a piece a tile, with the halo's cells as ghosts and global ids, or without both.
   subroutine give_tiles(mesh, made, with_ghosts, ierr)
     type(insitu_mesh), intent(in) :: mesh
     type(tile_type), intent(in), target :: made(:)
@@ -158,6 +177,8 @@ contains
         if (ierr == insitu_ok) call mesh%vertex_field('velocity', &
             tile%velocity(:, a(1):b(1) + 1, a(2):b(2) + 1, a(3):b(3) + 1), ierr, piece=t)
         if (ierr == insitu_ok .and. with_ghosts) call mesh%ghosts(tile%ghosts, ierr, piece=t)
+        if (ierr == insitu_ok .and. with_ghosts) call mesh%global_cells(tile%cell_ids, ierr, piece=t)
+        if (ierr == insitu_ok .and. with_ghosts) call mesh%global_vertices(tile%vertex_ids, ierr, piece=t)
       end associate
       if (ierr /= insitu_ok) return
     end do

@@ -41,12 +41,9 @@ contains
 
   subroutine compare(part, whole)
     type(model_type), intent(in) :: part, whole
-    integer(int64) :: cells(part%mesh%ncells()), vertices(size(part%mesh%lon))
     integer :: i, c, k
 
-    cells = part%mesh%cell_ids()
-    vertices = part%mesh%vertex_ids()
-    associate (p => part%mesh, w => whole%mesh)
+    associate (p => part%mesh, w => whole%mesh, cells => part%mesh%cell_ids, vertices => part%mesh%vertex_ids)
       call expect_same('longitudes', p%lon, w%lon(vertices))
       call expect_same('latitudes', p%lat, w%lat(vertices))
       call expect_same('depths', p%depth, w%depth(vertices))
