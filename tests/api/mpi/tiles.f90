@@ -11,6 +11,8 @@ module tiles
 
   integer, parameter, public :: halo = 2, cells(3) = [13, 11, 10]
   integer, parameter :: tiles_a_chunk(3) = [2, 1, 2]
+  real(real64), parameter :: spacing(3) = [0.4_real64, 0.47_real64, 0.53_real64] !< where planes are evenly spaced
+  logical, public :: is_uniform = .false.                !< if they are
   real(real64), parameter :: nothing = -999.0_real64     ! what halo cells outside of the box hold
 
   type, public :: tile_type
@@ -26,10 +28,11 @@ module tiles
 
 contains
 
-  !> Planes between cells: not evenly spaced, the same on all processes.
+  !> Planes between cells, the same on all processes.
   elemental real(real64) function plane(i, axis)
     integer, intent(in) :: i, axis
-    plane = 0.25_real64 * real(i, real64) + 0.01_real64 * real(axis * i * i, real64)
+    plane = real(i, real64) * spacing(axis)
+    if (.not. is_uniform) plane = 0.25_real64 * real(i, real64) + 0.01_real64 * real(axis * i * i, real64)
   end function plane
 
   elemental real(real64) function middle(i, axis)
@@ -171,8 +174,12 @@ contains
       associate (tile => made(t))
         a = tile%first - merge(halo, 0, with_ghosts)
         b = tile%last + merge(halo, 0, with_ghosts)
-        call mesh%rectilinear_block(tile%vertexx(a(1):b(1) + 1), tile%vertexy(a(2):b(2) + 1), &
-                                    tile%vertexz(a(3):b(3) + 1), ierr, piece=t)
+        if (is_uniform) then
+          call mesh%uniform_block(b - a + 2, spread(0.0_real64, 1, 3), spacing, ierr, piece=t, first=int(a, int64))
+        else
+          call mesh%rectilinear_block(tile%vertexx(a(1):b(1) + 1), tile%vertexy(a(2):b(2) + 1), &
+                                      tile%vertexz(a(3):b(3) + 1), ierr, piece=t)
+        end if
         if (ierr == insitu_ok) call mesh%cell_field('density', tile%density(a(1):b(1), a(2):b(2), a(3):b(3)), ierr, piece=t)
         if (ierr == insitu_ok) call mesh%vertex_field('velocity', &
             tile%velocity(:, a(1):b(1) + 1, a(2):b(2) + 1, a(3):b(3) + 1), ierr, piece=t)

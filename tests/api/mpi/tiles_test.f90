@@ -25,6 +25,9 @@ program tiles_test
   wrong = 0
   call run(.false., 'plain')
   call run(.true., 'ghosts')
+  is_uniform = .true.
+  call run(.false., 'uniform')
+  call run(.true., 'uniform_ghosts')
   call MPI_Allreduce(wrong, all_wrong, 1, MPI_INTEGER, MPI_SUM, MPI_COMM_WORLD)
   call MPI_Finalize()
   if (all_wrong > 0) error stop 1
@@ -154,6 +157,7 @@ contains
     at = low + (high - low) * real([modulo(n, counts(1)), modulo(n / counts(1), counts(2)), n / (counts(1) * counts(2))], &
                                    real64) / real(counts - 1, real64)
     cell = cell_of(at)
+    call expect('the point is on no face', all(cell >= 0))
     call expect('density of the table', abs(number(header, row, 'density') &
         - density_at(cell(1), cell(2), cell(3), number(header, row, 'time'))) <= 0.0_real64)
     velocity = [number(header, row, 'velocity_x'), number(header, row, 'velocity_y'), number(header, row, 'velocity_z')]
