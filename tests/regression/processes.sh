@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# Runs a case of tests/regression/cases alone and on several processes, and compares what is written, byte by byte.
+#   processes.sh --bin DIR --work DIR [--only PATTERN] CASE N [N ...]
+# --bin: where the miniapps are; --work: a folder to run in, emptied first; --only: the files to compare, such as
+# 'gauges*' (all tables and images); N: numbers of processes.
+# Exit code: 0 same, 1 different, 2 could not run.
+set -euo pipefail
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+bin= work= only='*'
+while [ $# -gt 0 ]; do
+  case $1 in
+    --bin) bin=$(cd "$2" && pwd); shift 2 ;;
+    --work) work=$2; shift 2 ;;
+    --only) only=$2; shift 2 ;;
+    --help|-h) sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -*) echo "processes.sh: no option '$1'; see --help" >&2; exit 2 ;;
+    *) break ;;
+  esac
+done
+[ $# -gt 1 ] && [ -n "$bin" ] && [ -n "$work" ] || { echo "processes.sh: see --help" >&2; exit 2; }
+name=$1
+shift
+source "$here/cases/$name/case.sh"
+rm -rf "$work"
+mkdir -p "$work"
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
+
+run() { # folder, launcher ...
+  local folder=$work/$1
+  shift
+  timeout 100 "$@" "$bin/$program" "${arguments[@]}" --scene "$here/cases/$name/scene.yaml" --output "$folder" \
+    > "$folder.log" 2>&1 || { cat "$folder.log" >&2; echo "processes.sh: $program failed ($*)" >&2; exit 2; }
+}
+files() { # of a folder; what holds seconds is not compared
+  (cd "$1" && find . -type f -name "$only" \( -name '*.csv' -o -name '*.vtp' -o -name '*.png' -o -name '*.exr' -o -name '*.nc' \) | sort)
+}
+
+run alone env
+[ -n "$(files "$work/alone")" ] || { echo "processes.sh: no file is named '$only'" >&2; exit 2; }
+different=0
+for processes in "$@"; do
+  run "on_$processes" mpirun -n "$processes"
+  while read -r file; do
+    cmp "$work/alone/$file" "$work/on_$processes/$file" || different=1
+  done < <({ files "$work/alone"; files "$work/on_$processes"; } | sort -u)
+done
+[ $different = 0 ] && echo "$name: $(files "$work/alone" | wc -l) files are the same alone and on $* processes"
+exit $different
