@@ -47,6 +47,8 @@ endfunction()
 
 if(INSITU_HAVE_MPI)
   find_program(INSITU_MPIEXEC mpiexec)
+else()
+  unset(INSITU_MPIEXEC CACHE)
 endif()
 set(INSITU_TEST_PROCESSES 1 2 3 CACHE STRING "Numbers of processes that the miniapps are tested on; all: 1;2;3;4;8")
 
