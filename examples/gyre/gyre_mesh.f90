@@ -53,7 +53,7 @@ module gyre_mesh
     integer :: first_vertex = 1, last_vertex = 0
     real(real64), allocatable :: lon(:), lat(:), depth(:) !< own vertices, all interfaces
     integer(int32), allocatable :: connectivity(:,:)     !< (6, ncells), VTK's order, in own numbers
-    integer(int64), allocatable :: cell_ids(:), vertex_ids(:) !< of cells and vertices in the whole basin
+    integer(int64), allocatable :: cell_ids(:), vertex_ids(:) !< in the whole basin, from 0 as in tables
     real(real64), allocatable :: volume(:,:)             !< (first_column:last_column, nlevels), m3
     integer :: nedges = 0                                !< edges between two columns, one of them near
     integer, allocatable :: edge_vertices(:,:)           !< (2, nedges)
@@ -195,7 +195,7 @@ contains
           mesh%lon(id) = mesh%surface_lon(v)
           mesh%lat(id) = mesh%surface_lat(v)
           mesh%depth(id) = mesh%interface_depth(v, k)
-          mesh%vertex_ids(id) = int(v, int64) + int(k - 1, int64) * mesh%nv
+          mesh%vertex_ids(id) = int(v - 1, int64) + int(k - 1, int64) * mesh%nv
         end associate
       end do
     end do
@@ -253,7 +253,7 @@ contains
     do k = 1, mesh%nlevels
       do c = mesh%first_column, mesh%last_column
         cell = cell + 1
-        mesh%cell_ids(cell) = int(c, int64) + int(k - 1, int64) * mesh%ncolumns
+        mesh%cell_ids(cell) = int(c - 1, int64) + int(k - 1, int64) * mesh%ncolumns
         do i = 1, 3
           mesh%connectivity(i, cell) = int(mesh%own_id(mesh%triangle(i, c), k), int32)
           mesh%connectivity(3 + i, cell) = int(mesh%own_id(mesh%triangle(i, c), k + 1), int32)

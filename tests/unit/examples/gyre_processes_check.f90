@@ -43,7 +43,7 @@ contains
     type(model_type), intent(in) :: part, whole
     integer :: i, c, k
 
-    associate (p => part%mesh, w => whole%mesh, cells => part%mesh%cell_ids, vertices => part%mesh%vertex_ids)
+    associate (p => part%mesh, w => whole%mesh, cells => part%mesh%cell_ids + 1, vertices => part%mesh%vertex_ids + 1)
       call expect_same('longitudes', p%lon, w%lon(vertices))
       call expect_same('latitudes', p%lat, w%lat(vertices))
       call expect_same('depths', p%depth, w%depth(vertices))
