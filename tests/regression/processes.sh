@@ -32,8 +32,8 @@ run() { # folder, launcher ...
   timeout 100 "$@" "$bin/$program" "${arguments[@]}" --scene "$here/cases/$name/scene.yaml" --output "$folder" \
     > "$folder.log" 2>&1 || { cat "$folder.log" >&2; echo "processes.sh: $program failed ($*)" >&2; exit 2; }
 }
-files() { # of a folder; what holds seconds is not compared
-  (cd "$1" && find . -type f -name "$only" \( -name '*.csv' -o -name '*.vtp' -o -name '*.png' -o -name '*.exr' -o -name '*.nc' \) | sort)
+files() { # of a folder, but for those that hold seconds
+  (cd "$1" && find . -type f -name "$only" ! -name '*.js' ! -name '*.html' ! -name summary.json ! -name data.csv ! -name '*.insitu-lock' | sort)
 }
 
 run alone env
