@@ -31,10 +31,8 @@ contains
       if (ierr == insitu_ok) call mesh%cell_field('temperature', &
           model%heat%t(m%first_column:m%last_column, 1:m%nlevels), ierr) ! a section
       if (ierr == insitu_ok) call mesh%vertex_field('velocity', model%flow%velocity, ierr, vector=.true.)
-      if (m%processes%number > 1) then
-        if (ierr == insitu_ok) call mesh%global_cells(m%cell_ids, ierr)
-        if (ierr == insitu_ok) call mesh%global_vertices(m%vertex_ids, ierr)
-      end if
+      if (ierr == insitu_ok) call mesh%global_cells(m%cell_ids, ierr)
+      if (ierr == insitu_ok) call mesh%global_vertices(m%vertex_ids, ierr)
       self%works = ierr == insitu_ok
       self%is_root = m%processes%is_root()
     end associate

@@ -115,10 +115,8 @@ insitu::Mesh couple(insitu::Session& session, sedov::Solver& solver, bool block)
   mesh.cell_field("pressure", solver.pressure);
   mesh.cell_field("energy", solver.energy);
   mesh.vertex_field("velocity", {solver.u, solver.v, solver.w});
-  if (solver.processes().size() > 1) {
-    mesh.global_ids(insitu::Association::cell, solver.cell_ids);
-    mesh.global_ids(insitu::Association::vertex, solver.vertex_ids);
-  }
+  mesh.global_ids(insitu::Association::cell, solver.cell_ids);
+  mesh.global_ids(insitu::Association::vertex, solver.vertex_ids);
   return mesh;
 }
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Runs a case of tests/regression/cases alone and on several processes, and compares what is written, byte by byte.
-#   processes.sh --bin DIR --work DIR [--only PATTERN] CASE N [N ...]
+#   processes.sh --bin DIR --work DIR [--only REGEX] CASE N [N ...]
 # --bin: where the miniapps are; --work: a folder to run in, emptied first; --only: the files to compare, such as
-# 'gauges*' (all tables and images); N: numbers of processes.
+# 'gauges|blast_' (all tables and images); N: numbers of processes.
 # Exit code: 0 same, 1 different, 2 could not run.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-bin= work= only='*'
+bin= work= only=.
 while [ $# -gt 0 ]; do
   case $1 in
     --bin) bin=$(cd "$2" && pwd); shift 2 ;;
@@ -33,11 +33,11 @@ run() { # folder, launcher ...
     > "$folder.log" 2>&1 || { cat "$folder.log" >&2; echo "processes.sh: $program failed ($*)" >&2; exit 2; }
 }
 files() { # of a folder, but for those that hold seconds
-  (cd "$1" && find . -type f -name "$only" ! -name '*.js' ! -name '*.html' ! -name summary.json ! -name data.csv ! -name '*.insitu-lock' | sort)
+  (cd "$1" && find . -type f ! -name '*.js' ! -name '*.html' ! -name summary.json ! -name '*.insitu-lock' | { grep -E "$only" || true; } | sort)
 }
 
 run alone env
-[ -n "$(files "$work/alone")" ] || { echo "processes.sh: no file is named '$only'" >&2; exit 2; }
+[ -n "$(files "$work/alone")" ] || { echo "processes.sh: no file matches '$only'" >&2; exit 2; }
 different=0
 for processes in "$@"; do
   run "on_$processes" mpirun -n "$processes"
