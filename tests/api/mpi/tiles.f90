@@ -7,9 +7,10 @@ module tiles
   implicit none
   private
 
-  public :: cell_of, density_at, give_tiles, make_tiles, middle, move_on, velocity_at
+  public :: cell_of, density_at, first_of, give_tiles, make_tiles, middle, move_on, plane, velocity_at
 
   integer, parameter, public :: halo = 2, cells(3) = [13, 11, 10]
+  integer, parameter, public :: all_cells = 13 * 11 * 10, all_vertices = 14 * 12 * 11
   integer, parameter :: tiles_a_chunk(3) = [2, 1, 2]
   real(real64), parameter :: spacing(3) = [0.4_real64, 0.47_real64, 0.53_real64] !< where planes are evenly spaced
   logical, public :: is_uniform = .false.                !< if they are
@@ -68,14 +69,36 @@ contains
     end do
   end function cell_of
 
+  !> The cells from low to before high, of chunks(1) by chunks(2) by 1.
+  pure subroutine chunk_of(rank, chunks, low, high)
+    integer, intent(in) :: rank, chunks(2)
+    integer, intent(out) :: low(3), high(3)
+    integer :: at(2)
+
+    at = [modulo(rank, chunks(1)), rank / chunks(1)]
+    low = [cells(1:2) * at / chunks, 0]
+    high = [cells(1:2) * (at + 1) / chunks, cells(3)]
+  end subroutine chunk_of
+
+  !> The lowest process with one of the cells from a to b, of those that are in the box.
+  pure integer function first_of(a, b, chunks) result(rank)
+    integer, intent(in) :: a(3), b(3), chunks(2)
+    integer :: low(3), high(3)
+
+    do rank = 0, product(chunks) - 1
+      call chunk_of(rank, chunks, low, high)
+      if (all(a < high .and. b >= low)) return
+    end do
+    rank = -1
+  end function first_of
+
   !> The process's chunk, of chunks(1) by chunks(2) by 1, cut into tiles. Cells count from 0.
   subroutine make_tiles(rank, chunks, made)
     integer, intent(in) :: rank, chunks(2)
     type(tile_type), allocatable, intent(out) :: made(:)
     integer :: t, a, at(3), low(3), high(3)
 
-    low = [cells(1) * modulo(rank, chunks(1)) / chunks(1), cells(2) * (rank / chunks(1)) / chunks(2), 0]
-    high = [cells(1) * (modulo(rank, chunks(1)) + 1) / chunks(1), cells(2) * (rank / chunks(1) + 1) / chunks(2), cells(3)]
+    call chunk_of(rank, chunks, low, high)
     allocate (made(product(tiles_a_chunk)))
     do t = 1, size(made)
       at = [modulo(t - 1, tiles_a_chunk(1)), modulo((t - 1) / tiles_a_chunk(1), tiles_a_chunk(2)), &

@@ -60,6 +60,7 @@ contains
       call expect('execute ' // session%message(), ierr == insitu_ok)
     end do
     call check_cells(mesh, made, time, with_ghosts)
+    call check_everywhere(mesh, time)
     call session%close(ierr)
     call expect('close ' // session%message(), ierr == insitu_ok)
     call check_table(trim(folder) // '/grid.csv')
@@ -116,6 +117,46 @@ contains
     call MPI_Allreduce(owners, everywhere, 1, MPI_INTEGER, MPI_SUM, MPI_COMM_WORLD)
     call expect('each cell is found once', everywhere == product(cells))
   end subroutine check_cells
+
+  !> Queries of all processes: the middle of every cell is found by its owner's rank, every vertex by the lowest
+  !! of the processes around it, whoever asks.
+  subroutine check_everywhere(mesh, time)
+    type(insitu_mesh), intent(in) :: mesh
+    real(real64), intent(in) :: time
+    real(real64) :: at(3, all_cells), vertices(3, all_vertices), density(all_cells)
+    real(real64) :: velocity(3, all_vertices), right(all_cells)
+    integer(int64) :: found_cells(all_cells), found_vertices(all_vertices)
+    integer :: ranks(all_cells), owners(all_cells), ranks_there(all_vertices), firsts(all_vertices)
+    integer :: i, j, k, n, v, ierr
+
+    n = 0
+    v = 0
+    do k = 0, cells(3)
+      do j = 0, cells(2)
+        do i = 0, cells(1)
+          v = v + 1
+          vertices(:, v) = [plane(i, 1), plane(j, 2), plane(k, 3)]
+          firsts(v) = first_of([i, j, k] - 1, [i, j, k], chunks_of(processes))
+          if (any([i, j, k] == cells)) cycle
+          n = n + 1
+          at(:, n) = [middle(i, 1), middle(j, 2), middle(k, 3)]
+          owners(n) = first_of([i, j, k], [i, j, k], chunks_of(processes))
+          right(n) = density_at(i, j, k, time)
+        end do
+      end do
+    end do
+    call mesh%locate(at, found_cells, ierr, everywhere=.true., ranks=ranks)
+    call expect('cells everywhere ' // insitu_status_name(ierr), ierr == insitu_ok .and. all(ranks == owners))
+    call mesh%sample('density', at, density, ierr, everywhere=.true.)
+    call expect('density everywhere', ierr == insitu_ok .and. all(abs(density - right) <= 0.0_real64))
+    call mesh%locate(vertices, found_vertices, ierr, everywhere=.true., ranks=ranks_there)
+    call expect('vertices everywhere', ierr == insitu_ok .and. all(ranks_there == firsts))
+    call mesh%sample('velocity', vertices, velocity, ierr, everywhere=.true.)
+    call expect('velocity everywhere', ierr == insitu_ok)
+    do v = 1, size(vertices, 2)
+      call expect('velocity at a vertex', all(abs(velocity(:, v) - velocity_at(vertices(:, v))) < 1.0e-13_real64))
+    end do
+  end subroutine check_everywhere
 
   subroutine expect(what, holds)
     character(len=*), intent(in) :: what
