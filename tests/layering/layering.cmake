@@ -30,20 +30,14 @@ function(allowed module result)
   if(module MATCHES "^(advect|render)$") # they get samplers, whoever committed the mesh
     list(REMOVE_ITEM left commit)
   endif()
-  if(module STREQUAL "render") # frames of a mesh that is spread over processes
-    list(APPEND left parallel)
-  endif()
   if(module MATCHES "^(query|commit|advect|render)$") # meshes in longitude and latitude: geo/chart.h
     list(APPEND left geo)
   endif()
-  if(module STREQUAL "commit") # the halo comes from other processes
+  if(module MATCHES "^(commit|advect|render)$") # halos, particles and frames of a mesh spread over processes
     list(APPEND left parallel)
   endif()
   if(module STREQUAL "scene" OR module STREQUAL "api")
     list(APPEND left geo parallel)
-  endif()
-  if(module STREQUAL "advect")
-    list(APPEND left parallel)
   endif()
   set(${result} ${left} PARENT_SCOPE)
 endfunction()

@@ -28,14 +28,7 @@ std::unique_ptr<parallel::World> world_of(const insitu_session_options& o, const
                 "second session that writes the same files is refused");
     return std::make_unique<parallel::SerialWorld>();
   }
-  auto world = parallel::make_mpi_world(o.communicator, o.fortran_communicator, log);
-  if (world->size() > 1 && world->is_root())
-    log.warning(
-        "communicator: conditions, probes, tracers, tables and the page are of all processes, and "
-        "the root writes them; in this version each process works on its own pieces alone for "
-        "images, which show these, and for queries. Images of process N are in the "
-        "folder process_N of the output folder");
-  return world;
+  return parallel::make_mpi_world(o.communicator, o.fortran_communicator, log);
 }
 
 /// A scene's length and a checksum of it.

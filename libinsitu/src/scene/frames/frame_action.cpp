@@ -41,8 +41,6 @@ public:
   const std::string& name() const override { return frame_.name; }
   const Trigger& trigger() const override { return frame_.trigger; }
   const Name& mesh_name() const override { return frame_.mesh; }
-  bool is_collective() const override { return environment_.world.size() > 1; }
-
   void execute(commit::CommittedMesh& own, const Step& step, bool due) override {
     if (!due)
       return;

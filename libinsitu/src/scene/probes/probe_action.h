@@ -25,7 +25,6 @@ public:
   const std::string& name() const override { return probe_.name; }
   const Trigger& trigger() const override { return probe_.trigger; }
   const Name& mesh_name() const override { return probe_.mesh; }
-  bool is_collective() const override { return true; }
   void execute(commit::CommittedMesh& mesh, const Step& step, bool due) override;
   void finish() override { tables_.finish(); }
   void plan(const commit::CommittedMesh& mesh, Plan& plan) const override;

@@ -17,11 +17,9 @@ namespace insitu::scene {
 /// throws core::Error from execute(), and the runner tries it again when it is next due.
 ///
 /// Where a session has several processes (Environment::world), all of them execute an action at the
-/// same cycles, due or not alike, each with its own cells of the mesh or none. A collective action
-/// exchanges what it needs meanwhile, as a row of phases (World::agree_after), and the root alone
-/// writes its files; whatever it throws is a parallel::AgreedError, on all processes alike. Any
-/// other action does what it does on the process's own cells, and the runner agrees on its
-/// failures.
+/// same cycles, due or not alike, each with its own cells of the mesh or none. An action exchanges
+/// what it needs meanwhile, as a row of phases (World::agree_after), and the root alone writes its
+/// files; whatever it throws there is a parallel::AgreedError, on all processes alike.
 class Action {
 public:
   virtual ~Action() = default;
@@ -34,7 +32,6 @@ public:
     const Name& name = mesh_name();
     return name.empty() ? &mesh == meshes.front() : name.text == mesh.mesh().name();
   }
-  virtual bool is_collective() const { return false; }
   /// Runs the action. The runner calls this at every cycle; due says whether the trigger holds.
   virtual void execute(commit::CommittedMesh& mesh, const Step& step, bool due) = 0;
   /// The session is about to close, and messages can still be sent. Collective; throws

@@ -14,19 +14,10 @@
 
 namespace insitu::scene {
 
-namespace {
-
-/// Actions that are not collective write on every process: beside the root's files, on the others.
-std::string folder_of_local_actions(const std::string& output, const parallel::World& world) {
-  return world.is_root() ? output : output + "/process_" + std::to_string(world.rank());
-}
-
-} // namespace
-
 Runner::Runner(const SceneDescription& scene, const std::string& given, core::Context& context,
                parallel::World& world, Statistics& statistics)
     : with_page_(scene.page), structures_(context), reductions_(world, context.threads),
-      table_(scene.frames, folder_of_local_actions(given.empty() ? scene.output : given, world)),
+      table_(scene.frames, given.empty() ? scene.output : given),
       environment_{context,     world,  statistics, structures_,
                    reductions_, table_, scene.file, given.empty() ? scene.output : given},
       locator_(scene.locator), checkpoint_(scene.checkpoint) {
@@ -44,12 +35,10 @@ Runner::Runner(const SceneDescription& scene, const std::string& given, core::Co
   }
   for (const Probe& p : scene.probes)
     actions_.push_back(std::make_unique<ProbeAction>(p, environment_));
-  Environment local = environment_;
-  local.output = folder_of_local_actions(environment_.output, world);
   for (const Tracer& t : scene.tracers)
-    actions_.push_back(make_tracer_action(t, local));
+    actions_.push_back(make_tracer_action(t, environment_));
   for (const Frame& f : scene.frames)
-    actions_.push_back(make_frame_action(f, local));
+    actions_.push_back(make_frame_action(f, environment_));
 }
 
 Runner::~Runner() = default;
@@ -180,25 +169,13 @@ bool Runner::execute(Action& action, const Step& step) {
                             "' lies in device memory; scenes read host memory");
   });
   const bool due = is_due(action, *mesh, step);
-  if (action.is_collective())
-    action.execute(*mesh, step, due);
+  if (world.size() > 1)
+    action.execute(*mesh, step, due); // which agrees by itself
   else
-    world.agree_after([&] { execute_alone(action, *mesh, step, due); });
+    world.agree_after([&] { action.execute(*mesh, step, due); });
   if (due && world.is_root())
     log_particles(action, step.cycle);
   return due;
-}
-
-/// Of several processes one without cells may lack fields that others have, and does nothing then.
-void Runner::execute_alone(Action& action, commit::CommittedMesh& mesh, const Step& step,
-                           bool due) const {
-  try {
-    action.execute(mesh, step, due);
-  } catch (const core::Error& e) {
-    if (environment_.world.size() == 1 || e.status() != INSITU_ERROR_FIELD ||
-        mesh.mesh().own_view().cell_count() > 0)
-      throw;
-  }
 }
 
 /// Copies what pathlines will need of this step, and only then.

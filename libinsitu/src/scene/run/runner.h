@@ -62,7 +62,6 @@ public:
 private:
   bool is_due(const Action& action, const commit::CommittedMesh& mesh, const Step& step) const;
   bool execute(Action& action, const Step& step);
-  void execute_alone(Action& action, commit::CommittedMesh& mesh, const Step& step, bool due) const;
   bool is_for_want_of_cells(const Action& action, const core::Error& error, MeshList meshes) const;
   void keep_earlier(MeshList meshes);
   void note_tracers();

@@ -32,8 +32,6 @@ public:
   /// Of all processes.
   advect::Counts counts() const override { return across() ? counts_ : particles_.counts(); }
   std::optional<advect::Counts> particles_here() const override { return particles_.counts(); }
-  bool is_collective() const override { return across(); }
-
   std::vector<mesh::KeptField> needs_earlier() const override;
 
   bool goes_on_to_other_cells() const override { return tracer_.attached != Attached::body; }

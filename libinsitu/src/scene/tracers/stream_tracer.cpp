@@ -67,7 +67,6 @@ public:
     environment_.statistics.output_s += output_timer.seconds();
   }
 
-  bool is_collective() const override { return across(); }
   std::optional<advect::Counts> particles_here() const override {
     // The root has those of all lines.
     return environment_.world.is_root() ? counts_ : advect::Counts();

@@ -57,7 +57,7 @@ struct Options {
   LogLevel log_level = LogLevel::warning; /**< messages up to this level reach the log */
   Log log = {};                           /**< empty: errors and warnings go to stderr */
   const void* communicator = nullptr;     /**< address of an MPI_Comm, with which opening,
-                                               executing and closing are collective: see
+                                               executing, closing and more are collective: see
                                                insitu_session_options */
   /** The communicator as a Fortran integer, if communicator is null. */
   int fortran_communicator = INSITU_NO_COMMUNICATOR;

@@ -119,7 +119,8 @@ static inline insitu_report insitu_report_default(void) {
 INSITU_API insitu_status insitu_session_report(insitu_session session, insitu_report* report);
 
 /** Writes the report to a file, as JSON. solver_s: the solver's own seconds, from which the
- *  library's share of the run follows; negative: the share is left out. */
+ *  library's share of the run follows; negative: the share is left out. Collective: the root writes
+ *  sums of all processes' counts, and seconds of the mean, the least and the greatest process. */
 INSITU_API insitu_status insitu_session_write_summary(insitu_session session, const char* path,
                                                       double solver_s);
 

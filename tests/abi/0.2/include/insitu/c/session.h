@@ -41,9 +41,9 @@ typedef struct insitu_session_options {
   void* log_user;
   const void* communicator;     /**< address of an MPI_Comm, which is duplicated, or null. With it,
                                      opening, executing and closing the session are collective
-                                     over its processes, which agree on scenes, cycles, fields and
-                                     errors; each works on its own pieces. A build without MPI
-                                     logs that it does not use it */
+                                     over its processes, and so are plans, checkpoints, restarts
+                                     and summaries; the root, rank 0, reads and writes the files.
+                                     A build without MPI logs that it does not use it */
   int32_t fortran_communicator; /**< the communicator as a Fortran integer, if communicator is null;
                                      INSITU_NO_COMMUNICATOR: no communicator */
   int32_t preview;              /**< 1: each execute draws every frame of the scene, whatever its
@@ -107,7 +107,7 @@ INSITU_API insitu_status insitu_session_execute(insitu_session session, int64_t 
  *  one. The caller calls it after insitu_session_execute() and before the arrays change. The
  *  library first writes the rows that tables hold back. A scene can ask for checkpoints too:
  *  `checkpoint: {every: 100}`. INSITU_ERROR_ORDER: nothing was executed yet, or a mesh was changed
- *  since. */
+ *  since. Collective; INSITU_ERROR_UNSUPPORTED: the session has several processes. */
 INSITU_API insitu_status insitu_session_checkpoint(insitu_session session, const char* path);
 
 /** Takes up a checkpoint's file, in a session with the same tracers, before the session's first
@@ -115,13 +115,14 @@ INSITU_API insitu_status insitu_session_checkpoint(insitu_session session, const
  *  had been no stop, equal to the bit, in the same files, from which the library drops rows of
  *  later cycles. The caller may register meshes before or after. INSITU_ERROR_ORDER: the session
  *  has no scene, or has executed already. INSITU_ERROR_FILE: the file is damaged, foreign, or of
- *  another scene; the session is then as if the call had not been made. */
+ *  another scene; the session is then as if the call had not been made. Collective;
+ *  INSITU_ERROR_UNSUPPORTED: the session has several processes. */
 INSITU_API insitu_status insitu_session_restart(insitu_session session, const char* path);
 
 /** Commits every mesh, then writes a text that tells, a line each, what the scene needs of the
  *  meshes, with bytes, and what it does without, and why. Nothing of the plan is carried out. *text
  *  is the library's and stays valid until the session's next plan or its close; it is "" without a
- *  scene. */
+ *  scene. Collective; each process's text is of its own pieces. */
 INSITU_API insitu_status insitu_session_plan(insitu_session session, const char** text);
 
 #ifdef __cplusplus
