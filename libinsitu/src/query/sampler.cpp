@@ -113,9 +113,14 @@ mesh::MeshFacts Sampler::facts(const core::Threads* threads) const {
   return on_demand_ ? on_demand_->facts.of(*mesh_, threads) : mesh::find_facts(*mesh_, threads);
 }
 
-bool Sampler::owns(std::int64_t flat) const {
+bool Sampler::exists(std::int64_t flat) const {
   const std::int32_t piece = mesh_->piece_of(flat);
   return mesh_->pieces[piece].exists(flat - mesh_->first_cell[piece]);
+}
+
+bool Sampler::owns(std::int64_t flat) const {
+  const std::int32_t piece = mesh_->piece_of(flat);
+  return mesh_->pieces[piece].owns(flat - mesh_->first_cell[piece]);
 }
 
 Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOptions& options,
@@ -126,7 +131,7 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
   std::int64_t guess = -1;
   if (!locator_->find(p, hint, at, why, guess)) {
     if (guess >= 0 && guess < mesh_->cell_count() &&
-        ProofRule(*mesh_, odd(), options).counts_for(p) && owns(guess)) {
+        ProofRule(*mesh_, odd(), options).counts_for(p) && exists(guess)) {
       mesh::CellVertices cell;
       mesh::gather(*mesh_, guess, cell, options.alpha);
       if ((at = try_cell(cell, guess, p)))

@@ -163,7 +163,9 @@ public:
   math::Vec3d gradient(const mesh::FieldView& field, int component, const Location& at,
                        double alpha = 1.0) const;
 
-  /// Whether a cell owns points.
+  /// Whether a cell is located and evaluated, as those of a halo are; whether it owns points, which
+  /// those do not.
+  bool exists(std::int64_t flat) const;
   bool owns(std::int64_t flat) const;
 
 private:

@@ -104,7 +104,7 @@ query::Location owner_of(const query::Sampler& sampler, const CellsBeyond* beyon
   const query::SoundCells* const sound = sampler.sound_cells(options.alpha != 1.0);
   const mesh::MeshView& mesh = sampler.mesh();
   if (!sound || cell < 0 || cell >= mesh.cell_count() || sampler.chart() ||
-      options.accuracy == INSITU_EXACT || !sampler.owns(cell))
+      options.accuracy == INSITU_EXACT || !sampler.exists(cell))
     return sampler.locate(given, cell, options);
   mesh::CellVertices c;
   mesh::gather(mesh, cell, c, options.alpha);
