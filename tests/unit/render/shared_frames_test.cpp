@@ -396,7 +396,7 @@ TEST(SharedFrames, DISABLED_Cost) {
           const core::Threads threads(1);
           structures.begin(mesh.sampler(), 0, 0, threads);
           FramePart part{world, std::int64_t(mesh.numbers.size()),
-                               [&](std::int64_t flat) { return mesh.numbers[std::size_t(flat)]; }};
+                         [&](std::int64_t flat) { return mesh.numbers[std::size_t(flat)]; }};
           if (const char* bytes_at_once = std::getenv("COST_BYTES"))
             part.most_bytes = std::size_t(std::atoll(bytes_at_once));
           FrameStatistics done;

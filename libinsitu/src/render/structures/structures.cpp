@@ -64,9 +64,9 @@ void Structures::end() {
 
 Structures::Key Structures::key_of(const ScalarField& field) const {
   bool is_average = false;
-  for (const auto& [key, entry] : averages_)
-    is_average =
-        is_average || (entry.value && entry.value->field().field.pieces == field.field.pieces);
+  for (const auto& [key, entry] : averages_) // of no pieces nothing is known, nor needed
+    is_average = is_average || (entry.value && field.field.pieces &&
+                                entry.value->field().field.pieces == field.field.pieces);
   return {field.field.name, field.field.association, range_component(field), is_average};
 }
 
@@ -115,8 +115,9 @@ const VertexAverage& Structures::average(const ScalarField& cell_field) {
 }
 
 std::span<double> Structures::average_values(const ScalarField& cell_field) {
+  const Key key = key_of(cell_field);
   average(cell_field);
-  return averages_[key_of(cell_field)].value->values();
+  return averages_[key].value->values();
 }
 
 const accel::ValueRanges& Structures::value_ranges(const ScalarField& vertex_field) {
