@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t grain = 1 << 14;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 double magnitude(const mesh::FieldPieceView& values, int components, std::int64_t item) {
   if (components == 1)
@@ -92,9 +92,9 @@ double FieldReductions::operator()(const commit::CommittedMesh& mesh, const Name
     world_.agree_after([&] { all = part_of<Sum>(field, view, counted, threads_); });
     world_.reduce(std::span(&all.count, 1), parallel::Reduction::sum);
     world_.reduce(all.sum.words(), parallel::Reduction::sum);
-    return all.count > 0 ? all.sum.mean(all.count) : nan;
+    return all.count > 0 ? all.sum.mean(all.count) : no_value;
   }
-  double least_and_least_of_negative[2] = {nan, nan};
+  double least_and_least_of_negative[2] = {no_value, no_value};
   world_.agree_after([&] {
     const auto all = part_of<Extremes>(field, view, counted, threads_);
     if (all.least > all.greatest) // no value
