@@ -1,7 +1,7 @@
 // The blast wave miniapp, coupled: runs the solver, hands its arrays to libinsitu every cycle, and
 // prints at the end where the time went and how far the shock got against the similarity solution.
 // On a terminal a line of progress is shown meanwhile; --table prints a line for each cycle. On
-// several processes (mpirun -n 4 sedov ...) the first one alone prints.
+// several processes (mpirun -n 4 sedov ...) the first one alone prints, without the progress.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -234,7 +234,9 @@ void run(const Options& options, const sedov::Processes& processes) {
   }
   Spent before(session.report());
   const bool is_root = processes.is_root();
-  const bool progress = is_root && !options.quiet && !options.table && isatty(STDOUT_FILENO) == 1;
+  // On several processes it is mpirun that has the terminal, or none, and does not tell.
+  const bool progress = processes.size() == 1 && !options.quiet && !options.table &&
+                        isatty(STDOUT_FILENO) == 1;
   if (options.table && is_root)
     std::printf("%6s %11s %8s %9s %10s | %8s %8s %8s %8s\n", "cycle", "time", "shock", "drift",
                 "solver ms", "commit", "query", "advect", "render");
