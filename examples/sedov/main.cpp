@@ -235,8 +235,8 @@ void run(const Options& options, const sedov::Processes& processes) {
   Spent before(session.report());
   const bool is_root = processes.is_root();
   // On several processes it is mpirun that has the terminal, or none, and does not tell.
-  const bool progress = processes.size() == 1 && !options.quiet && !options.table &&
-                        isatty(STDOUT_FILENO) == 1;
+  const bool progress =
+      processes.size() == 1 && !options.quiet && !options.table && isatty(STDOUT_FILENO) == 1;
   if (options.table && is_root)
     std::printf("%6s %11s %8s %9s %10s | %8s %8s %8s %8s\n", "cycle", "time", "shock", "drift",
                 "solver ms", "commit", "query", "advect", "render");

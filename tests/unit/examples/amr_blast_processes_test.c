@@ -1,6 +1,6 @@
-/* The blast on several processes (mpirun -n 3 amr_blast_processes_test): every number that a process
- * has is the one of a run on one process, to the bit, and so is the grid. Each process makes that run
- * too, and compares. */
+/* The blast on several processes (mpirun -n 3 amr_blast_processes_test): every number that a
+ * process has is the one of a run on one process, to the bit, and so is the grid. Each process
+ * makes that run too, and compares. */
 #include <p4est.h>
 #include <stdio.h>
 #include <stdlib.h>

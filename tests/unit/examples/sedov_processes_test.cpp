@@ -1,5 +1,6 @@
-// The blast on several processes (mpirun -n 3 sedov_processes_test): every number that a process has
-// is the one of a run on one process, to the bit. Each process makes that run too, and compares.
+// The blast on several processes (mpirun -n 3 sedov_processes_test): every number that a process
+// has is the one of a run on one process, to the bit. Each process makes that run too, and
+// compares.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
