@@ -103,8 +103,8 @@ int main(int argc, char** argv) {
   Config cube; // boxes that meet at edges and corners, the shock across all of them
   cube.cells = {7, 6, 9};
   run(*processes, cube, 60, "cube");
-  Config few; // fewer cells than processes
-  few.cells = {1, 3, 1};
+  Config few; // fewer than processes, of which some have none
+  few.cells = {1, 2, 1};
   few.outer = sedov::Boundary::wall;
   run(*processes, few, 30, "few cells");
   processes->add({&wrong, 1});
