@@ -1,5 +1,7 @@
 #pragma once
 
+#include <exception>
+
 #include "math/vec.h"
 
 /// Points that no cell of this process holds, while cells of other processes may.
@@ -7,9 +9,12 @@ namespace insitu::query {
 
 /// Thrown for such a point: what asked for it cannot go on before the other processes have told who
 /// holds it.
-struct Elsewhere {
+struct Elsewhere final : std::exception {
+  Elsewhere(const math::Vec3d& at, double of_geometry) : point(at), alpha(of_geometry) {}
+  const char* what() const noexcept override { return "a place that another process may hold"; }
+
   math::Vec3d point;
-  double alpha = 1.0; ///< of the geometry: see LocateOptions
+  double alpha; ///< of the geometry: see LocateOptions
   /// Whether a value at the point, at this time, is all that is wanted: who holds it does then not
   /// matter.
   bool is_for_value = false;

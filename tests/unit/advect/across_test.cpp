@@ -1,4 +1,5 @@
 // Tracers over processes: the particles of one process, to the bit.
+#include <cstdlib>
 #include <gtest/gtest.h>
 #include <memory>
 #include <mutex>
@@ -49,6 +50,7 @@ struct Scene {
   bool moves = false;
   bool turns = false; ///< the flow goes round within the mesh, and so do the seeds
   bool takes_shots = true;
+  int many = 0; ///< so many seeds in each cycle, instead of some
   int cycles = 3;
   double interval = 0.4;
 };
@@ -102,7 +104,9 @@ Ran run_process(const Scene& scene, const HaloPlan& plan, parallel::World& world
       part.m.mesh.hide_earlier();
     }
     const query::Sampler sampler = part.m.mesh.sampler();
-    std::vector<Vec3d> points = seeds();
+    std::vector<Vec3d> points = scene.many > 0 ? random_points(31 + std::uint64_t(cycle),
+                                                               std::size_t(scene.many), -1.05, 1.05)
+                                               : seeds();
     for (Vec3d& p : points)
       p = scene.moves ? moved(p, cycle) : scene.turns ? 0.4 * p : p;
     advect::Snapshots shots(
@@ -304,6 +308,18 @@ TEST(Across, LongStepsOut) {
       EXPECT_NE(std::string(e.what()).find("max_step"), std::string::npos) << e.what();
     }
   EXPECT_TRUE(refused);
+}
+
+/// Sums are asserted in every advance. INSITU_TEST_PARTICLES: so many in each of three cycles.
+TEST(Across, ManyParticles) {
+  Scene scene{"many", mesh_of(MeshKind::hexahedra, 12), settings_of(Method::dopri5, true), {}};
+  const char* const asked = std::getenv("INSITU_TEST_PARTICLES");
+  scene.many = asked ? std::atoi(asked) : 4000;
+  scene.takes_shots = false;
+  scene.interval = 0.2;
+  const Ran serial = run_on(scene, std::vector<int>(scene.mesh.cells.size()), 1, 0, true);
+  EXPECT_EQ(serial.counts.seeded, 3 * scene.many);
+  expect_the_same(serial, run_on(scene, boxes(scene.mesh, 8), 8, 1), "many");
 }
 
 /// Processes without cells, the root too.

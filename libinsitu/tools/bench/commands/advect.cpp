@@ -6,10 +6,10 @@
 
 #include "advect/lanes/lanes.h"
 #include "commands.h"
+#include "commands/lines_by_length.h"
 #include "core/random.h"
 #include "report/format.h"
 #include "report/json.h"
-#include "commands/lines_by_length.h"
 #include "workload/flow.h"
 
 namespace insitu::bench {
@@ -146,9 +146,8 @@ private:
                 velocity.begin(-1);
                 return integrate(velocity, i, slot);
               },
-              [&](std::int64_t i, std::size_t slot, advect::LaneVelocity&, insitu_ending ending) {
-                finish(i, slot, ending);
-              });
+              [&](std::int64_t i, std::size_t slot, advect::LaneVelocity&,
+                  const advect::Stepping& stepping) { finish(i, slot, stepping.ending()); });
         });
     for (const advect::Work& w : works)
       work += w;
