@@ -6,11 +6,11 @@
 # cmake -DNM=nm -DOBJECTS=<a;b;...> -P integrators.cmake
 
 set(most_instantiations 12)
-# family # classes # most kilobytes of their methods' code: about twice what it was when this was set
+# family # classes # most kilobytes of their methods' code: about twice what it was when this was set; of surfaces also what several processes share
 set(families
   "ray marching#VolumeMarcher Preintegration VolumeShadow#140"
   "path tracing#PathTracer PathWave Medium PathLights#140"
-  "isosurfaces#IsosurfaceTracer CellRoots Surfaces Shader#120"
+  "isosurfaces#IsosurfaceTracer CellRoots Surfaces Shader#132"
   "particles#Mover#320")
 
 foreach(family IN LISTS families)

@@ -59,7 +59,7 @@ std::string told(const insitu_frame& f) {
 }
 
 bool has_cells(const commit::CommittedMesh& mesh) {
-  return mesh.mesh().own_view().cell_count() > 0;
+  return mesh.mesh().own_view().own_cell_count() > 0;
 }
 
 } // namespace

@@ -260,7 +260,7 @@ std::string Session::execute(std::int64_t cycle, double time) {
   if (!runner_ && default_scene_) {
     std::int64_t cells = 0;
     for (const commit::CommittedMesh* const m : meshes)
-      cells += m->mesh().own_view().cell_count();
+      cells += m->mesh().own_view().own_cell_count();
     world.reduce(std::span(&cells, 1), parallel::Reduction::sum);
     if (cells > 0 || meshes.empty())
       if (std::string failure = try_default_runner(meshes); !failure.empty())

@@ -153,6 +153,7 @@ void CommittedMesh::enter_topology(const core::Threads& threads) {
   sound_.end();
   lone_.begin(!stand_in_ && !lies_on_device());
   ++topology_version_;
+  own_topology_version_ += !in_halo_commit_;
 }
 
 void CommittedMesh::build_tree(insitu_commit_report& report, const core::Threads& threads) {

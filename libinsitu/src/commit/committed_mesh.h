@@ -152,6 +152,8 @@ public:
   std::uint64_t fields_version() const { return fields_version_; }
   std::uint64_t tree_version() const { return tree_version_; }
   std::uint64_t topology_version() const { return topology_version_; }
+  /// Grows as topology_version() does, but not where a halo alone has other cells.
+  std::uint64_t own_topology_version() const { return own_topology_version_; }
   /// Grows with each commit of moved vertices or other cells, and not when only the tree is built
   /// anew.
   std::uint64_t geometry_version() const { return geometry_version_; }
@@ -254,6 +256,8 @@ private:
   std::unique_ptr<Halo> halo_;
   NamesAtSeams seams_{*this};
   int rank_ = 0;
+  bool in_halo_commit_ = false;
+  std::uint64_t own_topology_version_ = 0;
   std::uint64_t halo_topology_ = 0, halo_geometry_ = 0, halo_fields_ = 0; ///< versions in it
   // The earlier step, for pathlines (committed_mesh_earlier.cpp).
   mesh::CellsCopy earlier_cells_;

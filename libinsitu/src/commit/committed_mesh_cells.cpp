@@ -4,6 +4,7 @@
 
 #include "commit/checks/overlaps.h"
 #include "commit/committed_mesh.h"
+#include "mesh/one_mesh.h"
 
 namespace insitu::commit {
 
@@ -54,9 +55,9 @@ void CommittedMesh::set_odd_cells(cells::OddCells odd, const core::Threads& thre
   folds_are_known_ = true;
   sound_.close();
   const mesh::MeshView& view = mesh_.view();
-  if (view.piece_count != 1 && !view.one_mesh && !is_copied() && odd.few && !tree_.empty())
+  if (!mesh::is_one(view) && !is_copied() && odd.few && !tree_.empty())
     mesh_.set_one_mesh(pieces_are_apart(view, tree(), threads));
-  if (view.piece_count != 1 && !view.one_mesh)
+  if (!mesh::is_one(view))
     odd = {};
   odd_cells_ = std::move(odd);
   mesh_.set_free_of_folds(odd_cells_.none());

@@ -77,14 +77,18 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
                               ? std::uint32_t(INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_FIELDS)
                               : std::uint32_t(INSITU_CHANGED_FIELDS));
       insitu_commit_report report = insitu_commit_report_default();
+      in_halo_commit_ = true;
       if (mesh_.pending() != 0)
         commit_pending(report, threads, log, false);
+      in_halo_commit_ = false;
       if (!none && topology)
         mismatches = find_seam_mismatches(*this);
     });
-    if (const std::string what = commit::describe(mismatches, world); !what.empty() && world.is_root())
+    if (const std::string what = commit::describe(mismatches, world);
+        !what.empty() && world.is_root())
       log.warning("mesh '" + mesh_.name() + "': " + what);
   } catch (...) {
+    in_halo_commit_ = false;
     drop_halo();
     throw;
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "accel/tree/tree.h"
+#include "mesh/one_mesh.h"
 #include "query/batch/candidates.h"
 #include "query/batch/guessed_batches.h"
 #include "query/batch/order.h"
@@ -91,8 +92,8 @@ const accel::OddSlots& Sampler::odd() const {
 }
 
 const SoundCells* Sampler::sound_cells(bool moves) const {
-  return on_demand_ && on_demand_->sound && !mesh_->free_of_folds &&
-                 (mesh_->piece_count == 1 || mesh_->one_mesh) && on_demand_->sound->serves(moves)
+  return on_demand_ && on_demand_->sound && !mesh_->free_of_folds && mesh::is_one(*mesh_) &&
+                 on_demand_->sound->serves(moves)
              ? on_demand_->sound
              : nullptr;
 }

@@ -1,6 +1,7 @@
 #include <sstream>
 
 #include "part_session.h"
+#include "scene/probes/probe_answers.h"
 
 using namespace insitu;
 using namespace insitu::test;
@@ -151,18 +152,45 @@ TEST(ProcessProbes, AttachedPointsAreHandedOver) {
                 std::to_string(processes));
 }
 
-/// More than one slice of points.
-TEST(ProcessProbes, ManyPointsGoInSlices) {
+/// Points in slices of any length, of which the last is shorter.
+TEST(ProcessProbes, SlicesOfPointsAreAnsweredAlike) {
   const TestMesh whole = jittered_cubes(3);
-  PartSession::Options options;
-  options.scene = "insitu: 1\npage: false\nprobes:\n"
-                  "  - {name: line, points: {line: {from: [0, 0, 0], to: [3, 3, 3.1], count: "
-                  "1100000}}, fields: [c], output: [netcdf]}\n";
-  const Act once = [](PartSession& process, parallel::World&) {
-    EXPECT_EQ(process.execute(0), "");
-  };
-  const auto expected = run_parts(whole, fixtures::slabs(whole, 1), options, once);
-  expect_same(expected, run_parts(whole, fixtures::boxes(whole, 3), options, once), "3");
+  const WholeFields fields(whole, 0);
+  std::vector<math::Vec3d> points;
+  for (int i = 0; i < 100; ++i)
+    points.push_back({0.031 * i, 0.03 * i, 0.029 * i});
+  std::vector<std::int64_t> cells;
+  std::vector<double> values;
+  for (const int processes : {1, 3})
+    for (const std::size_t slice : {1, 7, 50, 1000})
+      run_processes(processes, [&](parallel::World& world) {
+        core::Memory memory;
+        const core::Threads threads(1);
+        const core::Log log{insitu_log_level(0), nullptr, nullptr};
+        commit::CommittedMesh mesh("m", memory);
+        fixtures::Part part(whole, fixtures::boxes(whole, processes), world.rank());
+        part.give(mesh.mesh(), true);
+        part.give_field(mesh.mesh(), "p", INSITU_VERTEX, 1, fields.p);
+        mesh.commit(threads, log, memory, false);
+        const std::vector<mesh::FieldView> views{mesh.mesh().field("p")};
+        std::vector<math::Vec3d> asked = points;
+        const scene::ProbeAnswers answers = scene::answer_points(
+            {mesh, views, query::LocateOptions{}, true, nullptr}, asked, world, threads, slice);
+        EXPECT_EQ(answers.columns, std::vector<std::string>{"p"});
+        EXPECT_EQ(answers.cells.size(), world.is_root() ? points.size() : 0u);
+        if (!world.is_root())
+          return;
+        std::vector<std::int64_t> found;
+        for (const scene::OwnCell& own : answers.cells)
+          found.push_back(own.global);
+        if (cells.empty()) {
+          cells = found;
+          values = answers.values;
+        }
+        EXPECT_EQ(found, cells) << processes << ", " << slice;
+        EXPECT_EQ(answers.values, values) << processes << ", " << slice;
+      });
+  EXPECT_EQ(std::count(cells.begin(), cells.end(), -1), 0);
 }
 
 /// The root alone opens files: the page, and the summary with sums of all.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "mesh/one_mesh.h"
+
 namespace insitu::commit {
 
 EarlierMesh::EarlierMesh(mesh::TakenStep step, mesh::CellsCopy cells, accel::Tree tree, bool refit,
@@ -65,7 +67,7 @@ std::unique_ptr<EarlierMesh> EarlierMesh::restored(const mesh::EarlierStep& step
     to.begin_step(1, view, memory);
     std::copy(from.steps[0].begin(), from.steps[0].end(), to.steps[0]->values.begin());
   }
-  const bool one = view.piece_count == 1 || view.one_mesh;
+  const bool one = mesh::is_one(view);
   const cells::OddCells odd = one ? cells::find_odd_cells(view, threads) : cells::OddCells{};
   accel::Tree tree(memory);
   tree.build(view, threads, accel::Builder::automatic);

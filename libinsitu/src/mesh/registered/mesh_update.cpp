@@ -183,8 +183,8 @@ void Mesh::update_fields(const core::Threads* threads) {
         field->views.push_back({no_values, {}, false, nullptr});
       else
         add_view(*field, i, threads);
-    for (std::size_t i = pieces_.size(); i < piece_views_.size(); ++i)
-      field->views.push_back(halo_->values(field->name, i - pieces_.size()));
+    for (std::size_t i = 0; halo_ && i < halo_->pieces().size(); ++i)
+      field->views.push_back(halo_->values(field->name, i));
   }
 }
 

@@ -5,6 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "mesh/one_mesh.h"
+
 namespace insitu::query {
 
 using math::Vec3d;
@@ -88,7 +90,7 @@ bool GuessedBatches::may_pay(const PointQuery& query) {
   const mesh::MeshView& mesh = query.mesh;
   const ProofRule proof = query.proof();
   return proof.for_some() && query.options.alpha == 1.0 && proof.may_be_enough() &&
-         (mesh.piece_count == 1 || mesh.one_mesh) && mesh.first_single_cell() == 0;
+         mesh::is_one(mesh) && mesh.first_single_cell() == 0;
 }
 
 /// Guesses at cells that own no point are taken back, those for points for which a proof does not

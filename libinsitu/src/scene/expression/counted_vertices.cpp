@@ -269,7 +269,7 @@ private:
 
 void CountedVertices::update(const commit::CommittedMesh& mesh, parallel::World& world,
                              const core::Threads& threads) {
-  const bool has_cells = mesh.mesh().own_view().cell_count() > 0;
+  const bool has_cells = mesh.mesh().own_view().own_cell_count() > 0;
   const auto lacks = [&](insitu_association of) {
     return has_cells && !mesh.mesh().has_global_ids(of);
   };

@@ -223,6 +223,11 @@ private:
     draw_overlays(images.color, drawing, ticks);
     if (drawing.decisions.own_cells)
       count_as_the_solver(drawing.mesh, settings, images);
+    if (const mesh::Mesh& own = drawing.own.mesh();
+        !drawing.part && own.has_global_ids(INSITU_CELL))
+      for (std::int64_t& cell : images.cell)
+        if (cell >= 0)
+          cell = own.global_id(INSITU_CELL, cell);
     environment_.statistics.render_s += timer.seconds();
     write(drawing, cameras_[number].name, images);
   }

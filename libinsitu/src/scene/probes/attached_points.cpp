@@ -52,7 +52,7 @@ void AttachedPoints::restore(std::vector<query::Location> places) {
 void AttachedPoints::follow(const commit::CommittedMesh& mesh, const query::LocateOptions& options,
                             bool by_ids, std::vector<math::Vec3d>& points) {
   const bool known = !places_.empty();
-  std::int64_t other_cells = !known || (topology_ != mesh.topology_version() && !same_cells_);
+  std::int64_t other_cells = !known || (topology_ != mesh.own_topology_version() && !same_cells_);
   world_.reduce(std::span(&other_cells, 1), parallel::Reduction::greatest);
   same_cells_ = false;
   if (other_cells && known)
@@ -68,13 +68,13 @@ void AttachedPoints::follow(const commit::CommittedMesh& mesh, const query::Loca
     for (std::size_t i = 0; i < points.size(); ++i)
       if (owners_[i] < 0)
         some.push_back(std::int64_t(i));
-    move(mesh.sampler(), options, points, lost);
+    move(mesh.own_sampler(), options, points, lost);
     claims = locate(mesh, options, by_ids, some, points);
   });
   if (!some.empty())
     settle(some, claims);
   tell_lost(lost, points);
-  topology_ = mesh.topology_version();
+  topology_ = mesh.own_topology_version();
 }
 
 /// Tells all processes where the points are.
@@ -115,9 +115,9 @@ std::vector<AttachedPoints::Claim> AttachedPoints::locate(const commit::Committe
                                                           std::span<const std::int64_t> some,
                                                           std::vector<math::Vec3d>& points) {
   std::vector<Claim> claims;
-  if (mesh.mesh().own_view().cell_count() == 0)
+  if (mesh.mesh().own_view().own_cell_count() == 0)
     return claims;
-  const query::Sampler sampler = mesh.sampler();
+  const query::Sampler sampler = mesh.own_sampler();
   threads_.parallel_for(std::int64_t(some.size()), 512, [&](std::int64_t begin, std::int64_t end) {
     for (const std::int64_t point : some.subspan(std::size_t(begin), std::size_t(end - begin))) {
       const auto i = std::size_t(point);

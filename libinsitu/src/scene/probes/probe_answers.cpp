@@ -50,9 +50,10 @@ void answer(const ProbeQuestion& q, Slice& slice, const parallel::World& world,
   slice.cells.assign(n, {});
   slice.parametric.assign(n, {});
   slice.values.assign(n * slice.width, nan);
-  if (world.size() > 1 && q.mesh.mesh().own_view().cell_count() == 0)
+  if (world.size() > 1 && q.mesh.mesh().own_view().own_cell_count() == 0)
     return;
-  const query::Sampler sampler = q.mesh.sampler();
+  // A halo, where there is one, need not be of this step; its cells are others' to answer.
+  const query::Sampler sampler = q.mesh.own_sampler();
   const auto put = [&](std::size_t i, const query::Location& at) {
     if (!at || (world.size() > 1 && !sampler.owns(at.cell)))
       return;
@@ -130,7 +131,8 @@ void merge(const std::vector<parallel::Parcel>& parcels, std::size_t width, bool
 } // namespace
 
 ProbeAnswers answer_points(const ProbeQuestion& question, std::vector<math::Vec3d>& points,
-                           parallel::World& world, const core::Threads& threads) {
+                           parallel::World& world, const core::Threads& threads,
+                           std::size_t slice) {
   const std::size_t n = points.size();
   std::size_t width = 0;
   ProbeAnswers all;
@@ -151,13 +153,13 @@ ProbeAnswers answer_points(const ProbeQuestion& question, std::vector<math::Vec3
       all.values.assign(n * width, nan);
     }
   });
-  for (std::size_t first = 0; world.size() > 1 && first < n; first += points_of_slice) {
+  for (std::size_t first = 0; world.size() > 1 && first < n; first += slice) {
     std::vector<parallel::Parcel> mine;
     world.agree_after([&] {
-      const std::size_t count = std::min(points_of_slice, n - first);
-      Slice slice{first, std::span(points).subspan(first, count), width, {}, {}, {}};
-      answer(question, slice, world, threads);
-      mine = pack(slice);
+      const std::size_t count = std::min(slice, n - first);
+      Slice some{first, std::span(points).subspan(first, count), width, {}, {}, {}};
+      answer(question, some, world, threads);
+      mine = pack(some);
     });
     const std::vector<parallel::Parcel> told = world.exchange(mine);
     merge(told, width, question.by_ids, all, points);

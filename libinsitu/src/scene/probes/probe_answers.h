@@ -33,11 +33,10 @@ struct ProbeQuestion {
 /// slice of the points at a time, and the root keeps of each point the answer of the lowest cell:
 /// by global ids, or of the lowest process. Returns all answers at the root, and at other processes
 /// the columns alone. points: the same on all processes; of attached ones as their owners know
-/// them, which the root is told. Collective. Throws parallel::AgreedError.
+/// them, which the root is told. slice: of how many points. Collective. Throws
+/// parallel::AgreedError.
 ProbeAnswers answer_points(const ProbeQuestion& question, std::vector<math::Vec3d>& points,
-                           parallel::World& world, const core::Threads& threads);
-
-/// How many points processes answer before they tell the root.
-constexpr std::size_t points_of_slice = std::size_t(1) << 20;
+                           parallel::World& world, const core::Threads& threads,
+                           std::size_t slice = std::size_t(1) << 20);
 
 } // namespace insitu::scene

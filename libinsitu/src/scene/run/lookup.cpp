@@ -58,7 +58,7 @@ std::vector<mesh::FieldView> find_fields(const commit::CommittedMesh& mesh,
   std::vector<mesh::FieldView> views;
   std::vector<std::int64_t> known; // components and association, as one number; -1: not known here
   world.agree_after([&] {
-    const bool has_cells = mesh.mesh().own_view().cell_count() > 0;
+    const bool has_cells = mesh.mesh().own_view().own_cell_count() > 0;
     known.assign(names.size(), -1);
     for (std::size_t i = 0; i < names.size(); ++i) {
       views.push_back({names[i].text.c_str()});
@@ -118,7 +118,7 @@ std::vector<std::string> field_names_of_all(const commit::CommittedMesh& mesh,
 }
 
 std::int64_t cells_of_all(const mesh::Mesh& mesh, parallel::World& world) {
-  std::int64_t count = mesh.own_view().cell_count();
+  std::int64_t count = mesh.own_view().own_cell_count();
   world.reduce(std::span(&count, 1), parallel::Reduction::sum);
   return count;
 }

@@ -6,10 +6,7 @@ namespace insitu::scene {
 
 bool names_pieces(const mesh::Mesh& mesh) {
   const mesh::MeshView& view = mesh.own_view();
-  std::int32_t own = 0; // without those of a halo, which lie behind
-  while (own < view.piece_count && !view.pieces[own].is_halo)
-    ++own;
-  return mesh.is_adaptive() || own > 1;
+  return mesh.is_adaptive() || view.piece_count - view.halo_piece_count > 1;
 }
 
 OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat) {
@@ -50,7 +47,7 @@ void CellNames::require_for(const std::string& path, const CellNames& now) const
 }
 
 CellNames name_cells(const mesh::Mesh& mesh, parallel::World& world) {
-  const bool has_cells = mesh.own_view().cell_count() > 0;
+  const bool has_cells = mesh.own_view().own_cell_count() > 0;
   std::int64_t here[] = {has_cells, has_cells && !mesh.has_global_ids(INSITU_CELL),
                          names_pieces(mesh)};
   world.reduce(here, parallel::Reduction::greatest);

@@ -125,7 +125,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   world.agree_after([&] { bring_back_earlier(meshes); });
   for (const auto& action : actions_) {
     try {
-      any_due |= execute(*action, step);
+      execute(*action, step, any_due);
     } catch (const core::Error& e) {
       if (!is_for_want_of_cells(*action, e, meshes))
         failed(std::string(action->kind()) + " '" + action->name() + "'", e);
@@ -159,9 +159,8 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   return failures;
 }
 
-/// Executes an action, all processes alike; returns whether it was due. Throws
-/// parallel::AgreedError.
-bool Runner::execute(Action& action, const Step& step) {
+/// Executes an action, all processes alike, and notes if it was due. Throws parallel::AgreedError.
+void Runner::execute(Action& action, const Step& step, bool& any_due) {
   parallel::World& world = environment_.world;
   commit::CommittedMesh* mesh = nullptr;
   world.agree_after([&] {
@@ -172,13 +171,13 @@ bool Runner::execute(Action& action, const Step& step) {
                             "' lies in device memory; scenes read host memory");
   });
   const bool due = is_due(action, *mesh, step);
+  any_due = any_due || due;
   if (world.size() > 1)
     action.execute(*mesh, step, due); // which agrees by itself
   else
     world.agree_after([&] { action.execute(*mesh, step, due); });
   if (due && world.is_root())
     log_particles(action, step.cycle);
-  return due;
 }
 
 /// Copies what pathlines will need of this step, and only then.

@@ -61,7 +61,7 @@ public:
 
 private:
   bool is_due(const Action& action, const commit::CommittedMesh& mesh, const Step& step) const;
-  bool execute(Action& action, const Step& step);
+  void execute(Action& action, const Step& step, bool& any_due);
   bool is_for_want_of_cells(const Action& action, const core::Error& error, MeshList meshes) const;
   void keep_earlier(MeshList meshes);
   void note_tracers();

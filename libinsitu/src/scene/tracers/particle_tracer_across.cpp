@@ -131,7 +131,8 @@ void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::Fie
       if (interval_.steps_before > 0 && has_cells(mesh))
         earlier = mesh.mesh().earlier_fields(tracer_.velocity.text);
       if (has_cells(mesh)) {
-        mesh.look_for_folds(context.threads);
+        if (tracer_.effects.moves() || !mesh.tells_sound_cells()) // as one process does
+          mesh.look_for_folds(context.threads);
         mesh.find_neighbours_if_due(context.threads);
       }
       if (interval_.steps_before == 0)
