@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "query/lattice/dual_places.h"
 #include "query/lattice/gridlet_query.h"
 #include "query/ray_bundle/ray_bundle_scratch.h"
 
