@@ -25,6 +25,14 @@ struct Box {
   }
 };
 
+/// Whether two closed boxes have a point in common.
+inline bool meet(const Box& a, const Box& b) {
+  bool yes = true;
+  for (int axis = 0; axis < 3; ++axis)
+    yes &= a.low[axis] <= b.high[axis] && b.low[axis] <= a.high[axis];
+  return yes;
+}
+
 /// Of a cell's vertices.
 inline Box box_of(const CellVertices& c) {
   Box box{c.x[0], c.x[0]};

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -18,21 +19,40 @@ class ByteWriter {
 public:
   template <class T>
   void value(const T& v) {
-    array(std::span<const T>(&v, 1));
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (sizeof v > capacity_ - size_)
+      grow(sizeof v);
+    std::memcpy(bytes_.get() + size_, &v, sizeof v);
+    size_ += sizeof v;
   }
   /// Its items alone, not how many there are.
   template <class T>
   void array(std::span<const T> items) {
     static_assert(std::is_trivially_copyable_v<T>);
-    const std::span<const std::byte> bytes = std::as_bytes(items);
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    if (items.empty())
+      return;
+    if (items.size_bytes() > capacity_ - size_)
+      grow(items.size_bytes());
+    std::memcpy(bytes_.get() + size_, items.data(), items.size_bytes());
+    size_ += items.size_bytes();
   }
-  bool empty() const { return bytes_.empty(); }
-  std::size_t size() const { return bytes_.size(); }
-  std::vector<std::byte> take() { return std::move(bytes_); }
+  void clear() { size_ = 0; }
+  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
+  std::vector<std::byte> bytes() const { return {bytes_.get(), bytes_.get() + size_}; }
 
 private:
-  std::vector<std::byte> bytes_;
+  void grow(std::size_t more) {
+    const std::size_t capacity = 2 * capacity_ + more + (std::size_t(1) << 12);
+    std::unique_ptr<std::byte[]> larger(new std::byte[capacity]); // not set to 0 first
+    if (size_ > 0)
+      std::memcpy(larger.get(), bytes_.get(), size_);
+    bytes_ = std::move(larger);
+    capacity_ = capacity;
+  }
+
+  std::unique_ptr<std::byte[]> bytes_;
+  std::size_t size_ = 0, capacity_ = 0;
 };
 
 /// Throws core::Error (INSITU_ERROR_INTERNAL) where a parcel is shorter than what is read of it.
@@ -51,9 +71,7 @@ public:
     static_assert(std::is_trivially_copyable_v<T>);
     const std::size_t bytes = items.size_bytes();
     if (bytes > rest_.size())
-      throw core::Error(INSITU_ERROR_INTERNAL,
-                        "a parcel is too short: " + std::to_string(rest_.size()) + " bytes left, " +
-                            std::to_string(bytes) + " expected");
+      refuse(bytes);
     if (bytes > 0)
       std::memcpy(static_cast<void*>(items.data()), rest_.data(), bytes);
     rest_ = rest_.subspan(bytes);
@@ -61,9 +79,7 @@ public:
   template <class T>
   std::vector<T> array(std::size_t count) {
     if (count > rest_.size() / sizeof(T)) // before memory is taken
-      throw core::Error(INSITU_ERROR_INTERNAL,
-                        "a parcel is too short: " + std::to_string(rest_.size()) + " bytes left, " +
-                            std::to_string(count) + " items expected");
+      refuse(count * sizeof(T));
     std::vector<T> items(count);
     array(std::span<T>(items));
     return items;
@@ -72,7 +88,29 @@ public:
   std::size_t left() const { return rest_.size(); }
 
 private:
+  [[noreturn]] void refuse(std::size_t expected) const {
+    throw core::Error(INSITU_ERROR_INTERNAL,
+                      "a parcel is too short: " + std::to_string(rest_.size()) + " bytes left, " +
+                          std::to_string(expected) + " expected");
+  }
+
   std::span<const std::byte> rest_;
 };
+
+/// Of a parcel that is one array: its bytes, and back.
+template <class T>
+std::vector<std::byte> bytes_of(std::span<const T> items) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const auto bytes = std::as_bytes(items);
+  return {bytes.begin(), bytes.end()};
+}
+template <class T>
+std::vector<std::byte> bytes_of(const std::vector<T>& items) {
+  return bytes_of(std::span<const T>(items));
+}
+template <class T>
+std::vector<T> items_of(std::span<const std::byte> bytes) {
+  return ByteReader(bytes).array<T>(bytes.size() / sizeof(T));
+}
 
 } // namespace insitu::parallel

@@ -13,17 +13,6 @@ namespace {
 constexpr std::int64_t nx = 12, ny = 3, nz = 2;
 constexpr double origin[3] = {0.1, -0.3, 7.0}, spacing[3] = {0.1, 0.3, 0.7};
 
-int rank() {
-  int r = -1;
-  MPI_Comm_rank(MPI_COMM_WORLD, &r);
-  return r;
-}
-int size() {
-  int s = -1;
-  MPI_Comm_size(MPI_COMM_WORLD, &s);
-  return s;
-}
-
 /// The slab of a process, from column `begin` to `end`; the last of several has none.
 struct Slab {
   explicit Slab(int r) {

@@ -4,6 +4,17 @@
 #include <gtest/gtest.h>
 #include <mpi.h>
 
+inline int rank() {
+  int r = -1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &r);
+  return r;
+}
+inline int size() {
+  int s = -1;
+  MPI_Comm_size(MPI_COMM_WORLD, &s);
+  return s;
+}
+
 /// Every process runs all tests; that of rank 0 prints, the others where they fail.
 inline int run_on_all_processes(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -13,16 +13,6 @@
 
 namespace {
 
-int rank() {
-  int r = -1;
-  MPI_Comm_rank(MPI_COMM_WORLD, &r);
-  return r;
-}
-int size() {
-  int s = -1;
-  MPI_Comm_size(MPI_COMM_WORLD, &s);
-  return s;
-}
 bool is_last() {
   return rank() == size() - 1;
 }

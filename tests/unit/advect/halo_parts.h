@@ -55,11 +55,11 @@ public:
   HaloPart(const HaloPlan& plan, int rank) : plan_(&plan), rank_(rank), m(part_of()) {}
 
   bool is_own(std::int64_t cell) const override { return process(cell) == rank_; }
-  advect::CellName name(std::int64_t cell) const override {
+  mesh::CellName name(std::int64_t cell) const override {
     const int owner = process(cell);
-    return {owner, 0, place(owner, global(cell))};
+    return {-1, owner, 0, place(owner, global(cell))};
   }
-  std::int64_t find(const advect::CellName& name) const override {
+  std::int64_t find(const mesh::CellName& name) const override {
     return place(rank_, plan_->cells[std::size_t(name.rank)][std::size_t(name.cell)]);
   }
   std::int64_t global(std::int64_t cell) const {

@@ -12,8 +12,8 @@ namespace {
 class NoHome final : public advect::Homes {
 public:
   bool is_own(std::int64_t) const override { return false; }
-  advect::CellName name(std::int64_t cell) const override { return {1, 0, cell}; }
-  std::int64_t find(const advect::CellName& name) const override { return name.cell; }
+  mesh::CellName name(std::int64_t cell) const override { return {-1, 1, 0, cell}; }
+  std::int64_t find(const mesh::CellName& name) const override { return name.cell; }
 };
 
 /// One by one, in a new field after every step. Counts the legs.

@@ -69,6 +69,47 @@ TEST(ProcessTracers, FilesOnAMeshThatMovesAreThoseOfOneProcessToTheByte) {
   expect_files_of_one(scene_of(), {2, 4, 8}, five_cycles_of_moving);
 }
 
+/// Material that carries particles on vertices, edges and faces of its cells, in a grid whose
+/// numbers of cells have factors in common with what is looked at to learn how cells are numbered:
+/// whether a process knows the cells beside one must not show.
+TEST(ProcessTracers, ParticlesOnEdgesOfMovingMaterialAreThoseOfOneProcessToTheByte) {
+  MeshOptions grid;
+  grid.size = 6;
+  grid.jitter = 0.0;
+  const TestMesh whole = make_mesh(grid, 1);
+  const Act carried = [&](PartSession& process, parallel::World&) {
+    const double interval = 0.25;
+    std::vector<Vec3d> before = whole.vertices;
+    for (int cycle = 0; cycle < 5; ++cycle) {
+      std::vector<Vec3d> now;
+      std::vector<double> velocity;
+      for (std::size_t v = 0; v < whole.vertices.size(); ++v) {
+        const Vec3d& x = whole.vertices[v];
+        now.push_back(x + 1e-3 * cycle * cycle * Vec3d{0.3 * x.x * x.y, std::sin(x.y), 0.1 * x.z});
+        const Vec3d u = (now[v] - before[v]) / interval;
+        velocity.insert(velocity.end(), {u.x, u.y, u.z});
+      }
+      before = now;
+      if (!process.part().empty()) {
+        process.part().move(process.mesh().mesh(), now);
+        process.part().give_field(process.mesh().mesh(), "material", INSITU_VERTEX, 3, velocity);
+      }
+      EXPECT_EQ(process.execute(cycle), "");
+    }
+  };
+  PartSession::Options options;
+  options.scene =
+      "insitu: 1\npage: false\ntracers:\n"
+      "  - {name: carried, velocity: material, kind: pathline, seeds: {box: {min: [0, 0, "
+      "0], max: [6, 6, 6], counts: [13, 13, 5]}}, output: [csv]}\n";
+  const auto expected = run_parts(whole, fixtures::slabs(whole, 1), options, carried);
+  for (const int processes : {2, 3, 8})
+    for (const fixtures::Partition& partition :
+         {fixtures::slabs(whole, processes), fixtures::boxes(whole, processes)})
+      expect_same(expected, run_parts(whole, partition, options, carried),
+                  partition.name + " on " + std::to_string(processes));
+}
+
 TEST(ProcessTracers, EffectsAreThoseOfOneProcessToTheByte) {
   expect_files_of_one(
       std::string("insitu: 1\npage: false\ntracers:\n"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace insitu::advect {
@@ -29,6 +28,7 @@ void widen(mesh::Box& box) {
 
 std::vector<mesh::Box> OwnBoxes::find(const mesh::MeshView& mesh, const Homes& homes,
                                       const core::Threads& threads) {
+  constexpr auto most = std::int64_t(query::Directory::most_boxes);
   const std::int64_t cells = mesh.cell_count();
   const std::int64_t grain = std::max<std::int64_t>((cells + most - 1) / most, 1);
   std::vector<mesh::Box> boxes(std::size_t((cells + grain - 1) / grain), nothing);
@@ -52,43 +52,24 @@ std::vector<mesh::Box> OwnBoxes::find(const mesh::MeshView& mesh, const Homes& h
   return boxes;
 }
 
-OtherCells::OtherCells(parallel::World& world, std::span<const mesh::Box> own) {
-  std::vector<parallel::Parcel> parcels;
-  world.agree_after([&] {
-    const std::span<const std::byte> bytes = std::as_bytes(own);
-    for (int r = 0; r < world.size(); ++r)
-      if (r != world.rank() && !own.empty())
-        parcels.push_back({r, {bytes.begin(), bytes.end()}});
-  });
-  const std::vector<parallel::Parcel> received = world.exchange(parcels);
-  world.agree_after([&] {
-    for (const parallel::Parcel& p : received) {
-      Of& of = others_.emplace_back(Of{p.rank, nothing, {}});
-      of.boxes.resize(p.bytes.size() / sizeof(mesh::Box));
-      std::memcpy(of.boxes.data(), p.bytes.data(), p.bytes.size());
-      for (const mesh::Box& box : of.boxes)
-        of.all.extend(box);
-    }
-  });
-}
-
-bool OtherCells::Of::holds(const Vec3d& point) const {
-  return all.holds(point) &&
-         std::ranges::any_of(boxes, [&](const mesh::Box& box) { return box.holds(point); });
+OtherCells::OtherCells(parallel::World& world, std::span<const mesh::Box> own)
+    : rank_(world.rank()) {
+  directory_.gather(own, world);
 }
 
 void OtherCells::missed(const Vec3d& point, double alpha) const {
-  if (std::ranges::none_of(others_, [&](const Of& of) { return of.holds(point); }) ||
-      outside_.contains({point, alpha}))
-    return;
-  throw query::Elsewhere{point, alpha};
+  bool elsewhere = false;
+  for (int r = 0; r < directory_.size() && !elsewhere; ++r)
+    elsewhere = r != rank_ && directory_.may_hold(r, point);
+  if (elsewhere && !outside_.contains({point, alpha}))
+    throw query::Elsewhere{point, alpha};
 }
 
 std::vector<int> OtherCells::ranks_at(const Vec3d& point) const {
   std::vector<int> ranks;
-  for (const Of& of : others_)
-    if (of.holds(point))
-      ranks.push_back(of.rank);
+  for (int r = 0; r < directory_.size(); ++r)
+    if (r != rank_ && directory_.may_hold(r, point))
+      ranks.push_back(r);
   return ranks;
 }
 

@@ -10,16 +10,16 @@
 #include "mesh/box.h"
 #include "mesh/view.h"
 #include "parallel/world.h"
+#include "query/directory.h"
 #include "query/elsewhere.h"
 
 /// Particles on several processes: where other processes have cells, and how particles go there.
 namespace insitu::advect {
 
 /// Some boxes that hold all cells that this process owns, between the earlier and the current step:
-/// at most `most` of them, each of cells whose numbers follow each other.
+/// at most Directory::most_boxes of them, each of cells whose numbers follow each other.
 class OwnBoxes {
 public:
-  static constexpr int most = 64;
   static std::vector<mesh::Box> find(const mesh::MeshView& mesh, const Homes& homes,
                                      const core::Threads& threads);
 };
@@ -45,13 +45,8 @@ private:
   struct Hash {
     std::size_t operator()(const Place& place) const;
   };
-  struct Of {
-    int rank;
-    mesh::Box all;
-    std::vector<mesh::Box> boxes;
-    bool holds(const math::Vec3d& point) const;
-  };
-  std::vector<Of> others_;
+  const int rank_;
+  query::Directory directory_;
   std::unordered_set<Place, Hash> outside_;
 };
 

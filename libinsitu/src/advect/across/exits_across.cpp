@@ -1,8 +1,9 @@
 #include "advect/across/exits_across.h"
 
 #include <algorithm>
-#include <cstring>
 #include <vector>
+
+#include "parallel/bytes.h"
 
 namespace insitu::advect {
 
@@ -20,18 +21,15 @@ void tell_exits(parallel::World& world, Exits& exits, const query::Sampler& insi
       std::vector<Exits::Beyond> beyond(part.size());
       for (std::size_t i = 0; i < part.size(); ++i)
         endings.push_back(std::uint8_t(exits.ending(inside, part[i], &beyond[i])));
-      const auto bytes = std::as_bytes(std::span(beyond));
       for (int r = 0; r < world.size(); ++r)
-        if (r != world.rank() && !bytes.empty())
-          parcels.push_back({r, {bytes.begin(), bytes.end()}});
+        if (r != world.rank() && !beyond.empty())
+          parcels.push_back({r, parallel::bytes_of(beyond)});
     });
     const std::vector<parallel::Parcel> asked = world.exchange(parcels);
     world.agree_after([&] {
       for (const parallel::Parcel& parcel : asked) {
-        std::vector<Exits::Beyond> beyond(parcel.bytes.size() / sizeof(Exits::Beyond));
-        std::memcpy(static_cast<void*>(beyond.data()), parcel.bytes.data(), parcel.bytes.size());
         parallel::Parcel& answer = answers.emplace_back(parallel::Parcel{parcel.rank, {}});
-        for (const Exits::Beyond& of : beyond)
+        for (const Exits::Beyond& of : parallel::items_of<Exits::Beyond>(parcel.bytes))
           answer.bytes.push_back(std::byte(exits.ending(inside, of)));
       }
     });

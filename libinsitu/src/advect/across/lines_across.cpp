@@ -111,19 +111,11 @@ void Lines::end(Leg& leg, std::size_t i, const LaneVelocity& field, const Steppi
   const std::int64_t line = particles_.ids[i];
   Work done;
   const auto goes_on = [&] {
-    OnTheWay way = leg.way;
-    way.stays = false;
-    way.stays_here = journey.stays();
-    const bool has_moved =
-        journey.is_marked() && (!leg.way.is_marked || journey.mark().p.time != leg.way.mark.p.time);
-    way.tries = has_moved ? 0 : leg.way.tries;
-    way.is_new_step = has_moved;
-    way.is_marked = journey.is_marked();
+    const OnTheWay way = leg.way.after(journey);
     if (!way.is_marked)
       return way;
-    leg.vertices->go_on_from(journey.mark().recorder);
+    leg.vertices->go_on_from(way.mark.recorder);
     keep(leg, line);
-    way.mark = journey.mark();
     done = way.mark.work;
     particles_.set_state(i, way.mark.p, way.mark.cell);
     return way;

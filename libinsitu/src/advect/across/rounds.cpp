@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/status.h"
+#include "parallel/bytes.h"
 
 namespace insitu::advect {
 
@@ -26,14 +27,6 @@ void append(std::vector<parallel::Parcel>& parcels, int rank, const T& item) {
     parcel = parcels.insert(parcels.end(), {rank, {}});
   const auto* bytes = reinterpret_cast<const std::byte*>(&item);
   parcel->bytes.insert(parcel->bytes.end(), bytes, bytes + sizeof item);
-}
-
-template <class T>
-std::vector<T> items_of(const parallel::Parcel& parcel) {
-  std::vector<T> items(parcel.bytes.size() / sizeof(T));
-  if (!items.empty())
-    std::memcpy(static_cast<void*>(items.data()), parcel.bytes.data(), items.size() * sizeof(T));
-  return items;
 }
 
 /// Of a particle, in a list by their order; or null.
@@ -171,7 +164,7 @@ void Rounds::send(std::vector<LeftAt>* left) {
 
 void Rounds::receive(std::span<const parallel::Parcel> parcels, std::vector<LeftAt>* left) {
   for (const parallel::Parcel& parcel : parcels)
-    for (Traveller& t : items_of<Traveller>(parcel)) {
+    for (Traveller& t : parallel::items_of<Traveller>(parcel.bytes)) {
       t.find_cells(homes_);
       const std::size_t particle = particles_.size();
       if (!t.is_home) {
@@ -209,13 +202,13 @@ void Rounds::ask(Evaluate velocity) {
   const std::vector<parallel::Parcel> asked = exchange(parcels);
   world_.agree_after([&] {
     for (const parallel::Parcel& parcel : asked)
-      for (const Answer& answer : answers_to(items_of<Question>(parcel), velocity))
+      for (const Answer& answer : answers_to(parallel::items_of<Question>(parcel.bytes), velocity))
         append(answers, parcel.rank, answer);
   });
   const std::vector<parallel::Parcel> answered = exchange(answers);
   world_.agree_after([&] {
     for (const parallel::Parcel& parcel : answered)
-      for (const Answer& answer : items_of<Answer>(parcel))
+      for (const Answer& answer : parallel::items_of<Answer>(parcel.bytes))
         if (answer.holds) {
           Waiting& w = waiting_[std::size_t(answer.number)];
           if (w.holder < 0) { // the lowest, where cells overlap

@@ -2,6 +2,18 @@
 
 namespace insitu::advect {
 
+OnTheWay OnTheWay::after(const Journey& journey) const {
+  OnTheWay way = *this;
+  way.stays = false;
+  way.stays_here = journey.stays();
+  way.is_new_step = journey.is_marked() && (!is_marked || journey.mark().p.time != mark.p.time);
+  way.tries = way.is_new_step ? 0 : tries;
+  way.is_marked = journey.is_marked();
+  if (way.is_marked)
+    way.mark = journey.mark();
+  return way;
+}
+
 void Traveller::name_cells(core::FunctionRef<CellName(std::int64_t)> name_of) {
   cell = name_of(particle.cell);
   std::size_t k = 0;

@@ -21,6 +21,9 @@ struct OnTheWay {
   std::int32_t hops = 0;    ///< so often it went from process to process in this interval
   std::int32_t tries = 0;   ///< so often its next step was taken back for a place elsewhere
   WayMark mark;             ///< if is_marked
+
+  /// How the particle goes on from where its journey here was marked last, or taken back.
+  OnTheWay after(const Journey& journey) const;
 };
 
 /// A particle on its way from one process to another, as bytes: cells by their names.

@@ -2,15 +2,11 @@
 
 #include <cstdint>
 
+#include "mesh/cell_name.h"
+
 namespace insitu::advect {
 
-/// A cell as all processes know it: the process that owns it, the piece there and its id in that.
-/// rank -1: none.
-struct CellName {
-  std::int32_t rank = -1, piece = -1;
-  std::int64_t cell = -1;
-  bool operator==(const CellName&) const = default;
-};
+using mesh::CellName;
 
 /// Which process owns each of the cells that exist here: this one, or for a cell of the halo
 /// another.

@@ -95,10 +95,10 @@ Vec3d MeshVelocity::kept_inside(const Vec3d& x) {
               : confined_.may_be_beyond();
   if (!may_be_beyond || is_kept_in_mesh(x) || cells_.hold(x, moment_))
     return x;
-  if (is_beside_kept(x))
-    return boundary_.inside();
   if (moment_.locate(x, is_free ? hint_ : cells_.own().cell))
     return x;
+  if (is_beside_kept(x))
+    return boundary_.inside();
   return beside_mesh(x, is_free ? 0.0 : confined_.reach(cells_.own(), moment_)) ? boundary_.inside()
                                                                                 : x;
 }
@@ -125,8 +125,9 @@ Vec3d MeshVelocity::kept_inside(const Vec3d& x, double t) {
   moment_.set(t);
   if (is_kept_in_mesh(y) || (cells_.takes_boundaries() && cells_.hold(y, moment_)))
     return y;
-  return !is_beside_kept(y) && (moment_.locate(y, cell_) || !beside_mesh(y)) ? y
-                                                                             : boundary_.inside();
+  if (moment_.locate(y, cell_))
+    return y;
+  return is_beside_kept(y) || beside_mesh(y) ? boundary_.inside() : y;
 }
 
 Vec3d MeshVelocity::extent() {

@@ -69,19 +69,11 @@ bool Interval::end_leg(Leg<V>& leg, std::size_t i, V& velocity, Rounds& rounds, 
                        core::FunctionRef<insitu_ending(std::int64_t& cell)> end) {
   const Journey& journey = *leg.journey;
   const auto goes_on = [&] {
-    OnTheWay way = leg.way;
-    way.stays = false;
-    way.stays_here = journey.stays();
-    const bool has_moved =
-        journey.is_marked() && (!leg.way.is_marked || journey.mark().p.time != leg.way.mark.p.time);
-    way.tries = has_moved ? 0 : leg.way.tries;
-    way.is_new_step = has_moved;
-    way.is_marked = journey.is_marked();
+    const OnTheWay way = leg.way.after(journey);
     if (leg.taker)
       leg.taker->go_on_from(journey.mark().recorder);
     if (!way.is_marked)
       return way;
-    way.mark = journey.mark();
     done += way.mark.work;
     particles_.set_state(i, way.mark.p, way.mark.cell);
     return way;

@@ -31,7 +31,7 @@ Everywhere::Everywhere(const CommittedMesh& mesh, parallel::World& world)
                             "host");
     (void)mesh.tree(); // fitted before its boxes are told
   });
-  directory_.gather(mesh.standing_tree(), world);
+  directory_.gather(query::boxes_of(mesh.standing_tree()), world);
 }
 
 std::vector<int> Everywhere::components(std::span<const std::string> fields) {
@@ -101,7 +101,7 @@ std::vector<std::byte> Everywhere::answer(std::span<const std::byte> question,
     to.value(OwnerOfAll{name, as_own.parametric, query::Reason(reasons[i])});
     to.array(std::span<const double>(values));
   }
-  return to.take();
+  return to.bytes();
 }
 
 void Everywhere::sample_slice(std::size_t first, std::span<const Vec3d> points,
@@ -120,7 +120,7 @@ void Everywhere::sample_slice(std::size_t first, std::span<const Vec3d> points,
           to.value(points[i]);
         }
       if (!to.empty())
-        questions.push_back({int(r), to.take()});
+        questions.push_back({int(r), to.bytes()});
     }
   });
   questions = world_.exchange(questions);

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "commit/halo/directory.h"
 #include "commit/halo/halo.h"
 #include "query/location.h"
 
@@ -22,8 +21,8 @@ struct OwnerOfAll {
 };
 
 /// Answers points that any process may hold. Each process asks those whose boxes hold a point
-/// (Directory), and the least of the cells that they name is the owner (CellName). All calls are
-/// collective and throw parallel::AgreedError.
+/// (query::Directory), and the least of the cells that they name is the owner (CellName). All calls
+/// are collective and throw parallel::AgreedError.
 class Everywhere {
 public:
   /// The mesh must be committed on all processes, and outlive the object.
@@ -51,7 +50,7 @@ private:
 
   const CommittedMesh& mesh_;
   parallel::World& world_;
-  Directory directory_;
+  query::Directory directory_;
 };
 
 } // namespace insitu::commit

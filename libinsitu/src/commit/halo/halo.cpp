@@ -40,7 +40,7 @@ void Halo::swap(parallel::World& world, core::FunctionRef<void(std::vector<ByteW
     for (std::size_t r = 0; r < to.size(); ++r)
       if (!to[r].empty()) {
         bytes_sent_ += std::int64_t(to[r].size());
-        parcels.push_back({int(r), to[r].take()});
+        parcels.push_back({int(r), to[r].bytes()});
       }
   });
   const std::vector<Parcel> received = world.exchange(parcels);
@@ -132,7 +132,7 @@ void Halo::borrow(int rank, ByteReader& from) {
 
 void Halo::find(const CommittedMesh& mesh, parallel::World& world) {
   world.agree_after([&] { (void)mesh.tree(); }); // which is fitted now, or built
-  directory_.gather(mesh.standing_tree(), world);
+  directory_.gather(query::boxes_of(mesh.standing_tree()), world);
   const std::vector<std::vector<std::int64_t>> cells = touching_cells(mesh, world);
   std::vector<Borrowed> before;
   swap(

@@ -5,31 +5,21 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "commit/halo/directory.h"
 #include "core/memory.h"
+#include "mesh/cell_name.h"
 #include "mesh/registered/mesh.h"
 #include "parallel/bytes.h"
 #include "parallel/world.h"
+#include "query/directory.h"
 
 namespace insitu::commit {
 
 class CommittedMesh;
 
-/// A cell as all processes know it. Of the cells that hold a point the least owns it.
-struct CellName {
-  std::int64_t global = -1; ///< its global id; -1: the solver gives none
-  int rank = 0;
-  std::int32_t piece = 0;
-  std::int64_t cell = 0; ///< in the piece
-  /// By global ids, where all cells have them, else by process, piece and cell.
-  bool operator<(const CellName& b) const {
-    return std::tie(global, rank, piece, cell) < std::tie(b.global, b.rank, b.piece, b.cell);
-  }
-};
+using mesh::CellName;
 
 /// The cells of other processes that touch this process's cells: copies of their vertices, global
 /// ids and fields, as pieces of the mesh behind the solver's own. They exist and do not own points,
@@ -67,7 +57,6 @@ public:
     return std::size_t(flat >> 6) < seam_.size() &&
            (seam_[std::size_t(flat >> 6)] >> (flat & 63)) & 1;
   }
-  const Directory& directory() const { return directory_; }
   /// Sent since the halo was made.
   std::int64_t bytes_sent() const { return bytes_sent_; }
 
@@ -111,7 +100,7 @@ private:
             core::FunctionRef<void(int rank, parallel::ByteReader& from)> read) const;
 
   core::Memory* memory_;
-  Directory directory_;
+  query::Directory directory_;
   std::vector<Lent> lent_;
   std::vector<Borrowed> borrowed_; ///< by rank, then piece
   std::vector<mesh::PieceView> views_;

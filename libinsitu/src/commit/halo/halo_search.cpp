@@ -1,9 +1,10 @@
 /// Which cells of this process touch which other process's.
 #include <algorithm>
-#include <bit>
 
 #include "commit/committed_mesh.h"
 #include "commit/halo/halo.h"
+#include "query/batch/candidates.h"
+#include "query/point_query.h"
 
 namespace insitu::commit {
 
@@ -31,36 +32,19 @@ mesh::Box widened(const accel::Box& box) {
   return out;
 }
 
-bool overlap(const accel::Box& a, const accel::Box& b) {
-  bool yes = true;
-  for (int axis = 0; axis < 3; ++axis)
-    yes &= a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis];
-  return yes;
-}
-
-/// visit(flat) of the tree's cells whose leaves meet a box of the mesh's coordinates, until it
-/// returns true; whether it did.
+/// visit(flat) of this process's cells whose leaves in the tree meet a box of the mesh's
+/// coordinates, until it returns true; whether it did.
 template <class Visit>
-bool visit_cells(const accel::Tree& tree, const mesh::Box& box, Visit&& visit) {
+bool visit_cells(const mesh::MeshView& view, const accel::Tree& tree, const mesh::Box& box,
+                 Visit&& visit) {
   if (tree.empty())
     return false;
   const accel::Box local = outwards({box.low - tree.origin(), box.high - tree.origin()});
-  std::uint32_t stack[64 * 8];
-  int size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const accel::Node& node = tree.nodes()[stack[--size]];
-    for (int c = 0; c < 8; ++c) {
-      if (!node.meta[c] || !overlap(node.child_box(c), local))
-        continue;
-      if (node.is_inner(c)) {
-        stack[size++] = node.child_node(c);
-        continue;
-      }
-      for (int k = 0; k < node.child_cell_count(c); ++k)
-        if (visit(std::int64_t(tree.cells()[node.child_cells(c) + std::uint32_t(k)])))
-          return true;
-    }
+  const query::PointQuery query{view, tree, {}};
+  for (const query::Candidate& c : query.candidates_in(local.lower, local.upper)) {
+    const std::int64_t flat = tree.cells()[c.slot];
+    if (flat < view.own_cell_count() && visit(flat))
+      return true;
   }
   return false;
 }
@@ -76,9 +60,8 @@ std::vector<std::int64_t> near(const mesh::MeshView& view, const accel::Tree& tr
                                std::span<const mesh::Box> boxes) {
   std::vector<std::int64_t> cells;
   for (const mesh::Box& box : boxes)
-    visit_cells(tree, box, [&](std::int64_t flat) {
-      if (flat < view.own_cell_count())
-        cells.push_back(flat);
+    visit_cells(view, tree, box, [&](std::int64_t flat) {
+      cells.push_back(flat);
       return false;
     });
   std::ranges::sort(cells);
@@ -88,9 +71,8 @@ std::vector<std::int64_t> near(const mesh::MeshView& view, const accel::Tree& tr
 
 /// Whether a cell of this process touches the box.
 bool touches(const mesh::MeshView& view, const accel::Tree& tree, const mesh::Box& box) {
-  return visit_cells(tree, box, [&](std::int64_t flat) {
-    return flat < view.own_cell_count() && meet(box_of_cell(view, flat), box);
-  });
+  return visit_cells(view, tree, box,
+                     [&](std::int64_t flat) { return mesh::meet(box_of_cell(view, flat), box); });
 }
 
 } // namespace

@@ -211,13 +211,13 @@ void SharedFrame::finish(FrameImages& images) {
       tile_of(parcel.slot).for_each_ray([&](std::size_t, int x, int y) {
         float* const pixel = images.color.pixel(x, y);
         for (int c = 0; c < 4; ++c)
-          pixel[c] = reader.get<float>();
+          pixel[c] = reader.value<float>();
         const auto at = std::size_t(y) * std::size_t(settings_.width) + std::size_t(x);
         if (settings_.depth) // of the first sample of pixels alone
-          if (const auto depth = reader.get<float>(); !images.depth.empty())
+          if (const auto depth = reader.value<float>(); !images.depth.empty())
             images.depth[at] = depth;
         if (settings_.cell)
-          if (const auto cell = reader.get<std::int64_t>(); !images.cell.empty())
+          if (const auto cell = reader.value<std::int64_t>(); !images.cell.empty())
             images.cell[at] = cell;
       });
     }
@@ -234,14 +234,14 @@ TileParcel SharedFrame::finish(OwnTile& tile) {
   for (RayState& state : rays) {
     while (state.next_hit < state.hits.size() && !state.is_saturated())
       state.blend_next_hit();
-    writer.put(state.color.r);
-    writer.put(state.color.g);
-    writer.put(state.color.b);
-    writer.put(state.alpha);
+    writer.value(state.color.r);
+    writer.value(state.color.g);
+    writer.value(state.color.b);
+    writer.value(state.alpha);
     if (settings_.depth)
-      writer.put(float(state.depth));
+      writer.value(float(state.depth));
     if (settings_.cell)
-      writer.put(state.depth_cell);
+      writer.value(state.depth_cell);
     counts.lit += state.lit;
     counts.integrals += state.integrals;
   }

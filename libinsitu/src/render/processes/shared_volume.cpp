@@ -52,8 +52,8 @@ void SharedFrame::tell_ends() {
         const std::span<RayState> rays = rays_of(own_[i]);
         for (std::size_t r = 0; r < rays.size(); ++r)
           if (const auto& hits = rays[r].hits; !hits.empty() && hits.back().opacity >= 1) {
-            writer.put(std::uint16_t(r));
-            writer.put(hits.back().t);
+            writer.value(std::uint16_t(r));
+            writer.value(hits.back().t);
           }
         for (const int source : own_[i].sources)
           if (writer.size() > 0)
@@ -63,9 +63,9 @@ void SharedFrame::tell_ends() {
     mail_.exchange_in_turns(std::move(parcels), [&](const std::vector<TileParcel>& received) {
       for (const TileParcel& parcel : received) {
         NearTile& tile = near_of(parcel.slot);
-        for (ByteReader reader = parcel.reader(); !reader.is_done();) {
-          RayState& ray = tile.rays[reader.get<std::uint16_t>()];
-          ray.hits.emplace_back().t = reader.get<double>(); // opaque
+        for (ByteReader reader = parcel.reader(); !reader.at_end();) {
+          RayState& ray = tile.rays[reader.value<std::uint16_t>()];
+          ray.hits.emplace_back().t = reader.value<double>(); // opaque
         }
       }
     });
@@ -184,7 +184,7 @@ std::int64_t SharedFrame::tell_saturated(std::int64_t round) {
       tile.has_news = false;
       writer.clear();
       for (const std::uint64_t word : tile.saturated)
-        writer.put(word);
+        writer.value(word);
       for (const int source : tile.sources)
         parcels.push_back({source, tile.slot, writer.bytes()});
     }
@@ -203,7 +203,7 @@ std::int64_t SharedFrame::tell_saturated(std::int64_t round) {
 void SharedFrame::stop_saturated(NearTile& near, ByteReader from) const {
   std::uint64_t done[FrameTile::most_rays / 64];
   for (std::uint64_t& word : done)
-    word = from.get<std::uint64_t>();
+    word = from.value<std::uint64_t>();
   const std::vector<FrameTile::Part> parts = tile_of(near.slot).parts();
   for (std::size_t p = 0; p < parts.size(); ++p)
     std::erase_if(near.open[p], [&](std::uint16_t r) {

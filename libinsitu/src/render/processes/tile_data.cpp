@@ -26,13 +26,13 @@ static_assert(sizeof(SentHit) == std::size_t(bytes_a_hit));
 void write_hits(std::span<const RayState> rays, const CellKey& key, ByteWriter& to) {
   for (std::size_t r = 0; r < rays.size(); ++r)
     for (const SurfaceHit& hit : rays[r].hits)
-      to.put(SentHit{std::uint16_t(r), 0, hit.surface, hit.t, key(hit.cell), hit.extent,
-                     hit.gradient, hit.opacity, hit.color, hit.triangle});
+      to.value(SentHit{std::uint16_t(r), 0, hit.surface, hit.t, key(hit.cell), hit.extent,
+                       hit.gradient, hit.opacity, hit.color, hit.triangle});
 }
 
 void read_hits(ByteReader from, std::span<RayState> rays) {
-  while (!from.is_done()) {
-    const auto sent = from.get<SentHit>();
+  while (!from.at_end()) {
+    const auto sent = from.value<SentHit>();
     SurfaceHit hit;
     hit.t = sent.t;
     hit.cell = sent.key;
@@ -61,17 +61,17 @@ void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, co
         changes |= std::uint32_t(1) << k;
       last = cell;
     }
-    to.put(std::uint16_t(first_ray + r));
-    to.put(wanted);
-    to.put(changes);
+    to.value(std::uint16_t(first_ray + r));
+    to.value(wanted);
+    to.value(changes);
     for (std::uint32_t rest = wanted; rest; rest &= rest - 1) {
       const int k = std::countr_zero(rest);
       const std::size_t at = claims.place(r, k);
       if (changes >> k & 1)
-        to.put(key(claims.samples[at].cell));
-      to.put(claims.samples[at].value);
+        to.value(key(claims.samples[at].cell));
+      to.value(claims.samples[at].value);
       if (!claims.gradients.empty())
-        to.put(claims.gradients[at]);
+        to.value(claims.gradients[at]);
     }
   }
 }
@@ -95,16 +95,16 @@ bool ClaimReader::next() {
 
 void ClaimReader::take(Run& run) {
   ByteReader& from = run.reader;
-  const auto wanted = from.get<std::uint32_t>(), changes = from.get<std::uint32_t>();
+  const auto wanted = from.value<std::uint32_t>(), changes = from.value<std::uint32_t>();
   std::int64_t key = -1;
   for (std::uint32_t rest = wanted; rest; rest &= rest - 1) {
     const int k = std::countr_zero(rest);
     if (changes >> k & 1)
-      key = from.get<std::int64_t>();
-    const auto value = from.get<double>();
+      key = from.value<std::int64_t>();
+    const auto value = from.value<double>();
     math::Vec3d gradient;
     if (with_gradients_)
-      gradient = from.get<math::Vec3d>();
+      gradient = from.value<math::Vec3d>();
     if ((wanted_ >> k & 1) && samples_[k].cell <= key)
       continue;
     wanted_ |= std::uint32_t(1) << k;

@@ -5,13 +5,16 @@
 #include <span>
 #include <vector>
 
+#include "parallel/bytes.h"
 #include "query/ray_bundle/ray_bundle.h"
 #include "render/camera/ray_state.h"
-#include "render/processes/bytes.h"
 #include "render/volume/volume.h"
 
 /// What is sent about a tile's rays, which are numbered within the tile, to its owner.
 namespace insitu::render {
+
+using parallel::ByteReader;
+using parallel::ByteWriter;
 
 using CellKey = std::function<std::int64_t(std::int64_t flat)>;
 
@@ -58,7 +61,7 @@ private:
   };
   static constexpr std::size_t no_ray = ~std::size_t(0);
   static void begin(Run& run) {
-    run.ray = run.reader.is_done() ? no_ray : run.reader.get<std::uint16_t>();
+    run.ray = run.reader.at_end() ? no_ray : run.reader.value<std::uint16_t>();
   }
   void take(Run& run);
 

@@ -5,10 +5,13 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "parallel/bytes.h"
 #include "parallel/world.h"
-#include "render/processes/bytes.h"
 
 namespace insitu::render {
+
+using parallel::ByteReader;
+using parallel::ByteWriter;
 
 /// Bytes about a tile, whose number in its group is `slot`, to or from a process.
 struct TileParcel {

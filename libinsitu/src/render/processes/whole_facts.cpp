@@ -1,27 +1,30 @@
 #include "render/processes/whole_facts.h"
 
-#include "render/processes/bytes.h"
+#include "parallel/bytes.h"
 
 namespace insitu::render {
+
+using parallel::ByteReader;
+using parallel::ByteWriter;
 
 namespace {
 
 std::vector<std::byte> written(const mesh::MeshFacts& facts) {
   ByteWriter writer;
-  writer.put(facts.bounds);
-  writer.put(facts.cells);
+  writer.value(facts.bounds);
+  writer.value(facts.cells);
   for (const mesh::MeshFacts::SizeClass& size : facts.sizes)
-    writer.put(size);
+    writer.value(size);
   return writer.bytes();
 }
 
 mesh::MeshFacts read(std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
   mesh::MeshFacts facts;
-  facts.bounds = reader.get<mesh::Box>();
-  facts.cells = reader.get<std::int64_t>();
-  while (!reader.is_done())
-    facts.sizes.push_back(reader.get<mesh::MeshFacts::SizeClass>());
+  facts.bounds = reader.value<mesh::Box>();
+  facts.cells = reader.value<std::int64_t>();
+  while (!reader.at_end())
+    facts.sizes.push_back(reader.value<mesh::MeshFacts::SizeClass>());
   return facts;
 }
 

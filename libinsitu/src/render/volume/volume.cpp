@@ -133,8 +133,8 @@ void VolumeMarcher::start(RayState& ray) const {
   }
 }
 
-/// One sample, in the middle, for rays that pass between two of the lattice.
-std::int64_t VolumeMarcher::march_thin(std::span<RayState> rays) const {
+/// Finds the one sample, in the middle, of rays that pass between two of the lattice.
+void VolumeMarcher::locate_thin(std::span<const RayState> rays) const {
   Scratch& s = scratch();
   s.active.clear();
   s.points.clear();
@@ -146,10 +146,14 @@ std::int64_t VolumeMarcher::march_thin(std::span<RayState> rays) const {
     s.active.push_back(std::uint32_t(r));
     s.points.push_back(ray.ray.origin + middle * ray.ray.direction);
   }
-  if (s.active.empty())
-    return 0;
   s.found.resize(s.points.size());
-  located_.locate_serial(s.points, s.found, options_);
+  if (!s.active.empty())
+    located_.locate_serial(s.points, s.found, options_);
+}
+
+std::int64_t VolumeMarcher::march_thin(std::span<RayState> rays) const {
+  Scratch& s = scratch();
+  locate_thin(rays);
   for (std::size_t a = 0; a < s.active.size(); ++a) {
     RayState& ray = rays[s.active[a]];
     if (s.found[a])

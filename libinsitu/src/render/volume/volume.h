@@ -20,7 +20,7 @@
 namespace insitu::query {
 struct LatticeRay;
 struct ValueSample;
-}
+} // namespace insitu::query
 
 namespace insitu::render {
 
@@ -192,6 +192,7 @@ private:
                       const query::ValueSample* samples, const query::Location* locations) const;
   void gather_plainly(RayState& ray, std::int64_t first, std::uint32_t wanted,
                       const query::ValueSample* samples) const;
+  void locate_thin(std::span<const RayState> rays) const;
   std::int64_t march_thin(std::span<RayState> rays) const;
   void march_levels(std::span<RayState> rays, VolumeCounts& counts) const;
   void plan(RayState& ray, std::size_t most, Scratch& s, VolumeCounts& counts) const;

@@ -103,21 +103,8 @@ void VolumeMarcher::claim_thin(std::span<RayState> rays, std::int64_t own_cells,
   claims.group = 1;
   claims.samples.resize(rays.size());
   claims.gradients.resize(shader_ ? rays.size() : 0);
-  s.points.clear();
-  s.active.clear();
-  for (std::size_t r = 0; r < rays.size(); ++r) {
-    const RayState& ray = rays[r];
-    const double middle = 0.5 * (ray.near + ray.far);
-    if (!ray.is_thin || (clipped_ && !stays_at(ray.stays, middle)))
-      continue;
-    s.active.push_back(std::uint32_t(r));
-    s.points.push_back(ray.ray.origin + middle * ray.ray.direction);
-  }
-  if (s.active.empty())
-    return;
+  locate_thin(rays);
   counts.samples += std::int64_t(s.active.size());
-  s.found.resize(s.points.size());
-  located_.locate_serial(s.points, s.found, options_);
   for (std::size_t a = 0; a < s.active.size(); ++a) {
     const query::Location& at = s.found[a];
     const std::size_t r = s.active[a];

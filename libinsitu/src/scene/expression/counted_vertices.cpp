@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -69,21 +68,6 @@ std::vector<std::uint8_t> choose(std::span<const Copy> copies, bool by_ids, bool
     first = last;
   }
   return counts;
-}
-
-template <class T>
-std::vector<std::byte> bytes_of(const std::vector<T>& items) {
-  std::vector<std::byte> bytes(items.size() * sizeof(T));
-  if (!items.empty())
-    std::memcpy(bytes.data(), items.data(), bytes.size());
-  return bytes;
-}
-template <class T>
-void append(std::vector<T>& items, std::span<const std::byte> bytes) {
-  const std::size_t before = items.size();
-  items.resize(before + bytes.size() / sizeof(T));
-  if (!bytes.empty())
-    std::memcpy(items.data() + before, bytes.data(), bytes.size());
 }
 
 } // namespace
@@ -224,7 +208,7 @@ private:
     std::vector<parallel::Parcel> parcels;
     for (std::size_t r = 0; r < copies.size(); ++r)
       if (!copies[r].empty())
-        parcels.push_back({int(r), bytes_of(copies[r])});
+        parcels.push_back({int(r), parallel::bytes_of(copies[r])});
     return parcels;
   }
 
@@ -232,13 +216,14 @@ private:
   std::vector<parallel::Parcel> compare(const std::vector<parallel::Parcel>& in) const {
     std::vector<Copy> copies;
     for (const parallel::Parcel& p : in)
-      append(copies, p.bytes);
+      for (const auto& copy : parallel::items_of<Copy>(p.bytes))
+        copies.push_back(copy);
     const std::vector<std::uint8_t> counts = choose(copies, by_ids_, cells_by_ids_);
     std::vector<parallel::Parcel> answers;
     auto at = counts.begin();
     for (const parallel::Parcel& p : in) {
       const auto end = at + std::ptrdiff_t(p.bytes.size() / sizeof(Copy));
-      answers.push_back({p.rank, bytes_of(std::vector<std::uint8_t>(at, end))});
+      answers.push_back({p.rank, parallel::bytes_of(std::vector<std::uint8_t>(at, end))});
       at = end;
     }
     return answers;

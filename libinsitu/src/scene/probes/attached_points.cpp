@@ -1,7 +1,6 @@
 #include "scene/probes/attached_points.h"
 
-#include <cstring>
-
+#include "parallel/bytes.h"
 #include "query/walk/attached.h"
 
 namespace insitu::scene {
@@ -11,10 +10,8 @@ namespace {
 template <class T>
 std::vector<parallel::Parcel> to_root(const std::vector<T>& items) {
   std::vector<parallel::Parcel> parcels;
-  if (items.empty())
-    return parcels;
-  parcels.push_back({0, std::vector<std::byte>(items.size() * sizeof(T))});
-  std::memcpy(parcels[0].bytes.data(), items.data(), parcels[0].bytes.size());
+  if (!items.empty())
+    parcels.push_back({0, parallel::bytes_of(items)});
   return parcels;
 }
 
@@ -22,11 +19,8 @@ std::vector<parallel::Parcel> to_root(const std::vector<T>& items) {
 template <class T, class Visit>
 void for_each_item(const std::vector<parallel::Parcel>& parcels, Visit&& visit) {
   for (const parallel::Parcel& parcel : parcels)
-    for (std::size_t at = 0; at < parcel.bytes.size(); at += sizeof(T)) {
-      T item;
-      std::memcpy(&item, parcel.bytes.data() + at, sizeof(T));
+    for (const T& item : parallel::items_of<T>(parcel.bytes))
       visit(parcel.rank, item);
-    }
 }
 
 } // namespace

@@ -35,7 +35,7 @@ OwnCell own_cell(const commit::CommittedMesh& mesh, std::int64_t flat, const mat
   const mesh::MeshView& view = mesh.mesh().own_view();
   if (own < view.own_cell_count() || own >= view.cell_count())
     return own_cell(mesh.mesh(), own, world);
-  const commit::CellName name = mesh.name(own); // another process's
+  const mesh::CellName name = mesh.name(own); // another process's
   return {name.piece, name.cell, name.cell, name.global, name.rank};
 }
 

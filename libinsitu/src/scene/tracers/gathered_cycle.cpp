@@ -89,7 +89,7 @@ GatheredCycle::GatheredCycle(ParticleCycle& here, bool all, parallel::World& wor
           to.value(PackedTime{at.rows[r++], shots.positions[item], shots.hops[i]});
       to.array(std::span<const double>(at.values));
     }
-    mine = to.take();
+    mine = to.bytes();
   });
   const auto gathered = gather(mine, world);
   world.agree_after([&] {
@@ -190,7 +190,7 @@ void gather_particles(const advect::Particles& here, parallel::World& world,
     for (std::size_t i = 0; i < here.size(); ++i)
       if (here.endings[i] != advect::Particles::gone)
         to.value(here.record(i));
-    mine = to.take();
+    mine = to.bytes();
   });
   const auto gathered = gather(mine, world);
   world.agree_after([&] {

@@ -67,7 +67,7 @@ GatheredLines::GatheredLines(const advect::LinePieces& here, const TracerAction&
     }
     to.value(std::int64_t(here.ends.size()));
     to.array(std::span<const advect::LinePieces::End>(here.ends));
-    mine = to.take();
+    mine = to.bytes();
   });
   std::map<int, std::vector<std::byte>> gathered;
   world.gather(mine, std::size_t(1) << 20, [&](int rank, std::span<const std::byte> bytes) {

@@ -13,13 +13,8 @@ public:
       : mesh_(mesh), own_(mesh.mesh().own_view().own_cell_count()) {}
 
   bool is_own(std::int64_t cell) const override { return cell < own_; }
-  advect::CellName name(std::int64_t cell) const override {
-    const commit::CellName name = mesh_.name(cell);
-    return {name.rank, name.piece, name.cell};
-  }
-  std::int64_t find(const advect::CellName& name) const override {
-    return mesh_.find({-1, name.rank, name.piece, name.cell});
-  }
+  mesh::CellName name(std::int64_t cell) const override { return mesh_.name(cell); }
+  std::int64_t find(const mesh::CellName& name) const override { return mesh_.find(name); }
 
 private:
   const commit::CommittedMesh& mesh_;

@@ -1,11 +1,11 @@
-#include "commit/halo/directory.h"
+#include "query/directory.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "parallel/bytes.h"
 
-namespace insitu::commit {
+namespace insitu::query {
 
 namespace {
 
@@ -20,7 +20,8 @@ mesh::Box in_mesh(const accel::Box& box, const math::Vec3d& origin) {
   return out;
 }
 
-/// The boxes of the two uppermost levels, 8 times 8.
+} // namespace
+
 std::vector<mesh::Box> boxes_of(const accel::Tree& tree) {
   std::vector<mesh::Box> boxes;
   if (tree.empty())
@@ -41,27 +42,29 @@ std::vector<mesh::Box> boxes_of(const accel::Tree& tree) {
   return boxes;
 }
 
-} // namespace
-
-void Directory::gather(const accel::Tree& tree, parallel::World& world) {
+void Directory::gather(std::span<const mesh::Box> own, parallel::World& world) {
   std::vector<parallel::Parcel> parcels;
   world.agree_after([&] {
-    boxes_.assign(std::size_t(world.size()), {});
-    const std::vector<mesh::Box> own = boxes_of(tree);
-    const std::span<const std::byte> bytes = std::as_bytes(std::span(own));
+    of_.assign(std::size_t(world.size()), {});
     for (int r = 0; r < world.size() && !own.empty(); ++r)
-      parcels.push_back({r, {bytes.begin(), bytes.end()}});
+      parcels.push_back({r, parallel::bytes_of(own)});
   });
   const std::vector<parallel::Parcel> received = world.exchange(parcels);
   world.agree_after([&] {
-    for (const parallel::Parcel& p : received)
-      boxes_[std::size_t(p.rank)] =
-          parallel::ByteReader(p.bytes).array<mesh::Box>(p.bytes.size() / sizeof(mesh::Box));
+    for (const parallel::Parcel& p : received) {
+      Of& of = of_[std::size_t(p.rank)];
+      of.boxes = parallel::items_of<mesh::Box>(p.bytes);
+      of.all = of.boxes.front();
+      for (const mesh::Box& box : of.boxes)
+        of.all.extend(box);
+    }
   });
 }
 
 bool Directory::may_hold(int rank, const math::Vec3d& p) const {
-  return std::ranges::any_of(boxes(rank), [&](const mesh::Box& box) { return box.holds(p); });
+  const Of& of = of_[std::size_t(rank)];
+  return !of.boxes.empty() && of.all.holds(p) &&
+         std::ranges::any_of(of.boxes, [&](const mesh::Box& box) { return box.holds(p); });
 }
 
 bool Directory::may_touch(int rank, int other) const {
@@ -70,4 +73,4 @@ bool Directory::may_touch(int rank, int other) const {
   });
 }
 
-} // namespace insitu::commit
+} // namespace insitu::query
