@@ -1,7 +1,6 @@
 // Frames of a mesh that is spread over processes are those of one process, to the bit.
 #include <atomic>
 #include <cstring>
-#include <ctime>
 #include <gtest/gtest.h>
 #include <mutex>
 
@@ -362,68 +361,6 @@ TEST(SharedFrames, FailuresAreAgreed) {
             << text;
       }
     });
-}
-
-/// Seconds and bytes: SharedFrames.*Cost* --gtest_also_run_disabled_tests
-TEST(SharedFrames, DISABLED_Cost) {
-  const int n = std::getenv("COST_CELLS") ? std::atoi(std::getenv("COST_CELLS")) : 50;
-  for (const Shape shape : {Shape::hexahedron, Shape::tetrahedron})
-    for (const int mode : {0, 1, 2, 3}) {
-      const TestMesh whole = box_cells(shape == Shape::hexahedron ? n : n / 2, shape, 0.15);
-      std::vector<float> images[9];
-      if (const char* only = std::getenv("COST_MODE"); only && std::atoi(only) != mode)
-        continue;
-      for (const int processes : {0, 1, 2, 4, 8}) {
-        if (const char* only = std::getenv("COST_PROCESSES"); only && std::atoi(only) != processes)
-          continue;
-        std::int64_t bytes = 0, parcels = 0;
-        double seconds = 0, own = 0;
-        std::mutex mutex;
-        run_processes(std::max(processes, 1), [&](parallel::World& world) {
-          PartedMesh mesh(whole, partitions()[1].deal(world.size()), world.rank());
-          const ScalarField f = mesh.field("f", INSITU_VERTEX, blob);
-          FrameSettings s = box_frame(512);
-          s.depth = s.cell = true;
-          if (mode < 3) {
-            s.volume = soft(f);
-            s.volume->preintegrated = mode == 1;
-            s.volume->shading = mode == 2;
-          } else {
-            s.isosurfaces.push_back({f, {0.35, 0.7}, 1});
-          }
-          mesh.meet_others(world, false);
-          render::Structures structures(mesh.committed.memory);
-          const core::Threads threads(1);
-          structures.begin(mesh.sampler(), 0, 0, threads);
-          FramePart part{world, std::int64_t(mesh.numbers.size()),
-                         [&](std::int64_t flat) { return mesh.numbers[std::size_t(flat)]; }};
-          if (const char* bytes_at_once = std::getenv("COST_BYTES"))
-            part.most_bytes = std::size_t(std::atoll(bytes_at_once));
-          FrameStatistics done;
-          timespec t0, t1;
-          std::int64_t none = 0;
-          world.reduce(std::span(&none, 1), parallel::Reduction::sum);
-          clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t0);
-          const FrameImages images_of =
-              processes == 0 ? render::render_frame(mesh.sampler(), s, structures, threads, &done)
-                             : render::render_shared_frame(part, mesh.sampler(), s, structures,
-                                                           threads, &done);
-          clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t1);
-          const std::lock_guard lock(mutex);
-          own = double(t1.tv_sec - t0.tv_sec) + 1e-9 * double(t1.tv_nsec - t0.tv_nsec);
-          seconds += own;
-          bytes += done.bytes_sent;
-          parcels += done.parcels_sent;
-          if (world.is_root())
-            images[processes] = kept(images_of).color;
-        });
-        std::printf("%s mode %d, %d processes: %.3f s of processors, %.1f MB, %lld parcels, %zu "
-                    "numbers differ\n",
-                    shape == Shape::hexahedron ? "hexahedra" : "tetrahedra", mode, processes,
-                    seconds, double(bytes) / 1e6, static_cast<long long>(parcels),
-                    differing(images[0], images[processes]));
-      }
-    }
 }
 
 } // namespace

@@ -56,11 +56,21 @@ void ParticleTracer::execute(commit::CommittedMesh& mesh, const Step& step, bool
   }
   geodesics_.follow(particles_.particles(), snapshots(), mesh.reference_frame,
                     environment_.context.threads);
+  write_step(mesh, step, due, timer);
+}
+
+/// The particles are where they are to be: writes them, if it is time. timer: since the step began.
+void ParticleTracer::write_step(const commit::CommittedMesh& mesh, const Step& step, bool due,
+                                const core::Timer& timer) {
   output_clock_.note(step.time, due_times_);
   environment_.statistics.advect_s += timer.seconds();
   const core::Timer output_timer;
   last_ = {step.cycle, step.time};
-  write(mesh, step, has_times() ? !due_times_.empty() : due);
+  const bool writes_now = has_times() ? !due_times_.empty() : due;
+  if (across())
+    write_across(mesh, step, writes_now);
+  else
+    write(mesh, step, writes_now);
   at_times_.reset();
   environment_.statistics.output_s += output_timer.seconds();
 }

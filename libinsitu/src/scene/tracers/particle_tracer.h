@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/timer.h"
 #include "scene/run/environment.h"
 #include "scene/run/output_times.h"
 #include "scene/run/step.h"
@@ -82,6 +83,8 @@ private:
   void advance(commit::CommittedMesh& mesh, const mesh::FieldView& velocity, const Step& step);
 
   void write(const commit::CommittedMesh& mesh, const Step& step, bool due);
+  void write_step(const commit::CommittedMesh& mesh, const Step& step, bool due,
+                  const core::Timer& timer);
 
   // On several processes (particle_tracer_across.cpp), all of these are collective.
   bool across() const { return environment_.world.size() > 1; }

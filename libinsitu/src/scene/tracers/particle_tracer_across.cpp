@@ -67,13 +67,7 @@ void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& ste
     interval_.steps_before = earlier;
   });
   advance_across(mesh, velocity.front(), step, across);
-  output_clock_.note(step.time, due_times_);
-  environment_.statistics.advect_s += timer.seconds();
-  const core::Timer output_timer;
-  last_ = {step.cycle, step.time};
-  write_across(mesh, step, has_times() ? !due_times_.empty() : due);
-  at_times_.reset();
-  environment_.statistics.output_s += output_timer.seconds();
+  write_step(mesh, step, due, timer);
 }
 
 /// How many steps before this one serve on all processes that have cells.
