@@ -129,6 +129,46 @@ TEST(BlocksInBundles, NoSampleIsLeftWhereNoneIsOnAFace) {
   }
 }
 
+/// A part of a uniform block, as one process of several has it, gives the whole block's
+/// coordinates.
+TEST(BlocksInBundles, APartGivesTheCoordinatesOfTheWhole) {
+  constexpr int cells = 24, first = 7, count = 8; // along x
+  const auto located = [&](int from, int n, std::span<const LatticeRay> rays) {
+    fixtures::Committed committed;
+    insitu_block block = insitu_block_default();
+    block.kind = INSITU_BLOCK_UNIFORM;
+    for (int a = 0; a < 3; ++a) {
+      block.vertices[a] = a == 0 ? n + 1 : cells + 1;
+      block.origin[a] = 0.013;
+      block.spacing[a] = 0.97 / cells;
+    }
+    block.first[0] = from;
+    committed.mesh.mesh().set_block(0, &block);
+    committed.commit();
+    RayBundleLocator bundle(committed.sampler(), {});
+    bundle.set_rays(rays, 16, 0.0731);
+    std::vector<query::Location> found(rays.size() * 16);
+    bundle.locate(0, 16, std::vector<std::uint32_t>(rays.size(), 0xffff), found);
+    return found;
+  };
+  std::vector<LatticeRay> rays;
+  for (int i = 0; i < 256; ++i)
+    rays.push_back(
+        {{0.01 + 0.0513 * (i % 16), 0.0211 + 0.0377 * (i / 16), -0.1}, {0.36, 0.48, 0.8}});
+  const auto whole = located(0, cells, rays), part = located(first, count, rays);
+  int compared = 0;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    const std::int64_t x = whole[i].cell % cells - first;
+    if (!whole[i] || x < 0 || x >= count)
+      continue;
+    ++compared;
+    EXPECT_EQ(part[i].cell, whole[i].cell / cells * count + x);
+    for (int a = 0; a < 3; ++a)
+      EXPECT_EQ(part[i].parametric[a], whole[i].parametric[a]);
+  }
+  EXPECT_GT(compared, 500);
+}
+
 TEST(GridletsInBundles, AnswerAsABatchOnEverySimdTarget) {
   for (const std::uint64_t seed : {3, 6})
     for (const int kind : {0, 1, 2}) {

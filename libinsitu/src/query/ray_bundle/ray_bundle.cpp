@@ -30,8 +30,8 @@ RayBundleLocator::RayBundleLocator(const Sampler& sampler, const LocateOptions& 
             proof.is_enough() && sampler.locator().answers_by_proof(options) &&
             (!gridlets_of(sampler.mesh()) || sampler.locator().dual());
   const mesh::MeshView& mesh = sampler.mesh();
-  has_blocks_ = proof.for_all() && !sampler.chart() &&
-                std::any_of(mesh.pieces, mesh.pieces + mesh.piece_count, has_places);
+  has_blocks_ =
+      !sampler.chart() && std::any_of(mesh.pieces, mesh.pieces + mesh.piece_count, has_places);
 }
 
 /// Neighbours, four by four, into one group.
@@ -108,13 +108,15 @@ void RayBundleLocator::run(std::int64_t first, int depth, std::span<const std::u
   const int asked = take_wanted(wanted);
   if (asked == 0)
     return;
-  if (!usable_ || !set_slab() || !claim_in_all_cells(asked)) {
+  const bool has_slab = options_.alpha == 1.0 && set_slab();
+  const bool tried = usable_ && has_slab && claim_in_all_cells(asked);
+  if (!tried) {
     for (int slot = 0; slot < groups_ * bundle_lanes; ++slot)
       for_each_bit(s_.wanted[slot], [&](int k) { leave(place_of(k, slot)); });
   }
   s_.by_reason[int(Reason::certified)] +=
       asked - std::int64_t(s_.rest.size()) - s_.by_reason[int(Reason::outside)];
-  locate_rest();
+  locate_rest(!has_slab || (tried && !ranked_));
   sampler_.count(s_.by_reason);
 }
 
@@ -144,7 +146,8 @@ bool RayBundleLocator::claim_in_all_cells(int samples) {
     clear_claimed(s_.slab, s_.wanted);
     bound_groups(s_.wanted, s_.slab);
   };
-  leave_out(claim_in_blocks());
+  if (has_blocks_ && !ranked_)
+    leave_out(claim_in_blocks());
   // A batch takes about as long for a sample as this does for two cells, or one of tetrahedra,
   // whose boxes tell a batch little.
   const auto most_cells = [&] { return std::size_t(trying_pays(mesh) ? samples / 2 : samples); };
@@ -207,7 +210,7 @@ void RayBundleLocator::claim_in_shape(const cells::CellGather& gather, mesh::Sha
     block.fill_up(shape);
     if (from_)
       from_->load({to.cells, std::size_t(block.count)}, s_.values);
-    claim_cells(shape, block, ranked_ ? &of.ranks[at] : nullptr, s_.slab, s_.lists, to);
+    claim_cells(shape, block, of.ranks.empty() ? nullptr : &of.ranks[at], s_.slab, s_.lists, to);
   }
 }
 
@@ -232,10 +235,8 @@ void RayBundleLocator::settle_group(int g) {
     for_each_bit(s_.wanted[slot], [&](int k) {
       if (slab.state[k][slot] != claimed)
         return;
-      const int at = s_.answer[slot] + k;
-      const std::int64_t cell = locations_ ? locations_[at].cell : value_samples_[at].cell;
       const std::int32_t lowest = slab.piece[k][slot];
-      if (lowest < 0 || lowest < sampler_.mesh().piece_of(cell))
+      if (lowest < 0 || lowest < sampler_.mesh().piece_of(cell_at(place_of(k, slot))))
         leave(place_of(k, slot));
     });
 }
@@ -244,7 +245,14 @@ inline void RayBundleLocator::leave(int place) {
   s_.rest.push_back(std::uint16_t(place));
 }
 
-void RayBundleLocator::locate_rest() {
+/// Of the answer that was given.
+std::int64_t RayBundleLocator::cell_at(int place) const {
+  const int at = s_.answer[slot_of(place)] + index_of(place);
+  return locations_ ? locations_[at].cell : value_samples_[at].cell;
+}
+
+/// tried: whether the owners of what is left have been tried already.
+void RayBundleLocator::locate_rest(bool tried) {
   if (s_.rest.empty())
     return;
   s_.points.clear();
@@ -253,12 +261,52 @@ void RayBundleLocator::locate_rest() {
   left_ += std::int64_t(s_.rest.size());
   s_.answers.resize(s_.rest.size());
   sampler_.locate_serial(s_.points, s_.answers, options_);
+  if (!tried)
+    claim_in_owners();
   const std::span<const std::uint16_t> places(s_.rest);
   const std::span<const Location> at(s_.answers);
   for (std::size_t first = 0; first < places.size(); first += most_depth) {
     const std::size_t n = std::min<std::size_t>(most_depth, places.size() - first);
     answer(places.subspan(first, n), at.subspan(first, n));
   }
+}
+
+/// Claims what is left in the cells that have been found to own it, so that coordinates are those
+/// of a claim whatever else the mesh has. Only hexahedra's differ otherwise.
+void RayBundleLocator::claim_in_owners() {
+  const cells::CellGather gather(sampler_.mesh(), 1.0);
+  const std::int64_t first_single = sampler_.mesh().first_single_cell();
+  for (ShapeCells& of : s_.by_shape)
+    of.clear();
+  for (int k = 0; k < depth_; ++k)
+    std::fill_n(s_.slab.state[k], groups_ * bundle_lanes, unwanted);
+  for (std::size_t i = 0; i < s_.rest.size(); ++i) {
+    const std::int64_t cell = s_.answers[i].cell;
+    const mesh::Shape shape = cell < first_single ? mesh::Shape::none : gather.shape(cell);
+    if (shape != mesh::Shape::hexahedron && shape != mesh::Shape::voxel)
+      continue;
+    s_.slab.state[index_of(s_.rest[i])][slot_of(s_.rest[i])] = untouched;
+    s_.by_shape[int(shape) - first_shape].cells.push_back(cell);
+  }
+  if (has_blocks_)
+    claim_in_blocks();
+  for (int i = 0; i < shape_count; ++i) {
+    std::vector<std::int64_t>& cells = s_.by_shape[i].cells;
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    claim_in_shape(gather, mesh::Shape(first_shape + i), s_.by_shape[i]);
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < s_.rest.size(); ++i) {
+    const std::uint16_t place = s_.rest[i];
+    if (s_.slab.state[index_of(place)][slot_of(place)] == claimed &&
+        cell_at(place) == s_.answers[i].cell)
+      continue;
+    s_.rest[kept] = place;
+    s_.answers[kept++] = s_.answers[i];
+  }
+  s_.rest.resize(kept);
+  s_.answers.resize(kept);
 }
 
 } // namespace insitu::query

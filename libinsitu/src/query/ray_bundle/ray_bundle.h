@@ -50,7 +50,8 @@ struct ShapeCells;
 ///
 /// The answers are locate_serial's, but for parametric coordinates of hexahedra, which differ by
 /// what Newton's method leaves of them (less than 1e-9), and where cells overlap without folding:
-/// then in `standard` any cell that is proven to hold the sample.
+/// then in `standard` any cell that is proven to hold the sample. A sample's coordinates hang on
+/// its cell and the rays alone, not on what else the mesh has, however it was located.
 ///
 /// Not thread-safe; its scratch is the thread's, so one at a time may be used on a thread.
 class RayBundleLocator {
@@ -101,13 +102,15 @@ private:
   void claim_in_shape(const cells::CellGather& gather, mesh::Shape shape, const ShapeCells& of);
   void settle_group(int g);
   void leave(int place);
-  void locate_rest();
+  void locate_rest(bool tried);
+  void claim_in_owners();
+  std::int64_t cell_at(int place) const;
 
   const Sampler sampler_;
   const LocateOptions options_;
   RayBundleScratch& s_;
   bool usable_;             ///< a proof is worth something
-  bool has_blocks_;         ///< some pieces have places, and no cells fold
+  bool has_blocks_;         ///< some pieces have places
   bool one_origin_ = false; ///< of the rays
   bool ranked_;             ///< a proof counts only where no odd cell may hold the sample
   double step_ = 0.0;

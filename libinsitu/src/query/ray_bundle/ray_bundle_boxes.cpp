@@ -36,8 +36,6 @@ mesh::Box RayBundleLocator::box_of_samples() const {
 
 /// By their axes, without the tree; how many samples.
 int RayBundleLocator::claim_in_blocks() {
-  if (!has_blocks_)
-    return 0;
   const mesh::MeshView& mesh = sampler_.mesh();
   const mesh::Box samples = box_of_samples();
   int count = 0;
@@ -82,19 +80,19 @@ bool RayBundleLocator::set_block(const mesh::PieceView& piece, const mesh::Box& 
   return true;
 }
 
-/// False where coordinates are so far from zero that their rounding shows in a cell, or descend.
+/// By places in the whole lattice, of which the block may be a part: a sample's coordinates, and
+/// whether they are sure, do not hang on the part. False where the lattice's origin is so far from
+/// zero that rounding shows in a cell, or coordinates descend; cells as far from the origin are
+/// left out.
 bool RayBundleLocator::set_even_axis(const mesh::PieceView& piece, int a, LatticeCells& cells) {
-  const double start = piece.block_coordinate(a, 0), step = piece.spacing[a];
-  const double count = double(piece.block_vertices[a]) - 1.0;
-  const double end = start + count * step, per_unit = 1.0 / step;
-  const double farthest = std::max({std::fabs(start), std::fabs(piece.origin[a]),
-                                    std::fabs(end) + std::fabs(end - piece.origin[a])});
-  const double rounding = 0x1p-49 * (farthest * per_unit + 16.0); // some units in the last place
-  cells.start[a] = start;
-  cells.steps_a_unit[a] = per_unit;
-  cells.least[a] = rounding;
-  cells.most[a] = count - rounding;
-  return step > 0.0 && rounding < 1e-10;
+  constexpr double least = 0x1p-31, farthest = 0x1p18; // in cells; the least is 2^-49 of the other
+  const double step = piece.spacing[a], begin = double(piece.block_first[a]);
+  cells.start[a] = piece.origin[a];
+  cells.steps_a_unit[a] = 1.0 / step;
+  cells.begin[a] = begin;
+  cells.least[a] = least;
+  cells.most[a] = std::min(begin + double(piece.block_vertices[a] - 1), farthest) - least;
+  return step > 0.0 && std::fabs(piece.origin[a]) < farthest * step && begin > -farthest;
 }
 
 /// The faces about the samples, from vertex `lowest` on. False if they are too many or do not
@@ -159,6 +157,7 @@ int RayBundleLocator::claim_in_gridlets(std::size_t& found) {
     for (int a = 0; a < 3; ++a) {
       cells.start[a] = box.start[a];
       cells.steps_a_unit[a] = box.steps_a_unit[a];
+      cells.begin[a] = 0.0;
       cells.least[a] = box.least[a];
       cells.most[a] = box.most[a];
       cells.next[a] = std::int64_t(1) << (3 * a);

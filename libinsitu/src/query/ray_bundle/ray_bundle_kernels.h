@@ -113,9 +113,10 @@ struct BundleClaims {
 /// Cells that are boxes side by side: a gridlet's, or a structured block's.
 struct LatticeCells {
   // Even ones; lengths in cells, but for the first.
-  double start[3], steps_a_unit[3]; ///< the lower corner; cells
+  double start[3], steps_a_unit[3]; ///< where cells are counted from; cells
+  double begin[3];                  ///< the first one's number
   double least[3];                  ///< places so near to a face may be on its other side
-  double most[3];                   ///< cells in all, less that
+  double most[3];                   ///< the number behind the last one's, less that
   /// Of others: coordinates of faces, ascending, [plane_count]; null: even ones.
   const double* planes[3] = {nullptr, nullptr, nullptr};
   std::int64_t plane_count[3];

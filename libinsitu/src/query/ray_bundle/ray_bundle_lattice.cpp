@@ -47,16 +47,17 @@ struct AlongAxis {
 HWY_INLINE AlongAxis in_even_cells(const LatticeCells& cells, int a, Reals p) {
   const Real d;
   const Reals least = hn::Set(d, cells.least[a]), most = hn::Set(d, cells.most[a]);
+  const Reals begin = hn::Set(d, cells.begin[a]);
   // To the bit as GridletFinder::inside.
   const Reals place =
       hn::Mul(hn::Sub(p, hn::Set(d, cells.start[a])), hn::Set(d, cells.steps_a_unit[a]));
-  const Reals cell = hn::Trunc(place), part = hn::Sub(place, cell);
+  const Reals cell = hn::Floor(place), part = hn::Sub(place, cell);
   AlongAxis at;
-  at.cell = cell;
+  at.cell = hn::Sub(cell, begin);
   at.part = part;
-  at.near =
-      hn::And(hn::Ge(place, hn::Neg(least)), hn::Le(place, hn::Add(most, hn::Add(least, least))));
-  at.sure = hn::And(hn::And(hn::Gt(place, least), hn::Lt(place, most)),
+  at.near = hn::And(hn::Ge(place, hn::Sub(begin, least)),
+                    hn::Le(place, hn::Add(most, hn::Add(least, least))));
+  at.sure = hn::And(hn::And(hn::Gt(place, hn::Add(begin, least)), hn::Lt(place, most)),
                     hn::And(hn::Gt(part, least), hn::Lt(part, hn::Sub(hn::Set(d, 1.0), least))));
   return at;
 }
