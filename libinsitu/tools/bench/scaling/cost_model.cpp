@@ -16,7 +16,7 @@ constexpr double box = 48, most_boxes = 64;
 constexpr double near_cell = 24 + 1.0 / 8;
 constexpr double halo_cell = 57, halo_vertex = 24, value = 8;
 constexpr double question = 24, no_answer = 1, owner = 56;
-constexpr double hop = 1600;
+constexpr double hop = 1768;
 constexpr double parcel = 8; // its length
 constexpr double piece = 32; // of a halo: what stands before a piece's cells
 constexpr double field_header = 12;
@@ -113,29 +113,57 @@ Cost asked_everywhere(const Layout& layout, double points) {
   return cost;
 }
 
-Cost moved_particles(const Layout& layout, double particles, double seconds) {
-  // The flow through each seam, from both sides, by the midpoints of a lattice on it.
-  constexpr int n = 64;
-  double flow = 0, face_pairs = 0;
-  int cuts = 0;
+namespace {
+
+/// How long ago, at most `seconds`, what is at x now came into the box.
+double time_within(const Layout& layout, Vec3d x, double seconds) {
+  constexpr int steps = 16;
   const Vec3d size = layout.size();
+  const double dt = seconds / steps;
+  for (int step = 0; step < steps; ++step) {
+    x -= dt * workload::abc_flow(x - 0.5 * dt * workload::abc_flow(x));
+    for (int a = 0; a < 3; ++a)
+      if (x[a] < 0 || x[a] > size[a])
+        return (step + 0.5) * dt;
+  }
+  return seconds;
+}
+
+} // namespace
+
+Cost moved_particles(const Layout& layout, double particles, double seconds) {
+  // What crosses the faces of the seams, in the time since it came in, from both sides.
+  double crossed = 0, face_pairs = 0;
+  int cuts = 0;
   for (int a = 0; a < 3; ++a) {
-    const int b = (a + 1) % 3, c = (a + 2) % 3, parts = layout.parts[std::size_t(a)];
+    const auto n = std::size_t(a), b = std::size_t((a + 1) % 3), c = std::size_t((a + 2) % 3);
+    const int parts = layout.parts[n];
     cuts += parts > 1;
     face_pairs += 2.0 * (parts - 1) * layout.processes / parts;
-    for (int seam = 1; seam < parts; ++seam) {
-      const int cell = int(std::int64_t(layout.cells[std::size_t(a)]) * seam / parts);
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) {
-          Vec3d x;
-          x[a] = layout.width * cell;
-          x[b] = size[b] * (i + 0.5) / n;
-          x[c] = size[c] * (j + 0.5) / n;
-          flow += std::fabs(workload::abc_flow(x)[a]) * size[b] * size[c] / (n * n);
+    for (int seam = 1; seam < parts; ++seam)
+      for (int i = 0; i < layout.cells[b]; ++i)
+        for (int j = 0; j < layout.cells[c]; ++j) {
+          const auto corner = [&](int u, int w) {
+            std::array<int, 3> at{};
+            at[n] = int(std::int64_t(layout.cells[n]) * seam / parts);
+            at[b] = i + u;
+            at[c] = j + w;
+            return layout.vertex(at[0], at[1], at[2]);
+          };
+          const Vec3d p = corner(0, 0), q = corner(1, 0), r = corner(1, 1), s = corner(0, 1);
+          const double time = time_within(layout, 0.25 * (p + q + r + s), seconds);
+          // The face is bilinear, and may be crossed in both directions.
+          for (const double u : {0.25, 0.75})
+            for (const double w : {0.25, 0.75}) {
+              const Vec3d along = (1 - w) * (q - p) + w * (r - s);
+              const Vec3d across = (1 - u) * (s - p) + u * (r - q);
+              const Vec3d x = (1 - u) * ((1 - w) * p + w * s) + u * ((1 - w) * q + w * r);
+              crossed += 0.25 * std::fabs(dot(workload::abc_flow(x), cross(along, across))) * time;
+            }
         }
-    }
   }
-  const double hops = particles / (size.x * size.y * size.z) * flow * seconds;
+  const Vec3d size = layout.size();
+  const double hops = particles / (size.x * size.y * size.z) * crossed;
   Cost cost = directory(layout);
   for (int round = 0; round < cuts; ++round)
     cost += exchange(face_pairs, hops * hop / cuts);

@@ -58,7 +58,7 @@ private:
 /// What a process sees of a tile.
 struct Seen {
   bool is_near = false;
-  double hits = 0;
+  double hits = 0, thin = 0;
   std::vector<double> bytes; ///< [round]
 };
 
@@ -74,7 +74,8 @@ public:
   Cost draw(See&& see) const {
     Cost cost;
     for (const std::vector<FrameTile>& group : groups_) {
-      Mail hits, pixels;
+      Mail hits, thin, pixels;
+      bool has_thin = false;
       std::vector<Mail> rounds;
       std::size_t first = SIZE_MAX;
       for (const FrameTile& tile : group) {
@@ -91,6 +92,9 @@ public:
           });
           if (seen.is_near)
             hits.add(rank, tile.owner, hit * seen.hits);
+          if (seen.thin > 0)
+            thin.add(rank, tile.owner, (run + change + sample) * seen.thin);
+          has_thin = has_thin || seen.thin > 0;
           rounds.resize(std::max(rounds.size(), seen.bytes.size()));
           for (std::size_t r = 0; r < seen.bytes.size(); ++r)
             if (seen.bytes[r] > 0) {
@@ -102,6 +106,8 @@ public:
       }
       cost += hits.cost();
       cost += pixels.cost();
+      if (has_thin)
+        cost += thin.cost();
       for (std::size_t r = first; r < rounds.size(); ++r) {
         cost += rounds[r].cost();
         if (r + 1 < rounds.size())
@@ -125,6 +131,12 @@ Cost drawn_volume(const Layout& layout, const render::FrameSettings& settings, d
                         Seen& seen, Cost& cost) {
     const auto first = std::int64_t(std::ceil(in.from / step - 0.5));
     const auto end = std::int64_t(std::ceil(in.to / step - 0.5));
+    if (first >= end) { // if it is so in the whole mesh, there is one sample in the middle
+      const Stretch whole = *stretch_in(ray, {}, layout.size());
+      const double middle = 0.5 * (whole.from + whole.to);
+      seen.thin += std::ceil(whole.from / step - 0.5) >= std::ceil(whole.to / step - 0.5) &&
+                   middle >= in.from && middle < in.to;
+    }
     double stays = 1; // in a cell, from one sample to the next
     for (int a = 0; a < 3; ++a)
       stays *= std::max(0.0, 1 - step * std::fabs(ray.direction[a]) / layout.width);

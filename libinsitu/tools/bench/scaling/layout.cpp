@@ -20,6 +20,17 @@ Layout::Part Layout::part(int rank) const {
   return part;
 }
 
+Vec3d Layout::vertex(int i, int j, int k) const {
+  const auto [nx, ny, nz] = cells;
+  const auto is_inside = [](int at, int n) { return at > 0 && at < n; };
+  Vec3d x{width * i, width * j, width * k};
+  const auto number = std::uint64_t(i + (nx + std::int64_t(1)) * (j + (ny + std::int64_t(1)) * k));
+  if (is_inside(i, nx) && is_inside(j, ny) && is_inside(k, nz))
+    for (int a = 0; a < 3; ++a)
+      x[a] += jitter * width * (2 * core::random_unit(1, number, std::uint64_t(a)) - 1);
+  return x;
+}
+
 Vec3d Layout::low(const Part& part) const {
   return {width * part.first[0], width * part.first[1], width * part.first[2]};
 }
@@ -46,18 +57,11 @@ PartMesh make_part(const Layout& layout, int rank) {
   PartMesh mesh;
   const Layout::Part part = layout.part(rank);
   const Vec3d middle = 0.5 * layout.size();
-  const auto [nx, ny, nz] = layout.cells;
-  const auto is_inside = [](int i, int n) { return i > 0 && i < n; };
+  const std::int64_t nx = layout.cells[0], ny = layout.cells[1];
   for (int k = part.first[2]; k <= part.end[2]; ++k)
     for (int j = part.first[1]; j <= part.end[1]; ++j)
       for (int i = part.first[0]; i <= part.end[0]; ++i) {
-        Vec3d x{layout.width * i, layout.width * j, layout.width * k};
-        const auto vertex =
-            std::uint64_t(i + (nx + std::int64_t(1)) * (j + (ny + std::int64_t(1)) * k));
-        if (is_inside(i, nx) && is_inside(j, ny) && is_inside(k, nz))
-          for (int a = 0; a < 3; ++a)
-            x[a] += layout.jitter * layout.width *
-                    (2 * core::random_unit(1, vertex, std::uint64_t(a)) - 1);
+        const Vec3d x = layout.vertex(i, j, k);
         const Vec3d flow = workload::abc_flow(x), from = x - middle;
         mesh.points.insert(mesh.points.end(), {x.x, x.y, x.z});
         mesh.velocity.insert(mesh.velocity.end(), {flow.x, flow.y, flow.z});

@@ -28,6 +28,8 @@ struct Layout {
   Part part(int rank) const;
   math::Vec3d size() const { return {width * cells[0], width * cells[1], width * cells[2]}; }
   std::int64_t cell_count() const { return std::int64_t(cells[0]) * cells[1] * cells[2]; }
+  /// Where the jitter has it; i, j, k: of all vertices.
+  math::Vec3d vertex(int i, int j, int k) const;
   /// Of the parts before the jitter.
   math::Vec3d low(const Part& part) const;
   math::Vec3d high(const Part& part) const;
