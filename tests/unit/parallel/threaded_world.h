@@ -1,7 +1,8 @@
 #pragma once
 
-#include <barrier>
+#include <condition_variable>
 #include <exception>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -9,6 +10,40 @@
 
 /// Processes as threads, on the code paths of processes.
 namespace insitu::test {
+
+/// Where threads wait for each other, asleep: std::barrier yields before it sleeps, which takes
+/// minutes where many threads share few cores.
+class Meeting {
+public:
+  explicit Meeting(int threads) : threads_(threads) {}
+  void arrive_and_wait() {
+    std::unique_lock lock(mutex_);
+    ++waiting_;
+    const std::uint64_t mine = round_;
+    if (!end_if_complete())
+      met_.wait(lock, [&] { return round_ != mine; });
+  }
+  void arrive_and_drop() {
+    const std::lock_guard lock(mutex_);
+    --threads_;
+    end_if_complete();
+  }
+
+private:
+  bool end_if_complete() {
+    if (waiting_ < threads_)
+      return false;
+    waiting_ = 0;
+    ++round_;
+    met_.notify_all();
+    return true;
+  }
+
+  std::mutex mutex_;
+  std::condition_variable met_;
+  int threads_, waiting_ = 0;
+  std::uint64_t round_ = 0;
+};
 
 class ThreadedWorld final : public parallel::World {
 public:
@@ -24,7 +59,7 @@ public:
                                                   std::vector<Place>(std::size_t(processes))},
           out(std::size_t(processes)) {}
     int size;
-    std::barrier<> met;
+    Meeting met;
     std::vector<Place> places[2]; ///< [turn][process]
     std::vector<std::span<const Outgoing>> out;
   };
