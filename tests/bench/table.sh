@@ -12,7 +12,7 @@
 # binary; --sedov, what the main job ends with, a minute; --rathke, table 1 of Rathke 2015, three minutes; --scaling, several processes, five minutes; --ratios, nothing is measured: five ratios of the pages, for the README.
 # --write: puts each part into its page, between the marks of its name, <!-- scale --> and so on, instead of printing it; the
 # ratios into the README.
-# INSITU_BENCH: another binary.
+# INSITU_BENCH: another binary. REPETITIONS: of --scaling, 3 without it.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 bench=${INSITU_BENCH:-build/release/bin/insitu-bench}
@@ -208,12 +208,13 @@ rathke() {
 }
 
 scaling() {
-  echo "\`insitu-bench scaling --cells $cells\`, $(date -u +%Y-%m-%d) on $(nproc) cores," \
+  local options="--cells $cells --points 100000 --repetitions ${REPETITIONS:-3}"
+  echo "\`insitu-bench scaling $options\`, $(date -u +%Y-%m-%d) on $(nproc) cores," \
     "$(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo), a thread a process; the machine's load before: $(cut -d' ' -f1 /proc/loadavg)." \
     "More processes than cores share them: seconds then say nothing, processor time and counts do."
   echo
   echo '```'
-  "$bench" scaling --cells "$cells" 2> /dev/null
+  "$bench" scaling $options 2> /dev/null
   echo '```'
 }
 
