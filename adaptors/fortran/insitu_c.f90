@@ -303,6 +303,7 @@ module insitu_c
     integer(c_int64_t) :: located_by_reason(0:insitu_reason_room - 1) = 0
     real(c_double) :: ranges_s = 0.0_c_double, classify_s = 0.0_c_double
     integer(c_int32_t) :: purposes = 0, endings = 0, reasons = 0, reserved = 0
+    integer(c_int64_t) :: halo_cells = 0, messages_sent = 0, bytes_sent = 0
   end type insitu_report
 
   include 'insitu_c_functions.inc'

@@ -23,6 +23,7 @@ public:
   Processes(std::shared_ptr<parallel::World> world, const insitu_session_options& options);
 
   parallel::World& world() { return *world_; }
+  const parallel::World& world() const { return *world_; }
   int size() const { return world_->size(); }
 
   /// How many threads a session of these options may have here: the node's cores divided by its

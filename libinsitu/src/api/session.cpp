@@ -249,6 +249,7 @@ const std::string& Session::plan() {
 std::string Session::execute(std::int64_t cycle, double time) {
   meet("execute");
   parallel::World& world = processes_.world();
+  const scene::WorkTimer working(statistics_, world);
   world.agree_after([&] {
     if (!(time - time == 0.0))
       throw Error(INSITU_ERROR_ARGUMENT, "time: not finite");
@@ -372,7 +373,12 @@ insitu_report Session::report() const {
     const auto totals = m->mesh.locate_counts().totals();
     for (std::size_t reason = 0; reason < totals.size(); ++reason)
       r.located_by_reason[reason] += totals[reason];
+    if (const commit::Halo* const halo = m->mesh.halo())
+      r.halo_cells += halo->cell_count();
   }
+  const parallel::Traffic& sent = processes_.world().traffic();
+  r.messages_sent = sent.messages;
+  r.bytes_sent = sent.bytes + sent.collective_bytes;
   return r;
 }
 

@@ -1,3 +1,6 @@
+#include <array>
+#include <cmath>
+
 #include "advect/particles.h"
 #include "api/session.h"
 #include "output/files/atomic_file.h"
@@ -38,6 +41,41 @@ void add_seconds(output::JsonText& json, const char* key, const scene::Seconds& 
   json.close();
 }
 
+/// Numbers that each process has, over all processes.
+struct Spread {
+  enum Number { halo_cells, halo_bytes, messages_sent, bytes_sent, work_ns, count };
+  static constexpr const char* names[] = {"halo_cells", "halo_bytes", "messages_sent", "bytes_sent",
+                                          "work_seconds"};
+  std::array<std::int64_t, count> least{}, sum{}, greatest{};
+
+  explicit Spread(const std::array<std::int64_t, count>& mine)
+      : least(mine), sum(mine), greatest(mine) {}
+  void over(parallel::World& world) {
+    world.reduce(least, parallel::Reduction::least);
+    world.reduce(sum, parallel::Reduction::sum);
+    world.reduce(greatest, parallel::Reduction::greatest);
+  }
+  void write(output::JsonText& json, int processes) const {
+    json.line().key("of_processes").open('{');
+    for (std::size_t i = 0; i < count; ++i) {
+      const double mean = double(sum[i]) / processes;
+      json.line().key(names[i]).open('{');
+      if (i == work_ns) {
+        json.line().key("least").value(1e-9 * double(least[i]));
+        json.line().key("mean").value(1e-9 * mean);
+        json.line().key("greatest").value(1e-9 * double(greatest[i]));
+        json.line().key("greatest_over_mean").value(mean > 0 ? double(greatest[i]) / mean : 1.0);
+      } else {
+        json.line().key("least").value(least[i]);
+        json.line().key("mean").value(mean);
+        json.line().key("greatest").value(greatest[i]);
+      }
+      json.close();
+    }
+    json.close();
+  }
+};
+
 /// What a session did, of all processes.
 struct Totals {
   insitu_report report = insitu_report_default();
@@ -63,7 +101,7 @@ struct Totals {
   }
 };
 
-std::string text_of(const Totals& totals, double solver_seconds) {
+std::string text_of(const Totals& totals, const Spread& spread, double solver_seconds) {
   const scene::SecondsOfAll& seconds = totals.seconds;
   const insitu_report& r = totals.report;
   const commit::FitsDone& fits = totals.fits;
@@ -95,6 +133,7 @@ std::string text_of(const Totals& totals, double solver_seconds) {
   if (seconds.processes > 1) {
     add_seconds(json, "seconds_of_least", seconds.least);
     add_seconds(json, "seconds_of_greatest", seconds.greatest);
+    spread.write(json, seconds.processes);
   }
   open("commits");
   add("keep", r.keeps);
@@ -143,7 +182,7 @@ std::string text_of(const Totals& totals, double solver_seconds) {
 } // namespace
 
 /// Seconds are those of the mean process; with several there are the least and the greatest
-/// besides.
+/// besides, and of halos, messages and work the same.
 void Session::write_summary(const std::string& path, double solver_seconds) {
   meet("summary");
   parallel::World& world = processes_.world();
@@ -159,6 +198,10 @@ void Session::write_summary(const std::string& path, double solver_seconds) {
       totals.located.settled_on_host += info.settled_on_host;
     }
   });
+  const insitu_report& mine = totals.report; // before they are added up
+  Spread spread({mine.halo_cells, mine.bytes_by_purpose[INSITU_MEMORY_HALO], mine.messages_sent,
+                 mine.bytes_sent, std::llround(1e9 * statistics_.work_s)});
+  spread.over(world);
   totals.add_up(world);
   totals.seconds = scene::seconds_of_all(scene::seconds_of(statistics_), world);
   world.agree_after([&] {
@@ -166,7 +209,7 @@ void Session::write_summary(const std::string& path, double solver_seconds) {
       return;
     locks_.take(path);
     output::AtomicFile file(path);
-    file.write(text_of(totals, solver_seconds));
+    file.write(text_of(totals, spread, solver_seconds));
     file.commit();
   });
 }

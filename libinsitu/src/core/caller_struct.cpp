@@ -18,7 +18,7 @@ ENDS_WITH(insitu_locate_args, reserved);
 ENDS_WITH(insitu_locator, backend);
 ENDS_WITH(insitu_locator_info, settled_on_host);
 ENDS_WITH(insitu_patch, ghosts_after);
-ENDS_WITH(insitu_report, reserved);
+ENDS_WITH(insitu_report, bytes_sent);
 ENDS_WITH(insitu_sample_args, values);
 ENDS_WITH(insitu_session_options, preview);
 ENDS_WITH(insitu_validation, covered_vertices);

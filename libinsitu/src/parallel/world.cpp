@@ -7,6 +7,7 @@
 #include <limits>
 #include <new>
 #include <optional>
+#include <time.h>
 
 namespace insitu::parallel {
 
@@ -45,7 +46,68 @@ std::span<std::byte> bytes_of(std::string& text) {
   return std::as_writable_bytes(std::span(text.data(), text.size()));
 }
 
+double seconds_by(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
 } // namespace
+
+/// The time of one call of a World of several processes.
+class World::Call {
+public:
+  explicit Call(Traffic& traffic) : traffic_(traffic) {}
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+  ~Call() {
+    traffic_.seconds += seconds_by(CLOCK_MONOTONIC) - seconds_;
+    traffic_.processor_seconds += seconds_by(CLOCK_THREAD_CPUTIME_ID) - processor_seconds_;
+  }
+
+private:
+  Traffic& traffic_;
+  double seconds_ = seconds_by(CLOCK_MONOTONIC);
+  double processor_seconds_ = seconds_by(CLOCK_THREAD_CPUTIME_ID);
+};
+
+void World::reduce(std::span<std::int64_t> values, Reduction reduction) {
+  if (size() == 1)
+    return;
+  const Call call(traffic_);
+  ++traffic_.reductions;
+  traffic_.collective_bytes += std::int64_t(values.size_bytes());
+  do_reduce(values, reduction);
+}
+
+void World::broadcast(std::span<std::byte> bytes, int root) {
+  if (size() == 1 || bytes.empty())
+    return;
+  const Call call(traffic_);
+  ++traffic_.broadcasts;
+  if (rank() == root)
+    traffic_.collective_bytes += std::int64_t(bytes.size());
+  do_broadcast(bytes, root);
+}
+
+void World::swap(std::span<const std::int64_t> to, std::span<std::int64_t> from) {
+  if (size() == 1)
+    return swap_numbers(to, from);
+  const Call call(traffic_);
+  ++traffic_.exchanges;
+  traffic_.collective_bytes += std::int64_t(to.size_bytes() - sizeof to[0]);
+  swap_numbers(to, from);
+}
+
+void World::send(std::span<const Outgoing> out, std::span<const Incoming> in) {
+  if (size() == 1)
+    return;
+  const Call call(traffic_);
+  traffic_.messages += std::int64_t(out.size());
+  for (const Outgoing& o : out)
+    traffic_.bytes += std::int64_t(o.bytes.size());
+  transfer(out, in);
+}
 
 void World::reduce(std::span<double> values, Reduction reduction) {
   if (reduction == Reduction::sum)
@@ -150,7 +212,7 @@ std::vector<Parcel> World::exchange(std::span<const Parcel> parcels) {
       else
         throw core::Error(INSITU_ERROR_INTERNAL, "a parcel for process " + std::to_string(p.rank));
   });
-  swap_numbers(to, from);
+  swap(to, from);
   std::vector<std::vector<std::int64_t>> lengths_out(processes), lengths_in(processes);
   agree_after([&] {
     for (const Parcel& p : parcels)
@@ -165,7 +227,7 @@ std::vector<Parcel> World::exchange(std::span<const Parcel> parcels) {
         out.push_back({int(r), std::as_bytes(std::span(lengths_out[r]))});
     }
   });
-  transfer(out, in);
+  send(out, in);
   agree_after([&] {
     out.clear();
     in.clear();
@@ -184,7 +246,7 @@ std::vector<Parcel> World::exchange(std::span<const Parcel> parcels) {
       else if (!p.bytes.empty())
         out.push_back({p.rank, p.bytes});
   });
-  transfer(out, in);
+  send(out, in);
   return received;
 }
 

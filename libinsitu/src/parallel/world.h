@@ -39,6 +39,16 @@ struct Named {
   std::string name, value;
 };
 
+/// What a process gave to a World since it was made, and how long its calls took. All is 0 in a
+/// World of one process.
+struct Traffic {
+  std::int64_t reductions = 0, broadcasts = 0, exchanges = 0; ///< calls of all processes
+  std::int64_t messages = 0, bytes = 0; ///< to other processes, with the lengths of parcels
+  std::int64_t collective_bytes = 0;    ///< in reductions, broadcasts and swapped numbers
+  double seconds = 0.0;                 ///< in calls, where processes wait for each other
+  double processor_seconds = 0.0;       ///< of the thread that called, meanwhile
+};
+
 class World {
 public:
   World() = default;
@@ -62,19 +72,13 @@ public:
 
   /// Replaces each value by its reduction over all processes, which are given equally many. A sum
   /// wraps round.
-  void reduce(std::span<std::int64_t> values, Reduction reduction) {
-    if (size() > 1)
-      do_reduce(values, reduction);
-  }
+  void reduce(std::span<std::int64_t> values, Reduction reduction);
   /// The least or the greatest of numbers, in IEEE 754's total order: -0 is less than 0, and NaN
   /// greater than all numbers. There is no sum: it would depend on an order.
   void reduce(std::span<double> values, Reduction reduction);
 
   /// Gives the root's bytes to all processes; all know how many there are.
-  void broadcast(std::span<std::byte> bytes, int root = 0) {
-    if (size() > 1 && !bytes.empty())
-      do_broadcast(bytes, root);
-  }
+  void broadcast(std::span<std::byte> bytes, int root = 0);
   /// Of text of any length.
   std::string broadcast(const std::string& text, int root = 0);
 
@@ -99,6 +103,9 @@ public:
   void gather(std::span<const std::byte> mine, std::size_t most,
               core::FunctionRef<void(int, std::span<const std::byte>)> take);
 
+  /// Not collective; wait_for_all() is not in it.
+  const Traffic& traffic() const { return traffic_; }
+
 protected:
   struct Outgoing {
     int rank;
@@ -115,6 +122,13 @@ protected:
   virtual void swap_numbers(std::span<const std::int64_t> to, std::span<std::int64_t> from) = 0;
   /// Both sides know all lengths; none is empty, and none is from a process to itself.
   virtual void transfer(std::span<const Outgoing> out, std::span<const Incoming> in) = 0;
+
+private:
+  class Call;
+  void swap(std::span<const std::int64_t> to, std::span<std::int64_t> from);
+  void send(std::span<const Outgoing> out, std::span<const Incoming> in);
+
+  Traffic traffic_;
 };
 
 /// One process alone.

@@ -3,7 +3,7 @@
 namespace insitu::bench {
 
 const char* help_text() {
-  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects|render|advect|accuracy [options]
+  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects|render|advect|accuracy|scaling [options]
        insitu-bench paper morrical|rathke|zellmann [options]
 
 Times libinsitu on the standard workload, checks its answers and holds them against VTK's.
@@ -20,6 +20,8 @@ Times libinsitu on the standard workload, checks its answers and holds them agai
   advect   particles through the ABC flow: steps a second, error and lost ones by method, plain and
            with steps that end at faces, one core and all; with --peers vtkStreamTracer's RK4 and RK45
   accuracy what each choice that trades accuracy for time costs: tables, plots and a page to read
+  scaling  the same work on several processes (MPI): processor time, messages and bytes beside what a model
+           says that they should be; starts itself under mpiexec
   paper    the tables and figures of a paper that libinsitu is built on, in its own rows and columns, on
            meshes of ours, its figures beside them
   methods  every locator method on every backend that is here: Morrical 2020, tables 1 to 3
@@ -29,7 +31,7 @@ The mesh (commit, locate, scale, effects, render, advect)
   --kind even|graded|layers|sparse [even]
                     equal steps | edge lengths that grow 1e4-fold along each axis |
                     cells 1e4 to 1e6 times as wide as thick | 24 balls, about 5 % of the box
-  --cells N         the box with the number of cells nearest to N [1000000; amr: 4018176; advect: 262144]; scale: N1,N2,...
+  --cells N         the box with the number of cells nearest to N [1000000; amr: 4018176; advect: 262144; scaling: of all processes]; scale: N1,N2,...
                     [10000 to 30000000 in half decades]
   --jitter J        interior vertices move by up to J of a cell, 0 to 0.5 [0.2]
   --numbering natural|shuffled   x fastest, or cells and vertices numbered at random [natural]
@@ -39,7 +41,7 @@ The queries (locate)
                     every cell's centre in cell order | random cells, random points |
                     these in Morton order | along view rays, half a cell apart |
                     on vertices, edges, faces of random cells, as rounding leaves them
-  --points Q        how many, but for uniform [as many as cells; torture: 2000 a case; advect: 2000 seeds; amr: 1000000
+  --points Q        how many, but for uniform [as many as cells; torture: 2000 a case; advect: 2000 seeds; scaling: 400000; amr: 1000000
                     random ones, beside a raster of 160^3, or of as many as Q if that is less; methods: random
                     ones; a processor answers a million by bvh, 100000 by rays]
   --accuracy standard|exact [standard]
@@ -132,6 +134,12 @@ Paper
   --table N         rathke: this table alone, 1 to 4
   --size N          frames of N x N pixels [256]; rates are given for the paper's 1024 x 1024
   --out FOLDER      a .csv of each table there, and plots
+
+Scaling
+  --processes N1,N2,...   [1,2,4,8]
+  Hexahedra are cut into equal boxes, a process each. Strong: --cells, --points and a quarter as many particles are shared out;
+  weak: each process has an eighth of these. Commits with halos, points located here and everywhere, particles through the ABC
+  flow, frames of --size pixels. doc/design/scale.md has the model. JSON: a row each, counted and model.
 
 Amr
   The mesh: blocks about a sphere in three levels, 4,018,176 leaves, as patches and as octree leaves. A row each:

@@ -33,6 +33,8 @@ Output run(const Options& options) {
     return effects(options);
   if (options.command == Command::advect)
     return advect(options);
+  if (options.command == Command::scaling)
+    return scaling_command(options);
   const Report report = options.command == Command::commit ? commit(options) : locate(options);
   return {table(report), json(report, options), 0};
 }

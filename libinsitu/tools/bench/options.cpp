@@ -14,7 +14,8 @@ namespace insitu::bench {
 namespace {
 
 constexpr const char* commands =
-    "commit, locate, torture, scale, methods, amr, effects, render, accuracy, paper or advect";
+    "commit, locate, torture, scale, methods, amr, effects, render, accuracy, paper, advect or "
+    "scaling";
 
 /// An argument: the option's name and the text of its value.
 struct Argument {
@@ -137,7 +138,7 @@ const Option options[] = {
      choice(&Options::pattern, workload::pattern_from_name,
             "uniform, random, sorted, march, vertices, edges or faces")},
     {"--points",
-     {C::locate, C::torture, C::methods, C::amr, C::advect},
+     {C::locate, C::torture, C::methods, C::amr, C::advect, C::scaling},
      number(&Options::points, 1, 1'000'000'000)},
     {"--check", {C::methods}, flag(&Options::check), false},
     {"--sizes", {C::amr}, flag(&Options::sizes), false},
@@ -150,7 +151,10 @@ const Option options[] = {
     {"--json", {}, text(&Options::json_file)},
     {"--csv", {C::scale}, text(&Options::csv_file)},
     {"--svg", {C::scale}, text(&Options::svg_file)},
-    {"--size", {C::render, C::paper}, number(&Options::size, 1, 16384)},
+    {"--processes",
+     {C::scaling},
+     [](Options& o, const Argument& a) { o.processes = a.numbers(1, 4096); }},
+    {"--size", {C::render, C::paper, C::scaling}, number(&Options::size, 1, 16384)},
     {"--out", {C::render, C::accuracy, C::paper}, text(&Options::out_folder)},
     {"--quick", {C::accuracy, C::paper}, set_extent, false},
     {"--full", {C::accuracy, C::paper}, set_extent, false},
@@ -171,7 +175,7 @@ const Option& option_of(std::string_view name) {
 }
 
 Command command_of(std::string_view text) {
-  for (int c = int(C::help) + 1; c <= int(C::advect); ++c)
+  for (int c = int(C::help) + 1; c <= int(C::scaling); ++c)
     if (text == name(C(c)))
       return C(c);
   throw UsageError("'" + std::string(text) + "' is no command: " + commands + " expected");
@@ -192,6 +196,9 @@ void set_defaults(Options& o) {
   case C::paper:
     o.size = 256;
     break;
+  case C::scaling:
+    o.points = 400'000;
+    break;
   default:
     break;
   }
@@ -206,8 +213,9 @@ bool asks_for_help(std::string_view text) {
 } // namespace
 
 const char* name(Command command) {
-  constexpr const char* names[] = {"help", "commit",  "locate", "torture",  "scale", "methods",
-                                   "amr",  "effects", "render", "accuracy", "paper", "advect"};
+  constexpr const char* names[] = {"help",    "commit", "locate",  "torture", "scale",
+                                   "methods", "amr",    "effects", "render",  "accuracy",
+                                   "paper",   "advect", "scaling"};
   return names[int(command)];
 }
 
@@ -218,6 +226,7 @@ Options parse(int argc, char** argv) {
     return {};
   Options o;
   o.command = command_of(argv[1]);
+  o.arguments.assign(argv + 1, argv + argc);
   set_defaults(o);
   int next = 2;
   if (o.command == C::paper) {

@@ -24,7 +24,8 @@ enum class Command {
   render,
   accuracy,
   paper,
-  advect
+  advect,
+  scaling
 };
 const char* name(Command command);
 
@@ -39,6 +40,8 @@ struct Options {
   bool shuffled = false;
   workload::Pattern pattern = workload::Pattern::uniform;
   std::int64_t points = 0; ///< 0: as many as cells (torture: 2000 a case)
+  std::vector<std::int64_t> processes{1, 2, 4, 8}; ///< scaling
+  std::vector<std::string> arguments;              ///< as given, the command first
   int fields = 1;
   int threads = 1;
   insitu_accuracy accuracy = INSITU_STANDARD;
@@ -49,7 +52,7 @@ struct Options {
   bool sizes = false;                         ///< amr: by number of leaves instead
   bool check = false;                         ///< methods: answers alone, on all points
   std::vector<std::string> backends, methods; ///< methods: only these; empty: all
-  int size = 512;                             ///< render, effects, paper: pixels along an edge
+  int size = 512; ///< render, effects, paper, scaling: pixels along an edge
   bool full = false;                          ///< accuracy, paper: large meshes
   bool quick = false;                         ///< paper: small meshes, for a test
   std::string paper;                          ///< paper: "morrical", "rathke" or "zellmann"

@@ -112,7 +112,10 @@ int layout_of(int which, int64_t* out) {
                             AT(insitu_report, classify_s),
                             AT(insitu_report, purposes),
                             AT(insitu_report, endings),
-                            AT(insitu_report, reasons)};
+                            AT(insitu_report, reasons),
+                            AT(insitu_report, halo_cells),
+                            AT(insitu_report, messages_sent),
+                            AT(insitu_report, bytes_sent)};
   const int64_t locator[] = {sizeof(insitu_locator), AT(insitu_locator, size),
                              AT(insitu_locator, method), AT(insitu_locator, backend)};
   const int64_t info[] = {sizeof(insitu_locator_info),

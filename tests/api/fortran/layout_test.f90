@@ -92,7 +92,8 @@ program layout_test
       c_loc(report%frames), c_loc(report%probe_rows), c_loc(report%files), &
       c_loc(report%failures), c_loc(report%located_by_reason), c_loc(report%ranges_s), &
       c_loc(report%classify_s), c_loc(report%purposes), c_loc(report%endings), &
-      c_loc(report%reasons)])
+      c_loc(report%reasons), c_loc(report%halo_cells), c_loc(report%messages_sent), &
+      c_loc(report%bytes_sent)])
   call compare('locator', 11, c_sizeof(locator), [ &
       c_loc(locator%size), c_loc(locator%method), c_loc(locator%backend)])
   call compare('locator_info', 12, c_sizeof(info), [ &

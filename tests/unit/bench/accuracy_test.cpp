@@ -72,8 +72,9 @@ protected:
     return out;
   }
 
-  /// By counted work, and of those that are as accurate. In a thin shell pre-integration beats plain
-  /// steps, by less or more as samples happen to meet the shell; a test of its own holds that.
+  /// By counted work, and of those that are as accurate. In a thin shell pre-integration beats
+  /// plain steps, by less or more as samples happen to meet the shell; a test of its own holds
+  /// that.
   static void expect_defaults_near_their_fronts(const std::string& sweep) {
     const std::vector<Row> all = rows(sweep);
     int defaults = 0;

@@ -16,7 +16,9 @@ struct Outcome {
 
 inline Outcome run(const std::string& arguments, const std::string& redirect = "2>&1") {
   Outcome r;
-  FILE* pipe = popen((std::string(INSITU_BENCH) + " " + arguments + " " + redirect).c_str(), "r");
+  std::string command = INSITU_BENCH;
+  command.append(" ").append(arguments).append(" ").append(redirect);
+  FILE* pipe = popen(command.c_str(), "r");
   if (!pipe)
     return r;
   char text[4096];

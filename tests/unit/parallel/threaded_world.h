@@ -1,7 +1,8 @@
 #pragma once
 
-#include <barrier>
+#include <condition_variable>
 #include <exception>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -10,17 +11,56 @@
 /// Processes as threads, on the code paths of processes.
 namespace insitu::test {
 
+/// Where threads wait for each other, asleep: std::barrier yields before it sleeps, which takes
+/// minutes where many threads share few cores.
+class Meeting {
+public:
+  explicit Meeting(int threads) : threads_(threads) {}
+  void arrive_and_wait() {
+    std::unique_lock lock(mutex_);
+    ++waiting_;
+    const std::uint64_t mine = round_;
+    if (!end_if_complete())
+      met_.wait(lock, [&] { return round_ != mine; });
+  }
+  void arrive_and_drop() {
+    const std::lock_guard lock(mutex_);
+    --threads_;
+    end_if_complete();
+  }
+
+private:
+  bool end_if_complete() {
+    if (waiting_ < threads_)
+      return false;
+    waiting_ = 0;
+    ++round_;
+    met_.notify_all();
+    return true;
+  }
+
+  std::mutex mutex_;
+  std::condition_variable met_;
+  int threads_, waiting_ = 0;
+  std::uint64_t round_ = 0;
+};
+
 class ThreadedWorld final : public parallel::World {
 public:
-  /// What the threads of one World share.
+  /// What the threads of one World share. Who has met the others twice since it wrote what is here
+  /// knows that they have read it, so that calls take turns with two places.
   struct Shared {
+    struct Place {
+      std::vector<std::int64_t> values;
+      std::vector<std::byte> bytes;
+    };
     explicit Shared(int processes)
-        : size(processes), met(processes), values(std::size_t(processes)),
-          bytes(std::size_t(processes)), out(std::size_t(processes)) {}
+        : size(processes), met(processes), places{std::vector<Place>(std::size_t(processes)),
+                                                  std::vector<Place>(std::size_t(processes))},
+          out(std::size_t(processes)) {}
     int size;
-    std::barrier<> met;
-    std::vector<std::span<const std::int64_t>> values;
-    std::vector<std::span<const std::byte>> bytes;
+    Meeting met;
+    std::vector<Place> places[2]; ///< [turn][process]
     std::vector<std::span<const Outgoing>> out;
   };
   ThreadedWorld(Shared& shared, int rank) : shared_(shared), rank_(rank) {}
@@ -31,35 +71,36 @@ public:
 
 private:
   void meet() { shared_.met.arrive_and_wait(); }
+  /// Where all write for this call.
+  std::vector<Shared::Place>& next() { return shared_.places[turn_ ^= 1]; }
   void do_reduce(std::span<std::int64_t> values, parallel::Reduction reduction) override {
-    shared_.values[std::size_t(rank_)] = values;
+    std::vector<Shared::Place>& all = next();
+    all[std::size_t(rank_)].values.assign(values.begin(), values.end());
     meet();
-    std::vector<std::int64_t> all(shared_.values[0].begin(), shared_.values[0].end());
-    for (std::size_t r = 1; r < shared_.values.size(); ++r)
-      for (std::size_t i = 0; i < all.size(); ++i) {
-        const std::int64_t v = shared_.values[r][i];
-        all[i] = reduction == parallel::Reduction::sum
-                     ? std::int64_t(std::uint64_t(all[i]) + std::uint64_t(v))
-                 : reduction == parallel::Reduction::least ? std::min(all[i], v)
-                                                           : std::max(all[i], v);
+    std::copy(all[0].values.begin(), all[0].values.end(), values.begin());
+    for (std::size_t r = 1; r < all.size(); ++r)
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        const std::int64_t v = all[r].values[i];
+        values[i] = reduction == parallel::Reduction::sum
+                        ? std::int64_t(std::uint64_t(values[i]) + std::uint64_t(v))
+                    : reduction == parallel::Reduction::least ? std::min(values[i], v)
+                                                              : std::max(values[i], v);
       }
-    meet();
-    std::copy(all.begin(), all.end(), values.begin());
   }
   void do_broadcast(std::span<std::byte> bytes, int root) override {
-    shared_.bytes[std::size_t(rank_)] = bytes;
+    Shared::Place& place = next()[std::size_t(root)];
+    if (rank_ == root)
+      place.bytes.assign(bytes.begin(), bytes.end());
     meet();
     if (rank_ != root)
-      std::copy(shared_.bytes[std::size_t(root)].begin(), shared_.bytes[std::size_t(root)].end(),
-                bytes.begin());
-    meet();
+      std::copy(place.bytes.begin(), place.bytes.end(), bytes.begin());
   }
   void swap_numbers(std::span<const std::int64_t> to, std::span<std::int64_t> from) override {
-    shared_.values[std::size_t(rank_)] = to;
+    std::vector<Shared::Place>& all = next();
+    all[std::size_t(rank_)].values.assign(to.begin(), to.end());
     meet();
     for (std::size_t r = 0; r < from.size(); ++r)
-      from[r] = shared_.values[r][std::size_t(rank_)];
-    meet();
+      from[r] = all[r].values[std::size_t(rank_)];
   }
   void transfer(std::span<const Outgoing> out, std::span<const Incoming> in) override {
     shared_.out[std::size_t(rank_)] = out;
@@ -78,6 +119,7 @@ private:
 
   Shared& shared_;
   int rank_;
+  unsigned turn_ = 0;
 };
 
 /// Runs body(world) as so many processes. They end before this returns; what one of them throws is

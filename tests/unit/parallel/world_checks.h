@@ -168,6 +168,33 @@ inline void check_gather(parallel::World& w) {
   }
 }
 
+/// What a process sent is counted where it sends it, and nothing is in a World of one process.
+inline void check_traffic(parallel::World& w) {
+  const parallel::Traffic before = w.traffic();
+  const int n = w.size();
+  std::vector<parallel::Parcel> parcels;
+  for (int to = 0; to < n; ++to) {
+    parcels.push_back({to, std::vector<std::byte>(100)});
+    parcels.push_back({to, {}});
+  }
+  w.exchange(parcels);
+  std::int64_t three[3] = {};
+  w.reduce(std::span(three), parallel::Reduction::sum);
+  const std::string word = w.broadcast(std::string("word"), n - 1);
+  const parallel::Traffic& now = w.traffic();
+  const std::int64_t others = n - 1, several = n > 1;
+  EXPECT_EQ(now.exchanges - before.exchanges, several);
+  EXPECT_EQ(now.reductions - before.reductions, 4 * several); // an exchange agrees three times
+  EXPECT_EQ(now.broadcasts - before.broadcasts, 2 * several); // the length, and the word
+  // To each of the others two lengths in one message, and the parcel that is not empty.
+  EXPECT_EQ(now.messages - before.messages, 2 * others);
+  EXPECT_EQ(now.bytes - before.bytes, (2 * 8 + 100) * others);
+  EXPECT_EQ(now.collective_bytes - before.collective_bytes,
+            several * (3 * 8 + 3 * 8 + 8 * others + (w.rank() == n - 1 ? 8 + 4 : 0)));
+  EXPECT_GE(now.seconds, before.seconds);
+  EXPECT_EQ(now.processor_seconds > 0, n > 1);
+}
+
 inline void check_all(parallel::World& w) {
   check_reductions(w);
   check_broadcasts(w);
@@ -175,6 +202,7 @@ inline void check_all(parallel::World& w) {
   check_sameness(w);
   check_exchange(w);
   check_gather(w);
+  check_traffic(w);
 }
 
 } // namespace insitu::test

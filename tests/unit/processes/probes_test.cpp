@@ -219,3 +219,34 @@ TEST(ProcessProbes, OnePageAndOneSummary) {
   for (const auto& entry : std::filesystem::directory_iterator(options.folder))
     EXPECT_TRUE(entry.is_regular_file()) << entry.path();
 }
+
+/// Reports tell a process's halo and what it sent, and the summary all processes'.
+TEST(ProcessProbes, HalosAndMessagesAreTold) {
+  const TestMesh whole = jittered_cubes(4);
+  PartSession::Options options;
+  options.scene = "insitu: 1\ntracers:\n  - {name: a, velocity: u, seeds: [[0.5, 0.5, 0.5]]}\n";
+  const OwnFolder folder;
+  options.folder = folder / "out";
+  std::int64_t halo_cells[2] = {}, bytes[2] = {};
+  run_processes(2, [&](parallel::World& world) {
+    PartSession process(world, whole, fixtures::boxes(whole, 2), options);
+    for (int cycle = 0; cycle < 2; ++cycle)
+      EXPECT_EQ(process.execute(cycle), "");
+    const insitu_report report = process.session().report();
+    halo_cells[world.rank()] = report.halo_cells;
+    bytes[world.rank()] = report.bytes_by_purpose[INSITU_MEMORY_HALO];
+    EXPECT_GT(report.messages_sent, 0);
+    EXPECT_GT(report.bytes_sent, report.messages_sent);
+    process.session().write_summary(folder / "summary.json", -1);
+    EXPECT_EQ(process.session().finish(), "");
+  });
+  EXPECT_EQ(halo_cells[0], 16); // two halves of 4 x 4 x 4 cells: those on the other side
+  EXPECT_EQ(halo_cells[1], 16);
+  const std::string summary = read_file(folder / "summary.json");
+  const auto total = std::to_string(std::min(bytes[0], bytes[1]));
+  for (const std::string& line :
+       {std::string("\"halo_cells\": {\n"), std::string("\"least\": 16"),
+        std::string("\"greatest\": 16"), "\"least\": " + total, std::string("\"work_seconds\""),
+        std::string("\"greatest_over_mean\"")})
+    EXPECT_NE(summary.find(line), std::string::npos) << line << "\n" << summary;
+}

@@ -92,6 +92,9 @@ typedef struct insitu_report {
   int32_t purposes, endings, reasons; /**< how many items of bytes_by_purpose, particles and
                                            located_by_reason are counted */
   int32_t reserved;
+  int64_t halo_cells; /**< copies of other processes' cells that touch this one's, now; their bytes
+                           are those of INSITU_MEMORY_HALO */
+  int64_t messages_sent, bytes_sent; /**< by this process to others, all that the session sent */
 } insitu_report;
 
 static inline insitu_report insitu_report_default(void) {
@@ -113,6 +116,7 @@ static inline insitu_report insitu_report_default(void) {
     r.located_by_reason[i] = 0;
   r.ranges_s = r.classify_s = 0.0;
   r.purposes = r.endings = r.reasons = r.reserved = 0;
+  r.halo_cells = r.messages_sent = r.bytes_sent = 0;
   return r;
 }
 
@@ -120,7 +124,8 @@ INSITU_API insitu_status insitu_session_report(insitu_session session, insitu_re
 
 /** Writes the report to a file, as JSON. solver_s: the solver's own seconds, from which the
  *  library's share of the run follows; negative: the share is left out. Collective: the root writes
- *  sums of all processes' counts, and seconds of the mean, the least and the greatest process. */
+ *  sums of all processes' counts, and of seconds, halos and what was sent that of the least, the
+ *  mean and the greatest process. */
 INSITU_API insitu_status insitu_session_write_summary(insitu_session session, const char* path,
                                                       double solver_s);
 
