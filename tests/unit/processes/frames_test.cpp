@@ -21,7 +21,12 @@ const char* const all_frames =
     "     isosurfaces: [{field: p, values: [1, 3], opacity: 0.6, normals: smooth,\n"
     "       color: {field: c}}, {field: c, values: [0.2], normals: smooth}],\n"
     "     boundary: {color: {field: u, component: 0}, opacity: 0.2}, outline: {ticks: true},\n"
-    "     cameras: {side: {azimuth: 90}, top: {elevation: 80, orthographic: true, fit: box}}}\n";
+    "     every: 2,\n"
+    "     cameras: {side: {azimuth: 90}, top: {elevation: 80, orthographic: true, fit: box}}}\n"
+    "  - {name: shadows, size: [40, 40], isosurfaces: [{field: p, values: [1]}], every: 3,\n"
+    "     volume: {field: p, opacity: [[0, 0], [5, 0.2]], shading: true},\n"
+    "     lights: [{directional: [1, 1, 2]}, {point: [1.5, 0.4, 1.6], intensity: 0.5}],\n"
+    "     effects: [shadows, volume_shadows, {ambient_occlusion: {samples: 4}}]}\n";
 
 const Act two_cycles = [](PartSession& process, parallel::World&) {
   for (int cycle = 0; cycle < 3; ++cycle)
@@ -75,7 +80,6 @@ TEST(ProcessFrames, WithoutGlobalIds) {
 TEST(ProcessFrames, RefusedByName) {
   const TestMesh whole = jittered_cubes(3);
   for (const auto& [frame, text] : std::map<std::string, std::string>{
-           {"boundary: {}, effects: [shadows]", "shadows over several processes are not there yet"},
            {"volume: {field: p}, path_tracing: {}", "traced paths over several processes"},
            {"volume: {field: p, tolerance: 0.01}", "steps by a tolerance over several processes"},
            {"volume: {field: q}", "q"}}) {

@@ -19,18 +19,10 @@ namespace {
 } // namespace
 
 void check_shared(const FrameSettings& s, bool has_halo) {
-  if (s.lighting.shadows || s.lighting.volume_shadows)
-    refuse("shadows");
-  if (s.lighting.occlusion_samples > 0)
-    refuse("rays of ambient occlusion");
   if (s.path_tracing)
     refuse("traced paths");
   if (s.volume && s.volume->tolerance)
     refuse("a volume's steps by a tolerance");
-  if (s.volume && s.volume->shading)
-    for (const Light& light : s.lighting.lights)
-      if (light.kind == Light::Kind::point)
-        refuse("point lights on a volume");
   if (s.boundary && !has_halo)
     refuse("boundaries of meshes without cells of other processes");
   for (const IsosurfaceSettings& surface : s.isosurfaces) {
@@ -60,7 +52,7 @@ FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sam
   std::optional<PixelAverage> average;
   std::optional<SharedFrame> frame;
   part.world.agree_after([&] { check_shared(settings, part.has_halo); });
-  const SharedFrame::Volume volume(part, sampler, settings, structures);
+  const SharedFrame::Known known(part, sampler, settings, structures);
   part.world.agree_after([&] {
     average.emplace(settings);
     images = blank();
@@ -70,7 +62,7 @@ FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sam
       images.cell.resize(images.color.rgba.size() / 4);
     if (several)
       one = blank();
-    frame.emplace(part, sampler, settings, volume, structures, threads);
+    frame.emplace(part, sampler, settings, known, structures, threads);
   });
   const double prepared = timer.seconds();
   for (const PixelAverage::Sample& sample : average->samples()) {

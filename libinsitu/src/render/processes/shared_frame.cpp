@@ -8,38 +8,55 @@
 
 namespace insitu::render {
 
-SharedFrame::Volume::Volume(const FramePart& part, const query::Sampler& sampler,
-                            const FrameSettings& settings, Structures& structures_of_frames) {
-  if (!settings.volume)
-    return;
+namespace {
+
+bool sends_rays(const Lighting& lighting) {
+  return lighting.volume_shadows ||
+         (lighting.enabled && (lighting.shadows || lighting.occlusion_samples > 0));
+}
+
+} // namespace
+
+SharedFrame::Known::Known(const FramePart& part, const query::Sampler& sampler,
+                          const FrameSettings& settings, Structures& structures) {
+  if (sends_rays(settings.lighting)) {
+    std::vector<mesh::Box> boxes;
+    part.world.agree_after([&] { boxes = query::boxes_of(sampler.tree()); });
+    where.gather(boxes, part.world);
+  }
+  if (settings.volume)
+    know_volume(part, sampler, settings, structures);
+}
+
+void SharedFrame::Known::know_volume(const FramePart& part, const query::Sampler& sampler,
+                                     const FrameSettings& settings, Structures& structures) {
   std::optional<ShownElsewhere> elsewhere;
   part.world.agree_after([&] {
-    structures =
-        volume_structures(sampler, *settings.volume, std::int64_t(settings.width) * settings.height,
-                          structures_of_frames);
-    structures.culled = nullptr;
+    volume = volume_structures(sampler, *settings.volume,
+                               std::int64_t(settings.width) * settings.height, structures);
+    volume.culled = nullptr;
     if (!settings.volume->preintegrated || part.world.size() == 1)
       return;
     elsewhere.emplace(sampler.facts().bounds);
-    elsewhere->note(sampler.tree(), structures.majorants, ray_step(sampler, *settings.volume));
+    elsewhere->note(sampler.tree(), volume.majorants, ray_step(sampler, *settings.volume));
   });
   if (!elsewhere)
     return;
   elsewhere->exchange(part.world);
   part.world.agree_after([&] {
-    if (structures.majorants)
-      majorants_ = elsewhere->with(*structures.majorants, structures_of_frames.memory());
-    structures.majorants = majorants_.get();
+    if (volume.majorants)
+      majorants_ = elsewhere->with(*volume.majorants, structures.memory());
+    volume.majorants = majorants_.get();
   });
 }
 
 SharedFrame::SharedFrame(const FramePart& part, const query::Sampler& sampler,
-                         const FrameSettings& settings, const Volume& volume,
-                         Structures& structures, const core::Threads& threads)
+                         const FrameSettings& settings, const Known& known, Structures& structures,
+                         const core::Threads& threads)
     : part_(part), sampler_(sampler), settings_(settings), threads_(threads),
       rays_(settings.camera, settings.width, settings.height), mail_(part.world, part.most_bytes) {
   if (settings.volume) {
-    volume_.emplace(sampler, *settings.volume, volume.structures, settings.lighting,
+    volume_.emplace(sampler, *settings.volume, known.volume, settings.lighting,
                     !settings.clips.empty());
     volume_->take_part();
     depth_ = ClaimReader::most_depth / volume_->group() * volume_->group();
@@ -47,8 +64,14 @@ SharedFrame::SharedFrame(const FramePart& part, const query::Sampler& sampler,
   if (!settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
       settings.outline)
     surfaces_.emplace(sampler, settings, structures, Surfaces::Parts::shared);
-  const std::int64_t bytes_a_ray = depth_ * (bytes_a_sample + bytes_a_change +
-                                             (volume_ && volume_->is_lit() ? bytes_a_gradient : 0));
+  if (surfaces_ && volume_ && settings.lighting.volume_shadows)
+    volume_->set_surfaces(&*surfaces_);
+  if (hits_send_rays() || (volume_ && volume_->light_shader()))
+    light_.emplace(part, settings, *surfaces_, known.where, mesh_diagonal(sampler), mail_, threads);
+  const std::int64_t bytes_a_ray =
+      depth_ *
+      (bytes_a_sample + bytes_a_change + (volume_ && volume_->is_lit() ? bytes_a_gradient : 0) +
+       (volume_ && volume_->is_lit_by_place() ? bytes_a_place : 0));
   const auto most_tiles = std::int64_t(part.most_bytes) / (bytes_a_ray * FrameTile::most_rays);
   groups_ = tile_groups(settings.width, settings.height, part.world.size(),
                         std::max<std::int64_t>(1, most_tiles));
@@ -79,6 +102,14 @@ void SharedFrame::add_to(FrameStatistics& statistics) const {
   statistics.evaluations += surface_counts_.evaluations;
   statistics.lit_hits += surface_counts_.lit;
   statistics.hits += hits_;
+  if (light_) {
+    const SurfaceCounts& sent = light_->counts();
+    statistics.cells_tested += sent.cells_tested;
+    statistics.evaluations += sent.evaluations;
+    statistics.shadow_rays += sent.shadow_rays;
+    statistics.occlusion_rays += sent.occlusion_rays;
+    statistics.shadow_samples += sent.shadow_samples;
+  }
   statistics.step = volume_ ? volume_->step() : 0.0;
   statistics.bytes_sent += mail_.bytes_sent();
   statistics.parcels_sent += mail_.parcels_sent();
@@ -151,10 +182,12 @@ void SharedFrame::find_hits() {
     for (const TileParcel& parcel : received) {
       OwnTile& tile = own_of(parcel.slot);
       tile.sources.push_back(parcel.rank);
-      read_hits(parcel.reader(), tile.rays);
+      read_hits(parcel.reader(), hits_send_rays(), parcel.rank, tile.rays);
     }
   });
-  part_.world.agree_after([&] { for_tiles(own_count_, [&](std::size_t i) { shade(own_[i]); }); });
+  part_.world.agree_after([&] { for_tiles(own_count_, [&](std::size_t i) { order(own_[i]); }); });
+  if (hits_send_rays())
+    light_hits();
 }
 
 TileParcel SharedFrame::find_own_hits(NearTile& near) {
@@ -174,7 +207,7 @@ TileParcel SharedFrame::find_own_hits(NearTile& near) {
     surfaces_->find_own(rays, nullptr, counts);
   }
   writer.clear();
-  write_hits(rays, part_.key, writer);
+  write_hits(rays, part_.key, hits_send_rays(), writer);
   parcel.bytes = writer.bytes();
   for (RayState& ray : rays)
     ray.hits.clear();
@@ -184,12 +217,15 @@ TileParcel SharedFrame::find_own_hits(NearTile& near) {
   return parcel;
 }
 
-void SharedFrame::shade(OwnTile& tile) {
+/// Puts hits in order, and lights them if that takes no rays.
+void SharedFrame::order(OwnTile& tile) {
   SurfaceCounts counts;
   const std::span<RayState> rays = rays_of(tile);
   if (!surfaces_)
     return;
-  surfaces_->finish(rays, counts);
+  surfaces_->put_in_order(rays);
+  if (!hits_send_rays())
+    surfaces_->finish(rays, counts);
   std::int64_t hits = 0;
   for (const RayState& ray : rays)
     hits += std::int64_t(ray.hits.size());

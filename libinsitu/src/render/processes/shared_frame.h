@@ -9,6 +9,7 @@
 #include "render/pixel_average.h"
 #include "render/processes/frame_part.h"
 #include "render/processes/frame_tiles.h"
+#include "render/processes/shared_light.h"
 #include "render/processes/tile_data.h"
 #include "render/processes/tile_mail.h"
 #include "render/surface/surfaces.h"
@@ -19,19 +20,22 @@ namespace insitu::render {
 /// and throw AgreedError, but for the constructor.
 class SharedFrame {
 public:
-  /// What the processes find out about a volume beforehand. Collective.
-  struct Volume {
-    Volume(const FramePart& part, const query::Sampler& sampler, const FrameSettings& settings,
-           Structures& structures);
-    VolumeStructures structures;
+  /// What the processes find out beforehand. Collective.
+  struct Known {
+    Known(const FramePart& part, const query::Sampler& sampler, const FrameSettings& settings,
+          Structures& structures);
+    VolumeStructures volume;
+    query::Directory where; ///< of each process's cells, if rays of light are sent
 
   private:
+    void know_volume(const FramePart& part, const query::Sampler& sampler,
+                     const FrameSettings& settings, Structures& structures);
     std::unique_ptr<Majorants> majorants_;
   };
 
   /// All must outlive it. Not collective; throws core::Error.
   SharedFrame(const FramePart& part, const query::Sampler& sampler, const FrameSettings& settings,
-              const Volume& volume, Structures& structures, const core::Threads& threads);
+              const Known& known, Structures& structures, const core::Threads& threads);
 
   /// Draws from now on this sample of each pixel of a frame that has several. Not collective.
   void set_sample(const PixelAverage::Sample& sample);
@@ -75,7 +79,11 @@ private:
 
   void find_hits();
   TileParcel find_own_hits(NearTile& near);
-  void shade(OwnTile& tile);
+  void order(OwnTile& tile);
+  void light_hits();
+  bool hits_send_rays() const { return surfaces_ && surfaces_->light_shader(); }
+  void take_points(const OwnTile& tile, std::span<const Surfaces::Seen> seen, std::size_t next,
+                   SharedLight::Batch& batch);
   void finish(FrameImages& images);
   TileParcel finish(OwnTile& tile);
 
@@ -85,8 +93,20 @@ private:
   void march_thin();
   void claim(std::int64_t round);
   TileParcel claim(NearTile& near, std::int64_t first);
-  void gather(std::vector<TileParcel> parcels,
-              core::FunctionRef<void(OwnTile&, std::size_t ray, const ClaimReader&)> take);
+  /// A round of claims, or of those on thin rays.
+  struct Round {
+    std::int64_t first = 0;
+    bool is_thin = false;
+  };
+  void gather(std::vector<TileParcel> parcels, const Round& round);
+  void gather_by_rays_of_light(std::span<const TileParcel> received, const Round& round);
+  using LitSamples = std::vector<std::uint32_t>; ///< by ray: a bit a sample
+  void take_points(const OwnTile& tile, ClaimReader ahead, const Round& round,
+                   SharedLight::Batch& batch, LitSamples& lit) const;
+  ClaimReader claims_of(const OwnTile& tile, std::span<const TileParcel> received) const;
+  std::optional<SurfacePoint> lit_point(const OwnTile& tile, const ClaimReader& claimed,
+                                        int sample) const;
+  void take(OwnTile& tile, const ClaimReader& claimed, const Round& round);
   std::int64_t tell_saturated(std::int64_t round);
   void stop_saturated(NearTile& near, ByteReader from) const;
   void count(const VolumeCounts& counts);
@@ -102,6 +122,7 @@ private:
   int depth_ = ClaimReader::most_depth; ///< samples of a ray in a round
   std::vector<std::vector<FrameTile>> groups_;
   TileMail mail_;
+  std::optional<SharedLight> light_; ///< if hits or samples send rays
   // Of the group that is being drawn; vectors keep their memory.
   const std::vector<FrameTile>* group_ = nullptr;
   std::vector<OwnTile> own_;

@@ -105,10 +105,7 @@ void SharedFrame::march_thin() {
       count(counts);
     });
   });
-  gather(std::move(parcels), [&](OwnTile& tile, std::size_t ray, const ClaimReader& claimed) {
-    const query::ValueSample& sample = *claimed.samples();
-    volume_->gather_thin(tile.rays[ray], sample.value, *claimed.locations());
-  });
+  gather(std::move(parcels), {0, true});
 }
 
 /// All claim samples of the group's rays, and owners gather them.
@@ -119,15 +116,7 @@ void SharedFrame::claim(std::int64_t round) {
     parcels.resize(near_count_);
     for_tiles(near_count_, [&](std::size_t i) { parcels[i] = claim(near_[i], first); });
   });
-  gather(std::move(parcels), [&](OwnTile& tile, std::size_t r, const ClaimReader& claimed) {
-    RayState& ray = tile.rays[r];
-    volume_->gather(ray, *tile.progress, r, first, claimed.wanted(), claimed.samples(),
-                    claimed.locations());
-    if (ray.is_saturated() && !(tile.saturated[r / 64] >> (r % 64) & 1)) {
-      tile.saturated[r / 64] |= std::uint64_t(1) << (r % 64);
-      tile.has_news = true;
-    }
-  });
+  gather(std::move(parcels), {first, false});
 }
 
 TileParcel SharedFrame::claim(NearTile& near, std::int64_t first) {
@@ -151,22 +140,53 @@ TileParcel SharedFrame::claim(NearTile& near, std::int64_t first) {
 }
 
 /// Sends claims to the owners of their tiles, who take those of a ray together.
-void SharedFrame::gather(
-    std::vector<TileParcel> parcels,
-    core::FunctionRef<void(OwnTile&, std::size_t ray, const ClaimReader&)> take) {
+void SharedFrame::gather(std::vector<TileParcel> parcels, const Round& round) {
   part_.world.agree_after(
       [&] { std::erase_if(parcels, [](const TileParcel& p) { return p.bytes.empty(); }); });
   const std::vector<TileParcel> received = mail_.exchange(std::move(parcels));
+  if (volume_->light_shader())
+    return gather_by_rays_of_light(received, round);
   part_.world.agree_after([&] {
     for_tiles(own_count_, [&](std::size_t i) {
-      ClaimReader claimed(volume_->is_lit());
-      for (const TileParcel& parcel : received)
-        if (parcel.slot == own_[i].slot)
-          claimed.add(parcel.reader());
-      while (claimed.next())
-        take(own_[i], claimed.ray(), claimed);
+      ClaimReader claimed = claims_of(own_[i], received);
+      while (claimed.next()) {
+        if (volume_->is_lit_by_place())
+          for (std::uint32_t rest = claimed.wanted(); rest; rest &= rest - 1)
+            claimed.set_light(
+                std::countr_zero(rest),
+                volume_->light_without_rays(lit_point(own_[i], claimed, std::countr_zero(rest))));
+        take(own_[i], claimed, round);
+      }
     });
   });
+}
+
+ClaimReader SharedFrame::claims_of(const OwnTile& tile,
+                                   std::span<const TileParcel> received) const {
+  ClaimReader claimed(*volume_);
+  for (const TileParcel& parcel : received)
+    if (parcel.slot == tile.slot)
+      claimed.add(parcel.reader());
+  return claimed;
+}
+
+std::optional<SurfacePoint> SharedFrame::lit_point(const OwnTile& tile, const ClaimReader& claimed,
+                                                   int sample) const {
+  return VolumeMarcher::lit_point(tile.rays[claimed.ray()].ray,
+                                  claimed.locations()[sample].parametric, claimed.places()[sample]);
+}
+
+void SharedFrame::take(OwnTile& tile, const ClaimReader& claimed, const Round& round) {
+  const std::size_t r = claimed.ray();
+  RayState& ray = tile.rays[r];
+  if (round.is_thin)
+    return volume_->gather_thin(ray, claimed.samples()->value, *claimed.locations());
+  volume_->gather(ray, *tile.progress, r, round.first, claimed.wanted(), claimed.samples(),
+                  claimed.locations());
+  if (ray.is_saturated() && !(tile.saturated[r / 64] >> (r % 64) & 1)) {
+    tile.saturated[r / 64] |= std::uint64_t(1) << (r % 64);
+    tile.has_news = true;
+  }
 }
 
 /// Owners tell which rays are saturated before they end. Returns how many of all rays go on.

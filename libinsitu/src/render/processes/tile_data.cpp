@@ -21,16 +21,26 @@ struct SentHit {
 };
 static_assert(sizeof(SentHit) == std::size_t(bytes_a_hit));
 
+struct SentStart {
+  std::int64_t cell;
+  double clearance;
+};
+static_assert(sizeof(SentStart) == std::size_t(bytes_a_start));
+
 } // namespace
 
-void write_hits(std::span<const RayState> rays, const CellKey& key, ByteWriter& to) {
+void write_hits(std::span<const RayState> rays, const CellKey& key, bool with_starts,
+                ByteWriter& to) {
   for (std::size_t r = 0; r < rays.size(); ++r)
-    for (const SurfaceHit& hit : rays[r].hits)
+    for (const SurfaceHit& hit : rays[r].hits) {
       to.value(SentHit{std::uint16_t(r), 0, hit.surface, hit.t, key(hit.cell), hit.extent,
                        hit.gradient, hit.opacity, hit.color, hit.triangle});
+      if (with_starts)
+        to.value(SentStart{hit.cell, hit.clearance});
+    }
 }
 
-void read_hits(ByteReader from, std::span<RayState> rays) {
+void read_hits(ByteReader from, bool with_starts, int process, std::span<RayState> rays) {
   while (!from.at_end()) {
     const auto sent = from.value<SentHit>();
     SurfaceHit hit;
@@ -42,6 +52,12 @@ void read_hits(ByteReader from, std::span<RayState> rays) {
     hit.extent = sent.extent;
     hit.gradient = sent.gradient;
     hit.color = sent.color;
+    hit.process = process;
+    if (with_starts) {
+      const auto start = from.value<SentStart>();
+      hit.process_cell = start.cell;
+      hit.clearance = start.clearance;
+    }
     rays[sent.ray].hits.push_back(hit);
   }
 }
@@ -72,6 +88,8 @@ void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, co
       to.value(claims.samples[at].value);
       if (!claims.gradients.empty())
         to.value(claims.gradients[at]);
+      if (!claims.places.empty())
+        to.value(claims.places[at]);
     }
   }
 }
@@ -102,14 +120,17 @@ void ClaimReader::take(Run& run) {
     if (changes >> k & 1)
       key = from.value<std::int64_t>();
     const auto value = from.value<double>();
-    math::Vec3d gradient;
+    math::Vec3d gradient, place;
     if (with_gradients_)
       gradient = from.value<math::Vec3d>();
+    if (with_places_)
+      place = from.value<math::Vec3d>();
     if ((wanted_ >> k & 1) && samples_[k].cell <= key)
       continue;
     wanted_ |= std::uint32_t(1) << k;
     samples_[k] = {key, value};
     locations_[k] = {key, gradient};
+    places_[k] = place;
   }
   begin(run);
 }

@@ -18,17 +18,18 @@ using parallel::ByteWriter;
 
 using CellKey = std::function<std::int64_t(std::int64_t flat)>;
 
-/// Bytes of a hit on its way.
-constexpr std::int64_t bytes_a_hit = 80;
+/// Bytes of a hit on its way, and of where rays of light start from it, if there are some.
+constexpr std::int64_t bytes_a_hit = 80, bytes_a_start = 16;
 /// Bytes of the samples of a ray in a round, of each of them, of each change of cell among them,
-/// and of a gradient where colours are lit.
+/// of a gradient where colours are lit, and of a place where lights hang on it.
 constexpr std::int64_t bytes_a_run = 10, bytes_a_sample = 8, bytes_a_change = 8,
-                       bytes_a_gradient = 24;
+                       bytes_a_gradient = 24, bytes_a_place = 24;
 
 /// Writes the hits of rays, those in cells of this process.
-void write_hits(std::span<const RayState> rays, const CellKey& key, ByteWriter& to);
-/// Adds them to the hits of the rays; cells are keys.
-void read_hits(ByteReader from, std::span<RayState> rays);
+void write_hits(std::span<const RayState> rays, const CellKey& key, bool with_starts,
+                ByteWriter& to);
+/// Adds those of a process to the hits of the rays; cells are keys.
+void read_hits(ByteReader from, bool with_starts, int process, std::span<RayState> rays);
 
 /// Writes claims of rays from the tile's ray `first_ray` on, ray by ray.
 void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, const CellKey& key,
@@ -39,7 +40,8 @@ class ClaimReader {
 public:
   static constexpr int most_depth = 32; ///< samples of a ray
 
-  explicit ClaimReader(bool with_gradients) : with_gradients_(with_gradients) {}
+  explicit ClaimReader(const VolumeMarcher& volume)
+      : with_gradients_(volume.is_lit()), with_places_(volume.is_lit_by_place()) {}
   void clear() { runs_.clear(); }
   /// Of a process, those of rays in ascending order.
   void add(ByteReader claims);
@@ -53,6 +55,10 @@ public:
   const query::ValueSample* samples() const { return samples_; }
   /// The same, with gradients in place of coordinates if there are some.
   const query::Location* locations() const { return locations_; }
+  /// The same, if there are some.
+  const math::Vec3d* places() const { return places_; }
+  /// Puts the light of a sample in place of its gradient.
+  void set_light(int sample, const math::Vec3d& light) { locations_[sample].parametric = light; }
 
 private:
   struct Run {
@@ -65,12 +71,13 @@ private:
   }
   void take(Run& run);
 
-  bool with_gradients_;
+  bool with_gradients_, with_places_;
   std::vector<Run> runs_; ///< by process
   std::size_t ray_ = 0;
   std::uint32_t wanted_ = 0;
   query::ValueSample samples_[most_depth];
   query::Location locations_[most_depth];
+  math::Vec3d places_[most_depth];
 };
 
 } // namespace insitu::render

@@ -72,6 +72,10 @@ public:
   /// Sets `open` of each ray. Rays that start near to each other should be beside each other: they
   /// pass the tree in packets.
   void trace(std::span<LightRay> rays, SurfaceCounts& counts) const;
+  /// A part of it, of at most RayLanes::most rays: sets their hits as cells have them, in no order,
+  /// twins among them; of a ray that meets an opaque one, that and maybe others.
+  void collect(std::span<const LightRay> rays, std::vector<SurfaceHit>* hits,
+               SurfaceCounts& counts) const;
   /// The surface's own colour at a hit.
   Color color(const SurfaceHit& hit) const;
   /// The field's gradient at a hit, which lies at p, as the surface's normals are chosen.
@@ -145,7 +149,8 @@ public:
 
 private:
   void test_cell(std::int64_t flat, Search& search) const;
-  void trace_packet(std::span<LightRay> rays, SurfaceCounts& counts) const;
+  void collect_packet(std::span<const LightRay> rays, std::vector<SurfaceHit>* hits,
+                      SurfaceCounts& counts) const;
   Search search_of(const Ray& ray, const std::vector<Stretch>* stays, std::vector<SurfaceHit>& hits,
                    SurfaceCounts& counts) const;
   /// visit(flat cell) for the cells of a tree's item that a ray may meet.

@@ -12,21 +12,28 @@ namespace insitu::render {
 using math::Vec3d;
 
 void IsosurfaceTracer::trace(std::span<LightRay> rays, SurfaceCounts& counts) const {
-  if (!is_exact_) {
-    thread_local std::vector<SurfaceHit> hits; // kept for the thread's life
-    for (LightRay& ray : rays) {
-      trace(ray.ray, hits, counts, ray.stays);
-      ray.open = open_past(hits);
+  thread_local std::vector<SurfaceHit> hits[RayCells::most]; // kept for the thread's life
+  for (std::size_t first = 0; first < rays.size(); first += RayCells::most) {
+    const std::span<LightRay> packet =
+        rays.subspan(first, std::min<std::size_t>(RayCells::most, rays.size() - first));
+    collect(packet, hits, counts);
+    for (std::size_t i = 0; i < packet.size(); ++i) {
+      put_in_order(hits[i]);
+      packet[i].open = open_past(hits[i]);
     }
-    return;
   }
-  for (std::size_t first = 0; first < rays.size(); first += RayCells::most)
-    trace_packet(rays.subspan(first, std::min<std::size_t>(RayCells::most, rays.size() - first)),
-                 counts);
 }
 
-void IsosurfaceTracer::trace_packet(std::span<LightRay> rays, SurfaceCounts& counts) const {
-  thread_local std::vector<SurfaceHit> hits[RayCells::most]; // kept for the thread's life
+void IsosurfaceTracer::collect(std::span<const LightRay> rays, std::vector<SurfaceHit>* hits,
+                               SurfaceCounts& counts) const {
+  if (is_exact_)
+    return collect_packet(rays, hits, counts);
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    collect(rays[i].ray, hits[i], counts, rays[i].stays);
+}
+
+void IsosurfaceTracer::collect_packet(std::span<const LightRay> rays, std::vector<SurfaceHit>* hits,
+                                      SurfaceCounts& counts) const {
   std::optional<Search> searches[RayCells::most];
   const accel::Tree& tree = sampler_.tree();
   const Vec3d low = tree.bounds_min() - tree.origin(), high = tree.bounds_max() - tree.origin();
@@ -36,16 +43,14 @@ void IsosurfaceTracer::trace_packet(std::span<LightRay> rays, SurfaceCounts& cou
   accel::RayPacket packet(tree.origin(), float(largest));
   const auto ended = [&](int i) { packet.end_at(i, searches[i]->t_max); };
   RayCells cells(*this, RayCells::most_pairs, ended);
-  LightRay* traced[RayCells::most];
   int count = 0;
-  for (LightRay& ray : rays) {
-    ray.open = 1;
+  for (const LightRay& ray : rays) {
+    std::vector<SurfaceHit>& found = *hits++;
+    found.clear();
     if (ray.stays->empty())
       continue;
     const int i = count++;
-    traced[i] = &ray;
-    hits[i].clear();
-    searches[i].emplace(search_of(ray.ray, ray.stays, hits[i], counts));
+    searches[i].emplace(search_of(ray.ray, ray.stays, found, counts));
     searches[i]->any = true;
     packet.set(i, ray.ray.origin, ray.ray.direction, searches[i]->t_max);
     cells.add_ray(*searches[i], ray.start);
@@ -54,7 +59,10 @@ void IsosurfaceTracer::trace_packet(std::span<LightRay> rays, SurfaceCounts& cou
       tree, packet, [&](std::uint32_t node) { return needed(node); },
       [&](std::int64_t item, unsigned of) {
         const mesh::MeshView& mesh = sampler_.mesh();
-        if (!mesh.pieces[mesh.piece_of(item)].gridlets) {
+        const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(item)];
+        if (piece.is_halo)
+          return; // its process finds its hits
+        if (!piece.gridlets) {
           cells.add(item, of);
           return;
         }
@@ -64,13 +72,6 @@ void IsosurfaceTracer::trace_packet(std::span<LightRay> rays, SurfaceCounts& cou
         }
       });
   cells.flush();
-  LastCell none;
-  for (int i = 0; i < count; ++i) {
-    for (SurfaceHit& hit : hits[i])
-      hit.gradient = {}; // nothing is lit here
-    settle(hits[i], none);
-    traced[i]->open = open_past(hits[i]);
-  }
 }
 
 } // namespace insitu::render

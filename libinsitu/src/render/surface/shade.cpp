@@ -1,5 +1,6 @@
 #include "render/surface/shade.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -107,6 +108,21 @@ Color Shader::light(const SurfacePoint& at, Sky&& sky, Beam&& beam) const {
     sum = sum + float(share) * light.color;
   }
   return sum;
+}
+
+bool Shader::asks_place() const {
+  return sends_rays() ||
+         std::any_of(lighting_.lights.begin(), lighting_.lights.end(),
+                     [](const Light& light) { return light.kind == Light::Kind::point; });
+}
+
+std::size_t Shader::most_rays() const {
+  const int sky = lighting_.occlusion_samples > 0 ? lighting_.occlusion_samples : dome_samples;
+  std::size_t rays = std::size_t(lighting_.occlusion_samples);
+  if (lighting_.shadows)
+    for (const Light& light : lighting_.lights)
+      rays += light.kind == Light::Kind::dome ? std::size_t(sky) : 1;
+  return rays;
 }
 
 void Shader::send(const SurfacePoint& at, const Send& take, SurfaceCounts& counts) const {

@@ -53,6 +53,8 @@ public:
 
   /// The rays that the factor asks for, in streams: occlusion and each light have one.
   int streams() const { return 1 + int(lighting_.lights.size()); }
+  /// At most, of a point.
+  std::size_t most_rays() const;
   /// Takes a ray of a stream from the point; its origin is SurfacePoint::start().
   using Send = core::FunctionRef<void(int stream, const math::Vec3d& direction, double t_max)>;
   void send(const SurfacePoint& at, const Send& take, SurfaceCounts& counts) const;
@@ -60,6 +62,8 @@ public:
   /// one.
   Color factor(const SurfacePoint& at, const core::FunctionRef<double(int stream)>& next) const;
 
+  /// Whether there are lights that hang on where the point is.
+  bool asks_place() const;
   /// Whether rays are sent at other surfaces.
   bool sends_rays() const { return lighting_.shadows || lighting_.occlusion_samples > 0; }
 

@@ -19,6 +19,10 @@ struct SurfaceHit {
   math::Vec3d parametric; ///< in the cell; of a triangle: weights of its second and third vertex
   math::Vec3d gradient;   ///< across the surface, of any length
   Color color;            ///< its own at first, then lit
+  // Of a frame of several processes, where rays of light start; see SurfacePoint::clearance.
+  std::int32_t process = -1;      ///< that found the hit
+  std::int64_t process_cell = -1; ///< the flat cell there
+  double clearance = 0;
 };
 
 /// The part of light that comes past hits.

@@ -10,9 +10,9 @@
 
 namespace insitu::render {
 
-namespace {
-
 using math::Vec3d;
+
+namespace {
 
 /// Above a surface by this part of the cell's thickness, a ray does not meet it again for rounding:
 /// roots are found to 1e-11 of it.
@@ -21,10 +21,6 @@ constexpr double clearance_of_thickness = 1e-5;
 constexpr double clearance_of_coordinates = 0x1p-48;
 /// Rays of light that are sent before they are answered: some hundred kilobytes.
 constexpr std::size_t rays_at_once = 4096;
-
-Vec3d place_of(const Ray& ray, const SurfaceHit& hit) {
-  return ray.origin + hit.t * ray.direction;
-}
 
 } // namespace
 
@@ -54,13 +50,16 @@ Surfaces::Surfaces(const query::Sampler& sampler, const FrameSettings& settings,
         sampler, volume, settings.path_tracing->density,
         &structures.majorants(volume.field, volume.function, fineness_of(*settings.path_tracing)),
         settings.clips);
-  else
+  else {
     volume_shadow_.emplace(sampler, volume, 1.0,
                            volume_structures(sampler, volume,
                                              std::int64_t(settings.width) * settings.height,
                                              structures)
                                .majorants,
                            settings.clips);
+    if (parts == Parts::shared)
+      volume_shadow_->take_part();
+  }
 }
 
 void Surfaces::find(const Ray& ray, const std::vector<Stretch>* stays,
@@ -85,55 +84,17 @@ void Surfaces::trace(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCoun
   light(rays, counts);
 }
 
-void Surfaces::find_own(std::span<RayState> rays, IsosurfaceTile* tile,
-                        SurfaceCounts& counts) const {
-  const auto width = std::uint64_t(settings_.width);
-  IsosurfaceTracer::LastCell last;
-  for (RayState& state : rays) {
-    if (isosurfaces_ && tile) {
-      tile->raw_hits(int(state.pixel % width), int(state.pixel / width), state.hits);
-    } else if (isosurfaces_) {
-      isosurfaces_->collect(state.ray, state.hits, counts, stays_of(state));
-      isosurfaces_->complete(state.hits, last);
-    }
-    for (SurfaceHit& hit : state.hits) {
-      hit.color = isosurfaces_->color(hit);
-      if (shader_)
-        hit.gradient = isosurfaces_->gradient(hit, place_of(state.ray, hit), counts);
-    }
-    if (!settings_.boundary)
-      continue;
-    thread_local std::vector<SurfaceHit> boundary; // kept for the thread's life
-    boundary.clear();
-    triangles_->collect_boundary(state.ray, boundary, stays_of(state));
-    for (SurfaceHit& hit : boundary) {
-      hit.color = triangles_->color(hit);
-      state.hits.push_back(hit);
-    }
-  }
-}
-
-void Surfaces::finish(std::span<RayState> rays, SurfaceCounts& counts) const {
-  thread_local std::vector<SurfaceHit> boundary; // kept for the thread's life
-  for (RayState& state : rays) {
-    boundary.clear();
-    std::erase_if(state.hits, [&](const SurfaceHit& hit) {
-      if (hit.surface >= first_triangle_surface_)
-        boundary.push_back(hit);
-      return hit.surface >= first_triangle_surface_;
-    });
-    IsosurfaceTracer::put_in_order(state.hits);
-    if (triangles_)
-      triangles_->add(state.ray, boundary, state.hits, stays_of(state));
-  }
-  light(rays, counts);
-}
-
 /// Colours hits that are in order, lights them, and adds what is neither lit nor cut.
 void Surfaces::light(std::span<RayState> rays, SurfaceCounts& counts) const {
   thread_local std::vector<Seen> seen; // kept for the thread's life
   seen.clear();
-  const auto width = std::uint64_t(settings_.width);
+  see(rays, seen);
+  if (shader_)
+    light(seen, counts);
+  add_lines(rays);
+}
+
+void Surfaces::see(std::span<RayState> rays, std::vector<Seen>& seen) const {
   for (RayState& state : rays) {
     std::uint64_t index = 0;
     for (SurfaceHit& hit : state.hits) {
@@ -143,11 +104,14 @@ void Surfaces::light(std::span<RayState> rays, SurfaceCounts& counts) const {
           {&state.ray, core::splitmix64(state.pixel ^ (state.sample << 32)) + index++, &hit});
     }
   }
-  if (shader_)
-    light(seen, counts);
-  if (outline_)
-    for (RayState& state : rays)
-      outline_->add(int(state.pixel % width), int(state.pixel / width), state.ray, state.hits);
+}
+
+void Surfaces::add_lines(std::span<RayState> rays) const {
+  if (!outline_)
+    return;
+  const auto width = std::uint64_t(settings_.width);
+  for (RayState& state : rays)
+    outline_->add(int(state.pixel % width), int(state.pixel / width), state.ray, state.hits);
 }
 
 Color Surfaces::color(const SurfaceHit& hit) const {
@@ -183,26 +147,31 @@ Surfaces::LightScratch& Surfaces::scratch() {
   return kept;
 }
 
+/// Of length 1, on the side that the ray comes from.
+Vec3d Surfaces::normal_of(const Vec3d& gradient, const Ray& ray) {
+  // Scaled first: gradients may be as small as their field's values.
+  const Vec3d& g = gradient;
+  const double largest = std::max({std::fabs(g.x), std::fabs(g.y), std::fabs(g.z)});
+  if (!(largest > 0 && std::isfinite(largest)))
+    return -ray.direction; // without a direction it faces the viewer
+  const Vec3d n = g / largest;
+  return n / std::copysign(std::sqrt(dot(n, n)), -dot(n, ray.direction));
+}
+
 SurfacePoint Surfaces::point_of(const Seen& seen, SurfaceCounts& counts) const {
   const SurfaceHit& hit = *seen.hit;
   const Ray& ray = *seen.ray;
   SurfacePoint at;
-  at.position = place_of(ray, hit);
+  at.position = ray.origin + hit.t * ray.direction;
   at.to_viewer = -ray.direction;
-  // Scaled first: gradients may be as small as their field's values.
-  const Vec3d g = parts_ == Parts::whole && hit.surface < first_triangle_surface_
-                      ? isosurfaces_->gradient(hit, at.position, counts)
-                      : hit.gradient;
-  const double largest = std::max({std::fabs(g.x), std::fabs(g.y), std::fabs(g.z)});
-  if (largest > 0 && std::isfinite(largest)) {
-    const Vec3d n = g / largest;
-    at.normal = n / std::copysign(std::sqrt(dot(n, n)), -dot(n, ray.direction));
-  } else {
-    at.normal = at.to_viewer; // without a direction it faces the viewer
-  }
+  const bool is_own = parts_ == Parts::whole; // not of another process's cell
+  at.normal = normal_of(is_own && hit.surface < first_triangle_surface_
+                            ? isosurfaces_->gradient(hit, at.position, counts)
+                            : hit.gradient,
+                        ray);
   at.seed = seen.seed;
   if (shader_->sends_rays())
-    at.clearance = clearance(hit, at.position, at.normal);
+    at.clearance = is_own || hit.cell < 0 ? clearance(hit, at.position, at.normal) : hit.clearance;
   return at;
 }
 
@@ -227,11 +196,9 @@ void Surfaces::light(std::span<const Seen> seen, SurfaceCounts& counts) const {
     answer(s, counts);
     counts.lit += std::int64_t(s.points.size());
     for (std::size_t i = 0; i < s.points.size(); ++i) {
-      SurfaceHit& hit = *seen[first + i].hit;
-      const Color factor = shader_->factor(s.points[i], [&](int stream) {
+      shade(*seen[first + i].hit, shader_->factor(s.points[i], [&](int stream) {
         return s.streams[std::size_t(stream)][s.next[std::size_t(stream)]++].open;
-      });
-      hit.color = {factor.r * hit.color.r, factor.g * hit.color.g, factor.b * hit.color.b};
+      }));
     }
   }
 }

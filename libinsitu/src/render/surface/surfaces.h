@@ -34,12 +34,44 @@ public:
     return isosurfaces_ && isosurfaces_->is_exact() ? &*isosurfaces_ : nullptr;
   }
 
-  /// Of a frame of several processes. find_own() adds to ray.hits the hits of a ray with
-  /// isosurfaces in this process's cells, in no order, with gradients and their own colours;
-  /// finish() makes what trace() leaves of the hits of all processes, by whatever numbers their
-  /// cells have.
+  // Of a frame of several processes (shared_surfaces.cpp), in this order.
+
+  /// Adds to ray.hits the hits of a ray with isosurfaces and the boundary in this process's cells,
+  /// in no order, with gradients, clearances and their own colours.
   void find_own(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCounts& counts) const;
-  void finish(std::span<RayState> rays, SurfaceCounts& counts) const;
+  /// Makes of the hits of all processes what trace() makes before they are lit, by whatever numbers
+  /// their cells have.
+  void put_in_order(std::span<RayState> rays) const;
+  /// Lights these, and adds lines. Only without rays of light.
+  void finish(std::span<RayState> rays, SurfaceCounts& counts) const { light(rays, counts); }
+
+  // With rays of light in place of finish().
+
+  /// A hit to be lit, and the ray that sees it. seed: of its random numbers.
+  struct Seen {
+    const Ray* ray;
+    std::uint64_t seed;
+    SurfaceHit* hit;
+  };
+  /// Whose rays are to be followed; null: there are none.
+  const Shader* light_shader() const {
+    return shader_ && shader_->sends_rays() ? &*shader_ : nullptr;
+  }
+  /// Adds the hits that are in order.
+  void see(std::span<RayState> rays, std::vector<Seen>& seen) const;
+  SurfacePoint point_of(const Seen& seen, SurfaceCounts& counts) const;
+  static void shade(SurfaceHit& hit, const Color& factor) {
+    hit.color = {factor.r * hit.color.r, factor.g * hit.color.g, factor.b * hit.color.b};
+  }
+  void add_lines(std::span<RayState> rays) const;
+  /// Sets the hits of rays of light in this process's cells, at most RayLanes::most rays, as they
+  /// are. Returns the rays that an opaque one ends, a bit each, whose hits say nothing else.
+  unsigned collect(std::span<const LightRay> rays, std::vector<SurfaceHit>* hits,
+                   SurfaceCounts& counts) const;
+  /// What comes through the hits of all processes, and bodies.
+  double open(const LightRay& ray, std::vector<SurfaceHit>& hits) const;
+  /// Or null.
+  const VolumeShadow* volume_shadow() const { return volume_shadow_ ? &*volume_shadow_ : nullptr; }
 
   double open(const Ray& ray, double t_max) const override;
   void meet(const Ray& ray, core::FunctionRef<bool(float opacity)> ends, std::uint64_t seed,
@@ -48,12 +80,6 @@ public:
 private:
   void find(const Ray& ray, const std::vector<Stretch>* stays, std::vector<SurfaceHit>& hits,
             SurfaceCounts& counts) const;
-  /// A hit to be lit, and the ray that sees it. seed: of its random numbers.
-  struct Seen {
-    const Ray* ray;
-    std::uint64_t seed;
-    SurfaceHit* hit;
-  };
   struct LightScratch;
   static LightScratch& scratch();
   void light(std::span<const Seen> seen, SurfaceCounts& counts) const;
@@ -61,7 +87,8 @@ private:
   const std::vector<Stretch>* stays_of(const RayState& state) const {
     return settings_.clips.empty() ? nullptr : &state.stays;
   }
-  SurfacePoint point_of(const Seen& seen, SurfaceCounts& counts) const;
+  static math::Vec3d normal_of(const math::Vec3d& gradient, const Ray& ray);
+  void take_boundary(std::vector<SurfaceHit>& hits, std::vector<SurfaceHit>& boundary) const;
   void answer(LightScratch& scratch, SurfaceCounts& counts) const;
   Color color(const SurfaceHit& hit) const;
   void open(std::span<LightRay> rays, SurfaceCounts& counts) const;

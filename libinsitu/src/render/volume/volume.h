@@ -128,9 +128,21 @@ public:
   // claim samples of it.
 
   /// Rays start and end where the whole mesh of sampler.facts() does, though cells may be few here,
-  /// or none. Locations that are gathered then hold the field's gradient in place of coordinates.
+  /// or none. Locations that are gathered then hold, in place of coordinates, the field's gradient,
+  /// or the light that falls there if that hangs on the place.
   void take_part();
   bool is_lit() const { return shader_.has_value(); }
+  /// Whether there are lights that hang on a sample's place: points, and those with shadows.
+  bool is_lit_by_place() const { return shader_ && shader_->asks_place(); }
+  /// Whose rays are to be followed; null: there are none.
+  const Shader* light_shader() const {
+    return shader_ && shader_->sends_rays() ? &*shader_ : nullptr;
+  }
+  /// The point that is lit by a gradient there; none: it has no side to be lit from.
+  static std::optional<SurfacePoint> lit_point(const Ray& view, const math::Vec3d& gradient,
+                                               const math::Vec3d& place);
+  /// The light there, if no ray is sent; 1 where there is no point.
+  math::Vec3d light_without_rays(const std::optional<SurfacePoint>& at) const;
   /// Samples of a ray that are located at once: stretches begin at multiples of it.
   int group() const { return sample_group_ > 0 ? sample_group_ : 16; }
 
@@ -139,6 +151,7 @@ public:
     std::vector<std::uint32_t> wanted;       ///< by ray; bit k: sample first + k is claimed
     std::vector<query::ValueSample> samples; ///< at place()
     std::vector<math::Vec3d> gradients;      ///< the same, if colours are lit; otherwise empty
+    std::vector<math::Vec3d> places;         ///< the same, if is_lit_by_place()
     std::size_t rays = 0;
     int group = 1;
     std::size_t place(std::size_t ray, int k) const {
@@ -175,6 +188,10 @@ public:
   void gather(RayState& ray, Progress& progress, std::size_t r, std::int64_t first,
               std::uint32_t wanted, const query::ValueSample* samples,
               const query::Location* locations) const;
+  /// Which of these samples gather() will light, and maybe some more: a bit each.
+  std::uint32_t lit_samples(const RayState& ray, const Progress& progress, std::size_t r,
+                            std::int64_t first, std::uint32_t wanted,
+                            const query::ValueSample* samples) const;
   /// The same of a thin ray's sample.
   void gather_thin(RayState& ray, double value, const query::Location& at) const;
   /// After the last stretch.
@@ -206,6 +223,7 @@ private:
   void add_value(RayState& ray, const Stretch& stretch, double value, const query::Location& at,
                  int level) const;
   math::Vec3d gradient(const query::Location& at) const;
+  math::Vec3d place(const query::Location& at) const;
   void light(RayState& ray, const query::Location& at, Color& color) const;
   void gather(RayState& ray, Gathered& last, std::int64_t index, double value,
               const query::Location& at) const;

@@ -71,6 +71,7 @@ void VolumeMarcher::claim(std::span<RayState> rays, std::span<const query::Latti
       locator->set_rays(lattice, row, step_);
       claims.samples.resize(rays.size() * std::size_t(depth));
       claims.gradients.resize(shader_ ? claims.samples.size() : 0);
+      claims.places.resize(is_lit_by_place() ? claims.samples.size() : 0);
     }
     const std::size_t block = claims.place(0, begin), size = rays.size() * std::size_t(group());
     s.locations.resize(shader_ ? size : 0);
@@ -88,6 +89,8 @@ void VolumeMarcher::claim(std::span<RayState> rays, std::span<const query::Latti
         claims.wanted[r] |= std::uint32_t(1) << (begin + k);
         if (shader_)
           claims.gradients[block + i] = gradient(s.locations[i]);
+        if (is_lit_by_place())
+          claims.places[block + i] = place(s.locations[i]);
       }
   }
   std::erase_if(open, [&](std::uint16_t r) {
@@ -103,6 +106,7 @@ void VolumeMarcher::claim_thin(std::span<RayState> rays, std::int64_t own_cells,
   claims.group = 1;
   claims.samples.resize(rays.size());
   claims.gradients.resize(shader_ ? rays.size() : 0);
+  claims.places.resize(is_lit_by_place() ? rays.size() : 0);
   locate_thin(rays);
   counts.samples += std::int64_t(s.active.size());
   for (std::size_t a = 0; a < s.active.size(); ++a) {
@@ -114,20 +118,63 @@ void VolumeMarcher::claim_thin(std::span<RayState> rays, std::int64_t own_cells,
     claims.samples[r] = {at.cell, field_.at(sampler_.mesh(), at)};
     if (shader_)
       claims.gradients[r] = gradient(at);
+    if (is_lit_by_place())
+      claims.places[r] = place(at);
   }
 }
 
-void VolumeMarcher::gather(RayState& ray, Progress& progress, std::size_t r, std::int64_t first,
-                           std::uint32_t wanted, const query::ValueSample* samples,
-                           const query::Location* locations) const {
+namespace {
+
+/// Those of samples [first, first + 32) that the ray has: others may have taken it to be longer.
+std::uint32_t within(const RayState& ray, std::int64_t first, std::uint32_t wanted) {
   const auto below = [&](std::int64_t index) {
     const std::int64_t bits = index - first;
     return bits <= 0 ? 0u : bits >= 32 ? ~0u : (std::uint32_t(1) << bits) - 1;
   };
-  // Others may have taken the ray to be longer.
-  wanted &= below(ray.end) & ~below(ray.next);
+  return wanted & below(ray.end) & ~below(ray.next);
+}
+
+} // namespace
+
+void VolumeMarcher::gather(RayState& ray, Progress& progress, std::size_t r, std::int64_t first,
+                           std::uint32_t wanted, const query::ValueSample* samples,
+                           const query::Location* locations) const {
   if (!ray.is_saturated())
-    gather_stretch(ray, progress.last_[r], first, wanted, samples, locations);
+    gather_stretch(ray, progress.last_[r], first, within(ray, first, wanted), samples, locations);
+}
+
+std::uint32_t VolumeMarcher::lit_samples(const RayState& of, const Progress& progress,
+                                         std::size_t r, std::int64_t first, std::uint32_t wanted,
+                                         const query::ValueSample* samples) const {
+  thread_local RayState ray; // kept for the thread's life
+  ray = of;                  // light changes nothing of where it goes on
+  Gathered last = progress.last_[r];
+  std::uint32_t lit = 0;
+  const auto note_last = [&](std::int64_t index) {
+    if (index >= first)
+      lit |= std::uint32_t(1) << (index - first);
+  };
+  for (std::uint32_t rest = within(ray, first, wanted); rest && !ray.is_saturated();
+       rest &= rest - 1) {
+    const int k = std::countr_zero(rest);
+    const std::int64_t before = ray.lit, open = last.index;
+    gather(ray, last, first + k, samples[k].value, {samples[k].cell, {}});
+    if (ray.lit == before)
+      continue;
+    lit |= std::uint32_t(1) << k;
+    note_last(open); // what was behind it may be what was lit
+  }
+  if (last.index >= 0 && classifiers_[0](last.place.value).alpha > 0)
+    note_last(last.index); // so may what is behind it, later
+  return lit;
+}
+
+Vec3d VolumeMarcher::light_without_rays(const std::optional<SurfacePoint>& at) const {
+  SurfaceCounts none;
+  const Color sum = at ? (*shader_)(
+                             *at, [](const Ray&, double) { return 1.0; }, none)
+                       : Color{1, 1, 1};
+  return {sum.r, sum.g, sum.b};
 }
 
 void VolumeMarcher::gather_thin(RayState& ray, double value, const query::Location& at) const {

@@ -151,30 +151,45 @@ Vec3d VolumeMarcher::gradient(const query::Location& at) const {
   return cells::gradient(cell.shape, cell.x, values, at.parametric);
 }
 
+Vec3d VolumeMarcher::place(const query::Location& at) const {
+  mesh::CellVertices cell;
+  mesh::gather(sampler_.mesh(), at.cell, cell);
+  double weight[8] = {};
+  cells::shape_functions(cell.shape, at.parametric, weight);
+  Vec3d place;
+  for (int v = 0; v < cell.count; ++v)
+    place += weight[v] * cell.x[v];
+  return place;
+}
+
 /// As a surface across the gradient would be, seen from the side that the viewer is on.
-void VolumeMarcher::light(RayState& ray, const query::Location& at, Color& color) const {
-  ++ray.lit;
-  const Vec3d& view = ray.ray.direction;
-  Vec3d normal = takes_part_ ? at.parametric : gradient(at);
+std::optional<SurfacePoint> VolumeMarcher::lit_point(const Ray& view, const Vec3d& gradient,
+                                                     const Vec3d& place) {
+  Vec3d normal = gradient;
   const double most = std::max({std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)});
   if (!(most > 0) || !std::isfinite(most))
-    return;               // flat: there is no side to be lit from
+    return std::nullopt;  // flat: there is no side to be lit from
   normal = normal / most; // squares of 1e-300 are none
   normal = normal / std::sqrt(dot(normal, normal));
-  if (dot(normal, view) > 0)
+  if (dot(normal, view.direction) > 0)
     normal = -normal;
-  Vec3d position; // which point lights alone ask for, and these are refused where it takes part
-  if (!takes_part_) {
-    mesh::CellVertices cell;
-    mesh::gather(sampler_.mesh(), at.cell, cell);
-    double weight[8] = {};
-    cells::shape_functions(cell.shape, at.parametric, weight);
-    for (int v = 0; v < cell.count; ++v)
-      position += weight[v] * cell.x[v];
+  return SurfacePoint{place, normal, -view.direction};
+}
+
+void VolumeMarcher::light(RayState& ray, const query::Location& at, Color& color) const {
+  ++ray.lit;
+  if (takes_part_ && is_lit_by_place()) {
+    const Vec3d& light = at.parametric;
+    color = {float(light.x) * color.r, float(light.y) * color.g, float(light.z) * color.b};
+    return;
   }
+  const auto point = takes_part_ ? lit_point(ray.ray, at.parametric, {})
+                                 : lit_point(ray.ray, gradient(at), place(at));
+  if (!point)
+    return;
   SurfaceCounts sent;
   const Color sum = (*shader_)(
-      {position, normal, -view},
+      *point,
       [&](const Ray& to, double t_max) { return surfaces_ ? surfaces_->open(to, t_max) : 1.0; },
       sent);
   ray.shadow_rays += sent.shadow_rays;

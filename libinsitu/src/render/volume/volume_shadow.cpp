@@ -24,34 +24,79 @@ VolumeShadow::VolumeShadow(const query::Sampler& sampler, const VolumeSettings& 
   options_.coordinates = settings.field.field.association != INSITU_CELL;
 }
 
+void VolumeShadow::take_part() {
+  const mesh::Box whole = sampler_.facts().bounds;
+  low_ = whole.low;
+  high_ = whole.high;
+  takes_part_ = true;
+}
+
 double VolumeShadow::through(const Ray& ray, double t_max, std::int64_t& samples) const {
   double light = 1;
+  follow(ray, t_max, samples, [&](std::int64_t, std::span<const query::Location> found) {
+    for (const query::Location& at : found)
+      if (at)
+        light *= 1 - double(classifier_(field_.at(sampler_.mesh(), at)).alpha);
+    return light > dark;
+  });
+  return light > dark ? light : 0;
+}
+
+void VolumeShadow::claim(const Ray& ray, double t_max, std::int64_t own_cells,
+                         std::vector<Claim>& claims, std::int64_t& samples) const {
+  if (sampler_.tree().empty())
+    return;
+  follow(ray, t_max, samples, [&](std::int64_t first, std::span<const query::Location> found) {
+    for (std::size_t i = 0; i < found.size(); ++i)
+      if (found[i] && found[i].cell < own_cells)
+        if (const float alpha = classifier_(field_.at(sampler_.mesh(), found[i])).alpha; alpha > 0)
+          claims.push_back({first + std::int64_t(i), found[i].cell, alpha});
+    return true;
+  });
+}
+
+double VolumeShadow::through(std::span<const Claim> claims) {
+  double light = 1;
+  for (const Claim& claim : claims)
+    light *= 1 - double(claim.opacity);
+  return light > dark ? light : 0;
+}
+
+void VolumeShadow::follow(const Ray& ray, double t_max, std::int64_t& samples,
+                          const Take& take) const {
   const std::optional<Stretch> in = stretch_in_box(ray, low_, high_);
   if (!in)
-    return light;
-  const double near = std::max(0.0, in->from), far = std::min(t_max, in->to);
+    return;
+  double near = std::max(0.0, in->from), far = std::min(t_max, in->to);
   if (!(near < far) || !std::isfinite(far))
-    return light;
+    return;
+  if (takes_part_) { // not farther than a step beyond this process's cells
+    const accel::Tree& tree = sampler_.tree();
+    const std::optional<Stretch> own = stretch_in_box(ray, tree.bounds_min(), tree.bounds_max());
+    if (!own)
+      return;
+    near = std::max(near, own->from - step_);
+    far = std::min(far, own->to + step_);
+  }
   thread_local std::vector<Stretch> stays; // kept for the thread's life
   clip_ray(clips_, ray, near, far, stays);
   for (const Stretch& stay : stays) {
     bool goes_on = true;
     if (!majorants_)
-      goes_on = follow(ray, stay.from, stay.to, light, samples);
+      goes_on = follow(ray, stay.from, stay.to, samples, take);
     else
       for_each_macrocell(
           majorants_->grid(), ray, stay.from, stay.to, [&](std::int64_t m, double from, double to) {
-            return goes_on = majorants_->opacity(m) <= 0 || follow(ray, from, to, light, samples);
+            return goes_on = majorants_->opacity(m) <= 0 || follow(ray, from, to, samples, take);
           });
     if (!goes_on)
       break;
   }
-  return light > dark ? light : 0;
 }
 
-/// The samples in (from, to]; false: no light is left.
-bool VolumeShadow::follow(const Ray& ray, double from, double to, double& light,
-                          std::int64_t& samples) const {
+/// The samples in (from, to].
+bool VolumeShadow::follow(const Ray& ray, double from, double to, std::int64_t& samples,
+                          const Take& take) const {
   constexpr std::int64_t most = 32;
   math::Vec3d points[most];
   query::Location found[most];
@@ -62,10 +107,7 @@ bool VolumeShadow::follow(const Ray& ray, double from, double to, double& light,
       points[i] = ray.origin + ((double(first) + double(i) + 0.5) * step_) * ray.direction;
     sampler_.locate_serial({points, count}, {found, count}, options_);
     samples += std::int64_t(count);
-    for (std::size_t i = 0; i < count; ++i)
-      if (found[i])
-        light *= 1 - double(classifier_(field_.at(sampler_.mesh(), found[i])).alpha);
-    if (!(light > dark))
+    if (!take(first, {found, count}))
       return false;
   }
   return true;

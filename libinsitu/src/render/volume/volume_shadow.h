@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "query/sampler.h"
@@ -23,8 +24,28 @@ public:
   /// The share of light that passes from the ray's origin to t_max. samples: adds those located.
   double through(const Ray& ray, double t_max, std::int64_t& samples) const;
 
+  // Where a mesh is spread over processes (render/processes): all claim a ray's samples, and one of
+  // them sees what passes.
+
+  /// The bounds are those of the whole mesh of sampler.facts(), and cells may be few here, or none.
+  void take_part();
+  struct Claim {
+    std::int64_t index, cell; ///< of the sample; flat
+    float opacity;            ///< above 0
+  };
+  /// Adds a ray's samples that show in flat cells below own_cells, by index.
+  void claim(const Ray& ray, double t_max, std::int64_t own_cells, std::vector<Claim>& claims,
+             std::int64_t& samples) const;
+  /// The share of light that passes by the samples of all processes, by index and once each.
+  static double through(std::span<const Claim> claims);
+
 private:
-  bool follow(const Ray& ray, double from, double to, double& light, std::int64_t& samples) const;
+  /// Takes the samples from index `first` on; false: the ray ends.
+  using Take =
+      core::FunctionRef<bool(std::int64_t first, std::span<const query::Location> samples)>;
+  void follow(const Ray& ray, double t_max, std::int64_t& samples, const Take& take) const;
+  bool follow(const Ray& ray, double from, double to, std::int64_t& samples,
+              const Take& take) const;
 
   query::Sampler sampler_;
   ScalarField field_;
@@ -34,6 +55,7 @@ private:
   const Majorants* majorants_;
   const std::vector<Clip>& clips_;
   math::Vec3d low_, high_;
+  bool takes_part_ = false;
 };
 
 } // namespace insitu::render

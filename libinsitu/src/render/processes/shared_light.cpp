@@ -1,0 +1,242 @@
+#include "render/processes/shared_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "render/processes/shared_light_data.h"
+
+namespace insitu::render {
+
+using math::Vec3d;
+
+namespace {
+
+/// A box is met by rays that pass it by no more than this part of the mesh's diagonal.
+constexpr double slack = 1e-9;
+
+} // namespace
+
+/// What was asked of whom, about a batch.
+struct SharedLight::Asked {
+  std::vector<std::vector<std::uint32_t>> points; ///< by process: the points that it got
+};
+
+SharedLight::SharedLight(const FramePart& part, const FrameSettings& settings,
+                         const Surfaces& surfaces, const query::Directory& where, double diagonal,
+                         TileMail& mail, const core::Threads& threads)
+    : part_(part), settings_(settings), surfaces_(surfaces), mail_(mail), threads_(threads) {
+  const Vec3d more = slack * diagonal * Vec3d{1, 1, 1};
+  for (int process = 0; process < where.size(); ++process) {
+    std::vector<mesh::Box>& boxes = where_.emplace_back();
+    mesh::Box& all = all_.emplace_back();
+    for (mesh::Box box : where.boxes(process)) {
+      box.low = box.low - more;
+      box.high = box.high + more;
+      boxes.push_back(box);
+      all = boxes.size() == 1 ? box : all;
+      all.extend(box);
+    }
+  }
+}
+
+bool SharedLight::may_meet(int process, const Ray& ray, double t_max) const {
+  const std::vector<mesh::Box>& boxes = where_[std::size_t(process)];
+  const auto meets = [&](const mesh::Box& box) {
+    const std::optional<Stretch> in = stretch_in_box(ray, box.low, box.high);
+    return in && in->to >= 0 && in->from <= t_max;
+  };
+  return !boxes.empty() && meets(all_[std::size_t(process)]) &&
+         std::any_of(boxes.begin(), boxes.end(), meets);
+}
+
+void SharedLight::count(const SurfaceCounts& counts) {
+  const std::lock_guard lock(mutex_);
+  counts_.cells_tested += counts.cells_tested;
+  counts_.evaluations += counts.evaluations;
+  counts_.shadow_rays += counts.shadow_rays;
+  counts_.occlusion_rays += counts.occlusion_rays;
+  counts_.shadow_samples += counts.shadow_samples;
+}
+
+void SharedLight::ask(const Shader& shader, const VolumeShadow* shadow, std::span<Batch> batches) {
+  const auto for_each = [&](std::size_t count, auto&& work) {
+    threads_.parallel_for(std::int64_t(count), 1, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t i = begin; i < end; ++i)
+        work(std::size_t(i));
+    });
+  };
+  const auto processes = std::size_t(part_.world.size());
+  std::vector<std::optional<Rays>> rays(batches.size());
+  std::vector<Asked> asked(batches.size());
+  std::vector<TileParcel> parcels;
+  // Whom to ask.
+  part_.world.agree_after([&] {
+    std::vector<std::vector<TileParcel>> of(batches.size());
+    for_each(batches.size(), [&](std::size_t b) {
+      const Batch& batch = batches[b];
+      SurfaceCounts counts;
+      rays[b].emplace(
+          shader, batch.points.size(),
+          [&](std::size_t i) -> const SurfacePoint& { return batch.points[i].at; }, counts);
+      count(counts);
+      asked[b].points.resize(processes);
+      for (std::size_t p = 0; p < processes; ++p) {
+        ByteWriter writer;
+        for (std::size_t i = 0; i < batch.points.size(); ++i) {
+          const auto begin = rays[b]->all.begin() + rays[b]->first[i],
+                     end = rays[b]->all.begin() + rays[b]->first[i + 1];
+          if (std::none_of(begin, end, [&](const Rays::One& one) {
+                return may_meet(int(p), one.ray, one.t_max);
+              }))
+            continue;
+          const LightPoint& point = batch.points[i];
+          asked[b].points[p].push_back(std::uint32_t(i));
+          writer.value(SentPoint{point.at.position, point.at.normal, point.at.clearance,
+                                 point.at.seed, point.process == int(p) ? point.process_cell : -1,
+                                 point.surface});
+        }
+        if (!writer.empty())
+          of[b].push_back({int(p), batch.slot, writer.bytes()});
+      }
+    });
+    for (std::vector<TileParcel>& some : of)
+      std::move(some.begin(), some.end(), std::back_inserter(parcels));
+  });
+  const std::vector<TileParcel> questions = mail_.exchange(std::move(parcels));
+  parcels.clear();
+  part_.world.agree_after([&] {
+    parcels.resize(questions.size());
+    for_each(questions.size(), [&](std::size_t q) {
+      parcels[q] = {questions[q].rank, questions[q].slot, answer(shader, questions[q])};
+    });
+  });
+  std::vector<TileParcel> answers = mail_.exchange(std::move(parcels));
+  parcels.clear();
+  part_.world.agree_after([&] {
+    std::vector<std::vector<TileParcel>> of(batches.size());
+    for_each(batches.size(), [&](std::size_t b) {
+      follow(batches[b], *rays[b], answers, asked[b]);
+      if (!shadow)
+        return;
+      for (std::size_t p = 0; p < processes; ++p) {
+        std::vector<std::uint64_t> open;
+        std::size_t at = 0;
+        for (const std::uint32_t i : asked[b].points[p])
+          for (std::uint32_t r = rays[b]->first[i]; r < rays[b]->first[i + 1]; ++r, ++at) {
+            open.resize(words_of(at + 1));
+            open[at / 64] |= std::uint64_t(batches[b].open[r] > 0) << (at % 64);
+          }
+        if (at > 0)
+          of[b].push_back({int(p), batches[b].slot, parallel::bytes_of(open)});
+      }
+    });
+    for (std::vector<TileParcel>& some : of)
+      std::move(some.begin(), some.end(), std::back_inserter(parcels));
+  });
+  if (!shadow)
+    return;
+  const std::vector<TileParcel> open = mail_.exchange(std::move(parcels));
+  parcels.clear();
+  part_.world.agree_after([&] {
+    parcels.resize(open.size());
+    for_each(open.size(), [&](std::size_t q) {
+      const auto question =
+          std::find_if(questions.begin(), questions.end(), [&](const TileParcel& parcel) {
+            return parcel.rank == open[q].rank && parcel.slot == open[q].slot;
+          });
+      parcels[q] = {open[q].rank, open[q].slot,
+                    answer_shadow(shader, *shadow, *question, open[q].reader())};
+    });
+  });
+  answers = mail_.exchange(std::move(parcels));
+  part_.world.agree_after([&] {
+    for_each(batches.size(),
+             [&](std::size_t b) { darken(batches[b], *rays[b], answers, asked[b]); });
+  });
+}
+
+/// Puts the answers about a batch together.
+void SharedLight::follow(Batch& batch, const Rays& rays, std::span<const TileParcel> answers,
+                         Asked& asked) const {
+  batch.open.assign(rays.all.size(), 1.0);
+  std::vector<std::pair<std::uint32_t, SurfaceHit>> met; // by ray
+  for (const TileParcel& parcel : answers) {
+    if (parcel.slot != batch.slot)
+      continue;
+    const std::vector<std::uint32_t>& points = asked.points[std::size_t(parcel.rank)];
+    std::size_t count = 0, at = 0;
+    for (const std::uint32_t i : points)
+      count += rays.first[i + 1] - rays.first[i];
+    ByteReader reader = parcel.reader();
+    const auto bits = reader.array<std::uint64_t>(words_of(count));
+    for (const std::uint32_t i : points)
+      for (std::uint32_t r = rays.first[i]; r < rays.first[i + 1]; ++r, ++at) {
+        if (!(bits[at / 64] >> (at % 64) & 1))
+          continue;
+        const auto hits = reader.value<std::uint32_t>();
+        if (hits == ray_ends)
+          batch.open[r] = 0;
+        for (std::uint32_t h = 0; hits != ray_ends && h < hits; ++h) {
+          const auto sent = reader.value<SentLightHit>();
+          SurfaceHit& hit = met.emplace_back(r, SurfaceHit{}).second;
+          hit.t = sent.t;
+          hit.cell = sent.key;
+          hit.extent = sent.extent;
+          hit.triangle = sent.triangle;
+          hit.surface = sent.surface;
+          hit.opacity = sent.opacity;
+        }
+      }
+  }
+  std::stable_sort(met.begin(), met.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<SurfaceHit> hits;
+  std::vector<Stretch> stays;
+  std::size_t next = 0;
+  for (std::uint32_t r = 0; r < batch.open.size(); ++r) {
+    hits.clear();
+    for (; next < met.size() && met[next].first == r; ++next)
+      hits.push_back(met[next].second);
+    if (!(batch.open[r] > 0) || (hits.empty() && settings_.bodies.empty()))
+      continue;
+    const Rays::One& one = rays.all[r];
+    clip_ray(settings_.clips, one.ray, 0, one.t_max, stays);
+    batch.open[r] = surfaces_.open({one.ray, &stays}, hits);
+  }
+}
+
+void SharedLight::darken(Batch& batch, const Rays& rays, std::span<const TileParcel> answers,
+                         const Asked& asked) const {
+  struct Sample {
+    std::uint32_t ray;
+    VolumeShadow::Claim claim;
+  };
+  std::vector<Sample> samples;
+  for (const TileParcel& parcel : answers) {
+    if (parcel.slot != batch.slot)
+      continue;
+    ByteReader reader = parcel.reader();
+    for (const std::uint32_t i : asked.points[std::size_t(parcel.rank)])
+      for (std::uint32_t r = rays.first[i]; r < rays.first[i + 1]; ++r)
+        if (batch.open[r] > 0)
+          for (auto left = reader.value<std::uint32_t>(); left > 0; --left) {
+            const auto sent = reader.value<SentShadowSample>();
+            samples.push_back({r, {sent.index, sent.key, sent.opacity}});
+          }
+  }
+  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
+    return std::tie(a.ray, a.claim.index, a.claim.cell) <
+           std::tie(b.ray, b.claim.index, b.claim.cell);
+  });
+  std::vector<VolumeShadow::Claim> claims;
+  for (std::size_t s = 0; s < samples.size();) {
+    const std::uint32_t r = samples[s].ray;
+    for (claims.clear(); s < samples.size() && samples[s].ray == r; ++s)
+      if (claims.empty() || claims.back().index != samples[s].claim.index)
+        claims.push_back(samples[s].claim); // of the lowest cell
+    batch.open[r] *= VolumeShadow::through(claims);
+  }
+}
+
+} // namespace insitu::render

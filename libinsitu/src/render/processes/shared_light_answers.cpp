@@ -1,0 +1,100 @@
+#include "render/processes/shared_light_data.h"
+#include "render/surface/tiles/isosurface_rays.h"
+
+/// What rays of light of others meet in this process's cells.
+namespace insitu::render {
+
+namespace {
+
+/// The points of a parcel.
+struct Received {
+  std::vector<SurfacePoint> points;
+  std::vector<SecondaryStart> starts;
+
+  explicit Received(const TileParcel& asked) {
+    for (ByteReader reader = asked.reader(); !reader.at_end();) {
+      const auto sent = reader.value<SentPoint>();
+      points.push_back({sent.position, sent.normal, {}, sent.clearance, sent.seed});
+      starts.push_back({sent.cell, sent.surface, sent.normal, sent.clearance});
+    }
+  }
+};
+
+} // namespace
+
+/// What rays meet here: a bit for each that meets something, and of those how many hits, and these.
+std::vector<std::byte> SharedLight::answer(const Shader& shader, const TileParcel& asked) {
+  thread_local std::vector<Stretch> stays[RayCells::most]; // these two for the thread's life
+  thread_local std::vector<SurfaceHit> hits[RayCells::most];
+  const Received received(asked);
+  SurfaceCounts counts, sent;
+  const Rays rays(
+      shader, received.points.size(),
+      [&](std::size_t i) -> const SurfacePoint& { return received.points[i]; }, sent);
+  struct Met {
+    std::uint32_t count = 0, first = 0;
+  };
+  std::vector<Met> met(rays.all.size());
+  std::vector<SentLightHit> found;
+  LightRay light[RayCells::most];
+  for (const std::vector<std::uint32_t>& stream : rays.streams)
+    for (std::size_t first = 0; first < stream.size(); first += RayCells::most) {
+      const std::size_t count = std::min<std::size_t>(RayCells::most, stream.size() - first);
+      for (std::size_t i = 0; i < count; ++i) {
+        const Rays::One& one = rays.all[stream[first + i]];
+        light[i] = {one.ray, &stays[i], &received.starts[one.point]};
+        clip_ray(settings_.clips, one.ray, 0, one.t_max, stays[i]);
+      }
+      const unsigned ended = surfaces_.collect(std::span(light, count), hits, counts);
+      for (std::size_t i = 0; i < count; ++i) {
+        Met& at = met[stream[first + i]];
+        at.first = std::uint32_t(found.size());
+        at.count = ended >> i & 1 ? ray_ends : std::uint32_t(hits[i].size());
+        if (at.count != ray_ends)
+          for (const SurfaceHit& hit : hits[i])
+            found.push_back(
+                {hit.t, part_.key(hit.cell), hit.extent, hit.triangle, hit.surface, hit.opacity});
+      }
+    }
+  count(counts);
+  ByteWriter writer;
+  std::vector<std::uint64_t> bits(words_of(met.size()));
+  for (std::size_t r = 0; r < met.size(); ++r)
+    bits[r / 64] |= std::uint64_t(met[r].count > 0) << (r % 64);
+  writer.array(std::span<const std::uint64_t>(bits));
+  for (const Met& at : met)
+    if (at.count > 0) {
+      writer.value(at.count);
+      if (at.count != ray_ends)
+        writer.array(std::span<const SentLightHit>(found).subspan(at.first, at.count));
+    }
+  return writer.bytes();
+}
+
+/// The samples of the volume that show here, of the rays that are open: how many, and these.
+std::vector<std::byte> SharedLight::answer_shadow(const Shader& shader, const VolumeShadow& shadow,
+                                                  const TileParcel& asked, ByteReader open) {
+  const Received received(asked);
+  SurfaceCounts counts, sent;
+  const Rays rays(
+      shader, received.points.size(),
+      [&](std::size_t i) -> const SurfacePoint& { return received.points[i]; }, sent);
+  const auto bits = open.array<std::uint64_t>(words_of(rays.all.size()));
+  ByteWriter writer;
+  std::vector<VolumeShadow::Claim> claims;
+  for (std::size_t r = 0; r < rays.all.size(); ++r) {
+    if (!(bits[r / 64] >> (r % 64) & 1))
+      continue;
+    claims.clear();
+    shadow.claim(rays.all[r].ray, rays.all[r].t_max, part_.own_cells, claims,
+                 counts.shadow_samples);
+    writer.value(std::uint32_t(claims.size()));
+    for (const VolumeShadow::Claim& claim : claims)
+      writer.value(
+          SentShadowSample{part_.key(claim.cell), std::int32_t(claim.index), claim.opacity});
+  }
+  count(counts);
+  return writer.bytes();
+}
+
+} // namespace insitu::render
