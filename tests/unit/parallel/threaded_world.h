@@ -10,6 +10,9 @@
 /// Processes as threads, on the code paths of processes.
 namespace insitu::test {
 
+/// Whether this thread is between processes: what is taken there is the test's own.
+inline thread_local bool is_exchanging = false;
+
 class ThreadedWorld final : public parallel::World {
 public:
   /// What the threads of one World share.
@@ -32,6 +35,7 @@ public:
 private:
   void meet() { shared_.met.arrive_and_wait(); }
   void do_reduce(std::span<std::int64_t> values, parallel::Reduction reduction) override {
+    is_exchanging = true;
     shared_.values[std::size_t(rank_)] = values;
     meet();
     std::vector<std::int64_t> all(shared_.values[0].begin(), shared_.values[0].end());
@@ -45,6 +49,7 @@ private:
       }
     meet();
     std::copy(all.begin(), all.end(), values.begin());
+    is_exchanging = false;
   }
   void do_broadcast(std::span<std::byte> bytes, int root) override {
     shared_.bytes[std::size_t(rank_)] = bytes;
@@ -62,6 +67,7 @@ private:
     meet();
   }
   void transfer(std::span<const Outgoing> out, std::span<const Incoming> in) override {
+    is_exchanging = true;
     shared_.out[std::size_t(rank_)] = out;
     meet();
     std::vector<std::size_t> next(std::size_t(shared_.size));
@@ -74,6 +80,7 @@ private:
       ++at;
     }
     meet();
+    is_exchanging = false;
   }
 
   Shared& shared_;

@@ -131,8 +131,12 @@ void Halo::borrow(int rank, ByteReader& from) {
 }
 
 void Halo::find(const CommittedMesh& mesh, parallel::World& world) {
-  world.agree_after([&] { (void)mesh.tree(); }); // which is fitted now, or built
-  directory_.gather(query::boxes_of(mesh.standing_tree()), world);
+  std::vector<mesh::Box> boxes;
+  world.agree_after([&] {
+    (void)mesh.tree(); // which is fitted now, or built
+    boxes = query::boxes_of(mesh.standing_tree());
+  });
+  directory_.gather(boxes, world);
   const std::vector<std::vector<std::int64_t>> cells = touching_cells(mesh, world);
   std::vector<Borrowed> before;
   swap(
@@ -144,9 +148,11 @@ void Halo::find(const CommittedMesh& mesh, parallel::World& world) {
         before = std::exchange(borrowed_, {});
       },
       [&](int rank, ByteReader& from) { borrow(rank, from); });
-  views_.clear();
-  for (Borrowed& b : borrowed_)
-    views_.push_back(b.view());
+  world.agree_after([&] {
+    views_.clear();
+    for (Borrowed& b : borrowed_)
+      views_.push_back(b.view());
+  });
 }
 
 void Halo::refresh_points(const CommittedMesh& mesh, parallel::World& world) {
