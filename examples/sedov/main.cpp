@@ -24,6 +24,8 @@ struct Options {
   double end = 0.0; // time; 0: when the shock is at 5/6 of the cube's edge
   int cycles = 1'000'000;
   std::string scene, output;
+  std::string restart; // a checkpoint of libinsitu
+  int from = 0;        // its cycle
   bool block = false; // couple as an implicit block, not as hexahedra
   int library_threads = 0;
   int material = 0; // points carried by the material, located again every cycle
@@ -39,6 +41,9 @@ constexpr const char* usage =
     "  --threads N          threads of the solver (1); the results do not depend on it\n"
     "  --scene FILE         what libinsitu does with the run (nothing)\n"
     "  --output DIR         where it writes, instead of the scene's folder\n"
+    "  --restart FILE       libinsitu goes on from a checkpoint that the scene asked for\n"
+    "  --from N             which was written in this cycle; the solver, which keeps no state,\n"
+    "                       goes through the cycles before once more\n"
     "  --mesh KIND          couple as 'hexahedra' (default) or as an implicit 'block'\n"
     "  --library-threads N  threads of libinsitu (all)\n"
     "  --material N         locate N points that the material carries, every cycle, and say how "
@@ -91,12 +96,18 @@ Options parse(int argc, char** argv) {
       options.scene = value;
     else if (option == "--output")
       options.output = value;
+    else if (option == "--restart")
+      options.restart = value;
+    else if (option == "--from")
+      options.from = whole_number(option, value);
     else if (option == "--mesh" &&
              (std::string(value) == "block" || std::string(value) == "hexahedra"))
       options.block = std::string(value) == "block";
     else
       throw std::invalid_argument(option + ": no such option");
   }
+  if (options.restart.empty() != (options.from == 0))
+    throw std::invalid_argument("--restart and --from: both expected, or none");
   return options;
 }
 
@@ -226,7 +237,13 @@ void run(const Options& options, const sedov::Processes& processes) {
   insitu::Mesh mesh = couple(session, solver, options.block);
   const double energy = solver.total_energy();
   std::chrono::duration<double> elapsed{};
-  session.execute(0, 0.0);
+  if (options.restart.empty()) {
+    session.execute(0, 0.0);
+  } else {
+    while (solver.cycle() < options.from)
+      solver.advance(end - solver.time());
+    session.restart(options.restart);
+  }
   std::optional<MaterialCheck> material;
   if (options.material > 0) {
     material.emplace(options.material, solver);

@@ -1,19 +1,21 @@
 #!/usr/bin/env bash
 # Runs a case of tests/regression/cases alone and on several processes, and compares what is written, byte by byte.
-#   processes.sh --bin DIR --work DIR [--only REGEX] CASE N [N ...]
+#   processes.sh --bin DIR --work DIR [--only REGEX] [--stop CYCLE] CASE N [N ...]
 # --bin: where the miniapps are; --work: a folder to run in, emptied first; --only: the files to compare, such as
-# 'gauges|blast_' (all tables and images); N: numbers of processes.
+# 'gauges|blast_' (all tables and images); N: numbers of processes. With --stop, which the miniapp has to know, a run stops some
+# cycles after that one, on each of N, and goes on on the next of N from the checkpoint of that cycle; the last ends the run.
 # Exit code: 0 same, 1 different, 2 could not run.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-bin= work= only=.
+bin= work= only=. stop=
 while [ $# -gt 0 ]; do
   case $1 in
     --bin) bin=$(cd "$2" && pwd); shift 2 ;;
     --work) work=$2; shift 2 ;;
     --only) only=$2; shift 2 ;;
-    --help|-h) sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    --stop) stop=$2; shift 2 ;;
+    --help|-h) sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "processes.sh: no option '$1'; see --help" >&2; exit 2 ;;
     *) break ;;
   esac
@@ -26,19 +28,36 @@ rm -rf "$work"
 mkdir -p "$work"
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
 
+scene=$work/scene.yaml more=()
+cp "$here/cases/$name/scene.yaml" "$scene"
 run() { # folder, launcher ...
   local folder=$work/$1
   shift
-  timeout 100 "$@" "$bin/$program" "${arguments[@]}" --scene "$here/cases/$name/scene.yaml" --output "$folder" \
+  timeout 100 "$@" "$bin/$program" "${arguments[@]}" "${more[@]}" --scene "$scene" --output "$folder" \
     > "$folder.log" 2>&1 || { cat "$folder.log" >&2; echo "processes.sh: $program failed ($*)" >&2; exit 2; }
 }
 files() { # of a folder, but for those that hold seconds
-  (cd "$1" && find . -type f ! -name '*.js' ! -name '*.html' ! -name summary.json ! -name '*.insitu-lock' | { grep -E "$only" || true; } | sort)
+  (cd "$1" && find . -type f ! -name '*.js' ! -name '*.html' ! -name summary.json ! -name '*.insitu*' | { grep -E "$only" || true; } | sort)
 }
 
 run alone env
 [ -n "$(files "$work/alone")" ] || { echo "processes.sh: no file matches '$only'" >&2; exit 2; }
 different=0
+if [ -n "$stop" ]; then # the same folder for all
+  printf 'checkpoint: {every: %s, keep: 2}\n' "$stop" >> "$scene"
+  more=(--cycles $((stop + 3)))
+  for processes in "${@:1:$#-1}"; do
+    run stopped mpirun -n "$processes"
+    more=(--cycles $((stop + 3)) --from "$stop" --restart "$work/stopped/checkpoint_$(printf %06d "$stop").insitu")
+  done
+  more=("${more[@]:2}")
+  run stopped mpirun -n "${@: -1}"
+  while read -r file; do
+    cmp "$work/alone/$file" "$work/stopped/$file" || different=1
+  done < <({ files "$work/alone"; files "$work/stopped"; } | sort -u)
+  [ $different = 0 ] && echo "$name: $(files "$work/alone" | wc -l) files are the same without a stop and stopped on $* processes"
+  exit $different
+fi
 for processes in "$@"; do
   run "on_$processes" mpirun -n "$processes"
   while read -r file; do

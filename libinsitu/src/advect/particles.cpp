@@ -205,12 +205,24 @@ void Particles::drop_gone() {
   for_each_array([&](auto& array) { array.resize(kept); });
 }
 
-void Particles::keep(core::Archive& archive) {
+void Particles::begin_all(const Particles& here, std::span<const std::int64_t> dropped) {
+  keeps_walk_steps_ = here.keeps_walk_steps_;
+  keeps_velocities_ = here.keeps_velocities_;
+  keeps_parametric_ = here.keeps_parametric_;
+  seeded_ = here.seeded_;
+  std::ranges::copy(dropped, dropped_.by_ending.begin());
+  here_ = dropped_.sum();
+}
+
+void Particles::keep_common(core::Archive& archive) {
   archive.value("keeps walk steps", keeps_walk_steps_);
   archive.value("keeps velocities", keeps_velocities_);
   archive.value("keeps parametric coordinates", keeps_parametric_);
-  for_each_array([&](auto& array) { archive.array("particles", array); });
   archive.value("seeded", seeded_);
+}
+
+void Particles::keep(core::Archive& archive) {
+  for_each_array([&](auto& array) { archive.array("particles", array); });
   archive.value("dropped", dropped_.by_ending);
   here_ = dropped_.sum() + std::int64_t(size());
 }

@@ -91,7 +91,15 @@ public:
   /// do not sum up to the particles that were seeded; of several processes, of those that are here.
   Counts counts() const;
 
-  /// Writes all particles to a checkpoint, or reads them from one.
+  /// Makes these, of which there are none yet, the particles of all processes, which are to
+  /// arrive(): here are those of one process. dropped: by ending, on all processes.
+  void begin_all(const Particles& here, std::span<const std::int64_t> dropped);
+  /// How many have been dropped on this process, by their endings.
+  std::span<const std::int64_t> dropped() const { return dropped_.by_ending; }
+
+  /// Writes what all processes know alike to a checkpoint, or reads it from one.
+  void keep_common(core::Archive& archive);
+  /// The same with all particles, after keep_common().
   void keep(core::Archive& archive);
 
   State state(std::size_t i) const;

@@ -116,11 +116,10 @@ public:
   /// Forgets those that went to other processes.
   void drop_gone() { particles_.drop_gone(); }
 
-  /// The particles, to a checkpoint or back.
-  void keep(core::Archive& archive) { particles_.keep(archive); }
-
   Counts counts() const { return particles_.counts(); }
   const Particles& particles() const { return particles_; }
+  /// For who brings them back from a checkpoint.
+  Particles& particles() { return particles_; }
   std::span<const math::Vec3d> positions() const { return particles_.positions.span(); }
   const TracerSettings& settings() const { return settings_; }
 

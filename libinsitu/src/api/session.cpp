@@ -272,10 +272,11 @@ std::string Session::execute(std::int64_t cycle, double time) {
 
 void Session::checkpoint(const std::string& path) {
   meet("checkpoint");
+  processes_.world().require_same({{"checkpoint", "'" + path + "'"}});
+  std::vector<commit::CommittedMesh*> meshes;
   processes_.world().agree_after([&] {
     if (!runner_ || statistics_.executions == 0)
       throw Error(INSITU_ERROR_ORDER, "checkpoint '" + path + "': nothing was executed yet");
-    std::vector<commit::CommittedMesh*> meshes;
     for (const auto& m : meshes_) {
       if (!m->mesh.committed())
         throw Error(INSITU_ERROR_ORDER, "checkpoint '" + path + "': mesh '" +
@@ -286,12 +287,14 @@ void Session::checkpoint(const std::string& path) {
     }
     if (processes_.world().is_root())
       locks_.take(path);
-    runner_->write_checkpoint(path, meshes);
   });
+  runner_->write_checkpoint(path, meshes);
 }
 
 void Session::restart(const std::string& path) {
   meet("restart");
+  processes_.world().require_same({{"restart from", "'" + path + "'"}});
+  std::unique_ptr<scene::Runner> fresh;
   processes_.world().agree_after([&] {
     if (!scene_)
       throw Error(INSITU_ERROR_ORDER, "restart from '" + path + "': the session has no scene");
@@ -301,11 +304,11 @@ void Session::restart(const std::string& path) {
                                           " times; restart before the first execute");
     // A runner of its own: should it fail, the one that is there goes on as if nothing had been
     // asked.
-    auto fresh = std::make_unique<scene::Runner>(*scene_, output_, context_, processes_.world(),
-                                                 statistics_);
-    fresh->restart(path);
-    runner_ = std::move(fresh);
+    fresh = std::make_unique<scene::Runner>(*scene_, output_, context_, processes_.world(),
+                                            statistics_);
   });
+  fresh->restart(path);
+  runner_ = std::move(fresh);
 }
 
 std::string Session::finish() {

@@ -173,8 +173,10 @@ public:
   std::int64_t earlier_cells_bytes(const core::Threads& threads) const;
   /// The step that was kept, if the cells are others since; or null.
   const EarlierMesh* earlier_mesh() const { return earlier_mesh_.get(); }
-  /// To a checkpoint; and back, where the cells are others by now.
-  mesh::CellsCopy& earlier_cells() { return earlier_cells_; }
+  /// For a checkpoint, of a step that was kept: the cells of this process on which it is; empty
+  /// where a change of topology would not leave it whole, and the cells have no global ids either.
+  mesh::CellsCopy copy_earlier_cells(const core::Threads& threads) const;
+  /// And back, where the cells are others by now.
   void restore_earlier_mesh(const mesh::EarlierStep& step, mesh::CellsCopy cells,
                             const std::optional<query::ChartImage>& on,
                             const core::Threads& threads);

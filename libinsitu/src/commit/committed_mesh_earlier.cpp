@@ -1,5 +1,6 @@
 /// What a committed mesh keeps of the step before, for pathlines.
 #include "commit/committed_mesh.h"
+#include "mesh/registered/earlier_parts.h"
 
 namespace insitu::commit {
 
@@ -74,6 +75,14 @@ void CommittedMesh::part_from_earlier(const core::Threads& threads) {
                                       moved, kept_, topology_version_, *memory_, threads);
   earlier_cells_ = mesh::CellsCopy(*memory_);
   kept_ = {};
+}
+
+mesh::CellsCopy CommittedMesh::copy_earlier_cells(const core::Threads& threads) const {
+  mesh::CellsCopy cells(*memory_);
+  const bool by_ids = !stand_in_ && mesh_.has_global_ids(INSITU_CELL);
+  if (!is_made() && (kept_.with_cells || by_ids))
+    cells.copy(mesh::own_part(mesh_.view()), threads);
+  return cells;
 }
 
 void CommittedMesh::restore_earlier_mesh(const mesh::EarlierStep& step, mesh::CellsCopy cells,

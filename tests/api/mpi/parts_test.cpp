@@ -1,5 +1,6 @@
 /// A mesh cut into slabs over processes, of which some have none: mpiexec -n 1, 2, 3, 4, 8. What
 /// the session of all processes writes is what one process writes that has the whole mesh.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -32,7 +33,7 @@ const char* const scene =
 /// The slab [first, last) of cells along z, with the numbers that these have in the whole.
 struct Slab {
   int first, last;
-  std::vector<double> points, p, c;
+  std::vector<double> points, p, c, u;
   std::vector<std::int32_t> connectivity;
   std::vector<std::int64_t> cells, vertices;
 
@@ -66,29 +67,40 @@ struct Slab {
     points.clear();
     p.clear();
     c.clear();
+    u.clear();
     for (const std::int64_t v : vertices) {
       const double i = double(v % n), j = double(v / n % n), k = double(v / n / n);
       points.insert(points.end(), {i + 0.2 * std::sin(j + k), j + 0.2 * std::cos(i + 0.1 * cycle),
                                    k + 0.1 * std::sin(i * j)});
       p.push_back(std::sin(i + 0.3 * cycle) + 0.1 * k);
+      u.insert(u.end(), {3.0 - j, i - 3.0, 0.3 * std::cos(0.3 * cycle)});
     }
     for (const std::int64_t cell : cells)
       c.push_back(std::cos(double(cell) + cycle));
   }
 };
 
+/// Cycles [from, to), if not from the first one on from a checkpoint, which each run ends with.
+struct Cycles {
+  int from = 0, to = 4;
+  std::string state = {};
+};
+
 /// Runs some cycles; comm: null: of this process alone.
-void run(Slab& slab, const MPI_Comm* comm, const std::string& output) {
+void run(Slab& slab, const MPI_Comm* comm, const std::string& output, const Cycles& cycles = {},
+         const char* with = scene) {
   insitu::Options options;
-  options.scene_text = scene;
+  options.scene_text = with;
   options.output = output;
   options.communicator = comm;
   options.log_level = insitu::LogLevel::error;
   insitu::Session session(options);
-  for (int cycle = 0; cycle < 4; ++cycle) {
+  if (cycles.from > 0)
+    session.restart(cycles.state);
+  for (int cycle = cycles.from; cycle < cycles.to; ++cycle) {
     slab.step(cycle);
     insitu::Mesh mesh = session.mesh("m");
-    if (!slab.empty() && cycle > 0) { // the arrays stay where they are
+    if (!slab.empty() && cycle > cycles.from) { // the arrays stay where they are
       mesh.changed(insitu::geometry | insitu::fields);
     } else if (!slab.empty()) {
       insitu::Piece piece = mesh.piece(0);
@@ -98,9 +110,12 @@ void run(Slab& slab, const MPI_Comm* comm, const std::string& output) {
       piece.global_ids(insitu::Association::vertex, slab.vertices);
       piece.vertex_field("p", slab.p);
       piece.cell_field("c", slab.c);
+      piece.vertex_field("u", insitu::Array(slab.u).components(3));
     }
     session.execute(cycle, 0.5 * cycle);
   }
+  if (!cycles.state.empty())
+    session.checkpoint(cycles.state);
 }
 
 std::map<std::string, std::string> files_of(const std::string& folder) {
@@ -131,6 +146,52 @@ TEST(Parts, FilesAreThoseOfOneProcess) {
     return;
   const auto expected = files_of(alone), found = files_of(together);
   EXPECT_GE(expected.size(), 12u);
+  EXPECT_EQ(found.size(), expected.size());
+  for (const auto& [name, text] : expected)
+    EXPECT_TRUE(found.contains(name) && found.at(name) == text) << name;
+}
+
+const char* const restarted =
+    "insitu: 1\n"
+    "page: false\n"
+    "probes:\n"
+    "  - {name: body, points: {box: {min: [1, 1, 0.5], max: [5, 5, 5.5], counts: [2, 2, 11]}}, "
+    "attached: body}\n"
+    "tracers:\n"
+    "  - {name: paths, velocity: u, seeds: {box: {min: [1, 1, 0.5], max: [5, 5, 5.5], counts: [3, "
+    "3, 5]}}, fields: [p, c], output: [csv, vtp, netcdf]}\n";
+
+/// Stopped on all processes, and taken up on all but the last.
+TEST(Parts, GoesOnFromACheckpointOnFewerProcesses) {
+  int rank = 0, size = 1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &size);
+  const std::string stopped = "stopped_" + std::to_string(size), alone = "never_stopped";
+  const std::string state = "stopped_" + std::to_string(size) + ".insitu";
+  if (rank == 0) {
+    std::filesystem::remove_all(stopped);
+    std::filesystem::remove_all(alone);
+    Slab whole(0, side);
+    run(whole, nullptr, alone, {0, 6}, restarted);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const MPI_Comm world = MPI_COMM_WORLD;
+  {
+    Slab slab(side * rank / size, side * (rank + 1) / size);
+    run(slab, &world, stopped, {0, 3, state}, restarted);
+  }
+  const int fewer = std::max(1, size - 1);
+  MPI_Comm some = MPI_COMM_NULL;
+  MPI_Comm_split(MPI_COMM_WORLD, rank < fewer ? 0 : MPI_UNDEFINED, rank, &some);
+  if (rank < fewer) {
+    Slab slab(side * rank / fewer, side * (rank + 1) / fewer);
+    run(slab, &some, stopped, {3, 6, state}, restarted);
+    MPI_Comm_free(&some);
+  }
+  if (rank > 0)
+    return;
+  const auto expected = files_of(alone), found = files_of(stopped);
+  EXPECT_GE(expected.size(), 5u);
   EXPECT_EQ(found.size(), expected.size());
   for (const auto& [name, text] : expected)
     EXPECT_TRUE(found.contains(name) && found.at(name) == text) << name;

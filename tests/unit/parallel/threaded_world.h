@@ -45,6 +45,13 @@ private:
   std::uint64_t round_ = 0;
 };
 
+/// Whether this thread is between processes: what is taken there is the test's own.
+inline thread_local bool is_exchanging = false;
+struct Exchanging {
+  Exchanging() { is_exchanging = true; }
+  ~Exchanging() { is_exchanging = false; }
+};
+
 class ThreadedWorld final : public parallel::World {
 public:
   /// What the threads of one World share. Who has met the others twice since it wrote what is here
@@ -74,6 +81,7 @@ private:
   /// Where all write for this call.
   std::vector<Shared::Place>& next() { return shared_.places[turn_ ^= 1]; }
   void do_reduce(std::span<std::int64_t> values, parallel::Reduction reduction) override {
+    const Exchanging now;
     std::vector<Shared::Place>& all = next();
     all[std::size_t(rank_)].values.assign(values.begin(), values.end());
     meet();
@@ -88,6 +96,7 @@ private:
       }
   }
   void do_broadcast(std::span<std::byte> bytes, int root) override {
+    const Exchanging now;
     Shared::Place& place = next()[std::size_t(root)];
     if (rank_ == root)
       place.bytes.assign(bytes.begin(), bytes.end());
@@ -96,6 +105,7 @@ private:
       std::copy(place.bytes.begin(), place.bytes.end(), bytes.begin());
   }
   void swap_numbers(std::span<const std::int64_t> to, std::span<std::int64_t> from) override {
+    const Exchanging now;
     std::vector<Shared::Place>& all = next();
     all[std::size_t(rank_)].values.assign(to.begin(), to.end());
     meet();
@@ -103,6 +113,7 @@ private:
       from[r] = all[r].values[std::size_t(rank_)];
   }
   void transfer(std::span<const Outgoing> out, std::span<const Incoming> in) override {
+    const Exchanging now;
     shared_.out[std::size_t(rank_)] = out;
     meet();
     std::vector<std::size_t> next(std::size_t(shared_.size));

@@ -7,17 +7,6 @@ namespace {
 
 constexpr int processes = 3;
 
-/// What a call of all processes throws: the same everywhere.
-template <class Call>
-std::string failure_of(Call&& call) {
-  try {
-    call();
-  } catch (const core::Error& e) {
-    return e.what();
-  }
-  return {};
-}
-
 PartSession::Options with(const std::string& items, const std::string& folder) {
   PartSession::Options options;
   options.scene = "insitu: 1\npage: false\n" + items;
@@ -157,20 +146,6 @@ TEST(ProcessFailures, Scenes) {
     EXPECT_EQ(other.find("processes differ: scene file '"), 0u) << other;
     const std::string none = open(world, folder / "none.yaml");
     EXPECT_EQ(none.find("process 0 of 3: scene file '"), 0u) << none;
-  });
-}
-
-/// Not there yet, and said alike by all.
-TEST(ProcessFailures, CheckpointsAreRefused) {
-  const OwnFolder folder;
-  run("checkpoint: {every: 1}\n" + probe, [&](PartSession& process, parallel::World&) {
-    EXPECT_NE(process.execute(0).find("a checkpoint of several processes is not there yet"),
-              std::string::npos);
-    EXPECT_NE(failure_of([&] {
-                process.session().checkpoint(folder / "c.insitu");
-              }).find("a checkpoint of several processes is not there yet"),
-              std::string::npos);
-    EXPECT_NE(failure_of([&] { process.session().restart(folder / "c.insitu"); }), "");
   });
 }
 

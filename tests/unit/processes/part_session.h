@@ -165,6 +165,17 @@ inline void expect_same(const std::map<std::string, std::string>& expected,
     EXPECT_TRUE(expected.contains(name)) << what << ": a file " << name;
 }
 
+/// What a call of all processes throws: the same everywhere.
+template <class Call>
+std::string failure_of(Call&& call) {
+  try {
+    call();
+  } catch (const core::Error& e) {
+    return e.what();
+  }
+  return {};
+}
+
 inline TestMesh jittered_cubes(int size = 5) {
   MeshOptions options;
   options.size = size;

@@ -131,8 +131,12 @@ void Halo::borrow(int rank, ByteReader& from) {
 }
 
 void Halo::find(const CommittedMesh& mesh, parallel::World& world) {
-  world.agree_after([&] { (void)mesh.tree(); }); // which is fitted now, or built
-  directory_.gather(query::boxes_of(mesh.standing_tree()), world);
+  std::vector<mesh::Box> boxes;
+  world.agree_after([&] {
+    (void)mesh.tree(); // which is fitted now, or built
+    boxes = query::boxes_of(mesh.standing_tree());
+  });
+  directory_.gather(boxes, world);
   const std::vector<std::vector<std::int64_t>> cells = touching_cells(mesh, world);
   std::vector<Borrowed> before;
   swap(
@@ -144,9 +148,11 @@ void Halo::find(const CommittedMesh& mesh, parallel::World& world) {
         before = std::exchange(borrowed_, {});
       },
       [&](int rank, ByteReader& from) { borrow(rank, from); });
-  views_.clear();
-  for (Borrowed& b : borrowed_)
-    views_.push_back(b.view());
+  world.agree_after([&] {
+    views_.clear();
+    for (Borrowed& b : borrowed_)
+      views_.push_back(b.view());
+  });
 }
 
 void Halo::refresh_points(const CommittedMesh& mesh, parallel::World& world) {
@@ -166,22 +172,26 @@ void Halo::refresh_points(const CommittedMesh& mesh, parallel::World& world) {
 }
 
 void Halo::refresh_values(const CommittedMesh& mesh, parallel::World& world,
-                          std::span<double> values) const {
+                          std::span<double> values, insitu_association association,
+                          int components) const {
   const mesh::MeshView& view = mesh.mesh().own_view();
+  const bool of_cells = association == INSITU_CELL;
+  const std::int64_t* const first = of_cells ? view.first_cell : view.first_vertex;
+  const auto n = std::size_t(components);
   swap(
       world,
       [&](std::vector<ByteWriter>& to) {
         for (const Lent& lent : lent_)
-          for (const std::int64_t v : lent.vertices)
-            to[std::size_t(lent.rank)].value(
-                values[std::size_t(view.first_vertex[lent.piece] + v)]);
+          for (const std::int64_t item : of_cells ? lent.cells : lent.vertices)
+            to[std::size_t(lent.rank)].array(std::span<const double>(
+                values.subspan(std::size_t(first[lent.piece] + item) * n, n)));
       },
       [&](int rank, ByteReader& from) {
         auto piece = view.piece_count - view.halo_piece_count;
         for (const Borrowed& b : borrowed_) {
-          const auto first = std::size_t(view.first_vertex[piece++]);
+          const auto begin = std::size_t(first[piece++]) * n;
           if (b.rank == rank)
-            from.array(values.subspan(first, b.points.size()));
+            from.array(values.subspan(begin, (of_cells ? b.cells.size() : b.points.size()) * n));
         }
       });
 }

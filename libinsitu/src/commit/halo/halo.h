@@ -37,11 +37,11 @@ public:
   void refresh_points(const CommittedMesh& mesh, parallel::World& world);
   /// Collective: copies the values of all fields.
   void refresh_fields(const CommittedMesh& mesh, parallel::World& world);
-  /// Collective: gives numbers that each process has found at the vertices of its own cells to
-  /// those that have copies of these. values: by flat vertex of the view; those of the halo are
-  /// set.
-  void refresh_values(const CommittedMesh& mesh, parallel::World& world,
-                      std::span<double> values) const;
+  /// Collective: gives numbers that each process has at its own cells, or at the vertices of them,
+  /// to those that have copies of these. values: [flat item of the view][component]; those of the
+  /// halo are set.
+  void refresh_values(const CommittedMesh& mesh, parallel::World& world, std::span<double> values,
+                      insitu_association association = INSITU_VERTEX, int components = 1) const;
 
   std::span<const mesh::PieceView> pieces() const override { return views_; }
   mesh::FieldPieceView values(const std::string& field, std::size_t piece) const override;

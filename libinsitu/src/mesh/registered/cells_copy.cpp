@@ -129,6 +129,19 @@ void CellsCopy::copy(const MeshView& from, const core::Threads& threads) {
   pieces_ = std::move(pieces);
 }
 
+void CellsCopy::append(const CellsCopy& behind) {
+  const std::size_t at = bytes_.size(); // whole words
+  bytes_.resize(at + behind.bytes_.size());
+  std::copy(behind.bytes_.begin(), behind.bytes_.end(), bytes_.begin() + at);
+  for (Piece piece : behind.pieces_) {
+    for (std::int64_t* const place : {&piece.ids, &piece.offsets, &piece.types, &piece.owns})
+      if (*place >= 0)
+        *place += std::int64_t(at);
+    pieces_.push_back(piece);
+  }
+  one_mesh_ = 0; // whether pieces share interior was looked for in each part alone
+}
+
 void CellsCopy::release() {
   pieces_.clear();
   bytes_.release();

@@ -21,6 +21,8 @@ public:
 
   void copy(const MeshView& from, const core::Threads& threads);
   void release();
+  /// Adds the pieces of another copy behind these.
+  void append(const CellsCopy& behind);
   /// Whether pieces lie apart may change while the cells stay (MeshView::one_mesh).
   void set_one_mesh(bool one) { one_mesh_ = one; }
   bool empty() const { return pieces_.empty(); }

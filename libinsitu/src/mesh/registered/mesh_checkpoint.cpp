@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "mesh/registered/earlier_parts.h"
 #include "mesh/registered/mesh.h"
 
 namespace insitu::mesh {
@@ -23,12 +24,17 @@ void EarlierStep::keep(core::Archive& archive) {
 
 EarlierStep Mesh::copy_earlier() const {
   EarlierStep out;
+  const MeshView own = own_part(view()); // what is behind it is copied from its owners
   for (const auto& field : earlier_fields_) {
     out.fields.push_back({field->name, field->association, field->components, {}});
+    const std::int64_t values =
+        (field->association == INSITU_CELL ? own.cell_count() : own.vertex_count()) *
+        field->components;
     for (const auto& step : field->steps)
-      out.fields.back().steps.emplace_back(step->values.begin(), step->values.end());
+      out.fields.back().steps.emplace_back(step->values.begin(), step->values.begin() + values);
   }
-  out.points.assign(earlier_points_.begin(), earlier_points_.end());
+  if (!earlier_points_.empty())
+    out.points.assign(earlier_points_.begin(), earlier_points_.begin() + own.vertex_count());
   if (!earlier_blocks_.empty()) {
     out.points.clear();
     for (const PieceView& block : earlier_blocks_)
@@ -36,6 +42,42 @@ EarlierStep Mesh::copy_earlier() const {
         out.points.push_back(block.point(i));
   }
   return out;
+}
+
+MeshView own_part(const MeshView& mesh) {
+  MeshView own = mesh;
+  own.piece_count -= own.halo_piece_count;
+  own.halo_piece_count = 0;
+  return own;
+}
+
+void append(EarlierStep& step, const EarlierStep& behind) {
+  if (step.fields.empty())
+    step.fields = behind.fields;
+  else
+    for (EarlierStep::Field& field : step.fields)
+      for (const EarlierStep::Field& more : behind.fields)
+        for (std::size_t s = 0;
+             more.name == field.name && s < std::min(field.steps.size(), more.steps.size()); ++s)
+          field.steps[s].insert(field.steps[s].end(), more.steps[s].begin(), more.steps[s].end());
+  step.points.insert(step.points.end(), behind.points.begin(), behind.points.end());
+}
+
+void resize(EarlierStep& step, const MeshView& mesh) {
+  for (EarlierStep::Field& field : step.fields)
+    for (std::vector<double>& values : field.steps)
+      values.resize(
+          std::size_t((field.association == INSITU_CELL ? mesh.cell_count() : mesh.vertex_count()) *
+                      field.components));
+  step.points.resize(std::size_t(mesh.vertex_count()));
+}
+
+bool have_same_fields(const EarlierStep& a, const EarlierStep& b) {
+  return std::ranges::equal(
+      a.fields, b.fields, [](const EarlierStep::Field& f, const EarlierStep::Field& g) {
+        return f.name == g.name && f.association == g.association && f.components == g.components &&
+               f.steps.size() == g.steps.size();
+      });
 }
 
 bool EarlierStep::fits(const MeshView& mesh, std::int64_t point_count) const {

@@ -169,6 +169,18 @@ void AtomicFile::write(const void* data, std::size_t bytes) {
   buffer_.insert(buffer_.end(), from, from + bytes);
 }
 
+void AtomicFile::write_begin(const void* data, std::size_t bytes) {
+  flush();
+  if (::lseek(descriptor_, 0, SEEK_SET) < 0)
+    fail("write", errno);
+  std::size_t done = 0;
+  if (const int error = write_all(descriptor_, static_cast<const char*>(data), bytes, &done);
+      error != 0)
+    fail("write", error);
+  if (::lseek(descriptor_, 0, SEEK_END) < 0)
+    fail("write", errno);
+}
+
 void AtomicFile::flush() {
   std::size_t done = 0;
   const int error = write_all(descriptor_, buffer_.data(), buffer_.size(), &done);

@@ -37,6 +37,8 @@ public:
 
   void write(const void* data, std::size_t bytes);
   void write(std::string_view text) { write(text.data(), text.size()); }
+  /// Writes over the first bytes, of which so many at least were written.
+  void write_begin(const void* data, std::size_t bytes);
   void commit();
   /// Commits if there is no target yet. Otherwise the target stays, and the bytes are dropped.
   void commit_if_absent();

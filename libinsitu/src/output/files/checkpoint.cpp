@@ -1,13 +1,11 @@
 #include "output/files/checkpoint.h"
 
+#include <algorithm>
 #include <cerrno>
-#include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <string_view>
+#include <vector>
 
 #include "core/status.h"
-#include "output/files/atomic_file.h"
 #include "output/files/file_system.h"
 
 namespace insitu::output {
@@ -15,8 +13,9 @@ namespace insitu::output {
 namespace {
 
 constexpr std::string_view magic = "INSITUCP";
-constexpr std::uint32_t version = 6, byte_order = 0x01020304;
+constexpr std::uint32_t version = 7, byte_order = 0x01020304;
 constexpr std::size_t longest_name = 255;
+constexpr std::size_t most_read = std::size_t(1) << 20; ///< bytes that are looked at together
 
 struct Head {
   char magic[8];
@@ -25,67 +24,98 @@ struct Head {
 };
 static_assert(sizeof(Head) == 40);
 
-/// Four interleaved FNV-1a hashes over 64-bit words. Each step is a bijection of its state and of
-/// the word, so a change of a single word always changes the sum.
-std::uint64_t checksum(std::string_view bytes) {
-  constexpr std::uint64_t prime = 0x100000001b3u, basis = 0xcbf29ce484222325u;
-  std::uint64_t lanes[4] = {basis, basis + 1, basis + 2, basis + 3};
-  std::size_t at = 0;
-  const auto mix = [&](std::uint64_t& lane, std::size_t count) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data() + at, count);
-    lane = (lane ^ word) * prime;
-    lane ^= lane >> 32;
-    at += count;
-  };
-  while (bytes.size() - at >= 32)
-    for (std::uint64_t& lane : lanes)
-      mix(lane, 8);
-  while (at < bytes.size())
-    mix(lanes[0], std::min<std::size_t>(8, bytes.size() - at));
-  std::uint64_t sum = bytes.size();
-  for (const std::uint64_t lane : lanes)
-    sum = (sum ^ lane) * prime;
-  return sum;
+constexpr std::uint64_t prime = 0x100000001b3u;
+constexpr std::size_t stride = 32; ///< bytes that the lanes take at once
+
+/// FNV-1a over 64-bit words. Each step is a bijection of its state and of the word, so a change of
+/// a single word always changes the sum.
+void mix(std::uint64_t& lane, const char* bytes, std::size_t count) {
+  std::uint64_t word = 0;
+  std::memcpy(&word, bytes, count);
+  lane = (lane ^ word) * prime;
+  lane ^= lane >> 32;
 }
 
 } // namespace
 
-void CheckpointWriter::bytes(const char* name, std::size_t item_bytes, std::size_t count,
-                             core::FunctionRef<void*(std::size_t)> place) {
-  const std::string_view text(name);
+void Checksum::add(std::string_view bytes) {
+  size_ += bytes.size();
+  const auto take = [&](const char* from) {
+    for (int l = 0; l < 4; ++l)
+      mix(lanes_[l], from + 8 * l, 8);
+  };
+  if (!rest_.empty()) {
+    const std::size_t more = std::min(stride - rest_.size(), bytes.size());
+    rest_.append(bytes.substr(0, more));
+    bytes.remove_prefix(more);
+    if (rest_.size() < stride)
+      return;
+    take(rest_.data());
+    rest_.clear();
+  }
+  for (; bytes.size() >= stride; bytes.remove_prefix(stride))
+    take(bytes.data());
+  rest_.assign(bytes);
+}
+
+std::uint64_t Checksum::sum() const {
+  std::uint64_t first = lanes_[0];
+  for (std::size_t at = 0; at < rest_.size(); at += 8)
+    mix(first, rest_.data() + at, std::min<std::size_t>(8, rest_.size() - at));
+  std::uint64_t sum = (size_ ^ first) * prime;
+  for (int l = 1; l < 4; ++l)
+    sum = (sum ^ lanes_[l]) * prime;
+  return sum;
+}
+
+void ItemWriter::begin_item(std::string_view name, std::size_t item_bytes, std::size_t count) {
   const auto size = std::uint64_t(item_bytes), many = std::uint64_t(count);
-  body_.push_back(static_cast<char>(std::min(text.size(), longest_name)));
-  body_.append(text.substr(0, longest_name));
-  body_.append(reinterpret_cast<const char*>(&size), sizeof size);
-  body_.append(reinterpret_cast<const char*>(&many), sizeof many);
-  if (count > 0)
-    body_.append(static_cast<const char*>(place(count)), item_bytes * count);
+  const auto length = static_cast<unsigned char>(std::min(name.size(), longest_name));
+  put(&length, 1);
+  put(name.data(), length);
+  put(&size, sizeof size);
+  put(&many, sizeof many);
   ++items_;
 }
 
-void CheckpointWriter::commit(const std::string& path) const {
+void ItemWriter::bytes(const char* name, std::size_t item_bytes, std::size_t count,
+                       core::FunctionRef<void*(std::size_t)> place) {
+  begin_item(name, item_bytes, count);
+  if (count > 0)
+    put(place(count), item_bytes * count);
+}
+
+CheckpointWriter::CheckpointWriter(const std::string& path) : file_(path) {
+  const Head none{};
+  file_.write(&none, sizeof none);
+}
+
+void CheckpointWriter::put(const void* data, std::size_t bytes) {
+  checksum_.add({static_cast<const char*>(data), bytes});
+  file_.write(data, bytes);
+  size_ += bytes;
+}
+
+void CheckpointWriter::commit() {
   Head head{};
   std::memcpy(head.magic, magic.data(), magic.size());
   head.version = version;
   head.byte_order = byte_order;
-  head.bytes = body_.size();
-  head.checksum = checksum(body_);
+  head.bytes = size_;
+  head.checksum = checksum_.sum();
   head.items = items_;
-  AtomicFile file(path);
-  file.write(&head, sizeof head);
-  file.write(body_);
-  file.commit();
+  file_.write_begin(&head, sizeof head);
+  file_.commit();
 }
 
-CheckpointReader::CheckpointReader(std::string path) : path_(std::move(path)) {
+CheckpointReader::CheckpointReader(std::string path) : ItemReader(std::move(path)) {
   errno = 0;
-  std::ifstream file(path_, std::ios::binary);
-  if (!file)
+  file_.open(path_, std::ios::binary);
+  if (!file_)
     throw_file_error("read checkpoint", path_, errno ? errno : EIO);
   Head head{};
-  file.read(reinterpret_cast<char*>(&head), sizeof head);
-  if (std::size_t(file.gcount()) != sizeof head ||
+  file_.read(reinterpret_cast<char*>(&head), sizeof head);
+  if (std::size_t(file_.gcount()) != sizeof head ||
       std::string_view(head.magic, sizeof head.magic) != magic)
     refuse("it is no checkpoint of this library");
   if (head.byte_order != byte_order)
@@ -93,54 +123,79 @@ CheckpointReader::CheckpointReader(std::string path) : path_(std::move(path)) {
   if (head.version != version)
     refuse("it is of version " + std::to_string(head.version) + ", version " +
            std::to_string(version) + " expected");
-  file.seekg(0, std::ios::end);
-  const auto found = std::uint64_t(file.tellg()) - sizeof head;
-  if (found != head.bytes)
-    refuse("it has " + std::to_string(found) + " bytes after its head, " +
+  file_.seekg(0, std::ios::end);
+  size_ = std::uint64_t(file_.tellg()) - sizeof head;
+  if (size_ != head.bytes)
+    refuse("it has " + std::to_string(size_) + " bytes after its head, " +
            std::to_string(head.bytes) + " expected");
-  file.seekg(sizeof head);
-  body_.resize(std::size_t(head.bytes));
-  file.read(body_.data(), std::streamsize(body_.size()));
-  if (!file)
-    throw_file_error("read checkpoint", path_, EIO);
-  if (checksum(body_) != head.checksum)
+  file_.seekg(sizeof head);
+  Checksum checksum;
+  std::vector<char> some(std::size_t(std::min<std::uint64_t>(size_, most_read)));
+  for (std::uint64_t at = 0; at < size_;) {
+    const auto now = std::size_t(std::min<std::uint64_t>(size_ - at, some.size()));
+    if (!file_.read(some.data(), std::streamsize(now)))
+      throw_file_error("read checkpoint", path_, EIO);
+    checksum.add({some.data(), now});
+    at += now;
+  }
+  if (checksum.sum() != head.checksum)
     refuse("it is damaged: its checksum is not the one that its head says");
+  file_.seekg(sizeof head);
 }
 
-void CheckpointReader::refuse(const std::string& message) const {
+void CheckpointReader::take(void* to, std::size_t bytes) {
+  if (!file_.read(static_cast<char*>(to), std::streamsize(bytes)))
+    throw_file_error("read checkpoint", path_, EIO);
+}
+
+void PartWriter::put(const void* data, std::size_t bytes) {
+  text_.append(static_cast<const char*>(data), bytes);
+}
+
+PartReader::PartReader(std::string path, std::span<const std::byte> bytes)
+    : ItemReader(std::move(path)), bytes_(bytes) {
+  size_ = bytes.size();
+}
+
+void PartReader::take(void* to, std::size_t bytes) {
+  std::memcpy(to, bytes_.data() + at_, bytes);
+}
+
+void ItemReader::refuse(const std::string& message) const {
   throw core::Error(INSITU_ERROR_FILE, "cannot restart from '" + path_ + "': " + message);
 }
 
-void CheckpointReader::bytes(const char* name, std::size_t item_bytes, std::size_t,
-                             core::FunctionRef<void*(std::size_t)> place) {
-  const std::size_t begin = at_;
-  const auto take = [&](void* to, std::size_t count) {
-    if (body_.size() - at_ < count)
+void ItemReader::bytes(const char* name, std::size_t item_bytes, std::size_t,
+                       core::FunctionRef<void*(std::size_t)> place) {
+  const std::uint64_t begin = at_;
+  const auto next = [&](void* to, std::size_t count) {
+    if (size_ - at_ < count)
       refuse("'" + std::string(name) + "' expected at byte " + std::to_string(begin) +
              ", where it ends");
-    std::memcpy(to, body_.data() + at_, count);
+    if (count > 0)
+      take(to, count);
     at_ += count;
   };
   unsigned char length = 0;
-  take(&length, 1);
+  next(&length, 1);
   std::string found(length, '\0');
-  take(found.data(), length);
+  next(found.data(), length);
   std::uint64_t size = 0, count = 0;
-  take(&size, sizeof size);
-  take(&count, sizeof count);
+  next(&size, sizeof size);
+  next(&count, sizeof count);
   if (found != name || size != item_bytes)
     refuse("'" + std::string(name) + "' of " + std::to_string(item_bytes) +
            " bytes each expected at byte " + std::to_string(begin) + ", '" + found + "' of " +
            std::to_string(size) + " found");
-  if (count > (body_.size() - at_) / std::max<std::size_t>(item_bytes, 1))
+  if (count > (size_ - at_) / std::max<std::size_t>(item_bytes, 1))
     refuse("'" + found + "' has " + std::to_string(count) + " items, more than there are bytes");
   if (void* to = place(std::size_t(count)); count > 0)
-    take(to, std::size_t(count) * item_bytes);
+    next(to, std::size_t(count) * item_bytes);
 }
 
-void CheckpointReader::require_end() const {
-  if (at_ != body_.size())
-    refuse(std::to_string(body_.size() - at_) + " bytes are left over");
+void ItemReader::require_end() const {
+  if (at_ != size_)
+    refuse(std::to_string(size_ - at_) + " bytes are left over");
 }
 
 } // namespace insitu::output

@@ -36,19 +36,83 @@ struct AttachedPoints::Moved {
   math::Vec3d x;
 };
 
-void AttachedPoints::restore(std::vector<query::Location> places) {
-  places_ = std::move(places);
-  owners_.clear();
-  for (const query::Location& at : places_)
-    owners_.push_back(at ? world_.rank() : -1);
+/// A point as its owner knows it.
+struct AttachedPoints::Placed {
+  std::int64_t point, cell;
+  math::Vec3d parametric;
+  mesh::CellName name;
+};
+
+AttachedPoints::Kept AttachedPoints::gather(const commit::CommittedMesh* mesh,
+                                            std::vector<math::Vec3d>& points) {
+  if (kept_)
+    return *kept_;
+  share(points);
+  std::vector<parallel::Parcel> mine;
+  world_.agree_after([&] {
+    std::vector<Placed> placed;
+    for (std::size_t i = 0; i < places_.size(); ++i)
+      if (const query::Location& at = places_[i]; at && owners_[i] == world_.rank())
+        placed.push_back({std::int64_t(i), at.cell, at.parametric,
+                          mesh ? kept_name(*mesh, at.cell, world_.rank()) : mesh::CellName()});
+    mine = to_root(placed);
+  });
+  const std::vector<parallel::Parcel> all = world_.exchange(mine);
+  Kept kept;
+  world_.agree_after([&] {
+    if (!world_.is_root())
+      return;
+    kept.cells.assign(places_.size(), -1);
+    kept.parametric.resize(places_.size());
+    if (mesh && names_cells(*mesh, world_))
+      kept.names.resize(places_.size());
+    for_each_item<Placed>(all, [&](int, const Placed& at) {
+      const auto i = std::size_t(at.point);
+      kept.cells[i] = at.cell;
+      kept.parametric[i] = at.parametric;
+      if (!kept.names.empty())
+        kept.names[i] = at.name;
+    });
+  });
+  return kept;
+}
+
+/// The points of a restart: each is its process's that has its cell. Returns whether cells are
+/// those of the checkpoint.
+bool AttachedPoints::bring_home() {
+  const bool stand = kept_cells_ && kept_cells_->stand();
+  std::vector<std::int64_t> ranks;
+  world_.agree_after([&] {
+    const std::size_t count = kept_->cells.size();
+    places_.assign(count, {});
+    ranks.assign(count, world_.size());
+    for (std::size_t i = 0; i < count && stand; ++i) {
+      const std::int64_t cell =
+          kept_->names.empty() ? kept_->cells[i] : kept_cells_->find(kept_->names[i]);
+      if (cell < 0)
+        continue;
+      places_[i] = {cell, kept_->parametric[i]};
+      ranks[i] = world_.rank();
+    }
+  });
+  world_.reduce(std::span(ranks), parallel::Reduction::least);
+  world_.agree_after([&] {
+    owners_.assign(ranks.size(), -1);
+    for (std::size_t i = 0; i < ranks.size(); ++i)
+      if (ranks[i] < world_.size())
+        owners_[i] = std::int32_t(ranks[i]);
+  });
+  kept_.reset();
+  kept_cells_.reset();
+  return stand;
 }
 
 void AttachedPoints::follow(const commit::CommittedMesh& mesh, const query::LocateOptions& options,
                             bool by_ids, std::vector<math::Vec3d>& points) {
+  const bool stand = kept_ && bring_home();
   const bool known = !places_.empty();
-  std::int64_t other_cells = !known || (topology_ != mesh.own_topology_version() && !same_cells_);
+  std::int64_t other_cells = !known || (topology_ != mesh.own_topology_version() && !stand);
   world_.reduce(std::span(&other_cells, 1), parallel::Reduction::greatest);
-  same_cells_ = false;
   if (other_cells && known)
     share(points);
   std::vector<Moved> lost;

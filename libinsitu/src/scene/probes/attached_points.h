@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "commit/committed_mesh.h"
 #include "parallel/world.h"
+#include "scene/checkpoint/kept_cells.h"
 
 namespace insitu::scene {
 
@@ -27,15 +30,26 @@ public:
   /// Where a point is in this process's cells, on mesh.view(); nowhere if another process owns it.
   const query::Location& place(std::size_t point) const { return places_[point]; }
   const std::vector<query::Location>& places() const { return places_; }
-  /// Takes them from a checkpoint of one process; cells_stand() tells that its cells are those of
-  /// the mesh.
-  void restore(std::vector<query::Location> places);
-  void cells_stand() { same_cells_ = true; }
+
+  /// What a checkpoint has of points, at the root; [point] each.
+  struct Kept {
+    std::vector<std::int64_t> cells; ///< flat ids there; -1: outside
+    std::vector<math::Vec3d> parametric;
+    std::vector<mesh::CellName> names; ///< none: of one process
+  };
+  /// Tells all processes where the points are, and the root what it is to keep. mesh: of the
+  /// places; null: there is none. Collective; throws parallel::AgreedError.
+  Kept gather(const commit::CommittedMesh* mesh, std::vector<math::Vec3d>& points);
+  /// Takes them back, on all processes alike; the next follow() finds their cells.
+  void restore(Kept kept) { kept_ = std::move(kept); }
+  void take_up_cells(const std::shared_ptr<const KeptCells>& cells) { kept_cells_ = cells; }
 
 private:
   struct Claim;
   struct Moved;
+  struct Placed;
 
+  bool bring_home();
   void share(std::vector<math::Vec3d>& points);
   void move(const query::Sampler& sampler, const query::LocateOptions& options,
             std::vector<math::Vec3d>& points, std::vector<Moved>& lost);
@@ -50,7 +64,8 @@ private:
   std::vector<query::Location> places_; ///< [point]
   std::vector<std::int32_t> owners_;    ///< [point] ranks, -1: nobody; the same on all processes
   std::uint64_t topology_ = 0;
-  bool same_cells_ = false; ///< as at the checkpoint of a restart
+  std::optional<Kept> kept_;                    ///< of a restart, until follow()
+  std::shared_ptr<const KeptCells> kept_cells_; ///< null: the mesh was not in the checkpoint
 };
 
 } // namespace insitu::scene

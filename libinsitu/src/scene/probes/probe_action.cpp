@@ -24,6 +24,11 @@ std::string ProbeAction::state_name() const {
   return moves() ? "probe '" + probe_.name + "' (attached: body)" : "";
 }
 
+void ProbeAction::meet_checkpoint(const commit::CommittedMesh* mesh) {
+  if (moves() && points_)
+    kept_ = attached_.gather(mesh, points_->mesh_points);
+}
+
 /// Names with the points: those of a file are not read again after a restart.
 void ProbeAction::keep(core::Archive& archive) {
   if (!moves())
@@ -34,22 +39,14 @@ void ProbeAction::keep(core::Archive& archive) {
     return;
   if (!points_)
     points_.emplace();
-  std::vector<std::int64_t> cells;
-  std::vector<math::Vec3d> parametric;
-  for (const query::Location& at : attached_.places()) {
-    cells.push_back(at.cell);
-    parametric.push_back(at.parametric);
-  }
   archive.array("points", points_->mesh_points);
   archive.array("names", points_->names);
-  archive.array("cells", cells);
-  archive.array("parametric coordinates", parametric);
-  if (!archive.restores())
-    return;
-  std::vector<query::Location> places;
-  for (std::size_t i = 0; i < cells.size(); ++i)
-    places.push_back({cells[i], parametric[i]});
-  attached_.restore(std::move(places));
+  archive.array("cells", kept_.cells);
+  archive.array("parametric coordinates", kept_.parametric);
+  archive.array("names of cells", kept_.names);
+  if (archive.restores())
+    attached_.restore(std::move(kept_));
+  kept_ = {};
 }
 
 /// The root reads a file of points for all processes.

@@ -29,8 +29,11 @@ public:
   void finish() override { tables_.finish(); }
   void plan(const commit::CommittedMesh& mesh, Plan& plan) const override;
   std::string state_name() const override;
+  void meet_checkpoint(const commit::CommittedMesh* mesh) override;
   void keep(core::Archive& archive) override;
-  void take_up_cells() override { attached_.cells_stand(); }
+  void take_up_cells(const std::shared_ptr<const KeptCells>& cells) override {
+    attached_.take_up_cells(cells);
+  }
 
 private:
   bool moves() const { return probe_.attached == Attached::body; }
@@ -42,7 +45,8 @@ private:
   Probe probe_;
   Environment environment_;
   std::optional<ScenePoints> points_;
-  AttachedPoints attached_; ///< if they move
+  AttachedPoints attached_;   ///< if they move
+  AttachedPoints::Kept kept_; ///< at the root, while a checkpoint is written
   ProbeTables tables_;
 };
 

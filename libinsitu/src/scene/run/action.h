@@ -1,11 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "advect/particles.h"
 #include "core/archive.h"
+#include "scene/checkpoint/kept_cells.h"
 #include "scene/expression/trigger.h"
 #include "scene/parse/names.h"
 #include "scene/run/plan.h"
@@ -42,11 +44,18 @@ public:
   /// Returns the name by which a checkpoint knows the state of the action, in words that hold
   /// everything that the state depends on. An empty name means that the action has no state.
   virtual std::string state_name() const { return {}; }
-  /// Writes the state of the action to a checkpoint, or reads it from one.
+  /// A checkpoint is about to be written: gathers at the root what the two functions below write
+  /// there. mesh: the action's; null if there is none. Collective; throws parallel::AgreedError.
+  virtual void meet_checkpoint(const commit::CommittedMesh* /*mesh*/) {}
+  /// Writes the state that all processes have alike to a checkpoint, at the root, or reads it from
+  /// one, on all processes.
   virtual void keep(core::Archive& /*archive*/) {}
-  /// The runner calls this before the first cycle after a restart, when the mesh has the cells of
-  /// the checkpoint.
-  virtual void take_up_cells() {}
+  /// Writes further state to a checkpoint, at the root, or reads it from one, there alone.
+  virtual void keep_at_root(core::Archive& /*archive*/) {}
+  /// The runner calls this before the first cycle after a restart, with what is known of the cells
+  /// of the checkpoint in the action's mesh; not if the checkpoint does not have the mesh. Not
+  /// collective.
+  virtual void take_up_cells(const std::shared_ptr<const KeptCells>& /*cells*/) {}
   /// Adds to the plan what the action needs of the mesh beyond the tree, and what it does without.
   /// May throw as execute() does.
   virtual void plan(const commit::CommittedMesh& mesh, Plan& plan) const = 0;

@@ -122,7 +122,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   for (commit::CommittedMesh* mesh : meshes)
     if (mesh->halo()) // what an action has asked for, all see: none of an earlier step
       mesh->update_halo(world, environment_.context.threads, environment_.context.log);
-  world.agree_after([&] { bring_back_earlier(meshes); });
+  take_up_meshes(meshes);
   for (const auto& action : actions_) {
     try {
       execute(*action, step, any_due);
@@ -151,7 +151,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   times_.resize(std::min(times_.size(), std::size_t(advect::most_steps - 1)));
   const core::Timer timer;
   try {
-    world.agree_after([&] { write_due_checkpoint(meshes); });
+    write_due_checkpoint(meshes);
   } catch (const core::Error& e) {
     failed("checkpoint", e);
   }

@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "advect/particles.h"
+#include "output/files/checkpoint.h"
+#include "scene/checkpoint/kept_mesh.h"
 #include "scene/parse/description.h"
 #include "scene/run/action.h"
-#include "scene/run/checkpoint.h"
 #include "scene/run/environment.h"
 #include "scene/run/step.h"
 
@@ -34,10 +35,12 @@ public:
   Plan plan(MeshList meshes) const;
 
   /// Writes the state of all tracers and moving probes, as it is after the last execute(), to a
-  /// file. The meshes are as they were then. Throws core::Error.
+  /// file, which is the root's and the same on any number of processes but for the parts of meshes.
+  /// The meshes are as they were then. Throws parallel::AgreedError.
   void write_checkpoint(const std::string& path, MeshList meshes);
-  /// Takes it up again, before the first execute(). Throws core::Error (INSITU_ERROR_FILE) for a
-  /// file that is not of this scene; this runner is then of no use.
+  /// Takes it up again, on as many processes or on others, before the first execute(). Throws
+  /// core::Error (INSITU_ERROR_FILE) on all processes alike for a file that is not of this scene;
+  /// this runner is then of no use.
   void restart(const std::string& path);
 
   /// Ends tracers and closes tables. Returns failures like execute().
@@ -70,9 +73,10 @@ private:
   void finish_page(const std::string& failures);
   void note_cycle(std::int64_t cycle);
   void report(const std::string& what, const std::string& of, std::int64_t cycle);
-  void require_one_process(const char* what) const;
-  void keep(core::Archive& archive);
-  void bring_back_earlier(MeshList meshes);
+  void keep(core::Archive& archive, const std::string& path);
+  void write_mesh(const commit::CommittedMesh& mesh, output::CheckpointWriter* file);
+  void read_mesh(core::Archive& shared, output::CheckpointReader* file, const std::string& path);
+  void take_up_meshes(MeshList meshes);
   void write_due_checkpoint(MeshList meshes);
 
   const bool with_page_;
@@ -93,13 +97,7 @@ private:
   bool descends_ = false;                             ///< it was less than the one before
   std::vector<double> times_;                         ///< of the last executions, the latest first
   CheckpointOptions checkpoint_;
-  /// Of a restart, until the first execute().
-  struct RestoredMesh {
-    explicit RestoredMesh(core::Memory& memory) : cells(memory) {}
-    KeptMesh kept;
-    mesh::CellsCopy cells;
-  };
-  std::vector<RestoredMesh> kept_meshes_;
+  std::vector<KeptMesh> kept_meshes_; ///< of a restart, until the first execute()
 };
 
 } // namespace insitu::scene

@@ -35,6 +35,7 @@ void ParticleTracer::execute(commit::CommittedMesh& mesh, const Step& step, bool
                                               std::to_string(tracer_.line) +
                                               ": geodesics need a mesh with a place on Earth; the "
                                               "frame of this one is cartesian");
+  bring_home(mesh);
   at_times_.reset();
   due_times_ = output_clock_.due(step.time);
   if (tracer_.attached == Attached::body) {
@@ -75,17 +76,52 @@ void ParticleTracer::write_step(const commit::CommittedMesh& mesh, const Step& s
   environment_.statistics.output_s += output_timer.seconds();
 }
 
+/// What all processes have alike.
 void ParticleTracer::keep(core::Archive& archive) {
+  advect::Counts all = counts();
+  archive.value("particles by ending", all.by_ending);
   archive.value("executed", seeded_);
   archive.value("time of particles", settled_);
   archive.value("last cycle", last_.cycle);
   archive.value("last time", last_.time);
   clock_.keep(archive);
   output_clock_.keep(archive);
-  particles_.keep(archive);
+  archive.value("mesh moved", mesh_moved_);
+  particles_.particles().keep_common(archive);
+  if (!archive.restores())
+    return;
+  all.seeded = all.sum();
+  counts_ = all;
+  is_restored_ = true;
+}
+
+void ParticleTracer::keep_at_root(core::Archive& archive) {
+  advect::Particles& particles = kept_ && kept_->all ? *kept_->all : particles_.particles();
+  particles.keep(archive);
+  archive.array("names of cells", kept_ ? kept_->cells : cell_names_);
   geodesics_.keep(archive);
   for (const auto& writer : writers_)
     writer->keep(archive);
+  kept_.reset();
+}
+
+void ParticleTracer::meet_checkpoint(const commit::CommittedMesh* mesh) {
+  kept_.reset();
+  if (is_restored_ || (!across() && (!mesh || !names_cells(*mesh, environment_.world))))
+    return; // as they are
+  kept_.emplace();
+  gather_kept(particles_.particles(), mesh, environment_.world, environment_.context.memory,
+              *kept_);
+}
+
+void ParticleTracer::bring_home(const commit::CommittedMesh& mesh) {
+  if (!is_restored_)
+    return;
+  deal_kept(particles_.particles(), cell_names_, {mesh, kept_cells_.get(), accuracy()},
+            environment_.world);
+  is_restored_ = false;
+  cell_names_.clear();
+  kept_cells_.reset();
 }
 
 void ParticleTracer::finish() {

@@ -9,6 +9,7 @@
 #include "scene/run/output_times.h"
 #include "scene/run/step.h"
 #include "scene/tracers/field_between.h"
+#include "scene/tracers/kept_particles.h"
 #include "scene/tracers/particle_cycle.h"
 #include "scene/tracers/release.h"
 #include "scene/tracers/tracer_action.h"
@@ -39,8 +40,13 @@ public:
 
   void execute(commit::CommittedMesh& mesh, const Step& step, bool due) override;
 
+  void meet_checkpoint(const commit::CommittedMesh* mesh) override;
   void keep(core::Archive& archive) override;
-  void take_up_cells() override { same_cells_ = true; }
+  void keep_at_root(core::Archive& archive) override;
+  void take_up_cells(const std::shared_ptr<const KeptCells>& cells) override {
+    kept_cells_ = cells;
+    same_cells_ = cells->stand();
+  }
 
   /// The particles of all processes go to the root, which will write how they ended.
   void meet_end() override;
@@ -82,6 +88,9 @@ private:
 
   void advance(commit::CommittedMesh& mesh, const mesh::FieldView& velocity, const Step& step);
 
+  /// The particles of a restart go to their cells. Collective.
+  void bring_home(const commit::CommittedMesh& mesh);
+
   void write(const commit::CommittedMesh& mesh, const Step& step, bool due);
   void write_step(const commit::CommittedMesh& mesh, const Step& step, bool due,
                   const core::Timer& timer);
@@ -120,6 +129,11 @@ private:
     std::int64_t cycle = 0;
     double time = 0.0;
   } last_; ///< the last execution
+  // Of a checkpoint.
+  std::optional<KeptParticles> kept_;           ///< at the root, while it is written
+  bool is_restored_ = false;                    ///< the particles are to be dealt to their cells
+  std::vector<mesh::CellName> cell_names_;      ///< of theirs then, at the root
+  std::shared_ptr<const KeptCells> kept_cells_; ///< null: the mesh was not in the checkpoint
   // Of all processes, where there are several.
   advect::Counts counts_;
   std::optional<advect::Particles> all_; ///< at the end, at the root

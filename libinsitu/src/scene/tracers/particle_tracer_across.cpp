@@ -50,6 +50,7 @@ void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& ste
       find_fields(mesh, {&tracer_.velocity, 1}, environment_.scene_file, world);
   recorded_ = find_fields(mesh, tracer_.fields, environment_.scene_file, world);
   names_ = name_cells(mesh.mesh(), world);
+  bring_home(mesh);
   const int earlier = agree_on_steps(mesh, step);
   world.agree_after([&] {
     refuse_across(mesh);

@@ -1,0 +1,37 @@
+#include "scene/checkpoint/kept_cells.h"
+
+namespace insitu::scene {
+
+KeptCells::KeptCells(By by, const commit::CommittedMesh& mesh, int rank)
+    : by_(by), mesh_(mesh), rank_(rank) {
+  if (by == By::ids)
+    ids_.emplace(mesh);
+}
+
+std::int64_t KeptCells::find(const mesh::CellName& name) const {
+  if (ids_)
+    return name.global >= 0 ? ids_->find(name.global) : -1;
+  if (by_ == By::nothing || name.rank != rank_)
+    return -1;
+  const mesh::MeshView& view = mesh_.mesh().view();
+  const bool is_here = name.piece >= 0 && name.piece < view.piece_count - view.halo_piece_count &&
+                       name.cell >= 0 && name.cell < view.pieces[name.piece].cell_count;
+  return is_here ? view.first_cell[name.piece] + name.cell : -1;
+}
+
+mesh::CellName kept_name(const commit::CommittedMesh& mesh, std::int64_t flat, int rank) {
+  const mesh::MeshView& view = mesh.mesh().view();
+  if (flat < 0 || flat >= view.cell_count())
+    return {};
+  if (flat >= view.own_cell_count())
+    return mesh.name(flat); // of the halo
+  const std::int32_t piece = view.piece_of(flat);
+  return {mesh.stand_in() ? -1 : mesh.mesh().global_id(INSITU_CELL, flat), rank, piece,
+          flat - view.first_cell[piece]};
+}
+
+bool names_cells(const commit::CommittedMesh& mesh, const parallel::World& world) {
+  return world.size() > 1 || (!mesh.stand_in() && mesh.mesh().has_global_ids(INSITU_CELL));
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,236 @@
+#include "scene/checkpoint/kept_mesh.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "mesh/registered/earlier_parts.h"
+#include "scene/run/own_cell.h"
+
+namespace insitu::scene {
+
+namespace {
+
+constexpr std::uint64_t prime = 0x100000001b3u, basis = 0xcbf29ce484222325u;
+
+std::uint64_t mix(std::uint64_t hash, std::uint64_t value) {
+  hash = (hash ^ value) * prime;
+  return hash ^ hash >> 32;
+}
+
+mesh::Box box_of(const mesh::MeshView& mesh, const core::Threads& threads) {
+  constexpr std::int64_t grain = 1 << 16;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const mesh::Box none{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  mesh::Box box = none;
+  for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
+    const mesh::PieceView& piece = mesh.pieces[p];
+    std::vector<mesh::Box> parts(std::size_t((piece.vertex_count + grain - 1) / grain), none);
+    threads.parallel_for(piece.vertex_count, grain, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t v = begin; v < end; ++v)
+        parts[std::size_t(begin / grain)].extend({piece.point(v), piece.point(v)});
+    });
+    for (const mesh::Box& part : parts)
+      box.extend(part);
+  }
+  return box;
+}
+
+/// Copies what is kept of own cells to the processes that have these in their halo.
+void fill_halo(mesh::EarlierStep& step, const commit::CommittedMesh& mesh, parallel::World& world) {
+  if (!mesh.halo())
+    return;
+  const auto numbers = [](std::vector<math::Vec3d>& points) {
+    return std::span<double>(points.empty() ? nullptr : &points.front().x, 3 * points.size());
+  };
+  mesh.halo()->refresh_values(mesh, world, numbers(step.points), INSITU_VERTEX, 3);
+  for (mesh::EarlierStep::Field& field : step.fields)
+    for (std::vector<double>& values : field.steps)
+      mesh.halo()->refresh_values(mesh, world, values, field.association, field.components);
+}
+
+} // namespace
+
+KeptPart::KeptPart(const commit::CommittedMesh& mesh, core::Memory& memory,
+                   const core::Threads& threads)
+    : sum(commit::sum_of_cells(mesh, threads)), unguided(mesh.unguided()),
+      step(mesh.mesh().copy_earlier()), cells(memory), chart(mesh.earlier_chart()) {
+  const mesh::MeshView own = mesh::own_part(mesh.mesh().view());
+  fingerprint = scene::fingerprint(own, threads);
+  box = box_of(own, threads);
+  if (step.fields.empty())
+    return;
+  cells = mesh.copy_earlier_cells(threads);
+  ids = commit::ids_of_cells(mesh);
+}
+
+/// As cells of one shape have the same numbers in many parts, their ids and places are looked at.
+bool KeptPart::is_of(const commit::CommittedMesh& mesh, bool is_part,
+                     const core::Threads& threads) const {
+  const mesh::MeshView own = mesh::own_part(mesh.mesh().view());
+  if (scene::fingerprint(own, threads) != fingerprint)
+    return false;
+  if (!is_part)
+    return true;
+  return commit::sum_of_cells(mesh, threads) == sum &&
+         (own.vertex_count() == 0 || box.holds(box_of(own, threads).middle()));
+}
+
+void KeptPart::keep(core::Archive& archive) {
+  archive.value("cells", fingerprint);
+  archive.value("box's lower corner", box.low);
+  archive.value("box's upper corner", box.high);
+  archive.value("sum of ids", sum);
+  archive.value("unguided points", unguided);
+  step.keep(archive);
+  cells.keep(archive);
+  archive.array("global ids", ids);
+  bool has_chart = chart.has_value();
+  archive.value("has a chart", has_chart);
+  if (!has_chart)
+    return;
+  query::ChartImage image = chart.value_or(query::ChartImage{});
+  archive.value("radians", image.units.radians);
+  archive.value("kilometres", image.units.kilometres);
+  archive.value("down", image.units.down);
+  archive.value("west", image.west);
+  archive.value("north", image.north_from);
+  archive.value("south", image.south_from);
+  chart = image;
+}
+
+/// What all processes know of the mesh and of what was kept of it.
+struct KeptMesh::Found {
+  bool same_numbers, same_ids;
+  bool has_step; ///< some process kept fields
+};
+
+KeptMesh::Found KeptMesh::look_at(const commit::CommittedMesh& mesh, parallel::World& world,
+                                  const core::Threads& threads) const {
+  const bool by_ids = name_cells(mesh.mesh(), world).global;
+  std::int64_t any[4] = {}; // other cells; cells without ids here, and there; fields
+  std::int64_t sums[2] = {};
+  world.agree_after([&] {
+    any[0] = world.size() != processes ||
+             (!parts.empty() && !parts.front().kept.is_of(mesh, world.size() > 1, threads));
+    any[1] = !by_ids || mesh.stand_in();
+    sums[0] = std::int64_t(commit::sum_of_cells(mesh, threads));
+    for (const Part& part : parts) {
+      any[2] = any[2] || (!part.kept.step.fields.empty() && part.kept.ids.empty());
+      any[3] = any[3] || !part.kept.step.fields.empty();
+      sums[1] = std::int64_t(std::uint64_t(sums[1]) + part.kept.sum);
+    }
+  });
+  world.reduce(any, parallel::Reduction::greatest);
+  world.reduce(sums, parallel::Reduction::sum);
+  return {!any[0], !any[1] && !any[2] && sums[0] == sums[1], any[3] != 0};
+}
+
+KeptCells::By KeptMesh::restore(commit::CommittedMesh& mesh, parallel::World& world,
+                                const core::Threads& threads, const core::Log& log) {
+  const Found found = look_at(mesh, world, threads);
+  if (found.has_step && world.size() > 1)
+    mesh.update_halo(world, threads, log); // to which the step is to fit
+  if (found.same_numbers) {
+    world.agree_after([&] {
+      if (!parts.empty())
+        mesh.restore_unguided(parts.front().kept.unguided);
+    });
+    if (found.has_step)
+      restore_by_numbers(mesh, world);
+    return KeptCells::By::numbers;
+  }
+  if (found.same_ids && (!found.has_step || restore_by_ids(mesh, world)))
+    return KeptCells::By::ids;
+  if (world.size() == 1)
+    restore_other_cells(mesh, threads);
+  else if (found.has_step && world.is_root())
+    log.warning("mesh '" + name +
+                "': its cells are not known again after the restart, for want of the same global "
+                "ids or of as many processes with the same cells; particles go through their first "
+                "interval by the velocity at its end");
+  return KeptCells::By::nothing;
+}
+
+/// The first part that has fields; or null.
+const mesh::EarlierStep* KeptMesh::some_step() const {
+  for (const Part& part : parts)
+    if (!part.kept.step.fields.empty())
+      return &part.kept.step;
+  return nullptr;
+}
+
+void KeptMesh::restore_by_numbers(commit::CommittedMesh& mesh, parallel::World& world) {
+  const mesh::EarlierStep* const mine = some_step();
+  mesh::EarlierStep step = commit::fields_of_all(mine, world);
+  std::int64_t is_unfit = 0;
+  world.agree_after([&] {
+    is_unfit = (mine && !mesh::have_same_fields(*mine, step)) || (world.size() > 1 && !mesh.halo());
+    if (mine)
+      step = *mine;
+    if (mesh.halo())
+      mesh::resize(step, mesh.mesh().view());
+  });
+  world.reduce(std::span(&is_unfit, 1), parallel::Reduction::greatest);
+  if (is_unfit)
+    return;
+  fill_halo(step, mesh, world);
+  world.agree_after([&] {
+    if (mine)
+      mesh.mesh().set_earlier(step);
+  });
+}
+
+bool KeptMesh::restore_by_ids(commit::CommittedMesh& mesh, parallel::World& world) {
+  std::vector<mesh::MeshView> views;
+  std::vector<commit::StepPart> steps;
+  mesh::EarlierStep step = commit::fields_of_all(some_step(), world);
+  world.agree_after([&] {
+    views.reserve(parts.size());
+    for (Part& part : parts)
+      if (!part.kept.step.fields.empty()) {
+        views.push_back(part.kept.cells.on(part.kept.step.points.data()));
+        steps.push_back({&part.kept.step, &views.back(), part.kept.ids});
+      }
+  });
+  if (!commit::deal_by_ids(steps, mesh, world, step))
+    return false;
+  fill_halo(step, mesh, world);
+  world.agree_after([&] {
+    if (mesh.mesh().own_view().own_cell_count() > 0)
+      mesh.mesh().set_earlier(step);
+  });
+  return true;
+}
+
+/// On the checkpoint's cells, of one process. Of an adaptive mesh with other cells it is lost.
+void KeptMesh::restore_other_cells(commit::CommittedMesh& mesh, const core::Threads& threads) {
+  KeptPart& first = parts.front().kept;
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    mesh::append(first.step, parts[i].kept.step);
+    first.cells.append(parts[i].kept.cells);
+  }
+  mesh.restore_earlier_mesh(first.step, std::move(first.cells), first.chart, threads);
+}
+
+std::uint64_t fingerprint(const mesh::MeshView& mesh, const core::Threads& threads) {
+  constexpr std::int64_t grain = 1 << 16;
+  const std::int64_t count = mesh.cell_count();
+  std::vector<std::uint64_t> parts(std::size_t((count + grain - 1) / grain), basis);
+  threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
+    std::uint64_t hash = basis;
+    mesh::CellVertices cell;
+    for (std::int64_t c = begin; c < end; ++c) {
+      mesh::gather(mesh, c, cell);
+      hash = mix(hash, std::uint64_t(cell.shape) << 32 | std::uint64_t(cell.piece));
+      for (int v = 0; v < cell.count; ++v)
+        hash = mix(hash, std::uint64_t(cell.ids[v]));
+    }
+    parts[std::size_t(begin / grain)] = hash;
+  });
+  std::uint64_t hash = mix(basis, std::uint64_t(count));
+  for (const std::uint64_t part : parts)
+    hash = mix(hash, part);
+  return mix(hash, std::uint64_t(mesh.first_vertex[mesh.piece_count]));
+}
+
+} // namespace insitu::scene

@@ -1,0 +1,189 @@
+// Memory that one process lacks, in each phase of a collective call: all processes say the same,
+// and nobody hangs (the test's limit of time is the check). What is taken is counted at operator
+// new, so that each piece of a noteworthy size fails once, on one process or another.
+#include <cstdlib>
+#include <new>
+
+#include "part_session.h"
+
+namespace {
+
+thread_local std::int64_t until_failure = -1; ///< pieces that are still had; -1: all
+constexpr std::size_t least_bytes = 512; ///< of a piece that counts; of text there is always room
+
+bool fails(std::size_t bytes) {
+  return until_failure >= 0 && bytes >= least_bytes && !insitu::test::is_exchanging &&
+         until_failure-- == 0;
+}
+
+} // namespace
+
+// Not in line, where GCC 12 would take them for a pair that does not match.
+[[gnu::noinline]] void* operator new(std::size_t bytes) {
+  void* const memory = fails(bytes) ? nullptr : std::malloc(bytes > 0 ? bytes : 1);
+  if (!memory)
+    throw std::bad_alloc();
+  return memory;
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+using namespace insitu;
+using namespace insitu::test;
+
+namespace {
+
+constexpr int processes = 3;
+
+/// One process of a run in which a piece of memory is lacking.
+struct Attempt {
+  PartSession& process;
+  parallel::World& world;
+  const TestMesh& whole;
+  const OwnFolder& folder;
+  int failing;         ///< the process
+  std::int64_t pieces; ///< that it still has
+  bool failed = false;
+
+  /// A collective call, which returns what went wrong or throws it.
+  template <class Call>
+  void operator()(Call&& call) {
+    std::string said;
+    until_failure = world.rank() == failing ? pieces : -1;
+    try {
+      said = call();
+    } catch (const parallel::AgreedError& e) {
+      said = e.what();
+    }
+    failed = world.rank() == failing && until_failure < 0;
+    until_failure = -1;
+    world.require_same({{"said", said}});
+    std::int64_t any = failed;
+    world.reduce(std::span(&any, 1), parallel::Reduction::greatest);
+    failed = any != 0;
+    if (!said.empty()) { // else it did without, as a sort may
+      EXPECT_TRUE(failed) << said;
+      EXPECT_NE(said.find("process " + std::to_string(failing) + " of 3: out of memory"),
+                std::string::npos)
+          << said;
+    }
+  }
+};
+
+/// Runs body(attempt) with `step` pieces more each time, on each process in turn, until none is
+/// lacking. Returns how often one was.
+template <class Body>
+int lack_each(const std::string& scene, int step, Body&& body) {
+  const TestMesh whole = jittered_cubes(3);
+  int failures = 0, in_vain = 0;
+  for (int n = 0; in_vain < processes && !testing::Test::HasFailure(); ++n) {
+    const OwnFolder folder;
+    PartSession::Options options;
+    options.scene = "insitu: 1\npage: false\n" + scene;
+    options.folder = folder / "out";
+    bool failed = false;
+    run_processes(processes, [&](parallel::World& world) {
+      PartSession process(world, whole, fixtures::boxes(whole, processes), options);
+      Attempt attempt{process, world,         whole,
+                      folder,  n % processes, std::int64_t(n / processes) * step};
+      body(attempt);
+      EXPECT_EQ(process.session().finish(), "");
+      if (world.is_root())
+        failed = attempt.failed;
+    });
+    failures += failed;
+    in_vain = failed ? 0 : in_vain + 1;
+  }
+  return failures;
+}
+
+std::string execute(PartSession& process, int cycle) {
+  return process.session().execute(cycle, 0.25 * cycle);
+}
+
+const std::string moving =
+    "probes:\n  - {name: marks, attached: body, points: {box: {min: [0, 0, 0], max: [4, 4, 4], "
+    "counts: [4, 4, 4]}}, fields: [u], output: [json]}\n"
+    "tracers:\n  - {name: paths, velocity: u, seeds: {box: {min: [0.5, 0.5, 0.5], max: [4.5, 4.5, "
+    "4.5], counts: [4, 3, 3]}}, fields: [p, c], output: [csv, vtp]}\n";
+
+} // namespace
+
+TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfAFrame) {
+  const int failures = lack_each(
+      "frames:\n  - {name: seen, size: [70, 70], volume: {field: p}, isosurfaces: [{field: p, "
+      "values: [2], opacity: 0.5, normals: smooth}], boundary: {opacity: 0.1, color: {field: "
+      "c}}}\n",
+      4, [](Attempt& attempt) {
+        EXPECT_EQ(attempt.process.execute(0), "");
+        attempt.process.give_fields(1);
+        attempt([&] { return execute(attempt.process, 1); });
+        EXPECT_EQ(attempt.process.execute(2), "");
+      });
+  EXPECT_GT(failures, 30);
+}
+
+TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfACheckpoint) {
+  const int failures = lack_each(moving, 1, [](Attempt& attempt) {
+    const std::string file = attempt.folder / "state";
+    EXPECT_EQ(attempt.process.execute(0), "");
+    EXPECT_EQ(attempt.process.execute(1), "");
+    attempt([&] {
+      attempt.process.session().checkpoint(file);
+      return std::string();
+    });
+    attempt.world.agree_after([&] { EXPECT_NE(std::filesystem::exists(file), attempt.failed); });
+    attempt.process.session().checkpoint(file);
+    EXPECT_EQ(attempt.process.execute(2), "");
+  });
+  EXPECT_GT(failures, 20);
+}
+
+namespace {
+
+/// What comes from two cycles on other cells than the attempt's.
+std::string state_of(Attempt& attempt) {
+  const std::string file = attempt.folder / "state";
+  PartSession::Options options;
+  options.scene = "insitu: 1\npage: false\n" + moving;
+  options.folder = attempt.folder / "before";
+  PartSession before(attempt.world, attempt.whole, fixtures::slabs(attempt.whole, processes),
+                     options);
+  EXPECT_EQ(before.execute(0), "");
+  EXPECT_EQ(before.execute(1), "");
+  before.session().checkpoint(file);
+  EXPECT_EQ(before.session().finish(), "");
+  return file;
+}
+
+} // namespace
+
+/// What is refused changes nothing: the next one works.
+TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfARestart) {
+  const int failures = lack_each(moving, 1, [](Attempt& attempt) {
+    const std::string file = state_of(attempt);
+    attempt([&] {
+      attempt.process.session().restart(file);
+      return std::string();
+    });
+    if (attempt.failed)
+      attempt.process.session().restart(file);
+    EXPECT_EQ(attempt.process.execute(2), "");
+  });
+  EXPECT_GT(failures, 20);
+}
+
+/// The first execution after a restart, in which cells and particles are dealt.
+TEST(ProcessFailures, MemoryThatLacksInAnyPhaseAfterARestart) {
+  const int failures = lack_each(moving, 9, [](Attempt& attempt) {
+    attempt.process.session().restart(state_of(attempt));
+    attempt.process.give_fields(2);
+    attempt([&] { return execute(attempt.process, 2); });
+    EXPECT_EQ(attempt.process.execute(3), "");
+  });
+  EXPECT_GT(failures, 20);
+}
