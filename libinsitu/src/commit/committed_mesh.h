@@ -104,6 +104,9 @@ public:
   /// brings them up to date; a mesh that has a stand-in on some process gets none. Throws
   /// parallel::AgreedError; the mesh then has no halo and is to be committed again.
   void update_halo(parallel::World& world, const core::Threads& threads, const core::Log& log);
+  /// From the next update_halo() on, cells that touch over these sides of the mesh's box are in it,
+  /// too, and stay in it. All processes say the same.
+  void join_sides(const PeriodicAxes& sides);
   /// What of others is in the views; null: nothing.
   const Halo* halo() const { return halo_.get(); }
   /// How all processes know a cell of mesh().own_view() of this process, whose rank is known since
@@ -255,6 +258,7 @@ private:
   // The halo (committed_mesh_halo.cpp).
   std::unique_ptr<Halo> halo_;
   NamesAtSeams seams_{*this};
+  PeriodicAxes sides_{}; ///< over which cells touch
   int rank_ = 0;
   bool in_halo_commit_ = false;
   std::uint64_t own_topology_version_ = 0;

@@ -123,6 +123,73 @@ TEST(ProcessTracers, EffectsAreThoseOfOneProcessToTheByte) {
       {2, 4});
 }
 
+/// What leaves at a side of the box comes in at the opposite one, where another process has the
+/// cells, and has its walls, its walk and its inertia there.
+TEST(ProcessTracers, PeriodicSidesAreThoseOfOneProcessToTheByte) {
+  const auto tracer = [](const std::string& name, const std::string& effects,
+                         const std::string& more = "") {
+    return "  - {name: " + name + ", velocity: u, kind: pathline, seeds: " + seeds +
+           ", effects: [" + effects + "], fields: [p, c], output: [csv, netcdf]" + more + "}\n";
+  };
+  const std::string scene =
+      "insitu: 1\npage: false\ntracers:\n" +
+      tracer("one", "{boundary: {periodic: [x]}}", ", times: {interval: 0.1}") +
+      tracer("all", "{boundary: {periodic: [x, y, z]}}, {settling: {speed: 2}}") +
+      tracer("sliding", "{boundary: {periodic: [x], other: slide}}") +
+      tracer("back", "{boundary: {periodic: [y], other: put_back}}") +
+      tracer("walking",
+             "{boundary: {periodic: [x, y], other: reflect}}, {diffusion: {horizontal: 0.05, "
+             "vertical: 0.02}}") +
+      tracer("heavy",
+             "{boundary: {periodic: [x, y], other: reflect}}, {inertia: {response_time: 0.2, "
+             "gravity: [0, 0, -1]}}");
+  expect_files_of_one(scene, {2, 3, 4, 8});
+}
+
+TEST(ProcessTracers, PeriodicSidesOfAMeshThatMovesAreThoseOfOneProcessToTheByte) {
+  const Act act = [](PartSession& process, parallel::World&) {
+    const TestMesh whole = jittered_cubes();
+    for (int cycle = 0; cycle < 5; ++cycle) {
+      std::vector<Vec3d> points; // sides stay planes, which go with the mesh
+      for (const Vec3d& x : whole.vertices)
+        points.push_back(x + 0.1 * cycle *
+                                 Vec3d{0.2 * x.x + std::sin(0.4 * M_PI * x.x) * std::cos(x.y), 0.3,
+                                       std::sin(0.4 * M_PI * x.z)});
+      if (cycle > 0 && !process.part().empty())
+        process.part().move(process.mesh().mesh(), points);
+      EXPECT_EQ(process.execute(cycle), "");
+    }
+  };
+  expect_files_of_one(std::string("insitu: 1\npage: false\ntracers:\n"
+                                  "  - {name: paths, velocity: u, kind: pathline, seeds: ") +
+                          seeds +
+                          ", effects: [{boundary: {periodic: [x, z], other: slide}}], fields: "
+                          "[p], output: [csv], times: {interval: 0.07}}\n",
+                      {2, 4}, act);
+}
+
+TEST(ProcessTracers, EffectsOnStreamlinesAreThoseOfOneProcessToTheByte) {
+  const auto lines = [](const std::string& name, const std::string& effects,
+                        const std::string& more = "") {
+    return "  - {name: " + name + ", velocity: u, kind: streamline, seeds: " + seeds +
+           ", until: {duration: 3}, effects: [" + effects +
+           "], fields: [p, c], output: [csv, vtp], every: 2" + more + "}\n";
+  };
+  expect_files_of_one(
+      "insitu: 1\npage: false\ntracers:\n" +
+          lines("slide", "{boundary: {other: slide}}, {settling: {speed: 0.3}}") +
+          lines("around", "{boundary: {periodic: [x, y]}}, {settling: {speed: 0.3}}",
+                ", direction: both") +
+          lines("even", "{boundary: {periodic: [x, y, z], other: slide}}",
+                ", spacing: {length: 0.1}") +
+          lines("timed", "{boundary: {periodic: [x], other: slide}}", ", spacing: {time: 0.05}") +
+          lines("removed", "{remove: {when: 'p > 9'}}", ", spacing: {length: 0.2}") +
+          lines("heavy",
+                "{boundary: {periodic: [y], other: reflect}}, {inertia: {response_time: 0.1, "
+                "gravity: [0, 0, -1]}}"),
+      {1, 2, 3, 4, 8}, five_cycles, "left");
+}
+
 TEST(ProcessTracers, StreamlinesAreThoseOfOneProcessToTheByte) {
   const std::string more =
       std::string(", until: {duration: 3}, fields: [p, c], output: [csv, vtp], "
@@ -136,6 +203,19 @@ TEST(ProcessTracers, StreamlinesAreThoseOfOneProcessToTheByte) {
                           lines("back", ", direction: backward, spacing: {time: 0.05}") +
                           lines("kutta", ", integrator: {method: rk4}"),
                       {1, 2, 3, 4, 8}, five_cycles, "left");
+}
+
+/// Particles that the material carries keep their cells, also those that another process has by
+/// the time that they end; where cells become others they are found where they are.
+TEST(ProcessTracers, ParticlesOfTheMaterialAreThoseOfOneProcessToTheByte) {
+  const std::string scene =
+      std::string("insitu: 1\npage: false\ntracers:\n"
+                  "  - {name: carried, attached: body, kind: pathline, seeds: ") +
+      seeds +
+      ", fields: [p, c], output: [csv, vtp, netcdf], times: {interval: 0.1}}\n"
+      "  - {name: released, attached: body, kind: streakline, seeds: " +
+      seeds + ", until: {duration: 0.6}, fields: [p], output: [csv]}\n";
+  expect_files_of_one(scene, {2, 3, 8}, five_cycles_of_moving);
 }
 
 /// What is not done over processes is refused by name, on all of them, and nobody hangs.

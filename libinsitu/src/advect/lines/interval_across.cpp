@@ -1,6 +1,7 @@
 // Particles on several processes: see Interval.
 #include <algorithm>
 
+#include "advect/across/effects_across.h"
 #include "advect/across/exits_across.h"
 #include "advect/integrate/integrations.h"
 #include "advect/lanes/lanes.h"
@@ -31,8 +32,6 @@ void Interval::refuse_across() const {
     refuse("no particles in longitude and latitude");
   if (crosses_)
     refuse("particles do not go on to other cells");
-  if (effects_.boundary && effects_.boundary->any_periodic())
-    refuse("no periodic sides");
 }
 
 template <class V>
@@ -48,7 +47,8 @@ void Interval::begin_leg(Leg<V>& leg, std::size_t i, V& velocity, const Rounds& 
     leg.p = mark.p;
   velocity.begin(particles_.cells[i]);
   if (asked_.snapshots) {
-    leg.taker.emplace(*asked_.snapshots, i, leg.p, velocity, here_, settings_.accuracy, no_sides_);
+    leg.taker.emplace(*asked_.snapshots, i, leg.p, velocity, here_, settings_.accuracy,
+                      setup_ ? setup_->sides : no_sides_);
     if (leg.way.is_marked)
       leg.taker->go_on_from(mark.recorder);
   }
@@ -177,34 +177,19 @@ void Interval::effects_across(Rounds& rounds, std::span<const std::size_t> parti
 /// Of all processes.
 void Interval::sum_up() {
   parallel::World& world = asked_.across->world;
-  Counts& counts = result_.counts;
-  world.agree_after([&] { counts = particles_.counts(); });
-  std::vector<std::int64_t> sums{counts.seeded,
-                                 result_.work.steps,
-                                 result_.work.rejected,
-                                 result_.work.forced,
-                                 result_.work.evaluations,
-                                 result_.effects.walk_steps,
-                                 result_.effects.contacts,
-                                 result_.effects.pinned,
-                                 result_.travel.hops,
-                                 result_.travel.questions,
-                                 result_.travel.bytes};
-  const std::size_t first = sums.size();
-  sums.insert(sums.end(), counts.by_ending.begin(), counts.by_ending.end());
+  Counts here;
+  world.agree_after([&] { here = particles_.counts(); });
+  std::int64_t sums[] = {result_.work.steps,        result_.work.rejected,
+                         result_.work.forced,       result_.work.evaluations,
+                         result_.effects.walk_steps, result_.effects.contacts,
+                         result_.effects.pinned,    result_.travel.hops,
+                         result_.travel.questions,  result_.travel.bytes};
   world.reduce(std::span(sums), parallel::Reduction::sum);
-  counts.seeded = sums[0];
-  result_.work = {sums[1], sums[2], sums[3], sums[4]};
-  result_.effects = {sums[5], sums[6], sums[7]};
-  result_.travel = {sums[8], sums[9], result_.travel.rounds, sums[10]};
-  std::copy(sums.begin() + std::ptrdiff_t(first), sums.end(), counts.by_ending.begin());
-  world.agree_after([&] {
-    if (counts.seeded != particles_.seeded() || counts.sum() != counts.seeded)
-      throw core::Error(INSITU_ERROR_INTERNAL,
-                        "tracer: " + std::to_string(particles_.seeded()) +
-                            " particles were seeded, but all processes have " +
-                            std::to_string(counts.sum()));
-  });
+  result_.work = {sums[0], sums[1], sums[2], sums[3]};
+  result_.effects = {sums[4], sums[5], sums[6]};
+  result_.travel = {sums[7], sums[8], result_.travel.rounds, sums[9]};
+  result_.counts = counts_of_all(world, here);
+  world.agree_after([&] { check_counts(particles_, result_.counts); });
 }
 
 Advance Interval::run_across() {
@@ -225,12 +210,7 @@ Advance Interval::run_across() {
     note(MeshVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
                       settings_.accuracy));
   });
-  // A process without cells may lack the fields of effects.
-  const math::Vec3d coefficient = setup_ ? setup_->largest : math::Vec3d{};
-  double largest[] = {coefficient.x, coefficient.y, coefficient.z};
-  world.reduce(std::span(largest), parallel::Reduction::greatest);
-  if (setup_)
-    setup_->largest = {largest[0], largest[1], largest[2]};
+  share_effects(world, setup_);
   rounds.run(
       [&](std::span<const std::size_t> some) {
         setup_ ? effects_across(rounds, some) : lanes_across(rounds, some);

@@ -95,6 +95,8 @@ private:
                       const advect::Across& across);
   void advance_across(commit::CommittedMesh& mesh, const mesh::FieldView& velocity,
                       const Step& step, const advect::Across& across);
+  void follow_across(const commit::CommittedMesh& mesh, const Step& step,
+                     const advect::Across& across);
   void write_across(const commit::CommittedMesh& mesh, const Step& step, bool due);
 
   advect::Tracer particles_;

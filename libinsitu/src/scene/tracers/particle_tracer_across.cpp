@@ -33,8 +33,6 @@ void ParticleTracer::refuse_across(const commit::CommittedMesh& mesh) const {
   };
   if (!tracer_.geodesics.empty())
     refuse("no geodesics");
-  if (tracer_.attached == Attached::body)
-    refuse("no particles that go with the mesh's material");
   if (!mesh.halo())
     refuse(
         "no particles where cells stand in the place of the solver's (adaptive meshes, meshes in "
@@ -46,8 +44,9 @@ void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& ste
   parallel::World& world = environment_.world;
   core::Context& context = environment_.context;
   mesh.update_halo(world, context.threads, context.log);
+  const bool is_attached = tracer_.attached == Attached::body;
   const std::vector<mesh::FieldView> velocity =
-      find_fields(mesh, {&tracer_.velocity, 1}, environment_.scene_file, world);
+      find_fields(mesh, {&tracer_.velocity, is_attached ? 0U : 1U}, environment_.scene_file, world);
   recorded_ = find_fields(mesh, tracer_.fields, environment_.scene_file, world);
   names_ = name_cells(mesh.mesh(), world);
   const int earlier = agree_on_steps(mesh, step);
@@ -66,7 +65,10 @@ void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& ste
     begin_interval(mesh, step);
     interval_.steps_before = earlier;
   });
-  advance_across(mesh, velocity.front(), step, across);
+  if (is_attached)
+    follow_across(mesh, step, across);
+  else
+    advance_across(mesh, velocity.front(), step, across);
   write_step(mesh, step, due, timer);
 }
 
@@ -81,9 +83,10 @@ int ParticleTracer::agree_on_steps(const commit::CommittedMesh& mesh, const Step
       throw core::Error(INSITU_ERROR_UNSUPPORTED,
                         "tracer: particles do not go on to other cells on a mesh that is spread "
                         "over processes");
-    const int known = seeded_ ? earlier_steps(mesh, step) : 0;
-    steps = std::min<std::int64_t>(
-        known, std::int64_t(mesh.mesh().earlier_fields(tracer_.velocity.text).size()));
+    steps = seeded_ ? earlier_steps(mesh, step) : 0;
+    if (tracer_.attached != Attached::body)
+      steps = std::min<std::int64_t>(
+          steps, std::int64_t(mesh.mesh().earlier_fields(tracer_.velocity.text).size()));
   });
   world.reduce(std::span(&steps, 1), parallel::Reduction::least);
   return steps == std::numeric_limits<std::int64_t>::max() ? 0 : int(steps);
@@ -153,6 +156,16 @@ void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::Fie
   end();
   world.reduce(std::span(&moved, 1), parallel::Reduction::greatest);
   mesh_moved_ = mesh_moved_ || moved;
+  settled_ = step.time;
+  topology_ = mesh.topology_version();
+  same_cells_ = false;
+}
+
+/// Particles that go with the mesh's material.
+void ParticleTracer::follow_across(const commit::CommittedMesh& mesh, const Step& step,
+                                   const advect::Across& across) {
+  counts_ = particles_.follow(across, mesh.sampler(), !has_cells(mesh) || knows_cells(mesh),
+                              settled_, step.time, environment_.context.threads, snapshots());
   settled_ = step.time;
   topology_ = mesh.topology_version();
   same_cells_ = false;
