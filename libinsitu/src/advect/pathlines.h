@@ -92,8 +92,9 @@ public:
                   const core::Threads& threads, Snapshots* snapshots = nullptr,
                   const StepBefore* before = nullptr);
   /// The same with the particles of several processes, which go to where their cells are. The
-  /// sampler's mesh has the cells of other processes that touch this one's; `before`, and
-  /// meshes in longitude and latitude, are refused (INSITU_ERROR_UNSUPPORTED). Where sides are
+  /// sampler's mesh has the cells of other processes that touch this one's; `before` has
+  /// what all processes had where these are. Meshes in longitude and latitude are refused
+  /// (INSITU_ERROR_UNSUPPORTED). Where sides are
   /// periodic it has those that touch over them, too.
   /// What is returned is the sum over all processes, but for the rest of Advance. Collective; all
   /// throw alike.

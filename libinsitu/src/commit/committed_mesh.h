@@ -208,6 +208,7 @@ private:
   bool is_copied() const { return stand_in_ && !stand_in_->is_made(); }
   void choose_stand_in();
   void part_from_earlier(const core::Threads& threads);
+  EarlierMesh::Own own_cells() const;
   void note_queries();
   void forget_neighbours();
   void commit_on_host(std::uint32_t pending, insitu_commit_report& report,
@@ -266,6 +267,7 @@ private:
   // The earlier step, for pathlines (committed_mesh_earlier.cpp).
   mesh::CellsCopy earlier_cells_;
   std::uint64_t earlier_cells_version_ = 0; ///< topology_version() of that copy
+  EarlierMesh::Own earlier_own_;            ///< of it, on several processes
   EarlierMesh::Kept kept_;                  ///< with the step
   std::unique_ptr<EarlierMesh> earlier_mesh_;
   std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,

@@ -172,7 +172,7 @@ private:
       mover_->mark(mark_.mover);
     mark_.cell = cell;
     is_marked_ = true;
-    if (cell >= 0 && homes_->is_own(cell))
+    if (cell == -1 || (cell >= 0 && homes_->is_own(cell))) // in no cell it stays where it is
       return stays_ = false;
     stays_ = stays_ && !has_moved;
     return !stays_;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "commit/committed_mesh.h"
+#include "commit/halo/cells_near.h"
 #include "commit/halo/halo.h"
 #include "query/batch/candidates.h"
 #include "query/point_query.h"
@@ -103,13 +104,29 @@ std::vector<Shift> shifts_over(const PeriodicAxes& sides, const mesh::MeshView& 
   return shifts;
 }
 
+/// Whether a cell of this process touches the box.
+bool touches(const mesh::MeshView& view, const accel::Tree& tree, const mesh::Box& box) {
+  return visit_cells(view, tree, box,
+                     [&](std::int64_t flat) { return mesh::meet(box_of_cell(view, flat), box); });
+}
+
 /// The cells of this process that, moved so, are near another one's, ascending.
 std::vector<std::int64_t> near(const mesh::MeshView& view, const accel::Tree& tree,
                                std::span<const mesh::Box> boxes, const Shift& shift) {
-  std::vector<std::int64_t> cells;
   const Shift back{-shift.by, 1e-6 * (shift.widening > 0.0)}; // a period is rounded
+  std::vector<mesh::Box> moved;
   for (const mesh::Box& box : boxes)
-    visit_cells(view, tree, back(box), [&](std::int64_t flat) {
+    moved.push_back(back(box));
+  return cells_near(view, tree, moved);
+}
+
+} // namespace
+
+std::vector<std::int64_t> cells_near(const mesh::MeshView& view, const accel::Tree& tree,
+                                     std::span<const mesh::Box> boxes) {
+  std::vector<std::int64_t> cells;
+  for (const mesh::Box& box : boxes)
+    visit_cells(view, tree, box, [&](std::int64_t flat) {
       cells.push_back(flat);
       return false;
     });
@@ -117,14 +134,6 @@ std::vector<std::int64_t> near(const mesh::MeshView& view, const accel::Tree& tr
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   return cells;
 }
-
-/// Whether a cell of this process touches the box.
-bool touches(const mesh::MeshView& view, const accel::Tree& tree, const mesh::Box& box) {
-  return visit_cells(view, tree, box,
-                     [&](std::int64_t flat) { return mesh::meet(box_of_cell(view, flat), box); });
-}
-
-} // namespace
 
 /// First each process tells the boxes of its cells that lie near another's; this one says by a bit
 /// each which it touches. Returns, of each process, the cells that it touches here.

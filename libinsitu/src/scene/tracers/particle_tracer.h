@@ -95,6 +95,7 @@ private:
                       const advect::Across& across);
   void advance_across(commit::CommittedMesh& mesh, const mesh::FieldView& velocity,
                       const Step& step, const advect::Across& across);
+  void gather_cells_before(const commit::CommittedMesh& mesh, const Step& step);
   void follow_across(const commit::CommittedMesh& mesh, const Step& step,
                      const advect::Across& across);
   void write_across(const commit::CommittedMesh& mesh, const Step& step, bool due);
@@ -124,6 +125,8 @@ private:
   } last_; ///< the last execution
   // Of all processes, where there are several.
   advect::Counts counts_;
+  std::unique_ptr<commit::EarlierMesh> cells_before_; ///< in this execution
+  bool had_cells_ = false;                            ///< this process, at the last execution
   std::optional<advect::Particles> all_; ///< at the end, at the root
 };
 
