@@ -265,9 +265,16 @@ TEST(ProcessTracers, OtherCellsAreThoseOfOneProcessToTheByte) {
       EXPECT_EQ(process.execute(cycle), "");
     }
   };
-  expect_files_of_one(
-      scene_of("  - {name: sliding, velocity: u, kind: pathline, seeds: " + std::string(seeds) +
-               ", effects: [{boundary: {other: slide}}, {settling: {speed: 0.3}}], fields: [p], "
-               "output: [csv]}\n"),
-      {2, 3, 4, 8}, act, "killed", true);
+  const std::string scene =
+      std::string("insitu: 1\npage: false\ntracers:\n"
+                  "  - {name: paths, velocity: u, kind: pathline, seeds: ") +
+      seeds +
+      ", fields: [p, u, c], output: [csv, netcdf]}\n"
+      "  - {name: streaks, velocity: u, kind: streakline, seeds: {points: [[1, 1, 1], [3.1, 2.2, "
+      "2.7], [4, 4, 2]]}, times: {interval: 0.06}, fields: [p], output: [csv, netcdf]}\n"
+      "  - {name: sliding, velocity: u, kind: pathline, seeds: " +
+      seeds +
+      ", effects: [{boundary: {other: slide}}, {settling: {speed: 0.3}}], fields: [p], output: "
+      "[csv]}\n";
+  expect_files_of_one(scene, {2, 3, 4, 8}, act, "killed", true);
 }

@@ -145,6 +145,28 @@ struct Joined {
   }
 };
 
+/// The boxes of a view's first cells, exactly, of many that follow each other.
+std::vector<mesh::Box> exact_boxes(const mesh::MeshView& view, std::int64_t cells) {
+  constexpr auto most = std::int64_t(query::Directory::most_boxes);
+  const std::int64_t grain = std::max<std::int64_t>((cells + most - 1) / most, 1);
+  std::vector<mesh::Box> boxes;
+  std::int64_t last = -1; // of the box that is made
+  mesh::CellVertices c;
+  for (std::int64_t flat = 0; flat < cells; ++flat) {
+    const std::int32_t piece = view.piece_of(flat);
+    if (!view.pieces[piece].exists(flat - view.first_cell[piece]))
+      continue;
+    mesh::gather(view, flat, c);
+    const mesh::Box box = mesh::box_of(c);
+    if (flat / grain == last)
+      boxes.back().extend(box);
+    else
+      boxes.push_back(box);
+    last = flat / grain;
+  }
+  return boxes;
+}
+
 bool have_same_fields(const Part& a, const Part& b) {
   return std::ranges::equal(a.fields, b.fields, [](const FieldOf& x, const FieldOf& y) {
     return x.name == y.name && x.association == y.association && x.components == y.components;
@@ -216,12 +238,12 @@ std::unique_ptr<EarlierMesh> EarlierMesh::gathered(const EarlierMesh* here, cons
   world.agree_after([&] {
     if (here) {
       here->fit_.complete();
-      own = query::boxes_of(here->tree_);
+      own = exact_boxes(*here->view_, here->own_.cells);
     }
     wanted = query::boxes_of(now);
     wanted.insert(wanted.end(), own.begin(), own.end());
-    for (mesh::Box& box : wanted) { // places beside cells are theirs, too
-      const Vec3d little = 1e-3 * box.size();
+    for (mesh::Box& box : wanted) { // steps are tried beside cells, too
+      const Vec3d little = 0.05 * box.size();
       box = {box.low - little, box.high + little};
     }
   });
