@@ -6,8 +6,9 @@ void share_effects(parallel::World& world, std::optional<EffectSetup>& setup) {
   if (!setup)
     return;
   // A process without cells may lack the fields of effects.
-  double greatest[] = {setup->largest.x,          setup->largest.y,          setup->largest.z,
-                       setup->sides.box().high.x, setup->sides.box().high.y, setup->sides.box().high.z};
+  double greatest[] = {setup->largest.x,          setup->largest.y,
+                       setup->largest.z,          setup->sides.box().high.x,
+                       setup->sides.box().high.y, setup->sides.box().high.z};
   double least[] = {setup->sides.box().low.x, setup->sides.box().low.y, setup->sides.box().low.z};
   world.reduce(std::span(greatest), parallel::Reduction::greatest);
   world.reduce(std::span(least), parallel::Reduction::least);

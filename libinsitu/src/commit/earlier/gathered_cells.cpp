@@ -201,8 +201,7 @@ void EarlierMesh::write_cells(std::span<const mesh::Box> boxes, ByteWriter& to) 
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   for (std::int64_t& id : ids)
     id = std::ranges::lower_bound(vertices, id) - vertices.begin();
-  for (const std::size_t count :
-       {flats.size(), vertices.size(), ids.size(), step_.fields.size()})
+  for (const std::size_t count : {flats.size(), vertices.size(), ids.size(), step_.fields.size()})
     to.value(std::int64_t(count));
   to.array(std::span<const CellName>(names));
   to.array(std::span<const std::int64_t>(offsets));
