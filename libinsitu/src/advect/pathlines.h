@@ -92,8 +92,10 @@ public:
                   const core::Threads& threads, Snapshots* snapshots = nullptr,
                   const StepBefore* before = nullptr);
   /// The same with the particles of several processes, which go to where their cells are. The
-  /// sampler's mesh has the cells of other processes that touch this one's; `before`, sides that
-  /// are periodic, and meshes in longitude and latitude are refused (INSITU_ERROR_UNSUPPORTED).
+  /// sampler's mesh has the cells of other processes that touch this one's; `before` has
+  /// what all processes had where these are. Meshes in longitude and latitude are refused
+  /// (INSITU_ERROR_UNSUPPORTED). Where sides are
+  /// periodic it has those that touch over them, too.
   /// What is returned is the sum over all processes, but for the rest of Advance. Collective; all
   /// throw alike.
   Advance advance(const Across& across, const query::Sampler& sampler,
@@ -107,6 +109,11 @@ public:
   /// straight way, which material within a cell takes.
   Counts follow(const query::Sampler& sampler, bool same_cells, double t0, double t1,
                 const core::Threads& threads, Snapshots* snapshots = nullptr);
+  /// The same with the particles of several processes. same_cells: of all of them; else particles
+  /// go to where the cells that hold them are. Returns the sum over all processes. Collective;
+  /// throws parallel::AgreedError.
+  Counts follow(const Across& across, const query::Sampler& sampler, bool same_cells, double t0,
+                double t1, const core::Threads& threads, Snapshots* snapshots = nullptr);
 
   /// Ends the particles that are still alive as killed: the session closes.
   void finish() { particles_.kill(); }

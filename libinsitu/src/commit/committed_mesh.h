@@ -104,6 +104,9 @@ public:
   /// brings them up to date; a mesh that has a stand-in on some process gets none. Throws
   /// parallel::AgreedError; the mesh then has no halo and is to be committed again.
   void update_halo(parallel::World& world, const core::Threads& threads, const core::Log& log);
+  /// From the next update_halo() on, cells that touch over these sides of the mesh's box are in it,
+  /// too, and stay in it. All processes say the same.
+  void join_sides(const PeriodicAxes& sides);
   /// What of others is in the views; null: nothing.
   const Halo* halo() const { return halo_.get(); }
   /// How all processes know a cell of mesh().own_view() of this process, whose rank is known since
@@ -207,6 +210,7 @@ private:
   bool is_copied() const { return stand_in_ && !stand_in_->is_made(); }
   void choose_stand_in();
   void part_from_earlier(const core::Threads& threads);
+  EarlierMesh::Own own_cells() const;
   void note_queries();
   void forget_neighbours();
   void commit_on_host(std::uint32_t pending, insitu_commit_report& report,
@@ -257,6 +261,7 @@ private:
   // The halo (committed_mesh_halo.cpp).
   std::unique_ptr<Halo> halo_;
   NamesAtSeams seams_{*this};
+  PeriodicAxes sides_{}; ///< over which cells touch
   int rank_ = 0;
   bool in_halo_commit_ = false;
   std::uint64_t own_topology_version_ = 0;
@@ -264,6 +269,7 @@ private:
   // The earlier step, for pathlines (committed_mesh_earlier.cpp).
   mesh::CellsCopy earlier_cells_;
   std::uint64_t earlier_cells_version_ = 0; ///< topology_version() of that copy
+  EarlierMesh::Own earlier_own_;            ///< of it, on several processes
   EarlierMesh::Kept kept_;                  ///< with the step
   std::unique_ptr<EarlierMesh> earlier_mesh_;
   std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,

@@ -41,6 +41,15 @@ void CommittedMesh::hide_earlier() {
   mesh_.hide_earlier();
 }
 
+/// With a halo these are known by their names.
+EarlierMesh::Own CommittedMesh::own_cells() const {
+  EarlierMesh::Own own{mesh_.view().own_cell_count(), {}};
+  if (halo_ && mesh_.has_global_ids(INSITU_CELL))
+    for (std::int64_t flat = 0; flat < own.cells; ++flat)
+      own.global.push_back(mesh_.global_id(INSITU_CELL, flat));
+  return own;
+}
+
 void CommittedMesh::keep_earlier(const std::vector<mesh::KeptField>& fields, bool with_cells,
                                  const core::Threads& threads) {
   if (fields.empty())
@@ -56,6 +65,7 @@ void CommittedMesh::keep_earlier(const std::vector<mesh::KeptField>& fields, boo
   } else if (earlier_cells_.empty() || earlier_cells_version_ != topology_version_) {
     earlier_cells_.copy(mesh_.view(), threads);
     earlier_cells_version_ = topology_version_;
+    earlier_own_ = own_cells();
   }
   earlier_cells_.set_one_mesh(mesh_.view().one_mesh);
 }
@@ -73,6 +83,8 @@ void CommittedMesh::part_from_earlier(const core::Threads& threads) {
     earlier_mesh_ =
         std::make_unique<EarlierMesh>(std::move(step), std::move(earlier_cells_), tree_.take(),
                                       moved, kept_, topology_version_, *memory_, threads);
+  if (whole && earlier_mesh_)
+    earlier_mesh_->set_own(std::exchange(earlier_own_, {}));
   earlier_cells_ = mesh::CellsCopy(*memory_);
   kept_ = {};
 }

@@ -37,6 +37,14 @@ bool CommittedMesh::NamesAtSeams::is_before(std::int64_t flat, std::int64_t othe
   return mesh_.name(flat) < mesh_.name(other);
 }
 
+void CommittedMesh::join_sides(const PeriodicAxes& sides) {
+  for (std::size_t a = 0; a < sides.size(); ++a)
+    if (sides[a] && !sides_[a]) {
+      sides_[a] = true;
+      halo_topology_ = 0;
+    }
+}
+
 void CommittedMesh::drop_halo() {
   if (!halo_)
     return;
@@ -64,7 +72,7 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
         halo_ = std::make_unique<Halo>(*memory_);
     });
     if (!none && topology)
-      halo_->find(*this, world);
+      halo_->find(*this, sides_, world);
     else if (!none && geometry)
       halo_->refresh_points(*this, world);
     if (!none && (topology || fields))

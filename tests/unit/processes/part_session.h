@@ -42,7 +42,7 @@ public:
   };
   PartSession(parallel::World& world, const TestMesh& whole, const fixtures::Partition& partition,
               const Options& options)
-      : whole_(whole), ids_(options.ids), part_(std::in_place, whole, partition, world.rank()),
+      : whole_(&whole), ids_(options.ids), part_(std::in_place, whole, partition, world.rank()),
         session_(options_of(options), std::shared_ptr<parallel::World>(&world, [](auto*) {})) {
     give();
   }
@@ -52,16 +52,18 @@ public:
   commit::CommittedMesh& mesh() { return session_.mesh("m").mesh; }
   const std::vector<std::string>& messages() const { return messages_; }
 
-  /// The solver deals its cells anew.
-  void deal(const fixtures::Partition& partition, int rank) {
+  /// The solver deals its cells anew, or those of another mesh.
+  void deal(const fixtures::Partition& partition, int rank, const TestMesh* whole = nullptr) {
     mesh().mesh().drop_pieces(0);
-    part_.emplace(whole_, partition, rank);
+    if (whole)
+      whole_ = whole;
+    part_.emplace(*whole_, partition, rank);
     give();
   }
   void give_fields(std::int64_t cycle) {
     if (part_->empty())
       return;
-    const WholeFields fields(whole_, cycle);
+    const WholeFields fields(*whole_, cycle);
     mesh::Mesh& to = mesh().mesh();
     part_->give_field(to, "p", INSITU_VERTEX, 1, fields.p);
     part_->give_field(to, "u", INSITU_VERTEX, 3, fields.u);
@@ -89,7 +91,7 @@ private:
       part_->give(mesh().mesh(), ids_);
   }
 
-  const TestMesh& whole_;
+  const TestMesh* whole_;
   const bool ids_;
   std::vector<std::string> messages_;
   std::optional<fixtures::Part> part_;

@@ -41,8 +41,10 @@ const Act five_cycles_of_moving = [](PartSession& process, parallel::World&) {
   }
 };
 
+/// quick: on a few ways to cut the mesh.
 void expect_files_of_one(const std::string& scene, const std::vector<int>& sizes,
-                         const Act& act = five_cycles, const std::string& ending = "killed") {
+                         const Act& act = five_cycles, const std::string& ending = "killed",
+                         bool quick = false) {
   const TestMesh whole = jittered_cubes();
   PartSession::Options options;
   options.scene = scene;
@@ -54,7 +56,10 @@ void expect_files_of_one(const std::string& scene, const std::vector<int>& sizes
   EXPECT_GT(std::ranges::count(rows, '\n'), 100);
   EXPECT_NE(rows.find(ending), std::string::npos);
   for (const int processes : sizes)
-    for (const fixtures::Partition& partition : fixtures::partitions(whole, processes))
+    for (const fixtures::Partition& partition :
+         quick ? std::vector{fixtures::slabs(whole, processes),
+                             fixtures::in_pieces(fixtures::boxes(whole, processes), 2)}
+               : fixtures::partitions(whole, processes))
       expect_same(expected, run_parts(whole, partition, options, act),
                   partition.name + " on " + std::to_string(processes));
 }
@@ -123,6 +128,73 @@ TEST(ProcessTracers, EffectsAreThoseOfOneProcessToTheByte) {
       {2, 4});
 }
 
+/// What leaves at a side of the box comes in at the opposite one, where another process has the
+/// cells, and has its walls, its walk and its inertia there.
+TEST(ProcessTracers, PeriodicSidesAreThoseOfOneProcessToTheByte) {
+  const auto tracer = [](const std::string& name, const std::string& effects,
+                         const std::string& more = "") {
+    return "  - {name: " + name + ", velocity: u, kind: pathline, seeds: " + seeds +
+           ", effects: [" + effects + "], fields: [p, c], output: [csv, netcdf]" + more + "}\n";
+  };
+  const std::string scene =
+      "insitu: 1\npage: false\ntracers:\n" +
+      tracer("one", "{boundary: {periodic: [x]}}", ", times: {interval: 0.1}") +
+      tracer("all", "{boundary: {periodic: [x, y, z]}}, {settling: {speed: 2}}") +
+      tracer("sliding", "{boundary: {periodic: [x], other: slide}}") +
+      tracer("back", "{boundary: {periodic: [y], other: put_back}}") +
+      tracer("walking",
+             "{boundary: {periodic: [x, y], other: reflect}}, {diffusion: {horizontal: 0.05, "
+             "vertical: 0.02}}") +
+      tracer("heavy",
+             "{boundary: {periodic: [x, y], other: reflect}}, {inertia: {response_time: 0.2, "
+             "gravity: [0, 0, -1]}}");
+  expect_files_of_one(scene, {2, 3, 4, 8}, five_cycles, "killed", true);
+}
+
+TEST(ProcessTracers, PeriodicSidesOfAMeshThatMovesAreThoseOfOneProcessToTheByte) {
+  const Act act = [](PartSession& process, parallel::World&) {
+    const TestMesh whole = jittered_cubes();
+    for (int cycle = 0; cycle < 5; ++cycle) {
+      std::vector<Vec3d> points; // sides stay planes, which go with the mesh
+      for (const Vec3d& x : whole.vertices)
+        points.push_back(x + 0.1 * cycle *
+                                 Vec3d{0.2 * x.x + std::sin(0.4 * M_PI * x.x) * std::cos(x.y), 0.3,
+                                       std::sin(0.4 * M_PI * x.z)});
+      if (cycle > 0 && !process.part().empty())
+        process.part().move(process.mesh().mesh(), points);
+      EXPECT_EQ(process.execute(cycle), "");
+    }
+  };
+  expect_files_of_one(std::string("insitu: 1\npage: false\ntracers:\n"
+                                  "  - {name: paths, velocity: u, kind: pathline, seeds: ") +
+                          seeds +
+                          ", effects: [{boundary: {periodic: [x, z], other: slide}}], fields: "
+                          "[p], output: [csv], times: {interval: 0.07}}\n",
+                      {2, 8}, act, "killed", true);
+}
+
+TEST(ProcessTracers, EffectsOnStreamlinesAreThoseOfOneProcessToTheByte) {
+  const auto lines = [](const std::string& name, const std::string& effects,
+                        const std::string& more = "") {
+    return "  - {name: " + name +
+           ", velocity: u, kind: streamline, seeds: {box: {min: [0.5, 0.5, 0.5], max: [5.5, 4.5, "
+           "4.5], counts: [4, 3, 1]}}, until: {duration: 2}, effects: [" +
+           effects + "], fields: [p, c], output: [csv, vtp], every: 4" + more + "}\n";
+  };
+  expect_files_of_one(
+      "insitu: 1\npage: false\ntracers:\n" +
+          lines("slide", "{boundary: {other: slide}}, {settling: {speed: 0.3}}") +
+          lines("around", "{boundary: {periodic: [x, y]}}, {settling: {speed: 0.3}}",
+                ", direction: both") +
+          lines("even", "{boundary: {periodic: [x, y, z], other: slide}}",
+                ", spacing: {length: 0.1}") +
+          lines("timed", "{boundary: {periodic: [x], other: slide}}", ", spacing: {time: 0.05}") +
+          lines("removed", "{remove: {when: 'p > 9'}}", ", spacing: {length: 0.2}") +
+          lines("heavy", "{boundary: {periodic: [y], other: reflect}}, {inertia: {response_time: "
+                         "0.1, gravity: [0, 0, -1]}}"),
+      {1, 2, 3, 4, 8}, five_cycles, "left", true);
+}
+
 TEST(ProcessTracers, StreamlinesAreThoseOfOneProcessToTheByte) {
   const std::string more =
       std::string(", until: {duration: 3}, fields: [p, c], output: [csv, vtp], "
@@ -138,21 +210,71 @@ TEST(ProcessTracers, StreamlinesAreThoseOfOneProcessToTheByte) {
                       {1, 2, 3, 4, 8}, five_cycles, "left");
 }
 
-/// What is not done over processes is refused by name, on all of them, and nobody hangs.
-TEST(ProcessTracers, RefusesByName) {
+/// Particles that the material carries keep their cells, also those that another process has by
+/// the time that they end; where cells become others they are found where they are.
+TEST(ProcessTracers, ParticlesOfTheMaterialAreThoseOfOneProcessToTheByte) {
+  const std::string scene =
+      std::string("insitu: 1\npage: false\ntracers:\n"
+                  "  - {name: carried, attached: body, kind: pathline, seeds: ") +
+      seeds +
+      ", fields: [p, c], output: [csv, vtp, netcdf], times: {interval: 0.1}}\n"
+      "  - {name: released, attached: body, kind: streakline, seeds: " +
+      seeds + ", until: {duration: 0.6}, fields: [p], output: [csv]}\n";
+  expect_files_of_one(scene, {2, 3, 8}, five_cycles_of_moving, "killed", true);
+}
+
+/// The mesh goes on under particles that have ended, so other processes have what is there.
+TEST(ProcessTracers, ValuesOfEndedParticlesAreThoseOfOneProcessToTheByte) {
+  const Act act = [](PartSession& process, parallel::World&) {
+    const TestMesh whole = jittered_cubes();
+    for (int cycle = 0; cycle < 5; ++cycle) {
+      std::vector<Vec3d> points;
+      for (const Vec3d& x : whole.vertices)
+        points.push_back(x + 0.8 * cycle * Vec3d{1, 0.1, 0});
+      if (cycle > 0 && !process.part().empty())
+        process.part().move(process.mesh().mesh(), points);
+      EXPECT_EQ(process.execute(cycle), "");
+    }
+  };
+  expect_files_of_one(std::string("insitu: 1\npage: false\ntracers:\n"
+                                  "  - {name: paths, velocity: u, kind: pathline, seeds: ") +
+                          seeds + ", until: {duration: 0.3}, fields: [p, c], output: [csv, vtp]}\n",
+                      {2, 8}, act, "expired", true);
+}
+
+/// The solver moves cells from process to process, and then makes others: particles go on, blended
+/// between the step before, wherever its cells were, and the current one.
+TEST(ProcessTracers, OtherCellsAreThoseOfOneProcessToTheByte) {
+  const TestMesh other = [] {
+    MeshOptions options;
+    options.size = 5;
+    options.jitter = 0.1;
+    options.kind = MeshKind::tetrahedra;
+    return make_mesh(options, 5);
+  }();
   const TestMesh whole = jittered_cubes();
-  for (const auto& [tracer, word] : std::vector<std::pair<std::string, std::string>>{
-           {"velocity: u, kind: streamline, effects: [{boundary: slide}]", "streamlines"},
-           {"velocity: u, kind: pathline, effects: [{boundary: {periodic: [x]}}]", "periodic"}}) {
-    PartSession::Options options;
-    options.scene = "insitu: 1\npage: false\ntracers: [{name: t, " + tracer +
-                    ", seeds: {points: [[1, 1, 1]]}, output: [csv]}]\n";
-    const OwnFolder folder;
-    options.folder = folder / "out";
-    run_processes(2, [&](parallel::World& world) {
-      PartSession process(world, whole, fixtures::slabs(whole, 2), options);
-      EXPECT_NE(process.execute(0).find(word), std::string::npos) << word;
-      (void)process.session().finish();
-    });
-  }
+  const Act act = [&](PartSession& process, parallel::World& world) {
+    const int processes = world.size();
+    for (int cycle = 0; cycle < 6; ++cycle) {
+      if (cycle == 2)
+        process.deal(fixtures::dealt(whole, processes, 3), world.rank(), &whole);
+      if (cycle == 3)
+        process.deal(fixtures::boxes(other, processes), world.rank(), &other);
+      if (cycle == 5)
+        process.deal(fixtures::slabs(whole, processes), world.rank(), &whole);
+      EXPECT_EQ(process.execute(cycle), "");
+    }
+  };
+  const std::string scene =
+      std::string("insitu: 1\npage: false\ntracers:\n"
+                  "  - {name: paths, velocity: u, kind: pathline, seeds: ") +
+      seeds +
+      ", fields: [p, u, c], output: [csv, netcdf]}\n"
+      "  - {name: streaks, velocity: u, kind: streakline, seeds: {points: [[1, 1, 1], [3.1, 2.2, "
+      "2.7], [4, 4, 2]]}, times: {interval: 0.06}, fields: [p], output: [csv, netcdf]}\n"
+      "  - {name: sliding, velocity: u, kind: pathline, seeds: " +
+      seeds +
+      ", effects: [{boundary: {other: slide}}, {settling: {speed: 0.3}}], fields: [p], output: "
+      "[csv]}\n";
+  expect_files_of_one(scene, {2, 3, 4, 8}, act, "killed", true);
 }

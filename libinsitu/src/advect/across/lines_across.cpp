@@ -1,14 +1,18 @@
 #include "advect/across/lines_across.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <type_traits>
 
+#include "advect/across/effects_across.h"
 #include "advect/across/exits_across.h"
 #include "advect/integrate/check.h"
 #include "advect/integrate/integrations.h"
 #include "advect/lanes/lanes.h"
+#include "advect/lines/line_recorder.h"
 #include "core/status.h"
 
 namespace insitu::advect {
@@ -34,23 +38,32 @@ public:
   LinePieces run();
 
 private:
+  /// A line's way here. Vertices: of which it is the particle.
+  template <class Vertices>
   struct Leg {
     State p;
     Work work;
     OnTheWay way;
     std::vector<LineVertex> list;
-    std::optional<LineVertices<LaneVelocity>> vertices;
+    std::optional<Vertices> vertices;
     std::optional<Journey> journey;
   };
+  using LaneLeg = Leg<LineVertices<LaneVelocity>>;
+  using MovedLeg = Leg<LineRecorder<DriftVelocity>>;
   double time_of(std::int64_t line) const {
     const bool backward = settings_.direction == Direction::backward || line % per_seed_ == 1;
     return backward ? -settings_.duration : settings_.duration;
   }
   void carry(Rounds& rounds, std::span<const std::size_t> some);
-  Stepping begin(Leg& leg, std::size_t i, LaneVelocity& field, const Rounds& rounds);
-  void end(Leg& leg, std::size_t i, const LaneVelocity& field, const Stepping& stepping,
-           Rounds& rounds);
-  void keep(const Leg& leg, std::int64_t line);
+  void move(Rounds& rounds, std::span<const std::size_t> some);
+  template <class L, class V>
+  bool begin(L& leg, std::size_t i, V& field, const Rounds& rounds, const EffectWork& effects);
+  /// run(cell): takes the line to its end, in this cell, or as far as it goes here. Returns whether
+  /// it is at its end.
+  template <class L, class Run>
+  bool end(L& leg, std::size_t i, Rounds& rounds, Run&& run);
+  template <class L>
+  void keep(const L& leg, std::int64_t line);
   void sum_up();
 
   const Across& across_;
@@ -62,14 +75,18 @@ private:
   const core::Threads& threads_;
   Particles& particles_;
   std::unique_ptr<const CellsBeyond> beyond_;
+  std::optional<EffectSetup> setup_; ///< under effects
   std::mutex mutex_;
   std::vector<LeftAt> left_;
   LinePieces result_;
 };
 
-Stepping Lines::begin(Leg& leg, std::size_t i, LaneVelocity& field, const Rounds& rounds) {
+/// Returns whether the line goes on here.
+template <class L, class V>
+bool Lines::begin(L& leg, std::size_t i, V& field, const Rounds& rounds,
+                  const EffectWork& effects) {
   if (particles_.endings[i] != INSITU_END_ALIVE)
-    return {};
+    return false;
   leg.way = rounds.way_of(i);
   leg.work = {};
   leg.p = {};
@@ -78,24 +95,26 @@ Stepping Lines::begin(Leg& leg, std::size_t i, LaneVelocity& field, const Rounds
   if (leg.way.is_marked)
     leg.p = mark.p;
   field.begin(-1);
-  leg.vertices.emplace(field, here_, settings_, leg.list);
+  leg.list.clear();
+  if constexpr (std::is_same_v<L, MovedLeg>)
+    leg.vertices.emplace(field, here_, settings_, setup_->sides, leg.list);
+  else
+    leg.vertices.emplace(field, here_, settings_, leg.list);
   leg.journey.emplace(across_.homes);
   if (leg.way.is_marked) {
     leg.vertices->go_on_from(mark.recorder);
-    leg.journey->begin(mark, leg.way.stays, leg.p, leg.work, &*leg.vertices);
+    leg.journey->begin(mark, leg.way.stays, leg.p, leg.work, &*leg.vertices, effects);
   } else {
     leg.journey->begin(leg.p, leg.work, &*leg.vertices);
   }
   leg.journey->know(rounds.far_of(i));
   field.travel_by(&*leg.journey);
-  const Visitor visitor =
-      leg.vertices->is_even() ? Visitor(leg.vertices->even()) : Visitor(*leg.vertices);
-  return integration(field, settings_.integrator, time_of(particles_.ids[i]), settings_.length,
-                     leg.p, leg.work, visitor);
+  return true;
 }
 
 /// What there is of the line here is a piece of it.
-void Lines::keep(const Leg& leg, std::int64_t line) {
+template <class L>
+void Lines::keep(const L& leg, std::int64_t line) {
   for (const LineVertex& v : leg.list)
     if (v.cell < -1)
       refuse(
@@ -105,11 +124,12 @@ void Lines::keep(const Leg& leg, std::int64_t line) {
   result_.pieces.push_back({line, leg.way.hops, leg.vertices->first(), leg.list});
 }
 
-void Lines::end(Leg& leg, std::size_t i, const LaneVelocity& field, const Stepping& stepping,
-                Rounds& rounds) {
+template <class L, class Run>
+bool Lines::end(L& leg, std::size_t i, Rounds& rounds, Run&& run) {
   const Journey& journey = *leg.journey;
   const std::int64_t line = particles_.ids[i];
   Work done;
+  bool is_over = false;
   const auto goes_on = [&] {
     const OnTheWay way = leg.way.after(journey);
     if (!way.is_marked)
@@ -121,22 +141,22 @@ void Lines::end(Leg& leg, std::size_t i, const LaneVelocity& field, const Steppi
     return way;
   };
   try {
-    insitu_ending ending = stepping.ending();
-    if (ending == INSITU_END_COUNT) {
+    std::int64_t cell = -1;
+    const insitu_ending ending = run(cell);
+    is_over = ending != INSITU_END_COUNT;
+    if (!is_over) {
       rounds.moves(i, goes_on());
     } else {
-      ending = leg.vertices->finish(leg.p, ending);
       keep(leg, line);
       done = leg.work;
-      particles_.set_state(i, leg.p, field.cell());
+      particles_.set_state(i, leg.p, cell);
       particles_.endings[i] = std::uint8_t(ending);
       const bool seeded = ending == INSITU_END_SEED_OUTSIDE;
       if (settings_.exits && (seeded || ending == INSITU_END_LEFT)) {
         const bool any = !leg.list.empty() && !seeded;
         const std::lock_guard lock(mutex_);
         left_.push_back({i, any ? leg.list.back().point : leg.p.x,
-                         any ? leg.list.back().cell : field.cell(), leg.p.exit_normal, 1.0,
-                         seeded});
+                         any ? leg.list.back().cell : cell, leg.p.exit_normal, 1.0, seeded});
       }
     }
   } catch (const query::Elsewhere& at) {
@@ -144,53 +164,106 @@ void Lines::end(Leg& leg, std::size_t i, const LaneVelocity& field, const Steppi
   }
   const std::lock_guard lock(mutex_);
   result_.work += done;
+  return is_over;
 }
 
+/// By the velocity alone.
 void Lines::carry(Rounds& rounds, std::span<const std::size_t> some) {
   const auto count = std::int64_t(some.size());
   const std::int64_t grain = std::clamp<std::int64_t>(count / (4 * threads_.count()), 16, 1024);
   threads_.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<Leg> legs(std::size_t(std::min<std::int64_t>(LaneBatch::lane_count, end - begin)));
+    std::vector<LaneLeg> legs(
+        std::size_t(std::min<std::int64_t>(LaneBatch::lane_count, end - begin)));
     run_lanes(
         here_, begin, end,
         [&](std::deque<LaneVelocity>& to) {
           to.emplace_back(here_, velocity_, nullptr, 0.0, 0.0, settings_.accuracy)
               .walk_by(beyond_.get());
         },
-        [&](std::int64_t item, std::size_t slot, LaneVelocity& field) {
-          return this->begin(legs[slot], some[std::size_t(item)], field, rounds);
+        [&](std::int64_t item, std::size_t slot, LaneVelocity& field) -> Stepping {
+          LaneLeg& leg = legs[slot];
+          const std::size_t i = some[std::size_t(item)];
+          if (!this->begin(leg, i, field, rounds, {}))
+            return {};
+          const Visitor visitor =
+              leg.vertices->is_even() ? Visitor(leg.vertices->even()) : Visitor(*leg.vertices);
+          return integration(field, settings_.integrator, time_of(particles_.ids[i]),
+                             settings_.length, leg.p, leg.work, visitor);
         },
         [&](std::int64_t item, std::size_t slot, const LaneVelocity& field,
             const Stepping& stepping) {
-          this->end(legs[slot], some[std::size_t(item)], field, stepping, rounds);
+          LaneLeg& leg = legs[slot];
+          this->end(leg, some[std::size_t(item)], rounds, [&](std::int64_t& cell) {
+            const insitu_ending ending = stepping.ending();
+            cell = field.cell();
+            return ending == INSITU_END_COUNT ? ending : leg.vertices->finish(leg.p, ending);
+          });
         });
   });
 }
 
+/// Under effects.
+void Lines::move(Rounds& rounds, std::span<const std::size_t> some) {
+  const auto count = std::int64_t(some.size());
+  const std::int64_t grain = std::clamp<std::int64_t>(count / (4 * threads_.count()), 16, 1024);
+  threads_.parallel_for(count, grain, [&](std::int64_t first, std::int64_t last) {
+    DriftVelocity field(here_, velocity_, nullptr, 0.0, 0.0, settings_.accuracy,
+                        setup_->effects.drifts);
+    field.walk_by(beyond_.get());
+    Mover<DriftVelocity> mover(*setup_, field, settings_.integrator, settings_.length);
+    MovedLeg leg;
+    for (std::int64_t item = first; item < last; ++item) {
+      const std::size_t i = some[std::size_t(item)];
+      const EffectWork before = mover.effect_work();
+      if (!begin(leg, i, field, rounds, before))
+        continue;
+      mover.take(&*leg.vertices);
+      Carried carried;
+      carried.id = particles_.ids[i];
+      carried.velocity.x = std::numeric_limits<double>::quiet_NaN();
+      const bool is_over = end(leg, i, rounds, [&](std::int64_t& cell) {
+        const insitu_ending ending =
+            mover.advance(leg.p, -1, carried, time_of(carried.id), leg.work);
+        cell = mover.cell();
+        return ending == INSITU_END_COUNT ? ending : leg.vertices->finish(leg.p, cell, ending);
+      });
+      if (!is_over)
+        mover.set_effect_work(leg.journey->is_marked() ? leg.journey->mark().mover.effects
+                                                       : before);
+    }
+  });
+}
+
 void Lines::sum_up() {
-  Counts counts = particles_.counts();
-  std::vector<std::int64_t> sums{counts.seeded, result_.work.steps, result_.work.rejected,
-                                 result_.work.forced, result_.work.evaluations};
-  const std::size_t first = sums.size();
-  sums.insert(sums.end(), counts.by_ending.begin(), counts.by_ending.end());
+  std::int64_t sums[] = {result_.work.steps, result_.work.rejected, result_.work.forced,
+                         result_.work.evaluations};
   across_.world.reduce(std::span(sums), parallel::Reduction::sum);
-  counts.seeded = sums[0];
-  result_.work = {sums[1], sums[2], sums[3], sums[4]};
-  std::copy(sums.begin() + std::ptrdiff_t(first), sums.end(), counts.by_ending.begin());
-  result_.counts = counts;
+  result_.work = {sums[0], sums[1], sums[2], sums[3]};
+  Counts here;
+  across_.world.agree_after([&] { here = particles_.counts(); });
+  result_.counts = counts_of_all(across_.world, here);
+  across_.world.agree_after([&] { check_counts(particles_, result_.counts); });
 }
 
 LinePieces Lines::run() {
   parallel::World& world = across_.world;
   std::vector<mesh::Box> own;
-  world.agree_after([&] { own = OwnBoxes::find(sampler_.mesh(), across_.homes, threads_); });
+  world.agree_after([&] {
+    if (settings_.effects.any())
+      setup_.emplace(settings_.effects, sampler_, threads_);
+    own = OwnBoxes::find(sampler_.mesh(), across_.homes, threads_);
+  });
+  share_effects(world, setup_);
   OtherCells others(world, own);
   here_ = sampler_.with_outlook(&others);
   Rounds rounds(across_, sampler_, settings_.accuracy, others, particles_, nullptr);
   world.agree_after([&] { beyond_ = CellsBeyond::worth(sampler_, particles_.seeded()); });
-  rounds.run([&](std::span<const std::size_t> some) { carry(rounds, some); },
+  rounds.run([&](std::span<const std::size_t> some) {
+        setup_ ? move(rounds, some) : carry(rounds, some);
+      },
              [&](const Vec3d& x, double t, Vec3d& v) {
-               MeshVelocity field(sampler_, velocity_, nullptr, 0.0, 0.0, settings_.accuracy);
+               DriftVelocity field(sampler_, velocity_, nullptr, 0.0, 0.0, settings_.accuracy,
+                                   settings_.effects.drifts);
                field.begin(-1);
                return field(x, t, v);
              });
@@ -218,10 +291,9 @@ LinePieces trace_lines_across(const Across& across, const query::Sampler& sample
   across.world.agree_after([&] {
     check_velocity(velocity);
     check_settings(settings.integrator);
+    check_line_effects(settings);
     if (sampler.chart())
       refuse("no streamlines in longitude and latitude");
-    if (settings.effects.any())
-      refuse("no effects on streamlines");
     steady.integrator = settings_for(velocity, settings.integrator);
     steady.integrator.ends_at_rest = true;
     for (const Vec3d& seed : seeds)

@@ -31,8 +31,8 @@ struct LinePieces {
   Work work;
 };
 
-/// Streamlines through a mesh that is spread over processes: see trace_streamlines(). Effects, and
-/// meshes in longitude and latitude, are refused (INSITU_ERROR_UNSUPPORTED). Collective; throws
+/// Streamlines through a mesh that is spread over processes: see trace_streamlines(). Meshes
+/// in longitude and latitude are refused (INSITU_ERROR_UNSUPPORTED). Collective; throws
 /// parallel::AgreedError.
 LinePieces trace_lines_across(const Across& across, const query::Sampler& sampler,
                               const mesh::FieldView& velocity, std::span<const math::Vec3d> seeds,

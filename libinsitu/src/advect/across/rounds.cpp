@@ -213,7 +213,8 @@ void Rounds::ask(Evaluate velocity) {
           Waiting& w = waiting_[std::size_t(answer.number)];
           if (w.holder < 0) { // the lowest, where cells overlap
             w.holder = parcel.rank;
-            w.knows_cell = answer.knows_cell;
+            // From a place in no cell it does not go on within a step.
+            w.knows_cell = answer.knows_cell && !(w.way.is_marked && w.way.mark.cell == -1);
             w.value = answer.value;
           }
         }

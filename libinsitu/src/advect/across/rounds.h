@@ -27,6 +27,16 @@ struct Across {
 void seed_across(Particles& particles, std::span<const math::Vec3d> points, double time,
                  const query::Sampler& sampler, insitu_accuracy accuracy, const Across& across);
 
+/// Living particles, but for fresh ones, go to the process that owns the cell that holds their
+/// place, if there is one. Collective; throws parallel::AgreedError.
+void bring_to_cells(Particles& particles, const query::Sampler& sampler, insitu_accuracy accuracy,
+                    const Across& across, const core::Threads& threads);
+
+/// The sum of what all processes have counted. Collective.
+Counts counts_of_all(parallel::World& world, const Counts& here);
+/// Throws Error(INSITU_ERROR_INTERNAL) unless all that was seeded is there.
+void check_counts(const Particles& here, const Counts& all);
+
 /// Takes the particles of all processes through one interval: each process moves those that it has
 /// until their cells are others' or a step asks for a place elsewhere; then they change process,
 /// and questions are answered; until an exact sum says that nobody moves or waits. Collective, on

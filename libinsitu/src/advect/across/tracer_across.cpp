@@ -61,6 +61,57 @@ void seed_across(Particles& particles, std::span<const math::Vec3d> points, doub
   }
 }
 
+void bring_to_cells(Particles& particles, const query::Sampler& sampler, insitu_accuracy accuracy,
+                    const Across& across, const core::Threads& threads) {
+  std::vector<mesh::Box> own;
+  across.world.agree_after([&] { own = OwnBoxes::find(sampler.mesh(), across.homes, threads); });
+  OtherCells others(across.world, own);
+  const query::Sampler here = sampler.with_outlook(&others);
+  Rounds rounds(across, sampler, accuracy, others, particles, nullptr);
+  const auto find = [&](std::size_t i) {
+    if (particles.endings[i] != INSITU_END_ALIVE || particles.fresh[i])
+      return; // what is fresh is where it is to be
+    OnTheWay way = rounds.way_of(i);
+    try {
+      const query::Location at = here.locate(particles.positions[i], -1, {accuracy});
+      if (at && !across.homes.is_own(at.cell)) {
+        way.mark.to = across.homes.name(at.cell);
+        rounds.moves(i, way);
+      }
+    } catch (const query::Elsewhere& at) {
+      rounds.waits(i, way, at);
+    }
+  };
+  rounds.run(
+      [&](std::span<const std::size_t> some) {
+        threads.parallel_for(std::int64_t(some.size()), 256,
+                             [&](std::int64_t begin, std::int64_t end) {
+                               for (const std::size_t i :
+                                    some.subspan(std::size_t(begin), std::size_t(end - begin)))
+                                 find(i);
+                             });
+      },
+      [](const math::Vec3d&, double, math::Vec3d&) { return Sampled::outside; });
+}
+
+Counts counts_of_all(parallel::World& world, const Counts& here) {
+  std::vector<std::int64_t> sums{here.seeded};
+  sums.insert(sums.end(), here.by_ending.begin(), here.by_ending.end());
+  world.reduce(std::span(sums), parallel::Reduction::sum);
+  Counts all;
+  all.seeded = sums[0];
+  std::copy(sums.begin() + 1, sums.end(), all.by_ending.begin());
+  return all;
+}
+
+void check_counts(const Particles& here, const Counts& all) {
+  if (all.seeded != here.seeded() || all.sum() != all.seeded)
+    throw core::Error(INSITU_ERROR_INTERNAL,
+                      "tracer: " + std::to_string(here.seeded()) +
+                          " particles were seeded, but all processes have " +
+                          std::to_string(all.sum()));
+}
+
 void Tracer::seed(std::span<const math::Vec3d> points, double time, const query::Sampler& sampler,
                   const Across& across) {
   seed_across(particles_, points, time, sampler, settings_.accuracy, across);
@@ -80,6 +131,20 @@ Advance Tracer::advance(const Across& across, const query::Sampler& sampler,
                      settings_, effects_, particles_);
   });
   return interval->run_across();
+}
+
+Counts Tracer::follow(const Across& across, const query::Sampler& sampler, bool same_cells,
+                      double t0, double t1, const core::Threads& threads, Snapshots* snapshots) {
+  parallel::World& world = across.world;
+  std::int64_t others = !same_cells;
+  world.reduce(std::span(&others, 1), parallel::Reduction::greatest);
+  if (others)
+    bring_to_cells(particles_, sampler, settings_.accuracy, across, threads);
+  Counts counts;
+  world.agree_after([&] { counts = follow(sampler, !others, t0, t1, threads, snapshots); });
+  counts = counts_of_all(world, counts);
+  world.agree_after([&] { check_counts(particles_, counts); });
+  return counts;
 }
 
 } // namespace insitu::advect

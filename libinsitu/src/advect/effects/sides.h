@@ -24,6 +24,7 @@ public:
       period_[a] = periodic[a] ? std::max(0.0, box.high[a] - box.low[a]) : 0.0;
   }
 
+  const Box& box() const { return box_; }
   bool is_periodic(int axis) const { return period_[axis] > 0.0; }
   bool any() const { return is_periodic(0) || is_periodic(1) || is_periodic(2); }
 

@@ -136,8 +136,12 @@ insitu_ending Mover<V>::touch(State& p, double to, Work& work) {
   } else {
     if (!find(p, c.at))
       return INSITU_END_LEFT; // the mesh has moved away from it
-    if (boundary_.response == AtBoundary::leave || boundary_.response == AtBoundary::stop)
-      return pass(p, c.at);
+  }
+  if (boundary_.response == AtBoundary::leave || boundary_.response == AtBoundary::stop) {
+    now_.contact = {c.at, false, false, {}, {}};
+    if (travels() && moves_on(Stage::touch, c.at.cell)) // it has the cells beside its sides
+      return INSITU_END_COUNT;
+    return pass(p, c.at);
   }
   do {
     if (travels()) {

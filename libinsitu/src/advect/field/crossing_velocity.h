@@ -44,6 +44,20 @@ public:
         between_(between) {}
 
   void walk_by(const CellsBeyond* beyond) { now_.walk_by(beyond); }
+  // On several processes the current cells are those between which the particle travels.
+  void travel_by(Journey* journey) requires(!is_chart) { now_.travel_by(journey); }
+  Journey* journey() const requires(!is_chart) { return now_.journey(); }
+  KeptVelocity keep() const requires(!is_chart) { return now_.keep(); }
+  void go_on_from(const KeptVelocity& kept) requires(!is_chart) {
+    now_.go_on_from(kept);
+    const WayMark& mark = journey()->mark();
+    in_now_ = mark.cell != -1;
+    then_.begin(-1); // what it held follows from the place
+    math::Vec3d u;
+    in_then_ = then_(mark.p.x, mark.p.time, u) != Sampled::outside;
+    if (in_then_)
+      then_.accepted();
+  }
   /// hint: a cell of either; only the time it takes depends on it.
   void begin(std::int64_t hint) {
     now_.begin(hint);

@@ -18,6 +18,15 @@ struct RecorderMark {
   math::Vec3d last;
   double last_time = 0.0;
   double begin = 0.0, travelled = 0.0; ///< of a line's even distances
+  /// Of a line under effects: where it was, how long it was then, since which vertex distances are
+  /// even, and where it may turn.
+  struct Moved {
+    math::Vec3d at;
+    double time = 0.0, length = 0.0;
+    std::uint64_t evens_from = 0;
+    bool bends = false;
+    math::Vec3d bend;
+  } moved = {};
 };
 
 /// What another process has at a place and a time.
@@ -163,7 +172,7 @@ private:
       mover_->mark(mark_.mover);
     mark_.cell = cell;
     is_marked_ = true;
-    if (cell >= 0 && homes_->is_own(cell))
+    if (cell == -1 || (cell >= 0 && homes_->is_own(cell))) // in no cell it stays where it is
       return stays_ = false;
     stays_ = stays_ && !has_moved;
     return !stays_;

@@ -57,7 +57,7 @@ insitu_ending Interval::store(std::size_t i, const State& p, std::int64_t cell,
   const double t1 = asked_.t1, seeded = particles_.seeding_times[i];
   if (ending == INSITU_END_ALIVE && !is_before(t1, at_age(seeded, settings_.duration)))
     ending = INSITU_END_EXPIRED;
-  if (ending == INSITU_END_ALIVE && crosses_ && cell < 0)
+  if (ending == INSITU_END_ALIVE && crosses_ && cell == -1)
     ending = is_before(seeded, t1) ? INSITU_END_LEFT // where there were cells before
                                    : INSITU_END_SEED_OUTSIDE;
   if (ending == INSITU_END_ALIVE && effects_.removes) {

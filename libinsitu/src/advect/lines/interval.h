@@ -67,8 +67,8 @@ private:
   /// CrossingVelocity.
   template <class V>
   V crossing(Between what) const {
-    return V(asked_.sampler, asked_.velocity, *asked_.before, asked_.t0, asked_.t1,
-             settings_.accuracy, effects_.drifts, what);
+    return V(here_, asked_.velocity, *asked_.before, asked_.t0, asked_.t1, settings_.accuracy,
+             effects_.drifts, what);
   }
 
   // On several processes: interval_across.cpp.
@@ -76,7 +76,9 @@ private:
   template <class V>
   struct Leg;
   void lanes_across(Rounds& rounds, std::span<const std::size_t> particles);
-  void effects_across(Rounds& rounds, std::span<const std::size_t> particles);
+  template <class Make>
+  void effects_across(Rounds& rounds, std::span<const std::size_t> particles, Make&& make);
+  void crossing_across(Rounds& rounds, std::span<const std::size_t> particles);
   template <class V>
   void begin_leg(Leg<V>& leg, std::size_t i, V& velocity, const Rounds& rounds,
                  const EffectWork& effects);

@@ -1,6 +1,7 @@
 // Particles on several processes: see Interval.
 #include <algorithm>
 
+#include "advect/across/effects_across.h"
 #include "advect/across/exits_across.h"
 #include "advect/integrate/integrations.h"
 #include "advect/lanes/lanes.h"
@@ -29,10 +30,6 @@ void Interval::refuse_across() const {
   };
   if (asked_.sampler.chart())
     refuse("no particles in longitude and latitude");
-  if (crosses_)
-    refuse("particles do not go on to other cells");
-  if (effects_.boundary && effects_.boundary->any_periodic())
-    refuse("no periodic sides");
 }
 
 template <class V>
@@ -48,7 +45,8 @@ void Interval::begin_leg(Leg<V>& leg, std::size_t i, V& velocity, const Rounds& 
     leg.p = mark.p;
   velocity.begin(particles_.cells[i]);
   if (asked_.snapshots) {
-    leg.taker.emplace(*asked_.snapshots, i, leg.p, velocity, here_, settings_.accuracy, no_sides_);
+    leg.taker.emplace(*asked_.snapshots, i, leg.p, velocity, here_, settings_.accuracy,
+                      setup_ ? setup_->sides : no_sides_);
     if (leg.way.is_marked)
       leg.taker->go_on_from(mark.recorder);
   }
@@ -137,16 +135,17 @@ void Interval::lanes_across(Rounds& rounds, std::span<const std::size_t> particl
   });
 }
 
-/// One by one, under effects.
-void Interval::effects_across(Rounds& rounds, std::span<const std::size_t> particles) {
+/// One by one, under effects; make() gives a velocity.
+template <class Make>
+void Interval::effects_across(Rounds& rounds, std::span<const std::size_t> particles, Make&& make) {
+  using V = decltype(make());
   const auto count = std::int64_t(particles.size());
   asked_.threads.parallel_for(count, grain_, [&](std::int64_t begin, std::int64_t end) {
     Work done;
-    DriftVelocity velocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
-                           settings_.accuracy, effects_.drifts);
+    V velocity = make();
     velocity.walk_by(beyond_.get());
-    Mover<DriftVelocity> mover(*setup_, velocity, integrator_, settings_.length);
-    Leg<DriftVelocity> leg;
+    Mover<V> mover(*setup_, velocity, integrator_, settings_.length);
+    Leg<V> leg;
     for (std::int64_t item = begin; item < end; ++item) {
       const std::size_t i = particles[std::size_t(item)];
       const EffectWork before = mover.effect_work();
@@ -156,12 +155,16 @@ void Interval::effects_across(Rounds& rounds, std::span<const std::size_t> parti
       mover.take(leg.taker ? &*leg.taker : nullptr);
       Carried carried = particles_.carried(i);
       const bool is_over = end_leg(leg, i, velocity, rounds, done, [&](std::int64_t& cell) {
+        if (crosses_ && !leg.way.is_marked && !effects_.inertia &&
+            !here_.locate(leg.p.x, -1, {settings_.accuracy}))
+          throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                            "tracer: no effects on a particle that no cell holds yet on a mesh "
+                            "that is spread over processes");
         const insitu_ending ending =
             mover.advance(leg.p, particles_.cells[i], carried, leg.to, leg.work);
         cell = mover.cell();
         return ending;
       });
-      // What was done since the mark is done again.
       const bool is_marked = leg.journey->is_marked();
       if (!is_over)
         mover.set_effect_work(is_marked ? leg.journey->mark().mover.effects : before);
@@ -174,37 +177,53 @@ void Interval::effects_across(Rounds& rounds, std::span<const std::size_t> parti
   });
 }
 
+/// One by one, by the flow between steps on different cells.
+void Interval::crossing_across(Rounds& rounds, std::span<const std::size_t> particles) {
+  using V = CrossingVelocity<DriftVelocity>;
+  const auto count = std::int64_t(particles.size());
+  asked_.threads.parallel_for(count, grain_, [&](std::int64_t begin, std::int64_t end) {
+    Work done;
+    V velocity = crossing<V>(Between::either);
+    velocity.walk_by(beyond_.get());
+    Leg<V> leg;
+    for (std::int64_t item = begin; item < end; ++item) {
+      const std::size_t i = particles[std::size_t(item)];
+      begin_leg(leg, i, velocity, rounds, {});
+      if (!leg.moves)
+        continue;
+      const Visitor visitor = leg.taker ? Visitor(*leg.taker) : Visitor();
+      end_leg(leg, i, velocity, rounds, done, [&](std::int64_t& cell) {
+        Stepping stepping =
+            integration(velocity, integrator_, leg.to, settings_.length, leg.p, leg.work, visitor);
+        stepping.resume();
+        const insitu_ending ending = stepping.ending();
+        cell = velocity.cell();
+        if (leg.taker && ending != INSITU_END_COUNT)
+          leg.taker->straight(leg.p);
+        return ending;
+      });
+    }
+    const std::lock_guard lock(left_mutex_);
+    result_.work += done;
+  });
+}
+
 /// Of all processes.
 void Interval::sum_up() {
   parallel::World& world = asked_.across->world;
-  Counts& counts = result_.counts;
-  world.agree_after([&] { counts = particles_.counts(); });
-  std::vector<std::int64_t> sums{counts.seeded,
-                                 result_.work.steps,
-                                 result_.work.rejected,
-                                 result_.work.forced,
-                                 result_.work.evaluations,
-                                 result_.effects.walk_steps,
-                                 result_.effects.contacts,
-                                 result_.effects.pinned,
-                                 result_.travel.hops,
-                                 result_.travel.questions,
-                                 result_.travel.bytes};
-  const std::size_t first = sums.size();
-  sums.insert(sums.end(), counts.by_ending.begin(), counts.by_ending.end());
+  Counts here;
+  world.agree_after([&] { here = particles_.counts(); });
+  std::int64_t sums[] = {result_.work.steps,        result_.work.rejected,
+                         result_.work.forced,       result_.work.evaluations,
+                         result_.effects.walk_steps, result_.effects.contacts,
+                         result_.effects.pinned,    result_.travel.hops,
+                         result_.travel.questions,  result_.travel.bytes};
   world.reduce(std::span(sums), parallel::Reduction::sum);
-  counts.seeded = sums[0];
-  result_.work = {sums[1], sums[2], sums[3], sums[4]};
-  result_.effects = {sums[5], sums[6], sums[7]};
-  result_.travel = {sums[8], sums[9], result_.travel.rounds, sums[10]};
-  std::copy(sums.begin() + std::ptrdiff_t(first), sums.end(), counts.by_ending.begin());
-  world.agree_after([&] {
-    if (counts.seeded != particles_.seeded() || counts.sum() != counts.seeded)
-      throw core::Error(INSITU_ERROR_INTERNAL,
-                        "tracer: " + std::to_string(particles_.seeded()) +
-                            " particles were seeded, but all processes have " +
-                            std::to_string(counts.sum()));
-  });
+  result_.work = {sums[0], sums[1], sums[2], sums[3]};
+  result_.effects = {sums[4], sums[5], sums[6]};
+  result_.travel = {sums[7], sums[8], result_.travel.rounds, sums[9]};
+  result_.counts = counts_of_all(world, here);
+  world.agree_after([&] { check_counts(particles_, result_.counts); });
 }
 
 Advance Interval::run_across() {
@@ -212,6 +231,8 @@ Advance Interval::run_across() {
   std::vector<mesh::Box> own;
   world.agree_after([&] {
     refuse_across();
+    if (crosses_) // they are of the cells before
+      std::ranges::fill(particles_.cells, std::int64_t(-1));
     own = OwnBoxes::find(asked_.sampler.mesh(), asked_.across->homes, asked_.threads);
   });
   OtherCells others(world, own);
@@ -222,18 +243,28 @@ Advance Interval::run_across() {
                 asked_.snapshots);
   world.agree_after([&] {
     beyond_ = CellsBeyond::worth(asked_.sampler, particles);
-    note(MeshVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
-                      settings_.accuracy));
+    if (crosses_)
+      note(crossing<CrossingVelocity<DriftVelocity>>(Between::either));
+    else
+      note(MeshVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
+                        settings_.accuracy));
   });
-  // A process without cells may lack the fields of effects.
-  const math::Vec3d coefficient = setup_ ? setup_->largest : math::Vec3d{};
-  double largest[] = {coefficient.x, coefficient.y, coefficient.z};
-  world.reduce(std::span(largest), parallel::Reduction::greatest);
-  if (setup_)
-    setup_->largest = {largest[0], largest[1], largest[2]};
+  share_effects(world, setup_);
   rounds.run(
       [&](std::span<const std::size_t> some) {
-        setup_ ? effects_across(rounds, some) : lanes_across(rounds, some);
+        if (crosses_ && setup_)
+          effects_across(rounds, some, [&] {
+            return crossing<CrossingVelocity<DriftVelocity>>(Between::current);
+          });
+        else if (crosses_)
+          crossing_across(rounds, some);
+        else if (setup_)
+          effects_across(rounds, some, [&] {
+            return DriftVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
+                                 settings_.accuracy, effects_.drifts);
+          });
+        else
+          lanes_across(rounds, some);
       },
       [&](const math::Vec3d& x, double t, math::Vec3d& v) {
         DriftVelocity velocity(asked_.sampler, asked_.velocity, asked_.earlier, asked_.t0,

@@ -21,8 +21,26 @@ public:
       : velocity_(velocity), sampler_(sampler), settings_(settings), sides_(sides),
         vertices_(vertices), put_(velocity, sampler, settings, vertices) {}
 
+  RecorderMark mark() const override {
+    RecorderMark mark = put_.mark();
+    mark.moved = {last_, last_time_, last_length_, evens_from_, bends_, bend_};
+    return mark;
+  }
+  /// See LineVertices.
+  void go_on_from(const RecorderMark& mark) {
+    put_.go_on_from(mark);
+    last_ = mark.moved.at;
+    last_time_ = mark.moved.time;
+    last_length_ = mark.moved.length;
+    evens_from_ = mark.moved.evens_from;
+    bends_ = mark.moved.bends;
+    bend_ = mark.moved.bend;
+    is_over_ = false;
+  }
+  std::uint64_t first() const { return put_.first(); }
+
   void operator()(const State& p) override {
-    if (vertices_.empty()) {
+    if (put_.count() == 0) {
       put_.is_even() ? put_.even()(p) : put_(p);
       is_over_ = removes(velocity_.position(p.x), p.time);
     }
@@ -43,7 +61,7 @@ public:
         [&](double part) { return path.step() * path.speed(part); });
   }
   void straight(const State& p) override {
-    if (vertices_.empty())
+    if (put_.count() == 0)
       return; // seeded outside
     bend();
     const Vec3d to = point_of(p.x);
@@ -55,8 +73,8 @@ public:
       follow_way(way, part, begin, at, part * length);
       if (is_over_)
         return;
-      if (vertices_.back().time == at)
-        vertices_.back().point = velocity_.in_frame(before);
+      if (put_.last_time() == at)
+        put_.replace_last(located(velocity_.in_frame(before), at));
       else
         vertex(velocity_.in_frame(before), at);
       vertex(velocity_.in_frame(after), at);
@@ -65,7 +83,7 @@ public:
       way = Way(velocity_.space(), sides_, after, to);
     }
     follow_way(way, 1.0, begin, p.time, length);
-    bends_ = !is_over_ && !put_.is_even() && p.time != vertices_.back().time;
+    bends_ = !is_over_ && !put_.is_even() && p.time != put_.last_time();
     bend_ = velocity_.position(p.x);
     note(p);
   }
@@ -78,13 +96,13 @@ public:
   insitu_ending finish(const State& p, std::int64_t cell, insitu_ending ending) {
     if (is_over_)
       return INSITU_END_REMOVED;
-    if (vertices_.empty())
+    if (put_.count() == 0)
       return ending;
     const LineVertex end{velocity_.position(p.x), p.time, cell};
-    const bool near = put_.is_even() && vertices_.size() > std::max<std::size_t>(1, evens_from_) &&
+    const bool near = put_.is_even() && put_.count() > std::max<std::uint64_t>(1, evens_from_) &&
                       put_.even().since_last(p) < 1e-3;
-    if (near || vertices_.back().time == p.time)
-      vertices_.back() = end;
+    if (near || put_.last_time() == p.time)
+      put_.replace_last(end);
     else
       vertices_.push_back(end);
     return ending == INSITU_END_ALIVE ? INSITU_END_EXPIRED : ending;
@@ -149,7 +167,10 @@ private:
   }
   void vertex(const Vec3d& x, double time) {
     put_(x, time);
-    evens_from_ = vertices_.size();
+    evens_from_ = put_.count();
+  }
+  LineVertex located(const Vec3d& x, double time) const {
+    return {x, time, sampler_.locate(x, velocity_.cell(), {settings_.accuracy}).cell};
   }
   Vec3d point_of(const Vec3d& x) const {
     Vec3d point = x;
@@ -168,7 +189,7 @@ private:
   const Sides& sides_;
   std::vector<LineVertex>& vertices_;
   LineVertices<V> put_;
-  std::size_t evens_from_ = 0; ///< the vertices from here on are at even distances
+  std::uint64_t evens_from_ = 0; ///< the vertices from here on are at even distances
   bool is_over_ = false;
   Vec3d last_; ///< where it was last, among the cells
   double last_time_ = 0.0, last_length_ = 0.0;

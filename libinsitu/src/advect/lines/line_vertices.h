@@ -36,7 +36,7 @@ public:
 
   RecorderMark mark() const override {
     const auto even = even_.keep();
-    return {count(), std::uint64_t(even.count), last_, last_time_, even.begin, even.travelled};
+    return {count(), std::uint64_t(even.count), last_, last_time_, even.begin, even.travelled, {}};
   }
   /// Goes on from a mark of the same line, whose vertices so far are elsewhere but for those that
   /// this object has of them; what came here since is taken back.
@@ -50,6 +50,18 @@ public:
   }
   /// The number on the line of the first vertex here.
   std::uint64_t first() const { return first_; }
+  /// The vertices of the line so far, wherever they are, and the time of the last.
+  std::uint64_t count() const { return first_ + vertices_.size(); }
+  double last_time() const { return last_time_; }
+  /// The last vertex becomes this one.
+  void replace_last(const LineVertex& by) {
+    if (vertices_.empty())
+      --first_; // in the place of one that is elsewhere
+    else
+      vertices_.pop_back();
+    vertices_.push_back(by);
+    last_time_ = by.time;
+  }
 
   /// As visitor of integrate().
   void operator()(const State& s) {
@@ -69,11 +81,7 @@ public:
       if (count() > 0 && p.x != last_)
         add(p);
     } else if (count() > 1 && even_.since_last(p) < 1e-3) {
-      if (vertices_.empty())
-        --first_; // in the place of one that is elsewhere
-      else
-        vertices_.pop_back();
-      add(p);
+      replace_last({velocity_.position(p.x), p.time, velocity_.cell()});
     } else if (count() > 0 && p.time != last_time_) {
       add(p);
     }
@@ -81,7 +89,6 @@ public:
   }
 
 private:
-  std::uint64_t count() const { return first_ + vertices_.size(); }
   void add(const State& s) {
     vertices_.push_back({velocity_.position(s.x), s.time, velocity_.cell()});
     last_ = s.x;

@@ -4,14 +4,19 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "accel/tree/tree.h"
 #include "cells/checks/odd_cells.h"
 #include "commit/standins/stand_in.h"
 #include "core/parallel.h"
+#include "mesh/box.h"
 #include "mesh/registered/cells_copy.h"
 #include "mesh/registered/earlier_step.h"
+#include "parallel/bytes.h"
+#include "parallel/world.h"
 #include "query/chart_image.h"
+#include "query/elsewhere.h"
 #include "query/on_demand.h"
 #include "query/sampler.h"
 
@@ -38,6 +43,23 @@ public:
   /// Of cells that were made (StandIn::is_made), which nothing moves.
   EarlierMesh(mesh::TakenStep step, std::unique_ptr<StandIn> made, accel::Tree tree,
               std::uint64_t topology_version, const core::Threads& threads);
+  /// Of several processes: this one's own cells, which are its first, and their global ids, if they
+  /// have any.
+  struct Own {
+    std::int64_t cells = 0;
+    std::vector<std::int64_t> global;
+  };
+  void set_own(Own own) { own_ = std::move(own); }
+  /// Collective, after a change of topology: the cells of the step of all processes, also of those
+  /// that had none, that lie where this one has cells now (their tree) or had some, in the order of
+  /// their names, so that of several cells that hold a place the same one counts as in one process.
+  /// Who asks it for a place beyond them that another process may have had gets
+  /// Error(INSITU_ERROR_UNSUPPORTED). here: this process's step, or null. Throws
+  /// parallel::AgreedError. Null, on all processes, if none has a step.
+  static std::unique_ptr<EarlierMesh> gathered(const EarlierMesh* here, const accel::Tree& now,
+                                               parallel::World& world, core::Memory& memory,
+                                               const core::Threads& threads);
+
   /// Of a checkpoint; its topology_version() is 0. Null if the step was kept without its cells, or
   /// does not fit them.
   static std::unique_ptr<EarlierMesh> restored(const mesh::EarlierStep& step, mesh::CellsCopy cells,
@@ -46,14 +68,15 @@ public:
 
   /// Its counts are no mesh's.
   query::Sampler sampler() const {
-    return {*view_,
-            tree_,
-            nullptr,
-            nullptr,
-            made_ ? made_->locator() : nullptr,
-            chart_ ? &*chart_ : nullptr,
-            nullptr,
-            made_ ? nullptr : &on_demand_};
+    return query::Sampler{*view_,
+                          tree_,
+                          nullptr,
+                          nullptr,
+                          made_ ? made_->locator() : nullptr,
+                          chart_ ? &*chart_ : nullptr,
+                          nullptr,
+                          made_ ? nullptr : &on_demand_}
+        .with_outlook(beyond_.get());
   }
   /// A field on these cells, if it was kept.
   std::optional<mesh::FieldView> field(const std::string& name) const;
@@ -74,6 +97,9 @@ private:
     int threads_ = 1;
   };
 
+  class Beyond;
+  void write_cells(std::span<const mesh::Box> boxes, parallel::ByteWriter& to) const;
+
   mesh::TakenStep step_;
   std::optional<mesh::CellsCopy> cells_; ///< not of cells that were made
   std::unique_ptr<StandIn> made_;
@@ -85,6 +111,8 @@ private:
   Fit fit_{*this};
   std::optional<query::SoundCells> sound_; ///< not of cells that were made
   query::OnDemand on_demand_;
+  Own own_;
+  std::shared_ptr<const query::Outlook> beyond_; ///< of cells that were gathered
 };
 
 } // namespace insitu::commit

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -21,18 +22,24 @@ class CommittedMesh;
 
 using mesh::CellName;
 
+/// The axes along which what leaves the box of a mesh comes in at the opposite side.
+using PeriodicAxes = std::array<bool, 3>;
+
 /// The cells of other processes that touch this process's cells: copies of their vertices, global
 /// ids and fields, as pieces of the mesh behind the solver's own. They exist and do not own points,
 /// so a mesh with its halo has at its seams what the whole mesh has there. Cells touch here if
 /// their boxes do, rounded outwards to floats: more than needed, never less. What of a mesh is
-/// borrowed here and lent to others stays the same until the cells of a process change.
+/// borrowed here and lent to others stays the same until the cells of a process change. Over
+/// periodic sides cells touch, too, that would if one of them were a period further on, give or
+/// take a quarter of a cell, by which sides that move may come apart.
 class Halo final : public mesh::HaloPieces {
 public:
   explicit Halo(core::Memory& memory) : memory_(&memory) {}
 
   /// Collective, of a committed mesh without a stand-in: finds the cells and copies their vertices.
   /// The mesh's views are of the halo before until its next update().
-  void find(const CommittedMesh& mesh, parallel::World& world);
+  /// sides: the axes along which the mesh's box is periodic, alike on all processes.
+  void find(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::World& world);
   /// Collective: copies the vertices again, which moved. Throws parallel::AgreedError, as all here.
   void refresh_points(const CommittedMesh& mesh, parallel::World& world);
   /// Collective: copies the values of all fields.
@@ -89,8 +96,8 @@ private:
     mesh::PieceView view();
   };
 
-  std::vector<std::vector<std::int64_t>> touching_cells(const CommittedMesh& mesh,
-                                                        parallel::World& world);
+  std::vector<std::vector<std::int64_t>>
+  touching_cells(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::World& world);
   void lend(const CommittedMesh& mesh, const std::vector<std::vector<std::int64_t>>& cells,
             std::vector<parallel::ByteWriter>& to);
   void borrow(int rank, parallel::ByteReader& from);

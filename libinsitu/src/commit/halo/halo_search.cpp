@@ -1,13 +1,17 @@
 /// Which cells of this process touch which other process's.
 #include <algorithm>
+#include <functional>
+#include <limits>
 
 #include "commit/committed_mesh.h"
+#include "commit/halo/cells_near.h"
 #include "commit/halo/halo.h"
 #include "query/batch/candidates.h"
 #include "query/point_query.h"
 
 namespace insitu::commit {
 
+using math::Vec3d;
 using parallel::ByteReader;
 using parallel::ByteWriter;
 
@@ -55,9 +59,71 @@ mesh::Box box_of_cell(const mesh::MeshView& view, std::int64_t flat) {
   return mesh::box_of(cell);
 }
 
-/// The cells of this process near another one's, ascending.
+/// A way over periodic sides: a cell touches another one's if it does so moved by that. Its box is
+/// widened by a part of its size.
+struct Shift {
+  Vec3d by;
+  double widening = 0.0;
+
+  mesh::Box operator()(const mesh::Box& box) const {
+    const Vec3d wider = widening * box.size();
+    return {box.low + by - wider, box.high + by + wider};
+  }
+};
+
+/// The size of the box of all processes' cells. Collective.
+Vec3d size_of_all(const mesh::MeshView& view, parallel::World& world) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  mesh::Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (std::int64_t flat = 0; flat < view.own_cell_count(); ++flat) {
+    const std::int32_t piece = view.piece_of(flat);
+    if (view.pieces[piece].exists(flat - view.first_cell[piece]))
+      box.extend(box_of_cell(view, flat));
+  }
+  double ends[] = {box.high.x, box.high.y, box.high.z, -box.low.x, -box.low.y, -box.low.z};
+  world.reduce(std::span(ends), parallel::Reduction::greatest);
+  return {ends[0] + ends[3], ends[1] + ends[4], ends[2] + ends[5]};
+}
+
+/// None, and those of a period along some of the axes. Collective.
+std::vector<Shift> shifts_over(const PeriodicAxes& sides, const mesh::MeshView& view,
+                               parallel::World& world) {
+  std::vector<Shift> shifts{{{}, 0.0}};
+  if (std::ranges::none_of(sides, std::identity()))
+    return shifts;
+  const Vec3d period = size_of_all(view, world);
+  const auto steps = [&](int axis) {
+    return sides[std::size_t(axis)] && period[axis] > 0.0 ? std::vector<double>{0.0, 1.0, -1.0}
+                                                          : std::vector<double>{0.0};
+  };
+  for (const double x : steps(0))
+    for (const double y : steps(1))
+      for (const double z : steps(2))
+        if (x != 0.0 || y != 0.0 || z != 0.0)
+          shifts.push_back({{x * period.x, y * period.y, z * period.z}, 0.25});
+  return shifts;
+}
+
+/// Whether a cell of this process touches the box.
+bool touches(const mesh::MeshView& view, const accel::Tree& tree, const mesh::Box& box) {
+  return visit_cells(view, tree, box,
+                     [&](std::int64_t flat) { return mesh::meet(box_of_cell(view, flat), box); });
+}
+
+/// The cells of this process that, moved so, are near another one's, ascending.
 std::vector<std::int64_t> near(const mesh::MeshView& view, const accel::Tree& tree,
-                               std::span<const mesh::Box> boxes) {
+                               std::span<const mesh::Box> boxes, const Shift& shift) {
+  const Shift back{-shift.by, 1e-6 * (shift.widening > 0.0)}; // a period is rounded
+  std::vector<mesh::Box> moved;
+  for (const mesh::Box& box : boxes)
+    moved.push_back(back(box));
+  return cells_near(view, tree, moved);
+}
+
+} // namespace
+
+std::vector<std::int64_t> cells_near(const mesh::MeshView& view, const accel::Tree& tree,
+                                     std::span<const mesh::Box> boxes) {
   std::vector<std::int64_t> cells;
   for (const mesh::Box& box : boxes)
     visit_cells(view, tree, box, [&](std::int64_t flat) {
@@ -69,33 +135,29 @@ std::vector<std::int64_t> near(const mesh::MeshView& view, const accel::Tree& tr
   return cells;
 }
 
-/// Whether a cell of this process touches the box.
-bool touches(const mesh::MeshView& view, const accel::Tree& tree, const mesh::Box& box) {
-  return visit_cells(view, tree, box,
-                     [&](std::int64_t flat) { return mesh::meet(box_of_cell(view, flat), box); });
-}
-
-} // namespace
-
 /// First each process tells the boxes of its cells that lie near another's; this one says by a bit
 /// each which it touches. Returns, of each process, the cells that it touches here.
-std::vector<std::vector<std::int64_t>> Halo::touching_cells(const CommittedMesh& mesh,
-                                                            parallel::World& world) {
+std::vector<std::vector<std::int64_t>>
+Halo::touching_cells(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::World& world) {
   const mesh::MeshView& view = mesh.mesh().own_view();
   const accel::Tree& tree = mesh.standing_tree();
   const auto processes = std::size_t(world.size());
   std::vector<std::vector<std::int64_t>> cells(processes);
   std::vector<std::vector<std::uint8_t>> wanted(processes); // of each other process's boxes
+  const std::vector<Shift> shifts = shifts_over(sides, view, world);
   swap(
       world,
       [&](std::vector<ByteWriter>& to) {
-        for (int r = 0; r < world.size(); ++r) {
-          if (r == world.rank() || !directory_.may_touch(world.rank(), r))
-            continue;
-          cells[std::size_t(r)] = near(view, tree, directory_.boxes(r));
-          for (const std::int64_t flat : cells[std::size_t(r)])
-            to[std::size_t(r)].value(outwards(box_of_cell(view, flat)));
-        }
+        for (int r = 0; r < world.size(); ++r)
+          for (const Shift& shift : shifts) {
+            if (r == world.rank() ||
+                (&shift == shifts.data() && !directory_.may_touch(world.rank(), r)))
+              continue;
+            for (const std::int64_t flat : near(view, tree, directory_.boxes(r), shift)) {
+              cells[std::size_t(r)].push_back(flat);
+              to[std::size_t(r)].value(outwards(shift(box_of_cell(view, flat))));
+            }
+          }
       },
       [&](int rank, ByteReader& from) {
         std::vector<std::uint8_t>& bits = wanted[std::size_t(rank)];
@@ -121,6 +183,8 @@ std::vector<std::vector<std::int64_t>> Halo::touching_cells(const CommittedMesh&
           if (bits[i / 8] >> (i % 8) & 1)
             mine[kept++] = mine[i];
         mine.resize(kept);
+        std::ranges::sort(mine);
+        mine.erase(std::unique(mine.begin(), mine.end()), mine.end());
       });
   return cells;
 }

@@ -64,6 +64,8 @@ public:
   virtual std::optional<advect::Counts> particles() const { return std::nullopt; }
   /// Of several processes, the share of this one: the sum over all is particles().
   virtual std::optional<advect::Counts> particles_here() const { return particles(); }
+  /// Returns the axes of the mesh's box over whose sides the action's particles come in again.
+  virtual commit::PeriodicAxes periodic_axes() const { return {}; }
   /// Returns the fields whose earlier steps the action needs at the next cycle.
   virtual std::vector<mesh::KeptField> needs_earlier() const { return {}; }
   /// Returns whether these earlier steps serve the action over a change of topology as well.

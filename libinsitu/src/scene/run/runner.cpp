@@ -120,6 +120,10 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   };
   note_cycle(cycle);
   for (commit::CommittedMesh* mesh : meshes)
+    for (const auto& action : actions_)
+      if (action->is_of(*mesh, meshes)) // before any action asks for a halo
+        mesh->join_sides(action->periodic_axes());
+  for (commit::CommittedMesh* mesh : meshes)
     if (mesh->halo()) // what an action has asked for, all see: none of an earlier step
       mesh->update_halo(world, environment_.context.threads, environment_.context.log);
   take_up_meshes(meshes);

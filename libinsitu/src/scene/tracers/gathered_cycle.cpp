@@ -62,15 +62,18 @@ GatheredCycle::GatheredCycle(ParticleCycle& here, bool all, parallel::World& wor
   std::vector<std::byte> mine;
   Parts parts;
   const std::size_t times = here.times().size();
+  const advect::Particles& p = here.particles();
+  std::vector<std::size_t> indices;
   world.agree_after([&] {
-    const advect::Particles& p = here.particles();
-    std::vector<std::size_t> indices;
     for (std::size_t i = 0; i < p.size(); ++i)
       if (p.endings[i] != advect::Particles::gone && (all || p.endings[i] != INSITU_END_ALIVE))
         indices.push_back(i);
+    all_ = here.rows(indices);
+  });
+  here.add_values_of_others(indices, all_, world);
+  world.agree_after([&] {
     ByteWriter to;
-    const TrackRows& rows = here.rows(indices);
-    all_ = rows;
+    const TrackRows& rows = all_;
     to.value(std::int64_t(indices.size()));
     for (std::size_t r = 0; r < indices.size(); ++r)
       to.value(Packed{rows.rows[r], p.record(indices[r])});

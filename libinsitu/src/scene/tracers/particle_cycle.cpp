@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "advect/field/owners.h"
+#include "commit/halo/everywhere.h"
 
 namespace insitu::scene {
 
@@ -126,6 +127,48 @@ TrackRows ParticleCycle::make_rows(const std::vector<std::size_t>& indices) cons
   }
   add_geodesics(out, [&](std::size_t r, double* to) { geodesics().put(out.rows[r].particle, to); });
   return out;
+}
+
+void ParticleCycle::add_values_of_others(const std::vector<std::size_t>& indices, TrackRows& rows,
+                                         parallel::World& world) const {
+  std::vector<std::string> names;
+  std::vector<std::size_t> of; // rows
+  std::vector<math::Vec3d> points;
+  world.agree_after([&] {
+    for (const mesh::FieldView& field : fields())
+      names.emplace_back(field.name);
+    if (names.empty())
+      return;
+    std::vector<std::size_t> ended, its_rows;
+    for (std::size_t r = 0; r < indices.size(); ++r)
+      if (particles().endings[indices[r]] != INSITU_END_ALIVE) {
+        ended.push_back(indices[r]);
+        its_rows.push_back(r);
+      }
+    const std::vector<query::Location> at = places(ended);
+    for (std::size_t k = 0; k < ended.size(); ++k)
+      if (!at[k]) {
+        of.push_back(its_rows[k]);
+        points.push_back(particles().positions[ended[k]]);
+      }
+  });
+  std::int64_t any = !points.empty();
+  world.reduce(std::span(&any, 1), parallel::Reduction::greatest);
+  if (!any)
+    return;
+  query::LocateOptions options;
+  options.accuracy = moved_.tracer.accuracy();
+  commit::Everywhere all(mesh_, world);
+  all.sample(points, names, options, moved_.tracer.threads(),
+             [&](std::size_t first, std::span<const commit::OwnerOfAll> owners,
+                 std::span<const double> values) {
+               const std::size_t width = values.size() / owners.size();
+               for (std::size_t k = 0; k < owners.size(); ++k)
+                 if (owners[k])
+                   std::copy_n(values.begin() + std::ptrdiff_t(k * width), width,
+                               rows.values.begin() +
+                                   std::ptrdiff_t(of[first + k] * rows.columns.size()));
+             });
 }
 
 } // namespace insitu::scene

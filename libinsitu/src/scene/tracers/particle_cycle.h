@@ -47,6 +47,10 @@ public:
   const advect::Snapshots& snapshots() const override { return *moved_.snapshots; }
   const TrackRows& rows_at(std::size_t k) override;
   const TrackRows& rows(const std::vector<std::size_t>& indices) override;
+  /// Rows of these particles get the values that other processes have where the mesh has left the
+  /// places of particles that ended here. Collective; throws parallel::AgreedError.
+  void add_values_of_others(const std::vector<std::size_t>& indices, TrackRows& rows,
+                            parallel::World& world) const;
 
 private:
   TrackRows no_rows() const;

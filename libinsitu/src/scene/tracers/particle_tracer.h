@@ -104,6 +104,9 @@ private:
                       const advect::Across& across);
   void advance_across(commit::CommittedMesh& mesh, const mesh::FieldView& velocity,
                       const Step& step, const advect::Across& across);
+  void gather_cells_before(const commit::CommittedMesh& mesh, const Step& step);
+  void follow_across(const commit::CommittedMesh& mesh, const Step& step,
+                     const advect::Across& across);
   void write_across(const commit::CommittedMesh& mesh, const Step& step, bool due);
 
   advect::Tracer particles_;
@@ -136,6 +139,8 @@ private:
   std::shared_ptr<const KeptCells> kept_cells_; ///< null: the mesh was not in the checkpoint
   // Of all processes, where there are several.
   advect::Counts counts_;
+  std::unique_ptr<commit::EarlierMesh> cells_before_; ///< in this execution
+  bool had_cells_ = false;                            ///< this process, at the last execution
   std::optional<advect::Particles> all_; ///< at the end, at the root
 };
 

@@ -33,8 +33,6 @@ void ParticleTracer::refuse_across(const commit::CommittedMesh& mesh) const {
   };
   if (!tracer_.geodesics.empty())
     refuse("no geodesics");
-  if (tracer_.attached == Attached::body)
-    refuse("no particles that go with the mesh's material");
   if (!mesh.halo())
     refuse(
         "no particles where cells stand in the place of the solver's (adaptive meshes, meshes in "
@@ -46,8 +44,9 @@ void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& ste
   parallel::World& world = environment_.world;
   core::Context& context = environment_.context;
   mesh.update_halo(world, context.threads, context.log);
+  const bool is_attached = tracer_.attached == Attached::body;
   const std::vector<mesh::FieldView> velocity =
-      find_fields(mesh, {&tracer_.velocity, 1}, environment_.scene_file, world);
+      find_fields(mesh, {&tracer_.velocity, is_attached ? 0U : 1U}, environment_.scene_file, world);
   recorded_ = find_fields(mesh, tracer_.fields, environment_.scene_file, world);
   names_ = name_cells(mesh.mesh(), world);
   bring_home(mesh);
@@ -62,12 +61,17 @@ void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& ste
   });
   const MeshHomes homes(mesh);
   const advect::Across across{world, homes};
+  gather_cells_before(mesh, step);
   release_across(mesh, step, across);
   world.agree_after([&] {
     begin_interval(mesh, step);
     interval_.steps_before = earlier;
+    interval_.other_cells = cells_before_.get();
   });
-  advance_across(mesh, velocity.front(), step, across);
+  if (is_attached)
+    follow_across(mesh, step, across);
+  else
+    advance_across(mesh, velocity.front(), step, across);
   write_step(mesh, step, due, timer);
 }
 
@@ -78,16 +82,25 @@ int ParticleTracer::agree_on_steps(const commit::CommittedMesh& mesh, const Step
   world.agree_after([&] {
     if (!has_cells(mesh))
       return;
-    if (other_cells(mesh, step))
-      throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        "tracer: particles do not go on to other cells on a mesh that is spread "
-                        "over processes");
-    const int known = seeded_ ? earlier_steps(mesh, step) : 0;
-    steps = std::min<std::int64_t>(
-        known, std::int64_t(mesh.mesh().earlier_fields(tracer_.velocity.text).size()));
+    steps = seeded_ ? earlier_steps(mesh, step) : 0;
+    if (tracer_.attached != Attached::body)
+      steps = std::min<std::int64_t>(
+          steps, std::int64_t(mesh.mesh().earlier_fields(tracer_.velocity.text).size()));
   });
   world.reduce(std::span(&steps, 1), parallel::Reduction::least);
   return steps == std::numeric_limits<std::int64_t>::max() ? 0 : int(steps);
+}
+
+/// The step before on other cells, of all processes, if all that had cells then have kept it.
+void ParticleTracer::gather_cells_before(const commit::CommittedMesh& mesh, const Step& step) {
+  parallel::World& world = environment_.world;
+  cells_before_.reset();
+  const commit::EarlierMesh* const here = other_cells(mesh, step);
+  std::int64_t any[] = {here != nullptr, had_cells_ && !here};
+  world.reduce(std::span(any), parallel::Reduction::greatest);
+  if (any[0] && !any[1])
+    cells_before_ = commit::EarlierMesh::gathered(
+        here, mesh.tree(), world, environment_.context.memory, environment_.context.threads);
 }
 
 void ParticleTracer::release_across(const commit::CommittedMesh& mesh, const Step& step,
@@ -116,6 +129,7 @@ void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::Fie
   std::optional<query::Sampler> sampler;
   const auto left_out = [&] { return cells_.left_out(mesh, context.threads); };
   std::optional<advect::Exits> exits;
+  std::optional<advect::StepBefore> before;
   const auto end = [&] {
     particles_.tell_exits_by(nullptr);
     mesh.hide_earlier();
@@ -137,12 +151,17 @@ void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::Fie
       std::vector<mesh::FieldView> velocities{velocity};
       velocities.insert(velocities.end(), earlier.begin(), earlier.end());
       sampler = cells_.sampler(mesh, velocities, context.threads);
+      if (cells_before_)
+        before = step_before(tracer_, *cells_before_, mesh.reference_frame);
+      if (before && velocity.has_blanks)
+        before->sampler =
+            cells_.earlier_sampler(before->sampler, before->velocity, context.threads);
       exits.emplace(mesh.sampler(), left_out, accuracy());
       particles_.tell_exits_by(&*exits);
     });
     const advect::Advance advance =
         particles_.advance(across, *sampler, velocity, {earlier, step.times_before}, settled_,
-                           step.time, context.threads, snapshots());
+                           step.time, context.threads, snapshots(), before ? &*before : nullptr);
     counts_ = advance.counts;
     moved = advance.blended_geometry;
     if (world.is_root())
@@ -157,6 +176,18 @@ void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::Fie
   settled_ = step.time;
   topology_ = mesh.topology_version();
   same_cells_ = false;
+  had_cells_ = has_cells(mesh);
+}
+
+/// Particles that go with the mesh's material.
+void ParticleTracer::follow_across(const commit::CommittedMesh& mesh, const Step& step,
+                                   const advect::Across& across) {
+  counts_ = particles_.follow(across, mesh.sampler(), !has_cells(mesh) || knows_cells(mesh),
+                              settled_, step.time, environment_.context.threads, snapshots());
+  settled_ = step.time;
+  topology_ = mesh.topology_version();
+  same_cells_ = false;
+  had_cells_ = has_cells(mesh);
 }
 
 /// The root's writers get the rows of all processes.
@@ -185,6 +216,7 @@ void ParticleTracer::write_across(const commit::CommittedMesh& mesh, const Step&
   if (!keep)
     particles_.drop_ended();
   particles_.drop_gone();
+  cells_before_.reset();
 }
 
 void ParticleTracer::meet_end() {

@@ -19,6 +19,14 @@ namespace insitu::scene {
 TracerAction::TracerAction(const Tracer& tracer, const Environment& environment)
     : tracer_(tracer), environment_(environment) {}
 
+commit::PeriodicAxes TracerAction::periodic_axes() const {
+  commit::PeriodicAxes axes{};
+  if (tracer_.effects.boundary)
+    std::copy(std::begin(tracer_.effects.boundary->periodic),
+              std::end(tracer_.effects.boundary->periodic), axes.begin());
+  return axes;
+}
+
 std::string TracerAction::state_name() const {
   const char* kinds[] = {"streamline", "pathline", "streakline"};
   const bool back =

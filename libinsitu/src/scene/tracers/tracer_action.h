@@ -30,6 +30,7 @@ public:
   void plan(const commit::CommittedMesh& mesh, Plan& plan) const override;
   std::string state_name() const final;
 
+  commit::PeriodicAxes periodic_axes() const final;
   std::optional<advect::Counts> particles() const final { return counts(); }
   virtual advect::Counts counts() const = 0;
 
