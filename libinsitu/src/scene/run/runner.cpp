@@ -120,7 +120,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   };
   note_cycle(cycle);
   for (commit::CommittedMesh* mesh : meshes)
-    if (mesh->halo()) // what an action has asked for, all see: none of an earlier step
+    if (mesh->needs_halo(world)) // what an action has asked for, all see: none of an earlier step
       mesh->update_halo(world, environment_.context.threads, environment_.context.log);
   world.agree_after([&] { bring_back_earlier(meshes); });
   for (const auto& action : actions_) {

@@ -36,9 +36,8 @@ void ParticleTracer::refuse_across(const commit::CommittedMesh& mesh) const {
   if (tracer_.attached == Attached::body)
     refuse("no particles that go with the mesh's material");
   if (!mesh.halo())
-    refuse(
-        "no particles where cells stand in the place of the solver's (adaptive meshes, meshes in "
-        "longitude and latitude)");
+    refuse("no particles where cells stand in the place of the solver's (meshes in "
+           "longitude and latitude)");
 }
 
 void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& step, bool due) {
