@@ -131,6 +131,7 @@ void blast_free(blast_solver* s) {
     p8est_connectivity_destroy(s->connectivity);
   free(s->cells);
   free(s->work);
+  free(s->numbers);
   free(s->faces);
   free(s->ghost_cells);
   free(s->mirrors);

@@ -15,6 +15,7 @@
 #include <p8est.h>
 #include <p8est_ghost.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "gas.h"
 
@@ -86,6 +87,7 @@ typedef struct blast_solver {
   p8est_t* forest;
   blast_cell** cells; /* [forest->local_num_quadrants], in p8est's order */
   blast_work* work;   /* the same, and then those of the ghosts */
+  int64_t* numbers;   /* of the cells, among those of all processes */
   blast_face* faces;
   size_t face_count, face_room;
   p8est_ghost_t* ghost;    /* null on one process */

@@ -130,6 +130,7 @@ int blast_list_cells(blast_solver* s) {
   size_t i, k = 0;
   int good = list_ghosts(s), pass;
   s->cells = enlarged(s->cells, n, sizeof *s->cells, &good);
+  s->numbers = enlarged(s->numbers, n, sizeof *s->numbers, &good);
   s->work =
       enlarged(s->work, n + (s->ghost ? s->ghost->ghosts.elem_count : 0), sizeof *s->work, &good);
   if (!blast_all(s, good))
@@ -140,6 +141,7 @@ int blast_list_cells(blast_solver* s) {
       const p8est_quadrant_t* const q = p8est_quadrant_array_index(&tree->quadrants, i);
       s->cells[k] = cell_of(q);
       s->cells[k]->number = k;
+      s->numbers[k] = s->forest->global_first_quadrant[s->forest->mpirank] + (int64_t)k;
       s->cells[k]->level = q->level;
       s->cells[k]->checkers = color_of(q);
       memset(s->work + k, 0, sizeof s->work[k]);

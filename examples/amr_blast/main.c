@@ -15,6 +15,24 @@ typedef struct meshes {
 
 static int is_root = 1; /* who prints, of several processes */
 
+/* The numbers of cells among those of all processes, of each tree's cells in their order. */
+static insitu_status give_numbers(insitu_mesh mesh, const blast_solver* blast) {
+  const p8est_t* const f = blast->forest;
+  const p4est_topidx_t first = f->first_local_tree;
+  insitu_status status = INSITU_OK;
+  p4est_topidx_t t;
+  for (t = first; first >= 0 && t <= f->last_local_tree && status == INSITU_OK; ++t) {
+    const p8est_tree_t* const tree = p8est_tree_array_index(f->trees, t);
+    const insitu_array numbers =
+        insitu_array_of(blast->numbers + tree->quadrants_offset, INSITU_INT64,
+                        (int64_t)tree->quadrants.elem_count, 1);
+    status = insitu_mesh_global_ids(mesh, t - first, INSITU_CELL, &numbers);
+  }
+  if (status != INSITU_OK)
+    fprintf(stderr, "amr_blast: %s\n", insitu_last_message());
+  return status;
+}
+
 /* The coupling: the forest, and what of each record is a field. Again after every regrid. */
 static insitu_status couple(meshes to, blast_solver* blast) {
   static const struct {
@@ -37,9 +55,12 @@ static insitu_status couple(meshes to, blast_solver* blast) {
   if (status == INSITU_OK && to.grid)
     status = insitu_p4est_field(to.grid, blast->forest, "checkers", INSITU_FLOAT64,
                                 offsetof(blast_cell, checkers), 1);
-  if (status != INSITU_OK)
+  if (status != INSITU_OK) {
     fprintf(stderr, "amr_blast: %s: %s\n", insitu_status_name(status), insitu_p4est_message());
-  return status;
+    return status;
+  }
+  status = give_numbers(to.hydro, blast);
+  return status == INSITU_OK && to.grid ? give_numbers(to.grid, blast) : status;
 }
 
 /* Says what failed, once for each status; the run goes on without it. */

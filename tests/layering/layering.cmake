@@ -33,7 +33,7 @@ function(allowed module result)
   if(module MATCHES "^(query|commit|advect|render)$") # meshes in longitude and latitude: geo/chart.h
     list(APPEND left geo)
   endif()
-  if(module MATCHES "^(query|commit|advect|render)$") # a mesh that is spread over processes
+  if(module MATCHES "^(amr|query|commit|advect|render)$") # a mesh that is spread over processes
     list(APPEND left parallel)
   endif()
   if(module STREQUAL "scene" OR module STREQUAL "api")

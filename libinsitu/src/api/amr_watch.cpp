@@ -59,7 +59,7 @@ void AmrWatch::remember(const mesh::Mesh& mesh, const core::Threads& threads) {
   if (!mesh.is_adaptive())
     return;
   view_ = mesh.adaptive();
-  for (std::int32_t p = 0; p < view_.piece_count; ++p) {
+  for (std::int32_t p = 0; p < view_.piece_count - view_.halo_piece_count; ++p) {
     Piece& to = pieces_.emplace_back(*memory_, view_.pieces[p]);
     if (to.view.is_patch) {
       const Triple box = cells(to.view);

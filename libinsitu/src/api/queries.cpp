@@ -58,7 +58,7 @@ void put_own_answers(const commit::CommittedMesh& mesh, const query::Answered& a
     return put_answers(answered, first, mesh.mesh(), rank, args);
   std::vector<query::Location> own(answered.locations.size());
   for (std::size_t k = 0; k < own.size(); ++k)
-    own[k] = mesh.own(answered.locations[k], points[answered.item(k)]);
+    own[k] = mesh.own_here(answered.locations[k], points[answered.item(k)]);
   query::Answered as_own = answered;
   as_own.locations = own;
   put_answers(as_own, first, mesh.mesh(), rank, args);
@@ -67,18 +67,17 @@ void put_own_answers(const commit::CommittedMesh& mesh, const query::Answered& a
 /// Answers of which those in a halo's cells are outside: a query is of this process's own.
 class OwnAnswers {
 public:
-  explicit OwnAnswers(const mesh::MeshView& view)
-      : own_(view.own_cell_count()), has_halo_(view.halo_piece_count > 0) {}
+  explicit OwnAnswers(const commit::CommittedMesh& mesh) : mesh_(mesh) {}
 
   /// The result is valid as long as the object and what was given.
-  query::Answered of(const query::Answered& answered) {
+  query::Answered of(const query::Answered& answered, std::span<const math::Vec3d> points) {
     query::Answered own = answered;
-    if (!has_halo_)
+    if (!mesh_.halo())
       return own;
     locations_.assign(answered.locations.begin(), answered.locations.end());
     reasons_.assign(answered.reasons.begin(), answered.reasons.end());
     for (std::size_t k = 0; k < locations_.size(); ++k)
-      if (locations_[k].cell >= own_) {
+      if (!mesh_.own_here(locations_[k], points[answered.item(k)])) {
         locations_[k] = {};
         reasons_[k] = query::Reason::outside;
       }
@@ -88,8 +87,7 @@ public:
   }
 
 private:
-  const std::int64_t own_;
-  const bool has_halo_;
+  const commit::CommittedMesh& mesh_;
   std::vector<query::Location> locations_;
   std::vector<query::Reason> reasons_;
 };
@@ -140,8 +138,8 @@ void Session::answer(const commit::CommittedMesh& mesh, const insitu_locate_args
   const std::int64_t outside = mesh.locate_counts().totals()[std::size_t(query::Reason::outside)];
   for_each_slice(mesh, args, points, [&](std::int64_t first, std::span<const math::Vec3d> some) {
     sampler.visit(context_.threads, some, options, [&](const query::Answered& of_all) {
-      OwnAnswers own(mesh.mesh().view());
-      const query::Answered answered = own.of(of_all);
+      OwnAnswers own(mesh);
+      const query::Answered answered = own.of(of_all, some);
       if (counts_otherwise)
         put_own_answers(mesh, answered, some, std::size_t(first), rank, args);
       else
@@ -219,7 +217,7 @@ bool Session::sample_point(SessionMesh& to, const std::string& field, const doub
   ++statistics_.points_located;
   const query::Sampler sampler = mesh.own_sampler();
   query::Location at = sampler.locate({point[0], point[1], point[2]});
-  if (at && at.cell >= mesh.mesh().view().own_cell_count())
+  if (at && mesh.halo() && !mesh.own_here(at, {point[0], point[1], point[2]}))
     at = {};
   if (at)
     sampler.interpolate(view, at, values);

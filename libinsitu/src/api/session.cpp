@@ -98,7 +98,9 @@ SessionMesh& Session::mesh(const std::string& name) {
   for (const auto& m : meshes_)
     if (m->mesh.mesh().name() == name)
       return *m;
-  return *meshes_.emplace_back(std::make_unique<SessionMesh>(name, context_.memory));
+  SessionMesh& made = *meshes_.emplace_back(std::make_unique<SessionMesh>(name, context_.memory));
+  made.mesh.mesh().set_is_part(processes_.world().size() > 1);
+  return made;
 }
 
 void Session::choose_locator(SessionMesh& to, const insitu_locator* given) {

@@ -315,6 +315,8 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
   const std::int64_t bytes_before = memory.current();
   if (!committed_ || pending != 0 || locators_.pending()) {
     note_queries();
+    if (halo_ && mesh_.is_adaptive() && (pending & ~std::uint32_t(INSITU_CHANGED_FIELDS)) != 0)
+      mesh_.set_halo(nullptr); // other processes' leaves may lie under new ones
     commit_pending(report, threads, log, strict);
   }
   if (std::exchange(rebuilds_seen_, fit_.done().rebuilds) != fit_.done().rebuilds)

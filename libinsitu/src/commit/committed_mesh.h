@@ -107,14 +107,23 @@ public:
   /// From the next update_halo() on, cells that touch over these sides of the mesh's box are in it,
   /// too, and stay in it. All processes say the same.
   void join_sides(const PeriodicAxes& sides);
+  /// Collective: whether a mesh that is spread over processes has a halo, or may not be asked
+  /// without one, since its cells at seams are made of leaves of several processes (adaptive ones).
+  bool needs_halo(parallel::World& world) const;
   /// What of others is in the views; null: nothing.
   const Halo* halo() const { return halo_.get(); }
   /// How all processes know a cell of mesh().own_view() of this process, whose rank is known since
   /// the last update_halo().
   CellName name(std::int64_t flat) const;
+  /// The same of a cell that points are located in, of mesh().view(), and back. Those that are made
+  /// (adaptive meshes' duals) have numbers in the place of global ids, and no pieces.
+  CellName located_name(std::int64_t flat) const;
+  std::int64_t find_located(const CellName& name) const;
   /// The flat id here of a cell of some process; -1: it is neither this process's nor in the halo.
   std::int64_t find(const CellName& name) const;
-  query::Sampler sampler() const { return own_sampler().at(halo_ ? &seams_ : nullptr); }
+  query::Sampler sampler() const {
+    return own_sampler().at(halo_ && !mesh_.has_stand_in() ? &seams_ : nullptr);
+  }
   /// The same where of several cells the lowest flat id of this process counts.
   query::Sampler own_sampler() const {
     const query::PointLocator* const own = stand_in_ ? stand_in_->locator() : nullptr;
@@ -135,6 +144,12 @@ public:
   /// unless a stand-in has other cells.
   query::Location own(const query::Location& at, const math::Vec3d& p) const {
     return stand_in_ ? stand_in_->own(at, p) : at;
+  }
+  /// The same as this process's cells alone tell it, outside where none of them holds the point.
+  query::Location own_here(const query::Location& at, const math::Vec3d& p) const {
+    if (stand_in_)
+      return stand_in_->own_here(at, p);
+    return at && at.cell < mesh_.own_view().own_cell_count() ? at : query::Location{};
   }
   /// The mesh's copy audit, and the copies of a stand-in.
   std::vector<insitu_audit_entry> audit() const;
@@ -201,6 +216,7 @@ private:
   void commit_pending(insitu_commit_report& report, const core::Threads& threads,
                       const core::Log& log, bool strict);
   void drop_halo();
+  void update_leaf_halo(parallel::World& world, const core::Threads& threads);
   /// Whatever has changed since.
   void require_a_commit() const;
   std::optional<query::ChartImage> chart() const;

@@ -1,6 +1,8 @@
 /// The cells of other processes beside a mesh's own.
 #include "commit/committed_mesh.h"
 #include "commit/halo/seam_faces.h"
+#include "commit/standins/adaptive.h"
+#include "core/status.h"
 
 namespace insitu::commit {
 
@@ -29,6 +31,22 @@ std::int64_t CommittedMesh::find(const CellName& name) const {
   return cell < 0 ? -1 : view.first_cell[own + std::int32_t(piece)] + cell;
 }
 
+CellName CommittedMesh::located_name(std::int64_t flat) const {
+  const auto made = mesh_.has_stand_in() ? stand_in_->made_cell(flat) : std::nullopt;
+  return made ? CellName{made->number, name(made->owner).rank, 0, 0} : name(flat);
+}
+
+std::int64_t CommittedMesh::find_located(const CellName& name) const {
+  return mesh_.has_stand_in() && is_made() ? stand_in_->find_made(name.global) : find(name);
+}
+
+bool CommittedMesh::needs_halo(parallel::World& world) const {
+  std::int64_t any = mesh_.is_adaptive() || halo_;
+  if (world.size() > 1)
+    world.reduce(std::span(&any, 1), Reduction::greatest);
+  return world.size() > 1 && any;
+}
+
 bool CommittedMesh::NamesAtSeams::is_at_seam(std::int64_t flat) const {
   return flat >= mesh_.mesh_.own_view().own_cell_count() || mesh_.halo_->is_at_seam(flat);
 }
@@ -53,16 +71,57 @@ void CommittedMesh::drop_halo() {
   halo_.reset();
 }
 
+/// The leaves around this process's, and what is made of both.
+void CommittedMesh::update_leaf_halo(parallel::World& world, const core::Threads& threads) {
+  world.agree_after([&] {
+    if (!mesh_.is_adaptive() && mesh_.own_view().own_cell_count() > 0)
+      throw core::Error(INSITU_ERROR_MESH,
+                        "mesh '" + mesh_.name() +
+                            "' has cells that are not adaptive, and is adaptive elsewhere");
+    mesh_.set_halo(nullptr);
+    mesh_.set_changed(INSITU_CHANGED_ALL);
+    committed_ = false;
+    if (stand_in_)
+      part_from_earlier(threads);
+    choose_stand_in();
+    mesh_.update(&threads);
+  });
+  halo_->find_leaves(mesh_, world, threads);
+  mesh::Mesh none("", *memory_); // on a process that does not say where it would have leaves
+  world.agree_after([&] {
+    const insitu_amr amr = insitu_amr_default();
+    if (!mesh_.is_adaptive())
+      none.set_amr(&amr);
+    mesh_.set_halo(halo_.get());
+    (mesh_.is_adaptive() ? mesh_ : none).update(&threads);
+  });
+  std::unique_ptr<Adaptive> other;
+  Adaptive* to = dynamic_cast<Adaptive*>(stand_in_.get());
+  if (!to) {
+    other = std::make_unique<Adaptive>(*memory_);
+    to = other.get();
+  }
+  to->make_on_all(
+      mesh_.is_adaptive() ? mesh_ : none, world, *halo_,
+      [this](std::uint32_t a, std::uint32_t b) {
+        const std::int64_t all = mesh_.own_view().cell_count();
+        return a < all && (b >= all || name(a) < name(b));
+      },
+      threads);
+}
+
 void CommittedMesh::update_halo(parallel::World& world, const core::Threads& threads,
                                 const core::Log& log) {
   rank_ = world.rank();
   if (world.size() == 1)
     return;
-  std::int64_t any[] = {stand_in_ || mesh_.is_adaptive() || on_device_,
+  std::int64_t any[] = {(stand_in_ && !mesh_.is_adaptive()) || on_device_,
                         !halo_ || halo_topology_ != topology_version_,
-                        halo_geometry_ != geometry_version_, halo_fields_ != fields_version_};
+                        halo_geometry_ != geometry_version_, halo_fields_ != fields_version_,
+                        mesh_.is_adaptive()};
   world.reduce(std::span(any), Reduction::greatest);
   const bool none = any[0], topology = any[1], geometry = any[2], fields = any[3];
+  const bool leaves = any[4];
   SeamMismatches mismatches;
   try {
     world.agree_after([&] {
@@ -71,7 +130,9 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
       else if (!halo_)
         halo_ = std::make_unique<Halo>(*memory_);
     });
-    if (!none && topology)
+    if (!none && leaves && topology)
+      update_leaf_halo(world, threads);
+    else if (!none && topology)
       halo_->find(*this, sides_, world);
     else if (!none && geometry)
       halo_->refresh_points(*this, world);
@@ -89,7 +150,7 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
       if (mesh_.pending() != 0)
         commit_pending(report, threads, log, false);
       in_halo_commit_ = false;
-      if (!none && topology)
+      if (!none && topology && !leaves)
         mismatches = find_seam_mismatches(*this);
     });
     if (const std::string what = commit::describe(mismatches, world);

@@ -30,6 +30,11 @@ struct AmrPieceView {
   // Leaves kept as records: the arrays hold pointers, and what they mean lies so many bytes behind.
   bool levels_indirect = false, corner_indirect = false;
   std::int64_t levels_behind = 0, corner_behind[3] = {0, 0, 0};
+  // Leaves of another process: their levels are depths, and behind their values come those of their
+  // ghost cells.
+  std::int32_t rank = -1;                    ///< whose they are; -1: the solver's here
+  std::int32_t number = 0;                   ///< of the piece there
+  const std::int32_t* ghost_items = nullptr; ///< [cell][face]: the ghost's item; -1: none
 
   /// Whether a cell of the patch lies at that face of it.
   bool is_at_face(const struct AmrCell& cell, int face) const;
@@ -72,12 +77,25 @@ struct AmrView {
   const AmrPieceView* pieces = nullptr;
   const std::int64_t* first_cell = nullptr; ///< [piece_count + 1]
   std::int32_t piece_count = 0;
+  /// So many of these, the last ones, are other processes' leaves. Those that do not touch leaves
+  /// here come last: they give values, and no corner that none but they have is this process's.
+  std::int32_t halo_piece_count = 0, far_piece_count = 0;
+  /// Whether other processes may have more of the mesh, not known here, that covers its cells.
+  bool is_part = false;
+  /// A bit a cell of this process: finer cells cover it, maybe of other processes; null: not known.
+  const std::uint64_t* covered = nullptr;
 
   INSITU_HD std::int64_t cell_count() const { return first_cell[piece_count]; }
+  std::int64_t own_cell_count() const { return first_cell[piece_count - halo_piece_count]; }
+  /// Of this process and of those that touch them, whose ids come first.
+  std::int64_t near_cell_count() const { return first_cell[piece_count - far_piece_count]; }
+  bool is_covered(std::int64_t flat) const {
+    return covered && flat < own_cell_count() && (covered[flat >> 6] >> (flat & 63) & 1) != 0;
+  }
   int finest_depth() const { return depth_of[level_count - 1]; }
   bool has_ghosts() const {
     return std::any_of(pieces, pieces + piece_count,
-                       [](const AmrPieceView& p) { return p.ghost_faces != 0; });
+                       [](const AmrPieceView& p) { return p.ghost_faces != 0 || p.ghost_items; });
   }
 
   /// Where a cell of a piece lies.
@@ -92,7 +110,7 @@ struct AmrView {
       return c;
     }
     const std::int64_t raw = piece.raw_level(cell);
-    c.depth = depth_of[finest_first ? level_count - 1 - raw : raw];
+    c.depth = piece.rank >= 0 ? int(raw) : depth_of[finest_first ? level_count - 1 - raw : raw];
     const int shift = piece.corner_depth < 0 ? 0 : piece.corner_depth - c.depth;
     for (int a = 0; a < 3; ++a)
       c.index[a] = (piece.raw_corner(cell, a) + piece.offset[a]) >> shift;

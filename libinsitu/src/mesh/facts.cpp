@@ -42,16 +42,19 @@ private:
   std::vector<double> least_;
 };
 
-/// The full cells of a gridlet, all of one size.
-void note_gridlet(const GridletsView& all, std::int64_t gridlet, Gatherer& to) {
+/// The full cells of a gridlet that are the process's, all of one size.
+void note_gridlet(const PieceView& piece, std::int64_t gridlet, Gatherer& to) {
+  const GridletsView& all = *piece.gridlets;
   const std::uint64_t* const layers = all.full + Gridlet::side * gridlet;
+  const std::uint64_t* const foreign =
+      piece.foreign ? piece.foreign + Gridlet::side * gridlet : nullptr;
   int count = 0, first[3] = {Gridlet::side, Gridlet::side, Gridlet::side}, last[3] = {-1, -1, -1};
   const auto extend = [&](int axis, int lowest, int highest) {
     first[axis] = std::min(first[axis], lowest);
     last[axis] = std::max(last[axis], highest);
   };
   for (int k = 0; k < Gridlet::side; ++k) {
-    const std::uint64_t layer = layers[k];
+    const std::uint64_t layer = foreign ? layers[k] & ~foreign[k] : layers[k];
     if (layer == 0)
       continue;
     count += std::popcount(layer);
@@ -141,9 +144,8 @@ MeshFacts find_facts(const MeshView& mesh, const core::Threads* threads) {
   for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
     const PieceView& piece = mesh.pieces[p];
     if (piece.gridlets)
-      in_parallel(piece.gridlets->count, 1 << 12, [&](std::int64_t i, Gatherer& to) {
-        note_gridlet(*piece.gridlets, i, to);
-      });
+      in_parallel(piece.gridlets->count, 1 << 12,
+                  [&](std::int64_t i, Gatherer& to) { note_gridlet(piece, i, to); });
     else
       in_parallel(piece.cell_count, 1 << 16, [&](std::int64_t i, Gatherer& to) {
         if (!piece.owns(i))

@@ -59,6 +59,8 @@ struct PieceView {
   ItemLayout ghost_layout;
   std::uint8_t ghost_mask = 0; ///< bits that take a cell out
   bool is_halo = false;        ///< of cells that another process owns
+  /// A bit a cell: another process owns it, though the piece is no halo; null: none.
+  const std::uint64_t* foreign = nullptr;
   /// A geo::Pole: copies of a geodetic mesh's cells, on the chart turned to it; vectors too.
   std::int8_t pole = 0;
 
@@ -139,7 +141,11 @@ struct PieceView {
 
   /// Whether the cell may be the answer for a point, and counts in sums over cells: all that exist,
   /// but for those of a halo.
-  INSITU_HD bool owns(std::int64_t cell) const { return !is_halo && exists(cell); }
+  INSITU_HD bool owns(std::int64_t cell) const { return is_own(cell) && exists(cell); }
+  /// Whether it is this process's, if it exists.
+  INSITU_HD bool is_own(std::int64_t cell) const {
+    return !is_halo && !(foreign && (foreign[cell >> 6] >> (cell & 63) & 1));
+  }
   /// Whether the cell is there: trees and tables of faces hold it, points are located in it,
   /// averages take its value. Ghost, blanked and empty cells are not: they may hold anything.
   INSITU_HD bool exists(std::int64_t cell) const {

@@ -81,6 +81,11 @@ struct MeshView {
   INSITU_HD std::int64_t own_cell_count() const {
     return first_cell[piece_count - halo_piece_count];
   }
+  /// Whether a cell that exists is this process's.
+  INSITU_HD bool is_own(std::int64_t flat_cell) const {
+    const std::int32_t piece = piece_of(flat_cell);
+    return pieces[piece].is_own(flat_cell - first_cell[piece]);
+  }
   INSITU_HD std::int64_t vertex_count() const { return first_vertex[piece_count]; }
 
   /// Cells below this flat id come in runs (PieceView::in_runs): those of the first piece, or none.

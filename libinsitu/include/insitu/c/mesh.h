@@ -177,14 +177,14 @@ INSITU_API insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece,
 /** Gives the global ids of the cells or vertices of a piece: the numbers that they have in the mesh
  *  of all processes, one int32 or int64 each, 0 or above; the arrays stay the caller's. A vertex
  *  that several pieces or processes have has one global id; a cell that owns points has one of its
- *  own. Where all pieces have global ids of cells, tables and answers name cells by them, and of the
- *  cells that hold a point the one with the lowest answers, on whatever process it is: so answers do
- *  not depend on how the mesh is cut. For that, the ids of a process's cells ascend from piece to
- *  piece and in each; where they do not, a warning tells so, and a point on a face between two of
- *  its cells belongs to the first of them. Ids of ghost cells are not read. array null takes the ids
- *  away. Ids stay when the caller gives the cells again; where they do not fit these, the caller
- *  gives others. Adaptive meshes (INSITU_ERROR_ORDER) and device memory (INSITU_ERROR_UNSUPPORTED)
- *  have none. */
+ *  own. Where all pieces have global ids of cells, tables and answers name cells by them, and of
+ * the cells that hold a point the one with the lowest answers, on whatever process it is: so
+ * answers do not depend on how the mesh is cut. For that, the ids of a process's cells ascend from
+ * piece to piece and in each; where they do not, a warning tells so, and a point on a face between
+ * two of its cells belongs to the first of them. Ids of ghost cells are not read. array null takes
+ * the ids away. Ids stay when the caller gives the cells again; where they do not fit these, the
+ * caller gives others. Vertices of adaptive meshes (INSITU_ERROR_ORDER) and device memory
+ *  (INSITU_ERROR_UNSUPPORTED) have none. */
 INSITU_API insitu_status insitu_mesh_global_ids(insitu_mesh mesh, int32_t piece,
                                                 insitu_association association,
                                                 const insitu_array* array);

@@ -74,6 +74,17 @@ void CornerMap::clear() {
   cells_.resize_discard(0);
 }
 
+void CornerMap::share(parallel::World& world) {
+  constexpr int kinds = 1 + CornerKind::most_up;
+  std::array<std::int64_t, kinds*(mesh::Lattice::most_depth + 1)> has{};
+  for (std::size_t i = 0; i < has.size(); ++i)
+    has[i] = kinds_of_[i / kinds] >> (i % kinds) & 1;
+  world.reduce(has, parallel::Reduction::greatest);
+  for (std::size_t i = 0; i < has.size(); ++i)
+    kinds_of_[i / kinds] = std::uint8_t(kinds_of_[i / kinds] | has[i] << (i % kinds));
+  world.reduce(farthest_, parallel::Reduction::greatest);
+}
+
 std::int64_t CornerMap::bytes() const {
   std::int64_t sum = std::int64_t(bricks_.bytes() + cells_.bytes());
   for (const BrickTable& table : tables_)

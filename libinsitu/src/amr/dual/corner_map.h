@@ -10,6 +10,7 @@
 #include "core/count_bits.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "parallel/world.h"
 
 namespace insitu::amr {
 
@@ -74,6 +75,9 @@ public:
   int depth_count() const { return depth_count_; }
   /// No corner is farther from the lattice's origin along an axis, in cells of depth 0.
   double farthest(int axis) const { return farthest_[axis]; }
+  /// Collective: what is told of all cells becomes that of all processes, so that points take the
+  /// same way to their cells, and have the same coordinates there, on all of them.
+  void share(parallel::World& world);
   /// Whether there are frusta of a depth beside leaves `up` depths above.
   bool has_frusta(int depth, int up) const {
     return (kinds_of_[std::size_t(depth)] >> up & 1) != 0;

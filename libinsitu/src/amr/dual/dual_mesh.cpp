@@ -5,6 +5,7 @@
 
 #include "amr/dual/dual_parts.h"
 #include "amr/dual/stitching.h"
+#include "amr/dual/whole_gridlets.h"
 #include "amr/values/vertex_values.h"
 #include "core/status.h"
 
@@ -20,6 +21,8 @@ struct DualMesh::State {
   void clear();
   void gather(const std::vector<DualPart>& parts, const core::Threads& threads);
   void make_view();
+  void finish(DualParts& dual, const mesh::AmrView& mesh, bool with_places,
+              const core::Threads& threads);
 
   core::Memory& memory;
   LeafMap map;
@@ -134,15 +137,24 @@ bool gridlets_pay(const DualCounts& counts) {
 
 namespace {
 
-/// Makes the cubes of a part's gridlets cells like the others.
-void turn_cubes_into_cells(DualPart& part) {
+CellPlace place_of(const Gridlet& g, int local) {
+  CellPlace place{{}, g.depth, 0, 0, 1};
+  for (int a = 0; a < 3; ++a)
+    place.corner[a] = g.lower[a] + (local >> (3 * a) & 7);
+  return place;
+}
+
+/// Makes the cubes of a part's gridlets cells of another part.
+DualPart cubes_as_cells(DualPart& part, bool with_places) {
+  DualPart out;
+  out.places.reserve(with_places ? std::size_t(part.cubes) : 0);
   constexpr int order[8] = {0, 1, 3, 2, 4, 5, 7, 6}; // from a voxel's vertices to a hexahedron's
   const mesh::GridletsView gridlets{{},
                                     part.gridlets.data(),
                                     std::int64_t(part.gridlets.size()),
                                     part.leaves.data(),
                                     part.full.data()};
-  part.cells.reserve(part.cells.size() + std::size_t(part.cubes));
+  out.cells.reserve(std::size_t(part.cubes));
   for (std::int64_t cell = 0; cell < gridlets.count * Gridlet::most_cells; ++cell) {
     if (!gridlets.is_full(cell))
       continue;
@@ -151,55 +163,125 @@ void turn_cubes_into_cells(DualPart& part) {
     DualCell cube{{}, {}, mesh::Shape::hexahedron, 8, false};
     for (int v = 0; v < 8; ++v)
       cube.leaves[v] = part.leaves[std::size_t(ids[order[v]])];
-    part.cells.push_back(cube);
+    out.cells.push_back(cube);
+    if (with_places)
+      out.places.push_back(place_of(part.gridlets[std::size_t(cell >> Gridlet::cell_bits)],
+                                    int(cell & (Gridlet::most_cells - 1))));
   }
   part.gridlets = {};
   part.full = {};
   part.leaves = {};
   part.cubes = part.empty = 0;
+  return out;
+}
+
+/// Behind all others, so that the order of cells does not depend on how bricks are grouped.
+void turn_cubes_into_cells(std::vector<DualPart>& parts, bool with_places,
+                           const core::Threads& threads) {
+  const std::size_t count = parts.size();
+  parts.resize(2 * count);
+  threads.parallel_for(std::int64_t(count), 1, [&](std::int64_t begin, std::int64_t end) {
+    for (auto p = std::size_t(begin); p < std::size_t(end); ++p)
+      parts[count + p] = cubes_as_cells(parts[p], with_places);
+  });
+}
+
+/// Of all processes, each cell where the leaf of its first vertex is.
+DualCounts count_once(const DualParts& dual, const SharedLeaves& shared) {
+  std::int64_t counts[2] = {0, 0}; // cubes, others
+  const std::int64_t own = shared.mesh.own_cell_count();
+  const auto real = [&](std::uint32_t leaf) {
+    const std::int64_t n = std::int64_t(leaf) - dual.made.first;
+    return n < 0 ? leaf : dual.made.leaves[std::size_t(n)].real_id;
+  };
+  for (const DualPart& part : dual.parts) {
+    const mesh::GridletsView gridlets{{},
+                                      part.gridlets.data(),
+                                      std::int64_t(part.gridlets.size()),
+                                      part.leaves.data(),
+                                      part.full.data()};
+    for (std::int64_t cell = 0; cell < gridlets.count * Gridlet::most_cells; ++cell)
+      if (gridlets.is_full(cell)) {
+        std::int64_t ids[8];
+        gridlets.vertex_ids(cell, ids);
+        counts[0] += part.leaves[std::size_t(ids[0])] < own;
+      }
+    for (const DualCell& c : part.cells)
+      counts[1] +=
+          real(c.moves[0] == mean_moves ? part.means[c.leaves[0]].leaves[0] : c.leaves[0]) < own;
+  }
+  shared.world.reduce(counts, parallel::Reduction::sum);
+  DualCounts all;
+  all.cubes = counts[0];
+  all.hexahedra = counts[1];
+  return all;
 }
 
 } // namespace
+
+/// Makes what points are located in of the parts.
+void DualMesh::State::finish(DualParts& dual, const mesh::AmrView& mesh, bool with_places,
+                             const core::Threads& threads) {
+  if (!has_gridlets) {
+    turn_cubes_into_cells(dual.parts, with_places, threads);
+    counts.hexahedra += std::exchange(counts.cubes, 0);
+    counts.empty = 0;
+  }
+  gather(dual.parts, threads);
+  stitching.build(dual.parts, mesh, dual.made, has_gridlets, threads);
+  values.build(map.store(), mesh, dual.made, stitching.means(), stitching.take_on_boundary(),
+               threads);
+  counts.leaves = map.leaf_count();
+  counts.masked = map.masked_count();
+  counts.folded = dual.folded;
+  counts.repaired = std::int64_t(dual.made.leaves.size());
+  counts.still_folded = dual.still_folded;
+  make_view();
+  view.free_of_folds = view.covers_once = counts.still_folded == 0;
+}
 
 DualMesh::DualMesh(core::Memory& memory) : state_(std::make_unique<State>(memory)) {
   state_->make_view();
 }
 DualMesh::~DualMesh() = default;
 
-void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads, Cubes cubes) {
+void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads, Cubes cubes,
+                     const SharedLeaves* shared) {
   State& s = *state_;
   s.clear();
   try {
-    s.map.build(mesh, threads);
-    s.first_virtual = mesh.cell_count();
+    amr::agree_after(shared, [&] {
+      s.map.build(mesh, threads);
+      s.first_virtual = mesh.cell_count();
+    });
     DualParts dual =
-        make_dual_parts(s.map.store(), s.map.lattice(), s.first_virtual, s.memory, threads);
-    count_cells(dual.parts, s.counts);
-    s.has_gridlets = cubes == Cubes::counts ? gridlets_pay(s.counts) : cubes == Cubes::gridlets;
-    if (!s.has_gridlets) {
-      threads.parallel_for(std::int64_t(dual.parts.size()), 1,
-                           [&](std::int64_t begin, std::int64_t end) {
-                             for (std::int64_t p = begin; p < end; ++p)
-                               turn_cubes_into_cells(dual.parts[std::size_t(p)]);
-                           });
-      s.counts.hexahedra += std::exchange(s.counts.cubes, 0);
-      s.counts.empty = 0;
-    }
-    s.gather(dual.parts, threads);
-    s.stitching.build(dual.parts, mesh, dual.made, s.has_gridlets, threads);
-    s.values.build(s.map.store(), mesh, dual.made, s.stitching.means(),
-                   s.stitching.take_on_boundary(), threads);
-    s.counts.leaves = s.map.leaf_count();
-    s.counts.masked = s.map.masked_count();
-    s.counts.folded = dual.folded;
-    s.counts.repaired = std::int64_t(dual.made.leaves.size());
-    s.counts.still_folded = dual.still_folded;
-    s.make_view();
-    s.view.free_of_folds = s.view.covers_once = s.counts.still_folded == 0;
+        make_dual_parts(s.map.store(), s.map.lattice(), s.first_virtual, s.memory, threads, shared);
+    amr::agree_after(shared, [&] { count_cells(dual.parts, s.counts); });
+    s.has_gridlets = cubes == Cubes::counts
+                         ? gridlets_pay(shared ? count_once(dual, *shared) : s.counts)
+                         : cubes == Cubes::gridlets;
+    if (shared && s.has_gridlets)
+      make_gridlets_whole(dual.parts, s.map.store(), dual.made, *shared);
+    amr::agree_after(shared, [&] { s.finish(dual, mesh, shared != nullptr, threads); });
+    if (shared)
+      s.stitching.corners().share(shared->world);
   } catch (...) {
     s.clear();
     throw;
   }
+}
+
+void DualMesh::set_foreign(const std::uint64_t* of_gridlets, const std::uint64_t* of_others) {
+  state_->pieces[0].foreign = of_gridlets;
+  state_->pieces[1].foreign = of_others;
+}
+
+CellPlace DualMesh::place(std::int64_t cell) const {
+  const std::int64_t others = cell - state_->first_cell[1];
+  if (others >= 0)
+    return state_->stitching.places()[std::size_t(others)];
+  return place_of(state_->gridlets[std::size_t(cell >> Gridlet::cell_bits)],
+                  int(cell & (Gridlet::most_cells - 1)));
 }
 
 const LeafMap& DualMesh::leaves() const {

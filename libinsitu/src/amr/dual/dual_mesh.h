@@ -4,6 +4,8 @@
 #include <memory>
 
 #include "amr/dual/corner_map.h"
+#include "amr/dual/enumerate.h"
+#include "amr/dual/shared_leaves.h"
 #include "amr/leaves/leaf_map.h"
 #include "mesh/view.h"
 
@@ -63,7 +65,10 @@ public:
   /// Builds anew, at a regrid; the result does not depend on the thread count. Throws what
   /// LeafMap::build throws, and INSITU_ERROR_MESH for more vertices than ids can number; then the
   /// dual mesh is empty.
-  void build(const mesh::AmrView& mesh, const core::Threads& threads, Cubes cubes = Cubes::counts);
+  /// shared: of a mesh with a halo, collective; cells are then at all corners of this process's
+  /// leaves and of those that touch them. mesh: shared->mesh.
+  void build(const mesh::AmrView& mesh, const core::Threads& threads, Cubes cubes = Cubes::counts,
+             const SharedLeaves* shared = nullptr);
 
   const LeafMap& leaves() const;
   const DualCounts& counts() const;
@@ -72,6 +77,15 @@ public:
   /// Piece 0: the gridlets (CellLayout::gridlets). Piece 1: all other cells (PADDED, int32 ids,
   /// points of their own). Valid until the next build.
   const mesh::MeshView& view() const;
+
+  /// Bits of the cells of both pieces that another process owns (PieceView::foreign), until the
+  /// next build.
+  void set_foreign(const std::uint64_t* of_gridlets, const std::uint64_t* of_others);
+
+  /// Of a flat cell, where leaves are shared. Cells of the same places are one, and of two cells
+  /// the first in the order of the ids is so on all processes: cubes in gridlets, then those at
+  /// corners, then other cubes; of each kind by depth, brick, place in the brick and number.
+  CellPlace place(std::int64_t cell) const;
 
   /// Whether cubes lie in gridlets. If not, piece 0 is empty, and so are corners().
   bool has_gridlets() const;
@@ -91,6 +105,9 @@ public:
     int count = 0;
   };
   Terms terms(std::int64_t vertex) const;
+  /// The real leaf that a vertex of piece 1 is in the middle of, lies in or is moved from; of a
+  /// mean, one of its leaves. It has the corner of each of the vertex's cells.
+  std::uint32_t leaf_at(std::int64_t vertex) const { return *terms(vertex).leaves; }
 
 private:
   struct State;

@@ -33,24 +33,41 @@ struct Enumerated {
   }
 };
 
+/// bricks: ascending. Those of a part follow each other.
 Enumerated enumerate_bricks(const BrickStore& store, const mesh::Lattice& lattice,
-                            const std::vector<std::uint32_t>& bricks, std::int64_t real,
+                            const std::vector<std::uint32_t>& bricks, const Real& real,
                             bool only_unfolded, const core::Threads& threads) {
-  const std::int64_t n = std::int64_t(bricks.size());
-  const auto count = std::size_t((n + bricks_a_part - 1) / bricks_a_part);
   Enumerated out;
-  out.parts.resize(count);
-  out.bricks.resize(count);
-  threads.parallel_for(n, bricks_a_part, [&](std::int64_t begin, std::int64_t end) {
-    const auto part = std::size_t(begin / bricks_a_part);
-    out.bricks[part].assign(bricks.begin() + begin, bricks.begin() + end);
-    enumerate(store, lattice, out.bricks[part], real, only_unfolded, out.parts[part]);
-  });
+  for (const std::uint32_t b : bricks) {
+    if (out.bricks.empty() || out.bricks.back().size() == bricks_a_part ||
+        out.bricks.back().back() + 1 != b)
+      out.bricks.emplace_back();
+    out.bricks.back().push_back(b);
+  }
+  out.parts.resize(out.bricks.size());
+  threads.parallel_for(
+      std::int64_t(out.parts.size()), 1, [&](std::int64_t begin, std::int64_t end) {
+        for (auto part = std::size_t(begin); part < std::size_t(end); ++part)
+          enumerate(store, lattice, out.bricks[part], real, only_unfolded, out.parts[part]);
+      });
   return out;
 }
 
-/// Keeps the parts whose bricks have not changed, with their numbers in another store; returns all
-/// its other bricks.
+/// By bricks, which no two parts share.
+void sort_parts(Enumerated& all) {
+  std::vector<std::size_t> order(all.parts.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::ranges::sort(order, {}, [&](std::size_t p) { return all.bricks[p].front(); });
+  Enumerated sorted;
+  for (const std::size_t p : order) {
+    sorted.parts.push_back(std::move(all.parts[p]));
+    sorted.bricks.push_back(std::move(all.bricks[p]));
+  }
+  all = std::move(sorted);
+}
+
+/// Keeps the parts whose bricks have not changed, and still follow each other, with their numbers
+/// in another store; returns all its other bricks.
 std::vector<std::uint32_t> keep_unchanged(const BrickStore& before, const BrickStore& now,
                                           const std::vector<char>& changed, Enumerated& all) {
   std::vector<char> kept(std::size_t(now.brick_count()), 0);
@@ -62,6 +79,7 @@ std::vector<std::uint32_t> keep_unchanged(const BrickStore& before, const BrickS
       b = now.find(before.depth_of(b), before.key(b));
       same = same && !changed[b];
     }
+    same = same && bricks.back() - bricks.front() + 1 == bricks.size();
     if (!same)
       continue;
     for (const std::uint32_t b : bricks)
@@ -80,19 +98,33 @@ std::vector<std::uint32_t> keep_unchanged(const BrickStore& before, const BrickS
 } // namespace
 
 DualParts make_dual_parts(const BrickStore& store, const mesh::Lattice& lattice, std::int64_t real,
-                          core::Memory& memory, const core::Threads& threads) {
-  std::vector<std::uint32_t> bricks(std::size_t(store.brick_count()));
-  std::iota(bricks.begin(), bricks.end(), 0u);
+                          core::Memory& memory, const core::Threads& threads,
+                          const SharedLeaves* shared) {
+  Real which(real);
+  if (shared) {
+    which.near = shared->mesh.near_cell_count();
+    which.with_places = true;
+  }
   DualParts out;
   out.made.first = real;
-  Enumerated all = enumerate_bricks(store, lattice, bricks, real, true, threads);
-  out.folded = all.folded();
-  if (out.folded > 0) {
+  Enumerated all;
+  agree_after(shared, [&] {
+    std::vector<std::uint32_t> bricks(std::size_t(store.brick_count()));
+    std::iota(bricks.begin(), bricks.end(), 0u);
+    all = enumerate_bricks(store, lattice, bricks, which, true, threads);
+    out.folded = all.folded();
+  });
+  if (sum_over(shared, out.folded) > 0) {
     BrickStore split(memory);
-    out.made = unfold(store, lattice, all.steep(), real, split, threads);
-    bricks = keep_unchanged(store, split, changed_bricks(split, out.made.split), all);
-    all.add(enumerate_bricks(split, lattice, bricks, real, false, threads));
-    out.still_folded = all.folded();
+    out.made = unfold(store, lattice, all.steep(), real, split, threads, shared);
+    agree_after(shared, [&] {
+      const std::vector<std::uint32_t> others =
+          keep_unchanged(store, split, changed_bricks(split, out.made.split), all);
+      which.made = &out.made;
+      all.add(enumerate_bricks(split, lattice, others, which, false, threads));
+      sort_parts(all);
+      out.still_folded = all.folded();
+    });
   }
   out.parts = std::move(all.parts);
   return out;

@@ -83,6 +83,20 @@ void add_cell(const Corner& corner, const mesh::Lattice& lattice, std::int64_t f
     part.steep.emplace_back(corner, folded);
 }
 
+/// Of the cells from `first` on, which are those at a corner of a brick.
+void add_places(const Corner& corner, const Neighborhood& around, std::size_t first,
+                DualPart& part) {
+  for (std::size_t n = first; n < part.cells.size(); ++n) {
+    CellPlace place{{}, std::uint8_t(corner.depth), 0, std::uint8_t(n - first), 0};
+    for (int a = 0; a < 3; ++a) {
+      place.corner[a] = std::int32_t(corner.index[a]);
+      place.at_end = std::uint8_t(place.at_end |
+                                  (corner.index[a] - around.lower(a) - 1 == BrickStore::side) << a);
+    }
+    part.places.push_back(place);
+  }
+}
+
 } // namespace
 
 SteepCorner::SteepCorner(const Corner& corner, bool folds)
@@ -94,22 +108,26 @@ SteepCorner::SteepCorner(const Corner& corner, bool folds)
 }
 
 void enumerate(const BrickStore& store, const mesh::Lattice& lattice,
-               std::span<const std::uint32_t> bricks, std::int64_t real, bool only_unfolded,
+               std::span<const std::uint32_t> bricks, const Real& real, bool only_unfolded,
                DualPart& part) {
   Neighborhood around;
   Corner corner;
   DualCells& cells = DualCells::of_thread();
   for (const std::uint32_t b : bricks) {
-    if (!around.load(store, b, real))
+    if (!around.load(store, b, real.end, real.near))
       continue;
     const auto is_wanted = [&] { return !only_unfolded || part.folded == 0; };
     if (is_wanted()) // before corners: they note coarser leaves in the entries
-      add_gridlet(around, real, part);
+      add_gridlet(around, real.end, part);
     for (int k = 0; k < 9; ++k)
       for (int j = 0; j < 9; ++j)
         for (unsigned row = around.mixed(j, k); row != 0; row &= row - 1) {
-          if (around.take(store, std::countr_zero(row), j, k, corner))
-            add_cell(corner, lattice, real, is_wanted(), cells, part);
+          if (around.take(store, std::countr_zero(row), j, k, corner) && real.counts(corner)) {
+            const std::size_t first = part.cells.size();
+            add_cell(corner, lattice, real.end, is_wanted(), cells, part);
+            if (real.with_places)
+              add_places(corner, around, first, part);
+          }
         }
   }
   part.empty -= part.cubes;

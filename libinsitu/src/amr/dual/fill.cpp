@@ -22,7 +22,11 @@ std::string name_place(const mesh::AmrView& mesh, const mesh::AmrCell& c) {
 
 std::string name_cell(const mesh::AmrView& mesh, std::int64_t flat) {
   const std::int32_t p = piece_of(mesh, flat);
-  return "cell " + std::to_string(flat - mesh.first_cell[p]) + " of piece " + std::to_string(p);
+  const mesh::AmrPieceView& piece = mesh.pieces[p];
+  const std::string cell = "cell " + std::to_string(flat - mesh.first_cell[p]) + " of piece ";
+  return piece.rank < 0
+             ? cell + std::to_string(p)
+             : cell + std::to_string(piece.number) + " of process " + std::to_string(piece.rank);
 }
 
 /// Finds the bricks of cells that come one after the other.
@@ -115,8 +119,9 @@ void fill(BrickStore& store, const mesh::AmrView& mesh, const core::Threads& thr
   threads.parallel_for(mesh.cell_count(), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
     bool clash = false;
     for_entries(store, mesh, begin, end, [&](std::uint32_t& entry, std::int64_t flat) {
-      clash |= std::atomic_ref(entry).exchange(std::uint32_t(flat), std::memory_order_relaxed) !=
-               BrickStore::nothing;
+      const auto id = mesh.is_covered(flat) ? BrickStore::refined : std::uint32_t(flat);
+      clash |=
+          std::atomic_ref(entry).exchange(id, std::memory_order_relaxed) != BrickStore::nothing;
     });
     if (clash)
       overlap.store(true, std::memory_order_relaxed);
@@ -128,6 +133,9 @@ void fill(BrickStore& store, const mesh::AmrView& mesh, const core::Threads& thr
 std::int64_t mark_refined(BrickStore& store, const mesh::AmrView& mesh,
                           const core::Threads& threads) {
   std::atomic<std::int64_t> masked{0}, least{INT64_MAX};
+  const std::int64_t own = mesh.own_cell_count();
+  for (std::int64_t flat = 0; mesh.covered && flat < own; ++flat)
+    masked += mesh.is_covered(flat);
   for (int d = store.depth_count() - 1; d > 0; --d) {
     const std::int64_t first = store.first_brick(d);
     // A brick covers an eighth of the one above it: no two write the same entries.
@@ -149,7 +157,10 @@ std::int64_t mark_refined(BrickStore& store, const mesh::AmrView& mesh,
                 entry = cover == Cover::full ? BrickStore::refined : BrickStore::refined_in_part;
                 continue;
               }
-              if (cover == Cover::in_part)
+              if (entry == BrickStore::refined) // counted already
+                continue;
+              // What covers another process's cell is known there, or what covers the rest.
+              if (cover == Cover::in_part && entry < own && !mesh.is_part)
                 keep_least(least, entry);
               entry = BrickStore::refined;
               ++covered;

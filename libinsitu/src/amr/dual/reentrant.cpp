@@ -1,6 +1,8 @@
 #include "amr/dual/reentrant.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 namespace insitu::amr {
 
@@ -186,7 +188,7 @@ private:
   /// leaves' centres, counted in half cells of the finest of these.
   Vertex find_middle(int axis, const int* ring) {
     MeanVertex mean = {};
-    int finest = mesh::Lattice::most_depth;
+    int around[4], finest = mesh::Lattice::most_depth;
     for (int i = 0; i < 4; ++i) {
       if (!inside(ring[i]))
         continue;
@@ -195,7 +197,7 @@ private:
         if (!inside(to) && v.x[(axis + 1) % 3] == 0.0 && v.x[(axis + 2) % 3] == 0.0)
           return v;
       }
-      mean.leaves[mean.count++] = corner_.id[ring[i]];
+      around[mean.count++] = ring[i];
       finest = std::min(finest, int(corner_.up[ring[i]]));
     }
     std::int64_t sum = 0;
@@ -204,7 +206,17 @@ private:
         const int up = corner_.up[ring[i]];
         sum += ((corner_.cell(ring[i], axis) >> up) * 2 + 1) << (up - finest);
       }
-    std::sort(mean.leaves, mean.leaves + mean.count);
+    // In an order of places, so that both corners, and all processes, add up alike.
+    const auto leaf_place = [&](int octant) {
+      const int up = corner_.up[octant];
+      return std::array{std::int64_t(up), corner_.cell(octant, 2) >> up,
+                        corner_.cell(octant, 1) >> up, corner_.cell(octant, 0) >> up};
+    };
+    for (int m = 1; m < mean.count; ++m)
+      for (int n = m; n > 0 && leaf_place(around[n]) < leaf_place(around[n - 1]); --n)
+        std::swap(around[n], around[n - 1]);
+    for (int m = 0; m < mean.count; ++m)
+      mean.leaves[m] = corner_.id[around[m]];
     for (int a = 0; a < 3; ++a)
       mean.x[a] = lattice_.place(a, corner_.depth, 2 * corner_.index[a]);
     const double place = double(sum) / mean.count;

@@ -138,6 +138,7 @@ void Stitching::clear() {
   points_.resize_discard(0);
   means_.clear();
   on_boundary_.clear();
+  places_.clear();
   leaves_.resize_discard(0);
   corners_.clear();
 }
@@ -146,6 +147,8 @@ void Stitching::build(const std::vector<DualPart>& parts, const mesh::AmrView& m
                       const VirtualLeaves& virtual_leaves, bool with_corners,
                       const core::Threads& threads) {
   clear();
+  for (const DualPart& part : parts)
+    places_.insert(places_.end(), part.places.begin(), part.places.end());
   std::vector<std::int64_t> first(parts.size() + 1, 0);
   for (std::size_t p = 0; p < parts.size(); ++p)
     first[p + 1] = first[p] + std::int64_t(parts[p].cells.size());

@@ -27,6 +27,9 @@ public:
   mesh::PieceView piece() const;
   /// Which of the cells stand at corners; empty if built without.
   const CornerMap& corners() const { return corners_; }
+  CornerMap& corners() { return corners_; }
+  /// Of the cells; empty if nobody asked for them.
+  std::span<const CellPlace> places() const { return places_; }
   /// The vertices in re-entrant corners; of the last build.
   std::span<const MeanVertex> means() const { return means_; }
   /// The vertices on the domain's boundary that ghost cells give a value; of the last build, which
@@ -45,6 +48,7 @@ private:
 
   std::vector<MeanVertex> means_;
   std::vector<VertexKey> on_boundary_;
+  std::vector<CellPlace> places_;
 };
 
 } // namespace insitu::amr

@@ -118,6 +118,20 @@ SteepCorner look_again(const BrickStore& split, const mesh::Lattice& lattice,
   return {corner, split_reentrant(corner, lattice, part.cells, part.means)};
 }
 
+/// The same of those that splits touch; the others do not fold any more.
+void look_again(const BrickStore& split, const mesh::Lattice& lattice,
+                const std::vector<mesh::AmrCell>& splits, std::vector<SteepCorner>& steep,
+                const core::Threads& threads) {
+  const TouchedCorners touched(split, splits);
+  threads.parallel_for(std::int64_t(steep.size()), 256, [&](std::int64_t begin, std::int64_t end) {
+    for (SteepCorner& c : std::span(steep).subspan(std::size_t(begin), std::size_t(end - begin)))
+      if (touched.holds(c.depth, c.index))
+        c = look_again(split, lattice, c);
+      else
+        c.folded = false;
+  });
+}
+
 } // namespace
 
 std::vector<char> changed_bricks(const BrickStore& store, const std::vector<mesh::AmrCell>& split) {
@@ -130,7 +144,7 @@ std::vector<char> changed_bricks(const BrickStore& store, const std::vector<mesh
 
 VirtualLeaves unfold(const BrickStore& store, const mesh::Lattice& lattice,
                      std::vector<SteepCorner> steep, std::int64_t real, BrickStore& split,
-                     const core::Threads& threads) {
+                     const core::Threads& threads, const SharedLeaves* shared) {
   // A split can leave a cell folded that has another coarse leaf, and fold others. Every round
   // splits more; after some, all that is steep is taken together, after which nothing folds.
   constexpr int most_local_rounds = 6;
@@ -140,25 +154,21 @@ VirtualLeaves unfold(const BrickStore& store, const mesh::Lattice& lattice,
   for (int round = 0;; ++round) {
     const bool is_last = round > most_local_rounds;
     const std::size_t before = corners.size();
-    std::copy_if(steep.begin(), steep.end(), std::back_inserter(corners),
-                 [&](const SteepCorner& c) { return is_last || c.folded; });
-    if (round > 0 && corners.size() == before)
+    agree_after(shared, [&] {
+      std::copy_if(steep.begin(), steep.end(), std::back_inserter(corners),
+                   [&](const SteepCorner& c) { return is_last || c.folded; });
+    });
+    if (sum_over(shared, std::int64_t(corners.size() - before)) == 0 && round > 0)
       return made;
-    VirtualLeaves more = balance(store, corners, real);
-    overlay(store, more, split, threads);
+    VirtualLeaves more = balance(store, corners, real, shared);
+    agree_after(shared, [&] {
+      overlay(store, more, split, threads);
+      if (!is_last)
+        look_again(split, lattice, newly_split(made, more), steep, threads);
+      made = std::move(more);
+    });
     if (is_last)
-      return more;
-    const TouchedCorners touched(split, newly_split(made, more));
-    threads.parallel_for(
-        std::int64_t(steep.size()), 256, [&](std::int64_t begin, std::int64_t end) {
-          for (SteepCorner& c :
-               std::span(steep).subspan(std::size_t(begin), std::size_t(end - begin)))
-            if (touched.holds(c.depth, c.index))
-              c = look_again(split, lattice, c);
-            else
-              c.folded = false;
-        });
-    made = std::move(more);
+      return made;
   }
 }
 

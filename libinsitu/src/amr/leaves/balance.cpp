@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/status.h"
+#include "parallel/bytes.h"
 
 namespace insitu::amr {
 
@@ -63,10 +64,104 @@ mesh::AmrCell cell(int depth, const std::int64_t* index) {
   return {depth, {index[0], index[1], index[2]}};
 }
 
+/// Adds what splits ask for, from the finest depth on.
+void close(const BrickStore& store, std::vector<Splits>& splits) {
+  for (int d = store.depth_count() - 1; d >= 0; --d) {
+    Splits& own = splits[std::size_t(d)];
+    normalize(own);
+    if (d > 0)
+      for (const Split& s : own)
+        ask_around(store, d, s, splits[std::size_t(d - 1)]);
+  }
+}
+
+/// A split as processes tell each other.
+struct ToldSplit {
+  std::int32_t depth, index[3];
+};
+
+/// Of the splits in leaves that count, tells each process those that are its business.
+class SplitMail {
+public:
+  explicit SplitMail(const SharedLeaves& shared) : shared_(shared) {}
+
+  /// whose(split, tell): calls tell(rank).
+  template <class Whose>
+  void write(const std::vector<Splits>& splits, Whose&& whose) {
+    to_.assign(std::size_t(shared_.world.size()), {});
+    for (std::size_t d = 0; d < splits.size(); ++d)
+      for (const Split& s : splits[d])
+        whose(s, int(d), [&](int rank) {
+          to_[std::size_t(rank)].push_back(
+              {std::int32_t(d),
+               {std::int32_t(s.index[0]), std::int32_t(s.index[1]), std::int32_t(s.index[2])}});
+        });
+    parcels_.clear();
+    for (std::size_t r = 0; r < to_.size(); ++r)
+      if (!to_[r].empty())
+        parcels_.push_back({int(r), parallel::bytes_of(to_[r])});
+  }
+  void exchange() { parcels_ = shared_.world.exchange(parcels_); }
+  /// Adds those that came and are not there; returns how many.
+  std::int64_t add(const BrickStore& store, std::vector<Splits>& splits) const {
+    std::vector<Splits> more(splits.size());
+    for (const parallel::Parcel& p : parcels_)
+      for (const ToldSplit& told : parallel::items_of<ToldSplit>(p.bytes)) {
+        Split s{{told.index[0], told.index[1], told.index[2]}, BrickStore::nothing, 0};
+        if (told.depth < 0 || std::size_t(told.depth) >= splits.size())
+          continue; // of a leaf that is none here
+        s.leaf = leaf_at(store, told.depth, s.index, &s.leaf_depth);
+        if (s.leaf != BrickStore::nothing && !holds(splits[std::size_t(told.depth)], s.index))
+          more[std::size_t(told.depth)].push_back(s);
+      }
+    std::int64_t count = 0;
+    for (std::size_t d = 0; d < splits.size(); ++d) {
+      normalize(more[d]);
+      count += std::int64_t(more[d].size());
+      splits[d].insert(splits[d].end(), more[d].begin(), more[d].end());
+      normalize(splits[d]);
+    }
+    return count;
+  }
+
+private:
+  const SharedLeaves& shared_;
+  std::vector<std::vector<ToldSplit>> to_;
+  std::vector<parallel::Parcel> parcels_;
+};
+
+/// What a split asks for lies in leaves that touch its own; who has that one knows them all.
+void close_over_all(const BrickStore& store, const SharedLeaves& shared,
+                    std::vector<Splits>& splits) {
+  SplitMail mail(shared);
+  std::vector<Splits> told(splits.size());
+  for (std::int64_t more = 1; more > 0;) {
+    shared.world.agree_after([&] {
+      close(store, splits);
+      mail.write(splits, [&](const Split& s, int depth, auto&& tell) {
+        if (!shared.is_own(s.leaf) && !holds(told[std::size_t(depth)], s.index))
+          tell(shared.rank_of(s.leaf));
+      });
+      told = splits;
+    });
+    mail.exchange();
+    shared.world.agree_after([&] { more = mail.add(store, splits); });
+    more = sum_over(&shared, more);
+  }
+  shared.world.agree_after([&] {
+    mail.write(splits, [&](const Split& s, int, auto&& tell) {
+      if (shared.is_own(s.leaf))
+        shared.for_borrowers(s.leaf, tell);
+    });
+  });
+  mail.exchange();
+  shared.world.agree_after([&] { (void)mail.add(store, splits); });
+}
+
 } // namespace
 
 VirtualLeaves balance(const BrickStore& store, const std::vector<SteepCorner>& corners,
-                      std::int64_t first_id) {
+                      std::int64_t first_id, const SharedLeaves* shared) {
   std::vector<Splits> splits(std::size_t(store.depth_count()) + 1);
   for (const SteepCorner& c : corners)
     for (int o = 0; o < 8; ++o) {
@@ -80,13 +175,10 @@ VirtualLeaves balance(const BrickStore& store, const std::vector<SteepCorner>& c
       s.leaf = leaf_at(store, depth, s.index, &s.leaf_depth);
       splits[std::size_t(depth)].push_back(s);
     }
-  for (int d = store.depth_count() - 1; d >= 0; --d) {
-    Splits& own = splits[std::size_t(d)];
-    normalize(own);
-    if (d > 0)
-      for (const Split& s : own)
-        ask_around(store, d, s, splits[std::size_t(d - 1)]);
-  }
+  if (shared)
+    close_over_all(store, *shared, splits);
+  else
+    close(store, splits);
   VirtualLeaves made;
   made.first = first_id;
   std::size_t count = 0;

@@ -100,7 +100,9 @@ LeafMap::Leaf LeafMap::find(const math::Vec3d& p) const {
   return leaf;
 }
 
-LeafMap::Leaf LeafMap::lowest(const math::Vec3d& p) const {
+LeafMap::Leaf
+LeafMap::first(const math::Vec3d& p,
+               core::FunctionRef<bool(std::uint32_t, std::uint32_t)> is_before) const {
   std::int64_t index[3];
   int on_face;
   if (!finest_index(p, index, &on_face))
@@ -112,7 +114,7 @@ LeafMap::Leaf LeafMap::lowest(const math::Vec3d& p) const {
     const std::int64_t below[3] = {index[0] - (low & 1), index[1] - (low >> 1 & 1),
                                    index[2] - (low >> 2)};
     const Leaf other = descend(below);
-    if (other && other.id < leaf.id) // none has the highest id
+    if (other && is_before(other.id, leaf.id)) // none has the highest id
       leaf = other;
   }
   return leaf;

@@ -57,7 +57,12 @@ public:
   /// (`nearest` reconstruction). None outside and for points that are not finite.
   Leaf find(const math::Vec3d& p) const;
   /// Of the closed leaves that hold a point, the one with the lowest id; none as find().
-  Leaf lowest(const math::Vec3d& p) const;
+  Leaf lowest(const math::Vec3d& p) const {
+    return first(p, [](std::uint32_t a, std::uint32_t b) { return a < b; });
+  }
+  /// The same of any order: is_before(id, other); `other` may be `nothing`, which comes last.
+  Leaf first(const math::Vec3d& p,
+             core::FunctionRef<bool(std::uint32_t, std::uint32_t)> is_before) const;
 
 private:
   bool finest_index(const math::Vec3d& p, std::int64_t* index, int* on_face) const;

@@ -57,7 +57,8 @@ bool corner_at(const BrickStore& store, int depth, const std::int64_t* index, Co
   return any;
 }
 
-bool Neighborhood::load(const BrickStore& store, std::int64_t brick, std::int64_t real) {
+bool Neighborhood::load(const BrickStore& store, std::int64_t brick, std::int64_t real,
+                        std::int64_t near) {
   const std::uint32_t* own = store.entries(brick);
   if (!std::any_of(own, own + BrickStore::brick_entries, BrickStore::is_leaf))
     return false;
@@ -82,21 +83,23 @@ bool Neighborhood::load(const BrickStore& store, std::int64_t brick, std::int64_
       to[0] = bricks[0][at + 7];
       std::memcpy(to + 1, bricks[1] + at, 8 * sizeof *to);
       to[9] = bricks[2][at];
-      unsigned leaf = 0, inside = 0, refined = 0;
+      unsigned leaf = 0, inside = 0, beside = 0, refined = 0;
       for (int i = 0; i < side; ++i) {
         leaf |= unsigned(BrickStore::is_leaf(to[i])) << i;
         inside |= unsigned(to[i] < real) << i;
+        beside |= unsigned(to[i] < near) << i;
         refined |= unsigned(to[i] == BrickStore::refined) << i;
       }
       leaf_[row] = std::uint16_t(leaf);
       real_[row] = std::uint16_t(inside);
+      near_[row] = std::uint16_t(beside);
       refined_[row] = std::uint16_t(refined);
     }
   return true;
 }
 
 unsigned Neighborhood::cubes(int j, int k) const {
-  return row_all(real_, j, k);
+  return row_all(real_, j, k) & row_any(near_, j, k);
 }
 
 unsigned Neighborhood::mixed(int j, int k) const {

@@ -28,8 +28,9 @@ bool corner_at(const BrickStore& store, int depth, const std::int64_t* index, Co
 /// entries c and c + 1.
 class Neighborhood {
 public:
-  /// Leaves of ids below `real` may lie in gridlets. False if the brick holds no leaf.
-  bool load(const BrickStore& store, std::int64_t brick, std::int64_t real);
+  /// Leaves of ids below `real` may lie in gridlets; cubes have one of an id below `near`, if that
+  /// is less. False if the brick holds no leaf.
+  bool load(const BrickStore& store, std::int64_t brick, std::int64_t real, std::int64_t near);
 
   int depth() const { return depth_; }
   /// The index of entry (0, 0, 0).
@@ -70,7 +71,8 @@ private:
   std::int64_t lower_[3] = {0, 0, 0};
   std::uint32_t entries_[side * side * side];
   std::uint8_t up_[side * side * side]; ///< unknown: not yet looked for
-  std::uint16_t leaf_[side * side], real_[side * side], refined_[side * side]; ///< a bit an entry
+  /// A bit an entry.
+  std::uint16_t leaf_[side * side], real_[side * side], near_[side * side], refined_[side * side];
 };
 
 } // namespace insitu::amr

@@ -15,6 +15,8 @@ constexpr std::uint8_t no_ghost = 0xff;
 inline bool has_ghost(const mesh::AmrView& mesh, std::uint32_t leaf, int face) {
   const std::int32_t p = piece_of(mesh, leaf);
   const mesh::AmrPieceView& piece = mesh.pieces[p];
+  if (piece.ghost_items)
+    return piece.ghost_items[6 * (leaf - mesh.first_cell[p]) + face] >= 0;
   return piece.ghost_faces >> face & 1 &&
          piece.is_at_face(mesh.cell(piece, leaf - mesh.first_cell[p]), face);
 }

@@ -77,7 +77,6 @@ std::vector<std::byte> Everywhere::answer(std::span<const std::byte> question,
   std::vector<query::Location> at(points.size());
   std::vector<std::uint8_t> reasons(points.size());
   const query::Sampler sampler = mesh_.own_sampler();
-  const std::int64_t own = mesh_.mesh().view().own_cell_count();
   sampler.locate(threads, points, at, options, reasons);
   std::vector<mesh::FieldView> fields;
   std::size_t width = 0;
@@ -87,7 +86,7 @@ std::vector<std::byte> Everywhere::answer(std::span<const std::byte> question,
       width += std::size_t(fields.back().components);
     }
   ByteWriter to;
-  const auto is_here = [&](std::size_t i) { return at[i] && at[i].cell < own; };
+  const auto is_here = [&](std::size_t i) { return at[i] && sampler.mesh().is_own(at[i].cell); };
   for (std::size_t i = 0; i < points.size(); ++i)
     to.value(std::uint8_t(is_here(i)));
   std::vector<double> values(width);
@@ -97,7 +96,8 @@ std::vector<std::byte> Everywhere::answer(std::span<const std::byte> question,
     sampler.interpolate(fields, at[i], values.data());
     const query::Location as_own = mesh_.own(at[i], points[i]);
     CellName name = mesh_.name(as_own.cell);
-    name.rank = world_.rank();
+    if (as_own.cell < mesh_.mesh().own_view().own_cell_count())
+      name.rank = world_.rank();
     to.value(OwnerOfAll{name, as_own.parametric, query::Reason(reasons[i])});
     to.array(std::span<const double>(values));
   }

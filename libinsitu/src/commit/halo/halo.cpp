@@ -66,7 +66,7 @@ void Halo::lend(const CommittedMesh& mesh, const std::vector<std::vector<std::in
       const std::int32_t p = view.piece_of(*begin);
       const mesh::PieceView& piece = view.pieces[p];
       const auto end = std::lower_bound(begin, cells[r].end(), view.first_cell[p + 1]);
-      Lent& lent = lent_.emplace_back(Lent{int(r), p, {}, {}});
+      Lent& lent = lent_.emplace_back(Lent{int(r), p, {}, {}, {}});
       std::int64_t ids[8];
       for (auto c = begin; c != end; ++c) {
         lent.cells.push_back(*c - view.first_cell[p]);
@@ -152,6 +152,7 @@ void Halo::find(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::
     views_.clear();
     for (Borrowed& b : borrowed_)
       views_.push_back(b.view());
+    near_count_ = borrowed_.size();
   });
 }
 
@@ -212,12 +213,19 @@ void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
             out.value(std::int32_t(field.components));
             out.value(std::int32_t(values.is_float32));
             const auto& items = field.association == INSITU_CELL ? lent.cells : lent.vertices;
+            const auto put = [&](double value) {
+              if (values.is_float32)
+                out.value(float(value));
+              else
+                out.value(value);
+            };
             for (const std::int64_t item : items)
               for (int c = 0; c < field.components; ++c)
-                if (values.is_float32)
-                  out.value(float(values.load(item, c)));
-                else
-                  out.value(values.load(item, c));
+                put(values.load(item, c));
+            for (std::size_t i = 0; i < lent.ghosts.size(); ++i)
+              for (int face = 0; face < 6; ++face)
+                for (int c = 0; c < field.components && (lent.ghosts[i] >> face & 1); ++c)
+                  put(values.load_ghost(lent.cells[i], c, face));
           }
       },
       [&](int rank, ByteReader& from) {
@@ -228,7 +236,7 @@ void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
             const bool of_cells = from.value<std::int32_t>() == INSITU_CELL;
             const auto components = std::size_t(from.value<std::int32_t>());
             const bool is_float32 = from.value<std::int32_t>() != 0;
-            const std::size_t items = of_cells ? b.cells.size() : b.points.size();
+            const std::size_t items = b.value_count(of_cells);
             const std::size_t size = is_float32 ? sizeof(float) : sizeof(double);
             if (items * components * size > from.left())
               throw core::Error(INSITU_ERROR_INTERNAL, "a parcel of values is too short");
@@ -268,12 +276,17 @@ CellName Halo::name(std::size_t piece, std::int64_t cell) const {
 
 std::pair<std::size_t, std::int64_t> Halo::find(const CellName& name) const {
   const auto of = [](const Borrowed& b) { return std::pair(b.rank, b.piece); };
-  const auto b = std::ranges::lower_bound(borrowed_, std::pair(name.rank, name.piece), {}, of);
-  if (b == borrowed_.end() || of(*b) != std::pair(name.rank, name.piece))
-    return {0, -1};
-  const auto cell = std::lower_bound(b->cells.begin(), b->cells.end(), name.cell);
-  const bool found = cell != b->cells.end() && *cell == name.cell;
-  return {std::size_t(b - borrowed_.begin()), found ? cell - b->cells.begin() : -1};
+  const auto near_end = borrowed_.begin() + std::ptrdiff_t(near_count_);
+  for (const auto& some : {std::ranges::subrange(borrowed_.begin(), near_end),
+                           std::ranges::subrange(near_end, borrowed_.end())}) {
+    const auto b = std::ranges::lower_bound(some, std::pair(name.rank, name.piece), {}, of);
+    if (b == some.end() || of(*b) != std::pair(name.rank, name.piece))
+      continue;
+    const auto cell = std::lower_bound(b->cells.begin(), b->cells.end(), name.cell);
+    if (cell != b->cells.end() && *cell == name.cell)
+      return {std::size_t(b - borrowed_.begin()), cell - b->cells.begin()};
+  }
+  return {0, -1};
 }
 
 std::int64_t Halo::cell_count() const {

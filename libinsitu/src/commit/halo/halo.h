@@ -4,12 +4,16 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "amr/dual/shared_leaves.h"
+#include "commit/halo/leaf_search.h"
 #include "core/memory.h"
+#include "core/parallel.h"
 #include "mesh/cell_name.h"
 #include "mesh/registered/mesh.h"
 #include "parallel/bytes.h"
@@ -40,6 +44,10 @@ public:
   /// The mesh's views are of the halo before until its next update().
   /// sides: the axes along which the mesh's box is periodic, alike on all processes.
   void find(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::World& world);
+  /// Collective: the same of an adaptive mesh, as of an update() without a halo: leaves, with the
+  /// ghost cells that the solver has beyond them, in as many layers as its reconstruction takes
+  /// (leaf_halo.cpp). On a process without cells the mesh may be any.
+  void find_leaves(const mesh::Mesh& mesh, parallel::World& world, const core::Threads& threads);
   /// Collective: copies the vertices again, which moved. Throws parallel::AgreedError, as all here.
   void refresh_points(const CommittedMesh& mesh, parallel::World& world);
   /// Collective: copies the values of all fields.
@@ -52,6 +60,13 @@ public:
 
   std::span<const mesh::PieceView> pieces() const override { return views_; }
   mesh::FieldPieceView values(const std::string& field, std::size_t piece) const override;
+  std::span<const mesh::AmrPieceView> leaves() const override { return leaf_views_; }
+  std::int32_t far_count() const override { return far_count_; }
+  const std::uint64_t* covered() const override {
+    return covered_.empty() ? nullptr : covered_.data();
+  }
+  /// Which leaves of this process others have.
+  std::span<const amr::LentLeaf> lent_leaves() const { return lent_leaves_; }
 
   /// Of the cell that is number `cell` in halo piece `piece`.
   CellName name(std::size_t piece, std::int64_t cell) const;
@@ -73,6 +88,7 @@ private:
     int rank;
     std::int32_t piece;
     std::vector<std::int64_t> cells, vertices; ///< in the piece, ascending
+    std::vector<std::uint8_t> ghosts; ///< of leaves: a bit a face, whose ghost cells go with them
   };
   struct Values {
     core::Buffer<std::byte> bytes;
@@ -88,7 +104,13 @@ private:
     core::Buffer<std::int64_t> cells, global, offsets;
     core::Buffer<std::int32_t> connectivity;
     core::Buffer<std::uint8_t> types;
+    std::optional<ToldLeaves> leaves; ///< of an adaptive mesh, in place of shapes and vertices
     std::map<std::string, std::unique_ptr<Values>> fields;
+    /// Of cells, values come with those of leaves' ghost cells behind them.
+    std::size_t value_count(bool of_cells) const {
+      return !of_cells ? points.size()
+                       : cells.size() + std::size_t(leaves ? leaves->ghost_count() : 0);
+    }
     explicit Borrowed(core::Memory& memory)
         : points(memory, INSITU_MEMORY_HALO), cells(memory, INSITU_MEMORY_HALO),
           global(memory, INSITU_MEMORY_HALO), offsets(memory, INSITU_MEMORY_HALO),
@@ -101,6 +123,9 @@ private:
   void lend(const CommittedMesh& mesh, const std::vector<std::vector<std::int64_t>>& cells,
             std::vector<parallel::ByteWriter>& to);
   void borrow(int rank, parallel::ByteReader& from);
+  void borrow_leaves(std::span<const ToldLeaf> leaves);
+  void ask_for_leaves(std::vector<parallel::ByteWriter>& to) const;
+  void lend_leaves(const mesh::Mesh& mesh, int rank, parallel::ByteReader& from);
   /// Exchanges what write() has for each process that borrows here; read() gets what comes.
   void swap(parallel::World& world,
             core::FunctionRef<void(std::vector<parallel::ByteWriter>& to)> write,
@@ -112,6 +137,11 @@ private:
   std::vector<Borrowed> borrowed_; ///< by rank, then piece
   std::vector<mesh::PieceView> views_;
   std::vector<std::uint64_t> seam_; ///< a bit a flat cell
+  std::size_t near_count_ = 0;      ///< of borrowed_: the others are leaves that do not touch
+  std::int32_t far_count_ = 0;
+  std::vector<mesh::AmrPieceView> leaf_views_;
+  std::vector<std::uint64_t> covered_; ///< a bit a flat cell
+  std::vector<amr::LentLeaf> lent_leaves_;
   mutable std::int64_t bytes_sent_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "commit/halo/halo.h"
 #include "core/status.h"
 #include "core/timer.h"
 
@@ -42,6 +43,10 @@ StandIn::Found Adaptive::commit(mesh::Mesh& mesh, const insitu_frame& /*frame*/,
                                 std::uint32_t changed, const core::Threads& threads,
                                 const core::Log& /*log*/) {
   const bool due = is_due(mesh, changed);
+  if (std::exchange(is_ready_, false)) {
+    mesh.set_masked(leaves().masked_count() > 0 ? masked_.data() : nullptr);
+    return {true, std::nullopt};
+  }
   if (due)
     build(mesh, threads);
   else if (dual_)
@@ -49,33 +54,57 @@ StandIn::Found Adaptive::commit(mesh::Mesh& mesh, const insitu_frame& /*frame*/,
   return {due, std::nullopt};
 }
 
-void Adaptive::build(mesh::Mesh& mesh, const core::Threads& threads) {
+void Adaptive::make_on_all(mesh::Mesh& mesh, parallel::World& world, const Halo& halo,
+                           const IsBefore& is_before, const core::Threads& threads) {
+  const DualCells::Neighbours neighbours{world, halo.lent_leaves(), is_before};
+  build(mesh, threads, &neighbours);
+  is_before_ = is_before;
+  is_ready_ = true;
+}
+
+void Adaptive::build(mesh::Mesh& mesh, const core::Threads& threads,
+                     const DualCells::Neighbours* neighbours) {
   const core::Timer timer;
+  is_ready_ = false;
+  is_before_ = nullptr;
   mesh.set_stand_in(nullptr);
   locator_.reset();
   if (mesh.reconstruction() == INSITU_NEAREST) {
     dual_.reset();
     if (!leaves_)
       leaves_ = std::make_unique<amr::LeafMap>(*memory_);
-    leaves_->build(mesh.adaptive(), threads);
-    leaves_->number_bricks(threads);
+    const auto build_leaves = [&] {
+      leaves_->build(mesh.adaptive(), threads);
+      leaves_->number_bricks(threads);
+    };
+    if (neighbours)
+      neighbours->world.agree_after(build_leaves);
+    else
+      build_leaves();
   } else {
     leaves_.reset();
     if (!dual_)
       dual_ = std::make_unique<DualCells>(*memory_);
-    dual_->build(mesh, threads);
+    dual_->build(mesh, threads, amr::Cubes::counts, neighbours);
   }
-  mask(mesh.adaptive(), threads);
-  mesh.set_masked(leaves().masked_count() > 0 ? masked_.data() : nullptr);
-  if (!dual_)
-    locator_ = std::make_unique<query::LeafLocator>(*leaves_);
-  else if (dual_->dual().has_gridlets())
-    locator_ = std::make_unique<query::DualLocator>(
-        query::DualPlaces{&dual_->places(), &dual_->dual().corners()});
+  const auto put_in_place = [&] {
+    own_cells_ = mesh.adaptive().own_cell_count();
+    mask(mesh.adaptive(), threads);
+    mesh.set_masked(leaves().masked_count() > 0 ? masked_.data() : nullptr);
+    if (!dual_)
+      locator_ = std::make_unique<query::LeafLocator>(*leaves_);
+    else if (dual_->dual().has_gridlets())
+      locator_ = std::make_unique<query::DualLocator>(
+          query::DualPlaces{&dual_->places(), &dual_->dual().corners()});
+    else
+      locator_ = std::make_unique<query::TreeLocator>();
+    if (dual_)
+      mesh.set_stand_in(this);
+  };
+  if (neighbours)
+    neighbours->world.agree_after(put_in_place);
   else
-    locator_ = std::make_unique<query::TreeLocator>();
-  if (dual_)
-    mesh.set_stand_in(this);
+    put_in_place();
   build_s_ = timer.seconds();
 }
 
@@ -110,12 +139,7 @@ void Adaptive::mask(const mesh::AmrView& mesh, const core::Threads& threads) {
   });
 }
 
-query::Location Adaptive::own(const query::Location& at, const math::Vec3d& p) const {
-  if (!at || !dual_)
-    return at;
-  const amr::LeafMap::Leaf leaf = leaves().lowest(p);
-  if (!leaf) // between the boundary and its rounding
-    return {};
+query::Location Adaptive::in_leaf(const amr::LeafMap::Leaf& leaf, const math::Vec3d& p) const {
   const mesh::Lattice& lattice = leaves().lattice();
   query::Location own{std::int64_t(leaf.id), {}};
   for (int a = 0; a < 3; ++a) {
@@ -124,6 +148,30 @@ query::Location Adaptive::own(const query::Location& at, const math::Vec3d& p) c
     own.parametric[a] = (p[a] - low) / (high - low);
   }
   return own;
+}
+
+query::Location Adaptive::own(const query::Location& at, const math::Vec3d& p) const {
+  if (!at || !dual_)
+    return at;
+  const amr::LeafMap::Leaf leaf = is_before_ ? leaves().first(p, is_before_) : leaves().lowest(p);
+  return leaf ? in_leaf(leaf, p) : query::Location{}; // between the boundary and its rounding
+}
+
+query::Location Adaptive::own_here(const query::Location& at, const math::Vec3d& p) const {
+  if (!dual_)
+    return at && at.cell < own_cells_ ? at : query::Location{};
+  const amr::LeafMap::Leaf leaf = at ? leaves().lowest(p) : amr::LeafMap::Leaf();
+  return leaf && leaf.id < own_cells_ ? in_leaf(leaf, p) : query::Location{};
+}
+
+std::optional<StandIn::MadeCell> Adaptive::made_cell(std::int64_t flat) const {
+  if (!dual_ || !is_before_)
+    return std::nullopt;
+  return MadeCell{dual_->order().number(dual_->dual(), flat), dual_->first_leaf(flat, is_before_)};
+}
+
+std::int64_t Adaptive::find_made(std::int64_t number) const {
+  return dual_ && is_before_ ? dual_->order().find(dual_->dual(), number) : -1;
 }
 
 std::optional<StandIn::Held> Adaptive::held() const {

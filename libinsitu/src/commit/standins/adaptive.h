@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -11,10 +12,14 @@
 
 namespace insitu::commit {
 
+class Halo;
+
 /// Of adaptive meshes: which cells are leaves and, unless the reconstruction is `nearest`, the dual
 /// in their place.
 class Adaptive final : public StandIn {
 public:
+  using IsBefore = std::function<bool(std::uint32_t, std::uint32_t)>;
+
   explicit Adaptive(core::Memory& memory) : memory_(&memory), masked_(memory, INSITU_MEMORY_AMR) {}
 
   bool serves(const mesh::Mesh& mesh, const insitu_frame& frame) const override {
@@ -27,6 +32,12 @@ public:
   bool is_due(const mesh::Mesh& mesh, std::uint32_t changed) const override;
   Found commit(mesh::Mesh& mesh, const insitu_frame& frame, std::uint32_t changed,
                const core::Threads& threads, const core::Log& log) override;
+  /// Collective, of a mesh whose halo is in its views: makes ready what the next commit, which is
+  /// due, puts in place. mesh: of a process that has none, an adaptive one without pieces.
+  /// is_before: of the leaves' flat ids, in the order of all processes; it must outlive what is
+  /// built.
+  void make_on_all(mesh::Mesh& mesh, parallel::World& world, const Halo& halo,
+                   const IsBefore& is_before, const core::Threads& threads);
   bool is_made() const override { return true; }
   const mesh::MeshView& keep(std::vector<std::int64_t> first_cell,
                              const core::Threads& threads) override;
@@ -36,12 +47,17 @@ public:
   mesh::FieldView field(const mesh::FieldView& own) override { return dual_->field(own); }
   /// The leaf that holds p, with p's place in it.
   query::Location own(const query::Location& at, const math::Vec3d& p) const override;
+  query::Location own_here(const query::Location& at, const math::Vec3d& p) const override;
+  std::optional<MadeCell> made_cell(std::int64_t flat) const override;
+  std::int64_t find_made(std::int64_t number) const override;
   const query::PointLocator* locator() const override { return locator_.get(); }
   std::optional<Held> held() const override;
   std::optional<insitu_amr_info> amr_info() const override;
 
 private:
-  void build(mesh::Mesh& mesh, const core::Threads& threads);
+  void build(mesh::Mesh& mesh, const core::Threads& threads,
+             const DualCells::Neighbours* neighbours = nullptr);
+  query::Location in_leaf(const amr::LeafMap::Leaf& leaf, const math::Vec3d& p) const;
   void mask(const mesh::AmrView& mesh, const core::Threads& threads);
   const amr::LeafMap& leaves() const { return dual_ ? dual_->dual().leaves() : *leaves_; }
 
@@ -51,6 +67,9 @@ private:
   std::unique_ptr<query::PointLocator> locator_;
   std::unique_ptr<LeavesCopy> kept_;   ///< of a step that has passed, without a dual
   core::Buffer<std::uint64_t> masked_; ///< a bit a flat cell
+  IsBefore is_before_;                 ///< empty: by ids
+  std::int64_t own_cells_ = 0;
+  bool is_ready_ = false; ///< for the next commit
   double build_s_ = 0.0;
 };
 

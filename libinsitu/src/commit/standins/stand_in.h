@@ -62,6 +62,18 @@ public:
 
   /// A location as the solver counts cells, flat over its pieces; at may be outside.
   virtual query::Location own(const query::Location& at, const math::Vec3d& p) const = 0;
+  /// The same of this process's cells alone, where others' are beside them.
+  virtual query::Location own_here(const query::Location& at, const math::Vec3d& p) const {
+    return own(at, p);
+  }
+  /// Of a cell that is made and exists on several processes, alike on all of them: its number, and
+  /// the solver's cell, by its flat id here, whose process owns it.
+  struct MadeCell {
+    std::int64_t number, owner;
+  };
+  virtual std::optional<MadeCell> made_cell(std::int64_t /*flat*/) const { return std::nullopt; }
+  /// The cell here of that number; -1: none.
+  virtual std::int64_t find_made(std::int64_t /*number*/) const { return -1; }
   /// How points find these cells; null: as in any mesh.
   virtual const query::PointLocator* locator() const { return nullptr; }
   /// Where points of the mesh's frame lie among the cells; null: where they are.

@@ -41,6 +41,11 @@ class HaloPieces {
 public:
   virtual ~HaloPieces() = default;
   virtual std::span<const PieceView> pieces() const = 0;
+  /// The same of an adaptive mesh, whose pieces are leaves; the last `far` do not touch the mesh's.
+  virtual std::span<const AmrPieceView> leaves() const { return {}; }
+  virtual std::int32_t far_count() const { return 0; }
+  /// See AmrView::covered.
+  virtual const std::uint64_t* covered() const { return nullptr; }
   /// Of one of these; `no_values` where they were not brought here.
   virtual FieldPieceView values(const std::string& field, std::size_t piece) const = 0;
 };
@@ -82,6 +87,8 @@ public:
   void drop_pieces(std::int32_t first);
   /// Whether vertices of different pieces stay apart though they coincide (MeshView::join_pieces).
   void set_separate_pieces(bool separate);
+  /// Whether other processes may have more of the mesh; of adaptive ones (AmrView::is_part).
+  void set_is_part(bool is_part) { amr_view_.is_part = is_part; }
   void set_changed(std::uint32_t what) { pending_ |= what; }
   std::uint32_t pending() const { return pending_; }
   void clear_pending() { pending_ = 0; }
@@ -185,6 +192,9 @@ private:
     ExternalArray global_ids[2]; ///< [association]
     AmrPiece amr;
   };
+  std::int64_t cells_of(std::size_t p) const {
+    return amr_ ? amr_pieces_[p].cell_count : pieces_[p].view.cell_count;
+  }
   static std::int64_t vertices_of(const Piece& p) {
     return p.is_block ? p.view.vertex_count : p.view.points.layout.count;
   }

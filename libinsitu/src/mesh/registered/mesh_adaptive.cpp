@@ -115,8 +115,13 @@ void Mesh::update_adaptive(const core::Threads* threads) {
     for (std::size_t p = 0; p < pieces_.size(); ++p)
       check_leaves(pieces_[p].amr, views[p], *amr_, name_of(name_, p), threads);
 
+  for (const AmrPieceView& leaves : halo_ ? halo_->leaves() : std::span<const AmrPieceView>()) {
+    views.push_back(leaves);
+    first.push_back(first.back() + leaves.cell_count);
+  }
   amr_pieces_ = std::move(views);
   first_cell_ = std::move(first);
+  check_global_ids(threads);
   for (const auto& field : fields_)
     for (const FieldPiece& piece : field->pieces)
       for (const ExternalArray& array : piece.arrays)
@@ -139,7 +144,10 @@ void Mesh::update_adaptive(const core::Threads* threads) {
   std::copy(amr_->depth_of, amr_->depth_of + AmrView::most_levels, amr_view_.depth_of);
   amr_view_.pieces = amr_pieces_.data();
   amr_view_.first_cell = first_cell_.data();
-  amr_view_.piece_count = std::int32_t(pieces_.size());
+  amr_view_.piece_count = std::int32_t(amr_pieces_.size());
+  amr_view_.halo_piece_count = std::int32_t(amr_pieces_.size() - pieces_.size());
+  amr_view_.far_piece_count = halo_ ? halo_->far_count() : 0;
+  amr_view_.covered = halo_ ? halo_->covered() : nullptr;
   make_leaves_views();
 }
 
@@ -159,6 +167,7 @@ void Mesh::make_leaves_views() {
     view.cell_count = amr_pieces_[p].cell_count;
     view.vertex_count = 8 * view.cell_count;
     view.leaves = &leaves_views_[p];
+    view.is_halo = amr_pieces_[p].rank >= 0;
     first_vertex_.push_back(first_vertex_.back() + view.vertex_count);
   }
   set_views();

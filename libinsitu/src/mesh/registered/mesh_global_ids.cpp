@@ -80,7 +80,8 @@ void Mesh::set_global_ids(std::int32_t piece, insitu_association association,
     throw Error(INSITU_ERROR_ARGUMENT,
                 where + ", global ids: unknown association " + std::to_string(int(association)));
   const std::string name = where + ", global ids of " + items[association];
-  refuse_if_adaptive(name);
+  if (association == INSITU_VERTEX)
+    refuse_if_adaptive(name);
   ExternalArray adopted;
   if (array) {
     adopted = adopt(array, name);
@@ -110,7 +111,7 @@ void Mesh::check_global_ids(std::size_t p, insitu_association of, std::int64_t& 
                             const core::Threads* threads) {
   const Piece& piece = pieces_[p];
   const ExternalArray& ids = piece.global_ids[of];
-  const std::int64_t count = of == INSITU_CELL ? piece.view.cell_count : vertices_of(piece);
+  const std::int64_t count = of == INSITU_CELL ? cells_of(p) : vertices_of(piece);
   const std::string name =
       "mesh '" + name_ + "', piece " + std::to_string(p) + ", global ids of " + items[of];
   if (ids.layout.count != count)
@@ -142,7 +143,7 @@ void Mesh::check_global_ids(const core::Threads* threads) {
     std::ptrdiff_t with = -1, without = -1; // the last such piece
     std::int64_t last = -1;
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
-      if (pieces_[p].view.cell_count == 0)
+      if (cells_of(p) == 0)
         continue;
       const bool given = pieces_[p].global_ids[of].given();
       (given ? with : without) = std::ptrdiff_t(p);

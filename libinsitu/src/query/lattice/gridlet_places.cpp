@@ -38,7 +38,7 @@ void GridletPlaces::build(const mesh::GridletsView& gridlets, const amr::LeafMap
   });
   all_full_.resize_discard(std::size_t((gridlets.count + 63) / 64));
   std::fill(all_full_.begin(), all_full_.end(), 0);
-  double farthest[3] = {0, 0, 0}; // of coordinates, from zero and from the lattice's origin
+  std::fill(farthest_, farthest_ + 3, 0.0);
   const mesh::Lattice& lattice = gridlets.lattice;
   for (std::int64_t g = 0; g < gridlets.count; ++g) {
     const mesh::Gridlet& gridlet = gridlets.gridlets[g];
@@ -52,14 +52,24 @@ void GridletPlaces::build(const mesh::GridletsView& gridlets, const amr::LeafMap
     for (int a = 0; a < 3; ++a)
       for (const double x :
            {gridlets.coordinate(gridlet, a, 0), gridlets.coordinate(gridlet, a, gridlet.size[a])})
-        farthest[a] = std::max(farthest[a], std::fabs(x) + std::fabs(x - lattice.origin[a]));
+        farthest_[a] = std::max(farthest_[a], std::fabs(x) + std::fabs(x - lattice.origin[a]));
   }
+  set_steps(lattice);
+}
+
+void GridletPlaces::share_farthest(parallel::World& world) {
+  world.reduce(farthest_, parallel::Reduction::greatest);
+  if (gridlets_)
+    set_steps(gridlets_->lattice);
+}
+
+void GridletPlaces::set_steps(const mesh::Lattice& lattice) {
   for (int d = 0; d <= mesh::Lattice::most_depth; ++d)
     for (int a = 0; a < 3; ++a) {
       Steps& steps = steps_[d];
       steps.half_cell[a] = lattice.width(a, d + 1);
       steps.a_unit[a] = (1.0 / lattice.spacing[a]) * double(std::int64_t(1) << d);
-      steps.rounding[a] = 0x1p-49 * (farthest[a] * steps.a_unit[a] + 16.0);
+      steps.rounding[a] = 0x1p-49 * (farthest_[a] * steps.a_unit[a] + 16.0);
     }
 }
 

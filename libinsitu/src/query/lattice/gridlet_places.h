@@ -4,6 +4,7 @@
 
 #include "amr/leaves/leaf_map.h"
 #include "mesh/gridlet.h"
+#include "parallel/world.h"
 
 namespace insitu::query {
 
@@ -17,6 +18,9 @@ public:
   /// The arguments but the threads must outlive the object, or its next build.
   void build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves,
              const core::Threads& threads);
+
+  /// Collective, after build(): bounds on rounding become those of all processes.
+  void share_farthest(parallel::World& world);
 
   /// Until the next build the object must not be asked.
   void release();
@@ -78,6 +82,8 @@ private:
   core::Buffer<Covers> covers_;          ///< of bricks
   core::Buffer<std::uint64_t> all_full_; ///< a bit a gridlet
   Steps steps_[mesh::Lattice::most_depth + 1] = {};
+  double farthest_[3] = {0, 0, 0}; ///< of coordinates, from zero and from the lattice's origin
+  void set_steps(const mesh::Lattice& lattice);
 };
 
 } // namespace insitu::query

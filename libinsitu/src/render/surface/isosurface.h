@@ -177,15 +177,19 @@ void IsosurfaceTracer::for_each_cell(std::int64_t item, const Search& search, Vi
   const mesh::PieceView& piece = mesh.pieces[mesh.piece_of(item)];
   if (piece.is_halo)
     return; // its process finds its hits
+  const std::int64_t first = mesh.first_cell[&piece - mesh.pieces];
   if (!piece.gridlets) {
-    visit(item);
+    if (piece.is_own(item - first))
+      visit(item);
     return;
   }
   const Ray& ray = search.space.ray();
-  const std::int64_t first = mesh.first_cell[&piece - mesh.pieces];
   accel::for_each_cell_along_ray(*piece.gridlets, (item - first) >> mesh::Gridlet::cell_bits,
                                  ray.origin, ray.direction, search.t_min, search.t_max,
-                                 [&](int local) { visit(item + local); });
+                                 [&](int local) {
+                                   if (piece.is_own(item - first + local))
+                                     visit(item + local);
+                                 });
 }
 
 } // namespace insitu::render

@@ -110,8 +110,7 @@ std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
   }
   if (apart)
     remove_pairs(mesh, faces, threads);
-  if (mesh.halo_piece_count > 0) // the others' boundary
-    std::erase_if(faces, [&](const Face& face) { return face.cell >= mesh.own_cell_count(); });
+  std::erase_if(faces, [&](const Face& face) { return !mesh.is_own(face.cell); });
 
   std::unique_ptr<TriangleMesh> out(new TriangleMesh(memory));
   core::CountedVector<std::uint32_t> ids(counted);

@@ -83,7 +83,7 @@ void VolumeMarcher::claim(std::span<RayState> rays, std::span<const query::Latti
         const std::size_t i = r * std::size_t(group()) + std::size_t(k);
         const auto [cell, value] = claims.samples[block + i];
         // What does not show adds nothing; an integral between two samples needs it all the same.
-        if (cell < 0 || cell >= own_cells ||
+        if (cell < 0 || cell >= own_cells || !sampler_.mesh().is_own(cell) ||
             (!preintegration_ && !(classifiers_[0](value).alpha > 0)))
           continue;
         claims.wanted[r] |= std::uint32_t(1) << (begin + k);
@@ -112,7 +112,7 @@ void VolumeMarcher::claim_thin(std::span<RayState> rays, std::int64_t own_cells,
   for (std::size_t a = 0; a < s.active.size(); ++a) {
     const query::Location& at = s.found[a];
     const std::size_t r = s.active[a];
-    if (!at || at.cell >= own_cells)
+    if (!at || at.cell >= own_cells || !sampler_.mesh().is_own(at.cell))
       continue;
     claims.wanted[r] = 1;
     claims.samples[r] = {at.cell, field_.at(sampler_.mesh(), at)};

@@ -96,6 +96,10 @@ private:
     world.agree_after([&] {
       check_on_all(mesh);
       decisions = decide_frame(frame_, facts_of(frame_, mesh, environment_.scene_file, &fields));
+      if (decisions.own_cells)
+        throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                          "images of the solver's cells where others are drawn in their place "
+                          "(adaptive meshes) over several processes are not there yet");
     });
     // A halo that is there must not be of an earlier step.
     const bool with_halo = decisions.vertex_cells.made || frame_.boundary || mesh.halo();
@@ -133,8 +137,8 @@ private:
   /// Refuses what is not there yet on several processes, beside what the renderer refuses.
   void check_on_all(const commit::CommittedMesh& mesh) const {
     const char* const what = frame_.geocentric ? "geocentric frames"
-                             : mesh.mesh().has_stand_in() || mesh.mesh().is_adaptive()
-                                 ? "frames of adaptive and geodetic meshes"
+                             : mesh.mesh().has_stand_in() && !mesh.mesh().is_adaptive()
+                                 ? "frames of geodetic meshes"
                                  : nullptr;
     if (what)
       throw core::Error(INSITU_ERROR_UNSUPPORTED,

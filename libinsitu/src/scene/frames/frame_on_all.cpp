@@ -86,6 +86,11 @@ render::FramePart frame_part(const commit::CommittedMesh& mesh, parallel::World&
   const mesh::MeshView& view = mesh.mesh().view();
   const std::int64_t own = view.own_cell_count();
   const bool by_ids = name_cells(mesh.mesh(), world).global;
+  std::int64_t is_made = mesh.mesh().has_stand_in(); // its cells have numbers
+  world.reduce(std::span(&is_made, 1), parallel::Reduction::greatest);
+  if (is_made)
+    return {world, own, [&mesh](std::int64_t flat) { return mesh.located_name(flat).global; },
+            mesh.halo() != nullptr};
   std::vector<std::int64_t> cells(std::size_t(world.size()));
   cells[std::size_t(world.rank())] = own;
   world.reduce(cells, parallel::Reduction::sum);

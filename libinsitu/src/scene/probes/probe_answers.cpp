@@ -59,7 +59,7 @@ void answer(const ProbeQuestion& q, Slice& slice, const parallel::World& world,
       return;
     sampler.interpolate(q.fields, at, slice.values.data() + i * slice.width);
     const query::Location own = q.mesh.own(at, slice.points[i]);
-    slice.cells[i] = own_cell(q.mesh.mesh(), own.cell, world);
+    slice.cells[i] = own_cell(q.mesh, at.cell, slice.points[i], world);
     slice.parametric[i] = own.parametric;
   };
   if (q.attached) { // their places are known, to the bit

@@ -124,7 +124,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
       if (action->is_of(*mesh, meshes)) // before any action asks for a halo
         mesh->join_sides(action->periodic_axes());
   for (commit::CommittedMesh* mesh : meshes)
-    if (mesh->halo()) // what an action has asked for, all see: none of an earlier step
+    if (mesh->needs_halo(world)) // what an action has asked for, all see: none of an earlier step
       mesh->update_halo(world, environment_.context.threads, environment_.context.log);
   take_up_meshes(meshes);
   for (const auto& action : actions_) {

@@ -9,16 +9,14 @@ namespace insitu::scene {
 class MeshHomes final : public advect::Homes {
 public:
   /// The mesh must outlive the object, and stay as it is.
-  explicit MeshHomes(const commit::CommittedMesh& mesh)
-      : mesh_(mesh), own_(mesh.mesh().own_view().own_cell_count()) {}
+  explicit MeshHomes(const commit::CommittedMesh& mesh) : mesh_(mesh) {}
 
-  bool is_own(std::int64_t cell) const override { return cell < own_; }
-  mesh::CellName name(std::int64_t cell) const override { return mesh_.name(cell); }
-  std::int64_t find(const mesh::CellName& name) const override { return mesh_.find(name); }
+  bool is_own(std::int64_t cell) const override { return mesh_.mesh().view().is_own(cell); }
+  mesh::CellName name(std::int64_t cell) const override { return mesh_.located_name(cell); }
+  std::int64_t find(const mesh::CellName& name) const override { return mesh_.find_located(name); }
 
 private:
   const commit::CommittedMesh& mesh_;
-  const std::int64_t own_;
 };
 
 } // namespace insitu::scene

@@ -34,9 +34,8 @@ void ParticleTracer::refuse_across(const commit::CommittedMesh& mesh) const {
   if (!tracer_.geodesics.empty())
     refuse("no geodesics");
   if (!mesh.halo())
-    refuse(
-        "no particles where cells stand in the place of the solver's (adaptive meshes, meshes in "
-        "longitude and latitude)");
+    refuse("no particles where cells stand in the place of the solver's (meshes in "
+           "longitude and latitude)");
 }
 
 void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& step, bool due) {

@@ -98,10 +98,13 @@ struct IsosurfaceTile::Work {
     const std::int64_t first_of_piece = mesh.first_cell[p];
     if (piece.is_halo)
       return;
-    if (!piece.in_runs())
-      return add_cell(flat);
+    if (!piece.in_runs()) {
+      if (piece.is_own(flat - first_of_piece))
+        add_cell(flat);
+      return;
+    }
     for (std::int64_t cell = flat; cell < flat + piece.cells_an_item(); ++cell)
-      if (piece.exists(cell - first_of_piece))
+      if (piece.owns(cell - first_of_piece))
         add_cell(cell);
   }
 

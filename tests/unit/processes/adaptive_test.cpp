@@ -1,0 +1,156 @@
+/// Scenes of adaptive meshes over processes: their files are those of one process, to the byte.
+#include "part_session.h"
+#include "unit/parallel/amr_part.h"
+
+using namespace insitu;
+using namespace insitu::test;
+
+namespace {
+
+/// One process of a solver with leaves or patches.
+class AmrSession {
+public:
+  AmrSession(parallel::World& world, const AmrMesh& whole, insitu_reconstruction how,
+             const Deal& deal, const std::string& scene, const std::string& folder)
+      : part_(whole, how, deal, world.rank()),
+        session_(options_of(scene, folder),
+                 std::shared_ptr<parallel::World>(&world, [](auto*) {})) {
+    part_.give(session_.mesh("m").mesh.mesh());
+  }
+  api::Session& session() { return session_; }
+  std::string execute(std::int64_t cycle) {
+    part_.give_fields(session_.mesh("m").mesh.mesh(), 1.0 + 0.25 * double(cycle));
+    return session_.execute(cycle, 0.25 * double(cycle));
+  }
+
+private:
+  static insitu_session_options options_of(const std::string& scene, const std::string& folder) {
+    insitu_session_options o = insitu_session_options_default();
+    o.scene_text = scene.c_str();
+    o.output = folder.c_str();
+    o.threads = 1;
+    return o;
+  }
+
+  AmrPart part_;
+  api::Session session_;
+};
+
+std::map<std::string, std::string> run_amr(const AmrMesh& whole, insitu_reconstruction how,
+                                           int processes, const Deal& deal,
+                                           const std::string& scene) {
+  const OwnFolder folder;
+  const std::string out = folder / "out";
+  run_processes(processes, [&](parallel::World& world) {
+    AmrSession process(world, whole, how, deal, scene, out);
+    for (int cycle = 0; cycle < 3; ++cycle)
+      EXPECT_EQ(process.execute(cycle), "");
+    EXPECT_EQ(process.session().finish(), "");
+  });
+  return files_of(out);
+}
+
+/// A block of 4 x 4 x 4 cells, of which some are refined, once or twice, with holes: places from 0
+/// to 4. Leaves in Morton order, or patches.
+AmrMesh octree() {
+  AmrMesh mesh;
+  mesh.lattice = {{0, 0, 0}, {1, 1, 1}};
+  mesh.depth_of = {0, 1, 2};
+  for (std::int64_t k = 0; k < 4; ++k)
+    for (std::int64_t j = 0; j < 4; ++j)
+      for (std::int64_t i = 0; i < 4; ++i) {
+        if ((i * 7 + j * 3 + k * 5) % 4 != 0) {
+          mesh.add_leaf(0, {i, j, k});
+          continue;
+        }
+        for (int o = 0; o < 8; ++o) {
+          const Index at = {2 * i + (o & 1), 2 * j + (o >> 1 & 1), 2 * k + (o >> 2)};
+          if (o != int((i + j) % 8)) {
+            mesh.add_leaf(1, at);
+            continue;
+          }
+          for (int p = 0; p < 8; ++p)
+            mesh.add_leaf(2, {2 * at[0] + (p & 1), 2 * at[1] + (p >> 1 & 1), 2 * at[2] + (p >> 2)});
+        }
+      }
+  return mesh;
+}
+
+AmrMesh patches() {
+  AmrMesh mesh;
+  mesh.lattice = {{0, 0, 0}, {1, 1, 1}};
+  mesh.depth_of = {0, 1, 2};
+  for (std::int64_t k = 0; k < 2; ++k)
+    for (std::int64_t i = 0; i < 2; ++i)
+      mesh.add_patch(0, {2 * i, 0, 2 * k}, {2, 4, 2});
+  mesh.add_patch(1, {2, 2, 2}, {2, 4, 4});
+  mesh.add_patch(1, {4, 2, 2}, {2, 4, 4});
+  mesh.add_patch(2, {6, 6, 6}, {4, 4, 4});
+  return mesh;
+}
+
+Deal deal_of(int kind, int processes) {
+  return [=](std::size_t number, const math::Vec3d& x) {
+    if (kind == 0) // slabs
+      return std::min(processes - 1, int(x.x / 4.0 * processes));
+    if (kind == 1) // boxes
+      return (int(x.x / 2.0) + 2 * int(x.y / 2.0) + 4 * int(x.z / 2.0)) % processes;
+    if (kind == 2 && processes > 1) // none at the root
+      return 1 + int(number) % (processes - 1);
+    return int(core::random_unit(3, number, 0) * processes);
+  };
+}
+
+void expect_one(const std::string& scene, insitu_reconstruction how, std::size_t files) {
+  for (const AmrMesh& whole : {octree(), patches()}) {
+    const auto expected = run_amr(whole, how, 1, deal_of(0, 1), scene);
+    EXPECT_GE(expected.size(), files);
+    for (const auto& [processes, kind] :
+         {std::pair(2, 0), std::pair(3, 2), std::pair(4, 1), std::pair(8, 3)})
+      if (processes != 3 || how == INSITU_DUAL)
+        expect_same(expected, run_amr(whole, how, processes, deal_of(kind, processes), scene),
+                    "deal " + std::to_string(kind) + " on " + std::to_string(processes));
+  }
+}
+
+} // namespace
+
+TEST(ProcessAdaptive, ProbesAndConditions) {
+  const std::string scene =
+      "insitu: 1\npage: false\n"
+      "probes:\n"
+      "  - {name: line, points: {line: {from: [-0.2, 0.3, 0.1], to: [4.1, 3.7, 3.9], count: 60}},\n"
+      "     fields: [s, v]}\n"
+      "  - {name: seams, points: {plane: {origin: [0, 0, 2], u: [4, 0, 0], v: [0, 4, 0], counts: "
+      "[9, 9]}},\n"
+      "     fields: [s], when: max(s) > 0.5 and mean(s) < 10}\n";
+  for (const insitu_reconstruction how : {INSITU_DUAL, INSITU_NEAREST})
+    expect_one(scene, how, 2);
+}
+
+TEST(ProcessAdaptive, Frames) {
+  const std::string scene =
+      "insitu: 1\npage: false\n"
+      "frames:\n"
+      "  - {name: smoke, size: [32, 24], images: [color, depth], format: [png, exr],\n"
+      "     volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]}, scalar_bar: true}\n"
+      "  - {name: surfaces, size: [24, 24], isosurfaces: [{field: s, values: [-0.3, 0.4],\n"
+      "     opacity: 0.6, color: {field: v, component: 1}}], outline: {}}\n";
+  expect_one(scene, INSITU_DUAL, 6);
+  expect_one(
+      "insitu: 1\npage: false\nframes:\n"
+      "  - {name: smoke, size: [32, 24], volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]}}\n",
+      INSITU_NEAREST, 3);
+}
+
+TEST(ProcessAdaptive, Tracers) {
+  const std::string scene =
+      "insitu: 1\npage: false\n"
+      "tracers:\n"
+      "  - {name: paths, velocity: v, fields: [s], kind: pathline,\n"
+      "     seeds: {box: {min: [0.5, 0.5, 0.5], max: [3.5, 3.5, 3.5], counts: [5, 5, 5]}},\n"
+      "     output: [csv]}\n"
+      "  - {name: lines, velocity: v, kind: streamline, until: {duration: 4},\n"
+      "     seeds: {box: {min: [0.5, 0.5, 0.5], max: [3.5, 3.5, 3.5], counts: [3, 3, 3]}}}\n";
+  expect_one(scene, INSITU_DUAL, 2);
+}
