@@ -65,6 +65,7 @@ void Session::ask_everywhere(SessionMesh& to, const insitu_sample_args& asked) {
   world.require_same({{"mesh", to.mesh.mesh().name()},
                       {"accuracy", std::to_string(int(args.accuracy))},
                       {"fields", all}});
+  to.mesh.update_chart(world, context_.threads, context_.log);
   commit::Everywhere everywhere(to.mesh, world);
   const std::vector<int> components = everywhere.components(names);
   const auto put = [&](std::size_t first, std::span<const commit::OwnerOfAll> owners,

@@ -1,4 +1,6 @@
 /// The cells of other processes beside a mesh's own.
+#include <algorithm>
+
 #include "commit/committed_mesh.h"
 #include "commit/halo/seam_faces.h"
 
@@ -29,12 +31,28 @@ std::int64_t CommittedMesh::find(const CellName& name) const {
   return cell < 0 ? -1 : view.first_cell[own + std::int32_t(piece)] + cell;
 }
 
+CellName CommittedMesh::name_in_view(std::int64_t flat) const {
+  if (!stand_in_)
+    return name(flat);
+  const StandIn::Place at = stand_in_->place(flat);
+  CellName found = name(at.own);
+  found.chart = at.chart;
+  found.copy = at.copy;
+  return found;
+}
+
+std::int64_t CommittedMesh::find_in_view(const CellName& name) const {
+  const std::int64_t own = find(name);
+  return own >= 0 && stand_in_ ? stand_in_->find({own, name.chart, name.copy}) : own;
+}
+
 bool CommittedMesh::NamesAtSeams::is_at_seam(std::int64_t flat) const {
-  return flat >= mesh_.mesh_.own_view().own_cell_count() || mesh_.halo_->is_at_seam(flat);
+  return flat >= mesh_.mesh_.view().own_cell_count() ||
+         mesh_.halo_->is_at_seam(mesh_.stand_in_ ? mesh_.stand_in_->place(flat).own : flat);
 }
 
 bool CommittedMesh::NamesAtSeams::is_before(std::int64_t flat, std::int64_t other) const {
-  return mesh_.name(flat) < mesh_.name(other);
+  return mesh_.name_in_view(flat) < mesh_.name_in_view(other);
 }
 
 void CommittedMesh::join_sides(const PeriodicAxes& sides) {
@@ -53,15 +71,51 @@ void CommittedMesh::drop_halo() {
   halo_.reset();
 }
 
+void CommittedMesh::update_chart(parallel::World& world, const core::Threads& threads,
+                                 const core::Log& log) {
+  rank_ = world.rank();
+  if (world.size() == 1)
+    return;
+  std::int64_t is_old = lacks_whole_chart();
+  world.reduce(std::span(&is_old, 1), Reduction::greatest);
+  if (is_old)
+    adopt_whole_chart(world, threads, log);
+}
+
+/// Collective.
+void CommittedMesh::adopt_whole_chart(parallel::World& world, const core::Threads& threads,
+                                      const core::Log& log) {
+  const ChartFacts* const mine = stand_in_ ? stand_in_->chart_facts() : nullptr;
+  ChartFacts whole = mine ? *mine : ChartFacts{};
+  world.reduce(whole.numbers(), Reduction::least);
+  world.agree_after([&] {
+    if (!stand_in_ || !stand_in_->set_whole_chart(whole))
+      return;
+    mesh_.set_changed(INSITU_CHANGED_GEOMETRY);
+    insitu_commit_report report = insitu_commit_report_default();
+    commit_pending(report, threads, log, false);
+  });
+}
+
 void CommittedMesh::update_halo(parallel::World& world, const core::Threads& threads,
                                 const core::Log& log) {
   rank_ = world.rank();
   if (world.size() == 1)
     return;
-  std::int64_t any[] = {stand_in_ || mesh_.is_adaptive() || on_device_,
-                        !halo_ || halo_topology_ != topology_version_,
-                        halo_geometry_ != geometry_version_, halo_fields_ != fields_version_};
-  world.reduce(std::span(any), Reduction::greatest);
+  std::int64_t any[5];
+  const auto compare = [&] {
+    const std::int64_t here[] = {is_made() || mesh_.is_adaptive() || on_device_,
+                                 !halo_ || halo_topology_ != topology_version_,
+                                 halo_geometry_ != geometry_version_,
+                                 halo_fields_ != fields_version_, lacks_whole_chart()};
+    std::ranges::copy(here, any);
+    world.reduce(std::span(any), Reduction::greatest);
+  };
+  compare();
+  if (any[4]) {
+    adopt_whole_chart(world, threads, log);
+    compare();
+  }
   const bool none = any[0], topology = any[1], geometry = any[2], fields = any[3];
   SeamMismatches mismatches;
   try {
