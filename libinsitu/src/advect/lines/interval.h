@@ -76,7 +76,8 @@ private:
   template <class V>
   struct Leg;
   void lanes_across(Rounds& rounds, std::span<const std::size_t> particles);
-  void effects_across(Rounds& rounds, std::span<const std::size_t> particles);
+  template <class V>
+  void one_by_one_across(Rounds& rounds, std::span<const std::size_t> particles);
   template <class V>
   void begin_leg(Leg<V>& leg, std::size_t i, V& velocity, const Rounds& rounds,
                  const EffectWork& effects);

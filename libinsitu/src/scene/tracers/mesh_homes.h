@@ -10,11 +10,11 @@ class MeshHomes final : public advect::Homes {
 public:
   /// The mesh must outlive the object, and stay as it is.
   explicit MeshHomes(const commit::CommittedMesh& mesh)
-      : mesh_(mesh), own_(mesh.mesh().own_view().own_cell_count()) {}
+      : mesh_(mesh), own_(mesh.mesh().view().own_cell_count()) {}
 
   bool is_own(std::int64_t cell) const override { return cell < own_; }
-  mesh::CellName name(std::int64_t cell) const override { return mesh_.name(cell); }
-  std::int64_t find(const mesh::CellName& name) const override { return mesh_.find(name); }
+  mesh::CellName name(std::int64_t cell) const override { return mesh_.name_in_view(cell); }
+  std::int64_t find(const mesh::CellName& name) const override { return mesh_.find_in_view(name); }
 
 private:
   const commit::CommittedMesh& mesh_;
