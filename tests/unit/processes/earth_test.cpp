@@ -128,6 +128,17 @@ TEST(ProcessEarth, EffectsAreThoseOfOneProcess) {
       {2, 4}, 3, "killed");
 }
 
+TEST(ProcessEarth, StreamlinesAreThoseOfOneProcess) {
+  const auto lines = [](const std::string& name, const std::string& more) {
+    return "  - {name: " + name + ", velocity: w, kind: streamline, seeds: " + seeds + more +
+           ", until: {duration: 2}, fields: [p, c], output: [csv, vtp]}\n";
+  };
+  expect_files_of_one("insitu: 1\npage: false\ntracers:\n" + lines("both", ", direction: both") +
+                          lines("even", ", spacing: {length: 3e5}") +
+                          lines("walls", ", effects: [{boundary: {other: slide}}]"),
+                      {2, 3, 4, 8}, 1, "left");
+}
+
 /// In longitude and latitude, with copies at the seam and the poles, and from space.
 TEST(ProcessEarth, FramesAreThoseOfOneProcess) {
   expect_files_of_one(
