@@ -136,7 +136,7 @@ TEST(ProcessEarth, StreamlinesAreThoseOfOneProcess) {
   expect_files_of_one("insitu: 1\npage: false\ntracers:\n" + lines("both", ", direction: both") +
                           lines("even", ", spacing: {length: 3e5}") +
                           lines("walls", ", effects: [{boundary: {other: slide}}]"),
-                      {2, 3, 4, 8}, 1, "left");
+                      {2, 3, 4, 8}, 1, "walls");
 }
 
 /// In longitude and latitude, with copies at the seam and the poles, and from space.
