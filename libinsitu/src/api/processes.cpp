@@ -122,8 +122,8 @@ void Processes::agree_on_time(std::int64_t cycle, double time) {
     world_->require_same({{"cycle", std::to_string(cycle)}, {"time", shortest(time)}});
 }
 
-std::vector<std::string>
-Processes::agree_on_meshes(std::span<commit::CommittedMesh* const> meshes) {
+std::vector<std::string> Processes::agree_on_meshes(std::span<commit::CommittedMesh* const> meshes,
+                                                    Make make) {
   if (size() == 1) {
     names_.clear();
     for (const commit::CommittedMesh* const m : meshes)
@@ -155,7 +155,12 @@ Processes::agree_on_meshes(std::span<commit::CommittedMesh* const> meshes) {
   names_ = MeshesOfAll::read_names(world_->broadcast(all.names()));
   scalar_ = all.scalar();
   scalar_ = {world_->broadcast(scalar_.first), world_->broadcast(scalar_.second)};
-  agree_on_frames(meshes, names_);
+  std::vector<commit::CommittedMesh*> all_meshes;
+  world_->agree_after([&] {
+    for (const std::string& name : names_)
+      all_meshes.push_back(&make(name));
+  });
+  agree_on_frames(all_meshes);
   last_list_ = std::move(list);
   return names_;
 }
@@ -170,30 +175,25 @@ Processes::scalar_of_all(std::span<commit::CommittedMesh* const> meshes) const {
 }
 
 /// The frame of each mesh is that of the first process that has cells of it.
-void Processes::agree_on_frames(std::span<commit::CommittedMesh* const> meshes,
-                                const std::vector<std::string>& names) {
-  for (const std::string& name : names) {
-    commit::CommittedMesh* mine = nullptr;
-    for (commit::CommittedMesh* const m : meshes)
-      if (m->mesh().name() == name)
-        mine = m;
-    const bool has = mine && has_cells(*mine);
+void Processes::agree_on_frames(std::span<commit::CommittedMesh* const> meshes) {
+  for (commit::CommittedMesh* const mesh : meshes) {
+    const bool has = has_cells(*mesh);
     std::int64_t first = has ? world_->rank() : size();
     world_->reduce(std::span(&first, 1), parallel::Reduction::least);
     if (first == size())
       continue;
-    insitu_frame frame = mine ? mine->reference_frame : insitu_frame_default();
+    insitu_frame frame = mesh->reference_frame;
     world_->broadcast(std::as_writable_bytes(std::span(&frame, 1)), int(first));
     world_->agree_after([&] {
-      if (!mine || told(mine->reference_frame) == told(frame))
+      if (told(mesh->reference_frame) == told(frame))
         return;
       if (has)
-        throw Error(INSITU_ERROR_ARGUMENT, "processes differ: the frame of mesh '" + name +
-                                               "' is " + told(frame) + " on process " +
-                                               std::to_string(first) + ", " +
-                                               told(mine->reference_frame) + " here");
-      mine->reference_frame = frame;
-      mine->mesh().set_changed(INSITU_CHANGED_TOPOLOGY);
+        throw Error(INSITU_ERROR_ARGUMENT, "processes differ: the frame of mesh '" +
+                                               mesh->mesh().name() + "' is " + told(frame) +
+                                               " on process " + std::to_string(first) + ", " +
+                                               told(mesh->reference_frame) + " here");
+      mesh->reference_frame = frame;
+      mesh->mesh().set_changed(INSITU_CHANGED_TOPOLOGY);
     });
   }
 }

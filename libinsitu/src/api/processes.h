@@ -41,17 +41,18 @@ public:
   void agree_on_time(std::int64_t cycle, double time);
   /// Meshes of one name have fields alike, and lie in the same frame of reference: those without
   /// cells take that of the others. Returns the names of the meshes of all processes, in one order
-  /// for all; a process takes meshes that it lacks as empty. Of one process: of its meshes. Throws
-  /// parallel::AgreedError.
-  std::vector<std::string> agree_on_meshes(std::span<commit::CommittedMesh* const> meshes);
+  /// for all; meshes that a process lacks are made by make(name), and empty. Of one process: of its
+  /// meshes. Throws parallel::AgreedError.
+  using Make = core::FunctionRef<commit::CommittedMesh&(const std::string& name)>;
+  std::vector<std::string> agree_on_meshes(std::span<commit::CommittedMesh* const> meshes,
+                                           Make make);
   /// The first scalar field of the first mesh that has one, and that mesh, as of the last
   /// agree_on_meshes(); empty names if there is none.
   std::pair<std::string, std::string>
   scalar_of_all(std::span<commit::CommittedMesh* const> meshes) const;
 
 private:
-  void agree_on_frames(std::span<commit::CommittedMesh* const> meshes,
-                       const std::vector<std::string>& names);
+  void agree_on_frames(std::span<commit::CommittedMesh* const> meshes);
 
   std::shared_ptr<parallel::World> world_;
   std::string last_list_;          ///< of meshes and their frames, that were compared

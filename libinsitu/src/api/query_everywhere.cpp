@@ -67,6 +67,8 @@ void Session::ask_everywhere(SessionMesh& to, const insitu_sample_args& asked) {
                       {"fields", all}});
   if (to.mesh.needs_halo(world))
     to.mesh.update_halo(world, context_.threads, context_.log);
+  else
+    to.mesh.update_chart(world, context_.threads, context_.log);
   commit::Everywhere everywhere(to.mesh, world);
   const std::vector<int> components = everywhere.components(names);
   const auto put = [&](std::size_t first, std::span<const commit::OwnerOfAll> owners,

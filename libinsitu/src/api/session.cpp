@@ -217,12 +217,11 @@ std::vector<commit::CommittedMesh*> Session::commit_on_all() {
   parallel::World& world = processes_.world();
   std::vector<commit::CommittedMesh*> meshes;
   world.agree_after([&] { meshes = commit_all(); });
-  const std::vector<std::string> names = processes_.agree_on_meshes(meshes);
+  const std::vector<std::string> names = processes_.agree_on_meshes(
+      meshes, [&](const std::string& name) -> commit::CommittedMesh& { return mesh(name).mesh; });
   if (world.size() == 1)
     return meshes;
   world.agree_after([&] {
-    for (const std::string& name : names)
-      mesh(name);
     std::sort(meshes_.begin(), meshes_.end(), [&](const auto& a, const auto& b) {
       return std::find(names.begin(), names.end(), a->mesh.mesh().name()) <
              std::find(names.begin(), names.end(), b->mesh.mesh().name());

@@ -101,8 +101,9 @@ public:
   std::int64_t neighbours_bytes(const core::Threads& threads) const;
   const accel::FaceNeighbours* neighbours() const { return neighbours_.get(); }
   /// Collective, of a committed mesh: gives it the cells of other processes that touch its own, or
-  /// brings them up to date; a mesh that has a stand-in on some process gets none. Throws
-  /// parallel::AgreedError; the mesh then has no halo and is to be committed again.
+  /// brings them up to date; an adaptive mesh, and one in device memory, gets none. A mesh in
+  /// longitude and latitude has the whole mesh's chart then. Throws parallel::AgreedError; the mesh
+  /// then has no halo and is to be committed again.
   void update_halo(parallel::World& world, const core::Threads& threads, const core::Log& log);
   /// From the next update_halo() on, cells that touch over these sides of the mesh's box are in it,
   /// too, and stay in it. All processes say the same.
@@ -110,6 +111,8 @@ public:
   /// Collective: whether a mesh that is spread over processes has a halo, or may not be asked
   /// without one, since its cells at seams are made of leaves of several processes (adaptive ones).
   bool needs_halo(parallel::World& world) const;
+  /// The chart alone. Collective, of a committed mesh; throws parallel::AgreedError.
+  void update_chart(parallel::World& world, const core::Threads& threads, const core::Log& log);
   /// What of others is in the views; null: nothing.
   const Halo* halo() const { return halo_.get(); }
   /// How all processes know a cell of mesh().own_view() of this process, whose rank is known since
@@ -122,7 +125,7 @@ public:
   /// The flat id here of a cell of some process; -1: it is neither this process's nor in the halo.
   std::int64_t find(const CellName& name) const;
   query::Sampler sampler() const {
-    return own_sampler().at(halo_ && !mesh_.has_stand_in() ? &seams_ : nullptr);
+    return own_sampler().at(halo_ && !is_made() ? &seams_ : nullptr);
   }
   /// The same where of several cells the lowest flat id of this process counts.
   query::Sampler own_sampler() const {
@@ -217,6 +220,9 @@ private:
                       const core::Log& log, bool strict);
   void drop_halo();
   void update_leaf_halo(parallel::World& world, const core::Threads& threads);
+  bool lacks_whole_chart() const { return stand_in_ && !stand_in_->has_whole_chart(); }
+  void adopt_whole_chart(parallel::World& world, const core::Threads& threads,
+                         const core::Log& log);
   /// Whatever has changed since.
   void require_a_commit() const;
   std::optional<query::ChartImage> chart() const;

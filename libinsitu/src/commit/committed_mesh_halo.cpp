@@ -1,4 +1,6 @@
 /// The cells of other processes beside a mesh's own.
+#include <algorithm>
+
 #include "commit/committed_mesh.h"
 #include "commit/halo/seam_faces.h"
 #include "commit/standins/adaptive.h"
@@ -32,12 +34,22 @@ std::int64_t CommittedMesh::find(const CellName& name) const {
 }
 
 CellName CommittedMesh::located_name(std::int64_t flat) const {
-  const auto made = mesh_.has_stand_in() ? stand_in_->made_cell(flat) : std::nullopt;
-  return made ? CellName{made->number, name(made->owner).rank, 0, 0} : name(flat);
+  if (!stand_in_)
+    return name(flat);
+  if (const auto made = mesh_.has_stand_in() ? stand_in_->made_cell(flat) : std::nullopt)
+    return {made->number, name(made->owner).rank, 0, 0};
+  const StandIn::Place at = stand_in_->place(flat);
+  CellName found = name(at.own);
+  found.chart = at.chart;
+  found.copy = at.copy;
+  return found;
 }
 
 std::int64_t CommittedMesh::find_located(const CellName& name) const {
-  return mesh_.has_stand_in() && is_made() ? stand_in_->find_made(name.global) : find(name);
+  if (is_made() && mesh_.has_stand_in())
+    return stand_in_->find_made(name.global);
+  const std::int64_t own = find(name);
+  return own >= 0 && stand_in_ ? stand_in_->find({own, name.chart, name.copy}) : own;
 }
 
 bool CommittedMesh::needs_halo(parallel::World& world) const {
@@ -48,11 +60,12 @@ bool CommittedMesh::needs_halo(parallel::World& world) const {
 }
 
 bool CommittedMesh::NamesAtSeams::is_at_seam(std::int64_t flat) const {
-  return flat >= mesh_.mesh_.own_view().own_cell_count() || mesh_.halo_->is_at_seam(flat);
+  return flat >= mesh_.mesh_.view().own_cell_count() ||
+         mesh_.halo_->is_at_seam(mesh_.stand_in_ ? mesh_.stand_in_->place(flat).own : flat);
 }
 
 bool CommittedMesh::NamesAtSeams::is_before(std::int64_t flat, std::int64_t other) const {
-  return mesh_.name(flat) < mesh_.name(other);
+  return mesh_.located_name(flat) < mesh_.located_name(other);
 }
 
 void CommittedMesh::join_sides(const PeriodicAxes& sides) {
@@ -110,16 +123,52 @@ void CommittedMesh::update_leaf_halo(parallel::World& world, const core::Threads
       threads);
 }
 
+void CommittedMesh::update_chart(parallel::World& world, const core::Threads& threads,
+                                 const core::Log& log) {
+  rank_ = world.rank();
+  if (world.size() == 1)
+    return;
+  std::int64_t is_old = lacks_whole_chart();
+  world.reduce(std::span(&is_old, 1), Reduction::greatest);
+  if (is_old)
+    adopt_whole_chart(world, threads, log);
+}
+
+/// Collective.
+void CommittedMesh::adopt_whole_chart(parallel::World& world, const core::Threads& threads,
+                                      const core::Log& log) {
+  const ChartFacts* const mine = stand_in_ ? stand_in_->chart_facts() : nullptr;
+  ChartFacts whole = mine ? *mine : ChartFacts{};
+  world.reduce(whole.numbers(), Reduction::least);
+  world.agree_after([&] {
+    if (!stand_in_ || !stand_in_->set_whole_chart(whole))
+      return;
+    mesh_.set_changed(INSITU_CHANGED_GEOMETRY);
+    insitu_commit_report report = insitu_commit_report_default();
+    commit_pending(report, threads, log, false);
+  });
+}
+
 void CommittedMesh::update_halo(parallel::World& world, const core::Threads& threads,
                                 const core::Log& log) {
   rank_ = world.rank();
   if (world.size() == 1)
     return;
-  std::int64_t any[] = {(stand_in_ && !mesh_.is_adaptive()) || on_device_,
-                        !halo_ || halo_topology_ != topology_version_,
-                        halo_geometry_ != geometry_version_, halo_fields_ != fields_version_,
-                        mesh_.is_adaptive()};
-  world.reduce(std::span(any), Reduction::greatest);
+  std::int64_t any[6];
+  const auto compare = [&] {
+    const std::int64_t here[] = {(is_made() && !mesh_.is_adaptive()) || on_device_,
+                                 !halo_ || halo_topology_ != topology_version_,
+                                 halo_geometry_ != geometry_version_,
+                                 halo_fields_ != fields_version_, lacks_whole_chart(),
+                                 mesh_.is_adaptive()};
+    std::ranges::copy(here, any);
+    world.reduce(std::span(any), Reduction::greatest);
+  };
+  compare();
+  if (any[4]) {
+    adopt_whole_chart(world, threads, log);
+    compare();
+  }
   const bool none = any[0], topology = any[1], geometry = any[2], fields = any[3];
   const bool leaves = any[4];
   SeamMismatches mismatches;

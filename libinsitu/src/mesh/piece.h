@@ -49,7 +49,7 @@ struct PieceView {
   std::int64_t block_first[3] = {0, 0, 0}; ///< uniform: the first vertex's numbers from the origin
   const std::byte* axis[3] = {nullptr, nullptr, nullptr}; ///< rectilinear
   std::int64_t axis_stride[3] = {0, 0, 0};
-  bool axis_is_float32 = false;
+  bool axis_is_float32 = false; ///< of a halo's piece: whether its vertices were where it is from
   // Gridlets of a dual mesh: cell c is cell c & 511 of gridlet c >> 9, a voxel if it owns points.
   const GridletsView* gridlets = nullptr;
   const LeavesView* leaves = nullptr; ///< cells of an adaptive mesh as they are: voxels

@@ -148,7 +148,7 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
   if (reason)
     *reason = why;
   if (!at)
-    missed(given, options.alpha);
+    missed(p, options.alpha);
   return at;
 }
 
@@ -194,7 +194,10 @@ Answered Sampler::settle_at_seams(const Answered& answered, std::span<const Vec3
   for (std::size_t k = 0; k < answered.locations.size(); ++k) {
     Location at = answered.locations[k];
     Reason why = answered.reasons[k];
-    if (!settle_at_seam(points[answered.item(k)], options, at, why))
+    if (!at || !seams_->is_at_seam(at.cell))
+      continue;
+    const Vec3d& given = points[answered.item(k)];
+    if (!settle_at_seam(chart_ ? (*chart_)(given) : given, options, at, why))
       continue;
     if (!std::exchange(copied, true))
       copy();

@@ -87,7 +87,7 @@ public:
     return s;
   }
   /// The same, of whose points that no cell holds the outlook is told by locate() of one point
-  /// (and may throw Elsewhere there); null: nobody is. It must outlive the sampler.
+  /// (and may throw Elsewhere there), by its image on a chart; null: nobody. It must outlive this.
   Sampler with_outlook(const Outlook* outlook) const {
     Sampler s = *this;
     s.outlook_ = outlook;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -39,10 +40,12 @@ public:
     std::string scene, folder;
     bool ids = true; ///< whether the solver gives global ids
     bool scene_is_file = false;
+    insitu_frame frame = insitu_frame_default(); ///< of the mesh
   };
   PartSession(parallel::World& world, const TestMesh& whole, const fixtures::Partition& partition,
               const Options& options)
-      : whole_(&whole), ids_(options.ids), part_(std::in_place, whole, partition, world.rank()),
+      : whole_(&whole), ids_(options.ids), frame_(options.frame),
+        part_(std::in_place, whole, partition, world.rank()),
         session_(options_of(options), std::shared_ptr<parallel::World>(&world, [](auto*) {})) {
     give();
   }
@@ -87,12 +90,15 @@ private:
     return o;
   }
   void give() {
-    if (!part_->empty())
-      part_->give(mesh().mesh(), ids_);
+    if (part_->empty())
+      return;
+    part_->give(mesh().mesh(), ids_);
+    mesh().reference_frame = frame_;
   }
 
   const TestMesh* whole_;
   const bool ids_;
+  const insitu_frame frame_;
   std::vector<std::string> messages_;
   std::optional<fixtures::Part> part_;
   api::Session session_;
@@ -158,10 +164,13 @@ inline void expect_same(const std::map<std::string, std::string>& expected,
     const auto at = found.find(name);
     if (at == found.end())
       ADD_FAILURE() << what << ": no file " << name;
-    else if (at->second != text)
-      ADD_FAILURE() << what << ": " << name << " differs:\n"
-                    << text.substr(0, 1500) << "\n-----\n"
-                    << at->second.substr(0, 1500);
+    else if (at->second != text) {
+      const auto first = std::size_t(std::ranges::mismatch(text, at->second).in1 - text.begin());
+      const std::size_t from = first - std::min<std::size_t>(first, 300);
+      ADD_FAILURE() << what << ": " << name << " differs from byte " << first << " on:\n"
+                    << text.substr(from, 900) << "\n-----\n"
+                    << at->second.substr(from, 900);
+    }
   }
   for (const auto& [name, text] : found)
     EXPECT_TRUE(expected.contains(name)) << what << ": a file " << name;

@@ -49,19 +49,23 @@ private:
     std::optional<Journey> journey;
   };
   using LaneLeg = Leg<LineVertices<LaneVelocity>>;
-  using MovedLeg = Leg<LineRecorder<DriftVelocity>>;
+  using ChartLeg = Leg<LineVertices<ChartVelocity>>;
+  template <class V>
+  using MovedLeg = Leg<LineRecorder<V>>;
   double time_of(std::int64_t line) const {
     const bool backward = settings_.direction == Direction::backward || line % per_seed_ == 1;
     return backward ? -settings_.duration : settings_.duration;
   }
   void carry(Rounds& rounds, std::span<const std::size_t> some);
+  void carry_on_chart(Rounds& rounds, std::span<const std::size_t> some);
+  template <class V>
   void move(Rounds& rounds, std::span<const std::size_t> some);
   template <class L, class V>
   bool begin(L& leg, std::size_t i, V& field, const Rounds& rounds, const EffectWork& effects);
   /// run(cell): takes the line to its end, in this cell, or as far as it goes here. Returns whether
   /// it is at its end.
-  template <class L, class Run>
-  bool end(L& leg, std::size_t i, Rounds& rounds, Run&& run);
+  template <class L, class V, class Run>
+  bool end(L& leg, std::size_t i, const V& field, Rounds& rounds, Run&& run);
   template <class L>
   void keep(const L& leg, std::int64_t line);
   void sum_up();
@@ -90,13 +94,16 @@ bool Lines::begin(L& leg, std::size_t i, V& field, const Rounds& rounds,
   leg.way = rounds.way_of(i);
   leg.work = {};
   leg.p = {};
-  leg.p.x = particles_.positions[i];
   const WayMark& mark = leg.way.mark;
-  if (leg.way.is_marked)
-    leg.p = mark.p;
   field.begin(-1);
+  if (leg.way.is_marked) {
+    leg.p = mark.p;
+    field.enter_as(mark.field);
+  } else {
+    leg.p.x = field.enter(particles_.positions[i]);
+  }
   leg.list.clear();
-  if constexpr (std::is_same_v<L, MovedLeg>)
+  if constexpr (std::is_same_v<L, MovedLeg<V>>)
     leg.vertices.emplace(field, here_, settings_, setup_->sides, leg.list);
   else
     leg.vertices.emplace(field, here_, settings_, leg.list);
@@ -124,8 +131,8 @@ void Lines::keep(const L& leg, std::int64_t line) {
   result_.pieces.push_back({line, leg.way.hops, leg.vertices->first(), leg.list});
 }
 
-template <class L, class Run>
-bool Lines::end(L& leg, std::size_t i, Rounds& rounds, Run&& run) {
+template <class L, class V, class Run>
+bool Lines::end(L& leg, std::size_t i, const V& field, Rounds& rounds, Run&& run) {
   const Journey& journey = *leg.journey;
   const std::int64_t line = particles_.ids[i];
   Work done;
@@ -137,7 +144,9 @@ bool Lines::end(L& leg, std::size_t i, Rounds& rounds, Run&& run) {
     leg.vertices->go_on_from(way.mark.recorder);
     keep(leg, line);
     done = way.mark.work;
-    particles_.set_state(i, way.mark.p, way.mark.cell);
+    State at = way.mark.p;
+    at.x = field.position_as(way.mark.field, at.x);
+    particles_.set_state(i, at, way.mark.cell);
     return way;
   };
   try {
@@ -149,6 +158,11 @@ bool Lines::end(L& leg, std::size_t i, Rounds& rounds, Run&& run) {
     } else {
       keep(leg, line);
       done = leg.work;
+      const bool is_off = leg.list.empty() && leg.vertices->first() == 0; // where it was seeded
+      if (!is_off)
+        leg.p.x = field.position(leg.p.x);
+      else
+        leg.p.x = particles_.positions[i];
       particles_.set_state(i, leg.p, cell);
       particles_.endings[i] = std::uint8_t(ending);
       const bool seeded = ending == INSITU_END_SEED_OUTSIDE;
@@ -193,7 +207,7 @@ void Lines::carry(Rounds& rounds, std::span<const std::size_t> some) {
         [&](std::int64_t item, std::size_t slot, const LaneVelocity& field,
             const Stepping& stepping) {
           LaneLeg& leg = legs[slot];
-          this->end(leg, some[std::size_t(item)], rounds, [&](std::int64_t& cell) {
+          this->end(leg, some[std::size_t(item)], field, rounds, [&](std::int64_t& cell) {
             const insitu_ending ending = stepping.ending();
             cell = field.cell();
             return ending == INSITU_END_COUNT ? ending : leg.vertices->finish(leg.p, ending);
@@ -202,16 +216,41 @@ void Lines::carry(Rounds& rounds, std::span<const std::size_t> some) {
   });
 }
 
+/// On a chart: one by one.
+void Lines::carry_on_chart(Rounds& rounds, std::span<const std::size_t> some) {
+  const auto count = std::int64_t(some.size());
+  const std::int64_t grain = std::clamp<std::int64_t>(count / (4 * threads_.count()), 16, 1024);
+  threads_.parallel_for(count, grain, [&](std::int64_t first, std::int64_t last) {
+    ChartVelocity field(here_, velocity_, nullptr, 0.0, 0.0, settings_.accuracy);
+    field.walk_by(beyond_.get());
+    ChartLeg leg;
+    for (std::int64_t item = first; item < last; ++item) {
+      const std::size_t i = some[std::size_t(item)];
+      if (!begin(leg, i, field, rounds, {}))
+        continue;
+      const Visitor visitor =
+          leg.vertices->is_even() ? Visitor(leg.vertices->even()) : Visitor(*leg.vertices);
+      end(leg, i, field, rounds, [&](std::int64_t& cell) {
+        const insitu_ending ending =
+            integrate(field, settings_.integrator, time_of(particles_.ids[i]), settings_.length,
+                      leg.p, leg.work, visitor);
+        cell = field.cell();
+        return ending == INSITU_END_COUNT ? ending : leg.vertices->finish(leg.p, ending);
+      });
+    }
+  });
+}
+
 /// Under effects.
+template <class V>
 void Lines::move(Rounds& rounds, std::span<const std::size_t> some) {
   const auto count = std::int64_t(some.size());
   const std::int64_t grain = std::clamp<std::int64_t>(count / (4 * threads_.count()), 16, 1024);
   threads_.parallel_for(count, grain, [&](std::int64_t first, std::int64_t last) {
-    DriftVelocity field(here_, velocity_, nullptr, 0.0, 0.0, settings_.accuracy,
-                        setup_->effects.drifts);
+    V field(here_, velocity_, nullptr, 0.0, 0.0, settings_.accuracy, setup_->effects.drifts);
     field.walk_by(beyond_.get());
-    Mover<DriftVelocity> mover(*setup_, field, settings_.integrator, settings_.length);
-    MovedLeg leg;
+    Mover<V> mover(*setup_, field, settings_.integrator, settings_.length);
+    MovedLeg<V> leg;
     for (std::int64_t item = first; item < last; ++item) {
       const std::size_t i = some[std::size_t(item)];
       const EffectWork before = mover.effect_work();
@@ -221,7 +260,7 @@ void Lines::move(Rounds& rounds, std::span<const std::size_t> some) {
       Carried carried;
       carried.id = particles_.ids[i];
       carried.velocity.x = std::numeric_limits<double>::quiet_NaN();
-      const bool is_over = end(leg, i, rounds, [&](std::int64_t& cell) {
+      const bool is_over = end(leg, i, field, rounds, [&](std::int64_t& cell) {
         const insitu_ending ending =
             mover.advance(leg.p, -1, carried, time_of(carried.id), leg.work);
         cell = mover.cell();
@@ -256,17 +295,27 @@ LinePieces Lines::run() {
   share_effects(world, setup_);
   OtherCells others(world, own);
   here_ = sampler_.with_outlook(&others);
-  Rounds rounds(across_, sampler_, settings_.accuracy, others, particles_, nullptr);
+  Rounds rounds(across_, sampler_.among_images(), settings_.accuracy, others, particles_, nullptr);
   world.agree_after([&] { beyond_ = CellsBeyond::worth(sampler_, particles_.seeded()); });
-  rounds.run([&](std::span<const std::size_t> some) {
-        setup_ ? move(rounds, some) : carry(rounds, some);
+  const bool on_chart = sampler_.chart() != nullptr;
+  const auto value_by = [&](auto type, const Vec3d& x, double t, Vec3d& v) {
+    typename decltype(type)::type field(sampler_, velocity_, nullptr, 0.0, 0.0, settings_.accuracy,
+                                        settings_.effects.drifts);
+    field.begin(-1);
+    query::Location at;
+    return field.sample(x, t, v, at);
+  };
+  rounds.run(
+      [&](std::span<const std::size_t> some) {
+        if (setup_)
+          on_chart ? move<ChartVelocity>(rounds, some) : move<DriftVelocity>(rounds, some);
+        else
+          on_chart ? carry_on_chart(rounds, some) : carry(rounds, some);
       },
-             [&](const Vec3d& x, double t, Vec3d& v) {
-               DriftVelocity field(sampler_, velocity_, nullptr, 0.0, 0.0, settings_.accuracy,
-                                   settings_.effects.drifts);
-               field.begin(-1);
-               return field(x, t, v);
-             });
+      [&](const Vec3d& x, double t, Vec3d& v) {
+        return on_chart ? value_by(std::type_identity<ChartVelocity>(), x, t, v)
+                        : value_by(std::type_identity<DriftVelocity>(), x, t, v);
+      });
   rounds.bring_home(left_);
   if (settings_.exits)
     tell_exits(world, *settings_.exits, sampler_, left_, particles_);
@@ -292,8 +341,8 @@ LinePieces trace_lines_across(const Across& across, const query::Sampler& sample
     check_velocity(velocity);
     check_settings(settings.integrator);
     check_line_effects(settings);
-    if (sampler.chart())
-      refuse("no streamlines in longitude and latitude");
+    if (sampler.chart() && settings.effects.boundary && settings.effects.boundary->any_periodic())
+      refuse("no periodic sides in longitude and latitude");
     steady.integrator = settings_for(velocity, settings.integrator);
     steady.integrator.ends_at_rest = true;
     for (const Vec3d& seed : seeds)

@@ -43,7 +43,7 @@ void check_counts(const Particles& here, const Counts& all);
 /// the thread that called the library, but for what says otherwise.
 class Rounds {
 public:
-  /// The arguments must outlive the object. sampler: without an outlook.
+  /// The arguments must outlive the object. sampler: without an outlook, among images.
   Rounds(const Across& across, const query::Sampler& sampler, insitu_accuracy accuracy,
          OtherCells& others, Particles& particles, Snapshots* snapshots);
 

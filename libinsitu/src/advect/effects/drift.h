@@ -38,6 +38,8 @@ public:
   void begin(std::int64_t hint) { flow_.begin(hint); }
   math::Vec3d enter(const math::Vec3d& position) const { return position; }
   math::Vec3d position(const math::Vec3d& x) const { return x; }
+  void enter_as(const KeptVelocity&) const {}
+  math::Vec3d position_as(const KeptVelocity&, const math::Vec3d& x) const { return x; }
   void go_by(const DriftVelocity&) const {}
   void travel_by(Journey* journey) { flow_.travel_by(journey); }
   Journey* journey() const { return flow_.journey(); }

@@ -69,10 +69,12 @@ Inertia Mover<V>::law_at(const Vec3d& x) const {
 
 template <class V>
 insitu_ending Mover<V>::fly(State& p, Carried& carried, double to, Work& work) {
-  Vec3d x;
-  if (!velocity_.point(p.x, x))
-    return p.fresh ? INSITU_END_SEED_OUTSIDE : INSITU_END_LEFT;
-  carried.velocity = space_.from_east_north(x, carried.velocity);
+  Vec3d x = now_.flier.x;
+  if (!goes_on_) { // else it is in flight, and its velocity along the axes there
+    if (!velocity_.point(p.x, x))
+      return p.fresh ? INSITU_END_SEED_OUTSIDE : INSITU_END_LEFT;
+    carried.velocity = space_.from_east_north(x, carried.velocity);
+  }
   const insitu_ending ending = fly_from(x, p, carried, to, work);
   carried.velocity = space_.to_east_north(x, carried.velocity);
   if (Spot at; ending == INSITU_END_ALIVE && space_.is_curved() && find(x, p.time, at))

@@ -40,6 +40,9 @@ public:
     const math::Vec3d x = geo::between_charts(units(), from, pole_, q);
     return pole_ == geo::Pole::none ? normalised(x) : x;
   }
+  /// The chart whose coordinates these are.
+  geo::Pole pole() const { return pole_; }
+  void go_by(geo::Pole pole) { pole_ = pole; }
   /// Takes on the coordinates that are those on another mesh; true if they are others.
   bool go_by(const ChartMotion& other) { return std::exchange(pole_, other.pole_) != other.pole_; }
   /// Whether positions come out of a turned chart.

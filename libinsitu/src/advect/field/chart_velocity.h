@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <span>
@@ -7,6 +8,7 @@
 #include "advect/effects/drift.h"
 #include "advect/field/chart_motion.h"
 #include "advect/field/mesh_velocity.h"
+#include "query/elsewhere.h"
 
 namespace insitu::advect {
 
@@ -33,6 +35,41 @@ public:
     return motion_.enter(position);
   }
   math::Vec3d position(const math::Vec3d& x) const { return motion_.position(x); }
+  /// For a particle that comes from a mark; and its position there.
+  void enter_as(const KeptVelocity& kept) {
+    known_.x.x = std::numeric_limits<double>::quiet_NaN();
+    motion_.go_by(geo::Pole(kept.chart.pole));
+  }
+  math::Vec3d position_as(const KeptVelocity& kept, const math::Vec3d& x) const {
+    ChartMotion there = motion_;
+    there.go_by(geo::Pole(kept.chart.pole));
+    return there.position(x);
+  }
+
+  // Over several processes: see MeshVelocity. What is known from another process is at images.
+  void travel_by(Journey* journey) { inner_.travel_by(journey); }
+  Journey* journey() const { return inner_.journey(); }
+  KeptVelocity keep() const {
+    KeptVelocity kept = inner_.keep();
+    kept.chart = {sized_,
+                  extent_,
+                  known_.x,
+                  known_.image,
+                  anchor_.x,
+                  anchor_.image,
+                  std::int8_t(motion_.pole()),
+                  confined_};
+    return kept;
+  }
+  void go_on_from(const KeptVelocity& kept) {
+    inner_.go_on_from(kept);
+    sized_ = kept.chart.sized;
+    extent_ = kept.chart.extent;
+    known_ = {kept.chart.known_x, kept.chart.known_image};
+    anchor_ = {kept.chart.anchor_x, kept.chart.anchor_image};
+    motion_.go_by(geo::Pole(kept.chart.pole));
+    confined_ = kept.chart.confined;
+  }
   /// From now on positions are in the coordinates in which another mesh's velocity has them.
   void go_by(const ChartVelocity& other) {
     if (!motion_.go_by(other.motion_))
@@ -48,8 +85,10 @@ public:
     else if (!motion_.image(x, image))
       return Sampled::outside;
     query::Location at;
-    Sampled sampled =
-        drifts_.empty() ? inner_(image, t, metres) : inner_.sample(image, t, metres, at);
+    Sampled sampled;
+    if (journey() && inner_.take_far(image, t, sampled, metres)) [[unlikely]]
+      return of_rates(sampled, motion_.rates(x, image, space_.pole_of(image), metres), v);
+    sampled = drifts_.empty() ? inner_(image, t, metres) : with_place(image, t, metres, at);
     if (sampled == Sampled::outside && motion_.is_west_by_rounding(x) && inner_.cell() >= 0) {
       image.x = motion_.west();
       sampled = inner_.sample(image, t, metres, at);
@@ -58,9 +97,7 @@ public:
       return sampled;
     for (const Drift& drift : drifts_)
       metres += drift_at(drift, at, t, x, image);
-    v = motion_.rates(x, image, pole_of(inner_.asked()), metres);
-    const bool finite = std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-    return finite ? Sampled::inside : Sampled::not_finite;
+    return of_rates(sampled, motion_.rates(x, image, pole_of(inner_.asked()), metres), v);
   }
   void accepted() { inner_.accepted(); }
   std::int64_t cell() const { return inner_.cell(); }
@@ -200,6 +237,26 @@ public:
   }
 
 private:
+  static Sampled of_rates(Sampled sampled, const math::Vec3d& rates, math::Vec3d& v) {
+    v = rates;
+    const bool finite = std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    return sampled == Sampled::inside && !finite ? Sampled::not_finite : sampled;
+  }
+
+  /// For drifts. Another process has no more than the image: near a pole it cannot tell the
+  /// direction of those that are no fields of vectors, to the bit.
+  Sampled with_place(const math::Vec3d& image, double t, math::Vec3d& v, query::Location& at) {
+    try {
+      return inner_.sample(image, t, v, at);
+    } catch (query::Elsewhere& e) {
+      e.is_for_value =
+          e.point == image && (space_.pole_of(image) == geo::Pole::none ||
+                               std::ranges::all_of(drifts_, &ChartVelocity::is_field_of_vectors));
+      e.time = t;
+      throw;
+    }
+  }
+
   /// Where x is kept, by the image that inside(image) keeps.
   template <class Inside>
   math::Vec3d kept(const math::Vec3d& x, Inside&& inside_of) {

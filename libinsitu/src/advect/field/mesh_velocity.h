@@ -35,7 +35,7 @@ public:
   /// begin().
   KeptVelocity keep() const {
     return {moment_.keep(), cells_.keep(), confined_, boundary_, place_,
-            hint_,          cell_,         sized_,    extent_};
+            hint_,          cell_,         sized_,    extent_,   {}};
   }
   void go_on_from(const KeptVelocity& kept) {
     moment_.go_on_from(kept.moment);
@@ -56,6 +56,9 @@ public:
   /// A particle's position in the mesh's frame, as integrate() has it, and back again.
   math::Vec3d enter(const math::Vec3d& position) const { return position; }
   math::Vec3d position(const math::Vec3d& x) const { return x; }
+  /// For a particle that comes from a mark, as integrate() has it; and its position there.
+  void enter_as(const KeptVelocity&) const {}
+  math::Vec3d position_as(const KeptVelocity&, const math::Vec3d& x) const { return x; }
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
     return ask<false>(x, t, v, nullptr);

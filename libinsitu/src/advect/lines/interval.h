@@ -77,7 +77,7 @@ private:
   struct Leg;
   void lanes_across(Rounds& rounds, std::span<const std::size_t> particles);
   template <class Make>
-  void effects_across(Rounds& rounds, std::span<const std::size_t> particles, Make&& make);
+  void one_by_one_across(Rounds& rounds, std::span<const std::size_t> particles, Make&& make);
   void crossing_across(Rounds& rounds, std::span<const std::size_t> particles);
   template <class V>
   void begin_leg(Leg<V>& leg, std::size_t i, V& velocity, const Rounds& rounds,

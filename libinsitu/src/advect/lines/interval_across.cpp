@@ -5,7 +5,7 @@
 #include "advect/across/exits_across.h"
 #include "advect/integrate/integrations.h"
 #include "advect/lanes/lanes.h"
-#include "advect/lines/interval.h"
+#include "advect/lines/interval_one_by_one.h"
 #include "core/status.h"
 
 namespace insitu::advect {
@@ -28,8 +28,10 @@ void Interval::refuse_across() const {
     throw core::Error(INSITU_ERROR_UNSUPPORTED,
                       "tracer: " + what + " on a mesh that is spread over processes");
   };
-  if (asked_.sampler.chart())
-    refuse("no particles in longitude and latitude");
+  if (asked_.sampler.chart() && crosses_)
+    refuse("particles in longitude and latitude do not go on to other cells");
+  if (asked_.sampler.chart() && effects_.boundary && effects_.boundary->any_periodic())
+    refuse("no periodic sides in longitude and latitude");
 }
 
 template <class V>
@@ -41,9 +43,13 @@ void Interval::begin_leg(Leg<V>& leg, std::size_t i, V& velocity, const Rounds& 
   if (!leg.moves)
     return;
   const WayMark& mark = leg.way.mark;
-  if (leg.way.is_marked)
-    leg.p = mark.p;
   velocity.begin(particles_.cells[i]);
+  if (leg.way.is_marked) {
+    leg.p = mark.p;
+    velocity.enter_as(mark.field);
+  } else {
+    leg.p.x = velocity.enter(leg.p.x);
+  }
   if (asked_.snapshots) {
     leg.taker.emplace(*asked_.snapshots, i, leg.p, velocity, here_, settings_.accuracy,
                       setup_ ? setup_->sides : no_sides_);
@@ -73,7 +79,9 @@ bool Interval::end_leg(Leg<V>& leg, std::size_t i, V& velocity, Rounds& rounds, 
     if (!way.is_marked)
       return way;
     done += way.mark.work;
-    particles_.set_state(i, way.mark.p, way.mark.cell);
+    State at = way.mark.p;
+    at.x = velocity.position_as(way.mark.field, at.x);
+    particles_.set_state(i, at, way.mark.cell);
     return way;
   };
   try {
@@ -135,24 +143,27 @@ void Interval::lanes_across(Rounds& rounds, std::span<const std::size_t> particl
   });
 }
 
-/// One by one, under effects; make() gives a velocity.
+/// One by one, under effects or on a chart; make() gives a velocity.
 template <class Make>
-void Interval::effects_across(Rounds& rounds, std::span<const std::size_t> particles, Make&& make) {
+void Interval::one_by_one_across(Rounds& rounds, std::span<const std::size_t> particles, Make&& make) {
   using V = decltype(make());
   const auto count = std::int64_t(particles.size());
   asked_.threads.parallel_for(count, grain_, [&](std::int64_t begin, std::int64_t end) {
     Work done;
     V velocity = make();
     velocity.walk_by(beyond_.get());
-    Mover<V> mover(*setup_, velocity, integrator_, settings_.length);
+    std::optional<Mover<V>> mover;
+    if (setup_)
+      mover.emplace(*setup_, velocity, integrator_, settings_.length);
     Leg<V> leg;
     for (std::int64_t item = begin; item < end; ++item) {
       const std::size_t i = particles[std::size_t(item)];
-      const EffectWork before = mover.effect_work();
+      const EffectWork before = mover ? mover->effect_work() : EffectWork{};
       begin_leg(leg, i, velocity, rounds, before);
       if (!leg.moves)
         continue;
-      mover.take(leg.taker ? &*leg.taker : nullptr);
+      if (mover)
+        mover->take(leg.taker ? &*leg.taker : nullptr);
       Carried carried = particles_.carried(i);
       const bool is_over = end_leg(leg, i, velocity, rounds, done, [&](std::int64_t& cell) {
         if (crosses_ && !leg.way.is_marked && !effects_.inertia &&
@@ -161,19 +172,30 @@ void Interval::effects_across(Rounds& rounds, std::span<const std::size_t> parti
                             "tracer: no effects on a particle that no cell holds yet on a mesh "
                             "that is spread over processes");
         const insitu_ending ending =
-            mover.advance(leg.p, particles_.cells[i], carried, leg.to, leg.work);
-        cell = mover.cell();
+            mover ? mover->advance(leg.p, particles_.cells[i], carried, leg.to, leg.work)
+                  : integrate(velocity, integrator_, leg.to, settings_.length, leg.p, leg.work,
+                              leg.taker ? Visitor(*leg.taker) : Visitor());
+        if (ending == INSITU_END_COUNT)
+          return ending;
+        cell = mover ? mover->cell() : velocity.cell();
+        if (leg.taker && !mover)
+          leg.taker->straight(leg.p);
+        leg.p.x = in_frame(velocity, leg.p, cell);
         return ending;
       });
+      if (!mover)
+        continue;
+      // What was done since the mark is done again.
       const bool is_marked = leg.journey->is_marked();
       if (!is_over)
-        mover.set_effect_work(is_marked ? leg.journey->mark().mover.effects : before);
+        mover->set_effect_work(is_marked ? leg.journey->mark().mover.effects : before);
       if (is_over || is_marked)
         particles_.set_carried(i, is_over ? carried : leg.journey->mark().mover.carried);
     }
     const std::lock_guard lock(left_mutex_);
     result_.work += done;
-    result_.effects += mover.effect_work();
+    if (mover)
+      result_.effects += mover->effect_work();
   });
 }
 
@@ -239,8 +261,8 @@ Advance Interval::run_across() {
   here_ = asked_.sampler.with_outlook(&others);
   std::int64_t particles = count();
   world.reduce(std::span(&particles, 1), parallel::Reduction::sum);
-  Rounds rounds(*asked_.across, asked_.sampler, settings_.accuracy, others, particles_,
-                asked_.snapshots);
+  Rounds rounds(*asked_.across, asked_.sampler.among_images(), settings_.accuracy, others,
+                particles_, asked_.snapshots);
   world.agree_after([&] {
     beyond_ = CellsBeyond::worth(asked_.sampler, particles);
     if (crosses_)
@@ -250,16 +272,30 @@ Advance Interval::run_across() {
                         settings_.accuracy));
   });
   share_effects(world, setup_);
+  const bool on_chart = asked_.sampler.chart() != nullptr;
+  const auto value_by = [&](auto type, const math::Vec3d& x, double t, math::Vec3d& v) {
+    typename decltype(type)::type velocity(asked_.sampler, asked_.velocity, asked_.earlier,
+                                           asked_.t0, asked_.t1, settings_.accuracy,
+                                           effects_.drifts);
+    velocity.begin(-1);
+    query::Location at;
+    return velocity.sample(x, t, v, at);
+  };
   rounds.run(
       [&](std::span<const std::size_t> some) {
-        if (crosses_ && setup_)
-          effects_across(rounds, some, [&] {
+        if (on_chart)
+          one_by_one_across(rounds, some, [&] {
+            return ChartVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
+                                 settings_.accuracy, effects_.drifts);
+          });
+        else if (crosses_ && setup_)
+          one_by_one_across(rounds, some, [&] {
             return crossing<CrossingVelocity<DriftVelocity>>(Between::current);
           });
         else if (crosses_)
           crossing_across(rounds, some);
         else if (setup_)
-          effects_across(rounds, some, [&] {
+          one_by_one_across(rounds, some, [&] {
             return DriftVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
                                  settings_.accuracy, effects_.drifts);
           });
@@ -267,10 +303,8 @@ Advance Interval::run_across() {
           lanes_across(rounds, some);
       },
       [&](const math::Vec3d& x, double t, math::Vec3d& v) {
-        DriftVelocity velocity(asked_.sampler, asked_.velocity, asked_.earlier, asked_.t0,
-                               asked_.t1, settings_.accuracy, effects_.drifts);
-        velocity.begin(-1);
-        return velocity(x, t, v);
+        return on_chart ? value_by(std::type_identity<ChartVelocity>(), x, t, v)
+                        : value_by(std::type_identity<DriftVelocity>(), x, t, v);
       });
   rounds.bring_home(left_);
   result_.travel = {rounds.hops(), rounds.questions(), rounds.rounds(), rounds.bytes()};

@@ -35,11 +35,10 @@ void Interval::carry(Make&& make) {
 /// the mesh.
 template <class V>
 math::Vec3d Interval::in_frame(const V& velocity, const State& p, std::int64_t cell) const {
-  const query::Sampler& sampler = asked_.sampler;
   math::Vec3d x = velocity.position(p.x);
   const query::LocateOptions options{settings_.accuracy, velocity.geometry_alpha(p.time)};
-  if (cell >= 0 && !(x == p.x) && !sampler.locate(x, cell, options))
-    (void)query::bring_inside(sampler, x, query::rounding_in(sampler.mesh(), cell, options.alpha),
+  if (cell >= 0 && !(x == p.x) && !here_.locate(x, cell, options))
+    (void)query::bring_inside(here_, x, query::rounding_in(here_.mesh(), cell, options.alpha),
                               options);
   return x;
 }

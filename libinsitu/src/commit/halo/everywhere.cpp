@@ -98,6 +98,8 @@ std::vector<std::byte> Everywhere::answer(std::span<const std::byte> question,
     CellName name = mesh_.name(as_own.cell);
     if (as_own.cell < mesh_.mesh().own_view().own_cell_count())
       name.rank = world_.rank();
+    if (const StandIn* const stand_in = mesh_.stand_in())
+      name.chart = stand_in->place(at[i].cell).chart;
     to.value(OwnerOfAll{name, as_own.parametric, query::Reason(reasons[i])});
     to.array(std::span<const double>(values));
   }
@@ -111,11 +113,12 @@ void Everywhere::sample_slice(std::size_t first, std::span<const Vec3d> points,
   const auto processes = std::size_t(world_.size());
   std::vector<std::vector<std::uint32_t>> asked(processes);
   std::vector<Parcel> questions, answers;
+  const query::ChartImage* const chart = mesh_.stand_in() ? mesh_.stand_in()->chart() : nullptr;
   world_.agree_after([&] {
     for (std::size_t r = 0; r < processes; ++r) {
       ByteWriter to;
       for (std::size_t i = 0; i < points.size(); ++i)
-        if (directory_.may_hold(int(r), points[i])) {
+        if (directory_.may_hold(int(r), chart ? (*chart)(points[i]) : points[i])) {
           asked[r].push_back(std::uint32_t(i));
           to.value(points[i]);
         }

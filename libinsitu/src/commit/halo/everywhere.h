@@ -25,7 +25,8 @@ struct OwnerOfAll {
 /// are collective and throw parallel::AgreedError.
 class Everywhere {
 public:
-  /// The mesh must be committed on all processes, and outlive the object.
+  /// The mesh must be committed on all processes, in longitude and latitude with the whole mesh's
+  /// chart (CommittedMesh::update_chart), and outlive the object.
   Everywhere(const CommittedMesh& mesh, parallel::World& world);
 
   /// How many components each field has on the processes that have cells. Throws

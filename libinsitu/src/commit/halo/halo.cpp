@@ -25,6 +25,7 @@ mesh::PieceView Halo::Borrowed::view() {
   v.offsets = {bytes(offsets), std::int64_t(offsets.size()), sizeof(std::int64_t), false};
   v.types = bytes(types);
   v.types_stride = 1;
+  v.axis_is_float32 = from_float32;
   for (int a = 0; a < 3; ++a)
     v.points.component[a] = bytes(points) + std::size_t(a) * sizeof(double);
   v.points.layout = {v.vertex_count, {v.vertex_count, 1}, {sizeof(math::Vec3d), 0, 0}, true};
@@ -93,6 +94,7 @@ void Halo::lend(const CommittedMesh& mesh, const std::vector<std::vector<std::in
         points.push_back(piece.point(v));
       to[r].value(p);
       to[r].value(std::int32_t(has_global));
+      to[r].value(std::int32_t(piece.points.is_float32 || piece.axis_is_float32));
       to[r].value(std::int64_t(lent.cells.size()));
       to[r].value(std::int64_t(points.size()));
       to[r].value(std::int64_t(connectivity.size()));
@@ -112,6 +114,7 @@ void Halo::borrow(int rank, ByteReader& from) {
     b.rank = rank;
     b.piece = from.value<std::int32_t>();
     b.has_global = from.value<std::int32_t>() != 0;
+    b.from_float32 = from.value<std::int32_t>() != 0;
     const auto cells = std::size_t(from.value<std::int64_t>());
     const auto vertices = std::size_t(from.value<std::int64_t>());
     const auto ids = std::size_t(from.value<std::int64_t>());

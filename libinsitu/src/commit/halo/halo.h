@@ -35,13 +35,14 @@ using PeriodicAxes = std::array<bool, 3>;
 /// their boxes do, rounded outwards to floats: more than needed, never less. What of a mesh is
 /// borrowed here and lent to others stays the same until the cells of a process change. Over
 /// periodic sides cells touch, too, that would if one of them were a period further on, give or
-/// take a quarter of a cell, by which sides that move may come apart.
+/// take a quarter of a cell, by which sides that move may come apart. On a mesh in longitude and latitude
+/// cells touch in any of their places on its chart, and over its seam.
 class Halo final : public mesh::HaloPieces {
 public:
   explicit Halo(core::Memory& memory) : memory_(&memory) {}
 
-  /// Collective, of a committed mesh without a stand-in: finds the cells and copies their vertices.
-  /// The mesh's views are of the halo before until its next update().
+  /// Collective, of a committed mesh that is not adaptive: finds the cells and copies their
+  /// vertices. The mesh's views are of the halo before until its next update().
   /// sides: the axes along which the mesh's box is periodic, alike on all processes.
   void find(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::World& world);
   /// Collective: the same of an adaptive mesh, as of an update() without a halo: leaves, with the
@@ -99,7 +100,7 @@ private:
   struct Borrowed {
     int rank = 0;
     std::int32_t piece = 0;
-    bool has_global = false;
+    bool has_global = false, from_float32 = false; ///< the latter: coordinates
     core::Buffer<math::Vec3d> points;
     core::Buffer<std::int64_t> cells, global, offsets;
     core::Buffer<std::int32_t> connectivity;

@@ -59,17 +59,29 @@ mesh::Box box_of_cell(const mesh::MeshView& view, std::int64_t flat) {
   return mesh::box_of(cell);
 }
 
-/// A way over periodic sides: a cell touches another one's if it does so moved by that. Its box is
-/// widened by a part of its size.
+/// A way over periodic sides, or by a turn over the seam of longitude: a cell touches another one's
+/// if it does so moved by that. Its box is widened by a part of its size.
 struct Shift {
   Vec3d by;
   double widening = 0.0;
+  /// What is moved lies between, and so does where it comes to: cells of charts turned to poles lie
+  /// further east (query::ChartImage).
+  double west = -std::numeric_limits<double>::infinity(),
+         east = std::numeric_limits<double>::infinity();
 
+  /// Nothing of the box is moved where its low is behind its high.
   mesh::Box operator()(const mesh::Box& box) const {
     const Vec3d wider = widening * box.size();
-    return {box.low + by - wider, box.high + by + wider};
+    mesh::Box moved{box.low + by - wider, box.high + by + wider};
+    moved.low.x = std::max(moved.low.x, west);
+    moved.high.x = std::min({moved.high.x, east + by.x, east});
+    return moved;
   }
 };
+
+bool is_nothing(const mesh::Box& box) {
+  return box.low.x > box.high.x;
+}
 
 /// The size of the box of all processes' cells. Collective.
 Vec3d size_of_all(const mesh::MeshView& view, parallel::World& world) {
@@ -85,10 +97,16 @@ Vec3d size_of_all(const mesh::MeshView& view, parallel::World& world) {
   return {ends[0] + ends[3], ends[1] + ends[4], ends[2] + ends[5]};
 }
 
-/// None, and those of a period along some of the axes. Collective.
+/// None, and those of a period along some of the axes; on a chart by a turn. Collective.
 std::vector<Shift> shifts_over(const PeriodicAxes& sides, const mesh::MeshView& view,
-                               parallel::World& world) {
-  std::vector<Shift> shifts{{{}, 0.0}};
+                               const query::ChartImage* chart, parallel::World& world) {
+  std::vector<Shift> shifts(1);
+  if (chart) {
+    const double turn = chart->units.turn();
+    for (const double by : {turn, -turn})
+      shifts.push_back({{by, 0, 0}, 0.0, chart->west - 0.5 * turn, chart->west + 1.5 * turn});
+    return shifts;
+  }
   if (std::ranges::none_of(sides, std::identity()))
     return shifts;
   const Vec3d period = size_of_all(view, world);
@@ -104,47 +122,18 @@ std::vector<Shift> shifts_over(const PeriodicAxes& sides, const mesh::MeshView& 
   return shifts;
 }
 
-/// Whether a cell of this process touches the box.
-bool touches(const mesh::MeshView& view, const accel::Tree& tree, const mesh::Box& box) {
-  return visit_cells(view, tree, box,
-                     [&](std::int64_t flat) { return mesh::meet(box_of_cell(view, flat), box); });
-}
-
-/// The cells of this process that, moved so, are near another one's, ascending.
-std::vector<std::int64_t> near(const mesh::MeshView& view, const accel::Tree& tree,
-                               std::span<const mesh::Box> boxes, const Shift& shift) {
-  const Shift back{-shift.by, 1e-6 * (shift.widening > 0.0)}; // a period is rounded
-  std::vector<mesh::Box> moved;
-  for (const mesh::Box& box : boxes)
-    moved.push_back(back(box));
-  return cells_near(view, tree, moved);
-}
-
-} // namespace
-
-std::vector<std::int64_t> cells_near(const mesh::MeshView& view, const accel::Tree& tree,
-                                     std::span<const mesh::Box> boxes) {
-  std::vector<std::int64_t> cells;
-  for (const mesh::Box& box : boxes)
-    visit_cells(view, tree, box, [&](std::int64_t flat) {
-      cells.push_back(flat);
-      return false;
-    });
-  std::ranges::sort(cells);
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  return cells;
-}
-
-/// First each process tells the boxes of its cells that lie near another's; this one says by a bit
-/// each which it touches. Returns, of each process, the cells that it touches here.
+/// First each process tells the boxes of its cells that lie near another's, in each of their
+/// places; this one says by a bit each which it touches. Returns, of each process, the cells that
+/// it touches here.
 std::vector<std::vector<std::int64_t>>
 Halo::touching_cells(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::World& world) {
-  const mesh::MeshView& view = mesh.mesh().own_view();
+  const mesh::MeshView& view = mesh.mesh().view();
   const accel::Tree& tree = mesh.standing_tree();
+  const StandIn* const stand_in = mesh.stand_in();
   const auto processes = std::size_t(world.size());
   std::vector<std::vector<std::int64_t>> cells(processes);
   std::vector<std::vector<std::uint8_t>> wanted(processes); // of each other process's boxes
-  const std::vector<Shift> shifts = shifts_over(sides, view, world);
+  const std::vector<Shift> shifts = shifts_over(sides, view, stand_in ? stand_in->chart() : nullptr, world);
   swap(
       world,
       [&](std::vector<ByteWriter>& to) {
@@ -154,8 +143,11 @@ Halo::touching_cells(const CommittedMesh& mesh, const PeriodicAxes& sides, paral
                 (&shift == shifts.data() && !directory_.may_touch(world.rank(), r)))
               continue;
             for (const std::int64_t flat : near(view, tree, directory_.boxes(r), shift)) {
+              const mesh::Box box = shift(box_of_cell(view, flat));
+              if (is_nothing(box))
+                continue;
               cells[std::size_t(r)].push_back(flat);
-              to[std::size_t(r)].value(outwards(shift(box_of_cell(view, flat))));
+              to[std::size_t(r)].value(outwards(box));
             }
           }
       },
@@ -183,6 +175,8 @@ Halo::touching_cells(const CommittedMesh& mesh, const PeriodicAxes& sides, paral
           if (bits[i / 8] >> (i % 8) & 1)
             mine[kept++] = mine[i];
         mine.resize(kept);
+        for (std::int64_t& flat : mine)
+          flat = stand_in ? stand_in->place(flat).own : flat;
         std::ranges::sort(mine);
         mine.erase(std::unique(mine.begin(), mine.end()), mine.end());
       });

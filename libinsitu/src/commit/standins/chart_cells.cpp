@@ -20,19 +20,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// and belongs to cells that hold the pole.
 constexpr double slack = 1e-9;
 
-/// A cell that cannot stay where it is.
-struct Odd {
-  std::int64_t cell;
-  Pole pole;  ///< none: it wraps
-  double low; ///< polar: the latitude, without sign, that is lowest
-};
-
-struct Chunk {
-  double west = infinity, east = -infinity; ///< of the cells that can stay
-  std::vector<Odd> odd;
-  std::string error;
-};
-
 /// One cell's longitudes made continuous.
 struct Span {
   double first = 0.0;                            ///< the longitude that the others are kept near to
@@ -43,8 +30,28 @@ struct Span {
   double width() const { return high - low; }
 };
 
-class Look {
-public:
+/// Runs f(begin, end, result) over chunks of cells; the results, in order.
+template <class Result, class F>
+std::vector<Result> over_cells(const mesh::MeshView& mesh, const core::Threads& threads, F&& f) {
+  const std::int64_t count = mesh.cell_count();
+  std::vector<Result> out(std::size_t((count + grain - 1) / grain));
+  threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
+    f(begin, end, out[std::size_t(begin / grain)]);
+  });
+  return out;
+}
+
+} // namespace
+
+/// Of single cells.
+struct ChartSearch::Look {
+  struct Chunk {
+    ChartFacts facts;
+    double east = -infinity;
+    std::vector<Odd> odd;
+    std::string error;
+  };
+
   Look(const std::string& name, const mesh::MeshView& mesh, const ChartUnits& units)
       : name_(name), mesh_(mesh), units_(units), turn_(units.turn()), quarter_(units.quarter()) {}
 
@@ -60,10 +67,10 @@ public:
         cell(flat, c, out);
   }
 
-  /// False for cells that own nothing or have no place.
+  /// False for cells that do not exist or have no place.
   bool gather(std::int64_t flat, mesh::CellVertices& c) const {
     const std::int32_t p = mesh_.piece_of(flat);
-    if (!mesh_.pieces[p].owns(flat - mesh_.first_cell[p]))
+    if (!mesh_.pieces[p].exists(flat - mesh_.first_cell[p]))
       return false;
     mesh::gather(mesh_, flat, c);
     bool finite = true;
@@ -126,7 +133,6 @@ public:
     return text + std::string(units_.radians ? " radians" : " degrees");
   }
 
-private:
   void cell(std::int64_t flat, const mesh::CellVertices& c, Chunk& out) const {
     const mesh::PieceView& piece = mesh_.pieces[c.piece];
     double low = infinity, high = -infinity, lowest = infinity, highest = -infinity;
@@ -143,29 +149,44 @@ private:
     const bool touches_pole = std::max(-lowest, highest) >= pole_from(piece);
     // An implicit block's longitudes are those of its axes: they never jump.
     const bool lattice = piece.layout == mesh::CellLayout::block && piece.implicit_points;
-    if (lattice || (high - low < 0.5 * turn_ * (1.0 - slack) && !touches_pole)) {
-      out.west = std::min(out.west, low);
+    const bool jumps = high - low >= 0.5 * turn_ * (1.0 - slack);
+    const auto width = [&] { return jumps || touches_pole ? span_of(c).width() : high - low; };
+    const bool polar =
+        !lattice && (jumps || touches_pole) && (span_of(c).pole_is_odd || surrounds_pole(c));
+    if (!piece.is_halo)
+      note_slant(width, lowest, highest, out.facts);
+    if (lattice || !(polar || jumps)) {
       out.east = std::max(out.east, high);
+      if (!piece.is_halo)
+        out.facts.west = std::min(out.facts.west, low);
       return;
     }
-    const Span s = span_of(c);
-    const bool polar = s.pole_is_odd || surrounds_pole(c);
-    if (polar || high - low >= 0.5 * turn_ * (1.0 - slack)) {
-      const Pole pole = !polar ? Pole::none : lowest + highest > 0 ? Pole::north : Pole::south;
-      const double from_equator = pole == Pole::north ? lowest : -highest;
-      if (polar && from_equator < quarter_ / 3 && out.error.empty())
-        out.error = at(flat, c) +
-                    "it spans half a turn of longitude or more, or holds a pole, and "
-                    "reaches down to the latitude " +
-                    number(pole == Pole::north ? lowest : highest) +
-                    "; cells that hold a pole may "
-                    "reach down to " +
-                    number(quarter_ / 3) + ", others span less than half a turn";
-      out.odd.push_back({flat, pole, from_equator});
-      return;
+    const Pole pole = !polar ? Pole::none : lowest + highest > 0 ? Pole::north : Pole::south;
+    const double from_equator = pole == Pole::north ? lowest : -highest;
+    if (polar && from_equator < quarter_ / 3 && out.error.empty())
+      out.error = at(flat, c) +
+                  "it spans half a turn of longitude or more, or holds a pole, and "
+                  "reaches down to the latitude " +
+                  number(pole == Pole::north ? lowest : highest) +
+                  "; cells that hold a pole may "
+                  "reach down to " +
+                  number(quarter_ / 3) + ", others span less than half a turn";
+    out.odd.push_back({flat, pole});
+    if (polar && !piece.is_halo) {
+      double& least = out.facts.polar[pole == Pole::south];
+      least = std::min(least, from_equator);
     }
-    out.west = std::min(out.west, low);
-    out.east = std::max(out.east, high);
+  }
+
+private:
+  /// East turns much from one vertex to the next of a cell that spans so many degrees.
+  template <class Width>
+  void note_slant(Width&& width, double lowest, double highest, ChartFacts& facts) const {
+    const bool north = lowest >= quarter_ * 2 / 3, south = -highest >= quarter_ * 2 / 3;
+    if ((!north && !south) || !(width() > turn_ / 18))
+      return;
+    double& least = facts.slanted[!north];
+    least = std::min(least, north ? lowest : -highest);
   }
 
   const std::string& name_;
@@ -174,61 +195,26 @@ private:
   double turn_, quarter_;
 };
 
-/// Runs f(begin, end, result) over chunks of cells; the results, in order.
-template <class Result, class F>
-std::vector<Result> over_cells(const mesh::MeshView& mesh, const core::Threads& threads, F&& f) {
-  const std::int64_t count = mesh.cell_count();
-  std::vector<Result> out(std::size_t((count + grain - 1) / grain));
-  threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
-    f(begin, end, out[std::size_t(begin / grain)]);
-  });
-  return out;
-}
+namespace {
 
 /// Copies of a cell that wraps, moved so that they lie where its points' images are.
+template <class Look>
 void copy_over_seam(const Look& look, const mesh::MeshView& mesh, const query::ChartImage& image,
                     std::int64_t flat, std::vector<ChartCopy>& copies) {
   mesh::CellVertices c;
   mesh::gather(mesh, flat, c);
   const double turn = image.units.turn();
-  const Span s = look.span_of(c);
+  const auto s = look.span_of(c);
   const int turns = -int(std::floor((s.low - image.west) / turn));
   copies.push_back({Pole::none, turns, flat, s.first});
   if (s.high + turns * turn > image.west + turn)
     copies.push_back({Pole::none, turns - 1, flat, s.first});
 }
 
-/// From which latitude (without sign) on a pole's chart is used: the lowest of the polar cells and,
-/// as far as 60 degrees, of those that span so many degrees of longitude that east turns much from
-/// one of their vertices to the next.
-double turned_from(const Look& look, const mesh::MeshView& mesh, const ChartUnits& units, Pole pole,
-                   double polar, const core::Threads& threads) {
-  const double wide = units.turn() / 18, least = units.quarter() * 2 / 3;
-  const auto chunks =
-      over_cells<double>(mesh, threads, [&](std::int64_t begin, std::int64_t end, double& lowest) {
-        lowest = infinity;
-        mesh::CellVertices c;
-        for (std::int64_t flat = begin; flat < end; ++flat) {
-          if (!look.gather(flat, c))
-            continue;
-          bool near = true;
-          for (int v = 0; v < c.count; ++v)
-            near &= (pole == Pole::north ? c.x[v].y : -c.x[v].y) >= least;
-          if (!near)
-            continue;
-          const Span s = look.span_of(c);
-          if (s.width() > wide)
-            lowest = std::min(lowest, pole == Pole::north ? s.lowest : -s.highest);
-        }
-      });
-  for (const double lowest : chunks)
-    polar = std::min(polar, lowest);
-  return polar;
-}
-
 /// All cells that may hold a point whose image lies on the pole's chart. The cap is convex there
 /// (cos lon cos lat >= sin of its latitude), and a cell lies within the hull of its vertices; the
 /// box around them is larger.
+template <class Look>
 void copy_to_pole(const Look& look, const mesh::MeshView& mesh, const query::ChartImage& image,
                   Pole pole, const core::Threads& threads, std::vector<ChartCopy>& copies) {
   const ChartUnits& units = image.units;
@@ -285,60 +271,68 @@ int turns_to(const ChartUnits& units, double first, double longitude) {
   return int(std::lround((first - longitude) / units.turn()));
 }
 
-ChartCells find_chart_cells(const std::string& mesh_name, const mesh::MeshView& mesh,
-                            const ChartUnits& units, const core::Threads& threads) {
-  const Look look(mesh_name, mesh, units);
-  const auto chunks =
-      over_cells<Chunk>(mesh, threads, [&](std::int64_t begin, std::int64_t end, Chunk& out) {
-        look.cells(begin, end, out);
-      });
-  double west = infinity, east = -infinity, polar[2] = {infinity, infinity};
-  std::vector<std::int64_t> wrapping;
-  ChartCells out;
-  for (const Chunk& chunk : chunks) {
+void ChartFacts::add(const ChartFacts& other) {
+  ChartFacts theirs = other;
+  std::ranges::transform(numbers(), theirs.numbers(), numbers().begin(),
+                         [](double a, double b) { return std::min(a, b); });
+}
+
+ChartSearch::ChartSearch(const std::string& mesh_name, const mesh::MeshView& mesh,
+                         const ChartUnits& units, const core::Threads& threads)
+    : name_(mesh_name), mesh_(mesh), units_(units), threads_(threads) {
+  const Look look(name_, mesh_, units_);
+  const auto chunks = over_cells<Look::Chunk>(
+      mesh_, threads_,
+      [&](std::int64_t begin, std::int64_t end, auto& out) { look.cells(begin, end, out); });
+  for (const Look::Chunk& chunk : chunks) {
     if (!chunk.error.empty())
       throw core::Error(INSITU_ERROR_MESH, chunk.error);
-    west = std::min(west, chunk.west);
-    east = std::max(east, chunk.east);
-    for (const Odd& odd : chunk.odd) {
-      out.hidden.push_back(odd.cell);
-      if (odd.pole == Pole::none)
-        wrapping.push_back(odd.cell);
-      else
-        polar[odd.pole == Pole::south] = std::min(polar[odd.pole == Pole::south], odd.low);
-    }
+    facts_.add(chunk.facts);
+    east_ = std::max(east_, chunk.east);
+    odd_.insert(odd_.end(), chunk.odd.begin(), chunk.odd.end());
   }
-  out.image.units = units;
-  out.image.west = std::isfinite(west) ? west : -0.5 * units.turn();
+}
+
+ChartCells ChartSearch::find(const ChartFacts& whole) const {
+  const Look look(name_, mesh_, units_);
+  ChartCells out;
+  std::vector<std::int64_t> wrapping;
+  for (const Odd& odd : odd_) {
+    out.hidden.push_back(odd.cell);
+    if (odd.pole == Pole::none)
+      wrapping.push_back(odd.cell);
+  }
+  out.image.units = units_;
+  out.image.west = std::isfinite(whole.west) ? whole.west : -0.5 * units_.turn();
   // Cells beyond one turn (a piece given at 540 beside one at 0) come to where the images are.
-  const double end = out.image.west + units.turn();
-  if (east > end + 1e-6 * units.turn()) {
+  const double end = out.image.west + units_.turn();
+  if (east_ > end + 1e-6 * units_.turn()) {
     const auto beyond = over_cells<std::vector<std::int64_t>>(
-        mesh, threads,
+        mesh_, threads_,
         [&](std::int64_t begin, std::int64_t stop, std::vector<std::int64_t>& found) {
           mesh::CellVertices c;
           for (std::int64_t flat = begin; flat < stop; ++flat)
-            if (look.gather(flat, c) && look.span_of(c).high > end + 1e-6 * units.turn() &&
-                !std::binary_search(out.hidden.begin(), out.hidden.end(), flat))
+            if (look.gather(flat, c) && look.span_of(c).high > end + 1e-6 * units_.turn() &&
+                !std::ranges::binary_search(odd_, flat, {}, &Odd::cell))
               found.push_back(flat);
         });
-    for (const auto& found : beyond)
+    for (const auto& found : beyond) {
       wrapping.insert(wrapping.end(), found.begin(), found.end());
-    for (const auto& found : beyond)
       out.hidden.insert(out.hidden.end(), found.begin(), found.end());
+    }
     std::sort(wrapping.begin(), wrapping.end());
     std::sort(out.hidden.begin(), out.hidden.end());
   }
   for (const std::int64_t flat : wrapping)
-    copy_over_seam(look, mesh, out.image, flat, out.copies);
+    copy_over_seam(look, mesh_, out.image, flat, out.copies);
   for (const Pole pole : {Pole::north, Pole::south}) {
-    const double from = polar[pole == Pole::south];
-    if (!std::isfinite(from))
+    const std::size_t at = pole == Pole::south;
+    if (!std::isfinite(whole.polar[at]))
       continue;
-    const double limit = turned_from(look, mesh, units, pole, from, threads);
+    const double limit = std::min(whole.polar[at], whole.slanted[at]);
     (pole == Pole::north ? out.image.north_from : out.image.south_from) =
         pole == Pole::north ? limit : -limit;
-    copy_to_pole(look, mesh, out.image, pole, threads, out.copies);
+    copy_to_pole(look, mesh_, out.image, pole, threads_, out.copies);
   }
   return out;
 }

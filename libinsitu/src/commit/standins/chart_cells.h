@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,20 @@ struct ChartCopy {
   double first;      ///< that vertex' longitude
 };
 
+/// What a chart takes from a mesh as a whole: the least of its cells' numbers, so those of parts of
+/// a mesh add up. Latitudes are without sign, [0] north and [1] south.
+struct ChartFacts {
+  static constexpr double none = std::numeric_limits<double>::infinity();
+  double west = none;               ///< longitude of the cells that can stay
+  double polar[2] = {none, none};   ///< latitude of those that hold a pole
+  double slanted[2] = {none, none}; ///< and, from 60 degrees on, of those that span 20 of longitude
+
+  std::span<double> numbers() { return {&west, 5}; }
+  void add(const ChartFacts& other);
+  bool operator==(const ChartFacts&) const = default;
+};
+static_assert(sizeof(ChartFacts) == 5 * sizeof(double));
+
 /// Which cells cannot be located where their numbers say, and the points' images that follow.
 ///
 ///   wrapping   its longitudes jump (359.5 to 0.5), or lie beyond one turn of the others'
@@ -34,11 +50,35 @@ struct ChartCells {
   std::vector<ChartCopy> copies;    ///< seam, north, south, each in ascending order
 };
 
-/// Looks at all cells that own points. The arrays must be valid; cells with coordinates that are
-/// not finite are passed over. Throws Error(INSITU_ERROR_MESH): a latitude out of range; a cell
-/// that spans half a turn or more without being near a pole.
-ChartCells find_chart_cells(const std::string& mesh_name, const mesh::MeshView& mesh,
-                            const geo::ChartUnits& units, const core::Threads& threads);
+/// Finds them in two looks at all cells that exist. The arrays must be valid; cells with
+/// coordinates that are not finite are passed over. The arguments must outlive the object.
+class ChartSearch {
+public:
+  /// Throws Error(INSITU_ERROR_MESH): a latitude out of range; a cell that spans half a turn or
+  /// more without being near a pole.
+  ChartSearch(const std::string& mesh_name, const mesh::MeshView& mesh,
+              const geo::ChartUnits& units, const core::Threads& threads);
+  /// Of the cells that own points.
+  const ChartFacts& facts() const { return facts_; }
+  /// On the chart of these facts, of which those of the cells are a part. Throws
+  /// Error(INSITU_ERROR_MESH) for a cell at a pole's chart that reaches to the equator.
+  ChartCells find(const ChartFacts& whole) const;
+
+private:
+  /// A cell that cannot stay where it is.
+  struct Odd {
+    std::int64_t cell;
+    geo::Pole pole; ///< none: it wraps
+  };
+  struct Look;
+  const std::string& name_;
+  const mesh::MeshView& mesh_;
+  const geo::ChartUnits units_;
+  const core::Threads& threads_;
+  ChartFacts facts_;
+  double east_ = -ChartFacts::none; ///< of all cells that can stay
+  std::vector<Odd> odd_;            ///< in ascending order
+};
 
 /// The whole turns that bring a longitude within half a turn of the cell's first vertex'.
 int turns_to(const geo::ChartUnits& units, double first, double longitude);

@@ -14,9 +14,12 @@ namespace insitu::commit {
 /// A mesh in longitude, latitude and height or depth. Its cells are located where they are, in its
 /// own chart and arrays; the few that wrap around or lie near a pole that is within a cell are
 /// located in copies (ChartCells), which then stand in for them, as pieces behind the solver's own:
-/// all cells of these are there under their own ids, the hidden ones as ghosts. Fields are gathered
-/// to the copies when they are first asked for after a commit; vectors (3 components: east, north,
-/// up) of those at a pole are turned to its chart's east and north.
+/// all cells of these are there under their own ids, the hidden ones as ghosts. A halo, and copies
+/// of its cells, come behind all these. Over several processes the chart is that of all their
+/// cells, once it is known (set_whole_chart()); a commit that finds other facts here keeps to what
+/// was known of the others. Fields are gathered to the copies when they are first asked for after a
+/// commit; vectors (3 components: east, north, up) of those at a pole are turned to its chart's
+/// east and north.
 class Geodetic final : public StandIn {
 public:
   explicit Geodetic(core::Memory& memory);
@@ -44,6 +47,11 @@ public:
   /// Thread-safe.
   mesh::FieldView field(const mesh::FieldView& own) override;
   query::Location own(const query::Location& at, const math::Vec3d& p) const override;
+  Place place(std::int64_t flat) const override;
+  std::int64_t find(const Place& place) const override;
+  const ChartFacts* chart_facts() const override { return &facts_; }
+  bool has_whole_chart() const override { return has_whole_; }
+  bool set_whole_chart(const ChartFacts& whole) override;
   const query::ChartImage& image() const { return image_; }
   const query::ChartImage* chart() const override { return &image_; }
   std::optional<Held> held() const override {
@@ -52,13 +60,15 @@ public:
   void audit(std::vector<insitu_audit_entry>& entries) const override;
 
 private:
+  struct Key;
+  struct Turn;
   struct Copies;
   struct Gathered;
-  bool build(const mesh::Mesh& mesh, const geo::ChartUnits& units, const core::Threads& threads);
+  bool build(const mesh::Mesh& mesh, const geo::ChartUnits& units, bool other_cells,
+             const core::Threads& threads);
   void fields_changed();
-  std::int64_t own_cell(std::int64_t flat) const;
-  void copy(const mesh::MeshView& own, const std::vector<ChartCopy>& cells, geo::Pole pole,
-            Copies& to) const;
+  Turn turn_of(geo::Pole pole, const math::Vec3d& east, const math::Vec3d& turned) const;
+  void copy(const mesh::MeshView& own, const std::vector<ChartCopy>& cells, Copies& to) const;
   void hide(const mesh::MeshView& own, const core::Threads& threads);
   void set_views(const mesh::MeshView& own);
   void gather(const mesh::FieldView& own, Gathered& to) const;
@@ -66,9 +76,13 @@ private:
   core::Memory* memory_;
   bool built_ = false; ///< at the last commit that changed cells or vertices
   const mesh::MeshView* own_ = nullptr;
+  ChartFacts facts_, whole_;                      ///< of this process's cells, and of all
+  bool has_whole_ = false, knows_others_ = false; ///< whole_ is that; it was once
   query::ChartImage image_;
   std::vector<std::int64_t> hidden_;
-  std::vector<std::unique_ptr<Copies>> copies_; ///< seam, north, south: those there are
+  /// Seam, north, south: those there are; own_copies_ of them of own cells, then those of a halo's.
+  std::vector<std::unique_ptr<Copies>> copies_;
+  std::size_t own_copies_ = 0;
   std::vector<std::unique_ptr<core::Buffer<std::uint8_t>>> masks_; ///< [own piece] or null
   std::vector<mesh::PieceView> pieces_;
   std::vector<std::int64_t> first_cell_, first_vertex_;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cells/checks/validate.h"
+#include "commit/standins/chart_cells.h"
 #include "core/log.h"
 #include "mesh/registered/mesh.h"
 #include "query/chart_image.h"
@@ -59,6 +60,23 @@ public:
   }
   /// Whether view() is in place; if not, points are located in the solver's cells.
   virtual bool stands() const = 0;
+
+  /// A cell of view() that is the solver's: which, and in which of its places (mesh::CellName).
+  struct Place {
+    std::int64_t own; ///< flat over the pieces of own_view()
+    std::int32_t chart = 0, copy = 0;
+  };
+  virtual Place place(std::int64_t flat) const { return {flat}; }
+  /// The flat id of such a cell; -1: it has no such place.
+  virtual std::int64_t find(const Place& place) const { return place.own; }
+
+  // Of a mesh in longitude and latitude over several processes.
+  /// What a chart takes from this process's cells, and whether it is that of all processes'.
+  virtual const ChartFacts* chart_facts() const { return nullptr; }
+  virtual bool has_whole_chart() const { return true; }
+  /// From the next commit on the chart is that of all processes' cells, until those here tell other
+  /// facts. Returns whether the chart is another than that of the last commit.
+  virtual bool set_whole_chart(const ChartFacts& /*whole*/) { return false; }
 
   /// A location as the solver counts cells, flat over its pieces; at may be outside.
   virtual query::Location own(const query::Location& at, const math::Vec3d& p) const = 0;

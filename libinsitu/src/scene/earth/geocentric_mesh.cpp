@@ -35,8 +35,8 @@ void GeocentricMesh::check(const commit::CommittedMesh& own) {
     throw core::Error(INSITU_ERROR_UNSUPPORTED, "geocentric: " + name + " is adaptive");
 }
 
-const commit::CommittedMesh& GeocentricMesh::update(const commit::CommittedMesh& own,
-                                                    core::Context& context) {
+commit::CommittedMesh& GeocentricMesh::update(const commit::CommittedMesh& own,
+                                              core::Context& context) {
   own.require_committed();
   check(own);
   const bool topology = topology_ != own.topology_version();
@@ -66,8 +66,9 @@ void GeocentricMesh::convert(const commit::CommittedMesh& own, core::Context& co
   const mesh::MeshView& view = own.mesh().own_view();
   insitu_frame geodetic = insitu_frame_default();
   geodetic.kind = INSITU_FRAME_GEODETIC;
-  points_.resize_discard(std::size_t(view.vertex_count()));
-  for (std::int32_t p = 0; p < view.piece_count; ++p) {
+  const std::int32_t pieces = view.piece_count - view.halo_piece_count;
+  points_.resize_discard(std::size_t(view.first_vertex[pieces]));
+  for (std::int32_t p = 0; p < pieces; ++p) {
     const mesh::PieceView& piece = view.pieces[p];
     const std::int64_t first = view.first_vertex[p];
     constexpr std::int64_t grain = 1 << 13;

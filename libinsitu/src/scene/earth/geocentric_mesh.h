@@ -25,7 +25,7 @@ public:
   /// Brings it up to date with `own`, the solver's mesh, which is committed: vertices are converted
   /// and the tree refitted or rebuilt only if own's changed since. Throws core::Error for a mesh
   /// that is not on Earth, that is adaptive, or whose depths would reach the Earth's centre.
-  const commit::CommittedMesh& update(const commit::CommittedMesh& own, core::Context& context);
+  commit::CommittedMesh& update(const commit::CommittedMesh& own, core::Context& context);
 
   /// How often vertices were converted.
   std::int64_t conversions() const { return conversions_; }

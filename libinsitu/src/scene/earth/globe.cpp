@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <vector>
 
 #include "geo/reference_frames.h"
+#include "parallel/bytes.h"
 #include "scene/earth/reference_frames.h"
 
 namespace insitu::scene {
@@ -40,12 +43,12 @@ struct Seen {
 class GlobePainter {
 public:
   GlobePainter(const Geocentric& frame, const commit::CommittedMesh& own,
-               const render::FrameSettings& settings, core::Context& context,
-               render::FrameImages& images)
+               const render::FrameSettings& settings, parallel::World& world,
+               core::Context& context, render::FrameImages& images)
       : frame_(frame), own_(own), width_(settings.width), height_(settings.height),
-        rays_(settings.camera, settings.width, settings.height), context_(context), images_(images),
-        has_volume_(settings.volume.has_value()), seen_(context.memory, INSITU_MEMORY_FRAME),
-        points_(context.memory, INSITU_MEMORY_FRAME),
+        rays_(settings.camera, settings.width, settings.height), world_(world), context_(context),
+        images_(images), has_volume_(settings.volume.has_value()),
+        seen_(context.memory, INSITU_MEMORY_FRAME), points_(context.memory, INSITU_MEMORY_FRAME),
         locations_(context.memory, INSITU_MEMORY_FRAME) {
     if (frame_.globe)
       land_ = *frame_.globe;
@@ -54,14 +57,20 @@ public:
   void paint() {
     for (std::int64_t row = 0; row < height_; row += rows_at_once) {
       const std::int64_t rows = std::min(rows_at_once, height_ - row);
-      look(row, std::min(rows + 1, height_ - row)); // and the row below, for lines between them
+      world_.agree_after([&] {
+        if (world_.is_root() || frame_.globe)
+          look(row, std::min(rows + 1, height_ - row)); // and the row below, for lines between them
+        if (frame_.globe)
+          locate(rows);
+      });
       if (frame_.globe)
-        locate(rows);
-      context_.threads.parallel_for(rows * width_, grain,
-                                    [&](std::int64_t begin, std::int64_t end) {
-                                      for (std::int64_t i = begin; i < end; ++i)
-                                        paint_pixel(row, i);
-                                    });
+        add_covered();
+      if (world_.is_root())
+        context_.threads.parallel_for(rows * width_, grain,
+                                      [&](std::int64_t begin, std::int64_t end) {
+                                        for (std::int64_t i = begin; i < end; ++i)
+                                          paint_pixel(row, i);
+                                      });
       rows_seen_ = 0;
     }
   }
@@ -90,13 +99,12 @@ private:
     });
   }
 
-  /// Which places the mesh covers.
+  /// Which places this process's cells cover.
   void locate(std::int64_t rows) {
     const auto count = std::size_t(rows * width_);
     insitu_frame geodetic = insitu_frame_default();
     geodetic.kind = INSITU_FRAME_GEODETIC;
     points_.resize_discard(count);
-    locations_.resize_discard(count);
     context_.threads.parallel_for(
         std::int64_t(count), grain, [&](std::int64_t begin, std::int64_t end) {
           for (std::int64_t i = begin; i < end; ++i)
@@ -104,7 +112,28 @@ private:
           convert_points({points_.data() + begin, std::size_t(end - begin)}, geodetic,
                          own_.reference_frame);
         });
-    own_.sampler().locate(context_.threads, {points_.data(), count}, {locations_.data(), count});
+    locations_.resize_discard(count);
+    own_.own_sampler().locate(context_.threads, {points_.data(), count},
+                              {locations_.data(), count});
+    covered_.assign((count + 63) / 64, 0);
+    const std::int64_t cells = own_.mesh().view().own_cell_count();
+    for (std::size_t i = 0; i < count; ++i)
+      covered_[i / 64] |= std::uint64_t(locations_[i] && locations_[i].cell < cells) << (i % 64);
+  }
+
+  /// Gives the root the places that other processes cover, a bit each.
+  void add_covered() {
+    if (world_.size() == 1)
+      return;
+    std::vector<parallel::Parcel> mine;
+    world_.agree_after([&] {
+      if (!world_.is_root())
+        mine.push_back({0, parallel::bytes_of(covered_)});
+    });
+    for (const parallel::Parcel& parcel : world_.exchange(mine)) {
+      const auto theirs = parallel::items_of<std::uint64_t>(parcel.bytes);
+      std::ranges::transform(covered_, theirs, covered_.begin(), std::bit_or());
+    }
   }
 
   void paint_pixel(std::int64_t row, std::int64_t i) {
@@ -119,7 +148,7 @@ private:
     // Edges of facets sag, and surfaces in the sea need not fill it: what is behind is land as
     // well.
     const bool nothing = !has_volume_ && !std::isfinite(images_.depth[at]);
-    if (frame_.globe && (nothing || !locations_[std::size_t(i)])) {
+    if (frame_.globe && (nothing || !covers(std::size_t(i)))) {
       const render::Color color = float(0.35 + 0.65 * seen.facing) * land_;
       set(pixel, color, 1);
       pixel[3] = 1;
@@ -146,12 +175,14 @@ private:
     return (i % width_ + 1 < width_ && differs(i + 1)) ||
            (i / width_ + 1 < rows_seen_ && differs(i + width_));
   }
+  bool covers(std::size_t i) const { return covered_[i / 64] >> (i % 64) & 1U; }
   double step(double angle) const { return std::floor(angle / *frame_.graticule); }
 
   const Geocentric& frame_;
   const commit::CommittedMesh& own_;
   const std::int64_t width_, height_;
   const render::RayGenerator rays_;
+  parallel::World& world_;
   core::Context& context_;
   render::FrameImages& images_;
   const bool has_volume_;
@@ -160,6 +191,7 @@ private:
   core::Buffer<Seen> seen_;
   core::Buffer<Vec3d> points_;
   core::Buffer<query::Location> locations_;
+  std::vector<std::uint64_t> covered_; ///< a bit a place
 };
 
 } // namespace
@@ -167,9 +199,9 @@ private:
 const std::int64_t globe_bytes_a_pixel = sizeof(Seen) + sizeof(Vec3d) + sizeof(query::Location);
 
 void draw_globe(const Geocentric& frame, const commit::CommittedMesh& own,
-                const render::FrameSettings& settings, core::Context& context,
-                render::FrameImages& images) {
-  GlobePainter(frame, own, settings, context, images).paint();
+                const render::FrameSettings& settings, parallel::World& world,
+                core::Context& context, render::FrameImages& images) {
+  GlobePainter(frame, own, settings, world, context, images).paint();
 }
 
 } // namespace insitu::scene

@@ -47,7 +47,7 @@ public:
     if (environment_.world.size() > 1)
       return execute_on_all(own, step);
     const core::Timer timer;
-    const commit::CommittedMesh& mesh = frame_.geocentric ? geocentric(own) : own;
+    commit::CommittedMesh& mesh = frame_.geocentric ? geocentric(own) : own;
     if (mesh.tree().empty()) {
       note_nothing_drawn(mesh, step);
       return;
@@ -84,23 +84,32 @@ private:
     const FrameDecisions& decisions;
     render::Structures& structures;
     render::FrameSettings settings; ///< the camera and what follows it are set for each image
-    const render::FramePart* part = nullptr; ///< of several processes; null: there is one
+    /// Of several processes; null: there is one.
+    const render::FramePart* part = nullptr;
+    const FrameKeys* keys = nullptr;
   };
 
   /// Draws what several processes have of the mesh.
-  void execute_on_all(commit::CommittedMesh& mesh, const Step& step) {
+  void execute_on_all(commit::CommittedMesh& own, const Step& step) {
     const core::Timer timer;
     parallel::World& world = environment_.world;
+    own.update_chart(world, environment_.context.threads, environment_.context.log);
+    commit::CommittedMesh* drawn = &own;
+    world.agree_after([&] {
+      if (frame_.geocentric)
+        drawn = &geocentric(own);
+    });
+    commit::CommittedMesh& mesh = *drawn;
     const FieldsByName fields = frame_fields(frame_, mesh, environment_);
     FrameDecisions decisions;
     world.agree_after([&] {
-      check_on_all(mesh);
-      decisions = decide_frame(frame_, facts_of(frame_, mesh, environment_.scene_file, &fields));
+      decisions = decide_on_all(mesh, fields);
       if (decisions.own_cells)
         throw core::Error(INSITU_ERROR_UNSUPPORTED,
                           "images of the solver's cells where others are drawn in their place "
                           "(adaptive meshes) over several processes are not there yet");
     });
+    refuse_copies(decisions, mesh);
     // A halo that is there must not be of an earlier step.
     const bool with_halo = decisions.vertex_cells.made || frame_.boundary || mesh.halo();
     if (with_halo)
@@ -112,7 +121,10 @@ private:
       return;
     }
     told_nothing_ = false;
-    const render::FramePart part = frame_part(mesh, world);
+    const FrameKeys keys(mesh, world);
+    const render::FramePart part{world, mesh.mesh().view().own_cell_count(),
+                                 [&](std::int64_t flat) { return keys.key(flat); },
+                                 mesh.halo() != nullptr};
     render::Structures* structures = nullptr;
     std::optional<FieldsByName> refreshed;
     if (with_halo) // its commit has other views
@@ -120,29 +132,42 @@ private:
     world.agree_after([&] {
       structures = &environment_.structures.of(mesh);
       if (refreshed)
-        decisions =
-            decide_frame(frame_, facts_of(frame_, mesh, environment_.scene_file, &*refreshed));
+        decisions = decide_on_all(mesh, *refreshed);
     });
     complete_averages(decisions, mesh, *structures, world);
     const RangesByColor ranges = frame_ranges(decisions, *structures, world);
     render::FrameSettings settings;
     world.agree_after([&] { settings = settings_.make(decisions, *structures, &ranges); });
-    Drawing drawing{mesh, mesh, step, decisions, *structures, std::move(settings), &part};
+    Drawing drawing{own, mesh, step, decisions, *structures, std::move(settings), &part, &keys};
     environment_.statistics.render_s += timer.seconds();
     for (std::size_t i = 0; i < cameras_.size(); ++i)
       draw(drawing, i);
     ++drawn_;
   }
 
-  /// Refuses what is not there yet on several processes, beside what the renderer refuses.
-  void check_on_all(const commit::CommittedMesh& mesh) const {
-    const char* const what = frame_.geocentric ? "geocentric frames"
-                             : mesh.mesh().has_stand_in() && !mesh.mesh().is_adaptive()
-                                 ? "frames of geodetic meshes"
-                                 : nullptr;
-    if (what)
-      throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        std::string(what) + " over several processes are not there yet");
+  /// With copies on a chart a place of a volume is another one's image, which may be another
+  /// process's; and a vertex of a copy does not know of the cells around it that have other places.
+  void refuse_copies(const FrameDecisions& decisions, const commit::CommittedMesh& mesh) {
+    std::int64_t copies =
+        (decisions.vertex_cells.made || decisions.volume) && mesh.mesh().has_stand_in() &&
+        !mesh.mesh().is_adaptive();
+    environment_.world.reduce(std::span(&copies, 1), parallel::Reduction::greatest);
+    environment_.world.agree_after([&] {
+      if (copies)
+        throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                          "volumes, smooth normals and averages in longitude and latitude, of a "
+                          "mesh with cells over the seam or at a pole, over several processes are "
+                          "not there yet; geocentric frames have them");
+    });
+  }
+
+  /// The same on all processes.
+  FrameDecisions decide_on_all(const commit::CommittedMesh& mesh,
+                               const FieldsByName& fields) const {
+    FrameFacts facts = facts_of(frame_, mesh, environment_.scene_file, &fields);
+    if (!mesh.mesh().is_adaptive())
+      facts.has_stand_in = false; // some have copies on a chart; FrameKeys tells whose these are
+    return decide_frame(frame_, facts);
   }
 
   FrameDecisions decide(const commit::CommittedMesh& mesh) const {
@@ -162,8 +187,8 @@ private:
     }
   }
 
-  const commit::CommittedMesh& geocentric(const commit::CommittedMesh& own) {
-    const commit::CommittedMesh* drawn = nullptr;
+  commit::CommittedMesh& geocentric(const commit::CommittedMesh& own) {
+    commit::CommittedMesh* drawn = nullptr;
     at_geocentric(
         [&] { drawn = &environment_.structures.geocentric(own, frame_.geocentric->exaggeration); });
     return *drawn;
@@ -194,6 +219,9 @@ private:
             : render::render_frame(mesh.sampler(), drawing.settings, drawing.structures,
                                    environment_.context.threads, &done);
     mesh.note_drawn(mesh.located() - located);
+    if (drawing.decisions.globe)
+      draw_globe(*frame_.geocentric, drawing.own, drawing.settings, environment_.world,
+                 environment_.context, images);
     environment_.statistics.render_s += timer.seconds();
     environment_.world.agree_after([&] {
       if (environment_.world.is_root())
@@ -222,11 +250,12 @@ private:
     const core::Timer timer;
     const render::FrameSettings& settings = drawing.settings;
     warn(done, settings, drawing.step);
-    if (drawing.decisions.globe)
-      draw_globe(*frame_.geocentric, drawing.own, settings, environment_.context, images);
     draw_overlays(images.color, drawing, ticks);
     if (drawing.decisions.own_cells)
       count_as_the_solver(drawing.mesh, settings, images);
+    if (drawing.keys)
+      for (std::int64_t& cell : images.cell)
+        cell = cell >= 0 ? drawing.keys->solvers(cell) : cell;
     if (const mesh::Mesh& own = drawing.own.mesh();
         !drawing.part && own.has_global_ids(INSITU_CELL))
       for (std::int64_t& cell : images.cell)

@@ -1,5 +1,7 @@
 #include "scene/frames/frame_on_all.h"
 
+#include <algorithm>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -82,26 +84,45 @@ RangesByColor frame_ranges(const FrameDecisions& decisions, render::Structures& 
   return ranges;
 }
 
-render::FramePart frame_part(const commit::CommittedMesh& mesh, parallel::World& world) {
-  const mesh::MeshView& view = mesh.mesh().view();
-  const std::int64_t own = view.own_cell_count();
-  const bool by_ids = name_cells(mesh.mesh(), world).global;
-  std::int64_t is_made = mesh.mesh().has_stand_in(); // its cells have numbers
-  world.reduce(std::span(&is_made, 1), parallel::Reduction::greatest);
-  if (is_made)
-    return {world, own, [&mesh](std::int64_t flat) { return mesh.located_name(flat).global; },
-            mesh.halo() != nullptr};
+FrameKeys::FrameKeys(const commit::CommittedMesh& mesh, parallel::World& world)
+    : mesh_(mesh), by_ids_(name_cells(mesh.mesh(), world).global) {
+  const std::int64_t own = mesh.mesh().own_view().own_cell_count();
   std::vector<std::int64_t> cells(std::size_t(world.size()));
   cells[std::size_t(world.rank())] = own;
   world.reduce(cells, parallel::Reduction::sum);
-  const std::int64_t before =
-      std::accumulate(cells.begin(), cells.begin() + world.rank(), std::int64_t(0));
-  const mesh::Mesh& of = mesh.mesh();
-  return {world, own,
-          [&of, by_ids, before](std::int64_t flat) {
-            return by_ids ? of.global_id(INSITU_CELL, flat) : before + flat;
-          },
-          mesh.halo() != nullptr};
+  before_ = std::accumulate(cells.begin(), cells.begin() + world.rank(), std::int64_t(0));
+  end_ = std::accumulate(cells.begin(), cells.end(), std::int64_t(0));
+  if (!by_ids_)
+    return;
+  std::int64_t last = -1;
+  for (std::int64_t flat = 0; mesh.stand_in() && flat < own; ++flat) // ghosts' do not ascend
+    last = std::max(last, mesh.mesh().global_id(INSITU_CELL, flat));
+  world.reduce(std::span(&last, 1), parallel::Reduction::greatest);
+  end_ = last >= 0 ? last + 1 : std::numeric_limits<std::int64_t>::max();
+}
+
+std::int64_t FrameKeys::key(std::int64_t flat) const {
+  if (mesh_.mesh().has_stand_in())
+    if (const auto made = mesh_.stand_in()->made_cell(flat))
+      return made->number;
+  const commit::StandIn::Place at =
+      mesh_.stand_in() ? mesh_.stand_in()->place(flat) : commit::StandIn::Place{flat};
+  const std::int64_t own = by_ids_ ? mesh_.mesh().global_id(INSITU_CELL, at.own) : before_ + at.own;
+  switch (at.chart) {
+  case 0:
+    return own;
+  case 1:
+    return end_ + 2 * own + at.copy;
+  default:
+    return end_ * (1 + at.chart) + own;
+  }
+}
+
+std::int64_t FrameKeys::solvers(std::int64_t key) const {
+  if (key < end_)
+    return key;
+  key -= end_;
+  return key < 2 * end_ ? key / 2 : (key - 2 * end_) % end_;
 }
 
 } // namespace insitu::scene

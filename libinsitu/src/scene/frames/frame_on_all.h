@@ -29,7 +29,21 @@ RangesByColor frame_ranges(const FrameDecisions& decisions, render::Structures& 
                            parallel::World& world);
 
 /// How the frame tells cells apart: by global ids where all have them, else by numbers that go on
-/// from process to process.
-render::FramePart frame_part(const commit::CommittedMesh& mesh, parallel::World& world);
+/// from process to process; copies on a chart by numbers behind all these, which ascend with
+/// mesh::CellName; cells that are made (adaptive meshes' duals) by their own.
+class FrameKeys {
+public:
+  FrameKeys(const commit::CommittedMesh& mesh, parallel::World& world);
+  /// Of a flat cell of this process in the mesh's view.
+  std::int64_t key(std::int64_t flat) const;
+  /// That of the solver's cell, which may be a copy's.
+  std::int64_t solvers(std::int64_t key) const;
+
+private:
+  const commit::CommittedMesh& mesh_;
+  bool by_ids_;
+  std::int64_t before_ = 0; ///< cells of lower processes
+  std::int64_t end_ = 0;    ///< of the keys of cells in their own places
+};
 
 } // namespace insitu::scene

@@ -15,13 +15,13 @@ render::Structures& FrameStructures::of(const commit::CommittedMesh& mesh) {
   return *entry.structures;
 }
 
-const commit::CommittedMesh& FrameStructures::geocentric(const commit::CommittedMesh& mesh,
-                                                         double exaggeration) {
+commit::CommittedMesh& FrameStructures::geocentric(const commit::CommittedMesh& mesh,
+                                                   double exaggeration) {
   Geocentric& entry = geocentric_[{mesh.id(), exaggeration}];
   if (!entry.mesh)
     entry.mesh =
         std::make_unique<GeocentricMesh>(mesh.mesh().name(), exaggeration, context_->memory);
-  const commit::CommittedMesh& drawn = entry.mesh->update(mesh, *context_);
+  commit::CommittedMesh& drawn = entry.mesh->update(mesh, *context_);
   entry.id = drawn.id();
   return drawn;
 }

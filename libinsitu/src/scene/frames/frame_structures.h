@@ -18,7 +18,7 @@ public:
   /// The mesh in geocentric coordinates with heights exaggerated, as it is now; made when a frame
   /// first asks for that factor, and kept while the mesh is there. Valid until the next commit of
   /// `mesh`, or until end_cycle() finds it gone.
-  const commit::CommittedMesh& geocentric(const commit::CommittedMesh& mesh, double exaggeration);
+  commit::CommittedMesh& geocentric(const commit::CommittedMesh& mesh, double exaggeration);
 
   /// Those of a mesh as it is now; valid until end_cycle().
   render::Structures& of(const commit::CommittedMesh& mesh);

@@ -1,5 +1,7 @@
 #include "scene/probes/attached_points.h"
 
+#include <utility>
+
 #include "parallel/bytes.h"
 #include "query/walk/attached.h"
 
@@ -28,7 +30,7 @@ void for_each_item(const std::vector<parallel::Parcel>& parcels, Visit&& visit) 
 /// A process has a cell that holds a point.
 struct AttachedPoints::Claim {
   std::int64_t point;
-  std::int64_t cell; ///< the global id, if cells have them
+  std::int64_t chart, cell; ///< as mesh::CellName orders cells: the global id, if cells have them
 };
 
 struct AttachedPoints::Moved {
@@ -186,11 +188,11 @@ std::vector<AttachedPoints::Claim> AttachedPoints::locate(const commit::Committe
     query::Location& place = places_[std::size_t(point)];
     if (place && world_.size() > 1 && !sampler.owns(place.cell))
       place = {};
-    if (place)
-      claims.push_back(
-          {point, by_ids ? mesh.mesh().global_id(INSITU_CELL,
-                                                 mesh.own(place, points[std::size_t(point)]).cell)
-                         : 0});
+    if (!place)
+      continue;
+    const std::int64_t own = mesh.own(place, points[std::size_t(point)]).cell;
+    claims.push_back({point, mesh.stand_in() ? mesh.stand_in()->place(place.cell).chart : 0,
+                      by_ids ? mesh.mesh().global_id(INSITU_CELL, own) : 0});
   }
   return claims;
 }
@@ -200,15 +202,16 @@ void AttachedPoints::settle(std::span<const std::int64_t> some, const std::vecto
   std::vector<parallel::Parcel> out;
   world_.agree_after([&] { out = to_root(mine); });
   const std::vector<parallel::Parcel> in = world_.exchange(out);
-  std::vector<std::int64_t> cells;
+  std::vector<std::pair<std::int64_t, std::int64_t>> cells;
   world_.agree_after([&] {
-    cells.assign(world_.is_root() ? owners_.size() : 0, -1);
+    cells.resize(world_.is_root() ? owners_.size() : 0);
     for_each_item<Claim>(in, [&](int rank, const Claim& claim) {
       const auto i = std::size_t(claim.point);
-      if (owners_[i] >= 0 && cells[i] <= claim.cell)
+      const std::pair cell(claim.chart, claim.cell);
+      if (owners_[i] >= 0 && cells[i] <= cell)
         return;
       owners_[i] = rank;
-      cells[i] = claim.cell;
+      cells[i] = cell;
     });
   });
   world_.broadcast(std::as_writable_bytes(std::span(owners_)));

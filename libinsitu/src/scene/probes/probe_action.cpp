@@ -77,6 +77,7 @@ void ProbeAction::execute(commit::CommittedMesh& mesh, const Step& step, bool du
   const core::Timer timer;
   parallel::World& world = environment_.world;
   Statistics& s = environment_.statistics;
+  mesh.update_chart(world, environment_.context.threads, environment_.context.log);
   if (!points_)
     resolve(mesh);
   const CellNames names = name_cells(mesh.mesh(), world);

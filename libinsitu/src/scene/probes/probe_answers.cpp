@@ -60,6 +60,8 @@ void answer(const ProbeQuestion& q, Slice& slice, const parallel::World& world,
     sampler.interpolate(q.fields, at, slice.values.data() + i * slice.width);
     const query::Location own = q.mesh.own(at, slice.points[i]);
     slice.cells[i] = own_cell(q.mesh, at.cell, slice.points[i], world);
+    if (q.mesh.stand_in())
+      slice.cells[i].chart = q.mesh.stand_in()->place(at.cell).chart;
     slice.parametric[i] = own.parametric;
   };
   if (q.attached) { // their places are known, to the bit
@@ -108,6 +110,11 @@ std::vector<parallel::Parcel> pack(const Slice& slice) {
   return parcels;
 }
 
+/// Whether a cell owns a point before another one, of a lower process.
+bool is_before(const OwnCell& a, const OwnCell& b, bool by_ids) {
+  return a.chart != b.chart ? a.chart < b.chart : by_ids && a.global < b.global;
+}
+
 /// Keeps of each point the answer of the lowest cell; parcels come in the order of processes.
 void merge(const std::vector<parallel::Parcel>& parcels, std::size_t width, bool by_ids,
            ProbeAnswers& all, std::vector<math::Vec3d>& points) {
@@ -118,7 +125,7 @@ void merge(const std::vector<parallel::Parcel>& parcels, std::size_t width, bool
       Told told;
       std::memcpy(&told, at, sizeof told);
       const auto i = std::size_t(told.point);
-      if (all.found(i) && !(by_ids && told.cell.global < all.cells[i].global))
+      if (all.found(i) && !is_before(told.cell, all.cells[i], by_ids))
         continue;
       all.cells[i] = told.cell;
       all.parametric[i] = told.parametric;

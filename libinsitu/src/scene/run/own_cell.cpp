@@ -22,6 +22,7 @@ OwnCell own_cell(const mesh::Mesh& mesh, std::int64_t flat, const parallel::Worl
     return own;
   own.global = mesh.global_id(INSITU_CELL, flat);
   own.process = world.rank();
+  own.chart = 0;
   return own;
 }
 

@@ -16,6 +16,7 @@ struct OwnCell {
   std::int64_t flat = -1;   ///< id counted through the pieces, which tables without pieces name
   std::int64_t global = -1; ///< global id, if the mesh has those of cells
   std::int32_t process = -1;
+  std::int32_t chart = -1; ///< where it was found, of its places (mesh::CellName)
 };
 OwnCell own_cell(const mesh::Mesh& mesh, std::int64_t flat, const parallel::World& world);
 OwnCell own_cell(const mesh::MeshView& mesh, std::int64_t flat);

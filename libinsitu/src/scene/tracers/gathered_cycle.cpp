@@ -56,7 +56,8 @@ struct GatheredCycle::Parts {
   std::vector<std::vector<double>> values_at;
 };
 
-GatheredCycle::GatheredCycle(ParticleCycle& here, bool all, parallel::World& world,
+GatheredCycle::GatheredCycle(ParticleCycle& here, bool all, TrackGeodesics& geodesics,
+                             parallel::World& world, const core::Threads& threads,
                              core::Memory& memory)
     : here_(here), memory_(memory), particles_(memory) {
   std::vector<std::byte> mine;
@@ -64,6 +65,7 @@ GatheredCycle::GatheredCycle(ParticleCycle& here, bool all, parallel::World& wor
   const std::size_t times = here.times().size();
   const advect::Particles& p = here.particles();
   std::vector<std::size_t> indices;
+  geodesics.forget_snapshots();
   world.agree_after([&] {
     for (std::size_t i = 0; i < p.size(); ++i)
       if (p.endings[i] != advect::Particles::gone && (all || p.endings[i] != INSITU_END_ALIVE))
@@ -113,7 +115,24 @@ GatheredCycle::GatheredCycle(ParticleCycle& here, bool all, parallel::World& wor
     }
     merge(parts);
     merge_times(parts);
+    if (world.is_root() && !geodesics.columns().empty())
+      follow(geodesics, threads);
   });
+}
+
+/// The particles, and their numbers in all rows: the last columns.
+void GatheredCycle::follow(TrackGeodesics& geodesics, const core::Threads& threads) {
+  geodesics.begin(particles_, all_.frame);
+  geodesics.follow(particles_, snapshots_ ? &*snapshots_ : nullptr, all_.frame, threads);
+  const std::size_t width = all_.columns.size(), fields = width - geodesics.columns().size();
+  for (std::size_t r = 0; r < all_.rows.size(); ++r)
+    geodesics.put(all_.rows[r].particle, all_.values.data() + r * width + fields);
+  for (std::size_t k = 0; k < at_times_.size(); ++k) {
+    std::size_t r = 0;
+    for (std::size_t i = 0; i < particles_.size(); ++i)
+      if (const std::size_t item = snapshots_->item(k, i); snapshots_->present[item])
+        geodesics.put_snapshot(item, at_times_[k].values.data() + r++ * width + fields);
+  }
 }
 
 void GatheredCycle::merge(Parts& parts) {

@@ -19,8 +19,10 @@ namespace insitu::scene {
 class GatheredCycle final : public TrackCycle {
 public:
   /// Collective; throws parallel::AgreedError. here: this process's. all: those alive, too; false:
-  /// only those that ended and are still among the particles.
-  GatheredCycle(ParticleCycle& here, bool all, parallel::World& world, core::Memory& memory);
+  /// only those that ended and are still among the particles. geodesics: of all particles, at the
+  /// root; follows them, if it has columns, which takes all.
+  GatheredCycle(ParticleCycle& here, bool all, TrackGeodesics& geodesics, parallel::World& world,
+                const core::Threads& threads, core::Memory& memory);
 
   const Step& step() const override { return here_.step(); }
   bool due() const override { return here_.due(); }
@@ -37,6 +39,7 @@ private:
   struct Parts;
   void merge(Parts& parts);
   void merge_times(Parts& parts);
+  void follow(TrackGeodesics& geodesics, const core::Threads& threads);
 
   ParticleCycle& here_;
   core::Memory& memory_;

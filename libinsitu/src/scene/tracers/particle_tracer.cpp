@@ -30,11 +30,7 @@ void ParticleTracer::execute(commit::CommittedMesh& mesh, const Step& step, bool
   if (across())
     return execute_across(mesh, step, due);
   const core::Timer timer;
-  if (!tracer_.geodesics.empty() && mesh.reference_frame.kind == INSITU_FRAME_CARTESIAN)
-    throw core::Error(INSITU_ERROR_SCENE, environment_.scene_file + ":" +
-                                              std::to_string(tracer_.line) +
-                                              ": geodesics need a mesh with a place on Earth; the "
-                                              "frame of this one is cartesian");
+  check_geodesics(mesh);
   bring_home(mesh);
   at_times_.reset();
   due_times_ = output_clock_.due(step.time);
@@ -191,6 +187,14 @@ void ParticleTracer::note_steps(const Step& step, const advect::Advance& advance
                                 tracer_.name + "': the velocity is interpolated through " +
                                 std::to_string(served_steps_) + " of " + std::to_string(asked) +
                                 " steps in time");
+}
+
+void ParticleTracer::check_geodesics(const commit::CommittedMesh& mesh) const {
+  if (!tracer_.geodesics.empty() && mesh.reference_frame.kind == INSITU_FRAME_CARTESIAN)
+    throw core::Error(INSITU_ERROR_SCENE, environment_.scene_file + ":" +
+                                              std::to_string(tracer_.line) +
+                                              ": geodesics need a mesh with a place on Earth; the "
+                                              "frame of this one is cartesian");
 }
 
 void ParticleTracer::check_time(const Step& step) const {

@@ -82,6 +82,7 @@ private:
   void note_steps(const Step& step, const advect::Advance& advance);
 
   /// Throws if the particles cannot go on to this step's time.
+  void check_geodesics(const commit::CommittedMesh& mesh) const;
   void check_time(const Step& step) const;
   /// Adds the particles that begin between the last step and this one.
   void release(const commit::CommittedMesh& mesh, const Step& step);

@@ -31,11 +31,10 @@ void ParticleTracer::refuse_across(const commit::CommittedMesh& mesh) const {
                                                     std::to_string(tracer_.line) + ": " + what +
                                                     " on a mesh that is spread over processes");
   };
-  if (!tracer_.geodesics.empty())
-    refuse("no geodesics");
+  if (tracer_.attached == Attached::body && mesh.reference_frame.kind == INSITU_FRAME_GEODETIC)
+    refuse("no particles that go with the material of meshes in longitude and latitude");
   if (!mesh.halo())
-    refuse("no particles where cells stand in the place of the solver's (meshes in "
-           "longitude and latitude)");
+    refuse("no particles where cells stand in the place of the solver's");
 }
 
 void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& step, bool due) {
@@ -52,6 +51,7 @@ void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& ste
   const int earlier = agree_on_steps(mesh, step);
   world.agree_after([&] {
     refuse_across(mesh);
+    check_geodesics(mesh);
     check_time(step);
     particles_.drop_gone(); // if the last execution failed
     at_times_.reset();
@@ -109,8 +109,14 @@ void ParticleTracer::release_across(const commit::CommittedMesh& mesh, const Ste
   world.agree_after([&] { times = clock_.due(step.cycle, step.time); });
   if (!times.empty() && may_release(mesh, step)) {
     const std::vector<math::Vec3d>& points = seeds_of_all(mesh);
-    for (const double time : times)
+    for (const double time : times) {
+      const std::int64_t first = particles_.particles().seeded();
       particles_.seed(points, time, mesh.sampler(), across);
+      world.agree_after([&] {
+        if (world.is_root())
+          geodesics_.add(first, points, mesh.reference_frame);
+      });
+    }
     clock_.note(step.time, times.size());
   } else {
     clock_.pass(step.time, times.size());
@@ -199,15 +205,17 @@ void ParticleTracer::write_across(const commit::CommittedMesh& mesh, const Step&
   bool keep = false;
   for (const auto& writer : writers_)
     keep = keep || writer->keeps_ended();
-  if (wanted[0] || wanted[1]) {
+  const bool writes = wanted[0] || wanted[1], follows = !tracer_.geodesics.empty();
+  if (writes || follows) {
     ParticleCycle here({*this, particles_.particles(), geodesics_, due_times_, snapshots(),
                         interval_, names_, world, mesh_moved_, &recorded_},
                        mesh, step, wanted[0] != 0);
-    GatheredCycle cycle(here, wanted[0] != 0, world, environment_.context.memory);
+    GatheredCycle cycle(here, wanted[0] != 0 || follows, geodesics_, world,
+                        environment_.context.threads, environment_.context.memory);
     world.agree_after([&] {
       Failures failures;
       for (const auto& writer : writers_)
-        if (world.is_root())
+        if (world.is_root() && writes)
           failures.catch_of([&] { writer->write(cycle); });
       failures.throw_if_any();
     });

@@ -60,6 +60,17 @@ void TrackGeodesics::begin(const advect::Particles& particles, const insitu_fram
   tracks_.resize(kept);
 }
 
+void TrackGeodesics::add(std::int64_t first, std::span<const math::Vec3d> points,
+                         const insitu_frame& frame) {
+  if (columns_.empty())
+    return;
+  const geo::Frame from = to_geo(frame);
+  for (const math::Vec3d& p : points) {
+    const math::Vec3d at = is_place(p) ? to_degrees(p, from) : p;
+    tracks_.push_back({first++, at, at, 0.0});
+  }
+}
+
 void TrackGeodesics::follow(const advect::Particles& particles, const advect::Snapshots* snapshots,
                             const insitu_frame& frame, const core::Threads& threads) {
   if (columns_.empty())
@@ -101,7 +112,10 @@ void TrackGeodesics::put(std::int64_t particle, double* out) const {
 }
 
 void TrackGeodesics::put_snapshot(std::size_t item, double* out) const {
-  std::copy_n(at_snapshots_.data() + item * columns_.size(), columns_.size(), out);
+  if (at_snapshots_.empty())
+    std::fill(out, out + columns_.size(), std::numeric_limits<double>::quiet_NaN());
+  else
+    std::copy_n(at_snapshots_.data() + item * columns_.size(), columns_.size(), out);
 }
 
 void TrackGeodesics::put(const GeodesicTrack& track, double* out) const {

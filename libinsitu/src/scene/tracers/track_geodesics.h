@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,7 @@ namespace insitu::scene {
 
 /// How far particles have gone over the WGS84 ellipsoid, and where they are as seen from where they
 /// were released, by the geodesics between their places (heights do not count). Nothing is done
-/// and kept where no column is wanted.
+/// and kept where no column is wanted. On several processes the root knows it of all particles.
 ///
 ///   path_length       metres: the geodesics from one executed cycle, or time asked for, to the
 ///                     next, added up
@@ -48,13 +49,17 @@ public:
   /// New particles begin where they are; those that are no more are forgotten. The frame is one
   /// with a place on Earth.
   void begin(const advect::Particles& particles, const insitu_frame& frame);
+  /// New particles with ids from `first` on, which do not have to be among those of begin().
+  void add(std::int64_t first, std::span<const math::Vec3d> points, const insitu_frame& frame);
   /// The particles, those of begin(), have moved; snapshots: by way of these, if not null.
   void follow(const advect::Particles& particles, const advect::Snapshots* snapshots,
               const insitu_frame& frame, const core::Threads& threads);
   /// Writes columns().size() numbers of the particle with this id; NaN if it is not known.
   void put(std::int64_t particle, double* out) const;
-  /// The same as it was at an item of the snapshots that were followed last, where it was present.
+  /// The same as it was at an item of the snapshots that were followed last, where it was present;
+  /// NaN if none were.
   void put_snapshot(std::size_t item, double* out) const;
+  void forget_snapshots() { at_snapshots_.clear(); }
 
   /// Everything, to a checkpoint or back.
   void keep(core::Archive& archive);

@@ -1,0 +1,194 @@
+// Scenes on meshes in longitude and latitude over processes: the files of one process, to the byte.
+#include <cmath>
+
+#include "fixtures/earth_meshes.h"
+#include "part_session.h"
+
+using namespace insitu;
+using namespace insitu::test;
+
+namespace {
+
+struct Earth {
+  std::string name;
+  TestMesh mesh;
+};
+
+/// Heights are kilometres, so that maps are no towers.
+const geo::ChartUnits units{false, true, false};
+
+/// Cells that wrap around; poles at vertices; poles within cells.
+std::vector<Earth> earths() {
+  fixtures::Lattice ring;
+  ring.units = units;
+  ring.wraps = true;
+  ring.jump = -360;
+  ring.west = 0, ring.east = 360;
+  ring.south = -80, ring.north = 80;
+  ring.across = 18, ring.along = 10;
+  fixtures::Globe on_vertices, within_cells;
+  on_vertices.units = within_cells.units = units;
+  on_vertices.subdivisions = within_cells.subdivisions = 2;
+  within_cells.tilt = 0.3;
+  fixtures::Lattice basin = ring;
+  basin.wraps = false;
+  basin.jump = 0;
+  basin.west = 100, basin.east = 260;
+  return {{"basin", lattice(basin)},
+          {"ring", lattice(ring)},
+          {"globe with vertices at the poles", globe(on_vertices)},
+          {"globe with cells at the poles", globe(within_cells)}};
+}
+
+/// Some 500 km a cycle, over the seam and the poles.
+std::vector<double> flow(const TestMesh& whole, int cycle) {
+  std::vector<double> w;
+  for (const Vec3d& x : whole.vertices) {
+    const double lon = x.x * std::numbers::pi / 180, lat = x.y * std::numbers::pi / 180;
+    w.insert(w.end(), {1.5e6 * std::cos(lat) * (1 + 0.1 * cycle) + 8e5 * std::cos(lon),
+                       1.6e6 * std::sin(lon + 0.2 * cycle), 300 * std::sin(3 * lon)});
+  }
+  return w;
+}
+
+void execute(const TestMesh& whole, PartSession& process, int cycles) {
+  for (int cycle = 0; cycle < cycles; ++cycle) {
+    if (!process.part().empty())
+      process.part().give_field(process.mesh().mesh(), "w", INSITU_VERTEX, 3, flow(whole, cycle));
+    EXPECT_EQ(process.execute(cycle), "");
+  }
+}
+
+void expect_files_of_one(const std::string& scene, const std::vector<int>& sizes, int cycles,
+                         const std::string& word) {
+  for (const Earth& earth : earths()) {
+    PartSession::Options options;
+    options.scene = scene;
+    options.frame = fixtures::frame_of(units);
+    const Act act = [&](PartSession& process, parallel::World&) {
+      execute(earth.mesh, process, cycles);
+    };
+    const auto expected = run_parts(earth.mesh, fixtures::slabs(earth.mesh, 1), options, act);
+    std::string all;
+    for (const auto& [name, text] : expected)
+      all += name + text;
+    EXPECT_NE(all.find(word), std::string::npos) << earth.name;
+    for (const int processes : sizes) {
+      const fixtures::Partition partition = processes == 2 ? fixtures::slabs(earth.mesh, 2)
+                                            : processes == 3
+                                                ? fixtures::empty_root(earth.mesh, 3)
+                                                : fixtures::boxes(earth.mesh, processes);
+      expect_same(expected, run_parts(earth.mesh, partition, options, act),
+                  earth.name + ", " + partition.name + " on " + std::to_string(processes));
+    }
+  }
+}
+
+const char* const seeds = "{box: {min: [-180, -90, -3.9], max: [180, 90, 0], counts: [9, 7, 1]}}";
+
+} // namespace
+
+/// Probes with points on the seam, at the poles and a turn away, and what conditions reduce.
+TEST(ProcessEarth, ProbesAndConditionsAreThoseOfOneProcess) {
+  expect_files_of_one(
+      "insitu: 1\npage: false\nprobes:\n"
+      "  - {name: seam, points: {box: {min: [-360, -90, -3.9], max: [360, 90, 0], counts: [37, "
+      "13, 3]}}, fields: [p, w, c], output: [csv, netcdf]}\n"
+      "  - {name: way, points: {transect: {from: [-170, 70, -0.1], to: [20, 75, -0.1], count: "
+      "30}}, fields: [p], when: 'mean(p) > -1e9 and max(c) < 2'}\n",
+      {2, 3, 4, 8}, 2, "seam.csv");
+}
+
+TEST(ProcessEarth, TracksAreThoseOfOneProcess) {
+  const std::string more = ", fields: [p, w, c], geodesics: [path_length, release_distance, "
+                           "release_bearing]";
+  expect_files_of_one(
+      std::string("insitu: 1\npage: false\ntracers:\n"
+                  "  - {name: paths, velocity: w, kind: pathline, seeds: ") +
+          seeds + more +
+          ", output: [csv, vtp, netcdf], every: 2}\n"
+          "  - {name: streaks, velocity: w, kind: streakline, seeds: {points: "
+          "[[180, 10, -0.05], [-40, 85, -0.07], [10, -89.9, 0]]}, times: {interval: "
+          "0.06}" +
+          more + ", output: [csv, vtp]}\n",
+      {2, 3, 4, 8}, 3, "killed");
+}
+
+TEST(ProcessEarth, EffectsAreThoseOfOneProcess) {
+  expect_files_of_one(
+      std::string("insitu: 1\npage: false\ntracers:\n"
+                  "  - {name: walls, velocity: w, kind: pathline, seeds: ") +
+          seeds +
+          ", effects: [{boundary: {other: slide}}, {settling: {speed: 2000}}, {diffusion: "
+          "{horizontal: 1e9, vertical: 1000}}], fields: [p], output: [csv]}\n"
+          "  - {name: heavy, velocity: w, kind: pathline, seeds: " +
+          seeds +
+          ", effects: [{boundary: {other: reflect}}, {inertia: {response_time: 0.1, gravity: [0, "
+          "0, -1]}}], fields: [p], output: [csv]}\n",
+      {2, 4}, 3, "killed");
+}
+
+TEST(ProcessEarth, StreamlinesAreThoseOfOneProcess) {
+  const auto lines = [](const std::string& name, const std::string& more) {
+    return "  - {name: " + name + ", velocity: w, kind: streamline, seeds: " + seeds + more +
+           ", until: {duration: 2}, fields: [p, c], output: [csv, vtp]}\n";
+  };
+  expect_files_of_one("insitu: 1\npage: false\ntracers:\n" + lines("both", ", direction: both") +
+                          lines("even", ", spacing: {length: 3e5}") +
+                          lines("walls", ", effects: [{boundary: {other: slide}}]"),
+                      {2, 3, 4, 8}, 1, "walls");
+}
+
+/// In longitude and latitude, with copies at the seam and the poles, and from space.
+TEST(ProcessEarth, FramesAreThoseOfOneProcess) {
+  expect_files_of_one(
+      "insitu: 1\npage: false\nframes:\n"
+      "  - {name: levels, size: [70, 66], images: [color, depth, cell],\n"
+      "     isosurfaces: [{field: p, values: [0.5], normals: cell}], outline: {}}\n"
+      "  - {name: rim, size: [70, 66], images: [color, depth, cell], boundary: {color: {field: "
+      "c}}}\n"
+      "  - {name: space, size: [80, 70], images: [color, depth, cell],\n"
+      "     geocentric: {exaggeration: 100, globe: [0.62, 0.58, 0.48], graticule: 10},\n"
+      "     camera: {longitude: 170, latitude: 40, altitude: 1.7e7, look_at: {longitude: 175, "
+      "latitude: 50}},\n"
+      "     boundary: {color: {field: c}}}\n"
+      "  - {name: cut, size: [64, 64], geocentric: {exaggeration: 200},\n"
+      "     camera: {longitude: -100, latitude: 30, altitude: 1e7, look_at: {longitude: -40, "
+      "latitude: 36}},\n"
+      "     isosurfaces: [{field: c, values: [0.3], normals: smooth}],\n"
+      "     volume: {field: p, opacity: [[-1, 0], [1, 1]], unit_distance: 1.0e6}}\n",
+      {2, 3, 4, 8}, 1, "space_000000.png");
+}
+
+/// Where cells have other places, what hangs on these is refused by name.
+TEST(ProcessEarth, VolumesAndAveragesInLongitudeAndLatitude) {
+  const std::string scene =
+      "insitu: 1\npage: false\nframes: [{name: levels, size: [64, 64], isosurfaces: [{field: c, "
+      "values: [0.2], normals: smooth}], volume: {field: p, opacity: [[0, 0], [2, 0.3]]}}]\n";
+  for (const Earth& earth : earths()) {
+    PartSession::Options options;
+    options.scene = scene;
+    options.frame = fixtures::frame_of(units);
+    const bool has_copies = earth.name != "basin";
+    std::map<std::string, std::string> expected;
+    for (const int processes : {1, 3}) {
+      const auto files =
+          run_parts(earth.mesh, fixtures::boxes(earth.mesh, processes), options,
+                    [&](PartSession& process, parallel::World&) {
+                      const std::string failure = process.execute(0);
+                      if (processes == 1 || !has_copies)
+                        EXPECT_EQ(failure, "");
+                      else
+                        EXPECT_NE(failure.find("volumes, smooth normals and averages in longitude"),
+                                  std::string::npos)
+                            << failure;
+                    });
+      if (processes == 1)
+        expected = files;
+      else if (!has_copies)
+        expect_same(expected, files, earth.name);
+      else
+        EXPECT_TRUE(files.empty());
+    }
+  }
+}
