@@ -44,7 +44,7 @@ void CommittedMesh::hide_earlier() {
 /// With a halo these are known by their names.
 EarlierMesh::Own CommittedMesh::own_cells() const {
   EarlierMesh::Own own{mesh_.view().own_cell_count(), {}};
-  if (halo_ && mesh_.has_global_ids(INSITU_CELL))
+  if (halo_ && !stand_in_ && mesh_.has_global_ids(INSITU_CELL))
     for (std::int64_t flat = 0; flat < own.cells; ++flat)
       own.global.push_back(mesh_.global_id(INSITU_CELL, flat));
   return own;

@@ -170,7 +170,7 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
     compare();
   }
   const bool none = any[0], topology = any[1], geometry = any[2], fields = any[3];
-  const bool leaves = any[4];
+  const bool leaves = any[5];
   SeamMismatches mismatches;
   try {
     world.agree_after([&] {

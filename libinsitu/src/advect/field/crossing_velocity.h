@@ -48,6 +48,10 @@ public:
   void travel_by(Journey* journey) requires(!is_chart) { now_.travel_by(journey); }
   Journey* journey() const requires(!is_chart) { return now_.journey(); }
   KeptVelocity keep() const requires(!is_chart) { return now_.keep(); }
+  void enter_as(const KeptVelocity&) const requires(!is_chart) {}
+  math::Vec3d position_as(const KeptVelocity&, const math::Vec3d& x) const requires(!is_chart) {
+    return x;
+  }
   void go_on_from(const KeptVelocity& kept) requires(!is_chart) {
     now_.go_on_from(kept);
     const WayMark& mark = journey()->mark();

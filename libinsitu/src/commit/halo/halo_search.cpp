@@ -122,6 +122,40 @@ std::vector<Shift> shifts_over(const PeriodicAxes& sides, const mesh::MeshView& 
   return shifts;
 }
 
+/// The cells of this process that, moved so, are near another one's, ascending.
+std::vector<std::int64_t> near(const mesh::MeshView& view, const accel::Tree& tree,
+                               std::span<const mesh::Box> boxes, const Shift& shift) {
+  Shift back = shift;
+  back.by = -shift.by;
+  back.widening = 1e-6 * (shift.widening > 0.0); // a period is rounded
+  std::vector<mesh::Box> moved;
+  for (const mesh::Box& of : boxes)
+    if (const mesh::Box box = back(of); !is_nothing(box))
+      moved.push_back(box);
+  return cells_near(view, tree, moved);
+}
+
+/// Whether a cell of this process touches the box.
+bool touches(const mesh::MeshView& view, const accel::Tree& tree, const mesh::Box& box) {
+  return visit_cells(view, tree, box,
+                     [&](std::int64_t flat) { return mesh::meet(box_of_cell(view, flat), box); });
+}
+
+} // namespace
+
+std::vector<std::int64_t> cells_near(const mesh::MeshView& view, const accel::Tree& tree,
+                                     std::span<const mesh::Box> boxes) {
+  std::vector<std::int64_t> cells;
+  for (const mesh::Box& box : boxes)
+    visit_cells(view, tree, box, [&](std::int64_t flat) {
+      cells.push_back(flat);
+      return false;
+    });
+  std::ranges::sort(cells);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return cells;
+}
+
 /// First each process tells the boxes of its cells that lie near another's, in each of their
 /// places; this one says by a bit each which it touches. Returns, of each process, the cells that
 /// it touches here.
@@ -133,7 +167,8 @@ Halo::touching_cells(const CommittedMesh& mesh, const PeriodicAxes& sides, paral
   const auto processes = std::size_t(world.size());
   std::vector<std::vector<std::int64_t>> cells(processes);
   std::vector<std::vector<std::uint8_t>> wanted(processes); // of each other process's boxes
-  const std::vector<Shift> shifts = shifts_over(sides, view, stand_in ? stand_in->chart() : nullptr, world);
+  const std::vector<Shift> shifts =
+      shifts_over(sides, view, stand_in ? stand_in->chart() : nullptr, world);
   swap(
       world,
       [&](std::vector<ByteWriter>& to) {
