@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "geocentric_sea.h"
+#include "parallel/world.h"
 #include "scene/earth/globe.h"
 
 namespace insitu::test {
@@ -247,7 +248,8 @@ TEST(Geocentric, LandIsWhereTheMeshIsNot) {
   render::FrameImages images = drawn.draw(s, run.context);
   scene::Geocentric asked;
   asked.globe = render::Color{1, 0, 0};
-  scene::draw_globe(asked, run.mesh.committed.mesh, s, run.context, images);
+  parallel::SerialWorld world;
+  scene::draw_globe(asked, run.mesh.committed.mesh, s, world, run.context, images);
   const render::RayGenerator rays(s.camera, 65, 65);
   int land = 0, sea = 0, space = 0;
   for (int i = 0; i < 65 * 65; ++i) {
@@ -288,7 +290,8 @@ TEST(Geocentric, TheGraticuleLiesOnItsMultiples) {
   render::FrameImages images = drawn.draw(s, run.context); // nothing but the background
   scene::Geocentric asked;
   asked.graticule = 5;
-  scene::draw_globe(asked, run.mesh.committed.mesh, s, run.context, images);
+  parallel::SerialWorld world;
+  scene::draw_globe(asked, run.mesh.committed.mesh, s, world, run.context, images);
   const render::RayGenerator rays(s.camera, 201, 201);
   const auto dark_near = [&](double lon, double lat) {
     const auto at = *rays.project(geocentric_place(lon, lat, 0));

@@ -15,8 +15,8 @@ namespace {
 constexpr double box = 48, most_boxes = 64;
 constexpr double near_cell = 24 + 1.0 / 8;
 constexpr double halo_cell = 57, halo_vertex = 24, value = 8;
-constexpr double question = 24, no_answer = 1, owner = 56;
-constexpr double hop = 1768;
+constexpr double question = 24, no_answer = 1, owner = 64;
+constexpr double hop = 2104;
 constexpr double parcel = 8; // its length
 constexpr double piece = 32; // of a halo: what stands before a piece's cells
 constexpr double field_header = 12;
