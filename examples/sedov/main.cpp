@@ -26,7 +26,7 @@ struct Options {
   std::string scene, output;
   std::string restart; // a checkpoint of libinsitu
   int from = 0;        // its cycle
-  bool block = false; // couple as an implicit block, not as hexahedra
+  bool block = false;  // couple as an implicit block, not as hexahedra
   int library_threads = 0;
   int material = 0; // points carried by the material, located again every cycle
   bool quiet = false;

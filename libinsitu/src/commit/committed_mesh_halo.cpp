@@ -159,7 +159,8 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
     const std::int64_t here[] = {(is_made() && !mesh_.is_adaptive()) || on_device_,
                                  !halo_ || halo_topology_ != topology_version_,
                                  halo_geometry_ != geometry_version_,
-                                 halo_fields_ != fields_version_, lacks_whole_chart(),
+                                 halo_fields_ != fields_version_,
+                                 lacks_whole_chart(),
                                  mesh_.is_adaptive()};
     std::ranges::copy(here, any);
     world.reduce(std::span(any), Reduction::greatest);

@@ -39,7 +39,7 @@ struct Options {
   std::string mesh_file; ///< replaces kind, spacing, cells and jitter
   bool shuffled = false;
   workload::Pattern pattern = workload::Pattern::uniform;
-  std::int64_t points = 0; ///< 0: as many as cells (torture: 2000 a case)
+  std::int64_t points = 0;                         ///< 0: as many as cells (torture: 2000 a case)
   std::vector<std::int64_t> processes{1, 2, 4, 8}; ///< scaling
   std::vector<std::string> arguments;              ///< as given, the command first
   int fields = 1;
@@ -52,13 +52,13 @@ struct Options {
   bool sizes = false;                         ///< amr: by number of leaves instead
   bool check = false;                         ///< methods: answers alone, on all points
   std::vector<std::string> backends, methods; ///< methods: only these; empty: all
-  int size = 512; ///< render, effects, paper, scaling: pixels along an edge
-  bool full = false;                          ///< accuracy, paper: large meshes
-  bool quick = false;                         ///< paper: small meshes, for a test
-  std::string paper;                          ///< paper: "morrical", "rathke" or "zellmann"
-  int table = 0;                              ///< paper rathke: this one only; 0: all
-  std::vector<std::string> sweeps;            ///< accuracy: only these; empty: all
-  std::string out_folder;                     ///< render, accuracy, paper: where files go; or none
+  int size = 512;                  ///< render, effects, paper, scaling: pixels along an edge
+  bool full = false;               ///< accuracy, paper: large meshes
+  bool quick = false;              ///< paper: small meshes, for a test
+  std::string paper;               ///< paper: "morrical", "rathke" or "zellmann"
+  int table = 0;                   ///< paper rathke: this one only; 0: all
+  std::vector<std::string> sweeps; ///< accuracy: only these; empty: all
+  std::string out_folder;          ///< render, accuracy, paper: where files go; or none
   std::string json_file, csv_file, svg_file;
 };
 

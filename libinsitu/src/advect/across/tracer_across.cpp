@@ -84,12 +84,11 @@ void bring_to_cells(Particles& particles, const query::Sampler& sampler, insitu_
   };
   rounds.run(
       [&](std::span<const std::size_t> some) {
-        threads.parallel_for(std::int64_t(some.size()), 256,
-                             [&](std::int64_t begin, std::int64_t end) {
-                               for (const std::size_t i :
-                                    some.subspan(std::size_t(begin), std::size_t(end - begin)))
-                                 find(i);
-                             });
+        threads.parallel_for(
+            std::int64_t(some.size()), 256, [&](std::int64_t begin, std::int64_t end) {
+              for (const std::size_t i : some.subspan(std::size_t(begin), std::size_t(end - begin)))
+                find(i);
+            });
       },
       [](const math::Vec3d&, double, math::Vec3d&) { return Sampled::outside; });
 }
@@ -106,10 +105,9 @@ Counts counts_of_all(parallel::World& world, const Counts& here) {
 
 void check_counts(const Particles& here, const Counts& all) {
   if (all.seeded != here.seeded() || all.sum() != all.seeded)
-    throw core::Error(INSITU_ERROR_INTERNAL,
-                      "tracer: " + std::to_string(here.seeded()) +
-                          " particles were seeded, but all processes have " +
-                          std::to_string(all.sum()));
+    throw core::Error(INSITU_ERROR_INTERNAL, "tracer: " + std::to_string(here.seeded()) +
+                                                 " particles were seeded, but all processes have " +
+                                                 std::to_string(all.sum()));
 }
 
 void Tracer::seed(std::span<const math::Vec3d> points, double time, const query::Sampler& sampler,

@@ -145,7 +145,8 @@ void Interval::lanes_across(Rounds& rounds, std::span<const std::size_t> particl
 
 /// One by one, under effects or on a chart; make() gives a velocity.
 template <class Make>
-void Interval::one_by_one_across(Rounds& rounds, std::span<const std::size_t> particles, Make&& make) {
+void Interval::one_by_one_across(Rounds& rounds, std::span<const std::size_t> particles,
+                                 Make&& make) {
   using V = decltype(make());
   const auto count = std::int64_t(particles.size());
   asked_.threads.parallel_for(count, grain_, [&](std::int64_t begin, std::int64_t end) {
@@ -235,11 +236,11 @@ void Interval::sum_up() {
   parallel::World& world = asked_.across->world;
   Counts here;
   world.agree_after([&] { here = particles_.counts(); });
-  std::int64_t sums[] = {result_.work.steps,        result_.work.rejected,
-                         result_.work.forced,       result_.work.evaluations,
+  std::int64_t sums[] = {result_.work.steps,         result_.work.rejected,
+                         result_.work.forced,        result_.work.evaluations,
                          result_.effects.walk_steps, result_.effects.contacts,
-                         result_.effects.pinned,    result_.travel.hops,
-                         result_.travel.questions,  result_.travel.bytes};
+                         result_.effects.pinned,     result_.travel.hops,
+                         result_.travel.questions,   result_.travel.bytes};
   world.reduce(std::span(sums), parallel::Reduction::sum);
   result_.work = {sums[0], sums[1], sums[2], sums[3]};
   result_.effects = {sums[4], sums[5], sums[6]};

@@ -35,8 +35,8 @@ using PeriodicAxes = std::array<bool, 3>;
 /// their boxes do, rounded outwards to floats: more than needed, never less. What of a mesh is
 /// borrowed here and lent to others stays the same until the cells of a process change. Over
 /// periodic sides cells touch, too, that would if one of them were a period further on, give or
-/// take a quarter of a cell, by which sides that move may come apart. On a mesh in longitude and latitude
-/// cells touch in any of their places on its chart, and over its seam.
+/// take a quarter of a cell, by which sides that move may come apart. On a mesh in longitude and
+/// latitude cells touch in any of their places on its chart, and over its seam.
 class Halo final : public mesh::HaloPieces {
 public:
   explicit Halo(core::Memory& memory) : memory_(&memory) {}

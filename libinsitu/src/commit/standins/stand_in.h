@@ -17,9 +17,9 @@
 namespace insitu::commit {
 
 /// What a kind of mesh needs whose points are not simply located in the solver's cells: other cells
-/// in their place (view(), if stands()), a locator of its own, a chart. A committed mesh has at most
-/// one stand-in, and asks it instead of asking what the mesh is. A new kind of mesh is a new stand-in here
-/// and a line in make_stand_in().
+/// in their place (view(), if stands()), a locator of its own, a chart. A committed mesh has at
+/// most one stand-in, and asks it instead of asking what the mesh is. A new kind of mesh is a new
+/// stand-in here and a line in make_stand_in().
 class StandIn : public mesh::StandIn {
 public:
   /// Whether this is the stand-in for the mesh as it is registered by now.
@@ -28,8 +28,8 @@ public:
   virtual void require(const std::string& mesh_name, const query::LocatorPick& pick,
                        bool on_device) const = 0;
 
-  /// Validates the mesh as it is registered, if its cells have no vertices of the solver's. An empty
-  /// optional means that the cells are validated like those of any mesh.
+  /// Validates the mesh as it is registered, if its cells have no vertices of the solver's. An
+  /// empty optional means that the cells are validated like those of any mesh.
   virtual std::optional<cells::Validation> validate(const mesh::Mesh& /*mesh*/,
                                                     const core::Threads& /*threads*/) const {
     return std::nullopt;

@@ -35,8 +35,8 @@ public:
   virtual MeshView* solver_view() { return nullptr; }
 };
 
-/// Pieces of other processes' cells that touch a mesh's own (commit/halo/halo.h). What they refer to
-/// stays as it is until the mesh's next update().
+/// Pieces of other processes' cells that touch a mesh's own (commit/halo/halo.h). What they refer
+/// to stays as it is until the mesh's next update().
 class HaloPieces {
 public:
   virtual ~HaloPieces() = default;

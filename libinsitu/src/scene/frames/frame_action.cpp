@@ -148,9 +148,8 @@ private:
   /// With copies on a chart a place of a volume is another one's image, which may be another
   /// process's; and a vertex of a copy does not know of the cells around it that have other places.
   void refuse_copies(const FrameDecisions& decisions, const commit::CommittedMesh& mesh) {
-    std::int64_t copies =
-        (decisions.vertex_cells.made || decisions.volume) && mesh.mesh().has_stand_in() &&
-        !mesh.mesh().is_adaptive();
+    std::int64_t copies = (decisions.vertex_cells.made || decisions.volume) &&
+                          mesh.mesh().has_stand_in() && !mesh.mesh().is_adaptive();
     environment_.world.reduce(std::span(&copies, 1), parallel::Reduction::greatest);
     environment_.world.agree_after([&] {
       if (copies)

@@ -142,7 +142,7 @@ private:
   advect::Counts counts_;
   std::unique_ptr<commit::EarlierMesh> cells_before_; ///< in this execution
   bool had_cells_ = false;                            ///< this process, at the last execution
-  std::optional<advect::Particles> all_; ///< at the end, at the root
+  std::optional<advect::Particles> all_;              ///< at the end, at the root
 };
 
 } // namespace insitu::scene
