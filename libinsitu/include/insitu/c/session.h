@@ -116,7 +116,7 @@ INSITU_API insitu_status insitu_session_checkpoint(insitu_session session, const
  *  later cycles. The caller may register meshes before or after. INSITU_ERROR_ORDER: the session
  *  has no scene, or has executed already. INSITU_ERROR_FILE: the file is damaged, foreign, or of
  *  another scene; the session is then as if the call had not been made. Collective; as many
- *  processes as wrote the file, more or fewer may take it up (guide/restart.md). */
+ *  processes as wrote the file, more or fewer may take it up (doc/guide/restart.md). */
 INSITU_API insitu_status insitu_session_restart(insitu_session session, const char* path);
 
 /** Commits every mesh, then writes a text that tells, a line each, what the scene needs of the
