@@ -22,6 +22,7 @@ constexpr std::size_t slice = std::size_t(1) << 20;
 
 Everywhere::Everywhere(const CommittedMesh& mesh, parallel::World& world)
     : mesh_(mesh), world_(world) {
+  std::vector<mesh::Box> boxes;
   world.agree_after([&] {
     mesh.require_committed();
     if (mesh.lies_on_device())
@@ -30,8 +31,9 @@ Everywhere::Everywhere(const CommittedMesh& mesh, parallel::World& world)
                             "' lies in device memory; other processes' points are answered on the "
                             "host");
     (void)mesh.tree(); // fitted before its boxes are told
+    boxes = query::boxes_of(mesh.standing_tree());
   });
-  directory_.gather(query::boxes_of(mesh.standing_tree()), world);
+  directory_.gather(boxes, world);
 }
 
 std::vector<int> Everywhere::components(std::span<const std::string> fields) {
