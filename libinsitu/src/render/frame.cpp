@@ -1,7 +1,6 @@
 #include "render/frame.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <mutex>
 
@@ -17,11 +16,12 @@ namespace {
 constexpr int tile_side = 16, volume_tile_side = 32;
 
 struct Counters {
-  std::atomic<std::int64_t> samples{0}, skipped{0}, cells_tested{0}, evaluations{0}, hits{0},
-      lit_hits{0}, lit_samples{0}, integrals{0}, clipped{0}, shadow_rays{0}, occlusion_rays{0},
-      shadow_samples{0};
   std::mutex mutex;
-  PathCounts paths; ///< under the mutex
+  // Under the mutex:
+  SurfaceCounts surfaces;
+  VolumeCounts volume;
+  PathCounts paths;
+  std::int64_t hits = 0, clipped = 0;
 };
 
 class FrameRenderer {
@@ -83,8 +83,10 @@ public:
     const int y1 = std::min(y0 + IsosurfaceTile::side, settings_.height);
     SurfaceCounts counts;
     tile.trace(*tiled(), rays_, settings_.clips, x0, y0, x1, y1, counts);
-    counters.cells_tested += counts.cells_tested;
-    counters.evaluations += counts.evaluations;
+    {
+      const std::lock_guard lock(counters.mutex);
+      counters.surfaces += counts;
+    }
     for (int y = y0; y < y1; y += part())
       for (int x = x0; x < x1; x += part())
         draw_tile(x, y, &tile, images, counters);
@@ -127,14 +129,9 @@ private:
     }
     if (paths_)
       trace_paths(x0, y0, x1, y1, std::span(states.data(), count), counters);
-    if (volume_) {
-      const VolumeCounts counts = volume_->march(std::span(states.data(), count), x1 - x0);
-      counters.samples += counts.samples;
-      counters.skipped += counts.skipped;
-      counters.lit_samples += counts.lit;
-      counters.integrals += counts.integrals;
-      counters.shadow_rays += counts.shadow_rays;
-    }
+    VolumeCounts volume_counts;
+    if (volume_)
+      volume_counts = volume_->march(std::span(states.data(), count), x1 - x0);
     at = 0;
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
@@ -151,14 +148,11 @@ private:
         pixel[2] = state.color.b;
         pixel[3] = state.alpha;
       }
-    counters.cells_tested += surface_counts.cells_tested;
-    counters.evaluations += surface_counts.evaluations;
+    const std::lock_guard lock(counters.mutex);
+    counters.surfaces += surface_counts;
+    counters.volume += volume_counts;
     counters.hits += hits;
-    counters.lit_hits += surface_counts.lit;
     counters.clipped += clipped;
-    counters.shadow_rays += surface_counts.shadow_rays;
-    counters.occlusion_rays += surface_counts.occlusion_rays;
-    counters.shadow_samples += surface_counts.shadow_samples;
   }
 
   std::size_t pixel_of(int x, int y) const {
@@ -273,25 +267,18 @@ FrameImages render_partial_frame(const query::Sampler& sampler, const FrameSetti
   if (sums)
     sums->end(settings.path_tracing->samples);
   if (statistics) {
+    *statistics = {};
+    statistics->add(counters.surfaces);
+    statistics->add(counters.volume);
     statistics->paths = counters.paths;
     statistics->rays = std::int64_t(pixels) * settings.samples_per_pixel;
-    statistics->samples = counters.samples;
-    statistics->skipped = counters.skipped;
     statistics->step = renderer.step();
     statistics->unheld = renderer.unheld();
     const query::CulledCells* const culled = renderer.culled();
     statistics->primitives = culled ? culled->primitives() : 0;
     statistics->culled = culled ? culled->culled() : 0;
-    statistics->cells_tested = counters.cells_tested;
-    statistics->evaluations = counters.evaluations;
     statistics->hits = counters.hits;
-    statistics->lit_hits = counters.lit_hits;
-    statistics->lit_samples = counters.lit_samples;
-    statistics->integrals = counters.integrals;
     statistics->clipped = counters.clipped;
-    statistics->shadow_rays = counters.shadow_rays;
-    statistics->occlusion_rays = counters.occlusion_rays;
-    statistics->shadow_samples = counters.shadow_samples;
     statistics->prepare_seconds = prepared;
     statistics->seconds = timer.seconds();
   }

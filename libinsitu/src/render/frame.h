@@ -71,8 +71,24 @@ struct FrameStatistics {
   PathCounts paths;                ///< of path tracing
   /// Of a frame of several processes, by this one, to others.
   std::int64_t bytes_sent = 0, parcels_sent = 0, exchanges = 0;
-  double prepare_seconds = 0;      ///< averages, value ranges, tables
-  double seconds = 0;              ///< all
+  double prepare_seconds = 0; ///< averages, value ranges, tables
+  double seconds = 0;         ///< all
+
+  void add(const SurfaceCounts& counts) {
+    cells_tested += counts.cells_tested;
+    evaluations += counts.evaluations;
+    lit_hits += counts.lit;
+    shadow_rays += counts.shadow_rays;
+    occlusion_rays += counts.occlusion_rays;
+    shadow_samples += counts.shadow_samples;
+  }
+  void add(const VolumeCounts& counts) {
+    samples += counts.samples;
+    skipped += counts.skipped;
+    lit_samples += counts.lit;
+    integrals += counts.integrals;
+    shadow_rays += counts.shadow_rays;
+  }
 };
 
 /// Draws the mesh as committed. Tiles of the image run in parallel; the image is the same to

@@ -127,6 +127,15 @@ std::map<std::string, std::string> files_of(const std::string& folder) {
   return files;
 }
 
+/// least: so many files there are.
+void expect_same_files(const std::string& folder, const std::string& other, std::size_t least) {
+  const auto expected = files_of(folder), found = files_of(other);
+  EXPECT_GE(expected.size(), least);
+  EXPECT_EQ(found.size(), expected.size());
+  for (const auto& [name, text] : expected)
+    EXPECT_TRUE(found.contains(name) && found.at(name) == text) << name;
+}
+
 TEST(Parts, FilesAreThoseOfOneProcess) {
   int rank = 0, size = 1;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
@@ -144,11 +153,7 @@ TEST(Parts, FilesAreThoseOfOneProcess) {
   run(slab, &world, together);
   if (rank > 0)
     return;
-  const auto expected = files_of(alone), found = files_of(together);
-  EXPECT_GE(expected.size(), 12u);
-  EXPECT_EQ(found.size(), expected.size());
-  for (const auto& [name, text] : expected)
-    EXPECT_TRUE(found.contains(name) && found.at(name) == text) << name;
+  expect_same_files(alone, together, 12);
 }
 
 const char* const restarted =
@@ -190,11 +195,7 @@ TEST(Parts, GoesOnFromACheckpointOnFewerProcesses) {
   }
   if (rank > 0)
     return;
-  const auto expected = files_of(alone), found = files_of(stopped);
-  EXPECT_GE(expected.size(), 5u);
-  EXPECT_EQ(found.size(), expected.size());
-  for (const auto& [name, text] : expected)
-    EXPECT_TRUE(found.contains(name) && found.at(name) == text) << name;
+  expect_same_files(alone, stopped, 5);
 }
 
 } // namespace

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 #include <set>
 
-#include "commit/committed_mesh.h"
 #include "commit/halo/everywhere.h"
 #include "fixtures/earth_meshes.h"
 #include "fixtures/parts.h"
+#include "part_of_mesh.h"
 #include "threaded_world.h"
 
 using namespace insitu;
@@ -37,10 +37,10 @@ std::vector<Earth> earths() {
 }
 
 /// A process's part, committed, with a vector on vertices and a number on cells.
-struct Process {
+struct Process : test::PartOfMesh<fixtures::Part> {
   Process(const test::TestMesh& whole, const fixtures::Partition& partition,
           parallel::World& world_, bool with_halo)
-      : world(world_), part(whole, partition, world.rank()) {
+      : PartOfMesh(world_, whole, partition) {
     mesh.reference_frame = fixtures::frame_of({});
     part.give(mesh.mesh(), true);
     std::vector<double> of_cells, of_vertices;
@@ -56,13 +56,6 @@ struct Process {
     else
       mesh.update_chart(world, threads, log);
   }
-
-  parallel::World& world;
-  core::Memory memory;
-  core::Threads threads{1};
-  core::Log log{insitu_log_level(0), nullptr, nullptr};
-  commit::CommittedMesh mesh{"part", memory};
-  fixtures::Part part;
 };
 
 /// Vertices, places on edges, within cells, on the seam, at the poles, and anywhere; turns away.

@@ -2,10 +2,10 @@
 #include <map>
 #include <set>
 
-#include "commit/committed_mesh.h"
 #include "commit/halo/everywhere.h"
 #include "commit/halo/seam_faces.h"
 #include "fixtures/parts.h"
+#include "part_of_mesh.h"
 #include "threaded_world.h"
 
 using namespace insitu;
@@ -22,10 +22,10 @@ test::TestMesh mesh_of(std::uint64_t seed, double jitter = 0.2) {
 }
 
 /// A process's part of a whole mesh, committed, with a field on vertices and one on cells.
-struct Process {
+struct Process : test::PartOfMesh<fixtures::Part> {
   Process(const test::TestMesh& whole, const fixtures::Partition& partition,
           parallel::World& world_, bool ids = true)
-      : world(world_), part(whole, partition, world.rank()) {
+      : PartOfMesh(world_, whole, partition) {
     part.give(mesh.mesh(), ids);
     give_fields(whole, 1.0);
     commit();
@@ -43,13 +43,6 @@ struct Process {
     mesh.commit(threads, log, memory, false);
     mesh.update_halo(world, threads, log);
   }
-
-  parallel::World& world;
-  core::Memory memory;
-  core::Threads threads{1};
-  core::Log log{insitu_log_level(0), nullptr, nullptr};
-  commit::CommittedMesh mesh{"part", memory};
-  fixtures::Part part;
 };
 
 std::set<int> vertices_of(const test::MeshCell& cell) {

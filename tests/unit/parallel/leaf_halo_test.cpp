@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "amr_part.h"
-#include "commit/committed_mesh.h"
 #include "commit/halo/everywhere.h"
+#include "part_of_mesh.h"
 #include "threaded_world.h"
 
 using namespace insitu;
@@ -51,10 +51,10 @@ struct Answer {
   double values[4] = {0, 0, 0, 0};
 };
 
-struct Process {
+struct Process : test::PartOfMesh<test::AmrPart> {
   Process(const AmrMesh& whole, insitu_reconstruction how, const test::Deal& deal,
           parallel::World& world_)
-      : world(world_), part(whole, how, deal, world.rank()) {
+      : PartOfMesh(world_, whole, how, deal) {
     mesh.mesh().set_is_part(world.size() > 1);
     part.give(mesh.mesh());
     commit();
@@ -83,13 +83,6 @@ struct Process {
                       });
     return answers;
   }
-
-  parallel::World& world;
-  core::Memory memory;
-  core::Threads threads{1};
-  core::Log log{insitu_log_level(0), nullptr, nullptr};
-  test::AmrPart part;
-  commit::CommittedMesh mesh{"part", memory};
 };
 
 void expect_same(const std::vector<Answer>& expected, const std::vector<Answer>& found,

@@ -78,6 +78,8 @@ struct Attempt {
 /// lacking. Returns how often one was.
 template <class Body>
 int lack_each(const std::string& scene, int step, Body&& body) {
+  if (const char* given = std::getenv("INSITU_LACK_STEP"))
+    step = std::atoi(given);
   const TestMesh whole = jittered_cubes(3);
   int failures = 0, in_vain = 0;
   for (int n = 0; in_vain < processes && !testing::Test::HasFailure(); ++n) {
@@ -118,13 +120,13 @@ TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfAFrame) {
       "frames:\n  - {name: seen, size: [70, 70], volume: {field: p}, isosurfaces: [{field: p, "
       "values: [2], opacity: 0.5, normals: smooth}], boundary: {opacity: 0.1, color: {field: "
       "c}}}\n",
-      4, [](Attempt& attempt) {
+      43, [](Attempt& attempt) {
         EXPECT_EQ(attempt.process.execute(0), "");
         attempt.process.give_fields(1);
         attempt([&] { return execute(attempt.process, 1); });
         EXPECT_EQ(attempt.process.execute(2), "");
       });
-  EXPECT_GT(failures, 30);
+  EXPECT_GT(failures, 10);
 }
 
 TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfACheckpoint) {
@@ -179,8 +181,6 @@ TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfARestart) {
 
 /// The first execution after a restart, in which cells and particles are dealt.
 TEST(ProcessFailures, MemoryThatLacksInAnyPhaseAfterARestart) {
-  GTEST_SKIP() << "values of ended particles, asked everywhere, are not proven yet to agree on a "
-                  "lack of memory";
   const int failures = lack_each(moving, 9, [](Attempt& attempt) {
     attempt.process.session().restart(state_of(attempt));
     attempt.process.give_fields(2);

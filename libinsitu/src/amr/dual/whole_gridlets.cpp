@@ -4,7 +4,7 @@
 #include <map>
 #include <tuple>
 
-#include "parallel/bytes.h"
+#include "parallel/parcels.h"
 
 namespace insitu::amr {
 
@@ -100,9 +100,7 @@ void make_gridlets_whole(std::vector<DualPart>& parts, const BrickStore& store,
       const Extent e = extent_of(g);
       to[std::size_t(keeper(e, world.size()))].push_back(e);
     });
-    for (std::size_t r = 0; r < to.size(); ++r)
-      if (!to[r].empty())
-        parcels.push_back({int(r), parallel::bytes_of(to[r])});
+    parcels = parallel::parcels_of(to);
   });
   parcels = world.exchange(parcels);
   const auto key = [](const Extent& e) {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/status.h"
-#include "parallel/bytes.h"
+#include "parallel/parcels.h"
 
 namespace insitu::amr {
 
@@ -96,10 +96,7 @@ public:
               {std::int32_t(d),
                {std::int32_t(s.index[0]), std::int32_t(s.index[1]), std::int32_t(s.index[2])}});
         });
-    parcels_.clear();
-    for (std::size_t r = 0; r < to_.size(); ++r)
-      if (!to_[r].empty())
-        parcels_.push_back({int(r), parallel::bytes_of(to_[r])});
+    parcels_ = parallel::parcels_of(to_);
   }
   void exchange() { parcels_ = shared_.world.exchange(parcels_); }
   /// Adds those that came and are not there; returns how many.

@@ -5,8 +5,9 @@
 #include <numeric>
 #include <optional>
 
+#include "core/random.h"
 #include "mesh/registered/earlier_parts.h"
-#include "parallel/bytes.h"
+#include "parallel/parcels.h"
 
 namespace insitu::commit {
 
@@ -17,13 +18,6 @@ using parallel::Parcel;
 namespace {
 
 constexpr std::int64_t cells_at_a_time = 1 << 15; ///< of a process, about so many
-
-/// Of SplitMix64: a bijection.
-std::uint64_t scatter(std::uint64_t h) {
-  h = (h ^ h >> 30) * 0xbf58476d1ce4e5b9u;
-  h = (h ^ h >> 27) * 0x94d049bb133111ebu;
-  return h ^ h >> 31;
-}
 
 /// Visits the cells of own pieces that own points: visit(piece, cell in it, flat id).
 template <class Visit>
@@ -39,25 +33,18 @@ class Slices {
 public:
   Slices(std::int64_t rounds, int processes) : rounds_(rounds), processes_(processes) {}
   std::int64_t round_of(std::int64_t id) const {
-    return std::int64_t(scatter(std::uint64_t(id)) % std::uint64_t(rounds_));
+    return std::int64_t(core::splitmix64(std::uint64_t(id)) % std::uint64_t(rounds_));
   }
   /// Where those who have a cell meet those who want it.
   int home_of(std::int64_t id) const {
-    return int(scatter(std::uint64_t(id)) / std::uint64_t(rounds_) % std::uint64_t(processes_));
+    return int(core::splitmix64(std::uint64_t(id)) / std::uint64_t(rounds_) %
+               std::uint64_t(processes_));
   }
 
 private:
   std::int64_t rounds_;
   int processes_;
 };
-
-std::vector<Parcel> parcels_of(const std::vector<ByteWriter>& to) {
-  std::vector<Parcel> parcels;
-  for (std::size_t r = 0; r < to.size(); ++r)
-    if (!to[r].empty())
-      parcels.push_back({int(r), to[r].bytes()});
-  return parcels;
-}
 
 /// A cell that a process has of the step.
 struct Held {
@@ -232,13 +219,14 @@ std::uint64_t sum_of_cells(const CommittedMesh& mesh, const core::Threads& threa
       const std::int64_t c = flat - view.first_cell[p];
       if (!view.pieces[p].owns(c))
         continue;
-      std::uint64_t hash = scatter(std::uint64_t(mesh.mesh().global_id(INSITU_CELL, flat)) + 1);
-      hash = scatter(hash ^ std::uint64_t(view.pieces[p].shape(c)));
+      std::uint64_t hash =
+          core::splitmix64(std::uint64_t(mesh.mesh().global_id(INSITU_CELL, flat)) + 1);
+      hash = core::splitmix64(hash ^ std::uint64_t(view.pieces[p].shape(c)));
       const int corners = of_vertices ? view.pieces[p].vertex_ids(c, ids) : 0;
       for (int k = 0; k < corners; ++k)
-        hash = scatter(hash ^ (std::uint64_t(mesh.mesh().global_id(INSITU_VERTEX,
-                                                                   view.first_vertex[p] + ids[k])) +
-                               1));
+        hash = core::splitmix64(hash ^ (std::uint64_t(mesh.mesh().global_id(
+                                            INSITU_VERTEX, view.first_vertex[p] + ids[k])) +
+                                        1));
       sums[std::size_t(begin / grain)] += hash;
     }
   });
@@ -326,8 +314,8 @@ bool deal_by_ids(std::span<const StepPart> parts, const CommittedMesh& mesh, par
         write_cell(*next_held, having[std::size_t(slices.home_of(next_held->id))]);
       for (; next_wanted != wanted.end() && next_wanted->round == round; ++next_wanted)
         asking[std::size_t(slices.home_of(next_wanted->id))].value(next_wanted->id);
-      cells = parcels_of(having);
-      questions = parcels_of(asking);
+      cells = parallel::parcels_of(having);
+      questions = parallel::parcels_of(asking);
     });
     const std::vector<Parcel> here = world.exchange(cells);
     const std::vector<Parcel> asked = world.exchange(questions);

@@ -6,6 +6,7 @@
 #include "commit/halo/cells_near.h"
 #include "core/status.h"
 #include "mesh/cell_name.h"
+#include "mesh/registered/earlier_parts.h"
 #include "query/directory.h"
 
 namespace insitu::commit {
@@ -43,19 +44,13 @@ private:
 
 namespace {
 
-struct FieldOf {
-  std::string name;
-  std::int32_t association, components;
-  std::vector<double> values;
-};
 /// What comes from one process.
 struct Part {
   std::vector<CellName> names;
   std::vector<std::int64_t> offsets; ///< one more than cells
   std::vector<std::int64_t> ids;
   std::vector<std::uint8_t> types;
-  std::vector<Vec3d> points;
-  std::vector<FieldOf> fields;
+  mesh::EarlierStep step; ///< of these cells
 };
 
 Part read(const Parcel& parcel) {
@@ -69,15 +64,15 @@ Part read(const Parcel& parcel) {
   part.offsets = from.array<std::int64_t>(cells + 1);
   part.ids = from.array<std::int64_t>(ids);
   part.types = from.array<std::uint8_t>(cells);
-  part.points = from.array<Vec3d>(vertices);
+  part.step.points = from.array<Vec3d>(vertices);
   for (std::size_t f = 0; f < fields; ++f) {
-    FieldOf& field = part.fields.emplace_back();
+    mesh::EarlierStep::Field& field = part.step.fields.emplace_back();
     const std::vector<char> name = from.array<char>(count());
     field.name.assign(name.begin(), name.end());
-    field.association = from.value<std::int32_t>();
+    field.association = insitu_association(from.value<std::int32_t>());
     field.components = from.value<std::int32_t>();
-    field.values = from.array<double>((field.association == INSITU_CELL ? cells : vertices) *
-                                      std::size_t(field.components));
+    field.steps.push_back(from.array<double>((field.association == INSITU_CELL ? cells : vertices) *
+                                             std::size_t(field.components)));
   }
   return part;
 }
@@ -92,8 +87,9 @@ struct Joined {
     std::vector<std::int64_t> first{0}; // vertex of each part
     std::vector<std::pair<std::size_t, std::size_t>> cells;
     for (std::size_t p = 0; p < parts.size(); ++p) {
-      first.push_back(first.back() + std::int64_t(parts[p].points.size()));
-      step.points.insert(step.points.end(), parts[p].points.begin(), parts[p].points.end());
+      const std::vector<Vec3d>& points = parts[p].step.points;
+      first.push_back(first.back() + std::int64_t(points.size()));
+      step.points.insert(step.points.end(), points.begin(), points.end());
       for (std::size_t c = 0; c < parts[p].names.size(); ++c)
         cells.emplace_back(p, c);
     }
@@ -105,19 +101,21 @@ struct Joined {
       for (std::int64_t k = part.offsets[c]; k < part.offsets[c + 1]; ++k)
         ids.push_back(first[p] + part.ids[std::size_t(k)]);
     }
-    for (std::size_t f = 0; f < parts.front().fields.size(); ++f) {
-      const FieldOf& of = parts.front().fields[f];
-      mesh::EarlierStep::Field& to = step.fields.emplace_back(mesh::EarlierStep::Field{
-          of.name, insitu_association(of.association), of.components, {{}}});
-      std::vector<double>& values = to.steps.front();
+    for (std::size_t f = 0; f < parts.front().step.fields.size(); ++f) {
+      const mesh::EarlierStep::Field& of = parts.front().step.fields[f];
+      const auto values_of = [&](const Part& part) -> const std::vector<double>& {
+        return part.step.fields[f].steps.front();
+      };
+      std::vector<double> values;
       if (of.association == INSITU_CELL)
         for (const auto& [p, c] : cells) {
-          const auto* from = parts[p].fields[f].values.data() + c * std::size_t(of.components);
+          const double* from = values_of(parts[p]).data() + c * std::size_t(of.components);
           values.insert(values.end(), from, from + of.components);
         }
       else
         for (const Part& part : parts)
-          values.insert(values.end(), part.fields[f].values.begin(), part.fields[f].values.end());
+          values.insert(values.end(), values_of(part).begin(), values_of(part).end());
+      step.fields.push_back({of.name, of.association, of.components, {std::move(values)}});
     }
   }
 
@@ -165,12 +163,6 @@ std::vector<mesh::Box> exact_boxes(const mesh::MeshView& view, std::int64_t cell
     last = flat / grain;
   }
   return boxes;
-}
-
-bool have_same_fields(const Part& a, const Part& b) {
-  return std::ranges::equal(a.fields, b.fields, [](const FieldOf& x, const FieldOf& y) {
-    return x.name == y.name && x.association == y.association && x.components == y.components;
-  });
 }
 
 } // namespace
@@ -266,7 +258,7 @@ std::unique_ptr<EarlierMesh> EarlierMesh::gathered(const EarlierMesh* here, cons
     if (parts.empty())
       return;
     for (const Part& part : parts)
-      if (!have_same_fields(part, parts.front()))
+      if (!mesh::have_same_fields(part.step, parts.front().step))
         throw core::Error(INSITU_ERROR_INTERNAL, "processes have kept different fields");
     const Joined joined(parts);
     mesh = restored(joined.step, joined.copy(memory, threads), std::nullopt, memory, threads);

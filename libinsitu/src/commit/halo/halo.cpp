@@ -38,11 +38,9 @@ void Halo::swap(parallel::World& world, core::FunctionRef<void(std::vector<ByteW
   world.agree_after([&] {
     std::vector<ByteWriter> to(std::size_t(world.size()));
     write(to);
-    for (std::size_t r = 0; r < to.size(); ++r)
-      if (!to[r].empty()) {
-        bytes_sent_ += std::int64_t(to[r].size());
-        parcels.push_back({int(r), to[r].bytes()});
-      }
+    parcels = parallel::parcels_of(to);
+    for (const Parcel& parcel : parcels)
+      bytes_sent_ += std::int64_t(parcel.bytes.size());
   });
   const std::vector<Parcel> received = world.exchange(parcels);
   world.agree_after([&] {

@@ -16,8 +16,7 @@
 #include "core/parallel.h"
 #include "mesh/cell_name.h"
 #include "mesh/registered/mesh.h"
-#include "parallel/bytes.h"
-#include "parallel/world.h"
+#include "parallel/parcels.h"
 #include "query/directory.h"
 
 namespace insitu::commit {

@@ -8,7 +8,7 @@
 #include "amr/values/leaf_gradient.h"
 #include "commit/halo/touching_leaves.h"
 #include "core/status.h"
-#include "parallel/bytes.h"
+#include "parallel/parcels.h"
 
 namespace insitu::commit {
 
@@ -92,15 +92,6 @@ struct PiecesAndMore {
     view.is_part = false;
   }
 };
-
-template <class Item>
-std::vector<Parcel> parcels_of(const std::vector<std::vector<Item>>& to) {
-  std::vector<Parcel> parcels;
-  for (std::size_t r = 0; r < to.size(); ++r)
-    if (!to[r].empty())
-      parcels.push_back({int(r), parallel::bytes_of(to[r])});
-  return parcels;
-}
 
 } // namespace
 
@@ -248,7 +239,7 @@ void LeafSearch::find_covered() {
             }))
           to[std::size_t(r)].push_back(told);
     }
-    parcels = parcels_of(to);
+    parcels = parallel::parcels_of(to);
   });
   if (!any) {
     world_.agree_after([&] { own_.build(view_, threads_); });
@@ -305,7 +296,7 @@ void LeafSearch::find_near() {
                                 [&](const mesh::Box& b) { return mesh::meet(box, b); }))
           to[std::size_t(r)].push_back(told(flat));
     }
-    parcels = parcels_of(to);
+    parcels = parallel::parcels_of(to);
   });
   parcels = world_.exchange(parcels);
   world_.agree_after([&] {
@@ -331,7 +322,7 @@ void LeafSearch::add_layer(std::vector<ToldLeaf>& frontier) {
     std::vector<std::vector<ToldLeaf>> to(std::size_t(world_.size()));
     for (const ToldLeaf& leaf : frontier)
       to[std::size_t(leaf.name.rank)].push_back(leaf);
-    parcels = parcels_of(to);
+    parcels = parallel::parcels_of(to);
   });
   parcels = world_.exchange(parcels);
   world_.agree_after([&] {

@@ -94,22 +94,11 @@ void SharedFrame::draw(FrameImages& images) {
 }
 
 void SharedFrame::add_to(FrameStatistics& statistics) const {
-  statistics.samples += volume_counts_.samples;
-  statistics.skipped += volume_counts_.skipped;
-  statistics.lit_samples += volume_counts_.lit;
-  statistics.integrals += volume_counts_.integrals;
-  statistics.cells_tested += surface_counts_.cells_tested;
-  statistics.evaluations += surface_counts_.evaluations;
-  statistics.lit_hits += surface_counts_.lit;
+  statistics.add(volume_counts_);
+  statistics.add(surface_counts_);
   statistics.hits += hits_;
-  if (light_) {
-    const SurfaceCounts& sent = light_->counts();
-    statistics.cells_tested += sent.cells_tested;
-    statistics.evaluations += sent.evaluations;
-    statistics.shadow_rays += sent.shadow_rays;
-    statistics.occlusion_rays += sent.occlusion_rays;
-    statistics.shadow_samples += sent.shadow_samples;
-  }
+  if (light_)
+    statistics.add(light_->counts());
   statistics.step = volume_ ? volume_->step() : 0.0;
   statistics.bytes_sent += mail_.bytes_sent();
   statistics.parcels_sent += mail_.parcels_sent();
@@ -118,10 +107,7 @@ void SharedFrame::add_to(FrameStatistics& statistics) const {
 
 void SharedFrame::count(const VolumeCounts& counts) {
   const std::lock_guard lock(mutex_);
-  volume_counts_.samples += counts.samples;
-  volume_counts_.skipped += counts.skipped;
-  volume_counts_.lit += counts.lit;
-  volume_counts_.integrals += counts.integrals;
+  volume_counts_ += counts;
 }
 
 void SharedFrame::begin(const FrameTile& tile, std::vector<RayState>& rays) const {
@@ -212,8 +198,7 @@ TileParcel SharedFrame::find_own_hits(NearTile& near) {
   for (RayState& ray : rays)
     ray.hits.clear();
   const std::lock_guard lock(mutex_);
-  surface_counts_.cells_tested += counts.cells_tested;
-  surface_counts_.evaluations += counts.evaluations;
+  surface_counts_ += counts;
   return parcel;
 }
 
@@ -231,7 +216,7 @@ void SharedFrame::order(OwnTile& tile) {
     hits += std::int64_t(ray.hits.size());
   const std::lock_guard lock(mutex_);
   hits_ += hits;
-  surface_counts_.lit += counts.lit;
+  surface_counts_ += counts;
 }
 
 /// Blends what hits are left and sends the pixels to the root.

@@ -52,11 +52,7 @@ bool SharedLight::may_meet(int process, const Ray& ray, double t_max) const {
 
 void SharedLight::count(const SurfaceCounts& counts) {
   const std::lock_guard lock(mutex_);
-  counts_.cells_tested += counts.cells_tested;
-  counts_.evaluations += counts.evaluations;
-  counts_.shadow_rays += counts.shadow_rays;
-  counts_.occlusion_rays += counts.occlusion_rays;
-  counts_.shadow_samples += counts.shadow_samples;
+  counts_ += counts;
 }
 
 void SharedLight::ask(const Shader& shader, const VolumeShadow* shadow, std::span<Batch> batches) {
@@ -177,16 +173,8 @@ void SharedLight::follow(Batch& batch, const Rays& rays, std::span<const TilePar
         const auto hits = reader.value<std::uint32_t>();
         if (hits == ray_ends)
           batch.open[r] = 0;
-        for (std::uint32_t h = 0; hits != ray_ends && h < hits; ++h) {
-          const auto sent = reader.value<SentLightHit>();
-          SurfaceHit& hit = met.emplace_back(r, SurfaceHit{}).second;
-          hit.t = sent.t;
-          hit.cell = sent.key;
-          hit.extent = sent.extent;
-          hit.triangle = sent.triangle;
-          hit.surface = sent.surface;
-          hit.opacity = sent.opacity;
-        }
+        for (std::uint32_t h = 0; hits != ray_ends && h < hits; ++h)
+          met.emplace_back(r, reader.value<SentMeeting>().hit());
       }
   }
   std::stable_sort(met.begin(), met.end(),

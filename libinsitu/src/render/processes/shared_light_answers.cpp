@@ -35,7 +35,7 @@ std::vector<std::byte> SharedLight::answer(const Shader& shader, const TileParce
     std::uint32_t count = 0, first = 0;
   };
   std::vector<Met> met(rays.all.size());
-  std::vector<SentLightHit> found;
+  std::vector<SentMeeting> found;
   LightRay light[RayCells::most];
   for (const std::vector<std::uint32_t>& stream : rays.streams)
     for (std::size_t first = 0; first < stream.size(); first += RayCells::most) {
@@ -52,8 +52,7 @@ std::vector<std::byte> SharedLight::answer(const Shader& shader, const TileParce
         at.count = ended >> i & 1 ? ray_ends : std::uint32_t(hits[i].size());
         if (at.count != ray_ends)
           for (const SurfaceHit& hit : hits[i])
-            found.push_back(
-                {hit.t, part_.key(hit.cell), hit.extent, hit.triangle, hit.surface, hit.opacity});
+            found.emplace_back(hit, part_.key(hit.cell));
       }
     }
   count(counts);
@@ -66,7 +65,7 @@ std::vector<std::byte> SharedLight::answer(const Shader& shader, const TileParce
     if (at.count > 0) {
       writer.value(at.count);
       if (at.count != ray_ends)
-        writer.array(std::span<const SentLightHit>(found).subspan(at.first, at.count));
+        writer.array(std::span<const SentMeeting>(found).subspan(at.first, at.count));
     }
   return writer.bytes();
 }

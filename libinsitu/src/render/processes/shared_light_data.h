@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/processes/shared_light.h"
+#include "render/processes/tile_data.h"
 
 /// What is sent about rays of light, and how both sides number them.
 namespace insitu::render {
@@ -18,15 +19,7 @@ struct SentPoint {
 };
 static_assert(sizeof(SentPoint) == std::size_t(bytes_a_light_point));
 
-struct SentLightHit {
-  double t;
-  std::int64_t key;
-  double extent;
-  std::int64_t triangle;
-  std::int32_t surface;
-  float opacity;
-};
-static_assert(sizeof(SentLightHit) == std::size_t(bytes_a_light_hit));
+static_assert(sizeof(SentMeeting) == std::size_t(bytes_a_light_hit));
 
 struct SentShadowSample {
   std::int64_t key;

@@ -8,16 +8,11 @@ namespace insitu::render {
 namespace {
 
 struct SentHit {
+  SentMeeting met;
+  math::Vec3d gradient;
+  Color color;
   std::uint16_t ray;
   std::uint16_t none = 0;
-  std::int32_t surface;
-  double t;
-  std::int64_t key;
-  double extent;
-  math::Vec3d gradient;
-  float opacity;
-  Color color;
-  std::int64_t triangle;
 };
 static_assert(sizeof(SentHit) == std::size_t(bytes_a_hit));
 
@@ -33,8 +28,7 @@ void write_hits(std::span<const RayState> rays, const CellKey& key, bool with_st
                 ByteWriter& to) {
   for (std::size_t r = 0; r < rays.size(); ++r)
     for (const SurfaceHit& hit : rays[r].hits) {
-      to.value(SentHit{std::uint16_t(r), 0, hit.surface, hit.t, key(hit.cell), hit.extent,
-                       hit.gradient, hit.opacity, hit.color, hit.triangle});
+      to.value(SentHit{SentMeeting(hit, key(hit.cell)), hit.gradient, hit.color, std::uint16_t(r)});
       if (with_starts)
         to.value(SentStart{hit.cell, hit.clearance});
     }
@@ -43,13 +37,7 @@ void write_hits(std::span<const RayState> rays, const CellKey& key, bool with_st
 void read_hits(ByteReader from, bool with_starts, int process, std::span<RayState> rays) {
   while (!from.at_end()) {
     const auto sent = from.value<SentHit>();
-    SurfaceHit hit;
-    hit.t = sent.t;
-    hit.cell = sent.key;
-    hit.surface = sent.surface;
-    hit.triangle = sent.triangle;
-    hit.opacity = sent.opacity;
-    hit.extent = sent.extent;
+    SurfaceHit hit = sent.met.hit();
     hit.gradient = sent.gradient;
     hit.color = sent.color;
     hit.process = process;

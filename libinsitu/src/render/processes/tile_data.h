@@ -18,6 +18,32 @@ using parallel::ByteWriter;
 
 using CellKey = std::function<std::int64_t(std::int64_t flat)>;
 
+/// Where a ray meets a surface: what puts hits of all processes in order, and makes twins one.
+struct SentMeeting {
+  double t;
+  std::int64_t key; ///< of the cell
+  double extent;
+  std::int64_t triangle;
+  std::int32_t surface;
+  float opacity;
+
+  SentMeeting() = default;
+  SentMeeting(const SurfaceHit& hit, std::int64_t key_)
+      : t(hit.t), key(key_), extent(hit.extent), triangle(hit.triangle), surface(hit.surface),
+        opacity(hit.opacity) {}
+  /// With the key in the place of the cell.
+  SurfaceHit hit() const {
+    SurfaceHit hit;
+    hit.t = t;
+    hit.cell = key;
+    hit.extent = extent;
+    hit.triangle = triangle;
+    hit.surface = surface;
+    hit.opacity = opacity;
+    return hit;
+  }
+};
+
 /// Bytes of a hit on its way, and of where rays of light start from it, if there are some.
 constexpr std::int64_t bytes_a_hit = 80, bytes_a_start = 16;
 /// Bytes of the samples of a ray in a round, of each of them, of each change of cell among them,

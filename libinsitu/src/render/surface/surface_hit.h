@@ -39,6 +39,16 @@ struct SurfaceCounts {
   std::int64_t lit = 0;         ///< hits that a viewer sees and light falls on
   std::int64_t shadow_rays = 0, occlusion_rays = 0;
   std::int64_t shadow_samples = 0; ///< located for the volume's shadow
+
+  SurfaceCounts& operator+=(const SurfaceCounts& b) {
+    cells_tested += b.cells_tested;
+    evaluations += b.evaluations;
+    lit += b.lit;
+    shadow_rays += b.shadow_rays;
+    occlusion_rays += b.occlusion_rays;
+    shadow_samples += b.shadow_samples;
+    return *this;
+  }
 };
 
 } // namespace insitu::render

@@ -75,6 +75,15 @@ struct VolumeCounts {
   std::int64_t lit = 0;       ///< by the field's gradient
   std::int64_t integrals = 0; ///< stretches between two samples
   std::int64_t shadow_rays = 0;
+
+  VolumeCounts& operator+=(const VolumeCounts& b) {
+    samples += b.samples;
+    skipped += b.skipped;
+    lit += b.lit;
+    integrals += b.integrals;
+    shadow_rays += b.shadow_rays;
+    return *this;
+  }
 };
 
 /// What a frame's volume needs of the structures that frames share. Null where it needs none.

@@ -205,11 +205,7 @@ private:
       copies[to].push_back(copy);
       sent_[to].push_back(flat);
     }
-    std::vector<parallel::Parcel> parcels;
-    for (std::size_t r = 0; r < copies.size(); ++r)
-      if (!copies[r].empty())
-        parcels.push_back({int(r), parallel::bytes_of(copies[r])});
-    return parcels;
+    return parallel::parcels_of(copies);
   }
 
   /// The answers to those who sent copies, a byte for each.

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <limits>
 
-#include "parallel/bytes.h"
+#include "parallel/parcels.h"
 
 namespace insitu::scene {
 
@@ -127,9 +127,7 @@ void deal_kept(advect::Particles& particles, const std::vector<mesh::CellName>& 
         if (ranks[k] > 0 && ranks[k] < world.size() &&
             particles.endings[first + k] != advect::Particles::gone)
           to[std::size_t(ranks[k])].value(Sent{particles.record(first + k), std::int64_t(k)});
-      for (std::size_t r = 0; r < to.size(); ++r)
-        if (!to[r].empty())
-          parcels.push_back({int(r), to[r].bytes()});
+      parcels = parallel::parcels_of(to);
     });
     const std::vector<parallel::Parcel> received = world.exchange(parcels);
     const std::size_t before = particles.size();
