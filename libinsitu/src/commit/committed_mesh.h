@@ -101,8 +101,9 @@ public:
   std::int64_t neighbours_bytes(const core::Threads& threads) const;
   const accel::FaceNeighbours* neighbours() const { return neighbours_.get(); }
   /// Collective, of a committed mesh: gives it the cells of other processes that touch its own, or
-  /// brings them up to date; an adaptive mesh, and one in device memory, gets none. A mesh in
-  /// longitude and latitude has the whole mesh's chart then. Throws parallel::AgreedError; the mesh
+  /// brings them up to date; of an adaptive mesh they are leaves, of which its cells at seams
+  /// are made; a mesh in device memory gets none. A mesh in longitude and latitude has the whole
+  /// mesh's chart then. Throws parallel::AgreedError; the mesh
   /// then has no halo and is to be committed again.
   void update_halo(parallel::World& world, const core::Threads& threads, const core::Log& log);
   /// From the next update_halo() on, cells that touch over these sides of the mesh's box are in it,
@@ -125,7 +126,7 @@ public:
   /// The flat id here of a cell of some process; -1: it is neither this process's nor in the halo.
   std::int64_t find(const CellName& name) const;
   query::Sampler sampler() const {
-    return own_sampler().at(halo_ && !is_made() ? &seams_ : nullptr);
+    return own_sampler().at(halo_ && !(is_made() && mesh_.has_stand_in()) ? &seams_ : nullptr);
   }
   /// The same where of several cells the lowest flat id of this process counts.
   query::Sampler own_sampler() const {
