@@ -12,14 +12,19 @@ class AmrSession {
 public:
   AmrSession(parallel::World& world, const AmrMesh& whole, insitu_reconstruction how,
              const Deal& deal, const std::string& scene, const std::string& folder)
-      : part_(whole, how, deal, world.rank()),
-        session_(options_of(scene, folder),
+      : session_(options_of(scene, folder),
                  std::shared_ptr<parallel::World>(&world, [](auto*) {})) {
-    part_.give(session_.mesh("m").mesh.mesh());
+    give(world, whole, how, deal);
+  }
+  /// The mesh, or another one.
+  void give(parallel::World& world, const AmrMesh& whole, insitu_reconstruction how,
+            const Deal& deal) {
+    part_.emplace(whole, how, deal, world.rank());
+    part_->give(session_.mesh("m").mesh.mesh());
   }
   api::Session& session() { return session_; }
   std::string execute(std::int64_t cycle) {
-    part_.give_fields(session_.mesh("m").mesh.mesh(), 1.0 + 0.25 * double(cycle));
+    part_->give_fields(session_.mesh("m").mesh.mesh(), 1.0 + 0.25 * double(cycle));
     return session_.execute(cycle, 0.25 * double(cycle));
   }
 
@@ -32,7 +37,7 @@ private:
     return o;
   }
 
-  AmrPart part_;
+  std::optional<AmrPart> part_;
   api::Session session_;
 };
 
@@ -153,4 +158,24 @@ TEST(ProcessAdaptive, Tracers) {
       "  - {name: lines, velocity: v, kind: streamline, until: {duration: 4},\n"
       "     seeds: {box: {min: [0.5, 0.5, 0.5], max: [3.5, 3.5, 3.5], counts: [3, 3, 3]}}}\n";
   expect_one(scene, INSITU_DUAL, 2);
+}
+
+/// After a regrid all processes say that particles do not go on, rather than where they do not go.
+TEST(ProcessAdaptive, ParticlesDoNotGoOnToOtherCells) {
+  const std::string scene =
+      "insitu: 1\npage: false\ntracers:\n"
+      "  - {name: paths, velocity: v, seeds: [[1.5, 1.5, 1.5]], output: [csv]}\n";
+  const OwnFolder folder;
+  const std::string out = folder / "out";
+  run_processes(3, [&](parallel::World& world) {
+    const Deal deal = deal_of(0, 3);
+    AmrSession process(world, octree(), INSITU_DUAL, deal, scene, out);
+    for (int cycle = 0; cycle < 2; ++cycle)
+      EXPECT_EQ(process.execute(cycle), "");
+    process.give(world, patches(), INSITU_DUAL, deal);
+    for (int cycle = 2; cycle < 4; ++cycle)
+      EXPECT_NE(process.execute(cycle).find("do not go on to other cells on a mesh that is spread"),
+                std::string::npos);
+    EXPECT_EQ(process.session().finish(), "");
+  });
 }

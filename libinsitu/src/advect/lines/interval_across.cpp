@@ -28,8 +28,6 @@ void Interval::refuse_across() const {
     throw core::Error(INSITU_ERROR_UNSUPPORTED,
                       "tracer: " + what + " on a mesh that is spread over processes");
   };
-  if (asked_.sampler.chart() && crosses_)
-    refuse("particles in longitude and latitude do not go on to other cells");
   if (asked_.sampler.chart() && effects_.boundary && effects_.boundary->any_periodic())
     refuse("no periodic sides in longitude and latitude");
 }

@@ -99,6 +99,7 @@ private:
   // On several processes (particle_tracer_across.cpp), all of these are collective.
   bool across() const { return environment_.world.size() > 1; }
   void execute_across(commit::CommittedMesh& mesh, const Step& step, bool due);
+  [[noreturn]] void refuse(const std::string& what) const;
   void refuse_across(const commit::CommittedMesh& mesh) const;
   int agree_on_steps(const commit::CommittedMesh& mesh, const Step& step);
   void release_across(const commit::CommittedMesh& mesh, const Step& step,
@@ -141,6 +142,7 @@ private:
   // Of all processes, where there are several.
   advect::Counts counts_;
   std::unique_ptr<commit::EarlierMesh> cells_before_; ///< in this execution
+  bool has_lost_cells_ = false;                       ///< see gather_cells_before()
   bool had_cells_ = false;                            ///< this process, at the last execution
   std::optional<advect::Particles> all_;              ///< at the end, at the root
 };

@@ -24,13 +24,14 @@ bool has_cells(const commit::CommittedMesh& mesh) {
 
 } // namespace
 
+void ParticleTracer::refuse(const std::string& what) const {
+  throw core::Error(INSITU_ERROR_UNSUPPORTED, environment_.scene_file + ":" +
+                                                  std::to_string(tracer_.line) + ": " + what +
+                                                  " on a mesh that is spread over processes");
+}
+
 /// What is not done over processes.
 void ParticleTracer::refuse_across(const commit::CommittedMesh& mesh) const {
-  const auto refuse = [&](const std::string& what) {
-    throw core::Error(INSITU_ERROR_UNSUPPORTED, environment_.scene_file + ":" +
-                                                    std::to_string(tracer_.line) + ": " + what +
-                                                    " on a mesh that is spread over processes");
-  };
   if (tracer_.attached == Attached::body && mesh.reference_frame.kind == INSITU_FRAME_GEODETIC)
     refuse("no particles that go with the material of meshes in longitude and latitude");
   if (!mesh.halo())
@@ -90,10 +91,23 @@ int ParticleTracer::agree_on_steps(const commit::CommittedMesh& mesh, const Step
   return steps == std::numeric_limits<std::int64_t>::max() ? 0 : int(steps);
 }
 
-/// The step before on other cells, of all processes, if all that had cells then have kept it.
+/// The step before on other cells, of all processes, if all that had cells then have kept it. That
+/// of an adaptive mesh is made of leaves, and that on a chart has copies, which are not gathered;
+/// without it particles would go elsewhere than in one process, from then on.
 void ParticleTracer::gather_cells_before(const commit::CommittedMesh& mesh, const Step& step) {
   parallel::World& world = environment_.world;
   cells_before_.reset();
+  const bool is_gathered =
+      !mesh.mesh().is_adaptive() && mesh.reference_frame.kind != INSITU_FRAME_GEODETIC;
+  std::int64_t lost = has_lost_cells_ ||
+                      (!is_gathered && seeded_ && goes_on_to_other_cells() && !knows_cells(mesh));
+  world.reduce(std::span(&lost, 1), parallel::Reduction::greatest);
+  has_lost_cells_ = lost;
+  world.agree_after([&] {
+    if (has_lost_cells_)
+      refuse("particles on adaptive meshes and in longitude and latitude do not go on to other "
+             "cells");
+  });
   const commit::EarlierMesh* const here = other_cells(mesh, step);
   std::int64_t any[] = {here != nullptr, had_cells_ && !here};
   world.reduce(std::span(any), parallel::Reduction::greatest);
