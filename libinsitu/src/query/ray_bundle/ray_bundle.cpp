@@ -286,7 +286,9 @@ void RayBundleLocator::claim_in_owners() {
     if (shape != mesh::Shape::hexahedron && shape != mesh::Shape::voxel)
       continue;
     s_.slab.state[index_of(s_.rest[i])][slot_of(s_.rest[i])] = untouched;
-    s_.by_shape[int(shape) - first_shape].cells.push_back(cell);
+    std::vector<std::int64_t>& cells = s_.by_shape[int(shape) - first_shape].cells;
+    if (cells.empty() || cells.back() != cell) // many follow each other along a ray
+      cells.push_back(cell);
   }
   if (has_blocks_)
     claim_in_blocks();
