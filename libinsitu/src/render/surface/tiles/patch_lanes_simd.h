@@ -27,7 +27,9 @@ constexpr double reach = 1e-2;
 using Floats = hn::CappedTag<float, 16>;
 using Doubles = hn::CappedTag<double, 8>;
 
-/// A vector of numbers with operators; products and sums may fuse.
+/// A vector of numbers with operators; products and sums may fuse. Friends need HWY_ATTR: GCC
+/// instantiates those of a class template without the target of the place, and where they are not
+/// inlined (-O0) they would be called by another convention than theirs.
 template <class D>
 struct Lanes {
   using Real = hn::TFromD<D>;
@@ -36,18 +38,18 @@ struct Lanes {
   Lanes() = default;
   HWY_INLINE explicit Lanes(hn::Vec<D> a) : v(a) {}
   HWY_INLINE explicit Lanes(Real a) : v(hn::Set(D(), a)) {}
-  HWY_INLINE friend Lanes operator+(Lanes a, Lanes b) { return Lanes(hn::Add(a.v, b.v)); }
-  HWY_INLINE friend Lanes operator-(Lanes a, Lanes b) { return Lanes(hn::Sub(a.v, b.v)); }
-  HWY_INLINE friend Lanes operator*(Lanes a, Lanes b) { return Lanes(hn::Mul(a.v, b.v)); }
-  HWY_INLINE friend Lanes operator/(Lanes a, Lanes b) { return Lanes(hn::Div(a.v, b.v)); }
-  HWY_INLINE friend Lanes least(Lanes a, Lanes b) { return Lanes(hn::Min(a.v, b.v)); }
-  HWY_INLINE friend Lanes greatest(Lanes a, Lanes b) { return Lanes(hn::Max(a.v, b.v)); }
-  HWY_INLINE friend Lanes size(Lanes a) { return Lanes(hn::Abs(a.v)); }
+  HWY_INLINE HWY_ATTR friend Lanes operator+(Lanes a, Lanes b) { return Lanes(hn::Add(a.v, b.v)); }
+  HWY_INLINE HWY_ATTR friend Lanes operator-(Lanes a, Lanes b) { return Lanes(hn::Sub(a.v, b.v)); }
+  HWY_INLINE HWY_ATTR friend Lanes operator*(Lanes a, Lanes b) { return Lanes(hn::Mul(a.v, b.v)); }
+  HWY_INLINE HWY_ATTR friend Lanes operator/(Lanes a, Lanes b) { return Lanes(hn::Div(a.v, b.v)); }
+  HWY_INLINE HWY_ATTR friend Lanes least(Lanes a, Lanes b) { return Lanes(hn::Min(a.v, b.v)); }
+  HWY_INLINE HWY_ATTR friend Lanes greatest(Lanes a, Lanes b) { return Lanes(hn::Max(a.v, b.v)); }
+  HWY_INLINE HWY_ATTR friend Lanes size(Lanes a) { return Lanes(hn::Abs(a.v)); }
   /// a b + c and c - a b.
-  HWY_INLINE friend Lanes mul_add(Lanes a, Lanes b, Lanes c) {
+  HWY_INLINE HWY_ATTR friend Lanes mul_add(Lanes a, Lanes b, Lanes c) {
     return Lanes(hn::MulAdd(a.v, b.v, c.v));
   }
-  HWY_INLINE friend Lanes sub_mul(Lanes c, Lanes a, Lanes b) {
+  HWY_INLINE HWY_ATTR friend Lanes sub_mul(Lanes c, Lanes a, Lanes b) {
     return Lanes(hn::NegMulAdd(a.v, b.v, c.v));
   }
   HWY_INLINE Lanes within(Real low, Real high) const {
