@@ -1,6 +1,7 @@
 /// A mesh cut into slabs over processes, of which some have none: mpiexec -n 1, 2, 3, 4, 8. What
 /// the session of all processes writes is what one process writes that has the whole mesh.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -8,9 +9,47 @@
 #include <iterator>
 #include <map>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "api/mpi/main.h"
+
+namespace {
+
+/// Of this process, before each of the library's exchanges; a few milliseconds, or none.
+struct Delay {
+  bool on = false;
+  unsigned calls = 0;
+
+  void pass() {
+    if (on) // now shorter, now longer than what the others take
+      std::this_thread::sleep_for(std::chrono::milliseconds(++calls * 7 % 4));
+  }
+};
+Delay delay;
+
+} // namespace
+
+// The calls of MPI by which a World exchanges come here first.
+extern "C" {
+int MPI_Allreduce(const void* in, void* out, int n, MPI_Datatype type, MPI_Op op, MPI_Comm comm) {
+  delay.pass();
+  return PMPI_Allreduce(in, out, n, type, op, comm);
+}
+int MPI_Alltoall(const void* in, int n_in, MPI_Datatype type_in, void* out, int n_out,
+                 MPI_Datatype type_out, MPI_Comm comm) {
+  delay.pass();
+  return PMPI_Alltoall(in, n_in, type_in, out, n_out, type_out, comm);
+}
+int MPI_Bcast(void* data, int n, MPI_Datatype type, int root, MPI_Comm comm) {
+  delay.pass();
+  return PMPI_Bcast(data, n, type, root, comm);
+}
+int MPI_Waitall(int n, MPI_Request* requests, MPI_Status* statuses) {
+  delay.pass();
+  return PMPI_Waitall(n, requests, statuses);
+}
+}
 
 namespace {
 
@@ -136,7 +175,8 @@ void expect_same_files(const std::string& folder, const std::string& other, std:
     EXPECT_TRUE(found.contains(name) && found.at(name) == text) << name;
 }
 
-TEST(Parts, FilesAreThoseOfOneProcess) {
+/// Compares the files of all processes together, of which one may be slow.
+void expect_files_of_one_process(bool with_delay) {
   int rank = 0, size = 1;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &size);
@@ -150,10 +190,23 @@ TEST(Parts, FilesAreThoseOfOneProcess) {
   MPI_Barrier(MPI_COMM_WORLD);
   const MPI_Comm world = MPI_COMM_WORLD;
   Slab slab(side * rank / size, side * (rank + 1) / size);
+  delay = {.on = with_delay && rank == size / 2};
   run(slab, &world, together);
+  EXPECT_TRUE(!delay.on || delay.calls > 0); // the library's calls do come here
+  delay = {};
   if (rank > 0)
     return;
   expect_same_files(alone, together, 12);
+}
+
+TEST(Parts, FilesAreThoseOfOneProcess) {
+  expect_files_of_one_process(false);
+}
+
+/// One process comes late to each exchange, so that messages of the others' later ones are there
+/// before its own.
+TEST(Parts, WithASlowProcess) {
+  expect_files_of_one_process(true);
 }
 
 const char* const restarted =
