@@ -299,6 +299,7 @@ void CommittedMesh::commit_pending(insitu_commit_report& report, const core::Thr
   else
     commit_on_host(pending, report, threads, log);
   ++fields_version_;
+  own_version_ += pending != 0 && !in_halo_commit_;
   mesh_.clear_pending();
   committed_ = true;
   // Steps are much alike. A search took 60 to 70 ns a hexahedron and saved 30 to 60 a point; 20

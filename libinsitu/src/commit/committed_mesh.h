@@ -176,6 +176,9 @@ public:
   std::uint64_t topology_version() const { return topology_version_; }
   /// Grows as topology_version() does, but not where a halo alone has other cells.
   std::uint64_t own_topology_version() const { return own_topology_version_; }
+  /// Grows with each commit of what the solver has changed, and neither with halos nor when only
+  /// the tree is built anew.
+  std::uint64_t own_version() const { return own_version_; }
   /// Grows with each commit of moved vertices or other cells, and not when only the tree is built
   /// anew.
   std::uint64_t geometry_version() const { return geometry_version_; }
@@ -295,7 +298,7 @@ private:
   EarlierMesh::Own earlier_own_;            ///< of it, on several processes
   EarlierMesh::Kept kept_;                  ///< with the step
   std::unique_ptr<EarlierMesh> earlier_mesh_;
-  std::uint64_t fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,
+  std::uint64_t own_version_ = 0, fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,
                 geometry_version_ = 0;
 };
 

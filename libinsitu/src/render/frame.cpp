@@ -13,7 +13,7 @@ namespace insitu::render {
 
 namespace {
 
-constexpr int tile_side = 16, volume_tile_side = 32;
+constexpr int tile_side = PathTracer::tile_side, volume_tile_side = 32;
 
 struct Counters {
   std::mutex mutex;
@@ -36,9 +36,11 @@ public:
       tracing.depth = settings.depth || settings.cell;
       if (settings.samples_per_pixel > 1)
         tracing.sums = nullptr; // the whole samples are added up
-      paths_.emplace(sampler, *settings.volume, tracing, settings.camera, settings.lighting.lights,
-                     settings.clips, structures, threads);
-      culled_ = paths_->culled();
+      const VolumeSettings& volume = *settings.volume;
+      if (volume.culling == Culling::always)
+        culled_ = structures.culled(volume.field, volume.function);
+      paths_.emplace(culled_ ? sampler.among(*culled_) : sampler, volume, tracing, settings.camera,
+                     settings.lighting.lights, settings.clips, structures, threads);
     } else if (settings.volume) {
       const VolumeStructures needed = volume_structures(
           sampler, *settings.volume, std::int64_t(settings.width) * settings.height, structures);
@@ -128,7 +130,7 @@ private:
         volume_->start(state);
     }
     if (paths_)
-      trace_paths(x0, y0, x1, y1, std::span(states.data(), count), counters);
+      trace_paths(std::span(states.data(), count), counters);
     VolumeCounts volume_counts;
     if (volume_)
       volume_counts = volume_->march(std::span(states.data(), count), x1 - x0);
@@ -159,15 +161,9 @@ private:
     return std::size_t(y) * std::size_t(settings_.width) + std::size_t(x);
   }
 
-  void trace_paths(int x0, int y0, int x1, int y1, std::span<RayState> states,
-                   Counters& counters) const {
-    std::int64_t pixels[tile_side * tile_side];
-    std::size_t at = 0;
-    for (int y = y0; y < y1; ++y)
-      for (int x = x0; x < x1; ++x)
-        pixels[at++] = std::int64_t(y) * settings_.width + x;
+  void trace_paths(std::span<RayState> states, Counters& counters) const {
     PathCounts counts;
-    paths_->trace(states, {pixels, at}, counts);
+    paths_->trace(states, counts);
     const std::lock_guard lock(counters.mutex);
     counters.paths += counts;
   }

@@ -48,6 +48,46 @@ TEST(ProcessFrames, FilesAreThoseOfOneProcessToTheByte) {
                   partition.name + " on " + std::to_string(processes));
 }
 
+/// Path traced volumes: alone, with samples that add up until something changes, and with surfaces
+/// that light meets.
+TEST(ProcessFrames, TracedPathsAreThoseOfOneProcessToTheByte) {
+  const TestMesh whole = jittered_cubes();
+  PartSession::Options options;
+  options.scene = "insitu: 1\n"
+                  "page: false\n"
+                  "frames:\n"
+                  "  - {name: light, size: [40, 40], images: [color, depth, cell],\n"
+                  "     volume: {field: p, opacity: [[0, 0], [1, 0.3], [5, 0.8]]},\n"
+                  "     lights: [{directional: [1, 1, 2]}, {dome: true}],\n"
+                  "     effects: [multiple_scattering],\n"
+                  "     path_tracing: {samples: 3, accumulate: true, anisotropy: 0.4}}\n"
+                  "  - {name: walls, size: [36, 36], samples_per_pixel: 2,\n"
+                  "     volume: {field: c, smooth: true, opacity: [[-1, 0], [1, 0.5]]},\n"
+                  "     isosurfaces: [{field: p, values: [1], opacity: 0.7}],\n"
+                  "     boundary: {color: {field: u, component: 0}, opacity: 0.2},\n"
+                  "     lights: [{point: [1.5, 0.4, 1.6]}, {dome: true, intensity: 0.5}],\n"
+                  "     effects: [single_scattering, volume_shadows], every: 2,\n"
+                  "     path_tracing: {samples: 2}}\n";
+  const Act act = [](PartSession& process, parallel::World& world) {
+    EXPECT_EQ(process.execute(0), "");
+    EXPECT_EQ(process.session().execute(1, 0.25), ""); // samples add up
+    if (world.rank() == world.size() / 2)
+      process.give_fields(0); // of one process alone
+    EXPECT_EQ(process.session().execute(2, 0.5), "");
+    EXPECT_EQ(process.execute(3), "");
+  };
+  const auto expected = run_parts(whole, fixtures::slabs(whole, 1), options, act);
+  EXPECT_GE(expected.size(), 14u);
+  EXPECT_NE(expected.at("light_000000.png"), expected.at("light_000001.png"));
+  std::size_t kind = 0;
+  for (const int processes : all_sizes) {
+    const auto all = fixtures::partitions(whole, processes);
+    const fixtures::Partition& partition = all[kind++ % all.size()];
+    expect_same(expected, run_parts(whole, partition, options, act),
+                partition.name + " on " + std::to_string(processes));
+  }
+}
+
 /// Without global ids the first process's cells come first, as a mesh of one process in that order
 /// has them: colours and depths are the same; cells have other numbers.
 TEST(ProcessFrames, WithoutGlobalIds) {
@@ -80,7 +120,6 @@ TEST(ProcessFrames, WithoutGlobalIds) {
 TEST(ProcessFrames, RefusedByName) {
   const TestMesh whole = jittered_cubes(3);
   for (const auto& [frame, text] : std::map<std::string, std::string>{
-           {"volume: {field: p}, path_tracing: {}", "traced paths over several processes"},
            {"volume: {field: p, tolerance: 0.01}", "steps by a tolerance over several processes"},
            {"volume: {field: q}", "q"}}) {
     PartSession::Options options;

@@ -183,7 +183,7 @@ TEST(SharedFrames, FailuresAreAgreed) {
       FrameSettings s = frame();
       s.volume = soft(f);
       if (failing < 0)
-        s.path_tracing.emplace();
+        s.boundary.emplace();
       std::atomic<int> asked{0};
       const FramePart part{world, std::int64_t(mesh.numbers.size()), [&](std::int64_t flat) {
                              if (world.rank() == failing && ++asked > 100)
@@ -196,7 +196,7 @@ TEST(SharedFrames, FailuresAreAgreed) {
       } catch (const parallel::AgreedError& e) {
         EXPECT_EQ(e.status(), failing < 0 ? INSITU_ERROR_UNSUPPORTED : INSITU_ERROR_INTERNAL);
         const std::string text = e.what();
-        EXPECT_NE(text.find(failing < 0 ? "traced paths over several processes are not there yet"
+        EXPECT_NE(text.find(failing < 0 ? "boundaries of meshes without cells of other processes"
                                         : "a test fails"),
                   std::string::npos)
             << text;

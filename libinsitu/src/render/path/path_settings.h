@@ -7,6 +7,8 @@
 
 namespace insitu::render {
 
+class Majorants;
+
 /// How far light is followed in a medium. none: what collides shows its colour, as emission and
 /// absorption do, so the mean is what ray marching tends to with ever shorter steps. single: light
 /// scatters once on its way from a light to the viewer; multiple: any number of times.
@@ -27,15 +29,25 @@ struct PathSums {
   /// Forgets all.
   void restart() { is_whole = false; }
   /// Ready for an image of this size: starts anew where the last one was of another, or broke off.
-  void begin(int w, int h) {
+  /// has_pixels: whether the sums are here; of several processes they are at the root.
+  void begin(int w, int h, bool has_pixels = true) {
     if (!is_whole || w != width || h != height) {
       width = w;
       height = h;
       samples = 0;
-      pixels.resize_discard(std::size_t(w) * std::size_t(h));
+      pixels.resize_discard(has_pixels ? std::size_t(w) * std::size_t(h) : 0);
       std::fill(pixels.begin(), pixels.end(), Pixel{0, 0, 0, 0});
     }
     is_whole = false;
+  }
+  /// Adds to a pixel, and returns its sum.
+  const Pixel& add(std::size_t pixel, const Pixel& more) {
+    Pixel& all = pixels[pixel];
+    all.r += more.r;
+    all.g += more.g;
+    all.b += more.b;
+    all.alpha += more.alpha;
+    return all;
   }
   /// The image is done.
   void end(int more_samples) {
@@ -63,9 +75,12 @@ struct PathTracingSettings {
   bool shows_dome = false; ///< dome lights instead of the background behind the medium
   /// Sets RayState::depth too: where half of the paths (of the first 256) have stopped.
   bool depth = false;
-  /// Of the grid of majorants: about so many cells to a macrocell, but at most most_macrocells.
+  /// Of the grid of majorants: about so many cells to a macrocell, but at most
+  /// most_path_macrocells.
   double cells_per_macrocell = 4;
-  static constexpr double most_macrocells = 0x1p14;
+  /// Of the whole mesh, where it is spread over processes; null: what Structures has of the
+  /// sampler's. Not owned.
+  const Majorants* majorants = nullptr;
   std::uint64_t seed = 0, cycle = 0;
   /// Adds to these, and draws their mean; null: this frame's samples alone. Not owned. Whoever
   /// keeps them empties them when what is drawn changes.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "accel/tree/tree.h"
 #include "core/status.h"
 #include "render/path/path_wave.h"
 
@@ -33,19 +32,26 @@ const PathTracingSettings& checked(const PathTracingSettings& s, const VolumeSet
 
 } // namespace
 
+const Majorants& path_majorants(const query::Sampler& sampler, const VolumeSettings& volume,
+                                const PathTracingSettings& settings, Structures& structures) {
+  if (settings.majorants)
+    return *settings.majorants;
+  const mesh::MeshFacts facts = sampler.facts();
+  const MacrocellGrid grid =
+      path_grid(facts, structures.cell_widths(facts.bounds), settings.cells_per_macrocell);
+  return structures.majorants(volume.field, volume.function, &grid);
+}
+
 PathTracer::PathTracer(const query::Sampler& sampler, const VolumeSettings& volume,
                        const PathTracingSettings& settings, const Camera& camera,
                        const std::vector<Light>& lights, const std::vector<Clip>& clips,
                        Structures& structures, const core::Threads& threads)
     : settings_(checked(settings, volume)),
-      culled_(volume.culling == Culling::always ? structures.culled(volume.field, volume.function)
-                                                : nullptr),
-      medium_(culled_ ? sampler.among(*culled_) : sampler, volume.field, volume.function,
-              settings.density, unit_distance_of(sampler, volume),
-              structures.majorants(volume.field, volume.function, fineness_of(settings)), threads,
-              structures.memory()),
-      lights_(lights, camera), clips_(clips), low_(sampler.tree().bounds_min()),
-      high_(sampler.tree().bounds_max()) {
+      medium_(sampler, volume.field, volume.function, settings.density,
+              unit_distance_of(sampler, volume),
+              path_majorants(sampler, volume, settings, structures), threads, structures.memory()),
+      lights_(lights, camera), clips_(clips), low_(sampler.facts().bounds.low),
+      high_(sampler.facts().bounds.high) {
   options_.accuracy = volume.accuracy;
   options_.coordinates = volume.field.field.association != INSITU_CELL;
 }
@@ -59,9 +65,59 @@ bool PathTracer::clip_to_bounds(const Ray& ray, double& near, double& far) const
   return near < far && std::isfinite(far);
 }
 
-void PathTracer::trace(std::span<RayState> rays, std::span<const std::int64_t> pixels,
-                       PathCounts& counts) const {
-  PathWave(*this, rays, pixels, counts).run();
+void PathTracer::trace(std::span<RayState> rays, PathCounts& counts) const {
+  thread_local PathWave wave; // some hundred KB, kept for the thread's life
+  wave.begin(*this, rays);
+  while (!wave.waiting().empty()) {
+    answer(wave.waiting());
+    wave.go_on();
+  }
+  wave.store();
+  counts += wave.counts();
+}
+
+void PathTracer::answer(std::span<Path> paths) const {
+  answer_values(paths);
+  for (Path& path : paths)
+    if (path.asks == Path::Asks::light)
+      path.open = surfaces_->open(path.ray, path.far);
+    else if (path.asks == Path::Asks::wall)
+      surfaces_->meet(
+          path.ray, [&](float opacity) { return path.ends_at(opacity); }, path.seed, path.wall,
+          path.wall_color);
+}
+
+void PathTracer::answer_values(std::span<Path> paths) const {
+  thread_local std::vector<math::Vec3d> points; // these three for the thread's life
+  thread_local std::vector<PathValue> found;
+  thread_local std::vector<Path*> asking;
+  points.clear();
+  asking.clear();
+  for (Path& path : paths)
+    if (path.asks == Path::Asks::value) {
+      points.push_back(path.place());
+      asking.push_back(&path);
+    }
+  if (settings_.locate == PathTracingSettings::Locate::batch) {
+    found.resize(points.size());
+    find_values(points, found);
+    for (std::size_t i = 0; i < asking.size(); ++i)
+      asking[i]->found = found[i];
+    return;
+  }
+  const bool hints = settings_.locate == PathTracingSettings::Locate::last_cell;
+  for (std::size_t i = 0; i < asking.size(); ++i)
+    asking[i]->found =
+        value_at(medium_.sampler().locate(points[i], hints ? asking[i]->found.cell : -1, options_));
+}
+
+void PathTracer::find_values(std::span<const math::Vec3d> points,
+                             std::span<PathValue> found) const {
+  thread_local std::vector<query::Location> locations; // kept for the thread's life
+  locations.resize(points.size());
+  medium_.sampler().locate_serial(points, locations, options_);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    found[i] = value_at(locations[i]);
 }
 
 } // namespace insitu::render

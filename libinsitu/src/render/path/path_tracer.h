@@ -14,10 +14,17 @@
 
 namespace insitu::render {
 
-/// How fine the grid of majorants is.
-inline MacrocellFineness fineness_of(const PathTracingSettings& settings) {
-  return {settings.cells_per_macrocell, PathTracingSettings::most_macrocells};
-}
+/// The majorants of a volume that is path traced: those of the settings, or the structures'.
+const Majorants& path_majorants(const query::Sampler& sampler, const VolumeSettings& volume,
+                                const PathTracingSettings& settings, Structures& structures);
+
+/// The field's value where a path stands.
+struct PathValue {
+  std::int64_t cell = -1; ///< that holds the place, flat; -1: none
+  double value = 0;
+};
+
+struct Path;
 
 /// Follows light through a volume, without bias: free flights by delta tracking (Woodcock et al.
 /// 1965) through the majorants of macrocells, transmittances of shadow rays by ratio tracking
@@ -29,10 +36,13 @@ inline MacrocellFineness fineness_of(const PathTracingSettings& settings) {
 /// Where a ray leaves the medium without a collision it shows the surface or background behind.
 class PathTracer {
 public:
-  /// Of a volume's settings those of marching (steps, lighting) are not used. Asks structures for
-  /// majorants, and for what is not culled if that is asked for (Culling::always). The sampler's
-  /// mesh, the clips and settings.sums must outlive it. Throws core::Error (INSITU_ERROR_ARGUMENT
-  /// or INSITU_ERROR_FIELD) for what is out of range.
+  /// Paths of so many pixels along each axis are traced together, which is the order of sums.
+  static constexpr int tile_side = 16;
+
+  /// Of a volume's settings those of marching (steps, lighting) and culling are not used. Asks
+  /// structures for majorants. The sampler's mesh (of which it may hold a part, see
+  /// query::Sampler::among), the clips and settings.sums must outlive it. Throws core::Error
+  /// (INSITU_ERROR_ARGUMENT or INSITU_ERROR_FIELD) for what is out of range.
   PathTracer(const query::Sampler& sampler, const VolumeSettings& volume,
              const PathTracingSettings& settings, const Camera& camera,
              const std::vector<Light>& lights, const std::vector<Clip>& clips,
@@ -52,23 +62,30 @@ public:
   }
 
   /// Draws pixels: rays, which come with their surface hits, get colour and alpha, and no hit is
-  /// left to blend. pixels: the number of each in the image, which with the sample keys the random
-  /// numbers. Thread-safe for different pixels; what a pixel gets depends on nothing else.
-  void trace(std::span<RayState> rays, std::span<const std::int64_t> pixels,
-             PathCounts& counts) const;
+  /// left to blend. RayState::pixel with the sample keys the random numbers. Thread-safe for
+  /// different pixels; what a pixel gets depends on the other rays by the order of sums alone.
+  void trace(std::span<RayState> rays, PathCounts& counts) const;
 
-  /// Where collisions are looked for, if culling is asked for; else null.
-  const query::CulledCells* culled() const { return culled_; }
+  // Of a frame of several processes, which answers what paths ask.
+
+  /// Sets the values at points.
+  void find_values(std::span<const math::Vec3d> points, std::span<PathValue> found) const;
+  /// Whether this process owns a flat cell that was found.
+  bool is_own(std::int64_t cell) const { return medium_.sampler().mesh().is_own(cell); }
 
 private:
   friend class PathWave;
 
+  void answer(std::span<Path> paths) const;
+  void answer_values(std::span<Path> paths) const;
+  PathValue value_at(const query::Location& location) const {
+    return {location.cell, location ? medium_.value(location) : 0.0};
+  }
   /// Narrows [near, far] to where the ray is within the mesh's bounds; false: nowhere.
   bool clip_to_bounds(const Ray& ray, double& near, double& far) const;
 
   PathTracingSettings settings_;
   std::int64_t first_sample_ = 0, stride_ = 1;
-  const query::CulledCells* culled_;
   Medium medium_;
   PathLights lights_;
   const std::vector<Clip>& clips_;

@@ -1,6 +1,9 @@
 #include "render/processes/frame_part.h"
 
+#include <array>
+#include <bit>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "core/status.h"
@@ -19,8 +22,6 @@ namespace {
 } // namespace
 
 void check_shared(const FrameSettings& s, bool has_halo) {
-  if (s.path_tracing)
-    refuse("traced paths");
   if (s.volume && s.volume->tolerance)
     refuse("a volume's steps by a tolerance");
   if (s.boundary && !has_halo)
@@ -37,9 +38,15 @@ void check_shared(const FrameSettings& s, bool has_halo) {
 }
 
 FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sampler,
-                                const FrameSettings& settings, Structures& structures,
+                                const FrameSettings& asked, Structures& structures,
                                 const core::Threads& threads, FrameStatistics* statistics) {
   const core::Timer timer;
+  FrameSettings settings; // with what is found out about the whole mesh
+  part.world.agree_after([&] {
+    check_shared(asked, part.has_halo);
+    settings = asked;
+  });
+  PathSums* const sums = settings.path_tracing ? settings.path_tracing->sums : nullptr;
   const bool several = settings.samples_per_pixel > 1, is_root = part.world.is_root();
   const core::CountedAllocator<float> counted(structures.memory(), INSITU_MEMORY_FRAME);
   const auto blank = [&] {
@@ -51,9 +58,12 @@ FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sam
   FrameImages images, one;
   std::optional<PixelAverage> average;
   std::optional<SharedFrame> frame;
-  part.world.agree_after([&] { check_shared(settings, part.has_halo); });
-  const SharedFrame::Known known(part, sampler, settings, structures);
+  const SharedFrame::Known known(part, sampler, settings, structures, threads);
   part.world.agree_after([&] {
+    if (settings.path_tracing)
+      settings.path_tracing->majorants = known.path_majorants.get();
+    if (sums)
+      sums->begin(settings.width, settings.height, is_root);
     average.emplace(settings);
     images = blank();
     if (settings.depth)
@@ -80,9 +90,15 @@ FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sam
     average->finish(images.color, threads);
   if (is_root)
     put_over_background(images.color, settings, threads);
+  if (sums)
+    sums->end(settings.path_tracing->samples);
+  auto paths = std::bit_cast<std::array<std::int64_t, 8>>(frame->path_counts());
+  if (settings.path_tracing)
+    part.world.reduce(std::span(paths), parallel::Reduction::sum);
   if (statistics) {
     *statistics = {};
     frame->add_to(*statistics);
+    statistics->paths = std::bit_cast<PathCounts>(paths);
     statistics->rays = std::int64_t(settings.width) * settings.height * settings.samples_per_pixel;
     statistics->prepare_seconds = prepared;
     statistics->seconds = timer.seconds();

@@ -32,7 +32,9 @@ struct FramePart {
 void check_shared(const FrameSettings& settings, bool has_halo);
 
 /// Draws a frame, to the bit as render_frame() draws that of the whole mesh on one process. Images
-/// are complete at the root and empty elsewhere; their cells are numbered by FramePart::key.
+/// are complete at the root and empty elsewhere; their cells are numbered by FramePart::key, and
+/// sums of traced paths have pixels at the root alone. PathCounts in the statistics are of all
+/// processes.
 /// Collective; the settings are the same on all processes but for fields and structures. The
 /// sampler's facts() are those of the whole mesh; its cells may be none. Throws AgreedError.
 FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sampler,

@@ -11,11 +11,12 @@
 namespace insitu::render {
 
 /// Pixels [x0, x1) x [y0, y1) of an image, which a process owns. Its rays are numbered part by part
-/// of part_side x part_side pixels, row by row within a part, as they are marched together.
+/// of part_side x part_side pixels, row by row within a part, as they are drawn together.
 struct FrameTile {
-  static constexpr int side = 64, part_side = 32, most_rays = side * side;
+  static constexpr int side = 64, marched_side = 32, most_rays = side * side;
 
   int x0, y0, x1, y1, owner;
+  int part_side = marched_side;
 
   std::size_t rays() const { return std::size_t(x1 - x0) * std::size_t(y1 - y0); }
   struct Part {
@@ -48,7 +49,8 @@ struct FrameTile {
 /// The tiles of an image in groups that are drawn one after the other. A group's tiles lie far from
 /// each other, so that all processes have some of what is there, and go round the processes.
 inline std::vector<std::vector<FrameTile>> tile_groups(int width, int height, int processes,
-                                                       std::int64_t tiles_a_group) {
+                                                       std::int64_t tiles_a_group,
+                                                       int part_side = FrameTile::marched_side) {
   constexpr int side = FrameTile::side;
   const std::int64_t columns = (width + side - 1) / side, rows = (height + side - 1) / side;
   const std::int64_t tiles = columns * rows, groups = (tiles + tiles_a_group - 1) / tiles_a_group;
@@ -58,7 +60,8 @@ inline std::vector<std::vector<FrameTile>> tile_groups(int width, int height, in
     for (std::int64_t tile = g; tile < tiles; tile += groups) {
       const int x0 = int(tile % columns) * side, y0 = int(tile / columns) * side;
       all[std::size_t(g)].push_back({x0, y0, std::min(x0 + side, width),
-                                     std::min(y0 + side, height), int(dealt++ % processes)});
+                                     std::min(y0 + side, height), int(dealt++ % processes),
+                                     part_side});
     }
   return all;
 }

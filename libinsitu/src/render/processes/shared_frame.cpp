@@ -18,13 +18,19 @@ bool sends_rays(const Lighting& lighting) {
 } // namespace
 
 SharedFrame::Known::Known(const FramePart& part, const query::Sampler& sampler,
-                          const FrameSettings& settings, Structures& structures) {
-  if (sends_rays(settings.lighting)) {
+                          const FrameSettings& settings, Structures& structures,
+                          const core::Threads& threads) {
+  const bool traces = settings.volume && settings.path_tracing;
+  if (sends_rays(settings.lighting) || traces) {
     std::vector<mesh::Box> boxes;
+    query::Directory gathered;
     part.world.agree_after([&] { boxes = query::boxes_of(sampler.tree()); });
-    where.gather(boxes, part.world);
+    gathered.gather(boxes, part.world);
+    part.world.agree_after([&] { where.emplace(gathered, mesh_diagonal(sampler)); });
   }
-  if (settings.volume)
+  if (traces)
+    path_majorants = whole_path_majorants(part, sampler, settings, structures, threads);
+  else if (settings.volume)
     know_volume(part, sampler, settings, structures);
 }
 
@@ -55,7 +61,8 @@ SharedFrame::SharedFrame(const FramePart& part, const query::Sampler& sampler,
                          const core::Threads& threads)
     : part_(part), sampler_(sampler), settings_(settings), threads_(threads),
       rays_(settings.camera, settings.width, settings.height), mail_(part.world, part.most_bytes) {
-  if (settings.volume) {
+  const bool traces = settings.volume && settings.path_tracing;
+  if (settings.volume && !traces) {
     volume_.emplace(sampler, *settings.volume, known.volume, settings.lighting,
                     !settings.clips.empty());
     volume_->take_part();
@@ -64,29 +71,64 @@ SharedFrame::SharedFrame(const FramePart& part, const query::Sampler& sampler,
   if (!settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
       settings.outline)
     surfaces_.emplace(sampler, settings, structures, Surfaces::Parts::shared);
-  if (surfaces_ && volume_ && settings.lighting.volume_shadows)
+  const bool meets = surfaces_ && settings.lighting.volume_shadows;
+  if (meets && volume_)
     volume_->set_surfaces(&*surfaces_);
-  if (hits_send_rays() || (volume_ && volume_->light_shader()))
-    light_.emplace(part, settings, *surfaces_, known.where, mesh_diagonal(sampler), mail_, threads);
+  if (hits_send_rays() || (volume_ && volume_->light_shader()) || (meets && traces))
+    light_.emplace(part, settings, *surfaces_, *known.where, mail_, threads);
+  if (traces)
+    begin_paths(known, meets, structures);
+  groups_ = tile_groups(settings.width, settings.height, part.world.size(), tiles_a_group(),
+                        traces ? PathTracer::tile_side : FrameTile::marched_side);
+}
+
+/// So many that about most_bytes are on their way at a time; with paths, that those of a process's
+/// tiles take about as much there.
+std::int64_t SharedFrame::tiles_a_group() const {
+  const auto most = std::int64_t(part_.most_bytes);
+  if (tracer_) {
+    const std::int64_t paths = std::int64_t(SharedPaths::bytes_a_tile / sizeof(Path));
+    const std::int64_t on_the_way = paths * (bytes_a_path_place + bytes_a_path_value);
+    return std::clamp<std::int64_t>(part_.world.size() *
+                                        (most / std::int64_t(SharedPaths::bytes_a_tile)),
+                                    1, std::max<std::int64_t>(1, most / on_the_way));
+  }
   const std::int64_t bytes_a_ray =
       depth_ *
       (bytes_a_sample + bytes_a_change + (volume_ && volume_->is_lit() ? bytes_a_gradient : 0) +
        (volume_ && volume_->is_lit_by_place() ? bytes_a_place : 0));
-  const auto most_tiles = std::int64_t(part.most_bytes) / (bytes_a_ray * FrameTile::most_rays);
-  groups_ = tile_groups(settings.width, settings.height, part.world.size(),
-                        std::max<std::int64_t>(1, most_tiles));
+  return std::max<std::int64_t>(1, most / (bytes_a_ray * FrameTile::most_rays));
+}
+
+void SharedFrame::begin_paths(const Known& known, bool meet_surfaces, Structures& structures) {
+  PathTracingSettings tracing = *settings_.path_tracing;
+  const PathSums* const sums = tracing.sums;
+  tracing.sums = nullptr; // the root adds up
+  tracer_.emplace(sampler_, *settings_.volume, tracing, settings_.camera, settings_.lighting.lights,
+                  settings_.clips, structures, threads_);
+  tracer_->set_samples(tracing.samples, sums ? sums->samples : 0, 1,
+                       settings_.depth || settings_.cell);
+  if (meet_surfaces)
+    tracer_->set_surfaces(&*surfaces_);
+  paths_.emplace(part_, settings_, *tracer_, meet_surfaces ? &*surfaces_ : nullptr,
+                 meet_surfaces ? &*light_ : nullptr, *known.where, mail_, threads_);
 }
 
 void SharedFrame::set_sample(const PixelAverage::Sample& sample) {
   sample_ = std::uint64_t(sample.number);
   if (sample.number > 0)
     rays_ = RayGenerator(settings_.camera, settings_.width, settings_.height).shifted(sample.at);
+  if (tracer_)
+    tracer_->set_samples(sample.paths, sample.first_path, settings_.samples_per_pixel,
+                         sample.number == 0 && (settings_.depth || settings_.cell));
 }
 
 void SharedFrame::draw(FrameImages& images) {
   for (const std::vector<FrameTile>& group : groups_) {
     group_ = &group;
     find_hits();
+    if (paths_)
+      trace_paths();
     if (volume_)
       march();
     finish(images);
@@ -168,7 +210,7 @@ void SharedFrame::find_hits() {
     for (const TileParcel& parcel : received) {
       OwnTile& tile = own_of(parcel.slot);
       tile.sources.push_back(parcel.rank);
-      read_hits(parcel.reader(), hits_send_rays(), parcel.rank, tile.rays);
+      read_hits(parcel.reader(), hits_send_rays(), parcel.rank, {}, tile.rays);
     }
   });
   part_.world.agree_after([&] { for_tiles(own_count_, [&](std::size_t i) { order(own_[i]); }); });
@@ -219,21 +261,32 @@ void SharedFrame::order(OwnTile& tile) {
   surface_counts_ += counts;
 }
 
+void SharedFrame::trace_paths() {
+  std::vector<SharedPaths::Tile> tiles;
+  part_.world.agree_after([&] {
+    tiles.resize(own_count_);
+    for (std::size_t i = 0; i < own_count_; ++i) {
+      tiles[i].slot = own_[i].slot;
+      for (const FrameTile::Part& part : tile_of(own_[i].slot).parts())
+        tiles[i].parts.push_back(rays_of(own_[i]).subspan(part.first_ray, part.rays()));
+    }
+  });
+  paths_->trace(tiles);
+}
+
 /// Blends what hits are left and sends the pixels to the root.
 void SharedFrame::finish(FrameImages& images) {
   std::vector<TileParcel> parcels;
   part_.world.agree_after([&] {
     parcels.resize(own_count_);
-    for_tiles(own_count_, [&](std::size_t i) { parcels[i] = finish(own_[i]); });
+    for_tiles(own_count_, [&](std::size_t i) { parcels[i] = finish(i); });
   });
   mail_.exchange_in_turns(std::move(parcels), [&](const std::vector<TileParcel>& received) {
     for (const TileParcel& parcel : received) {
       ByteReader reader = parcel.reader();
       tile_of(parcel.slot).for_each_ray([&](std::size_t, int x, int y) {
-        float* const pixel = images.color.pixel(x, y);
-        for (int c = 0; c < 4; ++c)
-          pixel[c] = reader.value<float>();
         const auto at = std::size_t(y) * std::size_t(settings_.width) + std::size_t(x);
+        read_pixel(reader, at, images.color.pixel(x, y));
         if (settings_.depth) // of the first sample of pixels alone
           if (const auto depth = reader.value<float>(); !images.depth.empty())
             images.depth[at] = depth;
@@ -245,20 +298,19 @@ void SharedFrame::finish(FrameImages& images) {
   });
 }
 
-TileParcel SharedFrame::finish(OwnTile& tile) {
+TileParcel SharedFrame::finish(std::size_t own) {
   thread_local ByteWriter writer; // for the thread's life
   writer.clear();
   VolumeCounts counts;
+  OwnTile& tile = own_[own];
   const std::span<RayState> rays = rays_of(tile);
   if (volume_)
     volume_->finish(rays, *tile.progress);
-  for (RayState& state : rays) {
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    RayState& state = rays[r];
     while (state.next_hit < state.hits.size() && !state.is_saturated())
       state.blend_next_hit();
-    writer.value(state.color.r);
-    writer.value(state.color.g);
-    writer.value(state.color.b);
-    writer.value(state.alpha);
+    write_pixel(own, r, writer);
     if (settings_.depth)
       writer.value(float(state.depth));
     if (settings_.cell)
@@ -268,6 +320,43 @@ TileParcel SharedFrame::finish(OwnTile& tile) {
   }
   count(counts);
   return {0, tile.slot, writer.bytes()};
+}
+
+/// Whether the root adds up the samples of paths of frames before.
+bool SharedFrame::adds_up() const {
+  return paths_ && settings_.path_tracing->sums && settings_.samples_per_pixel == 1;
+}
+
+/// Colour and alpha; or, to be added up, whether there are sums of samples, and these.
+void SharedFrame::write_pixel(std::size_t own, std::size_t ray, ByteWriter& to) const {
+  const PathSums::Pixel* sum = nullptr;
+  if (adds_up()) {
+    sum = paths_->sum(own, ray);
+    to.value(std::uint8_t(sum != nullptr));
+  }
+  if (sum) {
+    to.value(*sum);
+    return;
+  }
+  const RayState& state = own_[own].rays[ray];
+  to.value(state.color.r);
+  to.value(state.color.g);
+  to.value(state.color.b);
+  to.value(state.alpha);
+}
+
+void SharedFrame::read_pixel(ByteReader& from, std::size_t at, float* pixel) const {
+  if (!adds_up() || !from.value<std::uint8_t>()) {
+    for (int c = 0; c < 4; ++c)
+      pixel[c] = from.value<float>();
+    return;
+  }
+  PathSums& sums = *settings_.path_tracing->sums;
+  const PathSums::Pixel sum = sums.add(at, from.value<PathSums::Pixel>());
+  const auto samples = double(sums.samples + settings_.path_tracing->samples);
+  const double means[4] = {sum.r / samples, sum.g / samples, sum.b / samples, sum.alpha / samples};
+  for (int c = 0; c < 4; ++c)
+    pixel[c] = float(means[c]);
 }
 
 } // namespace insitu::render

@@ -10,6 +10,7 @@
 #include "render/processes/frame_part.h"
 #include "render/processes/frame_tiles.h"
 #include "render/processes/shared_light.h"
+#include "render/processes/shared_paths.h"
 #include "render/processes/tile_data.h"
 #include "render/processes/tile_mail.h"
 #include "render/surface/surfaces.h"
@@ -23,9 +24,10 @@ public:
   /// What the processes find out beforehand. Collective.
   struct Known {
     Known(const FramePart& part, const query::Sampler& sampler, const FrameSettings& settings,
-          Structures& structures);
+          Structures& structures, const core::Threads& threads);
     VolumeStructures volume;
-    query::Directory where; ///< of each process's cells, if rays of light are sent
+    std::unique_ptr<Majorants> path_majorants; ///< if the volume is path traced
+    std::optional<CellBoxes> where;            ///< if rays of light are sent, or paths traced
 
   private:
     void know_volume(const FramePart& part, const query::Sampler& sampler,
@@ -33,7 +35,8 @@ public:
     std::unique_ptr<Majorants> majorants_;
   };
 
-  /// All must outlive it. Not collective; throws core::Error.
+  /// All must outlive it; path tracing in the settings knows the majorants. Not collective; throws
+  /// core::Error.
   SharedFrame(const FramePart& part, const query::Sampler& sampler, const FrameSettings& settings,
               const Known& known, Structures& structures, const core::Threads& threads);
 
@@ -43,6 +46,7 @@ public:
   void draw(FrameImages& images);
   /// What was done here, so far. Not collective.
   void add_to(FrameStatistics& statistics) const;
+  PathCounts path_counts() const { return paths_ ? paths_->counts() : PathCounts{}; }
 
 private:
   /// A tile's rays at the process that owns it.
@@ -63,6 +67,8 @@ private:
     std::vector<std::vector<std::uint16_t>> open; ///< by part: rays that have not ended
   };
 
+  std::int64_t tiles_a_group() const;
+  void begin_paths(const Known& known, bool meet_surfaces, Structures& structures);
   void begin(const FrameTile& tile, std::vector<RayState>& rays) const;
   void begin_group();
   template <class Work>
@@ -82,11 +88,13 @@ private:
   void order(OwnTile& tile);
   void light_hits();
   bool hits_send_rays() const { return surfaces_ && surfaces_->light_shader(); }
-  void take_points(const OwnTile& tile, std::span<const Surfaces::Seen> seen, std::size_t next,
-                   SharedLight::Batch& batch);
   void finish(FrameImages& images);
-  TileParcel finish(OwnTile& tile);
+  TileParcel finish(std::size_t own);
+  bool adds_up() const;
+  void write_pixel(std::size_t own, std::size_t ray, ByteWriter& to) const;
+  void read_pixel(ByteReader& from, std::size_t at, float* pixel) const;
 
+  void trace_paths();
   void march();
   void tell_ends();
   void start(NearTile& near) const;
@@ -122,7 +130,9 @@ private:
   int depth_ = ClaimReader::most_depth; ///< samples of a ray in a round
   std::vector<std::vector<FrameTile>> groups_;
   TileMail mail_;
-  std::optional<SharedLight> light_; ///< if hits or samples send rays
+  std::optional<SharedLight> light_; ///< if hits or samples send rays, or paths meet surfaces
+  std::optional<PathTracer> tracer_;
+  std::optional<SharedPaths> paths_;
   // Of the group that is being drawn; vectors keep their memory.
   const std::vector<FrameTile>* group_ = nullptr;
   std::vector<OwnTile> own_;

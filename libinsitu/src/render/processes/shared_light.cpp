@@ -10,45 +10,16 @@ namespace insitu::render {
 
 using math::Vec3d;
 
-namespace {
-
-/// A box is met by rays that pass it by no more than this part of the mesh's diagonal.
-constexpr double slack = 1e-9;
-
-} // namespace
-
 /// What was asked of whom, about a batch.
 struct SharedLight::Asked {
   std::vector<std::vector<std::uint32_t>> points; ///< by process: the points that it got
 };
 
 SharedLight::SharedLight(const FramePart& part, const FrameSettings& settings,
-                         const Surfaces& surfaces, const query::Directory& where, double diagonal,
-                         TileMail& mail, const core::Threads& threads)
-    : part_(part), settings_(settings), surfaces_(surfaces), mail_(mail), threads_(threads) {
-  const Vec3d more = slack * diagonal * Vec3d{1, 1, 1};
-  for (int process = 0; process < where.size(); ++process) {
-    std::vector<mesh::Box>& boxes = where_.emplace_back();
-    mesh::Box& all = all_.emplace_back();
-    for (mesh::Box box : where.boxes(process)) {
-      box.low = box.low - more;
-      box.high = box.high + more;
-      boxes.push_back(box);
-      all = boxes.size() == 1 ? box : all;
-      all.extend(box);
-    }
-  }
-}
-
-bool SharedLight::may_meet(int process, const Ray& ray, double t_max) const {
-  const std::vector<mesh::Box>& boxes = where_[std::size_t(process)];
-  const auto meets = [&](const mesh::Box& box) {
-    const std::optional<Stretch> in = stretch_in_box(ray, box.low, box.high);
-    return in && in->to >= 0 && in->from <= t_max;
-  };
-  return !boxes.empty() && meets(all_[std::size_t(process)]) &&
-         std::any_of(boxes.begin(), boxes.end(), meets);
-}
+                         const Surfaces& surfaces, const CellBoxes& where, TileMail& mail,
+                         const core::Threads& threads)
+    : part_(part), settings_(settings), surfaces_(surfaces), mail_(mail), threads_(threads),
+      where_(where) {}
 
 void SharedLight::count(const SurfaceCounts& counts) {
   const std::lock_guard lock(mutex_);
@@ -83,7 +54,7 @@ void SharedLight::ask(const Shader& shader, const VolumeShadow* shadow, std::spa
           const auto begin = rays[b]->all.begin() + rays[b]->first[i],
                      end = rays[b]->all.begin() + rays[b]->first[i + 1];
           if (std::none_of(begin, end, [&](const Rays::One& one) {
-                return may_meet(int(p), one.ray, one.t_max);
+                return where_.may_meet(int(p), one.ray, one.t_max);
               }))
             continue;
           const LightPoint& point = batch.points[i];
@@ -152,45 +123,104 @@ void SharedLight::ask(const Shader& shader, const VolumeShadow* shadow, std::spa
   });
 }
 
+void SharedLight::light(std::span<const Seen> tiles) {
+  const Shader& shader = *surfaces_.light_shader();
+  std::vector<Batch> batches;
+  std::vector<std::size_t> next;
+  const auto for_each = [&](auto&& work) {
+    threads_.parallel_for(std::int64_t(tiles.size()), 1, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t i = begin; i < end; ++i)
+        work(std::size_t(i));
+    });
+  };
+  part_.world.agree_after([&] {
+    batches.resize(tiles.size());
+    next.resize(tiles.size());
+  });
+  for (;;) {
+    std::int64_t left = 0;
+    for (std::size_t i = 0; i < tiles.size(); ++i)
+      left += std::int64_t(tiles[i].hits.size() - next[i]);
+    part_.world.reduce(std::span(&left, 1), parallel::Reduction::greatest);
+    if (left == 0)
+      return;
+    part_.world.agree_after(
+        [&] { for_each([&](std::size_t i) { take_points(tiles[i], next[i], batches[i]); }); });
+    ask(shader, surfaces_.volume_shadow(), batches);
+    part_.world.agree_after([&] {
+      for_each([&](std::size_t i) {
+        const double* open = batches[i].open.data();
+        const auto next_open = [&](int) { return *open++; };
+        for (const LightPoint& point : batches[i].points)
+          Surfaces::shade(*tiles[i].hits[next[i]++].hit, shader.factor(point.at, next_open));
+      });
+    });
+  }
+}
+
+/// The next hits, with not too many rays.
+void SharedLight::take_points(const Seen& seen, std::size_t next, Batch& batch) {
+  SurfaceCounts counts;
+  std::size_t rays = 0;
+  batch.slot = seen.slot;
+  batch.points.clear();
+  for (; next < seen.hits.size() && rays < rays_at_once; ++next) {
+    const SurfaceHit& hit = *seen.hits[next].hit;
+    batch.points.push_back(
+        {surfaces_.point_of(seen.hits[next], counts), hit.surface, hit.process, hit.process_cell});
+    rays += surfaces_.light_shader()->most_rays();
+  }
+  counts.lit += std::int64_t(batch.points.size());
+  count(counts);
+}
+
 /// Puts the answers about a batch together.
 void SharedLight::follow(Batch& batch, const Rays& rays, std::span<const TileParcel> answers,
                          Asked& asked) const {
   batch.open.assign(rays.all.size(), 1.0);
-  std::vector<std::pair<std::uint32_t, SurfaceHit>> met; // by ray
-  for (const TileParcel& parcel : answers) {
-    if (parcel.slot != batch.slot)
-      continue;
-    const std::vector<std::uint32_t>& points = asked.points[std::size_t(parcel.rank)];
-    std::size_t count = 0, at = 0;
-    for (const std::uint32_t i : points)
-      count += rays.first[i + 1] - rays.first[i];
-    ByteReader reader = parcel.reader();
-    const auto bits = reader.array<std::uint64_t>(words_of(count));
-    for (const std::uint32_t i : points)
-      for (std::uint32_t r = rays.first[i]; r < rays.first[i + 1]; ++r, ++at) {
-        if (!(bits[at / 64] >> (at % 64) & 1))
-          continue;
-        const auto hits = reader.value<std::uint32_t>();
-        if (hits == ray_ends)
-          batch.open[r] = 0;
-        for (std::uint32_t h = 0; hits != ray_ends && h < hits; ++h)
-          met.emplace_back(r, reader.value<SentMeeting>().hit());
-      }
-  }
+  Met met;
+  for (const TileParcel& parcel : answers)
+    if (parcel.slot == batch.slot) {
+      ByteReader reader = parcel.reader();
+      read_met(reader, rays, asked.points[std::size_t(parcel.rank)], batch.open, met);
+    }
+  pass(rays, met, batch.open);
+}
+
+void SharedLight::read_met(ByteReader& from, const Rays& rays,
+                           std::span<const std::uint32_t> points, std::vector<double>& open,
+                           Met& met) {
+  std::size_t count = 0, at = 0;
+  for (const std::uint32_t i : points)
+    count += rays.first[i + 1] - rays.first[i];
+  const auto bits = from.array<std::uint64_t>(words_of(count));
+  for (const std::uint32_t i : points)
+    for (std::uint32_t r = rays.first[i]; r < rays.first[i + 1]; ++r, ++at) {
+      if (!(bits[at / 64] >> (at % 64) & 1))
+        continue;
+      const auto hits = from.value<std::uint32_t>();
+      if (hits == ray_ends)
+        open[r] = 0;
+      for (std::uint32_t h = 0; hits != ray_ends && h < hits; ++h)
+        met.emplace_back(r, from.value<SentMeeting>().hit());
+    }
+}
+
+void SharedLight::pass(const Rays& rays, Met& met, std::vector<double>& open) const {
   std::stable_sort(met.begin(), met.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<SurfaceHit> hits;
   std::vector<Stretch> stays;
   std::size_t next = 0;
-  for (std::uint32_t r = 0; r < batch.open.size(); ++r) {
+  for (std::uint32_t r = 0; r < open.size(); ++r) {
     hits.clear();
     for (; next < met.size() && met[next].first == r; ++next)
       hits.push_back(met[next].second);
-    if (!(batch.open[r] > 0) || (hits.empty() && settings_.bodies.empty()))
+    if (!(open[r] > 0) || (hits.empty() && settings_.bodies.empty()))
       continue;
     const Rays::One& one = rays.all[r];
     clip_ray(settings_.clips, one.ray, 0, one.t_max, stays);
-    batch.open[r] = surfaces_.open({one.ray, &stays}, hits);
+    open[r] = surfaces_.open({one.ray, &stays}, hits);
   }
 }
 

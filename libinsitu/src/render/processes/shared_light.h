@@ -3,9 +3,10 @@
 #include <cstdint>
 #include <mutex>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "query/directory.h"
+#include "render/processes/cell_boxes.h"
 #include "render/processes/frame_part.h"
 #include "render/processes/tile_mail.h"
 #include "render/surface/surfaces.h"
@@ -27,10 +28,9 @@ constexpr std::int64_t bytes_a_light_point = 80, bytes_a_light_hit = 40, bytes_a
 /// process that asked puts that in order.
 class SharedLight {
 public:
-  /// All must outlive it. where: each process's cells.
+  /// All must outlive it.
   SharedLight(const FramePart& part, const FrameSettings& settings, const Surfaces& surfaces,
-              const query::Directory& where, double diagonal, TileMail& mail,
-              const core::Threads& threads);
+              const CellBoxes& where, TileMail& mail, const core::Threads& threads);
 
   /// Points of a tile that this process owns, and what comes through their rays: point by point, in
   /// the order of Shader::send().
@@ -39,17 +39,40 @@ public:
     std::vector<LightPoint> points;
     std::vector<double> open;
   };
+  /// Of a tile about so many rays at a time: a megabyte and a half.
+  static constexpr std::size_t rays_at_once = std::size_t(1) << 15;
   /// Follows the rays that the shader sends, through surfaces, and through the volume too if it
   /// casts a shadow. Collective; at most a batch a tile.
   void ask(const Shader& shader, const VolumeShadow* shadow, std::span<Batch> batches);
+
+  /// Hits of a tile that this process owns, which are to be lit.
+  struct Seen {
+    std::uint32_t slot = 0;
+    std::vector<Surfaces::Seen> hits;
+  };
+  /// Lights them by the rays that the surfaces' shader sends. Collective; at most one a tile.
+  void light(std::span<const Seen> tiles);
+
+  // What rays meet, for those who send them with something else.
+
+  struct Rays;
+  using Met = std::vector<std::pair<std::uint32_t, SurfaceHit>>; ///< by ray
+  /// Writes what rays meet in this process's cells: a bit for each that meets something, and of
+  /// those how many hits, and these. starts: of the points of the rays, or empty.
+  void write_met(const Rays& rays, std::span<const SecondaryStart> starts, SurfaceCounts& counts,
+                 ByteWriter& to) const;
+  /// Adds what a process has written of the rays of these points: rays that are not open, and hits.
+  static void read_met(ByteReader& from, const Rays& rays, std::span<const std::uint32_t> points,
+                       std::vector<double>& open, Met& met);
+  /// What comes past the hits of all processes, and bodies.
+  void pass(const Rays& rays, Met& met, std::vector<double>& open) const;
 
   /// What was done here, so far. Not collective.
   const SurfaceCounts& counts() const { return counts_; }
 
 private:
-  struct Rays;
   struct Asked;
-  bool may_meet(int process, const Ray& ray, double t_max) const;
+  void take_points(const Seen& seen, std::size_t next, Batch& batch);
   void follow(Batch& batch, const Rays& rays, std::span<const TileParcel> answers,
               Asked& asked) const;
   void darken(Batch& batch, const Rays& rays, std::span<const TileParcel> answers,
@@ -64,8 +87,7 @@ private:
   const Surfaces& surfaces_;
   TileMail& mail_;
   const core::Threads& threads_;
-  std::vector<std::vector<mesh::Box>> where_; ///< by process, widened against rounding
-  std::vector<mesh::Box> all_;                ///< around these
+  const CellBoxes& where_;
   std::mutex mutex_;
   SurfaceCounts counts_; ///< under the mutex
 };

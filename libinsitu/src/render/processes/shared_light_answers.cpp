@@ -22,19 +22,26 @@ struct Received {
 
 } // namespace
 
-/// What rays meet here: a bit for each that meets something, and of those how many hits, and these.
 std::vector<std::byte> SharedLight::answer(const Shader& shader, const TileParcel& asked) {
-  thread_local std::vector<Stretch> stays[RayCells::most]; // these two for the thread's life
-  thread_local std::vector<SurfaceHit> hits[RayCells::most];
   const Received received(asked);
   SurfaceCounts counts, sent;
   const Rays rays(
       shader, received.points.size(),
       [&](std::size_t i) -> const SurfacePoint& { return received.points[i]; }, sent);
-  struct Met {
+  ByteWriter writer;
+  write_met(rays, received.starts, counts, writer);
+  count(counts);
+  return writer.bytes();
+}
+
+void SharedLight::write_met(const Rays& rays, std::span<const SecondaryStart> starts,
+                            SurfaceCounts& counts, ByteWriter& to) const {
+  thread_local std::vector<Stretch> stays[RayCells::most]; // these two for the thread's life
+  thread_local std::vector<SurfaceHit> hits[RayCells::most];
+  struct Where {
     std::uint32_t count = 0, first = 0;
   };
-  std::vector<Met> met(rays.all.size());
+  std::vector<Where> met(rays.all.size());
   std::vector<SentMeeting> found;
   LightRay light[RayCells::most];
   for (const std::vector<std::uint32_t>& stream : rays.streams)
@@ -42,12 +49,12 @@ std::vector<std::byte> SharedLight::answer(const Shader& shader, const TileParce
       const std::size_t count = std::min<std::size_t>(RayCells::most, stream.size() - first);
       for (std::size_t i = 0; i < count; ++i) {
         const Rays::One& one = rays.all[stream[first + i]];
-        light[i] = {one.ray, &stays[i], &received.starts[one.point]};
+        light[i] = {one.ray, &stays[i], starts.empty() ? nullptr : &starts[one.point]};
         clip_ray(settings_.clips, one.ray, 0, one.t_max, stays[i]);
       }
       const unsigned ended = surfaces_.collect(std::span(light, count), hits, counts);
       for (std::size_t i = 0; i < count; ++i) {
-        Met& at = met[stream[first + i]];
+        Where& at = met[stream[first + i]];
         at.first = std::uint32_t(found.size());
         at.count = ended >> i & 1 ? ray_ends : std::uint32_t(hits[i].size());
         if (at.count != ray_ends)
@@ -55,19 +62,16 @@ std::vector<std::byte> SharedLight::answer(const Shader& shader, const TileParce
             found.emplace_back(hit, part_.key(hit.cell));
       }
     }
-  count(counts);
-  ByteWriter writer;
   std::vector<std::uint64_t> bits(words_of(met.size()));
   for (std::size_t r = 0; r < met.size(); ++r)
     bits[r / 64] |= std::uint64_t(met[r].count > 0) << (r % 64);
-  writer.array(std::span<const std::uint64_t>(bits));
-  for (const Met& at : met)
+  to.array(std::span<const std::uint64_t>(bits));
+  for (const Where& at : met)
     if (at.count > 0) {
-      writer.value(at.count);
+      to.value(at.count);
       if (at.count != ray_ends)
-        writer.array(std::span<const SentMeeting>(found).subspan(at.first, at.count));
+        to.array(std::span<const SentMeeting>(found).subspan(at.first, at.count));
     }
-  return writer.bytes();
 }
 
 /// The samples of the volume that show here, of the rays that are open: how many, and these.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "render/processes/shared_light.h"
@@ -61,6 +62,12 @@ struct SharedLight::Rays {
           counts);
     }
     first.push_back(std::uint32_t(all.size()));
+  }
+  /// Rays that are given, one a point.
+  explicit Rays(std::vector<One> rays) : all(std::move(rays)), streams(1) {
+    for (std::uint32_t i = 0; i <= all.size(); ++i)
+      first.push_back(i);
+    streams[0].assign(first.begin(), first.end() - 1);
   }
 };
 

@@ -6,67 +6,20 @@
 /// What rays of light reach of the surfaces and the volume of a frame of several processes.
 namespace insitu::render {
 
-namespace {
-
-/// Rays of light of a tile that are followed at a time: a megabyte and a half.
-constexpr std::size_t light_rays_at_once = std::size_t(1) << 15;
-
-} // namespace
-
 /// Lights the hits of own tiles by rays that all processes follow.
 void SharedFrame::light_hits() {
-  const Shader& shader = *surfaces_->light_shader();
-  std::vector<SharedLight::Batch> batches;
-  std::vector<std::vector<Surfaces::Seen>> seen;
-  std::vector<std::size_t> next;
+  std::vector<SharedLight::Seen> seen;
   part_.world.agree_after([&] {
-    batches.resize(own_count_);
     seen.resize(own_count_);
-    next.resize(own_count_);
-    for_tiles(own_count_, [&](std::size_t i) { surfaces_->see(rays_of(own_[i]), seen[i]); });
+    for_tiles(own_count_, [&](std::size_t i) {
+      seen[i].slot = own_[i].slot;
+      surfaces_->see(rays_of(own_[i]), seen[i].hits);
+    });
   });
-  for (;;) {
-    std::int64_t left = 0;
-    for (std::size_t i = 0; i < own_count_; ++i)
-      left += std::int64_t(seen[i].size() - next[i]);
-    part_.world.reduce(std::span(&left, 1), parallel::Reduction::greatest);
-    if (left == 0)
-      break;
-    part_.world.agree_after([&] {
-      for_tiles(own_count_,
-                [&](std::size_t i) { take_points(own_[i], seen[i], next[i], batches[i]); });
-    });
-    light_->ask(shader, surfaces_->volume_shadow(), batches);
-    part_.world.agree_after([&] {
-      for_tiles(own_count_, [&](std::size_t i) {
-        SharedLight::Batch& batch = batches[i];
-        const double* open = batch.open.data();
-        const auto next_open = [&](int) { return *open++; };
-        for (const LightPoint& point : batch.points)
-          Surfaces::shade(*seen[i][next[i]++].hit, shader.factor(point.at, next_open));
-      });
-    });
-  }
+  light_->light(seen);
   part_.world.agree_after([&] {
     for_tiles(own_count_, [&](std::size_t i) { surfaces_->add_lines(rays_of(own_[i])); });
   });
-}
-
-/// The next hits, with not too many rays.
-void SharedFrame::take_points(const OwnTile& tile, std::span<const Surfaces::Seen> seen,
-                              std::size_t next, SharedLight::Batch& batch) {
-  SurfaceCounts counts;
-  std::size_t rays = 0;
-  batch.slot = tile.slot;
-  batch.points.clear();
-  for (; next < seen.size() && rays < light_rays_at_once; ++next) {
-    const SurfaceHit& hit = *seen[next].hit;
-    batch.points.push_back(
-        {surfaces_->point_of(seen[next], counts), hit.surface, hit.process, hit.process_cell});
-    rays += surfaces_->light_shader()->most_rays();
-  }
-  const std::lock_guard lock(mutex_);
-  surface_counts_.lit += std::int64_t(batch.points.size());
 }
 
 /// The points of the next claims that are to be lit, with not too many rays; and of each of these
@@ -78,7 +31,7 @@ void SharedFrame::take_points(const OwnTile& tile, ClaimReader ahead, const Roun
   batch.slot = tile.slot;
   batch.points.clear();
   lit.clear();
-  while (sent < light_rays_at_once && ahead.next()) {
+  while (sent < SharedLight::rays_at_once && ahead.next()) {
     const std::size_t r = ahead.ray();
     const std::uint32_t wanted =
         round.is_thin ? 1u

@@ -34,7 +34,8 @@ void write_hits(std::span<const RayState> rays, const CellKey& key, bool with_st
     }
 }
 
-void read_hits(ByteReader from, bool with_starts, int process, std::span<RayState> rays) {
+void read_hits(ByteReader from, bool with_starts, int process, std::span<const std::uint32_t> which,
+               std::span<RayState> rays) {
   while (!from.at_end()) {
     const auto sent = from.value<SentHit>();
     SurfaceHit hit = sent.met.hit();
@@ -46,7 +47,7 @@ void read_hits(ByteReader from, bool with_starts, int process, std::span<RayStat
       hit.process_cell = start.cell;
       hit.clearance = start.clearance;
     }
-    rays[sent.ray].hits.push_back(hit);
+    rays[which.empty() ? sent.ray : which[sent.ray]].hits.push_back(hit);
   }
 }
 

@@ -24,6 +24,7 @@ void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, st
   }
   if (geometry != geometry_) {
     vertex_cells_.value.reset();
+    cell_widths_.reset();
     averages_.clear();
     value_ranges_.clear();
     gradients_.clear();
@@ -147,18 +148,40 @@ ScalarRange Structures::scalar_range(const ScalarField& field) {
   return *entry.value;
 }
 
-const Macrocells& Structures::macrocells(const ScalarField& field,
-                                         const MacrocellFineness& fineness) {
+Structures::GridKey Structures::with(const Key& key, const MacrocellGrid* grid) {
+  std::vector<double> numbers;
+  if (grid)
+    for (int a = 0; a < 3; ++a)
+      for (const double number :
+           {grid->low[a], grid->size[a], double(grid->counts[std::size_t(a)])})
+        numbers.push_back(number);
+  return {key, numbers};
+}
+
+const Macrocells& Structures::macrocells(const ScalarField& field, const MacrocellGrid* grid) {
   return up_to_date(
-      macrocells_[{key_of(field), fineness}], counts_.macrocells, counts_.macrocells_refreshed,
+      macrocells_[with(key_of(field), grid)], counts_.macrocells, counts_.macrocells_refreshed,
       seconds_.macrocells,
-      [&] { return std::make_unique<Macrocells>(*sampler_, field, *threads_, *memory_, fineness); },
+      [&] {
+        return grid ? std::make_unique<Macrocells>(*sampler_, field, *grid, *threads_, *memory_)
+                    : std::make_unique<Macrocells>(*sampler_, field, *threads_, *memory_);
+      },
       [&](Macrocells& known) { known.refresh(*sampler_, field, *threads_); });
+}
+
+const CellWidths& Structures::cell_widths(const mesh::Box& whole) {
+  if (!cell_widths_ || !(cell_widths_->first.low == whole.low) ||
+      !(cell_widths_->first.high == whole.high)) {
+    const core::Timer timer;
+    cell_widths_ = {whole, render::cell_widths(*sampler_, whole, *threads_)};
+    seconds_.macrocells += timer.seconds();
+  }
+  return cell_widths_->second;
 }
 
 const Macrocells& Structures::macrocells_with_sizes(const ScalarField& field) {
   macrocells(field);
-  Macrocells& cells = *macrocells_[GridKey{key_of(field), {}}].value;
+  Macrocells& cells = *macrocells_[with(key_of(field), nullptr)].value;
   if (!cells.has_sizes())
     cells.measure(*sampler_, *threads_);
   return cells;
@@ -180,9 +203,9 @@ typename Map::mapped_type& Structures::entry_of(Map& map, const typename Map::ke
 }
 
 const Majorants& Structures::majorants(const ScalarField& field, const TransferFunction& function,
-                                       const MacrocellFineness& fineness) {
-  const Macrocells& cells = macrocells(field, fineness);
-  FunctionEntry<Majorants>& entry = entry_of(majorants_, {key_of(field), fineness}, function);
+                                       const MacrocellGrid* grid) {
+  const Macrocells& cells = macrocells(field, grid);
+  FunctionEntry<Majorants>& entry = entry_of(majorants_, with(key_of(field), grid), function);
   if (entry.value && entry.is_fresh)
     return *entry.value;
   const core::Timer timer;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "query/sampler.h"
+#include "render/path/path_grid.h"
 #include "render/structures/scalar_field.h"
 #include "render/structures/vertex_average.h"
 #include "render/structures/vertex_gradients.h"
@@ -99,12 +101,16 @@ public:
   const accel::ValueRanges& value_ranges(const ScalarField& vertex_field);
   /// Found anew for new values.
   ScalarRange scalar_range(const ScalarField& field);
-  const Macrocells& macrocells(const ScalarField& field, const MacrocellFineness& fineness = {});
+  /// grid: null: that of Macrocells::grid_of().
+  const Macrocells& macrocells(const ScalarField& field, const MacrocellGrid* grid = nullptr);
   /// The same, which know their cells' sizes.
   const Macrocells& macrocells_with_sizes(const ScalarField& field);
-  /// Of macrocells(field); classified anew when the values or the function's opacities change.
+  /// Of macrocells(field, grid); classified anew when the values or the function's opacities
+  /// change.
   const Majorants& majorants(const ScalarField& field, const TransferFunction& function,
-                             const MacrocellFineness& fineness = {});
+                             const MacrocellGrid* grid = nullptr);
+  /// Of the sampler's own cells, in a mesh that fills the box; kept while geometry and box hold.
+  const CellWidths& cell_widths(const mesh::Box& whole);
   /// What a function shows of an adaptive mesh, for which the field's PrimitiveRanges are kept;
   /// made anew when the values or the function's opacities change. Null where there are none to
   /// cull.
@@ -173,11 +179,14 @@ private:
   Counts counts_;
   Seconds seconds_;
   Entry<VertexCells> vertex_cells_;
+  std::optional<std::pair<mesh::Box, CellWidths>> cell_widths_;
   std::map<Key, ValuesEntry<VertexAverage>> averages_;
   std::map<Key, ValuesEntry<accel::ValueRanges>> value_ranges_;
   std::map<Key, ValuesEntry<VertexGradients>> gradients_;
   std::map<Key, Entry<ScalarRange>> scalar_ranges_;
-  using GridKey = std::pair<Key, MacrocellFineness>;
+  /// With the grid's numbers, if it is given.
+  using GridKey = std::pair<Key, std::vector<double>>;
+  static GridKey with(const Key& key, const MacrocellGrid* grid);
   std::map<GridKey, ValuesEntry<Macrocells>> macrocells_;
   std::multimap<GridKey, FunctionEntry<Majorants>> majorants_;
   std::map<Key, ValuesEntry<PrimitiveRanges>> primitive_ranges_;

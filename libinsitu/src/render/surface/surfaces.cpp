@@ -45,21 +45,16 @@ Surfaces::Surfaces(const query::Sampler& sampler, const FrameSettings& settings,
   if (!settings.lighting.volume_shadows || !settings.volume)
     return;
   const VolumeSettings& volume = *settings.volume;
-  if (settings.path_tracing)
-    volume_shadow_.emplace(
-        sampler, volume, settings.path_tracing->density,
-        &structures.majorants(volume.field, volume.function, fineness_of(*settings.path_tracing)),
-        settings.clips);
-  else {
-    volume_shadow_.emplace(sampler, volume, 1.0,
-                           volume_structures(sampler, volume,
-                                             std::int64_t(settings.width) * settings.height,
-                                             structures)
-                               .majorants,
-                           settings.clips);
-    if (parts == Parts::shared)
-      volume_shadow_->take_part();
-  }
+  const auto& tracing = settings.path_tracing;
+  const Majorants* const majorants =
+      tracing ? &path_majorants(sampler, volume, *tracing, structures)
+              : volume_structures(sampler, volume, std::int64_t(settings.width) * settings.height,
+                                  structures)
+                    .majorants;
+  volume_shadow_.emplace(sampler, volume, tracing ? tracing->density : 1.0, majorants,
+                         settings.clips);
+  if (parts == Parts::shared)
+    volume_shadow_->take_part();
 }
 
 void Surfaces::find(const Ray& ray, const std::vector<Stretch>* stays,
@@ -98,8 +93,7 @@ void Surfaces::see(std::span<RayState> rays, std::vector<Seen>& seen) const {
   for (RayState& state : rays) {
     std::uint64_t index = 0;
     for (SurfaceHit& hit : state.hits) {
-      if (parts_ == Parts::whole || (hit.cell < 0 && hit.triangle >= 0)) // of a body
-        hit.color = color(hit);
+      set_color(hit);
       seen.push_back(
           {&state.ray, core::splitmix64(state.pixel ^ (state.sample << 32)) + index++, &hit});
     }
@@ -112,6 +106,11 @@ void Surfaces::add_lines(std::span<RayState> rays) const {
   const auto width = std::uint64_t(settings_.width);
   for (RayState& state : rays)
     outline_->add(int(state.pixel % width), int(state.pixel / width), state.ray, state.hits);
+}
+
+void Surfaces::set_color(SurfaceHit& hit) const {
+  if (parts_ == Parts::whole || (hit.cell < 0 && hit.triangle >= 0)) // of a body
+    hit.color = color(hit);
 }
 
 Color Surfaces::color(const SurfaceHit& hit) const {

@@ -42,6 +42,8 @@ public:
   /// Makes of the hits of all processes what trace() makes before they are lit, by whatever numbers
   /// their cells have.
   void put_in_order(std::span<RayState> rays) const;
+  /// The hit's own colour, if it is not known yet where it is shaded: of a body.
+  void set_color(SurfaceHit& hit) const;
   /// Lights these, and adds lines. Only without rays of light.
   void finish(std::span<RayState> rays, SurfaceCounts& counts) const { light(rays, counts); }
 
@@ -53,6 +55,9 @@ public:
     std::uint64_t seed;
     SurfaceHit* hit;
   };
+  /// Lights hits. Of several processes only without rays of light.
+  void light(std::span<const Seen> seen, SurfaceCounts& counts) const;
+  bool lights_hits() const { return shader_.has_value(); }
   /// Whose rays are to be followed; null: there are none.
   const Shader* light_shader() const {
     return shader_ && shader_->sends_rays() ? &*shader_ : nullptr;
@@ -82,7 +87,6 @@ private:
             SurfaceCounts& counts) const;
   struct LightScratch;
   static LightScratch& scratch();
-  void light(std::span<const Seen> seen, SurfaceCounts& counts) const;
   void light(std::span<RayState> rays, SurfaceCounts& counts) const;
   const std::vector<Stretch>* stays_of(const RayState& state) const {
     return settings_.clips.empty() ? nullptr : &state.stays;

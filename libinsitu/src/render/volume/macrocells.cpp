@@ -69,7 +69,7 @@ struct CellSizes {
 
 } // namespace
 
-MacrocellGrid Macrocells::grid_of(const query::Sampler& sampler,
+MacrocellGrid MacrocellGrid::over(const mesh::Box& bounds, const double (&across)[3], double cells,
                                   const MacrocellFineness& fineness) {
   const double cells_each = fineness.cells_each;
   if (!(cells_each > 0))
@@ -77,16 +77,9 @@ MacrocellGrid Macrocells::grid_of(const query::Sampler& sampler,
                                                  " cells each; more than 0 expected");
   MacrocellGrid grid;
   grid.counts = {1, 1, 1};
-  if (sampler.tree().empty())
-    return grid;
-  const CellSizes sizes(sampler);
-  grid.low = sampler.tree().bounds_min();
-  const Vec3d extent = sampler.tree().bounds_max() - grid.low;
-  // Macrocells have a mean cell's proportions, so the mesh is `across` cells wide.
-  double across[3];
-  for (int a = 0; a < 3; ++a)
-    across[a] = sizes.mean[a] > 0 && extent[a] > sizes.mean[a] ? extent[a] / sizes.mean[a] : 1.0;
-  double left = std::clamp(sizes.cells / cells_each, 1.0, fineness.most_macrocells);
+  grid.low = bounds.low;
+  const Vec3d extent = bounds.size();
+  double left = std::clamp(cells / cells_each, 1.0, fineness.most_macrocells);
   int order[3] = {0, 1, 2};
   std::sort(order, order + 3, [&](int a, int b) { return across[a] < across[b]; });
   double product = across[0] * across[1] * across[2];
@@ -100,11 +93,23 @@ MacrocellGrid Macrocells::grid_of(const query::Sampler& sampler,
     left = std::max(1.0, left / grid.counts[a]);
     product /= across[a];
   }
-  const auto set_size = [&] {
-    for (int a = 0; a < 3; ++a)
-      grid.size[a] = extent[a] / grid.counts[a];
-  };
-  set_size();
+  for (int a = 0; a < 3; ++a)
+    grid.size[a] = extent[a] / grid.counts[a];
+  return grid;
+}
+
+MacrocellGrid Macrocells::grid_of(const query::Sampler& sampler,
+                                  const MacrocellFineness& fineness) {
+  constexpr double one[3] = {1, 1, 1};
+  if (sampler.tree().empty())
+    return MacrocellGrid::over({}, one, 0, fineness);
+  const CellSizes sizes(sampler);
+  const mesh::Box bounds{sampler.tree().bounds_min(), sampler.tree().bounds_max()};
+  const Vec3d extent = bounds.size();
+  double across[3]; // the mesh's width in mean cells
+  for (int a = 0; a < 3; ++a)
+    across[a] = sizes.mean[a] > 0 && extent[a] > sizes.mean[a] ? extent[a] / sizes.mean[a] : 1.0;
+  MacrocellGrid grid = MacrocellGrid::over(bounds, across, sizes.cells, fineness);
   // Long oblique cells have boxes that would fill much of a fine grid.
   constexpr double most_coverage = 256;
   while (grid.count() > 1 && sizes.coverage(grid.size) > most_coverage) {
@@ -113,7 +118,8 @@ MacrocellGrid Macrocells::grid_of(const query::Sampler& sampler,
       if (grid.counts[a] > grid.counts[widest])
         widest = a;
     grid.counts[widest] = (grid.counts[widest] + 1) / 2;
-    set_size();
+    for (int a = 0; a < 3; ++a)
+      grid.size[a] = extent[a] / grid.counts[a];
   }
   return grid;
 }
@@ -242,11 +248,46 @@ bool MacrocellGrid::resolves(const Ray& ray, double far) const {
 Macrocells::Macrocells(const query::Sampler& sampler, const ScalarField& field,
                        const core::Threads& threads, core::Memory& memory,
                        const MacrocellFineness& fineness)
-    : grid_(grid_of(sampler, fineness)), ranges_(memory, INSITU_MEMORY_RANGES),
-      has_nan_(memory, INSITU_MEMORY_RANGES), smallest_(memory, INSITU_MEMORY_RANGES) {
+    : Macrocells(sampler, field, grid_of(sampler, fineness), threads, memory) {}
+
+Macrocells::Macrocells(const query::Sampler& sampler, const ScalarField& field,
+                       const MacrocellGrid& grid, const core::Threads& threads,
+                       core::Memory& memory)
+    : grid_(grid), ranges_(memory, INSITU_MEMORY_RANGES), has_nan_(memory, INSITU_MEMORY_RANGES),
+      smallest_(memory, INSITU_MEMORY_RANGES) {
   ranges_.resize_discard(std::size_t(grid_.count()));
   has_nan_.resize_discard(std::size_t(grid_.count()));
   refresh(sampler, field, threads);
+}
+
+Macrocells::Macrocells(const MacrocellGrid& grid, std::span<const double> extremes,
+                       core::Memory& memory)
+    : grid_(grid), ranges_(memory, INSITU_MEMORY_RANGES), has_nan_(memory, INSITU_MEMORY_RANGES),
+      smallest_(memory, INSITU_MEMORY_RANGES) {
+  const auto count = std::size_t(grid_.count());
+  ranges_.resize_discard(count);
+  has_nan_.resize_discard(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    ranges_[i] = {extremes[3 * i], -extremes[3 * i + 1]};
+    has_nan_[i] = extremes[3 * i + 2] < 0;
+  }
+}
+
+std::vector<double> Macrocells::extremes() const {
+  std::vector<double> numbers;
+  numbers.reserve(extremes_each * ranges_.size());
+  for (std::size_t i = 0; i < ranges_.size(); ++i)
+    for (const double number : {ranges_[i].lower, -ranges_[i].upper, has_nan_[i] ? -1.0 : 0.0})
+      numbers.push_back(number);
+  return numbers;
+}
+
+std::vector<double> Macrocells::no_extremes(const MacrocellGrid& grid) {
+  std::vector<double> numbers;
+  for (std::int64_t i = 0; i < grid.count(); ++i)
+    for (const double number : {infinity, infinity, 0.0})
+      numbers.push_back(number);
+  return numbers;
 }
 
 void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field,
@@ -258,6 +299,7 @@ void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field
   });
   const Raster raster(grid_);
   const bool of_cells = field.field.association == INSITU_CELL;
+  const std::int64_t own = mesh.own_cell_count();
   const mesh::GridletsView* const gridlets =
       mesh.piece_count > 0 && !of_cells ? mesh.pieces[0].gridlets : nullptr;
   std::optional<VertexNumbers> numbers;
@@ -277,6 +319,8 @@ void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field
     numbers_of.load(cells.cells(), *numbers_here);
     const int vertices = of_cells ? 1 : mesh::vertex_count(cells.shape());
     for (int k = 0; k < int(cells.cells().size()); ++k) {
+      if (cells.cells()[std::size_t(k)] >= own)
+        continue; // another process knows better what it holds
       PossibleValues values;
       for (int v = 0; v < vertices; ++v)
         values.add(numbers_here->vertex[v][k]);

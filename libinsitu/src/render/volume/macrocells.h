@@ -2,17 +2,30 @@
 
 #include <array>
 #include <cmath>
-#include <compare>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "mesh/box.h"
 #include "query/sampler.h"
 #include "render/camera/camera.h"
 #include "render/color/transfer_function.h"
 #include "render/structures/scalar_field.h"
 
 namespace insitu::render {
+
+/// How fine a grid of macrocells is: about so many owning cells to each, and at most so many
+/// macrocells.
+struct MacrocellFineness {
+  static constexpr double usual_cells = 64, largest_count = 0x1p24;
+
+  MacrocellFineness(double cells = usual_cells, double most = largest_count)
+      : cells_each(cells), most_macrocells(most) {}
+
+  double cells_each, most_macrocells;
+};
 
 /// A uniform grid over a box. The macrocells at its border reach outwards without end, so that
 /// every point is in one.
@@ -40,19 +53,14 @@ struct MacrocellGrid {
   /// Whether points along the ray, up to `far`, are rounded by so little, against the margin that
   /// cells are given in Macrocells, that those in a cell are in a macrocell that counts it.
   bool resolves(const Ray& ray, double far) const;
-};
 
-/// How fine a grid of macrocells is: about so many owning cells to each, and at most so many
-/// macrocells.
-struct MacrocellFineness {
-  static constexpr double usual_cells = 64, largest_count = 0x1p24;
+  /// Over a mesh's bounds, which are so many mean cells wide, at least 1 along each axis:
+  /// macrocells have a mean cell's proportions, and none is smaller than a quarter of it. cells: of
+  /// the mesh. Throws core::Error (INSITU_ERROR_ARGUMENT) for macrocells of no cells.
+  static MacrocellGrid over(const mesh::Box& bounds, const double (&across)[3], double cells,
+                            const MacrocellFineness& fineness);
 
-  MacrocellFineness(double cells = usual_cells, double most = largest_count)
-      : cells_each(cells), most_macrocells(most) {}
-
-  double cells_each, most_macrocells;
-
-  friend auto operator<=>(const MacrocellFineness&, const MacrocellFineness&) = default;
+  friend bool operator==(const MacrocellGrid&, const MacrocellGrid&) = default;
 };
 
 /// The least and greatest value that a scalar takes in the cells that meet a macrocell; lower >
@@ -79,6 +87,18 @@ public:
   /// quarter of it.
   Macrocells(const query::Sampler& sampler, const ScalarField& field, const core::Threads& threads,
              core::Memory& memory, const MacrocellFineness& fineness = {});
+  /// They are those of a grid that is given.
+  Macrocells(const query::Sampler& sampler, const ScalarField& field, const MacrocellGrid& grid,
+             const core::Threads& threads, core::Memory& memory);
+  /// They have what extremes() told of a mesh's parts, the least number of all parts each.
+  Macrocells(const MacrocellGrid& grid, std::span<const double> extremes, core::Memory& memory);
+
+  /// What they hold as numbers, so that of macrocells of a mesh's parts on one grid the least ones
+  /// are those of the whole mesh.
+  std::vector<double> extremes() const;
+  /// Of parts without cells; of a macrocell so many numbers.
+  static std::vector<double> no_extremes(const MacrocellGrid& grid);
+  static constexpr std::int64_t extremes_each = 3;
 
   /// New values on the same cells: no memory is allocated, the grid stays.
   void refresh(const query::Sampler& sampler, const ScalarField& field,

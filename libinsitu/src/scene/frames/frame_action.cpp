@@ -139,6 +139,8 @@ private:
     render::FrameSettings settings;
     world.agree_after([&] { settings = settings_.make(decisions, *structures, &ranges); });
     Drawing drawing{own, mesh, step, decisions, *structures, std::move(settings), &part, &keys};
+    if (drawing.settings.path_tracing)
+      drawing.settings.path_tracing->cycle = std::uint64_t(step.cycle);
     environment_.statistics.render_s += timer.seconds();
     for (std::size_t i = 0; i < cameras_.size(); ++i)
       draw(drawing, i);
@@ -209,6 +211,8 @@ private:
     const commit::CommittedMesh& mesh = drawing.mesh;
     output::BoxTicks ticks;
     environment_.world.agree_after([&] { aim(drawing, number, ticks); });
+    if (!accumulations_.empty())
+      accumulations_[number].use(mesh, drawing.settings, environment_.world);
     render::FrameStatistics done;
     const std::int64_t located = mesh.located();
     render::FrameImages images =
@@ -239,8 +243,6 @@ private:
           output::box_ticks(settings.camera, settings.width, settings.height, box.low, box.high);
       settings.outline->ticks = ticks.lines;
     }
-    if (!accumulations_.empty())
-      accumulations_[number].use(mesh, settings);
   }
 
   /// Draws over an image, and writes the files.

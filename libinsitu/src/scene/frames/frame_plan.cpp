@@ -211,11 +211,14 @@ private:
   }
 
   void path_majorants(const std::string& what, const PathTracing& p) {
+    const mesh::MeshFacts facts = mesh_.sampler().facts(&threads_);
     const std::int64_t count =
-        render::Macrocells::grid_of(mesh_.sampler(), render::fineness_of(p)).count();
+        render::path_grid(facts, render::cell_widths(mesh_.sampler(), facts.bounds, threads_),
+                          p.cells_per_macrocell)
+            .count();
     char each[80];
     std::snprintf(each, sizeof each, ", %g cells to each, %g of them at most",
-                  p.cells_per_macrocell, PathTracing::most_macrocells);
+                  p.cells_per_macrocell, render::most_path_macrocells);
     const std::string of = what + each;
     plan_.need("macrocell grid of " + of, count * render::Macrocells::bytes_each, "path tracing");
     plan_.need("majorants of " + of, count * render::Majorants::bytes_each, "path tracing");

@@ -1,8 +1,11 @@
 #include "scene/frames/path_accumulation.h"
 
+#include <span>
+
 namespace insitu::scene {
 
-void PathAccumulation::use(const commit::CommittedMesh& mesh, render::FrameSettings& settings) {
+void PathAccumulation::use(const commit::CommittedMesh& mesh, render::FrameSettings& settings,
+                           parallel::World& world) {
   if (!settings.path_tracing) {
     return;
   }
@@ -10,10 +13,11 @@ void PathAccumulation::use(const commit::CommittedMesh& mesh, render::FrameSetti
   const render::RayGenerator rays(settings.camera, settings.width, settings.height);
   const render::Ray a = rays(0, 0), b = rays(right, 0), c = rays(0, bottom);
   const State state{mesh.id(),
-                    mesh.tree_version(),
-                    mesh.fields_version(),
+                    mesh.own_version(),
                     {a.origin, a.direction, b.origin, b.direction, c.origin, c.direction}};
-  if (!(state == state_)) {
+  std::int64_t anew = !(state == state_) || !sums_.is_whole;
+  world.reduce(std::span(&anew, 1), parallel::Reduction::greatest);
+  if (anew) {
     sums_.restart();
     first_cycle_ = settings.path_tracing->cycle;
   }

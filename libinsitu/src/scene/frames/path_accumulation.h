@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "commit/committed_mesh.h"
+#include "parallel/world.h"
 #include "render/frame.h"
 
 namespace insitu::scene {
@@ -16,11 +17,13 @@ public:
 
   /// Lets the settings add to the sums; they begin anew where anything has changed. Random numbers
   /// are those of the cycle in which they began: the sums are of one frame of all the samples.
-  void use(const commit::CommittedMesh& mesh, render::FrameSettings& settings);
+  /// Collective: where anything has changed on one process, they begin anew on all.
+  void use(const commit::CommittedMesh& mesh, render::FrameSettings& settings,
+           parallel::World& world);
 
 private:
   struct State {
-    std::uint64_t mesh = 0, geometry = 0, fields = 0;
+    std::uint64_t mesh = 0, version = 0;
     std::array<math::Vec3d, 6> view; ///< the rays of three corners
     friend bool operator==(const State&, const State&) = default;
   };
