@@ -56,17 +56,17 @@ TEST(ProcessFrames, TracedPathsAreThoseOfOneProcessToTheByte) {
   options.scene = "insitu: 1\n"
                   "page: false\n"
                   "frames:\n"
-                  "  - {name: light, size: [40, 40], images: [color, depth, cell],\n"
+                  "  - {name: light, size: [32, 30], images: [color, depth, cell],\n"
                   "     volume: {field: p, opacity: [[0, 0], [1, 0.3], [5, 0.8]]},\n"
                   "     lights: [{directional: [1, 1, 2]}, {dome: true}],\n"
                   "     effects: [multiple_scattering],\n"
                   "     path_tracing: {samples: 3, accumulate: true, anisotropy: 0.4}}\n"
-                  "  - {name: walls, size: [36, 36], samples_per_pixel: 2,\n"
+                  "  - {name: walls, size: [20, 24], samples_per_pixel: 2,\n"
                   "     volume: {field: c, smooth: true, opacity: [[-1, 0], [1, 0.5]]},\n"
                   "     isosurfaces: [{field: p, values: [1], opacity: 0.7}],\n"
                   "     boundary: {color: {field: u, component: 0}, opacity: 0.2},\n"
                   "     lights: [{point: [1.5, 0.4, 1.6]}, {dome: true, intensity: 0.5}],\n"
-                  "     effects: [single_scattering, volume_shadows], every: 2,\n"
+                  "     effects: [single_scattering, volume_shadows], every: 3,\n"
                   "     path_tracing: {samples: 2}}\n";
   const Act act = [](PartSession& process, parallel::World& world) {
     EXPECT_EQ(process.execute(0), "");

@@ -210,9 +210,11 @@ TEST(ColorScale, MajorantsFollowTheScale) {
   render::Structures structures(mesh.committed.memory);
   structures.begin(mesh.sampler(), 1, 1, mesh.committed.threads);
   const std::vector<OpacityPoint> points{{1e-3, 0}, {1, 0.8}};
+  const auto grid = render::Macrocells::grid_of(mesh.sampler(), 4);
   double sums[2] = {0, 0};
   for (const Scale scale : {Scale::linear, Scale::log}) {
-    const auto& m = structures.majorants(field, TransferFunction(ramp(scale), 1e-3, 1, points), 4);
+    const auto& m =
+        structures.majorants(field, TransferFunction(ramp(scale), 1e-3, 1, points), &grid);
     for (std::int64_t i = 0; i < m.grid().count(); ++i)
       sums[scale == Scale::log] += double(m.opacity(i));
   }
