@@ -139,13 +139,17 @@ TEST(ProcessAdaptive, Frames) {
       "frames:\n"
       "  - {name: smoke, size: [32, 24], images: [color, depth], format: [png, exr],\n"
       "     volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]}, scalar_bar: true}\n"
+      "  - {name: light, size: [20, 18], volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]},\n"
+      "     effects: [multiple_scattering], path_tracing: {samples: 2}}\n"
       "  - {name: surfaces, size: [24, 24], isosurfaces: [{field: s, values: [-0.3, 0.4],\n"
       "     opacity: 0.6, color: {field: v, component: 1}}], outline: {}}\n";
-  expect_one(scene, INSITU_DUAL, 6);
+  expect_one(scene, INSITU_DUAL, 9);
   expect_one(
       "insitu: 1\npage: false\nframes:\n"
-      "  - {name: smoke, size: [32, 24], volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]}}\n",
-      INSITU_NEAREST, 3);
+      "  - {name: smoke, size: [32, 24], volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]}}\n"
+      "  - {name: light, size: [20, 18], volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]},\n"
+      "     effects: [single_scattering], path_tracing: {samples: 2}}\n",
+      INSITU_NEAREST, 6);
 }
 
 TEST(ProcessAdaptive, Tracers) {

@@ -156,7 +156,12 @@ TEST(ProcessEarth, FramesAreThoseOfOneProcess) {
       "     camera: {longitude: -100, latitude: 30, altitude: 1e7, look_at: {longitude: -40, "
       "latitude: 36}},\n"
       "     isosurfaces: [{field: c, values: [0.3], normals: smooth}],\n"
-      "     volume: {field: p, opacity: [[-1, 0], [1, 1]], unit_distance: 1.0e6}}\n",
+      "     volume: {field: p, opacity: [[-1, 0], [1, 1]], unit_distance: 1.0e6}}\n"
+      "  - {name: haze, size: [20, 20], geocentric: {exaggeration: 200},\n"
+      "     camera: {longitude: -100, latitude: 30, altitude: 1e7, look_at: {longitude: -40, "
+      "latitude: 36}},\n"
+      "     volume: {field: p, opacity: [[-1, 0], [1, 1]], unit_distance: 1.0e6},\n"
+      "     effects: [multiple_scattering], path_tracing: {samples: 2}}\n",
       {2, 3, 4, 8}, 1, "space_000000.png");
 }
 

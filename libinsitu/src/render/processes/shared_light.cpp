@@ -34,11 +34,13 @@ void SharedLight::ask(const Shader& shader, const VolumeShadow* shadow, std::spa
     });
   };
   const auto processes = std::size_t(part_.world.size());
-  std::vector<std::optional<Rays>> rays(batches.size());
-  std::vector<Asked> asked(batches.size());
+  std::vector<std::optional<Rays>> rays;
+  std::vector<Asked> asked;
   std::vector<TileParcel> parcels;
   // Whom to ask.
   part_.world.agree_after([&] {
+    rays.resize(batches.size());
+    asked.resize(batches.size());
     std::vector<std::vector<TileParcel>> of(batches.size());
     for_each(batches.size(), [&](std::size_t b) {
       const Batch& batch = batches[b];

@@ -38,12 +38,15 @@ std::unique_ptr<Majorants> whole_path_majorants(const FramePart& part,
                                                 Structures& structures,
                                                 const core::Threads& threads) {
   const VolumeSettings& volume = *settings.volume;
-  const mesh::MeshFacts whole = sampler.facts();
+  mesh::MeshFacts whole;
   CellWidths widths{};
-  part.world.agree_after([&] { widths = structures.cell_widths(whole.bounds); });
+  part.world.agree_after([&] {
+    whole = sampler.facts();
+    widths = structures.cell_widths(whole.bounds);
+  });
   part.world.reduce(std::span(widths), parallel::Reduction::sum);
   MacrocellGrid grid;
-  std::vector<double> extremes;
+  std::vector<std::int64_t> extremes;
   part.world.agree_after([&] {
     grid = path_grid(whole, widths, settings.path_tracing->cells_per_macrocell);
     extremes = sampler.tree().empty() ? Macrocells::no_extremes(grid)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -260,7 +261,20 @@ Macrocells::Macrocells(const query::Sampler& sampler, const ScalarField& field,
   refresh(sampler, field, threads);
 }
 
-Macrocells::Macrocells(const MacrocellGrid& grid, std::span<const double> extremes,
+namespace {
+
+/// Integers in the order of numbers that are no NaN; and back.
+std::int64_t in_order(double number) {
+  const auto bits = std::bit_cast<std::int64_t>(number);
+  return bits < 0 ? bits ^ std::numeric_limits<std::int64_t>::max() : bits;
+}
+double number_of(std::int64_t key) {
+  return std::bit_cast<double>(key < 0 ? key ^ std::numeric_limits<std::int64_t>::max() : key);
+}
+
+} // namespace
+
+Macrocells::Macrocells(const MacrocellGrid& grid, std::span<const std::int64_t> extremes,
                        core::Memory& memory)
     : grid_(grid), ranges_(memory, INSITU_MEMORY_RANGES), has_nan_(memory, INSITU_MEMORY_RANGES),
       smallest_(memory, INSITU_MEMORY_RANGES) {
@@ -268,26 +282,27 @@ Macrocells::Macrocells(const MacrocellGrid& grid, std::span<const double> extrem
   ranges_.resize_discard(count);
   has_nan_.resize_discard(count);
   for (std::size_t i = 0; i < count; ++i) {
-    ranges_[i] = {extremes[3 * i], -extremes[3 * i + 1]};
+    ranges_[i] = {number_of(extremes[3 * i]), -number_of(extremes[3 * i + 1])};
     has_nan_[i] = extremes[3 * i + 2] < 0;
   }
 }
 
-std::vector<double> Macrocells::extremes() const {
-  std::vector<double> numbers;
-  numbers.reserve(extremes_each * ranges_.size());
-  for (std::size_t i = 0; i < ranges_.size(); ++i)
-    for (const double number : {ranges_[i].lower, -ranges_[i].upper, has_nan_[i] ? -1.0 : 0.0})
-      numbers.push_back(number);
-  return numbers;
+std::vector<std::int64_t> Macrocells::extremes() const {
+  std::vector<std::int64_t> keys;
+  keys.reserve(extremes_each * ranges_.size());
+  for (std::size_t i = 0; i < ranges_.size(); ++i) {
+    keys.push_back(in_order(ranges_[i].lower));
+    keys.push_back(in_order(-ranges_[i].upper));
+    keys.push_back(has_nan_[i] ? -1 : 0);
+  }
+  return keys;
 }
 
-std::vector<double> Macrocells::no_extremes(const MacrocellGrid& grid) {
-  std::vector<double> numbers;
+std::vector<std::int64_t> Macrocells::no_extremes(const MacrocellGrid& grid) {
+  std::vector<std::int64_t> keys;
   for (std::int64_t i = 0; i < grid.count(); ++i)
-    for (const double number : {infinity, infinity, 0.0})
-      numbers.push_back(number);
-  return numbers;
+    keys.insert(keys.end(), {in_order(infinity), in_order(infinity), 0});
+  return keys;
 }
 
 void Macrocells::refresh(const query::Sampler& sampler, const ScalarField& field,

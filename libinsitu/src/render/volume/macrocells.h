@@ -91,13 +91,14 @@ public:
   Macrocells(const query::Sampler& sampler, const ScalarField& field, const MacrocellGrid& grid,
              const core::Threads& threads, core::Memory& memory);
   /// They have what extremes() told of a mesh's parts, the least number of all parts each.
-  Macrocells(const MacrocellGrid& grid, std::span<const double> extremes, core::Memory& memory);
+  Macrocells(const MacrocellGrid& grid, std::span<const std::int64_t> extremes,
+             core::Memory& memory);
 
-  /// What they hold as numbers, so that of macrocells of a mesh's parts on one grid the least ones
+  /// What they hold as integers, so that of macrocells of a mesh's parts on one grid the least ones
   /// are those of the whole mesh.
-  std::vector<double> extremes() const;
+  std::vector<std::int64_t> extremes() const;
   /// Of parts without cells; of a macrocell so many numbers.
-  static std::vector<double> no_extremes(const MacrocellGrid& grid);
+  static std::vector<std::int64_t> no_extremes(const MacrocellGrid& grid);
   static constexpr std::int64_t extremes_each = 3;
 
   /// New values on the same cells: no memory is allocated, the grid stays.
