@@ -134,7 +134,7 @@ TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfTracedPaths) {
       "frames:\n  - {name: light, size: [6, 6], volume: {field: p}, isosurfaces: [{field: p, "
       "values: [1], opacity: 0.5, normals: cell}], effects: [single_scattering, volume_shadows],\n"
       "     lights: [{directional: [1, 1, 2]}], path_tracing: {samples: 2, accumulate: true}}\n",
-      397, [](Attempt& attempt) {
+      13, [](Attempt& attempt) {
         EXPECT_EQ(attempt.process.execute(0), "");
         attempt([&] { return execute(attempt.process, 1); });
         EXPECT_EQ(attempt.process.execute(2), "");
