@@ -24,7 +24,8 @@ struct FramePart {
   /// the cells around a vertex is whole. Where smooth normals are those of a cell field, averages
   /// at vertices of these cells are those of the processes that own them.
   bool has_halo = false;
-  /// About so many bytes of samples are on their way to one process, or from one, at a time.
+  /// About so many bytes of samples are on their way to one process, or from one, at a time; and
+  /// traced paths take about so many where their tiles are.
   std::size_t most_bytes = std::size_t(32) << 20;
 };
 
