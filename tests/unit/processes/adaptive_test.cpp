@@ -137,19 +137,20 @@ TEST(ProcessAdaptive, Frames) {
   const std::string scene =
       "insitu: 1\npage: false\n"
       "frames:\n"
-      "  - {name: smoke, size: [32, 24], images: [color, depth], format: [png, exr],\n"
+      "  - {name: smoke, size: [32, 24], images: [color, depth, cell], format: [png, exr],\n"
       "     volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]}, scalar_bar: true}\n"
       "  - {name: light, size: [20, 18], volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]},\n"
       "     effects: [multiple_scattering], path_tracing: {samples: 2}}\n"
       "  - {name: surfaces, size: [24, 24], isosurfaces: [{field: s, values: [-0.3, 0.4],\n"
-      "     opacity: 0.6, color: {field: v, component: 1}}], outline: {}}\n";
-  expect_one(scene, INSITU_DUAL, 9);
-  expect_one(
-      "insitu: 1\npage: false\nframes:\n"
-      "  - {name: smoke, size: [32, 24], volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]}}\n"
-      "  - {name: light, size: [20, 18], volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]},\n"
-      "     effects: [single_scattering], path_tracing: {samples: 2}}\n",
-      INSITU_NEAREST, 6);
+      "     opacity: 0.6, color: {field: v, component: 1}}], outline: {}}\n"
+      "  - {name: skin, size: [70, 70], images: [cell], samples_per_pixel: 2, boundary: {}}\n";
+  expect_one(scene, INSITU_DUAL, 15);
+  expect_one("insitu: 1\npage: false\nframes:\n"
+             "  - {name: smoke, size: [32, 24], images: [color, cell],\n"
+             "     volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]}}\n"
+             "  - {name: light, size: [20, 18], volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]},\n"
+             "     effects: [single_scattering], path_tracing: {samples: 2}}\n",
+             INSITU_NEAREST, 9);
 }
 
 TEST(ProcessAdaptive, Tracers) {

@@ -118,7 +118,8 @@ const std::string moving =
 TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfAFrame) {
   const int failures = lack_each(
       "frames:\n  - {name: seen, size: [70, 70], volume: {field: p}, isosurfaces: [{field: p, "
-      "values: [2], opacity: 0.5, normals: smooth}], boundary: {opacity: 0.1, color: {field: "
+      "values: [2], opacity: 0.5, normals: smooth}, {field: p, values: [3], normals: central}], "
+      "boundary: {opacity: 0.1, color: {field: "
       "c}}}\n",
       43, [](Attempt& attempt) {
         EXPECT_EQ(attempt.process.execute(0), "");

@@ -177,17 +177,18 @@ TEST(ProcessEarth, VolumesAndAveragesInLongitudeAndLatitude) {
     const bool has_copies = earth.name != "basin";
     std::map<std::string, std::string> expected;
     for (const int processes : {1, 3}) {
-      const auto files =
-          run_parts(earth.mesh, fixtures::boxes(earth.mesh, processes), options,
-                    [&](PartSession& process, parallel::World&) {
-                      const std::string failure = process.execute(0);
-                      if (processes == 1 || !has_copies)
-                        EXPECT_EQ(failure, "");
-                      else
-                        EXPECT_NE(failure.find("volumes, smooth normals and averages in longitude"),
-                                  std::string::npos)
-                            << failure;
-                    });
+      const auto files = run_parts(
+          earth.mesh, fixtures::boxes(earth.mesh, processes), options,
+          [&](PartSession& process, parallel::World&) {
+            const std::string failure = process.execute(0);
+            if (processes == 1 || !has_copies)
+              EXPECT_EQ(failure, "");
+            else
+              EXPECT_NE(
+                  failure.find("volumes, smooth and central normals and averages in longitude"),
+                  std::string::npos)
+                  << failure;
+          });
       if (processes == 1)
         expected = files;
       else if (!has_copies)

@@ -23,7 +23,9 @@ const char* const all_frames =
     "     boundary: {color: {field: u, component: 0}, opacity: 0.2}, outline: {ticks: true},\n"
     "     every: 2,\n"
     "     cameras: {side: {azimuth: 90}, top: {elevation: 80, orthographic: true, fit: box}}}\n"
-    "  - {name: shadows, size: [40, 40], isosurfaces: [{field: p, values: [1]}], every: 3,\n"
+    "  - {name: shadows, size: [40, 40], isosurfaces: [{field: p, values: [1], normals: "
+    "central}],\n"
+    "     every: 3,\n"
     "     volume: {field: p, opacity: [[0, 0], [5, 0.2]], shading: true},\n"
     "     lights: [{directional: [1, 1, 2]}, {point: [1.5, 0.4, 1.6], intensity: 0.5}],\n"
     "     effects: [shadows, volume_shadows, {ambient_occlusion: {samples: 4}}]}\n";

@@ -98,6 +98,39 @@ TEST(SharedFrames, WhatTheCellsOfOthersTell) {
   }
 }
 
+/// Normals by the field at places around hits, which other processes may hold: in small boxes and
+/// in flat ones, where places lie several cells away.
+TEST(SharedFrames, CentralDifferencesReachIntoOtherCells) {
+  int seed = 0;
+  for (const Shape shape : shapes)
+    for (const int mode : {0, 1, 2}) {
+      SCOPED_TRACE(testing::Message() << "shape " << int(shape) << ", mode " << mode);
+      TestMesh whole = box_cells(6, shape, 0.2);
+      for (Vec3d& x : whole.vertices) // many layers near the middle
+        if (mode == 1)
+          x.y = 0.5 + 4 * (x.y - 0.5) * std::fabs(x.y - 0.5) * std::fabs(x.y - 0.5);
+      expect_same(
+          whole,
+          [&](const ScalarField& f, const ScalarField& c) {
+            FrameSettings s = frame();
+            s.isosurfaces.push_back({f, {0.35, 0.7}, mode == 0 ? 1.0 : 0.4});
+            s.isosurfaces[0].normals = render::Normals::central;
+            if (mode == 1) { // beside surfaces that have other normals
+              s.isosurfaces.push_back({f, {0.5}, 0.5});
+              s.boundary = render::BoundarySettings{0.2, {}};
+            }
+            if (mode == 2) {
+              s.isosurfaces.push_back({c, {0.6}});
+              s.isosurfaces[1].normals = render::Normals::central;
+              s.lighting.shadows = true;
+              s.lighting.occlusion_samples = 2;
+            }
+            return s;
+          },
+          seed++, mode > 0);
+    }
+}
+
 /// The ways in which the rays of a frame are unlike others.
 TEST(SharedFrames, RaysOfAllKinds) {
   const TestMesh whole = box_cells(6, Shape::tetrahedron, 0.25);

@@ -27,8 +27,6 @@ void check_shared(const FrameSettings& s, bool has_halo) {
   if (s.boundary && !has_halo)
     refuse("boundaries of meshes without cells of other processes");
   for (const IsosurfaceSettings& surface : s.isosurfaces) {
-    if (surface.normals == Normals::central && s.lighting.enabled)
-      refuse("central differences");
     const bool of_cells = surface.field.field.association == INSITU_CELL;
     if (!has_halo && surface.normals == Normals::smooth && s.lighting.enabled)
       refuse("smooth normals");

@@ -27,6 +27,10 @@ struct FramePart {
   /// About so many bytes of samples are on their way to one process, or from one, at a time; and
   /// traced paths take about so many where their tiles are.
   std::size_t most_bytes = std::size_t(32) << 20;
+  /// Where other cells are drawn in the place of the solver's: the key of the lowest of this
+  /// process's own cells of the solver's that hold a place; -1: none does. Images of cells then
+  /// show the lowest of all processes. Empty, alike on all processes: they show what is drawn.
+  std::function<std::int64_t(const math::Vec3d& place)> solvers_cell = {};
 };
 
 /// Throws core::Error (INSITU_ERROR_UNSUPPORTED) for what is not there yet on several processes.

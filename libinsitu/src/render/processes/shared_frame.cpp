@@ -21,7 +21,7 @@ SharedFrame::Known::Known(const FramePart& part, const query::Sampler& sampler,
                           const FrameSettings& settings, Structures& structures,
                           const core::Threads& threads) {
   const bool traces = settings.volume && settings.path_tracing;
-  if (sends_rays(settings.lighting) || traces) {
+  if (sends_rays(settings.lighting) || has_central_normals(settings) || traces) {
     std::vector<mesh::Box> boxes;
     query::Directory gathered;
     part.world.agree_after([&] { boxes = query::boxes_of(sampler.tree()); });
@@ -60,6 +60,7 @@ SharedFrame::SharedFrame(const FramePart& part, const query::Sampler& sampler,
                          const FrameSettings& settings, const Known& known, Structures& structures,
                          const core::Threads& threads)
     : part_(part), sampler_(sampler), settings_(settings), threads_(threads),
+      where_(known.where ? &*known.where : nullptr),
       rays_(settings.camera, settings.width, settings.height), mail_(part.world, part.most_bytes) {
   const bool traces = settings.volume && settings.path_tracing;
   if (settings.volume && !traces) {
@@ -202,9 +203,14 @@ void SharedFrame::find_hits() {
   std::vector<TileParcel> parcels;
   part_.world.agree_after([&] {
     begin_group();
-    parcels.resize(near_count_);
-    for_tiles(near_count_, [&](std::size_t i) { parcels[i] = find_own_hits(near_[i]); });
+    for_tiles(near_count_, [&](std::size_t i) { find_own_hits(near_[i]); });
     for_tiles(own_count_, [&](std::size_t i) { begin(tile_of(own_[i].slot), own_[i].rays); });
+  });
+  if (has_central_normals(settings_))
+    find_central_normals();
+  part_.world.agree_after([&] {
+    parcels.resize(near_count_);
+    for_tiles(near_count_, [&](std::size_t i) { parcels[i] = take_own_hits(near_[i]); });
   });
   mail_.exchange_in_turns(std::move(parcels), [&](const std::vector<TileParcel>& received) {
     for (const TileParcel& parcel : received) {
@@ -218,14 +224,12 @@ void SharedFrame::find_hits() {
     light_hits();
 }
 
-TileParcel SharedFrame::find_own_hits(NearTile& near) {
+void SharedFrame::find_own_hits(NearTile& near) {
   const FrameTile& tile = tile_of(near.slot);
   begin(tile, near.rays);
-  TileParcel parcel{tile.owner, near.slot, {}};
   if (!surfaces_)
-    return parcel;
-  thread_local IsosurfaceTile search; // these two for the thread's life
-  thread_local ByteWriter writer;
+    return;
+  thread_local IsosurfaceTile search; // for the thread's life
   SurfaceCounts counts;
   const std::span<RayState> rays = rays_of(near);
   if (const IsosurfaceTracer* const tiled = surfaces_->tiled()) {
@@ -234,14 +238,19 @@ TileParcel SharedFrame::find_own_hits(NearTile& near) {
   } else {
     surfaces_->find_own(rays, nullptr, counts);
   }
-  writer.clear();
-  write_hits(rays, part_.key, hits_send_rays(), writer);
-  parcel.bytes = writer.bytes();
-  for (RayState& ray : rays)
-    ray.hits.clear();
   const std::lock_guard lock(mutex_);
   surface_counts_ += counts;
-  return parcel;
+}
+
+/// The hits that a tile's owner gets.
+TileParcel SharedFrame::take_own_hits(NearTile& near) {
+  thread_local ByteWriter writer; // for the thread's life
+  writer.clear();
+  const std::span<RayState> rays = rays_of(near);
+  write_hits(rays, part_.key, hits_send_rays(), writer);
+  for (RayState& ray : rays)
+    ray.hits.clear();
+  return {tile_of(near.slot).owner, near.slot, writer.bytes()};
 }
 
 /// Puts hits in order, and lights them if that takes no rays.
@@ -277,6 +286,8 @@ void SharedFrame::trace_paths() {
 /// Blends what hits are left and sends the pixels to the root.
 void SharedFrame::finish(FrameImages& images) {
   std::vector<TileParcel> parcels;
+  if (settings_.cell && part_.solvers_cell && sample_ == 0)
+    find_solvers_cells();
   part_.world.agree_after([&] {
     parcels.resize(own_count_);
     for_tiles(own_count_, [&](std::size_t i) { parcels[i] = finish(i); });
@@ -298,18 +309,25 @@ void SharedFrame::finish(FrameImages& images) {
   });
 }
 
+/// Gathers what is left of the rays; again, nothing.
+void SharedFrame::complete(OwnTile& tile) const {
+  const std::span<RayState> rays = rays_of(tile);
+  if (volume_)
+    volume_->finish(rays, *tile.progress);
+  for (RayState& state : rays)
+    while (state.next_hit < state.hits.size() && !state.is_saturated())
+      state.blend_next_hit();
+}
+
 TileParcel SharedFrame::finish(std::size_t own) {
   thread_local ByteWriter writer; // for the thread's life
   writer.clear();
   VolumeCounts counts;
   OwnTile& tile = own_[own];
+  complete(tile);
   const std::span<RayState> rays = rays_of(tile);
-  if (volume_)
-    volume_->finish(rays, *tile.progress);
   for (std::size_t r = 0; r < rays.size(); ++r) {
-    RayState& state = rays[r];
-    while (state.next_hit < state.hits.size() && !state.is_saturated())
-      state.blend_next_hit();
+    const RayState& state = rays[r];
     write_pixel(own, r, writer);
     if (settings_.depth)
       writer.value(float(state.depth));

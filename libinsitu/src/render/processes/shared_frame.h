@@ -27,7 +27,8 @@ public:
           Structures& structures, const core::Threads& threads);
     VolumeStructures volume;
     std::unique_ptr<Majorants> path_majorants; ///< if the volume is path traced
-    std::optional<CellBoxes> where;            ///< if rays of light are sent, or paths traced
+    /// If rays of light are sent, normals are central differences, or paths are traced.
+    std::optional<CellBoxes> where;
 
   private:
     void know_volume(const FramePart& part, const query::Sampler& sampler,
@@ -84,15 +85,29 @@ private:
   NearTile& near_of(std::uint32_t slot);
 
   void find_hits();
-  TileParcel find_own_hits(NearTile& near);
+  void find_own_hits(NearTile& near);
+  TileParcel take_own_hits(NearTile& near);
+  struct Differences;
+  void find_central_normals();
+  Differences places_about_hits(NearTile& near) const;
+  IsosurfaceTracer::PlaceValue own_value(std::int32_t surface, const math::Vec3d& place,
+                                         std::int64_t hint) const;
+  std::vector<std::byte> answer_places(ByteReader asked) const;
+  static void take_places(const TileParcel& answer, Differences& to);
+  void set_central_normals(NearTile& near, const Differences& found) const;
   void order(OwnTile& tile);
   void light_hits();
   bool hits_send_rays() const { return surfaces_ && surfaces_->light_shader(); }
   void finish(FrameImages& images);
+  void complete(OwnTile& tile) const;
   TileParcel finish(std::size_t own);
   bool adds_up() const;
   void write_pixel(std::size_t own, std::size_t ray, ByteWriter& to) const;
   void read_pixel(ByteReader& from, std::size_t at, float* pixel) const;
+  void find_solvers_cells();
+  std::vector<std::byte> ask_solvers_cells(OwnTile& tile) const;
+  std::vector<std::byte> answer_solvers_cells(const NearTile& near, ByteReader asked) const;
+  static void take_solvers_cells(OwnTile& tile, ByteReader answer);
 
   void trace_paths();
   void march();
@@ -123,6 +138,7 @@ private:
   const query::Sampler sampler_;
   const FrameSettings& settings_;
   const core::Threads& threads_;
+  const CellBoxes* where_; ///< see Known; null: there are none
   RayGenerator rays_;
   std::uint64_t sample_ = 0; ///< of each pixel
   std::optional<VolumeMarcher> volume_;

@@ -31,11 +31,6 @@ static_assert(sizeof(SentShadowSample) == std::size_t(bytes_a_shadow_sample));
 
 constexpr std::uint32_t ray_ends = ~std::uint32_t(0); ///< in place of how many hits there are
 
-/// A bit a ray.
-inline std::size_t words_of(std::size_t rays) {
-  return (rays + 63) / 64;
-}
-
 /// The rays of some points, point by point in the order of Shader::send().
 struct SharedLight::Rays {
   struct One {

@@ -44,8 +44,15 @@ struct SentMeeting {
   }
 };
 
+/// Of so many bits.
+inline std::size_t words_of(std::size_t bits) {
+  return (bits + 63) / 64;
+}
+
 /// Bytes of a hit on its way, and of where rays of light start from it, if there are some.
 constexpr std::int64_t bytes_a_hit = 80, bytes_a_start = 16;
+/// Bytes of a place about a hit, and of the value there, where normals are central differences.
+constexpr std::int64_t bytes_a_place_about = 32, bytes_a_place_value = 16;
 /// Bytes of the samples of a ray in a round, of each of them, of each change of cell among them,
 /// of a gradient where colours are lit, and of a place where lights hang on it.
 constexpr std::int64_t bytes_a_run = 10, bytes_a_sample = 8, bytes_a_change = 8,

@@ -199,37 +199,58 @@ Vec3d IsosurfaceTracer::gradient(const SurfaceHit& hit, const Vec3d& p,
     return group.gradients->at(sampler_.mesh(), group.field, *group.around, hit.cell,
                                hit.parametric);
   }
-  case Normals::central:
-    return central_gradient(hit, p, counts);
+  case Normals::central: {
+    const double half = half_length(hit);
+    PlaceValue values[places_about];
+    for (int i = 0; i < places_about && half > 0; ++i, ++counts.evaluations)
+      values[i] = value_at(hit.surface, place_about(p, half, i), hit.cell);
+    return central_gradient(hit.surface, half, values);
+  }
   case Normals::cell:
     break;
   }
   return hit.gradient;
 }
 
-/// One-sided where the mesh ends.
-Vec3d IsosurfaceTracer::central_gradient(const SurfaceHit& hit, const Vec3d& p,
-                                         SurfaceCounts& counts) const {
-  const Surface& surface = surfaces_[std::size_t(hit.surface)];
-  const ScalarField& field = groups_[surface.group].field;
+bool IsosurfaceTracer::is_central(std::int32_t surface) const {
+  return surface >= 0 && surface < surface_count() &&
+         surfaces_[std::size_t(surface)].settings->normals == Normals::central;
+}
+
+double IsosurfaceTracer::half_length(const SurfaceHit& hit) const {
   mesh::CellVertices cell;
   mesh::gather(sampler_.mesh(), hit.cell, cell);
   const Vec3d size = mesh::box_of(cell).size();
-  const double half = 0.5 * std::cbrt(size.x * size.y * size.z);
+  return 0.5 * std::cbrt(size.x * size.y * size.z);
+}
+
+Vec3d IsosurfaceTracer::place_about(const Vec3d& p, double half, int number) {
+  Vec3d place = p;
+  place[number / 2] += number % 2 == 0 ? -half : half;
+  return place;
+}
+
+IsosurfaceTracer::PlaceValue IsosurfaceTracer::value_at(std::int32_t surface, const Vec3d& place,
+                                                        std::int64_t hint) const {
+  const query::Location at = sampler_.locate(place, hint);
+  if (!at)
+    return {};
+  const ScalarField& field = groups_[surfaces_[std::size_t(surface)].group].field;
+  return {at.cell, field.at(sampler_.mesh(), at)};
+}
+
+/// One-sided where the mesh ends.
+Vec3d IsosurfaceTracer::central_gradient(std::int32_t surface, double half,
+                                         std::span<const PlaceValue, places_about> values) const {
+  const double level = surfaces_[std::size_t(surface)].value;
   Vec3d gradient;
-  for (int a = 0; a < 3 && half > 0; ++a) {
-    double values[2] = {surface.value, surface.value}, length = 0;
-    for (int side = 0; side < 2; ++side) {
-      Vec3d q = p;
-      q[a] += side == 0 ? -half : half;
-      ++counts.evaluations;
-      if (const query::Location at = sampler_.locate(q, hit.cell)) {
-        values[side] = field.at(sampler_.mesh(), at);
-        length += half;
-      }
-    }
+  for (int a = 0; a < 3; ++a) {
+    const PlaceValue &below = values[std::size_t(2 * a)], &above = values[std::size_t(2 * a + 1)];
+    const double length = (below.cell >= 0 ? half : 0.0) + (above.cell >= 0 ? half : 0.0);
     if (length > 0)
-      gradient[a] = (values[1] - values[0]) / length;
+      gradient[a] =
+          ((above.cell >= 0 ? above.value : level) - (below.cell >= 0 ? below.value : level)) /
+          length;
   }
   return gradient;
 }

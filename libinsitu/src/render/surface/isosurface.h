@@ -81,6 +81,22 @@ public:
   /// The field's gradient at a hit, which lies at p, as the surface's normals are chosen.
   math::Vec3d gradient(const SurfaceHit& hit, const math::Vec3d& p, SurfaceCounts& counts) const;
 
+  /// Of central differences, whose places may be in other processes' cells: whether a surface's
+  /// normals are these; half their length about a hit; the places about a point p, two along each
+  /// axis; the field at one of them, `cell` below 0 where no cell holds it, hint as for
+  /// Sampler::locate(); the gradient by the values at all places.
+  struct PlaceValue {
+    std::int64_t cell = -1;
+    double value = 0;
+  };
+  static constexpr int places_about = 6;
+  bool is_central(std::int32_t surface) const;
+  double half_length(const SurfaceHit& hit) const;
+  static math::Vec3d place_about(const math::Vec3d& p, double half, int number);
+  PlaceValue value_at(std::int32_t surface, const math::Vec3d& place, std::int64_t hint) const;
+  math::Vec3d central_gradient(std::int32_t surface, double half,
+                               std::span<const PlaceValue, places_about> values) const;
+
   /// Puts all hits of a ray into depth order, makes twins one, and leaves out what lies behind the
   /// first opaque one. A hit whose gradient is not a number gets the cell's own, if hits are lit;
   /// `last` keeps the cell for the next ray.
@@ -166,8 +182,6 @@ private:
     std::size_t group;
     double value;
   };
-  math::Vec3d central_gradient(const SurfaceHit& hit, const math::Vec3d& p,
-                               SurfaceCounts& counts) const;
   std::vector<Surface> surfaces_; ///< by SurfaceHit::surface
 };
 

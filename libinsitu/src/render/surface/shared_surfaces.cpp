@@ -7,6 +7,13 @@
 /// The surfaces of a frame of several processes: each finds the hits in its own cells.
 namespace insitu::render {
 
+bool has_central_normals(const FrameSettings& settings) {
+  return settings.lighting.enabled &&
+         std::any_of(
+             settings.isosurfaces.begin(), settings.isosurfaces.end(),
+             [](const IsosurfaceSettings& surface) { return surface.normals == Normals::central; });
+}
+
 void Surfaces::find_own(std::span<RayState> rays, IsosurfaceTile* tile,
                         SurfaceCounts& counts) const {
   thread_local std::vector<SurfaceHit> boundary; // kept for the thread's life
@@ -24,21 +31,26 @@ void Surfaces::find_own(std::span<RayState> rays, IsosurfaceTile* tile,
     };
     for (SurfaceHit& hit : state.hits) {
       hit.color = isosurfaces_->color(hit);
-      if (shader_)
-        hit.gradient = isosurfaces_->gradient(hit, at(hit), counts);
+      if (shader_ && !isosurfaces_->is_central(hit.surface))
+        set_gradient(hit, state.ray, isosurfaces_->gradient(hit, at(hit), counts));
     }
     if (settings_.boundary) {
       boundary.clear();
       triangles_->collect_boundary(state.ray, boundary, stays_of(state));
       for (SurfaceHit& hit : boundary) {
         hit.color = triangles_->color(hit);
+        set_gradient(hit, state.ray, hit.gradient);
         state.hits.push_back(hit);
       }
     }
-    if (light_shader())
-      for (SurfaceHit& hit : state.hits)
-        hit.clearance = clearance(hit, at(hit), normal_of(hit.gradient, state.ray));
   }
+}
+
+void Surfaces::set_gradient(SurfaceHit& hit, const Ray& ray, const math::Vec3d& gradient) const {
+  hit.gradient = gradient;
+  if (light_shader())
+    hit.clearance =
+        clearance(hit, ray.origin + hit.t * ray.direction, normal_of(hit.gradient, ray));
 }
 
 /// Parts hits with the boundary from those with isosurfaces.

@@ -14,6 +14,9 @@
 
 namespace insitu::render {
 
+/// Whether the light on some isosurface goes by central differences.
+bool has_central_normals(const FrameSettings& settings);
+
 /// All surfaces of a frame, cut by its clips and lit.
 class Surfaces final : public SceneSurfaces {
 public:
@@ -37,8 +40,13 @@ public:
   // Of a frame of several processes (shared_surfaces.cpp), in this order.
 
   /// Adds to ray.hits the hits of a ray with isosurfaces and the boundary in this process's cells,
-  /// in no order, with gradients, clearances and their own colours.
+  /// in no order, with gradients, clearances and their own colours; where normals are central
+  /// differences, without the first two.
   void find_own(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCounts& counts) const;
+  /// The isosurfaces; null: none, or this process has no cells.
+  const IsosurfaceTracer* isosurfaces() const { return isosurfaces_ ? &*isosurfaces_ : nullptr; }
+  /// Of a hit of find_own() whose normal is of central differences, before it is sent.
+  void set_gradient(SurfaceHit& hit, const Ray& ray, const math::Vec3d& gradient) const;
   /// Makes of the hits of all processes what trace() makes before they are lit, by whatever numbers
   /// their cells have.
   void put_in_order(std::span<RayState> rays) const;

@@ -101,15 +101,13 @@ private:
     });
     commit::CommittedMesh& mesh = *drawn;
     const FieldsByName fields = frame_fields(frame_, mesh, environment_);
+    const CellsInPlace in_place = find_cells_in_place(mesh);
     FrameDecisions decisions;
     world.agree_after([&] {
-      decisions = decide_on_all(mesh, fields);
-      if (decisions.own_cells)
-        throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                          "images of the solver's cells where others are drawn in their place "
-                          "(adaptive meshes) over several processes are not there yet");
+      decisions = decide_on_all(mesh, fields, in_place);
+      if (in_place.copies)
+        refuse_copies(decisions);
     });
-    refuse_copies(decisions, mesh);
     // A halo that is there must not be of an earlier step.
     const bool with_halo = decisions.vertex_cells.made || frame_.boundary || mesh.halo();
     if (with_halo)
@@ -122,9 +120,11 @@ private:
     }
     told_nothing_ = false;
     const FrameKeys keys(mesh, world);
-    const render::FramePart part{world, mesh.mesh().view().own_cell_count(),
-                                 [&](std::int64_t flat) { return keys.key(flat); },
-                                 mesh.halo() != nullptr};
+    render::FramePart part{world, mesh.mesh().view().own_cell_count(),
+                           [&](std::int64_t flat) { return keys.key(flat); },
+                           mesh.halo() != nullptr};
+    if (decisions.own_cells)
+      part.solvers_cell = [&](const math::Vec3d& place) { return keys.solvers_at(place); };
     render::Structures* structures = nullptr;
     std::optional<FieldsByName> refreshed;
     if (with_halo) // its commit has other views
@@ -132,7 +132,7 @@ private:
     world.agree_after([&] {
       structures = &environment_.structures.of(mesh);
       if (refreshed)
-        decisions = decide_on_all(mesh, *refreshed);
+        decisions = decide_on_all(mesh, *refreshed, in_place);
     });
     complete_averages(decisions, mesh, *structures, world);
     const RangesByColor ranges = frame_ranges(decisions, *structures, world);
@@ -147,27 +147,39 @@ private:
     ++drawn_;
   }
 
-  /// With copies on a chart a place of a volume is another one's image, which may be another
-  /// process's; and a vertex of a copy does not know of the cells around it that have other places.
-  void refuse_copies(const FrameDecisions& decisions, const commit::CommittedMesh& mesh) {
-    std::int64_t copies = (decisions.vertex_cells.made || decisions.volume) &&
-                          mesh.mesh().has_stand_in() && !mesh.mesh().is_adaptive();
-    environment_.world.reduce(std::span(&copies, 1), parallel::Reduction::greatest);
-    environment_.world.agree_after([&] {
-      if (copies)
-        throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                          "volumes, smooth normals and averages in longitude and latitude, of a "
-                          "mesh with cells over the seam or at a pole, over several processes are "
-                          "not there yet; geocentric frames have them");
-    });
+  /// Whether some process draws other cells in the place of the solver's: copies on a chart, or
+  /// cells that are made of them (adaptive meshes' duals).
+  struct CellsInPlace {
+    bool copies, made;
+  };
+  CellsInPlace find_cells_in_place(const commit::CommittedMesh& mesh) const {
+    const bool is_adaptive = mesh.mesh().is_adaptive(), any = mesh.mesh().has_stand_in();
+    std::int64_t found[] = {any && !is_adaptive, any && is_adaptive};
+    environment_.world.reduce(std::span(found), parallel::Reduction::greatest);
+    return {found[0] != 0, found[1] != 0};
+  }
+
+  /// With copies on a chart a place of a volume, or beside a hit, is another one's image, which may
+  /// be another process's; and a vertex of a copy does not know of the cells around it that have
+  /// other places.
+  static void refuse_copies(const FrameDecisions& decisions) {
+    const bool differences =
+        decisions.lit && std::any_of(decisions.isosurfaces.begin(), decisions.isosurfaces.end(),
+                                     [](const IsosurfaceDecisions& surface) {
+                                       return surface.normals == render::Normals::central;
+                                     });
+    if (decisions.vertex_cells.made || decisions.volume || differences)
+      throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                        "volumes, smooth and central normals and averages in longitude and "
+                        "latitude, of a mesh with cells over the seam or at a pole, over several "
+                        "processes are not there yet; geocentric frames have them");
   }
 
   /// The same on all processes.
-  FrameDecisions decide_on_all(const commit::CommittedMesh& mesh,
-                               const FieldsByName& fields) const {
+  FrameDecisions decide_on_all(const commit::CommittedMesh& mesh, const FieldsByName& fields,
+                               const CellsInPlace& in_place) const {
     FrameFacts facts = facts_of(frame_, mesh, environment_.scene_file, &fields);
-    if (!mesh.mesh().is_adaptive())
-      facts.has_stand_in = false; // some have copies on a chart; FrameKeys tells whose these are
+    facts.has_stand_in = in_place.made; // FrameKeys tells whose copies are
     return decide_frame(frame_, facts);
   }
 
@@ -252,7 +264,7 @@ private:
     const render::FrameSettings& settings = drawing.settings;
     warn(done, settings, drawing.step);
     draw_overlays(images.color, drawing, ticks);
-    if (drawing.decisions.own_cells)
+    if (drawing.decisions.own_cells && !drawing.part)
       count_as_the_solver(drawing.mesh, settings, images);
     if (drawing.keys)
       for (std::int64_t& cell : images.cell)

@@ -107,7 +107,7 @@ std::int64_t FrameKeys::key(std::int64_t flat) const {
       return made->number;
   const commit::StandIn::Place at =
       mesh_.stand_in() ? mesh_.stand_in()->place(flat) : commit::StandIn::Place{flat};
-  const std::int64_t own = by_ids_ ? mesh_.mesh().global_id(INSITU_CELL, at.own) : before_ + at.own;
+  const std::int64_t own = own_key(at.own);
   switch (at.chart) {
   case 0:
     return own;
@@ -116,6 +116,11 @@ std::int64_t FrameKeys::key(std::int64_t flat) const {
   default:
     return end_ * (1 + at.chart) + own;
   }
+}
+
+std::int64_t FrameKeys::solvers_at(const math::Vec3d& place) const {
+  const query::Location own = mesh_.own_here({0, {}}, place); // whatever cell is drawn there
+  return own ? own_key(own.cell) : -1;
 }
 
 std::int64_t FrameKeys::solvers(std::int64_t key) const {

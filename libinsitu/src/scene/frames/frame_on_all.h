@@ -36,10 +36,17 @@ public:
   FrameKeys(const commit::CommittedMesh& mesh, parallel::World& world);
   /// Of a flat cell of this process in the mesh's view.
   std::int64_t key(std::int64_t flat) const;
+  /// Of the lowest of the solver's cells of this process that hold a place, where others are drawn;
+  /// -1: none.
+  std::int64_t solvers_at(const math::Vec3d& place) const;
   /// That of the solver's cell, which may be a copy's.
   std::int64_t solvers(std::int64_t key) const;
 
 private:
+  std::int64_t own_key(std::int64_t own) const {
+    return by_ids_ ? mesh_.mesh().global_id(INSITU_CELL, own) : before_ + own;
+  }
+
   const commit::CommittedMesh& mesh_;
   bool by_ids_;
   std::int64_t before_ = 0; ///< cells of lower processes
