@@ -143,6 +143,8 @@ TEST(ProcessAdaptive, Frames) {
       "     effects: [multiple_scattering], path_tracing: {samples: 2}}\n"
       "  - {name: surfaces, size: [24, 24], isosurfaces: [{field: s, values: [-0.3, 0.4],\n"
       "     opacity: 0.6, color: {field: v, component: 1}}], outline: {}}\n"
+      "  - {name: held, size: [24, 24], volume: {field: s, tolerance: 0.1,\n"
+      "     opacity: [[-1, 0], [0, 0], [1, 0.8]]}}\n"
       "  - {name: skin, size: [70, 70], images: [cell], samples_per_pixel: 2, boundary: {}}\n";
   expect_one(scene, INSITU_DUAL, 15);
   expect_one("insitu: 1\npage: false\nframes:\n"

@@ -131,6 +131,46 @@ TEST(SharedFrames, CentralDifferencesReachIntoOtherCells) {
     }
 }
 
+/// Steps by a tolerance hang on macrocells of the whole mesh, of which others may have more cells.
+TEST(SharedFrames, StepsByAToleranceAreThoseOfOneProcess) {
+  int seed = 0;
+  for (const Shape shape : shapes) {
+    for (const int mode : {0, 1, 2, 3}) {
+      if (++seed % 2 == 0) // the other modes with the next shape
+        continue;
+      SCOPED_TRACE(testing::Message() << "shape " << int(shape) << ", mode " << mode);
+      TestMesh whole = box_cells(6, shape, 0.2);
+      for (Vec3d& x : whole.vertices) // cells of many sizes
+        if (mode % 2 == 1)
+          x.x *= x.x;
+      expect_same(
+          whole,
+          [&](const ScalarField& f, const ScalarField& c) {
+            FrameSettings s = frame();
+            s.volume = soft(mode == 3 ? c : f);
+            s.volume->tolerance = mode == 0 ? 0.02 : 0.2;
+            s.volume->skip_empty = mode != 1;
+            s.volume->shading = mode == 2;
+            if (mode == 1) { // cut, and behind surfaces; lit by a light that hangs on the place
+              s.volume->shading = true;
+              s.lighting.lights = {{render::Light::Kind::point, {0.5, 0.4, 1.6}}};
+              s.isosurfaces.push_back({f, {0.6}, 0.5});
+              s.clips.push_back({render::Clip::Kind::sphere, {0.5, 0.5, 0.9}, {}, 0.3, false});
+            }
+            if (mode == 2) {
+              s.volume->sample_group = 5;
+              s.samples_per_pixel = 2;
+            }
+            if (mode == 3) // some rays are thin
+              s.volume->step = 0.3;
+            return s;
+          },
+          seed, mode == 1);
+    }
+    ++seed;
+  }
+}
+
 /// The ways in which the rays of a frame are unlike others.
 TEST(SharedFrames, RaysOfAllKinds) {
   const TestMesh whole = box_cells(6, Shape::tetrahedron, 0.25);

@@ -73,6 +73,8 @@ TEST(SharedPaths, MeetSurfaces) {
           s.isosurfaces.push_back(surface(f, 0.75, 0.6));
           if (mode == 1)
             s.isosurfaces.push_back(surface(c, 0.5, 1));
+          if (mode == 2)
+            s.isosurfaces.back().normals = render::Normals::central;
           if (mode == 3) {
             s.boundary = render::BoundarySettings{0.2, render::Color{0.4f, 0.5f, 0.6f}};
             s.clips.push_back({render::Clip::Kind::sphere, {0.5, 0.5, 0.9}, {}, 0.3, false});

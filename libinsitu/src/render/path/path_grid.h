@@ -1,29 +1,17 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-
-#include "mesh/facts.h"
-#include "query/sampler.h"
-#include "render/volume/macrocells.h"
+#include "render/volume/whole_grid.h"
 
 namespace insitu::render {
 
-/// How wide a mesh's cells are along each axis: the sum over all owning cells, in units of 2^-30 of
-/// the mesh's width, each cell's width rounded to such a unit. Of parts of a mesh they add up in
-/// any order to the same number.
-using CellWidths = std::array<std::int64_t, 3>;
-
-/// Of the sampler's own cells, in a mesh that fills the box. One pass over the cells.
-CellWidths cell_widths(const query::Sampler& sampler, const mesh::Box& whole,
-                       const core::Threads& threads);
+constexpr double most_path_macrocells = 0x1p14;
 
 /// The grid of majorants of a mesh with these facts and widths: about cells_each cells to a
-/// macrocell, which has the proportions of a mean cell, and most_path_macrocells at most. It is the
-/// same however the mesh is numbered, or spread over processes. Throws core::Error
-/// (INSITU_ERROR_ARGUMENT) unless cells_each is above 0.
-MacrocellGrid path_grid(const mesh::MeshFacts& whole, const CellWidths& widths, double cells_each);
-
-constexpr double most_path_macrocells = 0x1p14;
+/// macrocell, which has the proportions of a mean cell, and most_path_macrocells at most. Throws
+/// core::Error (INSITU_ERROR_ARGUMENT) unless cells_each is above 0.
+inline MacrocellGrid path_grid(const mesh::MeshFacts& whole, const CellWidths& widths,
+                               double cells_each) {
+  return whole_grid(whole, widths, {cells_each, most_path_macrocells});
+}
 
 } // namespace insitu::render

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/status.h"
+#include "render/path/path_grid.h"
 #include "render/path/path_wave.h"
 
 namespace insitu::render {

@@ -22,8 +22,6 @@ namespace {
 } // namespace
 
 void check_shared(const FrameSettings& s, bool has_halo) {
-  if (s.volume && s.volume->tolerance)
-    refuse("a volume's steps by a tolerance");
   if (s.boundary && !has_halo)
     refuse("boundaries of meshes without cells of other processes");
   for (const IsosurfaceSettings& surface : s.isosurfaces) {

@@ -5,6 +5,7 @@
 
 #include "accel/tree/tree.h"
 #include "render/processes/shown_elsewhere.h"
+#include "render/processes/whole_macrocells.h"
 
 namespace insitu::render {
 
@@ -36,11 +37,20 @@ SharedFrame::Known::Known(const FramePart& part, const query::Sampler& sampler,
 
 void SharedFrame::Known::know_volume(const FramePart& part, const query::Sampler& sampler,
                                      const FrameSettings& settings, Structures& structures) {
+  std::optional<MacrocellGrid> grid;
+  if (settings.volume->tolerance) {
+    const CellWidths widths = whole_widths(part.world, sampler, structures);
+    part.world.agree_after([&] { grid = level_grid(sampler.facts(), widths); });
+    macrocells_.emplace(
+        whole_macrocells(part.world, sampler, settings.volume->field, *grid, true, structures));
+  }
   std::optional<ShownElsewhere> elsewhere;
   part.world.agree_after([&] {
-    volume = volume_structures(sampler, *settings.volume,
-                               std::int64_t(settings.width) * settings.height, structures);
+    volume =
+        volume_structures(sampler, *settings.volume, std::int64_t(settings.width) * settings.height,
+                          structures, grid ? &*grid : nullptr);
     volume.culled = nullptr;
+    volume.macrocells = macrocells_ ? &*macrocells_ : nullptr;
     if (!settings.volume->preintegrated || part.world.size() == 1)
       return;
     elsewhere.emplace(sampler.facts().bounds);
@@ -60,7 +70,6 @@ SharedFrame::SharedFrame(const FramePart& part, const query::Sampler& sampler,
                          const FrameSettings& settings, const Known& known, Structures& structures,
                          const core::Threads& threads)
     : part_(part), sampler_(sampler), settings_(settings), threads_(threads),
-      where_(known.where ? &*known.where : nullptr),
       rays_(settings.camera, settings.width, settings.height), mail_(part.world, part.most_bytes) {
   const bool traces = settings.volume && settings.path_tracing;
   if (settings.volume && !traces) {
@@ -77,6 +86,8 @@ SharedFrame::SharedFrame(const FramePart& part, const query::Sampler& sampler,
     volume_->set_surfaces(&*surfaces_);
   if (hits_send_rays() || (volume_ && volume_->light_shader()) || (meets && traces))
     light_.emplace(part, settings, *surfaces_, *known.where, mail_, threads);
+  if (has_central_normals(settings))
+    normals_.emplace(part, sampler_, *surfaces_, *known.where, mail_, threads);
   if (traces)
     begin_paths(known, meets, structures);
   groups_ = tile_groups(settings.width, settings.height, part.world.size(), tiles_a_group(),
@@ -97,7 +108,8 @@ std::int64_t SharedFrame::tiles_a_group() const {
   const std::int64_t bytes_a_ray =
       depth_ *
       (bytes_a_sample + bytes_a_change + (volume_ && volume_->is_lit() ? bytes_a_gradient : 0) +
-       (volume_ && volume_->is_lit_by_place() ? bytes_a_place : 0));
+       (volume_ && volume_->is_lit_by_place() ? bytes_a_place : 0) +
+       (volume_ && volume_->has_levels() ? bytes_a_level : 0));
   return std::max<std::int64_t>(1, most / (bytes_a_ray * FrameTile::most_rays));
 }
 
@@ -112,7 +124,8 @@ void SharedFrame::begin_paths(const Known& known, bool meet_surfaces, Structures
   if (meet_surfaces)
     tracer_->set_surfaces(&*surfaces_);
   paths_.emplace(part_, settings_, *tracer_, meet_surfaces ? &*surfaces_ : nullptr,
-                 meet_surfaces ? &*light_ : nullptr, *known.where, mail_, threads_);
+                 meet_surfaces ? &*light_ : nullptr,
+                 meet_surfaces && normals_ ? &*normals_ : nullptr, *known.where, mail_, threads_);
 }
 
 void SharedFrame::set_sample(const PixelAverage::Sample& sample) {
@@ -143,6 +156,7 @@ void SharedFrame::add_to(FrameStatistics& statistics) const {
   if (light_)
     statistics.add(light_->counts());
   statistics.step = volume_ ? volume_->step() : 0.0;
+  statistics.unheld = volume_ ? volume_->unheld() : 0;
   statistics.bytes_sent += mail_.bytes_sent();
   statistics.parcels_sent += mail_.parcels_sent();
   statistics.exchanges += mail_.exchanges();
@@ -206,8 +220,8 @@ void SharedFrame::find_hits() {
     for_tiles(near_count_, [&](std::size_t i) { find_own_hits(near_[i]); });
     for_tiles(own_count_, [&](std::size_t i) { begin(tile_of(own_[i].slot), own_[i].rays); });
   });
-  if (has_central_normals(settings_))
-    find_central_normals();
+  if (normals_)
+    normals_->find(near_count_, [&](std::size_t i) { return rays_of(near_[i]); });
   part_.world.agree_after([&] {
     parcels.resize(near_count_);
     for_tiles(near_count_, [&](std::size_t i) { parcels[i] = take_own_hits(near_[i]); });

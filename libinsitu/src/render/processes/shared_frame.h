@@ -10,6 +10,7 @@
 #include "render/processes/frame_part.h"
 #include "render/processes/frame_tiles.h"
 #include "render/processes/shared_light.h"
+#include "render/processes/shared_normals.h"
 #include "render/processes/shared_paths.h"
 #include "render/processes/tile_data.h"
 #include "render/processes/tile_mail.h"
@@ -34,6 +35,7 @@ public:
     void know_volume(const FramePart& part, const query::Sampler& sampler,
                      const FrameSettings& settings, Structures& structures);
     std::unique_ptr<Majorants> majorants_;
+    std::optional<Macrocells> macrocells_; ///< of the whole mesh, with a tolerance
   };
 
   /// All must outlive it; path tracing in the settings knows the majorants. Not collective; throws
@@ -87,14 +89,6 @@ private:
   void find_hits();
   void find_own_hits(NearTile& near);
   TileParcel take_own_hits(NearTile& near);
-  struct Differences;
-  void find_central_normals();
-  Differences places_about_hits(NearTile& near) const;
-  IsosurfaceTracer::PlaceValue own_value(std::int32_t surface, const math::Vec3d& place,
-                                         std::int64_t hint) const;
-  std::vector<std::byte> answer_places(ByteReader asked) const;
-  static void take_places(const TileParcel& answer, Differences& to);
-  void set_central_normals(NearTile& near, const Differences& found) const;
   void order(OwnTile& tile);
   void light_hits();
   bool hits_send_rays() const { return surfaces_ && surfaces_->light_shader(); }
@@ -114,6 +108,7 @@ private:
   void tell_ends();
   void start(NearTile& near) const;
   void march_thin();
+  std::int64_t next_round(std::int64_t round) const;
   void claim(std::int64_t round);
   TileParcel claim(NearTile& near, std::int64_t first);
   /// A round of claims, or of those on thin rays.
@@ -138,7 +133,6 @@ private:
   const query::Sampler sampler_;
   const FrameSettings& settings_;
   const core::Threads& threads_;
-  const CellBoxes* where_; ///< see Known; null: there are none
   RayGenerator rays_;
   std::uint64_t sample_ = 0; ///< of each pixel
   std::optional<VolumeMarcher> volume_;
@@ -146,7 +140,8 @@ private:
   int depth_ = ClaimReader::most_depth; ///< samples of a ray in a round
   std::vector<std::vector<FrameTile>> groups_;
   TileMail mail_;
-  std::optional<SharedLight> light_; ///< if hits or samples send rays, or paths meet surfaces
+  std::optional<SharedNormals> normals_; ///< if they are central differences
+  std::optional<SharedLight> light_;     ///< if hits or samples send rays, or paths meet surfaces
   std::optional<PathTracer> tracer_;
   std::optional<SharedPaths> paths_;
   // Of the group that is being drawn; vectors keep their memory.

@@ -36,7 +36,7 @@ void SharedFrame::take_points(const OwnTile& tile, ClaimReader ahead, const Roun
     const std::uint32_t wanted =
         round.is_thin ? 1u
                       : volume_->lit_samples(tile.rays[r], *tile.progress, r, round.first,
-                                             ahead.wanted(), ahead.samples());
+                                             ahead.wanted(), ahead.samples(), ahead.levels());
     lit.push_back(wanted);
     for (std::uint32_t rest = wanted; rest; rest &= rest - 1)
       if (const auto point = lit_point(tile, ahead, std::countr_zero(rest))) {

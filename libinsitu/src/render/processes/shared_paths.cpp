@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <iterator>
 
+#include "render/path/path_grid.h"
 #include "render/processes/shared_light_data.h"
+#include "render/processes/whole_macrocells.h"
 
 namespace insitu::render {
 
@@ -38,34 +40,26 @@ std::unique_ptr<Majorants> whole_path_majorants(const FramePart& part,
                                                 Structures& structures,
                                                 const core::Threads& threads) {
   const VolumeSettings& volume = *settings.volume;
-  mesh::MeshFacts whole;
-  CellWidths widths{};
-  part.world.agree_after([&] {
-    whole = sampler.facts();
-    widths = structures.cell_widths(whole.bounds);
-  });
-  part.world.reduce(std::span(widths), parallel::Reduction::sum);
+  const CellWidths widths = whole_widths(part.world, sampler, structures);
   MacrocellGrid grid;
-  std::vector<std::int64_t> extremes;
   part.world.agree_after([&] {
-    grid = path_grid(whole, widths, settings.path_tracing->cells_per_macrocell);
-    extremes = sampler.tree().empty() ? Macrocells::no_extremes(grid)
-                                      : structures.macrocells(volume.field, &grid).extremes();
+    grid = path_grid(sampler.facts(), widths, settings.path_tracing->cells_per_macrocell);
   });
-  part.world.reduce(std::span(extremes), parallel::Reduction::least);
+  const Macrocells whole =
+      whole_macrocells(part.world, sampler, volume.field, grid, false, structures);
   std::unique_ptr<Majorants> majorants;
   part.world.agree_after([&] {
-    majorants = std::make_unique<Majorants>(Macrocells(grid, extremes, structures.memory()),
-                                            volume.function, threads, structures.memory());
+    majorants = std::make_unique<Majorants>(whole, volume.function, threads, structures.memory());
   });
   return majorants;
 }
 
 SharedPaths::SharedPaths(const FramePart& part, const FrameSettings& settings,
                          const PathTracer& tracer, const Surfaces* surfaces, SharedLight* light,
-                         const CellBoxes& where, TileMail& mail, const core::Threads& threads)
+                         const SharedNormals* normals, const CellBoxes& where, TileMail& mail,
+                         const core::Threads& threads)
     : part_(part), settings_(settings), tracer_(tracer), surfaces_(surfaces), light_(light),
-      where_(where), mail_(mail), threads_(threads) {}
+      normals_(normals), where_(where), mail_(mail), threads_(threads) {}
 
 template <class Work>
 void SharedPaths::for_each(std::size_t count, Work&& work) const {
@@ -114,10 +108,18 @@ void SharedPaths::trace(std::span<const Tile> tiles) {
     });
     const std::vector<TileParcel> questions = mail_.exchange(std::move(parcels));
     std::vector<TileParcel> answers;
+    std::vector<WallRays> walls; // by question
+    part_.world.agree_after([&] {
+      walls.resize(questions.size());
+      if (surfaces_)
+        for_each(questions.size(), [&](std::size_t q) { walls[q] = find_walls(questions[q]); });
+    });
+    if (normals_)
+      normals_->find(walls.size(), [&](std::size_t q) { return std::span(walls[q]); });
     part_.world.agree_after([&] {
       answers.resize(questions.size());
       for_each(questions.size(), [&](std::size_t q) {
-        answers[q] = {questions[q].rank, questions[q].slot, answer(questions[q])};
+        answers[q] = {questions[q].rank, questions[q].slot, answer(questions[q], walls[q])};
       });
     });
     const std::vector<TileParcel> received = mail_.exchange(std::move(answers));
@@ -206,7 +208,7 @@ SharedLight::Rays::One light_ray(const Ray& ray, double t_max, std::size_t point
 
 } // namespace
 
-std::vector<std::byte> SharedPaths::answer(const TileParcel& asked) const {
+std::vector<std::byte> SharedPaths::answer(const TileParcel& asked, const WallRays& walls) const {
   thread_local ByteWriter writer; // for the thread's life
   writer.clear();
   ByteReader reader = asked.reader();
@@ -221,8 +223,25 @@ std::vector<std::byte> SharedPaths::answer(const TileParcel& asked) const {
   }
   SurfaceCounts none; // as of one process, which does not count them either
   light_->write_met(SharedLight::Rays(std::move(rays)), {}, none, writer);
-  answer_walls(reader, head.walls, writer);
+  write_hits(walls, part_.key, surfaces_->light_shader(), writer);
   return writer.bytes();
+}
+
+/// The hits of scattered light in this process's cells.
+SharedPaths::WallRays SharedPaths::find_walls(const TileParcel& asked) const {
+  ByteReader reader = asked.reader();
+  const auto head = reader.value<Head>();
+  reader.array<Vec3d>(head.values);
+  reader.array<SentRay>(head.lights);
+  WallRays rays(head.walls);
+  for (RayState& ray : rays) {
+    const auto sent = reader.value<SentRay>();
+    ray.begin({sent.origin, sent.direction});
+    clip_ray(settings_.clips, ray.ray, 0, HUGE_VAL, ray.stays);
+  }
+  SurfaceCounts none;
+  surfaces_->find_own(rays, nullptr, none);
+  return rays;
 }
 
 /// A bit for each place that a cell of this process holds, and of these the values.
@@ -240,21 +259,6 @@ void SharedPaths::answer_values(ByteReader& from, std::size_t count, ByteWriter&
   for (const PathValue& value : found)
     if (is_own(value))
       to.value(SentValue{part_.key(value.cell), value.value});
-}
-
-/// The hits of rays in this process's cells.
-void SharedPaths::answer_walls(ByteReader& from, std::size_t count, ByteWriter& to) const {
-  thread_local std::vector<RayState> rays; // kept for the thread's life
-  if (rays.size() < count)
-    rays.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto sent = from.value<SentRay>();
-    rays[i].begin({sent.origin, sent.direction});
-    clip_ray(settings_.clips, rays[i].ray, 0, HUGE_VAL, rays[i].stays);
-  }
-  SurfaceCounts none;
-  surfaces_->find_own(std::span(rays.data(), count), nullptr, none);
-  write_hits(std::span(rays.data(), count), part_.key, surfaces_->light_shader(), to);
 }
 
 /// Puts the answers about a batch together.

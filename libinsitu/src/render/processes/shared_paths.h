@@ -10,6 +10,7 @@
 #include "render/processes/frame_part.h"
 #include "render/processes/frame_tiles.h"
 #include "render/processes/shared_light.h"
+#include "render/processes/shared_normals.h"
 #include "render/processes/tile_mail.h"
 
 namespace insitu::render {
@@ -33,9 +34,10 @@ std::unique_ptr<Majorants> whole_path_majorants(const FramePart& part,
 class SharedPaths {
 public:
   /// All must outlive it. surfaces, light: null, both or neither, if paths do not meet surfaces.
+  /// normals: null: these have none that are central differences.
   SharedPaths(const FramePart& part, const FrameSettings& settings, const PathTracer& tracer,
-              const Surfaces* surfaces, SharedLight* light, const CellBoxes& where, TileMail& mail,
-              const core::Threads& threads);
+              const Surfaces* surfaces, SharedLight* light, const SharedNormals* normals,
+              const CellBoxes& where, TileMail& mail, const core::Threads& threads);
 
   /// A tile that this process owns.
   struct Tile {
@@ -76,9 +78,10 @@ private:
   void for_each(std::size_t count, Work&& work) const;
   std::int64_t collect(Batch& batch) const;
   void ask(Batch& batch, std::vector<TileParcel>& parcels) const;
-  std::vector<std::byte> answer(const TileParcel& asked) const;
+  using WallRays = std::vector<RayState>;
+  WallRays find_walls(const TileParcel& asked) const;
+  std::vector<std::byte> answer(const TileParcel& asked, const WallRays& walls) const;
   void answer_values(ByteReader& from, std::size_t count, ByteWriter& to) const;
-  void answer_walls(ByteReader& from, std::size_t count, ByteWriter& to) const;
   void take(Batch& batch, std::span<const TileParcel> answers) const;
   void take_walls(Batch& batch) const;
   void light_walls();
@@ -88,6 +91,7 @@ private:
   const PathTracer& tracer_;
   const Surfaces* surfaces_;
   SharedLight* light_;
+  const SharedNormals* normals_;
   const CellBoxes& where_;
   TileMail& mail_;
   const core::Threads& threads_;

@@ -34,11 +34,30 @@ void SharedFrame::march() {
   part_.world.reduce(std::span(rounds), parallel::Reduction::least);
   if (rounds[2] < 0)
     march_thin();
-  for (std::int64_t round = rounds[0]; round < -rounds[1]; ++round) {
+  for (std::int64_t round = rounds[0]; round < -rounds[1]; round = next_round(round)) {
     claim(round);
     if (round + 1 == -rounds[1] || tell_saturated(round) == 0)
       break;
   }
+}
+
+/// With a tolerance a step may be many rounds long: then the next one in which a process has
+/// samples.
+std::int64_t SharedFrame::next_round(std::int64_t round) const {
+  if (!volume_->has_levels())
+    return round + 1;
+  std::int64_t next = std::numeric_limits<std::int64_t>::max();
+  part_.world.agree_after([&] {
+    for (std::size_t i = 0; i < near_count_; ++i) {
+      const NearTile& near = near_[i];
+      const std::vector<FrameTile::Part> parts = tile_of(near.slot).parts();
+      for (std::size_t p = 0; p < parts.size(); ++p)
+        for (const std::uint16_t r : near.open[p])
+          next = std::min(next, near.rays[parts[p].first_ray + r].next);
+    }
+  });
+  part_.world.reduce(std::span(&next, 1), parallel::Reduction::least);
+  return std::max(round + 1, next / depth_);
 }
 
 /// Owners tell where opaque hits end rays, and all start theirs.
@@ -182,7 +201,7 @@ void SharedFrame::take(OwnTile& tile, const ClaimReader& claimed, const Round& r
   if (round.is_thin)
     return volume_->gather_thin(ray, claimed.samples()->value, *claimed.locations());
   volume_->gather(ray, *tile.progress, r, round.first, claimed.wanted(), claimed.samples(),
-                  claimed.locations());
+                  claimed.locations(), claimed.levels());
   if (ray.is_saturated() && !(tile.saturated[r / 64] >> (r % 64) & 1)) {
     tile.saturated[r / 64] |= std::uint64_t(1) << (r % 64);
     tile.has_news = true;

@@ -79,6 +79,8 @@ void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, co
         to.value(claims.gradients[at]);
       if (!claims.places.empty())
         to.value(claims.places[at]);
+      if (!claims.levels.empty())
+        to.value(claims.levels[at]);
     }
   }
 }
@@ -114,12 +116,14 @@ void ClaimReader::take(Run& run) {
       gradient = from.value<math::Vec3d>();
     if (with_places_)
       place = from.value<math::Vec3d>();
+    const std::uint8_t level = with_levels_ ? from.value<std::uint8_t>() : std::uint8_t(0);
     if ((wanted_ >> k & 1) && samples_[k].cell <= key)
       continue;
     wanted_ |= std::uint32_t(1) << k;
     samples_[k] = {key, value};
     locations_[k] = {key, gradient};
     places_[k] = place;
+    levels_[k] = level;
   }
   begin(run);
 }

@@ -51,12 +51,11 @@ inline std::size_t words_of(std::size_t bits) {
 
 /// Bytes of a hit on its way, and of where rays of light start from it, if there are some.
 constexpr std::int64_t bytes_a_hit = 80, bytes_a_start = 16;
-/// Bytes of a place about a hit, and of the value there, where normals are central differences.
-constexpr std::int64_t bytes_a_place_about = 32, bytes_a_place_value = 16;
 /// Bytes of the samples of a ray in a round, of each of them, of each change of cell among them,
-/// of a gradient where colours are lit, and of a place where lights hang on it.
+/// of a gradient where colours are lit, of a place where lights hang on it, and of a level with a
+/// tolerance.
 constexpr std::int64_t bytes_a_run = 10, bytes_a_sample = 8, bytes_a_change = 8,
-                       bytes_a_gradient = 24, bytes_a_place = 24;
+                       bytes_a_gradient = 24, bytes_a_place = 24, bytes_a_level = 1;
 
 /// Writes the hits of rays, those in cells of this process.
 void write_hits(std::span<const RayState> rays, const CellKey& key, bool with_starts,
@@ -76,7 +75,8 @@ public:
   static constexpr int most_depth = 32; ///< samples of a ray
 
   explicit ClaimReader(const VolumeMarcher& volume)
-      : with_gradients_(volume.is_lit()), with_places_(volume.is_lit_by_place()) {}
+      : with_gradients_(volume.is_lit()), with_places_(volume.is_lit_by_place()),
+        with_levels_(volume.has_levels()) {}
   void clear() { runs_.clear(); }
   /// Of a process, those of rays in ascending order.
   void add(ByteReader claims);
@@ -92,6 +92,7 @@ public:
   const query::Location* locations() const { return locations_; }
   /// The same, if there are some.
   const math::Vec3d* places() const { return places_; }
+  const std::uint8_t* levels() const { return levels_; }
   /// Puts the light of a sample in place of its gradient.
   void set_light(int sample, const math::Vec3d& light) { locations_[sample].parametric = light; }
 
@@ -106,13 +107,14 @@ private:
   }
   void take(Run& run);
 
-  bool with_gradients_, with_places_;
+  bool with_gradients_, with_places_, with_levels_;
   std::vector<Run> runs_; ///< by process
   std::size_t ray_ = 0;
   std::uint32_t wanted_ = 0;
   query::ValueSample samples_[most_depth];
   query::Location locations_[most_depth];
   math::Vec3d places_[most_depth];
+  std::uint8_t levels_[most_depth];
 };
 
 } // namespace insitu::render

@@ -179,9 +179,10 @@ const CellWidths& Structures::cell_widths(const mesh::Box& whole) {
   return cell_widths_->second;
 }
 
-const Macrocells& Structures::macrocells_with_sizes(const ScalarField& field) {
-  macrocells(field);
-  Macrocells& cells = *macrocells_[with(key_of(field), nullptr)].value;
+const Macrocells& Structures::macrocells_with_sizes(const ScalarField& field,
+                                                    const MacrocellGrid& grid) {
+  macrocells(field, &grid);
+  Macrocells& cells = *macrocells_[with(key_of(field), &grid)].value;
   if (!cells.has_sizes())
     cells.measure(*sampler_, *threads_);
   return cells;

@@ -12,13 +12,13 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "query/sampler.h"
-#include "render/path/path_grid.h"
 #include "render/structures/scalar_field.h"
 #include "render/structures/vertex_average.h"
 #include "render/structures/vertex_gradients.h"
 #include "render/surface/triangle_mesh.h"
 #include "render/volume/macrocells.h"
 #include "render/volume/primitive_ranges.h"
+#include "render/volume/whole_grid.h"
 
 namespace insitu::render {
 
@@ -104,7 +104,7 @@ public:
   /// grid: null: that of Macrocells::grid_of().
   const Macrocells& macrocells(const ScalarField& field, const MacrocellGrid* grid = nullptr);
   /// The same, which know their cells' sizes.
-  const Macrocells& macrocells_with_sizes(const ScalarField& field);
+  const Macrocells& macrocells_with_sizes(const ScalarField& field, const MacrocellGrid& grid);
   /// Of macrocells(field, grid); classified anew when the values or the function's opacities
   /// change.
   const Majorants& majorants(const ScalarField& field, const TransferFunction& function,

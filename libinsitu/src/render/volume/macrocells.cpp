@@ -22,6 +22,8 @@ namespace {
 using math::Vec3d;
 
 constexpr double infinity = PossibleValues::infinity;
+/// Numbers of a macrocell among Macrocells::extremes().
+constexpr std::size_t extremes_alone = 3, extremes_with_size = 4;
 
 /// Some boxes of cells, each standing for `weight` of them, and how many cells there are in all.
 struct CellSizes {
@@ -281,27 +283,39 @@ Macrocells::Macrocells(const MacrocellGrid& grid, std::span<const std::int64_t> 
   const auto count = std::size_t(grid_.count());
   ranges_.resize_discard(count);
   has_nan_.resize_discard(count);
+  const bool with_sizes = extremes.size() == extremes_with_size * count;
+  if (with_sizes)
+    smallest_.resize_discard(count);
+  const std::int64_t* key = extremes.data();
   for (std::size_t i = 0; i < count; ++i) {
-    ranges_[i] = {number_of(extremes[3 * i]), -number_of(extremes[3 * i + 1])};
-    has_nan_[i] = extremes[3 * i + 2] < 0;
+    ranges_[i].lower = number_of(*key++);
+    ranges_[i].upper = -number_of(*key++);
+    has_nan_[i] = *key++ < 0;
+    if (with_sizes)
+      smallest_[i] = float(number_of(*key++));
   }
 }
 
 std::vector<std::int64_t> Macrocells::extremes() const {
   std::vector<std::int64_t> keys;
-  keys.reserve(extremes_each * ranges_.size());
+  keys.reserve((has_sizes() ? extremes_with_size : extremes_alone) * ranges_.size());
   for (std::size_t i = 0; i < ranges_.size(); ++i) {
     keys.push_back(in_order(ranges_[i].lower));
     keys.push_back(in_order(-ranges_[i].upper));
     keys.push_back(has_nan_[i] ? -1 : 0);
+    if (has_sizes())
+      keys.push_back(in_order(double(smallest_[i])));
   }
   return keys;
 }
 
-std::vector<std::int64_t> Macrocells::no_extremes(const MacrocellGrid& grid) {
+std::vector<std::int64_t> Macrocells::no_extremes(const MacrocellGrid& grid, bool with_sizes) {
   std::vector<std::int64_t> keys;
-  for (std::int64_t i = 0; i < grid.count(); ++i)
+  for (std::int64_t i = 0; i < grid.count(); ++i) {
     keys.insert(keys.end(), {in_order(infinity), in_order(infinity), 0});
+    if (with_sizes)
+      keys.push_back(in_order(infinity));
+  }
   return keys;
 }
 

@@ -97,9 +97,8 @@ public:
   /// What they hold as integers, so that of macrocells of a mesh's parts on one grid the least ones
   /// are those of the whole mesh.
   std::vector<std::int64_t> extremes() const;
-  /// Of parts without cells; of a macrocell so many numbers.
-  static std::vector<std::int64_t> no_extremes(const MacrocellGrid& grid);
-  static constexpr std::int64_t extremes_each = 3;
+  /// Of parts without cells; with_sizes: as after measure().
+  static std::vector<std::int64_t> no_extremes(const MacrocellGrid& grid, bool with_sizes);
 
   /// New values on the same cells: no memory is allocated, the grid stays.
   void refresh(const query::Sampler& sampler, const ScalarField& field,

@@ -93,9 +93,12 @@ struct VolumeStructures {
   const Macrocells* macrocells = nullptr;     ///< with cells' sizes, for a tolerance
   core::CountedAllocator<char> counted = {};  ///< of the marcher's own tables
 };
-/// rays: of the frame.
+/// rays: of the frame. whole: of a mesh that is spread over processes, the level_grid() of all of
+/// it, on which macrocells then are those of the sampler's cells alone; null: the sampler's mesh is
+/// whole.
 VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSettings& settings,
-                                   std::int64_t rays, Structures& structures);
+                                   std::int64_t rays, Structures& structures,
+                                   const MacrocellGrid* whole = nullptr);
 /// Whether macrocells are made for skipping: if the samples that macrocells are likely to save, by
 /// a look at some cells, are more than the cells that have to be read once. In a culled frame a
 /// sample where nothing shows costs little, so ten times as many have to be saved.
@@ -141,6 +144,7 @@ public:
   /// or the light that falls there if that hangs on the place.
   void take_part();
   bool is_lit() const { return shader_.has_value(); }
+  bool has_levels() const { return levels_.has_value(); }
   /// Whether there are lights that hang on a sample's place: points, and those with shadows.
   bool is_lit_by_place() const { return shader_ && shader_->asks_place(); }
   /// Whose rays are to be followed; null: there are none.
@@ -161,6 +165,7 @@ public:
     std::vector<query::ValueSample> samples; ///< at place()
     std::vector<math::Vec3d> gradients;      ///< the same, if colours are lit; otherwise empty
     std::vector<math::Vec3d> places;         ///< the same, if is_lit_by_place()
+    std::vector<std::uint8_t> levels;        ///< the same, with a tolerance: of the steps
     std::size_t rays = 0;
     int group = 1;
     std::size_t place(std::size_t ray, int k) const {
@@ -170,7 +175,8 @@ public:
   /// Leaves those samples of a ray that was started which cells of this process may hold.
   void keep_near(RayState& ray) const;
   /// Claims samples [first, first + depth), depth at most 32 and both multiples of group(), as far
-  /// as keep_near() left them and something may show. rays: at most
+  /// as keep_near() left them and something may show. With a tolerance sample i is the one whose
+  /// stretch begins at the base step i. rays: at most
   /// query::RayBundleLocator::most_rays; lattice: the same; row as for march(). open: the rays that
   /// have not ended, ascending; those that end are taken out. Flat cells below own_cells are of
   /// this process.
@@ -193,14 +199,15 @@ public:
     std::vector<Gathered> last_;
   };
   /// Gathers those of samples [first, first + 32) of ray r whose bit is set in `wanted`, at
-  /// locations if colours are lit. Stretches come in order, and those without samples need not.
+  /// locations if colours are lit, of levels with a tolerance. Stretches come in order, and those
+  /// without samples need not.
   void gather(RayState& ray, Progress& progress, std::size_t r, std::int64_t first,
               std::uint32_t wanted, const query::ValueSample* samples,
-              const query::Location* locations) const;
+              const query::Location* locations, const std::uint8_t* levels) const;
   /// Which of these samples gather() will light, and maybe some more: a bit each.
   std::uint32_t lit_samples(const RayState& ray, const Progress& progress, std::size_t r,
                             std::int64_t first, std::uint32_t wanted,
-                            const query::ValueSample* samples) const;
+                            const query::ValueSample* samples, const std::uint8_t* levels) const;
   /// The same of a thin ray's sample.
   void gather_thin(RayState& ray, double value, const query::Location& at) const;
   /// After the last stretch.
@@ -213,15 +220,23 @@ private:
 
   std::uint32_t advance(RayState& ray, std::int64_t first, int depth, std::int64_t& skipped) const;
   void march_bundle(std::span<RayState> rays, int row, VolumeCounts& counts) const;
-  bool is_plain() const { return !preintegration_ && !shader_ && !clipped_; }
+  bool is_plain() const { return !preintegration_ && !shader_ && !clipped_ && !levels_; }
   void gather_stretch(RayState& ray, Gathered& last, std::int64_t first, std::uint32_t wanted,
-                      const query::ValueSample* samples, const query::Location* locations) const;
+                      const query::ValueSample* samples, const query::Location* locations,
+                      const std::uint8_t* levels = nullptr) const;
   void gather_plainly(RayState& ray, std::int64_t first, std::uint32_t wanted,
                       const query::ValueSample* samples) const;
   void locate_thin(std::span<const RayState> rays) const;
   std::int64_t march_thin(std::span<RayState> rays) const;
   void march_levels(std::span<RayState> rays, VolumeCounts& counts) const;
-  void plan(RayState& ray, std::size_t most, Scratch& s, VolumeCounts& counts) const;
+  void plan(RayState& ray, std::size_t most, std::int64_t upto, Scratch& s,
+            VolumeCounts& counts) const;
+  void claim_levels(std::span<RayState> rays, std::int64_t first, int depth, std::int64_t own_cells,
+                    std::span<const std::uint16_t> open, Claims& claims,
+                    VolumeCounts& counts) const;
+  bool is_claimed(std::int64_t cell, std::int64_t own_cells) const {
+    return cell >= 0 && cell < own_cells && sampler_.mesh().is_own(cell);
+  }
   double longest_step() const {
     return step_ * double(StepLevels::stride(int(classifiers_.size()) - 1));
   }
@@ -235,7 +250,7 @@ private:
   math::Vec3d place(const query::Location& at) const;
   void light(RayState& ray, const query::Location& at, Color& color) const;
   void gather(RayState& ray, Gathered& last, std::int64_t index, double value,
-              const query::Location& at) const;
+              const query::Location& at, int level = 0) const;
   void finish(RayState& ray, Gathered& last) const;
   void add(RayState& ray, const Stretch& stretch, const ColorSample& sample,
            std::int64_t cell) const;

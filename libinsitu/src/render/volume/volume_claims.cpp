@@ -36,10 +36,16 @@ void VolumeMarcher::keep_near(RayState& ray) const {
   // A sample on the box's face is within a few roundings of where the ray meets the box.
   const double slack = 1.0 + 1e-9 * (std::fabs(in->from) + std::fabs(in->to)) / step_;
   const double first = in->from / step_ - slack, last = in->to / step_ + slack;
-  if (first > double(ray.next))
-    ray.next = first < double(ray.end) ? std::int64_t(first) : ray.end;
-  if (last < double(ray.end))
+  const std::int64_t next = ray.next, end = ray.end;
+  if (first > double(next))
+    ray.next = first < double(end) ? std::int64_t(first) : end;
+  if (last < double(end))
     ray.end = last > double(ray.next) ? std::int64_t(last) + 1 : ray.next;
+  if (levels_ && ray.next < ray.end) { // no step passes a multiple of the longest one
+    const std::int64_t longest = StepLevels::stride(levels_->count() - 1);
+    ray.next = std::max(next, ray.next / longest * longest);
+    ray.end = std::min(end, (ray.end + longest - 1) / longest * longest);
+  }
   ray.first = ray.next;
 }
 
@@ -51,9 +57,11 @@ void VolumeMarcher::claim(std::span<RayState> rays, std::span<const query::Latti
   claims.wanted.assign(rays.size(), 0);
   claims.rays = rays.size();
   claims.group = group();
+  if (levels_)
+    claim_levels(rays, first, depth, own_cells, open, claims, counts);
   std::optional<query::RayBundleLocator> locator;
   const ScalarValues values(field_, sampler_.mesh());
-  for (int begin = 0; begin < depth; begin += group()) {
+  for (int begin = 0; begin < depth && !levels_; begin += group()) {
     const std::int64_t from = first + begin;
     s.active.clear();
     s.wanted.assign(rays.size(), 0);
@@ -72,6 +80,7 @@ void VolumeMarcher::claim(std::span<RayState> rays, std::span<const query::Latti
       claims.samples.resize(rays.size() * std::size_t(depth));
       claims.gradients.resize(shader_ ? claims.samples.size() : 0);
       claims.places.resize(is_lit_by_place() ? claims.samples.size() : 0);
+      claims.levels.clear();
     }
     const std::size_t block = claims.place(0, begin), size = rays.size() * std::size_t(group());
     s.locations.resize(shader_ ? size : 0);
@@ -83,7 +92,7 @@ void VolumeMarcher::claim(std::span<RayState> rays, std::span<const query::Latti
         const std::size_t i = r * std::size_t(group()) + std::size_t(k);
         const auto [cell, value] = claims.samples[block + i];
         // What does not show adds nothing; an integral between two samples needs it all the same.
-        if (cell < 0 || cell >= own_cells || !sampler_.mesh().is_own(cell) ||
+        if (!is_claimed(cell, own_cells) ||
             (!preintegration_ && !(classifiers_[0](value).alpha > 0)))
           continue;
         claims.wanted[r] |= std::uint32_t(1) << (begin + k);
@@ -107,12 +116,13 @@ void VolumeMarcher::claim_thin(std::span<RayState> rays, std::int64_t own_cells,
   claims.samples.resize(rays.size());
   claims.gradients.resize(shader_ ? rays.size() : 0);
   claims.places.resize(is_lit_by_place() ? rays.size() : 0);
+  claims.levels.assign(levels_ ? rays.size() : 0, 0);
   locate_thin(rays);
   counts.samples += std::int64_t(s.active.size());
   for (std::size_t a = 0; a < s.active.size(); ++a) {
     const query::Location& at = s.found[a];
     const std::size_t r = s.active[a];
-    if (!at || at.cell >= own_cells || !sampler_.mesh().is_own(at.cell))
+    if (!is_claimed(at.cell, own_cells))
       continue;
     claims.wanted[r] = 1;
     claims.samples[r] = {at.cell, field_.at(sampler_.mesh(), at)};
@@ -138,14 +148,16 @@ std::uint32_t within(const RayState& ray, std::int64_t first, std::uint32_t want
 
 void VolumeMarcher::gather(RayState& ray, Progress& progress, std::size_t r, std::int64_t first,
                            std::uint32_t wanted, const query::ValueSample* samples,
-                           const query::Location* locations) const {
+                           const query::Location* locations, const std::uint8_t* levels) const {
   if (!ray.is_saturated())
-    gather_stretch(ray, progress.last_[r], first, within(ray, first, wanted), samples, locations);
+    gather_stretch(ray, progress.last_[r], first, within(ray, first, wanted), samples, locations,
+                   levels);
 }
 
 std::uint32_t VolumeMarcher::lit_samples(const RayState& of, const Progress& progress,
                                          std::size_t r, std::int64_t first, std::uint32_t wanted,
-                                         const query::ValueSample* samples) const {
+                                         const query::ValueSample* samples,
+                                         const std::uint8_t* levels) const {
   thread_local RayState ray; // kept for the thread's life
   ray = of;                  // light changes nothing of where it goes on
   Gathered last = progress.last_[r];
@@ -158,7 +170,7 @@ std::uint32_t VolumeMarcher::lit_samples(const RayState& of, const Progress& pro
        rest &= rest - 1) {
     const int k = std::countr_zero(rest);
     const std::int64_t before = ray.lit, open = last.index;
-    gather(ray, last, first + k, samples[k].value, {samples[k].cell, {}});
+    gather(ray, last, first + k, samples[k].value, {samples[k].cell, {}}, levels_ ? levels[k] : 0);
     if (ray.lit == before)
       continue;
     lit |= std::uint32_t(1) << k;

@@ -22,16 +22,19 @@ std::uint32_t bits_between(std::int64_t begin, std::int64_t end) {
 
 } // namespace
 
-/// Samples of a ray from `first` on. locations: may be null unless colours are lit.
+/// Samples of a ray from `first` on. locations: may be null unless colours are lit; levels: unless
+/// steps have some.
 void VolumeMarcher::gather_stretch(RayState& ray, Gathered& last, std::int64_t first,
                                    std::uint32_t wanted, const query::ValueSample* samples,
-                                   const query::Location* locations) const {
+                                   const query::Location* locations,
+                                   const std::uint8_t* levels) const {
   if (is_plain() && ray.next_hit == ray.hits.size())
     return gather_plainly(ray, first, wanted, samples);
   for (std::uint32_t rest = wanted; rest && !ray.is_saturated(); rest &= rest - 1) {
     const int k = std::countr_zero(rest);
     const auto [cell, value] = samples[k];
-    gather(ray, last, first + k, value, shader_ ? locations[k] : query::Location{cell, {}});
+    gather(ray, last, first + k, value, shader_ ? locations[k] : query::Location{cell, {}},
+           levels_ ? levels[k] : 0);
   }
 }
 
@@ -80,10 +83,10 @@ Stretch VolumeMarcher::stretch(const RayState& ray, std::int64_t begin, std::int
 }
 
 void VolumeMarcher::gather(RayState& ray, Gathered& last, std::int64_t index, double value,
-                           const query::Location& at) const {
+                           const query::Location& at, int level) const {
   if (!preintegration_) {
     if (at)
-      add_value(ray, stretch(ray, index, 1), value, at, 0);
+      add_value(ray, stretch(ray, index, StepLevels::stride(level)), value, at, level);
     return;
   }
   if (last.index >= 0 && (index != last.index + 1 || !at))

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "accel/tree/tree.h"
 #include "render/structures/structures.h"
@@ -97,7 +98,8 @@ bool skipping_pays(const query::Sampler& sampler, const VolumeSettings& settings
 }
 
 VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSettings& settings,
-                                   std::int64_t rays, Structures& structures) {
+                                   std::int64_t rays, Structures& structures,
+                                   const MacrocellGrid* whole) {
   VolumeStructures found;
   found.counted = {structures.memory(), INSITU_MEMORY_FRAME};
   check(settings);
@@ -108,11 +110,16 @@ VolumeStructures volume_structures(const query::Sampler& sampler, const VolumeSe
   // With a tolerance macrocells are there in any case.
   const bool is_cheap = found.culled && !settings.tolerance;
   const bool skips = skipping_pays(sampler, settings, rays, is_cheap);
-  if (settings.tolerance)
-    found.macrocells = &structures.macrocells_with_sizes(settings.field);
+  std::optional<MacrocellGrid> grid; // of both, if steps have levels
+  if (settings.tolerance) {
+    const mesh::MeshFacts facts = sampler.facts();
+    grid = whole ? *whole : level_grid(facts, structures.cell_widths(facts.bounds));
+    found.macrocells = &structures.macrocells_with_sizes(settings.field, *grid);
+  }
   if (!skips)
     return found;
-  const Majorants& majorants = structures.majorants(settings.field, settings.function);
+  const Majorants& majorants =
+      structures.majorants(settings.field, settings.function, grid ? &*grid : nullptr);
   // Walking macrocells costs a few percent of what it cannot save.
   if (majorants.empty_share() >= 0.1)
     found.majorants = &majorants;

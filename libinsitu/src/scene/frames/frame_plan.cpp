@@ -5,6 +5,7 @@
 
 #include "output/annotate/box_ticks.h"
 #include "render/color/preintegration.h"
+#include "render/path/path_grid.h"
 #include "render/path/path_tracer.h"
 #include "render/structures/vertex_gradients.h"
 #include "render/surface/outline.h"
@@ -162,15 +163,19 @@ private:
                        render::Preintegration::most_bytes(int(points), colors.scale()),
                        Held::while_executed);
     plan_.tell("step levels of " + what, d.step_levels,
-               usual_macrocells() * render::StepLevels::bytes_each, Held::while_executed);
+               macrocells_of(v) * render::StepLevels::bytes_each, Held::while_executed);
     if (d.culling) // of all primitives; the tree at most as large as the mesh's
       plan_.tell_at_most("tree of what shows of " + what, *d.culling,
                          query::CulledCells::primitives_of(mesh_.sampler()) *
                                  render::PrimitiveRanges::bytes_a_primitive +
                              mesh_.tree().bytes());
   }
-  std::int64_t usual_macrocells() const {
-    return render::Macrocells::grid_of(mesh_.sampler(), {}).count();
+  std::int64_t macrocells_of(const Volume& v) const {
+    if (!v.tolerance)
+      return render::Macrocells::grid_of(mesh_.sampler(), {}).count();
+    const mesh::MeshFacts facts = mesh_.sampler().facts(&threads_);
+    return render::level_grid(facts, render::cell_widths(mesh_.sampler(), facts.bounds, threads_))
+        .count();
   }
 
   static bool shows_all(const Volume& v) {
@@ -180,7 +185,7 @@ private:
   }
 
   void macrocells(const std::string& what, const Volume& v) {
-    const std::int64_t count = usual_macrocells();
+    const std::int64_t count = macrocells_of(v);
     const std::string grid = "macrocell grid of " + what, majorants = "majorants of " + what;
     const char* const if_it_pays = "to skip what is empty, if a look at some cells tells it pays";
     const char* const all_shows = "the opacity is nowhere 0, of NaN neither";

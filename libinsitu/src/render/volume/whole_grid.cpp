@@ -1,4 +1,4 @@
-#include "render/path/path_grid.h"
+#include "render/volume/whole_grid.h"
 
 #include <cmath>
 #include <mutex>
@@ -36,13 +36,14 @@ CellWidths cell_widths(const query::Sampler& sampler, const mesh::Box& whole,
   return all;
 }
 
-MacrocellGrid path_grid(const mesh::MeshFacts& whole, const CellWidths& widths, double cells_each) {
+MacrocellGrid whole_grid(const mesh::MeshFacts& whole, const CellWidths& widths,
+                         const MacrocellFineness& fineness) {
   double across[3];
   for (std::size_t a = 0; a < 3; ++a)
     across[a] =
         widths[a] > 0 ? std::max(1.0, units * double(whole.cells) / double(widths[a])) : 1.0;
   return MacrocellGrid::over(whole.cells > 0 ? whole.bounds : mesh::Box{}, across,
-                             double(whole.cells), {cells_each, most_path_macrocells});
+                             double(whole.cells), fineness);
 }
 
 } // namespace insitu::render
