@@ -159,20 +159,14 @@ private:
     return {found[0] != 0, found[1] != 0};
   }
 
-  /// With copies on a chart a place of a volume, or beside a hit, is another one's image, which may
-  /// be another process's; and a vertex of a copy does not know of the cells around it that have
-  /// other places.
+  /// With copies on a chart a place of a volume is another one's image, which may be another
+  /// process's; and a vertex of a copy does not know of the cells around it that have other places.
   static void refuse_copies(const FrameDecisions& decisions) {
-    const bool differences =
-        decisions.lit && std::any_of(decisions.isosurfaces.begin(), decisions.isosurfaces.end(),
-                                     [](const IsosurfaceDecisions& surface) {
-                                       return surface.normals == render::Normals::central;
-                                     });
-    if (decisions.vertex_cells.made || decisions.volume || differences)
+    if (decisions.vertex_cells.made || decisions.volume)
       throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        "volumes, smooth and central normals and averages in longitude and "
-                        "latitude, of a mesh with cells over the seam or at a pole, over several "
-                        "processes are not there yet; geocentric frames have them");
+                        "volumes, smooth normals and averages in longitude and latitude, of a "
+                        "mesh with cells over the seam or at a pole, over several processes are "
+                        "not there yet; geocentric frames have them");
   }
 
   /// The same on all processes.
