@@ -8,10 +8,13 @@ render::Structures& FrameStructures::of(const commit::CommittedMesh& mesh) {
   Entry& entry = by_mesh_[mesh.id()];
   if (!entry.structures)
     entry.structures = std::make_unique<render::Structures>(context_->memory);
-  if (!entry.begun)
+  // A frame that takes cells of other processes may find a mesh without them.
+  if (!entry.begun || entry.tree != mesh.tree_version() || entry.fields != mesh.fields_version())
     entry.structures->begin(mesh.sampler(), mesh.tree_version(), mesh.fields_version(),
                             context_->threads);
   entry.begun = true;
+  entry.tree = mesh.tree_version();
+  entry.fields = mesh.fields_version();
   return *entry.structures;
 }
 

@@ -36,6 +36,7 @@ private:
   struct Entry {
     std::unique_ptr<render::Structures> structures;
     bool begun = false;
+    std::uint64_t tree = 0, fields = 0; ///< the mesh's versions when it was begun
   };
   struct Geocentric {
     std::unique_ptr<GeocentricMesh> mesh;
