@@ -147,12 +147,13 @@ TEST(ProcessAdaptive, Frames) {
       "     opacity: [[-1, 0], [0, 0], [1, 0.8]]}}\n"
       "  - {name: skin, size: [70, 70], images: [cell], samples_per_pixel: 2, boundary: {}}\n";
   expect_one(scene, INSITU_DUAL, 15);
-  expect_one("insitu: 1\npage: false\nframes:\n"
-             "  - {name: smoke, size: [32, 24], images: [color, cell],\n"
-             "     volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]}}\n"
-             "  - {name: light, size: [20, 18], volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]},\n"
-             "     effects: [single_scattering], path_tracing: {samples: 2}}\n",
-             INSITU_NEAREST, 9);
+  expect_one(
+      "insitu: 1\npage: false\nframes:\n"
+      "  - {name: smoke, size: [32, 24], images: [color, cell],\n"
+      "     volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]}}\n"
+      "  - {name: light, size: [20, 18], volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]},\n"
+      "     effects: [single_scattering], path_tracing: {samples: 2}}\n",
+      INSITU_NEAREST, 9);
 }
 
 TEST(ProcessAdaptive, Tracers) {
