@@ -294,7 +294,7 @@ private:
   std::uint64_t halo_topology_ = 0, halo_geometry_ = 0, halo_fields_ = 0; ///< versions in it
   // The earlier step, for pathlines (committed_mesh_earlier.cpp).
   mesh::CellsCopy earlier_cells_;
-  std::uint64_t earlier_cells_version_ = 0; ///< topology_version() of that copy
+  std::uint64_t earlier_cells_version_ = 0; ///< topology_version() of that copy, or of the step
   EarlierMesh::Own earlier_own_;            ///< of it, on several processes
   EarlierMesh::Kept kept_;                  ///< with the step
   std::unique_ptr<EarlierMesh> earlier_mesh_;

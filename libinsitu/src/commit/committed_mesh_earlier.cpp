@@ -1,4 +1,6 @@
 /// What a committed mesh keeps of the step before, for pathlines.
+#include <utility>
+
 #include "commit/committed_mesh.h"
 #include "mesh/registered/earlier_parts.h"
 
@@ -43,10 +45,15 @@ void CommittedMesh::hide_earlier() {
 
 /// With a halo these are known by their names.
 EarlierMesh::Own CommittedMesh::own_cells() const {
-  EarlierMesh::Own own{mesh_.view().own_cell_count(), {}};
-  if (halo_ && !stand_in_ && mesh_.has_global_ids(INSITU_CELL))
-    for (std::int64_t flat = 0; flat < own.cells; ++flat)
+  EarlierMesh::Own own{mesh_.view().own_cell_count(), {}, {}};
+  if (!halo_ || (is_made() && mesh_.has_stand_in())) // a dual's have numbers
+    return own;
+  if (mesh_.has_global_ids(INSITU_CELL))
+    for (std::int64_t flat = 0; flat < mesh_.own_view().own_cell_count(); ++flat)
       own.global.push_back(mesh_.global_id(INSITU_CELL, flat));
+  if (is_copied() && mesh_.has_stand_in())
+    for (std::int64_t flat = 0; flat < own.cells; ++flat)
+      own.places.push_back(stand_in_->place(flat));
   return own;
 }
 
@@ -60,13 +67,14 @@ void CommittedMesh::keep_earlier(const std::vector<mesh::KeptField>& fields, boo
            folds_are_known_, sound_.are_inverted(),
            tree_version_,    odd_cells_,
            chart()};
-  if (!kept_.with_cells || is_made()) {
+  const bool is_other =
+      std::exchange(earlier_cells_version_, topology_version_) != topology_version_;
+  if (!kept_.with_cells || is_made())
     earlier_cells_.release();
-  } else if (earlier_cells_.empty() || earlier_cells_version_ != topology_version_) {
+  else if (earlier_cells_.empty() || is_other)
     earlier_cells_.copy(mesh_.view(), threads);
-    earlier_cells_version_ = topology_version_;
+  if (kept_.with_cells && (is_other || earlier_own_.cells == 0))
     earlier_own_ = own_cells();
-  }
   earlier_cells_.set_one_mesh(mesh_.view().one_mesh);
 }
 

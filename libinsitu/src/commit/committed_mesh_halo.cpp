@@ -203,7 +203,9 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
       if (!none && topology && !leaves)
         mismatches = find_seam_mismatches(*this);
     });
-    if (const std::string what = commit::describe(mismatches, world);
+    if (const std::string what = !none && leaves && topology
+                                     ? commit::describe(halo_->gaps(), world)
+                                     : commit::describe(mismatches, world);
         !what.empty() && world.is_root())
       log.warning("mesh '" + mesh_.name() + "': " + what);
   } catch (...) {

@@ -12,7 +12,7 @@ class AmrSession {
 public:
   AmrSession(parallel::World& world, const AmrMesh& whole, insitu_reconstruction how,
              const Deal& deal, const std::string& scene, const std::string& folder)
-      : session_(options_of(scene, folder),
+      : session_(options_of(scene, folder, this),
                  std::shared_ptr<parallel::World>(&world, [](auto*) {})) {
     give(world, whole, how, deal);
   }
@@ -23,20 +23,27 @@ public:
     part_->give(session_.mesh("m").mesh.mesh());
   }
   api::Session& session() { return session_; }
+  const std::vector<std::string>& messages() const { return messages_; }
   std::string execute(std::int64_t cycle) {
     part_->give_fields(session_.mesh("m").mesh.mesh(), 1.0 + 0.25 * double(cycle));
     return session_.execute(cycle, 0.25 * double(cycle));
   }
 
 private:
-  static insitu_session_options options_of(const std::string& scene, const std::string& folder) {
+  static insitu_session_options options_of(const std::string& scene, const std::string& folder,
+                                           AmrSession* told) {
     insitu_session_options o = insitu_session_options_default();
     o.scene_text = scene.c_str();
     o.output = folder.c_str();
     o.threads = 1;
+    o.log = [](insitu_log_level, const char* message, void* user) {
+      static_cast<AmrSession*>(user)->messages_.push_back(message);
+    };
+    o.log_user = told;
     return o;
   }
 
+  std::vector<std::string> messages_;
   std::optional<AmrPart> part_;
   api::Session session_;
 };
@@ -168,22 +175,133 @@ TEST(ProcessAdaptive, Tracers) {
   expect_one(scene, INSITU_DUAL, 2);
 }
 
-/// After a regrid all processes say that particles do not go on, rather than where they do not go.
-TEST(ProcessAdaptive, ParticlesDoNotGoOnToOtherCells) {
+namespace {
+
+/// A block of 16 cells along each axis, of which those in a box that moves are refined.
+AmrMesh refined_block(std::int64_t from) {
+  constexpr std::int64_t cells = 16;
+  AmrMesh mesh;
+  mesh.lattice = {{0, 0, 0}, {4.0 / double(cells), 4.0 / double(cells), 4.0 / double(cells)}};
+  mesh.depth_of = {0, 1, 2};
+  for (std::int64_t k = 0; k < cells; ++k)
+    for (std::int64_t j = 0; j < cells; ++j)
+      for (std::int64_t i = 0; i < cells; ++i) {
+        const bool is_refined = i >= from && i < from + 4 && j >= 4 && j < 9 && k >= 2 && k < 8;
+        if (!is_refined) {
+          mesh.add_leaf(0, {i, j, k});
+          continue;
+        }
+        for (int o = 0; o < 8; ++o)
+          mesh.add_leaf(1, {2 * i + (o & 1), 2 * j + (o >> 1 & 1), 2 * k + (o >> 2)});
+      }
+  return mesh;
+}
+
+/// A block of 20 cells along each axis, every other one refined: most cells of the dual stitch.
+AmrMesh checkers(std::int64_t odd) {
+  constexpr std::int64_t cells = 20;
+  AmrMesh mesh;
+  mesh.lattice = {{0, 0, 0}, {0.2, 0.2, 0.2}};
+  mesh.depth_of = {0, 1};
+  for (std::int64_t k = 0; k < cells; ++k)
+    for (std::int64_t j = 0; j < cells; ++j)
+      for (std::int64_t i = 0; i < cells; ++i)
+        if ((i + j + k) % 2 == odd)
+          mesh.add_leaf(0, {i, j, k});
+        else
+          for (int o = 0; o < 8; ++o)
+            mesh.add_leaf(1, {2 * i + (o & 1), 2 * j + (o >> 1 & 1), 2 * k + (o >> 2)});
+  return mesh;
+}
+
+/// Particles on grids that become others at some cycles, on some processes alone.
+void expect_one_over_regrids(const std::vector<AmrMesh>& grids, insitu_reconstruction how,
+                             const std::vector<std::pair<int, int>>& sizes,
+                             const std::string& word) {
+  const std::string seeds =
+      "{box: {min: [0.3, 0.3, 0.3], max: [3.7, 3.7, 3.7], counts: [5, 5, 5]}}";
   const std::string scene =
       "insitu: 1\npage: false\ntracers:\n"
-      "  - {name: paths, velocity: v, seeds: [[1.5, 1.5, 1.5]], output: [csv]}\n";
-  const OwnFolder folder;
-  const std::string out = folder / "out";
-  run_processes(3, [&](parallel::World& world) {
-    const Deal deal = deal_of(0, 3);
-    AmrSession process(world, octree(), INSITU_DUAL, deal, scene, out);
-    for (int cycle = 0; cycle < 2; ++cycle)
-      EXPECT_EQ(process.execute(cycle), "");
-    process.give(world, patches(), INSITU_DUAL, deal);
-    for (int cycle = 2; cycle < 4; ++cycle)
-      EXPECT_NE(process.execute(cycle).find("do not go on to other cells on a mesh that is spread"),
-                std::string::npos);
-    EXPECT_EQ(process.session().finish(), "");
-  });
+      "  - {name: paths, velocity: v, fields: [s, v], seeds: " +
+      seeds +
+      ", output: [csv]}\n"
+      "  - {name: streaks, velocity: v, kind: streakline, times: {interval: 0.07}, fields: [s],\n"
+      "     seeds: {points: [[1.5, 1.5, 1.5], [2, 2, 2], [3.1, 1, 2.4]]}, output: [csv]}\n"
+      "  - {name: sliding, velocity: v, seeds: " +
+      seeds +
+      ", effects: [{boundary: {other: slide}}, {settling: {speed: 0.2}}, {diffusion: {coefficient: "
+      "0.01}}], fields: [s], output: [csv]}\n";
+  const auto run = [&](int processes, int kind) {
+    const OwnFolder folder;
+    const std::string out = folder / "out";
+    run_processes(processes, [&](parallel::World& world) {
+      AmrSession process(world, grids[0], how, deal_of(kind, processes), scene, out);
+      for (int cycle = 0; cycle < 6; ++cycle) {
+        // From another deal to another one, to another grid, and back after a cycle of the same.
+        const std::size_t grid = cycle < 2 ? 0 : cycle < 4 ? 1 : 2;
+        if (cycle == 1 || cycle == 2 || cycle == 4)
+          process.give(world, grids[grid % grids.size()], how,
+                       deal_of(cycle == 1 ? 3 : (kind + cycle) % 4, processes));
+        EXPECT_EQ(process.execute(cycle), "");
+      }
+      EXPECT_EQ(process.session().finish(), "");
+    });
+    return files_of(out);
+  };
+  const auto expected = run(1, 0);
+  std::string all;
+  for (const auto& [name, text] : expected)
+    all += name + text;
+  EXPECT_NE(all.find(word), std::string::npos);
+  for (const auto& [processes, kind] : sizes)
+    expect_same(expected, run(processes, kind),
+                "deal " + std::to_string(kind) + " on " + std::to_string(processes));
+}
+
+} // namespace
+
+/// Particles go on to the cells of other grids, blended between both, as in one process.
+TEST(ProcessAdaptive, ParticlesGoOnToOtherCells) {
+  const std::vector<std::pair<int, int>> sizes{{2, 0}, {3, 2}, {4, 1}, {8, 3}};
+  expect_one_over_regrids({octree(), patches()}, INSITU_DUAL, sizes, "killed");
+  expect_one_over_regrids({octree(), patches()}, INSITU_NEAREST, sizes, "killed");
+}
+
+/// The same on larger grids: cubes in gridlets, and where most cells stitch none.
+TEST(ProcessAdaptive, ParticlesGoOnToOtherCellsOfLargerGrids) {
+  expect_one_over_regrids({refined_block(3), refined_block(6), refined_block(8)}, INSITU_DUAL,
+                          {{2, 0}, {4, 1}}, "killed");
+  expect_one_over_regrids({checkers(0), checkers(1)}, INSITU_DUAL, {{2, 0}}, "killed");
+}
+
+/// A layer of cells that no process has, between those of two, is named by the root, once.
+TEST(ProcessAdaptive, AMissingLayerIsNamed) {
+  for (const bool lacks : {true, false}) {
+    AmrMesh whole;
+    whole.lattice = {{0, 0, 0}, {1, 1, 1}};
+    whole.depth_of = {0, 1};
+    for (std::int64_t i = 0; i < 8; ++i)
+      for (std::int64_t j = 0; j < 8; ++j)
+        for (std::int64_t k = 0; k < 2; ++k)
+          if (i != 4 || !lacks)
+            whole.add_leaf(1, {i, j, k});
+    const OwnFolder folder;
+    const std::string out = folder / "out";
+    run_processes(3, [&](parallel::World& world) {
+      const Deal halves = [](std::size_t, const math::Vec3d& x) { return x.x < 2.0 ? 0 : 2; };
+      AmrSession process(world, whole, INSITU_DUAL, halves,
+                         "insitu: 1\npage: false\nprobes:\n"
+                         "  - {name: p, points: [[0.6, 0.6, 0.6]], fields: [s]}\n",
+                         out);
+      EXPECT_EQ(process.execute(0), "");
+      std::string all;
+      for (const std::string& message : process.messages())
+        all += message + "\n";
+      EXPECT_EQ(all.find("32 faces of cells are one cell away from another process's cells") !=
+                    std::string::npos,
+                lacks && world.is_root())
+          << all;
+      EXPECT_EQ(process.session().finish(), "");
+    });
+  }
 }

@@ -139,6 +139,89 @@ TEST(ProcessEarth, StreamlinesAreThoseOfOneProcess) {
                       {2, 3, 4, 8}, 1, "walls");
 }
 
+/// The solver moves cells from process to process, then takes another mesh, whose chart has its
+/// seam elsewhere, and in the end the first one again.
+TEST(ProcessEarth, OtherCellsAreThoseOfOneProcess) {
+  const std::vector<Earth> all = earths();
+  const auto by = [&](const TestMesh& from, const TestMesh& to) {
+    return [&](PartSession& process, parallel::World& world) {
+      const int processes = world.size();
+      for (int cycle = 0; cycle < 5; ++cycle) {
+        if (cycle == 2)
+          process.deal(fixtures::dealt(from, processes, 3), world.rank(), &from);
+        if (cycle == 3)
+          process.deal(fixtures::boxes(to, processes), world.rank(), &to);
+        if (cycle == 4)
+          process.deal(fixtures::slabs(from, processes), world.rank(), &from);
+        if (!process.part().empty())
+          process.part().give_field(process.mesh().mesh(), "w", INSITU_VERTEX, 3,
+                                    flow(cycle == 3 ? to : from, cycle));
+        EXPECT_EQ(process.execute(cycle), "");
+      }
+    };
+  };
+  PartSession::Options options;
+  options.frame = fixtures::frame_of(units);
+  options.scene =
+      std::string("insitu: 1\npage: false\ntracers:\n"
+                  "  - {name: paths, velocity: w, kind: pathline, fields: [p, w, c], geodesics: "
+                  "[path_length], output: [csv], seeds: ") +
+      seeds +
+      "}\n"
+      "  - {name: walls, velocity: w, kind: pathline, seeds: " +
+      seeds +
+      ", effects: [{boundary: {other: slide}}, {settling: {speed: 2000}}, {diffusion: "
+      "{horizontal: 1e9, vertical: 1000}}], fields: [p], output: [csv]}\n";
+  for (const auto& [from, to] :
+       {std::pair(0, 1), std::pair(1, 2), std::pair(3, 2), std::pair(1, 3)}) {
+    const TestMesh& whole = all[std::size_t(from)].mesh;
+    const Act act = by(whole, all[std::size_t(to)].mesh);
+    const auto expected = run_parts(whole, fixtures::slabs(whole, 1), options, act);
+    EXPECT_NE(expected.at("paths.csv").find("killed"), std::string::npos);
+    for (const int processes : {2, 3, 4, 8})
+      expect_same(expected, run_parts(whole, fixtures::boxes(whole, processes), options, act),
+                  all[std::size_t(from)].name + " to " + all[std::size_t(to)].name + " on " +
+                      std::to_string(processes));
+  }
+}
+
+/// What leaves a basin at its eastern meridian comes in at the western one, wherever the seam is.
+TEST(ProcessEarth, PeriodicSidesAreThoseOfOneProcess) {
+  const auto tracer = [](const std::string& name, const std::string& of, const std::string& more) {
+    return "  - {name: " + name + ", velocity: w, kind: " + of + ", fields: [p], output: [csv]" +
+           ", seeds: {box: {min: [171, -50, -3.9], max: [206, 50, -0.5], counts: [7, 5, 2]}}" +
+           more + "}\n";
+  };
+  PartSession::Options options;
+  options.frame = fixtures::frame_of(units);
+  options.scene =
+      "insitu: 1\npage: false\ntracers:\n" +
+      tracer("sliding", "pathline", ", effects: [{boundary: {periodic: [x], other: slide}}]") +
+      tracer("walking", "pathline",
+             ", effects: [{boundary: {periodic: [x], other: reflect}}, {diffusion: "
+             "{horizontal: 1e9, vertical: 1000}}]") +
+      tracer("lines", "streamline",
+             ", effects: [{boundary: {periodic: [x], other: slide}}], until: "
+             "{duration: 2}");
+  for (const double jump : {0.0, -360.0}) {
+    fixtures::Lattice basin;
+    basin.units = units;
+    basin.west = 170, basin.east = 207;
+    basin.south = -60, basin.north = 60;
+    basin.across = 12, basin.along = 10;
+    basin.jump = jump;
+    const TestMesh whole = lattice(basin);
+    const Act act = [&](PartSession& process, parallel::World&) { execute(whole, process, 4); };
+    const auto expected = run_parts(whole, fixtures::slabs(whole, 1), options, act);
+    EXPECT_NE(expected.at("sliding.csv").find("killed"), std::string::npos);
+    for (const int processes : {2, 3, 4, 8})
+      for (const fixtures::Partition& partition :
+           {fixtures::slabs(whole, processes), fixtures::boxes(whole, processes)})
+        expect_same(expected, run_parts(whole, partition, options, act),
+                    partition.name + " on " + std::to_string(processes));
+  }
+}
+
 /// In longitude and latitude, with copies at the seam and the poles, and from space.
 TEST(ProcessEarth, FramesAreThoseOfOneProcess) {
   expect_files_of_one(

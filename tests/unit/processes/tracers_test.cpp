@@ -278,3 +278,33 @@ TEST(ProcessTracers, OtherCellsAreThoseOfOneProcessToTheByte) {
       "[csv]}\n";
   expect_files_of_one(scene, {2, 3, 4, 8}, act, "killed", true);
 }
+
+/// Another mesh lies elsewhere: particles under effects come in to it by the flow, until its cells
+/// hold them, or end between both.
+TEST(ProcessTracers, EffectsBeginWhereTheNewCellsHoldAParticle) {
+  const TestMesh whole = jittered_cubes();
+  TestMesh other = whole;
+  for (Vec3d& x : other.vertices)
+    x += Vec3d{0.45, 0.3, 0.0};
+  const Act act = [&](PartSession& process, parallel::World& world) {
+    const int processes = world.size();
+    for (int cycle = 0; cycle < 5; ++cycle) {
+      if (cycle == 2)
+        process.deal(fixtures::boxes(other, processes), world.rank(), &other);
+      if (cycle == 4)
+        process.deal(fixtures::slabs(whole, processes), world.rank(), &whole);
+      EXPECT_EQ(process.execute(cycle), "");
+    }
+  };
+  const std::string begin = std::string(", velocity: u, kind: pathline, seeds: ") + seeds +
+                            ", fields: [p], output: [csv]";
+  expect_files_of_one("insitu: 1\npage: false\ntracers:\n"
+                      "  - {name: falling" +
+                          begin +
+                          ", effects: [{boundary: {other: slide}}, {settling: {speed: 0.3}}]}\n"
+                          "  - {name: walking" +
+                          begin +
+                          ", effects: [{diffusion: {horizontal: 0.05, vertical: 0.05}}], times: "
+                          "{interval: 0.1}}\n",
+                      {2, 3, 4, 8}, act, "killed", true);
+}

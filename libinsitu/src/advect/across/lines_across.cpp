@@ -292,7 +292,7 @@ LinePieces Lines::run() {
       setup_.emplace(settings_.effects, sampler_, threads_);
     own = OwnBoxes::find(sampler_.mesh(), across_.homes, threads_);
   });
-  share_effects(world, setup_);
+  share_effects(world, sampler_, threads_, setup_);
   OtherCells others(world, own);
   here_ = sampler_.with_outlook(&others);
   Rounds rounds(across_, sampler_.among_images(), settings_.accuracy, others, particles_, nullptr);
@@ -341,8 +341,6 @@ LinePieces trace_lines_across(const Across& across, const query::Sampler& sample
     check_velocity(velocity);
     check_settings(settings.integrator);
     check_line_effects(settings);
-    if (sampler.chart() && settings.effects.boundary && settings.effects.boundary->any_periodic())
-      refuse("no periodic sides in longitude and latitude");
     steady.integrator = settings_for(velocity, settings.integrator);
     steady.integrator.ends_at_rest = true;
     for (const Vec3d& seed : seeds)

@@ -67,7 +67,7 @@ void bring_to_cells(Particles& particles, const query::Sampler& sampler, insitu_
   across.world.agree_after([&] { own = OwnBoxes::find(sampler.mesh(), across.homes, threads); });
   OtherCells others(across.world, own);
   const query::Sampler here = sampler.with_outlook(&others);
-  Rounds rounds(across, sampler, accuracy, others, particles, nullptr);
+  Rounds rounds(across, sampler.among_images(), accuracy, others, particles, nullptr);
   const auto find = [&](std::size_t i) {
     if (particles.endings[i] != INSITU_END_ALIVE || particles.fresh[i])
       return; // what is fresh is where it is to be

@@ -19,8 +19,19 @@ struct Spot {
 /// stage has any value. Cells are flat ids, or -1.
 struct KeptMover {
   /// What the mover is about: between the steps of integrate(), along a wall, in flight, along a
-  /// wall with inertia, before a step of the walk, or on the way back to where that began.
-  enum class Stage : std::uint8_t { flow, touch, fly, touch_flying, walk, put_back };
+  /// wall with inertia, before a step of the walk, or on the way back to where that began. Before
+  /// it has the particle: that comes in to the current cells by the flow (come_in), or is there,
+  /// and the mover begins with it.
+  enum class Stage : std::uint8_t {
+    flow,
+    touch,
+    fly,
+    touch_flying,
+    walk,
+    put_back,
+    come_in,
+    begin
+  };
   /// A turn of the flow and the walk.
   struct Turn {
     bool begun = false;

@@ -6,6 +6,7 @@
 #include "advect/effects/space.h"
 #include "advect/field/box.h"
 #include "core/parallel.h"
+#include "parallel/world.h"
 #include "query/sampler.h"
 
 namespace insitu::advect {
@@ -126,5 +127,9 @@ private:
 /// axes of it, and if it has cells on a chart turned to a pole.
 Sides sides_of(const query::Sampler& sampler, const BoundaryEffect& boundary,
                const core::Threads& threads);
+/// The sides in longitude of the meshes of all processes. Collective; none where this one has no
+/// chart. Throws parallel::AgreedError.
+Sides meridians_of(const query::Sampler& sampler, const core::Threads& threads,
+                   parallel::World& world);
 
 } // namespace insitu::advect

@@ -106,6 +106,8 @@ public:
   /// than integrate()'s, with the particle in this cell: whether it goes on elsewhere.
   void set_mover(const MarkedMover* mover) { mover_ = mover; }
   const KeptMover* mover_to_go_on() const { return goes_on_ ? &mark_.mover : nullptr; }
+  /// The particle's mover begins at the mark from which it comes.
+  void begin_at_mark() { goes_on_ = false; }
   template <class F>
   void go_on(F& velocity) {
     goes_on_ = false;

@@ -50,6 +50,8 @@ private:
   /// Returns how it ended, if it did.
   insitu_ending store(std::size_t i, const State& p, std::int64_t cell, insitu_ending ending,
                       double geometry_alpha);
+  /// The particle's cell, if it is one of the current ones.
+  std::int64_t hint(std::size_t i) const { return crosses_ ? -1 : particles_.cells[i]; }
   /// Of the velocity of one thread.
   template <class V>
   void note(const V& velocity) {
@@ -72,16 +74,21 @@ private:
   }
 
   // On several processes: interval_across.cpp.
-  void refuse_across() const;
   template <class V>
   struct Leg;
   void lanes_across(Rounds& rounds, std::span<const std::size_t> particles);
   template <class Make>
   void one_by_one_across(Rounds& rounds, std::span<const std::size_t> particles, Make&& make);
+  template <class V>
+  void cross_across(Rounds& rounds, std::span<const std::size_t> particles);
+  template <class V>
   void crossing_across(Rounds& rounds, std::span<const std::size_t> particles);
   template <class V>
   void begin_leg(Leg<V>& leg, std::size_t i, V& velocity, const Rounds& rounds,
                  const EffectWork& effects);
+  template <class V>
+  std::optional<insitu_ending> come_in_across(Leg<V>& leg, V& velocity, std::int64_t hint,
+                                              const KeptMover& beginning);
   template <class V>
   bool end_leg(Leg<V>& leg, std::size_t i, V& velocity, Rounds& rounds, Work& done,
                core::FunctionRef<insitu_ending(std::int64_t& cell)> end);

@@ -6,7 +6,6 @@
 #include "advect/integrate/integrations.h"
 #include "advect/lanes/lanes.h"
 #include "advect/lines/interval_one_by_one.h"
-#include "core/status.h"
 
 namespace insitu::advect {
 
@@ -22,16 +21,6 @@ struct Interval::Leg {
   std::optional<Journey> journey;
 };
 
-/// What is not done over processes yet.
-void Interval::refuse_across() const {
-  const auto refuse = [](const std::string& what) {
-    throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                      "tracer: " + what + " on a mesh that is spread over processes");
-  };
-  if (asked_.sampler.chart() && effects_.boundary && effects_.boundary->any_periodic())
-    refuse("no periodic sides in longitude and latitude");
-}
-
 template <class V>
 void Interval::begin_leg(Leg<V>& leg, std::size_t i, V& velocity, const Rounds& rounds,
                          const EffectWork& effects) {
@@ -41,7 +30,7 @@ void Interval::begin_leg(Leg<V>& leg, std::size_t i, V& velocity, const Rounds& 
   if (!leg.moves)
     return;
   const WayMark& mark = leg.way.mark;
-  velocity.begin(particles_.cells[i]);
+  velocity.begin(hint(i));
   if (leg.way.is_marked) {
     leg.p = mark.p;
     velocity.enter_as(mark.field);
@@ -141,6 +130,43 @@ void Interval::lanes_across(Rounds& rounds, std::span<const std::size_t> particl
   });
 }
 
+namespace {
+
+/// Marks a particle that the mover does not have yet.
+struct Beginning final : MarkedMover {
+  KeptMover kept;
+  void mark(KeptMover& to) const override { to = kept; }
+};
+
+} // namespace
+
+/// See come_in(). Returns how the leg ends before the mover has the particle, if it does.
+template <class V>
+std::optional<insitu_ending> Interval::come_in_across(Leg<V>& leg, V& velocity, std::int64_t hint,
+                                                      const KeptMover& beginning) {
+  using Stage = KeptMover::Stage;
+  Journey& journey = *leg.journey;
+  const KeptMover* const from = journey.mover_to_go_on();
+  if (from && from->stage == Stage::begin)
+    journey.begin_at_mark();
+  if (from ? from->stage != Stage::come_in
+           : effects_.inertia || here_.locate(velocity.position(leg.p.x), -1, {settings_.accuracy}))
+    return std::nullopt;
+  Beginning marks;
+  marks.kept = beginning;
+  marks.kept.stage = Stage::come_in;
+  journey.set_mover(&marks);
+  V either = crossing<V>(Between::either);
+  either.travel_by(&journey);
+  if (const auto ending = come_in(velocity, either, hint, integrator_, leg.to, settings_.length,
+                                  leg.p, leg.work, leg.taker ? &*leg.taker : nullptr))
+    return ending;
+  marks.kept.stage = Stage::begin;
+  if (journey.moves_on(either, either.cell()))
+    return INSITU_END_COUNT;
+  return std::nullopt;
+}
+
 /// One by one, under effects or on a chart; make() gives a velocity.
 template <class Make>
 void Interval::one_by_one_across(Rounds& rounds, std::span<const std::size_t> particles,
@@ -165,13 +191,17 @@ void Interval::one_by_one_across(Rounds& rounds, std::span<const std::size_t> pa
         mover->take(leg.taker ? &*leg.taker : nullptr);
       Carried carried = particles_.carried(i);
       const bool is_over = end_leg(leg, i, velocity, rounds, done, [&](std::int64_t& cell) {
-        if (crosses_ && !leg.way.is_marked && !effects_.inertia &&
-            !here_.locate(leg.p.x, -1, {settings_.accuracy}))
-          throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                            "tracer: no effects on a particle that no cell holds yet on a mesh "
-                            "that is spread over processes");
+        if constexpr (is_crossing<V>) {
+          KeptMover beginning;
+          beginning.carried = carried;
+          beginning.effects = before;
+          if (const auto ends = come_in_across(leg, velocity, hint(i), beginning)) {
+            leg.p.x = *ends == INSITU_END_COUNT ? leg.p.x : in_frame(velocity, leg.p, cell);
+            return *ends;
+          }
+        }
         const insitu_ending ending =
-            mover ? mover->advance(leg.p, particles_.cells[i], carried, leg.to, leg.work)
+            mover ? mover->advance(leg.p, hint(i), carried, leg.to, leg.work)
                   : integrate(velocity, integrator_, leg.to, settings_.length, leg.p, leg.work,
                               leg.taker ? Visitor(*leg.taker) : Visitor());
         if (ending == INSITU_END_COUNT)
@@ -199,8 +229,8 @@ void Interval::one_by_one_across(Rounds& rounds, std::span<const std::size_t> pa
 }
 
 /// One by one, by the flow between steps on different cells.
+template <class V>
 void Interval::crossing_across(Rounds& rounds, std::span<const std::size_t> particles) {
-  using V = CrossingVelocity<DriftVelocity>;
   const auto count = std::int64_t(particles.size());
   asked_.threads.parallel_for(count, grain_, [&](std::int64_t begin, std::int64_t end) {
     Work done;
@@ -219,14 +249,25 @@ void Interval::crossing_across(Rounds& rounds, std::span<const std::size_t> part
         stepping.resume();
         const insitu_ending ending = stepping.ending();
         cell = velocity.cell();
-        if (leg.taker && ending != INSITU_END_COUNT)
+        if (ending == INSITU_END_COUNT)
+          return ending;
+        if (leg.taker)
           leg.taker->straight(leg.p);
+        leg.p.x = in_frame(velocity, leg.p, cell);
         return ending;
       });
     }
     const std::lock_guard lock(left_mutex_);
     result_.work += done;
   });
+}
+
+template <class V>
+void Interval::cross_across(Rounds& rounds, std::span<const std::size_t> particles) {
+  if (setup_)
+    one_by_one_across(rounds, particles, [&] { return crossing<V>(Between::current); });
+  else
+    crossing_across<V>(rounds, particles);
 }
 
 /// Of all processes.
@@ -251,7 +292,6 @@ Advance Interval::run_across() {
   parallel::World& world = asked_.across->world;
   std::vector<mesh::Box> own;
   world.agree_after([&] {
-    refuse_across();
     if (crosses_) // they are of the cells before
       std::ranges::fill(particles_.cells, std::int64_t(-1));
     own = OwnBoxes::find(asked_.sampler.mesh(), asked_.across->homes, asked_.threads);
@@ -270,7 +310,7 @@ Advance Interval::run_across() {
       note(MeshVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
                         settings_.accuracy));
   });
-  share_effects(world, setup_);
+  share_effects(world, asked_.sampler, asked_.threads, setup_);
   const bool on_chart = asked_.sampler.chart() != nullptr;
   const auto value_by = [&](auto type, const math::Vec3d& x, double t, math::Vec3d& v) {
     typename decltype(type)::type velocity(asked_.sampler, asked_.velocity, asked_.earlier,
@@ -282,17 +322,15 @@ Advance Interval::run_across() {
   };
   rounds.run(
       [&](std::span<const std::size_t> some) {
-        if (on_chart)
+        if (crosses_ && on_chart)
+          cross_across<CrossingVelocity<ChartVelocity>>(rounds, some);
+        else if (crosses_)
+          cross_across<CrossingVelocity<DriftVelocity>>(rounds, some);
+        else if (on_chart)
           one_by_one_across(rounds, some, [&] {
             return ChartVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
                                  settings_.accuracy, effects_.drifts);
           });
-        else if (crosses_ && setup_)
-          one_by_one_across(rounds, some, [&] {
-            return crossing<CrossingVelocity<DriftVelocity>>(Between::current);
-          });
-        else if (crosses_)
-          crossing_across(rounds, some);
         else if (setup_)
           one_by_one_across(rounds, some, [&] {
             return DriftVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,

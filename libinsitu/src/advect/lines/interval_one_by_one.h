@@ -52,7 +52,7 @@ void Interval::flow(V& velocity, std::int64_t begin, std::int64_t end) {
     double to = 0.0;
     if (!prepare(i, p, to))
       continue;
-    velocity.begin(particles_.cells[i]);
+    velocity.begin(hint(i));
     p.x = velocity.enter(p.x);
     std::optional<SnapshotTaker<V>> taker;
     insitu_ending ending;
@@ -74,7 +74,8 @@ void Interval::flow(V& velocity, std::int64_t begin, std::int64_t end) {
 
 /// Where only the step before has cells yet, and so there are no walls, a particle goes with the
 /// flow until the current ones, whose velocity is `current`, hold it. either: the velocity of both
-/// steps. Returns how the particle ends before, if it does.
+/// steps. Returns how the particle ends before, if it does. On several processes the cell that
+/// holds it may be another one's (Journey::far_cell).
 template <class V>
 std::optional<insitu_ending> come_in(CrossingVelocity<V>& current, CrossingVelocity<V>& either,
                                      std::int64_t hint, const IntegratorSettings& integrator,
@@ -87,13 +88,13 @@ std::optional<insitu_ending> come_in(CrossingVelocity<V>& current, CrossingVeloc
       current.go_by(either);
       if (taker)
         (*taker)(s);
-      return either.cell() < 0;
+      return either.cell() == -1;
     }
     bool operator()(const State& s, const DenseStep& path) const {
       current.go_by(either);
       if (taker)
         (*taker)(s, path);
-      return either.cell() < 0;
+      return either.cell() == -1;
     }
   };
   either.begin(hint);
@@ -101,7 +102,7 @@ std::optional<insitu_ending> come_in(CrossingVelocity<V>& current, CrossingVeloc
   const UntilIn until{either, current, taker};
   const insitu_ending ending = integrate(either, integrator, to, length, p, work, until);
   current.go_by(either);
-  if (either.cell() < 0 || (ending != INSITU_END_REMOVED && ending != INSITU_END_ALIVE))
+  if (either.cell() == -1 || (ending != INSITU_END_REMOVED && ending != INSITU_END_ALIVE))
     return ending;
   return std::nullopt;
 }
@@ -126,8 +127,8 @@ void Interval::move(V& velocity, Mover<V>& mover, std::int64_t begin, std::int64
       if (!effects_.inertia &&
           !asked_.sampler.locate(velocity.position(p.x), -1, {settings_.accuracy})) {
         V either = crossing<V>(Between::either);
-        ends = come_in(velocity, either, particles_.cells[i], integrator_, to, settings_.length, p,
-                       work, taker ? &*taker : nullptr);
+        ends = come_in(velocity, either, hint(i), integrator_, to, settings_.length, p, work,
+                       taker ? &*taker : nullptr);
       }
     std::int64_t cell = -1;
     insitu_ending ending;
@@ -135,7 +136,7 @@ void Interval::move(V& velocity, Mover<V>& mover, std::int64_t begin, std::int64
       ending = *ends;
     } else {
       Carried carried = particles_.carried(i);
-      ending = mover.advance(p, particles_.cells[i], carried, to, work);
+      ending = mover.advance(p, hint(i), carried, to, work);
       particles_.set_carried(i, carried);
       cell = mover.cell();
     }

@@ -74,6 +74,13 @@ void CornerMap::clear() {
   cells_.resize_discard(0);
 }
 
+void CornerMap::reach_as(const CornerMap& other) {
+  for (std::size_t d = 0; d < kinds_of_.size(); ++d)
+    kinds_of_[d] |= other.kinds_of_[d];
+  for (int a = 0; a < 3; ++a)
+    farthest_[a] = std::max(farthest_[a], other.farthest_[a]);
+}
+
 void CornerMap::share(parallel::World& world) {
   constexpr int kinds = 1 + CornerKind::most_up;
   std::array<std::int64_t, kinds*(mesh::Lattice::most_depth + 1)> has{};

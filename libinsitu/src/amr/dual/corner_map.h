@@ -75,6 +75,8 @@ public:
   int depth_count() const { return depth_count_; }
   /// No corner is farther from the lattice's origin along an axis, in cells of depth 0.
   double farthest(int axis) const { return farthest_[axis]; }
+  /// What is told of all cells is that of the other map's, too.
+  void reach_as(const CornerMap& other);
   /// Collective: what is told of all cells becomes that of all processes, so that points take the
   /// same way to their cells, and have the same coordinates there, on all of them.
   void share(parallel::World& world);

@@ -2,9 +2,27 @@
 
 #include <algorithm>
 
+#include "commit/earlier/gathered_adaptive.h"
 #include "mesh/one_mesh.h"
 
 namespace insitu::commit {
+
+std::vector<std::unique_ptr<mesh::EarlierField>>
+EarlierMesh::fields_of(const mesh::EarlierStep& step, const mesh::MeshView& view,
+                       core::Memory& memory) {
+  std::vector<std::unique_ptr<mesh::EarlierField>> fields;
+  for (const mesh::EarlierStep::Field& from : step.fields) {
+    if (from.steps.empty())
+      continue;
+    mesh::EarlierField& to = *fields.emplace_back(std::make_unique<mesh::EarlierField>());
+    to.name = from.name;
+    to.association = from.association;
+    to.components = from.components;
+    to.begin_step(1, view, memory);
+    std::copy(from.steps[0].begin(), from.steps[0].end(), to.steps[0]->values.begin());
+  }
+  return fields;
+}
 
 EarlierMesh::EarlierMesh(mesh::TakenStep step, mesh::CellsCopy cells, accel::Tree tree, bool refit,
                          const Kept& kept, std::uint64_t topology_version, core::Memory& memory,
@@ -42,7 +60,10 @@ EarlierMesh::EarlierMesh(mesh::TakenStep step, std::unique_ptr<StandIn> made, ac
   for (const mesh::FieldPieceView& piece : step_.fields.front()->steps.front()->views)
     first.push_back(first.back() + piece.layout.count);
   view_ = &made_->keep(std::move(first), threads);
+  locator_ = made_->locator();
 }
+
+EarlierMesh::~EarlierMesh() = default;
 
 std::unique_ptr<EarlierMesh> EarlierMesh::restored(const mesh::EarlierStep& step,
                                                    mesh::CellsCopy cells,
@@ -57,16 +78,7 @@ std::unique_ptr<EarlierMesh> EarlierMesh::restored(const mesh::EarlierStep& step
   const mesh::MeshView& view = cells.on(taken.points.data());
   if (!step.fits(view, view.vertex_count()))
     return nullptr;
-  for (const mesh::EarlierStep::Field& from : step.fields) {
-    if (from.steps.empty())
-      continue;
-    mesh::EarlierField& to = *taken.fields.emplace_back(std::make_unique<mesh::EarlierField>());
-    to.name = from.name;
-    to.association = from.association;
-    to.components = from.components;
-    to.begin_step(1, view, memory);
-    std::copy(from.steps[0].begin(), from.steps[0].end(), to.steps[0]->values.begin());
-  }
+  taken.fields = fields_of(step, view, memory);
   const bool one = mesh::is_one(view);
   const cells::OddCells odd = one ? cells::find_odd_cells(view, threads) : cells::OddCells{};
   accel::Tree tree(memory);

@@ -11,9 +11,9 @@
 #include "commit/standins/stand_in.h"
 #include "core/parallel.h"
 #include "mesh/box.h"
+#include "mesh/cell_name.h"
 #include "mesh/registered/cells_copy.h"
 #include "mesh/registered/earlier_step.h"
-#include "parallel/bytes.h"
 #include "parallel/world.h"
 #include "query/chart_image.h"
 #include "query/elsewhere.h"
@@ -21,6 +21,10 @@
 #include "query/sampler.h"
 
 namespace insitu::commit {
+
+class Adaptive;
+class GatheredAdaptive;
+struct EarlierCells;
 
 /// The step before a change of topology, whole: cells, vertices, tree and fields, none of them the
 /// solver's. It is there until particles have gone from it to the cells that follow.
@@ -43,20 +47,24 @@ public:
   /// Of cells that were made (StandIn::is_made), which nothing moves.
   EarlierMesh(mesh::TakenStep step, std::unique_ptr<StandIn> made, accel::Tree tree,
               std::uint64_t topology_version, const core::Threads& threads);
-  /// Of several processes: this one's own cells, which are its first, and their global ids, if they
-  /// have any.
+  ~EarlierMesh();
+  /// Of several processes: this one's own cells, which are its first, their global ids, if they
+  /// have any, and where they are copies on a chart, of which cell and where.
   struct Own {
     std::int64_t cells = 0;
-    std::vector<std::int64_t> global;
+    std::vector<std::int64_t> global; ///< of the solver's cells
+    std::vector<StandIn::Place> places;
   };
   void set_own(Own own) { own_ = std::move(own); }
   /// Collective, after a change of topology: the cells of the step of all processes, also of those
   /// that had none, that lie where this one has cells now (their tree) or had some, in the order of
   /// their names, so that of several cells that hold a place the same one counts as in one process.
   /// Who asks it for a place beyond them that another process may have had gets
-  /// Error(INSITU_ERROR_UNSUPPORTED). here: this process's step, or null. Throws
-  /// parallel::AgreedError. Null, on all processes, if none has a step.
+  /// Error(INSITU_ERROR_UNSUPPORTED). here: this process's step, or null. chart: on which the
+  /// tree's cells are, or null. Throws parallel::AgreedError. Null, on all processes, if none has a
+  /// step.
   static std::unique_ptr<EarlierMesh> gathered(const EarlierMesh* here, const accel::Tree& now,
+                                               const query::ChartImage* chart,
                                                parallel::World& world, core::Memory& memory,
                                                const core::Threads& threads);
 
@@ -68,16 +76,18 @@ public:
 
   /// Its counts are no mesh's.
   query::Sampler sampler() const {
-    return query::Sampler{*view_,
-                          tree_,
-                          nullptr,
-                          nullptr,
-                          made_ ? made_->locator() : nullptr,
-                          chart_ ? &*chart_ : nullptr,
-                          nullptr,
-                          made_ ? nullptr : &on_demand_}
+    return query::Sampler{*view_,    tree_,
+                          nullptr,   nullptr,
+                          locator_, chart_ ? &*chart_ : nullptr,
+                          nullptr,   sound_ ? &on_demand_ : nullptr}
         .with_outlook(beyond_.get());
   }
+  /// Of cells that were gathered: how all processes know a cell, and which it is here, or -1. Cells
+  /// in gridlets, of which nothing is kept, are not named.
+  mesh::CellName name(std::int64_t flat) const {
+    return flat >= first_name_ ? names_[std::size_t(flat - first_name_)] : mesh::CellName{};
+  }
+  std::int64_t find(const mesh::CellName& name) const;
   /// A field on these cells, if it was kept.
   std::optional<mesh::FieldView> field(const std::string& name) const;
   std::uint64_t topology_version() const { return topology_version_; }
@@ -98,21 +108,36 @@ private:
   };
 
   class Beyond;
-  void write_cells(std::span<const mesh::Box> boxes, parallel::ByteWriter& to) const;
+  EarlierMesh(EarlierCells& cells, std::unique_ptr<GatheredAdaptive> gathered, core::Memory& memory,
+              const core::Threads& threads);
+  static std::vector<std::unique_ptr<mesh::EarlierField>>
+  fields_of(const mesh::EarlierStep& step, const mesh::MeshView& view, core::Memory& memory);
+  // Of several processes: gathered_cells.cpp.
+  const Adaptive* adaptive() const;
+  void know_sound(const core::Threads& threads);
+  std::vector<std::int64_t> own_cells_in(std::span<const mesh::Box> boxes) const;
+  void tell_values(std::span<const std::int64_t> cells, std::span<const std::int64_t> vertices,
+                   mesh::EarlierStep& to) const;
+  EarlierCells cells_in(std::span<const mesh::Box> boxes) const;
 
   mesh::TakenStep step_;
   std::optional<mesh::CellsCopy> cells_; ///< not of cells that were made
   std::unique_ptr<StandIn> made_;
-  std::optional<query::ChartImage> chart_; ///< of a geodetic mesh
+  std::unique_ptr<GatheredAdaptive> gathered_;
+  const query::PointLocator* locator_ = nullptr; ///< of either
+  std::optional<query::ChartImage> chart_;       ///< of a geodetic mesh
   mesh::MeshView own_view_;
   const mesh::MeshView* view_;
   accel::Tree tree_;
   std::uint64_t topology_version_;
   Fit fit_{*this};
-  std::optional<query::SoundCells> sound_; ///< not of cells that were made
+  std::optional<query::SoundCells> sound_; ///< not of cells that were made, here or elsewhere
   query::OnDemand on_demand_;
   Own own_;
-  std::shared_ptr<const query::Outlook> beyond_; ///< of cells that were gathered
+  // Of cells that were gathered.
+  std::shared_ptr<const query::Outlook> beyond_;
+  std::vector<mesh::CellName> names_; ///< ascending
+  std::int64_t first_name_ = 0;       ///< that of this cell
 };
 
 } // namespace insitu::commit

@@ -3,18 +3,15 @@
 #include <limits>
 
 #include "commit/earlier/earlier_mesh.h"
+#include "commit/earlier/gathered_adaptive.h"
 #include "commit/halo/cells_near.h"
 #include "core/status.h"
-#include "mesh/cell_name.h"
-#include "mesh/registered/earlier_parts.h"
 #include "query/directory.h"
 
 namespace insitu::commit {
 
 using math::Vec3d;
 using mesh::CellName;
-using parallel::ByteReader;
-using parallel::ByteWriter;
 using parallel::Parcel;
 
 /// Refuses places where others had cells that are not here.
@@ -44,106 +41,20 @@ private:
 
 namespace {
 
-/// What comes from one process.
-struct Part {
-  std::vector<CellName> names;
-  std::vector<std::int64_t> offsets; ///< one more than cells
-  std::vector<std::int64_t> ids;
-  std::vector<std::uint8_t> types;
-  mesh::EarlierStep step; ///< of these cells
-};
+/// What is gathered, and how it is found; dual cells are right by construction.
+enum class Kind : std::int64_t { cells, dual_cells, leaves_by_places, dual_by_places };
 
-Part read(const Parcel& parcel) {
-  ByteReader from(parcel.bytes);
-  Part part;
-  const auto count = [&] { return std::size_t(from.value<std::int64_t>()); };
-  const std::size_t cells = count(), vertices = count(), ids = count(), fields = count();
-  part.names = from.array<CellName>(cells);
-  for (CellName& name : part.names)
-    name.rank = parcel.rank;
-  part.offsets = from.array<std::int64_t>(cells + 1);
-  part.ids = from.array<std::int64_t>(ids);
-  part.types = from.array<std::uint8_t>(cells);
-  part.step.points = from.array<Vec3d>(vertices);
-  for (std::size_t f = 0; f < fields; ++f) {
-    mesh::EarlierStep::Field& field = part.step.fields.emplace_back();
-    const std::vector<char> name = from.array<char>(count());
-    field.name.assign(name.begin(), name.end());
-    field.association = insitu_association(from.value<std::int32_t>());
-    field.components = from.value<std::int32_t>();
-    field.steps.push_back(from.array<double>((field.association == INSITU_CELL ? cells : vertices) *
-                                             std::size_t(field.components)));
-  }
-  return part;
+Kind kind_of(const Adaptive* adaptive) {
+  if (!adaptive)
+    return Kind::cells;
+  const DualCells* const dual = adaptive->dual_cells();
+  return !dual                         ? Kind::leaves_by_places
+         : dual->dual().has_gridlets() ? Kind::dual_by_places
+                                       : Kind::dual_cells;
 }
 
-/// Cells of several parts in the order of their names, and what they have.
-struct Joined {
-  std::vector<std::int64_t> offsets, ids;
-  std::vector<std::uint8_t> types;
-  mesh::EarlierStep step;
-
-  explicit Joined(const std::vector<Part>& parts) {
-    std::vector<std::int64_t> first{0}; // vertex of each part
-    std::vector<std::pair<std::size_t, std::size_t>> cells;
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      const std::vector<Vec3d>& points = parts[p].step.points;
-      first.push_back(first.back() + std::int64_t(points.size()));
-      step.points.insert(step.points.end(), points.begin(), points.end());
-      for (std::size_t c = 0; c < parts[p].names.size(); ++c)
-        cells.emplace_back(p, c);
-    }
-    std::ranges::sort(cells, {}, [&](const auto& of) { return parts[of.first].names[of.second]; });
-    for (const auto& [p, c] : cells) {
-      const Part& part = parts[p];
-      offsets.push_back(std::int64_t(ids.size()));
-      types.push_back(part.types[c]);
-      for (std::int64_t k = part.offsets[c]; k < part.offsets[c + 1]; ++k)
-        ids.push_back(first[p] + part.ids[std::size_t(k)]);
-    }
-    for (std::size_t f = 0; f < parts.front().step.fields.size(); ++f) {
-      const mesh::EarlierStep::Field& of = parts.front().step.fields[f];
-      const auto values_of = [&](const Part& part) -> const std::vector<double>& {
-        return part.step.fields[f].steps.front();
-      };
-      std::vector<double> values;
-      if (of.association == INSITU_CELL)
-        for (const auto& [p, c] : cells) {
-          const double* from = values_of(parts[p]).data() + c * std::size_t(of.components);
-          values.insert(values.end(), from, from + of.components);
-        }
-      else
-        for (const Part& part : parts)
-          values.insert(values.end(), values_of(part).begin(), values_of(part).end());
-      step.fields.push_back({of.name, of.association, of.components, {std::move(values)}});
-    }
-  }
-
-  /// The cells, copied.
-  mesh::CellsCopy copy(core::Memory& memory, const core::Threads& threads) const {
-    const auto bytes = [](const auto& v) { return reinterpret_cast<const std::byte*>(v.data()); };
-    mesh::PieceView piece;
-    piece.layout = mesh::CellLayout::mixed;
-    piece.cell_count = std::int64_t(types.size());
-    piece.vertex_count = std::int64_t(step.points.size());
-    piece.connectivity = {bytes(ids), std::int64_t(ids.size()), sizeof(std::int64_t), false};
-    piece.id_stride = sizeof(std::int64_t);
-    piece.offsets = {bytes(offsets), std::int64_t(offsets.size()), sizeof(std::int64_t), false};
-    piece.types = bytes(types);
-    const std::int64_t first_cell[] = {0, piece.cell_count},
-                       first_vertex[] = {0, piece.vertex_count};
-    mesh::MeshView view;
-    view.pieces = &piece;
-    view.piece_count = 1;
-    view.first_cell = first_cell;
-    view.first_vertex = first_vertex;
-    mesh::CellsCopy cells(memory);
-    cells.copy(view, threads);
-    return cells;
-  }
-};
-
-/// The boxes of a view's first cells, exactly, of many that follow each other.
+/// The boxes of a view's first cells that are this process's, exactly, of many that follow each
+/// other.
 std::vector<mesh::Box> exact_boxes(const mesh::MeshView& view, std::int64_t cells) {
   constexpr auto most = std::int64_t(query::Directory::most_boxes);
   const std::int64_t grain = std::max<std::int64_t>((cells + most - 1) / most, 1);
@@ -152,7 +63,7 @@ std::vector<mesh::Box> exact_boxes(const mesh::MeshView& view, std::int64_t cell
   mesh::CellVertices c;
   for (std::int64_t flat = 0; flat < cells; ++flat) {
     const std::int32_t piece = view.piece_of(flat);
-    if (!view.pieces[piece].exists(flat - view.first_cell[piece]))
+    if (!view.pieces[piece].owns(flat - view.first_cell[piece]))
       continue;
     mesh::gather(view, flat, c);
     const mesh::Box box = mesh::box_of(c);
@@ -165,105 +76,253 @@ std::vector<mesh::Box> exact_boxes(const mesh::MeshView& view, std::int64_t cell
   return boxes;
 }
 
+bool are_same(const query::ChartImage& a, const query::ChartImage& b) {
+  return a.units == b.units && a.west == b.west && a.north_from == b.north_from &&
+         a.south_from == b.south_from;
+}
+
+/// The chart on which the processes that have the step before have it; units: of all. Collective.
+query::ChartImage chart_before(const std::optional<query::ChartImage>& here,
+                               const geo::ChartUnits& units, parallel::World& world) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  query::ChartImage chart{units, infinity, infinity, infinity};
+  if (here)
+    chart = *here;
+  double least[] = {chart.west, chart.north_from, chart.south_from};
+  world.reduce(std::span(least), parallel::Reduction::least);
+  chart.west = least[0];
+  chart.north_from = least[1];
+  chart.south_from = least[2];
+  return chart;
+}
+
+/// Adds boxes of images on a chart that hold what a box on the one that followed it holds.
+void add_images(const mesh::Box& box, const query::ChartImage& now, const query::ChartImage& before,
+                std::vector<mesh::Box>& to) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double turn = now.units.turn(), quarter = now.units.quarter();
+  const double last = now.west + 1.5 * turn, south = now.west + 13.0 / 6 * turn; // as pole_of()
+  const auto add = [&](double west, double east, double low, double high) {
+    to.push_back({{west, low, box.low.z}, {east, high, box.high.z}});
+  };
+  const auto add_pole = [&](geo::Pole pole) {
+    add(before.offset(pole) - 0.3 * turn, before.offset(pole) + 0.3 * turn, -infinity, infinity);
+  };
+  const double rounding = 1e-9 * quarter;
+  bool north_too = false, south_too = false;
+  if (box.low.x <= last) {
+    for (const double by : {-turn, 0.0, turn})
+      add(box.low.x + by, std::min(box.high.x, last) + by, box.low.y, box.high.y);
+    north_too = box.high.y >= before.north_from - rounding;
+    south_too = box.low.y <= before.south_from + rounding;
+  }
+  if (box.high.x > last && box.low.x <= south) {
+    add(before.west - turn, before.west + 1.5 * turn, now.north_from - rounding, quarter);
+    north_too = true;
+  }
+  if (box.high.x > south) {
+    add(before.west - turn, before.west + 1.5 * turn, -quarter, now.south_from + rounding);
+    south_too = true;
+  }
+  if (north_too)
+    add_pole(geo::Pole::north);
+  if (south_too)
+    add_pole(geo::Pole::south);
+}
+
 } // namespace
 
-/// This process's own cells that meet the boxes, with all that was kept of them.
-void EarlierMesh::write_cells(std::span<const mesh::Box> boxes, ByteWriter& to) const {
-  std::vector<CellName> names;
-  std::vector<std::int64_t> flats, offsets{0}, ids, vertices;
-  std::vector<std::uint8_t> types;
+const Adaptive* EarlierMesh::adaptive() const {
+  return dynamic_cast<const Adaptive*>(made_.get());
+}
+
+/// This process's own cells that meet the boxes, ascending.
+std::vector<std::int64_t> EarlierMesh::own_cells_in(std::span<const mesh::Box> boxes) const {
   const mesh::MeshView& view = *view_;
-  std::int64_t of_cell[8];
-  for (const std::int64_t flat : cells_near(view, tree_, boxes)) {
-    const std::int32_t p = view.piece_of(flat);
+  std::vector<std::int64_t> cells;
+  mesh::CellVertices c;
+  for (const std::int64_t item : cells_near(view, tree_, boxes)) {
+    const std::int32_t p = view.piece_of(item);
     const mesh::PieceView& piece = view.pieces[p];
-    const std::int64_t cell = flat - view.first_cell[p];
-    if (flat >= own_.cells || !piece.exists(cell))
-      continue;
-    flats.push_back(flat);
-    names.push_back({own_.global.empty() ? -1 : own_.global[std::size_t(flat)], -1, 0, flat});
-    types.push_back(std::uint8_t(piece.shape(cell)));
-    const int n = piece.vertex_ids(cell, of_cell);
-    for (int v = 0; v < n; ++v)
-      ids.push_back(view.first_vertex[p] + of_cell[v]);
-    offsets.push_back(std::int64_t(ids.size()));
+    for (std::int64_t flat = item; flat < item + piece.cells_an_item() && flat < own_.cells;
+         ++flat) {
+      if (!piece.owns(flat - view.first_cell[p]))
+        continue;
+      mesh::gather(view, flat, c);
+      const mesh::Box box = mesh::box_of(c);
+      if (std::ranges::any_of(boxes, [&](const mesh::Box& of) { return mesh::meet(of, box); }))
+        cells.push_back(flat);
+    }
   }
-  vertices = ids;
-  std::ranges::sort(vertices);
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  for (std::int64_t& id : ids)
-    id = std::ranges::lower_bound(vertices, id) - vertices.begin();
-  for (const std::size_t count : {flats.size(), vertices.size(), ids.size(), step_.fields.size()})
-    to.value(std::int64_t(count));
-  to.array(std::span<const CellName>(names));
-  to.array(std::span<const std::int64_t>(offsets));
-  to.array(std::span<const std::int64_t>(ids));
-  to.array(std::span<const std::uint8_t>(types));
-  const auto piece_of = [&](const std::int64_t* first, std::int64_t flat) {
-    return std::upper_bound(first, first + view.piece_count + 1, flat) - first - 1;
-  };
-  for (const std::int64_t v : vertices) {
-    const auto p = piece_of(view.first_vertex, v);
-    to.value(view.pieces[p].point(v - view.first_vertex[p]));
-  }
+  return cells;
+}
+
+/// Of these cells and vertices, flat.
+void EarlierMesh::tell_values(std::span<const std::int64_t> cells,
+                              std::span<const std::int64_t> vertices, mesh::EarlierStep& to) const {
+  const mesh::MeshView& view = *view_;
   for (const auto& field : step_.fields) {
     const bool of_cells = field->association == INSITU_CELL;
-    const mesh::FieldView values = field->view(0);
-    to.value(std::int64_t(field->name.size()));
-    to.array(std::span<const char>(field->name));
-    to.value(std::int32_t(field->association));
-    to.value(std::int32_t(field->components));
-    for (const std::int64_t item : of_cells ? flats : vertices) {
-      const std::int64_t* const first = of_cells ? view.first_cell : view.first_vertex;
-      const auto p = piece_of(first, item);
+    const std::int64_t* const first = of_cells ? view.first_cell : view.first_vertex;
+    const mesh::FieldView from = field->view(0);
+    std::vector<double> values;
+    for (const std::int64_t item : of_cells ? cells : vertices) {
+      const auto p = std::upper_bound(first, first + view.piece_count + 1, item) - first - 1;
       for (int c = 0; c < field->components; ++c)
-        to.value(values.pieces[p].load(item - first[p], c));
+        values.push_back(from.pieces[p].load(item - first[p], c));
     }
+    to.fields.push_back({field->name, field->association, field->components, {std::move(values)}});
   }
 }
 
+/// This process's own cells that meet the boxes, with all that was kept of them.
+EarlierCells EarlierMesh::cells_in(std::span<const mesh::Box> boxes) const {
+  const mesh::MeshView& view = *view_;
+  const Adaptive* const adaptive = this->adaptive();
+  const DualCells* const dual = adaptive ? adaptive->dual_cells() : nullptr;
+  const std::vector<std::int64_t> cells = own_cells_in(boxes);
+  EarlierCells told;
+  for (const std::int64_t flat : cells) {
+    const std::int32_t p = view.piece_of(flat);
+    mesh::CellVertices c;
+    mesh::gather(view, flat, c);
+    CellName& name = told.names.emplace_back();
+    const StandIn::Place at =
+        own_.places.empty() ? StandIn::Place{flat} : own_.places[std::size_t(flat)];
+    if (dual)
+      name = {dual->order().number(dual->dual(), flat), -1, 0, 0};
+    else
+      name = {own_.global.empty() ? -1 : own_.global[std::size_t(at.own)],
+              -1,
+              0,
+              at.own,
+              at.chart,
+              at.copy};
+    told.types.push_back(std::uint8_t(c.shape));
+    told.poles.push_back(view.pieces[p].pole);
+    for (int v = 0; v < c.count; ++v) {
+      told.ids.push_back(view.first_vertex[p] + c.ids[v]);
+      told.step.points.push_back(c.x[v]);
+    }
+    told.offsets.push_back(std::int64_t(told.ids.size()));
+  }
+  std::vector<std::int64_t> order(told.ids.size()), vertices;
+  for (std::size_t k = 0; k < order.size(); ++k)
+    order[k] = std::int64_t(k);
+  std::ranges::sort(order, {}, [&](std::int64_t k) { return told.ids[std::size_t(k)]; });
+  std::vector<Vec3d> points;
+  for (const std::int64_t k : order) {
+    std::int64_t& id = told.ids[std::size_t(k)];
+    if (vertices.empty() || vertices.back() != id) {
+      vertices.push_back(id);
+      points.push_back(told.step.points[std::size_t(k)]);
+    }
+    id = std::int64_t(vertices.size()) - 1;
+  }
+  told.step.points = std::move(points);
+  tell_values(cells, vertices, told.step);
+  if (kind_of(adaptive) >= Kind::leaves_by_places)
+    add_places(*adaptive, cells, boxes, told);
+  return told;
+}
+
+/// Of adaptive cells that were gathered, and are found by their places.
+EarlierMesh::EarlierMesh(EarlierCells& cells, std::unique_ptr<GatheredAdaptive> gathered,
+                         core::Memory& memory, const core::Threads& threads)
+    : step_{core::Buffer<Vec3d>(memory, INSITU_MEMORY_EARLIER), {}}, gathered_(std::move(gathered)),
+      locator_(&gathered_->locator()), view_(&gathered_->view()), tree_(memory),
+      topology_version_(0), first_name_(gathered_->cells_without_names()) {
+  step_.fields = fields_of(cells.step, *view_, memory);
+  tree_.build(*view_, threads, accel::Builder::automatic);
+  tree_.mark_odd(*view_, {}, threads);
+  tree_.release_scratch();
+}
+
+/// The cells are right by construction.
+void EarlierMesh::know_sound(const core::Threads& threads) {
+  own_view_.free_of_folds = own_view_.covers_once = true;
+  tree_.mark_odd(own_view_, {}, threads);
+  sound_.reset();
+}
+
+std::int64_t EarlierMesh::find(const CellName& name) const {
+  const auto at = std::ranges::lower_bound(names_, name);
+  return at != names_.end() && *at == name ? first_name_ + (at - names_.begin()) : -1;
+}
+
 std::unique_ptr<EarlierMesh> EarlierMesh::gathered(const EarlierMesh* here, const accel::Tree& now,
+                                                   const query::ChartImage* chart,
                                                    parallel::World& world, core::Memory& memory,
                                                    const core::Threads& threads) {
+  std::int64_t facts[] = {here ? std::int64_t(kind_of(here->adaptive())) : 0, chart != nullptr};
+  world.reduce(std::span(facts), parallel::Reduction::greatest);
+  const Kind kind = Kind(facts[0]);
+  std::optional<query::ChartImage> before;
+  if (facts[1])
+    before = chart_before(here ? here->chart_ : std::nullopt,
+                          chart ? chart->units : geo::ChartUnits{}, world);
   std::vector<mesh::Box> wanted, own;
   world.agree_after([&] {
     if (here) {
       here->fit_.complete();
       own = exact_boxes(*here->view_, here->own_.cells);
     }
-    wanted = query::boxes_of(now);
-    wanted.insert(wanted.end(), own.begin(), own.end());
-    for (mesh::Box& box : wanted) { // steps are tried beside cells, too
-      const Vec3d little = 0.05 * box.size();
-      box = {box.low - little, box.high + little};
-    }
+    const auto want = [&](const mesh::Box& box, bool is_now) {
+      const Vec3d little = 0.05 * box.size(); // steps are tried beside cells, too
+      const mesh::Box wider{box.low - little, box.high + little};
+      if (is_now && chart && !are_same(*chart, *before))
+        add_images(wider, *chart, *before, wanted);
+      else
+        wanted.push_back(wider);
+    };
+    for (const mesh::Box& box : query::boxes_of(now))
+      want(box, true);
+    for (const mesh::Box& box : own)
+      want(box, false);
   });
-  query::Directory all, before;
+  query::Directory all, owned;
   all.gather(wanted, world);
-  before.gather(own, world);
+  owned.gather(own, world);
   std::vector<Parcel> parcels;
   world.agree_after([&] {
-    for (int r = 0; r < world.size() && here; ++r) {
-      ByteWriter to;
-      here->write_cells(all.boxes(r), to);
-      parcels.push_back({r, to.bytes()});
-    }
+    for (int r = 0; r < world.size() && here; ++r)
+      parcels.push_back(here->cells_in(all.boxes(r)).parcel(r));
   });
   const std::vector<Parcel> received = world.exchange(parcels);
+  EarlierCells cells;
+  std::unique_ptr<GatheredDual> dual;
+  world.agree_after([&] {
+    std::vector<EarlierCells> parts;
+    for (const Parcel& parcel : received)
+      parts.push_back(EarlierCells::read(parcel));
+    cells = EarlierCells::joined(parts);
+    if (kind == Kind::dual_by_places) {
+      dual = std::make_unique<GatheredDual>(memory);
+      dual->build(cells, threads);
+    }
+  });
+  if (dual)
+    dual->share(here ? here->adaptive()->dual_cells() : nullptr, world);
   std::unique_ptr<EarlierMesh> mesh;
   world.agree_after([&] {
-    std::vector<Part> parts;
-    for (const Parcel& parcel : received)
-      parts.push_back(read(parcel));
-    if (parts.empty())
+    if (dual) {
+      mesh.reset(new EarlierMesh(cells, std::move(dual), memory, threads));
+    } else if (kind == Kind::leaves_by_places) {
+      mesh.reset(new EarlierMesh(cells, std::make_unique<GatheredLeaves>(cells, memory, threads),
+                                 memory, threads));
+    } else {
+      mesh::CellsCopy copy = cells.copy(memory, threads);
+      copy.set_one_mesh(before.has_value());
+      mesh = restored(cells.step, std::move(copy), before, memory, threads);
+      if (mesh && kind == Kind::dual_cells)
+        mesh->know_sound(threads);
+    }
+    if (!mesh)
       return;
-    for (const Part& part : parts)
-      if (!mesh::have_same_fields(part.step, parts.front().step))
-        throw core::Error(INSITU_ERROR_INTERNAL, "processes have kept different fields");
-    const Joined joined(parts);
-    mesh = restored(joined.step, joined.copy(memory, threads), std::nullopt, memory, threads);
-    if (mesh)
-      mesh->beyond_ = std::make_shared<Beyond>(std::move(wanted), std::move(before), world.rank());
+    mesh->names_ = std::move(cells.names);
+    mesh->beyond_ = std::make_shared<Beyond>(std::move(wanted), std::move(owned), world.rank());
+    if (mesh->gathered_)
+      mesh->gathered_->watch_by(mesh->beyond_.get());
   });
   return mesh;
 }

@@ -65,6 +65,8 @@ public:
   const std::uint64_t* covered() const override {
     return covered_.empty() ? nullptr : covered_.data();
   }
+  /// Beside this process's leaves.
+  const LeafGaps& gaps() const { return gaps_; }
   /// Which leaves of this process others have.
   std::span<const amr::LentLeaf> lent_leaves() const { return lent_leaves_; }
 
@@ -142,6 +144,7 @@ private:
   std::vector<mesh::AmrPieceView> leaf_views_;
   std::vector<std::uint64_t> covered_; ///< a bit a flat cell
   std::vector<amr::LentLeaf> lent_leaves_;
+  LeafGaps gaps_;
   mutable std::int64_t bytes_sent_ = 0;
 };
 

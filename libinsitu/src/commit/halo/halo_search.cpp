@@ -8,6 +8,7 @@
 #include "commit/halo/halo.h"
 #include "query/batch/candidates.h"
 #include "query/point_query.h"
+#include "query/walk/longitudes.h"
 
 namespace insitu::commit {
 
@@ -97,18 +98,29 @@ Vec3d size_of_all(const mesh::MeshView& view, parallel::World& world) {
   return {ends[0] + ends[3], ends[1] + ends[4], ends[2] + ends[5]};
 }
 
-/// None, and those of a period along some of the axes; on a chart by a turn. Collective.
+/// None, and those of a period along some of the axes; on a chart by a turn, too. Collective.
 std::vector<Shift> shifts_over(const PeriodicAxes& sides, const mesh::MeshView& view,
                                const query::ChartImage* chart, parallel::World& world) {
   std::vector<Shift> shifts(1);
-  if (chart) {
+  const auto on_chart = [&](double by, double widening) {
     const double turn = chart->units.turn();
-    for (const double by : {turn, -turn})
-      shifts.push_back({{by, 0, 0}, 0.0, chart->west - 0.5 * turn, chart->west + 1.5 * turn});
-    return shifts;
-  }
+    shifts.push_back({{by, 0, 0}, widening, chart->west - 0.5 * turn, chart->west + 1.5 * turn});
+  };
+  if (chart)
+    for (const double turns : {1.0, -1.0})
+      on_chart(turns * chart->units.turn(), 0.0);
   if (std::ranges::none_of(sides, std::identity()))
     return shifts;
+  std::int64_t charts = chart != nullptr;
+  world.reduce(std::span(&charts, 1), parallel::Reduction::greatest);
+  if (charts) { // sides along meridians
+    const auto reach = query::longitudes_of(view, chart, core::Threads(1), world);
+    if (chart && reach)
+      for (const double turns : {0.0, 1.0, -1.0})
+        for (const double sign : {1.0, -1.0})
+          on_chart(sign * (reach->high - reach->low) + turns * chart->units.turn(), 0.25);
+    return shifts;
+  }
   const Vec3d period = size_of_all(view, world);
   const auto steps = [&](int axis) {
     return sides[std::size_t(axis)] && period[axis] > 0.0 ? std::vector<double>{0.0, 1.0, -1.0}

@@ -82,6 +82,7 @@ void Halo::find_leaves(const mesh::Mesh& mesh, parallel::World& world,
   world.reduce(std::span(&is_dual, 1), parallel::Reduction::greatest);
   LeafSearch search(mesh, world, *memory_, threads);
   search.find(is_dual ? layers_of_dual : layers_of_nearest);
+  gaps_ = search.gaps;
   std::vector<Borrowed> before;
   swap(
       world,

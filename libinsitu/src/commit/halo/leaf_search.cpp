@@ -157,6 +157,7 @@ void LeafSearch::find(int layers) {
   gather_boxes();
   find_covered();
   find_near();
+  find_gaps();
   std::vector<ToldLeaf> frontier = near;
   for (int layer = 1; layer < layers; ++layer)
     add_layer(frontier);

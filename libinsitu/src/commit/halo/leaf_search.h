@@ -40,6 +40,14 @@ private:
   std::int64_t ghosts_ = 0;
 };
 
+/// Places beside leaves that no leaf of any process covers, as wide as the leaf, beyond which
+/// another process has leaves: where a layer of cells was left out between them. A domain may have
+/// such a slot, too.
+struct LeafGaps {
+  std::int64_t count = 0;    ///< faces of this process's leaves
+  mesh::CellName own, other; ///< of the first, if there is one
+};
+
 /// Finds, on all processes at once, the leaves of others that surround a process's own: those that
 /// touch one of them, by a face, an edge or a corner, and those that touch these, in so many
 /// layers. All steps are collective.
@@ -56,6 +64,7 @@ public:
 
   std::vector<ToldLeaf> near;         ///< those that touch, by process, piece and cell
   std::vector<ToldLeaf> far;          ///< the others, in the same order
+  LeafGaps gaps;
   std::vector<std::uint64_t> covered; ///< see mesh::AmrView; empty: none
 
 private:
@@ -63,6 +72,7 @@ private:
   void gather_boxes();
   void find_covered();
   void find_near();
+  void find_gaps();
   void add_layer(std::vector<ToldLeaf>& frontier);
   mesh::Box box_of(const mesh::AmrCell& cell) const;
   ToldLeaf told(std::int64_t flat) const;

@@ -21,5 +21,6 @@ SeamMismatches find_seam_mismatches(const CommittedMesh& mesh);
 /// Collective: what all processes found, as a sentence without its mesh; empty if nothing. found:
 /// by this process.
 std::string describe(const SeamMismatches& found, parallel::World& world);
+std::string describe(const LeafGaps& found, parallel::World& world);
 
 } // namespace insitu::commit

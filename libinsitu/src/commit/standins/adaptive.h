@@ -51,6 +51,13 @@ public:
   std::optional<MadeCell> made_cell(std::int64_t flat) const override;
   std::int64_t find_made(std::int64_t number) const override;
   const query::PointLocator* locator() const override { return locator_.get(); }
+  /// Null by `nearest`.
+  const DualCells* dual_cells() const { return dual_.get(); }
+  const amr::LeafMap& leaves() const { return dual_ ? dual_->dual().leaves() : *leaves_; }
+  /// By `nearest`, after keep().
+  const mesh::MeshView& kept_view() const { return kept_->view(); }
+  /// Ids of leaves below are this process's.
+  std::int64_t own_cells() const { return own_cells_; }
   std::optional<Held> held() const override;
   std::optional<insitu_amr_info> amr_info() const override;
 
@@ -59,7 +66,6 @@ private:
              const DualCells::Neighbours* neighbours = nullptr);
   query::Location in_leaf(const amr::LeafMap::Leaf& leaf, const math::Vec3d& p) const;
   void mask(const mesh::AmrView& mesh, const core::Threads& threads);
-  const amr::LeafMap& leaves() const { return dual_ ? dual_->dual().leaves() : *leaves_; }
 
   core::Memory* memory_;
   std::unique_ptr<DualCells> dual_;

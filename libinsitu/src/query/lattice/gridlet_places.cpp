@@ -57,6 +57,13 @@ void GridletPlaces::build(const mesh::GridletsView& gridlets, const amr::LeafMap
   set_steps(lattice);
 }
 
+void GridletPlaces::reach_as(const GridletPlaces& other) {
+  for (int a = 0; a < 3; ++a)
+    farthest_[a] = std::max(farthest_[a], other.farthest_[a]);
+  if (gridlets_)
+    set_steps(gridlets_->lattice);
+}
+
 void GridletPlaces::share_farthest(parallel::World& world) {
   world.reduce(farthest_, parallel::Reduction::greatest);
   if (gridlets_)

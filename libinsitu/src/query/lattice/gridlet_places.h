@@ -19,6 +19,8 @@ public:
   void build(const mesh::GridletsView& gridlets, const amr::LeafMap& leaves,
              const core::Threads& threads);
 
+  /// After build(): bounds on rounding are those of other gridlets, too.
+  void reach_as(const GridletPlaces& other);
   /// Collective, after build(): bounds on rounding become those of all processes.
   void share_farthest(parallel::World& world);
 

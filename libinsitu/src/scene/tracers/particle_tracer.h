@@ -142,7 +142,6 @@ private:
   // Of all processes, where there are several.
   advect::Counts counts_;
   std::unique_ptr<commit::EarlierMesh> cells_before_; ///< in this execution
-  bool has_lost_cells_ = false;                       ///< see gather_cells_before()
   bool had_cells_ = false;                            ///< this process, at the last execution
   std::optional<advect::Particles> all_;              ///< at the end, at the root
 };

@@ -91,29 +91,17 @@ int ParticleTracer::agree_on_steps(const commit::CommittedMesh& mesh, const Step
   return steps == std::numeric_limits<std::int64_t>::max() ? 0 : int(steps);
 }
 
-/// The step before on other cells, of all processes, if all that had cells then have kept it. That
-/// of an adaptive mesh is made of leaves, and that on a chart has copies, which are not gathered;
-/// without it particles would go elsewhere than in one process, from then on.
+/// The step before on other cells, of all processes, if all that had cells then have kept it.
 void ParticleTracer::gather_cells_before(const commit::CommittedMesh& mesh, const Step& step) {
   parallel::World& world = environment_.world;
   cells_before_.reset();
-  const bool is_gathered =
-      !mesh.mesh().is_adaptive() && mesh.reference_frame.kind != INSITU_FRAME_GEODETIC;
-  std::int64_t lost = has_lost_cells_ ||
-                      (!is_gathered && seeded_ && goes_on_to_other_cells() && !knows_cells(mesh));
-  world.reduce(std::span(&lost, 1), parallel::Reduction::greatest);
-  has_lost_cells_ = lost;
-  world.agree_after([&] {
-    if (has_lost_cells_)
-      refuse("particles on adaptive meshes and in longitude and latitude do not go on to other "
-             "cells");
-  });
   const commit::EarlierMesh* const here = other_cells(mesh, step);
   std::int64_t any[] = {here != nullptr, had_cells_ && !here};
   world.reduce(std::span(any), parallel::Reduction::greatest);
   if (any[0] && !any[1])
     cells_before_ = commit::EarlierMesh::gathered(
-        here, mesh.tree(), world, environment_.context.memory, environment_.context.threads);
+        here, mesh.tree(), mesh.stand_in() ? mesh.stand_in()->chart() : nullptr, world,
+        environment_.context.memory, environment_.context.threads);
 }
 
 void ParticleTracer::release_across(const commit::CommittedMesh& mesh, const Step& step,
@@ -149,6 +137,7 @@ void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::Fie
   const auto left_out = [&] { return cells_.left_out(mesh, context.threads); };
   std::optional<advect::Exits> exits;
   std::optional<advect::StepBefore> before;
+  const EarlierNames names_before(cells_before_.get());
   const auto end = [&] {
     particles_.tell_exits_by(nullptr);
     mesh.hide_earlier();
@@ -172,6 +161,8 @@ void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::Fie
       sampler = cells_.sampler(mesh, velocities, context.threads);
       if (cells_before_)
         before = step_before(tracer_, *cells_before_, mesh.reference_frame);
+      if (before)
+        before->names = &names_before;
       if (before && velocity.has_blanks)
         before->sampler =
             cells_.earlier_sampler(before->sampler, before->velocity, context.threads);

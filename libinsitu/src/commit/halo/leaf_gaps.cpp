@@ -1,0 +1,85 @@
+/// Layers of cells that are missing between the leaves of two processes.
+#include <algorithm>
+
+#include "amr/dual/cell_runs.h"
+#include "commit/halo/leaf_search.h"
+#include "commit/halo/touching_leaves.h"
+#include "parallel/parcels.h"
+
+namespace insitu::commit {
+
+using mesh::AmrCell;
+using parallel::Parcel;
+
+namespace {
+
+/// The leaf of one process, and that which another one has beyond a gap.
+struct Pair {
+  mesh::CellName own, other;
+};
+
+} // namespace
+
+/// Processes are asked for leaves two cells further on, where the next place is no leaf's. All that
+/// touch a leaf are known here.
+void LeafSearch::find_gaps() {
+  std::vector<Parcel> parcels;
+  world_.agree_after([&] {
+    std::vector<std::vector<ToldLeaf>> to(std::size_t(world_.size()));
+    const auto may_have = [&](int rank, const mesh::Box& box) {
+      return rank != world_.rank() &&
+             std::ranges::any_of(directory_.boxes(rank),
+                                 [&](const mesh::Box& b) { return mesh::meet(box, b); });
+    };
+    std::vector<int> ranks;
+    for (std::int64_t flat = 0; flat < view_.cell_count(); ++flat) {
+      const AmrCell cell = amr::cell_at(view_, flat);
+      if (own_.at(cell.depth, cell.index) != std::uint32_t(flat))
+        continue;
+      mesh::Box around = box_of(cell);
+      const math::Vec3d size = around.size();
+      around = {around.low - 2.0 * size, around.high + 2.0 * size};
+      ranks.clear();
+      for (int r = 0; r < world_.size(); ++r)
+        if (may_have(r, around))
+          ranks.push_back(r);
+      for (int face = 0; face < 6 && !ranks.empty(); ++face) {
+        const int axis = face >> 1, step = face & 1 ? 1 : -1;
+        AmrCell beyond = cell;
+        beyond.index[axis] += step;
+        if (overlapping_leaf(around_.store(), beyond) != amr::BrickStore::nothing)
+          continue;
+        beyond.index[axis] += step;
+        ToldLeaf asked = told(flat);
+        asked.index[axis] = std::int32_t(beyond.index[axis]);
+        for (const int r : ranks)
+          if (may_have(r, box_of(beyond)))
+            to[std::size_t(r)].push_back(asked);
+      }
+    }
+    parcels = parallel::parcels_of(to);
+  });
+  parcels = world_.exchange(parcels);
+  world_.agree_after([&] {
+    for (Parcel& parcel : parcels) {
+      std::vector<Pair> found;
+      for (const ToldLeaf& asked : parallel::items_of<ToldLeaf>(parcel.bytes))
+        if (const std::uint32_t leaf = overlapping_leaf(own_.store(), asked.cell());
+            leaf != amr::BrickStore::nothing)
+          found.push_back({asked.name, told(leaf).name});
+      parcel.bytes = parallel::bytes_of(found);
+    }
+    std::erase_if(parcels, [](const Parcel& p) { return p.bytes.empty(); });
+  });
+  parcels = world_.exchange(parcels);
+  world_.agree_after([&] {
+    for (const Parcel& parcel : parcels)
+      for (const Pair& pair : parallel::items_of<Pair>(parcel.bytes))
+        if (gaps.count++ == 0 || pair.own < gaps.own) {
+          gaps.own = pair.own;
+          gaps.other = pair.other;
+        }
+  });
+}
+
+} // namespace insitu::commit
