@@ -172,13 +172,12 @@ TEST(ProcessEarth, OtherCellsAreThoseOfOneProcess) {
       seeds +
       ", effects: [{boundary: {other: slide}}, {settling: {speed: 2000}}, {diffusion: "
       "{horizontal: 1e9, vertical: 1000}}], fields: [p], output: [csv]}\n";
-  for (const auto& [from, to] :
-       {std::pair(0, 1), std::pair(1, 2), std::pair(3, 2), std::pair(1, 3)}) {
+  for (const auto& [from, to] : {std::pair(0, 1), std::pair(3, 2), std::pair(1, 3)}) {
     const TestMesh& whole = all[std::size_t(from)].mesh;
     const Act act = by(whole, all[std::size_t(to)].mesh);
     const auto expected = run_parts(whole, fixtures::slabs(whole, 1), options, act);
     EXPECT_NE(expected.at("paths.csv").find("killed"), std::string::npos);
-    for (const int processes : {2, 3, 4, 8})
+    for (const int processes : {2, 3, 8})
       expect_same(expected, run_parts(whole, fixtures::boxes(whole, processes), options, act),
                   all[std::size_t(from)].name + " to " + all[std::size_t(to)].name + " on " +
                       std::to_string(processes));
@@ -214,7 +213,7 @@ TEST(ProcessEarth, PeriodicSidesAreThoseOfOneProcess) {
     const Act act = [&](PartSession& process, parallel::World&) { execute(whole, process, 4); };
     const auto expected = run_parts(whole, fixtures::slabs(whole, 1), options, act);
     EXPECT_NE(expected.at("sliding.csv").find("killed"), std::string::npos);
-    for (const int processes : {2, 3, 4, 8})
+    for (const int processes : {2, 4, 8})
       for (const fixtures::Partition& partition :
            {fixtures::slabs(whole, processes), fixtures::boxes(whole, processes)})
         expect_same(expected, run_parts(whole, partition, options, act),

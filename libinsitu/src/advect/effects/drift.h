@@ -45,8 +45,6 @@ public:
   Journey* journey() const { return flow_.journey(); }
   KeptVelocity keep() const { return flow_.keep(); }
   void go_on_from(const KeptVelocity& kept) { flow_.go_on_from(kept); }
-  CellCache::Kept kept_cells() const { return flow_.kept_cells(); }
-  void keep_cells(const CellCache::Kept& kept) { flow_.keep_cells(kept); }
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
     Sampled sampled;

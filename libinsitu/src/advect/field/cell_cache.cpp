@@ -11,7 +11,7 @@ namespace insitu::advect {
 using math::Vec3d;
 
 CellCache::CellCache(const Moment& moment)
-    : sampler_(&moment.sampler()),
+    : sampler_(&moment.sampler()), by_places_(sampler_->locator().dual() != nullptr),
       proof_(moment.mesh(), sampler_->odd(), {moment.accuracy(), moment.moves() ? 0.0 : 1.0}),
       sound_(sampler_->sound_cells(moment.moves())) {}
 

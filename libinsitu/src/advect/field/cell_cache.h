@@ -50,6 +50,8 @@ public:
   /// The cells in which points are looked for that the last cell does not hold; or null. It must
   /// outlive the object. Where cells overlap, another one may answer.
   void walk_by(const CellsBeyond* beyond) {
+    if (by_places_)
+      return; // places are as good a guide
     beyond_ = beyond && beyond->knows() ? beyond : nullptr;
     lacks_guide_ = serves() && beyond && beyond->lacks_neighbours();
   }
@@ -77,8 +79,13 @@ public:
 
   /// Whether proofs count for some points of the mesh; if not, no cell is kept.
   bool serves() const { return sound_ || proof_.for_some(); }
-  /// Whether a proof counts for this point, of a cell that answers alone.
-  bool counts_for(const math::Vec3d& x) const { return sound_ || proof_.counts_for(x); }
+  /// Whether a proof counts for this point, of a cell that answers alone. None does in an adaptive
+  /// mesh's dual that is found by places: these tell the coordinates of a point in a cell, which
+  /// Newton's method finds to rounding alone, and the last digits must not hang on where the
+  /// particle came from, which other processes do not know.
+  bool counts_for(const math::Vec3d& x) const {
+    return !by_places_ && (sound_ || proof_.counts_for(x));
+  }
   /// Whether a cell answers alone for what it is proven to hold.
   bool answers_alone(KeptCell& k, const Moment& moment) const {
     if (!sound_)
@@ -227,6 +234,7 @@ private:
   void load(KeptCell& k, std::int64_t cell, const Moment& moment) const;
 
   const query::Sampler* sampler_;
+  bool by_places_;                 ///< see counts_for()
   query::ProofRule proof_;         ///< of all coordinates between the steps
   const query::SoundCells* sound_; ///< instead, or null
   const CellsBeyond* beyond_ = nullptr;

@@ -19,16 +19,12 @@ public:
   /// Without a table looks for steps that most of a few cells have, once a topology; the time of
   /// some tens of queries. On a geodetic mesh, of its images.
   explicit CellsBeyond(const query::Sampler& sampler);
-  /// For so many particles; null where that would take longer than they may gain, and in an
-  /// adaptive mesh's dual that is found by places: there a guess that is right has other
-  /// coordinates to the last digits than the place tells, and guesses hang on how cells are
-  /// numbered here.
+  /// For so many particles; null where that would take longer than they may gain.
   static std::unique_ptr<const CellsBeyond> worth(const query::Sampler& sampler,
                                                   std::int64_t particles) {
     constexpr std::int64_t few = 64;
-    if (sampler.locator().dual() || (particles < few && !sampler.neighbours()))
-      return nullptr;
-    return std::make_unique<const CellsBeyond>(sampler);
+    return particles < few && !sampler.neighbours() ? nullptr
+                                                    : std::make_unique<const CellsBeyond>(sampler);
   }
 
   /// False: there is nothing to guess by.

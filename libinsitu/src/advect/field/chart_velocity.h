@@ -70,8 +70,6 @@ public:
     motion_.go_by(geo::Pole(kept.chart.pole));
     confined_ = kept.chart.confined;
   }
-  CellCache::Kept kept_cells() const { return inner_.kept_cells(); }
-  void keep_cells(const CellCache::Kept& kept) { inner_.keep_cells(kept); }
   /// From now on positions are in the coordinates in which another mesh's velocity has them.
   void go_by(const ChartVelocity& other) {
     if (!motion_.go_by(other.motion_))

@@ -14,8 +14,7 @@ namespace insitu::advect {
 struct StepBefore {
   query::Sampler sampler;
   mesh::FieldView velocity;
-  std::vector<Drift> drifts;         ///< the effects', with the fields of that step
-  const NamedCells* names = nullptr; ///< of its cells, on several processes
+  std::vector<Drift> drifts; ///< the effects', with the fields of that step
 };
 
 /// What is inside between two steps on different cells.
@@ -42,23 +41,13 @@ public:
                    std::span<const Drift> drifts, Between between)
       : now_(sampler, velocity, nullptr, t0, t1, accuracy, drifts),
         then_(before.sampler, before.velocity, nullptr, t0, t1, accuracy, before.drifts),
-        names_(before.names), between_(between) {}
+        between_(between) {}
 
   void walk_by(const CellsBeyond* beyond) { now_.walk_by(beyond); }
-  // On several processes the current cells are those between which the particle travels. Of the
-  // step before the cells that are kept go with it, since an adaptive mesh's cells have other
-  // coordinates of a point to the last digits than its places tell.
+  // On several processes the current cells are those between which the particle travels.
   void travel_by(Journey* journey) { now_.travel_by(journey); }
   Journey* journey() const { return now_.journey(); }
-  KeptVelocity keep() const {
-    KeptVelocity kept = now_.keep();
-    const CellCache::Kept before = then_.kept_cells();
-    for (int i = 0; i < 2; ++i)
-      if (before.cells[i] >= 0)
-        kept.before.cells[i] = names_->name(before.cells[i]);
-    kept.before.last = before.last;
-    return kept;
-  }
+  KeptVelocity keep() const { return now_.keep(); }
   void enter_as(const KeptVelocity& kept) {
     now_.enter_as(kept);
     then_.go_by(now_);
@@ -71,19 +60,13 @@ public:
     then_.go_by(now_);
     const WayMark& mark = journey()->mark();
     in_now_ = mark.cell != -1;
-    then_.begin(-1); // what else it held follows from the place
+    then_.begin(-1); // what it held follows from the place
     math::Vec3d u;
     in_then_ = then_(mark.p.x, mark.p.time, u) != Sampled::outside;
     if (in_then_)
       then_.accepted();
-    CellCache::Kept before{{-1, -1}, -1, kept.before.last};
-    for (int i = 0; i < 2; ++i)
-      if (kept.before.cells[i].rank >= 0)
-        before.cells[i] = names_->find(kept.before.cells[i]);
-    then_.keep_cells(before);
   }
-  /// hint: of the current cells, or -1. None of the step before is tried first: it would find
-  /// other coordinates of a point to the last digits than the place (see keep()).
+  /// hint: of the current cells, or -1; only the time it takes depends on it.
   void begin(std::int64_t hint) {
     now_.begin(hint);
     then_.begin(-1);
@@ -214,7 +197,6 @@ private:
   }
 
   V now_, then_;
-  const NamedCells* names_;
   Between between_;
   bool asked_now_ = false, asked_then_ = false; ///< the meshes that hold the point asked last
   bool in_now_ = false, in_then_ = false;       ///< and the particle's position

@@ -4,7 +4,6 @@
 
 #include "advect/field/cell_cache.h"
 #include "advect/field/confinement.h"
-#include "advect/field/homes.h"
 #include "advect/field/mesh_boundary.h"
 #include "advect/field/moment.h"
 
@@ -19,12 +18,6 @@ struct KeptChart {
   bool confined = false;
 };
 
-/// What a CrossingVelocity has besides: the cells of the step before that are kept, by their names.
-struct KeptBefore {
-  CellName cells[2] = {};
-  std::int32_t last = 0;
-};
-
 /// What a MeshVelocity's answers depend on between two steps of a particle, in plain data. Cells
 /// are flat ids, or -1.
 struct KeptVelocity {
@@ -36,7 +29,6 @@ struct KeptVelocity {
   std::int64_t hint, cell, sized;
   math::Vec3d extent;
   KeptChart chart = {};
-  KeptBefore before = {};
 
   /// f(id) of each id of a cell.
   template <class F>

@@ -34,8 +34,8 @@ public:
   /// See KeptVelocity; go_on_from(): of another object for the same mesh and fields, as it is after
   /// begin().
   KeptVelocity keep() const {
-    return {moment_.keep(), cells_.keep(), confined_, boundary_, place_, hint_,
-            cell_,          sized_,        extent_,   {},        {}};
+    return {moment_.keep(), cells_.keep(), confined_, boundary_, place_,
+            hint_,          cell_,         sized_,    extent_,   {}};
   }
   void go_on_from(const KeptVelocity& kept) {
     moment_.go_on_from(kept.moment);
@@ -48,9 +48,6 @@ public:
     sized_ = kept.sized;
     extent_ = kept.extent;
   }
-  /// The cells that are kept alone.
-  CellCache::Kept kept_cells() const { return cells_.keep(); }
-  void keep_cells(const CellCache::Kept& kept) { cells_.go_on_from(kept, moment_); }
 
   /// Who takes the particle from process to process, or null; see Journey.
   void travel_by(Journey* journey) { journey_ = journey; }

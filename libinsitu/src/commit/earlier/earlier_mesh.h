@@ -11,7 +11,6 @@
 #include "commit/standins/stand_in.h"
 #include "core/parallel.h"
 #include "mesh/box.h"
-#include "mesh/cell_name.h"
 #include "mesh/registered/cells_copy.h"
 #include "mesh/registered/earlier_step.h"
 #include "parallel/world.h"
@@ -76,18 +75,12 @@ public:
 
   /// Its counts are no mesh's.
   query::Sampler sampler() const {
-    return query::Sampler{*view_,    tree_,
-                          nullptr,   nullptr,
+    return query::Sampler{*view_,   tree_,
+                          nullptr,  nullptr,
                           locator_, chart_ ? &*chart_ : nullptr,
-                          nullptr,   sound_ ? &on_demand_ : nullptr}
+                          nullptr,  sound_ ? &on_demand_ : nullptr}
         .with_outlook(beyond_.get());
   }
-  /// Of cells that were gathered: how all processes know a cell, and which it is here, or -1. Cells
-  /// in gridlets, of which nothing is kept, are not named.
-  mesh::CellName name(std::int64_t flat) const {
-    return flat >= first_name_ ? names_[std::size_t(flat - first_name_)] : mesh::CellName{};
-  }
-  std::int64_t find(const mesh::CellName& name) const;
   /// A field on these cells, if it was kept.
   std::optional<mesh::FieldView> field(const std::string& name) const;
   std::uint64_t topology_version() const { return topology_version_; }
@@ -134,10 +127,7 @@ private:
   std::optional<query::SoundCells> sound_; ///< not of cells that were made, here or elsewhere
   query::OnDemand on_demand_;
   Own own_;
-  // Of cells that were gathered.
-  std::shared_ptr<const query::Outlook> beyond_;
-  std::vector<mesh::CellName> names_; ///< ascending
-  std::int64_t first_name_ = 0;       ///< that of this cell
+  std::shared_ptr<const query::Outlook> beyond_; ///< of cells that were gathered
 };
 
 } // namespace insitu::commit

@@ -20,8 +20,6 @@ public:
   virtual ~GatheredAdaptive() = default;
   virtual const mesh::MeshView& view() const = 0;
   virtual const query::PointLocator& locator() const = 0;
-  /// Flat ids from here on are those of the names that were gathered, but for these many.
-  virtual std::int64_t cells_without_names() const { return 0; }
   /// Who is asked first about points, where it hangs on what is gathered how they are found.
   virtual void watch_by(const query::Outlook*) {}
 };
@@ -41,7 +39,6 @@ public:
 
   const mesh::MeshView& view() const override { return view_; }
   const query::PointLocator& locator() const override { return locator_; }
-  std::int64_t cells_without_names() const override { return first_cell_[1] - cubes_; }
   void watch_by(const query::Outlook* outlook) override { locator_.watch = outlook; }
 
 private:

@@ -231,7 +231,7 @@ EarlierMesh::EarlierMesh(EarlierCells& cells, std::unique_ptr<GatheredAdaptive> 
                          core::Memory& memory, const core::Threads& threads)
     : step_{core::Buffer<Vec3d>(memory, INSITU_MEMORY_EARLIER), {}}, gathered_(std::move(gathered)),
       locator_(&gathered_->locator()), view_(&gathered_->view()), tree_(memory),
-      topology_version_(0), first_name_(gathered_->cells_without_names()) {
+      topology_version_(0) {
   step_.fields = fields_of(cells.step, *view_, memory);
   tree_.build(*view_, threads, accel::Builder::automatic);
   tree_.mark_odd(*view_, {}, threads);
@@ -243,11 +243,6 @@ void EarlierMesh::know_sound(const core::Threads& threads) {
   own_view_.free_of_folds = own_view_.covers_once = true;
   tree_.mark_odd(own_view_, {}, threads);
   sound_.reset();
-}
-
-std::int64_t EarlierMesh::find(const CellName& name) const {
-  const auto at = std::ranges::lower_bound(names_, name);
-  return at != names_.end() && *at == name ? first_name_ + (at - names_.begin()) : -1;
 }
 
 std::unique_ptr<EarlierMesh> EarlierMesh::gathered(const EarlierMesh* here, const accel::Tree& now,
@@ -319,7 +314,6 @@ std::unique_ptr<EarlierMesh> EarlierMesh::gathered(const EarlierMesh* here, cons
     }
     if (!mesh)
       return;
-    mesh->names_ = std::move(cells.names);
     mesh->beyond_ = std::make_shared<Beyond>(std::move(wanted), std::move(owned), world.rank());
     if (mesh->gathered_)
       mesh->gathered_->watch_by(mesh->beyond_.get());

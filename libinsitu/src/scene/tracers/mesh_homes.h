@@ -19,17 +19,4 @@ private:
   const commit::CommittedMesh& mesh_;
 };
 
-/// The names of cells of the step before that were gathered.
-class EarlierNames final : public advect::NamedCells {
-public:
-  /// mesh: must outlive the object; null: there is none.
-  explicit EarlierNames(const commit::EarlierMesh* mesh) : mesh_(mesh) {}
-
-  mesh::CellName name(std::int64_t cell) const override { return mesh_->name(cell); }
-  std::int64_t find(const mesh::CellName& name) const override { return mesh_->find(name); }
-
-private:
-  const commit::EarlierMesh* mesh_;
-};
-
 } // namespace insitu::scene

@@ -137,7 +137,6 @@ void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::Fie
   const auto left_out = [&] { return cells_.left_out(mesh, context.threads); };
   std::optional<advect::Exits> exits;
   std::optional<advect::StepBefore> before;
-  const EarlierNames names_before(cells_before_.get());
   const auto end = [&] {
     particles_.tell_exits_by(nullptr);
     mesh.hide_earlier();
@@ -161,8 +160,6 @@ void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::Fie
       sampler = cells_.sampler(mesh, velocities, context.threads);
       if (cells_before_)
         before = step_before(tracer_, *cells_before_, mesh.reference_frame);
-      if (before)
-        before->names = &names_before;
       if (before && velocity.has_blanks)
         before->sampler =
             cells_.earlier_sampler(before->sampler, before->velocity, context.threads);
