@@ -39,7 +39,13 @@ public:
   void clear() { size_ = 0; }
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
-  std::vector<std::byte> bytes() const { return {bytes_.get(), bytes_.get() + size_}; }
+  /// With room for some more bytes.
+  std::vector<std::byte> bytes(std::size_t room = 0) const {
+    std::vector<std::byte> bytes;
+    bytes.reserve(size_ + room);
+    bytes.assign(bytes_.get(), bytes_.get() + size_);
+    return bytes;
+  }
 
 private:
   void grow(std::size_t more) {

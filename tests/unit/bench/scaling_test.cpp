@@ -37,7 +37,7 @@ TEST(BenchScaling, BytesAreThoseOfTheModel) {
     EXPECT_GE(number(row, "imbalance"), 0.999) << row;
     at = next;
   }
-  EXPECT_EQ(rows, 2 * 2 * 8); // processes, strong and weak, pieces of work
+  EXPECT_EQ(rows, 2 * 2 * 9); // processes, strong and weak, pieces of work
   EXPECT_EQ(halos, 2);
 }
 

@@ -120,6 +120,35 @@ TEST(ProcessFrames, WithoutGlobalIds) {
   expect_same(expected, run_parts(whole, partition, options, two_cycles), "boxes");
 }
 
+/// What `compositing: standard` cannot do is exact, and a warning of the root says so once; in one
+/// process the key says nothing.
+TEST(ProcessFrames, StandardWhereItHasToBeExact) {
+  const TestMesh whole = jittered_cubes(4);
+  PartSession::Options options;
+  options.scene =
+      "insitu: 1\npage: false\nframes:\n  - {name: f, size: [40, 40], images: [color, depth], "
+      "volume: {field: p, opacity: [[0, 0], [5, 0.8]]}}\n";
+  const auto expected = run_parts(whole, fixtures::slabs(whole, 1), options, two_cycles);
+  options.scene.insert(options.scene.rfind('}'), ", compositing: standard");
+  for (const int processes : {1, 3}) {
+    std::mutex mutex;
+    std::vector<std::string> told;
+    const auto files = run_parts(whole, fixtures::slabs(whole, processes), options,
+                                 [&](PartSession& process, parallel::World& world) {
+                                   two_cycles(process, world);
+                                   const std::lock_guard lock(mutex);
+                                   for (const std::string& message : process.messages())
+                                     if (message.find("compositing") != std::string::npos)
+                                       told.push_back(message);
+                                 });
+    expect_same(expected, files, std::to_string(processes));
+    EXPECT_EQ(told, processes == 1 ? std::vector<std::string>{}
+                                   : std::vector<std::string>{
+                                         "cycle 0: frame 'f': its compositing is 'exact', as "
+                                         "images of depth and of cells need each sample"});
+  }
+}
+
 /// What a frame does not find fails on all processes alike, and the session goes on.
 TEST(ProcessFrames, FailuresAreAlike) {
   const TestMesh whole = jittered_cubes(3);

@@ -89,7 +89,8 @@ Drawn drawn_of(Mesh& mesh, const Show& show) {
 /// The frame of several processes; make(rank): what a process has of the mesh.
 template <class Make>
 Drawn drawn_on(int processes, const Make& make, const Show& show, bool with_halo = false,
-               std::size_t most_bytes = std::size_t(32) << 20) {
+               std::size_t most_bytes = std::size_t(32) << 20,
+               render::Compositing compositing = render::Compositing::exact) {
   Drawn drawn;
   run_processes(processes, [&](parallel::World& world) {
     auto mesh = make(world.rank());
@@ -103,6 +104,7 @@ Drawn drawn_on(int processes, const Make& make, const Show& show, bool with_halo
     FramePart part = mesh.part(world);
     part.has_halo |= processes == 1;
     part.most_bytes = most_bytes;
+    part.compositing = compositing;
     FrameStatistics done;
     const FrameImages images =
         render::render_shared_frame(part, mesh.sampler(), settings, structures, threads, &done);
@@ -124,11 +126,12 @@ inline Drawn on_one(const TestMesh& whole, const Show& show) {
 
 inline Drawn on_several(const TestMesh& whole, const Show& show, int processes,
                         const Partition& parts, bool with_halo = false,
-                        std::size_t most_bytes = std::size_t(32) << 20) {
+                        std::size_t most_bytes = std::size_t(32) << 20,
+                        render::Compositing compositing = render::Compositing::exact) {
   return drawn_on(
       processes,
       [&](int rank) { return PartedMesh(whole, parts.deal(processes), rank, parts.pieces); }, show,
-      with_halo, most_bytes);
+      with_halo, most_bytes, compositing);
 }
 
 template <class T>

@@ -286,6 +286,13 @@ TEST(SceneFrames, Errors) {
       std::string::npos);
 }
 
+TEST(SceneFrames, Compositing) {
+  EXPECT_EQ(frame("").compositing, render::Compositing::exact);
+  EXPECT_EQ(frame("compositing: exact").compositing, render::Compositing::exact);
+  EXPECT_EQ(frame("compositing: standard").compositing, render::Compositing::standard);
+  EXPECT_NE(frame_error("compositing: fast").find("frames[0].compositing: "), std::string::npos);
+}
+
 TEST(SceneFrames, SamplesOfPixels) {
   EXPECT_EQ(frame("samples_per_pixel: 9").samples_per_pixel, 9);
   EXPECT_EQ(frame("samples_per_pixel: 4, path_tracing: {samples: 4}").samples_per_pixel, 4);

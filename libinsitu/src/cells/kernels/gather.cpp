@@ -114,26 +114,48 @@ namespace insitu::cells {
 
 HWY_EXPORT(choose_loop);
 
+namespace {
+constexpr int most_ahead = 64; ///< cells that are asked for early, as above
+} // namespace
+
 CellGather::CellGather(const mesh::MeshView& mesh, double alpha) : mesh_(&mesh), alpha_(alpha) {
   if (mesh.piece_count == 1)
     only_ = 0;
   else if (mesh.piece_count == 2 && mesh.pieces[0].in_runs())
     only_ = 1;
-  else
-    return;
-  const mesh::PieceView& piece = mesh.pieces[only_];
+  std::int32_t largest = std::max(only_, 0);
+  for (std::int32_t p = largest + 1; p < mesh.piece_count; ++p)
+    if (mesh.first_cell[p + 1] - mesh.first_cell[p] >
+        mesh.first_cell[largest + 1] - mesh.first_cell[largest])
+      largest = p;
+  if (mesh.piece_count > 0)
+    choose(largest);
+}
+
+void CellGather::choose(std::int32_t p) {
+  const mesh::PieceView& piece = mesh_->pieces[p];
   one_shape_ = only_ == 0 && (piece.layout == mesh::CellLayout::uniform ||
                               piece.layout == mesh::CellLayout::block);
-  if (alpha == 1.0 && mesh::CellArrays::make(piece, arrays_)) {
-    loop_ = HWY_DYNAMIC_DISPATCH(choose_loop)(arrays_);
-    // Cells come by flat ids. Only those of the piece are asked for.
-    arrays_.ids -= mesh.first_cell[only_] * arrays_.cell_stride;
-  }
+  // Cells come by flat ids, which ids alone can be made to count by.
+  const bool counts_alike = p == 0 || p == only_ || piece.layout == mesh::CellLayout::uniform;
+  if (alpha_ != 1.0 || !counts_alike || !mesh::CellArrays::make(piece, arrays_))
+    return;
+  loop_ = HWY_DYNAMIC_DISPATCH(choose_loop)(arrays_);
+  first_ = mesh_->first_cell[p];
+  end_ = mesh_->first_cell[p + 1];
+  arrays_.ids -= first_ * arrays_.cell_stride;
 }
 
 void CellGather::fill(const std::int64_t* cells, int n, int more, CellBlock& block) const {
-  if (loop_)
+  if (loop_ && only_ >= 0)
     return loop_(arrays_, cells, n, more, block);
+  const auto is_other = [&](std::int64_t cell) { return !in_loop(cell); };
+  if (loop_ && std::none_of(cells, cells + n, is_other)) {
+    // It reads what it asks for early.
+    const std::int64_t* const next = cells + n;
+    const std::int64_t* const end = next + std::min(more, most_ahead);
+    return loop_(arrays_, cells, n, int(std::find_if(next, end, is_other) - next), block);
+  }
   for (int i = 0; i < n; ++i) {
     mesh::CellVertices cell;
     mesh::gather(*mesh_, cells[i], cell, alpha_);

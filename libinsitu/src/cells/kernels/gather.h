@@ -7,9 +7,10 @@
 
 namespace insitu::cells {
 
-/// Gathers cells of one shape into the columns of a block. Meshes of one piece with arrays of its
-/// own, but for a first piece of gridlets, whose cells are not gathered, go through loops typed by
-/// their numbers and layout, chosen once.
+/// Gathers cells of one shape into the columns of a block. Cells of a mesh's largest piece, if it
+/// has arrays of its own, go through a loop typed by their numbers and layout, chosen once; other
+/// pieces are mostly few cells of other processes. A first piece of gridlets, whose cells are not
+/// gathered, does not count.
 class CellGather {
 public:
   /// Columns [0, n) from cells[0, n); cells[n, n + more) come next, and are asked for early.
@@ -28,17 +29,21 @@ public:
     return mesh_->pieces[p].shape(flat - mesh_->first_cell[p]);
   }
   INSITU_PREFETCH void prefetch_ids(std::int64_t flat) const {
-    if (arrays_.ids)
+    if (arrays_.ids && only_ >= 0)
       __builtin_prefetch(arrays_.ids + flat * arrays_.cell_stride);
   }
   void fill(const std::int64_t* cells, int n, int more, CellBlock& block) const;
 
 private:
+  void choose(std::int32_t piece);
+  bool in_loop(std::int64_t cell) const { return cell >= first_ && cell < end_; }
+
   const mesh::MeshView* mesh_;
   double alpha_;
   bool one_shape_ = false;
   std::int32_t only_ = -1; ///< the only piece with cells to gather
   Loop loop_ = nullptr;
+  std::int64_t first_ = 0, end_ = 0; ///< flat cells that it takes
   mesh::CellArrays arrays_;
 };
 

@@ -22,6 +22,13 @@ void blend_behind(Rgb& color, float& alpha, const Rgb& c, float a) {
   alpha += weight;
 }
 
+/// What a ray has gathered between two of its hits, or before the first one, or behind the last.
+struct RayPiece {
+  std::uint32_t hits; ///< so many of the ray's hits lie before it
+  float alpha;
+  Color color; ///< times alpha
+};
+
 /// What a ray has gathered, front to back, and where it stands.
 struct RayState {
   Ray ray;
@@ -37,6 +44,8 @@ struct RayState {
   std::vector<Stretch> stays;     ///< what the frame's clips leave of it; empty without clips
   std::vector<SurfaceHit> hits;
   std::size_t next_hit = 0;
+  bool in_pieces = false;                               ///< hits end a piece, and are not blended
+  std::vector<RayPiece> pieces;                         ///< those that have ended
   std::int64_t lit = 0, integrals = 0, shadow_rays = 0; ///< see VolumeCounts
   /// Where alpha reached a half, and the flat cell there; see FrameImages.
   double depth = HUGE_VAL;
@@ -53,6 +62,8 @@ struct RayState {
     stays.clear();
     hits.clear();
     next_hit = 0;
+    in_pieces = false;
+    pieces.clear();
     lit = integrals = shadow_rays = 0;
     depth = HUGE_VAL;
     depth_cell = -1;
@@ -71,7 +82,23 @@ struct RayState {
       depth_cell = cell;
     }
   }
+  /// The next piece begins with nothing gathered.
+  void end_piece() {
+    if (alpha > 0)
+      pieces.push_back({std::uint32_t(next_hit), alpha, color});
+    color = {};
+    alpha = 0;
+  }
+  void blend(const RayPiece& piece) {
+    color = color + (1.0f - alpha) * piece.color;
+    alpha += (1.0f - alpha) * piece.alpha;
+  }
   void blend_next_hit() {
+    if (in_pieces) {
+      end_piece();
+      ++next_hit;
+      return;
+    }
     const SurfaceHit& hit = hits[next_hit++];
     const bool see_through = alpha < 0.5f;
     blend(hit.color, hit.opacity);

@@ -33,6 +33,20 @@ void check_shared(const FrameSettings& s, bool has_halo) {
   }
 }
 
+const char* why_exact(const FrameSettings& s) {
+  if (!s.volume)
+    return nullptr; // surfaces alone are always exact
+  if (s.path_tracing)
+    return "paths are traced";
+  if (s.volume->tolerance)
+    return "a tolerance makes steps uneven";
+  if (s.depth || s.cell)
+    return "images of depth and of cells need each sample";
+  if (s.volume->shading && s.lighting.volume_shadows)
+    return "shadows on a lit volume need each sample";
+  return nullptr;
+}
+
 FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sampler,
                                 const FrameSettings& asked, Structures& structures,
                                 const core::Threads& threads, FrameStatistics* statistics) {

@@ -6,6 +6,7 @@
 
 #include "parallel/world.h"
 #include "render/frame.h"
+#include "render/processes/compositing.h"
 
 /// Frames of a mesh that is spread over processes (design/parallel.md): tiles of the image go round
 /// the processes; each finds hits and claims samples in its own cells, and sends them to the
@@ -31,17 +32,21 @@ struct FramePart {
   /// process's own cells of the solver's that hold a place; -1: none does. Images of cells then
   /// show the lowest of all processes. Empty, alike on all processes: they show what is drawn.
   std::function<std::int64_t(const math::Vec3d& place)> solvers_cell = {};
+  Compositing compositing = Compositing::exact;
 };
+
+/// Why a frame's volume is drawn as by Compositing::exact in any case; null: there is no reason.
+const char* why_exact(const FrameSettings& settings);
 
 /// Throws core::Error (INSITU_ERROR_UNSUPPORTED) for what is not there yet on several processes.
 void check_shared(const FrameSettings& settings, bool has_halo);
 
-/// Draws a frame, to the bit as render_frame() draws that of the whole mesh on one process. Images
-/// are complete at the root and empty elsewhere; their cells are numbered by FramePart::key, and
-/// sums of traced paths have pixels at the root alone. PathCounts in the statistics are of all
-/// processes.
-/// Collective; the settings are the same on all processes but for fields and structures. The
-/// sampler's facts() are those of the whole mesh; its cells may be none. Throws AgreedError.
+/// Draws a frame, to the bit as render_frame() draws that of the whole mesh on one process unless
+/// FramePart::compositing says otherwise. Images are complete at the root and empty elsewhere;
+/// their cells are numbered by FramePart::key, and sums of traced paths have pixels at the root
+/// alone. PathCounts in the statistics are of all processes. Collective; the settings are the same
+/// on all processes but for fields and structures. The sampler's facts() are those of the whole
+/// mesh; its cells may be none. Throws AgreedError.
 FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sampler,
                                 const FrameSettings& settings, Structures& structures,
                                 const core::Threads& threads,

@@ -11,6 +11,10 @@ namespace insitu::render {
 
 namespace {
 
+/// Rounds of composited samples are longer: what is sent of them hardly grows, and that a ray is
+/// saturated is told late.
+constexpr int claims_a_round = 4;
+
 bool sends_rays(const Lighting& lighting) {
   return lighting.volume_shadows ||
          (lighting.enabled && (lighting.shadows || lighting.occlusion_samples > 0));
@@ -51,7 +55,8 @@ void SharedFrame::Known::know_volume(const FramePart& part, const query::Sampler
                           structures, grid ? &*grid : nullptr);
     volume.culled = nullptr;
     volume.macrocells = macrocells_ ? &*macrocells_ : nullptr;
-    if (!settings.volume->preintegrated || part.world.size() == 1)
+    const bool is_of_cells = settings.volume->field.field.association == INSITU_CELL;
+    if (part.world.size() == 1 || !(settings.volume->preintegrated || is_of_cells))
       return;
     elsewhere.emplace(sampler.facts().bounds);
     elsewhere->note(sampler.tree(), volume.majorants, ray_step(sampler, *settings.volume));
@@ -76,7 +81,10 @@ SharedFrame::SharedFrame(const FramePart& part, const query::Sampler& sampler,
     volume_.emplace(sampler, *settings.volume, known.volume, settings.lighting,
                     !settings.clips.empty());
     volume_->take_part();
-    depth_ = ClaimReader::most_depth / volume_->group() * volume_->group();
+    claimed_ = ClaimReader::most_depth / volume_->group() * volume_->group();
+    composites_ =
+        part.compositing == Compositing::standard && part.world.size() > 1 && !why_exact(settings);
+    depth_ = composites_ ? claims_a_round * claimed_ : claimed_;
   }
   if (!settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
       settings.outline)
@@ -84,6 +92,10 @@ SharedFrame::SharedFrame(const FramePart& part, const query::Sampler& sampler,
   const bool meets = surfaces_ && settings.lighting.volume_shadows;
   if (meets && volume_)
     volume_->set_surfaces(&*surfaces_);
+  // Otherwise where two processes claim a sample alone.
+  tells_cells_ = settings.cell || (volume_ && (volume_->light_shader() || volume_->has_levels()));
+  if (composites_)
+    form_ = {surfaces_.has_value(), volume_->is_preintegrated(), volume_->is_lit()};
   if (hits_send_rays() || (volume_ && volume_->light_shader()) || (meets && traces))
     light_.emplace(part, settings, *surfaces_, *known.where, mail_, threads);
   if (has_central_normals(settings))
@@ -106,10 +118,10 @@ std::int64_t SharedFrame::tiles_a_group() const {
                                     1, std::max<std::int64_t>(1, most / on_the_way));
   }
   const std::int64_t bytes_a_ray =
-      depth_ *
-      (bytes_a_sample + bytes_a_change + (volume_ && volume_->is_lit() ? bytes_a_gradient : 0) +
-       (volume_ && volume_->is_lit_by_place() ? bytes_a_place : 0) +
-       (volume_ && volume_->has_levels() ? bytes_a_level : 0));
+      claimed_ * (bytes_a_sample + bytes_a_change + // in any case of some rays
+                  (volume_ && volume_->is_lit() ? bytes_a_gradient : 0) +
+                  (volume_ && volume_->is_lit_by_place() ? bytes_a_place : 0) +
+                  (volume_ && volume_->has_levels() ? bytes_a_level : 0));
   return std::max<std::int64_t>(1, most / (bytes_a_ray * FrameTile::most_rays));
 }
 

@@ -9,6 +9,7 @@
 #include "render/pixel_average.h"
 #include "render/processes/frame_part.h"
 #include "render/processes/frame_tiles.h"
+#include "render/processes/run_data.h"
 #include "render/processes/shared_light.h"
 #include "render/processes/shared_normals.h"
 #include "render/processes/shared_paths.h"
@@ -60,6 +61,7 @@ private:
     std::vector<int> sources;             ///< processes whose cells may be seen in the tile
     std::vector<std::uint64_t> saturated; ///< a bit a ray
     bool has_news = false;                ///< sources do not know yet which rays are
+    std::vector<std::uint16_t> asked;     ///< rays of which runs do not tell enough
     std::optional<VolumeMarcher::Progress> progress;
   };
   /// A tile's rays where this process's cells may be seen in it.
@@ -68,7 +70,9 @@ private:
     std::vector<RayState> rays;                   ///< of the tile, and maybe some more
     std::vector<query::LatticeRay> lattice;       ///< the same
     std::vector<std::vector<std::uint16_t>> open; ///< by part: rays that have not ended
+    std::vector<std::vector<std::uint16_t>> asked; ///< by part: rays that are claimed after all
   };
+  using Rays = std::vector<std::vector<std::uint16_t>> NearTile::*;
 
   std::int64_t tiles_a_group() const;
   void begin_paths(const Known& known, bool meet_surfaces, Structures& structures);
@@ -109,22 +113,32 @@ private:
   void start(NearTile& near) const;
   void march_thin();
   std::int64_t next_round(std::int64_t round) const;
-  void claim(std::int64_t round);
-  TileParcel claim(NearTile& near, std::int64_t first);
   /// A round of claims, or of those on thin rays.
   struct Round {
     std::int64_t first = 0;
+    Rays rays = &NearTile::open;
+    bool with_cells = true;
     bool is_thin = false;
   };
+  void claim(const Round& round);
+  TileParcel claim(NearTile& near, const Round& round);
   void gather(std::vector<TileParcel> parcels, const Round& round);
   void gather_by_rays_of_light(std::span<const TileParcel> received, const Round& round);
   using LitSamples = std::vector<std::uint32_t>; ///< by ray: a bit a sample
   void take_points(const OwnTile& tile, ClaimReader ahead, const Round& round,
                    SharedLight::Batch& batch, LitSamples& lit) const;
-  ClaimReader claims_of(const OwnTile& tile, std::span<const TileParcel> received) const;
+  ClaimReader claims_of(const OwnTile& tile, std::span<const TileParcel> received,
+                        const Round& round) const;
   std::optional<SurfacePoint> lit_point(const OwnTile& tile, const ClaimReader& claimed,
                                         int sample) const;
   void take(OwnTile& tile, const ClaimReader& claimed, const Round& round);
+  static void note_saturated(OwnTile& tile, std::size_t ray);
+  void composite(std::int64_t first);
+  TileParcel composite(NearTile& near, std::int64_t first);
+  void blend(OwnTile& tile, std::span<const TileParcel> received, std::int64_t first);
+  bool are_asked() const;
+  void claim_asked(std::int64_t first);
+  void begin_asked(NearTile& near, ByteReader from, std::int64_t first) const;
   std::int64_t tell_saturated(std::int64_t round);
   void stop_saturated(NearTile& near, ByteReader from) const;
   void count(const VolumeCounts& counts);
@@ -137,7 +151,11 @@ private:
   std::uint64_t sample_ = 0; ///< of each pixel
   std::optional<VolumeMarcher> volume_;
   std::optional<Surfaces> surfaces_;
-  int depth_ = ClaimReader::most_depth; ///< samples of a ray in a round
+  bool composites_ = false;               ///< where the cells are
+  int claimed_ = ClaimReader::most_depth; ///< samples of a ray that are claimed at once
+  int depth_ = claimed_;                  ///< samples of a ray in a round
+  bool tells_cells_ = false;              ///< which claimed samples are in
+  RunForm form_;
   std::vector<std::vector<FrameTile>> groups_;
   TileMail mail_;
   std::optional<SharedNormals> normals_; ///< if they are central differences

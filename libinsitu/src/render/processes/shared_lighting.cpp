@@ -55,7 +55,7 @@ void SharedFrame::gather_by_rays_of_light(std::span<const TileParcel> received,
   std::vector<LitSamples> lit;
   part_.world.agree_after([&] {
     for (std::size_t i = 0; i < own_count_; ++i)
-      claims.push_back(claims_of(own_[i], received));
+      claims.push_back(claims_of(own_[i], received, round));
     batches.resize(own_count_);
     lit.resize(own_count_);
   });

@@ -7,6 +7,14 @@
 /// The volume of a frame of several processes, in rounds of samples by depth.
 namespace insitu::render {
 
+namespace {
+
+/// A bit beside a ray's number in its tile.
+constexpr unsigned opaque = 1u << 15;
+static_assert(FrameTile::most_rays <= opaque);
+
+} // namespace
+
 void SharedFrame::march() {
   tell_ends();
   // The first round, the last one's end, and whether there are thin rays; the latter two negative.
@@ -35,7 +43,12 @@ void SharedFrame::march() {
   if (rounds[2] < 0)
     march_thin();
   for (std::int64_t round = rounds[0]; round < -rounds[1]; round = next_round(round)) {
-    claim(round);
+    if (composites_)
+      composite(round * depth_);
+    else
+      claim({round * depth_, &NearTile::open, tells_cells_});
+    if ((composites_ || !tells_cells_) && are_asked())
+      claim_asked(round * depth_);
     if (round + 1 == -rounds[1] || tell_saturated(round) == 0)
       break;
   }
@@ -60,7 +73,8 @@ std::int64_t SharedFrame::next_round(std::int64_t round) const {
   return std::max(round + 1, next / depth_);
 }
 
-/// Owners tell where opaque hits end rays, and all start theirs.
+/// Owners tell where opaque hits end rays, and where others part what is composited; all start
+/// their rays.
 void SharedFrame::tell_ends() {
   if (surfaces_) {
     std::vector<TileParcel> parcels;
@@ -70,10 +84,11 @@ void SharedFrame::tell_ends() {
         writer.clear();
         const std::span<RayState> rays = rays_of(own_[i]);
         for (std::size_t r = 0; r < rays.size(); ++r)
-          if (const auto& hits = rays[r].hits; !hits.empty() && hits.back().opacity >= 1) {
-            writer.value(std::uint16_t(r));
-            writer.value(hits.back().t);
-          }
+          for (const SurfaceHit& hit : rays[r].hits)
+            if (const bool is_end = hit.opacity >= 1; is_end || composites_) {
+              writer.value(std::uint16_t(r | (is_end ? opaque : 0u)));
+              writer.value(hit.t);
+            }
         for (const int source : own_[i].sources)
           if (writer.size() > 0)
             parcels.push_back({source, own_[i].slot, writer.bytes()});
@@ -83,8 +98,10 @@ void SharedFrame::tell_ends() {
       for (const TileParcel& parcel : received) {
         NearTile& tile = near_of(parcel.slot);
         for (ByteReader reader = parcel.reader(); !reader.at_end();) {
-          RayState& ray = tile.rays[reader.value<std::uint16_t>()];
-          ray.hits.emplace_back().t = reader.value<double>(); // opaque
+          const auto ray = reader.value<std::uint16_t>();
+          SurfaceHit& hit = tile.rays[ray & (opaque - 1)].hits.emplace_back();
+          hit.t = reader.value<double>();
+          hit.opacity = ray & opaque ? 1 : 0;
         }
       }
     });
@@ -96,8 +113,10 @@ void SharedFrame::start(NearTile& near) const {
   near.lattice.resize(FrameTile::most_rays);
   const std::vector<FrameTile::Part> parts = tile_of(near.slot).parts();
   near.open.resize(parts.size());
+  near.asked.resize(parts.size());
   for (std::size_t p = 0; p < parts.size(); ++p) {
     near.open[p].clear();
+    near.asked[p].clear();
     for (std::size_t r = 0; r < parts[p].rays(); ++r) {
       RayState& ray = near.rays[parts[p].first_ray + r];
       near.lattice[parts[p].first_ray + r] = {ray.ray.origin, ray.ray.direction};
@@ -119,26 +138,25 @@ void SharedFrame::march_thin() {
       VolumeCounts counts;
       volume_->claim_thin(rays_of(near_[i]), part_.own_cells, claims, counts);
       writer.clear();
-      write_claims(claims, 0, part_.key, writer);
+      write_claims(claims, 0, &part_.key, writer);
       parcels[i] = {tile_of(near_[i].slot).owner, near_[i].slot, writer.bytes()};
       count(counts);
     });
   });
-  gather(std::move(parcels), {0, true});
+  gather(std::move(parcels), {0, &NearTile::open, true, true});
 }
 
 /// All claim samples of the group's rays, and owners gather them.
-void SharedFrame::claim(std::int64_t round) {
-  const std::int64_t first = round * depth_;
+void SharedFrame::claim(const Round& round) {
   std::vector<TileParcel> parcels;
   part_.world.agree_after([&] {
     parcels.resize(near_count_);
-    for_tiles(near_count_, [&](std::size_t i) { parcels[i] = claim(near_[i], first); });
+    for_tiles(near_count_, [&](std::size_t i) { parcels[i] = claim(near_[i], round); });
   });
-  gather(std::move(parcels), {first, false});
+  gather(std::move(parcels), round);
 }
 
-TileParcel SharedFrame::claim(NearTile& near, std::int64_t first) {
+TileParcel SharedFrame::claim(NearTile& near, const Round& round) {
   thread_local VolumeMarcher::Claims claims; // these two for the thread's life
   thread_local ByteWriter writer;
   writer.clear();
@@ -147,15 +165,16 @@ TileParcel SharedFrame::claim(NearTile& near, std::int64_t first) {
   const std::vector<FrameTile::Part> parts = tile.parts();
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const FrameTile::Part& part = parts[p];
-    if (near.open[p].empty())
+    std::vector<std::uint16_t>& rays = (near.*round.rays)[p];
+    if (rays.empty())
       continue;
     volume_->claim(std::span(&near.rays[part.first_ray], part.rays()),
-                   std::span(&near.lattice[part.first_ray], part.rays()), part.x1 - part.x0, first,
-                   depth_, part_.own_cells, near.open[p], claims, counts);
-    write_claims(claims, part.first_ray, part_.key, writer);
+                   std::span(&near.lattice[part.first_ray], part.rays()), part.x1 - part.x0,
+                   round.first, claimed_, part_.own_cells, rays, claims, counts);
+    write_claims(claims, part.first_ray, round.with_cells ? &part_.key : nullptr, writer);
   }
   count(counts);
-  return {tile.owner, near.slot, writer.bytes()};
+  return {tile.owner, near.slot, writer.bytes(sizeof near.slot)};
 }
 
 /// Sends claims to the owners of their tiles, who take those of a ray together.
@@ -167,8 +186,14 @@ void SharedFrame::gather(std::vector<TileParcel> parcels, const Round& round) {
     return gather_by_rays_of_light(received, round);
   part_.world.agree_after([&] {
     for_tiles(own_count_, [&](std::size_t i) {
-      ClaimReader claimed = claims_of(own_[i], received);
+      ClaimReader claimed = claims_of(own_[i], received, round);
+      own_[i].asked.clear();
       while (claimed.next()) {
+        if (claimed.is_tied()) {
+          if (!own_[i].rays[claimed.ray()].is_saturated())
+            own_[i].asked.push_back(std::uint16_t(claimed.ray()));
+          continue;
+        }
         if (volume_->is_lit_by_place())
           for (std::uint32_t rest = claimed.wanted(); rest; rest &= rest - 1)
             claimed.set_light(
@@ -180,9 +205,9 @@ void SharedFrame::gather(std::vector<TileParcel> parcels, const Round& round) {
   });
 }
 
-ClaimReader SharedFrame::claims_of(const OwnTile& tile,
-                                   std::span<const TileParcel> received) const {
-  ClaimReader claimed(*volume_);
+ClaimReader SharedFrame::claims_of(const OwnTile& tile, std::span<const TileParcel> received,
+                                   const Round& round) const {
+  ClaimReader claimed(*volume_, round.with_cells);
   for (const TileParcel& parcel : received)
     if (parcel.slot == tile.slot)
       claimed.add(parcel.reader());
@@ -199,10 +224,16 @@ void SharedFrame::take(OwnTile& tile, const ClaimReader& claimed, const Round& r
   const std::size_t r = claimed.ray();
   RayState& ray = tile.rays[r];
   if (round.is_thin)
-    return volume_->gather_thin(ray, claimed.samples()->value, *claimed.locations());
+    return volume_->gather_thin(ray, claimed.samples()->value,
+                                volume_->is_lit() ? *claimed.locations()
+                                                  : query::Location{claimed.samples()->cell, {}});
   volume_->gather(ray, *tile.progress, r, round.first, claimed.wanted(), claimed.samples(),
                   claimed.locations(), claimed.levels());
-  if (ray.is_saturated() && !(tile.saturated[r / 64] >> (r % 64) & 1)) {
+  note_saturated(tile, r);
+}
+
+void SharedFrame::note_saturated(OwnTile& tile, std::size_t r) {
+  if (tile.rays[r].is_saturated() && !(tile.saturated[r / 64] >> (r % 64) & 1)) {
     tile.saturated[r / 64] |= std::uint64_t(1) << (r % 64);
     tile.has_news = true;
   }

@@ -13,7 +13,8 @@ namespace insitu::render {
 
 /// Where something shows of a volume in other processes' cells, in parts of the whole mesh's box:
 /// an integral between two samples needs both, and one that does not show may be beside one of
-/// another process that does.
+/// another process that does; and a sample on the face between two cells takes its value of the
+/// lowest, which may show nothing while the other one does.
 class ShownElsewhere {
 public:
   static constexpr int side = 32; ///< parts along each axis

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "core/count_bits.h"
+
 namespace insitu::render {
 
 namespace {
@@ -51,7 +53,7 @@ void read_hits(ByteReader from, bool with_starts, int process, std::span<const s
   }
 }
 
-void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, const CellKey& key,
+void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, const CellKey* key,
                   ByteWriter& to) {
   for (std::size_t r = 0; r < claims.wanted.size(); ++r) {
     const std::uint32_t wanted = claims.wanted[r];
@@ -59,7 +61,7 @@ void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, co
       continue;
     std::uint32_t changes = 0;
     std::int64_t last = -1;
-    for (std::uint32_t rest = wanted; rest; rest &= rest - 1) {
+    for (std::uint32_t rest = key ? wanted : 0; rest; rest &= rest - 1) {
       const int k = std::countr_zero(rest);
       const std::int64_t cell = claims.samples[claims.place(r, k)].cell;
       if (cell != last)
@@ -68,20 +70,23 @@ void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, co
     }
     to.value(std::uint16_t(first_ray + r));
     to.value(wanted);
-    to.value(changes);
-    for (std::uint32_t rest = wanted; rest; rest &= rest - 1) {
-      const int k = std::countr_zero(rest);
-      const std::size_t at = claims.place(r, k);
-      if (changes >> k & 1)
-        to.value(key(claims.samples[at].cell));
-      to.value(claims.samples[at].value);
-      if (!claims.gradients.empty())
-        to.value(claims.gradients[at]);
-      if (!claims.places.empty())
-        to.value(claims.places[at]);
-      if (!claims.levels.empty())
-        to.value(claims.levels[at]);
-    }
+    if (key)
+      to.value(changes);
+    const auto for_each = [&](std::uint32_t samples, auto&& visit) {
+      for (std::uint32_t rest = samples; rest; rest &= rest - 1)
+        visit(claims.place(r, std::countr_zero(rest)));
+    };
+    for_each(changes, [&](std::size_t at) { to.value((*key)(claims.samples[at].cell)); });
+    double values[ClaimReader::most_depth];
+    std::size_t count = 0;
+    for_each(wanted, [&](std::size_t at) { values[count++] = claims.samples[at].value; });
+    to.array(std::span<const double>(values, count));
+    if (!claims.gradients.empty())
+      for_each(wanted, [&](std::size_t at) { to.value(claims.gradients[at]); });
+    if (!claims.places.empty())
+      for_each(wanted, [&](std::size_t at) { to.value(claims.places[at]); });
+    if (!claims.levels.empty())
+      for_each(wanted, [&](std::size_t at) { to.value(claims.levels[at]); });
   }
 }
 
@@ -96,6 +101,7 @@ bool ClaimReader::next() {
   if (ray_ == no_ray)
     return false;
   wanted_ = 0;
+  is_tied_ = false;
   for (Run& run : runs_)
     if (run.ray == ray_)
       take(run);
@@ -104,27 +110,41 @@ bool ClaimReader::next() {
 
 void ClaimReader::take(Run& run) {
   ByteReader& from = run.reader;
-  const auto wanted = from.value<std::uint32_t>(), changes = from.value<std::uint32_t>();
-  std::int64_t key = -1;
-  for (std::uint32_t rest = wanted; rest; rest &= rest - 1) {
+  const auto wanted = from.value<std::uint32_t>();
+  const auto changes = with_cells_ ? from.value<std::uint32_t>() : 0;
+  is_tied_ = is_tied_ || (!with_cells_ && (wanted_ & wanted));
+  std::int64_t keys[most_depth];
+  double values[most_depth];
+  const auto key_count = std::size_t(core::count_bits(changes));
+  from.array(std::span(keys, key_count));
+  from.array(std::span(values, std::size_t(core::count_bits(wanted))));
+  const std::int64_t* key = keys;
+  const double* value = values;
+  std::int64_t cell = 0;
+  std::uint32_t lowest = 0;
+  for (std::uint32_t rest = wanted; rest; rest &= rest - 1, ++value) {
     const int k = std::countr_zero(rest);
     if (changes >> k & 1)
-      key = from.value<std::int64_t>();
-    const auto value = from.value<double>();
-    math::Vec3d gradient, place;
-    if (with_gradients_)
-      gradient = from.value<math::Vec3d>();
-    if (with_places_)
-      place = from.value<math::Vec3d>();
-    const std::uint8_t level = with_levels_ ? from.value<std::uint8_t>() : std::uint8_t(0);
-    if ((wanted_ >> k & 1) && samples_[k].cell <= key)
+      cell = *key++;
+    if ((wanted_ >> k & 1) && samples_[k].cell <= cell)
       continue;
-    wanted_ |= std::uint32_t(1) << k;
-    samples_[k] = {key, value};
-    locations_[k] = {key, gradient};
-    places_[k] = place;
-    levels_[k] = level;
+    lowest |= std::uint32_t(1) << k;
+    samples_[k] = {cell, *value};
   }
+  const auto read = [&](auto&& put) {
+    for (std::uint32_t rest = wanted; rest; rest &= rest - 1)
+      if (const auto vector = from.value<math::Vec3d>(); lowest & rest & -rest)
+        put(std::countr_zero(rest), vector);
+  };
+  if (with_gradients_)
+    read([&](int k, const math::Vec3d& v) { locations_[k] = {samples_[k].cell, v}; });
+  if (with_places_)
+    read([&](int k, const math::Vec3d& v) { places_[k] = v; });
+  if (with_levels_)
+    for (std::uint32_t rest = wanted; rest; rest &= rest - 1)
+      if (const auto level = from.value<std::uint8_t>(); lowest & rest & -rest)
+        levels_[std::countr_zero(rest)] = level;
+  wanted_ |= wanted;
   begin(run);
 }
 

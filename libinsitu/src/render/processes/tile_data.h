@@ -51,11 +51,12 @@ inline std::size_t words_of(std::size_t bits) {
 
 /// Bytes of a hit on its way, and of where rays of light start from it, if there are some.
 constexpr std::int64_t bytes_a_hit = 80, bytes_a_start = 16;
-/// Bytes of the samples of a ray in a round, of each of them, of each change of cell among them,
-/// of a gradient where colours are lit, of a place where lights hang on it, and of a level with a
-/// tolerance.
-constexpr std::int64_t bytes_a_run = 10, bytes_a_sample = 8, bytes_a_change = 8,
-                       bytes_a_gradient = 24, bytes_a_place = 24, bytes_a_level = 1;
+/// Bytes of the samples of a ray in a round, of each of them, of a gradient where colours are lit,
+/// of a place where lights hang on it, and of a level with a tolerance. Where cells are told, of
+/// which of them change, and of each change of cell among them.
+constexpr std::int64_t bytes_a_run = 6, bytes_a_sample = 8, bytes_a_gradient = 24,
+                       bytes_a_place = 24, bytes_a_level = 1, bytes_of_changes = 4,
+                       bytes_a_change = 8;
 
 /// Writes the hits of rays, those in cells of this process.
 void write_hits(std::span<const RayState> rays, const CellKey& key, bool with_starts,
@@ -65,8 +66,8 @@ void write_hits(std::span<const RayState> rays, const CellKey& key, bool with_st
 void read_hits(ByteReader from, bool with_starts, int process, std::span<const std::uint32_t> which,
                std::span<RayState> rays);
 
-/// Writes claims of rays from the tile's ray `first_ray` on, ray by ray.
-void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, const CellKey& key,
+/// Writes claims of rays from the tile's ray `first_ray` on, ray by ray. key: null: without cells.
+void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, const CellKey* key,
                   ByteWriter& to);
 
 /// Reads the claims of all processes on a tile's samples in a round.
@@ -74,19 +75,21 @@ class ClaimReader {
 public:
   static constexpr int most_depth = 32; ///< samples of a ray
 
-  explicit ClaimReader(const VolumeMarcher& volume)
-      : with_gradients_(volume.is_lit()), with_places_(volume.is_lit_by_place()),
-        with_levels_(volume.has_levels()) {}
+  ClaimReader(const VolumeMarcher& volume, bool with_cells)
+      : with_cells_(with_cells), with_gradients_(volume.is_lit()),
+        with_places_(volume.is_lit_by_place()), with_levels_(volume.has_levels()) {}
   void clear() { runs_.clear(); }
   /// Of a process, those of rays in ascending order.
   void add(ByteReader claims);
 
   /// Goes on to the next ray of which a sample is claimed; false if there is none. Of claims on one
-  /// sample that of the lowest key stays.
+  /// sample that of the lowest key stays, with cells.
   bool next();
+  /// Without cells: whether two processes claim a sample of the ray.
+  bool is_tied() const { return is_tied_; }
   std::size_t ray() const { return ray_; }
   std::uint32_t wanted() const { return wanted_; }
-  /// most_depth of them; cells are keys.
+  /// most_depth of them; cells are keys, or 0.
   const query::ValueSample* samples() const { return samples_; }
   /// The same, with gradients in place of coordinates if there are some.
   const query::Location* locations() const { return locations_; }
@@ -107,7 +110,7 @@ private:
   }
   void take(Run& run);
 
-  bool with_gradients_, with_places_, with_levels_;
+  bool with_cells_, with_gradients_, with_places_, with_levels_, is_tied_ = false;
   std::vector<Run> runs_; ///< by process
   std::size_t ray_ = 0;
   std::uint32_t wanted_ = 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -193,10 +194,13 @@ public:
     explicit Progress(std::size_t rays);
     Progress(Progress&&) noexcept;
     ~Progress();
+    /// Remembers what a ray has, until the next one is kept, or puts it back.
+    void keep(std::size_t ray);
+    void put_back(std::size_t ray);
 
   private:
     friend class VolumeMarcher;
-    std::vector<Gathered> last_;
+    std::vector<Gathered> last_; ///< by ray, and what is kept
   };
   /// Gathers those of samples [first, first + 32) of ray r whose bit is set in `wanted`, at
   /// locations if colours are lit, of levels with a tolerance. Stretches come in order, and those
@@ -213,12 +217,57 @@ public:
   /// After the last stretch.
   void finish(std::span<RayState> rays, Progress& progress) const;
 
+  // Or each process composites the samples in its own cells, and one blends what all have made.
+
+  /// A sample at which other samples of a pre-integrated volume may go on.
+  struct RunEnd {
+    double value = 0;
+    math::Vec3d lit; ///< the field's gradient, or its light, as take_part() says
+  };
+  /// Consecutive samples of a ray in cells of one process.
+  struct Run {
+    std::uint16_t ray = 0;
+    std::int64_t begin = -1, last = -1; ///< samples
+    std::uint32_t pieces = 0;           ///< these are in Runs::pieces, run by run
+    RunEnd at_begin, at_last;           ///< if is_preintegrated()
+  };
+  struct Runs {
+    std::vector<Run> runs;
+    std::vector<RayPiece> pieces;
+  };
+  bool is_preintegrated() const { return preintegration_.has_value(); }
+  /// As claim(), but of any depth: adds what the samples make, in runs of which those of a ray are
+  /// in order. A pre-integrated run goes from its first sample to its last, and what is before and
+  /// behind these is missing. The rays' hits alone are cut in, and are told apart by no colour.
+  void composite(std::span<RayState> rays, std::span<const query::LatticeRay> lattice, int row,
+                 std::int64_t first, int depth, std::int64_t own_cells,
+                 std::vector<std::uint16_t>& open, Runs& to, VolumeCounts& counts) const;
+  /// Gathers a run of ray r, as gather() gathers samples.
+  void gather(RayState& ray, Progress& progress, std::size_t r, const Run& run,
+              std::span<const RayPiece> pieces) const;
+
 private:
   struct Planned;
   struct Scratch;
   static Scratch& scratch();
 
   std::uint32_t advance(RayState& ray, std::int64_t first, int depth, std::int64_t& skipped) const;
+  bool ask(std::span<RayState> rays, std::int64_t first, std::span<const std::uint16_t> open,
+           Scratch& s, VolumeCounts& counts) const;
+  bool is_claimed(std::int64_t cell, std::int64_t own_cells) const {
+    return cell >= 0 && cell < own_cells && (!has_foreign_ || sampler_.mesh().is_own(cell));
+  }
+  /// Whether samples that do not show count: for the integrals between them and others, or because
+  /// the lowest of several cells that hold a sample, each with a value of its own, is the one that
+  /// is drawn.
+  bool claims_all() const { return preintegration_ || field_.field.association == INSITU_CELL; }
+  /// Whether a value may show.
+  bool may_show(double value) const { return !(value < shown_low_ || value > shown_high_); }
+  bool shows(double value) const { return classifiers_[0](value).alpha > 0; }
+  void add_to_run(RayState& ray, Run& run, Gathered& last, std::int64_t first,
+                  std::uint32_t claimed, const query::ValueSample* samples,
+                  const query::Location* locations) const;
+  void end_run(RayState& ray, Run& run, Runs& to) const;
   void march_bundle(std::span<RayState> rays, int row, VolumeCounts& counts) const;
   bool is_plain() const { return !preintegration_ && !shader_ && !clipped_ && !levels_; }
   void gather_stretch(RayState& ray, Gathered& last, std::int64_t first, std::uint32_t wanted,
@@ -234,9 +283,6 @@ private:
   void claim_levels(std::span<RayState> rays, std::int64_t first, int depth, std::int64_t own_cells,
                     std::span<const std::uint16_t> open, Claims& claims,
                     VolumeCounts& counts) const;
-  bool is_claimed(std::int64_t cell, std::int64_t own_cells) const {
-    return cell >= 0 && cell < own_cells && sampler_.mesh().is_own(cell);
-  }
   double longest_step() const {
     return step_ * double(StepLevels::stride(int(classifiers_.size()) - 1));
   }
@@ -264,6 +310,8 @@ private:
   int sample_group_;
   bool clipped_;
   bool takes_part_ = false;    ///< see take_part()
+  double shown_low_ = -HUGE_VAL, shown_high_ = HUGE_VAL;
+  bool has_foreign_ = false;   ///< whether other processes own cells of this one's own pieces
   const Majorants* majorants_; ///< null: nothing to skip
   std::optional<Shader> shader_;
   Lighting lighting_;

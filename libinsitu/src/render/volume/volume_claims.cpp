@@ -14,14 +14,37 @@ namespace insitu::render {
 
 using math::Vec3d;
 
-VolumeMarcher::Progress::Progress(std::size_t rays) : last_(rays) {}
+VolumeMarcher::Progress::Progress(std::size_t rays) : last_(rays + 1) {}
 VolumeMarcher::Progress::Progress(Progress&&) noexcept = default;
 VolumeMarcher::Progress::~Progress() = default;
+void VolumeMarcher::Progress::keep(std::size_t ray) {
+  last_.back() = last_[ray];
+}
+void VolumeMarcher::Progress::put_back(std::size_t ray) {
+  last_[ray] = last_.back();
+}
 
 void VolumeMarcher::take_part() {
   takes_part_ = true;
   low_ = inner_low_;
   high_ = inner_high_;
+  const mesh::MeshView& mesh = sampler_.mesh();
+  has_foreign_ = std::any_of(mesh.pieces, mesh.pieces + mesh.piece_count,
+                             [](const mesh::PieceView& piece) { return piece.foreign; });
+  const std::vector<OpacityPoint>& points = function_.opacity_points();
+  if (points.empty()) { // from 0 at the lower end
+    shown_low_ = function_.low();
+    return;
+  }
+  const auto shows = [](const OpacityPoint& p) { return p.opacity > 0; };
+  const auto first = std::find_if(points.begin(), points.end(), shows);
+  if (first == points.end())
+    shown_low_ = HUGE_VAL;
+  else if (first != points.begin())
+    shown_low_ = (first - 1)->value;
+  const auto last = std::find_if(points.rbegin(), points.rend(), shows);
+  if (last != points.rend() && last != points.rbegin())
+    shown_high_ = (last - 1)->value;
 }
 
 void VolumeMarcher::keep_near(RayState& ray) const {
@@ -49,6 +72,22 @@ void VolumeMarcher::keep_near(RayState& ray) const {
   ray.first = ray.next;
 }
 
+/// Which of a group's samples are to be located; false: none.
+bool VolumeMarcher::ask(std::span<RayState> rays, std::int64_t first,
+                        std::span<const std::uint16_t> open, Scratch& s,
+                        VolumeCounts& counts) const {
+  s.active.clear();
+  s.wanted.assign(rays.size(), 0);
+  for (const std::uint16_t r : open)
+    if (RayState& ray = rays[r]; ray.next < std::min(ray.end, first + group()))
+      if (const std::uint32_t wanted = advance(ray, first, group(), counts.skipped)) {
+        s.wanted[r] = wanted;
+        s.active.push_back(r);
+        counts.samples += core::count_bits(wanted);
+      }
+  return !s.active.empty();
+}
+
 void VolumeMarcher::claim(std::span<RayState> rays, std::span<const query::LatticeRay> lattice,
                           int row, std::int64_t first, int depth, std::int64_t own_cells,
                           std::vector<std::uint16_t>& open, Claims& claims,
@@ -62,17 +101,7 @@ void VolumeMarcher::claim(std::span<RayState> rays, std::span<const query::Latti
   std::optional<query::RayBundleLocator> locator;
   const ScalarValues values(field_, sampler_.mesh());
   for (int begin = 0; begin < depth && !levels_; begin += group()) {
-    const std::int64_t from = first + begin;
-    s.active.clear();
-    s.wanted.assign(rays.size(), 0);
-    for (const std::uint16_t r : open)
-      if (RayState& ray = rays[r]; ray.next < std::min(ray.end, from + group()))
-        if (const std::uint32_t wanted = advance(ray, from, group(), counts.skipped)) {
-          s.wanted[r] = wanted;
-          s.active.push_back(r);
-          counts.samples += core::count_bits(wanted);
-        }
-    if (s.active.empty())
+    if (!ask(rays, first + begin, open, s, counts))
       continue;
     if (!locator) {
       locator.emplace(located_, options_);
@@ -84,16 +113,14 @@ void VolumeMarcher::claim(std::span<RayState> rays, std::span<const query::Latti
     }
     const std::size_t block = claims.place(0, begin), size = rays.size() * std::size_t(group());
     s.locations.resize(shader_ ? size : 0);
-    locator->locate(from, group(), s.wanted, values, std::span(claims.samples).subspan(block, size),
-                    s.locations);
+    locator->locate(first + begin, group(), s.wanted, values,
+                    std::span(claims.samples).subspan(block, size), s.locations);
     for (const std::uint32_t r : s.active)
       for (std::uint32_t rest = s.wanted[r]; rest; rest &= rest - 1) {
         const int k = std::countr_zero(rest);
         const std::size_t i = r * std::size_t(group()) + std::size_t(k);
         const auto [cell, value] = claims.samples[block + i];
-        // What does not show adds nothing; an integral between two samples needs it all the same.
-        if (!is_claimed(cell, own_cells) ||
-            (!preintegration_ && !(classifiers_[0](value).alpha > 0)))
+        if (!is_claimed(cell, own_cells) || !(claims_all() || may_show(value)))
           continue;
         claims.wanted[r] |= std::uint32_t(1) << (begin + k);
         if (shader_)

@@ -153,7 +153,7 @@ void VolumeMarcher::claim_levels(std::span<RayState> rays, std::int64_t first, i
       if (!is_claimed(found.cell, own_cells))
         continue;
       const double value = field_.at(sampler_.mesh(), found);
-      if (!(classifiers_[std::size_t(p.level)](value).alpha > 0))
+      if (!claims_all() && !(classifiers_[std::size_t(p.level)](value).alpha > 0))
         continue;
       const int k = int(p.begin - first);
       const std::size_t to = claims.place(r, k);

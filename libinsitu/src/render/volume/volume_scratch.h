@@ -30,6 +30,7 @@ struct VolumeMarcher::Scratch {
   std::vector<query::ValueSample> samples; ///< [ray][depth]
   std::vector<query::Location> locations;  ///< where they are, for lights
   std::vector<Gathered> last;              ///< by ray
+  std::vector<VolumeMarcher::Run> open_runs; ///< by ray; begin -1: there is none
   // With a tolerance.
   struct Run { ///< base steps up to `end` in macrocells of one level
     std::int64_t end;

@@ -125,6 +125,7 @@ private:
                            mesh.halo() != nullptr};
     if (decisions.own_cells)
       part.solvers_cell = [&](const math::Vec3d& place) { return keys.solvers_at(place); };
+    part.compositing = frame_.compositing;
     render::Structures* structures = nullptr;
     std::optional<FieldsByName> refreshed;
     if (with_halo) // its commit has other views
@@ -138,6 +139,7 @@ private:
     const RangesByColor ranges = frame_ranges(decisions, *structures, world);
     render::FrameSettings settings;
     world.agree_after([&] { settings = settings_.make(decisions, *structures, &ranges); });
+    note_exact(settings, step);
     Drawing drawing{own, mesh, step, decisions, *structures, std::move(settings), &part, &keys};
     if (drawing.settings.path_tracing)
       drawing.settings.path_tracing->cycle = std::uint64_t(step.cycle);
@@ -210,6 +212,16 @@ private:
                                        "' has no cell that could be drawn; no image is written "
                                        "until it has");
     told_nothing_ = true;
+  }
+
+  void note_exact(const render::FrameSettings& settings, const Step& step) {
+    const char* const why = render::why_exact(settings);
+    if (!why || told_exact_ || frame_.compositing == render::Compositing::exact)
+      return;
+    told_exact_ = true;
+    if (environment_.world.is_root())
+      environment_.context.log.warning("cycle " + std::to_string(step.cycle) + ": frame '" +
+                                       frame_.name + "': its compositing is 'exact', as " + why);
   }
 
   void draw(Drawing& drawing, std::size_t number) {
@@ -356,6 +368,7 @@ private:
   std::int64_t drawn_ = 0;                     ///< frames so far, for the orbit
   bool told_unheld_ = false;                   ///< that a tolerance is not held
   bool told_nothing_ = false;                  ///< that there is no cell, since the last frame
+  bool told_exact_ = false;                    ///< that standard compositing is not
 };
 
 } // namespace

@@ -17,6 +17,7 @@
 #include "render/color/transfer_function.h"
 #include "render/light.h"
 #include "render/path/path_settings.h"
+#include "render/processes/compositing.h"
 #include "render/surface/cell_roots.h"
 #include "render/surface/normals.h"
 #include "render/volume/culling.h"
@@ -213,6 +214,7 @@ struct Frame {
   std::optional<PathTracing> path_tracing; ///< also there where an effect asks for it
   insitu_accuracy accuracy = INSITU_STANDARD;
   double step = 1; ///< factor on the ray step that `accuracy` chooses
+  render::Compositing compositing = render::Compositing::exact; ///< of several processes
   Trigger trigger; ///< its own, or else the scene's
   int line = 0;
 

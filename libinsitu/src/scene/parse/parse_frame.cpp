@@ -210,7 +210,8 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
                                "effects",    "path_tracing",
                                "geocentric", "accuracy",
                                "step",       "every",
-                               "when",       "samples_per_pixel"});
+                               "when",       "samples_per_pixel",
+                               "compositing"});
   parse_item_name(map, context, frame.name);
   if (const auto mesh = map.find("mesh")) {
     assign(frame.mesh, parse_name(*mesh));
@@ -242,6 +243,11 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   }
   if (const auto step = map.find("step")) {
     assign(frame.step, step->number({0.01, 100}));
+  }
+  if (const auto compositing = map.find("compositing")) {
+    assign(frame.compositing,
+           compositing->choice<render::Compositing>({{"exact", render::Compositing::exact},
+                                                     {"standard", render::Compositing::standard}}));
   }
   check_draws_something(map, frame);
   claim_names(cursor, frame, context);

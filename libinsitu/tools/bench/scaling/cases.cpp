@@ -243,16 +243,20 @@ private:
     const Cost of_volume = drawn_volume(layout_, volume, step);
     draw("frame: volume", of_volume, volume);
     draw("frame: pre-integrated", of_volume, integrated);
+    draw("frame: standard", composited_volume(layout_, volume, step), volume,
+         render::Compositing::standard);
     draw("frame: isosurface", drawn_sphere(layout_, surface, 0.5 * size, radius), surface);
   }
 
-  void draw(const std::string& name, Cost model, const render::FrameSettings& settings) {
+  void draw(const std::string& name, Cost model, const render::FrameSettings& settings,
+            render::Compositing compositing = render::Compositing::exact) {
     if (alone())
       model = {model.items, 0, 0, 0};
     const std::int64_t own = mesh_->mesh().view().own_cell_count();
-    const render::FramePart part{
+    render::FramePart part{
         world_, own, [&](std::int64_t flat) { return mesh_->mesh().global_id(INSITU_CELL, flat); },
         mesh_->halo() != nullptr};
+    part.compositing = compositing;
     std::unique_ptr<render::Structures> structures;
     measure(
         name, model, [&] { structures = std::make_unique<render::Structures>(context_.memory); },

@@ -37,6 +37,8 @@ Cost moved_particles(const Layout& layout, double particles, double seconds);
 
 /// A frame of the box: its volume, whose samples all show and hide nothing.
 Cost drawn_volume(const Layout& layout, const render::FrameSettings& settings, double step);
+/// The same with `compositing: standard`.
+Cost composited_volume(const Layout& layout, const render::FrameSettings& settings, double step);
 /// A frame of a sphere that one sees through.
 Cost drawn_sphere(const Layout& layout, const render::FrameSettings& settings,
                   const math::Vec3d& centre, double radius);

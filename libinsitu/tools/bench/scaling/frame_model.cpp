@@ -16,8 +16,9 @@ using render::FrameTile;
 
 namespace {
 
-constexpr double hit = 80, run = 10, sample = 8, change = 8, pixel = 16, parcel = 8 + 4;
-constexpr int round_depth = 32, tiles_a_group = 16;
+constexpr double hit = 80, run = 6, sample = 8, of_cell = 4 + 8, pixel = 16, parcel = 8 + 4;
+constexpr double composite = 20; // a stretch of a ray in one process's cells
+constexpr int round_depth = 32, composited_depth = 128, tiles_a_group = 16;
 
 struct Stretch {
   double from, to;
@@ -93,7 +94,7 @@ public:
           if (seen.is_near)
             hits.add(rank, tile.owner, hit * seen.hits);
           if (seen.thin > 0)
-            thin.add(rank, tile.owner, (run + change + sample) * seen.thin);
+            thin.add(rank, tile.owner, (run + of_cell + sample) * seen.thin);
           has_thin = has_thin || seen.thin > 0;
           rounds.resize(std::max(rounds.size(), seen.bytes.size()));
           for (std::size_t r = 0; r < seen.bytes.size(); ++r)
@@ -125,7 +126,12 @@ private:
 
 } // namespace
 
-Cost drawn_volume(const Layout& layout, const render::FrameSettings& settings, double step) {
+namespace {
+
+/// bytes_of(count): of so many samples of a ray in a round of `depth`.
+template <class BytesOf>
+Cost marched(const Layout& layout, const render::FrameSettings& settings, double step, int depth,
+             BytesOf&& bytes_of) {
   const Frame frame(layout, settings);
   return frame.draw([&](const render::Ray& ray, const Stretch& in, const Vec3d&, const Vec3d&,
                         Seen& seen, Cost& cost) {
@@ -137,18 +143,25 @@ Cost drawn_volume(const Layout& layout, const render::FrameSettings& settings, d
       seen.thin += std::ceil(whole.from / step - 0.5) >= std::ceil(whole.to / step - 0.5) &&
                    middle >= in.from && middle < in.to;
     }
-    double stays = 1; // in a cell, from one sample to the next
-    for (int a = 0; a < 3; ++a)
-      stays *= std::max(0.0, 1 - step * std::fabs(ray.direction[a]) / layout.width);
     for (std::int64_t from = first; from < end;) {
-      const std::int64_t round = from / round_depth, to = std::min(end, (round + 1) * round_depth);
+      const std::int64_t round = from / depth, to = std::min(end, (round + 1) * depth);
       seen.bytes.resize(std::max(seen.bytes.size(), std::size_t(round) + 1));
-      seen.bytes[std::size_t(round)] +=
-          run + sample * double(to - from) + change + change * (1 - stays) * double(to - from - 1);
+      seen.bytes[std::size_t(round)] += bytes_of(double(to - from));
       from = to;
     }
     cost.items += double(end - first);
   });
+}
+
+} // namespace
+
+Cost drawn_volume(const Layout& layout, const render::FrameSettings& settings, double step) {
+  return marched(layout, settings, step, round_depth,
+                 [](double count) { return run + sample * count; });
+}
+
+Cost composited_volume(const Layout& layout, const render::FrameSettings& settings, double step) {
+  return marched(layout, settings, step, composited_depth, [](double) { return composite; });
 }
 
 Cost drawn_sphere(const Layout& layout, const render::FrameSettings& settings, const Vec3d& centre,
