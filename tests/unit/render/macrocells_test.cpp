@@ -8,6 +8,7 @@
 #include "core/status.h"
 #include "render/volume/macrocells.h"
 #include "render/volume/possible_values.h"
+#include "render/volume/whole_grid.h"
 #include "unit/query/ghosted_amr.h"
 #include "unit/render/placed_mesh.h"
 
@@ -148,28 +149,56 @@ TEST(Macrocells, FarAwayFlatLongAndSingleCells) {
 }
 
 /// Long cells across the mesh: their boxes fill it, and a fine grid would be all of them in each.
-TEST(Macrocells, ObliqueLongCellsDoNotTakeForever) {
+/// Thin tetrahedra, of which every so many-th is as long as the mesh, and oblique.
+TestMesh needles(int count, int every) {
   TestMesh mesh;
-  constexpr int count = 3000;
   for (int i = 0; i < count; ++i) {
     MeshCell cell;
     cell.shape = Shape::tetrahedron;
     const Vec3d base{random(std::uint64_t(i), 2), random(std::uint64_t(i), 3), 0};
     const auto at = std::int32_t(mesh.vertices.size());
     const double e = 1e-5;
-    const Vec3d corners[4] = {base, base + Vec3d{e, 0, 0}, base + Vec3d{0, e, 0},
-                              Vec3d{1 - base.x, 1 - base.y, 1}};
+    const Vec3d top = i % every == 0 ? Vec3d{1 - base.x, 1 - base.y, 1} : base + Vec3d{0, 0, e};
+    const Vec3d corners[4] = {base, base + Vec3d{e, 0, 0}, base + Vec3d{0, e, 0}, top};
     for (int v = 0; v < 4; ++v) {
       mesh.vertices.push_back(corners[v]);
       cell.vertices[std::size_t(v)] = at + v;
     }
     mesh.cells.push_back(cell);
   }
-  PlacedMesh placed_mesh(std::move(mesh));
+  return mesh;
+}
+
+TEST(Macrocells, ObliqueLongCellsDoNotTakeForever) {
+  constexpr int count = 3000;
+  PlacedMesh placed_mesh(needles(count, 1));
   const ScalarField field = placed_mesh.field(std::vector<double>(4 * count, 1.0));
   const Macrocells cells(placed_mesh.committed.sampler(), field, placed_mesh.committed.threads,
                          placed_mesh.committed.memory, 1e-3);
   EXPECT_LE(cells.grid().count(), 256 * 64);
+}
+
+/// Nor do they where few cells are long, on a grid that hangs on the whole mesh alone: it would
+/// have 3 million macrocells, of which each long cell's box fills a quarter.
+TEST(Macrocells, SomeLongCellsDoNotTakeForever) {
+  constexpr int count = 3000;
+  PlacedMesh placed_mesh(needles(count, 100));
+  const query::Sampler sampler = placed_mesh.committed.sampler();
+  const mesh::MeshFacts facts = sampler.facts();
+  const MacrocellGrid grid = render::whole_grid(
+      facts, render::cell_widths(sampler, facts.bounds, placed_mesh.committed.threads), 1e-3);
+  EXPECT_GT(grid.count(), 1000);
+  EXPECT_LE(grid.count(), 256 * 4 * 100); // 256 a cell, by those of a hundred that are long
+}
+
+/// A thousand of 64 cells each are ten layers along each axis, whatever roundings say.
+TEST(Macrocells, GridsOfCubesHaveWholeRoots) {
+  for (const int layers : {3, 5, 6, 7, 10, 12}) {
+    const double across = 4 * layers * (1 - 1e-9);
+    const MacrocellGrid grid = MacrocellGrid::over({{0, 0, 0}, {1, 1, 1}}, {across, across, across},
+                                                   64.0 * layers * layers * layers, {});
+    EXPECT_EQ(grid.counts, (std::array{layers, layers, layers}));
+  }
 }
 
 TEST(Macrocells, AdaptiveMeshes) {

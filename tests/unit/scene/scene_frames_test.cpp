@@ -75,55 +75,6 @@ TEST(SceneFrames, Keys) {
   EXPECT_EQ(frame("background: black").background, render::linear_of_srgb(0, 0, 0));
 }
 
-TEST(SceneFrames, Cameras) {
-  const Camera turned =
-      frame("camera: {azimuth: -45, elevation: 90, zoom: 2, fov: 60, up: [0, 2, 0], "
-            "orbit: {azimuth_per_frame: 1.5}}")
-          .camera;
-  EXPECT_EQ(turned.azimuth, -45);
-  EXPECT_EQ(turned.elevation, 90);
-  EXPECT_EQ(turned.zoom, 2);
-  EXPECT_EQ(turned.fov, 60);
-  EXPECT_EQ(turned.up, (math::Vec3d{0, 2, 0}));
-  EXPECT_EQ(turned.orbit_azimuth_per_frame, 1.5);
-  const Camera placed = frame("camera: {position: [1, 2, 3], look_at: [4, 5, 7]}").camera;
-  EXPECT_EQ(placed.position, (math::Vec3d{1, 2, 3}));
-  EXPECT_EQ(placed.look_at, (math::Vec3d{4, 5, 7}));
-  EXPECT_FALSE(frame("camera: auto").camera.position);
-}
-
-TEST(SceneFrames, CameraErrors) {
-  EXPECT_EQ(
-      frame_error("camera: {azimut: 3}"),
-      "s.yaml:2: key 'azimut' is unknown in frames[0].camera; did you mean 'azimuth'? (keys: "
-      "azimuth, "
-      "elevation, zoom, position, look_at, up, fov, orthographic, fit, orbit, path, longitude, "
-      "latitude, altitude)");
-  EXPECT_EQ(frame_error("camera: {elevation: 91}"),
-            "s.yaml:2: frames[0].camera.elevation: a number from -90 to 90 expected, '91' found");
-  EXPECT_EQ(frame_error("camera: {azimuth: 361}"),
-            "s.yaml:2: frames[0].camera.azimuth: a number from -360 to 360 expected, '361' found");
-  EXPECT_NE(frame_error("camera: {fov: 0}").find("a number above 0 and up to 170 expected"),
-            std::string::npos);
-  EXPECT_NE(frame_error("camera: {zoom: 0}").find("frames[0].camera.zoom"), std::string::npos);
-  EXPECT_EQ(frame_error("camera: {position: [0, 0, 1], zoom: 2}"),
-            "s.yaml:2: frames[0].camera.zoom: a camera has either a position or azimuth, elevation "
-            "and zoom");
-  EXPECT_NE(frame_error("camera: {look_at: [0, 0, 1]}").find("'look_at' needs a 'position'"),
-            std::string::npos);
-  EXPECT_NE(frame_error("camera: {up: [0, 0, 0]}").find("frames[0].camera.up"), std::string::npos);
-  EXPECT_NE(frame_error("camera: {position: [1, 1, 1], look_at: [1, 1, 1]}").find("the same point"),
-            std::string::npos);
-  EXPECT_NE(frame_error("camera: {position: [0, 0, 5], look_at: [0, 0, 0]}")
-                .find("'up' points along the view"),
-            std::string::npos);
-  EXPECT_NE(frame_error("camera: path.json").find("frames[0].camera: auto or a map of azimuth"),
-            std::string::npos);
-  EXPECT_NE(frame_error("camera: {orbit: {}}")
-                .find("key 'azimuth_per_frame' is missing in frames[0].camera.orbit"),
-            std::string::npos);
-}
-
 TEST(SceneFrames, Volumes) {
   const Volume v =
       volume("component: 2, colors: maps/blue.json, range: [-1, 6.5], opacity: [[0, 0], [1, 0.5], "

@@ -164,37 +164,34 @@ SeamMismatches find_seam_mismatches(const CommittedMesh& mesh) {
 
 namespace {
 
-/// How many all processes found, what that is, and the first pair; empty: none.
+/// What all processes found: how many, the first pair, and what follows from that; empty: none.
 template <class Found>
-std::string count_of_all(const Found& found, const std::string& what, parallel::World& world) {
+std::string count_of_all(const Found& found, const char* what, const char* so,
+                         parallel::World& world) {
   std::int64_t count = found.count;
   world.reduce(std::span(&count, 1), parallel::Reduction::sum);
   if (count == 0)
     return {};
   std::int64_t first = found.count > 0 ? world.rank() : world.size();
   world.reduce(std::span(&first, 1), parallel::Reduction::least);
-  return std::to_string(count) + what +
-         world.broadcast(told(found.own) + " and " + told(found.other), int(first));
+  return std::to_string(count) + what + ", the first of " +
+         world.broadcast(told(found.own) + " and " + told(found.other), int(first)) + so;
 }
 
 } // namespace
 
 std::string describe(const SeamMismatches& found, parallel::World& world) {
-  const std::string all =
-      count_of_all(found,
-                   " faces on seams lie within a millionth of their size of another process's face "
-                   "and do not match it to the bit, the first of ",
-                   world);
-  return all.empty() ? all : all + ": points between them have no owner, or one on each side";
+  return count_of_all(found,
+                      " faces on seams lie within a millionth of their size of another process's "
+                      "face and do not match it to the bit",
+                      ": points between them have no owner, or one on each side", world);
 }
 
 std::string describe(const LeafGaps& found, parallel::World& world) {
-  const std::string all =
-      count_of_all(found,
-                   " faces of cells are one cell away from another process's cells, and no cell of "
-                   "any process lies between them, the first of ",
-                   world);
-  return all.empty() ? all : all + ": unless the domain has a slot there, a layer is missing";
+  return count_of_all(found,
+                      " faces of cells are one cell away from another process's cells, and no cell "
+                      "of any process lies between them",
+                      ": unless the domain has a slot there, a layer is missing", world);
 }
 
 } // namespace insitu::commit

@@ -90,7 +90,7 @@ void PathTracer::answer(std::span<Path> paths) const {
 
 void PathTracer::answer_values(std::span<Path> paths) const {
   thread_local std::vector<math::Vec3d> points; // these three for the thread's life
-  thread_local std::vector<PathValue> found;
+  thread_local std::vector<PlaceValue> found;
   thread_local std::vector<Path*> asking;
   points.clear();
   asking.clear();
@@ -113,7 +113,7 @@ void PathTracer::answer_values(std::span<Path> paths) const {
 }
 
 void PathTracer::find_values(std::span<const math::Vec3d> points,
-                             std::span<PathValue> found) const {
+                             std::span<PlaceValue> found) const {
   thread_local std::vector<query::Location> locations; // kept for the thread's life
   locations.resize(points.size());
   medium_.sampler().locate_serial(points, locations, options_);

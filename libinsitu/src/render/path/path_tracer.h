@@ -9,6 +9,7 @@
 #include "render/path/medium.h"
 #include "render/path/path_lights.h"
 #include "render/path/path_settings.h"
+#include "render/structures/place_value.h"
 #include "render/structures/structures.h"
 #include "render/volume/volume.h"
 
@@ -17,12 +18,6 @@ namespace insitu::render {
 /// The majorants of a volume that is path traced: those of the settings, or the structures'.
 const Majorants& path_majorants(const query::Sampler& sampler, const VolumeSettings& volume,
                                 const PathTracingSettings& settings, Structures& structures);
-
-/// The field's value where a path stands.
-struct PathValue {
-  std::int64_t cell = -1; ///< that holds the place, flat; -1: none
-  double value = 0;
-};
 
 struct Path;
 
@@ -69,16 +64,16 @@ public:
   // Of a frame of several processes, which answers what paths ask.
 
   /// Sets the values at points.
-  void find_values(std::span<const math::Vec3d> points, std::span<PathValue> found) const;
+  void find_values(std::span<const math::Vec3d> points, std::span<PlaceValue> found) const;
   /// Whether this process owns a flat cell that was found.
-  bool is_own(std::int64_t cell) const { return medium_.sampler().mesh().is_own(cell); }
+  const mesh::MeshView& mesh() const { return medium_.sampler().mesh(); }
 
 private:
   friend class PathWave;
 
   void answer(std::span<Path> paths) const;
   void answer_values(std::span<Path> paths) const;
-  PathValue value_at(const query::Location& location) const {
+  PlaceValue value_at(const query::Location& location) const {
     return {location.cell, location ? medium_.value(location) : 0.0};
   }
   /// Narrows [near, far] to where the ray is within the mesh's bounds; false: nowhere.

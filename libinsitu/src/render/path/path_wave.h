@@ -35,7 +35,7 @@ struct Path {
   Color light;
   double transmittance = 1;
   // Answers.
-  PathValue found; ///< at its place; the last one until there is another
+  PlaceValue found; ///< at its place; the last one until there is another
   double open = 1;
   double wall = HUGE_VAL; ///< distance of the surface that scattered light ends at
   Color wall_color;

@@ -21,6 +21,10 @@ struct FramePart {
   /// The number of a flat cell of this process among the cells of all: of cells that hold a point
   /// the lowest owns it.
   std::function<std::int64_t(std::int64_t flat)> key;
+  /// Of one of this process's own cells; -1 of any other, and of none.
+  std::int64_t own_key(const mesh::MeshView& mesh, std::int64_t flat) const {
+    return flat >= 0 && flat < own_cells && mesh.is_own(flat) ? key(flat) : -1;
+  }
   /// Whether this process knows the cells of others around its own, so that what is summed over
   /// the cells around a vertex is whole. Where smooth normals are those of a cell field, averages
   /// at vertices of these cells are those of the processes that own them.

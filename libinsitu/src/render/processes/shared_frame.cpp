@@ -112,7 +112,7 @@ std::int64_t SharedFrame::tiles_a_group() const {
   const auto most = std::int64_t(part_.most_bytes);
   if (tracer_) {
     const std::int64_t paths = std::int64_t(SharedPaths::bytes_a_tile / sizeof(Path));
-    const std::int64_t on_the_way = paths * (bytes_a_path_place + bytes_a_path_value);
+    const std::int64_t on_the_way = paths * (bytes_a_path_place + bytes_a_place_value);
     return std::clamp<std::int64_t>(part_.world.size() *
                                         (most / std::int64_t(SharedPaths::bytes_a_tile)),
                                     1, std::max<std::int64_t>(1, most / on_the_way));
@@ -307,100 +307,6 @@ void SharedFrame::trace_paths() {
     }
   });
   paths_->trace(tiles);
-}
-
-/// Blends what hits are left and sends the pixels to the root.
-void SharedFrame::finish(FrameImages& images) {
-  std::vector<TileParcel> parcels;
-  if (settings_.cell && part_.solvers_cell && sample_ == 0)
-    find_solvers_cells();
-  part_.world.agree_after([&] {
-    parcels.resize(own_count_);
-    for_tiles(own_count_, [&](std::size_t i) { parcels[i] = finish(i); });
-  });
-  mail_.exchange_in_turns(std::move(parcels), [&](const std::vector<TileParcel>& received) {
-    for (const TileParcel& parcel : received) {
-      ByteReader reader = parcel.reader();
-      tile_of(parcel.slot).for_each_ray([&](std::size_t, int x, int y) {
-        const auto at = std::size_t(y) * std::size_t(settings_.width) + std::size_t(x);
-        read_pixel(reader, at, images.color.pixel(x, y));
-        if (settings_.depth) // of the first sample of pixels alone
-          if (const auto depth = reader.value<float>(); !images.depth.empty())
-            images.depth[at] = depth;
-        if (settings_.cell)
-          if (const auto cell = reader.value<std::int64_t>(); !images.cell.empty())
-            images.cell[at] = cell;
-      });
-    }
-  });
-}
-
-/// Gathers what is left of the rays; again, nothing.
-void SharedFrame::complete(OwnTile& tile) const {
-  const std::span<RayState> rays = rays_of(tile);
-  if (volume_)
-    volume_->finish(rays, *tile.progress);
-  for (RayState& state : rays)
-    while (state.next_hit < state.hits.size() && !state.is_saturated())
-      state.blend_next_hit();
-}
-
-TileParcel SharedFrame::finish(std::size_t own) {
-  thread_local ByteWriter writer; // for the thread's life
-  writer.clear();
-  VolumeCounts counts;
-  OwnTile& tile = own_[own];
-  complete(tile);
-  const std::span<RayState> rays = rays_of(tile);
-  for (std::size_t r = 0; r < rays.size(); ++r) {
-    const RayState& state = rays[r];
-    write_pixel(own, r, writer);
-    if (settings_.depth)
-      writer.value(float(state.depth));
-    if (settings_.cell)
-      writer.value(state.depth_cell);
-    counts.lit += state.lit;
-    counts.integrals += state.integrals;
-  }
-  count(counts);
-  return {0, tile.slot, writer.bytes()};
-}
-
-/// Whether the root adds up the samples of paths of frames before.
-bool SharedFrame::adds_up() const {
-  return paths_ && settings_.path_tracing->sums && settings_.samples_per_pixel == 1;
-}
-
-/// Colour and alpha; or, to be added up, whether there are sums of samples, and these.
-void SharedFrame::write_pixel(std::size_t own, std::size_t ray, ByteWriter& to) const {
-  const PathSums::Pixel* sum = nullptr;
-  if (adds_up()) {
-    sum = paths_->sum(own, ray);
-    to.value(std::uint8_t(sum != nullptr));
-  }
-  if (sum) {
-    to.value(*sum);
-    return;
-  }
-  const RayState& state = own_[own].rays[ray];
-  to.value(state.color.r);
-  to.value(state.color.g);
-  to.value(state.color.b);
-  to.value(state.alpha);
-}
-
-void SharedFrame::read_pixel(ByteReader& from, std::size_t at, float* pixel) const {
-  if (!adds_up() || !from.value<std::uint8_t>()) {
-    for (int c = 0; c < 4; ++c)
-      pixel[c] = from.value<float>();
-    return;
-  }
-  PathSums& sums = *settings_.path_tracing->sums;
-  const PathSums::Pixel sum = sums.add(at, from.value<PathSums::Pixel>());
-  const auto samples = double(sums.samples + settings_.path_tracing->samples);
-  const double means[4] = {sum.r / samples, sum.g / samples, sum.b / samples, sum.alpha / samples};
-  for (int c = 0; c < 4; ++c)
-    pixel[c] = float(means[c]);
 }
 
 } // namespace insitu::render

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/for_each.h"
 #include "render/pixel_average.h"
 #include "render/processes/frame_part.h"
 #include "render/processes/frame_tiles.h"
@@ -67,9 +68,9 @@ private:
   /// A tile's rays where this process's cells may be seen in it.
   struct NearTile {
     std::uint32_t slot = 0;
-    std::vector<RayState> rays;                   ///< of the tile, and maybe some more
-    std::vector<query::LatticeRay> lattice;       ///< the same
-    std::vector<std::vector<std::uint16_t>> open; ///< by part: rays that have not ended
+    std::vector<RayState> rays;                    ///< of the tile, and maybe some more
+    std::vector<query::LatticeRay> lattice;        ///< the same
+    std::vector<std::vector<std::uint16_t>> open;  ///< by part: rays that have not ended
     std::vector<std::vector<std::uint16_t>> asked; ///< by part: rays that are claimed after all
   };
   using Rays = std::vector<std::vector<std::uint16_t>> NearTile::*;
@@ -79,7 +80,9 @@ private:
   void begin(const FrameTile& tile, std::vector<RayState>& rays) const;
   void begin_group();
   template <class Work>
-  void for_tiles(std::size_t count, Work&& work) const;
+  void for_tiles(std::size_t count, Work&& work) const {
+    core::for_each(threads_, count, work);
+  }
   const FrameTile& tile_of(std::uint32_t slot) const { return (*group_)[slot]; }
   std::span<RayState> rays_of(OwnTile& tile) const {
     return {tile.rays.data(), tile_of(tile.slot).rays()};
@@ -121,7 +124,8 @@ private:
     bool is_thin = false;
   };
   void claim(const Round& round);
-  TileParcel claim(NearTile& near, const Round& round);
+  template <class Work>
+  std::vector<TileParcel> from_near(Rays rays, Work&& work);
   void gather(std::vector<TileParcel> parcels, const Round& round);
   void gather_by_rays_of_light(std::span<const TileParcel> received, const Round& round);
   using LitSamples = std::vector<std::uint32_t>; ///< by ray: a bit a sample
@@ -134,7 +138,6 @@ private:
   void take(OwnTile& tile, const ClaimReader& claimed, const Round& round);
   static void note_saturated(OwnTile& tile, std::size_t ray);
   void composite(std::int64_t first);
-  TileParcel composite(NearTile& near, std::int64_t first);
   void blend(OwnTile& tile, std::span<const TileParcel> received, std::int64_t first);
   bool are_asked() const;
   void claim_asked(std::int64_t first);
@@ -173,12 +176,31 @@ private:
   std::int64_t hits_ = 0;        ///< under the mutex
 };
 
+/// What is written of the near tiles for their owners, parcels without a byte left out:
+/// work(rays, lattice, width, first_ray, which, counts, writer) for the parts of a tile of which
+/// some rays are to be looked at, `which` of them. Within an agreement.
 template <class Work>
-void SharedFrame::for_tiles(std::size_t count, Work&& work) const {
-  threads_.parallel_for(std::int64_t(count), 1, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i)
-      work(std::size_t(i));
+std::vector<TileParcel> SharedFrame::from_near(Rays rays, Work&& work) {
+  std::vector<TileParcel> parcels(near_count_);
+  for_tiles(near_count_, [&](std::size_t i) {
+    thread_local ByteWriter writer; // for the thread's life
+    writer.clear();
+    VolumeCounts counts;
+    NearTile& near = near_[i];
+    const FrameTile& tile = tile_of(near.slot);
+    const std::vector<FrameTile::Part> parts = tile.parts();
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const FrameTile::Part& part = parts[p];
+      if (std::vector<std::uint16_t>& which = (near.*rays)[p]; !which.empty())
+        work(std::span(&near.rays[part.first_ray], part.rays()),
+             std::span<const query::LatticeRay>(&near.lattice[part.first_ray], part.rays()),
+             part.x1 - part.x0, part.first_ray, which, counts, writer);
+    }
+    count(counts);
+    parcels[i] = {tile.owner, near.slot, writer.bytes(sizeof near.slot)};
   });
+  std::erase_if(parcels, [](const TileParcel& p) { return p.bytes.empty(); });
+  return parcels;
 }
 
 } // namespace insitu::render

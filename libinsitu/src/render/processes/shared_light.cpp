@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/for_each.h"
 #include "render/processes/shared_light_data.h"
 
 namespace insitu::render {
@@ -27,12 +28,6 @@ void SharedLight::count(const SurfaceCounts& counts) {
 }
 
 void SharedLight::ask(const Shader& shader, const VolumeShadow* shadow, std::span<Batch> batches) {
-  const auto for_each = [&](std::size_t count, auto&& work) {
-    threads_.parallel_for(std::int64_t(count), 1, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t i = begin; i < end; ++i)
-        work(std::size_t(i));
-    });
-  };
   const auto processes = std::size_t(part_.world.size());
   std::vector<std::optional<Rays>> rays;
   std::vector<Asked> asked;
@@ -42,7 +37,7 @@ void SharedLight::ask(const Shader& shader, const VolumeShadow* shadow, std::spa
     rays.resize(batches.size());
     asked.resize(batches.size());
     std::vector<std::vector<TileParcel>> of(batches.size());
-    for_each(batches.size(), [&](std::size_t b) {
+    core::for_each(threads_, batches.size(), [&](std::size_t b) {
       const Batch& batch = batches[b];
       SurfaceCounts counts;
       rays[b].emplace(
@@ -76,7 +71,7 @@ void SharedLight::ask(const Shader& shader, const VolumeShadow* shadow, std::spa
   parcels.clear();
   part_.world.agree_after([&] {
     parcels.resize(questions.size());
-    for_each(questions.size(), [&](std::size_t q) {
+    core::for_each(threads_, questions.size(), [&](std::size_t q) {
       parcels[q] = {questions[q].rank, questions[q].slot, answer(shader, questions[q])};
     });
   });
@@ -84,7 +79,7 @@ void SharedLight::ask(const Shader& shader, const VolumeShadow* shadow, std::spa
   parcels.clear();
   part_.world.agree_after([&] {
     std::vector<std::vector<TileParcel>> of(batches.size());
-    for_each(batches.size(), [&](std::size_t b) {
+    core::for_each(threads_, batches.size(), [&](std::size_t b) {
       follow(batches[b], *rays[b], answers, asked[b]);
       if (!shadow)
         return;
@@ -109,7 +104,7 @@ void SharedLight::ask(const Shader& shader, const VolumeShadow* shadow, std::spa
   parcels.clear();
   part_.world.agree_after([&] {
     parcels.resize(open.size());
-    for_each(open.size(), [&](std::size_t q) {
+    core::for_each(threads_, open.size(), [&](std::size_t q) {
       const auto question =
           std::find_if(questions.begin(), questions.end(), [&](const TileParcel& parcel) {
             return parcel.rank == open[q].rank && parcel.slot == open[q].slot;
@@ -120,8 +115,8 @@ void SharedLight::ask(const Shader& shader, const VolumeShadow* shadow, std::spa
   });
   answers = mail_.exchange(std::move(parcels));
   part_.world.agree_after([&] {
-    for_each(batches.size(),
-             [&](std::size_t b) { darken(batches[b], *rays[b], answers, asked[b]); });
+    core::for_each(threads_, batches.size(),
+                   [&](std::size_t b) { darken(batches[b], *rays[b], answers, asked[b]); });
   });
 }
 
@@ -129,12 +124,6 @@ void SharedLight::light(std::span<const Seen> tiles) {
   const Shader& shader = *surfaces_.light_shader();
   std::vector<Batch> batches;
   std::vector<std::size_t> next;
-  const auto for_each = [&](auto&& work) {
-    threads_.parallel_for(std::int64_t(tiles.size()), 1, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t i = begin; i < end; ++i)
-        work(std::size_t(i));
-    });
-  };
   part_.world.agree_after([&] {
     batches.resize(tiles.size());
     next.resize(tiles.size());
@@ -146,11 +135,13 @@ void SharedLight::light(std::span<const Seen> tiles) {
     part_.world.reduce(std::span(&left, 1), parallel::Reduction::greatest);
     if (left == 0)
       return;
-    part_.world.agree_after(
-        [&] { for_each([&](std::size_t i) { take_points(tiles[i], next[i], batches[i]); }); });
+    part_.world.agree_after([&] {
+      core::for_each(threads_, tiles.size(),
+                     [&](std::size_t i) { take_points(tiles[i], next[i], batches[i]); });
+    });
     ask(shader, surfaces_.volume_shadow(), batches);
     part_.world.agree_after([&] {
-      for_each([&](std::size_t i) {
+      core::for_each(threads_, tiles.size(), [&](std::size_t i) {
         const double* open = batches[i].open.data();
         const auto next_open = [&](int) { return *open++; };
         for (const LightPoint& point : batches[i].points)

@@ -2,8 +2,9 @@
 
 #include <utility>
 
+#include "core/for_each.h"
 #include "query/chart_image.h"
-#include "render/processes/tile_data.h"
+#include "render/processes/place_values.h"
 
 namespace insitu::render {
 
@@ -15,12 +16,6 @@ struct SentPlace {
   std::int32_t none = 0;
 };
 static_assert(sizeof(SentPlace) == std::size_t(bytes_a_place_about));
-
-struct SentPlaceValue {
-  std::int64_t key;
-  double value;
-};
-static_assert(sizeof(SentPlaceValue) == std::size_t(bytes_a_place_value));
 
 constexpr auto places_a_hit = std::size_t(IsosurfaceTracer::places_about);
 
@@ -38,18 +33,10 @@ void for_each_central_hit(const IsosurfaceTracer& surfaces, std::span<RayState> 
 
 /// The places about the hits of some rays.
 struct SharedNormals::Group {
-  std::vector<Value> values;                     ///< place by place, hit by hit
+  std::vector<PlaceValue> values;                ///< place by place, hit by hit; cells are keys
   std::vector<std::vector<std::uint32_t>> asked; ///< by process: of these places
   std::vector<ByteWriter> questions;             ///< by process
 };
-
-template <class Work>
-void SharedNormals::for_each(std::size_t count, Work&& work) const {
-  threads_.parallel_for(std::int64_t(count), 1, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i)
-      work(std::size_t(i));
-  });
-}
 
 /// In slices of groups, as memory allows. Parcels are about groups of the process that asks.
 void SharedNormals::find(std::size_t groups,
@@ -63,7 +50,8 @@ void SharedNormals::find(std::size_t groups,
         for (const RayState& ray : rays(end))
           bytes += ray.hits.size() * places_a_hit * sizeof(SentPlace);
       of.resize(end - begin);
-      for_each(of.size(), [&](std::size_t i) { of[i] = places_about(rays(begin + i)); });
+      core::for_each(threads_, of.size(),
+                     [&](std::size_t i) { of[i] = places_about(rays(begin + i)); });
       for (std::size_t i = 0; i < of.size(); ++i)
         for (std::size_t p = 0; p < of[i].questions.size(); ++p)
           if (ByteWriter& question = of[i].questions[p]; !question.empty())
@@ -72,7 +60,7 @@ void SharedNormals::find(std::size_t groups,
     const std::vector<TileParcel> asked = mail_.exchange(std::exchange(parcels, {}));
     part_.world.agree_after([&] {
       parcels.resize(asked.size());
-      for_each(asked.size(), [&](std::size_t q) {
+      core::for_each(threads_, asked.size(), [&](std::size_t q) {
         parcels[q] = {asked[q].rank, asked[q].slot, answer(asked[q].reader())};
       });
     });
@@ -80,7 +68,8 @@ void SharedNormals::find(std::size_t groups,
     part_.world.agree_after([&] {
       for (const TileParcel& answer : answers)
         take(answer, of[answer.slot]);
-      for_each(of.size(), [&](std::size_t i) { set_gradients(rays(begin + i), of[i]); });
+      core::for_each(threads_, of.size(),
+                     [&](std::size_t i) { set_gradients(rays(begin + i), of[i]); });
     });
     std::int64_t left = std::int64_t(groups - end);
     part_.world.reduce(std::span(&left, 1), parallel::Reduction::greatest);
@@ -115,46 +104,29 @@ SharedNormals::Group SharedNormals::places_about(std::span<RayState> rays) const
   return found;
 }
 
-/// Of a place that an own cell holds.
-SharedNormals::Value SharedNormals::own_value(std::int32_t surface, const math::Vec3d& place,
-                                              std::int64_t hint) const {
-  const Value found = surfaces_.isosurfaces()->value_at(surface, place, hint);
-  if (found.cell < 0 || found.cell >= part_.own_cells || !sampler_.mesh().is_own(found.cell))
-    return {};
-  return {part_.key(found.cell), found.value};
+/// Of a place that an own cell holds, with that cell's key.
+PlaceValue SharedNormals::own_value(std::int32_t surface, const math::Vec3d& place,
+                                    std::int64_t hint) const {
+  PlaceValue found = surfaces_.isosurfaces()->value_at(surface, place, hint);
+  found.cell = part_.own_key(sampler_.mesh(), found.cell);
+  return found;
 }
 
-/// A bit a place, and the values at those that own cells hold.
 std::vector<std::byte> SharedNormals::answer(ByteReader asked) const {
-  std::vector<std::uint64_t> bits;
-  std::vector<SentPlaceValue> values;
-  for (std::size_t i = 0; !asked.at_end(); ++i) {
+  std::vector<PlaceValue> found;
+  while (!asked.at_end()) {
     const auto place = asked.value<SentPlace>();
-    const Value found = own_value(place.surface, place.at, -1);
-    bits.resize(words_of(i + 1));
-    if (found.cell < 0)
-      continue;
-    bits[i / 64] |= std::uint64_t(1) << (i % 64);
-    values.push_back({found.cell, found.value});
+    found.push_back(own_value(place.surface, place.at, -1));
   }
   ByteWriter writer;
-  writer.array(std::span<const std::uint64_t>(bits));
-  writer.array(std::span<const SentPlaceValue>(values));
+  write_values(found, writer);
   return writer.bytes();
 }
 
-/// Of the processes that hold a place that of the lowest cell counts.
 void SharedNormals::take(const TileParcel& answer, Group& to) {
-  const std::vector<std::uint32_t>& asked = to.asked[std::size_t(answer.rank)];
   ByteReader reader = answer.reader();
-  const auto bits = reader.array<std::uint64_t>(words_of(asked.size()));
-  for (std::size_t i = 0; i < asked.size(); ++i)
-    if (bits[i / 64] >> (i % 64) & 1) {
-      const auto sent = reader.value<SentPlaceValue>();
-      Value& value = to.values[asked[i]];
-      if (value.cell < 0 || sent.key < value.cell)
-        value = {sent.key, sent.value};
-    }
+  read_values(reader, to.asked[std::size_t(answer.rank)],
+              [&](std::uint32_t i) -> PlaceValue& { return to.values[i]; });
 }
 
 void SharedNormals::set_gradients(std::span<RayState> rays, const Group& found) const {
@@ -163,7 +135,7 @@ void SharedNormals::set_gradients(std::span<RayState> rays, const Group& found) 
   const IsosurfaceTracer& surfaces = *surfaces_.isosurfaces();
   std::size_t next = 0;
   for_each_central_hit(surfaces, rays, [&](SurfaceHit& hit, const Ray& ray, double half) {
-    const std::span<const Value, places_a_hit> values(&found.values[next], places_a_hit);
+    const std::span<const PlaceValue, places_a_hit> values(&found.values[next], places_a_hit);
     surfaces_.set_gradient(hit, ray, surfaces.central_gradient(hit.surface, half, values));
     next += places_a_hit;
   });

@@ -11,8 +11,8 @@
 
 namespace insitu::render {
 
-/// Bytes of a place about a hit on its way, and of the value there.
-constexpr std::int64_t bytes_a_place_about = 32, bytes_a_place_value = 16;
+/// Bytes of a place about a hit on its way.
+constexpr std::int64_t bytes_a_place_about = 32;
 
 /// Normals that are central differences, in a frame of several processes: the places about a hit
 /// may be in other processes' cells. The process that found the hit asks those whose boxes hold a
@@ -30,12 +30,9 @@ public:
   void find(std::size_t groups, core::FunctionRef<std::span<RayState>(std::size_t)> rays) const;
 
 private:
-  using Value = IsosurfaceTracer::PlaceValue; ///< its cell is a key
   struct Group;
-  template <class Work>
-  void for_each(std::size_t count, Work&& work) const;
   Group places_about(std::span<RayState> rays) const;
-  Value own_value(std::int32_t surface, const math::Vec3d& place, std::int64_t hint) const;
+  PlaceValue own_value(std::int32_t surface, const math::Vec3d& place, std::int64_t hint) const;
   std::vector<std::byte> answer(ByteReader asked) const;
   static void take(const TileParcel& answer, Group& to);
   void set_gradients(std::span<RayState> rays, const Group& found) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "core/for_each.h"
 #include "render/path/path_grid.h"
 #include "render/processes/shared_light_data.h"
 #include "render/processes/whole_macrocells.h"
@@ -24,12 +25,6 @@ struct SentRay {
   double t_max;
 };
 static_assert(sizeof(SentRay) == std::size_t(bytes_a_path_ray));
-
-struct SentValue {
-  std::int64_t key;
-  double value;
-};
-static_assert(sizeof(SentValue) == std::size_t(bytes_a_path_value));
 static_assert(sizeof(Vec3d) == std::size_t(bytes_a_path_place));
 
 } // namespace
@@ -61,14 +56,6 @@ SharedPaths::SharedPaths(const FramePart& part, const FrameSettings& settings,
     : part_(part), settings_(settings), tracer_(tracer), surfaces_(surfaces), light_(light),
       normals_(normals), where_(where), mail_(mail), threads_(threads) {}
 
-template <class Work>
-void SharedPaths::for_each(std::size_t count, Work&& work) const {
-  threads_.parallel_for(std::int64_t(count), 1, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i)
-      work(std::size_t(i));
-  });
-}
-
 void SharedPaths::trace(std::span<const Tile> tiles) {
   std::vector<std::pair<std::size_t, std::size_t>> waves; // by tile and part
   part_.world.agree_after([&] {
@@ -85,7 +72,7 @@ void SharedPaths::trace(std::span<const Tile> tiles) {
       for (std::size_t p = 0; p < batch.parts; ++p)
         waves.emplace_back(i, p);
     }
-    for_each(waves.size(), [&](std::size_t w) {
+    core::for_each(threads_, waves.size(), [&](std::size_t w) {
       const auto [i, p] = waves[w];
       batches_[i].waves[p].begin(tracer_, tiles[i].parts[p]);
     });
@@ -102,7 +89,7 @@ void SharedPaths::trace(std::span<const Tile> tiles) {
     std::vector<TileParcel> parcels;
     part_.world.agree_after([&] {
       std::vector<std::vector<TileParcel>> of(count_);
-      for_each(count_, [&](std::size_t i) { ask(batches_[i], of[i]); });
+      core::for_each(threads_, count_, [&](std::size_t i) { ask(batches_[i], of[i]); });
       for (std::vector<TileParcel>& some : of)
         std::move(some.begin(), some.end(), std::back_inserter(parcels));
     });
@@ -112,23 +99,25 @@ void SharedPaths::trace(std::span<const Tile> tiles) {
     part_.world.agree_after([&] {
       walls.resize(questions.size());
       if (surfaces_)
-        for_each(questions.size(), [&](std::size_t q) { walls[q] = find_walls(questions[q]); });
+        core::for_each(threads_, questions.size(),
+                       [&](std::size_t q) { walls[q] = find_walls(questions[q]); });
     });
     if (normals_)
       normals_->find(walls.size(), [&](std::size_t q) { return std::span(walls[q]); });
     part_.world.agree_after([&] {
       answers.resize(questions.size());
-      for_each(questions.size(), [&](std::size_t q) {
+      core::for_each(threads_, questions.size(), [&](std::size_t q) {
         answers[q] = {questions[q].rank, questions[q].slot, answer(questions[q], walls[q])};
       });
     });
     const std::vector<TileParcel> received = mail_.exchange(std::move(answers));
-    part_.world.agree_after(
-        [&] { for_each(count_, [&](std::size_t i) { take(batches_[i], received); }); });
+    part_.world.agree_after([&] {
+      core::for_each(threads_, count_, [&](std::size_t i) { take(batches_[i], received); });
+    });
     if (surfaces_)
       light_walls();
     part_.world.agree_after([&] {
-      for_each(waves.size(), [&](std::size_t w) {
+      core::for_each(threads_, waves.size(), [&](std::size_t w) {
         const auto [i, p] = waves[w];
         batches_[i].waves[p].go_on();
       });
@@ -244,21 +233,14 @@ SharedPaths::WallRays SharedPaths::find_walls(const TileParcel& asked) const {
   return rays;
 }
 
-/// A bit for each place that a cell of this process holds, and of these the values.
+/// The values at places that cells of this process hold.
 void SharedPaths::answer_values(ByteReader& from, std::size_t count, ByteWriter& to) const {
   const auto places = from.array<Vec3d>(count);
-  std::vector<PathValue> found(count);
+  std::vector<PlaceValue> found(count);
   tracer_.find_values(places, found);
-  std::vector<std::uint64_t> bits(words_of(count));
-  const auto is_own = [&](const PathValue& value) {
-    return value.cell >= 0 && value.cell < part_.own_cells && tracer_.is_own(value.cell);
-  };
-  for (std::size_t i = 0; i < count; ++i)
-    bits[i / 64] |= std::uint64_t(is_own(found[i])) << (i % 64);
-  to.array(std::span<const std::uint64_t>(bits));
-  for (const PathValue& value : found)
-    if (is_own(value))
-      to.value(SentValue{part_.key(value.cell), value.value});
+  for (PlaceValue& value : found)
+    value.cell = part_.own_key(tracer_.mesh(), value.cell);
+  write_values(found, to);
 }
 
 /// Puts the answers about a batch together.
@@ -283,14 +265,8 @@ void SharedPaths::take(Batch& batch, std::span<const TileParcel> answers) const 
       continue;
     const Asked& asked = batch.asked[std::size_t(parcel.rank)];
     ByteReader reader = parcel.reader();
-    const auto bits = reader.array<std::uint64_t>(words_of(asked.values.size()));
-    for (std::size_t i = 0; i < asked.values.size(); ++i)
-      if (bits[i / 64] >> (i % 64) & 1) {
-        const auto value = reader.value<SentValue>();
-        PathValue& found = batch.values[asked.values[i]]->found;
-        if (found.cell < 0 || value.key < found.cell)
-          found = {value.key, value.value};
-      }
+    read_values(reader, asked.values,
+                [&](std::uint32_t i) -> PlaceValue& { return batch.values[i]->found; });
     if (!surfaces_)
       continue;
     SharedLight::read_met(reader, rays, asked.lights, open, met);

@@ -9,16 +9,16 @@
 #include "render/processes/cell_boxes.h"
 #include "render/processes/frame_part.h"
 #include "render/processes/frame_tiles.h"
+#include "render/processes/place_values.h"
 #include "render/processes/shared_light.h"
 #include "render/processes/shared_normals.h"
 #include "render/processes/tile_mail.h"
 
 namespace insitu::render {
 
-/// Bytes of a place that a path asks the value of, and of the answer; of a ray of a path that asks
-/// for surfaces; and of what stands before these in a parcel.
-constexpr std::int64_t bytes_a_path_place = 24, bytes_a_path_value = 16, bytes_a_path_ray = 56,
-                       bytes_a_path_head = 12;
+/// Bytes of a place that a path asks the value of; of a ray of a path that asks for surfaces; and
+/// of what stands before these in a parcel.
+constexpr std::int64_t bytes_a_path_place = 24, bytes_a_path_ray = 56, bytes_a_path_head = 12;
 
 /// The majorants of a path traced volume whose mesh is spread over processes: those of one process,
 /// to the bit. Collective; throws AgreedError.
@@ -74,8 +74,6 @@ private:
     std::vector<RayState> wall_rays; ///< of walls, and maybe some more
   };
 
-  template <class Work>
-  void for_each(std::size_t count, Work&& work) const;
   std::int64_t collect(Batch& batch) const;
   void ask(Batch& batch, std::vector<TileParcel>& parcels) const;
   using WallRays = std::vector<RayState>;

@@ -9,35 +9,19 @@ namespace insitu::render {
 void SharedFrame::composite(std::int64_t first) {
   std::vector<TileParcel> parcels;
   part_.world.agree_after([&] {
-    parcels.resize(near_count_);
-    for_tiles(near_count_, [&](std::size_t i) { parcels[i] = composite(near_[i], first); });
-    std::erase_if(parcels, [](const TileParcel& p) { return p.bytes.empty(); });
+    parcels = from_near(&NearTile::open, [&](std::span<RayState> rays, auto lattice, int width,
+                                             std::size_t first_ray, auto& open,
+                                             VolumeCounts& counts, ByteWriter& writer) {
+      thread_local VolumeMarcher::Runs runs; // for the thread's life
+      runs.runs.clear();
+      runs.pieces.clear();
+      volume_->composite(rays, lattice, width, first, depth_, part_.own_cells, open, runs, counts);
+      write_runs(runs, first_ray, first, form_, writer);
+    });
   });
   const std::vector<TileParcel> received = mail_.exchange(std::move(parcels));
   part_.world.agree_after(
       [&] { for_tiles(own_count_, [&](std::size_t i) { blend(own_[i], received, first); }); });
-}
-
-TileParcel SharedFrame::composite(NearTile& near, std::int64_t first) {
-  thread_local VolumeMarcher::Runs runs; // these two for the thread's life
-  thread_local ByteWriter writer;
-  writer.clear();
-  VolumeCounts counts;
-  const FrameTile& tile = tile_of(near.slot);
-  const std::vector<FrameTile::Part> parts = tile.parts();
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const FrameTile::Part& part = parts[p];
-    if (near.open[p].empty())
-      continue;
-    runs.runs.clear();
-    runs.pieces.clear();
-    volume_->composite(std::span(&near.rays[part.first_ray], part.rays()),
-                       std::span(&near.lattice[part.first_ray], part.rays()), part.x1 - part.x0,
-                       first, depth_, part_.own_cells, near.open[p], runs, counts);
-    write_runs(runs, part.first_ray, first, form_, writer);
-  }
-  count(counts);
-  return {tile.owner, near.slot, writer.bytes(sizeof near.slot)};
 }
 
 namespace {

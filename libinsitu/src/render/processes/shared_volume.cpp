@@ -142,6 +142,7 @@ void SharedFrame::march_thin() {
       parcels[i] = {tile_of(near_[i].slot).owner, near_[i].slot, writer.bytes()};
       count(counts);
     });
+    std::erase_if(parcels, [](const TileParcel& p) { return p.bytes.empty(); });
   });
   gather(std::move(parcels), {0, &NearTile::open, true, true});
 }
@@ -150,37 +151,20 @@ void SharedFrame::march_thin() {
 void SharedFrame::claim(const Round& round) {
   std::vector<TileParcel> parcels;
   part_.world.agree_after([&] {
-    parcels.resize(near_count_);
-    for_tiles(near_count_, [&](std::size_t i) { parcels[i] = claim(near_[i], round); });
+    parcels = from_near(round.rays, [&](std::span<RayState> rays, auto lattice, int width,
+                                        std::size_t first_ray, auto& which, VolumeCounts& counts,
+                                        ByteWriter& writer) {
+      thread_local VolumeMarcher::Claims claims; // for the thread's life
+      volume_->claim(rays, lattice, width, round.first, claimed_, part_.own_cells, which, claims,
+                     counts);
+      write_claims(claims, first_ray, round.with_cells ? &part_.key : nullptr, writer);
+    });
   });
   gather(std::move(parcels), round);
 }
 
-TileParcel SharedFrame::claim(NearTile& near, const Round& round) {
-  thread_local VolumeMarcher::Claims claims; // these two for the thread's life
-  thread_local ByteWriter writer;
-  writer.clear();
-  VolumeCounts counts;
-  const FrameTile& tile = tile_of(near.slot);
-  const std::vector<FrameTile::Part> parts = tile.parts();
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const FrameTile::Part& part = parts[p];
-    std::vector<std::uint16_t>& rays = (near.*round.rays)[p];
-    if (rays.empty())
-      continue;
-    volume_->claim(std::span(&near.rays[part.first_ray], part.rays()),
-                   std::span(&near.lattice[part.first_ray], part.rays()), part.x1 - part.x0,
-                   round.first, claimed_, part_.own_cells, rays, claims, counts);
-    write_claims(claims, part.first_ray, round.with_cells ? &part_.key : nullptr, writer);
-  }
-  count(counts);
-  return {tile.owner, near.slot, writer.bytes(sizeof near.slot)};
-}
-
 /// Sends claims to the owners of their tiles, who take those of a ray together.
 void SharedFrame::gather(std::vector<TileParcel> parcels, const Round& round) {
-  part_.world.agree_after(
-      [&] { std::erase_if(parcels, [](const TileParcel& p) { return p.bytes.empty(); }); });
   const std::vector<TileParcel> received = mail_.exchange(std::move(parcels));
   if (volume_->light_shader())
     return gather_by_rays_of_light(received, round);

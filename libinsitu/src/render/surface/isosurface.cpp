@@ -230,8 +230,8 @@ Vec3d IsosurfaceTracer::place_about(const Vec3d& p, double half, int number) {
   return place;
 }
 
-IsosurfaceTracer::PlaceValue IsosurfaceTracer::value_at(std::int32_t surface, const Vec3d& place,
-                                                        std::int64_t hint) const {
+PlaceValue IsosurfaceTracer::value_at(std::int32_t surface, const Vec3d& place,
+                                      std::int64_t hint) const {
   const query::Location at = sampler_.locate(place, hint);
   if (!at)
     return {};

@@ -9,6 +9,7 @@
 #include "query/sampler.h"
 #include "render/clip.h"
 #include "render/color/transfer_function.h"
+#include "render/structures/place_value.h"
 #include "render/structures/scalar_field.h"
 #include "render/structures/structures.h"
 #include "render/surface/cell_roots.h"
@@ -85,10 +86,6 @@ public:
   /// normals are these; half their length about a hit; the places about a point p, two along each
   /// axis; the field at one of them, `cell` below 0 where no cell holds it, hint as for
   /// Sampler::locate(); the gradient by the values at all places.
-  struct PlaceValue {
-    std::int64_t cell = -1;
-    double value = 0;
-  };
   static constexpr int places_about = 6;
   bool is_central(std::int32_t surface) const;
   double half_length(const SurfaceHit& hit) const;

@@ -92,13 +92,29 @@ MacrocellGrid MacrocellGrid::over(const mesh::Box& bounds, const double (&across
     // No finer than a quarter of a cell, nor than positions are resolved.
     const double farthest = std::max(std::fabs(grid.low[a]), std::fabs(grid.low[a] + extent[a]));
     const double finest = std::min(4 * across[a], extent[a] * 0x1p40 / std::max(farthest, 1e-300));
-    grid.counts[a] = int(std::floor(std::max(1.0, std::min({wanted, finest, left}))));
+    constexpr double rounding = 1e-6; // three layers are three, though roundings make 2.9999999
+    grid.counts[a] =
+        int(std::floor((1 + rounding) * std::max(1.0, std::min({wanted, finest, left}))));
     left = std::max(1.0, left / grid.counts[a]);
     product /= across[a];
   }
   for (int a = 0; a < 3; ++a)
     grid.size[a] = extent[a] / grid.counts[a];
   return grid;
+}
+
+void MacrocellGrid::coarsen(core::FunctionRef<double(const MacrocellGrid&)> coverage) {
+  constexpr double most_coverage = 256;
+  while (count() > 1 && coverage(*this) > most_coverage) {
+    int widest = 0;
+    for (int a = 1; a < 3; ++a)
+      if (counts[std::size_t(a)] > counts[std::size_t(widest)])
+        widest = a;
+    int& layers = counts[std::size_t(widest)];
+    const double extent = size[widest] * layers;
+    layers = (layers + 1) / 2;
+    size[widest] = extent / layers;
+  }
 }
 
 MacrocellGrid Macrocells::grid_of(const query::Sampler& sampler,
@@ -113,17 +129,7 @@ MacrocellGrid Macrocells::grid_of(const query::Sampler& sampler,
   for (int a = 0; a < 3; ++a)
     across[a] = sizes.mean[a] > 0 && extent[a] > sizes.mean[a] ? extent[a] / sizes.mean[a] : 1.0;
   MacrocellGrid grid = MacrocellGrid::over(bounds, across, sizes.cells, fineness);
-  // Long oblique cells have boxes that would fill much of a fine grid.
-  constexpr double most_coverage = 256;
-  while (grid.count() > 1 && sizes.coverage(grid.size) > most_coverage) {
-    int widest = 0;
-    for (int a = 1; a < 3; ++a)
-      if (grid.counts[a] > grid.counts[widest])
-        widest = a;
-    grid.counts[widest] = (grid.counts[widest] + 1) / 2;
-    for (int a = 0; a < 3; ++a)
-      grid.size[a] = extent[a] / grid.counts[a];
-  }
+  grid.coarsen([&](const MacrocellGrid& of) { return sizes.coverage(of.size); });
   return grid;
 }
 

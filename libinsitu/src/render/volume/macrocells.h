@@ -59,6 +59,9 @@ struct MacrocellGrid {
   /// the mesh. Throws core::Error (INSITU_ERROR_ARGUMENT) for macrocells of no cells.
   static MacrocellGrid over(const mesh::Box& bounds, const double (&across)[3], double cells,
                             const MacrocellFineness& fineness);
+  /// Takes fewer macrocells until a cell meets 256 of them at most, on average: boxes of long
+  /// oblique cells would fill much of a fine grid. coverage(grid): how many a cell meets.
+  void coarsen(core::FunctionRef<double(const MacrocellGrid&)> coverage);
 
   friend bool operator==(const MacrocellGrid&, const MacrocellGrid&) = default;
 };

@@ -9,10 +9,11 @@
 
 namespace insitu::render {
 
-/// How wide a mesh's cells are along each axis: the sum over all owning cells, in units of 2^-30 of
-/// the mesh's width, each cell's width rounded to such a unit. Of parts of a mesh they add up in
-/// any order to the same number.
-using CellWidths = std::array<std::int64_t, 3>;
+/// How wide a mesh's cells are: for each set of axes (a bit an axis) the sum over all owning cells
+/// of the products of their widths along these, each in widths of the mesh and rounded to units of
+/// 2^-30; for no axis, so many units a cell. Of parts of a mesh they add up in any order to the
+/// same numbers, of fewer than 2^33 cells.
+using CellWidths = std::array<std::int64_t, 8>;
 
 /// Of the sampler's own cells, in a mesh that fills the box. One pass over the cells.
 CellWidths cell_widths(const query::Sampler& sampler, const mesh::Box& whole,
