@@ -105,7 +105,8 @@ module insitu_c
       insitu_memory_frame = 7, insitu_memory_converted = 8, insitu_memory_embree = 9, &
       insitu_memory_device = 10, insitu_memory_amr = 11, insitu_memory_gathered = 12, &
       insitu_memory_geocentric = 13, insitu_memory_chart = 14, insitu_memory_neighbours = 15, &
-      insitu_memory_blank = 16, insitu_memory_halo = 17, insitu_memory_count = 17
+      insitu_memory_blank = 16, insitu_memory_halo = 17, insitu_memory_polyhedra = 18, &
+      insitu_memory_count = 18
 
   ! The room of the lists in insitu_report
   integer, parameter :: &
@@ -154,6 +155,25 @@ module insitu_c
     integer(c_int32_t) :: index_base = 1
     integer(c_int32_t) :: reserved = 0
   end type c_cells
+
+  type, bind(c) :: c_faces
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: form = insitu_faces_owners
+    integer(c_int32_t) :: index_base = 1
+    integer(c_int64_t) :: cell_count = 0
+    integer(c_int64_t) :: face_count = 0
+    type(c_array) :: vertices
+    type(c_array) :: offsets
+    type(c_array) :: owner
+    type(c_array) :: neighbour
+    integer(c_int64_t) :: boundary_count = 0
+    type(c_array) :: boundary_vertices
+    type(c_array) :: boundary_offsets
+    type(c_array) :: boundary_owner
+    integer(c_int64_t) :: far_cells = 0
+    type(c_array) :: cell_faces
+    type(c_array) :: cell_offsets
+  end type c_faces
 
   type, bind(c) :: c_block
     integer(c_size_t) :: size = 0

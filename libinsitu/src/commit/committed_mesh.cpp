@@ -286,7 +286,7 @@ void CommittedMesh::commit_pending(insitu_commit_report& report, const core::Thr
     folds_are_known_ = false;
     odd_cells_ = {};
     mesh_.set_free_of_folds(false);
-    if (!is_copied())
+    if (!tells_one_mesh())
       mesh_.set_one_mesh(false);
     mesh_.set_covers_once(false);
     ++geometry_version_;

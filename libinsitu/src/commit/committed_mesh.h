@@ -234,6 +234,7 @@ private:
   bool is_made() const { return stand_in_ && stand_in_->is_made(); }
   /// The cells are the solver's, some of them in copies.
   bool is_copied() const { return stand_in_ && !stand_in_->is_made(); }
+  bool tells_one_mesh() const { return stand_in_ && stand_in_->tells_one_mesh(); }
   void choose_stand_in();
   void part_from_earlier(const core::Threads& threads);
   EarlierMesh::Own own_cells() const;

@@ -55,7 +55,7 @@ void CommittedMesh::set_odd_cells(cells::OddCells odd, const core::Threads& thre
   folds_are_known_ = true;
   sound_.close();
   const mesh::MeshView& view = mesh_.view();
-  if (!mesh::is_one(view) && !is_copied() && odd.few && !tree_.empty())
+  if (!mesh::is_one(view) && !tells_one_mesh() && odd.few && !tree_.empty())
     mesh_.set_one_mesh(pieces_are_apart(view, tree(), threads));
   if (!mesh::is_one(view))
     odd = {};

@@ -12,6 +12,7 @@ ENDS_WITH(insitu_audit_entry, reserved);
 ENDS_WITH(insitu_block, first);
 ENDS_WITH(insitu_cells, reserved);
 ENDS_WITH(insitu_commit_report, reserved);
+ENDS_WITH(insitu_faces, cell_offsets);
 ENDS_WITH(insitu_frame, reserved);
 ENDS_WITH(insitu_leaves, offset);
 ENDS_WITH(insitu_locate_args, reserved);

@@ -40,6 +40,7 @@ INSITU_CALLER_STRUCT(insitu_amr_info);
 INSITU_CALLER_STRUCT(insitu_array);
 INSITU_CALLER_STRUCT(insitu_block);
 INSITU_CALLER_STRUCT(insitu_cells);
+INSITU_CALLER_STRUCT(insitu_faces);
 INSITU_CALLER_STRUCT(insitu_commit_report);
 INSITU_CALLER_STRUCT(insitu_frame);
 INSITU_CALLER_STRUCT(insitu_leaves);

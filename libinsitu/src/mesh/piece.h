@@ -28,6 +28,15 @@ concept CellSource = requires(const C& c, std::int64_t cell, std::int64_t* ids) 
 
 enum class CellLayout : std::uint8_t { uniform, mixed, padded, block, gridlets, leaves };
 
+struct PieceView;
+
+/// What stands in for a piece whose cells are given by faces: cell c is the cells first[c] to
+/// first[c + 1] - 1 of `piece`, whose vertices begin with the solver's.
+struct PartsView {
+  const PieceView* piece = nullptr;
+  const std::uint32_t* first = nullptr;
+};
+
 /// A piece as kernels see it: plain data over the solver's arrays.
 struct PieceView {
   // Cells.
@@ -53,6 +62,8 @@ struct PieceView {
   // Gridlets of a dual mesh: cell c is cell c & 511 of gridlet c >> 9, a voxel if it owns points.
   const GridletsView* gridlets = nullptr;
   const LeavesView* leaves = nullptr; ///< cells of an adaptive mesh as they are: voxels
+  /// Of cells given by faces, which have no shape here: UNIFORM, and no ids.
+  const PartsView* parts = nullptr;
   // Geometry, ghosts.
   PointsView points;
   const std::byte* ghosts = nullptr;
@@ -180,16 +191,26 @@ struct PieceView {
         found = {found.count + std::popcount(full), cell + 64 * word + std::countr_zero(full)};
     return found;
   }
-  /// visit(vertex) for all vertices of the item that `cell` begins, in a cell's order or ascending.
+  /// visit(vertex) for all vertices of the item that `cell` begins, in a cell's order or ascending;
+  /// of a cell given by faces more than once.
   template <class Visit>
   void for_each_item_vertex(std::int64_t cell, Visit&& visit) const {
+    std::int64_t ids[8];
+    if (parts) {
+      for (std::int64_t part = parts->first[cell]; part < parts->first[cell + 1]; ++part) {
+        const int n = parts->piece->vertex_ids(part, ids);
+        for (int v = 0; v < n; ++v)
+          if (ids[v] < vertex_count)
+            visit(ids[v]);
+      }
+      return;
+    }
     if (in_runs()) {
       const Gridlet& g = gridlets->gridlets[cell >> Gridlet::cell_bits];
       for (std::int64_t v = g.first, end = v + g.vertex_count(); v < end; ++v)
         visit(v);
       return;
     }
-    std::int64_t ids[8];
     const int n = vertex_ids(cell, ids);
     for (int v = 0; v < n; ++v)
       visit(ids[v]);

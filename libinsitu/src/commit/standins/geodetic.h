@@ -26,7 +26,7 @@ public:
   ~Geodetic() override;
 
   bool serves(const mesh::Mesh& mesh, const insitu_frame& frame) const override {
-    return !mesh.is_adaptive() && frame.kind == INSITU_FRAME_GEODETIC;
+    return !mesh.is_adaptive() && !mesh.has_faces() && frame.kind == INSITU_FRAME_GEODETIC;
   }
   void require(const std::string& mesh_name, const query::LocatorPick& pick,
                bool on_device) const override;
@@ -34,6 +34,7 @@ public:
   Found commit(mesh::Mesh& mesh, const insitu_frame& frame, std::uint32_t changed,
                const core::Threads& threads, const core::Log& log) override;
   bool is_made() const override { return false; }
+  bool tells_one_mesh() const override { return true; }
 
   /// Without copies the solver's cells are located as they are.
   bool stands() const override { return has_copies(); }

@@ -58,6 +58,8 @@ public:
                                      const core::Threads& /*threads*/) {
     return view();
   }
+  /// Whether view().one_mesh is told by the stand-in, and not looked for.
+  virtual bool tells_one_mesh() const { return false; }
   /// Whether view() is in place; if not, points are located in the solver's cells.
   virtual bool stands() const = 0;
 

@@ -81,15 +81,22 @@ std::vector<ExternalArray> adopt_all(const insitu_array* arrays, std::int32_t co
   return out;
 }
 
-/// What is registered apart from the cells stays, whichever is registered first.
-void keep_arrays(const PieceView& from, PieceView& to) {
-  to.points = from.points;
-  to.ghosts = from.ghosts;
-  to.ghost_layout = from.ghost_layout;
-  to.ghost_mask = from.ghost_mask;
-}
-
 } // namespace
+
+void Mesh::Piece::set_cells_view(PieceView cells) {
+  cells.points = view.points;
+  cells.ghosts = view.ghosts;
+  cells.ghost_layout = view.ghost_layout;
+  cells.ghost_mask = view.ghost_mask;
+  view = cells;
+  connectivity = types = offsets = {};
+  face_arrays.clear();
+  faces.reset();
+  for (ExternalArray& axis : axes)
+    axis = {};
+  has_cells = true;
+  is_block = false;
+}
 
 Mesh::Mesh(std::string name, core::Memory& memory)
     : name_(std::move(name)), memory_(&memory), earlier_points_(memory, INSITU_MEMORY_EARLIER),
@@ -196,15 +203,10 @@ void Mesh::set_cells(std::int32_t piece, const insitu_cells* given) {
   }
 
   Piece& p = piece_for(piece);
-  keep_arrays(p.view, v);
-  p.view = v;
+  p.set_cells_view(v);
   p.connectivity = connectivity;
   p.types = types;
   p.offsets = offsets;
-  for (ExternalArray& axis : p.axes)
-    axis = {};
-  p.has_cells = true;
-  p.is_block = false;
   pending_ |= INSITU_CHANGED_ALL;
 }
 
@@ -262,11 +264,9 @@ void Mesh::set_block(std::int32_t piece, const insitu_block* given) {
   }
   v.implicit_points = block->kind != INSITU_BLOCK_CURVILINEAR;
   Piece& p = piece_for(piece);
-  keep_arrays(p.view, v);
-  p.view = v;
-  p.connectivity = p.types = p.offsets = {};
+  p.set_cells_view(v);
   std::copy(axes, axes + 3, p.axes);
-  p.has_cells = p.is_block = true;
+  p.is_block = true;
   pending_ |= INSITU_CHANGED_ALL;
 }
 

@@ -11,6 +11,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/adaptive.h"
+#include "mesh/faces.h"
 #include "mesh/registered/adaptive_piece.h"
 #include "mesh/registered/blank_values.h"
 #include "mesh/registered/earlier_step.h"
@@ -66,6 +67,7 @@ public:
   // Registration; each throws core::Error and then changes nothing.
   void set_points(std::int32_t piece, const insitu_array* arrays, std::int32_t array_count);
   void set_cells(std::int32_t piece, const insitu_cells* cells);
+  void set_faces(std::int32_t piece, const insitu_faces* faces); // mesh_faces.cpp
   void set_block(std::int32_t piece, const insitu_block* block);
   void set_field(std::int32_t piece, const std::string& name, insitu_association association,
                  const insitu_array* arrays, std::int32_t array_count);
@@ -98,6 +100,13 @@ public:
   void update(const core::Threads* threads = nullptr);
   /// Whether all coordinates of view() are finite and below this, read or not.
   bool vertices_are_within(double bound, const core::Threads& threads) const;
+
+  /// Whether a piece has cells that are given by faces.
+  bool has_faces() const;
+  /// Of a piece, as of the last update(): its faces, or null where cells have shapes.
+  const FacesView* faces(std::int32_t piece) const;
+  /// What stands in for the cells of such a piece, until others are registered; kept by the caller.
+  void set_parts(std::int32_t piece, const PartsView* parts);
 
   bool is_adaptive() const { return amr_.has_value(); }
   /// The pieces of an adaptive mesh as of the last update(), each checked by itself.
@@ -190,7 +199,12 @@ private:
     std::vector<ExternalArray> points;
     ExternalArray connectivity, types, offsets, ghosts, hidden_points, axes[3];
     ExternalArray global_ids[2]; ///< [association]
+    std::vector<std::pair<ExternalArray, const char*>> face_arrays; ///< those given, and their names
+    std::optional<FacesView> faces;
     AmrPiece amr;
+
+    /// What is registered apart from the cells stays, whichever is registered first.
+    void set_cells_view(PieceView cells);
   };
   std::int64_t cells_of(std::size_t p) const {
     return amr_ ? amr_pieces_[p].cell_count : pieces_[p].view.cell_count;

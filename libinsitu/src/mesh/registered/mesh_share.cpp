@@ -21,6 +21,7 @@ void Mesh::share(const Mesh& from, const math::Vec3d* points) {
     piece.view.points.layout = adopted.layout;
     piece.view.points.is_float32 = false;
     piece.view.implicit_points = false; // a block becomes a curvilinear one
+    piece.view.parts = nullptr;         // which are from's
     piece.points = {adopted};
     piece.has_points = true;
     for (ExternalArray& axis : piece.axes)

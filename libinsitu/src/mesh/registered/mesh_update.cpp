@@ -18,7 +18,7 @@ void Mesh::check_piece(std::size_t index) const {
   const std::string name = "mesh '" + name_ + "', piece " + std::to_string(index);
   if (!p.has_cells)
     throw Error(INSITU_ERROR_ORDER,
-                name + ": has no cells; call insitu_mesh_cells or _block first");
+                name + ": has no cells; call insitu_mesh_cells, _faces or _block first");
   if (p.view.cell_count == 0) // adds nothing, whatever else was given
     return;
   if (!p.view.implicit_points && !p.has_points)
@@ -240,6 +240,8 @@ void Mesh::visit_arrays(ArrayVisitor visit) const {
     for (const auto& [array, name] : cells)
       if (array->given())
         visit(*array, piece + name, ArrayKind::topology);
+    for (const auto& [array, name] : from.face_arrays)
+      visit(array, piece + name, ArrayKind::topology);
     for (int a = 0; a < 3; ++a)
       if (from.axes[a].given())
         visit(from.axes[a], piece + "axis " + std::to_string(a), ArrayKind::geometry);

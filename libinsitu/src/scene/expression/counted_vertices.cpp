@@ -119,14 +119,10 @@ private:
         continue;
       std::vector<std::int64_t>& lowest = lowest_[std::size_t(p)];
       lowest.assign(std::size_t(piece.vertex_count), -1);
-      std::int64_t ids[8];
-      for (std::int64_t c = piece.cell_count; c-- > 0;) {
-        if (!piece.owns(c))
-          continue;
-        const int n = piece.vertex_ids(c, ids);
-        for (int v = 0; v < n; ++v)
-          lowest[std::size_t(ids[v])] = view_.first_cell[p] + c;
-      }
+      for (std::int64_t c = piece.cell_count; c-- > 0;)
+        if (piece.owns(c))
+          piece.for_each_item_vertex(
+              c, [&](std::int64_t v) { lowest[std::size_t(v)] = view_.first_cell[p] + c; });
       for (std::int64_t v = 0; v < piece.vertex_count; ++v)
         if (lowest[std::size_t(v)] < 0)
           forget(p, v);

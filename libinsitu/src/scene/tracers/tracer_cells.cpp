@@ -93,7 +93,10 @@ query::SomeCells* TracerCells::left_out(const commit::CommittedMesh& mesh,
     return nullptr;
   left_out_.update(mesh.mesh().view(), threads, of_left_out_.update(mesh),
                    [&](std::int32_t piece, std::int64_t cell) {
-                     return piece < own.piece_count && can_be_read(own.pieces[piece], cell);
+                     if (piece >= own.piece_count)
+                       return false;
+                     const mesh::PieceView& p = own.pieces[piece];
+                     return can_be_read(p.parts ? *p.parts->piece : p, cell);
                    });
   return &left_out_;
 }
