@@ -55,11 +55,12 @@ module insitu_c
   ! Of a session that is given no communicator: 0 is Open MPI's MPI_COMM_WORLD
   integer(c_int32_t), parameter :: insitu_no_communicator = -1
 
-  ! insitu_layout, insitu_block_kind, insitu_ghost_convention
+  ! insitu_layout, insitu_block_kind, insitu_faces_form, insitu_ghost_convention
   integer(c_int), parameter :: &
       insitu_layout_uniform = 0, insitu_layout_mixed = 1, insitu_layout_padded = 2
   integer(c_int), parameter :: &
       insitu_block_uniform = 0, insitu_block_rectilinear = 1, insitu_block_curvilinear = 2
+  integer(c_int), parameter :: insitu_faces_owners = 0, insitu_faces_cells = 1
   integer(c_int), parameter :: insitu_ghosts_vtk = 0, insitu_ghosts_ascent = 1
 
   ! insitu_scope

@@ -171,9 +171,8 @@ insitu_status insitu_mesh_cells(insitu_mesh mesh, int32_t piece, const insitu_ce
 }
 
 insitu_status insitu_mesh_faces(insitu_mesh mesh, int32_t piece, const insitu_faces* faces) {
-  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
-    m.mesh().set_faces(piece, faces);
-  });
+  return with_mesh(
+      mesh, [&](api::Session&, commit::CommittedMesh& m) { m.mesh().set_faces(piece, faces); });
 }
 
 insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece, const insitu_block* block) {

@@ -33,6 +33,23 @@ int layout_of(int which, int64_t* out) {
       sizeof(insitu_cells),    AT(insitu_cells, size),    AT(insitu_cells, layout),
       AT(insitu_cells, shape), AT(insitu_cells, count),   AT(insitu_cells, connectivity),
       AT(insitu_cells, types), AT(insitu_cells, offsets), AT(insitu_cells, index_base)};
+  const int64_t faces[] = {sizeof(insitu_faces),
+                           AT(insitu_faces, size),
+                           AT(insitu_faces, form),
+                           AT(insitu_faces, index_base),
+                           AT(insitu_faces, cell_count),
+                           AT(insitu_faces, face_count),
+                           AT(insitu_faces, vertices),
+                           AT(insitu_faces, offsets),
+                           AT(insitu_faces, owner),
+                           AT(insitu_faces, neighbour),
+                           AT(insitu_faces, boundary_count),
+                           AT(insitu_faces, boundary_vertices),
+                           AT(insitu_faces, boundary_offsets),
+                           AT(insitu_faces, boundary_owner),
+                           AT(insitu_faces, far_cells),
+                           AT(insitu_faces, cell_faces),
+                           AT(insitu_faces, cell_offsets)};
   const int64_t block[] = {sizeof(insitu_block),         AT(insitu_block, size),
                            AT(insitu_block, kind),       AT(insitu_block, vertices),
                            AT(insitu_block, origin),     AT(insitu_block, spacing),
@@ -72,15 +89,16 @@ int layout_of(int which, int64_t* out) {
                            AT(insitu_audit_entry, name),  AT(insitu_audit_entry, data),
                            AT(insitu_audit_entry, bytes), AT(insitu_audit_entry, borrowed),
                            AT(insitu_audit_entry, reason)};
-  const int64_t locate[] = {sizeof(insitu_locate_args),        AT(insitu_locate_args, size),
-                            AT(insitu_locate_args, points),    AT(insitu_locate_args, point_arrays),
-                            AT(insitu_locate_args, frame),     AT(insitu_locate_args, accuracy),
-                            AT(insitu_locate_args, cell_base), AT(insitu_locate_args, cells),
-                            AT(insitu_locate_args, pieces),    AT(insitu_locate_args, parametric),
-                            AT(insitu_locate_args, found),     AT(insitu_locate_args, reasons),
-                            AT(insitu_locate_args, memory),    AT(insitu_locate_args, stream),
-                            AT(insitu_locate_args, scope),     AT(insitu_locate_args, ranks),
-                            AT(insitu_locate_args, global_cells)};
+  const int64_t locate[] = {
+      sizeof(insitu_locate_args),          AT(insitu_locate_args, size),
+      AT(insitu_locate_args, points),      AT(insitu_locate_args, point_arrays),
+      AT(insitu_locate_args, frame),       AT(insitu_locate_args, accuracy),
+      AT(insitu_locate_args, cell_base),   AT(insitu_locate_args, cells),
+      AT(insitu_locate_args, pieces),      AT(insitu_locate_args, parametric),
+      AT(insitu_locate_args, found),       AT(insitu_locate_args, reasons),
+      AT(insitu_locate_args, memory),      AT(insitu_locate_args, stream),
+      AT(insitu_locate_args, scope),       AT(insitu_locate_args, ranks),
+      AT(insitu_locate_args, global_cells)};
   const int64_t sample[] = {sizeof(insitu_sample_args),          AT(insitu_sample_args, size),
                             AT(insitu_sample_args, locate),      AT(insitu_sample_args, fields),
                             AT(insitu_sample_args, field_count), AT(insitu_sample_args, values)};
@@ -167,7 +185,8 @@ int layout_of(int which, int64_t* out) {
                  {amr, sizeof amr / 8},
                  {patch, sizeof patch / 8},
                  {leaves, sizeof leaves / 8},
-                 {amr_info, sizeof amr_info / 8}};
+                 {amr_info, sizeof amr_info / 8},
+                 {faces, sizeof faces / 8}};
   for (size_t i = 0; i < structs[which].count; ++i)
     out[i] = structs[which].numbers[i];
   return (int)structs[which].count;
@@ -208,7 +227,8 @@ int constants(int64_t* out) {
       INSITU_MEMORY_CONVERTED + 1, INSITU_MEMORY_EMBREE + 1, INSITU_MEMORY_DEVICE + 1,
       INSITU_MEMORY_AMR + 1, INSITU_MEMORY_GATHERED + 1, INSITU_MEMORY_GEOCENTRIC + 1,
       INSITU_MEMORY_CHART + 1, INSITU_MEMORY_NEIGHBOURS + 1, INSITU_MEMORY_BLANK + 1,
-      INSITU_MEMORY_HALO + 1, INSITU_MEMORY_COUNT};
+      INSITU_MEMORY_HALO + 1, INSITU_MEMORY_POLYHEDRA + 1, INSITU_MEMORY_COUNT, INSITU_FACES_OWNERS,
+      INSITU_FACES_CELLS};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     out[i] = all[i];
   return (int)(sizeof all / sizeof *all);

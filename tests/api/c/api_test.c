@@ -308,8 +308,65 @@ static void test_errors(void) {
   EXPECT_ERROR(insitu_session_execute(copy, 0, 0.0), INSITU_ERROR_HANDLE, "closed");
 }
 
+/* The two hexahedra by their faces: each face names its cells, then each cell its faces. */
+static void test_faces(void) {
+  static const int32_t vertices[44] = {1, 4, 10, 7, 0,  3,  9, 6,  0, 1, 7, 6,  3,  4, 10,
+                                       9, 0, 1,  4, 3,  6,  7, 10, 9, 2, 5, 11, 8,  1, 2,
+                                       8, 7, 4,  5, 11, 10, 1, 2,  5, 4, 7, 8,  11, 10};
+  static const int64_t offsets[12] = {0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44};
+  static int32_t owner[11] = {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1};
+  static const int32_t neighbour[1] = {1};
+  static const int32_t lists[12] = {0, 1, 2, 3, 4, 5, 0, 6, 7, 8, 9, 10};
+  static const int32_t list_offsets[3] = {0, 6, 12};
+  const double query[3][3] = {{0.25, 0.5, 0.75}, {1.5, 0.5, 0.5}, {2.5, 0, 0}};
+  insitu_session session = open_session();
+  insitu_mesh mesh = register_mesh(session);
+  insitu_commit_report report = insitu_commit_report_default();
+  insitu_sample_args args = insitu_sample_args_default();
+  insitu_faces f = insitu_faces_default();
+  insitu_array where = insitu_array_of(query, INSITU_FLOAT64, 3, 3);
+  const char* name = "f";
+  int64_t cell[3];
+  double value[3];
+  double* values = value;
+  int form;
+
+  f.cell_count = 2;
+  f.face_count = 11;
+  f.vertices = insitu_array_of(vertices, INSITU_INT32, 44, 1);
+  f.offsets = insitu_array_of(offsets, INSITU_INT64, 12, 1);
+  f.owner = insitu_array_of(owner, INSITU_INT32, 11, 1);
+  f.neighbour = insitu_array_of(neighbour, INSITU_INT32, 1, 1);
+  args.locate.points = &where;
+  args.locate.cells = cell;
+  args.field_count = 1;
+  args.fields = &name;
+  args.values = &values;
+  for (form = 0; form < 2; ++form) {
+    if (form == 1) {
+      f.form = INSITU_FACES_CELLS;
+      f.cell_faces = insitu_array_of(lists, INSITU_INT32, 12, 1);
+      f.cell_offsets = insitu_array_of(list_offsets, INSITU_INT32, 3, 1);
+    }
+    EXPECT(insitu_mesh_faces(mesh, 0, &f) == INSITU_OK);
+    EXPECT(insitu_mesh_commit(mesh, &report) == INSITU_OK);
+    EXPECT(report.cells == 2 && report.vertices == 12);
+    EXPECT(insitu_mesh_sample(mesh, &args) == INSITU_OK);
+    EXPECT(cell[0] == 0 && cell[1] == 1 && cell[2] == -1);
+    EXPECT(fabs(value[0] - 3.5) < 1e-14 && fabs(value[1] - 4.0) < 1e-14 && isnan(value[2]));
+  }
+  f.form = INSITU_FACES_OWNERS;
+  owner[3] = 2;
+  EXPECT(insitu_mesh_faces(mesh, 0, &f) == INSITU_OK);
+  EXPECT_ERROR(insitu_mesh_commit(mesh, NULL), INSITU_ERROR_MESH,
+               "piece 0, face 3: owner 2, 0 to 1 expected");
+  EXPECT_ERROR(insitu_mesh_faces(mesh, 0, NULL), INSITU_ERROR_ARGUMENT, "null");
+  EXPECT(insitu_session_close(&session) == INSITU_OK);
+}
+
 int main(void) {
   test_answers();
+  test_faces();
   test_reasons();
   test_audit();
   test_errors();

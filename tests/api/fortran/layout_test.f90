@@ -23,6 +23,7 @@ program layout_test
   type(c_array), target :: array
   type(c_cells), target :: cells
   type(c_block), target :: block
+  type(c_faces), target :: faces
   type(c_frame), target :: frame
   type(insitu_commit_report), target :: commit
   type(insitu_validation), target :: validation
@@ -52,6 +53,12 @@ program layout_test
       c_loc(cells%size), c_loc(cells%layout), c_loc(cells%shape), c_loc(cells%count), &
       c_loc(cells%connectivity), c_loc(cells%types), c_loc(cells%offsets), &
       c_loc(cells%index_base)])
+  call compare('faces', 17, c_sizeof(faces), [ &
+      c_loc(faces%size), c_loc(faces%form), c_loc(faces%index_base), c_loc(faces%cell_count), &
+      c_loc(faces%face_count), c_loc(faces%vertices), c_loc(faces%offsets), c_loc(faces%owner), &
+      c_loc(faces%neighbour), c_loc(faces%boundary_count), c_loc(faces%boundary_vertices), &
+      c_loc(faces%boundary_offsets), c_loc(faces%boundary_owner), c_loc(faces%far_cells), &
+      c_loc(faces%cell_faces), c_loc(faces%cell_offsets)])
   call compare('block', 3, c_sizeof(block), [ &
       c_loc(block%size), c_loc(block%kind), c_loc(block%vertices), c_loc(block%origin), &
       c_loc(block%spacing), c_loc(block%coordinates)])
@@ -190,7 +197,8 @@ contains
         insitu_memory_tracer, insitu_memory_frame, insitu_memory_converted, &
         insitu_memory_embree, insitu_memory_device, insitu_memory_amr, insitu_memory_gathered, &
         insitu_memory_geocentric, insitu_memory_chart, insitu_memory_neighbours, &
-        insitu_memory_blank, insitu_memory_halo, insitu_memory_count])
+        insitu_memory_blank, insitu_memory_halo, insitu_memory_polyhedra, insitu_memory_count, &
+        insitu_faces_owners, insitu_faces_cells])
       count = constants(there)
       if (count == size(here)) then
         if (all(there(:count) == here)) return

@@ -20,6 +20,7 @@ program shapes_test
   call expect_ok('open', session, ierr)
   call single_shapes()
   call mixed_and_padded()
+  call faces()
   call blocks()
   call pieces_and_ghosts()
   call session%close(ierr)
@@ -125,6 +126,56 @@ contains
     call expect_borrowed(session, mesh, 'types', c_loc(types))
     call expect_borrowed(session, mesh, 'offsets', c_loc(wide_offsets))
   end subroutine mixed_and_padded
+
+  !> The cube and the pyramid by their faces, in both forms, and both together as one cell.
+  subroutine faces()
+    integer(int32), target :: vertices(36), offsets(11), owner(10), neighbour(1), lists(11), starts(3)
+    integer(int64), target :: wide_vertices(32), wide_offsets(10), one_list(9), one_start(2)
+    integer :: padded(8, 2), cells(1), i
+    logical :: found(1)
+    real(real64), target :: f(9)
+    type(insitu_audit_entry), allocatable :: entries(:)
+    real(real64) :: values(1)
+    type(insitu_mesh) :: mesh
+
+    padded = -1
+    padded(:, 1) = [1, 2, 3, 4, 5, 6, 7, 8]
+    padded(1:5, 2) = [5, 6, 7, 8, 9]
+    vertices = [5, 6, 7, 8, 1, 2, 3, 4, 1, 2, 6, 5, 2, 3, 7, 6, 3, 4, 8, 7, 4, 1, 5, 8, &
+                5, 6, 9, 6, 7, 9, 7, 8, 9, 8, 5, 9]
+    offsets = [1, 5, 9, 13, 17, 21, 25, 28, 31, 34, 37]
+    owner = [1, 1, 1, 1, 1, 1, 2, 2, 2, 2]
+    neighbour = [2]
+    call session%mesh('faces', mesh, ierr)
+    call mesh%faces(vertices, offsets, owner, neighbour, 2, ierr)
+    call expect_ok('faces', session, ierr)
+    call expect_cells('faces', mesh, padded)
+    call mesh%audit(entries, ierr)
+    call expect('faces: read in place', count(entries%name == 'piece 0 owner' .and. entries%borrowed) == 1)
+    call expect('faces: one copy', count(.not. entries%borrowed) == 1)
+    lists = [1, 2, 3, 4, 5, 6, 1, 7, 8, 9, 10]
+    starts = [1, 7, 12]
+    call mesh%faces_of_cells(vertices, offsets, lists, starts, ierr)
+    call expect_ok('faces of cells', session, ierr)
+    call expect_cells('faces of cells', mesh, padded)
+    wide_vertices = int(vertices(5:), int64)
+    wide_offsets = int(offsets(2:) - 4, int64)
+    one_list = [(int(i, int64), i=1, 9)]
+    one_start = [1_int64, 10_int64]
+    call session%mesh('house', mesh, ierr)
+    call mesh%faces_of_cells(wide_vertices, wide_offsets, one_list, one_start, ierr)
+    call expect_ok('house', session, ierr)
+    call mesh%points(house, ierr)
+    f = linear(house)
+    call mesh%vertex_field('f', f, ierr)
+    call mesh%commit(ierr)
+    call expect_ok('house: commit', session, ierr)
+    call mesh%locate(reshape([0.9_real64, 0.9_real64, 1.1_real64], [3, 1]), cells, ierr, found=found)
+    call expect('house: locate', ierr == insitu_ok .and. found(1) .and. cells(1) == 1)
+    call mesh%sample('f', reshape([0.5_real64, 0.25_real64, 0.75_real64], [3, 1]), values, ierr)
+    call expect_near('house: value', values, &
+                     linear(reshape([0.5_real64, 0.25_real64, 0.75_real64], [3, 1])), rounding)
+  end subroutine faces
 
   !> The same block four ways, of larger arrays with a ghost layer; cell fields with one, too.
   subroutine blocks()

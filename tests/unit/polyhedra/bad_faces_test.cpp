@@ -118,8 +118,8 @@ TEST(BadFaces, CellsThatAreOpenFlatOrSeveral) {
   FaceMesh apart;
   apart.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1},
                     {5, 0, 0}, {6, 0, 0}, {5, 1, 0}, {5, 0, 1}};
-  apart.add_cell({{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}, {4, 5, 6}, {4, 5, 7}, {4, 6, 7},
-                  {5, 6, 7}});
+  apart.add_cell(
+      {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}, {4, 5, 6}, {4, 5, 7}, {4, 6, 7}, {5, 6, 7}});
   Refused a(apart);
   expect_in(a.commit(a.by_owner), {"cell 0: has faces that bound 2 bodies, face 0", "face 4"});
   FaceMesh few;

@@ -131,11 +131,12 @@ TEST(Polyhedra, CentresOfCellsThatAreNotConvex) {
     mesh.add_cell(rings);
     return mesh;
   };
-  const CommittedFaces thin(prism({{0, 0, 0}, {9, 0, 0}, {9, 1, 0}, {1, 1, 0}, {1, 9, 0}, {0, 9, 0}}));
+  const CommittedFaces thin(
+      prism({{0, 0, 0}, {9, 0, 0}, {9, 1, 0}, {1, 1, 0}, {1, 9, 0}, {0, 9, 0}}));
   // The hexagon's own centre does not see all of its edges, whatever the cell's centre.
   ASSERT_EQ(thin.warnings.size(), 1u);
-  const CommittedFaces u(prism({{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {2, 3, 0}, {2, 1, 0}, {1, 1, 0},
-                                {1, 3, 0}, {0, 3, 0}}));
+  const CommittedFaces u(prism(
+      {{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {2, 3, 0}, {2, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}}));
   ASSERT_EQ(u.warnings.size(), 1u);
   EXPECT_NE(u.warnings[0].find("1 are folded, or given by faces that no point found in them sees "
                                "all"),

@@ -141,8 +141,7 @@ TEST(PolyhedralFields, PointsBetweenTwoSteps) {
   ASSERT_NE(view.earlier_points, nullptr);
   for (const double alpha : {0.0, 0.5, 1.0})
     for (const Vec3d& p : test::inner_points(view, 200, 26))
-      ASSERT_EQ(m.sampler().locate(p, -1, {INSITU_EXACT, alpha}).cell,
-                test::owner(view, p, alpha));
+      ASSERT_EQ(m.sampler().locate(p, -1, {INSITU_EXACT, alpha}).cell, test::owner(view, p, alpha));
 }
 
 TEST(PolyhedralFields, CopiesStandInTheAuditAndTheReport) {

@@ -173,9 +173,9 @@ INSITU_API insitu_status insitu_mesh_cells(insitu_mesh mesh, int32_t piece,
 
 /** Gives the cells of a piece by their faces. Ghosts given before stay. The commit recognises
  *  tetrahedra, pyramids, wedges and hexahedra, and cuts any other cell around a point of it
- *  (INSITU_MEMORY_POLYHEDRA). It refuses faces that do not bound cells (INSITU_ERROR_MESH), and names
- *  the piece, the cell and the face. Such meshes lie in host memory, and are not in longitude and
- *  latitude. */
+ *  (INSITU_MEMORY_POLYHEDRA). It refuses faces that do not bound cells (INSITU_ERROR_MESH), and
+ * names the piece, the cell and the face. Such meshes lie in host memory, and are not in longitude
+ * and latitude. */
 INSITU_API insitu_status insitu_mesh_faces(insitu_mesh mesh, int32_t piece,
                                            const insitu_faces* faces);
 

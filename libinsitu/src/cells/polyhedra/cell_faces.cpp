@@ -54,10 +54,9 @@ void CellFaces::sort_by_owner(const FacesView& faces, const std::string& name,
   std::int64_t last_cell = -1, last_face = -1;
   for_each_side(faces, [&](std::int64_t cell, std::int64_t face, const char* what) {
     const auto refuse = [&](const std::string& why) {
-      findings.add(findings.index_errors, name + ", face " + std::to_string(face) + ": " + what +
-                                              " " +
-                                              std::to_string(from_base(cell, -faces.index_base)) +
-                                              why);
+      findings.add(findings.index_errors,
+                   name + ", face " + std::to_string(face) + ": " + what + " " +
+                       std::to_string(from_base(cell, -faces.index_base)) + why);
     };
     if (cell < 0 || cell >= cells + faces.far_cells)
       refuse(", " + std::to_string(faces.index_base) + " to " +
@@ -119,8 +118,7 @@ void CellFaces::take_lists(const FacesView& faces, const mesh::PieceView& own,
     for (std::size_t k = at; exists && k < faces_.size(); ++k) {
       const std::int64_t f = faces_[k];
       if (std::find(faces_.begin() + at, faces_.begin() + k, f) != faces_.begin() + k)
-        findings.add(findings.shape_errors,
-                     cell + "lists face " + std::to_string(f) + " twice");
+        findings.add(findings.shape_errors, cell + "lists face " + std::to_string(f) + " twice");
       else if (++cells_of[std::size_t(f)] == 3)
         findings.add(findings.shape_errors, cell + "is the third cell of face " +
                                                 std::to_string(f) +

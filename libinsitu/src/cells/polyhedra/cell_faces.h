@@ -13,7 +13,7 @@ namespace insitu::cells {
 /// The ring of a face: the vertices' ids as given.
 struct FaceRing {
   const mesh::RingsView* rings;
-  std::int64_t first = 0, size = 0;  ///< places in rings->ids
+  std::int64_t first = 0, size = 0; ///< places in rings->ids
   std::int64_t id(std::int64_t k) const { return rings->ids.load(first + k); }
 };
 
@@ -37,10 +37,9 @@ public:
   }
 
 private:
-  void sort_by_owner(const mesh::FacesView& faces, const std::string& name,
-                     FaceFindings& findings);
-  void take_lists(const mesh::FacesView& faces, const mesh::PieceView& own,
-                  const std::string& name, FaceFindings& findings);
+  void sort_by_owner(const mesh::FacesView& faces, const std::string& name, FaceFindings& findings);
+  void take_lists(const mesh::FacesView& faces, const mesh::PieceView& own, const std::string& name,
+                  FaceFindings& findings);
 
   core::Buffer<std::int64_t> first_; ///< [cell + 1]
   core::Buffer<std::int64_t> faces_;

@@ -81,8 +81,8 @@ bool ClosedCell::take_vertices(FaceFindings& findings) {
     for (int a = 0; a < 3; ++a)
       if (!std::isfinite(x[a])) {
         refuse(findings.coordinate_errors,
-               "vertex id " + std::to_string(id + given_.index_base) + ": coordinate " +
-                   "xyz"[a] + " is " + (std::isnan(x[a]) ? "NaN" : "infinite"),
+               "vertex id " + std::to_string(id + given_.index_base) + ": coordinate " + "xyz"[a] +
+                   " is " + (std::isnan(x[a]) ? "NaN" : "infinite"),
                findings);
         return false;
       }
@@ -130,8 +130,7 @@ bool ClosedCell::match_edges(FaceFindings& findings) {
     refuse(findings.shape_errors,
            "is not closed: the edge of the vertex ids " + vertex(edges_[i].low) + " and " +
                vertex(edges_[i].high) + " lies on " + std::to_string(next - i) +
-               " of its faces, face " +
-               std::to_string(rings_[std::size_t(edges_[i].ring)].face) +
+               " of its faces, face " + std::to_string(rings_[std::size_t(edges_[i].ring)].face) +
                " among them; 2 expected",
            findings);
     return false;
@@ -162,9 +161,10 @@ bool ClosedCell::wind(FaceFindings& findings) {
       parity_[std::size_t(std::max(a, b))] = a_parity ^ b_parity ^ turned;
       --sets;
     } else if ((a_parity ^ b_parity) != turned) {
-      refuse(findings.shape_errors, "has faces that have no outside: they are joined as a Moebius "
-                                    "strip is, at face " +
-                                        std::to_string(rings_[std::size_t(edges_[i].ring)].face),
+      refuse(findings.shape_errors,
+             "has faces that have no outside: they are joined as a Moebius "
+             "strip is, at face " +
+                 std::to_string(rings_[std::size_t(edges_[i].ring)].face),
              findings);
       return false;
     }

@@ -234,26 +234,28 @@ void MadePoints::extend(const mesh::FieldPieceView& own, int components, const P
       for (int c = 0; c < n; ++c)
         to[v * n + c] = T(own.load(v, c));
   });
-  threads.parallel_for(parts.made_count(), centres_grain, [&](std::int64_t begin, std::int64_t end) {
-    auto beside = std::ranges::lower_bound(beside_, begin, {}, &Beside::made);
-    for (std::int64_t k = begin; k < end; ++k) {
-      const std::int64_t first = parts.place_of_sources(k), last = parts.place_of_sources(k + 1);
-      const bool is_mean = beside == beside_.end() || beside->made != k;
-      for (int c = 0; c < n; ++c) {
-        const double base = own.load(parts.sources()[first], c);
-        double sum = 0.0, off = 0.0;
-        for (std::int64_t i = first; i < last; ++i) {
-          const std::int64_t id = parts.sources()[i];
-          const double difference = own.load(id, c) - base;
-          sum += difference;
-          if (!is_mean)
-            off += dot(points_[std::size_t(id)] - beside->mean, beside->gradient) * difference;
+  threads.parallel_for(
+      parts.made_count(), centres_grain, [&](std::int64_t begin, std::int64_t end) {
+        auto beside = std::ranges::lower_bound(beside_, begin, {}, &Beside::made);
+        for (std::int64_t k = begin; k < end; ++k) {
+          const std::int64_t first = parts.place_of_sources(k),
+                             last = parts.place_of_sources(k + 1);
+          const bool is_mean = beside == beside_.end() || beside->made != k;
+          for (int c = 0; c < n; ++c) {
+            const double base = own.load(parts.sources()[first], c);
+            double sum = 0.0, off = 0.0;
+            for (std::int64_t i = first; i < last; ++i) {
+              const std::int64_t id = parts.sources()[i];
+              const double difference = own.load(id, c) - base;
+              sum += difference;
+              if (!is_mean)
+                off += dot(points_[std::size_t(id)] - beside->mean, beside->gradient) * difference;
+            }
+            to[(solvers_ + k) * n + c] = T(base + sum / double(last - first) + off);
+          }
+          beside += !is_mean;
         }
-        to[(solvers_ + k) * n + c] = T(base + sum / double(last - first) + off);
-      }
-      beside += !is_mean;
-    }
-  });
+      });
 }
 
 template void MadePoints::extend(const mesh::FieldPieceView&, int, const Parts&,

@@ -48,7 +48,7 @@ private:
   class CellCentre;
 
   core::Buffer<math::Vec3d> points_;
-  std::int64_t solvers_ = 0; ///< of these
+  std::int64_t solvers_ = 0;   ///< of these
   std::vector<Beside> beside_; ///< ascending
   std::vector<std::uint32_t> without_centre_;
 };

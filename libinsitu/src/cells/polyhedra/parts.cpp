@@ -24,11 +24,11 @@ constexpr std::int64_t cell_centre = std::numeric_limits<std::int64_t>::min();
 struct Parts::Chunk {
   std::vector<std::uint8_t> types;
   std::vector<std::int64_t> ids;
-  std::vector<std::uint32_t> parts;                 ///< [cell] how many
-  std::vector<std::uint32_t> cut;                   ///< cells
-  std::vector<std::int64_t> sources;                ///< of their centres
-  std::vector<std::int64_t> source_counts;          ///< [cut]
-  std::vector<std::int64_t> large_faces;            ///< of cells that are cut
+  std::vector<std::uint32_t> parts;        ///< [cell] how many
+  std::vector<std::uint32_t> cut;          ///< cells
+  std::vector<std::int64_t> sources;       ///< of their centres
+  std::vector<std::int64_t> source_counts; ///< [cut]
+  std::vector<std::int64_t> large_faces;   ///< of cells that are cut
   FaceFindings findings;
 };
 
@@ -171,10 +171,9 @@ void Parts::join(const std::vector<Chunk>& chunks,
   std::uint8_t shape = 0;
   for (std::size_t i = 0; i < chunks.size(); ++i) {
     const Chunk& c = chunks[i];
-    before[i + 1] = {before[i].parts + std::int64_t(c.types.size()),
-                     before[i].ids + std::int64_t(c.ids.size()),
-                     before[i].cells + std::int64_t(c.parts.size()),
-                     before[i].cut + std::int64_t(c.cut.size())};
+    before[i + 1] = {
+        before[i].parts + std::int64_t(c.types.size()), before[i].ids + std::int64_t(c.ids.size()),
+        before[i].cells + std::int64_t(c.parts.size()), before[i].cut + std::int64_t(c.cut.size())};
     if (!c.types.empty() && shape == 0)
       shape = c.types[0];
     is_uniform = is_uniform && std::ranges::count(c.types, shape) == std::ptrdiff_t(c.types.size());
@@ -210,10 +209,10 @@ void Parts::join(const std::vector<Chunk>& chunks,
           offsets_.set(at.parts, at.ids);
         }
         for (int v = mesh::vertex_count(Shape(*type)); v > 0; --v, ++id, ++at.ids)
-          ids_.set(at.ids, *id >= 0            ? *id
-                           : *id == cell_centre ? centre
-                                                : vertices + std::int64_t(number_of_face[
-                                                                 std::size_t(-1 - *id)]));
+          ids_.set(at.ids, *id >= 0 ? *id
+                           : *id == cell_centre
+                               ? centre
+                               : vertices + std::int64_t(number_of_face[std::size_t(-1 - *id)]));
       }
       cut += is_cut;
       centre += is_cut;

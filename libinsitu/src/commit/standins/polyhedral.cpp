@@ -125,7 +125,7 @@ void Polyhedral::set_views() {
         piece->ghosts.resize_discard(std::size_t(v.cell_count));
         for (std::int64_t part = 0; part < v.cell_count; ++part) {
           const std::int64_t cell = piece->parts.cell_of(part);
-          piece->ghosts[std::size_t(part)] = own.pieces[p].exists(cell)               ? 0
+          piece->ghosts[std::size_t(part)] = own.pieces[p].exists(cell)                ? 0
                                              : mesh::is_duplicate(own.pieces[p], cell) ? 1
                                                                                        : 2;
         }
@@ -198,8 +198,8 @@ void Polyhedral::gather_piece(const mesh::FieldView& own, std::int32_t p, Gather
     threads_->parallel_for(count, 1 << 14, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t part = begin; part < end; ++part)
         for (int c = 0; c < n; ++c)
-          items[part * n + c] = std::remove_reference_t<decltype(*items)>(
-              from.load(piece.parts.cell_of(part), c));
+          items[part * n + c] =
+              std::remove_reference_t<decltype(*items)>(from.load(piece.parts.cell_of(part), c));
     });
   };
   if (from.is_float32)
@@ -285,8 +285,8 @@ cells::Validation Polyhedral::validated(const std::string& mesh_name,
           counts.collapsed_cells ==
       0)
     return found;
-  found.warning = "mesh '" + mesh_name + "': of " + std::to_string(own_->cell_count()) +
-                  " cells " + std::to_string(counts.inverted_cells) + " are inverted, " +
+  found.warning = "mesh '" + mesh_name + "': of " + std::to_string(own_->cell_count()) + " cells " +
+                  std::to_string(counts.inverted_cells) + " are inverted, " +
                   std::to_string(counts.zero_volume_cells) + " have no volume, " +
                   std::to_string(counts.folded_cells) +
                   " are folded, or given by faces that no point found in them sees all, " +

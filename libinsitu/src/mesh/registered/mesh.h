@@ -199,7 +199,8 @@ private:
     std::vector<ExternalArray> points;
     ExternalArray connectivity, types, offsets, ghosts, hidden_points, axes[3];
     ExternalArray global_ids[2]; ///< [association]
-    std::vector<std::pair<ExternalArray, const char*>> face_arrays; ///< those given, and their names
+    std::vector<std::pair<ExternalArray, const char*>>
+        face_arrays; ///< those given, and their names
     std::optional<FacesView> faces;
     AmrPiece amr;
 

@@ -84,12 +84,26 @@ private:
                   const char* offsets_name) {
     RingsView out;
     out.count = count(given, count_name);
+    if (out.count == 0)
+      return out;
     out.ids = ids(vertices, vertices_name);
     out.offsets = ids(offsets, offsets_name, out.count + 1, std::to_string(out.count) + " faces");
     return out;
   }
 
   void read_owners() {
+    view_.far_cells = count(given_.far_cells, "far_cells");
+    if (view_.faces.count > 0)
+      read_inner_owners();
+    if (given_.boundary_count == 0)
+      return;
+    view_.boundary = rings(given_.boundary_count, "boundary_count", given_.boundary_vertices,
+                           "boundary vertices", given_.boundary_offsets, "boundary offsets");
+    view_.boundary_owner = ids(given_.boundary_owner, "boundary owner", view_.boundary.count,
+                               std::to_string(view_.boundary.count) + " faces");
+  }
+
+  void read_inner_owners() {
     const std::string faces = std::to_string(view_.faces.count) + " faces";
     const ExternalArray& owner = array(given_.owner, "owner", 2);
     if (owner.layout.count != view_.faces.count)
@@ -107,16 +121,11 @@ private:
       if (view_.neighbour.count > view_.faces.count)
         refuse("neighbour: " + std::to_string(view_.neighbour.count) + " items for " + faces);
     }
-    view_.far_cells = count(given_.far_cells, "far_cells");
-    if (given_.boundary_count == 0)
-      return;
-    view_.boundary = rings(given_.boundary_count, "boundary_count", given_.boundary_vertices,
-                           "boundary vertices", given_.boundary_offsets, "boundary offsets");
-    view_.boundary_owner = ids(given_.boundary_owner, "boundary owner", view_.boundary.count,
-                               std::to_string(view_.boundary.count) + " faces");
   }
 
   void read_cells() {
+    if (view_.cell_count == 0)
+      return;
     view_.cell_faces = ids(given_.cell_faces, "cell faces");
     view_.cell_offsets = ids(given_.cell_offsets, "cell offsets", view_.cell_count + 1,
                              std::to_string(view_.cell_count) + " cells");
@@ -130,8 +139,7 @@ private:
 } // namespace
 
 void Mesh::set_faces(std::int32_t piece, const insitu_faces* given) {
-  const std::string name =
-      "mesh '" + name_ + "', piece " + std::to_string(piece) + " faces";
+  const std::string name = "mesh '" + name_ + "', piece " + std::to_string(piece) + " faces";
   refuse_if_adaptive(name);
   const insitu_faces copy = core::from_caller(given, name);
   FacesReader reader(copy, name);

@@ -70,7 +70,7 @@ module insitu
       insitu_memory_query, insitu_memory_tracer, insitu_memory_frame, insitu_memory_converted, &
       insitu_memory_embree, insitu_memory_device, insitu_memory_amr, insitu_memory_gathered, &
       insitu_memory_geocentric, insitu_memory_chart, insitu_memory_neighbours, insitu_memory_blank, &
-      insitu_memory_halo, &
+      insitu_memory_halo, insitu_memory_polyhedra, &
       insitu_commit_report, insitu_validation, insitu_report, insitu_amr_info, &
       insitu_status_name, insitu_version
 

@@ -55,11 +55,12 @@ module insitu_c
   ! Of a session that is given no communicator: 0 is Open MPI's MPI_COMM_WORLD
   integer(c_int32_t), parameter :: insitu_no_communicator = -1
 
-  ! insitu_layout, insitu_block_kind, insitu_ghost_convention
+  ! insitu_layout, insitu_block_kind, insitu_faces_form, insitu_ghost_convention
   integer(c_int), parameter :: &
       insitu_layout_uniform = 0, insitu_layout_mixed = 1, insitu_layout_padded = 2
   integer(c_int), parameter :: &
       insitu_block_uniform = 0, insitu_block_rectilinear = 1, insitu_block_curvilinear = 2
+  integer(c_int), parameter :: insitu_faces_owners = 0, insitu_faces_cells = 1
   integer(c_int), parameter :: insitu_ghosts_vtk = 0, insitu_ghosts_ascent = 1
 
   ! insitu_scope
@@ -105,7 +106,8 @@ module insitu_c
       insitu_memory_frame = 7, insitu_memory_converted = 8, insitu_memory_embree = 9, &
       insitu_memory_device = 10, insitu_memory_amr = 11, insitu_memory_gathered = 12, &
       insitu_memory_geocentric = 13, insitu_memory_chart = 14, insitu_memory_neighbours = 15, &
-      insitu_memory_blank = 16, insitu_memory_halo = 17, insitu_memory_count = 17
+      insitu_memory_blank = 16, insitu_memory_halo = 17, insitu_memory_polyhedra = 18, &
+      insitu_memory_count = 18
 
   ! The room of the lists in insitu_report
   integer, parameter :: &
@@ -154,6 +156,25 @@ module insitu_c
     integer(c_int32_t) :: index_base = 1
     integer(c_int32_t) :: reserved = 0
   end type c_cells
+
+  type, bind(c) :: c_faces
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: form = insitu_faces_owners
+    integer(c_int32_t) :: index_base = 1
+    integer(c_int64_t) :: cell_count = 0
+    integer(c_int64_t) :: face_count = 0
+    type(c_array) :: vertices
+    type(c_array) :: offsets
+    type(c_array) :: owner
+    type(c_array) :: neighbour
+    integer(c_int64_t) :: boundary_count = 0
+    type(c_array) :: boundary_vertices
+    type(c_array) :: boundary_offsets
+    type(c_array) :: boundary_owner
+    integer(c_int64_t) :: far_cells = 0
+    type(c_array) :: cell_faces
+    type(c_array) :: cell_offsets
+  end type c_faces
 
   type, bind(c) :: c_block
     integer(c_size_t) :: size = 0

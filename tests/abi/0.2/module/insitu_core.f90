@@ -24,6 +24,7 @@ module insitu_core
     procedure :: refuse
     procedure :: give_points
     procedure :: give_cells
+    procedure :: give_faces
     procedure :: give_block
     procedure :: give_leaves
     procedure :: give_global_ids
@@ -102,6 +103,25 @@ contains
     if (sized%offsets%size == 0) sized%offsets%size = c_sizeof(sized%offsets)
     call self%finish(c_mesh_cells(self%handle, piece_index(piece), sized), ierr)
   end subroutine give_cells
+
+  subroutine give_faces(self, faces, ierr, piece)
+    class(mesh_core), intent(in) :: self
+    type(c_faces), intent(in) :: faces
+    integer, intent(out) :: ierr
+    integer, intent(in), optional :: piece
+    type(c_faces) :: sized
+
+    sized = faces
+    sized%size = c_sizeof(sized)
+    if (sized%owner%size == 0) sized%owner%size = c_sizeof(sized%owner)
+    if (sized%neighbour%size == 0) sized%neighbour%size = c_sizeof(sized%neighbour)
+    if (sized%boundary_vertices%size == 0) sized%boundary_vertices%size = c_sizeof(sized%owner)
+    if (sized%boundary_offsets%size == 0) sized%boundary_offsets%size = c_sizeof(sized%owner)
+    if (sized%boundary_owner%size == 0) sized%boundary_owner%size = c_sizeof(sized%owner)
+    if (sized%cell_faces%size == 0) sized%cell_faces%size = c_sizeof(sized%owner)
+    if (sized%cell_offsets%size == 0) sized%cell_offsets%size = c_sizeof(sized%owner)
+    call self%finish(c_mesh_faces(self%handle, piece_index(piece), sized), ierr)
+  end subroutine give_faces
 
   subroutine give_block(self, block, ierr, piece)
     class(mesh_core), intent(in) :: self

@@ -3,7 +3,8 @@ module insitu_int32
   use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_null_ptr, c_ptr
   use, intrinsic :: iso_fortran_env, only: int32, int64, int8
   use insitu_arrays, only: array_of, nothing, view_of_bytes
-  use insitu_c, only: c_array, c_cells, c_leaves, insitu_cell, insitu_hexahedron, insitu_layout_mixed, &
+  use insitu_c, only: c_array, c_cells, c_faces, c_leaves, insitu_cell, insitu_faces_cells, &
+      insitu_faces_owners, insitu_hexahedron, insitu_layout_mixed, &
       insitu_layout_padded, insitu_layout_uniform, insitu_pyramid, insitu_tetrahedron, &
       insitu_vertex, insitu_voxel, insitu_wedge, ip_type => insitu_int32
   use insitu_real64, only: below => mesh_of_reals
@@ -21,6 +22,8 @@ module insitu_int32
     procedure, private :: voxels_i32 => voxels
     procedure, private :: padded_i32 => padded
     procedure, private :: mixed_i32 => mixed
+    procedure, private :: faces_i32 => faces
+    procedure, private :: faces_of_cells_i32 => faces_of_cells
     procedure, private :: global_cells_i32 => global_cells
     procedure, private :: global_vertices_i32 => global_vertices
     procedure, private :: leaves_i32 => leaves
@@ -31,6 +34,8 @@ module insitu_int32
     generic :: hexahedra => hexahedra_i32
     generic :: voxels => voxels_i32
     generic :: cells => padded_i32, mixed_i32
+    generic :: faces => faces_i32
+    generic :: faces_of_cells => faces_of_cells_i32
     generic :: global_cells => global_cells_i32
     generic :: global_vertices => global_vertices_i32
     generic :: leaves => leaves_i32, leaves_bytes_i32

@@ -117,6 +117,36 @@ public:
     give_cells(INSITU_LAYOUT_PADDED, Shape::hexahedron, 8, connectivity, index_base);
   }
 
+  /** Gives cells by their faces (insitu_faces), each of which names its one or two cells.
+   *  vertices: the ids of the faces' vertices, face after face. offsets: one a face and one more,
+   *  the places in vertices where faces start. owner: one cell a face. neighbour: the other cell of
+   *  the first faces. All four hold int32 or int64, count from index_base, and are containers, or
+   *  Arrays with a count. */
+  void faces(const Array& vertices, const Array& offsets, const Array& owner,
+             const Array& neighbour, std::int64_t cell_count, int index_base = 0) {
+    insitu_faces f = faces_of(vertices, offsets, index_base);
+    f.cell_count = cell_count;
+    f.owner = owner.get(-1, "owner");
+    f.neighbour = neighbour.get(-1, "neighbour");
+    faces(f);
+  }
+  /** Gives cells by lists of their faces: cell_offsets, one a cell and one more, are the places in
+   *  cell_faces where cells start. The rest is as above. */
+  void faces_of_cells(const Array& vertices, const Array& offsets, const Array& cell_faces,
+                      const Array& cell_offsets, int index_base = 0) {
+    insitu_faces f = faces_of(vertices, offsets, index_base);
+    f.form = INSITU_FACES_CELLS;
+    f.cell_faces = cell_faces.get(-1, "cell_faces");
+    f.cell_offsets = cell_offsets.get(-1, "cell_offsets");
+    f.cell_count = std::max<std::int64_t>(f.cell_offsets.count - 1, 0);
+    faces(f);
+  }
+  /** Gives cells by faces in any way that insitu_faces has. */
+  void faces(const insitu_faces& faces) {
+    detail::check(insitu_mesh_faces(handle(), index_, &faces));
+    state_->counts(index_).cells = faces.cell_count;
+  }
+
   /** Makes the piece a curvilinear block of ni x nj x nk vertices (below 2 along an axis it has no
    *  cells), whose points points() gives. Vertex (i, j, k) has the id i + ni*(j + nj*k), cell
    *  (i, j, k) the id i + (ni-1)*(j + (nj-1)*k); the arrays' strides say how the block lies in
@@ -269,6 +299,14 @@ private:
   void give(const insitu_cells& cells) {
     detail::check(insitu_mesh_cells(handle(), index_, &cells));
     state_->counts(index_).cells = cells.count;
+  }
+  static insitu_faces faces_of(const Array& vertices, const Array& offsets, int index_base) {
+    insitu_faces f = insitu_faces_default();
+    f.vertices = vertices.get(-1, "vertices");
+    f.offsets = offsets.get(-1, "offsets");
+    f.face_count = std::max<std::int64_t>(f.offsets.count - 1, 0);
+    f.index_base = index_base;
+    return f;
   }
   void give(const insitu_block& block) {
     detail::check(insitu_mesh_block(handle(), index_, &block));

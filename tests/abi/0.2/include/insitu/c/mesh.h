@@ -2,9 +2,10 @@
  *  The caller describes a mesh by points, cells or blocks, fields, ghosts and a frame.
  *
  *  A mesh is a list of pieces, numbered from 0 without gaps; most meshes have piece 0 alone. A
- *  piece is a set of cells over vertices, or an implicit block of hexahedra; the pieces of an
- *  adaptive mesh are patches or leaves instead (insitu/c/amr.h). A later call replaces what an
- *  earlier one gave. The library reads no array before the commit. */
+ *  piece is a set of cells over vertices, polyhedra given by their faces among them, or an implicit
+ *  block of hexahedra; the pieces of an adaptive mesh are patches or leaves instead
+ *  (insitu/c/amr.h). A later call replaces what an earlier one gave. The library reads no array
+ *  before the commit. */
 #ifndef INSITU_C_MESH_H
 #define INSITU_C_MESH_H
 
@@ -66,6 +67,62 @@ static inline insitu_cells insitu_cells_default(void) {
   return c;
 }
 
+typedef enum insitu_faces_form INSITU_INT {
+  INSITU_FACES_OWNERS = 0, /**< each face names its one or two cells */
+  INSITU_FACES_CELLS = 1   /**< each cell names its faces */
+} insitu_faces_form;
+
+/** The cells of a piece by their faces: polyhedra of any number of faces, each of any number of
+ *  vertices. A face is a ring of vertex ids, wound either way, since no orientation is read. Each
+ *  face bounds one cell or two, and each edge of a cell lies on two faces of it. All arrays of ids
+ *  are int32 or int64, evenly spaced, and count from index_base. guide/polyhedra.md tells how such
+ *  cells are located.
+ *
+ *  OWNERS: owner names one cell a face, and neighbour the other cell of the first
+ *  neighbour.count faces, or an id below index_base where a face has no other. owner may have two
+ *  components instead, which are both cells of a face. Faces of one cell may lie in arrays of their
+ *  own: the boundary arrays hold boundary_count faces, whose numbers follow those of the others.
+ *
+ *  CELLS: cell_faces lists the faces, cell after cell; a face that two cells share is listed
+ *  twice. */
+typedef struct insitu_faces {
+  size_t size;
+  insitu_faces_form form;
+  int32_t index_base; /**< 0 or 1: the number from which ids and offsets count */
+  int64_t cell_count;
+  int64_t face_count;    /**< of the arrays vertices and offsets */
+  insitu_array vertices; /**< the ids of the faces' vertices, face after face */
+  insitu_array offsets;  /**< [face_count + 1]: the places in vertices where the ids of faces start,
+                              and the end of the last face's */
+  insitu_array owner;    /**< for OWNERS: [face_count], one or two components */
+  insitu_array neighbour;         /**< for OWNERS: at most [face_count]; no items if owner has two
+                                       components */
+  int64_t boundary_count;         /**< for OWNERS: the number of faces in the next three arrays */
+  insitu_array boundary_vertices; /**< as vertices */
+  insitu_array boundary_offsets;  /**< [boundary_count + 1] */
+  insitu_array boundary_owner;    /**< [boundary_count] */
+  int64_t far_cells;              /**< for OWNERS: so many ids from the last cell's on stand for
+                                       cells that the piece does not have, such as those of other
+                                       processes, and are no cells here */
+  insitu_array cell_faces;        /**< for CELLS: ids of faces, cell after cell */
+  insitu_array cell_offsets;      /**< for CELLS: [cell_count + 1]: the places in cell_faces where
+                                       the faces of cells start, and the end of the last cell's */
+} insitu_faces;
+
+static inline insitu_faces insitu_faces_default(void) {
+  insitu_faces f;
+  f.size = sizeof f;
+  f.form = INSITU_FACES_OWNERS;
+  f.index_base = 0;
+  f.cell_count = f.face_count = 0;
+  f.vertices = f.offsets = f.owner = f.neighbour = insitu_array_default();
+  f.boundary_count = 0;
+  f.boundary_vertices = f.boundary_offsets = f.boundary_owner = insitu_array_default();
+  f.far_cells = 0;
+  f.cell_faces = f.cell_offsets = insitu_array_default();
+  return f;
+}
+
 typedef enum insitu_block_kind INSITU_INT {
   INSITU_BLOCK_UNIFORM = 0,     /**< vertices follow from origin and spacing */
   INSITU_BLOCK_RECTILINEAR = 1, /**< vertices follow from one coordinate array an axis */
@@ -113,6 +170,14 @@ INSITU_API insitu_status insitu_mesh_points(insitu_mesh mesh, int32_t piece,
  *  new cells, the caller gives others, or none. */
 INSITU_API insitu_status insitu_mesh_cells(insitu_mesh mesh, int32_t piece,
                                            const insitu_cells* cells);
+
+/** Gives the cells of a piece by their faces. Ghosts given before stay. The commit recognises
+ *  tetrahedra, pyramids, wedges and hexahedra, and cuts any other cell around a point of it
+ *  (INSITU_MEMORY_POLYHEDRA). It refuses faces that do not bound cells (INSITU_ERROR_MESH), and
+ * names the piece, the cell and the face. Such meshes lie in host memory, and are not in longitude
+ * and latitude. */
+INSITU_API insitu_status insitu_mesh_faces(insitu_mesh mesh, int32_t piece,
+                                           const insitu_faces* faces);
 
 /** Gives the cells of a piece as an implicit block. Ghosts given before stay. */
 INSITU_API insitu_status insitu_mesh_block(insitu_mesh mesh, int32_t piece,
@@ -177,14 +242,14 @@ INSITU_API insitu_status insitu_mesh_ghosts(insitu_mesh mesh, int32_t piece,
 /** Gives the global ids of the cells or vertices of a piece: the numbers that they have in the mesh
  *  of all processes, one int32 or int64 each, 0 or above; the arrays stay the caller's. A vertex
  *  that several pieces or processes have has one global id; a cell that owns points has one of its
- *  own. Where all pieces have global ids of cells, tables and answers name cells by them, and of the
- *  cells that hold a point the one with the lowest answers, on whatever process it is: so answers do
- *  not depend on how the mesh is cut. For that, the ids of a process's cells ascend from piece to
- *  piece and in each; where they do not, a warning tells so, and a point on a face between two of
- *  its cells belongs to the first of them. Ids of ghost cells are not read. array null takes the ids
- *  away. Ids stay when the caller gives the cells again; where they do not fit these, the caller
- *  gives others. Adaptive meshes (INSITU_ERROR_ORDER) and device memory (INSITU_ERROR_UNSUPPORTED)
- *  have none. */
+ *  own. Where all pieces have global ids of cells, tables and answers name cells by them, and of
+ * the cells that hold a point the one with the lowest answers, on whatever process it is: so
+ * answers do not depend on how the mesh is cut. For that, the ids of a process's cells ascend from
+ * piece to piece and in each; where they do not, a warning tells so, and a point on a face between
+ * two of its cells belongs to the first of them. Ids of ghost cells are not read. array null takes
+ * the ids away. Ids stay when the caller gives the cells again; where they do not fit these, the
+ * caller gives others. Vertices of adaptive meshes (INSITU_ERROR_ORDER) and device memory
+ *  (INSITU_ERROR_UNSUPPORTED) have none. */
 INSITU_API insitu_status insitu_mesh_global_ids(insitu_mesh mesh, int32_t piece,
                                                 insitu_association association,
                                                 const insitu_array* array);

@@ -57,7 +57,9 @@ typedef enum insitu_purpose INSITU_INT {
   INSITU_MEMORY_BLANK = 15,      /**< fields with blank values or hidden points, and their cells */
   INSITU_MEMORY_HALO = 16,       /**< cells of other processes that touch this one's, with their
                                       vertices and fields */
-  INSITU_MEMORY_COUNT = 17
+  INSITU_MEMORY_POLYHEDRA = 17,  /**< what cells given by faces are cut into, with their vertices
+                                      and fields */
+  INSITU_MEMORY_COUNT = 18
 } insitu_purpose;
 
 /** The room of the lists in insitu_report, of which later versions of the library use more. */

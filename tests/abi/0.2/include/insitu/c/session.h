@@ -107,7 +107,7 @@ INSITU_API insitu_status insitu_session_execute(insitu_session session, int64_t 
  *  one. The caller calls it after insitu_session_execute() and before the arrays change. The
  *  library first writes the rows that tables hold back. A scene can ask for checkpoints too:
  *  `checkpoint: {every: 100}`. INSITU_ERROR_ORDER: nothing was executed yet, or a mesh was changed
- *  since. Collective; INSITU_ERROR_UNSUPPORTED: the session has several processes. */
+ *  since. Collective: all processes give the same path, and the root writes the one file. */
 INSITU_API insitu_status insitu_session_checkpoint(insitu_session session, const char* path);
 
 /** Takes up a checkpoint's file, in a session with the same tracers, before the session's first
@@ -115,8 +115,8 @@ INSITU_API insitu_status insitu_session_checkpoint(insitu_session session, const
  *  had been no stop, equal to the bit, in the same files, from which the library drops rows of
  *  later cycles. The caller may register meshes before or after. INSITU_ERROR_ORDER: the session
  *  has no scene, or has executed already. INSITU_ERROR_FILE: the file is damaged, foreign, or of
- *  another scene; the session is then as if the call had not been made. Collective;
- *  INSITU_ERROR_UNSUPPORTED: the session has several processes. */
+ *  another scene; the session is then as if the call had not been made. Collective; as many
+ *  processes as wrote the file, more or fewer may take it up (doc/guide/restart.md). */
 INSITU_API insitu_status insitu_session_restart(insitu_session session, const char* path);
 
 /** Commits every mesh, then writes a text that tells, a line each, what the scene needs of the
